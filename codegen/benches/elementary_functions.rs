@@ -2,6 +2,8 @@
 //!
 //! `cargo bench -p gelenk-codegen --bench elementary_functions`, with and without `RUSTFLAGS=-Ctarget-cpu=native`.
 
+#![allow(clippy::disallowed_methods, reason = "what ours are compared with")]
+
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -10,15 +10,18 @@ use std::fmt;
 pub enum Severity {
     /// The description cannot be used.
     Error,
+    /// The description is used, and probably has a fault.
+    Warning,
     /// The description is used; something in it was skipped, changed or is worth knowing.
     Note,
 }
 
 impl Severity {
-    /// `error` or `note`.
+    /// `error`, `warning` or `note`.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Error => "error",
+            Self::Warning => "warning",
             Self::Note => "note",
         }
     }
@@ -27,7 +30,7 @@ impl Severity {
 /// One problem or remark.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// Error or note.
+    /// Error, warning or note.
     pub severity: Severity,
     /// Kind of the problem in kebab case; stable, for scripts.
     pub code: &'static str,
@@ -65,6 +68,14 @@ impl Diagnostic {
             message: message.into(),
             location: None,
             help: None,
+        }
+    }
+
+    /// A warning without a place.
+    pub fn warning(code: &'static str, message: impl Into<String>) -> Self {
+        Self {
+            severity: Severity::Warning,
+            ..Self::error(code, message)
         }
     }
 
@@ -280,6 +291,17 @@ impl Report {
         message: impl Into<String>,
     ) -> &mut Self {
         let entry = Diagnostic::error(code, message);
+        self.push(Some(span), entry)
+    }
+
+    /// Adds a warning.
+    pub fn warning(
+        &mut self,
+        span: Span,
+        code: &'static str,
+        message: impl Into<String>,
+    ) -> &mut Self {
+        let entry = Diagnostic::warning(code, message);
         self.push(Some(span), entry)
     }
 

@@ -6,6 +6,7 @@
 
 mod arithmetic;
 mod display;
+mod habits;
 pub(crate) mod parse;
 mod terms;
 

@@ -10,6 +10,15 @@
 //! and [`Builder`] for the rest. [`guide`] holds conventions and signs, how to read generated code, and how to add a joint
 //! type.
 
+#![cfg_attr(
+    test,
+    allow(
+        clippy::disallowed_methods,
+        reason = "tests compare our functions with those of std"
+    )
+)]
+
+mod advice;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "symbolica")]
@@ -25,13 +34,17 @@ pub mod kinematics;
 mod lanes;
 pub mod math;
 pub mod model;
+mod numeric;
 pub mod output;
 pub mod pipeline;
 pub mod program;
+mod random;
 #[cfg(feature = "cli")]
 pub mod report;
+
 mod snapping;
 #[cfg(test)]
 mod testing;
+mod wording;
 
 pub use output::{Builder, build};

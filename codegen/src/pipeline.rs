@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::advice;
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::dynamics::array_form::Form;
-use crate::dynamics::catalogue;
 use crate::dynamics::composition::Composition;
 use crate::dynamics::function::Function;
+use crate::dynamics::module_constants;
+use crate::dynamics::selection::{self, Request, Selection};
 use crate::dynamics::size::MOST_OPERATIONS;
 use crate::emit::{self, EmitOptions, SourceFile};
 use crate::lanes::Lanes;
@@ -29,6 +31,10 @@ pub struct GenerateOptions {
     pub ignore_mimic: bool,
     /// `tanh` of so many times the argument for `sign` in friction and springs; by default what the description says.
     pub smooth_sign: Option<f64>,
+    /// Takes robots whose mass matrix is not positive definite.
+    pub accept_unphysical: bool,
+    /// Keeps `sign` where the description has it replaced.
+    pub exact_sign: bool,
     /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them, and
     /// compiled only there.
     pub fused_multiply_add: bool,
@@ -51,6 +57,8 @@ pub struct Generated {
     pub compositions: Vec<Composition>,
     /// The module.
     pub source: SourceFile,
+    /// Whether this is the smooth one of a pair.
+    pub is_control_model: bool,
     /// What is worth knowing about the description.
     pub notes: Diagnostics,
     /// All files that were read, the description first.
@@ -83,6 +91,8 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
         snap_angles: options.snap_angles,
         no_friction: options.no_friction,
         smooth_sign: options.smooth_sign,
+        accept_unphysical: options.accept_unphysical,
+        exact_sign: options.exact_sign,
     };
     let Loaded {
         model,
@@ -91,11 +101,19 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
     } = model::read(description, &read_options)?;
     let lanes = Lanes::new(&model, options)?;
     let selection = lanes.selected_with(selection(&model, options));
-    let functions = derive(&model, options, &selection, &lanes)?;
+    let selected = derive(&model, options, &selection, &lanes);
+    let selected = selected.map_err(|problems| with_warnings(problems, &notes))?;
+    let Selection {
+        functions,
+        compositions,
+        notes: left_out,
+    } = selected;
     let notes = snapping::priced(notes, description, &read_options, &functions);
-    let compositions = catalogue::compositions(&selection);
     let (lanes, obstacles) = lanes.possible(&functions, options.emit.math);
-    let notes = Diagnostics::new([notes.into_entries(), obstacles].concat());
+    let incomplete = Vec::from_iter(module_constants::notes(&functions));
+    let advice = advice::notes(&model, &functions, &compositions);
+    let others = [left_out, advice, obstacles, incomplete].concat();
+    let notes = Diagnostics::new([notes.into_entries(), others].concat());
     let emit_options = EmitOptions {
         lanes,
         ..options.emit.clone()
@@ -106,9 +124,43 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
         functions,
         compositions,
         source,
+        is_control_model: false,
         notes,
         files,
     })
+}
+
+/// What the name of the smooth module of a pair ends with.
+pub const CONTROL: &str = "_control";
+
+/// Two modules of one description: an exact one for plants, whose friction and springs keep their `sign`, and a smooth one
+/// for controllers, `<name>_control`, which has `tanh(slope · v)` in its place and so derivatives that know of it.
+///
+/// # Errors
+/// As [`generate`].
+pub fn generate_pair(
+    description: &Path,
+    options: &GenerateOptions,
+    slope: f64,
+) -> Result<[Generated; 2], Diagnostics> {
+    let with = |smooth_sign: Option<f64>, remark: String| {
+        let mut options = GenerateOptions {
+            smooth_sign,
+            exact_sign: smooth_sign.is_none(),
+            ..options.clone()
+        };
+        options.emit.remarks.push(remark);
+        generate(description, &options)
+    };
+    let exact = with(None, "The exact model, for plants.".to_owned())?;
+    let name = &exact.source.name;
+    let mut smooth = with(
+        Some(slope),
+        format!("The model for controllers: tanh({slope} v) stands for the sign(v) of {name}."),
+    )?;
+    smooth.source.name.push_str(CONTROL);
+    smooth.is_control_model = true;
+    Ok([exact, smooth])
 }
 
 fn check_slope(slope: Option<f64>) -> Result<(), Diagnostics> {
@@ -128,16 +180,16 @@ fn derive(
     options: &GenerateOptions,
     selection: &[String],
     lanes: &Lanes,
-) -> Result<Vec<Function>, Diagnostics> {
-    let mut functions = catalogue::derive_in_form(
-        model,
-        selection,
-        options.max_operations.unwrap_or(MOST_OPERATIONS),
-        options.form,
-        lanes.names(),
-    )?;
+) -> Result<Selection, Diagnostics> {
+    let request = Request {
+        names: selection,
+        most: options.max_operations.unwrap_or(MOST_OPERATIONS),
+        form: options.form,
+        straight: lanes.names(),
+    };
+    let mut selected = selection::derive(model, &request)?;
     if options.fused_multiply_add {
-        for function in &mut functions {
+        for function in &mut selected.functions {
             match function.arrays.as_ref().map(ArrayForm::fused) {
                 Some(form) => {
                     function.program = form.unrolled();
@@ -147,7 +199,15 @@ fn derive(
             }
         }
     }
-    Ok(functions)
+    Ok(selected)
+}
+
+/// Why a function cannot be derived may be what the model's stage warned of.
+fn with_warnings(problems: Diagnostics, notes: &Diagnostics) -> Diagnostics {
+    let warnings = notes.entries().iter();
+    let warnings = warnings.filter(|entry| entry.severity == Severity::Warning);
+    let warnings: Vec<Diagnostic> = warnings.cloned().collect();
+    Diagnostics::new([problems.into_entries(), warnings].concat())
 }
 
 /// The functions that are asked for; none means all.

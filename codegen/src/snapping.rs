@@ -11,7 +11,7 @@ use crate::program::cost::count;
 /// The functions that are counted for the note, where they are generated at all.
 const COUNTED: [&str; 2] = ["inverse_dynamics", "mass_matrix"];
 
-/// The notes, the one about nearly right angles with the operations that snapping would save.
+/// The notes, the one about nearly right angles with the operations that snapping would save; without it where none would be.
 pub fn priced(
     notes: Diagnostics,
     description: &Path,
@@ -26,13 +26,18 @@ pub fn priced(
         return notes;
     };
     let mut entries = notes.into_entries();
+    if savings.is_empty() {
+        // Angles of frames, say, that no dynamics depend on.
+        entries.retain(|note| !concerns(note));
+    }
     for note in entries.iter_mut().filter(|note| concerns(note)) {
         note.message = format!("{}: {savings}", note.message);
     }
     Diagnostics::new(entries)
 }
 
-/// Counts of the functions with the angles snapped and as they are; `None` where none of them is generated.
+/// Counts of the functions with the angles snapped and as they are, empty where they are the same; `None` where none of them
+/// is generated.
 fn savings(description: &Path, options: &ReadOptions, functions: &[Function]) -> Option<String> {
     let described: Vec<&Function> = functions
         .iter()
@@ -53,15 +58,20 @@ fn savings(description: &Path, options: &ReadOptions, functions: &[Function]) ->
         .filter_map(|function| {
             let other = snapped.iter().find(|other| other.name == function.name)?;
             let (now, then) = (count(&function.program), count(&other.program));
-            Some(format!(
-                "`{}` {}/{} instead of {}/{}",
-                function.name,
-                then.multiplications,
-                then.additions,
-                now.multiplications,
-                now.additions
-            ))
+            (now != then).then(|| {
+                format!(
+                    "`{}` {}/{} instead of {}/{}",
+                    function.name,
+                    then.multiplications,
+                    then.additions,
+                    now.multiplications,
+                    now.additions
+                )
+            })
         })
         .collect();
-    Some(format!("{} (multiplications/additions)", lines.join(", ")))
+    match lines.is_empty() {
+        true => Some(String::new()),
+        false => Some(format!("{} (multiplications/additions)", lines.join(", "))),
+    }
 }

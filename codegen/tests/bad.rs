@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use gelenk_codegen::model::{ReadOptions, read};
+use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use std::path::Path;
 
 #[test]
@@ -16,7 +16,7 @@ fn bad_descriptions_are_explained() {
     assert!(files.len() >= 30);
     for file in files {
         let name = file.file_name().unwrap().to_str().unwrap();
-        let Err(diagnostics) = read(&file, &ReadOptions::default()) else {
+        let Err(diagnostics) = generate(&file, &GenerateOptions::default()) else {
             panic!("{name} was accepted")
         };
         assert!(diagnostics.has_errors(), "{name}");

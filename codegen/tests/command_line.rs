@@ -235,6 +235,194 @@ fn a_page_that_cannot_be_written_ends_with_1() {
     assert!(!folder.path().join("report").exists());
 }
 
+/// Exit code and standard error of a command that is refused.
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = gelenk(folder, arguments);
+    assert_eq!(output.status.code(), Some(1), "{}", shown(&output));
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// What was read, and what was not generated, is never written over.
+#[test]
+fn descriptions_and_foreign_files_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("base.toml"), PENDULUM).unwrap();
+    let extension = "extends = \"base.toml\"\n";
+    std::fs::write(at("arm.toml"), extension).unwrap();
+    std::fs::write(at("main.rs"), "fn main() {}\n").unwrap();
+    std::fs::write(at("empty.rs"), "").unwrap();
+    let generate = |output: &str| refused(folder.path(), &["generate", "arm.toml", "-o", output]);
+    for output in ["arm.toml", "./arm.toml", "base.toml"] {
+        let said = generate(output);
+        assert!(said.contains("read"), "{said}");
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("arm.toml", at("symbolic.rs")).unwrap();
+        std::fs::hard_link(at("base.toml"), at("hard.rs")).unwrap();
+        let said = generate("symbolic.rs");
+        assert!(
+            said.contains("symbolic.rs: it is arm.toml, which was read"),
+            "{said}"
+        );
+        let said = generate("hard.rs");
+        assert!(
+            said.contains("hard.rs: it is base.toml, which was read"),
+            "{said}"
+        );
+    }
+    let said = generate("main.rs");
+    assert!(
+        said.contains("main.rs: it holds what gelenk has not generated"),
+        "{said}"
+    );
+    let said = generate(".");
+    assert!(said.contains("it is a folder"), "{said}");
+    // The smooth module of a pair is written to a name that nobody gave.
+    std::fs::write(at("new_control.rs"), "fn mine() {}\n").unwrap();
+    let pair = [
+        "generate",
+        "arm.toml",
+        "-o",
+        "new.rs",
+        "--control-model",
+        "50",
+    ];
+    let said = refused(folder.path(), &pair);
+    assert!(said.contains("new_control.rs: it holds"), "{said}");
+    assert!(!at("new.rs").exists(), "one of two was written");
+    for (file, text) in [
+        ("base.toml", PENDULUM),
+        ("arm.toml", extension),
+        ("main.rs", "fn main() {}\n"),
+    ] {
+        assert_eq!(std::fs::read_to_string(at(file)).unwrap(), text);
+    }
+    for output in ["empty.rs", "new.rs", "new.rs"] {
+        let made = gelenk(folder.path(), &["generate", "arm.toml", "-o", output]);
+        assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
+    }
+}
+
+/// A folder that looks like a workspace may have a crate root of its own.
+#[test]
+fn a_foreign_crate_root_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for name in ["models", "generated/src"] {
+        std::fs::create_dir_all(at(name)).unwrap();
+    }
+    std::fs::write(at("models/pendulum.toml"), PENDULUM).unwrap();
+    std::fs::write(at("generated/src/lib.rs"), "pub mod mine;\n").unwrap();
+    for arguments in [&["generate"][..], &["generate", "models/pendulum.toml"]] {
+        let said = refused(folder.path(), arguments);
+        assert!(said.contains("lib.rs: it holds"), "{said}");
+        assert!(!at("generated/src/pendulum.rs").exists());
+    }
+    assert_eq!(
+        std::fs::read_to_string(at("generated/src/lib.rs")).unwrap(),
+        "pub mod mine;\n"
+    );
+}
+
+/// The exact model and the smooth one, in one command; `check` knows both.
+#[test]
+fn a_plant_and_a_controller_have_models_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let smooth = format!("{PENDULUM}[generate]\nsmooth_sign = 5\n");
+    std::fs::write(folder.path().join("pendulum.toml"), smooth).unwrap();
+    let pair = [
+        "pendulum.toml",
+        "--control-model",
+        "50",
+        "--output",
+        "arm.rs",
+    ];
+    let run = |command: &str| {
+        let output = gelenk(folder.path(), &[&[command], &pair[..]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", shown(&output));
+    };
+    run("generate");
+    run("check");
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let (exact, smooth) = (read("arm.rs"), read("arm_control.rs"));
+    assert!(exact.contains("The exact model, for plants."), "{exact}");
+    assert!(!exact.contains("math::tanh(") && exact.contains("sign(v[0])"));
+    assert!(smooth.contains("tanh(50 v) stands for the sign(v) of pendulum"));
+    assert!(
+        smooth.contains("v[0] * 50.0") && smooth.contains("tanh("),
+        "{smooth}"
+    );
+    std::fs::remove_file(folder.path().join("arm_control.rs")).unwrap();
+    let stale = refused(folder.path(), &[&["check"], &pair[..]].concat());
+    assert!(stale.contains("stale: arm_control.rs"), "{stale}");
+    let piped = [
+        "generate",
+        "pendulum.toml",
+        "--control-model",
+        "50",
+        "-o",
+        "-",
+    ];
+    assert_eq!(gelenk(folder.path(), &piped).status.code(), Some(2));
+}
+
+/// On a full disk the old page and the old module stay as they were. A limit on the size of files stands for the disk.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_what_was_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("pendulum.toml"), PENDULUM).unwrap();
+    let commands = ["report pendulum.toml", "generate pendulum.toml"];
+    for command in commands {
+        let words: Vec<&str> = command.split(' ').collect();
+        assert_eq!(gelenk(folder.path(), &words).status.code(), Some(0));
+    }
+    let files = || {
+        let mut files = Vec::new();
+        for folder in [folder.path().to_owned(), at("report/pendulum")] {
+            for entry in std::fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                let content = std::fs::read(&path).unwrap_or_default();
+                files.push((path, content));
+            }
+        }
+        files.sort();
+        files
+    };
+    std::fs::write(
+        at("pendulum.toml"),
+        PENDULUM.replace("mass = 1", "mass = 2"),
+    )
+    .unwrap();
+    let before = files();
+    for command in commands {
+        // The signal of the limit is ignored, so that writing fails as on a full disk.
+        let script = format!("trap '' XFSZ; ulimit -f 8; exec \"$0\" {command}");
+        let output = Command::new("sh")
+            .args(["-c", &script, env!("CARGO_BIN_EXE_gelenk")])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(1), "{}", shown(&output));
+        assert!(
+            shown(&output).contains("cannot write"),
+            "{}",
+            shown(&output)
+        );
+        assert_eq!(files(), before, "{command}");
+    }
+    // What is meant to stay is not replaced either.
+    let mut rights = std::fs::metadata(at("pendulum.rs")).unwrap().permissions();
+    rights.set_readonly(true);
+    std::fs::set_permissions(at("pendulum.rs"), rights).unwrap();
+    let said = refused(folder.path(), &["generate", "pendulum.toml"]);
+    assert!(said.contains("pendulum.rs: it is read-only"), "{said}");
+    assert_eq!(files(), before);
+}
+
 #[cfg(not(feature = "symbolica"))]
 #[test]
 fn closed_forms_say_what_they_need() {

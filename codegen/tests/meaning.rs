@@ -1,6 +1,7 @@
 //! What descriptions mean: friction, springs, drives, bases, mimic joints, angles.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::disallowed_methods, reason = "a second opinion on values")]
 
 use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics};
 use gelenk_codegen::model::{
@@ -248,4 +249,24 @@ fn unreadable_files() {
     );
     assert!(read(&folder, &ReadOptions::default()).is_err());
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn friction_that_drives_at_some_speeds_is_noted_with_them() {
+    let text = r#"
+[[joints]]
+name = "axis"
+limits = { velocity = 4 }
+friction = { viscous = -3, coulomb = 5 }
+[[bodies]]
+link = "axis"
+mass = 0
+inertia = 1
+"#;
+    let (_, notes) = load(text);
+    let notes = notes.to_string();
+    let expected = "the friction of joint `axis` drives it at velocities from -4 to -1.86 rad/s and from 1.86 to 4 rad/s";
+    assert!(notes.contains(expected), "{notes}");
+    let (_, notes) = load(&text.replace("-3", "3"));
+    assert!(notes.is_empty(), "{notes}");
 }

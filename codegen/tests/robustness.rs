@@ -1,28 +1,22 @@
 //! No text makes the readers panic, and large ones are read in reasonable time.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test fails by panicking"
+)]
 
 use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics};
 use gelenk_codegen::model::{Model, ReadOptions, from_toml, from_urdf};
+use mutation::{Random, mutated};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// SplitMix64 (Steele, Lea and Flood, 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, bound: usize) -> usize {
-        usize::try_from(self.next() % (bound.max(1) as u64)).unwrap()
-    }
-}
+#[path = "robustness/generation.rs"]
+mod generation;
+#[path = "robustness/mutation.rs"]
+mod mutation;
 
 type Outcome = Result<(Model, Diagnostics), Diagnostics>;
 
@@ -46,56 +40,6 @@ fn file(path: &str) -> String {
             .join(path),
     )
     .unwrap()
-}
-
-const TOKENS: [&str; 24] = [
-    "\"",
-    "'",
-    "[",
-    "]",
-    "{",
-    "}",
-    "<",
-    ">",
-    "/>",
-    "=",
-    "\n",
-    "-",
-    "nan",
-    "1e999",
-    "0",
-    "*/",
-    "\\u0000",
-    "é",
-    "\u{feff}",
-    "[[joints]]\n",
-    "<link name=\"x\"/>",
-    "&amp;",
-    "((((",
-    "-----",
-];
-
-/// A few random edits: a byte changed, a part removed or repeated, a token put in.
-fn mutated(text: &str, random: &mut Random) -> String {
-    let mut bytes = text.as_bytes().to_vec();
-    for _ in 0..=random.below(4) {
-        let at = random.below(bytes.len());
-        let end = (at + random.below(80)).min(bytes.len());
-        match random.below(4) {
-            0 if at < bytes.len() => bytes[at] = random.next().to_le_bytes()[0],
-            1 => drop(bytes.drain(at..end)),
-            2 => {
-                let part = bytes[at..end].to_vec();
-                let to = random.below(bytes.len());
-                bytes.splice(to..to, part);
-            }
-            _ => {
-                let token = TOKENS[random.below(TOKENS.len())];
-                bytes.splice(at..at, token.bytes());
-            }
-        }
-    }
-    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 /// What holds of any outcome: an error has errors, all of them placed within the text; a model has coordinates.

@@ -4,49 +4,78 @@
 #![no_std]
 
 /// The robot `cart_pole`.
+///
+/// Inverted pendulum on a cart; the input is the force on the cart, the pole is passive.
 #[rustfmt::skip]
 pub mod cart_pole;
 
 /// The robot `double_pendulum`.
+///
+/// Planar double pendulum of two slender rods, hanging at y = 0.
 #[rustfmt::skip]
 pub mod double_pendulum;
 
 /// The robot `panda`.
+///
+/// Franka Emika Panda with ideal drives, its fingers held closed.
 #[rustfmt::skip]
 pub mod panda;
 
 /// The robot `powercube`.
+///
+/// Schunk PowerCube arm reduced to the joints beta and gamma, all others held.
+/// Both axes are parallel and horizontal; y = 0 is upright; gamma is measured relative to the first link.
 #[rustfmt::skip]
 pub mod powercube;
 
 /// The robot `powercube_alpha`.
+///
+/// Schunk PowerCube arm reduced to the joint alpha, stretched out horizontally, all other joints held.
 #[rustfmt::skip]
 pub mod powercube_alpha;
 
 /// The robot `powercube_alpha_parameters`.
+///
+/// Schunk PowerCube arm reduced to the joint alpha, stretched out horizontally, all other joints held, with friction as free
+/// parameters. Defaults are the estimated values of powercube\_six\_axis.toml; they are not published.
 #[rustfmt::skip]
 pub mod powercube_alpha_parameters;
 
 /// The robot `powercube_parameters`.
+///
+/// Schunk PowerCube arm reduced to the joints beta and gamma, all others held, with friction and gravity as free parameters.
+/// Both axes are parallel and horizontal; y = 0 is upright; gamma is measured relative to the first link.
+/// Defaults are the published values, exact sign included.
 #[rustfmt::skip]
 pub mod powercube_parameters;
 
 /// The robot `powercube_six_axis`.
+///
+/// Schunk PowerCube arm with six axes: alpha, beta, gamma (PR 90), delta (PR 70), epsilon, zeta (PW 70), gripper PG 70.
+/// Values marked as estimated in the description are not published.
 #[rustfmt::skip]
 pub mod powercube_six_axis;
 
 /// The robot `puma560`.
+///
+/// Unimation Puma 560, published data as collected by P. Corke.
 #[rustfmt::skip]
 pub mod puma560;
 
 /// The robot `schunk_lwa4p`.
+///
+/// Schunk LWA 4P arm with six axes; y = 0 is stretched upwards.
 #[rustfmt::skip]
 pub mod schunk_lwa4p;
 
 /// The robot `two_arm`.
+///
+/// A turning torso that carries two arms of three joints.
 #[rustfmt::skip]
 pub mod two_arm;
 
 /// The robot `ur5`.
+///
+/// Universal Robots UR5 with ideal drives.
 #[rustfmt::skip]
 pub mod ur5;

@@ -132,7 +132,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
 /// `mass_matrix` with its results written in place; nothing of what stood there is read.
 pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
     m[6][6] = 0.006684151967360947;
-    let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
+    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
     let (
         [sin_panda_joint2,
         sin_panda_joint3,
@@ -149,16 +149,16 @@ pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
         y[5],
         angle_panda_joint7_offset,
     );
-    let t13 = cos_panda_joint7 * 0.002174847060296272;
+    let t13 = cos_panda_joint7 * 0.0021748470602962725;
     let t14 = sin_panda_joint7 * 0.0013205141364616554;
     let t15 = t14 - t13;
     let t16 = sin_panda_joint7 * t15;
-    let t17 = cos_panda_joint7 * 0.0005773870536849037;
+    let t17 = cos_panda_joint7 * 0.0005773870536849036;
     let t18 = 0.0026818189154496457 + t17;
     let t19 = t16 + t18;
     let t20 = 0.007412167175072339 - t19;
     let t21 = sin_panda_joint6 * t20;
-    let t22 = 0.0003863308944437675 * sin_panda_joint7;
+    let t22 = 0.00038633089444376715 * sin_panda_joint7;
     let t23 = 0.001535882372017312 * cos_panda_joint7;
     let t24 = t23 - t22;
     let t25 = 0.014748570382675316 + t24;
@@ -172,11 +172,11 @@ pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
     let t33 = t32 + t31;
     let t34 = sin_panda_joint5 * t33;
     let t35 = cos_panda_joint7 * t15;
-    let t36 = sin_panda_joint7 * 0.00028869352684245185;
-    let t37 = t36 - 0.000983664612929451;
+    let t36 = sin_panda_joint7 * 0.0002886935268424518;
+    let t37 = t36 - 0.0009836646129294513;
     let t38 = t35 - t37;
     let t39 = cos_panda_joint6 * t38;
-    let t40 = 0.0003863308944437675 * cos_panda_joint7;
+    let t40 = 0.00038633089444376715 * cos_panda_joint7;
     let t41 = 0.001535882372017312 * sin_panda_joint7;
     let t42 = t41 + t40;
     let t43 = 9.3569097314605e-5 + t42;
@@ -187,14 +187,14 @@ pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
     let t48 = cos_panda_joint5 * t47;
     let t49 = t34 + t48;
     let t50 = sin_panda_joint5 * t49;
-    let t51 = 0.0002706501814147986 * cos_panda_joint7;
+    let t51 = 0.00027065018141479854 * cos_panda_joint7;
     let t52 = t51 + 0.0191274230973375;
     let t53 = cos_panda_joint6 * t52;
     let t54 = 0.014338888209442503 * sin_panda_joint6;
     let t55 = t53 + t54;
     let t56 = 0.001208932934385 - t55;
     let t57 = cos_panda_joint5 * t56;
-    let t58 = 0.0002706501814147986 * sin_panda_joint7;
+    let t58 = 0.00027065018141479854 * sin_panda_joint7;
     let t59 = 0.0055993270925625 - t58;
     let t60 = sin_panda_joint5 * t59;
     let t61 = t57 + t60;
@@ -417,10 +417,10 @@ pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
     let t261 = t42 - t260;
     let t262 = cos_panda_joint5 * t261;
     let t263 = t252 - t262;
-    let t264 = cos_panda_joint7 * 0.00028869352684245185;
+    let t264 = cos_panda_joint7 * 0.0002886935268424518;
     let t265 = 0.006684151967360947 + t264;
     let t266 = sin_panda_joint6 * t265;
-    let t267 = cos_panda_joint7 * 0.0012597535716761534;
+    let t267 = cos_panda_joint7 * 0.0012597535716761532;
     let t268 = t266 + t267;
     let t269 = cos_panda_joint6 * t24;
     let t270 = t269 - t268;
@@ -526,7 +526,7 @@ pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
 /// Recursive Newton–Euler equations without gravity and accelerations.
 #[must_use]
 pub fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
-    let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
+    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
     let (
         [sin_panda_joint2,
         sin_panda_joint3,
@@ -669,12 +669,12 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
     let t136 = 2.0 * omega_panda_joint7_z;
     let t137 = omega_panda_joint6_z * t136;
     let t138 = t134 - t137;
-    let t139 = 0.0002706501814147986 * sin_panda_joint7;
+    let t139 = 0.00027065018141479854 * sin_panda_joint7;
     let t140 = t139 * t138;
     let t141 = t103 - t110;
     let t142 = omega_panda_joint6_x * t136;
     let t143 = t141 - t142;
-    let t144 = 0.0002706501814147986 * cos_panda_joint7;
+    let t144 = 0.00027065018141479854 * cos_panda_joint7;
     let t145 = t144 * t143;
     let t146 = t145 - t140;
     let force_panda_joint7_z = t146 + t114;
@@ -732,23 +732,23 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
     let t199 = 0.014338888209442503 * acceleration_panda_joint6_x;
     let t200 = t199 - t198;
     let t201 = t188 + t200;
-    let t202 = cos_panda_joint7 * 0.002174847060296272;
+    let t202 = cos_panda_joint7 * 0.0021748470602962725;
     let t203 = sin_panda_joint7 * 0.0013205141364616554;
     let t204 = t203 - t202;
     let t205 = cos_panda_joint7 * t204;
-    let t206 = 0.001087423530148136 + t205;
+    let t206 = 0.0010874235301481362 + t205;
     let t207 = t206 * t138;
     let t208 = sin_panda_joint7 * t204;
     let t209 = 0.0026818189154496457 + t208;
     let t210 = t209 * t143;
     let t211 = t150 - t179;
-    let t212 = 0.0003863308944437675 * sin_panda_joint7;
+    let t212 = 0.00038633089444376715 * sin_panda_joint7;
     let t213 = 0.001535882372017312 * cos_panda_joint7;
     let t214 = t213 - t212;
     let t215 = t214 * t211;
     let t216 = t215 - t210;
     let t217 = t207 - t216;
-    let t218 = 0.0003863308944437675 * cos_panda_joint7;
+    let t218 = 0.00038633089444376715 * cos_panda_joint7;
     let t219 = 0.001535882372017312 * sin_panda_joint7;
     let t220 = t219 + t218;
     let t221 = t220 * t176;
@@ -1390,7 +1390,7 @@ pub fn applied_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 /// Recursive Newton–Euler equations at ÿ = 0. Pinocchio calls this `nle`.
 #[must_use]
 pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
-    let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
+    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
     let (
         [sin_panda_joint2,
         sin_panda_joint3,
@@ -1540,12 +1540,12 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
     let t143 = 2.0 * omega_panda_joint7_z;
     let t144 = omega_panda_joint6_z * t143;
     let t145 = t141 - t144;
-    let t146 = 0.0002706501814147986 * sin_panda_joint7;
+    let t146 = 0.00027065018141479854 * sin_panda_joint7;
     let t147 = t146 * t145;
     let t148 = t110 - t117;
     let t149 = omega_panda_joint6_x * t143;
     let t150 = t148 - t149;
-    let t151 = 0.0002706501814147986 * cos_panda_joint7;
+    let t151 = 0.00027065018141479854 * cos_panda_joint7;
     let t152 = t151 * t150;
     let t153 = t152 - t147;
     let force_panda_joint7_z = t153 + t121;
@@ -1603,23 +1603,23 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
     let t206 = 0.014338888209442503 * acceleration_panda_joint6_x;
     let t207 = t206 - t205;
     let t208 = t195 + t207;
-    let t209 = cos_panda_joint7 * 0.002174847060296272;
+    let t209 = cos_panda_joint7 * 0.0021748470602962725;
     let t210 = sin_panda_joint7 * 0.0013205141364616554;
     let t211 = t210 - t209;
     let t212 = cos_panda_joint7 * t211;
-    let t213 = 0.001087423530148136 + t212;
+    let t213 = 0.0010874235301481362 + t212;
     let t214 = t213 * t145;
     let t215 = sin_panda_joint7 * t211;
     let t216 = 0.0026818189154496457 + t215;
     let t217 = t216 * t150;
     let t218 = t157 - t186;
-    let t219 = 0.0003863308944437675 * sin_panda_joint7;
+    let t219 = 0.00038633089444376715 * sin_panda_joint7;
     let t220 = 0.001535882372017312 * cos_panda_joint7;
     let t221 = t220 - t219;
     let t222 = t221 * t218;
     let t223 = t222 - t217;
     let t224 = t214 - t223;
-    let t225 = 0.0003863308944437675 * cos_panda_joint7;
+    let t225 = 0.00038633089444376715 * cos_panda_joint7;
     let t226 = 0.001535882372017312 * sin_panda_joint7;
     let t227 = t226 + t225;
     let t228 = t227 * t183;
@@ -2013,7 +2013,7 @@ pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
 /// - returns `k: [N]`: Coriolis, centrifugal and gyroscopic forces
 /// - returns `q: [N]`: gravity, springs and friction
 ///
-/// Cost: 465 multiplications, 423 additions, 0 divisions, 6 function calls (`sin_cos`).
+/// Cost: 465 multiplications, 424 additions, 0 divisions, 7 function calls (`sin_cos`).
 ///
 /// What the three have in common is computed once.
 #[inline]
@@ -2038,973 +2038,987 @@ pub fn equations_of_motion_into(
     q: &mut [f64; N],
 ) {
     m[6][6] = 0.006684151967360947;
-    let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
+    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
+    let angle_panda_joint7_offset_2 = y[6] + 0.6689225306301613;
     let (
         [sin_panda_joint2,
         sin_panda_joint3,
         sin_panda_joint4,
         sin_panda_joint5,
+        sin_panda_joint6,
+        sin_panda_joint7,
+        sin_panda_joint7_2,
+        ..,
         ],
         [cos_panda_joint2,
         cos_panda_joint3,
         cos_panda_joint4,
         cos_panda_joint5,
+        cos_panda_joint6,
+        cos_panda_joint7,
+        cos_panda_joint7_2,
+        ..,
         ],
-    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
-    let ([sin_panda_joint6, sin_panda_joint7], [cos_panda_joint6, cos_panda_joint7]) = math::sin_cos_2(
+    ) = math::sin_cos_8(
+        y[1],
+        y[2],
+        y[3],
+        y[4],
         y[5],
         angle_panda_joint7_offset,
+        angle_panda_joint7_offset_2,
+        0.0,
     );
-    let t13 = cos_panda_joint7 * 0.002174847060296272;
-    let t14 = sin_panda_joint7 * 0.0013205141364616554;
-    let t15 = t14 - t13;
-    let t16 = sin_panda_joint7 * t15;
-    let t17 = 0.0026818189154496457 + t16;
-    let t18 = cos_panda_joint7 * 0.0005773870536849037;
-    let t19 = t17 + t18;
-    let t20 = t19 - 0.007412167175072339;
-    let t21 = sin_panda_joint6 * t20;
-    let t22 = 0.0003863308944437675 * sin_panda_joint7;
-    let t23 = 0.001535882372017312 * cos_panda_joint7;
-    let t24 = t23 - t22;
-    let t25 = 0.014748570382675316 + t24;
-    let t26 = 2.0 * t25;
-    let t27 = cos_panda_joint6 * t26;
-    let t28 = t21 - t27;
-    let t29 = sin_panda_joint6 * t28;
-    let t30 = t19 + 0.022973411435614266;
-    let t31 = t29 - t30;
-    let t32 = t16 - 0.014047520880232544;
-    let t33 = t32 - t31;
-    let t34 = sin_panda_joint5 * t33;
-    let t35 = cos_panda_joint7 * t15;
-    let t36 = 0.001087423530148136 + t35;
-    let t37 = sin_panda_joint7 * 0.00028869352684245185;
-    let t38 = 0.00010375891721868492 + t37;
-    let t39 = t36 - t38;
-    let t40 = cos_panda_joint6 * t39;
-    let t41 = 0.0003863308944437675 * cos_panda_joint7;
-    let t42 = 0.001535882372017312 * sin_panda_joint7;
-    let t43 = t42 + t41;
-    let t44 = 9.3569097314605e-5 + t43;
-    let t45 = sin_panda_joint6 * t44;
-    let t46 = t45 - t40;
-    let t47 = 0.0015152444733270301 - t46;
-    let t48 = 2.0 * t47;
-    let t49 = cos_panda_joint5 * t48;
-    let t50 = t34 + t49;
-    let t51 = sin_panda_joint5 * t50;
-    let t52 = 0.0002706501814147986 * cos_panda_joint7;
-    let t53 = t52 + 0.0191274230973375;
-    let t54 = cos_panda_joint6 * t53;
-    let t55 = 0.014338888209442503 * sin_panda_joint6;
-    let t56 = t54 + t55;
-    let t57 = 0.001208932934385 - t56;
-    let t58 = cos_panda_joint5 * t57;
-    let t59 = 0.0002706501814147986 * sin_panda_joint7;
-    let t60 = 0.0055993270925625 - t59;
-    let t61 = sin_panda_joint5 * t60;
-    let t62 = t58 + t61;
-    let t63 = 2.0 * t62;
-    let t64 = t63 + 0.051020136156815506;
-    let t65 = t31 - t64;
-    let t66 = t51 + t65;
-    let t67 = sin_panda_joint6 * t53;
-    let t68 = 0.014338888209442503 * cos_panda_joint6;
-    let t69 = t67 - t68;
-    let t70 = t69 * 9.309090909090909;
-    let t71 = t70 + 0.7262264975766318;
-    let t72 = t29 + t71;
-    let t73 = t66 + t72;
-    let t74 = sin_panda_joint4 * t73;
-    let t75 = cos_panda_joint6 * t28;
-    let t76 = 4.654545454545454 * t57;
-    let t77 = t24 + 0.01934881590023842;
-    let t78 = t76 - t77;
-    let t79 = t75 - t78;
-    let t80 = cos_panda_joint5 * t79;
-    let t81 = sin_panda_joint6 * t39;
-    let t82 = cos_panda_joint6 * t44;
-    let t83 = t82 + t81;
-    m[4][5] = t83;
-    m[5][4] = t83;
-    let t84 = 4.654545454545454 * t60;
-    let t85 = 0.0021640520520981297 - t84;
-    let t86 = t83 - t85;
-    let t87 = sin_panda_joint5 * t86;
-    let t88 = t80 - t87;
-    let t89 = t69 + 0.16284087268546088;
-    let t90 = t88 - t89;
-    let t91 = 2.0 * t90;
-    let t92 = cos_panda_joint4 * t91;
-    let t93 = t74 - t92;
-    let t94 = sin_panda_joint4 * t93;
-    let t95 = 0.045604372658625006 + t62;
-    let t96 = cos_panda_joint4 * t95;
-    let t97 = t69 + 0.16603319317224752;
-    let t98 = sin_panda_joint4 * t97;
-    let t99 = t96 + t98;
-    let t100 = 2.0 * t99;
-    let t101 = t100 - 0.06160242102652771;
-    let t102 = t66 + t101;
-    let t103 = t94 - t102;
-    let t104 = t16 - 0.036225669845110775;
-    let t105 = t51 - t104;
-    let t106 = t103 - t105;
-    let t107 = sin_panda_joint3 * t106;
-    let t108 = cos_panda_joint5 * t50;
-    let t109 = sin_panda_joint5 * t57;
-    let t110 = cos_panda_joint5 * t60;
-    let t111 = t109 - t110;
-    let t112 = 0.0039053550262761003 + t111;
-    let t113 = t47 - t112;
-    let t114 = t108 - t113;
-    let t115 = cos_panda_joint4 * t114;
-    let t116 = sin_panda_joint5 * t79;
-    let t117 = cos_panda_joint5 * t86;
-    let t118 = t116 + t117;
-    m[3][4] = t118;
-    m[4][3] = t118;
-    let t119 = 0.0016444875773692705 - t118;
-    let t120 = sin_panda_joint4 * t119;
-    let t121 = t115 + t120;
-    let t122 = 0.00012191242095074308 - t111;
-    let t123 = t121 + t122;
-    let t124 = 2.0 * t123;
-    let t125 = cos_panda_joint3 * t124;
-    let t126 = t107 + t125;
-    let t127 = sin_panda_joint3 * t126;
-    let t128 = 0.02307788249493181 + t103;
-    let t129 = t127 - t128;
-    let t130 = 1.032162061231881 + t72;
-    let t131 = sin_panda_joint4 * t95;
-    let t132 = cos_panda_joint4 * t97;
-    let t133 = t131 - t132;
-    let t134 = t133 * 7.66060606060606;
-    let t135 = t134 - t130;
-    let t136 = t94 + t135;
-    let t137 = t129 - t136;
-    let t138 = sin_panda_joint2 * t137;
-    let t139 = cos_panda_joint4 * t93;
-    let t140 = 0.06161578168944001 - t99;
-    let t141 = 3.83030303030303 * t140;
-    let t142 = 0.005487648106562256 - t133;
-    let t143 = t141 + t142;
-    let t144 = t90 - t143;
-    let t145 = t139 + t144;
-    let t146 = cos_panda_joint3 * t145;
-    let t147 = sin_panda_joint4 * t114;
-    let t148 = cos_panda_joint4 * t119;
-    let t149 = t147 - t148;
-    m[2][3] = t149;
-    m[3][2] = t149;
-    let t150 = 0.002328735327435001 - t111;
-    let t151 = 3.83030303030303 * t150;
-    let t152 = 0.004377257121839584 + t151;
-    let t153 = t149 + t152;
-    let t154 = sin_panda_joint3 * t153;
-    let t155 = t146 + t154;
-    let t156 = 0.00398335888393552 + t155;
-    let t157 = 2.0 * t156;
-    let t158 = cos_panda_joint2 * t157;
-    let t159 = t138 - t158;
-    let t160 = sin_panda_joint2 * t159;
-    let t161 = 0.014259565994474414 + t105;
-    let t162 = t127 + t161;
-    let t163 = t129 - t162;
-    let t164 = t160 - t163;
-    m[0][0] = t164;
-    let t165 = cos_panda_joint3 * t126;
-    let t166 = 0.01026110182100817 + t123;
-    let t167 = t165 - t166;
-    let t168 = sin_panda_joint2 * t167;
-    let t169 = sin_panda_joint3 * t145;
-    let t170 = cos_panda_joint3 * t153;
-    let t171 = t169 - t170;
-    m[1][2] = t171;
-    m[2][1] = t171;
-    let t172 = 0.0007689361029464 - t171;
-    let t173 = cos_panda_joint2 * t172;
-    let t174 = t168 - t173;
-    m[0][1] = t174;
-    m[1][0] = t174;
-    let t175 = sin_panda_joint2 * t155;
-    let t176 = t103 + t105;
-    m[2][2] = t176;
-    let t177 = cos_panda_joint2 * t176;
-    let t178 = t175 - t177;
-    let t179 = t66 - t72;
-    let t180 = 3.83030303030303 * t133;
-    let t181 = t99 + t180;
-    let t182 = t179 + t181;
-    let t183 = sin_panda_joint3 * t182;
-    let t184 = cos_panda_joint3 * t121;
-    let t185 = t184 - t183;
-    let t186 = sin_panda_joint2 * t185;
-    let t187 = cos_panda_joint2 * t149;
-    let t188 = t186 - t187;
-    let t189 = t32 + t31;
-    let t190 = t62 - t189;
-    let t191 = sin_panda_joint4 * t190;
-    let t192 = 3.83030303030303 * t62;
-    let t193 = t192 - t191;
-    let t194 = cos_panda_joint4 * t88;
-    let t195 = t194 - t193;
-    let t196 = cos_panda_joint3 * t195;
-    let t197 = cos_panda_joint4 * t111;
-    let t198 = 3.83030303030303 * t197;
-    let t199 = sin_panda_joint4 * t111;
-    let t200 = t199 - t198;
-    let t201 = t118 + t200;
-    let t202 = sin_panda_joint3 * t201;
-    let t203 = t196 - t202;
-    let t204 = sin_panda_joint2 * t203;
-    let t205 = cos_panda_joint4 * t190;
-    let t206 = t62 - t205;
-    let t207 = sin_panda_joint4 * t88;
-    let t208 = t207 + t206;
-    let t209 = cos_panda_joint2 * t208;
-    let t210 = t204 - t209;
-    m[0][4] = t210;
-    m[4][0] = t210;
-    let t211 = t19 + 0.050456677916247444;
-    m[5][5] = t211;
-    let t212 = 4.654545454545454 * t69;
-    let t213 = t211 + t212;
-    let t214 = cos_panda_joint5 * t213;
-    let t215 = t56 - t214;
-    let t216 = sin_panda_joint5 * t46;
-    let t217 = t216 - t215;
-    m[3][5] = t217;
-    m[5][3] = t217;
-    let t218 = cos_panda_joint5 * t69;
-    let t219 = cos_panda_joint4 * t218;
-    let t220 = sin_panda_joint4 * t56;
-    let t221 = t219 + t220;
-    let t222 = 3.83030303030303 * t221;
-    let t223 = sin_panda_joint4 * t218;
-    let t224 = cos_panda_joint4 * t56;
-    let t225 = t223 - t224;
-    let t226 = t225 - t222;
-    let t227 = t217 - t226;
-    let t228 = sin_panda_joint3 * t227;
-    let t229 = sin_panda_joint5 * t69;
-    let t230 = t229 + t83;
-    let t231 = sin_panda_joint4 * t230;
-    let t232 = 3.83030303030303 * t229;
-    let t233 = t232 - t231;
-    let t234 = cos_panda_joint5 * t46;
-    let t235 = sin_panda_joint5 * t213;
+    let t16 = cos_panda_joint7 * 0.0021748470602962725;
+    let t17 = sin_panda_joint7 * 0.0013205141364616554;
+    let t18 = t17 - t16;
+    let t19 = sin_panda_joint7 * t18;
+    let t20 = 0.0026818189154496457 + t19;
+    let t21 = cos_panda_joint7 * 0.0005773870536849036;
+    let t22 = t20 + t21;
+    let t23 = t22 - 0.007412167175072339;
+    let t24 = sin_panda_joint6 * t23;
+    let t25 = 0.00038633089444376715 * sin_panda_joint7;
+    let t26 = 0.001535882372017312 * cos_panda_joint7;
+    let t27 = t26 - t25;
+    let t28 = 0.014748570382675316 + t27;
+    let t29 = 2.0 * t28;
+    let t30 = cos_panda_joint6 * t29;
+    let t31 = t24 - t30;
+    let t32 = sin_panda_joint6 * t31;
+    let t33 = t22 + 0.022973411435614266;
+    let t34 = t32 - t33;
+    let t35 = t19 - 0.014047520880232544;
+    let t36 = t35 - t34;
+    let t37 = sin_panda_joint5 * t36;
+    let t38 = cos_panda_joint7 * t18;
+    let t39 = 0.0010874235301481362 + t38;
+    let t40 = sin_panda_joint7 * 0.0002886935268424518;
+    let t41 = 0.00010375891721868492 + t40;
+    let t42 = t39 - t41;
+    let t43 = cos_panda_joint6 * t42;
+    let t44 = 0.00038633089444376715 * cos_panda_joint7;
+    let t45 = 0.001535882372017312 * sin_panda_joint7;
+    let t46 = t45 + t44;
+    let t47 = 9.3569097314605e-5 + t46;
+    let t48 = sin_panda_joint6 * t47;
+    let t49 = t48 - t43;
+    let t50 = 0.0015152444733270301 - t49;
+    let t51 = 2.0 * t50;
+    let t52 = cos_panda_joint5 * t51;
+    let t53 = t37 + t52;
+    let t54 = sin_panda_joint5 * t53;
+    let t55 = 0.00027065018141479854 * cos_panda_joint7;
+    let t56 = t55 + 0.0191274230973375;
+    let t57 = cos_panda_joint6 * t56;
+    let t58 = 0.014338888209442503 * sin_panda_joint6;
+    let t59 = t57 + t58;
+    let t60 = 0.001208932934385 - t59;
+    let t61 = cos_panda_joint5 * t60;
+    let t62 = 0.00027065018141479854 * sin_panda_joint7;
+    let t63 = 0.0055993270925625 - t62;
+    let t64 = sin_panda_joint5 * t63;
+    let t65 = t61 + t64;
+    let t66 = 2.0 * t65;
+    let t67 = t66 + 0.051020136156815506;
+    let t68 = t34 - t67;
+    let t69 = t54 + t68;
+    let t70 = sin_panda_joint6 * t56;
+    let t71 = 0.014338888209442503 * cos_panda_joint6;
+    let t72 = t70 - t71;
+    let t73 = t72 * 9.309090909090909;
+    let t74 = t73 + 0.7262264975766318;
+    let t75 = t32 + t74;
+    let t76 = t69 + t75;
+    let t77 = sin_panda_joint4 * t76;
+    let t78 = cos_panda_joint6 * t31;
+    let t79 = 4.654545454545454 * t60;
+    let t80 = t27 + 0.01934881590023842;
+    let t81 = t79 - t80;
+    let t82 = t78 - t81;
+    let t83 = cos_panda_joint5 * t82;
+    let t84 = sin_panda_joint6 * t42;
+    let t85 = cos_panda_joint6 * t47;
+    let t86 = t85 + t84;
+    m[4][5] = t86;
+    m[5][4] = t86;
+    let t87 = 4.654545454545454 * t63;
+    let t88 = 0.0021640520520981297 - t87;
+    let t89 = t86 - t88;
+    let t90 = sin_panda_joint5 * t89;
+    let t91 = t83 - t90;
+    let t92 = t72 + 0.16284087268546088;
+    let t93 = t91 - t92;
+    let t94 = 2.0 * t93;
+    let t95 = cos_panda_joint4 * t94;
+    let t96 = t77 - t95;
+    let t97 = sin_panda_joint4 * t96;
+    let t98 = 0.045604372658625006 + t65;
+    let t99 = cos_panda_joint4 * t98;
+    let t100 = t72 + 0.16603319317224752;
+    let t101 = sin_panda_joint4 * t100;
+    let t102 = t99 + t101;
+    let t103 = 2.0 * t102;
+    let t104 = t103 - 0.06160242102652771;
+    let t105 = t69 + t104;
+    let t106 = t97 - t105;
+    let t107 = t19 - 0.036225669845110775;
+    let t108 = t54 - t107;
+    let t109 = t106 - t108;
+    let t110 = sin_panda_joint3 * t109;
+    let t111 = cos_panda_joint5 * t53;
+    let t112 = sin_panda_joint5 * t60;
+    let t113 = cos_panda_joint5 * t63;
+    let t114 = t112 - t113;
+    let t115 = 0.0039053550262761003 + t114;
+    let t116 = t50 - t115;
+    let t117 = t111 - t116;
+    let t118 = cos_panda_joint4 * t117;
+    let t119 = sin_panda_joint5 * t82;
+    let t120 = cos_panda_joint5 * t89;
+    let t121 = t119 + t120;
+    m[3][4] = t121;
+    m[4][3] = t121;
+    let t122 = 0.0016444875773692705 - t121;
+    let t123 = sin_panda_joint4 * t122;
+    let t124 = t118 + t123;
+    let t125 = 0.00012191242095074308 - t114;
+    let t126 = t124 + t125;
+    let t127 = 2.0 * t126;
+    let t128 = cos_panda_joint3 * t127;
+    let t129 = t110 + t128;
+    let t130 = sin_panda_joint3 * t129;
+    let t131 = 0.02307788249493181 + t106;
+    let t132 = t130 - t131;
+    let t133 = 1.032162061231881 + t75;
+    let t134 = sin_panda_joint4 * t98;
+    let t135 = cos_panda_joint4 * t100;
+    let t136 = t134 - t135;
+    let t137 = t136 * 7.66060606060606;
+    let t138 = t137 - t133;
+    let t139 = t97 + t138;
+    let t140 = t132 - t139;
+    let t141 = sin_panda_joint2 * t140;
+    let t142 = cos_panda_joint4 * t96;
+    let t143 = 0.06161578168944001 - t102;
+    let t144 = 3.83030303030303 * t143;
+    let t145 = 0.005487648106562256 - t136;
+    let t146 = t144 + t145;
+    let t147 = t93 - t146;
+    let t148 = t142 + t147;
+    let t149 = cos_panda_joint3 * t148;
+    let t150 = sin_panda_joint4 * t117;
+    let t151 = cos_panda_joint4 * t122;
+    let t152 = t150 - t151;
+    m[2][3] = t152;
+    m[3][2] = t152;
+    let t153 = 0.002328735327435001 - t114;
+    let t154 = 3.83030303030303 * t153;
+    let t155 = 0.004377257121839584 + t154;
+    let t156 = t152 + t155;
+    let t157 = sin_panda_joint3 * t156;
+    let t158 = t149 + t157;
+    let t159 = 0.00398335888393552 + t158;
+    let t160 = 2.0 * t159;
+    let t161 = cos_panda_joint2 * t160;
+    let t162 = t141 - t161;
+    let t163 = sin_panda_joint2 * t162;
+    let t164 = 0.014259565994474414 + t108;
+    let t165 = t130 + t164;
+    let t166 = t132 - t165;
+    let t167 = t163 - t166;
+    m[0][0] = t167;
+    let t168 = cos_panda_joint3 * t129;
+    let t169 = 0.01026110182100817 + t126;
+    let t170 = t168 - t169;
+    let t171 = sin_panda_joint2 * t170;
+    let t172 = sin_panda_joint3 * t148;
+    let t173 = cos_panda_joint3 * t156;
+    let t174 = t172 - t173;
+    m[1][2] = t174;
+    m[2][1] = t174;
+    let t175 = 0.0007689361029464 - t174;
+    let t176 = cos_panda_joint2 * t175;
+    let t177 = t171 - t176;
+    m[0][1] = t177;
+    m[1][0] = t177;
+    let t178 = sin_panda_joint2 * t158;
+    let t179 = t106 + t108;
+    m[2][2] = t179;
+    let t180 = cos_panda_joint2 * t179;
+    let t181 = t178 - t180;
+    let t182 = t69 - t75;
+    let t183 = 3.83030303030303 * t136;
+    let t184 = t102 + t183;
+    let t185 = t182 + t184;
+    let t186 = sin_panda_joint3 * t185;
+    let t187 = cos_panda_joint3 * t124;
+    let t188 = t187 - t186;
+    let t189 = sin_panda_joint2 * t188;
+    let t190 = cos_panda_joint2 * t152;
+    let t191 = t189 - t190;
+    let t192 = t35 + t34;
+    let t193 = t65 - t192;
+    let t194 = sin_panda_joint4 * t193;
+    let t195 = 3.83030303030303 * t65;
+    let t196 = t195 - t194;
+    let t197 = cos_panda_joint4 * t91;
+    let t198 = t197 - t196;
+    let t199 = cos_panda_joint3 * t198;
+    let t200 = cos_panda_joint4 * t114;
+    let t201 = 3.83030303030303 * t200;
+    let t202 = sin_panda_joint4 * t114;
+    let t203 = t202 - t201;
+    let t204 = t121 + t203;
+    let t205 = sin_panda_joint3 * t204;
+    let t206 = t199 - t205;
+    let t207 = sin_panda_joint2 * t206;
+    let t208 = cos_panda_joint4 * t193;
+    let t209 = t65 - t208;
+    let t210 = sin_panda_joint4 * t91;
+    let t211 = t210 + t209;
+    let t212 = cos_panda_joint2 * t211;
+    let t213 = t207 - t212;
+    m[0][4] = t213;
+    m[4][0] = t213;
+    let t214 = t22 + 0.050456677916247444;
+    m[5][5] = t214;
+    let t215 = 4.654545454545454 * t72;
+    let t216 = t214 + t215;
+    let t217 = cos_panda_joint5 * t216;
+    let t218 = t59 - t217;
+    let t219 = sin_panda_joint5 * t49;
+    let t220 = t219 - t218;
+    m[3][5] = t220;
+    m[5][3] = t220;
+    let t221 = cos_panda_joint5 * t72;
+    let t222 = cos_panda_joint4 * t221;
+    let t223 = sin_panda_joint4 * t59;
+    let t224 = t222 + t223;
+    let t225 = 3.83030303030303 * t224;
+    let t226 = sin_panda_joint4 * t221;
+    let t227 = cos_panda_joint4 * t59;
+    let t228 = t226 - t227;
+    let t229 = t228 - t225;
+    let t230 = t220 - t229;
+    let t231 = sin_panda_joint3 * t230;
+    let t232 = sin_panda_joint5 * t72;
+    let t233 = t232 + t86;
+    let t234 = sin_panda_joint4 * t233;
+    let t235 = 3.83030303030303 * t232;
     let t236 = t235 - t234;
-    let t237 = cos_panda_joint4 * t236;
-    let t238 = t237 + t233;
-    let t239 = cos_panda_joint3 * t238;
-    let t240 = t239 + t228;
-    let t241 = sin_panda_joint2 * t240;
-    let t242 = cos_panda_joint4 * t230;
-    let t243 = t229 - t242;
-    let t244 = sin_panda_joint4 * t236;
-    let t245 = t244 - t243;
-    m[2][5] = t245;
-    m[5][2] = t245;
-    let t246 = cos_panda_joint2 * t245;
-    let t247 = t241 - t246;
-    let t248 = cos_panda_joint6 * t59;
-    let t249 = cos_panda_joint5 * t248;
-    let t250 = sin_panda_joint5 * t52;
-    let t251 = t249 - t250;
-    let t252 = cos_panda_joint4 * t251;
-    let t253 = sin_panda_joint6 * t59;
-    let t254 = sin_panda_joint4 * t253;
-    let t255 = t252 - t254;
-    let t256 = 3.83030303030303 * t255;
-    let t257 = sin_panda_joint4 * t251;
-    let t258 = cos_panda_joint4 * t253;
-    let t259 = t257 + t258;
-    let t260 = t259 - t256;
-    let t261 = 4.654545454545454 * t248;
-    let t262 = t43 - t261;
-    let t263 = cos_panda_joint5 * t262;
-    let t264 = t253 - t263;
-    let t265 = cos_panda_joint7 * 0.00028869352684245185;
-    let t266 = 0.006684151967360947 + t265;
-    let t267 = sin_panda_joint6 * t266;
-    let t268 = cos_panda_joint7 * 0.0012597535716761534;
-    let t269 = t267 + t268;
-    let t270 = cos_panda_joint6 * t24;
-    let t271 = t270 - t269;
-    let t272 = sin_panda_joint5 * t271;
-    let t273 = t272 + t264;
-    m[3][6] = t273;
-    m[6][3] = t273;
-    let t274 = t273 - t260;
-    let t275 = sin_panda_joint3 * t274;
-    let t276 = cos_panda_joint5 * t271;
-    let t277 = sin_panda_joint5 * t262;
-    let t278 = t277 + t276;
-    let t279 = cos_panda_joint4 * t278;
-    let t280 = sin_panda_joint5 * t248;
-    let t281 = cos_panda_joint5 * t52;
-    let t282 = t280 + t281;
-    let t283 = cos_panda_joint6 * t266;
-    let t284 = sin_panda_joint6 * t24;
-    let t285 = t284 + t283;
-    let t286 = t285 - t282;
-    let t287 = sin_panda_joint4 * t286;
-    let t288 = 3.83030303030303 * t282;
-    let t289 = t287 + t288;
-    let t290 = t279 - t289;
-    let t291 = cos_panda_joint3 * t290;
-    let t292 = t291 - t275;
-    let t293 = sin_panda_joint2 * t292;
-    let t294 = sin_panda_joint4 * t278;
-    let t295 = cos_panda_joint4 * t286;
-    let t296 = t282 + t295;
-    let t297 = t294 + t296;
-    let t298 = cos_panda_joint2 * t297;
-    let t299 = t293 - t298;
-    m[0][6] = t299;
-    m[6][0] = t299;
-    let t300 = t129 + t136;
-    let t301 = cos_panda_joint3 * t182;
-    let t302 = sin_panda_joint3 * t121;
-    let t303 = t302 + t301;
-    m[1][3] = t303;
-    m[3][1] = t303;
-    let t304 = sin_panda_joint3 * t195;
-    let t305 = cos_panda_joint3 * t201;
-    let t306 = t304 + t305;
-    let t307 = cos_panda_joint3 * t227;
-    let t308 = sin_panda_joint3 * t238;
-    let t309 = t308 - t307;
-    m[1][5] = t309;
-    m[5][1] = t309;
-    let t310 = cos_panda_joint3 * t274;
-    let t311 = sin_panda_joint3 * t290;
-    let t312 = t311 + t310;
+    let t237 = cos_panda_joint5 * t49;
+    let t238 = sin_panda_joint5 * t216;
+    let t239 = t238 - t237;
+    let t240 = cos_panda_joint4 * t239;
+    let t241 = t240 + t236;
+    let t242 = cos_panda_joint3 * t241;
+    let t243 = t242 + t231;
+    let t244 = sin_panda_joint2 * t243;
+    let t245 = cos_panda_joint4 * t233;
+    let t246 = t232 - t245;
+    let t247 = sin_panda_joint4 * t239;
+    let t248 = t247 - t246;
+    m[2][5] = t248;
+    m[5][2] = t248;
+    let t249 = cos_panda_joint2 * t248;
+    let t250 = t244 - t249;
+    let t251 = cos_panda_joint6 * t62;
+    let t252 = cos_panda_joint5 * t251;
+    let t253 = sin_panda_joint5 * t55;
+    let t254 = t252 - t253;
+    let t255 = cos_panda_joint4 * t254;
+    let t256 = sin_panda_joint6 * t62;
+    let t257 = sin_panda_joint4 * t256;
+    let t258 = t255 - t257;
+    let t259 = 3.83030303030303 * t258;
+    let t260 = sin_panda_joint4 * t254;
+    let t261 = cos_panda_joint4 * t256;
+    let t262 = t260 + t261;
+    let t263 = t262 - t259;
+    let t264 = 4.654545454545454 * t251;
+    let t265 = t46 - t264;
+    let t266 = cos_panda_joint5 * t265;
+    let t267 = t256 - t266;
+    let t268 = cos_panda_joint7 * 0.0002886935268424518;
+    let t269 = 0.006684151967360947 + t268;
+    let t270 = sin_panda_joint6 * t269;
+    let t271 = cos_panda_joint7 * 0.0012597535716761532;
+    let t272 = t270 + t271;
+    let t273 = cos_panda_joint6 * t27;
+    let t274 = t273 - t272;
+    let t275 = sin_panda_joint5 * t274;
+    let t276 = t275 + t267;
+    m[3][6] = t276;
+    m[6][3] = t276;
+    let t277 = t276 - t263;
+    let t278 = sin_panda_joint3 * t277;
+    let t279 = cos_panda_joint5 * t274;
+    let t280 = sin_panda_joint5 * t265;
+    let t281 = t280 + t279;
+    let t282 = cos_panda_joint4 * t281;
+    let t283 = sin_panda_joint5 * t251;
+    let t284 = cos_panda_joint5 * t55;
+    let t285 = t283 + t284;
+    let t286 = cos_panda_joint6 * t269;
+    let t287 = sin_panda_joint6 * t27;
+    let t288 = t287 + t286;
+    let t289 = t288 - t285;
+    let t290 = sin_panda_joint4 * t289;
+    let t291 = 3.83030303030303 * t285;
+    let t292 = t290 + t291;
+    let t293 = t282 - t292;
+    let t294 = cos_panda_joint3 * t293;
+    let t295 = t294 - t278;
+    let t296 = sin_panda_joint2 * t295;
+    let t297 = sin_panda_joint4 * t281;
+    let t298 = cos_panda_joint4 * t289;
+    let t299 = t285 + t298;
+    let t300 = t297 + t299;
+    let t301 = cos_panda_joint2 * t300;
+    let t302 = t296 - t301;
+    m[0][6] = t302;
+    m[6][0] = t302;
+    let t303 = t132 + t139;
+    let t304 = cos_panda_joint3 * t185;
+    let t305 = sin_panda_joint3 * t124;
+    let t306 = t305 + t304;
+    m[1][3] = t306;
+    m[3][1] = t306;
+    let t307 = sin_panda_joint3 * t198;
+    let t308 = cos_panda_joint3 * t204;
+    let t309 = t307 + t308;
+    let t310 = cos_panda_joint3 * t230;
+    let t311 = sin_panda_joint3 * t241;
+    let t312 = t311 - t310;
+    m[1][5] = t312;
+    m[5][1] = t312;
+    let t313 = cos_panda_joint3 * t277;
+    let t314 = sin_panda_joint3 * t293;
+    let t315 = t314 + t313;
     let omega_panda_joint2_x = v[0] * sin_panda_joint2;
-    let t314 = sin_panda_joint3 * omega_panda_joint2_x;
-    let t315 = v[1] * cos_panda_joint3;
-    let omega_panda_joint3_y = t314 + t315;
-    let t317 = v[2] * omega_panda_joint3_y;
+    let t317 = sin_panda_joint3 * omega_panda_joint2_x;
+    let t318 = v[1] * cos_panda_joint3;
+    let omega_panda_joint3_y = t317 + t318;
+    let t320 = v[2] * omega_panda_joint3_y;
     let omega_panda_joint2_y = v[0] * cos_panda_joint2;
-    let t319 = v[1] * omega_panda_joint2_y;
-    let t320 = cos_panda_joint3 * t319;
-    let t321 = t320 - t317;
+    let t322 = v[1] * omega_panda_joint2_y;
+    let t323 = cos_panda_joint3 * t322;
+    let t324 = t323 - t320;
     let omega_panda_joint3_z = v[2] + omega_panda_joint2_y;
-    let t323 = omega_panda_joint3_y * omega_panda_joint3_z;
-    let t324 = t321 - t323;
-    let t325 = cos_panda_joint4 * t324;
-    let t326 = cos_panda_joint3 * omega_panda_joint2_x;
-    let t327 = v[1] * sin_panda_joint3;
-    let omega_panda_joint3_x = t326 - t327;
-    let t329 = omega_panda_joint3_x * omega_panda_joint3_y;
-    let t330 = v[1] * omega_panda_joint2_x;
-    let t331 = t330 - t329;
-    let t332 = sin_panda_joint4 * t331;
-    let t333 = t332 + t325;
+    let t326 = omega_panda_joint3_y * omega_panda_joint3_z;
+    let t327 = t324 - t326;
+    let t328 = cos_panda_joint4 * t327;
+    let t329 = cos_panda_joint3 * omega_panda_joint2_x;
+    let t330 = v[1] * sin_panda_joint3;
+    let omega_panda_joint3_x = t329 - t330;
+    let t332 = omega_panda_joint3_x * omega_panda_joint3_y;
+    let t333 = v[1] * omega_panda_joint2_x;
+    let t334 = t333 - t332;
+    let t335 = sin_panda_joint4 * t334;
+    let t336 = t335 + t328;
     let omega_panda_joint4_z = v[3] - omega_panda_joint3_y;
-    let t335 = 2.0 * omega_panda_joint4_z;
-    let t336 = sin_panda_joint4 * omega_panda_joint3_x;
-    let t337 = cos_panda_joint4 * omega_panda_joint3_z;
-    let omega_panda_joint4_y = t336 + t337;
-    let t339 = omega_panda_joint4_y * t335;
-    let t340 = t333 - t339;
-    let t341 = sin_panda_joint5 * t340;
-    let t342 = cos_panda_joint4 * omega_panda_joint3_x;
-    let t343 = sin_panda_joint4 * omega_panda_joint3_z;
-    let omega_panda_joint4_x = t342 - t343;
-    let t345 = omega_panda_joint4_x * omega_panda_joint4_y;
-    let t346 = v[2] * omega_panda_joint3_x;
-    let t347 = sin_panda_joint3 * t319;
-    let t348 = t347 + t346;
-    let t349 = t348 - t345;
-    let t350 = cos_panda_joint5 * t349;
-    let t351 = t350 + t341;
-    let t352 = 4.654545454545454 * t351;
-    let t353 = sin_panda_joint4 * t324;
-    let t354 = cos_panda_joint4 * t331;
-    let t355 = t354 - t353;
-    let t356 = omega_panda_joint4_x * t335;
-    let t357 = t355 - t356;
-    let t358 = t321 + t323;
-    let acceleration_panda_joint3_y = 3.83030303030303 * t358;
-    let t360 = t330 + t329;
-    let acceleration_panda_joint4_z = t360 - acceleration_panda_joint3_y;
-    let t362 = acceleration_panda_joint4_z - t357;
-    let t363 = sin_panda_joint5 * t362;
-    let t364 = t363 - t352;
-    let t365 = omega_panda_joint3_x * omega_panda_joint3_z;
-    let t366 = t348 - t365;
-    let acceleration_panda_joint3_x = 3.83030303030303 * t366;
-    let t368 = omega_panda_joint3_y * omega_panda_joint3_y;
-    let t369 = omega_panda_joint3_z * omega_panda_joint3_z;
-    let t370 = t368 + t369;
-    let t371 = t370 - acceleration_panda_joint3_x;
-    let t372 = cos_panda_joint4 * t371;
-    let t373 = omega_panda_joint3_x * omega_panda_joint3_x;
-    let t374 = t373 + t368;
-    let acceleration_panda_joint3_z = 3.83030303030303 * t374;
-    let t376 = t348 + t365;
-    let t377 = t376 + acceleration_panda_joint3_z;
-    let t378 = sin_panda_joint4 * t377;
-    let acceleration_panda_joint4_x = t372 + t378;
-    let t380 = omega_panda_joint4_y * omega_panda_joint4_y;
-    let t381 = omega_panda_joint4_z * omega_panda_joint4_z;
-    let t382 = t380 + t381;
-    let t383 = acceleration_panda_joint4_x - t382;
-    let t384 = cos_panda_joint5 * t383;
-    let acceleration_panda_joint5_x = t384 + t364;
-    let t386 = sin_panda_joint6 * acceleration_panda_joint5_x;
-    let t387 = sin_panda_joint4 * t371;
-    let t388 = cos_panda_joint4 * t377;
-    let acceleration_panda_joint4_y = t387 - t388;
-    let t390 = omega_panda_joint4_x * omega_panda_joint4_x;
-    let t391 = t390 + t381;
-    let t392 = 4.654545454545454 * t391;
-    let t393 = t348 + t345;
-    let t394 = t393 - t392;
-    let acceleration_panda_joint5_z = acceleration_panda_joint4_y + t394;
-    let t396 = cos_panda_joint6 * acceleration_panda_joint5_z;
-    let acceleration_panda_joint6_y = t386 + t396;
-    let t398 = cos_panda_joint5 * omega_panda_joint4_x;
-    let t399 = sin_panda_joint5 * omega_panda_joint4_z;
-    let omega_panda_joint5_x = t398 + t399;
+    let t338 = 2.0 * omega_panda_joint4_z;
+    let t339 = sin_panda_joint4 * omega_panda_joint3_x;
+    let t340 = cos_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_y = t339 + t340;
+    let t342 = omega_panda_joint4_y * t338;
+    let t343 = t336 - t342;
+    let t344 = sin_panda_joint5 * t343;
+    let t345 = cos_panda_joint4 * omega_panda_joint3_x;
+    let t346 = sin_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_x = t345 - t346;
+    let t348 = omega_panda_joint4_x * omega_panda_joint4_y;
+    let t349 = v[2] * omega_panda_joint3_x;
+    let t350 = sin_panda_joint3 * t322;
+    let t351 = t350 + t349;
+    let t352 = t351 - t348;
+    let t353 = cos_panda_joint5 * t352;
+    let t354 = t353 + t344;
+    let t355 = 4.654545454545454 * t354;
+    let t356 = sin_panda_joint4 * t327;
+    let t357 = cos_panda_joint4 * t334;
+    let t358 = t357 - t356;
+    let t359 = omega_panda_joint4_x * t338;
+    let t360 = t358 - t359;
+    let t361 = t324 + t326;
+    let acceleration_panda_joint3_y = 3.83030303030303 * t361;
+    let t363 = t333 + t332;
+    let acceleration_panda_joint4_z = t363 - acceleration_panda_joint3_y;
+    let t365 = acceleration_panda_joint4_z - t360;
+    let t366 = sin_panda_joint5 * t365;
+    let t367 = t366 - t355;
+    let t368 = omega_panda_joint3_x * omega_panda_joint3_z;
+    let t369 = t351 - t368;
+    let acceleration_panda_joint3_x = 3.83030303030303 * t369;
+    let t371 = omega_panda_joint3_y * omega_panda_joint3_y;
+    let t372 = omega_panda_joint3_z * omega_panda_joint3_z;
+    let t373 = t371 + t372;
+    let t374 = t373 - acceleration_panda_joint3_x;
+    let t375 = cos_panda_joint4 * t374;
+    let t376 = omega_panda_joint3_x * omega_panda_joint3_x;
+    let t377 = t376 + t371;
+    let acceleration_panda_joint3_z = 3.83030303030303 * t377;
+    let t379 = t351 + t368;
+    let t380 = t379 + acceleration_panda_joint3_z;
+    let t381 = sin_panda_joint4 * t380;
+    let acceleration_panda_joint4_x = t375 + t381;
+    let t383 = omega_panda_joint4_y * omega_panda_joint4_y;
+    let t384 = omega_panda_joint4_z * omega_panda_joint4_z;
+    let t385 = t383 + t384;
+    let t386 = acceleration_panda_joint4_x - t385;
+    let t387 = cos_panda_joint5 * t386;
+    let acceleration_panda_joint5_x = t387 + t367;
+    let t389 = sin_panda_joint6 * acceleration_panda_joint5_x;
+    let t390 = sin_panda_joint4 * t374;
+    let t391 = cos_panda_joint4 * t380;
+    let acceleration_panda_joint4_y = t390 - t391;
+    let t393 = omega_panda_joint4_x * omega_panda_joint4_x;
+    let t394 = t393 + t384;
+    let t395 = 4.654545454545454 * t394;
+    let t396 = t351 + t348;
+    let t397 = t396 - t395;
+    let acceleration_panda_joint5_z = acceleration_panda_joint4_y + t397;
+    let t399 = cos_panda_joint6 * acceleration_panda_joint5_z;
+    let acceleration_panda_joint6_y = t389 + t399;
+    let t401 = cos_panda_joint5 * omega_panda_joint4_x;
+    let t402 = sin_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_x = t401 + t402;
     let omega_panda_joint5_z = v[4] + omega_panda_joint4_y;
-    let t402 = omega_panda_joint5_x * omega_panda_joint5_z;
-    let t403 = t351 + t402;
-    let t404 = sin_panda_joint6 * omega_panda_joint5_x;
-    let t405 = cos_panda_joint6 * omega_panda_joint5_z;
-    let omega_panda_joint6_y = t404 + t405;
-    let t407 = cos_panda_joint6 * omega_panda_joint5_x;
-    let t408 = sin_panda_joint6 * omega_panda_joint5_z;
-    let omega_panda_joint6_x = t407 - t408;
-    let t410 = omega_panda_joint6_x * omega_panda_joint6_y;
-    let t411 = t403 + t410;
-    let t412 = 1.0666666666666667 * t411;
-    let acceleration_panda_joint7_z = t412 - acceleration_panda_joint6_y;
-    let t414 = 0.017931959153753906 * acceleration_panda_joint7_z;
-    let t415 = cos_panda_joint5 * t340;
-    let t416 = sin_panda_joint5 * t349;
-    let t417 = t416 - t415;
-    let t418 = 2.0 * omega_panda_joint5_z;
-    let t419 = sin_panda_joint5 * omega_panda_joint4_x;
-    let t420 = cos_panda_joint5 * omega_panda_joint4_z;
-    let omega_panda_joint5_y = t419 - t420;
-    let t422 = omega_panda_joint5_y * t418;
-    let t423 = t417 + t422;
-    let t424 = cos_panda_joint6 * t423;
-    let t425 = omega_panda_joint4_x * omega_panda_joint4_z;
-    let t426 = t355 - t425;
-    let t427 = omega_panda_joint5_x * omega_panda_joint5_y;
-    let t428 = t426 - t427;
-    let t429 = sin_panda_joint6 * t428;
-    let t430 = t429 - t424;
+    let t405 = omega_panda_joint5_x * omega_panda_joint5_z;
+    let t406 = t354 + t405;
+    let t407 = sin_panda_joint6 * omega_panda_joint5_x;
+    let t408 = cos_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_y = t407 + t408;
+    let t410 = cos_panda_joint6 * omega_panda_joint5_x;
+    let t411 = sin_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_x = t410 - t411;
+    let t413 = omega_panda_joint6_x * omega_panda_joint6_y;
+    let t414 = t406 + t413;
+    let t415 = 1.0666666666666667 * t414;
+    let acceleration_panda_joint7_z = t415 - acceleration_panda_joint6_y;
+    let t417 = 0.017931959153753906 * acceleration_panda_joint7_z;
+    let t418 = cos_panda_joint5 * t343;
+    let t419 = sin_panda_joint5 * t352;
+    let t420 = t419 - t418;
+    let t421 = 2.0 * omega_panda_joint5_z;
+    let t422 = sin_panda_joint5 * omega_panda_joint4_x;
+    let t423 = cos_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_y = t422 - t423;
+    let t425 = omega_panda_joint5_y * t421;
+    let t426 = t420 + t425;
+    let t427 = cos_panda_joint6 * t426;
+    let t428 = omega_panda_joint4_x * omega_panda_joint4_z;
+    let t429 = t358 - t428;
+    let t430 = omega_panda_joint5_x * omega_panda_joint5_y;
+    let t431 = t429 - t430;
+    let t432 = sin_panda_joint6 * t431;
+    let t433 = t432 - t427;
     let omega_panda_joint6_z = v[5] - omega_panda_joint5_y;
-    let t432 = 2.0 * omega_panda_joint6_z;
-    let t433 = omega_panda_joint6_y * t432;
-    let t434 = t430 - t433;
+    let t435 = 2.0 * omega_panda_joint6_z;
+    let t436 = omega_panda_joint6_y * t435;
+    let t437 = t433 - t436;
     let omega_panda_joint7_z = v[6] - omega_panda_joint6_y;
-    let t436 = 2.0 * omega_panda_joint7_z;
-    let t437 = omega_panda_joint6_z * t436;
-    let t438 = t434 - t437;
-    let t439 = t59 * t438;
-    let t440 = t403 - t410;
-    let t441 = omega_panda_joint6_x * t436;
-    let t442 = t440 - t441;
-    let t443 = t52 * t442;
-    let t444 = t443 - t439;
-    let force_panda_joint7_z = t444 + t414;
-    let t446 = omega_panda_joint6_x * omega_panda_joint6_x;
-    let t447 = omega_panda_joint6_z * omega_panda_joint6_z;
-    let t448 = t446 + t447;
-    let t449 = 0.014338888209442503 * t448;
-    let force_panda_joint6_y = t449 - force_panda_joint7_z;
-    let t451 = sin_panda_joint6 * force_panda_joint6_y;
-    let t452 = 0.027672413504871096 * acceleration_panda_joint5_x;
-    let t453 = 0.0055993270925625 * t428;
-    let t454 = omega_panda_joint5_y * omega_panda_joint5_y;
-    let t455 = omega_panda_joint5_z * omega_panda_joint5_z;
-    let t456 = t454 + t455;
-    let t457 = 0.001208932934385 * t456;
-    let t458 = t457 + t453;
-    let t459 = t458 - t452;
-    let t460 = t451 - t459;
-    let t461 = cos_panda_joint6 * acceleration_panda_joint5_x;
-    let t462 = sin_panda_joint6 * acceleration_panda_joint5_z;
-    let acceleration_panda_joint6_x = t461 - t462;
-    let t464 = omega_panda_joint6_y * omega_panda_joint6_y;
-    let t465 = t464 + t447;
-    let t466 = 1.0666666666666667 * t465;
-    let acceleration_panda_joint7_x = t466 + acceleration_panda_joint6_x;
-    let t468 = 0.017931959153753906 * acceleration_panda_joint7_x;
-    let t469 = sin_panda_joint6 * t423;
-    let t470 = cos_panda_joint6 * t428;
-    let t471 = t470 + t469;
-    let t472 = omega_panda_joint6_x * omega_panda_joint6_z;
-    let t473 = t471 - t472;
-    let t474 = t472 + t473;
-    let t475 = t59 * t474;
-    let t476 = omega_panda_joint7_z * omega_panda_joint7_z;
-    let t477 = t447 + t476;
-    let t478 = t52 * t477;
-    let t479 = t478 + t475;
-    let force_panda_joint7_x = t479 + t468;
-    let t481 = 0.014338888209442503 * t440;
-    let force_panda_joint6_x = t481 + force_panda_joint7_x;
-    let t483 = cos_panda_joint6 * force_panda_joint6_x;
-    let force_panda_joint5_x = t483 + t460;
-    let t485 = 4.654545454545454 * force_panda_joint5_x;
-    let t486 = 1.0666666666666667 * force_panda_joint7_z;
-    let t487 = 0.028934422545659894 * t440;
-    let t488 = t465 - t448;
-    let t489 = 0.014748570382675316 * t488;
-    let t490 = t489 + t487;
-    let t491 = 0.0011196707334275545 * t411;
-    let t492 = t491 + t490;
-    let t493 = 9.3569097314605e-5 * t471;
-    let t494 = 0.00010375891721868492 * t430;
-    let t495 = t494 - t493;
-    let t496 = t495 - t492;
-    let t497 = 0.014338888209442503 * acceleration_panda_joint6_x;
+    let t439 = 2.0 * omega_panda_joint7_z;
+    let t440 = omega_panda_joint6_z * t439;
+    let t441 = t437 - t440;
+    let t442 = t62 * t441;
+    let t443 = t406 - t413;
+    let t444 = omega_panda_joint6_x * t439;
+    let t445 = t443 - t444;
+    let t446 = t55 * t445;
+    let t447 = t446 - t442;
+    let force_panda_joint7_z = t447 + t417;
+    let t449 = omega_panda_joint6_x * omega_panda_joint6_x;
+    let t450 = omega_panda_joint6_z * omega_panda_joint6_z;
+    let t451 = t449 + t450;
+    let t452 = 0.014338888209442503 * t451;
+    let force_panda_joint6_y = t452 - force_panda_joint7_z;
+    let t454 = sin_panda_joint6 * force_panda_joint6_y;
+    let t455 = 0.027672413504871096 * acceleration_panda_joint5_x;
+    let t456 = 0.0055993270925625 * t431;
+    let t457 = omega_panda_joint5_y * omega_panda_joint5_y;
+    let t458 = omega_panda_joint5_z * omega_panda_joint5_z;
+    let t459 = t457 + t458;
+    let t460 = 0.001208932934385 * t459;
+    let t461 = t460 + t456;
+    let t462 = t461 - t455;
+    let t463 = t454 - t462;
+    let t464 = cos_panda_joint6 * acceleration_panda_joint5_x;
+    let t465 = sin_panda_joint6 * acceleration_panda_joint5_z;
+    let acceleration_panda_joint6_x = t464 - t465;
+    let t467 = omega_panda_joint6_y * omega_panda_joint6_y;
+    let t468 = t467 + t450;
+    let t469 = 1.0666666666666667 * t468;
+    let acceleration_panda_joint7_x = t469 + acceleration_panda_joint6_x;
+    let t471 = 0.017931959153753906 * acceleration_panda_joint7_x;
+    let t472 = sin_panda_joint6 * t426;
+    let t473 = cos_panda_joint6 * t431;
+    let t474 = t473 + t472;
+    let t475 = omega_panda_joint6_x * omega_panda_joint6_z;
+    let t476 = t474 - t475;
+    let t477 = t475 + t476;
+    let t478 = t62 * t477;
+    let t479 = omega_panda_joint7_z * omega_panda_joint7_z;
+    let t480 = t450 + t479;
+    let t481 = t55 * t480;
+    let t482 = t481 + t478;
+    let force_panda_joint7_x = t482 + t471;
+    let t484 = 0.014338888209442503 * t443;
+    let force_panda_joint6_x = t484 + force_panda_joint7_x;
+    let t486 = cos_panda_joint6 * force_panda_joint6_x;
+    let force_panda_joint5_x = t486 + t463;
+    let t488 = 4.654545454545454 * force_panda_joint5_x;
+    let t489 = 1.0666666666666667 * force_panda_joint7_z;
+    let t490 = 0.028934422545659894 * t443;
+    let t491 = t468 - t451;
+    let t492 = 0.014748570382675316 * t491;
+    let t493 = t492 + t490;
+    let t494 = 0.0011196707334275545 * t414;
+    let t495 = t494 + t493;
+    let t496 = 9.3569097314605e-5 * t474;
+    let t497 = 0.00010375891721868492 * t433;
     let t498 = t497 - t496;
-    let t499 = t486 + t498;
-    let t500 = t36 * t438;
-    let t501 = t17 * t442;
-    let t502 = t448 - t477;
-    let t503 = t24 * t502;
-    let t504 = t503 - t501;
-    let t505 = t500 - t504;
-    let t506 = t43 * t474;
-    let t507 = t506 + t505;
-    let t508 = t52 * acceleration_panda_joint7_z;
-    let moment_panda_joint7_y = t508 + t507;
-    let moment_panda_joint6_z = moment_panda_joint7_y + t499;
-    let t511 = t391 - t456;
-    let t512 = 0.004600245517563105 * t511;
-    let t513 = 0.0021640520520981297 * t428;
-    let t514 = t513 - t512;
-    let t515 = 0.001208932934385 * acceleration_panda_joint5_z;
-    let t516 = t515 - t514;
-    let t517 = omega_panda_joint5_x * t418;
-    let t518 = t351 + t517;
-    let t519 = 0.0014511560650267133 * t518;
-    let t520 = t519 + t516;
-    let t521 = 0.0015152444733270301 * t423;
-    let t522 = t521 - t520;
-    let moment_panda_joint5_y = moment_panda_joint6_z - t522;
-    let t524 = moment_panda_joint5_y - t485;
-    let t525 = cos_panda_joint5 * t524;
-    let t526 = cos_panda_joint6 * force_panda_joint6_y;
-    let t527 = 0.0055993270925625 * t423;
-    let t528 = 0.027672413504871096 * acceleration_panda_joint5_z;
-    let t529 = t527 + t528;
-    let t530 = 0.001208932934385 * t518;
-    let t531 = t530 + t529;
-    let t532 = t526 + t531;
-    let t533 = sin_panda_joint6 * force_panda_joint6_x;
-    let force_panda_joint5_z = t533 - t532;
-    let t535 = 0.2907172362270936 * t349;
-    let t536 = 0.0054157634981905 * t393;
-    let t537 = t536 - t535;
-    let t538 = t382 - t391;
-    let t539 = 0.04942675278013915 * t538;
-    let t540 = t539 - t537;
-    let t541 = 0.0016444875773692705 * t355;
-    let t542 = 0.0039053550262761003 * t333;
-    let t543 = t542 - t541;
-    let t544 = t543 - t540;
-    let t545 = 0.04623443229335249 * acceleration_panda_joint4_x;
-    let t546 = t545 + t544;
-    let t547 = force_panda_joint5_z - t546;
-    let t548 = t525 - t547;
-    let t549 = 0.004002333051911301 - t16;
-    let t550 = t549 * t438;
-    let t551 = t36 * t442;
-    let t552 = t446 + t476;
-    let t553 = t448 - t552;
-    let t554 = t43 * t553;
-    let t555 = t551 + t554;
-    let t556 = t550 + t555;
-    let t557 = t472 - t473;
-    let t558 = t24 * t557;
-    let t559 = t558 - t556;
-    let t560 = t59 * acceleration_panda_joint7_z;
-    let moment_panda_joint7_x = t560 + t559;
-    let t562 = 0.00010375891721868492 * t411;
-    let t563 = omega_panda_joint5_x * omega_panda_joint5_x;
-    let t564 = t563 + t455;
-    let t565 = t564 - t448;
-    let t566 = 9.3569097314605e-5 * t565;
-    let t567 = t562 + t566;
-    let t568 = 4.654545454545454 * t417;
-    let t569 = cos_panda_joint5 * t362;
-    let t570 = t569 + t568;
-    let t571 = sin_panda_joint5 * t383;
-    let acceleration_panda_joint5_y = t571 - t570;
-    let t573 = 0.014338888209442503 * acceleration_panda_joint5_y;
-    let t574 = t573 + t567;
-    let t575 = 0.028934422545659894 * t434;
-    let t576 = t575 - t574;
-    let t577 = omega_panda_joint6_x * t432;
-    let t578 = t471 - t577;
-    let t579 = 0.014748570382675316 * t578;
-    let t580 = t579 + t576;
-    let moment_panda_joint6_x = moment_panda_joint7_x - t580;
-    let t582 = cos_panda_joint6 * moment_panda_joint6_x;
-    let t583 = t391 - t564;
-    let t584 = 0.0021640520520981297 * t583;
-    let t585 = t426 + t427;
-    let t586 = 0.004600245517563105 * t585;
-    let t587 = t586 + t584;
-    let t588 = 0.0055993270925625 * acceleration_panda_joint5_z;
-    let t589 = t588 + t587;
-    let t590 = 0.010045187828321242 * t423;
-    let t591 = t590 + t589;
-    let t592 = 0.0015152444733270301 * t518;
-    let t593 = t592 - t591;
-    let t594 = t582 - t593;
-    let t595 = 1.0666666666666667 * t578;
-    let acceleration_panda_joint7_y = t595 - acceleration_panda_joint5_y;
-    let t597 = 0.017931959153753906 * acceleration_panda_joint7_y;
-    let t598 = t52 * t557;
-    let t599 = t59 * t552;
-    let t600 = t598 + t599;
-    let force_panda_joint7_y = t600 - t597;
-    let t602 = 1.0666666666666667 * force_panda_joint7_y;
-    let t603 = 0.0011196707334275545 * t578;
-    let t604 = 9.3569097314605e-5 * t440;
-    let t605 = t564 - t465;
-    let t606 = 0.00010375891721868492 * t605;
-    let t607 = t604 - t606;
-    let t608 = t603 + t607;
-    let t609 = 0.014748570382675316 * t434;
-    let t610 = t609 + t608;
-    let t611 = t602 - t610;
-    let t612 = t59 * acceleration_panda_joint7_x;
-    let t613 = t52 * acceleration_panda_joint7_y;
-    let t614 = t613 + t612;
-    let t615 = t24 * t434;
-    let t616 = t477 - t552;
-    let t617 = t36 * t616;
-    let t618 = t43 * t440;
-    let t619 = t618 - t617;
-    let t620 = t615 + t619;
-    let t621 = t549 * t474;
-    let t622 = t621 + t620;
-    let t623 = t17 * t557;
-    let t624 = t623 - t622;
-    let moment_panda_joint7_z = t624 - t614;
-    let moment_panda_joint6_y = moment_panda_joint7_z + t611;
-    let t627 = sin_panda_joint6 * moment_panda_joint6_y;
-    let moment_panda_joint5_x = t627 - t594;
-    let t629 = 0.014338888209442503 * t434;
-    let force_panda_joint6_z = t629 - force_panda_joint7_y;
-    let t631 = 0.027672413504871096 * acceleration_panda_joint5_y;
-    let t632 = 0.001208932934385 * t585;
-    let t633 = 0.0055993270925625 * t564;
-    let t634 = t632 - t633;
-    let t635 = t634 + t631;
-    let force_panda_joint5_y = force_panda_joint6_z - t635;
-    let t637 = 4.654545454545454 * force_panda_joint5_y;
-    let t638 = moment_panda_joint5_x - t637;
-    let t639 = sin_panda_joint5 * t638;
-    let moment_panda_joint4_z = t639 - t548;
+    let t499 = t498 - t495;
+    let t500 = 0.014338888209442503 * acceleration_panda_joint6_x;
+    let t501 = t500 - t499;
+    let t502 = t489 + t501;
+    let t503 = t39 * t441;
+    let t504 = t20 * t445;
+    let t505 = t451 - t480;
+    let t506 = t27 * t505;
+    let t507 = t506 - t504;
+    let t508 = t503 - t507;
+    let t509 = t46 * t477;
+    let t510 = t509 + t508;
+    let t511 = t55 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_y = t511 + t510;
+    let moment_panda_joint6_z = moment_panda_joint7_y + t502;
+    let t514 = t394 - t459;
+    let t515 = 0.004600245517563105 * t514;
+    let t516 = 0.0021640520520981297 * t431;
+    let t517 = t516 - t515;
+    let t518 = 0.001208932934385 * acceleration_panda_joint5_z;
+    let t519 = t518 - t517;
+    let t520 = omega_panda_joint5_x * t421;
+    let t521 = t354 + t520;
+    let t522 = 0.0014511560650267133 * t521;
+    let t523 = t522 + t519;
+    let t524 = 0.0015152444733270301 * t426;
+    let t525 = t524 - t523;
+    let moment_panda_joint5_y = moment_panda_joint6_z - t525;
+    let t527 = moment_panda_joint5_y - t488;
+    let t528 = cos_panda_joint5 * t527;
+    let t529 = cos_panda_joint6 * force_panda_joint6_y;
+    let t530 = 0.0055993270925625 * t426;
+    let t531 = 0.027672413504871096 * acceleration_panda_joint5_z;
+    let t532 = t530 + t531;
+    let t533 = 0.001208932934385 * t521;
+    let t534 = t533 + t532;
+    let t535 = t529 + t534;
+    let t536 = sin_panda_joint6 * force_panda_joint6_x;
+    let force_panda_joint5_z = t536 - t535;
+    let t538 = 0.2907172362270936 * t352;
+    let t539 = 0.0054157634981905 * t396;
+    let t540 = t539 - t538;
+    let t541 = t385 - t394;
+    let t542 = 0.04942675278013915 * t541;
+    let t543 = t542 - t540;
+    let t544 = 0.0016444875773692705 * t358;
+    let t545 = 0.0039053550262761003 * t336;
+    let t546 = t545 - t544;
+    let t547 = t546 - t543;
+    let t548 = 0.04623443229335249 * acceleration_panda_joint4_x;
+    let t549 = t548 + t547;
+    let t550 = force_panda_joint5_z - t549;
+    let t551 = t528 - t550;
+    let t552 = 0.004002333051911301 - t19;
+    let t553 = t552 * t441;
+    let t554 = t39 * t445;
+    let t555 = t449 + t479;
+    let t556 = t451 - t555;
+    let t557 = t46 * t556;
+    let t558 = t554 + t557;
+    let t559 = t553 + t558;
+    let t560 = t475 - t476;
+    let t561 = t27 * t560;
+    let t562 = t561 - t559;
+    let t563 = t62 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_x = t563 + t562;
+    let t565 = 0.00010375891721868492 * t414;
+    let t566 = omega_panda_joint5_x * omega_panda_joint5_x;
+    let t567 = t566 + t458;
+    let t568 = t567 - t451;
+    let t569 = 9.3569097314605e-5 * t568;
+    let t570 = t565 + t569;
+    let t571 = 4.654545454545454 * t420;
+    let t572 = cos_panda_joint5 * t365;
+    let t573 = t572 + t571;
+    let t574 = sin_panda_joint5 * t386;
+    let acceleration_panda_joint5_y = t574 - t573;
+    let t576 = 0.014338888209442503 * acceleration_panda_joint5_y;
+    let t577 = t576 + t570;
+    let t578 = 0.028934422545659894 * t437;
+    let t579 = t578 - t577;
+    let t580 = omega_panda_joint6_x * t435;
+    let t581 = t474 - t580;
+    let t582 = 0.014748570382675316 * t581;
+    let t583 = t582 + t579;
+    let moment_panda_joint6_x = moment_panda_joint7_x - t583;
+    let t585 = cos_panda_joint6 * moment_panda_joint6_x;
+    let t586 = t394 - t567;
+    let t587 = 0.0021640520520981297 * t586;
+    let t588 = t429 + t430;
+    let t589 = 0.004600245517563105 * t588;
+    let t590 = t589 + t587;
+    let t591 = 0.0055993270925625 * acceleration_panda_joint5_z;
+    let t592 = t591 + t590;
+    let t593 = 0.010045187828321242 * t426;
+    let t594 = t593 + t592;
+    let t595 = 0.0015152444733270301 * t521;
+    let t596 = t595 - t594;
+    let t597 = t585 - t596;
+    let t598 = 1.0666666666666667 * t581;
+    let acceleration_panda_joint7_y = t598 - acceleration_panda_joint5_y;
+    let t600 = 0.017931959153753906 * acceleration_panda_joint7_y;
+    let t601 = t55 * t560;
+    let t602 = t62 * t555;
+    let t603 = t601 + t602;
+    let force_panda_joint7_y = t603 - t600;
+    let t605 = 1.0666666666666667 * force_panda_joint7_y;
+    let t606 = 0.0011196707334275545 * t581;
+    let t607 = 9.3569097314605e-5 * t443;
+    let t608 = t567 - t468;
+    let t609 = 0.00010375891721868492 * t608;
+    let t610 = t607 - t609;
+    let t611 = t606 + t610;
+    let t612 = 0.014748570382675316 * t437;
+    let t613 = t612 + t611;
+    let t614 = t605 - t613;
+    let t615 = t62 * acceleration_panda_joint7_x;
+    let t616 = t55 * acceleration_panda_joint7_y;
+    let t617 = t616 + t615;
+    let t618 = t27 * t437;
+    let t619 = t480 - t555;
+    let t620 = t39 * t619;
+    let t621 = t46 * t443;
+    let t622 = t621 - t620;
+    let t623 = t618 + t622;
+    let t624 = t552 * t477;
+    let t625 = t624 + t623;
+    let t626 = t20 * t560;
+    let t627 = t626 - t625;
+    let moment_panda_joint7_z = t627 - t617;
+    let moment_panda_joint6_y = moment_panda_joint7_z + t614;
+    let t630 = sin_panda_joint6 * moment_panda_joint6_y;
+    let moment_panda_joint5_x = t630 - t597;
+    let t632 = 0.014338888209442503 * t437;
+    let force_panda_joint6_z = t632 - force_panda_joint7_y;
+    let t634 = 0.027672413504871096 * acceleration_panda_joint5_y;
+    let t635 = 0.001208932934385 * t588;
+    let t636 = 0.0055993270925625 * t567;
+    let t637 = t635 - t636;
+    let t638 = t637 + t634;
+    let force_panda_joint5_y = force_panda_joint6_z - t638;
+    let t640 = 4.654545454545454 * force_panda_joint5_y;
+    let t641 = moment_panda_joint5_x - t640;
+    let t642 = sin_panda_joint5 * t641;
+    let moment_panda_joint4_z = t642 - t551;
     k[3] = moment_panda_joint4_z;
-    let t641 = 0.016011409030815008 * acceleration_panda_joint4_y;
-    let t642 = 0.04623443229335249 * t391;
-    let t643 = t641 + t642;
-    let force_panda_joint4_y = t643 - force_panda_joint5_z;
-    let t645 = cos_panda_joint4 * force_panda_joint4_y;
-    let t646 = t370 - t374;
-    let t647 = 0.005487648106562256 * t646;
-    let t648 = 0.00012191242095074308 * t324;
-    let t649 = t648 - t647;
-    let t650 = 1.3360662912305366e-5 * t376;
-    let t651 = 0.004377257121839584 * t331;
+    let t644 = 0.016011409030815008 * acceleration_panda_joint4_y;
+    let t645 = 0.04623443229335249 * t394;
+    let t646 = t644 + t645;
+    let force_panda_joint4_y = t646 - force_panda_joint5_z;
+    let t648 = cos_panda_joint4 * force_panda_joint4_y;
+    let t649 = t373 - t377;
+    let t650 = 0.005487648106562256 * t649;
+    let t651 = 0.00012191242095074308 * t327;
     let t652 = t651 - t650;
-    let t653 = t652 + t649;
-    let t654 = t645 - t653;
-    let t655 = cos_panda_joint5 * force_panda_joint5_x;
-    let t656 = sin_panda_joint5 * force_panda_joint5_y;
-    let t657 = 0.016011409030815008 * acceleration_panda_joint4_x;
-    let t658 = 0.04623443229335249 * t349;
-    let t659 = t657 + t658;
-    let t660 = t659 - t656;
-    let force_panda_joint4_x = t655 + t660;
-    let t662 = sin_panda_joint4 * force_panda_joint4_x;
-    let t663 = t662 - t654;
-    let moment_panda_joint3_y = moment_panda_joint4_z - t663;
-    let t665 = sin_panda_joint4 * force_panda_joint4_y;
-    let t666 = 0.002328735327435001 * t331;
-    let t667 = t666 - t665;
-    let t668 = cos_panda_joint4 * force_panda_joint4_x;
-    let force_panda_joint3_x = t668 - t667;
-    let t670 = 3.83030303030303 * force_panda_joint3_x;
-    let t671 = moment_panda_joint3_y + t670;
-    let t672 = sin_panda_joint3 * t671;
-    let t673 = t319 * 0.2563665845006481;
-    let t674 = omega_panda_joint2_x * omega_panda_joint2_y;
-    let t675 = 0.01026110182100817 * t674;
-    let t676 = t675 - t673;
-    let t677 = t330 * 0.00796671776787104;
-    let t678 = t677 - t676;
-    let t679 = omega_panda_joint2_y * omega_panda_joint2_y;
-    let t680 = omega_panda_joint2_x * omega_panda_joint2_x;
-    let t681 = t680 + t679;
-    let t682 = v[1] * v[1];
-    let t683 = t680 + t682;
-    let t684 = t683 - t681;
-    let t685 = 0.0007689361029464 * t684;
-    let t686 = t685 + t678;
-    let t687 = t672 - t686;
-    let t688 = sin_panda_joint5 * t524;
-    let t689 = 0.2907172362270936 * t340;
-    let t690 = 0.04942675278013915 * t357;
-    let t691 = t690 + t689;
-    let t692 = t373 + t369;
-    let t693 = t692 - t391;
-    let t694 = 0.0016444875773692705 * t693;
-    let t695 = 0.0039053550262761003 * t393;
-    let t696 = t695 + t694;
-    let t697 = 0.04623443229335249 * acceleration_panda_joint4_z;
-    let t698 = t697 + t696;
-    let t699 = t698 - t691;
-    let t700 = t688 + t699;
-    let t701 = cos_panda_joint5 * t638;
-    let moment_panda_joint4_x = t701 + t700;
-    let t703 = cos_panda_joint4 * moment_panda_joint4_x;
-    let t704 = sin_panda_joint6 * moment_panda_joint6_x;
-    let t705 = 0.0055993270925625 * acceleration_panda_joint5_x;
-    let t706 = 0.010045187828321242 * t428;
-    let t707 = 0.0014511560650267133 * t585;
-    let t708 = t707 + t706;
-    let t709 = t456 - t564;
-    let t710 = 0.0015152444733270301 * t709;
-    let t711 = t710 - t708;
-    let t712 = 0.0021640520520981297 * t351;
-    let t713 = 0.004600245517563105 * t417;
-    let t714 = t713 - t712;
-    let t715 = t714 - t711;
-    let t716 = t705 - t715;
-    let t717 = 0.001208932934385 * acceleration_panda_joint5_y;
-    let t718 = t717 - t716;
-    let t719 = t704 - t718;
-    let t720 = cos_panda_joint6 * moment_panda_joint6_y;
-    let moment_panda_joint5_z = t720 + t719;
+    let t653 = 1.3360662912305366e-5 * t379;
+    let t654 = 0.004377257121839584 * t334;
+    let t655 = t654 - t653;
+    let t656 = t655 + t652;
+    let t657 = t648 - t656;
+    let t658 = cos_panda_joint5 * force_panda_joint5_x;
+    let t659 = sin_panda_joint5 * force_panda_joint5_y;
+    let t660 = 0.016011409030815008 * acceleration_panda_joint4_x;
+    let t661 = 0.04623443229335249 * t352;
+    let t662 = t660 + t661;
+    let t663 = t662 - t659;
+    let force_panda_joint4_x = t658 + t663;
+    let t665 = sin_panda_joint4 * force_panda_joint4_x;
+    let t666 = t665 - t657;
+    let moment_panda_joint3_y = moment_panda_joint4_z - t666;
+    let t668 = sin_panda_joint4 * force_panda_joint4_y;
+    let t669 = 0.002328735327435001 * t334;
+    let t670 = t669 - t668;
+    let t671 = cos_panda_joint4 * force_panda_joint4_x;
+    let force_panda_joint3_x = t671 - t670;
+    let t673 = 3.83030303030303 * force_panda_joint3_x;
+    let t674 = moment_panda_joint3_y + t673;
+    let t675 = sin_panda_joint3 * t674;
+    let t676 = t322 * 0.2563665845006481;
+    let t677 = omega_panda_joint2_x * omega_panda_joint2_y;
+    let t678 = 0.01026110182100817 * t677;
+    let t679 = t678 - t676;
+    let t680 = t333 * 0.00796671776787104;
+    let t681 = t680 - t679;
+    let t682 = omega_panda_joint2_y * omega_panda_joint2_y;
+    let t683 = omega_panda_joint2_x * omega_panda_joint2_x;
+    let t684 = t683 + t682;
+    let t685 = v[1] * v[1];
+    let t686 = t683 + t685;
+    let t687 = t686 - t684;
+    let t688 = 0.0007689361029464 * t687;
+    let t689 = t688 + t681;
+    let t690 = t675 - t689;
+    let t691 = sin_panda_joint5 * t527;
+    let t692 = 0.2907172362270936 * t343;
+    let t693 = 0.04942675278013915 * t360;
+    let t694 = t693 + t692;
+    let t695 = t376 + t372;
+    let t696 = t695 - t394;
+    let t697 = 0.0016444875773692705 * t696;
+    let t698 = 0.0039053550262761003 * t396;
+    let t699 = t698 + t697;
+    let t700 = 0.04623443229335249 * acceleration_panda_joint4_z;
+    let t701 = t700 + t699;
+    let t702 = t701 - t694;
+    let t703 = t691 + t702;
+    let t704 = cos_panda_joint5 * t641;
+    let moment_panda_joint4_x = t704 + t703;
+    let t706 = cos_panda_joint4 * moment_panda_joint4_x;
+    let t707 = sin_panda_joint6 * moment_panda_joint6_x;
+    let t708 = 0.0055993270925625 * acceleration_panda_joint5_x;
+    let t709 = 0.010045187828321242 * t431;
+    let t710 = 0.0014511560650267133 * t588;
+    let t711 = t710 + t709;
+    let t712 = t459 - t567;
+    let t713 = 0.0015152444733270301 * t712;
+    let t714 = t713 - t711;
+    let t715 = 0.0021640520520981297 * t354;
+    let t716 = 0.004600245517563105 * t420;
+    let t717 = t716 - t715;
+    let t718 = t717 - t714;
+    let t719 = t708 - t718;
+    let t720 = 0.001208932934385 * acceleration_panda_joint5_y;
+    let t721 = t720 - t719;
+    let t722 = t707 - t721;
+    let t723 = cos_panda_joint6 * moment_panda_joint6_y;
+    let moment_panda_joint5_z = t723 + t722;
     k[4] = moment_panda_joint5_z;
-    let t722 = t692 - t382;
-    let t723 = 0.0039053550262761003 * t722;
-    let t724 = 0.0016444875773692705 * t349;
-    let t725 = t724 - t723;
-    let t726 = 0.0054157634981905 * t357;
-    let t727 = t726 - t725;
-    let t728 = 0.04942675278013915 * t340;
-    let t729 = t728 - t727;
-    let t730 = moment_panda_joint5_z + t729;
-    let t731 = sin_panda_joint5 * force_panda_joint5_x;
-    let t732 = cos_panda_joint5 * force_panda_joint5_y;
-    let t733 = t731 + t732;
-    let moment_panda_joint4_y = t733 + t730;
-    let t735 = sin_panda_joint4 * moment_panda_joint4_y;
-    let t736 = t692 - t374;
-    let t737 = 0.004377257121839584 * t736;
-    let t738 = 0.00012191242095074308 * t376;
-    let t739 = t738 - t737;
-    let t740 = 0.005487648106562256 * t360;
-    let t741 = t374 * 0.008919761981448004;
+    let t725 = t695 - t385;
+    let t726 = 0.0039053550262761003 * t725;
+    let t727 = 0.0016444875773692705 * t352;
+    let t728 = t727 - t726;
+    let t729 = 0.0054157634981905 * t360;
+    let t730 = t729 - t728;
+    let t731 = 0.04942675278013915 * t343;
+    let t732 = t731 - t730;
+    let t733 = moment_panda_joint5_z + t732;
+    let t734 = sin_panda_joint5 * force_panda_joint5_x;
+    let t735 = cos_panda_joint5 * force_panda_joint5_y;
+    let t736 = t734 + t735;
+    let moment_panda_joint4_y = t736 + t733;
+    let t738 = sin_panda_joint4 * moment_panda_joint4_y;
+    let t739 = t695 - t377;
+    let t740 = 0.004377257121839584 * t739;
+    let t741 = 0.00012191242095074308 * t379;
     let t742 = t741 - t740;
-    let t743 = 0.022178148964878235 * t324;
-    let t744 = t743 + t742;
-    let t745 = t744 + t739;
-    let t746 = t735 + t745;
-    let moment_panda_joint3_x = t703 + t746;
-    let t748 = 0.04623443229335249 * t340;
-    let t749 = 0.016011409030815008 * acceleration_panda_joint4_z;
-    let t750 = t749 + t748;
-    let force_panda_joint4_z = t750 + t733;
-    let t752 = 0.002328735327435001 * t692;
-    let force_panda_joint3_y = t752 + force_panda_joint4_z;
-    let t754 = 3.83030303030303 * force_panda_joint3_y;
-    let t755 = moment_panda_joint3_x - t754;
-    let t756 = cos_panda_joint3 * t755;
-    let moment_panda_joint2_x = t756 - t687;
-    let t758 = sin_panda_joint2 * moment_panda_joint2_x;
-    let t759 = sin_panda_joint4 * moment_panda_joint4_x;
-    let t760 = 0.004377257121839584 * t366;
-    let t761 = 0.005487648106562256 * t358;
-    let t762 = t761 - t760;
-    let t763 = t366 * 0.008919761981448004;
-    let t764 = t763 - t762;
-    let t765 = 0.022178148964878235 * t331;
-    let t766 = 1.3360662912305366e-5 * t360;
+    let t743 = 0.005487648106562256 * t363;
+    let t744 = t377 * 0.008919761981448004;
+    let t745 = t744 - t743;
+    let t746 = 0.022178148964878235 * t327;
+    let t747 = t746 + t745;
+    let t748 = t747 + t742;
+    let t749 = t738 + t748;
+    let moment_panda_joint3_x = t706 + t749;
+    let t751 = 0.04623443229335249 * t343;
+    let t752 = 0.016011409030815008 * acceleration_panda_joint4_z;
+    let t753 = t752 + t751;
+    let force_panda_joint4_z = t753 + t736;
+    let t755 = 0.002328735327435001 * t695;
+    let force_panda_joint3_y = t755 + force_panda_joint4_z;
+    let t757 = 3.83030303030303 * force_panda_joint3_y;
+    let t758 = moment_panda_joint3_x - t757;
+    let t759 = cos_panda_joint3 * t758;
+    let moment_panda_joint2_x = t759 - t690;
+    let t761 = sin_panda_joint2 * moment_panda_joint2_x;
+    let t762 = sin_panda_joint4 * moment_panda_joint4_x;
+    let t763 = 0.004377257121839584 * t369;
+    let t764 = 0.005487648106562256 * t361;
+    let t765 = t764 - t763;
+    let t766 = t369 * 0.008919761981448004;
     let t767 = t766 - t765;
-    let t768 = t370 - t692;
-    let t769 = 0.00012191242095074308 * t768;
-    let t770 = t769 + t767;
-    let t771 = t770 - t764;
-    let t772 = force_panda_joint4_z - t771;
-    let t773 = cos_panda_joint4 * moment_panda_joint4_y;
-    let t774 = t773 - t772;
-    let moment_panda_joint3_z = t759 - t774;
-    let t776 = t330 * 0.04615576498986362;
-    let t777 = t319 * 0.00796671776787104;
-    let t778 = t777 + t776;
-    let t779 = 0.0007689361029464 * t674;
-    let t780 = t779 - t778;
-    let t781 = t679 + t682;
-    let t782 = t781 - t681;
-    let t783 = 0.01026110182100817 * t782;
-    let t784 = t783 - t780;
-    let moment_panda_joint2_y = moment_panda_joint3_z + t784;
-    let t786 = cos_panda_joint2 * moment_panda_joint2_y;
-    let moment_panda_joint1_z = t758 - t786;
+    let t768 = 0.022178148964878235 * t334;
+    let t769 = 1.3360662912305366e-5 * t363;
+    let t770 = t769 - t768;
+    let t771 = t373 - t695;
+    let t772 = 0.00012191242095074308 * t771;
+    let t773 = t772 + t770;
+    let t774 = t773 - t767;
+    let t775 = force_panda_joint4_z - t774;
+    let t776 = cos_panda_joint4 * moment_panda_joint4_y;
+    let t777 = t776 - t775;
+    let moment_panda_joint3_z = t762 - t777;
+    let t779 = t333 * 0.04615576498986362;
+    let t780 = t322 * 0.00796671776787104;
+    let t781 = t780 + t779;
+    let t782 = 0.0007689361029464 * t677;
+    let t783 = t782 - t781;
+    let t784 = t682 + t685;
+    let t785 = t784 - t684;
+    let t786 = 0.01026110182100817 * t785;
+    let t787 = t786 - t783;
+    let moment_panda_joint2_y = moment_panda_joint3_z + t787;
+    let t789 = cos_panda_joint2 * moment_panda_joint2_y;
+    let moment_panda_joint1_z = t761 - t789;
     k[0] = moment_panda_joint1_z;
-    let t788 = cos_panda_joint3 * t671;
-    let t789 = t781 - t683;
-    let t790 = 0.00398335888393552 * t789;
-    let t791 = t674 * 0.10510540975539223;
-    let t792 = t790 - t791;
-    let t793 = t788 - t792;
-    let t794 = sin_panda_joint3 * t755;
-    let moment_panda_joint2_z = t794 + t793;
+    let t791 = cos_panda_joint3 * t674;
+    let t792 = t784 - t686;
+    let t793 = 0.00398335888393552 * t792;
+    let t794 = t677 * 0.10510540975539223;
+    let t795 = t793 - t794;
+    let t796 = t791 - t795;
+    let t797 = sin_panda_joint3 * t758;
+    let moment_panda_joint2_z = t797 + t796;
     let acceleration_panda_joint3_x_2 = sin_panda_joint2 * cos_panda_joint3;
-    let t797 = cos_panda_joint4 * acceleration_panda_joint3_x_2;
-    let t798 = cos_panda_joint2 * sin_panda_joint4;
-    let acceleration_panda_joint4_x_2 = t797 - t798;
-    let t800 = cos_panda_joint5 * acceleration_panda_joint4_x_2;
+    let t800 = cos_panda_joint4 * acceleration_panda_joint3_x_2;
+    let t801 = cos_panda_joint2 * sin_panda_joint4;
+    let acceleration_panda_joint4_x_2 = t800 - t801;
+    let t803 = cos_panda_joint5 * acceleration_panda_joint4_x_2;
     let acceleration_panda_joint3_y_2 = sin_panda_joint2 * sin_panda_joint3;
-    let t802 = sin_panda_joint5 * acceleration_panda_joint3_y_2;
-    let acceleration_panda_joint5_x_2 = t800 - t802;
-    let t804 = sin_panda_joint6 * acceleration_panda_joint5_x_2;
-    let t805 = sin_panda_joint4 * acceleration_panda_joint3_x_2;
-    let t806 = cos_panda_joint2 * cos_panda_joint4;
-    let acceleration_panda_joint4_y_2 = t805 + t806;
-    let t808 = cos_panda_joint6 * acceleration_panda_joint4_y_2;
-    let acceleration_panda_joint6_y_2 = t804 + t808;
+    let t805 = sin_panda_joint5 * acceleration_panda_joint3_y_2;
+    let acceleration_panda_joint5_x_2 = t803 - t805;
+    let t807 = sin_panda_joint6 * acceleration_panda_joint5_x_2;
+    let t808 = sin_panda_joint4 * acceleration_panda_joint3_x_2;
+    let t809 = cos_panda_joint2 * cos_panda_joint4;
+    let acceleration_panda_joint4_y_2 = t808 + t809;
+    let t811 = cos_panda_joint6 * acceleration_panda_joint4_y_2;
+    let acceleration_panda_joint6_y_2 = t807 + t811;
     let moment_panda_joint7_y_2 = 0.03218276702641423 * acceleration_panda_joint6_y_2;
-    let t811 = sin_panda_joint7 * moment_panda_joint7_y_2;
-    let t812 = sin_panda_joint5 * acceleration_panda_joint4_x_2;
-    let t813 = cos_panda_joint5 * acceleration_panda_joint3_y_2;
-    let acceleration_panda_joint5_y_2 = t812 + t813;
-    let t815 = 1.7050241616318902 * acceleration_panda_joint5_y_2;
-    let moment_panda_joint6_x_2 = t815 - t811;
-    let t817 = sin_panda_joint6 * moment_panda_joint6_x_2;
-    let t818 = 0.66581089427925 * acceleration_panda_joint5_x_2;
-    let t819 = 0.14375311619778 * acceleration_panda_joint5_y_2;
-    let t820 = t819 - t818;
-    let t821 = t820 - t817;
-    let t822 = cos_panda_joint6 * acceleration_panda_joint5_x_2;
-    let t823 = sin_panda_joint6 * acceleration_panda_joint4_y_2;
-    let acceleration_panda_joint6_x_2 = t822 - t823;
-    let t825 = sin_panda_joint7 * acceleration_panda_joint6_x_2;
-    let t826 = cos_panda_joint7 * acceleration_panda_joint5_y_2;
-    let acceleration_panda_joint7_y_2 = t825 - t826;
+    let t814 = sin_panda_joint7_2 * moment_panda_joint7_y_2;
+    let t815 = sin_panda_joint5 * acceleration_panda_joint4_x_2;
+    let t816 = cos_panda_joint5 * acceleration_panda_joint3_y_2;
+    let acceleration_panda_joint5_y_2 = t815 + t816;
+    let t818 = 1.7050241616318902 * acceleration_panda_joint5_y_2;
+    let moment_panda_joint6_x_2 = t818 - t814;
+    let t820 = sin_panda_joint6 * moment_panda_joint6_x_2;
+    let t821 = 0.66581089427925 * acceleration_panda_joint5_x_2;
+    let t822 = 0.14375311619778 * acceleration_panda_joint5_y_2;
+    let t823 = t822 - t821;
+    let t824 = t823 - t820;
+    let t825 = cos_panda_joint6 * acceleration_panda_joint5_x_2;
+    let t826 = sin_panda_joint6 * acceleration_panda_joint4_y_2;
+    let acceleration_panda_joint6_x_2 = t825 - t826;
+    let t828 = sin_panda_joint7_2 * acceleration_panda_joint6_x_2;
+    let t829 = cos_panda_joint7_2 * acceleration_panda_joint5_y_2;
+    let acceleration_panda_joint7_y_2 = t828 - t829;
     let moment_panda_joint7_z_2 = 0.03218276702641423 * acceleration_panda_joint7_y_2;
-    let t829 = 2.27442449193795 * acceleration_panda_joint5_y_2;
-    let moment_panda_joint6_y_2 = t829 - moment_panda_joint7_z_2;
-    let t831 = cos_panda_joint6 * moment_panda_joint6_y_2;
-    let moment_panda_joint5_z_2 = t831 - t821;
-    let t833 = 5.422774494316502 * acceleration_panda_joint3_y_2;
-    let moment_panda_joint4_y_2 = t833 - moment_panda_joint5_z_2;
-    let t835 = sin_panda_joint4 * moment_panda_joint4_y_2;
-    let t836 = cos_panda_joint2 * 0.27690780075318017;
-    let t837 = t836 + t835;
-    let t838 = cos_panda_joint6 * moment_panda_joint6_x_2;
-    let t839 = 0.66581089427925 * acceleration_panda_joint4_y_2;
+    let t832 = 2.27442449193795 * acceleration_panda_joint5_y_2;
+    let moment_panda_joint6_y_2 = t832 - moment_panda_joint7_z_2;
+    let t834 = cos_panda_joint6 * moment_panda_joint6_y_2;
+    let moment_panda_joint5_z_2 = t834 - t824;
+    let t836 = 5.422774494316502 * acceleration_panda_joint3_y_2;
+    let moment_panda_joint4_y_2 = t836 - moment_panda_joint5_z_2;
+    let t838 = sin_panda_joint4 * moment_panda_joint4_y_2;
+    let t839 = cos_panda_joint2 * 0.27690780075318017;
     let t840 = t839 + t838;
-    let t841 = sin_panda_joint6 * moment_panda_joint6_y_2;
-    let moment_panda_joint5_x_2 = t841 - t840;
-    let t843 = cos_panda_joint5 * moment_panda_joint5_x_2;
-    let t844 = cos_panda_joint7 * moment_panda_joint7_y_2;
-    let t845 = 1.7050241616318902 * acceleration_panda_joint6_x_2;
-    let t846 = 2.27442449193795 * acceleration_panda_joint6_y_2;
-    let t847 = t846 - t845;
-    let moment_panda_joint6_z_2 = t847 + t844;
-    let t849 = 0.14375311619778 * acceleration_panda_joint4_y_2;
-    let moment_panda_joint5_y_2 = t849 - moment_panda_joint6_z_2;
-    let t851 = sin_panda_joint5 * moment_panda_joint5_y_2;
-    let t852 = 19.742856060845433 * acceleration_panda_joint3_y_2;
-    let t853 = t852 + t851;
-    let moment_panda_joint4_x_2 = t843 + t853;
-    let t855 = cos_panda_joint4 * moment_panda_joint4_x_2;
-    let moment_panda_joint3_x_2 = t855 - t837;
-    let t857 = cos_panda_joint3 * moment_panda_joint3_x_2;
-    let t858 = sin_panda_joint5 * moment_panda_joint5_x_2;
-    let t859 = cos_panda_joint5 * moment_panda_joint5_y_2;
-    let t860 = 19.742856060845433 * acceleration_panda_joint4_x_2;
-    let t861 = 5.422774494316502 * acceleration_panda_joint4_y_2;
-    let t862 = t861 - t860;
-    let t863 = t862 + t859;
-    let moment_panda_joint4_z_2 = t858 - t863;
-    let t865 = cos_panda_joint2 * 7.3266765863443215;
-    let moment_panda_joint3_y_2 = t865 + moment_panda_joint4_z_2;
-    let t867 = sin_panda_joint3 * moment_panda_joint3_y_2;
-    let moment_panda_joint2_x_2 = t857 - t867;
-    let t869 = sin_panda_joint2 * moment_panda_joint2_x_2;
-    let t870 = cos_panda_joint4 * moment_panda_joint4_y_2;
-    let t871 = 0.27690780075318017 * acceleration_panda_joint3_x_2;
-    let t872 = 7.3266765863443215 * acceleration_panda_joint3_y_2;
-    let t873 = t872 + t871;
-    let t874 = t873 - t870;
-    let t875 = sin_panda_joint4 * moment_panda_joint4_x_2;
-    let moment_panda_joint3_z_2 = t875 - t874;
-    let t877 = cos_panda_joint2 * moment_panda_joint3_z_2;
-    let moment_panda_joint1_z_2 = t869 - t877;
-    let t879 = v[0] * 0.003;
-    let t880 = t879 + moment_panda_joint1_z_2;
-    let t881 = cos_panda_joint3 * moment_panda_joint3_y_2;
-    let t882 = sin_panda_joint2 * 32.80954542685273;
-    let t883 = cos_panda_joint2 * 0.01993386669246;
-    let t884 = t883 - t882;
-    let t885 = t884 - t881;
-    let t886 = sin_panda_joint3 * moment_panda_joint3_x_2;
-    let moment_panda_joint2_z_2 = t886 - t885;
-    let t888 = v[1] * 0.003;
-    let t889 = t888 - moment_panda_joint2_z_2;
-    let t890 = v[2] * 0.003;
-    let t891 = t890 - moment_panda_joint3_z_2;
-    let t892 = v[3] * 0.003;
-    let t893 = t892 + moment_panda_joint4_z_2;
-    let t894 = v[4] * 0.003;
-    let t895 = t894 + moment_panda_joint5_z_2;
-    let t896 = v[5] * 0.003;
-    let t897 = t896 + moment_panda_joint6_z_2;
-    let t898 = v[6] * 0.003;
-    let t899 = t898 + moment_panda_joint7_z_2;
-    let t900 = -t178;
-    m[0][2] = t900;
-    m[2][0] = t900;
-    let t901 = -t188;
-    m[0][3] = t901;
-    m[3][0] = t901;
-    let t902 = -t247;
-    m[0][5] = t902;
-    m[5][0] = t902;
-    let t903 = -t300;
-    m[1][1] = t903;
-    let t904 = -t306;
-    m[1][4] = t904;
-    m[4][1] = t904;
-    let t905 = -t312;
-    m[1][6] = t905;
-    m[6][1] = t905;
-    let t906 = -t208;
-    m[2][4] = t906;
-    m[4][2] = t906;
-    let t907 = -t297;
-    m[2][6] = t907;
-    m[6][2] = t907;
-    let t908 = -t179;
-    m[3][3] = t908;
-    let t909 = -t189;
-    m[4][4] = t909;
-    let t910 = -t285;
-    m[4][6] = t910;
-    m[6][4] = t910;
-    let t911 = -t43;
-    m[5][6] = t911;
-    m[6][5] = t911;
+    let t841 = cos_panda_joint6 * moment_panda_joint6_x_2;
+    let t842 = 0.66581089427925 * acceleration_panda_joint4_y_2;
+    let t843 = t842 + t841;
+    let t844 = sin_panda_joint6 * moment_panda_joint6_y_2;
+    let moment_panda_joint5_x_2 = t844 - t843;
+    let t846 = cos_panda_joint5 * moment_panda_joint5_x_2;
+    let t847 = cos_panda_joint7_2 * moment_panda_joint7_y_2;
+    let t848 = 1.7050241616318902 * acceleration_panda_joint6_x_2;
+    let t849 = 2.27442449193795 * acceleration_panda_joint6_y_2;
+    let t850 = t849 - t848;
+    let moment_panda_joint6_z_2 = t850 + t847;
+    let t852 = 0.14375311619778 * acceleration_panda_joint4_y_2;
+    let moment_panda_joint5_y_2 = t852 - moment_panda_joint6_z_2;
+    let t854 = sin_panda_joint5 * moment_panda_joint5_y_2;
+    let t855 = 19.742856060845433 * acceleration_panda_joint3_y_2;
+    let t856 = t855 + t854;
+    let moment_panda_joint4_x_2 = t846 + t856;
+    let t858 = cos_panda_joint4 * moment_panda_joint4_x_2;
+    let moment_panda_joint3_x_2 = t858 - t840;
+    let t860 = cos_panda_joint3 * moment_panda_joint3_x_2;
+    let t861 = sin_panda_joint5 * moment_panda_joint5_x_2;
+    let t862 = cos_panda_joint5 * moment_panda_joint5_y_2;
+    let t863 = 19.742856060845433 * acceleration_panda_joint4_x_2;
+    let t864 = 5.422774494316502 * acceleration_panda_joint4_y_2;
+    let t865 = t864 - t863;
+    let t866 = t865 + t862;
+    let moment_panda_joint4_z_2 = t861 - t866;
+    let t868 = cos_panda_joint2 * 7.3266765863443215;
+    let moment_panda_joint3_y_2 = t868 + moment_panda_joint4_z_2;
+    let t870 = sin_panda_joint3 * moment_panda_joint3_y_2;
+    let moment_panda_joint2_x_2 = t860 - t870;
+    let t872 = sin_panda_joint2 * moment_panda_joint2_x_2;
+    let t873 = cos_panda_joint4 * moment_panda_joint4_y_2;
+    let t874 = 0.27690780075318017 * acceleration_panda_joint3_x_2;
+    let t875 = 7.3266765863443215 * acceleration_panda_joint3_y_2;
+    let t876 = t875 + t874;
+    let t877 = t876 - t873;
+    let t878 = sin_panda_joint4 * moment_panda_joint4_x_2;
+    let moment_panda_joint3_z_2 = t878 - t877;
+    let t880 = cos_panda_joint2 * moment_panda_joint3_z_2;
+    let moment_panda_joint1_z_2 = t872 - t880;
+    let t882 = v[0] * 0.003;
+    let t883 = t882 + moment_panda_joint1_z_2;
+    let t884 = cos_panda_joint3 * moment_panda_joint3_y_2;
+    let t885 = sin_panda_joint2 * 32.80954542685273;
+    let t886 = cos_panda_joint2 * 0.01993386669246;
+    let t887 = t886 - t885;
+    let t888 = t887 - t884;
+    let t889 = sin_panda_joint3 * moment_panda_joint3_x_2;
+    let moment_panda_joint2_z_2 = t889 - t888;
+    let t891 = v[1] * 0.003;
+    let t892 = t891 - moment_panda_joint2_z_2;
+    let t893 = v[2] * 0.003;
+    let t894 = t893 - moment_panda_joint3_z_2;
+    let t895 = v[3] * 0.003;
+    let t896 = t895 + moment_panda_joint4_z_2;
+    let t897 = v[4] * 0.003;
+    let t898 = t897 + moment_panda_joint5_z_2;
+    let t899 = v[5] * 0.003;
+    let t900 = t899 + moment_panda_joint6_z_2;
+    let t901 = v[6] * 0.003;
+    let t902 = t901 + moment_panda_joint7_z_2;
+    let t903 = -t181;
+    m[0][2] = t903;
+    m[2][0] = t903;
+    let t904 = -t191;
+    m[0][3] = t904;
+    m[3][0] = t904;
+    let t905 = -t250;
+    m[0][5] = t905;
+    m[5][0] = t905;
+    let t906 = -t303;
+    m[1][1] = t906;
+    let t907 = -t309;
+    m[1][4] = t907;
+    m[4][1] = t907;
+    let t908 = -t315;
+    m[1][6] = t908;
+    m[6][1] = t908;
+    let t909 = -t211;
+    m[2][4] = t909;
+    m[4][2] = t909;
+    let t910 = -t300;
+    m[2][6] = t910;
+    m[6][2] = t910;
+    let t911 = -t182;
+    m[3][3] = t911;
+    let t912 = -t192;
+    m[4][4] = t912;
+    let t913 = -t288;
+    m[4][6] = t913;
+    m[6][4] = t913;
+    let t914 = -t46;
+    m[5][6] = t914;
+    m[6][5] = t914;
     let minus_moment_panda_joint2_z = -moment_panda_joint2_z;
     k[1] = minus_moment_panda_joint2_z;
     let minus_moment_panda_joint3_z = -moment_panda_joint3_z;
@@ -3013,20 +3027,20 @@ pub fn equations_of_motion_into(
     k[5] = minus_moment_panda_joint6_z;
     let minus_moment_panda_joint7_z = -moment_panda_joint7_z;
     k[6] = minus_moment_panda_joint7_z;
-    let t916 = -t880;
-    q[0] = t916;
-    let t917 = -t889;
-    q[1] = t917;
-    let t918 = -t891;
-    q[2] = t918;
-    let t919 = -t893;
-    q[3] = t919;
-    let t920 = -t895;
-    q[4] = t920;
-    let t921 = -t897;
-    q[5] = t921;
-    let t922 = -t899;
-    q[6] = t922;
+    let t919 = -t883;
+    q[0] = t919;
+    let t920 = -t892;
+    q[1] = t920;
+    let t921 = -t894;
+    q[2] = t921;
+    let t922 = -t896;
+    q[3] = t922;
+    let t923 = -t898;
+    q[4] = t923;
+    let t924 = -t900;
+    q[5] = t924;
+    let t925 = -t902;
+    q[6] = t925;
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -3046,7 +3060,7 @@ pub fn equations_of_motion_into(
 /// Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters.
 #[must_use]
 pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
-    let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
+    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
     let (
         [sin_panda_joint2,
         sin_panda_joint3,
@@ -3146,7 +3160,7 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
     let t93 = 2.0 * omega_panda_joint7_z;
     let t94 = omega_panda_joint6_z * t93;
     let t95 = t94 + t91;
-    let t96 = 0.0002706501814147986 * sin_panda_joint7;
+    let t96 = 0.00027065018141479854 * sin_panda_joint7;
     let t97 = t96 * t95;
     let t98 = sin_panda_joint5 * t49;
     let t99 = cos_panda_joint5 * t61;
@@ -3161,7 +3175,7 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
     let t108 = t107 + t103;
     let t109 = omega_panda_joint6_x * t93;
     let t110 = t109 + t108;
-    let t111 = 0.0002706501814147986 * cos_panda_joint7;
+    let t111 = 0.00027065018141479854 * cos_panda_joint7;
     let t112 = t111 * t110;
     let t113 = t112 - t97;
     let t114 = 4.654545454545454 * t100;
@@ -3273,23 +3287,23 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
     let t220 = 0.014338888209442503 * acceleration_panda_joint6_x;
     let t221 = t220 + t219;
     let t222 = t209 - t221;
-    let t223 = cos_panda_joint7 * 0.002174847060296272;
+    let t223 = cos_panda_joint7 * 0.0021748470602962725;
     let t224 = sin_panda_joint7 * 0.0013205141364616554;
     let t225 = t224 - t223;
     let t226 = cos_panda_joint7 * t225;
-    let t227 = 0.001087423530148136 + t226;
+    let t227 = 0.0010874235301481362 + t226;
     let t228 = t227 * t95;
     let t229 = sin_panda_joint7 * t225;
     let t230 = 0.0026818189154496457 + t229;
     let t231 = t230 * t110;
     let t232 = t170 - t192;
-    let t233 = 0.0003863308944437675 * sin_panda_joint7;
+    let t233 = 0.00038633089444376715 * sin_panda_joint7;
     let t234 = 0.001535882372017312 * cos_panda_joint7;
     let t235 = t234 - t233;
     let t236 = t235 * t232;
     let t237 = t236 + t231;
     let t238 = t228 + t237;
-    let t239 = 0.0003863308944437675 * cos_panda_joint7;
+    let t239 = 0.00038633089444376715 * cos_panda_joint7;
     let t240 = 0.001535882372017312 * sin_panda_joint7;
     let t241 = t240 + t239;
     let t242 = t241 * t189;
@@ -3634,7 +3648,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     t213, t215, t216, t221, t227, moment_panda_joint6_z, moment_panda_joint4_z, t393,
     t396, t405, moment_panda_joint5_z, t477, moment_panda_joint3_z, t503,
     moment_panda_joint1_z, t512] = {
-        let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
+        let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
         let (
             [sin_panda_joint2,
             sin_panda_joint3,
@@ -3788,12 +3802,12 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
         let t143 = 2.0 * omega_panda_joint7_z;
         let t144 = omega_panda_joint6_z * t143;
         let t145 = t141 - t144;
-        let t146 = 0.0002706501814147986 * sin_panda_joint7;
+        let t146 = 0.00027065018141479854 * sin_panda_joint7;
         let t147 = t146 * t145;
         let t148 = t110 - t117;
         let t149 = omega_panda_joint6_x * t143;
         let t150 = t148 - t149;
-        let t151 = 0.0002706501814147986 * cos_panda_joint7;
+        let t151 = 0.00027065018141479854 * cos_panda_joint7;
         let t152 = t151 * t150;
         let t153 = t152 - t147;
         let force_panda_joint7_z = t153 + t121;
@@ -3851,23 +3865,23 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
         let t206 = 0.014338888209442503 * acceleration_panda_joint6_x;
         let t207 = t206 - t205;
         let t208 = t195 + t207;
-        let t209 = cos_panda_joint7 * 0.002174847060296272;
+        let t209 = cos_panda_joint7 * 0.0021748470602962725;
         let t210 = sin_panda_joint7 * 0.0013205141364616554;
         let t211 = t210 - t209;
         let t212 = cos_panda_joint7 * t211;
-        let t213 = 0.001087423530148136 + t212;
+        let t213 = 0.0010874235301481362 + t212;
         let t214 = t213 * t145;
         let t215 = sin_panda_joint7 * t211;
         let t216 = 0.0026818189154496457 + t215;
         let t217 = t216 * t150;
         let t218 = t157 - t186;
-        let t219 = 0.0003863308944437675 * sin_panda_joint7;
+        let t219 = 0.00038633089444376715 * sin_panda_joint7;
         let t220 = 0.001535882372017312 * cos_panda_joint7;
         let t221 = t220 - t219;
         let t222 = t221 * t218;
         let t223 = t222 - t217;
         let t224 = t214 - t223;
-        let t225 = 0.0003863308944437675 * cos_panda_joint7;
+        let t225 = 0.00038633089444376715 * cos_panda_joint7;
         let t226 = 0.001535882372017312 * sin_panda_joint7;
         let t227 = t226 + t225;
         let t228 = t227 * t183;
@@ -4188,7 +4202,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
             t512,
         ]
     };
-    let t513 = cos_panda_joint7 * 0.00028869352684245185;
+    let t513 = cos_panda_joint7 * 0.0002886935268424518;
     let t514 = 0.006684151967360947 + t513;
     let t515 = cos_panda_joint6 * t514;
     let t516 = sin_panda_joint6 * t221;
@@ -4205,7 +4219,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t527 = u[5] - t526;
     let t528 = t527 + t525;
     let t529 = moment_panda_joint6_z + t528;
-    let t530 = sin_panda_joint7 * 0.00028869352684245185;
+    let t530 = sin_panda_joint7 * 0.0002886935268424518;
     let t531 = 0.00010375891721868492 + t530;
     let t532 = t213 - t531;
     let t533 = sin_panda_joint6 * t532;
@@ -4214,7 +4228,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t536 = t535 + t533;
     let t537 = t517 * t524;
     let t538 = t537 - t536;
-    let t539 = cos_panda_joint7 * 0.0005773870536849037;
+    let t539 = cos_panda_joint7 * 0.0005773870536849036;
     let t540 = t216 + t539;
     let t541 = t540 + 0.050456677916247444;
     let t542 = t227 * t524;
@@ -4263,7 +4277,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t585 = sin_panda_joint6 * t146;
     let t586 = t585 - t584;
     let t587 = sin_panda_joint6 * t514;
-    let t588 = cos_panda_joint7 * 0.0012597535716761534;
+    let t588 = cos_panda_joint7 * 0.0012597535716761532;
     let t589 = t587 + t588;
     let t590 = cos_panda_joint6 * t221;
     let t591 = t590 - t589;
@@ -4777,7 +4791,7 @@ pub fn mass_matrix_and_bias_forces_into(
     b: &mut [f64; N],
 ) {
     m[6][6] = 0.006684151967360947;
-    let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
+    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
     let (
         [sin_panda_joint2,
         sin_panda_joint3,
@@ -4794,16 +4808,16 @@ pub fn mass_matrix_and_bias_forces_into(
         y[5],
         angle_panda_joint7_offset,
     );
-    let t13 = cos_panda_joint7 * 0.002174847060296272;
+    let t13 = cos_panda_joint7 * 0.0021748470602962725;
     let t14 = sin_panda_joint7 * 0.0013205141364616554;
     let t15 = t14 - t13;
     let t16 = sin_panda_joint7 * t15;
     let t17 = 0.0026818189154496457 + t16;
-    let t18 = cos_panda_joint7 * 0.0005773870536849037;
+    let t18 = cos_panda_joint7 * 0.0005773870536849036;
     let t19 = t17 + t18;
     let t20 = t19 - 0.007412167175072339;
     let t21 = sin_panda_joint6 * t20;
-    let t22 = 0.0003863308944437675 * sin_panda_joint7;
+    let t22 = 0.00038633089444376715 * sin_panda_joint7;
     let t23 = 0.001535882372017312 * cos_panda_joint7;
     let t24 = t23 - t22;
     let t25 = 0.014748570382675316 + t24;
@@ -4817,12 +4831,12 @@ pub fn mass_matrix_and_bias_forces_into(
     let t33 = t32 - t31;
     let t34 = sin_panda_joint5 * t33;
     let t35 = cos_panda_joint7 * t15;
-    let t36 = 0.001087423530148136 + t35;
-    let t37 = sin_panda_joint7 * 0.00028869352684245185;
+    let t36 = 0.0010874235301481362 + t35;
+    let t37 = sin_panda_joint7 * 0.0002886935268424518;
     let t38 = 0.00010375891721868492 + t37;
     let t39 = t36 - t38;
     let t40 = cos_panda_joint6 * t39;
-    let t41 = 0.0003863308944437675 * cos_panda_joint7;
+    let t41 = 0.00038633089444376715 * cos_panda_joint7;
     let t42 = 0.001535882372017312 * sin_panda_joint7;
     let t43 = t42 + t41;
     let t44 = 9.3569097314605e-5 + t43;
@@ -4833,14 +4847,14 @@ pub fn mass_matrix_and_bias_forces_into(
     let t49 = cos_panda_joint5 * t48;
     let t50 = t34 + t49;
     let t51 = sin_panda_joint5 * t50;
-    let t52 = 0.0002706501814147986 * cos_panda_joint7;
+    let t52 = 0.00027065018141479854 * cos_panda_joint7;
     let t53 = t52 + 0.0191274230973375;
     let t54 = cos_panda_joint6 * t53;
     let t55 = 0.014338888209442503 * sin_panda_joint6;
     let t56 = t54 + t55;
     let t57 = 0.001208932934385 - t56;
     let t58 = cos_panda_joint5 * t57;
-    let t59 = 0.0002706501814147986 * sin_panda_joint7;
+    let t59 = 0.00027065018141479854 * sin_panda_joint7;
     let t60 = 0.0055993270925625 - t59;
     let t61 = sin_panda_joint5 * t60;
     let t62 = t58 + t61;
@@ -5065,10 +5079,10 @@ pub fn mass_matrix_and_bias_forces_into(
     let t262 = t43 - t261;
     let t263 = cos_panda_joint5 * t262;
     let t264 = t253 - t263;
-    let t265 = cos_panda_joint7 * 0.00028869352684245185;
+    let t265 = cos_panda_joint7 * 0.0002886935268424518;
     let t266 = 0.006684151967360947 + t265;
     let t267 = sin_panda_joint6 * t266;
-    let t268 = cos_panda_joint7 * 0.0012597535716761534;
+    let t268 = cos_panda_joint7 * 0.0012597535716761532;
     let t269 = t267 + t268;
     let t270 = cos_panda_joint6 * t24;
     let t271 = t270 - t269;
@@ -7806,7 +7820,7 @@ pub fn linearize_into(
 /// Cost: 181 multiplications, 149 additions, 0 divisions, 6 function calls (`sin_cos`).
 #[must_use]
 pub fn kinetic_energy(y: &[f64; N], v: &[f64; N]) -> f64 {
-    let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
+    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
     let (
         [sin_panda_joint2,
         sin_panda_joint3,
@@ -7872,9 +7886,9 @@ pub fn kinetic_energy(y: &[f64; N], v: &[f64; N]) -> f64 {
     let t59 = v[4] + t32;
     let t60 = sin_panda_joint6 * t59;
     let t61 = t60 - t58;
-    let t62 = 0.0002706501814147986 * sin_panda_joint7;
+    let t62 = 0.00027065018141479854 * sin_panda_joint7;
     let t63 = t62 * t61;
-    let t64 = 0.0002706501814147986 * cos_panda_joint7;
+    let t64 = 0.00027065018141479854 * cos_panda_joint7;
     let t65 = t64 * t51;
     let t66 = t65 - t63;
     let force_panda_joint7_z = t54 - t66;
@@ -7899,17 +7913,17 @@ pub fn kinetic_energy(y: &[f64; N], v: &[f64; N]) -> f64 {
     let force_panda_joint5_x = t85 + t72;
     let t87 = 4.654545454545454 * force_panda_joint5_x;
     let t88 = t64 * acceleration_panda_joint7_z;
-    let t89 = cos_panda_joint7 * 0.002174847060296272;
+    let t89 = cos_panda_joint7 * 0.0021748470602962725;
     let t90 = sin_panda_joint7 * 0.0013205141364616554;
     let t91 = t90 - t89;
     let t92 = cos_panda_joint7 * t91;
-    let t93 = 0.001087423530148136 + t92;
+    let t93 = 0.0010874235301481362 + t92;
     let t94 = t93 * t61;
     let t95 = sin_panda_joint7 * t91;
     let t96 = 0.0026818189154496457 + t95;
     let t97 = t96 * t51;
     let t98 = t94 + t97;
-    let t99 = 0.0003863308944437675 * cos_panda_joint7;
+    let t99 = 0.00038633089444376715 * cos_panda_joint7;
     let t100 = 0.001535882372017312 * sin_panda_joint7;
     let t101 = t100 + t99;
     let t102 = t101 * t80;
@@ -7958,7 +7972,7 @@ pub fn kinetic_energy(y: &[f64; N], v: &[f64; N]) -> f64 {
     let t145 = t144 * t61;
     let t146 = t93 * t51;
     let t147 = t146 + t145;
-    let t148 = 0.0003863308944437675 * sin_panda_joint7;
+    let t148 = 0.00038633089444376715 * sin_panda_joint7;
     let t149 = 0.001535882372017312 * cos_panda_joint7;
     let t150 = t149 - t148;
     let t151 = t150 * t80;
@@ -10875,8 +10889,7 @@ pub const BASE_PARAMETER_NAMES: [&str; 43] = [
     "Izz_panda_joint7",
 ];
 
-/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c). Found at the
-/// described values of free parameters; where lengths or gravity are free, it holds for these values alone.
+/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c).
 pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 116] = [
     (0, 9, 1.0),
     (0, 16, 1.0),
@@ -11011,7 +11024,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 116] = [
 /// Cost: 683 multiplications, 507 additions, 0 divisions, 6 function calls (`sin_cos`).
 ///
 /// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank.
+/// robot, W\_b has full rank, for almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 43]; N] {
@@ -13687,16 +13700,20 @@ pub const SUBSTEPS: usize = 1;
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
-/// Cost: 28768 multiplications, 27976 additions, 8 divisions, 7 function calls (`sin_cos`), one call of
-/// `linearize` included.
+/// Cost: 111935 multiplications, 111757 additions, 10 divisions, 7 function calls (`sin_cos`), one call of
+/// `linearize` included. That is with 18 halvings of the period; without any it is 28721 multiplications and 28075
+/// additions.
 ///
-/// Scaling and squaring of the lifted exponential with fixed counts: a Taylor polynomial of degree 17 over 1/64
-/// of the period, six doublings (Higham 2008, section 10.3), in blocks of N × N.
+/// Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor
+/// polynomial of degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part.
 ///
-/// Error: with a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖ in any norm of matrices, no part of the robot is faster than ν = (b + √(b² + 4
-/// a))/2. For ν · period ≤ 80 the terms left out are below 1e-15 of what they belong to, beyond they grow like (ν ·
-/// period / 80)¹⁸. Rounding stays below 1e-12 of the largest entry of each block, the diagonal ones counted as at
-/// least 1.
+/// The part is the whole period while ν · period is at most 80, and is halved for each factor of two beyond, at
+/// most 18 times. With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest sums of magnitudes in a row, no part of the robot
+/// is faster than ν = (b + √(b² + 4 a))/2. Where 18 halvings do not suffice, for ν · period above 2e7, every
+/// entry of the results is +∞.
+///
+/// Error: the terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest
+/// entry of each block, the diagonal ones counted as at least 1.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -16180,8 +16197,14 @@ mod discrete_time {
     pub type Discrete<const N: usize, const M: usize> =
         ([[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
 
-    /// The period is halved so often, and the solution over the short time doubled as often.
-    const DOUBLINGS: usize = 6;
+    /// The halves of `A_d − 1`, `B_d` and `c_d`.
+    type Held<const N: usize, const M: usize> = ([Half<N>; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
+
+    /// The short time is the period halved so often, and Φ over the short time is doubled as often.
+    const DOUBLINGS: u32 = 6;
+
+    /// A period that is too long for that is halved at most so often before, and the step is then taken twice as often.
+    const MOST_REPETITIONS: u32 = 18;
 
     /// Terms in each of the three parts of the Taylor polynomial.
     const TERMS: usize = 6;
@@ -16200,39 +16223,146 @@ mod discrete_time {
 
     /// Exact solution of `ẋ = A x + B_x u + c` over a period in which the inputs are held.
     ///
-    /// With `A = [0 I; A_y A_v]` the upper half `[C P]` of `Φ = ∫ exp(A s) ds` gives everything:
-    /// `exp(A t) = I + Φ A`, whose upper half is `[I 0] + [C P] A = [I + X, Q]`, the lower one `[0 I] + [X Q] A`, and
-    /// `B_d = [P B_x; Q B_x]`. Φ comes from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3).
+    /// Over a part of the period that suits the fastest rate the solution is [`held`]. Two such steps make one of twice the
+    /// time, `A_d ← A_d A_d`, `B_d ← (A_d + 1) B_d`, `c_d ← (A_d + 1) c_d`, until the period is reached. Every entry is +∞ where
+    /// [`MOST_REPETITIONS`] do not suffice.
     pub fn zero_order_hold<const N: usize, const M: usize>(
-        (by_y, by_v, by_u, remainder): &Linear<N, M>,
+        linear: &Linear<N, M>,
         period: f64,
     ) -> Discrete<N, M> {
+        let Some(repetitions) = repetitions(&linear.0, &linear.1, period) else {
+            let infinite = f64::INFINITY;
+            return (
+                [[[[infinite; N]; N]; 2]; 2],
+                [[[infinite; M]; N]; 2],
+                [[infinite; N]; 2],
+            );
+        };
+        let (mut change, mut input, mut affine) = held(linear, period / (1_u32 << repetitions) as f64);
+        for _ in 0..repetitions {
+            (input, affine) = (twice_by(&change, &input), twice_affine(&change, &affine));
+            change = twice(&change);
+        }
+        let mut state = [[[[0.0; N]; N]; 2]; 2];
+        for half in 0..2 {
+            for i in 0..N {
+                for block in 0..2 {
+                    state[half][block][i] = change[half][i][block];
+                }
+                state[half][half][i][i] += 1.0;
+            }
+        }
+        (state, input, affine)
+    }
+
+    /// How often the period is to be halved before `ν · period ≤ 80`; `None` beyond [`MOST_REPETITIONS`].
+    ///
+    /// No part of the system is faster than the positive root ν of `ν² = b ν + a` with `a = ‖A_y‖`, `b = ‖A_v‖`. So `ν t ≤ 1`
+    /// where `(a t + b) t ≤ 1`; t is a part of the period divided by 80.
+    fn repetitions<const N: usize>(by_y: &Matrix<N>, by_v: &Matrix<N>, period: f64) -> Option<u32> {
+        let (a, b) = (norm(by_y), norm(by_v));
+        let mut t = period / 80.0;
+        let mut repetitions = 0;
+        while (a * t + b) * t > 1.0 {
+            if repetitions == MOST_REPETITIONS {
+                return None;
+            }
+            t *= 0.5;
+            repetitions += 1;
+        }
+        Some(repetitions)
+    }
+
+    /// The largest sum of magnitudes in a row.
+    fn norm<const N: usize>(matrix: &Matrix<N>) -> f64 {
+        let mut largest = 0.0;
+        for i in 0..N {
+            let mut sum = 0.0;
+            for j in 0..N {
+                sum += matrix[i][j].abs();
+            }
+            if sum > largest {
+                largest = sum;
+            }
+        }
+        largest
+    }
+
+    /// `A_d − 1` over twice the time, `2 (A_d − 1) + (A_d − 1)²`, by halves.
+    fn twice<const N: usize>(change: &[Half<N>; 2]) -> [Half<N>; 2] {
+        let mut next = [[[[0.0; N]; 2]; N]; 2];
+        for half in 0..2 {
+            add_scaled_half(&mut next[half], 2.0, &change[half]);
+            for i in 0..N {
+                for block in 0..2 {
+                    add_row(&mut next[half][i], &change[half][i][block], &change[block]);
+                }
+            }
+        }
+        next
+    }
+
+    /// `B_d` over twice the time, `2 B_d + (A_d − 1) B_d`.
+    fn twice_by<const N: usize, const M: usize>(
+        change: &[Half<N>; 2],
+        input: &[[[f64; M]; N]; 2],
+    ) -> [[[f64; M]; N]; 2] {
+        let mut next = [[[0.0; M]; N]; 2];
+        for half in 0..2 {
+            for i in 0..N {
+                add_scaled(&mut next[half][i], 2.0, &input[half][i]);
+                for block in 0..2 {
+                    add_combination(&mut next[half][i], &change[half][i][block], &input[block]);
+                }
+            }
+        }
+        next
+    }
+
+    /// `c_d` over twice the time, `2 c_d + (A_d − 1) c_d`.
+    fn twice_affine<const N: usize>(change: &[Half<N>; 2], affine: &[[f64; N]; 2]) -> [[f64; N]; 2] {
+        let mut next = [[0.0; N]; 2];
+        for half in 0..2 {
+            add_scaled(&mut next[half], 2.0, &affine[half]);
+            for i in 0..N {
+                for block in 0..2 {
+                    next[half][i] += dot(&change[half][i][block], &affine[block]);
+                }
+            }
+        }
+        next
+    }
+
+    /// The halves of `A_d − 1`, `B_d` and `c_d` over a time that suits the fastest rate.
+    ///
+    /// With `A = [0 I; A_y A_v]` the upper half `[C P]` of `Φ = ∫ exp(A s) ds` gives everything:
+    /// `exp(A t) = I + Φ A`, whose upper half is `[I 0] + [C P] A = [I + X, Q]`, the lower one `[0 I] + [X Q] A`, and
+    /// `B_d = [P B_x; Q B_x]`. Φ comes from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3). Its
+    /// doubling is cheaper than that of the whole, but while ν t grows it magnifies rounding by the ratio of the rates: it
+    /// serves up to `ν t = 80`.
+    fn held<const N: usize, const M: usize>(
+        (by_y, by_v, by_u, remainder): &Linear<N, M>,
+        time: f64,
+    ) -> Held<N, M> {
         // In units of the short time h, ẏ counts as h ẏ.
-        let h = period / (1_u32 << DOUBLINGS) as f64;
+        let h = time / (1_u32 << DOUBLINGS) as f64;
         let lower = lower_half(by_y, h * h, by_v, h);
         let mut integral = taylor(&lower);
         for _ in 0..DOUBLINGS {
             integral = doubled(&lower, &integral);
         }
-        let upper_change = times_system(&integral, &lower);
+        let mut upper_change = times_system(&integral, &lower);
         let lower_change = times_system(&upper_change, &lower_half(by_y, h, by_v, h));
-        let (mut state, mut input, mut affine) =
-            ([[[[0.0; N]; N]; 2]; 2], [[[0.0; M]; N]; 2], [[0.0; N]; 2]);
+        let (mut input, mut affine) = ([[[0.0; M]; N]; 2], [[0.0; N]; 2]);
         for i in 0..N {
-            let [x, q] = &upper_change[i];
-            state[0][0][i] = *x;
-            state[0][0][i][i] += 1.0;
-            state[0][1][i] = scaled(q, h);
-            state[1][0][i] = lower_change[i][0];
-            state[1][1][i] = lower_change[i][1];
-            state[1][1][i][i] += 1.0;
-            let by_acceleration = [scaled(&integral[i][1], h * h), scaled(q, h)];
+            upper_change[i][1] = scaled(&upper_change[i][1], h);
+            let by_acceleration = [scaled(&integral[i][1], h * h), upper_change[i][1]];
             for half in 0..2 {
                 add_combination(&mut input[half][i], &by_acceleration[half], by_u);
                 affine[half][i] = dot(&by_acceleration[half], remainder);
             }
         }
-        (state, input, affine)
+        ([upper_change, lower_change], input, affine)
     }
 
     /// The upper half of Φ over one unit of time, `Σ Aᵏ/(k + 1)!` up to k = 17, in three parts with the common factor A⁶

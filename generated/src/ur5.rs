@@ -11244,8 +11244,7 @@ pub const BASE_PARAMETER_NAMES: [&str; 36] = [
     "Iyz_wrist_3_joint",
 ];
 
-/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c). Found at the
-/// described values of free parameters; where lengths or gravity are free, it holds for these values alone.
+/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c).
 pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 94] = [
     (0, 9, 1.0),
     (0, 10, 0.0184552225),
@@ -11358,7 +11357,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 94] = [
 /// Cost: 360 multiplications, 293 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
 /// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank.
+/// robot, W\_b has full rank, for almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 36]; N] {
@@ -12943,16 +12942,20 @@ pub const SUBSTEPS: usize = 1;
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
-/// Cost: 16093 multiplications, 15749 additions, 7 divisions, 5 function calls (`sin_cos`), one call of
-/// `linearize` included.
+/// Cost: 69465 multiplications, 69624 additions, 9 divisions, 5 function calls (`sin_cos`), one call of
+/// `linearize` included. That is with 18 halvings of the period; without any it is 16059 multiplications and 15822
+/// additions.
 ///
-/// Scaling and squaring of the lifted exponential with fixed counts: a Taylor polynomial of degree 17 over 1/64
-/// of the period, six doublings (Higham 2008, section 10.3), in blocks of N × N.
+/// Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor
+/// polynomial of degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part.
 ///
-/// Error: with a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖ in any norm of matrices, no part of the robot is faster than ν = (b + √(b² + 4
-/// a))/2. For ν · period ≤ 80 the terms left out are below 1e-15 of what they belong to, beyond they grow like (ν ·
-/// period / 80)¹⁸. Rounding stays below 1e-12 of the largest entry of each block, the diagonal ones counted as at
-/// least 1.
+/// The part is the whole period while ν · period is at most 80, and is halved for each factor of two beyond, at
+/// most 18 times. With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest sums of magnitudes in a row, no part of the robot
+/// is faster than ν = (b + √(b² + 4 a))/2. Where 18 halvings do not suffice, for ν · period above 2e7, every
+/// entry of the results is +∞.
+///
+/// Error: the terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest
+/// entry of each block, the diagonal ones counted as at least 1.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -13320,8 +13323,14 @@ mod discrete_time {
     pub type Discrete<const N: usize, const M: usize> =
         ([[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
 
-    /// The period is halved so often, and the solution over the short time doubled as often.
-    const DOUBLINGS: usize = 6;
+    /// The halves of `A_d − 1`, `B_d` and `c_d`.
+    type Held<const N: usize, const M: usize> = ([Half<N>; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
+
+    /// The short time is the period halved so often, and Φ over the short time is doubled as often.
+    const DOUBLINGS: u32 = 6;
+
+    /// A period that is too long for that is halved at most so often before, and the step is then taken twice as often.
+    const MOST_REPETITIONS: u32 = 18;
 
     /// Terms in each of the three parts of the Taylor polynomial.
     const TERMS: usize = 6;
@@ -13340,39 +13349,146 @@ mod discrete_time {
 
     /// Exact solution of `ẋ = A x + B_x u + c` over a period in which the inputs are held.
     ///
-    /// With `A = [0 I; A_y A_v]` the upper half `[C P]` of `Φ = ∫ exp(A s) ds` gives everything:
-    /// `exp(A t) = I + Φ A`, whose upper half is `[I 0] + [C P] A = [I + X, Q]`, the lower one `[0 I] + [X Q] A`, and
-    /// `B_d = [P B_x; Q B_x]`. Φ comes from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3).
+    /// Over a part of the period that suits the fastest rate the solution is [`held`]. Two such steps make one of twice the
+    /// time, `A_d ← A_d A_d`, `B_d ← (A_d + 1) B_d`, `c_d ← (A_d + 1) c_d`, until the period is reached. Every entry is +∞ where
+    /// [`MOST_REPETITIONS`] do not suffice.
     pub fn zero_order_hold<const N: usize, const M: usize>(
-        (by_y, by_v, by_u, remainder): &Linear<N, M>,
+        linear: &Linear<N, M>,
         period: f64,
     ) -> Discrete<N, M> {
+        let Some(repetitions) = repetitions(&linear.0, &linear.1, period) else {
+            let infinite = f64::INFINITY;
+            return (
+                [[[[infinite; N]; N]; 2]; 2],
+                [[[infinite; M]; N]; 2],
+                [[infinite; N]; 2],
+            );
+        };
+        let (mut change, mut input, mut affine) = held(linear, period / (1_u32 << repetitions) as f64);
+        for _ in 0..repetitions {
+            (input, affine) = (twice_by(&change, &input), twice_affine(&change, &affine));
+            change = twice(&change);
+        }
+        let mut state = [[[[0.0; N]; N]; 2]; 2];
+        for half in 0..2 {
+            for i in 0..N {
+                for block in 0..2 {
+                    state[half][block][i] = change[half][i][block];
+                }
+                state[half][half][i][i] += 1.0;
+            }
+        }
+        (state, input, affine)
+    }
+
+    /// How often the period is to be halved before `ν · period ≤ 80`; `None` beyond [`MOST_REPETITIONS`].
+    ///
+    /// No part of the system is faster than the positive root ν of `ν² = b ν + a` with `a = ‖A_y‖`, `b = ‖A_v‖`. So `ν t ≤ 1`
+    /// where `(a t + b) t ≤ 1`; t is a part of the period divided by 80.
+    fn repetitions<const N: usize>(by_y: &Matrix<N>, by_v: &Matrix<N>, period: f64) -> Option<u32> {
+        let (a, b) = (norm(by_y), norm(by_v));
+        let mut t = period / 80.0;
+        let mut repetitions = 0;
+        while (a * t + b) * t > 1.0 {
+            if repetitions == MOST_REPETITIONS {
+                return None;
+            }
+            t *= 0.5;
+            repetitions += 1;
+        }
+        Some(repetitions)
+    }
+
+    /// The largest sum of magnitudes in a row.
+    fn norm<const N: usize>(matrix: &Matrix<N>) -> f64 {
+        let mut largest = 0.0;
+        for i in 0..N {
+            let mut sum = 0.0;
+            for j in 0..N {
+                sum += matrix[i][j].abs();
+            }
+            if sum > largest {
+                largest = sum;
+            }
+        }
+        largest
+    }
+
+    /// `A_d − 1` over twice the time, `2 (A_d − 1) + (A_d − 1)²`, by halves.
+    fn twice<const N: usize>(change: &[Half<N>; 2]) -> [Half<N>; 2] {
+        let mut next = [[[[0.0; N]; 2]; N]; 2];
+        for half in 0..2 {
+            add_scaled_half(&mut next[half], 2.0, &change[half]);
+            for i in 0..N {
+                for block in 0..2 {
+                    add_row(&mut next[half][i], &change[half][i][block], &change[block]);
+                }
+            }
+        }
+        next
+    }
+
+    /// `B_d` over twice the time, `2 B_d + (A_d − 1) B_d`.
+    fn twice_by<const N: usize, const M: usize>(
+        change: &[Half<N>; 2],
+        input: &[[[f64; M]; N]; 2],
+    ) -> [[[f64; M]; N]; 2] {
+        let mut next = [[[0.0; M]; N]; 2];
+        for half in 0..2 {
+            for i in 0..N {
+                add_scaled(&mut next[half][i], 2.0, &input[half][i]);
+                for block in 0..2 {
+                    add_combination(&mut next[half][i], &change[half][i][block], &input[block]);
+                }
+            }
+        }
+        next
+    }
+
+    /// `c_d` over twice the time, `2 c_d + (A_d − 1) c_d`.
+    fn twice_affine<const N: usize>(change: &[Half<N>; 2], affine: &[[f64; N]; 2]) -> [[f64; N]; 2] {
+        let mut next = [[0.0; N]; 2];
+        for half in 0..2 {
+            add_scaled(&mut next[half], 2.0, &affine[half]);
+            for i in 0..N {
+                for block in 0..2 {
+                    next[half][i] += dot(&change[half][i][block], &affine[block]);
+                }
+            }
+        }
+        next
+    }
+
+    /// The halves of `A_d − 1`, `B_d` and `c_d` over a time that suits the fastest rate.
+    ///
+    /// With `A = [0 I; A_y A_v]` the upper half `[C P]` of `Φ = ∫ exp(A s) ds` gives everything:
+    /// `exp(A t) = I + Φ A`, whose upper half is `[I 0] + [C P] A = [I + X, Q]`, the lower one `[0 I] + [X Q] A`, and
+    /// `B_d = [P B_x; Q B_x]`. Φ comes from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3). Its
+    /// doubling is cheaper than that of the whole, but while ν t grows it magnifies rounding by the ratio of the rates: it
+    /// serves up to `ν t = 80`.
+    fn held<const N: usize, const M: usize>(
+        (by_y, by_v, by_u, remainder): &Linear<N, M>,
+        time: f64,
+    ) -> Held<N, M> {
         // In units of the short time h, ẏ counts as h ẏ.
-        let h = period / (1_u32 << DOUBLINGS) as f64;
+        let h = time / (1_u32 << DOUBLINGS) as f64;
         let lower = lower_half(by_y, h * h, by_v, h);
         let mut integral = taylor(&lower);
         for _ in 0..DOUBLINGS {
             integral = doubled(&lower, &integral);
         }
-        let upper_change = times_system(&integral, &lower);
+        let mut upper_change = times_system(&integral, &lower);
         let lower_change = times_system(&upper_change, &lower_half(by_y, h, by_v, h));
-        let (mut state, mut input, mut affine) =
-            ([[[[0.0; N]; N]; 2]; 2], [[[0.0; M]; N]; 2], [[0.0; N]; 2]);
+        let (mut input, mut affine) = ([[[0.0; M]; N]; 2], [[0.0; N]; 2]);
         for i in 0..N {
-            let [x, q] = &upper_change[i];
-            state[0][0][i] = *x;
-            state[0][0][i][i] += 1.0;
-            state[0][1][i] = scaled(q, h);
-            state[1][0][i] = lower_change[i][0];
-            state[1][1][i] = lower_change[i][1];
-            state[1][1][i][i] += 1.0;
-            let by_acceleration = [scaled(&integral[i][1], h * h), scaled(q, h)];
+            upper_change[i][1] = scaled(&upper_change[i][1], h);
+            let by_acceleration = [scaled(&integral[i][1], h * h), upper_change[i][1]];
             for half in 0..2 {
                 add_combination(&mut input[half][i], &by_acceleration[half], by_u);
                 affine[half][i] = dot(&by_acceleration[half], remainder);
             }
         }
-        (state, input, affine)
+        ([upper_change, lower_change], input, affine)
     }
 
     /// The upper half of Φ over one unit of time, `Σ Aᵏ/(k + 1)!` up to k = 17, in three parts with the common factor A⁶

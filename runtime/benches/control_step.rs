@@ -85,6 +85,7 @@ fn drive<D: Discretizable<N, M>, const N: usize, const M: usize>(
                 periods: u32::from(k > 0),
                 positions: Some(positions),
                 last_inputs: last,
+                ..Cycle::default()
             };
             let begin = cpu_time();
             let command = controller.step(&cycle)?;
@@ -113,6 +114,8 @@ fn log_record<const N: usize, const M: usize>(
         time,
         positions: *positions,
         velocities: [0.0; N],
+        measured_velocities: None,
+        measured_torques: None,
         desired: [0.0; N],
         inputs: *inputs,
         source: Source::Controller,
@@ -135,7 +138,7 @@ fn bench<D: Discretizable<N, M> + Copy, const N: usize, const M: usize, const NX
     let mut options = MpcOptions::new(&model, period, HORIZON);
     options.input_limits = torque.map(|u| [-u, u]);
     options.observer.disturbance_noise = torque.map(|u| 1e-3 * u);
-    let (mut log, writer) = log_to::<N, M>(std::io::sink(), 100_000)?;
+    let (mut log, writer) = log_to::<N, M>(std::io::sink(), &model, 100_000)?;
     let new =
         || -> Result<_, MpcError> { LtvMpc::<_, _, N, M, NX>::new(model, motion, options.clone()) };
     let linear = drive(&model, &motion, period, substeps, &mut log, &mut new()?)?;

@@ -4,6 +4,7 @@
 //!
 //! Reads the trajectory from the folder `GELENK_SHARED`, or `../shared` beside the repository; without it a motion over the top is driven.
 
+use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{
@@ -54,7 +55,7 @@ fn run() -> Outcome<()> {
         println!(
             "  {:6.2} s, joint {}: {:+.2} mrad",
             found.time,
-            found.coordinate,
+            PowerCube.joint_names()[found.coordinate],
             1e3 * found.defect
         );
     }

@@ -8,8 +8,9 @@
 //! that `gelenk generate` takes unchanged, and the plots. `GELENK_EXAMPLE_SHORT=1` searches and draws less.
 
 use gelenk_runtime::dynamics::Dynamics;
+use gelenk_runtime::file::write_whole;
 use gelenk_runtime::identification::cross_validation::pareto_table;
-use gelenk_runtime::identification::description::description_toml;
+use gelenk_runtime::identification::description::write_description;
 use gelenk_runtime::identification::differentiation::{KalmanSmoother, quantization_noise};
 use gelenk_runtime::identification::excitation::{Excitation, ExcitationLimits, FourierMotion};
 use gelenk_runtime::identification::friction::{
@@ -79,10 +80,7 @@ fn run() -> Outcome<()> {
     let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/powercube.toml");
     let base = base.canonicalize()?.display().to_string();
     let description = folder.join("powercube_identified.toml");
-    std::fs::write(
-        &description,
-        description_toml("powercube_identified", &base, &results)?,
-    )?;
+    write_description(&description, "powercube_identified", &base, &results)?;
     println!("\nwritten to {}; next:", folder.display());
     println!(
         "  cargo run --release -- generate {}",
@@ -238,6 +236,7 @@ fn simulated_log(folder: &Path, short: bool) -> Outcome<PathBuf> {
     Ok(path)
 }
 
+/// All of it or nothing: the generator reads what is written here.
 fn write(path: &Path, text: &str) -> Outcome<()> {
-    std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()).into())
+    write_whole(path, text).map_err(|e| format!("{}: {e}", path.display()).into())
 }

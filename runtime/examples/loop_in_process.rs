@@ -48,7 +48,7 @@ fn run() -> Outcome<()> {
     let gains = JointGains::from_bandwidth(&PowerCube, &start, 10.0, 0.7);
     let law = JointPd::new(PowerCube, gains)?;
     let period = settings.period();
-    let controller = FeedForwardPd::new(law.clone(), motion, period.as_secs_f64(), 0.01);
+    let controller = FeedForwardPd::new(law.clone(), motion, period.as_secs_f64(), 0.01)?;
 
     let options = PlantOptions {
         encoder_resolution: [1e-4; 2],
@@ -60,7 +60,7 @@ fn run() -> Outcome<()> {
     let robot = InProcess::new(plant, MonotonicClock, period);
 
     let path = std::env::temp_dir().join("gelenk_loop_in_process.csv");
-    let (sink, log) = log_to_file(&path, 10_000)?;
+    let (sink, log) = log_to_file(&path, &PowerCube, 10_000)?;
     let mut control: ControlLoop<_, _, _, _, _, 2, 2> =
         ControlLoop::new(settings, law, motion, controller, robot, MonotonicClock)?
             .with_log(sink)

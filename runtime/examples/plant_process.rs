@@ -64,6 +64,9 @@ fn run() -> Outcome<()> {
     let (positions, velocities) = server.plant().state();
     println!("at {positions:.4?} rad, {velocities:.4?} rad/s");
     println!("braked: {}", server.plant().is_braked());
+    if let Some(fault) = server.last_breakdown() {
+        println!("broke down {} times: {fault}", server.breakdowns());
+    }
     Ok(())
 }
 

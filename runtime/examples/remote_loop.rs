@@ -57,7 +57,7 @@ fn drive(address: &str) -> Outcome<()> {
     };
     let gains = JointGains::from_bandwidth(&PowerCube, &START, 10.0, 0.7);
     let law = JointPd::new(PowerCube, gains)?;
-    let controller = FeedForwardPd::new(law.clone(), motion, 1.0 / RATE, 0.01);
+    let controller = FeedForwardPd::new(law.clone(), motion, 1.0 / RATE, 0.01)?;
     let mut robot: UdpTransport<2, 2> = UdpTransport::connect(address, settings.period() / 4)
         .map_err(|e| format!("{address}: {e}"))?;
     let mut control: ControlLoop<_, _, _, _, _, 2, 2> = ControlLoop::new(

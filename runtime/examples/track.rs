@@ -87,6 +87,7 @@ fn run(
             periods: u32::from(k > 0),
             positions: Some(plant.measure().positions),
             last_inputs: last,
+            ..Cycle::default()
         })?;
         last = command.inputs;
         plant.apply(&last, PERIOD)?;

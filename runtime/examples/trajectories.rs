@@ -7,8 +7,8 @@
 use gelenk_generated::puma560;
 use gelenk_runtime::kinematics::SphericalWrist;
 use gelenk_runtime::trajectory::{
-    Along, IdentificationSine, PointSequence, Rating, RestToRest, Trajectory, straight_ways,
-    violations,
+    Along, IdentificationSine, MotionLimits, PointSequence, Rating, RestToRest, Trajectory,
+    ViaPoints, straight_ways, violations,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -75,6 +75,19 @@ fn points(folder: &Folder) -> Outcome<()> {
         "PowerCube, four points",
         &motion,
         ["beta", "gamma"],
+    )?;
+    let limits = MotionLimits {
+        speeds: [0.5; 2],
+        accelerations: [2.0; 2],
+        ..MotionLimits::default()
+    };
+    let motion = ViaPoints::within(&points, &limits)?;
+    report("four points without a stop", &motion)?;
+    folder.plot(
+        "via_points.svg",
+        "PowerCube, four points without a stop",
+        &motion,
+        ["beta", "gamma"],
     )
 }
 
@@ -97,14 +110,11 @@ fn cartesian(folder: &Folder) -> Outcome<()> {
     );
     let motion = straight_ways(&arm, &start, &[aside, first], &[2.0, 2.0], 0.01)?;
     println!("straight ways: {:.2} s", motion.duration());
-    let names = [
-        "joint 1", "joint 2", "joint 3", "joint 4", "joint 5", "joint 6",
-    ];
     folder.plot(
         "straight_ways.svg",
         "Puma 560, straight there and back",
         &motion,
-        names,
+        puma560::JOINT_NAMES,
     )
 }
 

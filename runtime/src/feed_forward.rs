@@ -8,8 +8,8 @@
 //! u_ff = B⁺ (M ÿ + k − q), the least-squares solution with the smallest inputs, and the residual r = (M ÿ + k − q) − B u_ff is what no input
 //! can make: a trajectory with r ≠ 0 is not feasible for the passive coordinates.
 
-use crate::dynamics::Dynamics;
-use crate::trajectory::{Sample, Trajectory};
+use crate::dynamics::{Dynamics, Named};
+use crate::trajectory::{MAX_SAMPLES, Sample, Trajectory, whole_periods};
 use nalgebra::DMatrix;
 use thiserror::Error;
 
@@ -33,14 +33,17 @@ pub enum FeedForwardError {
     InputMatrix,
     /// The trajectory asks for forces that no input makes.
     #[error(
-        "the trajectory is not feasible: at {time} s coordinate {coordinate} would need {residual} N m (or N) that no input makes, more \
-         than the tolerance of {tolerance}; let this coordinate move as its equation of motion demands"
+        "the trajectory is not feasible: at {time} s joint {} would need {residual} N m (or N) that no input makes, more \
+         than the tolerance of {tolerance}; let this joint move as its equation of motion demands",
+        Named(.name)
     )]
     Infeasible {
         /// Where the residual is largest (s).
         time: f64,
         /// The coordinate with the largest residual.
         coordinate: usize,
+        /// Its name.
+        name: &'static str,
         /// It [N m or N].
         residual: f64,
         /// What was allowed.
@@ -55,6 +58,17 @@ pub enum FeedForwardError {
     /// The sampling period is not positive and finite.
     #[error("period is {0} s; it must be positive and finite")]
     Period(f64),
+    /// The trajectory is infinitely long, or so long that its inputs would not fit.
+    #[error("a trajectory of {duration} s has more than {MAX_SAMPLES} periods of {period} s")]
+    Duration {
+        /// Its length (s).
+        duration: f64,
+        /// The sampling period (s).
+        period: f64,
+    },
+    /// The tolerance is no number.
+    #[error("the tolerance of the residual is {0}; it must be a number")]
+    Tolerance(f64),
 }
 
 /// Feed-forward for a model.
@@ -121,9 +135,10 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
             &sample.accelerations,
         );
         let inputs = self.inputs_for(&forces);
-        let residual =
-            core::array::from_fn(|i| forces[i] - product(&self.input_matrix[i], &inputs));
-        FeedForwardInput { inputs, residual }
+        FeedForwardInput {
+            inputs,
+            residual: self.residual(&forces, &inputs),
+        }
     }
 
     /// B⁺ f: inputs that make generalized forces f [N m or N], or come closest to them.
@@ -132,10 +147,21 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
         self.inverse.map(|row| product(&row, forces))
     }
 
+    /// What inputs for generalized forces f cannot make of them: `f − B B⁺ f` [N m or N].
+    #[must_use]
+    pub fn missed(&self, forces: &[f64; N]) -> [f64; N] {
+        self.residual(forces, &self.inputs_for(forces))
+    }
+
+    fn residual(&self, forces: &[f64; N], inputs: &[f64; M]) -> [f64; N] {
+        core::array::from_fn(|i| forces[i] - product(&self.input_matrix[i], inputs))
+    }
+
     /// Inputs at times 0, `period`, 2 `period`, … up to the end of `trajectory`, to be held over the period that follows.
     ///
     /// # Errors
-    /// [`FeedForwardError::Infeasible`] where a residual exceeds `tolerance` [N m or N], with the largest; [`FeedForwardError::NotFinite`].
+    /// [`FeedForwardError::Infeasible`] where a residual exceeds `tolerance` [N m or N], with the largest; [`FeedForwardError::NotFinite`];
+    /// a period that is not positive, a tolerance that is no number, a trajectory of more than [`MAX_SAMPLES`] periods.
     pub fn along(
         &self,
         trajectory: &impl Trajectory<N>,
@@ -145,7 +171,12 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
         if !(period.is_finite() && period > 0.0) {
             return Err(FeedForwardError::Period(period));
         }
-        let steps = (trajectory.duration() / period).ceil() as usize;
+        if tolerance.is_nan() {
+            return Err(FeedForwardError::Tolerance(tolerance));
+        }
+        let duration = trajectory.duration();
+        let steps = whole_periods(duration, period)
+            .ok_or(FeedForwardError::Duration { duration, period })?;
         let mut inputs = Vec::with_capacity(steps);
         let mut worst = (0.0, 0, 0.0_f64);
         for k in 0..steps {
@@ -171,6 +202,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
             return Err(FeedForwardError::Infeasible {
                 time,
                 coordinate,
+                name: self.model.joint_names()[coordinate],
                 residual,
                 tolerance,
             });
@@ -183,9 +215,10 @@ fn product<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// None for matrices that are zero or not finite.
+/// None for matrices that are empty, zero or not finite.
 fn pseudo_inverse<const N: usize, const M: usize>(matrix: &[[f64; M]; N]) -> Option<[[f64; N]; M]> {
-    if !matrix.iter().flatten().all(|x| x.is_finite()) {
+    // A robot without drives has no singular values either.
+    if N * M == 0 || !matrix.iter().flatten().all(|x| x.is_finite()) {
         return None;
     }
     let svd = DMatrix::from_fn(N, M, |i, j| matrix[i][j]).svd(true, true);
@@ -197,4 +230,19 @@ fn pseudo_inverse<const N: usize, const M: usize>(matrix: &[[f64; M]; N]) -> Opt
     Some(core::array::from_fn(|j| {
         core::array::from_fn(|i| inverse[(j, i)])
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn robots_without_drives_have_no_feed_forward() {
+        assert_eq!(pseudo_inverse::<2, 0>(&[[], []]), None);
+        assert_eq!(pseudo_inverse::<0, 2>(&[]), None);
+        assert_eq!(pseudo_inverse(&[[0.0, 0.0]]), None);
+        assert_eq!(pseudo_inverse(&[[f64::NAN]]), None);
+        let inverse = pseudo_inverse(&[[0.0, 4.0]]).unwrap();
+        assert!(inverse[0][0].abs() < 1e-15 && (inverse[1][0] - 0.25).abs() < 1e-15);
+    }
 }

@@ -1,13 +1,102 @@
-//! Control and identification of generated robots.
+//! Control and identification of robots whose equations of motion `gelenk` has generated.
 //!
-//! The features `control`, `identification` and `report` are all on by default. A module of the first two stands behind
-//! its feature: what the program `gelenk` builds, `report` alone, must compile without them.
+//! A generated module is plain functions on arrays: M, k, q, B and their derivatives. One line makes it a type ([`dynamics!`]),
+//! and everything here is generic over that type's traits.
+//!
+//! # A first example
+//!
+//! An arm of two joints moves by feed-forward and joint PD, on a simulated robot:
+//!
+//! ```
+//! use gelenk_runtime::control_loop::{
+//!     ControlLoop, End, FeedForwardPd, JointGains, JointPd, LoopSettings, VirtualClock,
+//! };
+//! use gelenk_runtime::dynamics::Dynamics;
+//! use gelenk_runtime::plant::{Plant, PlantOptions};
+//! use gelenk_runtime::trajectory::RestToRest;
+//! use gelenk_runtime::transport::InProcess;
+//!
+//! // 1. The robot: a generated module as a type. Yours comes from build.rs and `include_model!`.
+//! gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
+//!
+//! // 2. What it shall do [rad, s].
+//! let start = [0.1, 0.0];
+//! let motion = RestToRest::new(start, [0.4, -0.2], 1.5)?;
+//!
+//! // 3. How: 100 times a second, with gains from the mass matrix and limits from the description.
+//! let settings = LoopSettings::for_limits(100.0, &PowerCube.limits());
+//! let law = JointPd::new(PowerCube, JointGains::from_bandwidth(&PowerCube, &start, 12.0, 0.8))?;
+//! let controller = FeedForwardPd::new(law.clone(), motion, 0.01, 0.01)?;
+//!
+//! // 4. On what: a simulated robot with encoders of 0.1 mrad. A real one is another `Transport`.
+//! let options = PlantOptions { encoder_resolution: [1e-4; 2], ..PlantOptions::default() };
+//! let mut plant = Plant::new(PowerCube, options)?;
+//! plant.reset(start, [0.0; 2])?;
+//! let clock = VirtualClock::new();
+//! let robot = InProcess::new(plant, clock.clone(), settings.period());
+//!
+//! // 5. The loop, with the same law to fall back on.
+//! let mut control: ControlLoop<_, _, _, _, _, 2, 2> =
+//!     ControlLoop::new(settings, law, motion, controller, robot, clock)?;
+//! let report = control.run();
+//! assert_eq!(report.end, End::Finished, "{report}");
+//! let (positions, _) = control.transport().plant().state();
+//! assert!((positions[0] - 0.4).abs() < 2e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Where is what
+//!
+//! ```text
+//!  trajectory, kinematics   what is wanted                     identification   log → friction, masses → description
+//!         │                                                           ▲
+//!         ▼                                                           │ log
+//!  feed_forward, lqr, mpc  →  control_loop  →  transport  →  plant or hardware
+//!         │
+//!         ▼
+//!         qp
+//! ```
+//!
+//! In the order in which a newcomer reads it:
+//!
+//! 1. [`mod@dynamics`]: the traits [`Dynamics`](dynamics::Dynamics), [`Differentiable`](dynamics::Differentiable) and
+//!    [`Discretizable`](dynamics::Discretizable), the macros [`dynamics!`] and [`include_model!`], limits and names of joints.
+//! 2. [`trajectory`]: motions from rest to rest, through points with and without a stop, of recordings, for identification; whether
+//!    they keep a model's limits. Targets that change while the robot moves are the feature `online-targets`. [`kinematics`]: joint
+//!    angles for poses of six-axis arms with a spherical wrist.
+//! 3. [`feed_forward`]: the inputs that make the model follow a trajectory.
+//! 4. [`plant`]: a simulated robot with dry friction, brakes, encoders, delays and losses, to try everything on.
+//! 5. [`control_loop`]: the loop at a fixed rate, its limits, guards, log and report, joint PD and computed torque. Its guide is
+//!    [how to write a controller](control_loop::write_a_controller).
+//! 6. [`transport`]: how positions come from a robot and inputs get there: in process, UDP, CAN. Its guide is
+//!    [how to attach hardware](transport::attaching_hardware).
+//! 7. [`mpc`]: linear time-varying and nonlinear predictive control, with a disturbance observer. Under it [`qp`], an interior-point
+//!    solver without allocation, [`lqr`], and [`lanes`], many states at once.
+//! 8. [`identification`]: from a log to friction and inertial parameters, and to a description that `gelenk generate` reads.
+//! 9. [`report`]: pages of results, without a network.
+//!
+//! The examples in `runtime/examples` are whole programs: `loop_in_process` and `remote_loop` drive a loop in real time, `track`
+//! compares controllers, `identify` goes from a log to a description, `powercube` reproduces a paper.
+//!
+//! # Conventions
+//!
+//! SI units; `y`, `v`, `a`, `u` are coordinates, velocities, accelerations and inputs in the order of the module's `JOINT_NAMES`
+//! and `INPUT_NAMES`; matrices rows first. What can fail returns an error that says where, what, and what is allowed, and names joints
+//! as the description does; fields called `joint` or `input` are indices from 0. What runs in a loop neither allocates nor panics.
+//!
+//! # Features
+//!
+//! `control`, `identification` and `report` are all on by default; a module stands behind its feature: what the program `gelenk`
+//! builds, `report` alone, must compile without the others. `socketcan` adds the transport over a CAN bus (Linux), `online-targets`
+//! targets that change while the robot moves.
 
 #[cfg(feature = "control")]
 pub mod control_loop;
 pub mod dynamics;
 #[cfg(feature = "control")]
 pub mod feed_forward;
+#[cfg(any(feature = "identification", feature = "report"))]
+pub mod file;
 #[cfg(feature = "identification")]
 pub mod identification;
 #[cfg(feature = "control")]
@@ -22,6 +111,12 @@ pub mod mpc;
 pub mod plant;
 #[cfg(feature = "control")]
 pub mod qp;
+#[cfg(any(feature = "identification", feature = "report"))]
+#[cfg_attr(
+    not(feature = "identification"),
+    allow(dead_code, reason = "the text of a module that the generator has too")
+)]
+mod replace;
 #[cfg(feature = "report")]
 pub mod report;
 #[cfg(feature = "control")]

@@ -86,7 +86,7 @@ fn inputs(motion: &[[Vec<f64>; 3]; 2]) -> [Vec<f64>; 2] {
     for i in 0..SAMPLES {
         let at = |k: usize| [motion[0][k][i], motion[1][k][i]];
         let rigid = PowerCube.inverse_dynamics(&at(0), &at(1), &at(2));
-        let own = PowerCube.friction_torques(&at(1));
+        let own = PowerCube.friction_torques(&at(0), &at(1));
         for j in 0..2 {
             inputs[j].push((rigid[j] - own[j] + friction(j, at(1)[j])) / I);
         }
@@ -204,7 +204,7 @@ fn base_parameters_are_recovered_along_an_excitation() {
     let torques: [Vec<f64>; 2] = [0, 1].map(|j| {
         let rigid = |x: &[[f64; 2]; 3]| {
             PowerCube.inverse_dynamics(&x[0], &x[1], &x[2])[j]
-                - PowerCube.friction_torques(&x[1])[j]
+                - PowerCube.friction_torques(&x[0], &x[1])[j]
         };
         instants
             .iter()

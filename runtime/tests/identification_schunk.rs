@@ -61,7 +61,7 @@ impl Dynamics<6, 6> for Recorded<'_> {
     fn spring_forces(&self, _: &[f64; 6], _: &[f64; 6]) -> [f64; 6] {
         [0.0; 6]
     }
-    fn friction_torques(&self, v: &[f64; 6]) -> [f64; 6] {
+    fn friction_torques(&self, _: &[f64; 6], v: &[f64; 6]) -> [f64; 6] {
         std::array::from_fn(|i| (self.friction)(i, v[i]))
     }
     fn input_matrix(&self) -> [[f64; 6]; 6] {
@@ -289,7 +289,7 @@ fn simulated_positions_of_unseen_runs_are_twice_as_good_as_with_the_published_fr
     let own = |joint: usize, v: f64| {
         let mut all = [0.0; 6];
         all[joint] = v;
-        Arm.friction_torques(&all)[joint]
+        Arm.friction_torques(&[0.0; 6], &all)[joint]
     };
     let errors = simulate(log, &unseen, &identified);
     let viscous = simulate(log, &unseen, &published);

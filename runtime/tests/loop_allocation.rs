@@ -25,7 +25,7 @@ fn motion() -> RestToRest<2> {
 }
 
 fn controller() -> impl Controller<2, 2> {
-    FeedForwardPd::new(law(), motion(), 1.0 / RATE, 0.01)
+    FeedForwardPd::new(law(), motion(), 1.0 / RATE, 0.01).unwrap()
 }
 
 /// Allocations in so many periods, and records written and dropped.
@@ -34,13 +34,13 @@ fn allocations_of(
     clock: VirtualClock,
     periods: u64,
 ) -> (u64, u64) {
-    let (sink, writer) = log_to(std::io::sink(), 20_000).unwrap();
+    let (sink, writer) = log_to(std::io::sink(), &PowerCube, 20_000).unwrap();
     let settings = LoopSettings {
         // A machine that stalls the server for long shall not end this.
         hold_periods: 1_000_000,
         ..settings(RATE)
     };
-    let mut control: ControlLoop<PowerCube, _, _, _, _, 2, 2> =
+    let mut control: ControlLoop<_, _, _, _, _, 2, 2> =
         ControlLoop::new(settings, law(), motion(), controller(), transport, clock)
             .unwrap()
             .with_log(sink);
@@ -88,4 +88,29 @@ fn sleeping_does_not_allocate() {
         clock.sleep_until(clock.now() + Duration::from_millis(1));
     }
     assert_eq!(allocations::count() - before, 0);
+}
+
+/// Nor does what the loop computes for the caches.
+#[test]
+fn warm_ups_do_not_allocate() {
+    use gelenk_runtime::control_loop::Cycle;
+    use gelenk_runtime::mpc::{LtvMpc, MpcOptions, Nmpc};
+    let options = || MpcOptions::new(&PowerCube, 0.02, 5);
+    let controllers: [Box<dyn Controller<2, 2>>; 3] = [
+        Box::new(controller()),
+        Box::new(LtvMpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options()).unwrap()),
+        Box::new(Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options()).unwrap()),
+    ];
+    for mut controller in controllers {
+        controller.reset(&START, &[0.0; 2]);
+        let next = Cycle {
+            positions: Some(START),
+            ..Cycle::default()
+        };
+        let before = allocations::count();
+        for _ in 0..3 {
+            controller.warm_up(&next);
+        }
+        assert_eq!(allocations::count() - before, 0);
+    }
 }

@@ -89,6 +89,8 @@ fn without_faults_the_motion_is_finished_at_every_rate() {
         let expected = Counts {
             periods: periods(rate) + 2,
             controller: periods(rate),
+            // Before the start, and before each period that drives.
+            warm_ups: periods(rate) + 2,
             ..Counts::default()
         };
         assert_eq!(report.counts, expected, "{report}");
@@ -345,7 +347,7 @@ fn a_failing_controller_is_replaced_by_its_plan_then_by_feed_forward_pd() {
     assert_eq!(report.end, End::Finished, "{report}");
     assert_eq!(report.counts.controller_faults, 15);
     assert_eq!(report.counts.plan, 3, "as long as the plan is");
-    assert_eq!(report.counts.feed_forward_pd, 12);
+    assert_eq!(report.counts.fallback, 12);
     robot.assert_at_end(5e-3);
     robot.assert_stopped_safely();
 }
@@ -370,7 +372,7 @@ fn a_controller_that_stays_broken_stops_the_arm_on_its_path() {
         let counts = report.counts;
         assert_eq!((counts.controller, counts.plan), (40, 3));
         // 22 as fallback, then the controlled stop of half a second.
-        assert!(counts.feed_forward_pd >= 22 + 25, "{report}");
+        assert!(counts.fallback >= 22 + 25, "{report}");
         assert_on_path(&robot);
         robot.assert_stopped_safely();
     }
@@ -419,7 +421,7 @@ fn a_trajectory_beyond_the_limits_is_stopped_inside_them() {
     let mut robot = Watched::at_start(RATE);
     let too_far = RestToRest::new(START, [LIMITS[0][1] + 0.5, 0.0], 6.0).unwrap();
     let controller =
-        gelenk_runtime::control_loop::FeedForwardPd::new(law(), too_far, 1.0 / RATE, 0.01);
+        gelenk_runtime::control_loop::FeedForwardPd::new(law(), too_far, 1.0 / RATE, 0.01).unwrap();
     let clock = robot.clock.clone();
     let mut control: ControlLoop<_, _, _, _, _, 2, 2> = ControlLoop::new(
         settings(RATE),
@@ -514,7 +516,7 @@ fn brakes_that_take_time_to_release_are_waited_for() {
 #[test]
 fn the_log_has_every_period_and_identification_reads_it() {
     let path = std::env::temp_dir().join(format!("gelenk_loop_{}.csv", std::process::id()));
-    let (sink, writer) = log_to_file(&path, 10_000).unwrap();
+    let (sink, writer) = log_to_file(&path, &support::robot::PowerCube, 10_000).unwrap();
     let mut robot = Watched::at_start(RATE);
     let report = loop_with(settings(RATE), pd(RATE), &mut robot)
         .with_log(sink)
@@ -522,7 +524,7 @@ fn the_log_has_every_period_and_identification_reads_it() {
     let summary = writer.finish().unwrap();
     assert_eq!(summary.written, report.counts.periods);
     assert_eq!(summary.dropped, 0);
-    let channels = ["time", "q1", "q2", "dq1", "u1"];
+    let channels = ["time", "q_beta", "q_gamma", "dq_beta", "u_beta"];
     let schema: String = channels
         .map(|name| format!("[[channel]]\nname = \"{name}\"\n"))
         .concat();
@@ -533,12 +535,17 @@ fn the_log_has_every_period_and_identification_reads_it() {
     for k in 0..time.len() {
         assert!((time[k] - 0.02 * k as f64).abs() < 1e-9);
     }
-    let q = log.channel("q1").unwrap();
+    let q = log.channel("q_beta").unwrap();
     assert!((q[0] - START[0]).abs() < 1e-3 && (q[time.len() - 1] - END[0]).abs() < 5e-3);
     // Half-way it is fastest, at 15/8 of the mean speed.
-    let speed = log.channel("dq1").unwrap()[125];
+    let speed = log.channel("dq_beta").unwrap()[125];
     assert!((speed - 1.875 * 1.4 / 5.0).abs() < 0.02, "{speed}");
-    assert!(log.channel("u1").unwrap().iter().all(|u| u.abs() <= 0.5));
+    assert!(
+        log.channel("u_beta")
+            .unwrap()
+            .iter()
+            .all(|u| u.abs() <= 0.5)
+    );
 }
 
 #[test]
@@ -546,11 +553,11 @@ fn settings_out_of_range_are_named() {
     for (rate, message) in [
         (
             20.0,
-            "setting rate[0] of the loop is 20; it must be 50 to 1000 Hz",
+            "setting rate of the loop is 20; it must be 50 to 1000 Hz",
         ),
         (
             f64::NAN,
-            "setting rate[0] of the loop is NaN; it must be 50 to 1000 Hz",
+            "setting rate of the loop is NaN; it must be 50 to 1000 Hz",
         ),
     ] {
         let mut robot = Watched::at_start(RATE);

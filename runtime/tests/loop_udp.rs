@@ -26,7 +26,7 @@ const RATE: f64 = 50.0;
 
 type Link = UdpTransport<2, 2>;
 type Loop<'a> = ControlLoop<
-    PowerCube,
+    support::robot::Law,
     gelenk_runtime::trajectory::RestToRest<2>,
     support::robot::Pd,
     &'a mut Link,
@@ -203,11 +203,11 @@ fn in_real_time_the_arm_ends_braked_and_at_rest() {
     let mut link: Link = UdpTransport::connect(plant.address, Duration::from_millis(5)).unwrap();
     let near = START.map(|y| y + 0.02);
     let motion = gelenk_runtime::trajectory::RestToRest::new(START, near, 0.3).unwrap();
-    let mut control: ControlLoop<PowerCube, _, _, _, _, 2, 2> = ControlLoop::new(
+    let mut control: ControlLoop<_, _, _, _, _, 2, 2> = ControlLoop::new(
         settings(RATE),
         law(),
         motion,
-        FeedForwardPd::new(law(), motion, 1.0 / RATE, 0.01),
+        FeedForwardPd::new(law(), motion, 1.0 / RATE, 0.01).unwrap(),
         &mut link,
         MonotonicClock,
     )
@@ -281,7 +281,11 @@ fn only_the_answer_to_the_question_is_a_reading() {
                 session: 1,
                 sequence,
                 brakes: Brakes::Released,
-                message: Message::Positions([position; 2]),
+                message: Message::Measured {
+                    positions: [position; 2],
+                    velocities: None,
+                    torques: None,
+                },
             };
             let send = |datagram: Datagram<2, 2>| {
                 let mut buffer = [0; MAX_DATAGRAM];
@@ -321,4 +325,208 @@ fn inputs_that_are_not_finite_are_not_sent() {
         Err(TransportError::Input { input: 1 })
     );
     assert!(robot.recv(&mut [0; 100]).is_err(), "nothing arrived");
+}
+
+type Server = gelenk_runtime::transport::PlantServer<PowerCube, 2, 2>;
+
+fn server(options: gelenk_runtime::transport::ServerOptions) -> Server {
+    let plant = support::robot::plant_at(START, gelenk_runtime::plant::PlantOptions::default());
+    Server::bind(plant, "127.0.0.1:0", options).unwrap()
+}
+
+/// A valid datagram of 1e308 N m is a breakdown of the robot, which a controller learns as its restart; the process goes on.
+#[test]
+fn inputs_that_no_simulation_bears_do_not_end_the_server() {
+    use gelenk_runtime::transport::{Pace, ServerOptions};
+    let mut server = server(ServerOptions {
+        pace: Pace::LockStep,
+        ..ServerOptions::default()
+    });
+    let address = server.local_address().unwrap();
+    let serving = std::thread::spawn(move || {
+        server.serve(Duration::from_secs(1)).unwrap();
+        server
+    });
+    let mut link = connect(address);
+    link.release().unwrap();
+    assert_eq!(link.read().unwrap().unwrap().brakes, Brakes::Released);
+    for inputs in [[1e308, -1e308], [0.0, 1e200]] {
+        link.write(&inputs).unwrap();
+        assert_eq!(link.read(), Err(TransportError::Restarted), "{inputs:?}");
+        let reading = link.read().unwrap().unwrap();
+        assert_eq!(reading.brakes, Brakes::Engaged);
+        for i in 0..2 {
+            assert!(
+                (reading.positions[i] - START[i]).abs() < 0.1,
+                "where it was"
+            );
+        }
+        link.release().unwrap();
+        assert!(link.read().unwrap().is_some(), "and it can go on");
+    }
+    let server = serving.join().unwrap();
+    assert_eq!(server.breakdowns(), 2);
+    let reason = server.last_breakdown().unwrap().to_string();
+    assert!(reason.starts_with("the integration stopped at"), "{reason}");
+    let (positions, velocities) = server.plant().state();
+    assert!(positions.iter().chain(&velocities).all(|x| x.is_finite()));
+}
+
+/// In the loop it is a stop with the brakes engaged.
+#[test]
+fn a_robot_that_breaks_down_stops_the_loop() {
+    use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle};
+    use gelenk_runtime::transport::{Pace, ServerOptions};
+    struct Wild(support::robot::Pd);
+    impl Controller<2, 2> for Wild {
+        fn reset(&mut self, positions: &[f64; 2], inputs: &[f64; 2]) {
+            self.0.reset(positions, inputs);
+        }
+        fn step(&mut self, cycle: &Cycle<2, 2>) -> Result<Command<2>, ControllerFault> {
+            let mut command = self.0.step(cycle)?;
+            if cycle.time > 1.0 {
+                command.inputs[1] = 1e300;
+            }
+            Ok(command)
+        }
+    }
+    let mut server = server(ServerOptions {
+        pace: Pace::LockStep,
+        ..ServerOptions::default()
+    });
+    let address = server.local_address().unwrap();
+    let serving = std::thread::spawn(move || server.serve(Duration::from_secs(1)));
+    let mut link = connect(address);
+    // Limits that do not stop it before.
+    let settings = LoopSettings {
+        input_limit: [f64::INFINITY; 2],
+        ..settings(RATE)
+    };
+    let mut control: ControlLoop<_, _, _, _, _, 2, 2> = ControlLoop::new(
+        settings,
+        law(),
+        motion(),
+        Wild(pd(RATE)),
+        &mut link,
+        VirtualClock::new(),
+    )
+    .unwrap();
+    let report = control.run();
+    drop(control);
+    assert_eq!(report.end, End::Stopped(StopReason::Restarted), "{report}");
+    assert_eq!(report.brakes, Brakes::Engaged);
+    serving.join().unwrap().unwrap();
+}
+
+#[test]
+fn waits_without_an_end_are_refused() {
+    let address = UdpSocket::bind("127.0.0.1:0")
+        .unwrap()
+        .local_addr()
+        .unwrap();
+    for timeout in [Duration::ZERO, Duration::MAX, Duration::from_secs(3601)] {
+        let refused = Link::connect(address, timeout).err().unwrap();
+        assert_eq!(refused.kind(), std::io::ErrorKind::InvalidInput);
+        assert!(
+            refused
+                .to_string()
+                .contains("more than 0 and at most an hour"),
+            "{refused}"
+        );
+    }
+    let mut link = Link::connect(address, Duration::from_nanos(1)).unwrap();
+    assert!(!matches!(link.read(), Ok(Some(_))), "nobody is there");
+}
+
+#[test]
+fn options_of_a_server_are_checked() {
+    use gelenk_runtime::transport::{PlantServer, ServerOptions};
+    let refused = |options: ServerOptions| {
+        let plant = support::robot::plant_at(START, gelenk_runtime::plant::PlantOptions::default());
+        let refused: Result<PlantServer<_, 2, 2>, _> =
+            PlantServer::bind(plant, "127.0.0.1:0", options);
+        refused.err().unwrap().to_string()
+    };
+    for period in [
+        f64::NAN,
+        0.0,
+        -0.02,
+        5e-324,
+        1e-7,
+        61.0,
+        1e300,
+        f64::INFINITY,
+    ] {
+        let message = refused(ServerOptions {
+            period,
+            ..ServerOptions::default()
+        });
+        assert_eq!(
+            message,
+            format!("server option period is {period}; it must be 1e-6 to 60 s")
+        );
+    }
+    for loss in [f64::NAN, -0.1, 1.1] {
+        let message = refused(ServerOptions {
+            loss,
+            ..ServerOptions::default()
+        });
+        assert!(message.contains("a probability"), "{message}");
+    }
+}
+
+/// A machine that cannot keep up, or slept for a day: the server answers all the same.
+#[test]
+fn a_server_that_is_behind_its_clock_goes_on() {
+    use gelenk_runtime::transport::ServerOptions;
+    let mut server = server(ServerOptions {
+        period: 1e-6,
+        ..ServerOptions::default()
+    });
+    std::thread::sleep(Duration::from_millis(20));
+    let address = server.local_address().unwrap();
+    let answered = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+    let done = std::sync::Arc::clone(&answered);
+    let serving = std::thread::spawn(move || {
+        while !done.load(std::sync::atomic::Ordering::Relaxed) {
+            server.serve_one().unwrap();
+        }
+    });
+    let mut link = connect(address);
+    assert!(link.read().unwrap().is_some());
+    answered.store(true, std::sync::atomic::Ordering::Relaxed);
+    serving.join().unwrap();
+}
+
+/// What drives measure comes through the socket.
+#[test]
+fn velocities_and_torques_come_over_udp() {
+    use gelenk_runtime::transport::{Pace, PlantServer, ServerOptions};
+    let measuring = gelenk_runtime::plant::PlantOptions {
+        velocity_noise: Some([0.0; 2]),
+        torque_noise: Some([0.0; 2]),
+        ..support::robot::plant_options()
+    };
+    let plant = support::robot::plant_at(START, measuring);
+    let options = ServerOptions {
+        pace: Pace::LockStep,
+        ..ServerOptions::default()
+    };
+    let mut server: PlantServer<PowerCube, 2, 2> =
+        PlantServer::bind(plant, "127.0.0.1:0", options).unwrap();
+    let address = server.local_address().unwrap();
+    let serving = std::thread::spawn(move || server.serve(Duration::from_secs(1)));
+    let mut link = connect(address);
+    link.release().unwrap();
+    for _ in 0..5 {
+        link.write(&[0.3, -0.1]).unwrap();
+        let reading = link.read().unwrap().unwrap();
+        let (state, _) = link.inspect().unwrap().unwrap();
+        assert_eq!(reading.velocities, Some(state.velocities));
+        // The gear ratio is 161.
+        let torques = reading.torques.unwrap();
+        assert!((torques[0] - 48.3).abs() < 1e-9 && (torques[1] + 16.1).abs() < 1e-9);
+    }
+    drop(link);
+    serving.join().unwrap().unwrap();
 }

@@ -37,6 +37,7 @@ fn drive(controller: &mut impl Controller<2, 2>, motion: &RestToRest<2>) {
             periods: 1 + u32::from(k % 50 == 49),
             positions: (k % 11 != 5).then_some(positions),
             last_inputs: last,
+            ..Cycle::default()
         };
         match controller.step(&cycle) {
             Ok(command) => {

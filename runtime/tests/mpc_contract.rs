@@ -23,6 +23,7 @@ fn cycle(time: f64, positions: Option<[f64; 2]>) -> Cycle<2, 2> {
         periods: u32::from(time > 0.0),
         positions,
         last_inputs: [0.0; 2],
+        ..Cycle::default()
     }
 }
 
@@ -124,6 +125,8 @@ fn preparation_and_feedback_are_the_step() {
 mod mass {
     pub const N: usize = 1;
     pub const M: usize = 1;
+    pub const JOINT_NAMES: [&str; N] = ["mass"];
+    pub const INPUT_NAMES: [&str; M] = ["force"];
     pub const POSITION_LIMITS: [[f64; 2]; N] = [[f64::NEG_INFINITY, f64::INFINITY]];
     pub const VELOCITY_LIMITS: [f64; N] = [f64::INFINITY];
     pub const EFFORT_LIMITS: [f64; N] = [f64::INFINITY];
@@ -177,6 +180,7 @@ fn the_observer_converges_to_the_dual_of_the_regulator() {
         encoder_noise: [1e-3],
         velocity_noise: [2e-3],
         disturbance_noise: [5e-2],
+        ..ObserverOptions::default()
     };
     let t = 0.02;
     let a = [[1.0, t, 0.25 * t * t], [0.0, 1.0, 0.5 * t], [0.0, 0.0, 1.0]];
@@ -217,6 +221,7 @@ fn the_observer_finds_a_constant_force() {
         encoder_noise: [1e-5],
         velocity_noise: [1e-4],
         disturbance_noise: [1e-2],
+        ..ObserverOptions::default()
     };
     let mut observer = DisturbanceObserver::<1, 1>::new(noise).unwrap();
     let t = 0.01;

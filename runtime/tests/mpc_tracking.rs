@@ -137,6 +137,7 @@ fn corrections(
                 periods: u32::from(k > 0),
                 positions: Some(plant.measure().positions),
                 last_inputs: last,
+                ..Cycle::default()
             })
             .unwrap()
             .inputs;
@@ -192,6 +193,7 @@ fn offset(disturbance_noise: f64) -> [f64; 2] {
             periods: u32::from(k > 0),
             positions: Some(plant.measure().positions),
             last_inputs: last,
+            ..Cycle::default()
         };
         last = mpc.step(&cycle).unwrap().inputs;
         plant.apply(&last, PERIOD).unwrap();

@@ -8,12 +8,14 @@ use gelenk_runtime::plant::{Plant, PlantError, PlantOptions};
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 gelenk_runtime::dynamics!(struct Puma = gelenk_generated::puma560);
 
-/// A mass on a line: `m ÿ = u − d ẏ − c sign ẏ`.
+/// A mass on a line: `m ÿ = u − d ẏ − c (1 + k y) sign ẏ`.
 #[derive(Clone, Copy)]
 struct Slider {
     mass: f64,
     viscous: f64,
     coulomb: f64,
+    /// k, how the dry friction grows along the line (1/m).
+    tightening: f64,
 }
 
 impl Dynamics<1, 1> for Slider {
@@ -39,9 +41,9 @@ impl Dynamics<1, 1> for Slider {
     fn spring_forces(&self, _: &[f64; 1], _: &[f64; 1]) -> [f64; 1] {
         [0.0]
     }
-    fn friction_torques(&self, v: &[f64; 1]) -> [f64; 1] {
+    fn friction_torques(&self, y: &[f64; 1], v: &[f64; 1]) -> [f64; 1] {
         let sign = if v[0] == 0.0 { 0.0 } else { v[0].signum() };
-        [self.viscous * v[0] + self.coulomb * sign]
+        [self.viscous * v[0] + self.coulomb * (1.0 + self.tightening * y[0]) * sign]
     }
     fn input_matrix(&self) -> [[f64; 1]; 1] {
         [[1.0]]
@@ -52,6 +54,7 @@ const SLIDER: Slider = Slider {
     mass: 2.0,
     viscous: 0.0,
     coulomb: 0.0,
+    tightening: 0.0,
 };
 
 /// A generated robot without friction.
@@ -73,7 +76,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Dynamics<N, M> for Frict
     fn spring_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
         self.0.spring_forces(y, v)
     }
-    fn friction_torques(&self, _: &[f64; N]) -> [f64; N] {
+    fn friction_torques(&self, _: &[f64; N], _: &[f64; N]) -> [f64; N] {
         [0.0; N]
     }
     fn input_matrix(&self) -> [[f64; M]; N] {
@@ -180,6 +183,31 @@ fn dry_friction_stops_a_mass_and_holds_it() {
 }
 
 /// A push against the motion: the mass stops within the period and leaves in the other direction.
+/// Dry friction that grows along the way takes up `½ m v² = c (y + k y²/2)`, and where the mass stopped it holds as much as
+/// it brakes there.
+#[test]
+fn dry_friction_of_the_position_stops_and_holds_by_it() {
+    let mut plant = ideal(Slider {
+        coulomb: 1.6,
+        tightening: 2.0,
+        ..SLIDER
+    });
+    plant.reset([0.0], [1.0]).unwrap();
+    for _ in 0..100 {
+        plant.apply(&[0.0], 0.02).unwrap();
+    }
+    let stop = (-1.0 + (1.0_f64 + 2.0 * 2.0 * 0.625).sqrt()) / 2.0;
+    let at = plant.state();
+    assert_eq!(at.1, [0.0]);
+    close(at.0[0], stop, 1e-9);
+    let holds = 1.6 * (1.0 + 2.0 * stop);
+    assert!(holds > 2.0 * 1.49, "more than at y = 0");
+    plant.apply(&[0.99 * holds], 0.02).unwrap();
+    assert_eq!(plant.state(), at);
+    plant.apply(&[1.01 * holds], 0.02).unwrap();
+    assert!(plant.state().1[0] > 0.0);
+}
+
 #[test]
 fn a_reversal_within_a_period_is_located() {
     let mut plant = ideal(Slider {
@@ -380,7 +408,7 @@ fn errors_name_the_numbers_and_leave_the_plant() {
     let error = plant.apply(&[0.0, f64::NAN], 0.02).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "input 1 is NaN; only finite inputs can be applied"
+        "input gamma is NaN; only finite inputs can be applied"
     );
     assert_eq!(plant.hold(0.0).unwrap_err(), PlantError::Period(0.0));
     assert!(plant.apply(&[0.0; 2], f64::INFINITY).is_err());
@@ -394,8 +422,81 @@ fn errors_name_the_numbers_and_leave_the_plant() {
     let error = Plant::new(PowerCube, options).err().unwrap();
     assert_eq!(
         error.to_string(),
-        "plant option input_loss[0] is 1.5; it must be a probability, 0 to 1"
+        "plant option input_loss is 1.5; it must be a probability, 0 to 1"
     );
+    let options = PlantOptions {
+        velocity_noise: Some([0.0, -1.0]),
+        ..PlantOptions::default()
+    };
+    let error = Plant::new(PowerCube, options).err().unwrap();
+    assert_eq!(
+        error.to_string(),
+        "plant option velocity_noise[gamma] is -1; it must be finite and not negative"
+    );
+}
+
+/// Steps and periods at the ends of what is a number.
+#[test]
+fn extreme_numbers_neither_hang_nor_pass_as_results() {
+    let options = PlantOptions {
+        encoder_resolution: [5e-324, 1e308],
+        input_resolution: [5e-324, 1e-320],
+        ..PlantOptions::default()
+    };
+    let mut plant = Plant::new(PowerCube, options).unwrap();
+    plant.reset([0.1, 0.2], [0.0; 2]).unwrap();
+    assert_eq!(plant.measure().positions, [0.1, 0.0]);
+    plant.apply(&[0.1, 0.1], 0.02).unwrap();
+    assert_eq!(plant.applied(), [0.1; 2]);
+    for inputs in [[1e308, 0.0], [-1e308, 1e308], [1e100, 1e100]] {
+        let mut plant = ideal(PowerCube);
+        let before = plant.state();
+        match plant.apply(&inputs, 0.02) {
+            Ok(()) => assert!(plant.state().0.iter().all(|y| y.is_finite())),
+            Err(PlantError::Integration { .. }) => {
+                assert_eq!(plant.state(), before);
+                // And it can go on.
+                plant.apply(&[0.1, 0.1], 0.02).unwrap();
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+    for period in [5e-324, 1e-15, f64::MAX] {
+        let mut plant = ideal(PowerCube);
+        let _ = plant.apply(&[0.1, 0.1], period);
+        assert!(plant.state().0.iter().all(|y| y.is_finite()), "{period}");
+    }
+}
+
+/// What drives measure: true velocities and B u, each with its own noise, and no influence on the motion.
+#[test]
+fn velocities_and_torques_are_measured_where_the_options_say_so() {
+    let run = |velocity_noise, torque_noise| {
+        let options = PlantOptions {
+            velocity_noise,
+            torque_noise,
+            encoder_noise: [1e-4; 2],
+            ..PlantOptions::default()
+        };
+        let mut plant = Plant::new(PowerCube, options).unwrap();
+        plant.reset([0.3, 0.2], [0.0; 2]).unwrap();
+        for _ in 0..20 {
+            plant.apply(&[0.2, -0.1], 0.02).unwrap();
+        }
+        (plant.measure(), plant.state())
+    };
+    let (plain, state) = run(None, None);
+    assert_eq!((plain.velocities, plain.torques), (None, None));
+    let (exact, same) = run(Some([0.0; 2]), Some([0.0; 2]));
+    assert_eq!((exact.positions, same), (plain.positions, state));
+    assert_eq!(exact.velocities, Some(state.1));
+    // The gear ratio is 161.
+    let torques = exact.torques.unwrap();
+    assert!((torques[0] - 32.2).abs() < 1e-12 && (torques[1] + 16.1).abs() < 1e-12);
+    let (noisy, same) = run(Some([0.01; 2]), None);
+    assert_eq!((noisy.positions, same), (plain.positions, state));
+    let error = noisy.velocities.unwrap()[0] - state.1[0];
+    assert!(error != 0.0 && error.abs() < 0.05, "{error}");
 }
 
 /// A model whose accelerations are not finite must not hang the plant.

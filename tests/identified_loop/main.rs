@@ -32,7 +32,7 @@ fn main() {
     report("identified", &|y, v, a| Identified.inverse_dynamics(y, v, a));
     report("altered", &|y, v, a| Altered.inverse_dynamics(y, v, a));
     report("frictionless", &|y, v, a| {
-        let (all, friction) = (Identified.inverse_dynamics(y, v, a), Identified.friction_torques(v));
+        let (all, friction) = (Identified.inverse_dynamics(y, v, a), Identified.friction_torques(y, v));
         [all[0] - friction[0], all[1] - friction[1]]
     });
 }

@@ -21,8 +21,16 @@ pub fn target() -> PathBuf {
 /// # Panics
 /// Where cargo does not start.
 pub fn cargo(folder: &Path, arguments: &[&str]) -> Output {
+    aloud(folder, &[&["--quiet"], arguments].concat())
+}
+
+/// As [`cargo`], with what Cargo says by itself: warnings of build scripts among it.
+///
+/// # Panics
+/// Where cargo does not start.
+pub fn aloud(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO"))
-        .args(["--offline", "--quiet"])
+        .arg("--offline")
         .args(arguments)
         .env("CARGO_TARGET_DIR", target())
         .env("CARGO_TERM_COLOR", "never")

@@ -138,6 +138,19 @@ impl Robot {
             .unwrap_or_else(|problem| panic!("{name}: {problem}"))
     }
 
+    /// What a function of friction takes: the velocities, and before them the coordinates where a friction law depends
+    /// on the position.
+    pub fn friction_arguments<'a>(&self, name: &str, y: &'a [f64], v: &'a [f64]) -> Vec<&'a [f64]> {
+        let arguments = self.function(name).program.inputs.iter();
+        arguments
+            .map(|input| match input.name.as_str() {
+                "y" => y,
+                "v" => v,
+                other => panic!("{name} takes {other}"),
+            })
+            .collect()
+    }
+
     /// The first result of a function.
     pub fn first(&self, name: &str, inputs: &[&[f64]]) -> Vec<f64> {
         self.call(name, inputs).swap_remove(0)
@@ -152,9 +165,12 @@ pub fn relative_error(found: &[f64], expected: &[f64]) -> f64 {
         .fold(0.0, |largest: f64, x| largest.max(x.abs()));
     let difference = found.iter().zip(expected).map(|(a, b)| (a - b).abs());
     // `max` would drop a NaN.
-    let worst = difference.fold(
-        0.0,
-        |largest: f64, x| if x <= largest { largest } else { x },
-    );
+    let worst = difference.fold(0.0, |largest: f64, x| {
+        if largest.is_nan() || x <= largest {
+            largest
+        } else {
+            x
+        }
+    });
     if scale == 0.0 { worst } else { worst / scale }
 }

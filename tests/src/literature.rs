@@ -78,6 +78,7 @@ fn link(k: usize, (alpha, d, r): Row) -> Link {
         name: format!("link{}", k + 1),
         joint: Some(Joint {
             name: format!("q{}", k + 1),
+            identifier: format!("q{}", k + 1),
             parent: k,
             kind: JointKind::Revolute,
             origin: Pose {

@@ -218,12 +218,12 @@ impl Oracle<'_> {
     }
 
     /// `τ = Σ coefficient · basis`
-    pub fn friction_torques(&self, v: &[f64]) -> Vec<f64> {
+    pub fn friction_torques(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
         let torque = |(i, joint): (usize, &Joint)| {
             let terms = joint.friction.iter();
             terms
                 .map(|term| {
-                    self.number(&term.coefficient) * value(&term.basis, self.parameters, 0.0, v[i])
+                    self.number(&term.coefficient) * value(&term.basis, self.parameters, y[i], v[i])
                 })
                 .sum()
         };

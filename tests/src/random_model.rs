@@ -207,7 +207,8 @@ fn link(rng: &mut Rng, index: usize, motion: Motion, free: bool) -> Link {
         rng.usize(0..index)
     };
     let joint = Joint {
-        name: format!("j{index}"),
+        name: format!("Joint {index}"),
+        identifier: format!("j{index}"),
         parent,
         kind,
         origin: pose(rng, free),
@@ -363,7 +364,7 @@ fn springs(rng: &mut Rng) -> Vec<Formula> {
     }
 }
 
-/// Viscous, smooth and exact Coulomb terms.
+/// Viscous, smooth and exact Coulomb terms, and Coulomb friction that depends on the position.
 fn friction(rng: &mut Rng, free: bool) -> Vec<FrictionTerm> {
     let call = |function, slope: f64| {
         Formula::Call(
@@ -376,6 +377,14 @@ fn friction(rng: &mut Rng, free: bool) -> Vec<FrictionTerm> {
         Formula::Velocity,
         call(Function::Tanh, 10.0),
         call(Function::Sign, 1.0),
+        // Positive at every position: teeth that mesh more or less tightly.
+        product(
+            Formula::sum(
+                number(1.0),
+                product(number(0.5), Formula::call(Function::Sin, Formula::Position)),
+            ),
+            call(Function::Tanh, 20.0),
+        ),
     ] {
         if chance(rng, 0.3) {
             let size = number(0.1 + rng.f64());
@@ -410,7 +419,8 @@ fn drive(rng: &mut Rng, joint: &Joint, coordinate: Option<usize>, links: usize) 
     let has_rotor = chance(rng, 0.6);
     let sign = if chance(rng, 0.2) { -1.0 } else { 1.0 };
     Drive {
-        name: format!("{}_drive", joint.name),
+        name: format!("{} drive", joint.name),
+        identifier: format!("{}_drive", joint.identifier),
         coordinate,
         gear_ratio: number(sign * (1.0 + 60.0 * rng.f64())),
         rotor_inertia: number(if has_rotor { 1e-3 * rng.f64() } else { 0.0 }),
@@ -436,7 +446,8 @@ fn drive(rng: &mut Rng, joint: &Joint, coordinate: Option<usize>, links: usize) 
 
 fn frame(rng: &mut Rng, index: usize, links: usize) -> Frame {
     Frame {
-        name: format!("f{index}"),
+        name: format!("Frame {index}"),
+        identifier: format!("f{index}"),
         link: if index == 0 {
             links - 1
         } else {

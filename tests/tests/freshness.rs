@@ -1,6 +1,6 @@
 //! generated/ holds what the generator writes now.
 
-use gelenk_codegen::emit::Scalar;
+use gelenk_codegen::emit::{Scalar, documentation};
 use gelenk_codegen::output::{is_generated, root_text};
 use gelenk_tests::{descriptions, generate_model, workspace};
 
@@ -10,7 +10,7 @@ const COMMAND: &str = "cargo run --release -- generate";
 #[test]
 fn committed_modules_are_fresh() {
     let folder = workspace().join("generated/src");
-    let mut names = Vec::new();
+    let (mut names, mut modules) = (Vec::new(), Vec::new());
     let mut stale = Vec::new();
     for description in descriptions() {
         let robot = generate_model(&description, Scalar::F64);
@@ -18,10 +18,11 @@ fn committed_modules_are_fresh() {
         if std::fs::read_to_string(folder.join(&file)).ok().as_ref() != Some(&robot.source.text) {
             stale.push(file);
         }
+        modules.push((robot.source.name.clone(), documentation(&robot.source.text)));
         names.push(robot.source.name);
     }
     let root = std::fs::read_to_string(folder.join("lib.rs")).expect("generated/src/lib.rs");
-    if root != root_text(&names) {
+    if root != root_text(&modules) {
         stale.push("lib.rs".to_owned());
     }
     let files = std::fs::read_dir(&folder).expect("generated/src");

@@ -113,3 +113,64 @@ fn smooth_sign_is_a_tanh_with_its_derivative() {
         );
     }
 }
+
+/// The law of a gear whose teeth mesh more or less tightly.
+fn toothed(rate_of: &str) -> Robot {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path: PathBuf = folder.path().join("robot.toml");
+    let description = format!(
+        "gravity = [0, 0, 0]\n[[joints]]\nname = \"gear\"\nlimits = {{ position = [-1, 2] }}\nfriction = {rate_of}\n\
+         [[joints]]\nname = \"slide\"\ntype = \"prismatic\"\nfriction = \"2*v\"\n\
+         [[bodies]]\nlink = \"gear\"\ninertia = 0.5\nmass = 0\n[[bodies]]\nlink = \"slide\"\nmass = 3\n"
+    );
+    std::fs::write(&path, description).expect("a file");
+    Robot::derive(&path, &GenerateOptions::default())
+}
+
+/// A law of the position was once generated as that at y = 0.
+#[test]
+fn friction_depends_on_the_position_where_its_law_does() {
+    let robot = toothed("\"0.3*(1+0.9*sin(y))*tanh(20*v)\"");
+    let slide = |v: f64| 2.0 * v;
+    for (y, v) in [(0.0_f64, 0.1_f64), (1.3, 0.02), (-0.8, -0.4), (1.9, 3.0)] {
+        let (positions, velocities, still) = ([y, 0.7], [v, -0.5], [0.0; 2]);
+        let (tight, smooth) = (0.3 * (1.0 + 0.9 * y.sin()), (20.0 * v).tanh());
+        let (by_y, by_v) = (
+            0.27 * y.cos() * smooth,
+            20.0 * tight * (1.0 - smooth * smooth),
+        );
+        let close = |found: f64, expected: f64| {
+            assert!(
+                (found - expected).abs() < 1e-14,
+                "({y}, {v}): {found}, {expected}"
+            );
+        };
+        let friction = robot.first("friction_torques", &[&positions, &velocities]);
+        close(friction[0], tight * smooth);
+        close(friction[1], slide(-0.5));
+        let regressor = robot.first("friction_regressor", &[&positions, &velocities]);
+        let parameters = robot.first("friction_parameters", &[]);
+        assert_eq!(parameters, [0.3, 2.0]);
+        close(regressor[0] * parameters[0], friction[0]);
+        close(regressor[3] * parameters[1], friction[1]);
+        let inverse = robot.call(
+            "inverse_dynamics_derivatives",
+            &[&positions, &velocities, &still],
+        );
+        let forces = robot.first("inverse_dynamics", &[&positions, &velocities, &still]);
+        let bias = robot.first("bias_forces", &[&positions, &velocities]);
+        close(forces[0] - bias[0], friction[0]);
+        close(inverse[1][0], by_y);
+        close(inverse[2][0], by_v);
+    }
+}
+
+#[test]
+fn friction_of_the_velocity_alone_takes_the_velocity_alone() {
+    let robot = toothed("\"0.3*tanh(20*v)\"");
+    for name in ["friction_torques", "friction_regressor"] {
+        let inputs = &robot.function(name).program.inputs;
+        assert_eq!(inputs.len(), 1, "{name}");
+        assert_eq!(inputs[0].name, "v", "{name}");
+    }
+}

@@ -20,8 +20,14 @@ const FUNCTIONS: [(&str, &str); 7] = [
     ("linearize", "y, v, a"),
 ];
 
-/// Functions over a sample time.
-const OVER_TIME: [&str; 3] = ["discretize", "step", "step_derivatives"];
+/// Functions over a sample time: name of the row, function, period. What `discretize` takes grows with the period times the
+/// fastest rate of the robot; over the longest period it takes the most.
+const OVER_TIME: [(&str, &str, &str); 4] = [
+    ("discretize", "discretize", "0.02"),
+    ("discretize_at_most", "discretize", "longest[k % 8]"),
+    ("step", "step", "0.02"),
+    ("step_derivatives", "step_derivatives", "0.02"),
+];
 
 /// Functions over eight states, in the form for AVX2 (Valgrind knows no AVX-512), and their results.
 const LANES: [(&str, &str); 3] = [
@@ -35,12 +41,13 @@ const CALLS: u64 = 1000;
 /// A program that calls one function so many times: both are its arguments.
 fn main_text() -> String {
     let mut arms = String::new();
-    let single = FUNCTIONS.map(|(name, arguments)| ("robot", name, arguments));
-    let over_time = OVER_TIME.map(|name| ("discrete", name, "y, v, a, 0.02"));
-    for (module, name, arguments) in single.into_iter().chain(over_time) {
+    let single = FUNCTIONS.map(|(name, arguments)| (name, "robot", name, arguments.to_owned()));
+    let over_time =
+        OVER_TIME.map(|(row, name, period)| (row, "discrete", name, format!("y, v, a, {period}")));
+    for (row, module, name, arguments) in single.into_iter().chain(over_time) {
         let _ = writeln!(
             arms,
-            "        {name:?} => for k in 0..calls {{ let [y, v, a] = &states[k % 8]; \
+            "        {row:?} => for k in 0..calls {{ let [y, v, a] = &states[k % 8]; \
              let (y, v, a) = (black_box(y), black_box(v), black_box(a)); _ = (v, a); \
              black_box({module}::{name}({arguments})); }},"
         );
@@ -57,12 +64,22 @@ fn main_text() -> String {
 mod discrete {{ include!(\"discrete.rs\"); }}
 mod many {{ include!(\"many.rs\"); }}
 use std::hint::black_box;
+/// The period that needs the most halvings.
+fn longest([y, v, u]: &[[f64; robot::N]; 3]) -> f64 {{
+    let norm = |matrix: &[[f64; robot::N]; robot::N]| matrix.map(|row| row.map(f64::abs).iter().sum()).into_iter().fold(0.0, f64::max);
+    let (by_y, by_v, _, _) = discrete::linearize(y, v, u);
+    let (a, b) = (norm(&by_y), norm(&by_v));
+    let mut t = 1.0;
+    while (a * t + b) * t > 1.0 {{ t *= 0.5; }}
+    80.0 * f64::from(1 << 18) * t
+}}
 fn main() {{
     let mut arguments = std::env::args().skip(1);
     let name = arguments.next().unwrap();
     let calls: usize = arguments.next().unwrap().parse().unwrap();
     let states: [[[f64; robot::N]; 3]; 8] = core::array::from_fn(|s| core::array::from_fn(|k| core::array::from_fn(|i|
         ((s * 31 + k * 7 + i) as f64 * 0.7).rem_euclid(4.0) - 2.0)));
+    let longest = states.each_ref().map(longest);
     let groups: [[[many::Lanes; robot::N]; 3]; 8] = core::array::from_fn(|s| core::array::from_fn(|k| core::array::from_fn(|i|
         many::Lanes(core::array::from_fn(|lane| states[(s + lane) % 8][k][i])))));
     let zero = many::Lanes([0.0; 8]);
@@ -117,7 +134,11 @@ fn report(robot: &str, fused: bool) -> String {
     // Modules of their own: who else calls a function decides where it is inlined.
     let modules = [
         ("robot.rs", FUNCTIONS.map(|(name, _)| name).to_vec(), false),
-        ("discrete.rs", OVER_TIME.to_vec(), false),
+        (
+            "discrete.rs",
+            OVER_TIME.map(|(_, name, _)| name).to_vec(),
+            false,
+        ),
         ("many.rs", LANES.map(|(name, _)| name).to_vec(), true),
     ];
     for (file, functions, lanes) in modules {
@@ -152,7 +173,7 @@ fn report(robot: &str, fused: bool) -> String {
     );
     let form = if fused { "fused" } else { "plain" };
     let singles = FUNCTIONS.iter().map(|(name, _)| (*name).to_owned());
-    let over_time = OVER_TIME.iter().map(|name| (*name).to_owned());
+    let over_time = OVER_TIME.iter().map(|(row, ..)| (*row).to_owned());
     let names = singles
         .chain(over_time)
         .chain(LANES.iter().map(|(name, _)| format!("{name}_lanes")));

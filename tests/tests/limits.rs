@@ -1,6 +1,8 @@
 //! Large robots: what is ordinary work, and what is refused.
 
+use gelenk_codegen::dynamics::array_form::Form;
 use gelenk_codegen::dynamics::catalogue;
+use gelenk_codegen::dynamics::selection::{Request, derive};
 use gelenk_codegen::dynamics::size::MOST_OPERATIONS;
 use gelenk_codegen::program::cost::count;
 use gelenk_tests::compiler::rustc;
@@ -27,21 +29,92 @@ fn inverse_dynamics_of_500_joints() {
     assert!(many <= 11 * fifty, "{fifty} for 50 joints, {many} for 500");
 }
 
+/// What is too large for 500 joints.
+const LARGE: [&str; 10] = [
+    "mass_matrix",
+    "equations_of_motion",
+    "mass_matrix_and_bias_forces",
+    "forward_dynamics",
+    "inverse_dynamics_derivatives",
+    "inverse_dynamics_derivatives_and_mass_matrix",
+    "forward_dynamics_derivatives",
+    "linearize",
+    "inertial_regressor",
+    "base_regressor",
+];
+
 #[test]
 fn large_functions_are_refused_with_their_count_and_the_option() {
     let model = chain(&right_angles(500), DOWN);
-    let problems = catalogue::derive(&model, &[], MOST_OPERATIONS).expect_err("too large");
+    let names = selection(&LARGE);
+    let problems = catalogue::derive(&model, &names, MOST_OPERATIONS).expect_err("too large");
     let refused: Vec<&str> = problems
         .entries()
         .iter()
         .map(|problem| problem.code)
         .collect();
-    assert_eq!(refused, vec!["too-large"; 10]);
+    assert_eq!(refused, vec!["too-large"; LARGE.len()]);
     let model = chain(&right_angles(12), DOWN);
     let names = selection(&["mass_matrix", "bias_forces"]);
     let problems = catalogue::derive(&model, &names, 700).expect_err("too large");
     insta::assert_snapshot!(problems.to_string());
     assert!(catalogue::derive(&model, &names, 2000).is_ok());
+}
+
+/// What nobody asked for by name is left out, with all that calls it, and a note says so.
+#[test]
+fn large_functions_are_left_out() {
+    let model = chain(&right_angles(4), DOWN);
+    let request = Request {
+        names: &[],
+        most: 700,
+        form: Form::Straight,
+        straight: &[],
+    };
+    let selected = derive(&model, &request).unwrap_or_else(|problems| panic!("{problems}"));
+    let found = |name: &str| selected.functions.iter().any(|f| f.name == name);
+    assert!(found("forward_dynamics") && !found("linearize"));
+    let compositions: Vec<&str> = selected
+        .compositions
+        .iter()
+        .map(|each| each.name())
+        .collect();
+    assert_eq!(compositions, ["step"]);
+    let notes: Vec<String> = selected.notes.iter().map(ToString::to_string).collect();
+    insta::assert_snapshot!(notes.join("\n"));
+    let names = selection(&["discretize"]);
+    let request = Request {
+        names: &names,
+        ..request
+    };
+    let problems = derive(&model, &request).expect_err("asked for by name");
+    assert_eq!(problems.entries()[0].code, "too-large");
+    let names = selection(&["bias_forces", "forward_dynamics"]);
+    let request = Request {
+        names: &names,
+        ..request
+    };
+    assert!(derive(&model, &request).is_ok());
+}
+
+/// Loops count once, however many operations they stand for: Talos has 44 joints.
+#[test]
+fn loops_count_as_their_text() {
+    const MOST: usize = 10_000;
+    let model = chain(&right_angles(16), DOWN);
+    let names = selection(&["linearize"]);
+    let functions = catalogue::derive(&model, &names, MOST);
+    let functions = functions.unwrap_or_else(|problems| panic!("{problems}"));
+    let names: Vec<&str> = functions
+        .iter()
+        .map(|function| function.name.as_str())
+        .collect();
+    assert_eq!(names, ["forward_dynamics_derivatives", "linearize"]);
+    let cost = count(&functions[0].program);
+    assert!(cost.multiplications + cost.additions > 2 * MOST);
+    let source = gelenk_codegen::emit::module(&model, &functions, &[], &Default::default());
+    let lines = source.text.lines().count();
+    assert!(lines < MOST, "{lines}");
 }
 
 /// With debug information rustc ends where a function has some 3 000 statements.

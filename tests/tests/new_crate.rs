@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use gelenk_tests::cargo::{cargo, lock_like_here, success, text};
+use gelenk_tests::cargo::{aloud, cargo, lock_like_here, success, text};
 use gelenk_tests::workspace;
 
 /// Lines of numbers: time, joints, energy.
@@ -29,9 +29,13 @@ fn a_new_crate_builds_and_simulates() {
     assert!(said.contains("cargo run"), "{said}");
 
     lock_like_here(&made);
-    let build = cargo(&made, &["build"]);
+    let build = aloud(&made, &["build"]);
     success(&build);
-    assert_eq!(text(&build.stderr), "", "warnings greet a new user");
+    let said = text(&build.stderr);
+    assert!(
+        !said.contains("warning"),
+        "warnings greet a new user: {said}"
+    );
 
     let rows = rows(&success(&cargo(&made, &["run"])));
     assert_eq!(rows.len(), 21);
@@ -45,14 +49,18 @@ fn a_new_crate_builds_and_simulates() {
 
     // What one changes first: the description.
     let description = made.join("robot.toml");
-    let changed = fs::read_to_string(&description).expect("the description");
-    let changed = changed.replace("mass = 2.0", "mass = -2.0");
-    fs::write(&description, changed).expect("the description");
-    let output = cargo(&made, &["build"]);
-    assert!(!output.status.success());
-    assert!(
-        text(&output.stderr).contains("robot.toml:31"),
-        "{}",
+    let original = fs::read_to_string(&description).expect("the description");
+    let build_with = |from: &str, to: &str| {
+        fs::write(&description, original.replace(from, to)).expect("the description");
+        let output = cargo(&made, &["build"]);
+        assert!(!output.status.success());
         text(&output.stderr)
-    );
+    };
+    let faulty = build_with("mass = 2.0", "mass = -2.0");
+    assert!(faulty.contains("robot.toml:31"), "{faulty}");
+
+    // A robot that was renamed is not simulated under its old name.
+    let renamed = build_with("name = \"robot\"", "name = \"walker\"");
+    let says = "generates no robot `robot`, but `walker` from robot.toml. A module is named after its robot: the key `name`";
+    assert!(renamed.contains(says), "{renamed}");
 }

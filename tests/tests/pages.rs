@@ -277,7 +277,7 @@ fn robot_page(name: &str) -> RobotPage {
         .collect();
     let parameters: Vec<f64> = model.parameters.iter().map(|one| one.default).collect();
     let origin = |frame: &gelenk_codegen::model::Frame| {
-        let name = format!("frame_{}_pose", frame.name);
+        let name = format!("frame_{}_pose", frame.identifier);
         let function = functions
             .iter()
             .find(|function| function.name == name)

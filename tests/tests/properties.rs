@@ -61,7 +61,7 @@ impl Scales {
         let mass = largest(&oracle.mass_matrix(&state.y));
         let coriolis = largest(&oracle.inertial_forces(&state.y, &state.v, &still));
         let springs = largest(&oracle.spring_forces(&state.y, &state.v));
-        let friction = largest(&oracle.friction_torques(&state.v));
+        let friction = largest(&oracle.friction_torques(&state.y, &state.v));
         let inputs = largest(&joint_forces(oracle, &state.u));
         Self {
             mass,
@@ -100,6 +100,15 @@ impl Case<'_> {
 
     fn call(&self, name: &str, inputs: &[&[f64]]) -> Vec<f64> {
         self.call_all(name, inputs).swap_remove(0)
+    }
+
+    /// Friction torques at the state.
+    fn friction(&self) -> Vec<f64> {
+        let name = "friction_torques";
+        let arguments = self
+            .robot
+            .friction_arguments(name, &self.state.y, &self.state.v);
+        self.call(name, &arguments)
     }
 
     fn call_all(&self, name: &str, inputs: &[&[f64]]) -> Vec<Vec<f64>> {
@@ -256,7 +265,7 @@ fn forces_are_those_of_lagrange() {
         let bias = case.call("bias_forces", &[y, v]);
         let size = scales.coriolis + scales.gravity;
         case.close("bias", &bias, &minus(&coriolis, &gravity), size);
-        let forces = minus(&oracle.spring_forces(y, v), &oracle.friction_torques(v));
+        let forces = minus(&oracle.spring_forces(y, v), &oracle.friction_torques(y, v));
         let forces = plus(&forces, &gravity);
         let expected = minus(&oracle.inertial_forces(y, v, a), &forces);
         let found = case.call("inverse_dynamics", &[y, v, a]);
@@ -272,8 +281,8 @@ fn applied_forces_are_the_sum_of_their_parts() {
         let size = case.scales.gravity + case.scales.other;
         let springs = case.call("spring_forces", &[y, v]);
         case.close("springs", &springs, &oracle.spring_forces(y, v), size);
-        let friction = case.call("friction_torques", &[v]);
-        case.close("τ", &friction, &oracle.friction_torques(v), size);
+        let friction = case.friction();
+        case.close("τ", &friction, &oracle.friction_torques(y, v), size);
         let gravity = oracle.gravity_forces(y);
         let expected = minus(&plus(&gravity, &springs), &friction);
         case.close("q", &case.call("applied_forces", &[y, v]), &expected, size);
@@ -359,7 +368,7 @@ fn power_balance() {
         let kinetic = case.rate("kinetic_energy", &[&y_path, &v_path])[0];
         let potential = case.rate("potential_energy", &[&y_path])[0];
         let springs = case.call("spring_forces", &[y, v]);
-        let friction = case.call("friction_torques", &[v]);
+        let friction = case.friction();
         let forces = plus(&joint_forces(&case.oracle, u), &minus(&springs, &friction));
         let speed: f64 = v.iter().map(|v| v.abs()).sum();
         let inertial = accelerations.iter().map(|a| a.abs()).sum::<f64>() * case.scales.mass;
@@ -409,7 +418,7 @@ fn frames_are_where_the_links_carry_them() {
         let reach = 4.0 * oracle.model.links.len() as f64;
         let speed: f64 = v.iter().map(|v| v.abs()).sum();
         for frame in &oracle.model.frames {
-            let name = |suffix: &str| format!("frame_{}_{suffix}", frame.name);
+            let name = |suffix: &str| format!("frame_{}_{suffix}", frame.identifier);
             let (origin, rotation) = oracle.frame(frame, y);
             let pose = case.call_all(&name("pose"), &[y]);
             case.close("p", &pose[0], &origin, reach);

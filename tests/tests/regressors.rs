@@ -4,6 +4,7 @@
 use fastrand::Rng;
 use gelenk_codegen::dynamics::function::ConstantValue;
 use gelenk_codegen::model::{ReadOptions, read};
+use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use gelenk_runtime::identification::inertial::{
     InertialRegression, PER_BODY, is_physically_consistent,
 };
@@ -50,13 +51,13 @@ fn names<'r>(robot: &'r Robot, function: &str) -> &'r [String] {
     names.expect("names of columns")
 }
 
-fn base_terms(robot: &Robot) -> &[(usize, usize, f64)] {
+/// The map of the base parameters; none where it is no constant.
+fn base_terms(robot: &Robot) -> Option<&[(usize, usize, f64)]> {
     let constants = &robot.function("base_regressor").constants;
-    let terms = constants.iter().find_map(|constant| match &constant.value {
-        ConstantValue::Sparse(terms) => Some(terms),
+    constants.iter().find_map(|constant| match &constant.value {
+        ConstantValue::Sparse(terms) => Some(terms.as_slice()),
         _ => None,
-    });
-    terms.expect("terms of the base parameters")
+    })
 }
 
 /// `matrix · x`, and the sum of the products' magnitudes.
@@ -96,7 +97,8 @@ fn inertial_regressor_times_parameters_is_the_inverse_dynamics() {
             let pi = first("inertial_parameters", &[]);
             assert_eq!(pi.len(), names(&robot, "inertial_parameters").len());
             let bodies = times(&first("inertial_regressor", &[&y, &v, &a]), &pi);
-            let friction = first("friction_torques", &[&v]);
+            let arguments = robot.friction_arguments("friction_torques", &y, &v);
+            let friction = first("friction_torques", &arguments);
             let springs = first("spring_forces", &[&y, &v]);
             let forces = first("inverse_dynamics", &[&y, &v, &a]);
             for (i, &(sum, size)) in bodies.iter().enumerate() {
@@ -124,6 +126,7 @@ fn friction_regressor_times_parameters_is_the_friction() {
                 .swap_remove(0)
         };
         let coefficients = first("friction_parameters", &[]);
+        let arguments = robot.friction_arguments("friction_regressor", &sample.y, &sample.v);
         assert_eq!(
             coefficients.len(),
             names(&robot, "friction_parameters").len()
@@ -131,11 +134,9 @@ fn friction_regressor_times_parameters_is_the_friction() {
         columns += coefficients.len();
         let found = match coefficients.is_empty() {
             true => vec![(0.0, 0.0); sample.v.len()],
-            false => times(&first("friction_regressor", &[&sample.v]), &coefficients),
+            false => times(&first("friction_regressor", &arguments), &coefficients),
         };
-        for ((sum, size), expected) in found
-            .into_iter()
-            .zip(first("friction_torques", &[&sample.v]))
+        for ((sum, size), expected) in found.into_iter().zip(first("friction_torques", &arguments))
         {
             close("R φ", &robot.model.name, sum, expected, size, TOLERANCE);
         }
@@ -143,13 +144,15 @@ fn friction_regressor_times_parameters_is_the_friction() {
     assert!(columns > 100, "{columns} columns in all");
 }
 
-/// A regressor over random states, one below the other, at the described parameters.
+/// A regressor over random states, one below the other, at random values of the free parameters.
 fn stacked(robot: &Robot, function: &str, rng: &mut Rng) -> DMatrix<f64> {
     let model = &robot.model;
     let mut rows = Vec::new();
+    let parameters = random_sample(rng, model).parameters;
     for _ in 0..40 {
         let Sample { y, v, a, .. } = random_sample(rng, model);
-        rows.extend(robot.first(function, &[&y, &v, &a]));
+        let result = robot.call_with(function, &[&y, &v, &a], &parameters);
+        rows.extend(result.into_iter().next().unwrap_or_default());
     }
     let count = 40 * model.coordinates.len();
     DMatrix::from_row_slice(count, rows.len() / count, &rows)
@@ -196,19 +199,18 @@ fn base_regressor_has_full_rank_and_no_column_more() {
 
 #[test]
 fn base_regressor_times_base_parameters_is_all_that_moves() {
+    let (mut free, mut left_out) = (0, 0);
     for robot in robots() {
         let name = &robot.model.name;
-        let pi = robot.first("inertial_parameters", &[]);
         let leaders = names(&robot, "base_regressor");
-        let mut beta = vec![0.0; leaders.len()];
-        let mut sizes = beta.clone();
-        for &(group, parameter, coefficient) in base_terms(&robot) {
-            beta[group] += coefficient * pi[parameter];
-            sizes[group] += (coefficient * pi[parameter]).abs();
-        }
+        let Some(terms) = base_terms(&robot) else {
+            left_out += 1;
+            continue;
+        };
+        free += usize::from(!robot.model.parameters.is_empty());
         let all = names(&robot, "inertial_parameters");
         for (group, leader) in leaders.iter().enumerate() {
-            let first = base_terms(&robot).iter().find(|term| term.0 == group);
+            let first = terms.iter().find(|term| term.0 == group);
             assert_eq!(
                 first.map(|term| (&all[term.1], term.2)),
                 Some((leader, 1.0))
@@ -216,9 +218,26 @@ fn base_regressor_times_base_parameters_is_all_that_moves() {
         }
         let mut rng = Rng::with_seed(10);
         for _ in 0..5 {
-            let Sample { y, v, a, .. } = random_sample(&mut rng, &robot.model);
-            let full = times(&robot.first("inertial_regressor", &[&y, &v, &a]), &pi);
-            let y = robot.first("base_regressor", &[&y, &v, &a]);
+            // The map holds for any values of the free parameters.
+            let sample = random_sample(&mut rng, &robot.model);
+            let Sample {
+                y,
+                v,
+                a,
+                parameters,
+                ..
+            } = &sample;
+            let first =
+                |name, inputs: &[&[f64]]| robot.call_with(name, inputs, parameters).swap_remove(0);
+            let pi = first("inertial_parameters", &[]);
+            let mut beta = vec![0.0; leaders.len()];
+            let mut sizes = beta.clone();
+            for &(group, parameter, coefficient) in terms {
+                beta[group] += coefficient * pi[parameter];
+                sizes[group] += (coefficient * pi[parameter]).abs();
+            }
+            let full = times(&first("inertial_regressor", &[y, v, a]), &pi);
+            let y = first("base_regressor", &[y, v, a]);
             let sums = times(&y, &sizes);
             for ((found, expected), size) in times(&y, &beta).iter().zip(&full).zip(sums) {
                 let size = expected.1 + size.1;
@@ -226,6 +245,64 @@ fn base_regressor_times_base_parameters_is_all_that_moves() {
             }
         }
     }
+    assert!(free >= 5, "{free} maps of robots with free parameters");
+    assert!(left_out >= 5, "{left_out} maps that are no constants");
+}
+
+/// Whatever changes the groups: the gear ratio of a rotor on the base (i² J), the distance of the next axis, the direction of
+/// gravity. What only scales columns, as the size of gravity, changes nothing.
+#[test]
+fn maps_that_depend_on_free_parameters_are_left_out() {
+    let arm = |gear: &str, length: &str, gravity: &str| {
+        let text = format!(
+            r#"
+            gravity = [0, 0, {gravity}]
+            [[joints]]
+            name = "a"
+            axis = [0, 1, 0]
+            drive = {{ gear_ratio = {gear}, rotor_inertia = 1e-4 }}
+            [[joints]]
+            name = "b"
+            axis = [0, 1, 0]
+            origin = {{ xyz = [0, 0, {length}] }}
+            drive = "ideal"
+            [[bodies]]
+            link = "a"
+            mass = {{ free = 2.0 }}
+            inertia = 0.1
+            [[bodies]]
+            link = "b"
+            mass = 1
+            center_of_mass = [0, 0, 0.2]
+            inertia = 0.1
+            "#
+        );
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("arm.toml");
+        std::fs::write(&path, text).expect("a description");
+        let options = GenerateOptions {
+            functions: vec!["base_regressor".to_owned()],
+            ..GenerateOptions::default()
+        };
+        let robot = generate(&path, &options).unwrap_or_else(|problems| panic!("{problems}"));
+        let has_map = robot.source.text.contains("pub const BASE_PARAMETER_TERMS");
+        assert_eq!(
+            has_map,
+            !robot
+                .notes
+                .to_string()
+                .contains("`BASE_PARAMETER_TERMS` is left out")
+        );
+        let groups = robot.source.text.contains("c(p) ");
+        assert_eq!(has_map, !groups);
+        has_map
+    };
+    assert!(arm("50", "0.3", "-9.81"));
+    assert!(arm("50", "0.3", "{ free = -9.81 }"));
+    assert!(!arm("{ free = 50 }", "0.3", "-9.81"));
+    assert!(!arm("50", "{ free = 0.3 }", "-9.81"));
+    // Described as zero, which is no other case than any other length.
+    assert!(!arm("50", "{ free = 0 }", "-9.81"));
 }
 
 /// The runtime factorizes with pivots of its own: as many base parameters, and the described bodies explain the forces.
@@ -289,7 +366,8 @@ fn base_parameters_of_the_published_arm() {
             .iter()
             .position(|found| *found == name)
             .expect(name);
-        let terms = base_terms(&robot).iter().filter(|term| term.0 == group);
+        let terms = base_terms(&robot).expect("a constant map").iter();
+        let terms = terms.filter(|term| term.0 == group);
         terms
             .map(|&(_, parameter, c)| c * pi[parameter])
             .sum::<f64>()

@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::diagnostic::nearest;
 use crate::emit::Scalar;
-use crate::model::ReadOptions;
+
+use crate::model::{FUNCTIONS, ReadOptions, is_known_function};
 
 /// Robot dynamics as plain Rust: reads a kinematic description, derives the equations of motion, writes one module.
 #[derive(Debug, Parser)]
@@ -34,7 +36,8 @@ const GENERATE_EXAMPLES: &str = "\
 Examples:
   gelenk generate models/powercube.toml
   gelenk generate arm.urdf --output - --functions mass_matrix,bias_forces
-  gelenk generate arm.urdf --snap-angles 1e-4 --scalar f32 --output firmware/src/arm.rs";
+  gelenk generate arm.urdf --snap-angles 1e-4 --scalar f32 --output firmware/src/arm.rs
+  gelenk generate arm.toml --control-model 50    for the plant and for the controller";
 
 const INSPECT_EXAMPLES: &str = "\
 Examples:
@@ -85,7 +88,7 @@ pub(super) struct Generate {
     #[arg(long, short, value_name = "FILE.rs", requires = "description")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) choices: Choices,
+    pub(super) modules: Modules,
 }
 
 #[derive(Debug, Args)]
@@ -96,7 +99,7 @@ pub(super) struct Check {
     #[arg(long, short, value_name = "FILE.rs", requires = "description")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) choices: Choices,
+    pub(super) modules: Modules,
 }
 
 #[derive(Debug, Args)]
@@ -170,6 +173,9 @@ pub(super) struct Reading {
     /// the exact sign]
     #[arg(long, value_name = "SLOPE", value_parser = positive)]
     pub(super) smooth_sign: Option<f64>,
+    /// Take a robot whose mass matrix is not positive definite
+    #[arg(long)]
+    pub(super) accept_unphysical: bool,
 }
 
 impl Reading {
@@ -179,6 +185,8 @@ impl Reading {
             snap_angles: self.snap_angles,
             no_friction: self.no_friction,
             smooth_sign: self.smooth_sign,
+            accept_unphysical: self.accept_unphysical,
+            exact_sign: false,
         }
     }
 
@@ -194,8 +202,20 @@ impl Reading {
             .chain(number("--smooth-sign", self.smooth_sign))
             .chain(flag("--no-friction", self.no_friction))
             .chain(flag("--ignore-mimic", self.ignore_mimic))
+            .chain(flag("--accept-unphysical", self.accept_unphysical))
             .collect()
     }
+}
+
+/// What is made of a description: one module, or two.
+#[derive(Debug, Args)]
+pub(super) struct Modules {
+    #[command(flatten)]
+    pub(super) choices: Choices,
+    /// Write two modules: the exact model for plants, and beside it <NAME>_control for controllers, with
+    /// tanh(SLOPE · v) for sign(v) in friction and springs
+    #[arg(long, value_name = "SLOPE", value_parser = positive, conflicts_with = "smooth_sign")]
+    pub(super) control_model: Option<f64>,
 }
 
 /// Choices that change what is generated; the header of the file names them.
@@ -203,7 +223,7 @@ impl Reading {
 pub(super) struct Choices {
     /// Functions to generate, separated by commas [default: those of the description, else all but
     /// inverse_dynamics_hessian]
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = function)]
     pub(super) functions: Vec<String>,
     /// Number type of the module
     #[arg(long, value_enum, default_value_t = ScalarName::F64)]
@@ -211,9 +231,10 @@ pub(super) struct Choices {
     #[command(flatten)]
     pub(super) reading: Reading,
     /// Functions that are also written over eight states at once, separated by commas
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = function)]
     pub(super) lanes: Vec<String>,
-    /// Contract products and sums to fused multiply-adds; the module then compiles only for processors that have them
+    /// Contract products and sums to fused multiply-adds; the module then compiles only with std and for processors
+    /// that have them
     #[arg(long)]
     pub(super) fused_multiply_add: bool,
     /// Generate functions of up to so many operations [default: 300000]
@@ -256,6 +277,19 @@ pub(super) enum Stage {
     Program,
     /// The Rust text
     Source,
+}
+
+/// The name of a function; whether the robot has such a frame is seen later.
+fn function(text: &str) -> Result<String, String> {
+    let name = text.trim();
+    if is_known_function(name) {
+        return Ok(name.to_owned());
+    }
+    if name.contains(char::is_whitespace) {
+        return Err("names are separated by commas".to_owned());
+    }
+    let near = nearest(name, FUNCTIONS).unwrap_or_default();
+    Err(format!("there is no such function; {near}"))
 }
 
 fn small_angle(text: &str) -> Result<f64, String> {

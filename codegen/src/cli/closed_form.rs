@@ -17,7 +17,7 @@ use super::progress::Progress;
 use crate::closed_form::{self, Instance, display};
 use crate::diagnostic::Diagnostics;
 use crate::model::{self, Loaded, Model};
-use crate::output;
+use crate::output::{Planned, Replaces};
 use crate::report::{ClosedForm, Symbol};
 
 /// Shows M, k, q and B in closed form.
@@ -152,7 +152,8 @@ fn write(
     if format == Format::Text && !loaded.notes.is_empty() {
         print::err(&format!("{}\n\n", loaded.notes));
     }
-    output::write(output, &text)?;
+    let read = &loaded.files;
+    Planned::new(output, &text, Replaces::Nothing, read)?.write()?;
     Ok(ExitCode::SUCCESS)
 }
 

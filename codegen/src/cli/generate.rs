@@ -6,15 +6,16 @@ use std::process::ExitCode;
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::arguments::{Check, Choices, Format, Generate, ScalarName};
+use super::arguments::{Check, Choices, Format, Generate, Modules, ScalarName};
 use super::place::{Workspace, shown};
 use super::print;
 use super::progress::Progress;
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::array_form::Form;
-use crate::emit::EmitOptions;
-use crate::output::{self, Outcome};
-use crate::pipeline::{self, GenerateOptions, Generated};
+use crate::emit::{EmitOptions, documentation};
+use crate::output::{self, Outcome, Planned, Replaces};
+use crate::pipeline::{self, CONTROL, GenerateOptions, Generated};
+pub(super) use crate::wording::quoted;
 
 /// Writes one description's module, or all.
 pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode, Failure> {
@@ -22,75 +23,108 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
     let Some(description) = &arguments.description else {
         return generate_all(
             &workspace.ok_or_else(no_workspace)?,
-            &arguments.choices,
+            &arguments.modules,
             format,
         );
     };
-    let choices = &arguments.choices;
-    let command = command(
-        description,
-        choices,
-        arguments.output.as_deref(),
-        workspace.as_ref(),
-    );
-    let robot = derive(description, choices, command)?;
-    say_notes(&robot, format);
-    if arguments.output.as_deref() == Some(Path::new("-")) {
-        print::out(&robot.source.text)?;
+    let modules = &arguments.modules;
+    let output = arguments.output.as_deref();
+    let is_piped = output == Some(Path::new("-"));
+    if is_piped && modules.control_model.is_some() {
+        return Err(Failure::Usage(
+            "--control-model makes two modules, which standard output cannot hold apart".to_owned(),
+        ));
+    }
+    let command = modules_command(description, modules, output, workspace.as_ref());
+    let robots = derive_modules(description, modules, command).map_err(problem)?;
+    say_notes(&robots, format);
+    if is_piped {
+        let texts = robots.iter().map(|robot| robot.source.text.as_str());
+        print::out(&texts.collect::<String>())?;
         return Ok(ExitCode::SUCCESS);
     }
-    let (path, is_ours) = place(
-        description,
-        &robot,
-        arguments.output.as_deref(),
-        workspace.as_ref(),
-    );
-    if is_ours {
-        refuse_root(&robot.source.name)?;
-    }
-    let outcome = output::write(&path, &robot.source.text)?;
-    if let (true, Some(workspace)) = (is_ours, &workspace) {
-        add_to_root(workspace, &robot.source.name)?;
-    }
+    let home = workspace.filter(|workspace| output.is_none() && workspace.contains(description));
+    let paths: Vec<PathBuf> = robots
+        .iter()
+        .map(|robot| place(robot, output, home.as_ref()))
+        .collect();
+    let root = match &home {
+        Some(home) => Some(root_with(home, &robots)?),
+        None => None,
+    };
+    let root = home.as_ref().zip(root.as_deref());
+    let outcomes = write(&robots, &paths, root)?;
+    let written = robots.iter().zip(&paths).zip(outcomes);
     match format {
-        Format::Json => print::json(&json!([result(&robot, &path, outcome)])),
+        Format::Json => print::json(
+            &written
+                .map(|((robot, path), outcome)| result(robot, path, outcome))
+                .collect(),
+        ),
         Format::Text => {
-            print::out(&format!(
-                "{}\n{}",
-                line(&robot, &path, outcome),
-                print::counts_table(&robot.costs(), &[])
-            ))?;
-            Ok(ExitCode::SUCCESS)
+            let text = written.map(|((robot, path), outcome)| {
+                let counts = print::counts_table(&robot.costs(), &[]);
+                format!("{}\n{counts}", line(robot, path, outcome))
+            });
+            print::out(&text.collect::<String>()).map(|()| ExitCode::SUCCESS)
         }
     }
+}
+
+/// Writes modules, and the root of their crate where they have one: all of them, or none where one may not be written.
+fn write(
+    robots: &[Generated],
+    paths: &[PathBuf],
+    root: Option<(&Workspace, &str)>,
+) -> Result<Vec<Outcome>, Failure> {
+    let read: Vec<PathBuf> = robots
+        .iter()
+        .flat_map(|robot| robot.files.clone())
+        .collect();
+    let modules = robots
+        .iter()
+        .zip(paths)
+        .map(|(robot, path)| Planned::new(path, &robot.source.text, Replaces::Module, &read));
+    let modules = modules.collect::<Result<Vec<_>, _>>()?;
+    let root = root.map(|(workspace, text)| {
+        Planned::new(
+            &workspace.modules().join("lib.rs"),
+            text,
+            Replaces::Root,
+            &read,
+        )
+    });
+    let root = root.transpose()?;
+    let outcomes = modules
+        .iter()
+        .map(Planned::write)
+        .collect::<Result<_, _>>()?;
+    if let Some(root) = root {
+        root.write()?;
+    }
+    Ok(outcomes)
 }
 
 /// Everything in models/. Nothing is written unless all descriptions are right.
 fn generate_all(
     workspace: &Workspace,
-    choices: &Choices,
+    modules: &Modules,
     format: Format,
 ) -> Result<ExitCode, Failure> {
-    let robots = derive_all(workspace, choices)?;
-    robots.iter().for_each(|robot| say_notes(robot, format));
-    let (mut lines, mut results) = (String::new(), Vec::new());
-    for robot in &robots {
-        let path = workspace
-            .modules()
-            .join(format!("{}.rs", robot.source.name));
-        let outcome = output::write(&path, &robot.source.text)?;
-        lines.push_str(&format!("{}\n", line(robot, &path, outcome)));
-        results.push(result(robot, &path, outcome));
-    }
-    let names: Vec<String> = robots
+    let robots = derive_all(workspace, modules)?;
+    say_notes(&robots, format);
+    let paths: Vec<PathBuf> = robots
         .iter()
-        .map(|robot| robot.source.name.clone())
+        .map(|robot| place(robot, None, Some(workspace)))
         .collect();
-    output::write(
-        &workspace.modules().join("lib.rs"),
-        &output::root_text(&names),
-    )?;
-    for path in output::left_over(&workspace.modules(), &names)? {
+    let root = output::root_text(&documented(&robots));
+    let outcomes = write(&robots, &paths, Some((workspace, &root)))?;
+    let (mut lines, mut results) = (String::new(), Vec::new());
+    for ((robot, path), outcome) in robots.iter().zip(&paths).zip(outcomes) {
+        lines.push_str(&format!("{}\n", line(robot, path, outcome)));
+        results.push(result(robot, path, outcome));
+    }
+    for path in output::left_over(&workspace.modules(), &names(&robots))? {
         std::fs::remove_file(&path)?;
         lines.push_str(&format!(
             "removed   {}: nothing in models/ describes it\n",
@@ -106,53 +140,39 @@ fn generate_all(
 /// Compares one module, or all, with what would be written.
 pub(super) fn check(arguments: &Check, format: Format) -> Result<ExitCode, Failure> {
     let workspace = Workspace::find();
-    let choices = &arguments.choices;
+    let modules = &arguments.modules;
     let stale = match (&arguments.description, &workspace) {
         (Some(description), _) => {
-            let command = command(
-                description,
-                choices,
-                arguments.output.as_deref(),
-                workspace.as_ref(),
-            );
-            let robot = derive(description, choices, command.clone())?;
-            let (path, _) = place(
-                description,
-                &robot,
-                arguments.output.as_deref(),
-                workspace.as_ref(),
-            );
-            if output::check(&path, &robot.source.text) {
-                vec![]
-            } else {
-                vec![(path, command)]
-            }
+            let output = arguments.output.as_deref();
+            let command = modules_command(description, modules, output, workspace.as_ref());
+            let robots = derive_modules(description, modules, command.clone()).map_err(problem)?;
+            let is_home = |place: &&Workspace| output.is_none() && place.contains(description);
+            let home = workspace.as_ref().filter(is_home);
+            let stale = robots.iter().filter_map(|robot| {
+                let path = place(robot, output, home);
+                let is_fresh = output::check(&path, &robot.source.text);
+                (!is_fresh).then(|| (path, command.clone()))
+            });
+            stale.collect()
         }
-        (None, Some(workspace)) => stale(workspace, choices)?,
+        (None, Some(workspace)) => stale(workspace, modules)?,
         (None, None) => return Err(no_workspace()),
     };
     report_stale(&stale, format)
 }
 
-fn stale(workspace: &Workspace, choices: &Choices) -> Result<Vec<(PathBuf, String)>, Failure> {
-    let robots = derive_all(workspace, choices)?;
-    let names: Vec<String> = robots
+fn stale(workspace: &Workspace, modules: &Modules) -> Result<Vec<(PathBuf, String)>, Failure> {
+    let robots = derive_all(workspace, modules)?;
+    let root = output::root_text(&documented(&robots));
+    let modules = robots
         .iter()
-        .map(|robot| robot.source.name.clone())
-        .collect();
-    let expected = robots.iter().map(|robot| {
-        (
-            format!("{}.rs", robot.source.name),
-            robot.source.text.clone(),
-        )
-    });
-    let expected = expected.chain([("lib.rs".to_owned(), output::root_text(&names))]);
-    let paths = expected.map(|(name, text)| (workspace.modules().join(name), text));
-    let mut stale: Vec<PathBuf> = paths
+        .map(|robot| (place(robot, None, Some(workspace)), &robot.source.text));
+    let expected = modules.chain([(workspace.modules().join("lib.rs"), &root)]);
+    let mut stale: Vec<PathBuf> = expected
         .filter(|(path, text)| !output::check(path, text))
         .map(|(path, _)| path)
         .collect();
-    stale.extend(output::left_over(&workspace.modules(), &names)?);
+    stale.extend(output::left_over(&workspace.modules(), &names(&robots))?);
     Ok(stale
         .into_iter()
         .map(|path| (path, "gelenk generate".to_owned()))
@@ -182,12 +202,12 @@ fn report_stale(stale: &[(PathBuf, String)], format: Format) -> Result<ExitCode,
 }
 
 /// Derives all robots of the workspace; a failure holds the problems of all descriptions.
-fn derive_all(workspace: &Workspace, choices: &Choices) -> Result<Vec<Generated>, Failure> {
+fn derive_all(workspace: &Workspace, modules: &Modules) -> Result<Vec<Generated>, Failure> {
     let (mut robots, mut problems) = (Vec::new(), Vec::new());
     for description in workspace.descriptions()? {
-        let command = command(&description, choices, None, Some(workspace));
-        match derive_one(Path::new(&relative(&description)), choices, command) {
-            Ok(robot) => robots.push(robot),
+        let command = modules_command(&description, modules, None, Some(workspace));
+        match derive_modules(Path::new(&relative(&description)), modules, command) {
+            Ok(derived) => robots.extend(derived),
             Err(diagnostics) => problems.push(diagnostics),
         }
     }
@@ -195,18 +215,30 @@ fn derive_all(workspace: &Workspace, choices: &Choices) -> Result<Vec<Generated>
         return Err(Failure::Descriptions(problems));
     }
     robots.sort_by(|a, b| a.source.name.cmp(&b.source.name));
-    let names: Vec<&str> = robots
-        .iter()
-        .map(|robot| robot.source.name.as_str())
-        .collect();
-    if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+    if let Some(pair) = names(&robots).windows(2).find(|pair| pair[0] == pair[1]) {
         return Err(Failure::Problem(format!(
             "two descriptions name their robot `{}`: rename one",
             pair[0]
         )));
     }
-    names.iter().try_for_each(|name| refuse_root(name))?;
+    names(&robots)
+        .iter()
+        .try_for_each(|name| refuse_root(name))?;
     Ok(robots)
+}
+
+fn names(robots: &[Generated]) -> Vec<String> {
+    let names = robots.iter().map(|robot| robot.source.name.clone());
+    names.collect()
+}
+
+/// Names and documentation, for the root of the crate.
+fn documented(robots: &[Generated]) -> Vec<(String, String)> {
+    let modules = robots.iter().map(|robot| {
+        let documentation = documentation(&robot.source.text);
+        (robot.source.name.clone(), documentation)
+    });
+    modules.collect()
 }
 
 /// The crate's root is no robot.
@@ -225,23 +257,34 @@ pub(super) fn derive(
     choices: &Choices,
     command: String,
 ) -> Result<Generated, Failure> {
-    derive_one(description, choices, command)
-        .map_err(|diagnostics| Failure::Descriptions(vec![diagnostics]))
-}
-
-fn derive_one(
-    description: &Path,
-    choices: &Choices,
-    command: String,
-) -> Result<Generated, Diagnostics> {
     let _progress = Progress::start(description.display().to_string());
-    pipeline::generate(description, &options(choices, command))
+    pipeline::generate(description, &options(choices, command)).map_err(problem)
 }
 
-/// Notes go to standard error; in JSON they are part of the result.
-pub(super) fn say_notes(robot: &Generated, format: Format) {
-    if format == Format::Text && !robot.notes.is_empty() {
-        print::err(&format!("{}\n\n", robot.notes));
+/// The module of a description, or an exact and a smooth one.
+fn derive_modules(
+    description: &Path,
+    modules: &Modules,
+    command: String,
+) -> Result<Vec<Generated>, Diagnostics> {
+    let _progress = Progress::start(description.display().to_string());
+    let options = options(&modules.choices, command);
+    match modules.control_model {
+        Some(slope) => pipeline::generate_pair(description, &options, slope).map(Vec::from),
+        None => pipeline::generate(description, &options).map(|robot| vec![robot]),
+    }
+}
+
+fn problem(diagnostics: Diagnostics) -> Failure {
+    Failure::Descriptions(vec![diagnostics])
+}
+
+/// Notes go to standard error, each once; in JSON they are part of the result.
+pub(super) fn say_notes(robots: &[Generated], format: Format) {
+    let notes = robots.iter().flat_map(|robot| robot.notes.entries());
+    let notes = Diagnostics::new(notes.cloned().collect());
+    if format == Format::Text && !notes.is_empty() {
+        print::err(&format!("{notes}\n\n"));
     }
 }
 
@@ -252,6 +295,8 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
         no_friction: choices.reading.no_friction,
         ignore_mimic: choices.reading.ignore_mimic,
         smooth_sign: choices.reading.smooth_sign,
+        accept_unphysical: choices.reading.accept_unphysical,
+        exact_sign: false,
         fused_multiply_add: choices.fused_multiply_add,
         form: Form::Cheapest,
         max_operations: choices.max_operations,
@@ -303,44 +348,49 @@ pub(super) fn command(
     words.join(" ")
 }
 
-/// A word for the shell, in single quotes where it needs them.
-pub(super) fn quoted(word: &str) -> String {
-    let is_plain = |letter: char| letter.is_alphanumeric() || "_-./,".contains(letter);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
-}
-
-/// Where the module goes, and whether that is the workspace's own crate.
-fn place(
+/// As [`command`], for one module or two.
+fn modules_command(
     description: &Path,
-    robot: &Generated,
+    modules: &Modules,
     output: Option<&Path>,
     workspace: Option<&Workspace>,
-) -> (PathBuf, bool) {
-    let file = format!("{}.rs", robot.source.name);
-    match (output, workspace) {
-        (Some(output), _) => (output.to_owned(), false),
-        (None, Some(workspace)) if workspace.contains(description) => {
-            (workspace.modules().join(file), true)
+) -> String {
+    let mut command = command(description, &modules.choices, output, workspace);
+    if let Some(slope) = modules.control_model {
+        command.push_str(&format!(" --control-model {slope:?}"));
+    }
+    command
+}
+
+/// Where a module goes: to `output`, else to the crate of its `home`, else into the current folder. The smooth one of a
+/// pair goes beside the exact one.
+fn place(robot: &Generated, output: Option<&Path>, home: Option<&Workspace>) -> PathBuf {
+    let name = &robot.source.name;
+    match (output, home) {
+        (Some(output), _) if robot.is_control_model => {
+            let stem = output.file_stem().unwrap_or_default();
+            let mut file = stem.to_owned();
+            file.push(CONTROL);
+            if let Some(extension) = output.extension() {
+                file.push(".");
+                file.push(extension);
+            }
+            output.with_file_name(file)
         }
-        (None, _) => (PathBuf::from(file), false),
+        (Some(output), _) => output.to_owned(),
+        (None, Some(home)) => home.modules().join(format!("{name}.rs")),
+        (None, None) => PathBuf::from(format!("{name}.rs")),
     }
 }
 
-/// Makes the module part of the crate `generated`, beside those that are there.
-fn add_to_root(workspace: &Workspace, name: &str) -> Result<(), Failure> {
-    let others = output::left_over(&workspace.modules(), &[])?;
-    let stems = others
+/// The root of the crate `generated` with these modules beside those that are there.
+fn root_with(home: &Workspace, robots: &[Generated]) -> Result<String, Failure> {
+    robots
         .iter()
-        .filter_map(|path| path.file_stem()?.to_str().map(str::to_owned));
-    let names: Vec<String> = stems.chain([name.to_owned()]).collect();
-    output::write(
-        &workspace.modules().join("lib.rs"),
-        &output::root_text(&names),
-    )?;
-    Ok(())
+        .try_for_each(|robot| refuse_root(&robot.source.name))?;
+    let mut modules = documented(robots);
+    modules.extend(output::documented(&home.modules())?);
+    Ok(output::root_text(&modules))
 }
 
 fn line(robot: &Generated, path: &Path, outcome: Outcome) -> String {
@@ -413,6 +463,7 @@ mod tests {
                 no_friction: true,
                 ignore_mimic: false,
                 smooth_sign: Some(100.0),
+                accept_unphysical: true,
             },
             lanes: vec![],
             fused_multiply_add: false,
@@ -427,7 +478,7 @@ mod tests {
         assert_eq!(
             command,
             "gelenk generate 'my robots/arm.urdf' --output src/arm.rs --functions mass_matrix,bias_forces \
-             --scalar f32 --snap-angles 0.0001 --smooth-sign 100.0 --no-friction"
+             --scalar f32 --snap-angles 0.0001 --smooth-sign 100.0 --no-friction --accept-unphysical"
         );
     }
 }

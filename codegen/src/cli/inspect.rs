@@ -32,7 +32,7 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
         workspace.as_ref(),
     );
     let robot = generate::derive(&arguments.description, &arguments.choices, command)?;
-    generate::say_notes(&robot, format);
+    generate::say_notes(std::slice::from_ref(&robot), format);
     if arguments.bytes {
         return counts_and_bytes(&robot, what, format);
     }

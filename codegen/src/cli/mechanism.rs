@@ -6,6 +6,7 @@ use super::print;
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Body, JointAxis, Mechanism, RegroupChoice};
 use crate::model::Model;
+use crate::numeric;
 
 pub(super) fn as_text(model: &Model) -> String {
     let graph = Graph::new();
@@ -111,7 +112,7 @@ fn kind(axis: JointAxis) -> &'static str {
 }
 
 fn degrees((sine, cosine): (f64, f64)) -> f64 {
-    sine.atan2(cosine).to_degrees()
+    numeric::atan2(sine, cosine).to_degrees()
 }
 
 fn shown(x: Scalar<'_>) -> String {

@@ -42,22 +42,14 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
     let folder = &arguments.folder;
     let name = name(folder)?;
     let manifest = manifest(&name, &source(arguments)?);
-    if folder.symlink_metadata().is_ok() {
-        return Err(Failure::Problem(format!(
-            "{} exists already\n  = help: choose another name, or remove it first",
-            folder.display()
-        )));
-    }
     let files: Vec<(&str, &str)> = std::iter::once(("Cargo.toml", manifest.as_str()))
         .chain(FILES)
         .collect();
+    make(folder)?;
     if let Err(error) = write(folder, &files) {
         // Half a crate helps nobody; whether it could be removed changes nothing about the message.
         let _ = fs::remove_dir_all(folder);
-        return Err(Failure::Problem(format!(
-            "cannot make {}: {error}\n  = help: choose a folder in which you may write",
-            folder.display()
-        )));
+        return Err(cannot_make(folder, &error));
     }
     match format {
         Format::Json => {
@@ -78,6 +70,34 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
             Ok(ExitCode::SUCCESS)
         }
     }
+}
+
+/// Makes the folder, which must not exist: only then may it be removed again.
+fn make(folder: &Path) -> Result<(), Failure> {
+    let parent = folder
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty());
+    let made = parent.map_or(Ok(()), fs::create_dir_all);
+    match made.and_then(|()| fs::create_dir(folder)) {
+        Err(error)
+            if error.kind() == io::ErrorKind::AlreadyExists
+                && folder.symlink_metadata().is_ok() =>
+        {
+            Err(Failure::Problem(format!(
+                "{} exists already\n  = help: choose another name, or remove it first",
+                folder.display()
+            )))
+        }
+        Err(error) => Err(cannot_make(folder, &error)),
+        Ok(()) => Ok(()),
+    }
+}
+
+fn cannot_make(folder: &Path, error: &io::Error) -> Failure {
+    Failure::Problem(format!(
+        "cannot make {}: {error}\n  = help: choose a folder in which you may write",
+        folder.display()
+    ))
 }
 
 /// As it was called.

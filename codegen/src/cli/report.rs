@@ -12,7 +12,8 @@ use super::place::{Workspace, shown};
 use super::print;
 use super::progress::Progress;
 use crate::diagnostic::Diagnostics;
-use crate::dynamics::catalogue;
+use crate::dynamics::array_form::Form;
+use crate::dynamics::selection::{self, Request};
 use crate::dynamics::size::MOST_OPERATIONS;
 use crate::model::{self, Loaded};
 use crate::report::{ClosedForm, Contents, report};
@@ -57,12 +58,19 @@ fn problem(diagnostics: Diagnostics) -> Failure {
 fn page(arguments: &arguments::Report, loaded: &Loaded) -> Result<Report, Failure> {
     let most = arguments.max_operations.unwrap_or(MOST_OPERATIONS);
     // All functions, whatever the description asks to generate.
-    let functions = catalogue::derive(&loaded.model, &[], most).map_err(problem)?;
+    let request = Request {
+        names: &[],
+        most,
+        form: Form::Cheapest,
+        straight: &[],
+    };
+    let selected = selection::derive(&loaded.model, &request).map_err(problem)?;
+    let notes = [loaded.notes.entries(), &selected.notes].concat();
     let closed_form = closed_form(arguments, loaded)?;
     let contents = Contents {
         model: &loaded.model,
-        functions: &functions,
-        notes: &loaded.notes,
+        functions: &selected.functions,
+        notes: &Diagnostics::new(notes),
         closed_form: closed_form.as_ref().map_err(String::as_str),
         command: &command(arguments),
     };

@@ -5,6 +5,7 @@
 
 use crate::formula::Formula;
 use crate::model::{Body, Joint, JointKind, Model, Motion, Pose, RotorCoupling};
+use crate::numeric::sin_cos;
 
 type Matrix = [[f64; 3]; 3];
 
@@ -146,7 +147,8 @@ fn displacement(joint: &Joint, position: f64) -> Pose {
 /// `R = 1 + sin φ [a]ₓ + (1 − cos φ) [a]ₓ²` (Rodrigues).
 fn about([x, y, z]: [f64; 3], angle: f64) -> Matrix {
     let cross = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
-    let (sine, versine) = (angle.sin(), 1.0 - angle.cos());
+    let (sine, cosine) = sin_cos(angle);
+    let versine = 1.0 - cosine;
     std::array::from_fn(|i| {
         std::array::from_fn(|j| {
             let square: f64 = (0..3).map(|k| cross[i][k] * cross[k][j]).sum();

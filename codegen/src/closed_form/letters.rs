@@ -12,6 +12,7 @@ use super::bodies::{Bodies, Mass, MovingBody, PLACES};
 use super::symbols::{Symbol, Symbols};
 use crate::formula::Formula;
 use crate::model::{Input, Joint, JointKind, Model};
+use crate::numeric::{atan2, length};
 
 /// Angles closer than this to a quarter turn are meant to be one.
 const QUARTER_ROUNDING: f64 = 1e-12;
@@ -340,7 +341,7 @@ impl<'m> Letters<'m> {
         let drive = &self.model.drives[drive];
         match drive.coordinate {
             Some(coordinate) => (coordinate + 1).to_string(),
-            None => format!("_{}", drive.name),
+            None => format!("_{}", drive.identifier),
         }
     }
 
@@ -387,7 +388,7 @@ fn is_quarter(angle: f64) -> bool {
 
 /// Azimuth and polar angle of an axis.
 fn spherical([x, y, z]: [f64; 3]) -> [f64; 2] {
-    [y.atan2(x), x.hypot(y).atan2(z)]
+    [atan2(y, x), atan2(length([x, y]), z)]
 }
 
 /// Unit of what is multiplied with a basis to a force; none where the basis is a power, say.
@@ -420,10 +421,10 @@ fn is_product(formula: &Formula) -> bool {
 
 /// The angles of `R_z(yaw) R_y(pitch) R_x(roll)`; where pitch is ±90°, roll is 0.
 fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
-    let level = r[0][0].hypot(r[1][0]);
-    let pitch = (-r[2][0]).atan2(level);
+    let level = length([r[0][0], r[1][0]]);
+    let pitch = atan2(-r[2][0], level);
     if level < QUARTER_ROUNDING {
-        return [0.0, pitch, (-r[0][1]).atan2(r[1][1])];
+        return [0.0, pitch, atan2(-r[0][1], r[1][1])];
     }
-    [r[2][1].atan2(r[2][2]), pitch, r[1][0].atan2(r[0][0])]
+    [atan2(r[2][1], r[2][2]), pitch, atan2(r[1][0], r[0][0])]
 }

@@ -2,6 +2,7 @@
 
 use super::symbols::Symbol;
 use crate::formula::Formula;
+use crate::numeric::{power, sin_cos};
 
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` in closed form, with symbolic parameters.
 #[derive(Debug, Clone, PartialEq)]
@@ -160,8 +161,8 @@ impl<'a> State<'a> {
     fn term(&self, term: &Term) -> f64 {
         let wave = match &term.wave {
             Wave::None => 1.0,
-            Wave::Cosine(multiples) => self.angle(multiples).cos(),
-            Wave::Sine(multiples) => self.angle(multiples).sin(),
+            Wave::Cosine(multiples) => sin_cos(self.angle(multiples)).1,
+            Wave::Sine(multiples) => sin_cos(self.angle(multiples)).0,
         };
         let inner: f64 = term.inner.iter().map(|part| self.monomial(part)).sum();
         let basis = term.basis.as_ref().map_or(1.0, |(basis, of)| {
@@ -183,7 +184,7 @@ impl<'a> State<'a> {
                 Factor::Coordinate(index) => entry(self.y, index),
                 Factor::Velocity(index) => entry(self.v, index),
             };
-            base.powi(*exponent)
+            power(base, *exponent)
         };
         monomial.number.value * monomial.factors.iter().map(factor).product::<f64>()
     }

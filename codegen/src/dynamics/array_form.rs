@@ -160,6 +160,14 @@ impl<'m> Forms<'m> {
         }
     }
 
+    /// Whether a function is written as loops; known without deriving it.
+    pub(super) fn has_loops_surely(&self, name: &str) -> bool {
+        match name {
+            "linearize" => self.is_far_beyond() && self.linearize_calls(),
+            _ => self.is_far_beyond() && self.may_loop(name),
+        }
+    }
+
     /// Whether straight-line code need not be derived to know that it is too large.
     fn is_far_beyond(&self) -> bool {
         self.form == Form::Arrays || is_large(OPERATIONS_PER_PAIR * pairs(self.model))

@@ -114,7 +114,7 @@ fn rates<'g>(
             JointAxis::Revolute => (carried + Vector3([zero, zero, joint]), across(joint)),
             JointAxis::Prismatic => (carried, across(joint * 2.0)),
         };
-        omega.named(&format!("omega_{}", body.name));
+        omega.named(&format!("omega_{}", body.identifier));
         rates.push(Rates {
             carried,
             omega,
@@ -235,7 +235,7 @@ impl<'g> Tree<'_, 'g> {
         let reciprocal = own
             .constant(1.0)
             .divided_by(own)
-            .named(|| format!("inverse_d_{}", described.name));
+            .named(|| format!("inverse_d_{}", described.identifier));
         // Exactly 1 where only the body resists: what is eliminated then vanishes exactly.
         let per = |x: Scalar<'g>| match x == own {
             true => own.constant(1.0),
@@ -297,7 +297,7 @@ impl<'g> Tree<'_, 'g> {
                 joint.known - joint.per_angular.dot(angular) - joint.per_linear.dot(linear);
             result[body.coordinate] = acceleration
                 .signed(body.direction)
-                .named(|| format!("acceleration_{}", body.name));
+                .named(|| format!("acceleration_{}", body.identifier));
             let own = self.rates[index].coriolis + Vector3([zero, zero, acceleration]);
             motions.push(match body.axis {
                 JointAxis::Revolute => (angular + own, linear),

@@ -5,14 +5,18 @@
 //! that depends on those before it joins their groups, so that parameters move towards the base. Numerically and not by
 //! rules, since the rules know neither branches with special axes nor gravity along an axis. The states come from a
 //! fixed seed, and sums are plain loops: the same description gives the same groups on every platform.
+//!
+//! Free lengths, gear ratios and gravity enter the regressor. Then groups are formed at several values of them, and what differs
+//! is no number: i² J of a rotor is another one for every gear ratio i.
 
 use super::newton_euler::MotionInput;
 use super::regressor::inertial_regressor;
 use crate::graph::Graph;
 use crate::kinematics::Mechanism;
 use crate::model::{JointKind, Model};
+use crate::program::flow::operands;
 use crate::program::interpret::{Functions, interpret};
-use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
+use crate::program::{GraphOutput, InputArray, Operand, Program, Shape, lower};
 
 /// A column is dependent if so little of its length is left after the projection on those before it. Exact dependencies
 /// leave some 1e-15, angles given with nine digits 1e-9.
@@ -30,21 +34,88 @@ const SMALLEST: f64 = 1e-10;
 /// States for the stacked regressor. A link on the base is seen by one row, so ten would just do.
 const STATES: usize = 25;
 
-/// The base parameters of a model, at the described values of its free parameters.
+/// Values of the free parameters that the regressor is looked at with, where it depends on them.
+const VALUES: usize = 3;
+
+/// Coefficients at different values of the free parameters are one if they differ by no more than this, relative to the
+/// larger one where that is above 1: some hundred times the rounding of the factorization.
+const SAME: f64 = 1e-9;
+
+/// The base parameters of a model, for almost all values of its free parameters: where such a value makes a length zero, say,
+/// there may be fewer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseParameters {
     /// Parameters that lead a group, ascending; their columns are the base regressor.
     pub leaders: Vec<usize>,
-    /// (group, parameter, coefficient): group i is the sum of coefficient · parameter over its entries, leader included,
-    /// in the order of the groups.
-    pub terms: Vec<(usize, usize, f64)>,
+    /// What belongs to the groups, leaders included, in the order of the groups.
+    pub terms: Vec<Term>,
+}
+
+/// Group i is the sum of coefficient · parameter over its terms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Term {
+    /// The group.
+    pub group: usize,
+    /// The parameter.
+    pub parameter: usize,
+    /// What it is multiplied by; `None` where that changes with the free parameters.
+    pub coefficient: Option<f64>,
 }
 
 impl BaseParameters {
     /// Of a model.
     pub fn new(model: &Model) -> Self {
         let program = regressor_program(model);
-        Self::of_columns(&stacked_columns(model, &program))
+        let mut random = SplitMix64(0x6672_6565);
+        let described = || model.parameters.iter().map(|parameter| parameter.default);
+        if !reads_parameters(&program) {
+            return Self::of_columns(&stacked_columns(
+                model,
+                &program,
+                &described().collect::<Vec<_>>(),
+            ));
+        }
+        let found = (0..VALUES).map(|_| {
+            let values: Vec<f64> = described().map(|x| random.near(x)).collect();
+            Self::of_columns(&stacked_columns(model, &program, &values))
+        });
+        Self::in_common(&found.collect::<Vec<_>>())
+    }
+
+    /// The constant terms: β\[group\] = Σ coefficient · π\[parameter\]. `None` where some are not constant.
+    pub fn constant_terms(&self) -> Option<Vec<(usize, usize, f64)>> {
+        let terms = self.terms.iter();
+        terms
+            .map(|term| Some((term.group, term.parameter, term.coefficient?)))
+            .collect()
+    }
+
+    /// What holds of all of several: each leader of one, and the coefficients that are the same.
+    fn in_common(found: &[Self]) -> Self {
+        let mut leaders: Vec<usize> = found.iter().flat_map(|one| one.leaders.clone()).collect();
+        leaders.sort_unstable();
+        leaders.dedup();
+        let mut terms: Vec<Term> = Vec::new();
+        for one in found {
+            for term in &one.terms {
+                let group = leaders.binary_search(&one.leaders[term.group]);
+                let group = group.unwrap_or_default(); // each leader of one is among all
+                terms.push(Term { group, ..*term });
+            }
+        }
+        terms.sort_by_key(|term| (term.group, term.parameter));
+        let same = terms.chunk_by(|a, b| (a.group, a.parameter) == (b.group, b.parameter));
+        let terms = same.map(|same| {
+            let is_everywhere = same.len() == found.len();
+            let first = same[0];
+            let is_constant = is_everywhere && same.iter().all(|term| is_same(term, &first));
+            Term {
+                coefficient: first.coefficient.filter(|_| is_constant),
+                ..first
+            }
+        });
+        let terms = terms.collect();
+        Self { leaders, terms }
     }
 
     /// Of the columns of a stacked regressor.
@@ -56,26 +127,52 @@ impl BaseParameters {
         for (index, column) in columns.iter().enumerate() {
             match basis.project(column, ROUNDING * longest) {
                 Projection::Independent => {
-                    terms.push((leaders.len(), index, 1.0));
+                    terms.push(Term {
+                        group: leaders.len(),
+                        parameter: index,
+                        coefficient: Some(1.0),
+                    });
                     leaders.push(index);
                 }
                 Projection::Dependent(coefficients) => {
                     let kept = coefficients.iter().enumerate().filter_map(|(group, &c)| {
                         let rounded = (c * DIGITS).round() / DIGITS;
-                        (rounded.abs() >= SMALLEST).then_some((group, index, rounded))
+                        (rounded.abs() >= SMALLEST).then_some(Term {
+                            group,
+                            parameter: index,
+                            coefficient: Some(rounded),
+                        })
                     });
                     terms.extend(kept);
                 }
             }
         }
-        terms.sort_by_key(|&(group, index, _)| (group, index));
+        terms.sort_by_key(|term| (term.group, term.parameter));
         Self { leaders, terms }
     }
 
     /// The terms of each group, leader first.
-    pub fn groups(&self) -> impl Iterator<Item = &[(usize, usize, f64)]> {
-        self.terms.chunk_by(|a, b| a.0 == b.0)
+    pub fn groups(&self) -> impl Iterator<Item = &[Term]> {
+        self.terms.chunk_by(|a, b| a.group == b.group)
     }
+}
+
+fn is_same(one: &Term, other: &Term) -> bool {
+    match (one.coefficient, other.coefficient) {
+        (Some(a), Some(b)) => (a - b).abs() <= SAME * a.abs().max(b.abs()).max(1.0),
+        _ => false,
+    }
+}
+
+/// Whether a free parameter enters the regressor: lengths, gear ratios and gravity do, masses do not.
+fn reads_parameters(program: &Program) -> bool {
+    let is_parameter = |operand: &Operand| matches!(operand, Operand::Parameter(_));
+    let mut read = program
+        .instructions
+        .iter()
+        .flat_map(|made| operands(made.operation));
+    let mut entries = program.outputs.iter().flat_map(|output| &output.entries);
+    read.any(|operand| is_parameter(&operand)) || entries.any(is_parameter)
 }
 
 /// The regressor as a program of y, v, a.
@@ -104,8 +201,7 @@ fn regressor_program(model: &Model) -> Program {
 }
 
 /// Columns of the regressor over all states, one below the other.
-fn stacked_columns(model: &Model, program: &Program) -> Vec<Vec<f64>> {
-    let described: Vec<f64> = model.parameters.iter().map(|p| p.default).collect();
+fn stacked_columns(model: &Model, program: &Program, parameters: &[f64]) -> Vec<Vec<f64>> {
     let ranges = position_ranges(model);
     let rows = model.coordinates.len();
     let count = program.outputs[0].entries.len() / rows.max(1);
@@ -115,7 +211,7 @@ fn stacked_columns(model: &Model, program: &Program) -> Vec<Vec<f64>> {
         let y: Vec<f64> = ranges.iter().map(|range| random.within(*range)).collect();
         let v: Vec<f64> = ranges.iter().map(|_| random.within(2.0)).collect();
         let a: Vec<f64> = ranges.iter().map(|_| random.within(5.0)).collect();
-        let values = interpret(program, &[&y, &v, &a], &described, &Functions::EMBEDDED);
+        let values = interpret(program, &[&y, &v, &a], parameters, &Functions::EMBEDDED);
         #[expect(clippy::expect_used, reason = "the program was made for these inputs")]
         let values = values.expect("inputs fit").concat();
         for row in values.chunks_exact(count.max(1)) {
@@ -202,6 +298,14 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 struct SplitMix64(u64);
 
 impl SplitMix64 {
+    /// Within 30 % of a described value, and anywhere near zero where that is described: a value without special meaning.
+    fn near(&mut self, described: f64) -> f64 {
+        match described {
+            0.0 => self.within(0.3),
+            _ => described * (1.0 + self.within(0.3)),
+        }
+    }
+
     /// Uniform between ±`range`.
     fn within(&mut self, range: f64) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -250,14 +354,40 @@ mod tests {
         ];
         let base = BaseParameters::of_columns(&columns);
         assert_eq!(base.leaders, [0, 3]);
-        let terms = [
+        let terms = vec![
             (0, 0, 1.0),
             (0, 2, 0.25),
             (0, 4, -1.0),
             (1, 3, 1.0),
             (1, 4, 2.0),
         ];
-        assert_eq!(base.terms, terms);
+        assert_eq!(base.constant_terms(), Some(terms));
         assert_eq!(base.groups().count(), 2);
+    }
+
+    #[test]
+    fn what_changes_with_free_parameters_is_no_constant() {
+        let column = |x: f64| vec![x, 2.0 * x, -x];
+        let at = |length: f64| {
+            BaseParameters::of_columns(&[
+                column(1.0),
+                column(0.5),
+                column(length),
+                vec![1.0, 0.0, length],
+            ])
+        };
+        let same = BaseParameters::in_common(&[at(0.3), at(0.3)]);
+        assert_eq!(same, at(0.3));
+        let base = BaseParameters::in_common(&[at(0.3), at(0.4)]);
+        assert_eq!(base.leaders, [0, 3]);
+        assert_eq!(base.constant_terms(), None);
+        let coefficients: Vec<_> = base.terms.iter().map(|term| term.coefficient).collect();
+        assert_eq!(coefficients, [Some(1.0), Some(0.5), None, Some(1.0)]);
+        // A column that is a direction of its own at one value has to stand in the regressor.
+        let other = |x: f64| BaseParameters::of_columns(&[column(1.0), vec![1.0, 2.0, x]]);
+        assert_eq!(
+            BaseParameters::in_common(&[other(-1.0), other(2.0)]).leaders,
+            [0, 1]
+        );
     }
 }

@@ -6,11 +6,12 @@ use super::equations::{Equations, Formulations, Matrix};
 use super::forces;
 use super::function::Function;
 use super::newton_euler::MotionInput;
-use super::{hessian, module_constants, regressor_quantities, size};
+use super::selection::{self, Request};
+use super::{hessian, module_constants, regressor_quantities};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::ScalarPose;
-use crate::model::{Frame, Model};
+use crate::model::{Definiteness, Frame, Model};
 use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
 
 /// An argument of a generated function.
@@ -121,6 +122,56 @@ pub fn quantities() -> impl Iterator<Item = &'static Quantity> {
     QUANTITIES.iter().chain(regressor_quantities::QUANTITIES)
 }
 
+/// [`quantities()`] with the rows of friction that a model needs: where a friction law depends on the position of its
+/// joint, they take y too.
+fn quantities_of(model: &Model) -> impl Iterator<Item = &'static Quantity> {
+    let by_position: &[Quantity] = match forces::friction_depends_on_position(model) {
+        true => FRICTION_BY_POSITION,
+        false => &[],
+    };
+    quantities().map(move |quantity| {
+        let replacement = by_position.iter().find(|row| row.name == quantity.name);
+        replacement.unwrap_or(quantity)
+    })
+}
+
+/// Rows that replace those of the same name where a friction law depends on the position.
+const FRICTION_BY_POSITION: &[Quantity] = &[
+    Quantity {
+        name: "friction_torques",
+        summary: "Joint friction `τ(y, ẏ)`.",
+        equation: "q = gravity_forces + spring_forces − friction_torques",
+        arguments: &[Coordinates, Velocities],
+        results: &[(
+            "τ",
+            "positive where friction brakes a positive velocity, at the joint",
+        )],
+        notes: &[],
+        build: friction_torques,
+    },
+    regressor_quantities::FRICTION_PARAMETERS_BY_POSITION,
+    regressor_quantities::FRICTION_REGRESSOR_BY_POSITION,
+];
+
+fn friction_torques<'g>(
+    equations: &Equations<'_, 'g>,
+    arguments: &Arguments<'g>,
+) -> Vec<Value<'g>> {
+    vec![vector(
+        equations.friction_torques(&arguments.y, &arguments.v),
+    )]
+}
+
+/// The quantities of a model, and those that are derived where they are asked for by name.
+pub(super) fn all_quantities(model: &Model) -> impl Iterator<Item = &'static Quantity> {
+    quantities_of(model).chain(ON_REQUEST)
+}
+
+/// Whether a function is derived only where it is asked for by name.
+pub(super) fn is_on_request(name: &str) -> bool {
+    ON_REQUEST.iter().any(|quantity| quantity.name == name)
+}
+
 /// The equations of motion and what follows from them.
 const QUANTITIES: &[Quantity] = &[
     Quantity {
@@ -183,7 +234,7 @@ const QUANTITIES: &[Quantity] = &[
         arguments: &[Velocities],
         results: &[("τ", "positive for positive velocity, at the joint")],
         notes: &[],
-        build: |equations, arguments| vec![vector(equations.friction_torques(&arguments.v))],
+        build: friction_torques,
     },
     Quantity {
         name: "applied_forces",
@@ -430,7 +481,7 @@ type FrameBuild =
     for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, usize, &ScalarPose<'g>) -> Vec<Value<'g>>;
 
 /// A function of each named frame: `frame_<name>_<suffix>`.
-struct FrameQuantity {
+pub(super) struct FrameQuantity {
     suffix: &'static str,
     summary: &'static str,
     equation: &'static str,
@@ -439,7 +490,7 @@ struct FrameQuantity {
     build: FrameBuild,
 }
 
-const FRAME_QUANTITIES: &[FrameQuantity] = &[
+pub(super) const FRAME_QUANTITIES: &[FrameQuantity] = &[
     FrameQuantity {
         suffix: "pose",
         summary: "Pose of the frame",
@@ -492,8 +543,7 @@ const FRAME_QUANTITIES: &[FrameQuantity] = &[
 
 /// Names of all functions of a model, in the order of the generated module.
 pub fn names(model: &Model) -> Vec<String> {
-    let quantities = quantities().chain(ON_REQUEST);
-    let quantities = quantities.map(|quantity| quantity.name.to_owned());
+    let quantities = all_quantities(model).map(|quantity| quantity.name.to_owned());
     let frames = model
         .frames
         .iter()
@@ -502,8 +552,8 @@ pub fn names(model: &Model) -> Vec<String> {
     quantities.chain(frames).chain(compositions).collect()
 }
 
-fn frame_name(frame: &Frame, quantity: &FrameQuantity) -> String {
-    format!("frame_{}_{}", frame.name, quantity.suffix)
+pub(super) fn frame_name(frame: &Frame, quantity: &FrameQuantity) -> String {
+    format!("frame_{}_{}", frame.identifier, quantity.suffix)
 }
 
 /// The selected functions that call others; an empty selection means all.
@@ -515,12 +565,12 @@ pub fn compositions(selection: &[String]) -> Vec<Composition> {
 }
 
 /// Derives the selected functions of a model, and those that selected ones call; an empty selection means all but those
-/// on request, `frames` all functions of named frames.
+/// on request and those that cannot be generated, `frames` all functions of named frames.
 ///
-/// - `most`: operations of the largest function that is wanted, see [`size::MOST_OPERATIONS`]
+/// - `most`: operations of the largest function that is wanted, see [`MOST_OPERATIONS`](super::size::MOST_OPERATIONS)
 ///
 /// # Errors
-/// `unknown-function` for each name that the model does not have; `too-large` for functions beyond the limit.
+/// As [`selection::derive`](super::selection::derive()).
 pub fn derive(
     model: &Model,
     selection: &[String],
@@ -542,51 +592,13 @@ pub fn derive_in_form(
     form: Form,
     straight: &[String],
 ) -> Result<Vec<Function>, Diagnostics> {
-    check_names(model, selection)?;
-    let formulations = Formulations::new(model);
-    let forms = Forms::new(model, &formulations, form, straight);
-    let mut called: Vec<&str> = compositions(selection)
-        .iter()
-        .map(|each| each.calls())
-        .collect();
-    let linearizes =
-        called.contains(&"linearize") || selection.iter().any(|name| name == "linearize");
-    if linearizes && forms.linearize_calls() {
-        called.push("forward_dynamics_derivatives");
-    }
-    let is_selected = |name: &str| {
-        let frames =
-            name.starts_with("frame_") && selection.iter().any(|selected| selected == "frames");
-        selection.is_empty()
-            || frames
-            || called.contains(&name)
-            || selection.iter().any(|selected| selected == name)
+    let request = Request {
+        names: selection,
+        most,
+        form,
+        straight,
     };
-    let requested = ON_REQUEST
-        .iter()
-        .filter(|quantity| selection.iter().any(|name| name == quantity.name));
-    let selected = quantities().filter(|quantity| is_selected(quantity.name));
-    let quantities: Vec<&Quantity> = selected.chain(requested).collect();
-    let wanted: Vec<&str> = quantities.iter().map(|quantity| quantity.name).collect();
-    size::check_before(model, &wanted, most)?;
-    let mut functions: Vec<Function> = Vec::new();
-    let mut add = |function: Function| -> Result<(), Diagnostics> {
-        size::check(model, &function, most)?;
-        functions.push(function);
-        Ok(())
-    };
-    for quantity in quantities {
-        add(derive_quantity(model, &formulations, quantity, &forms))?;
-    }
-    for frame in &model.frames {
-        for quantity in FRAME_QUANTITIES
-            .iter()
-            .filter(|quantity| is_selected(&frame_name(frame, quantity)))
-        {
-            add(derive_frame(model, &formulations, frame, quantity))?;
-        }
-    }
-    Ok(functions)
+    Ok(selection::derive(model, &request)?.functions)
 }
 
 /// # Errors
@@ -609,7 +621,7 @@ pub(crate) fn check_names(model: &Model, selection: &[String]) -> Result<(), Dia
     }
 }
 
-fn derive_quantity(
+pub(super) fn derive_quantity(
     model: &Model,
     formulations: &Formulations<'_>,
     quantity: &Quantity,
@@ -640,7 +652,20 @@ fn derive_quantity(
     function
 }
 
-fn derive_frame(
+/// The mass matrix is positive definite, unless the description has it otherwise.
+pub(super) fn say_definiteness(found: Definiteness, function: &mut Function) {
+    const REGULAR: &str = "positive definite";
+    let found = match found {
+        Definiteness::Positive => return,
+        Definiteness::Semidefinite => "positive semidefinite",
+        Definiteness::Indefinite => "indefinite as described",
+    };
+    for result in &mut function.results {
+        *result = result.replace(REGULAR, found);
+    }
+}
+
+pub(super) fn derive_frame(
     model: &Model,
     formulations: &Formulations<'_>,
     frame: &Frame,

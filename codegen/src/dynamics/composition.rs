@@ -5,6 +5,9 @@ use crate::dynamics::function::Function;
 use crate::model::Model;
 use crate::program::cost::{Cost, count};
 
+/// Halvings of the period before `discretize` takes it on: at most so many. The number stands in its text too.
+const MOST_REPETITIONS: usize = 18;
+
 /// A generated function over a sample time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Composition {
@@ -105,12 +108,14 @@ impl Composition {
     pub(crate) fn notes(self) -> &'static [&'static str] {
         match self {
             Self::Discretize => &[
-                "Scaling and squaring of the lifted exponential with fixed counts: a Taylor polynomial of degree 17 over \
-                 1/64 of the period, six doublings (Higham 2008, section 10.3), in blocks of N × N.",
-                "Error: with a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖ in any norm of matrices, no part of the robot is faster than \
-                 ν = (b + √(b² + 4 a))/2. For ν · period ≤ 80 the terms left out are below 1e-15 of what they belong to, \
-                 beyond they grow like (ν · period / 80)¹⁸. Rounding stays below 1e-12 of the largest entry of each block, \
-                 the diagonal ones counted as at least 1.",
+                "Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor \
+                 polynomial of degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part.",
+                "The part is the whole period while ν · period is at most 80, and is halved for each factor of two beyond, at \
+                 most 18 times. With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest sums of magnitudes in a row, no part of the \
+                 robot is faster than ν = (b + √(b² + 4 a))/2. Where 18 halvings do not suffice, for ν · period above 2e7, \
+                 every entry of the results is +∞.",
+                "Error: the terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest \
+                 entry of each block, the diagonal ones counted as at least 1.",
             ],
             Self::Step => &[
                 "`SUBSTEPS` steps of the classical method of order 4: the error falls with the fourth power of their \
@@ -132,7 +137,7 @@ impl Composition {
     }
 
     /// All operations for N coordinates and M inputs: those of its calls and of its loops as they are written, factors
-    /// that are 0 or 1 included.
+    /// that are 0 or 1 included, at most where their number depends on the data.
     ///
     /// - `called`: operations of one call
     #[must_use]
@@ -145,23 +150,36 @@ impl Composition {
         let called = functions
             .iter()
             .find(|function| function.name == self.calls())?;
-        let inputs = model
-            .drives
-            .iter()
-            .filter(|drive| drive.coordinate.is_some());
         let substeps = model.options.substeps.unwrap_or(1);
         let called = count(&called.program);
-        Some(self.cost(model.coordinates.len(), inputs.count(), substeps, called))
+        let (n, m) = (model.coordinates.len(), input_count(model));
+        Some(self.cost(n, m, substeps, called))
+    }
+
+    /// What the documentation adds to a cost that depends on the data.
+    pub(crate) fn cost_note(self, model: &Model, functions: &[Function]) -> Option<String> {
+        if self != Self::Discretize {
+            return None;
+        }
+        let most = self.cost_in(model, functions)?;
+        let (n, m) = (model.coordinates.len(), input_count(model));
+        let saved = |count: fn(Cost) -> usize| {
+            let [most, fewest] =
+                [MOST_REPETITIONS, 0].map(|repetitions| count(discretize_cost(n, m, repetitions)));
+            most - fewest
+        };
+        Some(format!(
+            "That is with {MOST_REPETITIONS} halvings of the period; without any it is {} multiplications and {} additions.",
+            most.multiplications - saved(|cost| cost.multiplications),
+            most.additions - saved(|cost| cost.additions)
+        ))
     }
 
     fn own_cost(self, n: usize, m: usize, substeps: usize) -> Cost {
         // Entries of a coordinate vector, with derivatives by the state and the inputs.
         let motion = n + 2 * n * n + n * m;
         match self {
-            Self::Discretize => {
-                let common = 58 * n.pow(3) + 50 * n.pow(2) + 2 * n * n * m;
-                cost(common + 7 * n * n + n + 1, common + 2 * n, 1)
-            }
+            Self::Discretize => discretize_cost(n, m, MOST_REPETITIONS),
             Self::Step => cost(14 * n, 14 * n, 12) * substeps + cost(0, 0, 1),
             Self::StepDerivatives => {
                 let chain_rule = 4 * n.pow(3) + 2 * n * n + n * m + 2 * n * n * m;
@@ -184,6 +202,21 @@ impl Composition {
             ],
         }
     }
+}
+
+fn input_count(model: &Model) -> usize {
+    let drives = model.drives.iter();
+    drives.filter(|drive| drive.coordinate.is_some()).count()
+}
+
+/// Operations of `discretize` with so many halvings of the period, without the call.
+fn discretize_cost(n: usize, m: usize, repetitions: usize) -> Cost {
+    let common = 58 * n.pow(3) + 50 * n.pow(2) + 2 * n * n * m;
+    let trials = cost(2 + 3 * repetitions, 1 + repetitions + 2 * n * n, 2);
+    let twice = 8 * n.pow(3) + 4 * n * n + (2 * n + 4 * n * n) * (m + 1);
+    cost(common + 6 * n * n + n + 1, common + 2 * n, 1)
+        + trials
+        + cost(twice, twice + 4 * n, 0) * repetitions
 }
 
 fn cost(multiplications: usize, additions: usize, divisions: usize) -> Cost {

@@ -532,14 +532,14 @@ impl<'g> Equations<'_, 'g> {
         forces::spring_forces(self.graph, self.model, y, v)
     }
 
-    /// τ(ẏ)
-    pub fn friction_torques(&self, v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
-        forces::friction_torques(self.graph, self.model, v)
+    /// τ(ẏ), or τ(y, ẏ) where a law depends on the position; `y` may be empty where none does.
+    pub fn friction_torques(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
+        forces::friction_torques(self.graph, self.model, y, v)
     }
 
     /// Springs and friction: what acts on single joints, as a share of q.
     pub fn joint_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
-        subtract(&self.spring_forces(y, v), &self.friction_torques(v))
+        subtract(&self.spring_forces(y, v), &self.friction_torques(y, v))
     }
 
     /// `q = q_gravity + q_springs − τ`

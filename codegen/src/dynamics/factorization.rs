@@ -42,7 +42,7 @@ impl<'g> Factorization<'g> {
             let one = work[k][k].constant(1.0);
             let reciprocal = one
                 .divided_by(work[k][k])
-                .named(|| format!("inverse_d_{}", mechanism.bodies[k].name));
+                .named(|| format!("inverse_d_{}", mechanism.bodies[k].identifier));
             reciprocals.push(reciprocal);
             for &i in &couplings[k] {
                 let factor = work[k][i] * reciprocal;

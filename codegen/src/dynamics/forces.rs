@@ -32,20 +32,46 @@ pub fn spring_forces<'g>(
     joints(model).enumerate().map(force).collect()
 }
 
-/// Friction torques τ(ẏ) by coordinate; they are subtracted from q.
-pub fn friction_torques<'g>(graph: &'g Graph, model: &Model, v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
+/// Whether a friction law depends on the position of its joint: τ(y, ẏ) then, else τ(ẏ).
+pub fn friction_depends_on_position(model: &Model) -> bool {
+    let terms = joints(model).flat_map(|joint| &joint.friction);
+    terms
+        .map(|term| &term.basis)
+        .any(Formula::depends_on_position)
+}
+
+/// Friction torques τ by coordinate; they are subtracted from q.
+///
+/// - `y`: may be empty where no law depends on the position
+pub fn friction_torques<'g>(
+    graph: &'g Graph,
+    model: &Model,
+    y: &[Scalar<'g>],
+    v: &[Scalar<'g>],
+) -> Vec<Scalar<'g>> {
     let mut torques = vec![graph.constant(0.0); model.coordinates.len()];
     for (index, joint) in joints(model).enumerate() {
         for term in &joint.friction {
-            let basis = friction_basis(graph, term, v[index]);
+            let basis = friction_basis(graph, term, y.get(index), v[index]);
             torques[index] = torques[index] + lower(graph, &term.coefficient) * basis;
         }
     }
     torques
 }
 
-fn friction_basis<'g>(graph: &'g Graph, term: &FrictionTerm, v: Scalar<'g>) -> Scalar<'g> {
-    lower_with(graph, &term.basis, graph.constant(0.0), v)
+fn friction_basis<'g>(
+    graph: &'g Graph,
+    term: &FrictionTerm,
+    y: Option<&Scalar<'g>>,
+    v: Scalar<'g>,
+) -> Scalar<'g> {
+    let y = match (y, term.basis.depends_on_position()) {
+        (Some(&y), _) => y,
+        // Never read.
+        (None, false) => graph.constant(0.0),
+        (None, true) => unreachable!("friction that depends on y is asked for with y"),
+    };
+    lower_with(graph, &term.basis, y, v)
 }
 
 /// A column of the friction regressor.
@@ -53,36 +79,42 @@ fn friction_basis<'g>(graph: &'g Graph, term: &FrictionTerm, v: Scalar<'g>) -> S
 pub struct FrictionColumn<'g> {
     /// Coordinate that it brakes.
     pub coordinate: usize,
-    /// Described coefficient.
-    pub coefficient: Scalar<'g>,
-    /// Function of the velocity.
+    /// Function of position and velocity.
     pub basis: Scalar<'g>,
 }
 
-/// The terms of all friction laws by coordinate, those of one basis function added up. Without velocities the basis
-/// functions are zero.
+/// The basis functions of all friction laws by coordinate, each once.
+///
+/// - `y`: may be empty where no law depends on the position
 pub fn friction_columns<'g>(
     graph: &'g Graph,
     model: &Model,
-    v: Option<&[Scalar<'g>]>,
+    y: &[Scalar<'g>],
+    v: &[Scalar<'g>],
 ) -> Vec<FrictionColumn<'g>> {
-    let mut columns = Vec::new();
-    for (coordinate, joint) in joints(model).enumerate() {
-        for (_, terms) in terms_by_basis(joint) {
-            let coefficients = terms.iter().map(|term| lower(graph, &term.coefficient));
-            let coefficient = coefficients.fold(graph.constant(0.0), |sum, c| sum + c);
-            let basis = match v {
-                Some(v) => friction_basis(graph, terms[0], v[coordinate]),
-                None => graph.constant(0.0),
-            };
-            columns.push(FrictionColumn {
-                coordinate,
-                coefficient,
-                basis,
-            });
-        }
-    }
-    columns
+    let column = |coordinate: usize, terms: &[&FrictionTerm]| FrictionColumn {
+        coordinate,
+        basis: friction_basis(graph, terms[0], y.get(coordinate), v[coordinate]),
+    };
+    joints(model)
+        .enumerate()
+        .flat_map(|(coordinate, joint)| {
+            let groups = terms_by_basis(joint).into_iter();
+            groups.map(move |(_, terms)| (coordinate, terms))
+        })
+        .map(|(coordinate, terms)| column(coordinate, &terms))
+        .collect()
+}
+
+/// Coefficients of the friction regressor's columns as described, those of one basis function added up.
+pub fn friction_coefficients<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g>> {
+    let sum = |(_, terms): (&Formula, Vec<&FrictionTerm>)| {
+        let coefficients = terms.iter().map(|term| lower(graph, &term.coefficient));
+        coefficients.fold(graph.constant(0.0), |sum, c| sum + c)
+    };
+    joints(model)
+        .flat_map(|joint| terms_by_basis(joint).into_iter().map(sum))
+        .collect()
 }
 
 /// Names of the columns: `joint: tanh(10*v)`.

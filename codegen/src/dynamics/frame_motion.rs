@@ -40,7 +40,7 @@ impl<'g> BasePoses<'g> {
             before_run.push(run_start);
             let mut pose = run_start.turned(placement);
             pose.origin = parent.point(body.translation) + pose.axes[2].scaled(placement.extension);
-            bodies.push(pose.named(&body.name));
+            bodies.push(pose.named(&body.identifier));
         }
         Self { mechanism, bodies }
     }

@@ -23,4 +23,5 @@ pub mod newton_euler;
 pub mod placement;
 pub mod regressor;
 pub mod regressor_quantities;
+pub mod selection;
 pub mod size;

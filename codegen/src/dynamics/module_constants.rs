@@ -1,10 +1,11 @@
 //! Constants that explain functions: names of columns, groups of parameters, zeros of matrices.
 
-use super::base_parameters::BaseParameters;
+use super::base_parameters::{BaseParameters, Term};
 use super::equations::Formulations;
 use super::forces;
-use super::function::{Constant, ConstantValue};
+use super::function::{Constant, ConstantValue, Function};
 use super::regressor;
+use crate::diagnostic::Diagnostic;
 use crate::model::Model;
 use crate::program::{Program, Shape, nonzero_entries};
 
@@ -61,11 +62,17 @@ fn inertial_names(model: &Model) -> Constant {
 }
 
 fn friction_names(model: &Model) -> Constant {
-    let summary = "Friction parameters, the columns of `friction_regressor`: joint, and the function of its velocity \
-         that the parameter multiplies.";
+    let motion = match forces::friction_depends_on_position(model) {
+        true => "position and velocity",
+        false => "velocity",
+    };
+    let summary = format!(
+        "Friction parameters, the columns of `friction_regressor`: joint, and the function of its {motion} that the \
+         parameter multiplies."
+    );
     Constant {
         name: "FRICTION_PARAMETER_NAMES",
-        summary: summary.to_owned(),
+        summary,
         items: Vec::new(),
         value: ConstantValue::Names(forces::friction_names(model)),
     }
@@ -79,51 +86,84 @@ fn base_parameters(model: &Model, base: &BaseParameters) -> Vec<Constant> {
         true => groups.collect(),
         false => Vec::new(),
     };
+    let is_constant = base.constant_terms().is_some();
+    let end = match (items.is_empty(), is_constant) {
+        (true, true) => ", see `BASE_PARAMETER_TERMS`.",
+        (true, false) => " that change with free parameters.",
+        (false, true) => ":",
+        (false, false) => {
+            ". c(p) is a factor that changes with free parameters, so that no constant map holds for all of their values:"
+        }
+    };
     let summary = format!(
         "Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its \
-         group. {} of {} parameters enter the motion only in these sums{}:",
+         group. {} of {} parameters enter the motion only in these sums{end}",
         names.len() - base.leaders.len(),
         names.len(),
-        if items.is_empty() {
-            ", see `BASE_PARAMETER_TERMS`"
-        } else {
-            ""
-        }
     );
-    let terms = "Map from the inertial parameters to the base parameters: β[i] = Σ c π[j] over all (i, j, c). Found at the \
-         described values of free parameters; where lengths or gravity are free, it holds for these values alone.";
-    vec![
-        Constant {
-            name: "BASE_PARAMETER_NAMES",
-            summary: summary
-                .trim_end_matches(if items.is_empty() { ":" } else { "" })
-                .to_owned(),
-            items,
-            value: ConstantValue::Names(leaders.collect()),
-        },
-        Constant {
-            name: "BASE_PARAMETER_TERMS",
-            summary: terms.to_owned(),
-            items: Vec::new(),
-            value: ConstantValue::Sparse(base.terms.clone()),
-        },
-    ]
+    let names = Constant {
+        name: "BASE_PARAMETER_NAMES",
+        summary,
+        items,
+        value: ConstantValue::Names(leaders.collect()),
+    };
+    let terms = base.constant_terms().map(|terms| Constant {
+        name: BASE_TERMS,
+        summary: terms_text(model),
+        items: Vec::new(),
+        value: ConstantValue::Sparse(terms),
+    });
+    std::iter::once(names).chain(terms).collect()
 }
 
-/// `Izz_1 + 0.09 m_2 − Ixx_2`
-fn group_text(group: &[(usize, usize, f64)], names: &[String]) -> String {
+const BASE_TERMS: &str = "BASE_PARAMETER_TERMS";
+
+fn terms_text(model: &Model) -> String {
+    let map = "Map from the inertial parameters to the base parameters: β[i] = Σ c π[j] over all (i, j, c)";
+    match model.parameters.is_empty() {
+        true => format!("{map}."),
+        false => format!("{map}, whatever the values of the free parameters."),
+    }
+}
+
+/// A note where the map of the base parameters is left out.
+pub fn notes(functions: &[Function]) -> Option<Diagnostic> {
+    let base = functions
+        .iter()
+        .find(|function| function.name == "base_regressor")?;
+    if base
+        .constants
+        .iter()
+        .any(|constant| constant.name == BASE_TERMS)
+    {
+        return None;
+    }
+    let message = format!(
+        "`{BASE_TERMS}` is left out: how inertial parameters join in base parameters depends on free lengths, gear ratios or gravity"
+    );
+    let help = "`BASE_PARAMETER_NAMES` and `base_regressor` hold for all values; make these parameters numbers for the map";
+    Some(Diagnostic::note("base-parameters", message).help(help))
+}
+
+/// `Izz_1 + 0.09 m_2 − Ixx_2 + c(p) J_1`
+fn group_text(group: &[Term], names: &[String]) -> String {
     let mut text = String::new();
-    for (position, &(_, parameter, coefficient)) in group.iter().enumerate() {
-        text.push_str(match (position, coefficient < 0.0) {
+    for (position, term) in group.iter().enumerate() {
+        let is_negative = term
+            .coefficient
+            .is_some_and(|coefficient| coefficient < 0.0);
+        text.push_str(match (position, is_negative) {
             (0, false) => "",
             (0, true) => "−",
             (_, false) => " + ",
             (_, true) => " − ",
         });
-        if coefficient.abs() != 1.0 {
-            text.push_str(&format!("{} ", coefficient.abs()));
+        match term.coefficient.map(f64::abs) {
+            Some(1.0) => {}
+            Some(size) => text.push_str(&format!("{size} ")),
+            None => text.push_str("c(p) "),
         }
-        text.push_str(&names[parameter]);
+        text.push_str(&names[term.parameter]);
     }
     format!("`{text}`")
 }

@@ -160,10 +160,10 @@ pub(super) fn motions<'g>(
         let u = &motion.spread;
         let lift = Vector3([u[0][2], u[1][2], u[2][2]]).scaled(placement.extension);
         motion.acceleration = motion.acceleration + lift;
-        motion.omega.named(&format!("omega_{}", body.name));
+        motion.omega.named(&format!("omega_{}", body.identifier));
         motion
             .acceleration
-            .named(&format!("acceleration_{}", body.name));
+            .named(&format!("acceleration_{}", body.identifier));
         motions.push(motion);
     }
     motions
@@ -415,8 +415,8 @@ fn gather<'g>(
     for index in (0..mechanism.len()).rev() {
         let (body, placement) = (&mechanism.bodies[index], &placements[index]);
         let (force, mut moment) = forces[index];
-        force.named(&format!("force_{}", body.name));
-        moment.named(&format!("moment_{}", body.name));
+        force.named(&format!("force_{}", body.identifier));
+        moment.named(&format!("moment_{}", body.identifier));
         let joint_force = match body.axis {
             JointAxis::Revolute => moment[2],
             JointAxis::Prismatic => force[2],

@@ -116,7 +116,7 @@ fn turn_between<'g>(
     let mut name = String::new();
     for &joint in joints {
         let body = &mechanism.bodies[joint];
-        name = format!("{name}_{}", body.name);
+        name = format!("{name}_{}", body.identifier);
         angle = angle + y[body.coordinate].signed(body.direction);
         offset = offset + body.offset;
     }

@@ -1,7 +1,8 @@
 //! Functions that are linear in parameters, for identification: a part of the catalogue.
 
 use super::catalogue::Argument::{Accelerations, Coordinates, Velocities};
-use super::catalogue::{Arguments, Quantity, matrix, vector};
+use super::catalogue::{Arguments, Quantity, Value, matrix, vector};
+use super::equations::Equations;
 use super::newton_euler::MotionInput;
 use super::{forces, regressor};
 
@@ -51,7 +52,7 @@ pub const QUANTITIES: &[Quantity] = &[
         )],
         notes: &[
             "Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite \
-             the robot, W_b has full rank.",
+             the robot, W_b has full rank, for almost all values of free parameters.",
         ],
         build: |equations, Arguments { y, v, a, .. }| {
             vec![matrix(equations.base_regressor(MotionInput { y, v, a }))]
@@ -62,35 +63,68 @@ pub const QUANTITIES: &[Quantity] = &[
         summary: "Friction parameters as described: the coefficients of `friction_regressor`.",
         equation: "τ(ẏ) = friction_regressor(ẏ) · friction_parameters",
         arguments: &[],
-        results: &[("φ", "in the order of `FRICTION_PARAMETER_NAMES`")],
+        results: FRICTION_PARAMETERS,
         notes: &[],
-        build: |equations, _| {
-            let columns = forces::friction_columns(equations.graph, equations.model, None);
-            vec![vector(
-                columns.iter().map(|column| column.coefficient).collect(),
-            )]
-        },
+        build: friction_parameters,
     },
     Quantity {
         name: "friction_regressor",
         summary: "Regressor of the friction parameters.",
         equation: "τ(ẏ) = friction_regressor(ẏ) · friction_parameters",
         arguments: &[Velocities],
-        results: &[(
-            "R",
-            "rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`",
-        )],
-        notes: &[
-            "What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.",
-        ],
-        build: |equations, Arguments { v, .. }| {
-            let columns = forces::friction_columns(equations.graph, equations.model, Some(v));
-            let zero = equations.graph.constant(0.0);
-            let mut rows = vec![vec![zero; columns.len()]; equations.model.coordinates.len()];
-            for (index, column) in columns.iter().enumerate() {
-                rows[column.coordinate][index] = column.basis;
-            }
-            vec![matrix(rows)]
-        },
+        results: FRICTION_REGRESSOR,
+        notes: FRICTION_NOTES,
+        build: friction_regressor,
     },
 ];
+
+/// `friction_parameters` of a robot whose friction depends on the position.
+pub const FRICTION_PARAMETERS_BY_POSITION: Quantity = Quantity {
+    name: "friction_parameters",
+    summary: "Friction parameters as described: the coefficients of `friction_regressor`.",
+    equation: "τ(y, ẏ) = friction_regressor(y, ẏ) · friction_parameters",
+    arguments: &[],
+    results: FRICTION_PARAMETERS,
+    notes: &[],
+    build: friction_parameters,
+};
+
+/// `friction_regressor` of a robot whose friction depends on the position.
+pub const FRICTION_REGRESSOR_BY_POSITION: Quantity = Quantity {
+    name: "friction_regressor",
+    summary: "Regressor of the friction parameters.",
+    equation: "τ(y, ẏ) = friction_regressor(y, ẏ) · friction_parameters",
+    arguments: &[Coordinates, Velocities],
+    results: FRICTION_REGRESSOR,
+    notes: FRICTION_NOTES,
+    build: friction_regressor,
+};
+
+const FRICTION_PARAMETERS: &[(&str, &str)] = &[("φ", "in the order of `FRICTION_PARAMETER_NAMES`")];
+
+const FRICTION_REGRESSOR: &[(&str, &str)] = &[(
+    "R",
+    "rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`",
+)];
+
+const FRICTION_NOTES: &[&str] = &[
+    "What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.",
+];
+
+fn friction_parameters<'g>(equations: &Equations<'_, 'g>, _: &Arguments<'g>) -> Vec<Value<'g>> {
+    let coefficients = forces::friction_coefficients(equations.graph, equations.model);
+    vec![vector(coefficients)]
+}
+
+fn friction_regressor<'g>(
+    equations: &Equations<'_, 'g>,
+    Arguments { y, v, .. }: &Arguments<'g>,
+) -> Vec<Value<'g>> {
+    let columns = forces::friction_columns(equations.graph, equations.model, y, v);
+    let zero = equations.graph.constant(0.0);
+    let mut rows = vec![vec![zero; columns.len()]; equations.model.coordinates.len()];
+    for (index, column) in columns.iter().enumerate() {
+        rows[column.coordinate][index] = column.basis;
+    }
+    vec![matrix(rows)]
+}

@@ -1,103 +1,234 @@
-//! Functions that nobody could compile or read are refused before they are written.
+//! Functions that nobody could compile or read are not written.
+//!
+//! What counts is the text that is emitted: loops over joints count once, however many operations they stand for.
 
+use super::array_form::Forms;
 use super::composite;
 use super::formulation::Formulation;
 use super::function::Function;
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::Diagnostic;
 use crate::graph::{Cost, Graph};
 use crate::kinematics::Mechanism;
 use crate::model::Model;
+use crate::program::Program;
+use crate::program::arrays::{ArrayForm, Arrays, Step};
 use crate::program::cost::count;
 
-/// Operations up to which a function is generated, unless more are asked for: `linearize` of 30 joints takes two thirds
-/// of it; how long rustc takes for it is not measured yet.
+/// Operations up to which a function is emitted, unless more are asked for: `inertial_regressor` of 60 joints takes half of
+/// it; how long rustc takes for it is not measured yet.
 pub const MOST_OPERATIONS: usize = 300_000;
 
-/// Functions that do at least the work of the mass matrix, whose size grows with the square of the joints' number.
-const AT_LEAST_MASS_MATRIX: [&str; 8] = [
-    "mass_matrix",
-    "equations_of_motion",
-    "mass_matrix_and_bias_forces",
-    "forward_dynamics",
-    "inverse_dynamics_derivatives",
-    "inverse_dynamics_derivatives_and_mass_matrix",
-    "forward_dynamics_derivatives",
-    "linearize",
+/// Loops may stand for so many times the operations that are emitted: they are written out for the interpreter, which takes
+/// some 200 bytes for each.
+const UNROLLED: usize = 10;
+
+/// Functions whose size is known from below before they are derived.
+struct Group {
+    names: &'static [&'static str],
+    /// Whether this holds where they are loops, or where they are straight-line code.
+    are_loops: bool,
+    /// Operations.
+    estimate: fn(&Model) -> usize,
+}
+
+const GROUPS: [Group; 4] = [
+    // They do at least the work of the mass matrix, whose size grows with the square of the joints' number.
+    Group {
+        names: &[
+            "mass_matrix",
+            "equations_of_motion",
+            "mass_matrix_and_bias_forces",
+            "forward_dynamics",
+            "inverse_dynamics_derivatives",
+            "inverse_dynamics_derivatives_and_mass_matrix",
+            "forward_dynamics_derivatives",
+            "linearize",
+        ],
+        are_loops: false,
+        estimate: |model| {
+            let pairs = pairs(model);
+            match pairs > MANY_PAIRS {
+                true => pairs,
+                false => mass_matrix_operations(model),
+            }
+        },
+    },
+    // Blocks of ten columns for each joint and each link that it moves, of 39 operations for the UR5, 75 for a chain of 30
+    // right angles.
+    Group {
+        names: &["inertial_regressor", "base_regressor"],
+        are_loops: false,
+        estimate: |model| 40 * pairs(model),
+    },
+    // Multiplied and inverted matrices: 5.2 operations times the cube of the joints' number for Talos, 6.9 for a chain of 60
+    // right angles.
+    Group {
+        names: &["forward_dynamics_derivatives", "linearize"],
+        are_loops: true,
+        estimate: |model| 5_usize.saturating_mul(model.coordinates.len().saturating_pow(3)),
+    },
+    // Products for each pair: 83 operations for a chain of 60 right angles.
+    Group {
+        names: &[
+            "inverse_dynamics_derivatives",
+            "inverse_dynamics_derivatives_and_mass_matrix",
+        ],
+        are_loops: true,
+        estimate: |model| 70 * pairs(model),
+    },
 ];
 
-/// Functions with a block of ten columns for each joint and each link that it moves.
-const REGRESSORS: [&str; 2] = ["inertial_regressor", "base_regressor"];
-
-/// Operations of such a block: 39 for the UR5, 75 for a chain of 30 right angles.
-const OPERATIONS_PER_BLOCK: usize = 40;
-
-/// Operations of a function, as far as they are known before it is derived.
-type Estimate = fn(&Model) -> usize;
+/// Beyond so many pairs even the plain mass matrix takes gigabytes; the estimate is one operation for each then.
+const MANY_PAIRS: usize = 3 * MOST_OPERATIONS;
 
 /// Joints up to which no function is so large that deriving it takes long.
 const FEW_JOINTS: usize = 50;
 
-/// Refuses what is too large, as far as that is known before anything is derived.
-///
-/// # Errors
-/// `too-large`, one entry per function.
-pub fn check_before(model: &Model, names: &[&str], most: usize) -> Result<(), Diagnostics> {
+/// A function that is not written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct TooLarge {
+    pub name: String,
+    operations: usize,
+    /// Whether it is an estimate from below.
+    is_estimate: bool,
+    /// Whether loops stand for so many operations.
+    are_loops: bool,
+    /// The limit.
+    most: usize,
+}
+
+/// What is too large, as far as that is known before anything is derived.
+pub(super) fn before(
+    model: &Model,
+    names: &[String],
+    forms: &Forms<'_>,
+    most: usize,
+) -> Vec<TooLarge> {
     if model.coordinates.len() <= FEW_JOINTS {
-        return Ok(());
+        return Vec::new();
     }
-    let groups: [(&[&str], Estimate); 2] = [
-        (&AT_LEAST_MASS_MATRIX, mass_matrix_operations),
-        (&REGRESSORS, regressor_operations),
-    ];
-    let mut refusals = Vec::new();
-    for (group, estimate) in groups {
-        let wanted: Vec<&&str> = names.iter().filter(|name| group.contains(name)).collect();
-        if wanted.is_empty() {
-            continue;
+    let (loops, straight): (Vec<&String>, Vec<&String>) =
+        names.iter().partition(|name| forms.has_loops_surely(name));
+    let groups = GROUPS.iter();
+    let too_large = groups.flat_map(|group| match group.are_loops {
+        true => group.too_large(model, &loops, most.saturating_mul(UNROLLED)),
+        false => group.too_large(model, &straight, most),
+    });
+    too_large.collect()
+}
+
+impl Group {
+    fn too_large(&self, model: &Model, names: &[&String], most: usize) -> Vec<TooLarge> {
+        let names = names
+            .iter()
+            .filter(|name| self.names.contains(&name.as_str()));
+        let names: Vec<&&String> = names.collect();
+        // An estimate takes time of its own.
+        if names.is_empty() {
+            return Vec::new();
         }
-        let operations = estimate(model);
-        if operations > most {
-            let takes = format!("about {operations} operations or more");
-            let refused = wanted.into_iter();
-            refusals.extend(refused.map(|name| refusal(model, name, &takes, operations, most)));
+        let operations = (self.estimate)(model);
+        if operations <= most {
+            return Vec::new();
         }
-    }
-    match refusals.is_empty() {
-        true => Ok(()),
-        false => Err(Diagnostics::new(refusals)),
+        let too_large = names.into_iter().map(|name| TooLarge {
+            name: (*name).clone(),
+            operations,
+            is_estimate: true,
+            are_loops: self.are_loops,
+            most,
+        });
+        too_large.collect()
     }
 }
 
-/// Refuses a function that became too large.
-///
-/// # Errors
-/// `too-large`
-pub fn check(model: &Model, function: &Function, most: usize) -> Result<(), Diagnostics> {
-    let cost = count(&function.program);
-    let operations = cost.multiplications + cost.additions + cost.divisions;
-    if operations <= most {
-        return Ok(());
-    }
-    let takes = format!("{operations} operations");
-    Err(Diagnostics::new(vec![refusal(
-        model,
-        &function.name,
-        &takes,
+/// Whether a function became too large.
+pub(super) fn after(function: &Function, most: usize) -> Option<TooLarge> {
+    let operations = emitted(function);
+    (operations > most).then(|| TooLarge {
+        name: function.name.clone(),
         operations,
+        is_estimate: false,
+        are_loops: false,
         most,
-    )]))
+    })
 }
 
-fn refusal(model: &Model, name: &str, takes: &str, operations: usize, most: usize) -> Diagnostic {
-    let joints = model.coordinates.len();
-    Diagnostic::error(
-        "too-large",
-        format!("`{name}` of {joints} joints takes {takes}; {most} are the limit"),
-    )
-    .help(format!(
-        "lift the limit (`--max-operations {}`), or generate smaller functions (`gelenk generate --functions inverse_dynamics`)",
-        rounded_up(operations)
-    ))
+/// Operations in the text of a function.
+pub(super) fn emitted(function: &Function) -> usize {
+    match &function.arrays {
+        None => operations(&function.program),
+        Some(ArrayForm::Steps(arrays)) => emitted_in_loops(arrays),
+        // A call and a few loops.
+        Some(ArrayForm::Affine(_)) => 0,
+    }
+}
+
+/// The setup, and the bodies of the loops. What other loops there are have one text for all robots.
+fn emitted_in_loops(arrays: &Arrays) -> usize {
+    let bodies = arrays.steps.iter().map(|step| match step {
+        Step::Map(map) => operations(&map.body),
+        _ => 0,
+    });
+    operations(&arrays.setup) + bodies.sum::<usize>()
+}
+
+fn operations(program: &Program) -> usize {
+    let cost = count(program);
+    cost.multiplications + cost.additions + cost.divisions
+}
+
+impl TooLarge {
+    fn takes(&self) -> String {
+        let operations = self.operations;
+        match (self.are_loops, self.is_estimate) {
+            (true, _) => format!("loops that stand for about {operations} operations"),
+            (false, true) => format!("about {operations} operations or more"),
+            (false, false) => format!("{operations} operations"),
+        }
+    }
+
+    /// For those who asked for it by name.
+    pub(super) fn error(&self, model: &Model) -> Diagnostic {
+        let (joints, most) = (model.coordinates.len(), self.most);
+        let takes = self.takes();
+        Diagnostic::error(
+            "too-large",
+            format!("`{}` of {joints} joints takes {takes}; {most} are the limit", self.name),
+        )
+        .help(format!(
+            "lift the limit (`--max-operations {}`), or generate smaller functions (`gelenk generate --functions inverse_dynamics`)",
+            self.limit_needed()
+        ))
+    }
+
+    /// What `--max-operations` has to be.
+    fn limit_needed(&self) -> usize {
+        match self.are_loops {
+            true => rounded_up(self.operations.div_ceil(UNROLLED)),
+            false => rounded_up(self.operations),
+        }
+    }
+}
+
+/// What was left out because nobody asked for it by name.
+pub(super) fn note(model: &Model, left_out: &[TooLarge], callers: &str, most: usize) -> Diagnostic {
+    let listed = left_out
+        .iter()
+        .map(|each| format!("`{}` ({})", each.name, each.takes()));
+    let listed: Vec<String> = listed.collect();
+    let needed = left_out
+        .iter()
+        .map(TooLarge::limit_needed)
+        .max()
+        .unwrap_or(most);
+    let message = format!(
+        "left out, because {} joints make them too large: {}{callers}; {most} operations are the limit",
+        model.coordinates.len(),
+        listed.join(", "),
+    );
+    Diagnostic::note("left-out", message)
+        .help(format!("`--max-operations {needed}` generates them all"))
 }
 
 /// To two digits, with room for the estimate.
@@ -120,13 +251,13 @@ fn mass_matrix_operations(model: &Model) -> usize {
     usize::try_from(cost.multiplications + cost.additions).unwrap_or(usize::MAX)
 }
 
-/// Operations of the regressor, from the number of its blocks.
-fn regressor_operations(model: &Model) -> usize {
+/// Pairs of joints on one path to the base, each with itself included.
+fn pairs(model: &Model) -> usize {
     let graph = Graph::new();
     let mechanism = Mechanism::new(&graph, model);
     let mut depths: Vec<usize> = Vec::with_capacity(mechanism.len());
     for body in &mechanism.bodies {
         depths.push(body.parent.map_or(1, |parent| depths[parent] + 1));
     }
-    OPERATIONS_PER_BLOCK * depths.iter().sum::<usize>()
+    depths.iter().sum()
 }

@@ -5,7 +5,7 @@ use quote::{format_ident, quote};
 
 use super::doc_comment::DocComment;
 use super::{Context, lints};
-use crate::formula::{Formula, Function};
+use crate::formula::Formula;
 use crate::model::{Drive, Input, Joint, JointKind, Model};
 
 /// Names of all constants that a module can have.
@@ -306,18 +306,6 @@ fn value(formula: &Formula, parameters: &[f64]) -> Option<f64> {
         Formula::Power(a, exponent) => {
             (0..*exponent).try_fold(1.0, |power, _| Some(power * value(a, parameters)?))?
         }
-        Formula::Call(function, a) => call(*function, value(a, parameters)?),
+        Formula::Call(function, a) => function.evaluate(value(a, parameters)?),
     })
-}
-
-fn call(function: Function, x: f64) -> f64 {
-    match function {
-        Function::Sin => x.sin(),
-        Function::Cos => x.cos(),
-        Function::Tanh => x.tanh(),
-        Function::Exp => x.exp(),
-        Function::Abs => x.abs(),
-        Function::Sign if x == 0.0 => 0.0,
-        Function::Sign => x.signum(),
-    }
 }

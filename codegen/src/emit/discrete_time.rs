@@ -118,7 +118,11 @@ fn cost(context: &Context<'_>, functions: &[Function], function: Composition) ->
     };
     let callee = function.calls();
     match function.cost_in(context.model, functions) {
-        Some(cost) => format!("Cost: {cost}, {calls} of `{callee}` included."),
+        Some(cost) => {
+            let cost = format!("Cost: {cost}, {calls} of `{callee}` included.");
+            let note = function.cost_note(context.model, functions);
+            note.map_or(cost.clone(), |note| format!("{cost} {note}"))
+        }
         None => format!("Cost: {calls} of `{callee}`, and its own operations."),
     }
 }

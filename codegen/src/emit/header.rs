@@ -1,7 +1,7 @@
 //! The comment at the top of a generated file: who made it, and how to make it again.
 
 use super::EmitOptions;
-use super::doc_comment::visible;
+use super::doc_comment::{plain, visible};
 use crate::model::Model;
 
 /// What every generated file begins with.
@@ -13,21 +13,63 @@ pub(super) fn comment(model: &Model, options: &EmitOptions) -> String {
         String::new(),
         format!("    {}", options.command),
         String::new(),
-        format!("Robot: {}", model.name),
+        format!("{ROBOT} {}", model.name),
     ];
-    if !model.description.is_empty() {
-        lines.push(String::new());
-        lines.extend(
-            model
-                .description
-                .iter()
-                .flat_map(|entry| entry.split('\n'))
-                .map(str::to_owned),
-        );
+    let described = model.description.iter().flat_map(|entry| entry.split('\n'));
+    let described: Vec<String> = described.map(str::to_owned).collect();
+    for part in [described, options.remarks.clone()] {
+        if !part.is_empty() {
+            lines.push(String::new());
+            lines.extend(part);
+        }
     }
     let comments = lines.iter().map(|line| format!("// {}", visible(line)));
     let comments = std::iter::once(FIRST_LINE.to_owned()).chain(comments);
     comments
         .map(|line| format!("{}\n", line.trim_end()))
         .collect()
+}
+
+/// What the comment at the top of a generated file says about its robot, as the documentation of the module: inside the file
+/// none can stand.
+#[must_use]
+pub fn documentation(text: &str) -> String {
+    let comment = text.lines().map_while(|line| line.strip_prefix("//"));
+    let mut lines = comment
+        .map(str::trim)
+        .skip_while(|line| !line.starts_with(ROBOT));
+    let name = lines.next().and_then(|line| line.strip_prefix(ROBOT));
+    let mut documentation = format!("The robot `{}`.\n", name.unwrap_or_default().trim());
+    for line in lines {
+        documentation.push_str(&format!("{}\n", plain(line)));
+    }
+    documentation
+}
+
+/// What the line with the robot's name begins with.
+const ROBOT: &str = "Robot:";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{PUMA, chain};
+
+    #[test]
+    fn documentation_holds_the_description() {
+        let mut model = chain(&PUMA, [0.0, 0.0, -9.81]);
+        model.name = "puma".to_owned();
+        model.description = vec![
+            "An *arm*:".to_owned(),
+            String::new(),
+            "six axes.".to_owned(),
+        ];
+        let options = EmitOptions {
+            remarks: vec!["Smooth.".to_owned()],
+            ..EmitOptions::default()
+        };
+        let text = comment(&model, &options) + "\n/// Number of coordinates.\n";
+        let expected = "The robot `puma`.\n\nAn \\*arm\\*:\n\nsix axes.\n\nSmooth.\n";
+        assert_eq!(documentation(&text), expected);
+        assert_eq!(documentation("fn main() {}"), "The robot ``.\n");
+    }
 }

@@ -25,10 +25,12 @@ mod parameters;
 mod pasted;
 mod split;
 
-pub use header::FIRST_LINE;
+pub use header::{FIRST_LINE, documentation};
 pub(crate) use lanes::obstacle as obstacle_to_lanes;
 pub use literal::Scalar;
 pub use math::Math;
+
+use std::cell::Cell;
 
 use proc_macro2::{Ident, TokenStream};
 
@@ -56,6 +58,8 @@ pub struct EmitOptions {
     pub longest_function: usize,
     /// Functions that are also written over eight states at once, as far as they can be.
     pub lanes: Vec<String>,
+    /// Lines below the description of the robot: what its reader should know about this module.
+    pub remarks: Vec<String>,
 }
 
 impl Default for EmitOptions {
@@ -66,6 +70,7 @@ impl Default for EmitOptions {
             command: "gelenk generate".to_owned(),
             longest_function: LONGEST_FUNCTION,
             lanes: vec![],
+            remarks: vec![],
         }
     }
 }
@@ -96,6 +101,7 @@ pub fn module(
     if functions.iter().any(|function| context.has_lanes(function)) {
         push_items(&mut text, [lanes::item(&context)]);
     }
+    let before_functions = text.len();
     for (index, function) in functions.iter().enumerate() {
         push_items(&mut text, function_constants::items(&context, function));
         // One function at a time: the syntax tree of a large one takes far more memory than its text.
@@ -104,6 +110,9 @@ pub fn module(
             function::items(&context, function, &context.functions[index]),
         );
     }
+    let mut groups = String::new();
+    push_items(&mut groups, lanes::group(&context));
+    text.insert_str(before_functions, &groups);
     push_items(
         &mut text,
         discrete_time::items(&context, functions, compositions),
@@ -135,6 +144,8 @@ struct Context<'a> {
     functions: Vec<Ident>,
     /// Elementary functions that were called so far.
     calls: math::Calls,
+    /// Whether a function over lanes has something to keep between its loops.
+    has_groups: Cell<bool>,
     /// Names that no argument or value inside a function may take: a constant's would be a pattern, not a variable.
     reserved: Vec<String>,
     /// Private functions of array forms, which several functions call.
@@ -173,6 +184,7 @@ impl<'a> Context<'a> {
             parameters: names::distinct(parameter_names, &[]),
             functions,
             calls: math::Calls::default(),
+            has_groups: Cell::new(false),
             shared: arrays::Shared::default(),
             reserved,
         }

@@ -1,6 +1,7 @@
 //! Building, folding and evaluating formulas.
 
 use super::{Formula, Function};
+use crate::math;
 
 impl Formula {
     /// The number 0.
@@ -58,6 +59,11 @@ impl Formula {
     /// Whether the value depends on the joint's position or velocity.
     pub fn depends_on_motion(&self) -> bool {
         self.any(&|node| matches!(node, Self::Position | Self::Velocity))
+    }
+
+    /// Whether the value depends on the joint's position.
+    pub fn depends_on_position(&self) -> bool {
+        self.any(&|node| matches!(node, Self::Position))
     }
 
     /// Whether every number in the formula is finite.
@@ -194,10 +200,10 @@ impl Function {
     /// Value of the function; `sign` is 0 at 0, unlike [`f64::signum`].
     pub fn evaluate(self, x: f64) -> f64 {
         match self {
-            Self::Sin => x.sin(),
-            Self::Cos => x.cos(),
-            Self::Tanh => x.tanh(),
-            Self::Exp => x.exp(),
+            Self::Sin => math::sin_cos(x).0,
+            Self::Cos => math::sin_cos(x).1,
+            Self::Tanh => math::tanh(x),
+            Self::Exp => math::exp(x),
             Self::Abs => x.abs(),
             Self::Sign if x > 0.0 => 1.0,
             Self::Sign if x < 0.0 => -1.0,

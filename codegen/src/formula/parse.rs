@@ -2,7 +2,7 @@
 //!
 //! syn descends recursively, so length, nesting and runs of operators are bounded before it sees the text.
 
-use super::{Formula, Function, too_large};
+use super::{Formula, Function, habits, too_large};
 use crate::diagnostic::nearest;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -44,6 +44,7 @@ type Parsed = Result<Formula, FormulaError>;
 
 /// Reads a formula; `parameters` gives the index of each described name.
 pub(crate) fn parse(text: &str, allowed: Allowed, parameters: &BTreeMap<String, usize>) -> Parsed {
+    habits::check(text)?;
     check_text(text)?;
     let tree: Expr = syn::parse_str(text).map_err(|wrong| {
         let range = whole_if_empty(wrong.span().byte_range(), text);

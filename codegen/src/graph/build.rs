@@ -9,7 +9,6 @@ use rustc_hash::FxBuildHasher;
 use super::node::{Edge, Node};
 use super::scalar::Scalar;
 use crate::formula::Function;
-use crate::math;
 
 /// A growing set of nodes. Equal nodes exist once; operands stand before their users.
 #[derive(Debug, Default)]
@@ -227,7 +226,7 @@ impl Graph {
     pub(super) fn call(&self, function: Function, a: Edge) -> Edge {
         if let Some(value) = self
             .value(a)
-            .and_then(|x| self.folded(evaluate(function, x)))
+            .and_then(|x| self.folded(function.evaluate(x)))
         {
             return value;
         }
@@ -238,18 +237,5 @@ impl Graph {
             Function::Cos | Function::Abs => self.intern(Node::Call(function, a.abs())),
             Function::Exp => self.intern(Node::Call(function, a)),
         }
-    }
-}
-
-/// The value of a function; `sign 0 = 0`. Not by std: its bits differ between platforms, and constants reach the text.
-pub(crate) fn evaluate(function: Function, x: f64) -> f64 {
-    match function {
-        Function::Sin => math::sin_cos(x).0,
-        Function::Cos => math::sin_cos(x).1,
-        Function::Tanh => math::tanh(x),
-        Function::Exp => math::exp(x),
-        Function::Abs => x.abs(),
-        Function::Sign if x == 0.0 => 0.0,
-        Function::Sign => x.signum(),
     }
 }

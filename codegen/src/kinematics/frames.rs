@@ -11,6 +11,7 @@ use super::pose::{ScalarPose, cleaned, lower, rotate};
 use super::tree::{DescribedBody, DescribedTree};
 use crate::graph::{Graph, Scalar, Vector3};
 use crate::model::{self, JointKind, Model, RotorCoupling};
+use crate::numeric;
 
 /// Axes whose cross product is shorter are parallel; constants that small are rounding.
 const PARALLEL: f64 = 1e-12;
@@ -53,6 +54,7 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
         let lateral = relative.translation - Vector3([0, 1, 2].map(|k| lift * z[k]));
         bodies.push(Body {
             name: joint(model, described).name.clone(),
+            identifier: joint(model, described).identifier.clone(),
             coordinate: described.coordinate,
             parent: described.parent,
             axis,
@@ -269,7 +271,7 @@ fn any_frame(z: Numeric3<f64>) -> Matrix3<f64> {
 /// `R = R_z(γ) R_x(α) R_z(θ)` with γ = 0 where possible.
 fn decompose(rotation: &Matrix3<f64>) -> (Twist, Angle) {
     let z = rotation.column(2);
-    let sine = z[0].hypot(z[1]);
+    let sine = numeric::length([z[0], z[1]]);
     let twist = if sine < PARALLEL {
         Twist {
             gamma: (0.0, 1.0),
@@ -287,7 +289,10 @@ fn decompose(rotation: &Matrix3<f64>) -> (Twist, Angle) {
         }
     };
     let turn = twist.matrix().transpose() * rotation;
-    (twist, Angle::new(turn[(1, 0)].atan2(turn[(0, 0)])))
+    (
+        twist,
+        Angle::new(numeric::atan2(turn[(1, 0)], turn[(0, 0)])),
+    )
 }
 
 /// Sine and cosine of exactly unit length, with multiples of 90° exact.
@@ -297,7 +302,7 @@ fn exact((sine, cosine): (f64, f64)) -> (f64, f64) {
     } else if cosine.abs() < PARALLEL {
         (sine.signum(), 0.0)
     } else {
-        let length = sine.hypot(cosine);
+        let length = numeric::length([sine, cosine]);
         (sine / length, cosine / length)
     }
 }

@@ -7,6 +7,7 @@ use super::pose::{ScalarPose, rotation_about};
 use super::{frames, tree};
 use crate::graph::{Graph, Scalar, Vector3};
 use crate::model::Model;
+use crate::numeric;
 
 /// The moving bodies of a model; body `i` carries one coordinate, parents stand before their children.
 #[derive(Debug, Clone)]
@@ -28,8 +29,10 @@ pub struct Mechanism<'g> {
 /// A moving body in its own frame: z along the joint's axis.
 #[derive(Debug, Clone)]
 pub struct Body<'g> {
-    /// Name of the joint.
+    /// Name of the joint, as described.
     pub name: String,
+    /// The joint's identifier, which labels values.
+    pub identifier: String,
     /// Coordinate that moves it.
     pub coordinate: usize,
     /// Parent body; `None` where the base carries the joint.
@@ -197,7 +200,7 @@ impl Angle {
         if self == Self::default() {
             return None;
         }
-        let (sine, cosine) = self.remainder.sin_cos();
+        let (sine, cosine) = numeric::sin_cos(self.remainder);
         Some(self.advance((graph.constant(sine), graph.constant(cosine))))
     }
 
@@ -249,9 +252,9 @@ impl<'g> Mechanism<'g> {
     pub fn align_first_moment(&mut self, index: usize) {
         let first = self.bodies[index].moments.first;
         if let (Some(x), Some(y)) = (first[0].value(), first[1].value())
-            && x.hypot(y) > 0.0
+            && (x != 0.0 || y != 0.0)
         {
-            self.turn_leaf(index, y.atan2(x));
+            self.turn_leaf(index, numeric::atan2(y, x));
             self.bodies[index].moments.first.0[1] = self.graph.constant(0.0);
         }
     }
@@ -263,7 +266,7 @@ impl<'g> Mechanism<'g> {
             (second.xx.value(), second.xy.value(), second.yy.value())
             && xy != 0.0
         {
-            self.turn_leaf(index, 0.5 * (2.0 * xy).atan2(xx - yy));
+            self.turn_leaf(index, 0.5 * numeric::atan2(2.0 * xy, xx - yy));
             self.bodies[index].moments.second.xy = self.graph.constant(0.0);
         }
     }
@@ -271,7 +274,7 @@ impl<'g> Mechanism<'g> {
     /// Turns the frame of a leaf about its axis; all that is given in it turns the other way.
     fn turn_leaf(&mut self, index: usize, angle: f64) {
         let body = &mut self.bodies[index];
-        let (sine, cosine) = angle.sin_cos();
+        let (sine, cosine) = numeric::sin_cos(angle);
         let back = (self.graph.constant(-sine), self.graph.constant(cosine));
         body.offset = body.offset + Angle::new(angle);
         body.moments = body.moments.turned(back);

@@ -5,6 +5,7 @@ use nalgebra::{Matrix3, Vector3 as Numeric3};
 use crate::formula::{Formula, Function};
 use crate::graph::{Graph, Scalar, Vector3};
 use crate::model::Pose;
+use crate::numeric;
 
 /// Entries of a rotation matrix closer than this to 0 or ±1 are meant to be exactly that.
 const ROTATION_ROUNDING: f64 = 1e-14;
@@ -118,13 +119,14 @@ pub fn cleaned(rotation: Matrix3<f64>) -> Matrix3<f64> {
 /// Rotation by `angle` about a unit axis (Rodrigues).
 pub fn rotation_about(axis: [f64; 3], angle: f64) -> Matrix3<f64> {
     let cross = Numeric3::from(axis).cross_matrix();
-    cleaned(Matrix3::identity() + cross * angle.sin() + cross * cross * (1.0 - angle.cos()))
+    let (sin, cos) = numeric::sin_cos(angle);
+    cleaned(Matrix3::identity() + cross * sin + cross * cross * (1.0 - cos))
 }
 
 /// Sine and cosine of an angle in degrees, exact at multiples of 90°.
 #[cfg(test)]
 pub fn exact_sin_cos(degrees: f64) -> (f64, f64) {
-    let (s, c) = degrees.to_radians().sin_cos();
+    let (s, c) = numeric::sin_cos(degrees.to_radians());
     let clean = |x: f64| {
         if (x - x.round()).abs() < 1e-15 {
             x.round()

@@ -2,14 +2,12 @@
 
 use super::pose::{Rotation, from_quaternion, from_rpy, is_nearly_right, snapped};
 use crate::diagnostic::{At, Report, Span};
+use crate::wording::{listed, three_digits};
 
 /// Angles this close to a multiple of 90° (rad) are worth a note.
 pub const NEARLY_RIGHT: f64 = 1e-4;
 /// Code of that note.
 pub const NEARLY_RIGHT_ANGLE: &str = "nearly-right-angle";
-/// So many angles are listed.
-const LISTED: usize = 6;
-
 /// Makes rotations from described angles and remembers what snapping would gain.
 #[derive(Debug, Default)]
 pub(super) struct Angles {
@@ -17,6 +15,13 @@ pub(super) struct Angles {
     pub snap: Option<f64>,
     near: Vec<(Span, String, f64)>,
     gained: usize,
+    /// Angles that look like degrees.
+    degrees: Vec<(Span, String)>,
+}
+
+/// Whether an angle is a multiple of 5 beyond any usual number of turns: 90, −180, 360.
+pub(super) fn looks_like_degrees(angle: f64) -> bool {
+    (30.0..=720.0).contains(&angle.abs()) && angle % 5.0 == 0.0
 }
 
 impl Angles {
@@ -52,6 +57,9 @@ impl Angles {
     }
 
     fn remember(&mut self, angle: f64, span: Span, owner: &str) -> bool {
+        if looks_like_degrees(angle) {
+            self.degrees.push((span, format!("{owner} {angle}")));
+        }
         let near = is_nearly_right(angle, NEARLY_RIGHT);
         if near {
             self.near.push((span, owner.to_owned(), angle));
@@ -59,28 +67,23 @@ impl Angles {
         near
     }
 
-    /// Adds the note, where there is something to say.
+    /// Adds the notes, where there is something to say.
     pub fn report(self, report: &mut Report) {
+        self.note_degrees(report);
         let Some((first, ..)) = self.near.first() else {
             return;
         };
+        let entries = self.near.iter();
+        let entries = entries.map(|(_, owner, angle)| {
+            let distance = angle - snapped(*angle, NEARLY_RIGHT);
+            format!("{owner} (off by {})", three_digits(distance))
+        });
         let count = self.near.len();
-        let listed: Vec<String> = self
-            .near
-            .iter()
-            .take(LISTED)
-            .map(|(_, owner, angle)| list(owner, *angle))
-            .collect();
-        let more = if count > LISTED {
-            format!(" and {} more", count - LISTED)
-        } else {
-            String::new()
-        };
         let message = format!(
-            "{count} angle{} within 1e-4 of a multiple of 90°, but not exactly there: {}{more}; snapping would make {} \
-             entries of rotation matrices exactly 0 or ±1, which cost no operations",
+            "{count} angle{} within 1e-4 of a multiple of 90°, but not exactly there: {}; snapping would make {} entries \
+             of rotation matrices exactly 0 or ±1, which cost no operations",
             if count == 1 { " is" } else { "s are" },
-            listed.join(", "),
+            listed(entries),
             self.gained,
         );
         let help = "`--snap-angles 1e-4` or the key `snap_angles = 1e-4` does it";
@@ -88,13 +91,19 @@ impl Angles {
             .note(Some(*first), NEARLY_RIGHT_ANGLE, message)
             .help(help);
     }
-}
 
-fn list(owner: &str, angle: f64) -> String {
-    format!(
-        "{owner} {angle} (off by {:.1e})",
-        angle - snapped(angle, NEARLY_RIGHT)
-    )
+    fn note_degrees(&self, report: &mut Report) {
+        let Some((first, _)) = self.degrees.first() else {
+            return;
+        };
+        let entries = self.degrees.iter().map(|(_, entry)| entry.clone());
+        let message = format!(
+            "rotations look like degrees: {}; they are taken as radians",
+            listed(entries)
+        );
+        report.note(Some(*first), "looks-like-degrees", message);
+        report.help("90° are 1.5707963267948966 in a URDF, `\"pi/2\"` in TOML");
+    }
 }
 
 fn trivial_entries(rotation: &Rotation) -> usize {

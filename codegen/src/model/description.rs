@@ -11,6 +11,13 @@ use crate::formula::Formula;
 /// A name as described.
 pub(super) type Name = At<String>;
 
+impl Name {
+    /// The name as messages show it.
+    pub fn quoted(&self) -> String {
+        format!("`{}`", self.value)
+    }
+}
+
 /// A described robot.
 #[derive(Debug, Default)]
 pub(super) struct RobotDescription {
@@ -22,6 +29,8 @@ pub(super) struct RobotDescription {
     pub base: Option<Name>,
     /// Links that exist even where no joint names them.
     pub links: Vec<Name>,
+    /// Links with a shape and without a body.
+    pub weightless_shapes: Vec<Name>,
     pub bodies: Vec<BodyDescription>,
     pub joints: Vec<JointDescription>,
     pub frames: Vec<FrameDescription>,
@@ -31,7 +40,19 @@ pub(super) struct RobotDescription {
     pub sort_joints: bool,
     /// Drive of joints that describe none.
     pub default_drive: DriveChoice,
+    /// A mass matrix that is not positive definite is a warning, no error.
+    pub accept_unphysical: bool,
     pub options: Option<Options>,
+}
+
+impl RobotDescription {
+    /// How a joint is driven: as it says, else as this robot's joints are.
+    pub fn drive_of<'d>(&'d self, joint: &'d JointDescription) -> &'d DriveChoice {
+        match &joint.drive {
+            Some(drive) => &drive.value,
+            None => &self.default_drive,
+        }
+    }
 }
 
 impl Default for At<String> {
@@ -51,6 +72,8 @@ pub(super) struct BodyDescription {
     pub center_of_mass: Option<[Formula; 3]>,
     pub inertia: Option<At<[Formula; 6]>>,
     pub accept_unphysical: bool,
+    /// Whether it is that of a URDF: somebody else's, taken as it is.
+    pub is_published: bool,
 }
 
 impl BodyDescription {
@@ -89,14 +112,19 @@ pub(super) struct JointDescription {
     pub axis: Option<[f64; 3]>,
     pub held: Option<f64>,
     pub limits: LimitsDescription,
-    pub springs: Option<Vec<Formula>>,
-    pub friction: Option<Vec<FrictionTerm>>,
+    pub springs: Option<At<Vec<Formula>>>,
+    pub friction: Option<At<Vec<FrictionTerm>>>,
     pub drive: Option<At<DriveChoice>>,
     /// The joint that this one follows in a URDF.
     pub mimic: Option<Name>,
 }
 
 impl JointDescription {
+    /// Whether it is a coordinate.
+    pub fn moves(&self) -> bool {
+        self.held.is_none() && self.kind.is_some_and(|kind| kind != JointKind::Fixed)
+    }
+
     /// What a new joint has where nothing is said: it is revolute and moves a link of its own name.
     pub fn complete(&mut self) {
         self.kind.get_or_insert(JointKind::Revolute);

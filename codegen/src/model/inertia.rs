@@ -1,38 +1,79 @@
 //! Is an inertia that of a real body?
 
-/// Relative room for rounding in published numbers.
-const ROUNDING: f64 = 1e-6;
+use crate::numeric::length;
+use crate::wording::{telling, three_digits};
 
-/// What is wrong with an inertia about the centre of mass.
+/// Published numbers have some six digits: relative to the largest principal moment.
+const DIGITS: f64 = 1e-6;
+
+/// Rounding of double precision, with room for a few thousand operations: CAD programs move inertias from the origin of the
+/// link to the centre of mass, which leaves rounding of m l², l the distance between both.
+const ARITHMETIC: f64 = 1e-12;
+
+/// Bodies are taken as at least so large [m], so that rounding of a body at the origin has a measure too.
+const SMALLEST_EXTENT: f64 = 1e-3;
+
+/// What is wrong with a body.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Flaw {
+    /// The mass is negative.
+    Mass(f64),
     /// A principal moment is negative: the three moments, ascending.
     NotPositive([f64; 3]),
     /// The largest principal moment exceeds the sum of the others.
     Triangle([f64; 3]),
 }
 
-impl Flaw {
-    /// The principal moments, ascending.
-    pub fn moments(&self) -> [f64; 3] {
-        let (Self::NotPositive(moments) | Self::Triangle(moments)) = self;
-        *moments
-    }
-
-    /// Whether the triangle inequality is broken.
-    pub fn is_triangle(&self) -> bool {
-        matches!(self, Self::Triangle(_))
+impl std::fmt::Display for Flaw {
+    /// `principal moments 0.1 + 0.2 < 0.4`
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Mass(mass) => write!(out, "mass {}", three_digits(*mass)),
+            Self::NotPositive(moments) => {
+                let shown = telling(without_rounding(*moments), |[low, ..]| low < 0.0);
+                write!(out, "principal moments {}", shown.join(", "))
+            }
+            Self::Triangle(moments) => {
+                let [low, middle, high] =
+                    telling(without_rounding(*moments), |[low, middle, high]| {
+                        low + middle < high
+                    });
+                write!(out, "principal moments {low} + {middle} < {high}")
+            }
+        }
     }
 }
 
-/// Checks the entries xx, xy, xz, yy, yz, zz.
+/// Moments that are rounding beside the largest are 0 for those who read them.
+fn without_rounding(moments: [f64; 3]) -> [f64; 3] {
+    let largest = largest(&moments);
+    moments.map(|moment| match moment.abs() > ARITHMETIC * largest {
+        true => moment,
+        false => 0.0,
+    })
+}
+
+fn largest(moments: &[f64]) -> f64 {
+    moments
+        .iter()
+        .fold(0.0, |most, moment| most.max(moment.abs()))
+}
+
+/// Checks mass, centre of mass in the link's frame, and the entries xx, xy, xz, yy, yz, zz about the centre of mass.
 ///
 /// Principal moments are sums of two of the non-negative second moments ∫x², ∫y², ∫z², hence none is negative and none
-/// exceeds the sum of the others. Limits are allowed: a point mass (all zero), a thin rod (one zero).
-pub(super) fn check(inertia: [f64; 6]) -> Option<Flaw> {
+/// exceeds the sum of the others. Limits are allowed: a point mass (all zero), a thin rod (one zero). What breaks these
+/// rules by less than `1e-6 max |Iᵢ| + 1e-12 m l²` is rounding, l the distance of the centre of mass from the link's origin
+/// and at least 1 mm.
+pub(super) fn check(mass: f64, center: [f64; 3], inertia: [f64; 6]) -> Option<Flaw> {
+    if mass < 0.0 {
+        return Some(Flaw::Mass(mass));
+    }
     let moments = principal_moments(inertia);
     let [low, middle, high] = moments;
-    let room = ROUNDING * high.abs();
+    let extent = center.iter().map(|x| x * x).sum::<f64>();
+    let extent = extent.max(SMALLEST_EXTENT * SMALLEST_EXTENT);
+    let room = DIGITS * largest(&moments) + ARITHMETIC * mass * extent;
     if low < -room {
         return Some(Flaw::NotPositive(moments));
     }
@@ -59,8 +100,8 @@ fn rotate_away(a: &mut [[f64; 3]; 3], p: usize, q: usize) {
         return;
     }
     let ratio = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-    let t = ratio.signum() / (ratio.abs() + ratio.hypot(1.0));
-    let c = 1.0 / t.hypot(1.0);
+    let t = ratio.signum() / (ratio.abs() + length([ratio, 1.0]));
+    let c = 1.0 / length([t, 1.0]);
     let s = t * c;
     for k in 0..3 {
         let (x, y) = (a[k][p], a[k][q]);
@@ -100,18 +141,40 @@ mod tests {
         );
     }
 
+    fn of_unit_mass(inertia: [f64; 6]) -> Option<Flaw> {
+        check(1.0, [0.0; 3], inertia)
+    }
+
     #[test]
     fn limits_of_real_bodies_pass() {
-        assert_eq!(check([0.0; 6]), None);
-        assert_eq!(check([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]), None);
-        assert_eq!(check([1.0, 0.0, 0.0, 1.0, 0.0, 2.0]), None);
+        assert_eq!(of_unit_mass([0.0; 6]), None);
+        assert_eq!(of_unit_mass([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]), None);
+        assert_eq!(of_unit_mass([1.0, 0.0, 0.0, 1.0, 0.0, 2.0]), None);
         assert!(matches!(
-            check([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
+            of_unit_mass([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
             Some(Flaw::Triangle(_))
         ));
         assert!(matches!(
-            check([1.0, 2.0, 0.0, 1.0, 0.0, 1.0]),
+            of_unit_mass([1.0, 2.0, 0.0, 1.0, 0.0, 1.0]),
             Some(Flaw::NotPositive(_))
         ));
+    }
+
+    /// The first two are the head and the first right ankle link of iCub.
+    #[test]
+    fn rounding_is_relative_to_mass_and_extent() {
+        let head = [0.0, 0.0, 2.407_41e-35, 0.0, 0.0, 0.0];
+        assert_eq!(check(1.336_87, [0.0185, -0.1108, 0.0], head), None);
+        let ankle = [2.7e-20, -1.7e-21, 1.4e-20, 5.4e-20, 3.4e-21, 1.4e-20];
+        assert_eq!(check(0.746, [-0.0054, 0.0016, -0.0172], ankle), None);
+        let beside = [3e-6, 0.0, 0.0, 3e-6, 0.0, -1.2e-22];
+        assert_eq!(check(1e-3, [0.0; 3], beside), None);
+        let tiny = [1e-9, 0.0, 0.0, 1e-9, 0.0, -1e-9];
+        assert!(matches!(
+            check(1e-3, [0.01; 3], tiny),
+            Some(Flaw::NotPositive(_))
+        ));
+        let dummy = check(1e-6, [0.0; 3], [1e-6; 6]).map(|flaw| flaw.to_string());
+        assert_eq!(dummy.as_deref(), Some("principal moments 0 + 0 < 3e-6"));
     }
 }

@@ -1,11 +1,12 @@
 //! Stage 1: a robot description becomes a validated [`Model`].
 //!
-//! A `Model` that exists is correct: names are distinct Rust identifiers, the links form one tree whose parents stand
-//! before their children, axes have unit length, inertias are physical, limits are ordered, numbers are finite.
-//! Later stages need no checks.
+//! A `Model` that exists is correct: names are distinct, and so are their Rust identifiers; the links form one tree whose
+//! parents stand before their children, axes have unit length, limits are ordered, numbers are finite. Later stages need
+//! no checks.
 
 mod angles;
 mod description;
+mod file_kind;
 mod inertia;
 mod name;
 mod options;
@@ -18,7 +19,11 @@ mod toml_forces;
 mod toml_values;
 mod tree;
 mod urdf;
+mod urdf_limits;
+mod urdf_notes;
+mod urdf_text;
 mod validate;
+mod xacro;
 
 pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
 pub use options::{FUNCTIONS, is_known_function};
@@ -89,8 +94,10 @@ pub struct Body {
 /// A joint between a parent link and the link that carries it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// A Rust identifier; the coordinate's name.
+    /// Name in the description, to the letter.
     pub name: String,
+    /// The name as a Rust identifier, distinct among the joints: it labels values in generated functions.
+    pub identifier: String,
     /// Index of the parent link.
     pub parent: usize,
     /// What motion it allows.
@@ -107,6 +114,78 @@ pub struct Joint {
     pub springs: Vec<Formula>,
     /// Friction torque τ(v) = Σ coefficient · basis, positive for positive velocity; it is subtracted from q.
     pub friction: Vec<FrictionTerm>,
+}
+
+/// Signs of the eigenvalues of a mass matrix.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Definiteness {
+    /// All are positive.
+    Positive,
+    /// Some are zero: joints move nothing that has inertia.
+    Semidefinite,
+    /// Some are negative: bodies are none that there can be.
+    Indefinite,
+}
+
+/// Positions of a joint without limits, for seeded states: a turn to each side, or half a metre.
+const TURN: f64 = std::f64::consts::PI;
+const SLIDE: f64 = 0.5;
+
+/// Farther positions add nothing but rounding: limits of ±1e9 m stand for none.
+const FARTHEST: f64 = 20.0;
+
+impl Joint {
+    /// Range of positions for seeded states: within the limits, where there are some.
+    pub(crate) fn seeded_range(&self) -> [f64; 2] {
+        let free = match self.kind {
+            JointKind::Prismatic => SLIDE,
+            _ => TURN,
+        };
+        match self.limits.position {
+            None => [-free, free],
+            Some([low, high]) if low < FARTHEST && high > -FARTHEST => {
+                [low.max(-FARTHEST), high.min(FARTHEST)]
+            }
+            Some(limits) => limits,
+        }
+    }
+}
+
+impl Model {
+    /// What M is at seeded states, at the described values of free parameters.
+    #[must_use]
+    pub fn definiteness(&self) -> Definiteness {
+        let pivots = regularity::Pivots::of(self);
+        match (pivots.negative.is_empty(), pivots.zero.is_empty()) {
+            (false, _) => Definiteness::Indefinite,
+            (true, false) => Definiteness::Semidefinite,
+            (true, true) => Definiteness::Positive,
+        }
+    }
+
+    /// The joints that move nothing with inertia along their axis, so that M is singular; at the described values of free
+    /// parameters.
+    #[must_use]
+    pub fn joints_without_inertia(&self) -> Vec<&Joint> {
+        self.joints_of(&regularity::Pivots::of(self).zero)
+    }
+
+    /// For each coordinate the smallest pivot of M at seeded states.
+    pub(crate) fn least_pivots(&self) -> Vec<f64> {
+        let least = regularity::Pivots::of(self).least;
+        let pivots = self.coordinates.iter();
+        pivots
+            .filter_map(|&link| least.get(link).copied())
+            .collect()
+    }
+
+    /// The joints of these links.
+    fn joints_of(&self, links: &[usize]) -> Vec<&Joint> {
+        let joints = links
+            .iter()
+            .filter_map(|&link| self.links.get(link)?.joint.as_ref());
+        joints.collect()
+    }
 }
 
 /// Type of a joint.
@@ -158,8 +237,10 @@ pub struct FrictionTerm {
 /// A drive: one input, acting on one coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
-    /// A Rust identifier; the input's name.
+    /// Name in the description, to the letter; that of the joint where the drive has none of its own.
     pub name: String,
+    /// The name as a Rust identifier, distinct among the drives.
+    pub identifier: String,
     /// Coordinate that it moves; `None` where that joint is held: no input then, but its rotor stays on the carrier.
     pub coordinate: Option<usize>,
     /// Gear ratio i: motor angle over joint angle.
@@ -208,8 +289,10 @@ pub enum Input {
 /// A named frame fixed to a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
-    /// A Rust identifier.
+    /// Name in the description, to the letter.
     pub name: String,
+    /// The name as a Rust identifier, distinct among the frames: its functions are `frame_<identifier>_…`.
+    pub identifier: String,
     /// Link that carries it.
     pub link: usize,
     /// Its pose in that link's frame.

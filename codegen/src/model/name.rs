@@ -9,9 +9,6 @@ const KEYWORDS: [&str; 54] = [
     "union", "unsafe", "unsized", "use", "virtual", "where", "while", "yield", "raw", "safe",
 ];
 
-/// Arguments of generated functions; no joint or drive is named like them.
-const ARGUMENTS: [&str; 6] = ["y", "v", "a", "u", "p", "out"];
-
 /// Names with a meaning of their own in formulas.
 const IN_FORMULAS: [&str; 11] = [
     "y", "v", "pi", "sin", "cos", "tanh", "exp", "abs", "sign", "pow", "powi",
@@ -22,23 +19,31 @@ pub(super) fn is_keyword(name: &str) -> bool {
     KEYWORDS.contains(&name)
 }
 
-/// Whether generated functions have an argument of this name.
-pub(super) fn is_argument(name: &str) -> bool {
-    ARGUMENTS.contains(&name)
-}
-
 /// Whether the name means something else in formulas.
 pub(super) fn has_meaning(name: &str) -> bool {
     IN_FORMULAS.contains(&name)
 }
 
-/// The name in snake case of ASCII letters, digits and underscores; `None` where nothing usable remains.
+/// So many characters of a name are used.
+const LONGEST: usize = 200;
+
+/// The name in snake case of ASCII letters, digits and underscores.
 ///
-/// `ShoulderPan` becomes `shoulder_pan`, `β` `beta`, `a-b` `a_b`, `2nd` `_2nd`, `type` `type_`.
-pub(super) fn identifier(name: &str) -> Option<String> {
+/// `ShoulderPan` becomes `shoulder_pan`, `β` `beta`, `a-b` `a_b`, `2nd` `_2nd`, `type` `type_`; where no letter or digit
+/// remains, the code points stand for the name: `腕` becomes `u8155`.
+pub(super) fn identifier(name: &str) -> String {
+    let result = snake_case(name);
+    if result.chars().any(|c| c.is_ascii_alphanumeric()) {
+        finish(result)
+    } else {
+        code_points(name)
+    }
+}
+
+fn snake_case(name: &str) -> String {
     let mut result = String::new();
     let mut previous = ' ';
-    for c in name.chars().take(200) {
+    for c in name.chars().take(LONGEST) {
         match (c, greek(c)) {
             (_, Some(word)) => push_word(&mut result, word),
             ('A'..='Z', _) if previous.is_ascii_lowercase() => {
@@ -50,7 +55,16 @@ pub(super) fn identifier(name: &str) -> Option<String> {
         }
         previous = c;
     }
-    finish(result)
+    result
+}
+
+fn code_points(name: &str) -> String {
+    let points = name.chars().take(LONGEST / 8);
+    let points: Vec<String> = points.map(|c| format!("u{:x}", u32::from(c))).collect();
+    match points.is_empty() {
+        true => "unnamed".to_owned(),
+        false => points.join("_"),
+    }
 }
 
 fn push_word(result: &mut String, word: &str) {
@@ -60,17 +74,14 @@ fn push_word(result: &mut String, word: &str) {
     result.push_str(word);
 }
 
-fn finish(mut result: String) -> Option<String> {
-    if !result.chars().any(|c| c.is_ascii_alphanumeric()) {
-        return None;
-    }
+fn finish(mut result: String) -> String {
     if result.starts_with(|c: char| c.is_ascii_digit()) {
         result.insert(0, '_');
     }
     if is_keyword(&result) {
         result.push('_');
     }
-    Some(result)
+    result
 }
 
 fn greek(c: char) -> Option<&'static str> {
@@ -100,13 +111,14 @@ mod tests {
             ("K_M", "k_m"),
             ("a*/b\"", "a_b_"),
             ("__x__", "__x__"),
+            ("***", "u2a_u2a_u2a"),
+            ("漢字", "u6f22_u5b57"),
+            ("", "unnamed"),
         ];
         for (name, expected) in cases {
-            assert_eq!(identifier(name).as_deref(), Some(expected));
+            assert_eq!(identifier(name), expected);
             assert!(syn::parse_str::<syn::Ident>(expected).is_ok());
         }
-        assert_eq!(identifier("***"), None);
-        assert_eq!(identifier("漢字"), None);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::Pose;
 use crate::formula::Formula;
+use crate::numeric;
 use std::f64::consts::FRAC_PI_2;
 
 /// A rotation matrix, rows first.
@@ -119,7 +120,7 @@ fn sin_cos(angle: f64) -> (f64, f64) {
         Some(1) => (1.0, 0.0),
         Some(2) => (0.0, -1.0),
         Some(_) => (-1.0, 0.0),
-        None => angle.sin_cos(),
+        None => numeric::sin_cos(angle),
     }
 }
 
@@ -200,7 +201,7 @@ pub(super) fn modified_dh(d: Formula, a: Formula, alpha: f64, theta: f64) -> Pos
 
 /// Length of a vector.
 pub(super) fn norm(a: &[f64; 3]) -> f64 {
-    a[0].hypot(a[1]).hypot(a[2])
+    numeric::length(*a)
 }
 
 #[cfg(test)]

@@ -2,14 +2,14 @@
 
 use super::description::{BodyDescription, DriveChoice, JointDescription, Name, RobotDescription};
 use super::toml_values::Reader;
-use super::{JointKind, Model, toml_file, urdf, validate};
+use super::{JointKind, Model, file_kind, toml_file, urdf, validate};
 use crate::diagnostic::{At, Diagnostic, Diagnostics, Report, Span, nearest};
 use std::collections::BTreeMap;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Larger files are refused [bytes].
-const LARGEST: u64 = 32 << 20;
+const LARGEST: u64 = 256 << 20;
 
 /// How to read a description; the description's own keys of the same names count too.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -22,6 +22,10 @@ pub struct ReadOptions {
     pub no_friction: bool,
     /// `tanh` of so many times the argument for `sign`, in friction and springs.
     pub smooth_sign: Option<f64>,
+    /// Takes a robot whose mass matrix is not positive definite.
+    pub accept_unphysical: bool,
+    /// `sign` stays, whatever the description says of `tanh` in its place.
+    pub exact_sign: bool,
 }
 
 /// A description that was read.
@@ -93,7 +97,30 @@ fn read_file(path: &Path) -> Result<String, Diagnostics> {
             LARGEST >> 20
         )));
     }
-    String::from_utf8(bytes).map_err(|why| not_utf8(&name, &why))
+    if let Some((message, help)) = file_kind::foreign(&name, &bytes) {
+        return Err(Diagnostic::error("not-a-description", message)
+            .help(help)
+            .into());
+    }
+    String::from_utf8(bytes).or_else(|why| decoded(&name, why))
+}
+
+/// XML that says another encoding, as CAD programs write it. Latin-1 has a character for each byte, so names stay distinct.
+fn decoded(name: &str, why: std::string::FromUtf8Error) -> Result<String, Diagnostics> {
+    let start: Vec<u8> = why.as_bytes().iter().take(200).copied().collect();
+    let start = String::from_utf8_lossy(&start).to_lowercase();
+    let is_latin = start.contains("<?xml")
+        && ["iso-8859-1", "windows-1252", "latin1"]
+            .iter()
+            .any(|known| start.contains(known));
+    match is_latin {
+        true => Ok(why
+            .as_bytes()
+            .iter()
+            .map(|&byte| char::from(byte))
+            .collect()),
+        false => Err(not_utf8(name, &why)),
+    }
 }
 
 fn not_utf8(name: &str, why: &std::string::FromUtf8Error) -> Diagnostics {
@@ -106,7 +133,8 @@ fn not_utf8(name: &str, why: &std::string::FromUtf8Error) -> Diagnostics {
     report.finish()
 }
 
-/// Fetches a file that a description names: its name for diagnostics, and its text.
+/// Fetches a file that a description names: its name for diagnostics, and its text. The path is relative to the folder of the
+/// first description, also where another one names it.
 pub type Load<'l> = dyn FnMut(&str) -> Result<(String, String), Diagnostics> + 'l;
 
 /// Reads a TOML description.
@@ -124,7 +152,15 @@ pub fn from_toml(
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::default();
     reader.angles.snap = options.snap_angles;
-    let robot = read_toml(&mut reader, text, name, options, load, 0);
+    let mut chain = Chain {
+        load,
+        files: Path::new(name)
+            .file_name()
+            .map(PathBuf::from)
+            .into_iter()
+            .collect(),
+    };
+    let robot = read_toml(&mut reader, text, name, options, &mut chain);
     finish(reader, robot, options)
 }
 
@@ -145,7 +181,10 @@ pub fn from_urdf(
 
 /// What the caller asks for beyond the description.
 fn apply(options: &ReadOptions, model: &mut Model) {
-    model.options.smooth_sign = options.smooth_sign.or(model.options.smooth_sign);
+    model.options.smooth_sign = match options.exact_sign {
+        true => None,
+        false => options.smooth_sign.or(model.options.smooth_sign),
+    };
     let slope = model.options.smooth_sign;
     let joints = model
         .links
@@ -172,6 +211,7 @@ fn finish(
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut model = robot.and_then(|mut robot| {
         robot.parameters = std::mem::take(&mut reader.parameters);
+        robot.accept_unphysical |= options.accept_unphysical;
         validate::model(&robot, &mut reader.report)
     });
     reader.angles.report(&mut reader.report);
@@ -200,19 +240,53 @@ fn read_urdf(
     let text = without_mark(text);
     let source = reader.report.add_source(name, text);
     let Reader { report, angles, .. } = reader;
-    urdf::description(report, angles, text, source, stem(name), options)
+    urdf::description(report, angles, text, source, name, options)
 }
 
-/// A description may extend one that extends another; more than this is a circle.
+/// A description may extend one that extends another; more than this is hardly meant.
 const DEEPEST: usize = 8;
+
+/// Descriptions that extend each other, and how to fetch the next.
+struct Chain<'l, 'f> {
+    load: &'l mut Load<'f>,
+    /// Their paths from the folder of the first one.
+    files: Vec<PathBuf>,
+}
+
+impl Chain<'_, '_> {
+    /// The path of a file that the last description names.
+    fn path_of(&self, file: &str) -> PathBuf {
+        let folder = self.files.last().and_then(|file| file.parent());
+        folder.unwrap_or(Path::new("")).join(file)
+    }
+
+    fn contains(&self, path: &Path) -> bool {
+        self.files.iter().any(|file| plain(file) == plain(path))
+    }
+}
+
+/// A path without detours, for comparisons: `./a/../b` is `b`.
+fn plain(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        let last = plain.components().next_back();
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(last, Some(Component::Normal(_))) => {
+                plain.pop();
+            }
+            other => plain.push(other),
+        }
+    }
+    plain
+}
 
 fn read_toml(
     reader: &mut Reader,
     text: &str,
     name: &str,
     options: &ReadOptions,
-    load: &mut Load<'_>,
-    depth: usize,
+    chain: &mut Chain<'_, '_>,
 ) -> Option<RobotDescription> {
     let text = without_mark(text);
     let source = reader.report.add_source(name, text);
@@ -229,7 +303,7 @@ fn read_toml(
     let Some(file) = preamble.extends else {
         return Some(toml_file::description(reader, &top, stem(name), false));
     };
-    let base = read_base(reader, &file, &options, load, depth + 1);
+    let base = read_base(reader, &file, &options, chain);
     let extension = toml_file::description(reader, &top, stem(name), true);
     base.map(|base| extend(base, extension, &mut reader.report))
 }
@@ -238,17 +312,26 @@ fn read_base(
     reader: &mut Reader,
     file: &Name,
     options: &ReadOptions,
-    load: &mut Load<'_>,
-    depth: usize,
+    chain: &mut Chain<'_, '_>,
 ) -> Option<RobotDescription> {
-    if depth > DEEPEST {
+    let path = chain.path_of(&file.value);
+    if chain.contains(&path) {
+        let message = format!("the description extends itself by way of `{}`", file.value);
+        reader.report.error(file.span, "extends-itself", message);
+        reader
+            .report
+            .help("name another description to start from, or none");
+        return None;
+    }
+    chain.files.push(path.clone());
+    if chain.files.len() > DEEPEST + 1 {
         let message = format!("descriptions extend each other more than {DEEPEST} times");
         reader.report.error(file.span, "extends-too-deep", message);
         return None;
     }
-    match load(&file.value) {
+    match (chain.load)(&path.to_string_lossy()) {
         Ok((name, text)) if is_xml(&name, &text) => read_urdf(reader, &text, &name, options),
-        Ok((name, text)) => read_toml(reader, &text, &name, options, load, depth),
+        Ok((name, text)) => read_toml(reader, &text, &name, options, chain),
         Err(wrong) => {
             for entry in wrong.into_entries() {
                 let here = entry.location.is_none().then_some(file.span);
@@ -288,6 +371,7 @@ fn extend(
         base: extension.base.or(base.base),
         coordinates: extension.coordinates.or(base.coordinates),
         options: extension.options.or(base.options),
+        accept_unphysical: extension.accept_unphysical || base.accept_unphysical,
         ..base
     }
 }
@@ -303,6 +387,7 @@ fn index<'n>(names: impl Iterator<Item = &'n Name>) -> BTreeMap<String, usize> {
 /// unless a new origin comes with it.
 fn extend_body(known: &mut BodyDescription, body: BodyDescription) {
     let moved = body.center_of_mass.is_some() || body.inertia.is_some();
+    let replaced = moved || body.mass.is_some();
     let kept = known.origin.take().filter(|_| !moved);
     if moved && body.origin.is_none() {
         // Both were described in the old frame: what is not replaced has to follow into the link's frame.
@@ -320,6 +405,8 @@ fn extend_body(known: &mut BodyDescription, body: BodyDescription) {
     known.center_of_mass = body.center_of_mass.or(known.center_of_mass.take());
     known.inertia = body.inertia.or(known.inertia.take());
     known.accept_unphysical |= body.accept_unphysical;
+    // Who replaces numbers answers for the body.
+    known.is_published &= !replaced;
 }
 
 fn extend_joint(
@@ -378,4 +465,31 @@ fn add_joint(
         base.links.extend(joint.child.clone());
     }
     base.joints.push(joint);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ARM: &str = "[[joints]]\nname = \"swing\"\naxis = [0, 1, 0]\n[[bodies]]\nlink = \"swing\"\nmass = 2\ninertia = 1\n";
+
+    #[test]
+    fn bases_are_found_from_the_file_that_names_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let put = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        };
+        put("mine/arm.toml", "extends = \"../vendor/arm.toml\"\n");
+        put("vendor/arm.toml", "extends = \"parts/arm.toml\"\n");
+        put("vendor/parts/arm.toml", ARM);
+        // What a path from the first file would find.
+        put("mine/parts/arm.toml", &ARM.replace("mass = 2", "mass = 3"));
+        let path = folder.path().join("mine/arm.toml");
+        let loaded = read(&path, &ReadOptions::default()).unwrap();
+        assert_eq!(loaded.model.links[1].bodies[0].mass.as_number(), Some(2.0));
+        assert_eq!(loaded.files.len(), 3);
+        assert!(loaded.files.iter().all(|file| file.is_file()));
+    }
 }

@@ -1,42 +1,128 @@
-//! Is the mass matrix regular?
+//! Is the mass matrix positive definite?
 //!
 //! The pivots of M in its factorization along the tree are what the articulated-body recursion divides by:
 //! `Dᵢ = Sᵢᵀ Iᵢᴬ Sᵢ` (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7). M is positive definite exactly where
-//! all of them are positive; here at one configuration in general position.
+//! all of them are positive.
 
 use super::{Joint, JointKind, Link, Model, Motion, Pose};
+use crate::random::Random;
 
 type Matrix = [[f64; 6]; 6];
 
 /// A pivot below this share of the composite inertia about the same axis is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Link indices whose joints have no inertia of their own to move, so that M would be singular.
-pub(super) fn singular_joints(model: &Model) -> Vec<usize> {
-    let defaults: Vec<f64> = model
-        .parameters
-        .iter()
-        .map(|parameter| parameter.default)
-        .collect();
-    let mut articulated: Vec<Matrix> = model
-        .links
-        .iter()
-        .map(|link| link_inertia(link, &defaults))
-        .collect();
+/// So many states are tried: one in general position, the others within the limits.
+pub(super) const STATES: usize = 16;
+const SEED: u64 = 0x7069_766f_7473;
+
+/// The pivots of M at seeded states.
+#[derive(Debug, Default)]
+pub(super) struct Pivots {
+    /// Links of the joints whose pivots are zero at every state: they move nothing with inertia along their axis.
+    pub zero: Vec<usize>,
+    /// Links of the joints whose pivots are negative at some state.
+    pub negative: Vec<usize>,
+    /// At so many states some pivot is negative.
+    pub indefinite_states: usize,
+    /// For each link the smallest pivot at any state; infinite where the joint does not move.
+    pub least: Vec<f64>,
+}
+
+impl Pivots {
+    /// Whether M is positive definite at all states.
+    pub fn are_positive(&self) -> bool {
+        self.zero.is_empty() && self.negative.is_empty()
+    }
+
+    /// At the described values of the free parameters.
+    pub fn of(model: &Model) -> Self {
+        let described = model.parameters.iter().map(|parameter| parameter.default);
+        let described: Vec<f64> = described.collect();
+        let mut random = Random::new(SEED);
+        let (mut zero, mut negative) = (vec![0; model.links.len()], vec![0; model.links.len()]);
+        let mut least = vec![f64::INFINITY; model.links.len()];
+        let mut indefinite_states = 0;
+        for state in 0..STATES {
+            let pivots = pivots(model, &described, &positions(model, state, &mut random));
+            let is_negative = |pivot: &Option<Pivot>| matches!(pivot, Some(Pivot::Negative(_)));
+            indefinite_states += usize::from(pivots.iter().any(is_negative));
+            for (link, pivot) in pivots.into_iter().enumerate() {
+                let Some(pivot) = pivot else { continue };
+                zero[link] += usize::from(pivot == Pivot::Zero);
+                negative[link] += usize::from(matches!(pivot, Pivot::Negative(_)));
+                least[link] = least[link].min(pivot.value());
+            }
+        }
+        let links = |counts: Vec<usize>, least: usize| {
+            let found = counts.into_iter().enumerate();
+            let found = found.filter(|&(_, count)| count >= least);
+            found.map(|(link, _)| link).collect()
+        };
+        Self {
+            zero: links(zero, STATES),
+            negative: links(negative, 1),
+            indefinite_states,
+            least,
+        }
+    }
+}
+
+/// Positions of the links' joints.
+fn positions(model: &Model, state: usize, random: &mut Random) -> Vec<f64> {
+    let position = |(index, link): (usize, &Link)| match &link.joint {
+        None => 0.0,
+        // An irrational stride keeps angles of different joints in general position.
+        Some(_) if state == 0 => 0.4 + (index as f64 * 0.618_033_988_75).fract(),
+        Some(joint) => {
+            let [low, high] = joint.seeded_range();
+            random.between(low, high)
+        }
+    };
+    model.links.iter().enumerate().map(position).collect()
+}
+
+/// A pivot, zero where it is rounding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Pivot {
+    Negative(f64),
+    Zero,
+    Positive(f64),
+}
+
+impl Pivot {
+    fn value(self) -> f64 {
+        match self {
+            Self::Negative(value) | Self::Positive(value) => value,
+            Self::Zero => 0.0,
+        }
+    }
+}
+
+/// Each link's pivot; `None` where its joint does not move.
+fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Pivot>> {
+    let links = model.links.iter();
+    let mut articulated: Vec<Matrix> = links.map(|link| link_inertia(link, described)).collect();
     let mut composite = articulated.clone();
-    let armature = armatures(model, &defaults);
-    let mut singular = Vec::new();
+    let armature = armatures(model, described);
+    let mut pivots = vec![None; model.links.len()];
     for (index, link) in model.links.iter().enumerate().rev() {
         let Some(joint) = &link.joint else { continue };
-        let transform = child_from_parent(joint, index, &defaults);
+        let transform = child_from_parent(joint, positions[index], described);
         let whole = composite[index];
         let mut rest = articulated[index];
         if matches!(joint.motion, Motion::Coordinate(_)) {
             let axis = motion_axis(joint);
             let pivot = quadratic(&rest, &axis) + armature[index];
-            if pivot <= ROUNDING * (quadratic(&whole, &axis) + armature[index]) {
-                singular.push(index);
-            } else {
+            let rounding = ROUNDING * (quadratic(&whole, &axis).abs() + armature[index]);
+            // A negative pivot is a fault of the description: what large terms may have left does not count.
+            let large = ROUNDING * (magnitude(&whole, &axis) + armature[index]);
+            pivots[index] = Some(match pivot {
+                pivot if pivot > rounding => Pivot::Positive(pivot),
+                pivot if pivot < -large => Pivot::Negative(pivot),
+                _ => Pivot::Zero,
+            });
+            if pivots[index] != Some(Pivot::Zero) {
                 project(&mut rest, &axis, pivot);
             }
         }
@@ -46,8 +132,7 @@ pub(super) fn singular_joints(model: &Model) -> Vec<usize> {
         );
         add(&mut composite[joint.parent], &congruent(&whole, &transform));
     }
-    singular.reverse();
-    singular
+    pivots
 }
 
 /// `i² J_R` of each link's joint.
@@ -96,12 +181,13 @@ fn motion_axis(joint: &Joint) -> [f64; 6] {
 }
 
 /// Motion transform from the parent link's frame to this link's frame.
-fn child_from_parent(joint: &Joint, index: usize, defaults: &[f64]) -> Matrix {
-    // An irrational stride keeps angles of different joints in general position.
+///
+/// - `position`: of the joint, where it is a coordinate
+fn child_from_parent(joint: &Joint, position: f64, defaults: &[f64]) -> Matrix {
     let position = match joint.motion {
         Motion::Fixed => 0.0,
         Motion::Held(position) => position,
-        Motion::Coordinate(_) => 0.4 + (index as f64 * 0.618_033_988_75).fract(),
+        Motion::Coordinate(_) => position,
     };
     let (turn, shift) = match joint.kind {
         JointKind::Fixed => (0.0, 0.0),
@@ -136,7 +222,7 @@ fn motion_transform(rotation: &[[f64; 3]; 3], r: &[f64; 3]) -> Matrix {
 
 /// Rotation about a unit axis: `cos I + sin [a]ₓ + (1 − cos) a aᵀ` (Rodrigues).
 fn about_axis(a: &[f64; 3], angle: f64) -> [[f64; 3]; 3] {
-    let (s, c) = angle.sin_cos();
+    let (s, c) = crate::numeric::sin_cos(angle);
     let cross = [[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]];
     std::array::from_fn(|i| {
         std::array::from_fn(|j| {
@@ -151,6 +237,12 @@ fn add(sum: &mut Matrix, other: &Matrix) {
             *entry += from;
         }
     }
+}
+
+/// The quadratic form of the magnitudes.
+fn magnitude(matrix: &Matrix, a: &[f64; 6]) -> f64 {
+    let row = |i: usize| (0..6).map(move |j| (a[i] * matrix[i][j] * a[j]).abs());
+    (0..6).flat_map(row).sum()
 }
 
 fn quadratic(matrix: &Matrix, a: &[f64; 6]) -> f64 {

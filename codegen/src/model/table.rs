@@ -108,6 +108,9 @@ impl<'t> Item<'t> {
                 article(found)
             ),
         );
+        if let Some(example) = example(self.key) {
+            report.help(format!("for example {example}"));
+        }
     }
 
     /// The value as text.
@@ -174,6 +177,32 @@ impl<'t> Item<'t> {
             .collect()
     }
 }
+
+/// How the value of a key may be written, where its type says too little.
+pub(super) fn example(key: &str) -> Option<&'static str> {
+    Some(match key {
+        "gravity" => "`gravity = [0, 0, -9.81]`",
+        "axis" => "`axis = [0, 1, 0]`",
+        "origin" => "`origin = { xyz = [0, 0, 0.5], rpy = [0, 0, 0] }`",
+        "quaternion" => "`quaternion = { w = 1, x = 0, y = 0, z = 0 }`",
+        "dh" | "modified_dh" => "`{ a = 0.4, alpha = \"pi/2\", d = 0, theta = 0 }`",
+        "center_of_mass" => "`center_of_mass = [0, 0, 0.1]`",
+        "inertia" => INERTIA,
+        "limits" => "`limits = { position = [-1.5, 1.5], velocity = 2, effort = 40 }`",
+        "position" => "`position = [-1.5, 1.5]`",
+        "friction" => "`friction = { viscous = 0.4 }` or `friction = \"0.4*v + 0.2*sign(v)\"`",
+        "spring" => "`spring = { stiffness = 3, rest = 0.1 }`",
+        "drive" => "`drive = { gear_ratio = 100, rotor_inertia = 2e-5 }` or `drive = \"ideal\"`",
+        "joints" => "`[[joints]]`, in two brackets, before the keys of each joint",
+        "bodies" => "`[[bodies]]`, in two brackets, before the keys of each body",
+        "frames" => "`[[frames]]`, in two brackets, before the keys of each frame",
+        "parameters" => "`[parameters]`, and below it `m1 = 2.5`",
+        _ => return None,
+    })
+}
+
+/// The forms of an inertia.
+const INERTIA: &str = "`0.1` for all axes, the principal moments `[0.1, 0.1, 0.02]`, or `{ xx = 0.1, yy = 0.1, zz = 0.02, xy = 0, xz = 0, yz = 0 }`";
 
 fn article(found: &str) -> &'static str {
     if found.starts_with(['a', 'i', 'o']) {

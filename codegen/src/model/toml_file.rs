@@ -12,9 +12,11 @@ use super::toml_values::Reader;
 use super::{JointKind, Options, Pose};
 use crate::diagnostic::{At, Span, nearest};
 use crate::formula::Formula;
+use crate::formula::parse::{self, Allowed};
+use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
-const ROBOT: [&str; 15] = [
+const ROBOT: [&str; 16] = [
     "name",
     "description",
     "urdf",
@@ -25,6 +27,7 @@ const ROBOT: [&str; 15] = [
     "snap_angles",
     "ignore_mimic",
     "no_friction",
+    "accept_unphysical",
     "generate",
     "parameters",
     "bodies",
@@ -84,10 +87,26 @@ pub(super) fn parse<'t>(
         // What follows on the same line is usually a consequence of the first error.
         if line.is_none() || line != last_line {
             reader.report.error(span, "toml-syntax", wrong.message());
+            if let Some(help) = syntax_help(text, span.start) {
+                reader.report.help(help);
+            }
         }
         last_line = line;
     }
     wrong.is_empty().then_some(table)
+}
+
+/// Advice for numbers with units or a decimal comma, and for formulas without quotes.
+fn syntax_help(text: &str, at: usize) -> Option<String> {
+    let line_start = text.get(..at)?.rfind('\n').map_or(0, |last| last + 1);
+    let line = text.get(line_start..)?.lines().next()?;
+    let (key, value) = line.split_once('=')?;
+    let (key, value) = (key.trim(), value.split('#').next()?.trim());
+    match parse::parse(value, Allowed::Motion, &BTreeMap::new()) {
+        Ok(_) => Some(format!("a formula stands in quotes: `{key} = \"{value}\"`")),
+        Err(wrong) if wrong.is_habit() => wrong.help,
+        Err(_) => None,
+    }
 }
 
 /// The checked top level.
@@ -188,8 +207,13 @@ pub(super) fn description(
         parameters: Vec::new(), // of all files together, in the reader
         joints,
         default_drive: DriveChoice::Passive,
+        accept_unphysical: top
+            .get("accept_unphysical")
+            .and_then(|item| item.boolean(&mut reader.report))
+            .unwrap_or(false),
         sort_joints: false,
         links: Vec::new(),
+        weightless_shapes: Vec::new(),
     }
 }
 
@@ -363,6 +387,7 @@ fn read_body(reader: &mut Reader, table: &Table<'_>) -> Option<BodyDescription> 
         center_of_mass,
         inertia,
         accept_unphysical: accepts.unwrap_or(false),
+        is_published: false,
     })
 }
 
@@ -497,10 +522,10 @@ fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Option<JointDescription
             .unwrap_or_default(),
         springs: table
             .get("spring")
-            .map(|item| springs(reader, item, &owner)),
+            .map(|item| At::new(springs(reader, item, &owner), item.span)),
         friction: table
             .get("friction")
-            .and_then(|item| friction(reader, item, &owner)),
+            .and_then(|item| Some(At::new(friction(reader, item, &owner)?, item.span))),
         drive: table
             .get("drive")
             .and_then(|item| drive(reader, item, &owner)),

@@ -163,6 +163,17 @@ fn stribeck(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Vec<Fric
         value("a4")?,
         value("a5")?,
     ];
+    let decay_rate = reader.at_defaults(&a5);
+    if decay_rate < 0.0 {
+        let message = format!(
+            "a Stribeck law with a5 = {decay_rate}: it would grow like exp({} |v|)",
+            -decay_rate
+        );
+        reader.report.error(item.span, "stribeck-grows", message);
+        reader
+            .report
+            .help("a5 is how fast the excess at low speeds decays, in s/rad or s/m: at least 0");
+    }
     let v = || Formula::Velocity;
     let decay = Formula::negation(Formula::product(a5, Formula::call(Function::Abs, v())));
     let steep = Formula::product(Formula::product(Formula::Number(3.0), a3.clone()), v());

@@ -6,10 +6,12 @@ use super::angles::Angles;
 use super::description::Name;
 use super::name::{has_meaning, identifier, is_keyword};
 use super::pose::{IDENTITY, norm};
-use super::table::{Item, Table};
+use super::table::{Item, Table, example};
 use crate::diagnostic::{At, Report, Span};
 use crate::formula::parse::{Allowed, parse};
 use crate::formula::{Formula, LARGEST_NUMBER, too_large};
+use crate::numeric;
+use crate::wording::{as_written, telling};
 use std::collections::BTreeMap;
 use toml::de::DeValue;
 
@@ -56,6 +58,15 @@ impl Reader {
             DeValue::Table(_) => self.free_parameter(item, &format!("{owner}_{}", item.key)),
             _ => self.scalar(item, Allowed::Parameters),
         }
+    }
+
+    /// Value of a formula of parameters at their described values.
+    pub fn at_defaults(&self, formula: &Formula) -> f64 {
+        let defaults = self
+            .parameters
+            .iter()
+            .map(|parameter| parameter.value.default);
+        formula.evaluate(&defaults.collect::<Vec<f64>>(), 0.0, 0.0)
     }
 
     /// A force law over parameters, `y` and `v`.
@@ -146,7 +157,7 @@ impl Reader {
         let default = self.number(value)?;
         let name = match table.get("name") {
             Some(own) => At::new(own.text(&mut self.report)?.to_owned(), own.span),
-            None => At::new(identifier(name)?, item.span),
+            None => At::new(identifier(name), item.span),
         };
         self.add_parameter(name, default.value, &table)
     }
@@ -173,16 +184,17 @@ impl Reader {
     ) -> Option<Formula> {
         let text = &name.value;
         let usable = text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-            && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        let field = identifier(text).filter(|_| usable && !is_keyword(text) && !has_meaning(text));
-        let Some(field) = field else {
+            && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+            && text.chars().any(|c| c.is_ascii_alphanumeric());
+        if !usable || is_keyword(text) || has_meaning(text) {
             let message = format!("{text:?} cannot name a parameter");
             self.report.error(name.span, "parameter-name", message);
             self.report.help(
                 "letters, digits and underscores; no word of Rust, and none of y, v, pi, sin, …",
             );
             return None;
-        };
+        }
+        let field = identifier(text);
         let other = self
             .fields
             .get(&field)
@@ -273,10 +285,8 @@ impl Reader {
         }
         let message = format!("`{}` must be {what}, not {}", item.key, entries.len());
         self.report.error(item.span, "wrong-length", message);
-        if item.key == "inertia" {
-            self.report.help(
-                "write one moment for all axes, the principal moments [xx, yy, zz], or { xx = …, yy = …, zz = …, xy = …, xz = …, yz = … }",
-            );
+        if let Some(example) = example(item.key) {
+            self.report.help(format!("for example {example}"));
         }
         None
     }
@@ -289,9 +299,10 @@ impl Reader {
             return Some(axis.map(|x| x / length));
         }
         let message = format!(
-            "`{}` = [{}] has length {length}, not 1",
+            "`{}` = [{}] has length {}, not 1",
             item.key,
-            join(&axis)
+            join(&axis),
+            not_one(length)
         );
         self.report.error(item.span, "axis-not-unit", message);
         if length > 0.0 && length.is_finite() {
@@ -339,7 +350,7 @@ impl Reader {
                 .map_or(Some(0.0), |part| self.number(part).map(|n| n.value))
         });
         let [w, x, y, z] = [parts[0]?, parts[1]?, parts[2]?, parts[3]?];
-        let length = w.hypot(x).hypot(y.hypot(z));
+        let length = numeric::length([w, x, y, z]);
         if (length - 1.0).abs() <= UNIT {
             return Some(
                 self.angles
@@ -349,17 +360,23 @@ impl Reader {
         self.report.error(
             item.span,
             "quaternion-not-unit",
-            format!("the quaternion has length {length}, not 1"),
+            format!("the quaternion has length {}, not 1", not_one(length)),
         );
         None
     }
+}
+
+/// A length that is not 1, with enough digits to see it.
+fn not_one(length: f64) -> String {
+    let [length] = telling([length], |[length]| length != 1.0);
+    length
 }
 
 /// Numbers as a description would write them.
 pub(super) fn join(numbers: &[f64]) -> String {
     numbers
         .iter()
-        .map(f64::to_string)
+        .map(|&number| as_written(number))
         .collect::<Vec<_>>()
         .join(", ")
 }

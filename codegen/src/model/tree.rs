@@ -17,6 +17,41 @@ pub(super) struct Tree {
     pub index: BTreeMap<String, usize>,
 }
 
+impl Tree {
+    /// Links whose own joint moves, parents first.
+    pub fn moved_links(&self, robot: &RobotDescription) -> impl Iterator<Item = usize> {
+        let joint = |link: usize| self.joints[link].and_then(|joint| robot.joints.get(joint));
+        (0..self.links.len()).filter(move |&link| joint(link).is_some_and(JointDescription::moves))
+    }
+
+    /// Whether each link moves.
+    pub fn moving(&self, robot: &RobotDescription) -> Vec<bool> {
+        let carriers = self.carriers(robot).into_iter();
+        carriers.map(|carrier| carrier > 0).collect()
+    }
+
+    /// For each link the first one on its way to the base whose own joint moves: itself, or what it is fixed to; the base
+    /// for what never moves.
+    pub fn carriers(&self, robot: &RobotDescription) -> Vec<usize> {
+        let mut carriers = vec![0; self.links.len()];
+        for link in self.moved_links(robot) {
+            carriers[link] = link;
+        }
+        for link in 0..self.links.len() {
+            if carriers[link] == 0 {
+                carriers[link] = carriers[self.parents[link]];
+            }
+        }
+        carriers
+    }
+
+    /// The links before one on its way to the base.
+    pub fn ancestors(&self, link: usize) -> impl Iterator<Item = usize> {
+        let parent = |&link: &usize| (link > 0).then(|| self.parents[link]);
+        std::iter::successors(parent(&link), parent)
+    }
+}
+
 /// The names in a description as numbers.
 struct Graph<'d> {
     names: Vec<&'d Name>,

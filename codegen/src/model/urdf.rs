@@ -4,16 +4,21 @@
 
 use super::angles::Angles;
 use super::description::{
-    BodyDescription, DriveChoice, FrameDescription, JointDescription, LimitsDescription, Name,
-    RobotDescription,
+    BodyDescription, DriveChoice, FrameDescription, JointDescription, Name, RobotDescription,
 };
 use super::pose::{IDENTITY, norm};
 use super::toml_values::join;
-use super::{FrictionTerm, JointKind, Pose, ReadOptions};
+use super::urdf_notes::{Remark, UrdfNotes};
+use super::urdf_text::UrdfText;
+use super::{FrictionTerm, JointKind, Pose, ReadOptions, xacro};
 use crate::diagnostic::{At, Report, Span};
 use crate::formula::{Formula, Function, LARGEST_NUMBER, too_large};
+use crate::wording::{as_written, three_digits};
 use roxmltree::{Attribute, Document, Node};
-use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Axes are published with some six digits: what differs less from length 1 is rounding.
+const WRITTEN_DIGITS: f64 = 1e-5;
 
 /// Reads a URDF; `None` where it is no XML or has no robot in it.
 pub(super) fn description(
@@ -21,10 +26,12 @@ pub(super) fn description(
     angles: &mut Angles,
     text: &str,
     source: usize,
-    name: &str,
+    file: &str,
     options: &ReadOptions,
 ) -> Option<RobotDescription> {
-    let document = match Document::parse(text) {
+    let stem = stem(file);
+    let lax = UrdfText::new(text);
+    let document = match Document::parse(lax.as_str()) {
         Ok(document) => document,
         Err(wrong) => {
             let at = byte_offset(text, wrong.pos());
@@ -50,12 +57,22 @@ pub(super) fn description(
         angles,
         source,
         options: *options,
-        skipped: BTreeMap::new(),
-        remarks: BTreeMap::new(),
+        notes: UrdfNotes::default(),
     };
-    let description = reader.robot(robot, name);
-    reader.finish();
+    if let Some(macros) = xacro::first(robot) {
+        let span = reader.span(macros);
+        xacro::report(macros, span, file, reader.report);
+        return None;
+    }
+    let description = reader.robot(robot, stem);
+    reader.notes.report(reader.report);
     Some(description)
+}
+
+fn stem(file: &str) -> &str {
+    let stem = Path::new(file).file_stem().and_then(|stem| stem.to_str());
+    // `arm.urdf.xacro` was expanded under its old name, say.
+    stem.map_or("robot", |stem| stem.trim_end_matches(".urdf"))
 }
 
 /// roxmltree appends its position, which the diagnostic shows already.
@@ -77,21 +94,36 @@ fn byte_offset(text: &str, at: roxmltree::TextPos) -> usize {
             .map_or(line.len(), |(byte, _)| byte)
 }
 
-struct Reader<'r> {
+pub(super) struct Reader<'r> {
     report: &'r mut Report,
     angles: &'r mut Angles,
     source: usize,
     options: ReadOptions,
-    /// Skipped elements and attributes: first place and count.
-    skipped: BTreeMap<String, (Span, usize)>,
-    /// What was changed: code, then first place and the owners.
-    remarks: BTreeMap<&'static str, (Span, Vec<String>)>,
+    pub(super) notes: UrdfNotes,
 }
 
-type XmlNode<'a> = Node<'a, 'a>;
+pub(super) type XmlNode<'a> = Node<'a, 'a>;
+
+/// Tags of what a link looks like.
+const SHAPES: [&str; 2] = ["visual", "collision"];
+
+/// Tags of a gear ratio in transmissions of ROS and ROS 2.
+const REDUCTIONS: [&str; 2] = ["mechanicalReduction", "mechanical_reduction"];
+
+/// Name of the joint that a transmission's reduction belongs to: it is itself that of a joint, or of an actuator beside it.
+fn joint_of<'a>(reduction: XmlNode<'a>) -> Option<&'a str> {
+    let mut around = reduction.ancestors().skip(1).take(2);
+    around.find_map(|node| match node.has_tag_name("joint") {
+        true => node.attribute("name"),
+        false => {
+            let joint = node.children().find(|inner| inner.has_tag_name("joint"));
+            joint.and_then(|joint| joint.attribute("name"))
+        }
+    })
+}
 
 impl Reader<'_> {
-    fn span(&self, node: XmlNode<'_>) -> Span {
+    pub(super) fn span(&self, node: XmlNode<'_>) -> Span {
         let range = node.range();
         // The opening tag is enough: an element may be the whole file.
         let text = node
@@ -103,20 +135,8 @@ impl Reader<'_> {
         Span::new(self.source, range.start..range.start + length)
     }
 
-    fn attribute_span(&self, attribute: Attribute<'_, '_>) -> Span {
+    pub(super) fn attribute_span(&self, attribute: Attribute<'_, '_>) -> Span {
         Span::new(self.source, attribute.range_value())
-    }
-
-    fn skip(&mut self, what: String, span: Span) {
-        self.skipped.entry(what).or_insert((span, 0)).1 += 1;
-    }
-
-    fn remark(&mut self, code: &'static str, span: Span, owner: &str) {
-        self.remarks
-            .entry(code)
-            .or_insert_with(|| (span, Vec::new()))
-            .1
-            .push(owner.to_owned());
     }
 
     fn robot(&mut self, robot: XmlNode<'_>, fallback: &str) -> RobotDescription {
@@ -128,41 +148,34 @@ impl Reader<'_> {
             ..RobotDescription::default()
         };
         for node in robot.children().filter(Node::is_element) {
-            let namespace = node.tag_name().namespace().unwrap_or("");
             match node.tag_name().name() {
-                _ if namespace.contains("xacro") => self.not_expanded(node),
                 "link" => self.link(node, &mut result),
                 "joint" => result.joints.extend(self.joint(node)),
-                "transmission" => self.transmission(node),
-                other => self.skip(format!("<{other}>"), self.span(node)),
+                "transmission" | "ros2_control" => self.transmission(node),
+                other => self.notes.skip(format!("<{other}>"), self.span(node)),
             }
         }
         result.frames = massless_frames(&result);
         result
     }
 
-    fn not_expanded(&mut self, node: XmlNode<'_>) {
-        let message = format!(
-            "<xacro:{}> is a macro, not a part of a robot",
-            node.tag_name().name()
-        );
-        self.report
-            .error(self.span(node), "xacro-not-expanded", message);
-        self.report
-            .help("expand the file first: `xacro robot.urdf.xacro > robot.urdf`");
-    }
-
     /// A reduction or rotor in a transmission would change the dynamics; the drive is ideal all the same.
     fn transmission(&mut self, node: XmlNode<'_>) {
-        self.skip("<transmission>".to_owned(), self.span(node));
+        let span = self.span(node);
+        self.notes
+            .skip(format!("<{}>", node.tag_name().name()), span);
         let reductions = node
             .descendants()
-            .filter(|inner| inner.tag_name().name() == "mechanicalReduction");
+            .filter(|inner| REDUCTIONS.contains(&inner.tag_name().name()));
         for reduction in reductions {
             let text = reduction.text().unwrap_or("").trim();
             if text.parse::<f64>().ok() != Some(1.0) {
                 let span = self.span(reduction);
-                self.remark("transmission-ignored", span, text);
+                let owner = match joint_of(reduction) {
+                    Some(joint) => format!("{text} of `{joint}`"),
+                    None => text.to_owned(),
+                };
+                self.notes.remark(Remark::ReductionIgnored, span, owner);
             }
         }
     }
@@ -171,39 +184,45 @@ impl Reader<'_> {
         let Some(name) = self.required_name(node, "name") else {
             return;
         };
-        let inertial = self.single(node, "inertial");
+        let inertial = self.single(node, "inertial", &name.quoted());
         for skipped in node
             .children()
             .filter(Node::is_element)
             .filter(|inner| inner.tag_name().name() != "inertial")
         {
-            self.skip(
+            self.notes.skip(
                 format!("<{}>", skipped.tag_name().name()),
                 self.span(skipped),
             );
         }
         result.links.push(name.clone());
-        if let Some(inertial) = inertial {
-            result.bodies.extend(self.inertial(inertial, name));
+        let is_shape = |inner: XmlNode<'_>| SHAPES.contains(&inner.tag_name().name());
+        match inertial {
+            Some(inertial) => result.bodies.extend(self.inertial(inertial, name)),
+            None if node.children().any(is_shape) => result.weightless_shapes.push(name),
+            None => {}
         }
     }
 
     /// The body of a link; nothing where mass and inertia are zero.
     fn inertial(&mut self, node: XmlNode<'_>, name: Name) -> Option<BodyDescription> {
         self.known_children(node, &["origin", "mass", "inertia"]);
-        let mass = self.single(node, "mass");
+        let mass = self.single(node, "mass", &name.quoted());
+        let inertia = self.single(node, "inertia", &name.quoted());
         let Some(mass) = mass else {
-            self.report.error(
-                self.span(node),
-                "missing-element",
-                format!("link `{}` has no <mass>", name.value),
-            );
+            let span = self.span(node);
+            let owner = format!("`{}`", name.value);
+            match inertia {
+                None => self.notes.remark(Remark::EmptyInertial, span, owner),
+                Some(_) => {
+                    let message = format!("link {owner} has an inertia and no <mass>");
+                    self.report.error(span, "missing-element", message);
+                }
+            }
             return None;
         };
         let mass = self.required_number(mass, "value")?;
-        let inertia = self
-            .single(node, "inertia")
-            .map(|node| At::new(self.inertia(node), self.span(node)));
+        let inertia = inertia.map(|node| At::new(self.inertia(node), self.span(node)));
         let nothing = mass.value == 0.0
             && inertia
                 .as_ref()
@@ -220,6 +239,7 @@ impl Reader<'_> {
             inertia: inertia
                 .map(|entries| At::new(entries.value.map(Formula::Number), entries.span)),
             accept_unphysical: false,
+            is_published: true,
             name,
         })
     }
@@ -233,7 +253,7 @@ impl Reader<'_> {
     }
 
     fn origin(&mut self, parent: XmlNode<'_>, owner: &str) -> Pose {
-        let Some(node) = self.single(parent, "origin") else {
+        let Some(node) = self.single(parent, "origin", owner) else {
             return Pose::identity();
         };
         let xyz = self.vector(node, "xyz").map_or([0.0; 3], |xyz| xyz.value);
@@ -255,11 +275,11 @@ impl Reader<'_> {
         let moves = kind != Some(JointKind::Fixed);
         let origin = self.origin(node, &format!("joint `{}`", name.value));
         let friction = self
-            .single(node, "dynamics")
+            .single(node, "dynamics", &name.quoted())
             .filter(|_| moves)
-            .map(|node| self.friction(node, &name));
+            .map(|node| At::new(self.friction(node, &name), self.span(node)));
         let mimic = self
-            .single(node, "mimic")
+            .single(node, "mimic", &name.quoted())
             .filter(|_| moves && !self.options.ignore_mimic);
         Some(JointDescription {
             parent: self.end(node, "parent", &name),
@@ -307,7 +327,7 @@ impl Reader<'_> {
     }
 
     fn end(&mut self, joint: XmlNode<'_>, tag: &str, name: &Name) -> Option<Name> {
-        let node = self.single(joint, tag);
+        let node = self.single(joint, tag, &name.quoted());
         if node.is_none() {
             let message = format!("joint `{}` has no <{tag}>", name.value);
             self.report
@@ -318,65 +338,30 @@ impl Reader<'_> {
 
     /// The axis at unit length; x where none is described.
     fn axis(&mut self, joint: XmlNode<'_>, name: &Name) -> Option<[f64; 3]> {
-        let node = self.single(joint, "axis");
+        let node = self.single(joint, "axis", &name.quoted());
         let Some(axis) = node.and_then(|node| self.vector(node, "xyz")) else {
             return Some([1.0, 0.0, 0.0]);
         };
         let length = norm(&axis.value);
         if length == 0.0 || !length.is_finite() {
-            let message = format!("the axis of joint `{}` has length {length}", name.value);
+            let message = format!(
+                "the axis of joint `{}` has length {}",
+                name.value,
+                three_digits(length)
+            );
             self.report.error(axis.span, "axis-not-unit", message);
             return None;
         }
-        if (length - 1.0).abs() > 1e-9 {
+        if (length - 1.0).abs() > WRITTEN_DIGITS {
             let owner = format!(
-                "`{}` [{}] of length {length}",
+                "`{}` [{}] of length {}",
                 name.value,
-                join(&axis.value)
+                join(&axis.value),
+                three_digits(length)
             );
-            self.remark("axis-normalized", axis.span, &owner);
+            self.notes.remark(Remark::AxisNormalized, axis.span, owner);
         }
         Some(axis.value.map(|x| x / length))
-    }
-
-    fn limits(
-        &mut self,
-        joint: XmlNode<'_>,
-        kind: Option<JointKind>,
-        name: &Name,
-    ) -> LimitsDescription {
-        let bounded = matches!(kind, Some(JointKind::Revolute | JointKind::Prismatic));
-        let moves = kind != Some(JointKind::Fixed);
-        let Some(node) = self.single(joint, "limit").filter(|_| moves) else {
-            return LimitsDescription::default();
-        };
-        let (lower, upper) = (self.number(node, "lower"), self.number(node, "upper"));
-        let value = |bound: &Option<At<f64>>| bound.as_ref().map_or(0.0, |bound| bound.value);
-        let (low, high) = (value(&lower), value(&upper));
-        let span = upper.or(lower).map(|bound| bound.span);
-        let position = span
-            .filter(|_| bounded && low != high)
-            .map(|span| At::new([low, high], span));
-        let (velocity, effort) = (self.number(node, "velocity"), self.number(node, "effort"));
-        // What is no number has its error already.
-        let is_unset = |key, limit: &Option<At<f64>>| match limit {
-            Some(limit) => limit.value == 0.0,
-            None => node.attribute(key).is_none(),
-        };
-        if is_unset("velocity", &velocity)
-            || is_unset("effort", &effort)
-            || (bounded && position.is_none())
-        {
-            let span = self.span(node);
-            self.remark("limit-unset", span, &format!("`{}`", name.value));
-        }
-        let useful = |limit: Option<At<f64>>| limit.filter(|limit| limit.value != 0.0);
-        LimitsDescription {
-            position,
-            velocity: useful(velocity),
-            effort: useful(effort),
-            peak_effort: None,
-        }
     }
 
     /// `τ = damping · v + friction · sign(v)`
@@ -385,7 +370,7 @@ impl Reader<'_> {
             .attributes()
             .filter(|attribute| !["damping", "friction"].contains(&attribute.name()))
         {
-            self.skip(
+            self.notes.skip(
                 format!("<dynamics {}>", unknown.name()),
                 Span::new(self.source, unknown.range()),
             );
@@ -409,23 +394,31 @@ impl Reader<'_> {
     ) -> Option<FrictionTerm> {
         let number = self.number(node, key)?;
         if number.value < 0.0 {
-            let message = format!("joint `{}` has negative {key} {}", name.value, number.value);
+            let value = as_written(number.value);
+            let message = format!("joint `{}` has negative {key} {value}", name.value);
             self.report.error(number.span, "negative-friction", message);
         }
         let coefficient = Formula::Number(number.value);
         (number.value > 0.0).then_some(FrictionTerm { coefficient, basis })
     }
 
-    /// The only child element of this kind.
-    fn single<'a>(&mut self, node: XmlNode<'a>, tag: &str) -> Option<XmlNode<'a>> {
+    /// The first child element of this kind, as ROS takes it.
+    ///
+    /// - `owner`: names the element around it in the warning about others
+    pub(super) fn single<'a>(
+        &mut self,
+        node: XmlNode<'a>,
+        tag: &str,
+        owner: &str,
+    ) -> Option<XmlNode<'a>> {
         let mut found = node
             .children()
             .filter(|inner| inner.is_element() && inner.tag_name().name() == tag);
         let first = found.next()?;
         if let Some(second) = found.next() {
-            let message = format!("a second <{tag}> in the same <{}>", node.tag_name().name());
-            self.report
-                .error(self.span(second), "duplicate-element", message);
+            let span = self.span(second);
+            let owner = format!("<{tag}> of {owner}");
+            self.notes.remark(Remark::DuplicateElement, span, owner);
         }
         Some(first)
     }
@@ -433,7 +426,8 @@ impl Reader<'_> {
     fn known_children(&mut self, node: XmlNode<'_>, known: &[&str]) {
         for inner in node.children().filter(Node::is_element) {
             if !known.contains(&inner.tag_name().name()) {
-                self.skip(format!("<{}>", inner.tag_name().name()), self.span(inner));
+                self.notes
+                    .skip(format!("<{}>", inner.tag_name().name()), self.span(inner));
             }
         }
     }
@@ -472,7 +466,7 @@ impl Reader<'_> {
         self.number(node, key)
     }
 
-    fn number(&mut self, node: XmlNode<'_>, key: &str) -> Option<At<f64>> {
+    pub(super) fn number(&mut self, node: XmlNode<'_>, key: &str) -> Option<At<f64>> {
         self.numbers::<1>(node, key)
             .map(|found| At::new(found.value[0], found.span))
     }
@@ -519,73 +513,6 @@ impl Reader<'_> {
             return None;
         }
         Some(At::new(result, span))
-    }
-
-    fn finish(self) {
-        note_skipped(self.report, self.skipped);
-        for (code, (span, owners)) in self.remarks {
-            let text = match code {
-                "axis-normalized" => "axes were brought to length 1",
-                "transmission-ignored" => "mechanical reductions were ignored, drives are ideal",
-                _ => "limits that are 0 or equal were taken as not given",
-            };
-            let list = owners
-                .iter()
-                .take(6)
-                .cloned()
-                .collect::<Vec<_>>()
-                .join(", ");
-            let more = match owners.len() {
-                0..=6 => String::new(),
-                count => format!(" and {} more", count - 6),
-            };
-            self.report
-                .note(Some(span), code, format!("{text}: {list}{more}"));
-        }
-    }
-}
-
-/// Elements that never enter the dynamics; they share one note.
-const HARMLESS: [&str; 7] = [
-    "<visual>",
-    "<collision>",
-    "<material>",
-    "<transmission>",
-    "<gazebo>",
-    "<safety_controller>",
-    "<calibration>",
-];
-
-fn note_skipped(report: &mut Report, skipped: BTreeMap<String, (Span, usize)>) {
-    let (harmless, unknown): (Vec<_>, Vec<_>) = skipped
-        .into_iter()
-        .partition(|(what, _)| HARMLESS.contains(&what.as_str()));
-    let first = harmless
-        .iter()
-        .map(|(_, (span, _))| *span)
-        .min_by_key(|span| span.start);
-    if let Some(span) = first {
-        let counts = harmless
-            .iter()
-            .map(|(what, (_, count))| format!("{count} {what}"));
-        let counts = counts.collect::<Vec<_>>().join(", ");
-        report.note(
-            Some(span),
-            "skipped",
-            format!("skipped: {counts}; they do not enter the dynamics"),
-        );
-    }
-    for (what, (span, count)) in unknown {
-        let times = if count == 1 {
-            "once".to_owned()
-        } else {
-            format!("{count} times")
-        };
-        report.note(
-            Some(span),
-            "unknown-tag",
-            format!("{what} is not known and was skipped ({times})"),
-        );
     }
 }
 

@@ -3,7 +3,9 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use super::write::{WriteError, write};
+use super::out_dir::OutDir;
+use super::replace::is_same_file;
+use super::write::{Planned, Replaces, WriteError};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::Scalar;
 use crate::pipeline::{self, GenerateOptions, Generated};
@@ -31,6 +33,7 @@ pub struct Builder {
     descriptions: Vec<PathBuf>,
     options: GenerateOptions,
     folder: Option<PathBuf>,
+    control_model: Option<f64>,
     hides_notes: bool,
 }
 
@@ -114,6 +117,13 @@ impl Builder {
         self
     }
 
+    /// Takes robots whose mass matrix is not positive definite.
+    #[must_use]
+    pub fn accept_unphysical(mut self) -> Self {
+        self.options.accept_unphysical = true;
+        self
+    }
+
     /// Makes mimic joints independent coordinates.
     #[must_use]
     pub fn ignore_mimic(mut self) -> Self {
@@ -128,6 +138,19 @@ impl Builder {
         self
     }
 
+    /// Writes two modules of each description: `<name>`, exact, for plants, and `<name>_control` for controllers, with
+    /// `tanh(slope · v)` for `sign(v)` in friction and springs. Controllers differentiate friction, and the derivative of an
+    /// exact sign is zero; a plant with the smooth law would creep where the robot stands still.
+    ///
+    /// ```no_run
+    /// gelenk_codegen::Builder::new().description("robot.toml").control_model(50.0).generate();
+    /// ```
+    #[must_use]
+    pub fn control_model(mut self, slope: f64) -> Self {
+        self.control_model = Some(slope);
+        self
+    }
+
     /// Writes these functions also over eight states at once; by default what the description says. Names are checked as
     /// those of [`functions`](Self::functions) are.
     #[must_use]
@@ -136,7 +159,8 @@ impl Builder {
         self
     }
 
-    /// Contracts products and sums to fused multiply-adds; the modules then compile only for processors that have them.
+    /// Contracts products and sums to fused multiply-adds; the modules then compile only with std and for processors that
+    /// have them.
     #[must_use]
     pub fn fused_multiply_add(mut self) -> Self {
         self.options.fused_multiply_add = true;
@@ -151,7 +175,8 @@ impl Builder {
         self
     }
 
-    /// Shows no notes about the descriptions; by default each becomes a warning of Cargo.
+    /// Shows no notes about the descriptions; by default each becomes a warning of Cargo, once: Cargo repeats the warnings of
+    /// a build script for as long as it need not run again, so the next build runs it again, to be silent.
     #[must_use]
     pub fn hide_notes(mut self) -> Self {
         self.hides_notes = true;
@@ -175,61 +200,76 @@ impl Builder {
 
     /// Generates all descriptions and returns the files. Nothing is written unless all of them are right.
     ///
+    /// In `$OUT_DIR` generated modules that this build script does not write any more are removed: a robot that was renamed
+    /// shall not live on. In another folder they stay.
+    ///
     /// # Errors
     /// [`BuildError`], with the problems of all descriptions at once.
     pub fn try_generate(mut self) -> Result<Vec<PathBuf>, BuildError> {
-        let folder = self
-            .folder
-            .clone()
-            .or_else(|| std::env::var_os("OUT_DIR").map(PathBuf::from));
+        let out_dir = std::env::var_os("OUT_DIR").map(PathBuf::from);
+        let folder = self.folder.clone().or_else(|| out_dir.clone());
         let folder = folder.ok_or(BuildError::NoFolder)?;
         self.options.emit.command = command();
-        let generated = self.derive_all()?;
-        refuse_same_names(&generated)?;
-        let mut paths = Vec::new();
-        for robot in &generated {
-            let path = folder.join(format!("{}.rs", robot.source.name));
-            write(&path, &robot.source.text).map_err(BuildError::Write)?;
-            paths.push(path);
+        let robots = self.derive_all()?;
+        refuse_same_names(&robots)?;
+        if out_dir.is_some_and(|out_dir| is_same_file(&out_dir, &folder)) {
+            return OutDir::new(folder).write(&robots, self.hides_notes);
         }
-        Ok(paths)
+        let notes = robots
+            .iter()
+            .flat_map(|robot| robot.generated.notes.entries());
+        notes.filter(|_| !self.hides_notes).for_each(warn);
+        write(&folder, &robots)
     }
 
-    fn derive_all(&self) -> Result<Vec<Generated>, BuildError> {
+    fn derive_all(&self) -> Result<Vec<Robot>, BuildError> {
         if self.descriptions.is_empty() {
             return Err(BuildError::NothingToDo);
         }
-        let (mut generated, mut problems) = (Vec::new(), Vec::new());
+        let (mut robots, mut problems) = (Vec::new(), Vec::new());
         for description in &self.descriptions {
             watch(description);
-            match pipeline::generate(description, &self.options) {
-                Ok(robot) => {
-                    robot
-                        .files
-                        .iter()
-                        .filter(|file| *file != description)
-                        .for_each(|file| watch(file));
-                    if !self.hides_notes {
-                        robot.notes.entries().iter().for_each(warn);
-                    }
-                    generated.push(robot);
-                }
+            match self.derive(description) {
+                Ok(derived) => robots.extend(derived.into_iter().map(|generated| Robot {
+                    description: description.clone(),
+                    generated,
+                })),
                 Err(diagnostics) => problems.push(diagnostics),
             }
         }
-        if problems.is_empty() {
-            Ok(generated)
-        } else {
-            Err(BuildError::Descriptions(problems))
+        if !problems.is_empty() {
+            return Err(BuildError::Descriptions(problems));
+        }
+        let read = robots.iter().flat_map(|robot| &robot.generated.files);
+        let mut read: Vec<&PathBuf> = read
+            .filter(|file| !self.descriptions.contains(file))
+            .collect();
+        read.dedup();
+        read.into_iter().for_each(|file| watch(file));
+        Ok(robots)
+    }
+
+    fn derive(&self, description: &Path) -> Result<Vec<Generated>, Diagnostics> {
+        match self.control_model {
+            Some(slope) => {
+                pipeline::generate_pair(description, &self.options, slope).map(Vec::from)
+            }
+            None => pipeline::generate(description, &self.options).map(|robot| vec![robot]),
         }
     }
 }
 
-fn refuse_same_names(generated: &[Generated]) -> Result<(), BuildError> {
-    let mut names: Vec<&str> = generated
+/// A module and the description that it was generated from.
+pub(super) struct Robot {
+    pub(super) description: PathBuf,
+    pub(super) generated: Generated,
+}
+
+fn refuse_same_names(robots: &[Robot]) -> Result<(), BuildError> {
+    let names = robots
         .iter()
-        .map(|robot| robot.source.name.as_str())
-        .collect();
+        .map(|robot| robot.generated.source.name.as_str());
+    let mut names: Vec<&str> = names.collect();
     names.sort_unstable();
     match names.windows(2).find(|pair| pair[0] == pair[1]) {
         Some(pair) => Err(BuildError::SameName(pair[0].to_owned())),
@@ -237,15 +277,36 @@ fn refuse_same_names(generated: &[Generated]) -> Result<(), BuildError> {
     }
 }
 
+/// Writes the modules, all or, where one may not be written, none.
+pub(super) fn write(folder: &Path, robots: &[Robot]) -> Result<Vec<PathBuf>, BuildError> {
+    let read = robots
+        .iter()
+        .flat_map(|robot| robot.generated.files.clone());
+    let read: Vec<PathBuf> = read.collect();
+    let planned = robots.iter().map(|robot| {
+        let source = &robot.generated.source;
+        let path = folder.join(format!("{}.rs", source.name));
+        Planned::new(&path, &source.text, Replaces::Module, &read)
+    });
+    let planned = planned
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(BuildError::Write)?;
+    let paths = planned.iter().map(|file| {
+        file.write()?;
+        Ok(file.path().to_owned())
+    });
+    paths.collect::<Result<_, _>>().map_err(BuildError::Write)
+}
+
 /// What the header names: the package whose build script this is.
-fn command() -> String {
+pub(super) fn command() -> String {
     match std::env::var("CARGO_PKG_NAME") {
         Ok(package) => format!("cargo build -p {package}"),
         Err(_) => "cargo build".to_owned(),
     }
 }
 
-fn watch(file: &Path) {
+pub(super) fn watch(file: &Path) {
     println!(
         "cargo::rerun-if-changed={}",
         one_line(&file.display().to_string())
@@ -253,7 +314,7 @@ fn watch(file: &Path) {
 }
 
 /// Cargo's protocol has one line per message.
-fn warn(note: &Diagnostic) {
+pub(super) fn warn(note: &Diagnostic) {
     let place = note
         .location
         .as_ref()
@@ -292,5 +353,39 @@ mod tests {
             "{error}"
         );
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_pair_is_two_modules_and_neither_takes_the_name_of_another() {
+        let folder = tempfile::tempdir().unwrap();
+        let joint = "[[joints]]\nname = \"swing\"\nfriction = { coulomb = 1 }\n[[bodies]]\nlink = \"swing\"\nmass = 1\ninertia = 1\n";
+        let description = |name: &str| {
+            let path = folder.path().join(format!("{name}.toml"));
+            std::fs::write(&path, joint).unwrap();
+            path
+        };
+        let output = folder.path().join("out");
+        let builder = || {
+            let builder = Builder::new().output_folder(&output).control_model(50.0);
+            builder
+                .functions(["friction_torques"])
+                .description(description("arm"))
+        };
+        let names = |paths: Vec<PathBuf>| -> Vec<String> {
+            let names = paths.iter().filter_map(|path| path.file_name()?.to_str());
+            names.map(str::to_owned).collect()
+        };
+        let paths = builder().try_generate().unwrap();
+        assert_eq!(names(paths), ["arm.rs", "arm_control.rs"]);
+        let text = |name: &str| std::fs::read_to_string(output.join(name)).unwrap();
+        assert!(text("arm.rs").contains("sign(v[0])"));
+        assert!(text("arm_control.rs").contains("math::tanh("));
+        // A robot of that name would be written over, or write over.
+        let both = builder().description(description("arm_control"));
+        let error = both.try_generate().unwrap_err();
+        assert!(
+            matches!(&error, BuildError::SameName(name) if name == "arm_control"),
+            "{error}"
+        );
     }
 }

@@ -4,16 +4,35 @@ use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use crate::emit::FIRST_LINE;
+use crate::emit::{FIRST_LINE, documentation};
 
 /// Whether a file was written by this program.
 #[must_use]
 pub fn is_generated(path: &Path) -> bool {
-    let mut start = Vec::new();
-    let length = FIRST_LINE.len() as u64;
-    let read = fs::File::open(path).and_then(|file| file.take(length).read_to_end(&mut start));
-    read.is_ok() && start == FIRST_LINE.as_bytes()
+    begins_with(path, FIRST_LINE)
 }
+
+/// Whether a file is the root of a crate of generated modules, as [`root_text`] writes it.
+#[must_use]
+pub fn is_root(path: &Path) -> bool {
+    begins_with(path, ROOT)
+}
+
+pub(super) fn begins_with(path: &Path, expected: &str) -> bool {
+    // To open a pipe would wait for its other end.
+    if !path.is_file() {
+        return false;
+    }
+    let mut start = Vec::new();
+    let length = expected.len() as u64;
+    let read = fs::File::open(path).and_then(|file| file.take(length).read_to_end(&mut start));
+    read.is_ok() && start == expected.as_bytes()
+}
+
+/// What the root of a crate begins with.
+const ROOT: &str = "//! The robots of `models/` as generated Rust: plain functions on fixed-size arrays.\n\
+    //!\n\
+    //! `gelenk generate` writes this crate; `gelenk check` tells whether it is fresh.\n";
 
 /// Generated modules in `folder` whose names are not among `modules`, in alphabetical order.
 ///
@@ -42,23 +61,36 @@ pub fn left_over(folder: &Path, modules: &[String]) -> io::Result<Vec<PathBuf>> 
     Ok(paths)
 }
 
-/// Text of the crate's root: one public module for each name, in alphabetical order.
+/// Name and documentation of each generated module in `folder`.
+///
+/// # Errors
+/// Those of reading the folder and its files.
+pub fn documented(folder: &Path) -> io::Result<Vec<(String, String)>> {
+    let paths = left_over(folder, &[])?;
+    let entry = |path: &PathBuf| {
+        let name = path.file_stem().and_then(|stem| stem.to_str());
+        let text = fs::read_to_string(path)?;
+        Ok((name.unwrap_or_default().to_owned(), documentation(&text)))
+    };
+    paths.iter().map(entry).collect()
+}
+
+/// Text of the crate's root: one public module for each name with its documentation, in alphabetical order. Of two with one
+/// name the first counts.
 #[must_use]
-pub fn root_text(modules: &[String]) -> String {
-    let mut names: Vec<&String> = modules.iter().collect();
-    names.sort();
-    names.dedup();
-    let mut text = String::from(
-        "//! The robots of `models/` as generated Rust: plain functions on fixed-size arrays.\n\
-         //!\n\
-         //! `gelenk generate` writes this crate; `gelenk check` tells whether it is fresh.\n\
-         #![no_std]\n",
-    );
-    for name in names {
+pub fn root_text(modules: &[(String, String)]) -> String {
+    let mut modules: Vec<&(String, String)> = modules.iter().collect();
+    modules.sort_by_key(|(name, _)| name);
+    modules.dedup_by_key(|(name, _)| name);
+    let mut text = format!("{ROOT}#![no_std]\n");
+    for (name, documentation) in modules {
+        text.push('\n');
+        for line in documentation.lines() {
+            text.push_str(format!("/// {line}").trim_end());
+            text.push('\n');
+        }
         // Each file keeps the layout of the generator, which no rustfmt version changes.
-        text.push_str(&format!(
-            "\n/// The robot `{name}`.\n#[rustfmt::skip]\npub mod {name};\n"
-        ));
+        text.push_str(&format!("#[rustfmt::skip]\npub mod {name};\n"));
     }
     text
 }
@@ -86,7 +118,15 @@ mod tests {
 
     #[test]
     fn modules_are_sorted() {
-        let text = root_text(&["ur5".to_owned(), "panda".to_owned()]);
-        assert!(text.find("pub mod panda;").unwrap() < text.find("pub mod ur5;").unwrap());
+        let module = |name: &str, lines: &str| (name.to_owned(), lines.to_owned());
+        let modules = [
+            module("ur5", "Six axes.\n"),
+            module("panda", "Seven.\n\nSlim.\n"),
+            module("ur5", "Old.\n"),
+        ];
+        let text = root_text(&modules);
+        let expected = "\n/// Seven.\n///\n/// Slim.\n#[rustfmt::skip]\npub mod panda;\n\
+            \n/// Six axes.\n#[rustfmt::skip]\npub mod ur5;\n";
+        assert!(text.ends_with(expected), "{text}");
     }
 }

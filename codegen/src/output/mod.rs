@@ -2,8 +2,10 @@
 
 mod builder;
 mod crate_root;
+mod out_dir;
+mod replace;
 mod write;
 
 pub use builder::{BuildError, Builder, build};
-pub use crate_root::{is_generated, left_over, root_text};
-pub use write::{Outcome, WriteError, check, write};
+pub use crate_root::{documented, is_generated, left_over, root_text};
+pub use write::{Outcome, Planned, Replaces, WriteError, check};

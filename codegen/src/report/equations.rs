@@ -176,7 +176,8 @@ pub(super) fn friction_figure(robot: &Robot<'_>) -> Option<Figure> {
         .collect();
     let mut figure = Figure::new(
         "friction-curves",
-        "Friction over velocity, up to the velocity limit (1 where there is none), with the other joints at rest.",
+        "Friction over velocity, up to the velocity limit (1 where there is none), with the other joints at rest. Friction \
+         that depends on the position is drawn at both limits and in the middle.",
     );
     for prismatic in [false, true] {
         let of_kind: Vec<&(usize, &Joint)> = rubbing
@@ -204,22 +205,43 @@ fn friction_plot(robot: &Robot<'_>, joints: &[&(usize, &Joint)], prismatic: bool
     };
     let mut plot = Plot::new("", velocity, force);
     for (index, joint) in joints {
-        let points = friction_curve(robot, *index, joint)?;
-        plot = plot.series(joint.name.clone(), Marks::Line, points);
+        for (name, position) in friction_positions(joint) {
+            let points = friction_curve(robot, *index, joint, position)?;
+            plot = plot.series(name, Marks::Line, points);
+        }
     }
     Some(plot)
 }
 
+/// Positions at which a joint's friction is drawn, with the names of the curves: 0 alone, or both limits and their mean
+/// (−1, 0 and 1 without limits) where the law depends on the position.
+fn friction_positions(joint: &Joint) -> Vec<(String, f64)> {
+    let terms = &joint.friction;
+    if !terms.iter().any(|term| term.basis.depends_on_position()) {
+        return vec![(joint.name.clone(), 0.0)];
+    }
+    let [low, high] = joint.limits.position.unwrap_or([-1.0, 1.0]);
+    let named = |position: f64| (format!("{} at y = {position:.3}", joint.name), position);
+    [low, 0.5 * (low + high), high].map(named).to_vec()
+}
+
 /// Velocities are spaced more closely around 0, where laws are steep.
-fn friction_curve(robot: &Robot<'_>, index: usize, joint: &Joint) -> Option<Vec<[f64; 2]>> {
+fn friction_curve(
+    robot: &Robot<'_>,
+    index: usize,
+    joint: &Joint,
+    position: f64,
+) -> Option<Vec<[f64; 2]>> {
     const HALF: i32 = 200;
     let most = joint.limits.velocity.unwrap_or(1.0);
     let point = |k: i32| {
         let part = f64::from(k) / f64::from(HALF);
         let mut velocities = vec![0.0; robot.n()];
-        *velocities.get_mut(index)? = most * part.powi(3);
+        *velocities.get_mut(index)? = most * part * part * part;
         let velocity = *velocities.get(index)?;
-        let torques = robot.first("friction_torques", &[&velocities])?;
+        let mut positions = vec![0.0; robot.n()];
+        *positions.get_mut(index)? = position;
+        let torques = robot.friction_torques(&positions, &velocities)?;
         Some([velocity, *torques.get(index)?])
     };
     (-HALF..=HALF).map(point).collect()

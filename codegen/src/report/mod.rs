@@ -239,6 +239,23 @@ mod tests {
         }
     }
 
+    /// A slide of a ton that carries a needle: eigenvalues of kg beside kg m² say nothing.
+    #[test]
+    fn masses_and_inertias_are_not_compared() {
+        let needle = ARM.replace("mass = 2", "mass = 1000");
+        let needle = needle.replace(
+            "mass = 1\n        center_of_mass = [0.1, 0, -0.3]\n        inertia = 0.01",
+            "mass = 0\n        inertia = 5e-10",
+        );
+        let (model, functions) = arm(&needle.replace(
+            "drive = { gear_ratio = 50, rotor_inertia = 1e-5 }",
+            "drive = \"ideal\"",
+        ));
+        for (id, verdict) in verdicts(&model, &functions) {
+            assert_eq!(verdict, Verdict::Holds, "{id}");
+        }
+    }
+
     /// Functions of another robot under this one's: each check notices the one that is its own.
     #[test]
     fn each_check_fails_on_what_would_flip_it() {

@@ -69,6 +69,15 @@ impl<'a> Robot<'a> {
         self.functions.iter().find(|function| function.name == name)
     }
 
+    /// Friction torques at positions and velocities.
+    pub fn friction_torques(&self, positions: &[f64], velocities: &[f64]) -> Option<Vec<f64>> {
+        let name = "friction_torques";
+        match self.function(name)?.program.inputs.as_slice() {
+            [_] => self.first(name, &[velocities]),
+            _ => self.first(name, &[positions, velocities]),
+        }
+    }
+
     /// Results of a function, each flat, rows first; `None` where there is none of that name or inputs do not fit.
     pub fn call(&self, name: &str, inputs: &[&[f64]]) -> Option<Vec<Vec<f64>>> {
         let program = &self.function(name)?.program;

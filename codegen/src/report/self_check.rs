@@ -4,7 +4,9 @@ use gelenk_runtime::report::{Claim, Criterion};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::robot::Robot;
-use super::states::{Random, State};
+use super::states::State;
+use crate::model::Definiteness;
+use crate::random::Random;
 
 /// So many states are tried.
 pub(super) const STATES: usize = 25;
@@ -126,25 +128,74 @@ fn definiteness(robot: &Robot<'_>, states: &[State]) -> Option<Claim> {
         f64::INFINITY,
         |least, value| if value >= least { least } else { value },
     );
-    let criterion = Criterion::at_least("smallest eigenvalue over the largest", least, 1e-12, "");
+    let is_singular = robot.model.definiteness() == Definiteness::Semidefinite;
+    let (statement, bound) = match is_singular {
+        true => (
+            "The mass matrix has no negative eigenvalue; it is singular, since nothing that has inertia moves with some joints.",
+            -ROUNDING,
+        ),
+        false => ("The mass matrix is positive definite.", ROUNDING),
+    };
+    let name = "smallest eigenvalue, with the diagonal scaled to 1";
     Some(
-        Claim::new("check-definite", "The mass matrix is positive definite.")
-            .criterion(criterion)
+        Claim::new("check-definite", statement)
+            .criterion(Criterion::at_least(name, least, bound, ""))
             .flipped_by("a negative mass, or a joint that moves nothing"),
     )
 }
 
+/// Eigenvalues of a scaled mass matrix below this are rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// The smallest eigenvalue of `M_ij / √(M_ii M_jj)`, a number without unit: masses and inertias may differ by any factor.
 fn definiteness_at(robot: &Robot<'_>, state: &State) -> Option<f64> {
-    let n = robot.n();
-    let mass = DMatrix::from_row_slice(n, n, &robot.first("mass_matrix", &[&state.y])?);
-    let eigenvalues = SymmetricEigen::new(mass).eigenvalues;
-    Some(eigenvalues.min() / eigenvalues.max())
+    let mass = mass_matrix(robot, state)?;
+    let diagonal = mass.diagonal();
+    if diagonal.min() < 0.0 {
+        return Some(diagonal.min() / diagonal.amax());
+    }
+    Some(SymmetricEigen::new(scaled(&mass)).eigenvalues.min())
 }
 
 fn asymmetry(robot: &Robot<'_>, state: &State) -> Option<f64> {
-    let n = robot.n();
-    let mass = DMatrix::from_row_slice(n, n, &robot.first("mass_matrix", &[&state.y])?);
+    let mass = scaled(&mass_matrix(robot, state)?);
     Some((&mass - mass.transpose()).amax() / mass.amax())
+}
+
+fn mass_matrix(robot: &Robot<'_>, state: &State) -> Option<DMatrix<f64>> {
+    let n = robot.n();
+    let entries = robot.first("mass_matrix", &[&state.y])?;
+    Some(DMatrix::from_row_slice(n, n, &entries))
+}
+
+/// With a diagonal of ones; rows and columns whose diagonal is 0 stay.
+fn scaled(mass: &DMatrix<f64>) -> DMatrix<f64> {
+    let scale = mass.diagonal().map(|entry| match entry > 0.0 {
+        true => entry.sqrt(),
+        false => 1.0,
+    });
+    DMatrix::from_fn(mass.nrows(), mass.ncols(), |i, j| {
+        mass[(i, j)] / (scale[i] * scale[j])
+    })
+}
+
+/// Roots of the diagonal of M: forces over them, and accelerations times them, have one unit for slides and hinges.
+fn weights(robot: &Robot<'_>, state: &State) -> Option<Vec<f64>> {
+    let diagonal = mass_matrix(robot, state)?.diagonal();
+    let root = |entry: &f64| if *entry > 0.0 { entry.sqrt() } else { 1.0 };
+    Some(diagonal.iter().map(root).collect())
+}
+
+fn magnitudes(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|x| x.abs()).collect()
+}
+
+fn over(values: &[f64], weights: &[f64]) -> Vec<f64> {
+    values.iter().zip(weights).map(|(x, w)| x / w).collect()
+}
+
+fn times(values: &[f64], weights: &[f64]) -> Vec<f64> {
+    values.iter().zip(weights).map(|(x, w)| x * w).collect()
 }
 
 /// `B u`
@@ -157,16 +208,39 @@ fn joint_forces(robot: &Robot<'_>, u: &[f64]) -> Option<Vec<f64>> {
     Some(rows.map(|row| product(row, u)).collect())
 }
 
-/// Size of the forces at a state, beside which differences are judged.
-fn size_of_forces(robot: &Robot<'_>, state: &State, a: &[f64]) -> Option<f64> {
+/// The forces at a state, beside which differences are judged. Those of the accelerations are sums of magnitudes: where light
+/// bodies are flung about, M ÿ is small beside its terms, and rounding is that of the terms.
+fn forces(robot: &Robot<'_>, state: &State, a: &[f64]) -> Option<[Vec<f64>; 4]> {
     let (y, v) = (&state.y, &state.v);
-    let parts = [
-        matrix_times(&robot.first("mass_matrix", &[y])?, a),
+    Some([
+        matrix_times(
+            &magnitudes(&robot.first("mass_matrix", &[y])?),
+            &magnitudes(a),
+        ),
         robot.first("coriolis_forces", &[y, v])?,
         robot.first("applied_forces", &[y, v])?,
         joint_forces(robot, &state.u)?,
-    ];
+    ])
+}
+
+/// The largest of them.
+fn size_of_forces(robot: &Robot<'_>, state: &State, a: &[f64]) -> Option<f64> {
+    let parts = forces(robot, state, a)?;
     Some(parts.iter().map(|part| largest(part)).fold(0.0, f64::max))
+}
+
+/// The difference of forces relative to the forces at a state, both weighted.
+fn weighted_difference(
+    robot: &Robot<'_>,
+    state: &State,
+    a: &[f64],
+    [found, expected]: [&[f64]; 2],
+) -> Option<f64> {
+    let weights = weights(robot, state)?;
+    let parts = forces(robot, state, a)?;
+    let sizes = parts.iter().map(|part| largest(&over(part, &weights)));
+    let size = sizes.fold(0.0, f64::max);
+    Some(difference(&over(found, &weights), &over(expected, &weights)) / size)
 }
 
 fn inverse_of_forward(robot: &Robot<'_>, state: &State) -> Option<f64> {
@@ -174,7 +248,7 @@ fn inverse_of_forward(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let a = robot.first("forward_dynamics", &[y, v, &state.u])?;
     let forces = robot.first("inverse_dynamics", &[y, v, &a])?;
     let expected = joint_forces(robot, &state.u)?;
-    Some(difference(&forces, &expected) / size_of_forces(robot, state, &a)?)
+    weighted_difference(robot, state, &a, [&forces, &expected])
 }
 
 fn parts(robot: &Robot<'_>, state: &State) -> Option<f64> {
@@ -186,7 +260,7 @@ fn parts(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let expected: Vec<f64> = (0..robot.n())
         .map(|i| inertial[i] + coriolis[i] - applied[i])
         .collect();
-    Some(difference(&forces, &expected) / size_of_forces(robot, state, a)?)
+    weighted_difference(robot, state, a, [&forces, &expected])
 }
 
 fn power(robot: &Robot<'_>, state: &State) -> Option<f64> {
@@ -237,16 +311,19 @@ fn linearization(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let expected: Vec<f64> = (0..y.len())
         .map(|i| parts.iter().map(|part| part[i]).sum())
         .collect();
-    let size = parts.iter().map(|part| largest(part)).fold(0.0, f64::max);
+    let weights = weights(robot, state)?;
+    let weighted = |part: &[f64]| largest(&times(part, &weights));
+    let size = parts.iter().map(|part| weighted(part)).fold(0.0, f64::max);
     // What rounding of the accelerations themselves leaves.
     let accelerations = robot.first("forward_dynamics", &[y, v, u])?;
-    Some(difference(&found, &expected) / size.max(largest(&accelerations)))
+    let error = difference(&times(&found, &weights), &times(&expected, &weights));
+    Some(error / size.max(weighted(&accelerations)))
 }
 
 fn frames(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let mut worst = 0.0;
     for frame in &robot.model.frames {
-        let error = frame_error(robot, state, &frame.name)?;
+        let error = frame_error(robot, state, &frame.identifier)?;
         worst = if error <= worst { worst } else { error };
     }
     (!robot.model.frames.is_empty()).then_some(worst)

@@ -1,40 +1,7 @@
 //! Seeded states within the limits of a robot.
 
 use super::robot::Robot;
-use crate::model::{Joint, JointKind};
-
-/// SplitMix64 (Steele, Lea and Flood 2014): the same numbers on every platform.
-#[derive(Debug, Clone)]
-pub(super) struct Random(u64);
-
-impl Random {
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    /// Evenly in `low..high`.
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        bits ^= bits >> 31;
-        // The upper 53 bits are a fraction that an f64 holds exactly.
-        #[expect(clippy::cast_precision_loss, reason = "53 bits fit")]
-        let fraction = (bits >> 11) as f64 / (1_u64 << 53) as f64;
-        low + (high - low) * fraction
-    }
-
-    /// Evenly in `±(low..high)`.
-    fn either_side(&mut self, low: f64, high: f64) -> f64 {
-        let size = self.between(low, high);
-        if self.between(0.0, 1.0) < 0.5 {
-            -size
-        } else {
-            size
-        }
-    }
-}
+use crate::random::Random;
 
 /// A state with accelerations and inputs.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,16 +12,12 @@ pub(super) struct State {
     pub u: Vec<f64>,
 }
 
-/// Range of positions of a joint without limits: a turn to each side, or half a metre.
-const TURN: f64 = std::f64::consts::PI;
-const SLIDE: f64 = 0.5;
-
 impl State {
     /// A state within the limits. No velocity is close to 0, where friction may jump.
     pub fn seeded(robot: &Robot<'_>, random: &mut Random) -> Self {
         let joints = robot.joints();
         let y = joints.iter().map(|joint| {
-            let [low, high] = positions(joint);
+            let [low, high] = joint.seeded_range();
             random.between(low, high)
         });
         let y = y.collect();
@@ -76,13 +39,4 @@ impl State {
         let u = u.collect();
         Self { y, v, a, u }
     }
-}
-
-fn positions(joint: &Joint) -> [f64; 2] {
-    let free = if joint.kind == JointKind::Prismatic {
-        SLIDE
-    } else {
-        TURN
-    };
-    joint.limits.position.unwrap_or([-free, free])
 }

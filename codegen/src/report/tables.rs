@@ -9,6 +9,7 @@ use crate::dynamics::function::Function;
 use crate::emit::constants::input_unit;
 use crate::formula::Formula;
 use crate::model::{Drive, Input, Joint, JointKind, Motion, Pose, RotorCoupling};
+use crate::numeric::{atan2, length};
 use crate::program::cost;
 
 /// Joints that are coordinates, with their limits.
@@ -254,12 +255,12 @@ fn pose_cells(robot: &Robot<'_>, pose: &Pose) -> Vec<Cell> {
 
 /// `R = R_z(yaw) R_y(pitch) R_x(roll)`; where pitch is ±90° roll is taken as 0.
 fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
-    let cosine = r[0][0].hypot(r[1][0]);
-    let pitch = (-r[2][0]).atan2(cosine);
+    let cosine = length([r[0][0], r[1][0]]);
+    let pitch = atan2(-r[2][0], cosine);
     if cosine < 1e-9 {
-        return [0.0, pitch, (-r[0][1]).atan2(r[1][1])];
+        return [0.0, pitch, atan2(-r[0][1], r[1][1])];
     }
-    [r[2][1].atan2(r[2][2]), pitch, r[1][0].atan2(r[0][0])]
+    [atan2(r[2][1], r[2][2]), pitch, atan2(r[1][0], r[0][0])]
 }
 
 /// Nine decimals: what rotation matrices leave beyond them is rounding.

@@ -44,6 +44,7 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
             name: format!("link{}", i + 1),
             joint: Some(Joint {
                 name: (*joint).into(),
+                identifier: (*joint).into(),
                 parent: i,
                 kind: *kind,
                 origin: pose(),
@@ -57,6 +58,7 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
         });
         drives.push(Drive {
             name: (*joint).into(),
+            identifier: (*joint).into(),
             coordinate: Some(i),
             gear_ratio: number(1.0),
             rotor_inertia: number(0.0),
@@ -334,6 +336,8 @@ fn run(
     let mut command = Command::new(program);
     // The flags of the calling cargo would be taken for this file's.
     command
+        // The user's clippy knows nothing of what this crate may not call.
+        .env("CLIPPY_CONF_DIR", folder)
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env_remove("RUSTFLAGS")
         .current_dir(folder);

@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(model, Arm::default());
         let swapped = arm([Friction::C, Friction([0.1, 2.0, 0.3, 0.4, 0.5, 0.6, 0.7])]);
         for v in [-0.7, -0.01, 0.0, 0.03, 0.9] {
-            let torques = swapped.friction_torques(&[v; 2]);
+            let torques = swapped.friction_torques(&[0.0; 2], &[v; 2]);
             let expected = [
                 Friction::C.at(v),
                 Friction([0.1, 2.0, 0.3, 0.4, 0.5, 0.6, 0.7]).at(v),

@@ -110,7 +110,8 @@ impl Folder {
             root.present()?;
         }
         let path = self.0.join(file);
-        std::fs::write(&path, svg).map_err(|e| format!("{}: {e}", path.display()))?;
+        gelenk_runtime::file::write_whole(&path, svg)
+            .map_err(|e| format!("{}: {e}", path.display()))?;
         println!("  plot: {}", path.display());
         Ok(())
     }

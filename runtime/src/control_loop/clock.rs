@@ -27,15 +27,21 @@ impl Clock for MonotonicClock {
     }
 
     fn sleep_until(&self, wake: Duration) {
-        let request = rustix::time::Timespec {
-            tv_sec: wake.as_secs() as _,
-            tv_nsec: wake.subsec_nanos().into(),
-        };
+        let request = timespec(wake);
         // A signal ends the sleep early; the time to wake at stays.
         while let Err(rustix::io::Errno::INTR) =
             rustix::thread::clock_nanosleep_absolute(rustix::thread::ClockId::Monotonic, &request)
         {
         }
+    }
+}
+
+/// A time that the system cannot count to is its last one, not one before its first.
+#[cfg(target_os = "linux")]
+fn timespec(time: Duration) -> rustix::time::Timespec {
+    rustix::time::Timespec {
+        tv_sec: i64::try_from(time.as_secs()).unwrap_or(i64::MAX),
+        tv_nsec: time.subsec_nanos().into(),
     }
 }
 
@@ -66,7 +72,11 @@ impl VirtualClock {
 
     /// Lets time pass, as a computation or a stall would.
     pub fn advance(&self, span: Duration) {
-        self.0.fetch_add(nanoseconds(span), Ordering::Relaxed);
+        let later = |now: u64| Some(now.saturating_add(nanoseconds(span)));
+        // Never refused, as `later` always has an answer.
+        let _ = self
+            .0
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, later);
     }
 }
 
@@ -98,6 +108,26 @@ mod tests {
         assert_eq!(clock.now(), Duration::from_millis(27));
         clock.sleep_until(Duration::from_millis(5));
         assert_eq!(other.now(), Duration::from_millis(27), "never back");
+    }
+
+    #[test]
+    fn a_virtual_clock_does_not_wrap_around() {
+        let clock = VirtualClock::new();
+        clock.advance(Duration::from_millis(20));
+        clock.advance(Duration::MAX);
+        let end = clock.now();
+        clock.advance(Duration::MAX);
+        clock.sleep_until(Duration::MAX);
+        assert_eq!(clock.now(), end);
+        assert!(end > Duration::from_secs(500 * 365 * 86_400));
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn the_end_of_time_is_not_its_beginning() {
+        assert_eq!(timespec(Duration::MAX).tv_sec, i64::MAX);
+        assert_eq!(timespec(Duration::from_millis(1500)).tv_sec, 1);
+        assert_eq!(timespec(Duration::from_millis(1500)).tv_nsec, 500_000_000);
     }
 
     #[test]

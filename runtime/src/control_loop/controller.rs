@@ -11,9 +11,28 @@ pub struct Cycle<const N: usize, const M: usize> {
     pub periods: u32,
     /// Positions measured at `time` [rad or m], finite and plausible; `None` where nothing arrived, or nothing believable.
     pub positions: Option<[f64; N]>,
+    /// Velocities measured with these positions, finite and consistent with them [rad/s or m/s]; `None` where the robot does
+    /// not measure them, and where there are no positions.
+    pub velocities: Option<[f64; N]>,
+    /// Forces of the drives at the joints measured with these positions, finite [N m or N]; `None` as above.
+    pub torques: Option<[f64; N]>,
     /// Input that the loop wrote last, after its limits. Without delay it acted until now; with one period of delay it
     /// acts from now on, and the input computed now acts from `time + period` on.
     pub last_inputs: [f64; M],
+}
+
+impl<const N: usize, const M: usize> Default for Cycle<N, M> {
+    /// Time 0, one period after the last, nothing measured, no inputs before: the rest of a literal that names what it has.
+    fn default() -> Self {
+        Self {
+            time: 0.0,
+            periods: 1,
+            positions: None,
+            velocities: None,
+            torques: None,
+            last_inputs: [0.0; M],
+        }
+    }
 }
 
 /// What a controller proposes; the loop checks it before anything is written.
@@ -37,6 +56,11 @@ pub enum ControllerFault {
     },
     /// The state or the model's equations gave numbers that are not finite.
     NotFinite,
+    /// So many periods went by since the last step that a prediction over them is worth nothing.
+    Stalled {
+        /// How many.
+        periods: u32,
+    },
 }
 
 impl fmt::Display for ControllerFault {
@@ -47,6 +71,10 @@ impl fmt::Display for ControllerFault {
                 write!(f, "no usable input after {iterations} iterations")
             }
             Self::NotFinite => write!(f, "state or equations of motion are not finite"),
+            Self::Stalled { periods } => write!(
+                f,
+                "{periods} periods went by since the last step, too many to predict over"
+            ),
         }
     }
 }
@@ -86,8 +114,41 @@ pub trait Controller<const N: usize, const M: usize> {
         None
     }
 
-    /// Estimate of the state after the last step, for the log and the loop's checks; `None` for controllers without one.
+    /// Estimate of the state after the last step, for the log; `None` for controllers without one.
     fn estimate(&self) -> Option<Estimate<N>> {
         None
+    }
+
+    /// Brings the code and the data of the next step into the caches: computes what the step will compute, about the state
+    /// that `next` expects, and throws the result away. The loop calls it while it waits for the next period, once at most,
+    /// and not at all where there is no time for it (see [`LoopSettings::warm_up`](super::LoopSettings::warm_up)).
+    ///
+    /// What any later call returns must be the same to the last bit, whether this was called or not: change scratch memory
+    /// alone. A test that drives the controller with and without these calls and compares is short. The default does
+    /// nothing.
+    fn warm_up(&mut self, next: &Cycle<N, M>) {
+        let _ = next;
+    }
+}
+
+impl<const N: usize, const M: usize, C: Controller<N, M> + ?Sized> Controller<N, M> for &mut C {
+    fn reset(&mut self, positions: &[f64; N], inputs: &[f64; M]) {
+        (**self).reset(positions, inputs);
+    }
+
+    fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
+        (**self).step(cycle)
+    }
+
+    fn planned(&self, periods: u32) -> Option<[f64; M]> {
+        (**self).planned(periods)
+    }
+
+    fn estimate(&self) -> Option<Estimate<N>> {
+        (**self).estimate()
+    }
+
+    fn warm_up(&mut self, next: &Cycle<N, M>) {
+        (**self).warm_up(next);
     }
 }

@@ -3,20 +3,29 @@
 use super::clock::Clock;
 use super::controller::{Controller, ControllerFault, Cycle};
 use super::guard::EncoderFault;
-use super::monitor::{check_state, limit_inputs};
+use super::law::JointLaw;
+use super::monitor::{Situation, check_state, limit_inputs};
 use super::report::{Counts, End, STAGES, Source, StopReason};
 use super::run::{ControlLoop, Phase};
-use crate::dynamics::Dynamics;
 use crate::trajectory::{Sample, Trajectory};
-use crate::transport::{Brakes, Transport, TransportError};
+use crate::transport::{Brakes, Reading, Transport, TransportError};
 use std::time::Duration;
 
 /// A reading and what the guard thinks of it.
 pub(super) struct Judged<const N: usize> {
-    /// As read; NaN where nothing arrived.
-    pub positions: [f64; N],
+    /// As read; positions are NaN where nothing arrived.
+    pub reading: Reading<N>,
     /// The same, if it is believed.
-    pub believed: Option<[f64; N]>,
+    pub believed: Option<Measured<N>>,
+}
+
+/// What is believed of a reading.
+#[derive(Clone, Copy)]
+pub(super) struct Measured<const N: usize> {
+    pub positions: [f64; N],
+    pub velocities: Option<[f64; N]>,
+    /// None too where one is not finite: nothing here depends on them.
+    pub torques: Option<[f64; N]>,
 }
 
 /// Inputs before the limits.
@@ -26,18 +35,18 @@ pub(super) struct Proposal<const M: usize> {
     pub iterations: u32,
 }
 
-impl<D, R, C, T, K, const N: usize, const M: usize> ControlLoop<D, R, C, T, K, N, M>
+impl<L, R, C, T, K, const N: usize, const M: usize> ControlLoop<L, R, C, T, K, N, M>
 where
-    D: Dynamics<N, M>,
+    L: JointLaw<N, M>,
     R: Trajectory<N>,
     C: Controller<N, M>,
     T: Transport<N, M>,
     K: Clock,
 {
-    /// Reads and judges positions. Too long without a believable one, and it brakes.
+    /// Reads and judges a measurement. Too long without a believable one, and it brakes.
     pub(super) fn read(&mut self, desired: &[f64; N], periods: u32) -> Judged<N> {
         let missing = Judged {
-            positions: [f64::NAN; N],
+            reading: Reading::of([f64::NAN; N], Brakes::Unknown),
             believed: None,
         };
         let reading = match self.transport.read() {
@@ -62,13 +71,17 @@ where
         if reading.brakes == Brakes::Engaged && self.state.reference.time() >= 0.0 {
             self.engage(End::Stopped(StopReason::BrakedByRobot));
         }
-        let positions = reading.positions;
         let (_, age) = self.state.guard.believed();
-        let believed = match self.state.guard.check(&positions, desired) {
+        let (positions, velocities) = (&reading.positions, reading.velocities.as_ref());
+        let believed = match self.state.guard.check(positions, velocities, desired) {
             Ok(()) => {
                 self.state.unmeasured = 0;
-                self.state.filter.update(&positions, age);
-                Some(positions)
+                self.estimate_velocities(&reading, age);
+                Some(Measured {
+                    positions: reading.positions,
+                    velocities: reading.velocities,
+                    torques: reading.torques.filter(is_finite),
+                })
             }
             Err(fault) => {
                 self.state.counts.take_encoder_fault(&fault);
@@ -76,10 +89,17 @@ where
                 None
             }
         };
-        Judged {
-            positions,
-            believed,
-        }
+        Judged { reading, believed }
+    }
+
+    /// As measured, where they are; else from the positions, `age` seconds after the last.
+    fn estimate_velocities(&mut self, reading: &Reading<N>, age: f64) {
+        let filter = &mut self.state.filter;
+        // Both take what the guard believes: finite numbers, and differences that do not overflow.
+        let _ = match &reading.velocities {
+            Some(velocities) => filter.update_measured(&reading.positions, velocities),
+            None => filter.update(&reading.positions, age),
+        };
     }
 
     fn go_unmeasured(&mut self, periods: u32, reason: StopReason) {
@@ -93,12 +113,12 @@ where
     pub(super) fn propose(
         &mut self,
         desired: &Sample<N>,
-        positions: Option<[f64; N]>,
+        measured: Option<Measured<N>>,
         periods: u32,
     ) -> Proposal<M> {
         match self.state.phase {
-            Phase::Running => self.follow_controller(desired, positions, periods),
-            Phase::Stopping(_) => self.follow_feed_forward_pd(desired, positions),
+            Phase::Running => self.follow_controller(desired, measured, periods),
+            Phase::Stopping(_) => self.fall_back(desired, measured),
             _ => self.hold(),
         }
     }
@@ -106,13 +126,15 @@ where
     fn follow_controller(
         &mut self,
         desired: &Sample<N>,
-        positions: Option<[f64; N]>,
+        measured: Option<Measured<N>>,
         periods: u32,
     ) -> Proposal<M> {
         let cycle = Cycle {
             time: self.state.reference.time(),
             periods,
-            positions,
+            positions: measured.map(|m| m.positions),
+            velocities: measured.and_then(|m| m.velocities),
+            torques: measured.and_then(|m| m.torques),
             last_inputs: self.state.inputs,
         };
         let fault = match self.controller.step(&cycle) {
@@ -133,7 +155,7 @@ where
             self.slow_down(StopReason::Controller(fault));
         }
         self.follow_plan()
-            .unwrap_or_else(|| self.follow_feed_forward_pd(desired, positions))
+            .unwrap_or_else(|| self.fall_back(desired, measured))
     }
 
     fn follow_plan(&self) -> Option<Proposal<M>> {
@@ -149,18 +171,17 @@ where
         })
     }
 
-    fn follow_feed_forward_pd(
-        &self,
-        desired: &Sample<N>,
-        positions: Option<[f64; N]>,
-    ) -> Proposal<M> {
+    fn fall_back(&self, desired: &Sample<N>, measured: Option<Measured<N>>) -> Proposal<M> {
         let velocities = self.state.filter.velocities();
-        let inputs = positions.and_then(|y| self.fallback.inputs(desired, &y, velocities).ok());
+        let inputs = measured.and_then(|m| {
+            let inputs = self.fallback.inputs(desired, &m.positions, velocities);
+            inputs.ok().filter(is_finite)
+        });
         inputs.map_or_else(
             || self.hold(),
             |inputs| Proposal {
                 inputs,
-                source: Source::FeedForwardPd,
+                source: Source::Fallback,
                 iterations: 0,
             },
         )
@@ -179,7 +200,13 @@ where
         self.state.counts.limited_inputs += limit_inputs(&mut inputs, &self.settings.input_limit);
         let (positions, age) = self.state.guard.believed();
         let velocities = self.state.filter.velocities();
-        if let Err(fault) = check_state(&self.settings, &positions, velocities, age, desired) {
+        let situation = Situation {
+            positions: &positions,
+            velocities,
+            age,
+            desired,
+        };
+        if let Err(fault) = check_state(&self.settings, &self.joints, &situation) {
             self.engage(End::Stopped(StopReason::Limit(fault)));
         } else if let Some(end) = self.end_of_motion() {
             self.engage(end);
@@ -224,6 +251,7 @@ impl Counts {
             EncoderFault::NotFinite { .. } => self.not_finite += 1,
             EncoderFault::Jump { .. } => self.jumps += 1,
             EncoderFault::Frozen { .. } => self.frozen += 1,
+            EncoderFault::Velocity { .. } => self.velocity_faults += 1,
         }
     }
 
@@ -231,7 +259,7 @@ impl Counts {
         match source {
             Source::Controller => self.controller += 1,
             Source::Plan => self.plan += 1,
-            Source::FeedForwardPd => self.feed_forward_pd += 1,
+            Source::Fallback => self.fallback += 1,
             Source::Held => self.held += 1,
             Source::Late | Source::Brake => {}
         }
@@ -245,6 +273,6 @@ impl Counts {
     }
 }
 
-fn is_finite<const M: usize>(inputs: &[f64; M]) -> bool {
-    inputs.iter().all(|u| u.is_finite())
+fn is_finite<const L: usize>(values: &[f64; L]) -> bool {
+    values.iter().all(|u| u.is_finite())
 }

@@ -1,5 +1,6 @@
 //! Is a measurement believable?
 
+use crate::dynamics::{Named, numbered};
 use std::fmt;
 
 /// What is wrong with a measured position.
@@ -9,11 +10,15 @@ pub enum EncoderFault {
     NotFinite {
         /// Index of the coordinate.
         joint: usize,
+        /// Its name.
+        name: &'static str,
     },
     /// Further from the last believed position than the joint can have moved.
     Jump {
         /// Index of the coordinate.
         joint: usize,
+        /// Its name.
+        name: &'static str,
         /// Distance from the last believed position [rad or m].
         distance: f64,
         /// Distance that would have been believed [rad or m].
@@ -23,26 +28,59 @@ pub enum EncoderFault {
     Frozen {
         /// Index of the coordinate.
         joint: usize,
+        /// Its name.
+        name: &'static str,
         /// Distance that the desired position moved meanwhile [rad or m].
         desired: f64,
+    },
+    /// The measured velocity is not finite, or not that with which the positions change: a wrong sign, unit or gear ratio, or
+    /// a sensor that fails.
+    Velocity {
+        /// Index of the coordinate.
+        joint: usize,
+        /// Its name.
+        name: &'static str,
+        /// What was measured [rad/s or m/s].
+        measured: f64,
+        /// Measured velocity minus that of the positions, both over the last tenth of a second [rad/s or m/s].
+        mismatch: f64,
+        /// Magnitude of the mismatch that would have been believed [rad/s or m/s].
+        possible: f64,
     },
 }
 
 impl fmt::Display for EncoderFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotFinite { joint } => write!(f, "encoder of joint {joint} is not finite"),
+            Self::NotFinite { name, .. } => {
+                write!(f, "encoder of joint {} is not finite", Named(name))
+            }
             Self::Jump {
-                joint,
+                name,
                 distance,
                 possible,
+                ..
             } => write!(
                 f,
-                "encoder of joint {joint} jumped by {distance:.4}; the joint can move {possible:.4} in that time"
+                "encoder of joint {} jumped by {distance:.4}; the joint can move {possible:.4} in that time",
+                Named(name)
             ),
-            Self::Frozen { joint, desired } => write!(
+            Self::Frozen { name, desired, .. } => write!(
                 f,
-                "encoder of joint {joint} did not change while {desired:.4} of motion was desired"
+                "encoder of joint {} did not change while {desired:.4} of motion was desired",
+                Named(name)
+            ),
+            Self::Velocity {
+                name,
+                measured,
+                mismatch,
+                possible,
+                ..
+            } => write!(
+                f,
+                "velocity {measured:.4} measured at joint {} is off by {mismatch:.4} from the change of its position, more than \
+                 {possible:.4}: check its sign and unit",
+                Named(name)
             ),
         }
     }
@@ -57,7 +95,15 @@ pub struct GuardSettings<const N: usize> {
     pub jump_margin: [f64; N],
     /// Desired motion during which a reading may stay the same: stiction, backlash and following error [rad or m].
     pub frozen_motion: [f64; N],
+    /// Difference between a measured velocity and that of the positions that is believed: noise, and the delay of the drive's
+    /// filter times the acceleration [rad/s or m/s]. Infinite: they are not compared.
+    pub velocity_mismatch: [f64; N],
 }
+
+/// Distance that is a jump also where none is set [rad or m]: velocities from it must not overflow.
+const NO_DISTANCE: f64 = 1e100;
+/// Time over which measured velocities are compared with positions (s): differences of positions are noisy.
+const MISMATCH_TIME: f64 = 0.1;
 
 /// Judges measurements by the ones before.
 ///
@@ -65,30 +111,45 @@ pub struct GuardSettings<const N: usize> {
 #[derive(Debug, Clone)]
 pub struct EncoderGuard<const N: usize> {
     settings: GuardSettings<N>,
+    names: [&'static str; N],
     believed: [f64; N],
+    /// Measured with `believed`.
+    velocities: Option<[f64; N]>,
     /// Time since `believed` was measured (s).
     age: f64,
     last_reading: [f64; N],
     /// Desired position when the reading last changed.
     desired_at_change: [f64; N],
+    /// Measured velocity minus that of the positions, low-pass filtered.
+    mismatch: [f64; N],
 }
 
 impl<const N: usize> EncoderGuard<N> {
-    /// Begins with a position that is believed.
+    /// Begins with a position that is believed, and with numbers as the names of the joints.
     #[must_use]
     pub fn new(settings: GuardSettings<N>, positions: [f64; N], desired: [f64; N]) -> Self {
         Self {
             settings,
+            names: numbered(),
             believed: positions,
+            velocities: None,
             age: 0.0,
             last_reading: positions,
             desired_at_change: desired,
+            mismatch: [0.0; N],
         }
     }
 
-    /// Notes that `span` seconds went by.
+    /// With these names of the joints in its faults.
+    #[must_use]
+    pub fn with_names(mut self, names: [&'static str; N]) -> Self {
+        self.names = names;
+        self
+    }
+
+    /// Notes that `span` seconds went by; what is not positive counts as none.
     pub fn elapse(&mut self, span: f64) {
-        self.age += span;
+        self.age += span.max(0.0);
     }
 
     /// Last position that was believed [rad or m], and its age (s).
@@ -97,11 +158,17 @@ impl<const N: usize> EncoderGuard<N> {
         (self.believed, self.age)
     }
 
-    /// Judges one reading, given the position that is desired at the same time.
+    /// Judges one reading, given the position that is desired at the same time; velocities where they were measured with it
+    /// [rad/s or m/s].
     ///
     /// # Errors
     /// The first [`EncoderFault`]; the reading then is not taken over.
-    pub fn check(&mut self, reading: &[f64; N], desired: &[f64; N]) -> Result<(), EncoderFault> {
+    pub fn check(
+        &mut self,
+        reading: &[f64; N],
+        velocities: Option<&[f64; N]>,
+        desired: &[f64; N],
+    ) -> Result<(), EncoderFault> {
         for i in 0..N {
             // NaN differs from itself and so counts as a change, as it should: it is no frozen encoder.
             if reading[i] != self.last_reading[i] {
@@ -112,21 +179,33 @@ impl<const N: usize> EncoderGuard<N> {
         for i in 0..N {
             self.check_joint(i, reading[i], desired[i])?;
         }
+        if let Some(velocities) = velocities {
+            self.compare(reading, velocities);
+            for i in 0..N {
+                self.check_velocity(i, velocities[i])?;
+            }
+        }
+        self.velocities = velocities.copied();
         self.believed = *reading;
         self.age = 0.0;
         Ok(())
     }
 
     fn check_joint(&self, joint: usize, reading: f64, desired: f64) -> Result<(), EncoderFault> {
+        let name = self.names[joint];
         if !reading.is_finite() {
-            return Err(EncoderFault::NotFinite { joint });
+            return Err(EncoderFault::NotFinite { joint, name });
         }
         let settings = &self.settings;
         let distance = (reading - self.believed[joint]).abs();
-        let possible = settings.jump_speed[joint] * self.age + settings.jump_margin[joint];
-        if distance > possible {
+        let margin = settings.jump_margin[joint];
+        let possible = settings.jump_speed[joint] * self.age + margin;
+        // Written so that NaN is a jump. No time and no limit of the speed: 0 · ∞.
+        let near = distance <= possible || (self.age == 0.0 && distance <= margin);
+        if !(near && distance < NO_DISTANCE) {
             return Err(EncoderFault::Jump {
                 joint,
+                name,
                 distance,
                 possible,
             });
@@ -135,10 +214,43 @@ impl<const N: usize> EncoderGuard<N> {
         if moved > settings.frozen_motion[joint] {
             return Err(EncoderFault::Frozen {
                 joint,
+                name,
                 desired: moved,
             });
         }
         Ok(())
+    }
+
+    /// Filters the difference of the mean measured velocity (trapezoidal rule) and the mean velocity of the positions since the
+    /// last believed reading.
+    fn compare(&mut self, reading: &[f64; N], velocities: &[f64; N]) {
+        let Some(before) = self.velocities.filter(|_| self.age > 0.0) else {
+            return;
+        };
+        let weight = self.age / (self.age + MISMATCH_TIME);
+        for i in 0..N {
+            let slope = (reading[i] - self.believed[i]) / self.age;
+            let difference = 0.5 * (before[i] + velocities[i]) - slope;
+            let change = weight * (difference - self.mismatch[i]);
+            // A sensor's NaN is told at once; it must not stay.
+            if change.is_finite() {
+                self.mismatch[i] += change;
+            }
+        }
+    }
+
+    fn check_velocity(&self, joint: usize, measured: f64) -> Result<(), EncoderFault> {
+        let (mismatch, possible) = (self.mismatch[joint], self.settings.velocity_mismatch[joint]);
+        if measured.is_finite() && mismatch.abs() <= possible {
+            return Ok(());
+        }
+        Err(EncoderFault::Velocity {
+            joint,
+            name: self.names[joint],
+            measured,
+            mismatch,
+            possible,
+        })
     }
 }
 
@@ -150,6 +262,7 @@ mod tests {
         jump_speed: [2.0; 2],
         jump_margin: [0.001; 2],
         frozen_motion: [0.05; 2],
+        velocity_mismatch: [0.2; 2],
     };
 
     fn guard() -> EncoderGuard<2> {
@@ -161,7 +274,7 @@ mod tests {
     #[test]
     fn what_a_joint_can_do_is_believed() {
         let mut guard = guard();
-        assert_eq!(guard.check(&[1.04, -0.04], &[1.04, -0.04]), Ok(()));
+        assert_eq!(guard.check(&[1.04, -0.04], None, &[1.04, -0.04]), Ok(()));
         assert_eq!(guard.believed(), ([1.04, -0.04], 0.0));
     }
 
@@ -169,8 +282,11 @@ mod tests {
     fn nan_and_infinity_are_not() {
         for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert_eq!(
-                guard().check(&[1.0, x], &[1.0, 0.0]),
-                Err(EncoderFault::NotFinite { joint: 1 })
+                guard().check(&[1.0, x], None, &[1.0, 0.0]),
+                Err(EncoderFault::NotFinite {
+                    joint: 1,
+                    name: "2"
+                })
             );
         }
     }
@@ -178,24 +294,24 @@ mod tests {
     #[test]
     fn a_jump_is_not_and_the_last_believed_position_stays() {
         let mut guard = guard();
-        let fault = guard.check(&[1.0, 0.05], &[1.0, 0.0]).unwrap_err();
+        let fault = guard.check(&[1.0, 0.05], None, &[1.0, 0.0]).unwrap_err();
         assert!(matches!(fault, EncoderFault::Jump { joint: 1, .. }));
         assert_eq!(guard.believed(), ([1.0, 0.0], 0.02));
         // After a longer silence the same distance is possible.
         guard.elapse(0.02);
-        assert_eq!(guard.check(&[1.0, 0.05], &[1.0, 0.0]), Ok(()));
+        assert_eq!(guard.check(&[1.0, 0.05], None, &[1.0, 0.0]), Ok(()));
     }
 
     #[test]
     fn a_reading_that_stays_while_motion_is_desired_is_frozen() {
         let mut guard = guard();
-        assert_eq!(guard.check(&[1.0, 0.01], &[1.04, 0.01]), Ok(()));
-        let fault = guard.check(&[1.0, 0.02], &[1.06, 0.02]).unwrap_err();
+        assert_eq!(guard.check(&[1.0, 0.01], None, &[1.04, 0.01]), Ok(()));
+        let fault = guard.check(&[1.0, 0.02], None, &[1.06, 0.02]).unwrap_err();
         assert!(matches!(fault, EncoderFault::Frozen { joint: 0, .. }));
-        assert!(fault.to_string().starts_with("encoder of joint 0 did not"));
+        assert!(fault.to_string().starts_with("encoder of joint 1 did not"));
         // A new reading counts from where it changed.
         guard.elapse(0.02);
-        assert_eq!(guard.check(&[1.001, 0.03], &[1.07, 0.03]), Ok(()));
+        assert_eq!(guard.check(&[1.001, 0.03], None, &[1.07, 0.03]), Ok(()));
     }
 
     #[test]
@@ -203,7 +319,71 @@ mod tests {
         let mut guard = guard();
         for _ in 0..1000 {
             guard.elapse(0.02);
-            assert_eq!(guard.check(&[1.0, 0.0], &[1.0, 0.0]), Ok(()));
+            assert_eq!(guard.check(&[1.0, 0.0], None, &[1.0, 0.0]), Ok(()));
         }
+    }
+
+    /// Joint 0 moves at 1 rad/s; what is measured is `factor` times that. Periods until a fault.
+    fn periods_believed(factor: f64, period: f64, noise: f64) -> Option<u32> {
+        let mut guard = EncoderGuard::new(SETTINGS, [0.0; 2], [0.0; 2]);
+        (1..=(2.0 / period) as u32).find(|k| {
+            let time = f64::from(*k) * period;
+            let y = time + if k % 2 == 0 { noise } else { -noise };
+            guard.elapse(period);
+            let fault = guard.check(&[y, 0.0], Some(&[factor, 0.0]), &[y, 0.0]);
+            if let Err(fault) = fault {
+                assert!(matches!(fault, EncoderFault::Velocity { joint: 0, .. }));
+            }
+            fault.is_err()
+        })
+    }
+
+    #[test]
+    fn velocities_of_another_sign_or_unit_are_not_believed() {
+        for period in [0.02, 0.001] {
+            // Encoder noise of 0.1 mrad, which makes 0.2 rad/s of differences at 1 kHz.
+            assert_eq!(periods_believed(1.0, period, 1e-4), None);
+            assert_eq!(periods_believed(1.15, period, 1e-4), None);
+            // A turned sign, the motor's side of a gear, degrees.
+            for factor in [-1.0, 161.0, 57.3, 0.0] {
+                let periods = periods_believed(factor, period, 1e-4).unwrap();
+                assert!(f64::from(periods) * period < 0.1, "{factor}: {periods}");
+            }
+        }
+    }
+
+    #[test]
+    fn velocities_that_are_no_numbers_are_not_believed() {
+        let mut guard = guard();
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let fault = guard
+                .check(&[1.0, 0.0], Some(&[0.0, bad]), &[1.0, 0.0])
+                .unwrap_err();
+            assert!(matches!(fault, EncoderFault::Velocity { joint: 1, .. }));
+        }
+        let good = guard.check(&[1.0, 0.0], Some(&[0.0, 0.0]), &[1.0, 0.0]);
+        assert_eq!(good, Ok(()));
+    }
+
+    /// Settings of the caller's own, without the checks of the loop: no number counts as no allowance.
+    #[test]
+    fn no_numbers_among_settings_and_times_let_nothing_through() {
+        let settings = GuardSettings {
+            jump_speed: [f64::INFINITY; 2],
+            ..SETTINGS
+        };
+        let mut guard = EncoderGuard::new(settings, [1.0, 0.0], [1.0, 0.0]);
+        guard.elapse(f64::NAN);
+        guard.elapse(-1.0);
+        assert_eq!(guard.believed().1, 0.0);
+        assert!(guard.check(&[1.01, 0.0], None, &[1.0, 0.0]).is_err());
+        assert_eq!(guard.check(&[1.0, 0.0], None, &[1.0, 0.0]), Ok(()));
+        let settings = GuardSettings {
+            jump_speed: [f64::NAN; 2],
+            ..SETTINGS
+        };
+        let mut guard = EncoderGuard::new(settings, [1.0, 0.0], [1.0, 0.0]);
+        guard.elapse(0.02);
+        assert!(guard.check(&[1.0, 0.0], None, &[1.0, 0.0]).is_err());
     }
 }

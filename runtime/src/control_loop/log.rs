@@ -1,6 +1,7 @@
 //! The log: a lock-free queue from the loop to a thread that writes CSV.
 
 use super::report::Source;
+use crate::dynamics::Dynamics;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -22,6 +23,10 @@ pub struct LogRecord<const N: usize, const M: usize> {
     pub positions: [f64; N],
     /// Estimated velocities: the controller's, or else the loop's [rad/s or m/s].
     pub velocities: [f64; N],
+    /// Velocities as read [rad/s or m/s], NaN where nothing arrived; None in all records of a robot that does not measure them.
+    pub measured_velocities: Option<[f64; N]>,
+    /// Forces of the drives at the joints as read [N m or N]; NaN and None as above.
+    pub measured_torques: Option<[f64; N]>,
     /// Desired positions [rad or m].
     pub desired: [f64; N],
     /// Inputs that the robot has from now on, in their units.
@@ -87,34 +92,52 @@ impl LogWriter {
     }
 }
 
+/// Most records between two looks of the writer: all their memory is taken at once.
+pub const MAX_LOG_CAPACITY: usize = 1 << 20;
+
 /// A log into a CSV file, for `capacity` records between two looks of the writer (every 5 ms; 1000 is plenty). Call it
 /// before real-time scheduling is requested, so that the writer does not inherit it.
 ///
-/// Columns, with 1-based numbers: `time`, `q1…` (positions as read, NaN where nothing arrived), `dq1…` (estimated velocities),
-/// `desired1…`, `u1…`, `source`, `believed`, `iterations`, `lateness_ns`, `read_ns`, `control_ns`, `check_ns`, `write_ns`.
+/// Columns, where `NAME` is that of the joint or input in `model`: `time`, `q_NAME` … (positions as read, NaN where nothing
+/// arrived), `dq_NAME` … (estimated velocities), `measured_dq_NAME` … and `measured_tau_NAME` … (velocities and forces of the
+/// drives as read, of robots that measure them), `desired_NAME` …, `u_NAME` …, `source`, `believed`, `iterations`,
+/// `lateness_ns`, `read_ns`, `control_ns`, `check_ns`, `write_ns`. Names with commas or quotation marks are quoted.
 ///
 /// # Errors
-/// [`io::Error`] where the file cannot be made or no thread can be started.
+/// [`io::Error`] where the file cannot be made or no thread can be started, and for a capacity that is 0 or above
+/// [`MAX_LOG_CAPACITY`].
 pub fn log_to_file<const N: usize, const M: usize>(
     path: &Path,
+    model: &impl Dynamics<N, M>,
     capacity: usize,
 ) -> io::Result<(LogSink<N, M>, LogWriter)> {
-    log_to(BufWriter::new(File::create(path)?), capacity)
+    check_capacity(capacity)?;
+    log_to(BufWriter::new(File::create(path)?), model, capacity)
 }
 
 /// As [`log_to_file`], into anything that can be written to.
 ///
 /// # Errors
-/// [`io::Error`] where no thread can be started.
+/// As [`log_to_file`].
 pub fn log_to<const N: usize, const M: usize>(
     output: impl Write + Send + 'static,
+    model: &impl Dynamics<N, M>,
     capacity: usize,
 ) -> io::Result<(LogSink<N, M>, LogWriter)> {
-    let (producer, consumer) = RingBuffer::new(capacity.max(1));
+    start(output, (model.joint_names(), model.input_names()), capacity)
+}
+
+fn start<const N: usize, const M: usize>(
+    output: impl Write + Send + 'static,
+    names: Names<N, M>,
+    capacity: usize,
+) -> io::Result<(LogSink<N, M>, LogWriter)> {
+    check_capacity(capacity)?;
+    let (producer, consumer) = RingBuffer::new(capacity);
     let dropped = Arc::new(AtomicU64::new(0));
     let thread = std::thread::Builder::new()
         .name("loop-log".into())
-        .spawn(move || write_all(consumer, csv::Writer::from_writer(output)))?;
+        .spawn(move || write_all(consumer, &names, csv::Writer::from_writer(output)))?;
     let sink = LogSink {
         producer,
         dropped: Arc::clone(&dropped),
@@ -122,20 +145,43 @@ pub fn log_to<const N: usize, const M: usize>(
     Ok((sink, LogWriter { thread, dropped }))
 }
 
+fn check_capacity(capacity: usize) -> io::Result<()> {
+    if (1..=MAX_LOG_CAPACITY).contains(&capacity) {
+        return Ok(());
+    }
+    Err(io::Error::new(
+        io::ErrorKind::InvalidInput,
+        format!("the log's capacity is {capacity} records; it must be 1 to {MAX_LOG_CAPACITY}"),
+    ))
+}
+
+/// Names of joints and inputs.
+type Names<const N: usize, const M: usize> = ([&'static str; N], [&'static str; M]);
+
 fn write_all<const N: usize, const M: usize>(
     mut records: Consumer<LogRecord<N, M>>,
+    names: &Names<N, M>,
     mut output: csv::Writer<impl Write>,
 ) -> io::Result<u64> {
-    output.write_record(header::<N, M>())?;
     let mut written = 0;
+    // The first record shows which columns there are.
+    let mut measures = None;
     loop {
         // Asked before the queue is emptied: what was pushed before the sink was dropped is then still found.
         let last = records.is_abandoned();
         while let Ok(record) = records.pop() {
-            output.write_record(fields(&record))?;
+            let shown = Measures::of(&record);
+            let columns = *measures.get_or_insert(shown);
+            if written == 0 {
+                output.write_record(header(names, columns))?;
+            }
+            output.write_record(fields(&record, columns))?;
             written += 1;
         }
         if last {
+            if measures.is_none() {
+                output.write_record(header(names, Measures::default()))?;
+            }
             output.flush()?;
             return Ok(written);
         }
@@ -143,8 +189,26 @@ fn write_all<const N: usize, const M: usize>(
     }
 }
 
-fn header<const N: usize, const M: usize>() -> impl Iterator<Item = String> {
-    let numbered = |name: &'static str, n: usize| (1..=n).map(move |i| format!("{name}{i}"));
+/// What is measured beside positions.
+#[derive(Clone, Copy, Default)]
+struct Measures {
+    velocities: bool,
+    torques: bool,
+}
+
+impl Measures {
+    fn of<const N: usize, const M: usize>(record: &LogRecord<N, M>) -> Self {
+        Self {
+            velocities: record.measured_velocities.is_some(),
+            torques: record.measured_torques.is_some(),
+        }
+    }
+}
+
+fn header<const N: usize, const M: usize>(
+    (joints, inputs): &Names<N, M>,
+    measures: Measures,
+) -> Vec<String> {
     let rest = [
         "source",
         "believed",
@@ -155,20 +219,40 @@ fn header<const N: usize, const M: usize>() -> impl Iterator<Item = String> {
         "check_ns",
         "write_ns",
     ];
-    std::iter::once("time".to_owned())
-        .chain(numbered("q", N))
-        .chain(numbered("dq", N))
-        .chain(numbered("desired", N))
-        .chain(numbered("u", M))
-        .chain(rest.into_iter().map(str::to_owned))
+    let mut header = vec!["time".to_owned()];
+    let mut add = |prefix: &str, names: &[&str]| {
+        header.extend(names.iter().map(|name| format!("{prefix}_{name}")));
+    };
+    add("q", joints);
+    add("dq", joints);
+    if measures.velocities {
+        add("measured_dq", joints);
+    }
+    if measures.torques {
+        add("measured_tau", joints);
+    }
+    add("desired", joints);
+    add("u", inputs);
+    header.extend(rest.map(str::to_owned));
+    header
 }
 
 fn fields<const N: usize, const M: usize>(
     record: &LogRecord<N, M>,
+    measures: Measures,
 ) -> impl Iterator<Item = String> {
+    // As many fields as the header has, whatever the record holds.
+    let column = |measured: bool, values: Option<[f64; N]>| {
+        measured
+            .then(|| values.unwrap_or([f64::NAN; N]))
+            .into_iter()
+            .flatten()
+    };
     let numbers = std::iter::once(record.time)
         .chain(record.positions)
         .chain(record.velocities)
+        .chain(column(measures.velocities, record.measured_velocities))
+        .chain(column(measures.torques, record.measured_torques))
         .chain(record.desired)
         .chain(record.inputs);
     numbers
@@ -201,11 +285,16 @@ mod tests {
         }
     }
 
+    /// Two joints, one with a name that no description forbids, and one input.
+    const NAMES: Names<2, 1> = (["beta", "left \"arm\", upper"], ["1"]);
+
     fn record(time: f64) -> LogRecord<2, 1> {
         LogRecord {
             time,
             positions: [0.25, f64::NAN],
             velocities: [0.0, -1.5],
+            measured_velocities: None,
+            measured_torques: None,
             desired: [0.5, 0.1],
             inputs: [0.125],
             source: Source::Held,
@@ -216,22 +305,57 @@ mod tests {
         }
     }
 
-    #[test]
-    fn what_is_pushed_is_written_in_order() {
+    fn written(records: &[LogRecord<2, 1>]) -> String {
         let text = Shared::default();
-        let (mut sink, writer) = log_to::<2, 1>(text.clone(), 8).unwrap();
-        sink.push(record(0.0));
-        sink.push(record(0.02));
+        let (mut sink, writer) = start(text.clone(), NAMES, 8).unwrap();
+        records.iter().for_each(|record| sink.push(*record));
         drop(sink);
         let summary = writer.finish().unwrap();
-        assert_eq!((summary.written, summary.dropped), (2, 0));
-        let text = String::from_utf8(text.0.lock().unwrap().clone()).unwrap();
         assert_eq!(
-            text,
-            "time,q1,q2,dq1,dq2,desired1,desired2,u1,source,believed,iterations,lateness_ns,read_ns,control_ns,check_ns,write_ns\n\
-             0,0.25,NaN,0,-1.5,0.5,0.1,0.125,held,0,7,1,2,3,4,5\n\
-             0.02,0.25,NaN,0,-1.5,0.5,0.1,0.125,held,0,7,1,2,3,4,5\n"
+            (summary.written, summary.dropped),
+            (records.len() as u64, 0)
         );
+        let bytes = text.0.lock().unwrap().clone();
+        String::from_utf8(bytes).unwrap()
+    }
+
+    #[test]
+    fn what_is_pushed_is_written_in_order() {
+        let header = "time,q_beta,\"q_left \"\"arm\"\", upper\",dq_beta,\"dq_left \"\"arm\"\", upper\",\
+                      desired_beta,\"desired_left \"\"arm\"\", upper\",u_1,\
+                      source,believed,iterations,lateness_ns,read_ns,control_ns,check_ns,write_ns\n";
+        assert_eq!(
+            written(&[record(0.0), record(0.02)]),
+            format!(
+                "{header}0,0.25,NaN,0,-1.5,0.5,0.1,0.125,held,0,7,1,2,3,4,5\n\
+                 0.02,0.25,NaN,0,-1.5,0.5,0.1,0.125,held,0,7,1,2,3,4,5\n"
+            )
+        );
+        assert_eq!(written(&[]), header, "a log without records has its head");
+    }
+
+    #[test]
+    fn what_the_robot_measures_has_columns() {
+        let measured = LogRecord {
+            measured_velocities: Some([0.1, 0.2]),
+            measured_torques: Some([3.0, f64::NAN]),
+            ..record(0.0)
+        };
+        // A record that differs from the first keeps its columns.
+        let text = written(&[measured, record(0.02)]);
+        let rows: Vec<&str> = text.lines().collect();
+        assert!(rows[0].contains(",measured_dq_beta,"), "{text}");
+        assert!(rows[0].contains(",measured_tau_beta,"), "{text}");
+        assert!(rows[1].starts_with("0,0.25,NaN,0,-1.5,0.1,0.2,3,NaN,0.5,"));
+        assert!(rows[2].starts_with("0.02,0.25,NaN,0,-1.5,NaN,NaN,NaN,NaN,0.5,"));
+    }
+
+    #[test]
+    fn capacities_are_checked() {
+        for capacity in [0, MAX_LOG_CAPACITY + 1, usize::MAX] {
+            let refused = start(io::sink(), NAMES, capacity).err().unwrap();
+            assert_eq!(refused.kind(), io::ErrorKind::InvalidInput);
+        }
     }
 
     #[test]

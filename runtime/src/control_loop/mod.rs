@@ -1,11 +1,11 @@
 //! The loop that drives a robot at a fixed rate, 50 Hz to 1 kHz.
 //!
 //! ```text
-//!        sleep until t_k = t_0 + k T, absolute
+//!        sleep until t_k = t_0 + k T, absolute; shortly before, the controller is computed once for the caches
 //!          │
-//!        read ── missing, NaN, jump, frozen ──► n periods bridged, then brakes
+//!        read ── missing, NaN, jump, frozen, velocity beside position ──► n periods bridged, then brakes
 //!          │
-//!        control ── fails ──► shifted plan ──► feed-forward with joint PD ──► controlled stop
+//!        control ── fails ──► shifted plan ──► fallback law (joint PD) ──► controlled stop
 //!          │
 //!        check: inputs cut off; position, braking distance, speed, following error ──► brakes
 //!          │
@@ -14,9 +14,13 @@
 //!        log: a queue without locks, a thread that writes CSV
 //! ```
 //!
-//! [`ControlLoop`] joins a [`Controller`], a [`Transport`](crate::transport::Transport) and a [`Clock`]. The limits and guards
-//! are its own and do not trust the controller. What it does on each fault is listed in
+//! [`ControlLoop`] joins a [`Controller`], a [`Transport`](crate::transport::Transport) and a [`Clock`]; [`write_a_controller`] is
+//! the guide to your own. The limits and guards are the loop's own and do not trust the controller. What it does on each fault is listed in
 //! [`attaching_hardware`](crate::transport::attaching_hardware); the [`LoopReport`] says what happened.
+//!
+//! Velocities, for the speed limit, the braking distance, the fallback and the log, are those that the robot measures where it
+//! does, after the guard has compared them with the positions; else low-pass filtered differences of positions
+//! ([`VelocityFilter`]).
 //!
 //! In real time, call [`RealtimeRequest::apply`] in the loop's thread, after everything is made. In tests, a [`VirtualClock`]
 //! makes a run exact and quick:
@@ -35,7 +39,7 @@
 //! let motion = RestToRest::new([0.0, 0.0], [0.2, -0.1], 1.0)?;
 //! let settings = LoopSettings::for_limits(50.0, &PowerCube.limits());
 //! let law = JointPd::new(PowerCube, JointGains::from_bandwidth(&PowerCube, &[0.0; 2], 10.0, 0.7))?;
-//! let controller = FeedForwardPd::new(law.clone(), motion, 0.02, 0.01);
+//! let controller = FeedForwardPd::new(law.clone(), motion, 0.02, 0.01)?;
 //! let clock = VirtualClock::new();
 //! let plant = Plant::new(PowerCube, PlantOptions::default())?;
 //! let robot = InProcess::new(plant, clock.clone(), settings.period());
@@ -49,10 +53,12 @@
 //! ```
 
 mod clock;
+mod computed_torque;
 mod controller;
 mod decide;
-mod feed_forward_pd;
 mod guard;
+mod joint_pd;
+mod law;
 mod log;
 mod monitor;
 mod realtime;
@@ -61,15 +67,21 @@ mod report;
 mod run;
 mod settings;
 mod stop_request;
+mod velocity_filter;
+#[doc = include_str!("write_a_controller.md")]
+pub mod write_a_controller {}
 
 pub use clock::{Clock, MonotonicClock, VirtualClock};
+pub use computed_torque::{AccelerationGains, ComputedTorque, ComputedTorqueError};
 pub use controller::{Command, Controller, ControllerFault, Cycle, Estimate};
-pub use feed_forward_pd::{FeedForwardPd, JointGains, JointPd, JointPdError};
 pub use guard::{EncoderFault, EncoderGuard, GuardSettings};
-pub use log::{LogRecord, LogSink, LogSummary, LogWriter, log_to, log_to_file};
+pub use joint_pd::{JointGains, JointPd, JointPdError};
+pub use law::{FeedForwardPd, JointLaw, LawController};
+pub use log::{LogRecord, LogSink, LogSummary, LogWriter, MAX_LOG_CAPACITY, log_to, log_to_file};
 pub use monitor::LimitFault;
 pub use realtime::{Grant, RealtimeReport, RealtimeRequest};
 pub use report::{Counts, End, LoopReport, Refusal, STAGES, Source, Stage, StopReason};
 pub use run::ControlLoop;
 pub use settings::{LoopSettings, RATES, SettingError};
 pub use stop_request::StopRequest;
+pub use velocity_filter::VelocityFilter;

@@ -1,6 +1,7 @@
 //! Limits outside the optimizer: what is written, and where the robot is.
 
 use super::settings::LoopSettings;
+use crate::dynamics::Named;
 use std::fmt;
 
 /// A limit that the robot has reached, or would before its brakes could stop it.
@@ -10,6 +11,8 @@ pub enum LimitFault {
     Position {
         /// Index of the coordinate.
         joint: usize,
+        /// Its name.
+        name: &'static str,
         /// Position [rad or m].
         position: f64,
         /// Where the brakes would stop it [rad or m].
@@ -21,6 +24,8 @@ pub enum LimitFault {
     Speed {
         /// Index of the coordinate.
         joint: usize,
+        /// Its name.
+        name: &'static str,
         /// Speed [rad/s or m/s].
         speed: f64,
         /// Limit [rad/s or m/s].
@@ -30,6 +35,8 @@ pub enum LimitFault {
     FollowingError {
         /// Index of the coordinate.
         joint: usize,
+        /// Its name.
+        name: &'static str,
         /// Measured minus desired position [rad or m].
         error: f64,
         /// Limit of its magnitude [rad or m].
@@ -41,30 +48,30 @@ impl fmt::Display for LimitFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Position {
-                joint,
+                name,
                 position,
                 stopping,
                 limits: [low, high],
+                ..
             } => write!(
                 f,
-                "joint {joint} at {position:.4} would stop at {stopping:.4}, outside {low:.4} to {high:.4}"
+                "joint {} at {position:.4} would stop at {stopping:.4}, outside {low:.4} to {high:.4}",
+                Named(name)
             ),
             Self::Speed {
-                joint,
-                speed,
-                limit,
+                name, speed, limit, ..
             } => write!(
                 f,
-                "joint {joint} moves at {speed:.4}, faster than {limit:.4}"
+                "joint {} moves at {speed:.4}, faster than {limit:.4}",
+                Named(name)
             ),
             Self::FollowingError {
-                joint,
-                error,
-                limit,
+                name, error, limit, ..
             } => write!(
                 f,
-                "joint {joint} is {error:.4} away from its desired position, more than {limit:.4}: if this is right after the \
-                 start, check signs and order of inputs and encoders"
+                "joint {} is {error:.4} away from its desired position, more than {limit:.4}: if this is right after the \
+                 start, check signs and order of inputs and encoders",
+                Named(name)
             ),
         }
     }
@@ -82,52 +89,65 @@ pub(super) fn limit_inputs<const M: usize>(inputs: &mut [f64; M], limit: &[f64; 
     limited
 }
 
-/// Position limits, without looking ahead.
+/// Position limits, without looking ahead; `names` are those of the joints.
 ///
 /// # Errors
 /// [`LimitFault::Position`].
 pub(super) fn check_positions<const N: usize, const M: usize>(
     settings: &LoopSettings<N, M>,
+    names: &[&'static str; N],
     positions: &[f64; N],
 ) -> Result<(), LimitFault> {
-    check_stop(settings, positions, positions)
+    check_stop(settings, names, positions, positions)
 }
 
-/// All limits of the state: `age` is the time since `positions` were measured (s).
+/// Where and how fast the robot is, and where it should be.
+pub(super) struct Situation<'a, const N: usize> {
+    pub positions: &'a [f64; N],
+    pub velocities: &'a [f64; N],
+    /// Time since the positions were measured (s).
+    pub age: f64,
+    pub desired: &'a [f64; N],
+}
+
+/// All limits of the state. Comparisons are written so that NaN is beyond each limit.
 ///
 /// # Errors
 /// The first [`LimitFault`].
 pub(super) fn check_state<const N: usize, const M: usize>(
     settings: &LoopSettings<N, M>,
-    positions: &[f64; N],
-    velocities: &[f64; N],
-    age: f64,
-    desired: &[f64; N],
+    names: &[&'static str; N],
+    situation: &Situation<'_, N>,
 ) -> Result<(), LimitFault> {
+    let (positions, velocities) = (situation.positions, situation.velocities);
     let stopping = core::array::from_fn(|i| {
         let v = velocities[i];
-        positions[i] + v * age + 0.5 * v * v.abs() / settings.braking_deceleration[i]
+        positions[i] + v * situation.age + 0.5 * v * v.abs() / settings.braking_deceleration[i]
     });
-    check_stop(settings, positions, &stopping)?;
+    check_stop(settings, names, positions, &stopping)?;
     for joint in 0..N {
         let (speed, limit) = (velocities[joint], settings.speed_limit[joint]);
-        if speed.abs() > limit {
+        let within = speed.is_finite() && speed.abs() <= limit;
+        if !within {
             return Err(LimitFault::Speed {
                 joint,
+                name: names[joint],
                 speed,
                 limit,
             });
         }
     }
     // An old position is no measure of the error.
-    for joint in (0..N).filter(|_| age == 0.0) {
+    for joint in (0..N).filter(|_| situation.age == 0.0) {
         let (error, limit) = (
-            positions[joint] - desired[joint],
+            positions[joint] - situation.desired[joint],
             settings.following_error[joint],
         );
-        if error.abs() > limit {
+        let within = error.abs() <= limit;
+        if !within {
             return Err(LimitFault::FollowingError {
                 joint,
+                name: names[joint],
                 error,
                 limit,
             });
@@ -138,6 +158,7 @@ pub(super) fn check_state<const N: usize, const M: usize>(
 
 fn check_stop<const N: usize, const M: usize>(
     settings: &LoopSettings<N, M>,
+    names: &[&'static str; N],
     positions: &[f64; N],
     stopping: &[f64; N],
 ) -> Result<(), LimitFault> {
@@ -147,6 +168,7 @@ fn check_stop<const N: usize, const M: usize>(
         if !(within(positions[joint]) && within(stopping[joint])) {
             return Err(LimitFault::Position {
                 joint,
+                name: names[joint],
                 position: positions[joint],
                 stopping: stopping[joint],
                 limits,
@@ -154,43 +176,6 @@ fn check_stop<const N: usize, const M: usize>(
         }
     }
     Ok(())
-}
-
-/// Velocities by low-pass filtered differences: `v̂ += Δt/(Δt + T_v) ((y − y_before)/Δt − v̂)`.
-#[derive(Debug, Clone)]
-pub(super) struct VelocityFilter<const N: usize> {
-    time_constant: f64,
-    positions: [f64; N],
-    velocities: [f64; N],
-}
-
-impl<const N: usize> VelocityFilter<N> {
-    /// At rest.
-    pub fn new(time_constant: f64, positions: [f64; N]) -> Self {
-        Self {
-            time_constant,
-            positions,
-            velocities: [0.0; N],
-        }
-    }
-
-    /// Takes positions `span` > 0 seconds after the last ones.
-    pub fn update(&mut self, positions: &[f64; N], span: f64) {
-        let weight = span / (span + self.time_constant);
-        for i in 0..N {
-            let slope = (positions[i] - self.positions[i]) / span;
-            self.velocities[i] += weight * (slope - self.velocities[i]);
-        }
-        self.positions = *positions;
-    }
-
-    pub fn positions(&self) -> &[f64; N] {
-        &self.positions
-    }
-
-    pub fn velocities(&self) -> &[f64; N] {
-        &self.velocities
-    }
 }
 
 #[cfg(test)]
@@ -219,12 +204,27 @@ mod tests {
         assert_eq!(inputs, [2.0, -3.0, 0.5]);
     }
 
+    fn check(y: f64, v: f64, age: f64, desired: f64) -> Result<(), LimitFault> {
+        let situation = Situation {
+            positions: &[y],
+            velocities: &[v],
+            age,
+            desired: &[desired],
+        };
+        check_state(&settings(), &["upper arm"], &situation)
+    }
+
     #[test]
     fn the_braking_distance_counts() {
         // 2 rad/s and 10 rad/s²: 0.2 rad.
-        let at = |y: f64, v: f64| check_state(&settings(), &[y], &[v], 0.0, &[y]);
+        let at = |y: f64, v: f64| check(y, v, 0.0, y);
         assert_eq!(at(0.79, 2.0), Ok(()));
-        assert!(matches!(at(0.81, 2.0), Err(LimitFault::Position { .. })));
+        let fault = at(0.81, 2.0).unwrap_err();
+        assert!(matches!(fault, LimitFault::Position { .. }));
+        assert_eq!(
+            fault.to_string(),
+            "joint \"upper arm\" at 0.8100 would stop at 1.0100, outside -1.0000 to 1.0000"
+        );
         assert_eq!(at(0.81, -2.0), Ok(()), "it moves away");
         assert!(matches!(at(-0.81, -2.0), Err(LimitFault::Position { .. })));
         assert!(matches!(at(1.01, 0.0), Err(LimitFault::Position { .. })));
@@ -233,23 +233,43 @@ mod tests {
 
     #[test]
     fn an_old_position_is_extrapolated() {
-        let at = |age: f64| check_state(&settings(), &[0.7], &[2.0], age, &[0.7]);
+        let at = |age: f64| check(0.7, 2.0, age, 0.7);
         assert_eq!(at(0.04), Ok(()));
         assert!(matches!(at(0.06), Err(LimitFault::Position { .. })));
     }
 
     #[test]
     fn the_following_error_has_a_limit() {
-        let fault = check_state(&settings(), &[0.2], &[0.0], 0.0, &[0.05]).unwrap_err();
+        let fault = check(0.2, 0.0, 0.0, 0.05).unwrap_err();
         assert!(fault.to_string().contains("check signs"), "{fault}");
     }
 
+    /// Also where the limits are infinite, which nothing finite exceeds.
     #[test]
-    fn velocities_settle_at_the_slope() {
-        let mut filter = VelocityFilter::new(0.01, [1.0]);
-        for k in 1..=50 {
-            filter.update(&[1.0 + 0.005 * f64::from(k)], 0.01);
+    fn what_is_no_number_is_beyond_every_limit() {
+        let unlimited = LoopSettings {
+            position_limits: [[f64::NEG_INFINITY, f64::INFINITY]],
+            speed_limit: [f64::INFINITY],
+            braking_deceleration: [f64::INFINITY],
+            following_error: [f64::INFINITY],
+            ..settings()
+        };
+        let check = |y: f64, v: f64, desired: f64| {
+            let situation = Situation {
+                positions: &[y],
+                velocities: &[v],
+                age: 0.0,
+                desired: &[desired],
+            };
+            check_state(&unlimited, &["1"], &situation)
+        };
+        assert_eq!(check(0.0, 1e100, 0.0), Ok(()));
+        for (y, v, desired) in [
+            (0.0, f64::NAN, 0.0),
+            (0.0, f64::INFINITY, 0.0),
+            (0.0, 0.0, f64::NAN),
+        ] {
+            assert!(check(y, v, desired).is_err(), "{y} {v} {desired}");
         }
-        assert!((filter.velocities()[0] - 0.5).abs() < 1e-12);
     }
 }

@@ -3,6 +3,7 @@
 use super::controller::ControllerFault;
 use super::guard::EncoderFault;
 use super::monitor::LimitFault;
+use crate::dynamics::Named;
 use crate::transport::{Brakes, TransportError};
 use std::fmt;
 use std::time::Duration;
@@ -32,8 +33,8 @@ pub enum Source {
     Controller,
     /// The controller's last plan, shifted.
     Plan,
-    /// Feed-forward with joint PD.
-    FeedForwardPd,
+    /// The law that the loop falls back on.
+    Fallback,
     /// The period before: nothing better was there.
     Held,
     /// Nothing was written: the deadline was missed, and the robot holds what it has.
@@ -49,7 +50,7 @@ impl Source {
         match self {
             Self::Controller => "controller",
             Self::Plan => "plan",
-            Self::FeedForwardPd => "feed-forward PD",
+            Self::Fallback => "fallback",
             Self::Held => "held",
             Self::Late => "late",
             Self::Brake => "brake",
@@ -106,6 +107,8 @@ pub enum Refusal {
     Start {
         /// Index of the coordinate.
         joint: usize,
+        /// Its name.
+        name: &'static str,
         /// Measured position [rad or m].
         position: f64,
         /// Position at which the trajectory begins [rad or m].
@@ -115,6 +118,8 @@ pub enum Refusal {
     Torque {
         /// Index of the input.
         input: usize,
+        /// Its name.
+        name: &'static str,
         /// What would hold it, in the input's unit; NaN where the model has no answer.
         needed: f64,
         /// What is allowed.
@@ -131,20 +136,24 @@ impl fmt::Display for Refusal {
             Self::Requested => write!(f, "asked to stop before the start"),
             Self::Limit(fault) => write!(f, "{fault}"),
             Self::Start {
-                joint,
+                name,
                 position,
                 start,
+                ..
             } => write!(
                 f,
-                "joint {joint} is at {position:.4}, but the trajectory begins at {start:.4}: move the robot there first"
+                "joint {} is at {position:.4}, but the trajectory begins at {start:.4}: move the robot there first",
+                Named(name)
             ),
             Self::Torque {
-                input,
+                name,
                 needed,
                 limit,
+                ..
             } => write!(
                 f,
-                "input {input} would need {needed:.4} to hold the robot, more than its limit {limit:.4}"
+                "input {} would need {needed:.4} to hold the robot, more than its limit {limit:.4}",
+                Named(name)
             ),
             Self::Transport(e) => write!(f, "{e}"),
         }
@@ -184,8 +193,8 @@ pub struct Counts {
     pub controller: u64,
     /// Periods on the shifted plan.
     pub plan: u64,
-    /// Periods of feed-forward with joint PD.
-    pub feed_forward_pd: u64,
+    /// Periods of the law that the loop falls back on.
+    pub fallback: u64,
     /// Periods with the inputs of the period before.
     pub held: u64,
     /// Deadlines missed: periods whose inputs were not written before the next began, slept through ones included.
@@ -200,6 +209,8 @@ pub struct Counts {
     pub jumps: u64,
     /// Readings that froze.
     pub frozen: u64,
+    /// Readings whose measured velocities contradicted their positions, or were no numbers.
+    pub velocity_faults: u64,
     /// Inputs that were cut off at their limit.
     pub limited_inputs: u64,
     /// Steps of the controller that failed or gave numbers that are not finite.
@@ -212,6 +223,11 @@ pub struct Counts {
     pub longest: [Duration; STAGES],
     /// Longest lateness of a wake-up.
     pub latest_wake: Duration,
+    /// Periods before which the controller was computed once for the caches.
+    pub warm_ups: u64,
+    /// Of these, those that took longer than their time ([`LoopSettings::warm_up`](super::LoopSettings::warm_up)): at most
+    /// one, since the loop then leaves them out.
+    pub late_warm_ups: u64,
 }
 
 /// Result of [`ControlLoop::run`](super::ControlLoop::run), or what happened so far.
@@ -231,25 +247,29 @@ impl fmt::Display for LoopReport {
         writeln!(f, "{}; brakes {:?}", self.end, self.brakes)?;
         writeln!(
             f,
-            "{} periods: {} controller, {} plan, {} feed-forward PD, {} held; {} deadlines missed (at most {} in a row)",
-            c.periods,
-            c.controller,
-            c.plan,
-            c.feed_forward_pd,
-            c.held,
-            c.deadline_misses,
-            c.longest_miss
+            "{} periods: {} controller, {} plan, {} fallback, {} held; {} deadlines missed (at most {} in a row)",
+            c.periods, c.controller, c.plan, c.fallback, c.held, c.deadline_misses, c.longest_miss
         )?;
         write!(
             f,
-            "{} readings missing, {} not finite, {} jumped, {} frozen; {} inputs limited; {} controller faults; {} transport errors",
+            "{} readings missing, {} not finite, {} jumped, {} frozen, {} contradicted by their velocities; \
+             {} inputs limited; {} controller faults; {} transport errors",
             c.missing,
             c.not_finite,
             c.jumps,
             c.frozen,
+            c.velocity_faults,
             c.limited_inputs,
             c.controller_faults,
             c.transport_errors
-        )
+        )?;
+        if c.late_warm_ups > 0 {
+            write!(
+                f,
+                "\nwarm-ups of the controller's caches took too long, and were left out after {}",
+                c.warm_ups
+            )?;
+        }
+        Ok(())
     }
 }

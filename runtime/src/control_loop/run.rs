@@ -1,18 +1,19 @@
 //! The loop itself: when things happen.
 
 use super::clock::Clock;
-use super::controller::Controller;
-use super::feed_forward_pd::JointPd;
+use super::controller::{Controller, Cycle};
 use super::guard::EncoderGuard;
+use super::law::JointLaw;
 use super::log::{LogRecord, LogSink};
-use super::monitor::{VelocityFilter, check_positions};
+use super::monitor::check_positions;
 use super::reference::Reference;
 use super::report::{Counts, End, LoopReport, Refusal, STAGES, Source, Stage, StopReason};
-use super::settings::{LoopSettings, SettingError};
+use super::settings::{LoopSettings, SettingError, require};
 use super::stop_request::StopRequest;
-use crate::dynamics::Dynamics;
+use super::velocity_filter::VelocityFilter;
 use crate::trajectory::{Sample, Trajectory};
-use crate::transport::{Brakes, Transport};
+use crate::transport::{Brakes, Reading, Transport};
+use std::hint::black_box;
 use std::time::Duration;
 
 /// Where the loop is in its life.
@@ -50,15 +51,19 @@ pub(super) struct State<const N: usize, const M: usize> {
     /// Periods in a row in which nothing was written.
     pub unwritten: u64,
     pub brakes: Brakes,
+    /// Quantities that the robot measured beside positions at the start, and so has a column for in the log.
+    measures: [bool; 2],
+    /// False once a warm-up took longer than its time.
+    warms_up: bool,
     pub counts: Counts,
 }
 
 /// Drives a robot along a trajectory at a fixed rate; see the [module](super) for what it does in which case.
 ///
 /// It owns its parts; a transport or controller that is needed afterwards is passed as `&mut`.
-pub struct ControlLoop<D, R, C, T, K, const N: usize, const M: usize>
+pub struct ControlLoop<L, R, C, T, K, const N: usize, const M: usize>
 where
-    D: Dynamics<N, M>,
+    L: JointLaw<N, M>,
     R: Trajectory<N>,
     C: Controller<N, M>,
     T: Transport<N, M>,
@@ -68,7 +73,10 @@ where
     period: Duration,
     /// The same (s).
     pub(super) seconds: f64,
-    pub(super) fallback: JointPd<D, N, M>,
+    /// Names of joints and inputs.
+    pub(super) joints: [&'static str; N],
+    inputs: [&'static str; M],
+    pub(super) fallback: L,
     pub(super) trajectory: R,
     pub(super) controller: C,
     pub(super) transport: T,
@@ -78,28 +86,36 @@ where
     pub(super) state: State<N, M>,
 }
 
-impl<D, R, C, T, K, const N: usize, const M: usize> ControlLoop<D, R, C, T, K, N, M>
+impl<L, R, C, T, K, const N: usize, const M: usize> ControlLoop<L, R, C, T, K, N, M>
 where
-    D: Dynamics<N, M>,
+    L: JointLaw<N, M>,
     R: Trajectory<N>,
     C: Controller<N, M>,
     T: Transport<N, M>,
     K: Clock,
 {
     /// A loop that has not touched the robot yet. `fallback` takes over where the controller fails, and makes the controlled
-    /// stop.
+    /// stop: usually a [`JointPd`](super::JointPd).
     ///
     /// # Errors
-    /// [`SettingError`] for settings out of their range.
+    /// [`SettingError`] for settings out of their range, and for a trajectory whose duration is no number. It may be infinite:
+    /// such a loop ends when it is asked to.
     pub fn new(
         settings: LoopSettings<N, M>,
-        fallback: JointPd<D, N, M>,
+        fallback: L,
         trajectory: R,
         controller: C,
         transport: T,
         clock: K,
     ) -> Result<Self, SettingError> {
-        settings.check()?;
+        let (joints, inputs) = (fallback.joint_names(), fallback.input_names());
+        settings.check(&joints, &inputs)?;
+        require(
+            "trajectory.duration",
+            trajectory.duration(),
+            "a number (s)",
+            |x| !x.is_nan(),
+        )?;
         let period = settings.period();
         let start = trajectory.sample(0.0).positions;
         let state = State {
@@ -107,19 +123,23 @@ where
             origin: Duration::ZERO,
             index: 0,
             reference: Reference::Running { time: 0.0 },
-            guard: EncoderGuard::new(settings.guard, start, start),
+            guard: EncoderGuard::new(settings.guard, start, start).with_names(joints),
             filter: VelocityFilter::new(settings.velocity_time_constant, start),
             inputs: [0.0; M],
             unmeasured: 0,
             failures: 0,
             unwritten: 0,
             brakes: Brakes::Unknown,
+            measures: [false; 2],
+            warms_up: settings.warm_up > 0.0,
             counts: Counts::default(),
         };
         Ok(Self {
             period,
             seconds: period.as_secs_f64(),
             settings,
+            joints,
+            inputs,
             fallback,
             trajectory,
             controller,
@@ -194,7 +214,7 @@ where
     fn try_start(&mut self) -> Result<(), Refusal> {
         self.transport.brake().map_err(Refusal::Transport)?;
         let positions = self.first_reading()?;
-        check_positions(&self.settings, &positions).map_err(Refusal::Limit)?;
+        check_positions(&self.settings, &self.joints, &positions).map_err(Refusal::Limit)?;
         let start = self.trajectory.sample(0.0).positions;
         for joint in 0..N {
             let distance = (positions[joint] - start[joint]).abs();
@@ -203,6 +223,7 @@ where
             if !near {
                 return Err(Refusal::Start {
                     joint,
+                    name: self.joints[joint],
                     position: positions[joint],
                     start: start[joint],
                 });
@@ -210,16 +231,17 @@ where
         }
         let inputs = self.holding_inputs(&positions)?;
         self.controller.reset(&positions, &inputs);
+        self.state.inputs = inputs;
+        self.first_warm_up(&positions);
         self.transport.write(&inputs).map_err(Refusal::Transport)?;
         self.transport.release().map_err(Refusal::Transport)?;
         let time = -self.release_time();
         let (settings, state) = (&self.settings, &mut self.state);
-        state.guard = EncoderGuard::new(settings.guard, positions, start);
+        state.guard = EncoderGuard::new(settings.guard, positions, start).with_names(self.joints);
         state.filter = VelocityFilter::new(settings.velocity_time_constant, positions);
         state.reference = Reference::Running { time };
-        state.inputs = inputs;
         (state.unmeasured, state.failures, state.unwritten) = (0, 0, 0);
-        (state.origin, state.index) = (self.clock.now() + self.period, 0);
+        (state.origin, state.index) = (self.clock.now().saturating_add(self.period), 0);
         state.phase = Phase::Running;
         Ok(())
     }
@@ -232,11 +254,13 @@ where
             // Errors too are waited out: a robot that was just switched on reports its restart here.
             if let Ok(Some(reading)) = self.transport.read() {
                 self.state.brakes = reading.brakes;
+                self.state.measures = [reading.velocities.is_some(), reading.torques.is_some()];
                 if reading.positions.iter().all(|y| y.is_finite()) {
                     return Ok(reading.positions);
                 }
             }
-            self.clock.sleep_until(self.clock.now() + self.period);
+            let next = self.clock.now().saturating_add(self.period);
+            self.clock.sleep_until(next);
         }
         Err(Refusal::NoMeasurement)
     }
@@ -252,6 +276,7 @@ where
             if !possible {
                 return Err(Refusal::Torque {
                     input,
+                    name: self.inputs[input],
                     needed: *needed,
                     limit,
                 });
@@ -266,6 +291,7 @@ where
             return false;
         }
         let wake = self.beginning_of(self.state.index);
+        self.warm_up_before(wake);
         self.clock.sleep_until(wake);
         let begin = self.clock.now();
         let lateness = begin.saturating_sub(wake);
@@ -307,6 +333,10 @@ where
         if self.stop.is_raised() && self.state.phase == Phase::Running {
             self.slow_down(StopReason::Requested);
         }
+        // A stop stays on the path that it began on.
+        if self.state.phase == Phase::Running {
+            self.trajectory.begin_period(self.state.reference.time());
+        }
         let desired = self.state.reference.sample(&self.trajectory);
         let reading = self.read(&desired.positions, periods);
         watch.lap(Stage::Read, self.clock.now());
@@ -329,8 +359,10 @@ where
         }
         LogRecord {
             time,
-            positions: reading.positions,
+            positions: reading.reading.positions,
             velocities: self.velocities(),
+            measured_velocities: self.logged(0, reading.reading.velocities),
+            measured_torques: self.logged(1, reading.reading.torques),
             desired: desired.positions,
             inputs: self.state.inputs,
             source,
@@ -391,9 +423,10 @@ where
 
     fn brake_again(&mut self, end: End, left: u32) -> LogRecord<N, M> {
         self.brake();
-        let mut positions = [f64::NAN; N];
-        if let Ok(Some(reading)) = self.transport.read() {
-            (positions, self.state.brakes) = (reading.positions, reading.brakes);
+        let mut reading = Reading::of([f64::NAN; N], self.state.brakes);
+        if let Ok(Some(arrived)) = self.transport.read() {
+            reading = arrived;
+            self.state.brakes = arrived.brakes;
         }
         self.state.phase = if self.state.brakes == Brakes::Engaged || left == 0 {
             Phase::Ended(end)
@@ -405,8 +438,10 @@ where
         };
         LogRecord {
             time: self.time(),
-            positions,
+            positions: reading.positions,
             velocities: *self.state.filter.velocities(),
+            measured_velocities: self.logged(0, reading.velocities),
+            measured_torques: self.logged(1, reading.torques),
             desired: self.state.reference.sample(&self.trajectory).positions,
             inputs: [0.0; M],
             source: Source::Brake,
@@ -417,6 +452,69 @@ where
         }
     }
 
+    /// What the log gets of quantity 0 (velocities) or 1 (torques): a value in every period, if the robot measures it.
+    fn logged(&self, quantity: usize, values: Option<[f64; N]>) -> Option<[f64; N]> {
+        self.state.measures[quantity].then(|| values.unwrap_or([f64::NAN; N]))
+    }
+
+    /// Computes the first step for the caches while the brakes are engaged, where its time costs nothing: if it takes longer
+    /// than it may later, there will be none later.
+    fn first_warm_up(&mut self, positions: &[f64; N]) {
+        if self.state.warms_up {
+            let begin = self.clock.now();
+            self.warm_up(-self.release_time(), positions, None);
+            self.take_warm_up(begin);
+        }
+    }
+
+    /// Computes the step of the period that begins at `wake` for the caches, if there still is the time that is set aside for it.
+    fn warm_up_before(&mut self, wake: Duration) {
+        if !(self.state.warms_up && self.is_driving()) {
+            return;
+        }
+        let begin = wake.saturating_sub(Duration::from_secs_f64(self.settings.warm_up));
+        if self.clock.now() > begin {
+            return;
+        }
+        self.clock.sleep_until(begin);
+        let woken = self.clock.now();
+        // A wake-up this late has used up the time.
+        if woken.saturating_sub(begin) > wake.saturating_sub(begin) / 2 {
+            return;
+        }
+        let (positions, _) = self.state.guard.believed();
+        let velocities = self.state.measures[0].then(|| *self.state.filter.velocities());
+        self.warm_up(self.time(), &positions, velocities);
+        self.take_warm_up(begin);
+    }
+
+    fn warm_up(&mut self, time: f64, positions: &[f64; N], velocities: Option<[f64; N]>) {
+        let desired = self.state.reference.sample(&self.trajectory);
+        let _ = black_box(self.fallback.inputs(
+            &desired,
+            positions,
+            self.state.filter.velocities(),
+        ));
+        if !matches!(self.state.phase, Phase::Stopping(_)) {
+            self.controller.warm_up(&Cycle {
+                time,
+                positions: Some(*positions),
+                velocities,
+                last_inputs: self.state.inputs,
+                ..Cycle::default()
+            });
+        }
+    }
+
+    fn take_warm_up(&mut self, begin: Duration) {
+        let took = self.clock.now().saturating_sub(begin);
+        self.state.counts.warm_ups += 1;
+        if took > Duration::from_secs_f64(self.settings.warm_up) {
+            self.state.counts.late_warm_ups += 1;
+            self.state.warms_up = false;
+        }
+    }
+
     /// True while inputs are written: brakes neither engaged nor asked for.
     pub(super) fn is_driving(&self) -> bool {
         matches!(self.state.phase, Phase::Running | Phase::Stopping(_))
@@ -424,7 +522,9 @@ where
 
     fn beginning_of(&self, index: u64) -> Duration {
         let nanos = nanoseconds(self.period).saturating_mul(index);
-        self.state.origin + Duration::from_nanos(nanos)
+        self.state
+            .origin
+            .saturating_add(Duration::from_nanos(nanos))
     }
 
     /// Time since the trajectory began, negative while the brakes release (s).
@@ -439,9 +539,9 @@ where
 }
 
 /// Whatever ends the loop early, a panic included: the robot does not stay without brakes.
-impl<D, R, C, T, K, const N: usize, const M: usize> Drop for ControlLoop<D, R, C, T, K, N, M>
+impl<L, R, C, T, K, const N: usize, const M: usize> Drop for ControlLoop<L, R, C, T, K, N, M>
 where
-    D: Dynamics<N, M>,
+    L: JointLaw<N, M>,
     R: Trajectory<N>,
     C: Controller<N, M>,
     T: Transport<N, M>,

@@ -25,6 +25,8 @@
 ///
 /// `Discretizable []` takes nothing from the module: the bodies of the trait discretize what `linearize` gives.
 ///
+/// Limits and the names of joints and inputs are always taken from the module's constants.
+///
 /// A module with free parameters is wrapped with them; the type then has a field `parameters`, and `Default`:
 ///
 /// ```
@@ -54,6 +56,16 @@ macro_rules! dynamics {
         $(#[$meta])*
         #[derive(Debug, Clone, Copy, PartialEq, Default)]
         $visibility struct $name;
+        const _: fn() = || {
+            // The module's own `Parameters`, where it has free ones, else this.
+            #[allow(dead_code, reason = "only modules without free parameters need it")]
+            type Parameters = ();
+            {
+                #[allow(unused_imports, clippy::wildcard_imports, reason = "whatever the module has")]
+                use $($module)::+::*;
+                $crate::dynamics::without_parameters::<Parameters>();
+            }
+        };
         $crate::dynamics!(@traits $name, [$($module)::+], [], [$($($traits)+)?]);
     };
     ($(#[$meta:meta])* $visibility:vis struct $name:ident { parameters } = $($module:ident)::+ $(: $($traits:tt)+)?) => {
@@ -95,6 +107,14 @@ macro_rules! dynamics {
     };
     (@traits $name:ident, [$($module:ident)::+], $parameters:tt, [Dynamics $functions:tt]) => {
         impl $crate::dynamics::Dynamics<{ $($module)::+::N }, { $($module)::+::M }> for $name {
+            fn joint_names(&self) -> [&'static str; $($module)::+::N] {
+                $($module)::+::JOINT_NAMES
+            }
+
+            fn input_names(&self) -> [&'static str; $($module)::+::M] {
+                $($module)::+::INPUT_NAMES
+            }
+
             fn limits(&self) -> $crate::dynamics::Limits<{ $($module)::+::N }, { $($module)::+::M }> {
                 $crate::dynamics::Limits {
                     position: $($module)::+::POSITION_LIMITS,
@@ -128,7 +148,28 @@ macro_rules! dynamics {
         $crate::dynamics!(@define spring_forces, $module, $p, (y: N, v: N), vector);
     };
     (@method friction_torques, $module:tt, $p:tt) => {
-        $crate::dynamics!(@define friction_torques, $module, $p, (v: N), vector);
+        $crate::dynamics!(@friction $module, $p);
+    };
+    // A module's function takes y only where a law depends on it.
+    (@friction [$($module:ident)::+], []) => {
+        #[inline]
+        fn friction_torques(
+            &self,
+            y: &[f64; $($module)::+::N],
+            v: &[f64; $($module)::+::N],
+        ) -> [f64; $($module)::+::N] {
+            $crate::dynamics::FrictionLaw::torques(&$($module)::+::friction_torques, y, v)
+        }
+    };
+    (@friction [$($module:ident)::+], [$p:ident]) => {
+        #[inline]
+        fn friction_torques(
+            &self,
+            y: &[f64; $($module)::+::N],
+            v: &[f64; $($module)::+::N],
+        ) -> [f64; $($module)::+::N] {
+            $crate::dynamics::FrictionLawWithParameters::torques(&$($module)::+::friction_torques, y, v, &self.$p)
+        }
     };
     (@method input_matrix, $module:tt, $p:tt) => {
         $crate::dynamics!(@define input_matrix, $module, $p, (), input_matrix);
@@ -249,7 +290,8 @@ macro_rules! dynamics {
 }
 
 /// Includes a module that the build script generated: `include_model!(pub mod arm)` reads `$OUT_DIR/arm.rs`, which is named
-/// after the robot (in a URDF: `<robot name="arm">`), not after the file.
+/// after the robot (in a URDF: `<robot name="arm">`), not after the file. Where the build script generates no robot of that
+/// name, the compiler's message says which it does. The documentation of the module is the robot's description.
 ///
 /// ```ignore
 /// // Needs a build script: gelenk_codegen::build("arm.toml");
@@ -263,9 +305,19 @@ macro_rules! dynamics {
 macro_rules! include_model {
     ($(#[$meta:meta])* $visibility:vis mod $name:ident $(;)?) => {
         $(#[$meta])*
+        // For rustdoc alone: where the module is missing, one error says so. A paragraph of its own.
+        #[cfg_attr(doc, doc = "")]
+        #[cfg_attr(doc, doc = include_str!(concat!(env!("OUT_DIR"), "/gelenk.", stringify!($name), ".md")))]
         #[allow(dead_code, reason = "a program need not call all functions of its robot")]
         $visibility mod $name {
-            include!(concat!(env!("OUT_DIR"), "/", stringify!($name), ".rs"));
+            include!(concat!(
+                env!(
+                    "OUT_DIR",
+                    "include_model! needs a build script, build.rs beside Cargo.toml, that calls `gelenk_codegen::build`"
+                ),
+                "/gelenk.modules.rs"
+            ));
+            gelenk_module!($name);
         }
     };
 }

@@ -5,12 +5,22 @@
 //! does it for them; every method then is a call of the generated function, nothing else.
 
 mod discrete_time;
+mod friction_law;
 mod macros;
+mod names;
+mod parameters;
 mod solve;
 #[cfg(test)]
 mod tests;
 mod traits;
 mod types;
 
+#[doc(hidden)]
+pub use friction_law::{FrictionLaw, FrictionLawWithParameters};
+#[cfg(any(feature = "control", feature = "identification"))]
+pub(crate) use names::Named;
+#[cfg(feature = "control")]
+pub(crate) use names::numbered;
+pub use parameters::{NoFreeParameters, without_parameters};
 pub use traits::{Differentiable, Discretizable, Dynamics};
 pub use types::{Discretization, ForceDerivatives, Limits, Linearization, Step};

@@ -6,6 +6,8 @@ use super::*;
 mod cart_pole {
     pub const N: usize = 2;
     pub const M: usize = 1;
+    pub const JOINT_NAMES: [&str; N] = ["cart", "pole, upright"];
+    pub const INPUT_NAMES: [&str; M] = ["belt"];
     pub const POSITION_LIMITS: [[f64; 2]; N] = [[-1.0, 1.0], [f64::NEG_INFINITY, f64::INFINITY]];
     pub const VELOCITY_LIMITS: [f64; N] = [f64::INFINITY; N];
     pub const EFFORT_LIMITS: [f64; N] = [f64::INFINITY; N];
@@ -207,8 +209,11 @@ fn parameters_and_blocks_are_passed_on() {
     let robot = Free {
         parameters: free::Parameters { friction: 7.0 },
     };
-    assert_eq!(robot.friction_torques(&[2.0, 0.0]), [14.0, 0.0]);
-    assert_eq!(Free::default().friction_torques(&[2.0, 0.0]), [0.0, 0.0]);
+    assert_eq!(robot.friction_torques(&[0.0; 2], &[2.0, 0.0]), [14.0, 0.0]);
+    assert_eq!(
+        Free::default().friction_torques(&[0.0; 2], &[2.0, 0.0]),
+        [0.0, 0.0]
+    );
     let linear = robot.linearize(&Y, &V, &[0.0]);
     assert_eq!(
         linear.accelerations(&[1.0, 1.0], &[1.0, 1.0], &[1.0]),
@@ -232,19 +237,73 @@ fn what_a_module_has_is_called() {
 }
 
 #[test]
+fn names_are_those_of_the_module() {
+    assert_eq!(CartPole.joint_names(), ["cart", "pole, upright"]);
+    assert_eq!(CartPole.input_names(), ["belt"]);
+}
+
+#[test]
 fn generic_code_needs_only_the_trait() {
-    fn power<const N: usize, const M: usize>(robot: &impl Dynamics<N, M>, v: &[f64; N]) -> f64 {
-        product(&robot.friction_torques(v), v)
+    fn power<const N: usize, const M: usize>(
+        robot: &impl Dynamics<N, M>,
+        y: &[f64; N],
+        v: &[f64; N],
+    ) -> f64 {
+        product(&robot.friction_torques(y, v), v)
     }
-    assert_eq!(power(&CartPole, &[2.0, 0.0]), 2.0);
+    assert_eq!(power(&CartPole, &[0.0; 2], &[2.0, 0.0]), 2.0);
+}
+
+/// Modules whose friction depends on the position, with and without free parameters.
+mod toothed {
+    pub use super::cart_pole::{
+        EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS,
+        PEAK_INPUT_LIMITS, POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces, gravity_forces,
+        input_matrix, mass_matrix, spring_forces,
+    };
+    pub fn friction_torques(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
+        core::array::from_fn(|i| (1.0 + y[i]) * v[i])
+    }
+}
+mod free_toothed {
+    pub use super::free::{
+        EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS,
+        PEAK_INPUT_LIMITS, POSITION_LIMITS, Parameters, VELOCITY_LIMITS, coriolis_forces,
+        gravity_forces, input_matrix, mass_matrix, spring_forces,
+    };
+    pub fn friction_torques(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
+        core::array::from_fn(|i| p.friction * (1.0 + y[i]) * v[i])
+    }
+}
+
+crate::dynamics!(struct Toothed = toothed: Dynamics [
+    mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
+]);
+crate::dynamics!(struct FreeToothed { parameters } = free_toothed: Dynamics [
+    mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
+]);
+
+#[test]
+fn friction_of_the_position_gets_the_position() {
+    assert_eq!(
+        Toothed.friction_torques(&[1.0, -0.5], &[2.0, 3.0]),
+        [4.0, 1.5]
+    );
+    let robot = FreeToothed {
+        parameters: free_toothed::Parameters { friction: 7.0 },
+    };
+    assert_eq!(
+        robot.friction_torques(&[1.0, -0.5], &[2.0, 3.0]),
+        [28.0, 10.5]
+    );
 }
 
 /// Two masses on springs and dampers, `M ÿ = −K y − D ẏ + B u + f`, in physical units; linear, so that the zero-order
 /// hold and the sensitivities of a step are those of the robot itself.
 mod masses {
     pub use super::cart_pole::{
-        EFFORT_LIMITS, INPUT_LIMITS, PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS, POSITION_LIMITS,
-        VELOCITY_LIMITS,
+        EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, PEAK_EFFORT_LIMITS,
+        PEAK_INPUT_LIMITS, POSITION_LIMITS, VELOCITY_LIMITS,
     };
     pub const N: usize = 2;
     pub const M: usize = 1;

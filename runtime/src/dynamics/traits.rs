@@ -1,6 +1,7 @@
 //! What generic code asks of a robot.
 
 use super::discrete_time;
+use super::names::numbered;
 use super::solve::{product, solve_positive_definite};
 use super::types::{Discretization, ForceDerivatives, Limits, Linearization, Step};
 
@@ -13,6 +14,16 @@ use super::types::{Discretization, ForceDerivatives, Limits, Linearization, Step
 /// The methods with a body combine the others, for modules that were generated without these functions. What a module
 /// has is faster, because it shares work.
 pub trait Dynamics<const N: usize, const M: usize> {
+    /// Names of the coordinates, for messages and logs: the module's `JOINT_NAMES`; "1", "2", … where there are none.
+    fn joint_names(&self) -> [&'static str; N] {
+        numbered()
+    }
+
+    /// Names of the inputs: the module's `INPUT_NAMES`; "1", "2", … where there are none.
+    fn input_names(&self) -> [&'static str; M] {
+        numbered()
+    }
+
     /// Limits of joints and inputs.
     fn limits(&self) -> Limits<N, M>;
 
@@ -28,8 +39,8 @@ pub trait Dynamics<const N: usize, const M: usize> {
     /// Generalized forces of springs and dampers, a part of q.
     fn spring_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N];
 
-    /// Joint friction `τ(ẏ)`, positive for positive velocity; q holds −τ.
-    fn friction_torques(&self, v: &[f64; N]) -> [f64; N];
+    /// Joint friction `τ(y, ẏ)`, positive for positive velocity; q holds −τ. Most laws depend on the velocities alone.
+    fn friction_torques(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N];
 
     /// Input matrix `B`, constant; holds the gear ratios.
     fn input_matrix(&self) -> [[f64; M]; N];
@@ -37,7 +48,7 @@ pub trait Dynamics<const N: usize, const M: usize> {
     /// Applied forces `q(y, ẏ) = gravity + springs − τ`.
     fn applied_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
         let (gravity, springs) = (self.gravity_forces(y), self.spring_forces(y, v));
-        let friction = self.friction_torques(v);
+        let friction = self.friction_torques(y, v);
         core::array::from_fn(|i| gravity[i] + springs[i] - friction[i])
     }
 
@@ -109,11 +120,14 @@ pub trait Discretizable<const N: usize, const M: usize>: Differentiable<N, M> {
 
     /// Exact zero-order hold of the linearization at `(y, ẏ, u)`: `x⁺ = A_d x + B_d u + c_d`.
     ///
-    /// Scaling and squaring with fixed counts: a Taylor polynomial of degree 17 over 1/64 of the period, six doublings.
-    /// With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖ in any norm of matrices, no part of the robot is faster than
-    /// ν = (b + √(b² + 4a))/2. For ν · period ≤ 80 the terms left out are below 1e-15 of what they belong to, beyond
-    /// they grow like (ν · period / 80)¹⁸. Rounding stays below 1e-12 of the largest entry of each block, the diagonal ones
-    /// counted as at least 1.
+    /// Scaling and squaring (Higham, *Functions of Matrices*, 2008, section 10.3): a Taylor polynomial of degree 17 over
+    /// 1/64 of a part of the period, six doublings, and repetitions of that part. The part is the whole period while
+    /// ν · period ≤ 80, and is halved for each factor of two beyond, at most 18 times. With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the
+    /// largest sums of magnitudes in a row, no part of the robot is faster than ν = (b + √(b² + 4a))/2. Where 18 halvings
+    /// do not suffice, for ν · period > 2e7, every entry of the result is +∞, see [`Discretization::is_finite`].
+    ///
+    /// The terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest entry of each
+    /// block, the diagonal ones counted as at least 1.
     fn discretize(
         &self,
         y: &[f64; N],

@@ -71,6 +71,20 @@ pub struct Discretization<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> Discretization<N, M> {
+    /// Whether every entry is finite. Infinite ones stand where the robot is too fast for the period, NaN where its
+    /// linearization was not finite.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        let state = self.state.as_flattened().as_flattened().as_flattened();
+        let input = self.input.as_flattened().as_flattened();
+        let affine = self.affine.as_flattened();
+        state
+            .iter()
+            .chain(input)
+            .chain(affine)
+            .all(|entry| entry.is_finite())
+    }
+
     /// Coordinates and velocities a sample time later.
     #[must_use]
     pub fn step(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> ([f64; N], [f64; N]) {

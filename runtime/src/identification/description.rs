@@ -14,13 +14,61 @@
 
 use super::error::{IdentificationError, Result};
 use super::result::{FrictionLaw, FrictionResult, FrictionTerm};
+use crate::file::write_whole;
+use crate::replace::is_same_file;
 use std::fmt::Write;
+use std::fs;
+use std::io;
+use std::path::Path;
 use syn::Expr;
 
 /// What a description knows beside numbers, `v`, `pi`, `+ - * /` and brackets.
 const FUNCTIONS: [&str; 8] = ["sin", "cos", "tanh", "exp", "abs", "sign", "pow", "powi"];
 /// Largest exponent of a description's formula.
 const LARGEST_EXPONENT: u32 = 16;
+
+/// What every description of identified friction begins with.
+const FIRST_LINE: &str = "# Friction identified by gelenk.\n";
+
+/// Writes a [`description`](description_toml) into a file, whole or not at all.
+///
+/// - `path`: a new file, an empty one, or one that this function has written before
+/// - `base`: the description that the data were evaluated with; an absolute path, or one relative to the folder of `path`
+///
+/// # Errors
+/// Those of [`description_toml`]; [`IdentificationError::File`] where the file is the base itself, holds something else, or
+/// cannot be written.
+pub fn write_description(
+    path: &Path,
+    name: &str,
+    base: &str,
+    results: &[FrictionResult],
+) -> Result<()> {
+    let text = description_toml(name, base, results)?;
+    let fault = |message: String| IdentificationError::File {
+        place: path.display().to_string(),
+        message: format!("cannot be written: {message}"),
+    };
+    if is_same_file(path, &path.with_file_name(base)) {
+        return Err(fault("it is the description that is to be extended".into()));
+    }
+    if !may_be_replaced(path).map_err(|e| fault(e.to_string()))? {
+        let message =
+            "it holds what identification has not written; name another file, or remove it first";
+        return Err(fault(message.into()));
+    }
+    write_whole(path, text).map_err(|e| fault(e.to_string()))
+}
+
+fn may_be_replaced(path: &Path) -> io::Result<bool> {
+    match fs::metadata(path) {
+        Ok(found) if found.is_file() && found.len() > 0 => {
+            Ok(fs::read(path)?.starts_with(FIRST_LINE.as_bytes()))
+        }
+        // Whatever is no file is refused when it is to be written.
+        _ => Ok(true),
+    }
+}
 
 /// A description with identified friction.
 ///
@@ -42,7 +90,11 @@ pub fn description_toml(name: &str, extends: &str, results: &[FrictionResult]) -
     } else {
         "extends"
     };
-    let mut text = format!("name = {}\n{key} = {}\n", quoted(name), quoted(extends));
+    let mut text = format!(
+        "{FIRST_LINE}name = {}\n{key} = {}\n",
+        quoted(name),
+        quoted(extends)
+    );
     for (i, result) in results.iter().enumerate() {
         if results[..i].iter().any(|r| r.joint == result.joint) {
             return Err(IdentificationError::Expression {
@@ -264,6 +316,29 @@ mod tests {
         assert_eq!(terms[0][0].as_str(), Some("v"));
         assert_eq!(terms[1][1].as_float(), Some(-3.924e-7));
         assert!(text.contains("# two lines\n") && text.contains("sha256 00ff"));
+    }
+
+    #[test]
+    fn only_descriptions_of_its_own_are_written_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let write = |name: &str| write_description(&at(name), "arm", "arm.toml", &[example()]);
+        fs::write(at("arm.toml"), "name = \"arm\"\n").unwrap();
+        fs::write(at("other.toml"), "name = \"other\"\n").unwrap();
+        fs::write(at("empty.toml"), "").unwrap();
+        for name in ["new.toml", "new.toml", "empty.toml"] {
+            write(name).unwrap();
+            let text = fs::read_to_string(at(name)).unwrap();
+            assert!(toml::from_str::<toml::Table>(&text).is_ok());
+        }
+        let message = |name: &str| write(name).unwrap_err().to_string();
+        assert!(message("arm.toml").contains("the description that is to be extended"));
+        assert!(message("other.toml").contains("identification has not written"));
+        assert_eq!(
+            fs::read_to_string(at("arm.toml")).unwrap(),
+            "name = \"arm\"\n"
+        );
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
     }
 
     #[test]

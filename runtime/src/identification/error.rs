@@ -147,7 +147,7 @@ pub enum IdentificationError {
         /// Rows looked at.
         samples: usize,
     },
-    /// A file that cannot be read or understood.
+    /// A file that cannot be read, understood or written.
     #[error("{place}: {message}")]
     File {
         /// Path and position.

@@ -209,7 +209,7 @@ impl Excitation {
             let [low, high] = limit.position;
             let range = high - low;
             require_setting(
-                &format!("range of positions of joint {i}"),
+                &format!("range of positions of joint {}", i + 1),
                 range,
                 range > 0.0 && low.is_finite() && high.is_finite(),
                 "it must be positive and finite; give bounds to joints without limits",
@@ -220,7 +220,7 @@ impl Excitation {
             ];
             for (name, value) in others {
                 require_setting(
-                    &format!("highest {name} of joint {i}"),
+                    &format!("highest {name} of joint {}", i + 1),
                     value,
                     value > 0.0,
                     "it must be positive and finite",
@@ -388,7 +388,7 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(
-            message.starts_with("range of positions of joint 1 = inf"),
+            message.starts_with("range of positions of joint 2 = inf"),
             "{message}"
         );
         let few = Excitation {

@@ -4,7 +4,7 @@ use super::error::{IdentificationError, Result, require_finite, require_length, 
 use super::least_squares::{Reduced, Solution};
 use super::library::Library;
 use super::moments::Samples;
-use crate::dynamics::Dynamics;
+use crate::dynamics::{Dynamics, Named};
 
 /// A recorded motion: one column of samples per joint and input.
 #[derive(Debug, Clone)]
@@ -21,7 +21,7 @@ pub struct Motion<'a, const N: usize, const M: usize> {
 
 /// Forces `M ÿ + k − q_s` at the joints: what the motion needs without friction, one column per joint.
 ///
-/// Whatever friction the model has is taken out again: `inverse_dynamics(y, ẏ, ÿ) − friction_torques(ẏ)`.
+/// Whatever friction the model has is taken out again: `inverse_dynamics(y, ẏ, ÿ) − friction_torques(y, ẏ)`.
 ///
 /// # Errors
 /// Columns of different length, no samples, or values that are not finite.
@@ -36,20 +36,18 @@ pub fn rigid_forces<const N: usize, const M: usize>(
         ("velocity", &motion.velocities),
         ("acceleration", &motion.accelerations),
     ];
+    let names = model.joint_names();
     for (kind, columns) in kinds {
-        for (joint, column) in columns.iter().enumerate() {
-            require_column(&format!("{kind} of joint {joint}"), m, column)?;
+        for (name, column) in names.iter().zip(columns) {
+            require_column(&format!("{kind} of joint {}", Named(name)), m, column)?;
         }
     }
     let mut forces: [Vec<f64>; N] = std::array::from_fn(|_| Vec::with_capacity(m));
     for i in 0..m {
+        let y = motion.positions.map(|c| c[i]);
         let v = motion.velocities.map(|c| c[i]);
-        let all = model.inverse_dynamics(
-            &motion.positions.map(|c| c[i]),
-            &v,
-            &motion.accelerations.map(|c| c[i]),
-        );
-        let friction = model.friction_torques(&v);
+        let all = model.inverse_dynamics(&y, &v, &motion.accelerations.map(|c| c[i]));
+        let friction = model.friction_torques(&y, &v);
         for (joint, force) in forces.iter_mut().enumerate() {
             force.push(all[joint] - friction[joint]);
         }
@@ -67,8 +65,9 @@ pub fn friction_torques<const N: usize, const M: usize>(
 ) -> Result<[Vec<f64>; N]> {
     let mut torques = rigid_forces(model, motion)?;
     let m = torques.first().map_or(0, Vec::len);
-    for (k, column) in motion.inputs.iter().enumerate() {
-        require_column(&format!("input {k}"), m, column)?;
+    let names = model.input_names();
+    for (name, column) in names.iter().zip(&motion.inputs) {
+        require_column(&format!("input {}", Named(name)), m, column)?;
     }
     let input_matrix = model.input_matrix();
     for (torque, gears) in torques.iter_mut().zip(&input_matrix) {
@@ -210,7 +209,7 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(
-            message.starts_with("the velocity of joint 1 is not finite (NaN) at row 0"),
+            message.starts_with("the velocity of joint gamma is not finite (NaN) at row 0"),
             "{message}"
         );
         let zero = vec![0.0; m];

@@ -13,9 +13,9 @@ const PROBE: f64 = 1.0;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum GeometryError {
     /// A joint does not turn its frame about an axis by its coordinate.
-    #[error("joint {joint} is not revolute with the frame turning by its coordinate")]
+    #[error("joint {} is not revolute with the frame turning by its coordinate", .joint + 1)]
     NotRevolute {
-        /// Index of the joint.
+        /// Index of the joint; messages count from 1.
         joint: usize,
     },
     /// The pose is not a product of turns about six axes.

@@ -64,6 +64,9 @@ impl Solution {
     }
 }
 
+/// Angles beyond have lost the digits that a pose needs (rad).
+const FARTHEST: f64 = 1e6;
+
 /// Why a pose cannot be reached.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum KinematicsError {
@@ -92,17 +95,18 @@ pub enum KinematicsError {
     /// No fifth angle gives the orientation: axes of the wrist that are not at right angles cannot turn everywhere.
     #[error("the wrist cannot turn to this orientation")]
     Orientation,
-    /// Position, rotation or the given angles are not finite, or the rotation matrix is not one.
+    /// Position, rotation or the given angles are not finite, an angle is beyond 1e6 rad, or the rotation matrix is not one.
     #[error(
-        "the pose is no pose: numbers that are not finite, or a matrix that is no rotation (off by {0})"
+        "the pose is no pose: numbers that are not finite, angles beyond 1e6 rad, or a matrix that is no rotation (off by {0})"
     )]
     NotAPose(f64),
     /// All solutions violate the limits.
     #[error(
-        "no solution keeps within the joint limits; the closest is {excess} rad beyond that of joint {joint}"
+        "no solution keeps within the joint limits; the closest is {excess} rad beyond that of joint {}",
+        .joint + 1
     )]
     Limits {
-        /// The joint that is beyond its limit in the best solution.
+        /// Index of the joint that is beyond its limit in the best solution; messages count from 1.
         joint: usize,
         /// By how much (rad).
         excess: f64,
@@ -159,12 +163,17 @@ impl InverseKinematics {
     /// The closest to `positions` among those within `limits` (rad); angles may be moved by full turns to get there.
     ///
     /// # Errors
-    /// [`KinematicsError::Limits`].
+    /// [`KinematicsError::Limits`]; a limit that is no number holds nowhere.
     pub fn within(
         &self,
         limits: &[[f64; 2]; 6],
         positions: &[f64; 6],
     ) -> Result<Solution, KinematicsError> {
+        let no_number = |limits: &[f64; 2]| limits.iter().any(|l| l.is_nan());
+        if let Some(joint) = limits.iter().position(no_number) {
+            let excess = f64::NAN;
+            return Err(KinematicsError::Limits { joint, excess });
+        }
         let mut best: Option<Solution> = None;
         let mut least = (f64::INFINITY, 0);
         for solution in self.all() {
@@ -178,6 +187,8 @@ impl InverseKinematics {
                     *y += ((low - *y) / TAU).ceil() * TAU;
                 }
                 let beyond = (low - *y).max(*y - high);
+                // Full turns that would cost the angle its digits do not reach a limit.
+                let beyond = beyond.max(y.abs() - FARTHEST);
                 if beyond > excess.0 {
                     excess = (beyond, j);
                 }
@@ -278,7 +289,8 @@ impl SphericalWrist {
         let (position, target) = (vector(&pose.0), matrix(&pose.1));
         let off = (target.transpose() * target - Matrix3::identity()).amax()
             + (target.determinant() - 1.0).abs();
-        let finite = near.iter().chain(&pose.0).all(|x| x.is_finite());
+        let finite = pose.0.iter().all(|x| x.is_finite());
+        let finite = finite && near.iter().all(|y| y.abs() <= FARTHEST);
         // Written so that NaN is refused.
         if !(finite && off <= 1e-6) {
             return Err(KinematicsError::NotAPose(off));

@@ -1,6 +1,6 @@
 //! What the predictive controllers share: estimate, reference over the horizon, QP, plan.
 
-use super::integrate::{flat_input, flat_state, join, split, substeps};
+use super::integrate::{flat_input, flat_state, integrate, join, split, substeps};
 use super::observer::DisturbanceObserver;
 use super::options::{MpcError, MpcOptions};
 use crate::control_loop::{Command, ControllerFault, Cycle, Estimate};
@@ -9,7 +9,11 @@ use crate::feed_forward::{FeedForward, FeedForwardError};
 use crate::lqr::Lqr;
 use crate::qp::{QpProblem, QpSolver, QpStage, QpStatus};
 use crate::trajectory::{Sample, Trajectory};
+use std::hint::black_box;
 
+/// Most periods that a step predicts over: what a stall of the loop may cost is bounded, and after as many the estimate says
+/// nothing.
+const MAX_BRIDGED: u32 = 100;
 /// Intervals of the trajectory at whose ends terminal weights are computed.
 const TERMINAL_INTERVALS: usize = 32;
 
@@ -154,7 +158,10 @@ where
     }
 
     /// Takes in the measurement. Returns when the horizon begins on the trajectory, and in which state.
-    pub fn observe(&mut self, cycle: &Cycle<N, M>) -> (f64, [f64; NX]) {
+    ///
+    /// # Errors
+    /// [`ControllerFault::Stalled`] after more than `MAX_BRIDGED` periods; the next step goes on from this measurement.
+    pub fn observe(&mut self, cycle: &Cycle<N, M>) -> Result<(f64, [f64; NX]), ControllerFault> {
         let (period, substeps) = (self.options.period, self.substeps);
         let acted = if self.options.delay {
             self.under_way
@@ -162,16 +169,23 @@ where
             cycle.last_inputs
         };
         let model = self.feed_forward.model();
-        for _ in 0..cycle.periods {
+        for _ in 0..cycle.periods.min(MAX_BRIDGED) {
             self.observer.predict(model, &acted, period, substeps);
         }
         if let Some(positions) = &cycle.positions {
             self.observer.correct(positions);
         }
+        if let Some(velocities) = &cycle.velocities {
+            self.observer.correct_velocities(velocities);
+        }
         self.under_way = cycle.last_inputs;
+        if cycle.periods > MAX_BRIDGED {
+            let periods = cycle.periods;
+            return Err(ControllerFault::Stalled { periods });
+        }
         let (y, v) = (*self.observer.positions(), *self.observer.velocities());
         if !self.options.delay {
-            return (cycle.time, join(&y, &v));
+            return Ok((self.start_at(cycle.time), join(&y, &v)));
         }
         let mut ahead = (y, v);
         let disturbance = self.observer.disturbance();
@@ -180,7 +194,32 @@ where
         for _ in 0..substeps {
             ahead = model.step(&ahead.0, &ahead.1, &total, length);
         }
-        (cycle.time + period, join(&ahead.0, &ahead.1))
+        Ok((self.start_at(cycle.time), join(&ahead.0, &ahead.1)))
+    }
+
+    /// When the horizon of a step at `time` begins (s).
+    pub fn start_at(&self, time: f64) -> f64 {
+        if self.options.delay {
+            time + self.options.period
+        } else {
+            time
+        }
+    }
+
+    /// Computes for the caches alone what [`observe`](Self::observe) and [`solve`](Self::solve) will: neither estimate nor plan
+    /// change, and the solution of the QP is no state, because each solve is a cold start.
+    pub fn rehearse(&mut self, next: &Cycle<N, M>) {
+        let (period, substeps) = (self.options.period, self.substeps);
+        let (y, v) = (self.observer.positions(), self.observer.velocities());
+        let _ = black_box(integrate(
+            self.model(),
+            y,
+            v,
+            &next.last_inputs,
+            period,
+            substeps,
+        ));
+        let _ = black_box(self.solver.solve(&self.problem));
     }
 
     /// Desired states and feed-forward from `start` (s) on.

@@ -24,7 +24,7 @@ use crate::trajectory::Trajectory;
 /// let options = MpcOptions::new(&PowerCube, 0.02, 20);
 /// let mut mpc = LtvMpc::<_, _, 2, 2, 4>::new(PowerCube, motion, options)?;
 /// mpc.reset(&[0.0; 2], &[0.0; 2]);
-/// let cycle = Cycle { time: 0.0, periods: 0, positions: Some([0.0; 2]), last_inputs: [0.0; 2] };
+/// let cycle = Cycle { periods: 0, positions: Some([0.0; 2]), ..Cycle::default() };
 /// let command = mpc.step(&cycle)?;
 /// assert!(command.inputs.iter().all(|u| u.abs() <= 0.5), "the motor's peak torque");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -71,11 +71,15 @@ where
 
     /// Linearizes and discretizes the horizon that begins at `start`.
     fn predict(&mut self, start: f64) {
-        let period = self.horizon.options.period;
-        let around_plan = self.horizon.options.linearization == LinearizationPoint::Plan;
-        if around_plan {
+        if self.horizon.options.linearization == LinearizationPoint::Plan {
             self.horizon.shift_plan(start);
         }
+        self.set_stages(start);
+    }
+
+    fn set_stages(&mut self, start: f64) {
+        let period = self.horizon.options.period;
+        let around_plan = self.horizon.options.linearization == LinearizationPoint::Plan;
         for k in 0..self.horizon.options.horizon {
             let (y, v, u) = if around_plan {
                 self.middle_of_plan(k)
@@ -119,7 +123,7 @@ where
     }
 
     fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
-        let (start, state) = self.horizon.observe(cycle);
+        let (start, state) = self.horizon.observe(cycle)?;
         self.horizon.look_ahead(start);
         self.predict(start);
         self.horizon.solve(start, &state)
@@ -131,5 +135,13 @@ where
 
     fn estimate(&self) -> Option<Estimate<N>> {
         Some(self.horizon.estimate())
+    }
+
+    /// All that this writes, the step writes anew: reference, stages, solution. Estimate and plan stay.
+    fn warm_up(&mut self, next: &Cycle<N, M>) {
+        let start = self.horizon.start_at(next.time);
+        self.horizon.look_ahead(start);
+        self.set_stages(start);
+        self.horizon.rehearse(next);
     }
 }

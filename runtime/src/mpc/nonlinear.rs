@@ -69,9 +69,14 @@ where
 
     /// Integrates and differentiates the plan, shifted to begin at `start`.
     fn predict(&mut self, start: f64) {
+        self.horizon.look_ahead(start);
+        self.horizon.shift_plan(start);
+        self.set_stages();
+        self.prepared = start;
+    }
+
+    fn set_stages(&mut self) {
         let horizon = &mut self.horizon;
-        horizon.look_ahead(start);
-        horizon.shift_plan(start);
         for k in 0..horizon.options.horizon {
             let (y, v, u) = horizon.planned_point(k);
             let (period, substeps) = (horizon.options.period, horizon.substeps);
@@ -84,7 +89,6 @@ where
             };
             horizon.set_stage(k, &prediction);
         }
-        self.prepared = start;
     }
 
     /// Takes in the measurement and gives the input of this period.
@@ -92,7 +96,7 @@ where
     /// # Errors
     /// As [`Controller::step`].
     pub fn feedback(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
-        let (start, state) = self.horizon.observe(cycle);
+        let (start, state) = self.horizon.observe(cycle)?;
         let late = (start - self.prepared).abs() > 1e-6 * self.horizon.options.period;
         if late || self.prepared.is_nan() {
             self.predict(start);
@@ -123,5 +127,16 @@ where
 
     fn estimate(&self) -> Option<Estimate<N>> {
         Some(self.horizon.estimate())
+    }
+
+    /// All that this writes, the step writes anew: reference, stages, solution. Estimate and plan stay, and stages that
+    /// [`prepare`](Nmpc::prepare) has set.
+    fn warm_up(&mut self, next: &Cycle<N, M>) {
+        if self.prepared.is_nan() {
+            let start = self.horizon.start_at(next.time);
+            self.horizon.look_ahead(start);
+            self.set_stages();
+        }
+        self.horizon.rehearse(next);
     }
 }

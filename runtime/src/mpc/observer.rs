@@ -13,6 +13,9 @@ pub struct ObserverOptions<const N: usize, const M: usize> {
     pub velocity_noise: [f64; N],
     /// Of the disturbance's change in a period, in units of the input. 0: no disturbance is estimated.
     pub disturbance_noise: [f64; M],
+    /// Of a measured velocity [rad/s or m/s], > 0, for robots whose drives measure them. None: measured velocities are not
+    /// used.
+    pub velocity_sensor_noise: Option<[f64; N]>,
 }
 
 impl<const N: usize, const M: usize> Default for ObserverOptions<N, M> {
@@ -22,6 +25,7 @@ impl<const N: usize, const M: usize> Default for ObserverOptions<N, M> {
             encoder_noise: [1e-5; N],
             velocity_noise: [1e-3; N],
             disturbance_noise: [0.0; M],
+            velocity_sensor_noise: None,
         }
     }
 }
@@ -31,6 +35,8 @@ impl<const N: usize, const M: usize> ObserverOptions<N, M> {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let weight = |x: f64| x.is_finite() && x >= 0.0;
         require("encoder_noise", &self.encoder_noise, "positive", positive)?;
+        let sensors = self.velocity_sensor_noise.as_ref().map_or(&[][..], |n| n);
+        require("velocity_sensor_noise", sensors, "positive", positive)?;
         require(
             "velocity_noise",
             &self.velocity_noise,
@@ -165,20 +171,35 @@ impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
 
     /// Takes in measured positions.
     pub fn correct(&mut self, measured: &[f64; N]) {
-        let n = Self::SIZE;
         for m in 0..N {
-            let noise = self.options.encoder_noise[m];
-            let variance = self.covariance[m * n + m] + noise * noise;
             let innovation = measured[m] - self.positions[m];
-            self.work[..n].copy_from_slice(&self.covariance[m * n..][..n]);
-            for i in 0..n {
-                let gain = self.work[i] / variance;
-                self.add(i, gain * innovation);
-                for j in 0..=i {
-                    let value = self.covariance[i * n + j] - gain * self.work[j];
-                    self.covariance[i * n + j] = value;
-                    self.covariance[j * n + i] = value;
-                }
+            self.take(m, innovation, self.options.encoder_noise[m]);
+        }
+    }
+
+    /// Takes in measured velocities, if [`ObserverOptions::velocity_sensor_noise`] says how good they are.
+    pub fn correct_velocities(&mut self, measured: &[f64; N]) {
+        let Some(noise) = self.options.velocity_sensor_noise else {
+            return;
+        };
+        for m in 0..N {
+            let innovation = measured[m] - self.velocities[m];
+            self.take(N + m, innovation, noise[m]);
+        }
+    }
+
+    /// Corrects by one measurement of number `m` of the augmented state.
+    fn take(&mut self, m: usize, innovation: f64, noise: f64) {
+        let n = Self::SIZE;
+        let variance = self.covariance[m * n + m] + noise * noise;
+        self.work[..n].copy_from_slice(&self.covariance[m * n..][..n]);
+        for i in 0..n {
+            let gain = self.work[i] / variance;
+            self.add(i, gain * innovation);
+            for j in 0..=i {
+                let value = self.covariance[i * n + j] - gain * self.work[j];
+                self.covariance[i * n + j] = value;
+                self.covariance[j * n + i] = value;
             }
         }
     }

@@ -55,15 +55,15 @@ pub(super) struct Joints<'d, D, const N: usize, const M: usize> {
 
 impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
     /// Friction just before and just after rest, brakes included.
-    fn friction_range(&self) -> [[f64; 2]; N] {
-        let backward = self.model.friction_torques(&[-JUST_MOVING; N]);
-        let forward = self.model.friction_torques(&[JUST_MOVING; N]);
+    fn friction_range(&self, y: &[f64; N]) -> [[f64; 2]; N] {
+        let backward = self.model.friction_torques(y, &[-JUST_MOVING; N]);
+        let forward = self.model.friction_torques(y, &[JUST_MOVING; N]);
         core::array::from_fn(|i| [backward[i] - self.brakes[i], forward[i] + self.brakes[i]])
     }
 
     /// Sets the modes for a motion, and speeds of joints at rest to zero.
     pub fn settle(&mut self, motion: &mut Motion<N>) {
-        let range = self.friction_range();
+        let range = self.friction_range(&motion.positions);
         let mut at_rest = [false; N];
         for i in 0..N {
             let [low, high] = range[i];
@@ -155,7 +155,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
         };
         let solution = cholesky.solve(&right);
         let a: [f64; N] = core::array::from_fn(|i| solution[i]);
-        let at_rest = self.model.friction_torques(&v);
+        let at_rest = self.model.friction_torques(y, &v);
         let friction = core::array::from_fn(|i| {
             let inertial: f64 = mass[i].iter().zip(&a).map(|(m, a)| m * a).sum();
             forces[i] - inertial + at_rest[i]
@@ -206,7 +206,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Flow<N> for Joints<'_, D
             return false;
         }
         let (_, friction) = self.solve(motion);
-        let range = self.friction_range();
+        let range = self.friction_range(&motion.positions);
         (0..N).any(|i| self.modes[i] == Mode::Stuck && overload(friction[i], range[i]) != 0.0)
     }
 }

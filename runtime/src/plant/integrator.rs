@@ -10,8 +10,10 @@ use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 use differential_equations::status::Status;
 use differential_equations::traits::State;
 
-/// Steps in one period after which the integration gives up; a smooth robot needs about ten.
+/// Steps to one event, or to the end of a period, after which the integration gives up; a smooth robot needs about ten.
 const MAX_STEPS: usize = 20_000;
+/// Steps in one period, over all of its events.
+pub(super) const MAX_PERIOD_STEPS: usize = 100_000;
 const TOO_SMALL: &str =
     "its steps became too small: accelerations that are not finite, or a stiff or jumping model";
 /// Halvings that locate an event: to the last bit of a period.
@@ -105,6 +107,9 @@ pub(super) struct Arrival<const N: usize> {
     pub by_event: bool,
 }
 
+/// First step of a new integration (s).
+const FIRST_STEP: f64 = 1e-3;
+
 type Method<const N: usize> =
     ExplicitRungeKutta<Ordinary, DormandPrince, f64, Motion<N>, 8, 12, 16>;
 
@@ -122,10 +127,13 @@ impl<const N: usize> Integrator<N> {
             .atol(absolute_tolerance)
             // The method counts over its whole life; calls are bounded in `advance`.
             .max_steps(usize::MAX);
-        Self { method, step: 1e-3 }
+        Self {
+            method,
+            step: FIRST_STEP,
+        }
     }
 
-    /// From `start` to `end` (s), or to the first event of `flow`.
+    /// From `start` to `end` (s), or to the first event of `flow`, in at most `budget` steps, which it takes off.
     ///
     /// # Errors
     /// Why it cannot go on.
@@ -135,6 +143,23 @@ impl<const N: usize> Integrator<N> {
         motion: &Motion<N>,
         start: f64,
         end: f64,
+        budget: &mut usize,
+    ) -> Result<Arrival<N>, &'static str> {
+        let arrival = self.try_advance(flow, motion, start, end, budget);
+        if arrival.is_err() {
+            // What failed with ever smaller steps says nothing of the next call, whose first step must not be as small.
+            self.step = FIRST_STEP;
+        }
+        arrival
+    }
+
+    fn try_advance(
+        &mut self,
+        flow: &impl Flow<N>,
+        motion: &Motion<N>,
+        start: f64,
+        end: f64,
+        budget: &mut usize,
     ) -> Result<Arrival<N>, &'static str> {
         let equations = Equations(flow);
         let negligible = 4.0 * f64::EPSILON * end.abs();
@@ -150,6 +175,9 @@ impl<const N: usize> Integrator<N> {
             .init(&equations, start, end, motion)
             .map_err(|_| "the first step size is not usable")?;
         for _ in 0..MAX_STEPS {
+            *budget = budget
+                .checked_sub(1)
+                .ok_or("it took more than 100000 steps")?;
             let remaining = end - self.method.t();
             if remaining <= negligible {
                 return Ok(Arrival {

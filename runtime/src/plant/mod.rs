@@ -15,7 +15,7 @@ pub use options::{PlantError, PlantOptions};
 
 use crate::dynamics::Dynamics;
 use dry_friction::{Joints, Mode};
-use integrator::{Integrator, Motion};
+use integrator::{Integrator, MAX_PERIOD_STEPS, Motion};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -34,6 +34,11 @@ pub struct Measurement<const N: usize> {
     pub time: f64,
     /// Positions of the joints [rad or m], rounded and noisy as the encoders make them.
     pub positions: [f64; N],
+    /// Velocities of the joints [rad/s or m/s], where [`PlantOptions::velocity_noise`] makes them measured.
+    pub velocities: Option<[f64; N]>,
+    /// Forces of the drives at their joints over the last period, B u_applied [N m or N], where
+    /// [`PlantOptions::torque_noise`] makes them measured.
+    pub torques: Option<[f64; N]>,
 }
 
 /// A robot that moves in periods with constant inputs.
@@ -69,6 +74,8 @@ pub struct Plant<D, const N: usize, const M: usize> {
     encoder_noise: ChaCha8Rng,
     input_noise: ChaCha8Rng,
     losses: ChaCha8Rng,
+    velocity_noise: ChaCha8Rng,
+    torque_noise: ChaCha8Rng,
 }
 
 impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
@@ -77,7 +84,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
     /// # Errors
     /// [`PlantError::Option`].
     pub fn new(model: D, options: PlantOptions<N, M>) -> Result<Self, PlantError> {
-        options.check()?;
+        options.check(&model.joint_names(), &model.input_names())?;
         let brake_torque = options
             .brake_torque
             .unwrap_or_else(|| default_brakes(&model));
@@ -100,6 +107,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
             measurement: Measurement {
                 time: 0.0,
                 positions: [0.0; N],
+                velocities: None,
+                torques: None,
             },
             queue: VecDeque::with_capacity(options.delay + 1),
             received: [0.0; M],
@@ -107,6 +116,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
             encoder_noise: stream(0),
             input_noise: stream(1),
             losses: stream(2),
+            velocity_noise: stream(3),
+            torque_noise: stream(4),
             options,
         };
         plant.reset([0.0; N], [0.0; N])?;
@@ -122,6 +133,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
             if !(positions[i].is_finite() && velocities[i].is_finite()) {
                 return Err(PlantError::Start {
                     coordinate: i,
+                    name: self.model.joint_names()[i],
                     position: positions[i],
                     velocity: velocities[i],
                 });
@@ -161,6 +173,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
         if let Some(input) = inputs.iter().position(|u| !u.is_finite()) {
             return Err(PlantError::Input {
                 input,
+                name: self.model.input_names()[input],
                 value: inputs[input],
             });
         }
@@ -259,9 +272,25 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
             let noisy = self.motion.positions[i] + self.options.encoder_noise[i] * noise[i];
             quantized(noisy, self.options.encoder_resolution[i])
         });
+        let velocities = self.options.velocity_noise.map(|deviation| {
+            let noise = normals::<N>(&mut self.velocity_noise);
+            core::array::from_fn(|i| self.motion.velocities[i] + deviation[i] * noise[i])
+        });
+        let torques = self.options.torque_noise.map(|deviation| {
+            let (noise, gears) = (
+                normals::<N>(&mut self.torque_noise),
+                self.model.input_matrix(),
+            );
+            core::array::from_fn(|i| {
+                let force: f64 = gears[i].iter().zip(&self.applied).map(|(b, u)| b * u).sum();
+                force + deviation[i] * noise[i]
+            })
+        });
         Measurement {
             time: self.time,
             positions,
+            velocities,
+            torques,
         }
     }
 
@@ -278,12 +307,12 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
             modes: [Mode::Smooth; N],
             rest: self.options.absolute_tolerance,
         };
-        let (mut time, mut motion) = (0.0, self.motion);
+        let (mut time, mut motion, mut budget) = (0.0, self.motion, MAX_PERIOD_STEPS);
         for _ in 0..MAX_EVENTS {
             joints.settle(&mut motion);
             let arrival = self
                 .integrator
-                .advance(&joints, &motion, time, period)
+                .advance(&joints, &motion, time, period, &mut budget)
                 .map_err(|reason| PlantError::Integration {
                     time: self.time + time,
                     reason,
@@ -320,11 +349,12 @@ fn require_period(period: f64) -> Result<(), PlantError> {
 }
 
 fn quantized(x: f64, resolution: f64) -> f64 {
-    if resolution > 0.0 {
-        (x / resolution).round() * resolution
-    } else {
-        x
+    if resolution == 0.0 {
+        return x;
     }
+    let rounded = (x / resolution).round() * resolution;
+    // A step far below the digits of x: the quotient overflows, x is its own multiple.
+    if rounded.is_finite() { rounded } else { x }
 }
 
 /// Drawn also where nothing can be lost, so that the streams do not depend on the options.

@@ -1,5 +1,6 @@
 //! What a plant does to inputs and measurements, and what can go wrong.
 
+use crate::dynamics::Named;
 use thiserror::Error;
 
 /// Imperfections of a [`Plant`](super::Plant). The default has none: exact encoders, exact and unlimited inputs, no delay, nothing lost.
@@ -9,6 +10,12 @@ pub struct PlantOptions<const N: usize, const M: usize> {
     pub encoder_resolution: [f64; N],
     /// Standard deviation of the normal noise on each position, before rounding [rad or m].
     pub encoder_noise: [f64; N],
+    /// Standard deviation of the normal noise on each measured velocity [rad/s or m/s]. None: the drives do not measure
+    /// velocities.
+    pub velocity_noise: Option<[f64; N]>,
+    /// Standard deviation of the normal noise on each measured force of a drive at its joint [N m or N]. None: they are not
+    /// measured.
+    pub torque_noise: Option<[f64; N]>,
     /// Step of each input, in its unit; what is applied is rounded to its multiples. 0: exact.
     pub input_resolution: [f64; M],
     /// Largest magnitude of each input, in its unit; more is cut off. Infinite: no limit.
@@ -37,6 +44,8 @@ impl<const N: usize, const M: usize> Default for PlantOptions<N, M> {
         Self {
             encoder_resolution: [0.0; N],
             encoder_noise: [0.0; N],
+            velocity_noise: None,
+            torque_noise: None,
             input_resolution: [0.0; M],
             input_limit: [f64::INFINITY; M],
             input_noise: [0.0; M],
@@ -55,29 +64,45 @@ impl<const N: usize, const M: usize> Default for PlantOptions<N, M> {
 const MAX_DELAY: usize = 1000;
 
 impl<const N: usize, const M: usize> PlantOptions<N, M> {
+    /// - `joints`, `inputs`: their names, for messages
+    ///
     /// # Errors
     /// [`PlantError::Option`] for the first value out of its range.
-    pub(super) fn check(&self) -> Result<(), PlantError> {
-        let sizes = [
-            ("encoder_resolution", &self.encoder_resolution[..]),
-            ("encoder_noise", &self.encoder_noise),
+    pub(super) fn check(
+        &self,
+        joints: &[&'static str; N],
+        inputs: &[&'static str; M],
+    ) -> Result<(), PlantError> {
+        const SIZE: &str = "finite and not negative";
+        let size = |x: f64| x.is_finite() && x >= 0.0;
+        let sensors = [
+            ("encoder_resolution", Some(&self.encoder_resolution)),
+            ("encoder_noise", Some(&self.encoder_noise)),
+            ("velocity_noise", self.velocity_noise.as_ref()),
+            ("torque_noise", self.torque_noise.as_ref()),
+        ];
+        for (option, values) in sensors {
+            let values = values.map_or(&[][..], |v| v);
+            require(option, joints, values, SIZE, size)?;
+        }
+        let drives = [
             ("input_resolution", &self.input_resolution),
             ("input_noise", &self.input_noise),
         ];
-        for (option, values) in sizes {
-            require(option, values, "finite and not negative", |x| {
-                x.is_finite() && x >= 0.0
-            })?;
+        for (option, values) in drives {
+            require(option, inputs, values, SIZE, size)?;
         }
-        require("input_limit", &self.input_limit, "positive", |x| x > 0.0)?;
+        require("input_limit", inputs, &self.input_limit, "positive", |x| {
+            x > 0.0
+        })?;
         let brakes = self.brake_torque.as_ref().map_or(&[][..], |b| b);
-        require("brake_torque", brakes, "not negative", |x| x >= 0.0)?;
+        require("brake_torque", joints, brakes, "not negative", |x| x >= 0.0)?;
         let losses = [
             ("input_loss", self.input_loss),
             ("measurement_loss", self.measurement_loss),
         ];
         for (option, value) in losses {
-            require(option, &[value], "a probability, 0 to 1", |x| {
+            require(option, &[], &[value], "a probability, 0 to 1", |x| {
                 (0.0..=1.0).contains(&x)
             })?;
         }
@@ -86,18 +111,21 @@ impl<const N: usize, const M: usize> PlantOptions<N, M> {
             ("absolute_tolerance", self.absolute_tolerance),
         ];
         for (option, value) in tolerances {
-            require(option, &[value], "1e-14 to 1e-2", |x| {
+            require(option, &[], &[value], "1e-14 to 1e-2", |x| {
                 (1e-14..=1e-2).contains(&x)
             })?;
         }
-        require("delay", &[self.delay as f64], "at most 1000 periods", |x| {
+        let delay = self.delay as f64;
+        require("delay", &[], &[delay], "at most 1000 periods", |x| {
             x <= MAX_DELAY as f64
         })
     }
 }
 
+/// `names` are those of the joints or inputs that `values` belong to; empty for scalars.
 fn require(
     option: &'static str,
+    names: &[&'static str],
     values: &[f64],
     range: &'static str,
     holds: impl Fn(f64) -> bool,
@@ -106,7 +134,7 @@ fn require(
         None => Ok(()),
         Some(index) => Err(PlantError::Option {
             option,
-            index,
+            of: names.get(index).copied(),
             value: values[index],
             range,
         }),
@@ -117,12 +145,12 @@ fn require(
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PlantError {
     /// An option is out of its range.
-    #[error("plant option {option}[{index}] is {value}; it must be {range}")]
+    #[error("plant option {option}{} is {value}; it must be {range}", bracketed(*.of))]
     Option {
         /// Name of the option.
         option: &'static str,
-        /// Its component, 0 for scalars.
-        index: usize,
+        /// Name of the joint or input that it is for; None for options of the whole plant.
+        of: Option<&'static str>,
         /// What was given.
         value: f64,
         /// What is allowed.
@@ -130,21 +158,25 @@ pub enum PlantError {
     },
     /// A start position or speed is NaN or infinite.
     #[error(
-        "coordinate {coordinate} cannot start at {position} with speed {velocity}: both must be finite"
+        "joint {} cannot start at {position} with speed {velocity}: both must be finite", Named(.name)
     )]
     Start {
         /// Index of the coordinate.
         coordinate: usize,
+        /// Its name.
+        name: &'static str,
         /// Its position [rad or m].
         position: f64,
         /// Its speed [rad/s or m/s].
         velocity: f64,
     },
     /// An input is NaN or infinite.
-    #[error("input {input} is {value}; only finite inputs can be applied")]
+    #[error("input {} is {value}; only finite inputs can be applied", Named(.name))]
     Input {
         /// Index of the input.
         input: usize,
+        /// Its name.
+        name: &'static str,
         /// Its value.
         value: f64,
     },
@@ -159,4 +191,9 @@ pub enum PlantError {
         /// What happened.
         reason: &'static str,
     },
+}
+
+/// The name of a joint or input as an index.
+fn bracketed(name: Option<&'static str>) -> String {
+    name.map_or_else(String::new, |name| format!("[{}]", Named(name)))
 }

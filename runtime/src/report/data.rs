@@ -19,6 +19,37 @@ pub(super) fn json(report: &Report) -> Value {
     })
 }
 
+/// Whether data can come from [`json`].
+pub(super) fn is_report(value: &Value) -> bool {
+    let mut expected = json(&Report::default());
+    match (expected.as_object_mut(), value.as_object()) {
+        (Some(expected), Some(found)) => expected.keys().eq(found.keys()),
+        _ => false,
+    }
+}
+
+/// Names of the CSV files that stand beside the data of a report.
+pub(super) fn tables(report: &Value) -> Vec<String> {
+    let entries = |value: &Value, name: &str| value[name].as_array().cloned().unwrap_or_default();
+    let mut names = Vec::new();
+    let mut name = |id: &Value, end: &str| {
+        names.extend(id.as_str().map(|id| format!("{id}{end}.csv")));
+    };
+    for section in entries(report, "sections") {
+        for part in entries(&section, "parts") {
+            name(&part["table"]["id"], "");
+            name(&part["figure"]["id"], "");
+            for pattern in entries(&part, "patterns") {
+                name(&pattern["id"], "");
+            }
+            if part["claims"].is_array() {
+                name(&section["id"], "-claims");
+            }
+        }
+    }
+    names
+}
+
 fn block(block: &Block) -> Option<Value> {
     match block {
         Block::Table(table) => Some(json!({ "table": table_json(table) })),

@@ -26,6 +26,7 @@ mod claim;
 mod data;
 mod diagram;
 mod equation;
+mod files;
 mod number;
 mod page;
 mod pattern;
@@ -126,29 +127,19 @@ impl Report {
     }
 
     /// Writes `index.html`, `report.json` and the CSV files into `folder`, which is made where it is missing; returns
-    /// the files, the page first.
+    /// the files, the page first. A report that was written there before is replaced, as a whole: on a full disk the old one
+    /// stays.
     ///
     /// # Errors
     /// As [`Report::html`] and [`Report::csv`], before anything is written; [`ReportError::File`] where a file cannot
-    /// be written.
+    /// be written, or holds what no report has written.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
         let mut files = vec![
             ("index.html".to_owned(), self.html()?),
             ("report.json".to_owned(), self.json()),
         ];
         files.extend(self.csv()?);
-        let fault = |path: &Path| {
-            let path = path.to_owned();
-            move |source| ReportError::File { path, source }
-        };
-        std::fs::create_dir_all(folder).map_err(fault(folder))?;
-        let mut paths = Vec::new();
-        for (name, content) in files {
-            let path = folder.join(name);
-            std::fs::write(&path, content).map_err(fault(&path))?;
-            paths.push(path);
-        }
-        Ok(paths)
+        files::write(folder, &files)
     }
 
     /// Identifiers name anchors of the page and files: each stands once.

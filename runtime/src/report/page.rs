@@ -88,11 +88,14 @@ fn head(report: &Report) -> Rendered {
     })
 }
 
+/// What every page says at its foot, and others hardly do.
+pub(super) const BESIDE: &str = "The same numbers, unrounded, stand beside this page in ";
+
 fn foot(report: &Report) -> Markup {
     html! {
         footer {
             p {
-                "The same numbers, unrounded, stand beside this page in "
+                (BESIDE)
                 a href="report.json" { "report.json" }
                 " and in one CSV file for each table and figure."
             }

@@ -44,6 +44,10 @@ impl<T: Trajectory<1>, const N: usize> Trajectory<N> for Along<T, N> {
         self.motion.duration()
     }
 
+    fn begin_period(&self, time: f64) {
+        self.motion.begin_period(time);
+    }
+
     fn sample(&self, t: f64) -> Sample<N> {
         let s = self.motion.sample(t);
         Sample {

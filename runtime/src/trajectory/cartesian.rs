@@ -1,7 +1,9 @@
 //! Poses one after the other, for arms with a spherical wrist.
 
 use super::polynomial::RestToRest;
-use super::{PointSequence, Sample, Sampled, Trajectory, TrajectoryError, require_positive};
+use super::{
+    PointSequence, Sample, Sampled, Trajectory, TrajectoryError, require_periods, require_positive,
+};
 use crate::kinematics::{KinematicsError, Pose, Singularity, SphericalWrist};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use thiserror::Error;
@@ -16,17 +18,17 @@ pub enum CartesianError {
     #[error(transparent)]
     Trajectory(#[from] TrajectoryError),
     /// A pose cannot be reached.
-    #[error("pose {pose}: {source}")]
+    #[error("pose {}: {source}", .pose + 1)]
     Unreachable {
-        /// Index of the pose.
+        /// Index of the pose; messages count from 1.
         pose: usize,
         /// Why not.
         source: KinematicsError,
     },
     /// The straight way to a pose leaves what the arm reaches.
-    #[error("on the way to pose {pose}, after {time} s: {source}")]
+    #[error("on the way to pose {}, after {time} s: {source}", .pose + 1)]
     WayUnreachable {
-        /// Index of the pose at its end.
+        /// Index of the pose at its end; messages count from 1.
         pose: usize,
         /// Time since its begin (s).
         time: f64,
@@ -35,10 +37,11 @@ pub enum CartesianError {
     },
     /// The straight way to a pose runs into a singularity.
     #[error(
-        "on the way to pose {pose}, after {time} s, the arm is singular in {singularity:?}; choose another way or a motion in joint space"
+        "on the way to pose {}, after {time} s, the arm is singular in {singularity:?}; choose another way or a motion in joint space",
+        .pose + 1
     )]
     Singular {
-        /// Index of the pose at its end.
+        /// Index of the pose at its end; messages count from 1.
         pose: usize,
         /// Time since its begin (s).
         time: f64,
@@ -47,14 +50,16 @@ pub enum CartesianError {
     },
     /// A joint would have to jump on the straight way to a pose: the way passes close by a singularity.
     #[error(
-        "on the way to pose {pose}, after {time} s, joint {joint} would turn by {step} rad in one sample; the way passes close by a singularity"
+        "on the way to pose {}, after {time} s, joint {} would turn by {step} rad in one sample; the way passes close by a singularity",
+        .pose + 1,
+        .joint + 1
     )]
     Jump {
-        /// Index of the pose at its end.
+        /// Index of the pose at its end; messages count from 1.
         pose: usize,
         /// Time since its begin (s).
         time: f64,
-        /// The joint.
+        /// Index of the joint; messages count from 1.
         joint: usize,
         /// Its step (rad).
         step: f64,
@@ -126,7 +131,7 @@ pub fn straight_ways(
     let mut near = *start;
     for (k, (to, duration)) in poses.iter().zip(durations).enumerate() {
         require_positive("duration", *duration)?;
-        let steps = (duration / period).ceil().max(1.0) as usize;
+        let steps = require_periods(*duration, period)?.max(1);
         // A whole number of periods, so that each way ends in a sample.
         let way = Way::new(&from, to, steps as f64 * period)?;
         for step in 1..=steps {

@@ -1,7 +1,7 @@
 //! A trajectory against the limits of a model.
 
-use super::{Trajectory, TrajectoryError, require_positive};
-use crate::dynamics::Dynamics;
+use super::{MAX_SAMPLES, Trajectory, TrajectoryError, require_positive, whole_periods};
+use crate::dynamics::{Dynamics, Named};
 use crate::feed_forward::{FeedForward, FeedForwardError};
 use std::fmt;
 use thiserror::Error;
@@ -37,6 +37,8 @@ pub struct Violation {
     pub quantity: Quantity,
     /// Of which coordinate or input.
     pub index: usize,
+    /// Its name.
+    pub name: &'static str,
     /// First and last sample beyond the limit (s).
     pub from: f64,
     /// See `from`.
@@ -60,8 +62,13 @@ impl fmt::Display for Violation {
         };
         write!(
             f,
-            "{what} {} is beyond {:.6} from {:.3} s to {:.3} s, {:.6} at {:.3} s",
-            self.index, self.limit, self.from, self.to, self.value, self.worst_time
+            "{what} of {} is beyond {:.6} from {:.3} s to {:.3} s, {:.6} at {:.3} s",
+            Named(self.name),
+            self.limit,
+            self.from,
+            self.to,
+            self.value,
+            self.worst_time
         )
     }
 }
@@ -75,6 +82,14 @@ pub enum CheckError {
     /// The model has no feed-forward.
     #[error(transparent)]
     FeedForward(#[from] FeedForwardError),
+    /// The trajectory is infinitely long, or so long that checking it would not end.
+    #[error("a trajectory of {duration} s has more than {MAX_SAMPLES} periods of {period} s")]
+    Duration {
+        /// Its length (s).
+        duration: f64,
+        /// The period (s).
+        period: f64,
+    },
 }
 
 /// Force on a passive coordinate that counts as none [N m or N].
@@ -98,9 +113,11 @@ pub fn violations<D: Dynamics<N, M>, const N: usize, const M: usize>(
         Rating::Nominal => (limits.effort, limits.input),
         Rating::Peak => (limits.peak_effort, limits.peak_input),
     };
+    let (joints, inputs) = (model.joint_names(), model.input_names());
     let feed_forward = FeedForward::new(model)?;
     let mut watch = Watch::default();
-    let steps = (trajectory.duration() / period).ceil() as usize;
+    let duration = trajectory.duration();
+    let steps = whole_periods(duration, period).ok_or(CheckError::Duration { duration, period })?;
     for k in 0..=steps {
         let time = (k as f64 * period).min(trajectory.duration());
         let sample = trajectory.sample(time);
@@ -114,23 +131,25 @@ pub fn violations<D: Dynamics<N, M>, const N: usize, const M: usize>(
                 .zip(&command.inputs)
                 .map(|(b, u)| b * u)
                 .sum();
-            watch.see(Quantity::Position, i, sample.positions[i], [low, high]);
+            let place = (i, joints[i]);
+            watch.see(Quantity::Position, place, sample.positions[i], [low, high]);
             watch.see(
                 Quantity::Velocity,
-                i,
+                place,
                 sample.velocities[i],
                 bound(limits.velocity[i]),
             );
-            watch.see(Quantity::Effort, i, force, bound(effort[i]));
+            watch.see(Quantity::Effort, place, force, bound(effort[i]));
             watch.see(
                 Quantity::Unreachable,
-                i,
+                place,
                 command.residual[i],
                 bound(FEASIBLE),
             );
         }
         for j in 0..M {
-            watch.see(Quantity::Input, j, command.inputs[j], [-input[j], input[j]]);
+            let limits = [-input[j], input[j]];
+            watch.see(Quantity::Input, (j, inputs[j]), command.inputs[j], limits);
         }
     }
     Ok(watch.finish())
@@ -145,7 +164,13 @@ struct Watch {
 }
 
 impl Watch {
-    fn see(&mut self, quantity: Quantity, index: usize, value: f64, [low, high]: [f64; 2]) {
+    fn see(
+        &mut self,
+        quantity: Quantity,
+        (index, name): (usize, &'static str),
+        value: f64,
+        [low, high]: [f64; 2],
+    ) {
         let place = self
             .open
             .iter()
@@ -163,6 +188,7 @@ impl Watch {
         let now = Violation {
             quantity,
             index,
+            name,
             from: self.time,
             to: self.time,
             worst_time: self.time,

@@ -6,23 +6,31 @@
 mod along;
 mod cartesian;
 mod limits;
+#[cfg(feature = "online-targets")]
+mod online;
 mod points;
 mod polynomial;
 mod recording;
 mod sampled;
 mod sine;
 mod smoothing;
+mod spline;
+mod via_points;
 
 pub use along::Along;
 pub use cartesian::{CartesianError, joint_points, pose_sequence, straight_ways};
 pub use limits::{CheckError, Quantity, Rating, Violation, violations};
+#[cfg(feature = "online-targets")]
+pub use online::{OnlineTarget, TargetStatus};
 pub use points::PointSequence;
 pub use polynomial::RestToRest;
 pub use recording::{Columns, Inconsistency, Recording};
 pub use sampled::Sampled;
 pub use sine::{IdentificationMotion, IdentificationSine};
 pub use smoothing::{Smoothed, Smoothing};
+pub use via_points::ViaPoints;
 
+use crate::dynamics::Limits;
 use thiserror::Error;
 
 /// A desired state with its accelerations.
@@ -55,6 +63,90 @@ impl<const N: usize> Sample<N> {
     }
 }
 
+/// What a motion must keep within, by coordinate. The default has no limits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionLimits<const N: usize> {
+    /// Lowest and highest position [rad or m].
+    pub positions: [[f64; 2]; N],
+    /// Largest speed [rad/s or m/s].
+    pub speeds: [f64; N],
+    /// Largest acceleration [rad/s² or m/s²].
+    pub accelerations: [f64; N],
+    /// Largest jerk [rad/s³ or m/s³]. [`ViaPoints`] has none.
+    pub jerks: [f64; N],
+}
+
+impl<const N: usize> Default for MotionLimits<N> {
+    fn default() -> Self {
+        Self {
+            positions: [[f64::NEG_INFINITY, f64::INFINITY]; N],
+            speeds: [f64::INFINITY; N],
+            accelerations: [f64::INFINITY; N],
+            jerks: [f64::INFINITY; N],
+        }
+    }
+}
+
+impl<const N: usize> MotionLimits<N> {
+    /// A model's limits of positions, a share (0 to 1) of its speeds, and accelerations of your own: models have none.
+    #[must_use]
+    pub fn of<const M: usize>(limits: &Limits<N, M>, share: f64, accelerations: [f64; N]) -> Self {
+        Self {
+            positions: limits.position,
+            speeds: limits.velocity.map(|v| v * share),
+            accelerations,
+            ..Self::default()
+        }
+    }
+
+    /// - `point`: its index, for messages
+    ///
+    /// # Errors
+    /// A position that is not finite or outside its limits.
+    fn check_position(&self, point: usize, positions: &[f64; N]) -> Result<(), TrajectoryError> {
+        for joint in 0..N {
+            let limits @ [low, high] = self.positions[joint];
+            let position = positions[joint];
+            if !position.is_finite() {
+                return Err(TrajectoryError::NotFinite {
+                    what: format!("point {}, joint {},", point + 1, joint + 1),
+                    value: position,
+                });
+            }
+            if !(low..=high).contains(&position) {
+                return Err(TrajectoryError::PointOutside {
+                    point,
+                    joint,
+                    position,
+                    limits,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// # Errors
+    /// [`TrajectoryError::NotPositive`] for limits that are not positive, or of positions whose upper one is not above the lower.
+    fn check(&self) -> Result<(), TrajectoryError> {
+        let widths = self.positions.map(|[low, high]| high - low);
+        let all = [
+            ("width of the position limits", &widths),
+            ("speed limit", &self.speeds),
+            ("acceleration limit", &self.accelerations),
+            ("jerk limit", &self.jerks),
+        ];
+        for (what, values) in all {
+            if let Some(i) = values.iter().position(|x| x.is_nan() || *x <= 0.0) {
+                return Err(TrajectoryError::NotPositive {
+                    what: format!("{what} of joint {}", i + 1),
+                    value: values[i],
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
 /// A motion from time 0 to [`duration`](Self::duration).
 pub trait Trajectory<const N: usize> {
     /// Its length (s).
@@ -63,6 +155,12 @@ pub trait Trajectory<const N: usize> {
     /// Desired state at `t` (s). Before the start and after the end the robot rests at the first or last position; a time that is NaN counts
     /// as before the start.
     fn sample(&self, t: f64) -> Sample<N>;
+
+    /// The loop begins a period at `time` (s): what is earlier will not be asked for again. A motion that changes while it runs
+    /// takes its changes over here, and nowhere else, so that a period sees one motion. The default does nothing.
+    fn begin_period(&self, time: f64) {
+        let _ = time;
+    }
 }
 
 impl<const N: usize, T: Trajectory<N> + ?Sized> Trajectory<N> for &T {
@@ -73,6 +171,10 @@ impl<const N: usize, T: Trajectory<N> + ?Sized> Trajectory<N> for &T {
     fn sample(&self, t: f64) -> Sample<N> {
         (**self).sample(t)
     }
+
+    fn begin_period(&self, time: f64) {
+        (**self).begin_period(time);
+    }
 }
 
 impl<const N: usize, T: Trajectory<N> + ?Sized> Trajectory<N> for Box<T> {
@@ -82,6 +184,10 @@ impl<const N: usize, T: Trajectory<N> + ?Sized> Trajectory<N> for Box<T> {
 
     fn sample(&self, t: f64) -> Sample<N> {
         (**self).sample(t)
+    }
+
+    fn begin_period(&self, time: f64) {
+        (**self).begin_period(time);
     }
 }
 
@@ -124,6 +230,35 @@ pub enum TrajectoryError {
         /// What is allowed.
         range: &'static str,
     },
+    /// A point is outside the position limits.
+    #[error(
+        "point {} has joint {} at {position}, outside its limits {} to {}",
+        .point + 1, .joint + 1, .limits[0], .limits[1]
+    )]
+    PointOutside {
+        /// Index of the point; messages count from 1.
+        point: usize,
+        /// Index of the joint; messages count from 1.
+        joint: usize,
+        /// Its position [rad or m].
+        position: f64,
+        /// Limits [rad or m].
+        limits: [f64; 2],
+    },
+    /// Two points in a row are the same: a motion that does not stop cannot pass both.
+    #[error(
+        "points {} and {} are the same: leave one out, or stop there with a sequence of points", .point, .point + 1
+    )]
+    RepeatedPoint {
+        /// Index of the second one; messages count from 1.
+        point: usize,
+    },
+    /// Nothing limits how fast a joint moves.
+    #[error("joint {} moves, but neither its speed nor its acceleration has a limit", .joint + 1)]
+    Unlimited {
+        /// Index of the joint; messages count from 1.
+        joint: usize,
+    },
     /// A file cannot be read.
     #[error("{place}: {message}")]
     File {
@@ -134,11 +269,43 @@ pub enum TrajectoryError {
     },
 }
 
+/// A motion whose speeds or accelerations overflow.
+fn require_representable(what: &'static str, values: &[f64]) -> Result<(), TrajectoryError> {
+    match values.iter().find(|x| !x.is_finite()) {
+        None => Ok(()),
+        Some(value) => Err(TrajectoryError::OutOfRange {
+            what,
+            value: *value,
+            range: "a number: such a way in such a time has none",
+        }),
+    }
+}
+
+/// The periods of a motion, if they are not too many.
+fn require_periods(duration: f64, period: f64) -> Result<usize, TrajectoryError> {
+    whole_periods(duration, period).ok_or(TrajectoryError::OutOfRange {
+        what: "duration in periods",
+        value: duration / period,
+        range: "at most 10 000 000",
+    })
+}
+
+/// Most samples that a trajectory is asked for at once: more are a mistake in a duration or a period, and would fill the
+/// memory.
+pub const MAX_SAMPLES: usize = 10_000_000;
+
+/// Periods until a motion of this duration is over; None for more than [`MAX_SAMPLES`], and for durations that are no number.
+pub(crate) fn whole_periods(duration: f64, period: f64) -> Option<usize> {
+    let periods = (duration / period).ceil();
+    // Written so that NaN is refused.
+    (periods <= MAX_SAMPLES as f64).then_some(periods.max(0.0) as usize)
+}
+
 fn require_finite(what: &str, values: &[f64]) -> Result<(), TrajectoryError> {
     match values.iter().position(|x| !x.is_finite()) {
         None => Ok(()),
         Some(i) => Err(TrajectoryError::NotFinite {
-            what: format!("{what}[{i}]"),
+            what: format!("{what} of joint {}", i + 1),
             value: values[i],
         }),
     }

@@ -1,6 +1,8 @@
 //! Point after point, with a stop at each.
 
-use super::{RestToRest, Sample, Trajectory, TrajectoryError, require_positive};
+use super::{
+    RestToRest, Sample, Trajectory, TrajectoryError, require_positive, require_representable,
+};
 
 /// Motions from rest to rest between points in joint space, one after the other.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,6 +78,7 @@ impl<const N: usize> PointSequence<N> {
             }
             times.push(end);
         }
+        require_representable("duration", &[end])?;
         Ok(Self { pieces, times })
     }
 

@@ -1,13 +1,15 @@
 //! Polynomials of degree five, given by position, velocity and acceleration at both ends.
 
-use super::{Sample, Trajectory, TrajectoryError, require_finite, require_positive};
+use super::{
+    Sample, Trajectory, TrajectoryError, require_finite, require_positive, require_representable,
+};
 use crate::dynamics::Limits;
 
 /// Position, velocity and acceleration of one coordinate.
 pub(super) type End = [f64; 3];
 
 /// One coordinate: the polynomial of degree five between two ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Quintic {
     /// Of 1, t, … t⁵.
     coefficients: [f64; 6],
@@ -30,6 +32,28 @@ impl Quintic {
         }
     }
 
+    /// From the coefficients of 1, t, t², t³.
+    pub fn cubic([c0, c1, c2, c3]: [f64; 4]) -> Self {
+        Self {
+            coefficients: [c0, c1, c2, c3, 0.0, 0.0],
+        }
+    }
+
+    /// Least and largest position, velocity and acceleration between 0 and `duration`, to rounding: between two roots of its
+    /// derivative a polynomial is monotone and has one root at most, which bisection finds.
+    pub fn extremes(&self, duration: f64) -> [[f64; 2]; 3] {
+        let c = &self.coefficients;
+        let snap = |t: f64| 24.0 * c[4] + 120.0 * c[5] * t;
+        let mut turns = Turns::new(duration);
+        turns.add_roots(snap);
+        turns.add_roots(|t| self.jerk(t));
+        let accelerations = turns.range(|t| self.at(t)[2]);
+        turns.add_roots(|t| self.at(t)[2]);
+        let velocities = turns.range(|t| self.at(t)[1]);
+        turns.add_roots(|t| self.at(t)[1]);
+        [turns.range(|t| self.at(t)[0]), velocities, accelerations]
+    }
+
     /// Position, velocity and acceleration at `t`.
     pub fn at(&self, t: f64) -> End {
         let c = &self.coefficients;
@@ -39,11 +63,82 @@ impl Quintic {
         [p, v, a]
     }
 
+    /// Bounds of what is summed up in position, velocity and acceleration until `duration`; infinite where it overflows.
+    pub fn bounds(&self, duration: f64) -> End {
+        let absolute = Self {
+            coefficients: self.coefficients.map(f64::abs),
+        };
+        absolute.at(duration)
+    }
+
     /// Third derivative at `t`.
     pub fn jerk(&self, t: f64) -> f64 {
         let c = &self.coefficients;
         6.0 * c[3] + t * (24.0 * c[4] + t * 60.0 * c[5])
     }
+}
+
+/// Times between which a polynomial of degree five and its derivatives are monotone, in order: two ends, and at most
+/// 1 + 2 + 3 + 4 roots.
+struct Turns {
+    times: [f64; 12],
+    count: usize,
+}
+
+/// Halvings of an interval: to the last bit.
+const HALVINGS: usize = 64;
+
+impl Turns {
+    fn new(duration: f64) -> Self {
+        let mut times = [0.0; 12];
+        times[1] = duration;
+        Self { times, count: 2 }
+    }
+
+    /// Adds the roots of a function that is monotone between the times so far.
+    fn add_roots(&mut self, f: impl Fn(f64) -> f64) {
+        let mut all = [0.0; 12];
+        let mut count = 0;
+        let mut add = |t: f64| {
+            if let Some(place) = all.get_mut(count) {
+                *place = t;
+                count += 1;
+            }
+        };
+        for pair in self.times[..self.count].windows(2) {
+            add(pair[0]);
+            if f(pair[0]) * f(pair[1]) < 0.0 {
+                add(root(&f, pair[0], pair[1]));
+            }
+        }
+        add(self.times[self.count - 1]);
+        (self.times, self.count) = (all, count);
+    }
+
+    fn range(&self, f: impl Fn(f64) -> f64) -> [f64; 2] {
+        let values = self.times[..self.count].iter().map(|t| f(*t));
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+            [low.min(x), high.max(x)]
+        })
+    }
+}
+
+/// Where a function changes its sign between `low` and `high`.
+fn root(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+    let (mut low, mut high) = (low, high);
+    let sign = f(low);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if f(middle) * sign > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
 }
 
 /// Straight in joint space from rest to rest, all coordinates at once:
@@ -69,11 +164,17 @@ impl<const N: usize> RestToRest<N> {
     /// From `start` to `end` [rad or m] in `duration` (s).
     ///
     /// # Errors
-    /// Numbers that are not finite, a duration that is not positive.
+    /// Numbers that are not finite, a duration that is not positive, or so short that accelerations overflow.
     pub fn new(start: [f64; N], end: [f64; N], duration: f64) -> Result<Self, TrajectoryError> {
         require_finite("start", &start)?;
         require_finite("end", &end)?;
         require_positive("duration", duration)?;
+        let peaks = |i: usize| {
+            let way = end[i] - start[i];
+            [way / duration, way / (duration * duration)].map(|x| 60.0 * x)
+        };
+        let peaks: [[f64; 2]; N] = core::array::from_fn(peaks);
+        require_representable("speed or acceleration", peaks.as_flattened())?;
         Ok(Self {
             start,
             end,
@@ -92,12 +193,18 @@ impl<const N: usize> RestToRest<N> {
         accelerations: &[f64; N],
         shortest: f64,
     ) -> Result<Self, TrajectoryError> {
+        if shortest.is_nan() {
+            return Err(TrajectoryError::NotFinite {
+                what: "shortest duration".into(),
+                value: shortest,
+            });
+        }
         let mut duration = shortest;
         for i in 0..N {
             for (what, limit) in [("speed", speeds[i]), ("acceleration", accelerations[i])] {
                 if limit.is_nan() || limit <= 0.0 {
                     return Err(TrajectoryError::NotPositive {
-                        what: format!("{what} limit {i}"),
+                        what: format!("{what} limit of joint {}", i + 1),
                         value: limit,
                     });
                 }

@@ -61,14 +61,14 @@ impl<const N: usize> Recording<N> {
             return too_few("samples", 3, positions.len());
         }
         for (k, row) in positions.iter().enumerate() {
-            require_finite(&format!("positions of sample {k}, "), row)?;
+            require_finite(&format!("positions of sample {k}"), row)?;
         }
         if let Some(velocities) = &velocities {
             if velocities.len() != positions.len() {
                 return too_few("velocities", positions.len(), velocities.len());
             }
             for (k, row) in velocities.iter().enumerate() {
-                require_finite(&format!("velocities of sample {k}, "), row)?;
+                require_finite(&format!("velocities of sample {k}"), row)?;
             }
         }
         Ok(Self {
@@ -196,7 +196,9 @@ impl<const N: usize> Recording<N> {
             for i in 0..N {
                 let step = self.positions[k + 1][i] - self.positions[k][i];
                 let defect = step - 0.5 * self.period * (v[k][i] + v[k + 1][i]);
-                if defect.abs() > tolerance {
+                // Written so that a tolerance that is no number tolerates nothing.
+                let consistent = defect.abs() <= tolerance;
+                if !consistent {
                     found.push(Inconsistency {
                         sample: k,
                         time: k as f64 * self.period,

@@ -1,7 +1,10 @@
 //! Samples at a fixed period with polynomials between them.
 
 use super::polynomial::Quintic;
-use super::{Sample, Trajectory, TrajectoryError, require_finite, require_positive};
+use super::{
+    Sample, Trajectory, TrajectoryError, require_finite, require_periods, require_positive,
+    require_representable,
+};
 
 /// A motion given by samples at times 0, T, 2T, …; between them polynomials of degree five that meet positions, velocities and accelerations
 /// of both neighbours, so that the whole is C².
@@ -16,7 +19,8 @@ impl<const N: usize> Sampled<N> {
     /// this module for those that do not.
     ///
     /// # Errors
-    /// Fewer than two samples, numbers that are not finite, a period that is not positive.
+    /// Fewer than two samples, numbers that are not finite, a period that is not positive, or numbers with which what lies
+    /// between two samples overflows.
     pub fn new(samples: Vec<Sample<N>>, period: f64) -> Result<Self, TrajectoryError> {
         require_positive("period", period)?;
         if samples.len() < 2 {
@@ -27,23 +31,38 @@ impl<const N: usize> Sampled<N> {
             });
         }
         for (i, sample) in samples.iter().enumerate() {
-            require_finite(&format!("positions of sample {i}, "), &sample.positions)?;
-            require_finite(&format!("velocities of sample {i}, "), &sample.velocities)?;
+            require_finite(&format!("positions of sample {i}"), &sample.positions)?;
+            require_finite(&format!("velocities of sample {i}"), &sample.velocities)?;
             require_finite(
-                &format!("accelerations of sample {i}, "),
+                &format!("accelerations of sample {i}"),
                 &sample.accelerations,
             )?;
         }
-        Ok(Self { samples, period })
+        let motion = Self { samples, period };
+        require_representable("duration", &[motion.duration()])?;
+        for k in 1..motion.samples.len() {
+            for i in 0..N {
+                let between = motion.between(k - 1, i);
+                require_representable("motion between samples", &between.bounds(period))?;
+            }
+        }
+        Ok(motion)
+    }
+
+    /// Coordinate `i` from sample `k` to the next.
+    fn between(&self, k: usize, i: usize) -> Quintic {
+        let end = |s: &Sample<N>| [s.positions[i], s.velocities[i], s.accelerations[i]];
+        let (a, b) = (&self.samples[k], &self.samples[k + 1]);
+        Quintic::new(end(a), end(b), self.period)
     }
 
     /// Another trajectory, sampled at `period` (s); its last sample is at or after the end.
     ///
     /// # Errors
-    /// As [`Sampled::new`].
+    /// As [`Sampled::new`]; more than [`MAX_SAMPLES`](super::MAX_SAMPLES), and a duration that is no number.
     pub fn of(trajectory: &impl Trajectory<N>, period: f64) -> Result<Self, TrajectoryError> {
         require_positive("period", period)?;
-        let last = (trajectory.duration() / period).ceil().max(1.0) as usize;
+        let last = require_periods(trajectory.duration(), period)?.max(1);
         let samples = (0..=last)
             .map(|k| trajectory.sample(k as f64 * period))
             .collect();
@@ -78,13 +97,10 @@ impl<const N: usize> Trajectory<N> for Sampled<N> {
         }
         // Truncation is meant; the last sample belongs to the last interval.
         let k = ((t / self.period) as usize).min(last - 1);
-        let (a, b) = (&self.samples[k], &self.samples[k + 1]);
         let local = t - k as f64 * self.period;
-        let mut sample = *a;
+        let mut sample = self.samples[k];
         for i in 0..N {
-            let start = [a.positions[i], a.velocities[i], a.accelerations[i]];
-            let end = [b.positions[i], b.velocities[i], b.accelerations[i]];
-            let [p, v, acceleration] = Quintic::new(start, end, self.period).at(local);
+            let [p, v, acceleration] = self.between(k, i).at(local);
             sample.positions[i] = p;
             sample.velocities[i] = v;
             sample.accelerations[i] = acceleration;

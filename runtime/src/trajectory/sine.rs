@@ -1,7 +1,9 @@
 //! The identification sine: it excites a joint over speeds and directions, and begins and ends at rest.
 
 use super::polynomial::{End, Quintic};
-use super::{Sample, Trajectory, TrajectoryError, require_finite, require_positive};
+use super::{
+    Sample, Trajectory, TrajectoryError, require_finite, require_positive, require_representable,
+};
 
 /// A sine of variable frequency with polynomial run-in and run-out, each coordinate with its own:
 ///
@@ -43,7 +45,7 @@ impl<const N: usize> IdentificationSine<N> {
     /// The motion; it lasts `sine_duration` + 2 `run_in`.
     ///
     /// # Errors
-    /// Numbers that are not finite, durations that are not positive.
+    /// Numbers that are not finite, durations that are not positive, or numbers with which accelerations overflow.
     pub fn motion(self) -> Result<IdentificationMotion<N>, TrajectoryError> {
         require_finite("center", &self.center)?;
         require_finite("amplitude", &self.amplitude)?;
@@ -58,7 +60,7 @@ impl<const N: usize> IdentificationSine<N> {
             ends.map(|[first, _]| first[0] - way(&first)),
             ends.map(|[_, last]| last[0] + way(&last)),
         ];
-        Ok(IdentificationMotion {
+        let motion = IdentificationMotion {
             sine: self,
             run_in: core::array::from_fn(|i| {
                 Quintic::new([rest[0][i], 0.0, 0.0], ends[i][0], self.run_in)
@@ -67,7 +69,24 @@ impl<const N: usize> IdentificationSine<N> {
                 Quintic::new(ends[i][1], [rest[1][i], 0.0, 0.0], self.run_in)
             }),
             rest,
-        })
+        };
+        require_representable("duration", &[motion.duration()])?;
+        for i in 0..N {
+            let reach = self.center[i].abs() + self.amplitude[i].abs();
+            require_representable("sine", &[reach, self.steepest(i)])?;
+            let ways = [&motion.run_in[i], &motion.run_out[i]];
+            for way in ways {
+                require_representable("run-in or run-out", &way.bounds(self.run_in))?;
+            }
+        }
+        Ok(motion)
+    }
+
+    /// A bound of the acceleration.
+    fn steepest(&self, i: usize) -> f64 {
+        let change = (self.last_frequency[i] - self.first_frequency[i]) / self.sine_duration;
+        let fastest = self.first_frequency[i].abs() + 2.0 * (change * self.sine_duration).abs();
+        self.amplitude[i] * (2.0 * change.abs() + fastest * fastest)
     }
 
     fn at(&self, i: usize, t: f64) -> End {

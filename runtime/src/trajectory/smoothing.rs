@@ -57,7 +57,8 @@ impl<const N: usize> Recording<N> {
     /// Data*, 1990, chapter 1.)
     ///
     /// # Errors
-    /// A time constant that is not 1 to 20 periods, a correction time that is not τ to 1000 s.
+    /// A time constant that is not 1 to 20 periods, a correction time that is not τ to 1000 s, or a recording whose numbers
+    /// overflow.
     pub fn smoothed(&self, smoothing: &Smoothing) -> Result<Smoothed<N>, TrajectoryError> {
         let ratio = smoothing.time_constant / self.period();
         if !(1.0..=MAX_PERIODS).contains(&ratio) {
@@ -89,7 +90,12 @@ impl<const N: usize> Recording<N> {
         let count = self.positions().len();
         let mut samples = vec![Sample::at_rest([0.0; N]); count];
         for i in 0..N {
-            let nodes = smooth(&self.coordinate(i), &weights);
+            let nodes =
+                smooth(&self.coordinate(i), &weights).ok_or(TrajectoryError::OutOfRange {
+                    what: "period",
+                    value: self.period(),
+                    range: "one with which the weights of the smoothing are numbers",
+                })?;
             for (sample, node) in samples.iter_mut().zip(nodes) {
                 sample.positions[i] = node[0];
                 sample.velocities[i] = node[1] / self.period();
@@ -126,7 +132,8 @@ struct Weights {
     jerk: f64,
 }
 
-fn smooth(data: &[[f64; 2]], weights: &Weights) -> Vec<Node> {
+/// None where numbers overflow.
+fn smooth(data: &[[f64; 2]], weights: &Weights) -> Option<Vec<Node>> {
     let [[first, coupling], [_, second]] = jerk_energy();
     let last = data.len() - 1;
     let mut system = BlockTridiagonal {
@@ -155,11 +162,11 @@ fn smooth(data: &[[f64; 2]], weights: &Weights) -> Vec<Node> {
     }
     system.fix(0, &[0, 1, 2], &mut right);
     system.fix(last, &[1, 2], &mut right);
-    let mut nodes = system.solve(&right);
+    let mut nodes = system.solve(&right)?;
     for node in &mut nodes {
         node[0] += origin;
     }
-    nodes
+    Some(nodes)
 }
 
 /// ∫₀¹ y‴² dt of a polynomial of degree five as a quadratic form in its end values (y, ẏ, ÿ at 0; at 1), by blocks. The integrand has degree
@@ -213,8 +220,8 @@ impl BlockTridiagonal {
         }
     }
 
-    /// Block elimination, then one step of iterative refinement.
-    fn solve(&self, right: &[Node]) -> Vec<Node> {
+    /// Block elimination, then one step of iterative refinement. None where a pivot is singular, which overflow alone makes.
+    fn solve(&self, right: &[Node]) -> Option<Vec<Node>> {
         let n = self.diagonal.len();
         // Pivots D_k = A_k − Cᵀ D_{k−1}⁻¹ C of a positive definite matrix are positive definite.
         let mut inverses: Vec<Matrix3<f64>> = Vec::with_capacity(n);
@@ -223,14 +230,14 @@ impl BlockTridiagonal {
             if k > 0 {
                 pivot -= self.coupling[k - 1].transpose() * inverses[k - 1] * self.coupling[k - 1];
             }
-            inverses.push(pivot.try_inverse().unwrap_or_else(Matrix3::zeros));
+            inverses.push(pivot.try_inverse()?);
         }
         let mut x = self.substitute(&inverses, right);
         let residual: Vec<Node> = (0..n).map(|k| right[k] - self.row(k, &x)).collect();
         for (x, correction) in x.iter_mut().zip(self.substitute(&inverses, &residual)) {
             *x += correction;
         }
-        x
+        Some(x)
     }
 
     fn substitute(&self, inverses: &[Matrix3<f64>], right: &[Node]) -> Vec<Node> {

@@ -5,23 +5,36 @@
 //! | `base` | controller | command: 0x01 release, 0x02 brake; its complement |
 //! | `base + 0x10 + j` | controller | input j: count, four bytes signed; sequence, one byte |
 //! | `base + 0x40 + i` | drive i | position i: count, four bytes signed; sequence, one byte; status, one byte |
+//! | `base + 0x70 + i` | drive i, if it measures more | velocity i: count, four bytes signed; force of drive i: count, two bytes signed; sequence, one byte; contents, one byte |
 //!
 //! Status bit 0: the brake is engaged; bit 1: the encoder reports a fault. The command has the lowest identifier, so that the
 //! brakes win every arbitration. Drives stamp positions of the same sampling instant with the same sequence number (a SYNC of
 //! the bus master, or the sequence of the inputs they last received); only complete sets are readings. A count is
 //! `round(value / resolution)`; the CRC of CAN itself protects the frame.
+//!
+//! Contents bit 0: the velocity is measured; bit 1: the force is. The bytes of what is not are 0. Which of them the drives
+//! measure is told to the code ([`CanCodec::with_velocities`], [`CanCodec::with_torques`]), and a set is then complete with
+//! both frames of each drive.
 
-use super::Brakes;
+use super::{Brakes, Reading};
 use thiserror::Error;
 
 /// Most coordinates or inputs: their identifiers must not meet.
 pub const MAX_NODES: usize = 0x30;
 const INPUT_OFFSET: u16 = 0x10;
 const POSITION_OFFSET: u16 = 0x40;
+const RATES_OFFSET: u16 = 0x70;
+/// Bases above these leave 11 bits.
+const LAST_BASE: u16 = 0x780;
+const LAST_BASE_WITH_RATES: u16 = 0x760;
+/// Resolutions with which four bytes of counts neither overflow nor vanish.
+const RESOLUTIONS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 const RELEASE: u8 = 0x01;
 const BRAKE: u8 = 0x02;
 const STATUS_BRAKED: u8 = 0x01;
 const STATUS_FAULT: u8 = 0x02;
+const HAS_VELOCITY: u8 = 0x01;
+const HAS_TORQUE: u8 = 0x02;
 
 /// A frame as it stands on the bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,6 +97,17 @@ pub enum CanMessage {
         /// The brake of this joint.
         brake: Brakes,
     },
+    /// What a drive measures beside the position of its joint.
+    Rates {
+        /// Index of the coordinate.
+        index: usize,
+        /// Velocity of the coordinate [rad/s or m/s].
+        velocity: Option<f64>,
+        /// Force of the drive at the joint [N m or N].
+        torque: Option<f64>,
+        /// Number of the set that it belongs to.
+        sequence: u8,
+    },
 }
 
 /// Why a frame was not made or not taken.
@@ -103,8 +127,16 @@ pub enum CanFrameError {
     /// Not a known command, or not followed by its complement.
     #[error("command bytes {0:#04x}, {1:#04x}")]
     Command(u8, u8),
-    /// A value that is not finite or does not fit in four bytes of counts.
-    #[error("value {value} at resolution {resolution} does not fit in 32 bits")]
+    /// Contents other than the drives of this robot have.
+    #[error("contents {given:#04x} instead of {needed:#04x}")]
+    Contents {
+        /// Received.
+        given: u8,
+        /// Of this robot.
+        needed: u8,
+    },
+    /// A value that is not finite or does not fit in its counts: four bytes, two for a force.
+    #[error("value {value} at resolution {resolution} does not fit in its counts")]
     Range {
         /// The value.
         value: f64,
@@ -122,6 +154,8 @@ pub struct CanCodec<const N: usize, const M: usize> {
     base: u16,
     position_resolution: [f64; N],
     input_resolution: [f64; M],
+    velocity_resolution: Option<[f64; N]>,
+    torque_resolution: Option<[f64; N]>,
 }
 
 impl<const N: usize, const M: usize> CanCodec<N, M> {
@@ -130,7 +164,7 @@ impl<const N: usize, const M: usize> CanCodec<N, M> {
     ///
     /// # Errors
     /// [`CanFrameError::Settings`] for more than 48 coordinates or inputs, a base above 0x780 (identifiers must stay in 11
-    /// bits), and resolutions that are 0 or not finite.
+    /// bits), and resolutions whose magnitude is not 1e-30 to 1e30.
     pub fn new(
         base: u16,
         position_resolution: [f64; N],
@@ -141,22 +175,71 @@ impl<const N: usize, const M: usize> CanCodec<N, M> {
                 "at most 48 coordinates and 48 inputs have identifiers",
             ));
         }
-        if base > 0x780 {
+        if base > LAST_BASE {
             return Err(CanFrameError::Settings(
                 "the base of the identifiers must be at most 0x780",
             ));
         }
-        let mut resolutions = position_resolution.iter().chain(&input_resolution);
-        if !resolutions.all(|r| r.is_finite() && *r != 0.0) {
-            return Err(CanFrameError::Settings(
-                "resolutions must be finite and not 0",
-            ));
-        }
+        require_resolutions(&position_resolution)?;
+        require_resolutions(&input_resolution)?;
         Ok(Self {
             base,
             position_resolution,
             input_resolution,
+            velocity_resolution: None,
+            torque_resolution: None,
         })
+    }
+
+    /// For drives that measure velocities, with the value of a count for each [rad/s or m/s].
+    ///
+    /// # Errors
+    /// [`CanFrameError::Settings`] as for [`new`](Self::new); the base must be at most 0x760.
+    pub fn with_velocities(self, resolution: [f64; N]) -> Result<Self, CanFrameError> {
+        require_resolutions(&resolution)?;
+        self.require_base_for_rates()?;
+        Ok(Self {
+            velocity_resolution: Some(resolution),
+            ..self
+        })
+    }
+
+    /// For drives that measure their forces at the joints, with the value of a count for each [N m or N]; a count has two bytes.
+    ///
+    /// # Errors
+    /// As [`with_velocities`](Self::with_velocities).
+    pub fn with_torques(self, resolution: [f64; N]) -> Result<Self, CanFrameError> {
+        require_resolutions(&resolution)?;
+        self.require_base_for_rates()?;
+        Ok(Self {
+            torque_resolution: Some(resolution),
+            ..self
+        })
+    }
+
+    fn require_base_for_rates(&self) -> Result<(), CanFrameError> {
+        if self.base <= LAST_BASE_WITH_RATES {
+            return Ok(());
+        }
+        Err(CanFrameError::Settings(
+            "with velocities or torques the base of the identifiers must be at most 0x760",
+        ))
+    }
+
+    /// Contents of this robot's frames of velocities and forces; 0 where there are none.
+    fn contents(&self) -> u8 {
+        let bit = |present: bool, bit: u8| if present { bit } else { 0 };
+        bit(self.velocity_resolution.is_some(), HAS_VELOCITY)
+            | bit(self.torque_resolution.is_some(), HAS_TORQUE)
+    }
+
+    /// An empty set of this robot's measurements.
+    #[must_use]
+    pub fn new_set(&self) -> MeasurementSet<N> {
+        MeasurementSet {
+            with_rates: self.contents() != 0,
+            ..MeasurementSet::default()
+        }
     }
 
     /// The frame of a message.
@@ -183,6 +266,29 @@ impl<const N: usize, const M: usize> CanCodec<N, M> {
                 frame.length = 5;
                 frame.data[..4].copy_from_slice(&count(value, *resolution)?.to_le_bytes());
                 frame.data[4] = sequence;
+            }
+            CanMessage::Rates {
+                index,
+                velocity,
+                torque,
+                sequence,
+            } => {
+                if index >= N {
+                    return Err(UNKNOWN);
+                }
+                let velocity = paired(velocity, &self.velocity_resolution, index)?;
+                let torque = paired(torque, &self.torque_resolution, index)?;
+                frame.identifier += RATES_OFFSET + index as u16;
+                frame.length = 8;
+                if let Some((value, resolution)) = velocity {
+                    frame.data[..4].copy_from_slice(&count(value, resolution)?.to_le_bytes());
+                }
+                if let Some((value, resolution)) = torque {
+                    let counts = i16::try_from(count(value, resolution)?)
+                        .map_err(|_| CanFrameError::Range { value, resolution })?;
+                    frame.data[4..6].copy_from_slice(&counts.to_le_bytes());
+                }
+                (frame.data[6], frame.data[7]) = (sequence, self.contents());
             }
             CanMessage::Position {
                 index,
@@ -258,8 +364,55 @@ impl<const N: usize, const M: usize> CanCodec<N, M> {
                 },
             });
         }
+        let joint = index(RATES_OFFSET);
+        if self.contents() != 0 && joint < N {
+            require(8)?;
+            return self.rates(joint, data);
+        }
         Err(other)
     }
+
+    fn rates(&self, index: usize, data: &[u8; 8]) -> Result<CanMessage, CanFrameError> {
+        let needed = self.contents();
+        if data[7] != needed {
+            return Err(CanFrameError::Contents {
+                given: data[7],
+                needed,
+            });
+        }
+        let velocity = f64::from(i32::from_le_bytes([data[0], data[1], data[2], data[3]]));
+        let torque = f64::from(i16::from_le_bytes([data[4], data[5]]));
+        Ok(CanMessage::Rates {
+            index,
+            velocity: self.velocity_resolution.map(|r| velocity * r[index]),
+            torque: self.torque_resolution.map(|r| torque * r[index]),
+            sequence: data[6],
+        })
+    }
+}
+
+/// A value with its resolution: both, or neither.
+fn paired<const L: usize>(
+    value: Option<f64>,
+    resolution: &Option<[f64; L]>,
+    index: usize,
+) -> Result<Option<(f64, f64)>, CanFrameError> {
+    match (value, resolution) {
+        (Some(value), Some(resolution)) => Ok(Some((value, resolution[index]))),
+        (None, None) => Ok(None),
+        _ => Err(CanFrameError::Settings(
+            "a drive measures what its code has a resolution for, no more and no less",
+        )),
+    }
+}
+
+fn require_resolutions(resolutions: &[f64]) -> Result<(), CanFrameError> {
+    if resolutions.iter().all(|r| RESOLUTIONS.contains(&r.abs())) {
+        return Ok(());
+    }
+    Err(CanFrameError::Settings(
+        "the magnitude of a resolution must be 1e-30 to 1e30",
+    ))
 }
 
 fn count(value: f64, resolution: f64) -> Result<i32, CanFrameError> {
@@ -271,52 +424,90 @@ fn count(value: f64, resolution: f64) -> Result<i32, CanFrameError> {
     }
 }
 
-/// Collects positions of one sampling instant. A set with a newer sequence number discards an incomplete older one.
+/// Collects measurements of one sampling instant. A set with another sequence number discards an incomplete older one.
 #[derive(Debug, Clone)]
-pub struct PositionSet<const N: usize> {
+pub struct MeasurementSet<const N: usize> {
     sequence: Option<u8>,
     positions: [Option<f64>; N],
+    /// Velocity and force of each drive.
+    rates: [Option<(Option<f64>, Option<f64>)>; N],
+    /// True where a set is complete with the rates of each drive alone.
+    with_rates: bool,
     brakes: Brakes,
 }
 
-impl<const N: usize> Default for PositionSet<N> {
+impl<const N: usize> Default for MeasurementSet<N> {
     fn default() -> Self {
         Self {
             sequence: None,
             positions: [None; N],
+            rates: [None; N],
+            with_rates: false,
             brakes: Brakes::Unknown,
         }
     }
 }
 
-impl<const N: usize> PositionSet<N> {
-    /// Takes one position in; returns all and the brakes where this one completes the set.
-    pub fn take(
-        &mut self,
-        index: usize,
-        value: f64,
-        sequence: u8,
-        brake: Brakes,
-    ) -> Option<([f64; N], Brakes)> {
+impl<const N: usize> MeasurementSet<N> {
+    /// Takes one message in; returns the reading that it completes. Messages to the drives complete none.
+    pub fn take(&mut self, message: &CanMessage) -> Option<Reading<N>> {
+        match *message {
+            CanMessage::Position {
+                index,
+                value,
+                sequence,
+                brake,
+            } => {
+                self.begin(sequence);
+                *self.positions.get_mut(index)? = Some(value);
+                self.brakes = match (self.brakes, brake) {
+                    (Brakes::Engaged, _) | (_, Brakes::Engaged) => Brakes::Engaged,
+                    (_, other) => other,
+                };
+            }
+            CanMessage::Rates {
+                index,
+                velocity,
+                torque,
+                sequence,
+            } => {
+                self.begin(sequence);
+                *self.rates.get_mut(index)? = Some((velocity, torque));
+            }
+            CanMessage::Release | CanMessage::Brake | CanMessage::Input { .. } => return None,
+        }
+        self.complete()
+    }
+
+    fn begin(&mut self, sequence: u8) {
         if self.sequence != Some(sequence) {
             *self = Self {
                 sequence: Some(sequence),
+                with_rates: self.with_rates,
                 ..Self::default()
             };
         }
-        *self.positions.get_mut(index)? = Some(value);
-        self.brakes = match (self.brakes, brake) {
-            (Brakes::Engaged, _) | (_, Brakes::Engaged) => Brakes::Engaged,
-            (_, other) => other,
-        };
-        if self.positions.contains(&None) {
-            return None;
-        }
-        let complete = (self.positions.map(|y| y.unwrap_or(f64::NAN)), self.brakes);
-        self.positions = [None; N];
-        self.brakes = Brakes::Unknown;
-        Some(complete)
     }
+
+    fn complete(&mut self) -> Option<Reading<N>> {
+        let positions = all(&self.positions)?;
+        let mut reading = Reading::of(positions, self.brakes);
+        if self.with_rates {
+            let rates = all(&self.rates)?;
+            reading.velocities = all(&rates.map(|(velocity, _)| velocity));
+            reading.torques = all(&rates.map(|(_, torque)| torque));
+        }
+        self.positions = [None; N];
+        self.rates = [None; N];
+        self.brakes = Brakes::Unknown;
+        Some(reading)
+    }
+}
+
+/// The values, if there is one for each.
+fn all<V: Copy + Default, const N: usize>(values: &[Option<V>; N]) -> Option<[V; N]> {
+    let complete = values.iter().all(Option::is_some);
+    complete.then(|| values.map(Option::unwrap_or_default))
 }
 
 #[cfg(test)]
@@ -411,8 +602,14 @@ mod tests {
         };
         assert!(codec().encode(&message).is_err(), "there are two inputs");
         assert!(CanCodec::<2, 2>::new(0x781, [1.0; 2], [1.0; 2]).is_err());
-        assert!(CanCodec::<2, 2>::new(0, [0.0; 2], [1.0; 2]).is_err());
-        assert!(CanCodec::<2, 2>::new(0, [1.0; 2], [f64::NAN; 2]).is_err());
+        for bad in [0.0, f64::NAN, f64::INFINITY, 5e-324, 1e300] {
+            assert!(CanCodec::<2, 2>::new(0, [bad; 2], [1.0; 2]).is_err());
+            assert!(CanCodec::<2, 2>::new(0, [1.0; 2], [bad; 2]).is_err());
+            assert!(codec().with_velocities([1.0, bad]).is_err());
+            assert!(codec().with_torques([bad, 1.0]).is_err());
+        }
+        let high = CanCodec::<2, 2>::new(0x761, [1.0; 2], [1.0; 2]).unwrap();
+        assert!(high.with_velocities([1.0; 2]).is_err(), "12 bits");
         assert!(CanCodec::<49, 1>::new(0, [1.0; 49], [1.0]).is_err());
     }
 
@@ -439,11 +636,57 @@ mod tests {
         assert!(Frame::new(0x800, &[]).is_none() && Frame::new(0, &[0; 9]).is_none());
     }
 
+    fn rates_codec() -> CanCodec<2, 2> {
+        let codec = codec().with_velocities([1e-3, -1e-3]).unwrap();
+        codec.with_torques([0.01; 2]).unwrap()
+    }
+
+    #[test]
+    fn rates_have_the_documented_layout() {
+        let rates = CanMessage::Rates {
+            index: 1,
+            velocity: Some(0.5),
+            torque: Some(-2.5),
+            sequence: 9,
+        };
+        let frame = rates_codec().encode(&rates).unwrap();
+        // 0.5 / −0.001 = −500 = 0xfffffe0c; −2.5 / 0.01 = −250 = 0xff06.
+        assert_eq!(frame.identifier, 0x171);
+        assert_eq!(frame.bytes(), [0x0c, 0xfe, 0xff, 0xff, 0x06, 0xff, 9, 3]);
+        assert_eq!(rates_codec().decode(&frame), Ok(rates));
+        assert_eq!(
+            codec().decode(&frame),
+            Err(CanFrameError::Identifier(0x171)),
+            "drives that measure none"
+        );
+        let velocities = codec().with_velocities([1e-3; 2]).unwrap();
+        assert_eq!(
+            velocities.decode(&frame),
+            Err(CanFrameError::Contents {
+                given: 3,
+                needed: 1
+            })
+        );
+        assert!(velocities.encode(&rates).is_err());
+        let strong = CanMessage::Rates {
+            index: 0,
+            velocity: Some(0.0),
+            torque: Some(400.0),
+            sequence: 0,
+        };
+        assert!(matches!(
+            rates_codec().encode(&strong),
+            Err(CanFrameError::Range { value: 400.0, .. })
+        ));
+    }
+
     #[test]
     fn arbitrary_frames_do_not_panic() {
         let codec = CanCodec::<48, 48>::new(0x300, [1e-5; 48], [1e-4; 48]).unwrap();
+        let codec = codec.with_velocities([1e-5; 48]).unwrap();
+        let mut set = codec.new_set();
         let mut generator = ChaCha8Rng::seed_from_u64(5);
-        let mut taken = 0;
+        let mut taken = 0_u32;
         for _ in 0..100_000 {
             let mut data = [0; 8];
             generator.fill_bytes(&mut data);
@@ -454,30 +697,71 @@ mod tests {
                 data,
             };
             let _ = frame.bytes();
-            taken += u32::from(codec.decode(&frame).is_ok());
+            if let Ok(message) = codec.decode(&frame) {
+                taken += 1;
+                set.take(&message);
+            }
         }
         assert!(taken > 0);
     }
 
+    fn position(index: usize, value: f64, sequence: u8, brake: Brakes) -> CanMessage {
+        CanMessage::Position {
+            index,
+            value,
+            sequence,
+            brake,
+        }
+    }
+
     #[test]
     fn only_complete_sets_are_readings() {
-        let mut set = PositionSet::<2>::default();
-        assert_eq!(set.take(0, 1.0, 7, Brakes::Released), None);
+        let mut set = codec().new_set();
+        assert_eq!(set.take(&position(0, 1.0, 7, Brakes::Released)), None);
         assert_eq!(
-            set.take(1, 2.0, 7, Brakes::Engaged),
-            Some(([1.0, 2.0], Brakes::Engaged))
+            set.take(&position(1, 2.0, 7, Brakes::Engaged)),
+            Some(Reading::of([1.0, 2.0], Brakes::Engaged))
         );
         // Joint 1 of set 8 is lost.
-        assert_eq!(set.take(0, 3.0, 8, Brakes::Released), None);
-        assert_eq!(set.take(1, 4.0, 9, Brakes::Released), None);
+        assert_eq!(set.take(&position(0, 3.0, 8, Brakes::Released)), None);
+        assert_eq!(set.take(&position(1, 4.0, 9, Brakes::Released)), None);
         assert_eq!(
-            set.take(0, 5.0, 9, Brakes::Released),
-            Some(([5.0, 4.0], Brakes::Released))
+            set.take(&position(0, 5.0, 9, Brakes::Released)),
+            Some(Reading::of([5.0, 4.0], Brakes::Released))
         );
         assert_eq!(
-            set.take(2, 0.0, 10, Brakes::Released),
+            set.take(&position(2, 0.0, 10, Brakes::Released)),
             None,
             "no such joint"
         );
+    }
+
+    #[test]
+    fn with_rates_a_set_has_both_frames_of_each_drive() {
+        let rates = |index, sequence| CanMessage::Rates {
+            index,
+            velocity: Some(0.1 * (index + 1) as f64),
+            torque: Some(3.0),
+            sequence,
+        };
+        let mut set = rates_codec().new_set();
+        assert_eq!(set.take(&rates(1, 7)), None);
+        assert_eq!(set.take(&position(0, 1.0, 7, Brakes::Released)), None);
+        assert_eq!(set.take(&position(1, 2.0, 7, Brakes::Released)), None);
+        let reading = Reading {
+            velocities: Some([0.1, 0.2]),
+            torques: Some([3.0; 2]),
+            ..Reading::of([1.0, 2.0], Brakes::Released)
+        };
+        assert_eq!(set.take(&rates(0, 7)), Some(reading));
+        // A frame of set 8 is lost.
+        for message in [
+            position(0, 1.0, 8, Brakes::Released),
+            position(1, 1.0, 8, Brakes::Released),
+            rates(0, 8),
+            rates(1, 9),
+        ] {
+            assert_eq!(set.take(&message), None);
+        }
     }
 }

@@ -5,26 +5,33 @@
 //! | bytes | content |
 //! |---|---|
 //! | 0–3 | `GLNK` |
-//! | 4 | version, 1 |
+//! | 4 | version: 1, or 2 where byte 21 is not 0 |
 //! | 5 | kind, see [`Message`] |
 //! | 6, 7 | N, M |
 //! | 8–11 | session: which start of the plant process answers; 0 from the controller |
 //! | 12–19 | sequence number |
 //! | 20 | brakes: 0 unknown, 1 released, 2 engaged |
-//! | 21–23 | 0 |
+//! | 21 | what follows positions in kind 6: 1 velocities, 2 torques, 3 both; 0 else |
+//! | 22, 23 | 0 |
 //! | 24… | values, 8 bytes each, as many as the kind has |
 //! | last 4 | CRC-32 (IEEE 802.3) of everything before |
 //!
-//! A datagram is taken only if every byte is as it must be; lengths are exact. Positions may be NaN, which the loop's guard
-//! judges; inputs must be finite.
+//! A datagram is taken only if every byte is as it must be; lengths are exact. What is measured may be NaN, which the loop's
+//! guard judges; inputs must be finite. Version 2 adds measured velocities and torques; what has neither is still written as
+//! version 1, so that programs which know version 1 alone go on talking.
 
 use super::Brakes;
 use thiserror::Error;
 
 /// First bytes of every datagram.
 const MAGIC: [u8; 4] = *b"GLNK";
-/// Version of this layout.
-pub const VERSION: u8 = 1;
+/// Newest version of this layout that is read and written.
+pub const VERSION: u8 = 2;
+/// The version without measured velocities and torques.
+const FIRST_VERSION: u8 = 1;
+/// Bits of byte 21.
+const VELOCITIES: u8 = 0x01;
+const TORQUES: u8 = 0x02;
 const HEADER: usize = 24;
 const CHECKSUM: usize = 4;
 /// Most values in a datagram: it fits in one Ethernet frame.
@@ -60,8 +67,15 @@ pub enum Message<const N: usize, const M: usize> {
     Brake,
     /// Kind 5, to the plant: send your true state. No time passes.
     Inspect,
-    /// Kind 6, from the plant, answers a query: positions.
-    Positions([f64; N]),
+    /// Kind 6, from the plant, answers a query: what was measured.
+    Measured {
+        /// Positions [rad or m].
+        positions: [f64; N],
+        /// Velocities [rad/s or m/s], where they are measured.
+        velocities: Option<[f64; N]>,
+        /// Forces of the drives at the joints [N m or N], where they are measured.
+        torques: Option<[f64; N]>,
+    },
     /// Kind 7, from the plant in lock-step, answers a query whose answer was lost on purpose: the period is over.
     Lost,
     /// Kind 8, from the plant, answers an inspection.
@@ -96,7 +110,7 @@ pub enum DatagramError {
     #[error("does not begin with GLNK")]
     Magic,
     /// Another version of the protocol.
-    #[error("version {0} instead of {VERSION}")]
+    #[error("version {0} instead of {FIRST_VERSION} or {VERSION}")]
     Version(u8),
     /// For another robot.
     #[error("for {given:?} coordinates and inputs instead of {needed:?}")]
@@ -118,9 +132,9 @@ pub enum DatagramError {
         value: u8,
     },
     /// An input is NaN or infinite.
-    #[error("input {input} is not finite")]
+    #[error("input {} is not finite", .input + 1)]
     Input {
-        /// Index of the input.
+        /// Index of the input; messages count from 1.
         input: usize,
     },
     /// More coordinates or inputs than fit in a datagram.
@@ -139,18 +153,32 @@ impl<const N: usize, const M: usize> Message<N, M> {
             Self::Release => 3,
             Self::Brake => 4,
             Self::Inspect => 5,
-            Self::Positions(_) => 6,
+            Self::Measured { .. } => 6,
             Self::Lost => 7,
             Self::TrueState(_) => 8,
         }
     }
 
-    /// Number of values of a kind; None if there is no such kind.
-    fn values(kind: u8) -> Option<usize> {
+    /// Byte 21.
+    fn contents(&self) -> u8 {
+        let Self::Measured {
+            velocities,
+            torques,
+            ..
+        } = self
+        else {
+            return 0;
+        };
+        let bit = |present: bool, bit: u8| if present { bit } else { 0 };
+        bit(velocities.is_some(), VELOCITIES) | bit(torques.is_some(), TORQUES)
+    }
+
+    /// Number of values of a kind with this byte 21; None if there is no such kind.
+    fn values(kind: u8, contents: u8) -> Option<usize> {
         match kind {
             1 | 3 | 4 | 5 | 7 => Some(0),
             2 => Some(M),
-            6 => Some(N),
+            6 => Some(N * (1 + contents.count_ones() as usize)),
             8 => Some(5 * N),
             _ => None,
         }
@@ -167,13 +195,13 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
         buffer: &'a mut [u8; MAX_DATAGRAM],
     ) -> Result<&'a [u8], DatagramError> {
         let (n, m) = sizes::<N, M>()?;
-        let kind = self.message.kind();
+        let (kind, contents) = (self.message.kind(), self.message.contents());
         buffer[..4].copy_from_slice(&MAGIC);
-        (buffer[4], buffer[5], buffer[6], buffer[7]) = (VERSION, kind, n, m);
+        (buffer[4], buffer[5], buffer[6], buffer[7]) = (version(contents), kind, n, m);
         buffer[8..12].copy_from_slice(&self.session.to_le_bytes());
         buffer[12..20].copy_from_slice(&self.sequence.to_le_bytes());
         buffer[20] = self.brakes as u8;
-        buffer[21..24].fill(0);
+        (buffer[21], buffer[22], buffer[23]) = (contents, 0, 0);
         let mut end = HEADER;
         let mut put = |values: &[f64]| {
             for value in values {
@@ -186,7 +214,14 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
                 require_finite(inputs)?;
                 put(inputs);
             }
-            Message::Positions(positions) => put(positions),
+            Message::Measured {
+                positions,
+                velocities,
+                torques,
+            } => {
+                put(positions);
+                velocities.iter().chain(torques).for_each(|v| put(v));
+            }
             Message::TrueState(state) => {
                 put(&state.positions);
                 put(&state.velocities);
@@ -222,10 +257,10 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
         if bytes[..4] != MAGIC {
             return Err(DatagramError::Magic);
         }
-        if bytes[4] != VERSION {
+        if !(FIRST_VERSION..=VERSION).contains(&bytes[4]) {
             return Err(DatagramError::Version(bytes[4]));
         }
-        let kind = bytes[5];
+        let (kind, contents) = (bytes[5], bytes[21]);
         if [bytes[6], bytes[7]] != [n, m] {
             return Err(DatagramError::Sizes {
                 given: [bytes[6], bytes[7]],
@@ -236,7 +271,15 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
             position,
             value: bytes[position],
         };
-        let values = Message::<N, M>::values(kind).ok_or(unknown(5))?;
+        let values = Message::<N, M>::values(kind, contents).ok_or(unknown(5))?;
+        let possible = if kind == 6 { VELOCITIES | TORQUES } else { 0 };
+        if contents & !possible != 0 {
+            return Err(unknown(21));
+        }
+        // Each datagram is written in one way.
+        if bytes[4] != version(contents) {
+            return Err(DatagramError::Version(bytes[4]));
+        }
         let end = HEADER + 8 * values;
         if bytes.len() != end + CHECKSUM {
             return Err(wrong_length(end + CHECKSUM));
@@ -244,7 +287,7 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
         if array(&bytes[end..]) != crc32fast::hash(&bytes[..end]).to_le_bytes() {
             return Err(DatagramError::Checksum);
         }
-        if let Some(i) = (21..24).find(|i| bytes[*i] != 0) {
+        if let Some(i) = (22..24).find(|i| bytes[*i] != 0) {
             return Err(unknown(i));
         }
         Ok(Self {
@@ -256,7 +299,7 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
                 2 => Brakes::Engaged,
                 _ => return Err(unknown(20)),
             },
-            message: message(kind, &bytes[HEADER..end])?,
+            message: message(kind, contents, &bytes[HEADER..end])?,
         })
     }
 }
@@ -264,6 +307,7 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
 /// The content of a known kind, with as many values as it has.
 fn message<const N: usize, const M: usize>(
     kind: u8,
+    contents: u8,
     bytes: &[u8],
 ) -> Result<Message<N, M>, DatagramError> {
     Ok(match kind {
@@ -276,7 +320,15 @@ fn message<const N: usize, const M: usize>(
         3 => Message::Release,
         4 => Message::Brake,
         5 => Message::Inspect,
-        6 => Message::Positions(floats(bytes, 0)),
+        6 => {
+            let velocities = (contents & VELOCITIES != 0).then(|| floats(bytes, N));
+            let before = if velocities.is_some() { 2 * N } else { N };
+            Message::Measured {
+                positions: floats(bytes, 0),
+                velocities,
+                torques: (contents & TORQUES != 0).then(|| floats(bytes, before)),
+            }
+        }
         7 => Message::Lost,
         _ => Message::TrueState(TrueState {
             positions: floats(bytes, 0),
@@ -286,6 +338,15 @@ fn message<const N: usize, const M: usize>(
             fastest: floats(bytes, 4 * N),
         }),
     })
+}
+
+/// The version that knows these contents.
+fn version(contents: u8) -> u8 {
+    if contents == 0 {
+        FIRST_VERSION
+    } else {
+        VERSION
+    }
 }
 
 fn sizes<const N: usize, const M: usize>() -> Result<(u8, u8), DatagramError> {
@@ -323,14 +384,25 @@ mod tests {
 
     type Small = Datagram<3, 2>;
 
-    fn messages() -> [Message<3, 2>; 8] {
+    fn measured(velocities: Option<[f64; 3]>, torques: Option<[f64; 3]>) -> Message<3, 2> {
+        Message::Measured {
+            positions: [1.0, -0.0, 1e-300],
+            velocities,
+            torques,
+        }
+    }
+
+    fn messages() -> [Message<3, 2>; 11] {
         [
             Message::Query,
             Message::Inputs([0.5, -1e300]),
             Message::Release,
             Message::Brake,
             Message::Inspect,
-            Message::Positions([1.0, -0.0, 1e-300]),
+            measured(None, None),
+            measured(Some([4.0, 5.0, 6.0]), None),
+            measured(None, Some([7.0, 8.0, 9.0])),
+            measured(Some([4.0, 5.0, 6.0]), Some([7.0, 8.0, 9.0])),
             Message::Lost,
             Message::TrueState(TrueState {
                 positions: [1.0, 2.0, 3.0],
@@ -382,9 +454,15 @@ mod tests {
     #[test]
     fn positions_may_be_nan_inputs_not() {
         let mut buffer = [0; MAX_DATAGRAM];
-        let nan = datagram(Message::Positions([f64::NAN, 0.0, 0.0]));
+        let nan = datagram(Message::Measured {
+            positions: [f64::NAN, 0.0, 0.0],
+            velocities: None,
+            torques: None,
+        });
         let decoded = Small::decode(nan.encode(&mut buffer).unwrap()).unwrap();
-        assert!(matches!(decoded.message, Message::Positions([x, ..]) if x.is_nan()));
+        assert!(
+            matches!(decoded.message, Message::Measured { positions: [x, ..], .. } if x.is_nan())
+        );
         let nan = datagram(Message::Inputs([0.0, f64::NAN]));
         assert_eq!(
             nan.encode(&mut buffer),
@@ -436,15 +514,49 @@ mod tests {
                 needed: [2, 2]
             })
         );
-        bytes[4] = 2;
+        bytes[4] = 3;
         seal(bytes);
         let error = Small::decode(bytes).unwrap_err();
-        assert_eq!(error.to_string(), "version 2 instead of 1");
-        bytes[4] = VERSION;
+        assert_eq!(error.to_string(), "version 3 instead of 1 or 2");
+        bytes[4] = FIRST_VERSION;
         bytes[20] = 3;
         seal(bytes);
         let error = Small::decode(bytes).unwrap_err();
         assert_eq!(error.to_string(), "byte 20 is 3");
+    }
+
+    /// Positions alone are version 1, byte for byte, whoever reads them; velocities and torques are version 2.
+    #[test]
+    fn what_version_1_says_is_version_1() {
+        let mut buffer = [0; MAX_DATAGRAM];
+        for message in messages() {
+            let more = message.contents() != 0;
+            let bytes = datagram(message).encode(&mut buffer).unwrap();
+            assert_eq!((bytes[4], bytes[21] != 0), (1 + u8::from(more), more));
+        }
+        // Neither version stands for what the other says.
+        for (message, other) in [
+            (measured(None, None), 2),
+            (measured(None, Some([0.0; 3])), 1),
+        ] {
+            let length = datagram(message).encode(&mut buffer).unwrap().len();
+            buffer[4] = other;
+            seal(&mut buffer[..length]);
+            assert_eq!(
+                Small::decode(&buffer[..length]),
+                Err(DatagramError::Version(other))
+            );
+        }
+        // Contents that no version has, and contents of a kind that has none.
+        let length = datagram(measured(None, None))
+            .encode(&mut buffer)
+            .unwrap()
+            .len();
+        for (kind, contents) in [(6, 4), (1, 1)] {
+            (buffer[4], buffer[5], buffer[21]) = (2, kind, contents);
+            seal(&mut buffer[..length]);
+            assert!(Small::decode(&buffer[..length]).is_err());
+        }
     }
 
     #[test]
@@ -473,11 +585,13 @@ mod tests {
             generator.fill_bytes(&mut bytes);
             if round % 3 > 0 && length >= 8 {
                 bytes[..8].copy_from_slice(b"GLNK\x01\x01\x03\x02");
+                bytes[4] = generator.random_range(1..3);
                 bytes[5] = generator.random_range(0..10);
             }
             if round % 3 > 1 && length >= HEADER + CHECKSUM {
                 bytes[20] %= 4;
-                bytes[21..24].fill(0);
+                bytes[21] = (bytes[4] - 1) * (bytes[21] % 4);
+                bytes[22..24].fill(0);
                 seal(&mut bytes);
             }
             taken += u32::from(Small::decode(&bytes).is_ok());

@@ -25,14 +25,15 @@ pub struct InProcess<D, K, const N: usize, const M: usize> {
 }
 
 impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> InProcess<D, K, N, M> {
-    /// A plant that moves in steps of `period` > 0 from now on. Give it the period of the loop.
+    /// A plant that moves in steps of `period` from now on; less than a microsecond counts as one. Give it the period of the
+    /// loop.
     #[must_use]
     pub fn new(plant: Plant<D, N, M>, clock: K, period: Duration) -> Self {
         Self {
             plant,
             reached: clock.now(),
             clock,
-            period: period.max(Duration::from_nanos(1)),
+            period: period.max(Duration::from_micros(1)),
             written: None,
             last: None,
         }
@@ -45,8 +46,13 @@ impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> InProcess<D, K
 
     fn catch_up(&mut self) -> Result<(), TransportError> {
         let now = self.clock.now();
-        while self.reached + self.period <= now {
-            self.reached += self.period;
+        // A period beyond the end of time never passes.
+        while let Some(next) = self
+            .reached
+            .checked_add(self.period)
+            .filter(|next| *next <= now)
+        {
+            self.reached = next;
             let period = self.period.as_secs_f64();
             let moved = match self.written.take() {
                 Some(inputs) => self.plant.apply(&inputs, period),
@@ -70,6 +76,8 @@ impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> Transport<N, M
         self.last = Some(measurement.time);
         Ok(Some(Reading {
             positions: measurement.positions,
+            velocities: measurement.velocities,
+            torques: measurement.torques,
             brakes: if self.plant.is_braked() {
                 Brakes::Engaged
             } else {

@@ -37,8 +37,27 @@ pub enum Brakes {
 pub struct Reading<const N: usize> {
     /// Positions in the order, units and sense of the model's coordinates [rad or m]; not yet checked in any way.
     pub positions: [f64; N],
+    /// Velocities of the coordinates at the same instant, where the drives measure them [rad/s or m/s]. The loop compares
+    /// them with the positions, and then uses them instead of differences.
+    pub velocities: Option<[f64; N]>,
+    /// Forces of the drives at their joints, after the gear and positive as B u is, where they are measured [N m or N]. For
+    /// controllers and the log; the loop itself decides nothing by them.
+    pub torques: Option<[f64; N]>,
     /// Brakes at the time of the measurement.
     pub brakes: Brakes,
+}
+
+impl<const N: usize> Reading<N> {
+    /// Of a robot that measures positions alone.
+    #[must_use]
+    pub fn of(positions: [f64; N], brakes: Brakes) -> Self {
+        Self {
+            positions,
+            velocities: None,
+            torques: None,
+            brakes,
+        }
+    }
 }
 
 /// Why a transport could not do what it was asked.
@@ -52,7 +71,7 @@ pub enum TransportError {
     Simulation,
     /// An input is not finite, or too large to be encoded; nothing was sent.
     Input {
-        /// Index of the input.
+        /// Index of the input; messages count from 1.
         input: usize,
     },
 }
@@ -63,7 +82,7 @@ impl fmt::Display for TransportError {
             Self::Restarted => write!(f, "the robot's side restarted"),
             Self::Io(kind) => write!(f, "transport: {kind}"),
             Self::Simulation => write!(f, "the simulated robot cannot go on"),
-            Self::Input { input } => write!(f, "input {input} cannot be encoded"),
+            Self::Input { input } => write!(f, "input {} cannot be encoded", input + 1),
         }
     }
 }

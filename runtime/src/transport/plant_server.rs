@@ -62,16 +62,50 @@ pub enum ServerError {
     /// The socket.
     #[error("socket: {0}")]
     Io(#[from] io::Error),
-    /// The simulation.
+    /// The plant could not be taken up again after its simulation had failed.
     #[error(transparent)]
     Plant(#[from] PlantError),
-    /// A period that is not positive.
-    #[error("the period is {0} s; it must be positive and finite")]
-    Period(f64),
+    /// An option is out of its range.
+    #[error("server option {option} is {value}; it must be {range}")]
+    Option {
+        /// Name of the option.
+        option: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+}
+
+/// Most periods that a server in real time catches up with at once. After a longer pause of the machine the plant, which
+/// has braked meanwhile, goes on from where it was.
+const MAX_CATCH_UP: u32 = 1000;
+
+impl ServerOptions {
+    fn check(&self) -> Result<(), ServerError> {
+        let refuse = |option, value, range| {
+            Err(ServerError::Option {
+                option,
+                value,
+                range,
+            })
+        };
+        if !(1e-6..=60.0).contains(&self.period) {
+            return refuse("period", self.period, "1e-6 to 60 s");
+        }
+        if !(0.0..=1.0).contains(&self.loss) {
+            return refuse("loss", self.loss, "a probability, 0 to 1");
+        }
+        Ok(())
+    }
 }
 
 /// A plant that answers controllers over UDP. It begins with its brakes engaged. Whoever reaches its port can drive it: bind it
 /// to this machine (`127.0.0.1`) or to a network of its own.
+///
+/// No datagram ends it. Inputs that the simulation cannot go on with (1e308 N m) are a breakdown of the robot: it is taken up
+/// again at rest where it was, its brakes engaged, as a new session, which controllers learn as
+/// [`TransportError::Restarted`](super::TransportError::Restarted). [`breakdowns`](Self::breakdowns) counts them.
 pub struct PlantServer<D, const N: usize, const M: usize> {
     plant: Plant<D, N, M>,
     socket: UdpSocket,
@@ -85,6 +119,8 @@ pub struct PlantServer<D, const N: usize, const M: usize> {
     /// Since the plant was made, in real time.
     reached: Instant,
     observed: TrueState<N>,
+    breakdowns: u64,
+    last_breakdown: Option<PlantError>,
 }
 
 impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
@@ -97,9 +133,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
         address: impl ToSocketAddrs,
         options: ServerOptions,
     ) -> Result<Self, ServerError> {
-        if !(options.period.is_finite() && options.period > 0.0) {
-            return Err(ServerError::Period(options.period));
-        }
+        options.check()?;
         plant.brake();
         let (positions, velocities) = plant.state();
         Ok(Self {
@@ -116,6 +150,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
                 highest: positions,
                 fastest: velocities.map(f64::abs),
             },
+            breakdowns: 0,
+            last_breakdown: None,
             plant,
             options,
         })
@@ -132,6 +168,16 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
     /// The plant.
     pub fn plant(&self) -> &Plant<D, N, M> {
         &self.plant
+    }
+
+    /// How often the simulation could not go on and was taken up again.
+    pub fn breakdowns(&self) -> u64 {
+        self.breakdowns
+    }
+
+    /// Why it could not, the last time.
+    pub fn last_breakdown(&self) -> Option<&PlantError> {
+        self.last_breakdown.as_ref()
     }
 
     /// Answers until nothing arrived for `idle`.
@@ -169,23 +215,34 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
             Err(e) if e.kind() == io::ErrorKind::Interrupted => return Ok(false),
             Err(e) => return Err(e.into()),
         };
-        let Ok(question) = Datagram::<N, M>::decode(&buffer[..length]) else {
+        let Ok(question) = Datagram::decode(&buffer[..length]) else {
             return Ok(false);
         };
-        if let Some(message) = self.answer(&question)? {
-            let answer = Datagram {
-                session: self.options.session,
-                sequence: question.sequence,
-                brakes: self.brakes(),
-                message,
-            };
-            let mut buffer = [0; MAX_DATAGRAM];
-            if let Ok(bytes) = answer.encode(&mut buffer) {
-                // What cannot be sent is lost, as on any network.
-                let _ = self.socket.send_to(bytes, from);
-            }
+        let mut buffer = [0; MAX_DATAGRAM];
+        if let Some(answer) = self.respond(&question)?
+            && let Ok(bytes) = answer.encode(&mut buffer)
+        {
+            // What cannot be sent is lost, as on any network.
+            let _ = self.socket.send_to(bytes, from);
         }
         Ok(true)
+    }
+
+    /// Takes in what a controller says and answers it, if it is a question: for connections other than this server's socket.
+    ///
+    /// # Errors
+    /// [`ServerError`].
+    pub fn respond(
+        &mut self,
+        question: &Datagram<N, M>,
+    ) -> Result<Option<Datagram<N, M>>, ServerError> {
+        let message = self.answer(question)?;
+        Ok(message.map(|message| Datagram {
+            session: self.options.session,
+            sequence: question.sequence,
+            brakes: self.brakes(),
+            message,
+        }))
     }
 
     fn answer(&mut self, question: &Datagram<N, M>) -> Result<Option<Message<N, M>>, ServerError> {
@@ -200,7 +257,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
                 Ok(if lost {
                     unanswered
                 } else {
-                    Some(Message::Positions(self.plant.measure().positions))
+                    Some(self.measured())
                 })
             }
             // No time passes here, so in lock-step a lost one can only be told, too.
@@ -208,7 +265,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
             Message::Release => {
                 self.plant.release();
                 self.silent_periods = 0;
-                Ok(Some(Message::Positions(self.plant.measure().positions)))
+                Ok(Some(self.measured()))
             }
             Message::Inputs(inputs) if !lost => {
                 self.received = Some(inputs);
@@ -221,6 +278,15 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
             Message::Inspect => Ok(Some(Message::TrueState(self.observed))),
             // Lost, or an answer where a question is expected.
             _ => Ok(None),
+        }
+    }
+
+    fn measured(&self) -> Message<N, M> {
+        let measurement = self.plant.measure();
+        Message::Measured {
+            positions: measurement.positions,
+            velocities: measurement.velocities,
+            torques: measurement.torques,
         }
     }
 
@@ -239,27 +305,45 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
 
     fn catch_up(&mut self) -> Result<(), ServerError> {
         let period = Duration::from_secs_f64(self.options.period);
-        while self.reached + period <= Instant::now() {
+        for _ in 0..MAX_CATCH_UP {
+            if self.reached + period > Instant::now() {
+                return Ok(());
+            }
             self.reached += period;
             self.advance()?;
         }
+        self.reached = Instant::now();
         Ok(())
     }
 
     fn advance(&mut self) -> Result<(), ServerError> {
         let period = self.options.period;
-        if let Some(inputs) = self.received.take() {
+        let moved = if let Some(inputs) = self.received.take() {
             self.silent_periods = 0;
-            self.plant.apply(&inputs, period)?;
+            self.plant.apply(&inputs, period)
         } else {
             self.silent_periods = self.silent_periods.saturating_add(1);
             if self.silent_periods > self.options.watchdog_periods {
                 self.plant.brake();
             }
-            self.plant.hold(period)?;
+            self.plant.hold(period)
+        };
+        if let Err(fault) = moved {
+            self.take_up_again(fault)?;
         }
-        self.periods += 1;
+        self.periods = self.periods.saturating_add(1);
         self.observe();
+        Ok(())
+    }
+
+    /// After an error the plant stands where it stood before.
+    fn take_up_again(&mut self, fault: PlantError) -> Result<(), ServerError> {
+        let (positions, _) = self.plant.state();
+        self.plant.reset(positions, [0.0; N])?;
+        self.plant.brake();
+        self.options.session = self.options.session.wrapping_add(1);
+        self.breakdowns += 1;
+        self.last_breakdown = Some(fault);
         Ok(())
     }
 

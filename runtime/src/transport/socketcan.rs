@@ -1,6 +1,6 @@
 //! A robot on a CAN bus, through the SocketCAN interface of Linux.
 
-use super::can_frame::{CanCodec, CanMessage, Frame, PositionSet};
+use super::can_frame::{CanCodec, CanMessage, Frame, MeasurementSet};
 use super::{Reading, Transport, TransportError};
 use socketcan::{CanFrame, CanSocket, EmbeddedFrame, Frame as _, Socket, StandardId};
 use std::io;
@@ -13,7 +13,7 @@ const MAX_FRAMES: usize = 1024;
 pub struct CanTransport<const N: usize, const M: usize> {
     socket: CanSocket,
     codec: CanCodec<N, M>,
-    positions: PositionSet<N>,
+    measurements: MeasurementSet<N>,
     sequence: u8,
 }
 
@@ -28,8 +28,8 @@ impl<const N: usize, const M: usize> CanTransport<N, M> {
         socket.set_nonblocking(true)?;
         Ok(Self {
             socket,
+            measurements: codec.new_set(),
             codec,
-            positions: PositionSet::default(),
             sequence: 0,
         })
     }
@@ -47,7 +47,7 @@ impl<const N: usize, const M: usize> CanTransport<N, M> {
 }
 
 impl<const N: usize, const M: usize> Transport<N, M> for CanTransport<N, M> {
-    /// The newest complete set of positions that has arrived.
+    /// The newest complete set of measurements that has arrived.
     fn read(&mut self) -> Result<Option<Reading<N>>, TransportError> {
         let mut newest = None;
         for _ in 0..MAX_FRAMES {
@@ -60,20 +60,11 @@ impl<const N: usize, const M: usize> Transport<N, M> for CanTransport<N, M> {
             let Some(frame) = standard(&frame) else {
                 continue;
             };
-            if let Ok(CanMessage::Position {
-                index,
-                value,
-                sequence,
-                brake,
-            }) = self.codec.decode(&frame)
-            {
-                newest = self
-                    .positions
-                    .take(index, value, sequence, brake)
-                    .or(newest);
+            if let Ok(message) = self.codec.decode(&frame) {
+                newest = self.measurements.take(&message).or(newest);
             }
         }
-        Ok(newest.map(|(positions, brakes)| Reading { positions, brakes }))
+        Ok(newest)
     }
 
     fn write(&mut self, inputs: &[f64; M]) -> Result<(), TransportError> {

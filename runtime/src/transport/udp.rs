@@ -6,6 +6,8 @@ use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, ToSocketAddrs, UdpSocket};
 use std::time::{Duration, Instant};
 
+/// Longest wait for an answer: a lost datagram must not end in waiting forever.
+const LONGEST_TIMEOUT: Duration = Duration::from_secs(3600);
 /// Attempts to release the brakes: the one command that is neither repeated by the loop nor harmless to lose.
 const RELEASE_ATTEMPTS: u32 = 20;
 
@@ -26,9 +28,17 @@ impl<const N: usize, const M: usize> UdpTransport<N, M> {
     /// of the period in real time; seconds in lock-step, where nothing moves meanwhile.
     ///
     /// # Errors
-    /// [`io::Error`] where the address or socket cannot be had, `timeout` is zero, or the robot has more coordinates than fit
-    /// in a datagram.
+    /// [`io::Error`] where the address or socket cannot be had, `timeout` is zero or above an hour, or the robot has more
+    /// coordinates than fit in a datagram.
     pub fn connect(address: impl ToSocketAddrs, timeout: Duration) -> io::Result<Self> {
+        if timeout.is_zero() || timeout > LONGEST_TIMEOUT {
+            return Err(io::Error::new(
+                io::ErrorKind::InvalidInput,
+                format!(
+                    "the timeout of a reading is {timeout:?}; it must be more than 0 and at most an hour"
+                ),
+            ));
+        }
         let mut addresses = address.to_socket_addrs()?;
         let address = addresses.next().ok_or(io::ErrorKind::AddrNotAvailable)?;
         let any: IpAddr = if address.is_ipv4() {
@@ -74,7 +84,7 @@ impl<const N: usize, const M: usize> UdpTransport<N, M> {
     }
 
     fn send(&mut self, message: Message<N, M>) -> Result<(), TransportError> {
-        self.sequence += 1;
+        self.sequence = self.sequence.wrapping_add(1);
         let mut buffer = [0; MAX_DATAGRAM];
         let datagram = self.question(message);
         let bytes = datagram.encode(&mut buffer).map_err(|e| match e {
@@ -131,8 +141,14 @@ impl<const N: usize, const M: usize> Transport<N, M> for UdpTransport<N, M> {
     fn read(&mut self) -> Result<Option<Reading<N>>, TransportError> {
         let answer = self.ask(Message::Query)?;
         Ok(answer.and_then(|answer| match answer.message {
-            Message::Positions(positions) => Some(Reading {
+            Message::Measured {
                 positions,
+                velocities,
+                torques,
+            } => Some(Reading {
+                positions,
+                velocities,
+                torques,
                 brakes: answer.brakes,
             }),
             _ => None,

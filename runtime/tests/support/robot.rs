@@ -42,7 +42,7 @@ pub fn law() -> Law {
 }
 
 pub fn pd(rate: f64) -> Pd {
-    FeedForwardPd::new(law(), motion(), 1.0 / rate, 0.01)
+    FeedForwardPd::new(law(), motion(), 1.0 / rate, 0.01).unwrap()
 }
 
 pub fn plant_options() -> PlantOptions<2, 2> {
@@ -235,7 +235,7 @@ impl Clock for Oversleeping {
 }
 
 /// The loop of a controller on a watched robot and its clock.
-pub type WatchedLoop<'a, C, K> = ControlLoop<PowerCube, RestToRest<2>, C, &'a mut Watched, K, 2, 2>;
+pub type WatchedLoop<'a, C, K> = ControlLoop<Law, RestToRest<2>, C, &'a mut Watched, K, 2, 2>;
 
 pub fn loop_with<'a, C: Controller<2, 2>>(
     settings: LoopSettings<2, 2>,

@@ -97,6 +97,7 @@ pub fn run(
             periods: u32::from(k > 0),
             positions: Some(plant.measure().positions),
             last_inputs: last,
+            ..Cycle::default()
         };
         let command = controller.step(&cycle).unwrap();
         let forward = inputs(time + 0.5 * period);

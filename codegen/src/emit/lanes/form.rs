@@ -218,6 +218,7 @@ impl<'a> Form<'a> {
 
     /// So many quantities of a group, zeros.
     fn array(&self, count: usize) -> TokenStream {
+        self.context.has_groups.set(true);
         let zero = self.context.options.scalar.literal(0.0);
         let count = Literal::usize_unsuffixed(count);
         quote!([Group([#zero; W]); #count])
@@ -241,8 +242,10 @@ impl<'a> Form<'a> {
             false => self.storing(index, &callee, &arguments),
         };
         let values = &self.values[index];
-        let array = self.array(part.returns.len());
-        let array = (!part.returns.is_empty()).then(|| quote!(let mut #values = #array;));
+        let array = (!part.returns.is_empty()).then(|| {
+            let array = self.array(part.returns.len());
+            quote!(let mut #values = #array;)
+        });
         quote! {
             #array
             for lane in 0..W { #body }

@@ -60,12 +60,21 @@ pub(super) fn item(context: &Context<'_>) -> TokenStream {
         #[derive(Debug, Clone, Copy, PartialEq)]
         #[repr(align(64))]
         pub struct Lanes(pub [#ty; #len]);
-
-        #[doc = " One quantity of those states that are computed at a time."]
-        #[derive(Clone, Copy)]
-        #[repr(align(64))]
-        struct Group<const W: usize>([#ty; W]);
     }
+}
+
+/// The type of what stands between the loops of a function; none where no function printed so far has any: neither angles
+/// nor parts that hand on values.
+pub(super) fn group(context: &Context<'_>) -> Option<TokenStream> {
+    let ty = context.options.scalar.ty();
+    context.has_groups.get().then(|| {
+        quote! {
+            #[doc = " One quantity of those states that are computed at a time."]
+            #[derive(Clone, Copy)]
+            #[repr(align(64))]
+            struct Group<const W: usize>([#ty; W]);
+        }
+    })
 }
 
 /// How a function is divided, where lanes are asked for and possible.

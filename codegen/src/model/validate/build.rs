@@ -9,9 +9,10 @@ use super::super::{
     Body, Drive, Frame, Input, Joint, JointKind, Limits, Link, Model, Motion, MotorTorque, Pose,
     RotorCoupling,
 };
-use super::names::{JointNames, report_duplicates};
+use super::names::{Identifiers, report_duplicates};
 use crate::diagnostic::{At, Report, nearest};
 use crate::formula::Formula;
+use crate::wording::as_written;
 use std::collections::BTreeMap;
 
 /// Gravity where none is described (m/s²).
@@ -20,7 +21,7 @@ const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 pub(super) struct Builder<'d, 'r> {
     pub(super) robot: &'d RobotDescription,
     pub(super) report: &'r mut Report,
-    pub(super) names: JointNames,
+    pub(super) identifiers: Identifiers,
     pub(super) defaults: Vec<f64>,
     pub(super) tree: Tree,
     /// For each link its described frame in the frame of the model's link.
@@ -28,7 +29,7 @@ pub(super) struct Builder<'d, 'r> {
 }
 
 impl Builder<'_, '_> {
-    pub(super) fn build(&mut self, name: String) -> Option<Model> {
+    pub(super) fn build(&mut self) -> Option<Model> {
         let coordinates = self.coordinates()?;
         let mut links = self.links(&coordinates);
         self.attach_bodies(&mut links);
@@ -40,7 +41,7 @@ impl Builder<'_, '_> {
             .clone()
             .unwrap_or(GRAVITY.map(Formula::Number));
         Some(Model {
-            name,
+            name: self.identifiers.module.clone(),
             description: self.robot.description.clone(),
             gravity,
             parameters: self
@@ -57,18 +58,13 @@ impl Builder<'_, '_> {
         })
     }
 
-    fn moves(&self, joint: usize) -> bool {
-        let joint = &self.robot.joints[joint];
-        joint.kind.is_some_and(|kind| kind != JointKind::Fixed) && joint.held.is_none()
-    }
-
     /// Link indices of the moving joints: as listed, else as described, else in the order of the tree.
     fn coordinates(&mut self) -> Option<Vec<usize>> {
         let mut moving: Vec<(usize, usize)> = Vec::new();
         for (link, joint) in self.tree.joints.iter().enumerate() {
             moving.extend(
                 joint
-                    .filter(|joint| self.moves(*joint))
+                    .filter(|joint| self.robot.joints[*joint].moves())
                     .map(|joint| (joint, link)),
             );
         }
@@ -161,7 +157,8 @@ impl Builder<'_, '_> {
         let limits = &described.limits;
         let value = |limit: &Option<At<f64>>| limit.as_ref().map(|limit| limit.value);
         Joint {
-            name: self.names.joints[index].clone(),
+            name: described.name.value.clone(),
+            identifier: self.identifiers.joints[index].clone(),
             parent,
             kind: described.kind.unwrap_or(JointKind::Fixed),
             origin: self.offsets[parent].then(&origin),
@@ -173,8 +170,8 @@ impl Builder<'_, '_> {
                 effort: value(&limits.effort),
                 peak_effort: value(&limits.peak_effort),
             },
-            springs: described.springs.clone().unwrap_or_default(),
-            friction: described.friction.clone().unwrap_or_default(),
+            springs: laws(&described.springs),
+            friction: laws(&described.friction),
         }
     }
 
@@ -215,13 +212,14 @@ impl Builder<'_, '_> {
     }
 
     fn frames(&mut self) -> Vec<Frame> {
-        let names = self.names.frames.clone();
+        let identifiers = self.identifiers.frames.clone();
         let described: Vec<(&FrameDescription, String)> =
-            self.robot.frames.iter().zip(names).collect();
-        let frame = |(frame, name): (&FrameDescription, String)| {
+            self.robot.frames.iter().zip(identifiers).collect();
+        let frame = |(frame, identifier): (&FrameDescription, String)| {
             let link = self.find_link(&frame.link)?;
             Some(Frame {
-                name,
+                name: frame.name.value.clone(),
+                identifier,
                 link,
                 pose: self.offsets[link].then(&frame.pose),
             })
@@ -245,17 +243,14 @@ impl Builder<'_, '_> {
             return None;
         }
         let robot = self.robot;
-        let choice = robot.joints[index]
-            .drive
-            .as_ref()
-            .map_or(&robot.default_drive, |drive| &drive.value);
+        let choice = robot.drive_of(&robot.joints[index]);
         let coordinate = match joint.motion {
             Motion::Coordinate(coordinate) => Some(coordinate),
             _ => None,
         };
         match choice {
             DriveChoice::Passive => None,
-            DriveChoice::Ideal => coordinate.map(|_| ideal_drive(joint, coordinate)),
+            DriveChoice::Ideal => coordinate.map(|_| self.ideal_drive(joint, index, coordinate)),
             DriveChoice::Motor(motor) => self.motor(motor, index, joint, coordinate),
         }
     }
@@ -291,9 +286,11 @@ impl Builder<'_, '_> {
             }
         };
         Some(Drive {
-            name: self.names.drives[index]
-                .clone()
-                .unwrap_or_else(|| joint.name.clone()),
+            name: motor
+                .name
+                .as_ref()
+                .map_or_else(|| joint.name.clone(), |name| name.value.clone()),
+            identifier: self.drive_identifier(index),
             coordinate,
             gear_ratio: motor.gear_ratio.value.clone(),
             rotor_inertia: motor.rotor_inertia.value.clone(),
@@ -312,14 +309,14 @@ impl Builder<'_, '_> {
             self.report.error(
                 motor.gear_ratio.span,
                 "gear-ratio",
-                format!("the gear ratio is {ratio}"),
+                format!("the gear ratio is {}", as_written(ratio)),
             );
             self.report
                 .help("motor angle over joint angle: finite and not 0");
         }
         let rotor = value(&motor.rotor_inertia.value);
         if !rotor.is_finite() || rotor < 0.0 {
-            let message = format!("the rotor inertia is {rotor}");
+            let message = format!("the rotor inertia is {}", as_written(rotor));
             self.report
                 .error(motor.rotor_inertia.span, "rotor-inertia", message);
             self.report.help("kg m², finite and at least 0");
@@ -327,24 +324,35 @@ impl Builder<'_, '_> {
         if let Input::Current(constant) = &motor.input
             && !(value(constant).is_finite() && value(constant) != 0.0)
         {
-            let message = format!("the motor constant is {}", value(constant));
+            let message = format!("the motor constant is {}", as_written(value(constant)));
             self.report
                 .error(motor.gear_ratio.span, "motor-constant", message);
         }
     }
+
+    /// A torque or force at the joint itself.
+    fn ideal_drive(&self, joint: &Joint, index: usize, coordinate: Option<usize>) -> Drive {
+        Drive {
+            name: joint.name.clone(),
+            identifier: self.drive_identifier(index),
+            coordinate,
+            gear_ratio: Formula::ONE,
+            rotor_inertia: Formula::ZERO,
+            carrier: joint.parent,
+            axis: rotate_numbers(&joint.origin.rotation, &joint.axis),
+            coupling: RotorCoupling::Diagonal,
+            input: Input::Torque,
+            torque: MotorTorque::default(),
+        }
+    }
+
+    fn drive_identifier(&self, joint: usize) -> String {
+        self.identifiers.drives[joint].clone().unwrap_or_default()
+    }
 }
 
-/// A torque or force at the joint itself.
-fn ideal_drive(joint: &Joint, coordinate: Option<usize>) -> Drive {
-    Drive {
-        name: joint.name.clone(),
-        coordinate,
-        gear_ratio: Formula::ONE,
-        rotor_inertia: Formula::ZERO,
-        carrier: joint.parent,
-        axis: rotate_numbers(&joint.origin.rotation, &joint.axis),
-        coupling: RotorCoupling::Diagonal,
-        input: Input::Torque,
-        torque: MotorTorque::default(),
-    }
+fn laws<T: Clone>(described: &Option<At<Vec<T>>>) -> Vec<T> {
+    described
+        .as_ref()
+        .map_or(Vec::new(), |laws| laws.value.clone())
 }

@@ -1,14 +1,10 @@
-//! What can be wrong with a joint, a body, or the whole tree.
+//! What can be wrong with a joint or a body by itself.
 
-use super::super::description::{
-    BodyDescription, JointDescription, LimitsDescription, Name, RobotDescription,
-};
-use super::super::inertia::{self, Flaw};
-use super::super::regularity::singular_joints;
-use super::super::tree::Tree;
-use super::super::{JointKind, Model, Motion};
-use crate::diagnostic::{At, Report};
+use super::super::JointKind;
+use super::super::description::{BodyDescription, JointDescription, LimitsDescription, Name};
+use crate::diagnostic::Report;
 use crate::formula::Formula;
+use crate::wording::as_written;
 
 pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
     let name = &joint.name;
@@ -24,12 +20,16 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
         }
         if low > high {
             let message = format!(
-                "position limits of joint `{}` are reversed: {low} > {high}",
-                name.value
+                "position limits of joint `{}` are reversed: {} > {}",
+                name.value,
+                as_written(low),
+                as_written(high)
             );
             report.error(position.span, "limits-reversed", message);
             report.help(format!(
-                "write {high} as the lower and {low} as the upper limit"
+                "write {} as the lower and {} as the upper limit",
+                as_written(high),
+                as_written(low)
             ));
         }
         if let Some(held) = joint
@@ -37,8 +37,11 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
             .filter(|held| low <= high && !(low..=high).contains(held))
         {
             let message = format!(
-                "joint `{}` is held at {held}, outside of its limits {low} … {high}",
-                name.value
+                "joint `{}` is held at {}, outside of its limits {} … {}",
+                name.value,
+                as_written(held),
+                as_written(low),
+                as_written(high)
             );
             report.note(Some(name.span), "held-outside-limits", message);
         }
@@ -66,7 +69,8 @@ fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
         if let Some(limit) = limit.as_ref().filter(|limit| limit.value <= 0.0) {
             let message = format!(
                 "the {what} limit of joint `{}` is {}, not positive",
-                name.value, limit.value
+                name.value,
+                as_written(limit.value)
             );
             report.error(limit.span, "not-positive", message);
         }
@@ -76,7 +80,9 @@ fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
     {
         let message = format!(
             "nominal effort {} of joint `{}` exceeds its peak {}",
-            nominal.value, name.value, peak.value
+            as_written(nominal.value),
+            name.value,
+            as_written(peak.value)
         );
         report.error(peak.span, "limits-reversed", message);
     }
@@ -92,7 +98,7 @@ fn fixed(joint: &JointDescription, report: &mut Report) {
     } else if joint
         .friction
         .as_ref()
-        .is_some_and(|terms| !terms.is_empty())
+        .is_some_and(|terms| !terms.value.is_empty())
     {
         "friction"
     } else {
@@ -115,8 +121,12 @@ pub(super) fn body(body: &BodyDescription, defaults: &[f64], report: &mut Report
         return;
     };
     let kilograms = value(&mass.value);
-    if !kilograms.is_finite() || kilograms < 0.0 {
-        let message = format!("body `{}` has mass {kilograms}", body.name.value);
+    if !kilograms.is_finite() || (kilograms < 0.0 && !body.is_published) {
+        let message = format!(
+            "body `{}` has mass {}",
+            body.name.value,
+            as_written(kilograms)
+        );
         report.error(mass.span, "mass-not-positive", message);
         report.help("a mass is finite and at least 0");
     }
@@ -132,98 +142,8 @@ pub(super) fn body(body: &BodyDescription, defaults: &[f64], report: &mut Report
         report.error(body.name.span, "number-not-finite", message);
     }
     let Some(inertia) = &body.inertia else { return };
-    let entries = std::array::from_fn(|k| value(&inertia.value[k]));
-    if entries.iter().any(|entry| !entry.is_finite()) {
+    if inertia.value.iter().any(|entry| !value(entry).is_finite()) {
         let message = format!("the inertia of body `{}` is not finite", body.name.value);
         report.error(inertia.span, "number-not-finite", message);
-        return;
     }
-    if let Some(flaw) = inertia::check(entries) {
-        report_inertia(body, inertia, &flaw, report);
-    }
-}
-
-/// Six significant digits.
-fn short(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
-}
-
-fn report_inertia(
-    body: &BodyDescription,
-    inertia: &At<[Formula; 6]>,
-    flaw: &Flaw,
-    report: &mut Report,
-) {
-    let name = &body.name.value;
-    let (code, message) = match flaw.moments().map(short) {
-        [low, middle, high] if flaw.is_triangle() => (
-            "inertia-triangle-inequality",
-            format!(
-                "inertia of body `{name}` belongs to no real body: principal moments \
-                 {low} + {middle} < {high}"
-            ),
-        ),
-        [low, middle, high] => (
-            "inertia-not-positive-definite",
-            format!(
-                "inertia of body `{name}` is not positive definite: principal moments \
-                 {low}, {middle}, {high}"
-            ),
-        ),
-    };
-    if body.accept_unphysical {
-        report.note(Some(inertia.span), code, message);
-        return;
-    }
-    report.error(inertia.span, code, message);
-    report.help(
-        "inertia counts about the centre of mass; `accept_unphysical = true` in a TOML body takes \
-         it as published",
-    );
-}
-
-pub(super) fn regularity(
-    model: &Model,
-    robot: &RobotDescription,
-    report: &mut Report,
-    tree: &Tree,
-) {
-    if report.has_errors() {
-        return;
-    }
-    for link in singular_joints(model) {
-        let Some(joint) = tree.joints[link].and_then(|joint| robot.joints.get(joint)) else {
-            continue;
-        };
-        let leaf = !carries_moving_joint(model, link);
-        let code = if leaf {
-            "massless-leaf"
-        } else {
-            "singular-mass-matrix"
-        };
-        let message = format!(
-            "joint `{}` moves nothing that has inertia along its axis: the mass matrix would be singular",
-            joint.name.value
-        );
-        report.error(joint.name.span, code, message);
-        report.help(
-            "give the links that move with it mass or inertia, give its drive a rotor inertia, or make the joint fixed",
-        );
-    }
-}
-
-/// Whether a moving joint stands on the link or on what is fixed to it.
-fn carries_moving_joint(model: &Model, link: usize) -> bool {
-    let mut beyond = vec![false; model.links.len()];
-    beyond[link] = true;
-    for (index, other) in model.links.iter().enumerate().skip(link + 1) {
-        let Some(joint) = other.joint.as_ref().filter(|joint| beyond[joint.parent]) else {
-            continue;
-        };
-        if matches!(joint.motion, Motion::Coordinate(_)) {
-            return true;
-        }
-        beyond[index] = true;
-    }
-    false
 }

@@ -2,19 +2,23 @@
 
 mod build;
 mod checks;
+mod force_laws;
+mod hints;
+mod inertias;
+mod mass_matrix;
 mod names;
 
 use super::Model;
 use super::description::RobotDescription;
+use super::regularity::Pivots;
 use super::tree;
 use crate::diagnostic::Report;
 use build::Builder;
-use names::{JointNames, Names};
+use names::Identifiers;
 
 /// Checks everything and builds the model; with errors in the report there is none.
 pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Model> {
-    let mut names = Names::default();
-    let identifiers = JointNames::new(robot, &mut names, report);
+    let identifiers = Identifiers::new(robot, report);
     let defaults: Vec<f64> = robot
         .parameters
         .iter()
@@ -22,24 +26,34 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
         .collect();
     for joint in &robot.joints {
         checks::joint(joint, report);
+        force_laws::check(joint, &defaults, report);
     }
     for body in &robot.bodies {
         checks::body(body, &defaults, report);
     }
     names::report_duplicates(robot.bodies.iter().map(|body| &body.name), "bodies", report);
-    let name = names.identifier(&robot.name, report);
     let tree = tree::build(robot, report);
-    names.note(report);
-    let tree = tree?;
-    let mut builder = Builder {
-        robot,
-        report,
-        names: identifiers,
-        defaults,
-        tree,
-        offsets: Vec::new(),
-    };
-    let model = builder.build(name?)?;
-    checks::regularity(&model, robot, builder.report, &builder.tree);
-    (!report.has_errors()).then_some(model)
+    identifiers.note(robot, report);
+    if let Some(tree) = &tree {
+        hints::note(robot, tree, &defaults, report);
+    }
+    let published = inertias::check(robot, tree.as_ref(), &defaults, report);
+    let model = tree.and_then(|tree| {
+        let mut builder = Builder {
+            robot,
+            report,
+            identifiers,
+            defaults,
+            tree,
+            offsets: Vec::new(),
+        };
+        builder.build()
+    });
+    let model = model.filter(|_| !report.has_errors());
+    let pivots = model.as_ref().map(Pivots::of);
+    published.report(pivots.as_ref(), report);
+    if let (Some(model), Some(pivots)) = (&model, &pivots) {
+        mass_matrix::check(robot, model, pivots, report);
+    }
+    model.filter(|_| !report.has_errors())
 }

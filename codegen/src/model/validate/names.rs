@@ -1,111 +1,108 @@
-//! Identifiers for the names of a description.
+//! Distinct names, and the identifiers that stand for them in generated code.
 
 use super::super::JointKind;
 use super::super::description::{DriveChoice, JointDescription, Name, RobotDescription};
-use super::super::name::{identifier, is_argument};
+use super::super::name::identifier;
 use crate::diagnostic::Report;
+use crate::wording::listed;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Identifiers and what had to be changed to get them.
-#[derive(Debug, Default)]
-pub(super) struct Names {
-    changed: Vec<(Name, String)>,
+/// Identifiers of the module, its joints, frames and drives, in the order of their description.
+#[derive(Debug)]
+pub(super) struct Identifiers {
+    pub(super) module: String,
+    /// They label values inside of functions.
+    pub(super) joints: Vec<String>,
+    /// They are part of the names of functions.
+    pub(super) frames: Vec<String>,
+    /// By joint; `None` where it has no drive.
+    pub(super) drives: Vec<Option<String>>,
 }
 
-impl Names {
-    pub(super) fn identifier(&mut self, name: &Name, report: &mut Report) -> Option<String> {
-        let Some(result) = identifier(&name.value) else {
-            report.error(
-                name.span,
-                "unusable-name",
-                format!("{:?} has no letter or digit", name.value),
-            );
-            report.help("names become Rust identifiers: use ASCII letters, digits and underscores");
-            return None;
-        };
-        if result != name.value {
-            self.changed.push((name.clone(), result.clone()));
+impl Identifiers {
+    /// Reports names that are given twice. Different names whose identifiers would be the same are numbered.
+    pub(super) fn new(robot: &RobotDescription, report: &mut Report) -> Self {
+        let joints: Vec<&Name> = robot.joints.iter().map(|joint| &joint.name).collect();
+        let frames: Vec<&Name> = robot.frames.iter().map(|frame| &frame.name).collect();
+        let drives: Vec<Option<&Name>> = robot
+            .joints
+            .iter()
+            .map(|joint| drive_name(robot, joint))
+            .collect();
+        let driven: Vec<&Name> = drives.iter().copied().flatten().collect();
+        let before = report.error_count();
+        report_duplicates(joints.iter().copied(), "joints", report);
+        if report.error_count() == before {
+            // A drive without a name is called like its joint.
+            report_duplicates(driven.iter().copied(), "drives", report);
         }
-        Some(result)
+        report_duplicates(frames.iter().copied(), "frames", report);
+        let mut of_drives = distinct(&driven).into_iter();
+        Self {
+            module: identifier(&robot.name.value),
+            joints: distinct(&joints),
+            frames: distinct(&frames),
+            drives: drives
+                .iter()
+                .map(|name| name.and_then(|_| of_drives.next()))
+                .collect(),
+        }
     }
 
-    /// Distinct identifiers of entries of one kind, in their order.
-    fn distinct(
-        &mut self,
-        names: &[&Name],
-        what: &str,
-        prefix: Option<&str>,
-        report: &mut Report,
-    ) -> Vec<String> {
-        let mut seen: BTreeMap<String, &Name> = BTreeMap::new();
-        let mut result = Vec::new();
-        for name in names {
-            let Some(mut own) = self.identifier(name, report) else {
-                // Reported; the entry keeps its place in the list.
-                result.push(String::new());
-                continue;
-            };
-            if let Some(prefix) = prefix.filter(|_| is_argument(&own)) {
-                own = format!("{prefix}_{own}");
-                self.changed.push(((*name).clone(), own.clone()));
-            }
-            if let Some(first) = seen.get(&own) {
-                report_collision(first, name, &own, what, report);
-            } else {
-                seen.insert(own.clone(), name);
-            }
-            result.push(own);
-        }
-        result
-    }
-
-    pub(super) fn note(self, report: &mut Report) {
-        let Some((first, _)) = self.changed.first() else {
+    /// Says where the module and the functions of frames are not called what the description says.
+    pub(super) fn note(&self, robot: &RobotDescription, report: &mut Report) {
+        let module = (&robot.name, self.module.clone());
+        let module = Some(module).filter(|(name, identifier)| name.value != *identifier);
+        let module = module.map(|(name, identifier)| (name, format!("`{identifier}`")));
+        let frames = robot.frames.iter().map(|frame| &frame.name);
+        let frames = frames.zip(&self.frames);
+        let frames = frames.filter(|(name, identifier)| name.value != **identifier);
+        let frames = frames.map(|(name, identifier)| (name, format!("`frame_{identifier}_…`")));
+        let changed: Vec<(&Name, String)> = module.into_iter().chain(frames).collect();
+        let Some((first, _)) = changed.first() else {
             return;
         };
-        let list = self
-            .changed
-            .iter()
-            .take(6)
-            .map(|(from, to)| format!("{:?} → `{to}`", from.value));
-        let list = list.collect::<Vec<_>>().join(", ");
-        let more = match self.changed.len() {
-            0..=6 => String::new(),
-            count => format!(" and {} more", count - 6),
-        };
-        report.note(
-            Some(first.span),
-            "name-mapped",
-            format!("names in generated code: {list}{more}"),
-        );
+        let entries = changed.iter();
+        let entries = entries.map(|(name, identifier)| format!("{:?} → {identifier}", name.value));
+        let message = format!("names in generated code: {}", listed(entries));
+        report.note(Some(first.span), "name-mapped", message);
     }
 }
 
-fn report_collision(
-    first: &Name,
-    second: &Name,
-    identifier: &str,
-    what: &str,
-    report: &mut Report,
-) {
-    let place = report.place(first.span);
-    if first.value == second.value {
-        let message = format!(
-            "two {what} are named `{}`; the other one stands at {place}",
-            second.value
-        );
-        report.error(second.span, "duplicate-name", message);
-        report.help("give each its own name");
-        return;
+fn drive_name<'d>(robot: &'d RobotDescription, joint: &'d JointDescription) -> Option<&'d Name> {
+    if joint.kind == Some(JointKind::Fixed) {
+        return None;
     }
-    let message = format!(
-        "{:?} and {:?} would both be `{identifier}` in generated code",
-        first.value, second.value
-    );
-    report.error(second.span, "name-collision", message);
-    report.help(format!(
-        "rename one of them; the other one stands at {place}"
-    ));
+    match robot.drive_of(joint) {
+        DriveChoice::Motor(motor) => motor.name.as_ref().or(Some(&joint.name)),
+        DriveChoice::Ideal => Some(&joint.name),
+        DriveChoice::Passive => None,
+    }
+}
+
+/// Identifiers of names of one kind, numbered where those of different names would be the same.
+fn distinct(names: &[&Name]) -> Vec<String> {
+    let mut taken: BTreeSet<String> = BTreeSet::new();
+    let mut known: BTreeMap<&str, String> = BTreeMap::new();
+    for name in names {
+        known
+            .entry(&name.value)
+            .or_insert_with(|| unused(identifier(&name.value), &mut taken));
+    }
+    names
+        .iter()
+        .map(|name| known.get(name.value.as_str()).cloned().unwrap_or_default())
+        .collect()
+}
+
+fn unused(stem: String, taken: &mut BTreeSet<String>) -> String {
+    let mut candidate = stem.clone();
+    let mut copies = 1;
+    while !taken.insert(candidate.clone()) {
+        copies += 1;
+        candidate = format!("{stem}_{copies}");
+    }
+    candidate
 }
 
 pub(super) fn report_duplicates<'d>(
@@ -115,56 +112,16 @@ pub(super) fn report_duplicates<'d>(
 ) {
     let mut seen: BTreeMap<&str, &Name> = BTreeMap::new();
     for name in names {
-        match seen.get(name.value.as_str()) {
-            Some(first) => report_collision(first, name, &name.value, what, report),
-            None => {
-                seen.insert(&name.value, name);
-            }
-        }
-    }
-}
-
-/// Identifiers of joints, frames and drives, in the order of their description.
-#[derive(Debug)]
-pub(super) struct JointNames {
-    pub(super) joints: Vec<String>,
-    pub(super) frames: Vec<String>,
-    pub(super) drives: Vec<Option<String>>,
-}
-
-impl JointNames {
-    pub(super) fn new(robot: &RobotDescription, names: &mut Names, report: &mut Report) -> Self {
-        let joints: Vec<&Name> = robot.joints.iter().map(|joint| &joint.name).collect();
-        let joints = names.distinct(&joints, "joints", Some("joint"), report);
-        // Fixed joints do not appear in generated code.
-        let fixed = robot
-            .joints
-            .iter()
-            .filter(|joint| joint.kind == Some(JointKind::Fixed));
-        let fixed: BTreeSet<&str> = fixed.map(|joint| joint.name.value.as_str()).collect();
-        names
-            .changed
-            .retain(|(name, _)| !fixed.contains(name.value.as_str()));
-        let frames: Vec<&Name> = robot.frames.iter().map(|frame| &frame.name).collect();
-        let frames = names.distinct(&frames, "frames", None, report);
-        let drive_name =
-            |joint: &JointDescription| match joint.drive.as_ref().map(|drive| &drive.value) {
-                Some(DriveChoice::Motor(motor)) => motor.name.clone(),
-                _ => None,
-            };
-        let own: Vec<Option<Name>> = robot.joints.iter().map(drive_name).collect();
-        let listed: Vec<&Name> = own.iter().flatten().collect();
-        let mut mapped = names
-            .distinct(&listed, "drives", Some("drive"), report)
-            .into_iter();
-        let drives = own
-            .iter()
-            .map(|name| name.as_ref().and_then(|_| mapped.next()))
-            .collect();
-        Self {
-            joints,
-            frames,
-            drives,
-        }
+        let Some(first) = seen.get(name.value.as_str()) else {
+            seen.insert(&name.value, name);
+            continue;
+        };
+        let place = report.place(first.span);
+        let message = format!(
+            "two {what} are named `{}`; the other one stands at {place}",
+            name.value
+        );
+        report.error(name.span, "duplicate-name", message);
+        report.help("give each its own name");
     }
 }

@@ -231,6 +231,7 @@ pub fn drive(
             periods: u32::from(k > 0),
             positions: Some(measured),
             last_inputs: last,
+            ..Cycle::default()
         })?;
         rows.push(Row {
             time,

@@ -64,8 +64,8 @@ impl Dynamics<2, 2> for MoreFriction {
     }
 
     /// What depends on the speed alone; the plant looks here for jumps at standstill.
-    fn friction_torques(&self, v: &[f64; 2]) -> [f64; 2] {
-        let friction = self.robot.friction_torques(v);
+    fn friction_torques(&self, y: &[f64; 2], v: &[f64; 2]) -> [f64; 2] {
+        let friction = self.robot.friction_torques(y, v);
         std::array::from_fn(|i| friction[i] + self.stribeck(i, v[i]))
     }
 

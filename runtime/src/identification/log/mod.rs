@@ -136,7 +136,7 @@ impl Log {
     /// Undoes counter overflows: a step of more than half a period is taken as the shorter way around.
     ///
     /// # Errors
-    /// Unknown channel, or a period that is not positive.
+    /// Unknown channel, a period that is not positive, or one so small that the values are no multiple of it any more.
     pub fn unwrap_counter(&mut self, name: &str, period: f64) -> Result<()> {
         require_setting(
             "period of the counter",
@@ -144,7 +144,14 @@ impl Log {
             period > 0.0,
             "it must be positive",
         )?;
-        self.channel(name)?;
+        let largest = self.channel(name)?.iter().filter(|x| x.is_finite());
+        let largest = largest.fold(0.0_f64, |largest, x| largest.max(x.abs()));
+        require_setting(
+            "period of the counter",
+            period,
+            largest / period <= MOST_TURNS,
+            "it must be a 1e15th of the values at least",
+        )?;
         let segments = self.segments.clone();
         for channel in self.channels.iter_mut().filter(|c| c.name == name) {
             for rows in &segments {
@@ -154,6 +161,9 @@ impl Log {
         Ok(())
     }
 }
+
+/// Beyond, a number has no digits left for what is within a period.
+const MOST_TURNS: f64 = 1e15;
 
 fn unwrap(values: &mut [f64], period: f64) {
     let (mut turns, mut last) = (0.0, f64::NAN);
@@ -172,6 +182,26 @@ fn unwrap(values: &mut [f64], period: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn periods_that_no_counter_has_are_refused() {
+        let text = "t,q1\n0,1\n0.1,-1e300\n0.2,NaN\n";
+        let (log, _) = Log::read(text.as_bytes(), "test", &LogSchema::default()).unwrap();
+        for period in [0.0, -1.0, f64::NAN, f64::INFINITY, 5e-324, 1e280] {
+            assert!(
+                log.clone().unwrap_counter("q1", period).is_err(),
+                "{period}"
+            );
+        }
+        let mut unwrapped = log.clone();
+        unwrapped.unwrap_counter("q1", 1e290).unwrap();
+        assert!(unwrapped.channel("q1").unwrap()[1].is_finite());
+        for margin in [2, usize::MAX / 2, usize::MAX] {
+            assert!(log.inner_rows(&[0, 1, 2], margin).is_err(), "{margin}");
+        }
+        assert_eq!(log.inner_rows(&[0, 1, 2, usize::MAX], 1).unwrap(), [1]);
+        assert!(log.values("q1", &[usize::MAX]).is_err());
+    }
 
     #[test]
     fn counters_unwrap_over_missing_values() {

@@ -106,14 +106,14 @@ impl Log {
     pub fn inner_rows(&self, rows: &[usize], margin: usize) -> Result<Vec<usize>> {
         let inner = |row: &usize| {
             let segment = self.segments.iter().find(|s| s.contains(row));
-            segment.is_some_and(|s| *row >= s.start + margin && row + margin < s.end)
+            segment.is_some_and(|s| *row - s.start >= margin && s.end - *row > margin)
         };
         let kept: Vec<usize> = rows.iter().copied().filter(inner).collect();
         if kept.is_empty() {
             let longest = self.segments.iter().map(ExactSizeIterator::len).max();
             return Err(IdentificationError::TooFewSamples {
                 what: format!("a margin of {margin} samples at both ends of a segment"),
-                needed: 2 * margin + 1,
+                needed: margin.saturating_mul(2).saturating_add(1),
                 got: longest.unwrap_or(0),
             });
         }
@@ -130,7 +130,7 @@ impl Log {
         let values: Option<Vec<f64>> = rows.iter().map(value).collect();
         values.ok_or_else(|| IdentificationError::Shape {
             what: format!("rows of channel {name}"),
-            expected: rows.iter().max().map_or(0, |r| r + 1),
+            expected: rows.iter().max().map_or(0, |r| r.saturating_add(1)),
             got: channel.len(),
         })
     }

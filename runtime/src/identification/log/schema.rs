@@ -47,7 +47,9 @@ pub struct ChannelSchema {
     pub motor_constant: Option<f64>,
 }
 
-/// Mapping of columns to channels.
+/// Mapping of columns to channels. Without one, columns are known by their names: `q1`, `dq1 [deg/s]`, `tau2`, and those of
+/// the control loop's log (`control_loop::log_to_file`), `q_NAME`, `dq_NAME`, `u_NAME`, whose joints are told apart by their
+/// names.
 ///
 /// ```toml
 /// [[channel]]
@@ -82,11 +84,13 @@ impl LogSchema {
     /// The mapping for a file with these headers.
     pub(super) fn resolve(&self, headers: &[String]) -> Result<Vec<Column>> {
         if self.channels.is_empty() {
-            return headers
+            let mut columns = headers
                 .iter()
                 .enumerate()
                 .map(|(i, h)| Column::from_header(i, h))
-                .collect();
+                .collect::<Result<Vec<_>>>()?;
+            number_joints(&mut columns);
+            return Ok(columns);
         }
         self.channels
             .iter()
@@ -109,10 +113,7 @@ pub(super) struct Column {
 
 impl Column {
     fn from_header(index: usize, header: &str) -> Result<Self> {
-        let (name, unit) = match header.split_once('[') {
-            Some((name, unit)) => (name.trim(), unit.trim_end().trim_end_matches(']')),
-            None => (header.trim(), ""),
-        };
+        let (name, unit) = split_unit(header);
         let name = identifier(name, index);
         let quantity = guess(&name);
         Self::new(index, name, quantity, unit, None, 1.0, 0.0)
@@ -212,6 +213,65 @@ impl Column {
     }
 }
 
+/// Name and unit of `q1 [deg]` or `q1[deg]`. A bracket within a name, as in `q_arm[1]`, is none: what follows a name without
+/// a space must be a unit that is known, and not a number.
+fn split_unit(header: &str) -> (&str, &str) {
+    let header = header.trim();
+    let Some((name, unit)) = header
+        .strip_suffix(']')
+        .and_then(|rest| rest.rsplit_once('['))
+    else {
+        return (header, "");
+    };
+    let spaced = name.ends_with(char::is_whitespace);
+    if spaced || (conversion(unit).is_some() && unit != "1") {
+        (name.trim_end(), unit)
+    } else {
+        (header, "")
+    }
+}
+
+/// What the control loop's log writes before the name of a joint or input.
+const PREFIXES: [(&str, Quantity); 6] = [
+    ("measured_dq_", Quantity::Velocity),
+    ("measured_tau_", Quantity::Torque),
+    ("desired_", Quantity::Other),
+    ("dq_", Quantity::Velocity),
+    ("q_", Quantity::Position),
+    ("u_", Quantity::Torque),
+];
+
+/// Quantity and joint of a column of the control loop's log.
+fn of_loop(name: &str) -> Option<(Quantity, &str)> {
+    let (prefix, quantity) = PREFIXES.iter().find(|(p, _)| name.starts_with(p))?;
+    let joint = &name[prefix.len()..];
+    (!joint.is_empty()).then_some((*quantity, joint))
+}
+
+/// Columns of the same named joint get the same number, in the order of the file; a digit at the end of a joint's name is
+/// no number of a joint.
+fn number_joints(columns: &mut [Column]) {
+    let number = |column: &Column| of_loop(&column.name)?.1.parse::<usize>().ok();
+    let taken = columns.iter().filter_map(number).max().unwrap_or(0);
+    let mut joints: Vec<String> = Vec::new();
+    for column in columns {
+        if let Some(number) = number(column) {
+            column.joint = Some(number);
+            continue;
+        }
+        let Some((_, joint)) = of_loop(&column.name) else {
+            continue;
+        };
+        let known = joints.iter().position(|j| j == joint);
+        let index = known.unwrap_or_else(|| {
+            joints.push(joint.to_owned());
+            joints.len() - 1
+        });
+        // Behind those that are numbers already.
+        column.joint = Some(taken.saturating_add(index + 1));
+    }
+}
+
 /// A header as an identifier: other characters become `_`.
 fn identifier(text: &str, index: usize) -> String {
     let mut name: String = text
@@ -246,7 +306,7 @@ fn guess(name: &str) -> Quantity {
         "u" | "tau" | "torque" => Quantity::Torque,
         "i" | "current" => Quantity::Current,
         "run" | "segment" => Quantity::Segment,
-        _ => Quantity::Other,
+        _ => of_loop(name).map_or(Quantity::Other, |(quantity, _)| quantity),
     }
 }
 
@@ -325,6 +385,70 @@ mod tests {
         );
         assert!((columns[2].factor - 0.017_453_292_519_943_295).abs() < 1e-18);
         assert_eq!(columns[4].quantity, Quantity::Other);
+    }
+
+    /// As the control loop writes them, for joints with every kind of name.
+    #[test]
+    fn columns_of_a_loop_belong_to_their_joints() {
+        let headers = [
+            "time",
+            "q_wrist_2",
+            "q_elbow_2",
+            "q_arm[1]",
+            "dq_elbow_2",
+            "dq_wrist_2",
+            "dq_arm[1]",
+            "measured_dq_elbow_2",
+            "desired_elbow_2",
+            "u_elbow_2",
+            "q_7",
+            "dq_7",
+            "q_left arm, up",
+        ]
+        .map(String::from);
+        let columns = LogSchema::default().resolve(&headers).unwrap();
+        let joint = |header: &str| {
+            let index = headers.iter().position(|h| h == header).unwrap();
+            columns[index].joint
+        };
+        assert_eq!(joint("q_wrist_2"), Some(8));
+        for elbow in [
+            "q_elbow_2",
+            "dq_elbow_2",
+            "measured_dq_elbow_2",
+            "u_elbow_2",
+        ] {
+            assert_eq!(joint(elbow), Some(9), "{elbow}");
+        }
+        assert_eq!(
+            (joint("q_arm[1]"), joint("dq_arm[1]")),
+            (Some(10), Some(10))
+        );
+        assert_eq!((joint("q_7"), joint("dq_7")), (Some(7), Some(7)));
+        assert_eq!(joint("time"), None);
+        let quantities: Vec<Quantity> = columns.iter().map(|c| c.quantity).collect();
+        assert_eq!(quantities[3], Quantity::Position);
+        assert_eq!(columns[3].name, "q_arm_1_");
+        assert_eq!(
+            quantities[6..10],
+            [
+                Quantity::Velocity,
+                Quantity::Velocity,
+                Quantity::Other,
+                Quantity::Torque
+            ]
+        );
+        assert_eq!(columns[12].name, "q_left_arm__up");
+    }
+
+    #[test]
+    fn units_stand_in_brackets_at_the_end() {
+        assert_eq!(split_unit("q1 [deg]"), ("q1", "deg"));
+        assert_eq!(split_unit("q1[deg] "), ("q1", "deg"));
+        assert_eq!(split_unit("q1 [grad]"), ("q1", "grad"));
+        assert_eq!(split_unit("q_arm[1]"), ("q_arm[1]", ""));
+        assert_eq!(split_unit("q_arm[1] [deg]"), ("q_arm[1]", "deg"));
+        assert_eq!(split_unit("q_arm[left]x"), ("q_arm[left]x", ""));
     }
 
     #[test]

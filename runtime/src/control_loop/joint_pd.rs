@@ -1,11 +1,11 @@
-//! Feed-forward with joint PD: the simplest controller, and what the loop falls back on.
+//! Feed-forward with joint PD: the simplest law, and what the loop usually falls back on.
 
-use super::controller::{Command, Controller, ControllerFault, Cycle, Estimate};
-use super::monitor::VelocityFilter;
-use super::settings::{SettingError, require};
+use super::controller::ControllerFault;
+use super::law::{JointLaw, finite};
+use super::settings::{SettingError, require_each};
 use crate::dynamics::Dynamics;
 use crate::feed_forward::{FeedForward, FeedForwardError};
-use crate::trajectory::{Sample, Trajectory};
+use crate::trajectory::Sample;
 use thiserror::Error;
 
 /// Gains of the joint PD, by coordinate.
@@ -53,7 +53,8 @@ pub enum JointPdError {
 ///     u = u_ff(y_d, ẏ_d, ÿ_d) + B⁺ (K_p (y_d − y) + K_d (ẏ_d − ẏ))
 /// ```
 ///
-/// with the [`FeedForward`] u_ff and its B⁺.
+/// with the [`FeedForward`] u_ff and its B⁺. What the model says is taken along the desired motion, so that noise of the
+/// measurement reaches the inputs through the gains alone. Beside it stands [`ComputedTorque`](super::ComputedTorque).
 #[derive(Debug, Clone)]
 pub struct JointPd<D, const N: usize, const M: usize> {
     feed_forward: FeedForward<D, N, M>,
@@ -66,25 +67,31 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointPd<D, N, M> {
     /// # Errors
     /// [`JointPdError`].
     pub fn new(model: D, gains: JointGains<N>) -> Result<Self, JointPdError> {
-        for (name, values) in [
-            ("gains.position", &gains.position),
-            ("gains.velocity", &gains.velocity),
-        ] {
-            require(name, values, "finite and not negative", |x| {
-                x.is_finite() && x >= 0.0
-            })?;
-        }
+        let names = model.joint_names();
+        require_gains("gains.position", &names, &gains.position)?;
+        require_gains("gains.velocity", &names, &gains.velocity)?;
         Ok(Self {
             feed_forward: FeedForward::new(model)?,
             gains,
         })
     }
+}
 
-    /// Inputs for a desired state, given the measured one.
-    ///
-    /// # Errors
-    /// [`ControllerFault::NotFinite`].
-    pub fn inputs(
+/// What gains must be.
+///
+/// # Errors
+/// [`SettingError`] for the first that is not.
+pub(super) fn require_gains<const N: usize>(
+    setting: &'static str,
+    joints: &[&'static str; N],
+    gains: &[f64; N],
+) -> Result<(), SettingError> {
+    let range = "finite and not negative";
+    require_each(setting, joints, gains, range, |x| x.is_finite() && x >= 0.0)
+}
+
+impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointLaw<N, M> for JointPd<D, N, M> {
+    fn inputs(
         &self,
         desired: &Sample<N>,
         positions: &[f64; N],
@@ -98,80 +105,22 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointPd<D, N, M> {
         for (u, du) in inputs.iter_mut().zip(correction) {
             *u += du;
         }
-        if inputs.iter().all(|u| u.is_finite()) {
-            Ok(inputs)
-        } else {
-            Err(ControllerFault::NotFinite)
-        }
-    }
-}
-
-/// [`JointPd`] along a trajectory, with velocities from differences of positions.
-#[derive(Debug, Clone)]
-pub struct FeedForwardPd<D, R, const N: usize, const M: usize> {
-    law: JointPd<D, N, M>,
-    trajectory: R,
-    period: f64,
-    time_constant: f64,
-    filter: VelocityFilter<N>,
-    /// Periods since the last measurement.
-    age: u32,
-}
-
-impl<D: Dynamics<N, M>, R: Trajectory<N>, const N: usize, const M: usize>
-    FeedForwardPd<D, R, N, M>
-{
-    /// The controller for periods of `period` seconds; velocities are smoothed with `time_constant` (s).
-    #[must_use]
-    pub fn new(law: JointPd<D, N, M>, trajectory: R, period: f64, time_constant: f64) -> Self {
-        let start = trajectory.sample(0.0).positions;
-        Self {
-            law,
-            trajectory,
-            period,
-            time_constant,
-            filter: VelocityFilter::new(time_constant, start),
-            age: 0,
-        }
-    }
-}
-
-impl<D: Dynamics<N, M>, R: Trajectory<N>, const N: usize, const M: usize> Controller<N, M>
-    for FeedForwardPd<D, R, N, M>
-{
-    fn reset(&mut self, positions: &[f64; N], _: &[f64; M]) {
-        self.filter = VelocityFilter::new(self.time_constant, *positions);
-        self.age = 0;
+        finite(inputs)
     }
 
-    fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
-        self.age = self.age.saturating_add(cycle.periods);
-        let positions = cycle.positions.ok_or(ControllerFault::NoMeasurement)?;
-        let span = f64::from(self.age.max(1)) * self.period;
-        self.age = 0;
-        self.filter.update(&positions, span);
-        let desired = self.trajectory.sample(cycle.time);
-        let inputs = self
-            .law
-            .inputs(&desired, &positions, self.filter.velocities())?;
-        Ok(Command {
-            inputs,
-            iterations: 0,
-        })
+    fn joint_names(&self) -> [&'static str; N] {
+        self.feed_forward.model().joint_names()
     }
 
-    fn estimate(&self) -> Option<Estimate<N>> {
-        Some(Estimate {
-            positions: *self.filter.positions(),
-            velocities: *self.filter.velocities(),
-        })
+    fn input_names(&self) -> [&'static str; M] {
+        self.feed_forward.model().input_names()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trajectory::RestToRest;
+    use crate::trajectory::{RestToRest, Trajectory};
 
     crate::dynamics!(struct PowerCube = gelenk_generated::powercube);
 
@@ -203,7 +152,7 @@ mod tests {
         let error = JointPd::new(PowerCube, gains).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "setting gains.position[1] of the loop is NaN; it must be finite and not negative"
+            "setting gains.position[gamma] of the loop is NaN; it must be finite and not negative"
         );
     }
 }

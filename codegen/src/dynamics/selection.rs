@@ -1,0 +1,324 @@
+//! Which functions are generated, and what is left out.
+//!
+//! Without a selection all functions are wanted, and what cannot be generated is left out with a note. What is asked for by
+//! name is generated, or the reason is an error.
+
+use super::array_form::{Form, Forms};
+use super::catalogue::{self, FrameQuantity, Quantity};
+use super::composition::Composition;
+use super::equations::Formulations;
+use super::function::Function;
+use super::size::{self, TooLarge};
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::model::{Frame, Model};
+use crate::program::arrays::ArrayForm;
+
+/// Functions that divide by the pivots of the mass matrix.
+const NEED_INVERSE: [&str; 3] = ["forward_dynamics", JACOBIANS, "linearize"];
+
+/// Frames whose functions are generated without being asked for.
+const MOST_FRAMES: usize = 500;
+
+/// What `linearize` calls where both are loops.
+const JACOBIANS: &str = "forward_dynamics_derivatives";
+
+/// What is wanted of a model.
+#[derive(Debug, Clone, Copy)]
+pub struct Request<'a> {
+    /// Names of functions, `frames` for those of all named frames; none means all but those on request.
+    pub names: &'a [String],
+    /// Operations of the largest function that is wanted, see [`size::MOST_OPERATIONS`].
+    pub most: usize,
+    /// Form of large functions.
+    pub form: Form,
+    /// Functions that are straight-line code in any case.
+    pub straight: &'a [String],
+}
+
+/// The functions of a module.
+#[derive(Debug, Clone)]
+pub struct Selection {
+    /// Functions with a program of their own.
+    pub functions: Vec<Function>,
+    /// Functions that call them.
+    pub compositions: Vec<Composition>,
+    /// What was left out, and why.
+    pub notes: Vec<Diagnostic>,
+}
+
+/// Derives what is wanted, and what that calls.
+///
+/// # Errors
+/// `unknown-function` for each name that the model does not have; `singular-mass-matrix` and `too-large` for functions that
+/// are asked for by name and cannot be generated.
+pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnostics> {
+    catalogue::check_names(model, request.names)?;
+    let formulations = Formulations::new(model);
+    let forms = Forms::new(model, &formulations, request.form, request.straight);
+    let wanted = Wanted::new(request, &forms);
+    let mut left_out = LeftOut::default();
+    let rows = left_out.many_frames(model, &wanted, rows(model));
+    let rows = left_out.without_inverse(model, &wanted, rows)?;
+    let rows = left_out.too_large_before(model, &wanted, rows, &forms)?;
+    let definiteness = model.definiteness();
+    let mut functions: Vec<Function> = Vec::new();
+    for row in rows {
+        let mut function = row.derive(model, &formulations, &forms);
+        catalogue::say_definiteness(definiteness, &mut function);
+        let is_callable = |name: &str| functions.iter().any(|other| other.name == name);
+        if matches!(function.arrays, Some(ArrayForm::Affine(_))) && !is_callable(JACOBIANS) {
+            left_out.callers.push(function.name);
+        } else if left_out.fits(model, &wanted, &function)? {
+            functions.push(function);
+        }
+    }
+    let is_generated = |each: &Composition| functions.iter().any(|f| f.name == each.calls());
+    let (compositions, missing): (Vec<_>, Vec<_>) =
+        wanted.compositions.iter().copied().partition(is_generated);
+    let missing = missing.iter().map(|each| each.name().to_owned());
+    left_out.callers.extend(missing);
+    Ok(Selection {
+        notes: left_out.notes(model, request.most),
+        functions,
+        compositions,
+    })
+}
+
+/// A row of the catalogue for a model.
+enum Row<'m> {
+    Quantity(&'static Quantity),
+    Frame(&'m Frame, &'static FrameQuantity),
+}
+
+/// All that can be generated, in the order of the module.
+fn rows(model: &Model) -> impl Iterator<Item = Row<'_>> {
+    let quantities = catalogue::all_quantities(model).map(Row::Quantity);
+    let frames = model.frames.iter().flat_map(|frame| {
+        let quantities = catalogue::FRAME_QUANTITIES.iter();
+        quantities.map(move |quantity| Row::Frame(frame, quantity))
+    });
+    quantities.chain(frames)
+}
+
+impl Row<'_> {
+    fn name(&self) -> String {
+        match self {
+            Self::Quantity(quantity) => quantity.name.to_owned(),
+            Self::Frame(frame, quantity) => catalogue::frame_name(frame, quantity),
+        }
+    }
+
+    fn derive(
+        &self,
+        model: &Model,
+        formulations: &Formulations<'_>,
+        forms: &Forms<'_>,
+    ) -> Function {
+        match self {
+            Self::Quantity(quantity) => {
+                catalogue::derive_quantity(model, formulations, quantity, forms)
+            }
+            Self::Frame(frame, quantity) => {
+                catalogue::derive_frame(model, formulations, frame, quantity)
+            }
+        }
+    }
+}
+
+/// A request with what its functions call.
+struct Wanted<'a> {
+    request: &'a Request<'a>,
+    compositions: Vec<Composition>,
+    /// Functions that wanted ones call.
+    called: Vec<&'static str>,
+}
+
+impl<'a> Wanted<'a> {
+    fn new(request: &'a Request<'a>, forms: &Forms<'_>) -> Self {
+        let compositions = catalogue::compositions(request.names);
+        let calls = compositions.iter().map(|each| each.calls());
+        let mut called: Vec<&'static str> = calls.collect();
+        let is_named = request.names.iter().any(|name| name == "linearize");
+        if (is_named || called.contains(&"linearize")) && forms.linearize_calls() {
+            called.push(JACOBIANS);
+        }
+        Self {
+            request,
+            compositions,
+            called,
+        }
+    }
+
+    fn is_named(&self, name: &str) -> bool {
+        self.request.names.iter().any(|other| other == name)
+    }
+
+    fn includes(&self, name: &str) -> bool {
+        if catalogue::is_on_request(name) {
+            return self.is_named(name);
+        }
+        let is_frame = name.starts_with("frame_") && self.is_named("frames");
+        self.request.names.is_empty()
+            || is_frame
+            || self.is_named(name)
+            || self.called.contains(&name)
+    }
+
+    /// The function's name, and what asks for it where it is not asked for itself.
+    fn with_caller(&self, name: &str) -> String {
+        let mut callers = self.compositions.iter();
+        let caller = callers.find(|each| each.calls() == name);
+        match caller {
+            Some(caller) if !self.is_named(name) => {
+                format!("`{name}`, which `{}` calls,", caller.name())
+            }
+            _ => format!("`{name}`"),
+        }
+    }
+
+    /// Whether it is asked for by name, itself or by something that calls it.
+    fn is_asked_for(&self, name: &str) -> bool {
+        let is_straight = self.request.straight.iter().any(|other| other == name);
+        let is_called = !self.request.names.is_empty() && self.called.contains(&name);
+        self.is_named(name) || is_straight || is_called
+    }
+}
+
+/// What is wanted and cannot be generated, though not asked for by name.
+#[derive(Default)]
+struct LeftOut {
+    need_inverse: Vec<String>,
+    too_large: Vec<TooLarge>,
+    /// Functions of frames, where there are very many.
+    of_frames: usize,
+    /// Functions that call others which are left out.
+    callers: Vec<String>,
+}
+
+impl LeftOut {
+    /// The rows that are wanted. A URDF may have thousands of frames, and each has three functions.
+    fn many_frames<'m>(
+        &mut self,
+        model: &Model,
+        wanted: &Wanted<'_>,
+        rows: impl Iterator<Item = Row<'m>>,
+    ) -> Vec<Row<'m>> {
+        let are_too_many = wanted.request.names.is_empty() && model.frames.len() > MOST_FRAMES;
+        let is_kept = |row: &Row<'_>| {
+            let is_left_out = are_too_many && matches!(row, Row::Frame(..));
+            self.of_frames += usize::from(is_left_out);
+            !is_left_out && wanted.includes(&row.name())
+        };
+        rows.filter(is_kept).collect()
+    }
+
+    /// The rows that can do with a singular mass matrix, where it is one.
+    fn without_inverse<'m>(
+        &mut self,
+        model: &Model,
+        wanted: &Wanted<'_>,
+        rows: Vec<Row<'m>>,
+    ) -> Result<Vec<Row<'m>>, Diagnostics> {
+        let joints = model.joints_without_inertia();
+        if joints.is_empty() {
+            return Ok(rows);
+        }
+        let (impossible, possible): (Vec<_>, Vec<_>) = rows
+            .into_iter()
+            .partition(|row| NEED_INVERSE.contains(&row.name().as_str()));
+        let names = impossible.iter().map(Row::name);
+        let (asked, others): (Vec<_>, Vec<_>) = names.partition(|name| wanted.is_asked_for(name));
+        self.need_inverse = others;
+        let listed = crate::wording::list(joints.iter().map(|joint| joint.name.as_str()));
+        let problem = |name: &String| {
+            let message = format!(
+                "{} needs the inverse of the mass matrix, which is singular: nothing that has inertia moves with {listed}",
+                wanted.with_caller(name)
+            );
+            Diagnostic::error("singular-mass-matrix", message)
+        };
+        or_problems(possible, asked.iter().map(problem).collect())
+    }
+
+    /// The rows that are not known to be too large before they are derived.
+    fn too_large_before<'m>(
+        &mut self,
+        model: &Model,
+        wanted: &Wanted<'_>,
+        rows: Vec<Row<'m>>,
+        forms: &Forms<'_>,
+    ) -> Result<Vec<Row<'m>>, Diagnostics> {
+        let names: Vec<String> = rows.iter().map(Row::name).collect();
+        let too_large = size::before(model, &names, forms, wanted.request.most);
+        let is_too_large = |name: &str| too_large.iter().any(|each| each.name == name);
+        let possible = rows.into_iter().filter(|row| !is_too_large(&row.name()));
+        let possible = possible.collect();
+        let (asked, others): (Vec<_>, Vec<_>) = too_large
+            .into_iter()
+            .partition(|each| wanted.is_asked_for(&each.name));
+        self.too_large = others;
+        let problems = asked.iter().map(|each| each.error(model)).collect();
+        or_problems(possible, problems)
+    }
+
+    /// Whether a function is small enough.
+    fn fits(
+        &mut self,
+        model: &Model,
+        wanted: &Wanted<'_>,
+        function: &Function,
+    ) -> Result<bool, Diagnostics> {
+        let Some(too_large) = size::after(function, wanted.request.most) else {
+            return Ok(true);
+        };
+        if wanted.is_asked_for(&function.name) {
+            return Err(too_large.error(model).into());
+        }
+        self.too_large.push(too_large);
+        Ok(false)
+    }
+
+    fn notes(&self, model: &Model, most: usize) -> Vec<Diagnostic> {
+        let mut notes = Vec::new();
+        let callers = match self.callers.as_slice() {
+            [] => String::new(),
+            callers => format!(", and what calls them, {}", quoted(callers)),
+        };
+        if !self.need_inverse.is_empty() {
+            let message = format!(
+                "left out, because the mass matrix is singular: {}{callers}",
+                quoted(&self.need_inverse)
+            );
+            notes.push(Diagnostic::note("left-out", message));
+        }
+        if self.of_frames > 0 {
+            let message = format!(
+                "left out: the {} functions of {} frames",
+                self.of_frames,
+                model.frames.len()
+            );
+            let help = "ask for single ones by name (`frame_<name>_pose`), or for all by `frames`";
+            notes.push(Diagnostic::note("left-out", message).help(help));
+        }
+        if !self.too_large.is_empty() {
+            let callers = match self.need_inverse.is_empty() {
+                true => callers.as_str(),
+                false => "",
+            };
+            notes.push(size::note(model, &self.too_large, callers, most));
+        }
+        notes
+    }
+}
+
+fn quoted(names: &[String]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    names.join(", ")
+}
+
+fn or_problems<T>(value: T, problems: Vec<Diagnostic>) -> Result<T, Diagnostics> {
+    match problems.is_empty() {
+        true => Ok(value),
+        false => Err(Diagnostics::new(problems)),
+    }
+}

@@ -1,0 +1,213 @@
+//! Texts that are numbers to their author: with a unit, with a decimal comma, with a factor that stands without `*`.
+
+use super::parse::FormulaError;
+
+const UNIT: &str = "formula-unit";
+const COMMA: &str = "formula-comma";
+
+impl FormulaError {
+    /// Whether the text would be a number elsewhere.
+    pub(crate) fn is_habit(&self) -> bool {
+        [UNIT, COMMA].contains(&self.code)
+    }
+}
+
+/// Units as [`spelled`], and what they are in those of descriptions.
+const UNITS: [(&str, &str, &str); 28] = [
+    ("kg", "1", "kg"),
+    ("g", "1e-3", "kg"),
+    ("t", "1000", "kg"),
+    ("lb", "0.45359237", "kg"),
+    ("m", "1", "m"),
+    ("dm", "0.1", "m"),
+    ("cm", "0.01", "m"),
+    ("mm", "0.001", "m"),
+    ("in", "0.0254", "m"),
+    ("rad", "1", "rad"),
+    ("mrad", "0.001", "rad"),
+    ("deg", "pi/180", "rad"),
+    ("degree", "pi/180", "rad"),
+    ("degrees", "pi/180", "rad"),
+    ("°", "pi/180", "rad"),
+    ("s", "1", "s"),
+    ("ms", "0.001", "s"),
+    ("rad/s", "1", "rad/s"),
+    ("deg/s", "pi/180", "rad/s"),
+    ("°/s", "pi/180", "rad/s"),
+    ("rpm", "pi/30", "rad/s"),
+    ("m/s", "1", "m/s"),
+    ("mm/s", "0.001", "m/s"),
+    ("N", "1", "N"),
+    ("Nm", "1", "N m"),
+    ("kgm2", "1", "kg m²"),
+    ("gcm2", "1e-7", "kg m²"),
+    ("A", "1", "A"),
+];
+
+/// Signs between units that mean the same.
+fn spelled(unit: &str) -> String {
+    let unit: String = unit.chars().filter(|c| !c.is_whitespace()).collect();
+    let unit = unit.replace(['·', '⋅', '.'], "*").replace('²', "^2");
+    match unit.as_str() {
+        "N*m" | "Nm" => "Nm".to_owned(),
+        "kg*m^2" | "kgm^2" | "kg*m2" | "kgm2" => "kgm2".to_owned(),
+        "g*cm^2" | "gcm^2" | "g*cm2" | "gcm2" => "gcm2".to_owned(),
+        _ => unit,
+    }
+}
+
+/// An error for a number that is followed by something without an operator, or that has a comma in it.
+pub(super) fn check(text: &str) -> Result<(), FormulaError> {
+    let trimmed = text.trim_start();
+    let start = text.len() - trimmed.len();
+    let number = &trimmed[..number_length(trimmed)];
+    if number.is_empty() {
+        return Ok(());
+    }
+    let rest = trimmed[number.len()..].trim();
+    if let Some(decimals) = rest.strip_prefix(',') {
+        return with_comma(text, number, decimals);
+    }
+    let after = start + number.len();
+    let gap = trimmed[number.len()..].len() - trimmed[number.len()..].trim_start().len();
+    let at = after + gap;
+    let range = at..at + rest.len();
+    let is_name = |c: char| c.is_alphabetic() || c == '_' || c == '°';
+    if let Some((_, factor, si)) = UNITS.iter().find(|(unit, ..)| *unit == spelled(rest)) {
+        let help = match *factor {
+            "1" => format!("write {number}: numbers are in {si} here"),
+            factor => format!("write \"{number}*{factor}\", in {si}"),
+        };
+        let message = format!("`{rest}` is a unit, which no formula has");
+        return Err(error(UNIT, message, help, range));
+    }
+    if !rest.starts_with(is_name) {
+        return Ok(());
+    }
+    let message = format!("no operator between `{number}` and `{rest}`");
+    let help = format!("write `{number}*{rest}` for a product; units are never written");
+    Err(error("formula-syntax", message, help, range))
+}
+
+fn with_comma(text: &str, number: &str, decimals: &str) -> Result<(), FormulaError> {
+    let is_decimal = !decimals.is_empty() && decimals.bytes().all(|c| c.is_ascii_digit());
+    if !is_decimal {
+        return Ok(());
+    }
+    let message = format!("`{}` is no number: decimals follow a point", text.trim());
+    let help = format!("write {number}.{decimals}");
+    Err(error(COMMA, message, help, 0..text.len()))
+}
+
+fn error(
+    code: &'static str,
+    message: String,
+    help: String,
+    range: std::ops::Range<usize>,
+) -> FormulaError {
+    FormulaError {
+        code,
+        message,
+        help: Some(help),
+        range,
+    }
+}
+
+/// Length of the number that a text begins with, with its sign; 0 where it begins with none.
+fn number_length(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let digits = |from: usize| {
+        bytes[from..]
+            .iter()
+            .take_while(|c| c.is_ascii_digit())
+            .count()
+    };
+    let mut end = usize::from(text.starts_with(['-', '+']));
+    let whole = digits(end);
+    end += whole;
+    if bytes.get(end) == Some(&b'.') {
+        let decimals = digits(end + 1);
+        // `1.sin()` calls a function.
+        if whole + decimals == 0
+            || decimals == 0 && text[end + 1..].starts_with(char::is_alphabetic)
+        {
+            return 0;
+        }
+        end += 1 + decimals;
+    }
+    if end == usize::from(text.starts_with(['-', '+'])) {
+        return 0;
+    }
+    if matches!(bytes.get(end), Some(b'e' | b'E')) {
+        let sign = usize::from(matches!(bytes.get(end + 1), Some(b'-' | b'+')));
+        let exponent = digits((end + 1 + sign).min(bytes.len()));
+        if exponent > 0 {
+            end += 1 + sign + exponent;
+        }
+    }
+    end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn help(text: &str) -> String {
+        check(text)
+            .err()
+            .and_then(|wrong| wrong.help)
+            .unwrap_or_default()
+    }
+
+    #[test]
+    fn units_are_converted() {
+        for (text, advice) in [
+            ("1 kg", "write 1: numbers are in kg here"),
+            ("1.5e-3kg", "write 1.5e-3: numbers are in kg here"),
+            ("300 mm", "write \"300*0.001\", in m"),
+            ("-90deg", "write \"-90*pi/180\", in rad"),
+            ("90°", "write \"90*pi/180\", in rad"),
+            ("25 rpm", "write \"25*pi/30\", in rad/s"),
+            ("3 N·m", "write 3: numbers are in N m here"),
+            ("2 kg m²", "write 2: numbers are in kg m² here"),
+            ("1,5", "write 1.5"),
+            ("2 v", "write `2*v` for a product; units are never written"),
+        ] {
+            assert_eq!(help(text), advice, "{text}");
+        }
+    }
+
+    #[test]
+    fn formulas_pass() {
+        for text in [
+            "1",
+            "-1.5e3",
+            "2*v",
+            "1e-3",
+            "3 - y",
+            "2.0.sin()",
+            "1.sin()",
+            "pow(v, 2)",
+            "",
+            ".5*v",
+            "-(v)",
+            "1/m1",
+            "e",
+            "+",
+            "1e",
+            "0.1*v + 0.2*sign(v)",
+            "5.",
+            "-",
+            ".",
+            "1, 2",
+        ] {
+            assert!(check(text).is_ok() || text == "1e", "{text}");
+        }
+    }
+
+    #[test]
+    fn places_are_those_of_the_unit() {
+        let wrong = check(" 12  kg ").err().map(|wrong| wrong.range);
+        assert_eq!(wrong, Some(5..7));
+    }
+}

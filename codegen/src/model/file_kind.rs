@@ -1,0 +1,177 @@
+//! What a file is that is no description, told by how it begins.
+
+use std::path::Path;
+
+/// Why a file is no description, and what to do.
+pub(super) type Foreign = (String, &'static str);
+
+const MESH: &str =
+    "a mesh says nothing of masses and joints: give the URDF that names it, or write a TOML";
+const IMAGE: &str = "give a TOML or URDF file";
+const CONVERT: &str = "convert it to URDF first, or describe the robot in TOML";
+const UTF_8: &str = "descriptions are UTF-8 text: save it as that";
+
+/// First bytes of files that are no text, what they are, and what to do.
+const BEGINNINGS: [(&[u8], &str, &str); 10] = [
+    (b"\x89PNG", "an image (PNG)", IMAGE),
+    (b"\xff\xd8\xff", "an image (JPEG)", IMAGE),
+    (b"GIF8", "an image (GIF)", IMAGE),
+    (b"%PDF", "a PDF", IMAGE),
+    (
+        b"PK\x03\x04",
+        "a ZIP archive",
+        "unpack it, and give the TOML or URDF file in it",
+    ),
+    (
+        b"\x1f\x8b",
+        "a gzip archive",
+        "unpack it, and give the TOML or URDF file in it",
+    ),
+    (b"glTF", "a mesh (glTF)", MESH),
+    (b"\x7fELF", "a program", IMAGE),
+    (b"\xff\xfe", "UTF-16 text", UTF_8),
+    (b"\xfe\xff", "UTF-16 text", UTF_8),
+];
+
+/// Roots of XML files that are often at hand beside a URDF.
+const ROOTS: [(&str, &str, &str); 4] = [
+    ("sdf", "a robot or world in SDF", CONVERT),
+    ("mujoco", "a model of MuJoCo (MJCF)", CONVERT),
+    ("COLLADA", "a mesh (COLLADA)", MESH),
+    (
+        "launch",
+        "a launch file of ROS",
+        "give the URDF that it loads",
+    ),
+];
+
+/// What a file is that cannot be a description.
+pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
+    let found = |what: &str, help: &'static str| {
+        Some((format!("{name} is {what}, no robot in TOML or URDF"), help))
+    };
+    let beginning = BEGINNINGS
+        .iter()
+        .find(|(first, ..)| bytes.starts_with(first));
+    if let Some((_, what, help)) = beginning {
+        return found(what, help);
+    }
+    let is_text_stl = bytes.starts_with(b"solid ") && holds(bytes, b"facet normal");
+    if is_binary_stl(bytes) || is_text_stl {
+        return found("a mesh (STL)", MESH);
+    }
+    if bytes.contains(&0) {
+        return found("no text: it holds zero bytes", IMAGE);
+    }
+    let text = std::str::from_utf8(bytes).ok()?;
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    if text.is_empty() {
+        let help = "a robot needs at least one [[joints]] entry, or <joint> in a URDF";
+        return Some((format!("{name} is empty"), help));
+    }
+    let root = root(text);
+    if let Some((_, what, help)) = ROOTS.iter().find(|(tag, ..)| Some(*tag) == root) {
+        return found(what, help);
+    }
+    if text.starts_with('{') {
+        return found("JSON", "describe the robot in TOML, or give a URDF");
+    }
+    let extension = Path::new(name).extension().and_then(|end| end.to_str());
+    match (extension, text.starts_with('<')) {
+        (Some("toml"), true) => found(
+            "XML under a name that ends with `.toml`",
+            "rename it to end with `.urdf`",
+        ),
+        (Some("urdf" | "xml"), false) => found(
+            "no XML, though its name ends like that of a URDF",
+            "rename it to end with `.toml` where it is a description in TOML",
+        ),
+        (Some("yaml" | "yml"), _) => found("YAML", "describe the robot in TOML, or give a URDF"),
+        (Some("obj" | "dae" | "step" | "stp"), _) => found("a mesh or a drawing", MESH),
+        _ => None,
+    }
+}
+
+/// Whether some bytes occur near the beginning.
+fn holds(bytes: &[u8], expected: &[u8]) -> bool {
+    let near = &bytes[..bytes.len().min(1000)];
+    near.windows(expected.len()).any(|part| part == expected)
+}
+
+/// 80 bytes of anything, the number of triangles, and 50 bytes for each.
+fn is_binary_stl(bytes: &[u8]) -> bool {
+    let count = bytes.get(80..84).and_then(|count| count.try_into().ok());
+    let Some(count) = count.map(u32::from_le_bytes) else {
+        return false;
+    };
+    count > 0 && bytes.len() as u64 == 84 + 50 * u64::from(count)
+}
+
+/// Name of the first tag of an XML text.
+fn root(text: &str) -> Option<&str> {
+    let mut rest = text;
+    loop {
+        rest = rest.trim_start().strip_prefix('<')?;
+        let skipped = match rest {
+            _ if rest.starts_with("!--") => "-->",
+            _ if rest.starts_with(['?', '!']) => ">",
+            _ => {
+                return rest
+                    .split(|c: char| c.is_whitespace() || ">/".contains(c))
+                    .next();
+            }
+        };
+        rest = rest.split_once(skipped)?.1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn descriptions_are_not_foreign() {
+        for (name, text) in [
+            ("robot.toml", "name = \"a\"\n"),
+            ("robot", "[[joints]]\n"),
+            (
+                "robot.urdf",
+                "\u{feff}<?xml version=\"1.0\"?><!-- <sdf> --><robot name=\"a\"/>",
+            ),
+            ("robot.urdf", "<robot"),
+            ("solid.toml", "solid = 1\n"),
+        ] {
+            assert_eq!(foreign(name, text.as_bytes()), None, "{name} {text}");
+        }
+    }
+
+    #[test]
+    fn other_files_are_named() {
+        let mut stl = vec![b'x'; 84 + 100];
+        stl[80..84].copy_from_slice(&2_u32.to_le_bytes());
+        for (name, bytes, what) in [
+            ("a.png", &b"\x89PNG\r\n"[..], "an image (PNG)"),
+            ("a.stl", &stl, "a mesh (STL)"),
+            ("a.stl", b"solid cube\nfacet normal 0 0 1", "a mesh (STL)"),
+            ("a.toml", b"a = 1\0", "no text"),
+            ("a.toml", b"\xff\xfea\0", "UTF-16"),
+            (
+                "a.sdf",
+                b"<?xml version=\"1.0\"?>\n<!-- a -->\n<sdf version=\"1.7\">",
+                "SDF",
+            ),
+            ("a.xml", b"<mujoco>", "MuJoCo"),
+            ("a.json", b" {\"a\": 1}", "JSON"),
+            ("a.yaml", b"a:\n  b", "YAML"),
+            ("a.toml", b"<robot>", "XML under a name"),
+            ("a.urdf", b"name = 1", "no XML"),
+            ("a.toml", b" \n", "empty"),
+        ] {
+            let (message, _) = foreign(name, bytes).unwrap_or_default();
+            assert!(
+                message.contains(what),
+                "{name}: {message:?} instead of {what}"
+            );
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Do the force laws of a joint have finite values, and does its friction brake?
+//!
+//! Both are looked at on a grid: positions within the joint's limits, speeds up to its limit, at the described values of free
+//! parameters.
+
+use super::super::JointKind;
+use super::super::description::JointDescription;
+use crate::diagnostic::{Report, Span};
+use crate::formula::Formula;
+use crate::numeric;
+use crate::wording::three_digits;
+
+/// Largest speed [rad/s or m/s] looked at where a joint has no limit.
+const SPEED: f64 = 10.0;
+/// Speeds in each direction. They are spaced by equal factors, since laws are steep near standstill.
+const SPEEDS: i32 = 61;
+/// Ratio of neighbours: 10^(−1/15), so that the smallest is 1e-4 of the largest.
+const FACTOR: f64 = 0.857_695_898_590_894_1;
+/// Positions looked at, both limits included.
+const POSITIONS: i32 = 21;
+/// Friction below this part of the largest does not count: it is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Reports laws without a finite value, and friction that drives.
+pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Report) {
+    let grid = Grid::new(joint);
+    if let Some(springs) = &joint.springs {
+        let summands = springs.value.iter().map(|spring| (&Formula::ONE, spring));
+        let law = Law {
+            what: "spring",
+            summands: summands.collect(),
+            defaults,
+        };
+        is_finite(&law, &grid, springs.span, report);
+    }
+    if let Some(friction) = &joint.friction {
+        let terms = friction.value.iter();
+        let summands = terms.map(|term| (&term.coefficient, &term.basis)).collect();
+        let law = Law {
+            what: "friction",
+            summands,
+            defaults,
+        };
+        if is_finite(&law, &grid, friction.span, report) {
+            brakes(&law, &grid, friction.span, report);
+        }
+    }
+}
+
+fn is_finite(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) -> bool {
+    let positions = grid.positions();
+    // Standstill comes first: a message should name it where it is at fault.
+    let velocities = [0.0].into_iter().chain(grid.velocities());
+    let mut states = velocities.flat_map(|v| positions.iter().map(move |y| [*y, v]));
+    let Some([y, v]) = states.find(|[y, v]| !law.value(*y, *v).is_finite()) else {
+        return true;
+    };
+    let value = match law.value(y, v).is_nan() {
+        true => "undefined",
+        false => "infinite",
+    };
+    let (unit, what, name) = (grid.unit, law.what, &grid.joint.name.value);
+    let mut message = format!(
+        "the {what} of joint `{name}` is {value} at v = {} {unit}/s",
+        three_digits(v)
+    );
+    if law.depends_on_position() {
+        message.push_str(&format!(", y = {} {unit}", three_digits(y)));
+    }
+    report.error(span, "force-not-finite", message);
+    report.help("a force law needs a finite value at every position and speed within the limits, standstill included");
+    false
+}
+
+fn brakes(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) {
+    let name = &grid.joint.name.value;
+    let driven = driven(law, grid);
+    if driven.iter().all(|(_, is_driven)| *is_driven) {
+        let message = format!("the friction of joint `{name}` drives it at every speed");
+        report.error(span, "friction-drives", message);
+        report.help("friction is positive for positive velocity: change the sign");
+    } else if driven.iter().any(|(_, is_driven)| *is_driven) {
+        let ranges = driven.chunk_by(|(_, first), (_, second)| first == second);
+        let ranges = ranges.filter(|range| range[0].1);
+        let text = |range: &[(f64, bool)]| {
+            let [low, high] = [range[0].0, range[range.len() - 1].0].map(three_digits);
+            format!("from {low} to {high} {}/s", grid.unit)
+        };
+        let ranges: Vec<String> = ranges.map(text).collect();
+        let message = format!(
+            "the friction of joint `{name}` drives it at velocities {}",
+            ranges.join(" and ")
+        );
+        report.note(Some(span), "friction-drives", message);
+        report.help("friction with the sign of the velocity brakes; with the other sign it gives the joint energy");
+    }
+}
+
+/// The velocities of the grid but 0, each with whether friction drives the joint there at some position.
+fn driven(law: &Law<'_>, grid: &Grid<'_>) -> Vec<(f64, bool)> {
+    let positions = grid.positions();
+    let velocities: Vec<f64> = grid.velocities().collect();
+    let torques = |v: f64| positions.iter().map(move |y| law.value(*y, v));
+    let all = velocities.iter().flat_map(|v| torques(*v));
+    let largest = all.fold(0.0, |most: f64, torque| most.max(torque.abs()));
+    let drives = |v: f64| torques(v).any(|torque| torque * v.signum() < -ROUNDING * largest);
+    velocities.iter().map(|v| (*v, drives(*v))).collect()
+}
+
+/// A force as a sum of products of a coefficient and a function of the motion.
+struct Law<'a> {
+    what: &'static str,
+    summands: Vec<(&'a Formula, &'a Formula)>,
+    defaults: &'a [f64],
+}
+
+impl Law<'_> {
+    fn value(&self, position: f64, velocity: f64) -> f64 {
+        let value = |formula: &Formula| formula.evaluate(self.defaults, position, velocity);
+        let summands = self.summands.iter();
+        summands
+            .map(|(coefficient, basis)| value(coefficient) * value(basis))
+            .sum()
+    }
+
+    fn depends_on_position(&self) -> bool {
+        self.summands
+            .iter()
+            .any(|(_, basis)| basis.depends_on_position())
+    }
+}
+
+/// Where the laws of a joint are looked at.
+struct Grid<'a> {
+    joint: &'a JointDescription,
+    unit: &'static str,
+    /// Largest position looked at where the joint has no limits.
+    widest: f64,
+}
+
+impl<'a> Grid<'a> {
+    fn new(joint: &'a JointDescription) -> Self {
+        let (unit, widest) = match joint.kind {
+            Some(JointKind::Prismatic) => ("m", 1.0),
+            _ => ("rad", std::f64::consts::PI),
+        };
+        Self {
+            joint,
+            unit,
+            widest,
+        }
+    }
+
+    /// Ascending but for 0, which stands last where the limits contain it.
+    fn positions(&self) -> Vec<f64> {
+        let limits = self.joint.limits.position.as_ref();
+        let [low, high] = limits.map_or([-self.widest, self.widest], |limits| limits.value);
+        let part = |k: i32| f64::from(k) / f64::from(POSITIONS - 1);
+        let zero = (low <= 0.0 && high >= 0.0).then_some(0.0);
+        let positions = (0..POSITIONS).map(|k| low + (high - low) * part(k));
+        positions.chain(zero).collect()
+    }
+
+    /// Ascending, without 0.
+    fn velocities(&self) -> impl Iterator<Item = f64> + use<> {
+        let limit = self.joint.limits.velocity.as_ref();
+        let most = limit.map_or(SPEED, |limit| limit.value);
+        // A limit that is not positive has its own message.
+        let most = if most > 0.0 { most } else { SPEED };
+        let backward = (0..SPEEDS).map(move |k| -most * numeric::power(FACTOR, k));
+        let forward = (0..SPEEDS)
+            .rev()
+            .map(move |k| most * numeric::power(FACTOR, k));
+        backward.chain(forward)
+    }
+}

@@ -1,0 +1,189 @@
+//! What a description probably means otherwise: degrees, millimetres, legs without a floating base, meshes without mass.
+//!
+//! Each kind is noted once. Whoever means it so loses nothing.
+
+use super::super::JointKind;
+use super::super::angles::looks_like_degrees;
+use super::super::description::{JointDescription, RobotDescription};
+use super::super::name::identifier;
+use super::super::tree::Tree;
+use crate::diagnostic::{Report, Span};
+use crate::formula::Formula;
+use crate::wording::{as_written, list, listed, three_digits};
+
+/// No link of a robot is so long [m]; a robot in millimetres has longer ones.
+const FAR: f64 = 50.0;
+
+/// Parts of the names of legs.
+const LEG_WORDS: [&str; 9] = [
+    "leg", "foot", "feet", "knee", "ankle", "calf", "thigh", "shin", "shank",
+];
+
+/// Notes what is strange about a robot whose links form a tree.
+pub(super) fn note(robot: &RobotDescription, tree: &Tree, defaults: &[f64], report: &mut Report) {
+    let moving = tree.moving(robot);
+    note_degrees(robot, report);
+    note_lengths(robot, tree, &moving, defaults, report);
+    note_legs(robot, tree, report);
+    note_shapes(robot, tree, report);
+}
+
+fn note_degrees(robot: &RobotDescription, report: &mut Report) {
+    let turns = |joint: &&JointDescription| {
+        matches!(
+            joint.kind,
+            Some(JointKind::Revolute | JointKind::Continuous)
+        )
+    };
+    let mut found: Vec<(Span, String)> = Vec::new();
+    for joint in robot.joints.iter().filter(turns) {
+        let name = joint.name.quoted();
+        let limits = joint.limits.position.as_ref();
+        if let Some(limits) = limits.filter(|limits| are_degrees(limits.value)) {
+            let [low, high] = limits.value;
+            found.push((
+                limits.span,
+                format!("{name} from {} to {}", as_written(low), as_written(high)),
+            ));
+        }
+        if let Some(held) = joint.held.filter(|&held| looks_like_degrees(held)) {
+            found.push((
+                joint.name.span,
+                format!("{name} held at {}", as_written(held)),
+            ));
+        }
+    }
+    let Some((first, _)) = found.first() else {
+        return;
+    };
+    let (first, entries) = (*first, found.iter().map(|(_, entry)| entry.clone()));
+    let message = format!(
+        "positions look like degrees: {}; they are taken as radians",
+        listed(entries)
+    );
+    report.note(Some(first), "looks-like-degrees", message);
+    report.help("90° are 1.5707963267948966 in a URDF, `\"pi/2\"` in TOML");
+}
+
+fn are_degrees(limits: [f64; 2]) -> bool {
+    limits.iter().all(|limit| limit % 5.0 == 0.0) && limits.into_iter().any(looks_like_degrees)
+}
+
+fn note_lengths(
+    robot: &RobotDescription,
+    tree: &Tree,
+    moving: &[bool],
+    defaults: &[f64],
+    report: &mut Report,
+) {
+    let length = |entries: &[Formula; 3]| {
+        let entries = entries
+            .iter()
+            .map(|entry| entry.evaluate(defaults, 0.0, 0.0));
+        entries.map(|entry| entry * entry).sum::<f64>().sqrt()
+    };
+    let mut found: Vec<(Span, String)> = Vec::new();
+    for body in &robot.bodies {
+        let moves = tree
+            .index
+            .get(&body.link.value)
+            .is_some_and(|&link| moving[link]);
+        let distance = length(&body.center_in_link());
+        if moves && distance.is_finite() && distance > FAR {
+            let entry = format!(
+                "the centre of mass of {} {} m",
+                body.name.quoted(),
+                three_digits(distance)
+            );
+            found.push((body.name.span, entry));
+        }
+    }
+    for (link, joint) in tree.joints.iter().enumerate() {
+        let joint = joint.and_then(|joint| robot.joints.get(joint));
+        let Some(joint) = joint.filter(|_| moving[tree.parents[link]]) else {
+            continue;
+        };
+        let distance = joint
+            .origin
+            .as_ref()
+            .map_or(0.0, |origin| length(&origin.translation));
+        if distance > FAR {
+            let entry = format!("joint {} {} m", joint.name.quoted(), three_digits(distance));
+            found.push((joint.name.span, entry));
+        }
+    }
+    let Some((first, _)) = found.first() else {
+        return;
+    };
+    let (first, entries) = (*first, found.iter().map(|(_, entry)| entry.clone()));
+    let message = format!(
+        "far from the frame of its link: {}; are lengths in millimetres?",
+        listed(entries)
+    );
+    report.note(Some(first), "far-away", message);
+    report.help("lengths are in metres, inertias in kg m²");
+}
+
+/// Two legs at least: a leg alone is tested on a stand.
+fn note_legs(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
+    let mut legs: Vec<usize> = Vec::new();
+    for link in tree.moved_links(robot) {
+        let joint = tree.joints[link].and_then(|joint| robot.joints.get(joint));
+        let names = [Some(&tree.links[link]), joint.map(|joint| &joint.name)];
+        let is_leg = names
+            .into_iter()
+            .flatten()
+            .any(|name| names_a_leg(&name.value));
+        if is_leg && !tree.ancestors(link).any(|before| legs.contains(&before)) {
+            legs.push(link);
+        }
+    }
+    let (Some(base), Some(&first)) = (tree.links.first(), legs.get(1).and(legs.first())) else {
+        return;
+    };
+    let joints = legs
+        .iter()
+        .filter_map(|&link| robot.joints.get(tree.joints[link]?));
+    let joints: Vec<&str> = joints.map(|joint| joint.name.value.as_str()).collect();
+    let message = format!(
+        "the robot seems to have {} legs ({}), and its base {} is fixed to the world: there is no floating base in the model",
+        legs.len(),
+        list(joints.into_iter()),
+        base.quoted(),
+    );
+    report.note(Some(tree.links[first].span), "legs-on-fixed-base", message);
+}
+
+fn names_a_leg(name: &str) -> bool {
+    // `LKneePitch` is `lknee_pitch`, there are upperlegs; a footprint is that of a mobile robot.
+    let name = identifier(name);
+    let mut words = name.split('_');
+    words.any(|word| {
+        let word = word.trim_end_matches(|c: char| c.is_ascii_digit());
+        LEG_WORDS.iter().any(|leg| word.ends_with(leg))
+    })
+}
+
+/// Links that are drawn and weigh nothing, where nothing that moves with them has a mass.
+fn note_shapes(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
+    let carriers = tree.carriers(robot);
+    let mut weighs = vec![false; tree.links.len()];
+    for body in &robot.bodies {
+        if let Some(&link) = tree.index.get(&body.link.value) {
+            weighs[carriers[link]] = true;
+        }
+    }
+    let shapes = robot.weightless_shapes.iter();
+    let found: Vec<_> = shapes
+        .filter(|name| {
+            let carrier = tree.index.get(&name.value).map(|&link| carriers[link]);
+            carrier.is_some_and(|carrier| carrier > 0 && !weighs[carrier])
+        })
+        .collect();
+    let Some(first) = found.first() else { return };
+    let message = format!(
+        "links with a shape and without <inertial> weigh nothing: {}",
+        list(found.iter().map(|name| name.value.as_str()))
+    );
+    report.note(Some(first.span), "shape-without-mass", message);
+}

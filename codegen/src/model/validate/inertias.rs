@@ -1,0 +1,133 @@
+//! Are the moving bodies such as there can be?
+//!
+//! Bodies that are fixed to the base never enter the dynamics and are not checked. Inertias of a TOML file are its author's
+//! and have to be right. Those of a URDF are often somebody else's: they are taken as published, with one warning, as long
+//! as the mass matrix is positive definite.
+
+use super::super::description::{BodyDescription, RobotDescription};
+use super::super::inertia::{self, Flaw};
+use super::super::regularity::{Pivots, STATES};
+use super::super::tree::Tree;
+use crate::diagnostic::{Report, Span};
+use crate::formula::Formula;
+use crate::wording::listed;
+
+/// A body and what is wrong with it.
+struct Finding<'d> {
+    body: &'d BodyDescription,
+    flaw: Flaw,
+}
+
+/// What is wrong with the published bodies of a robot.
+pub(super) struct Published<'d> {
+    findings: Vec<Finding<'d>>,
+    moving: usize,
+}
+
+/// Reports bodies of TOML files that cannot be; returns those of URDFs.
+///
+/// - `tree`: the links, where they form one: else all bodies are checked
+pub(super) fn check<'d>(
+    robot: &'d RobotDescription,
+    tree: Option<&Tree>,
+    defaults: &[f64],
+    report: &mut Report,
+) -> Published<'d> {
+    let moving = tree.map(|tree| tree.moving(robot));
+    let moves = |body: &&BodyDescription| match (&moving, tree) {
+        (Some(moving), Some(tree)) => {
+            let link = tree.index.get(&body.link.value);
+            link.is_none_or(|link| moving[*link])
+        }
+        _ => true,
+    };
+    let bodies: Vec<&BodyDescription> = robot.bodies.iter().filter(moves).collect();
+    let mut published = Published {
+        findings: Vec::new(),
+        moving: bodies.len(),
+    };
+    for body in bodies {
+        let Some(flaw) = flaw(body, defaults) else {
+            continue;
+        };
+        match body.is_published {
+            true => published.findings.push(Finding { body, flaw }),
+            false => refuse(body, &flaw, report),
+        }
+    }
+    published
+}
+
+fn flaw(body: &BodyDescription, defaults: &[f64]) -> Option<Flaw> {
+    let value = |formula: &Formula| formula.evaluate(defaults, 0.0, 0.0);
+    let mass = body.mass.as_ref().map_or(0.0, |mass| value(&mass.value));
+    let center = body.center_in_link().each_ref().map(value);
+    let inertia = body.inertia.as_ref();
+    let inertia = inertia.map_or([0.0; 6], |inertia| inertia.value.each_ref().map(value));
+    let numbers = [mass].into_iter().chain(center).chain(inertia);
+    // What is not finite has its error already.
+    let is_finite = numbers.into_iter().all(f64::is_finite);
+    is_finite
+        .then(|| inertia::check(mass, center, inertia))
+        .flatten()
+}
+
+fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
+    let name = &body.name.value;
+    let (code, message) = match flaw {
+        // A negative mass has its error already.
+        Flaw::Mass(_) => return,
+        Flaw::Triangle(_) => (
+            "inertia-triangle-inequality",
+            format!("inertia of body `{name}` belongs to no real body: {flaw}"),
+        ),
+        Flaw::NotPositive(_) => (
+            "inertia-not-positive-definite",
+            format!("inertia of body `{name}` is not positive definite: {flaw}"),
+        ),
+    };
+    let span = span_of(body);
+    if body.accept_unphysical {
+        report.note(Some(span), code, message);
+        return;
+    }
+    report.error(span, code, message);
+    report.help(
+        "inertia counts about the centre of mass; `accept_unphysical = true` in a TOML body takes \
+         it as published",
+    );
+}
+
+impl Published<'_> {
+    /// One warning about all of them.
+    ///
+    /// - `pivots`: those of the mass matrix, where there is a model
+    pub(super) fn report(&self, pivots: Option<&Pivots>, report: &mut Report) {
+        let Some(first) = self.findings.first() else {
+            return;
+        };
+        let entries = self.findings.iter();
+        let entries =
+            entries.map(|Finding { body, flaw }| format!("`{}` ({flaw})", body.name.value));
+        let definite = match pivots.is_some_and(Pivots::are_positive) {
+            true => format!("; its mass matrix is positive definite at {STATES} seeded states"),
+            false => String::new(),
+        };
+        let message = format!(
+            "{} of {} moving bodies cannot be real ones: {}; the model takes them as published{definite}",
+            self.findings.len(),
+            self.moving,
+            listed(entries),
+        );
+        report.warning(span_of(first.body), "unphysical-bodies", message);
+        report.help(
+            "of a real body's principal moments about the centre of mass none is negative, and none exceeds the sum of \
+             the other two",
+        );
+    }
+}
+
+fn span_of(body: &BodyDescription) -> Span {
+    let inertia = body.inertia.as_ref();
+    inertia.map_or(body.name.span, |inertia| inertia.span)
+}

@@ -1,0 +1,153 @@
+//! What `include_model!` finds in `$OUT_DIR`: the modules, their documentation, and a list of their names.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use super::builder::{self, BuildError, Robot};
+use super::crate_root::{begins_with, left_over};
+use super::write::{Planned, Replaces, WriteError};
+use crate::diagnostic::{Diagnostics, Severity};
+use crate::emit::{FIRST_LINE, documentation};
+
+/// The list of modules, for the macro.
+const LIST: &str = "gelenk.modules.rs";
+
+/// Names and descriptions of the modules that this process has written, which may be in several steps.
+static WRITTEN: Mutex<Vec<(String, PathBuf)>> = Mutex::new(Vec::new());
+
+/// The folder for the output of a build script. A module's helpers are called `gelenk.…`, as no robot can be.
+pub(super) struct OutDir {
+    folder: PathBuf,
+}
+
+impl OutDir {
+    pub(super) fn new(folder: PathBuf) -> Self {
+        Self { folder }
+    }
+
+    /// Writes modules and what belongs to them; removes the modules of earlier runs.
+    pub(super) fn write(
+        &self,
+        robots: &[Robot],
+        hides_notes: bool,
+    ) -> Result<Vec<PathBuf>, BuildError> {
+        let mut written = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
+        for robot in robots {
+            let name = &robot.generated.source.name;
+            if written.iter().any(|(other, _)| other == name) {
+                return Err(BuildError::SameName(name.clone()));
+            }
+            written.push((name.clone(), robot.description.clone()));
+        }
+        let paths = builder::write(&self.folder, robots)?;
+        let names: Vec<String> = written.iter().map(|(name, _)| name.clone()).collect();
+        self.remove_others(&names)?;
+        self.put(LIST, &list(&written))?;
+        for robot in robots {
+            let source = &robot.generated.source;
+            self.put(
+                &format!("gelenk.{}.md", source.name),
+                &documentation(&source.text),
+            )?;
+            if !hides_notes {
+                self.tell(&source.name, &robot.generated.notes)?;
+            }
+        }
+        Ok(paths)
+    }
+
+    /// Modules of robots that were renamed, or that no description describes any more.
+    fn remove_others(&self, names: &[String]) -> Result<(), BuildError> {
+        let fault = |path: &Path| {
+            let path = path.to_owned();
+            move |source| BuildError::Write(WriteError::System { path, source })
+        };
+        for path in left_over(&self.folder, names).map_err(fault(&self.folder))? {
+            let is_list = path.file_name().is_some_and(|name| name == LIST);
+            if !is_list && begins_with(&path, &header()) {
+                fs::remove_file(&path).map_err(fault(&path))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn put(&self, name: &str, text: &str) -> Result<(), BuildError> {
+        let path = self.folder.join(name);
+        let planned = Planned::new(&path, text, Replaces::Helper, &[]);
+        planned
+            .and_then(|file| file.write())
+            .map_err(BuildError::Write)?;
+        Ok(())
+    }
+
+    /// Shows notes that were not shown before. Cargo repeats what a build script has said until it runs again; so a file that
+    /// changes while the script runs makes it run once more, with nothing left to say.
+    fn tell(&self, name: &str, notes: &Diagnostics) -> Result<(), BuildError> {
+        let file = format!("gelenk.{name}.notes");
+        let path = self.folder.join(&file);
+        let (mere, grave): (Vec<_>, Vec<_>) = notes
+            .entries()
+            .iter()
+            .partition(|note| note.severity == Severity::Note);
+        // What is more than a note is for Cargo to repeat.
+        grave.into_iter().for_each(builder::warn);
+        if mere.is_empty() {
+            // What cannot be removed is at worst taken for shown, later, if the same notes come back.
+            let _ = fs::remove_file(&path);
+            return Ok(());
+        }
+        let text: String = mere.iter().map(|note| format!("{note}\n")).collect();
+        if !super::check(&path, &text) {
+            mere.into_iter().for_each(builder::warn);
+        }
+        self.put(&file, &text)?;
+        builder::watch(&path);
+        Ok(())
+    }
+}
+
+/// A macro with an arm for each module, and one that says which there are.
+fn list(modules: &[(String, PathBuf)]) -> String {
+    let arm = |(name, _): &(String, PathBuf)| {
+        let file = format!("/{name}.rs");
+        format!("    ({name}) => {{ include!(concat!(env!(\"OUT_DIR\"), {file:?})); }};\n")
+    };
+    let arms: String = modules.iter().map(arm).collect();
+    let named = modules.iter();
+    let named = named.map(|(name, from)| format!("`{name}` from {}", from.display()));
+    let known = format!(
+        "`, but {}. A module is named after its robot: the key `name` of a TOML file, <robot name=\"...\"> of a URDF. Write \
+         that name in `include_model!(mod ...)`, or rename the robot",
+        named.collect::<Vec<_>>().join(", ")
+    );
+    format!(
+        "{}\n\n#[doc(hidden)]\n#[allow(unused_macro_rules)]\nmacro_rules! gelenk_module {{\n{arms}    ($other:ident) => {{\n        compile_error!(concat!(\n            \
+         \"the build script generates no robot `\",\n            stringify!($other),\n            {known:?}\n        ));\n    }};\n}}\n",
+        header()
+    )
+}
+
+/// What the files of this build script begin with, and no others: what a build script has made by the program stays.
+fn header() -> String {
+    format!("{FIRST_LINE}\n//\n//     {}\n", builder::command())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_list_names_what_there_is() {
+        let text = list(&[
+            ("arm".to_owned(), PathBuf::from("robot \"1\".toml")),
+            ("arm_control".to_owned(), PathBuf::from("robot \"1\".toml")),
+        ]);
+        assert!(text.contains("(arm) => { include!(concat!(env!(\"OUT_DIR\"), \"/arm.rs\")); };"));
+        assert!(
+            text.contains(r#"`arm` from robot \"1\".toml, `arm_control` from robot"#),
+            "{text}"
+        );
+        assert!(syn::parse_file(&text).is_ok());
+    }
+}

@@ -1,0 +1,143 @@
+//! Computed torque: feedback through the model of the measured state.
+
+use super::controller::ControllerFault;
+use super::joint_pd::require_gains;
+use super::law::{JointLaw, finite};
+use super::settings::SettingError;
+use crate::dynamics::{Dynamics, Named};
+use crate::feed_forward::{FeedForward, FeedForwardError};
+use crate::trajectory::Sample;
+use thiserror::Error;
+
+/// Gains of [`ComputedTorque`], by coordinate. They make accelerations, so that they do not depend on the robot's masses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AccelerationGains<const N: usize> {
+    /// K_p [1/s²].
+    pub position: [f64; N],
+    /// K_d [1/s].
+    pub velocity: [f64; N],
+}
+
+impl<const N: usize> AccelerationGains<N> {
+    /// Gains with which every error decays like an oscillator of natural frequency `omega` [rad/s] and damping ratio
+    /// `damping`: `K_p = ω²`, `K_d = 2 ζ ω`.
+    #[must_use]
+    pub fn from_bandwidth(omega: f64, damping: f64) -> Self {
+        Self {
+            position: [omega * omega; N],
+            velocity: [2.0 * damping * omega; N],
+        }
+    }
+}
+
+/// Why there is no computed torque.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum ComputedTorqueError {
+    /// Gains that are negative or not finite.
+    #[error(transparent)]
+    Gains(#[from] SettingError),
+    /// The model has no feed-forward.
+    #[error(transparent)]
+    FeedForward(#[from] FeedForwardError),
+    /// Inputs cannot accelerate this joint at will: computed torque is for robots with a drive for every coordinate.
+    #[error(
+        "the inputs cannot make every force on joint {}: computed torque needs a drive for every coordinate; `JointPd` does not",
+        Named(.name)
+    )]
+    Underactuated {
+        /// Index of the coordinate.
+        joint: usize,
+        /// Its name.
+        name: &'static str,
+    },
+}
+
+/// The control law, without memory:
+///
+/// ```text
+///     u = B⁻¹ (M(y) (ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)) + k(y, ẏ) − q(y, ẏ))
+/// ```
+///
+/// that is the inverse dynamics at the measured state, with an acceleration that makes the error e = y_d − y of an exact model
+/// obey `ë + K_d ė + K_p e = 0`, for each coordinate by itself and wherever the robot is (Siciliano, Sciavicco, Villani,
+/// Oriolo, *Robotics*, 2009, section 8.5.2; Craig, *Introduction to Robotics*, 2005, chapter 10).
+///
+/// Against [`JointPd`](super::JointPd): large errors decay as small ones do, and gains need no tuning to the masses. In return
+/// the model sees every measurement: noise of positions and velocities passes through M, k and q, and a friction law that is
+/// steep at rest is switched back and forth by the sign of a noisy velocity (take a model with smooth friction, and measured
+/// velocities where there are any). As fallback of a loop, `JointPd` is the quieter choice.
+///
+/// ```
+/// use gelenk_runtime::control_loop::{AccelerationGains, ComputedTorque, JointLaw};
+/// use gelenk_runtime::trajectory::Sample;
+///
+/// gelenk_runtime::dynamics!(pub struct Ur5 = gelenk_generated::ur5);
+///
+/// let law = ComputedTorque::new(Ur5, AccelerationGains::from_bandwidth(10.0, 1.0))?;
+/// let rest = Sample::at_rest([0.0; 6]);
+/// let inputs = law.inputs(&rest, &[0.01; 6], &[0.0; 6])?;
+/// assert!(inputs.iter().all(|u| u.is_finite()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct ComputedTorque<D, const N: usize, const M: usize> {
+    feed_forward: FeedForward<D, N, M>,
+    gains: AccelerationGains<N>,
+}
+
+/// Part of a force that inputs may miss: rounding of B⁺.
+const MISSED: f64 = 1e-9;
+
+impl<D: Dynamics<N, M>, const N: usize, const M: usize> ComputedTorque<D, N, M> {
+    /// The law for a model.
+    ///
+    /// # Errors
+    /// [`ComputedTorqueError`].
+    pub fn new(model: D, gains: AccelerationGains<N>) -> Result<Self, ComputedTorqueError> {
+        let names = model.joint_names();
+        require_gains("gains.position", &names, &gains.position)?;
+        require_gains("gains.velocity", &names, &gains.velocity)?;
+        let feed_forward = FeedForward::new(model)?;
+        for joint in 0..N {
+            let mut force = [0.0; N];
+            force[joint] = 1.0;
+            let missed = feed_forward.missed(&force).map(f64::abs);
+            if missed.iter().any(|r| *r > MISSED) {
+                let name = names[joint];
+                return Err(ComputedTorqueError::Underactuated { joint, name });
+            }
+        }
+        Ok(Self {
+            feed_forward,
+            gains,
+        })
+    }
+}
+
+impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointLaw<N, M> for ComputedTorque<D, N, M> {
+    fn inputs(
+        &self,
+        desired: &Sample<N>,
+        positions: &[f64; N],
+        velocities: &[f64; N],
+    ) -> Result<[f64; M], ControllerFault> {
+        let accelerations = core::array::from_fn(|i| {
+            desired.accelerations[i]
+                + self.gains.velocity[i] * (desired.velocities[i] - velocities[i])
+                + self.gains.position[i] * (desired.positions[i] - positions[i])
+        });
+        let forces =
+            self.feed_forward
+                .model()
+                .inverse_dynamics(positions, velocities, &accelerations);
+        finite(self.feed_forward.inputs_for(&forces))
+    }
+
+    fn joint_names(&self) -> [&'static str; N] {
+        self.feed_forward.model().joint_names()
+    }
+
+    fn input_names(&self) -> [&'static str; M] {
+        self.feed_forward.model().input_names()
+    }
+}

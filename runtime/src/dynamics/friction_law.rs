@@ -1,0 +1,61 @@
+//! Generated functions of friction, with or without the coordinates among their arguments.
+//!
+//! A module has `friction_torques(v)`, and `friction_torques(y, v)` where a friction law depends on the position. The
+//! macro [`dynamics!`](crate::dynamics!) cannot see which; the compiler finds the implementation that fits the function.
+
+/// A generated `friction_torques`. `Arguments` tells the implementations apart and is inferred.
+pub trait FrictionLaw<Arguments, const N: usize> {
+    /// Friction torques [N m or N] at positions `y` and velocities `v`.
+    fn torques(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N];
+}
+
+impl<F: Fn(&[f64; N]) -> [f64; N], const N: usize> FrictionLaw<(Velocities,), N> for F {
+    #[inline]
+    fn torques(&self, _: &[f64; N], v: &[f64; N]) -> [f64; N] {
+        self(v)
+    }
+}
+
+impl<F, const N: usize> FrictionLaw<(Coordinates, Velocities), N> for F
+where
+    F: Fn(&[f64; N], &[f64; N]) -> [f64; N],
+{
+    #[inline]
+    fn torques(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
+        self(y, v)
+    }
+}
+
+/// A generated `friction_torques` of a module with free parameters `P`.
+pub trait FrictionLawWithParameters<Arguments, P, const N: usize> {
+    /// Friction torques [N m or N] at positions `y` and velocities `v`.
+    fn torques(&self, y: &[f64; N], v: &[f64; N], p: &P) -> [f64; N];
+}
+
+impl<F, P, const N: usize> FrictionLawWithParameters<(Velocities,), P, N> for F
+where
+    F: Fn(&[f64; N], &P) -> [f64; N],
+{
+    #[inline]
+    fn torques(&self, _: &[f64; N], v: &[f64; N], p: &P) -> [f64; N] {
+        self(v, p)
+    }
+}
+
+impl<F, P, const N: usize> FrictionLawWithParameters<(Coordinates, Velocities), P, N> for F
+where
+    F: Fn(&[f64; N], &[f64; N], &P) -> [f64; N],
+{
+    #[inline]
+    fn torques(&self, y: &[f64; N], v: &[f64; N], p: &P) -> [f64; N] {
+        self(y, v, p)
+    }
+}
+
+/// Stands for the argument y in the list of a function's arguments.
+#[derive(Debug, Clone, Copy)]
+pub struct Coordinates;
+
+/// Stands for the argument v in the list of a function's arguments.
+#[derive(Debug, Clone, Copy)]
+pub struct Velocities;

@@ -1,0 +1,90 @@
+//! Names of joints and inputs in messages.
+
+#[cfg(any(feature = "control", feature = "identification"))]
+use std::fmt;
+
+/// Most digits of a number.
+const WIDTH: usize = 20;
+
+/// "1", "2", …, made at compile time for each length.
+struct Numbers<const L: usize>;
+
+impl<const L: usize> Numbers<L> {
+    const DIGITS: [[u8; WIDTH]; L] = {
+        let mut all = [[0; WIDTH]; L];
+        let mut i = 0;
+        while i < L {
+            let (mut rest, mut place) = (i + 1, WIDTH);
+            while rest > 0 {
+                place -= 1;
+                all[i][place] = b'0' + (rest % 10) as u8;
+                rest /= 10;
+            }
+            i += 1;
+        }
+        all
+    };
+
+    const NAMES: [&'static str; L] = {
+        let digits: &'static [[u8; WIDTH]; L] = &Self::DIGITS;
+        let mut names = [""; L];
+        let mut i = 0;
+        while i < L {
+            let mut text: &'static [u8] = &digits[i];
+            while let [0, rest @ ..] = text {
+                text = rest;
+            }
+            names[i] = match str::from_utf8(text) {
+                Ok(name) => name,
+                Err(_) => panic!("digits are ASCII"),
+            };
+            i += 1;
+        }
+        names
+    };
+}
+
+/// Names for what has none: its number, counted from 1.
+pub(crate) fn numbered<const L: usize>() -> [&'static str; L] {
+    Numbers::<L>::NAMES
+}
+
+/// A name in a message: as it is where it is one word, in quotation marks and escaped where it is not. Names come from
+/// descriptions and may hold anything.
+#[cfg(any(feature = "control", feature = "identification"))]
+pub(crate) struct Named<'a>(pub &'a str);
+
+#[cfg(any(feature = "control", feature = "identification"))]
+impl fmt::Display for Named<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let word = |c: char| c.is_alphanumeric() || "_-./".contains(c);
+        if !self.0.is_empty() && self.0.chars().all(word) {
+            f.write_str(self.0)
+        } else {
+            write!(f, "{:?}", self.0)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_has_no_name_is_numbered_from_1() {
+        let names = numbered::<120>();
+        assert_eq!((names[0], names[8], names[9]), ("1", "9", "10"));
+        assert_eq!((names[99], names[119]), ("100", "120"));
+        assert_eq!(numbered::<0>(), [""; 0]);
+    }
+
+    #[test]
+    fn names_that_are_no_words_are_quoted() {
+        let shown = |name: &str| Named(name).to_string();
+        assert_eq!(shown("joint_a1"), "joint_a1");
+        assert_eq!(shown("größe.1"), "größe.1");
+        assert_eq!(shown("left arm, upper"), r#""left arm, upper""#);
+        assert_eq!(shown("a\"b\n"), r#""a\"b\n""#);
+        assert_eq!(shown(""), r#""""#);
+    }
+}

@@ -1,0 +1,110 @@
+//! Files reach the disk whole or not at all.
+//!
+//! Generator and runtime hold the same text, since neither can have it from the other; a test keeps both alike.
+
+use std::fs::{self, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+/// A file that is written beside the place that it takes: full disks and killed programs leave the old one as it was.
+#[derive(Debug)]
+pub(crate) struct Prepared {
+    file: NamedTempFile,
+    target: PathBuf,
+}
+
+impl Prepared {
+    /// Writes the content beside `path`, whose folder is made where it is missing. Through a link, the file that it points to
+    /// is replaced and the link stays.
+    ///
+    /// # Errors
+    /// Those of the system, and what [`target`] refuses.
+    pub(crate) fn new(path: &Path, content: &[u8]) -> io::Result<Self> {
+        let target = target(path)?;
+        let folder = match target.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        fs::create_dir_all(folder)?;
+        let mut file = temporary_file(folder)?;
+        if let Ok(old) = fs::metadata(&target) {
+            file.as_file().set_permissions(old.permissions())?;
+        }
+        // By the file itself: the wrapper's messages name a file that nobody knows.
+        file.as_file_mut().write_all(content)?;
+        file.as_file().sync_data()?;
+        Ok(Self { file, target })
+    }
+
+    /// Takes the place.
+    ///
+    /// # Errors
+    /// Those of the system; the old file is then as it was.
+    pub(crate) fn put(self) -> io::Result<()> {
+        self.file
+            .persist(self.target)
+            .map_err(|error| error.error)?;
+        Ok(())
+    }
+}
+
+/// The file behind the links of a path, which need not exist.
+///
+/// # Errors
+/// What may not be replaced: folders, devices and pipes, links to nothing, and files that may not be written.
+pub(crate) fn target(path: &Path) -> io::Result<PathBuf> {
+    let refused = |kind, why: &str| Err(io::Error::new(kind, why));
+    match fs::metadata(path) {
+        Ok(found) if found.is_dir() => refused(io::ErrorKind::IsADirectory, "it is a folder"),
+        Ok(found) if !found.is_file() => refused(
+            io::ErrorKind::InvalidInput,
+            "it is a device or a pipe, not a file",
+        ),
+        // Asked for by itself: the superuser may write what is meant to stay.
+        Ok(found) if found.permissions().readonly() => {
+            refused(io::ErrorKind::PermissionDenied, "it is read-only")
+        }
+        Ok(_) => {
+            // Where the folder may be changed and the file may not, renaming would go around its rights.
+            OpenOptions::new().append(true).open(path)?;
+            fs::canonicalize(path)
+        }
+        Err(_) if fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink()) => refused(
+            io::ErrorKind::NotFound,
+            "it is a link to a file that does not exist",
+        ),
+        Err(_) => Ok(path.to_owned()),
+    }
+}
+
+/// Whether both paths lead to one file, through whatever links.
+pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
+    match (identity(one), identity(other)) {
+        (Ok(one), Ok(other)) => one == other,
+        _ => false,
+    }
+}
+
+/// What a file has in common with its hard links.
+#[cfg(unix)]
+fn identity(path: &Path) -> io::Result<(u64, u64)> {
+    use std::os::unix::fs::MetadataExt;
+    let found = fs::metadata(path)?;
+    Ok((found.dev(), found.ino()))
+}
+
+#[cfg(not(unix))]
+fn identity(path: &Path) -> io::Result<PathBuf> {
+    fs::canonicalize(path)
+}
+
+/// A temporary file with the rights of an ordinary new one (by itself it would be for its owner alone).
+fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let made = builder.prefix(".gelenk-").tempfile_in(folder);
+    made.map_err(|error| error.kind().into())
+}

@@ -1,0 +1,168 @@
+//! The files of a report: all of them or none, and none over what no report has written.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::{ReportError, data, page};
+use crate::replace::Prepared;
+
+const PAGE: &str = "index.html";
+const DATA: &str = "report.json";
+
+/// Writes files by name into a folder, and removes the tables that its report had and this one has not.
+pub(super) fn write(
+    folder: &Path,
+    files: &[(String, String)],
+) -> Result<Vec<PathBuf>, ReportError> {
+    let old = old_tables(folder);
+    if folder.is_file() {
+        let why = io::Error::new(io::ErrorKind::NotADirectory, "it is a file, not a folder");
+        return Err(fault(folder)(why));
+    }
+    fs::create_dir_all(folder).map_err(fault(folder))?;
+    for (name, content) in files {
+        check(folder, name, content, &old).map_err(fault(&folder.join(name)))?;
+    }
+    let mut prepared = Vec::new();
+    for (name, content) in files {
+        let path = folder.join(name);
+        let file = Prepared::new(&path, content.as_bytes()).map_err(fault(&path))?;
+        prepared.push((name.as_str(), path, file));
+    }
+    let paths = prepared.iter().map(|(_, path, _)| path.clone()).collect();
+    // What names the tables comes first: wherever this ends, the next report knows them for its own.
+    prepared.sort_by_key(|(name, ..)| (*name != DATA, *name == PAGE));
+    for (_, path, file) in prepared {
+        file.put().map_err(fault(&path))?;
+    }
+    let is_gone = |name: &&String| !files.iter().any(|(new, _)| new == *name);
+    for name in old.iter().filter(is_gone) {
+        // A table too much in the folder does not make the report worse.
+        let _ = fs::remove_file(folder.join(name));
+    }
+    Ok(paths)
+}
+
+fn fault(path: &Path) -> impl FnOnce(io::Error) -> ReportError + use<> {
+    let path = path.to_owned();
+    move |source| ReportError::File { path, source }
+}
+
+/// Whether a file may be written: it is new, empty, unchanged or from a report.
+fn check(folder: &Path, name: &str, content: &str, old: &[String]) -> io::Result<()> {
+    if !is_plain(name) {
+        let why = "an identifier with other signs than letters, digits, `-` and `_` names no file";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, why));
+    }
+    let path = folder.join(name);
+    let Ok(found) = fs::metadata(&path) else {
+        return Ok(());
+    };
+    // Whatever is no file is refused when its place is taken.
+    if !found.is_file() || found.len() == 0 {
+        return Ok(());
+    }
+    let text = fs::read(&path)?;
+    let is_ours = match name {
+        PAGE => text
+            .windows(page::BESIDE.len())
+            .any(|part| part == page::BESIDE.as_bytes()),
+        DATA => serde_json::from_slice(&text).is_ok_and(|value| data::is_report(&value)),
+        table => old.iter().any(|known| known == table),
+    };
+    if is_ours || text == content.as_bytes() {
+        return Ok(());
+    }
+    let why = "it holds what no report has written; name another folder, or remove it first";
+    Err(io::Error::new(io::ErrorKind::AlreadyExists, why))
+}
+
+/// Names of the tables that belong to the report in a folder.
+fn old_tables(folder: &Path) -> Vec<String> {
+    let value = fs::read(folder.join(DATA))
+        .ok()
+        .and_then(|text| serde_json::from_slice::<Value>(&text).ok())
+        .filter(data::is_report);
+    let mut names = value.as_ref().map(data::tables).unwrap_or_default();
+    names.retain(|name| is_plain(name));
+    names
+}
+
+/// A name that leads out of no folder.
+fn is_plain(name: &str) -> bool {
+    let is_usual = |letter: char| letter.is_alphanumeric() || "-_.".contains(letter);
+    !name.starts_with('.') && name.chars().all(is_usual)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Block, Cell, Report, Section, Table};
+    use super::*;
+
+    fn report(title: &str, table: &str) -> Report {
+        let table = Table::new(table, "Numbers.")
+            .column("Name", "name", "")
+            .row([Cell::text("a")]);
+        Report::new(title).section(Section::new("numbers", "Numbers").block(Block::Table(table)))
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_report_takes_the_place_of_another_and_of_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        report("First", "first").write(folder.path()).unwrap();
+        fs::write(at("mine.csv"), "t,q\n").unwrap();
+        report("Second", "second").write(folder.path()).unwrap();
+        let expected = ["index.html", "mine.csv", "report.json", "second.csv"];
+        assert_eq!(names(folder.path()), expected);
+
+        let before = fs::read(at("index.html")).unwrap();
+        let error = report("Third", "mine").write(folder.path()).unwrap_err();
+        let message = error.to_string();
+        assert!(
+            message.contains("mine.csv: it holds what no report has written"),
+            "{message}"
+        );
+        assert_eq!(fs::read(at("index.html")).unwrap(), before);
+        assert_eq!(fs::read_to_string(at("mine.csv")).unwrap(), "t,q\n");
+        assert_eq!(names(folder.path()), expected);
+    }
+
+    #[test]
+    fn foreign_pages_and_data_are_kept() {
+        for (name, text) in [
+            ("index.html", "<h1>My arm</h1>"),
+            ("report.json", "{\"title\": 1}"),
+        ] {
+            let folder = tempfile::tempdir().unwrap();
+            fs::write(folder.path().join(name), text).unwrap();
+            let error = report("Arm", "numbers-1").write(folder.path()).unwrap_err();
+            assert!(error.to_string().contains(name), "{error}");
+            assert_eq!(names(folder.path()), [name]);
+            fs::write(folder.path().join(name), "").unwrap();
+            assert!(report("Arm", "numbers-1").write(folder.path()).is_ok());
+        }
+    }
+
+    #[test]
+    fn names_stay_in_the_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = report("Arm", "../outside")
+            .write(folder.path())
+            .unwrap_err();
+        assert!(error.to_string().contains("names no file"), "{error}");
+        assert_eq!(names(folder.path()), [""; 0]);
+    }
+}

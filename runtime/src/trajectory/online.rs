@@ -1,0 +1,290 @@
+//! A target that may change while the robot moves, approached with limited jerk.
+
+use super::{MotionLimits, Sample, Trajectory, TrajectoryError};
+use rsruckig::prelude::{DataArrayOrVec, InputParameter, Ruckig, RuckigErrorHandler, RuckigResult};
+use rsruckig::trajectory::Trajectory as Profile;
+use std::fmt;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// A motion to rest at a target that may be changed at any time, also while it runs: by an operator, a camera, a planner. All joints
+/// arrive at the same time, as soon as positions, speeds, accelerations and jerks within their limits allow. A new target begins a
+/// new motion from the state of the old one, so that positions, velocities and accelerations stay continuous.
+///
+/// The motion is computed by the crate `rsruckig` (Berscheid, Kröger, *Jerk-limited Real-time Trajectory Generation with Arbitrary
+/// Target States*, RSS 2021), in some 10 µs for seven joints, in the thread of the loop and without allocation.
+///
+/// Clones share the target and the motion: give one to the loop and one to its controller, and keep one to [`set`](Self::set)
+/// targets from any thread. The loop takes a new target over at the beginning of a period
+/// ([`Trajectory::begin_period`]; call it yourself where there is no loop). Its duration is infinite: the loop ends when it is asked
+/// to stop. A predictive controller sees the motion to the present target ahead of it; its terminal weights are those of the start.
+///
+/// ```
+/// use gelenk_runtime::trajectory::{MotionLimits, OnlineTarget, Trajectory};
+///
+/// let limits = MotionLimits {
+///     speeds: [1.0; 2],
+///     accelerations: [3.0; 2],
+///     jerks: [30.0; 2],
+///     ..MotionLimits::default()
+/// };
+/// let motion = OnlineTarget::new([0.0, 0.0], &limits)?;
+/// motion.set([0.5, -0.2])?;
+/// motion.begin_period(0.0);
+/// assert!(motion.sample(0.3).velocities[0] > 0.1);
+/// motion.set([0.1, 0.0])?;
+/// motion.begin_period(0.3);
+/// assert_eq!(motion.sample(10.0).positions, [0.1, 0.0]);
+/// # Ok::<(), gelenk_runtime::trajectory::TrajectoryError>(())
+/// ```
+#[derive(Clone)]
+pub struct OnlineTarget<const N: usize> {
+    limits: MotionLimits<N>,
+    /// What other threads touch; the loop never waits for it.
+    requests: Arc<Mutex<Requests<N>>>,
+    /// What the loop and its controller touch, in one thread.
+    plan: Arc<Mutex<Plan<N>>>,
+}
+
+impl<const N: usize> fmt::Debug for OnlineTarget<N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("OnlineTarget")
+            .field("limits", &self.limits)
+            .finish_non_exhaustive()
+    }
+}
+
+struct Requests<const N: usize> {
+    /// Not yet taken over.
+    pending: Option<[f64; N]>,
+    status: TargetStatus<N>,
+}
+
+/// What became of the last target.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TargetStatus<const N: usize> {
+    /// The motion leads to this target and is there at this time of the trajectory (s).
+    Followed {
+        /// Target [rad or m].
+        target: [f64; N],
+        /// Time of arrival (s).
+        arrival: f64,
+    },
+    /// The loop has not seen this target yet.
+    Waiting {
+        /// Target [rad or m].
+        target: [f64; N],
+    },
+    /// There is no motion to this target that keeps the limits, from where and how fast the robot was; it goes on to the one
+    /// before.
+    Refused {
+        /// Target [rad or m].
+        target: [f64; N],
+    },
+}
+
+struct Plan<const N: usize> {
+    generator: Ruckig<N, Quiet>,
+    input: InputParameter<N>,
+    profile: Profile<N>,
+    /// Computed while `profile` is still needed.
+    next: Profile<N>,
+    /// When `profile` begins on the trajectory (s).
+    begin: f64,
+    target: [f64; N],
+    /// Periods in which the present request has failed.
+    attempts: u32,
+}
+
+/// Errors without a text: the loop must not allocate one.
+struct Quiet;
+
+impl RuckigErrorHandler for Quiet {
+    fn handle_validation_error(_: &str) -> Result<(), rsruckig::error::RuckigError> {
+        Err(rsruckig::error::RuckigError::ValidationError(String::new()))
+    }
+
+    fn handle_calculator_error(_: &str) -> Result<(), rsruckig::error::RuckigError> {
+        Err(rsruckig::error::RuckigError::CalculatorError(String::new()))
+    }
+}
+
+/// By how much a computed motion may leave the position limits [rad or m]: it ends within 1e-8 of its target.
+const SLACK: f64 = 1e-7;
+/// Largest position and limit, and its inverse the least limit: over eight decades the generator was seen to keep its limits, over
+/// twelve not.
+const LARGEST: f64 = 1e4;
+/// Periods in which a target is tried before it is refused: of four million random ones eight found no motion, from a state that a
+/// period later is another.
+const ATTEMPTS: u32 = 5;
+
+impl<const N: usize> OnlineTarget<N> {
+    /// At rest at `start` [rad or m] until there is another target.
+    ///
+    /// # Errors
+    /// Limits of speed, acceleration or jerk that are not 1e-4 to 1e4, with which the generator's equations are well scaled; a
+    /// start that is not finite, outside the position limits, or beyond 1e4.
+    pub fn new(start: [f64; N], limits: &MotionLimits<N>) -> Result<Self, TrajectoryError> {
+        limits.check()?;
+        require_scaled("speed limit", &limits.speeds, 1.0 / LARGEST)?;
+        require_scaled("acceleration limit", &limits.accelerations, 1.0 / LARGEST)?;
+        require_scaled("jerk limit", &limits.jerks, 1.0 / LARGEST)?;
+        check_target(limits, &start)?;
+        let mut input = InputParameter::new(None);
+        input.max_velocity = stack(limits.speeds);
+        input.max_acceleration = stack(limits.accelerations);
+        input.max_jerk = stack(limits.jerks);
+        input.min_position = Some(stack(limits.positions.map(|[low, _]| low - SLACK)));
+        input.max_position = Some(stack(limits.positions.map(|[_, high]| high + SLACK)));
+        let status = TargetStatus::Followed {
+            target: start,
+            arrival: 0.0,
+        };
+        Ok(Self {
+            limits: *limits,
+            requests: Arc::new(Mutex::new(Requests {
+                pending: None,
+                status,
+            })),
+            plan: Arc::new(Mutex::new(Plan {
+                // Durations are not rounded to periods, so that the period has no influence.
+                generator: Ruckig::new(None, 1e-3),
+                input,
+                profile: Profile::new(None),
+                next: Profile::new(None),
+                begin: 0.0,
+                target: start,
+                attempts: 0,
+            })),
+        })
+    }
+
+    /// Asks for another target [rad or m], from any thread. What was asked for before and not taken over yet is forgotten.
+    ///
+    /// # Errors
+    /// A target that is not finite, outside the position limits, or beyond 1e4; the motion then goes on as it was.
+    pub fn set(&self, target: [f64; N]) -> Result<(), TrajectoryError> {
+        check_target(&self.limits, &target)?;
+        let mut requests = lock(&self.requests);
+        requests.pending = Some(target);
+        requests.status = TargetStatus::Waiting { target };
+        Ok(())
+    }
+
+    /// What became of the last target.
+    #[must_use]
+    pub fn status(&self) -> TargetStatus<N> {
+        lock(&self.requests).status
+    }
+}
+
+impl<const N: usize> Plan<N> {
+    /// State at `time` (s) of the trajectory: at rest in the target at the end, and what was before the last change of the target is
+    /// forgotten.
+    fn sample(&self, time: f64) -> Sample<N> {
+        let t = time - self.begin;
+        if t >= self.profile.get_duration() {
+            return Sample::at_rest(self.target);
+        }
+        let (mut y, mut v, mut a) = (stack([0.0; N]), stack([0.0; N]), stack([0.0; N]));
+        // NaN counts as the beginning.
+        self.profile.at_time(
+            t.max(0.0),
+            &mut Some(&mut y),
+            &mut Some(&mut v),
+            &mut Some(&mut a),
+            &mut None,
+            &mut None,
+        );
+        Sample {
+            positions: array(&y),
+            velocities: array(&v),
+            accelerations: array(&a),
+        }
+    }
+
+    /// Moves on to `target` from the state at `time`. False, and nothing changes, where there is no such motion.
+    fn turn_to(&mut self, target: [f64; N], time: f64) -> bool {
+        let now = self.sample(time);
+        self.input.current_position = stack(now.positions);
+        self.input.current_velocity = stack(now.velocities);
+        self.input.current_acceleration = stack(now.accelerations);
+        self.input.target_position = stack(target);
+        let result = self.generator.calculate(&self.input, &mut self.next);
+        let found = matches!(result, Ok(RuckigResult::Working | RuckigResult::Finished));
+        if !(found && self.next.get_duration().is_finite()) {
+            return false;
+        }
+        core::mem::swap(&mut self.profile, &mut self.next);
+        (self.begin, self.target) = (time, target);
+        true
+    }
+}
+
+impl<const N: usize> Trajectory<N> for OnlineTarget<N> {
+    /// Infinite: there may always be another target.
+    fn duration(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    fn sample(&self, t: f64) -> Sample<N> {
+        lock(&self.plan).sample(t)
+    }
+
+    fn begin_period(&self, time: f64) {
+        // Another thread is writing a target at this moment: it can wait for the next period, the loop cannot wait for it.
+        let Ok(mut requests) = self.requests.try_lock() else {
+            return;
+        };
+        let Some(target) = requests.pending.filter(|_| time.is_finite()) else {
+            return;
+        };
+        let mut plan = lock(&self.plan);
+        if plan.turn_to(target, time) {
+            let arrival = time + plan.profile.get_duration();
+            requests.status = TargetStatus::Followed { target, arrival };
+        } else {
+            plan.attempts += 1;
+            if plan.attempts < ATTEMPTS {
+                return;
+            }
+            requests.status = TargetStatus::Refused { target };
+        }
+        plan.attempts = 0;
+        requests.pending = None;
+    }
+}
+
+fn check_target<const N: usize>(
+    limits: &MotionLimits<N>,
+    target: &[f64; N],
+) -> Result<(), TrajectoryError> {
+    limits.check_position(0, target)?;
+    require_scaled("position", target, 0.0)
+}
+
+fn require_scaled(what: &'static str, values: &[f64], least: f64) -> Result<(), TrajectoryError> {
+    match values
+        .iter()
+        .find(|x| !(least..=LARGEST).contains(&x.abs()))
+    {
+        None => Ok(()),
+        Some(value) => Err(TrajectoryError::OutOfRange {
+            what,
+            value: *value,
+            range: "at most 1e4, limits of motions also at least 1e-4",
+        }),
+    }
+}
+
+/// What a thread that panicked has left behind is whole: nothing is changed in parts.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn stack<const N: usize>(values: [f64; N]) -> DataArrayOrVec<f64, N> {
+    DataArrayOrVec::Stack(values)
+}
+
+fn array<const N: usize>(values: &DataArrayOrVec<f64, N>) -> [f64; N] {
+    core::array::from_fn(|i| values[i])
+}

@@ -1,0 +1,210 @@
+//! Through points without stopping, within limits.
+
+use super::polynomial::Quintic;
+use super::spline::{self, Piece};
+use super::{MotionLimits, Sample, Trajectory, TrajectoryError};
+
+/// A motion through points in joint space that passes those between the first and the last without a stop, and keeps within
+/// limits of positions, speeds and accelerations. It begins and ends at rest, and positions, velocities and accelerations are
+/// continuous everywhere.
+///
+/// Each joint follows a cubic spline, with one more knot in the first and in the last interval, so that velocity and acceleration
+/// vanish at both ends (Lin, Chang, Luo, *Formulation and optimization of cubic polynomial joint trajectories for industrial
+/// robots*, IEEE Trans. Automatic Control 28 (1983); Biagiotti, Melchiorri, *Trajectory Planning for Automatic Machines and Robots*,
+/// 2008, section 4.4.4). Splines overshoot. A joint whose spline would leave its position limits between two points takes
+/// polynomials of degree five instead, which do not: they are monotone between two points, turn around in a point at the
+/// earliest, and have no acceleration in the points (velocities by the weighted harmonic mean of Fritsch, Butland, *SIAM J. Sci.
+/// Stat. Comput.* 5 (1984), at most 5/4 of either slope, with which the derivative's Bézier points have one sign).
+///
+/// Times are shared out among the ways in a few rounds, and then stretched by one factor, so that a limit is reached somewhere and
+/// exceeded nowhere: extremes are found from the roots of the derivatives, not by sampling. The result is not the fastest
+/// possible. To stop in each point, take a [`PointSequence`](super::PointSequence).
+///
+/// ```
+/// use gelenk_runtime::trajectory::{MotionLimits, Trajectory, ViaPoints};
+///
+/// let limits = MotionLimits { speeds: [1.0; 2], accelerations: [3.0; 2], ..MotionLimits::default() };
+/// let points = [[0.0, 0.0], [0.5, 0.3], [0.9, -0.1], [1.2, 0.0]];
+/// let motion = ViaPoints::within(&points, &limits)?;
+/// let second = motion.sample(motion.times()[1]);
+/// assert!((second.positions[1] - 0.3).abs() < 1e-12);
+/// assert!(second.velocities[0] > 0.1, "it passes");
+/// # Ok::<(), gelenk_runtime::trajectory::TrajectoryError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ViaPoints<const N: usize> {
+    /// When each polynomial begins (s), and the end.
+    knots: Vec<f64>,
+    pieces: Vec<[Quintic; N]>,
+    /// When each point is passed (s).
+    times: Vec<f64>,
+    first: [f64; N],
+    last: [f64; N],
+}
+
+/// Rounds in which the times of the ways are adjusted to each other.
+const ROUNDS: usize = 16;
+/// By how much times are stretched beyond the limits, for rounding.
+const MARGIN: f64 = 1e-10;
+
+impl<const N: usize> ViaPoints<N> {
+    /// Through `points` [rad or m] within `limits`.
+    ///
+    /// # Errors
+    /// Fewer than two points; two equal ones in a row; a point that is not finite or outside the position limits; limits that are
+    /// not positive; no finite limit of speed or acceleration for a joint that moves; numbers with which times overflow.
+    pub fn within(points: &[[f64; N]], limits: &MotionLimits<N>) -> Result<Self, TrajectoryError> {
+        limits.check()?;
+        check_points(points, limits)?;
+        let mut ways = first_guess(points, limits)?;
+        let mut best = f64::INFINITY;
+        let mut best_ways = ways.clone();
+        for _ in 0..ROUNDS {
+            let spans = spline::spans(&ways);
+            let pieces = spline::through(points, &ways, &spans, &limits.positions)?;
+            let ratios = ratios(&pieces, &spans, limits, ways.len());
+            let stretch = ratios.iter().copied().fold(0.0, f64::max) * (1.0 + MARGIN);
+            let total = stretch * ways.iter().sum::<f64>();
+            if total < best {
+                best = total;
+                best_ways = ways.iter().map(|way| way * stretch).collect();
+            }
+            // Ways that keep far within their limits give time to those that do not.
+            for (way, ratio) in ways.iter_mut().zip(&ratios) {
+                *way *= ratio.max(0.1).sqrt();
+            }
+        }
+        Self::build(points, &best_ways, limits)
+    }
+
+    fn build(
+        points: &[[f64; N]],
+        ways: &[f64],
+        limits: &MotionLimits<N>,
+    ) -> Result<Self, TrajectoryError> {
+        let spans = spline::spans(ways);
+        let pieces = spline::through(points, ways, &spans, &limits.positions)?;
+        let beyond = ratios(&pieces, &spans, limits, ways.len());
+        let kept = beyond.iter().all(|ratio| *ratio <= 1.0 + MARGIN);
+        if !kept {
+            return Err(TrajectoryError::OutOfRange {
+                what: "speed or acceleration over its limit",
+                value: beyond.iter().copied().fold(0.0, f64::max),
+                range: "at most 1: times and distances of these points cannot be resolved",
+            });
+        }
+        let passed = |spans: &[f64]| {
+            let mut end = 0.0;
+            let ends = spans.iter().map(move |span| {
+                end += span;
+                end
+            });
+            core::iter::once(0.0).chain(ends).collect::<Vec<f64>>()
+        };
+        let knots = passed(&spans);
+        let mut times = passed(ways);
+        // The same end to the last bit, whatever the order of the sums.
+        if let (Some(time), Some(end)) = (times.last_mut(), knots.last()) {
+            *time = *end;
+        }
+        Ok(Self {
+            knots,
+            pieces,
+            times,
+            first: points[0],
+            last: points[points.len() - 1],
+        })
+    }
+
+    /// When each point is passed (s): 0 first, the duration last.
+    #[must_use]
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+}
+
+impl<const N: usize> Trajectory<N> for ViaPoints<N> {
+    fn duration(&self) -> f64 {
+        self.knots[self.knots.len() - 1]
+    }
+
+    fn sample(&self, t: f64) -> Sample<N> {
+        if t.is_nan() || t <= 0.0 {
+            return Sample::at_rest(self.first);
+        }
+        if t >= self.duration() {
+            return Sample::at_rest(self.last);
+        }
+        // At least the first knot, 0, and at most the last but one.
+        let k = self.knots.partition_point(|knot| *knot <= t) - 1;
+        let local = t - self.knots[k];
+        let states: [[f64; 3]; N] = core::array::from_fn(|i| self.pieces[k][i].at(local));
+        Sample {
+            positions: states.map(|s| s[0]),
+            velocities: states.map(|s| s[1]),
+            accelerations: states.map(|s| s[2]),
+        }
+    }
+}
+
+fn check_points<const N: usize>(
+    points: &[[f64; N]],
+    limits: &MotionLimits<N>,
+) -> Result<(), TrajectoryError> {
+    if points.len() < 2 {
+        return Err(TrajectoryError::TooFew {
+            what: "points",
+            needed: 2,
+            given: points.len(),
+        });
+    }
+    for (k, point) in points.iter().enumerate() {
+        limits.check_position(k, point)?;
+        if k > 0 && points[k - 1] == *point {
+            return Err(TrajectoryError::RepeatedPoint { point: k });
+        }
+    }
+    Ok(())
+}
+
+/// Times of the ways with which no joint would be too fast on average, nor from rest to rest.
+fn first_guess<const N: usize>(
+    points: &[[f64; N]],
+    limits: &MotionLimits<N>,
+) -> Result<Vec<f64>, TrajectoryError> {
+    let mut ways = Vec::with_capacity(points.len() - 1);
+    for pair in points.windows(2) {
+        let mut longest = 0.0_f64;
+        for i in 0..N {
+            let way = (pair[1][i] - pair[0][i]).abs();
+            let time = (way / limits.speeds[i]).max((way / limits.accelerations[i]).sqrt());
+            if way > 0.0 && time == 0.0 {
+                return Err(TrajectoryError::Unlimited { joint: i });
+            }
+            longest = longest.max(time);
+        }
+        ways.push(longest);
+    }
+    Ok(ways)
+}
+
+/// For each way how much slower it must become, at least, for the limits to hold on it.
+fn ratios<const N: usize>(
+    pieces: &[Piece<N>],
+    spans: &[f64],
+    limits: &MotionLimits<N>,
+    ways: usize,
+) -> Vec<f64> {
+    let mut ratios = vec![0.0_f64; ways];
+    for (k, (piece, span)) in pieces.iter().zip(spans).enumerate() {
+        let ratio = &mut ratios[spline::way_of(k, ways)];
+        for i in 0..N {
+            let [_, speed, acceleration] = piece[i].extremes(*span);
+            let largest = |[low, high]: [f64; 2]| high.max(-low);
+            let faster = largest(speed) / limits.speeds[i];
+            let harder = (largest(acceleration) / limits.accelerations[i]).sqrt();
+            *ratio = ratio.max(faster).max(harder);
+        }
+    }
+    ratios
+}

@@ -1,0 +1,591 @@
+//! What arrives from outside, spoilt in every way: datagrams, frames of a CAN bus, logs, recordings. Nothing panics, nothing hangs,
+//! nothing damaged is taken for sound.
+//!
+//! In CI a few thousand of each. The long form, a million datagrams for each of their readers and a hundred thousand logs, takes one
+//! or two minutes and also fails where a single one takes more than ten seconds:
+//!
+//! ```text
+//! GELENK_MUTATIONS=long cargo test --release -p gelenk-runtime --test mutations -- --nocapture
+//! ```
+
+#![allow(clippy::unwrap_used, reason = "test code")]
+
+use gelenk_runtime::control_loop::{Source, log_to};
+use gelenk_runtime::identification::differentiation::{
+    KalmanSmoother, SavitzkyGolay, TotalVariation,
+};
+use gelenk_runtime::identification::log::{Differentiation, Log, LogSchema, check};
+use gelenk_runtime::plant::{Plant, PlantOptions};
+use gelenk_runtime::trajectory::{Columns, Recording, Smoothing, Trajectory};
+use gelenk_runtime::transport::can_frame::{CanCodec, Frame};
+use gelenk_runtime::transport::datagram::{Datagram, MAX_DATAGRAM, Message, TrueState};
+use gelenk_runtime::transport::{
+    Brakes, Pace, PlantServer, ServerOptions, Transport, UdpTransport,
+};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::net::UdpSocket;
+use std::time::{Duration, Instant};
+
+gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
+gelenk_runtime::dynamics!(struct Alpha = gelenk_generated::powercube_alpha);
+
+fn is_long() -> bool {
+    std::env::var_os("GELENK_MUTATIONS").is_some_and(|value| value == "long")
+}
+
+fn rounds(short: u64, long: u64) -> u64 {
+    if is_long() { long } else { short }
+}
+
+/// Time of the slowest call.
+#[derive(Default)]
+struct Slowest(Duration);
+
+impl Slowest {
+    fn time<T>(&mut self, call: impl FnOnce() -> T) -> T {
+        let begin = Instant::now();
+        let result = call();
+        self.0 = self.0.max(begin.elapsed());
+        result
+    }
+
+    fn report(&self, what: &str, rounds: u64) {
+        println!("{what}: {rounds}, the slowest took {:?}", self.0);
+        assert!(
+            !is_long() || self.0 < Duration::from_secs(10),
+            "{what}: {:?}",
+            self.0
+        );
+    }
+}
+
+/// A number as a bit pattern, an end of what numbers are, or an ordinary one.
+fn number(generator: &mut ChaCha8Rng) -> f64 {
+    const ENDS: [f64; 8] = [
+        f64::NAN,
+        f64::INFINITY,
+        1e308,
+        -1e308,
+        1e10,
+        5e-324,
+        0.0,
+        -0.0,
+    ];
+    match generator.random_range(0..4) {
+        0 => f64::from_bits(generator.random()),
+        1 => ENDS[generator.random_range(0..ENDS.len())],
+        _ => generator.random_range(-1.0..1.0),
+    }
+}
+
+fn numbers<const L: usize>(generator: &mut ChaCha8Rng) -> [f64; L] {
+    core::array::from_fn(|_| number(generator))
+}
+
+fn message<const N: usize, const M: usize>(generator: &mut ChaCha8Rng) -> Message<N, M> {
+    match generator.random_range(0..9) {
+        0 | 1 => Message::Query,
+        2 => Message::Inputs(numbers(generator).map(|u: f64| if u.is_finite() { u } else { 0.0 })),
+        3 => Message::Release,
+        4 => Message::Brake,
+        5 => Message::Inspect,
+        6 => Message::Measured {
+            positions: numbers(generator),
+            velocities: generator.random_bool(0.5).then(|| numbers(generator)),
+            torques: generator.random_bool(0.5).then(|| numbers(generator)),
+        },
+        7 => Message::Lost,
+        _ => Message::TrueState(TrueState {
+            positions: numbers(generator),
+            velocities: numbers(generator),
+            lowest: numbers(generator),
+            highest: numbers(generator),
+            fastest: numbers(generator),
+        }),
+    }
+}
+
+/// A valid datagram, then spoilt: bytes, length, a piece of another; in half of the cases with a checksum that is right again.
+fn datagram<const N: usize, const M: usize>(generator: &mut ChaCha8Rng) -> Vec<u8> {
+    let mut buffer = [0; MAX_DATAGRAM];
+    let sound = Datagram::<N, M> {
+        session: generator.random(),
+        sequence: generator.random(),
+        brakes: [Brakes::Unknown, Brakes::Released, Brakes::Engaged][generator.random_range(0..3)],
+        message: message(generator),
+    };
+    let mut bytes = sound.encode(&mut buffer).unwrap().to_vec();
+    for _ in 0..generator.random_range(0..4) {
+        spoil(&mut bytes, generator);
+    }
+    if bytes.len() >= 4 && generator.random_bool(0.5) {
+        let end = bytes.len() - 4;
+        let checksum = crc32(&bytes[..end]).to_le_bytes();
+        bytes[end..].copy_from_slice(&checksum);
+    }
+    bytes
+}
+
+fn spoil(bytes: &mut Vec<u8>, generator: &mut ChaCha8Rng) {
+    let length = bytes.len().max(1);
+    let at = generator.random_range(0..length);
+    match generator.random_range(0..6) {
+        0 => bytes.truncate(at),
+        1 => bytes.extend((0..at % 40).map(|k| k as u8)),
+        2 if !bytes.is_empty() => bytes[at] = generator.random(),
+        3 if !bytes.is_empty() => bytes[at] ^= 1 << generator.random_range(0..8),
+        // The head, which decides.
+        4 if bytes.len() > 24 => bytes[at % 24] = generator.random_range(0..9),
+        5 if bytes.len() >= at + 8 => {
+            bytes[at..at + 8].copy_from_slice(&number(generator).to_le_bytes());
+        }
+        _ => bytes.clear(),
+    }
+}
+
+/// CRC-32 of IEEE 802.3, bit by bit: not the crate that the transport uses.
+fn crc32(bytes: &[u8]) -> u32 {
+    let mut crc = u32::MAX;
+    for byte in bytes {
+        crc ^= u32::from(*byte);
+        for _ in 0..8 {
+            crc = if crc & 1 == 1 {
+                crc >> 1 ^ 0xedb8_8320
+            } else {
+                crc >> 1
+            };
+        }
+    }
+    !crc
+}
+
+/// What is taken is written again to the last bit: a datagram says one thing, in one way.
+fn read_datagrams<const N: usize, const M: usize>(seed: u64, count: u64) {
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    let (mut taken, mut slowest) = (0_u64, Slowest::default());
+    for _ in 0..count {
+        let bytes = datagram::<N, M>(&mut generator);
+        let decoded = slowest.time(|| Datagram::<N, M>::decode(&bytes));
+        // For another robot: never taken for one's own.
+        assert!(Datagram::<5, 4>::decode(&bytes).is_err() || (N, M) == (5, 4) || bytes[6] == 5);
+        if let Ok(datagram) = decoded {
+            let mut buffer = [0; MAX_DATAGRAM];
+            assert_eq!(datagram.encode(&mut buffer).unwrap(), bytes);
+            taken += 1;
+        }
+    }
+    assert!(taken > count / 20, "{taken} of {count} were sound");
+    slowest.report(
+        &format!("datagrams of {N} coordinates and {M} inputs"),
+        count,
+    );
+}
+
+#[test]
+fn datagrams() {
+    read_datagrams::<1, 1>(1, rounds(3000, 300_000));
+    read_datagrams::<3, 2>(2, rounds(3000, 300_000));
+    read_datagrams::<7, 7>(3, rounds(3000, 300_000));
+    read_datagrams::<36, 20>(4, rounds(1000, 100_000));
+}
+
+#[test]
+fn can_frames() {
+    const KNOWN: [u16; 11] = [
+        0x100, 0x110, 0x111, 0x112, 0x140, 0x141, 0x142, 0x143, 0x170, 0x171, 0x172,
+    ];
+    let mut generator = ChaCha8Rng::seed_from_u64(5);
+    let plain = CanCodec::<3, 2>::new(0x100, [1e-5; 3], [1e-4, -1e-4]).unwrap();
+    let full = plain.clone().with_velocities([1e-4; 3]).unwrap();
+    let full = full.with_torques([0.01, -0.01, 0.02]).unwrap();
+    let (mut slowest, mut taken) = (Slowest::default(), 0_u64);
+    let count = rounds(20_000, 1_000_000);
+    for codec in [&plain, &full] {
+        let mut set = codec.new_set();
+        for _ in 0..count / 2 {
+            let mut data = [0; 8];
+            generator.fill_bytes(&mut data);
+            data[7] %= 5;
+            let near = KNOWN[generator.random_range(0..KNOWN.len())];
+            let frame = Frame {
+                identifier: if generator.random_bool(0.9) {
+                    near
+                } else {
+                    generator.random()
+                },
+                length: if generator.random_bool(0.9) {
+                    [2, 5, 6, 8][generator.random_range(0..4)]
+                } else {
+                    generator.random()
+                },
+                data,
+            };
+            let Ok(message) = slowest.time(|| codec.decode(&frame)) else {
+                continue;
+            };
+            taken += 1;
+            if let Some(reading) = set.take(&message) {
+                assert_eq!(reading.velocities.is_some(), codec == &full);
+            }
+            // What was taken can be sent, and says the same.
+            let sent = codec.encode(&message).unwrap();
+            let again = format!("{:?}", codec.decode(&sent).unwrap());
+            assert_eq!(again, format!("{message:?}"));
+        }
+    }
+    assert!(taken > count / 100, "{taken}");
+    slowest.report("CAN frames", count);
+}
+
+/// A plant that is told anything: it always can be asked where it is, and is somewhere.
+#[test]
+fn a_server_survives_what_it_is_told() {
+    let mut generator = ChaCha8Rng::seed_from_u64(6);
+    let mut plant = Plant::new(Alpha, PlantOptions::default()).unwrap();
+    plant.reset([0.1], [0.0]).unwrap();
+    let options = ServerOptions {
+        pace: Pace::LockStep,
+        period: 0.005,
+        session: 1,
+        ..ServerOptions::default()
+    };
+    let mut server: PlantServer<Alpha, 1, 1> =
+        PlantServer::bind(plant, "127.0.0.1:0", options).unwrap();
+    let (count, mut slowest, mut answers) = (rounds(1500, 1_000_000), Slowest::default(), 0_u64);
+    for _ in 0..count {
+        let bytes = datagram::<1, 1>(&mut generator);
+        let Ok(question) = Datagram::decode(&bytes) else {
+            continue;
+        };
+        let answer = slowest.time(|| server.respond(&question)).unwrap();
+        if let Some(answer) = answer {
+            answers += 1;
+            assert_eq!(answer.sequence, question.sequence);
+            match answer.message {
+                Message::Measured { positions, .. } => assert!(positions[0].is_finite()),
+                Message::TrueState(state) => assert!(state.velocities[0].is_finite()),
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+    assert!(answers > count / 20, "{answers}");
+    println!("{} breakdowns", server.breakdowns());
+    assert!(server.breakdowns() > 0);
+    slowest.report("datagrams to a server", count);
+}
+
+/// Through its socket, with what is no datagram at all.
+#[test]
+fn a_server_survives_its_network() {
+    let mut generator = ChaCha8Rng::seed_from_u64(7);
+    let mut plant = Plant::new(Alpha, PlantOptions::default()).unwrap();
+    plant.reset([0.1], [0.0]).unwrap();
+    let options = ServerOptions {
+        pace: Pace::LockStep,
+        period: 0.005,
+        ..ServerOptions::default()
+    };
+    let mut server: PlantServer<Alpha, 1, 1> =
+        PlantServer::bind(plant, "127.0.0.1:0", options).unwrap();
+    let address = server.local_address().unwrap();
+    let serving = std::thread::spawn(move || server.serve(Duration::from_secs(2)));
+    let noise = UdpSocket::bind("127.0.0.1:0").unwrap();
+    noise.connect(address).unwrap();
+    let mut link: UdpTransport<1, 1> =
+        UdpTransport::connect(address, Duration::from_secs(30)).unwrap();
+    let count = rounds(1000, 200_000);
+    for k in 0..count {
+        let mut bytes = datagram::<1, 1>(&mut generator);
+        if k % 50 == 0 {
+            bytes.resize(generator.random_range(0..60_000), 0x47);
+        }
+        let _ = noise.send(&bytes);
+        if k % 20 == 0 {
+            // Answered, though perhaps as a robot that has restarted.
+            let mut answered = || link.read().is_ok_and(|reading| reading.is_some());
+            assert!(answered() || answered() || answered(), "after {k}");
+        }
+    }
+    drop(link);
+    serving.join().unwrap().unwrap();
+    println!("datagrams through a server's socket: {count}");
+}
+
+/// Whatever a robot answers, a reading is one that was meant: its checksum is right and its number that of the question.
+#[test]
+fn a_client_survives_what_it_is_answered() {
+    let robot = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let address = robot.local_addr().unwrap();
+    let count = rounds(2000, 1_000_000);
+    // An answer for every ten spoilt ones.
+    let questions = count / 10;
+    let answering = std::thread::spawn(move || {
+        let mut generator = ChaCha8Rng::seed_from_u64(8);
+        let mut buffer = [0; MAX_DATAGRAM];
+        for _ in 0..questions {
+            let (length, from) = robot.recv_from(&mut buffer).unwrap();
+            let question = Datagram::<2, 2>::decode(&buffer[..length]).unwrap();
+            for _ in 0..10 {
+                let mut bytes = datagram::<2, 2>(&mut generator);
+                if bytes.len() >= 24 && generator.random_bool(0.3) {
+                    // The right number, with the old checksum.
+                    bytes[12..20].copy_from_slice(&question.sequence.to_le_bytes());
+                }
+                let _ = robot.send_to(&bytes, from);
+            }
+            let answer = Datagram::<2, 2> {
+                session: 1,
+                sequence: question.sequence,
+                brakes: Brakes::Released,
+                message: Message::Measured {
+                    positions: [0.25, -0.5],
+                    velocities: Some([1.0, 2.0]),
+                    torques: None,
+                },
+            };
+            let mut buffer = [0; MAX_DATAGRAM];
+            robot
+                .send_to(answer.encode(&mut buffer).unwrap(), from)
+                .unwrap();
+        }
+    });
+    let mut link: UdpTransport<2, 2> =
+        UdpTransport::connect(address, Duration::from_secs(5)).unwrap();
+    let (mut slowest, mut readings) = (Slowest::default(), 0_u64);
+    for _ in 0..questions {
+        if let Ok(Some(reading)) = slowest.time(|| link.read()) {
+            assert_eq!(reading.positions, [0.25, -0.5]);
+            assert_eq!(reading.velocities, Some([1.0, 2.0]));
+            readings += 1;
+        }
+    }
+    answering.join().unwrap();
+    assert_eq!(readings, questions);
+    slowest.report("answers to a client", count);
+}
+
+/// A log of the loop, as it writes it.
+fn loop_log() -> Vec<u8> {
+    #[derive(Clone, Default)]
+    struct Shared(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
+    impl std::io::Write for Shared {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            self.0.lock().unwrap().extend_from_slice(bytes);
+            Ok(bytes.len())
+        }
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+    let text = Shared::default();
+    let (mut sink, writer) = log_to(text.clone(), &PowerCube, 100).unwrap();
+    for k in 0..40_u32 {
+        let t = 0.02 * f64::from(k);
+        sink.push(gelenk_runtime::control_loop::LogRecord {
+            time: t,
+            positions: [t.sin(), t.cos()],
+            velocities: [t.cos(), -t.sin()],
+            measured_velocities: Some([t.cos(), -t.sin()]),
+            measured_torques: None,
+            desired: [t.sin(), t.cos()],
+            inputs: [0.1, 0.2],
+            source: Source::Controller,
+            believed: true,
+            iterations: k,
+            lateness: 100,
+            stages: [1, 2, 3, 4],
+        });
+    }
+    drop(sink);
+    writer.finish().unwrap();
+    text.0.lock().unwrap().clone()
+}
+
+/// A log of another kind: units, runs, counters.
+fn measured_log() -> Vec<u8> {
+    let mut text = String::from("run,t [ms],q1 [deg],dq1 [rpm],u1,count\n");
+    for k in 0..40_u32 {
+        let t = f64::from(k % 20);
+        text += &format!(
+            "{},{t},{:.4},{:.3},{:.2},{}\n",
+            1 + k / 20,
+            10.0 * (0.2 * t).sin(),
+            0.3 * (0.2 * t).cos(),
+            0.1 * t,
+            (k * 7) % 256
+        );
+    }
+    text.into_bytes()
+}
+
+const PIECES: [&[u8]; 28] = [
+    b",",
+    b"\n",
+    b"\r\n",
+    b"\"",
+    b"\"\"",
+    b"NaN",
+    b"inf",
+    b"-inf",
+    b"1e999",
+    b"-1e308",
+    b"5e-324",
+    b"0",
+    b"-",
+    b"e",
+    b"0x10",
+    b";",
+    b"\t",
+    b"\xff\xfe",
+    b"\xef\xbb\xbf",
+    b"\0",
+    b" ",
+    b"q1",
+    b"time",
+    b"[deg]",
+    b"[1]",
+    b"q_beta",
+    b"1,2,3,4,5,6,7,8,9",
+    b"1e15",
+];
+
+fn spoil_log(bytes: &mut Vec<u8>, generator: &mut ChaCha8Rng) {
+    if bytes.is_empty() {
+        return;
+    }
+    let at = generator.random_range(0..bytes.len());
+    // Somewhere on, but not far.
+    let to = (at + generator.random_range(0..80)).min(bytes.len());
+    match generator.random_range(0..8) {
+        0 => bytes[at] = generator.random(),
+        1 => bytes.truncate(at),
+        2 => drop(bytes.drain(at..to)),
+        3 => {
+            let copied = bytes[at..to].to_vec();
+            let place = generator.random_range(0..=bytes.len());
+            bytes.splice(place..place, copied);
+        }
+        _ => {
+            let piece = PIECES[generator.random_range(0..PIECES.len())];
+            let end = if generator.random_bool(0.5) {
+                at
+            } else {
+                to.min(at + piece.len())
+            };
+            bytes.splice(at..end, piece.iter().copied());
+        }
+    }
+}
+
+/// Everything that can be done to a log, with what is left of one.
+fn work_through(bytes: &[u8], schema: &LogSchema) -> bool {
+    let Ok((mut log, findings)) = Log::read(bytes, "spoilt", schema) else {
+        return false;
+    };
+    let shown: usize = findings
+        .iter()
+        .map(|finding| finding.to_string().len())
+        .sum();
+    assert!(shown < 1_000_000, "{shown} characters of findings");
+    check(&log);
+    for name in log.names() {
+        assert_eq!(log.channel(&name).unwrap().len(), log.rows());
+        let _ = log.clone().unwrap_counter(&name, 256.0);
+        let _ = log.select(&format!("abs({name}) > 0.1"));
+    }
+    let position = log.names().into_iter().find(|name| name.starts_with('q'));
+    let methods = [
+        Differentiation::KalmanSmoother(KalmanSmoother::from_noise(1e-4)),
+        Differentiation::SavitzkyGolay(SavitzkyGolay::with_window(7, 3)),
+        Differentiation::TotalVariation(TotalVariation::with_gamma(1e-3)),
+    ];
+    for method in methods {
+        if let Some(position) = &position {
+            let mut log = log.clone();
+            if log.differentiate(position, &method).is_ok() {
+                let velocity = log.channel(&format!("{position}_velocity")).unwrap();
+                assert_eq!(velocity.len(), log.rows());
+            }
+        }
+    }
+    let rows: Vec<usize> = (0..log.rows()).collect();
+    let _ = log.inner_rows(&rows, 3);
+    let _ = log.motion(&["q_beta"], &["u_beta"], &rows);
+    let again = log.channels()[0].clone();
+    assert!(log.add(again).is_err());
+    true
+}
+
+#[test]
+fn logs() {
+    let mut generator = ChaCha8Rng::seed_from_u64(9);
+    let mapped = LogSchema::from_toml(
+        "[[channel]]\nname = \"time\"\n\n[[channel]]\nname = \"q_beta\"\n\n[[channel]]\nname = \"u_beta\"\n",
+    )
+    .unwrap();
+    let count = rounds(400, 100_000);
+    let (mut slowest, mut read) = (Slowest::default(), 0_u64);
+    let sound = [loop_log(), measured_log()];
+    for bytes in &sound {
+        assert!(work_through(bytes, &LogSchema::default()));
+    }
+    for k in 0..count {
+        let which = (k % 2) as usize;
+        let mut bytes = sound[which].clone();
+        for _ in 0..generator.random_range(1..6) {
+            spoil_log(&mut bytes, &mut generator);
+        }
+        let schema = if k % 5 == 0 {
+            &mapped
+        } else {
+            &LogSchema::default()
+        };
+        read += u64::from(slowest.time(|| work_through(&bytes, schema)));
+        slowest.time(|| record(&bytes));
+    }
+    assert!(read > count / 4, "{read} of {count} could be read");
+    slowest.report("logs", count);
+}
+
+/// The same file as a recording of a trajectory: refused, or a motion that is finite everywhere.
+fn record(bytes: &[u8]) {
+    let columns = Columns {
+        time: "time",
+        positions: ["q_beta", "q_gamma"],
+        velocities: Some(["dq_beta", "dq_gamma"]),
+    };
+    let Ok(recording) = Recording::<2>::read(bytes, "spoilt", &columns) else {
+        return;
+    };
+    let _ = recording.inconsistencies(1e-3);
+    let smoothed = recording.smoothed(&Smoothing::of(recording.period()));
+    let motions = [recording.raw(), smoothed.map(|s| s.trajectory)];
+    for motion in motions.into_iter().flatten() {
+        for k in 0..=50 {
+            let sample = motion.sample(motion.duration() * f64::from(k) / 50.0);
+            assert!(sample.is_finite());
+        }
+    }
+}
+
+#[test]
+fn mappings() {
+    let sound = b"separator = \";\"\n[[channel]]\nname = \"u1\"\ncolumn = \"i1\"\nquantity = \"current\"\nunit = \"mA\"\n\
+                  joint = 1\nscale = 2.0\noffset = 1.0\nmotor_constant = 0.12\n";
+    let mut generator = ChaCha8Rng::seed_from_u64(10);
+    let count = rounds(1000, 50_000);
+    let mut slowest = Slowest::default();
+    for _ in 0..count {
+        let mut bytes = sound.to_vec();
+        for _ in 0..generator.random_range(1..4) {
+            spoil_log(&mut bytes, &mut generator);
+        }
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        let schema = slowest.time(|| LogSchema::from_toml(&text));
+        if let Ok(schema) = schema {
+            let _ = Log::read(&b"i1;t\n1;0\n2;0.1\n3;0.2\n"[..], "sound", &schema);
+        }
+    }
+    slowest.report("mappings of columns", count);
+}
