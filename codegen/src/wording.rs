@@ -86,11 +86,7 @@ mod tests {
 
     #[test]
     fn written_numbers_are_recognized() {
-        let cases = [
-            (1e-300, "1e-300"),
-            (1.618_034, "1.618034"),
-            (-0.1, "-0.1"),
-        ];
+        let cases = [(1e-300, "1e-300"), (1.618_034, "1.618034"), (-0.1, "-0.1")];
         for (x, expected) in cases {
             assert_eq!(as_written(x), expected);
         }

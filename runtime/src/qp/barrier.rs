@@ -18,7 +18,10 @@ use super::lanes::{Vector, WIDTH, flat, flat_mut, largest};
 /// Bounds that are closer to each other are treated as this far apart when the method starts.
 const MIN_WIDTH: f64 = 1e-6;
 
+/// Slacks at the start are at least this share of the violation of the bound or its opposite.
 const VIOLATION_SHARE: f64 = 0.1;
+/// Distances to a bound below this, relative to the bound where that exceeds 1, are rounding.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// One side of four bounds.
 #[derive(Debug, Clone, Copy)]
@@ -294,8 +297,8 @@ impl<V: Vector> Side<V> {
         } else if SOFT {
             let violation = (-gap).fast_max(V::zero());
             let limit = V::splat(0.5) * soft.w2.mul_add(violation, soft.w1);
-            multiplier = soft.active * multiplier.fast_min(limit)
-                + (V::one() - soft.active) * multiplier;
+            multiplier =
+                soft.active * multiplier.fast_min(limit) + (V::one() - soft.active) * multiplier;
             soft.start(multiplier, mu);
         }
         self.slack = self.active * slack + inert;
@@ -613,9 +616,7 @@ impl<V: Vector> Bounds<V> {
             let (of_lower, of_upper) = (lower.active - both, upper.active - both);
             let (l, u) = (lower.bound, upper.bound);
             let width = both * (u - l) + of_lower * (one + l.abs()) + of_upper * (one + u.abs());
-            let middle = both * half * (l + u)
-                + of_lower * (l + width)
-                + of_upper * (u - width);
+            let middle = both * half * (l + u) + of_lower * (l + width) + of_upper * (u - width);
             let any = both + of_lower + of_upper;
             let width = width.fast_max(V::splat(MIN_WIDTH));
             let w = any * V::splat(size) / (width * width);
@@ -707,7 +708,9 @@ impl<V: Vector> Bounds<V> {
             for (side, d) in distances.into_iter().enumerate() {
                 let soft = &self.soft[i][side];
                 let (active, l) = (self.sides[i][side].active, multipliers.0[i][side]);
-                let hard = (l * d).abs();
+                let rounding =
+                    V::splat(ROUNDING) * self.sides[i][side].bound.abs().fast_max(V::one());
+                let hard = l.abs() * (d.abs() - rounding).fast_max(V::zero());
                 sum += active * (soft.active * soft.gap(l, d) + (V::one() - soft.active) * hard);
             }
         }

@@ -14,6 +14,8 @@ use super::status::{KktResiduals, QpReport, QpSettings, QpStatus};
 pub(super) struct Certificate {
     pub(super) cost: f64,
     pub(super) residuals: KktResiduals,
+    /// The part of the gap that is left of the gradient.
+    decrease: f64,
     /// Residuals beside their tolerances: at most 1 where the problem is solved, infinite where a number is not finite.
     pub(super) merit: f64,
 }
@@ -23,6 +25,12 @@ impl Certificate {
     #[inline(always)]
     pub(super) fn holds(&self) -> bool {
         self.merit <= 1.0
+    }
+
+    /// True if most of what is left is a gradient that exact Newton steps would have removed.
+    #[inline(always)]
+    pub(super) fn is_inexact(&self) -> bool {
+        self.decrease > 0.5 * self.residuals.gap
     }
 
     /// True if every number is one.
@@ -68,7 +76,6 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             + self.state_bounds.gap(&z.x, of_states)
             + self.equalities.gap(&z.x, of_states);
         let hard = self.state_bounds.violation(&z.x, true);
-        if std::env::var("QP_TRACE").is_ok() { println!("  merit GAPS {:.1e} {:.1e} {:.1e} dec {decrease:.1e}", self.input_bounds.gap(&z.u, of_inputs), self.state_bounds.gap(&z.x, of_states), self.equalities.gap(&z.x, of_states)); }
         let residuals = KktResiduals {
             stationarity: self.gradient.largest_input(),
             primal: hard.max(self.equalities.violation(&z.x)),
@@ -76,11 +83,17 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         };
         let penalized = cost + self.state_bounds.penalty(&z.x, true);
         let scale = cost_scale(penalized, quadratic, least);
-        let softened = self.softened;
+        // Largest values drop NaN; sums over all inputs and states do not.
+        let finite = (penalized + quadratic + decrease + gap).is_finite();
         Certificate {
             cost: cost + self.state_bounds.penalty(&z.x, false),
             residuals,
-            merit: merit(&residuals, scale, &self.settings, softened),
+            decrease,
+            merit: if finite {
+                merit(&residuals, scale, &self.settings, self.softened)
+            } else {
+                f64::INFINITY
+            },
         }
     }
 }

@@ -211,7 +211,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
                 (k * NU + i, [stage.input_lower[i], stage.input_upper[i]]);
             if let Some(value) = single_value(lower, upper) {
                 self.fixed.set(place, value);
-                self.input_bounds.set(place, -f64::INFINITY, f64::INFINITY, None);
+                self.input_bounds
+                    .set(place, -f64::INFINITY, f64::INFINITY, None);
             } else {
                 self.input_bounds.set(place, lower, upper, None);
             }
@@ -222,7 +223,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             match single_value(lower, upper) {
                 Some(value) if penalty[i].is_none() => {
                     self.equalities.set(place, value);
-                    self.state_bounds.set(place, -f64::INFINITY, f64::INFINITY, None);
+                    self.state_bounds
+                        .set(place, -f64::INFINITY, f64::INFINITY, None);
                 }
                 _ => self.state_bounds.set(place, lower, upper, penalty[i]),
             }

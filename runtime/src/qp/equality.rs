@@ -114,8 +114,10 @@ impl<V: Vector> Fixed<V> {
     #[inline(always)]
     pub(super) fn absorb(&self, gradient: &mut [V], multipliers: &mut Multipliers<V>) {
         if self.0.any {
-            for ((g, active), [lower, upper]) in
-                gradient.iter_mut().zip(&self.0.active).zip(multipliers.lanes())
+            for ((g, active), [lower, upper]) in gradient
+                .iter_mut()
+                .zip(&self.0.active)
+                .zip(multipliers.lanes())
             {
                 *lower += *active * g.fast_max(V::zero());
                 *upper += *active * (-*g).fast_max(V::zero());
@@ -184,8 +186,11 @@ impl<V: Vector> Equalities<V> {
         }
         self.force.fill(V::zero());
         let Some(last) = last else { return };
-        for ((force, active), [lower, upper]) in
-            self.force.iter_mut().zip(&self.targets.active).zip(last.pairs())
+        for ((force, active), [lower, upper]) in self
+            .force
+            .iter_mut()
+            .zip(&self.targets.active)
+            .zip(last.pairs())
         {
             *force = *active * (*lower - *upper);
         }

@@ -28,8 +28,9 @@ const BOUNDARY_FRACTIONS: [f64; 2] = [0.995, 1.0 - 1e-5];
 const WEIGHT_CAP: f64 = 1e10;
 /// Costs below this share of the gap at the start count as none.
 const LEAST_COST: f64 = 1e-24;
-const STIFFNESS: f64 = 1e8;
-/// What becomes of it where a factorization fails.
+/// The largest barrier term may be this many times the largest multiplier of a state, where that is more: smaller ones would hold large multipliers back.
+const STIFFNESS: f64 = 1e6;
+/// What becomes of both where rounding makes a factorization fail or its steps inexact.
 const CAP_CUT: f64 = 1e-2;
 /// Penalty of a violated bound in a relaxed problem, relative to the largest gradient or weight of the cost.
 const RELAXATION: f64 = 1e5;
@@ -82,7 +83,9 @@ struct State {
 #[derive(Debug, Clone, Copy)]
 struct Run {
     start: Start,
+    /// True after [`Core::restart`].
     restarted: bool,
+    /// Steps in a row shorter than `CRAWL`.
     crawl: usize,
     /// True if there are soft bounds.
     soft: bool,
@@ -110,9 +113,11 @@ struct Run {
 const FAR: f64 = 1e4;
 const SLOW: f64 = 0.7;
 const CRAWL: f64 = 0.2;
-const BLOCKED: f64 = 1e-3;
 const EARLY: usize = 14;
 const NEAR: f64 = 1e3;
+/// A step shorter than this is blocked by pairs far below the mean of the products `sλ`; they are raised to this share of it.
+const BLOCKED: f64 = 1e-2;
+const LEAST_PRODUCT: f64 = 0.1;
 /// From this iteration on the best iterate is kept, and stalling is watched for; nearly all solves have ended by then.
 const LATE: usize = 12;
 /// Iterations between two looks at whether the residual still falls.
@@ -128,7 +133,7 @@ impl Run {
             count: 0.0,
             start_gap: 0.0,
             cap: 0.0,
-            stiffness: knob("STIFF", 1e6),
+            stiffness: STIFFNESS,
             shrink: 1.0,
             iterations: 0,
             best: (f64::INFINITY, f64::INFINITY),
@@ -240,7 +245,6 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             let mut least = 0.0;
             if let Some(kind) = candidate {
                 let certificate = self.certify(problem, LEAST_COST * run.start_gap);
-                if std::env::var("QP_TRACE").is_ok() { println!("  {start:?} {kind:?} {certificate:?}"); }
                 let ended = kind == Candidate::Last || !self.is_bounded();
                 if certificate.holds() || ended {
                     let residual = run.best.1.min(certificate.residuals.primal);
@@ -254,7 +258,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
                     self.begin(start, &mut run);
                 }
                 least = certificate.merit;
-                if certificate.residuals.primal <= self.settings.feasibility {
+                if certificate.is_inexact() {
                     run.cap *= CAP_CUT;
                 }
                 if kind == Candidate::Iterate {
@@ -273,10 +277,10 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     fn iterate(&mut self, least: f64, run: &mut Run) -> Option<Candidate> {
         let state = self.linearize(run.soft);
         // For the next one
-        self.state_bounds.cap_weights(run.cap.max(run.stiffness * state.force));
+        self.state_bounds
+            .cap_weights(run.cap.max(run.stiffness * state.force));
         self.equalities.cap_weights(run.cap);
         let merit = self.merit(&state, run).max(least);
-        if std::env::var("QP_TRACE").is_ok() { println!("    it {} merit {merit:.2e} least {least:.1e} {state:?} best {:?} shrink {:.1e} start {:.1e}", run.iterations, run.best, run.shrink, run.start_gap); }
         // The factorization that a certificate needs is that of the last iteration.
         if merit <= 1.0 && run.iterations > 0 {
             self.take_multipliers(false);
@@ -291,8 +295,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             return None;
         }
         run.note(merit);
-        let stops =
-            stalled || !merit.is_finite() || run.iterations >= self.settings.max_iterations;
+        let stops = stalled || !merit.is_finite() || run.iterations >= self.settings.max_iterations;
         if stops || run.iterations >= LATE || run.iterations == 0 {
             self.keep_best(merit, &state, run);
         }
@@ -358,8 +361,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         run.cap = WEIGHT_CAP * self.riccati.largest_weight();
         self.input_bounds.cap_weights(f64::INFINITY);
         self.cap_weights(run.cap);
-        self.equalities
-            .start(warm.then_some(&self.multipliers[1]));
+        self.equalities.start(warm.then_some(&self.multipliers[1]));
         run.count = self.input_bounds.count() + self.state_bounds.count();
         self.set_slacks(level, start, run);
         if warm {
@@ -386,7 +388,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             START_SLACK
         };
         let far = run.restarted;
-        self.input_bounds.start(false, &self.iterate.u, mu, slack, far);
+        self.input_bounds
+            .start(false, &self.iterate.u, mu, slack, far);
         self.state_bounds
             .start(run.soft, &self.iterate.x, mu, slack, far);
     }
@@ -532,8 +535,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         if iterations < LATE || !iterations.is_multiple_of(STALL_PERIOD) {
             return false;
         }
-        let stalled =
-            state.residual > NEAR * self.settings.feasibility && state.residual > 0.5 * run.checkpoint;
+        let stalled = state.residual > NEAR * self.settings.feasibility
+            && state.residual > 0.5 * run.checkpoint;
         run.checkpoint = state.residual;
         stalled
     }
@@ -543,7 +546,6 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     fn advance(&mut self, state: &State, run: &mut Run) -> bool {
         if self.riccati.factorize(&self.weight, None).is_err() {
             // Rounding beside the largest terms.
-            if std::env::var("QP_TRACE").is_ok() { println!("    FAILS merit cap {:.1e} {:.1e} umax {:.1e} xmax {:.1e}", run.cap, run.stiffness*state.force, self.weight.largest_input(), self.weight.x.iter().fold(0.0_f64, |m, v| m.max(largest(*v)))); }
             run.cap *= CAP_CUT;
             run.stiffness *= CAP_CUT;
             return run.cap > 0.0;
@@ -552,8 +554,13 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         let (target, correction) = self.centring(state, run);
         self.input_bounds
             .centre(false, &self.gradient.u, target, correction, &mut self.rhs.u);
-        self.state_bounds
-            .centre(run.soft, &self.gradient.x, target, correction, &mut self.rhs.x);
+        self.state_bounds.centre(
+            run.soft,
+            &self.gradient.x,
+            target,
+            correction,
+            &mut self.rhs.x,
+        );
         self.equalities.pull(&self.iterate.x, &mut self.rhs.x);
         self.riccati.solve(&self.rhs, &mut self.step, None);
         let inputs = self
@@ -568,7 +575,6 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             - (state.gap / state.cost.abs())
                 .clamp(1.0 - BOUNDARY_FRACTIONS[1], 1.0 - BOUNDARY_FRACTIONS[0]);
         let length = (fraction / boundary).min(1.0);
-        if std::env::var("QP_TRACE").is_ok() { println!("    merit LENGTH {length:.1e} target {target:.1e} corr {correction:.1e} ", ); }
         if !length.is_finite() {
             return false;
         }
@@ -579,14 +585,10 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         self.iterate.advance(&self.step, length);
         run.shrink *= 1.0 - length;
         run.crawl = if length < CRAWL { run.crawl + 1 } else { 0 };
-        if length < knob("BLOCKED", 0.0) {
-            let mu = state.gap / run.count.max(1.0);
-            self.input_bounds.recentre(0.1 * mu);
-            self.state_bounds.recentre(0.1 * mu);
-        }
-        if length < knob("BOOST", 0.0) {
-            run.cap *= knob("BOOSTBY", 100.0);
-            run.stiffness *= knob("BOOSTBY", 100.0);
+        if length < BLOCKED {
+            let least = LEAST_PRODUCT * state.gap / run.count.max(1.0);
+            self.input_bounds.recentre(least);
+            self.state_bounds.recentre(least);
         }
         true
     }
@@ -634,8 +636,4 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
 #[inline(always)]
 fn inverse_step<V: Vector>(inputs: &Tally<V>, states: &Tally<V>) -> f64 {
     inputs.max().max(states.max())
-}
-
-fn knob(name: &str, default: f64) -> f64 {
-    std::env::var(name).map_or(default, |v| v.parse().unwrap())
 }

@@ -4,7 +4,7 @@
 
 use super::random_qp::{Random, spectral_radius};
 use gelenk_runtime::lqr::TimeVaryingLqr;
-use gelenk_runtime::qp::{Penalty, QpProblem, QpStage};
+use gelenk_runtime::qp::{Penalty, QpProblem, QpSolver, QpStage};
 
 /// Horizons that come up.
 const HORIZONS: [usize; 12] = [1, 2, 3, 4, 6, 9, 13, 20, 30, 45, 70, 100];
@@ -29,13 +29,44 @@ impl<const NX: usize, const NU: usize> Wide<NX, NU> {
         p
     }
 
-    /// The problem one stage on, from `state`, after `input`.
-    pub fn next(&self, state: [f64; NX], input: [f64; NU]) -> QpProblem<NX, NU> {
+    /// The problem one stage on from that of `plan`, from `state`. The bounds of its last stage hold what repeating the last input leads to, so that
+    /// the plan, moved on, is feasible.
+    pub fn next(&self, plan: &QpSolver<NX, NU>, state: [f64; NX]) -> QpProblem<NX, NU> {
         let mut p = self.long.clone();
         p.stages.remove(0);
         p.initial_state = state;
-        p.previous_input = input;
+        p.previous_input = plan.input(0);
+        let n = self.horizon;
+        let (x, mut u) = (plan.state(n), plan.input(n - 1));
+        if let Some(stage) = p.stages.last_mut() {
+            for i in 0..NU {
+                let [low, high] = [&mut stage.input_lower[i], &mut stage.input_upper[i]];
+                if low == high {
+                    u[i] = *low;
+                } else {
+                    include(u[i], low, high);
+                }
+            }
+            let end = advance(stage, &x, &u);
+            for i in 0..NX {
+                let [low, high] = [&mut stage.state_lower[i], &mut stage.state_upper[i]];
+                if low == high {
+                    (*low, *high) = (f64::NEG_INFINITY, f64::INFINITY);
+                } else {
+                    include(end[i], low, high);
+                }
+            }
+        }
         p
+    }
+}
+
+/// Moves the bound that excludes `value` beyond it.
+fn include(value: f64, low: &mut f64, high: &mut f64) {
+    if value < *low {
+        *low = value - 0.1 * (*low - value);
+    } else if value > *high {
+        *high = value + 0.1 * (value - *high);
     }
 }
 
@@ -245,7 +276,13 @@ fn set_bounds<const NX: usize, const NU: usize>(
 /// Other units for states, inputs and cost.
 fn rescale<const NX: usize, const NU: usize>(r: &mut Random, wide: &mut Wide<NX, NU>) {
     let p = &mut wide.long;
-    let mut scale = |of: usize| if r.one_of(of) { r.power(-2.0, 2.0) } else { 1.0 };
+    let mut scale = |of: usize| {
+        if r.one_of(of) {
+            r.power(-2.0, 2.0)
+        } else {
+            1.0
+        }
+    };
     let cost = scale(3) * scale(3);
     let all = scale(3);
     let x: [f64; NX] = core::array::from_fn(|_| all * scale(6));
