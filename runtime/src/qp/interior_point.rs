@@ -32,6 +32,8 @@ const LEAST_COST: f64 = 1e-24;
 const STIFFNESS: f64 = 1e6;
 /// What becomes of both where rounding makes a factorization fail or its steps inexact.
 const CAP_CUT: f64 = 1e-2;
+/// What becomes of the former where the method makes no progress: damped multipliers fall slowly.
+const CAP_RAISE: f64 = 10.0;
 /// Penalty of a violated bound in a relaxed problem, relative to the largest gradient or weight of the cost.
 const RELAXATION: f64 = 1e5;
 
@@ -115,9 +117,11 @@ const SLOW: f64 = 0.7;
 const CRAWL: f64 = 0.2;
 const EARLY: usize = 14;
 const NEAR: f64 = 1e3;
-/// A step shorter than this is blocked by pairs far below the mean of the products `sλ`; they are raised to this share of it.
+/// A step shorter than `BLOCKED` is stopped by pairs far below the mean of the products `sλ`; from the iteration `SETTLED` on they are raised to the share
+/// `LEAST_PRODUCT` of it.
 const BLOCKED: f64 = 1e-2;
-const LEAST_PRODUCT: f64 = 0.1;
+const LEAST_PRODUCT: f64 = 1e-2;
+const SETTLED: usize = 8;
 /// From this iteration on the best iterate is kept, and stalling is watched for; nearly all solves have ended by then.
 const LATE: usize = 12;
 /// Iterations between two looks at whether the residual still falls.
@@ -295,6 +299,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             return None;
         }
         run.note(merit);
+        if run.progress.1 >= PATIENCE {
+            run.cap *= CAP_RAISE;
+        }
         let stops = stalled || !merit.is_finite() || run.iterations >= self.settings.max_iterations;
         if stops || run.iterations >= LATE || run.iterations == 0 {
             self.keep_best(merit, &state, run);
@@ -585,7 +592,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         self.iterate.advance(&self.step, length);
         run.shrink *= 1.0 - length;
         run.crawl = if length < CRAWL { run.crawl + 1 } else { 0 };
-        if length < BLOCKED {
+        if length < BLOCKED && run.iterations >= SETTLED {
             let least = LEAST_PRODUCT * state.gap / run.count.max(1.0);
             self.input_bounds.recentre(least);
             self.state_bounds.recentre(least);

@@ -191,6 +191,30 @@ fn set_dynamics<const NX: usize, const NU: usize>(r: &mut Random, p: &mut QpProb
         stage.input_gradient = r.vector().map(|v| 0.1 * v);
         stage.state_gradient = r.vector().map(|v| 0.3 * v);
     }
+    while growth(p) > GROWTH {
+        for entry in p
+            .stages
+            .iter_mut()
+            .flat_map(|s| s.state_matrix.as_flattened_mut())
+        {
+            *entry *= 0.95;
+        }
+    }
+}
+
+/// Largest entry of the products `A_k … A_0`.
+fn growth<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>) -> f64 {
+    let mut product: [[f64; NX]; NX] =
+        core::array::from_fn(|i| core::array::from_fn(|j| f64::from(u8::from(i == j))));
+    let mut largest = 0.0_f64;
+    for stage in &p.stages {
+        product = stage
+            .state_matrix
+            .map(|row| core::array::from_fn(|j| (0..NX).map(|i| row[i] * product[i][j]).sum()));
+        let entries = product.as_flattened().iter();
+        largest = entries.fold(largest, |max, v| v.abs().max(max));
+    }
+    largest
 }
 
 /// Inputs u_k and states x_{k+1} that a regulator makes from random pushes.
