@@ -388,7 +388,10 @@ fn numbers_that_overflow_are_never_called_solved() {
             let mut solver = QpSolver::new(10, SETTINGS).unwrap();
             for report in [solver.solve(&problem), solver.solve_warm(&problem)] {
                 let what = format!("case {case}, {size:e}: {report:?}");
+                let finite = (0..10).all(|k| solver.state(k + 1).iter().all(|x| x.is_finite()));
+                assert!(finite, "{what}");
                 if report.status == QpStatus::Solved {
+                    assert!(report.cost.is_finite(), "{what}");
                     let residual = kkt(&problem, &solver);
                     assert!(
                         residual <= 1e-6 * report.cost.abs().max(1.0),

@@ -13,7 +13,8 @@
 //! Source: Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapters 1 and 10; the elimination of soft bounds as in
 //! Frison, Diehl, *HPIPM*, IFAC 2020, section 3.
 
-use super::lanes::{Vector, WIDTH, flat, flat_mut, largest};
+use super::lanes::{Vector, WIDTH, flat_mut, largest};
+use super::multipliers::Multipliers;
 
 /// Bounds that are closer to each other are treated as this far apart when the method starts.
 const MIN_WIDTH: f64 = 1e-6;
@@ -771,66 +772,4 @@ impl<V: Vector> Bounds<V> {
 #[inline(always)]
 fn set_number<V: Vector>(lane: &mut V, i: usize, value: f64) {
     flat_mut(core::slice::from_mut(lane))[i] = value;
-}
-
-/// Multipliers of the lower and upper bounds.
-#[derive(Debug, Clone)]
-pub(super) struct Multipliers<V>(Vec<[V; 2]>);
-
-impl<V: Vector> Multipliers<V> {
-    pub(super) fn new(lanes: usize) -> Self {
-        Self(vec![[V::zero(); 2]; lanes])
-    }
-
-    #[inline(always)]
-    pub(super) fn clear(&mut self) {
-        self.0.fill([V::zero(); 2]);
-    }
-
-    /// Lower and upper ones, by lanes.
-    #[inline(always)]
-    pub(super) fn pairs(&self) -> impl Iterator<Item = &[V; 2]> {
-        self.0.iter()
-    }
-
-    /// Lower and upper ones, by lanes, to be changed.
-    #[inline(always)]
-    pub(super) fn lanes(&mut self) -> impl Iterator<Item = &mut [V; 2]> {
-        self.0.iter_mut()
-    }
-
-    #[inline(always)]
-    pub(super) fn copy_from(&mut self, other: &Self) {
-        self.0.copy_from_slice(&other.0);
-    }
-
-    /// Subtracts the forces of the bounds, `λ_lower − λ_upper`, from a gradient.
-    #[inline(always)]
-    pub(super) fn subtract_from(&self, gradient: &mut [V]) {
-        for (g, [lower, upper]) in gradient.iter_mut().zip(&self.0) {
-            *g += *upper - *lower;
-        }
-    }
-
-    /// Multipliers `[lower, upper]` of number `i` of the padded variables.
-    #[inline(always)]
-    pub(super) fn get(&self, i: usize) -> [f64; 2] {
-        let [lower, upper] = &self.0[i / WIDTH];
-        [
-            flat(core::slice::from_ref(lower))[i % WIDTH],
-            flat(core::slice::from_ref(upper))[i % WIDTH],
-        ]
-    }
-
-    /// Moves stage `k + 1` to stage `k`, `stride` numbers each; the last stage stays.
-    #[inline(always)]
-    pub(super) fn shift(&mut self, stride: usize, count: usize) {
-        for i in 0..count.saturating_sub(stride) {
-            let next = self.get(i + stride);
-            for side in 0..2 {
-                flat_mut(core::slice::from_mut(&mut self.0[i / WIDTH][side]))[i % WIDTH] =
-                    next[side];
-            }
-        }
-    }
 }

@@ -1,10 +1,11 @@
 //! The method's memory, generic over the lanes, and the loading of a problem into it.
 
-use super::barrier::{Bounds, Multipliers};
+use super::barrier::Bounds;
 use super::equality::{Equalities, Fixed};
 use super::interior_point::Start;
 use super::lanes::{Vector, WIDTH, flat_mut, lanes, zeros};
 use super::ldl::NotPositive;
+use super::multipliers::Multipliers;
 use super::problem::{QpProblem, QpStage};
 use super::riccati::Riccati;
 use super::status::{KktResiduals, QpReport, QpSettings, QpStatus};

@@ -12,8 +12,8 @@
 //! algorithm in convex programming*, Math. Oper. Res. 1, 1976; Friedlander, Orban, *A primal–dual regularized interior-point method for convex
 //! quadratic programs*, Math. Program. Comput. 4, 2012).
 
-use super::barrier::Multipliers;
 use super::lanes::{Vector, WIDTH, flat_mut, largest};
+use super::multipliers::Multipliers;
 
 /// Diagonal term of a fixed input. Far beyond any weight, and far from overflow.
 const FIXING: f64 = 1e100;
