@@ -85,8 +85,9 @@ struct State {
 #[derive(Debug, Clone, Copy)]
 struct Run {
     start: Start,
-    /// True after [`Core::restart`].
+    /// True after [`Core::restart`], and the iteration that it was.
     restarted: bool,
+    begun: usize,
     /// Steps in a row shorter than `CRAWL`.
     crawl: usize,
     /// True if there are soft bounds.
@@ -117,7 +118,7 @@ const SLOW: f64 = 0.7;
 const CRAWL: f64 = 0.2;
 const EARLY: usize = 14;
 const NEAR: f64 = 1e3;
-/// A step shorter than `BLOCKED` is stopped by pairs far below the mean of the products `sλ`; from the iteration `SETTLED` on they are raised to the share
+/// A step shorter than `BLOCKED` is stopped by pairs far below the mean of the products `sλ`; from `SETTLED` iterations after the start on they are raised to the share
 /// `LEAST_PRODUCT` of it.
 const BLOCKED: f64 = 1e-2;
 const LEAST_PRODUCT: f64 = 1e-2;
@@ -132,6 +133,7 @@ impl Run {
         Self {
             start,
             restarted: false,
+            begun: 0,
             crawl: 0,
             soft,
             count: 0.0,
@@ -299,7 +301,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             return None;
         }
         run.note(merit);
-        if run.progress.1 >= PATIENCE {
+        if run.progress.1 >= PATIENCE && state.residual <= NEAR * self.settings.feasibility {
             run.cap *= CAP_RAISE;
         }
         let stops = stalled || !merit.is_finite() || run.iterations >= self.settings.max_iterations;
@@ -410,6 +412,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         }
         run.iterations += 1;
         run.restarted = true;
+        run.begun = run.iterations;
         run.crawl = 0;
         run.checkpoint = f64::INFINITY;
         let mut size = self.scale();
@@ -592,7 +595,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         self.iterate.advance(&self.step, length);
         run.shrink *= 1.0 - length;
         run.crawl = if length < CRAWL { run.crawl + 1 } else { 0 };
-        if length < BLOCKED && run.iterations >= SETTLED {
+        if length < BLOCKED && run.iterations >= run.begun + SETTLED {
             let least = LEAST_PRODUCT * state.gap / run.count.max(1.0);
             self.input_bounds.recentre(least);
             self.state_bounds.recentre(least);
