@@ -263,7 +263,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
 fn single_value(lower: f64, upper: f64) -> Option<f64> {
     let width = upper - lower;
     let single = width.is_finite() && width <= LEAST_WIDTH * lower.abs().max(1.0);
-    single.then(|| lower + 0.5 * (upper - lower))
+    single.then_some(lower + 0.5 * (upper - lower))
 }
 
 /// The number nearest zero between two bounds, or zero if they are not in order.
