@@ -1,7 +1,8 @@
 //! The QP solver on random well-posed problems of every kind (`support::wide_qp`), cold and warm, against Clarabel: statuses are true, none ends at the
 //! iteration limit, and no cost exceeds the optimum by more than 1e-6 of its size.
 //!
-//! Short by default. All ten thousand: `QP_PROBLEMS=10000 cargo test --release -p gelenk-runtime --test qp_random -- --nocapture`.
+//! Short by default. All ten thousand: `QP_PROBLEMS=10000 cargo test --release -p gelenk-runtime --test qp_random -- --nocapture`. That run does not pass
+//! yet: 6 of its 40 000 solves end at the iteration limit, and are reported as such (seeds 1493, 2813, 4792, 6799, 7894 and 8605).
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
@@ -190,7 +191,7 @@ impl Tallies {
 
 #[test]
 fn random_problems_are_solved_cold_and_warm() {
-    let count: u64 = std::env::var("QP_PROBLEMS").map_or(40, |n| n.parse().unwrap());
+    let count: u64 = std::env::var("QP_PROBLEMS").map_or(24, |n| n.parse().unwrap());
     let first: u64 = std::env::var("QP_FIRST").map_or(0, |n| n.parse().unwrap());
     let mut tallies = Tallies::default();
     for seed in first..first + count {
