@@ -38,11 +38,6 @@ pub fn notes(
     jumps.into_iter().chain(stiff).collect()
 }
 
-fn coordinates(model: &Model) -> impl Iterator<Item = &Joint> {
-    let links = model.coordinates.iter();
-    links.filter_map(|&link| model.links.get(link)?.joint.as_ref())
-}
-
 /// Where friction or a spring has an exact sign.
 fn jumps(model: &Model) -> Option<Diagnostic> {
     let has_sign = |joint: &&Joint| {
@@ -51,7 +46,7 @@ fn jumps(model: &Model) -> Option<Diagnostic> {
         let mut laws = friction.map(|term| &term.basis).chain(&joint.springs);
         laws.any(|law| law.calls(Call::Sign))
     };
-    let names = coordinates(model).filter(has_sign);
+    let names = model.joints().filter(has_sign);
     let names: Vec<&str> = names.map(|joint| joint.name.as_str()).collect();
     if names.is_empty() {
         return None;
@@ -72,9 +67,8 @@ fn jumps(model: &Model) -> Option<Diagnostic> {
 fn stiff(model: &Model) -> Option<Diagnostic> {
     let described = model.parameters.iter().map(|parameter| parameter.default);
     let described: Vec<f64> = described.collect();
-    let rates = model.coordinates.iter().zip(model.least_pivots());
-    let rates = rates.filter_map(|(&link, pivot)| {
-        let joint = model.links.get(link)?.joint.as_ref()?;
+    let rates = model.joints().zip(model.least_pivots());
+    let rates = rates.filter_map(|(joint, pivot)| {
         let slope = slope_at_standstill(joint, &described);
         (pivot > 0.0).then_some((joint, slope, slope / pivot))
     });

@@ -2,6 +2,7 @@
 #![cfg(feature = "cli")]
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
+use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -71,7 +72,7 @@ fn a_missing_description_ends_with_1_and_writes_nothing() {
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stderr).contains("none.toml"));
     assert!(output.stdout.is_empty());
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
 #[test]
@@ -84,6 +85,72 @@ fn diagnostics_as_json() {
     assert_eq!(output.status.code(), Some(1));
     let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(value["diagnostics"][0]["severity"], "error");
+}
+
+const GRIPPER: &str = r#"<robot name="gripper">
+  <link name="base"/>
+  <link name="left"><inertial><mass value="0.1"/><inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>
+  <link name="right"><inertial><mass value="0.1"/><inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>
+  <joint name="left &quot;finger&quot;" type="prismatic"><parent link="base"/><child link="left"/><axis xyz="0 1 0"/>
+    <limit lower="0" upper="0.04" effort="20" velocity="0.2"/></joint>
+  <joint name="right finger" type="prismatic"><parent link="base"/><child link="right"/><axis xyz="0 -1 0"/>
+    <limit lower="0" upper="0.04" effort="20" velocity="0.2"/>MIMIC</joint>
+</robot>
+"#;
+
+/// The description of the new crate builds on a copy of the URDF, can be generated, and stays so with its hints made true.
+#[test]
+fn a_new_crate_has_the_robot_of_a_urdf() {
+    let mimic = r#"<mimic joint="left &quot;finger&quot;"/>"#;
+    for (name, mimic) in [("two", ""), ("coupled", mimic)] {
+        let folder = tempfile::tempdir().unwrap();
+        let urdf = GRIPPER.replace("MIMIC", mimic);
+        fs::write(folder.path().join("gripper.urdf"), &urdf).unwrap();
+        let made = gelenk(folder.path(), &["new", name, "--urdf", "gripper.urdf"]);
+        assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
+
+        let home = folder.path().join(name);
+        assert_eq!(fs::read_to_string(home.join("robot.urdf")).unwrap(), urdf);
+        let text = fs::read_to_string(home.join("robot.toml")).unwrap();
+        assert_eq!(text.contains("\nignore_mimic = true\n"), name == "coupled");
+        let done = ["[[joints]]", "name = ", "friction = ", "drive = "]
+            .iter()
+            .fold(text.clone(), |text, key| {
+                text.replace(&format!("\n# {key}"), &format!("\n{key}"))
+            });
+        assert_eq!(done.matches("\ndrive = ").count(), 2);
+        for description in [text.clone(), done] {
+            fs::write(home.join("robot.toml"), description).unwrap();
+            let generated = gelenk(&home, &["generate", "robot.toml"]);
+            assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
+            assert!(home.join("robot.rs").is_file());
+        }
+    }
+}
+
+#[test]
+fn a_new_crate_is_not_made_of_a_file_that_is_no_urdf() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("broken.urdf"),
+        "<robot name=\"r\"><link/></robot>",
+    )
+    .unwrap();
+    fs::write(
+        folder.path().join("arm.toml"),
+        include_str!("../src/cli/template/robot.toml"),
+    )
+    .unwrap();
+    for (file, code, message) in [
+        ("none.urdf", 1, "none.urdf"),
+        ("broken.urdf", 1, "name"),
+        ("arm.toml", 2, "arm.toml is no URDF"),
+    ] {
+        let refused = gelenk(folder.path(), &["new", "arm", "--urdf", file]);
+        assert_eq!(refused.status.code(), Some(code), "{}", shown(&refused));
+        assert!(shown(&refused).contains(message), "{}", shown(&refused));
+        assert!(!folder.path().join("arm").exists());
+    }
 }
 
 #[test]
@@ -141,7 +208,7 @@ fn a_new_crate_is_made_once_and_only_under_a_good_name() {
         assert!(stderr.contains(message), "{stderr}");
     }
     // Nothing is left behind by what was refused.
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     let made = gelenk(
         folder.path(),
         &[
@@ -152,7 +219,7 @@ fn a_new_crate_is_made_once_and_only_under_a_good_name() {
         ],
     );
     assert_eq!(made.status.code(), Some(0));
-    let manifest = std::fs::read_to_string(folder.path().join("elsewhere/Cargo.toml")).unwrap();
+    let manifest = fs::read_to_string(folder.path().join("elsewhere/Cargo.toml")).unwrap();
     assert_eq!(
         manifest
             .matches("git = \"https://example.org/gelenk.git\"")
@@ -168,7 +235,7 @@ const PENDULUM: &str = "[[joints]]\nname = \"swing\"\naxis = [0, 1, 0]\ndrive = 
 #[test]
 fn a_page_and_its_numbers_are_written() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("pendulum.toml"), PENDULUM).unwrap();
+    fs::write(folder.path().join("pendulum.toml"), PENDULUM).unwrap();
     let output = gelenk(
         folder.path(),
         &["report", "pendulum.toml", "--format", "json"],
@@ -179,9 +246,8 @@ fn a_page_and_its_numbers_are_written() {
     for check in said["self_check"].as_array().unwrap() {
         assert_eq!(check["verdict"], "holds", "{check}");
     }
-    let read = |name: &str| {
-        std::fs::read_to_string(folder.path().join("report/pendulum").join(name)).unwrap()
-    };
+    let read =
+        |name: &str| fs::read_to_string(folder.path().join("report/pendulum").join(name)).unwrap();
     let data: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
     assert_eq!(data["title"], "The robot pendulum");
     assert!(read("index.html").contains("gelenk report pendulum.toml"));
@@ -200,7 +266,7 @@ fn a_page_and_its_numbers_are_written() {
         "smooth",
     ];
     assert_eq!(gelenk(folder.path(), &smooth).status.code(), Some(0));
-    let smooth = std::fs::read_to_string(folder.path().join("smooth/report.json")).unwrap();
+    let smooth = fs::read_to_string(folder.path().join("smooth/report.json")).unwrap();
     assert!(smooth.contains(r"\\tanh\\left(80"), "{smooth}");
     assert!(smooth.contains("gelenk report pendulum.toml --smooth-sign 80.0"));
     // The same description, the same bytes.
@@ -211,15 +277,15 @@ fn a_page_and_its_numbers_are_written() {
     );
     assert_eq!(
         first,
-        std::fs::read_to_string(folder.path().join("again/index.html")).unwrap()
+        fs::read_to_string(folder.path().join("again/index.html")).unwrap()
     );
 }
 
 #[test]
 fn a_page_that_cannot_be_written_ends_with_1() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("pendulum.toml"), PENDULUM).unwrap();
-    std::fs::write(folder.path().join("taken"), "").unwrap();
+    fs::write(folder.path().join("pendulum.toml"), PENDULUM).unwrap();
+    fs::write(folder.path().join("taken"), "").unwrap();
     let output = gelenk(
         folder.path(),
         &["report", "pendulum.toml", "--output", "taken"],
@@ -247,11 +313,11 @@ fn refused(folder: &Path, arguments: &[&str]) -> String {
 fn descriptions_and_foreign_files_are_kept() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    std::fs::write(at("base.toml"), PENDULUM).unwrap();
+    fs::write(at("base.toml"), PENDULUM).unwrap();
     let extension = "extends = \"base.toml\"\n";
-    std::fs::write(at("arm.toml"), extension).unwrap();
-    std::fs::write(at("main.rs"), "fn main() {}\n").unwrap();
-    std::fs::write(at("empty.rs"), "").unwrap();
+    fs::write(at("arm.toml"), extension).unwrap();
+    fs::write(at("main.rs"), "fn main() {}\n").unwrap();
+    fs::write(at("empty.rs"), "").unwrap();
     let generate = |output: &str| refused(folder.path(), &["generate", "arm.toml", "-o", output]);
     for output in ["arm.toml", "./arm.toml", "base.toml"] {
         let said = generate(output);
@@ -260,7 +326,7 @@ fn descriptions_and_foreign_files_are_kept() {
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink("arm.toml", at("symbolic.rs")).unwrap();
-        std::fs::hard_link(at("base.toml"), at("hard.rs")).unwrap();
+        fs::hard_link(at("base.toml"), at("hard.rs")).unwrap();
         let said = generate("symbolic.rs");
         assert!(
             said.contains("symbolic.rs: it is arm.toml, which was read"),
@@ -280,7 +346,7 @@ fn descriptions_and_foreign_files_are_kept() {
     let said = generate(".");
     assert!(said.contains("it is a folder"), "{said}");
     // The smooth module of a pair is written to a name that nobody gave.
-    std::fs::write(at("new_control.rs"), "fn mine() {}\n").unwrap();
+    fs::write(at("new_control.rs"), "fn mine() {}\n").unwrap();
     let pair = [
         "generate",
         "arm.toml",
@@ -297,7 +363,7 @@ fn descriptions_and_foreign_files_are_kept() {
         ("arm.toml", extension),
         ("main.rs", "fn main() {}\n"),
     ] {
-        assert_eq!(std::fs::read_to_string(at(file)).unwrap(), text);
+        assert_eq!(fs::read_to_string(at(file)).unwrap(), text);
     }
     for output in ["empty.rs", "new.rs", "new.rs"] {
         let made = gelenk(folder.path(), &["generate", "arm.toml", "-o", output]);
@@ -311,17 +377,17 @@ fn a_foreign_crate_root_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     for name in ["models", "generated/src"] {
-        std::fs::create_dir_all(at(name)).unwrap();
+        fs::create_dir_all(at(name)).unwrap();
     }
-    std::fs::write(at("models/pendulum.toml"), PENDULUM).unwrap();
-    std::fs::write(at("generated/src/lib.rs"), "pub mod mine;\n").unwrap();
+    fs::write(at("models/pendulum.toml"), PENDULUM).unwrap();
+    fs::write(at("generated/src/lib.rs"), "pub mod mine;\n").unwrap();
     for arguments in [&["generate"][..], &["generate", "models/pendulum.toml"]] {
         let said = refused(folder.path(), arguments);
         assert!(said.contains("lib.rs: it holds"), "{said}");
         assert!(!at("generated/src/pendulum.rs").exists());
     }
     assert_eq!(
-        std::fs::read_to_string(at("generated/src/lib.rs")).unwrap(),
+        fs::read_to_string(at("generated/src/lib.rs")).unwrap(),
         "pub mod mine;\n"
     );
 }
@@ -331,7 +397,7 @@ fn a_foreign_crate_root_is_kept() {
 fn a_plant_and_a_controller_have_models_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
     let smooth = format!("{PENDULUM}[generate]\nsmooth_sign = 5\n");
-    std::fs::write(folder.path().join("pendulum.toml"), smooth).unwrap();
+    fs::write(folder.path().join("pendulum.toml"), smooth).unwrap();
     let pair = [
         "pendulum.toml",
         "--control-model",
@@ -345,7 +411,7 @@ fn a_plant_and_a_controller_have_models_of_their_own() {
     };
     run("generate");
     run("check");
-    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
     let (exact, smooth) = (read("arm.rs"), read("arm_control.rs"));
     assert!(exact.contains("The exact model, for plants."), "{exact}");
     assert!(!exact.contains("math::tanh(") && exact.contains("sign(v[0])"));
@@ -354,7 +420,7 @@ fn a_plant_and_a_controller_have_models_of_their_own() {
         smooth.contains("v[0] * 50.0") && smooth.contains("tanh("),
         "{smooth}"
     );
-    std::fs::remove_file(folder.path().join("arm_control.rs")).unwrap();
+    fs::remove_file(folder.path().join("arm_control.rs")).unwrap();
     let stale = refused(folder.path(), &[&["check"], &pair[..]].concat());
     assert!(stale.contains("stale: arm_control.rs"), "{stale}");
     let piped = [
@@ -374,7 +440,7 @@ fn a_plant_and_a_controller_have_models_of_their_own() {
 fn a_full_disk_leaves_what_was_there() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    std::fs::write(at("pendulum.toml"), PENDULUM).unwrap();
+    fs::write(at("pendulum.toml"), PENDULUM).unwrap();
     let commands = ["report pendulum.toml", "generate pendulum.toml"];
     for command in commands {
         let words: Vec<&str> = command.split(' ').collect();
@@ -383,16 +449,16 @@ fn a_full_disk_leaves_what_was_there() {
     let files = || {
         let mut files = Vec::new();
         for folder in [folder.path().to_owned(), at("report/pendulum")] {
-            for entry in std::fs::read_dir(folder).unwrap() {
+            for entry in fs::read_dir(folder).unwrap() {
                 let path = entry.unwrap().path();
-                let content = std::fs::read(&path).unwrap_or_default();
+                let content = fs::read(&path).unwrap_or_default();
                 files.push((path, content));
             }
         }
         files.sort();
         files
     };
-    std::fs::write(
+    fs::write(
         at("pendulum.toml"),
         PENDULUM.replace("mass = 1", "mass = 2"),
     )
@@ -415,9 +481,9 @@ fn a_full_disk_leaves_what_was_there() {
         assert_eq!(files(), before, "{command}");
     }
     // What is meant to stay is not replaced either.
-    let mut rights = std::fs::metadata(at("pendulum.rs")).unwrap().permissions();
+    let mut rights = fs::metadata(at("pendulum.rs")).unwrap().permissions();
     rights.set_readonly(true);
-    std::fs::set_permissions(at("pendulum.rs"), rights).unwrap();
+    fs::set_permissions(at("pendulum.rs"), rights).unwrap();
     let said = refused(folder.path(), &["generate", "pendulum.toml"]);
     assert!(said.contains("pendulum.rs: it is read-only"), "{said}");
     assert_eq!(files(), before);

@@ -70,13 +70,14 @@
 //!    [how to write a controller](control_loop::write_a_controller).
 //! 6. [`transport`]: how positions come from a robot and inputs get there: in process, UDP, CAN. Its guide is
 //!    [how to attach hardware](transport::attaching_hardware).
-//! 7. [`mpc`]: linear time-varying and nonlinear predictive control, with a disturbance observer. Under it [`qp`], an interior-point
+//! 7. [`mpc`]: linear time-varying and nonlinear predictive control, with a disturbance observer, and a guide to
+//!    [its tuning](mpc::tune). Under it [`qp`], an interior-point
 //!    solver without allocation, [`lqr`], and [`lanes`], many states at once.
 //! 8. [`identification`]: from a log to friction and inertial parameters, and to a description that `gelenk generate` reads.
 //! 9. [`report`]: pages of results, without a network.
 //!
-//! The examples in `runtime/examples` are whole programs: `loop_in_process` and `remote_loop` drive a loop in real time, `track`
-//! compares controllers, `identify` goes from a log to a description, `powercube` reproduces a paper.
+//! The guide [from a URDF to a moving robot](from_urdf) goes through most of these in order. The examples in `runtime/examples` are
+//! whole programs, and a page there lists them.
 //!
 //! # Conventions
 //!
@@ -97,6 +98,9 @@ pub mod dynamics;
 pub mod feed_forward;
 #[cfg(any(feature = "identification", feature = "report"))]
 pub mod file;
+#[cfg(feature = "control")]
+#[doc = include_str!("from_urdf.md")]
+pub mod from_urdf {}
 #[cfg(feature = "identification")]
 pub mod identification;
 #[cfg(feature = "control")]

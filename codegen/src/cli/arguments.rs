@@ -50,9 +50,10 @@ Examples:
 const NEW_EXAMPLES: &str = "\
 Examples:
   gelenk new my_arm                              on this program's own checkout
+  gelenk new my_arm --urdf arm.urdf              the robot of a URDF, which is copied
   gelenk new my_arm --git https://example.org/gelenk.git
 
-Exit codes: 0 success, 1 the folder exists or cannot be made, 2 wrong command line.";
+Exit codes: 0 success, 1 the folder exists or cannot be made, or the URDF is at fault, 2 wrong command line.";
 
 const REPORT_EXAMPLES: &str = "\
 Examples:
@@ -132,6 +133,9 @@ pub(super) struct New {
     /// Folder to make; its last part names the crate
     #[arg(value_name = "NAME")]
     pub(super) folder: PathBuf,
+    /// Describe the robot of this URDF [default: an arm of two joints]
+    #[arg(long, value_name = "FILE")]
+    pub(super) urdf: Option<PathBuf>,
     /// Depend on the crates of this checkout [default: the one this program was built from]
     #[arg(long, value_name = "FOLDER")]
     pub(super) checkout: Option<PathBuf>,

@@ -412,12 +412,7 @@ fn line(robot: &Generated, path: &Path, outcome: Outcome) -> String {
 }
 
 fn inputs(robot: &Generated) -> usize {
-    robot
-        .model
-        .drives
-        .iter()
-        .filter(|drive| drive.coordinate.is_some())
-        .count()
+    robot.model.inputs().count()
 }
 
 fn result(robot: &Generated, path: &Path, outcome: Outcome) -> Value {

@@ -8,6 +8,7 @@ mod generate;
 mod inspect;
 mod mechanism;
 mod new;
+mod new_robot;
 mod place;
 mod print;
 mod progress;

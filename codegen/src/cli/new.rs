@@ -10,12 +10,12 @@ use serde_json::{Value, json};
 use super::Failure;
 use super::arguments::{Format, New};
 use super::generate::quoted as quoted_word;
+use super::new_robot::robot;
 use super::print;
 
-/// The files of the crate besides its manifest.
-const FILES: [(&str, &str); 4] = [
+/// The files of every new crate besides its manifest.
+const FILES: [(&str, &str); 3] = [
     ("build.rs", include_str!("template/build.rs")),
-    ("robot.toml", include_str!("template/robot.toml")),
     ("src/main.rs", include_str!("template/main.rs")),
     (".gitignore", "/target\n/report\n"),
 ];
@@ -42,9 +42,16 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
     let folder = &arguments.folder;
     let name = name(folder)?;
     let manifest = manifest(&name, &source(arguments)?);
-    let files: Vec<(&str, &str)> = std::iter::once(("Cargo.toml", manifest.as_str()))
-        .chain(FILES)
-        .collect();
+    let robot = robot(arguments.urdf.as_deref())?;
+    let texts = FILES.map(|(name, text)| (name, text.as_bytes()));
+    let files: Vec<(&str, &[u8])> = [
+        ("Cargo.toml", manifest.as_bytes()),
+        ("robot.toml", robot.description.as_bytes()),
+    ]
+    .into_iter()
+    .chain(robot.urdf.as_deref().map(|urdf| ("robot.urdf", urdf)))
+    .chain(texts)
+    .collect();
     make(folder)?;
     if let Err(error) = write(folder, &files) {
         // Half a crate helps nobody; whether it could be removed changes nothing about the message.
@@ -246,7 +253,7 @@ fn manifest(name: &str, source: &Source) -> String {
 }
 
 /// A text of TOML.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for letter in text.chars() {
         match letter {
@@ -261,7 +268,7 @@ fn quoted(text: &str) -> String {
     out
 }
 
-fn write(folder: &Path, files: &[(&str, &str)]) -> io::Result<()> {
+fn write(folder: &Path, files: &[(&str, &[u8])]) -> io::Result<()> {
     fs::create_dir_all(folder.join("src"))?;
     for (name, text) in files {
         fs::write(folder.join(name), text)?;

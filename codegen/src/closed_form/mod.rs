@@ -171,15 +171,10 @@ impl Writer<'_, '_> {
 }
 
 fn names_of_coordinates(model: &Model) -> Vec<String> {
-    let joints = model
-        .coordinates
-        .iter()
-        .filter_map(|&link| model.links[link].joint.as_ref());
+    let joints = model.joints();
     joints.map(|joint| joint.name.clone()).collect()
 }
 
 fn names_of_inputs(model: &Model) -> Vec<String> {
-    let drives = model.drives.iter();
-    let moving = drives.filter(|drive| drive.coordinate.is_some());
-    moving.map(|drive| drive.name.clone()).collect()
+    model.inputs().map(|drive| drive.name.clone()).collect()
 }

@@ -225,10 +225,7 @@ fn stacked_columns(model: &Model, program: &Program, parameters: &[f64]) -> Vec<
 
 /// How far from zero each coordinate may go: every angle, one metre.
 fn position_ranges(model: &Model) -> Vec<f64> {
-    let joints = model
-        .coordinates
-        .iter()
-        .filter_map(|&link| model.links[link].joint.as_ref());
+    let joints = model.joints();
     joints
         .map(|joint| match joint.kind {
             JointKind::Prismatic => 1.0,

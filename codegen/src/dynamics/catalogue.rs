@@ -54,11 +54,7 @@ impl Argument {
 
     fn length(self, model: &Model) -> usize {
         match self {
-            Inputs => model
-                .drives
-                .iter()
-                .filter(|drive| drive.coordinate.is_some())
-                .count(),
+            Inputs => model.inputs().count(),
             Coordinates | Velocities | Accelerations | Multipliers => model.coordinates.len(),
         }
     }

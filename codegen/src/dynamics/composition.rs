@@ -205,8 +205,7 @@ impl Composition {
 }
 
 fn input_count(model: &Model) -> usize {
-    let drives = model.drives.iter();
-    drives.filter(|drive| drive.coordinate.is_some()).count()
+    model.inputs().count()
 }
 
 /// Operations of `discretize` with so many halvings of the period, without the call.

@@ -6,14 +6,6 @@ use crate::kinematics::{lower, lower_with};
 use crate::model::{FrictionTerm, Input, Joint, Model};
 use crate::program::{Instruction, Operation, Program};
 
-/// The joint of each coordinate.
-fn joints(model: &Model) -> impl Iterator<Item = &Joint> {
-    model
-        .coordinates
-        .iter()
-        .filter_map(|&link| model.links[link].joint.as_ref())
-}
-
 /// Forces of springs and dampers by coordinate; they add to q.
 pub fn spring_forces<'g>(
     graph: &'g Graph,
@@ -29,12 +21,12 @@ pub fn spring_forces<'g>(
             .map(|spring| lower_with(graph, spring, y[index], v[index]));
         forces.fold(zero, |sum, force| sum + force)
     };
-    joints(model).enumerate().map(force).collect()
+    model.joints().enumerate().map(force).collect()
 }
 
 /// Whether a friction law depends on the position of its joint: τ(y, ẏ) then, else τ(ẏ).
 pub fn friction_depends_on_position(model: &Model) -> bool {
-    let terms = joints(model).flat_map(|joint| &joint.friction);
+    let terms = model.joints().flat_map(|joint| &joint.friction);
     terms
         .map(|term| &term.basis)
         .any(Formula::depends_on_position)
@@ -50,7 +42,7 @@ pub fn friction_torques<'g>(
     v: &[Scalar<'g>],
 ) -> Vec<Scalar<'g>> {
     let mut torques = vec![graph.constant(0.0); model.coordinates.len()];
-    for (index, joint) in joints(model).enumerate() {
+    for (index, joint) in model.joints().enumerate() {
         for term in &joint.friction {
             let basis = friction_basis(graph, term, y.get(index), v[index]);
             torques[index] = torques[index] + lower(graph, &term.coefficient) * basis;
@@ -96,7 +88,8 @@ pub fn friction_columns<'g>(
         coordinate,
         basis: friction_basis(graph, terms[0], y.get(coordinate), v[coordinate]),
     };
-    joints(model)
+    model
+        .joints()
         .enumerate()
         .flat_map(|(coordinate, joint)| {
             let groups = terms_by_basis(joint).into_iter();
@@ -112,7 +105,8 @@ pub fn friction_coefficients<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<
         let coefficients = terms.iter().map(|term| lower(graph, &term.coefficient));
         coefficients.fold(graph.constant(0.0), |sum, c| sum + c)
     };
-    joints(model)
+    model
+        .joints()
         .flat_map(|joint| terms_by_basis(joint).into_iter().map(sum))
         .collect()
 }
@@ -126,7 +120,7 @@ pub fn friction_names(model: &Model) -> Vec<String> {
             |(basis, _): (&Formula, _)| format!("{}: {}", joint.name, basis.text(&parameters));
         bases.map(name).collect::<Vec<_>>()
     };
-    joints(model).flat_map(names).collect()
+    model.joints().flat_map(names).collect()
 }
 
 /// Basis functions of a joint in their order, each with its terms.
@@ -144,11 +138,7 @@ fn terms_by_basis(joint: &Joint) -> Vec<(&Formula, Vec<&FrictionTerm>)> {
 /// Input matrix B, rows first: gear ratio, times the motor constant where the input is a current.
 pub fn input_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>> {
     let zero = graph.constant(0.0);
-    let drives: Vec<_> = model
-        .drives
-        .iter()
-        .filter(|drive| drive.coordinate.is_some())
-        .collect();
+    let drives: Vec<_> = model.inputs().collect();
     let mut matrix = vec![vec![zero; drives.len()]; model.coordinates.len()];
     for (column, drive) in drives.iter().enumerate() {
         let Some(row) = drive.coordinate else {
@@ -175,7 +165,7 @@ pub fn jump_note(model: &Model, program: &Program) -> Option<String> {
 
 /// Whether any friction or spring has a term that jumps.
 fn has_jumps(model: &Model) -> bool {
-    joints(model).any(|joint| {
+    model.joints().any(|joint| {
         let bases = joint.friction.iter().map(|term| &term.basis);
         bases
             .chain(&joint.springs)

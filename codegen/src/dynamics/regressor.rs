@@ -31,10 +31,7 @@ pub const SYMBOLS: [&str; PER_LINK] = [
 
 /// Drives with a rotor, in the order of the inputs: all but ideal ones.
 pub fn drives_with_rotor(model: &Model) -> impl Iterator<Item = &Drive> {
-    model
-        .drives
-        .iter()
-        .filter(|drive| drive.coordinate.is_some() && !is_ideal(drive))
+    model.inputs().filter(|drive| !is_ideal(drive))
 }
 
 fn is_ideal(drive: &Drive) -> bool {
@@ -43,10 +40,7 @@ fn is_ideal(drive: &Drive) -> bool {
 
 /// Names of all parameters: those of the links by coordinate, then those of the rotors.
 pub fn parameter_names(model: &Model) -> Vec<String> {
-    let joints = model
-        .coordinates
-        .iter()
-        .filter_map(|&link| model.links[link].joint.as_ref());
+    let joints = model.joints();
     let links = joints.flat_map(|joint| SYMBOLS.map(|symbol| format!("{symbol}_{}", joint.name)));
     let rotors = drives_with_rotor(model).map(|drive| format!("J_{}", drive.name));
     links.chain(rotors).collect()

@@ -32,16 +32,8 @@ pub(super) const NAMES: [&str; 17] = [
 /// All constants, in the order in which a reader asks for them.
 pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
     let model = context.model;
-    let joints: Vec<&Joint> = model
-        .coordinates
-        .iter()
-        .filter_map(|&link| model.links.get(link)?.joint.as_ref())
-        .collect();
-    let inputs: Vec<&Drive> = model
-        .drives
-        .iter()
-        .filter(|drive| drive.coordinate.is_some())
-        .collect();
+    let joints: Vec<&Joint> = model.joints().collect();
+    let inputs: Vec<&Drive> = model.inputs().collect();
     let mut items = sizes(context);
     items.extend(names(model, &joints, &inputs));
     items.extend(joint_limits(context, &joints));
@@ -115,10 +107,7 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[&Drive]) -> Vec<TokenStream
 
 /// Unit of an input: that of a motor's torque or current; a drive without gear on a prismatic joint is a force.
 pub(crate) fn input_unit(model: &Model, drive: &Drive) -> &'static str {
-    let joint = drive
-        .coordinate
-        .and_then(|coordinate| model.coordinates.get(coordinate))
-        .and_then(|&link| model.links.get(link)?.joint.as_ref());
+    let joint = drive.coordinate.and_then(|moved| model.joints().nth(moved));
     let is_direct =
         number(&drive.gear_ratio) == Some(1.0) && number(&drive.rotor_inertia) == Some(0.0);
     match drive.input {

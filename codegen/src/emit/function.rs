@@ -496,10 +496,7 @@ fn entries(model: &Model, name: &str, len: usize) -> String {
     if len != model.coordinates.len() {
         return String::new();
     }
-    let joints = model
-        .coordinates
-        .iter()
-        .filter_map(|&link| model.links.get(link)?.joint.as_ref());
+    let joints = model.joints();
     let units = [["rad", "rad/s", "rad/s²"], ["m", "m/s", "m/s²"]];
     list(joints.map(|joint| {
         let row = usize::from(joint.kind == JointKind::Prismatic);
@@ -508,11 +505,7 @@ fn entries(model: &Model, name: &str, len: usize) -> String {
 }
 
 fn inputs(model: &Model, len: usize) -> String {
-    let drives: Vec<_> = model
-        .drives
-        .iter()
-        .filter(|drive| drive.coordinate.is_some())
-        .collect();
+    let drives: Vec<_> = model.inputs().collect();
     if drives.len() != len {
         return String::new();
     }

@@ -176,11 +176,7 @@ impl<'a> Context<'a> {
             options,
             name: names::identifier(&model.name).to_string(),
             coordinates: model.coordinates.len(),
-            inputs: model
-                .drives
-                .iter()
-                .filter(|drive| drive.coordinate.is_some())
-                .count(),
+            inputs: model.inputs().count(),
             parameters: names::distinct(parameter_names, &[]),
             functions,
             calls: math::Calls::default(),

@@ -179,6 +179,20 @@ impl Model {
             .collect()
     }
 
+    /// The moving joints in the order of the coordinates.
+    pub fn joints(&self) -> impl ExactSizeIterator<Item = &Joint> {
+        self.coordinates.iter().map(|&link| {
+            let joint = self.links.get(link).and_then(|link| link.joint.as_ref());
+            joint.unwrap_or_else(|| unreachable!("validation gives every coordinate its joint"))
+        })
+    }
+
+    /// The drives that move a coordinate, in the order of the inputs.
+    pub fn inputs(&self) -> impl Iterator<Item = &Drive> {
+        let drives = self.drives.iter();
+        drives.filter(|drive| drive.coordinate.is_some())
+    }
+
     /// The joints of these links.
     fn joints_of(&self, links: &[usize]) -> Vec<&Joint> {
         let joints = links

@@ -34,16 +34,12 @@ impl<'a> Robot<'a> {
 
     /// Joints in the order of the coordinates.
     pub fn joints(&self) -> Vec<&'a Joint> {
-        let links = self.model.coordinates.iter();
-        links
-            .filter_map(|&link| self.model.links.get(link)?.joint.as_ref())
-            .collect()
+        self.model.joints().collect()
     }
 
     /// Drives that are inputs, in their order.
     pub fn inputs(&self) -> Vec<&'a Drive> {
-        let drives = self.model.drives.iter();
-        drives.filter(|drive| drive.coordinate.is_some()).collect()
+        self.model.inputs().collect()
     }
 
     /// All bodies with their links.

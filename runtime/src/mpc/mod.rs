@@ -15,7 +15,7 @@
 //! A computed input that acts one period late is compensated ([`MpcOptions::delay`]): the horizon then begins where the input under way will have
 //! led.
 //!
-//! Nothing is allocated after construction. A state has `NX = 2 N` numbers, positions before velocities; `NX` is a parameter of its own because
+//! [`tune`] is the guide to weights and limits. Nothing is allocated after construction. A state has `NX = 2 N` numbers, positions before velocities; `NX` is a parameter of its own because
 //! `2 N` is not a type on stable Rust, and wrong values do not compile.
 //!
 //! Sources: the controller's structure follows Fehr, Schmid, Schneider, Eberhard, *Proc. Appl. Math. Mech.* 20 (2020) (feed-forward and LTV-MPC on
@@ -28,6 +28,8 @@ mod linear;
 mod nonlinear;
 mod observer;
 mod options;
+#[doc = include_str!("tune.md")]
+pub mod tune {}
 
 pub use linear::LtvMpc;
 pub use nonlinear::Nmpc;

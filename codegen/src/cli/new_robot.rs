@@ -1,0 +1,106 @@
+//! The robot of a new crate: the example, or one that a URDF describes.
+
+use std::fs;
+use std::path::Path;
+
+use super::Failure;
+use crate::model::{self, Loaded, Model, ReadOptions};
+
+/// The description of a new crate, and the URDF that it names.
+pub(super) struct Robot {
+    /// Text of `robot.toml`.
+    pub(super) description: String,
+    /// Content of `robot.urdf`.
+    pub(super) urdf: Option<Vec<u8>>,
+}
+
+/// The robot of the URDF, or the example.
+pub(super) fn robot(urdf: Option<&Path>) -> Result<Robot, Failure> {
+    match urdf {
+        None => Ok(Robot {
+            description: include_str!("template/robot.toml").to_owned(),
+            urdf: None,
+        }),
+        Some(path) => from_urdf(path),
+    }
+}
+
+/// The URDF must be one that can be generated: half a crate helps nobody.
+fn from_urdf(path: &Path) -> Result<Robot, Failure> {
+    let reading = Reading::of(path)?;
+    let bytes = fs::read(path)?;
+    if !is_xml(&bytes) {
+        return Err(Failure::Usage(format!(
+            "{} is no URDF\n  = help: make the crate without --urdf, and put your description in the place of its robot.toml",
+            path.display()
+        )));
+    }
+    Ok(Robot {
+        description: description(path, &reading.loaded.model, reading.ignores_mimic),
+        urdf: Some(bytes),
+    })
+}
+
+fn is_xml(bytes: &[u8]) -> bool {
+    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    start.trim_ascii_start().starts_with(b"<")
+}
+
+/// A URDF as it can be read.
+struct Reading {
+    loaded: Loaded,
+    /// Whether its joints with `<mimic>` had to become coordinates of their own.
+    ignores_mimic: bool,
+}
+
+impl Reading {
+    fn of(path: &Path) -> Result<Self, Failure> {
+        let read = |ignore_mimic: bool| {
+            let options = ReadOptions {
+                ignore_mimic,
+                ..ReadOptions::default()
+            };
+            model::read(path, &options).map(|loaded| Self {
+                loaded,
+                ignores_mimic: ignore_mimic,
+            })
+        };
+        read(false).or_else(|why| read(true).map_err(|_| Failure::Descriptions(vec![why])))
+    }
+}
+
+fn description(path: &Path, model: &Model, ignores_mimic: bool) -> String {
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    let mut text = format!(
+        "# The robot of robot.urdf, which is a copy of {}.\n\
+         # Every key is described in models/README.md of gelenk. `gelenk report robot.toml` draws the robot and checks it.\n\
+         name = \"robot\"\n\
+         urdf = \"robot.urdf\"\n",
+        file.replace(char::is_control, " ")
+    );
+    if ignores_mimic {
+        text.push_str(
+            "# The URDF couples joints by <mimic>. Here each is a coordinate of its own; `held = 0` in an entry below takes one out.\n\
+             ignore_mimic = true\n",
+        );
+    }
+    text.push_str(
+        "\n# A URDF says nothing of drives, and seldom of friction. Inputs are joint torques until there are drives. Put in your robot's\n\
+         # numbers and remove the signs # in front of them.\n",
+    );
+    for joint in model.joints() {
+        text.push_str(&entry(&joint.name));
+    }
+    text
+}
+
+/// A joint's entry, as a comment.
+fn entry(joint: &str) -> String {
+    format!(
+        "\n# [[joints]]\n\
+         # name = {}\n\
+         # friction = {{ viscous = 0.4, coulomb = 0.2 }}\n\
+         # drive = {{ gear_ratio = 100, rotor_inertia = 2e-5, torque = {{ nominal = 0.4, peak = 0.8 }} }}\n",
+        super::new::quoted(joint)
+    )
+}
