@@ -324,6 +324,125 @@ fn without_active_bounds_one_factorization_is_enough() {
     assert!(kkt(&problem, &solver) < 1e-9);
 }
 
+/// Without bounds there is no complementarity that could tell a warm start how far it is from the new optimum.
+#[test]
+fn a_warm_start_without_bounds_takes_in_new_data() {
+    for seed in 0..20 {
+        let mut problem = problem(seed);
+        for stage in &mut problem.stages {
+            (stage.input_lower, stage.input_upper) = ([f64::NEG_INFINITY; 2], [f64::INFINITY; 2]);
+            (stage.state_lower, stage.state_upper) = ([f64::NEG_INFINITY; 4], [f64::INFINITY; 4]);
+        }
+        let mut solver = QpSolver::new(10, SETTINGS).unwrap();
+        solver.solve(&problem);
+        problem.initial_state = problem.initial_state.map(|x| 2.0 - 3.0 * x);
+        solver.shift();
+        let report = solver.solve_warm(&problem);
+        assert_eq!(report.status, QpStatus::Solved, "seed {seed}");
+        let residual = kkt(&problem, &solver);
+        assert!(
+            residual < 1e-9 * report.cost.abs().max(1.0),
+            "seed {seed}: {residual:e}"
+        );
+    }
+}
+
+/// One stage, one input, no state cost: `½ u² + ½ w (u − u₋₁)²` is least at `u = w u₋₁/(1 + w)`.
+#[test]
+fn the_cost_holds_the_first_change_of_the_input() {
+    let mut problem = QpProblem::<1, 1>::new(1);
+    problem.input_weight = [[1.0]];
+    problem.input_rate_weight = [[3.0]];
+    problem.previous_input = [4.0];
+    problem.stages[0].input_matrix = [[1.0]];
+    let mut solver = QpSolver::new(1, SETTINGS).unwrap();
+    let report = solver.solve(&problem);
+    assert!((solver.input(0)[0] - 3.0).abs() < 1e-12);
+    assert!((report.cost - 6.0).abs() < 1e-12, "{report:?}");
+}
+
+/// Whatever overflows on the way: what counts as solved satisfies the KKT conditions, and every input is a number within its bounds.
+#[test]
+fn numbers_that_overflow_are_never_called_solved() {
+    let spoil: [fn(&mut QpProblem<4, 2>, f64); 7] = [
+        |p, v| p.initial_state[0] = v,
+        |p, v| p.state_weight[1][1] = v,
+        |p, v| p.stages[2].affine = [v; 4],
+        |p, v| p.stages[2].state_matrix[1][1] = v,
+        |p, v| p.stages[3].input_gradient = [v; 2],
+        |p, v| p.stages[3].state_gradient = [-v; 4],
+        |p, v| p.stages[3].state_lower = [v; 4],
+    ];
+    let mut invalid = 0;
+    for (case, spoil) in spoil.into_iter().enumerate() {
+        for size in [1e20, 1e100, 1e155, 1e200, 1e300] {
+            let mut problem = problem(1);
+            spoil(&mut problem, size);
+            for (state, upper) in problem
+                .stages
+                .iter_mut()
+                .flat_map(|s| s.state_lower.iter().zip(&mut s.state_upper))
+            {
+                *upper = upper.max(*state);
+            }
+            let mut solver = QpSolver::new(10, SETTINGS).unwrap();
+            for report in [solver.solve(&problem), solver.solve_warm(&problem)] {
+                let what = format!("case {case}, {size:e}: {report:?}");
+                let finite = (0..10).all(|k| solver.state(k + 1).iter().all(|x| x.is_finite()));
+                assert!(finite, "{what}");
+                if report.status == QpStatus::Solved {
+                    assert!(report.cost.is_finite(), "{what}");
+                    let residual = kkt(&problem, &solver);
+                    assert!(
+                        residual <= 1e-6 * report.cost.abs().max(1.0),
+                        "{what}, {residual:e}"
+                    );
+                }
+                invalid += usize::from(report.status == QpStatus::Invalid);
+                for (k, stage) in problem.stages.iter().enumerate() {
+                    for (i, u) in solver.input(k).into_iter().enumerate() {
+                        assert!(
+                            stage.input_lower[i] <= u && u <= stage.input_upper[i],
+                            "{what}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+    assert!(invalid > 0);
+}
+
+/// Neither the inputs nor what they lead to costs anything: the optimum is not unique, and there is nothing to factorize.
+#[test]
+fn a_problem_without_curvature_is_invalid() {
+    let mut problem = problem(1);
+    (problem.input_weight, problem.input_rate_weight) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);
+    (problem.state_weight, problem.terminal_weight) = ([[0.0; 4]; 4], [[0.0; 4]; 4]);
+    let mut solver = QpSolver::new(10, SETTINGS).unwrap();
+    assert_eq!(solver.solve(&problem).status, QpStatus::Invalid);
+}
+
+/// A state that must pass through a point does so, within the tolerance; where that cannot be, the report says so.
+#[test]
+fn equal_bounds_of_a_state_are_an_equality() {
+    let mut problem = problem(2);
+    for stage in &mut problem.stages {
+        (stage.state_lower, stage.state_upper) = ([f64::NEG_INFINITY; 4], [f64::INFINITY; 4]);
+        (stage.input_lower, stage.input_upper) = ([-50.0; 2], [50.0; 2]);
+    }
+    problem.state_penalty = [None; 4];
+    for (target, status) in [(0.3, QpStatus::Solved), (1e6, QpStatus::Relaxed)] {
+        problem.stages[6].state_lower[1] = target;
+        problem.stages[6].state_upper[1] = target;
+        let mut solver = QpSolver::new(10, SETTINGS).unwrap();
+        let report = solver.solve(&problem);
+        assert_eq!(report.status, status, "{report:?}");
+        let kept = (solver.state(7)[1] - target).abs() <= 1e-9;
+        assert_eq!(kept, status == QpStatus::Solved, "{:?}", solver.state(7));
+    }
+}
+
 #[test]
 fn senseless_data_are_refused_with_a_usable_input() {
     let spoil: [fn(&mut QpProblem<4, 2>); 7] = [

@@ -75,6 +75,11 @@ impl Vector for Avx2 {
         Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
     }
     #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: see the type.
+        Self(unsafe { _mm256_sqrt_pd(self.0) })
+    }
+    #[inline(always)]
     fn fast_max(self, other: Self) -> Self {
         // SAFETY: see the type.
         Self(unsafe { _mm256_max_pd(self.0, other.0) })

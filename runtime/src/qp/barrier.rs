@@ -13,16 +13,16 @@
 //! Source: Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapters 1 and 10; the elimination of soft bounds as in
 //! Frison, Diehl, *HPIPM*, IFAC 2020, section 3.
 
-use super::lanes::{Vector, WIDTH, flat, flat_mut, largest};
+use super::lanes::{Vector, WIDTH, flat_mut, largest};
+use super::multipliers::Multipliers;
 
 /// Bounds that are closer to each other are treated as this far apart when the method starts.
 const MIN_WIDTH: f64 = 1e-6;
 
+/// Slacks at the start are at least this share of the violation of the bound or its opposite.
 const VIOLATION_SHARE: f64 = 0.1;
-
-/// Bounds that are closer (relative to their size if that exceeds 1), equal ones above all, are moved apart by this much: an interior-point method
-/// needs an interior. It stays below the violation that is allowed to hard bounds, and inputs are clipped to the true bounds in the end.
-const LEAST_WIDTH: f64 = 1e-9;
+/// Distances to a bound below this, relative to the bound where that exceeds 1, are rounding.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// One side of four bounds.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +30,8 @@ struct Side<V> {
     /// Bound, and 1 where it is finite, 0 elsewhere (the bound is then stored as 0, slack and multiplier stay 1).
     bound: V,
     active: V,
+    /// `1/max(1, |bound|)` where it is finite, 0 elsewhere: violations count beside the size of the bound.
+    relative: V,
     slack: V,
     multiplier: V,
     /// Primal residual `r`.
@@ -71,6 +73,7 @@ struct Softening<V> {
 pub(super) struct Tally<V> {
     sum: V,
     max: V,
+    force: V,
 }
 
 impl<V: Vector> Tally<V> {
@@ -78,7 +81,12 @@ impl<V: Vector> Tally<V> {
         Self {
             sum: V::zero(),
             max: V::zero(),
+            force: V::zero(),
         }
+    }
+    #[inline(always)]
+    pub(super) fn force(&self) -> f64 {
+        largest(self.force)
     }
     #[inline(always)]
     pub(super) fn sum(&self) -> f64 {
@@ -97,6 +105,7 @@ impl<V: Vector> Default for Side<V> {
         Self {
             bound: zero,
             active: zero,
+            relative: zero,
             slack: one,
             multiplier: one,
             residual: zero,
@@ -167,7 +176,8 @@ impl<V: Vector> Side<V> {
             self.residual = self.active * gap;
             self.weight = self.active * l * self.inverse_damped;
         }
-        tally.max = tally.max.fast_max(self.residual.abs());
+        tally.max = tally.max.fast_max(self.relative * self.residual.abs());
+        tally.force = tally.force.fast_max(self.relative * l);
         self.base::<SOFT>(soft)
     }
 
@@ -267,11 +277,17 @@ impl<V: Vector> Side<V> {
     }
 
     #[inline(always)]
-    fn start<const SOFT: bool>(&mut self, soft: &mut Softening<V>, gap: V, least: V, mu: V) {
+    fn start<const SOFT: bool>(
+        &mut self,
+        soft: &mut Softening<V>,
+        [gap, least]: [V; 2],
+        mu: V,
+        far: bool,
+    ) {
         let inert = V::one() - self.active;
         let mut slack = gap.fast_max(least);
         let mut multiplier = mu / slack;
-        if SOFT {
+        if SOFT && far {
             let hard = V::one() - soft.active;
             soft.t = soft.active * (least - gap).fast_max(least) + hard;
             slack = soft.active * (gap + soft.t) + hard * slack;
@@ -279,6 +295,12 @@ impl<V: Vector> Side<V> {
             multiplier =
                 soft.active * multiplier.fast_min(V::splat(0.5) * soft.w1) + hard * multiplier;
             soft.nu = soft.active * (soft.w1 + soft.w2 * soft.t - multiplier) + hard;
+        } else if SOFT {
+            let violation = (-gap).fast_max(V::zero());
+            let limit = V::splat(0.5) * soft.w2.mul_add(violation, soft.w1);
+            multiplier =
+                soft.active * multiplier.fast_min(limit) + (V::one() - soft.active) * multiplier;
+            soft.start(multiplier, mu);
         }
         self.slack = self.active * slack + inert;
         self.multiplier = self.active * multiplier + inert;
@@ -296,6 +318,31 @@ impl<V: Vector> Side<V> {
 }
 
 impl<V: Vector> Softening<V> {
+    /// `φ(v) + φ*(λ) + λ d` with `φ*(λ) = max(λ − w₁, 0)²/2w₂`; where w₂ = 0, λ exceeds w₁ by rounding alone.
+    #[inline(always)]
+    fn gap(&self, l: V, d: V) -> V {
+        let (half, v) = (V::splat(0.5), (-d).fast_max(V::zero()));
+        let beyond = (l - self.w1).fast_max(V::zero());
+        let inverse = self.w2 / (self.w2 * self.w2).fast_max(V::splat(f64::MIN_POSITIVE));
+        let penalty = v * (self.w1 - l + half * self.w2 * v);
+        penalty + l * d.fast_max(V::zero()) + half * beyond * beyond * inverse
+    }
+
+    /// `t` and `ν = w₁ + w₂ t − λ` with the product μ, as all other pairs have it: a `t` as large as the violation would be far off the central path
+    /// where the bound will be kept in the end.
+    #[inline(always)]
+    fn start(&mut self, l: V, mu: V) {
+        let (beyond, hard) = (l - self.w1, V::one() - self.active);
+        let two = V::splat(2.0);
+        let root = (beyond * beyond + V::splat(4.0) * self.w2 * mu).sqrt();
+        // Of the two forms of the root the one without cancellation; the first one divides by zero only where it is not taken.
+        let positive = (beyond + root) / (two * self.w2.fast_max(V::splat(f64::MIN_POSITIVE)));
+        let negative = two * mu / (root - beyond).fast_max(V::splat(f64::MIN_POSITIVE));
+        let t = V::select_positive(beyond, positive, negative);
+        self.t = V::select_positive(self.active, t, hard);
+        self.nu = self.active * (self.w2.mul_add(self.t, self.w1) - l) + hard;
+    }
+
     /// Inverses at the iterate.
     #[inline(always)]
     fn linearize(&mut self, s: V, l: V, tally: &mut Tally<V>) {
@@ -334,9 +381,99 @@ impl<V: Vector> Bounds<V> {
         self.cap = [V::splat(cap), V::splat(1.0 / cap)];
     }
 
+    /// [`Self::linearize_as`], with soft bounds or without.
+    #[inline(always)]
+    pub(super) fn linearize(
+        &mut self,
+        soft: bool,
+        z: &[V],
+        gradient: &[V],
+        weight: &mut [V],
+        rhs: &mut [V],
+    ) -> Tally<V> {
+        if soft {
+            self.linearize_as::<true>(z, gradient, weight, rhs)
+        } else {
+            self.linearize_as::<false>(z, gradient, weight, rhs)
+        }
+    }
+
+    /// [`Self::predictor_as`], likewise.
+    #[inline(always)]
+    pub(super) fn predictor(&mut self, soft: bool, dz: &[V]) -> Tally<V> {
+        if soft {
+            self.predictor_as::<true>(dz)
+        } else {
+            self.predictor_as::<false>(dz)
+        }
+    }
+
+    /// [`Self::centre_as`], likewise.
+    #[inline(always)]
+    pub(super) fn centre(
+        &mut self,
+        soft: bool,
+        gradient: &[V],
+        target: f64,
+        correction: f64,
+        rhs: &mut [V],
+    ) {
+        if soft {
+            self.centre_as::<true>(gradient, target, correction, rhs);
+        } else {
+            self.centre_as::<false>(gradient, target, correction, rhs);
+        }
+    }
+
+    /// [`Self::corrector_as`], likewise.
+    #[inline(always)]
+    pub(super) fn corrector(
+        &mut self,
+        soft: bool,
+        dz: &[V],
+        target: f64,
+        correction: f64,
+    ) -> Tally<V> {
+        if soft {
+            self.corrector_as::<true>(dz, target, correction)
+        } else {
+            self.corrector_as::<false>(dz, target, correction)
+        }
+    }
+
+    /// [`Self::advance_as`], likewise.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, soft: bool, length: f64) {
+        if soft {
+            self.advance_as::<true>(length);
+        } else {
+            self.advance_as::<false>(length);
+        }
+    }
+
+    /// [`Self::start_as`], likewise.
+    #[inline(always)]
+    pub(super) fn start(&mut self, soft: bool, z: &[V], mu: f64, share: f64, far: bool) {
+        if soft {
+            self.start_as::<true>(z, mu, share, far);
+        } else {
+            self.start_as::<false>(z, mu, share, far);
+        }
+    }
+
+    /// [`Self::remember_as`], likewise.
+    #[inline(always)]
+    pub(super) fn remember(&mut self, soft: bool, last: &Multipliers<V>, mu: f64) {
+        if soft {
+            self.remember_as::<true>(last, mu);
+        } else {
+            self.remember_as::<false>(last, mu);
+        }
+    }
+
     /// First pass: `weight` becomes the diagonal barrier term, `rhs` the gradient of the affine step. Returns `Σ sλ` and `max |r|`.
     #[inline(always)]
-    pub(super) fn linearize<const SOFT: bool>(
+    fn linearize_as<const SOFT: bool>(
         &mut self,
         z: &[V],
         gradient: &[V],
@@ -359,7 +496,7 @@ impl<V: Vector> Bounds<V> {
 
     /// Second pass: affine steps. Returns `Σ ds dλ` and the inverse step to the boundary.
     #[inline(always)]
-    pub(super) fn predictor<const SOFT: bool>(&mut self, dz: &[V]) -> Tally<V> {
+    fn predictor_as<const SOFT: bool>(&mut self, dz: &[V]) -> Tally<V> {
         let mut tally = Tally::new();
         for i in 0..self.sides.len() {
             let ([lower, upper], [soft_lower, soft_upper]) =
@@ -372,7 +509,7 @@ impl<V: Vector> Bounds<V> {
 
     /// Third pass: `rhs` becomes the gradient of the centred and corrected step.
     #[inline(always)]
-    pub(super) fn centre<const SOFT: bool>(
+    fn centre_as<const SOFT: bool>(
         &mut self,
         gradient: &[V],
         target: f64,
@@ -390,7 +527,7 @@ impl<V: Vector> Bounds<V> {
 
     /// Fourth pass: the steps proper. Returns the inverse step to the boundary.
     #[inline(always)]
-    pub(super) fn corrector<const SOFT: bool>(
+    fn corrector_as<const SOFT: bool>(
         &mut self,
         dz: &[V],
         target: f64,
@@ -409,7 +546,7 @@ impl<V: Vector> Bounds<V> {
 
     /// Fifth pass: the step is taken.
     #[inline(always)]
-    pub(super) fn advance<const SOFT: bool>(&mut self, length: f64) {
+    fn advance_as<const SOFT: bool>(&mut self, length: f64) {
         let length = V::splat(length);
         for i in 0..self.sides.len() {
             let ([lower, upper], [soft_lower, soft_upper]) =
@@ -423,22 +560,19 @@ impl<V: Vector> Bounds<V> {
     #[inline(always)]
     pub(super) fn set(&mut self, i: usize, lower: f64, upper: f64, penalty: Option<(f64, f64)>) {
         let (lane, i) = (i / WIDTH, i % WIDTH);
-        let least = LEAST_WIDTH * lower.abs().max(1.0);
-        let (lower, upper) = if upper - lower < least {
-            (lower - 0.5 * least, upper + 0.5 * least)
-        } else {
-            (lower, upper)
-        };
         for (side, bound) in [(0, lower), (1, upper)] {
             let finite = bound.is_finite();
+            let active = f64::from(u8::from(finite));
+            let bound = if finite { bound } else { 0.0 };
             let s = &mut self.sides[lane][side];
-            flat_mut(core::slice::from_mut(&mut s.bound))[i] = if finite { bound } else { 0.0 };
-            flat_mut(core::slice::from_mut(&mut s.active))[i] = f64::from(u8::from(finite));
+            set_number(&mut s.bound, i, bound);
+            set_number(&mut s.active, i, active);
+            set_number(&mut s.relative, i, active / bound.abs().max(1.0));
             if let Some((w1, w2)) = penalty {
                 let soft = &mut self.soft[lane][side];
-                flat_mut(core::slice::from_mut(&mut soft.active))[i] = f64::from(u8::from(finite));
-                flat_mut(core::slice::from_mut(&mut soft.w1))[i] = w1;
-                flat_mut(core::slice::from_mut(&mut soft.w2))[i] = w2;
+                set_number(&mut soft.active, i, active);
+                set_number(&mut soft.w1, i, w1);
+                set_number(&mut soft.w2, i, w2);
             }
         }
     }
@@ -474,14 +608,62 @@ impl<V: Vector> Bounds<V> {
         sum.reduce_add()
     }
 
-    /// Largest violation of a bound by `z`, of the hard bounds alone if `hard`; 0 if all are kept.
+    /// Adds a quadratic cost of `size` per distance between the bounds, from their middle; from 1 + |b| inside a bound that has no other side.
+    #[inline(always)]
+    pub(super) fn attract(&self, size: f64, weight: &mut [V], linear: &mut [V]) {
+        let (half, one) = (V::splat(0.5), V::one());
+        for (i, [lower, upper]) in self.sides.iter().enumerate() {
+            let both = lower.active * upper.active;
+            let (of_lower, of_upper) = (lower.active - both, upper.active - both);
+            let (l, u) = (lower.bound, upper.bound);
+            let width = both * (u - l) + of_lower * (one + l.abs()) + of_upper * (one + u.abs());
+            let middle = both * half * (l + u) + of_lower * (l + width) + of_upper * (u - width);
+            let any = both + of_lower + of_upper;
+            let width = width.fast_max(V::splat(MIN_WIDTH));
+            let w = any * V::splat(size) / (width * width);
+            weight[i] += w;
+            linear[i] = w.mul_neg_add(middle, linear[i]);
+        }
+    }
+
+    /// Raises slacks (and softenings) whose product with their multiplier is below `least`: they would block every step. The residual takes it up.
+    #[inline(always)]
+    pub(super) fn recentre(&mut self, least: f64) {
+        let least = V::splat(least);
+        for (sides, softs) in self.sides.iter_mut().zip(&mut self.soft) {
+            for (side, soft) in sides.iter_mut().zip(softs) {
+                let slack = side.slack.fast_max(least / side.multiplier);
+                side.slack = V::select_positive(side.active, slack, side.slack);
+                let t = soft.t.fast_max(least / soft.nu);
+                let t = V::select_positive(soft.active, t, soft.t);
+                soft.nu = soft.w2.mul_add(t - soft.t, soft.nu);
+                soft.t = t;
+            }
+        }
+    }
+
+    /// Raises slacks to several times the residual that moving the variables to `z` leaves: smaller ones would block every step.
+    #[inline(always)]
+    pub(super) fn loosen(&mut self, z: &[V]) {
+        let several = V::splat(10.0);
+        for ((sides, softs), z) in self.sides.iter_mut().zip(&self.soft).zip(z) {
+            let distances = [*z - sides[0].bound, sides[1].bound - *z];
+            for ((side, soft), d) in sides.iter_mut().zip(softs).zip(distances) {
+                let residual = soft.active.mul_add(soft.t, d) - side.slack;
+                let least = side.active * several * residual.abs();
+                side.slack = side.slack.fast_max(least);
+            }
+        }
+    }
+
+    /// Largest violation of a bound by `z`, beside the size of the bound where that exceeds 1; of the hard bounds alone if `hard`; 0 if all are kept.
     #[inline(always)]
     pub(super) fn violation(&self, z: &[V], hard: bool) -> f64 {
         let mut max = V::zero();
         for (i, ([lower, upper], z)) in self.sides.iter().zip(z).enumerate() {
             let mut excess = [
-                lower.active * (lower.bound - *z),
-                upper.active * (*z - upper.bound),
+                lower.relative * (lower.bound - *z),
+                upper.relative * (*z - upper.bound),
             ];
             if hard {
                 for (excess, soft) in excess.iter_mut().zip(&self.soft[i]) {
@@ -502,23 +684,44 @@ impl<V: Vector> Bounds<V> {
         }
     }
 
-    /// Cost of the violation of soft bounds by `z`.
+    /// Cost of the violation of soft bounds by `z`; of those that were hard too if `relaxed`.
     #[inline(always)]
-    pub(super) fn penalty(&self, z: &[V]) -> f64 {
+    pub(super) fn penalty(&self, z: &[V], relaxed: bool) -> f64 {
+        let less = V::splat(f64::from(u8::from(!relaxed)));
         let mut sum = V::zero();
         for (([lower, upper], soft), z) in self.sides.iter().zip(&self.soft).zip(z) {
             for (soft, excess) in soft.iter().zip([lower.bound - *z, *z - upper.bound]) {
-                let v = (soft.active - soft.relaxed) * excess.fast_max(V::zero());
+                let v = (soft.active - less * soft.relaxed) * excess.fast_max(V::zero());
                 sum += v * (soft.w1 + soft.w2 * v * V::splat(0.5));
             }
         }
         sum.reduce_add()
     }
 
-    /// The point to start from: slacks as the variables `z` have them but at least `share` of the distance between the bounds (of 1 + |z| for a
-    /// one-sided bound), multipliers `μ/s`, soft bounds primal feasible.
+    /// Duality gap of the bounds at `z` with given multipliers, term by term what Fenchel's inequality leaves: `φ(v) + φ*(λ) + λ d ≥ 0` for the distance
+    /// `d` into the bound, its violation `v = max(−d, 0)` and the penalty φ; `|λ d|` where the bound is hard, so that a violation counts too.
     #[inline(always)]
-    pub(super) fn start<const SOFT: bool>(&mut self, z: &[V], mu: f64, share: f64) {
+    pub(super) fn gap(&self, z: &[V], multipliers: &Multipliers<V>) -> f64 {
+        let mut sum = V::zero();
+        for (i, z) in z.iter().enumerate() {
+            let [lower, upper] = &self.sides[i];
+            let distances = [*z - lower.bound, upper.bound - *z];
+            for (side, d) in distances.into_iter().enumerate() {
+                let soft = &self.soft[i][side];
+                let (active, l) = (self.sides[i][side].active, multipliers.0[i][side]);
+                let rounding =
+                    V::splat(ROUNDING) * self.sides[i][side].bound.abs().fast_max(V::one());
+                let hard = l.abs() * (d.abs() - rounding).fast_max(V::zero());
+                sum += active * (soft.active * soft.gap(l, d) + (V::one() - soft.active) * hard);
+            }
+        }
+        sum.reduce_add()
+    }
+
+    /// The point to start from: slacks as the variables `z` have them but at least `share` of the distance between the bounds (of 1 + |z| for a
+    /// one-sided bound), multipliers `μ/s`.
+    #[inline(always)]
+    fn start_as<const SOFT: bool>(&mut self, z: &[V], mu: f64, share: f64, far: bool) {
         let mu = V::splat(mu);
         for i in 0..self.sides.len() {
             let ([lower, upper], [soft_lower, soft_upper]) =
@@ -530,14 +733,15 @@ impl<V: Vector> Bounds<V> {
             let (below, above) = (z[i] - lower.bound, upper.bound - z[i]);
             // Between bounds that are close to each other beside their violation, slacks by their distance alone would be far too small.
             let least = least.fast_max(V::splat(VIOLATION_SHARE) * (-below.fast_min(above)));
-            lower.start::<SOFT>(soft_lower, below, least, mu);
-            upper.start::<SOFT>(soft_upper, above, least, mu);
+            lower.start::<SOFT>(soft_lower, [below, least], mu, far);
+            upper.start::<SOFT>(soft_upper, [above, least], mu, far);
         }
     }
 
     /// Raises the multipliers of a start to what they were at the last solution.
     #[inline(always)]
-    pub(super) fn remember<const SOFT: bool>(&mut self, last: &Multipliers<V>) {
+    fn remember_as<const SOFT: bool>(&mut self, last: &Multipliers<V>, mu: f64) {
+        let mu = V::splat(mu);
         for i in 0..self.sides.len() {
             let (sides, softs) = (&mut self.sides[i], &mut self.soft[i]);
             for ((bound, soft), kept) in sides.iter_mut().zip(softs).zip(last.0[i]) {
@@ -546,7 +750,7 @@ impl<V: Vector> Bounds<V> {
                     let hard = V::one() - soft.active;
                     multiplier = soft.active * multiplier.fast_min(V::splat(0.9) * soft.w1)
                         + hard * multiplier;
-                    soft.nu = soft.active * (soft.w1 + soft.w2 * soft.t - multiplier) + hard;
+                    soft.start(multiplier, mu);
                 }
                 bound.multiplier = bound.active * multiplier + (V::one() - bound.active);
             }
@@ -564,52 +768,8 @@ impl<V: Vector> Bounds<V> {
     }
 }
 
-/// Multipliers of the lower and upper bounds.
-#[derive(Debug, Clone)]
-pub(super) struct Multipliers<V>(Vec<[V; 2]>);
-
-impl<V: Vector> Multipliers<V> {
-    pub(super) fn new(lanes: usize) -> Self {
-        Self(vec![[V::zero(); 2]; lanes])
-    }
-
-    #[inline(always)]
-    pub(super) fn clear(&mut self) {
-        self.0.fill([V::zero(); 2]);
-    }
-
-    #[inline(always)]
-    pub(super) fn copy_from(&mut self, other: &Self) {
-        self.0.copy_from_slice(&other.0);
-    }
-
-    /// Subtracts the forces of the bounds, `λ_lower − λ_upper`, from a gradient.
-    #[inline(always)]
-    pub(super) fn subtract_from(&self, gradient: &mut [V]) {
-        for (g, [lower, upper]) in gradient.iter_mut().zip(&self.0) {
-            *g += *upper - *lower;
-        }
-    }
-
-    /// Multipliers `[lower, upper]` of number `i` of the padded variables.
-    #[inline(always)]
-    pub(super) fn get(&self, i: usize) -> [f64; 2] {
-        let [lower, upper] = &self.0[i / WIDTH];
-        [
-            flat(core::slice::from_ref(lower))[i % WIDTH],
-            flat(core::slice::from_ref(upper))[i % WIDTH],
-        ]
-    }
-
-    /// Moves stage `k + 1` to stage `k`, `stride` numbers each; the last stage stays.
-    #[inline(always)]
-    pub(super) fn shift(&mut self, stride: usize, count: usize) {
-        for i in 0..count.saturating_sub(stride) {
-            let next = self.get(i + stride);
-            for side in 0..2 {
-                flat_mut(core::slice::from_mut(&mut self.0[i / WIDTH][side]))[i % WIDTH] =
-                    next[side];
-            }
-        }
-    }
+/// Writes one number of a lane.
+#[inline(always)]
+fn set_number<V: Vector>(lane: &mut V, i: usize, value: f64) {
+    flat_mut(core::slice::from_mut(lane))[i] = value;
 }

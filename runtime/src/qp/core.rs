@@ -1,13 +1,18 @@
 //! The method's memory, generic over the lanes, and the loading of a problem into it.
 
-use super::barrier::{Bounds, Multipliers};
-use super::interior_point::{Outcome, Start};
+use super::barrier::Bounds;
+use super::equality::{Equalities, Fixed};
+use super::interior_point::Start;
 use super::lanes::{Vector, WIDTH, flat_mut, lanes, zeros};
 use super::ldl::NotPositive;
+use super::multipliers::Multipliers;
 use super::problem::{QpProblem, QpStage};
 use super::riccati::Riccati;
 use super::status::{KktResiduals, QpReport, QpSettings, QpStatus};
 use super::trajectory::Trajectory;
+
+/// Bounds that are closer (relative to their size if that exceeds 1) count as equal, at their middle: rounding would leave no interior between them.
+const LEAST_WIDTH: f64 = 1e-10;
 
 #[derive(Debug, Clone)]
 pub(super) struct Core<V, const NX: usize, const NU: usize> {
@@ -16,12 +21,19 @@ pub(super) struct Core<V, const NX: usize, const NU: usize> {
     pub(super) riccati: Riccati<V, NX, NU>,
     pub(super) input_bounds: Bounds<V>,
     pub(super) state_bounds: Bounds<V>,
+    /// Inputs and hard states whose bounds are equal.
+    pub(super) fixed: Fixed<V>,
+    pub(super) equalities: Equalities<V>,
+    /// True if hard bounds were replaced by penalties.
+    pub(super) softened: bool,
     /// `c_k`, with `A_0 x_0` in c_0.
     pub(super) affine: Vec<V>,
-    /// Linear cost.
+    /// Linear cost, and the constant that the input before the horizon adds.
     pub(super) linear: Trajectory<V>,
-    /// Iterate; after a solve the solution.
+    pub(super) constant: f64,
     pub(super) iterate: Trajectory<V>,
+    /// What is returned.
+    pub(super) solution: Trajectory<V>,
     pub(super) step: Trajectory<V>,
     /// Gradient of the cost at the iterate.
     pub(super) gradient: Trajectory<V>,
@@ -50,9 +62,14 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             riccati: Riccati::new(horizon),
             input_bounds: Bounds::new(nu),
             state_bounds: Bounds::new(nx),
+            fixed: Fixed::new(nu),
+            equalities: Equalities::new(nx),
+            softened: false,
             affine: zeros(nx),
             linear: trajectory.clone(),
+            constant: 0.0,
             iterate: trajectory.clone(),
+            solution: trajectory.clone(),
             step: trajectory.clone(),
             gradient: trajectory.clone(),
             rhs: trajectory.clone(),
@@ -68,7 +85,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     #[inline(always)]
     pub(super) fn shift(&mut self) {
         let padded = Self::RX * WIDTH;
-        let u = flat_mut(&mut self.iterate.u);
+        let u = flat_mut(&mut self.solution.u);
         u.copy_within(NU..self.horizon * NU, 0);
         self.multipliers[0].shift(NU, self.horizon * NU);
         self.multipliers[1].shift(padded, self.horizon * padded);
@@ -78,7 +95,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     #[inline(always)]
     pub(super) fn input(&self, k: usize) -> [f64; NU] {
         if k < self.horizon {
-            self.iterate.input(k)
+            self.solution.input(k)
         } else {
             [0.0; NU]
         }
@@ -88,7 +105,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     #[inline(always)]
     pub(super) fn state(&self, k: usize) -> [f64; NX] {
         if (1..=self.horizon).contains(&k) {
-            self.iterate.state(k - 1)
+            self.solution.state(k - 1)
         } else {
             [0.0; NX]
         }
@@ -129,9 +146,12 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             return self.invalid(problem);
         }
         let soft = self.load(problem);
-        match self.optimize(soft, start) {
-            Ok(outcome) => self.finish(problem, outcome),
-            Err(NotPositive) => self.invalid(problem),
+        match self.optimize(problem, soft, start) {
+            Ok(report) if report.status != QpStatus::Invalid => {
+                self.solved = report.status != QpStatus::IterationLimit;
+                report
+            }
+            Ok(_) | Err(NotPositive) => self.invalid(problem),
         }
     }
 
@@ -147,6 +167,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         );
         let penalty = p.state_penalty.map(|p| p.map(|p| (p.linear, p.quadratic)));
         self.state_bounds.harden();
+        self.fixed.clear();
+        self.equalities.clear();
+        self.softened = false;
         for (k, stage) in p.stages.iter().enumerate() {
             self.load_stage(k, stage, &penalty);
         }
@@ -158,11 +181,12 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
                 c[i] += first.state_matrix[i][j] * p.initial_state[j];
             }
         }
+        self.constant = 0.0;
         for i in 0..NU {
             for j in 0..NU {
-                r[i] -= 0.5
-                    * (p.input_rate_weight[i][j] + p.input_rate_weight[j][i])
-                    * p.previous_input[j];
+                let weight = 0.5 * (p.input_rate_weight[i][j] + p.input_rate_weight[j][i]);
+                r[i] -= weight * p.previous_input[j];
+                self.constant += 0.5 * weight * p.previous_input[i] * p.previous_input[j];
             }
         }
         flat_mut(&mut self.affine[..Self::RX])[..NX].copy_from_slice(&c);
@@ -184,46 +208,27 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         self.linear.set_state(k, &stage.state_gradient);
         flat_mut(&mut self.affine[k * Self::RX..][..Self::RX])[..NX].copy_from_slice(&stage.affine);
         for i in 0..NU {
-            self.input_bounds
-                .set(k * NU + i, stage.input_lower[i], stage.input_upper[i], None);
+            let (place, [lower, upper]) =
+                (k * NU + i, [stage.input_lower[i], stage.input_upper[i]]);
+            if let Some(value) = single_value(lower, upper) {
+                self.fixed.set(place, value);
+                self.input_bounds
+                    .set(place, -f64::INFINITY, f64::INFINITY, None);
+            } else {
+                self.input_bounds.set(place, lower, upper, None);
+            }
         }
         for i in 0..NX {
-            self.state_bounds.set(
-                k * padded + i,
-                stage.state_lower[i],
-                stage.state_upper[i],
-                penalty[i],
-            );
-        }
-    }
-
-    /// Inputs into their bounds, states from the dynamics, residuals from both.
-    #[inline(always)]
-    fn finish(&mut self, problem: &QpProblem<NX, NU>, outcome: Outcome) -> QpReport {
-        for (k, stage) in problem.stages.iter().enumerate() {
-            let u: [f64; NU] = self.iterate.input(k);
-            let clipped =
-                core::array::from_fn(|i| u[i].max(stage.input_lower[i]).min(stage.input_upper[i]));
-            self.iterate.set_input::<NU>(k, &clipped);
-        }
-        self.riccati.roll_out(&mut self.iterate, &self.affine);
-        let (quadratic, linear) =
-            self.riccati
-                .gradient(&self.iterate, &self.linear, &mut self.gradient);
-        self.multipliers[0].subtract_from(&mut self.gradient.u);
-        self.multipliers[1].subtract_from(&mut self.gradient.x);
-        let residuals = KktResiduals {
-            stationarity: self.riccati.reduced_gradient(&self.gradient),
-            primal: self.state_bounds.violation(&self.iterate.x, true),
-            gap: outcome.gap,
-        };
-        self.solved = outcome.status == QpStatus::Solved || outcome.status == QpStatus::Relaxed;
-        let cost = 0.5 * quadratic + linear + self.state_bounds.penalty(&self.iterate.x);
-        QpReport {
-            status: outcome.status,
-            iterations: outcome.iterations,
-            cost,
-            residuals,
+            let (place, [lower, upper]) =
+                (k * padded + i, [stage.state_lower[i], stage.state_upper[i]]);
+            match single_value(lower, upper) {
+                Some(value) if penalty[i].is_none() => {
+                    self.equalities.set(place, value);
+                    self.state_bounds
+                        .set(place, -f64::INFINITY, f64::INFINITY, None);
+                }
+                _ => self.state_bounds.set(place, lower, upper, penalty[i]),
+            }
         }
     }
 
@@ -231,13 +236,13 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     #[inline(always)]
     fn invalid(&mut self, problem: &QpProblem<NX, NU>) -> QpReport {
         self.solved = false;
-        self.iterate.clear();
+        self.solution.clear();
         self.multipliers[0].clear();
         self.multipliers[1].clear();
         for (k, stage) in problem.stages.iter().take(self.horizon).enumerate() {
             let u =
                 core::array::from_fn(|i| nearest_zero(stage.input_lower[i], stage.input_upper[i]));
-            self.iterate.set_input::<NU>(k, &u);
+            self.solution.set_input::<NU>(k, &u);
         }
         let nan = f64::NAN;
         QpReport {
@@ -251,6 +256,14 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             },
         }
     }
+}
+
+/// The value that bounds leave to a variable, if they leave one only.
+#[inline(always)]
+fn single_value(lower: f64, upper: f64) -> Option<f64> {
+    let width = upper - lower;
+    let single = width.is_finite() && width <= LEAST_WIDTH * lower.abs().max(1.0);
+    single.then_some(lower + 0.5 * (upper - lower))
 }
 
 /// The number nearest zero between two bounds, or zero if they are not in order.

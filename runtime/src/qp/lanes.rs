@@ -30,6 +30,7 @@ pub(crate) trait Vector:
     /// `term − self · factor`.
     fn mul_neg_add(self, factor: Self, term: Self) -> Self;
     fn abs(self) -> Self;
+    fn sqrt(self) -> Self;
     /// The larger numbers; unspecified where one is NaN.
     fn fast_max(self, other: Self) -> Self;
     /// The smaller numbers; unspecified where one is NaN.
@@ -40,6 +41,18 @@ pub(crate) trait Vector:
     #[inline(always)]
     fn zero() -> Self {
         Self::zeroed()
+    }
+    /// Numbers of `yes` where `of` is positive, of `no` elsewhere.
+    #[inline(always)]
+    fn select_positive(of: Self, yes: Self, no: Self) -> Self {
+        let mut chosen = [no];
+        let (of, yes) = ([of], [yes]);
+        for i in 0..WIDTH {
+            if flat(&of)[i] > 0.0 {
+                flat_mut(&mut chosen)[i] = flat(&yes)[i];
+            }
+        }
+        chosen[0]
     }
     #[inline(always)]
     fn one() -> Self {
@@ -63,6 +76,10 @@ impl Vector for Portable {
     #[inline(always)]
     fn abs(self) -> Self {
         self.abs()
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.sqrt()
     }
     #[inline(always)]
     fn fast_max(self, other: Self) -> Self {

@@ -5,7 +5,9 @@
 //! | module | holds |
 //! |---|---|
 //! | `interior_point` | Mehrotra's predictor–corrector iteration, starts, safeguards, the relaxed problem |
-//! | `barrier` | bounds, hard and soft: slacks, multipliers, their Newton steps |
+//! | `certificate` | cost and residuals of the point returned, from which the status follows |
+//! | `barrier`, `multipliers` | bounds, hard and soft: slacks, multipliers, their Newton steps |
+//! | `equality` | bounds that are equal: fixed inputs, states that must pass through a point |
 //! | `core`, `solver` | memory and loading of a problem; the public face, which chooses the lanes |
 //! | `riccati`, `sweeps` | the factorization of the Newton system stage by stage, and its solutions |
 //! | `kernels`, `ldl` | matrix products in registers, small factorizations |
@@ -17,11 +19,14 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod barrier;
+mod certificate;
 mod core;
+mod equality;
 mod interior_point;
 mod kernels;
 pub(crate) mod lanes;
 mod ldl;
+mod multipliers;
 mod problem;
 pub(crate) mod riccati;
 mod solver;

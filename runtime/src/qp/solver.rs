@@ -14,7 +14,7 @@ pub const MAX_HORIZON: usize = 100;
 pub const MAX_SIZE: usize = 32;
 
 /// Interior-point solver for optimal-control QPs of one size. All memory is allocated at construction; a solve allocates nothing, takes at most
-/// twice [`QpSettings::max_iterations`] iterations, never panics, and depends on the problem alone: a solve of changed data equals, bit for bit,
+/// twice [`QpSettings::max_iterations`] iterations (three times from a warm start), never panics, and depends on the problem alone: a solve of changed data equals, bit for bit,
 /// a solve by a new solver. Processors with fused multiply-add round differently from those without.
 ///
 /// ```
@@ -89,7 +89,8 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
         self.solve_from(problem, Start::Cold)
     }
 
-    /// Solves from the solution of the last solve (cold, if there is none), which may have been moved by [`Self::shift`].
+    /// Solves from the solution of the last solve, which may have been moved by [`Self::shift`]; cold, if there is none, if no variable is bounded, or if
+    /// that start leads nowhere.
     pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU>) -> QpReport {
         self.solve_from(problem, Start::Warm)
     }

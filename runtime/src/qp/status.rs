@@ -2,10 +2,11 @@
 
 use std::fmt;
 
-/// How a solve ended. The best iterate is available in every case.
+/// How a solve ended. Decided by the residuals of the point that is returned: inputs within their bounds, states rolled out from them, cost and gradient
+/// from the problem's own data. A number that is not finite counts as a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum QpStatus {
-    /// The optimum, to the tolerances of [`QpSettings`].
+    /// The optimum, to the tolerances of [`QpSettings`]: hard bounds are kept, and the cost is proven to lie no further above the least one.
     Solved,
     /// The hard state bounds cannot be kept (or no point that keeps them was found within the cap): the inputs returned minimize the violation
     /// by an exact penalty and keep their own bounds.
@@ -17,15 +18,15 @@ pub enum QpStatus {
     Invalid,
 }
 
-/// Residuals of the Karush–Kuhn–Tucker conditions at the iterate returned, largest absolute values. The multipliers are positive
-/// throughout, so dual feasibility has no residual.
+/// Residuals of the Karush–Kuhn–Tucker conditions at the point returned, largest absolute values. The multipliers are never negative, so dual
+/// feasibility has no residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KktResiduals {
     /// Stationarity: the gradient of the Lagrangian with respect to the inputs, the costates eliminated by their own recursion.
     pub stationarity: f64,
-    /// Violation of the hard bounds by the inputs and by the states rolled out through the dynamics.
+    /// Violation of the hard bounds by the states rolled out through the dynamics, relative to the bound where that exceeds 1; the inputs keep theirs.
     pub primal: f64,
-    /// Duality gap `Σ sλ`, in units of the cost.
+    /// How far the cost may lie above the optimum: the duality gap of the bounds, and what a Newton step would still gain. In units of the cost.
     pub gap: f64,
 }
 
@@ -34,7 +35,7 @@ pub struct KktResiduals {
 pub struct QpReport {
     /// How it ended.
     pub status: QpStatus,
-    /// Interior-point iterations, each one factorization; 0 if the unconstrained optimum keeps all bounds.
+    /// Interior-point iterations, each one factorization, of all starts together; 0 if the unconstrained optimum keeps all bounds.
     pub iterations: usize,
     /// Cost of the iterate returned, penalties of soft bounds included, the constant cost of x_0 not.
     pub cost: f64,
@@ -47,9 +48,10 @@ pub struct QpReport {
 pub struct QpSettings {
     /// Duality gap relative to the cost at which the iteration stops.
     pub tolerance: f64,
-    /// Largest violation of a hard bound, in units of the variable.
+    /// Largest violation of a hard bound, in units of the variable; relative to the bound where that exceeds 1.
     pub feasibility: f64,
-    /// Cap on interior-point iterations; the relaxed problem that follows an infeasible one has the same cap once more.
+    /// Cap on interior-point iterations of each start. A cold start that follows a warm one which led nowhere has the same cap once more, and so has
+    /// the relaxed problem that follows an infeasible one.
     pub max_iterations: usize,
 }
 

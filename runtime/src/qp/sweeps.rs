@@ -18,9 +18,17 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         self.forward(flat_mut(&mut step.u), &mut step.x, affine);
     }
 
-    /// The backward sweep: feed-forward terms `d_k` into `d`.
+    /// What a Newton step of the last factorization would take off a function with these gradients (of inputs and states, the dynamics not yet
+    /// eliminated): `½ Σ wᵀ (Λ D Λᵀ)⁻¹ w`. `scratch` is overwritten.
     #[inline(always)]
-    fn backward(&self, gradient: &Trajectory<V>, d: &mut [f64], affine: bool) {
+    pub(crate) fn decrease(&self, gradient: &Trajectory<V>, scratch: &mut Trajectory<V>) -> f64 {
+        self.backward(gradient, flat_mut(&mut scratch.u), false)
+    }
+
+    /// The backward sweep: feed-forward terms `d_k` into `d`. Returns what they take off the cost.
+    #[inline(always)]
+    fn backward(&self, gradient: &Trajectory<V>, d: &mut [f64], affine: bool) -> f64 {
+        let mut decrease = 0.0;
         let n = Self::RX;
         let rate = self.rate.is_some();
         let mut p = [V::zero(); MAX_LANES];
@@ -52,6 +60,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
             let step = solve_ldl(&self.ldl[k], &w);
             for j in 0..NU {
                 d[k * NU + j] = -step[j];
+                decrease += 0.5 * step[j] * w[j];
             }
             if k == 0 {
                 break;
@@ -66,6 +75,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
             }
             self.costate(k, &gradient.x[(k - 1) * n..][..n], &e, &mut p);
         }
+        decrease
     }
 
     /// `p = g + Kᵀe + Φᵀp⁺`.
@@ -131,23 +141,69 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
     /// States of `x⁺ = A x + B u + c` for given inputs, `A_0 x_0` included in c_0.
     #[inline(always)]
     pub(crate) fn roll_out(&self, z: &mut Trajectory<V>, affine: &[V]) {
-        let n = Self::RX;
         let mut state = [V::zero(); MAX_LANES];
         for k in 0..self.horizon {
-            let mut next = [V::zero(); MAX_LANES];
-            next[..n].copy_from_slice(&affine[k * n..][..n]);
+            state = self.follow(k, &state, &z.input(k), affine);
+            z.x[k * Self::RX..][..Self::RX].copy_from_slice(&state[..Self::RX]);
+        }
+    }
+
+    /// Moves the inputs of `z` by `limit(k, u_k)` and its states to where these inputs lead. By the gains of the last factorization, later inputs
+    /// act against what that and rounding change, which an unstable system would let grow.
+    #[inline(always)]
+    pub(crate) fn project(
+        &self,
+        z: &mut Trajectory<V>,
+        affine: &[V],
+        limit: impl Fn(usize, [f64; NU]) -> [f64; NU],
+    ) {
+        let n = Self::RX;
+        let (mut state, mut off) = ([V::zero(); MAX_LANES], [V::zero(); MAX_LANES]);
+        let mut last = [0.0; NU];
+        for k in 0..self.horizon {
+            let planned = z.input(k);
+            let mut u: [f64; NU] = planned;
             if k > 0 {
-                add_product::<V, NX>(&self.a[k * NX * n..][..NX * n], &state, &mut next, n);
-            }
-            let u: [f64; NU] = z.input(k);
-            for j in 0..NU {
-                for r in 0..n {
-                    next[r] = self.b[(k * NU + j) * n + r].mul_add(V::splat(u[j]), next[r]);
+                for (j, row) in self.k[k * NU * n..][..NU * n].chunks_exact(n).enumerate() {
+                    u[j] += dot(row, &off[..n]);
+                    if self.rate.is_some() {
+                        u[j] += product(&self.kv[k][j], &last);
+                    }
                 }
             }
-            z.x[k * n..][..n].copy_from_slice(&next[..n]);
-            state = next;
+            let u = limit(k, u);
+            last = core::array::from_fn(|j| u[j] - planned[j]);
+            z.set_input(k, &u);
+            state = self.follow(k, &state, &u, affine);
+            let x = &mut z.x[k * n..][..n];
+            for r in 0..n {
+                off[r] = state[r] - x[r];
+                x[r] = state[r];
+            }
         }
+    }
+
+    /// `A_k x_k + B_k u_k + c_k`.
+    #[inline(always)]
+    fn follow(
+        &self,
+        k: usize,
+        state: &[V; MAX_LANES],
+        u: &[f64; NU],
+        affine: &[V],
+    ) -> [V; MAX_LANES] {
+        let n = Self::RX;
+        let mut next = [V::zero(); MAX_LANES];
+        next[..n].copy_from_slice(&affine[k * n..][..n]);
+        if k > 0 {
+            add_product::<V, NX>(&self.a[k * NX * n..][..NX * n], state, &mut next, n);
+        }
+        for j in 0..NU {
+            for r in 0..n {
+                next[r] = self.b[(k * NU + j) * n + r].mul_add(V::splat(u[j]), next[r]);
+            }
+        }
+        next
     }
 
     /// `gradient = H z + linear` for the weights (without barrier terms). Returns `(zᵀHz, linearᵀz)`.
@@ -236,22 +292,23 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         sum
     }
 
-    /// Largest entry of Q, P and R.
+    /// Largest entry of Q, P, R and W.
     #[inline(always)]
     pub(crate) fn largest_weight(&self) -> f64 {
         let entries = flat(&self.q)
             .iter()
             .chain(flat(&self.terminal))
-            .chain(self.r.iter().flatten());
+            .chain(self.r.iter().flatten())
+            .chain(self.rate.iter().flatten().flatten());
         entries.fold(0.0, |max, w| w.abs().max(max))
     }
 
-    /// Largest reduced gradient of the inputs, `|h + Bᵀp|` with the costate `p = g + Aᵀp⁺`, for the gradients of the Lagrangian without dynamics.
+    /// Reduced gradient of the inputs, `h + Bᵀp` with the costate `p = g + Aᵀp⁺`, in place of `h`, for the gradients of the Lagrangian without
+    /// dynamics.
     #[inline(always)]
-    pub(crate) fn reduced_gradient(&self, gradient: &Trajectory<V>) -> f64 {
+    pub(crate) fn reduce(&self, gradient: &mut Trajectory<V>) {
         let n = Self::RX;
         let mut p = [V::zero(); MAX_LANES];
-        let mut worst = 0.0_f64;
         for k in (0..self.horizon).rev() {
             let mut next = [V::zero(); MAX_LANES];
             for r in 0..n {
@@ -264,18 +321,17 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
                 }
             }
             p = next;
-            let h: [f64; NU] = gradient.input(k);
+            let mut h: [f64; NU] = gradient.input(k);
             for j in 0..NU {
-                let reduced = h[j] + dot(&self.b[(k * NU + j) * n..][..n], &p[..n]);
-                worst = if reduced.is_nan() {
-                    f64::NAN
-                } else {
-                    worst.max(reduced.abs())
-                };
+                h[j] += dot(&self.b[(k * NU + j) * n..][..n], &p[..n]);
             }
+            gradient.set_input(k, &h);
         }
-        worst
     }
+}
+
+fn product<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// `next += M state`, the rows of M given.

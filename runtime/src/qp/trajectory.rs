@@ -1,6 +1,6 @@
 //! Inputs and states over the horizon, as lanes.
 
-use super::lanes::{Vector, flat, flat_mut, lanes, zeros};
+use super::lanes::{Vector, flat, flat_mut, lanes, largest, zeros};
 
 /// Numbers for u_0 … u_{N−1}, contiguous without padding between stages, and for x_1 … x_N, each stage padded to whole lanes.
 #[derive(Debug, Clone)]
@@ -41,6 +41,16 @@ impl<V: Vector> Trajectory<V> {
         for (z, d) in self.x.iter_mut().zip(&step.x) {
             *z = d.mul_add(length, *z);
         }
+    }
+
+    /// Largest magnitude of an input.
+    #[inline(always)]
+    pub(super) fn largest_input(&self) -> f64 {
+        let mut max = V::zero();
+        for u in &self.u {
+            max = max.fast_max(u.abs());
+        }
+        largest(max)
     }
 
     /// `u_k`.

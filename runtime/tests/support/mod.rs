@@ -10,3 +10,4 @@ pub mod oracle;
 pub mod plant_process;
 pub mod random_qp;
 pub mod robot;
+pub mod wide_qp;

@@ -71,6 +71,13 @@ impl Builder {
     }
 }
 
+/// What the input before the horizon adds to the cost, whatever the solution: a term that a quadratic form in z does not hold.
+fn constant_cost<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>) -> f64 {
+    let (w, u) = (&p.input_rate_weight, &p.previous_input);
+    let terms = (0..NU).flat_map(|i| (0..NU).map(move |j| 0.5 * u[i] * w[i][j] * u[j]));
+    terms.sum()
+}
+
 /// Clarabel's problem for a QP, with `tolerance` for gap and feasibility.
 pub fn sparse<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>, tolerance: f64) -> Sparse {
     let n = p.stages.len();
@@ -168,6 +175,6 @@ pub fn solve<const NX: usize, const NU: usize>(
         states: (0..n)
             .map(|k| core::array::from_fn(|i| z[n * NU + k * NX + i]))
             .collect(),
-        cost: solver.solution.obj_val,
+        cost: solver.solution.obj_val + constant_cost(p),
     }
 }

@@ -42,6 +42,18 @@ impl Random {
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         self.0.random_range(low..high)
     }
+    /// 0 … n − 1.
+    pub fn below(&mut self, n: usize) -> usize {
+        self.0.random_range(0..n)
+    }
+    /// True once in `n` times.
+    pub fn one_of(&mut self, n: usize) -> bool {
+        self.below(n) == 0
+    }
+    /// A power of ten with the exponent between these.
+    pub fn power(&mut self, low: f64, high: f64) -> f64 {
+        10_f64.powf(self.between(low, high))
+    }
     pub fn vector<const N: usize>(&mut self) -> [f64; N] {
         core::array::from_fn(|_| self.sym())
     }
@@ -60,7 +72,7 @@ impl Random {
     }
 }
 
-fn spectral_radius<const N: usize>(a: &[[f64; N]; N]) -> f64 {
+pub fn spectral_radius<const N: usize>(a: &[[f64; N]; N]) -> f64 {
     let m = DMatrix::from_fn(N, N, |i, j| a[i][j]);
     m.complex_eigenvalues()
         .iter()

@@ -1,0 +1,307 @@
+//! Bounds that leave no room: inputs that are fixed, states that must pass through a point.
+//!
+//! An interior-point method needs an interior, which a pair of equal bounds does not have. An input whose bounds are equal is no variable: it starts
+//! at its value, and a diagonal term beyond all others keeps it there to the last bit ([`Fixed`]). A state whose bounds are equal is an equality
+//! `x − b = 0` with a multiplier π of any sign. Each Newton step is one of the proximal method of multipliers,
+//!
+//! ```text
+//!     π⁺ = π − W (x + dx − b)        that is, a term W in the diagonal and the force π − W (x − b) on x
+//! ```
+//!
+//! whose regularization 1/W vanishes at the optimum, where `dπ = 0` (Rockafellar, *Augmented Lagrangians and applications of the proximal point
+//! algorithm in convex programming*, Math. Oper. Res. 1, 1976; Friedlander, Orban, *A primal–dual regularized interior-point method for convex
+//! quadratic programs*, Math. Program. Comput. 4, 2012).
+
+use super::lanes::{Vector, WIDTH, flat_mut, largest};
+use super::multipliers::Multipliers;
+
+/// Diagonal term of a fixed input. Far beyond any weight, and far from overflow.
+const FIXING: f64 = 1e100;
+
+/// Values of some numbers of a vector, by lanes.
+#[derive(Debug, Clone)]
+struct Targets<V> {
+    any: bool,
+    /// 1 where a number has a target, 0 elsewhere.
+    active: Vec<V>,
+    target: Vec<V>,
+}
+
+impl<V: Vector> Targets<V> {
+    fn new(lanes: usize) -> Self {
+        Self {
+            any: false,
+            active: vec![V::zero(); lanes],
+            target: vec![V::zero(); lanes],
+        }
+    }
+
+    #[inline(always)]
+    fn clear(&mut self) {
+        if self.any {
+            self.any = false;
+            self.active.fill(V::zero());
+            self.target.fill(V::zero());
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, i: usize, target: f64) {
+        self.any = true;
+        flat_mut(&mut self.active)[i] = 1.0;
+        flat_mut(&mut self.target)[i] = target;
+    }
+
+    /// Puts the numbers where they belong.
+    #[inline(always)]
+    fn place(&self, z: &mut [V]) {
+        if self.any {
+            for ((z, active), target) in z.iter_mut().zip(&self.active).zip(&self.target) {
+                *z = (V::one() - *active) * *z + *target;
+            }
+        }
+    }
+}
+
+/// Inputs whose bounds are equal.
+#[derive(Debug, Clone)]
+pub(super) struct Fixed<V>(Targets<V>);
+
+impl<V: Vector> Fixed<V> {
+    pub(super) fn new(lanes: usize) -> Self {
+        Self(Targets::new(lanes))
+    }
+
+    /// Forgets all, before the bounds of a new problem are set.
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// Fixes number `i` of the inputs.
+    #[inline(always)]
+    pub(super) fn set(&mut self, i: usize, value: f64) {
+        self.0.set(i, value);
+    }
+
+    /// Puts the fixed inputs to their values.
+    #[inline(always)]
+    pub(super) fn place(&self, u: &mut [V]) {
+        self.0.place(u);
+    }
+
+    /// Adds the diagonal term that keeps the inputs where they are.
+    #[inline(always)]
+    pub(super) fn weigh(&self, weight: &mut [V]) {
+        if self.0.any {
+            for (weight, active) in weight.iter_mut().zip(&self.0.active) {
+                *weight = active.mul_add(V::splat(FIXING), *weight);
+            }
+        }
+    }
+
+    /// Linear cost that makes the minimum with the diagonal term lie at the values.
+    #[inline(always)]
+    pub(super) fn attract(&self, linear: &mut [V]) {
+        if self.0.any {
+            for (linear, target) in linear.iter_mut().zip(&self.0.target) {
+                *linear = target.mul_add(V::splat(-FIXING), *linear);
+            }
+        }
+    }
+
+    /// Moves what is left of the reduced gradient at fixed inputs into their multipliers, which may have any size.
+    #[inline(always)]
+    pub(super) fn absorb(&self, gradient: &mut [V], multipliers: &mut Multipliers<V>) {
+        if self.0.any {
+            for ((g, active), [lower, upper]) in gradient
+                .iter_mut()
+                .zip(&self.0.active)
+                .zip(multipliers.lanes())
+            {
+                *lower += *active * g.fast_max(V::zero());
+                *upper += *active * (-*g).fast_max(V::zero());
+                *g = (V::one() - *active) * *g;
+            }
+        }
+    }
+}
+
+/// States whose hard bounds are equal.
+#[derive(Debug, Clone)]
+pub(super) struct Equalities<V> {
+    targets: Targets<V>,
+    /// W.
+    weight: V,
+    /// π, and its step.
+    force: Vec<V>,
+    step: Vec<V>,
+}
+
+impl<V: Vector> Equalities<V> {
+    pub(super) fn new(lanes: usize) -> Self {
+        Self {
+            targets: Targets::new(lanes),
+            weight: V::one(),
+            force: vec![V::zero(); lanes],
+            step: vec![V::zero(); lanes],
+        }
+    }
+
+    /// Forgets all, before the bounds of a new problem are set.
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.targets.clear();
+    }
+
+    /// True if there is one.
+    #[inline(always)]
+    pub(super) fn any(&self) -> bool {
+        self.targets.any
+    }
+
+    /// Makes number `i` of the padded states meet `value`.
+    #[inline(always)]
+    pub(super) fn set(&mut self, i: usize, value: f64) {
+        self.targets.set(i, value);
+    }
+
+    /// Puts the states to their values.
+    #[inline(always)]
+    pub(super) fn place(&self, x: &mut [V]) {
+        self.targets.place(x);
+    }
+
+    /// The diagonal term W.
+    #[inline(always)]
+    pub(super) fn cap_weights(&mut self, weight: f64) {
+        self.weight = V::splat(weight);
+    }
+
+    /// Starts without force, or with that of the last solution.
+    #[inline(always)]
+    pub(super) fn start(&mut self, last: Option<&Multipliers<V>>) {
+        if !self.any() {
+            return;
+        }
+        self.force.fill(V::zero());
+        let Some(last) = last else { return };
+        for ((force, active), [lower, upper]) in self
+            .force
+            .iter_mut()
+            .zip(&self.targets.active)
+            .zip(last.pairs())
+        {
+            *force = *active * (*lower - *upper);
+        }
+    }
+
+    #[inline(always)]
+    fn residual(&self, x: &[V], i: usize) -> V {
+        self.targets.active[i] * (x[i] - self.targets.target[i])
+    }
+
+    /// Largest `|x − b|`, relative to b where that exceeds 1.
+    #[inline(always)]
+    pub(super) fn violation(&self, x: &[V]) -> f64 {
+        if !self.any() {
+            return 0.0;
+        }
+        let mut max = V::zero();
+        for i in 0..x.len() {
+            let size = self.targets.target[i].abs().fast_max(V::one());
+            max = max.fast_max(self.residual(x, i).abs() / size);
+        }
+        largest(max)
+    }
+
+    /// Adds the diagonal terms.
+    #[inline(always)]
+    pub(super) fn weigh(&self, weight: &mut [V]) {
+        if self.any() {
+            for (weight, active) in weight.iter_mut().zip(&self.targets.active) {
+                *weight = active.mul_add(self.weight, *weight);
+            }
+        }
+    }
+
+    /// Adds the diagonal terms and the linear cost with which the minimum lies near the values.
+    #[inline(always)]
+    pub(super) fn attract(&self, weight: &mut [V], linear: &mut [V]) {
+        self.weigh(weight);
+        if self.any() {
+            for (linear, target) in linear.iter_mut().zip(&self.targets.target) {
+                *linear = target.mul_neg_add(self.weight, *linear);
+            }
+        }
+    }
+
+    /// Subtracts the forces `π − W (x − b)` from the gradient of a step.
+    #[inline(always)]
+    pub(super) fn pull(&self, x: &[V], rhs: &mut [V]) {
+        if self.any() {
+            for i in 0..rhs.len() {
+                let pull = self.residual(x, i).mul_neg_add(self.weight, self.force[i]);
+                rhs[i] = rhs[i] - pull;
+            }
+        }
+    }
+
+    /// Takes in the step `dx`.
+    #[inline(always)]
+    pub(super) fn corrector(&mut self, x: &[V], dx: &[V]) {
+        if self.any() {
+            for i in 0..dx.len() {
+                let left = self.targets.active[i].mul_add(dx[i], self.residual(x, i));
+                self.step[i] = -(self.weight * left);
+            }
+        }
+    }
+
+    /// The step is taken.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, length: f64) {
+        if self.any() {
+            for (force, step) in self.force.iter_mut().zip(&self.step) {
+                *force = step.mul_add(V::splat(length), *force);
+            }
+        }
+    }
+
+    /// Adds the forces to the multipliers of the bounds.
+    #[inline(always)]
+    pub(super) fn multipliers(&self, out: &mut Multipliers<V>) {
+        if self.any() {
+            for ([lower, upper], force) in out.lanes().zip(&self.force) {
+                *lower += force.fast_max(V::zero());
+                *upper += (-*force).fast_max(V::zero());
+            }
+        }
+    }
+
+    /// `Σ |π (x − b)|`, the forces given as multipliers.
+    #[inline(always)]
+    pub(super) fn gap(&self, x: &[V], multipliers: &Multipliers<V>) -> f64 {
+        if !self.any() {
+            return 0.0;
+        }
+        let mut sum = V::zero();
+        for (i, [lower, upper]) in multipliers.pairs().enumerate() {
+            sum += ((*lower - *upper) * self.residual(x, i)).abs();
+        }
+        sum.reduce_add()
+    }
+
+    /// The targets as pairs of equal bounds, each with its place, and forgets them.
+    #[inline(always)]
+    pub(super) fn release(&mut self, mut bound: impl FnMut(usize, f64)) {
+        if self.any() {
+            for i in 0..self.force.len() * WIDTH {
+                if flat_mut(&mut self.targets.active)[i] == 1.0 {
+                    bound(i, flat_mut(&mut self.targets.target)[i]);
+                }
+            }
+            self.clear();
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Multipliers of bounds, as the solution keeps them.
+
+use super::lanes::{Vector, WIDTH, flat, flat_mut};
+
+/// Multipliers of the lower and upper bounds.
+#[derive(Debug, Clone)]
+pub(super) struct Multipliers<V>(pub(super) Vec<[V; 2]>);
+
+impl<V: Vector> Multipliers<V> {
+    pub(super) fn new(lanes: usize) -> Self {
+        Self(vec![[V::zero(); 2]; lanes])
+    }
+
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.0.fill([V::zero(); 2]);
+    }
+
+    /// Lower and upper ones, by lanes.
+    #[inline(always)]
+    pub(super) fn pairs(&self) -> impl Iterator<Item = &[V; 2]> {
+        self.0.iter()
+    }
+
+    /// Lower and upper ones, by lanes, to be changed.
+    #[inline(always)]
+    pub(super) fn lanes(&mut self) -> impl Iterator<Item = &mut [V; 2]> {
+        self.0.iter_mut()
+    }
+
+    #[inline(always)]
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.0.copy_from_slice(&other.0);
+    }
+
+    /// Subtracts the forces of the bounds, `λ_lower − λ_upper`, from a gradient.
+    #[inline(always)]
+    pub(super) fn subtract_from(&self, gradient: &mut [V]) {
+        for (g, [lower, upper]) in gradient.iter_mut().zip(&self.0) {
+            *g += *upper - *lower;
+        }
+    }
+
+    /// Multipliers `[lower, upper]` of number `i` of the padded variables.
+    #[inline(always)]
+    pub(super) fn get(&self, i: usize) -> [f64; 2] {
+        let [lower, upper] = &self.0[i / WIDTH];
+        [
+            flat(core::slice::from_ref(lower))[i % WIDTH],
+            flat(core::slice::from_ref(upper))[i % WIDTH],
+        ]
+    }
+
+    /// Moves stage `k + 1` to stage `k`, `stride` numbers each; the last stage stays.
+    #[inline(always)]
+    pub(super) fn shift(&mut self, stride: usize, count: usize) {
+        for i in 0..count.saturating_sub(stride) {
+            let next = self.get(i + stride);
+            for side in 0..2 {
+                flat_mut(core::slice::from_mut(&mut self.0[i / WIDTH][side]))[i % WIDTH] =
+                    next[side];
+            }
+        }
+    }
+}

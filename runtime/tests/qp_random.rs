@@ -1,0 +1,205 @@
+//! The QP solver on random well-posed problems of every kind (`support::wide_qp`), cold and warm, against Clarabel: statuses are true, none ends at the
+//! iteration limit, and no cost exceeds the optimum by more than 1e-6 of its size.
+//!
+//! Short by default. All ten thousand: `QP_PROBLEMS=10000 cargo test --release -p gelenk-runtime --test qp_random -- --nocapture`. That run does not pass
+//! yet: 6 of its 40 000 solves end at the iteration limit, and are reported as such (seeds 1493, 2813, 4792, 6799, 7894 and 8605).
+
+#![allow(clippy::unwrap_used, reason = "test code")]
+
+mod support;
+
+use clarabel::solver::SolverStatus;
+use gelenk_runtime::qp::{QpProblem, QpReport, QpSettings, QpSolver, QpStatus};
+use support::oracle::{self, Solution};
+use support::wide_qp::{self, Wide};
+
+/// What a point is worth by the problem's own data: cost, size of its quadratic terms, violation of hard bounds, defect of the dynamics.
+#[derive(Debug, Default)]
+struct Value {
+    cost: f64,
+    size: f64,
+    violation: f64,
+    defect: f64,
+}
+
+fn times<const R: usize, const C: usize>(m: &[[f64; C]; R], v: &[f64; C]) -> [f64; R] {
+    m.map(|row| dot(&row, v))
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn form<const N: usize>(m: &[[f64; N]; N], v: &[f64; N]) -> f64 {
+    0.5 * dot(&times(m, v), v)
+}
+
+/// How far `z` lies outside its bounds.
+fn excess(z: f64, lower: f64, upper: f64) -> f64 {
+    (lower - z).max(z - upper).max(0.0)
+}
+
+fn value<const NX: usize, const NU: usize>(
+    p: &QpProblem<NX, NU>,
+    inputs: &[[f64; NU]],
+    states: &[[f64; NX]],
+) -> Value {
+    let mut v = Value::default();
+    let (mut last, mut x) = (p.previous_input, p.initial_state);
+    for (k, s) in p.stages.iter().enumerate() {
+        let (u, next) = (inputs[k], states[k]);
+        let weight = if k + 1 == p.stages.len() {
+            &p.terminal_weight
+        } else {
+            &p.state_weight
+        };
+        let change: [f64; NU] = core::array::from_fn(|i| u[i] - last[i]);
+        let size =
+            form(weight, &next) + form(&p.input_weight, &u) + form(&p.input_rate_weight, &change);
+        v.size += size;
+        v.cost += size + dot(&s.input_gradient, &u) + dot(&s.state_gradient, &next);
+        let ideal = wide_qp::advance(s, &x, &u);
+        for i in 0..NX {
+            let defect = (ideal[i] - next[i]).abs() / ideal[i].abs().max(1.0);
+            v.defect = v.defect.max(defect);
+            let e = excess(next[i], s.state_lower[i], s.state_upper[i]);
+            match p.state_penalty[i] {
+                None => v.violation = v.violation.max(e / next[i].abs().max(1.0)),
+                Some(w) => v.cost += w.linear * e + 0.5 * w.quadratic * e * e,
+            }
+        }
+        for i in 0..NU {
+            let e = excess(u[i], s.input_lower[i], s.input_upper[i]);
+            v.violation = v.violation.max(e);
+        }
+        (last, x) = (u, next);
+    }
+    v
+}
+
+/// Counts and failures of one kind of solve.
+#[derive(Debug, Default)]
+struct Tally {
+    /// Solves that Clarabel confirms, that it cannot judge since it did not solve the problem itself, and truly infeasible ones.
+    confirmed: usize,
+    unjudged: usize,
+    infeasible: usize,
+    iterations: Vec<usize>,
+    failures: Vec<String>,
+}
+
+impl Tally {
+    fn judge<const NX: usize, const NU: usize>(
+        &mut self,
+        seed: u64,
+        p: &QpProblem<NX, NU>,
+        truth: &Solution<NX, NU>,
+        solver: &QpSolver<NX, NU>,
+        report: &QpReport,
+    ) {
+        self.iterations.push(report.iterations);
+        let inputs: Vec<_> = (0..p.stages.len()).map(|k| solver.input(k)).collect();
+        let states: Vec<_> = (1..=p.stages.len()).map(|k| solver.state(k)).collect();
+        let ours = value(p, &inputs, &states);
+        let theirs = value(p, &truth.inputs, &truth.states);
+        let scale = ours.cost.abs() + ours.size;
+        let above = (ours.cost - theirs.cost) / (theirs.cost.abs() + theirs.size);
+        let reported = (ours.cost - report.cost).abs() <= 1e-9 * scale;
+        let sound = reported && ours.defect < 1e-9;
+        let kept = ours.violation <= 2e-10;
+        let solved = truth.status == SolverStatus::Solved;
+        match report.status {
+            QpStatus::Solved if sound && kept && !solved => self.unjudged += 1,
+            QpStatus::Solved if sound && kept && above < 1e-6 => self.confirmed += 1,
+            QpStatus::Relaxed if sound && !kept && !solved => self.infeasible += 1,
+            _ => self.failures.push(format!(
+                "{NX}/{NU}, N = {}, seed {seed}: Clarabel {:?}, cost above by {above:.1e}, {ours:?}, {report:?}",
+                p.stages.len(),
+                truth.status
+            )),
+        }
+    }
+
+    /// Prints the counts; fails where a solve failed.
+    fn finish(mut self, what: &str) {
+        self.iterations.sort_unstable();
+        let n = self.iterations.len();
+        println!(
+            "{what}: {} confirmed, {} not judged by Clarabel, {} infeasible, {} failed; iterations: median {}, 99 % {}, most {}",
+            self.confirmed,
+            self.unjudged,
+            self.infeasible,
+            self.failures.len(),
+            self.iterations[n / 2],
+            self.iterations[n * 99 / 100],
+            self.iterations[n - 1]
+        );
+        for failure in &self.failures {
+            println!("    {failure}");
+        }
+    }
+}
+
+/// Solves of one problem: cold; warm after a shift, from the plan and beside it; warm after a jump to other data.
+#[derive(Debug, Default)]
+struct Tallies {
+    cold: Tally,
+    shifted: Tally,
+    disturbed: Tally,
+    changed: Tally,
+}
+
+impl Tallies {
+    fn solve<const NX: usize, const NU: usize>(&mut self, seed: u64) {
+        let wide: Wide<NX, NU> = wide_qp::wide_qp(seed);
+        let first = wide.first();
+        let mut base = QpSolver::new(wide.horizon, QpSettings::default()).unwrap();
+        let report = base.solve(&first);
+        let truth = oracle::solve(&first, 1e-10);
+        self.cold.judge(seed, &first, &truth, &base, &report);
+        let plan = base.state(1);
+        let warm = [
+            (0.0, &mut self.shifted),
+            (0.01, &mut self.disturbed),
+            (1.0, &mut self.changed),
+        ];
+        for (share, tally) in warm {
+            let mut solver = base.clone();
+            let x = core::array::from_fn(|i| plan[i] + share * (wide.reference[i] - plan[i]));
+            let next = wide.next(&base, x);
+            solver.shift();
+            let report = solver.solve_warm(&next);
+            let truth = oracle::solve(&next, 1e-10);
+            tally.judge(seed, &next, &truth, &solver, &report);
+        }
+    }
+
+    fn finish(self) {
+        let kinds = [
+            ("cold", self.cold),
+            ("shifted", self.shifted),
+            ("disturbed", self.disturbed),
+            ("changed", self.changed),
+        ];
+        let failures: usize = kinds.iter().map(|(_, tally)| tally.failures.len()).sum();
+        for (what, tally) in kinds {
+            tally.finish(what);
+        }
+        assert_eq!(failures, 0);
+    }
+}
+
+#[test]
+fn random_problems_are_solved_cold_and_warm() {
+    let count: u64 = std::env::var("QP_PROBLEMS").map_or(24, |n| n.parse().unwrap());
+    let first: u64 = std::env::var("QP_FIRST").map_or(0, |n| n.parse().unwrap());
+    let mut tallies = Tallies::default();
+    for seed in first..first + count {
+        match seed % 3 {
+            0 => tallies.solve::<2, 1>(seed),
+            1 => tallies.solve::<3, 4>(seed),
+            _ => tallies.solve::<6, 3>(seed),
+        }
+    }
+    tallies.finish();
+}
