@@ -40,13 +40,7 @@ pub fn notes(
 
 /// Where friction or a spring has an exact sign.
 fn jumps(model: &Model) -> Option<Diagnostic> {
-    let has_sign = |joint: &&Joint| {
-        let friction = joint.friction.iter();
-        let friction = friction.filter(|term| !term.coefficient.is_zero());
-        let mut laws = friction.map(|term| &term.basis).chain(&joint.springs);
-        laws.any(|law| law.calls(Call::Sign))
-    };
-    let names = model.joints().filter(has_sign);
+    let names = model.joints().filter(|joint| joint.jumps());
     let names: Vec<&str> = names.map(|joint| joint.name.as_str()).collect();
     if names.is_empty() {
         return None;

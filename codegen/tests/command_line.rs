@@ -102,7 +102,8 @@ const GRIPPER: &str = r#"<robot name="gripper">
 #[test]
 fn a_new_crate_has_the_robot_of_a_urdf() {
     let mimic = r#"<mimic joint="left &quot;finger&quot;"/>"#;
-    for (name, mimic) in [("two", ""), ("coupled", mimic)] {
+    let friction = r#"<dynamics damping="1" friction="0.5"/>"#;
+    for (name, mimic) in [("two", ""), ("coupled", mimic), ("dry", friction)] {
         let folder = tempfile::tempdir().unwrap();
         let urdf = GRIPPER.replace("MIMIC", mimic);
         fs::write(folder.path().join("gripper.urdf"), &urdf).unwrap();
@@ -111,6 +112,11 @@ fn a_new_crate_has_the_robot_of_a_urdf() {
 
         let home = folder.path().join(name);
         assert_eq!(fs::read_to_string(home.join("robot.urdf")).unwrap(), urdf);
+        let build = fs::read_to_string(home.join("build.rs")).unwrap();
+        assert_eq!(
+            build.contains("\n        .control_model(50.0)"),
+            name == "dry"
+        );
         let text = fs::read_to_string(home.join("robot.toml")).unwrap();
         assert_eq!(text.contains("\nignore_mimic = true\n"), name == "coupled");
         let done = ["[[joints]]", "name = ", "friction = ", "drive = "]

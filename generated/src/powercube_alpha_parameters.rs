@@ -1525,9 +1525,9 @@ mod discrete_time {
 
     /// Exact solution of `ẋ = A x + B_x u + c` over a period in which the inputs are held.
     ///
-    /// Over a part of the period that suits the fastest rate the solution is [`held`]. Two such steps make one of twice the
+    /// Over a part of the period that suits the fastest rate the solution is `held`. Two such steps make one of twice the
     /// time, `A_d ← A_d A_d`, `B_d ← (A_d + 1) B_d`, `c_d ← (A_d + 1) c_d`, until the period is reached. Every entry is +∞ where
-    /// [`MOST_REPETITIONS`] do not suffice.
+    /// `MOST_REPETITIONS` do not suffice.
     pub fn zero_order_hold<const N: usize, const M: usize>(
         linear: &Linear<N, M>,
         period: f64,
@@ -1557,7 +1557,7 @@ mod discrete_time {
         (state, input, affine)
     }
 
-    /// How often the period is to be halved before `ν · period ≤ 80`; `None` beyond [`MOST_REPETITIONS`].
+    /// How often the period is to be halved before `ν · period ≤ 80`; `None` beyond `MOST_REPETITIONS`.
     ///
     /// No part of the system is faster than the positive root ν of `ν² = b ν + a` with `a = ‖A_y‖`, `b = ‖A_v‖`. So `ν t ≤ 1`
     /// where `(a t + b) t ≤ 1`; t is a part of the period divided by 80.

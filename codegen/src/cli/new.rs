@@ -14,8 +14,7 @@ use super::new_robot::robot;
 use super::print;
 
 /// The files of every new crate besides its manifest.
-const FILES: [(&str, &str); 3] = [
-    ("build.rs", include_str!("template/build.rs")),
+const FILES: [(&str, &str); 2] = [
     ("src/main.rs", include_str!("template/main.rs")),
     (".gitignore", "/target\n/report\n"),
 ];
@@ -47,6 +46,7 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
     let files: Vec<(&str, &[u8])> = [
         ("Cargo.toml", manifest.as_bytes()),
         ("robot.toml", robot.description.as_bytes()),
+        ("build.rs", robot.build.as_bytes()),
     ]
     .into_iter()
     .chain(robot.urdf.as_deref().map(|urdf| ("robot.urdf", urdf)))

@@ -4,12 +4,19 @@ use std::fs;
 use std::path::Path;
 
 use super::Failure;
-use crate::model::{self, Loaded, Model, ReadOptions};
+use crate::model::{self, Joint, Loaded, Model, ReadOptions};
+
+const BUILD: &str = include_str!("template/build.rs");
+
+/// With dry friction a plant's model is none for controllers.
+const BUILD_BOTH: &str = include_str!("template/build_both.rs");
 
 /// The description of a new crate, and the URDF that it names.
 pub(super) struct Robot {
     /// Text of `robot.toml`.
     pub(super) description: String,
+    /// Text of `build.rs`.
+    pub(super) build: &'static str,
     /// Content of `robot.urdf`.
     pub(super) urdf: Option<Vec<u8>>,
 }
@@ -19,6 +26,7 @@ pub(super) fn robot(urdf: Option<&Path>) -> Result<Robot, Failure> {
     match urdf {
         None => Ok(Robot {
             description: include_str!("template/robot.toml").to_owned(),
+            build: BUILD,
             urdf: None,
         }),
         Some(path) => from_urdf(path),
@@ -36,6 +44,10 @@ fn from_urdf(path: &Path) -> Result<Robot, Failure> {
         )));
     }
     Ok(Robot {
+        build: match reading.loaded.model.joints().any(Joint::jumps) {
+            true => BUILD_BOTH,
+            false => BUILD,
+        },
         description: description(path, &reading.loaded.model, reading.ignores_mimic),
         urdf: Some(bytes),
     })

@@ -616,7 +616,6 @@ const QUANTITIES: &[Quantity] = &[
         loops: Some(Loops::Affine {
             called: "forward_dynamics_derivatives",
         }),
-        ..Quantity::PLAIN
     },
     Quantity {
         name: "kinetic_energy",

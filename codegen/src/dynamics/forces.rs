@@ -156,19 +156,9 @@ pub fn input_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>>
 /// What the documentation says where a force law jumps.
 pub fn jump_note(model: &Model, program: &Program) -> Option<String> {
     let is_sign = |step: &Instruction| matches!(step.operation, Operation::Call(Function::Sign, _));
-    (has_jumps(model) && program.instructions.iter().any(is_sign)).then(|| {
+    (model.joints().any(Joint::jumps) && program.instructions.iter().any(is_sign)).then(|| {
         "`sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or \
          `smooth_sign` in the description, makes it `tanh(SLOPE v)`."
             .to_owned()
-    })
-}
-
-/// Whether any friction or spring has a term that jumps.
-fn has_jumps(model: &Model) -> bool {
-    model.joints().any(|joint| {
-        let bases = joint.friction.iter().map(|term| &term.basis);
-        bases
-            .chain(&joint.springs)
-            .any(|formula| formula.calls(Function::Sign))
     })
 }

@@ -135,6 +135,15 @@ const SLIDE: f64 = 0.5;
 const FARTHEST: f64 = 20.0;
 
 impl Joint {
+    /// Whether friction or a spring jumps: whether they have an exact `sign`.
+    #[must_use]
+    pub fn jumps(&self) -> bool {
+        let friction = self.friction.iter();
+        let friction = friction.filter(|term| !term.coefficient.is_zero());
+        let mut laws = friction.map(|term| &term.basis).chain(&self.springs);
+        laws.any(|law| law.calls(crate::formula::Function::Sign))
+    }
+
     /// Range of positions for seeded states: within the limits, where there are some.
     pub(crate) fn seeded_range(&self) -> [f64; 2] {
         let free = match self.kind {
