@@ -6,7 +6,7 @@
 //! counts only periods whose QP has active bounds.
 
 use gelenk_runtime::control_loop::{Controller, Cycle, LogRecord, LogSink, Source, log_to};
-use gelenk_runtime::dynamics::Discretizable;
+use gelenk_runtime::dynamics::{Discretizable, PhaseSpace};
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::mpc::{DisturbanceObserver, LtvMpc, MpcError, MpcOptions, Nmpc};
 use gelenk_runtime::trajectory::{RestToRest, Trajectory};
@@ -127,7 +127,7 @@ fn log_record<const N: usize, const M: usize>(
 }
 
 /// One robot: whole steps of both controllers, stages of the linear one.
-fn bench<D: Discretizable<N, M> + Copy, const N: usize, const M: usize, const NX: usize>(
+fn bench<D: Discretizable<N, M> + PhaseSpace<NX> + Copy, const N: usize, const M: usize, const NX: usize>(
     name: &str,
     model: D,
     motion: RestToRest<N>,
@@ -140,9 +140,9 @@ fn bench<D: Discretizable<N, M> + Copy, const N: usize, const M: usize, const NX
     options.observer.disturbance_noise = torque.map(|u| 1e-3 * u);
     let (mut log, writer) = log_to::<N, M>(std::io::sink(), &model, 100_000)?;
     let new =
-        || -> Result<_, MpcError> { LtvMpc::<_, _, N, M, NX>::new(model, motion, options.clone()) };
+        || -> Result<LtvMpc<D, _, N, M, NX>, MpcError> { LtvMpc::new(model, motion, options.clone()) };
     let linear = drive(&model, &motion, period, substeps, &mut log, &mut new()?)?;
-    let mut nmpc = Nmpc::<_, _, N, M, NX>::new(model, motion, options.clone())?;
+    let mut nmpc = Nmpc::new(model, motion, options.clone())?;
     let nonlinear = drive(&model, &motion, period, substeps, &mut log, &mut nmpc)?;
 
     let sample = motion.sample(0.5 * motion.duration());

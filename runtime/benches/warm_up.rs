@@ -142,8 +142,7 @@ where
         times: &mut times,
     };
     let law = JointPd::new(model, gains)?;
-    let mut control: ControlLoop<_, _, _, _, _, N, M> =
-        ControlLoop::new(settings, law, motion, timed, robot, MonotonicClock)?;
+    let mut control = ControlLoop::new(settings, law, motion, timed, robot, MonotonicClock)?;
     let report = control.run();
     drop(control);
     Ok((quantiles(&mut times), report))
@@ -201,15 +200,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     })?;
     compare("LTV-MPC, PowerCube", PowerCube, arm, || {
         let options = MpcOptions::new(&PowerCube, period, 20);
-        Ok(LtvMpc::<_, _, 2, 2, 4>::new(PowerCube, arm, options)?)
+        Ok(LtvMpc::new(PowerCube, arm, options)?)
     })?;
     compare("LTV-MPC, UR5", Ur5, robot, || {
         let options = MpcOptions::new(&Ur5, period, 20);
-        Ok(LtvMpc::<_, _, 6, 6, 12>::new(Ur5, robot, options)?)
+        Ok(LtvMpc::new(Ur5, robot, options)?)
     })?;
     compare("NMPC, PowerCube", PowerCube, arm, || {
         let options = MpcOptions::new(&PowerCube, period, 20);
-        Ok(Nmpc::<_, _, 2, 2, 4>::new(PowerCube, arm, options)?)
+        Ok(Nmpc::new(PowerCube, arm, options)?)
     })?;
     Ok(())
 }

@@ -59,7 +59,7 @@ fn drive(address: &str) -> Outcome<()> {
     let controller = FeedForwardPd::new(law.clone(), motion, 1.0 / RATE, 0.01)?;
     let mut robot: UdpTransport<2, 2> = UdpTransport::connect(address, settings.period() / 4)
         .map_err(|e| format!("{address}: {e}"))?;
-    let mut control: ControlLoop<_, _, _, _, _, 2, 2> = ControlLoop::new(
+    let mut control = ControlLoop::new(
         settings,
         law,
         motion,

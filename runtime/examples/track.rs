@@ -283,9 +283,9 @@ fn compare() -> Outcome<()> {
             reference: reference.1,
         };
         runs.push(run("feed-forward", reference, steps, &mut alone)?);
-        let mut ltv = LtvMpc::<_, _, 2, 2, 4>::new(PowerCube, reference.1, options.clone())?;
+        let mut ltv = LtvMpc::new(PowerCube, reference.1, options.clone())?;
         runs.push(run("LTV-MPC", reference, steps, &mut ltv)?);
-        let mut nmpc = Nmpc::<_, _, 2, 2, 4>::new(PowerCube, reference.1, options.clone())?;
+        let mut nmpc = Nmpc::new(PowerCube, reference.1, options.clone())?;
         runs.push(run("NMPC", reference, steps, &mut nmpc)?);
     }
     print_table(&runs);

@@ -35,8 +35,7 @@
 //! let robot = InProcess::new(plant, clock.clone(), settings.period());
 //!
 //! // 5. The loop, with the same law to fall back on.
-//! let mut control: ControlLoop<_, _, _, _, _, 2, 2> =
-//!     ControlLoop::new(settings, law, motion, controller, robot, clock)?;
+//! let mut control = ControlLoop::new(settings, law, motion, controller, robot, clock)?;
 //! let report = control.run();
 //! assert_eq!(report.end, End::Finished, "{report}");
 //! let (positions, _) = control.transport().plant().state();

@@ -40,8 +40,7 @@ fn allocations_of(
         hold_periods: 1_000_000,
         ..settings(RATE)
     };
-    let mut control: ControlLoop<_, _, _, _, _, 2, 2> =
-        ControlLoop::new(settings, law(), motion(), controller(), transport, clock)
+    let mut control = ControlLoop::new(settings, law(), motion(), controller(), transport, clock)
             .unwrap()
             .with_log(sink);
     let before = allocations::count();
@@ -98,8 +97,8 @@ fn warm_ups_do_not_allocate() {
     let options = || MpcOptions::new(&PowerCube, 0.02, 5);
     let controllers: [Box<dyn Controller<2, 2>>; 3] = [
         Box::new(controller()),
-        Box::new(LtvMpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options()).unwrap()),
-        Box::new(Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options()).unwrap()),
+        Box::new(LtvMpc::new(PowerCube, motion(), options()).unwrap()),
+        Box::new(Nmpc::new(PowerCube, motion(), options()).unwrap()),
     ];
     for mut controller in controllers {
         controller.reset(&START, &[0.0; 2]);

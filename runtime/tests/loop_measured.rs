@@ -216,7 +216,7 @@ fn computed_torque_drives_the_arm() {
     let mut robot = self::robot(measuring());
     let clock = robot.clock.clone();
     let broken = Broken;
-    let mut control: ControlLoop<_, _, _, _, _, 2, 2> = ControlLoop::new(
+    let mut control = ControlLoop::new(
         settings(RATE),
         computed(),
         motion(),

@@ -51,10 +51,10 @@ impl Kind {
         let model = PowerCube;
         match self {
             Self::Linear => {
-                Box::new(LtvMpc::<_, _, 2, 2, 4>::new(model, motion(), options).unwrap())
+                Box::new(LtvMpc::new(model, motion(), options).unwrap())
             }
             Self::Nonlinear => {
-                Box::new(Nmpc::<_, _, 2, 2, 4>::new(model, motion(), options).unwrap())
+                Box::new(Nmpc::new(model, motion(), options).unwrap())
             }
         }
     }

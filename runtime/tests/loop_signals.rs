@@ -43,7 +43,7 @@ fn signals_stop_the_arm_and_engage_the_brakes() {
             signal,
         };
         let clock = robot.clock.clone();
-        let control: ControlLoop<_, _, _, _, _, 2, 2> = ControlLoop::new(
+        let control = ControlLoop::new(
             settings(50.0),
             law(),
             motion(),

@@ -423,7 +423,7 @@ fn a_trajectory_beyond_the_limits_is_stopped_inside_them() {
     let controller =
         gelenk_runtime::control_loop::FeedForwardPd::new(law(), too_far, 1.0 / RATE, 0.01).unwrap();
     let clock = robot.clock.clone();
-    let mut control: ControlLoop<_, _, _, _, _, 2, 2> = ControlLoop::new(
+    let mut control = ControlLoop::new(
         settings(RATE),
         law(),
         RestToRest::new(START, [LIMITS[0][1] + 0.5, 0.0], 6.0).unwrap(),

@@ -203,7 +203,7 @@ fn in_real_time_the_arm_ends_braked_and_at_rest() {
     let mut link: Link = UdpTransport::connect(plant.address, Duration::from_millis(5)).unwrap();
     let near = START.map(|y| y + 0.02);
     let motion = gelenk_runtime::trajectory::RestToRest::new(START, near, 0.3).unwrap();
-    let mut control: ControlLoop<_, _, _, _, _, 2, 2> = ControlLoop::new(
+    let mut control = ControlLoop::new(
         settings(RATE),
         law(),
         motion,
@@ -402,7 +402,7 @@ fn a_robot_that_breaks_down_stops_the_loop() {
         input_limit: [f64::INFINITY; 2],
         ..settings(RATE)
     };
-    let mut control: ControlLoop<_, _, _, _, _, 2, 2> = ControlLoop::new(
+    let mut control = ControlLoop::new(
         settings,
         law(),
         motion(),

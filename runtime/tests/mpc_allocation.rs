@@ -68,7 +68,7 @@ fn linear_predictive_control_allocates_nothing() {
     for point in [LinearizationPoint::Reference, LinearizationPoint::Plan] {
         options.linearization = point;
         options.delay = point == LinearizationPoint::Plan;
-        let mut mpc = LtvMpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options.clone()).unwrap();
+        let mut mpc = LtvMpc::new(PowerCube, motion(), options.clone()).unwrap();
         drive(&mut mpc, &motion());
     }
 }
@@ -77,15 +77,15 @@ fn linear_predictive_control_allocates_nothing() {
 fn nonlinear_predictive_control_allocates_nothing() {
     let mut options = options(&PowerCube, PERIOD, 3);
     options.observer.disturbance_noise = [1e-3; 2];
-    let mut mpc = Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options).unwrap();
+    let mut mpc = Nmpc::new(PowerCube, motion(), options).unwrap();
     drive(&mut mpc, &motion());
 }
 
 #[test]
 fn replacing_the_model_allocates_nothing() {
     let options = options(&PowerCube, PERIOD, 20);
-    let mut linear = LtvMpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options.clone()).unwrap();
-    let mut nonlinear = Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options).unwrap();
+    let mut linear = LtvMpc::new(PowerCube, motion(), options.clone()).unwrap();
+    let mut nonlinear = Nmpc::new(PowerCube, motion(), options).unwrap();
     let before = allocations::count();
     for _ in 0..1000 {
         linear.set_model(PowerCube).unwrap();

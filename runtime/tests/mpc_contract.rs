@@ -7,7 +7,7 @@ mod tracking;
 
 use gelenk_runtime::control_loop::{Controller, ControllerFault, Cycle};
 use gelenk_runtime::dynamics::{
-    Differentiable, Discretizable, Dynamics, ForceDerivatives, Limits, Linearization,
+    Differentiable, Discretizable, Dynamics, ForceDerivatives, Limits, Linearization, PhaseSpace,
 };
 use gelenk_runtime::lqr::Lqr;
 use gelenk_runtime::mpc::{
@@ -113,7 +113,7 @@ fn absurd_readings_give_finite_inputs_within_the_limits_or_a_fault() {
         options.input_limits = [[-limit, limit]; 2];
         options.observer.velocity_sensor_noise = Some([1e-3; 2]);
         let mut linear = Ltv::new(PowerCube, motion(), options.clone()).unwrap();
-        let mut nonlinear = Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options).unwrap();
+        let mut nonlinear = Nmpc::new(PowerCube, motion(), options).unwrap();
         for power in (0..309).step_by(14) {
             let absurd = 10.0_f64.powi(power);
             for (q, v) in [(absurd, 0.0), (0.1, -absurd), (-absurd, absurd)] {
@@ -153,7 +153,7 @@ fn without_a_measurement_the_model_goes_on() {
 fn the_same_measurements_give_the_same_bits() {
     let inputs = || {
         let options = options(&PowerCube, PERIOD, 10);
-        let mut mpc = Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options).unwrap();
+        let mut mpc = Nmpc::new(PowerCube, motion(), options).unwrap();
         mpc.reset(&[0.1, -0.2], &[0.0; 2]);
         (0..20)
             .map(|k| {
@@ -169,7 +169,7 @@ fn the_same_measurements_give_the_same_bits() {
 fn preparation_and_feedback_are_the_step() {
     let new = || {
         let options = options(&PowerCube, PERIOD, 10);
-        let mut mpc = Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options).unwrap();
+        let mut mpc = Nmpc::new(PowerCube, motion(), options).unwrap();
         mpc.reset(&[0.1, -0.2], &[0.0; 2]);
         mpc
     };
@@ -195,7 +195,7 @@ fn a_trajectory_beyond_the_soft_limits_is_noted() {
         let mut options = options(&PowerCube, PERIOD, 10);
         change(&mut options);
         let mpc = Ltv::new(PowerCube, motion(), options.clone()).unwrap();
-        let nonlinear = Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options).unwrap();
+        let nonlinear = Nmpc::new(PowerCube, motion(), options).unwrap();
         assert_eq!(mpc.notes(), nonlinear.notes());
         let of_limits = |note: &&MpcNote| !matches!(note, MpcNote::DryFriction { .. });
         let notes = mpc.notes().iter().filter(of_limits);
@@ -233,7 +233,7 @@ fn friction_that_jumps_is_noted() {
     );
     let smooth = LightWrist { viscous: [1e3; 2] };
     let options = MpcOptions::new(&smooth, 1e-3, 5);
-    let mpc = LtvMpc::<_, _, 2, 2, 4>::new(smooth, motion(), options).unwrap();
+    let mpc = LtvMpc::new(smooth, motion(), options).unwrap();
     assert!(mpc.notes().is_empty(), "{:?}", mpc.notes());
 }
 
@@ -423,6 +423,8 @@ impl Differentiable<2, 2> for LightWrist {
 
 impl Discretizable<2, 2> for LightWrist {}
 
+impl PhaseSpace<4> for LightWrist {}
+
 /// Rates of 1e9 1/s over 0.1 s have no zero-order hold: the controller is refused, or faults where its model is replaced in operation, by joint,
 /// slope and period. Rates of 1e8 1/s have one.
 #[test]
@@ -437,8 +439,8 @@ fn a_joint_too_fast_for_the_period_is_named() {
     let motion = || RestToRest::new([0.0, 0.0], [0.1, 0.1], 1.0).unwrap();
     let expected = "joint wrist is too fast to be predicted over a period of 0.1 s: its force has a slope of 1.000e3 N m s/rad \
                     (or N s/m) over its speed, which gives a rate of 1.0e9 1/s; take a model whose friction is less steep";
-    let linear = LtvMpc::<_, _, 2, 2, 4>::new(steep, motion(), options.clone());
-    let nonlinear = Nmpc::<_, _, 2, 2, 4>::new(steep, motion(), options.clone());
+    let linear = LtvMpc::new(steep, motion(), options.clone());
+    let nonlinear = Nmpc::new(steep, motion(), options.clone());
     for error in [linear.unwrap_err(), nonlinear.unwrap_err()] {
         assert_eq!(
             error.to_string(),
@@ -450,7 +452,7 @@ fn a_joint_too_fast_for_the_period_is_named() {
             linearization,
             ..options.clone()
         };
-        let mut mpc = LtvMpc::<_, _, 2, 2, 4>::new(bearable, motion(), options).unwrap();
+        let mut mpc = LtvMpc::new(bearable, motion(), options).unwrap();
         assert!(mpc.step(&cycle(0.0, Some([0.0; 2]))).is_ok());
         mpc.set_model(steep).unwrap();
         let fault = mpc.step(&cycle(0.1, Some([0.0; 2]))).unwrap_err();

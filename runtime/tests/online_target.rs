@@ -184,8 +184,7 @@ fn drive(controller: impl Controller<2, 2>, motion: OnlineTarget<2>) {
     let clock = robot.clock.clone();
     let stop = StopRequest::new();
     let operator = motion.clone();
-    let mut control: ControlLoop<_, _, _, _, _, 2, 2> =
-        ControlLoop::new(settings(RATE), law(), motion, controller, &mut robot, clock)
+    let mut control = ControlLoop::new(settings(RATE), law(), motion, controller, &mut robot, clock)
             .unwrap()
             .with_stop_request(stop.clone());
     control.start().unwrap();
@@ -226,7 +225,7 @@ fn the_loop_follows_targets_that_change() {
 fn a_predictive_controller_sees_the_motion_ahead() {
     let motion = of_the_arm();
     let options = MpcOptions::new(&PowerCube, 1.0 / RATE, 15);
-    let mpc = LtvMpc::<_, _, 2, 2, 4>::new(PowerCube, motion.clone(), options).unwrap();
+    let mpc = LtvMpc::new(PowerCube, motion.clone(), options).unwrap();
     drive(mpc, motion);
 }
 

@@ -43,8 +43,7 @@
 //! let plant = Plant::new(PowerCube, PlantOptions::default())?;
 //! let robot = InProcess::new(plant, clock.clone(), settings.period());
 //!
-//! let mut control: ControlLoop<_, _, _, _, _, 2, 2> =
-//!     ControlLoop::new(settings, law, motion, controller, robot, clock)?;
+//! let mut control = ControlLoop::new(settings, law, motion, controller, robot, clock)?;
 //! let report = control.run();
 //! assert_eq!(report.end, End::Finished);
 //! assert_eq!(report.brakes, Brakes::Engaged);

@@ -253,6 +253,7 @@ macro_rules! dynamics {
         impl $crate::dynamics::Discretizable<{ $($module)::+::N }, { $($module)::+::M }> for $name {
             $crate::dynamics!(@methods $functions, [$($module)::+], $p);
         }
+        impl $crate::dynamics::PhaseSpace<{ 2 * $($module)::+::N }> for $name {}
     };
     (@method SUBSTEPS, [$($module:ident)::+], $p:tt) => {
         const SUBSTEPS: usize = $($module)::+::SUBSTEPS;

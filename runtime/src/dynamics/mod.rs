@@ -22,5 +22,5 @@ pub(crate) use names::Named;
 #[cfg(feature = "control")]
 pub(crate) use names::numbered;
 pub use parameters::{NoFreeParameters, without_parameters};
-pub use traits::{Differentiable, Discretizable, Dynamics};
+pub use traits::{Differentiable, Discretizable, Dynamics, PhaseSpace};
 pub use types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};

@@ -115,6 +115,10 @@ pub trait Differentiable<const N: usize, const M: usize>: Dynamics<N, M> {
     fn linearize(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> Linearization<N, M>;
 }
 
+/// The length of a state `x = (y, ẏ)`: `NX = 2 N`, which is no type on stable Rust. [`dynamics!`](crate::dynamics!) implements
+/// it, so that `LtvMpc::new(arm, motion, options)` finds all sizes by itself.
+pub trait PhaseSpace<const NX: usize> {}
+
 /// The robot in discrete time. Periods are in s; inputs are held over them.
 ///
 /// All methods have a body, built from [`Differentiable::linearize`] and [`Dynamics::forward_dynamics`]; generated

@@ -6,7 +6,7 @@ use super::integrate::discretize;
 use super::note::MpcNote;
 use super::options::{LinearizationPoint, MpcError, MpcOptions};
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
-use crate::dynamics::Discretizable;
+use crate::dynamics::{Discretizable, PhaseSpace};
 use crate::feed_forward::FeedForwardError;
 use crate::trajectory::Trajectory;
 
@@ -24,7 +24,7 @@ use crate::trajectory::Trajectory;
 ///
 /// let motion = RestToRest::new([0.0, 0.0], [0.3, 0.4], 2.0)?;
 /// let options = MpcOptions::new(&PowerCube, 0.02, 20);
-/// let mut mpc = LtvMpc::<_, _, 2, 2, 4>::new(PowerCube, motion, options)?;
+/// let mut mpc = LtvMpc::new(PowerCube, motion, options)?;
 /// mpc.reset(&[0.0; 2], &[0.0; 2]);
 /// let cycle = Cycle { periods: 0, positions: Some([0.0; 2]), ..Cycle::default() };
 /// let command = mpc.step(&cycle)?;
@@ -45,7 +45,10 @@ where
     ///
     /// # Errors
     /// [`MpcError`].
-    pub fn new(model: D, trajectory: T, options: MpcOptions<N, M>) -> Result<Self, MpcError> {
+    pub fn new(model: D, trajectory: T, options: MpcOptions<N, M>) -> Result<Self, MpcError>
+    where
+        D: PhaseSpace<NX>,
+    {
         Ok(Self {
             horizon: Horizon::new(model, trajectory, options)?,
         })

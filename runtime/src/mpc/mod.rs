@@ -20,7 +20,7 @@
 //! [`tune`] is the guide to weights and limits.
 //!
 //! Nothing is allocated after construction. A state has `NX = 2 N` numbers, positions before velocities; `NX` is a parameter of its own because
-//! `2 N` is not a type on stable Rust, and wrong values do not compile.
+//! `2 N` is not a type on stable Rust; `dynamics!` supplies it ([`PhaseSpace`](crate::dynamics::PhaseSpace)).
 //!
 //! Sources: the controller's structure follows Fehr, Schmid, Schneider, Eberhard, *Proc. Appl. Math. Mech.* 20 (2020) (feed-forward and LTV-MPC on
 //! the PowerCube); offset-free tracking Pannocchia, Rawlings, *AIChE J.* 49 (2003); multiple shooting and real-time iterations Diehl, Bock,

@@ -6,7 +6,7 @@ use super::integrate::integrate;
 use super::note::MpcNote;
 use super::options::{MpcError, MpcOptions};
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
-use crate::dynamics::Discretizable;
+use crate::dynamics::{Discretizable, PhaseSpace};
 use crate::feed_forward::FeedForwardError;
 use crate::trajectory::Trajectory;
 
@@ -33,7 +33,10 @@ where
     ///
     /// # Errors
     /// [`MpcError`].
-    pub fn new(model: D, trajectory: T, options: MpcOptions<N, M>) -> Result<Self, MpcError> {
+    pub fn new(model: D, trajectory: T, options: MpcOptions<N, M>) -> Result<Self, MpcError>
+    where
+        D: PhaseSpace<NX>,
+    {
         Ok(Self {
             horizon: Horizon::new(model, trajectory, options)?,
             prepared: f64::NAN,
