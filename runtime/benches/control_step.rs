@@ -127,7 +127,12 @@ fn log_record<const N: usize, const M: usize>(
 }
 
 /// One robot: whole steps of both controllers, stages of the linear one.
-fn bench<D: Discretizable<N, M> + PhaseSpace<NX> + Copy, const N: usize, const M: usize, const NX: usize>(
+fn bench<
+    D: Discretizable<N, M> + PhaseSpace<NX> + Copy,
+    const N: usize,
+    const M: usize,
+    const NX: usize,
+>(
     name: &str,
     model: D,
     motion: RestToRest<N>,
@@ -139,8 +144,9 @@ fn bench<D: Discretizable<N, M> + PhaseSpace<NX> + Copy, const N: usize, const M
     options.input_limits = torque.map(|u| [-u, u]);
     options.observer.disturbance_noise = torque.map(|u| 1e-3 * u);
     let (mut log, writer) = log_to::<N, M>(std::io::sink(), &model, 100_000)?;
-    let new =
-        || -> Result<LtvMpc<D, _, N, M, NX>, MpcError> { LtvMpc::new(model, motion, options.clone()) };
+    let new = || -> Result<LtvMpc<D, _, N, M, NX>, MpcError> {
+        LtvMpc::new(model, motion, options.clone())
+    };
     let linear = drive(&model, &motion, period, substeps, &mut log, &mut new()?)?;
     let mut nmpc = Nmpc::new(model, motion, options.clone())?;
     let nonlinear = drive(&model, &motion, period, substeps, &mut log, &mut nmpc)?;

@@ -7,8 +7,8 @@
 //! encoders of 1e-4 rad, motor torques of 1e-4 N·m noise. Written to FOLDER (`target/identify`): the log, a description
 //! that `gelenk generate` takes unchanged, and the plots. `GELENK_EXAMPLE_SHORT=1` searches and draws less.
 
+use gelenk_files::write_whole;
 use gelenk_runtime::dynamics::Dynamics;
-use gelenk_runtime::file::write_whole;
 use gelenk_runtime::identification::cross_validation::pareto_table;
 use gelenk_runtime::identification::description::write_description;
 use gelenk_runtime::identification::differentiation::{KalmanSmoother, quantization_noise};

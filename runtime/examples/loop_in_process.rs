@@ -61,8 +61,8 @@ fn run() -> Outcome<()> {
     let path = std::env::temp_dir().join("gelenk_loop_in_process.csv");
     let (sink, log) = log_to_file(&path, &PowerCube, 10_000)?;
     let mut control = ControlLoop::new(settings, law, motion, controller, robot, MonotonicClock)?
-            .with_log(sink)
-            .with_stop_request(StopRequest::on_signals()?);
+        .with_log(sink)
+        .with_stop_request(StopRequest::on_signals()?);
     println!("{}", RealtimeRequest::default().apply());
 
     let report = control.run();

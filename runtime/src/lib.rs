@@ -72,7 +72,7 @@
 //!    [its tuning](mpc::tune). Under it [`qp`], an interior-point
 //!    solver without allocation, [`lqr`], and [`lanes`], many states at once.
 //! 8. [`identification`]: from a log to friction and inertial parameters, and to a description that `gelenk generate` reads.
-//! 9. [`report`]: pages of results, without a network.
+//! 9. The crate `gelenk-report`: pages of results, without a network.
 //!
 //! The guide [from a URDF to a moving robot](from_urdf) goes through most of these in order. The examples in `runtime/examples` are
 //! whole programs, and a page there lists them.
@@ -85,8 +85,7 @@
 //!
 //! # Features
 //!
-//! `control`, `identification` and `report` are all on by default; a module stands behind its feature: what the program `gelenk`
-//! builds, `report` alone, must compile without the others. `socketcan` adds the transport over a CAN bus (Linux), `online-targets`
+//! `control` and `identification` are on by default; a module stands behind its feature. `socketcan` adds the transport over a CAN bus (Linux), `online-targets`
 //! targets that change while the robot moves.
 
 #[cfg(feature = "control")]
@@ -94,8 +93,6 @@ pub mod control_loop;
 pub mod dynamics;
 #[cfg(feature = "control")]
 pub mod feed_forward;
-#[cfg(any(feature = "identification", feature = "report"))]
-pub mod file;
 #[cfg(feature = "control")]
 #[doc = include_str!("from_urdf.md")]
 pub mod from_urdf {}
@@ -113,14 +110,6 @@ pub mod mpc;
 pub mod plant;
 #[cfg(feature = "control")]
 pub mod qp;
-#[cfg(any(feature = "identification", feature = "report"))]
-#[cfg_attr(
-    not(feature = "identification"),
-    allow(dead_code, reason = "the text of a module that the generator has too")
-)]
-mod replace;
-#[cfg(feature = "report")]
-pub mod report;
 #[cfg(feature = "control")]
 pub mod trajectory;
 #[cfg(feature = "control")]

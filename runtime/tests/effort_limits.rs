@@ -90,7 +90,8 @@ fn the_loop_sends_no_more_than_the_efforts_and_says_so() {
         largest: [0.0; 6],
     };
     let report = {
-        let mut control = ControlLoop::new(settings, law, motion, Greedy, &mut robot, clock).unwrap();
+        let mut control =
+            ControlLoop::new(settings, law, motion, Greedy, &mut robot, clock).unwrap();
         control.run()
     };
     assert_eq!(robot.largest, EFFORTS, "{report}");

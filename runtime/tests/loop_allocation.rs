@@ -41,8 +41,8 @@ fn allocations_of(
         ..settings(RATE)
     };
     let mut control = ControlLoop::new(settings, law(), motion(), controller(), transport, clock)
-            .unwrap()
-            .with_log(sink);
+        .unwrap()
+        .with_log(sink);
     let before = allocations::count();
     control.start().unwrap();
     for _ in 0..periods {

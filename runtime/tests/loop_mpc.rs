@@ -50,12 +50,8 @@ impl Kind {
     fn with(self, options: MpcOptions<2, 2>) -> Box<dyn Controller<2, 2>> {
         let model = PowerCube;
         match self {
-            Self::Linear => {
-                Box::new(LtvMpc::new(model, motion(), options).unwrap())
-            }
-            Self::Nonlinear => {
-                Box::new(Nmpc::new(model, motion(), options).unwrap())
-            }
+            Self::Linear => Box::new(LtvMpc::new(model, motion(), options).unwrap()),
+            Self::Nonlinear => Box::new(Nmpc::new(model, motion(), options).unwrap()),
         }
     }
 

@@ -184,7 +184,8 @@ fn drive(controller: impl Controller<2, 2>, motion: OnlineTarget<2>) {
     let clock = robot.clock.clone();
     let stop = StopRequest::new();
     let operator = motion.clone();
-    let mut control = ControlLoop::new(settings(RATE), law(), motion, controller, &mut robot, clock)
+    let mut control =
+        ControlLoop::new(settings(RATE), law(), motion, controller, &mut robot, clock)
             .unwrap()
             .with_stop_request(stop.clone());
     control.start().unwrap();

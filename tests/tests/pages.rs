@@ -4,7 +4,7 @@ use gelenk_codegen::dynamics::catalogue;
 use gelenk_codegen::dynamics::size::MOST_OPERATIONS;
 use gelenk_codegen::model::{ReadOptions, read};
 use gelenk_codegen::report::{Contents, report};
-use gelenk_runtime::report::{
+use gelenk_report::{
     Axis, Block, Claim, Criterion, Equation, Figure, Marks, Pattern, Plot, Report, Section, Table,
     text,
 };
@@ -143,8 +143,8 @@ fn sample() -> String {
     };
     let rows = (0..4).map(|k| {
         vec![
-            gelenk_runtime::report::Cell::Count(k),
-            gelenk_runtime::report::Cell::number(0.1),
+            gelenk_report::Cell::Count(k),
+            gelenk_report::Cell::number(0.1),
         ]
     });
     let identity = (0..12).map(|i| (0..12).map(|j| i == j).collect()).collect();

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use gelenk_runtime::report::{Report, Verdict};
+use gelenk_report::{Report, Verdict};
 use serde_json::{Value, json};
 
 use super::Failure;

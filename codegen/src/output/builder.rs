@@ -4,11 +4,11 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::out_dir::OutDir;
-use super::replace::is_same_file;
 use super::write::{Planned, Replaces, WriteError};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::Scalar;
 use crate::pipeline::{self, GenerateOptions, Generated};
+use gelenk_files::is_same_file;
 
 /// Generates `$OUT_DIR/<name>.rs` from a description, for `build.rs`. The name is the robot's: the key `name` of a TOML file,
 /// or else the file's; in a URDF that of `<robot>`.

@@ -3,7 +3,6 @@
 mod builder;
 mod crate_root;
 mod out_dir;
-mod replace;
 mod write;
 
 pub use builder::{BuildError, Builder, build};

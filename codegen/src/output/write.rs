@@ -6,7 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::crate_root::{is_generated, is_root};
-use super::replace::{Prepared, is_same_file, target};
+use gelenk_files::{Prepared, is_same_file, target};
 
 /// What became of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! The equations, typeset.
 
-use gelenk_runtime::report::{
+use gelenk_report::{
     Axis, Block, Cell, Equation, Figure, Inline, Marks, Plot, ReportError, Table, code, plain, text,
 };
 

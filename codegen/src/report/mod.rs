@@ -1,6 +1,6 @@
 //! The page of a robot: what it is made of, its equations, what they cost, and whether they agree with each other.
 //!
-//! The page is written by [`gelenk_runtime::report`], as are those of the runtime's examples; here are its contents.
+//! The page is written by [`gelenk_report`], as are those of the runtime's examples; here are its contents.
 
 mod equations;
 mod formula;
@@ -11,7 +11,7 @@ mod sparsity;
 mod states;
 mod tables;
 
-use gelenk_runtime::report::{Block, Inline, Report, ReportError, Section, plain, text};
+use gelenk_report::{Block, Inline, Report, ReportError, Section, plain, text};
 
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::function::Function;
@@ -186,7 +186,7 @@ mod tests {
     use crate::dynamics::catalogue;
     use crate::dynamics::size::MOST_OPERATIONS;
     use crate::model::{ReadOptions, from_toml};
-    use gelenk_runtime::report::Verdict;
+    use gelenk_report::Verdict;
 
     const ARM: &str = r#"
         [[joints]]

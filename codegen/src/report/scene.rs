@@ -1,6 +1,6 @@
 //! The robot as the page's view of it needs it.
 
-use gelenk_runtime::report::{Scene, SceneBody, SceneFrame, SceneJoint, SceneMotion};
+use gelenk_report::{Scene, SceneBody, SceneFrame, SceneJoint, SceneMotion};
 
 use super::robot::Robot;
 use crate::model::{Joint, JointKind, Link, Motion};

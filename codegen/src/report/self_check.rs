@@ -1,6 +1,6 @@
 //! Do the functions agree with each other? Evaluated at seeded states by the interpreter.
 
-use gelenk_runtime::report::{Claim, Criterion};
+use gelenk_report::{Claim, Criterion};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::robot::Robot;

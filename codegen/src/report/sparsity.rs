@@ -1,6 +1,6 @@
 //! Which entries of the matrices are there at all.
 
-use gelenk_runtime::report::Pattern;
+use gelenk_report::Pattern;
 
 use super::robot::Robot;
 use crate::program::{Program, Shape, nonzero_entries};

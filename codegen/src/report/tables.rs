@@ -1,6 +1,6 @@
 //! The numbers of a robot, with their units.
 
-use gelenk_runtime::report::{Cell, Inline, Table};
+use gelenk_report::{Cell, Inline, Table};
 
 use super::formula;
 use super::robot::Robot;

@@ -1,7 +1,7 @@
 //! The equations of the arm and of its controllers, as the page sets them.
 
 use crate::study::Outcome;
-use gelenk_runtime::report::{Block, Equation, Section, text};
+use gelenk_report::{Block, Equation, Section, text};
 
 /// Numbers of the published model: M_11, M_22 without rotors, h [kg m²], first moments [kg m], gear ratio, rotor inertia [kg m²], gravity.
 struct Published {

@@ -21,7 +21,7 @@ mod outcome;
 mod page;
 mod study;
 
-use gelenk_runtime::report::Report;
+use gelenk_report::Report;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Mutex;

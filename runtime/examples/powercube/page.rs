@@ -2,7 +2,7 @@
 
 use crate::equations;
 use crate::study::{Outcome, Part, Study};
-use gelenk_runtime::report::{Block, Claim, Report, Section, text};
+use gelenk_report::{Block, Claim, Report, Section, text};
 
 /// The command of the full run.
 pub const COMMAND: &str = "cargo run --release -p gelenk-runtime --example powercube";

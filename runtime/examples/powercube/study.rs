@@ -1,6 +1,6 @@
 //! What all experiments share.
 
-use gelenk_runtime::report::{Claim, Section};
+use gelenk_report::{Claim, Section};
 
 pub use crate::outcome::Outcome;
 

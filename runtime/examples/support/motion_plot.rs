@@ -110,8 +110,7 @@ impl Folder {
             root.present()?;
         }
         let path = self.0.join(file);
-        gelenk_runtime::file::write_whole(&path, svg)
-            .map_err(|e| format!("{}: {e}", path.display()))?;
+        gelenk_files::write_whole(&path, svg).map_err(|e| format!("{}: {e}", path.display()))?;
         println!("  plot: {}", path.display());
         Ok(())
     }

@@ -14,8 +14,7 @@
 
 use super::error::{IdentificationError, Result};
 use super::result::{FrictionLaw, FrictionResult, FrictionTerm};
-use crate::file::write_whole;
-use crate::replace::is_same_file;
+use gelenk_files::{is_same_file, write_whole};
 use std::fmt::Write;
 use std::fs;
 use std::io;

@@ -5,10 +5,10 @@ use super::run::{self, Run, Setup};
 use super::show;
 use crate::arm::{self, Arm, Friction, JOINTS, PERIOD, Regime, arm, heavier};
 use crate::study::{Outcome, Part, Study};
-use gelenk_runtime::dynamics::Dynamics;
-use gelenk_runtime::report::{
+use gelenk_report::{
     Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
 };
+use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::trajectory::{Sampled, Trajectory};
 
 /// Share by which gravity is too large in every model of this experiment.

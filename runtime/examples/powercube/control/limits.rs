@@ -5,12 +5,12 @@ use super::run::{self, Faster, Run, Setup};
 use super::show;
 use crate::arm::{self, Arm, Friction, GEAR, JOINTS, PEAK, PERIOD, Regime, arm};
 use crate::study::{Outcome, Part, Study};
+use gelenk_report::{
+    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
+};
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::mpc::{LinearizationPoint, MpcOptions};
-use gelenk_runtime::report::{
-    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
-};
 use gelenk_runtime::trajectory::{Sampled, Trajectory};
 
 /// How much faster than published the trajectory is run through.

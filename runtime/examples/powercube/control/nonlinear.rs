@@ -5,10 +5,10 @@ use super::run::{self, Run, Setup};
 use super::show;
 use crate::arm::{self, Arm, Friction, JOINTS, PERIOD, Regime, arm};
 use crate::study::{Outcome, Part, Study};
-use gelenk_runtime::mpc::{LinearizationPoint, MpcOptions};
-use gelenk_runtime::report::{
+use gelenk_report::{
     Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
 };
+use gelenk_runtime::mpc::{LinearizationPoint, MpcOptions};
 use gelenk_runtime::trajectory::{RestToRest, Sampled, Trajectory};
 
 /// Sample time that is coarse for this arm (s).

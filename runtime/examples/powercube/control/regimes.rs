@@ -5,7 +5,7 @@ use super::run::{self, Run, Setup};
 use super::show;
 use crate::arm::{self, Friction, JOINTS, Regime, arm};
 use crate::study::{Outcome, Part, Study};
-use gelenk_runtime::report::{
+use gelenk_report::{
     Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
 };
 use gelenk_runtime::trajectory::Sampled;

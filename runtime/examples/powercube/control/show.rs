@@ -2,7 +2,7 @@
 
 use super::run::Run;
 use crate::arm::{GEAR, JOINTS};
-use gelenk_runtime::report::{Axis, Marks, Plot};
+use gelenk_report::{Axis, Marks, Plot};
 
 pub fn time() -> Axis {
     Axis::new("time", "s")

@@ -4,7 +4,7 @@ use super::identified::FrictionSamples;
 use super::*;
 use crate::arm::{self, Arm, Friction, GEAR, PEAK, PERIOD, Regime, arm};
 use crate::study::{Outcome, Part, Study};
-use gelenk_runtime::report::{Claim, Verdict};
+use gelenk_report::{Claim, Verdict};
 use gelenk_runtime::trajectory::Sampled;
 
 const SHORT: Study = Study { is_short: true };

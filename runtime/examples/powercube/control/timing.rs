@@ -5,6 +5,9 @@ use super::run::{Faster, HORIZON, Ltv, Modelled, Nonlinear, Run, Setup, drive};
 use super::{limits, show};
 use crate::arm::{self, Arm, Friction, GEAR, JOINTS, PEAK, Regime, arm};
 use crate::study::{Outcome, Part, Study};
+use gelenk_report::{
+    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
+};
 use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
 use gelenk_runtime::identification::cross_validation::{CrossValidation, refit};
 use gelenk_runtime::identification::lasso::Lasso;
@@ -12,9 +15,6 @@ use gelenk_runtime::identification::least_squares::Reduced;
 use gelenk_runtime::identification::moments::{Moments, Samples};
 use gelenk_runtime::identification::stribeck::StribeckRegression;
 use gelenk_runtime::identification::thresholding::Thresholding;
-use gelenk_runtime::report::{
-    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
-};
 use gelenk_runtime::trajectory::{Sampled, Trajectory};
 use rustix::time::{ClockId, clock_gettime};
 

@@ -4,7 +4,7 @@ use super::run::{self, FeedForwardAlone, Run, Setup, drive};
 use super::show;
 use crate::arm::{self, Friction, JOINTS, PERIOD, Regime, arm};
 use crate::study::{Outcome, Part, Study};
-use gelenk_runtime::report::{
+use gelenk_report::{
     Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
 };
 use gelenk_runtime::trajectory::Sampled;

@@ -5,6 +5,9 @@ use super::data::{Samples, beta_alone, opposed};
 use super::law::{Method, curve_error, standardized};
 use crate::arm::Friction;
 use crate::study::{Outcome, Part, Study};
+use gelenk_report::{
+    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
+};
 use gelenk_runtime::identification::cross_validation::{CrossValidation, pareto_front};
 use gelenk_runtime::identification::friction::FrictionReport;
 use gelenk_runtime::identification::least_squares::Reduced;
@@ -12,9 +15,6 @@ use gelenk_runtime::identification::library::Library;
 use gelenk_runtime::identification::moments::{Moments, Samples as Columns};
 use gelenk_runtime::identification::result::FrictionLaw;
 use gelenk_runtime::identification::thresholding::Thresholding;
-use gelenk_runtime::report::{
-    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
-};
 
 /// Folds of the cross-validation.
 const FOLDS: usize = 10;

@@ -4,7 +4,7 @@ use super::angle::GRAVITY_ERROR;
 use super::law::{Method, curve, deviation};
 use super::methods::{Beside, Case, FASTEST, OFFSET, Recorded, SLOW, USEFUL, slower, worst};
 use crate::study::{Outcome, Study};
-use gelenk_runtime::report::{Axis, Block, Cell, Figure, Marks, Plot, Section, Table, text};
+use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Section, Table, text};
 use std::time::Instant;
 
 /// `shown`: data with gravity 8 % wrong; `right`: all angles of A, B, C with the right gravity.

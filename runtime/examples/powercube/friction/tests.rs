@@ -8,7 +8,7 @@ use super::methods::{self, Beside, Recorded};
 use super::{joints, library, velocity};
 use crate::arm::Friction;
 use crate::study::{Part, Study};
-use gelenk_runtime::report::{Claim, Verdict};
+use gelenk_report::{Claim, Verdict};
 
 const SHORT: Study = Study { is_short: true };
 

@@ -5,7 +5,7 @@
 //! screens light and dark, narrow and wide, and for paper; what it shows rounded stands in the data in full.
 //!
 //! ```
-//! use gelenk_runtime::report::{Block, Claim, Criterion, Report, Section, text};
+//! use gelenk_report::{Block, Claim, Criterion, Report, Section, text};
 //!
 //! let error = 0.004; // rad, measured
 //! let tracks = Claim::new("tracking", "The feed-forward follows the trajectory.")
@@ -18,7 +18,7 @@
 //! );
 //! let page = report.html()?;
 //! assert!(page.contains("<math") && page.contains("holds"));
-//! # Ok::<(), gelenk_runtime::report::ReportError>(())
+//! # Ok::<(), gelenk_report::ReportError>(())
 //! ```
 
 mod block;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::{ReportError, data, page};
-use crate::replace::Prepared;
+use gelenk_files::Prepared;
 
 const PAGE: &str = "index.html";
 const DATA: &str = "report.json";

@@ -1,6 +1,4 @@
-//! Files reach the disk whole or not at all.
-//!
-//! Generator and runtime hold the same text, since neither can have it from the other; a test keeps both alike.
+//! Files reach the disk whole or not at all: full disks and killed programs leave the old file as it was.
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
@@ -8,9 +6,26 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
+/// Writes a file whole or not at all: beside its place first. Missing folders are made; through a link, the file that it points to
+/// is replaced.
+///
+/// ```
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("results/errors.csv");
+/// gelenk_files::write_whole(&path, "time,error\n0,0.001\n")?;
+/// assert!(std::fs::read_to_string(path)?.starts_with("time"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
+///
+/// # Errors
+/// Those of the system, and what cannot be replaced: folders, devices, links to nothing, files that are read-only.
+pub fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
+    Prepared::new(path, content.as_ref())?.put()
+}
+
 /// A file that is written beside the place that it takes: full disks and killed programs leave the old one as it was.
 #[derive(Debug)]
-pub(crate) struct Prepared {
+pub struct Prepared {
     file: NamedTempFile,
     target: PathBuf,
 }
@@ -21,7 +36,7 @@ impl Prepared {
     ///
     /// # Errors
     /// Those of the system, and what [`target`] refuses.
-    pub(crate) fn new(path: &Path, content: &[u8]) -> io::Result<Self> {
+    pub fn new(path: &Path, content: &[u8]) -> io::Result<Self> {
         let target = target(path)?;
         let folder = match target.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -42,7 +57,7 @@ impl Prepared {
     ///
     /// # Errors
     /// Those of the system; the old file is then as it was.
-    pub(crate) fn put(self) -> io::Result<()> {
+    pub fn put(self) -> io::Result<()> {
         self.file
             .persist(self.target)
             .map_err(|error| error.error)?;
@@ -54,7 +69,7 @@ impl Prepared {
 ///
 /// # Errors
 /// What may not be replaced: folders, devices and pipes, links to nothing, and files that may not be written.
-pub(crate) fn target(path: &Path) -> io::Result<PathBuf> {
+pub fn target(path: &Path) -> io::Result<PathBuf> {
     let refused = |kind, why: &str| Err(io::Error::new(kind, why));
     match fs::metadata(path) {
         Ok(found) if found.is_dir() => refused(io::ErrorKind::IsADirectory, "it is a folder"),
@@ -80,7 +95,7 @@ pub(crate) fn target(path: &Path) -> io::Result<PathBuf> {
 }
 
 /// Whether both paths lead to one file, through whatever links.
-pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
+pub fn is_same_file(one: &Path, other: &Path) -> bool {
     match (identity(one), identity(other)) {
         (Ok(one), Ok(other)) => one == other,
         _ => false,
