@@ -13,13 +13,14 @@
 // Constants reach the generated text, so they may not depend on the platform's library. Tests compare with it.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+pub use gelenk_kernels::{discrete_time, math};
+
 mod advice;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "symbolica")]
 pub mod closed_form;
 pub mod diagnostic;
-pub mod discrete_time;
 pub mod dynamics;
 pub mod emit;
 pub mod formula;
@@ -28,7 +29,6 @@ pub mod guide;
 pub mod kinematics;
 mod lanes;
 pub mod layout;
-pub mod math;
 pub mod model;
 mod numeric;
 pub mod output;

@@ -4,7 +4,6 @@
 //! Generated files have no dependencies, so they cannot implement a trait themselves. [`dynamics!`](crate::dynamics!)
 //! does it for them; every method then is a call of the generated function, nothing else.
 
-mod discrete_time;
 mod friction_law;
 mod macros;
 mod names;

@@ -1,9 +1,9 @@
 //! What generic code asks of a robot.
 
-use super::discrete_time;
 use super::names::numbered;
 use super::solve::{product, solve_positive_definite};
 use super::types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};
+use gelenk_kernels::discrete_time;
 
 /// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs, with
 /// `q = gravity + springs − friction`.

@@ -1,7 +1,7 @@
 //! Results with named blocks.
 
-use super::discrete_time;
 use super::solve::product;
+use gelenk_kernels::discrete_time;
 
 /// Inverse dynamics and its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -89,27 +89,3 @@ fn no_robot_is_forgotten() {
         assert!(name == "lib" || (listed && checked), "{name}");
     }
 }
-
-/// The runtime has the generator's texts, for modules without these functions.
-#[test]
-fn generator_and_runtime_have_the_same_texts() {
-    for file in [
-        "sums",
-        "halves",
-        "zero_order_hold",
-        "runge_kutta",
-        "sensitivities",
-    ] {
-        let text = |folder: &str| {
-            let path = workspace().join(folder).join(format!("{file}.rs"));
-            std::fs::read_to_string(&path)
-                .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
-        };
-        let ours = text("codegen/src/discrete_time");
-        assert_eq!(
-            ours,
-            text("runtime/src/dynamics/discrete_time"),
-            "{file}.rs"
-        );
-    }
-}

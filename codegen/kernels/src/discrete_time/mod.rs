@@ -4,7 +4,7 @@
 //! replaced. Constraints on it: `core` alone, no allocation, no panic, loops over N and M or constants only, no inner
 //! attributes or inner doc comments.
 //!
-//! `gelenk-runtime` has the same files for modules that were generated without these functions.
+//! `gelenk-runtime` calls it for modules that were generated without these functions.
 
 include!("sums.rs");
 include!("halves.rs");
