@@ -44,6 +44,8 @@ pub(super) enum Start {
     Cold,
     /// The solution in memory.
     Warm,
+    /// A point deep inside the bounds, with the steps that are safest: where the others have not led to a solution.
+    Deep,
     /// The unconstrained optimum, hard state bounds replaced by penalties.
     Relaxed,
 }
@@ -111,12 +113,11 @@ struct Run {
     progress: (f64, usize),
 }
 
-/// A start is a bad one if the residual exceeds `FAR`, if more than `SLOW` of it is left per iteration, or if so many steps in a row are shorter than
-/// `CRAWL`; up to the iteration `EARLY`, and while the residual is not yet `NEAR` its tolerance.
+/// A start is a bad one if the residual exceeds `FAR`, and from the iteration `LATE` on if more than `SLOW` of it is left per iteration or if so many steps in a
+/// row are shorter than `CRAWL`, while the residual is not yet `NEAR` its tolerance. Looked at earlier, it is found where patience would have led to the solution sooner.
 const FAR: f64 = 1e4;
 const SLOW: f64 = 0.7;
 const CRAWL: f64 = 0.2;
-const EARLY: usize = 14;
 const NEAR: f64 = 1e3;
 /// A step shorter than `BLOCKED` is stopped by pairs far below the mean of the products `sλ`; from `SETTLED` iterations after the start on they are raised to the share
 /// `LEAST_PRODUCT` of it.
@@ -185,7 +186,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             let certificate = &outcome.certificate;
             start = match start {
                 Start::Warm if !certificate.holds() => Start::Cold,
-                Start::Cold if !outcome.feasible => Start::Relaxed,
+                Start::Cold | Start::Deep if !outcome.feasible => Start::Relaxed,
+                Start::Cold if !certificate.holds() && certificate.is_finite() => Start::Deep,
                 _ => return Ok(certificate.report(self.status(certificate), iterations)),
             };
         }
@@ -246,6 +248,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             candidate = Some(Candidate::Free);
         } else {
             self.begin(start, &mut run);
+            if start == Start::Deep {
+                self.restart(&mut run);
+            }
         }
         loop {
             let mut least = 0.0;
@@ -322,7 +327,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     /// True if the start was a bad one.
     #[inline(always)]
     fn is_slow(&self, state: &State, run: &Run) -> bool {
-        if state.residual <= NEAR * self.settings.feasibility || run.iterations > EARLY {
+        if state.residual <= NEAR * self.settings.feasibility
+            || (run.iterations > 0 && run.iterations < LATE + 2)
+        {
             return false;
         }
         let far = run.iterations == 0 && run.start != Start::Warm && state.residual > FAR;
@@ -541,7 +548,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     /// True if the residual of the bounds has ceased to fall, as it does where they cannot be kept.
     #[inline(always)]
     fn stalled(&self, state: &State, run: &mut Run) -> bool {
-        let iterations = run.iterations;
+        let iterations = run.iterations - run.begun;
         if iterations < LATE || !iterations.is_multiple_of(STALL_PERIOD) {
             return false;
         }
@@ -617,7 +624,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             0.0
         };
         let mu = state.gap / run.count.max(1.0);
-        if run.progress.1 >= PATIENCE {
+        if run.progress.1 >= PATIENCE || run.start == Start::Deep {
             (SAFE_CENTRING * mu, 0.0)
         } else {
             (ratio * ratio * ratio * mu, length.sqrt())

@@ -164,7 +164,7 @@ fn the_worst_period_takes_few_iterations() {
     holds(
         timing::experiment,
         Verdict::Holds,
-        &[(20.0, 0.15), (100.0, 0.01), (9.0, 0.3)],
+        &[(15.0, 0.15), (100.0, 0.01), (9.0, 0.3)],
     );
     let plant = arm([Friction::B, Friction::C]);
     let samples = identified::record(plant, plant, DURATION).unwrap();
