@@ -186,7 +186,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             let certificate = &outcome.certificate;
             start = match start {
                 Start::Warm if !certificate.holds() => Start::Cold,
-                Start::Cold | Start::Deep if !outcome.feasible => Start::Relaxed,
+                Start::Cold if !outcome.feasible => Start::Relaxed,
                 Start::Cold if !certificate.holds() && certificate.is_finite() => Start::Deep,
                 _ => return Ok(certificate.report(self.status(certificate), iterations)),
             };
