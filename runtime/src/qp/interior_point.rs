@@ -248,7 +248,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             candidate = Some(Candidate::Free);
         } else {
             self.begin(start, &mut run);
-            if start == Start::Deep {
+            if start == Start::Deep && self.settings.max_iterations > 0 {
                 self.restart(&mut run);
             }
         }
@@ -298,7 +298,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             return Some(Candidate::Iterate);
         }
         let stalled = self.stalled(&state, run);
-        if merit.is_finite() && !run.restarted && (stalled || self.is_slow(&state, run)) {
+        let may_restart = !run.restarted && run.iterations < self.settings.max_iterations;
+        if merit.is_finite() && may_restart && (stalled || self.is_slow(&state, run)) {
             if run.start == Start::Warm {
                 return Some(Candidate::Last);
             }
