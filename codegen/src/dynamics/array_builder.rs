@@ -71,31 +71,23 @@ impl ArrayBuilder {
     }
 
     /// The same for each joint by itself.
-    pub(super) fn map<const W: usize>(
+    pub(super) fn map<const R: usize, const W: usize>(
         &mut self,
         (name, about): (&str, &str),
-        reads: &[ArrayId],
+        reads: &[ArrayId; R],
         writes: [(&str, usize); W],
-        build: impl for<'g> FnOnce(&[Vec<Scalar<'g>>]) -> [Vec<Scalar<'g>>; W],
+        build: impl for<'g> FnOnce([&Rows<'g>; R]) -> [Vec<Scalar<'g>>; W],
     ) -> [ArrayId; W] {
         let graph = Graph::new();
-        let inputs: Vec<InputArray> = reads
-            .iter()
-            .map(|&array| InputArray {
-                name: self.form.arrays[array].name.clone(),
-                extent: Extent::fixed(self.form.arrays[array].rows),
-            })
-            .collect();
-        let rows: Vec<Vec<Scalar<'_>>> = inputs
-            .iter()
-            .enumerate()
-            .map(|(array, input)| {
-                (0..input.extent.len)
-                    .map(|row| graph.input(array, row))
-                    .collect()
-            })
-            .collect();
-        let outputs: Vec<GraphOutput> = build(&rows)
+        let inputs = reads.map(|array| InputArray {
+            name: self.form.arrays[array].name.clone(),
+            extent: Extent::fixed(self.form.arrays[array].rows),
+        });
+        let rows: [Vec<Scalar<'_>>; R] = core::array::from_fn(|array| {
+            let rows = 0..inputs[array].extent.len;
+            rows.map(|row| graph.input(array, row)).collect()
+        });
+        let outputs: Vec<GraphOutput> = build(rows.each_ref().map(Vec::as_slice))
             .iter()
             .zip(writes)
             .map(|(entries, (name, _))| GraphOutput {
@@ -104,7 +96,7 @@ impl ArrayBuilder {
                 entries: entries.iter().map(|x| x.edge()).collect::<Vec<Edge>>(),
             })
             .collect();
-        let body = lower(&graph, inputs, &outputs);
+        let body = lower(&graph, inputs.into(), &outputs);
         let written = writes.map(|(name, rows)| self.array(name, rows));
         self.form.steps.push(Step::Map(Map {
             name: name.to_owned(),

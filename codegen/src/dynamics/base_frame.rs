@@ -219,6 +219,29 @@ fn set_up<'g>(
     }
 }
 
+/// Inertia, momentum, rate of the screw, the acceleration that the joint adds, and the rate of the momentum, of one body.
+fn body_in_motion<'g>(
+    [axes, origin, moments, screw, rate, gravity, velocity]: [&Rows<'g>; 7],
+    acceleration: Option<Scalar<'g>>,
+) -> [Vec<Scalar<'g>>; 5] {
+    let moments = moved(axes, vector(origin), moments_of(moments));
+    let (screw, velocity) = (spatial(screw), spatial(velocity));
+    let screw_rate = cross_motion(velocity, screw);
+    let mut gained = scaled(screw_rate, rate[0]);
+    gained.1 = gained.1 + vector(gravity);
+    if let Some(acceleration) = acceleration {
+        gained = plus(gained, scaled(screw, acceleration));
+    }
+    let (momentum, spin) = flow_of(&moments, velocity);
+    [
+        entries_of(&moments),
+        [&momentum.0[..], &spin.concat()].concat(),
+        flat(screw_rate),
+        flat(gained),
+        flat(cross_force(velocity, inertia_times(&moments, velocity))),
+    ]
+}
+
 /// Velocities, accelerations and forces, body by body; also 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm.
 fn move_bodies(
     builder: &mut ArrayBuilder,
@@ -229,79 +252,55 @@ fn move_bodies(
         ("joint_velocities", "Velocity that each joint adds."),
         &[setup.screws, setup.rates],
         [("joint_velocity", 6)],
-        |rows| [scaled(spatial(&rows[0]), rows[1][0])].map(flat),
+        |rows| [scaled(spatial(rows[0]), rows[1][0])].map(flat),
     );
     let velocity = builder.sum_ancestors(joint_velocity, "velocity");
-    let name = match is_accelerated {
-        true => (
-            "bodies_in_motion",
-            "Inertia of each body, its momentum, and the acceleration that its joint adds.",
-        ),
-        false => (
-            "bodies_in_steady_motion",
-            "Inertia of each body, its momentum, and the acceleration that its joint adds at ÿ = 0.",
-        ),
-    };
-    let mut reads = vec![
+    let [axes, origins, moments, screws, rates, gravity] = [
         setup.axes,
         setup.origins,
         setup.moments,
         setup.screws,
         setup.rates,
         setup.gravity,
-        velocity,
     ];
-    reads.extend(is_accelerated.then_some(setup.last));
-    let [inertia, flow, screw_rate, joint_acceleration, momentum_rate] = builder.map(
-        name,
-        &reads,
-        [
-            ("inertia", 10),
-            ("flow", 12),
-            ("screw_rate", 6),
-            ("joint_acceleration", 6),
-            ("momentum_rate", 6),
-        ],
-        |rows| {
-            let [
-                axes,
-                origin,
-                moments,
-                screw,
-                rate,
-                gravity,
-                velocity,
-                last @ ..,
-            ] = rows
-            else {
-                return Default::default();
-            };
-            let moments = moved(axes, vector(origin), moments_of(moments));
-            let (screw, velocity) = (spatial(screw), spatial(velocity));
-            let screw_rate = cross_motion(velocity, screw);
-            let mut gained = scaled(screw_rate, rate[0]);
-            gained.1 = gained.1 + vector(gravity);
-            if let [accelerations] = last {
-                gained = plus(gained, scaled(screw, accelerations[0]));
-            }
-            let (momentum, spin) = flow_of(&moments, velocity);
-            [
-                entries_of(&moments),
-                [&momentum.0[..], &spin.concat()].concat(),
-                flat(screw_rate),
-                flat(gained),
-                flat(cross_force(velocity, inertia_times(&moments, velocity))),
-            ]
-        },
-    );
+    let writes = [
+        ("inertia", 10),
+        ("flow", 12),
+        ("screw_rate", 6),
+        ("joint_acceleration", 6),
+        ("momentum_rate", 6),
+    ];
+    let [inertia, flow, screw_rate, joint_acceleration, momentum_rate] = match is_accelerated {
+        true => builder.map(
+            (
+                "bodies_in_motion",
+                "Inertia of each body, its momentum, and the acceleration that its joint adds.",
+            ),
+            &[axes, origins, moments, screws, rates, gravity, velocity, setup.last],
+            writes,
+            |[axes, origin, moments, screw, rate, gravity, velocity, acceleration]| {
+                let steady = [axes, origin, moments, screw, rate, gravity, velocity];
+                body_in_motion(steady, Some(acceleration[0]))
+            },
+        ),
+        false => builder.map(
+            (
+                "bodies_in_steady_motion",
+                "Inertia of each body, its momentum, and the acceleration that its joint adds at ÿ = 0.",
+            ),
+            &[axes, origins, moments, screws, rates, gravity, velocity],
+            writes,
+            |steady| body_in_motion(steady, None),
+        ),
+    };
     let acceleration = builder.sum_ancestors(joint_acceleration, "acceleration");
     let [force] = builder.map(
         ("body_forces", "Force that each body needs."),
         &[inertia, acceleration, momentum_rate],
         [("force", 6)],
         |rows| {
-            let inertial = inertia_times(&moments_of(&rows[0]), spatial(&rows[1]));
-            [flat(plus(inertial, spatial(&rows[2])))]
+            let inertial = inertia_times(&moments_of(rows[0]), spatial(rows[1]));
+            [flat(plus(inertial, spatial(rows[2])))]
         },
     );
     let motion = Motion {
@@ -326,7 +325,7 @@ fn accelerate(
         ("joint_accelerations", "Acceleration that each joint adds."),
         &[setup.screws, accelerations],
         [("added_joint_acceleration", 6)],
-        |rows| [flat(scaled(spatial(&rows[0]), rows[1][0]))],
+        |rows| [flat(scaled(spatial(rows[0]), rows[1][0]))],
     );
     let gained = builder.sum_ancestors(gained, "added_acceleration");
     let [acceleration, force] = builder.map(
@@ -337,10 +336,10 @@ fn accelerate(
         &[steady.inertia, steady.acceleration, gained],
         [("total_acceleration", 6), ("added_force", 6)],
         |rows| {
-            let gained = spatial(&rows[2]);
+            let gained = spatial(rows[2]);
             [
-                flat(plus(spatial(&rows[1]), gained)),
-                flat(inertia_times(&moments_of(&rows[0]), gained)),
+                flat(plus(spatial(rows[1]), gained)),
+                flat(inertia_times(&moments_of(rows[0]), gained)),
             ]
         },
     );
@@ -349,7 +348,7 @@ fn accelerate(
         ("total_forces", "Force of all that each joint carries."),
         &[at_rest.force, added],
         [("composite_force", 6)],
-        |rows| [flat(plus(spatial(&rows[0]), spatial(&rows[1])))],
+        |rows| [flat(plus(spatial(rows[0]), spatial(rows[1])))],
     );
     (
         Motion {
@@ -376,7 +375,7 @@ fn joint_forces(builder: &mut ArrayBuilder, setup: &Setup, composites: &Composit
         ],
         [("forces", 1)],
         |rows| {
-            let bodies = dot(spatial(&rows[0]), spatial(&rows[1]));
+            let bodies = dot(spatial(rows[0]), spatial(rows[1]));
             [vec![bodies + rows[2][0] * rows[3][0] - rows[4][2]]]
         },
     );
@@ -392,7 +391,7 @@ fn remaining_forces(builder: &mut ArrayBuilder, setup: &Setup, composites: &Comp
         ),
         &[setup.screws, composites.force, setup.last],
         [("remaining_force", 1)],
-        |rows| [vec![rows[2][0] - dot(spatial(&rows[0]), spatial(&rows[1]))]],
+        |rows| [vec![rows[2][0] - dot(spatial(rows[0]), spatial(rows[1]))]],
     );
     remaining
 }
@@ -406,8 +405,8 @@ fn mass_matrix(builder: &mut ArrayBuilder, setup: &Setup, composites: &Composite
         &[setup.screws, composites.inertia, setup.rotors],
         [("unit_force", 6), ("diagonal", 1)],
         |rows| {
-            let screw = spatial(&rows[0]);
-            let force = inertia_times(&moments_of(&rows[1]), screw);
+            let screw = spatial(rows[0]);
+            let force = inertia_times(&moments_of(rows[1]), screw);
             [flat(force), vec![dot(screw, force) + rows[2][0]]]
         },
     );
@@ -435,10 +434,7 @@ fn jacobians(
         [
             ("gains", 9), ("by_coordinate", 9), ("by_velocity", 9), ("stiffness", 6), ("damping", 6), ("own_stiffness", 1), ("own_damping", 1),
         ],
-        |rows| {
-            let [screw, screw_rate, velocity, acceleration, inertia, flow, force, joint] = rows else {
-                return Default::default();
-            };
+        |[screw, screw_rate, velocity, acceleration, inertia, flow, force, joint]| {
             let (screw, rate) = (spatial(screw), spatial(screw_rate));
             let moments = moments_of(inertia);
             let (momentum, spin) = (vector(&flow[..3]), complement(&flow[3..]));

@@ -264,10 +264,10 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Of a copy, since the matrix may be read again.
+    /// Inverts a copy of the matrix, which may be read again.
     fn invert(&self, from: usize, to: usize) -> TokenStream {
         let (Place::Local(from), Place::Local(to)) = (&self.places[from], &self.places[to]) else {
-            return quote!();
+            unreachable!("matrices that are inverted, and their inverses, are local variables");
         };
         let order = (!self.row.is_one_block()).then(|| self.pivots());
         quote! {

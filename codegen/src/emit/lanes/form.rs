@@ -192,15 +192,15 @@ impl<'a> Form<'a> {
         let sums = plan.angles.iter().copied();
         let sums = sums.filter(|index| plan.pairs.binary_search(index).is_err());
         let sums = self.body.statements_in_lane(sums);
-        let values = plan.pairs.iter().enumerate().filter_map(|(k, &index)| {
+        let values = plan.pairs.iter().enumerate().map(|(k, &index)| {
             let Operation::SinCos(angle) = self.body.program.instructions[index].operation else {
-                return None;
+                unreachable!("the plan's pairs are sines with their cosines");
             };
             let (k, angle) = (
                 Literal::usize_unsuffixed(k),
                 self.body.operand_in_lane(angle),
             );
-            Some(quote!(angles[#k].0[lane] = #angle;))
+            quote!(angles[#k].0[lane] = #angle;)
         });
         let calls = (0..plan.pairs.len()).map(|k| {
             let k = Literal::usize_unsuffixed(k);
@@ -269,7 +269,8 @@ impl<'a> Form<'a> {
             let k = Literal::usize_unsuffixed(k);
             Some(quote!(#values[#k].0[lane]))
         });
-        places.next().unwrap_or_default()
+        let place = places.next();
+        place.unwrap_or_else(|| unreachable!("an earlier part returns what a part takes"))
     }
 
     /// A part of a function that returns its results: all but the last part only hand on values.
