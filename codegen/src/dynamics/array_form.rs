@@ -112,7 +112,7 @@ impl<'m> Forms<'m> {
 
     /// The function that a function calls, where it does. Known without deriving what may be too large to be wanted.
     pub(super) fn callee(&self, name: &str) -> Option<&'static str> {
-        let quantity = catalogue::quantity(name)?;
+        let quantity = catalogue::row(name)?;
         let Some(Loops::Affine { called }) = quantity.loops else {
             return None;
         };
@@ -125,7 +125,7 @@ impl<'m> Forms<'m> {
         quantity: &Quantity,
         called: &str,
     ) -> Option<(&'static Quantity, Vec<(usize, Operand)>)> {
-        let called = catalogue::quantity(called)?;
+        let called = catalogue::row(called)?;
         if self.is_straight(quantity) || !self.may_loop(called) {
             return None;
         }
@@ -189,7 +189,7 @@ impl<'m> Forms<'m> {
         match loops {
             None => quantity.straight_size.map(|size| (size, false)),
             Some(Loops::PerJoint { size, .. }) => Some((size, true)),
-            Some(Loops::Affine { called }) => match catalogue::quantity(called)?.loops {
+            Some(Loops::Affine { called }) => match catalogue::row(called)?.loops {
                 Some(Loops::PerJoint { size, .. }) => Some((size, true)),
                 _ => None,
             },

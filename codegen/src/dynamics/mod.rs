@@ -22,6 +22,5 @@ pub mod module_constants;
 pub mod newton_euler;
 pub mod placement;
 pub mod regressor;
-pub mod regressor_quantities;
 pub mod selection;
 pub mod size;

@@ -87,7 +87,7 @@ pub(super) fn before(
         return Vec::new();
     }
     let estimated = names.iter().filter_map(|name| {
-        let (estimate, are_loops) = forms.estimate(catalogue::quantity(name)?)?;
+        let (estimate, are_loops) = forms.estimate(catalogue::row(name)?)?;
         Some((name, estimate, are_loops))
     });
     let estimated: Vec<_> = estimated.collect();

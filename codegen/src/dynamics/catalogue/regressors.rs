@@ -1,13 +1,13 @@
 //! Functions that are linear in parameters, for identification: a part of the catalogue.
 
-use super::catalogue::Argument::{Accelerations, Coordinates, Velocities};
-use super::catalogue::{
+use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
+use super::quantity::{
     Arguments, PARAMETERS, Quantity, QuantityResult, REGRESSOR, Value, matrix, vector,
 };
-use super::equations::Equations;
-use super::newton_euler::MotionInput;
-use super::size::Estimate;
-use super::{forces, module_constants, regressor};
+use crate::dynamics::equations::Equations;
+use crate::dynamics::newton_euler::MotionInput;
+use crate::dynamics::size::Estimate;
+use crate::dynamics::{forces, module_constants, regressor};
 
 /// Their rows of the catalogue.
 pub const QUANTITIES: &[Quantity] = &[

@@ -1,0 +1,117 @@
+//! The functions that can be generated: one row each, with what their documentation says.
+//!
+//! [`quantity`] is the vocabulary, `motion`, `frames` and `regressors` hold the rows, [`derive()`] makes a function of one.
+
+mod derive;
+mod frames;
+mod motion;
+mod quantity;
+mod regressors;
+
+pub(super) use derive::{
+    arguments_of, derive_frame, derive_quantity, say_definiteness, straight_program,
+};
+pub use derive::{derive, derive_in_form};
+pub(super) use frames::{FRAME_QUANTITIES, frame_name};
+pub use quantity::{Argument, Arguments, Quantity, Value};
+pub(super) use quantity::{BuildLoops, FrameQuantity, Loops, SQUARE, matrix};
+
+use super::composition::Composition;
+use super::{forces, hessian};
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::model::Model;
+use motion::{FRICTION_BY_POSITION, QUANTITIES};
+
+/// Every function but those of named frames, in the order of the generated module.
+pub fn quantities() -> impl Iterator<Item = &'static Quantity> {
+    QUANTITIES.iter().chain(regressors::QUANTITIES)
+}
+
+/// [`quantities()`] with the rows of friction that a model needs: where a friction law depends on the position of its
+/// joint, they take y too.
+fn quantities_of(model: &Model) -> impl Iterator<Item = &'static Quantity> {
+    let by_position: &[Quantity] = match forces::friction_depends_on_position(model) {
+        true => FRICTION_BY_POSITION,
+        false => &[],
+    };
+    quantities().map(move |quantity| {
+        let replacement = by_position.iter().find(|row| row.name == quantity.name);
+        replacement.unwrap_or(quantity)
+    })
+}
+
+/// The quantities of a model, and those that are derived where they are asked for by name.
+pub(super) fn all_quantities(model: &Model) -> impl Iterator<Item = &'static Quantity> {
+    quantities_of(model).chain(ON_REQUEST)
+}
+
+/// Whether a function is derived only where it is asked for by name.
+pub(super) fn is_on_request(name: &str) -> bool {
+    ON_REQUEST.iter().any(|quantity| quantity.name == name)
+}
+
+/// Functions that are derived where they are asked for by name: they are large, and few need them.
+const ON_REQUEST: &[Quantity] = &[hessian::QUANTITY];
+
+/// The row of a function that every robot has.
+pub(super) fn row(name: &str) -> Option<&'static Quantity> {
+    let mut rows = quantities().chain(ON_REQUEST);
+    rows.find(|row| row.name == name)
+}
+
+/// Names of all functions of a model, in the order of the generated module.
+pub fn names(model: &Model) -> Vec<String> {
+    let quantities = all_quantities(model).map(|quantity| quantity.name.to_owned());
+    let frames = model
+        .frames
+        .iter()
+        .flat_map(|frame| FRAME_QUANTITIES.iter().map(|q| frame_name(frame, q)));
+    let compositions = Composition::ALL.iter().map(|each| each.name().to_owned());
+    quantities.chain(frames).chain(compositions).collect()
+}
+
+/// The selected functions that call others; an empty selection means all.
+pub fn compositions(selection: &[String]) -> Vec<Composition> {
+    let is_selected = |each: &Composition| {
+        selection.is_empty() || selection.iter().any(|name| name == each.name())
+    };
+    Composition::ALL.into_iter().filter(is_selected).collect()
+}
+
+/// # Errors
+/// `unknown-function` for each name that the model does not have; `frames` stands for all of named frames.
+pub(crate) fn check_names(model: &Model, selection: &[String]) -> Result<(), Diagnostics> {
+    let known = names(model);
+    let unknown = selection
+        .iter()
+        .filter(|name| *name != "frames" && !known.contains(name));
+    let problems: Vec<_> = unknown
+        .map(|name| {
+            Diagnostic::error("unknown-function", format!("there is no function `{name}`"))
+                .help(format!("choose from: {}, frames", known.join(", ")))
+        })
+        .collect();
+    if problems.is_empty() {
+        Ok(())
+    } else {
+        Err(Diagnostics::new(problems))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::composition::Composition;
+    use crate::model::FUNCTIONS;
+
+    #[test]
+    fn descriptions_may_ask_for_every_function() {
+        let names = quantities().chain(ON_REQUEST).map(|quantity| quantity.name);
+        let composed = Composition::ALL.map(Composition::name);
+        let mut names: Vec<&str> = names.chain(composed).chain(["frames"]).collect();
+        let mut known = FUNCTIONS.to_vec();
+        names.sort_unstable();
+        known.sort_unstable();
+        assert_eq!(names, known);
+    }
+}

@@ -1,0 +1,430 @@
+//! Rows of the equations of motion and what follows from them.
+
+use super::quantity::Argument::{Accelerations, Coordinates, Inputs, Velocities};
+use super::quantity::{
+    Arguments, BY_INPUTS, Loops, Quantity, SCALAR, SQUARE, VECTOR, Value, matrix, scalar, vector,
+};
+use super::regressors;
+use crate::dynamics::equations::Equations;
+use crate::dynamics::newton_euler::MotionInput;
+use crate::dynamics::size::Estimate;
+use crate::dynamics::{base_frame, forces, module_constants};
+
+/// The equations of motion and what follows from them.
+pub(super) const QUANTITIES: &[Quantity] = &[
+    Quantity {
+        name: "mass_matrix",
+        summary: "Mass matrix `M(y)`.",
+        equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
+        arguments: &[Coordinates],
+        results: &[(
+            "M",
+            SQUARE,
+            "symmetric, positive definite, both triangles filled",
+        )],
+        notes: &[
+            "Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.",
+        ],
+        build: |equations, arguments| vec![matrix(equations.mass_matrix(&arguments.y))],
+        constants: |_, _, program| {
+            module_constants::patterns(program, &[("MASS_MATRIX_NONZERO", "M")])
+        },
+        straight_size: Some(Estimate::MassMatrix),
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "coriolis_forces",
+        summary: "Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.",
+        equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
+        arguments: &[Coordinates, Velocities],
+        results: &[(
+            "k",
+            VECTOR,
+            "on the left-hand side: without gravity, springs and friction",
+        )],
+        notes: &["Recursive Newton–Euler equations without gravity and accelerations."],
+        build: |equations, arguments| {
+            vec![vector(
+                equations.coriolis_forces(&arguments.y, &arguments.v),
+            )]
+        },
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "gravity_forces",
+        summary: "Gravity's share of the applied forces.",
+        equation: "q = gravity_forces + spring_forces − friction_torques",
+        arguments: &[Coordinates],
+        results: &[(
+            "q_gravity",
+            VECTOR,
+            "positive where gravity drives the joint forwards; −∂V/∂y",
+        )],
+        notes: &[],
+        build: |equations, arguments| vec![vector(equations.gravity_forces(&arguments.y))],
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "spring_forces",
+        summary: "Springs' and dampers' share of the applied forces.",
+        equation: "q = gravity_forces + spring_forces − friction_torques",
+        arguments: &[Coordinates, Velocities],
+        results: &[(
+            "q_springs",
+            VECTOR,
+            "positive where a spring drives the joint forwards",
+        )],
+        notes: &[],
+        build: |equations, arguments| {
+            vec![vector(equations.spring_forces(&arguments.y, &arguments.v))]
+        },
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "friction_torques",
+        summary: "Joint friction `τ(ẏ)`.",
+        equation: "q = gravity_forces + spring_forces − friction_torques",
+        arguments: &[Velocities],
+        results: &[("τ", VECTOR, "positive for positive velocity, at the joint")],
+        notes: &[],
+        build: friction_torques,
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "applied_forces",
+        summary: "Applied forces `q(y, ẏ)`.",
+        equation: "q = gravity_forces + spring_forces − friction_torques",
+        arguments: &[Coordinates, Velocities],
+        results: &[("q", VECTOR, "on the right-hand side, without the inputs")],
+        notes: &[],
+        build: |equations, arguments| {
+            vec![vector(equations.applied_forces(&arguments.y, &arguments.v))]
+        },
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "bias_forces",
+        summary: "Bias forces `k − q_gravity`.",
+        equation: "k − gravity_forces",
+        arguments: &[Coordinates, Velocities],
+        results: &[(
+            "b",
+            VECTOR,
+            "what holds the accelerations at zero, without springs and friction",
+        )],
+        notes: &["Recursive Newton–Euler equations at ÿ = 0. Pinocchio calls this `nle`."],
+        build: |equations, arguments| {
+            vec![vector(equations.bias_forces(&arguments.y, &arguments.v))]
+        },
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "input_matrix",
+        summary: "Input matrix `B`.",
+        equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
+        arguments: &[],
+        results: &[(
+            "B",
+            BY_INPUTS,
+            "gear ratios, times motor constants where inputs are currents",
+        )],
+        notes: &[],
+        build: |equations, _| {
+            vec![matrix(forces::input_matrix(
+                equations.graph,
+                equations.model,
+            ))]
+        },
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "equations_of_motion",
+        summary: "Mass matrix, Coriolis forces and applied forces at once.",
+        equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
+        arguments: &[Coordinates, Velocities],
+        results: &[
+            (
+                "M",
+                SQUARE,
+                "symmetric, positive definite, both triangles filled",
+            ),
+            ("k", VECTOR, "Coriolis, centrifugal and gyroscopic forces"),
+            ("q", VECTOR, "gravity, springs and friction"),
+        ],
+        notes: &["What the three have in common is computed once."],
+        build: |equations, arguments| {
+            let (y, v) = (&arguments.y, &arguments.v);
+            let k = equations.coriolis_forces(y, v);
+            vec![
+                matrix(equations.mass_matrix(y)),
+                vector(k),
+                vector(equations.applied_forces(y, v)),
+            ]
+        },
+        straight_size: Some(Estimate::MassMatrix),
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "inverse_dynamics",
+        summary: "Inverse dynamics: the joint forces of a motion.",
+        equation: "M(y) ÿ + k(y, ẏ) − q(y, ẏ)",
+        arguments: &[Coordinates, Velocities, Accelerations],
+        results: &[(
+            "B u",
+            VECTOR,
+            "what the drives exert at the joints; u_ff = B⁻¹ times it",
+        )],
+        notes: &[
+            "Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters.",
+        ],
+        build: |equations, arguments| {
+            vec![vector(equations.inverse_dynamics(
+                &arguments.y,
+                &arguments.v,
+                &arguments.a,
+            ))]
+        },
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "forward_dynamics",
+        summary: "Forward dynamics: the accelerations that inputs cause.",
+        equation: "ÿ = M⁻¹ (q + B u − k)",
+        arguments: &[Coordinates, Velocities, Inputs],
+        results: &[("ÿ", VECTOR, "accelerations")],
+        notes: &[],
+        build: |equations, arguments| {
+            vec![vector(equations.forward_dynamics(
+                &arguments.y,
+                &arguments.v,
+                &arguments.u,
+            ))]
+        },
+        route: |formulations| Some(formulations.forward_dynamics().description()),
+        needs_inverse: true,
+        straight_size: Some(Estimate::MassMatrix),
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "mass_matrix_and_bias_forces",
+        summary: "Mass matrix and bias forces at once.",
+        equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
+        arguments: &[Coordinates, Velocities],
+        results: &[
+            (
+                "M",
+                SQUARE,
+                "symmetric, positive definite, both triangles filled",
+            ),
+            (
+                "b",
+                VECTOR,
+                "k − gravity_forces: what holds the accelerations at zero, without springs and friction",
+            ),
+        ],
+        notes: &["What both have in common is computed once."],
+        build: |equations, arguments| {
+            let (mass, bias) = equations.mass_matrix_and_bias(&arguments.y, &arguments.v);
+            vec![matrix(mass), vector(bias)]
+        },
+        straight_size: Some(Estimate::MassMatrix),
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "inverse_dynamics_derivatives",
+        summary: "Inverse dynamics with its Jacobians.",
+        equation: "δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ",
+        arguments: &[Coordinates, Velocities, Accelerations],
+        results: &[
+            ("B u", VECTOR, "the forces M ÿ + k − q, on the joint side"),
+            ("∂/∂y", SQUARE, "row i = force i"),
+            ("∂/∂ẏ", SQUARE, "row i = force i, friction included"),
+        ],
+        notes: DERIVATIVE_NOTES,
+        build: |equations, Arguments { y, v, a, .. }| {
+            let result = equations.inverse_dynamics_derivatives(MotionInput { y, v, a });
+            vec![
+                vector(result.forces),
+                matrix(result.by_coordinates),
+                matrix(result.by_velocities),
+            ]
+        },
+        route: |formulations| Some(formulations.derivatives().description()),
+        straight_size: Some(Estimate::MassMatrix),
+        loops: Some(Loops::PerJoint {
+            build: base_frame::inverse_dynamics_derivatives,
+            size: Estimate::Pairs,
+        }),
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "inverse_dynamics_derivatives_and_mass_matrix",
+        summary: "Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.",
+        equation: "δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ",
+        arguments: &[Coordinates, Velocities, Accelerations],
+        results: &[
+            ("B u", VECTOR, "the forces M ÿ + k − q, on the joint side"),
+            ("∂/∂y", SQUARE, "row i = force i"),
+            ("∂/∂ẏ", SQUARE, "row i = force i, friction included"),
+            (
+                "M",
+                SQUARE,
+                "symmetric, positive definite, both triangles filled",
+            ),
+        ],
+        notes: DERIVATIVE_NOTES,
+        build: |equations, Arguments { y, v, a, .. }| {
+            let result = equations.inverse_dynamics_derivatives(MotionInput { y, v, a });
+            let jacobians = [
+                result.by_coordinates,
+                result.by_velocities,
+                result.mass_matrix,
+            ]
+            .map(matrix);
+            std::iter::once(vector(result.forces))
+                .chain(jacobians)
+                .collect()
+        },
+        route: |formulations| Some(formulations.derivatives().description()),
+        straight_size: Some(Estimate::MassMatrix),
+        loops: Some(Loops::PerJoint {
+            build: base_frame::inverse_dynamics_derivatives_and_mass_matrix,
+            size: Estimate::Pairs,
+        }),
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "forward_dynamics_derivatives",
+        summary: "Forward dynamics with its Jacobians.",
+        equation: "∂ÿ = −M⁻¹ ∂(M ÿ + k − q), ∂ÿ/∂(B u) = M⁻¹",
+        arguments: &[Coordinates, Velocities, Inputs],
+        results: &[
+            ("ÿ", VECTOR, "accelerations"),
+            ("∂ÿ/∂y", SQUARE, "row i = acceleration i"),
+            ("∂ÿ/∂ẏ", SQUARE, "row i = acceleration i"),
+            (
+                "M⁻¹",
+                SQUARE,
+                "symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B",
+            ),
+        ],
+        notes: DERIVATIVE_NOTES,
+        build: |equations, Arguments { y, v, u, .. }| {
+            let result = equations.forward_dynamics_derivatives(y, v, u);
+            let jacobians =
+                [result.by_coordinates, result.by_velocities, result.inverse].map(matrix);
+            std::iter::once(vector(result.accelerations))
+                .chain(jacobians)
+                .collect()
+        },
+        route: |formulations| Some(formulations.derivatives().description()),
+        needs_inverse: true,
+        straight_size: Some(Estimate::MassMatrix),
+        loops: Some(Loops::PerJoint {
+            build: base_frame::forward_dynamics_derivatives,
+            size: Estimate::Inverse,
+        }),
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "linearize",
+        summary: "Linearization of the accelerations in continuous time.",
+        equation: "ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0",
+        arguments: &[Coordinates, Velocities, Inputs],
+        results: &[
+            ("A_y", SQUARE, "∂ÿ/∂y, row i = acceleration i"),
+            ("A_v", SQUARE, "∂ÿ/∂ẏ, row i = acceleration i"),
+            ("B_x", BY_INPUTS, "∂ÿ/∂u, row i = acceleration i"),
+            ("c", VECTOR, "affine remainder ÿ − A_y y − A_v ẏ − B_x u"),
+        ],
+        notes: DERIVATIVE_NOTES,
+        build: |equations, Arguments { y, v, u, .. }| {
+            let result = equations.linearize(y, v, u);
+            let jacobians = [
+                result.by_coordinates,
+                result.by_velocities,
+                result.by_inputs,
+            ]
+            .map(matrix);
+            jacobians
+                .into_iter()
+                .chain([vector(result.remainder)])
+                .collect()
+        },
+        route: |formulations| Some(formulations.derivatives().description()),
+        needs_inverse: true,
+        constants: |_, _, program| {
+            module_constants::patterns(
+                program,
+                &[
+                    ("A_Y_NONZERO", "A_y"),
+                    ("A_V_NONZERO", "A_v"),
+                    ("B_X_NONZERO", "B_x"),
+                ],
+            )
+        },
+        straight_size: Some(Estimate::MassMatrix),
+        loops: Some(Loops::Affine {
+            called: "forward_dynamics_derivatives",
+        }),
+    },
+    Quantity {
+        name: "kinetic_energy",
+        summary: "Kinetic energy, rotors included.",
+        equation: "T = ½ ẏᵀ M ẏ",
+        arguments: &[Coordinates, Velocities],
+        results: &[("T", SCALAR, "energy [J]")],
+        notes: &[],
+        build: |equations, arguments| {
+            vec![scalar(equations.kinetic_energy(&arguments.y, &arguments.v))]
+        },
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "potential_energy",
+        summary: "Potential energy of gravity.",
+        equation: "V = −g · Σ m c",
+        arguments: &[Coordinates],
+        results: &[(
+            "V",
+            SCALAR,
+            "energy [J], of the moving bodies, zero with their masses at the height of the base frame; springs not included",
+        )],
+        notes: &[],
+        build: |equations, arguments| vec![scalar(equations.potential_energy(&arguments.y))],
+        ..Quantity::PLAIN
+    },
+];
+
+/// Rows that replace those of the same name where a friction law depends on the position.
+pub(super) const FRICTION_BY_POSITION: &[Quantity] = &[
+    Quantity {
+        name: "friction_torques",
+        summary: "Joint friction `τ(y, ẏ)`.",
+        equation: "q = gravity_forces + spring_forces − friction_torques",
+        arguments: &[Coordinates, Velocities],
+        results: &[(
+            "τ",
+            VECTOR,
+            "positive where friction brakes a positive velocity, at the joint",
+        )],
+        notes: &[],
+        build: friction_torques,
+        ..Quantity::PLAIN
+    },
+    regressors::FRICTION_PARAMETERS_BY_POSITION,
+    regressors::FRICTION_REGRESSOR_BY_POSITION,
+];
+
+fn friction_torques<'g>(
+    equations: &Equations<'_, 'g>,
+    arguments: &Arguments<'g>,
+) -> Vec<Value<'g>> {
+    vec![vector(
+        equations.friction_torques(&arguments.y, &arguments.v),
+    )]
+}
+
+const DERIVATIVE_NOTES: &[&str] = &[
+    "Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).",
+];
