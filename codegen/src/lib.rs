@@ -38,6 +38,7 @@ mod random;
 #[cfg(feature = "cli")]
 pub mod report;
 
+pub mod self_test;
 mod snapping;
 #[cfg(test)]
 mod testing;

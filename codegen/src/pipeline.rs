@@ -16,6 +16,7 @@ use crate::model::{self, Loaded, Model, ReadOptions};
 use crate::program::arrays::ArrayForm;
 use crate::program::cost::{self, Cost};
 use crate::program::fuse_multiply_adds;
+use crate::self_test::self_tests;
 use crate::snapping;
 
 /// What the caller may ask for beyond the description.
@@ -40,6 +41,8 @@ pub struct GenerateOptions {
     pub fused_multiply_add: bool,
     /// Form of functions that are large as straight-line code.
     pub form: Form,
+    /// Writes tests of the functions at the end of the module, against the values of the interpreter.
+    pub self_test: bool,
     /// Operations of the largest function that is wanted; by default [`MOST_OPERATIONS`].
     pub max_operations: Option<usize>,
     /// How the module is written.
@@ -114,8 +117,13 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
     let advice = advice::notes(&model, &functions, &compositions);
     let others = [left_out, advice, obstacles, incomplete].concat();
     let notes = Diagnostics::new([notes.into_entries(), others].concat());
+    let self_tests = match options.self_test {
+        true => self_tests(&model, &functions),
+        false => Vec::new(),
+    };
     let emit_options = EmitOptions {
         lanes,
+        self_tests,
         ..options.emit.clone()
     };
     let source = emit::module(&model, &functions, &compositions, &emit_options);

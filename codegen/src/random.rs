@@ -23,7 +23,6 @@ impl Random {
     }
 
     /// Evenly in `±(low..high)`.
-    #[cfg(feature = "cli")]
     pub(crate) fn either_side(&mut self, low: f64, high: f64) -> f64 {
         let size = self.between(low, high);
         if self.between(0.0, 1.0) < 0.5 {

@@ -241,6 +241,9 @@ pub(super) struct Choices {
     /// that have them
     #[arg(long)]
     pub(super) fused_multiply_add: bool,
+    /// Write tests at the end of the module: its functions at seeded states, against the generator's interpreter
+    #[arg(long)]
+    pub(super) self_test: bool,
     /// Generate functions of up to so many operations [default: 300000]
     #[arg(long, value_name = "COUNT")]
     pub(super) max_operations: Option<usize>,

@@ -298,6 +298,7 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
         accept_unphysical: choices.reading.accept_unphysical,
         exact_sign: false,
         fused_multiply_add: choices.fused_multiply_add,
+        self_test: choices.self_test,
         form: Form::Cheapest,
         max_operations: choices.max_operations,
         emit: EmitOptions {
@@ -342,6 +343,7 @@ pub(super) fn command(
             .fused_multiply_add
             .then(|| "--fused-multiply-add".to_owned()),
     );
+    words.extend(choices.self_test.then(|| "--self-test".to_owned()));
     if let Some(most) = choices.max_operations {
         words.push(format!("--max-operations {most}"));
     }
@@ -462,6 +464,7 @@ mod tests {
             },
             lanes: vec![],
             fused_multiply_add: false,
+            self_test: false,
             max_operations: None,
         };
         let command = command(

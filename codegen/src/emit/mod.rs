@@ -23,6 +23,7 @@ mod math;
 pub mod names;
 mod parameters;
 mod pasted;
+mod self_test;
 mod split;
 
 pub use header::{FIRST_LINE, documentation};
@@ -38,6 +39,7 @@ use crate::dynamics::composition::Composition;
 use crate::dynamics::function::Function;
 use crate::dynamics::module_constants;
 use crate::model::Model;
+use crate::self_test::SelfTest;
 
 /// So many statements stay one function. With debug information, as in Cargo's dev profile, rustc 1.95 nests one scope
 /// for each `let`, and LLVM recurses over them: 2 800 statements compile, 3 200 overflow the 2 MB of its thread's stack and
@@ -60,6 +62,8 @@ pub struct EmitOptions {
     pub lanes: Vec<String>,
     /// Lines below the description of the robot: what its reader should know about this module.
     pub remarks: Vec<String>,
+    /// Calls that a test module at the end makes, those of one function together; none without such a module.
+    pub self_tests: Vec<SelfTest>,
 }
 
 impl Default for EmitOptions {
@@ -71,6 +75,7 @@ impl Default for EmitOptions {
             longest_function: LONGEST_FUNCTION,
             lanes: vec![],
             remarks: vec![],
+            self_tests: vec![],
         }
     }
 }
@@ -122,6 +127,7 @@ pub fn module(
     text.push_str(&math::text(&context));
     text.push_str(&discrete_time::text(options.scalar, compositions));
     text.push_str(math::guard(functions));
+    push_items(&mut text, self_test::items(&context, functions));
     SourceFile {
         name: context.name,
         text,

@@ -167,6 +167,14 @@ impl Builder {
         self
     }
 
+    /// Writes tests at the end of each module: its functions at seeded states, against the values of the generator's
+    /// interpreter. `cargo test` runs them, on the machine that the module is for.
+    #[must_use]
+    pub fn self_test(mut self) -> Self {
+        self.options.self_test = true;
+        self
+    }
+
     /// Generates functions of up to so many operations, instead of
     /// [`MOST_OPERATIONS`](crate::dynamics::size::MOST_OPERATIONS).
     #[must_use]

@@ -1,0 +1,78 @@
+//! Values that a module is compared with where it is used: seeded states, and the interpreter's results.
+
+use crate::dynamics::function::Function;
+use crate::layout::Dimension;
+use crate::model::Model;
+use crate::program::interpret::{Functions, interpret};
+use crate::random::Random;
+
+/// States for each function.
+const STATES: u64 = 2;
+
+/// One call of a function, and what the interpreter computes for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SelfTest {
+    /// The function.
+    pub function: String,
+    /// Its arguments, in their order.
+    pub arguments: Vec<Vec<f64>>,
+    /// Its results, flat, rows first.
+    pub results: Vec<Vec<f64>>,
+}
+
+/// Calls of each function at seeded states, free parameters as described. Those whose results are not all finite are left out:
+/// a mass matrix may be singular.
+#[must_use]
+pub fn self_tests(model: &Model, functions: &[Function]) -> Vec<SelfTest> {
+    let described = model.parameters.iter().map(|parameter| parameter.default);
+    let described: Vec<f64> = described.collect();
+    let calls = functions
+        .iter()
+        .flat_map(|function| (0..STATES).map(move |seed| (function, seed)));
+    calls
+        .filter_map(|(function, seed)| self_test(model, function, seed, &described))
+        .collect()
+}
+
+fn self_test(
+    model: &Model,
+    function: &Function,
+    seed: u64,
+    parameters: &[f64],
+) -> Option<SelfTest> {
+    let mut random = Random::new(seed);
+    let inputs = function.program.inputs.iter();
+    let arguments = inputs.map(|input| entries(model, input.extent.dimension, &mut random));
+    let arguments: Vec<Vec<f64>> = arguments.collect();
+    let slices: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
+    let results = interpret(&function.program, &slices, parameters, &Functions::EMBEDDED).ok()?;
+    let is_finite = results.iter().flatten().all(|x| x.is_finite());
+    is_finite.then(|| SelfTest {
+        function: function.name.clone(),
+        arguments,
+        results,
+    })
+}
+
+/// Entries of an argument. Positions lie within the limits, and no velocity is close to 0, where friction may jump.
+fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64> {
+    match dimension {
+        Dimension::Coordinates => {
+            let ranges = model.joints().map(|joint| joint.seeded_range());
+            ranges
+                .map(|[low, high]| random.between(low, high))
+                .collect()
+        }
+        Dimension::Velocities => {
+            let velocities = model.joints().map(|_| random.either_side(0.1, 1.0));
+            velocities.collect()
+        }
+        Dimension::Inputs => model
+            .inputs()
+            .map(|_| random.either_side(0.1, 1.0))
+            .collect(),
+        Dimension::Parameters | Dimension::Fixed => {
+            unreachable!("arguments belong to coordinates, velocities and inputs")
+        }
+    }
+}
