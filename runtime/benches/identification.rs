@@ -4,18 +4,18 @@
 //! `v = 1.2 sin 2π 0.31 t + 0.7 sin(2π 0.83 t + 0.4) + 0.15 sin 2π 3.7 t`, Stribeck torque, noise 0.05 N·m from
 //! SplitMix64 seeded with 20240229. Times are medians.
 
-use gelenk_runtime::identification::cross_validation::CrossValidation;
-use gelenk_runtime::identification::differentiation::{
+use gelenk_identification::cross_validation::CrossValidation;
+use gelenk_identification::differentiation::{
     KalmanSmoother, SavitzkyGolay, TotalVariation, quantization_noise,
 };
-use gelenk_runtime::identification::lasso::Lasso;
-use gelenk_runtime::identification::least_squares::Reduced;
-use gelenk_runtime::identification::library::Library;
-use gelenk_runtime::identification::log::{Log, LogSchema};
-use gelenk_runtime::identification::moments::{Moments, Samples};
-use gelenk_runtime::identification::random::SplitMix64;
-use gelenk_runtime::identification::stribeck::{StribeckRegression, stribeck_torque};
-use gelenk_runtime::identification::thresholding::Thresholding;
+use gelenk_identification::lasso::Lasso;
+use gelenk_identification::least_squares::Reduced;
+use gelenk_identification::library::Library;
+use gelenk_identification::log::{Log, LogSchema};
+use gelenk_identification::moments::{Moments, Samples};
+use gelenk_identification::random::SplitMix64;
+use gelenk_identification::stribeck::{StribeckRegression, stribeck_torque};
+use gelenk_identification::thresholding::Thresholding;
 use std::error::Error;
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -326,7 +326,7 @@ fn whole(m: usize) -> Outcome {
         &format!("{} MB, {} findings", text.len() / 1_000_000, findings.len()),
     );
     let next = AtomicUsize::new(1);
-    let one = || -> gelenk_runtime::identification::Result<Vec<String>> {
+    let one = || -> gelenk_identification::Result<Vec<String>> {
         let mut lines = Vec::new();
         loop {
             let joint = next.fetch_add(1, Ordering::Relaxed);
@@ -353,7 +353,7 @@ fn whole(m: usize) -> Outcome {
     Ok(())
 }
 
-fn joint_model(log: &Log, joint: usize) -> gelenk_runtime::identification::Result<String> {
+fn joint_model(log: &Log, joint: usize) -> gelenk_identification::Result<String> {
     let position = log.channel(&format!("q{joint}"))?;
     let torque = log.channel(&format!("u{joint}"))?;
     let motion = KalmanSmoother::from_noise(quantization_noise(1e-4))

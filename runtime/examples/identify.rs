@@ -8,20 +8,20 @@
 //! that `gelenk generate` takes unchanged, and the plots. `GELENK_EXAMPLE_SHORT=1` searches and draws less.
 
 use gelenk_files::write_whole;
-use gelenk_runtime::dynamics::Dynamics;
-use gelenk_runtime::identification::cross_validation::pareto_table;
-use gelenk_runtime::identification::description::write_description;
-use gelenk_runtime::identification::differentiation::{KalmanSmoother, quantization_noise};
-use gelenk_runtime::identification::excitation::{Excitation, ExcitationLimits, FourierMotion};
-use gelenk_runtime::identification::friction::{
+use gelenk_identification::cross_validation::pareto_table;
+use gelenk_identification::description::write_description;
+use gelenk_identification::differentiation::{KalmanSmoother, quantization_noise};
+use gelenk_identification::excitation::{Excitation, ExcitationLimits, FourierMotion};
+use gelenk_identification::friction::{
     FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice,
 };
-use gelenk_runtime::identification::lasso::Lasso;
-use gelenk_runtime::identification::library::Library;
-use gelenk_runtime::identification::log::{Differentiation, Log, LogSchema};
-use gelenk_runtime::identification::plot::{friction_plot, pareto_plot, residual_plot};
-use gelenk_runtime::identification::random::SplitMix64;
-use gelenk_runtime::identification::torque::friction_torques;
+use gelenk_identification::lasso::Lasso;
+use gelenk_identification::library::Library;
+use gelenk_identification::log::{Differentiation, Log, LogSchema};
+use gelenk_identification::plot::{friction_plot, pareto_plot, residual_plot};
+use gelenk_identification::random::SplitMix64;
+use gelenk_identification::torque::friction_torques;
+use gelenk_runtime::dynamics::Dynamics;
 use outcome::Outcome;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! Control and identification of robots whose equations of motion `gelenk` has generated.
+//! Control of robots whose equations of motion `gelenk` has generated.
 //!
 //! A generated module is plain functions on arrays: M, k, q, B and their derivatives. One line makes it a type ([`dynamics!`]),
 //! and everything here is generic over that type's traits.
@@ -71,7 +71,7 @@
 //! 7. [`mpc`]: linear time-varying and nonlinear predictive control, with a disturbance observer, and a guide to
 //!    [its tuning](mpc::tune). Under it [`qp`], an interior-point
 //!    solver without allocation, [`lqr`], and [`lanes`], many states at once.
-//! 8. [`identification`]: from a log to friction and inertial parameters, and to a description that `gelenk generate` reads.
+//! 8. The crate `gelenk-identification`: from a log to friction and inertial parameters, and to a description that `gelenk generate` reads.
 //! 9. The crate `gelenk-report`: pages of results, without a network.
 //!
 //! The guide [from a URDF to a moving robot](from_urdf) goes through most of these in order. The examples in `runtime/examples` are
@@ -85,32 +85,19 @@
 //!
 //! # Features
 //!
-//! `control` and `identification` are on by default; a module stands behind its feature. `socketcan` adds the transport over a CAN bus (Linux), `online-targets`
-//! targets that change while the robot moves.
+//! `socketcan` adds the transport over a CAN bus (Linux), `online-targets` targets that change while the robot moves.
 
-#[cfg(feature = "control")]
+pub use gelenk_dynamics::{dynamics, include_model};
+
 pub mod control_loop;
-pub mod dynamics;
-#[cfg(feature = "control")]
 pub mod feed_forward;
-#[cfg(feature = "control")]
 #[doc = include_str!("from_urdf.md")]
 pub mod from_urdf {}
-#[cfg(feature = "identification")]
-pub mod identification;
-#[cfg(feature = "control")]
 pub mod kinematics;
-#[cfg(feature = "control")]
 pub mod lanes;
-#[cfg(feature = "control")]
 pub mod lqr;
-#[cfg(feature = "control")]
 pub mod mpc;
-#[cfg(feature = "control")]
 pub mod plant;
-#[cfg(feature = "control")]
 pub mod qp;
-#[cfg(feature = "control")]
 pub mod trajectory;
-#[cfg(feature = "control")]
 pub mod transport;

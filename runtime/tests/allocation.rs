@@ -3,8 +3,8 @@
 #[path = "support/allocations.rs"]
 mod allocations;
 
-use gelenk_runtime::identification::library::Library;
-use gelenk_runtime::identification::recursive::{RecursiveLeastSquares, RecursiveSettings};
+use gelenk_identification::library::Library;
+use gelenk_identification::recursive::{RecursiveLeastSquares, RecursiveSettings};
 
 #[test]
 fn recursive_updates_do_not_allocate() {

@@ -5,18 +5,18 @@
     reason = "test code: what cannot be set up ends the test"
 )]
 
-use gelenk_runtime::identification::cross_validation::{CrossValidation, refit};
-use gelenk_runtime::identification::differentiation::KalmanSmoother;
-use gelenk_runtime::identification::friction::{
+use gelenk_identification::cross_validation::{CrossValidation, refit};
+use gelenk_identification::differentiation::KalmanSmoother;
+use gelenk_identification::friction::{
     FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice,
 };
-use gelenk_runtime::identification::lasso::Lasso;
-use gelenk_runtime::identification::library::Library;
-use gelenk_runtime::identification::log::{Differentiation, FindingKind, Log, LogSchema};
-use gelenk_runtime::identification::moments::{Moments, Samples};
-use gelenk_runtime::identification::stribeck::StribeckRegression;
-use gelenk_runtime::identification::thresholding::Thresholding;
-use gelenk_runtime::identification::{IdentificationError, Result};
+use gelenk_identification::lasso::Lasso;
+use gelenk_identification::library::Library;
+use gelenk_identification::log::{Differentiation, FindingKind, Log, LogSchema};
+use gelenk_identification::moments::{Moments, Samples};
+use gelenk_identification::stribeck::StribeckRegression;
+use gelenk_identification::thresholding::Thresholding;
+use gelenk_identification::{IdentificationError, Result};
 
 fn read(text: &str) -> Result<(Log, Vec<FindingKind>)> {
     let (log, findings) = Log::read(text.as_bytes(), "bad.csv", &LogSchema::default())?;
@@ -198,7 +198,7 @@ fn lambda_and_threshold_that_remove_everything() {
     let path = CrossValidation::new(&lasso, &folds, 0, &[2.0 * largest])
         .expect("a path")
         .path;
-    let reduced = gelenk_runtime::identification::least_squares::Reduced::new(&samples);
+    let reduced = gelenk_identification::least_squares::Reduced::new(&samples);
     let text = message(refit(&reduced.expect("sums"), 0, &path, 0));
     assert!(text.starts_with("lambda = "), "{text}");
 }

@@ -4,7 +4,7 @@
 mod data;
 
 use data::shared;
-use gelenk_runtime::identification::log::{FindingKind, Log, LogSchema, Quantity};
+use gelenk_identification::log::{FindingKind, Log, LogSchema, Quantity};
 use std::fmt::Write;
 
 #[test]

@@ -9,17 +9,17 @@
 )]
 
 use gelenk_generated::powercube;
+use gelenk_identification::Result;
+use gelenk_identification::differentiation::{KalmanSmoother, quantization_noise};
+use gelenk_identification::excitation::{Excitation, ExcitationLimits};
+use gelenk_identification::inertial::InertialRegression;
+use gelenk_identification::least_squares::Reduced;
+use gelenk_identification::library::Library;
+use gelenk_identification::moments::Samples;
+use gelenk_identification::random::SplitMix64;
+use gelenk_identification::thresholding::Thresholding;
+use gelenk_identification::torque::{Motion, friction_torques};
 use gelenk_runtime::dynamics::Dynamics;
-use gelenk_runtime::identification::Result;
-use gelenk_runtime::identification::differentiation::{KalmanSmoother, quantization_noise};
-use gelenk_runtime::identification::excitation::{Excitation, ExcitationLimits};
-use gelenk_runtime::identification::inertial::InertialRegression;
-use gelenk_runtime::identification::least_squares::Reduced;
-use gelenk_runtime::identification::library::Library;
-use gelenk_runtime::identification::moments::Samples;
-use gelenk_runtime::identification::random::SplitMix64;
-use gelenk_runtime::identification::thresholding::Thresholding;
-use gelenk_runtime::identification::torque::{Motion, friction_torques};
 
 const I: f64 = 161.0;
 /// Base parameters of the arm.

@@ -13,15 +13,13 @@
 mod data;
 
 use data::shared;
+use gelenk_identification::Result;
+use gelenk_identification::differentiation::SavitzkyGolay;
+use gelenk_identification::friction::{FrictionData, FrictionIdentification, FrictionMethod};
+use gelenk_identification::log::{Differentiation, Log, LogSchema};
+use gelenk_identification::result::FrictionLaw;
+use gelenk_identification::torque::friction_torques;
 use gelenk_runtime::dynamics::{Dynamics, Limits};
-use gelenk_runtime::identification::Result;
-use gelenk_runtime::identification::differentiation::SavitzkyGolay;
-use gelenk_runtime::identification::friction::{
-    FrictionData, FrictionIdentification, FrictionMethod,
-};
-use gelenk_runtime::identification::log::{Differentiation, Log, LogSchema};
-use gelenk_runtime::identification::result::FrictionLaw;
-use gelenk_runtime::identification::torque::friction_torques;
 use std::ops::Range;
 use std::sync::OnceLock;
 

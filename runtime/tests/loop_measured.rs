@@ -4,11 +4,11 @@
 
 mod support;
 
+use gelenk_identification::log::{Log, LogSchema, Quantity};
 use gelenk_runtime::control_loop::{
     AccelerationGains, Command, ComputedTorque, ControlLoop, Controller, ControllerFault, Cycle,
     EncoderFault, End, LawController, LoopReport, StopReason, log_to_file,
 };
-use gelenk_runtime::identification::log::{Log, LogSchema, Quantity};
 use gelenk_runtime::plant::PlantOptions;
 use std::sync::{Arc, Mutex};
 use support::robot::{

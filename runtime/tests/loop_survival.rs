@@ -4,12 +4,12 @@
 
 mod support;
 
+use gelenk_identification::log::{Log, LogSchema};
 use gelenk_runtime::control_loop::{
     Clock, Command, ControlLoop, Controller, ControllerFault, Counts, Cycle, EncoderFault, End,
     Estimate, LimitFault, LoopReport, LoopSettings, Refusal, StopReason, StopRequest, VirtualClock,
     log_to_file,
 };
-use gelenk_runtime::identification::log::{Log, LogSchema};
 use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::{Brakes, Reading};
 use std::time::Duration;

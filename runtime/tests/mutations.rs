@@ -10,11 +10,9 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
+use gelenk_identification::differentiation::{KalmanSmoother, SavitzkyGolay, TotalVariation};
+use gelenk_identification::log::{Differentiation, Log, LogSchema, check};
 use gelenk_runtime::control_loop::{Source, log_to};
-use gelenk_runtime::identification::differentiation::{
-    KalmanSmoother, SavitzkyGolay, TotalVariation,
-};
-use gelenk_runtime::identification::log::{Differentiation, Log, LogSchema, check};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{Columns, Recording, Smoothing, Trajectory};
 use gelenk_runtime::transport::can_frame::{CanCodec, Frame};

@@ -6,16 +6,14 @@ use std::fs;
 use std::path::Path;
 
 use gelenk_generated::powercube;
+use gelenk_identification::description::description_toml;
+use gelenk_identification::differentiation::{KalmanSmoother, quantization_noise};
+use gelenk_identification::friction::{FrictionData, FrictionIdentification, FrictionMethod};
+use gelenk_identification::log::{Differentiation, Log, LogSchema};
+use gelenk_identification::result::{FrictionLaw, FrictionResult};
+use gelenk_identification::stribeck::StribeckRegression;
+use gelenk_identification::torque::friction_torques;
 use gelenk_runtime::dynamics::Dynamics;
-use gelenk_runtime::identification::description::description_toml;
-use gelenk_runtime::identification::differentiation::{KalmanSmoother, quantization_noise};
-use gelenk_runtime::identification::friction::{
-    FrictionData, FrictionIdentification, FrictionMethod,
-};
-use gelenk_runtime::identification::log::{Differentiation, Log, LogSchema};
-use gelenk_runtime::identification::result::{FrictionLaw, FrictionResult};
-use gelenk_runtime::identification::stribeck::StribeckRegression;
-use gelenk_runtime::identification::torque::friction_torques;
 use gelenk_tests::cargo::{cargo, lock_like_here, success};
 use gelenk_tests::workspace;
 

@@ -5,9 +5,7 @@ use fastrand::Rng;
 use gelenk_codegen::dynamics::function::ConstantValue;
 use gelenk_codegen::model::{ReadOptions, read};
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
-use gelenk_runtime::identification::inertial::{
-    InertialRegression, PER_BODY, is_physically_consistent,
-};
+use gelenk_identification::inertial::{InertialRegression, PER_BODY, is_physically_consistent};
 use gelenk_tests::random_model::{Sample, random_model, random_sample};
 use gelenk_tests::{Robot, descriptions};
 use nalgebra::DMatrix;

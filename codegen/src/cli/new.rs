@@ -240,9 +240,9 @@ impl Source {
 fn manifest(name: &str, source: &Source) -> String {
     format!(
         "[package]\nname = \"{name}\"\nversion = \"0.1.0\"\nedition = \"2024\"\npublish = false\n\n\
-         # Further features: `identification` for friction from logs, `report` for pages of results.\n\
+         # Beside it: gelenk-identification for friction from logs, gelenk-report for pages of results.\n\
          [dependencies]\n\
-         gelenk-runtime = {}, default-features = false, features = [\"control\"] }}\n\n\
+         gelenk-runtime = {} }}\n\n\
          [build-dependencies]\n\
          gelenk-codegen = {}, default-features = false }}\n\n\
          # A workspace of its own, wherever it lies.\n\

@@ -2,7 +2,7 @@
 
 use crate::study::Outcome;
 use gelenk_generated::powercube_parameters::Parameters;
-use gelenk_runtime::identification::library::Library;
+use gelenk_identification::library::Library;
 use gelenk_runtime::plant::PlantOptions;
 use gelenk_runtime::trajectory::{Columns, Recording, Sampled, Smoothing};
 

@@ -5,13 +5,13 @@ use super::run::{self, Ltv, Modelled, Run, Setup, drive};
 use super::show;
 use crate::arm::{self, Arm, Friction, GEAR, JOINTS, PERIOD, Regime, arm};
 use crate::study::{Outcome, Part, Study};
+use gelenk_identification::differentiation::quantization_noise;
+use gelenk_identification::recursive::{RecursiveLeastSquares, RecursiveSettings};
 use gelenk_report::{
     Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
 };
 use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
 use gelenk_runtime::dynamics::Dynamics;
-use gelenk_runtime::identification::differentiation::quantization_noise;
-use gelenk_runtime::identification::recursive::{RecursiveLeastSquares, RecursiveSettings};
 use gelenk_runtime::trajectory::Sampled;
 
 /// When the plant's friction changes (s).

@@ -3,11 +3,11 @@
 use super::run::{self, Setup};
 use crate::arm::{Arm, Friction, PERIOD, Regime, arm};
 use crate::study::Outcome;
-use gelenk_runtime::identification::differentiation::{KalmanSmoother, quantization_noise};
-use gelenk_runtime::identification::least_squares::Reduced;
-use gelenk_runtime::identification::moments::Samples;
-use gelenk_runtime::identification::thresholding::Thresholding;
-use gelenk_runtime::identification::torque::{Motion, friction_torques};
+use gelenk_identification::differentiation::{KalmanSmoother, quantization_noise};
+use gelenk_identification::least_squares::Reduced;
+use gelenk_identification::moments::Samples;
+use gelenk_identification::thresholding::Thresholding;
+use gelenk_identification::torque::{Motion, friction_torques};
 use gelenk_runtime::trajectory::{IdentificationSine, Sampled};
 
 /// Encoders while the motion is recorded [rad].

@@ -169,7 +169,7 @@ fn the_worst_period_takes_few_iterations() {
     let plant = arm([Friction::B, Friction::C]);
     let samples = identified::record(plant, plant, DURATION).unwrap();
     let passes = [0, 1].map(|joint| timing::passes(&samples, joint).unwrap());
-    let stiff = timing::worst_iterations(identified(), &reference(), 1e4 * limits::PENALTY);
+    let stiff = timing::worst_iterations(identified(), &reference(), 1e8 * limits::PENALTY);
     flipped(&timing::claim(stiff.unwrap(), passes), &[0]);
     let free = FrictionSamples {
         torques: samples.velocities.each_ref().map(|v| vec![0.0; v.len()]),

@@ -5,16 +5,16 @@ use super::run::{Faster, HORIZON, Ltv, Modelled, Nonlinear, Run, Setup, drive};
 use super::{limits, show};
 use crate::arm::{self, Arm, Friction, GEAR, JOINTS, PEAK, Regime, arm};
 use crate::study::{Outcome, Part, Study};
+use gelenk_identification::cross_validation::{CrossValidation, refit};
+use gelenk_identification::lasso::Lasso;
+use gelenk_identification::least_squares::Reduced;
+use gelenk_identification::moments::{Moments, Samples};
+use gelenk_identification::stribeck::StribeckRegression;
+use gelenk_identification::thresholding::Thresholding;
 use gelenk_report::{
     Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
 };
 use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
-use gelenk_runtime::identification::cross_validation::{CrossValidation, refit};
-use gelenk_runtime::identification::lasso::Lasso;
-use gelenk_runtime::identification::least_squares::Reduced;
-use gelenk_runtime::identification::moments::{Moments, Samples};
-use gelenk_runtime::identification::stribeck::StribeckRegression;
-use gelenk_runtime::identification::thresholding::Thresholding;
 use gelenk_runtime::trajectory::{Sampled, Trajectory};
 use rustix::time::{ClockId, clock_gettime};
 
@@ -130,7 +130,7 @@ pub fn claim(worst: u32, passes: [usize; 2]) -> Claim {
     }
     claim
         .flipped_by(
-            "a speed limit whose violation costs ten thousand times as much; joints without friction, of which one pass tells all",
+            "a speed limit whose violation costs a hundred million times as much; joints without friction, of which one pass tells all",
         )
         .remark("Decided by counts, which are the same on every machine; the times beside them are not, and decide nothing.")
         .shown_in("time-iterations")

@@ -7,13 +7,13 @@ use super::data::{
 use super::law::{Method, curve, curve_error, true_curve};
 use crate::arm::{Friction, heavier};
 use crate::study::{Outcome, Part, Study};
+use gelenk_identification::excitation::FourierMotion;
+use gelenk_identification::least_squares::Reduced;
+use gelenk_identification::library::Library;
+use gelenk_identification::moments::Samples as Columns;
 use gelenk_report::{
     Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
 };
-use gelenk_runtime::identification::excitation::FourierMotion;
-use gelenk_runtime::identification::least_squares::Reduced;
-use gelenk_runtime::identification::library::Library;
-use gelenk_runtime::identification::moments::Samples as Columns;
 
 /// Gravity of the identifying model is too large by this share.
 pub const GRAVITY_ERROR: f64 = 0.08;

@@ -8,10 +8,10 @@ use super::law::{Method, curve, curve_error, true_curve};
 use super::plants::{MoreFriction, law_under_load, load};
 use crate::arm::{Friction, arm};
 use crate::study::{Outcome, Part, Study};
+use gelenk_identification::result::FrictionLaw;
 use gelenk_report::{
     Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
 };
-use gelenk_runtime::identification::result::FrictionLaw;
 
 /// Speed at which curves are compared [rad/s].
 const SPEED: f64 = 0.3;

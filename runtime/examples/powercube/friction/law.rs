@@ -3,14 +3,14 @@
 use super::data::{Samples, rms};
 use crate::arm::Friction;
 use crate::study::Outcome;
-use gelenk_runtime::identification::friction::{
+use gelenk_identification::friction::{
     FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice,
 };
-use gelenk_runtime::identification::lasso::Lasso;
-use gelenk_runtime::identification::library::Library;
-use gelenk_runtime::identification::result::FrictionLaw;
-use gelenk_runtime::identification::stribeck::StribeckRegression;
-use gelenk_runtime::identification::thresholding::Thresholding;
+use gelenk_identification::lasso::Lasso;
+use gelenk_identification::library::Library;
+use gelenk_identification::result::FrictionLaw;
+use gelenk_identification::stribeck::StribeckRegression;
+use gelenk_identification::thresholding::Thresholding;
 
 /// How a law is found.
 #[derive(Debug, Clone, Copy, PartialEq)]

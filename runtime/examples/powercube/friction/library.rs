@@ -5,16 +5,16 @@ use super::data::{Samples, beta_alone, opposed};
 use super::law::{Method, curve_error, standardized};
 use crate::arm::Friction;
 use crate::study::{Outcome, Part, Study};
+use gelenk_identification::cross_validation::{CrossValidation, pareto_front};
+use gelenk_identification::friction::FrictionReport;
+use gelenk_identification::least_squares::Reduced;
+use gelenk_identification::library::Library;
+use gelenk_identification::moments::{Moments, Samples as Columns};
+use gelenk_identification::result::FrictionLaw;
+use gelenk_identification::thresholding::Thresholding;
 use gelenk_report::{
     Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
 };
-use gelenk_runtime::identification::cross_validation::{CrossValidation, pareto_front};
-use gelenk_runtime::identification::friction::FrictionReport;
-use gelenk_runtime::identification::least_squares::Reduced;
-use gelenk_runtime::identification::library::Library;
-use gelenk_runtime::identification::moments::{Moments, Samples as Columns};
-use gelenk_runtime::identification::result::FrictionLaw;
-use gelenk_runtime::identification::thresholding::Thresholding;
 
 /// Folds of the cross-validation.
 const FOLDS: usize = 10;

@@ -9,9 +9,9 @@ use super::methods_figures;
 use super::plants::MoreFriction;
 use crate::arm::{Friction, PERIOD, TERMS, arm, heavier};
 use crate::study::{Outcome, Part, Study};
+use gelenk_identification::result::FrictionLaw;
+use gelenk_identification::stribeck::stribeck_torque;
 use gelenk_report::{Claim, Criterion};
-use gelenk_runtime::identification::result::FrictionLaw;
-use gelenk_runtime::identification::stribeck::stribeck_torque;
 
 /// Speeds over which all curves are judged [rad/s].
 pub const FASTEST: f64 = 0.5;

@@ -4,11 +4,11 @@
 use super::data::Samples;
 use crate::arm::Arm;
 use crate::study::Outcome;
+use gelenk_identification::least_squares::Reduced;
+use gelenk_identification::library::Library;
+use gelenk_identification::moments::Samples as Columns;
+use gelenk_identification::stribeck::stribeck_torque;
 use gelenk_runtime::dynamics::{Dynamics, Limits};
-use gelenk_runtime::identification::least_squares::Reduced;
-use gelenk_runtime::identification::library::Library;
-use gelenk_runtime::identification::moments::Samples as Columns;
-use gelenk_runtime::identification::stribeck::stribeck_torque;
 
 /// Slope of the load's friction at rest [s/rad].
 const SLOPE: f64 = 20.0;

@@ -3,13 +3,13 @@
 use super::data::{MEASURED, beta_alone, controller_arm, published_arm, record, rms};
 use crate::arm::{PERIOD, Regime};
 use crate::study::{Outcome, Part, Study};
+use gelenk_identification::differentiation::{
+    Regularization, TotalVariation, central_differences, quantization_noise,
+};
+use gelenk_identification::random::SplitMix64;
 use gelenk_report::{
     Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
 };
-use gelenk_runtime::identification::differentiation::{
-    Regularization, TotalVariation, central_differences, quantization_noise,
-};
-use gelenk_runtime::identification::random::SplitMix64;
 use std::f64::consts::TAU;
 
 /// Share of the samples at either end that is not judged.

@@ -4,7 +4,7 @@ use super::error::{IdentificationError, Result, require_finite, require_length, 
 use super::least_squares::{Reduced, Solution};
 use super::library::Library;
 use super::moments::Samples;
-use crate::dynamics::{Dynamics, Named};
+use gelenk_dynamics::dynamics::{Dynamics, Named};
 
 /// A recorded motion: one column of samples per joint and input.
 #[derive(Debug, Clone)]
@@ -127,7 +127,7 @@ mod tests {
     use super::super::random::SplitMix64;
     use super::*;
 
-    crate::dynamics!(struct PowerCube = gelenk_generated::powercube);
+    gelenk_dynamics::dynamics!(struct PowerCube = gelenk_generated::powercube);
 
     const I: f64 = 161.0;
 

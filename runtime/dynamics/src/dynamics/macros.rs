@@ -3,9 +3,9 @@
 /// Makes a type of a generated module that implements [`Dynamics`](crate::dynamics::Dynamics).
 ///
 /// ```
-/// use gelenk_runtime::dynamics::Dynamics;
+/// use gelenk_dynamics::dynamics::Dynamics;
 ///
-/// gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
+/// gelenk_dynamics::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
 ///
 /// // Upright and at rest, gravity drives neither joint.
 /// assert_eq!(PowerCube.gravity_forces(&[0.0, 0.0]), [0.0, 0.0]);
@@ -14,13 +14,13 @@
 /// With the module's derivatives the type also is [`Differentiable`](crate::dynamics::Differentiable):
 ///
 /// ```ignore
-/// gelenk_runtime::dynamics!(pub struct Ur5 = gelenk_generated::ur5: Dynamics + Differentiable);
+/// gelenk_dynamics::dynamics!(pub struct Ur5 = gelenk_generated::ur5: Dynamics + Differentiable);
 /// ```
 ///
 /// and with its functions of discrete time [`Discretizable`](crate::dynamics::Discretizable):
 ///
 /// ```ignore
-/// gelenk_runtime::dynamics!(pub struct Ur5 = gelenk_generated::ur5: Dynamics + Differentiable + Discretizable);
+/// gelenk_dynamics::dynamics!(pub struct Ur5 = gelenk_generated::ur5: Dynamics + Differentiable + Discretizable);
 /// ```
 ///
 /// `Discretizable []` takes nothing from the module: the bodies of the trait discretize what `linearize` gives.
@@ -30,9 +30,9 @@
 /// A module with free parameters is wrapped with them; the type then has a field `parameters`, and `Default`:
 ///
 /// ```
-/// use gelenk_runtime::dynamics::Dynamics;
+/// use gelenk_dynamics::dynamics::Dynamics;
 ///
-/// gelenk_runtime::dynamics!(pub struct Pendulum { parameters } = gelenk_generated::double_pendulum);
+/// gelenk_dynamics::dynamics!(pub struct Pendulum { parameters } = gelenk_generated::double_pendulum);
 ///
 /// let mut heavier = Pendulum::default();
 /// heavier.parameters.m2 *= 2.0;
@@ -44,7 +44,7 @@
 /// must be among them:
 ///
 /// ```
-/// gelenk_runtime::dynamics!(pub struct CartPole = gelenk_generated::cart_pole: Dynamics [
+/// gelenk_dynamics::dynamics!(pub struct CartPole = gelenk_generated::cart_pole: Dynamics [
 ///     mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
 /// ]);
 /// ```
@@ -296,11 +296,11 @@ macro_rules! dynamics {
 ///
 /// ```ignore
 /// // Needs a build script: gelenk_codegen::build("arm.toml");
-/// gelenk_runtime::include_model!(
+/// gelenk_dynamics::include_model!(
 ///     /// The arm on the bench.
 ///     pub mod arm
 /// );
-/// gelenk_runtime::dynamics!(pub struct Arm = arm);
+/// gelenk_dynamics::dynamics!(pub struct Arm = arm);
 /// ```
 #[macro_export]
 macro_rules! include_model {

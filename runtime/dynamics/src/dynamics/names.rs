@@ -1,6 +1,5 @@
 //! Names of joints and inputs in messages.
 
-#[cfg(any(feature = "control", feature = "identification"))]
 use std::fmt;
 
 /// Most digits of a number.
@@ -45,16 +44,14 @@ impl<const L: usize> Numbers<L> {
 }
 
 /// Names for what has none: its number, counted from 1.
-pub(crate) fn numbered<const L: usize>() -> [&'static str; L] {
+pub fn numbered<const L: usize>() -> [&'static str; L] {
     Numbers::<L>::NAMES
 }
 
 /// A name in a message: as it is where it is one word, in quotation marks and escaped where it is not. Names come from
 /// descriptions and may hold anything.
-#[cfg(any(feature = "control", feature = "identification"))]
-pub(crate) struct Named<'a>(pub &'a str);
+pub struct Named<'a>(pub &'a str);
 
-#[cfg(any(feature = "control", feature = "identification"))]
 impl fmt::Display for Named<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let word = |c: char| c.is_alphanumeric() || "_-./".contains(c);

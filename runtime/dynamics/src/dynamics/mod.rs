@@ -16,10 +16,7 @@ mod types;
 
 #[doc(hidden)]
 pub use friction_law::{FrictionLaw, FrictionLawWithParameters};
-#[cfg(any(feature = "control", feature = "identification"))]
-pub(crate) use names::Named;
-#[cfg(feature = "control")]
-pub(crate) use names::numbered;
+pub use names::{Named, numbered};
 pub use parameters::{NoFreeParameters, without_parameters};
 pub use traits::{Differentiable, Discretizable, Dynamics, PhaseSpace};
 pub use types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};
