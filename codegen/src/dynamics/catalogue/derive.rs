@@ -17,10 +17,10 @@ use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
 /// Derives the selected functions of a model, and those that selected ones call; an empty selection means all but those
 /// on request and those that cannot be generated, `frames` all functions of named frames.
 ///
-/// - `most`: operations of the largest function that is wanted, see [`MOST_OPERATIONS`](super::size::MOST_OPERATIONS)
+/// - `most`: operations of the largest function that is wanted, see [`MOST_OPERATIONS`](crate::dynamics::size::MOST_OPERATIONS)
 ///
 /// # Errors
-/// As [`selection::derive`](super::selection::derive()).
+/// As [`selection::derive`](crate::dynamics::selection::derive()).
 pub fn derive(
     model: &Model,
     selection: &[String],

@@ -1,6 +1,6 @@
 //! The functions that can be generated: one row each, with what their documentation says.
 //!
-//! [`quantity`] is the vocabulary, `motion`, `frames` and `regressors` hold the rows, [`derive()`] makes a function of one.
+//! `quantity` is the vocabulary, `motion`, `frames` and `regressors` hold the rows, [`derive()`] makes a function of one.
 
 mod derive;
 mod frames;
