@@ -165,6 +165,24 @@ fn kkt_conditions_hold() {
     }
 }
 
+/// What data beyond all numbers have left in the memory does not reach the next solution.
+#[test]
+fn a_solve_after_absurd_data_is_that_of_a_new_solver() {
+    for seed in 0..20 {
+        let sane = problem(seed);
+        let expected = QpSolver::new(10, SETTINGS).unwrap().solve(&sane);
+        for size in [1e30, 1e100, 1e160, 1e308] {
+            let mut absurd = sane.clone();
+            absurd.initial_state = [size; 4];
+            let mut solver = QpSolver::new(10, SETTINGS).unwrap();
+            for report in [solver.solve(&absurd), solver.solve_warm(&absurd)] {
+                assert!(report.status != QpStatus::Solved || report.cost.is_finite());
+            }
+            assert_eq!(solver.solve(&sane), expected, "seed {seed}, {size:e}");
+        }
+    }
+}
+
 #[test]
 fn inputs_never_leave_their_bounds() {
     for seed in 0..200 {

@@ -374,6 +374,12 @@ impl<V: Vector> Bounds<V> {
         }
     }
 
+    /// Forgets bounds, slacks and multipliers.
+    pub(super) fn forget(&mut self) {
+        self.sides.fill(Default::default());
+        self.soft.fill(Default::default());
+    }
+
     /// Largest diagonal term of the Newton system. Beyond it, digits of the weights would be lost beside it (`R` beside `BᵀWB`); a step that takes
     /// the slack for `λ/W_max` instead is still a Newton step to second order, since `dλ` vanishes at the optimum.
     #[inline(always)]

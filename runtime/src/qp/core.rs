@@ -151,7 +151,36 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
                 self.solved = report.status != QpStatus::IterationLimit;
                 report
             }
-            Ok(_) | Err(NotPositive) => self.invalid(problem),
+            Ok(_) | Err(NotPositive) => {
+                self.forget();
+                self.invalid(problem)
+            }
+        }
+    }
+
+    /// Forgets all but the problem: numbers that are not finite would stay, since masks multiply.
+    fn forget(&mut self) {
+        self.riccati.forget();
+        self.input_bounds.forget();
+        self.state_bounds.forget();
+        let trajectories = [
+            &mut self.iterate,
+            &mut self.solution,
+            &mut self.step,
+            &mut self.gradient,
+            &mut self.rhs,
+            &mut self.weight,
+            &mut self.best,
+        ];
+        for trajectory in trajectories {
+            trajectory.clear();
+        }
+        for multipliers in self
+            .multipliers
+            .iter_mut()
+            .chain(&mut self.best_multipliers)
+        {
+            multipliers.clear();
         }
     }
 

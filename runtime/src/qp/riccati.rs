@@ -77,6 +77,29 @@ pub(crate) struct Riccati<V, const NX: usize, const NU: usize> {
 }
 
 impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
+    /// Forgets what factorizations and solves have left; the problem's data stay.
+    pub(super) fn forget(&mut self) {
+        let of_lanes = [
+            &mut self.k,
+            &mut self.phi,
+            &mut self.p,
+            &mut self.pa,
+            &mut self.pb,
+            &mut self.h,
+            &mut self.y,
+            &mut self.z,
+            &mut self.s,
+            &mut self.pc,
+        ];
+        for lanes in of_lanes {
+            lanes.fill(V::zero());
+        }
+        self.ldl.fill([[0.0; NU]; NU]);
+        self.kv.fill([[0.0; NU]; NU]);
+        self.sc.fill([0.0; NU]);
+        self.v = [[0.0; NU]; NU];
+    }
+
     /// Lanes of a state vector.
     pub(crate) const RX: usize = lanes(NX);
     /// Lanes of an input vector.
