@@ -40,6 +40,7 @@ pub mod report;
 
 pub mod self_test;
 mod snapping;
+pub mod spatial;
 #[cfg(test)]
 mod testing;
 mod wording;

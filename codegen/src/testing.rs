@@ -59,7 +59,7 @@ pub fn chain(rows: &[Row], gravity: [f64; 3]) -> Model {
 
 fn link(k: usize, (alpha, d, r): Row) -> Link {
     let x = k as f64;
-    let (s, c) = crate::kinematics::exact_sin_cos(alpha);
+    let (s, c) = crate::spatial::exact_sin_cos(alpha);
     let wobble = |phase: f64| (1.7 * x + phase).sin();
     Link {
         name: format!("link{}", k + 1),

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::print;
 use crate::graph::{Graph, Scalar};
-use crate::kinematics::{Body, JointAxis, Mechanism, RegroupChoice};
+use crate::kinematics::{Body, Mechanism, RegroupChoice};
 use crate::model::Model;
 use crate::numeric;
 
@@ -28,8 +28,8 @@ pub(super) fn as_json(model: &Model) -> Value {
         json!({
             "joint": body.name,
             "parent": parent(&mechanism, body),
-            "kind": kind(body.axis),
-            "direction": body.direction,
+            "kind": body.axis.name(),
+            "ratio": body.transmission.ratio.value(),
             "gamma": degrees(body.twist.gamma),
             "alpha": degrees(body.twist.alpha),
             "translation": numbers(&body.translation.0),
@@ -52,25 +52,15 @@ fn mechanism<'g>(graph: &'g Graph, model: &Model) -> Mechanism<'g> {
 
 fn frames(mechanism: &Mechanism<'_>) -> Vec<Vec<String>> {
     let head = [
-        "joint",
-        "parent",
-        "kind",
-        "direction",
-        "gamma",
-        "alpha",
-        "x",
-        "y",
-        "z",
-        "lift",
-        "offset",
+        "joint", "parent", "kind", "ratio", "gamma", "alpha", "x", "y", "z", "lift", "offset",
     ];
     let rows = mechanism.bodies.iter().map(|body| {
         let [x, y, z] = body.translation.0.map(shown);
         vec![
             body.name.clone(),
             parent(mechanism, body).to_owned(),
-            kind(body.axis).to_owned(),
-            number(body.direction),
+            body.axis.name().to_owned(),
+            shown(body.transmission.ratio),
             number(degrees(body.twist.gamma)),
             number(degrees(body.twist.alpha)),
             x,
@@ -102,13 +92,6 @@ fn with_head(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Vec<Vec<
 fn parent<'a>(mechanism: &'a Mechanism<'_>, body: &Body<'_>) -> &'a str {
     body.parent
         .map_or("base", |parent| mechanism.bodies[parent].name.as_str())
-}
-
-fn kind(axis: JointAxis) -> &'static str {
-    match axis {
-        JointAxis::Revolute => "revolute",
-        JointAxis::Prismatic => "prismatic",
-    }
 }
 
 fn degrees((sine, cosine): (f64, f64)) -> f64 {

@@ -22,7 +22,10 @@ impl ArrayBuilder {
         let bodies = &mechanism.bodies;
         let mut parents = vec![None; bodies.len()];
         for body in bodies {
-            parents[body.coordinate] = body.parent.map(|parent| bodies[parent].coordinate);
+            let parent = body
+                .parent
+                .map(|parent| bodies[parent].transmission.coordinate);
+            parents[body.transmission.coordinate] = parent;
         }
         Self {
             form: Arrays {
@@ -35,7 +38,10 @@ impl ArrayBuilder {
                 steps: Vec::new(),
                 outputs: Vec::new(),
                 parents,
-                order: bodies.iter().map(|body| body.coordinate).collect(),
+                order: bodies
+                    .iter()
+                    .map(|body| body.transmission.coordinate)
+                    .collect(),
                 is_fused: false,
             },
             set_up: Vec::new(),

@@ -11,23 +11,17 @@
 //! mass matrix and its factorization grows with its square and its cube.
 
 use super::formulation::Formulation;
-use super::newton_euler::times;
 use super::placement::{Placement, Turn, place};
-use crate::graph::{Scalar, Vector3};
-use crate::kinematics::{Body, JointAxis, Mechanism, Twist};
-
-/// A 3 × 3 matrix, rows first.
-type Matrix3<'g> = [[Scalar<'g>; 3]; 3];
+use crate::graph::Scalar;
+use crate::kinematics::{Body, JointAxis, Mechanism};
+use crate::spatial::{Matrix3, Twist, Vector3};
 
 /// Whether each rotor sits on the parent of the body that it drives, or on the base: the coupling of others reaches
 /// beyond neighbours.
 pub fn is_possible(mechanism: &Mechanism<'_>) -> bool {
-    mechanism.rotors.iter().all(|rotor| {
-        let driven = mechanism
-            .bodies
-            .iter()
-            .find(|body| body.coordinate == rotor.coordinate);
-        rotor.carrier.is_none() || driven.is_some_and(|body| body.parent == rotor.carrier)
+    let mut rotors = mechanism.rotors.iter();
+    rotors.all(|rotor| {
+        rotor.carrier.is_none() || mechanism.bodies[rotor.driven].parent == rotor.carrier
     })
 }
 
@@ -62,24 +56,25 @@ struct RotorCoupling<'g> {
 impl<'g> RotorCoupling<'g> {
     fn of_bodies(mechanism: &Mechanism<'g>) -> Vec<Self> {
         let zero = mechanism.graph.constant(0.0);
-        let of_body = |body: &Body<'g>| {
+        let of_body = |(index, body): (usize, &Body<'g>)| {
             let mut coupling = Self {
                 axial: Vector3::zero(zero),
                 inertia: zero,
             };
-            let own = mechanism.rotors.iter();
-            for rotor in own.filter(|rotor| rotor.coordinate == body.coordinate) {
-                let reflected = rotor.ratio * rotor.inertia;
-                coupling.inertia = coupling.inertia + rotor.ratio * reflected;
+            let rotors = mechanism.rotors.iter();
+            for rotor in rotors.filter(|rotor| rotor.driven == index) {
+                // For a unit of the joint's acceleration, which is not that of the coordinate.
+                let per_joint = |x| body.transmission.inverse(x);
+                coupling.inertia =
+                    coupling.inertia + per_joint(per_joint(rotor.reflected_inertia()));
                 if rotor.carrier.is_some() {
-                    // The joint's velocity may count against the coordinate.
-                    let axial = rotor.axis.scaled(reflected.signed(body.direction));
+                    let axial = rotor.axis.scaled(per_joint(rotor.coupling_inertia()));
                     coupling.axial = coupling.axial + axial;
                 }
             }
             coupling
         };
-        mechanism.bodies.iter().map(of_body).collect()
+        mechanism.bodies.iter().enumerate().map(of_body).collect()
     }
 }
 
@@ -108,7 +103,7 @@ fn rates<'g>(
             .parent
             .map_or(Vector3::zero(zero), |parent| rates[parent].omega);
         let carried = placements[index].to_child(&body.twist, parent);
-        let joint = v[body.coordinate].signed(body.direction);
+        let joint = body.transmission.motion(v);
         let across = |rate: Scalar<'g>| Vector3([carried[1] * rate, -(carried[0] * rate), zero]);
         let (omega, coriolis) = match body.axis {
             JointAxis::Revolute => (carried + Vector3([zero, zero, joint]), across(joint)),
@@ -162,7 +157,9 @@ impl<'g> Tree<'_, 'g> {
             (0..self.mechanism.len()).map(|k| self.rigid(k)).collect();
         let mut joints = Vec::with_capacity(bodies.len());
         for (index, body) in self.mechanism.bodies.iter().enumerate().rev() {
-            let force = forces[body.coordinate].signed(body.direction);
+            let force = body
+                .transmission
+                .inverse(forces[body.transmission.coordinate]);
             let (joint, rest) = self.eliminate_joint(index, &bodies[index], force);
             joints.push(joint);
             if let Some(parent) = body.parent {
@@ -181,17 +178,17 @@ impl<'g> Tree<'_, 'g> {
     /// The body alone.
     fn rigid(&self, index: usize) -> Articulated<'g> {
         let (moments, omega) = (self.placements[index].moments, self.rates[index].omega);
-        let (zero, m, s) = (moments.mass.constant(0.0), moments.mass, moments.second);
-        let inertia = [
+        let s = moments.second;
+        let inertia = Matrix3([
             [s.yy + s.zz, -s.xy, -s.xz],
             [-s.xy, s.xx + s.zz, -s.yz],
             [-s.xz, -s.yz, s.xx + s.yy],
-        ];
-        let angular_momentum = times(&inertia, omega);
+        ]);
+        let angular_momentum = inertia.times(omega);
         Articulated {
             inertia,
-            coupling: cross_matrix(moments.first),
-            mass: [[m, zero, zero], [zero, m, zero], [zero, zero, m]],
+            coupling: Matrix3::cross(moments.first),
+            mass: Matrix3::diagonal(moments.mass),
             moment: omega.cross(angular_momentum),
             force: omega.cross(omega.cross(moments.first)),
         }
@@ -210,12 +207,12 @@ impl<'g> Tree<'_, 'g> {
         let axial = self.placements[index].to_child(&described.twist, coupling.axial);
         let (by_angular, by_linear, own) = match revolute {
             true => (
-                column(&body.inertia, 2),
+                body.inertia.column(2),
                 Vector3(body.coupling[2]),
                 body.inertia[2][2],
             ),
             false => (
-                column(&body.coupling, 2),
+                body.coupling.column(2),
                 Vector3(body.mass[2]),
                 body.mass[2][2],
             ),
@@ -223,12 +220,12 @@ impl<'g> Tree<'_, 'g> {
         let by_angular = by_angular + axial;
         let (moment, bias) = match revolute {
             true => (
-                body.moment + times(&body.inertia, rates.coriolis),
-                body.force + transposed_times(&body.coupling, rates.coriolis),
+                body.moment + body.inertia.times(rates.coriolis),
+                body.force + body.coupling.transposed_times(rates.coriolis),
             ),
             false => (
-                body.moment + times(&body.coupling, rates.coriolis),
-                body.force + times(&body.mass, rates.coriolis),
+                body.moment + body.coupling.times(rates.coriolis),
+                body.force + body.mass.times(rates.coriolis),
             ),
         };
         let own = own + coupling.inertia;
@@ -295,8 +292,9 @@ impl<'g> Tree<'_, 'g> {
             let joint = &joints[index];
             let acceleration =
                 joint.known - joint.per_angular.dot(angular) - joint.per_linear.dot(linear);
-            result[body.coordinate] = acceleration
-                .signed(body.direction)
+            result[body.transmission.coordinate] = body
+                .transmission
+                .inverse(acceleration)
                 .named(|| format!("acceleration_{}", body.identifier));
             let own = self.rates[index].coriolis + Vector3([zero, zero, acceleration]);
             motions.push(match body.axis {
@@ -346,9 +344,9 @@ impl<'g> Tree<'_, 'g> {
 impl<'g> Articulated<'g> {
     fn plus(&self, other: &Self) -> Self {
         Self {
-            inertia: combined(&self.inertia, &other.inertia, |a, b| a + b),
-            coupling: combined(&self.coupling, &other.coupling, |a, b| a + b),
-            mass: combined(&self.mass, &other.mass, |a, b| a + b),
+            inertia: self.inertia + other.inertia,
+            coupling: self.coupling + other.coupling,
+            mass: self.mass + other.mass,
             moment: self.moment + other.moment,
             force: self.force + other.force,
         }
@@ -359,13 +357,13 @@ impl<'g> Articulated<'g> {
         if d.is_zero() {
             return self;
         }
-        let lever = cross_matrix(d);
+        let lever = Matrix3::cross(d);
         let centripetal = omega.cross(omega.cross(d));
-        let force = self.force + times(&self.mass, centripetal);
-        let moment = self.moment + times(&self.coupling, centripetal) + d.cross(force);
-        let coupling = combined(&self.coupling, &product(&lever, &self.mass), |a, b| a + b);
+        let force = self.force + self.mass.times(centripetal);
+        let moment = self.moment + self.coupling.times(centripetal) + d.cross(force);
+        let coupling = self.coupling + lever.product(&self.mass);
         // J − C d× + d× C'ᵀ; the last is the transpose of −C' d×.
-        let (before, after) = (product(&self.coupling, &lever), product(&coupling, &lever));
+        let (before, after) = (self.coupling.product(&lever), coupling.product(&lever));
         let mut inertia = self.inertia;
         for i in 0..3 {
             for j in 0..=i {
@@ -386,9 +384,9 @@ impl<'g> Articulated<'g> {
     fn turned(self, turn: Option<Turn<'g>>, twist: &Twist) -> Self {
         let vector = |v: Vector3<'g>| twist.to_parent(turn.map_or(v, |turn| v.turned(turn)));
         let matrix = |a: &Matrix3<'g>| {
-            let turned = turn.map_or(*a, |turn| turned_about_z(a, turn));
-            let half = transposed(&turned.map(|row| twist.to_parent(Vector3(row)).0));
-            transposed(&half.map(|row| twist.to_parent(Vector3(row)).0))
+            let turned = turn.map_or(*a, |turn| a.turned(turn));
+            let rows = |a: Matrix3<'g>| Matrix3(a.0.map(|row| twist.to_parent(Vector3(row)).0));
+            rows(rows(turned).transposed()).transposed()
         };
         let symmetric = |a: &Matrix3<'g>| {
             let mut turned = matrix(a);
@@ -407,53 +405,6 @@ impl<'g> Articulated<'g> {
             force: vector(self.force),
         }
     }
-}
-
-/// `R_z A R_zᵀ` in 12 multiplications and 11 additions: the antisymmetric part and the trace of the block across z stay.
-fn turned_about_z<'g>(a: &Matrix3<'g>, (s, c): Turn<'g>) -> Matrix3<'g> {
-    let across = s * (a[0][0] - a[1][1]) + (a[0][1] + a[1][0]) * c;
-    let (moved, sheared) = (s * across, c * across);
-    let column = Vector3([a[0][2], a[1][2], a[2][2]]).turned((s, c));
-    let row = Vector3(a[2]).turned((s, c));
-    [
-        [a[0][0] - moved, sheared - a[1][0], column[0]],
-        [sheared - a[0][1], a[1][1] + moved, column[1]],
-        row.0,
-    ]
-}
-
-/// `v×`
-fn cross_matrix(v: Vector3<'_>) -> Matrix3<'_> {
-    let zero = v[0].constant(0.0);
-    [
-        [zero, -v[2], v[1]],
-        [v[2], zero, -v[0]],
-        [-v[1], v[0], zero],
-    ]
-}
-
-fn column<'g>(matrix: &Matrix3<'g>, k: usize) -> Vector3<'g> {
-    Vector3([matrix[0][k], matrix[1][k], matrix[2][k]])
-}
-
-fn transposed<'g>(matrix: &Matrix3<'g>) -> Matrix3<'g> {
-    [0, 1, 2].map(|k| column(matrix, k).0)
-}
-
-fn transposed_times<'g>(matrix: &Matrix3<'g>, v: Vector3<'g>) -> Vector3<'g> {
-    Vector3([0, 1, 2].map(|k| column(matrix, k).dot(v)))
-}
-
-fn product<'g>(a: &Matrix3<'g>, b: &Matrix3<'g>) -> Matrix3<'g> {
-    a.map(|row| transposed_times(b, Vector3(row)).0)
-}
-
-fn combined<'g>(
-    a: &Matrix3<'g>,
-    b: &Matrix3<'g>,
-    f: impl Fn(Scalar<'g>, Scalar<'g>) -> Scalar<'g>,
-) -> Matrix3<'g> {
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| f(a[i][j], b[i][j])))
 }
 
 /// `A − u uᵀ/d` with `per = u/d`; the lower triangle serves both.
@@ -476,10 +427,8 @@ fn minus_product<'g>(
     w: Vector3<'g>,
     per_w: Vector3<'g>,
 ) -> Matrix3<'g> {
-    [0, 1, 2].map(|i| {
-        [0, 1, 2].map(|j| match per_u[i].value() == Some(1.0) {
-            true => a[i][j] - w[j],
-            false => a[i][j] - u[i] * per_w[j],
-        })
+    Matrix3::from_fn(|i, j| match per_u[i].value() == Some(1.0) {
+        true => a[i][j] - w[j],
+        false => a[i][j] - u[i] * per_w[j],
     })
 }

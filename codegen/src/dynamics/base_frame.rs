@@ -16,16 +16,14 @@
 
 use super::array_builder::{ArrayBuilder, Rows};
 use super::catalogue::Arguments;
-use super::composite::add_rotor_inertia;
 use super::equations::Equations;
 use super::frame_motion::BasePoses;
-use crate::graph::{Scalar, Symmetric3, Vector3, differentiate};
-use crate::kinematics::{JointAxis, MassMoments, Mechanism};
+use super::rotor;
+use crate::graph::{Scalar, differentiate};
+use crate::kinematics::Mechanism;
 use crate::program::arrays::{ArrayId, Arrays};
 use crate::program::{InputArray, Shape};
-
-/// Angular part first; of a force: its moment about the base's origin first.
-type Spatial<'g> = (Vector3<'g>, Vector3<'g>);
+use crate::spatial::{Force, MassMoments, Matrix3, Motion, Symmetric3, Vector3};
 
 /// Whether the array form knows all that the mechanism has: rotors that moving bodies carry are left to the
 /// straight-line form.
@@ -51,7 +49,7 @@ struct Setup {
 }
 
 /// The motion of all bodies, their inertia, and what their velocities ask for.
-struct Motion {
+struct Motions {
     velocity: ArrayId,
     /// Ψ̇
     screw_rate: ArrayId,
@@ -166,7 +164,7 @@ fn set_up<'g>(
         let mut rows = vec![vec![zero; n]; count];
         for (index, body) in mechanism.bodies.iter().enumerate() {
             for (row, entry) in rows.iter_mut().zip(fill(index)) {
-                row[body.coordinate] = entry;
+                row[body.transmission.coordinate] = entry;
             }
         }
         builder.set_up(name, rows)
@@ -174,17 +172,13 @@ fn set_up<'g>(
     let joint = equations.joint_forces(&arguments.y, &arguments.v);
     let by = |force: Scalar<'g>, variable: Scalar<'g>| differentiate(graph, &[force], variable)[0];
     let mut rotors = vec![vec![zero; n]; n];
-    add_rotor_inertia(&mechanism, &mut rotors);
-    let coordinate = |index: usize| mechanism.bodies[index].coordinate;
+    rotor::add_inertia(&mechanism, &mut rotors);
+    let coordinate = |index: usize| mechanism.bodies[index].transmission.coordinate;
     Setup {
         screws: rows("screws", 6, &|index| {
             let (body, pose) = (&mechanism.bodies[index], poses.body(index));
-            let axis = pose.axes[2].map(|x| x.signed(body.direction));
-            let (angular, linear) = match body.axis {
-                JointAxis::Revolute => (axis, pose.origin.cross(axis)),
-                JointAxis::Prismatic => (Vector3::zero(zero), axis),
-            };
-            [angular.0, linear.0].concat()
+            let axis = pose.axes[2].map(|x| x * body.transmission.ratio);
+            body.axis.along(axis, pose.origin).entries().to_vec()
         }),
         axes: rows("axes", 9, &|index| {
             poses.body(index).axes.map(|axis| axis.0).concat()
@@ -225,20 +219,20 @@ fn body_in_motion<'g>(
     acceleration: Option<Scalar<'g>>,
 ) -> [Vec<Scalar<'g>>; 5] {
     let moments = moved(axes, vector(origin), moments_of(moments));
-    let (screw, velocity) = (spatial(screw), spatial(velocity));
-    let screw_rate = cross_motion(velocity, screw);
-    let mut gained = scaled(screw_rate, rate[0]);
-    gained.1 = gained.1 + vector(gravity);
+    let (screw, velocity) = (motion_of(screw), motion_of(velocity));
+    let screw_rate = velocity.cross(screw);
+    let mut gained = screw_rate.scaled(rate[0]);
+    gained.linear = gained.linear + vector(gravity);
     if let Some(acceleration) = acceleration {
-        gained = plus(gained, scaled(screw, acceleration));
+        gained = gained + screw.scaled(acceleration);
     }
     let (momentum, spin) = flow_of(&moments, velocity);
     [
         entries_of(&moments),
-        [&momentum.0[..], &spin.concat()].concat(),
-        flat(screw_rate),
-        flat(gained),
-        flat(cross_force(velocity, inertia_times(&moments, velocity))),
+        [&momentum.0[..], &spin.0.concat()].concat(),
+        screw_rate.entries().to_vec(),
+        gained.entries().to_vec(),
+        flat(velocity.cross_force(moments.times(velocity))),
     ]
 }
 
@@ -247,12 +241,12 @@ fn move_bodies(
     builder: &mut ArrayBuilder,
     setup: &Setup,
     is_accelerated: bool,
-) -> (Motion, ArrayId) {
+) -> (Motions, ArrayId) {
     let [joint_velocity] = builder.map(
         ("joint_velocities", "Velocity that each joint adds."),
         &[setup.screws, setup.rates],
         [("joint_velocity", 6)],
-        |rows| [scaled(spatial(rows[0]), rows[1][0])].map(flat),
+        |rows| [motion_of(rows[0]).scaled(rows[1][0]).entries().to_vec()],
     );
     let velocity = builder.sum_ancestors(joint_velocity, "velocity");
     let [axes, origins, moments, screws, rates, gravity] = [
@@ -299,11 +293,11 @@ fn move_bodies(
         &[inertia, acceleration, momentum_rate],
         [("force", 6)],
         |rows| {
-            let inertial = inertia_times(&moments_of(rows[0]), spatial(rows[1]));
-            [flat(plus(inertial, spatial(rows[2])))]
+            let inertial = moments_of(rows[0]).times(motion_of(rows[1]));
+            [flat(inertial + force_of(rows[2]))]
         },
     );
-    let motion = Motion {
+    let motion = Motions {
         velocity,
         screw_rate,
         acceleration,
@@ -317,15 +311,15 @@ fn move_bodies(
 fn accelerate(
     builder: &mut ArrayBuilder,
     setup: &Setup,
-    steady: &Motion,
+    steady: &Motions,
     at_rest: Composites,
     accelerations: ArrayId,
-) -> (Motion, Composites) {
+) -> (Motions, Composites) {
     let [gained] = builder.map(
         ("joint_accelerations", "Acceleration that each joint adds."),
         &[setup.screws, accelerations],
         [("added_joint_acceleration", 6)],
-        |rows| [flat(scaled(spatial(rows[0]), rows[1][0]))],
+        |rows| [motion_of(rows[0]).scaled(rows[1][0]).entries().to_vec()],
     );
     let gained = builder.sum_ancestors(gained, "added_acceleration");
     let [acceleration, force] = builder.map(
@@ -336,10 +330,10 @@ fn accelerate(
         &[steady.inertia, steady.acceleration, gained],
         [("total_acceleration", 6), ("added_force", 6)],
         |rows| {
-            let gained = spatial(rows[2]);
+            let gained = motion_of(rows[2]);
             [
-                flat(plus(spatial(rows[1]), gained)),
-                flat(inertia_times(&moments_of(rows[0]), gained)),
+                (motion_of(rows[1]) + gained).entries().to_vec(),
+                flat(moments_of(rows[0]).times(gained)),
             ]
         },
     );
@@ -348,10 +342,10 @@ fn accelerate(
         ("total_forces", "Force of all that each joint carries."),
         &[at_rest.force, added],
         [("composite_force", 6)],
-        |rows| [flat(plus(spatial(rows[0]), spatial(rows[1])))],
+        |rows| [flat(force_of(rows[0]) + force_of(rows[1]))],
     );
     (
-        Motion {
+        Motions {
             acceleration,
             ..*steady
         },
@@ -375,7 +369,7 @@ fn joint_forces(builder: &mut ArrayBuilder, setup: &Setup, composites: &Composit
         ],
         [("forces", 1)],
         |rows| {
-            let bodies = dot(spatial(rows[0]), spatial(rows[1]));
+            let bodies = motion_of(rows[0]).dot(force_of(rows[1]));
             [vec![bodies + rows[2][0] * rows[3][0] - rows[4][2]]]
         },
     );
@@ -391,7 +385,7 @@ fn remaining_forces(builder: &mut ArrayBuilder, setup: &Setup, composites: &Comp
         ),
         &[setup.screws, composites.force, setup.last],
         [("remaining_force", 1)],
-        |rows| [vec![rows[2][0] - dot(spatial(rows[0]), spatial(rows[1]))]],
+        |rows| [vec![rows[2][0] - motion_of(rows[0]).dot(force_of(rows[1]))]],
     );
     remaining
 }
@@ -405,9 +399,9 @@ fn mass_matrix(builder: &mut ArrayBuilder, setup: &Setup, composites: &Composite
         &[setup.screws, composites.inertia, setup.rotors],
         [("unit_force", 6), ("diagonal", 1)],
         |rows| {
-            let screw = spatial(rows[0]);
-            let force = inertia_times(&moments_of(rows[1]), screw);
-            [flat(force), vec![dot(screw, force) + rows[2][0]]]
+            let screw = motion_of(rows[0]);
+            let force = moments_of(rows[1]).times(screw);
+            [flat(force), vec![screw.dot(force) + rows[2][0]]]
         },
     );
     builder.pairs(
@@ -422,7 +416,7 @@ fn mass_matrix(builder: &mut ArrayBuilder, setup: &Setup, composites: &Composite
 fn jacobians(
     builder: &mut ArrayBuilder,
     setup: &Setup,
-    motion: &Motion,
+    motion: &Motions,
     composites: &Composites,
 ) -> (ArrayId, ArrayId) {
     let [gains, by_coordinate, by_velocity, stiffness, damping, own_stiffness, own_damping] = builder.map(
@@ -435,23 +429,23 @@ fn jacobians(
             ("gains", 9), ("by_coordinate", 9), ("by_velocity", 9), ("stiffness", 6), ("damping", 6), ("own_stiffness", 1), ("own_damping", 1),
         ],
         |[screw, screw_rate, velocity, acceleration, inertia, flow, force, joint]| {
-            let (screw, rate) = (spatial(screw), spatial(screw_rate));
+            let (screw, rate) = (motion_of(screw), motion_of(screw_rate));
             let moments = moments_of(inertia);
             let (momentum, spin) = (vector(&flow[..3]), complement(&flow[3..]));
-            let accelerated = plus(cross_motion(spatial(acceleration), screw), cross_motion(spatial(velocity), rate));
-            let twice = (rate.0.map(|x| x * 2.0), rate.1.map(|x| x * 2.0));
-            let damping = plus(swept(&spin, momentum, screw.0), inertia_times(&moments, twice));
-            let own = plus(swept(&spin, momentum, rate.0), inertia_times(&moments, accelerated));
-            let stiffness = plus(own, cross_force(screw, spatial(force)));
-            let by_omega = transposed_times(&spin, screw.0) + momentum.cross(screw.1);
+            let accelerated = motion_of(acceleration).cross(screw) + motion_of(velocity).cross(rate);
+            let twice = rate.map(|x| x * 2.0);
+            let damping = swept(&spin, momentum, screw.angular) + moments.times(twice);
+            let own = swept(&spin, momentum, rate.angular) + moments.times(accelerated);
+            let stiffness = own + screw.cross_force(force_of(force));
+            let by_omega = spin.transposed_times(screw.angular) + momentum.cross(screw.linear);
             [
-                [&by_omega.0[..], &flat(inertia_times(&moments, screw))].concat(),
-                [&rate.0.0[..], &flat(accelerated)].concat(),
-                [&screw.0.0[..], &flat(twice)].concat(),
+                [&by_omega.0[..], &flat(moments.times(screw))].concat(),
+                [&rate.angular.0[..], &accelerated.entries()].concat(),
+                [&screw.angular.0[..], &twice.entries()].concat(),
                 flat(stiffness),
                 flat(damping),
-                vec![dot(screw, own) - joint[0]],
-                vec![dot(screw, damping) - joint[1]],
+                vec![screw.dot(own) - joint[0]],
+                vec![screw.dot(damping) - joint[1]],
             ]
         },
     );
@@ -468,34 +462,18 @@ fn vector<'g>(rows: &Rows<'g>) -> Vector3<'g> {
     Vector3([rows[0], rows[1], rows[2]])
 }
 
-fn spatial<'g>(rows: &Rows<'g>) -> Spatial<'g> {
-    (vector(&rows[..3]), vector(&rows[3..]))
+fn motion_of<'g>(rows: &Rows<'g>) -> Motion<'g> {
+    let (angular, linear) = (vector(&rows[..3]), vector(&rows[3..]));
+    Motion { angular, linear }
 }
 
-fn flat<'g>((a, b): Spatial<'g>) -> Vec<Scalar<'g>> {
-    [a.0, b.0].concat()
+fn force_of<'g>(rows: &Rows<'g>) -> Force<'g> {
+    let (moment, force) = (vector(&rows[..3]), vector(&rows[3..]));
+    Force { moment, force }
 }
 
-fn plus<'g>(a: Spatial<'g>, b: Spatial<'g>) -> Spatial<'g> {
-    (a.0 + b.0, a.1 + b.1)
-}
-
-fn scaled<'g>(a: Spatial<'g>, factor: Scalar<'g>) -> Spatial<'g> {
-    (a.0.scaled(factor), a.1.scaled(factor))
-}
-
-fn dot<'g>(a: Spatial<'g>, b: Spatial<'g>) -> Scalar<'g> {
-    a.0.dot(b.0) + a.1.dot(b.1)
-}
-
-/// `a × b` of motions.
-fn cross_motion<'g>(a: Spatial<'g>, b: Spatial<'g>) -> Spatial<'g> {
-    (a.0.cross(b.0), a.0.cross(b.1) + a.1.cross(b.0))
-}
-
-/// `a ×* f` of a motion and a force.
-fn cross_force<'g>(a: Spatial<'g>, f: Spatial<'g>) -> Spatial<'g> {
-    (a.0.cross(f.0) + a.1.cross(f.1), a.0.cross(f.1))
+fn flat(f: Force<'_>) -> Vec<Scalar<'_>> {
+    f.entries().to_vec()
 }
 
 fn moments_of<'g>(rows: &Rows<'g>) -> MassMoments<'g> {
@@ -538,60 +516,32 @@ fn moved<'g>(axes: &Rows<'g>, origin: Vector3<'g>, own: MassMoments<'g>) -> Mass
     }
 }
 
-/// `I s` as moment and force.
-fn inertia_times<'g>(moments: &MassMoments<'g>, (angular, linear): Spatial<'g>) -> Spatial<'g> {
-    let s = moments.second;
-    let tensor = Vector3([
-        (s.yy + s.zz) * angular[0] - s.xy * angular[1] - s.xz * angular[2],
-        (s.xx + s.zz) * angular[1] - s.xy * angular[0] - s.yz * angular[2],
-        (s.xx + s.yy) * angular[2] - s.xz * angular[0] - s.yz * angular[1],
-    ]);
-    (
-        tensor + moments.first.cross(linear),
-        linear.scaled(moments.mass) + angular.cross(moments.first),
-    )
-}
-
 /// `2 ∫ ṙ dm` and `2 ∫ ṙ rᵀ dm`
-fn flow_of<'g>(
-    moments: &MassMoments<'g>,
-    (angular, linear): Spatial<'g>,
-) -> (Vector3<'g>, [[Scalar<'g>; 3]; 3]) {
-    let (omega, v, s) = (
-        angular.map(|x| x * 2.0),
-        linear.map(|x| x * 2.0),
-        moments.second,
-    );
-    let columns = s.columns().map(|column| omega.cross(column));
-    let entry = |i: usize, j: usize| columns[j][i] + v[i] * moments.first[j];
+fn flow_of<'g>(moments: &MassMoments<'g>, velocity: Motion<'g>) -> (Vector3<'g>, Matrix3<'g>) {
+    let Motion {
+        angular: omega,
+        linear: v,
+    } = velocity.map(|x| x * 2.0);
+    let spin = Matrix3::cross_of(omega, moments.second);
     (
         v.scaled(moments.mass) + omega.cross(moments.first),
-        [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j))),
+        Matrix3::from_fn(|i, j| spin[i][j] + v[i] * moments.first[j]),
     )
 }
 
 /// `2B s` with the angular part of s.
-fn swept<'g>(
-    spin: &[[Scalar<'g>; 3]; 3],
-    momentum: Vector3<'g>,
-    angular: Vector3<'g>,
-) -> Spatial<'g> {
-    (times(spin, angular), angular.cross(momentum))
+fn swept<'g>(spin: &Matrix3<'g>, momentum: Vector3<'g>, angular: Vector3<'g>) -> Force<'g> {
+    Force {
+        moment: spin.times(angular),
+        force: angular.cross(momentum),
+    }
 }
 
 /// `tr A − A` of nine entries, rows first.
-fn complement<'g>(a: &Rows<'g>) -> [[Scalar<'g>; 3]; 3] {
-    [
+fn complement<'g>(a: &Rows<'g>) -> Matrix3<'g> {
+    Matrix3([
         [a[4] + a[8], -a[1], -a[2]],
         [-a[3], a[0] + a[8], -a[5]],
         [-a[6], -a[7], a[0] + a[4]],
-    ]
-}
-
-fn times<'g>(a: &[[Scalar<'g>; 3]; 3], v: Vector3<'g>) -> Vector3<'g> {
-    Vector3(a.map(|row| Vector3(row).dot(v)))
-}
-
-fn transposed_times<'g>(a: &[[Scalar<'g>; 3]; 3], v: Vector3<'g>) -> Vector3<'g> {
-    Vector3([0, 1, 2].map(|k| Vector3([a[0][k], a[1][k], a[2][k]]).dot(v)))
+    ])
 }

@@ -5,8 +5,10 @@
 
 use super::formulation::{Formulation, RunLink};
 use super::placement::{Placement, ends_at_root, place};
-use crate::graph::{Scalar, Vector3};
-use crate::kinematics::{JointAxis, MassMoments, Mechanism};
+use super::rotor;
+use crate::graph::Scalar;
+use crate::kinematics::{JointAxis, Mechanism};
+use crate::spatial::{Force, MassMoments, Vector3};
 
 /// Mass matrix `M(y)`, rows first, both triangles filled.
 pub fn mass_matrix<'g>(
@@ -30,8 +32,8 @@ pub fn mass_matrix<'g>(
         }
         .fill(composite, &mut matrix);
     }
-    add_rotor_inertia(mechanism, &mut matrix);
-    add_rotor_coupling(mechanism, &placements, &mut matrix);
+    rotor::add_inertia(mechanism, &mut matrix);
+    rotor::add_coupling(mechanism, &placements, &mut matrix);
     matrix
 }
 
@@ -119,11 +121,10 @@ fn polar_after_shift<'g>(
     polar + (h[0] * p[0] + h[1] * p[1]) * 2.0 + quadratic
 }
 
-/// A force and a moment on their way to the base.
+/// A force on its way to the base.
 #[derive(Clone, Copy)]
-struct Wrench<'g> {
-    force: Vector3<'g>,
-    moment: Vector3<'g>,
+struct Carried<'g> {
+    force: Force<'g>,
     /// Transverse moment that goes to the frame before the run directly.
     transverse: Vector3<'g>,
 }
@@ -138,61 +139,60 @@ struct Column<'a, 'g> {
 
 impl<'g> Column<'_, 'g> {
     fn fill(&self, composite: &Composite<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
-        let column = &self.mechanism.bodies[self.index];
-        let mut wrench = self.unit_acceleration(composite);
+        let column = &self.mechanism.bodies[self.index].transmission;
+        let mut carried = self.unit_acceleration(composite);
+        let own = self.mechanism.bodies[self.index].axis.force(carried.force);
+        column.add_row_entry(column.coordinate, own * column.ratio, matrix);
         let mut index = self.index;
-        loop {
-            let row = &self.mechanism.bodies[index];
-            let entry = joint_force(row.axis, &wrench).signed(row.direction * column.direction);
-            matrix[row.coordinate][column.coordinate] = entry;
-            matrix[column.coordinate][row.coordinate] = entry;
-            let Some(parent) = row.parent else { break };
+        while let Some(parent) = self.mechanism.bodies[index].parent {
+            let row = &self.mechanism.bodies[parent];
             if ends_at_root(self.mechanism, index) {
-                let root = &self.mechanism.bodies[parent];
-                let (angular, linear) = self.placements[index].parent_screw(&row.twist);
-                let share = angular.dot(wrench.moment)
-                    + linear.dot(wrench.force)
-                    + row.twist.to_parent(wrench.transverse)[2];
-                let entry = share.signed(root.direction * column.direction);
-                matrix[root.coordinate][column.coordinate] = entry;
-                matrix[column.coordinate][root.coordinate] = entry;
+                let twist = &self.mechanism.bodies[index].twist;
+                let screw = self.placements[index].parent_screw(twist);
+                let share = screw.dot(carried.force) + twist.to_parent(carried.transverse)[2];
+                row.transmission
+                    .add_coupling(column.coordinate, share * column.ratio, matrix);
                 break;
             }
-            wrench = self.pass_on(index, wrench);
+            carried = self.pass_on(index, carried);
+            let entry = row.axis.force(carried.force);
+            row.transmission
+                .add_coupling(column.coordinate, entry * column.ratio, matrix);
             index = parent;
         }
     }
 
     /// What accelerates the composite body by 1 along or about the joint's axis.
-    fn unit_acceleration(&self, composite: &Composite<'g>) -> Wrench<'g> {
+    fn unit_acceleration(&self, composite: &Composite<'g>) -> Carried<'g> {
         let MassMoments {
             mass,
             first: h,
             second: s,
         } = composite.moments;
         let zero = mass.constant(0.0);
-        let (force, moment) = match self.mechanism.bodies[self.index].axis {
-            JointAxis::Revolute => (
-                Vector3([-h[1], h[0], zero]),
-                Vector3([-s.xz, -s.yz, composite.polar]),
-            ),
-            JointAxis::Prismatic => (Vector3([zero, zero, mass]), Vector3([h[1], -h[0], zero])),
+        let force = match self.mechanism.bodies[self.index].axis {
+            JointAxis::Revolute => Force {
+                force: Vector3([-h[1], h[0], zero]),
+                moment: Vector3([-s.xz, -s.yz, composite.polar]),
+            },
+            JointAxis::Prismatic => Force {
+                force: Vector3([zero, zero, mass]),
+                moment: Vector3([h[1], -h[0], zero]),
+            },
         };
-        Wrench {
+        Carried {
             force,
-            moment,
             transverse: Vector3::zero(zero),
         }
     }
 
-    fn pass_on(&self, index: usize, wrench: Wrench<'g>) -> Wrench<'g> {
+    fn pass_on(&self, index: usize, carried: Carried<'g>) -> Carried<'g> {
         let (body, placement) = (&self.mechanism.bodies[index], &self.placements[index]);
-        let zero = wrench.moment[0].constant(0.0);
-        let Wrench {
-            force,
-            mut moment,
+        let Carried {
+            force: Force { force, mut moment },
             mut transverse,
-        } = wrench;
+        } = carried;
+        let zero = moment[0].constant(0.0);
         let length = placement.extension;
         moment = moment + Vector3([-(length * force[1]), length * force[0], zero]);
         if self.formulation.bodies[index].sink == RunLink::RunBase && placement.run != index {
@@ -209,60 +209,10 @@ impl<'g> Column<'_, 'g> {
             transverse = Vector3::zero(zero);
         }
         let force = body.twist.to_parent(placement.before_joint_unit(force));
-        Wrench {
-            force,
-            moment: body.twist.to_parent(turned) + placement.translation.cross(force),
+        let moment = body.twist.to_parent(turned) + placement.translation.cross(force);
+        Carried {
+            force: Force { force, moment },
             transverse,
-        }
-    }
-}
-
-fn joint_force<'g>(axis: JointAxis, wrench: &Wrench<'g>) -> Scalar<'g> {
-    match axis {
-        JointAxis::Revolute => wrench.moment[2],
-        JointAxis::Prismatic => wrench.force[2],
-    }
-}
-
-/// Rotors: i² J_R on the diagonal.
-pub(super) fn add_rotor_inertia<'g>(mechanism: &Mechanism<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
-    for rotor in &mechanism.rotors {
-        let entry = &mut matrix[rotor.coordinate][rotor.coordinate];
-        *entry = *entry + rotor.ratio * (rotor.ratio * rotor.inertia);
-    }
-}
-
-/// Rotors: i J_R times the carrier's share along the rotor's axis.
-fn add_rotor_coupling<'g>(
-    mechanism: &Mechanism<'g>,
-    placements: &[Placement<'g>],
-    matrix: &mut [Vec<Scalar<'g>>],
-) {
-    for rotor in &mechanism.rotors {
-        let column = rotor.coordinate;
-        let coupling = rotor.ratio * rotor.inertia;
-        let Some(mut index) = rotor.carrier else {
-            continue;
-        };
-        let mut moment = placements[index]
-            .to_body
-            .map_or(rotor.axis, |ahead| rotor.axis.turned(ahead));
-        loop {
-            let body = &mechanism.bodies[index];
-            if body.axis == JointAxis::Revolute {
-                let row = body.coordinate;
-                let share = (coupling * moment[2]).signed(body.direction);
-                matrix[row][column] = matrix[row][column] + share;
-                // On the diagonal the carrier turns with the joint itself: both mixed terms fall there.
-                matrix[column][row] = if row == column {
-                    matrix[row][column] + share
-                } else {
-                    matrix[row][column]
-                };
-            }
-            let Some(parent) = body.parent else { break };
-            moment = placements[index].to_parent(&body.twist, moment);
-            index = parent;
         }
     }
 }

@@ -19,16 +19,15 @@
 //! one by δa = U z and δa = 2 ω × z. The derivatives are those of Carpentier and Mansard (2018) and of Singh, Russell
 //! and Wensing (2022), written with classical accelerations, so that no linear velocity is needed.
 
-use super::composite::{Composite, add_rotor_inertia};
-use super::equations::Matrix;
+use super::composite::{Composite, before_joint, composites};
 use super::formulation::Formulation;
-use super::newton_euler::{Motion, MotionInput, Wrench, inverse_dynamics_parts};
+use super::matrix::Matrix;
+use super::newton_euler::{BodyMotion, MotionInput, inverse_dynamics_parts};
 use super::placement::Placement;
-use crate::graph::{Scalar, Symmetric3, Vector3};
-use crate::kinematics::{JointAxis, Mechanism};
-
-/// A 3 × 3 matrix, rows first.
-type Matrix3<'g> = [[Scalar<'g>; 3]; 3];
+use super::rotor::{self, Gyrostat};
+use crate::graph::Scalar;
+use crate::kinematics::{Body, JointAxis, Mechanism};
+use crate::spatial::{Force, MassMoments, Matrix3, Motion, Vector3};
 
 /// Inverse dynamics of bodies and rotors with their derivatives.
 #[derive(Debug, Clone)]
@@ -88,25 +87,20 @@ pub fn inverse_dynamics_derivatives<'g>(
     for index in 0..mechanism.len() {
         let column = tree.column(index, &flows[index], &parts.wrenches[index]);
         tree.read_own(index, &column, &mut result);
-        tree.walk(
-            index,
-            mechanism.bodies[index].coordinate,
-            tree.depart(index, column),
-            &mut result,
-        );
+        tree.walk(index, index, tree.depart(index, column), &mut result);
     }
-    add_rotor_inertia(mechanism, &mut result.mass_matrix);
+    rotor::add_inertia(mechanism, &mut result.mass_matrix);
     for rotor in &mechanism.rotors {
         let Some(carrier) = rotor
             .carrier
-            .filter(|&carrier| !tree.passes(rotor.coordinate, carrier))
+            .filter(|&carrier| !tree.passes(rotor.driven, carrier))
         else {
             continue;
         };
         let mut column = Column::zero(mechanism);
-        tree.add_rotor_coupling(carrier, rotor.coordinate, &mut column);
-        tree.read_off(carrier, rotor.coordinate, &column, &mut result);
-        tree.walk(carrier, rotor.coordinate, column, &mut result);
+        tree.add_rotor_coupling(carrier, rotor.driven, &mut column);
+        tree.read_off(carrier, rotor.driven, &column, &mut result);
+        tree.walk(carrier, rotor.driven, column, &mut result);
     }
     result
 }
@@ -130,14 +124,14 @@ struct Lever<'g> {
 fn levers<'g>(
     mechanism: &Mechanism<'g>,
     placements: &[Placement<'g>],
-    motions: &[Motion<'g>],
+    motions: &[BodyMotion<'g>],
     input: MotionInput<'_, 'g>,
 ) -> Vec<Lever<'g>> {
     let zero = mechanism.graph.constant(0.0);
-    let lever = |(index, body): (usize, &crate::kinematics::Body<'g>)| {
+    let lever = |(index, body): (usize, &Body<'g>)| {
         let rate = match body.axis {
             JointAxis::Revolute => zero,
-            JointAxis::Prismatic => input.v[body.coordinate].signed(body.direction),
+            JointAxis::Prismatic => body.transmission.motion(input.v),
         };
         let twice = twice_across(motions[index].omega);
         let along = placements[index].extension;
@@ -169,23 +163,24 @@ fn twice_across(omega: Vector3<'_>) -> Vector3<'_> {
 #[derive(Clone, Copy)]
 struct Column<'g> {
     /// By the acceleration; also: torque of the joint by δa and β.
-    inertial: Wrench<'g>,
+    inertial: Force<'g>,
     /// By the velocity.
-    damping: Wrench<'g>,
+    damping: Force<'g>,
     /// By the coordinate.
-    stiffness: Wrench<'g>,
+    stiffness: Force<'g>,
     /// Torque of the joint by δω.
     by_omega: Vector3<'g>,
 }
 
 impl<'g> Column<'g> {
     fn zero(mechanism: &Mechanism<'g>) -> Self {
-        let zero = Vector3::zero(mechanism.graph.constant(0.0));
+        let zero = mechanism.graph.constant(0.0);
+        let nothing = Force::zero(zero);
         Self {
-            inertial: (zero, zero),
-            damping: (zero, zero),
-            stiffness: (zero, zero),
-            by_omega: zero,
+            inertial: nothing,
+            damping: nothing,
+            stiffness: nothing,
+            by_omega: Vector3::zero(zero),
         }
     }
 }
@@ -206,7 +201,7 @@ struct Disturbed<'g> {
 
 impl<'g> Flow<'g> {
     /// Force and moment about the origin that a disturbance of the body causes.
-    fn response(&self, disturbed: &Disturbed<'g>) -> Wrench<'g> {
+    fn response(&self, disturbed: &Disturbed<'g>) -> Force<'g> {
         let Disturbed {
             omega,
             beta,
@@ -218,25 +213,16 @@ impl<'g> Flow<'g> {
             + omega.cross(self.momentum);
         let moment = moments.first.cross(acceleration)
             + self.composite.inertia_times(beta)
-            + complement_times(&self.spin, omega);
-        (force, moment)
+            + self.spin.complement_times(omega);
+        Force { moment, force }
     }
-}
-
-/// `(tr A − A) v`
-fn complement_times<'g>(a: &Matrix3<'g>, v: Vector3<'g>) -> Vector3<'g> {
-    Vector3([
-        (a[1][1] + a[2][2]) * v[0] - a[0][1] * v[1] - a[0][2] * v[2],
-        (a[0][0] + a[2][2]) * v[1] - a[1][0] * v[0] - a[1][2] * v[2],
-        (a[0][0] + a[1][1]) * v[2] - a[2][0] * v[0] - a[2][1] * v[1],
-    ])
 }
 
 /// The mechanism in motion.
 struct Tree<'a, 'g> {
     mechanism: &'a Mechanism<'g>,
     placements: &'a [Placement<'g>],
-    motions: &'a [Motion<'g>],
+    motions: &'a [BodyMotion<'g>],
     levers: Vec<Lever<'g>>,
     /// Every body as seen from the base, where the pairs meet there.
     base: Vec<BaseBody<'g>>,
@@ -249,8 +235,8 @@ struct BaseBody<'g> {
     axes: [Vector3<'g>; 3],
     origin: Vector3<'g>,
     twice_velocity: Vector3<'g>,
-    /// What a unit of the joint's velocity does to points at the base's origin: angular, then linear.
-    screw: (Vector3<'g>, Vector3<'g>),
+    /// What a unit of the joint's velocity does to points at the base's origin.
+    screw: Motion<'g>,
     disturbance: Disturbance<'g>,
 }
 
@@ -272,18 +258,19 @@ impl<'g> BaseBody<'g> {
         }
     }
 
-    fn wrench(&self, (force, moment): Wrench<'g>) -> Wrench<'g> {
-        let force = self.direction(force);
-        (force, self.direction(moment) + self.origin.cross(force))
+    fn force(&self, f: Force<'g>) -> Force<'g> {
+        let force = self.direction(f.force);
+        let moment = self.direction(f.moment) + self.origin.cross(force);
+        Force { moment, force }
     }
 
     fn column(&self, column: &Column<'g>) -> Column<'g> {
-        let inertial = self.wrench(column.inertial);
+        let inertial = self.force(column.inertial);
         Column {
             inertial,
-            damping: self.wrench(column.damping),
-            stiffness: self.wrench(column.stiffness),
-            by_omega: self.direction(column.by_omega) + self.twice_velocity.cross(inertial.0),
+            damping: self.force(column.damping),
+            stiffness: self.force(column.stiffness),
+            by_omega: self.direction(column.by_omega) + self.twice_velocity.cross(inertial.force),
         }
     }
 }
@@ -291,7 +278,7 @@ impl<'g> BaseBody<'g> {
 impl<'g> Tree<'_, 'g> {
     /// Composite moments of every body in its working frame.
     fn flows(&self, formulation: &Formulation, input: MotionInput<'_, 'g>) -> Vec<Flow<'g>> {
-        let composites = super::composite::composites(self.mechanism, formulation, self.placements);
+        let composites = composites(self.mechanism, formulation, self.placements);
         let mut flows: Vec<Flow<'g>> = composites
             .into_iter()
             .enumerate()
@@ -302,7 +289,7 @@ impl<'g> Tree<'_, 'g> {
                 Flow {
                     composite,
                     momentum,
-                    spin: spin_of(twice, moments.second),
+                    spin: Matrix3::cross_of(twice, moments.second),
                 }
             })
             .collect();
@@ -311,7 +298,7 @@ impl<'g> Tree<'_, 'g> {
             if let Some(parent) = self.mechanism.bodies[index].parent {
                 let (momentum, spin) = self.pass_flow(index, &flows[index]);
                 flows[parent].momentum = flows[parent].momentum + momentum;
-                flows[parent].spin = add3(&flows[parent].spin, &spin);
+                flows[parent].spin = flows[parent].spin + spin;
             }
         }
         flows
@@ -334,11 +321,11 @@ impl<'g> Tree<'_, 'g> {
             along,
             lever.along_velocity,
         );
-        let moments = super::composite::before_joint(moments.lifted(lever.along), placement);
+        let moments = before_joint(moments.lifted(lever.along), placement);
         let moments = moments.to_parent(&body.twist, Vector3::zero(zero));
         let momentum = body.twist.to_parent(placement.before_joint_unit(momentum));
-        let spin = placement.turn.map_or(spin, |turn| turn_matrix(&spin, turn));
-        let spin = twist_matrix(&spin, &body.twist);
+        let spin = placement.turn.map_or(spin, |turn| spin.turned(turn));
+        let spin = spin.twisted(&body.twist);
         shift_flow(
             moments,
             momentum,
@@ -348,81 +335,55 @@ impl<'g> Tree<'_, 'g> {
         )
     }
 
-    /// A rotor's spin i ẏ turns with its carrier: J_R i ẏ δω × a.
+    /// A rotor's spin turns with its carrier.
     fn add_rotor_spin(&self, flows: &mut [Flow<'g>], input: MotionInput<'_, 'g>) {
         for rotor in &self.mechanism.rotors {
             let Some(carrier) = rotor.carrier else {
                 continue;
             };
-            let spin = self
-                .rotor_axis(rotor, carrier)
-                .scaled(rotor.ratio * rotor.inertia * input.v[rotor.coordinate]);
-            flows[carrier].spin = add3(&flows[carrier].spin, &skew(spin));
+            let rate = input.v[rotor.transmission.coordinate];
+            let spin = Gyrostat::new(rotor, &self.placements[carrier]).spin(rate);
+            flows[carrier].spin = flows[carrier].spin + spin;
         }
-    }
-
-    fn rotor_axis(&self, rotor: &crate::kinematics::Rotor<'g>, carrier: usize) -> Vector3<'g> {
-        self.placements[carrier]
-            .to_body
-            .map_or(rotor.axis, |ahead| rotor.axis.turned(ahead))
     }
 
     /// What body `index` needs for a unit of its joint's acceleration, velocity and position.
-    fn column(&self, index: usize, flow: &Flow<'g>, wrench: &Wrench<'g>) -> Column<'g> {
-        let zero = wrench.0[0].constant(0.0);
-        let z = Vector3([zero, zero, zero.constant(1.0)]);
+    fn column(&self, index: usize, flow: &Flow<'g>, needed: &Force<'g>) -> Column<'g> {
+        let zero = needed.force[0].constant(0.0);
+        let axis = self.mechanism.bodies[index].axis;
+        let screw = axis.unit_motion(zero);
         let disturbance = self.disturbance(index);
-        let unit = match self.mechanism.bodies[index].axis {
-            JointAxis::Revolute => Disturbed {
-                omega: Vector3::zero(zero),
-                beta: z,
-                acceleration: Vector3::zero(zero),
-            },
-            JointAxis::Prismatic => Disturbed {
-                omega: Vector3::zero(zero),
-                beta: Vector3::zero(zero),
-                acceleration: z,
-            },
+        let mut inertial = flow.response(&Disturbed {
+            omega: Vector3::zero(zero),
+            beta: screw.angular,
+            acceleration: screw.linear,
+        });
+        let (own, turned) = (
+            flow.response(&disturbance.by_coordinate),
+            screw.cross_force(*needed),
+        );
+        let mut stiffness = Force {
+            force: own.force + turned.force,
+            moment: own.moment + turned.moment,
         };
-        let inertial = match self.mechanism.bodies[index].axis {
+        let by_omega = match axis {
             JointAxis::Revolute => {
-                let (force, mut moment) = flow.response(&unit);
-                moment.0[2] = flow.composite.polar;
-                (force, moment)
-            }
-            JointAxis::Prismatic => flow.response(&unit),
-        };
-        let mut stiffness = flow.response(&disturbance.by_coordinate);
-        let by_omega = match self.mechanism.bodies[index].axis {
-            JointAxis::Revolute => {
-                stiffness = (
-                    stiffness.0 + z.cross(wrench.0),
-                    stiffness.1 + z.cross(wrench.1),
-                );
+                inertial.moment.0[2] = flow.composite.polar;
                 let spin = &flow.spin;
                 Vector3([-spin[2][0], -spin[2][1], spin[0][0] + spin[1][1]])
             }
-            JointAxis::Prismatic => {
-                stiffness.1 = stiffness.1 + z.cross(wrench.0);
-                flow.momentum.cross(z)
-            }
+            JointAxis::Prismatic => flow.momentum.cross(screw.linear),
         };
         if self.looks_the_same_turned(index) {
             // What it needs does not change with its angle; the sums above would only leave their rounding.
-            stiffness = (Vector3::zero(zero), Vector3::zero(zero));
+            stiffness = Force::zero(zero);
         }
-        let sign = self.mechanism.bodies[index].direction;
-        let signed = |(force, moment): Wrench<'g>| {
-            (
-                force.map(|x| x.signed(sign)),
-                moment.map(|x| x.signed(sign)),
-            )
-        };
+        let ratio = self.mechanism.bodies[index].transmission.ratio;
         Column {
-            inertial: signed(inertial),
-            damping: signed(flow.response(&disturbance.by_velocity)),
-            stiffness: signed(stiffness),
-            by_omega: by_omega.map(|x| x.signed(sign)),
+            inertial: inertial.map(|x| x * ratio),
+            damping: flow.response(&disturbance.by_velocity).map(|x| x * ratio),
+            stiffness: stiffness.map(|x| x * ratio),
+            by_omega: by_omega.map(|x| x * ratio),
         }
     }
 
@@ -448,7 +409,7 @@ impl<'g> Tree<'_, 'g> {
         let (w, u, a) = (motion.omega, &motion.spread, motion.acceleration);
         let zero = w[0].constant(0.0);
         let nothing = Vector3::zero(zero);
-        let axis_points = Vector3([u[0][2], u[1][2], u[2][2]]);
+        let axis_points = u.column(2);
         match self.mechanism.bodies[index].axis {
             JointAxis::Revolute => Disturbance {
                 by_coordinate: Disturbed {
@@ -511,14 +472,11 @@ impl<'g> Tree<'_, 'g> {
                 axes,
                 origin: origin + axes[2].scaled(lever.along),
                 twice_velocity: velocity,
-                screw: (axes[2], axes[2]),
+                screw: body.axis.along(axes[2], Vector3::zero(zero)),
                 disturbance: self.disturbance(index),
             };
             seen.twice_velocity = seen.twice_velocity + seen.direction(lever.along_velocity);
-            seen.screw = match body.axis {
-                JointAxis::Revolute => (axes[2], seen.origin.cross(axes[2])),
-                JointAxis::Prismatic => (Vector3::zero(zero), axes[2]),
-            };
+            seen.screw = body.axis.along(axes[2], seen.origin);
             let Disturbance {
                 by_coordinate,
                 by_velocity,
@@ -539,11 +497,11 @@ impl<'g> Tree<'_, 'g> {
             .map_or(column, |body| body.column(&column))
     }
 
-    /// Carries a column from a body to the base and reads off the entries at every joint that it passes.
+    /// Carries the column of a joint from a body to the base and reads off the entries at every joint that it passes.
     fn walk(
         &self,
         start: usize,
-        coordinate: usize,
+        joint: usize,
         mut column: Column<'g>,
         result: &mut ForceDerivatives<'g>,
     ) {
@@ -553,53 +511,28 @@ impl<'g> Tree<'_, 'g> {
                 column = self.pass_on(index, &column);
             }
             index = parent;
-            self.add_rotor_coupling(index, coordinate, &mut column);
-            self.read_off(index, coordinate, &column, result);
+            self.add_rotor_coupling(index, joint, &mut column);
+            self.read_off(index, joint, &column, result);
         }
     }
 
     /// The entries of the column's own joint.
     fn read_own(&self, index: usize, values: &Column<'g>, result: &mut ForceDerivatives<'g>) {
-        let own = self.mechanism.bodies[index].coordinate;
-        add(
-            &mut result.mass_matrix,
-            own,
-            own,
-            self.at_joint(index, values.inertial),
-        );
-        add(
-            &mut result.by_velocities,
-            own,
-            own,
-            self.at_joint(index, values.damping),
-        );
-        add(
-            &mut result.by_coordinates,
-            own,
-            own,
-            self.at_joint(index, values.stiffness),
-        );
+        let Body {
+            axis, transmission, ..
+        } = &self.mechanism.bodies[index];
+        let add =
+            |f, matrix| transmission.add_row_entry(transmission.coordinate, axis.force(f), matrix);
+        add(values.inertial, &mut result.mass_matrix);
+        add(values.damping, &mut result.by_velocities);
+        add(values.stiffness, &mut result.by_coordinates);
     }
 
-    /// What a wrench exerts on the joint of a body.
-    fn at_joint(&self, index: usize, wrench: Wrench<'g>) -> Scalar<'g> {
-        let body = &self.mechanism.bodies[index];
-        let entry = match body.axis {
-            JointAxis::Revolute => wrench.1[2],
-            JointAxis::Prismatic => wrench.0[2],
-        };
-        entry.signed(body.direction)
-    }
-
-    /// What a wrench on its way exerts on the joint of a body.
-    fn met_by(&self, index: usize, wrench: Wrench<'g>) -> Scalar<'g> {
+    /// What a force on its way exerts along the joint of a body.
+    fn met_by(&self, index: usize, f: Force<'g>) -> Scalar<'g> {
         match self.base.get(index) {
-            None => self.at_joint(index, wrench),
-            Some(body) => {
-                let (angular, linear) = body.screw;
-                let entry = angular.dot(wrench.1) + linear.dot(wrench.0);
-                entry.signed(self.mechanism.bodies[index].direction)
-            }
+            None => self.mechanism.bodies[index].axis.force(f),
+            Some(body) => body.screw.dot(f),
         }
     }
 
@@ -607,58 +540,51 @@ impl<'g> Tree<'_, 'g> {
     fn read_off(
         &self,
         index: usize,
-        column: usize,
+        joint: usize,
         values: &Column<'g>,
         result: &mut ForceDerivatives<'g>,
     ) {
-        let body = &self.mechanism.bodies[index];
-        let row = body.coordinate;
-        let inertial = self.met_by(index, values.inertial);
-        add(&mut result.mass_matrix, row, column, inertial);
-        add(&mut result.mass_matrix, column, row, inertial);
-        add(
-            &mut result.by_velocities,
-            row,
+        let row = &self.mechanism.bodies[index].transmission;
+        let column = self.mechanism.bodies[joint].transmission.coordinate;
+        row.add_coupling(
+            column,
+            self.met_by(index, values.inertial),
+            &mut result.mass_matrix,
+        );
+        row.add_row_entry(
             column,
             self.met_by(index, values.damping),
+            &mut result.by_velocities,
         );
-        add(
-            &mut result.by_coordinates,
-            row,
+        row.add_row_entry(
             column,
             self.met_by(index, values.stiffness),
+            &mut result.by_coordinates,
         );
         let disturbance = self
             .base
             .get(index)
             .map_or_else(|| self.disturbance(index), |body| body.disturbance);
         let gain = |disturbed: Disturbed<'g>| {
-            let (force, moment) = values.inertial;
+            let Force { force, moment } = values.inertial;
             let by_motion = moment.dot(disturbed.beta) + force.dot(disturbed.acceleration);
-            (values.by_omega.dot(disturbed.omega) + by_motion).signed(body.direction)
+            values.by_omega.dot(disturbed.omega) + by_motion
         };
-        add(
-            &mut result.by_coordinates,
+        row.add_column_entry(
             column,
-            row,
             gain(disturbance.by_coordinate),
+            &mut result.by_coordinates,
         );
-        add(
-            &mut result.by_velocities,
+        row.add_column_entry(
             column,
-            row,
             gain(disturbance.by_velocity),
+            &mut result.by_velocities,
         );
     }
 
-    /// Whether the path from a coordinate's joint to the base passes a body, after the joint itself.
-    fn passes(&self, coordinate: usize, body: usize) -> bool {
-        let own = self
-            .mechanism
-            .bodies
-            .iter()
-            .position(|other| other.coordinate == coordinate);
-        let mut next = own.and_then(|index| self.mechanism.bodies[index].parent);
+    /// Whether the path from a joint to the base passes a body, after the joint itself.
+    fn passes(&self, joint: usize, body: usize) -> bool {
+        let mut next = self.mechanism.bodies[joint].parent;
         while let Some(index) = next {
             if index == body {
                 return true;
@@ -668,23 +594,18 @@ impl<'g> Tree<'_, 'g> {
         false
     }
 
-    fn add_rotor_coupling(&self, index: usize, coordinate: usize, column: &mut Column<'g>) {
-        let rotors = self
-            .mechanism
-            .rotors
-            .iter()
-            .filter(|r| r.carrier == Some(index) && r.coordinate == coordinate);
-        for rotor in rotors {
-            let axis = self
-                .rotor_axis(rotor, index)
-                .scaled(rotor.ratio * rotor.inertia);
-            let swept = self.motions[index].omega.cross(axis);
-            let (axis, swept) = match self.base.get(index) {
-                Some(body) => (body.direction(axis), body.direction(swept)),
-                None => (axis, swept),
+    /// Adds the rotors on a body whose drives move the column's joint.
+    fn add_rotor_coupling(&self, index: usize, joint: usize, column: &mut Column<'g>) {
+        let rotors = self.mechanism.rotors.iter();
+        for rotor in rotors.filter(|r| r.carrier == Some(index) && r.driven == joint) {
+            let momentum = Gyrostat::new(rotor, &self.placements[index]).momentum();
+            let swept = self.motions[index].omega.cross(momentum);
+            let (momentum, swept) = match self.base.get(index) {
+                Some(body) => (body.direction(momentum), body.direction(swept)),
+                None => (momentum, swept),
             };
-            column.inertial.1 = column.inertial.1 + axis;
-            column.damping.1 = column.damping.1 + swept;
+            column.inertial.moment = column.inertial.moment + momentum;
+            column.damping.moment = column.damping.moment + swept;
             column.by_omega = column.by_omega + swept;
         }
     }
@@ -699,19 +620,17 @@ impl<'g> Tree<'_, 'g> {
         let along = Vector3([zero, zero, lever.along]);
         let force_to_parent =
             |force: Vector3<'g>| body.twist.to_parent(placement.before_joint_unit(force));
-        let pass = |(force, moment): Wrench<'g>| {
-            let lifted = moment + along.cross(force);
-            let arrived = force_to_parent(force);
-            (
-                arrived,
-                placement.to_parent(&body.twist, lifted) + placement.translation.cross(arrived),
-            )
+        let pass = |f: Force<'g>| {
+            let lifted = f.moment + along.cross(f.force);
+            let force = force_to_parent(f.force);
+            let moment =
+                placement.to_parent(&body.twist, lifted) + placement.translation.cross(force);
+            Force { moment, force }
         };
-        let force = column.inertial.0;
-        let lifted = column.by_omega + lever.along_velocity.cross(force);
+        let lifted = column.by_omega + lever.along_velocity.cross(column.inertial.force);
         let inertial = pass(column.inertial);
         let by_omega =
-            placement.to_parent(&body.twist, lifted) + lever.across_velocity.cross(inertial.0);
+            placement.to_parent(&body.twist, lifted) + lever.across_velocity.cross(inertial.force);
         Column {
             inertial,
             damping: pass(column.damping),
@@ -721,19 +640,9 @@ impl<'g> Tree<'_, 'g> {
     }
 }
 
-fn add<'g>(matrix: &mut Matrix<'g>, row: usize, column: usize, entry: Scalar<'g>) {
-    matrix[row][column] = matrix[row][column] + entry;
-}
-
-/// `ω× Σ`
-fn spin_of<'g>(omega: Vector3<'g>, second: Symmetric3<'g>) -> Matrix3<'g> {
-    let columns = second.columns().map(|column| omega.cross(column));
-    std::array::from_fn(|row| std::array::from_fn(|column| columns[column][row]))
-}
-
 /// 2P and 2K about another point: with the lever r and twice its velocity v.
 fn shift_flow<'g>(
-    moments: crate::kinematics::MassMoments<'g>,
+    moments: MassMoments<'g>,
     momentum: Vector3<'g>,
     spin: &Matrix3<'g>,
     lever: Vector3<'g>,
@@ -742,47 +651,5 @@ fn shift_flow<'g>(
     let moved = momentum + velocity.scaled(moments.mass);
     let entry =
         |i: usize, j: usize| spin[i][j] + (moved[i] * lever[j] + velocity[i] * moments.first[j]);
-    (
-        moved,
-        std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))),
-    )
-}
-
-/// `R_z(φ) A R_z(φ)ᵀ`
-fn turn_matrix<'g>(a: &Matrix3<'g>, (s, c): (Scalar<'g>, Scalar<'g>)) -> Matrix3<'g> {
-    let across = s * (a[0][0] - a[1][1]) + c * (a[0][1] + a[1][0]);
-    let moved = s * across;
-    let swung = c * across;
-    let column = Vector3([a[0][2], a[1][2], a[2][2]]).turned((s, c));
-    let row = Vector3([a[2][0], a[2][1], a[2][2]]).turned((s, c));
-    [
-        [a[0][0] - moved, swung - a[1][0], column[0]],
-        [swung - a[0][1], a[1][1] + moved, column[1]],
-        [row[0], row[1], a[2][2]],
-    ]
-}
-
-/// `R A Rᵀ` for a constant twist.
-fn twist_matrix<'g>(a: &Matrix3<'g>, twist: &crate::kinematics::Twist) -> Matrix3<'g> {
-    let columns: [Vector3<'g>; 3] =
-        std::array::from_fn(|j| twist.to_parent(Vector3([a[0][j], a[1][j], a[2][j]])));
-    std::array::from_fn(|i| {
-        twist
-            .to_parent(Vector3([columns[0][i], columns[1][i], columns[2][i]]))
-            .0
-    })
-}
-
-fn add3<'g>(a: &Matrix3<'g>, b: &Matrix3<'g>) -> Matrix3<'g> {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + b[i][j]))
-}
-
-/// `v×`
-fn skew(v: Vector3<'_>) -> Matrix3<'_> {
-    let zero = v[0].constant(0.0);
-    [
-        [zero, -v[2], v[1]],
-        [v[2], zero, -v[0]],
-        [-v[1], v[0], zero],
-    ]
+    (moved, Matrix3::from_fn(entry))
 }

@@ -10,14 +10,13 @@ use super::factorization::Factorization;
 use super::forces;
 use super::formulation::{Formulation, SearchSpace, cheapest};
 use super::frame_motion::BasePoses;
+use super::matrix::Matrix;
 use super::newton_euler::{self, MotionInput};
 use super::regressor;
-use crate::graph::{Cost, Edge, Graph, Scalar, Vector3, differentiate, substitute};
+use crate::graph::{Cost, Edge, Graph, Scalar, differentiate, substitute};
 use crate::kinematics::{Mechanism, RegroupChoice};
 use crate::model::Model;
-
-/// A matrix over the graph, rows first.
-pub type Matrix<'g> = Vec<Vec<Scalar<'g>>>;
+use crate::spatial::Vector3;
 
 /// The cheapest formulations of a model, each searched for when it is first needed.
 #[derive(Debug)]

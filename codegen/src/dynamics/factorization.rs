@@ -25,7 +25,7 @@ impl<'g> Factorization<'g> {
         let coordinates: Vec<_> = mechanism
             .bodies
             .iter()
-            .map(|body| body.coordinate)
+            .map(|body| body.transmission.coordinate)
             .collect();
         let count = coordinates.len();
         let couplings = couplings(mechanism, mass_matrix);
@@ -116,7 +116,8 @@ impl<'g> Factorization<'g> {
 fn couplings<'g>(mechanism: &Mechanism<'g>, mass_matrix: &[Vec<Scalar<'g>>]) -> Vec<Vec<usize>> {
     let count = mechanism.len();
     let entry = |i: usize, j: usize| {
-        mass_matrix[mechanism.bodies[i].coordinate][mechanism.bodies[j].coordinate]
+        let [row, column] = [i, j].map(|k| mechanism.bodies[k].transmission.coordinate);
+        mass_matrix[row][column]
     };
     let mut coupled: Vec<Vec<bool>> = (0..count)
         .map(|i| {

@@ -5,8 +5,9 @@ use nalgebra::Matrix3;
 use super::formulation::Formulation;
 use super::newton_euler::{MotionInput, frame_acceleration};
 use super::placement::{Placement, place};
-use crate::graph::{Scalar, Vector3};
-use crate::kinematics::{JointAxis, Mechanism, ScalarPose, rotate};
+use crate::graph::Scalar;
+use crate::kinematics::{JointAxis, Mechanism};
+use crate::spatial::{Pose, Vector3, rotate};
 
 /// A pose over the graph: origin, and the frame's axes as columns.
 #[derive(Debug, Clone, Copy)]
@@ -51,7 +52,7 @@ impl<'g> BasePoses<'g> {
     }
 
     /// Pose of a frame fixed to a link of the model.
-    pub fn pose(&self, link: usize, frame: &ScalarPose<'g>) -> FramePose<'g> {
+    pub fn pose(&self, link: usize, frame: &Pose<'g>) -> FramePose<'g> {
         let (body, pose) = self.in_body(link, frame);
         let body = body.map_or(
             FramePose::base(self.mechanism.graph.constant(1.0)),
@@ -65,21 +66,23 @@ impl<'g> BasePoses<'g> {
     }
 
     /// Jacobian of a frame: linear rows first, columns by coordinate.
-    pub fn jacobian(&self, link: usize, frame: &ScalarPose<'g>) -> Vec<Vec<Scalar<'g>>> {
+    pub fn jacobian(&self, link: usize, frame: &Pose<'g>) -> Vec<Vec<Scalar<'g>>> {
         let origin = self.pose(link, frame).origin;
         let zero = self.mechanism.graph.constant(0.0);
         let mut rows = vec![vec![zero; self.mechanism.len()]; 6];
         let mut next = self.in_body(link, frame).0;
         while let Some(index) = next {
             let body = &self.mechanism.bodies[index];
-            let axis = self.bodies[index].axes[2].map(|x| x.signed(body.direction));
+            let FramePose { axes, origin: own } = self.bodies[index];
+            let axis = axes[2];
             let (linear, angular) = match body.axis {
-                JointAxis::Revolute => (axis.cross(origin - self.bodies[index].origin), axis),
+                JointAxis::Revolute => (axis.cross(origin - own), axis),
                 JointAxis::Prismatic => (axis, Vector3::zero(zero)),
             };
             for k in 0..3 {
-                rows[k][body.coordinate] = linear[k];
-                rows[k + 3][body.coordinate] = angular[k];
+                body.transmission.add_column_entry(k, linear[k], &mut rows);
+                body.transmission
+                    .add_column_entry(k + 3, angular[k], &mut rows);
             }
             next = body.parent;
         }
@@ -90,7 +93,7 @@ impl<'g> BasePoses<'g> {
     pub fn jacobian_rate(
         &self,
         link: usize,
-        frame: &ScalarPose<'g>,
+        frame: &Pose<'g>,
         y: &[Scalar<'g>],
         v: &[Scalar<'g>],
     ) -> Vec<Scalar<'g>> {
@@ -110,7 +113,7 @@ impl<'g> BasePoses<'g> {
             .collect()
     }
 
-    fn in_body(&self, link: usize, frame: &ScalarPose<'g>) -> (Option<usize>, ScalarPose<'g>) {
+    fn in_body(&self, link: usize, frame: &Pose<'g>) -> (Option<usize>, Pose<'g>) {
         let (body, pose) = self.mechanism.links[link];
         (body, pose.then(*frame))
     }

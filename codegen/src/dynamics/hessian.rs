@@ -6,7 +6,8 @@
 
 use super::catalogue::Argument::{Accelerations, Coordinates, Multipliers, Velocities};
 use super::catalogue::{Arguments, Quantity, SQUARE, matrix};
-use super::equations::{Equations, Matrix, dot};
+use super::equations::{Equations, dot};
+use super::matrix::Matrix;
 use super::newton_euler::MotionInput;
 use crate::graph::{Cost, Edge, Scalar, differentiate, gradient};
 

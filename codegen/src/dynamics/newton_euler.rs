@@ -11,15 +11,14 @@
 
 use super::formulation::{AngularRoute, BodyChoices, Formulation, RunLink};
 use super::placement::{Placement, place};
-use crate::graph::{Scalar, Symmetric3, Vector3};
+use super::rotor::Gyrostat;
+use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism};
+use crate::spatial::{Force, Matrix3, Symmetric3, Twist, Vector3};
 
-/// A 3 × 3 matrix, rows first.
-type Matrix3<'g> = [[Scalar<'g>; 3]; 3];
-
-/// Motion of a body in its working frame.
+/// BodyMotion of a body in its working frame.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Motion<'g> {
+pub(super) struct BodyMotion<'g> {
     /// Angular velocity ω.
     pub omega: Vector3<'g>,
     /// Components of the angular acceleration ω̇ that were needed for U.
@@ -41,17 +40,14 @@ pub struct MotionInput<'a, 'g> {
     pub a: &'a [Scalar<'g>],
 }
 
-/// A force and a moment about the origin.
-pub(super) type Wrench<'g> = (Vector3<'g>, Vector3<'g>);
-
 /// The inverse dynamics with what they were made from.
 pub(super) struct InverseDynamicsParts<'g> {
     /// Working frames.
     pub placements: Vec<Placement<'g>>,
-    /// Motion of each body.
-    pub motions: Vec<Motion<'g>>,
+    /// BodyMotion of each body.
+    pub motions: Vec<BodyMotion<'g>>,
     /// What moves each body and all beyond it.
-    pub wrenches: Vec<Wrench<'g>>,
+    pub wrenches: Vec<Force<'g>>,
     /// Generalized forces by coordinate.
     pub generalized: Vec<Scalar<'g>>,
 }
@@ -73,7 +69,7 @@ pub(super) fn inverse_dynamics_parts<'g>(
 ) -> InverseDynamicsParts<'g> {
     let placements = place(mechanism, formulation, input.y);
     let motions = motions(mechanism, formulation, &placements, input);
-    let mut wrenches: Vec<Wrench<'g>> = motions
+    let mut wrenches: Vec<Force<'g>> = motions
         .iter()
         .zip(&placements)
         .map(|(motion, placement)| own_force(motion, placement))
@@ -118,7 +114,7 @@ pub fn frame_acceleration<'g>(
     let placements = place(&weightless, &formulation, input.y);
     let motion = motions(&weightless, &formulation, &placements, input)[body];
     (
-        motion.acceleration + times(&motion.spread, point),
+        motion.acceleration + motion.spread.times(point),
         motion.angular_acceleration(),
     )
 }
@@ -128,17 +124,17 @@ pub(super) fn motions<'g>(
     formulation: &Formulation,
     placements: &[Placement<'g>],
     input: MotionInput<'_, 'g>,
-) -> Vec<Motion<'g>> {
-    let mut motions: Vec<Motion<'g>> = Vec::with_capacity(placements.len());
+) -> Vec<BodyMotion<'g>> {
+    let mut motions: Vec<BodyMotion<'g>> = Vec::with_capacity(placements.len());
     for (index, body) in mechanism.bodies.iter().enumerate() {
-        let base = Motion::at_rest(-mechanism.gravity_for(index));
+        let base = BodyMotion::at_rest(-mechanism.gravity_for(index));
         let placement = &placements[index];
         let parent = body.parent.map_or(base, |parent| motions[parent]);
         let (rate, acceleration) = (
-            input.v[body.coordinate].signed(body.direction),
-            input.a[body.coordinate].signed(body.direction),
+            body.transmission.motion(input.v),
+            body.transmission.motion(input.a),
         );
-        let carried = parent.acceleration + times(&parent.spread, placement.translation);
+        let carried = parent.acceleration + parent.spread.times(placement.translation);
         let carried = placement.to_child_unit(&body.twist, carried);
         let mut motion = match body.axis {
             JointAxis::Prismatic => extend(&parent, body, placement, carried, rate, acceleration),
@@ -157,8 +153,7 @@ pub(super) fn motions<'g>(
                 joint.turn(input, carried)
             }
         };
-        let u = &motion.spread;
-        let lift = Vector3([u[0][2], u[1][2], u[2][2]]).scaled(placement.extension);
+        let lift = motion.spread.column(2).scaled(placement.extension);
         motion.acceleration = motion.acceleration + lift;
         motion.omega.named(&format!("omega_{}", body.identifier));
         motion
@@ -169,13 +164,13 @@ pub(super) fn motions<'g>(
     motions
 }
 
-impl<'g> Motion<'g> {
+impl<'g> BodyMotion<'g> {
     fn at_rest(acceleration: Vector3<'g>) -> Self {
         let zero = acceleration[0].constant(0.0);
         Self {
             omega: Vector3::zero(zero),
             angular: [Some(zero); 3],
-            spread: [[zero; 3]; 3],
+            spread: Matrix3::zero(zero),
             acceleration,
         }
     }
@@ -198,13 +193,13 @@ struct RevoluteStep<'a, 'g> {
     placements: &'a [Placement<'g>],
     index: usize,
     choices: BodyChoices,
-    parent: &'a Motion<'g>,
-    run_parent: &'a Motion<'g>,
+    parent: &'a BodyMotion<'g>,
+    run_parent: &'a BodyMotion<'g>,
 }
 
 impl<'g> RevoluteStep<'_, 'g> {
-    /// Motion of the body, given the acceleration of its origin.
-    fn turn(&self, input: MotionInput<'_, 'g>, origin: Vector3<'g>) -> Motion<'g> {
+    /// BodyMotion of the body, given the acceleration of its origin.
+    fn turn(&self, input: MotionInput<'_, 'g>, origin: Vector3<'g>) -> BodyMotion<'g> {
         let (rate, acceleration) = self.rates(input);
         let source = match self.choices.source {
             RunLink::Parent => self.parent,
@@ -222,7 +217,7 @@ impl<'g> RevoluteStep<'_, 'g> {
             }
             AngularRoute::AxisPoints => {
                 let axis = self.source_twist().to_parent(unit_z(rate));
-                let points = self.carry(times(&source.spread, axis));
+                let points = self.carry(source.spread.times(axis));
                 let axial = self.axial(source.angular_acceleration()) + acceleration;
                 (
                     [None, None, Some(axial)],
@@ -230,7 +225,7 @@ impl<'g> RevoluteStep<'_, 'g> {
                 )
             }
         };
-        Motion {
+        BodyMotion {
             omega,
             angular,
             spread,
@@ -242,7 +237,7 @@ impl<'g> RevoluteStep<'_, 'g> {
     fn rates(&self, input: MotionInput<'_, 'g>) -> (Scalar<'g>, Scalar<'g>) {
         let signed = |values: &[Scalar<'g>], k: usize| {
             let body = &self.mechanism.bodies[k];
-            values[body.coordinate].signed(body.direction)
+            body.transmission.motion(values)
         };
         let mut chain = vec![self.index];
         if self.choices.source == RunLink::RunBase {
@@ -265,7 +260,7 @@ impl<'g> RevoluteStep<'_, 'g> {
         (sum(input.v), sum(input.a))
     }
 
-    fn source_twist(&self) -> crate::kinematics::Twist {
+    fn source_twist(&self) -> Twist {
         let first = match self.choices.source {
             RunLink::Parent => self.index,
             RunLink::RunBase => self.placements[self.index].run,
@@ -292,19 +287,19 @@ impl<'g> RevoluteStep<'_, 'g> {
 
 /// One prismatic joint on the way outwards: `a + 2 ω × z ḋ + z d̈`.
 fn extend<'g>(
-    parent: &Motion<'g>,
+    parent: &BodyMotion<'g>,
     body: &Body<'g>,
     placement: &Placement<'g>,
     carried: Vector3<'g>,
     rate: Scalar<'g>,
     acceleration: Scalar<'g>,
-) -> Motion<'g> {
+) -> BodyMotion<'g> {
     let omega = placement.to_child(&body.twist, parent.omega);
     let angular = placement.to_child(&body.twist, parent.angular_acceleration());
     let spread = spread_of(omega, angular);
     let twice = rate * 2.0;
     let coriolis = Vector3([omega[1] * twice, -(omega[0] * twice), acceleration]);
-    Motion {
+    BodyMotion {
         omega,
         angular: angular.0.map(Some),
         spread,
@@ -316,21 +311,16 @@ fn unit_z(any: Scalar<'_>) -> Vector3<'_> {
     Vector3([any.constant(0.0), any.constant(0.0), any.constant(1.0)])
 }
 
-/// `matrix · v`
-pub(super) fn times<'g>(matrix: &Matrix3<'g>, v: Vector3<'g>) -> Vector3<'g> {
-    Vector3(matrix.map(|row| Vector3(row).dot(v)))
-}
-
 /// `U = ω̇× + ω× ω×`
 pub(super) fn spread_of<'g>(omega: Vector3<'g>, angular: Vector3<'g>) -> Matrix3<'g> {
     let (w, e) = (omega, angular);
     let (xx, yy, zz) = (w[0].squared(), w[1].squared(), w[2].squared());
     let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
-    [
+    Matrix3([
         [-(yy + zz), xy - e[2], xz + e[1]],
         [xy + e[2], -(xx + zz), yz - e[0]],
         [xz - e[1], yz + e[0], -(xx + yy)],
-    ]
+    ])
 }
 
 /// U from ω, from U z, and from the angular acceleration about z.
@@ -339,7 +329,7 @@ fn spread_from_axis<'g>(omega: Vector3<'g>, points: Vector3<'g>, axial: Scalar<'
     let (xx, yy, zz) = (w[0].squared(), w[1].squared(), w[2].squared());
     let xy = w[0] * w[1];
     let twice = w[2] * 2.0;
-    [
+    Matrix3([
         [-(yy + zz), xy - axial, points[0]],
         [xy + axial, -(xx + zz), points[1]],
         [
@@ -347,17 +337,15 @@ fn spread_from_axis<'g>(omega: Vector3<'g>, points: Vector3<'g>, axial: Scalar<'
             w[1] * twice - points[1],
             points[2],
         ],
-    ]
+    ])
 }
 
 /// Force and moment about the origin that move a body's own mass.
-fn own_force<'g>(motion: &Motion<'g>, placement: &Placement<'g>) -> (Vector3<'g>, Vector3<'g>) {
+fn own_force<'g>(motion: &BodyMotion<'g>, placement: &Placement<'g>) -> Force<'g> {
     let (moments, a) = (placement.moments, motion.acceleration);
-    let force = a.scaled(moments.mass) + times(&motion.spread, moments.first);
-    (
-        force,
-        moments.first.cross(a) + moment_of_second(&motion.spread, moments.second),
-    )
+    let force = a.scaled(moments.mass) + motion.spread.times(moments.first);
+    let moment = moments.first.cross(a) + moment_of_second(&motion.spread, moments.second);
+    Force { moment, force }
 }
 
 /// `vee(U Σ − Σ Uᵀ)`
@@ -372,32 +360,31 @@ fn moment_of_second<'g>(u: &Matrix3<'g>, s: Symmetric3<'g>) -> Vector3<'g> {
     ])
 }
 
-/// Rotors: beyond what their axial inertia does in the carrier, the spin i ẏ gives the moment
-/// `i J_R (ÿ a + ẏ ω × a)` on the carrier and the force `i J_R (a · ω̇ + i ÿ)` on the joint.
+/// Rotors: what their spin needs of the coordinates that they follow, and of the bodies that carry them.
 fn add_rotors<'g>(
     mechanism: &Mechanism<'g>,
     placements: &[Placement<'g>],
-    motions: &[Motion<'g>],
+    motions: &[BodyMotion<'g>],
     input: MotionInput<'_, 'g>,
-    forces: &mut [(Vector3<'g>, Vector3<'g>)],
+    forces: &mut [Force<'g>],
     generalized: &mut [Scalar<'g>],
 ) {
     for rotor in &mechanism.rotors {
-        let (rate, acceleration) = (input.v[rotor.coordinate], input.a[rotor.coordinate]);
-        let coupling = rotor.ratio * rotor.inertia;
-        let own = (rotor.ratio * coupling) * acceleration;
-        generalized[rotor.coordinate] = generalized[rotor.coordinate] + own;
+        let coordinate = rotor.transmission.coordinate;
+        let (rate, acceleration) = (input.v[coordinate], input.a[coordinate]);
+        generalized[coordinate] =
+            generalized[coordinate] + rotor.reflected_inertia() * acceleration;
         let Some(carrier) = rotor.carrier else {
             continue;
         };
-        let axis = placements[carrier]
-            .to_body
-            .map_or(rotor.axis, |ahead| rotor.axis.turned(ahead));
-        let moment = axis.scaled(coupling * acceleration)
-            + motions[carrier].omega.cross(axis).scaled(coupling * rate);
-        forces[carrier].1 = forces[carrier].1 + moment;
-        let carried = coupling * axis.dot(motions[carrier].angular_acceleration());
-        generalized[rotor.coordinate] = generalized[rotor.coordinate] + carried;
+        let (gyrostat, motion) = (
+            Gyrostat::new(rotor, &placements[carrier]),
+            &motions[carrier],
+        );
+        let moment = gyrostat.moment(motion.omega, rate, acceleration);
+        forces[carrier].moment = forces[carrier].moment + moment;
+        let carried = gyrostat.carried(motion.angular_acceleration());
+        generalized[coordinate] = generalized[coordinate] + carried;
     }
 }
 
@@ -406,7 +393,7 @@ fn gather<'g>(
     mechanism: &Mechanism<'g>,
     formulation: &Formulation,
     placements: &[Placement<'g>],
-    forces: &mut [Wrench<'g>],
+    forces: &mut [Force<'g>],
     generalized: &mut [Scalar<'g>],
 ) {
     let zero = mechanism.graph.constant(0.0);
@@ -414,15 +401,11 @@ fn gather<'g>(
     let mut transverse = vec![Vector3::zero(zero); mechanism.len()];
     for index in (0..mechanism.len()).rev() {
         let (body, placement) = (&mechanism.bodies[index], &placements[index]);
-        let (force, mut moment) = forces[index];
+        let Force { force, mut moment } = forces[index];
         force.named(&format!("force_{}", body.identifier));
         moment.named(&format!("moment_{}", body.identifier));
-        let joint_force = match body.axis {
-            JointAxis::Revolute => moment[2],
-            JointAxis::Prismatic => force[2],
-        };
-        generalized[body.coordinate] =
-            generalized[body.coordinate] + joint_force.signed(body.direction);
+        body.transmission
+            .add_force(body.axis.force(forces[index]), generalized);
         let length = placement.extension;
         moment = moment + Vector3([-(length * force[1]), length * force[0], zero]);
         if formulation.bodies[index].sink == RunLink::RunBase && placement.run != index {
@@ -437,6 +420,9 @@ fn gather<'g>(
         let force = body.twist.to_parent(placement.before_joint_unit(force));
         let turned = placement.turn.map_or(moment, |turn| moment.turned(turn)) + transverse[index];
         let moment = body.twist.to_parent(turned) + placement.translation.cross(force);
-        forces[parent] = (forces[parent].0 + force, forces[parent].1 + moment);
+        forces[parent] = Force {
+            force: forces[parent].force + force,
+            moment: forces[parent].moment + moment,
+        };
     }
 }

@@ -2,8 +2,9 @@
 
 use super::formulation::{Formulation, WorkingFrame};
 use crate::formula::Function;
-use crate::graph::{Scalar, Vector3};
-use crate::kinematics::{Angle, JointAxis, MassMoments, Mechanism, Twist};
+use crate::graph::Scalar;
+use crate::kinematics::{JointAxis, Mechanism};
+use crate::spatial::{Angle, MassMoments, Motion, Twist, Vector3};
 
 /// Sine and cosine of an angle.
 pub type Turn<'g> = (Scalar<'g>, Scalar<'g>);
@@ -81,7 +82,7 @@ fn place_body<'g>(
         extension: if revolute {
             body.lift
         } else {
-            body.lift + y[body.coordinate].signed(body.direction)
+            body.lift + body.transmission.motion(y)
         },
         run: previous.map_or(index, |p| placed[p].run),
         turn_from_run: turn(None, aligned),
@@ -117,7 +118,7 @@ fn turn_between<'g>(
     for &joint in joints {
         let body = &mechanism.bodies[joint];
         name = format!("{name}_{}", body.identifier);
-        angle = angle + y[body.coordinate].signed(body.direction);
+        angle = angle + body.transmission.motion(y);
         offset = offset + body.offset;
     }
     let angle = angle.named(|| format!("angle{name}")) + zero.constant(offset.remainder);
@@ -179,13 +180,13 @@ impl<'g> Placement<'g> {
     /// What a unit of the parent's angular velocity about its z axis does to this body: angular velocity, and velocity
     /// of the origin, in this working frame and unit. Their products with a moment and a force are the parent's share
     /// along z, in fewer operations than passing both on.
-    pub fn parent_screw(&self, twist: &Twist) -> (Vector3<'g>, Vector3<'g>) {
+    pub fn parent_screw(&self, twist: &Twist) -> Motion<'g> {
         let zero = self.extension.constant(0.0);
         let z = Vector3([zero, zero, zero.constant(1.0)]);
         let angular = self.to_child(twist, z);
         let lift = Vector3([zero, zero, self.extension]);
         let linear = self.to_child_unit(twist, z.cross(self.translation)) + angular.cross(lift);
-        (angular, linear)
+        Motion { angular, linear }
     }
 
     /// Turns, with the change of unit inside the sine and cosine.

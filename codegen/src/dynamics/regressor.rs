@@ -12,14 +12,15 @@
 //! of a joint is their power at a unit of its velocity, so that no wrench is carried towards the base: the screws of
 //! the joints are carried outwards instead. Rotors add one column each.
 
-use super::equations::Matrix;
 use super::formulation::Formulation;
-use super::newton_euler::{Motion, MotionInput, motions, spread_of, times};
+use super::matrix::Matrix;
+use super::newton_euler::{BodyMotion, MotionInput, motions, spread_of};
 use super::placement::{Placement, place};
 use crate::formula::Formula;
-use crate::graph::{Graph, Scalar, Vector3};
-use crate::kinematics::{JointAxis, Mechanism, described_moments, lower, rotate};
+use crate::graph::{Graph, Scalar};
+use crate::kinematics::{Mechanism, described_moments, lower};
 use crate::model::{Drive, Model, RotorCoupling};
+use crate::spatial::{Matrix3, Motion, Vector3, rotate};
 
 /// Parameters of a link.
 pub const PER_LINK: usize = 10;
@@ -77,10 +78,10 @@ pub fn inertial_regressor<'g>(
         let link = LinkMotion::new(mechanism, model, index, &motions[index]);
         for screw in &screws[index] {
             let joint = &mechanism.bodies[screw.joint];
-            let entries = link.powers(&link.screw(screw));
+            let entries = link.powers(link.motion(screw.motion));
             for (k, entry) in entries.into_iter().enumerate() {
-                let column = PER_LINK * body.coordinate + k;
-                matrix[joint.coordinate][column] = entry.signed(joint.direction);
+                let column = PER_LINK * body.transmission.coordinate + k;
+                joint.transmission.add_row_entry(column, entry, &mut matrix);
             }
         }
     }
@@ -97,10 +98,7 @@ pub fn inertial_regressor<'g>(
 #[derive(Clone, Copy)]
 struct Screw<'g> {
     joint: usize,
-    /// Angular velocity.
-    angular: Vector3<'g>,
-    /// Velocity of the body's origin.
-    linear: Vector3<'g>,
+    motion: Motion<'g>,
 }
 
 /// For each body the screws of all joints that move it.
@@ -108,33 +106,28 @@ fn joint_screws<'g>(
     mechanism: &Mechanism<'g>,
     placements: &[Placement<'g>],
 ) -> Vec<Vec<Screw<'g>>> {
-    let (zero, one) = (mechanism.graph.constant(0.0), mechanism.graph.constant(1.0));
-    let (still, z) = (Vector3::zero(zero), Vector3([zero, zero, one]));
+    let zero = mechanism.graph.constant(0.0);
     let mut screws: Vec<Vec<Screw<'g>>> = Vec::with_capacity(mechanism.len());
     for (index, body) in mechanism.bodies.iter().enumerate() {
         let placement = &placements[index];
         let lift = Vector3([zero, zero, placement.extension]);
         let carried = |screw: &Screw<'g>| {
-            let at_joint = screw.linear + screw.angular.cross(placement.translation);
-            let angular = placement.to_child(&body.twist, screw.angular);
+            let Motion { angular, linear } = screw.motion;
+            let at_joint = linear + angular.cross(placement.translation);
+            let angular = placement.to_child(&body.twist, angular);
+            let linear = placement.to_child(&body.twist, at_joint) + angular.cross(lift);
             Screw {
                 joint: screw.joint,
-                angular,
-                linear: placement.to_child(&body.twist, at_joint) + angular.cross(lift),
+                motion: Motion { angular, linear },
             }
         };
         let parents = body
             .parent
             .map_or(&[][..], |parent| screws[parent].as_slice());
         let mut all: Vec<Screw<'g>> = parents.iter().map(carried).collect();
-        let (angular, linear) = match body.axis {
-            JointAxis::Revolute => (z, still),
-            JointAxis::Prismatic => (still, z),
-        };
         all.push(Screw {
             joint: index,
-            angular,
-            linear,
+            motion: body.axis.unit_motion(zero),
         });
         screws.push(all);
     }
@@ -153,18 +146,23 @@ struct LinkMotion<'g> {
     /// ω̇
     angular: Vector3<'g>,
     /// U
-    spread: [[Scalar<'g>; 3]; 3],
+    spread: Matrix3<'g>,
 }
 
 impl<'g> LinkMotion<'g> {
-    fn new(mechanism: &Mechanism<'g>, model: &Model, index: usize, motion: &Motion<'g>) -> Self {
-        let link = model.coordinates[mechanism.bodies[index].coordinate];
+    fn new(
+        mechanism: &Mechanism<'g>,
+        model: &Model,
+        index: usize,
+        motion: &BodyMotion<'g>,
+    ) -> Self {
+        let link = model.coordinates[mechanism.bodies[index].transmission.coordinate];
         let pose = mechanism.links[link].1;
         let rotation = pose.rotation.transpose();
         let origin = pose.translation;
         let omega = rotate(&rotation, motion.omega);
         let angular = rotate(&rotation, motion.angular_acceleration());
-        let acceleration = motion.acceleration + times(&motion.spread, origin);
+        let acceleration = motion.acceleration + motion.spread.times(origin);
         Self {
             acceleration: rotate(&rotation, acceleration),
             spread: spread_of(omega, angular),
@@ -175,23 +173,19 @@ impl<'g> LinkMotion<'g> {
         }
     }
 
-    /// A screw of the body in the described frame.
-    fn screw(&self, screw: &Screw<'g>) -> Screw<'g> {
-        let at_origin = screw.linear + screw.angular.cross(self.origin);
-        Screw {
-            joint: screw.joint,
-            angular: rotate(&self.rotation, screw.angular),
+    /// A motion of the body in the described frame.
+    fn motion(&self, motion: Motion<'g>) -> Motion<'g> {
+        let at_origin = motion.linear + motion.angular.cross(self.origin);
+        Motion {
+            angular: rotate(&self.rotation, motion.angular),
             linear: rotate(&self.rotation, at_origin),
         }
     }
 
-    /// Powers of what a unit of each parameter needs, at a screw.
-    fn powers(&self, screw: &Screw<'g>) -> [Scalar<'g>; PER_LINK] {
+    /// Powers of what a unit of each parameter needs, at a velocity.
+    fn powers(&self, screw: Motion<'g>) -> [Scalar<'g>; PER_LINK] {
         let (a, u, turn) = (self.acceleration, &self.spread, screw.angular);
-        let by_force = Vector3([0, 1, 2].map(|k| {
-            let column = Vector3([u[0][k], u[1][k], u[2][k]]);
-            column.dot(screw.linear)
-        }));
+        let by_force = Vector3([0, 1, 2].map(|k| u.column(k).dot(screw.linear)));
         let first = by_force + a.cross(turn);
         let [xx, xy, yy, xz, yz, zz] = self.inertia_moments().map(|moment| moment.dot(turn));
         let mass = a.dot(screw.linear);
@@ -218,7 +212,7 @@ impl<'g> LinkMotion<'g> {
 fn rotor_column<'g>(
     mechanism: &Mechanism<'g>,
     drive: &Drive,
-    motions: &[Motion<'g>],
+    motions: &[BodyMotion<'g>],
     screws: &[Vec<Screw<'g>>],
     input: MotionInput<'_, 'g>,
 ) -> Vec<Scalar<'g>> {
@@ -238,7 +232,8 @@ fn rotor_column<'g>(
         let moment = axis.scaled(spin_rate) + omega.cross(axis).scaled(spin);
         for screw in &screws[carrier] {
             let joint = &mechanism.bodies[screw.joint];
-            column[joint.coordinate] = screw.angular.dot(moment).signed(joint.direction);
+            let share = screw.motion.angular.dot(moment);
+            joint.transmission.add_force(share, &mut column);
         }
     }
     column[coordinate] = column[coordinate] + ratio * spin_rate;

@@ -9,7 +9,6 @@ mod cost;
 mod differentiate;
 mod node;
 mod scalar;
-mod vector;
 
 pub use balance::balanced;
 pub use build::Graph;
@@ -17,4 +16,3 @@ pub use cost::Cost;
 pub use differentiate::{differentiate, gradient, substitute};
 pub use node::{Edge, Node};
 pub use scalar::Scalar;
-pub use vector::{Symmetric3, Vector3};

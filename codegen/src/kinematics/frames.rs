@@ -6,12 +6,15 @@
 
 use nalgebra::{Matrix3, Vector3 as Numeric3};
 
-use super::mechanism::{Angle, Body, JointAxis, Mechanism, Rotor, Twist};
-use super::pose::{ScalarPose, cleaned, lower, rotate};
+use super::joint::JointAxis;
+use super::lower::lower;
+use super::mechanism::{Body, Mechanism, Rotor};
+use super::transmission::Transmission;
 use super::tree::{DescribedBody, DescribedTree};
-use crate::graph::{Graph, Scalar, Vector3};
-use crate::model::{self, JointKind, Model, RotorCoupling};
+use crate::graph::{Graph, Scalar};
+use crate::model::{self, Model, RotorCoupling};
 use crate::numeric;
+use crate::spatial::{Angle, MassMoments, Pose, Twist, Vector3, cleaned, rotate};
 
 /// Axes whose cross product is shorter are parallel; constants that small are rounding.
 const PARALLEL: f64 = 1e-12;
@@ -35,12 +38,12 @@ struct Draft<'g> {
 pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> Mechanism<'g> {
     let directions = directions(model, tree);
     let drafts = common_normals(graph, model, tree, &directions);
-    let mut placed: Vec<ScalarPose<'g>> = Vec::new();
+    let mut placed: Vec<Pose<'g>> = Vec::new();
     let mut bodies = Vec::new();
     for (index, described) in tree.bodies.iter().enumerate() {
         let parent = described
             .parent
-            .map_or(ScalarPose::identity(graph), |parent| placed[parent]);
+            .map_or(Pose::identity(graph), |parent| placed[parent]);
         let axis = joint_axis(model, described);
         let frame = complete(&drafts[index], described, &parent, axis);
         let relative = parent.inverse().then(described.pose).then(frame);
@@ -55,10 +58,12 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
         bodies.push(Body {
             name: joint(model, described).name.clone(),
             identifier: joint(model, described).identifier.clone(),
-            coordinate: described.coordinate,
+            transmission: Transmission {
+                coordinate: described.coordinate,
+                ratio: graph.constant(directions[index]),
+            },
             parent: described.parent,
             axis,
-            direction: directions[index],
             twist,
             translation: lateral.map(|x| x.cleaned(ROUNDING)),
             lift,
@@ -83,7 +88,7 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
                 .map(|formula| lower(graph, formula)),
         ),
         rotors: Vec::new(),
-        base_moments: super::inertia::MassMoments::zero(graph),
+        base_moments: MassMoments::zero(graph),
         links: links.collect(),
     };
     add_rotors(model, &mut mechanism);
@@ -99,10 +104,10 @@ fn joint<'m>(model: &'m Model, described: &DescribedBody<'_>) -> &'m model::Join
 }
 
 fn joint_axis(model: &Model, described: &DescribedBody<'_>) -> JointAxis {
-    match joint(model, described).kind {
-        JointKind::Prismatic => JointAxis::Prismatic,
-        JointKind::Fixed | JointKind::Revolute | JointKind::Continuous => JointAxis::Revolute,
-    }
+    let Some(axis) = JointAxis::of(joint(model, described).kind) else {
+        unreachable!("a fixed joint moves no body");
+    };
+    axis
 }
 
 /// Axes that are antiparallel to their parent's are turned around, and so is the coordinate's sign.
@@ -223,9 +228,9 @@ fn tidy(v: Numeric3<f64>) -> Numeric3<f64> {
 fn complete<'g>(
     draft: &Draft<'g>,
     described: &DescribedBody<'g>,
-    parent: &ScalarPose<'g>,
+    parent: &Pose<'g>,
     axis: JointAxis,
-) -> ScalarPose<'g> {
+) -> Pose<'g> {
     let to_parent = parent.rotation.transpose() * described.pose.rotation;
     let x = draft.x.unwrap_or_else(|| {
         let (twist, _) = decompose(&cleaned(to_parent * any_frame(draft.z)));
@@ -242,7 +247,7 @@ fn complete<'g>(
             .origin
             .unwrap_or_else(|| on_axis(draft.z, in_body, described.parent.is_some())),
     };
-    ScalarPose {
+    Pose {
         rotation,
         translation: translation.map(|x| x.cleaned(ROUNDING)),
     }
@@ -321,18 +326,23 @@ fn add_rotors(model: &Model, mechanism: &mut Mechanism<'_>) {
         );
         let carrier = body.filter(|_| drive.coupling == RotorCoupling::Body);
         if let Some(index) = carrier {
-            let own = super::inertia::MassMoments::of_axial_inertia(inertia, axis);
+            let own = MassMoments::of_axial_inertia(inertia, axis);
             mechanism.bodies[index].moments = mechanism.bodies[index].moments + own;
         }
-        if let Some(coordinate) = drive.coordinate {
-            let ratio = lower(mechanism.graph, &drive.gear_ratio);
-            mechanism.rotors.push(Rotor {
-                coordinate,
-                carrier,
-                axis,
-                ratio,
-                inertia,
-            });
-        }
+        let Some(coordinate) = drive.coordinate else {
+            continue;
+        };
+        let ratio = lower(mechanism.graph, &drive.gear_ratio);
+        let follows = |body: &Body<'_>| body.transmission.coordinate == coordinate;
+        let Some(driven) = mechanism.bodies.iter().position(follows) else {
+            unreachable!("every coordinate moves a body");
+        };
+        mechanism.rotors.push(Rotor {
+            transmission: Transmission { coordinate, ratio },
+            driven,
+            carrier,
+            axis,
+            inertia,
+        });
     }
 }

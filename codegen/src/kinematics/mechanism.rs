@@ -1,13 +1,13 @@
 //! The moving bodies of a model in modified Denavit–Hartenberg frames.
 
-use nalgebra::Matrix3;
-
-use super::inertia::{MassMoments, RegroupChoice, regroup};
-use super::pose::{ScalarPose, rotation_about};
+use super::inertia::{RegroupChoice, regroup};
+use super::joint::JointAxis;
+use super::transmission::Transmission;
 use super::{frames, tree};
-use crate::graph::{Graph, Scalar, Vector3};
+use crate::graph::{Graph, Scalar};
 use crate::model::Model;
 use crate::numeric;
+use crate::spatial::{Angle, MassMoments, Pose, Twist, Vector3, rotation_about};
 
 /// The moving bodies of a model; body `i` carries one coordinate, parents stand before their children.
 #[derive(Debug, Clone)]
@@ -23,7 +23,7 @@ pub struct Mechanism<'g> {
     /// Moments of moving mass that acts as if it were fixed to the base, in the base frame.
     pub base_moments: MassMoments<'g>,
     /// For every link of the model: the body that carries it (`None`: the base) and its pose in that body's frame.
-    pub links: Vec<(Option<usize>, ScalarPose<'g>)>,
+    pub links: Vec<(Option<usize>, Pose<'g>)>,
 }
 
 /// A moving body in its own frame: z along the joint's axis.
@@ -33,14 +33,12 @@ pub struct Body<'g> {
     pub name: String,
     /// The joint's identifier, which labels values.
     pub identifier: String,
-    /// Coordinate that moves it.
-    pub coordinate: usize,
+    /// How its joint follows the coordinates.
+    pub transmission: Transmission<'g>,
     /// Parent body; `None` where the base carries the joint.
     pub parent: Option<usize>,
     /// Type of the joint.
     pub axis: JointAxis,
-    /// Sign of the joint's position relative to the coordinate.
-    pub direction: f64,
     /// Rotation from the parent's frame to the joint's frame before its motion.
     pub twist: Twist,
     /// From the parent's origin to the joint's axis, in the parent's frame and unit.
@@ -57,46 +55,31 @@ pub struct Body<'g> {
     pub unit_ratio: f64,
 }
 
-/// Type of a moving joint; z is its axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum JointAxis {
-    /// Rotation about z.
-    Revolute,
-    /// Translation along z.
-    Prismatic,
-}
-
-/// An angle as quarter turns and a remainder, so that multiples of 90° cost nothing.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Angle {
-    /// Quarter turns, 0 to 3.
-    pub quarters: u8,
-    /// The rest (rad).
-    pub remainder: f64,
-}
-
-/// A constant rotation `R_z(γ) R_x(α)`, kept as sines and cosines.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Twist {
-    /// sin γ, cos γ
-    pub gamma: (f64, f64),
-    /// sin α, cos α
-    pub alpha: (f64, f64),
-}
-
-/// A rotor: carried by a body, turning `ratio · ẏ` relative to it.
+/// A rotor: an evenly shaped body that turns about its axis, relative to the body that carries it.
 #[derive(Debug, Clone, Copy)]
 pub struct Rotor<'g> {
-    /// Coordinate that its drive moves.
-    pub coordinate: usize,
+    /// How it follows the coordinates: with the ratio of its gear.
+    pub transmission: Transmission<'g>,
+    /// Body whose joint its drive moves.
+    pub driven: usize,
     /// Body that carries it; `None` for the base, and for rotors that only enter the diagonal.
     pub carrier: Option<usize>,
     /// Its axis in the carrier's frame.
     pub axis: Vector3<'g>,
-    /// Gear ratio i.
-    pub ratio: Scalar<'g>,
     /// Axial inertia J_R [kg m²].
     pub inertia: Scalar<'g>,
+}
+
+impl<'g> Rotor<'g> {
+    /// `i J_R`
+    pub fn coupling_inertia(&self) -> Scalar<'g> {
+        self.transmission.ratio * self.inertia
+    }
+
+    /// `i² J_R`
+    pub fn reflected_inertia(&self) -> Scalar<'g> {
+        self.transmission.ratio * self.coupling_inertia()
+    }
 }
 
 impl<'g> Mechanism<'g> {
@@ -139,90 +122,6 @@ impl<'g> Body<'g> {
     pub fn origin_in_parent(&self) -> Vector3<'g> {
         let zero = self.lift.constant(0.0);
         self.translation + self.twist.to_parent(Vector3([zero, zero, self.lift]))
-    }
-}
-
-impl Twist {
-    /// No rotation.
-    pub const NONE: Self = Self {
-        gamma: (0.0, 1.0),
-        alpha: (0.0, 1.0),
-    };
-
-    /// Whether the joint's axis is parallel to the parent's, with aligned frames.
-    pub fn is_none(&self) -> bool {
-        *self == Self::NONE
-    }
-
-    /// The rotation matrix.
-    pub fn matrix(&self) -> Matrix3<f64> {
-        let ((sg, cg), (sa, ca)) = (self.gamma, self.alpha);
-        Matrix3::new(cg, -sg * ca, sg * sa, sg, cg * ca, -cg * sa, 0.0, sa, ca)
-    }
-
-    /// From the joint's frame before its motion to the parent's frame.
-    pub fn to_parent<'g>(&self, v: Vector3<'g>) -> Vector3<'g> {
-        let ((sg, cg), (sa, ca)) = (self.gamma, self.alpha);
-        let (x, y, z) = (v[0], v[1] * ca - v[2] * sa, v[1] * sa + v[2] * ca);
-        Vector3([x * cg - y * sg, x * sg + y * cg, z])
-    }
-
-    /// From the parent's frame to the joint's frame before its motion.
-    pub fn to_child<'g>(&self, v: Vector3<'g>) -> Vector3<'g> {
-        let ((sg, cg), (sa, ca)) = (self.gamma, self.alpha);
-        let (x, y, z) = (v[0] * cg + v[1] * sg, v[1] * cg - v[0] * sg, v[2]);
-        Vector3([x, y * ca + z * sa, z * ca - y * sa])
-    }
-}
-
-impl Angle {
-    /// From radians; remainders below 1e-13 are rounding and vanish.
-    pub fn new(radians: f64) -> Self {
-        let quarters = (radians / std::f64::consts::FRAC_PI_2).round();
-        let remainder = radians - quarters * std::f64::consts::FRAC_PI_2;
-        Self {
-            quarters: quarters.rem_euclid(4.0) as u8,
-            remainder: if remainder.abs() < 1e-13 {
-                0.0
-            } else {
-                remainder
-            },
-        }
-    }
-
-    /// The angle in radians, between −45° and 315°.
-    pub fn radians(self) -> f64 {
-        f64::from(self.quarters) * std::f64::consts::FRAC_PI_2 + self.remainder
-    }
-
-    /// Sine and cosine of the angle itself, by which a sliding joint's frame is turned; `None` for 0.
-    pub fn constant_turn(self, graph: &Graph) -> Option<(Scalar<'_>, Scalar<'_>)> {
-        if self == Self::default() {
-            return None;
-        }
-        let (sine, cosine) = numeric::sin_cos(self.remainder);
-        Some(self.advance((graph.constant(sine), graph.constant(cosine))))
-    }
-
-    /// Turns the sine and cosine of an angle into those of the angle plus the quarter turns.
-    pub fn advance<'g>(self, (s, c): (Scalar<'g>, Scalar<'g>)) -> (Scalar<'g>, Scalar<'g>) {
-        match self.quarters {
-            0 => (s, c),
-            1 => (c, -s),
-            2 => (-s, -c),
-            _ => (-c, s),
-        }
-    }
-}
-
-impl std::ops::Add for Angle {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        let sum = Self::new(self.remainder + other.remainder);
-        Self {
-            quarters: (self.quarters + other.quarters + sum.quarters) % 4,
-            remainder: sum.remainder,
-        }
     }
 }
 
@@ -288,7 +187,7 @@ impl<'g> Mechanism<'g> {
                 rotor.axis = rotor.axis.turned(back);
             }
         }
-        let back = ScalarPose {
+        let back = Pose {
             rotation: rotation_about([0.0, 0.0, 1.0], -angle),
             translation: Vector3::zero(self.graph.constant(0.0)),
         };

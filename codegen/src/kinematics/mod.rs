@@ -7,13 +7,15 @@
 
 mod frames;
 mod inertia;
+mod joint;
+mod lower;
 mod mechanism;
-mod pose;
+mod transmission;
 mod tree;
 
-pub use inertia::{MassMoments, RegroupChoice, SHORTEST_LEVER};
-pub use mechanism::{Angle, Body, JointAxis, Mechanism, Rotor, Twist};
-#[cfg(test)]
-pub use pose::exact_sin_cos;
-pub use pose::{ScalarPose, lower, lower_with, rotate};
+pub use inertia::{RegroupChoice, SHORTEST_LEVER};
+pub use joint::JointAxis;
+pub use lower::{lower, lower_pose, lower_with};
+pub use mechanism::{Body, Mechanism, Rotor};
+pub use transmission::Transmission;
 pub use tree::described_moments;

@@ -1,16 +1,17 @@
 //! The moving bodies of a model in the frames of its description, with everything fixed or held lumped into them.
 
-use super::inertia::MassMoments;
-use super::pose::{ScalarPose, lower, rotate, rotation_about};
-use crate::graph::{Graph, Vector3};
+use super::inertia::moments_of_body;
+use super::lower::{lower, lower_pose};
+use crate::graph::Graph;
 use crate::model::{Joint, JointKind, Model, Motion, RotorCoupling};
+use crate::spatial::{MassMoments, Pose, Vector3, rotate, rotation_about};
 
 /// The tree of moving bodies as described.
 pub struct DescribedTree<'g> {
     /// Bodies, parents first.
     pub bodies: Vec<DescribedBody<'g>>,
     /// For every link: the body that carries it (`None`: the base) and its pose in that body's frame.
-    pub links: Vec<(Option<usize>, ScalarPose<'g>)>,
+    pub links: Vec<(Option<usize>, Pose<'g>)>,
 }
 
 /// A moving body as described.
@@ -22,7 +23,7 @@ pub struct DescribedBody<'g> {
     /// Parent body; `None` for the base.
     pub parent: Option<usize>,
     /// Pose of the joint's frame in the parent body's frame.
-    pub pose: ScalarPose<'g>,
+    pub pose: Pose<'g>,
     /// Moments of its mass and of all that is fixed to it.
     pub moments: MassMoments<'g>,
 }
@@ -31,7 +32,7 @@ pub struct DescribedBody<'g> {
 pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
     let mut tree = DescribedTree {
         bodies: Vec::new(),
-        links: vec![(None, ScalarPose::identity(graph))],
+        links: vec![(None, Pose::identity(graph))],
     };
     for (link, joint) in model
         .links
@@ -46,7 +47,7 @@ pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
         let Some(index) = body else { continue };
         let moments = &mut tree.bodies[index].moments;
         for described in &link.bodies {
-            *moments = *moments + MassMoments::of_body(graph, described).moved(&pose);
+            *moments = *moments + moments_of_body(graph, described).moved(&pose);
         }
     }
     tree
@@ -79,7 +80,7 @@ pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments
 impl<'g> DescribedTree<'g> {
     fn attach(&mut self, graph: &'g Graph, link: usize, joint: &Joint) {
         let (carrier, parent_pose) = self.links[joint.parent];
-        let pose = parent_pose.then(ScalarPose::new(graph, &joint.origin));
+        let pose = parent_pose.then(lower_pose(graph, &joint.origin));
         let position = match joint.motion {
             Motion::Coordinate(coordinate) => {
                 let moments = MassMoments::zero(graph);
@@ -91,7 +92,7 @@ impl<'g> DescribedTree<'g> {
                     moments,
                 });
                 self.links
-                    .push((Some(self.bodies.len() - 1), ScalarPose::identity(graph)));
+                    .push((Some(self.bodies.len() - 1), Pose::identity(graph)));
                 return;
             }
             Motion::Fixed => 0.0,
@@ -103,8 +104,8 @@ impl<'g> DescribedTree<'g> {
 }
 
 /// What a joint at `position` does to its link.
-fn displacement<'g>(graph: &'g Graph, joint: &Joint, position: f64) -> ScalarPose<'g> {
-    let mut pose = ScalarPose::identity(graph);
+fn displacement<'g>(graph: &'g Graph, joint: &Joint, position: f64) -> Pose<'g> {
+    let mut pose = Pose::identity(graph);
     match joint.kind {
         JointKind::Fixed => {}
         JointKind::Revolute | JointKind::Continuous => {

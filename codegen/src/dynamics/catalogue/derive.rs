@@ -10,7 +10,7 @@ use crate::dynamics::forces;
 use crate::dynamics::function::Function;
 use crate::dynamics::selection::{self, Request};
 use crate::graph::Graph;
-use crate::kinematics::ScalarPose;
+use crate::kinematics::lower_pose;
 use crate::model::{Definiteness, Frame, Model};
 use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
 
@@ -104,7 +104,7 @@ pub(in crate::dynamics) fn derive_frame(
         quantity.arguments,
         quantity.results,
         |equations, arguments| {
-            let pose = ScalarPose::new(equations.graph, &frame.pose);
+            let pose = lower_pose(equations.graph, &frame.pose);
             (quantity.build)(equations, arguments, frame.link, &pose)
         },
     );

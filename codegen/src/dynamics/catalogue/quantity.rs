@@ -1,14 +1,15 @@
 //! What a row of the catalogue says: arguments, results with their dimensions, how it is built.
 
-use crate::dynamics::equations::{Equations, Formulations, Matrix};
+use crate::dynamics::equations::{Equations, Formulations};
 use crate::dynamics::function::{ArgumentText, Constant};
+use crate::dynamics::matrix::Matrix;
 use crate::dynamics::size::Estimate;
 use crate::graph::Scalar;
-use crate::kinematics::ScalarPose;
 use crate::layout::{Dimension, Extent};
 use crate::model::{Drive, Joint, JointKind, Model};
 use crate::program::arrays::Arrays;
 use crate::program::{InputArray, Program};
+use crate::spatial::Pose;
 
 /// An argument of a generated function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -194,7 +195,7 @@ impl Quantity {
 
 /// How a quantity of a named frame is built.
 pub(super) type FrameBuild =
-    for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, usize, &ScalarPose<'g>) -> Vec<Value<'g>>;
+    for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, usize, &Pose<'g>) -> Vec<Value<'g>>;
 
 /// A function of each named frame: `frame_<name>_<suffix>`.
 pub(in crate::dynamics) struct FrameQuantity {

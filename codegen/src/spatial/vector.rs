@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Index, Neg, Sub};
 
-use super::scalar::Scalar;
+use crate::graph::Scalar;
 
 /// A vector with components x, y, z.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,0 +1,107 @@
+//! Rotors: what an evenly shaped body that spins in another one does, beyond the inertia that it adds to its carrier.
+//!
+//! A rotor of axial inertia J whose gear turns it by i ẏ about the axis a of the body that carries it, with the angular
+//! velocity ω of that body, needs the moment n on its carrier and the force f on its coordinate:
+//!
+//! ```text
+//! n = i J (ÿ a + ẏ ω × a)          f = i J (a · ω̇ + i ÿ)
+//! ```
+//!
+//! (Featherstone 2008, section 9.6, on gears.) Its mass and its inertia J a aᵀ are part of its carrier.
+
+use super::placement::Placement;
+use crate::graph::Scalar;
+use crate::kinematics::{Mechanism, Rotor};
+use crate::spatial::{Matrix3, Vector3};
+
+/// A rotor in the working frame of its carrier.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Gyrostat<'g> {
+    /// Its axis a.
+    axis: Vector3<'g>,
+    /// i J
+    coupling: Scalar<'g>,
+}
+
+impl<'g> Gyrostat<'g> {
+    /// - `placement`: that of the carrier
+    pub(super) fn new(rotor: &Rotor<'g>, placement: &Placement<'g>) -> Self {
+        let coupling = rotor.coupling_inertia();
+        let axis = placement
+            .to_body
+            .map_or(rotor.axis, |ahead| rotor.axis.turned(ahead));
+        Self { axis, coupling }
+    }
+
+    /// `i J a`: moment on the carrier at a unit of the coordinate's acceleration.
+    pub(super) fn momentum(&self) -> Vector3<'g> {
+        self.axis.scaled(self.coupling)
+    }
+
+    /// `i J (ÿ a + ẏ ω × a)`: moment on the carrier.
+    pub(super) fn moment(
+        &self,
+        omega: Vector3<'g>,
+        rate: Scalar<'g>,
+        acceleration: Scalar<'g>,
+    ) -> Vector3<'g> {
+        self.axis.scaled(self.coupling * acceleration)
+            + omega.cross(self.axis).scaled(self.coupling * rate)
+    }
+
+    /// `i J a · ω̇`: force on the coordinate by the carrier's angular acceleration.
+    pub(super) fn carried(&self, angular: Vector3<'g>) -> Scalar<'g> {
+        self.coupling * self.axis.dot(angular)
+    }
+
+    /// `(i J ẏ a)×`: what a rotation of the carrier makes of the rotor's spin.
+    pub(super) fn spin(&self, rate: Scalar<'g>) -> Matrix3<'g> {
+        Matrix3::cross(self.axis.scaled(self.coupling * rate))
+    }
+
+    /// The entries of M: i J times the share of each joint between the base and the carrier in the rotor's axis.
+    fn couple(
+        &self,
+        mechanism: &Mechanism<'g>,
+        placements: &[Placement<'g>],
+        rotor: &Rotor<'g>,
+        carrier: usize,
+        matrix: &mut [Vec<Scalar<'g>>],
+    ) {
+        let (mut index, mut moment) = (carrier, self.axis);
+        loop {
+            let body = &mechanism.bodies[index];
+            if body.axis.turns() {
+                let share = self.coupling * moment[2];
+                body.transmission
+                    .add_coupling(rotor.transmission.coordinate, share, matrix);
+            }
+            let Some(parent) = body.parent else { break };
+            moment = placements[index].to_parent(&body.twist, moment);
+            index = parent;
+        }
+    }
+}
+
+/// `M += i² J` on the diagonal.
+pub(super) fn add_inertia<'g>(mechanism: &Mechanism<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
+    for rotor in &mechanism.rotors {
+        let entry = &mut matrix[rotor.transmission.coordinate][rotor.transmission.coordinate];
+        *entry = *entry + rotor.reflected_inertia();
+    }
+}
+
+/// What couples in M the rotors that moving bodies carry with the joints before these.
+pub(super) fn add_coupling<'g>(
+    mechanism: &Mechanism<'g>,
+    placements: &[Placement<'g>],
+    matrix: &mut [Vec<Scalar<'g>>],
+) {
+    for rotor in &mechanism.rotors {
+        let Some(carrier) = rotor.carrier else {
+            continue;
+        };
+        Gyrostat::new(rotor, &placements[carrier])
+            .couple(mechanism, placements, rotor, carrier, matrix);
+    }
+}

@@ -1,0 +1,67 @@
+//! Types of moving joints: the table that the recursions read.
+
+use crate::graph::Scalar;
+use crate::model::JointKind;
+use crate::spatial::{Force, Motion, Vector3};
+
+/// What a joint's velocity does to its body, in the frame behind the joint: a column of its motion subspace S
+/// (Featherstone 2008, section 3.5). z is the axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JointAxis {
+    /// Rotation about z.
+    Revolute,
+    /// Translation along z.
+    Prismatic,
+}
+
+impl JointAxis {
+    /// The motion that joints of a described kind allow; `None` for those that allow none.
+    pub fn of(kind: JointKind) -> Option<Self> {
+        match kind {
+            JointKind::Revolute | JointKind::Continuous => Some(Self::Revolute),
+            JointKind::Prismatic => Some(Self::Prismatic),
+            JointKind::Fixed => None,
+        }
+    }
+
+    /// The type's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Revolute => "revolute",
+            Self::Prismatic => "prismatic",
+        }
+    }
+
+    /// Whether its velocity turns the body.
+    pub fn turns(self) -> bool {
+        self == Self::Revolute
+    }
+
+    /// S: the motion at a unit of the joint's velocity, about the origin of its body.
+    pub fn unit_motion(self, any: Scalar<'_>) -> Motion<'_> {
+        let zero = any.constant(0.0);
+        self.along(Vector3([zero, zero, any.constant(1.0)]), Vector3::zero(any))
+    }
+
+    /// S with this axis, about a point from which the body's origin lies at `origin`.
+    pub fn along<'g>(self, axis: Vector3<'g>, origin: Vector3<'g>) -> Motion<'g> {
+        match self {
+            Self::Revolute => Motion {
+                angular: axis,
+                linear: origin.cross(axis),
+            },
+            Self::Prismatic => Motion {
+                angular: Vector3::zero(axis[0]),
+                linear: axis,
+            },
+        }
+    }
+
+    /// `Sᵀ f`: what a force on the body, about its origin and in its frame, exerts along the joint.
+    pub fn force(self, f: Force<'_>) -> Scalar<'_> {
+        match self {
+            Self::Revolute => f.moment[2],
+            Self::Prismatic => f.force[2],
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! What descriptions write, as scalars of a graph.
+
+use nalgebra::Matrix3;
+
+use crate::formula::{Formula, Function};
+use crate::graph::{Graph, Scalar};
+use crate::model;
+use crate::spatial::{Pose, Vector3};
+
+/// A described pose.
+pub fn lower_pose<'g>(graph: &'g Graph, pose: &model::Pose) -> Pose<'g> {
+    Pose {
+        rotation: Matrix3::from_fn(|row, column| pose.rotation[row][column]),
+        translation: Vector3(
+            pose.translation
+                .each_ref()
+                .map(|formula| lower(graph, formula)),
+        ),
+    }
+}
+
+/// A formula without joint variables as a scalar of the graph.
+pub fn lower<'g>(graph: &'g Graph, formula: &Formula) -> Scalar<'g> {
+    lower_with(graph, formula, graph.constant(0.0), graph.constant(0.0))
+}
+
+/// A formula as a scalar of the graph, with the joint's position `y` and velocity `v`.
+pub fn lower_with<'g>(
+    graph: &'g Graph,
+    formula: &Formula,
+    y: Scalar<'g>,
+    v: Scalar<'g>,
+) -> Scalar<'g> {
+    let go = |part: &Formula| lower_with(graph, part, y, v);
+    match formula {
+        Formula::Number(value) => graph.constant(*value),
+        Formula::Parameter(index) => graph.parameter(*index),
+        Formula::Position => y,
+        Formula::Velocity => v,
+        Formula::Negate(a) => -go(a),
+        Formula::Add(a, b) => go(a) + go(b),
+        Formula::Subtract(a, b) => go(a) - go(b),
+        Formula::Multiply(a, b) => go(a) * go(b),
+        Formula::Divide(a, b) => go(a).divided_by(go(b)),
+        Formula::Power(a, exponent) => power(go(a), *exponent),
+        Formula::Call(Function::Abs, a) => go(a).call(Function::Abs),
+        Formula::Call(function, a) => go(a).call(*function),
+    }
+}
+
+/// `base` to a whole power by repeated squaring.
+fn power(base: Scalar<'_>, exponent: u32) -> Scalar<'_> {
+    match exponent {
+        0 => base.constant(1.0),
+        1 => base,
+        n if n % 2 == 0 => power(base.squared(), n / 2),
+        n => base * power(base, n - 1),
+    }
+}

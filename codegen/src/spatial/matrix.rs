@@ -1,0 +1,122 @@
+//! 3 × 3 matrices.
+
+use std::ops::{Add, Index, IndexMut};
+
+use super::twist::Twist;
+use super::vector::{Symmetric3, Vector3};
+use crate::graph::Scalar;
+
+/// A 3 × 3 matrix, rows first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Matrix3<'g>(pub [[Scalar<'g>; 3]; 3]);
+
+impl<'g> Matrix3<'g> {
+    /// The matrix of the entries `entry(row, column)`.
+    pub fn from_fn(entry: impl Fn(usize, usize) -> Scalar<'g>) -> Self {
+        Self([0, 1, 2].map(|row| [0, 1, 2].map(|column| entry(row, column))))
+    }
+
+    /// The zero matrix of a scalar's graph.
+    pub fn zero(any: Scalar<'g>) -> Self {
+        Self([[any.constant(0.0); 3]; 3])
+    }
+
+    /// `factor · 1`
+    pub fn diagonal(factor: Scalar<'g>) -> Self {
+        let zero = factor.constant(0.0);
+        Self::from_fn(|row, column| if row == column { factor } else { zero })
+    }
+
+    /// `v×`: the matrix of the cross product with a vector.
+    pub fn cross(v: Vector3<'g>) -> Self {
+        let zero = v[0].constant(0.0);
+        Self([
+            [zero, -v[2], v[1]],
+            [v[2], zero, -v[0]],
+            [-v[1], v[0], zero],
+        ])
+    }
+
+    /// `ω× Σ`
+    pub fn cross_of(omega: Vector3<'g>, second: Symmetric3<'g>) -> Self {
+        let columns = second.columns().map(|column| omega.cross(column));
+        Self::from_fn(|row, column| columns[column][row])
+    }
+
+    /// Column `k`.
+    pub fn column(&self, k: usize) -> Vector3<'g> {
+        Vector3([self[0][k], self[1][k], self[2][k]])
+    }
+
+    /// `Aᵀ`
+    pub fn transposed(&self) -> Self {
+        Self([0, 1, 2].map(|k| self.column(k).0))
+    }
+
+    /// `A v`
+    pub fn times(&self, v: Vector3<'g>) -> Vector3<'g> {
+        Vector3(self.0.map(|row| Vector3(row).dot(v)))
+    }
+
+    /// `Aᵀ v`
+    pub fn transposed_times(&self, v: Vector3<'g>) -> Vector3<'g> {
+        Vector3([0, 1, 2].map(|k| self.column(k).dot(v)))
+    }
+
+    /// `A B`
+    pub fn product(&self, other: &Self) -> Self {
+        Self(self.0.map(|row| other.transposed_times(Vector3(row)).0))
+    }
+
+    /// `(tr A − A) v`
+    pub fn complement_times(&self, v: Vector3<'g>) -> Vector3<'g> {
+        let a = self;
+        Vector3([
+            (a[1][1] + a[2][2]) * v[0] - a[0][1] * v[1] - a[0][2] * v[2],
+            (a[0][0] + a[2][2]) * v[1] - a[1][0] * v[0] - a[1][2] * v[2],
+            (a[0][0] + a[1][1]) * v[2] - a[2][0] * v[0] - a[2][1] * v[1],
+        ])
+    }
+
+    /// `R_z(φ) A R_z(φ)ᵀ` with the sine and cosine of φ, in 12 multiplications and 11 additions: the antisymmetric part and
+    /// the trace of the block across z stay.
+    pub fn turned(&self, (s, c): (Scalar<'g>, Scalar<'g>)) -> Self {
+        let a = self;
+        let across = s * (a[0][0] - a[1][1]) + c * (a[0][1] + a[1][0]);
+        let (moved, sheared) = (s * across, c * across);
+        let column = a.column(2).turned((s, c));
+        let row = Vector3(a[2]).turned((s, c));
+        Self([
+            [a[0][0] - moved, sheared - a[1][0], column[0]],
+            [sheared - a[0][1], a[1][1] + moved, column[1]],
+            row.0,
+        ])
+    }
+
+    /// `R A Rᵀ` for a constant rotation to the parent's axes.
+    pub fn twisted(&self, twist: &Twist) -> Self {
+        let columns = [0, 1, 2].map(|k| twist.to_parent(self.column(k)));
+        let row = |i: usize| Vector3([columns[0][i], columns[1][i], columns[2][i]]);
+        Self([0, 1, 2].map(|i| twist.to_parent(row(i)).0))
+    }
+}
+
+impl<'g> Index<usize> for Matrix3<'g> {
+    type Output = [Scalar<'g>; 3];
+    fn index(&self, row: usize) -> &[Scalar<'g>; 3] {
+        &self.0[row]
+    }
+}
+
+impl<'g> IndexMut<usize> for Matrix3<'g> {
+    fn index_mut(&mut self, row: usize) -> &mut [Scalar<'g>; 3] {
+        &mut self.0[row]
+    }
+}
+
+impl Add for Matrix3<'_> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self::from_fn(|row, column| self[row][column] + other[row][column])
+    }
+}

@@ -1,0 +1,19 @@
+//! Vectors, motions, forces and masses in space, over scalars of a graph.
+//!
+//! A motion is an angular and a linear part, a force a moment and a force: the angular part stands first everywhere.
+
+mod matrix;
+mod moments;
+mod motion;
+mod pose;
+mod twist;
+mod vector;
+
+pub use matrix::Matrix3;
+pub use moments::MassMoments;
+pub use motion::{Force, Motion};
+#[cfg(test)]
+pub use pose::exact_sin_cos;
+pub use pose::{Pose, cleaned, rotate, rotation_about};
+pub use twist::{Angle, Twist};
+pub use vector::{Symmetric3, Vector3};

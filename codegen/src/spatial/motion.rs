@@ -1,0 +1,107 @@
+//! Motions and forces: vectors of six entries, the angular part first.
+
+use std::ops::Add;
+
+use super::vector::Vector3;
+use crate::graph::Scalar;
+
+/// A motion: velocity or acceleration of a body and of the point of reference.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion<'g> {
+    /// Angular part.
+    pub angular: Vector3<'g>,
+    /// Linear part, of the point of reference.
+    pub linear: Vector3<'g>,
+}
+
+/// A force, and its moment about the point of reference.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Force<'g> {
+    /// Moment about the point of reference.
+    pub moment: Vector3<'g>,
+    /// Force.
+    pub force: Vector3<'g>,
+}
+
+impl<'g> Motion<'g> {
+    /// `factor · self`
+    pub fn scaled(self, factor: Scalar<'g>) -> Self {
+        let (angular, linear) = (self.angular.scaled(factor), self.linear.scaled(factor));
+        Self { angular, linear }
+    }
+
+    /// Applies `f` to each entry.
+    pub fn map(self, f: impl Fn(Scalar<'g>) -> Scalar<'g>) -> Self {
+        let (angular, linear) = (self.angular.map(&f), self.linear.map(&f));
+        Self { angular, linear }
+    }
+
+    /// The power of a force at this velocity.
+    pub fn dot(self, f: Force<'g>) -> Scalar<'g> {
+        self.angular.dot(f.moment) + self.linear.dot(f.force)
+    }
+
+    /// `self × other`, of motions.
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            angular: self.angular.cross(other.angular),
+            linear: self.angular.cross(other.linear) + self.linear.cross(other.angular),
+        }
+    }
+
+    /// `self ×* f`, of a motion and a force.
+    pub fn cross_force(self, f: Force<'g>) -> Force<'g> {
+        Force {
+            moment: self.angular.cross(f.moment) + self.linear.cross(f.force),
+            force: self.angular.cross(f.force),
+        }
+    }
+
+    /// The six entries.
+    pub fn entries(self) -> [Scalar<'g>; 6] {
+        let ([a, b, c], [d, e, f]) = (self.angular.0, self.linear.0);
+        [a, b, c, d, e, f]
+    }
+}
+
+impl<'g> Force<'g> {
+    /// The zero force of a scalar's graph.
+    pub fn zero(any: Scalar<'g>) -> Self {
+        Self {
+            moment: Vector3::zero(any),
+            force: Vector3::zero(any),
+        }
+    }
+
+    /// Applies `f` to each entry.
+    pub fn map(self, f: impl Fn(Scalar<'g>) -> Scalar<'g>) -> Self {
+        // The force first, as elsewhere: an order of the graph's nodes that decides the order of operands.
+        let force = self.force.map(&f);
+        Self {
+            moment: self.moment.map(&f),
+            force,
+        }
+    }
+
+    /// The six entries.
+    pub fn entries(self) -> [Scalar<'g>; 6] {
+        let ([a, b, c], [d, e, f]) = (self.moment.0, self.force.0);
+        [a, b, c, d, e, f]
+    }
+}
+
+impl Add for Motion<'_> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        let (angular, linear) = (self.angular + other.angular, self.linear + other.linear);
+        Self { angular, linear }
+    }
+}
+
+impl Add for Force<'_> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        let (moment, force) = (self.moment + other.moment, self.force + other.force);
+        Self { moment, force }
+    }
+}

@@ -1,0 +1,109 @@
+//! Constant rotations between the axes of joints, and constant angles about them.
+
+use nalgebra::Matrix3;
+
+use super::vector::Vector3;
+use crate::graph::{Graph, Scalar};
+use crate::numeric;
+
+/// An angle as quarter turns and a remainder, so that multiples of 90° cost nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Angle {
+    /// Quarter turns, 0 to 3.
+    pub quarters: u8,
+    /// The rest (rad).
+    pub remainder: f64,
+}
+
+/// A constant rotation `R_z(γ) R_x(α)`, kept as sines and cosines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Twist {
+    /// sin γ, cos γ
+    pub gamma: (f64, f64),
+    /// sin α, cos α
+    pub alpha: (f64, f64),
+}
+
+impl Twist {
+    /// No rotation.
+    pub const NONE: Self = Self {
+        gamma: (0.0, 1.0),
+        alpha: (0.0, 1.0),
+    };
+
+    /// Whether the joint's axis is parallel to the parent's, with aligned frames.
+    pub fn is_none(&self) -> bool {
+        *self == Self::NONE
+    }
+
+    /// The rotation matrix.
+    pub fn matrix(&self) -> Matrix3<f64> {
+        let ((sg, cg), (sa, ca)) = (self.gamma, self.alpha);
+        Matrix3::new(cg, -sg * ca, sg * sa, sg, cg * ca, -cg * sa, 0.0, sa, ca)
+    }
+
+    /// From the joint's frame before its motion to the parent's frame.
+    pub fn to_parent<'g>(&self, v: Vector3<'g>) -> Vector3<'g> {
+        let ((sg, cg), (sa, ca)) = (self.gamma, self.alpha);
+        let (x, y, z) = (v[0], v[1] * ca - v[2] * sa, v[1] * sa + v[2] * ca);
+        Vector3([x * cg - y * sg, x * sg + y * cg, z])
+    }
+
+    /// From the parent's frame to the joint's frame before its motion.
+    pub fn to_child<'g>(&self, v: Vector3<'g>) -> Vector3<'g> {
+        let ((sg, cg), (sa, ca)) = (self.gamma, self.alpha);
+        let (x, y, z) = (v[0] * cg + v[1] * sg, v[1] * cg - v[0] * sg, v[2]);
+        Vector3([x, y * ca + z * sa, z * ca - y * sa])
+    }
+}
+
+impl Angle {
+    /// From radians; remainders below 1e-13 are rounding and vanish.
+    pub fn new(radians: f64) -> Self {
+        let quarters = (radians / std::f64::consts::FRAC_PI_2).round();
+        let remainder = radians - quarters * std::f64::consts::FRAC_PI_2;
+        Self {
+            quarters: quarters.rem_euclid(4.0) as u8,
+            remainder: if remainder.abs() < 1e-13 {
+                0.0
+            } else {
+                remainder
+            },
+        }
+    }
+
+    /// The angle in radians, between −45° and 315°.
+    pub fn radians(self) -> f64 {
+        f64::from(self.quarters) * std::f64::consts::FRAC_PI_2 + self.remainder
+    }
+
+    /// Sine and cosine of the angle itself, by which a sliding joint's frame is turned; `None` for 0.
+    pub fn constant_turn(self, graph: &Graph) -> Option<(Scalar<'_>, Scalar<'_>)> {
+        if self == Self::default() {
+            return None;
+        }
+        let (sine, cosine) = numeric::sin_cos(self.remainder);
+        Some(self.advance((graph.constant(sine), graph.constant(cosine))))
+    }
+
+    /// Turns the sine and cosine of an angle into those of the angle plus the quarter turns.
+    pub fn advance<'g>(self, (s, c): (Scalar<'g>, Scalar<'g>)) -> (Scalar<'g>, Scalar<'g>) {
+        match self.quarters {
+            0 => (s, c),
+            1 => (c, -s),
+            2 => (-s, -c),
+            _ => (-c, s),
+        }
+    }
+}
+
+impl std::ops::Add for Angle {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        let sum = Self::new(self.remainder + other.remainder);
+        Self {
+            quarters: (self.quarters + other.quarters + sum.quarters) % 4,
+            remainder: sum.remainder,
+        }
+    }
+}
