@@ -37,12 +37,14 @@ pub fn random_model(seed: u64, longest: usize) -> Model {
     made_regular(rng, model)
 }
 
-/// As [`random_model`], without rotors.
-pub fn random_model_without_rotors(seed: u64, longest: usize) -> Model {
+/// As [`random_model`], with each rotor on the parent of the joint that it drives: loops over joints know no others.
+pub fn random_model_with_near_rotors(seed: u64, longest: usize) -> Model {
     let mut rng = Rng::with_seed(seed);
     let mut model = tree(&mut rng, longest);
     for drive in &mut model.drives {
-        drive.rotor_inertia = Formula::Number(0.0);
+        let driven = drive.coordinate.map(|index| model.coordinates[index]);
+        let joint = driven.and_then(|link| model.links[link].joint.as_ref());
+        drive.carrier = joint.map_or(drive.carrier, |joint| joint.parent);
     }
     made_regular(rng, model)
 }

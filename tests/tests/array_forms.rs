@@ -15,7 +15,7 @@ use gelenk_codegen::model::Model;
 use gelenk_codegen::program::interpret::interpret;
 use gelenk_tests::compiler::{clippy, rustc};
 use gelenk_tests::literature::{GENERAL, chain, right_angles};
-use gelenk_tests::random_model::random_model_without_rotors;
+use gelenk_tests::random_model::random_model_with_near_rotors;
 use gelenk_tests::{FUNCTIONS, table};
 
 const NAMES: [&str; 4] = [
@@ -35,11 +35,11 @@ struct Robot {
     text: String,
 }
 
-/// Chains of all lengths of padding, and random trees with sliding joints, parameters and coordinates out of order.
+/// Chains of all lengths of padding, and random trees with sliding joints, rotors, parameters and coordinates out of order.
 fn robots(fused: bool) -> Vec<Robot> {
     let down = [0.0, 0.0, -9.81];
     let chains = [1, 2, 5, 13].map(|count| chain(&right_angles(count), down));
-    let trees = (0..8).map(|seed| random_model_without_rotors(seed, 9));
+    let trees = (0..8).map(|seed| random_model_with_near_rotors(seed, 9));
     let models = chains
         .into_iter()
         .chain([chain(&GENERAL, down)])
@@ -93,6 +93,11 @@ fn compare(fused: bool, flags: &[&str]) {
         .iter()
         .filter(|robot| robot.text.contains("RELATIONS"));
     assert!(trees.count() > 2, "too few trees");
+    let have_rotors = |robot: &&Robot| robot.text.contains("carried_rotor");
+    assert!(
+        robots.iter().filter(have_rotors).count() > 2,
+        "too few rotors"
+    );
     let mut modules = String::new();
     let mut table = String::new();
     for robot in &robots {

@@ -14,7 +14,7 @@ use gelenk_tests::Robot;
 use gelenk_tests::dual::evaluate;
 use gelenk_tests::oracle::{Oracle, value};
 use gelenk_tests::random_model::{
-    Sample, condition_of, random_model, random_model_without_rotors, random_sample,
+    Sample, condition_of, random_model, random_model_with_near_rotors, random_sample,
 };
 use num_dual::{Dual64, HyperDual64};
 
@@ -160,10 +160,10 @@ const FUNCTIONS: [&str; 17] = [
 static ROBOTS: LazyLock<Vec<(u64, Robot)>> = LazyLock::new(|| {
     let selection = [&FUNCTIONS[..], &["frames"]].concat();
     let straight = |seed| Robot::in_form(random_model(seed, LONGEST), &selection, Form::Straight);
-    // The array form knows no rotors that moving bodies carry.
+    // The array form knows no rotors that sit further from their joint than on its parent.
     let looped = |seed| {
         Robot::in_form(
-            random_model_without_rotors(seed, LONGEST),
+            random_model_with_near_rotors(seed, LONGEST),
             &selection,
             Form::Arrays,
         )

@@ -108,7 +108,7 @@ fn by_articulated_bodies(model: &Model) -> Option<Program> {
     let n = model.coordinates.len();
     let [y, v, f] =
         [0, 1, 2].map(|array| (0..n).map(|k| graph.input(array, k)).collect::<Vec<_>>());
-    if !articulated::is_possible(&Mechanism::new(&graph, model)) {
+    if !Mechanism::new(&graph, model).rotors_are_neighbours() {
         return None;
     }
     let mechanism = Formulation::plain(n).mechanism(&graph, model);

@@ -4,10 +4,10 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::base_frame;
 use super::catalogue::{self, BuildLoops, Loops, Quantity, arguments_of, straight_program};
 use super::equations::{Equations, Formulations};
 use super::forces;
+use super::per_joint;
 use super::size::Estimate;
 use crate::graph::{Graph, Node};
 use crate::kinematics::Mechanism;
@@ -208,7 +208,7 @@ impl<'m> Forms<'m> {
     fn may_loop(&self, quantity: &Quantity) -> bool {
         matches!(quantity.loops, Some(Loops::PerJoint { .. }))
             && !self.is_straight(quantity)
-            && base_frame::is_possible(&Mechanism::new(&Graph::new(), self.model))
+            && per_joint::is_possible(&Mechanism::new(&Graph::new(), self.model))
     }
 
     fn straight(&self, quantity: &Quantity) -> Derived {

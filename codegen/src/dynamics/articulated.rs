@@ -16,16 +16,8 @@ use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3};
 
-/// Whether each rotor sits on the parent of the body that it drives, or on the base: the coupling of others reaches
-/// beyond neighbours.
-pub fn is_possible(mechanism: &Mechanism<'_>) -> bool {
-    let mut rotors = mechanism.rotors.iter();
-    rotors.all(|rotor| {
-        rotor.carrier.is_none() || mechanism.bodies[rotor.driven].parent == rotor.carrier
-    })
-}
-
-/// Accelerations that joint forces cause, by coordinate; the mechanism is in metres, and [`is_possible`].
+/// Accelerations that joint forces cause, by coordinate; the mechanism is in metres, and its
+/// [rotors are neighbours](Mechanism::rotors_are_neighbours).
 pub fn forward_dynamics<'g>(
     mechanism: &Mechanism<'g>,
     y: &[Scalar<'g>],

@@ -89,7 +89,7 @@ impl<'m> Formulations<'m> {
         *self.forward_dynamics.get_or_init(|| {
             let is_possible = {
                 let graph = Graph::new();
-                articulated::is_possible(&Mechanism::new(&graph, self.model))
+                Mechanism::new(&graph, self.model).rotors_are_neighbours()
             };
             let weight = |route| {
                 let weighed = weigh(self.model, |graph, input| {

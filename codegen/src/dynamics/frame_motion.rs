@@ -163,7 +163,7 @@ impl<'g> FramePose<'g> {
     }
 
     /// A direction of the frame in the base frame.
-    fn direction(&self, v: Vector3<'g>) -> Vector3<'g> {
+    pub fn direction(&self, v: Vector3<'g>) -> Vector3<'g> {
         self.axes[0].scaled(v[0]) + self.axes[1].scaled(v[1]) + self.axes[2].scaled(v[2])
     }
 

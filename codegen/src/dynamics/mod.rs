@@ -1,9 +1,7 @@
 //! Stage 3: kinematics become the functions to emit, each with its program and what its documentation says.
 
-mod array_builder;
 pub mod array_form;
 pub mod articulated;
-pub mod base_frame;
 pub mod base_parameters;
 pub mod catalogue;
 pub mod composite;
@@ -21,6 +19,7 @@ pub mod hessian;
 pub mod matrix;
 pub mod module_constants;
 pub mod newton_euler;
+pub mod per_joint;
 pub mod placement;
 pub mod regressor;
 mod rotor;

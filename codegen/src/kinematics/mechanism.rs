@@ -104,6 +104,15 @@ impl<'g> Mechanism<'g> {
         self.bodies.is_empty()
     }
 
+    /// Whether every rotor sits on the parent of the body that it drives, or on the base: the coupling of others reaches
+    /// beyond neighbours.
+    pub fn rotors_are_neighbours(&self) -> bool {
+        let sits_near = |rotor: &Rotor<'_>| {
+            rotor.carrier.is_none() || self.bodies[rotor.driven].parent == rotor.carrier
+        };
+        self.rotors.iter().all(sits_near)
+    }
+
     /// Children of each body.
     pub fn children(&self) -> Vec<Vec<usize>> {
         let mut children = vec![Vec::new(); self.len()];

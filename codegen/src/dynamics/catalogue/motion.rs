@@ -8,7 +8,7 @@ use super::regressors;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::newton_euler::MotionInput;
 use crate::dynamics::size::Estimate;
-use crate::dynamics::{base_frame, forces, module_constants};
+use crate::dynamics::{forces, module_constants, per_joint};
 
 /// The equations of motion and what follows from them.
 pub(super) const QUANTITIES: &[Quantity] = &[
@@ -252,7 +252,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         route: |formulations| Some(formulations.derivatives().description()),
         straight_size: Some(Estimate::MassMatrix),
         loops: Some(Loops::PerJoint {
-            build: base_frame::inverse_dynamics_derivatives,
+            build: per_joint::inverse_dynamics_derivatives,
             size: Estimate::Pairs,
         }),
         ..Quantity::PLAIN
@@ -288,7 +288,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         route: |formulations| Some(formulations.derivatives().description()),
         straight_size: Some(Estimate::MassMatrix),
         loops: Some(Loops::PerJoint {
-            build: base_frame::inverse_dynamics_derivatives_and_mass_matrix,
+            build: per_joint::inverse_dynamics_derivatives_and_mass_matrix,
             size: Estimate::Pairs,
         }),
         ..Quantity::PLAIN
@@ -321,7 +321,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         needs_inverse: true,
         straight_size: Some(Estimate::MassMatrix),
         loops: Some(Loops::PerJoint {
-            build: base_frame::forward_dynamics_derivatives,
+            build: per_joint::forward_dynamics_derivatives,
             size: Estimate::Inverse,
         }),
         ..Quantity::PLAIN

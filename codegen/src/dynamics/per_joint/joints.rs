@@ -1,0 +1,161 @@
+//! What the joints feel of the bodies beyond them: forces, the mass matrix, Jacobians.
+
+use super::builder::ArrayBuilder;
+use super::moving::Moving;
+use super::rows::{complement, flat, force_of, moments_of, motion_of, swept, vector};
+use crate::program::arrays::ArrayId;
+
+/// `M ÿ + k − q`
+pub(super) fn joint_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
+    let Moving {
+        setup,
+        motions,
+        rotors,
+        composites,
+    } = moving;
+    let [forces] = builder.map(
+        (
+            "forces_at_joints",
+            "Force along each joint, without springs and friction.",
+        ),
+        &[
+            setup.screws,
+            composites.force,
+            setup.rotors,
+            setup.last,
+            setup.joint_forces,
+        ],
+        [("forces", 1)],
+        |rows| {
+            let bodies = motion_of(rows[0]).dot(force_of(rows[1]));
+            [vec![bodies + rows[2][0] * rows[3][0] - rows[4][2]]]
+        },
+    );
+    let Some(rotors) = rotors else { return forces };
+    let carried = rotors.carried(builder, motions);
+    let [forces] = builder.map(
+        (
+            "forces_at_rotors",
+            "Force along each joint and its rotor, without springs and friction.",
+        ),
+        &[forces, carried],
+        [("forces_with_rotors", 1)],
+        |[force, carried]| [vec![force[0] + carried[0]]],
+    );
+    forces
+}
+
+/// What is left to accelerate.
+pub(super) fn remaining_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
+    let Moving {
+        setup,
+        motions,
+        rotors,
+        composites,
+    } = moving;
+    let [remaining] = builder.map(
+        (
+            "remaining_forces",
+            "What of the driving forces is left to accelerate.",
+        ),
+        &[setup.screws, composites.force, setup.last],
+        [("remaining_force", 1)],
+        |rows| [vec![rows[2][0] - motion_of(rows[0]).dot(force_of(rows[1]))]],
+    );
+    let Some(rotors) = rotors else {
+        return remaining;
+    };
+    let carried = rotors.carried(builder, motions);
+    let [remaining] = builder.map(
+        (
+            "remaining_at_rotors",
+            "What of the driving forces is left to accelerate the joints and their rotors.",
+        ),
+        &[remaining, carried],
+        [("remaining_with_rotors", 1)],
+        |[remaining, carried]| [vec![remaining[0] - carried[0]]],
+    );
+    remaining
+}
+
+pub(super) fn mass_matrix(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
+    let Moving {
+        setup,
+        rotors,
+        composites,
+        ..
+    } = moving;
+    let [needed, diagonal] = builder.map(
+        (
+            "unit_accelerations",
+            "What a unit acceleration of each joint needs.",
+        ),
+        &[setup.screws, composites.inertia, setup.rotors],
+        [("unit_force", 6), ("diagonal", 1)],
+        |rows| {
+            let screw = motion_of(rows[0]);
+            let force = moments_of(rows[1]).times(screw);
+            [flat(force), vec![screw.dot(force) + rows[2][0]]]
+        },
+    );
+    let needed = rotors
+        .as_ref()
+        .map_or(needed, |rotors| rotors.add_momentum(builder, needed));
+    builder.pairs(
+        (needed, setup.screws),
+        (setup.screws, needed),
+        diagonal,
+        "mass_matrix",
+    )
+}
+
+/// ∂/∂y and ∂/∂ẏ
+pub(super) fn jacobians(builder: &mut ArrayBuilder, moving: &Moving) -> (ArrayId, ArrayId) {
+    let Moving {
+        setup,
+        motions,
+        rotors,
+        composites,
+    } = moving;
+    let [gains, by_coordinate, by_velocity, stiffness, damping, own_stiffness, own_damping] = builder.map(
+        ("disturbances", "How each joint disturbs the bodies beyond it, and what that asks of the joints before it."),
+        &[
+            setup.screws, motions.screw_rate, motions.velocity, motions.acceleration, composites.inertia, composites.flow, composites.force,
+            setup.joint_forces,
+        ],
+        [
+            ("gains", 9), ("by_coordinate", 9), ("by_velocity", 9), ("stiffness", 6), ("damping", 6), ("own_stiffness", 1), ("own_damping", 1),
+        ],
+        |[screw, screw_rate, velocity, acceleration, inertia, flow, force, joint]| {
+            let (screw, rate) = (motion_of(screw), motion_of(screw_rate));
+            let moments = moments_of(inertia);
+            let (momentum, spin) = (vector(&flow[..3]), complement(&flow[3..]));
+            let accelerated = motion_of(acceleration).cross(screw) + motion_of(velocity).cross(rate);
+            let twice = rate.map(|x| x * 2.0);
+            let damping = swept(&spin, momentum, screw.angular) + moments.times(twice);
+            let own = swept(&spin, momentum, rate.angular) + moments.times(accelerated);
+            let stiffness = own + screw.cross_force(force_of(force));
+            let by_omega = spin.transposed_times(screw.angular) + momentum.cross(screw.linear);
+            [
+                [&by_omega.0[..], &flat(moments.times(screw))].concat(),
+                [&rate.angular.0[..], &accelerated.entries()].concat(),
+                [&screw.angular.0[..], &twice.entries()].concat(),
+                flat(stiffness),
+                flat(damping),
+                vec![screw.dot(own) - joint[0]],
+                vec![screw.dot(damping) - joint[1]],
+            ]
+        },
+    );
+    let (gains, damping) = match rotors {
+        Some(rotors) => rotors.add_to_columns(builder, gains, damping),
+        None => (gains, damping),
+    };
+    let mut pairs = |by_j, column, diagonal, name| {
+        builder.pairs((gains, by_j), (setup.screws, column), diagonal, name)
+    };
+    (
+        pairs(by_coordinate, stiffness, own_stiffness, "by_coordinates"),
+        pairs(by_velocity, damping, own_damping, "by_velocities"),
+    )
+}

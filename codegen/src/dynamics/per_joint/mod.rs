@@ -1,0 +1,146 @@
+//! Jacobians of the inverse and forward dynamics in array form, with spatial vectors in the frame of the base.
+//!
+//! There every sum along a path or over a subtree is a sum of arrays, and what two joints have in common is a product of
+//! two columns of six or nine entries. With the screw S of a joint, the spatial velocity v and acceleration a of its
+//! body, Ψ̇ = v × S and Ψ̈ = a × S + v × Ψ̇, the composite inertia I, 2B s = Σ 2 ∫ r ∧ (ω_s × ṙ) dm and force f of all
+//! that it carries, and for j before i
+//!
+//! ```text
+//! M_ji = S_jᵀ I_i S_i = M_ij
+//! ∂τ_j/∂ẏ_i = S_jᵀ (2B_i S_i + 2 I_i Ψ̇_i)          ∂τ_i/∂ẏ_j = S_iᵀ (2B_i S_j + 2 I_i Ψ̇_j)
+//! ∂τ_j/∂y_i = S_jᵀ (2B_i Ψ̇_i + I_i Ψ̈_i + S_i ×* f_i)   ∂τ_i/∂y_j = S_iᵀ (2B_i Ψ̇_j + I_i Ψ̈_j)
+//! ```
+//!
+//! (Singh, Russell and Wensing 2022; 2B in the moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm of `derivatives.rs`, which act on the
+//! angular part alone.)
+
+mod bodies;
+mod builder;
+mod joints;
+mod moving;
+mod rotors;
+mod rows;
+mod setup;
+
+use self::bodies::{Composites, move_bodies};
+use self::builder::ArrayBuilder;
+use self::joints::{jacobians, joint_forces, mass_matrix, remaining_forces};
+use self::moving::{Moving, accelerate};
+use self::rotors::Rotors;
+use self::setup::set_up;
+use super::catalogue::Arguments;
+use super::equations::Equations;
+use crate::kinematics::Mechanism;
+use crate::program::arrays::Arrays;
+use crate::program::{InputArray, Shape};
+
+/// Whether the array form knows all that the mechanism has: no rotor may sit further from its joint than on the joint's
+/// parent.
+pub fn is_possible(mechanism: &Mechanism<'_>) -> bool {
+    !mechanism.is_empty() && mechanism.rotors_are_neighbours()
+}
+
+/// `inverse_dynamics_derivatives`
+pub fn inverse_dynamics_derivatives<'g>(
+    equations: &Equations<'_, 'g>,
+    arguments: &Arguments<'g>,
+    inputs: Vec<InputArray>,
+) -> Arrays {
+    let (builder, _) = inverse_dynamics_and_jacobians(equations, arguments);
+    builder.finish(equations.graph, inputs)
+}
+
+/// `inverse_dynamics_derivatives_and_mass_matrix`
+pub fn inverse_dynamics_derivatives_and_mass_matrix<'g>(
+    equations: &Equations<'_, 'g>,
+    arguments: &Arguments<'g>,
+    inputs: Vec<InputArray>,
+) -> Arrays {
+    let (mut builder, moving) = inverse_dynamics_and_jacobians(equations, arguments);
+    let mass = mass_matrix(&mut builder, &moving);
+    let n = builder.each_joint();
+    builder.output("M", Shape::Matrix(n, n), mass);
+    builder.finish(equations.graph, inputs)
+}
+
+/// The forces and their Jacobians, with what M is made of.
+fn inverse_dynamics_and_jacobians<'g>(
+    equations: &Equations<'_, 'g>,
+    arguments: &Arguments<'g>,
+) -> (ArrayBuilder, Moving) {
+    let mut builder = ArrayBuilder::new(&Mechanism::new(equations.graph, equations.model));
+    let last = ("accelerations", arguments.a.clone());
+    let setup = set_up(&mut builder, equations, arguments, last);
+    let (motions, flow) = move_bodies(&mut builder, &setup, true);
+    let rotors = Rotors::new(&mut builder, &setup, &motions);
+    let mut composites = Composites {
+        inertia: builder.sum_subtrees(motions.inertia, "composite_inertia"),
+        flow: builder.sum_subtrees(flow, "composite_flow"),
+        force: builder.sum_subtrees(motions.force, "composite_force"),
+    };
+    if let Some(rotors) = &rotors {
+        let moments = rotors.moments(&mut builder, &setup, setup.last);
+        composites = rotors.complete(&mut builder, composites, moments);
+    }
+    let moving = Moving {
+        setup,
+        motions,
+        rotors,
+        composites,
+    };
+    let forces = joint_forces(&mut builder, &moving);
+    builder.output("B u", Shape::Vector(builder.each_joint()), forces);
+    let (by_coordinates, by_velocities) = jacobians(&mut builder, &moving);
+    let n = builder.each_joint();
+    builder.output("∂/∂y", Shape::Matrix(n, n), by_coordinates);
+    builder.output("∂/∂ẏ", Shape::Matrix(n, n), by_velocities);
+    (builder, moving)
+}
+
+/// `forward_dynamics_derivatives`
+pub fn forward_dynamics_derivatives<'g>(
+    equations: &Equations<'_, 'g>,
+    arguments: &Arguments<'g>,
+    inputs: Vec<InputArray>,
+) -> Arrays {
+    let mut builder = ArrayBuilder::new(&Mechanism::new(equations.graph, equations.model));
+    let last = (
+        "driving_forces",
+        equations.driving_forces(&arguments.y, &arguments.v, &arguments.u),
+    );
+    let setup = set_up(&mut builder, equations, arguments, last);
+    let (motions, flow) = move_bodies(&mut builder, &setup, false);
+    let rotors = Rotors::new(&mut builder, &setup, &motions);
+    let mut composites = Composites {
+        inertia: builder.sum_subtrees(motions.inertia, "composite_inertia"),
+        flow: builder.sum_subtrees(flow, "composite_flow"),
+        force: builder.sum_subtrees(motions.force, "composite_bias"),
+    };
+    if let Some(rotors) = &rotors {
+        let moments = rotors.steady_moments(&mut builder, &setup);
+        composites = rotors.complete(&mut builder, composites, moments);
+    }
+    let steady = Moving {
+        setup,
+        motions,
+        rotors,
+        composites,
+    };
+    let mass = mass_matrix(&mut builder, &steady);
+    let inverse = builder.invert(mass, "inverse");
+    let remaining = remaining_forces(&mut builder, &steady);
+    let accelerations = builder.apply(inverse, remaining, "accelerations");
+    let moving = accelerate(&mut builder, steady, accelerations);
+    let (by_coordinates, by_velocities) = jacobians(&mut builder, &moving);
+    let n = builder.each_joint();
+    builder.output("ÿ", Shape::Vector(n), accelerations);
+    for (result, matrix, name) in [
+        ("∂ÿ/∂y", by_coordinates, "accelerations_by_coordinates"),
+        ("∂ÿ/∂ẏ", by_velocities, "accelerations_by_velocities"),
+    ] {
+        let product = builder.negative_product(inverse, matrix, name);
+        builder.output(result, Shape::Matrix(n, n), product);
+    }
+    builder.output("M⁻¹", Shape::Matrix(n, n), inverse);
+    builder.finish(equations.graph, inputs)
+}

@@ -1,0 +1,80 @@
+//! The robot in motion, as the joints meet it.
+
+use super::bodies::{Composites, Motions};
+use super::builder::ArrayBuilder;
+use super::rotors::Rotors;
+use super::rows::{flat, force_of, moments_of, motion_of};
+use super::setup::Setup;
+use crate::program::arrays::ArrayId;
+
+/// The robot in motion.
+pub(super) struct Moving {
+    pub setup: Setup,
+    pub motions: Motions,
+    /// `None` where no moving body carries a rotor.
+    pub rotors: Option<Rotors>,
+    /// With the rotors.
+    pub composites: Composites,
+}
+
+/// What the accelerations add to a steady motion.
+pub(super) fn accelerate(
+    builder: &mut ArrayBuilder,
+    steady: Moving,
+    accelerations: ArrayId,
+) -> Moving {
+    let Moving {
+        setup,
+        motions,
+        rotors,
+        composites,
+    } = steady;
+    let [gained] = builder.map(
+        ("joint_accelerations", "Acceleration that each joint adds."),
+        &[setup.screws, accelerations],
+        [("added_joint_acceleration", 6)],
+        |rows| [motion_of(rows[0]).scaled(rows[1][0]).entries().to_vec()],
+    );
+    let gained = builder.sum_ancestors(gained, "added_acceleration");
+    let [acceleration, force] = builder.map(
+        (
+            "accelerated_bodies",
+            "Acceleration of each body, and the force that the added one needs.",
+        ),
+        &[motions.inertia, motions.acceleration, gained],
+        [("total_acceleration", 6), ("added_force", 6)],
+        |rows| {
+            let gained = motion_of(rows[2]);
+            [
+                (motion_of(rows[1]) + gained).entries().to_vec(),
+                flat(moments_of(rows[0]).times(gained)),
+            ]
+        },
+    );
+    let added = builder.sum_subtrees(force, "composite_added_force");
+    let [force] = builder.map(
+        ("total_forces", "Force of all that each joint carries."),
+        &[composites.force, added],
+        [("composite_force", 6)],
+        |rows| [flat(force_of(rows[0]) + force_of(rows[1]))],
+    );
+    let force = match &rotors {
+        Some(rotors) => {
+            let moments = rotors.added_moments(builder, accelerations);
+            Rotors::add_moments(builder, force, moments)
+        }
+        None => force,
+    };
+    Moving {
+        setup,
+        motions: Motions {
+            acceleration,
+            ..motions
+        },
+        rotors,
+        composites: Composites {
+            force,
+            ..composites
+        },
+    }
+}

@@ -1,0 +1,222 @@
+//! Rotors on the parents of the joints that they drive.
+//!
+//! Such a rotor's momentum i J a couples its joint i with every joint before it, but not with itself: so do the columns of
+//! the Jacobians. With ω and ω̇ of the parent, the sums of `rotor.rs` over subtrees are those of all bodies beyond, without
+//! the rotor of the joint itself.
+
+use super::bodies::{Composites, Motions};
+use super::builder::ArrayBuilder;
+use super::rows::{flat, force_of, motion_of, vector};
+use super::setup::Setup;
+use crate::program::arrays::ArrayId;
+use crate::spatial::{Force, Matrix3, Vector3};
+
+/// Rotors in motion.
+pub(super) struct Rotors {
+    /// h = i J a
+    momentum: ArrayId,
+    /// ω × h
+    swept: ArrayId,
+    /// ẏ h
+    spin: ArrayId,
+}
+
+impl Rotors {
+    /// `None` where no moving body carries a rotor.
+    pub fn new(builder: &mut ArrayBuilder, setup: &Setup, motions: &Motions) -> Option<Self> {
+        let momentum = setup.momenta?;
+        let [swept, spin] = builder.map(
+            (
+                "rotors_in_motion",
+                "How the bodies before the joints turn the rotors, and the rotors' spin.",
+            ),
+            &[
+                momentum,
+                motions.velocity,
+                motions.joint_velocity,
+                setup.rates,
+            ],
+            [("swept_rotor", 3), ("rotor_spin", 3)],
+            |[momentum, velocity, own, rate]| {
+                let carrier = motion_of(velocity).angular - motion_of(own).angular;
+                let swept = carrier.cross(vector(momentum));
+                [swept, vector(momentum).scaled(rate[0])].map(|v| v.0.to_vec())
+            },
+        );
+        Some(Self {
+            momentum,
+            swept,
+            spin,
+        })
+    }
+
+    /// `ÿ h + ẏ ω × h`: moments on the bodies that carry rotors.
+    pub fn moments(
+        &self,
+        builder: &mut ArrayBuilder,
+        setup: &Setup,
+        accelerations: ArrayId,
+    ) -> ArrayId {
+        let [moments] = builder.map(
+            (
+                "rotor_moments",
+                "Moment of each joint's rotor on the body before the joint.",
+            ),
+            &[self.momentum, self.swept, setup.rates, accelerations],
+            [("rotor_moment", 3)],
+            |[momentum, swept, rate, acceleration]| {
+                let moment =
+                    vector(momentum).scaled(acceleration[0]) + vector(swept).scaled(rate[0]);
+                [moment.0.to_vec()]
+            },
+        );
+        moments
+    }
+
+    /// `ẏ ω × h`: moments on the bodies that carry rotors, at ÿ = 0.
+    pub fn steady_moments(&self, builder: &mut ArrayBuilder, setup: &Setup) -> ArrayId {
+        let [moments] = builder.map(
+            (
+                "steady_rotor_moments",
+                "Moment of each joint's rotor on the body before the joint, at ÿ = 0.",
+            ),
+            &[self.swept, setup.rates],
+            [("rotor_moment", 3)],
+            |[swept, rate]| [vector(swept).scaled(rate[0]).0.to_vec()],
+        );
+        moments
+    }
+
+    /// `ÿ h`: what accelerations add to the moments.
+    pub fn added_moments(&self, builder: &mut ArrayBuilder, accelerations: ArrayId) -> ArrayId {
+        let [moments] = builder.map(
+            (
+                "added_rotor_moments",
+                "Moment of each joint's rotor on the body before the joint, by its acceleration.",
+            ),
+            &[self.momentum, accelerations],
+            [("added_rotor_moment", 3)],
+            |[momentum, acceleration]| [vector(momentum).scaled(acceleration[0]).0.to_vec()],
+        );
+        moments
+    }
+
+    /// Adds the moments of all rotors beyond each joint to the forces there.
+    pub fn add_moments(builder: &mut ArrayBuilder, force: ArrayId, moments: ArrayId) -> ArrayId {
+        let sum = builder.sum_subtrees(moments, "composite_rotor_moment");
+        let [force] = builder.map(
+            (
+                "forces_with_rotors",
+                "Force of all that each joint carries, its rotors included.",
+            ),
+            &[force, sum, moments],
+            [("force_with_rotors", 6)],
+            |[force, sum, own]| {
+                let Force { moment, force } = force_of(force);
+                let moment = moment + (vector(sum) - vector(own));
+                [flat(Force { moment, force })]
+            },
+        );
+        force
+    }
+
+    /// Forces, and what turns with the bodies, with the rotors.
+    pub fn complete(
+        &self,
+        builder: &mut ArrayBuilder,
+        bodies: Composites,
+        moments: ArrayId,
+    ) -> Composites {
+        let force = Self::add_moments(builder, bodies.force, moments);
+        let sum = builder.sum_subtrees(self.spin, "composite_rotor_spin");
+        let [flow] = builder.map(
+            (
+                "flows_with_rotors",
+                "Momentum of all that each joint carries, its rotors included.",
+            ),
+            &[bodies.flow, sum, self.spin],
+            [("flow_with_rotors", 12)],
+            |[flow, sum, own]| {
+                let spin = Matrix3::cross(vector(sum) - vector(own)).0.concat();
+                let spin = flow[3..]
+                    .iter()
+                    .zip(spin)
+                    .map(|(&bodies, rotors)| bodies + rotors);
+                [flow[..3].iter().copied().chain(spin).collect()]
+            },
+        );
+        Composites {
+            force,
+            flow,
+            ..bodies
+        }
+    }
+
+    /// `h · ω̇`: forces on the joints by the angular accelerations of the bodies before them.
+    pub fn carried(&self, builder: &mut ArrayBuilder, motions: &Motions) -> ArrayId {
+        let [carried] = builder.map(
+            (
+                "carried_rotors",
+                "Force on each joint by the acceleration of the body that carries its rotor.",
+            ),
+            &[
+                self.momentum,
+                motions.acceleration,
+                motions.joint_acceleration,
+            ],
+            [("carried_rotor", 1)],
+            |[momentum, acceleration, own]| {
+                let carrier = motion_of(acceleration).angular - motion_of(own).angular;
+                [vec![vector(momentum).dot(carrier)]]
+            },
+        );
+        carried
+    }
+
+    /// Adds `h` to what a unit acceleration of each joint needs of the joints before it.
+    pub fn add_momentum(&self, builder: &mut ArrayBuilder, needed: ArrayId) -> ArrayId {
+        let [needed] = builder.map(
+            (
+                "unit_accelerations_with_rotors",
+                "What a unit acceleration of each joint and its rotor needs.",
+            ),
+            &[needed, self.momentum],
+            [("unit_force_with_rotors", 6)],
+            |[needed, momentum]| [flat(with_moment(force_of(needed), vector(momentum)))],
+        );
+        needed
+    }
+
+    /// Adds to the columns of the Jacobians: `ω × h` to what δω does, `h` to what δω̇ does, `ω × h` to the damping.
+    pub fn add_to_columns(
+        &self,
+        builder: &mut ArrayBuilder,
+        gains: ArrayId,
+        damping: ArrayId,
+    ) -> (ArrayId, ArrayId) {
+        let [gains, damping] = builder.map(
+            (
+                "disturbances_with_rotors",
+                "How the joints before each one disturb it and its rotor.",
+            ),
+            &[gains, damping, self.momentum, self.swept],
+            [("gains_with_rotors", 9), ("damping_with_rotors", 6)],
+            |[gains, damping, momentum, swept]| {
+                let by_omega = vector(gains) + vector(swept);
+                let inertial = with_moment(force_of(&gains[3..]), vector(momentum));
+                [
+                    [&by_omega.0[..], &inertial.entries()].concat(),
+                    flat(with_moment(force_of(damping), vector(swept))),
+                ]
+            },
+        );
+        (gains, damping)
+    }
+}
+
+fn with_moment<'g>(f: Force<'g>, moment: Vector3<'g>) -> Force<'g> {
+    Force {
+        moment: f.moment + moment,
+        ..f
+    }
+}
