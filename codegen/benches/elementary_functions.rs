@@ -7,7 +7,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use gelenk_codegen::math;
+use gelenk_kernels::math;
 
 type Angles = [f64; 6];
 

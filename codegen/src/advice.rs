@@ -1,19 +1,12 @@
 //! Notes on what friction does to the functions that were generated.
 
 use crate::diagnostic::Diagnostic;
-use crate::dynamics::composition::Composition;
-use crate::dynamics::function::Function;
 use crate::formula::{Formula, Function as Call};
-use crate::model::{Joint, Model};
+use crate::functions::catalogue;
+use crate::functions::composition::Composition;
+use crate::functions::function::Function;
+use crate::model::{Joint, JointKind, Model};
 use crate::wording::{list, three_digits};
-
-/// Functions that differentiate friction by the velocity.
-const DERIVATIVES: [&str; 4] = [
-    "inverse_dynamics_derivatives",
-    "inverse_dynamics_derivatives_and_mass_matrix",
-    "forward_dynamics_derivatives",
-    "linearize",
-];
 
 /// Longest usual period of a control loop [s].
 const LONGEST_PERIOD: f64 = 0.02;
@@ -30,8 +23,8 @@ pub fn notes(
     functions: &[Function],
     compositions: &[Composition],
 ) -> Vec<Diagnostic> {
-    let has = |name: &str| functions.iter().any(|function| function.name == name);
-    let has_derivatives = DERIVATIVES.into_iter().any(has);
+    let mut names = functions.iter().map(|function| &function.name);
+    let has_derivatives = names.any(|name| catalogue::differentiates_friction(name));
     let steps = compositions.iter().any(|each| each.has_substeps());
     let jumps = has_derivatives.then(|| jumps(model)).flatten();
     let stiff = steps.then(|| stiff(model)).flatten();
@@ -73,8 +66,8 @@ fn stiff(model: &Model) -> Option<Diagnostic> {
         return None;
     }
     let unit = match joint.kind {
-        crate::model::JointKind::Prismatic => "N s/m",
-        _ => "N m s/rad",
+        JointKind::Prismatic => "N s/m",
+        JointKind::Fixed | JointKind::Revolute | JointKind::Continuous => "N m s/rad",
     };
     let message = format!(
         "friction of `{}` rises by {} {unit} at standstill and slows down at a rate of {} 1/s: with {substeps} substep{} \

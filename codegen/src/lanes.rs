@@ -1,10 +1,10 @@
 //! Which functions are written over several states at once: the names asked for, checked and resolved.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::dynamics::catalogue;
-use crate::dynamics::composition::Composition;
-use crate::dynamics::function::Function;
 use crate::emit::{self, Math};
+use crate::functions::catalogue;
+use crate::functions::composition::Composition;
+use crate::functions::function::Function;
 use crate::model::Model;
 use crate::pipeline::GenerateOptions;
 

@@ -13,8 +13,6 @@
 // Constants reach the generated text, so they may not depend on the platform's library. Tests compare with it.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-pub use gelenk_kernels::{discrete_time, math};
-
 mod advice;
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -24,6 +22,7 @@ pub mod diagnostic;
 pub mod dynamics;
 pub mod emit;
 pub mod formula;
+pub mod functions;
 pub mod graph;
 pub mod guide;
 pub mod kinematics;

@@ -3,7 +3,7 @@
 //! Constants that the generator computes reach the text of generated modules. The functions of std promise no bits: they are
 //! those of the platform's C library. Everything here is made of operations that IEEE 754 rounds in one way.
 
-use crate::math;
+use gelenk_kernels::math;
 
 pub(crate) use math::sin_cos;
 

@@ -1,6 +1,6 @@
 //! Values that a module is compared with where it is used: seeded states, and the interpreter's results.
 
-use crate::dynamics::function::Function;
+use crate::functions::function::Function;
 use crate::layout::Dimension;
 use crate::model::Model;
 use crate::program::interpret::{Functions, interpret};

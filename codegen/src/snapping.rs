@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::dynamics::catalogue;
-use crate::dynamics::function::Function;
+use crate::functions::function::Function;
+use crate::functions::selection;
 use crate::model::{self, NEARLY_RIGHT, NEARLY_RIGHT_ANGLE, ReadOptions};
 use crate::program::cost::count;
 
@@ -52,7 +52,7 @@ fn savings(description: &Path, options: &ReadOptions, functions: &[Function]) ->
         ..*options
     };
     let snapped = model::read(description, &options).ok()?.model;
-    let snapped = catalogue::derive(&snapped, &names, usize::MAX).ok()?;
+    let snapped = selection::derive_functions(&snapped, &names, usize::MAX).ok()?;
     let lines: Vec<String> = described
         .iter()
         .filter_map(|function| {

@@ -11,7 +11,7 @@ mod double_double;
 
 use dashu_float::{FBig, round::mode::HalfEven};
 use double_double::DoubleDouble;
-use gelenk_codegen::math;
+use gelenk_kernels::math;
 
 type Real = FBig<HalfEven, 2>;
 

@@ -11,8 +11,8 @@ use std::fs;
 use std::process::Command;
 
 use common::{chain, every_operation, mass_matrix, parameter, powercube, rustc, synthetic};
-use gelenk_codegen::dynamics::function::Function;
 use gelenk_codegen::emit::{self, EmitOptions, Math, Scalar};
+use gelenk_codegen::functions::function::Function;
 use gelenk_codegen::layout::{Dimension, Extent};
 use gelenk_codegen::model::{JointKind, Model};
 use gelenk_codegen::program::interpret::{Functions, interpret};

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use gelenk_codegen::math::Kernel;
+use gelenk_kernels::math::Kernel;
 
 /// All but those that only others use.
 const ALL: [Kernel; 16] = [

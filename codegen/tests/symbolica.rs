@@ -12,8 +12,8 @@ use std::process::{Command, Output};
 
 use common::Random;
 use gelenk_codegen::closed_form::{self, ClosedForms, Instance, Values, display};
-use gelenk_codegen::dynamics::catalogue;
-use gelenk_codegen::dynamics::size::MOST_OPERATIONS;
+use gelenk_codegen::functions::selection;
+use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::{Model, ReadOptions, from_toml, read};
 use gelenk_codegen::program::interpret::{Functions, interpret};
 
@@ -298,7 +298,8 @@ fn recursive(model: &Model, parameters: &[f64], y: &[f64], v: &[f64]) -> Vec<Vec
         "applied_forces",
         "input_matrix",
     ];
-    let functions = catalogue::derive(model, &names.map(str::to_owned), MOST_OPERATIONS).unwrap();
+    let functions =
+        selection::derive_functions(model, &names.map(str::to_owned), MOST_OPERATIONS).unwrap();
     let value = |name: &str| {
         let function = functions
             .iter()

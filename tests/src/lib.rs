@@ -15,11 +15,11 @@ pub mod table;
 
 use std::path::{Path, PathBuf};
 
-use gelenk_codegen::dynamics::array_form::Form;
-use gelenk_codegen::dynamics::catalogue;
-use gelenk_codegen::dynamics::function::Function;
-use gelenk_codegen::dynamics::size::MOST_OPERATIONS;
 use gelenk_codegen::emit::{EmitOptions, Scalar};
+use gelenk_codegen::functions::form::Form;
+use gelenk_codegen::functions::function::Function;
+use gelenk_codegen::functions::selection;
+use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::Model;
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
 use gelenk_codegen::program::interpret::{Functions, interpret};
@@ -96,7 +96,7 @@ impl Robot {
     /// Derives selected functions of a model.
     pub fn of_model(model: Model, selection: &[&str]) -> Self {
         let selection: Vec<String> = selection.iter().map(|name| (*name).to_owned()).collect();
-        let functions = catalogue::derive(&model, &selection, MOST_OPERATIONS)
+        let functions = selection::derive_functions(&model, &selection, MOST_OPERATIONS)
             .unwrap_or_else(|problems| panic!("{problems}"));
         Self { model, functions }
     }
@@ -104,7 +104,7 @@ impl Robot {
     /// Derives selected functions of a model in a form.
     pub fn in_form(model: Model, selection: &[&str], form: Form) -> Self {
         let selection: Vec<String> = selection.iter().map(|name| (*name).to_owned()).collect();
-        let functions = catalogue::derive_in_form(&model, &selection, MOST_OPERATIONS, form, &[])
+        let functions = selection::derive_in_form(&model, &selection, MOST_OPERATIONS, form, &[])
             .unwrap_or_else(|problems| panic!("{problems}"));
         Self { model, functions }
     }

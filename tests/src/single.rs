@@ -1,8 +1,8 @@
 //! Programs in single precision: evaluated as emitted, and with bounds of what rounding may do.
 
 use gelenk_codegen::formula::Function;
-use gelenk_codegen::math;
 use gelenk_codegen::program::{Operand, Operation, Program};
+use gelenk_kernels::math;
 
 /// Unit roundoff of f32.
 const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;

@@ -6,11 +6,11 @@ use std::path::Path;
 use std::process::Command;
 
 use fastrand::Rng;
-use gelenk_codegen::dynamics::array_form::Form;
-use gelenk_codegen::dynamics::catalogue::derive_in_form;
-use gelenk_codegen::dynamics::function::Function;
-use gelenk_codegen::dynamics::size::MOST_OPERATIONS;
 use gelenk_codegen::emit::{EmitOptions, module};
+use gelenk_codegen::functions::form::Form;
+use gelenk_codegen::functions::function::Function;
+use gelenk_codegen::functions::selection::derive_in_form;
+use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::Model;
 use gelenk_codegen::program::interpret::interpret;
 use gelenk_tests::compiler::{clippy, rustc};

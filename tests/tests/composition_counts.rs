@@ -3,9 +3,9 @@
 
 use std::process::Command;
 
-use gelenk_codegen::discrete_time::Text;
-use gelenk_codegen::dynamics::composition::Composition;
+use gelenk_codegen::functions::composition::Composition;
 use gelenk_codegen::program::cost::Cost;
+use gelenk_kernels::discrete_time::Text;
 use gelenk_tests::compiler::rustc;
 
 /// A number that counts what is done with it.

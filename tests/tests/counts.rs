@@ -5,9 +5,9 @@
 
 use std::fmt::Write as _;
 
-use gelenk_codegen::dynamics::array_form::Form;
 use gelenk_codegen::emit::Scalar;
 use gelenk_codegen::formula::Formula;
+use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::model::{Model, ReadOptions, read};
 use gelenk_codegen::program::cost::count;
 use gelenk_tests::literature::{GENERAL, PLANAR, PUMA, RX90, chain, right_angles};

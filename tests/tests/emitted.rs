@@ -6,8 +6,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use fastrand::Rng;
-use gelenk_codegen::dynamics::function::Function;
 use gelenk_codegen::emit::Scalar;
+use gelenk_codegen::functions::function::Function;
 use gelenk_codegen::model::Model;
 use gelenk_codegen::pipeline::Generated;
 use gelenk_codegen::program::interpret::interpret;

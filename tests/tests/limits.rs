@@ -1,9 +1,9 @@
 //! Large robots: what is ordinary work, and what is refused.
 
-use gelenk_codegen::dynamics::array_form::Form;
-use gelenk_codegen::dynamics::catalogue;
-use gelenk_codegen::dynamics::selection::{Request, derive};
-use gelenk_codegen::dynamics::size::MOST_OPERATIONS;
+use gelenk_codegen::functions::form::Form;
+use gelenk_codegen::functions::selection;
+use gelenk_codegen::functions::selection::{Request, derive};
+use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::program::cost::count;
 use gelenk_tests::compiler::rustc;
 use gelenk_tests::literature::{chain, right_angles};
@@ -20,7 +20,7 @@ fn inverse_dynamics_of_500_joints() {
     let operations = |joints: usize| {
         let model = chain(&right_angles(joints), DOWN);
         let names = selection(&["inverse_dynamics"]);
-        let functions = catalogue::derive(&model, &names, MOST_OPERATIONS);
+        let functions = selection::derive_functions(&model, &names, MOST_OPERATIONS);
         let functions = functions.unwrap_or_else(|problems| panic!("{problems}"));
         let cost = count(&functions[0].program);
         cost.multiplications + cost.additions
@@ -47,7 +47,8 @@ const LARGE: [&str; 10] = [
 fn large_functions_are_refused_with_their_count_and_the_option() {
     let model = chain(&right_angles(500), DOWN);
     let names = selection(&LARGE);
-    let problems = catalogue::derive(&model, &names, MOST_OPERATIONS).expect_err("too large");
+    let problems =
+        selection::derive_functions(&model, &names, MOST_OPERATIONS).expect_err("too large");
     let refused: Vec<&str> = problems
         .entries()
         .iter()
@@ -56,9 +57,9 @@ fn large_functions_are_refused_with_their_count_and_the_option() {
     assert_eq!(refused, vec!["too-large"; LARGE.len()]);
     let model = chain(&right_angles(12), DOWN);
     let names = selection(&["mass_matrix", "bias_forces"]);
-    let problems = catalogue::derive(&model, &names, 700).expect_err("too large");
+    let problems = selection::derive_functions(&model, &names, 700).expect_err("too large");
     insta::assert_snapshot!(problems.to_string());
-    assert!(catalogue::derive(&model, &names, 2000).is_ok());
+    assert!(selection::derive_functions(&model, &names, 2000).is_ok());
 }
 
 /// What nobody asked for by name is left out, with all that calls it, and a note says so.
@@ -103,7 +104,7 @@ fn loops_count_as_their_text() {
     const MOST: usize = 10_000;
     let model = chain(&right_angles(16), DOWN);
     let names = selection(&["linearize"]);
-    let functions = catalogue::derive(&model, &names, MOST);
+    let functions = selection::derive_functions(&model, &names, MOST);
     let functions = functions.unwrap_or_else(|problems| panic!("{problems}"));
     let names: Vec<&str> = functions
         .iter()
@@ -122,7 +123,7 @@ fn loops_count_as_their_text() {
 fn modules_of_30_joints_compile_with_debug_information() {
     let model = chain(&right_angles(30), DOWN);
     let names = selection(&["mass_matrix", "inverse_dynamics"]);
-    let functions = catalogue::derive(&model, &names, MOST_OPERATIONS);
+    let functions = selection::derive_functions(&model, &names, MOST_OPERATIONS);
     let functions = functions.unwrap_or_else(|problems| panic!("{problems}"));
     let source = gelenk_codegen::emit::module(&model, &functions, &[], &Default::default());
     let folder = tempfile::tempdir().expect("a folder");

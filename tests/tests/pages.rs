@@ -1,7 +1,7 @@
 //! Pages of reports in a real browser: nothing is loaded, nothing fails, everything is there and answers.
 
-use gelenk_codegen::dynamics::catalogue;
-use gelenk_codegen::dynamics::size::MOST_OPERATIONS;
+use gelenk_codegen::functions::selection;
+use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::{ReadOptions, read};
 use gelenk_codegen::report::{Contents, report};
 use gelenk_report::{
@@ -252,7 +252,7 @@ fn robot_page(name: &str) -> RobotPage {
     let path = workspace().join("models").join(format!("{name}.toml"));
     let loaded =
         read(&path, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}"));
-    let functions = catalogue::derive(&loaded.model, &[], MOST_OPERATIONS)
+    let functions = selection::derive_functions(&loaded.model, &[], MOST_OPERATIONS)
         .unwrap_or_else(|problems| panic!("{problems}"));
     let contents = Contents {
         model: &loaded.model,

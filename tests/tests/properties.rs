@@ -7,8 +7,8 @@
 use std::sync::LazyLock;
 
 use fastrand::Rng;
-use gelenk_codegen::dynamics::array_form::Form;
-use gelenk_codegen::dynamics::function::Function;
+use gelenk_codegen::functions::form::Form;
+use gelenk_codegen::functions::function::Function;
 use gelenk_codegen::model::{Input, Model};
 use gelenk_tests::Robot;
 use gelenk_tests::dual::evaluate;

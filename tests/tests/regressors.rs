@@ -2,7 +2,7 @@
 //! base parameters against the rank of stacked regressors.
 
 use fastrand::Rng;
-use gelenk_codegen::dynamics::function::ConstantValue;
+use gelenk_codegen::functions::function::ConstantValue;
 use gelenk_codegen::model::{ReadOptions, read};
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use gelenk_identification::inertial::{InertialRegression, PER_BODY, is_physically_consistent};

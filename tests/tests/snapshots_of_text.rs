@@ -2,9 +2,9 @@
 //!
 //! The whole modules, derivatives included, stand in generated/; here is what a reviewer reads.
 
-use gelenk_codegen::dynamics::catalogue;
-use gelenk_codegen::dynamics::size::MOST_OPERATIONS;
 use gelenk_codegen::emit;
+use gelenk_codegen::functions::selection;
+use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::{Model, ReadOptions, read};
 use gelenk_codegen::program::display::{self, Notation};
 use gelenk_tests::workspace;
@@ -33,7 +33,7 @@ fn model_of_the_cart_pole() {
 fn snapshots(name: &str) {
     let model = model(name);
     let selection = SHOWN.map(str::to_owned);
-    let functions = catalogue::derive(&model, &selection, MOST_OPERATIONS);
+    let functions = selection::derive_functions(&model, &selection, MOST_OPERATIONS);
     let functions = functions.unwrap_or_else(|problems| panic!("{problems}"));
     let parameters = model.parameters.iter();
     let notation = Notation {

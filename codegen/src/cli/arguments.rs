@@ -6,7 +6,6 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::diagnostic::nearest;
 use crate::emit::Scalar;
-
 use crate::model::{FUNCTIONS, ReadOptions, is_known_function};
 
 /// Robot dynamics as plain Rust: reads a kinematic description, derives the equations of motion, writes one module.

@@ -6,8 +6,8 @@ use std::process::Command;
 use object::{Object, ObjectSymbol};
 
 use super::Failure;
-use crate::dynamics::function::Function;
 use crate::emit::SourceFile;
+use crate::functions::function::Function;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
 
 /// Sizes of a module's functions for the processor that rustc takes by default.

@@ -9,7 +9,7 @@ use super::arguments::{Format, Inspect, Stage};
 use super::bytes::CodeSizes;
 use super::place::Workspace;
 use super::{generate, mechanism, print};
-use crate::dynamics::function::Function;
+use crate::functions::function::Function;
 use crate::model::{JointKind, Model, Motion};
 use crate::pipeline::Generated;
 use crate::program::display::{self, Notation};

@@ -12,9 +12,9 @@ use super::place::{Workspace, shown};
 use super::print;
 use super::progress::Progress;
 use crate::diagnostic::Diagnostics;
-use crate::dynamics::array_form::Form;
-use crate::dynamics::selection::{self, Request};
-use crate::dynamics::size::MOST_OPERATIONS;
+use crate::functions::form::Form;
+use crate::functions::selection::{self, Request};
+use crate::functions::size::MOST_OPERATIONS;
 use crate::model::{self, Loaded};
 use crate::report::{ClosedForm, Contents, report};
 

@@ -7,7 +7,7 @@ use super::arrays::face;
 use super::body::Body;
 use super::function::{self, Signature};
 use super::{Context, into};
-use crate::dynamics::function::Function;
+use crate::functions::function::Function;
 use crate::program::Operand;
 use crate::program::arrays::Affine;
 

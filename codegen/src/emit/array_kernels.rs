@@ -2,7 +2,7 @@
 
 use super::literal::Scalar;
 use super::pasted;
-use crate::dynamics::function::Function;
+use crate::functions::function::Function;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
 
 /// How the entries of a row are padded, one per joint: to whole blocks, and these to what a processor adds at once.

@@ -11,7 +11,7 @@ use super::body::Body;
 use super::doc_comment::DocComment;
 use super::function::{self, Signature};
 use super::{Context, into, lints, names, split};
-use crate::dynamics::function::Function;
+use crate::functions::function::Function;
 use crate::program::arrays::{Arrays, Map, Pairs, Step};
 use crate::program::{Operand, Output, Program, Shape};
 

@@ -8,7 +8,7 @@ use quote::quote;
 use super::literal::Scalar;
 use super::math::Math;
 use super::{Context, into, math, names};
-use crate::dynamics::function::Function;
+use crate::functions::function::Function;
 use crate::program::flow::{Flow, operands};
 use crate::program::{Operand, Operation, Output, Program, Shape};
 

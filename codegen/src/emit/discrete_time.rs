@@ -8,9 +8,9 @@ use quote::quote;
 use super::doc_comment::{DocComment, code};
 use super::literal::Scalar;
 use super::{Context, lints, pasted};
-use crate::discrete_time::Text;
-use crate::dynamics::composition::Composition;
-use crate::dynamics::function::Function;
+use crate::functions::composition::Composition;
+use crate::functions::function::Function;
+use gelenk_kernels::discrete_time::Text;
 
 /// Names that the module takes for functions over a sample time.
 pub(super) const RESERVED: [&str; 1] = ["SUBSTEPS"];

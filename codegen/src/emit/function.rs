@@ -7,7 +7,7 @@ use super::body::Body;
 use super::doc_comment::{DocComment, code};
 use super::split::{self, Part};
 use super::{Context, affine, arrays, into, lanes, lints};
-use crate::dynamics::function::Function;
+use crate::functions::function::Function;
 use crate::layout::{Dimension, Extent};
 use crate::program::arrays::ArrayForm;
 use crate::program::{Operation, Shape, cost};

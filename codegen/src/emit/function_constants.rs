@@ -5,7 +5,7 @@ use quote::{format_ident, quote};
 
 use super::doc_comment::DocComment;
 use super::{Context, lints};
-use crate::dynamics::function::{Constant, ConstantValue, Function};
+use crate::functions::function::{Constant, ConstantValue, Function};
 
 /// All constants of a function.
 pub(super) fn items(context: &Context<'_>, function: &Function) -> Vec<TokenStream> {

@@ -9,10 +9,10 @@ use quote::quote;
 use super::Context;
 use super::literal::Scalar;
 use super::pasted;
-use crate::dynamics::function::Function;
 use crate::formula::Function as Call;
-use crate::math::Kernel;
+use crate::functions::function::Function;
 use crate::program::Operation;
+use gelenk_kernels::math::Kernel;
 
 /// Source of the functions that a module calls.
 ///

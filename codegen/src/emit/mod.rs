@@ -35,9 +35,9 @@ use std::cell::Cell;
 
 use proc_macro2::{Ident, TokenStream};
 
-use crate::dynamics::composition::Composition;
-use crate::dynamics::function::Function;
-use crate::dynamics::module_constants;
+use crate::functions::composition::Composition;
+use crate::functions::function::Function;
+use crate::functions::module_constants;
 use crate::model::Model;
 use crate::self_test::SelfTest;
 

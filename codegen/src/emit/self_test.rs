@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::{Context, Scalar, lints};
-use crate::dynamics::function::Function;
+use crate::functions::function::Function;
 use crate::program::Shape;
 use crate::self_test::SelfTest;
 

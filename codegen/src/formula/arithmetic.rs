@@ -1,7 +1,7 @@
 //! Building, folding and evaluating formulas.
 
 use super::{Formula, Function};
-use crate::math;
+use gelenk_kernels::math;
 
 impl Formula {
     /// The number 0.

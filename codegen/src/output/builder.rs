@@ -176,7 +176,7 @@ impl Builder {
     }
 
     /// Generates functions of up to so many operations, instead of
-    /// [`MOST_OPERATIONS`](crate::dynamics::size::MOST_OPERATIONS).
+    /// [`MOST_OPERATIONS`](crate::functions::size::MOST_OPERATIONS).
     #[must_use]
     pub fn max_operations(mut self, count: usize) -> Self {
         self.options.max_operations = Some(count);

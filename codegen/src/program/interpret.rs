@@ -7,7 +7,7 @@ use core::fmt;
 
 use super::{Operand, Operation, Program};
 use crate::formula::Function;
-use crate::math;
+use gelenk_kernels::math;
 
 /// The functions of one argument that programs call.
 #[derive(Debug, Clone, Copy)]

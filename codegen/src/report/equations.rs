@@ -6,8 +6,8 @@ use gelenk_report::{
 
 use super::formula;
 use super::robot::Robot;
-use crate::dynamics::function::Function;
 use crate::formula::Formula;
+use crate::functions::function::Function;
 use crate::model::{FrictionTerm, Joint, JointKind};
 use crate::program::display::{self, Notation};
 

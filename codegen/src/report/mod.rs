@@ -14,7 +14,7 @@ mod tables;
 use gelenk_report::{Block, Inline, Report, ReportError, Section, plain, text};
 
 use crate::diagnostic::Diagnostics;
-use crate::dynamics::function::Function;
+use crate::functions::function::Function;
 use crate::model::Model;
 use equations::ClosedFormText;
 use robot::Robot;
@@ -183,8 +183,8 @@ fn self_check_section(robot: &Robot<'_>) -> Section {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dynamics::catalogue;
-    use crate::dynamics::size::MOST_OPERATIONS;
+    use crate::functions::selection;
+    use crate::functions::size::MOST_OPERATIONS;
     use crate::model::{ReadOptions, from_toml};
     use gelenk_report::Verdict;
 
@@ -216,7 +216,7 @@ mod tests {
         let mut load = |_: &str| Err(Diagnostics::default());
         let loaded = from_toml(text, "arm.toml", &ReadOptions::default(), &mut load);
         let (model, _) = loaded.unwrap_or_else(|problems| panic!("{problems}"));
-        let functions = catalogue::derive(&model, &[], MOST_OPERATIONS);
+        let functions = selection::derive_functions(&model, &[], MOST_OPERATIONS);
         let functions = functions.unwrap_or_else(|problems| panic!("{problems}"));
         (model, functions)
     }

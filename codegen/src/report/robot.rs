@@ -1,7 +1,7 @@
 //! A robot with its functions, evaluated by the interpreter.
 
-use crate::dynamics::function::Function;
 use crate::formula::Formula;
+use crate::functions::function::Function;
 use crate::model::{Body, Drive, Joint, Link, Model};
 use crate::program::interpret::{Functions, interpret};
 

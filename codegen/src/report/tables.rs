@@ -5,8 +5,8 @@ use gelenk_report::{Cell, Inline, Table};
 use super::formula;
 use super::robot::Robot;
 use crate::diagnostic::Diagnostics;
-use crate::dynamics::function::Function;
 use crate::formula::Formula;
+use crate::functions::function::Function;
 use crate::model::{Drive, Input, Joint, JointKind, Motion, Pose, RotorCoupling};
 use crate::numeric::{atan2, length};
 use crate::program::cost;
@@ -198,12 +198,7 @@ pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
             Motion::Fixed => Cell::text("fixed"),
             Motion::Held(position) => {
                 let position = short(position).to_string().replace('-', "−");
-                let unit = if joint.kind == JointKind::Prismatic {
-                    "m"
-                } else {
-                    "rad"
-                };
-                Cell::text(format!("held at {position} {unit}"))
+                Cell::text(format!("held at {position} {}", joint.kind.unit()))
             }
             Motion::Coordinate(index) => {
                 Cell::Line(vec![Inline::Math(format!("y_{{{}}}", index + 1))])

@@ -10,8 +10,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use gelenk_codegen::dynamics::function::{ArgumentText, Function};
 use gelenk_codegen::formula::{Formula, Function as Call};
+use gelenk_codegen::functions::function::{ArgumentText, Function};
 use gelenk_codegen::layout::{Dimension, Extent};
 use gelenk_codegen::model::{
     Drive, Input, Joint, JointKind, Limits, Link, Model, Motion, MotorTorque, Options, Parameter,

@@ -2,10 +2,10 @@
 
 use super::builder::ArrayBuilder;
 use super::rows::entries_of;
-use crate::dynamics::catalogue::Arguments;
+use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
-use crate::dynamics::frame_motion::BasePoses;
-use crate::dynamics::rotor;
+use crate::dynamics::recursion::frame_motion::BasePoses;
+use crate::dynamics::recursion::rotor;
 use crate::graph::{Scalar, differentiate};
 use crate::kinematics::Mechanism;
 use crate::program::arrays::ArrayId;

@@ -16,7 +16,7 @@ use super::Context;
 use super::body::Body;
 use super::function::Signature;
 use super::math::Math;
-use crate::dynamics::function::Function;
+use crate::functions::function::Function;
 use crate::program::Program;
 
 pub(super) use plan::Plan;

@@ -1,10 +1,10 @@
 //! Constants that explain functions: names of columns, groups of parameters, zeros of matrices.
 
-use super::base_parameters::{BaseParameters, Term};
-use super::forces;
-use super::function::{Constant, ConstantValue, Function};
-use super::regressor;
 use crate::diagnostic::Diagnostic;
+use crate::dynamics::forces;
+use crate::dynamics::parameters::base_parameters::{BaseParameters, Term};
+use crate::dynamics::parameters::regressor;
+use crate::functions::function::{Constant, ConstantValue, Function};
 use crate::model::Model;
 use crate::program::{Program, Shape, nonzero_entries};
 

@@ -3,13 +3,14 @@
 //! Without a selection all functions are wanted, and what cannot be generated is left out with a note. What is asked for by
 //! name is generated, or the reason is an error.
 
-use super::array_form::{Form, Forms};
-use super::catalogue::{self, FrameQuantity, Quantity};
-use super::composition::Composition;
-use super::equations::Formulations;
-use super::function::Function;
-use super::size::{self, TooLarge};
+use super::derive;
 use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::dynamics::search::routes::Formulations;
+use crate::functions::catalogue::{self, FrameQuantity, Quantity};
+use crate::functions::composition::Composition;
+use crate::functions::form::{Form, Forms};
+use crate::functions::function::Function;
+use crate::functions::size::{self, TooLarge};
 use crate::model::{Frame, Model};
 use crate::program::arrays::ArrayForm;
 
@@ -58,7 +59,7 @@ pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnos
     let mut functions: Vec<Function> = Vec::new();
     for row in rows {
         let mut function = row.derive(model, &formulations, &forms);
-        catalogue::say_definiteness(definiteness, &mut function);
+        derive::say_definiteness(definiteness, &mut function);
         let is_callable = |name: &str| functions.iter().any(|other| other.name == name);
         if let Some(ArrayForm::Affine(form)) = &function.arrays
             && !is_callable(form.name)
@@ -78,6 +79,43 @@ pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnos
         functions,
         compositions,
     })
+}
+
+/// Derives the selected functions of a model, and those that selected ones call; an empty selection means all but those
+/// on request and those that cannot be generated, `frames` all functions of named frames.
+///
+/// - `most`: operations of the largest function that is wanted, see [`MOST_OPERATIONS`](crate::functions::size::MOST_OPERATIONS)
+///
+/// # Errors
+/// As [`derive()`].
+pub fn derive_functions(
+    model: &Model,
+    selection: &[String],
+    most: usize,
+) -> Result<Vec<Function>, Diagnostics> {
+    derive_in_form(model, selection, most, Form::Cheapest, &[])
+}
+
+/// As [`derive_functions()`], with the form of large functions chosen.
+///
+/// - `straight`: functions that are straight-line code in any case
+///
+/// # Errors
+/// As [`derive()`].
+pub fn derive_in_form(
+    model: &Model,
+    selection: &[String],
+    most: usize,
+    form: Form,
+    straight: &[String],
+) -> Result<Vec<Function>, Diagnostics> {
+    let request = Request {
+        names: selection,
+        most,
+        form,
+        straight,
+    };
+    Ok(derive(model, &request)?.functions)
 }
 
 /// A row of the catalogue for a model.
@@ -112,10 +150,10 @@ impl Row<'_> {
     ) -> Function {
         match self {
             Self::Quantity(quantity) => {
-                catalogue::derive_quantity(model, formulations, quantity, forms)
+                derive::derive_quantity(model, formulations, quantity, forms)
             }
             Self::Frame(frame, quantity) => {
-                catalogue::derive_frame(model, formulations, frame, quantity)
+                derive::derive_frame(model, formulations, frame, quantity)
             }
         }
     }

@@ -1,9 +1,9 @@
 //! Functions that call other generated ones: the robot in discrete time.
 
-use crate::discrete_time::Text;
-use crate::dynamics::function::Function;
+use crate::functions::function::Function;
 use crate::model::Model;
 use crate::program::cost::{Cost, count};
+use gelenk_kernels::discrete_time::Text;
 
 /// Halvings of the period before `discretize` takes it on: at most so many. The number stands in its text too.
 const MOST_REPETITIONS: usize = 18;

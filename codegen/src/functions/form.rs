@@ -4,11 +4,12 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::catalogue::{self, BuildLoops, Loops, Quantity, arguments_of, straight_program};
-use super::equations::{Equations, Formulations};
-use super::forces;
-use super::per_joint;
-use super::size::Estimate;
+use super::assemble::{arguments_of, straight_program};
+use super::catalogue::{self, BuildLoops, Estimate, Loops, Quantity};
+use crate::dynamics::equations::Equations;
+use crate::dynamics::forces;
+use crate::dynamics::per_joint;
+use crate::dynamics::search::routes::Formulations;
 use crate::graph::{Graph, Node};
 use crate::kinematics::Mechanism;
 use crate::model::Model;
@@ -105,7 +106,10 @@ impl<'m> Forms<'m> {
                 Some(affine) => Derived::with_loops(ArrayForm::Affine(affine)),
                 None => self.straight(quantity),
             },
-            Some(Loops::PerJoint { .. }) => Derived::clone(&self.derived(quantity)),
+            Some(Loops::PerJoint { .. }) if catalogue::is_called(quantity.name) => {
+                Derived::clone(&self.derived(quantity))
+            }
+            Some(Loops::PerJoint { .. }) => self.cheaper(quantity),
             None => self.straight(quantity),
         }
     }
@@ -146,7 +150,7 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// A function that may have loops; kept, because others may call it.
+    /// A function that others call, kept for them.
     fn derived(&self, quantity: &'static Quantity) -> Rc<Derived> {
         if let Some(known) = self.derived.borrow().get(quantity.name) {
             return Rc::clone(known);
@@ -235,7 +239,7 @@ fn is_large(operations: usize) -> bool {
 }
 
 /// Pairs of joints on one path to the base.
-fn pairs(model: &Model) -> usize {
+pub(super) fn pairs(model: &Model) -> usize {
     let graph = Graph::new();
     let mechanism = Mechanism::new(&graph, model);
     let mut depths: Vec<usize> = Vec::with_capacity(mechanism.len());

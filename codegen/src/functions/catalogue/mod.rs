@@ -1,24 +1,20 @@
 //! The functions that can be generated: one row each, with what their documentation says.
 //!
-//! `quantity` is the vocabulary, `motion`, `frames` and `regressors` hold the rows, [`derive()`] makes a function of one.
+//! `quantity` is the vocabulary, `motion`, `frames`, `regressors` and `hessian` hold the rows.
 
-mod derive;
 mod frames;
+mod hessian;
 mod motion;
 mod quantity;
 mod regressors;
 
-pub(super) use derive::{
-    arguments_of, derive_frame, derive_quantity, say_definiteness, straight_program,
-};
-pub use derive::{derive, derive_in_form};
 pub(super) use frames::{FRAME_QUANTITIES, frame_name};
-pub use quantity::{Argument, Arguments, Quantity, Value};
-pub(super) use quantity::{BuildLoops, FrameQuantity, Loops, SQUARE, matrix};
+pub use quantity::{Argument, Quantity, Value};
+pub(super) use quantity::{BuildLoops, Estimate, FrameQuantity, Loops, QuantityResult};
 
-use super::composition::Composition;
-use super::{forces, hessian};
 use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::dynamics::forces;
+use crate::functions::composition::Composition;
 use crate::model::Model;
 use motion::{FRICTION_BY_POSITION, QUANTITIES};
 
@@ -57,6 +53,16 @@ const ON_REQUEST: &[Quantity] = &[hessian::QUANTITY];
 pub(super) fn row(name: &str) -> Option<&'static Quantity> {
     let mut rows = quantities().chain(ON_REQUEST);
     rows.find(|row| row.name == name)
+}
+
+/// Whether another function may call it.
+pub(super) fn is_called(name: &str) -> bool {
+    quantities().any(|row| matches!(row.loops, Some(Loops::Affine { called }) if called == name))
+}
+
+/// Whether a function differentiates friction by the velocity.
+pub(crate) fn differentiates_friction(name: &str) -> bool {
+    row(name).is_some_and(|row| row.differentiates_friction)
 }
 
 /// Names of all functions of a model, in the order of the generated module.
@@ -101,7 +107,7 @@ pub(crate) fn check_names(model: &Model, selection: &[String]) -> Result<(), Dia
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dynamics::composition::Composition;
+    use crate::functions::composition::Composition;
     use crate::model::FUNCTIONS;
 
     #[test]

@@ -2,12 +2,14 @@
 
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
 use super::quantity::{
-    Arguments, PARAMETERS, Quantity, QuantityResult, REGRESSOR, Value, matrix, vector,
+    Estimate, PARAMETERS, Quantity, QuantityResult, REGRESSOR, Value, matrix, vector,
 };
+use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
-use crate::dynamics::newton_euler::MotionInput;
-use crate::dynamics::size::Estimate;
-use crate::dynamics::{forces, module_constants, regressor};
+use crate::dynamics::forces;
+use crate::dynamics::parameters::regressor;
+use crate::dynamics::recursion::newton_euler::MotionInput;
+use crate::functions::module_constants;
 
 /// Their rows of the catalogue.
 pub const QUANTITIES: &[Quantity] = &[

@@ -9,16 +9,16 @@
 //! (Luh, Walker and Paul 1980; Balafoutis and Patel 1989 for the second moments; Khalil and Dombre 2002, ch. 9, for
 //! the frames.)
 
-use super::formulation::{AngularRoute, BodyChoices, Formulation, RunLink};
-use super::placement::{Placement, place};
-use super::rotor::Gyrostat;
+use crate::dynamics::recursion::placement::{Placement, place};
+use crate::dynamics::recursion::rotor::Gyrostat;
+use crate::dynamics::search::formulation::{AngularRoute, BodyChoices, Formulation, RunLink};
 use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism};
 use crate::spatial::{Force, Matrix3, Symmetric3, Twist, Vector3};
 
 /// BodyMotion of a body in its working frame.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct BodyMotion<'g> {
+pub(in crate::dynamics) struct BodyMotion<'g> {
     /// Angular velocity ω.
     pub omega: Vector3<'g>,
     /// Components of the angular acceleration ω̇ that were needed for U.
@@ -119,7 +119,7 @@ pub fn frame_acceleration<'g>(
     )
 }
 
-pub(super) fn motions<'g>(
+pub(in crate::dynamics) fn motions<'g>(
     mechanism: &Mechanism<'g>,
     formulation: &Formulation,
     placements: &[Placement<'g>],
@@ -176,7 +176,7 @@ impl<'g> BodyMotion<'g> {
     }
 
     /// Angular acceleration ω̇, where it is not known from the antisymmetric part of U.
-    pub(super) fn angular_acceleration(&self) -> Vector3<'g> {
+    pub(in crate::dynamics) fn angular_acceleration(&self) -> Vector3<'g> {
         let (u, w) = (&self.spread, self.omega);
         let from_spread = [
             u[2][1] - w[1] * w[2],
@@ -312,7 +312,7 @@ fn unit_z(any: Scalar<'_>) -> Vector3<'_> {
 }
 
 /// `U = ω̇× + ω× ω×`
-pub(super) fn spread_of<'g>(omega: Vector3<'g>, angular: Vector3<'g>) -> Matrix3<'g> {
+pub(in crate::dynamics) fn spread_of<'g>(omega: Vector3<'g>, angular: Vector3<'g>) -> Matrix3<'g> {
     let (w, e) = (omega, angular);
     let (xx, yy, zz) = (w[0].squared(), w[1].squared(), w[2].squared());
     let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);

@@ -1,8 +1,8 @@
 //! The recursive derivatives against forward differentiation of the recursive equations.
 
-use super::derivatives::{PairFrame, inverse_dynamics_derivatives};
-use super::formulation::Formulation;
-use super::newton_euler::MotionInput;
+use crate::dynamics::recursion::derivatives::{PairFrame, inverse_dynamics_derivatives};
+use crate::dynamics::recursion::newton_euler::MotionInput;
+use crate::dynamics::search::formulation::Formulation;
 use crate::graph::{Graph, Scalar, differentiate};
 use crate::testing::{GENERAL, chain};
 

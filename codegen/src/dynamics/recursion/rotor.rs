@@ -9,7 +9,7 @@
 //!
 //! (Featherstone 2008, section 9.6, on gears.) Its mass and its inertia J a aᵀ are part of its carrier.
 
-use super::placement::Placement;
+use crate::dynamics::recursion::placement::Placement;
 use crate::graph::Scalar;
 use crate::kinematics::{Mechanism, Rotor};
 use crate::spatial::{Matrix3, Vector3};
@@ -84,7 +84,10 @@ impl<'g> Gyrostat<'g> {
 }
 
 /// `M += i² J` on the diagonal.
-pub(super) fn add_inertia<'g>(mechanism: &Mechanism<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
+pub(in crate::dynamics) fn add_inertia<'g>(
+    mechanism: &Mechanism<'g>,
+    matrix: &mut [Vec<Scalar<'g>>],
+) {
     for rotor in &mechanism.rotors {
         let entry = &mut matrix[rotor.transmission.coordinate][rotor.transmission.coordinate];
         *entry = *entry + rotor.reflected_inertia();

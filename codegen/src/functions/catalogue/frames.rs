@@ -4,7 +4,7 @@ use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{FRAME_JACOBIAN, FrameQuantity, IN_SPACE, ROTATION, matrix, vector};
 use crate::model::Frame;
 
-pub(in crate::dynamics) const FRAME_QUANTITIES: &[FrameQuantity] = &[
+pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
     FrameQuantity {
         suffix: "pose",
         summary: "Pose of the frame",
@@ -61,6 +61,6 @@ pub(in crate::dynamics) const FRAME_QUANTITIES: &[FrameQuantity] = &[
     },
 ];
 
-pub(in crate::dynamics) fn frame_name(frame: &Frame, quantity: &FrameQuantity) -> String {
+pub(in crate::functions) fn frame_name(frame: &Frame, quantity: &FrameQuantity) -> String {
     format!("frame_{}_{}", frame.identifier, quantity.suffix)
 }

@@ -2,13 +2,14 @@
 
 use super::quantity::Argument::{Accelerations, Coordinates, Inputs, Velocities};
 use super::quantity::{
-    Arguments, BY_INPUTS, Loops, Quantity, SCALAR, SQUARE, VECTOR, Value, matrix, scalar, vector,
+    BY_INPUTS, Estimate, Loops, Quantity, SCALAR, SQUARE, VECTOR, Value, matrix, scalar, vector,
 };
 use super::regressors;
+use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
-use crate::dynamics::newton_euler::MotionInput;
-use crate::dynamics::size::Estimate;
-use crate::dynamics::{forces, module_constants, per_joint};
+use crate::dynamics::recursion::newton_euler::MotionInput;
+use crate::dynamics::{forces, per_joint};
+use crate::functions::module_constants;
 
 /// The equations of motion and what follows from them.
 pub(super) const QUANTITIES: &[Quantity] = &[
@@ -232,6 +233,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     },
     Quantity {
         name: "inverse_dynamics_derivatives",
+        differentiates_friction: true,
         summary: "Inverse dynamics with its Jacobians.",
         equation: "δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ",
         arguments: &[Coordinates, Velocities, Accelerations],
@@ -259,6 +261,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     },
     Quantity {
         name: "inverse_dynamics_derivatives_and_mass_matrix",
+        differentiates_friction: true,
         summary: "Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.",
         equation: "δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ",
         arguments: &[Coordinates, Velocities, Accelerations],
@@ -295,6 +298,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     },
     Quantity {
         name: "forward_dynamics_derivatives",
+        differentiates_friction: true,
         summary: "Forward dynamics with its Jacobians.",
         equation: "∂ÿ = −M⁻¹ ∂(M ÿ + k − q), ∂ÿ/∂(B u) = M⁻¹",
         arguments: &[Coordinates, Velocities, Inputs],
@@ -328,6 +332,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     },
     Quantity {
         name: "linearize",
+        differentiates_friction: true,
         summary: "Linearization of the accelerations in continuous time.",
         equation: "ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0",
         arguments: &[Coordinates, Velocities, Inputs],

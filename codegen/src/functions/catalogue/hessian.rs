@@ -4,16 +4,19 @@
 //! The gradient of `λᵀ (M ÿ + k − q)` comes from reverse differentiation of the recursive equations, or from λ times the
 //! analytic Jacobians; each column of the Hessian then from forward differentiation of the gradient.
 
-use super::catalogue::Argument::{Accelerations, Coordinates, Multipliers, Velocities};
-use super::catalogue::{Arguments, Quantity, SQUARE, matrix};
-use super::equations::{Equations, dot};
-use super::matrix::Matrix;
-use super::newton_euler::MotionInput;
+use super::quantity::Argument::{Accelerations, Coordinates, Multipliers, Velocities};
+use super::quantity::{Quantity, SQUARE, matrix};
+use crate::dynamics::arguments::Arguments;
+use crate::dynamics::equations::Equations;
+use crate::dynamics::matrix::Matrix;
+use crate::dynamics::matrix::dot;
+use crate::dynamics::recursion::newton_euler::MotionInput;
 use crate::graph::{Cost, Edge, Scalar, differentiate, gradient};
 
 /// Its row of the catalogue.
 pub const QUANTITY: Quantity = Quantity {
     name: "inverse_dynamics_hessian",
+    differentiates_friction: true,
     summary: "Hessian of `λᵀ (M ÿ + k − q)`, for sequential quadratic programs with exact Hessians.",
     equation: "with (y, ẏ, ÿ): [[H_yy, H_yv, H_ya], [H_yvᵀ, H_vv, 0], [H_yaᵀ, 0, 0]]",
     arguments: &[Coordinates, Velocities, Accelerations, Multipliers],

@@ -19,12 +19,12 @@
 //! one by δa = U z and δa = 2 ω × z. The derivatives are those of Carpentier and Mansard (2018) and of Singh, Russell
 //! and Wensing (2022), written with classical accelerations, so that no linear velocity is needed.
 
-use super::composite::{Composite, before_joint, composites};
-use super::formulation::Formulation;
-use super::matrix::Matrix;
-use super::newton_euler::{BodyMotion, MotionInput, inverse_dynamics_parts};
-use super::placement::Placement;
-use super::rotor::{self, Gyrostat};
+use crate::dynamics::matrix::Matrix;
+use crate::dynamics::recursion::composite::{Composite, before_joint, composites};
+use crate::dynamics::recursion::newton_euler::{BodyMotion, MotionInput, inverse_dynamics_parts};
+use crate::dynamics::recursion::placement::Placement;
+use crate::dynamics::recursion::rotor::{self, Gyrostat};
+use crate::dynamics::search::formulation::Formulation;
 use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism};
 use crate::spatial::{Force, MassMoments, Matrix3, Motion, Vector3};

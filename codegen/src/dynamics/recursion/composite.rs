@@ -3,9 +3,9 @@
 //! Column j of M is what joint j needs to accelerate the composite body beyond it by 1, passed on to the joints before
 //! it (Walker and Orin 1982; Featherstone 2008, ch. 6), with moments of mass in place of spatial inertias.
 
-use super::formulation::{Formulation, RunLink};
-use super::placement::{Placement, ends_at_root, place};
-use super::rotor;
+use crate::dynamics::recursion::placement::{Placement, ends_at_root, place};
+use crate::dynamics::recursion::rotor;
+use crate::dynamics::search::formulation::{Formulation, RunLink};
 use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism};
 use crate::spatial::{Force, MassMoments, Vector3};

@@ -9,8 +9,8 @@
 //! Free lengths, gear ratios and gravity enter the regressor. Then groups are formed at several values of them, and what differs
 //! is no number: i² J of a rotor is another one for every gear ratio i.
 
-use super::newton_euler::MotionInput;
-use super::regressor::inertial_regressor;
+use crate::dynamics::parameters::regressor::inertial_regressor;
+use crate::dynamics::recursion::newton_euler::MotionInput;
 use crate::graph::Graph;
 use crate::kinematics::Mechanism;
 use crate::layout::Extent;

@@ -2,14 +2,13 @@
 //!
 //! What counts is the text that is emitted: loops over joints count once, however many operations they stand for.
 
-use super::array_form::Forms;
-use super::catalogue;
-use super::composite;
-use super::formulation::Formulation;
-use super::function::Function;
 use crate::diagnostic::Diagnostic;
+use crate::dynamics::recursion::composite;
+use crate::dynamics::search::formulation::Formulation;
+use crate::functions::catalogue::{self, Estimate};
+use crate::functions::form::{Forms, pairs};
+use crate::functions::function::Function;
 use crate::graph::{Cost, Graph};
-use crate::kinematics::Mechanism;
 use crate::model::Model;
 use crate::program::Program;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
@@ -23,37 +22,19 @@ pub const MOST_OPERATIONS: usize = 300_000;
 /// some 200 bytes for each.
 const UNROLLED: usize = 10;
 
-/// Operations that functions take at least, known before they are derived.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Estimate {
-    /// At least the work of the mass matrix, whose size grows with the square of the joints' number.
-    MassMatrix,
-    /// Blocks of ten columns for each joint and each link that it moves, of 39 operations for the UR5, 75 for a chain of 30
-    /// right angles.
-    Regressor,
-    /// Multiplied and inverted matrices: 5.2 operations times the cube of the joints' number for Talos, 6.9 for a chain of 60
-    /// right angles.
-    Inverse,
-    /// Products for each pair: 83 operations for a chain of 60 right angles.
-    Pairs,
-}
-
-impl Estimate {
-    const ALL: [Self; 4] = [
-        Self::MassMatrix,
-        Self::Regressor,
-        Self::Inverse,
-        Self::Pairs,
-    ];
-
-    fn operations(self, model: &Model) -> usize {
-        match (self, pairs(model)) {
-            (Self::MassMatrix, pairs) if pairs > MANY_PAIRS => pairs,
-            (Self::MassMatrix, _) => mass_matrix_operations(model),
-            (Self::Regressor, pairs) => 40 * pairs,
-            (Self::Inverse, _) => 5_usize.saturating_mul(model.coordinates.len().saturating_pow(3)),
-            (Self::Pairs, pairs) => 70 * pairs,
-        }
+/// Operations of a function at least.
+fn estimated(estimate: Estimate, model: &Model) -> usize {
+    let joints = model.coordinates.len();
+    // Each joint with itself included.
+    let pairs = || pairs(model) + joints;
+    match estimate {
+        Estimate::MassMatrix => match pairs() {
+            pairs if pairs > MANY_PAIRS => pairs,
+            _ => mass_matrix_operations(model),
+        },
+        Estimate::Regressor => 40 * pairs(),
+        Estimate::Inverse => 5_usize.saturating_mul(joints.saturating_pow(3)),
+        Estimate::Pairs => 70 * pairs(),
     }
 }
 
@@ -109,7 +90,7 @@ fn too_large(
     if functions.is_empty() {
         return Vec::new();
     }
-    let operations = estimate.operations(model);
+    let operations = estimated(estimate, model);
     let too_large = functions.iter().map(|&&(name, _, are_loops)| TooLarge {
         name: name.clone(),
         operations,
@@ -232,15 +213,4 @@ fn mass_matrix_operations(model: &Model) -> usize {
     let edges: Vec<_> = matrix.iter().map(|x| x.edge()).collect();
     let cost = Cost::of(&graph, &edges);
     usize::try_from(cost.multiplications + cost.additions).unwrap_or(usize::MAX)
-}
-
-/// Pairs of joints on one path to the base, each with itself included.
-fn pairs(model: &Model) -> usize {
-    let graph = Graph::new();
-    let mechanism = Mechanism::new(&graph, model);
-    let mut depths: Vec<usize> = Vec::with_capacity(mechanism.len());
-    for body in &mechanism.bodies {
-        depths.push(body.parent.map_or(1, |parent| depths[parent] + 1));
-    }
-    depths.iter().sum()
 }

@@ -10,8 +10,8 @@
 //! articulated body with fewer inertia terms to the parent. The work grows with the number of joints, where that of the
 //! mass matrix and its factorization grows with its square and its cube.
 
-use super::formulation::Formulation;
-use super::placement::{Placement, Turn, place};
+use crate::dynamics::recursion::placement::{Placement, Turn, place};
+use crate::dynamics::search::formulation::Formulation;
 use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3};

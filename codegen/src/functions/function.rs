@@ -38,7 +38,7 @@ pub struct ArgumentText {
 /// A constant that stands before a function in its module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constant {
-    /// Rust identifier, one of [`super::module_constants::NAMES`].
+    /// Rust identifier, one of [`crate::functions::module_constants::NAMES`].
     pub name: &'static str,
     /// What it says.
     pub summary: String,

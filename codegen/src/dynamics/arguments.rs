@@ -1,0 +1,17 @@
+//! What the equations are written in.
+
+use crate::graph::Scalar;
+
+/// Scalars of the arguments of a function; those that it does not have are empty.
+pub struct Arguments<'g> {
+    /// y
+    pub y: Vec<Scalar<'g>>,
+    /// ẏ
+    pub v: Vec<Scalar<'g>>,
+    /// ÿ
+    pub a: Vec<Scalar<'g>>,
+    /// u
+    pub u: Vec<Scalar<'g>>,
+    /// λ
+    pub lambda: Vec<Scalar<'g>>,
+}

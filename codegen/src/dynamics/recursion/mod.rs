@@ -1,0 +1,12 @@
+//! The recursive equations over the bodies of a mechanism.
+
+pub mod articulated;
+pub mod composite;
+pub mod derivatives;
+#[cfg(test)]
+mod derivatives_test;
+pub mod factorization;
+pub mod frame_motion;
+pub mod newton_euler;
+pub mod placement;
+pub(super) mod rotor;

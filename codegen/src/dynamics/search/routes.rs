@@ -1,0 +1,393 @@
+//! The cheapest way to each quantity of a model, searched for where it is first needed.
+
+use std::cell::OnceCell;
+
+use super::formulation::{Formulation, SearchSpace, cheapest};
+use crate::dynamics::matrix::{FREE, Matrix, jacobian, subtract};
+use crate::dynamics::parameters::base_parameters::BaseParameters;
+use crate::dynamics::recursion::articulated;
+use crate::dynamics::recursion::composite;
+use crate::dynamics::recursion::derivatives::{
+    ForceDerivatives, PairFrame, inverse_dynamics_derivatives,
+};
+use crate::dynamics::recursion::factorization::Factorization;
+use crate::dynamics::recursion::newton_euler::{self, MotionInput};
+use crate::graph::{Cost, Edge, Graph, Scalar, substitute};
+use crate::kinematics::Mechanism;
+use crate::model::Model;
+
+/// The cheapest formulations of a model, each searched for when it is first needed.
+#[derive(Debug)]
+pub struct Formulations<'m> {
+    model: &'m Model,
+    space: SearchSpace,
+    inverse_dynamics: OnceCell<Formulation>,
+    bias_forces: OnceCell<Formulation>,
+    gravity_forces: OnceCell<Formulation>,
+    mass_matrix: OnceCell<Formulation>,
+    derivatives: OnceCell<DerivativeRoute>,
+    mass_and_bias: OnceCell<(Formulation, Formulation)>,
+    beside_derivatives: OnceCell<(Formulation, Formulation)>,
+    base_parameters: OnceCell<BaseParameters>,
+    forward_dynamics: OnceCell<ForwardRoute>,
+}
+
+/// How the accelerations are solved for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ForwardRoute {
+    /// By M and its factors.
+    Factorization,
+    /// By articulated bodies.
+    ArticulatedBodies,
+}
+
+impl ForwardRoute {
+    /// What joint forces, gravity and motion make of the accelerations.
+    pub fn accelerations<'g>(
+        self,
+        graph: &'g Graph,
+        formulations: &Formulations<'_>,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+        forces: impl FnOnce() -> Vec<Scalar<'g>>,
+    ) -> Vec<Scalar<'g>> {
+        let model = formulations.model;
+        match self {
+            Self::Factorization => {
+                let (mass, bias) = formulations.mass_and_bias();
+                let matrix = composite::mass_matrix(&mass.mechanism(graph, model), mass, y);
+                let still = vec![graph.constant(0.0); y.len()];
+                let input = MotionInput { y, v, a: &still };
+                let bias =
+                    newton_euler::inverse_dynamics(&bias.mechanism(graph, model), bias, input);
+                let factorization = Factorization::new(&Mechanism::new(graph, model), &matrix);
+                factorization.solve(&subtract(&forces(), &bias))
+            }
+            Self::ArticulatedBodies => {
+                let mechanism = Formulation::plain(y.len()).mechanism(graph, model);
+                articulated::forward_dynamics(&mechanism, y, v, &forces())
+            }
+        }
+    }
+
+    /// What the documentation says about it.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Factorization => {
+                "M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies."
+            }
+            Self::ArticulatedBodies => {
+                "Articulated bodies (Featherstone 2008, section 7.3) were cheaper than M and its factors."
+            }
+        }
+    }
+}
+
+/// How the inverse dynamics are differentiated.
+#[derive(Debug, Clone, PartialEq)]
+pub enum DerivativeRoute {
+    /// By the program of the inverse dynamics, forwards.
+    Forward,
+    /// By composite bodies.
+    Composite(Formulation, PairFrame),
+}
+
+impl<'m> Formulations<'m> {
+    /// Of a model; nothing is searched for yet.
+    pub fn new(model: &'m Model) -> Self {
+        Self {
+            model,
+            space: SearchSpace::new(model),
+            inverse_dynamics: OnceCell::new(),
+            bias_forces: OnceCell::new(),
+            gravity_forces: OnceCell::new(),
+            mass_matrix: OnceCell::new(),
+            derivatives: OnceCell::new(),
+            mass_and_bias: OnceCell::new(),
+            beside_derivatives: OnceCell::new(),
+            base_parameters: OnceCell::new(),
+            forward_dynamics: OnceCell::new(),
+        }
+    }
+
+    /// The cheaper way to the accelerations.
+    pub fn forward_dynamics(&self) -> ForwardRoute {
+        *self.forward_dynamics.get_or_init(|| {
+            let is_possible = {
+                let graph = Graph::new();
+                Mechanism::new(&graph, self.model).rotors_are_neighbours()
+            };
+            let weight = |route: ForwardRoute| {
+                let weighed = weigh(self.model, |graph, MotionInput { y, v, a }| {
+                    route.accelerations(graph, self, y, v, || a.to_vec())
+                });
+                weighed.0
+            };
+            let routes = [ForwardRoute::ArticulatedBodies, ForwardRoute::Factorization];
+            match is_possible && weight(routes[0]) < weight(routes[1]) {
+                true => routes[0],
+                false => routes[1],
+            }
+        })
+    }
+
+    /// The base parameters.
+    pub fn base_parameters(&self) -> &BaseParameters {
+        self.base_parameters
+            .get_or_init(|| BaseParameters::new(self.model))
+    }
+
+    /// Of the inverse dynamics.
+    pub fn inverse_dynamics(&self) -> &Formulation {
+        self.inverse_dynamics
+            .get_or_init(|| self.recursive(Moving::Accelerated))
+    }
+
+    /// Of the bias forces: without accelerations.
+    pub fn bias_forces(&self) -> &Formulation {
+        self.bias_forces
+            .get_or_init(|| self.recursive(Moving::Steadily))
+    }
+
+    /// Of gravity alone.
+    pub fn gravity_forces(&self) -> &Formulation {
+        self.gravity_forces
+            .get_or_init(|| self.recursive(Moving::Not))
+    }
+
+    fn recursive(&self, moving: Moving) -> Formulation {
+        cheapest(&self.space, |formulation| {
+            recursion(self.model, formulation, moving)
+        })
+    }
+
+    /// Of the mass matrix.
+    pub fn mass_matrix(&self) -> &Formulation {
+        self.mass_matrix.get_or_init(|| {
+            cheapest(&self.space, |formulation| {
+                weigh(self.model, |graph, input| {
+                    let mechanism = formulation.mechanism(graph, self.model);
+                    composite::mass_matrix(&mechanism, formulation, input.y).concat()
+                })
+            })
+        })
+    }
+
+    /// Of M and the bias forces where both are needed: what they share is computed once.
+    pub fn mass_and_bias(&self) -> &(Formulation, Formulation) {
+        self.mass_and_bias.get_or_init(|| {
+            self.cheapest_pair(&[self.mass_matrix(), self.bias_forces()], |_, _| Vec::new())
+        })
+    }
+
+    /// Of M and the bias forces beside the derivatives of the inverse dynamics.
+    pub fn mass_and_bias_beside_derivatives(&self) -> &(Formulation, Formulation) {
+        self.beside_derivatives.get_or_init(|| {
+            let mut candidates = vec![self.mass_matrix(), self.bias_forces()];
+            if let DerivativeRoute::Composite(formulation, _) = self.derivatives() {
+                candidates.push(formulation);
+            }
+            if self.model.coordinates.len() > LARGEST_SEARCHED {
+                return (self.mass_matrix().clone(), self.bias_forces().clone());
+            }
+            self.cheapest_pair(&candidates, |graph, input| {
+                let result =
+                    self.derivatives()
+                        .derive(graph, self.model, self.inverse_dynamics(), input);
+                [
+                    result.by_coordinates.concat(),
+                    result.by_velocities.concat(),
+                ]
+                .concat()
+            })
+        })
+    }
+
+    /// The pair of formulations of M and the bias forces that costs least beside other results.
+    fn cheapest_pair(
+        &self,
+        candidates: &[&Formulation],
+        beside: impl for<'g> Fn(&'g Graph, MotionInput<'_, 'g>) -> Vec<Scalar<'g>>,
+    ) -> (Formulation, Formulation) {
+        let weight = |mass: &Formulation, bias: &Formulation| {
+            let (weight, _) = weigh(self.model, |graph, input| {
+                let still = vec![graph.constant(0.0); input.y.len()];
+                let matrix =
+                    composite::mass_matrix(&mass.mechanism(graph, self.model), mass, input.y);
+                let steady = MotionInput { a: &still, ..input };
+                let forces = newton_euler::inverse_dynamics(
+                    &bias.mechanism(graph, self.model),
+                    bias,
+                    steady,
+                );
+                [matrix.concat(), forces, beside(graph, input)].concat()
+            });
+            weight
+        };
+        let pairs = candidates
+            .iter()
+            .flat_map(|mass| candidates.iter().map(move |bias| (*mass, *bias)));
+        let best = pairs.min_by_key(|(mass, bias)| weight(mass, bias));
+        best.map_or_else(
+            || (self.mass_matrix().clone(), self.bias_forces().clone()),
+            |(mass, bias)| (mass.clone(), bias.clone()),
+        )
+    }
+
+    /// Of the derivatives of the inverse dynamics.
+    pub fn derivatives(&self) -> &DerivativeRoute {
+        self.derivatives.get_or_init(|| self.cheapest_derivatives())
+    }
+
+    fn cheapest_derivatives(&self) -> DerivativeRoute {
+        let (model, inverse) = (self.model, self.inverse_dynamics());
+        let weight = |route: &DerivativeRoute| {
+            weigh(model, |graph, input| {
+                let result = route.derive(graph, model, inverse, input);
+                [
+                    result.forces,
+                    result.by_coordinates.concat(),
+                    result.by_velocities.concat(),
+                ]
+                .concat()
+            })
+        };
+        let composite = |formulation: &Formulation, pairs| {
+            DerivativeRoute::Composite(formulation.clone(), pairs)
+        };
+        let mut routes = vec![
+            composite(&inverse.massless(), PairFrame::Links),
+            composite(&inverse.massless().in_metres(), PairFrame::Root),
+        ];
+        if model.coordinates.len() <= LARGEST_SEARCHED {
+            let links = cheapest(&self.space, |formulation| {
+                weight(&composite(formulation, PairFrame::Links))
+            });
+            routes.push(composite(&links, PairFrame::Links));
+        }
+        if model.coordinates.len() <= LARGEST_FORWARD {
+            routes.push(DerivativeRoute::Forward);
+        }
+        let best = routes
+            .iter()
+            .enumerate()
+            .min_by_key(|(_, route)| weight(route).0)
+            .map_or(0, |(index, _)| index);
+        routes.swap_remove(best)
+    }
+}
+
+/// Beyond so many joints a search among the derivatives takes longer than it saves: the formulation of the inverse
+/// dynamics serves them as well.
+const LARGEST_SEARCHED: usize = 12;
+
+/// Forward differentiation of the program never paid beyond three joints.
+const LARGEST_FORWARD: usize = 4;
+
+impl DerivativeRoute {
+    /// The inverse dynamics with their derivatives.
+    pub fn derive<'g>(
+        &self,
+        graph: &'g Graph,
+        model: &Model,
+        inverse: &Formulation,
+        input: MotionInput<'_, 'g>,
+    ) -> ForceDerivatives<'g> {
+        match self {
+            Self::Composite(formulation, pairs) => inverse_dynamics_derivatives(
+                &formulation.mechanism(graph, model),
+                formulation,
+                *pairs,
+                input,
+            ),
+            Self::Forward => differentiate_forwards(graph, model, inverse, input),
+        }
+    }
+
+    /// What the documentation says about it.
+    pub fn description(&self) -> &'static str {
+        match self {
+            Self::Forward => "Forward differentiation of the inverse dynamics was cheapest.",
+            Self::Composite(_, PairFrame::Links) => {
+                "Composite bodies with pairs of joints in link frames were cheapest."
+            }
+            Self::Composite(_, PairFrame::Root) => {
+                "Composite bodies with pairs of joints in the frame of the first body were cheapest."
+            }
+        }
+    }
+}
+
+/// Inverse dynamics and its derivatives by their program, at accelerations that may themselves depend on the state.
+fn differentiate_forwards<'g>(
+    graph: &'g Graph,
+    model: &Model,
+    formulation: &Formulation,
+    input: MotionInput<'_, 'g>,
+) -> ForceDerivatives<'g> {
+    let MotionInput { y, v, a } = input;
+    let free: Vec<_> = (0..a.len()).map(|k| graph.input(FREE, k)).collect();
+    let mechanism = formulation.mechanism(graph, model);
+    let forces =
+        newton_euler::inverse_dynamics(&mechanism, formulation, MotionInput { y, v, a: &free });
+    let at = |matrix: Matrix<'g>| -> Matrix<'g> {
+        matrix
+            .iter()
+            .map(|row| substitute(graph, row, &free, a))
+            .collect()
+    };
+    ForceDerivatives {
+        by_coordinates: at(jacobian(graph, &forces, y)),
+        by_velocities: at(jacobian(graph, &forces, v)),
+        mass_matrix: at(jacobian(graph, &forces, &free)),
+        forces: substitute(graph, &forces, &free, a),
+    }
+}
+
+/// What moves when a recursion is weighed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Moving {
+    /// Velocities and accelerations.
+    Accelerated,
+    /// Velocities.
+    Steadily,
+    /// Nothing.
+    Not,
+}
+
+/// Weight of the recursive equations.
+fn recursion(model: &Model, formulation: &Formulation, moving: Moving) -> (u64, usize) {
+    weigh(model, |graph, MotionInput { y, v, a }| {
+        let still = vec![graph.constant(0.0); y.len()];
+        let input = match moving {
+            Moving::Accelerated => MotionInput { y, v, a },
+            Moving::Steadily => MotionInput { y, v, a: &still },
+            Moving::Not => MotionInput {
+                y,
+                v: &still,
+                a: &still,
+            },
+        };
+        newton_euler::inverse_dynamics(&formulation.mechanism(graph, model), formulation, input)
+    })
+}
+
+/// Weight of a computation, and the nodes that it took.
+fn weigh<F>(model: &Model, build: F) -> (u64, usize)
+where
+    F: for<'a> FnOnce(&'a Graph, MotionInput<'_, 'a>) -> Vec<Scalar<'a>>,
+{
+    let graph = Graph::new();
+    let [y, v, a]: [Vec<_>; 3] = [0, 1, 2].map(|array| {
+        (0..model.coordinates.len())
+            .map(|k| graph.input(array, k))
+            .collect()
+    });
+    let input = MotionInput {
+        y: &y,
+        v: &v,
+        a: &a,
+    };
+    let results: Vec<Edge> = build(&graph, input).iter().map(|x| x.edge()).collect();
+    (Cost::of(&graph, &results).weight(), graph.len())
+}

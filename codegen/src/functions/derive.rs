@@ -1,0 +1,114 @@
+//! From a row of the catalogue to a function.
+
+use super::assemble::assemble;
+use super::catalogue::{Argument, FrameQuantity, Quantity, QuantityResult, frame_name};
+use super::form::{self, Derived, Forms};
+use super::function::Function;
+use crate::dynamics::forces;
+use crate::dynamics::search::routes::Formulations;
+use crate::kinematics::lower_pose;
+use crate::model::{Definiteness, Frame, Model};
+use crate::program::Program;
+
+pub(super) fn derive_quantity(
+    model: &Model,
+    formulations: &Formulations<'_>,
+    quantity: &'static Quantity,
+    forms: &Forms<'_>,
+) -> Function {
+    let Derived { program, arrays } = forms.derive(quantity);
+    let mut notes: Vec<String> = quantity.notes.iter().map(|&note| note.to_owned()).collect();
+    if arrays.is_some() {
+        notes = vec![form::NOTE.to_owned()];
+    } else {
+        notes.extend((quantity.route)(formulations).map(str::to_owned));
+    }
+    let mut function = described(model, quantity.arguments, quantity.results, program).named(
+        quantity.name.to_owned(),
+        quantity.summary.to_owned(),
+        quantity.equation,
+        notes,
+    );
+    function.arrays = arrays;
+    function
+        .notes
+        .extend(forces::jump_note(model, &function.program));
+    function.constants = (quantity.constants)(model, formulations, &function.program);
+    function
+}
+
+/// The mass matrix is positive definite, unless the description has it otherwise.
+pub(super) fn say_definiteness(found: Definiteness, function: &mut Function) {
+    const REGULAR: &str = "positive definite";
+    let found = match found {
+        Definiteness::Positive => return,
+        Definiteness::Semidefinite => "positive semidefinite",
+        Definiteness::Indefinite => "indefinite as described",
+    };
+    for result in &mut function.results {
+        *result = result.replace(REGULAR, found);
+    }
+}
+
+pub(super) fn derive_frame(
+    model: &Model,
+    formulations: &Formulations<'_>,
+    frame: &Frame,
+    quantity: &FrameQuantity,
+) -> Function {
+    let summary = format!("{} `{}`.", quantity.summary, frame.name);
+    let program = assemble(
+        model,
+        formulations,
+        quantity.arguments,
+        quantity.results,
+        |equations, arguments| {
+            let pose = lower_pose(equations.graph, &frame.pose);
+            (quantity.build)(equations, arguments, frame.link, &pose)
+        },
+    );
+    described(model, quantity.arguments, quantity.results, program).named(
+        frame_name(frame, quantity),
+        summary,
+        quantity.equation,
+        Vec::new(),
+    )
+}
+
+/// A function without a name.
+fn described(
+    model: &Model,
+    arguments: &[Argument],
+    results: &[QuantityResult],
+    program: Program,
+) -> Function {
+    Function {
+        name: String::new(),
+        summary: String::new(),
+        equation: String::new(),
+        arguments: arguments
+            .iter()
+            .map(|argument| argument.text(model))
+            .collect(),
+        results: results
+            .iter()
+            .map(|(.., meaning)| (*meaning).to_owned())
+            .collect(),
+        notes: Vec::new(),
+        constants: Vec::new(),
+        program,
+        arrays: None,
+    }
+}
+
+impl Function {
+    fn named(self, name: String, summary: String, equation: &str, notes: Vec<String>) -> Self {
+        Self {
+            name,
+            summary,
+            equation: equation.to_owned(),
+            notes,
+            ..self
+        }
+    }
+}
