@@ -9,6 +9,7 @@ pub mod flat;
 pub mod generated;
 pub mod literature;
 pub mod oracle;
+pub mod packages;
 pub mod random_model;
 pub mod single;
 pub mod table;

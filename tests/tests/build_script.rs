@@ -1,10 +1,11 @@
 //! A package outside the workspace whose build script generates its robots: what its author sees when a description is
-//! at fault, and that mending it is enough.
+//! at fault, and that mending it is enough. It depends on the crates as they would be published.
 
 use std::fs;
 use std::path::Path;
 
 use gelenk_tests::cargo::{aloud, cargo, lock_like_here, success, target, text};
+use gelenk_tests::packages::use_published;
 use gelenk_tests::workspace;
 
 /// Copies the sample package to a folder of its own, under a name of its own: tests share one folder of programs.
@@ -14,15 +15,14 @@ fn copy_sample(to: &Path, package: &str) {
     for file in ["build.rs", "crane.toml", "pendulum.urdf", "src/main.rs"] {
         fs::copy(sample.join(file), to.join(file)).expect(file);
     }
-    let path = |name: &str| workspace().join(name).display().to_string();
     let manifest = format!(
         "[workspace]\n[package]\nname = {package:?}\nversion = \"0.1.0\"\nedition = \"2024\"\n\
-         [dependencies]\ngelenk-runtime = {{ path = {:?} }}\n\
-         [build-dependencies]\ngelenk-codegen = {{ path = {:?}, default-features = false }}\n",
-        path("runtime"),
-        path("codegen"),
+         [dependencies]\ngelenk-runtime = {version:?}\n\
+         [build-dependencies]\ngelenk-codegen = {{ version = {version:?}, default-features = false }}\n",
+        version = env!("CARGO_PKG_VERSION"),
     );
     fs::write(to.join("Cargo.toml"), manifest).expect("the manifest");
+    use_published(to);
     lock_like_here(to);
 }
 

@@ -15,6 +15,7 @@ use gelenk_identification::stribeck::StribeckRegression;
 use gelenk_identification::torque::friction_torques;
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_tests::cargo::{cargo, lock_like_here, success};
+use gelenk_tests::packages::use_published;
 use gelenk_tests::workspace;
 
 gelenk_runtime::dynamics!(struct Arm = powercube);
@@ -112,16 +113,15 @@ fn write_package(folder: &Path, results: &[FrictionResult; 2]) {
         "fn main() {\n    gelenk_codegen::build(\"identified.toml\");\n    gelenk_codegen::build(\"altered.toml\");\n}\n",
     );
     write("src/main.rs", include_str!("../identified_loop/main.rs"));
-    let path = |name: &str| workspace().join(name).display().to_string();
     let manifest = format!(
         "[workspace]\n[package]\nname = \"tracking\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\
-         [dependencies]\ngelenk-runtime = {{ path = {:?} }}\ngelenk-generated = {{ path = {:?} }}\n\
-         [build-dependencies]\ngelenk-codegen = {{ path = {:?}, default-features = false }}\n",
-        path("runtime"),
-        path("generated"),
-        path("codegen"),
+         [dependencies]\ngelenk-runtime = {version:?}\ngelenk-generated = {{ path = {:?} }}\n\
+         [build-dependencies]\ngelenk-codegen = {{ version = {version:?}, default-features = false }}\n",
+        workspace().join("generated"),
+        version = env!("CARGO_PKG_VERSION"),
     );
     write("Cargo.toml", &manifest);
+    use_published(folder);
     lock_like_here(folder);
 }
 

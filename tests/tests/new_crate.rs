@@ -3,6 +3,7 @@
 use std::fs;
 
 use gelenk_tests::cargo::{aloud, cargo, lock_like_here, success, text};
+use gelenk_tests::packages::use_published;
 use gelenk_tests::workspace;
 
 /// Lines of numbers: time, joints, energy.
@@ -25,9 +26,12 @@ fn a_new_crate_builds_and_simulates() {
     let made = folder.path().join("first-arm");
     let path = made.to_string_lossy();
     let gelenk = ["run", "-p", "gelenk-codegen", "--", "new", &path];
-    let said = success(&cargo(&workspace(), &gelenk));
+    let version = ["--version", env!("CARGO_PKG_VERSION")];
+    let said = success(&cargo(&workspace(), &[&gelenk[..], &version].concat()));
     assert!(said.contains("cargo run"), "{said}");
 
+    // From the packages that a registry would have.
+    use_published(&made);
     lock_like_here(&made);
     let build = aloud(&made, &["build"]);
     success(&build);
@@ -63,4 +67,26 @@ fn a_new_crate_builds_and_simulates() {
     let renamed = build_with("name = \"robot\"", "name = \"walker\"");
     let says = "generates no robot `robot`, but `walker` from robot.toml. A module is named after its robot: the key `name`";
     assert!(renamed.contains(says), "{renamed}");
+}
+
+/// Without options it depends on the checkout that the program was built from.
+#[test]
+fn a_new_crate_finds_the_checkout() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let made = folder.path().join("arm-of-checkout");
+    let path = made.to_string_lossy();
+    let gelenk = ["run", "-p", "gelenk-codegen", "--", "new", &path];
+    success(&cargo(&workspace(), &gelenk));
+    lock_like_here(&made);
+    let tree = ["tree", "--depth", "1", "--prefix", "none"];
+    let resolved = success(&cargo(&made, &tree));
+    for (name, part) in [("gelenk-runtime", "runtime"), ("gelenk-codegen", "codegen")] {
+        let place = workspace().join(part);
+        let line = format!(
+            "{name} v{} ({})",
+            env!("CARGO_PKG_VERSION"),
+            place.display()
+        );
+        assert!(resolved.contains(&line), "{line} not in:\n{resolved}");
+    }
 }

@@ -135,7 +135,8 @@ pub(super) struct New {
     /// Describe the robot of this URDF [default: an arm of two joints]
     #[arg(long, value_name = "FILE")]
     pub(super) urdf: Option<PathBuf>,
-    /// Depend on the crates of this checkout [default: the one this program was built from]
+    /// Depend on the crates of this checkout [default: the one this program was built from, or the registry that it came
+    /// from]
     #[arg(long, value_name = "FOLDER")]
     pub(super) checkout: Option<PathBuf>,
     /// Depend on the crates of this repository

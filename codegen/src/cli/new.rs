@@ -167,13 +167,10 @@ fn source(arguments: &New) -> Result<Source, Failure> {
     if let Some(version) = &arguments.version {
         return registry(version);
     }
-    // Where this program was built, unless that has moved.
-    let built = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
-    let folder = arguments
-        .checkout
-        .as_deref()
-        .or(built)
-        .unwrap_or(Path::new("."));
+    let built = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let Some(folder) = arguments.checkout.as_deref().or(checkout_of(built)) else {
+        return Ok(Source::Version(env!("CARGO_PKG_VERSION").to_owned()));
+    };
     let is_checkout = ["codegen", "runtime"]
         .iter()
         .all(|part| folder.join(part).join("Cargo.toml").is_file());
@@ -191,6 +188,14 @@ fn source(arguments: &New) -> Result<Source, Failure> {
         )));
     }
     Ok(Source::Path(folder))
+}
+
+/// The checkout of the package that this program was built from, which may have moved since; `None` where that package came from a
+/// registry: Cargo unpacks it to a folder called by its name and version.
+fn checkout_of(package: &Path) -> Option<&Path> {
+    let unpacked = concat!(env!("CARGO_PKG_NAME"), "-", env!("CARGO_PKG_VERSION"));
+    let folder = package.parent()?;
+    (!package.ends_with(unpacked)).then_some(folder)
 }
 
 /// Cargo takes addresses with a scheme, none of the short form `git@host:path`.
@@ -321,6 +326,16 @@ mod tests {
         for bad in ["", "banana", "1.", "1.2.3.4", "-1", "v1"] {
             assert!(registry(bad).is_err(), "{bad}");
         }
+    }
+
+    /// Beside a package of a registry lie others, and no checkout.
+    #[test]
+    fn a_program_from_a_registry_has_no_checkout() {
+        let registry = Path::new("/home/a/.cargo/registry/src/index");
+        let unpacked = format!("gelenk-codegen-{}", env!("CARGO_PKG_VERSION"));
+        assert_eq!(checkout_of(&registry.join(unpacked)), None);
+        let checkout = Path::new("/home/a/gelenk");
+        assert_eq!(checkout_of(&checkout.join("codegen")), Some(checkout));
     }
 
     #[test]

@@ -21,12 +21,12 @@ use std::io;
 use std::path::Path;
 use syn::Expr;
 
-/// What a description knows beside numbers, `v`, `pi`, `+ - * /` and brackets.
+/// Functions that a description knows beside numbers, `v`, `pi`, `+ - * /` and brackets.
 const FUNCTIONS: [&str; 8] = ["sin", "cos", "tanh", "exp", "abs", "sign", "pow", "powi"];
 /// Largest exponent of a description's formula.
 const LARGEST_EXPONENT: u32 = 16;
 
-/// What every description of identified friction begins with.
+/// First line of every description of identified friction.
 const FIRST_LINE: &str = "# Friction identified by gelenk.\n";
 
 /// Writes a [`description`](description_toml) into a file, whole or not at all.

@@ -8,7 +8,7 @@ use super::moments::Moments;
 use super::random::SplitMix64;
 use nalgebra::DVector;
 
-/// What a bootstrap says about each term.
+/// Result of a bootstrap: statistics of each term over its draws.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ensemble {
     /// Share of the draws in which a term was chosen.

@@ -1,4 +1,4 @@
-//! What can be wrong with data or settings, each with the numbers that show it.
+//! Errors of data and settings, each with the numbers that show it.
 
 use thiserror::Error;
 
@@ -50,7 +50,7 @@ pub enum IdentificationError {
     /// Lengths that should agree do not.
     #[error("{what}: {expected} expected, {got} given")]
     Shape {
-        /// What is compared.
+        /// The things that are compared.
         what: String,
         /// Expected size.
         expected: usize,
@@ -64,7 +64,7 @@ pub enum IdentificationError {
         name: String,
         /// Its value.
         value: f64,
-        /// What holds for it.
+        /// The condition that it has to meet.
         requirement: String,
     },
     /// Library columns that are (nearly) linearly dependent.
@@ -128,7 +128,7 @@ pub enum IdentificationError {
     Expression {
         /// The text.
         text: String,
-        /// What is wrong and what is possible.
+        /// The fault, and the possible texts.
         message: String,
     },
     /// A channel that the log does not have.
@@ -152,7 +152,7 @@ pub enum IdentificationError {
     File {
         /// Path and position.
         place: String,
-        /// What is wrong.
+        /// The fault.
         message: String,
     },
     /// An iteration that did not reach its tolerance.

@@ -1,4 +1,4 @@
-//! From velocity and friction torque of one joint to its friction law, with everything that says how far to trust it.
+//! The friction law of one joint from its velocity and friction torque, with everything that says how far to trust it.
 //!
 //! Terms are chosen by one of the [`FrictionMethod`]s and refitted by least squares; a bootstrap over contiguous blocks
 //! says how stable the choice is. Standard errors assume independent errors, which samples of a smoothed log do not

@@ -76,7 +76,7 @@ impl Reduced {
         })
     }
 
-    /// From sums alone, where the samples are gone.
+    /// Least squares from sums alone, where the samples are gone.
     ///
     /// # Errors
     /// As [`Self::new`]; terms count as collinear where the sums cannot resolve them (condition above 1e7).

@@ -27,7 +27,7 @@ enum Regressors<'a> {
 }
 
 impl<'a> Samples<'a> {
-    /// From a stored matrix: `columns` of Θ with their `names`, and the target columns.
+    /// Samples with a stored matrix: `columns` of Θ with their `names`, and the target columns.
     ///
     /// # Errors
     /// No samples, or lengths that disagree.
@@ -40,7 +40,7 @@ impl<'a> Samples<'a> {
         Self::new(names.to_vec(), Regressors::Columns(columns), targets)
     }
 
-    /// From a matrix Θ `[samples × terms]`.
+    /// Samples with a matrix Θ `[samples × terms]`.
     ///
     /// # Errors
     /// As [`Self::from_columns`].
@@ -56,7 +56,7 @@ impl<'a> Samples<'a> {
         Self::from_columns(names, columns, targets)
     }
 
-    /// From channels, with the library evaluated while the sums are formed: nothing is stored.
+    /// Samples of channels. The library is evaluated while the sums are formed, and nothing is stored.
     ///
     /// # Errors
     /// No samples, wrong number of channels, or lengths that disagree.
@@ -364,7 +364,7 @@ impl Moments {
     }
 
     /// Condition number of the library with its columns scaled to unit length; ∞ if a column vanishes.
-    /// From the Gram matrix, so values above 1e7 are only lower bounds.
+    /// It is computed from the Gram matrix, so that values above 1e7 are only lower bounds.
     pub fn condition(&self) -> f64 {
         let eigenvalues = self.correlation().symmetric_eigenvalues();
         let (least, largest) = (eigenvalues.min(), eigenvalues.max());

@@ -38,13 +38,13 @@ pub enum Block {
     Scene(Scene),
     /// Text as it stands, in letters of one width.
     Code(String),
-    /// What is folded away until asked for; not printed while closed.
+    /// Blocks that are folded away until asked for; not printed while closed.
     Details {
-        /// What is shown while closed.
+        /// Text that is shown while closed.
         summary: Vec<Inline>,
         /// Whether it starts open.
         is_open: bool,
-        /// What is inside.
+        /// The blocks inside.
         blocks: Vec<Block>,
     },
 }

@@ -11,13 +11,13 @@ use super::number::{DIGITS, rounded};
 pub struct Claim {
     /// Anchor on the page and name in the data.
     pub id: String,
-    /// What is claimed; `$…$` is an equation.
+    /// The sentence that is claimed; `$…$` is an equation.
     pub statement: String,
     /// Numbers with their thresholds; all must be met.
     pub criteria: Vec<Criterion>,
     /// The condition under which the claim was found to hold, where it does not hold without.
     pub condition: Option<String>,
-    /// What would flip the verdict.
+    /// The change of conditions that would reverse the verdict.
     pub flipped_by: String,
     /// Further words: what was found, and why.
     pub remark: String,
@@ -28,7 +28,7 @@ pub struct Claim {
 /// A measured number and its threshold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Criterion {
-    /// What was measured.
+    /// Name of the measured quantity.
     pub name: String,
     /// The number.
     pub value: f64,
@@ -47,7 +47,7 @@ pub enum Bound {
     AtLeast(f64),
 }
 
-/// What follows from the criteria.
+/// Verdict on a claim, which follows from its criteria.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
     /// All criteria are met.
@@ -118,7 +118,7 @@ impl Claim {
         self
     }
 
-    /// What follows from the criteria and the condition.
+    /// The verdict that follows from the criteria and the condition.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         let is_met = !self.criteria.is_empty() && self.criteria.iter().all(Criterion::is_met);

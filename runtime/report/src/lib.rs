@@ -56,7 +56,7 @@ pub struct Report {
     pub facts: Vec<(String, String)>,
     /// The body.
     pub sections: Vec<Section>,
-    /// What made the report: a command, shown at the foot.
+    /// The command that made the report, shown at the foot.
     pub made_by: String,
 }
 
@@ -161,7 +161,7 @@ pub enum ReportError {
     Equation {
         /// The equation.
         latex: String,
-        /// What is wrong with it.
+        /// The fault.
         message: String,
     },
     /// A figure that cannot be drawn.
@@ -169,7 +169,7 @@ pub enum ReportError {
     Plot {
         /// The figure.
         id: String,
-        /// What is wrong with it.
+        /// The fault.
         message: String,
     },
     /// Two parts with one identifier.
@@ -180,7 +180,7 @@ pub enum ReportError {
     Data {
         /// The table.
         id: String,
-        /// What is wrong with it.
+        /// The fault.
         message: String,
     },
     /// A file that cannot be written.
@@ -188,7 +188,7 @@ pub enum ReportError {
     File {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
 }

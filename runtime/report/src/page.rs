@@ -88,7 +88,7 @@ fn head(report: &Report) -> Rendered {
     })
 }
 
-/// What every page says at its foot, and others hardly do.
+/// Words at the foot of every page, by which a page is recognized as one of ours.
 pub(super) const BESIDE: &str = "The same numbers, unrounded, stand beside this page in ";
 
 fn foot(report: &Report) -> Markup {

@@ -50,7 +50,7 @@ pub struct Axis {
 /// A curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// What it shows, for the legend.
+    /// Its name in the legend.
     pub name: String,
     /// How it is drawn.
     pub marks: Marks,

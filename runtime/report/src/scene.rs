@@ -122,7 +122,7 @@ impl Scene {
         moving.into_iter().map(|(_, joint)| joint).collect()
     }
 
-    /// What the script reads.
+    /// The scene as the script reads it.
     pub(super) fn json(&self) -> Value {
         let joint = |joint: &SceneJoint| {
             let (coordinate, position) = match joint.motion {

@@ -1,4 +1,4 @@
-//! From a generated module to a type with its traits.
+//! Macros that make a generated module a type with its traits.
 
 /// Makes a type of a generated module that implements [`Dynamics`](crate::dynamics::Dynamics).
 ///

@@ -1,6 +1,6 @@
-//! What [`dynamics!`](crate::dynamics!) says where free parameters were forgotten.
+//! The message of [`dynamics!`](crate::dynamics!) where free parameters were forgotten.
 
-/// What a module without free parameters has in the place of them.
+/// The trait of the type that stands in for `Parameters` in a module without free parameters.
 #[diagnostic::on_unimplemented(
     message = "the module has free parameters, which the type has to hold",
     label = "write `struct Name {{ parameters }} = module`"

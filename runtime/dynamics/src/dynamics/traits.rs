@@ -1,4 +1,4 @@
-//! What generic code asks of a robot.
+//! Traits that generic code asks of a robot.
 
 use super::names::numbered;
 use super::solve::{product, solve_positive_definite};

@@ -24,7 +24,7 @@ pub struct Linearization<const N: usize, const M: usize> {
     pub by_velocities: [[f64; N]; N],
     /// ∂ÿ/∂u.
     pub by_inputs: [[f64; M]; N],
-    /// What remains: ÿ where y, ẏ and u are zero.
+    /// Affine remainder: ÿ where y, ẏ and u are zero.
     pub affine: [f64; N],
 }
 
@@ -155,9 +155,9 @@ impl<const N: usize, const M: usize> Limits<N, M> {
 /// Magnitudes up to which inputs keep the limits of motors and joints; infinite where neither is described.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputLimits<const M: usize> {
-    /// What motors and joints bear continuously, in the units of the inputs.
+    /// Limits that motors and joints bear continuously, in the units of the inputs.
     pub nominal: [f64; M],
-    /// What they bear for a short time.
+    /// Limits that they bear for a short time.
     pub peak: [f64; M],
 }
 

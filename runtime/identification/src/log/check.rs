@@ -1,4 +1,4 @@
-//! What is suspicious in a log: times, missing values, wraps, units.
+//! Findings in a log: suspicious times, missing values, wraps, units.
 
 use super::schema::Quantity;
 use super::{Channel, Log};

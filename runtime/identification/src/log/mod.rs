@@ -21,7 +21,7 @@ use std::ops::Range;
 pub struct Channel {
     /// Name in expressions, an identifier.
     pub name: String,
-    /// What it measures.
+    /// The quantity that the channel measures.
     pub quantity: Quantity,
     /// Unit of the values after conversion, e.g. `rad/s`.
     pub unit: String,

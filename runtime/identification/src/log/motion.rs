@@ -1,4 +1,4 @@
-//! From channels to motions: smoothed positions with their derivatives, segment by segment, and columns per joint.
+//! Motions made of channels: smoothed positions with their derivatives, segment by segment, and columns per joint.
 
 use super::super::differentiation::{Derivatives, KalmanSmoother, SavitzkyGolay, TotalVariation};
 use super::super::error::{IdentificationError, Result, require_samples};

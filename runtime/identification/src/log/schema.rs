@@ -3,7 +3,7 @@
 use super::super::error::{IdentificationError, Result, require_setting};
 use serde::Deserialize;
 
-/// What a channel measures.
+/// The quantity that a channel measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
@@ -33,7 +33,7 @@ pub struct ChannelSchema {
     pub name: String,
     /// Header of the column; the name if absent.
     pub column: Option<String>,
-    /// What it measures; guessed from the name if absent.
+    /// The quantity that it measures; guessed from the name if absent.
     pub quantity: Option<Quantity>,
     /// Unit in the file; SI if absent.
     pub unit: Option<String>,
@@ -231,7 +231,7 @@ fn split_unit(header: &str) -> (&str, &str) {
     }
 }
 
-/// What the control loop's log writes before the name of a joint or input.
+/// Prefixes that the control loop's log writes before the name of a joint or input.
 const PREFIXES: [(&str, Quantity); 6] = [
     ("measured_dq_", Quantity::Velocity),
     ("measured_tau_", Quantity::Torque),
