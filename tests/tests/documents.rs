@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use gelenk_codegen::dynamics::catalogue;
+use gelenk_codegen::functions::catalogue;
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
 use gelenk_tests::workspace;
 
