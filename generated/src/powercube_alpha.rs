@@ -59,6 +59,39 @@ pub const ROTOR_INERTIAS: [f64; M] = [5.267e-5];
 /// Gravitational acceleration in the base frame (m/s²).
 pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.80665];
 
+/// Names of the functions.
+pub const FUNCTIONS: [&str; 29] = [
+    "mass_matrix",
+    "coriolis_forces",
+    "gravity_forces",
+    "spring_forces",
+    "friction_torques",
+    "applied_forces",
+    "bias_forces",
+    "input_matrix",
+    "equations_of_motion",
+    "inverse_dynamics",
+    "forward_dynamics",
+    "mass_matrix_and_bias_forces",
+    "inverse_dynamics_derivatives",
+    "inverse_dynamics_derivatives_and_mass_matrix",
+    "forward_dynamics_derivatives",
+    "linearize",
+    "kinetic_energy",
+    "potential_energy",
+    "inertial_parameters",
+    "inertial_regressor",
+    "base_regressor",
+    "friction_parameters",
+    "friction_regressor",
+    "frame_tool_pose",
+    "frame_tool_jacobian",
+    "frame_tool_jacobian_rate_times_velocity",
+    "discretize",
+    "step",
+    "step_derivatives",
+];
+
 /// Structure of `M`: `false` where the entry is zero in every state; 1 of 1 are not.
 pub const MASS_MATRIX_NONZERO: [[bool; 1]; 1] = [[true]];
 

@@ -19,10 +19,10 @@ const HORIZON: usize = 20;
 const ENCODER_STEP: f64 = 1e-5;
 
 gelenk_runtime::dynamics!(
-    struct PowerCube = gelenk_generated::powercube: Dynamics + Differentiable + Discretizable []
+    struct PowerCube = gelenk_generated::powercube
 );
 gelenk_runtime::dynamics!(
-    struct Panda = gelenk_generated::panda: Dynamics + Differentiable + Discretizable []
+    struct Panda = gelenk_generated::panda
 );
 
 /// CPU time of this thread in microseconds.

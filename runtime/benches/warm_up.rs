@@ -22,10 +22,10 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 gelenk_runtime::dynamics!(
-    struct PowerCube = gelenk_generated::powercube: Dynamics + Differentiable + Discretizable
+    struct PowerCube = gelenk_generated::powercube
 );
 gelenk_runtime::dynamics!(
-    struct Ur5 = gelenk_generated::ur5: Dynamics + Differentiable + Discretizable
+    struct Ur5 = gelenk_generated::ur5
 );
 
 const RATE: f64 = 50.0;

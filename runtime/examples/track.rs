@@ -21,7 +21,7 @@ mod outcome;
 
 gelenk_runtime::dynamics!(
     /// The controllers' model, and the plant's.
-    struct PowerCube = gelenk_generated::powercube: Dynamics + Differentiable + Discretizable []
+    struct PowerCube = gelenk_generated::powercube
 );
 
 const PERIOD: f64 = 0.02;

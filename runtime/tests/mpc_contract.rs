@@ -241,6 +241,7 @@ fn friction_that_jumps_is_noted() {
 mod mass {
     pub const N: usize = 1;
     pub const M: usize = 1;
+    pub const FUNCTIONS: [&str; 2] = ["inverse_dynamics_derivatives", "linearize"];
     pub const JOINT_NAMES: [&str; N] = ["mass"];
     pub const INPUT_NAMES: [&str; M] = ["force"];
     pub const POSITION_LIMITS: [[f64; 2]; N] = [[f64::NEG_INFINITY, f64::INFINITY]];
@@ -285,9 +286,7 @@ mod mass {
     }
 }
 
-gelenk_runtime::dynamics!(struct Mass = mass: Dynamics [
-    mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
-] + Differentiable + Discretizable []);
+gelenk_runtime::dynamics!(struct Mass = mass);
 
 #[test]
 fn the_observer_converges_to_the_dual_of_the_regulator() {

@@ -5,12 +5,14 @@ use quote::{format_ident, quote};
 
 use super::doc_comment::DocComment;
 use super::{Context, lints};
+use crate::functions::composition::Composition;
 use crate::model::{Drive, Input, Joint, Model};
 
 /// Names of all constants that a module can have.
-pub(super) const NAMES: [&str; 17] = [
+pub(super) const NAMES: [&str; 18] = [
     "N",
     "M",
+    "FUNCTIONS",
     "JOINT_NAMES",
     "JOINT_UNITS",
     "INPUT_NAMES",
@@ -29,7 +31,7 @@ pub(super) const NAMES: [&str; 17] = [
 ];
 
 /// All constants, in the order in which a reader asks for them.
-pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
+pub(super) fn items(context: &Context<'_>, compositions: &[Composition]) -> Vec<TokenStream> {
     let model = context.model;
     let joints: Vec<&Joint> = model.joints().collect();
     let inputs: Vec<&Drive> = model.inputs().collect();
@@ -38,6 +40,7 @@ pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
     items.extend(joint_limits(context, &joints));
     items.extend(drives(context, &inputs));
     items.extend(gravity(context));
+    items.push(functions(context, compositions));
     items
 }
 
@@ -54,6 +57,17 @@ fn sizes(context: &Context<'_>) -> Vec<TokenStream> {
             pub const M: usize = #m;
         },
     ]
+}
+
+fn functions(context: &Context<'_>, compositions: &[Composition]) -> TokenStream {
+    let functions = context.functions.iter().map(ToString::to_string);
+    let compositions = compositions.iter().map(|each| each.name().to_owned());
+    let names: Vec<String> = functions.chain(compositions).collect();
+    let count = proc_macro2::Literal::usize_unsuffixed(names.len());
+    quote! {
+        #[doc = " Names of the functions."]
+        pub const FUNCTIONS: [&str; #count] = [#(#names),*];
+    }
 }
 
 fn names(model: &Model, joints: &[&Joint], inputs: &[&Drive]) -> Vec<TokenStream> {

@@ -101,7 +101,7 @@ pub fn module(
 ) -> SourceFile {
     let context = Context::new(model, functions, options);
     let mut text = header::comment(model, options);
-    push_items(&mut text, constants::items(&context));
+    push_items(&mut text, constants::items(&context, compositions));
     push_items(&mut text, parameters::items(&context));
     if functions.iter().any(|function| context.has_lanes(function)) {
         push_items(&mut text, [lanes::item(&context)]);

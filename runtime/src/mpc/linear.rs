@@ -18,9 +18,7 @@ use crate::trajectory::Trajectory;
 /// use gelenk_runtime::mpc::{LtvMpc, MpcOptions};
 /// use gelenk_runtime::trajectory::RestToRest;
 ///
-/// gelenk_runtime::dynamics!(
-///     pub struct PowerCube = gelenk_generated::powercube: Dynamics + Differentiable + Discretizable
-/// );
+/// gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
 ///
 /// let motion = RestToRest::new([0.0, 0.0], [0.3, 0.4], 2.0)?;
 /// let options = MpcOptions::new(&PowerCube, 0.02, 20);

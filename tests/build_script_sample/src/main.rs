@@ -17,9 +17,7 @@ gelenk_runtime::dynamics!(
 );
 gelenk_runtime::dynamics!(
     /// The pendulum.
-    pub struct Pendulum = pendulum: Dynamics [
-        mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix, forward_dynamics
-    ]
+    pub struct Pendulum = pendulum
 );
 
 fn main() {

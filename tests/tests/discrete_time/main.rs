@@ -12,18 +12,18 @@ use gelenk_tests::workspace;
 
 /// One type per robot.
 mod robots {
-    gelenk_runtime::dynamics!(pub struct CartPole = gelenk_generated::cart_pole: Dynamics + Differentiable + Discretizable);
-    gelenk_runtime::dynamics!(pub struct DoublePendulum { parameters } = gelenk_generated::double_pendulum: Dynamics + Differentiable + Discretizable);
-    gelenk_runtime::dynamics!(pub struct Panda = gelenk_generated::panda: Dynamics + Differentiable + Discretizable);
-    gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube: Dynamics + Differentiable + Discretizable);
-    gelenk_runtime::dynamics!(pub struct PowerCubeAlpha = gelenk_generated::powercube_alpha: Dynamics + Differentiable + Discretizable);
-    gelenk_runtime::dynamics!(pub struct FreePowerCubeAlpha { parameters } = gelenk_generated::powercube_alpha_parameters: Dynamics + Differentiable + Discretizable);
-    gelenk_runtime::dynamics!(pub struct FreePowerCube { parameters } = gelenk_generated::powercube_parameters: Dynamics + Differentiable + Discretizable);
-    gelenk_runtime::dynamics!(pub struct PowerCubeSixAxis = gelenk_generated::powercube_six_axis: Dynamics + Differentiable + Discretizable);
-    gelenk_runtime::dynamics!(pub struct Puma560 = gelenk_generated::puma560: Dynamics + Differentiable + Discretizable);
-    gelenk_runtime::dynamics!(pub struct SchunkLwa4p = gelenk_generated::schunk_lwa4p: Dynamics + Differentiable + Discretizable);
-    gelenk_runtime::dynamics!(pub struct TwoArm = gelenk_generated::two_arm: Dynamics + Differentiable + Discretizable);
-    gelenk_runtime::dynamics!(pub struct Ur5 = gelenk_generated::ur5: Dynamics + Differentiable + Discretizable);
+    gelenk_runtime::dynamics!(pub struct CartPole = gelenk_generated::cart_pole);
+    gelenk_runtime::dynamics!(pub struct DoublePendulum { parameters } = gelenk_generated::double_pendulum);
+    gelenk_runtime::dynamics!(pub struct Panda = gelenk_generated::panda);
+    gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
+    gelenk_runtime::dynamics!(pub struct PowerCubeAlpha = gelenk_generated::powercube_alpha);
+    gelenk_runtime::dynamics!(pub struct FreePowerCubeAlpha { parameters } = gelenk_generated::powercube_alpha_parameters);
+    gelenk_runtime::dynamics!(pub struct FreePowerCube { parameters } = gelenk_generated::powercube_parameters);
+    gelenk_runtime::dynamics!(pub struct PowerCubeSixAxis = gelenk_generated::powercube_six_axis);
+    gelenk_runtime::dynamics!(pub struct Puma560 = gelenk_generated::puma560);
+    gelenk_runtime::dynamics!(pub struct SchunkLwa4p = gelenk_generated::schunk_lwa4p);
+    gelenk_runtime::dynamics!(pub struct TwoArm = gelenk_generated::two_arm);
+    gelenk_runtime::dynamics!(pub struct Ur5 = gelenk_generated::ur5);
 }
 
 /// Calls a generic function for each robot, with its name.

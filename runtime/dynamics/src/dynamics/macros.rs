@@ -1,6 +1,8 @@
 //! Macros that make a generated module a type with its traits.
 
-/// Makes a type of a generated module that implements [`Dynamics`](crate::dynamics::Dynamics).
+/// Makes a type of a generated module that implements [`Dynamics`](crate::dynamics::Dynamics), and
+/// [`Differentiable`](crate::dynamics::Differentiable) and [`Discretizable`](crate::dynamics::Discretizable) where the module
+/// has derivatives.
 ///
 /// ```
 /// use gelenk_dynamics::dynamics::Dynamics;
@@ -11,21 +13,16 @@
 /// assert_eq!(PowerCube.gravity_forces(&[0.0, 0.0]), [0.0, 0.0]);
 /// ```
 ///
-/// With the module's derivatives the type also is [`Differentiable`](crate::dynamics::Differentiable):
+/// Every method calls the module's function of that name. Where the module was generated without it, the method computes the
+/// same from others: six functions of [`Dynamics`](crate::dynamics::Dynamics), and for derivatives two of
+/// [`Differentiable`](crate::dynamics::Differentiable), have nothing to take their place. Limits and the names of joints and
+/// inputs are the module's constants.
 ///
-/// ```ignore
-/// gelenk_dynamics::dynamics!(pub struct Ur5 = gelenk_generated::ur5: Dynamics + Differentiable);
+/// Traits behind the module's name are checked, so that the message stands here and not where they are used first:
+///
 /// ```
-///
-/// and with its functions of discrete time [`Discretizable`](crate::dynamics::Discretizable):
-///
-/// ```ignore
-/// gelenk_dynamics::dynamics!(pub struct Ur5 = gelenk_generated::ur5: Dynamics + Differentiable + Discretizable);
+/// gelenk_dynamics::dynamics!(pub struct Ur5 = gelenk_generated::ur5: Differentiable + Discretizable);
 /// ```
-///
-/// `Discretizable []` takes nothing from the module: the bodies of the trait discretize what `linearize` gives.
-///
-/// Limits and the names of joints and inputs are always taken from the module's constants.
 ///
 /// A module with free parameters is wrapped with them; the type then has a field `parameters`, and `Default`:
 ///
@@ -39,20 +36,9 @@
 /// let effort = |pendulum: &Pendulum| pendulum.gravity_forces(&[0.3, 0.2])[1].abs();
 /// assert!(effort(&heavier) > effort(&Pendulum::default()));
 /// ```
-///
-/// A module that was generated with some of the functions names them; those that the trait cannot compute from others
-/// must be among them:
-///
-/// ```
-/// gelenk_dynamics::dynamics!(pub struct CartPole = gelenk_generated::cart_pole: Dynamics [
-///     mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
-/// ]);
-/// ```
 #[macro_export]
 macro_rules! dynamics {
-    // What follows the module: nothing, `Dynamics`, `Dynamics [functions]`; then `+ Differentiable`; then
-    // `+ Discretizable` or `+ Discretizable [functions]`.
-    ($(#[$meta:meta])* $visibility:vis struct $name:ident = $($module:ident)::+ $(: $($traits:tt)+)?) => {
+    ($(#[$meta:meta])* $visibility:vis struct $name:ident = $($module:ident)::+ $(: $first:ident $(+ $other:ident)*)?) => {
         $(#[$meta])*
         #[derive(Debug, Clone, Copy, PartialEq, Default)]
         $visibility struct $name;
@@ -66,46 +52,35 @@ macro_rules! dynamics {
                 $crate::dynamics::without_parameters::<Parameters>();
             }
         };
-        $crate::dynamics!(@traits $name, [$($module)::+], [], [$($($traits)+)?]);
+        $crate::dynamics!(@implement $name, [$($module)::+], [], [$($first $(, $other)*)?]);
     };
-    ($(#[$meta:meta])* $visibility:vis struct $name:ident { parameters } = $($module:ident)::+ $(: $($traits:tt)+)?) => {
+    (
+        $(#[$meta:meta])* $visibility:vis struct $name:ident { parameters } = $($module:ident)::+
+        $(: $first:ident $(+ $other:ident)*)?
+    ) => {
         $(#[$meta])*
         #[derive(Debug, Clone, Copy, PartialEq, Default)]
         $visibility struct $name {
             /// Free parameters of the model.
             pub parameters: $($module)::+::Parameters,
         }
-        $crate::dynamics!(@traits $name, [$($module)::+], [parameters], [$($($traits)+)?]);
+        $crate::dynamics!(@implement $name, [$($module)::+], [parameters], [$($first $(, $other)*)?]);
     };
 
-    (@traits $name:ident, $module:tt, $parameters:tt, []) => {
-        $crate::dynamics!(@traits $name, $module, $parameters, [Dynamics]);
+    (@implement $name:ident, $module:tt, $p:tt, [$($trait:ident),*]) => {
+        $crate::dynamics!(@dynamics $name, $module, $p);
+        $crate::dynamics!(@differentiable $name, $module, $p);
+        $crate::dynamics!(@discretizable $name, $module, $p);
+        $($crate::dynamics!(@check $trait, $name, $module);)*
     };
-    (@traits $name:ident, $module:tt, $parameters:tt, [Dynamics]) => {
-        $crate::dynamics!(@traits $name, $module, $parameters, [Dynamics [
-            mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix, applied_forces,
-            bias_forces, equations_of_motion, inverse_dynamics, forward_dynamics, kinetic_energy
-        ]]);
+    (@check $trait:ident, $name:ident, [$($module:ident)::+]) => {
+        const _: fn() = || {
+            const fn is_implemented<T: $crate::dynamics::$trait<{ $($module)::+::N }, { $($module)::+::M }>>() {}
+            is_implemented::<$name>();
+        };
     };
-    (@traits $name:ident, $module:tt, $parameters:tt, [Dynamics + Differentiable]) => {
-        $crate::dynamics!(@traits $name, $module, $parameters, [Dynamics]);
-        $crate::dynamics!(@differentiable $name, $module, $parameters);
-    };
-    (@traits $name:ident, $module:tt, $parameters:tt, [Dynamics $functions:tt + Differentiable]) => {
-        $crate::dynamics!(@traits $name, $module, $parameters, [Dynamics $functions]);
-        $crate::dynamics!(@differentiable $name, $module, $parameters);
-    };
-    (@traits $name:ident, $module:tt, $parameters:tt, [Dynamics + Differentiable + Discretizable $($functions:tt)?]) => {
-        $crate::dynamics!(@traits $name, $module, $parameters, [Dynamics + Differentiable]);
-        $crate::dynamics!(@discretizable $name, $module, $parameters, $($functions)?);
-    };
-    (@traits $name:ident, $module:tt, $parameters:tt,
-        [Dynamics $dynamics:tt + Differentiable + Discretizable $($functions:tt)?]
-    ) => {
-        $crate::dynamics!(@traits $name, $module, $parameters, [Dynamics $dynamics + Differentiable]);
-        $crate::dynamics!(@discretizable $name, $module, $parameters, $($functions)?);
-    };
-    (@traits $name:ident, [$($module:ident)::+], $parameters:tt, [Dynamics $functions:tt]) => {
+
+    (@dynamics $name:ident, [$($module:ident)::+], $p:tt) => {
         impl $crate::dynamics::Dynamics<{ $($module)::+::N }, { $($module)::+::M }> for $name {
             fn joint_names(&self) -> [&'static str; $($module)::+::N] {
                 $($module)::+::JOINT_NAMES
@@ -125,89 +100,160 @@ macro_rules! dynamics {
                     peak_input: $($module)::+::PEAK_INPUT_LIMITS,
                 }
             }
-            $crate::dynamics!(@methods $functions, [$($module)::+], $parameters);
+
+            $crate::dynamics!(@required mass_matrix, [$($module)::+], $p, (y: N), matrix);
+            $crate::dynamics!(@required coriolis_forces, [$($module)::+], $p, (y: N, v: N), vector);
+            $crate::dynamics!(@required gravity_forces, [$($module)::+], $p, (y: N), vector);
+            $crate::dynamics!(@required spring_forces, [$($module)::+], $p, (y: N, v: N), vector);
+            $crate::dynamics!(@required input_matrix, [$($module)::+], $p, (), input_matrix);
+            $crate::dynamics!(@friction [$($module)::+], $p);
+            $crate::dynamics!(@provided applied_forces, [$($module)::+], $p, (y: N, v: N), vector);
+            $crate::dynamics!(@provided bias_forces, [$($module)::+], $p, (y: N, v: N), vector);
+            $crate::dynamics!(@provided equations_of_motion, [$($module)::+], $p, (y: N, v: N), equations);
+            $crate::dynamics!(@provided inverse_dynamics, [$($module)::+], $p, (y: N, v: N, a: N), vector);
+            $crate::dynamics!(@provided forward_dynamics, [$($module)::+], $p, (y: N, v: N, u: M), vector);
+            $crate::dynamics!(@provided kinetic_energy, [$($module)::+], $p, (y: N, v: N), scalar);
+        }
+        impl $crate::dynamics::PhaseSpace<{ 2 * $($module)::+::N }> for $name {}
+    };
+    (@differentiable $name:ident, [$($module:ident)::+], $p:tt) => {
+        impl $crate::dynamics::Differentiable<{ $($module)::+::N }, { $($module)::+::M }> for $name
+        where
+            $crate::dynamics!(@has_derivatives [$($module)::+]): for<'a> $crate::dynamics::Yes<'a>,
+        {
+            $crate::dynamics!(
+                @made inverse_dynamics_derivatives, [$($module)::+], $p, (y: N, v: N, a: N),
+                ForceDerivatives<N>, (forces, by_coordinates, by_velocities)
+            );
+            $crate::dynamics!(
+                @made linearize, [$($module)::+], $p, (y: N, v: N, u: M),
+                Linearization<N, M>, (by_coordinates, by_velocities, by_inputs, affine)
+            );
         }
     };
-
-    (@methods [], $module:tt, $p:tt) => {};
-    (@methods [$first:ident $(, $other:ident)* $(,)?], $module:tt, $p:tt) => {
-        $crate::dynamics!(@method $first, $module, $p);
-        $crate::dynamics!(@methods [$($other),*], $module, $p);
+    (@discretizable $name:ident, [$($module:ident)::+], $p:tt) => {
+        impl $crate::dynamics::Discretizable<{ $($module)::+::N }, { $($module)::+::M }> for $name
+        where
+            $crate::dynamics!(@has_derivatives [$($module)::+]): for<'a> $crate::dynamics::Yes<'a>,
+        {
+            const SUBSTEPS: usize = {
+                #[allow(unused_imports, reason = "only modules without steps need it")]
+                use $crate::dynamics::NO_SUBSTEPS as SUBSTEPS;
+                {
+                    #[allow(unused_imports, clippy::wildcard_imports, reason = "whatever the module has")]
+                    use $($module)::+::*;
+                    SUBSTEPS
+                }
+            };
+            $crate::dynamics!(
+                @made discretize, [$($module)::+], $p, (y: N, v: N, u: M, period: T),
+                Discretization<N, M>, (state, input, affine), by_default
+            );
+            $crate::dynamics!(@provided step, [$($module)::+], $p, (y: N, v: N, u: M, period: T), state);
+            $crate::dynamics!(
+                @made step_derivatives, [$($module)::+], $p, (y: N, v: N, u: M, period: T),
+                Step<N, M>, (coordinates, velocities, state, input), by_default
+            );
+        }
+    };
+    (@has_derivatives [$($module:ident)::+]) => {
+        $crate::dynamics::HasDerivatives<{
+            $crate::dynamics::has(&$($module)::+::FUNCTIONS, "inverse_dynamics_derivatives")
+                && $crate::dynamics::has(&$($module)::+::FUNCTIONS, "linearize")
+        }>
     };
 
-    (@method mass_matrix, $module:tt, $p:tt) => {
-        $crate::dynamics!(@define mass_matrix, $module, $p, (y: N), matrix);
-    };
-    (@method coriolis_forces, $module:tt, $p:tt) => {
-        $crate::dynamics!(@define coriolis_forces, $module, $p, (y: N, v: N), vector);
-    };
-    (@method gravity_forces, $module:tt, $p:tt) => {
-        $crate::dynamics!(@define gravity_forces, $module, $p, (y: N), vector);
-    };
-    (@method spring_forces, $module:tt, $p:tt) => {
-        $crate::dynamics!(@define spring_forces, $module, $p, (y: N, v: N), vector);
-    };
-    (@method friction_torques, $module:tt, $p:tt) => {
-        $crate::dynamics!(@friction $module, $p);
-    };
     // A module's function takes y only where a law depends on it.
-    (@friction [$($module:ident)::+], []) => {
+    (@friction [$($module:ident)::+], [$($p:ident)?]) => {
         #[inline]
         fn friction_torques(
             &self,
             y: &[f64; $($module)::+::N],
             v: &[f64; $($module)::+::N],
         ) -> [f64; $($module)::+::N] {
-            $crate::dynamics::FrictionLaw::torques(&$($module)::+::friction_torques, y, v)
+            #[allow(unused_imports, reason = "only modules without this function need it")]
+            use $crate::dynamics::Missing as friction_torques;
+            {
+                #[allow(unused_imports, clippy::wildcard_imports, reason = "whatever the module has")]
+                use $($module)::+::*;
+                $crate::dynamics!(@torques friction_torques, y, v $(, &self.$p)?)
+            }
         }
     };
-    (@friction [$($module:ident)::+], [$p:ident]) => {
-        #[inline]
-        fn friction_torques(
-            &self,
-            y: &[f64; $($module)::+::N],
-            v: &[f64; $($module)::+::N],
-        ) -> [f64; $($module)::+::N] {
-            $crate::dynamics::FrictionLawWithParameters::torques(&$($module)::+::friction_torques, y, v, &self.$p)
-        }
-    };
-    (@method input_matrix, $module:tt, $p:tt) => {
-        $crate::dynamics!(@define input_matrix, $module, $p, (), input_matrix);
-    };
-    (@method applied_forces, $module:tt, $p:tt) => {
-        $crate::dynamics!(@define applied_forces, $module, $p, (y: N, v: N), vector);
-    };
-    (@method bias_forces, $module:tt, $p:tt) => {
-        $crate::dynamics!(@define bias_forces, $module, $p, (y: N, v: N), vector);
-    };
-    (@method equations_of_motion, $module:tt, $p:tt) => {
-        $crate::dynamics!(@define equations_of_motion, $module, $p, (y: N, v: N), equations);
-    };
-    (@method inverse_dynamics, $module:tt, $p:tt) => {
-        $crate::dynamics!(@define inverse_dynamics, $module, $p, (y: N, v: N, a: N), vector);
-    };
-    (@method forward_dynamics, $module:tt, $p:tt) => {
-        $crate::dynamics!(@define forward_dynamics, $module, $p, (y: N, v: N, u: M), vector);
-    };
-    (@method kinetic_energy, $module:tt, $p:tt) => {
-        $crate::dynamics!(@define kinetic_energy, $module, $p, (y: N, v: N), scalar);
+    (@torques $function:ident, $y:ident, $v:ident) => { $crate::dynamics::FrictionLaw::torques(&$function, $y, $v) };
+    (@torques $function:ident, $y:ident, $v:ident, $p:expr) => {
+        $crate::dynamics::FrictionLawWithParameters::torques(&$function, $y, $v, $p)
     };
 
-    (@define $function:ident, $module:tt, [$($p:ident)?], ($($argument:ident: $len:ident),*), $result:ident) => {
+    // The function of the module, which has to have it.
+    (@required $function:ident, $module:tt, [$($p:ident)?], ($($argument:ident: $len:ident),*), $result:ident) => {
         #[inline]
-        fn $function(
-            &self,
-            $($argument: &$crate::dynamics!(@type $len, $module)),*
-        ) -> $crate::dynamics!(@type $result, $module) {
-            $crate::dynamics!(@call $function, $module, ($($argument,)* $(&self.$p)?))
+        fn $function(&self, $($argument: $crate::dynamics!(@argument $len, $module)),*) -> $crate::dynamics!(@type $result, $module) {
+            #[allow(unused_imports, reason = "only modules without this function need it")]
+            use $crate::dynamics::Missing as $function;
+            {
+                $crate::dynamics!(@import $module);
+                $crate::dynamics::Required::result(&$function, ($($argument,)* $(&self.$p,)?))
+            }
         }
     };
-    (@call $function:ident, [$($module:ident)::+], $arguments:tt) => { $($module)::+::$function $arguments };
+    // The function of the module, else what the trait's other methods make of it.
+    (@provided $function:ident, $module:tt, [$($p:ident)?], ($($argument:ident: $len:ident),*), $result:ident) => {
+        #[inline]
+        fn $function(&self, $($argument: $crate::dynamics!(@argument $len, $module)),*) -> $crate::dynamics!(@type $result, $module) {
+            #[allow(unused_imports, reason = "only modules without this function need it")]
+            use $crate::dynamics::Missing as $function;
+            {
+                $crate::dynamics!(@import $module);
+                $crate::dynamics::OrElse::or_else(
+                    &$function,
+                    ($($argument,)* $(&self.$p,)?),
+                    |result| result,
+                    || $crate::dynamics::defaults::$function(self, $($argument),*),
+                )
+            }
+        }
+    };
+    // The same with the results as a type of the runtime.
+    (
+        @made $function:ident, $module:tt, [$($p:ident)?], ($($argument:ident: $len:ident),*),
+        $made:ident<$($size:ident),*>, ($($value:ident),*) $(, $by_default:ident)?
+    ) => {
+        #[inline]
+        fn $function(&self, $($argument: $crate::dynamics!(@argument $len, $module)),*) -> $crate::dynamics!(@made $made<$($size),*>, $module) {
+            #[allow(unused_imports, reason = "only modules without this function need it")]
+            use $crate::dynamics::Missing as $function;
+            {
+                $crate::dynamics!(@import $module);
+                $crate::dynamics::OrElse::or_else(
+                    &$function,
+                    ($($argument,)* $(&self.$p,)?),
+                    |($($value),*)| $crate::dynamics::$made { $($value),* },
+                    || $crate::dynamics!(@otherwise $function, (self, $($argument),*) $(, $by_default)?),
+                )
+            }
+        }
+    };
+    (@made $made:ident<N>, [$($module:ident)::+]) => { $crate::dynamics::$made<{ $($module)::+::N }> };
+    (@made $made:ident<N, M>, [$($module:ident)::+]) => {
+        $crate::dynamics::$made<{ $($module)::+::N }, { $($module)::+::M }>
+    };
+    (@otherwise $function:ident, $arguments:tt, by_default) => { $crate::dynamics::defaults::$function $arguments };
+    (@otherwise $function:ident, $arguments:tt) => {
+        unreachable!("the trait is implemented where the module has the function")
+    };
+    (@import [$($module:ident)::+]) => {
+        #[allow(unused_imports, clippy::wildcard_imports, reason = "whatever the module has")]
+        use $($module)::+::*;
+    };
 
+    (@argument T, $module:tt) => { f64 };
+    (@argument $len:ident, $module:tt) => { &$crate::dynamics!(@type $len, $module) };
     (@type scalar, [$($module:ident)::+]) => { f64 };
     (@type N, [$($module:ident)::+]) => { [f64; $($module)::+::N] };
     (@type M, [$($module:ident)::+]) => { [f64; $($module)::+::M] };
     (@type vector, $module:tt) => { $crate::dynamics!(@type N, $module) };
+    (@type state, $module:tt) => { ($crate::dynamics!(@type N, $module), $crate::dynamics!(@type N, $module)) };
     (@type matrix, [$($module:ident)::+]) => { [[f64; $($module)::+::N]; $($module)::+::N] };
     (@type input_matrix, [$($module:ident)::+]) => { [[f64; $($module)::+::M]; $($module)::+::N] };
     (@type equations, $module:tt) => {
@@ -217,77 +263,6 @@ macro_rules! dynamics {
             $crate::dynamics!(@type vector, $module),
         )
     };
-
-    (@differentiable $name:ident, [$($module:ident)::+], [$($p:ident)?]) => {
-        impl $crate::dynamics::Differentiable<{ $($module)::+::N }, { $($module)::+::M }> for $name {
-            #[inline]
-            fn inverse_dynamics_derivatives(
-                &self,
-                y: &[f64; $($module)::+::N],
-                v: &[f64; $($module)::+::N],
-                a: &[f64; $($module)::+::N],
-            ) -> $crate::dynamics::ForceDerivatives<{ $($module)::+::N }> {
-                let (forces, by_coordinates, by_velocities) =
-                    $($module)::+::inverse_dynamics_derivatives(y, v, a $(, &self.$p)?);
-                $crate::dynamics::ForceDerivatives { forces, by_coordinates, by_velocities }
-            }
-
-            #[inline]
-            fn linearize(
-                &self,
-                y: &[f64; $($module)::+::N],
-                v: &[f64; $($module)::+::N],
-                u: &[f64; $($module)::+::M],
-            ) -> $crate::dynamics::Linearization<{ $($module)::+::N }, { $($module)::+::M }> {
-                let (by_coordinates, by_velocities, by_inputs, affine) =
-                    $($module)::+::linearize(y, v, u $(, &self.$p)?);
-                $crate::dynamics::Linearization { by_coordinates, by_velocities, by_inputs, affine }
-            }
-        }
-    };
-
-    (@discretizable $name:ident, $module:tt, $p:tt,) => {
-        $crate::dynamics!(@discretizable $name, $module, $p, [SUBSTEPS, discretize, step, step_derivatives]);
-    };
-    (@discretizable $name:ident, [$($module:ident)::+], $p:tt, $functions:tt) => {
-        impl $crate::dynamics::Discretizable<{ $($module)::+::N }, { $($module)::+::M }> for $name {
-            $crate::dynamics!(@methods $functions, [$($module)::+], $p);
-        }
-        impl $crate::dynamics::PhaseSpace<{ 2 * $($module)::+::N }> for $name {}
-    };
-    (@method SUBSTEPS, [$($module:ident)::+], $p:tt) => {
-        const SUBSTEPS: usize = $($module)::+::SUBSTEPS;
-    };
-    (@method discretize, $module:tt, $p:tt) => {
-        $crate::dynamics!(@over_period discretize, $module, $p, Discretization, (state, input, affine));
-    };
-    (@method step, $module:tt, $p:tt) => {
-        $crate::dynamics!(@over_period step, $module, $p, states, (y, v));
-    };
-    (@method step_derivatives, $module:tt, $p:tt) => {
-        $crate::dynamics!(
-            @over_period step_derivatives, $module, $p, Step, (coordinates, velocities, state, input)
-        );
-    };
-    (@over_period $function:ident, [$($module:ident)::+], [$($p:ident)?], $result:ident, $values:tt) => {
-        #[inline]
-        fn $function(
-            &self,
-            y: &[f64; $($module)::+::N],
-            v: &[f64; $($module)::+::N],
-            u: &[f64; $($module)::+::M],
-            period: f64,
-        ) -> $crate::dynamics!(@over $result, [$($module)::+]) {
-            let $values = $($module)::+::$function(y, v, u, period $(, &self.$p)?);
-            $crate::dynamics!(@made $result, $values)
-        }
-    };
-    (@over states, [$($module:ident)::+]) => { ([f64; $($module)::+::N], [f64; $($module)::+::N]) };
-    (@over $result:ident, [$($module:ident)::+]) => {
-        $crate::dynamics::$result<{ $($module)::+::N }, { $($module)::+::M }>
-    };
-    (@made states, $values:tt) => { $values };
-    (@made $result:ident, ($($value:ident),*)) => { $crate::dynamics::$result { $($value),* } };
 }
 
 /// Includes a module that the build script generated: `include_model!(pub mod arm)` reads `$OUT_DIR/arm.rs`, which is named

@@ -4,7 +4,10 @@
 //! Generated files have no dependencies, so they cannot implement a trait themselves. [`dynamics!`](crate::dynamics!)
 //! does it for them; every method then is a call of the generated function, nothing else.
 
+#[doc(hidden)]
+pub mod defaults;
 mod friction_law;
+mod functions;
 mod macros;
 mod names;
 mod parameters;
@@ -16,6 +19,8 @@ mod types;
 
 #[doc(hidden)]
 pub use friction_law::{FrictionLaw, FrictionLawWithParameters};
+#[doc(hidden)]
+pub use functions::{HasDerivatives, Missing, NO_SUBSTEPS, OrElse, Required, Yes, has};
 pub use names::{Named, numbered};
 pub use parameters::{NoFreeParameters, without_parameters};
 pub use traits::{Differentiable, Discretizable, Dynamics, PhaseSpace};

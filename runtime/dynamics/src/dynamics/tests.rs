@@ -6,6 +6,7 @@ use super::*;
 mod cart_pole {
     pub const N: usize = 2;
     pub const M: usize = 1;
+    pub const FUNCTIONS: [&str; 1] = ["mass_matrix"];
     pub const JOINT_NAMES: [&str; N] = ["cart", "pole, upright"];
     pub const INPUT_NAMES: [&str; M] = ["belt"];
     pub const POSITION_LIMITS: [[f64; 2]; N] = [[-1.0, 1.0], [f64::NEG_INFINITY, f64::INFINITY]];
@@ -62,6 +63,8 @@ mod full {
 /// The same with a free friction coefficient.
 mod free {
     pub use super::cart_pole::*;
+
+    pub const FUNCTIONS: [&str; 2] = ["inverse_dynamics_derivatives", "linearize"];
 
     #[derive(Debug, Clone, Copy, PartialEq, Default)]
     pub struct Parameters {
@@ -150,13 +153,9 @@ mod free {
 
 crate::dynamics!(
     /// The robot under test.
-    pub struct CartPole = cart_pole: Dynamics [
-        mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
-    ]
+    pub struct CartPole = cart_pole
 );
-crate::dynamics!(struct Free { parameters } = free: Dynamics [
-    mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
-] + Differentiable + Discretizable);
+crate::dynamics!(struct Free { parameters } = free: Differentiable + Discretizable);
 
 crate::dynamics!(struct Full = full);
 
@@ -257,7 +256,7 @@ fn generic_code_needs_only_the_trait() {
 /// Modules whose friction depends on the position, with and without free parameters.
 mod toothed {
     pub use super::cart_pole::{
-        EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS,
+        EFFORT_LIMITS, FUNCTIONS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS,
         PEAK_INPUT_LIMITS, POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces, gravity_forces,
         input_matrix, mass_matrix, spring_forces,
     };
@@ -267,7 +266,7 @@ mod toothed {
 }
 mod free_toothed {
     pub use super::free::{
-        EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS,
+        EFFORT_LIMITS, FUNCTIONS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS,
         PEAK_INPUT_LIMITS, POSITION_LIMITS, Parameters, VELOCITY_LIMITS, coriolis_forces,
         gravity_forces, input_matrix, mass_matrix, spring_forces,
     };
@@ -276,12 +275,8 @@ mod free_toothed {
     }
 }
 
-crate::dynamics!(struct Toothed = toothed: Dynamics [
-    mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
-]);
-crate::dynamics!(struct FreeToothed { parameters } = free_toothed: Dynamics [
-    mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
-]);
+crate::dynamics!(struct Toothed = toothed);
+crate::dynamics!(struct FreeToothed { parameters } = free_toothed);
 
 #[test]
 fn friction_of_the_position_gets_the_position() {
@@ -305,6 +300,7 @@ mod masses {
         EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, PEAK_EFFORT_LIMITS,
         PEAK_INPUT_LIMITS, POSITION_LIMITS, VELOCITY_LIMITS,
     };
+    pub const FUNCTIONS: [&str; 2] = ["inverse_dynamics_derivatives", "linearize"];
     pub const N: usize = 2;
     pub const M: usize = 1;
     pub const STIFFNESS: [[f64; N]; N] = [[3.0, -1.0], [-1.0, 2.0]];
@@ -357,9 +353,7 @@ mod masses {
     }
 }
 
-crate::dynamics!(struct Masses = masses: Dynamics [
-    mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
-] + Differentiable + Discretizable []);
+crate::dynamics!(struct Masses = masses: Differentiable + Discretizable);
 
 #[test]
 fn functions_of_discrete_time_are_passed_on() {

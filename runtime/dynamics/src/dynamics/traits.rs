@@ -1,9 +1,8 @@
 //! Traits that generic code asks of a robot.
 
+use super::defaults;
 use super::names::numbered;
-use super::solve::{product, solve_positive_definite};
 use super::types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};
-use gelenk_kernels::discrete_time;
 
 /// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs, with
 /// `q = gravity + springs − friction`.
@@ -53,15 +52,12 @@ pub trait Dynamics<const N: usize, const M: usize> {
 
     /// Applied forces `q(y, ẏ) = gravity + springs − τ`.
     fn applied_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
-        let (gravity, springs) = (self.gravity_forces(y), self.spring_forces(y, v));
-        let friction = self.friction_torques(y, v);
-        core::array::from_fn(|i| gravity[i] + springs[i] - friction[i])
+        defaults::applied_forces(self, y, v)
     }
 
     /// Bias forces `k − gravity`, what other libraries call `nle`.
     fn bias_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
-        let (coriolis, gravity) = (self.coriolis_forces(y, v), self.gravity_forces(y));
-        core::array::from_fn(|i| coriolis[i] - gravity[i])
+        defaults::bias_forces(self, y, v)
     }
 
     /// M, k and q at once.
@@ -70,33 +66,22 @@ pub trait Dynamics<const N: usize, const M: usize> {
         y: &[f64; N],
         v: &[f64; N],
     ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
-        (
-            self.mass_matrix(y),
-            self.coriolis_forces(y, v),
-            self.applied_forces(y, v),
-        )
+        defaults::equations_of_motion(self, y, v)
     }
 
     /// Forces `M ÿ + k − q` that the inputs must make at the joints.
     fn inverse_dynamics(&self, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
-        let (mass, coriolis, applied) = self.equations_of_motion(y, v);
-        core::array::from_fn(|i| product(&mass[i], a) + coriolis[i] - applied[i])
+        defaults::inverse_dynamics(self, y, v, a)
     }
 
     /// Accelerations `ÿ = M⁻¹ (q + B u − k)`; NaN where M is not positive definite.
     fn forward_dynamics(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
-        let (mass, coriolis, applied) = self.equations_of_motion(y, v);
-        let input_matrix = self.input_matrix();
-        let forces =
-            core::array::from_fn(|i| applied[i] + product(&input_matrix[i], u) - coriolis[i]);
-        solve_positive_definite(mass, forces)
+        defaults::forward_dynamics(self, y, v, u)
     }
 
     /// Kinetic energy `½ ẏᵀ M ẏ` in J.
     fn kinetic_energy(&self, y: &[f64; N], v: &[f64; N]) -> f64 {
-        let mass = self.mass_matrix(y);
-        let momentum: [f64; N] = core::array::from_fn(|i| product(&mass[i], v));
-        0.5 * product(&momentum, v)
+        defaults::kinetic_energy(self, y, v)
     }
 }
 
@@ -145,15 +130,13 @@ pub trait Discretizable<const N: usize, const M: usize>: Differentiable<N, M> {
         u: &[f64; M],
         period: f64,
     ) -> Discretization<N, M> {
-        self.linearize(y, v, u).discretize(period)
+        defaults::discretize(self, y, v, u, period)
     }
 
     /// State after a period of the nonlinear robot: [`Self::SUBSTEPS`] steps of the classical Runge–Kutta method of
     /// order 4.
     fn step(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M], period: f64) -> ([f64; N], [f64; N]) {
-        discrete_time::runge_kutta(*y, *v, period, Self::SUBSTEPS, |y, v| {
-            self.forward_dynamics(y, v, u)
-        })
+        defaults::step(self, y, v, u, period)
     }
 
     /// [`Self::step`] with the exact derivatives of its result, by the chain rule over the stages.
@@ -164,22 +147,6 @@ pub trait Discretizable<const N: usize, const M: usize>: Differentiable<N, M> {
         u: &[f64; M],
         period: f64,
     ) -> Step<N, M> {
-        let linearize = |y: &[f64; N], v: &[f64; N]| {
-            let linear = self.linearize(y, v, u);
-            (
-                linear.by_coordinates,
-                linear.by_velocities,
-                linear.by_inputs,
-                linear.affine,
-            )
-        };
-        let (coordinates, velocities, state, input) =
-            discrete_time::runge_kutta_derivatives(y, v, u, period, Self::SUBSTEPS, linearize);
-        Step {
-            coordinates,
-            velocities,
-            state,
-            input,
-        }
+        defaults::step_derivatives(self, y, v, u, period)
     }
 }

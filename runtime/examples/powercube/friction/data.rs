@@ -13,7 +13,7 @@ use gelenk_runtime::plant::{Plant, PlantOptions};
 
 gelenk_runtime::dynamics!(
     /// Joint A alone, the arm stretched out horizontally; its axis is vertical.
-    pub struct Alpha { parameters } = gelenk_generated::powercube_alpha_parameters: Dynamics + Differentiable
+    pub struct Alpha { parameters } = gelenk_generated::powercube_alpha_parameters
 );
 
 /// Joint A with this friction.

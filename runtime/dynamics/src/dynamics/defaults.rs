@@ -1,0 +1,135 @@
+//! What takes the place of functions that a module does not have.
+
+use super::solve::{product, solve_positive_definite};
+use super::traits::{Differentiable, Discretizable, Dynamics};
+use super::types::{Discretization, Step};
+use gelenk_kernels::discrete_time;
+
+/// [`Dynamics::applied_forces`] by the other methods.
+#[inline]
+pub fn applied_forces<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
+    robot: &D,
+    y: &[f64; N],
+    v: &[f64; N],
+) -> [f64; N] {
+    let (gravity, springs) = (robot.gravity_forces(y), robot.spring_forces(y, v));
+    let friction = robot.friction_torques(y, v);
+    core::array::from_fn(|i| gravity[i] + springs[i] - friction[i])
+}
+
+/// [`Dynamics::bias_forces`] by the other methods.
+#[inline]
+pub fn bias_forces<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
+    robot: &D,
+    y: &[f64; N],
+    v: &[f64; N],
+) -> [f64; N] {
+    let (coriolis, gravity) = (robot.coriolis_forces(y, v), robot.gravity_forces(y));
+    core::array::from_fn(|i| coriolis[i] - gravity[i])
+}
+
+/// [`Dynamics::equations_of_motion`] by the other methods.
+#[inline]
+pub fn equations_of_motion<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
+    robot: &D,
+    y: &[f64; N],
+    v: &[f64; N],
+) -> ([[f64; N]; N], [f64; N], [f64; N]) {
+    (
+        robot.mass_matrix(y),
+        robot.coriolis_forces(y, v),
+        robot.applied_forces(y, v),
+    )
+}
+
+/// [`Dynamics::inverse_dynamics`] by the other methods.
+#[inline]
+pub fn inverse_dynamics<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
+    robot: &D,
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+) -> [f64; N] {
+    let (mass, coriolis, applied) = robot.equations_of_motion(y, v);
+    core::array::from_fn(|i| product(&mass[i], a) + coriolis[i] - applied[i])
+}
+
+/// [`Dynamics::forward_dynamics`] by the other methods.
+#[inline]
+pub fn forward_dynamics<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
+    robot: &D,
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+) -> [f64; N] {
+    let (mass, coriolis, applied) = robot.equations_of_motion(y, v);
+    let input_matrix = robot.input_matrix();
+    let forces = core::array::from_fn(|i| applied[i] + product(&input_matrix[i], u) - coriolis[i]);
+    solve_positive_definite(mass, forces)
+}
+
+/// [`Dynamics::kinetic_energy`] by the other methods.
+#[inline]
+pub fn kinetic_energy<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
+    robot: &D,
+    y: &[f64; N],
+    v: &[f64; N],
+) -> f64 {
+    let mass = robot.mass_matrix(y);
+    let momentum: [f64; N] = core::array::from_fn(|i| product(&mass[i], v));
+    0.5 * product(&momentum, v)
+}
+
+/// [`Discretizable::discretize`] by the other methods.
+#[inline]
+pub fn discretize<D: Differentiable<N, M> + ?Sized, const N: usize, const M: usize>(
+    robot: &D,
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    period: f64,
+) -> Discretization<N, M> {
+    robot.linearize(y, v, u).discretize(period)
+}
+
+/// [`Discretizable::step`] by the other methods.
+#[inline]
+pub fn step<D: Discretizable<N, M> + ?Sized, const N: usize, const M: usize>(
+    robot: &D,
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    period: f64,
+) -> ([f64; N], [f64; N]) {
+    discrete_time::runge_kutta(*y, *v, period, D::SUBSTEPS, |y, v| {
+        robot.forward_dynamics(y, v, u)
+    })
+}
+
+/// [`Discretizable::step_derivatives`] by the other methods.
+#[inline]
+pub fn step_derivatives<D: Discretizable<N, M> + ?Sized, const N: usize, const M: usize>(
+    robot: &D,
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    period: f64,
+) -> Step<N, M> {
+    let linearize = |y: &[f64; N], v: &[f64; N]| {
+        let linear = robot.linearize(y, v, u);
+        (
+            linear.by_coordinates,
+            linear.by_velocities,
+            linear.by_inputs,
+            linear.affine,
+        )
+    };
+    let (coordinates, velocities, state, input) =
+        discrete_time::runge_kutta_derivatives(y, v, u, period, D::SUBSTEPS, linearize);
+    Step {
+        coordinates,
+        velocities,
+        state,
+        input,
+    }
+}

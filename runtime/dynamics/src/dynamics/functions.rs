@@ -1,0 +1,124 @@
+//! How the macro [`dynamics!`](crate::dynamics!) takes from a module the functions that it has.
+//!
+//! A macro cannot ask whether a module has a function. The compiler resolves a name to what an inner block imports from the
+//! module, and else to what the block around it imports: there [`Missing`] stands under the function's name. [`OrElse`] then
+//! calls the function, or what takes its place.
+
+/// Stands for a function that a module does not have.
+#[derive(Debug, Clone, Copy)]
+pub struct Missing;
+
+/// Runge–Kutta steps in a period where a module does not say it.
+pub const NO_SUBSTEPS: usize = 1;
+
+/// A function of a module, or [`Missing`]: `A` are its arguments, `T` is its result, `R` what is made of that.
+pub trait OrElse<A, T, R> {
+    /// `made` of the function's result, or `otherwise`.
+    fn or_else(&self, arguments: A, made: impl FnOnce(T) -> R, otherwise: impl FnOnce() -> R) -> R;
+}
+
+impl<A, T, R> OrElse<A, T, R> for Missing {
+    #[inline]
+    fn or_else(&self, _: A, _: impl FnOnce(T) -> R, otherwise: impl FnOnce() -> R) -> R {
+        otherwise()
+    }
+}
+
+/// A function that a module must have, because nothing takes its place.
+///
+/// ```compile_fail,E0277
+/// mod arm {
+///     // A module without its mass matrix.
+///     pub use gelenk_generated::cart_pole::{
+///         EFFORT_LIMITS, FUNCTIONS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS,
+///         POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces, friction_torques, gravity_forces, input_matrix,
+///         inverse_dynamics_derivatives, linearize, spring_forces,
+///     };
+/// }
+/// gelenk_dynamics::dynamics!(struct Arm = arm);
+/// ```
+#[diagnostic::on_unimplemented(
+    message = "the module lacks a function that `Dynamics` cannot do without",
+    label = "generate it with mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques and input_matrix",
+    note = "without a choice of functions (`--functions`, `functions` in the description) the generator writes them all"
+)]
+pub trait Required<A, T> {
+    /// The function's result.
+    fn result(&self, arguments: A) -> T;
+}
+
+/// The traits for functions of so many arguments.
+macro_rules! functions {
+    ($($argument:ident: $type:ident),*) => {
+        impl<F: Fn($($type),*) -> T, $($type,)* T, R> OrElse<($($type,)*), T, R> for F {
+            #[inline]
+            fn or_else(&self, ($($argument,)*): ($($type,)*), made: impl FnOnce(T) -> R, _: impl FnOnce() -> R) -> R {
+                made(self($($argument),*))
+            }
+        }
+
+        impl<F: Fn($($type),*) -> T, $($type,)* T> Required<($($type,)*), T> for F {
+            #[inline]
+            fn result(&self, ($($argument,)*): ($($type,)*)) -> T {
+                self($($argument),*)
+            }
+        }
+    };
+}
+
+functions!();
+functions!(a: A);
+functions!(a: A, b: B);
+functions!(a: A, b: B, c: C);
+functions!(a: A, b: B, c: C, d: D);
+functions!(a: A, b: B, c: C, d: D, e: E);
+
+/// Whether a module has a function.
+#[must_use]
+pub const fn has(functions: &[&str], name: &str) -> bool {
+    let mut k = 0;
+    while k < functions.len() {
+        if is_same(functions[k].as_bytes(), name.as_bytes()) {
+            return true;
+        }
+        k += 1;
+    }
+    false
+}
+
+const fn is_same(a: &[u8], b: &[u8]) -> bool {
+    let mut k = 0;
+    while k < a.len() && k < b.len() && a[k] == b[k] {
+        k += 1;
+    }
+    k == a.len() && k == b.len()
+}
+
+/// Whether a module has what a trait needs.
+#[derive(Debug, Clone, Copy)]
+pub struct HasDerivatives<const B: bool>;
+
+/// Implemented where it has.
+///
+/// ```compile_fail,E0277
+/// mod arm {
+///     // A module without its derivatives.
+///     pub use gelenk_generated::cart_pole::{
+///         EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS,
+///         POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces, friction_torques, gravity_forces, input_matrix, mass_matrix,
+///         spring_forces,
+///     };
+///     pub const FUNCTIONS: [&str; 1] = ["mass_matrix"];
+/// }
+/// gelenk_dynamics::dynamics!(struct Arm = arm: Differentiable);
+/// ```
+///
+/// Without `: Differentiable` it compiles. The lifetime keeps the compiler from judging the bound before the trait is asked for.
+#[diagnostic::on_unimplemented(
+    message = "the module has no derivatives",
+    label = "generate it with inverse_dynamics_derivatives and linearize",
+    note = "without a choice of functions (`--functions`, `functions` in the description) the generator writes them all"
+)]
+pub trait Yes<'a> {}
+
+impl Yes<'_> for HasDerivatives<true> {}
