@@ -6,7 +6,6 @@ use crate::functions::catalogue;
 use crate::functions::composition::Composition;
 use crate::functions::function::Function;
 use crate::model::Model;
-use crate::pipeline::GenerateOptions;
 
 /// The functions that are asked for over lanes.
 pub(crate) struct Lanes(Vec<String>);
@@ -16,13 +15,13 @@ impl Lanes {
     ///
     /// # Errors
     /// `unknown-function` for each name that the model does not have.
-    pub(crate) fn new(model: &Model, options: &GenerateOptions) -> Result<Self, Diagnostics> {
-        let asked = match options.emit.lanes.is_empty() {
+    pub(crate) fn new(model: &Model, asked: &[String]) -> Result<Self, Diagnostics> {
+        let asked = match asked.is_empty() {
             true => &model.options.lanes,
-            false => &options.emit.lanes,
+            false => asked,
         };
         catalogue::check_names(model, asked)?;
-        Ok(Self(asked.clone()))
+        Ok(Self(asked.to_vec()))
     }
 
     /// The names, as they were asked for.

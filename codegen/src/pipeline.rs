@@ -102,7 +102,7 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
         notes,
         files,
     } = model::read(description, &read_options)?;
-    let lanes = Lanes::new(&model, options)?;
+    let lanes = Lanes::new(&model, &options.emit.lanes)?;
     let selection = lanes.selected_with(selection(&model, options));
     let selected = derive(&model, options, &selection, &lanes);
     let selected = selected.map_err(|problems| with_warnings(problems, &notes))?;

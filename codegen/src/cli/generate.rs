@@ -15,7 +15,7 @@ use crate::emit::{EmitOptions, documentation};
 use crate::functions::form::Form;
 use crate::output::{self, Outcome, Planned, Replaces};
 use crate::pipeline::{self, CONTROL, GenerateOptions, Generated};
-pub(super) use crate::wording::quoted;
+use crate::wording::quoted;
 
 /// Writes one description's module, or all.
 pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode, Failure> {

@@ -9,9 +9,9 @@ use serde_json::{Value, json};
 
 use super::Failure;
 use super::arguments::{Format, New};
-use super::generate::quoted as quoted_word;
 use super::new_robot::robot;
 use super::print;
+use crate::wording::{quoted, toml_text};
 
 /// The files of every new crate besides its manifest.
 const FILES: [(&str, &str); 2] = [
@@ -70,9 +70,9 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
                 "made {0}: robot.toml describes the robot, build.rs generates its equations, src/main.rs simulates it\n\
                  next: cd {0} && cargo run\n\
                  a page about the robot: {1} report {2}\n",
-                quoted_word(&folder.to_string_lossy()),
-                quoted_word(&this_program()),
-                quoted_word(&folder.join("robot.toml").to_string_lossy())
+                quoted(&folder.to_string_lossy()),
+                quoted(&this_program()),
+                quoted(&folder.join("robot.toml").to_string_lossy())
             ))?;
             Ok(ExitCode::SUCCESS)
         }
@@ -234,10 +234,13 @@ impl Source {
     fn entry(&self, part: &str) -> String {
         match self {
             Self::Path(folder) => {
-                format!("{{ path = {}", quoted(&folder.join(part).to_string_lossy()))
+                format!(
+                    "{{ path = {}",
+                    toml_text(&folder.join(part).to_string_lossy())
+                )
             }
-            Self::Git(url) => format!("{{ git = {}", quoted(url)),
-            Self::Version(version) => format!("{{ version = {}", quoted(version)),
+            Self::Git(url) => format!("{{ git = {}", toml_text(url)),
+            Self::Version(version) => format!("{{ version = {}", toml_text(version)),
         }
     }
 }
@@ -255,22 +258,6 @@ fn manifest(name: &str, source: &Source) -> String {
         source.entry("runtime"),
         source.entry("codegen"),
     )
-}
-
-/// A text of TOML.
-pub(super) fn quoted(text: &str) -> String {
-    let mut out = String::from("\"");
-    for letter in text.chars() {
-        match letter {
-            '"' | '\\' => out.extend(['\\', letter]),
-            control if control.is_control() => {
-                out.push_str(&format!("\\u{:04X}", u32::from(control)));
-            }
-            other => out.push(other),
-        }
-    }
-    out.push('"');
-    out
 }
 
 fn write(folder: &Path, files: &[(&str, &[u8])]) -> io::Result<()> {
@@ -340,6 +327,6 @@ mod tests {
 
     #[test]
     fn any_address_stays_one_text() {
-        assert_eq!(quoted("C:\\a \"b\"\n"), r#""C:\\a \"b\"\u000A""#);
+        assert_eq!(toml_text("C:\\a \"b\"\n"), r#""C:\\a \"b\"\u000A""#);
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::Failure;
 use crate::model::{self, Joint, Loaded, Model, ReadOptions};
+use crate::wording::toml_text;
 
 const BUILD: &str = include_str!("template/build.rs");
 
@@ -37,7 +38,10 @@ pub(super) fn robot(urdf: Option<&Path>) -> Result<Robot, Failure> {
 fn from_urdf(path: &Path) -> Result<Robot, Failure> {
     let reading = Reading::of(path)?;
     let bytes = fs::read(path)?;
-    if !is_xml(&bytes) {
+    if !model::is_xml(
+        &path.display().to_string(),
+        &String::from_utf8_lossy(&bytes),
+    ) {
         return Err(Failure::Usage(format!(
             "{} is no URDF\n  = help: make the crate without --urdf, and put your description in the place of its robot.toml",
             path.display()
@@ -51,11 +55,6 @@ fn from_urdf(path: &Path) -> Result<Robot, Failure> {
         description: description(path, &reading.loaded.model, reading.ignores_mimic),
         urdf: Some(bytes),
     })
-}
-
-fn is_xml(bytes: &[u8]) -> bool {
-    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    start.trim_ascii_start().starts_with(b"<")
 }
 
 /// A URDF as it can be read.
@@ -113,6 +112,6 @@ fn entry(joint: &str) -> String {
          # name = {}\n\
          # friction = {{ viscous = 0.4, coulomb = 0.2 }}\n\
          # drive = {{ gear_ratio = 100, rotor_inertia = 2e-5, torque = {{ nominal = 0.4, peak = 0.8 }} }}\n",
-        super::new::quoted(joint)
+        toml_text(joint)
     )
 }

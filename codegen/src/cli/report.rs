@@ -17,6 +17,7 @@ use crate::functions::selection::{self, Request};
 use crate::functions::size::MOST_OPERATIONS;
 use crate::model::{self, Loaded};
 use crate::report::{ClosedForm, Contents, report};
+use crate::wording::quoted;
 
 /// Writes the page of a robot. Exit code 1 where its functions disagree with each other.
 pub(super) fn write(arguments: &arguments::Report, format: Format) -> Result<ExitCode, Failure> {
@@ -100,10 +101,7 @@ fn closed_form(_: &arguments::Report, _: &Loaded) -> Result<Result<ClosedForm, S
 /// The command for the foot of the page: the same on every machine.
 fn command(arguments: &arguments::Report) -> String {
     let description = shown(&arguments.description, Workspace::find().as_ref());
-    let mut words = vec![
-        "gelenk report".to_owned(),
-        super::generate::quoted(&description),
-    ];
+    let mut words = vec!["gelenk report".to_owned(), quoted(&description)];
     words.extend(arguments.reading.words());
     if let Some(most) = arguments.max_operations {
         words.push(format!("--max-operations {most}"));

@@ -1,6 +1,6 @@
 //! Texts that are numbers to their author: with a unit, with a decimal comma, with a factor that stands without `*`.
 
-use super::parse::FormulaError;
+use super::error::FormulaError;
 
 const UNIT: &str = "formula-unit";
 const COMMA: &str = "formula-comma";

@@ -2,6 +2,7 @@
 //!
 //! syn descends recursively, so length, nesting and runs of operators are bounded before it sees the text.
 
+use super::error::FormulaError;
 use super::{Formula, Function, habits, too_large};
 use crate::diagnostic::nearest;
 use std::collections::BTreeMap;
@@ -29,15 +30,6 @@ pub(crate) enum Allowed {
     Parameters,
     /// Also `y` and `v` of the joint.
     Motion,
-}
-
-/// Why a text is no formula; `range` counts bytes of the text.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct FormulaError {
-    pub code: &'static str,
-    pub message: String,
-    pub help: Option<String>,
-    pub range: Range<usize>,
 }
 
 type Parsed = Result<Formula, FormulaError>;

@@ -1,11 +1,8 @@
 //! The moving bodies of a model in modified Denavit–Hartenberg frames.
 
-use super::inertia::{RegroupChoice, regroup};
 use super::joint::JointAxis;
 use super::transmission::Transmission;
-use super::{frames, tree};
 use crate::graph::{Graph, Scalar};
-use crate::model::Model;
 use crate::numeric;
 use crate::spatial::{Angle, MassMoments, Pose, Twist, Vector3, rotation_about};
 
@@ -83,17 +80,6 @@ impl<'g> Rotor<'g> {
 }
 
 impl<'g> Mechanism<'g> {
-    /// The mechanism of a model, with all inertial constants where the description puts them.
-    pub fn new(graph: &'g Graph, model: &Model) -> Self {
-        frames::assign(graph, model, &tree::moving_bodies(graph, model))
-    }
-
-    /// Moves inertial constants towards the base; M, k, q and energies do not change.
-    pub fn regrouped(mut self, choices: &[RegroupChoice]) -> Self {
-        regroup(&mut self.bodies, &mut self.base_moments, choices);
-        self
-    }
-
     /// The number of coordinates.
     pub fn len(&self) -> usize {
         self.bodies.len()

@@ -5,6 +5,7 @@
 //! convention (Craig 1986; Khalil and Kleinfinger 1986), whatever the description used; inertial constants that act
 //! only through sums move towards the base.
 
+mod build;
 mod frames;
 mod inertia;
 mod joint;

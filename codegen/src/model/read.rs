@@ -66,7 +66,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, Diagnostics> {
     })
 }
 
-fn is_xml(name: &str, text: &str) -> bool {
+/// Whether a file is XML: by its name, else by its content.
+pub(crate) fn is_xml(name: &str, text: &str) -> bool {
     match Path::new(name).extension().and_then(|end| end.to_str()) {
         Some("toml") => false,
         Some("urdf" | "xml") => true,
