@@ -145,20 +145,20 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         if !valid {
             return self.invalid(problem);
         }
+        if !self.solved {
+            self.forget();
+        }
         let soft = self.load(problem);
         match self.optimize(problem, soft, start) {
             Ok(report) if report.status != QpStatus::Invalid => {
                 self.solved = report.status != QpStatus::IterationLimit;
                 report
             }
-            Ok(_) | Err(NotPositive) => {
-                self.forget();
-                self.invalid(problem)
-            }
+            Ok(_) | Err(NotPositive) => self.invalid(problem),
         }
     }
 
-    /// Forgets all but the problem: numbers that are not finite would stay, since masks multiply.
+    /// Forgets what a solve without a solution has left in memory: numbers that are not finite would stay, since masks multiply.
     fn forget(&mut self) {
         self.riccati.forget();
         self.input_bounds.forget();

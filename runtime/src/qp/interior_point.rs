@@ -87,8 +87,9 @@ struct State {
 #[derive(Debug, Clone, Copy)]
 struct Run {
     start: Start,
-    /// True after [`Core::restart`], and the iteration that it was.
+    /// True after [`Core::restart`], which happens once in a run at most.
     restarted: bool,
+    /// Iterations that the run had taken when its present start was made: 0, or those up to and including the restart.
     begun: usize,
     /// Steps in a row shorter than `CRAWL`.
     crawl: usize,
@@ -113,8 +114,10 @@ struct Run {
     progress: (f64, usize),
 }
 
-/// A start is a bad one if the residual exceeds `FAR`, and from the iteration `LATE` on if more than `SLOW` of it is left per iteration or if so many steps in a
-/// row are shorter than `CRAWL`, while the residual is not yet `NEAR` its tolerance. Looked at earlier, it is found where patience would have led to the solution sooner.
+/// A start is a bad one if its first residual exceeds `FAR`, and from the iteration `JUDGED` on if more than `SLOW` of the residual is left per iteration (looked at
+/// in every third one) or if [`PATIENCE`] steps in a row are shorter than `CRAWL`, while the residual is not yet `NEAR` its tolerance. Judged earlier, starts are
+/// found bad where patience would have led to the solution sooner.
+const JUDGED: usize = 14;
 const FAR: f64 = 1e4;
 const SLOW: f64 = 0.7;
 const CRAWL: f64 = 0.2;
@@ -329,7 +332,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     #[inline(always)]
     fn is_slow(&self, state: &State, run: &Run) -> bool {
         if state.residual <= NEAR * self.settings.feasibility
-            || (run.iterations > 0 && run.iterations < LATE + 2)
+            || (run.iterations > 0 && run.iterations < JUDGED)
         {
             return false;
         }
