@@ -212,7 +212,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     /// Makes the better one of two points the solution: the one kept in memory, if there is one, or the present one. Keeps it.
     #[inline(always)]
     fn better_of(&mut self, kept: Option<Certificate>, present: Certificate) -> Certificate {
-        let better = kept.filter(|kept| kept.merit < present.merit || !present.is_finite());
+        let feasibility = self.settings.feasibility;
+        let better =
+            kept.filter(|kept| !present.holds() && kept.is_better_than(&present, feasibility));
         if better.is_some() {
             self.solution.copy_from(&self.kept);
             for (of_solution, kept) in self.multipliers.iter_mut().zip(&self.kept_multipliers) {

@@ -11,8 +11,8 @@ pub enum QpStatus {
     /// The hard state bounds cannot be kept (or no point that keeps them was found within the cap): the inputs returned minimize the violation
     /// by an exact penalty and keep their own bounds.
     Relaxed,
-    /// The cap on iterations was reached, or rounding allows no further step; of the points that the starts led to, the one with the smallest residuals
-    /// is returned. The inputs keep their bounds, the KKT residuals tell how far they are from the optimum.
+    /// The cap on iterations was reached, or rounding allows no further step; of the points that the starts led to, the cheapest one that keeps the
+    /// bounds is returned, or else the one with the smallest residuals. The inputs keep their bounds, the KKT residuals tell how far they are from the optimum.
     IterationLimit,
     /// The data are not a convex QP with finite numbers and ordered bounds, or the arithmetic broke down: the inputs returned are those
     /// nearest zero within their bounds.

@@ -18,5 +18,5 @@ mod types;
 pub use friction_law::{FrictionLaw, FrictionLawWithParameters};
 pub use names::{Named, numbered};
 pub use parameters::{NoFreeParameters, without_parameters};
-pub use traits::{Differentiable, Discretizable, Dynamics, PhaseSpace};
+pub use traits::{Differentiable, Discretizable, Dynamics, JUST_MOVING, PhaseSpace, jumps};
 pub use types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};
