@@ -1,7 +1,7 @@
 //! What a predictive controller says about its task before it begins.
 
 use super::options::MpcOptions;
-use crate::dynamics::{Dynamics, Named};
+use crate::dynamics::{Dynamics, Named, jumps};
 use crate::trajectory::{Sample, Trajectory};
 use std::fmt;
 
@@ -136,19 +136,12 @@ pub(super) fn dry_friction<const N: usize, const M: usize>(
     model: &impl Dynamics<N, M>,
     positions: &[f64; N],
 ) -> Vec<MpcNote> {
-    let jumps = |speed: f64| {
-        let forward = model.friction_torques(positions, &[speed; N]);
-        let backward = model.friction_torques(positions, &[-speed; N]);
-        core::array::from_fn::<_, N, _>(|i| forward[i] - backward[i])
-    };
-    // What is smooth, however steep, shrinks with the speed; a jump stays.
-    let (near, nearer) = (jumps(1e-12), jumps(1e-15));
-    let joints = model.joint_names();
+    let (joints, at_rest) = (model.joint_names(), model.friction_at_rest(positions));
     (0..N)
-        .filter(|&i| near[i] > 0.0 && nearer[i] > 0.5 * near[i])
+        .filter(|&i| jumps(at_rest[i]))
         .map(|i| MpcNote::DryFriction {
             joint: joints[i],
-            jump: nearer[i],
+            jump: at_rest[i][1] - at_rest[i][0],
         })
         .collect()
 }

@@ -14,11 +14,9 @@
 //! Discontinuous Righthand Sides*, 1988, chapter 2).
 
 use super::integrator::{Flow, Motion};
-use crate::dynamics::Dynamics;
+use crate::dynamics::{Dynamics, JUST_MOVING, jumps};
 use nalgebra::{SMatrix, SVector};
 
-/// Speed that stands for "just moving": friction laws see their direction, all else sees rest.
-const JUST_MOVING: f64 = 1e-300;
 /// Part of the friction's range by which a sticking joint must be overloaded to break loose.
 const BREAK_LOOSE: f64 = 1e-9;
 
@@ -56,9 +54,11 @@ pub(super) struct Joints<'d, D, const N: usize, const M: usize> {
 impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
     /// Friction just before and just after rest, brakes included.
     fn friction_range(&self, y: &[f64; N]) -> [[f64; 2]; N] {
-        let backward = self.model.friction_torques(y, &[-JUST_MOVING; N]);
-        let forward = self.model.friction_torques(y, &[JUST_MOVING; N]);
-        core::array::from_fn(|i| [backward[i] - self.brakes[i], forward[i] + self.brakes[i]])
+        let at_rest = self.model.friction_at_rest(y);
+        core::array::from_fn(|i| {
+            let ([backward, forward], brake) = (at_rest[i], self.brakes[i]);
+            [backward - brake, forward + brake]
+        })
     }
 
     /// Sets the modes for a motion, and speeds of joints at rest to zero.
@@ -66,9 +66,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
         let range = self.friction_range(&motion.positions);
         let mut at_rest = [false; N];
         for i in 0..N {
-            let [low, high] = range[i];
-            // A smooth law changes by its slope times 1e-300.
-            let jumps = high - low > 1e-200;
+            let ([_, high], jumps) = (range[i], jumps(range[i]));
             at_rest[i] =
                 jumps && (motion.velocities[i].abs() <= 2.0 * self.rest || high == f64::INFINITY);
             self.modes[i] = match (jumps, at_rest[i]) {

@@ -33,6 +33,18 @@ impl Certificate {
         self.decrease > 0.5 * self.residuals.gap
     }
 
+    /// True if this point is worth more than another one, which is no solution either: the cheaper one where both keep the hard bounds to `feasibility`,
+    /// and else the one with the smaller residuals.
+    #[inline(always)]
+    pub(super) fn is_better_than(&self, other: &Self, feasibility: f64) -> bool {
+        let keeps = |point: &Self| point.merit.is_finite() && point.residuals.primal <= feasibility;
+        if keeps(self) && keeps(other) {
+            self.cost < other.cost
+        } else {
+            self.merit < other.merit
+        }
+    }
+
     /// True if every number is one.
     #[inline(always)]
     pub(super) fn is_finite(&self) -> bool {

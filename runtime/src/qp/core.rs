@@ -45,6 +45,9 @@ pub(super) struct Core<V, const NX: usize, const NU: usize> {
     /// The iterate with the smallest residuals, kept once a solve takes long.
     pub(super) best: Trajectory<V>,
     pub(super) best_multipliers: [Multipliers<V>; 2],
+    /// What the starts before the last one have led to, if none of them led to a solution.
+    pub(super) kept: Trajectory<V>,
+    pub(super) kept_multipliers: [Multipliers<V>; 2],
     solved: bool,
 }
 
@@ -75,8 +78,10 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             rhs: trajectory.clone(),
             weight: trajectory.clone(),
             multipliers: multipliers.clone(),
-            best: trajectory,
-            best_multipliers: multipliers,
+            best: trajectory.clone(),
+            best_multipliers: multipliers.clone(),
+            kept: trajectory,
+            kept_multipliers: multipliers,
             solved: false,
         }
     }
@@ -145,20 +150,20 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         if !valid {
             return self.invalid(problem);
         }
+        if !self.solved {
+            self.forget();
+        }
         let soft = self.load(problem);
         match self.optimize(problem, soft, start) {
             Ok(report) if report.status != QpStatus::Invalid => {
                 self.solved = report.status != QpStatus::IterationLimit;
                 report
             }
-            Ok(_) | Err(NotPositive) => {
-                self.forget();
-                self.invalid(problem)
-            }
+            Ok(_) | Err(NotPositive) => self.invalid(problem),
         }
     }
 
-    /// Forgets all but the problem: numbers that are not finite would stay, since masks multiply.
+    /// Forgets what a solve without a solution has left in memory: numbers that are not finite would stay, since masks multiply.
     fn forget(&mut self) {
         self.riccati.forget();
         self.input_bounds.forget();
@@ -171,6 +176,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             &mut self.rhs,
             &mut self.weight,
             &mut self.best,
+            &mut self.kept,
         ];
         for trajectory in trajectories {
             trajectory.clear();
@@ -179,6 +185,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             .multipliers
             .iter_mut()
             .chain(&mut self.best_multipliers)
+            .chain(&mut self.kept_multipliers)
         {
             multipliers.clear();
         }

@@ -87,8 +87,9 @@ struct State {
 #[derive(Debug, Clone, Copy)]
 struct Run {
     start: Start,
-    /// True after [`Core::restart`], and the iteration that it was.
+    /// True after [`Core::restart`], which happens once in a run at most.
     restarted: bool,
+    /// Iterations that the run had taken when its present start was made: 0, or those up to and including the restart.
     begun: usize,
     /// Steps in a row shorter than `CRAWL`.
     crawl: usize,
@@ -105,6 +106,9 @@ struct Run {
     /// `Π (1 − α)`: what is left of the dual residual.
     shrink: f64,
     iterations: usize,
+    /// Iterations after which it ends: the cap of its present start, and those that are left to the solve.
+    limit: usize,
+    budget: usize,
     /// Smallest merit so far, and the residual that belongs to it; its iterate is in memory.
     best: (f64, f64),
     /// Residual some iterations ago.
@@ -113,8 +117,10 @@ struct Run {
     progress: (f64, usize),
 }
 
-/// A start is a bad one if the residual exceeds `FAR`, and from the iteration `LATE` on if more than `SLOW` of it is left per iteration or if so many steps in a
-/// row are shorter than `CRAWL`, while the residual is not yet `NEAR` its tolerance. Looked at earlier, it is found where patience would have led to the solution sooner.
+/// A start is a bad one if its first residual exceeds `FAR`, and from the iteration `JUDGED` on if more than `SLOW` of the residual is left per iteration (looked at
+/// in every third one) or if [`PATIENCE`] steps in a row are shorter than `CRAWL`, while the residual is not yet `NEAR` its tolerance. Judged earlier, starts are
+/// found bad where patience would have led to the solution sooner.
+const JUDGED: usize = 14;
 const FAR: f64 = 1e4;
 const SLOW: f64 = 0.7;
 const CRAWL: f64 = 0.2;
@@ -130,7 +136,7 @@ const LATE: usize = 12;
 const STALL_PERIOD: usize = 6;
 
 impl Run {
-    fn new(start: Start, soft: bool) -> Self {
+    fn new(start: Start, soft: bool, cap: usize, budget: usize) -> Self {
         Self {
             start,
             restarted: false,
@@ -143,6 +149,8 @@ impl Run {
             stiffness: STIFFNESS,
             shrink: 1.0,
             iterations: 0,
+            limit: cap.min(budget),
+            budget,
             best: (f64::INFINITY, f64::INFINITY),
             checkpoint: f64::INFINITY,
             progress: (f64::INFINITY, 0),
@@ -175,22 +183,50 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         start: Start,
     ) -> Result<QpReport, NotPositive> {
         let (mut soft, mut start, mut iterations) = (soft, start, 0);
+        let starts = if start == Start::Warm { 3 } else { 2 };
+        let most = starts * self.settings.max_iterations;
+        let mut kept: Option<Certificate> = None;
         if !self.is_bounded() {
             start = Start::Cold;
         }
         loop {
             self.set_out(start)?;
             soft |= start == Start::Relaxed;
-            let outcome = self.run(problem, soft, start);
+            let outcome = self.run(problem, soft, start, most - iterations);
             iterations += outcome.iterations;
-            let certificate = &outcome.certificate;
+            let certificate = self.better_of(kept, outcome.certificate);
             start = match start {
                 Start::Warm if !certificate.holds() => Start::Cold,
-                Start::Cold if !outcome.feasible => Start::Relaxed,
-                Start::Cold if !certificate.holds() && certificate.is_finite() => Start::Deep,
-                _ => return Ok(certificate.report(self.status(certificate), iterations)),
+                Start::Cold if !outcome.feasible && iterations < most => Start::Relaxed,
+                Start::Cold
+                    if !certificate.holds() && certificate.is_finite() && iterations < most =>
+                {
+                    Start::Deep
+                }
+                _ => return Ok(certificate.report(self.status(&certificate), iterations)),
             };
+            kept = (start == Start::Deep).then_some(certificate);
         }
+    }
+
+    /// Makes the better one of two points the solution: the one kept in memory, if there is one, or the present one. Keeps it.
+    #[inline(always)]
+    fn better_of(&mut self, kept: Option<Certificate>, present: Certificate) -> Certificate {
+        let feasibility = self.settings.feasibility;
+        let better =
+            kept.filter(|kept| !present.holds() && kept.is_better_than(&present, feasibility));
+        if better.is_some() {
+            self.solution.copy_from(&self.kept);
+            for (of_solution, kept) in self.multipliers.iter_mut().zip(&self.kept_multipliers) {
+                of_solution.copy_from(kept);
+            }
+        } else if !present.holds() {
+            self.kept.copy_from(&self.solution);
+            for (kept, of_solution) in self.kept_multipliers.iter_mut().zip(&self.multipliers) {
+                kept.copy_from(of_solution);
+            }
+        }
+        better.unwrap_or(present)
     }
 
     /// Makes the first iterate.
@@ -239,8 +275,14 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
 
     /// Runs the method from the iterate in memory.
     #[inline(always)]
-    fn run(&mut self, problem: &QpProblem<NX, NU>, soft: bool, start: Start) -> Outcome {
-        let mut run = Run::new(start, soft);
+    fn run(
+        &mut self,
+        problem: &QpProblem<NX, NU>,
+        soft: bool,
+        start: Start,
+        budget: usize,
+    ) -> Outcome {
+        let mut run = Run::new(start, soft, self.settings.max_iterations, budget);
         let mut candidate = None;
         if start != Start::Warm && self.keeps_bounds() {
             self.multipliers[0].clear();
@@ -298,7 +340,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             return Some(Candidate::Iterate);
         }
         let stalled = self.stalled(&state, run);
-        let may_restart = !run.restarted && run.iterations < self.settings.max_iterations;
+        let may_restart = !run.restarted && run.iterations < run.limit;
         if merit.is_finite() && may_restart && (stalled || self.is_slow(&state, run)) {
             if run.start == Start::Warm {
                 return Some(Candidate::Last);
@@ -310,7 +352,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         if run.progress.1 >= PATIENCE && state.residual <= NEAR * self.settings.feasibility {
             run.cap *= CAP_RAISE;
         }
-        let stops = stalled || !merit.is_finite() || run.iterations >= self.settings.max_iterations;
+        let stops = stalled || !merit.is_finite() || self.is_over(&state, run);
         if stops || run.iterations >= LATE || run.iterations == 0 {
             self.keep_best(merit, &state, run);
         }
@@ -325,11 +367,18 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         None
     }
 
+    /// True if the run has had its iterations; beyond the cap, a second start goes on only where the bounds are about to be kept.
+    #[inline(always)]
+    fn is_over(&self, state: &State, run: &Run) -> bool {
+        let near = state.residual <= NEAR * self.settings.feasibility;
+        run.iterations >= run.limit || run.iterations >= self.settings.max_iterations && !near
+    }
+
     /// True if the start was a bad one.
     #[inline(always)]
     fn is_slow(&self, state: &State, run: &Run) -> bool {
         if state.residual <= NEAR * self.settings.feasibility
-            || (run.iterations > 0 && run.iterations < LATE + 2)
+            || (run.iterations > 0 && run.iterations < JUDGED)
         {
             return false;
         }
@@ -421,7 +470,10 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         run.iterations += 1;
         run.restarted = true;
         run.begun = run.iterations;
+        run.limit = (run.begun + self.settings.max_iterations).min(run.budget);
         run.crawl = 0;
+        // What the first start has reached is no measure of the progress of the second.
+        run.progress = (f64::INFINITY, 0);
         run.checkpoint = f64::INFINITY;
         let mut size = self.scale();
         let most = 10.0 * size * run.count.max(1.0);

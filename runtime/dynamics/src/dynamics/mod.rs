@@ -23,5 +23,5 @@ pub use friction_law::{FrictionLaw, FrictionLawWithParameters};
 pub use functions::{HasDerivatives, Missing, NO_SUBSTEPS, OrElse, Required, Yes, has};
 pub use names::{Named, numbered};
 pub use parameters::{NoFreeParameters, without_parameters};
-pub use traits::{Differentiable, Discretizable, Dynamics, PhaseSpace};
+pub use traits::{Differentiable, Discretizable, Dynamics, JUST_MOVING, PhaseSpace, jumps};
 pub use types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};

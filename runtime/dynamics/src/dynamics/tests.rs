@@ -492,6 +492,31 @@ fn inputs_that_share_a_joint_keep_its_effort_whatever_their_signs() {
     assert!(first <= 1.0 && (2.0 * (first + second) - 12.0).abs() < 1e-14);
 }
 
+/// A module with dry friction at its first joint, and steep but smooth friction at its second.
+mod dry {
+    pub use super::cart_pole::{
+        EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS,
+        PEAK_INPUT_LIMITS, POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces, gravity_forces,
+        input_matrix, mass_matrix, spring_forces,
+    };
+    pub fn friction_torques(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
+        let sign = if v[0] == 0.0 { 0.0 } else { v[0].signum() };
+        [(3.0 + y[0]) * sign + v[0], 2.0 * (1e20 * v[1]).tanh()]
+    }
+}
+
+crate::dynamics!(struct Dry = dry: Dynamics [
+    mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
+]);
+
+/// The only jump at rest is that of the sign, however steep what is smooth.
+#[test]
+fn friction_jumps_where_it_is_dry() {
+    let at_rest = Dry.friction_at_rest(&[0.5, 0.0]);
+    assert_eq!(at_rest[0], [-3.5, 3.5]);
+    assert_eq!(at_rest.map(jumps), [true, false]);
+}
+
 /// Every corner of the box, on matrices without structure.
 #[test]
 fn no_corner_of_the_input_limits_exceeds_an_effort() {

@@ -4,6 +4,18 @@ use super::defaults;
 use super::names::numbered;
 use super::types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};
 
+/// Speed [rad/s or m/s] that stands for "just moving": friction laws see their direction, all else sees rest. So small that a smooth law, however
+/// steep, changes by next to nothing between the two directions, and far enough from the smallest number that a slope times it is one.
+pub const JUST_MOVING: f64 = 1e-300;
+
+/// Largest difference that a smooth friction law may have over two [`JUST_MOVING`]: slopes up to 1e99 are smooth.
+const SMOOTH: f64 = 1e-200;
+
+/// True if friction jumps between these two values of [`Dynamics::friction_at_rest`], as dry friction does.
+pub fn jumps([backward, forward]: [f64; 2]) -> bool {
+    forward - backward > SMOOTH
+}
+
 /// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs, with
 /// `q = gravity + springs − friction`.
 ///
@@ -40,6 +52,14 @@ pub trait Dynamics<const N: usize, const M: usize> {
 
     /// Joint friction `τ(y, ẏ)`, positive for positive velocity; q holds −τ. Most laws depend on the velocities alone.
     fn friction_torques(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N];
+
+    /// Joint friction just before and just after rest, `[τ(y, 0−), τ(y, 0+)]` of each joint, by [`JUST_MOVING`] in either direction. The two differ
+    /// where friction is dry, as with an exact `sign`; see [`jumps`].
+    fn friction_at_rest(&self, y: &[f64; N]) -> [[f64; 2]; N] {
+        let backward = self.friction_torques(y, &[-JUST_MOVING; N]);
+        let forward = self.friction_torques(y, &[JUST_MOVING; N]);
+        core::array::from_fn(|i| [backward[i], forward[i]])
+    }
 
     /// Input matrix `B`, constant; holds the gear ratios.
     fn input_matrix(&self) -> [[f64; M]; N];
