@@ -28,6 +28,7 @@ pub(crate) fn quoted(word: &str) -> String {
 }
 
 /// A text of TOML.
+#[cfg(feature = "cli")]
 pub(crate) fn toml_text(text: &str) -> String {
     let mut out = String::from("\"");
     for letter in text.chars() {

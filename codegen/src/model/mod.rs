@@ -27,6 +27,7 @@ mod xacro;
 
 pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
 pub use options::{FUNCTIONS, is_known_function};
+#[cfg(feature = "cli")]
 pub(crate) use read::is_xml;
 pub use read::{Load, Loaded, ReadOptions, from_toml, from_urdf, read};
 
