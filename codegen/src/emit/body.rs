@@ -1,21 +1,19 @@
-//! The statements of a function: one `let` per instruction.
+//! The values of a function: their names, and how operands and results are written.
 
 use std::ops::Range;
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
 
-use super::literal::Scalar;
-use super::math::Math;
-use super::{Context, into, math, names};
-use crate::functions::function::Function;
+use super::context::Context;
+use super::names;
 use crate::program::flow::{Flow, operands};
 use crate::program::{Operand, Operation, Output, Program, Shape};
 
-/// Prints the parts of one function's body.
+/// One function's program with the names of its values.
+#[derive(Clone)]
 pub(super) struct Body<'a> {
-    context: &'a Context<'a>,
-    scalar: Scalar,
+    pub(super) context: &'a Context<'a>,
     pub(super) program: &'a Program,
     pub(super) flow: Flow,
     /// Names of the input arrays.
@@ -23,20 +21,17 @@ pub(super) struct Body<'a> {
     /// Names of the results, where they are written in place.
     pub(super) results: Vec<Ident>,
     /// Name of each value.
-    names: Vec<Ident>,
-    /// What follows an entry of an input or result: the column of an array.
+    pub(super) names: Vec<Ident>,
+    /// What follows an entry of an input or result: the column of an array, or a lane.
     pub(super) column: Option<TokenStream>,
     /// Whether each value is an entry of a result that is written in place.
-    entries: Vec<bool>,
+    stored: Vec<bool>,
 }
 
 impl<'a> Body<'a> {
-    pub(super) fn new(context: &'a Context<'a>, function: &'a Function) -> Self {
-        Self::with_results(
-            context,
-            &function.program,
-            into::is_large(&function.program),
-        )
+    /// With results written in place where they are large.
+    pub(super) fn new(context: &'a Context<'a>, program: &'a Program) -> Self {
+        Self::with_results(context, program, program.has_large_results())
     }
 
     /// With all results written in place.
@@ -47,38 +42,47 @@ impl<'a> Body<'a> {
     fn with_results(context: &'a Context<'a>, program: &'a Program, in_place: bool) -> Self {
         let mut taken = context.reserved.clone();
         taken.push("p".to_owned());
-        let arguments = names::distinct(
-            program.inputs.iter().map(|input| input.name.as_str()),
-            &taken,
-        );
+        let inputs = program.inputs.iter().map(|input| input.name.as_str());
+        let arguments = names::distinct(inputs, &taken);
         taken.extend(arguments.iter().map(ToString::to_string));
         let results = match in_place {
-            true => into::result_names(program, &taken),
+            true => result_names(program, &taken),
             false => vec![],
         };
         taken.extend(results.iter().map(ToString::to_string));
-        let values = program
-            .instructions
-            .iter()
-            .map(|instruction| instruction.name.as_str());
-        let names = names::distinct(values, &taken);
-        let flow = Flow::new(program);
-        let mut entries = vec![false; program.instructions.len()];
-        for entry in program.outputs.iter().flat_map(|output| &output.entries) {
-            if let (Operand::Value(value), false) = (entry, results.is_empty()) {
-                entries[flow.canonical(*value)] = true;
-            }
-        }
-        Self {
+        let instructions = program.instructions.iter();
+        let names = names::distinct(instructions.map(|each| each.name.as_str()), &taken);
+        let mut body = Self {
             context,
-            scalar: context.options.scalar,
             program,
-            flow,
-            entries,
+            flow: Flow::new(program),
             arguments,
             results,
+            stored: vec![false; names.len()],
             names,
             column: None,
+        };
+        for entry in program.entries().filter(|_| in_place) {
+            if let Some(made) = body.made(entry) {
+                body.stored[made] = true;
+            }
+        }
+        body
+    }
+
+    /// The same body, whose statements do not store into the results.
+    pub(super) fn without_stores(&self) -> Self {
+        Self {
+            stored: vec![],
+            ..self.clone()
+        }
+    }
+
+    /// The same body, which stores nothing and whose inputs have a column: of an array, or a lane.
+    pub(super) fn with_column(&self, column: TokenStream) -> Self {
+        Self {
+            column: Some(column),
+            ..self.without_stores()
         }
     }
 
@@ -101,13 +105,8 @@ impl<'a> Body<'a> {
 
     /// All numbers in the text.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
-        let results = self
-            .program
-            .outputs
-            .iter()
-            .flat_map(|output| output.entries.iter().copied());
         self.numbers_in(0..self.program.instructions.len())
-            .chain(results.filter_map(constant))
+            .chain(self.program.entries().filter_map(constant))
     }
 
     /// The numbers in these instructions.
@@ -116,199 +115,6 @@ impl<'a> Body<'a> {
             .iter()
             .flat_map(|instruction| operands(instruction.operation))
             .filter_map(constant)
-    }
-
-    /// From now on statements do not store into the results.
-    pub(super) fn stop_storing(&mut self) {
-        self.entries.clear();
-    }
-
-    /// The statements of a run of instructions.
-    pub(super) fn statements(&self, range: Range<usize>) -> Vec<TokenStream> {
-        self.statements_among(range, |_| true)
-    }
-
-    /// Those statements of a run whose instructions are wanted.
-    pub(super) fn statements_among(
-        &self,
-        range: Range<usize>,
-        is_wanted: impl Fn(usize) -> bool,
-    ) -> Vec<TokenStream> {
-        self.statements_with(range, is_wanted, |index| self.stores(index))
-    }
-
-    /// The same, where nothing is stored into the results.
-    pub(super) fn statements_without_stores(
-        &self,
-        range: Range<usize>,
-        is_wanted: impl Fn(usize) -> bool,
-    ) -> Vec<TokenStream> {
-        self.statements_with(range, is_wanted, |_| vec![])
-    }
-
-    fn statements_with(
-        &self,
-        mut range: Range<usize>,
-        is_wanted: impl Fn(usize) -> bool,
-        stores: impl Fn(usize) -> Vec<TokenStream>,
-    ) -> Vec<TokenStream> {
-        let is_made = |index: &usize| self.flow.is_made(*index) && is_wanted(*index);
-        let made: Vec<usize> = range.by_ref().filter(is_made).collect();
-        let mut statements = Vec::with_capacity(made.len());
-        let mut rest = made.as_slice();
-        while let Some((&first, others)) = rest.split_first() {
-            let (angles, after) = rest.split_at(self.leading_angles(rest));
-            if angles.len() > 1 {
-                statements.extend(self.angles(angles));
-                statements.extend(angles.iter().flat_map(|&angle| stores(angle)));
-                rest = after;
-            } else {
-                statements.extend(self.statement(first));
-                statements.extend(stores(first));
-                rest = others;
-            }
-        }
-        statements
-    }
-
-    /// What the results take from a new value, where they are written in place.
-    fn stores(&self, index: usize) -> Vec<TokenStream> {
-        match self.entries.get(index) {
-            Some(true) => into::stores(self, |made| made == Some(index)),
-            _ => vec![],
-        }
-    }
-
-    /// How many of the first instructions make sine and cosine of angles that are known before all of them.
-    fn leading_angles(&self, instructions: &[usize]) -> usize {
-        let start = instructions.first().copied().unwrap_or(0);
-        let is_early = |&&index: &&usize| match self.program.instructions[index].operation {
-            Operation::SinCos(Operand::Value(angle)) => self.flow.made_at[angle] < start,
-            Operation::SinCos(_) => true,
-            Operation::CosineOf(_) => true,
-            _ => false,
-        };
-        match self.context.options.math {
-            Math::Embedded => instructions.iter().take_while(is_early).count(),
-            Math::Std => 0,
-        }
-    }
-
-    /// One call for up to eight angles: they become lanes, and angles in registers avoid the way through memory.
-    /// Seven angles took 22 ns as one padded call of eight, 31 ns as calls of 4, 2 and 1, 54 ns one by one (AVX2).
-    fn angles(&self, instructions: &[usize]) -> Vec<TokenStream> {
-        let mut rest: Vec<usize> = instructions.to_vec();
-        rest.retain(|&index| {
-            matches!(
-                self.program.instructions[index].operation,
-                Operation::SinCos(_)
-            )
-        });
-        let mut statements = Vec::new();
-        while !rest.is_empty() {
-            let lanes = match rest.len() {
-                1 => 1,
-                2 => 2,
-                3..=6 => 4,
-                _ => 8,
-            };
-            let batch: Vec<usize> = rest.drain(..lanes.min(rest.len())).collect();
-            match batch.as_slice() {
-                [angle] => statements.extend(self.statement(*angle)),
-                batch => statements.push(self.batch(batch, lanes)),
-            }
-        }
-        statements
-    }
-
-    fn batch(&self, batch: &[usize], lanes: usize) -> TokenStream {
-        let (sines, cosines): (Vec<_>, Vec<_>) = batch
-            .iter()
-            .map(|&index| self.sine_and_cosine(index))
-            .unzip();
-        let angles: Vec<TokenStream> = batch
-            .iter()
-            .filter_map(|&index| match self.program.instructions[index].operation {
-                Operation::SinCos(angle) => Some(self.operand(angle)),
-                _ => None,
-            })
-            .collect();
-        let call = math::sin_cos_of(self.context, lanes, &angles);
-        let (sines, cosines) = (pattern(sines, lanes), pattern(cosines, lanes));
-        quote!(let (#sines, #cosines) = #call;)
-    }
-
-    /// The statement of an instruction; `None` where nothing reads its value, or another statement makes it.
-    fn statement(&self, index: usize) -> Option<TokenStream> {
-        if !self.flow.is_made(index) {
-            return None;
-        }
-        let operation = self.program.instructions[index].operation;
-        let value = self.expression(operation)?;
-        let Operation::SinCos(_) = operation else {
-            let name = &self.names[index];
-            return Some(quote!(let #name = #value;));
-        };
-        let (sine, cosine) = self.sine_and_cosine(index);
-        let (sine, cosine) = (or_nothing(sine), or_nothing(cosine));
-        Some(quote!(let (#sine, #cosine) = #value;))
-    }
-
-    /// Names for what a `SinCos` makes, where it is read.
-    fn sine_and_cosine(&self, index: usize) -> (Option<&Ident>, Option<&Ident>) {
-        (
-            self.flow.is_read[index].then(|| &self.names[index]),
-            self.flow.cosine[index].map(|cosine| &self.names[cosine]),
-        )
-    }
-
-    /// The right-hand side of an instruction; `None` for the cosine of a pair.
-    pub(super) fn expression(&self, operation: Operation) -> Option<TokenStream> {
-        // Two bare literals would leave the number type open for a method called on the value.
-        let binary = |a, b| match b {
-            Operand::Constant(_) => (self.receiver(a), self.operand(b)),
-            _ => (self.operand(a), self.operand(b)),
-        };
-        Some(match operation {
-            Operation::Add(a, b) => {
-                let (a, b) = binary(a, b);
-                quote!(#a + #b)
-            }
-            Operation::Subtract(a, b) => {
-                let (a, b) = binary(a, b);
-                quote!(#a - #b)
-            }
-            Operation::Multiply(a, b) => {
-                let (a, b) = binary(a, b);
-                quote!(#a * #b)
-            }
-            Operation::Divide(a, b) => {
-                let (a, b) = binary(a, b);
-                quote!(#a / #b)
-            }
-            Operation::Negate(a) => self.negated(a),
-            Operation::MultiplyAdd(a, b, c) => {
-                let (a, b, c) = (self.receiver(a), self.operand(b), self.operand(c));
-                quote!(#a.mul_add(#b, #c))
-            }
-            Operation::SinCos(a) => {
-                math::sin_cos(self.context, &self.receiver(a), &self.operand(a))
-            }
-            Operation::CosineOf(_) => return None,
-            Operation::Call(function, a) => {
-                math::call(self.context, function, &self.receiver(a), &self.operand(a))
-            }
-        })
-    }
-
-    fn negated(&self, operand: Operand) -> TokenStream {
-        match operand {
-            Operand::Constant(number) => self.scalar.typed(-number),
-            _ => {
-                let operand = self.operand(operand);
-                quote!(-#operand)
-            }
-        }
     }
 
     /// An operand of an operator, an argument or an entry of a result.
@@ -327,72 +133,51 @@ impl<'a> Body<'a> {
                 let field = &self.context.parameters[index];
                 quote!(p.#field)
             }
-            Operand::Constant(number) => self.scalar.literal(number),
+            Operand::Constant(number) => self.context.options.scalar.literal(number),
         }
     }
 
-    /// An operand of one state, where inputs are arrays of lanes.
-    pub(super) fn operand_in_lane(&self, operand: Operand) -> TokenStream {
-        let value = self.operand(operand);
-        match operand {
-            Operand::Input(..) => quote!(#value.0[W * group + lane]),
-            _ => value,
+    /// The value that an entry is, where it is one.
+    pub(super) fn made(&self, entry: Operand) -> Option<usize> {
+        match entry {
+            Operand::Value(made) => Some(self.flow.canonical(made)),
+            _ => None,
         }
     }
 
-    /// Statements of sums, differences and the like where inputs are arrays of lanes.
-    pub(super) fn statements_in_lane(
-        &self,
-        instructions: impl Iterator<Item = usize>,
-    ) -> Vec<TokenStream> {
-        let made = instructions.filter_map(|index| {
-            let lane = |operand| self.operand_in_lane(operand);
-            let value = match self.program.instructions[index].operation {
-                Operation::Add(a, b) => binary(lane(a), quote!(+), lane(b)),
-                Operation::Subtract(a, b) => binary(lane(a), quote!(-), lane(b)),
-                Operation::Multiply(a, b) => binary(lane(a), quote!(*), lane(b)),
-                Operation::Divide(a, b) => binary(lane(a), quote!(/), lane(b)),
-                Operation::Negate(a) => {
-                    let a = lane(a);
-                    quote!(-#a)
-                }
-                Operation::MultiplyAdd(a, b, c) => {
-                    let (a, b, c) = (lane(a), lane(b), lane(c));
-                    quote!(#a.mul_add(#b, #c))
-                }
-                _ => return None,
-            };
-            let name = &self.names[index];
-            Some(quote!(let #name = #value;))
-        });
-        made.collect()
+    /// The stores of those entries that are wanted.
+    pub(super) fn stores(&self, is_wanted: impl Fn(Operand) -> bool) -> Vec<TokenStream> {
+        let mut stores = Vec::new();
+        for (output, name) in self.program.outputs.iter().zip(&self.results) {
+            let entries = output.entries.iter().copied().enumerate();
+            for (index, entry) in entries.filter(|&(_, entry)| is_wanted(entry)) {
+                let (place, entry) = (place(output, name, index), self.operand(entry));
+                let star = matches!(output.shape, Shape::Scalar).then(|| quote!(*));
+                let column = &self.column;
+                stores.push(quote!(#star #place #column = #entry;));
+            }
+        }
+        stores
     }
 
-    /// An operand that a method is called on.
-    fn receiver(&self, operand: Operand) -> TokenStream {
-        match operand {
-            Operand::Constant(number) => self.scalar.receiver(number),
-            _ => self.operand(operand),
+    /// What the results take from a new value, where they are written in place.
+    pub(super) fn stores_of(&self, index: usize) -> Vec<TokenStream> {
+        match self.stored.get(index) {
+            Some(true) => self.stores(|entry| self.made(entry) == Some(index)),
+            _ => vec![],
         }
     }
 
     /// The results as one expression: a value, or a tuple of several.
     pub(super) fn returned(&self) -> TokenStream {
-        let outputs = self
-            .program
-            .outputs
-            .iter()
-            .map(|output| self.result(output));
-        match self.program.outputs.len() {
-            1 => quote!(#(#outputs)*),
-            _ => quote!((#(#outputs),*)),
-        }
+        let outputs = self.program.outputs.iter();
+        tuple(outputs.map(|output| self.result(output)))
     }
 
     fn result(&self, output: &Output) -> TokenStream {
         let mut entries = output.entries.iter().map(|&entry| self.operand(entry));
         match output.shape {
-            Shape::Scalar => entries.next().unwrap_or_else(|| self.scalar.literal(0.0)),
+            Shape::Scalar => entries.next().unwrap_or_else(|| self.context.zero()),
             Shape::Vector(_) => quote!([#(#entries),*]),
             Shape::Matrix(rows, columns) => {
                 let entries: Vec<TokenStream> = entries.collect();
@@ -404,24 +189,58 @@ impl<'a> Body<'a> {
             }
         }
     }
-}
 
-fn binary(a: TokenStream, operator: TokenStream, b: TokenStream) -> TokenStream {
-    quote!(#a #operator #b)
-}
-
-fn or_nothing(name: Option<&Ident>) -> TokenStream {
-    name.map_or_else(|| quote!(_), |name| quote!(#name))
-}
-
-/// An array pattern of `len` entries; what is not read at its end is not named.
-fn pattern(mut names: Vec<Option<&Ident>>, len: usize) -> TokenStream {
-    while names.last().is_some_and(Option::is_none) {
-        names.pop();
+    /// The last value, where it alone is the result: it needs no name (clippy's `let_and_return`).
+    pub(super) fn returned_value(&self) -> Option<usize> {
+        let [output] = self.program.outputs.as_slice() else {
+            return None;
+        };
+        let (Shape::Scalar, [Operand::Value(index)]) = (output.shape, output.entries.as_slice())
+        else {
+            return None;
+        };
+        let instructions = &self.program.instructions;
+        let last = (0..instructions.len())
+            .rev()
+            .find(|&index| self.flow.is_made(index))?;
+        let is_pair = matches!(instructions[last].operation, Operation::SinCos(_));
+        (last == *index && !is_pair).then_some(last)
     }
-    let rest = (names.len() < len).then(|| quote!(..));
-    let names = names.into_iter().map(or_nothing).chain(rest);
-    quote!([#(#names),*])
+}
+
+/// One value, or several as a tuple.
+pub(super) fn tuple(values: impl ExactSizeIterator<Item = TokenStream>) -> TokenStream {
+    match values.len() {
+        1 => quote!(#(#values)*),
+        _ => quote!((#(#values),*)),
+    }
+}
+
+/// Argument names for the results, letters of formulas spelled out.
+pub(super) fn result_names(program: &Program, taken: &[String]) -> Vec<Ident> {
+    let spelled = program.outputs.iter().map(|output| {
+        let name = output.name.replace("⁻¹", "_inverse").replace('ẏ', "v");
+        let name = name.replace('ÿ', "a").replace('∂', "d");
+        name.replace(['/', ' '], "_").to_lowercase()
+    });
+    let spelled: Vec<String> = spelled.collect();
+    names::distinct(spelled.iter().map(String::as_str), taken)
+}
+
+/// An entry of a result.
+pub(super) fn place(output: &Output, name: &Ident, index: usize) -> TokenStream {
+    let literal = Literal::usize_unsuffixed;
+    match output.shape {
+        Shape::Scalar => quote!(#name),
+        Shape::Vector(_) => {
+            let index = literal(index);
+            quote!(#name[#index])
+        }
+        Shape::Matrix(_, columns) => {
+            let (row, column) = (literal(index / columns.len), literal(index % columns.len));
+            quote!(#name[#row][#column])
+        }
+    }
 }
 
 fn constant(operand: Operand) -> Option<f64> {

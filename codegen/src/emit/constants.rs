@@ -3,8 +3,9 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
+use super::context::Context;
 use super::doc_comment::DocComment;
-use super::{Context, lints};
+use super::lints;
 use crate::model::{Drive, Input, Joint, Model};
 
 /// Names of all constants that a module can have.
@@ -42,8 +43,8 @@ pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
 }
 
 fn sizes(context: &Context<'_>) -> Vec<TokenStream> {
-    let n = proc_macro2::Literal::usize_unsuffixed(context.coordinates);
-    let m = proc_macro2::Literal::usize_unsuffixed(context.inputs);
+    let n = proc_macro2::Literal::usize_unsuffixed(context.model.coordinates.len());
+    let m = proc_macro2::Literal::usize_unsuffixed(context.model.inputs().count());
     vec![
         quote! {
             #[doc = " Number of coordinates."]

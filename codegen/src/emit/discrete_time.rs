@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 
+use super::context::Context;
 use super::doc_comment::{DocComment, code};
 use super::literal::Scalar;
-use super::{Context, lints, pasted};
+use super::{lints, pasted};
 use crate::functions::composition::Composition;
 use crate::functions::function::Function;
 use gelenk_kernels::discrete_time::Text;
@@ -45,8 +46,8 @@ fn function(context: &Context<'_>, functions: &[Function], function: Composition
     let ty = context.options.scalar.ty();
     let identifier = |name: &str| Ident::new(name, Span::call_site());
     let (name, callee) = (identifier(function.name()), identifier(function.calls()));
-    let parameters = context.has_parameters().then(|| quote!(, p: &Parameters));
-    let p = context.has_parameters().then(|| quote!(, p));
+    let parameters = context.declared_parameters().map(|p| quote!(, #p));
+    let p = context.passed_parameters().map(|p| quote!(, #p));
     let results = function.results().iter().map(|(_, dimensions, _)| {
         dimensions.iter().rev().fold(ty.clone(), |entry, size| {
             let size: TokenStream = match size.parse::<usize>() {
@@ -96,7 +97,7 @@ fn documentation(
     doc.gap();
     doc.item("`y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module");
     doc.item("`period`: sample time in s, over which u is held");
-    if context.has_parameters() {
+    if context.passed_parameters().is_some() {
         doc.item("`p`: free parameters");
     }
     for (symbol, dimensions, meaning) in function.results() {

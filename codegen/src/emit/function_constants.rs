@@ -3,8 +3,9 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
+use super::context::Context;
 use super::doc_comment::DocComment;
-use super::{Context, lints};
+use super::lints;
 use crate::functions::function::{Constant, ConstantValue, Function};
 
 /// All constants of a function.

@@ -1,12 +1,11 @@
 //! Where generated code takes sine, cosine, tanh and exp from: the one place that knows.
 
-use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::quote;
 
-use super::Context;
+use super::context::Context;
 use super::literal::Scalar;
 use super::pasted;
 use crate::formula::Function as Call;
@@ -29,13 +28,6 @@ pub enum Math {
 
 /// Names of the module's own functions: nothing else may be named like them.
 pub(super) const RESERVED: [&str; 1] = ["sign"];
-
-/// What the functions printed so far call.
-#[derive(Debug, Default)]
-pub(super) struct Calls {
-    kernels: RefCell<BTreeSet<Kernel>>,
-    sign: Cell<bool>,
-}
 
 /// A call of a function of one argument, which stands as `receiver` before a method and as `argument` in parentheses.
 pub(super) fn call(

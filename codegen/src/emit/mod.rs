@@ -10,31 +10,34 @@ mod array_kernels;
 mod arrays;
 mod body;
 pub(crate) mod constants;
+mod context;
 mod discrete_time;
 mod doc_comment;
 mod function;
 mod function_constants;
 mod header;
-mod into;
 mod lanes;
 mod lints;
 mod literal;
 mod math;
 pub mod names;
 mod parameters;
+mod parts;
 mod pasted;
+mod public;
 mod self_test;
-mod split;
+mod signature;
+mod statements;
+mod straight;
 
 pub use header::{FIRST_LINE, documentation};
 pub(crate) use lanes::obstacle as obstacle_to_lanes;
 pub use literal::Scalar;
 pub use math::Math;
 
-use std::cell::Cell;
+use proc_macro2::TokenStream;
 
-use proc_macro2::{Ident, TokenStream};
-
+use self::context::Context;
 use crate::functions::composition::Composition;
 use crate::functions::function::Function;
 use crate::functions::module_constants;
@@ -99,11 +102,14 @@ pub fn module(
     compositions: &[Composition],
     options: &EmitOptions,
 ) -> SourceFile {
-    let context = Context::new(model, functions, options);
+    let context = Context::new(model, functions, options, reserved());
     let mut text = header::comment(model, options);
     push_items(&mut text, constants::items(&context));
     push_items(&mut text, parameters::items(&context));
-    if functions.iter().any(|function| context.has_lanes(function)) {
+    if functions
+        .iter()
+        .any(|function| lanes::is_wanted(&context, function))
+    {
         push_items(&mut text, [lanes::item(&context)]);
     }
     let before_functions = text.len();
@@ -129,79 +135,24 @@ pub fn module(
     text.push_str(math::guard(functions));
     push_items(&mut text, self_test::items(&context, functions));
     SourceFile {
-        name: context.name,
+        name: names::identifier(&model.name).to_string(),
         text,
     }
 }
 
-/// What all parts of a module have in common.
-struct Context<'a> {
-    model: &'a Model,
-    options: &'a EmitOptions,
-    /// Name of the module, a checked identifier.
-    name: String,
-    /// Number of coordinates, `N`.
-    coordinates: usize,
-    /// Number of inputs, `M`.
-    inputs: usize,
-    /// Field names of `Parameters`.
-    parameters: Vec<Ident>,
-    /// Names of the functions.
-    functions: Vec<Ident>,
-    /// Elementary functions that were called so far.
-    calls: math::Calls,
-    /// Whether a function over lanes has something to keep between its loops.
-    has_groups: Cell<bool>,
-    /// Names that no argument or value inside a function may take: a constant's would be a pattern, not a variable.
-    reserved: Vec<String>,
-    /// Private functions of array forms, which several functions call.
-    shared: arrays::Shared,
-}
-
-impl<'a> Context<'a> {
-    fn new(model: &'a Model, functions: &[Function], options: &'a EmitOptions) -> Self {
-        let parameter_names = model
-            .parameters
-            .iter()
-            .map(|parameter| parameter.name.as_str());
-        let mut reserved: Vec<String> =
-            math::RESERVED.iter().map(|&name| name.to_owned()).collect();
-        reserved.extend(constants::NAMES.iter().map(|&name| name.to_owned()));
-        reserved.extend(module_constants::NAMES.iter().map(|&name| name.to_owned()));
-        reserved.extend(discrete_time::RESERVED.iter().map(|&name| name.to_owned()));
-        reserved.extend(Composition::ALL.iter().map(|each| each.name().to_owned()));
-        reserved.extend(arrays::RESERVED.iter().map(|&name| name.to_owned()));
-        reserved.extend(lanes::RESERVED.iter().map(|&name| name.to_owned()));
-        let functions = names::distinct(
-            functions.iter().map(|function| function.name.as_str()),
-            &reserved,
-        );
-        reserved.extend(functions.iter().map(ToString::to_string));
-        Self {
-            model,
-            options,
-            name: names::identifier(&model.name).to_string(),
-            coordinates: model.coordinates.len(),
-            inputs: model.inputs().count(),
-            parameters: names::distinct(parameter_names, &[]),
-            functions,
-            calls: math::Calls::default(),
-            has_groups: Cell::new(false),
-            shared: arrays::Shared::default(),
-            reserved,
-        }
-    }
-
-    /// Whether a function is also written over lanes.
-    fn has_lanes(&self, function: &Function) -> bool {
-        self.options.lanes.contains(&function.name)
-            && function.arrays.is_none()
-            && lanes::obstacle(&function.program, self.options.math).is_none()
-    }
-
-    fn has_parameters(&self) -> bool {
-        !self.parameters.is_empty()
-    }
+/// Names that the module takes for itself.
+fn reserved() -> Vec<String> {
+    let compositions = Composition::ALL.map(Composition::name);
+    let names: [&[&str]; 7] = [
+        &math::RESERVED,
+        &constants::NAMES,
+        &module_constants::NAMES,
+        &discrete_time::RESERVED,
+        &compositions,
+        &arrays::RESERVED,
+        &lanes::RESERVED,
+    ];
+    names.concat().into_iter().map(str::to_owned).collect()
 }
 
 fn push_items(text: &mut String, items: impl IntoIterator<Item = TokenStream>) {

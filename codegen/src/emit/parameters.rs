@@ -3,13 +3,14 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
+use super::context::Context;
 use super::doc_comment::{DocComment, code, plain};
-use super::{Context, lints};
+use super::lints;
 use crate::model::Parameter;
 
 /// The struct, its described values, and `Default`; nothing for a model without free parameters.
 pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
-    if !context.has_parameters() {
+    if !context.passed_parameters().is_some() {
         return vec![];
     }
     let scalar = context.options.scalar;

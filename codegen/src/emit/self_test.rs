@@ -3,7 +3,8 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::{Context, Scalar, lints};
+use super::context::Context;
+use super::{Scalar, lints};
 use crate::functions::function::Function;
 use crate::program::Shape;
 use crate::self_test::SelfTest;
@@ -60,9 +61,8 @@ fn test(context: &Context<'_>, function: &Function, calls: &[&SelfTest]) -> Toke
     let outputs = function.program.outputs.iter();
     let shapes: Vec<Shape> = outputs.map(|output| output.shape).collect();
     let literal = |x: &f64| context.options.scalar.literal(*x);
-    let parameters = context
-        .has_parameters()
-        .then(|| quote!(&super::Parameters::default()));
+    let parameters = context.passed_parameters();
+    let parameters = parameters.map(|_| quote!(&super::Parameters::default()));
     let numbers = calls
         .iter()
         .flat_map(|call| call.arguments.iter().chain(&call.results));

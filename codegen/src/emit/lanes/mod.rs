@@ -3,24 +3,23 @@
 //! Sines and cosines come first, by a loop of their own. The rest are inlined functions of one state, which the scalar
 //! function calls once and the one over lanes in a loop over the states: a loop whose every index is written out
 //! becomes SIMD code however long its body is, while an inner loop, or arrays of lanes with operators, would keep the
-//! compiler from it. What a long function computes is cut into several such loops ([`plan`]).
+//! compiler from it. What a long function computes is cut into several such loops ([`Plan`]).
 
 mod form;
-mod plan;
 mod scalar;
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::Context;
+use super::Math;
 use super::body::Body;
-use super::function::Signature;
-use super::math::Math;
+use super::context::Context;
+use super::signature::Signature;
+use super::{parts, public};
 use crate::functions::function::Function;
-use crate::program::Program;
-
-pub(super) use plan::Plan;
-pub(super) use scalar::statements as scalar_statements;
+use crate::program::flow::{Flow, operands};
+use crate::program::lanes::{self, Plan};
+use crate::program::{Operand, Program};
 
 /// States per call: one register of AVX-512, two of AVX2, four of SSE2 or Neon.
 const LANES: usize = 8;
@@ -46,14 +45,14 @@ pub(super) const RESERVED: [&str; 2] = ["Lanes", "Group"];
 /// Why a function has no form over lanes; `None` where it has one.
 pub(crate) fn obstacle(program: &Program, math: Math) -> Option<&'static str> {
     match math {
-        Math::Embedded => plan::obstacle(program),
+        Math::Embedded => lanes::obstacle(program),
         Math::Std => Some("functions of std have no form over lanes"),
     }
 }
 
 /// The type of eight values.
 pub(super) fn item(context: &Context<'_>) -> TokenStream {
-    let ty = context.options.scalar.ty();
+    let ty = context.ty();
     let len = Literal::usize_unsuffixed(LANES);
     quote! {
         #[doc = " One quantity of eight states side by side, aligned for SIMD registers."]
@@ -66,7 +65,7 @@ pub(super) fn item(context: &Context<'_>) -> TokenStream {
 /// The type of what stands between the loops of a function; none where no function printed so far has any: neither angles
 /// nor parts that hand on values.
 pub(super) fn group(context: &Context<'_>) -> Option<TokenStream> {
-    let ty = context.options.scalar.ty();
+    let ty = context.ty();
     context.has_groups.get().then(|| {
         quote! {
             #[doc = " One quantity of those states that are computed at a time."]
@@ -77,25 +76,40 @@ pub(super) fn group(context: &Context<'_>) -> Option<TokenStream> {
     })
 }
 
+/// Whether a function is also written over lanes.
+pub(super) fn is_wanted(context: &Context<'_>, function: &Function) -> bool {
+    context.options.lanes.contains(&function.name)
+        && function.arrays.is_none()
+        && obstacle(&function.program, context.options.math).is_none()
+}
+
 /// How a function is divided, where lanes are asked for and possible.
-pub(super) fn plan(context: &Context<'_>, body: &Body<'_>, function: &Function) -> Option<Plan> {
-    if !context.has_lanes(function) {
+pub(super) fn plan(context: &Context<'_>, function: &Function) -> Option<Plan> {
+    if !is_wanted(context, function) {
         return None;
     }
     let longest = context.options.longest_function.min(LONGEST_LOOP);
-    Plan::new(body.program, &body.flow, longest)
+    Plan::new(&function.program, &Flow::new(&function.program), longest)
 }
 
-/// The bodies and the functions over lanes.
+/// The public functions of one state, their bodies, and the functions over lanes.
 pub(super) fn items(
     context: &Context<'_>,
-    body: &Body<'_>,
+    function: &Function,
     name: &Ident,
-    signature: &Signature,
     plan: &Plan,
 ) -> Vec<TokenStream> {
-    let mut items = scalar::items(context, body, name, signature, plan);
-    items.extend(form::items(context, body, name, signature, plan));
+    let body = Body::new(context, &function.program);
+    let signature = Signature::new(&body);
+    let angles = plan.angles.iter();
+    let angles = angles.map(|&index| body.program.instructions[index].operation);
+    let read: Vec<Operand> = angles.flat_map(operands).collect();
+    let unused = parts::unused(&body, &plan.parts, read.into_iter());
+    let statements = scalar::statements(&body, name, plan);
+    let statements = quote!(#(let _ = #unused;)* #statements);
+    let mut items = public::items(function, &body, name, &signature, &statements);
+    items.extend(scalar::items(&body, name, &signature, plan));
+    items.extend(form::items(&body, name, plan, &unused));
     items
 }
 
