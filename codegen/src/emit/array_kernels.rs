@@ -1,6 +1,6 @@
 //! The loops of array forms, pasted into modules that need them.
 
-use super::literal::Scalar;
+use super::options::Scalar;
 use super::pasted;
 use crate::functions::function::Function;
 use crate::program::arrays::{ArrayForm, Arrays, Step};

@@ -7,14 +7,13 @@ use gelenk_kernels::math::Kernel;
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
-use super::EmitOptions;
 use super::names;
-use crate::functions::function::Function;
-use crate::model::Model;
+use super::options::EmitOptions;
+use crate::module::Module;
 
 /// A module while it is printed.
 pub(super) struct Context<'a> {
-    pub(super) model: &'a Model,
+    pub(super) module: &'a Module,
     pub(super) options: &'a EmitOptions,
     /// Field names of `Parameters`.
     pub(super) parameters: Vec<Ident>,
@@ -22,6 +21,8 @@ pub(super) struct Context<'a> {
     pub(super) functions: Vec<Ident>,
     /// Elementary functions that were called so far.
     pub(super) calls: Calls,
+    /// Whether a function is written over lanes.
+    pub(super) has_lanes: Cell<bool>,
     /// Whether a function over lanes has something to keep between its loops.
     pub(super) has_groups: Cell<bool>,
     /// Names that no argument or value inside a function may take: a constant's would be a pattern, not a variable.
@@ -33,21 +34,24 @@ pub(super) struct Context<'a> {
 impl<'a> Context<'a> {
     /// - `reserved`: names of the module's own constants and functions
     pub(super) fn new(
-        model: &'a Model,
-        functions: &[Function],
+        module: &'a Module,
         options: &'a EmitOptions,
         mut reserved: Vec<String>,
     ) -> Self {
-        let parameters = model.parameters.iter().map(|each| each.name.as_str());
-        let functions = functions.iter().map(|function| function.name.as_str());
+        let parameters = module.parameters.iter().map(|each| each.name.as_str());
+        let functions = module
+            .functions
+            .iter()
+            .map(|function| function.name.as_str());
         let functions = names::distinct(functions, &reserved);
         reserved.extend(functions.iter().map(ToString::to_string));
         Self {
-            model,
+            module,
             options,
             parameters: names::distinct(parameters, &[]),
             functions,
             calls: Calls::default(),
+            has_lanes: Cell::new(false),
             has_groups: Cell::new(false),
             shared: Shared::default(),
             reserved,

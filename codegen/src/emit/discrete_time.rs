@@ -7,42 +7,15 @@ use quote::quote;
 
 use super::context::Context;
 use super::doc_comment::{DocComment, code};
-use super::literal::Scalar;
+use super::options::Scalar;
 use super::{lints, pasted};
 use crate::functions::composition::Composition;
-use crate::functions::function::Function;
+use crate::module::ComposedFunction;
 use gelenk_kernels::discrete_time::Text;
 
-/// Names that the module takes for functions over a sample time.
-pub(super) const RESERVED: [&str; 1] = ["SUBSTEPS"];
-
-/// The functions, and the constant that they read.
-pub(super) fn items(
-    context: &Context<'_>,
-    functions: &[Function],
-    compositions: &[Composition],
-) -> Vec<TokenStream> {
-    let has_substeps = compositions.iter().any(|function| function.has_substeps());
-    let substeps = has_substeps.then(|| substeps(context));
-    let items = compositions
-        .iter()
-        .map(|&each| function(context, functions, each));
-    substeps.into_iter().chain(items).collect()
-}
-
-fn substeps(context: &Context<'_>) -> TokenStream {
-    let count = Literal::usize_unsuffixed(context.model.options.substeps.unwrap_or(1));
-    let documentation = DocComment::new(
-        "Runge–Kutta steps in one period of `step` and `step_derivatives`: `substeps` of the description.",
-    );
-    let documentation = documentation.tokens();
-    quote! {
-        #documentation
-        pub const SUBSTEPS: usize = #count;
-    }
-}
-
-fn function(context: &Context<'_>, functions: &[Function], function: Composition) -> TokenStream {
+/// A function.
+pub(super) fn item(context: &Context<'_>, composed: &ComposedFunction) -> TokenStream {
+    let function = composed.composition;
     let ty = context.options.scalar.ty();
     let identifier = |name: &str| Ident::new(name, Span::call_site());
     let (name, callee) = (identifier(function.name()), identifier(function.calls()));
@@ -76,7 +49,7 @@ fn function(context: &Context<'_>, functions: &[Function], function: Composition
     };
     let dimensions: Vec<usize> = function.results().iter().map(|r| r.1.len()).collect();
     let allowed = lints::for_result(&dimensions);
-    let documentation = documentation(context, functions, function).tokens();
+    let documentation = documentation(context, composed).tokens();
     quote! {
         #documentation
         #[must_use]
@@ -87,11 +60,8 @@ fn function(context: &Context<'_>, functions: &[Function], function: Composition
     }
 }
 
-fn documentation(
-    context: &Context<'_>,
-    functions: &[Function],
-    function: Composition,
-) -> DocComment {
+fn documentation(context: &Context<'_>, composed: &ComposedFunction) -> DocComment {
+    let function = composed.composition;
     let mut doc = DocComment::new(function.summary());
     doc.paragraph(&code(function.equation()));
     doc.gap();
@@ -104,35 +74,18 @@ fn documentation(
         let shape = dimensions.join(" × ");
         doc.item(&format!("returns `{symbol}: [{shape}]`: {meaning}"));
     }
-    doc.paragraph(&cost(context, functions, function));
+    doc.paragraph(&composed.cost_text);
     for note in function.notes() {
         doc.paragraph(note);
     }
     doc
 }
 
-fn cost(context: &Context<'_>, functions: &[Function], function: Composition) -> String {
-    let substeps = context.model.options.substeps.unwrap_or(1);
-    let calls = match function.call_count(substeps) {
-        1 => "one call".to_owned(),
-        count => format!("{count} calls"),
-    };
-    let callee = function.calls();
-    match function.cost_in(context.model, functions) {
-        Some(cost) => {
-            let cost = format!("Cost: {cost}, {calls} of `{callee}` included.");
-            let note = function.cost_note(context.model, functions);
-            note.map_or(cost.clone(), |note| format!("{cost} {note}"))
-        }
-        None => format!("Cost: {calls} of `{callee}`, and its own operations."),
-    }
-}
-
 /// The pasted texts in a module of their own.
-pub(super) fn text(scalar: Scalar, compositions: &[Composition]) -> String {
+pub(super) fn text(scalar: Scalar, compositions: &[ComposedFunction]) -> String {
     let texts: BTreeSet<Text> = compositions
         .iter()
-        .flat_map(|each| each.texts())
+        .flat_map(|each| each.composition.texts())
         .copied()
         .collect();
     if texts.is_empty() {

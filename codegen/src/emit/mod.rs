@@ -9,18 +9,18 @@ mod affine;
 mod array_kernels;
 mod arrays;
 mod body;
-pub(crate) mod constants;
+mod constants;
 mod context;
 mod discrete_time;
 mod doc_comment;
 mod function;
-mod function_constants;
 mod header;
 mod lanes;
 mod lints;
 mod literal;
 mod math;
 pub mod names;
+mod options;
 mod parameters;
 mod parts;
 mod pasted;
@@ -31,111 +31,48 @@ mod statements;
 mod straight;
 
 pub use header::{FIRST_LINE, documentation};
-pub(crate) use lanes::obstacle as obstacle_to_lanes;
-pub use literal::Scalar;
-pub use math::Math;
+pub use options::{EmitOptions, Math, Scalar, SourceFile};
 
 use proc_macro2::TokenStream;
 
 use self::context::Context;
 use crate::functions::composition::Composition;
-use crate::functions::function::Function;
 use crate::functions::module_constants;
-use crate::model::Model;
-use crate::self_test::SelfTest;
+use crate::module::{self, Module};
 
-/// So many statements stay one function. With debug information, as in Cargo's dev profile, rustc 1.95 nests one scope
-/// for each `let`, and LLVM recurses over them: 2 800 statements compile, 3 200 overflow the 2 MB of its thread's stack and
-/// end rustc. Without it, at opt-level 3, 9 000 statements need 0.9 s and 200 MB, 28 000 need 4 s and 490 MB; there longer
-/// functions would do, since parts exchange values.
-const LONGEST_FUNCTION: usize = 2_000;
-
-/// How a module is written.
-#[derive(Debug, Clone, PartialEq)]
-pub struct EmitOptions {
-    /// Number type of all functions and constants.
-    pub scalar: Scalar,
-    /// Where sine, cosine, tanh and exp come from.
-    pub math: Math,
-    /// What makes the file again, for its header: a command without absolute paths.
-    pub command: String,
-    /// Programs with more statements than this are split into private functions of at most so many.
-    pub longest_function: usize,
-    /// Functions that are also written over eight states at once, as far as they can be.
-    pub lanes: Vec<String>,
-    /// Lines below the description of the robot: what its reader should know about this module.
-    pub remarks: Vec<String>,
-    /// Calls that a test module at the end makes, those of one function together; none without such a module.
-    pub self_tests: Vec<SelfTest>,
-}
-
-impl Default for EmitOptions {
-    fn default() -> Self {
-        Self {
-            scalar: Scalar::F64,
-            math: Math::Embedded,
-            command: "gelenk generate".to_owned(),
-            longest_function: LONGEST_FUNCTION,
-            lanes: vec![],
-            remarks: vec![],
-            self_tests: vec![],
-        }
-    }
-}
-
-/// The text of a generated file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SourceFile {
-    /// Name of the module; the file is `<name>.rs`.
-    pub name: String,
-    /// Its whole text.
-    pub text: String,
-}
-
-/// Writes `functions` of `model` as one Rust module, and `compositions`, which call them.
+/// Writes a module as Rust.
 ///
 /// The text depends on the arguments alone. It needs no crate, has no inner attributes and names only `core::` paths.
 #[must_use]
-pub fn module(
-    model: &Model,
-    functions: &[Function],
-    compositions: &[Composition],
-    options: &EmitOptions,
-) -> SourceFile {
-    let context = Context::new(model, functions, options, reserved());
-    let mut text = header::comment(model, options);
-    push_items(&mut text, constants::items(&context));
+pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
+    let context = Context::new(module, options, reserved());
+    let constant = |constant| constants::item(&context, constant);
+    let mut text = header::comment(module, &options.command);
+    push_items(&mut text, constants::sizes(&context));
+    push_items(&mut text, module.constants.iter().map(constant));
     push_items(&mut text, parameters::items(&context));
-    if functions
-        .iter()
-        .any(|function| lanes::is_wanted(&context, function))
-    {
-        push_items(&mut text, [lanes::item(&context)]);
-    }
-    let before_functions = text.len();
-    for (index, function) in functions.iter().enumerate() {
-        push_items(&mut text, function_constants::items(&context, function));
+    let mut functions = String::new();
+    for (function, name) in module.functions.iter().zip(&context.functions) {
+        push_items(&mut functions, function.constants.iter().map(constant));
         // One function at a time: the syntax tree of a large one takes far more memory than its text.
-        push_items(
-            &mut text,
-            function::items(&context, function, &context.functions[index]),
-        );
+        push_items(&mut functions, function::items(&context, function, name));
     }
-    let mut groups = String::new();
-    push_items(&mut groups, lanes::group(&context));
-    text.insert_str(before_functions, &groups);
+    push_items(&mut text, lanes::types(&context));
+    text.push_str(&functions);
+    push_items(&mut text, module.substeps.iter().map(constant));
+    let composed = module.compositions.iter();
     push_items(
         &mut text,
-        discrete_time::items(&context, functions, compositions),
+        composed.map(|each| discrete_time::item(&context, each)),
     );
     push_items(&mut text, context.shared.take());
-    text.push_str(&array_kernels::text(options.scalar, functions));
+    text.push_str(&array_kernels::text(options.scalar, &module.functions));
     text.push_str(&math::text(&context));
-    text.push_str(&discrete_time::text(options.scalar, compositions));
-    text.push_str(math::guard(functions));
-    push_items(&mut text, self_test::items(&context, functions));
+    text.push_str(&discrete_time::text(options.scalar, &module.compositions));
+    text.push_str(math::guard(&module.functions));
+    push_items(&mut text, self_test::item(&context));
     SourceFile {
-        name: names::identifier(&model.name).to_string(),
+        name: names::identifier(&module.name).to_string(),
         text,
     }
 }
@@ -145,9 +82,9 @@ fn reserved() -> Vec<String> {
     let compositions = Composition::ALL.map(Composition::name);
     let names: [&[&str]; 7] = [
         &math::RESERVED,
-        &constants::NAMES,
+        &constants::RESERVED,
+        &module::constants::NAMES,
         &module_constants::NAMES,
-        &discrete_time::RESERVED,
         &compositions,
         &arrays::RESERVED,
         &lanes::RESERVED,

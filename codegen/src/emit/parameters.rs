@@ -16,16 +16,16 @@ pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
     let scalar = context.options.scalar;
     let ty = scalar.ty();
     let fields = &context.parameters;
-    let docs = context.model.parameters.iter().map(documentation);
+    let docs = context.module.parameters.iter().map(documentation);
     let values = context
-        .model
+        .module
         .parameters
         .iter()
         .map(|parameter| scalar.literal(parameter.default));
     let allowed_names = lints::for_names(fields);
     let allowed_numbers = lints::for_numbers(
         context
-            .model
+            .module
             .parameters
             .iter()
             .map(|parameter| parameter.default),

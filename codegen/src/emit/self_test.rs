@@ -4,7 +4,8 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::context::Context;
-use super::{Scalar, lints};
+use super::lints;
+use super::options::Scalar;
 use crate::functions::function::Function;
 use crate::program::Shape;
 use crate::self_test::SelfTest;
@@ -19,8 +20,8 @@ fn tolerance(scalar: Scalar) -> f64 {
 }
 
 /// The test module; nothing where there are no tests.
-pub(super) fn items(context: &Context<'_>, functions: &[Function]) -> Option<TokenStream> {
-    let tests = &context.options.self_tests;
+pub(super) fn item(context: &Context<'_>) -> Option<TokenStream> {
+    let tests = &context.module.self_tests;
     if tests.is_empty() {
         return None;
     }
@@ -33,9 +34,8 @@ pub(super) fn items(context: &Context<'_>, functions: &[Function]) -> Option<Tok
         let calls = tests.iter().filter(|call| call.function == function.name);
         calls.collect::<Vec<_>>()
     };
-    let tested = functions
-        .iter()
-        .map(|function| (function, calls_of(function)));
+    let functions = context.module.functions.iter();
+    let tested = functions.map(|function| (function, calls_of(function)));
     let tested = tested.filter(|(_, calls)| !calls.is_empty());
     let functions = tested.map(|(function, calls)| test(context, function, &calls));
     Some(quote! {

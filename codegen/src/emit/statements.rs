@@ -5,9 +5,9 @@ use std::ops::Range;
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
-use super::Math;
 use super::body::Body;
 use super::math;
+use super::options::Math;
 use crate::program::split;
 use crate::program::{Operand, Operation};
 

@@ -3,10 +3,10 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::super::Scalar;
 use super::super::body::{Body, place, result_names, tuple};
 use super::super::context::Context;
 use super::super::doc_comment::DocComment;
+use super::super::options::Scalar;
 use super::super::signature::{inputs, item, result, zeros};
 use super::super::{lints, math};
 use super::{LANES, body_name};

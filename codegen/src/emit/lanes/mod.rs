@@ -11,15 +11,15 @@ mod scalar;
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::Math;
 use super::body::Body;
 use super::context::Context;
+use super::options::Math;
 use super::signature::Signature;
 use super::{parts, public};
 use crate::functions::function::Function;
+use crate::program::Operand;
 use crate::program::flow::{Flow, operands};
-use crate::program::lanes::{self, Plan};
-use crate::program::{Operand, Program};
+use crate::program::lanes::Plan;
 
 /// States per call: one register of AVX-512, two of AVX2, four of SSE2 or Neon.
 const LANES: usize = 8;
@@ -42,54 +42,38 @@ const LONGEST_LOOP: usize = 100;
 /// Names that the module takes for lanes.
 pub(super) const RESERVED: [&str; 2] = ["Lanes", "Group"];
 
-/// Why a function has no form over lanes; `None` where it has one.
-pub(crate) fn obstacle(program: &Program, math: Math) -> Option<&'static str> {
-    match math {
-        Math::Embedded => lanes::obstacle(program),
-        Math::Std => Some("functions of std have no form over lanes"),
-    }
-}
-
-/// The type of eight values.
-pub(super) fn item(context: &Context<'_>) -> TokenStream {
-    let ty = context.ty();
-    let len = Literal::usize_unsuffixed(LANES);
-    quote! {
-        #[doc = " One quantity of eight states side by side, aligned for SIMD registers."]
-        #[derive(Debug, Clone, Copy, PartialEq)]
-        #[repr(align(64))]
-        pub struct Lanes(pub [#ty; #len]);
-    }
-}
-
-/// The type of what stands between the loops of a function; none where no function printed so far has any: neither angles
-/// nor parts that hand on values.
-pub(super) fn group(context: &Context<'_>) -> Option<TokenStream> {
-    let ty = context.ty();
-    context.has_groups.get().then(|| {
+/// The types that the functions printed so far need: eight values, and what stands between the loops of a function, which one
+/// without angles and parts that hand on values has not.
+pub(super) fn types(context: &Context<'_>) -> Vec<TokenStream> {
+    let (ty, len) = (context.ty(), Literal::usize_unsuffixed(LANES));
+    let lanes = context.has_lanes.get().then(|| {
+        quote! {
+            #[doc = " One quantity of eight states side by side, aligned for SIMD registers."]
+            #[derive(Debug, Clone, Copy, PartialEq)]
+            #[repr(align(64))]
+            pub struct Lanes(pub [#ty; #len]);
+        }
+    });
+    let group = context.has_groups.get().then(|| {
         quote! {
             #[doc = " One quantity of those states that are computed at a time."]
             #[derive(Clone, Copy)]
             #[repr(align(64))]
             struct Group<const W: usize>([#ty; W]);
         }
-    })
+    });
+    lanes.into_iter().chain(group).collect()
 }
 
-/// Whether a function is also written over lanes.
-pub(super) fn is_wanted(context: &Context<'_>, function: &Function) -> bool {
-    context.options.lanes.contains(&function.name)
-        && function.arrays.is_none()
-        && obstacle(&function.program, context.options.math).is_none()
-}
-
-/// How a function is divided, where lanes are asked for and possible.
+/// How a function is divided, where it is written over lanes. Functions of std have no form over lanes.
 pub(super) fn plan(context: &Context<'_>, function: &Function) -> Option<Plan> {
-    if !is_wanted(context, function) {
+    let is_asked = context.module.lanes.contains(&function.name);
+    if !is_asked || context.options.math == Math::Std {
         return None;
     }
     let longest = context.options.longest_function.min(LONGEST_LOOP);
-    Plan::new(&function.program, &Flow::new(&function.program), longest)
+    let plan = Plan::new(&function.program, &Flow::new(&function.program), longest);
+    Some(plan.unwrap_or_else(|| unreachable!("`Module::lanes` have a form over lanes")))
 }
 
 /// The public functions of one state, their bodies, and the functions over lanes.
@@ -99,6 +83,7 @@ pub(super) fn items(
     name: &Ident,
     plan: &Plan,
 ) -> Vec<TokenStream> {
+    context.has_lanes.set(true);
     let body = Body::new(context, &function.program);
     let signature = Signature::new(&body);
     let angles = plan.angles.iter();
