@@ -524,9 +524,11 @@ fn lanes_have_the_bits_of_single_states() {
         ),
     ];
     for (entries, zero, compare) in forms {
-        let text = emit_with(&model, &[laned(entries)], |options| {
-            options.lanes = vec!["synthetic".into()]
-        });
+        let module = Module {
+            lanes: vec!["synthetic".into()],
+            ..Module::new(&model, vec![laned(entries)], &[])
+        };
+        let text = emit::module(&module, &EmitOptions::default()).text;
         assert_compiles("six", &text);
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("robot.rs"), text).unwrap();

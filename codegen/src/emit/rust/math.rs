@@ -6,8 +6,8 @@ use proc_macro2::{Ident, Span, TokenStream};
 use quote::quote;
 
 use super::context::Context;
-use super::options::{Math, Scalar};
 use super::pasted;
+use crate::emit::options::{Math, Scalar};
 use crate::formula::Function as Call;
 use crate::functions::function::Function;
 use crate::program::Operation;

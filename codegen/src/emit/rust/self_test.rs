@@ -5,7 +5,7 @@ use quote::{format_ident, quote};
 
 use super::context::Context;
 use super::lints;
-use super::options::Scalar;
+use crate::emit::options::Scalar;
 use crate::functions::function::Function;
 use crate::program::Shape;
 use crate::self_test::SelfTest;

@@ -6,10 +6,10 @@ use quote::{format_ident, quote};
 use super::super::body::{Body, place, result_names, tuple};
 use super::super::context::Context;
 use super::super::doc_comment::DocComment;
-use super::super::options::Scalar;
 use super::super::signature::{inputs, item, result, zeros};
 use super::super::{lints, math};
 use super::{LANES, body_name};
+use crate::emit::options::Scalar;
 use crate::program::lanes::Plan;
 use crate::program::{Operand, Operation, Output};
 

@@ -7,7 +7,7 @@ use quote::quote;
 
 use super::body::Body;
 use super::math;
-use super::options::Math;
+use crate::emit::options::Math;
 use crate::program::split;
 use crate::program::{Operand, Operation};
 

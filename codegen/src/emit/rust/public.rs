@@ -8,7 +8,6 @@ use super::doc_comment::{DocComment, code};
 use super::lints;
 use super::signature::{Signature, item, length_text, zeros};
 use crate::functions::function::Function;
-use crate::program::cost;
 
 /// Up to so many instructions a function is offered to inlining in other crates: a call costs as much as they do.
 const INLINE_UP_TO: usize = 40;
@@ -127,7 +126,7 @@ fn documentation(function: &Function, body: &Body<'_>) -> DocComment {
         let head = format!("returns {}", code(&format!("{}{shape}", output.name)));
         doc.item(&sentence([&head, meaning, ""]));
     }
-    doc.paragraph(&format!("Cost: {}.", cost::count(&function.program)));
+    doc.paragraph(&format!("Cost: {}.", function.cost()));
     function.notes.iter().for_each(|note| doc.paragraph(note));
     doc
 }

@@ -7,8 +7,8 @@ use quote::quote;
 
 use super::context::Context;
 use super::doc_comment::{DocComment, code};
-use super::options::Scalar;
 use super::{lints, pasted};
+use crate::emit::options::Scalar;
 use crate::functions::composition::Composition;
 use crate::module::ComposedFunction;
 use gelenk_kernels::discrete_time::Text;

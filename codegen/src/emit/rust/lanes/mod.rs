@@ -13,9 +13,9 @@ use quote::{format_ident, quote};
 
 use super::body::Body;
 use super::context::Context;
-use super::options::Math;
 use super::signature::Signature;
 use super::{parts, public};
+use crate::emit::options::Math;
 use crate::functions::function::Function;
 use crate::program::Operand;
 use crate::program::flow::{Flow, operands};

@@ -8,7 +8,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
 use super::names;
-use super::options::EmitOptions;
+use crate::emit::options::EmitOptions;
 use crate::module::Module;
 
 /// A module while it is printed.

@@ -3,7 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::options::Scalar;
+use crate::emit::options::Scalar;
 
 impl Scalar {
     /// The type as tokens.
