@@ -58,14 +58,18 @@ impl<'a> Context<'a> {
         }
     }
 
+    pub(super) fn has_parameters(&self) -> bool {
+        !self.parameters.is_empty()
+    }
+
     /// The free parameters as an argument of a call.
     pub(super) fn passed_parameters(&self) -> Option<TokenStream> {
-        (!self.parameters.is_empty()).then(|| quote!(p))
+        self.has_parameters().then(|| quote!(p))
     }
 
     /// The free parameters as an argument of a signature.
     pub(super) fn declared_parameters(&self) -> Option<TokenStream> {
-        (!self.parameters.is_empty()).then(|| quote!(p: &Parameters))
+        self.has_parameters().then(|| quote!(p: &Parameters))
     }
 
     /// The type of a number.

@@ -67,7 +67,7 @@ fn documentation(context: &Context<'_>, composed: &ComposedFunction) -> DocComme
     doc.gap();
     doc.item("`y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module");
     doc.item("`period`: sample time in s, over which u is held");
-    if context.passed_parameters().is_some() {
+    if context.has_parameters() {
         doc.item("`p`: free parameters");
     }
     for (symbol, dimensions, meaning) in function.results() {

@@ -10,7 +10,7 @@ use crate::model::Parameter;
 
 /// The struct, its described values, and `Default`; nothing for a model without free parameters.
 pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
-    if !context.passed_parameters().is_some() {
+    if !context.has_parameters() {
         return vec![];
     }
     let scalar = context.options.scalar;

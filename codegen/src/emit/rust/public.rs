@@ -113,7 +113,7 @@ fn documentation(function: &Function, body: &Body<'_>) -> DocComment {
         let head = format!("`{name}: [{}]`", length_text(input.extent));
         doc.item(&sentence([&head, meaning, &entries]));
     }
-    if body.context.passed_parameters().is_some() {
+    if body.context.has_parameters() {
         doc.item("`p`: free parameters");
     }
     for (i, output) in body.program.outputs.iter().enumerate() {
