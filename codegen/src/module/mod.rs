@@ -4,7 +4,7 @@
 
 pub mod constants;
 
-use crate::functions::composition::Composition;
+use crate::functions::composition::{ComposedResult, Composition};
 use crate::functions::function::{Constant, Function};
 use crate::model::{Model, Parameter};
 use crate::program::cost::Cost;
@@ -44,6 +44,8 @@ pub struct Module {
 pub struct ComposedFunction {
     /// Which one.
     pub composition: Composition,
+    /// What it returns.
+    pub results: Vec<ComposedResult>,
     /// Its operations; none where the function that it calls is not in the module.
     pub cost: Option<Cost>,
     /// What its documentation says about them.
@@ -107,6 +109,7 @@ impl ComposedFunction {
         };
         Self {
             composition,
+            results: composition.results(model.coordinates.len(), model.inputs().count()),
             cost,
             cost_text,
         }

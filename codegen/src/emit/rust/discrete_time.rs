@@ -2,11 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use proc_macro2::{Ident, Literal, Span, TokenStream};
+use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::context::Context;
 use super::doc_comment::{DocComment, code};
+use super::names::identifier;
+use super::signature::{item, length, length_text, nested};
 use super::{lints, pasted};
 use crate::emit::options::Scalar;
 use crate::functions::composition::Composition;
@@ -14,28 +16,12 @@ use crate::module::ComposedFunction;
 use gelenk_kernels::discrete_time::Text;
 
 /// A function.
-pub(super) fn item(context: &Context<'_>, composed: &ComposedFunction) -> TokenStream {
+pub(super) fn function(context: &Context<'_>, composed: &ComposedFunction) -> TokenStream {
     let function = composed.composition;
-    let ty = context.options.scalar.ty();
-    let identifier = |name: &str| Ident::new(name, Span::call_site());
+    let ty = context.ty();
     let (name, callee) = (identifier(function.name()), identifier(function.calls()));
     let parameters = context.declared_parameters().map(|p| quote!(, #p));
     let p = context.passed_parameters().map(|p| quote!(, #p));
-    let results = function.results().iter().map(|(_, dimensions, _)| {
-        dimensions.iter().rev().fold(ty.clone(), |entry, size| {
-            let size: TokenStream = match size.parse::<usize>() {
-                Ok(size) => {
-                    let size = Literal::usize_unsuffixed(size);
-                    quote!(#size)
-                }
-                Err(_) => {
-                    let size = identifier(size);
-                    quote!(#size)
-                }
-            };
-            quote!([#entry; #size])
-        })
-    });
     let call = match function {
         Composition::Discretize => {
             quote!(discrete_time::zero_order_hold(&#callee(y, v, u #p), period))
@@ -47,17 +33,18 @@ pub(super) fn item(context: &Context<'_>, composed: &ComposedFunction) -> TokenS
             discrete_time::runge_kutta_derivatives(y, v, u, period, SUBSTEPS, |y, v| #callee(y, v, u #p))
         },
     };
-    let dimensions: Vec<usize> = function.results().iter().map(|r| r.1.len()).collect();
-    let allowed = lints::for_result(&dimensions);
-    let documentation = documentation(context, composed).tokens();
-    quote! {
-        #documentation
-        #[must_use]
-        #allowed
-        pub fn #name(y: &[#ty; N], v: &[#ty; N], u: &[#ty; M], period: #ty #parameters) -> (#(#results),*) {
-            #call
-        }
-    }
+    let results = composed.results.iter();
+    let dimensions: Vec<usize> = results.map(|each| each.extents.len()).collect();
+    let results = composed.results.iter();
+    let results = results.map(|each| nested(ty.clone(), each.extents.iter().copied().map(length)));
+    item(
+        &documentation(context, composed),
+        [Some(quote!(#[must_use])), lints::for_result(&dimensions)],
+        &quote! {
+            pub fn #name(y: &[#ty; N], v: &[#ty; N], u: &[#ty; M], period: #ty #parameters) -> (#(#results),*)
+        },
+        &call,
+    )
 }
 
 fn documentation(context: &Context<'_>, composed: &ComposedFunction) -> DocComment {
@@ -70,9 +57,10 @@ fn documentation(context: &Context<'_>, composed: &ComposedFunction) -> DocComme
     if context.has_parameters() {
         doc.item("`p`: free parameters");
     }
-    for (symbol, dimensions, meaning) in function.results() {
-        let shape = dimensions.join(" × ");
-        doc.item(&format!("returns `{symbol}: [{shape}]`: {meaning}"));
+    for result in &composed.results {
+        let lengths = result.extents.iter().copied().map(length_text);
+        let (name, shape) = (result.name, lengths.collect::<Vec<_>>().join(" × "));
+        doc.item(&format!("returns `{name}: [{shape}]`: {}", result.meaning));
     }
     doc.paragraph(&composed.cost_text);
     for note in function.notes() {

@@ -64,7 +64,7 @@ pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     let composed = module.compositions.iter();
     push_items(
         &mut text,
-        composed.map(|each| discrete_time::item(&context, each)),
+        composed.map(|each| discrete_time::function(&context, each)),
     );
     push_items(&mut text, context.shared.take());
     text.push_str(&array_kernels::text(options.scalar, &module.functions));
