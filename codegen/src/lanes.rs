@@ -1,17 +1,20 @@
 //! Which functions are written over several states at once: the names asked for, checked and resolved.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::emit::{self, Math};
+use crate::emit::Math;
 use crate::functions::catalogue;
 use crate::functions::composition::Composition;
 use crate::functions::function::Function;
 use crate::model::Model;
+use crate::program::lanes;
 
 /// The functions that are asked for over lanes.
 pub(crate) struct Lanes(Vec<String>);
 
 impl Lanes {
     /// What the caller asks for, else what the description asks for.
+    ///
+    /// - `asked`: by the caller, may be empty
     ///
     /// # Errors
     /// `unknown-function` for each name that the model does not have.
@@ -80,7 +83,11 @@ fn obstacle(
     math: Math,
 ) -> Option<(&'static str, Option<String>)> {
     if let Some(function) = functions.iter().find(|function| function.name == name) {
-        return emit::obstacle_to_lanes(&function.program, math).map(|reason| (reason, None));
+        let reason = match math {
+            Math::Embedded => lanes::obstacle(&function.program),
+            Math::Std => Some("functions of std have no form over lanes"),
+        };
+        return reason.map(|reason| (reason, None));
     }
     let composition = Composition::ALL
         .into_iter()

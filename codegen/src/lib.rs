@@ -29,6 +29,7 @@ pub mod kinematics;
 mod lanes;
 pub mod layout;
 pub mod model;
+pub mod module;
 mod numeric;
 pub mod output;
 pub mod pipeline;

@@ -5,16 +5,14 @@ use std::path::{Path, PathBuf};
 use crate::advice;
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::emit::{self, EmitOptions, SourceFile};
-use crate::functions::composition::Composition;
 use crate::functions::form::Form;
-use crate::functions::function::Function;
 use crate::functions::module_constants;
 use crate::functions::selection::{self, Request, Selection};
 use crate::functions::size::MOST_OPERATIONS;
 use crate::lanes::Lanes;
 use crate::model::{self, Loaded, Model, ReadOptions};
+use crate::module::Module;
 use crate::program::arrays::ArrayForm;
-use crate::program::cost::{self, Cost};
 use crate::program::fuse_multiply_adds;
 use crate::self_test::self_tests;
 use crate::snapping;
@@ -45,7 +43,11 @@ pub struct GenerateOptions {
     pub self_test: bool,
     /// Operations of the largest function that is wanted; by default [`MOST_OPERATIONS`].
     pub max_operations: Option<usize>,
-    /// How the module is written.
+    /// Functions that are also written over eight states at once; empty: what the description asks for.
+    pub lanes: Vec<String>,
+    /// Lines below the description of the robot: what its reader should know about this module.
+    pub remarks: Vec<String>,
+    /// How the module is printed.
     pub emit: EmitOptions,
 }
 
@@ -54,11 +56,9 @@ pub struct GenerateOptions {
 pub struct Generated {
     /// The robot.
     pub model: Model,
-    /// Its functions.
-    pub functions: Vec<Function>,
-    /// Those that call them.
-    pub compositions: Vec<Composition>,
-    /// The module.
+    /// The module: its functions, and all else that is printed.
+    pub module: Module,
+    /// Its text.
     pub source: SourceFile,
     /// Whether this is the smooth one of a pair.
     pub is_control_model: bool,
@@ -66,21 +66,6 @@ pub struct Generated {
     pub notes: Diagnostics,
     /// All files that were read, the description first.
     pub files: Vec<PathBuf>,
-}
-
-impl Generated {
-    /// Names and operations of all functions, in the order of the module.
-    #[must_use]
-    pub fn costs(&self) -> Vec<(String, Cost)> {
-        let functions = self.functions.iter();
-        let functions =
-            functions.map(|function| (function.name.clone(), cost::count(&function.program)));
-        let compositions = self.compositions.iter().filter_map(|&each| {
-            let cost = each.cost_in(&self.model, &self.functions)?;
-            Some((each.name().to_owned(), cost))
-        });
-        functions.chain(compositions).collect()
-    }
 }
 
 /// From a description to the text of a Rust module. Reads files, writes none.
@@ -102,7 +87,7 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
         notes,
         files,
     } = model::read(description, &read_options)?;
-    let lanes = Lanes::new(&model, &options.emit.lanes)?;
+    let lanes = Lanes::new(&model, &options.lanes)?;
     let selection = lanes.selected_with(selection(&model, options));
     let selected = derive(&model, options, &selection, &lanes);
     let selected = selected.map_err(|problems| with_warnings(problems, &notes))?;
@@ -121,17 +106,16 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
         true => self_tests(&model, &functions),
         false => Vec::new(),
     };
-    let emit_options = EmitOptions {
+    let module = Module {
         lanes,
         self_tests,
-        ..options.emit.clone()
+        remarks: options.remarks.clone(),
+        ..Module::new(&model, functions, &compositions)
     };
-    let source = emit::module(&model, &functions, &compositions, &emit_options);
     Ok(Generated {
+        source: emit::module(&module, &options.emit),
         model,
-        functions,
-        compositions,
-        source,
+        module,
         is_control_model: false,
         notes,
         files,
@@ -157,7 +141,7 @@ pub fn generate_pair(
             exact_sign: smooth_sign.is_none(),
             ..options.clone()
         };
-        options.emit.remarks.push(remark);
+        options.remarks.push(remark);
         generate(description, &options)
     };
     let exact = with(None, "The exact model, for plants.".to_owned())?;

@@ -15,6 +15,7 @@ use gelenk_codegen::emit::{self, EmitOptions, Math, Scalar};
 use gelenk_codegen::functions::function::Function;
 use gelenk_codegen::layout::{Dimension, Extent};
 use gelenk_codegen::model::{JointKind, Model};
+use gelenk_codegen::module::Module;
 use gelenk_codegen::program::interpret::{Functions, interpret};
 use gelenk_codegen::program::{InputArray, Operand, Operation, Output, Program, Shape};
 
@@ -31,7 +32,7 @@ fn emit_with(
         ..EmitOptions::default()
     };
     change(&mut options);
-    emit::module(model, functions, &[], &options).text
+    emit::module(&Module::new(model, functions.to_vec(), &[]), &options).text
 }
 
 /// Compiles alone and through `include!` in a crate that denies all warnings; clippy too, where there is one.
@@ -523,9 +524,11 @@ fn lanes_have_the_bits_of_single_states() {
         ),
     ];
     for (entries, zero, compare) in forms {
-        let text = emit_with(&model, &[laned(entries)], |options| {
-            options.lanes = vec!["synthetic".into()]
-        });
+        let module = Module {
+            lanes: vec!["synthetic".into()],
+            ..Module::new(&model, vec![laned(entries)], &[])
+        };
+        let text = emit::module(&module, &EmitOptions::default()).text;
         assert_compiles("six", &text);
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("robot.rs"), text).unwrap();

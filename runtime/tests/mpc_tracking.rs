@@ -50,7 +50,10 @@ fn the_published_trajectory_is_tracked_below_0_15_mrad() {
     // At 20 ms both predict nearly alike; NMPC takes the description's eight Runge–Kutta steps a period and is nearer.
     for i in 0..2 {
         let (larger, smaller) = (ltv.rms[i].max(nmpc.rms[i]), ltv.rms[i].min(nmpc.rms[i]));
-        assert!(larger - smaller <= 0.3 * larger && nmpc.rms[i] <= ltv.rms[i], "{larger} {smaller}");
+        assert!(
+            larger - smaller <= 0.3 * larger && nmpc.rms[i] <= ltv.rms[i],
+            "{larger} {smaller}"
+        );
         // What is left beside the file is what smoothing takes away.
         assert!(ltv.rms_to_file[i] < 1e-3, "{ltv:?}");
     }

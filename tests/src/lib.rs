@@ -88,10 +88,12 @@ pub struct Robot {
 impl Robot {
     /// Derives all functions of a description.
     pub fn derive(description: &Path, options: &GenerateOptions) -> Self {
-        let Generated {
-            model, functions, ..
-        } = generate(description, options).unwrap_or_else(|problems| panic!("{problems}"));
-        Self { model, functions }
+        let robot = generate(description, options);
+        let robot = robot.unwrap_or_else(|problems| panic!("{problems}"));
+        Self {
+            model: robot.model,
+            functions: robot.module.functions,
+        }
     }
 
     /// Derives selected functions of a model.

@@ -6,12 +6,13 @@ use std::path::Path;
 use std::process::Command;
 
 use fastrand::Rng;
-use gelenk_codegen::emit::{EmitOptions, module};
+use gelenk_codegen::emit::{self, EmitOptions};
 use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::functions::function::Function;
 use gelenk_codegen::functions::selection::derive_in_form;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::Model;
+use gelenk_codegen::module::Module;
 use gelenk_codegen::program::interpret::interpret;
 use gelenk_tests::compiler::{clippy, rustc};
 use gelenk_tests::literature::{GENERAL, chain, right_angles};
@@ -62,7 +63,11 @@ fn robot(name: &str, mut model: Model, fused: bool) -> Robot {
             function.arrays = Some(form);
         }
     }
-    let text = module(&model, &functions, &[], &EmitOptions::default()).text;
+    let text = emit::module(
+        &Module::new(&model, functions.clone(), &[]),
+        &EmitOptions::default(),
+    )
+    .text;
     Robot {
         name: name.to_owned(),
         model,

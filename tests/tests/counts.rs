@@ -191,7 +191,7 @@ fn all_robots() {
     for path in descriptions() {
         let robot = generate_model(&path, Scalar::F64);
         let _ = writeln!(table, "# {}", robot.source.name);
-        for function in &robot.functions {
+        for function in &robot.module.functions {
             let _ = writeln!(table, "{}: {}", function.name, count(&function.program));
         }
     }

@@ -248,7 +248,7 @@ fn the_readme_shows_what_the_generator_writes() {
     let function = blocks(&readme, "rust")[0];
     assert!(function.contains("pub fn"));
     assert!(generated.source.text.contains(function), "{function}");
-    let count = format!("one of the {} functions", generated.costs().len());
+    let count = format!("one of the {} functions", generated.module.costs().len());
     assert!(readme.contains(&count), "{count}");
     assert!(
         generated.notes.entries().is_empty(),
@@ -290,6 +290,7 @@ fn the_counts_are_those_of_the_generator() {
         .filter(|line| line.starts_with("| `"))
         .collect();
     let expected: Vec<String> = generated(&workspace().join("models/powercube.toml"))
+        .module
         .costs()
         .into_iter()
         .map(|(name, cost)| {

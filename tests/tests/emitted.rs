@@ -58,6 +58,7 @@ const IN_PLACE: &str = "_into";
 fn derived_function<'r>(robot: &'r Generated, name: &str) -> &'r Function {
     let name = name.strip_suffix(IN_PLACE).unwrap_or(name);
     let function = robot
+        .module
         .functions
         .iter()
         .find(|function| function.name == name);
@@ -72,7 +73,12 @@ fn interpreter_and_compiled_code_agree_in_every_bit() {
         let calls = compiled(&robot.source.name);
         let names = calls.iter().map(|(name, _)| *name);
         let names: Vec<&str> = names.filter(|name| !name.ends_with(IN_PLACE)).collect();
-        let derived: Vec<&str> = robot.functions.iter().map(|f| f.name.as_str()).collect();
+        let derived: Vec<&str> = robot
+            .module
+            .functions
+            .iter()
+            .map(|f| f.name.as_str())
+            .collect();
         assert_eq!(names, derived, "functions of {}", robot.source.name);
         let mut rng = Rng::with_seed(1);
         for (name, call) in calls {

@@ -76,7 +76,7 @@ impl Crate {
             description.display(),
             options.emit.scalar,
             options.functions,
-            options.emit.lanes,
+            options.lanes,
             robot.source.text
         );
         self.modules += 1;
@@ -99,9 +99,9 @@ fn options(functions: &[String], lanes: &[String], scalar: Scalar) -> GenerateOp
         functions: functions.to_vec(),
         emit: EmitOptions {
             scalar,
-            lanes: lanes.to_vec(),
             ..EmitOptions::default()
         },
+        lanes: lanes.to_vec(),
         ..GenerateOptions::default()
     }
 }
@@ -110,7 +110,12 @@ fn options(functions: &[String], lanes: &[String], scalar: Scalar) -> GenerateOp
 fn functions(description: &Path) -> Vec<String> {
     let robot = generate(description, &GenerateOptions::default());
     let robot = robot.unwrap_or_else(|problems| panic!("{problems}"));
-    robot.costs().into_iter().map(|(name, _)| name).collect()
+    robot
+        .module
+        .costs()
+        .into_iter()
+        .map(|(name, _)| name)
+        .collect()
 }
 
 /// Functions that are asked for by name alone.

@@ -23,10 +23,10 @@ fn robot(name: &str, functions: &[&str], scalar: Scalar, fused: bool) -> Generat
     let generate = |options: &GenerateOptions| {
         generate(&description, options).unwrap_or_else(|problems| panic!("{problems}"))
     };
-    options.emit.lanes = options.functions.clone();
+    options.lanes = options.functions.clone();
     if functions.is_empty() {
-        let plain = generate(&options).functions;
-        options.emit.lanes = plain.into_iter().map(|function| function.name).collect();
+        let plain = generate(&options).module.functions;
+        options.lanes = plain.into_iter().map(|function| function.name).collect();
     }
     generate(&options)
 }
@@ -83,6 +83,7 @@ fn compare(name: &str, form: &str, i: usize, found: &[Real], expected: &[Real]) 
 /// One function: its scalar form on each state, and its forms over lanes.
 fn comparison(robot: &Generated, name: &str) -> String {
     let function = robot
+        .module
         .functions
         .iter()
         .find(|function| function.name == name);
@@ -199,7 +200,11 @@ fn all_functions_have_the_bits_of_single_states() {
     for name in ["cart_pole", "powercube", "powercube_parameters"] {
         let robot = robot(name, &[], Scalar::F64, false);
         let count = check(&robot, Scalar::F64, &[]);
-        assert_eq!(count, robot.functions.len() - WITHOUT_STATE, "{name}");
+        assert_eq!(
+            count,
+            robot.module.functions.len() - WITHOUT_STATE,
+            "{name}"
+        );
     }
 }
 
@@ -258,7 +263,7 @@ fn parts_of_angles_alone_are_no_loops() {
         functions: vec!["inverse_dynamics".to_owned()],
         ..GenerateOptions::default()
     };
-    options.emit.lanes = options.functions.clone();
+    options.lanes = options.functions.clone();
     options.emit.longest_function = 4;
     let robot = generate(&workspace().join("models/ur5.toml"), &options);
     let robot = robot.unwrap_or_else(|problems| panic!("{problems}"));
@@ -287,7 +292,7 @@ fn unknown_names_are_errors_and_impossible_ones_are_noted() {
             functions: strings(functions),
             ..GenerateOptions::default()
         };
-        options.emit.lanes = strings(lanes);
+        options.lanes = strings(lanes);
         generate(&description, &options)
     };
     let unknown = asked(&[], &["linearise"]).expect_err("there is no such function");

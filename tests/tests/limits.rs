@@ -1,9 +1,11 @@
 //! Large robots: what is ordinary work, and what is refused.
 
+use gelenk_codegen::emit;
 use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::functions::selection;
 use gelenk_codegen::functions::selection::{Request, derive};
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
+use gelenk_codegen::module::Module;
 use gelenk_codegen::program::cost::count;
 use gelenk_tests::compiler::rustc;
 use gelenk_tests::literature::{chain, right_angles};
@@ -113,7 +115,7 @@ fn loops_count_as_their_text() {
     assert_eq!(names, ["forward_dynamics_derivatives", "linearize"]);
     let cost = count(&functions[0].program);
     assert!(cost.multiplications + cost.additions > 2 * MOST);
-    let source = gelenk_codegen::emit::module(&model, &functions, &[], &Default::default());
+    let source = emit::module(&Module::new(&model, functions, &[]), &Default::default());
     let lines = source.text.lines().count();
     assert!(lines < MOST, "{lines}");
 }
@@ -125,7 +127,7 @@ fn modules_of_30_joints_compile_with_debug_information() {
     let names = selection(&["mass_matrix", "inverse_dynamics"]);
     let functions = selection::derive_functions(&model, &names, MOST_OPERATIONS);
     let functions = functions.unwrap_or_else(|problems| panic!("{problems}"));
-    let source = gelenk_codegen::emit::module(&model, &functions, &[], &Default::default());
+    let source = emit::module(&Module::new(&model, functions, &[]), &Default::default());
     let folder = tempfile::tempdir().expect("a folder");
     let arguments = ["--crate-type", "lib", "-C", "debuginfo=2"];
     let result = rustc(folder.path(), "robot", &source.text, &arguments);

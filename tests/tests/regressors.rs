@@ -43,7 +43,7 @@ fn robots() -> Vec<Robot> {
 fn names<'r>(robot: &'r Robot, function: &str) -> &'r [String] {
     let constants = &robot.function(function).constants;
     let names = constants.iter().find_map(|constant| match &constant.value {
-        ConstantValue::Names(names) => Some(names),
+        ConstantValue::Names(_, names) => Some(names),
         _ => None,
     });
     names.expect("names of columns")

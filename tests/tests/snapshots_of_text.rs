@@ -6,6 +6,7 @@ use gelenk_codegen::emit;
 use gelenk_codegen::functions::selection;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::{Model, ReadOptions, read};
+use gelenk_codegen::module::Module;
 use gelenk_codegen::program::display::{self, Notation};
 use gelenk_tests::workspace;
 
@@ -44,7 +45,7 @@ fn snapshots(name: &str) {
         format!("# {}\n{text}\n", function.name)
     });
     insta::assert_snapshot!(format!("{name}_2_programs"), programs.collect::<String>());
-    let text = emit::module(&model, &functions, &[], &Default::default()).text;
+    let text = emit::module(&Module::new(&model, functions, &[]), &Default::default()).text;
     insta::assert_snapshot!(format!("{name}_3_module"), text);
 }
 

@@ -63,7 +63,7 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
         ),
         Format::Text => {
             let text = written.map(|((robot, path), outcome)| {
-                let counts = print::counts_table(&robot.costs(), &[]);
+                let counts = print::counts_table(&robot.module.costs(), &[]);
                 format!("{}\n{counts}", line(robot, path, outcome))
             });
             print::out(&text.collect::<String>()).map(|()| ExitCode::SUCCESS)
@@ -301,10 +301,11 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
         self_test: choices.self_test,
         form: Form::Cheapest,
         max_operations: choices.max_operations,
+        lanes: choices.lanes.clone(),
+        remarks: vec![],
         emit: EmitOptions {
             scalar: choices.scalar.into(),
             command,
-            lanes: choices.lanes.clone(),
             ..EmitOptions::default()
         },
     }
@@ -408,7 +409,10 @@ fn line(robot: &Generated, path: &Path, outcome: Outcome) -> String {
         relative(path),
         plural(n, "coordinate"),
         plural(m, "input"),
-        plural(robot.functions.len() + robot.compositions.len(), "function"),
+        plural(
+            robot.module.functions.len() + robot.module.compositions.len(),
+            "function"
+        ),
         robot.source.text.lines().count(),
     )
 }
@@ -424,7 +428,7 @@ fn result(robot: &Generated, path: &Path, outcome: Outcome) -> Value {
         "written": outcome == Outcome::Written,
         "coordinates": robot.model.coordinates.len(),
         "inputs": inputs(robot),
-        "functions": print::counts(&robot.costs(), &[]),
+        "functions": print::counts(&robot.module.costs(), &[]),
         "notes": print::diagnostics(&robot.notes),
     })
 }

@@ -52,11 +52,12 @@ fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<Ex
         ));
     }
     let sizes = CodeSizes::measure(&robot.source)?;
-    let counts = robot.costs();
+    let counts = robot.module.costs();
     let bytes: Vec<Option<u64>> = counts
         .iter()
         .map(|(name, _)| {
             let function = robot
+                .module
                 .functions
                 .iter()
                 .find(|function| &function.name == name);
@@ -93,11 +94,12 @@ fn as_text(robot: &Generated, what: Stage, latex: bool) -> String {
     match what {
         Stage::Model => model_text(&robot.model),
         Stage::Mechanism => mechanism::as_text(&robot.model),
-        Stage::Counts => print::counts_table(&robot.costs(), &[]),
+        Stage::Counts => print::counts_table(&robot.module.costs(), &[]),
         Stage::Source => robot.source.text.clone(),
         Stage::Program => {
             let show = if latex { display::latex } else { display::text };
             let programs = robot
+                .module
                 .functions
                 .iter()
                 .map(|function| titled(function, &show(&function.program, &notation)));
@@ -126,12 +128,12 @@ fn as_json(robot: &Generated, what: Stage, latex: bool) -> Value {
     match what {
         Stage::Model => model_json(&robot.model),
         Stage::Mechanism => mechanism::as_json(&robot.model),
-        Stage::Counts => print::counts(&robot.costs(), &[]),
+        Stage::Counts => print::counts(&robot.module.costs(), &[]),
         Stage::Source => json!({ "name": robot.source.name, "text": robot.source.text }),
         Stage::Program => {
             let show = if latex { display::latex } else { display::text };
             let entry = |function: &Function| json!({ "function": function.name, "program": show(&function.program, &notation) });
-            robot.functions.iter().map(entry).collect()
+            robot.module.functions.iter().map(entry).collect()
         }
     }
 }

@@ -1,12 +1,24 @@
 //! Functions that call other generated ones: the robot in discrete time.
 
 use crate::functions::function::Function;
+use crate::layout::{Dimension, Extent};
 use crate::model::Model;
 use crate::program::cost::{Cost, count};
 use gelenk_kernels::discrete_time::Text;
 
 /// Halvings of the period before `discretize` takes it on: at most so many. The number stands in its text too.
 const MOST_REPETITIONS: usize = 18;
+
+/// A result of a function over a sample time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ComposedResult {
+    /// Its symbol.
+    pub name: &'static str,
+    /// Its lengths, outermost first.
+    pub extents: Vec<Extent>,
+    /// What it is.
+    pub meaning: &'static str,
+}
 
 /// A generated function over a sample time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,33 +86,34 @@ impl Composition {
         }
     }
 
-    /// Symbol, dimensions and meaning of each result.
-    pub(crate) fn results(
-        self,
-    ) -> &'static [(&'static str, &'static [&'static str], &'static str)] {
-        const COORDINATES: (&str, &[&str], &str) = ("y⁺", &["N"], "coordinates after the period");
-        const VELOCITIES: (&str, &[&str], &str) = ("ẏ⁺", &["N"], "velocities after the period");
+    /// The results for so many coordinates and inputs.
+    pub(crate) fn results(self, coordinates: usize, inputs: usize) -> Vec<ComposedResult> {
+        let n = Extent::new(Dimension::Coordinates, coordinates);
+        let (m, two) = (Extent::new(Dimension::Inputs, inputs), Extent::fixed(2));
+        let result = |name, extents: &[Extent], meaning| ComposedResult {
+            name,
+            extents: extents.to_vec(),
+            meaning,
+        };
+        let motion = [
+            result("y⁺", &[n], "coordinates after the period"),
+            result("ẏ⁺", &[n], "velocities after the period"),
+        ];
+        let by_state = |name| {
+            let meaning = "blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))";
+            result(name, &[two, two, n, n], meaning)
+        };
+        let by_inputs = |name| result(name, &[two, n, m], "blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)");
         match self {
-            Self::Discretize => &[
-                (
-                    "A_d",
-                    &["2", "2", "N", "N"],
-                    "blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))",
-                ),
-                ("B_d", &["2", "N", "M"], "blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)"),
-                ("c_d", &["2", "N"], "affine remainders of y⁺ and ẏ⁺"),
-            ],
-            Self::Step => &[COORDINATES, VELOCITIES],
-            Self::StepDerivatives => &[
-                COORDINATES,
-                VELOCITIES,
-                (
-                    "∂x⁺/∂x",
-                    &["2", "2", "N", "N"],
-                    "blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))",
-                ),
-                ("∂x⁺/∂u", &["2", "N", "M"], "blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)"),
-            ],
+            Self::Discretize => {
+                let remainders = result("c_d", &[two, n], "affine remainders of y⁺ and ẏ⁺");
+                vec![by_state("A_d"), by_inputs("B_d"), remainders]
+            }
+            Self::Step => motion.to_vec(),
+            Self::StepDerivatives => {
+                let [y, v] = motion;
+                vec![y, v, by_state("∂x⁺/∂x"), by_inputs("∂x⁺/∂u")]
+            }
         }
     }
 

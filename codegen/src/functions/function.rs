@@ -1,7 +1,9 @@
 //! What a generated function is: its program and the facts of its documentation.
 
+use crate::layout::Dimension;
 use crate::program::Program;
 use crate::program::arrays::ArrayForm;
+use crate::program::cost::{self, Cost};
 
 /// A function to emit.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +28,14 @@ pub struct Function {
     pub arrays: Option<ArrayForm>,
 }
 
+impl Function {
+    /// Its operations, as straight-line code.
+    #[must_use]
+    pub fn cost(&self) -> Cost {
+        cost::count(&self.program)
+    }
+}
+
 /// What the documentation of an argument says.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArgumentText {
@@ -35,10 +45,10 @@ pub struct ArgumentText {
     pub entries: Vec<(String, &'static str)>,
 }
 
-/// A constant that stands before a function in its module.
+/// A constant of a module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constant {
-    /// Rust identifier, one of [`crate::functions::module_constants::NAMES`].
+    /// Rust identifier, one of [`crate::functions::module_constants::NAMES`] or [`crate::module::constants::NAMES`].
     pub name: &'static str,
     /// What it says.
     pub summary: String,
@@ -51,8 +61,16 @@ pub struct Constant {
 /// Value of a constant.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ConstantValue {
+    /// `usize`
+    Count(usize),
     /// `[&str; n]`
-    Names(Vec<String>),
+    Names(Dimension, Vec<String>),
+    /// `[usize; n]`
+    Indices(Dimension, Vec<usize>),
+    /// `[f64; n]`
+    Numbers(Dimension, Vec<f64>),
+    /// `[[f64; 2]; n]`: lowest and highest value.
+    Ranges(Dimension, Vec<[f64; 2]>),
     /// `[(usize, usize, f64); n]`: row, column and value of the entries that are not zero.
     Sparse(Vec<(usize, usize, f64)>),
     /// `[[bool; columns]; rows]`

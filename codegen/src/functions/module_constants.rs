@@ -5,6 +5,7 @@ use crate::dynamics::forces;
 use crate::dynamics::parameters::base_parameters::{BaseParameters, Term};
 use crate::dynamics::parameters::regressor;
 use crate::functions::function::{Constant, ConstantValue, Function};
+use crate::layout::Dimension;
 use crate::model::Model;
 use crate::program::{Program, Shape, nonzero_entries};
 
@@ -32,7 +33,7 @@ pub(super) fn inertial_names(model: &Model) -> Constant {
         name: "INERTIAL_PARAMETER_NAMES",
         summary: summary.to_owned(),
         items: Vec::new(),
-        value: ConstantValue::Names(regressor::parameter_names(model)),
+        value: ConstantValue::Names(Dimension::Parameters, regressor::parameter_names(model)),
     }
 }
 
@@ -49,7 +50,7 @@ pub(super) fn friction_names(model: &Model) -> Constant {
         name: "FRICTION_PARAMETER_NAMES",
         summary,
         items: Vec::new(),
-        value: ConstantValue::Names(forces::friction_names(model)),
+        value: ConstantValue::Names(Dimension::Parameters, forces::friction_names(model)),
     }
 }
 
@@ -80,7 +81,7 @@ pub(super) fn base_parameters(model: &Model, base: &BaseParameters) -> Vec<Const
         name: "BASE_PARAMETER_NAMES",
         summary,
         items,
-        value: ConstantValue::Names(leaders.collect()),
+        value: ConstantValue::Names(Dimension::Parameters, leaders.collect()),
     };
     let terms = base.constant_terms().map(|terms| Constant {
         name: BASE_TERMS,

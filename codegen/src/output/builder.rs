@@ -155,7 +155,7 @@ impl Builder {
     /// those of [`functions`](Self::functions) are.
     #[must_use]
     pub fn lanes<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
-        self.options.emit.lanes = names.into_iter().map(Into::into).collect();
+        self.options.lanes = names.into_iter().map(Into::into).collect();
         self
     }
 

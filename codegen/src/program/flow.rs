@@ -3,7 +3,7 @@
 use super::{Operand, Operation, Program};
 
 /// Facts about the values of a program.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Flow {
     /// Whether a result depends on the value and reads it by name.
     pub(crate) is_read: Vec<bool>,

@@ -8,7 +8,9 @@ pub mod cost;
 pub mod display;
 pub(crate) mod flow;
 pub mod interpret;
+pub(crate) mod lanes;
 pub(crate) mod letters;
+pub(crate) mod split;
 
 use crate::formula::Function;
 use crate::layout::{Dimension, Extent};
@@ -32,6 +34,39 @@ pub struct Program {
     pub instructions: Vec<Instruction>,
     /// Results in their order.
     pub outputs: Vec<Output>,
+}
+
+/// Results of more entries than this are written where the caller wants them.
+///
+/// A matrix that is returned passes through memory once or twice more: its entries are stored one by one and copied
+/// as vectors at once, which a processor cannot forward from its store buffer. M and bias forces of a UR5 took 119 ns
+/// that way and 60 ns written in place.
+const LARGEST_RETURNED: usize = 16;
+
+impl Program {
+    /// The entries of all results.
+    pub(crate) fn entries(&self) -> impl Iterator<Item = Operand> {
+        let outputs = self.outputs.iter();
+        outputs.flat_map(|output| output.entries.iter().copied())
+    }
+
+    /// A program with the same inputs and shapes of results, and nothing in between.
+    pub(crate) fn face(&self) -> Self {
+        let outputs = self.outputs.iter().map(|output| Output {
+            entries: vec![Operand::Constant(0.0); output.entries.len()],
+            ..output.clone()
+        });
+        Self {
+            inputs: self.inputs.clone(),
+            instructions: Vec::new(),
+            outputs: outputs.collect(),
+        }
+    }
+
+    /// Whether the results are better written in place than returned.
+    pub(crate) fn has_large_results(&self) -> bool {
+        self.entries().count() > LARGEST_RETURNED
+    }
 }
 
 /// An input array of the function, `&[f64; len]`.

@@ -110,9 +110,9 @@ fn options(random: &mut Random) -> GenerateOptions {
         fused_multiply_add: random.chance(8),
         emit: EmitOptions {
             scalar: [Scalar::F64, Scalar::F32][random.below(2)],
-            lanes,
             ..EmitOptions::default()
         },
+        lanes,
         ..GenerateOptions::default()
     }
 }
@@ -168,7 +168,7 @@ fn extension(file: &str) -> &str {
 
 /// Every constant is a number: what is not finite would be silently wrong.
 fn check_numbers(robot: &Generated, index: usize) {
-    for function in &robot.functions {
+    for function in &robot.module.functions {
         let entries = function
             .program
             .outputs

@@ -1,41 +1,20 @@
 //! Where generated code takes sine, cosine, tanh and exp from: the one place that knows.
 
-use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::quote;
 
-use super::Context;
-use super::literal::Scalar;
+use super::context::Context;
 use super::pasted;
+use crate::emit::options::{Math, Scalar};
 use crate::formula::Function as Call;
 use crate::functions::function::Function;
 use crate::program::Operation;
 use gelenk_kernels::math::Kernel;
 
-/// Source of the functions that a module calls.
-///
-/// The interpreter must run with the same ones ([`crate::program::interpret::Functions`]), else the bits differ.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Math {
-    /// Our own functions, pasted into the module: `math::sin_cos(x)`. Only what is called, and what that requires.
-    /// They need neither std nor libm and give the same bits everywhere.
-    #[default]
-    Embedded,
-    /// Methods of std: `x.sin_cos()`.
-    Std,
-}
-
 /// Names of the module's own functions: nothing else may be named like them.
 pub(super) const RESERVED: [&str; 1] = ["sign"];
-
-/// What the functions printed so far call.
-#[derive(Debug, Default)]
-pub(super) struct Calls {
-    kernels: RefCell<BTreeSet<Kernel>>,
-    sign: Cell<bool>,
-}
 
 /// A call of a function of one argument, which stands as `receiver` before a method and as `argument` in parentheses.
 pub(super) fn call(

@@ -3,7 +3,9 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::{Context, Scalar, lints};
+use super::context::Context;
+use super::lints;
+use crate::emit::options::Scalar;
 use crate::functions::function::Function;
 use crate::program::Shape;
 use crate::self_test::SelfTest;
@@ -18,8 +20,8 @@ fn tolerance(scalar: Scalar) -> f64 {
 }
 
 /// The test module; nothing where there are no tests.
-pub(super) fn items(context: &Context<'_>, functions: &[Function]) -> Option<TokenStream> {
-    let tests = &context.options.self_tests;
+pub(super) fn item(context: &Context<'_>) -> Option<TokenStream> {
+    let tests = &context.module.self_tests;
     if tests.is_empty() {
         return None;
     }
@@ -32,9 +34,8 @@ pub(super) fn items(context: &Context<'_>, functions: &[Function]) -> Option<Tok
         let calls = tests.iter().filter(|call| call.function == function.name);
         calls.collect::<Vec<_>>()
     };
-    let tested = functions
-        .iter()
-        .map(|function| (function, calls_of(function)));
+    let functions = context.module.functions.iter();
+    let tested = functions.map(|function| (function, calls_of(function)));
     let tested = tested.filter(|(_, calls)| !calls.is_empty());
     let functions = tested.map(|(function, calls)| test(context, function, &calls));
     Some(quote! {
@@ -60,9 +61,8 @@ fn test(context: &Context<'_>, function: &Function, calls: &[&SelfTest]) -> Toke
     let outputs = function.program.outputs.iter();
     let shapes: Vec<Shape> = outputs.map(|output| output.shape).collect();
     let literal = |x: &f64| context.options.scalar.literal(*x);
-    let parameters = context
-        .has_parameters()
-        .then(|| quote!(&super::Parameters::default()));
+    let parameters = context.passed_parameters();
+    let parameters = parameters.map(|_| quote!(&super::Parameters::default()));
     let numbers = calls
         .iter()
         .flat_map(|call| call.arguments.iter().chain(&call.results));

@@ -3,16 +3,15 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::super::body::Body;
+use super::super::body::{Body, place, result_names, tuple};
+use super::super::context::Context;
 use super::super::doc_comment::DocComment;
-use super::super::function::Signature;
-use super::super::literal::Scalar;
-use super::super::{Context, into, lints, math};
-use super::plan::Plan;
-use super::scalar::takes_parameters;
+use super::super::signature::{inputs, item, result, zeros};
+use super::super::{lints, math};
 use super::{LANES, body_name};
-use crate::program::flow::operands;
-use crate::program::{Operand, Operation, Output, Shape};
+use crate::emit::options::Scalar;
+use crate::program::lanes::Plan;
+use crate::program::{Operand, Operation, Output};
 
 /// A form of a function: for the target as it is, or for more.
 #[derive(Clone, Copy)]
@@ -60,15 +59,16 @@ const LOCALS: [&str; 8] = [
 ];
 
 /// The loops, and one public function for each instruction set.
+///
+/// - `unused`: arguments that nothing reads
 pub(super) fn items(
-    context: &Context<'_>,
     body: &Body<'_>,
     name: &Ident,
-    signature: &Signature,
     plan: &Plan,
+    unused: &[TokenStream],
 ) -> Vec<TokenStream> {
-    let form = Form::new(context, body, name, signature, plan);
-    let mut items = vec![form.each()];
+    let form = Form::new(body, name, plan);
+    let mut items = vec![form.each(unused)];
     items.extend(InstructionSet::ALL.map(|set| form.public(set)));
     items
 }
@@ -76,7 +76,8 @@ pub(super) fn items(
 /// What the functions over lanes have in common.
 struct Form<'a> {
     context: &'a Context<'a>,
-    body: &'a Body<'a>,
+    /// The body of one state, a lane.
+    body: Body<'a>,
     plan: &'a Plan,
     name: &'a Ident,
     /// Arguments with their types.
@@ -90,97 +91,63 @@ struct Form<'a> {
 }
 
 impl<'a> Form<'a> {
-    fn new(
-        context: &'a Context<'a>,
-        body: &'a Body<'a>,
-        name: &'a Ident,
-        signature: &Signature,
-        plan: &'a Plan,
-    ) -> Self {
+    fn new(body: &'a Body<'a>, name: &'a Ident, plan: &'a Plan) -> Self {
+        let context = body.context;
         let mut taken = context.reserved.clone();
         taken.extend(LOCALS.map(str::to_owned));
         taken.extend(body.arguments.iter().map(ToString::to_string));
-        let results = into::result_names(body.program, &taken);
-        let inputs = body.arguments.iter().zip(&signature.lengths);
-        let inputs = inputs.map(|(name, len)| quote!(#name: &[Lanes; #len]));
-        let parameters = context.has_parameters().then(|| quote!(p: &Parameters));
-        let outputs = results.iter().zip(&signature.shapes);
-        let outputs = outputs.map(|(name, lengths)| {
-            let lengths = lengths.iter().rev();
-            let ty = lengths.fold(quote!(Lanes), |entry, len| quote!([#entry; #len]));
+        let results = result_names(body.program, &taken);
+        let (lanes, parameters) = (quote!(Lanes), context.declared_parameters());
+        let outputs = body.program.outputs.iter().zip(&results);
+        let outputs = outputs.map(|(output, name)| {
+            let ty = result(output, &lanes);
             quote!(#name: &mut #ty)
         });
+        let arguments = inputs(body, &lanes).chain(parameters.clone());
         let mut names = body.arguments.clone();
-        names.extend(context.has_parameters().then(|| format_ident!("p")));
+        names.extend(parameters.map(|_| format_ident!("p")));
         names.extend(results.iter().cloned());
+        let values = 1..=plan.parts.len();
         Self {
-            arguments: inputs.chain(parameters).chain(outputs).collect(),
+            arguments: arguments.chain(outputs).collect(),
             context,
-            body,
+            body: body.with_column(quote!(.0[W * group + lane])),
             plan,
             name,
             names,
             results,
-            values: (1..=plan.parts.len())
+            values: values
                 .map(|part| format_ident!("values_{}", part))
                 .collect(),
         }
     }
 
-    fn allowed(&self) -> Vec<TokenStream> {
-        let names = self.body.value_names().chain(&self.names);
-        let allowed = [
-            lints::for_arguments(self.arguments.len()),
-            lints::for_names(names.chain([self.name])),
-            lints::for_numbers(self.body.numbers()),
-        ];
-        allowed.into_iter().flatten().collect()
-    }
-
     /// The loops, inlined into one function for each instruction set.
-    fn each(&self) -> TokenStream {
-        let (each, arguments, allowed) = (self.each_name(), &self.arguments, self.allowed());
-        let documentation =
-            DocComment::new(&format!("`{}` of eight states, `W` at a time.", self.name)).tokens();
+    fn each(&self, unused: &[TokenStream]) -> TokenStream {
+        let (each, arguments) = (self.each_name(), &self.arguments);
+        let documentation = format!("`{}` of eight states, `W` at a time.", self.name);
+        let names = self.body.value_names().chain(&self.names);
         let len = Literal::usize_unsuffixed(LANES);
         let angles = self.angles();
         let parts = 0..self.plan.parts.len();
         let loops = parts.map(|index| self.part(index));
-        let unused = self.unused();
-        quote! {
-            #documentation
-            #[inline(always)]
-            #(#allowed)*
-            fn #each<const W: usize>(#(#arguments),*) {
+        item(
+            &DocComment::new(&documentation),
+            [
+                Some(quote!(#[inline(always)])),
+                lints::for_arguments(arguments.len()),
+                lints::for_names(names.chain([self.name])),
+                lints::for_numbers(self.body.numbers()),
+            ],
+            &quote!(fn #each<const W: usize>(#(#arguments),*)),
+            &quote! {
                 #(let _ = #unused;)*
                 for group in 0..#len / W {
                     #angles
                     #(#loops)*
                 }
-            }
-        }
-    }
-
-    fn unused(&self) -> Vec<&Ident> {
-        let angles = self.plan.angles.iter();
-        let read: Vec<Operand> = angles
-            .flat_map(|&index| operands(self.body.program.instructions[index].operation))
-            .collect();
-        let reads_array = |array: usize| {
-            let is_read =
-                |operand: &Operand| matches!(operand, Operand::Input(read, _) if *read == array);
-            let parts = &self.plan.parts;
-            parts.iter().any(|part| part.inputs.contains(&array)) || read.iter().any(is_read)
-        };
-        let reads_parameters = self.plan.parts.iter().any(|part| part.reads_parameters)
-            || read
-                .iter()
-                .any(|operand| matches!(operand, Operand::Parameter(_)));
-        let arguments = self.body.arguments.iter().enumerate();
-        let inputs = arguments.filter(|(array, _)| !reads_array(*array));
-        let p = self.names.get(self.body.arguments.len());
-        let p = p.filter(|_| self.context.has_parameters() && !reads_parameters);
-        inputs.map(|(_, name)| name).chain(p).collect()
+            },
+        )
     }
 
     /// Sines and cosines of all angles.
@@ -191,15 +158,12 @@ impl<'a> Form<'a> {
         }
         let sums = plan.angles.iter().copied();
         let sums = sums.filter(|index| plan.pairs.binary_search(index).is_err());
-        let sums = self.body.statements_in_lane(sums);
+        let sums = sums.flat_map(|index| self.body.statements(index..index + 1));
         let values = plan.pairs.iter().enumerate().map(|(k, &index)| {
             let Operation::SinCos(angle) = self.body.program.instructions[index].operation else {
                 unreachable!("the plan's pairs are sines with their cosines");
             };
-            let (k, angle) = (
-                Literal::usize_unsuffixed(k),
-                self.body.operand_in_lane(angle),
-            );
+            let (k, angle) = (Literal::usize_unsuffixed(k), self.body.operand(angle));
             quote!(angles[#k].0[lane] = #angle;)
         });
         let calls = (0..plan.pairs.len()).map(|k| {
@@ -219,7 +183,7 @@ impl<'a> Form<'a> {
     /// So many quantities of a group, zeros.
     fn array(&self, count: usize) -> TokenStream {
         self.context.has_groups.set(true);
-        let zero = self.context.options.scalar.literal(0.0);
+        let zero = self.context.zero();
         let count = Literal::usize_unsuffixed(count);
         quote!([Group([#zero; W]); #count])
     }
@@ -231,13 +195,13 @@ impl<'a> Form<'a> {
         let takes = part.takes.iter().map(|&value| self.taken(value));
         let takes = (!part.takes.is_empty()).then(|| quote!([#(#takes),*],));
         let inputs = part.inputs.iter().map(|&input| {
-            let name = &self.body.arguments[input];
-            let entries =
-                (0..self.body.program.inputs[input].extent.len).map(Literal::usize_unsuffixed);
-            quote!(&[#(#name[#entries].0[W * group + lane]),*])
+            let entries = 0..self.body.program.inputs[input].extent.len;
+            let entries = entries.map(|entry| self.body.operand(Operand::Input(input, entry)));
+            quote!(&[#(#entries),*])
         });
-        let parameters = takes_parameters(self.context, part).then(|| quote!(p,));
-        let arguments = quote!(#takes #(#inputs,)* #parameters);
+        let parameters = self.context.passed_parameters();
+        let parameters = parameters.filter(|_| part.reads_parameters).into_iter();
+        let arguments = quote!(#takes #(#inputs,)* #(#parameters,)*);
         let body = match self.body.results.is_empty() {
             true => self.returning(index, &quote!(#callee(#arguments))),
             false => self.storing(index, &callee, &arguments),
@@ -284,17 +248,13 @@ impl<'a> Form<'a> {
         let stores = outputs.zip(&locals).flat_map(|((output, result), local)| {
             copies(output, result, local, 0..output.entries.len())
         });
-        let locals = match locals.as_slice() {
-            [local] => quote!(#local),
-            _ => quote!((#(#locals),*)),
-        };
+        let locals = tuple(locals.iter().map(|local| quote!(#local)));
         quote!(let #locals = #call; #(#stores)*)
     }
 
     /// A part of a function with results in place: what it writes is copied.
     fn storing(&self, index: usize, callee: &Ident, arguments: &TokenStream) -> TokenStream {
         let part = &self.plan.parts[index];
-        let zero = self.context.options.scalar.literal(0.0);
         let all = self.locals();
         let locals: Vec<&Ident> = part
             .results
@@ -303,7 +263,7 @@ impl<'a> Form<'a> {
             .collect();
         let zeros = part.results.iter().map(|(result, _)| {
             let output = &self.body.program.outputs[*result];
-            into::zeros(output.shape, &zero)
+            zeros(output.shape, self.context.zero())
         });
         let call = quote!(#callee(#arguments #(&mut #locals),*));
         let call = match part.returns.is_empty() {
@@ -348,36 +308,39 @@ impl<'a> Form<'a> {
         let (each, arguments, names) = (self.each_name(), &self.arguments, &self.names);
         let name = format_ident!("{}_lanes{}", self.name, set.suffix());
         let width = Literal::usize_unsuffixed(set.width(self.context.options.scalar));
-        let mut documentation = DocComment::new(&format!(
-            "`{}` of eight states, the same bits as of each{}.",
-            self.name,
-            set.features().map_or(String::new(), |features| format!(
-                "; for processors with {}",
-                features.split(',').next().unwrap_or_default()
-            ))
-        ));
+        let features = set.features();
+        let first = features.and_then(|features| features.split(',').next());
+        let needed = first.map_or(String::new(), |first| {
+            format!("; for processors with {first}")
+        });
+        let documentation = format!(
+            "`{}` of eight states, the same bits as of each{needed}.",
+            self.name
+        );
+        let mut documentation = DocComment::new(&documentation);
         documentation.paragraph("Nothing that stood in the results is read.");
-        if set.features().is_some() {
+        if first.is_some() {
             documentation.heading("Safety");
             documentation.paragraph(
                 "The processor must have these instructions: `is_x86_feature_detected!` tells.",
             );
         }
-        let documentation = documentation.tokens();
-        let allowed = lints::for_arguments(self.arguments.len());
-        let features = set.features().map(|features| {
+        let features = features.map(|features| {
             quote! {
                 #[cfg(target_arch = "x86_64")]
                 #[target_feature(enable = #features)]
             }
         });
-        quote! {
-            #documentation
-            #features
-            #[inline(never)]
-            #allowed
-            pub fn #name(#(#arguments),*) { #each::<#width>(#(#names),*); }
-        }
+        item(
+            &documentation,
+            [
+                features,
+                Some(quote!(#[inline(never)])),
+                lints::for_arguments(self.arguments.len()),
+            ],
+            &quote!(pub fn #name(#(#arguments),*)),
+            &quote!(#each::<#width>(#(#names),*);),
+        )
     }
 }
 
@@ -388,18 +351,9 @@ fn copies(
     local: &Ident,
     entries: impl Iterator<Item = usize>,
 ) -> Vec<TokenStream> {
-    let literal = Literal::usize_unsuffixed;
-    entries
-        .map(|index| match output.shape {
-            Shape::Scalar => quote!(#result.0[W * group + lane] = #local;),
-            Shape::Vector(_) => {
-                let index = literal(index);
-                quote!(#result[#index].0[W * group + lane] = #local[#index];)
-            }
-            Shape::Matrix(_, columns) => {
-                let (row, column) = (literal(index / columns.len), literal(index % columns.len));
-                quote!(#result[#row][#column].0[W * group + lane] = #local[#row][#column];)
-            }
-        })
-        .collect()
+    let copies = entries.map(|index| {
+        let (to, from) = (place(output, result, index), place(output, local, index));
+        quote!(#to.0[W * group + lane] = #from;)
+    });
+    copies.collect()
 }

@@ -1,7 +1,7 @@
 //! The loops of array forms, pasted into modules that need them.
 
-use super::literal::Scalar;
 use super::pasted;
+use crate::emit::options::Scalar;
 use crate::functions::function::Function;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
 
@@ -55,10 +55,10 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
     let row = Row::new(first);
     let block = row.block_size();
     let mut texts = vec![
-        include_str!("../array_kernels/rows.rs"),
+        include_str!("array_kernels/rows.rs"),
         match first.is_fused {
-            true => include_str!("../array_kernels/products_fused.rs"),
-            false => include_str!("../array_kernels/products.rs"),
+            true => include_str!("array_kernels/products_fused.rs"),
+            false => include_str!("array_kernels/products.rs"),
         },
     ];
     texts.extend(pairs(row, &block));
@@ -73,7 +73,7 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
         .iter()
         .any(|form| matches!(form, ArrayForm::Affine(_)))
     {
-        texts.push(include_str!("../array_kernels/dot.rs"));
+        texts.push(include_str!("array_kernels/dot.rs"));
     }
     pasted::loops(
         scalar,
@@ -87,32 +87,32 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
 fn pairs(row: Row, block: &str) -> Vec<&str> {
     if row.is_one_block() {
         return vec![
-            include_str!("../array_kernels/one_block/masks.rs"),
-            include_str!("../array_kernels/one_block/pairs.rs"),
+            include_str!("array_kernels/one_block/masks.rs"),
+            include_str!("array_kernels/one_block/pairs.rs"),
         ];
     }
     vec![
         block,
-        include_str!("../array_kernels/blocks/products.rs"),
+        include_str!("array_kernels/blocks/products.rs"),
         match row.is_chain {
-            true => include_str!("../array_kernels/blocks/chain_pairs.rs"),
-            false => include_str!("../array_kernels/blocks/tree_pairs.rs"),
+            true => include_str!("array_kernels/blocks/chain_pairs.rs"),
+            false => include_str!("array_kernels/blocks/tree_pairs.rs"),
         },
     ]
 }
 
 /// The inverse, and what is multiplied by it.
 fn inverse(row: Row) -> [&'static str; 3] {
-    let apply = include_str!("../array_kernels/apply.rs");
+    let apply = include_str!("array_kernels/apply.rs");
     match row.is_one_block() {
         true => [
-            include_str!("../array_kernels/one_block/inverse.rs"),
-            include_str!("../array_kernels/one_block/matrix_products.rs"),
+            include_str!("array_kernels/one_block/inverse.rs"),
+            include_str!("array_kernels/one_block/matrix_products.rs"),
             apply,
         ],
         false => [
-            include_str!("../array_kernels/blocks/inverse.rs"),
-            include_str!("../array_kernels/blocks/matrix_products.rs"),
+            include_str!("array_kernels/blocks/inverse.rs"),
+            include_str!("array_kernels/blocks/matrix_products.rs"),
             apply,
         ],
     }

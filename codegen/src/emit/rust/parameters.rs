@@ -3,8 +3,9 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
+use super::context::Context;
 use super::doc_comment::{DocComment, code, plain};
-use super::{Context, lints};
+use super::lints;
 use crate::model::Parameter;
 
 /// The struct, its described values, and `Default`; nothing for a model without free parameters.
@@ -15,16 +16,16 @@ pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
     let scalar = context.options.scalar;
     let ty = scalar.ty();
     let fields = &context.parameters;
-    let docs = context.model.parameters.iter().map(documentation);
+    let docs = context.module.parameters.iter().map(documentation);
     let values = context
-        .model
+        .module
         .parameters
         .iter()
         .map(|parameter| scalar.literal(parameter.default));
     let allowed_names = lints::for_names(fields);
     let allowed_numbers = lints::for_numbers(
         context
-            .model
+            .module
             .parameters
             .iter()
             .map(|parameter| parameter.default),

@@ -3,44 +3,27 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use super::super::into;
-use super::super::split::{self, Reads};
-use crate::program::flow::{Flow, operands};
-use crate::program::{Operand, Operation, Program};
+use super::flow::{Flow, operands};
+use super::split::{self, Part};
+use super::{Operand, Operation, Program};
 
 /// What stands apart in a function over lanes.
-pub(in crate::emit) struct Plan {
+pub(crate) struct Plan {
     /// Instructions of the angles: what they are computed from, and each `SinCos`.
-    pub(super) angles: Vec<usize>,
+    pub(crate) angles: Vec<usize>,
     /// The `SinCos` among them.
-    pub(super) pairs: Vec<usize>,
+    pub(crate) pairs: Vec<usize>,
     /// Whether an instruction stands in a part: not sines and cosines, nor what only they need.
-    pub(super) is_in_part: Vec<bool>,
+    pub(crate) is_in_part: Vec<bool>,
     /// The rest, in order.
-    pub(super) parts: Vec<Part>,
-}
-
-/// A run of instructions and what it exchanges with the others.
-pub(super) struct Part {
-    /// Where it lies in the program.
-    pub(super) range: Range<usize>,
-    /// Sines, cosines and values of earlier parts that it reads.
-    pub(super) takes: Vec<usize>,
-    /// Values that it makes and that later parts read.
-    pub(super) returns: Vec<usize>,
-    /// Input arrays that it reads.
-    pub(super) inputs: Vec<usize>,
-    pub(super) reads_parameters: bool,
-    /// Results that it writes, where they are written in place, and which of their entries: each where it is made, all
-    /// others at the end.
-    pub(super) results: Vec<(usize, Vec<usize>)>,
+    pub(crate) parts: Vec<Part>,
 }
 
 impl Plan {
     /// `None` where a sine is needed of what is itself computed from a sine or another function.
     ///
     /// - `longest`: statements of a part
-    pub(in crate::emit) fn new(program: &Program, flow: &Flow, longest: usize) -> Option<Self> {
+    pub(crate) fn new(program: &Program, flow: &Flow, longest: usize) -> Option<Self> {
         let made = || (0..program.instructions.len()).filter(|&index| flow.is_made(index));
         let pairs: Vec<usize> = made().filter(|&index| is_pair(program, index)).collect();
         let angles = pairs
@@ -52,7 +35,7 @@ impl Plan {
         }
         let angles = (0..program.instructions.len())
             .filter(|&index| before[index] || pairs.binary_search(&index).is_ok());
-        let needed = needed(program, entries(program), |index| {
+        let needed = needed(program, program.entries(), |index| {
             !is_trigonometric(program, index)
         });
         let is_in_part: Vec<bool> = (0..program.instructions.len())
@@ -68,11 +51,11 @@ impl Plan {
 }
 
 /// Why a program cannot be written over lanes, or need not be.
-pub(super) fn obstacle(program: &Program) -> Option<&'static str> {
+pub(crate) fn obstacle(program: &Program) -> Option<&'static str> {
     if program.inputs.iter().all(|input| input.extent.len == 0) {
         return Some("it takes no state: its result is the same for all");
     }
-    if entries(program).next().is_none() {
+    if program.entries().next().is_none() {
         return Some("its result has no entries");
     }
     match Plan::new(program, &Flow::new(program), usize::MAX) {
@@ -96,15 +79,13 @@ fn parts(program: &Program, flow: &Flow, longest: usize, is_in_part: &[bool]) ->
     let mut parts: Vec<Part> = parts
         .map(|(index, range)| part(program, flow, is_in_part, range, index == last))
         .collect();
-    let mut read_later = BTreeSet::new();
-    for part in parts.iter_mut().rev() {
-        let is_own = |value: &usize| is_in_part[*value] && part.range.contains(value);
-        part.returns = read_later.iter().copied().filter(is_own).collect();
-        read_later.extend(part.takes.iter().copied());
-    }
+    split::hand_on(&mut parts, BTreeSet::new(), |part, value| {
+        is_in_part[value] && part.range.contains(&value)
+    });
     parts
 }
 
+/// A part; entries of large results are written where they are made, all others at the end.
 fn part(
     program: &Program,
     flow: &Flow,
@@ -113,21 +94,16 @@ fn part(
     is_last: bool,
 ) -> Part {
     let is_own = |value: usize| is_in_part[value] && range.contains(&value);
+    let in_place = program.has_large_results();
     let is_written_here = |entry: Operand| match entry {
-        Operand::Value(value) if is_in_part[flow.canonical(value)] => is_own(flow.canonical(value)),
+        Operand::Value(value) if in_place && is_in_part[flow.canonical(value)] => {
+            is_own(flow.canonical(value))
+        }
         _ => is_last,
     };
-    let in_place = into::is_large(program);
-    let mut read: Vec<Operand> = range
-        .clone()
-        .filter(|&index| is_own(index))
-        .flat_map(|index| operands(program.instructions[index].operation))
-        .collect();
-    read.extend(entries(program).filter(|&entry| match in_place {
-        true => is_written_here(entry),
-        false => is_last,
-    }));
-    let read = Reads::new(&read, flow);
+    let own = range.clone().filter(|&index| is_own(index));
+    let read = own.flat_map(|index| operands(program.instructions[index].operation));
+    let read = read.chain(program.entries().filter(|&entry| is_written_here(entry)));
     let written = program.outputs.iter().map(|output| {
         let entries = output.entries.iter().enumerate();
         let here = entries.filter(|&(_, &entry)| in_place && is_written_here(entry));
@@ -135,20 +111,9 @@ fn part(
     });
     let results = written.enumerate().filter(|(_, here)| !here.is_empty());
     Part {
-        takes: read.values.into_iter().filter(|&v| !is_own(v)).collect(),
-        returns: vec![],
-        inputs: read.inputs,
-        reads_parameters: read.parameters,
         results: results.collect(),
-        range,
+        ..Part::new(range.clone(), read, flow, is_own)
     }
-}
-
-fn entries(program: &Program) -> impl Iterator<Item = Operand> {
-    program
-        .outputs
-        .iter()
-        .flat_map(|output| output.entries.iter().copied())
 }
 
 fn is_pair(program: &Program, index: usize) -> bool {

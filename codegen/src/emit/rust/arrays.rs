@@ -1,19 +1,18 @@
 //! Functions in array form: straight-line code for the setup, then calls of loops.
 
-use std::cell::RefCell;
-use std::collections::BTreeMap;
-
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::array_kernels::Row;
 use super::body::Body;
+use super::context::Context;
 use super::doc_comment::DocComment;
-use super::function::{self, Signature};
-use super::{Context, into, lints, names, split};
+use super::signature::{Signature, item};
+use super::{lints, names, parts, public};
 use crate::functions::function::Function;
 use crate::program::arrays::{Arrays, Map, Pairs, Step};
-use crate::program::{Operand, Output, Program, Shape};
+use crate::program::split::{self, Part};
+use crate::program::{Operand, Program, Shape};
 
 /// Names that the module takes for array forms.
 pub(super) const RESERVED: [&str; 6] = [
@@ -25,72 +24,21 @@ pub(super) const RESERVED: [&str; 6] = [
     "is_before",
 ];
 
-/// Private functions that several functions call, by name.
-#[derive(Debug, Default)]
-pub(super) struct Shared {
-    items: RefCell<BTreeMap<String, TokenStream>>,
-}
-
-impl Shared {
-    /// All of them, ordered by name.
-    pub(super) fn take(&self) -> Vec<TokenStream> {
-        self.items.take().into_values().collect()
-    }
-
-    /// Adds a function, unless it is there already; its name, another one where that is taken by something else.
-    fn add(&self, stem: &str, item: impl Fn(&Ident) -> TokenStream) -> Ident {
-        let mut items = self.items.borrow_mut();
-        let mut number = 1;
-        let mut name = stem.to_owned();
-        loop {
-            let identifier = names::identifier(&name);
-            let tokens = item(&identifier);
-            match items.get(&name) {
-                Some(other) if other.to_string() != tokens.to_string() => {
-                    number += 1;
-                    name = format!("{stem}_{number}");
-                }
-                Some(_) => return identifier,
-                None => {
-                    items.insert(name, tokens);
-                    return identifier;
-                }
-            }
-        }
-    }
-}
-
-/// The public function, its variant with results in place, and the setup.
+/// The public functions, and the setup.
 pub(super) fn items(
     context: &Context<'_>,
     function: &Function,
     form: &Arrays,
     name: &Ident,
 ) -> Vec<TokenStream> {
-    let face = face(&function.program);
+    let face = function.program.face();
     let body = Body::in_place(context, &face);
-    let signature = Signature::new(context, &body);
-    let emission = Emission::new(context, form, &body, name);
-    let returning = into::returning(context, &body, name);
-    let mut items = vec![
-        function::public(context, function, &body, name, &signature, &returning),
-        into::item(&body, name, &signature, &emission.statements()),
-    ];
+    let signature = Signature::new(&body);
+    let emission = Emission::new(form, &body, name);
+    let statements = emission.statements();
+    let mut items = public::items(function, &body, name, &signature, &statements);
     items.extend(emission.setup_items(&signature));
     items
-}
-
-/// A program with the same inputs and shapes of results, and nothing in between.
-pub(super) fn face(program: &Program) -> Program {
-    let outputs = program.outputs.iter().map(|output| Output {
-        entries: vec![Operand::Constant(0.0); output.entries.len()],
-        ..output.clone()
-    });
-    Program {
-        inputs: program.inputs.clone(),
-        instructions: Vec::new(),
-        outputs: outputs.collect(),
-    }
 }
 
 /// Where an array stands.
@@ -114,12 +62,8 @@ struct Emission<'a> {
 }
 
 impl<'a> Emission<'a> {
-    fn new(
-        context: &'a Context<'a>,
-        form: &'a Arrays,
-        body: &'a Body<'a>,
-        name: &'a Ident,
-    ) -> Self {
+    fn new(form: &'a Arrays, body: &'a Body<'a>, name: &'a Ident) -> Self {
+        let context = body.context;
         let mut taken = context.reserved.clone();
         taken.push("p".to_owned());
         taken.extend(
@@ -191,7 +135,7 @@ impl<'a> Emission<'a> {
     }
 
     fn ty(&self, rows: usize) -> TokenStream {
-        let ty = self.context.options.scalar.ty();
+        let ty = self.context.ty();
         let (rows, lanes) = (
             Literal::usize_unsuffixed(rows),
             Literal::usize_unsuffixed(self.row.len),
@@ -204,7 +148,7 @@ impl<'a> Emission<'a> {
         let Place::Local(name) = &self.places[array] else {
             return None;
         };
-        let zero = self.context.options.scalar.literal(0.0);
+        let zero = self.context.zero();
         let (rows, lanes) = (
             Literal::usize_unsuffixed(self.form.arrays[array].rows),
             Literal::usize_unsuffixed(self.row.len),
@@ -378,10 +322,7 @@ impl<'a> Emission<'a> {
     }
 
     fn sums(&self, name: &str, about: &str, statements: &[TokenStream]) -> Ident {
-        let (ty, lanes) = (
-            self.context.options.scalar.ty(),
-            Literal::usize_unsuffixed(self.row.len),
-        );
+        let (ty, lanes) = (self.context.ty(), Literal::usize_unsuffixed(self.row.len));
         let documentation = DocComment::new(about).tokens();
         self.context.shared.add(name, |name| {
             quote! {
@@ -395,6 +336,15 @@ impl<'a> Emission<'a> {
 
     /// The loop of a map, as a function of its own.
     fn map(&self, map: &Map) -> TokenStream {
+        let callee = self.map_function(map);
+        let written = map.writes.iter();
+        let declarations = written.filter_map(|&array| self.declaration(array));
+        let reads = map.reads.iter().map(|&array| self.read(array));
+        let writes = map.writes.iter().map(|&array| self.write(array));
+        quote!(#(#declarations)* #callee(#(#reads,)* #(#writes),*);)
+    }
+
+    fn map_function(&self, map: &Map) -> Ident {
         let mut body = Body::in_place(self.context, &map.body);
         body.column = Some(quote!([joint]));
         let inputs = body.program.inputs.iter().zip(&body.arguments);
@@ -408,33 +358,25 @@ impl<'a> Emission<'a> {
             quote!(#name: &mut #ty)
         });
         let arguments: Vec<TokenStream> = inputs.chain(outputs).collect();
-        let constants = into::stores(&body, |made| made.is_none());
+        let constants = body.stores(|entry| body.made(entry).is_none());
         let statements = body.statements(0..body.program.instructions.len());
-        let documentation = DocComment::new(&map.about).tokens();
         let allowed = [
+            Some(
+                quote!(#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]),
+            ),
             lints::for_arguments(arguments.len()),
             lints::for_numbers(body.numbers()),
         ];
-        let allowed = allowed.iter().flatten();
         let lanes = Literal::usize_unsuffixed(self.row.len);
-        let callee = self.context.shared.add(&map.name, |name| {
-            let allowed = allowed.clone();
-            quote! {
-                #documentation
-                #[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
-                #(#allowed)*
-                fn #name(#(#arguments),*) {
-                    for joint in 0..#lanes { #(#constants)* #(#statements)* }
-                }
-            }
-        });
-        let declarations = map
-            .writes
-            .iter()
-            .filter_map(|&array| self.declaration(array));
-        let reads = map.reads.iter().map(|&array| self.read(array));
-        let writes = map.writes.iter().map(|&array| self.write(array));
-        quote!(#(#declarations)* #callee(#(#reads,)* #(#writes),*);)
+        let statements = quote!(for joint in 0..#lanes { #(#constants)* #(#statements)* });
+        self.context.shared.add(&map.name, |name| {
+            item(
+                &DocComment::new(&map.about),
+                allowed.clone(),
+                &quote!(fn #name(#(#arguments),*)),
+                &statements,
+            )
+        })
     }
 
     fn setup_name(&self) -> Ident {
@@ -449,85 +391,60 @@ impl<'a> Emission<'a> {
 
     fn setup_call(&self) -> TokenStream {
         let name = self.setup_name();
-        let arguments = &self.body.arguments;
-        let parameters = self.context.has_parameters().then(|| quote!(p,));
+        let arguments = self.body.arguments.iter().map(|name| quote!(#name));
+        let arguments = arguments.chain(self.context.passed_parameters());
         let filled = self.filled().map(|array| self.write(array));
-        quote!(#name(#(#arguments,)* #parameters #(#filled),*);)
+        quote!(#name(#(#arguments,)* #(#filled),*);)
     }
 
     /// The setup as a function, split where it is long.
     fn setup_items(&self, signature: &Signature) -> Vec<TokenStream> {
-        let name = self.setup_name();
-        let outputs = self
-            .filled()
-            .map(|array| self.form.setup.outputs[array].clone());
+        let filled = self.filled();
         let program = Program {
-            outputs: outputs.collect(),
+            outputs: filled
+                .map(|array| self.form.setup.outputs[array].clone())
+                .collect(),
             ..self.form.setup.clone()
         };
-        let mut body = Body::in_place(self.context, &program);
-        let parts = split::parts(&program, &body.flow, self.context.options.longest_function);
-        if parts.len() > 1 {
-            body.stop_storing();
-        }
-        let statements = match parts.len() {
-            1 => {
-                let (constants, statements) =
-                    (self.constants(&body), function::blocks(&body, |_| true));
+        let (name, body) = (self.setup_name(), Body::in_place(self.context, &program));
+        let split = split::parts(&program, &body.flow, self.context.options.longest_function);
+        let mut items = vec![self.setup_item(&body, &split, signature)];
+        items.extend(parts::items(&body, &name, signature, &split));
+        items
+    }
+
+    fn setup_item(&self, body: &Body<'_>, split: &[Part], signature: &Signature) -> TokenStream {
+        let name = self.setup_name();
+        let statements = match split {
+            [_] => {
+                // Zeros are there already.
+                let is_known = |entry| !matches!(entry, Operand::Value(_) | Operand::Constant(0.0));
+                let (constants, statements) = (body.stores(is_known), body.blocks());
                 quote!(#(#constants)* #statements)
             }
-            _ => function::calls(self.context, &body, &name, &parts),
+            _ => parts::calls(body, &name, split),
         };
-        let unused = function::unused(self.context, &body, &parts);
+        let unused = parts::unused(body, split, body.program.entries());
         let filled = self.filled().zip(&body.results).map(|(array, name)| {
             let ty = self.ty(self.form.arrays[array].rows);
             quote!(#name: &mut #ty)
         });
-        let arguments: Vec<TokenStream> =
-            signature.arguments.iter().cloned().chain(filled).collect();
-        let documentation = DocComment::new(&format!(
-            "Poses and single joints of `{}`; the arrays hold zeros before.",
-            self.name
-        ));
-        let documentation = documentation.tokens();
-        let allowed = [
-            lints::for_names(body.value_names().chain(&body.arguments).chain([&name])),
-            lints::for_numbers(body.numbers()),
-            lints::for_arguments(arguments.len()),
-        ];
-        let allowed = allowed.iter().flatten();
-        let mut items = vec![quote! {
-            #documentation
-            #(#allowed)*
-            fn #name(#(#arguments),*) { #(let _ = #unused;)* #statements }
-        }];
-        if parts.len() > 1 {
-            let parts = parts.iter().enumerate();
-            items.extend(parts.map(|(i, part)| {
-                function::private(self.context, &body, &name, i, part, signature)
-            }));
-        }
-        items
-    }
-
-    /// Stores of entries that nothing has to be computed for; zeros are there already.
-    fn constants(&self, body: &Body<'_>) -> Vec<TokenStream> {
-        let outputs = body.program.outputs.iter().zip(&body.results);
-        let entries = outputs.flat_map(|(output, name)| {
-            output
-                .entries
-                .iter()
-                .enumerate()
-                .map(move |(index, entry)| (output, name, index, *entry))
-        });
-        let known = entries
-            .filter(|(.., entry)| !matches!(entry, Operand::Value(_) | Operand::Constant(0.0)));
-        known
-            .map(|(output, name, index, entry)| {
-                let (place, entry) = (into::place(output, name, index), body.operand(entry));
-                quote!(#place = #entry;)
-            })
-            .collect()
+        let arguments = signature.arguments.iter().cloned().chain(filled);
+        let arguments: Vec<TokenStream> = arguments.collect();
+        let about = "Poses and single joints of";
+        item(
+            &DocComment::new(&format!(
+                "{about} `{}`; the arrays hold zeros before.",
+                self.name
+            )),
+            [
+                lints::for_names(body.value_names().chain(&body.arguments).chain([&name])),
+                lints::for_numbers(body.numbers()),
+                lints::for_arguments(arguments.len()),
+            ],
+            &quote!(fn #name(#(#arguments),*)),
+            &quote!(#(let _ = #unused;)* #statements),
+        )
     }
 }
 

@@ -1,7 +1,7 @@
 //! Modules of pasted texts. Private modules keep the names of helpers apart from those of a robot; the texts stay as
 //! they are, since the pretty printer would drop their comments.
 
-use super::literal::Scalar;
+use crate::emit::options::Scalar;
 
 /// A module with a line of documentation and an attribute.
 pub(super) fn module(documentation: &str, attribute: &str, name: &str, texts: &[&str]) -> String {

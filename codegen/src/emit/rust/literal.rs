@@ -3,26 +3,9 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-/// Number type of a generated module.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Scalar {
-    /// Double precision.
-    #[default]
-    F64,
-    /// Single precision: every constant is rounded to it once, then all operations are in it.
-    F32,
-}
+use crate::emit::options::Scalar;
 
 impl Scalar {
-    /// The type's name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::F64 => "f64",
-            Self::F32 => "f32",
-        }
-    }
-
     /// The type as tokens.
     pub(super) fn ty(self) -> TokenStream {
         match self {

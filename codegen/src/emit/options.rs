@@ -1,0 +1,74 @@
+//! How a module is printed.
+
+/// So many statements stay one function. With debug information, as in Cargo's dev profile, rustc 1.95 nests one scope
+/// for each `let`, and LLVM recurses over them: 2 800 statements compile, 3 200 overflow the 2 MB of its thread's stack and
+/// end rustc. Without it, at opt-level 3, 9 000 statements need 0.9 s and 200 MB, 28 000 need 4 s and 490 MB; there longer
+/// functions would do, since parts exchange values.
+const LONGEST_FUNCTION: usize = 2_000;
+
+/// How a module is printed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EmitOptions {
+    /// Number type of all functions and constants.
+    pub scalar: Scalar,
+    /// Where sine, cosine, tanh and exp come from.
+    pub math: Math,
+    /// What makes the file again, for its header: a command without absolute paths.
+    pub command: String,
+    /// Programs with more statements than this are split into private functions of at most so many.
+    pub longest_function: usize,
+}
+
+impl Default for EmitOptions {
+    fn default() -> Self {
+        Self {
+            scalar: Scalar::F64,
+            math: Math::Embedded,
+            command: "gelenk generate".to_owned(),
+            longest_function: LONGEST_FUNCTION,
+        }
+    }
+}
+
+/// The text of a generated file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SourceFile {
+    /// Name of the module; the file is `<name>.rs`.
+    pub name: String,
+    /// Its whole text.
+    pub text: String,
+}
+
+/// Number type of a generated module.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Scalar {
+    /// Double precision.
+    #[default]
+    F64,
+    /// Single precision: every constant is rounded to it once, then all operations are in it.
+    F32,
+}
+
+impl Scalar {
+    /// The type's name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F64 => "f64",
+            Self::F32 => "f32",
+        }
+    }
+}
+
+/// Source of the functions that a module calls.
+///
+/// The interpreter must run with the same ones ([`crate::program::interpret::Functions`]), else the bits differ.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Math {
+    /// Our own functions, pasted into the module: `math::sin_cos(x)`. Only what is called, and what that requires.
+    /// They need neither std nor libm and give the same bits everywhere.
+    #[default]
+    Embedded,
+    /// Methods of std: `x.sin_cos()`.
+    Std,
+}

@@ -1,0 +1,60 @@
+//! `linearize` in array form: a call, and what follows from its results.
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use super::body::Body;
+use super::context::Context;
+use super::public;
+use super::signature::Signature;
+use crate::functions::function::Function;
+use crate::program::Operand;
+use crate::program::arrays::Affine;
+
+/// The public functions.
+pub(super) fn items(
+    context: &Context<'_>,
+    function: &Function,
+    form: &Affine,
+    name: &Ident,
+) -> Vec<TokenStream> {
+    let face = function.program.face();
+    let body = Body::in_place(context, &face);
+    let signature = Signature::new(&body);
+    public::items(function, &body, name, &signature, &statements(&body, form))
+}
+
+fn statements(body: &Body<'_>, form: &Affine) -> TokenStream {
+    let ([y, v, u], [by_y, by_v, by_u, remainder]) =
+        (body.arguments.as_slice(), body.results.as_slice())
+    else {
+        unreachable!("`Affine::unrolled` has three arguments and four results");
+    };
+    let called = public::into_name(&format_ident!("{}", form.name));
+    let parameters = body.context.passed_parameters().into_iter();
+    let zero = body.context.zero();
+    let n = Literal::usize_unsuffixed(form.called.joints());
+    let columns = form.inputs.iter().enumerate();
+    let columns = columns.map(|(column, &(coordinate, gain))| {
+        let [to, from] = [column, coordinate].map(Literal::usize_unsuffixed);
+        let factor = match gain {
+            Operand::Constant(1.0) => None,
+            gain => {
+                let gain = body.operand(gain);
+                Some(quote!(* #gain))
+            }
+        };
+        quote!(to[#to] = from[#from] #factor;)
+    });
+    let by_inputs = (!form.inputs.is_empty())
+        .then(|| quote!(for (to, from) in #by_u.iter_mut().zip(&inverse) { #(#columns)* }));
+    quote! {
+        let (mut accelerations, mut inverse) = ([#zero; #n], [[#zero; #n]; #n]);
+        #called(#y, #v, #u, #(#parameters,)* &mut accelerations, #by_y, #by_v, &mut inverse);
+        #by_inputs
+        for i in 0..#n {
+            let of_state = arrays::dot(&#by_y[i], #y) + arrays::dot(&#by_v[i], #v);
+            #remainder[i] = accelerations[i] - (of_state + arrays::dot(&#by_u[i], #u));
+        }
+    }
+}

@@ -1,0 +1,251 @@
+//! The values of a function: their names, and how operands and results are written.
+
+use std::ops::Range;
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::quote;
+
+use super::context::Context;
+use super::names;
+use crate::program::flow::{Flow, operands};
+use crate::program::{Operand, Operation, Output, Program, Shape};
+
+/// One function's program with the names of its values.
+#[derive(Clone)]
+pub(super) struct Body<'a> {
+    pub(super) context: &'a Context<'a>,
+    pub(super) program: &'a Program,
+    pub(super) flow: Flow,
+    /// Names of the input arrays.
+    pub(super) arguments: Vec<Ident>,
+    /// Names of the results, where they are written in place.
+    pub(super) results: Vec<Ident>,
+    /// Name of each value.
+    pub(super) names: Vec<Ident>,
+    /// What follows an entry of an input or result: the column of an array, or a lane.
+    pub(super) column: Option<TokenStream>,
+    /// Whether each value is an entry of a result that is written in place.
+    stored: Vec<bool>,
+}
+
+impl<'a> Body<'a> {
+    /// With results written in place where they are large.
+    pub(super) fn new(context: &'a Context<'a>, program: &'a Program) -> Self {
+        Self::with_results(context, program, program.has_large_results())
+    }
+
+    /// With all results written in place.
+    pub(super) fn in_place(context: &'a Context<'a>, program: &'a Program) -> Self {
+        Self::with_results(context, program, true)
+    }
+
+    fn with_results(context: &'a Context<'a>, program: &'a Program, in_place: bool) -> Self {
+        let mut taken = context.reserved.clone();
+        taken.push("p".to_owned());
+        let inputs = program.inputs.iter().map(|input| input.name.as_str());
+        let arguments = names::distinct(inputs, &taken);
+        taken.extend(arguments.iter().map(ToString::to_string));
+        let results = match in_place {
+            true => result_names(program, &taken),
+            false => vec![],
+        };
+        taken.extend(results.iter().map(ToString::to_string));
+        let instructions = program.instructions.iter();
+        let names = names::distinct(instructions.map(|each| each.name.as_str()), &taken);
+        let mut body = Self {
+            context,
+            program,
+            flow: Flow::new(program),
+            arguments,
+            results,
+            stored: vec![false; names.len()],
+            names,
+            column: None,
+        };
+        for entry in program.entries().filter(|_| in_place) {
+            if let Some(made) = body.made(entry) {
+                body.stored[made] = true;
+            }
+        }
+        body
+    }
+
+    /// The same body, whose statements do not store into the results.
+    pub(super) fn without_stores(&self) -> Self {
+        Self {
+            stored: vec![],
+            ..self.clone()
+        }
+    }
+
+    /// The same body, which stores nothing and whose inputs have a column: of an array, or a lane.
+    pub(super) fn with_column(&self, column: TokenStream) -> Self {
+        Self {
+            column: Some(column),
+            ..self.without_stores()
+        }
+    }
+
+    /// Name of a value.
+    pub(super) fn name(&self, index: usize) -> &Ident {
+        &self.names[self.flow.canonical(index)]
+    }
+
+    /// Names of all values that the text mentions.
+    pub(super) fn value_names(&self) -> impl Iterator<Item = &Ident> {
+        self.value_names_in(0..self.names.len())
+    }
+
+    /// Names of the values that these instructions define, as far as they are mentioned.
+    pub(super) fn value_names_in(&self, range: Range<usize>) -> impl Iterator<Item = &Ident> {
+        range
+            .filter(|&index| self.flow.is_read[index])
+            .map(|index| &self.names[index])
+    }
+
+    /// All numbers in the text.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
+        self.numbers_in(0..self.program.instructions.len())
+            .chain(self.program.entries().filter_map(constant))
+    }
+
+    /// The numbers in these instructions.
+    pub(super) fn numbers_in(&self, range: Range<usize>) -> impl Iterator<Item = f64> {
+        self.program.instructions[range]
+            .iter()
+            .flat_map(|instruction| operands(instruction.operation))
+            .filter_map(constant)
+    }
+
+    /// An operand of an operator, an argument or an entry of a result.
+    pub(super) fn operand(&self, operand: Operand) -> TokenStream {
+        match operand {
+            Operand::Value(index) => {
+                let name = self.name(index);
+                quote!(#name)
+            }
+            Operand::Input(array, index) => {
+                let (name, index) = (&self.arguments[array], Literal::usize_unsuffixed(index));
+                let column = &self.column;
+                quote!(#name[#index]#column)
+            }
+            Operand::Parameter(index) => {
+                let field = &self.context.parameters[index];
+                quote!(p.#field)
+            }
+            Operand::Constant(number) => self.context.options.scalar.literal(number),
+        }
+    }
+
+    /// The value that an entry is, where it is one.
+    pub(super) fn made(&self, entry: Operand) -> Option<usize> {
+        match entry {
+            Operand::Value(made) => Some(self.flow.canonical(made)),
+            _ => None,
+        }
+    }
+
+    /// The stores of those entries that are wanted.
+    pub(super) fn stores(&self, is_wanted: impl Fn(Operand) -> bool) -> Vec<TokenStream> {
+        let mut stores = Vec::new();
+        for (output, name) in self.program.outputs.iter().zip(&self.results) {
+            let entries = output.entries.iter().copied().enumerate();
+            for (index, entry) in entries.filter(|&(_, entry)| is_wanted(entry)) {
+                let (place, entry) = (place(output, name, index), self.operand(entry));
+                let star = matches!(output.shape, Shape::Scalar).then(|| quote!(*));
+                let column = &self.column;
+                stores.push(quote!(#star #place #column = #entry;));
+            }
+        }
+        stores
+    }
+
+    /// What the results take from a new value, where they are written in place.
+    pub(super) fn stores_of(&self, index: usize) -> Vec<TokenStream> {
+        match self.stored.get(index) {
+            Some(true) => self.stores(|entry| self.made(entry) == Some(index)),
+            _ => vec![],
+        }
+    }
+
+    /// The results as one expression: a value, or a tuple of several.
+    pub(super) fn returned(&self) -> TokenStream {
+        let outputs = self.program.outputs.iter();
+        tuple(outputs.map(|output| self.result(output)))
+    }
+
+    fn result(&self, output: &Output) -> TokenStream {
+        let mut entries = output.entries.iter().map(|&entry| self.operand(entry));
+        match output.shape {
+            Shape::Scalar => entries.next().unwrap_or_else(|| self.context.zero()),
+            Shape::Vector(_) => quote!([#(#entries),*]),
+            Shape::Matrix(rows, columns) => {
+                let entries: Vec<TokenStream> = entries.collect();
+                let rows = (0..rows.len).map(|row| {
+                    let row = &entries[row * columns.len..(row + 1) * columns.len];
+                    quote!([#(#row),*])
+                });
+                quote!([#(#rows),*])
+            }
+        }
+    }
+
+    /// The last value, where it alone is the result: it needs no name (clippy's `let_and_return`).
+    pub(super) fn returned_value(&self) -> Option<usize> {
+        let [output] = self.program.outputs.as_slice() else {
+            return None;
+        };
+        let (Shape::Scalar, [Operand::Value(index)]) = (output.shape, output.entries.as_slice())
+        else {
+            return None;
+        };
+        let instructions = &self.program.instructions;
+        let last = (0..instructions.len())
+            .rev()
+            .find(|&index| self.flow.is_made(index))?;
+        let is_pair = matches!(instructions[last].operation, Operation::SinCos(_));
+        (last == *index && !is_pair).then_some(last)
+    }
+}
+
+/// One value, or several as a tuple.
+pub(super) fn tuple(values: impl ExactSizeIterator<Item = TokenStream>) -> TokenStream {
+    match values.len() {
+        1 => quote!(#(#values)*),
+        _ => quote!((#(#values),*)),
+    }
+}
+
+/// Argument names for the results, letters of formulas spelled out.
+pub(super) fn result_names(program: &Program, taken: &[String]) -> Vec<Ident> {
+    let spelled = program.outputs.iter().map(|output| {
+        let name = output.name.replace("⁻¹", "_inverse").replace('ẏ', "v");
+        let name = name.replace('ÿ', "a").replace('∂', "d");
+        name.replace(['/', ' '], "_").to_lowercase()
+    });
+    let spelled: Vec<String> = spelled.collect();
+    names::distinct(spelled.iter().map(String::as_str), taken)
+}
+
+/// An entry of a result.
+pub(super) fn place(output: &Output, name: &Ident, index: usize) -> TokenStream {
+    let literal = Literal::usize_unsuffixed;
+    match output.shape {
+        Shape::Scalar => quote!(#name),
+        Shape::Vector(_) => {
+            let index = literal(index);
+            quote!(#name[#index])
+        }
+        Shape::Matrix(_, columns) => {
+            let (row, column) = (literal(index / columns.len), literal(index % columns.len));
+            quote!(#name[#row][#column])
+        }
+    }
+}
+
+fn constant(operand: Operand) -> Option<f64> {
+    match operand {
+        Operand::Constant(number) => Some(number),
+        _ => None,
+    }
+}

@@ -1,0 +1,110 @@
+//! Constants of a module.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use super::context::Context;
+use super::doc_comment::DocComment;
+use super::lints;
+use super::signature::length;
+use crate::functions::function::{Constant, ConstantValue};
+use crate::layout::{Dimension, Extent};
+
+/// Names of the lengths.
+pub(super) const RESERVED: [&str; 2] = ["N", "M"];
+
+/// How long the arrays of a robot are.
+pub(super) fn sizes(context: &Context<'_>) -> [TokenStream; 2] {
+    let n = Literal::usize_unsuffixed(context.module.coordinates);
+    let m = Literal::usize_unsuffixed(context.module.inputs);
+    [
+        quote! {
+            #[doc = " Number of coordinates."]
+            pub const N: usize = #n;
+        },
+        quote! {
+            #[doc = " Number of inputs."]
+            pub const M: usize = #m;
+        },
+    ]
+}
+
+/// A constant with its documentation.
+pub(super) fn item(context: &Context<'_>, constant: &Constant) -> TokenStream {
+    let mut doc = DocComment::new(&constant.summary);
+    if !constant.items.is_empty() {
+        doc.gap();
+        constant.items.iter().for_each(|item| doc.item(item));
+    }
+    let allowed = lints::for_numbers(numbers(&constant.value));
+    let (name, doc) = (format_ident!("{}", constant.name), doc.tokens());
+    let (ty, value) = value(context, &constant.value);
+    quote!(#doc #allowed pub const #name: #ty = #value;)
+}
+
+/// Type and value.
+fn value(context: &Context<'_>, value: &ConstantValue) -> (TokenStream, TokenStream) {
+    let (scalar, ty) = (context.options.scalar, context.ty());
+    let count = Literal::usize_unsuffixed;
+    match value {
+        ConstantValue::Count(number) => {
+            let number = count(*number);
+            (quote!(usize), quote!(#number))
+        }
+        ConstantValue::Names(dimension, names) => {
+            let names = names.iter().map(|name| quote!(#name));
+            array(*dimension, &quote!(&str), names)
+        }
+        ConstantValue::Indices(dimension, indices) => {
+            let indices = indices.iter().map(|&index| count(index));
+            array(
+                *dimension,
+                &quote!(usize),
+                indices.map(|index| quote!(#index)),
+            )
+        }
+        ConstantValue::Numbers(dimension, numbers) => {
+            array(*dimension, &ty, numbers.iter().map(|&x| scalar.literal(x)))
+        }
+        ConstantValue::Ranges(dimension, ranges) => {
+            let ranges = ranges.iter().map(|[low, high]| {
+                let (low, high) = (scalar.literal(*low), scalar.literal(*high));
+                quote!([#low, #high])
+            });
+            array(*dimension, &quote!([#ty; 2]), ranges)
+        }
+        ConstantValue::Sparse(entries) => {
+            let entries = entries.iter().map(|&(row, column, value)| {
+                let (row, column, value) = (count(row), count(column), scalar.literal(value));
+                quote!((#row, #column, #value))
+            });
+            array(Dimension::Fixed, &quote!((usize, usize, #ty)), entries)
+        }
+        ConstantValue::Pattern(rows) => {
+            let width = count(rows.first().map_or(0, Vec::len));
+            let rows = rows.iter().map(|row| quote!([#(#row),*]));
+            array(Dimension::Fixed, &quote!([bool; #width]), rows)
+        }
+    }
+}
+
+fn array(
+    dimension: Dimension,
+    entry: &TokenStream,
+    entries: impl ExactSizeIterator<Item = TokenStream>,
+) -> (TokenStream, TokenStream) {
+    let len = length(Extent::new(dimension, entries.len()));
+    (quote!([#entry; #len]), quote!([#(#entries),*]))
+}
+
+fn numbers(value: &ConstantValue) -> Vec<f64> {
+    match value {
+        ConstantValue::Numbers(_, numbers) => numbers.clone(),
+        ConstantValue::Ranges(_, ranges) => ranges.concat(),
+        ConstantValue::Sparse(entries) => entries.iter().map(|entry| entry.2).collect(),
+        ConstantValue::Count(_)
+        | ConstantValue::Names(..)
+        | ConstantValue::Indices(..)
+        | ConstantValue::Pattern(_) => vec![],
+    }
+}

@@ -1,0 +1,20 @@
+//! A function in the form that it has: straight-line code, lanes beside it, or loops over joints.
+
+use proc_macro2::{Ident, TokenStream};
+
+use super::context::Context;
+use super::{affine, arrays, lanes, straight};
+use crate::functions::function::Function;
+use crate::program::arrays::ArrayForm;
+
+/// The public functions, then the private ones that they call.
+pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) -> Vec<TokenStream> {
+    match &function.arrays {
+        Some(ArrayForm::Steps(form)) => arrays::items(context, function, form, name),
+        Some(ArrayForm::Affine(form)) => affine::items(context, function, form, name),
+        None => match lanes::plan(context, function) {
+            Some(plan) => lanes::items(context, function, name, &plan),
+            None => straight::items(context, function, name),
+        },
+    }
+}

@@ -1,0 +1,129 @@
+//! The bodies of a function, and the scalar function that calls them.
+
+use proc_macro2::{Ident, TokenStream};
+use quote::quote;
+
+use super::super::body::Body;
+use super::super::doc_comment::DocComment;
+use super::super::lints;
+use super::super::parts::{Taken, array, values};
+use super::super::signature::{Signature, item};
+use super::body_name;
+use crate::program::lanes::Plan;
+use crate::program::split::Part;
+
+/// The statements of the scalar function: its angles, then the bodies.
+pub(super) fn statements(body: &Body<'_>, name: &Ident, plan: &Plan) -> TokenStream {
+    let end = plan.angles.last().map_or(0, |&last| last + 1);
+    let is_angle = |index| plan.angles.binary_search(&index).is_ok();
+    let angles = body.without_stores().statements_among(0..end, is_angle);
+    let calls = plan.parts.iter().enumerate().map(|(index, part)| {
+        let callee = body_name(name, plan, index);
+        let results = part.results.iter();
+        let results = results.map(|&(result, _)| {
+            let name = &body.results[result];
+            quote!(#name)
+        });
+        let arguments = arguments(Taken::called(body, part), results);
+        let call = quote!(#callee(#(#arguments),*));
+        let returns = values(body, &part.returns);
+        match (index + 1 == plan.parts.len(), part.returns.is_empty()) {
+            (true, _) => call,
+            (false, true) => quote!(#call;),
+            (false, false) => quote!(let #returns = #call;),
+        }
+    });
+    quote!(#(#angles)* #(#calls)*)
+}
+
+/// The arguments of a body.
+fn arguments(taken: Taken, results: impl Iterator<Item = TokenStream>) -> Vec<TokenStream> {
+    let values = taken.values.into_iter();
+    let read = values.chain(taken.inputs).chain(taken.parameters);
+    read.chain(results).collect()
+}
+
+/// One function for each part.
+pub(super) fn items(
+    body: &Body<'_>,
+    name: &Ident,
+    signature: &Signature,
+    plan: &Plan,
+) -> Vec<TokenStream> {
+    let parts = 0..plan.parts.len();
+    parts
+        .map(|index| part(body, name, signature, plan, index))
+        .collect()
+}
+
+fn part(
+    body: &Body<'_>,
+    name: &Ident,
+    signature: &Signature,
+    plan: &Plan,
+    index: usize,
+) -> TokenStream {
+    let part = &plan.parts[index];
+    let returns_result = index + 1 == plan.parts.len() && body.results.is_empty();
+    let callee = body_name(name, plan, index);
+    let results = part.results.iter().map(|&(result, _)| {
+        let (name, ty) = (&body.results[result], &signature.results[result]);
+        quote!(#name: &mut #ty)
+    });
+    let arguments = arguments(Taken::declared(body, part, signature), results);
+    let arrow = match (returns_result, part.returns.as_slice()) {
+        (true, _) => {
+            let result = &signature.result;
+            quote!(-> #result)
+        }
+        (false, []) => quote!(),
+        (false, returns) => {
+            let ty = array(body, returns);
+            quote!(-> #ty)
+        }
+    };
+    let results = part
+        .results
+        .iter()
+        .map(|&(result, _)| &body.results[result]);
+    let names = body.value_names_in(part.range.clone());
+    let names = names.chain(part.takes.iter().map(|&value| body.name(value)));
+    let names = names.chain(results).chain(&body.arguments).chain([name]);
+    let documentation = match plan.parts.len() {
+        1 => format!("`{name}` from sines and cosines."),
+        _ => format!(
+            "Part {} of `{name}` from sines, cosines and what earlier parts made.",
+            index + 1
+        ),
+    };
+    item(
+        &DocComment::new(&documentation),
+        [
+            Some(quote!(#[inline(always)])),
+            lints::for_names(names),
+            lints::for_numbers(body.numbers()),
+            lints::for_result(&signature.dimensions).filter(|_| returns_result),
+            lints::for_arguments(arguments.len()),
+        ],
+        &quote!(fn #callee(#(#arguments),*) #arrow),
+        &part_statements(body, plan, part, index + 1 == plan.parts.len()),
+    )
+}
+
+/// The statements of a part. The last one has the entries that no part makes too: numbers, inputs, sines and cosines.
+fn part_statements(body: &Body<'_>, plan: &Plan, part: &Part, is_last: bool) -> TokenStream {
+    let statements = body.statements_among(part.range.clone(), |index| plan.is_in_part[index]);
+    match (is_last, body.results.is_empty()) {
+        (true, true) => body.returning(statements),
+        (true, false) => {
+            let is_other = |entry| body.made(entry).is_none_or(|made| !plan.is_in_part[made]);
+            let others = body.stores(is_other);
+            quote!(#(#others)* #(#statements)*)
+        }
+        (false, _) if part.returns.is_empty() => quote!(#(#statements)*),
+        (false, _) => {
+            let returns = values(body, &part.returns);
+            quote!(#(#statements)* #returns)
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Modules as Rust.
+//!
+//! The text compiles without warnings, on its own and through `include!`.
+//!
+//! From below: `names.rs`, `literal.rs` and `doc_comment.rs` guard what reaches the text. `body.rs` names the values of a function, `statements.rs`
+//! prints one `let` per instruction, `signature.rs` and `public.rs` what stands around them, `parts.rs` the functions that a
+//! long one is split into. On these stand the forms: `straight.rs`, `arrays.rs`, `affine.rs`, `lanes/`. `function.rs` chooses
+//! between them by what the module says.
+
+mod affine;
+mod array_kernels;
+mod arrays;
+mod body;
+mod constants;
+mod context;
+mod discrete_time;
+mod doc_comment;
+mod function;
+mod header;
+mod lanes;
+mod lints;
+mod literal;
+mod math;
+mod names;
+mod parameters;
+mod parts;
+mod pasted;
+mod public;
+mod self_test;
+mod signature;
+mod statements;
+mod straight;
+
+pub use header::{FIRST_LINE, documentation};
+
+use proc_macro2::TokenStream;
+
+use self::context::Context;
+use crate::emit::options::{EmitOptions, SourceFile};
+use crate::functions::composition::Composition;
+use crate::functions::module_constants;
+use crate::module::{self, Module};
+
+/// Writes a module as Rust.
+///
+/// The text depends on the arguments alone. It needs no crate, has no inner attributes and names only `core::` paths.
+#[must_use]
+pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
+    let context = Context::new(module, options, reserved());
+    let constant = |constant| constants::item(&context, constant);
+    let mut text = header::comment(module, &options.command);
+    push_items(&mut text, constants::sizes(&context));
+    push_items(&mut text, module.constants.iter().map(constant));
+    push_items(&mut text, parameters::items(&context));
+    let mut functions = String::new();
+    for (function, name) in module.functions.iter().zip(&context.functions) {
+        push_items(&mut functions, function.constants.iter().map(constant));
+        // One function at a time: the syntax tree of a large one takes far more memory than its text.
+        push_items(&mut functions, function::items(&context, function, name));
+    }
+    push_items(&mut text, lanes::types(&context));
+    text.push_str(&functions);
+    push_items(&mut text, module.substeps.iter().map(constant));
+    let composed = module.compositions.iter();
+    push_items(
+        &mut text,
+        composed.map(|each| discrete_time::function(&context, each)),
+    );
+    push_items(&mut text, context.shared.take());
+    text.push_str(&array_kernels::text(options.scalar, &module.functions));
+    text.push_str(&math::text(&context));
+    text.push_str(&discrete_time::text(options.scalar, &module.compositions));
+    text.push_str(math::guard(&module.functions));
+    push_items(&mut text, self_test::item(&context));
+    SourceFile {
+        name: names::identifier(&module.name).to_string(),
+        text,
+    }
+}
+
+/// Names that the module takes for itself.
+fn reserved() -> Vec<String> {
+    let compositions = Composition::ALL.map(Composition::name);
+    let names: [&[&str]; 7] = [
+        &math::RESERVED,
+        &constants::RESERVED,
+        &module::constants::NAMES,
+        &module_constants::NAMES,
+        &compositions,
+        &arrays::RESERVED,
+        &lanes::RESERVED,
+    ];
+    names.concat().into_iter().map(str::to_owned).collect()
+}
+
+fn push_items(text: &mut String, items: impl IntoIterator<Item = TokenStream>) {
+    for item in items {
+        text.push('\n');
+        text.push_str(&print(item));
+    }
+}
+
+/// Formats one item. The tokens were made by this folder: where they are no Rust, that is a defect here, and the
+/// unformatted tokens with rustc's message about them help more than a panic.
+fn print(item: TokenStream) -> String {
+    match syn::parse2::<syn::File>(item.clone()) {
+        Ok(file) => prettyplease::unparse(&file),
+        Err(_) => format!("{item}\n"),
+    }
+}

@@ -1,0 +1,150 @@
+//! The public faces of a function: one that returns its results, and one that writes them in place where they are large.
+
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote};
+
+use super::body::{Body, tuple};
+use super::doc_comment::{DocComment, code};
+use super::lints;
+use super::signature::{Signature, item, length_text, zeros};
+use crate::functions::function::Function;
+
+/// Up to so many instructions a function is offered to inlining in other crates: a call costs as much as they do.
+const INLINE_UP_TO: usize = 40;
+
+/// The functions that callers see. `statements` return the results of a body, or store them where it has names for them.
+pub(super) fn items(
+    function: &Function,
+    body: &Body<'_>,
+    name: &Ident,
+    signature: &Signature,
+    statements: &TokenStream,
+) -> Vec<TokenStream> {
+    match body.results.is_empty() {
+        true => vec![returning(function, body, name, signature, statements)],
+        false => {
+            let call = call(body, name);
+            vec![
+                returning(function, body, name, signature, &call),
+                storing(body, name, signature, statements),
+            ]
+        }
+    }
+}
+
+/// Name of the function that writes its results in place.
+pub(super) fn into_name(name: &Ident) -> Ident {
+    format_ident!("{}_into", name)
+}
+
+fn returning(
+    function: &Function,
+    body: &Body<'_>,
+    name: &Ident,
+    signature: &Signature,
+    statements: &TokenStream,
+) -> TokenStream {
+    let is_short = body.program.instructions.len() <= INLINE_UP_TO || !body.results.is_empty();
+    let (arguments, result) = (&signature.arguments, &signature.result);
+    item(
+        &documentation(function, body),
+        [
+            is_short.then(|| quote!(#[inline])),
+            Some(quote!(#[must_use])),
+            lints::for_names(body.value_names().chain(&body.arguments).chain([name])),
+            lints::for_numbers(body.numbers()),
+            lints::for_result(&signature.dimensions),
+        ],
+        &quote!(pub fn #name(#(#arguments),*) -> #result),
+        statements,
+    )
+}
+
+/// The function with its results as arguments: its documentation refers to the other.
+fn storing(
+    body: &Body<'_>,
+    name: &Ident,
+    signature: &Signature,
+    statements: &TokenStream,
+) -> TokenStream {
+    let into = into_name(name);
+    let documentation =
+        format!("`{name}` with its results written in place; nothing of what stood there is read.");
+    let arguments = &signature.arguments;
+    let results = body.results.iter().zip(&signature.results);
+    let results = results.map(|(name, ty)| quote!(#name: &mut #ty));
+    item(
+        &DocComment::new(&documentation),
+        [
+            lints::for_names(body.value_names().chain(&body.arguments).chain([name])),
+            lints::for_numbers(body.numbers()),
+            lints::for_arguments(arguments.len() + body.results.len()),
+        ],
+        &quote!(pub fn #into(#(#arguments,)* #(#results),*)),
+        statements,
+    )
+}
+
+/// A call of the function that writes its results in place.
+fn call(body: &Body<'_>, name: &Ident) -> TokenStream {
+    let (into, results) = (into_name(name), &body.results);
+    let outputs = body.program.outputs.iter();
+    let zeros = outputs.map(|output| zeros(output.shape, body.context.zero()));
+    let arguments = body.arguments.iter().map(|name| quote!(#name));
+    let arguments = arguments.chain(body.context.passed_parameters());
+    let value = tuple(results.iter().map(|result| quote!(#result)));
+    quote! {
+        #(let mut #results = #zeros;)*
+        #into(#(#arguments,)* #(&mut #results),*);
+        #value
+    }
+}
+
+fn documentation(function: &Function, body: &Body<'_>) -> DocComment {
+    let mut doc = DocComment::new(&function.summary);
+    if !function.equation.trim().is_empty() {
+        doc.paragraph(&code(&function.equation));
+    }
+    doc.gap();
+    for (i, (input, name)) in body.program.inputs.iter().zip(&body.arguments).enumerate() {
+        let told = function.arguments.get(i);
+        let meaning = told.map_or("", |argument| argument.meaning.as_str());
+        let entries = told.map_or(String::new(), |argument| list(&argument.entries));
+        let head = format!("`{name}: [{}]`", length_text(input.extent));
+        doc.item(&sentence([&head, meaning, &entries]));
+    }
+    if body.context.has_parameters() {
+        doc.item("`p`: free parameters");
+    }
+    for (i, output) in body.program.outputs.iter().enumerate() {
+        let meaning = function.results.get(i).map_or("", String::as_str);
+        let extents = output.shape.extents().into_iter();
+        let shape = match extents.map(length_text).collect::<Vec<_>>().join(" × ") {
+            lengths if lengths.is_empty() => lengths,
+            lengths => format!(": [{lengths}]"),
+        };
+        let head = format!("returns {}", code(&format!("{}{shape}", output.name)));
+        doc.item(&sentence([&head, meaning, ""]));
+    }
+    doc.paragraph(&format!("Cost: {}.", function.cost()));
+    function.notes.iter().for_each(|note| doc.paragraph(note));
+    doc
+}
+
+fn sentence(parts: [&str; 3]) -> String {
+    let parts = parts.map(str::trim).into_iter();
+    let parts = parts.filter(|part| !part.is_empty());
+    parts.collect::<Vec<_>>().join(": ")
+}
+
+/// `a, b (rad), c (m)`: neighbours with one unit share it.
+fn list(entries: &[(String, &'static str)]) -> String {
+    let shown = entries.iter().enumerate().map(|(i, (name, unit))| {
+        let is_last_of_unit = entries.get(i + 1).is_none_or(|(_, next)| next != unit);
+        match is_last_of_unit {
+            true => format!("{} in {unit}", code(name)),
+            false => code(name),
+        }
+    });
+    shown.collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,110 @@
+//! What stands around the statements of a function: its types and its attributes.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::quote;
+
+use super::body::{Body, tuple};
+use super::doc_comment::DocComment;
+use crate::layout::{Dimension, Extent};
+use crate::program::{Output, Shape};
+
+/// Arguments and result of a function as text.
+pub(super) struct Signature {
+    /// Inputs and free parameters, with their types.
+    pub(super) arguments: Vec<TokenStream>,
+    pub(super) result: TokenStream,
+    /// Type of each result.
+    pub(super) results: Vec<TokenStream>,
+    /// How many dimensions each result has.
+    pub(super) dimensions: Vec<usize>,
+}
+
+impl Signature {
+    pub(super) fn new(body: &Body<'_>) -> Self {
+        let (ty, outputs) = (body.context.ty(), &body.program.outputs);
+        let results: Vec<TokenStream> = outputs.iter().map(|output| result(output, &ty)).collect();
+        let dimensions = outputs.iter().map(|output| output.shape.extents().len());
+        Self {
+            arguments: inputs(body, &ty)
+                .chain(body.context.declared_parameters())
+                .collect(),
+            result: tuple(results.iter().cloned()),
+            results,
+            dimensions: dimensions.collect(),
+        }
+    }
+}
+
+/// The input arrays, of entries of a type.
+pub(super) fn inputs(body: &Body<'_>, entry: &TokenStream) -> impl Iterator<Item = TokenStream> {
+    let inputs = body.program.inputs.iter().zip(&body.arguments);
+    inputs.map(move |(input, name)| {
+        let ty = nested(entry.clone(), [length(input.extent)].into_iter());
+        quote!(#name: &#ty)
+    })
+}
+
+/// The type of a result, of entries of a type.
+pub(super) fn result(output: &Output, entry: &TokenStream) -> TokenStream {
+    nested(
+        entry.clone(),
+        output.shape.extents().into_iter().map(length),
+    )
+}
+
+/// Zeros of a shape.
+pub(super) fn zeros(shape: Shape, zero: TokenStream) -> TokenStream {
+    let extents = shape.extents().into_iter();
+    nested(zero, extents.map(|extent| number(extent.len)))
+}
+
+/// `[[entry; columns]; rows]` from `rows, columns`.
+pub(super) fn nested(
+    entry: TokenStream,
+    lengths: impl DoubleEndedIterator<Item = TokenStream>,
+) -> TokenStream {
+    let lengths = lengths.rev();
+    lengths.fold(entry, |entry, len| quote!([#entry; #len]))
+}
+
+/// A length by name where it follows from the robot, else as a number.
+pub(super) fn length(extent: Extent) -> TokenStream {
+    match name(extent) {
+        Some(name) => {
+            let name = super::names::identifier(name);
+            quote!(#name)
+        }
+        None => number(extent.len),
+    }
+}
+
+/// A length in documentation.
+pub(super) fn length_text(extent: Extent) -> String {
+    name(extent).map_or_else(|| extent.len.to_string(), str::to_owned)
+}
+
+/// Coordinates and velocities are as many.
+fn name(extent: Extent) -> Option<&'static str> {
+    match extent.dimension {
+        Dimension::Coordinates | Dimension::Velocities => Some("N"),
+        Dimension::Inputs => Some("M"),
+        Dimension::Parameters | Dimension::Fixed => None,
+    }
+}
+
+fn number(len: usize) -> TokenStream {
+    let len = Literal::usize_unsuffixed(len);
+    quote!(#len)
+}
+
+/// A function: what `head` says up to the body, below its documentation and those attributes that it needs.
+pub(super) fn item(
+    documentation: &DocComment,
+    attributes: impl IntoIterator<Item = Option<TokenStream>>,
+    head: &TokenStream,
+    statements: &TokenStream,
+) -> TokenStream {
+    let documentation = documentation.tokens();
+    let attributes = attributes.into_iter().flatten();
+    quote!(#documentation #(#attributes)* #head { #statements })
+}

@@ -1,0 +1,28 @@
+//! Functions as straight-line code, split where they are long.
+
+use proc_macro2::{Ident, TokenStream};
+use quote::quote;
+
+use super::body::Body;
+use super::context::Context;
+use super::signature::Signature;
+use super::{parts, public};
+use crate::functions::function::Function;
+use crate::program::split;
+
+/// The public functions, then the private ones that they are split into.
+pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) -> Vec<TokenStream> {
+    let body = Body::new(context, &function.program);
+    let signature = Signature::new(&body);
+    let split = split::parts(body.program, &body.flow, context.options.longest_function);
+    let statements = match (split.len(), body.results.is_empty()) {
+        (1, true) => body.returning_statements(),
+        (1, false) => body.storing_statements(),
+        _ => parts::calls(&body, name, &split),
+    };
+    let unused = parts::unused(&body, &split, body.program.entries());
+    let statements = quote!(#(let _ = #unused;)* #statements);
+    let mut items = public::items(function, &body, name, &signature, &statements);
+    items.extend(parts::items(&body, name, &signature, &split));
+    items
+}

@@ -1,0 +1,199 @@
+//! Constants of a robot: names, limits, drives.
+
+use crate::functions::function::{Constant, ConstantValue};
+use crate::layout::Dimension;
+use crate::model::{Drive, Input, Joint, Model};
+
+/// Names of all constants that a module can have beside those of its functions.
+pub const NAMES: [&str; 17] = [
+    "JOINT_NAMES",
+    "JOINT_UNITS",
+    "INPUT_NAMES",
+    "INPUT_UNITS",
+    "INPUT_JOINTS",
+    "FRAME_NAMES",
+    "POSITION_LIMITS",
+    "VELOCITY_LIMITS",
+    "EFFORT_LIMITS",
+    "PEAK_EFFORT_LIMITS",
+    "INPUT_LIMITS",
+    "PEAK_INPUT_LIMITS",
+    "GEAR_RATIOS",
+    "ROTOR_INERTIAS",
+    "GRAVITY",
+    "FUNCTIONS",
+    "SUBSTEPS",
+];
+
+/// All constants, in the order in which a reader asks for them.
+pub(super) fn all(model: &Model) -> Vec<Constant> {
+    let joints: Vec<&Joint> = model.joints().collect();
+    let inputs: Vec<&Drive> = model.inputs().collect();
+    let mut constants = names(model, &joints, &inputs);
+    constants.extend(joint_limits(&joints));
+    constants.extend(drives(model, &inputs));
+    constants.extend(gravity(model));
+    constants
+}
+
+/// What a module has, for macros that take what there is.
+pub(super) fn functions<'a>(names: impl Iterator<Item = &'a str>) -> Constant {
+    constant(
+        "FUNCTIONS",
+        "Names of the functions.",
+        strings(Dimension::Fixed, names),
+    )
+}
+
+/// How often functions over a sample time divide it.
+pub(super) fn substeps(model: &Model) -> Constant {
+    let summary = "Runge–Kutta steps in one period of `step` and `step_derivatives`: `substeps` of the description.";
+    let count = model.options.substeps.unwrap_or(1);
+    constant("SUBSTEPS", summary, ConstantValue::Count(count))
+}
+
+fn constant(name: &'static str, summary: &str, value: ConstantValue) -> Constant {
+    Constant {
+        name,
+        summary: summary.to_owned(),
+        items: vec![],
+        value,
+    }
+}
+
+fn strings<'a>(dimension: Dimension, names: impl Iterator<Item = &'a str>) -> ConstantValue {
+    ConstantValue::Names(dimension, names.map(str::to_owned).collect())
+}
+
+fn names(model: &Model, joints: &[&Joint], inputs: &[&Drive]) -> Vec<Constant> {
+    use Dimension::{Coordinates, Fixed, Inputs};
+    let acted_on = inputs.iter().filter_map(|drive| drive.coordinate);
+    let frames = (!model.frames.is_empty()).then(|| {
+        let names = model.frames.iter().map(|frame| frame.name.as_str());
+        constant("FRAME_NAMES", "Names of the frames.", strings(Fixed, names))
+    });
+    let constants = [
+        constant(
+            "JOINT_NAMES",
+            "Names of the joints, in the order of the coordinates.",
+            strings(Coordinates, joints.iter().map(|joint| joint.name.as_str())),
+        ),
+        constant(
+            "JOINT_UNITS",
+            "Units of the coordinates: `rad` or `m`.",
+            strings(Coordinates, joints.iter().map(|joint| joint.kind.unit())),
+        ),
+        constant(
+            "INPUT_NAMES",
+            "Names of the inputs.",
+            strings(Inputs, inputs.iter().map(|drive| drive.name.as_str())),
+        ),
+        constant(
+            "INPUT_UNITS",
+            "Units of the inputs: `N m` or `N` for ideal drives and motor torques, `A` for motor currents.",
+            strings(Inputs, inputs.iter().map(|drive| model.input_unit(drive))),
+        ),
+        constant(
+            "INPUT_JOINTS",
+            "The coordinate that each input acts on.",
+            ConstantValue::Indices(Inputs, acted_on.collect()),
+        ),
+    ];
+    constants.into_iter().chain(frames).collect()
+}
+
+fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {
+    const UNLIMITED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+    let positions = joints.iter().map(|joint| joint.limits.position);
+    let positions = positions
+        .map(|limits| limits.unwrap_or(UNLIMITED))
+        .collect();
+    let of_joints = |name, summary, limit: fn(&Joint) -> Option<f64>| {
+        let limits = joints.iter().map(|joint| limit(joint));
+        let limits = limits.map(|limit| limit.unwrap_or(f64::INFINITY)).collect();
+        let value = ConstantValue::Numbers(Dimension::Coordinates, limits);
+        constant(name, summary, value)
+    };
+    vec![
+        constant(
+            "POSITION_LIMITS",
+            "Lowest and highest position of each joint (rad or m); infinite where not described.",
+            ConstantValue::Ranges(Dimension::Coordinates, positions),
+        ),
+        of_joints(
+            "VELOCITY_LIMITS",
+            "Highest speed of each joint (rad/s or m/s); infinite where not described.",
+            |joint| joint.limits.velocity,
+        ),
+        of_joints(
+            "EFFORT_LIMITS",
+            "Nominal force at each joint (N m or N); infinite where not described.",
+            |joint| joint.limits.effort,
+        ),
+        of_joints(
+            "PEAK_EFFORT_LIMITS",
+            "Peak force at each joint (N m or N); the nominal one where no peak is described.",
+            |joint| joint.limits.peak_effort.or(joint.limits.effort),
+        ),
+    ]
+}
+
+/// Constants of the drives. Gear ratios and rotor inertias that depend on free parameters are left out; limits of
+/// currents take the described motor constant.
+fn drives(model: &Model, inputs: &[&Drive]) -> Vec<Constant> {
+    let described = model.parameters.iter().map(|parameter| parameter.default);
+    let described: Vec<f64> = described.collect();
+    let limit = |drive: &Drive, torque: Option<f64>| {
+        let torque = torque.unwrap_or(f64::INFINITY);
+        Some(torque / torque_per_input(drive, &described)?)
+    };
+    let of_inputs = |name, summary, value: &dyn Fn(&Drive) -> Option<f64>| {
+        let values = inputs.iter().map(|drive| value(drive));
+        let values: Option<Vec<f64>> = values.collect();
+        let value = ConstantValue::Numbers(Dimension::Inputs, values?);
+        Some(constant(name, summary, value))
+    };
+    let constants = [
+        of_inputs(
+            "INPUT_LIMITS",
+            "Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite \
+             where not described. `EFFORT_LIMITS` at the joint holds beside it.",
+            &|drive| limit(drive, drive.torque.nominal),
+        ),
+        of_inputs(
+            "PEAK_INPUT_LIMITS",
+            "Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the \
+             nominal one where no peak is described.",
+            &|drive| limit(drive, drive.torque.peak.or(drive.torque.nominal)),
+        ),
+        of_inputs(
+            "GEAR_RATIOS",
+            "Gear ratio of each drive: motor angle over joint angle.",
+            &|drive| drive.gear_ratio.value(&[]),
+        ),
+        of_inputs(
+            "ROTOR_INERTIAS",
+            "Axial inertia of each rotor, on its own side of the gear [kg m²].",
+            &|drive| drive.rotor_inertia.value(&[]),
+        ),
+    ];
+    constants.into_iter().flatten().collect()
+}
+
+/// Motor torque per unit of input: 1, or the magnitude of the motor constant.
+fn torque_per_input(drive: &Drive, described: &[f64]) -> Option<f64> {
+    match &drive.input {
+        Input::Torque => Some(1.0),
+        Input::Current(motor_constant) => motor_constant.value(described).map(f64::abs),
+    }
+}
+
+/// Gravity, unless it depends on free parameters.
+fn gravity(model: &Model) -> Option<Constant> {
+    let values: Option<Vec<f64>> = model.gravity.iter().map(|g| g.value(&[])).collect();
+    Some(constant(
+        "GRAVITY",
+        "Gravitational acceleration in the base frame [m/s²].",
+        ConstantValue::Numbers(Dimension::Fixed, values?),
+    ))
+}

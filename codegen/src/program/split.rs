@@ -1,0 +1,162 @@
+//! Splits a long program into parts, since the time that compilers need grows faster than the length of a function.
+//!
+//! Parts follow one another in the order of the program; no operation moves, so that every bit of the results stays.
+//! Each can become a function that takes the values it reads and returns those that are read later.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+use super::flow::{Flow, operands};
+use super::{Operand, Program};
+
+/// A run of instructions and what it exchanges with the others.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Part {
+    /// Where it lies in the program.
+    pub(crate) range: Range<usize>,
+    /// Values made before that it reads.
+    pub(crate) takes: Vec<usize>,
+    /// Values that it makes and that later parts read, or the results where it does not write these.
+    pub(crate) returns: Vec<usize>,
+    /// Input arrays that it reads.
+    pub(crate) inputs: Vec<usize>,
+    /// Whether it reads parameters.
+    pub(crate) reads_parameters: bool,
+    /// Results that it writes, and which of their entries; none where the results are written after all parts.
+    pub(crate) results: Vec<(usize, Vec<usize>)>,
+}
+
+impl Part {
+    /// A run that reads these operands, so far without results.
+    ///
+    /// - `is_own`: whether a value is made here
+    pub(super) fn new(
+        range: Range<usize>,
+        read: impl IntoIterator<Item = Operand>,
+        flow: &Flow,
+        is_own: impl Fn(usize) -> bool,
+    ) -> Self {
+        let read = Reads::new(read.into_iter(), flow);
+        let takes = read.values.into_iter();
+        Self {
+            takes: takes.filter(|&value| !is_own(value)).collect(),
+            returns: vec![],
+            inputs: read.inputs,
+            reads_parameters: read.parameters,
+            results: vec![],
+            range,
+        }
+    }
+}
+
+/// The parts of a program: one, unless it has more than `longest` statements.
+pub(crate) fn parts(program: &Program, flow: &Flow, longest: usize) -> Vec<Part> {
+    let cuts = cuts(program, flow, longest.max(1));
+    let parts = cuts.windows(2).map(|cut| {
+        let range = cut[0]..cut[1];
+        let made = range.clone().filter(|&index| flow.is_made(index));
+        let read = made.flat_map(|index| operands(program.instructions[index].operation));
+        let is_own = |value: usize| flow.made_at[value] >= range.start;
+        Part::new(range.clone(), read, flow, is_own)
+    });
+    let mut parts: Vec<Part> = parts.collect();
+    let results = values(program.entries(), flow);
+    hand_on(&mut parts, results, |part, value| {
+        part.range.contains(&flow.made_at[value])
+    });
+    parts
+}
+
+/// Tells each part what it returns: its own values that later parts take, or that are `read_later`.
+pub(super) fn hand_on(
+    parts: &mut [Part],
+    mut read_later: BTreeSet<usize>,
+    is_own: impl Fn(&Part, usize) -> bool,
+) {
+    for part in parts.iter_mut().rev() {
+        let returns = read_later.iter().copied();
+        part.returns = returns.filter(|&value| is_own(part, value)).collect();
+        read_later.extend(&part.takes);
+    }
+}
+
+fn values(operands: impl Iterator<Item = Operand>, flow: &Flow) -> BTreeSet<usize> {
+    let value = |operand| match operand {
+        Operand::Value(index) => Some(flow.canonical(index)),
+        _ => None,
+    };
+    operands.filter_map(value).collect()
+}
+
+/// What a run of instructions reads.
+pub(crate) struct Reads {
+    values: BTreeSet<usize>,
+    /// Input arrays.
+    pub(crate) inputs: Vec<usize>,
+    /// Whether there are parameters among it.
+    pub(crate) parameters: bool,
+}
+
+impl Reads {
+    pub(crate) fn new(operands: impl Iterator<Item = Operand>, flow: &Flow) -> Self {
+        let operands: Vec<Operand> = operands.collect();
+        let arrays = operands.iter().filter_map(|operand| match operand {
+            Operand::Input(array, _) => Some(*array),
+            _ => None,
+        });
+        let arrays: BTreeSet<usize> = arrays.collect();
+        let is_parameter = |operand: &Operand| matches!(operand, Operand::Parameter(_));
+        Self {
+            inputs: arrays.into_iter().collect(),
+            parameters: operands.iter().any(is_parameter),
+            values: values(operands.into_iter(), flow),
+        }
+    }
+}
+
+/// Boundaries of the parts, first 0 and last the number of instructions. Each part has at most `longest` statements
+/// and ends, within its second half, where the fewest values are alive.
+fn cuts(program: &Program, flow: &Flow, longest: usize) -> Vec<usize> {
+    let len = program.instructions.len();
+    let alive = alive_before(program, flow);
+    let statements: Vec<usize> = (0..len).filter(|&index| flow.is_made(index)).collect();
+    let mut cuts = vec![0];
+    let mut done = 0;
+    while statements.len() - done > longest {
+        let candidates = done + longest.div_ceil(2)..=done + longest;
+        let best = candidates
+            .rev()
+            .min_by_key(|&next| alive[statements[next]])
+            .unwrap_or(done + longest);
+        cuts.push(statements[best]);
+        done = best;
+    }
+    cuts.push(len);
+    cuts
+}
+
+/// For each instruction, how many values made before it are read by it or later.
+fn alive_before(program: &Program, flow: &Flow) -> Vec<usize> {
+    let len = program.instructions.len();
+    let mut last_read: Vec<Option<usize>> = vec![None; len];
+    for index in (0..len).filter(|&index| flow.is_made(index)) {
+        for value in values(operands(program.instructions[index].operation), flow) {
+            last_read[value] = Some(index);
+        }
+    }
+    for value in values(program.entries(), flow) {
+        last_read[value] = Some(len);
+    }
+    let mut change = vec![0_isize; len + 2];
+    for (value, last) in last_read.iter().enumerate() {
+        if let Some(last) = last {
+            change[flow.made_at[value] + 1] += 1;
+            change[last + 1] -= 1;
+        }
+    }
+    let running = change.iter().scan(0_isize, |alive, step| {
+        *alive += step;
+        Some(usize::try_from(*alive).unwrap_or(0))
+    });
+    running.take(len).collect()
+}
