@@ -1,9 +1,6 @@
 //! Lists the functions of `generated/` for the tests that call all of them.
 
-#![allow(
-    clippy::expect_used,
-    reason = "a build script of tests: what is missing ends it"
-)]
+#![allow(clippy::expect_used, reason = "a build script of tests: what is missing ends it")]
 
 use std::path::Path;
 use std::{env, fs};
@@ -29,11 +26,7 @@ fn main() {
     text.push_str("pub const ROBOTS: &[Robot] = &[\n");
     for name in &names {
         let source = fs::read_to_string(folder.join(format!("{name}.rs"))).expect("a module");
-        text.push_str(&table::entry(
-            name,
-            &format!("gelenk_generated::{name}"),
-            &source,
-        ));
+        text.push_str(&table::entry(name, &format!("gelenk_generated::{name}"), &source));
     }
     text.push_str("];\n");
     let out = env::var_os("OUT_DIR").expect("Cargo sets OUT_DIR");

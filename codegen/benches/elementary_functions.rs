@@ -1,6 +1,8 @@
-//! Time of the elementary functions beside the standard library's, as the ratio that counts on a noisy machine.
+//! Time of the elementary functions beside the standard library's, as the ratio that counts on a noisy
+//! machine.
 //!
-//! `cargo bench -p gelenk-codegen --bench elementary_functions`, with and without `RUSTFLAGS=-Ctarget-cpu=native`.
+//! `cargo bench -p gelenk-codegen --bench elementary_functions`, with and without
+//! `RUSTFLAGS=-Ctarget-cpu=native`.
 
 #![allow(clippy::disallowed_methods, reason = "what ours are compared with")]
 
@@ -28,10 +30,7 @@ fn scalar_six(y: &Angles) -> [Angles; 2] {
 fn array_six(y: &Angles) -> [Angles; 2] {
     let (s, c) = math::sin_cos_array([y[0], y[1], y[2], y[3]]);
     let (t, d) = math::sin_cos_array([y[4], y[5]]);
-    [
-        [s[0], s[1], s[2], s[3], t[0], t[1]],
-        [c[0], c[1], c[2], c[3], d[0], d[1]],
-    ]
+    [[s[0], s[1], s[2], s[3], t[0], t[1]], [c[0], c[1], c[2], c[3], d[0], d[1]]]
 }
 
 /// `function` of each entry; a branch-free one becomes SIMD code.
@@ -93,10 +92,7 @@ fn time(values: usize, mut function: impl FnMut()) -> f64 {
 }
 
 fn report(name: &str, own: f64, std: f64) {
-    println!(
-        "{name:34} {own:7.2} ns, std {std:7.2} ns, ratio {:5.2}",
-        std / own
-    );
+    println!("{name:34} {own:7.2} ns, std {std:7.2} ns, ratio {:5.2}", std / own);
 }
 
 fn pair<T: Copy>(
@@ -125,16 +121,12 @@ fn main() {
 
     let x = [[0.3, -1.2, 2.5, 0.7, -3.0, 1.1, 9.0, 100.0]; 64];
     let mut result = [([0.0; 8], [0.0; 8]); 64];
-    let std = time(512, || {
-        std_sin_cos_lanes(black_box(&x), black_box(&mut result))
-    });
+    let std = time(512, || std_sin_cos_lanes(black_box(&x), black_box(&mut result)));
     let own = time(512, || sin_cos_lanes(black_box(&x), black_box(&mut result)));
     report("sin_cos_array, lanes of 8, each", own, std);
     let x = x.map(|x| x.map(|x| x as f32));
     let mut result = [([0.0; 8], [0.0; 8]); 64];
-    let own = time(512, || {
-        sin_cos_lanes_f32(black_box(&x), black_box(&mut result))
-    });
+    let own = time(512, || sin_cos_lanes_f32(black_box(&x), black_box(&mut result)));
     report("sin_cos_array_f32, lanes of 8, each", own, std);
 
     let x: [f64; 64] = std::array::from_fn(|k| 0.1 * k as f64 - 3.0);

@@ -13,16 +13,12 @@ const LONGEST_PERIOD: f64 = 0.02;
 /// Shortest one.
 const SHORTEST_PERIOD: f64 = 0.001;
 
-/// Classical Runge–Kutta steps of order 4 are unstable beyond so much of step length times rate (Hairer and Wanner 1996,
-/// section IV.2).
+/// Classical Runge–Kutta steps of order 4 are unstable beyond so much of step length times rate (Hairer and
+/// Wanner 1996, section IV.2).
 const UNSTABLE: f64 = 2.785_3;
 
 /// Notes for a model and the functions that are generated of it.
-pub fn notes(
-    model: &Model,
-    functions: &[Function],
-    compositions: &[Composition],
-) -> Vec<Diagnostic> {
+pub fn notes(model: &Model, functions: &[Function], compositions: &[Composition]) -> Vec<Diagnostic> {
     let mut names = functions.iter().map(|function| &function.name);
     let has_derivatives = names.any(|name| catalogue::differentiates_friction(name));
     let steps = compositions.iter().any(|each| each.has_substeps());
@@ -48,7 +44,8 @@ fn jumps(model: &Model) -> Option<Diagnostic> {
     ))
 }
 
-/// Where friction makes the robot so fast at standstill that Runge–Kutta steps of a usual period are not stable.
+/// Where friction makes the robot so fast at standstill that Runge–Kutta steps of a usual period are not
+/// stable.
 ///
 /// The fastest rate of M v̇ = −D v is at least `Dᵢ / pᵢ`, p the pivots of M, since `(M⁻¹)ᵢᵢ ≥ 1/pᵢ`.
 fn stiff(model: &Model) -> Option<Diagnostic> {

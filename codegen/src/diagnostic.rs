@@ -1,7 +1,8 @@
 //! What is wrong with a description, where, and what to do about it.
 //!
-//! Every stage either returns a correct value or [`Diagnostics`] with all problems it found. A [`Diagnostic`] carries
-//! its own copy of the offending source line, so that it can be shown wherever it ends up: terminal, build log, JSON.
+//! Every stage either returns a correct value or [`Diagnostics`] with all problems it found. A [`Diagnostic`]
+//! carries its own copy of the offending source line, so that it can be shown wherever it ends up: terminal,
+//! build log, JSON.
 
 use std::fmt;
 
@@ -62,29 +63,17 @@ pub struct Location {
 impl Diagnostic {
     /// An error without a place.
     pub fn error(code: &'static str, message: impl Into<String>) -> Self {
-        Self {
-            severity: Severity::Error,
-            code,
-            message: message.into(),
-            location: None,
-            help: None,
-        }
+        Self { severity: Severity::Error, code, message: message.into(), location: None, help: None }
     }
 
     /// A warning without a place.
     pub fn warning(code: &'static str, message: impl Into<String>) -> Self {
-        Self {
-            severity: Severity::Warning,
-            ..Self::error(code, message)
-        }
+        Self { severity: Severity::Warning, ..Self::error(code, message) }
     }
 
     /// A note without a place.
     pub fn note(code: &'static str, message: impl Into<String>) -> Self {
-        Self {
-            severity: Severity::Note,
-            ..Self::error(code, message)
-        }
+        Self { severity: Severity::Note, ..Self::error(code, message) }
     }
 
     /// The same with a place.
@@ -102,24 +91,13 @@ impl Diagnostic {
 
 impl fmt::Display for Diagnostic {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            out,
-            "{}[{}]: {}",
-            self.severity.as_str(),
-            self.code,
-            self.message
-        )?;
+        write!(out, "{}[{}]: {}", self.severity.as_str(), self.code, self.message)?;
         if let Some(at) = &self.location {
             let number = at.line.to_string();
             let margin = " ".repeat(number.len());
             write!(out, "\n{margin}--> {}:{}:{}", at.file, at.line, at.column)?;
             write!(out, "\n{margin} |\n{number} | {}", at.excerpt)?;
-            write!(
-                out,
-                "\n{margin} | {}{}",
-                " ".repeat(at.excerpt_column),
-                "^".repeat(at.length)
-            )?;
+            write!(out, "\n{margin} | {}{}", " ".repeat(at.excerpt_column), "^".repeat(at.length))?;
         }
         match &self.help {
             Some(help) => write!(out, "\n  = help: {help}"),
@@ -165,10 +143,7 @@ impl Diagnostics {
 
     /// How many of them are errors.
     pub fn error_count(&self) -> usize {
-        self.0
-            .iter()
-            .filter(|entry| entry.severity == Severity::Error)
-            .count()
+        self.0.iter().filter(|entry| entry.severity == Severity::Error).count()
     }
 }
 
@@ -179,10 +154,7 @@ impl From<Diagnostic> for Diagnostics {
 }
 
 fn key(entry: &Diagnostic) -> (Option<(&str, usize, usize)>, Severity, &str, &str) {
-    let place = entry
-        .location
-        .as_ref()
-        .map(|at| (at.file.as_str(), at.line, at.column));
+    let place = entry.location.as_ref().map(|at| (at.file.as_str(), at.line, at.column));
     (place, entry.severity, entry.code, &entry.message)
 }
 
@@ -215,11 +187,7 @@ pub(crate) struct Span {
 impl Span {
     /// Bytes `start..end` of the text with this index.
     pub fn new(source: usize, range: std::ops::Range<usize>) -> Self {
-        Self {
-            source,
-            start: range.start,
-            end: range.end,
-        }
+        Self { source, start: range.start, end: range.end }
     }
 }
 
@@ -261,57 +229,31 @@ const KEPT: usize = 1000;
 impl Report {
     /// Adds a text under the name that the user knows it by; its index goes into spans.
     pub fn add_source(&mut self, name: &str, text: &str) -> usize {
-        let breaks = text
-            .bytes()
-            .enumerate()
-            .filter(|(_, byte)| *byte == b'\n')
-            .map(|(at, _)| at + 1);
+        let breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at + 1);
         let line_starts = std::iter::once(0).chain(breaks).collect();
-        self.sources.push(Source {
-            name: name.to_owned(),
-            text: text.to_owned(),
-            line_starts,
-        });
+        self.sources.push(Source { name: name.to_owned(), text: text.to_owned(), line_starts });
         self.sources.len() - 1
     }
 
     /// The characters of a span.
     pub fn text(&self, span: Span) -> &str {
-        self.sources
-            .get(span.source)
-            .and_then(|source| source.text.get(span.start..span.end))
-            .unwrap_or("")
+        self.sources.get(span.source).and_then(|source| source.text.get(span.start..span.end)).unwrap_or("")
     }
 
     /// Adds an error.
-    pub fn error(
-        &mut self,
-        span: Span,
-        code: &'static str,
-        message: impl Into<String>,
-    ) -> &mut Self {
+    pub fn error(&mut self, span: Span, code: &'static str, message: impl Into<String>) -> &mut Self {
         let entry = Diagnostic::error(code, message);
         self.push(Some(span), entry)
     }
 
     /// Adds a warning.
-    pub fn warning(
-        &mut self,
-        span: Span,
-        code: &'static str,
-        message: impl Into<String>,
-    ) -> &mut Self {
+    pub fn warning(&mut self, span: Span, code: &'static str, message: impl Into<String>) -> &mut Self {
         let entry = Diagnostic::warning(code, message);
         self.push(Some(span), entry)
     }
 
     /// Adds a note.
-    pub fn note(
-        &mut self,
-        span: Option<Span>,
-        code: &'static str,
-        message: impl Into<String>,
-    ) -> &mut Self {
+    pub fn note(&mut self, span: Option<Span>, code: &'static str, message: impl Into<String>) -> &mut Self {
         let entry = Diagnostic::note(code, message);
         self.push(span, entry)
     }
@@ -336,10 +278,7 @@ impl Report {
 
     /// How many errors were added.
     pub fn error_count(&self) -> usize {
-        let errors = self
-            .entries
-            .iter()
-            .filter(|entry| entry.severity == Severity::Error);
+        let errors = self.entries.iter().filter(|entry| entry.severity == Severity::Error);
         errors.count() + self.dropped
     }
 
@@ -357,43 +296,27 @@ impl Report {
     pub fn finish(mut self) -> Diagnostics {
         if self.dropped > 0 {
             let message = format!("{} more problems are not shown", self.dropped);
-            self.entries
-                .push(Diagnostic::error("too-many-problems", message));
+            self.entries.push(Diagnostic::error("too-many-problems", message));
         }
         Diagnostics::new(self.entries)
     }
 
     /// `file:line:column` of a span, for messages that refer to a second place.
     pub fn place(&self, span: Span) -> String {
-        self.location(span).map_or_else(String::new, |at| {
-            format!("{}:{}:{}", at.file, at.line, at.column)
-        })
+        self.location(span).map_or_else(String::new, |at| format!("{}:{}:{}", at.file, at.line, at.column))
     }
 
     fn location(&self, span: Span) -> Option<Location> {
         let source = self.sources.get(span.source)?;
         let start = floor_boundary(&source.text, span.start);
-        let line = source
-            .line_starts
-            .partition_point(|first| *first <= start)
-            .max(1);
+        let line = source.line_starts.partition_point(|first| *first <= start).max(1);
         let first = *source.line_starts.get(line - 1)?;
         let rest = source.text.get(first..)?;
         let text = rest.split('\n').next().unwrap_or("").trim_end_matches('\r');
-        let column = source
-            .text
-            .get(first..start)?
-            .chars()
-            .count()
-            .min(text.chars().count());
+        let column = source.text.get(first..start)?.chars().count().min(text.chars().count());
         let end = floor_boundary(&source.text, span.end.max(start));
-        let marked = source
-            .text
-            .get(start..end)
-            .and_then(|marked| marked.split('\n').next())
-            .unwrap_or("");
-        let (excerpt, excerpt_column, length) =
-            excerpt(text, column, marked.trim_end().chars().count());
+        let marked = source.text.get(start..end).and_then(|marked| marked.split('\n').next()).unwrap_or("");
+        let (excerpt, excerpt_column, length) = excerpt(text, column, marked.trim_end().chars().count());
         Some(Location {
             file: source.name.clone(),
             line,
@@ -412,9 +335,7 @@ const WINDOW: usize = 120;
 fn excerpt(line: &str, column: usize, marked: usize) -> (String, usize, usize) {
     let skipped = if column + 20 > WINDOW { column - 20 } else { 0 };
     let visible = line.chars().skip(skipped).take(WINDOW);
-    let excerpt: String = visible
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
+    let excerpt: String = visible.map(|c| if c.is_control() { ' ' } else { c }).collect();
     let excerpt = excerpt.trim_end().to_owned();
     let room = excerpt.chars().count().saturating_sub(column - skipped);
     (excerpt, column - skipped, marked.min(room).max(1))
@@ -433,27 +354,14 @@ pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
     let known: Vec<&str> = known.into_iter().collect();
     let lower = name.chars().take(64).collect::<String>().to_lowercase();
     let distance = |candidate: &str| strsim::damerau_levenshtein(&lower, &candidate.to_lowercase());
-    let best = known
-        .iter()
-        .take(1000)
-        .map(|candidate| (distance(candidate), *candidate))
-        .min_by_key(|(d, _)| *d)?;
+    let best =
+        known.iter().take(1000).map(|candidate| (distance(candidate), *candidate)).min_by_key(|(d, _)| *d)?;
     if best.0 <= 1 + lower.chars().count() / 3 {
         return Some(format!("did you mean `{}`?", best.1));
     }
-    let list = |names: &[&str]| {
-        names
-            .iter()
-            .map(|name| format!("`{name}`"))
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
+    let list = |names: &[&str]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     match known.len() {
         0..=20 => Some(format!("known are {}", list(&known))),
-        more => Some(format!(
-            "known are {} and {} more",
-            list(&known[..12]),
-            more - 12
-        )),
+        more => Some(format!("known are {} and {} more", list(&known[..12]), more - 12)),
     }
 }

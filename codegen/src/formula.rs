@@ -1,8 +1,8 @@
 //! Scalar formulas as a description writes them: numbers, parameters, the joint's own position and velocity.
 //!
-//! A [`Formula`] is plain data without sharing. It is what a model carries wherever a number may also be a free
-//! parameter (`mass = "m1"`, `xyz = ["l1/2", 0, 0]`) and what force laws are (`a1*v + a2*tanh(a3*v)`). The
-//! dynamics turn it into nodes of the expression graph, where it is folded, shared and differentiated.
+//! A [`Formula`] is plain data without sharing. It is what a model carries wherever a number may also be a
+//! free parameter (`mass = "m1"`, `xyz = ["l1/2", 0, 0]`) and what force laws are (`a1*v + a2*tanh(a3*v)`).
+//! The dynamics turn it into nodes of the expression graph, where it is folded, shared and differentiated.
 
 mod arithmetic;
 mod display;

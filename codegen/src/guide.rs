@@ -1,5 +1,5 @@
-//! Guides: what the code means, and how to add to it. The description format stands in `models/README.md`; how to attach hardware, in
-//! the runtime's `transport`.
+//! Guides: what the code means, and how to add to it. The description format stands in `models/README.md`;
+//! how to attach hardware, in the runtime's `transport`.
 
 #[doc = include_str!("../docs/conventions.md")]
 pub mod conventions {}

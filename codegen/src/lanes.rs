@@ -32,7 +32,8 @@ impl Lanes {
         &self.0
     }
 
-    /// A function that is asked for over lanes is generated too. An empty selection means all but those on request.
+    /// A function that is asked for over lanes is generated too. An empty selection means all but those on
+    /// request.
     pub(crate) fn selected_with(&self, selection: &[String]) -> Vec<String> {
         let mut all = selection.to_vec();
         if !selection.is_empty() {
@@ -43,11 +44,7 @@ impl Lanes {
     }
 
     /// The functions that have a form over lanes, and notes on why others have none.
-    pub(crate) fn possible(
-        &self,
-        functions: &[Function],
-        math: Math,
-    ) -> (Vec<String>, Vec<Diagnostic>) {
+    pub(crate) fn possible(&self, functions: &[Function], math: Math) -> (Vec<String>, Vec<Diagnostic>) {
         let (mut possible, mut notes) = (Vec::new(), Vec::new());
         for name in self.resolved(functions) {
             match obstacle(&name, functions, math) {
@@ -77,11 +74,7 @@ impl Lanes {
 }
 
 /// Why a function has no form over lanes, and what helps.
-fn obstacle(
-    name: &str,
-    functions: &[Function],
-    math: Math,
-) -> Option<(&'static str, Option<String>)> {
+fn obstacle(name: &str, functions: &[Function], math: Math) -> Option<(&'static str, Option<String>)> {
     if let Some(function) = functions.iter().find(|function| function.name == name) {
         let reason = match math {
             Math::Embedded => lanes::obstacle(&function.program),
@@ -89,17 +82,12 @@ fn obstacle(
         };
         return reason.map(|reason| (reason, None));
     }
-    let composition = Composition::ALL
-        .into_iter()
-        .find(|function| function.name() == name);
+    let composition = Composition::ALL.into_iter().find(|function| function.name() == name);
     Some(match composition {
         Some(composition) => (
             "it is a fixed text that calls another function",
             Some(format!("ask for `{}` over lanes", composition.calls())),
         ),
-        None => (
-            "it is not generated",
-            Some(format!("ask for `{name}` among the functions too")),
-        ),
+        None => ("it is not generated", Some(format!("ask for `{name}` among the functions too"))),
     })
 }

@@ -7,10 +7,11 @@
 //! gelenk_codegen::build("robot.toml");
 //! ```
 //!
-//! and [`Builder`] for the rest. [`guide`] holds conventions and signs, how to read generated code, and how to add a joint
-//! type.
+//! and [`Builder`] for the rest. [`guide`] holds conventions and signs, how to read generated code, and how
+//! to add a joint type.
 
-// Constants reach the generated text, so they may not depend on the platform's library. Tests compare with it.
+// Constants reach the generated text, so they may not depend on the platform's library. Tests compare with
+// it.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod advice;

@@ -1,13 +1,15 @@
 //! Functions of numbers whose bits are the same on every platform.
 //!
-//! Constants that the generator computes reach the text of generated modules. The functions of std promise no bits: they are
-//! those of the platform's C library. Everything here is made of operations that IEEE 754 rounds in one way.
+//! Constants that the generator computes reach the text of generated modules. The functions of std promise no
+//! bits: they are those of the platform's C library. Everything here is made of operations that IEEE 754
+//! rounds in one way.
 
 use gelenk_kernels::math;
 
 pub(crate) use math::sin_cos;
 
-/// The angle of the point (x, y), between −π and π; 0 for the origin. By the crate libm, whose arithmetic is the same everywhere.
+/// The angle of the point (x, y), between −π and π; 0 for the origin. By the crate libm, whose arithmetic is
+/// the same everywhere.
 pub(crate) fn atan2(y: f64, x: f64) -> f64 {
     match x == 0.0 && y == 0.0 {
         true => 0.0,
@@ -31,10 +33,7 @@ pub(crate) fn power(base: f64, exponent: i32) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(
-        clippy::disallowed_methods,
-        reason = "the functions of std are what ours are compared with"
-    )]
+    #![allow(clippy::disallowed_methods, reason = "the functions of std are what ours are compared with")]
 
     use super::*;
 
@@ -69,10 +68,7 @@ mod tests {
     fn lengths_are_those_of_std() {
         for (x, y) in [(3.0, 4.0), (1e-9, 1.0), (0.1, -0.7), (1e30, 1e30)] {
             let (found, expected) = (length([x, y]), f64::hypot(x, y));
-            assert!(
-                (found / expected - 1.0).abs() <= 2.0 * f64::EPSILON,
-                "{x}, {y}"
-            );
+            assert!((found / expected - 1.0).abs() <= 2.0 * f64::EPSILON, "{x}, {y}");
         }
         assert_eq!(length([0.0; 3]), 0.0);
     }

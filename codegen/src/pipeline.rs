@@ -28,14 +28,15 @@ pub struct GenerateOptions {
     pub no_friction: bool,
     /// Makes mimic joints independent coordinates.
     pub ignore_mimic: bool,
-    /// `tanh` of so many times the argument for `sign` in friction and springs; by default what the description says.
+    /// `tanh` of so many times the argument for `sign` in friction and springs; by default what the
+    /// description says.
     pub smooth_sign: Option<f64>,
     /// Takes robots whose mass matrix is not positive definite.
     pub accept_unphysical: bool,
     /// Keeps `sign` where the description has it replaced.
     pub exact_sign: bool,
-    /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them, and
-    /// compiled only there.
+    /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them,
+    /// and compiled only there.
     pub fused_multiply_add: bool,
     /// Form of functions that are large as straight-line code.
     pub form: Form,
@@ -82,20 +83,12 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
         accept_unphysical: options.accept_unphysical,
         exact_sign: options.exact_sign,
     };
-    let Loaded {
-        model,
-        notes,
-        files,
-    } = model::read(description, &read_options)?;
+    let Loaded { model, notes, files } = model::read(description, &read_options)?;
     let lanes = Lanes::new(&model, &options.lanes)?;
     let selection = lanes.selected_with(selection(&model, options));
     let selected = derive(&model, options, &selection, &lanes);
     let selected = selected.map_err(|problems| with_warnings(problems, &notes))?;
-    let Selection {
-        functions,
-        compositions,
-        notes: left_out,
-    } = selected;
+    let Selection { functions, compositions, notes: left_out } = selected;
     let notes = snapping::priced(notes, description, &read_options, &functions);
     let (lanes, obstacles) = lanes.possible(&functions, options.emit.math);
     let incomplete = Vec::from_iter(module_constants::notes(&functions));
@@ -125,8 +118,9 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
 /// What the name of the smooth module of a pair ends with.
 pub const CONTROL: &str = "_control";
 
-/// Two modules of one description: an exact one for plants, whose friction and springs keep their `sign`, and a smooth one
-/// for controllers, `<name>_control`, which has `tanh(slope · v)` in its place and so derivatives that know of it.
+/// Two modules of one description: an exact one for plants, whose friction and springs keep their `sign`, and
+/// a smooth one for controllers, `<name>_control`, which has `tanh(slope · v)` in its place and so
+/// derivatives that know of it.
 ///
 /// # Errors
 /// As [`generate`].
@@ -136,11 +130,8 @@ pub fn generate_pair(
     slope: f64,
 ) -> Result<[Generated; 2], Diagnostics> {
     let with = |smooth_sign: Option<f64>, remark: String| {
-        let mut options = GenerateOptions {
-            smooth_sign,
-            exact_sign: smooth_sign.is_none(),
-            ..options.clone()
-        };
+        let mut options =
+            GenerateOptions { smooth_sign, exact_sign: smooth_sign.is_none(), ..options.clone() };
         options.remarks.push(remark);
         generate(description, &options)
     };

@@ -25,10 +25,6 @@ impl Random {
     /// Evenly in `±(low..high)`.
     pub(crate) fn either_side(&mut self, low: f64, high: f64) -> f64 {
         let size = self.between(low, high);
-        if self.between(0.0, 1.0) < 0.5 {
-            -size
-        } else {
-            size
-        }
+        if self.between(0.0, 1.0) < 0.5 { -size } else { size }
     }
 }

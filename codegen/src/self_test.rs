@@ -20,26 +20,17 @@ pub struct SelfTest {
     pub results: Vec<Vec<f64>>,
 }
 
-/// Calls of each function at seeded states, free parameters as described. Those whose results are not all finite are left out:
-/// a mass matrix may be singular.
+/// Calls of each function at seeded states, free parameters as described. Those whose results are not all
+/// finite are left out: a mass matrix may be singular.
 #[must_use]
 pub fn self_tests(model: &Model, functions: &[Function]) -> Vec<SelfTest> {
     let described = model.parameters.iter().map(|parameter| parameter.default);
     let described: Vec<f64> = described.collect();
-    let calls = functions
-        .iter()
-        .flat_map(|function| (0..STATES).map(move |seed| (function, seed)));
-    calls
-        .filter_map(|(function, seed)| self_test(model, function, seed, &described))
-        .collect()
+    let calls = functions.iter().flat_map(|function| (0..STATES).map(move |seed| (function, seed)));
+    calls.filter_map(|(function, seed)| self_test(model, function, seed, &described)).collect()
 }
 
-fn self_test(
-    model: &Model,
-    function: &Function,
-    seed: u64,
-    parameters: &[f64],
-) -> Option<SelfTest> {
+fn self_test(model: &Model, function: &Function, seed: u64, parameters: &[f64]) -> Option<SelfTest> {
     let mut random = Random::new(seed);
     let inputs = function.program.inputs.iter();
     let arguments = inputs.map(|input| entries(model, input.extent.dimension, &mut random));
@@ -47,30 +38,22 @@ fn self_test(
     let slices: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
     let results = interpret(&function.program, &slices, parameters, &Functions::EMBEDDED).ok()?;
     let is_finite = results.iter().flatten().all(|x| x.is_finite());
-    is_finite.then(|| SelfTest {
-        function: function.name.clone(),
-        arguments,
-        results,
-    })
+    is_finite.then(|| SelfTest { function: function.name.clone(), arguments, results })
 }
 
-/// Entries of an argument. Positions lie within the limits, and no velocity is close to 0, where friction may jump.
+/// Entries of an argument. Positions lie within the limits, and no velocity is close to 0, where friction may
+/// jump.
 fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64> {
     match dimension {
         Dimension::Coordinates => {
             let ranges = model.joints().map(|joint| joint.seeded_range());
-            ranges
-                .map(|[low, high]| random.between(low, high))
-                .collect()
+            ranges.map(|[low, high]| random.between(low, high)).collect()
         }
         Dimension::Velocities => {
             let velocities = model.joints().map(|_| random.either_side(0.1, 1.0));
             velocities.collect()
         }
-        Dimension::Inputs => model
-            .inputs()
-            .map(|_| random.either_side(0.1, 1.0))
-            .collect(),
+        Dimension::Inputs => model.inputs().map(|_| random.either_side(0.1, 1.0)).collect(),
         Dimension::Parameters | Dimension::Fixed => {
             unreachable!("arguments belong to coordinates, velocities and inputs")
         }

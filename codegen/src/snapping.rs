@@ -11,7 +11,8 @@ use crate::program::cost::count;
 /// The functions that are counted for the note, where they are generated at all.
 const COUNTED: [&str; 2] = ["inverse_dynamics", "mass_matrix"];
 
-/// The notes, the one about nearly right angles with the operations that snapping would save; without it where none would be.
+/// The notes, the one about nearly right angles with the operations that snapping would save; without it
+/// where none would be.
 pub fn priced(
     notes: Diagnostics,
     description: &Path,
@@ -36,21 +37,16 @@ pub fn priced(
     Diagnostics::new(entries)
 }
 
-/// Counts of the functions with the angles snapped and as they are, empty where they are the same; `None` where none of them
-/// is generated.
+/// Counts of the functions with the angles snapped and as they are, empty where they are the same; `None`
+/// where none of them is generated.
 fn savings(description: &Path, options: &ReadOptions, functions: &[Function]) -> Option<String> {
-    let described: Vec<&Function> = functions
-        .iter()
-        .filter(|function| COUNTED.contains(&function.name.as_str()))
-        .collect();
+    let described: Vec<&Function> =
+        functions.iter().filter(|function| COUNTED.contains(&function.name.as_str())).collect();
     let names: Vec<String> = described.iter().map(|f| f.name.clone()).collect();
     if names.is_empty() {
         return None;
     }
-    let options = ReadOptions {
-        snap_angles: Some(NEARLY_RIGHT),
-        ..*options
-    };
+    let options = ReadOptions { snap_angles: Some(NEARLY_RIGHT), ..*options };
     let snapped = model::read(description, &options).ok()?.model;
     let snapped = selection::derive_functions(&snapped, &names, usize::MAX).ok()?;
     let lines: Vec<String> = described
@@ -61,11 +57,7 @@ fn savings(description: &Path, options: &ReadOptions, functions: &[Function]) ->
             (now != then).then(|| {
                 format!(
                     "`{}` {}/{} instead of {}/{}",
-                    function.name,
-                    then.multiplications,
-                    then.additions,
-                    now.multiplications,
-                    now.additions
+                    function.name, then.multiplications, then.additions, now.multiplications, now.additions
                 )
             })
         })

@@ -38,11 +38,7 @@ pub const GENERAL: [Row; 6] = [
 
 /// A chain of revolute joints with full inertias and general centres of mass.
 pub fn chain(rows: &[Row], gravity: [f64; 3]) -> Model {
-    let base = Link {
-        name: "base".into(),
-        joint: None,
-        bodies: Vec::new(),
-    };
+    let base = Link { name: "base".into(), joint: None, bodies: Vec::new() };
     let links = rows.iter().enumerate().map(|(k, &row)| link(k, row));
     Model {
         name: "chain".into(),
@@ -81,12 +77,8 @@ fn link(k: usize, (alpha, d, r): Row) -> Link {
         bodies: vec![Body {
             name: format!("body{}", k + 1),
             mass: Formula::Number(3.0 + wobble(0.1)),
-            center_of_mass: [
-                0.2 + 0.05 * wobble(0.2),
-                0.05 * wobble(0.9),
-                0.07 + 0.03 * wobble(1.3),
-            ]
-            .map(Formula::Number),
+            center_of_mass: [0.2 + 0.05 * wobble(0.2), 0.05 * wobble(0.9), 0.07 + 0.03 * wobble(1.3)]
+                .map(Formula::Number),
             inertia: [
                 0.11 + 0.01 * wobble(0.3),
                 0.013 * wobble(0.7),

@@ -54,12 +54,9 @@ pub(crate) fn as_written(x: f64) -> String {
     digits(x, MOST_DIGITS)
 }
 
-/// With the fewest digits, at least three, with which the statement about the numbers is true as it is printed: `2 > 1.9999`
-/// does not become `2 > 2`.
-pub(crate) fn telling<const N: usize>(
-    numbers: [f64; N],
-    is_true: impl Fn([f64; N]) -> bool,
-) -> [String; N] {
+/// With the fewest digits, at least three, with which the statement about the numbers is true as it is
+/// printed: `2 > 1.9999` does not become `2 > 2`.
+pub(crate) fn telling<const N: usize>(numbers: [f64; N], is_true: impl Fn([f64; N]) -> bool) -> [String; N] {
     let enough = |count: &usize| is_true(numbers.map(|x| rounded(x, *count)));
     let count = (3..MOST_DIGITS).find(enough).unwrap_or(MOST_DIGITS);
     numbers.map(|x| digits(x, count))

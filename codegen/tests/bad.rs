@@ -1,4 +1,5 @@
-//! Every file of tests/bad is refused with all of its problems; the messages are snapshots in tests/snapshots.
+//! Every file of tests/bad is refused with all of its problems; the messages are snapshots in
+//! tests/snapshots.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -8,9 +9,7 @@ use std::path::Path;
 #[test]
 fn bad_descriptions_are_explained() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad");
-    let entries = std::fs::read_dir(&folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path());
+    let entries = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
     let mut files: Vec<_> = entries.collect();
     files.sort();
     assert!(files.len() >= 30);
@@ -21,9 +20,7 @@ fn bad_descriptions_are_explained() {
         };
         assert!(diagnostics.has_errors(), "{name}");
         // Paths are shown as given; here they begin with this machine's checkout.
-        let text = diagnostics
-            .to_string()
-            .replace(&format!("{}/", folder.display()), "");
+        let text = diagnostics.to_string().replace(&format!("{}/", folder.display()), "");
         let mut settings = insta::Settings::clone_current();
         settings.set_prepend_module_to_snapshot(false);
         settings.set_omit_expression(true);

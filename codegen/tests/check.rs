@@ -7,11 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 fn gelenk(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gelenk"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
+    Command::new(env!("CARGO_BIN_EXE_gelenk")).args(arguments).current_dir(folder).output().unwrap()
 }
 
 /// A folder with two robots of models/ and their modules.
@@ -32,10 +28,7 @@ fn workspace() -> tempfile::TempDir {
 fn check(folder: &Path) -> (i32, String) {
     let output = gelenk(folder, &["check"]);
     let text = [output.stdout, output.stderr].concat();
-    (
-        output.status.code().unwrap(),
-        String::from_utf8(text).unwrap(),
-    )
+    (output.status.code().unwrap(), String::from_utf8(text).unwrap())
 }
 
 fn module(folder: &Path, name: &str) -> PathBuf {
@@ -62,10 +55,7 @@ fn one_changed_byte_is_stale() {
             fs::write(&path, bytes).unwrap();
             let (code, text) = check(folder.path());
             assert_eq!(code, 1);
-            assert_eq!(
-                text,
-                format!("stale: generated/src/{name}\nrun: gelenk generate\n")
-            );
+            assert_eq!(text, format!("stale: generated/src/{name}\nrun: gelenk generate\n"));
         }
         fs::write(&path, fresh).unwrap();
     }

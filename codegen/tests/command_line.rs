@@ -7,11 +7,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 fn gelenk(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gelenk"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
+    Command::new(env!("CARGO_BIN_EXE_gelenk")).args(arguments).current_dir(folder).output().unwrap()
 }
 
 fn shown(output: &Output) -> String {
@@ -44,20 +40,11 @@ fn wrong_command_lines_end_with_2() {
     let folder = tempfile::tempdir().unwrap();
     for (name, arguments) in [
         ("unknown_command", vec!["generat"]),
-        (
-            "unknown_option",
-            vec!["generate", "arm.urdf", "--snap-angle", "1"],
-        ),
-        (
-            "large_angle",
-            vec!["generate", "arm.urdf", "--snap-angles", "1"],
-        ),
+        ("unknown_option", vec!["generate", "arm.urdf", "--snap-angle", "1"]),
+        ("large_angle", vec!["generate", "arm.urdf", "--snap-angles", "1"]),
         ("no_workspace", vec!["generate"]),
         ("output_of_nothing", vec!["generate", "--output", "a.rs"]),
-        (
-            "latex_of_counts",
-            vec!["inspect", "counts", "arm.urdf", "--latex"],
-        ),
+        ("latex_of_counts", vec!["inspect", "counts", "arm.urdf", "--latex"]),
     ] {
         let output = gelenk(folder.path(), &arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
@@ -78,10 +65,7 @@ fn a_missing_description_ends_with_1_and_writes_nothing() {
 #[test]
 fn diagnostics_as_json() {
     let folder = tempfile::tempdir().unwrap();
-    let output = gelenk(
-        folder.path(),
-        &["generate", "none.toml", "--format", "json"],
-    );
+    let output = gelenk(folder.path(), &["generate", "none.toml", "--format", "json"]);
     assert_eq!(output.status.code(), Some(1));
     let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(value["diagnostics"][0]["severity"], "error");
@@ -98,7 +82,8 @@ const GRIPPER: &str = r#"<robot name="gripper">
 </robot>
 "#;
 
-/// The description of the new crate builds on a copy of the URDF, can be generated, and stays so with its hints made true.
+/// The description of the new crate builds on a copy of the URDF, can be generated, and stays so with its
+/// hints made true.
 #[test]
 fn a_new_crate_has_the_robot_of_a_urdf() {
     let mimic = r#"<mimic joint="left &quot;finger&quot;"/>"#;
@@ -113,17 +98,12 @@ fn a_new_crate_has_the_robot_of_a_urdf() {
         let home = folder.path().join(name);
         assert_eq!(fs::read_to_string(home.join("robot.urdf")).unwrap(), urdf);
         let build = fs::read_to_string(home.join("build.rs")).unwrap();
-        assert_eq!(
-            build.contains("\n        .control_model(50.0)"),
-            name == "dry"
-        );
+        assert_eq!(build.contains("\n        .control_model(50.0)"), name == "dry");
         let text = fs::read_to_string(home.join("robot.toml")).unwrap();
         assert_eq!(text.contains("\nignore_mimic = true\n"), name == "coupled");
         let done = ["[[joints]]", "name = ", "friction = ", "drive = "]
             .iter()
-            .fold(text.clone(), |text, key| {
-                text.replace(&format!("\n# {key}"), &format!("\n{key}"))
-            });
+            .fold(text.clone(), |text, key| text.replace(&format!("\n# {key}"), &format!("\n{key}")));
         assert_eq!(done.matches("\ndrive = ").count(), 2);
         for description in [text.clone(), done] {
             fs::write(home.join("robot.toml"), description).unwrap();
@@ -137,21 +117,11 @@ fn a_new_crate_has_the_robot_of_a_urdf() {
 #[test]
 fn a_new_crate_is_not_made_of_a_file_that_is_no_urdf() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(
-        folder.path().join("broken.urdf"),
-        "<robot name=\"r\"><link/></robot>",
-    )
-    .unwrap();
-    fs::write(
-        folder.path().join("arm.toml"),
-        include_str!("../src/cli/template/robot.toml"),
-    )
-    .unwrap();
-    for (file, code, message) in [
-        ("none.urdf", 1, "none.urdf"),
-        ("broken.urdf", 1, "name"),
-        ("arm.toml", 2, "arm.toml is no URDF"),
-    ] {
+    fs::write(folder.path().join("broken.urdf"), "<robot name=\"r\"><link/></robot>").unwrap();
+    fs::write(folder.path().join("arm.toml"), include_str!("../src/cli/template/robot.toml")).unwrap();
+    for (file, code, message) in
+        [("none.urdf", 1, "none.urdf"), ("broken.urdf", 1, "name"), ("arm.toml", 2, "arm.toml is no URDF")]
+    {
         let refused = gelenk(folder.path(), &["new", "arm", "--urdf", file]);
         assert_eq!(refused.status.code(), Some(code), "{}", shown(&refused));
         assert!(shown(&refused).contains(message), "{}", shown(&refused));
@@ -167,14 +137,7 @@ fn a_new_crate_is_made_once_and_only_under_a_good_name() {
     let said: serde_json::Value = serde_json::from_slice(&made.stdout).unwrap();
     assert_eq!(said["package"], "my-arm");
     for file in said["files"].as_array().unwrap() {
-        assert!(
-            folder
-                .path()
-                .join("my-arm")
-                .join(file.as_str().unwrap())
-                .is_file(),
-            "{file}"
-        );
+        assert!(folder.path().join("my-arm").join(file.as_str().unwrap()).is_file(), "{file}");
     }
     for (arguments, code, message) in [
         (vec!["new", "my-arm"], 1, "my-arm exists already"),
@@ -182,31 +145,11 @@ fn a_new_crate_is_made_once_and_only_under_a_good_name() {
         (vec!["new", "a b"], 2, "letters from a to z"),
         (vec!["new", "fn"], 2, "a word of Rust"),
         (vec!["new", ".."], 2, "does not end in a name"),
-        (
-            vec!["new", "other", "--git", "git@host:a/b"],
-            2,
-            "ssh://git@host/a/b",
-        ),
-        (
-            vec!["new", "other", "--version", "newest"],
-            2,
-            "is no version",
-        ),
-        (
-            vec!["new", "my-arm/robot.toml/arm"],
-            1,
-            "choose a folder in which you may write",
-        ),
-        (
-            vec!["new", "other", "--checkout", "."],
-            1,
-            "no checkout of gelenk",
-        ),
-        (
-            vec!["new", "other", "--git", "x", "--version", "1"],
-            2,
-            "cannot be used with",
-        ),
+        (vec!["new", "other", "--git", "git@host:a/b"], 2, "ssh://git@host/a/b"),
+        (vec!["new", "other", "--version", "newest"], 2, "is no version"),
+        (vec!["new", "my-arm/robot.toml/arm"], 1, "choose a folder in which you may write"),
+        (vec!["new", "other", "--checkout", "."], 1, "no checkout of gelenk"),
+        (vec!["new", "other", "--git", "x", "--version", "1"], 2, "cannot be used with"),
     ] {
         let refused = gelenk(folder.path(), &arguments);
         assert_eq!(refused.status.code(), Some(code), "{}", shown(&refused));
@@ -215,23 +158,10 @@ fn a_new_crate_is_made_once_and_only_under_a_good_name() {
     }
     // Nothing is left behind by what was refused.
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-    let made = gelenk(
-        folder.path(),
-        &[
-            "new",
-            "elsewhere",
-            "--git",
-            "https://example.org/gelenk.git",
-        ],
-    );
+    let made = gelenk(folder.path(), &["new", "elsewhere", "--git", "https://example.org/gelenk.git"]);
     assert_eq!(made.status.code(), Some(0));
     let manifest = fs::read_to_string(folder.path().join("elsewhere/Cargo.toml")).unwrap();
-    assert_eq!(
-        manifest
-            .matches("git = \"https://example.org/gelenk.git\"")
-            .count(),
-        2
-    );
+    assert_eq!(manifest.matches("git = \"https://example.org/gelenk.git\"").count(), 2);
 }
 
 /// A pendulum: small enough that its page is made in no time.
@@ -242,49 +172,28 @@ const PENDULUM: &str = "[[joints]]\nname = \"swing\"\naxis = [0, 1, 0]\ndrive = 
 fn a_page_and_its_numbers_are_written() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("pendulum.toml"), PENDULUM).unwrap();
-    let output = gelenk(
-        folder.path(),
-        &["report", "pendulum.toml", "--format", "json"],
-    );
+    let output = gelenk(folder.path(), &["report", "pendulum.toml", "--format", "json"]);
     assert_eq!(output.status.code(), Some(0), "{}", shown(&output));
     let said: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(said["files"][0], "report/pendulum/index.html");
     for check in said["self_check"].as_array().unwrap() {
         assert_eq!(check["verdict"], "holds", "{check}");
     }
-    let read =
-        |name: &str| fs::read_to_string(folder.path().join("report/pendulum").join(name)).unwrap();
+    let read = |name: &str| fs::read_to_string(folder.path().join("report/pendulum").join(name)).unwrap();
     let data: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
     assert_eq!(data["title"], "The robot pendulum");
     assert!(read("index.html").contains("gelenk report pendulum.toml"));
-    assert!(
-        read("bodies.csv").starts_with("body,link,mass [kg],c_x [m]"),
-        "{}",
-        read("bodies.csv")
-    );
+    assert!(read("bodies.csv").starts_with("body,link,mass [kg],c_x [m]"), "{}", read("bodies.csv"));
     // Choices that change the equations are those of `generate`, and stand at the foot of the page.
-    let smooth = [
-        "report",
-        "pendulum.toml",
-        "--smooth-sign",
-        "80",
-        "--output",
-        "smooth",
-    ];
+    let smooth = ["report", "pendulum.toml", "--smooth-sign", "80", "--output", "smooth"];
     assert_eq!(gelenk(folder.path(), &smooth).status.code(), Some(0));
     let smooth = fs::read_to_string(folder.path().join("smooth/report.json")).unwrap();
     assert!(smooth.contains(r"\\tanh\\left(80"), "{smooth}");
     assert!(smooth.contains("gelenk report pendulum.toml --smooth-sign 80.0"));
     // The same description, the same bytes.
     let first = read("index.html");
-    gelenk(
-        folder.path(),
-        &["report", "pendulum.toml", "--output", "again"],
-    );
-    assert_eq!(
-        first,
-        fs::read_to_string(folder.path().join("again/index.html")).unwrap()
-    );
+    gelenk(folder.path(), &["report", "pendulum.toml", "--output", "again"]);
+    assert_eq!(first, fs::read_to_string(folder.path().join("again/index.html")).unwrap());
 }
 
 #[test]
@@ -292,16 +201,10 @@ fn a_page_that_cannot_be_written_ends_with_1() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("pendulum.toml"), PENDULUM).unwrap();
     fs::write(folder.path().join("taken"), "").unwrap();
-    let output = gelenk(
-        folder.path(),
-        &["report", "pendulum.toml", "--output", "taken"],
-    );
+    let output = gelenk(folder.path(), &["report", "pendulum.toml", "--output", "taken"]);
     assert_eq!(output.status.code(), Some(1));
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(
-        said.contains("cannot write taken") && said.contains("--output FOLDER"),
-        "{said}"
-    );
+    assert!(said.contains("cannot write taken") && said.contains("--output FOLDER"), "{said}");
     let output = gelenk(folder.path(), &["report", "none.toml"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(!folder.path().join("report").exists());
@@ -334,41 +237,21 @@ fn descriptions_and_foreign_files_are_kept() {
         std::os::unix::fs::symlink("arm.toml", at("symbolic.rs")).unwrap();
         fs::hard_link(at("base.toml"), at("hard.rs")).unwrap();
         let said = generate("symbolic.rs");
-        assert!(
-            said.contains("symbolic.rs: it is arm.toml, which was read"),
-            "{said}"
-        );
+        assert!(said.contains("symbolic.rs: it is arm.toml, which was read"), "{said}");
         let said = generate("hard.rs");
-        assert!(
-            said.contains("hard.rs: it is base.toml, which was read"),
-            "{said}"
-        );
+        assert!(said.contains("hard.rs: it is base.toml, which was read"), "{said}");
     }
     let said = generate("main.rs");
-    assert!(
-        said.contains("main.rs: it holds what gelenk has not generated"),
-        "{said}"
-    );
+    assert!(said.contains("main.rs: it holds what gelenk has not generated"), "{said}");
     let said = generate(".");
     assert!(said.contains("it is a folder"), "{said}");
     // The smooth module of a pair is written to a name that nobody gave.
     fs::write(at("new_control.rs"), "fn mine() {}\n").unwrap();
-    let pair = [
-        "generate",
-        "arm.toml",
-        "-o",
-        "new.rs",
-        "--control-model",
-        "50",
-    ];
+    let pair = ["generate", "arm.toml", "-o", "new.rs", "--control-model", "50"];
     let said = refused(folder.path(), &pair);
     assert!(said.contains("new_control.rs: it holds"), "{said}");
     assert!(!at("new.rs").exists(), "one of two was written");
-    for (file, text) in [
-        ("base.toml", PENDULUM),
-        ("arm.toml", extension),
-        ("main.rs", "fn main() {}\n"),
-    ] {
+    for (file, text) in [("base.toml", PENDULUM), ("arm.toml", extension), ("main.rs", "fn main() {}\n")] {
         assert_eq!(fs::read_to_string(at(file)).unwrap(), text);
     }
     for output in ["empty.rs", "new.rs", "new.rs"] {
@@ -392,10 +275,7 @@ fn a_foreign_crate_root_is_kept() {
         assert!(said.contains("lib.rs: it holds"), "{said}");
         assert!(!at("generated/src/pendulum.rs").exists());
     }
-    assert_eq!(
-        fs::read_to_string(at("generated/src/lib.rs")).unwrap(),
-        "pub mod mine;\n"
-    );
+    assert_eq!(fs::read_to_string(at("generated/src/lib.rs")).unwrap(), "pub mod mine;\n");
 }
 
 /// The exact model and the smooth one, in one command; `check` knows both.
@@ -404,13 +284,7 @@ fn a_plant_and_a_controller_have_models_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
     let smooth = format!("{PENDULUM}[generate]\nsmooth_sign = 5\n");
     fs::write(folder.path().join("pendulum.toml"), smooth).unwrap();
-    let pair = [
-        "pendulum.toml",
-        "--control-model",
-        "50",
-        "--output",
-        "arm.rs",
-    ];
+    let pair = ["pendulum.toml", "--control-model", "50", "--output", "arm.rs"];
     let run = |command: &str| {
         let output = gelenk(folder.path(), &[&[command], &pair[..]].concat());
         assert_eq!(output.status.code(), Some(0), "{}", shown(&output));
@@ -422,25 +296,16 @@ fn a_plant_and_a_controller_have_models_of_their_own() {
     assert!(exact.contains("The exact model, for plants."), "{exact}");
     assert!(!exact.contains("math::tanh(") && exact.contains("sign(v[0])"));
     assert!(smooth.contains("tanh(50 v) stands for the sign(v) of pendulum"));
-    assert!(
-        smooth.contains("v[0] * 50.0") && smooth.contains("tanh("),
-        "{smooth}"
-    );
+    assert!(smooth.contains("v[0] * 50.0") && smooth.contains("tanh("), "{smooth}");
     fs::remove_file(folder.path().join("arm_control.rs")).unwrap();
     let stale = refused(folder.path(), &[&["check"], &pair[..]].concat());
     assert!(stale.contains("stale: arm_control.rs"), "{stale}");
-    let piped = [
-        "generate",
-        "pendulum.toml",
-        "--control-model",
-        "50",
-        "-o",
-        "-",
-    ];
+    let piped = ["generate", "pendulum.toml", "--control-model", "50", "-o", "-"];
     assert_eq!(gelenk(folder.path(), &piped).status.code(), Some(2));
 }
 
-/// On a full disk the old page and the old module stay as they were. A limit on the size of files stands for the disk.
+/// On a full disk the old page and the old module stay as they were. A limit on the size of files stands for
+/// the disk.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_leaves_what_was_there() {
@@ -464,11 +329,7 @@ fn a_full_disk_leaves_what_was_there() {
         files.sort();
         files
     };
-    fs::write(
-        at("pendulum.toml"),
-        PENDULUM.replace("mass = 1", "mass = 2"),
-    )
-    .unwrap();
+    fs::write(at("pendulum.toml"), PENDULUM.replace("mass = 1", "mass = 2")).unwrap();
     let before = files();
     for command in commands {
         // The signal of the limit is ignored, so that writing fails as on a full disk.
@@ -479,11 +340,7 @@ fn a_full_disk_leaves_what_was_there() {
             .output()
             .unwrap();
         assert_eq!(output.status.code(), Some(1), "{}", shown(&output));
-        assert!(
-            shown(&output).contains("cannot write"),
-            "{}",
-            shown(&output)
-        );
+        assert!(shown(&output).contains("cannot write"), "{}", shown(&output));
         assert_eq!(files(), before, "{command}");
     }
     // What is meant to stay is not replaced either.
@@ -511,30 +368,19 @@ fn mechanism_of_the_powercube() {
     insta::assert_snapshot!(shown(&output));
 }
 
-/// The vendor's 1.57079632679 is noted with the operations that taking it for π/2 saves, and those are the snapped ones.
+/// The vendor's 1.57079632679 is noted with the operations that taking it for π/2 saves, and those are the
+/// snapped ones.
 #[test]
 fn snapping_is_priced() {
     let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/urdf");
     let count = |options: &[&str]| {
-        let arguments = [
-            &[
-                "inspect",
-                "counts",
-                "ur5.urdf",
-                "--functions",
-                "inverse_dynamics",
-            ],
-            options,
-        ]
-        .concat();
+        let arguments =
+            [&["inspect", "counts", "ur5.urdf", "--functions", "inverse_dynamics"], options].concat();
         let output = gelenk(&urdf, &arguments);
         let table = String::from_utf8_lossy(&output.stdout).into_owned();
         let row = table.lines().nth(1).unwrap_or_default();
         let cells: Vec<&str> = row.split_whitespace().skip(1).take(2).collect();
-        (
-            cells.join("/"),
-            String::from_utf8_lossy(&output.stderr).into_owned(),
-        )
+        (cells.join("/"), String::from_utf8_lossy(&output.stderr).into_owned())
     };
     let (described, notes) = count(&[]);
     let (snapped, none) = count(&["--snap-angles", "1e-4"]);
@@ -556,12 +402,7 @@ fn a_closed_pipe_is_no_panic() {
         .unwrap();
     drop(child.stdout.take());
     let mut stderr = String::new();
-    child
-        .stderr
-        .take()
-        .unwrap()
-        .read_to_string(&mut stderr)
-        .unwrap();
+    child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(1));
     assert_eq!(stderr, "");
 }

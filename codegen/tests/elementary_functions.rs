@@ -1,8 +1,10 @@
-//! Accuracy of the elementary functions, against a multiple-precision crate (dashu) and values from the literature.
+//! Accuracy of the elementary functions, against a multiple-precision crate (dashu) and values from the
+//! literature.
 //!
-//! Random points are screened with a double-double reference; every point that it finds above [`SUSPICIOUS`], and a
-//! sample of the others, is decided by dashu with 200 bits. Points near multiples of π/2 go to dashu directly.
-//! Full runs: `cargo test --release -p gelenk-codegen --test elementary_functions -- --ignored --nocapture`.
+//! Random points are screened with a double-double reference; every point that it finds above [`SUSPICIOUS`],
+//! and a sample of the others, is decided by dashu with 200 bits. Points near multiples of π/2 go to dashu
+//! directly. Full runs:
+//! `cargo test --release -p gelenk-codegen --test elementary_functions -- --ignored --nocapture`.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -58,17 +60,15 @@ fn exact(x: f64) -> Real {
 /// Error in ulp of the correctly rounded result; exact down to the subnormals.
 fn error(value: f64, reference: &Real) -> f64 {
     let unit = ulp(reference.to_f64().value());
-    ((exact(value) - reference) / exact(unit))
-        .to_f64()
-        .value()
-        .abs()
+    ((exact(value) - reference) / exact(unit)).to_f64().value().abs()
 }
 
 fn screened_error(value: f64, reference: DoubleDouble) -> f64 {
     (((value - reference.hi) - reference.low) / ulp(reference.hi)).abs()
 }
 
-/// Largest error of `function` over `points`, after screening; every 997th point is decided by dashu in any case.
+/// Largest error of `function` over `points`, after screening; every 997th point is decided by dashu in any
+/// case.
 fn largest_error(
     points: impl Iterator<Item = f64>,
     function: impl Fn(f64) -> f64,
@@ -81,10 +81,7 @@ fn largest_error(
         let screened = screened_error(value, screen(x));
         let found = if screened.is_nan() || screened > SUSPICIOUS || index % 997 == 0 {
             let decided = error(value, &reference(&exact(x)));
-            assert!(
-                (decided - screened).abs() < 1e-9,
-                "the screen is wrong at {x:e}: {screened}, {decided}"
-            );
+            assert!((decided - screened).abs() < 1e-9, "the screen is wrong at {x:e}: {screened}, {decided}");
             decided
         } else {
             screened
@@ -98,11 +95,7 @@ fn largest_error(
 
 /// The f64 on both sides of n π/2, for n spread over the range of the fast path.
 fn near_multiples_of_half_pi(count: u32) -> impl Iterator<Item = f64> {
-    let half_pi = Real::try_from(1.0_f64)
-        .unwrap()
-        .with_precision(400)
-        .value()
-        .asin();
+    let half_pi = Real::try_from(1.0_f64).unwrap().with_precision(400).value().asin();
     (0..count).flat_map(move |k| {
         let n = 1 + u64::from(k) * 63661 / u64::from(count);
         let nearest = (&half_pi * Real::from(n)).to_f64().value();
@@ -119,18 +112,8 @@ fn check_sin_cos(random: usize, near: u32) {
             _ => source.logarithmic(1e-9, 1e5),
         })
     };
-    let sin = largest_error(
-        points(),
-        |x| math::sin_cos(x).0,
-        |x| double_double::sin_cos(x)[0],
-        Real::sin,
-    );
-    let cos = largest_error(
-        points(),
-        |x| math::sin_cos(x).1,
-        |x| double_double::sin_cos(x)[1],
-        Real::cos,
-    );
+    let sin = largest_error(points(), |x| math::sin_cos(x).0, |x| double_double::sin_cos(x)[0], Real::sin);
+    let cos = largest_error(points(), |x| math::sin_cos(x).1, |x| double_double::sin_cos(x)[1], Real::cos);
     let mut hard = (0.0, 0.0);
     for x in near_multiples_of_half_pi(near) {
         let ((s, c), (sin, cos)) = (math::sin_cos(x), exact(x).sin_cos());
@@ -256,10 +239,7 @@ fn signed_zeros_infinities_and_saturation() {
         [f64::INFINITY, f64::INFINITY, 1.0, 0.0, 0.0]
     );
     assert_eq!([709.78, -745.13].map(math::exp), [709.78_f64.exp(), 5e-324]);
-    assert_eq!(
-        [19.07, f64::INFINITY, -19.07, f64::NEG_INFINITY].map(math::tanh),
-        [1.0, 1.0, -1.0, -1.0]
-    );
+    assert_eq!([19.07, f64::INFINITY, -19.07, f64::NEG_INFINITY].map(math::tanh), [1.0, 1.0, -1.0, -1.0]);
     assert_eq!(math::tanh(-0.0).to_bits(), (-0.0_f64).to_bits());
     assert_eq!(math::tanh(5e-324), 5e-324);
     assert!(math::exp(f64::NAN).is_nan() && math::tanh(f64::NAN).is_nan());
@@ -275,9 +255,8 @@ fn largest_error_f32(
     for x in points {
         let reference = reference(f64::from(x));
         let nearest = reference as f32;
-        let unit = f64::from(f32::from_bits(
-            (nearest.to_bits() >> 23 & 0xff).max(1) << 23,
-        )) * f64::from(f32::EPSILON);
+        let unit = f64::from(f32::from_bits((nearest.to_bits() >> 23 & 0xff).max(1) << 23))
+            * f64::from(f32::EPSILON);
         let found = (f64::from(function(x)) - reference).abs() / unit;
         if found.is_nan() || found > largest.0 {
             largest = (found, x);
@@ -291,11 +270,8 @@ fn check_f32(random: usize) {
         let mut source = Random(seed);
         (0..random).map(move |k| if k % 2 == 0 { source.uniform(-limit, limit) } else { source.logarithmic(1e-9, limit) } as f32)
     };
-    let angles = || {
-        points(7, 1e5)
-            .chain(near_multiples_of_half_pi(10_000).map(|x| x as f32))
-            .chain(points(8, 1e30))
-    };
+    let angles =
+        || points(7, 1e5).chain(near_multiples_of_half_pi(10_000).map(|x| x as f32)).chain(points(8, 1e30));
     let sin = largest_error_f32(angles(), |x| math::sin_cos_f32(x).0, f64::sin);
     let cos = largest_error_f32(angles(), |x| math::sin_cos_f32(x).1, f64::cos);
     let exp = largest_error_f32(
@@ -303,11 +279,7 @@ fn check_f32(random: usize) {
         math::exp_f32,
         f64::exp,
     );
-    let tanh = largest_error_f32(
-        points(10, 12.0).chain(points(11, 1.0)),
-        math::tanh_f32,
-        f64::tanh,
-    );
+    let tanh = largest_error_f32(points(10, 12.0).chain(points(11, 1.0)), math::tanh_f32, f64::tanh);
     println!("f32: sin {sin:?}, cos {cos:?}, exp {exp:?}, tanh {tanh:?}");
     assert!(sin.0.max(cos.0).max(exp.0) <= 0.51 && tanh.0 <= 0.52);
 }

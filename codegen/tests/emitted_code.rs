@@ -1,9 +1,7 @@
-//! The emitted text is what it should be, compiles without a warning, and computes what the interpreter computes.
+//! The emitted text is what it should be, compiles without a warning, and computes what the interpreter
+//! computes.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
-#![allow(
-    clippy::approx_constant,
-    reason = "numbers that look like constants are what is tested"
-)]
+#![allow(clippy::approx_constant, reason = "numbers that look like constants are what is tested")]
 
 mod common;
 
@@ -19,18 +17,12 @@ use gelenk_codegen::module::Module;
 use gelenk_codegen::program::interpret::{Functions, interpret};
 use gelenk_codegen::program::{InputArray, Operand, Operation, Output, Program, Shape};
 
-const STRICT: &str = "#![deny(warnings, missing_docs, clippy::all, nonstandard_style, future_incompatible)]\n//! Test.\n";
+const STRICT: &str =
+    "#![deny(warnings, missing_docs, clippy::all, nonstandard_style, future_incompatible)]\n//! Test.\n";
 
-fn emit_with(
-    model: &Model,
-    functions: &[Function],
-    change: impl FnOnce(&mut EmitOptions),
-) -> String {
+fn emit_with(model: &Model, functions: &[Function], change: impl FnOnce(&mut EmitOptions)) -> String {
     let command = format!("gelenk generate models/{}.toml", model.name);
-    let mut options = EmitOptions {
-        command,
-        ..EmitOptions::default()
-    };
+    let mut options = EmitOptions { command, ..EmitOptions::default() };
     change(&mut options);
     emit::module(&Module::new(model, functions.to_vec(), &[]), &options).text
 }
@@ -38,20 +30,8 @@ fn emit_with(
 /// Compiles alone and through `include!` in a crate that denies all warnings; clippy too, where there is one.
 fn assert_compiles(name: &str, text: &str) {
     let folder = tempfile::tempdir().unwrap();
-    rustc(
-        folder.path(),
-        name,
-        text,
-        &[
-            "--crate-type",
-            "lib",
-            "--emit",
-            "metadata",
-            "-D",
-            "warnings",
-        ],
-    )
-    .unwrap();
+    rustc(folder.path(), name, text, &["--crate-type", "lib", "--emit", "metadata", "-D", "warnings"])
+        .unwrap();
     let outer = format!("{STRICT}/// Robot.\npub mod robot {{ include!(\"{name}.rs\"); }}\n");
     let arguments = ["--crate-type", "lib", "--emit", "metadata"];
     rustc(folder.path(), "outer", &outer, &arguments).unwrap();
@@ -70,20 +50,13 @@ fn powercube_module() {
 
 #[test]
 fn every_operation_in_both_scalars() {
-    let mut model = chain(
-        "pair",
-        &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)],
-    );
-    model.parameters = vec![
-        parameter("m1", 2.5, "kg", "Mass of the first link."),
-        parameter("J_R", 3.1416, "", ""),
-    ];
+    let mut model = chain("pair", &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)]);
+    model.parameters =
+        vec![parameter("m1", 2.5, "kg", "Mass of the first link."), parameter("J_R", 3.1416, "", "")];
     let mut function = every_operation();
     function.program.outputs[0].entries = vec![Operand::Value(17)];
     for (scalar, name) in [(Scalar::F64, "f64"), (Scalar::F32, "f32")] {
-        let text = emit_with(&model, &[function.clone()], |options| {
-            options.scalar = scalar
-        });
+        let text = emit_with(&model, &[function.clone()], |options| options.scalar = scalar);
         insta::assert_snapshot!(name, text);
         assert_compiles("pair", &text);
     }
@@ -91,9 +64,7 @@ fn every_operation_in_both_scalars() {
 
 #[test]
 fn a_long_function_is_split() {
-    let text = emit_with(&powercube(), &[mass_matrix()], |options| {
-        options.longest_function = 2
-    });
+    let text = emit_with(&powercube(), &[mass_matrix()], |options| options.longest_function = 2);
     insta::assert_snapshot!(text.split_once("/// Mass matrix").unwrap().1);
     assert_compiles("powercube", &text);
 }
@@ -106,10 +77,8 @@ fn run_compiled(text: &str, function: &str, samples: &[Vec<Vec<f64>>]) -> Vec<Ve
         let arrays: Vec<String> = sample
             .iter()
             .map(|array| {
-                let entries: Vec<String> = array
-                    .iter()
-                    .map(|x| format!("f64::from_bits({})", x.to_bits()))
-                    .collect();
+                let entries: Vec<String> =
+                    array.iter().map(|x| format!("f64::from_bits({})", x.to_bits())).collect();
                 format!("&std::hint::black_box([{}])", entries.join(", "))
             })
             .collect();
@@ -119,17 +88,16 @@ fn run_compiled(text: &str, function: &str, samples: &[Vec<Vec<f64>>]) -> Vec<Ve
         ));
     }
     main.push_str("}\nfn print<T>(value: &T) {\n    let n = size_of::<T>() / 8;\n");
-    main.push_str("    let bits = unsafe { core::slice::from_raw_parts((value as *const T).cast::<u64>(), n) };\n");
+    main.push_str(
+        "    let bits = unsafe { core::slice::from_raw_parts((value as *const T).cast::<u64>(), n) };\n",
+    );
     main.push_str("    println!(\"{bits:?}\");\n}\n");
     fs::write(folder.path().join("robot.rs"), text).unwrap();
     rustc(folder.path(), "main", &main, &["-O", "-A", "warnings"]).unwrap();
     let output = Command::new(folder.path().join("main")).output().unwrap();
     let lines = String::from_utf8(output.stdout).unwrap();
     let parse = |line: &str| {
-        line.trim_matches(['[', ']'])
-            .split(", ")
-            .map(|bits| bits.parse().unwrap())
-            .collect::<Vec<u64>>()
+        line.trim_matches(['[', ']']).split(", ").map(|bits| bits.parse().unwrap()).collect::<Vec<u64>>()
     };
     lines.lines().map(parse).collect()
 }
@@ -146,15 +114,8 @@ fn assert_same_bits(interpreted: &[f64], compiled: &[u64]) {
     }
 }
 
-fn assert_interpreter_agrees(
-    model: &Model,
-    function: &Function,
-    longest: usize,
-    samples: &[Vec<Vec<f64>>],
-) {
-    let text = emit_with(model, std::slice::from_ref(function), |options| {
-        options.longest_function = longest
-    });
+fn assert_interpreter_agrees(model: &Model, function: &Function, longest: usize, samples: &[Vec<Vec<f64>>]) {
+    let text = emit_with(model, std::slice::from_ref(function), |options| options.longest_function = longest);
     let compiled = run_compiled(&text, &function.name, samples);
     assert_eq!(compiled.len(), samples.len());
     for (sample, bits) in samples.iter().zip(compiled) {
@@ -166,18 +127,11 @@ fn assert_interpreter_agrees(
 
 #[test]
 fn interpreter_and_compiled_code_agree_in_every_bit() {
-    let model = chain(
-        "pair",
-        &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)],
-    );
+    let model = chain("pair", &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)]);
     let special = [0.0, -0.0, f64::NAN, f64::INFINITY, -1.5, 1e-310, 3.0, 1e300];
     let samples: Vec<Vec<Vec<f64>>> = special
         .iter()
-        .flat_map(|&a| {
-            special
-                .iter()
-                .map(move |&b| vec![vec![a, b], vec![0.0, 0.0]])
-        })
+        .flat_map(|&a| special.iter().map(move |&b| vec![vec![a, b], vec![0.0, 0.0]]))
         .collect();
     assert_interpreter_agrees(&model, &every_operation(), usize::MAX, &samples);
 }
@@ -187,13 +141,8 @@ fn a_split_function_keeps_every_bit() {
     let joints = ["a", "b", "c", "d", "e", "f"].map(|name| (name, JointKind::Revolute));
     let model = chain("six", &joints);
     let mut random = common::Random(7);
-    let samples: Vec<Vec<Vec<f64>>> = (0..20)
-        .map(|_| {
-            (0..3)
-                .map(|_| (0..6).map(|_| random.number()).collect())
-                .collect()
-        })
-        .collect();
+    let samples: Vec<Vec<Vec<f64>>> =
+        (0..20).map(|_| (0..3).map(|_| (0..6).map(|_| random.number()).collect()).collect()).collect();
     for (seed, longest) in [(1, usize::MAX), (1, 97), (2, 300)] {
         assert_interpreter_agrees(&model, &synthetic(1500, seed), longest, &samples);
     }
@@ -201,18 +150,11 @@ fn a_split_function_keeps_every_bit() {
 
 #[test]
 fn no_text_of_a_description_becomes_code() {
-    let evil =
-        "*/ \"; panic!(); /* } \\ \r\n\u{202e} [x] <b> ` #![feature(x)] 'ü' {} // https://e.org";
-    let mut model = chain(
-        "fn",
-        &[(evil, JointKind::Revolute), ("β", JointKind::Revolute)],
-    );
+    let evil = "*/ \"; panic!(); /* } \\ \r\n\u{202e} [x] <b> ` #![feature(x)] 'ü' {} // https://e.org";
+    let mut model = chain("fn", &[(evil, JointKind::Revolute), ("β", JointKind::Revolute)]);
     model.description = vec![evil.into(), "- list".into(), "1. list".into()];
-    model.parameters = vec![
-        parameter(evil, 1.0, evil, evil),
-        parameter("p", 1.0, "", "- a"),
-        parameter("p", 0.0, "", ""),
-    ];
+    model.parameters =
+        vec![parameter(evil, 1.0, evil, evil), parameter("p", 1.0, "", "- a"), parameter("p", 0.0, "", "")];
     let mut function = mass_matrix();
     function.name = "a b".into();
     function.summary = evil.into();
@@ -221,11 +163,8 @@ fn no_text_of_a_description_becomes_code() {
     function.results = vec![evil.into()];
     function.notes = vec![evil.into()];
     function.program.inputs[0].name = "p".into();
-    for (instruction, name) in function
-        .program
-        .instructions
-        .iter_mut()
-        .zip(["sin_cos", evil, "fn", "p", "M", "y"])
+    for (instruction, name) in
+        function.program.instructions.iter_mut().zip(["sin_cos", evil, "fn", "p", "M", "y"])
     {
         instruction.name = name.into();
     }
@@ -237,14 +176,9 @@ fn no_text_of_a_description_becomes_code() {
 
 #[test]
 fn functions_of_std_are_called_by_both_engines() {
-    let model = chain(
-        "pair",
-        &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)],
-    );
+    let model = chain("pair", &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)]);
     let function = every_operation();
-    let text = emit_with(&model, std::slice::from_ref(&function), |options| {
-        options.math = Math::Std
-    });
+    let text = emit_with(&model, std::slice::from_ref(&function), |options| options.math = Math::Std);
     assert!(!text.contains("mod math"));
     assert_compiles("pair", &text);
     let sample = vec![vec![0.7, -1.3], vec![0.0, 0.0]];
@@ -263,11 +197,7 @@ fn angles(count: usize) -> Function {
         let cosine = Operation::CosineOf(2 * i);
         instructions.push(common::instruction(&format!("cos_{i}"), cosine));
     }
-    let mut function = zeros(
-        "angles",
-        &[("y", count)],
-        &[("r", Shape::Vector(Extent::fixed(2 * count)))],
-    );
+    let mut function = zeros("angles", &[("y", count)], &[("r", Shape::Vector(Extent::fixed(2 * count)))]);
     function.program.outputs[0].entries = (0..2 * count).map(Operand::Value).collect();
     function.program.instructions = instructions;
     function
@@ -277,26 +207,13 @@ fn angles(count: usize) -> Function {
 fn several_angles_keep_every_bit() {
     for count in [1, 2, 3, 5, 7, 9] {
         let names: Vec<String> = (0..count).map(|i| format!("j{i}")).collect();
-        let joints: Vec<_> = names
-            .iter()
-            .map(|name| (name.as_str(), JointKind::Revolute))
-            .collect();
+        let joints: Vec<_> = names.iter().map(|name| (name.as_str(), JointKind::Revolute)).collect();
         let mut random = common::Random(count as u64);
-        let mut samples: Vec<Vec<Vec<f64>>> = (0..20)
-            .map(|_| vec![(0..count).map(|_| 10.0 * random.number()).collect()])
-            .collect();
-        samples.push(vec![
-            (0..count)
-                .map(|i| if i == 0 { 1e22 } else { 0.5 })
-                .collect(),
-        ]);
+        let mut samples: Vec<Vec<Vec<f64>>> =
+            (0..20).map(|_| vec![(0..count).map(|_| 10.0 * random.number()).collect()]).collect();
+        samples.push(vec![(0..count).map(|i| if i == 0 { 1e22 } else { 0.5 }).collect()]);
         samples.push(vec![vec![f64::NAN; count]]);
-        assert_interpreter_agrees(
-            &chain("many", &joints),
-            &angles(count),
-            usize::MAX,
-            &samples,
-        );
+        assert_interpreter_agrees(&chain("many", &joints), &angles(count), usize::MAX, &samples);
     }
 }
 
@@ -304,22 +221,15 @@ fn several_angles_keep_every_bit() {
 fn modules_need_no_std() {
     let function = angles(7);
     let names: Vec<String> = (0..7).map(|i| format!("j{i}")).collect();
-    let joints: Vec<_> = names
-        .iter()
-        .map(|name| (name.as_str(), JointKind::Revolute))
-        .collect();
+    let joints: Vec<_> = names.iter().map(|name| (name.as_str(), JointKind::Revolute)).collect();
     for scalar in [Scalar::F64, Scalar::F32] {
-        let text = emit_with(
-            &chain("seven", &joints),
-            std::slice::from_ref(&function),
-            |options| options.scalar = scalar,
-        );
+        let text = emit_with(&chain("seven", &joints), std::slice::from_ref(&function), |options| {
+            options.scalar = scalar
+        });
         assert!(text.contains("math::sin_cos_8"));
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("seven.rs"), text).unwrap();
-        let outer = format!(
-            "#![no_std]\n{STRICT}/// Robot.\npub mod robot {{ include!(\"seven.rs\"); }}\n"
-        );
+        let outer = format!("#![no_std]\n{STRICT}/// Robot.\npub mod robot {{ include!(\"seven.rs\"); }}\n");
         let arguments = ["--crate-type", "lib", "--emit", "metadata"];
         rustc(folder.path(), "outer", &outer, &arguments).unwrap();
     }
@@ -345,10 +255,9 @@ fn zeros(name: &str, inputs: &[(&str, usize)], results: &[(&str, Shape)]) -> Fun
             inputs: inputs
                 .iter()
                 .map(|&(name, len)| match name {
-                    "u" => InputArray {
-                        extent: Extent::new(Dimension::Inputs, len),
-                        ..common::input(name, len)
-                    },
+                    "u" => {
+                        InputArray { extent: Extent::new(Dimension::Inputs, len), ..common::input(name, len) }
+                    }
                     _ => common::input(name, len),
                 })
                 .collect(),
@@ -367,12 +276,7 @@ fn lengths_are_named_where_they_follow_from_the_model() {
     let space = Extent::fixed;
     let each = Extent::new(Dimension::Velocities, 6);
     let state = [("y", 6), ("v", 6), ("u", 6)];
-    let blocks = [
-        square("da_dy"),
-        square("da_dv"),
-        ("da_du", by_inputs),
-        ("affine", Shape::Vector(each)),
-    ];
+    let blocks = [square("da_dy"), square("da_dv"), ("da_du", by_inputs), ("affine", Shape::Vector(each))];
     let functions = [
         zeros("linearize", &state, &blocks),
         zeros("input_matrix", &state[..1], &[("B", by_inputs)]),
@@ -380,47 +284,24 @@ fn lengths_are_named_where_they_follow_from_the_model() {
         zeros(
             "frame_tool_pose",
             &state[..1],
-            &[
-                ("p", Shape::Vector(space(3))),
-                ("R", Shape::Matrix(space(3), space(3))),
-            ],
+            &[("p", Shape::Vector(space(3))), ("R", Shape::Matrix(space(3), space(3)))],
         ),
-        zeros(
-            "frame_tool_jacobian",
-            &state[..1],
-            &[("J", Shape::Matrix(space(6), each))],
-        ),
-        zeros(
-            "frame_tool_jacobian_rate",
-            &state[..2],
-            &[("a", Shape::Vector(space(6)))],
-        ),
+        zeros("frame_tool_jacobian", &state[..1], &[("J", Shape::Matrix(space(6), each))]),
+        zeros("frame_tool_jacobian_rate", &state[..2], &[("a", Shape::Vector(space(6)))]),
     ];
     let text = emit_with(&chain("six", &joints), &functions, |_| {});
-    let signatures: Vec<&str> = text
-        .split("pub fn ")
-        .skip(1)
-        .filter_map(|item| item.split(" {").next())
-        .collect();
+    let signatures: Vec<&str> =
+        text.split("pub fn ").skip(1).filter_map(|item| item.split(" {").next()).collect();
     insta::assert_snapshot!(signatures.join("\n"));
     assert_compiles("six", &text);
 }
 
 #[test]
 fn fused_operations_refuse_processors_without_them() {
-    let model = chain(
-        "pair",
-        &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)],
-    );
+    let model = chain("pair", &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)]);
     let text = emit_with(&model, &[every_operation()], |_| {});
     let folder = tempfile::tempdir().unwrap();
-    let arguments = [
-        "--crate-type",
-        "lib",
-        "--emit",
-        "metadata",
-        "-Ctarget-feature=-fma",
-    ];
+    let arguments = ["--crate-type", "lib", "--emit", "metadata", "-Ctarget-feature=-fma"];
     let error = rustc(folder.path(), "pair", &text, &arguments);
     if cfg!(target_arch = "x86_64") {
         assert!(error.unwrap_err().contains("target-feature=+fma"));
@@ -448,11 +329,7 @@ fn large_results_are_written_in_place() {
     assert!(text.contains("pub fn synthetic_into(") && text.contains("r[1][1] = 2.5;"));
     assert_compiles("six", &text);
     let mut random = common::Random(9);
-    let mut arrays = || {
-        (0..3)
-            .map(|_| (0..6).map(|_| random.number()).collect())
-            .collect()
-    };
+    let mut arrays = || (0..3).map(|_| (0..6).map(|_| random.number()).collect()).collect();
     assert_interpreter_agrees(&model, &function, usize::MAX, &[arrays()]);
 }
 
@@ -524,10 +401,8 @@ fn lanes_have_the_bits_of_single_states() {
         ),
     ];
     for (entries, zero, compare) in forms {
-        let module = Module {
-            lanes: vec!["synthetic".into()],
-            ..Module::new(&model, vec![laned(entries)], &[])
-        };
+        let module =
+            Module { lanes: vec!["synthetic".into()], ..Module::new(&model, vec![laned(entries)], &[]) };
         let text = emit::module(&module, &EmitOptions::default()).text;
         assert_compiles("six", &text);
         let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! The texts that the emitter pastes compile alone: `no_std`, without warnings, in the order that `requires` gives.
+//! The texts that the emitter pastes compile alone: `no_std`, without warnings, in the order that `requires`
+//! gives.
 
 use std::process::Command;
 
@@ -50,10 +51,6 @@ fn each_text_compiles_without_std_and_without_warnings() {
             .args([env!("CARGO_TARGET_TMPDIR"), &file])
             .output()
             .unwrap();
-        assert!(
-            output.status.success(),
-            "{kernel:?}: {}",
-            String::from_utf8_lossy(&output.stderr)
-        );
+        assert!(output.status.success(), "{kernel:?}: {}", String::from_utf8_lossy(&output.stderr));
     }
 }

@@ -13,48 +13,30 @@ fn load(text: &str) -> (Model, Diagnostics) {
         "gripper.urdf" => Ok((file.to_owned(), GRIPPER.to_owned())),
         _ => Err(Diagnostic::error("file-unreadable", file).into()),
     };
-    from_toml(text, "robot.toml", &ReadOptions::default(), base)
-        .unwrap_or_else(|wrong| panic!("{wrong}"))
+    from_toml(text, "robot.toml", &ReadOptions::default(), base).unwrap_or_else(|wrong| panic!("{wrong}"))
 }
 
 fn one_joint(lines: &str) -> Model {
-    load(&format!(
-        "[[joints]]\nname = \"j\"\n{lines}\n[[bodies]]\nlink = \"j\"\nmass = 1\ninertia = 1\n"
-    ))
-    .0
+    load(&format!("[[joints]]\nname = \"j\"\n{lines}\n[[bodies]]\nlink = \"j\"\nmass = 1\ninertia = 1\n")).0
 }
 
 fn joint(model: &Model, coordinate: usize) -> &Joint {
-    model.links[model.coordinates[coordinate]]
-        .joint
-        .as_ref()
-        .unwrap()
+    model.links[model.coordinates[coordinate]].joint.as_ref().unwrap()
 }
 
 fn friction(model: &Model, v: f64) -> f64 {
     let value = |formula: &gelenk_codegen::formula::Formula| formula.evaluate(&[], 0.0, v);
-    joint(model, 0)
-        .friction
-        .iter()
-        .map(|term| value(&term.coefficient) * value(&term.basis))
-        .sum()
+    joint(model, 0).friction.iter().map(|term| value(&term.coefficient) * value(&term.basis)).sum()
 }
 
 #[test]
 fn friction_laws() {
     let law = |text: &str| one_joint(&format!("friction = {text}"));
     let viscous = law("{ viscous = 2 }");
-    assert_eq!(
-        [friction(&viscous, 1.5), friction(&viscous, -1.5)],
-        [3.0, -3.0]
-    );
+    assert_eq!([friction(&viscous, 1.5), friction(&viscous, -1.5)], [3.0, -3.0]);
     let coulomb = law("{ coulomb = 0.5, viscous = 1 }");
     assert_eq!(
-        [
-            friction(&coulomb, 2.0),
-            friction(&coulomb, 0.0),
-            friction(&coulomb, -2.0)
-        ],
+        [friction(&coulomb, 2.0), friction(&coulomb, 0.0), friction(&coulomb, -2.0)],
         [2.5, 0.0, -2.5]
     );
     let uneven = law("{ coulomb = { positive = 0.4, negative = -0.3 } }");
@@ -62,15 +44,11 @@ fn friction_laws() {
         assert!((friction(&uneven, v) - expected).abs() < 1e-16);
     }
     let smooth = law("{ coulomb = { positive = 0.4, negative = -0.3, slope = 50 } }");
-    assert!(
-        (friction(&smooth, 1.0) - 0.4).abs() < 1e-15
-            && (friction(&smooth, -1.0) + 0.3).abs() < 1e-15
-    );
+    assert!((friction(&smooth, 1.0) - 0.4).abs() < 1e-15 && (friction(&smooth, -1.0) + 0.3).abs() < 1e-15);
     assert_eq!(friction(&smooth, 0.0), 0.0);
     let stribeck = law("{ stribeck = { a1 = 0.1, a2 = 0.3, a3 = 20, a4 = 0.2, a5 = 4 } }");
     for v in [-0.7_f64, 0.02, 0.3] {
-        let expected =
-            0.1 * v + 0.3 * (20.0 * v).tanh() + 0.2 * (-4.0 * v.abs()).exp() * (60.0 * v).tanh();
+        let expected = 0.1 * v + 0.3 * (20.0 * v).tanh() + 0.2 * (-4.0 * v.abs()).exp() * (60.0 * v).tanh();
         assert!((friction(&stribeck, v) - expected).abs() < 1e-15);
     }
 }
@@ -78,47 +56,26 @@ fn friction_laws() {
 #[test]
 fn springs_pull_back() {
     let model = one_joint("spring = [{ stiffness = 10, rest = 0.5, damping = 2 }, \"-y\"]");
-    let force: f64 = joint(&model, 0)
-        .springs
-        .iter()
-        .map(|spring| spring.evaluate(&[], 0.7, 0.3))
-        .sum();
+    let force: f64 = joint(&model, 0).springs.iter().map(|spring| spring.evaluate(&[], 0.7, 0.3)).sum();
     assert!((force - (-10.0 * (0.7 - 0.5) - 2.0 * 0.3 - 0.7)).abs() < 1e-15);
 }
 
 #[test]
 fn drives_of_moving_and_held_joints() {
-    let model = one_joint(
-        "drive = { gear_ratio = -50, motor_constant = { free = 0.05, unit = \"N m/A\" } }",
-    );
+    let model = one_joint("drive = { gear_ratio = -50, motor_constant = { free = 0.05, unit = \"N m/A\" } }");
     let drive = &model.drives[0];
-    assert_eq!(
-        (drive.coordinate, drive.carrier, drive.axis),
-        (Some(0), 0, [0.0, 0.0, 1.0])
-    );
+    assert_eq!((drive.coordinate, drive.carrier, drive.axis), (Some(0), 0, [0.0, 0.0, 1.0]));
     assert!(matches!(drive.input, Input::Current(_)));
     assert_eq!(drive.coupling, RotorCoupling::Body);
-    assert_eq!(
-        (
-            model.parameters[0].name.as_str(),
-            model.parameters[0].default
-        ),
-        ("j_motor_constant", 0.05)
-    );
+    assert_eq!((model.parameters[0].name.as_str(), model.parameters[0].default), ("j_motor_constant", 0.05));
     let text = "[[joints]]\nname = \"a1\"\n[[joints]]\nname = \"b1\"\nheld = \"pi/2\"\n\
                 origin = { rpy = [\"pi/2\", 0, 0] }\ndrive = { rotor_inertia = 1 }\n\
                 [[bodies]]\nlink = \"b1\"\nmass = 1\ninertia = 1\n";
     let (model, _) = load(text);
     assert_eq!(model.coordinates, [1]);
-    assert_eq!(
-        model.links[2].joint.as_ref().unwrap().motion,
-        Motion::Held(std::f64::consts::FRAC_PI_2)
-    );
+    assert_eq!(model.links[2].joint.as_ref().unwrap().motion, Motion::Held(std::f64::consts::FRAC_PI_2));
     let drive = &model.drives[0];
-    assert_eq!(
-        (drive.coordinate, drive.carrier, drive.axis),
-        (None, 1, [0.0, -1.0, 0.0])
-    );
+    assert_eq!((drive.coordinate, drive.carrier, drive.axis), (None, 1, [0.0, -1.0, 0.0]));
 }
 
 const GRIPPER: &str = r#"<robot name="gripper">
@@ -139,38 +96,16 @@ const GRIPPER: &str = r#"<robot name="gripper">
 fn urdf_as_it_is() {
     let mimic = from_urdf(GRIPPER, "gripper.urdf", &ReadOptions::default()).unwrap_err();
     assert_eq!(
-        (
-            mimic.error_count(),
-            mimic
-                .entries()
-                .iter()
-                .any(|entry| entry.code == "mimic-joint")
-        ),
+        (mimic.error_count(), mimic.entries().iter().any(|entry| entry.code == "mimic-joint")),
         (1, true)
     );
-    let options = ReadOptions {
-        ignore_mimic: true,
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions { ignore_mimic: true, ..ReadOptions::default() };
     let (model, notes) = from_urdf(GRIPPER, "gripper.urdf", &options).unwrap();
-    assert_eq!(
-        [
-            joint(&model, 0).name.as_str(),
-            joint(&model, 1).name.as_str()
-        ],
-        ["a_right", "b_left"]
-    );
+    assert_eq!([joint(&model, 0).name.as_str(), joint(&model, 1).name.as_str()], ["a_right", "b_left"]);
     assert_eq!(joint(&model, 1).axis, [0.0, 1.0, 0.0]);
     assert_eq!(joint(&model, 1).friction.len(), 2);
     assert_eq!(joint(&model, 1).limits.position, Some([0.0, 0.04]));
-    assert_eq!(
-        model
-            .frames
-            .iter()
-            .map(|frame| frame.name.as_str())
-            .collect::<Vec<_>>(),
-        ["tip"]
-    );
+    assert_eq!(model.frames.iter().map(|frame| frame.name.as_str()).collect::<Vec<_>>(), ["tip"]);
     assert_eq!(model.drives.len(), 2);
     insta::assert_snapshot!(notes.to_string());
 }
@@ -184,23 +119,10 @@ fn a_base_is_extended() {
                 [[bodies]]\nlink = \"wrist\"\nmass = 1\ninertia = 1\n";
     let (model, _) = load(text);
     assert_eq!(model.name, "robot");
-    assert_eq!(
-        [
-            joint(&model, 0).name.as_str(),
-            joint(&model, 1).name.as_str()
-        ],
-        ["b_left", "wrist"]
-    );
+    assert_eq!([joint(&model, 0).name.as_str(), joint(&model, 1).name.as_str()], ["b_left", "wrist"]);
     let limits = joint(&model, 0).limits;
-    assert_eq!(
-        (limits.position, limits.velocity, limits.effort),
-        (Some([0.0, 0.04]), Some(0.5), Some(10.0))
-    );
-    assert_eq!(
-        model.drives.len(),
-        1,
-        "a new joint has no drive unless it says so"
-    );
+    assert_eq!((limits.position, limits.velocity, limits.effort), (Some([0.0, 0.04]), Some(0.5), Some(10.0)));
+    assert_eq!(model.drives.len(), 1, "a new joint has no drive unless it says so");
     let left = model.links.iter().find(|link| link.name == "left").unwrap();
     assert_eq!(left.bodies[0].mass.evaluate(&[2.0], 0.0, 0.0), 2.0);
     assert_eq!(left.bodies[0].center_of_mass[2].as_number(), Some(0.1));
@@ -208,23 +130,13 @@ fn a_base_is_extended() {
 
 #[test]
 fn snapping_makes_rotations_exact() {
-    let options = |snap_angles| ReadOptions {
-        snap_angles,
-        ignore_mimic: true,
-        ..ReadOptions::default()
-    };
+    let options = |snap_angles| ReadOptions { snap_angles, ignore_mimic: true, ..ReadOptions::default() };
     let inertia = |options: &ReadOptions| {
         let (model, _) = from_urdf(GRIPPER, "gripper.urdf", options).unwrap();
         let left = model.links.iter().find(|link| link.name == "left").unwrap();
-        left.bodies[0]
-            .inertia
-            .clone()
-            .map(|entry| entry.as_number().unwrap())
+        left.bodies[0].inertia.clone().map(|entry| entry.as_number().unwrap())
     };
-    assert_eq!(
-        inertia(&options(Some(1e-4))),
-        [1.0, 0.0, 0.0, 2.0, 0.0, 1.5]
-    );
+    assert_eq!(inertia(&options(Some(1e-4))), [1.0, 0.0, 0.0, 2.0, 0.0, 1.5]);
     assert_ne!(inertia(&options(None))[4], 0.0);
 }
 
@@ -232,9 +144,7 @@ fn snapping_makes_rotations_exact() {
 fn unreadable_files() {
     let missing = read("no/such/file.toml".as_ref(), &ReadOptions::default()).unwrap_err();
     assert!(
-        missing
-            .to_string()
-            .starts_with("error[file-unreadable]: cannot read no/such/file.toml"),
+        missing.to_string().starts_with("error[file-unreadable]: cannot read no/such/file.toml"),
         "{missing}"
     );
     let folder = std::env::temp_dir().join(format!("gelenk-{}", std::process::id()));
@@ -243,10 +153,7 @@ fn unreadable_files() {
     std::fs::write(&file, b"name = \"x\"\n# caf\xe9\n").unwrap();
     let latin = read(&file, &ReadOptions::default()).unwrap_err();
     let at = latin.entries()[0].location.clone().unwrap();
-    assert_eq!(
-        (latin.entries()[0].code, at.line, at.column),
-        ("not-utf-8", 2, 6)
-    );
+    assert_eq!((latin.entries()[0].code, at.line, at.column), ("not-utf-8", 2, 6));
     assert!(read(&folder, &ReadOptions::default()).is_err());
     std::fs::remove_dir_all(&folder).unwrap();
 }

@@ -11,12 +11,9 @@ fn folder() -> PathBuf {
 }
 
 fn models() -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder())
-        .unwrap()
-        .map(|entry| entry.unwrap().path());
-    let mut files: Vec<PathBuf> = entries
-        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
-        .collect();
+    let entries = std::fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().path());
+    let mut files: Vec<PathBuf> =
+        entries.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
     files.sort();
     files
 }
@@ -40,29 +37,13 @@ fn every_model_loads() {
             .filter(|drive| drive.coordinate.is_some())
             .map(|drive| drive.name.as_str())
             .collect();
-        let frames: Vec<&str> = model
-            .frames
-            .iter()
-            .map(|frame| frame.name.as_str())
-            .collect();
-        let parameters: Vec<&str> = model
-            .parameters
-            .iter()
-            .map(|parameter| parameter.name.as_str())
-            .collect();
+        let frames: Vec<&str> = model.frames.iter().map(|frame| frame.name.as_str()).collect();
+        let parameters: Vec<&str> =
+            model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
         writeln!(text, "# {}, {} links", model.name, model.links.len()).unwrap();
-        writeln!(
-            text,
-            "coordinates {:?}\ninputs {inputs:?}",
-            joint_names(model)
-        )
-        .unwrap();
+        writeln!(text, "coordinates {:?}\ninputs {inputs:?}", joint_names(model)).unwrap();
         writeln!(text, "frames {frames:?}\nparameters {parameters:?}").unwrap();
-        let notes = loaded
-            .notes
-            .entries()
-            .iter()
-            .map(|note| format!("{}: {}\n", note.code, note.message));
+        let notes = loaded.notes.entries().iter().map(|note| format!("{}: {}\n", note.code, note.message));
         writeln!(text, "{}", notes.collect::<String>()).unwrap();
     }
     insta::assert_snapshot!(text);
@@ -71,29 +52,17 @@ fn every_model_loads() {
 #[test]
 fn every_example_of_the_readme_loads() {
     let readme = std::fs::read_to_string(folder().join("README.md")).unwrap();
-    let examples: Vec<&str> = readme
-        .split("```toml\n")
-        .skip(1)
-        .map(|rest| rest.split("```").next().unwrap())
-        .collect();
+    let examples: Vec<&str> =
+        readme.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
     assert_eq!(examples.len(), 5);
     for (index, example) in examples.iter().enumerate() {
-        let mut load = |file: &str| {
-            Ok((
-                file.to_owned(),
-                std::fs::read_to_string(folder().join(file)).unwrap(),
-            ))
-        };
+        let mut load =
+            |file: &str| Ok((file.to_owned(), std::fs::read_to_string(folder().join(file)).unwrap()));
         let name = format!("example_{}.toml", index + 1);
         let outcome = from_toml(example, &name, &ReadOptions::default(), &mut load);
         let (_, notes) = outcome.unwrap_or_else(|wrong| panic!("{wrong}"));
         assert!(
-            notes.entries().iter().all(|note| note
-                .location
-                .as_ref()
-                .unwrap()
-                .file
-                .ends_with("urdf")),
+            notes.entries().iter().all(|note| note.location.as_ref().unwrap().file.ends_with("urdf")),
             "{notes}"
         );
     }
@@ -102,30 +71,18 @@ fn every_example_of_the_readme_loads() {
 #[test]
 fn every_file_that_was_read_is_listed() {
     let loaded = read(&folder().join("ur5.toml"), &ReadOptions::default()).unwrap();
-    let names: Vec<&str> = loaded
-        .files
-        .iter()
-        .map(|file| file.file_name().unwrap().to_str().unwrap())
-        .collect();
+    let names: Vec<&str> =
+        loaded.files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
     assert_eq!(names, ["ur5.toml", "ur5.urdf"]);
 }
 
 #[test]
 fn friction_can_be_left_out() {
-    let options = ReadOptions {
-        no_friction: true,
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions { no_friction: true, ..ReadOptions::default() };
     for file in models() {
-        let model = read(&file, &options)
-            .unwrap_or_else(|wrong| panic!("{wrong}"))
-            .model;
+        let model = read(&file, &options).unwrap_or_else(|wrong| panic!("{wrong}")).model;
         assert!(
-            model
-                .links
-                .iter()
-                .filter_map(|link| link.joint.as_ref())
-                .all(|joint| joint.friction.is_empty())
+            model.links.iter().filter_map(|link| link.joint.as_ref()).all(|joint| joint.friction.is_empty())
         );
     }
 }

@@ -8,10 +8,7 @@ use gelenk_codegen::module::Module;
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
 
 fn double_pendulum() -> Generated {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../models/double_pendulum.toml"
-    );
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/double_pendulum.toml");
     let options = GenerateOptions {
         functions: ["mass_matrix", "step"].map(str::to_owned).to_vec(),
         lanes: vec!["mass_matrix".to_owned()],
@@ -41,11 +38,7 @@ fn what_is_changed_in_the_value_is_changed_in_the_text() {
     let Generated { module, source, .. } = double_pendulum();
     let print = |module: &Module| emit::module(module, &Default::default()).text;
     assert_eq!(print(&module), source.text);
-    let less = Module {
-        lanes: vec![],
-        self_tests: vec![],
-        ..module
-    };
+    let less = Module { lanes: vec![], self_tests: vec![], ..module };
     let text = print(&less);
     assert!(source.text.contains("fn mass_matrix_lanes(") && source.text.contains("mod self_test"));
     assert!(!text.contains("Lanes") && !text.contains("self_test") && text.contains("A remark."));

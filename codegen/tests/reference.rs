@@ -1,7 +1,8 @@
 //! The models that come out of descriptions have the right mass matrix and gravity.
 //!
-//! M = Σ m JᵥᵀJᵥ + J_ωᵀ I J_ω and g = −Σ m Jᵥᵀ g₀ are summed body by body here, from frames alone, and compared with
-//! published tables and with Pinocchio's values (folder named by GELENK_SHARED, or ../shared beside the repository).
+//! M = Σ m JᵥᵀJᵥ + J_ωᵀ I J_ω and g = −Σ m Jᵥᵀ g₀ are summed body by body here, from frames alone, and
+//! compared with published tables and with Pinocchio's values (folder named by GELENK_SHARED, or ../shared
+//! beside the repository).
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -23,11 +24,7 @@ fn apply(a: &Matrix, x: &Vector) -> Vector {
 }
 
 fn cross(a: &Vector, b: &Vector) -> Vector {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn dot(a: &Vector, b: &Vector) -> f64 {
@@ -50,35 +47,22 @@ fn position(joint: &Joint, y: &[f64]) -> f64 {
 }
 
 fn place(model: &Model, y: &[f64]) -> Vec<Placed> {
-    let p: Vec<f64> = model
-        .parameters
-        .iter()
-        .map(|parameter| parameter.default)
-        .collect();
+    let p: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
     let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mut placed: Vec<Placed> = Vec::new();
     for link in &model.links {
         let Some(joint) = &link.joint else {
-            placed.push(Placed {
-                origin: [0.0; 3],
-                axes: identity,
-                axis: [0.0; 3],
-            });
+            placed.push(Placed { origin: [0.0; 3], axes: identity, axis: [0.0; 3] });
             continue;
         };
         let parent = &placed[joint.parent];
-        let shift: Vector =
-            std::array::from_fn(|k| joint.origin.translation[k].evaluate(&p, 0.0, 0.0));
+        let shift: Vector = std::array::from_fn(|k| joint.origin.translation[k].evaluate(&p, 0.0, 0.0));
         let moved = apply(&parent.axes, &shift);
         let axes = product(&parent.axes, &joint.origin.rotation);
         let axis = apply(&axes, &joint.axis);
         let q = position(joint, y);
         let [x, y, z] = joint.axis;
-        let (turn, along) = if joint.kind == JointKind::Prismatic {
-            (0.0, q)
-        } else {
-            (q, 0.0)
-        };
+        let (turn, along) = if joint.kind == JointKind::Prismatic { (0.0, q) } else { (q, 0.0) };
         let (s, c) = f64::sin_cos(turn);
         let t = 1.0 - c;
         let spin = [
@@ -87,22 +71,13 @@ fn place(model: &Model, y: &[f64]) -> Vec<Placed> {
             [t * x * z - s * y, t * y * z + s * x, t * z * z + c],
         ];
         let origin = std::array::from_fn(|k| parent.origin[k] + moved[k] + along * axis[k]);
-        placed.push(Placed {
-            origin,
-            axes: product(&axes, &spin),
-            axis,
-        });
+        placed.push(Placed { origin, axes: product(&axes, &spin), axis });
     }
     placed
 }
 
 /// Columns of the Jacobians of a point on a link.
-fn jacobian(
-    model: &Model,
-    placed: &[Placed],
-    link: usize,
-    point: &Vector,
-) -> Vec<(Vector, Vector)> {
+fn jacobian(model: &Model, placed: &[Placed], link: usize, point: &Vector) -> Vec<(Vector, Vector)> {
     let mut columns = vec![([0.0; 3], [0.0; 3]); model.coordinates.len()];
     let mut at = link;
     while let Some(joint) = &model.links[at].joint {
@@ -121,11 +96,7 @@ fn jacobian(
 
 /// Mass matrix and gravity torque g (Pinocchio's sign: it holds the robot still).
 fn mass_and_gravity(model: &Model, y: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
-    let p: Vec<f64> = model
-        .parameters
-        .iter()
-        .map(|parameter| parameter.default)
-        .collect();
+    let p: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
     let n = model.coordinates.len();
     let (mut mass, mut gravity) = (vec![vec![0.0; n]; n], vec![0.0; n]);
     let placed = place(model, y);
@@ -133,12 +104,10 @@ fn mass_and_gravity(model: &Model, y: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
     for (index, link) in model.links.iter().enumerate() {
         for body in &link.bodies {
             let m = body.mass.evaluate(&p, 0.0, 0.0);
-            let center: Vector =
-                std::array::from_fn(|k| body.center_of_mass[k].evaluate(&p, 0.0, 0.0));
+            let center: Vector = std::array::from_fn(|k| body.center_of_mass[k].evaluate(&p, 0.0, 0.0));
             let turned = apply(&placed[index].axes, &center);
             let point = std::array::from_fn(|k| placed[index].origin[k] + turned[k]);
-            let [xx, xy, xz, yy, yz, zz] =
-                std::array::from_fn(|k| body.inertia[k].evaluate(&p, 0.0, 0.0));
+            let [xx, xy, xz, yy, yz, zz] = std::array::from_fn(|k| body.inertia[k].evaluate(&p, 0.0, 0.0));
             let inertia = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
             let columns = jacobian(model, &placed, index, &point);
             let local = |w: &Vector| {
@@ -149,8 +118,7 @@ fn mass_and_gravity(model: &Model, y: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
                 gravity[i] -= m * dot(&columns[i].0, &g0);
                 for j in 0..n {
                     let (wi, wj): (Vector, Vector) = (local(&columns[i].1), local(&columns[j].1));
-                    mass[i][j] +=
-                        m * dot(&columns[i].0, &columns[j].0) + dot(&wi, &apply(&inertia, &wj));
+                    mass[i][j] += m * dot(&columns[i].0, &columns[j].0) + dot(&wi, &apply(&inertia, &wj));
                 }
             }
         }
@@ -161,10 +129,8 @@ fn mass_and_gravity(model: &Model, y: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
 
 fn add_rotors(model: &Model, placed: &[Placed], p: &[f64], mass: &mut [Vec<f64>]) {
     for drive in &model.drives {
-        let (ratio, rotor) = (
-            drive.gear_ratio.evaluate(p, 0.0, 0.0),
-            drive.rotor_inertia.evaluate(p, 0.0, 0.0),
-        );
+        let (ratio, rotor) =
+            (drive.gear_ratio.evaluate(p, 0.0, 0.0), drive.rotor_inertia.evaluate(p, 0.0, 0.0));
         let axis = apply(&placed[drive.carrier].axes, &drive.axis);
         let columns = jacobian(model, placed, drive.carrier, &placed[drive.carrier].origin);
         let mut spin: Vec<f64> = columns.iter().map(|(_, w)| dot(w, &axis)).collect();
@@ -208,20 +174,12 @@ fn deviation(found: &[f64], expected: &[f64]) -> f64 {
     assert_eq!(found.len(), expected.len());
     let largest = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let scale = if largest == 0.0 { 1.0 } else { largest };
-    found
-        .iter()
-        .zip(expected)
-        .fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
-        / scale
+    found.iter().zip(expected).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) / scale
 }
 
 fn compare_with_pinocchio(model: &Model, reference: &Value, tolerance: f64) {
-    let joints: Vec<&str> = reference["joints"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|name| name.as_str().unwrap())
-        .collect();
+    let joints: Vec<&str> =
+        reference["joints"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
     let own: Vec<&str> = model
         .coordinates
         .iter()
@@ -238,18 +196,11 @@ fn compare_with_pinocchio(model: &Model, reference: &Value, tolerance: f64) {
 #[test]
 fn urdfs_agree_with_pinocchio() {
     let Some(folder) = shared() else { return };
-    let options = ReadOptions {
-        ignore_mimic: true,
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions { ignore_mimic: true, ..ReadOptions::default() };
     for name in ["double_pendulum", "ur5", "baxter"] {
         let path = folder.join(format!("urdf/{name}.urdf"));
         let loaded = read(&path, &options).unwrap_or_else(|wrong| panic!("{wrong}"));
-        compare_with_pinocchio(
-            &loaded.model,
-            &json(&folder.join(format!("{name}.json"))),
-            1e-13,
-        );
+        compare_with_pinocchio(&loaded.model, &json(&folder.join(format!("{name}.json"))), 1e-13);
     }
 }
 
@@ -260,19 +211,13 @@ fn committed_vendor_models_agree_with_pinocchio() {
     for (name, tolerance) in [("ur5", 1e-10), ("panda", 1e-13)] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../models/{name}.toml"));
         let loaded = read(&path, &ReadOptions::default()).unwrap_or_else(|wrong| panic!("{wrong}"));
-        compare_with_pinocchio(
-            &loaded.model,
-            &json(&folder.join(format!("{name}.json"))),
-            tolerance,
-        );
+        compare_with_pinocchio(&loaded.model, &json(&folder.join(format!("{name}.json"))), tolerance);
     }
 }
 
 fn committed(name: &str) -> Model {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../models/{name}.toml"));
-    read(&path, &ReadOptions::default())
-        .unwrap_or_else(|wrong| panic!("{wrong}"))
-        .model
+    read(&path, &ReadOptions::default()).unwrap_or_else(|wrong| panic!("{wrong}")).model
 }
 
 #[test]
@@ -287,12 +232,7 @@ fn powercube_has_the_published_constants() {
         assert!(deviation(&mass.concat(), &expected) < 1e-15 * 8.0);
         let q2 = 1.72641659 * g * (b + c).sin();
         let expected = [-1.626138 * g * b.sin() - q2, -q2];
-        assert!(
-            gravity
-                .iter()
-                .zip(expected)
-                .all(|(a, e)| (a - e).abs() < 1e-13)
-        );
+        assert!(gravity.iter().zip(expected).all(|(a, e)| (a - e).abs() < 1e-13));
     }
 }
 
@@ -305,22 +245,15 @@ fn powercube_agrees_with_its_published_states() {
         let (y, v) = (numbers(&sample["y"]), numbers(&sample["v"]));
         let (mass, gravity) = mass_and_gravity(&model, &y);
         assert!(deviation(&mass.concat(), &numbers(&sample["M"])) < 1e-14);
-        let q: Vec<f64> = (0..2)
-            .map(|k| -gravity[k] - friction(&model, k, v[k]))
-            .collect();
+        let q: Vec<f64> = (0..2).map(|k| -gravity[k] - friction(&model, k, v[k])).collect();
         assert!(deviation(&q, &numbers(&sample["q"])) < 1e-14);
     }
 }
 
 fn friction(model: &Model, coordinate: usize, v: f64) -> f64 {
-    let joint = model.links[model.coordinates[coordinate]]
-        .joint
-        .as_ref()
-        .unwrap();
+    let joint = model.links[model.coordinates[coordinate]].joint.as_ref().unwrap();
     let terms = joint.friction.iter();
-    terms
-        .map(|term| term.coefficient.evaluate(&[], 0.0, v) * term.basis.evaluate(&[], 0.0, v))
-        .sum()
+    terms.map(|term| term.coefficient.evaluate(&[], 0.0, v) * term.basis.evaluate(&[], 0.0, v)).sum()
 }
 
 /// Robotics Toolbox for Python, tests/test_DHRobot.py: four decimals.
@@ -338,21 +271,10 @@ fn puma_has_the_published_tables() {
         [0.0, 0.0, 0.0, 0.0, 0.0, 0.1941],
     ];
     for (row, expected) in mass.iter().zip(table) {
-        assert!(
-            row.iter()
-                .zip(expected)
-                .all(|(a, e)| (a - e).abs() < 5.1e-5),
-            "{row:?}"
-        );
+        assert!(row.iter().zip(expected).all(|(a, e)| (a - e).abs() < 5.1e-5), "{row:?}");
     }
     let expected = [0.0, 31.6399, 6.0351, 0.0, 0.0283, 0.0];
-    assert!(
-        gravity
-            .iter()
-            .zip(expected)
-            .all(|(a, e)| (a - e).abs() < 5.1e-5),
-        "{gravity:?}"
-    );
+    assert!(gravity.iter().zip(expected).all(|(a, e)| (a - e).abs() < 5.1e-5), "{gravity:?}");
     // (q̇ = 1, q̈ = 1, g = 0) − (q̇ = 0, q̈ = 1, with g): the last joint has no other velocity torque.
     assert!((friction(&model, 5, 1.0) - (0.713781 - 0.194133)).abs() < 2e-4);
 }
@@ -364,17 +286,11 @@ fn held_powercube_moves_the_masses_of_the_reduced_one() {
     let y = [0.0, 0.4, -0.9, 0.0, 0.0, 0.0];
     let (_, g6) = mass_and_gravity(&whole, &y);
     let (_, g2) = mass_and_gravity(&reduced, &[0.4, -0.9]);
-    assert!(
-        (g6[1] - g2[0]).abs() < 1e-12 && (g6[2] - g2[1]).abs() < 1e-12,
-        "{g6:?} {g2:?}"
-    );
+    assert!((g6[1] - g2[0]).abs() < 1e-12 && (g6[2] - g2[1]).abs() < 1e-12, "{g6:?} {g2:?}");
     let alpha = committed("powercube_alpha");
     assert_eq!(alpha.coordinates.len(), 1);
     let (m1, _) = mass_and_gravity(&alpha, &[0.3]);
-    let (m6, _) = mass_and_gravity(
-        &whole,
-        &[0.3, std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.0, 0.0],
-    );
+    let (m6, _) = mass_and_gravity(&whole, &[0.3, std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.0, 0.0]);
     assert!((m1[0][0] - m6[0][0]).abs() < 1e-12, "{m1:?} {m6:?}");
 }
 
@@ -389,12 +305,7 @@ fn dh_rows_and_origins_describe_the_same_arm() {
         )
     };
     let rows = joint("a1", "modified_dh = { d = 0.3 }", "")
-        + joint(
-            "a2",
-            "modified_dh = { alpha = \"-pi/2\", a = 0.1, theta = 0.4 }",
-            "",
-        )
-        .as_str();
+        + joint("a2", "modified_dh = { alpha = \"-pi/2\", a = 0.1, theta = 0.4 }", "").as_str();
     let places = joint("a1", "", "origin = { xyz = [0, 0, 0.3] }")
         // Turned by −90° about x, then by 0.4 about the new z.
         + joint(
@@ -405,32 +316,20 @@ fn dh_rows_and_origins_describe_the_same_arm() {
         .as_str();
     let load = |text: &str| {
         let none = &mut |_: &str| unreachable!();
-        from_toml(text, "arm.toml", &ReadOptions::default(), none)
-            .unwrap_or_else(|wrong| panic!("{wrong}"))
-            .0
+        from_toml(text, "arm.toml", &ReadOptions::default(), none).unwrap_or_else(|wrong| panic!("{wrong}")).0
     };
     let (a, b) = (load(&rows), load(&places));
     let (ma, ga) = mass_and_gravity(&a, &[0.3, 0.7]);
     let (mb, gb) = mass_and_gravity(&b, &[0.3, 0.7]);
-    assert!(
-        deviation(&ma.concat(), &mb.concat()) < 1e-14,
-        "{ma:?} {mb:?}"
-    );
+    assert!(deviation(&ma.concat(), &mb.concat()) < 1e-14, "{ma:?} {mb:?}");
     assert!(deviation(&ga, &gb) < 1e-14, "{ga:?} {gb:?}");
 }
 
 #[test]
 fn urdf_text_needs_no_file() {
-    let text = std::fs::read_to_string(
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/urdf/ur5.urdf"),
-    )
-    .unwrap();
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/urdf/ur5.urdf"))
+        .unwrap();
     let (model, notes) = from_urdf(&text, "ur5.urdf", &ReadOptions::default()).unwrap();
     assert_eq!(model.coordinates.len(), 6);
-    assert!(
-        notes
-            .to_string()
-            .contains("within 1e-4 of a multiple of 90°"),
-        "{notes}"
-    );
+    assert!(notes.to_string().contains("within 1e-4 of a multiple of 90°"), "{notes}");
 }

@@ -1,10 +1,6 @@
 //! No text makes the readers panic, and large ones are read in reasonable time.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    reason = "a test fails by panicking"
-)]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
 use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics};
 use gelenk_codegen::model::{Model, ReadOptions, from_toml, from_urdf};
@@ -26,23 +22,16 @@ fn toml(text: &str) -> Outcome {
 }
 
 fn urdf(text: &str) -> Outcome {
-    let options = ReadOptions {
-        ignore_mimic: true,
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions { ignore_mimic: true, ..ReadOptions::default() };
     from_urdf(text, "robot.urdf", &options)
 }
 
 fn file(path: &str) -> String {
-    std::fs::read_to_string(
-        Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("../models")
-            .join(path),
-    )
-    .unwrap()
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(path)).unwrap()
 }
 
-/// What holds of any outcome: an error has errors, all of them placed within the text; a model has coordinates.
+/// What holds of any outcome: an error has errors, all of them placed within the text; a model has
+/// coordinates.
 fn check(outcome: Outcome) -> bool {
     match outcome {
         Ok((model, notes)) => {
@@ -51,17 +40,10 @@ fn check(outcome: Outcome) -> bool {
         }
         Err(diagnostics) => {
             assert!(diagnostics.has_errors());
-            let placed = |entry: &Diagnostic| {
-                entry
-                    .location
-                    .as_ref()
-                    .is_some_and(|at| at.line > 0 && at.column > 0)
-            };
+            let placed =
+                |entry: &Diagnostic| entry.location.as_ref().is_some_and(|at| at.line > 0 && at.column > 0);
             let unplaced = diagnostics.entries().iter().find(|entry| !placed(entry));
-            assert!(
-                unplaced.is_none_or(|entry| entry.code == "too-many-problems"),
-                "{unplaced:?}"
-            );
+            assert!(unplaced.is_none_or(|entry| entry.code == "too-many-problems"), "{unplaced:?}");
             assert!(!diagnostics.to_string().is_empty());
             false
         }
@@ -72,50 +54,28 @@ fn check(outcome: Outcome) -> bool {
 fn mutated_descriptions_never_panic() {
     let mut random = Random(7);
     let (mut accepted, mut refused) = (0, 0);
-    for name in [
-        "puma560.toml",
-        "powercube.toml",
-        "double_pendulum.toml",
-        "two_arm.toml",
-        "urdf/ur5.urdf",
-    ] {
+    for name in ["puma560.toml", "powercube.toml", "double_pendulum.toml", "two_arm.toml", "urdf/ur5.urdf"] {
         let text = file(name);
         for _ in 0..300 {
             let text = mutated(&text, &mut random);
-            let good = check(if name.ends_with("toml") {
-                toml(&text)
-            } else {
-                urdf(&text)
-            });
+            let good = check(if name.ends_with("toml") { toml(&text) } else { urdf(&text) });
             if good { accepted += 1 } else { refused += 1 }
         }
     }
     // Both kinds occur, otherwise the mutations are too weak or too strong to test anything.
-    assert!(
-        accepted > 50 && refused > 500,
-        "{accepted} accepted, {refused} refused"
-    );
+    assert!(accepted > 50 && refused > 500, "{accepted} accepted, {refused} refused");
 }
 
 #[test]
 fn mutated_formulas_never_panic() {
     let mut random = Random(11);
-    let seeds = [
-        "a1*v + a2*tanh(a3*v)",
-        "-sign(v)*(a1 + v.powi(2))/exp(-abs(v))",
-        "pow(v, 2) - pi*y",
-    ];
+    let seeds = ["a1*v + a2*tanh(a3*v)", "-sign(v)*(a1 + v.powi(2))/exp(-abs(v))", "pow(v, 2) - pi*y"];
     for _ in 0..1500 {
         let law = mutated(seeds[random.below(3)], &mut random);
-        let quoted = law
-            .replace('\\', "\\\\")
-            .replace('"', "\\\"")
-            .replace(char::is_control, " ");
+        let quoted = law.replace('\\', "\\\\").replace('"', "\\\"").replace(char::is_control, " ");
         let parameters = "[parameters]\na1 = 1\na2 = 2\na3 = 3\n";
         let body = "[[bodies]]\nlink = \"j\"\nmass = 1\ncenter_of_mass = [0, 1, 0]\ninertia = 1\n";
-        check(toml(&format!(
-            "{parameters}[[joints]]\nname = \"j\"\nfriction = \"{quoted}\"\n{body}"
-        )));
+        check(toml(&format!("{parameters}[[joints]]\nname = \"j\"\nfriction = \"{quoted}\"\n{body}")));
     }
 }
 
@@ -161,22 +121,8 @@ fn timed(read: impl FnOnce() -> Outcome) -> Outcome {
 
 #[test]
 fn five_hundred_joints() {
-    assert_eq!(
-        timed(|| toml(&chain_toml(500)))
-            .unwrap()
-            .0
-            .coordinates
-            .len(),
-        500
-    );
-    assert_eq!(
-        timed(|| urdf(&chain_urdf(500)))
-            .unwrap()
-            .0
-            .coordinates
-            .len(),
-        500
-    );
+    assert_eq!(timed(|| toml(&chain_toml(500))).unwrap().0.coordinates.len(), 500);
+    assert_eq!(timed(|| urdf(&chain_urdf(500))).unwrap().0.coordinates.len(), 500);
 }
 
 #[test]
@@ -192,13 +138,9 @@ fn ten_megabytes_of_joints() {
 #[test]
 fn ten_megabytes_of_nonsense() {
     let repeated = |part: &str| part.repeat(10_000_000 / part.len());
-    for text in [
-        repeated("["),
-        repeated("a"),
-        repeated("a = 1 "),
-        repeated("x.y.z = {\n"),
-        repeated("\u{7f}"),
-    ] {
+    for text in
+        [repeated("["), repeated("a"), repeated("a = 1 "), repeated("x.y.z = {\n"), repeated("\u{7f}")]
+    {
         check(timed(|| toml(&text)));
     }
     let keys: String = (0..700_000).fold(String::new(), |mut text, k| {
@@ -216,22 +158,10 @@ fn ten_megabytes_of_nonsense() {
 #[test]
 fn deep_nesting() {
     for depth in [1_000, 100_000] {
-        let text = format!(
-            "<robot name=\"r\">{}{}</robot>",
-            "<a>".repeat(depth),
-            "</a>".repeat(depth)
-        );
+        let text = format!("<robot name=\"r\">{}{}</robot>", "<a>".repeat(depth), "</a>".repeat(depth));
         check(timed(|| urdf(&text)));
-        check(timed(|| {
-            toml(&format!("a = {}{}", "[".repeat(depth), "]".repeat(depth)))
-        }));
-        check(timed(|| {
-            toml(&format!(
-                "a = {}1{}",
-                "{ b = ".repeat(depth),
-                " }".repeat(depth)
-            ))
-        }));
+        check(timed(|| toml(&format!("a = {}{}", "[".repeat(depth), "]".repeat(depth)))));
+        check(timed(|| toml(&format!("a = {}1{}", "{ b = ".repeat(depth), " }".repeat(depth)))));
         check(timed(|| toml(&format!("[{}a]", "a.".repeat(depth)))));
     }
 }

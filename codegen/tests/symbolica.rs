@@ -1,7 +1,8 @@
-//! Everything that uses Symbolica, in one process and on one thread: its closed forms agree with the recursive derivation.
+//! Everything that uses Symbolica, in one process and on one thread: its closed forms agree with the
+//! recursive derivation.
 //!
-//! There is no libtest here, which would use several threads. Child processes come first: as soon as this process has
-//! used Symbolica, it is the machine's one instance until it ends.
+//! There is no libtest here, which would use several threads. Child processes come first: as soon as this
+//! process has used Symbolica, it is the machine's one instance until it ends.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -19,35 +20,20 @@ use gelenk_codegen::program::interpret::{Functions, interpret};
 
 fn main() {
     let tests: &[(&str, fn())] = &[
-        (
-            "the_program_prints_results_alone",
-            the_program_prints_results_alone,
-        ),
+        ("the_program_prints_results_alone", the_program_prints_results_alone),
         ("the_program_writes_files", the_program_writes_files),
-        (
-            "more_than_three_joints_are_refused",
-            more_than_three_joints_are_refused,
-        ),
+        ("more_than_three_joints_are_refused", more_than_three_joints_are_refused),
         ("slanted_robots_are_refused", slanted_robots_are_refused),
         ("pages_hold_closed_forms", pages_hold_closed_forms),
         ("pages_say_why_they_hold_none", pages_say_why_they_hold_none),
         ("powercube_reads_as_published", powercube_reads_as_published),
-        (
-            "powercube_has_the_published_numbers",
-            powercube_has_the_published_numbers,
-        ),
-        (
-            "models_agree_with_the_recursive_derivation",
-            models_agree_with_the_recursive_derivation,
-        ),
+        ("powercube_has_the_published_numbers", powercube_has_the_published_numbers),
+        ("models_agree_with_the_recursive_derivation", models_agree_with_the_recursive_derivation),
         (
             "spatial_arms_agree_with_the_recursive_derivation",
             spatial_arms_agree_with_the_recursive_derivation,
         ),
-        (
-            "the_comparison_sees_a_wrong_parameter",
-            the_comparison_sees_a_wrong_parameter,
-        ),
+        ("the_comparison_sees_a_wrong_parameter", the_comparison_sees_a_wrong_parameter),
         ("small_robots_read_well", small_robots_read_well),
     ];
     for (name, test) in tests {
@@ -61,16 +47,12 @@ fn models() -> PathBuf {
 }
 
 fn model(name: &str) -> Model {
-    read(&models().join(name), &ReadOptions::default())
-        .unwrap()
-        .model
+    read(&models().join(name), &ReadOptions::default()).unwrap().model
 }
 
 fn described(text: &str) -> Model {
     let none = &mut |name: &str| panic!("{name} is not asked for");
-    from_toml(text, "arm.toml", &ReadOptions::default(), none)
-        .unwrap()
-        .0
+    from_toml(text, "arm.toml", &ReadOptions::default(), none).unwrap().0
 }
 
 fn forms(model: &Model) -> ClosedForms {
@@ -79,11 +61,7 @@ fn forms(model: &Model) -> ClosedForms {
 }
 
 fn defaults(model: &Model) -> Vec<f64> {
-    model
-        .parameters
-        .iter()
-        .map(|parameter| parameter.default)
-        .collect()
+    model.parameters.iter().map(|parameter| parameter.default).collect()
 }
 
 fn gelenk(arguments: &[&str]) -> Output {
@@ -94,10 +72,8 @@ fn gelenk(arguments: &[&str]) -> Output {
 
 fn the_program_prints_results_alone() {
     let text = gelenk(&["powercube.toml"]);
-    let (out, err) = (
-        String::from_utf8(text.stdout).unwrap(),
-        String::from_utf8_lossy(&text.stderr).into_owned(),
-    );
+    let (out, err) =
+        (String::from_utf8(text.stdout).unwrap(), String::from_utf8_lossy(&text.stderr).into_owned());
     assert!(text.status.success(), "{err}");
     assert!(out.starts_with("powercube: M(y) ÿ"), "{out}");
     let json = gelenk(&["powercube.toml", "--format", "json"]);
@@ -110,18 +86,9 @@ fn the_program_prints_results_alone() {
 fn the_program_writes_files() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("forms.tex");
-    let output = gelenk(&[
-        "cart_pole.toml",
-        "--latex",
-        "--output",
-        path.to_str().unwrap(),
-    ]);
+    let output = gelenk(&["cart_pole.toml", "--latex", "--output", path.to_str().unwrap()]);
     assert!(output.status.success());
-    assert!(
-        std::fs::read_to_string(path)
-            .unwrap()
-            .starts_with("\\begin{align*}")
-    );
+    assert!(std::fs::read_to_string(path).unwrap().starts_with("\\begin{align*}"));
 }
 
 fn more_than_three_joints_are_refused() {
@@ -172,17 +139,9 @@ fn page(description: &str, options: &[&str]) -> Page {
         .output()
         .unwrap();
     let said = String::from_utf8(output.stdout).unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
-    Page {
-        html: read("index.html"),
-        data: read("report.json"),
-        said,
-    }
+    Page { html: read("index.html"), data: read("report.json"), said }
 }
 
 fn pages_hold_closed_forms() {
@@ -204,10 +163,7 @@ fn pages_hold_closed_forms() {
     assert!(!data.contains(&json(r"d_{\mathrm{1a}}")));
     let Page { data, .. } = page("powercube.toml", &["--smooth-sign", "150"]);
     assert!(!data.contains("operatorname{sign}"));
-    assert!(
-        data.contains(&json(r"d_{\mathrm{2e}} \, \tanh\left(150")),
-        "{data}"
-    );
+    assert!(data.contains(&json(r"d_{\mathrm{2e}} \, \tanh\left(150")), "{data}");
     for name in ["double_pendulum.toml", "cart_pole.toml"] {
         let Page { data, .. } = page(name, &["--format", "json"]);
         assert!(data.contains("closed-form-symbols"), "{name}");
@@ -243,10 +199,7 @@ fn powercube_has_the_published_numbers() {
     let (i, j, h, g) = (161.0, 5.267e-5, 0.310_754_986_2, 9.806_65);
     let mut random = Random(3);
     for _ in 0..50 {
-        let (y, v) = (
-            [random.number(), random.number()],
-            [random.number(), random.number()],
-        );
+        let (y, v) = ([random.number(), random.number()], [random.number(), random.number()]);
         let values = forms.evaluate(&[], &y, &v);
         let (s2, c2) = y[1].sin_cos();
         let m12 = j * i + h * c2 + 0.660_889_906_856_5;
@@ -268,10 +221,7 @@ fn powercube_has_the_published_numbers() {
                 - 0.492 * sign
                 - 56.231 * v[1],
         ];
-        let coriolis = [
-            -h * s2 * (2.0 * v[0] * v[1] + v[1] * v[1]),
-            h * v[0] * v[0] * s2,
-        ];
+        let coriolis = [-h * s2 * (2.0 * v[0] * v[1] + v[1] * v[1]), h * v[0] * v[0] * s2];
         assert!(deviation(&values.mass_matrix.concat(), &mass.concat()) < 1e-12);
         assert!(deviation(&values.coriolis_forces, &coriolis) < 1e-12);
         assert!(deviation(&values.applied_forces, &applied) < 1e-12);
@@ -284,36 +234,18 @@ fn deviation(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let largest = b.iter().fold(1e-6, |m: f64, x| m.max(x.abs()));
     let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    differences.fold(
-        0.0,
-        |m: f64, d| if d.is_nan() { f64::INFINITY } else { m.max(d) },
-    ) / largest
+    differences.fold(0.0, |m: f64, d| if d.is_nan() { f64::INFINITY } else { m.max(d) }) / largest
 }
 
 /// The recursive derivation's values at one state.
 fn recursive(model: &Model, parameters: &[f64], y: &[f64], v: &[f64]) -> Vec<Vec<f64>> {
-    let names = [
-        "mass_matrix",
-        "coriolis_forces",
-        "applied_forces",
-        "input_matrix",
-    ];
-    let functions =
-        selection::derive_functions(model, &names.map(str::to_owned), MOST_OPERATIONS).unwrap();
+    let names = ["mass_matrix", "coriolis_forces", "applied_forces", "input_matrix"];
+    let functions = selection::derive_functions(model, &names.map(str::to_owned), MOST_OPERATIONS).unwrap();
     let value = |name: &str| {
-        let function = functions
-            .iter()
-            .find(|function| function.name == name)
-            .unwrap();
-        let inputs: Vec<&[f64]> = function
-            .program
-            .inputs
-            .iter()
-            .map(|input| if input.name == "y" { y } else { v })
-            .collect();
-        interpret(&function.program, &inputs, parameters, &Functions::STD)
-            .unwrap()
-            .concat()
+        let function = functions.iter().find(|function| function.name == name).unwrap();
+        let inputs: Vec<&[f64]> =
+            function.program.inputs.iter().map(|input| if input.name == "y" { y } else { v }).collect();
+        interpret(&function.program, &inputs, parameters, &Functions::STD).unwrap().concat()
     };
     names.iter().map(|name| value(name)).collect()
 }
@@ -348,15 +280,7 @@ fn disagreement(model: &Model, seed: u64, wrong: f64) -> f64 {
 }
 
 fn models_agree_with_the_recursive_derivation() {
-    for (seed, name) in [
-        "powercube",
-        "double_pendulum",
-        "cart_pole",
-        "powercube_alpha",
-    ]
-    .iter()
-    .enumerate()
-    {
+    for (seed, name) in ["powercube", "double_pendulum", "cart_pole", "powercube_alpha"].iter().enumerate() {
         let worst = disagreement(&model(&format!("{name}.toml")), seed as u64, 1.0);
         println!("{name}: {worst:.1e}");
         assert!(worst < 1e-10, "{name}: {worst:e}");
@@ -364,12 +288,8 @@ fn models_agree_with_the_recursive_derivation() {
 }
 
 fn spatial_arms_agree_with_the_recursive_derivation() {
-    for (name, text) in [
-        ("spatial", SPATIAL),
-        ("mixed", MIXED),
-        ("slanted", SLANTED),
-        ("branched", BRANCHED),
-    ] {
+    for (name, text) in [("spatial", SPATIAL), ("mixed", MIXED), ("slanted", SLANTED), ("branched", BRANCHED)]
+    {
         let worst = disagreement(&described(text), 7, 1.0);
         println!("{name}: {worst:.1e}");
         assert!(worst < 1e-10, "{name}: {worst:e}");

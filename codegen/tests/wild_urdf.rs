@@ -44,11 +44,7 @@ const REAL: &str = "<inertial><mass value=\"1\"/><origin xyz=\"0 0 0.1\"/>\
 
 /// A chain of continuous joints with these names; the last link carries a frame of each of these names.
 fn chain(joints: &[&str], frames: &[&str]) -> String {
-    let xml = |name: &str| {
-        name.replace('&', "&amp;")
-            .replace('<', "&lt;")
-            .replace('"', "&quot;")
-    };
+    let xml = |name: &str| name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
     let mut text = "<robot name=\"r\"><link name=\"base\"/>".to_owned();
     let mut parent = "base".to_owned();
     for joint in joints {
@@ -77,20 +73,16 @@ fn texts(source: &str, constant: &str) -> Vec<String> {
         syn::Item::Const(item) if item.ident == constant => Some(*item.expr),
         _ => None,
     });
-    let Some(syn::Expr::Array(array)) = value else {
-        panic!("{constant} is an array")
-    };
+    let Some(syn::Expr::Array(array)) = value else { panic!("{constant} is an array") };
     let text = |entry: syn::Expr| match entry {
-        syn::Expr::Lit(syn::ExprLit {
-            lit: syn::Lit::Str(text),
-            ..
-        }) => text.value(),
+        syn::Expr::Lit(syn::ExprLit { lit: syn::Lit::Str(text), .. }) => text.value(),
         _ => panic!("{constant} holds texts"),
     };
     array.elems.into_iter().map(text).collect()
 }
 
-/// A ROS JointState and a CAN table are matched by these names. Each of them was changed to an identifier, or refused.
+/// A ROS JointState and a CAN table are matched by these names. Each of them was changed to an identifier, or
+/// refused.
 const STRANGE: [&str; 14] = [
     "LFinger12",
     "joint_0.0",
@@ -119,18 +111,11 @@ fn names_are_those_of_the_description_to_the_letter() {
     let mut found = texts(source, "FRAME_NAMES");
     found.sort();
     assert_eq!(found, ["Tool-0", "tool_0", "先"]);
-    for name in [
-        "frame_tool_0_pose",
-        "frame_tool_0_2_pose",
-        "frame_u5148_pose",
-    ] {
+    for name in ["frame_tool_0_pose", "frame_tool_0_2_pose", "frame_u5148_pose"] {
         assert!(source.contains(&format!("pub fn {name}(")), "{name}");
     }
     let parameters = texts(source, "INERTIAL_PARAMETER_NAMES");
-    assert!(
-        parameters.contains(&"m_joint_0.0".to_owned()),
-        "{parameters:?}"
-    );
+    assert!(parameters.contains(&"m_joint_0.0".to_owned()), "{parameters:?}");
     assert!(
         source.contains("/// - `y: [N]`: coordinates: `LFinger12`, `joint_0.0`, `Elbow-1`"),
         "documentation names joints as described"
@@ -142,10 +127,7 @@ fn names_are_those_of_the_description_to_the_letter() {
 
 #[test]
 fn frames_whose_functions_have_other_names_are_noted() {
-    let robot = module(
-        &chain(&["Joint 1"], &["Tool-0", "tool_0", "flange"]),
-        &["frames"],
-    );
+    let robot = module(&chain(&["Joint 1"], &["Tool-0", "tool_0", "flange"]), &["frames"]);
     let notes: Vec<&str> = robot
         .notes
         .entries()
@@ -153,8 +135,7 @@ fn frames_whose_functions_have_other_names_are_noted() {
         .filter(|note| note.code == "name-mapped")
         .map(|note| note.message.as_str())
         .collect();
-    let expected =
-        "names in generated code: \"Tool-0\" → `frame_tool_0_…`, \"tool_0\" → `frame_tool_0_2_…`";
+    let expected = "names in generated code: \"Tool-0\" → `frame_tool_0_…`, \"tool_0\" → `frame_tool_0_2_…`";
     assert_eq!(notes, [expected]);
 }
 
@@ -178,16 +159,8 @@ fn inertial(mass: f64, center: &str, inertia: [f64; 6]) -> String {
 #[test]
 fn rounding_is_no_fault() {
     let bodies = [
-        inertial(
-            1.33687,
-            "0.0185 -0.1108 6.8e-18",
-            [0.0, 0.0, 2.40741e-35, 0.0, 0.0, 0.0],
-        ),
-        inertial(
-            0.526,
-            "0 0 0.03045",
-            [-5.42101e-20, 0.0, 0.0, -5.42101e-20, 0.0, 0.0],
-        ),
+        inertial(1.33687, "0.0185 -0.1108 6.8e-18", [0.0, 0.0, 2.40741e-35, 0.0, 0.0, 0.0]),
+        inertial(0.526, "0 0 0.03045", [-5.42101e-20, 0.0, 0.0, -5.42101e-20, 0.0, 0.0]),
         inertial(0.1, "0 0 0.1", [3e-6, 0.0, 0.0, 3e-6, 0.0, -1e-22]),
     ];
     for body in bodies {
@@ -231,26 +204,15 @@ fn published_bodies_are_taken_with_one_warning() {
 /// The arm has a moment of −1 about its joint's axis: forces would push it backwards.
 #[test]
 fn a_mass_matrix_that_is_not_positive_definite_is_refused() {
-    let text = arm(
-        "",
-        &inertial(1.0, "0 0 0", [-1.0, 0.0, 0.0, 1.0, 0.0, 1.0]),
-        "",
-    );
+    let text = arm("", &inertial(1.0, "0 0 0", [-1.0, 0.0, 0.0, 1.0, 0.0, 1.0]), "");
     let problems = read(&text).unwrap_err();
     assert_eq!(problems.error_count(), 1);
     assert!(codes(problems.entries()).contains(&"mass-matrix-not-positive-definite"));
-    let options = ReadOptions {
-        accept_unphysical: true,
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions { accept_unphysical: true, ..ReadOptions::default() };
     let (_, entries) = from_urdf(&text, "r.urdf", &options).unwrap();
     assert!(codes(entries.entries()).contains(&"mass-matrix-not-positive-definite"));
     // The same about an axis that does not turn is no reason to refuse anything.
-    let text = arm(
-        "",
-        &inertial(1.0, "0 0 0", [1.0, 0.0, 0.0, -1.0, 0.0, 1.0]),
-        "",
-    );
+    let text = arm("", &inertial(1.0, "0 0 0", [1.0, 0.0, 0.0, -1.0, 0.0, 1.0]), "");
     assert_eq!(codes(&notes(&text)), ["unphysical-bodies"]);
 }
 
@@ -262,44 +224,22 @@ fn joints_without_inertia_cost_the_functions_with_the_inverse() {
     let text = arm("", REAL, finger);
     let robot = module(&text, &[]);
     let found = |name: &str| robot.source.text.contains(&format!("pub fn {name}("));
-    for name in [
-        "mass_matrix",
-        "inverse_dynamics",
-        "inverse_dynamics_derivatives",
-        "base_regressor",
-    ] {
+    for name in ["mass_matrix", "inverse_dynamics", "inverse_dynamics_derivatives", "base_regressor"] {
         assert!(found(name), "{name}");
     }
-    assert!(
-        robot
-            .source
-            .text
-            .contains("symmetric, positive semidefinite")
-    );
+    assert!(robot.source.text.contains("symmetric, positive semidefinite"));
     assert!(!robot.source.text.contains("symmetric, positive definite"));
-    let lost = [
-        "forward_dynamics",
-        "forward_dynamics_derivatives",
-        "linearize",
-    ];
-    for name in lost
-        .iter()
-        .chain(&["discretize", "step", "step_derivatives"])
-    {
+    let lost = ["forward_dynamics", "forward_dynamics_derivatives", "linearize"];
+    for name in lost.iter().chain(&["discretize", "step", "step_derivatives"]) {
         assert!(!found(name), "{name}");
     }
     let entries = robot.notes.entries();
-    let messages = entries
-        .iter()
-        .map(|entry| format!("{}: {}", entry.code, entry.message));
+    let messages = entries.iter().map(|entry| format!("{}: {}", entry.code, entry.message));
     insta::assert_snapshot!(messages.collect::<Vec<_>>().join("\n"));
     for name in ["forward_dynamics", "linearize", "step"] {
         let problems = try_module(&text, &["mass_matrix", name]).unwrap_err();
         assert_eq!(problems.error_count(), 1);
-        assert!(
-            codes(problems.entries()).contains(&"singular-mass-matrix"),
-            "{name}"
-        );
+        assert!(codes(problems.entries()).contains(&"singular-mass-matrix"), "{name}");
     }
     let folder = tempfile::tempdir().unwrap();
     let strict = ["--crate-type", "lib", "-D", "warnings"];
@@ -319,17 +259,10 @@ fn one_joint(kind: &str, link: &str, joint: &str) -> String {
 /// ROS's urdfdom takes the first of several elements of one kind.
 #[test]
 fn the_first_of_several_elements_counts() {
-    let twice = REAL.replace(
-        "<mass value=\"1\"/>",
-        "<mass value=\"1\"/><mass value=\"7\"/>",
-    );
+    let twice = REAL.replace("<mass value=\"1\"/>", "<mass value=\"1\"/><mass value=\"7\"/>");
     let other = LIMIT.replace("lower=\"-1\"", "lower=\"-9\"");
     let joint = format!("{LIMIT}{other}<axis xyz=\"0 0 1\"/><axis xyz=\"1 0 0\"/>");
-    let text = one_joint(
-        "revolute",
-        &format!("{twice}{}", REAL.replace("\"1\"", "\"5\"")),
-        &joint,
-    );
+    let text = one_joint("revolute", &format!("{twice}{}", REAL.replace("\"1\"", "\"5\"")), &joint);
     let (model, entries) = read(&text).unwrap();
     let joint = model.links[1].joint.as_ref().unwrap();
     assert_eq!(joint.axis, [0.0, 0.0, 1.0]);
@@ -337,12 +270,7 @@ fn the_first_of_several_elements_counts() {
     assert_eq!(model.links[1].bodies[0].mass.as_number(), Some(1.0));
     assert_eq!(codes(entries.entries()), ["duplicate-element"]);
     let message = &entries.entries()[0].message;
-    for owner in [
-        "<inertial> of `arm`",
-        "<mass> of `arm`",
-        "<limit> of `j`",
-        "<axis> of `j`",
-    ] {
+    for owner in ["<inertial> of `arm`", "<mass> of `arm`", "<limit> of `j`", "<axis> of `j`"] {
         assert!(message.contains(owner), "{message}");
     }
 }
@@ -355,9 +283,7 @@ fn limits_are_taken_as_far_as_they_make_sense() {
     let amounts = (None, Some(4.0), Some(3.0));
     let swapped = LIMIT.replace("lower=\"-1\"", "lower=\"5\"");
     let fixed = "<limit effort=\"3\" velocity=\"4\"/>";
-    let infinite = LIMIT
-        .replace("\"2\"", "\"inf\"")
-        .replace("\"-1\"", "\"-1e308\"");
+    let infinite = LIMIT.replace("\"2\"", "\"inf\"").replace("\"-1\"", "\"-1e308\"");
     let negative = LIMIT.replace("\"4\"", "\"-4\"");
     let zero = LIMIT.replace("\"3\"", "\"0\"");
     let cases: [(&str, &str, _, &[&str]); 11] = [
@@ -370,18 +296,8 @@ fn limits_are_taken_as_far_as_they_make_sense() {
         ("continuous", LIMIT, amounts, &["continuous-limits"]),
         ("revolute", &swapped, amounts, &["limit-unusable"]),
         ("revolute", &infinite, amounts, &["limit-unset"]),
-        (
-            "revolute",
-            &negative,
-            (Some([-1.0, 2.0]), None, Some(3.0)),
-            &["limit-unusable"],
-        ),
-        (
-            "revolute",
-            &zero,
-            (Some([-1.0, 2.0]), Some(4.0), None),
-            &["limit-unset"],
-        ),
+        ("revolute", &negative, (Some([-1.0, 2.0]), None, Some(3.0)), &["limit-unusable"]),
+        ("revolute", &zero, (Some([-1.0, 2.0]), Some(4.0), None), &["limit-unset"]),
     ];
     for (kind, elements, expected, said) in cases {
         let (model, entries) = read(&one_joint(kind, REAL, elements)).unwrap();
@@ -421,9 +337,7 @@ fn latin_1_is_read_where_it_is_declared() {
     let body = one_joint("revolute", REAL, LIMIT).replace("\"arm\"", "\"Ärm\"");
     let bytes = |head: &str| -> Vec<u8> {
         let text = format!("{head}{body}");
-        text.chars()
-            .map(|c| u8::try_from(u32::from(c)).unwrap())
-            .collect()
+        text.chars().map(|c| u8::try_from(u32::from(c)).unwrap()).collect()
     };
     let load = |head: &str| {
         std::fs::write(&path, bytes(head)).unwrap();
@@ -437,35 +351,21 @@ fn latin_1_is_read_where_it_is_declared() {
 /// One note of each kind, and none where nothing is strange.
 #[test]
 fn strange_numbers_are_noted_once() {
-    let degrees = LIMIT
-        .replace("\"-1\"", "\"-90\"")
-        .replace("\"2\"", "\"180\"");
+    let degrees = LIMIT.replace("\"-1\"", "\"-90\"").replace("\"2\"", "\"180\"");
     let turned = format!("{LIMIT}<origin rpy=\"0 90 0\"/>");
     let far = REAL.replace("0 0 0.1", "0 300 0");
     let drawn = "<visual><geometry><mesh filename=\"a.stl\"/></geometry></visual>";
     let winch = LIMIT.replace("\"2\"", "\"100.5\"");
     let cases: [(String, &[&str]); 6] = [
         (one_joint("revolute", REAL, LIMIT), &[]),
-        (
-            one_joint("revolute", REAL, &degrees),
-            &["looks-like-degrees"],
-        ),
-        (
-            one_joint("revolute", REAL, &turned),
-            &["looks-like-degrees"],
-        ),
+        (one_joint("revolute", REAL, &degrees), &["looks-like-degrees"]),
+        (one_joint("revolute", REAL, &turned), &["looks-like-degrees"]),
         (one_joint("revolute", REAL, &winch), &[]),
         (one_joint("revolute", &far, LIMIT), &["far-away"]),
-        (
-            one_joint("revolute", drawn, LIMIT),
-            &["skipped", "joints-without-inertia", "shape-without-mass"],
-        ),
+        (one_joint("revolute", drawn, LIMIT), &["skipped", "joints-without-inertia", "shape-without-mass"]),
     ];
     for (text, expected) in cases {
-        let mut found = codes(&notes(&text))
-            .into_iter()
-            .map(str::to_owned)
-            .collect::<Vec<_>>();
+        let mut found = codes(&notes(&text)).into_iter().map(str::to_owned).collect::<Vec<_>>();
         let mut expected = expected.to_vec();
         found.sort_unstable();
         expected.sort_unstable();
@@ -497,26 +397,15 @@ fn legs_on_a_fixed_base_are_noted() {
 /// The rate is exact for one joint: D/I = 2000 1/s, so that Runge–Kutta steps diverge beyond 2.785/2000 s.
 #[test]
 fn stiff_and_jumping_friction_is_noted() {
-    let joint = |dynamics: &str| {
-        one_joint(
-            "revolute",
-            REAL,
-            &format!("{LIMIT}{dynamics}<axis xyz=\"0 0 1\"/>"),
-        )
-    };
+    let joint =
+        |dynamics: &str| one_joint("revolute", REAL, &format!("{LIMIT}{dynamics}<axis xyz=\"0 0 1\"/>"));
     let said = |dynamics: &str, functions: &[&str]| {
         let robot = module(&joint(dynamics), functions);
         robot.notes.entries().to_vec()
     };
     let stiff = said("<dynamics damping=\"2000\"/>", &[]);
     assert_eq!(codes(&stiff), ["stiff-friction"]);
-    assert!(
-        stiff[0]
-            .message
-            .ends_with("unstable for periods beyond 1.39 ms"),
-        "{}",
-        stiff[0].message
-    );
+    assert!(stiff[0].message.ends_with("unstable for periods beyond 1.39 ms"), "{}", stiff[0].message);
     assert!(codes(&said("<dynamics damping=\"2000\"/>", &["discretize"])).is_empty());
     assert!(codes(&said("<dynamics damping=\"130\"/>", &[])).is_empty());
     let jumping = said("<dynamics friction=\"0.3\"/>", &[]);

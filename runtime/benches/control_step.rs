@@ -1,9 +1,10 @@
 //! A whole control step, and the share of each stage: `cargo bench -p gelenk-runtime --bench control_step`.
 //!
-//! LTV-MPC with N = 20 in closed loop with its own model, encoders with noise, disturbance observer on. The step is timed as a whole, per period; the stages
-//! once more each by itself: observer (prediction and correction), horizon (desired states, feed-forward, linearization, discretization), log (one
-//! record into the queue). What is left is the QP with its set-up. Times are CPU times of the thread, medians over the periods; "bounded"
-//! counts only periods whose QP has active bounds.
+//! LTV-MPC with N = 20 in closed loop with its own model, encoders with noise, disturbance observer on. The
+//! step is timed as a whole, per period; the stages once more each by itself: observer (prediction and
+//! correction), horizon (desired states, feed-forward, linearization, discretization), log (one record into
+//! the queue). What is left is the QP with its set-up. Times are CPU times of the thread, medians over the
+//! periods; "bounded" counts only periods whose QP has active bounds.
 
 use gelenk_runtime::control_loop::{Controller, Cycle, LogRecord, LogSink, Source, log_to};
 use gelenk_runtime::dynamics::{Discretizable, PhaseSpace};
@@ -65,11 +66,7 @@ fn drive<D: Discretizable<N, M>, const N: usize, const M: usize>(
     controller: &mut impl Controller<N, M>,
 ) -> Result<Loop, Box<dyn Error>> {
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    let mut record = Loop {
-        all: vec![],
-        bounded: vec![],
-        iterations: 0,
-    };
+    let mut record = Loop { all: vec![], bounded: vec![], iterations: 0 };
     for _ in 0..3 {
         let start = motion.sample(0.0);
         let mut state = (start.positions, start.velocities);
@@ -77,9 +74,7 @@ fn drive<D: Discretizable<N, M>, const N: usize, const M: usize>(
         controller.reset(&state.0, &last);
         for k in 0..(motion.duration() / period) as usize + 20 {
             let time = k as f64 * period;
-            let positions = state
-                .0
-                .map(|y| y + ENCODER_STEP * random.random_range(-0.5..0.5));
+            let positions = state.0.map(|y| y + ENCODER_STEP * random.random_range(-0.5..0.5));
             let cycle = Cycle {
                 time,
                 periods: u32::from(k > 0),
@@ -127,12 +122,7 @@ fn log_record<const N: usize, const M: usize>(
 }
 
 /// One robot: whole steps of both controllers, stages of the linear one.
-fn bench<
-    D: Discretizable<N, M> + PhaseSpace<NX> + Copy,
-    const N: usize,
-    const M: usize,
-    const NX: usize,
->(
+fn bench<D: Discretizable<N, M> + PhaseSpace<NX> + Copy, const N: usize, const M: usize, const NX: usize>(
     name: &str,
     model: D,
     motion: RestToRest<N>,
@@ -144,9 +134,7 @@ fn bench<
     options.input_limits = torque.map(|u| [-u, u]);
     options.observer.disturbance_noise = torque.map(|u| 1e-3 * u);
     let (mut log, writer) = log_to::<N, M>(std::io::sink(), &model, 100_000)?;
-    let new = || -> Result<LtvMpc<D, _, N, M, NX>, MpcError> {
-        LtvMpc::new(model, motion, options.clone())
-    };
+    let new = || -> Result<LtvMpc<D, _, N, M, NX>, MpcError> { LtvMpc::new(model, motion, options.clone()) };
     let linear = drive(&model, &motion, period, substeps, &mut log, &mut new()?)?;
     let mut nmpc = Nmpc::new(model, motion, options.clone())?;
     let nonlinear = drive(&model, &motion, period, substeps, &mut log, &mut nmpc)?;
@@ -200,11 +188,8 @@ fn bench<
 fn main() -> Result<(), Box<dyn Error>> {
     let swing = RestToRest::new([-0.8, -1.0], [0.6, 0.9], 3.0)?;
     bench::<_, 2, 2, 4>("PowerCube", PowerCube, swing, 0.02, 12, [0.4; 2])?;
-    let reach = RestToRest::new(
-        [0.0, -0.8, 0.0, -2.2, 0.0, 1.5, 0.8],
-        [1.0, 0.3, -0.6, -1.2, 0.7, 2.3, -0.4],
-        1.0,
-    )?;
+    let reach =
+        RestToRest::new([0.0, -0.8, 0.0, -2.2, 0.0, 1.5, 0.8], [1.0, 0.3, -0.6, -1.2, 0.7, 2.3, -0.4], 1.0)?;
     let torque = [25.0, 60.0, 20.0, 25.0, 4.0, 3.0, 1.5];
     bench::<_, 7, 7, 14>("Panda", Panda, reach, 0.02, 1, torque)?;
     Ok(())

@@ -1,8 +1,8 @@
 //! The rows of the reference bench for identification, on the same synthetic data and one core.
 //!
-//! `cargo bench -p gelenk-runtime --bench identification [-- stlsq,lasso,fit,tv,whole]`. Data: samples at 1 kHz of
-//! `v = 1.2 sin 2π 0.31 t + 0.7 sin(2π 0.83 t + 0.4) + 0.15 sin 2π 3.7 t`, Stribeck torque, noise 0.05 N·m from
-//! SplitMix64 seeded with 20240229. Times are medians.
+//! `cargo bench -p gelenk-runtime --bench identification [-- stlsq,lasso,fit,tv,whole]`. Data: samples at 1
+//! kHz of `v = 1.2 sin 2π 0.31 t + 0.7 sin(2π 0.83 t + 0.4) + 0.15 sin 2π 3.7 t`, Stribeck torque, noise 0.05
+//! N·m from SplitMix64 seeded with 20240229. Times are medians.
 
 use gelenk_identification::cross_validation::CrossValidation;
 use gelenk_identification::differentiation::{
@@ -28,12 +28,8 @@ type Outcome = Result<(), Box<dyn Error>>;
 const TRUE: [f64; 5] = [2.1, 1.4, 20.0, 0.9, 8.0];
 
 fn main() -> Outcome {
-    let chosen: Vec<String> = std::env::args()
-        .skip(1)
-        .filter(|a| !a.starts_with('-'))
-        .collect();
-    let runs =
-        |part: &str| chosen.is_empty() || chosen.iter().any(|c| c.split(',').any(|c| c == part));
+    let chosen: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let runs = |part: &str| chosen.is_empty() || chosen.iter().any(|c| c.split(',').any(|c| c == part));
     let data = Data::new(1_000_000);
     for m in [10_000, 100_000, 1_000_000] {
         if runs("stlsq") {
@@ -78,21 +74,10 @@ impl Data {
                     + 0.15 * (2.0 * PI * 3.7 * t).sin()
             })
             .collect();
-        let torque = v
-            .iter()
-            .map(|v| stribeck_torque(*v, &TRUE) + 0.05 * random.normal())
-            .collect();
-        let terms = [
-            "1",
-            "v",
-            "v*abs(v)",
-            "v*v*v",
-            "tanh(20*v)",
-            "exp(-8*abs(v))*tanh(3*20*v)",
-            "sin(2*pi*v)",
-        ];
-        let library =
-            Library::new(&terms, &["v"]).unwrap_or_else(|e| panic!("the bench's own library: {e}"));
+        let torque = v.iter().map(|v| stribeck_torque(*v, &TRUE) + 0.05 * random.normal()).collect();
+        let terms =
+            ["1", "v", "v*abs(v)", "v*v*v", "tanh(20*v)", "exp(-8*abs(v))*tanh(3*20*v)", "sin(2*pi*v)"];
+        let library = Library::new(&terms, &["v"]).unwrap_or_else(|e| panic!("the bench's own library: {e}"));
         Self { library, v, torque }
     }
 }
@@ -129,11 +114,7 @@ fn list(x: impl IntoIterator<Item = f64>) -> String {
 fn thresholding(data: &Data, m: usize) -> Outcome {
     let (v, torque) = (&data.v[..m], &data.torque[..m]);
     let theta = data.library.matrix(&[v])?;
-    let settings = Thresholding {
-        threshold: 0.2,
-        ridge: 0.05,
-        ..Default::default()
-    };
+    let settings = Thresholding { threshold: 0.2, ridge: 0.05, ..Default::default() };
     let stored = || -> Result<_, Box<dyn Error>> {
         let samples = Samples::from_matrix(data.library.terms(), &theta, vec![torque])?;
         let reduced = Reduced::new(&samples)?;
@@ -146,33 +127,21 @@ fn thresholding(data: &Data, m: usize) -> Outcome {
         m,
         "gelenk, Theta stored",
         time,
-        &format!(
-            "{} condition {condition:.1}",
-            list(fit.coefficients.iter().copied())
-        ),
+        &format!("{} condition {condition:.1}", list(fit.coefficients.iter().copied())),
     );
     let streamed = || -> Result<_, Box<dyn Error>> {
         let samples = Samples::from_library(&data.library, vec![v], vec![torque])?;
         Ok(settings.fit(&Reduced::new(&samples)?, 0)?)
     };
     let (time, fit) = timed(streamed);
-    row(
-        "STLSQ",
-        m,
-        "gelenk, Theta on the fly",
-        time,
-        &list(fit?.coefficients.iter().copied()),
-    );
+    row("STLSQ", m, "gelenk, Theta on the fly", time, &list(fit?.coefficients.iter().copied()));
     Ok(())
 }
 
 fn lasso(data: &Data, m: usize) -> Outcome {
     let theta = data.library.matrix(&[&data.v[..m]])?;
     let samples = Samples::from_matrix(data.library.terms(), &theta, vec![&data.torque[..m]])?;
-    let lasso = Lasso {
-        tolerance: 1e-8,
-        ..Default::default()
-    };
+    let lasso = Lasso { tolerance: 1e-8, ..Default::default() };
     let work = || -> Result<_, Box<dyn Error>> {
         let folds = Moments::blocks(&samples, 10)?;
         let grid = lasso.lambda_grid(&Moments::sum(&folds)?, 0, 100, 1e-3)?;
@@ -194,20 +163,14 @@ fn lasso(data: &Data, m: usize) -> Outcome {
 }
 
 fn stribeck(data: &Data, m: usize) -> Outcome {
-    let (time, fit) =
-        timed(|| StribeckRegression::default().fit(&data.v[..m], &data.torque[..m], None));
+    let (time, fit) = timed(|| StribeckRegression::default().fit(&data.v[..m], &data.torque[..m], None));
     let fit = fit?;
     row(
         "Stribeck",
         m,
         "gelenk, bins + one pass LM",
         time,
-        &format!(
-            "{} passes {} {:?}",
-            list(fit.parameters),
-            fit.iterations,
-            fit.warnings
-        ),
+        &format!("{} passes {} {:?}", list(fit.parameters), fit.iterations, fit.warnings),
     );
     Ok(())
 }
@@ -218,58 +181,24 @@ fn differentiation(m: usize) -> Outcome {
     let mut random = SplitMix64::new(20_240_229);
     let omega = 2.0 * PI * 0.31;
     let t: Vec<f64> = (0..m).map(|i| i as f64 * dt).collect();
-    let x: Vec<f64> = t
-        .iter()
-        .map(|t| -(omega * t).cos() * 1.2 / omega + 0.01 * random.normal())
-        .collect();
+    let x: Vec<f64> = t.iter().map(|t| -(omega * t).cos() * 1.2 / omega + 0.01 * random.normal()).collect();
     let truth: Vec<f64> = t.iter().map(|t| 1.2 * (omega * t).sin()).collect();
-    let settings = TotalVariation {
-        tolerance: 0.0,
-        ..TotalVariation::with_gamma(gamma)
-    };
+    let settings = TotalVariation { tolerance: 0.0, ..TotalVariation::with_gamma(gamma) };
     let (time, result) = timed(|| settings.solve(&t, &x));
     let u = result?.derivative;
-    let rms = |d: &[f64]| {
-        (d.iter()
-            .zip(&truth)
-            .map(|(d, t)| (d - t).powi(2))
-            .sum::<f64>()
-            / d.len() as f64)
-            .sqrt()
-    };
-    let note = format!(
-        "objective {:.5}  rms err {:.4}",
-        objective(&u, &x, gamma, dt),
-        rms(&u)
-    );
+    let rms =
+        |d: &[f64]| (d.iter().zip(&truth).map(|(d, t)| (d - t).powi(2)).sum::<f64>() / d.len() as f64).sqrt();
+    let note = format!("objective {:.5}  rms err {:.4}", objective(&u, &x, gamma, dt), rms(&u));
     row("TVDiff", m, "gelenk, banded, 20 it", time, &note);
     if m > 100_000 {
         return Ok(());
     }
     let (time, d) = timed(|| TotalVariation::from_noise(0.01).differentiate(&t, &x));
-    row(
-        "TVDiff",
-        m,
-        "gelenk, gamma by discrepancy",
-        time,
-        &format!("rms err {:.4}", rms(&d?.first)),
-    );
+    row("TVDiff", m, "gelenk, gamma by discrepancy", time, &format!("rms err {:.4}", rms(&d?.first)));
     let (time, d) = timed(|| KalmanSmoother::from_noise(0.01).differentiate(&t, &x));
-    row(
-        "TVDiff",
-        m,
-        "gelenk, Kalman smoother",
-        time,
-        &format!("rms err {:.4}", rms(&d?.first)),
-    );
+    row("TVDiff", m, "gelenk, Kalman smoother", time, &format!("rms err {:.4}", rms(&d?.first)));
     let (time, d) = timed(|| SavitzkyGolay::from_noise(0.01).differentiate(&t, &x));
-    row(
-        "TVDiff",
-        m,
-        "gelenk, Savitzky-Golay",
-        time,
-        &format!("rms err {:.4}", rms(&d?.first)),
-    );
+    row("TVDiff", m, "gelenk, Savitzky-Golay", time, &format!("rms err {:.4}", rms(&d?.first)));
     Ok(())
 }
 
@@ -282,14 +211,12 @@ fn objective(u: &[f64], x: &[f64], gamma: f64, dt: f64) -> f64 {
         r.push(u - x);
     }
     let mean = r.iter().sum::<f64>() / r.len() as f64;
-    let variation: f64 = u
-        .windows(2)
-        .map(|u| (((u[1] - u[0]) / dt).powi(2) + 1e-6).sqrt())
-        .sum();
+    let variation: f64 = u.windows(2).map(|u| (((u[1] - u[0]) / dt).powi(2) + 1e-6).sqrt()).sum();
     gamma * dt * variation + 0.5 * r.iter().map(|r| (r - mean).powi(2)).sum::<f64>()
 }
 
-/// A log of six joints (time, positions, torques) to friction models: read, smooth, choose terms, cross-validate, fit.
+/// A log of six joints (time, positions, torques) to friction models: read, smooth, choose terms,
+/// cross-validate, fit.
 fn whole(m: usize) -> Outcome {
     let mut text = String::from("t");
     (1..=6).for_each(|j| text += &format!(",q{j}"));
@@ -300,19 +227,11 @@ fn whole(m: usize) -> Outcome {
         let _ = write!(text, "\n{t:.3}");
         let wave = |j: i32| (0.6 + 0.13 * f64::from(j), 0.3 + 0.1 * f64::from(j));
         for (a, w) in (0..6).map(wave) {
-            let _ = write!(
-                text,
-                ",{:.4}",
-                a * (w * t).sin() + 0.3 * (2.7 * w * t).sin()
-            );
+            let _ = write!(text, ",{:.4}", a * (w * t).sin() + 0.3 * (2.7 * w * t).sin());
         }
         for (a, w) in (0..6).map(wave) {
             let v = a * w * (w * t).cos() + 0.81 * w * (2.7 * w * t).cos();
-            let _ = write!(
-                text,
-                ",{:.4}",
-                stribeck_torque(v, &TRUE) + 0.05 * random.normal()
-            );
+            let _ = write!(text, ",{:.4}", stribeck_torque(v, &TRUE) + 0.05 * random.normal());
         }
     }
     let start = Instant::now();
@@ -342,13 +261,7 @@ fn whole(m: usize) -> Outcome {
         lines.extend(other.join().unwrap_or(Ok(Vec::new()))?);
         Ok::<_, Box<dyn Error>>(lines)
     })?;
-    row(
-        "whole log",
-        m,
-        "gelenk, all, two threads",
-        [start.elapsed().as_secs_f64(); 2],
-        "",
-    );
+    row("whole log", m, "gelenk, all, two threads", [start.elapsed().as_secs_f64(); 2], "");
     lines.iter().for_each(|l| println!("  {l}"));
     Ok(())
 }
@@ -356,16 +269,11 @@ fn whole(m: usize) -> Outcome {
 fn joint_model(log: &Log, joint: usize) -> gelenk_identification::Result<String> {
     let position = log.channel(&format!("q{joint}"))?;
     let torque = log.channel(&format!("u{joint}"))?;
-    let motion = KalmanSmoother::from_noise(quantization_noise(1e-4))
-        .differentiate(log.time()?, position)?;
+    let motion = KalmanSmoother::from_noise(quantization_noise(1e-4)).differentiate(log.time()?, position)?;
     let library = Library::friction()?;
     let samples = Samples::from_library(&library, vec![&motion.first], vec![torque])?;
     let reduced = Reduced::new(&samples)?;
-    let sparse = Thresholding {
-        threshold: 0.2,
-        ..Default::default()
-    }
-    .fit(&reduced, 0)?;
+    let sparse = Thresholding { threshold: 0.2, ..Default::default() }.fit(&reduced, 0)?;
     let lasso = Lasso::default();
     let folds = Moments::blocks(&samples, 10)?;
     let grid = lasso.lambda_grid(reduced.moments(), 0, 100, 1e-3)?;

@@ -1,9 +1,11 @@
-//! The QP solver beside Clarabel, cold and warm, over horizons and sizes: `cargo bench -p gelenk-runtime --bench qp`.
+//! The QP solver beside Clarabel, cold and warm, over horizons and sizes:
+//! `cargo bench -p gelenk-runtime --bench qp`.
 //!
-//! Problems: joints with random inertia coupling and gravity, sampled at 20 ms, thrown off their position, with tight bounds of torque and speed;
-//! Clarabel is timed without its setup. Times are CPU times of the thread, medians over the problems of the best of several rounds. Not wall-clock times:
-//! on a busy machine a solve of several milliseconds is preempted while one of a fraction of a millisecond mostly is not, which would flatter the
-//! quicker solver (seen: a ratio of 65 where it is 21).
+//! Problems: joints with random inertia coupling and gravity, sampled at 20 ms, thrown off their position,
+//! with tight bounds of torque and speed; Clarabel is timed without its setup. Times are CPU times of the
+//! thread, medians over the problems of the best of several rounds. Not wall-clock times: on a busy machine a
+//! solve of several milliseconds is preempted while one of a fraction of a millisecond mostly is not, which
+//! would flatter the quicker solver (seen: a ratio of 65 where it is 21).
 
 #[path = "../tests/support/mod.rs"]
 mod support;
@@ -26,14 +28,8 @@ fn arm<const NX: usize, const NU: usize>(horizon: usize, seed: u64) -> QpProblem
     for i in 0..NU {
         problem.initial_state[i] = 0.3 * random.sym();
         problem.initial_state[NU + i] = 0.3 * random.sym();
-        (
-            problem.state_weight[i][i],
-            problem.state_weight[NU + i][NU + i],
-        ) = (400.0, 4.0);
-        (
-            problem.terminal_weight[i][i],
-            problem.terminal_weight[NU + i][NU + i],
-        ) = (2500.0, 10.0);
+        (problem.state_weight[i][i], problem.state_weight[NU + i][NU + i]) = (400.0, 4.0);
+        (problem.terminal_weight[i][i], problem.terminal_weight[NU + i][NU + i]) = (2500.0, 10.0);
         problem.input_weight[i][i] = 0.01;
     }
     let (stiffness, inverse_inertia) = (random.matrix::<NU, NU>(), random.positive::<NU>(0.3));
@@ -81,10 +77,7 @@ fn quickest(mut work: impl FnMut()) -> f64 {
 }
 
 fn row<const NX: usize, const NU: usize>(horizon: usize) {
-    let settings = QpSettings {
-        tolerance: TOLERANCE,
-        ..QpSettings::default()
-    };
+    let settings = QpSettings { tolerance: TOLERANCE, ..QpSettings::default() };
     let Ok(mut solver) = QpSolver::<NX, NU>::new(horizon, settings) else {
         return;
     };

@@ -4,9 +4,10 @@
 //! cargo bench -p gelenk-runtime --bench warm_up
 //! ```
 //!
-//! The loop runs at 50 Hz on the monotonic clock against a robot that is where it should be. In the pause between two periods
-//! nothing happens, or another program does its work: here 64 MiB are walked through, which pushes the controller's code and
-//! data out of the caches. Printed are median, 99 % and worst of the controller's steps, and their ratios.
+//! The loop runs at 50 Hz on the monotonic clock against a robot that is where it should be. In the pause
+//! between two periods nothing happens, or another program does its work: here 64 MiB are walked through,
+//! which pushes the controller's code and data out of the caches. Printed are median, 99 % and worst of the
+//! controller's steps, and their ratios.
 
 use gelenk_runtime::control_loop::{
     AccelerationGains, Command, ComputedTorque, ControlLoop, Controller, ControllerFault, Cycle,
@@ -45,15 +46,8 @@ impl<const N: usize, const M: usize> Transport<N, M> for Obedient<N> {
     fn read(&mut self) -> Result<Option<Reading<N>>, TransportError> {
         let time = f64::from(self.period) / RATE;
         self.period += u32::from(self.running);
-        let brakes = if self.running {
-            Brakes::Released
-        } else {
-            Brakes::Engaged
-        };
-        Ok(Some(Reading::of(
-            self.motion.sample(time).positions,
-            brakes,
-        )))
+        let brakes = if self.running { Brakes::Released } else { Brakes::Engaged };
+        Ok(Some(Reading::of(self.motion.sample(time).positions, brakes)))
     }
 
     fn write(&mut self, _: &[f64; M]) -> Result<(), TransportError> {
@@ -131,16 +125,8 @@ where
     let start = motion.sample(0.0).positions;
     let gains = JointGains::from_bandwidth(&model, &start, 10.0, 0.7);
     let mut times = Vec::with_capacity(1000);
-    let robot = Obedient {
-        motion,
-        period: 0,
-        running: false,
-        memory: crowded.then(|| vec![0; MEMORY / 8]),
-    };
-    let timed = Timed {
-        controller,
-        times: &mut times,
-    };
+    let robot = Obedient { motion, period: 0, running: false, memory: crowded.then(|| vec![0; MEMORY / 8]) };
+    let timed = Timed { controller, times: &mut times };
     let law = JointPd::new(model, gains)?;
     let mut control = ControlLoop::new(settings, law, motion, timed, robot, MonotonicClock)?;
     let report = control.run();

@@ -2,10 +2,11 @@
 //!
 //!     cargo run --release -p gelenk-runtime --example identify [-- LOG.csv [FOLDER]]
 //!
-//! The log has the columns `t [s]`, `q1 [rad]`, `q2 [rad]`, `u1 [N*m]`, `u2 [N*m]` of a PowerCube reduced to two joints
-//! (torques at the motors). Without one, the published arm is simulated along an excitation motion: 60 s at 50 Hz,
-//! encoders of 1e-4 rad, motor torques of 1e-4 N·m noise. Written to FOLDER (`target/identify`): the log, a description
-//! that `gelenk generate` takes unchanged, and the plots. `GELENK_EXAMPLE_SHORT=1` searches and draws less.
+//! The log has the columns `t [s]`, `q1 [rad]`, `q2 [rad]`, `u1 [N*m]`, `u2 [N*m]` of a PowerCube reduced to
+//! two joints (torques at the motors). Without one, the published arm is simulated along an excitation
+//! motion: 60 s at 50 Hz, encoders of 1e-4 rad, motor torques of 1e-4 N·m noise. Written to FOLDER
+//! (`target/identify`): the log, a description that `gelenk generate` takes unchanged, and the plots.
+//! `GELENK_EXAMPLE_SHORT=1` searches and draws less.
 
 use gelenk_files::write_whole;
 use gelenk_identification::cross_validation::pareto_table;
@@ -55,12 +56,7 @@ fn run() -> Outcome<()> {
         None => simulated_log(&folder, short)?,
     };
     let (mut log, findings) = Log::open(&path, &LogSchema::default())?;
-    println!(
-        "{}: {} rows, sha256 {}",
-        log.source(),
-        log.rows(),
-        log.hash()
-    );
+    println!("{}: {} rows, sha256 {}", log.source(), log.rows(), log.hash());
     findings.iter().for_each(|finding| println!("  {finding}"));
 
     let reports = identify(&mut log, if short { 50 } else { 500 })?;
@@ -69,10 +65,7 @@ fn run() -> Outcome<()> {
         if let Some(validation) = &report.validation {
             let names = Library::friction()?.terms().to_vec();
             let choices = [validation.minimum, validation.one_standard_error];
-            println!(
-                "{}",
-                pareto_table(&report.front, &names, report.result.samples, choices)
-            );
+            println!("{}", pareto_table(&report.front, &names, report.result.samples, choices));
         }
         write_plots(report, &log, &folder)?;
     }
@@ -82,10 +75,7 @@ fn run() -> Outcome<()> {
     let description = folder.join("powercube_identified.toml");
     write_description(&description, "powercube_identified", &base, &results)?;
     println!("\nwritten to {}; next:", folder.display());
-    println!(
-        "  cargo run --release -- generate {}",
-        description.display()
-    );
+    println!("  cargo run --release -- generate {}", description.display());
     Ok(())
 }
 
@@ -98,10 +88,7 @@ fn identify(log: &mut Log, draws: usize) -> Outcome<Vec<FrictionReport>> {
     let rows = log.inner_rows(&log.select(SELECTION)?, MARGIN)?;
     let columns = log.motion(&["q1", "q2"], &["u1", "u2"], &rows)?;
     let torques = friction_torques(&PowerCube, &columns.motion())?;
-    let lasso = Lasso {
-        standardize: true,
-        ..Default::default()
-    };
+    let lasso = Lasso { standardize: true, ..Default::default() };
     let settings = FrictionIdentification {
         method: FrictionMethod::Lasso(lasso, LambdaChoice::OneStandardError),
         draws,
@@ -109,9 +96,7 @@ fn identify(log: &mut Log, draws: usize) -> Outcome<Vec<FrictionReport>> {
     };
     let data = format!("{}, sha256 {}", log.source(), log.hash());
     let preparation = [
-        format!(
-            "Kalman smoother for encoders of {RESOLUTION} rad, {MARGIN} samples left out at both ends"
-        ),
+        format!("Kalman smoother for encoders of {RESOLUTION} rad, {MARGIN} samples left out at both ends"),
         format!("selection {SELECTION}"),
     ];
     let one = |joint: usize| {
@@ -133,58 +118,29 @@ fn identify(log: &mut Log, draws: usize) -> Outcome<Vec<FrictionReport>> {
 fn write_plots(report: &FrictionReport, log: &Log, folder: &Path) -> Outcome<()> {
     let result = &report.result;
     let rows = log.inner_rows(&log.select(SELECTION)?, MARGIN)?;
-    let channel = format!(
-        "q{}_velocity",
-        if result.joint == JOINTS[0] { 1 } else { 2 }
-    );
+    let channel = format!("q{}_velocity", if result.joint == JOINTS[0] { 1 } else { 2 });
     let velocities = log.values(&channel, &rows)?;
     let law = result.law.torques(&velocities)?;
-    let torques: Vec<f64> = law
-        .iter()
-        .zip(&report.residuals)
-        .map(|(l, r)| l + r)
-        .collect();
+    let torques: Vec<f64> = law.iter().zip(&report.residuals).map(|(l, r)| l + r).collect();
     let [slowest, fastest] = result.velocity_range;
-    let grid: Vec<f64> = (0..=600)
-        .map(|i| slowest + (fastest - slowest) * f64::from(i) / 600.0)
-        .collect();
+    let grid: Vec<f64> = (0..=600).map(|i| slowest + (fastest - slowest) * f64::from(i) / 600.0).collect();
     let curve = result.law.torques(&grid)?;
     let caption = |title: &str| {
         let mut text = format!("{title} of {}\n{}", result.joint, result.data);
-        result
-            .settings
-            .iter()
-            .for_each(|s| text += &format!("\n{s}"));
+        result.settings.iter().for_each(|s| text += &format!("\n{s}"));
         text
     };
     let units = [result.velocity_unit.as_str(), result.unit.as_str()];
     let plots = [
-        (
-            "friction",
-            friction_plot(
-                &velocities,
-                &torques,
-                (&grid, &curve),
-                units,
-                &caption("Friction"),
-            )?,
-        ),
-        (
-            "residuals",
-            residual_plot(&velocities, &report.residuals, units, &caption("Residuals"))?,
-        ),
+        ("friction", friction_plot(&velocities, &torques, (&grid, &curve), units, &caption("Friction"))?),
+        ("residuals", residual_plot(&velocities, &report.residuals, units, &caption("Residuals"))?),
     ];
     for (name, svg) in plots {
         write(&folder.join(format!("{name}_{}.svg", result.joint)), &svg)?;
     }
     if let Some(validation) = &report.validation {
         let choices = [validation.minimum, validation.one_standard_error];
-        let svg = pareto_plot(
-            &report.front,
-            choices,
-            &result.unit,
-            &caption("Error and number of terms"),
-        )?;
+        let svg = pareto_plot(&report.front, choices, &result.unit, &caption("Error and number of terms"))?;
         write(&folder.join(format!("pareto_{}.svg", result.joint)), &svg)?;
     }
     Ok(())
@@ -192,15 +148,8 @@ fn write_plots(report: &FrictionReport, log: &Log, folder: &Path) -> Outcome<()>
 
 /// A motion that tells viscous friction from steps at standstill, within what the motors can do.
 fn excitation(short: bool) -> Outcome<FourierMotion<2>> {
-    let settings = Excitation {
-        iterations: if short { 50 } else { 1000 },
-        ..Default::default()
-    };
-    let limits = [ExcitationLimits {
-        position: [-0.6, 0.6],
-        velocity: 0.65,
-        acceleration: 2.0,
-    }; 2];
+    let settings = Excitation { iterations: if short { 50 } else { 1000 }, ..Default::default() };
+    let limits = [ExcitationLimits { position: [-0.6, 0.6], velocity: 0.65, acceleration: 2.0 }; 2];
     // Steps at standstill and slopes, each direction by itself, so that the motion shows both.
     let found = settings.search(&limits, [2, 8], |_, v, _, out| {
         out.fill(0.0);
@@ -210,10 +159,7 @@ fn excitation(short: bool) -> Outcome<FourierMotion<2>> {
             out[12 * joint..12 * joint + 4].copy_from_slice(&terms);
         }
     })?;
-    println!(
-        "excitation: condition number {:.1}, {:.1} before the search",
-        found.condition, found.start
-    );
+    println!("excitation: condition number {:.1}, {:.1} before the search", found.condition, found.start);
     Ok(found.motion)
 }
 

@@ -4,7 +4,8 @@
 //! cargo run --release -p gelenk-runtime --example loop_in_process
 //! ```
 //!
-//! Ctrl-C stops the arm on its path and engages the brakes. `GELENK_EXAMPLE_SHORT` shortens the motion to 0.4 s.
+//! Ctrl-C stops the arm on its path and engages the brakes. `GELENK_EXAMPLE_SHORT` shortens the motion to 0.4
+//! s.
 
 use gelenk_runtime::control_loop::{
     ControlLoop, FeedForwardPd, JointGains, JointPd, LoopSettings, MonotonicClock, RealtimeRequest,
@@ -32,11 +33,7 @@ fn run() -> Outcome<()> {
     let (start, end) = ([-0.2, 0.3], [0.2, 0.0]);
     let motion = RestToRest::new(start, end, 3.0)?;
     // The short motion covers a seventh of the way, at the same speed.
-    let motion = if short {
-        RestToRest::new(start, [-0.14, 0.26], 0.4)?
-    } else {
-        motion
-    };
+    let motion = if short { RestToRest::new(start, [-0.14, 0.26], 0.4)? } else { motion };
 
     let settings = LoopSettings {
         position_limits: [[-1.0, 1.0]; 2],
@@ -49,11 +46,8 @@ fn run() -> Outcome<()> {
     let period = settings.period();
     let controller = FeedForwardPd::new(law.clone(), motion, period.as_secs_f64(), 0.01)?;
 
-    let options = PlantOptions {
-        encoder_resolution: [1e-4; 2],
-        input_limit: [0.5; 2],
-        ..PlantOptions::default()
-    };
+    let options =
+        PlantOptions { encoder_resolution: [1e-4; 2], input_limit: [0.5; 2], ..PlantOptions::default() };
     let mut plant = Plant::new(PowerCube, options)?;
     plant.reset(start, [0.0; 2])?;
     let robot = InProcess::new(plant, MonotonicClock, period);

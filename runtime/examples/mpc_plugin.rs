@@ -1,4 +1,5 @@
-//! The QP solver as a shared library with a C interface, so that it can be timed beside solvers in other languages.
+//! The QP solver as a shared library with a C interface, so that it can be timed beside solvers in other
+//! languages.
 //!
 //! Build it for the processor at hand, then hand `libmpc_plugin.so` to the benchmark:
 //!
@@ -6,13 +7,15 @@
 //! RUSTFLAGS="-C target-cpu=native" cargo build --release -p gelenk-runtime --example mpc_plugin
 //! ```
 //!
-//! All matrices that cross the interface are column-major; sizes 2/1, 4/2, 12/6 and 14/7 (states/inputs) are compiled in.
+//! All matrices that cross the interface are column-major; sizes 2/1, 4/2, 12/6 and 14/7 (states/inputs) are
+//! compiled in.
 
 use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStage, QpStatus};
 use std::ffi::{c_int, c_void};
 use std::slice::from_raw_parts;
 
-/// One problem: `x_{k+1} = A_k x_k + B_k u_k`, weights Q, R and P (terminal), bounds of x_1 … x_N and u_0 … u_{N−1}.
+/// One problem: `x_{k+1} = A_k x_k + B_k u_k`, weights Q, R and P (terminal), bounds of x_1 … x_N and u_0 …
+/// u_{N−1}.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Problem {
@@ -68,18 +71,12 @@ impl<const NX: usize, const NU: usize> Contender for Pair<NX, NU> {
         transpose(view(problem.q, NX * NX), &mut self.problem.state_weight);
         transpose(view(problem.r, NU * NU), &mut self.problem.input_weight);
         transpose(view(problem.p, NX * NX), &mut self.problem.terminal_weight);
-        self.problem
-            .initial_state
-            .copy_from_slice(view(problem.x0, NX));
+        self.problem.initial_state.copy_from_slice(view(problem.x0, NX));
         let (a, b) = (view(problem.a, n * NX * NX), view(problem.b, n * NX * NU));
         let (xmin, xmax) = (view(problem.xmin, n * NX), view(problem.xmax, n * NX));
         let (umin, umax) = (view(problem.umin, n * NU), view(problem.umax, n * NU));
         for (k, stage) in self.problem.stages.iter_mut().enumerate() {
-            let QpStage {
-                state_matrix,
-                input_matrix,
-                ..
-            } = stage;
+            let QpStage { state_matrix, input_matrix, .. } = stage;
             transpose(&a[k * NX * NX..][..NX * NX], state_matrix);
             transpose(&b[k * NX * NU..][..NX * NU], input_matrix);
             stage.state_lower.copy_from_slice(&xmin[k * NX..][..NX]);
@@ -97,26 +94,14 @@ impl<const NX: usize, const NU: usize> Contender for Pair<NX, NU> {
                 unsafe { u.add(k * NU + i).write(value) };
             }
         }
-        (
-            c_int::from(report.status != QpStatus::Solved),
-            report.iterations as c_int,
-        )
+        (c_int::from(report.status != QpStatus::Solved), report.iterations as c_int)
     }
 }
 
-fn contender<const NX: usize, const NU: usize>(
-    horizon: usize,
-    tolerance: f64,
-) -> Option<Box<dyn Contender>> {
-    let settings = QpSettings {
-        tolerance,
-        ..QpSettings::default()
-    };
+fn contender<const NX: usize, const NU: usize>(horizon: usize, tolerance: f64) -> Option<Box<dyn Contender>> {
+    let settings = QpSettings { tolerance, ..QpSettings::default() };
     let solver = QpSolver::<NX, NU>::new(horizon, settings).ok()?;
-    Some(Box::new(Pair {
-        problem: QpProblem::new(horizon),
-        solver,
-    }))
+    Some(Box::new(Pair { problem: QpProblem::new(horizon), solver }))
 }
 
 /// A solver for problems of this size; null if the size is not compiled in.
@@ -152,13 +137,10 @@ pub unsafe extern "C" fn mpc_prepare(solver: *mut c_void, problem: *const Proble
 /// Solves from a cold start; 0 if solved.
 ///
 /// # Safety
-/// `solver` must come from [`mpc_create`], `u` must be valid for all inputs of the horizon, `iterations` for one number.
+/// `solver` must come from [`mpc_create`], `u` must be valid for all inputs of the horizon, `iterations` for
+/// one number.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn mpc_solve(
-    solver: *mut c_void,
-    u: *mut f64,
-    iterations: *mut c_int,
-) -> c_int {
+pub unsafe extern "C" fn mpc_solve(solver: *mut c_void, u: *mut f64, iterations: *mut c_int) -> c_int {
     // SAFETY: by this function's contract.
     unsafe {
         let (status, count) = (*solver.cast::<Box<dyn Contender>>()).solve(u);

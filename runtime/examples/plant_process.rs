@@ -5,8 +5,8 @@
 //! cargo run -p gelenk-runtime --example remote_loop -- 127.0.0.1:4711
 //! ```
 //!
-//! Prints its address first. Begins with its brakes engaged, and engages them when inputs stay away. Ends when nobody spoke to
-//! it for `--idle` seconds.
+//! Prints its address first. Begins with its brakes engaged, and engages them when inputs stay away. Ends
+//! when nobody spoke to it for `--idle` seconds.
 
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::transport::{Pace, PlantServer, ServerOptions};
@@ -50,11 +50,8 @@ fn run() -> Outcome<()> {
     if std::env::var_os("GELENK_EXAMPLE_SHORT").is_some() {
         arguments.idle = 0.2;
     }
-    let options = PlantOptions {
-        encoder_resolution: [1e-4; 2],
-        input_limit: [0.5; 2],
-        ..PlantOptions::default()
-    };
+    let options =
+        PlantOptions { encoder_resolution: [1e-4; 2], input_limit: [0.5; 2], ..PlantOptions::default() };
     let mut plant = Plant::new(PowerCube, options)?;
     plant.reset(arguments.start, [0.0; 2])?;
     let mut server = PlantServer::bind(plant, ("127.0.0.1", arguments.port), arguments.server)?;
@@ -71,12 +68,8 @@ fn run() -> Outcome<()> {
 }
 
 fn parse(mut words: impl Iterator<Item = String>) -> Outcome<Arguments> {
-    let mut arguments = Arguments {
-        port: 0,
-        start: [-0.6, 0.4],
-        idle: 60.0,
-        server: ServerOptions::default(),
-    };
+    let mut arguments =
+        Arguments { port: 0, start: [-0.6, 0.4], idle: 60.0, server: ServerOptions::default() };
     while let Some(option) = words.next() {
         if option == "--lock-step" {
             arguments.server.pace = Pace::LockStep;
@@ -112,8 +105,6 @@ fn pair<T: FromStr>(text: &str) -> Outcome<(T, T)>
 where
     T::Err: Error + 'static,
 {
-    let (first, second) = text
-        .split_once(',')
-        .ok_or("not two values with a comma between")?;
+    let (first, second) = text.split_once(',').ok_or("not two values with a comma between")?;
     Ok((first.parse()?, second.parse()?))
 }

@@ -5,8 +5,8 @@
 //! cargo run -p gelenk-runtime --example remote_loop -- 127.0.0.1:4711
 //! ```
 //!
-//! Without an address it starts the plant process itself. Ctrl-C stops the arm on its path and engages the brakes.
-//! `GELENK_EXAMPLE_SHORT` shortens the motion to 0.4 s.
+//! Without an address it starts the plant process itself. Ctrl-C stops the arm on its path and engages the
+//! brakes. `GELENK_EXAMPLE_SHORT` shortens the motion to 0.4 s.
 
 use gelenk_runtime::control_loop::{
     ControlLoop, FeedForwardPd, JointGains, JointPd, LoopSettings, MonotonicClock, RealtimeRequest,
@@ -50,24 +50,15 @@ fn drive(address: &str) -> Outcome<()> {
     } else {
         RestToRest::new(START, [0.2, 0.0], 3.0)?
     };
-    let settings = LoopSettings {
-        position_limits: [[-1.0, 1.0]; 2],
-        ..LoopSettings::for_robot(RATE, &PowerCube)
-    };
+    let settings =
+        LoopSettings { position_limits: [[-1.0, 1.0]; 2], ..LoopSettings::for_robot(RATE, &PowerCube) };
     let gains = JointGains::from_bandwidth(&PowerCube, &START, 10.0, 0.7);
     let law = JointPd::new(PowerCube, gains)?;
     let controller = FeedForwardPd::new(law.clone(), motion, 1.0 / RATE, 0.01)?;
-    let mut robot: UdpTransport<2, 2> = UdpTransport::connect(address, settings.period() / 4)
-        .map_err(|e| format!("{address}: {e}"))?;
-    let mut control = ControlLoop::new(
-        settings,
-        law,
-        motion,
-        controller,
-        &mut robot,
-        MonotonicClock,
-    )?
-    .with_stop_request(StopRequest::on_signals()?);
+    let mut robot: UdpTransport<2, 2> =
+        UdpTransport::connect(address, settings.period() / 4).map_err(|e| format!("{address}: {e}"))?;
+    let mut control = ControlLoop::new(settings, law, motion, controller, &mut robot, MonotonicClock)?
+        .with_stop_request(StopRequest::on_signals()?);
     println!("{}", RealtimeRequest::default().apply());
     println!("{}", control.run());
     drop(control);

@@ -1,10 +1,12 @@
-//! The PowerCube along its published trajectory at 50 Hz: feed-forward alone, linear time-varying MPC, nonlinear MPC.
+//! The PowerCube along its published trajectory at 50 Hz: feed-forward alone, linear time-varying MPC,
+//! nonlinear MPC.
 //!
 //! ```sh
 //! cargo run --release -p gelenk-runtime --example track [FOLDER]
 //! ```
 //!
-//! Prints a table and writes plots into FOLDER (`target/track`). `GELENK_EXAMPLE_SHORT=1` runs the first three seconds.
+//! Prints a table and writes plots into FOLDER (`target/track`). `GELENK_EXAMPLE_SHORT=1` runs the first
+//! three seconds.
 
 use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle};
 use gelenk_runtime::feed_forward::FeedForward;
@@ -41,10 +43,7 @@ impl Controller<2, 2> for FeedForwardAlone<'_> {
 
     fn step(&mut self, cycle: &Cycle<2, 2>) -> Result<Command<2>, ControllerFault> {
         let inputs = self.feed_forward.at(&self.reference.sample(cycle.time));
-        Ok(Command {
-            inputs: inputs.inputs.map(|u| u.clamp(-PEAK, PEAK)),
-            iterations: 0,
-        })
+        Ok(Command { inputs: inputs.inputs.map(|u| u.clamp(-PEAK, PEAK)), iterations: 0 })
     }
 }
 
@@ -64,22 +63,13 @@ fn run(
     controller: &mut impl Controller<2, 2>,
 ) -> Outcome<Run> {
     let (reference_name, reference) = reference;
-    let options = PlantOptions {
-        input_limit: [PEAK; 2],
-        ..PlantOptions::default()
-    };
+    let options = PlantOptions { input_limit: [PEAK; 2], ..PlantOptions::default() };
     let mut plant = Plant::new(PowerCube, options)?;
     let start = reference.sample(0.0);
     plant.reset(start.positions, start.velocities)?;
     let mut last = FeedForward::new(PowerCube)?.at(&start).inputs;
     controller.reset(&start.positions, &last);
-    let mut run = Run {
-        name,
-        reference: reference_name,
-        positions: vec![],
-        errors: vec![],
-        inputs: vec![],
-    };
+    let mut run = Run { name, reference: reference_name, positions: vec![], errors: vec![], inputs: vec![] };
     for k in 0..steps {
         let time = k as f64 * PERIOD;
         let command = controller.step(&Cycle {
@@ -104,18 +94,15 @@ fn print_table(runs: &[Run]) {
     println!(
         "                                 rms error [mrad]      largest error [mrad]  largest torque [N m]"
     );
-    println!(
-        "controller         reference      beta       gamma      beta       gamma      beta   gamma"
-    );
+    println!("controller         reference      beta       gamma      beta       gamma      beta   gamma");
     for run in runs {
         let count = run.errors.len() as f64;
         let rms = [0, 1].map(|i| {
             let sum: f64 = run.errors.iter().map(|e| e[i] * e[i]).sum();
             1e3 * (sum / count).sqrt()
         });
-        let largest = |values: &[[f64; 2]]| {
-            [0, 1].map(|i| values.iter().fold(0.0_f64, |max, v| max.max(v[i].abs())))
-        };
+        let largest =
+            |values: &[[f64; 2]]| [0, 1].map(|i| values.iter().fold(0.0_f64, |max, v| max.max(v[i].abs())));
         let (error, torque) = (largest(&run.errors).map(|e| 1e3 * e), largest(&run.inputs));
         println!(
             "{:<18} {:<10} {:>10.4} {:>10.4}  {:>10.4} {:>10.4}      {:.3}   {:.3}",
@@ -132,16 +119,9 @@ fn plot(path: &Path, title: &str, unit: &str, panels: [Vec<Curve<'_>>; 2]) -> Ou
     let area = SVGBackend::new(path, (900, 640)).into_drawing_area();
     area.fill(&WHITE)?;
     let area = area.titled(title, ("sans-serif", 20))?;
-    for (panel, (joint, curves)) in area
-        .split_evenly((2, 1))
-        .iter()
-        .zip(JOINTS.iter().zip(panels))
-    {
+    for (panel, (joint, curves)) in area.split_evenly((2, 1)).iter().zip(JOINTS.iter().zip(panels)) {
         let all = || curves.iter().flat_map(|c| c.3.iter().copied());
-        let (low, high) = (
-            all().fold(f64::INFINITY, f64::min),
-            all().fold(f64::NEG_INFINITY, f64::max),
-        );
+        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
         let span = (high - low).max(1e-9);
         // Room for the legend above the curves.
         let range = low - 0.05 * span..high + 0.4 * span;
@@ -160,14 +140,10 @@ fn plot(path: &Path, title: &str, unit: &str, panels: [Vec<Curve<'_>>; 2]) -> Ou
             .y_label_formatter(&|v| format!("{}", (v * 1e3).round() / 1e3 + 0.0))
             .draw()?;
         for (name, colour, width, values) in curves {
-            let points = values
-                .into_iter()
-                .enumerate()
-                .map(|(k, v)| ((k + 1) as f64 * PERIOD, v));
+            let points = values.into_iter().enumerate().map(|(k, v)| ((k + 1) as f64 * PERIOD, v));
             let line = chart.draw_series(LineSeries::new(points, colour.stroke_width(width)))?;
             if !name.is_empty() {
-                line.label(name)
-                    .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour));
+                line.label(name).legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour));
             }
         }
         chart
@@ -186,29 +162,17 @@ fn joint(values: &[[f64; 2]], i: usize, scale: f64) -> Vec<f64> {
 }
 
 fn draw(folder: &Path, reference: &Sampled<2>, runs: &[Run]) -> Outcome<()> {
-    const COLOURS: [RGBColor; 4] = [
-        RGBColor(200, 60, 40),
-        RGBColor(30, 90, 200),
-        RGBColor(40, 140, 60),
-        RGBColor(170, 170, 170),
-    ];
+    const COLOURS: [RGBColor; 4] =
+        [RGBColor(200, 60, 40), RGBColor(30, 90, 200), RGBColor(40, 140, 60), RGBColor(170, 170, 170)];
     let steps = runs[0].positions.len();
-    let desired: Vec<[f64; 2]> = reference.samples()[1..=steps]
-        .iter()
-        .map(|s| s.positions)
-        .collect();
+    let desired: Vec<[f64; 2]> = reference.samples()[1..=steps].iter().map(|s| s.positions).collect();
     plot(
         &folder.join("positions.svg"),
         "Positions: desired, with feed-forward alone along the file, with LTV-MPC",
         "rad",
         [0, 1].map(|i| {
             vec![
-                (
-                    "feed-forward, file",
-                    COLOURS[0],
-                    1,
-                    joint(&runs[3].positions, i, 1.0),
-                ),
+                ("feed-forward, file", COLOURS[0], 1, joint(&runs[3].positions, i, 1.0)),
                 ("desired", COLOURS[3], 4, joint(&desired, i, 1.0)),
                 ("LTV-MPC", COLOURS[1], 1, joint(&runs[1].positions, i, 1.0)),
             ]
@@ -251,37 +215,22 @@ fn main() -> ExitCode {
 }
 
 fn compare() -> Outcome<()> {
-    let folder = std::env::args()
-        .nth(1)
-        .map_or_else(|| PathBuf::from("target/track"), PathBuf::from);
+    let folder = std::env::args().nth(1).map_or_else(|| PathBuf::from("target/track"), PathBuf::from);
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let columns = Columns {
-        time: "t",
-        positions: ["y1", "y2"],
-        velocities: Some(["v1", "v2"]),
-    };
+    let columns = Columns { time: "t", positions: ["y1", "y2"], velocities: Some(["v1", "v2"]) };
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/data/powercube_trajectory.csv");
     let recording = Recording::<2>::open(data, &columns)?;
-    let (smoothed, file) = (
-        recording.smoothed(&Smoothing::of(PERIOD))?.trajectory,
-        recording.raw()?,
-    );
+    let (smoothed, file) = (recording.smoothed(&Smoothing::of(PERIOD))?.trajectory, recording.raw()?);
     let short = std::env::var_os("GELENK_EXAMPLE_SHORT").is_some();
-    let steps = if short {
-        150
-    } else {
-        smoothed.samples().len() - 1
-    };
+    let steps = if short { 150 } else { smoothed.samples().len() - 1 };
 
     let mut options = MpcOptions::new(&PowerCube, PERIOD, HORIZON);
     options.velocity_weight = [5.0, 3.5];
     options.linearization = LinearizationPoint::Reference;
     let mut runs = vec![];
     for reference in [("smoothed", &smoothed), ("file", &file)] {
-        let mut alone = FeedForwardAlone {
-            feed_forward: FeedForward::new(PowerCube)?,
-            reference: reference.1,
-        };
+        let mut alone =
+            FeedForwardAlone { feed_forward: FeedForward::new(PowerCube)?, reference: reference.1 };
         runs.push(run("feed-forward", reference, steps, &mut alone)?);
         let mut ltv = LtvMpc::new(PowerCube, reference.1, options.clone())?;
         runs.push(run("LTV-MPC", reference, steps, &mut ltv)?);

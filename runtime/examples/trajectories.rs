@@ -1,4 +1,5 @@
-//! Desired motions for the PowerCube and the Puma 560, each checked against the model's limits, and their plots.
+//! Desired motions for the PowerCube and the Puma 560, each checked against the model's limits, and their
+//! plots.
 //!
 //!     cargo run --release -p gelenk-runtime --example trajectories [FOLDER]
 //!
@@ -7,8 +8,8 @@
 use gelenk_generated::puma560;
 use gelenk_runtime::kinematics::SphericalWrist;
 use gelenk_runtime::trajectory::{
-    Along, IdentificationSine, MotionLimits, PointSequence, Rating, RestToRest, Trajectory,
-    ViaPoints, straight_ways, violations,
+    Along, IdentificationSine, MotionLimits, PointSequence, Rating, RestToRest, Trajectory, ViaPoints,
+    straight_ways, violations,
 };
 use outcome::Outcome;
 use std::process::ExitCode;
@@ -38,12 +39,7 @@ fn rest_to_rest(folder: &Folder) -> Outcome<()> {
     let speeds = [0.6 * 2.618; 2];
     let motion = RestToRest::within([-0.6, -0.4], [0.7, 0.5], &speeds, &[4.0; 2], 0.1)?;
     report("rest to rest", &motion)?;
-    folder.plot(
-        "rest_to_rest.svg",
-        "PowerCube, rest to rest",
-        &motion,
-        ["beta", "gamma"],
-    )
+    folder.plot("rest_to_rest.svg", "PowerCube, rest to rest", &motion, ["beta", "gamma"])
 }
 
 /// The identification sine on both joints, compensated: β = −γ.
@@ -58,37 +54,18 @@ fn identification(folder: &Folder) -> Outcome<()> {
     };
     let motion = Along::compensated([0.0, 0.0], sine.motion()?)?;
     report("identification sine, beta = -gamma", &motion)?;
-    folder.plot(
-        "identification_sine.svg",
-        "Identification sine, beta = -gamma",
-        &motion,
-        ["beta", "gamma"],
-    )
+    folder.plot("identification_sine.svg", "Identification sine, beta = -gamma", &motion, ["beta", "gamma"])
 }
 
 fn points(folder: &Folder) -> Outcome<()> {
     let points = [[0.0, 0.0], [0.4, 0.6], [-0.3, 0.9], [0.0, 0.0]];
     let motion = PointSequence::within(&points, &[0.5; 2], &[2.0; 2], 0.3)?;
     report("four points", &motion)?;
-    folder.plot(
-        "points.svg",
-        "PowerCube, four points",
-        &motion,
-        ["beta", "gamma"],
-    )?;
-    let limits = MotionLimits {
-        speeds: [0.5; 2],
-        accelerations: [2.0; 2],
-        ..MotionLimits::default()
-    };
+    folder.plot("points.svg", "PowerCube, four points", &motion, ["beta", "gamma"])?;
+    let limits = MotionLimits { speeds: [0.5; 2], accelerations: [2.0; 2], ..MotionLimits::default() };
     let motion = ViaPoints::within(&points, &limits)?;
     report("four points without a stop", &motion)?;
-    folder.plot(
-        "via_points.svg",
-        "PowerCube, four points without a stop",
-        &motion,
-        ["beta", "gamma"],
-    )
+    folder.plot("via_points.svg", "PowerCube, four points without a stop", &motion, ["beta", "gamma"])
 }
 
 /// The Puma's tool along two straight lines, by inverse kinematics.
@@ -97,25 +74,14 @@ fn cartesian(folder: &Folder) -> Outcome<()> {
     let start = [0.2, 0.5, -0.6, 0.1, 0.7, -0.2];
     let first = puma560::frame_tool_pose(&start);
     let solutions = arm.solve(&first, &start)?;
-    println!(
-        "the Puma reaches its first pose in {} ways:",
-        solutions.all().count()
-    );
+    println!("the Puma reaches its first pose in {} ways:", solutions.all().count());
     for solution in solutions.all() {
         println!("  {:8.4?}", solution.positions);
     }
-    let aside = (
-        [first.0[0] - 0.1, first.0[1] + 0.2, first.0[2] + 0.1],
-        first.1,
-    );
+    let aside = ([first.0[0] - 0.1, first.0[1] + 0.2, first.0[2] + 0.1], first.1);
     let motion = straight_ways(&arm, &start, &[aside, first], &[2.0, 2.0], 0.01)?;
     println!("straight ways: {:.2} s", motion.duration());
-    folder.plot(
-        "straight_ways.svg",
-        "Puma 560, straight there and back",
-        &motion,
-        puma560::JOINT_NAMES,
-    )
+    folder.plot("straight_ways.svg", "Puma 560, straight there and back", &motion, puma560::JOINT_NAMES)
 }
 
 fn report(name: &str, motion: &impl Trajectory<2>) -> Outcome<()> {

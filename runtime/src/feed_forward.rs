@@ -4,9 +4,10 @@
 //!     u_ff = B⁻¹ (M ÿ + k − q)        along y(t), ẏ(t), ÿ(t)
 //! ```
 //!
-//! Inverse dynamics, also called computed torque (Craig, *Introduction to Robotics*, 2005, section 10.4). Where B is not square and regular
-//! u_ff = B⁺ (M ÿ + k − q), the least-squares solution with the smallest inputs, and the residual r = (M ÿ + k − q) − B u_ff is what no input
-//! can make: a trajectory with r ≠ 0 is not feasible for the passive coordinates.
+//! Inverse dynamics, also called computed torque (Craig, *Introduction to Robotics*, 2005, section 10.4).
+//! Where B is not square and regular u_ff = B⁺ (M ÿ + k − q), the least-squares solution with the smallest
+//! inputs, and the residual r = (M ÿ + k − q) − B u_ff is what no input can make: a trajectory with r ≠ 0 is
+//! not feasible for the passive coordinates.
 
 use crate::dynamics::{Dynamics, Named};
 use crate::trajectory::{MAX_SAMPLES, Sample, Trajectory, whole_periods};
@@ -101,11 +102,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
     pub fn new(model: D) -> Result<Self, FeedForwardError> {
         let input_matrix = model.input_matrix();
         let inverse = pseudo_inverse(&input_matrix).ok_or(FeedForwardError::InputMatrix)?;
-        Ok(Self {
-            model,
-            input_matrix,
-            inverse,
-        })
+        Ok(Self { model, input_matrix, inverse })
     }
 
     /// The model.
@@ -113,7 +110,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
         &self.model
     }
 
-    /// Takes another model, e.g. one whose parameters were identified anew. Allocates nothing where its input matrix is the same.
+    /// Takes another model, e.g. one whose parameters were identified anew. Allocates nothing where its input
+    /// matrix is the same.
     ///
     /// # Errors
     /// [`FeedForwardError::InputMatrix`]; the model then stays.
@@ -129,16 +127,10 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
     /// Inputs for one sample. Allocates nothing.
     #[must_use]
     pub fn at(&self, sample: &Sample<N>) -> FeedForwardInput<N, M> {
-        let forces = self.model.inverse_dynamics(
-            &sample.positions,
-            &sample.velocities,
-            &sample.accelerations,
-        );
+        let forces =
+            self.model.inverse_dynamics(&sample.positions, &sample.velocities, &sample.accelerations);
         let inputs = self.inputs_for(&forces);
-        FeedForwardInput {
-            inputs,
-            residual: self.residual(&forces, &inputs),
-        }
+        FeedForwardInput { inputs, residual: self.residual(&forces, &inputs) }
     }
 
     /// B⁺ f: inputs that make generalized forces f [N m or N], or come closest to them.
@@ -157,11 +149,13 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
         core::array::from_fn(|i| forces[i] - product(&self.input_matrix[i], inputs))
     }
 
-    /// Inputs at times 0, `period`, 2 `period`, … up to the end of `trajectory`, to be held over the period that follows.
+    /// Inputs at times 0, `period`, 2 `period`, … up to the end of `trajectory`, to be held over the period
+    /// that follows.
     ///
     /// # Errors
-    /// [`FeedForwardError::Infeasible`] where a residual exceeds `tolerance` [N m or N], with the largest; [`FeedForwardError::NotFinite`];
-    /// a period that is not positive, a tolerance that is no number, a trajectory of more than [`MAX_SAMPLES`] periods.
+    /// [`FeedForwardError::Infeasible`] where a residual exceeds `tolerance` [N m or N], with the largest;
+    /// [`FeedForwardError::NotFinite`]; a period that is not positive, a tolerance that is no number, a
+    /// trajectory of more than [`MAX_SAMPLES`] periods.
     pub fn along(
         &self,
         trajectory: &impl Trajectory<N>,
@@ -175,19 +169,13 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
             return Err(FeedForwardError::Tolerance(tolerance));
         }
         let duration = trajectory.duration();
-        let steps = whole_periods(duration, period)
-            .ok_or(FeedForwardError::Duration { duration, period })?;
+        let steps = whole_periods(duration, period).ok_or(FeedForwardError::Duration { duration, period })?;
         let mut inputs = Vec::with_capacity(steps);
         let mut worst = (0.0, 0, 0.0_f64);
         for k in 0..steps {
             let time = k as f64 * period;
             let input = self.at(&trajectory.sample(time));
-            if !input
-                .inputs
-                .iter()
-                .chain(&input.residual)
-                .all(|x| x.is_finite())
-            {
+            if !input.inputs.iter().chain(&input.residual).all(|x| x.is_finite()) {
                 return Err(FeedForwardError::NotFinite { time });
             }
             for (i, residual) in input.residual.iter().enumerate() {
@@ -227,9 +215,7 @@ fn pseudo_inverse<const N: usize, const M: usize>(matrix: &[[f64; M]; N]) -> Opt
         return None;
     }
     let inverse = svd.pseudo_inverse(RANK_TOLERANCE * largest).ok()?;
-    Some(core::array::from_fn(|j| {
-        core::array::from_fn(|i| inverse[(j, i)])
-    }))
+    Some(core::array::from_fn(|j| core::array::from_fn(|i| inverse[(j, i)])))
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 /// Calls one of three forms of a function over lanes: for any processor, for AVX2, for AVX-512.
 ///
 /// Generated with `--lanes linearize`, a module has `linearize_lanes`, `linearize_lanes_avx2` and
-/// `linearize_lanes_avx512`; the latter two on x86-64 only. All give the same bits. The linearization along a horizon,
-/// eight points at a time:
+/// `linearize_lanes_avx512`; the latter two on x86-64 only. All give the same bits. The linearization along a
+/// horizon, eight points at a time:
 ///
 /// ```
 /// use gelenk_generated::powercube::{self as arm, Lanes, M, N};

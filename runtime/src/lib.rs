@@ -1,7 +1,7 @@
 //! Control of robots whose equations of motion `gelenk` has generated.
 //!
-//! A generated module is plain functions on arrays: M, k, q, B and their derivatives. One line makes it a type ([`dynamics!`]),
-//! and everything here is generic over that type's traits.
+//! A generated module is plain functions on arrays: M, k, q, B and their derivatives. One line makes it a
+//! type ([`dynamics!`]), and everything here is generic over that type's traits.
 //!
 //! # A first example
 //!
@@ -57,35 +57,41 @@
 //!
 //! In the order in which a newcomer reads it:
 //!
-//! 1. [`mod@dynamics`]: the traits [`Dynamics`](dynamics::Dynamics), [`Differentiable`](dynamics::Differentiable) and
-//!    [`Discretizable`](dynamics::Discretizable), the macros [`dynamics!`] and [`include_model!`], limits and names of joints.
-//! 2. [`trajectory`]: motions from rest to rest, through points with and without a stop, of recordings, for identification; whether
-//!    they keep a model's limits. Targets that change while the robot moves are the feature `online-targets`. [`kinematics`]: joint
-//!    angles for poses of six-axis arms with a spherical wrist.
+//! 1. [`mod@dynamics`]: the traits [`Dynamics`](dynamics::Dynamics),
+//!    [`Differentiable`](dynamics::Differentiable) and [`Discretizable`](dynamics::Discretizable), the macros
+//!    [`dynamics!`] and [`include_model!`], limits and names of joints.
+//! 2. [`trajectory`]: motions from rest to rest, through points with and without a stop, of recordings, for
+//!    identification; whether they keep a model's limits. Targets that change while the robot moves are the
+//!    feature `online-targets`. [`kinematics`]: joint angles for poses of six-axis arms with a spherical
+//!    wrist.
 //! 3. [`feed_forward`]: the inputs that make the model follow a trajectory.
-//! 4. [`plant`]: a simulated robot with dry friction, brakes, encoders, delays and losses, to try everything on.
-//! 5. [`control_loop`]: the loop at a fixed rate, its limits, guards, log and report, joint PD and computed torque. Its guide is
-//!    [how to write a controller](control_loop::write_a_controller).
+//! 4. [`plant`]: a simulated robot with dry friction, brakes, encoders, delays and losses, to try everything
+//!    on.
+//! 5. [`control_loop`]: the loop at a fixed rate, its limits, guards, log and report, joint PD and computed
+//!    torque. Its guide is [how to write a controller](control_loop::write_a_controller).
 //! 6. [`transport`]: how positions come from a robot and inputs get there: in process, UDP, CAN. Its guide is
 //!    [how to attach hardware](transport::attaching_hardware).
-//! 7. [`mpc`]: linear time-varying and nonlinear predictive control, with a disturbance observer, and a guide to
-//!    [its tuning](mpc::tune). Under it [`qp`], an interior-point
-//!    solver without allocation, [`lqr`], and [`lanes`], many states at once.
-//! 8. The crate `gelenk-identification`: from a log to friction and inertial parameters, and to a description that `gelenk generate` reads.
+//! 7. [`mpc`]: linear time-varying and nonlinear predictive control, with a disturbance observer, and a guide
+//!    to [its tuning](mpc::tune). Under it [`qp`], an interior-point solver without allocation, [`lqr`], and
+//!    [`lanes`], many states at once.
+//! 8. The crate `gelenk-identification`: from a log to friction and inertial parameters, and to a description
+//!    that `gelenk generate` reads.
 //! 9. The crate `gelenk-report`: pages of results, without a network.
 //!
-//! The guide [from a URDF to a moving robot](from_urdf) goes through most of these in order. The examples in `runtime/examples` are
-//! whole programs, and a page there lists them.
+//! The guide [from a URDF to a moving robot](from_urdf) goes through most of these in order. The examples in
+//! `runtime/examples` are whole programs, and a page there lists them.
 //!
 //! # Conventions
 //!
-//! SI units; `y`, `v`, `a`, `u` are coordinates, velocities, accelerations and inputs in the order of the module's `JOINT_NAMES`
-//! and `INPUT_NAMES`; matrices rows first. What can fail returns an error that says where, what, and what is allowed, and names joints
-//! as the description does; fields called `joint` or `input` are indices from 0. What runs in a loop neither allocates nor panics.
+//! SI units; `y`, `v`, `a`, `u` are coordinates, velocities, accelerations and inputs in the order of the
+//! module's `JOINT_NAMES` and `INPUT_NAMES`; matrices rows first. What can fail returns an error that says
+//! where, what, and what is allowed, and names joints as the description does; fields called `joint` or
+//! `input` are indices from 0. What runs in a loop neither allocates nor panics.
 //!
 //! # Features
 //!
-//! `socketcan` adds the transport over a CAN bus (Linux), `online-targets` targets that change while the robot moves.
+//! `socketcan` adds the transport over a CAN bus (Linux), `online-targets` targets that change while the
+//! robot moves.
 
 pub use gelenk_dynamics::{dynamics, include_model};
 

@@ -4,13 +4,16 @@
 //!     P = Q + AᵀPA − AᵀPB (R + BᵀPB)⁻¹ BᵀPA        K = −(R + BᵀPB)⁻¹ BᵀPA        u = K x
 //! ```
 //!
-//! The structure-preserving doubling algorithm, which converges quadratically, gives a first gain; where weights far apart have cost it too many digits,
-//! the Riccati recursion of the QP ([`crate::qp`]) does. Policy iteration refines it, quadratically too: the cost of the gain as a sum of
-//! semidefinite terms, without cancellation, then the gain of this cost. The residual of the equation is what its last step changes.
+//! The structure-preserving doubling algorithm, which converges quadratically, gives a first gain; where
+//! weights far apart have cost it too many digits, the Riccati recursion of the QP ([`crate::qp`]) does.
+//! Policy iteration refines it, quadratically too: the cost of the gain as a sum of semidefinite terms,
+//! without cancellation, then the gain of this cost. The residual of the equation is what its last step
+//! changes.
 //!
-//! Sources: Anderson, Moore, *Optimal Control: Linear Quadratic Methods*, 1990, chapters 2 and 4; Chu, Fan, Lin, Wang, *Structure-preserving
-//! algorithms for periodic discrete-time algebraic Riccati equations*, Int. J. Control 77 (2004), section 2; Hewer, *An iterative technique for the
-//! computation of the steady state gains for the discrete optimal regulator*, IEEE Trans. Automatic Control 16 (1971); Higham, *Accuracy and
+//! Sources: Anderson, Moore, *Optimal Control: Linear Quadratic Methods*, 1990, chapters 2 and 4; Chu, Fan,
+//! Lin, Wang, *Structure-preserving algorithms for periodic discrete-time algebraic Riccati equations*, Int.
+//! J. Control 77 (2004), section 2; Hewer, *An iterative technique for the computation of the steady state
+//! gains for the discrete optimal regulator*, IEEE Trans. Automatic Control 16 (1971); Higham, *Accuracy and
 //! Stability of Numerical Algorithms*, 2002, section 3.5 (rounding of products).
 
 use crate::qp::lanes::Portable;
@@ -19,7 +22,8 @@ use crate::qp::{MAX_HORIZON, MAX_SIZE};
 use nalgebra::SMatrix;
 use std::fmt;
 
-/// Doublings after which a Riccati equation without a stabilizing solution is given up; each squares the closed loop.
+/// Doublings after which a Riccati equation without a stabilizing solution is given up; each squares the
+/// closed loop.
 const MAX_DOUBLINGS: usize = 60;
 /// Steps of the recursion that look for a stabilizing gain, at most.
 const MAX_RECURSIONS: usize = 4096;
@@ -39,26 +43,22 @@ pub enum LqrError {
     NotFinite,
     /// `R + BᵀPB` is not positive definite.
     NotPositive,
-    /// No stabilizing solution: (A, B) is not stabilizable, or a mode of A on or outside the unit circle does not appear in the cost.
-    /// The number is the relative residual where the method ended.
+    /// No stabilizing solution: (A, B) is not stabilizable, or a mode of A on or outside the unit circle does
+    /// not appear in the cost. The number is the relative residual where the method ended.
     NotStabilizable(f64),
-    /// There is a stabilizing gain, but the residual of the equation, this number, is larger than rounding explains, or above 1e-6: weights or
-    /// units are too far apart.
+    /// There is a stabilizing gain, but the residual of the equation, this number, is larger than rounding
+    /// explains, or above 1e-6: weights or units are too far apart.
     Inaccurate(f64),
 }
 
 impl fmt::Display for LqrError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Size => write!(
-                f,
-                "sizes must be 1 to {MAX_SIZE}, horizons 1 to {MAX_HORIZON}"
-            ),
+            Self::Size => write!(f, "sizes must be 1 to {MAX_SIZE}, horizons 1 to {MAX_HORIZON}"),
             Self::NotFinite => write!(f, "a number of the system or its weights is not finite"),
-            Self::NotPositive => write!(
-                f,
-                "R + BᵀPB is not positive definite; choose a positive definite input weight"
-            ),
+            Self::NotPositive => {
+                write!(f, "R + BᵀPB is not positive definite; choose a positive definite input weight")
+            }
             Self::NotStabilizable(residual) => write!(
                 f,
                 "no stabilizing solution of the Riccati equation (residual {residual:.1e}): check that every unstable mode can be \
@@ -83,13 +83,15 @@ pub struct Lqr<const NX: usize, const NU: usize> {
     pub cost_to_go: [[f64; NX]; NX],
     /// Largest residual of the equation, relative to the largest entry of P.
     pub residual: f64,
-    /// Bound of the rounding in this residual, likewise relative: `2 NX ε (|Q| + |K|ᵀ|R||K| + Wᵀ|P|W)` with `W = |A| + |B||K|`.
+    /// Bound of the rounding in this residual, likewise relative: `2 NX ε (|Q| + |K|ᵀ|R||K| + Wᵀ|P|W)` with
+    /// `W = |A| + |B||K|`.
     pub rounding: f64,
 }
 
 impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
-    /// Solves the discrete algebraic Riccati equation. All matrices rows first; Q positive semidefinite, R positive definite. The solution is taken
-    /// where its residual is below 1e-9, or what rounding explains up to 1e-6.
+    /// Solves the discrete algebraic Riccati equation. All matrices rows first; Q positive semidefinite, R
+    /// positive definite. The solution is taken where its residual is below 1e-9, or what rounding explains
+    /// up to 1e-6.
     ///
     /// # Errors
     /// [`LqrError`].
@@ -100,14 +102,11 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
         input_weight: &[[f64; NU]; NU],
     ) -> Result<Self, LqrError> {
         let lqr = Self::stabilizing(state_matrix, input_matrix, state_weight, input_weight)?;
-        if lqr.is_accurate() {
-            Ok(lqr)
-        } else {
-            Err(LqrError::Inaccurate(lqr.residual))
-        }
+        if lqr.is_accurate() { Ok(lqr) } else { Err(LqrError::Inaccurate(lqr.residual)) }
     }
 
-    /// As [`new`](Self::new), but whatever the residual: P is the cost of a stabilizing gain, and K the gain of this P.
+    /// As [`new`](Self::new), but whatever the residual: P is the cost of a stabilizing gain, and K the gain
+    /// of this P.
     pub(crate) fn stabilizing(
         state_matrix: &[[f64; NX]; NX],
         input_matrix: &[[f64; NU]; NX],
@@ -124,10 +123,7 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
             let next = equation.gain_of(&cost)?;
             let residual = equation.residual(&next, &cost);
             // Written so that NaN ends it.
-            let better = residual
-                < best
-                    .as_ref()
-                    .map_or(f64::INFINITY, |best| 0.5 * best.residual);
+            let better = residual < best.as_ref().map_or(f64::INFINITY, |best| 0.5 * best.residual);
             if !better || !equation.is_stable(&next) {
                 break;
             }
@@ -149,12 +145,12 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
 
     /// `K x`.
     pub fn input(&self, state: &[f64; NX]) -> [f64; NU] {
-        self.gain
-            .map(|row| row.iter().zip(state).map(|(k, x)| k * x).sum())
+        self.gain.map(|row| row.iter().zip(state).map(|(k, x)| k * x).sum())
     }
 }
 
-/// Regulator over a finite horizon of time-varying dynamics, `u_k = K_k x_k`, by the recursion of the QP. Memory is allocated at construction only.
+/// Regulator over a finite horizon of time-varying dynamics, `u_k = K_k x_k`, by the recursion of the QP.
+/// Memory is allocated at construction only.
 #[derive(Debug, Clone)]
 pub struct TimeVaryingLqr<const NX: usize, const NU: usize> {
     horizon: usize,
@@ -171,19 +167,11 @@ impl<const NX: usize, const NU: usize> TimeVaryingLqr<NX, NU> {
         if !sizes || !(1..=MAX_HORIZON).contains(&horizon) {
             return Err(LqrError::Size);
         }
-        Ok(Self {
-            horizon,
-            riccati: Riccati::new(horizon),
-        })
+        Ok(Self { horizon, riccati: Riccati::new(horizon) })
     }
 
     /// `A_k` and `B_k`, rows first; stages beyond the horizon are ignored.
-    pub fn set_stage(
-        &mut self,
-        k: usize,
-        state_matrix: &[[f64; NX]; NX],
-        input_matrix: &[[f64; NU]; NX],
-    ) {
+    pub fn set_stage(&mut self, k: usize, state_matrix: &[[f64; NX]; NX], input_matrix: &[[f64; NU]; NX]) {
         if k < self.horizon {
             self.riccati.set_stage(k, state_matrix, input_matrix);
         }
@@ -199,22 +187,13 @@ impl<const NX: usize, const NU: usize> TimeVaryingLqr<NX, NU> {
         input_weight: &[[f64; NU]; NU],
         terminal_weight: &[[f64; NX]; NX],
     ) -> Result<(), LqrError> {
-        self.riccati.set_weights(
-            state_weight,
-            input_weight,
-            terminal_weight,
-            &[[0.0; NU]; NU],
-        );
+        self.riccati.set_weights(state_weight, input_weight, terminal_weight, &[[0.0; NU]; NU]);
         self.riccati.regulate().map_err(|_| LqrError::NotPositive)
     }
 
     /// `K_k`; zeros beyond the horizon.
     pub fn gain(&self, k: usize) -> [[f64; NX]; NU] {
-        if k < self.horizon {
-            self.riccati.gain(k)
-        } else {
-            [[0.0; NX]; NU]
-        }
+        if k < self.horizon { self.riccati.gain(k) } else { [[0.0; NX]; NU] }
     }
 
     /// `P_0`: `x_0ᵀ P_0 x_0` is the cost of the horizon.
@@ -246,16 +225,11 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         }
         let mut recursion = TimeVaryingLqr::new(1)?;
         recursion.set_stage(0, a, b);
-        Ok(Self {
-            a: matrix(a),
-            b: matrix(b),
-            q: matrix(q),
-            r: matrix(r),
-            recursion,
-        })
+        Ok(Self { a: matrix(a), b: matrix(b), q: matrix(q), r: matrix(r), recursion })
     }
 
-    /// A gain that stabilizes: of the doubling's solution, or else of the recursion from Q, which converges with the closed loop.
+    /// A gain that stabilizes: of the doubling's solution, or else of the recursion from Q, which converges
+    /// with the closed loop.
     fn stabilizing_gain(&mut self) -> Result<SMatrix<f64, NU, NX>, LqrError> {
         if let Some(cost) = self.doubling()?
             && let Ok(gain) = self.gain_of(&cost)
@@ -278,12 +252,12 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
 
     /// The gain of a cost-to-go: `−(R + BᵀPB)⁻¹ BᵀPA`.
     fn gain_of(&mut self, cost: &SMatrix<f64, NX, NX>) -> Result<SMatrix<f64, NU, NX>, LqrError> {
-        self.recursion
-            .solve(&rows(&self.q), &rows(&self.r), &rows(cost))?;
+        self.recursion.solve(&rows(&self.q), &rows(&self.r), &rows(cost))?;
         Ok(matrix(&self.recursion.gain(0)))
     }
 
-    /// The cost of a gain for ever, `Σ (A_cᵀ)ᵏ (Q + KᵀRK) A_cᵏ`, with twice the terms in each step; None where it has no limit.
+    /// The cost of a gain for ever, `Σ (A_cᵀ)ᵏ (Q + KᵀRK) A_cᵏ`, with twice the terms in each step; None
+    /// where it has no limit.
     fn cost_of(&self, gain: &SMatrix<f64, NU, NX>) -> Option<SMatrix<f64, NX, NX>> {
         let mut power = self.a + self.b * gain;
         let mut sum = self.q + gain.transpose() * self.r * gain;
@@ -302,8 +276,9 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         None
     }
 
-    /// `Q + KᵀRK + (A + BK)ᵀ P (A + BK)`: the right-hand side of the equation at its optimal gain, without the cancellation of the usual form, to
-    /// which an error of K contributes in second order only (Anderson, Moore 1990, section 3.3).
+    /// `Q + KᵀRK + (A + BK)ᵀ P (A + BK)`: the right-hand side of the equation at its optimal gain, without
+    /// the cancellation of the usual form, to which an error of K contributes in second order only (Anderson,
+    /// Moore 1990, section 3.3).
     fn closed_loop_cost(
         &self,
         gain: &SMatrix<f64, NU, NX>,
@@ -318,12 +293,12 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         largest(&change) / largest(cost).max(f64::MIN_POSITIVE)
     }
 
-    /// Bound of the rounding in [`residual`](Self::residual): each product of n terms is off by n ε of the product of the magnitudes.
+    /// Bound of the rounding in [`residual`](Self::residual): each product of n terms is off by n ε of the
+    /// product of the magnitudes.
     fn rounding(&self, gain: &SMatrix<f64, NU, NX>, cost: &SMatrix<f64, NX, NX>) -> f64 {
         let (k, p) = (gain.abs(), cost.abs());
         let closed = self.a.abs() + self.b.abs() * k;
-        let size =
-            self.q.abs() + k.transpose() * self.r.abs() * k + closed.transpose() * p * closed;
+        let size = self.q.abs() + k.transpose() * self.r.abs() * k + closed.transpose() * p * closed;
         2.0 * NX as f64 * f64::EPSILON * largest(&size) / largest(cost).max(f64::MIN_POSITIVE)
     }
 
@@ -343,8 +318,8 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         false
     }
 
-    /// The doubling iteration: with `W = I + G H`, `A⁺ = A W⁻¹ A`, `G⁺ = G + A W⁻¹ G Aᵀ`, `H⁺ = H + Aᵀ H W⁻¹ A`, from `G = B R⁻¹ Bᵀ`, `H = Q`;
-    /// H converges to P. None where W is singular.
+    /// The doubling iteration: with `W = I + G H`, `A⁺ = A W⁻¹ A`, `G⁺ = G + A W⁻¹ G Aᵀ`,
+    /// `H⁺ = H + Aᵀ H W⁻¹ A`, from `G = B R⁻¹ Bᵀ`, `H = Q`; H converges to P. None where W is singular.
     fn doubling(&self) -> Result<Option<SMatrix<f64, NX, NX>>, LqrError> {
         let (mut a, mut h) = (self.a, self.q);
         let cholesky = self.r.cholesky().ok_or(LqrError::NotPositive)?;
@@ -371,13 +346,7 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
 
 /// Largest magnitude; NaN if there is one.
 fn largest<const R: usize, const C: usize>(m: &SMatrix<f64, R, C>) -> f64 {
-    m.iter().fold(0.0, |max: f64, v| {
-        if v.is_nan() || max.is_nan() {
-            f64::NAN
-        } else {
-            max.max(v.abs())
-        }
-    })
+    m.iter().fold(0.0, |max: f64, v| if v.is_nan() || max.is_nan() { f64::NAN } else { max.max(v.abs()) })
 }
 
 fn symmetric<const N: usize>(m: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
@@ -399,15 +368,8 @@ mod tests {
     /// 1e-9, or what rounding explains, but never more than 1e-6; NaN is not accurate.
     #[test]
     fn residuals_are_judged_by_what_rounding_explains() {
-        let accurate = |residual, rounding| {
-            Lqr {
-                gain: [[0.0]],
-                cost_to_go: [[1.0]],
-                residual,
-                rounding,
-            }
-            .is_accurate()
-        };
+        let accurate =
+            |residual, rounding| Lqr { gain: [[0.0]], cost_to_go: [[1.0]], residual, rounding }.is_accurate();
         assert!(accurate(0.9e-9, 0.0) && accurate(0.9e-7, 1e-7) && accurate(0.9e-6, 1.0));
         assert!(!accurate(1.1e-9, 0.0) && !accurate(1.1e-7, 1e-7) && !accurate(1.1e-6, 1.0));
         assert!(!accurate(f64::NAN, 1e-7) && accurate(1e-10, f64::NAN));

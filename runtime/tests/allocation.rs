@@ -9,11 +9,7 @@ use gelenk_identification::recursive::{RecursiveLeastSquares, RecursiveSettings}
 #[test]
 fn recursive_updates_do_not_allocate() {
     let library = Library::friction().unwrap();
-    let settings = RecursiveSettings {
-        threshold: 0.1,
-        period: 10,
-        ..Default::default()
-    };
+    let settings = RecursiveSettings { threshold: 0.1, period: 10, ..Default::default() };
     let mut estimator = RecursiveLeastSquares::new([0.0; 7], settings).unwrap();
     let mut workspace = library.workspace();
     let mut theta = [0.0; 7];

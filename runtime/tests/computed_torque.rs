@@ -3,8 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "test code")]
 
 use gelenk_runtime::control_loop::{
-    AccelerationGains, ComputedTorque, ComputedTorqueError, ControllerFault, JointGains, JointLaw,
-    JointPd,
+    AccelerationGains, ComputedTorque, ComputedTorqueError, ControllerFault, JointGains, JointLaw, JointPd,
 };
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::plant::{Plant, PlantOptions};
@@ -20,14 +19,16 @@ gelenk_runtime::dynamics!(struct CartPole = gelenk_generated::cart_pole);
 const OMEGA: f64 = 8.0;
 const DAMPING: f64 = 0.6;
 
-/// Error of `ë + 2 ζ ω ė + ω² e = 0` from e_0 at rest (Siciliano et al. 2009, appendix; any book on vibrations).
+/// Error of `ë + 2 ζ ω ė + ω² e = 0` from e_0 at rest (Siciliano et al. 2009, appendix; any book on
+/// vibrations).
 fn decayed(e0: f64, t: f64) -> f64 {
     let damped = OMEGA * (1.0 - DAMPING * DAMPING).sqrt();
     let slope = DAMPING * OMEGA / damped;
     e0 * (-DAMPING * OMEGA * t).exp() * ((damped * t).cos() + slope * (damped * t).sin())
 }
 
-/// Largest distance between the errors of a simulated robot and their closed form, relative to the largest error at the start.
+/// Largest distance between the errors of a simulated robot and their closed form, relative to the largest
+/// error at the start.
 fn deviation<D: Dynamics<N, M> + Copy, const N: usize, const M: usize>(
     model: D,
     beside: f64,
@@ -61,7 +62,8 @@ fn deviation<D: Dynamics<N, M> + Copy, const N: usize, const M: usize>(
     worst / beside
 }
 
-/// Inputs that are held over a period are late by half of it: the deviation from continuous feedback is of first order in it.
+/// Inputs that are held over a period are late by half of it: the deviation from continuous feedback is of
+/// first order in it.
 #[test]
 fn errors_decay_as_the_gains_say_for_every_robot() {
     let check = |name: &str, deviation: &dyn Fn(f64) -> f64| {
@@ -79,24 +81,14 @@ fn errors_decay_as_the_gains_say_for_every_robot() {
 /// The same law from its parts: M, k, q and B.
 #[test]
 fn the_law_is_its_equation() {
-    let gains = AccelerationGains {
-        position: [90.0, 40.0],
-        velocity: [11.0, 7.0],
-    };
+    let gains = AccelerationGains { position: [90.0, 40.0], velocity: [11.0, 7.0] };
     let law = ComputedTorque::new(PowerCube, gains).unwrap();
-    let desired = Sample {
-        positions: [0.2, 0.1],
-        velocities: [0.4, -0.3],
-        accelerations: [1.0, 2.0],
-    };
+    let desired = Sample { positions: [0.2, 0.1], velocities: [0.4, -0.3], accelerations: [1.0, 2.0] };
     let (y, v) = ([0.15, 0.3], [0.5, 0.1]);
     let inputs = law.inputs(&desired, &y, &v).unwrap();
     let (mass, coriolis) = (PowerCube.mass_matrix(&y), PowerCube.coriolis_forces(&y, &v));
     let (applied, gears) = (PowerCube.applied_forces(&y, &v), PowerCube.input_matrix());
-    let a = [
-        1.0 + 11.0 * (0.4 - 0.5) + 90.0 * (0.2 - 0.15),
-        2.0 + 7.0 * (-0.3 - 0.1) + 40.0 * (0.1 - 0.3),
-    ];
+    let a = [1.0 + 11.0 * (0.4 - 0.5) + 90.0 * (0.2 - 0.15), 2.0 + 7.0 * (-0.3 - 0.1) + 40.0 * (0.1 - 0.3)];
     for i in 0..2 {
         let forces = mass[i][0] * a[0] + mass[i][1] * a[1] + coriolis[i] - applied[i];
         let made = gears[i][0] * inputs[0] + gears[i][1] * inputs[1];
@@ -118,9 +110,7 @@ fn large_errors_decay_like_small_ones_and_with_the_joint_pd_they_do_not() {
         let mut worst = 0.0_f64;
         for k in 1..=400 {
             let (y, v) = plant.state();
-            plant
-                .apply(&law.inputs(&goal, &y, &v).unwrap(), period)
-                .unwrap();
+            plant.apply(&law.inputs(&goal, &y, &v).unwrap(), period).unwrap();
             let t = f64::from(k) * period;
             for i in 0..6 {
                 let e = goal.positions[i] - plant.state().0[i];
@@ -138,13 +128,7 @@ fn large_errors_decay_like_small_ones_and_with_the_joint_pd_they_do_not() {
 fn robots_with_fewer_drives_than_joints_are_refused() {
     let gains = AccelerationGains::from_bandwidth(OMEGA, DAMPING);
     let error = ComputedTorque::new(CartPole, gains).unwrap_err();
-    assert_eq!(
-        error,
-        ComputedTorqueError::Underactuated {
-            joint: 1,
-            name: "pole"
-        }
-    );
+    assert_eq!(error, ComputedTorqueError::Underactuated { joint: 1, name: "pole" });
     assert_eq!(
         error.to_string(),
         "the inputs cannot make every force on joint pole: computed torque needs a drive for every coordinate; `JointPd` does not"
@@ -153,10 +137,7 @@ fn robots_with_fewer_drives_than_joints_are_refused() {
 
 #[test]
 fn what_is_no_number_is_told() {
-    let bad = AccelerationGains {
-        position: [1.0, f64::INFINITY],
-        velocity: [1.0; 2],
-    };
+    let bad = AccelerationGains { position: [1.0, f64::INFINITY], velocity: [1.0; 2] };
     assert_eq!(
         ComputedTorque::new(PowerCube, bad).unwrap_err().to_string(),
         "setting gains.position[gamma] of the loop is inf; it must be finite and not negative"

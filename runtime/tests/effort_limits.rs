@@ -1,10 +1,10 @@
-//! Efforts of a description without motors reach everything that bounds inputs: the loop, and predictive controllers.
+//! Efforts of a description without motors reach everything that bounds inputs: the loop, and predictive
+//! controllers.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
 use gelenk_runtime::control_loop::{
-    Command, ControlLoop, Controller, ControllerFault, Cycle, JointGains, JointPd, LoopSettings,
-    VirtualClock,
+    Command, ControlLoop, Controller, ControllerFault, Cycle, JointGains, JointPd, LoopSettings, VirtualClock,
 };
 use gelenk_runtime::mpc::MpcOptions;
 use gelenk_runtime::plant::{Plant, PlantOptions};
@@ -28,10 +28,7 @@ fn efforts_without_motors_bound_the_inputs() {
 /// 80.5 N m behind gears of 161, and 0.5 N m of the motor: the peak, not the nominal 44.8 N m.
 #[test]
 fn peaks_of_motor_and_joint_that_agree_are_the_bound() {
-    assert_eq!(
-        LoopSettings::for_robot(50.0, &PowerCube).input_limit,
-        [0.5; 2]
-    );
+    assert_eq!(LoopSettings::for_robot(50.0, &PowerCube).input_limit, [0.5; 2]);
 }
 
 /// Asks for more than any joint bears.
@@ -41,10 +38,7 @@ impl Controller<6, 6> for Greedy {
     fn reset(&mut self, _: &[f64; 6], _: &[f64; 6]) {}
 
     fn step(&mut self, _: &Cycle<6, 6>) -> Result<Command<6>, ControllerFault> {
-        Ok(Command {
-            inputs: [1000.0; 6],
-            iterations: 0,
-        })
+        Ok(Command { inputs: [1000.0; 6], iterations: 0 })
     }
 }
 
@@ -85,13 +79,10 @@ fn the_loop_sends_no_more_than_the_efforts_and_says_so() {
     let clock = VirtualClock::new();
     let mut plant = Plant::new(Ur5, PlantOptions::default()).unwrap();
     plant.reset(start, [0.0; 6]).unwrap();
-    let mut robot = Watched {
-        robot: InProcess::new(plant, clock.clone(), settings.period()),
-        largest: [0.0; 6],
-    };
+    let mut robot =
+        Watched { robot: InProcess::new(plant, clock.clone(), settings.period()), largest: [0.0; 6] };
     let report = {
-        let mut control =
-            ControlLoop::new(settings, law, motion, Greedy, &mut robot, clock).unwrap();
+        let mut control = ControlLoop::new(settings, law, motion, Greedy, &mut robot, clock).unwrap();
         control.run()
     };
     assert_eq!(robot.largest, EFFORTS, "{report}");

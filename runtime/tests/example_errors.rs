@@ -39,9 +39,5 @@ fn examples_say_what_is_wrong() {
     }
     assert_error("remote_loop", &["nowhere".as_ref()], &["nowhere"]);
     let port = ["--port".as_ref(), "seventy".as_ref()];
-    assert_error(
-        "plant_process",
-        &port,
-        &["--port seventy: ", "--idle SECONDS"],
-    );
+    assert_error("plant_process", &port, &["--port seventy: ", "--idle SECONDS"]);
 }

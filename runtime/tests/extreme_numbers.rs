@@ -1,5 +1,6 @@
-//! Every public function of trajectories, kinematics and feed-forward that takes a number gets those at the ends of what a number
-//! is. What comes back is an error, or a result that is finite; nothing panics, hangs or fills the memory.
+//! Every public function of trajectories, kinematics and feed-forward that takes a number gets those at the
+//! ends of what a number is. What comes back is an error, or a result that is finite; nothing panics, hangs
+//! or fills the memory.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
@@ -7,8 +8,8 @@ use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::feed_forward::{FeedForward, FeedForwardError};
 use gelenk_runtime::kinematics::{Screws, SphericalWrist};
 use gelenk_runtime::trajectory::{
-    Along, CheckError, IdentificationSine, PointSequence, Rating, Recording, RestToRest, Sample,
-    Sampled, Smoothing, Trajectory, TrajectoryError, pose_sequence, straight_ways, violations,
+    Along, CheckError, IdentificationSine, PointSequence, Rating, Recording, RestToRest, Sample, Sampled,
+    Smoothing, Trajectory, TrajectoryError, pose_sequence, straight_ways, violations,
 };
 
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
@@ -35,10 +36,7 @@ fn numbers() -> impl Iterator<Item = f64> + Clone {
 }
 
 /// Where it can be sampled, it is finite, at ordinary times and at extreme ones.
-fn assert_sound<const N: usize>(
-    what: &str,
-    motion: Result<impl Trajectory<N>, impl std::error::Error>,
-) {
+fn assert_sound<const N: usize>(what: &str, motion: Result<impl Trajectory<N>, impl std::error::Error>) {
     let Ok(motion) = motion else { return };
     let duration = motion.duration();
     assert!(duration.is_finite() && duration > 0.0, "{what}: {duration}");
@@ -59,18 +57,14 @@ fn motions_between_points() {
                 assert_sound(&what, within);
                 let shortest = RestToRest::within([0.3], [0.1], &[a], &[b], c);
                 assert_sound(&what, shortest);
-                assert_sound(
-                    &what,
-                    PointSequence::timed(&[[a], [b], [0.2]], &[c, 1.0], a),
-                );
+                assert_sound(&what, PointSequence::timed(&[[a], [b], [0.2]], &[c, 1.0], a));
                 let points = [[0.1], [a], [0.2]];
                 assert_sound(&what, PointSequence::within(&points, &[b], &[c], c));
             }
         }
     }
     for share in numbers() {
-        let within =
-            RestToRest::within_limits([0.0; 2], [0.1; 2], &PowerCube.limits(), share, &[share; 2]);
+        let within = RestToRest::within_limits([0.0; 2], [0.1; 2], &PowerCube.limits(), share, &[share; 2]);
         assert_sound(&format!("{share:e}"), within);
     }
 }
@@ -89,39 +83,15 @@ fn sines_along_ways_and_samples() {
         for b in numbers() {
             let what = format!("{a:e} {b:e}");
             for sine in [
-                IdentificationSine {
-                    center: [a],
-                    amplitude: [b],
-                    ..ordinary
-                },
-                IdentificationSine {
-                    first_frequency: [a],
-                    last_frequency: [b],
-                    ..ordinary
-                },
-                IdentificationSine {
-                    sine_duration: a,
-                    run_in: b,
-                    ..ordinary
-                },
-                IdentificationSine {
-                    amplitude: [a],
-                    sine_duration: b,
-                    ..ordinary
-                },
-                IdentificationSine {
-                    amplitude: [a],
-                    run_in: b,
-                    ..ordinary
-                },
+                IdentificationSine { center: [a], amplitude: [b], ..ordinary },
+                IdentificationSine { first_frequency: [a], last_frequency: [b], ..ordinary },
+                IdentificationSine { sine_duration: a, run_in: b, ..ordinary },
+                IdentificationSine { amplitude: [a], sine_duration: b, ..ordinary },
+                IdentificationSine { amplitude: [a], run_in: b, ..ordinary },
             ] {
                 assert_sound(&what, sine.motion());
             }
-            let sample = |y: f64, v: f64| Sample {
-                positions: [y],
-                velocities: [v],
-                accelerations: [0.0],
-            };
+            let sample = |y: f64, v: f64| Sample { positions: [y], velocities: [v], accelerations: [0.0] };
             for period in numbers() {
                 let samples = vec![sample(0.0, 0.0), sample(a, b), sample(0.1, 0.0)];
                 assert_sound(&format!("{what} {period:e}"), Sampled::new(samples, period));
@@ -155,18 +125,9 @@ fn lengths_without_an_end_are_errors() {
     let feed_forward = FeedForward::new(PowerCube).unwrap();
     for duration in [f64::NAN, f64::INFINITY, 1e300, 1e6] {
         let long = Long(duration);
-        assert!(matches!(
-            Sampled::of(&long, 0.02),
-            Err(TrajectoryError::OutOfRange { .. })
-        ));
-        assert!(matches!(
-            feed_forward.along(&long, 0.02, 1.0),
-            Err(FeedForwardError::Duration { .. })
-        ));
-        assert!(matches!(
-            violations(&long, PowerCube, Rating::Peak, 0.02),
-            Err(CheckError::Duration { .. })
-        ));
+        assert!(matches!(Sampled::of(&long, 0.02), Err(TrajectoryError::OutOfRange { .. })));
+        assert!(matches!(feed_forward.along(&long, 0.02, 1.0), Err(FeedForwardError::Duration { .. })));
+        assert!(matches!(violations(&long, PowerCube, Rating::Peak, 0.02), Err(CheckError::Duration { .. })));
     }
     let short = Long(0.1);
     for period in EXTREMES {
@@ -174,29 +135,14 @@ fn lengths_without_an_end_are_errors() {
         let possible = period.is_finite() && period > 1e-7;
         let sampled = Sampled::of(&short, period);
         assert_eq!(sampled.is_ok(), possible && period < 1e308, "{period:e}");
-        assert_eq!(
-            feed_forward.along(&short, period, 1.0).is_ok(),
-            possible,
-            "{period:e}"
-        );
+        assert_eq!(feed_forward.along(&short, period, 1.0).is_ok(), possible, "{period:e}");
         let checked = violations(&short, PowerCube, Rating::Peak, period);
         assert_eq!(checked.is_ok(), possible, "{period:e}");
     }
-    assert!(matches!(
-        feed_forward.along(&short, 0.02, f64::NAN),
-        Err(FeedForwardError::Tolerance(_))
-    ));
-    assert!(
-        feed_forward
-            .along(&Long(-1.0), 0.02, 1.0)
-            .unwrap()
-            .is_empty()
-    );
+    assert!(matches!(feed_forward.along(&short, 0.02, f64::NAN), Err(FeedForwardError::Tolerance(_))));
+    assert!(feed_forward.along(&Long(-1.0), 0.02, 1.0).unwrap().is_empty());
     assert_eq!(
-        feed_forward
-            .along(&Long(f64::INFINITY), 0.02, 1.0)
-            .unwrap_err()
-            .to_string(),
+        feed_forward.along(&Long(f64::INFINITY), 0.02, 1.0).unwrap_err().to_string(),
         "a trajectory of inf s has more than 10000000 periods of 0.02 s"
     );
 }
@@ -214,10 +160,7 @@ fn recordings() {
                     assert_sound(&what, recording.raw());
                     let smoothed = recording.smoothed(&Smoothing::of(period));
                     assert_sound(&what, smoothed.map(|s| s.trajectory));
-                    let smoothing = Smoothing {
-                        time_constant: a,
-                        correction_time: b,
-                    };
+                    let smoothing = Smoothing { time_constant: a, correction_time: b };
                     let smoothed = recording.smoothed(&smoothing);
                     assert_sound(&what, smoothed.map(|s| s.trajectory));
                 }
@@ -228,11 +171,7 @@ fn recordings() {
     let velocities = Some(vec![[50.0]; 3]);
     let exact = Recording::new(0.02, positions, velocities).unwrap();
     assert!(exact.inconsistencies(1e-12).is_empty());
-    assert_eq!(
-        exact.inconsistencies(f64::NAN).len(),
-        2,
-        "no number tolerates nothing"
-    );
+    assert_eq!(exact.inconsistencies(f64::NAN).len(), 2, "no number tolerates nothing");
 }
 
 /// Poses, angles and limits; what is solved reaches its pose.
@@ -275,39 +214,20 @@ fn inverse_kinematics() {
             let sequence = pose_sequence(&arm, &poses, &wide, &near, &speeds, &accelerations);
             assert_sound(&format!("{x:e}"), sequence);
         }
-        let ways = straight_ways(
-            &arm,
-            &y,
-            &[pose(&[0.3, 0.5, -0.4, 0.2, 0.7, 0.1])],
-            &[x],
-            0.05,
-        );
+        let ways = straight_ways(&arm, &y, &[pose(&[0.3, 0.5, -0.4, 0.2, 0.7, 0.1])], &[x], 0.05);
         assert_sound(&format!("{x:e} s"), ways);
-        let ways = straight_ways(
-            &arm,
-            &y,
-            &[pose(&[0.3, 0.5, -0.4, 0.2, 0.7, 0.1])],
-            &[1.0],
-            x,
-        );
+        let ways = straight_ways(&arm, &y, &[pose(&[0.3, 0.5, -0.4, 0.2, 0.7, 0.1])], &[1.0], x);
         assert_sound(&format!("every {x:e} s"), ways);
         let mut velocity = [0.1; 6];
         velocity[3] = x;
         let rates = arm.screws().rates(&y, &velocity, &velocity);
         assert!(rates.is_none_or(|(v, a)| v.iter().chain(&a).all(|x| x.is_finite())));
         assert!(Screws::from_poses(|y| pose(&y.map(|y| y * x))).is_err() || x == -1.0);
-        assert!(
-            Screws::from_poses(|y| (pose(y).0.map(|p| p + x), pose(y).1)).is_ok()
-                == (x.abs() < 1e3)
-        );
+        assert!(Screws::from_poses(|y| (pose(y).0.map(|p| p + x), pose(y).1)).is_ok() == (x.abs() < 1e3));
     }
 }
 
-fn check_solutions(
-    arm: &SphericalWrist,
-    target: &gelenk_runtime::kinematics::Pose,
-    near: &[f64; 6],
-) {
+fn check_solutions(arm: &SphericalWrist, target: &gelenk_runtime::kinematics::Pose, near: &[f64; 6]) {
     let Ok(found) = arm.solve(target, near) else {
         return;
     };

@@ -1,9 +1,6 @@
-//! Bad logs and impossible settings: each ends in a message with its numbers, none in a panic or a silent NaN.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    reason = "test code: what cannot be set up ends the test"
-)]
+//! Bad logs and impossible settings: each ends in a message with its numbers, none in a panic or a silent
+//! NaN.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "test code: what cannot be set up ends the test")]
 
 use gelenk_identification::cross_validation::{CrossValidation, refit};
 use gelenk_identification::differentiation::KalmanSmoother;
@@ -79,10 +76,7 @@ fn wave(samples: u32) -> Vec<f64> {
 
 #[test]
 fn empty_logs() {
-    assert_eq!(
-        message(read("t,q1\n")),
-        "the log bad.csv is empty: there is nothing to identify from"
-    );
+    assert_eq!(message(read("t,q1\n")), "the log bad.csv is empty: there is nothing to identify from");
     assert!(message(read("")).starts_with("the log bad.csv is empty"));
     let friction = Library::friction().expect("a library");
     for method in methods() {
@@ -94,17 +88,11 @@ fn empty_logs() {
 #[test]
 fn one_sample() {
     let text = message(smoothed("t,q1\n0,1\n"));
-    assert_eq!(
-        text,
-        "differentiation needs at least 8 samples, there are 1"
-    );
+    assert_eq!(text, "differentiation needs at least 8 samples, there are 1");
     let friction = Library::friction().expect("a library");
     for method in methods() {
         let text = message(identify(&friction, method, &[0.1], &[1.0]));
-        assert_eq!(
-            text,
-            "the friction of beta needs at least 2 samples, there are 1"
-        );
+        assert_eq!(text, "the friction of beta needs at least 2 samples, there are 1");
     }
 }
 
@@ -116,10 +104,7 @@ fn constant_logs() {
     let friction = Library::friction().expect("a library");
     for method in methods() {
         let text = message(identify(&friction, method, &[0.5; 40], &[2.0; 40]));
-        assert!(
-            text.starts_with("the velocity of beta is constant (0.5) in all 40 samples"),
-            "{text}"
-        );
+        assert!(text.starts_with("the velocity of beta is constant (0.5) in all 40 samples"), "{text}");
     }
 }
 
@@ -129,17 +114,11 @@ fn channels_of_nan() {
     let (_, findings) = read(&log).expect("a log");
     assert!(findings.contains(&FindingKind::NoValues));
     let text = message(smoothed(&log));
-    assert!(
-        text.contains("is not finite (NaN) at row 0 (counted from 0), 100 such values of 100"),
-        "{text}"
-    );
+    assert!(text.contains("is not finite (NaN) at row 0 (counted from 0), 100 such values of 100"), "{text}");
     let friction = Library::friction().expect("a library");
     for method in methods() {
         let text = message(identify(&friction, method, &wave(40), &[f64::NAN; 40]));
-        assert!(
-            text.contains("friction torque of beta is not finite (NaN)"),
-            "{text}"
-        );
+        assert!(text.contains("friction torque of beta is not finite (NaN)"), "{text}");
     }
 }
 
@@ -175,10 +154,7 @@ fn more_terms_than_samples() {
 fn lambda_and_threshold_that_remove_everything() {
     let friction = Library::friction().expect("a library");
     let (v, torque) = (wave(400), wave(400));
-    let strict = Thresholding {
-        threshold: 1e3,
-        ..Default::default()
-    };
+    let strict = Thresholding { threshold: 1e3, ..Default::default() };
     let method = FrictionMethod::Thresholding(strict);
     let error = identify(&friction, method, &v, &torque).expect_err("an error");
     assert!(
@@ -190,14 +166,9 @@ fn lambda_and_threshold_that_remove_everything() {
     let lasso = Lasso::default();
     let largest = lasso.largest_lambda(&moments, 0).expect("a bound");
     let text = message(lasso.fit(&moments, 0, 2.0 * largest));
-    assert!(
-        text.contains("removes every term: the largest value that keeps one"),
-        "{text}"
-    );
+    assert!(text.contains("removes every term: the largest value that keeps one"), "{text}");
     let folds = Moments::blocks(&samples, 4).expect("folds");
-    let path = CrossValidation::new(&lasso, &folds, 0, &[2.0 * largest])
-        .expect("a path")
-        .path;
+    let path = CrossValidation::new(&lasso, &folds, 0, &[2.0 * largest]).expect("a path").path;
     let reduced = gelenk_identification::least_squares::Reduced::new(&samples);
     let text = message(refit(&reduced.expect("sums"), 0, &path, 0));
     assert!(text.starts_with("lambda = "), "{text}");
@@ -206,9 +177,7 @@ fn lambda_and_threshold_that_remove_everything() {
 #[test]
 fn parameters_that_the_data_do_not_show() {
     // Fast motion only: nothing tells how friction rises near standstill.
-    let v: Vec<f64> = (0..800)
-        .map(|i| 1.0 + 0.5 * (0.05 * f64::from(i)).sin())
-        .collect();
+    let v: Vec<f64> = (0..800).map(|i| 1.0 + 0.5 * (0.05 * f64::from(i)).sin()).collect();
     let torque: Vec<f64> = v.iter().map(|v| 2.0 * v + 1.0).collect();
     let friction = Library::friction().expect("a library");
     let method = FrictionMethod::Stribeck(StribeckRegression::default());
@@ -217,11 +186,6 @@ fn parameters_that_the_data_do_not_show() {
     assert!(warnings.contains("identifiable"), "{warnings}");
     assert!(report.residuals.iter().all(|r| r.is_finite()));
     // The same data leave a library of steps without a unique answer.
-    let text = message(identify(
-        &friction,
-        FrictionMethod::LeastSquares,
-        &v,
-        &torque,
-    ));
+    let text = message(identify(&friction, FrictionMethod::LeastSquares, &v, &torque));
     assert!(text.contains("are collinear on these data"), "{text}");
 }

@@ -1,12 +1,8 @@
 //! Friction of the published reduced PowerCube, found again from simulated encoder readings.
 //!
-//! 50 Hz, encoder resolution 1e-4 rad, 60 s per joint, worst of twenty seeds. The law has several tanh terms that
-//! nearly coincide at these speeds, so the curve is judged, not the coefficients.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    reason = "test code: what cannot be set up ends the test"
-)]
+//! 50 Hz, encoder resolution 1e-4 rad, 60 s per joint, worst of twenty seeds. The law has several tanh terms
+//! that nearly coincide at these speeds, so the curve is judged, not the coefficients.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "test code: what cannot be set up ends the test")]
 
 use gelenk_generated::powercube;
 use gelenk_identification::Result;
@@ -33,12 +29,7 @@ gelenk_runtime::dynamics!(struct PowerCube = powercube);
 fn friction(joint: usize, v: f64) -> f64 {
     let sign = if v == 0.0 { 0.0 } else { v.signum() };
     match joint {
-        0 => {
-            3.924 * (5.0 * v).tanh()
-                + 10.838 * (10.0 * v).tanh()
-                + 2.236 * (20.0 * v).tanh()
-                + 76.556 * v
-        }
+        0 => 3.924 * (5.0 * v).tanh() + 10.838 * (10.0 * v).tanh() + 2.236 * (20.0 * v).tanh() + 76.556 * v,
         _ => {
             0.368 * (5.0 * v).tanh()
                 + 0.368 * (10.0 * v).tanh()
@@ -56,14 +47,7 @@ fn trajectory(seed: u64) -> [Vec<f64>; 3] {
         .map(|(amplitude, rate)| (amplitude, rate, random.uniform() * std::f64::consts::TAU))
         .to_vec();
     let sum = |f: &dyn Fn(f64, f64, f64, f64) -> f64| -> Vec<f64> {
-        (0..SAMPLES)
-            .map(|i| {
-                waves
-                    .iter()
-                    .map(|(a, w, p)| f(*a, *w, *p, STEP * i as f64))
-                    .sum()
-            })
-            .collect()
+        (0..SAMPLES).map(|i| waves.iter().map(|(a, w, p)| f(*a, *w, *p, STEP * i as f64)).sum()).collect()
     };
     [
         sum(&|a, w, p, t| a * (w * t + p).sin()),
@@ -97,12 +81,8 @@ fn inputs(motion: &[[Vec<f64>; 3]; 2]) -> [Vec<f64>; 2] {
 /// Encoder readings of a position, smoothed and differentiated.
 fn measure(position: &[f64], resolution: f64) -> Result<[Vec<f64>; 3]> {
     let times: Vec<f64> = (0..SAMPLES).map(|i| STEP * i as f64).collect();
-    let encoder: Vec<f64> = position
-        .iter()
-        .map(|y| (y / resolution).round() * resolution)
-        .collect();
-    let d = KalmanSmoother::from_noise(quantization_noise(resolution))
-        .differentiate(&times, &encoder)?;
+    let encoder: Vec<f64> = position.iter().map(|y| (y / resolution).round() * resolution).collect();
+    let d = KalmanSmoother::from_noise(quantization_noise(resolution)).differentiate(&times, &encoder)?;
     Ok([d.value, d.first, d.second])
 }
 
@@ -126,26 +106,14 @@ fn identify(joint: usize, seed: u64, resolution: Option<f64>) -> Result<Outcome>
     let v = &measured[joint][1][inner.clone()];
     let library = Library::friction()?;
     let samples = Samples::from_library(&library, vec![v], vec![&torques[joint][inner]])?;
-    let settings = Thresholding {
-        threshold: 0.1,
-        ..Default::default()
-    };
+    let settings = Thresholding { threshold: 0.1, ..Default::default() };
     let fit = settings.fit(&Reduced::new(&samples)?, 0)?;
     let fastest = truth[joint][1].iter().fold(0.0_f64, |a, v| a.max(v.abs()));
-    let grid: Vec<f64> = (-200..=200)
-        .map(|i| fastest * f64::from(i) / 200.0)
-        .collect();
+    let grid: Vec<f64> = (-200..=200).map(|i| fastest * f64::from(i) / 200.0).collect();
     let curve = library.matrix(&[&grid])? * &fit.coefficients;
-    let squares = grid
-        .iter()
-        .zip(curve.iter())
-        .map(|(v, c)| (friction(joint, *v) - c).powi(2));
+    let squares = grid.iter().zip(curve.iter()).map(|(v, c)| (friction(joint, *v) - c).powi(2));
     let error = (squares.sum::<f64>() / grid.len() as f64).sqrt();
-    Ok(Outcome {
-        error,
-        active: fit.active,
-        fastest,
-    })
+    Ok(Outcome { error, active: fit.active, fastest })
 }
 
 #[test]
@@ -162,8 +130,8 @@ fn curves_are_recovered_from_quantized_positions() {
     }
 }
 
-/// Without quantization the library [1, v, sign v, tanh 5v, tanh 10v, tanh 20v, tanh 100v] gives exactly the terms of
-/// the published law.
+/// Without quantization the library [1, v, sign v, tanh 5v, tanh 10v, tanh 20v, tanh 100v] gives exactly the
+/// terms of the published law.
 #[test]
 fn terms_are_exact_without_noise() {
     for seed in 1..=20 {
@@ -180,36 +148,19 @@ fn base_regressor(y: &[f64; 2], v: &[f64; 2], a: &[f64; 2], out: &mut [f64]) {
 /// Excitation, log, regression: the published base parameters come back from encoders and noisy torques.
 #[test]
 fn base_parameters_are_recovered_along_an_excitation() {
-    let limits = [ExcitationLimits {
-        position: [-1.2, 1.2],
-        velocity: 2.0,
-        acceleration: 6.0,
-    }; 2];
-    let settings = Excitation {
-        iterations: 200,
-        starts: 2,
-        ..Default::default()
-    };
+    let limits = [ExcitationLimits { position: [-1.2, 1.2], velocity: 2.0, acceleration: 6.0 }; 2];
+    let settings = Excitation { iterations: 200, starts: 2, ..Default::default() };
     let excitation = settings.search(&limits, [2, BASE], base_regressor).unwrap();
-    println!(
-        "condition {:.2} from {:.2}",
-        excitation.condition, excitation.start
-    );
-    let instants: Vec<[[f64; 2]; 3]> = (0..SAMPLES)
-        .map(|i| excitation.motion.at(STEP * i as f64))
-        .collect();
+    println!("condition {:.2} from {:.2}", excitation.condition, excitation.start);
+    let instants: Vec<[[f64; 2]; 3]> = (0..SAMPLES).map(|i| excitation.motion.at(STEP * i as f64)).collect();
     let column = |k: usize, j: usize| -> Vec<f64> { instants.iter().map(|x| x[k][j]).collect() };
     let measured = [0, 1].map(|j| measure(&column(0, j), 1e-4).unwrap());
     let mut random = SplitMix64::new(5);
     let torques: [Vec<f64>; 2] = [0, 1].map(|j| {
         let rigid = |x: &[[f64; 2]; 3]| {
-            PowerCube.inverse_dynamics(&x[0], &x[1], &x[2])[j]
-                - PowerCube.friction_torques(&x[0], &x[1])[j]
+            PowerCube.inverse_dynamics(&x[0], &x[1], &x[2])[j] - PowerCube.friction_torques(&x[0], &x[1])[j]
         };
-        instants
-            .iter()
-            .map(|x| rigid(x) + 0.1 * random.normal())
-            .collect()
+        instants.iter().map(|x| rigid(x) + 0.1 * random.normal()).collect()
     });
     let inner = 50..SAMPLES - 50;
     let columns = |k: usize| [0, 1].map(|j: usize| &measured[j][k][inner.clone()]);
@@ -232,10 +183,7 @@ fn base_parameters_are_recovered_along_an_excitation() {
     }
     for (i, truth) in published.iter().enumerate() {
         let (value, error) = (base.values[i], base.standard_errors[i]);
-        println!(
-            "{}: {value:.6} ± {error:.6}, published {truth:.6}",
-            names[i]
-        );
+        println!("{}: {value:.6} ± {error:.6}, published {truth:.6}", names[i]);
         assert!((value - truth).abs() < 4.0 * error + 1e-3 * truth.abs());
     }
 }

@@ -1,13 +1,10 @@
-//! Friction of a real arm: the measured runs of a Schunk LWA 4P (S. Liu, M. Althoff, 2018), with `models/schunk_lwa4p.toml`.
+//! Friction of a real arm: the measured runs of a Schunk LWA 4P (S. Liu, M. Althoff, 2018), with
+//! `models/schunk_lwa4p.toml`.
 //!
-//! The recorded torques exclude gravity and Coulomb friction, which the robot compensated itself; so the arm here has no
-//! gravity. The runs of one group replay one input; the last run of each group is never used for fitting, and once more
-//! whole groups are left out.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    reason = "test code: what cannot be set up ends the test"
-)]
+//! The recorded torques exclude gravity and Coulomb friction, which the robot compensated itself; so the arm
+//! here has no gravity. The runs of one group replay one input; the last run of each group is never used for
+//! fitting, and once more whole groups are left out.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "test code: what cannot be set up ends the test")]
 
 #[path = "support/data.rs"]
 mod data;
@@ -76,12 +73,12 @@ fn runs() -> Option<&'static Log> {
 fn read() -> Option<Log> {
     let path = shared("data/schunk_lwa4p/runs.csv")?;
     let (mut log, _) = Log::open(&path, &LogSchema::default()).unwrap();
-    // By hand: 0.2 s. What the encoders show faster than that is vibration of the gears, not motion of a rigid arm; at
-    // the smoothing that the encoders' resolution alone asks for, R² of joints 3 and 5 falls to 0.90 and 0.95.
+    // By hand: 0.2 s. What the encoders show faster than that is vibration of the gears, not motion of a
+    // rigid arm; at the smoothing that the encoders' resolution alone asks for, R² of joints 3 and 5 falls to
+    // 0.90 and 0.95.
     let method = SavitzkyGolay::with_window(51, 3);
     for position in POSITIONS {
-        log.differentiate(position, &Differentiation::SavitzkyGolay(method))
-            .unwrap();
+        log.differentiate(position, &Differentiation::SavitzkyGolay(method)).unwrap();
     }
     Some(log)
 }
@@ -104,15 +101,9 @@ fn friction_of(log: &Log, groups: &[Vec<u32>]) -> Friction {
         ranges.push(start..rows.len());
     }
     let columns = log.motion(&POSITIONS, &TORQUES, &rows).unwrap();
-    let arm = Recorded {
-        friction: &|_, _| 0.0,
-    };
+    let arm = Recorded { friction: &|_, _| 0.0 };
     let torques = friction_torques(&arm, &columns.motion()).unwrap();
-    Friction {
-        velocities: columns.velocities,
-        torques,
-        groups: ranges,
-    }
+    Friction { velocities: columns.velocities, torques, groups: ranges }
 }
 
 /// The fewest terms that explain groups left out as well as any, within one standard error.
@@ -147,20 +138,14 @@ fn identify(log: &Log, groups: &[Vec<u32>]) -> Result<[FrictionLaw; 6]> {
 
 fn r_squared(law: &FrictionLaw, velocities: &[f64], torques: &[f64]) -> f64 {
     let model = law.torques(velocities).unwrap();
-    let rss: f64 = torques
-        .iter()
-        .zip(&model)
-        .map(|(t, m)| (t - m).powi(2))
-        .sum();
+    let rss: f64 = torques.iter().zip(&model).map(|(t, m)| (t - m).powi(2)).sum();
     1.0 - rss / torques.iter().map(|t| t * t).sum::<f64>()
 }
 
 /// The groups without their last runs, and those runs.
 fn split() -> (Vec<Vec<u32>>, Vec<Vec<u32>>) {
     let parts = GROUPS.iter().map(|group| group.split_at(group.len() - 1));
-    parts
-        .map(|(fitted, unseen)| (fitted.to_vec(), unseen.to_vec()))
-        .unzip()
+    parts.map(|(fitted, unseen)| (fitted.to_vec(), unseen.to_vec())).unzip()
 }
 
 #[test]
@@ -175,14 +160,8 @@ fn two_joints_are_viscous_alone_and_unseen_runs_are_explained() {
         assert_eq!((terms.len(), terms[0].basis.as_str()), (1, "v"));
         assert!((terms[0].coefficient / expected - 1.0).abs() < 0.05);
     }
-    let Friction {
-        velocities,
-        torques,
-        ..
-    } = friction_of(log, &unseen);
-    let r: Vec<f64> = (0..6)
-        .map(|j| r_squared(&laws[j], &velocities[j], &torques[j]))
-        .collect();
+    let Friction { velocities, torques, .. } = friction_of(log, &unseen);
+    let r: Vec<f64> = (0..6).map(|j| r_squared(&laws[j], &velocities[j], &torques[j])).collect();
     println!("R² on unseen runs: {r:.4?}");
     assert!(r[0] >= 0.93 && r[2] >= 0.93, "{r:?}");
     assert!(r[4] >= 0.97 && r[5] >= 0.97, "{r:?}");
@@ -193,17 +172,10 @@ fn whole_groups_left_out() {
     let Some(log) = runs() else { return };
     let (mut rss, mut energy) = ([0.0; 6], [0.0; 6]);
     for left_out in GROUPS {
-        let others: Vec<Vec<u32>> = GROUPS
-            .iter()
-            .filter(|group| **group != left_out)
-            .map(|group| group.to_vec())
-            .collect();
+        let others: Vec<Vec<u32>> =
+            GROUPS.iter().filter(|group| **group != left_out).map(|group| group.to_vec()).collect();
         let laws = identify(log, &others).unwrap();
-        let Friction {
-            velocities,
-            torques,
-            ..
-        } = friction_of(log, &[left_out.to_vec()]);
+        let Friction { velocities, torques, .. } = friction_of(log, &[left_out.to_vec()]);
         for j in 0..6 {
             let sum: f64 = torques[j].iter().map(|t| t * t).sum();
             energy[j] += sum;
@@ -212,10 +184,7 @@ fn whole_groups_left_out() {
     }
     let r: Vec<f64> = (0..6).map(|j| 1.0 - rss[j] / energy[j]).collect();
     println!("R² with whole groups left out: {r:.4?}");
-    assert!(
-        r[0] > 0.9 && r[2] > 0.9 && r[4] > 0.95 && r[5] > 0.95,
-        "{r:?}"
-    );
+    assert!(r[0] > 0.9 && r[2] > 0.9 && r[4] > 0.95 && r[5] > 0.95, "{r:?}");
 }
 
 /// Rms position errors of an open-loop simulation of some runs with the recorded torques.
@@ -243,16 +212,8 @@ fn simulate(log: &Log, runs: &[Vec<u32>], friction: &dyn Fn(usize, f64) -> f64) 
     squares.map(|s: f64| (s / count).sqrt())
 }
 
-fn runge_kutta(
-    arm: &Recorded,
-    y: &[f64; 6],
-    v: &[f64; 6],
-    u: &[f64; 6],
-    h: f64,
-) -> ([f64; 6], [f64; 6]) {
-    let ahead = |x: &[f64; 6], d: &[f64; 6], h: f64| -> [f64; 6] {
-        std::array::from_fn(|i| x[i] + h * d[i])
-    };
+fn runge_kutta(arm: &Recorded, y: &[f64; 6], v: &[f64; 6], u: &[f64; 6], h: f64) -> ([f64; 6], [f64; 6]) {
+    let ahead = |x: &[f64; 6], d: &[f64; 6], h: f64| -> [f64; 6] { std::array::from_fn(|i| x[i] + h * d[i]) };
     let a1 = arm.forward_dynamics(y, v, u);
     let v2 = ahead(v, &a1, 0.5 * h);
     let a2 = arm.forward_dynamics(&ahead(y, v, 0.5 * h), &v2, u);
@@ -263,10 +224,7 @@ fn runge_kutta(
     let mean = |a: &[f64; 6], b: &[f64; 6], c: &[f64; 6], d: &[f64; 6]| -> [f64; 6] {
         std::array::from_fn(|i| (a[i] + 2.0 * (b[i] + c[i]) + d[i]) / 6.0)
     };
-    (
-        ahead(y, &mean(v, &v2, &v3, &v4), h),
-        ahead(v, &mean(&a1, &a2, &a3, &a4), h),
-    )
+    (ahead(y, &mean(v, &v2, &v3, &v4), h), ahead(v, &mean(&a1, &a2, &a3, &a4), h))
 }
 
 #[test]
@@ -282,7 +240,8 @@ fn simulated_positions_of_unseen_runs_are_twice_as_good_as_with_the_published_fr
         let (i, share) = (position.floor() as usize, position.fract());
         tables[joint][i] * (1.0 - share) + tables[joint][i + 1] * share
     };
-    // Printed too: what the published viscous friction does alone, as the robot compensated its Coulomb friction.
+    // Printed too: what the published viscous friction does alone, as the robot compensated its Coulomb
+    // friction.
     let published = |joint: usize, v: f64| [15.68, 13.91, 17.89, 13.63, 4.45, 4.67][joint] * v;
     let own = |joint: usize, v: f64| {
         let mut all = [0.0; 6];

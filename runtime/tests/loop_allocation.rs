@@ -7,13 +7,10 @@ mod allocations;
 mod support;
 
 use gelenk_runtime::control_loop::{
-    Clock, ControlLoop, Controller, FeedForwardPd, LoopSettings, MonotonicClock, VirtualClock,
-    log_to,
+    Clock, ControlLoop, Controller, FeedForwardPd, LoopSettings, MonotonicClock, VirtualClock, log_to,
 };
 use gelenk_runtime::trajectory::RestToRest;
-use gelenk_runtime::transport::{
-    InProcess, Pace, PlantServer, ServerOptions, Transport, UdpTransport,
-};
+use gelenk_runtime::transport::{InProcess, Pace, PlantServer, ServerOptions, Transport, UdpTransport};
 use std::time::Duration;
 use support::robot::{END, PowerCube, START, law, plant_at, plant_options, settings};
 
@@ -29,20 +26,15 @@ fn controller() -> impl Controller<2, 2> {
 }
 
 /// Allocations in so many periods, and records written and dropped.
-fn allocations_of(
-    transport: impl Transport<2, 2>,
-    clock: VirtualClock,
-    periods: u64,
-) -> (u64, u64) {
+fn allocations_of(transport: impl Transport<2, 2>, clock: VirtualClock, periods: u64) -> (u64, u64) {
     let (sink, writer) = log_to(std::io::sink(), &PowerCube, 20_000).unwrap();
     let settings = LoopSettings {
         // A machine that stalls the server for long shall not end this.
         hold_periods: 1_000_000,
         ..settings(RATE)
     };
-    let mut control = ControlLoop::new(settings, law(), motion(), controller(), transport, clock)
-        .unwrap()
-        .with_log(sink);
+    let mut control =
+        ControlLoop::new(settings, law(), motion(), controller(), transport, clock).unwrap().with_log(sink);
     let before = allocations::count();
     control.start().unwrap();
     for _ in 0..periods {
@@ -64,11 +56,7 @@ fn ten_thousand_periods_in_process_do_not_allocate() {
 
 #[test]
 fn two_thousand_periods_over_udp_do_not_allocate() {
-    let options = ServerOptions {
-        period: 1.0 / RATE,
-        pace: Pace::LockStep,
-        ..ServerOptions::default()
-    };
+    let options = ServerOptions { period: 1.0 / RATE, pace: Pace::LockStep, ..ServerOptions::default() };
     let plant = plant_at(START, plant_options());
     let mut server = PlantServer::bind(plant, "127.0.0.1:0", options).unwrap();
     let address = server.local_address().unwrap();
@@ -102,10 +90,7 @@ fn warm_ups_do_not_allocate() {
     ];
     for mut controller in controllers {
         controller.reset(&START, &[0.0; 2]);
-        let next = Cycle {
-            positions: Some(START),
-            ..Cycle::default()
-        };
+        let next = Cycle { positions: Some(START), ..Cycle::default() };
         let before = allocations::count();
         for _ in 0..3 {
             controller.warm_up(&next);

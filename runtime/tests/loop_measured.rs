@@ -1,4 +1,5 @@
-//! The loop on robots whose drives measure velocities and torques, and with computed torque; asserted on the plant's own state.
+//! The loop on robots whose drives measure velocities and torques, and with computed torque; asserted on the
+//! plant's own state.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
@@ -19,11 +20,7 @@ const RATE: f64 = 50.0;
 
 /// Drives that measure both.
 fn measuring() -> PlantOptions<2, 2> {
-    PlantOptions {
-        velocity_noise: Some([1e-4; 2]),
-        torque_noise: Some([0.1; 2]),
-        ..plant_options()
-    }
+    PlantOptions { velocity_noise: Some([1e-4; 2]), torque_noise: Some([0.1; 2]), ..plant_options() }
 }
 
 fn robot(options: PlantOptions<2, 2>) -> Watched {
@@ -57,17 +54,13 @@ fn what_drives_measure_reaches_controller_and_log() {
     let (sink, writer) = log_to_file(&path, &PowerCube, 10_000).unwrap();
     let mut robot = robot(measuring());
     let cycles = Arc::default();
-    let listening = Listening {
-        controller: pd(RATE),
-        cycles: Arc::clone(&cycles),
-    };
-    let report = loop_with(settings(RATE), listening, &mut robot)
-        .with_log(sink)
-        .run();
+    let listening = Listening { controller: pd(RATE), cycles: Arc::clone(&cycles) };
+    let report = loop_with(settings(RATE), listening, &mut robot).with_log(sink).run();
     assert_eq!(report.end, End::Finished, "{report}");
     robot.assert_at_end(5e-3);
     robot.assert_stopped_safely();
-    // Half-way the arm moves at 15/8 of its mean speed, and 76.6 N m s/rad of friction alone need a good part of the torque.
+    // Half-way the arm moves at 15/8 of its mean speed, and 76.6 N m s/rad of friction alone need a good part
+    // of the torque.
     let cycle = cycles.lock().unwrap()[125];
     let speed = cycle.velocities.unwrap()[0];
     assert!((speed - 1.875 * 1.4 / DURATION).abs() < 0.02, "{speed}");
@@ -85,18 +78,9 @@ fn what_drives_measure_reaches_controller_and_log() {
             channel("measured_tau_gamma").quantity,
             channel("u_gamma").quantity
         ],
-        [
-            Quantity::Position,
-            Quantity::Velocity,
-            Quantity::Torque,
-            Quantity::Torque
-        ]
+        [Quantity::Position, Quantity::Velocity, Quantity::Torque, Quantity::Torque]
     );
-    assert_eq!(
-        channel("dq_beta").values[125],
-        speed,
-        "the estimate is the measurement"
-    );
+    assert_eq!(channel("dq_beta").values[125], speed, "the estimate is the measurement");
     // The input held over the last period makes the torque, through the gear.
     let (u, tau) = (channel("u_beta"), channel("measured_tau_beta"));
     assert!((tau.values[125] - 161.0 * u.values[124]).abs() < 0.5);
@@ -106,17 +90,11 @@ fn what_drives_measure_reaches_controller_and_log() {
 #[test]
 fn measured_velocities_make_a_quieter_loop() {
     let roughness = |velocity_noise| {
-        let mut robot = robot(PlantOptions {
-            encoder_resolution: [2e-3; 2],
-            velocity_noise,
-            ..plant_options()
-        });
+        let mut robot =
+            robot(PlantOptions { encoder_resolution: [2e-3; 2], velocity_noise, ..plant_options() });
         let inputs = Arc::new(Mutex::new(Vec::new()));
         let seen = Arc::clone(&inputs);
-        let recording = Recording {
-            controller: pd(RATE),
-            inputs: seen,
-        };
+        let recording = Recording { controller: pd(RATE), inputs: seen };
         let report = loop_with(settings(RATE), recording, &mut robot).run();
         assert_eq!(report.end, End::Finished, "{report}");
         let inputs = inputs.lock().unwrap();
@@ -144,8 +122,8 @@ impl<C: Controller<2, 2>> Controller<2, 2> for Recording<C> {
     }
 }
 
-/// A turned sign and a sensor that stands still are found while the arm still is slow; the motor's side of the gear and degrees
-/// already by the speed that they make of noise.
+/// A turned sign and a sensor that stands still are found while the arm still is slow; the motor's side of
+/// the gear and degrees already by the speed that they make of noise.
 #[test]
 fn velocities_that_contradict_positions_stop_the_arm() {
     for factor in [-1.0, 0.0, 161.0, 57.3] {
@@ -203,8 +181,7 @@ fn velocities_may_stay_away() {
 /// As controller and as what the loop falls back on.
 #[test]
 fn computed_torque_drives_the_arm() {
-    let computed =
-        || ComputedTorque::new(PowerCube, AccelerationGains::from_bandwidth(10.0, 1.0)).unwrap();
+    let computed = || ComputedTorque::new(PowerCube, AccelerationGains::from_bandwidth(10.0, 1.0)).unwrap();
     let controller = || LawController::new(computed(), motion(), 1.0 / RATE, 0.01).unwrap();
     let mut robot = robot(measuring());
     let report = loop_with(settings(RATE), controller(), &mut robot).run();
@@ -216,22 +193,11 @@ fn computed_torque_drives_the_arm() {
     let mut robot = self::robot(measuring());
     let clock = robot.clock.clone();
     let broken = Broken;
-    let mut control = ControlLoop::new(
-        settings(RATE),
-        computed(),
-        motion(),
-        broken,
-        &mut robot,
-        clock,
-    )
-    .unwrap();
+    let mut control =
+        ControlLoop::new(settings(RATE), computed(), motion(), broken, &mut robot, clock).unwrap();
     let report = control.run();
     drop(control);
-    assert_eq!(
-        report.end,
-        End::Stopped(StopReason::Controller(ControllerFault::NotFinite)),
-        "{report}"
-    );
+    assert_eq!(report.end, End::Stopped(StopReason::Controller(ControllerFault::NotFinite)), "{report}");
     assert!(report.counts.fallback > 25, "{report}");
     robot.assert_stopped_safely();
 }

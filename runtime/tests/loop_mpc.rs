@@ -1,31 +1,27 @@
-//! LTV-MPC and NMPC in the loop, with the faults that a controller with an observer sees differently; asserted on the plant's
-//! own state. Every test runs with both.
+//! LTV-MPC and NMPC in the loop, with the faults that a controller with an observer sees differently;
+//! asserted on the plant's own state. Every test runs with both.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
 mod support;
 
 use gelenk_runtime::control_loop::{
-    Command, Controller, ControllerFault, Cycle, EncoderFault, End, Estimate, LoopReport,
-    LoopSettings, StopReason,
+    Command, Controller, ControllerFault, Cycle, EncoderFault, End, Estimate, LoopReport, LoopSettings,
+    StopReason,
 };
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions, Nmpc};
 use gelenk_runtime::plant::PlantOptions;
 use gelenk_runtime::transport::Reading;
 use std::time::Duration;
 use support::robot::{
-    LIMITS, PowerCube, START, Watched, loop_with, lossy, motion, plant_at, plant_options,
-    run_oversleeping,
+    LIMITS, PowerCube, START, Watched, loop_with, lossy, motion, plant_at, plant_options, run_oversleeping,
 };
 
 const RATE: f64 = 50.0;
 
 /// On a virtual clock nothing is gained by warm caches, but time is lost.
 fn settings(rate: f64) -> LoopSettings<2, 2> {
-    LoopSettings {
-        warm_up: 0.0,
-        ..support::robot::settings(rate)
-    }
+    LoopSettings { warm_up: 0.0, ..support::robot::settings(rate) }
 }
 
 /// Which of the two.
@@ -41,10 +37,7 @@ impl Kind {
     /// The nonlinear one is slow in builds without optimization: its horizon is the shorter one.
     fn options(self) -> MpcOptions<2, 2> {
         let horizon = if self == Self::Linear { 20 } else { 10 };
-        MpcOptions {
-            position_limits: LIMITS,
-            ..MpcOptions::new(&PowerCube, 1.0 / RATE, horizon)
-        }
+        MpcOptions { position_limits: LIMITS, ..MpcOptions::new(&PowerCube, 1.0 / RATE, horizon) }
     }
 
     fn with(self, options: MpcOptions<2, 2>) -> Box<dyn Controller<2, 2>> {
@@ -78,10 +71,7 @@ fn a_fifth_of_the_frames_may_be_lost() {
     for (kind, seeds) in [(Kind::Linear, 0..8), (Kind::Nonlinear, 8..10)] {
         for seed in seeds {
             let mut robot = Watched::new(RATE, plant_at(START, lossy(seed)));
-            let settings = LoopSettings {
-                hold_periods: 8,
-                ..settings(RATE)
-            };
+            let settings = LoopSettings { hold_periods: 8, ..settings(RATE) };
             let report = kind.run(settings, &mut robot);
             assert_eq!(report.end, End::Finished, "{report}");
             assert_eq!(report.counts.held, 0, "{report}");
@@ -110,21 +100,14 @@ fn bad_encoders_and_silence_are_bridged_then_stop() {
                     assert_eq!(report.end, End::Finished, "{report}");
                     robot.assert_at_end(2e-3);
                 } else {
-                    assert!(
-                        matches!(report.end, End::Stopped(StopReason::Encoder(_))),
-                        "{report}"
-                    );
+                    assert!(matches!(report.end, End::Stopped(StopReason::Encoder(_))), "{report}");
                 }
                 robot.assert_stopped_safely();
             }
         }
-        for (silence, end) in [
-            (3, End::Finished),
-            (4, End::Stopped(StopReason::NoMeasurement)),
-        ] {
-            let mut robot = Watched::at_start(RATE).with_fault(move |k, reading| {
-                (!(100..100 + silence).contains(&k)).then_some(reading)
-            });
+        for (silence, end) in [(3, End::Finished), (4, End::Stopped(StopReason::NoMeasurement))] {
+            let mut robot = Watched::at_start(RATE)
+                .with_fault(move |k, reading| (!(100..100 + silence).contains(&k)).then_some(reading));
             let report = kind.run(settings(RATE), &mut robot);
             assert_eq!(report.end, end, "{report}");
             assert_eq!(report.counts.held, 0, "the observer predicts");
@@ -146,28 +129,21 @@ fn spikes_are_bridged() {
         });
         let report = kind.run(settings(RATE), &mut robot);
         assert_eq!(report.end, End::Finished, "{report}");
-        assert_eq!(
-            (report.counts.jumps, report.counts.held),
-            (25, 0),
-            "{report}"
-        );
+        assert_eq!((report.counts.jumps, report.counts.held), (25, 0), "{report}");
         robot.assert_at_end(3e-3);
         robot.assert_stopped_safely();
     }
 }
 
-/// For a second every reading is that of a period before, as from a bus that lags: 20 ms that the controller does not know of.
+/// For a second every reading is that of a period before, as from a bus that lags: 20 ms that the controller
+/// does not know of.
 #[test]
 fn late_readings_are_survived() {
     for kind in BOTH {
         let mut before: Option<Reading<2>> = None;
         let mut robot = Watched::at_start(RATE).with_fault(move |k, reading| {
             let late = before.replace(reading);
-            if (100..150).contains(&k) {
-                late
-            } else {
-                Some(reading)
-            }
+            if (100..150).contains(&k) { late } else { Some(reading) }
         });
         let report = kind.run(settings(RATE), &mut robot);
         assert_eq!(report.end, End::Finished, "{kind:?} {report}");
@@ -176,15 +152,13 @@ fn late_readings_are_survived() {
     }
 }
 
-/// Drives that are weaker than the controller believes cut its inputs off; so does the loop, where its limit is the lower one.
+/// Drives that are weaker than the controller believes cut its inputs off; so does the loop, where its limit
+/// is the lower one.
 #[test]
 fn saturated_inputs_are_survived() {
     for kind in BOTH {
         for (drives, of_loop) in [(0.33, 0.5), (0.5, 0.33)] {
-            let weak = PlantOptions {
-                input_limit: [drives; 2],
-                ..plant_options()
-            };
+            let weak = PlantOptions { input_limit: [drives; 2], ..plant_options() };
             let mut robot = Watched::new(RATE, plant_at(START, weak));
             let settings = LoopSettings {
                 input_limit: [of_loop; 2],
@@ -194,11 +168,7 @@ fn saturated_inputs_are_survived() {
             };
             let report = kind.run(settings, &mut robot);
             assert_eq!(report.end, End::Finished, "{kind:?} {report}");
-            assert_eq!(
-                report.counts.limited_inputs > 0,
-                of_loop < 0.5,
-                "{drives} {report}"
-            );
+            assert_eq!(report.counts.limited_inputs > 0, of_loop < 0.5, "{drives} {report}");
             robot.assert_at_end(5e-3);
             robot.assert_stopped_safely();
         }
@@ -211,10 +181,7 @@ fn frozen_encoders_stop_the_arm() {
         let mut robot = Watched::at_start(RATE).frozen(&[0, 1], 100);
         let report = kind.run(settings(RATE), &mut robot);
         assert!(
-            matches!(
-                report.end,
-                End::Stopped(StopReason::Encoder(EncoderFault::Frozen { .. }))
-            ),
+            matches!(report.end, End::Stopped(StopReason::Encoder(EncoderFault::Frozen { .. }))),
             "{report}"
         );
         robot.assert_stopped_safely();
@@ -224,15 +191,9 @@ fn frozen_encoders_stop_the_arm() {
 #[test]
 fn a_stall_of_100_ms_is_survived() {
     for kind in BOTH {
-        for (hold, end) in [
-            (3, End::Stopped(StopReason::DeadlineMissed)),
-            (5, End::Finished),
-        ] {
+        for (hold, end) in [(3, End::Stopped(StopReason::DeadlineMissed)), (5, End::Finished)] {
             let mut robot = Watched::at_start(RATE);
-            let settings = LoopSettings {
-                hold_periods: hold,
-                ..settings(RATE)
-            };
+            let settings = LoopSettings { hold_periods: hold, ..settings(RATE) };
             let late = [2000, 100].map(Duration::from_millis);
             let controller = &mut *kind.with(kind.options());
             let report = run_oversleeping(settings, controller, &mut robot, late);
@@ -243,8 +204,8 @@ fn a_stall_of_100_ms_is_survived() {
     }
 }
 
-/// The arm stands 40 mrad beside the start, outside the soft bounds that the controller has: the QP is infeasible without
-/// its slack, and must bring the arm back with inputs within their limits.
+/// The arm stands 40 mrad beside the start, outside the soft bounds that the controller has: the QP is
+/// infeasible without its slack, and must bring the arm back with inputs within their limits.
 #[test]
 fn an_infeasible_start_is_recovered_from() {
     let beside = [START[0] - 0.04, START[1] + 0.04];
@@ -280,11 +241,7 @@ impl<C: Controller<2, 2>> Controller<2, 2> for Spoilt<C> {
         let step = self.step;
         self.step += 1;
         let sound = self.controller.step(cycle);
-        if self.spoilt.contains(&step) {
-            self.with
-        } else {
-            sound
-        }
+        if self.spoilt.contains(&step) { self.with } else { sound }
     }
 
     fn planned(&self, periods: u32) -> Option<[f64; 2]> {
@@ -301,10 +258,7 @@ impl<C: Controller<2, 2>> Controller<2, 2> for Spoilt<C> {
 fn failing_steps_are_replaced() {
     let faults = [
         Err(ControllerFault::NoSolution { iterations: 30 }),
-        Ok(Command {
-            inputs: [0.1, f64::NAN],
-            iterations: 1,
-        }),
+        Ok(Command { inputs: [0.1, f64::NAN], iterations: 1 }),
     ];
     for (kind, with) in [(BOTH[0], faults[0]), (BOTH[1], faults[1])] {
         for (last, end) in [
@@ -318,12 +272,8 @@ fn failing_steps_are_replaced() {
             ),
         ] {
             let mut robot = Watched::at_start(RATE);
-            let controller = Spoilt {
-                controller: &mut *kind.with(kind.options()),
-                step: 0,
-                spoilt: 60..last,
-                with,
-            };
+            let controller =
+                Spoilt { controller: &mut *kind.with(kind.options()), step: 0, spoilt: 60..last, with };
             let report = loop_with(settings(RATE), controller, &mut robot).run();
             assert_eq!(report.end, end, "{kind:?} {report}");
             assert_eq!(report.counts.plan, 5, "{report}");
@@ -336,17 +286,14 @@ fn failing_steps_are_replaced() {
     }
 }
 
-/// What the loop computes for the caches leaves no trace: neither in the robot's motion nor in what the controllers say.
+/// What the loop computes for the caches leaves no trace: neither in the robot's motion nor in what the
+/// controllers say.
 #[test]
 fn warm_ups_change_nothing() {
     for kind in BOTH {
         let run = |warm_up: f64| {
             let mut robot = Watched::new(RATE, plant_at(START, lossy(3)));
-            let settings = LoopSettings {
-                warm_up,
-                hold_periods: 8,
-                ..settings(RATE)
-            };
+            let settings = LoopSettings { warm_up, hold_periods: 8, ..settings(RATE) };
             let mut report = kind.run(settings, &mut robot);
             let warm_ups = std::mem::take(&mut report.counts.warm_ups);
             assert_eq!(warm_ups > 250, warm_up > 0.0, "{warm_ups}");
@@ -356,18 +303,14 @@ fn warm_ups_change_nothing() {
     }
 }
 
-/// A stall of years costs a bounded time, is a fault of that step alone, and leaves the controller able to go on.
+/// A stall of years costs a bounded time, is a fault of that step alone, and leaves the controller able to go
+/// on.
 #[test]
 fn a_stall_beyond_prediction_is_a_fault_of_one_step() {
     for kind in BOTH {
         let mut controller = kind.with(kind.options());
         controller.reset(&START, &[0.0; 2]);
-        let cycle = |time: f64, periods| Cycle {
-            time,
-            periods,
-            positions: Some(START),
-            ..Cycle::default()
-        };
+        let cycle = |time: f64, periods| Cycle { time, periods, positions: Some(START), ..Cycle::default() };
         assert!(controller.step(&cycle(0.0, 0)).is_ok());
         for periods in [101, u32::MAX] {
             assert_eq!(
@@ -384,8 +327,8 @@ fn a_stall_beyond_prediction_is_a_fault_of_one_step() {
     }
 }
 
-/// Encoders of 5 mrad say little of velocities that an unknown torque changes; drives that measure them do, and the observer
-/// takes it where it is told how good they are.
+/// Encoders of 5 mrad say little of velocities that an unknown torque changes; drives that measure them do,
+/// and the observer takes it where it is told how good they are.
 #[test]
 fn measured_velocities_improve_the_estimate() {
     let error = |noise: Option<f64>| {

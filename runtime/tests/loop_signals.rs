@@ -5,8 +5,7 @@
 mod support;
 
 use gelenk_runtime::control_loop::{
-    Command, ControlLoop, Controller, ControllerFault, Cycle, End, LoopReport, StopReason,
-    StopRequest,
+    Command, ControlLoop, Controller, ControllerFault, Cycle, End, LoopReport, StopReason, StopRequest,
 };
 use gelenk_runtime::transport::Brakes;
 use support::robot::{Pd, Watched, law, motion, pd, settings};
@@ -37,24 +36,11 @@ impl Controller<2, 2> for Interrupting {
 fn signals_stop_the_arm_and_engage_the_brakes() {
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
         let mut robot = Watched::at_start(50.0);
-        let controller = Interrupting {
-            sound: pd(50.0),
-            step: 0,
-            signal,
-        };
+        let controller = Interrupting { sound: pd(50.0), step: 0, signal };
         let clock = robot.clock.clone();
-        let control = ControlLoop::new(
-            settings(50.0),
-            law(),
-            motion(),
-            controller,
-            &mut robot,
-            clock,
-        )
-        .unwrap();
-        let report: LoopReport = control
-            .with_stop_request(StopRequest::on_signals().unwrap())
-            .run();
+        let control =
+            ControlLoop::new(settings(50.0), law(), motion(), controller, &mut robot, clock).unwrap();
+        let report: LoopReport = control.with_stop_request(StopRequest::on_signals().unwrap()).run();
         assert_eq!(report.end, End::Stopped(StopReason::Requested), "{report}");
         assert_eq!(report.brakes, Brakes::Engaged);
         assert_eq!(report.counts.controller, 100);

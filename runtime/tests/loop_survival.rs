@@ -6,9 +6,8 @@ mod support;
 
 use gelenk_identification::log::{Log, LogSchema};
 use gelenk_runtime::control_loop::{
-    Clock, Command, ControlLoop, Controller, ControllerFault, Counts, Cycle, EncoderFault, End,
-    Estimate, LimitFault, LoopReport, LoopSettings, Refusal, StopReason, StopRequest, VirtualClock,
-    log_to_file,
+    Clock, Command, ControlLoop, Controller, ControllerFault, Counts, Cycle, EncoderFault, End, Estimate,
+    LimitFault, LoopReport, LoopSettings, Refusal, StopReason, StopRequest, VirtualClock, log_to_file,
 };
 use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::{Brakes, Reading};
@@ -35,18 +34,11 @@ struct Troubled<F> {
 
 impl<F> Troubled<F> {
     fn new(act: F) -> Self {
-        Self {
-            sound: pd(RATE),
-            last: [0.0; 2],
-            step: 0,
-            act,
-        }
+        Self { sound: pd(RATE), last: [0.0; 2], step: 0, act }
     }
 }
 
-impl<F: FnMut(u64) -> Option<Result<Command<2>, ControllerFault>>> Controller<2, 2>
-    for Troubled<F>
-{
+impl<F: FnMut(u64) -> Option<Result<Command<2>, ControllerFault>>> Controller<2, 2> for Troubled<F> {
     fn reset(&mut self, positions: &[f64; 2], inputs: &[f64; 2]) {
         self.sound.reset(positions, inputs);
     }
@@ -120,10 +112,7 @@ fn nan_encoders_stop_the_arm() {
         });
         let report = run(settings(RATE), &mut robot);
         assert!(
-            matches!(
-                report.end,
-                End::Stopped(StopReason::Encoder(EncoderFault::NotFinite { .. }))
-            ),
+            matches!(report.end, End::Stopped(StopReason::Encoder(EncoderFault::NotFinite { .. }))),
             "{report}"
         );
         assert_eq!(report.counts.not_finite, 4, "three are bridged");
@@ -135,14 +124,7 @@ fn nan_encoders_stop_the_arm() {
 #[test]
 fn three_nan_readings_are_bridged() {
     let mut robot = Watched::at_start(RATE).with_fault(|k, reading| {
-        Some(if (70..73).contains(&k) {
-            Reading {
-                positions: [f64::NAN; 2],
-                ..reading
-            }
-        } else {
-            reading
-        })
+        Some(if (70..73).contains(&k) { Reading { positions: [f64::NAN; 2], ..reading } } else { reading })
     });
     let report = run(settings(RATE), &mut robot);
     assert_eq!(report.end, End::Finished, "{report}");
@@ -157,10 +139,7 @@ fn frozen_encoders_stop_the_arm() {
         let mut robot = Watched::at_start(RATE).frozen(joints, 70);
         let report = run(settings(RATE), &mut robot);
         assert!(
-            matches!(
-                report.end,
-                End::Stopped(StopReason::Encoder(EncoderFault::Frozen { .. }))
-            ),
+            matches!(report.end, End::Stopped(StopReason::Encoder(EncoderFault::Frozen { .. }))),
             "{report}"
         );
         robot.assert_stopped_safely();
@@ -182,10 +161,7 @@ fn a_single_jump_is_bridged_a_lasting_one_stops() {
             assert_eq!(report.counts.jumps, 1);
         } else {
             assert!(
-                matches!(
-                    report.end,
-                    End::Stopped(StopReason::Encoder(EncoderFault::Jump { joint: 1, .. }))
-                ),
+                matches!(report.end, End::Stopped(StopReason::Encoder(EncoderFault::Jump { joint: 1, .. }))),
                 "{report}"
             );
         }
@@ -249,28 +225,12 @@ fn an_infeasible_start_is_refused_with_brakes_engaged() {
         report.end
     };
     let end = start([-1.1, 0.4], settings(RATE));
-    assert!(
-        matches!(
-            end,
-            End::Refused(Refusal::Limit(LimitFault::Position { joint: 0, .. }))
-        ),
-        "{end}"
-    );
+    assert!(matches!(end, End::Refused(Refusal::Limit(LimitFault::Position { joint: 0, .. }))), "{end}");
     let end = start([-0.6, 0.3], settings(RATE));
-    assert!(
-        matches!(end, End::Refused(Refusal::Start { joint: 1, .. })),
-        "{end}"
-    );
-    let end = start([f64::from(-0.6_f32), 0.4], {
-        LoopSettings {
-            input_limit: [0.05, 0.5],
-            ..settings(RATE)
-        }
-    });
-    assert!(
-        matches!(end, End::Refused(Refusal::Torque { input: 0, .. })),
-        "{end}"
-    );
+    assert!(matches!(end, End::Refused(Refusal::Start { joint: 1, .. })), "{end}");
+    let end =
+        start([f64::from(-0.6_f32), 0.4], { LoopSettings { input_limit: [0.05, 0.5], ..settings(RATE) } });
+    assert!(matches!(end, End::Refused(Refusal::Torque { input: 0, .. })), "{end}");
 }
 
 #[test]
@@ -295,10 +255,7 @@ fn a_stall_of_100_ms_is_survived() {
             None
         });
         controller.sound = pd(rate);
-        let settings = LoopSettings {
-            hold_periods: hold,
-            ..settings(rate)
-        };
+        let settings = LoopSettings { hold_periods: hold, ..settings(rate) };
         let report = loop_with(settings, controller, &mut robot).run();
         if finished {
             assert_eq!(report.end, End::Finished, "{report}");
@@ -317,15 +274,9 @@ fn a_stall_of_100_ms_is_survived() {
 /// The same stall in the sleep of the loop's thread.
 #[test]
 fn a_late_wake_up_of_100_ms_is_survived() {
-    for (hold, end) in [
-        (3, End::Stopped(StopReason::DeadlineMissed)),
-        (5, End::Finished),
-    ] {
+    for (hold, end) in [(3, End::Stopped(StopReason::DeadlineMissed)), (5, End::Finished)] {
         let mut robot = Watched::at_start(RATE);
-        let settings = LoopSettings {
-            hold_periods: hold,
-            ..settings(RATE)
-        };
+        let settings = LoopSettings { hold_periods: hold, ..settings(RATE) };
         let late = [1400, 100].map(Duration::from_millis);
         let report = run_oversleeping(settings, pd(RATE), &mut robot, late);
         assert_eq!(report.end, end, "{report}");
@@ -339,9 +290,7 @@ fn a_late_wake_up_of_100_ms_is_survived() {
 fn a_failing_controller_is_replaced_by_its_plan_then_by_feed_forward_pd() {
     let mut robot = Watched::at_start(RATE);
     let failing = Troubled::new(|step| {
-        (60..75)
-            .contains(&step)
-            .then_some(Err(ControllerFault::NoSolution { iterations: 30 }))
+        (60..75).contains(&step).then_some(Err(ControllerFault::NoSolution { iterations: 30 }))
     });
     let report = loop_with(settings(RATE), failing, &mut robot).run();
     assert_eq!(report.end, End::Finished, "{report}");
@@ -354,21 +303,11 @@ fn a_failing_controller_is_replaced_by_its_plan_then_by_feed_forward_pd() {
 
 #[test]
 fn a_controller_that_stays_broken_stops_the_arm_on_its_path() {
-    for broken in [
-        Err(ControllerFault::NotFinite),
-        Ok(Command {
-            inputs: [f64::NAN, 0.0],
-            iterations: 1,
-        }),
-    ] {
+    for broken in [Err(ControllerFault::NotFinite), Ok(Command { inputs: [f64::NAN, 0.0], iterations: 1 })] {
         let mut robot = Watched::at_start(RATE);
         let failing = Troubled::new(move |step| (step >= 40).then_some(broken));
         let report = loop_with(settings(RATE), failing, &mut robot).run();
-        assert_eq!(
-            report.end,
-            End::Stopped(StopReason::Controller(ControllerFault::NotFinite)),
-            "{report}"
-        );
+        assert_eq!(report.end, End::Stopped(StopReason::Controller(ControllerFault::NotFinite)), "{report}");
         let counts = report.counts;
         assert_eq!((counts.controller, counts.plan), (40, 3));
         // 22 as fallback, then the controlled stop of half a second.
@@ -389,12 +328,8 @@ fn assert_on_path(robot: &Watched) {
 #[test]
 fn inputs_beyond_the_limit_are_cut_off() {
     let mut robot = Watched::at_start(RATE);
-    let wild = Troubled::new(|step| {
-        (step == 60).then_some(Ok(Command {
-            inputs: [1e6, -1e6],
-            iterations: 0,
-        }))
-    });
+    let wild =
+        Troubled::new(|step| (step == 60).then_some(Ok(Command { inputs: [1e6, -1e6], iterations: 0 })));
     let report = loop_with(settings(RATE), wild, &mut robot).run();
     assert_eq!(report.counts.limited_inputs, 2);
     robot.assert_stopped_safely();
@@ -406,10 +341,7 @@ fn drives_with_the_wrong_sign_are_stopped_at_once() {
     robot.input_sign = -1.0;
     let report = run(settings(RATE), &mut robot);
     assert!(
-        matches!(
-            report.end,
-            End::Stopped(StopReason::Limit(LimitFault::FollowingError { .. }))
-        ),
+        matches!(report.end, End::Stopped(StopReason::Limit(LimitFault::FollowingError { .. }))),
         "{report}"
     );
     assert!(report.counts.periods < 30, "{report}");
@@ -435,10 +367,7 @@ fn a_trajectory_beyond_the_limits_is_stopped_inside_them() {
     let report = control.run();
     drop(control);
     assert!(
-        matches!(
-            report.end,
-            End::Stopped(StopReason::Limit(LimitFault::Position { joint: 0, .. }))
-        ),
+        matches!(report.end, End::Stopped(StopReason::Limit(LimitFault::Position { joint: 0, .. }))),
         "{report}"
     );
     robot.assert_stopped_safely();
@@ -455,9 +384,7 @@ fn a_stop_on_request_stays_on_the_path() {
         }
         None
     });
-    let report = loop_with(settings(RATE), controller, &mut robot)
-        .with_stop_request(request)
-        .run();
+    let report = loop_with(settings(RATE), controller, &mut robot).with_stop_request(request).run();
     assert_eq!(report.end, End::Stopped(StopReason::Requested), "{report}");
     assert_eq!(report.brakes, Brakes::Engaged);
     assert_on_path(&robot);
@@ -473,11 +400,7 @@ fn brakes_that_the_robot_engages_end_the_run() {
         Some(reading)
     });
     let report = run(settings(RATE), &mut robot);
-    assert_eq!(
-        report.end,
-        End::Stopped(StopReason::BrakedByRobot),
-        "{report}"
-    );
+    assert_eq!(report.end, End::Stopped(StopReason::BrakedByRobot), "{report}");
     robot.assert_stopped_safely();
 }
 
@@ -503,10 +426,7 @@ fn brakes_that_take_time_to_release_are_waited_for() {
         }
         Some(reading)
     });
-    let settings = LoopSettings {
-        release_time: 0.11,
-        ..settings(RATE)
-    };
+    let settings = LoopSettings { release_time: 0.11, ..settings(RATE) };
     let report = run(settings, &mut robot);
     assert_eq!(report.end, End::Finished, "{report}");
     assert_eq!(report.counts.controller, periods(RATE) + 6);
@@ -518,16 +438,12 @@ fn the_log_has_every_period_and_identification_reads_it() {
     let path = std::env::temp_dir().join(format!("gelenk_loop_{}.csv", std::process::id()));
     let (sink, writer) = log_to_file(&path, &support::robot::PowerCube, 10_000).unwrap();
     let mut robot = Watched::at_start(RATE);
-    let report = loop_with(settings(RATE), pd(RATE), &mut robot)
-        .with_log(sink)
-        .run();
+    let report = loop_with(settings(RATE), pd(RATE), &mut robot).with_log(sink).run();
     let summary = writer.finish().unwrap();
     assert_eq!(summary.written, report.counts.periods);
     assert_eq!(summary.dropped, 0);
     let channels = ["time", "q_beta", "q_gamma", "dq_beta", "u_beta"];
-    let schema: String = channels
-        .map(|name| format!("[[channel]]\nname = \"{name}\"\n"))
-        .concat();
+    let schema: String = channels.map(|name| format!("[[channel]]\nname = \"{name}\"\n")).concat();
     let (log, _) = Log::open(&path, &LogSchema::from_toml(&schema).unwrap()).unwrap();
     std::fs::remove_file(&path).unwrap();
     assert_eq!(log.rows() as u64, report.counts.periods);
@@ -540,36 +456,19 @@ fn the_log_has_every_period_and_identification_reads_it() {
     // Half-way it is fastest, at 15/8 of the mean speed.
     let speed = log.channel("dq_beta").unwrap()[125];
     assert!((speed - 1.875 * 1.4 / 5.0).abs() < 0.02, "{speed}");
-    assert!(
-        log.channel("u_beta")
-            .unwrap()
-            .iter()
-            .all(|u| u.abs() <= 0.5)
-    );
+    assert!(log.channel("u_beta").unwrap().iter().all(|u| u.abs() <= 0.5));
 }
 
 #[test]
 fn settings_out_of_range_are_named() {
     for (rate, message) in [
-        (
-            20.0,
-            "setting rate of the loop is 20; it must be 50 to 1000 Hz",
-        ),
-        (
-            f64::NAN,
-            "setting rate of the loop is NaN; it must be 50 to 1000 Hz",
-        ),
+        (20.0, "setting rate of the loop is 20; it must be 50 to 1000 Hz"),
+        (f64::NAN, "setting rate of the loop is NaN; it must be 50 to 1000 Hz"),
     ] {
         let mut robot = Watched::at_start(RATE);
         let clock = robot.clock.clone();
-        let control: Result<WatchedLoop<'_, _, _>, _> = ControlLoop::new(
-            settings(rate),
-            law() as Law,
-            motion(),
-            pd(RATE),
-            &mut robot,
-            clock,
-        );
+        let control: Result<WatchedLoop<'_, _, _>, _> =
+            ControlLoop::new(settings(rate), law() as Law, motion(), pd(RATE), &mut robot, clock);
         assert_eq!(control.err().unwrap().to_string(), message);
     }
     assert_eq!(VirtualClock::new().now(), Duration::ZERO);

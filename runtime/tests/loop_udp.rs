@@ -1,13 +1,13 @@
-//! The loop against a plant process, a program of its own, over UDP. Loop and plant move in lock-step on virtual time, so that
-//! a busy machine makes these tests slow, but not fail; assertions are on the plant's own state.
+//! The loop against a plant process, a program of its own, over UDP. Loop and plant move in lock-step on
+//! virtual time, so that a busy machine makes these tests slow, but not fail; assertions are on the plant's
+//! own state.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
 mod support;
 
 use gelenk_runtime::control_loop::{
-    ControlLoop, End, FeedForwardPd, LoopReport, LoopSettings, MonotonicClock, StopReason,
-    VirtualClock,
+    ControlLoop, End, FeedForwardPd, LoopReport, LoopSettings, MonotonicClock, StopReason, VirtualClock,
 };
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::transport::datagram::TrueState;
@@ -79,13 +79,12 @@ fn over_udp_the_motion_is_the_same_as_in_process() {
     let there = assert_stopped_safely(&mut link);
     let mut robot = Watched::at_start(RATE);
     let clock = robot.clock.clone();
-    // The process begins with its brakes engaged, and in lock-step its first query already lets a period pass.
+    // The process begins with its brakes engaged, and in lock-step its first query already lets a period
+    // pass.
     robot.brake().unwrap();
     clock.advance(Duration::from_millis(20));
     let here: LoopReport =
-        ControlLoop::new(settings(RATE), law(), motion(), pd(RATE), &mut robot, clock)
-            .unwrap()
-            .run();
+        ControlLoop::new(settings(RATE), law(), motion(), pd(RATE), &mut robot, clock).unwrap().run();
     robot.assert_stopped_safely();
     assert_eq!(report, here);
     assert_eq!(there.positions, robot.state().0, "bit for bit");
@@ -117,10 +116,7 @@ fn a_fifth_of_the_datagrams_may_be_lost() {
 
 #[test]
 fn three_periods_of_silence_are_bridged_longer_ones_stop() {
-    for (silence, end) in [
-        ("100,103", End::Finished),
-        ("100,120", End::Stopped(StopReason::NoMeasurement)),
-    ] {
+    for (silence, end) in [("100,103", End::Finished), ("100,120", End::Stopped(StopReason::NoMeasurement))] {
         let plant = start(&["--silence", silence]);
         let mut link = connect(plant.address);
         let report = run(&mut link);
@@ -129,7 +125,8 @@ fn three_periods_of_silence_are_bridged_longer_ones_stop() {
     }
 }
 
-/// The plant dies in the middle of the motion; a new one comes up after the loop gave up, braked, and stays so.
+/// The plant dies in the middle of the motion; a new one comes up after the loop gave up, braked, and stays
+/// so.
 #[test]
 fn a_killed_plant_stops_the_loop_and_comes_back_braked() {
     let plant = start(&[]);
@@ -196,7 +193,8 @@ fn a_plant_without_a_controller_brakes() {
     assert_stopped_safely(&mut observer);
 }
 
-/// On the real clock. A busy machine may miss deadlines and stop the motion early; the arm is safe either way.
+/// On the real clock. A busy machine may miss deadlines and stop the motion early; the arm is safe either
+/// way.
 #[test]
 fn in_real_time_the_arm_ends_braked_and_at_rest() {
     let plant = PlantProcess::start(&program("plant_process"), &[]);
@@ -214,13 +212,7 @@ fn in_real_time_the_arm_ends_braked_and_at_rest() {
     .unwrap();
     let report = control.run();
     drop(control);
-    assert!(
-        !matches!(
-            report.end,
-            End::Running | End::Stopped(StopReason::Limit(_))
-        ),
-        "{report}"
-    );
+    assert!(!matches!(report.end, End::Running | End::Stopped(StopReason::Limit(_))), "{report}");
     // Patient: the process may be the one that is kept waiting.
     let mut observer: Link = connect(plant.address);
     let at_rest = |state: &TrueState<2>| state.velocities.iter().all(|v| v.abs() < 1e-6);
@@ -281,27 +273,18 @@ fn only_the_answer_to_the_question_is_a_reading() {
                 session: 1,
                 sequence,
                 brakes: Brakes::Released,
-                message: Message::Measured {
-                    positions: [position; 2],
-                    velocities: None,
-                    torques: None,
-                },
+                message: Message::Measured { positions: [position; 2], velocities: None, torques: None },
             };
             let send = |datagram: Datagram<2, 2>| {
                 let mut buffer = [0; MAX_DATAGRAM];
-                robot
-                    .send_to(datagram.encode(&mut buffer).unwrap(), from)
-                    .unwrap();
+                robot.send_to(datagram.encode(&mut buffer).unwrap(), from).unwrap();
             };
             send(answer(question.sequence - 1, 9.0));
             send(answer(question.sequence + 1, 9.0));
             robot.send_to(b"", from).unwrap();
             robot.send_to(&[0x47; 4000], from).unwrap();
             let mut damaged = [0; MAX_DATAGRAM];
-            let length = answer(question.sequence, 9.0)
-                .encode(&mut damaged)
-                .unwrap()
-                .len();
+            let length = answer(question.sequence, 9.0).encode(&mut damaged).unwrap().len();
             damaged[30] ^= 1;
             robot.send_to(&damaged[..length], from).unwrap();
             send(answer(question.sequence, 0.5));
@@ -320,10 +303,7 @@ fn inputs_that_are_not_finite_are_not_sent() {
     let robot = UdpSocket::bind("127.0.0.1:0").unwrap();
     robot.set_nonblocking(true).unwrap();
     let mut link: Link = connect(robot.local_addr().unwrap());
-    assert_eq!(
-        link.write(&[0.0, f64::NAN]),
-        Err(TransportError::Input { input: 1 })
-    );
+    assert_eq!(link.write(&[0.0, f64::NAN]), Err(TransportError::Input { input: 1 }));
     assert!(robot.recv(&mut [0; 100]).is_err(), "nothing arrived");
 }
 
@@ -334,14 +314,12 @@ fn server(options: gelenk_runtime::transport::ServerOptions) -> Server {
     Server::bind(plant, "127.0.0.1:0", options).unwrap()
 }
 
-/// A valid datagram of 1e308 N m is a breakdown of the robot, which a controller learns as its restart; the process goes on.
+/// A valid datagram of 1e308 N m is a breakdown of the robot, which a controller learns as its restart; the
+/// process goes on.
 #[test]
 fn inputs_that_no_simulation_bears_do_not_end_the_server() {
     use gelenk_runtime::transport::{Pace, ServerOptions};
-    let mut server = server(ServerOptions {
-        pace: Pace::LockStep,
-        ..ServerOptions::default()
-    });
+    let mut server = server(ServerOptions { pace: Pace::LockStep, ..ServerOptions::default() });
     let address = server.local_address().unwrap();
     let serving = std::thread::spawn(move || {
         server.serve(Duration::from_secs(1)).unwrap();
@@ -356,10 +334,7 @@ fn inputs_that_no_simulation_bears_do_not_end_the_server() {
         let reading = link.read().unwrap().unwrap();
         assert_eq!(reading.brakes, Brakes::Engaged);
         for i in 0..2 {
-            assert!(
-                (reading.positions[i] - START[i]).abs() < 0.1,
-                "where it was"
-            );
+            assert!((reading.positions[i] - START[i]).abs() < 0.1, "where it was");
         }
         link.release().unwrap();
         assert!(link.read().unwrap().is_some(), "and it can go on");
@@ -390,27 +365,14 @@ fn a_robot_that_breaks_down_stops_the_loop() {
             Ok(command)
         }
     }
-    let mut server = server(ServerOptions {
-        pace: Pace::LockStep,
-        ..ServerOptions::default()
-    });
+    let mut server = server(ServerOptions { pace: Pace::LockStep, ..ServerOptions::default() });
     let address = server.local_address().unwrap();
     let serving = std::thread::spawn(move || server.serve(Duration::from_secs(1)));
     let mut link = connect(address);
     // Limits that do not stop it before.
-    let settings = LoopSettings {
-        input_limit: [f64::INFINITY; 2],
-        ..settings(RATE)
-    };
-    let mut control = ControlLoop::new(
-        settings,
-        law(),
-        motion(),
-        Wild(pd(RATE)),
-        &mut link,
-        VirtualClock::new(),
-    )
-    .unwrap();
+    let settings = LoopSettings { input_limit: [f64::INFINITY; 2], ..settings(RATE) };
+    let mut control =
+        ControlLoop::new(settings, law(), motion(), Wild(pd(RATE)), &mut link, VirtualClock::new()).unwrap();
     let report = control.run();
     drop(control);
     assert_eq!(report.end, End::Stopped(StopReason::Restarted), "{report}");
@@ -420,19 +382,11 @@ fn a_robot_that_breaks_down_stops_the_loop() {
 
 #[test]
 fn waits_without_an_end_are_refused() {
-    let address = UdpSocket::bind("127.0.0.1:0")
-        .unwrap()
-        .local_addr()
-        .unwrap();
+    let address = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     for timeout in [Duration::ZERO, Duration::MAX, Duration::from_secs(3601)] {
         let refused = Link::connect(address, timeout).err().unwrap();
         assert_eq!(refused.kind(), std::io::ErrorKind::InvalidInput);
-        assert!(
-            refused
-                .to_string()
-                .contains("more than 0 and at most an hour"),
-            "{refused}"
-        );
+        assert!(refused.to_string().contains("more than 0 and at most an hour"), "{refused}");
     }
     let mut link = Link::connect(address, Duration::from_nanos(1)).unwrap();
     assert!(!matches!(link.read(), Ok(Some(_))), "nobody is there");
@@ -443,34 +397,15 @@ fn options_of_a_server_are_checked() {
     use gelenk_runtime::transport::{PlantServer, ServerOptions};
     let refused = |options: ServerOptions| {
         let plant = support::robot::plant_at(START, gelenk_runtime::plant::PlantOptions::default());
-        let refused: Result<PlantServer<_, 2, 2>, _> =
-            PlantServer::bind(plant, "127.0.0.1:0", options);
+        let refused: Result<PlantServer<_, 2, 2>, _> = PlantServer::bind(plant, "127.0.0.1:0", options);
         refused.err().unwrap().to_string()
     };
-    for period in [
-        f64::NAN,
-        0.0,
-        -0.02,
-        5e-324,
-        1e-7,
-        61.0,
-        1e300,
-        f64::INFINITY,
-    ] {
-        let message = refused(ServerOptions {
-            period,
-            ..ServerOptions::default()
-        });
-        assert_eq!(
-            message,
-            format!("server option period is {period}; it must be 1e-6 to 60 s")
-        );
+    for period in [f64::NAN, 0.0, -0.02, 5e-324, 1e-7, 61.0, 1e300, f64::INFINITY] {
+        let message = refused(ServerOptions { period, ..ServerOptions::default() });
+        assert_eq!(message, format!("server option period is {period}; it must be 1e-6 to 60 s"));
     }
     for loss in [f64::NAN, -0.1, 1.1] {
-        let message = refused(ServerOptions {
-            loss,
-            ..ServerOptions::default()
-        });
+        let message = refused(ServerOptions { loss, ..ServerOptions::default() });
         assert!(message.contains("a probability"), "{message}");
     }
 }
@@ -479,10 +414,7 @@ fn options_of_a_server_are_checked() {
 #[test]
 fn a_server_that_is_behind_its_clock_goes_on() {
     use gelenk_runtime::transport::ServerOptions;
-    let mut server = server(ServerOptions {
-        period: 1e-6,
-        ..ServerOptions::default()
-    });
+    let mut server = server(ServerOptions { period: 1e-6, ..ServerOptions::default() });
     std::thread::sleep(Duration::from_millis(20));
     let address = server.local_address().unwrap();
     let answered = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
@@ -508,12 +440,8 @@ fn velocities_and_torques_come_over_udp() {
         ..support::robot::plant_options()
     };
     let plant = support::robot::plant_at(START, measuring);
-    let options = ServerOptions {
-        pace: Pace::LockStep,
-        ..ServerOptions::default()
-    };
-    let mut server: PlantServer<PowerCube, 2, 2> =
-        PlantServer::bind(plant, "127.0.0.1:0", options).unwrap();
+    let options = ServerOptions { pace: Pace::LockStep, ..ServerOptions::default() };
+    let mut server: PlantServer<PowerCube, 2, 2> = PlantServer::bind(plant, "127.0.0.1:0", options).unwrap();
     let address = server.local_address().unwrap();
     let serving = std::thread::spawn(move || server.serve(Duration::from_secs(1)));
     let mut link = connect(address);

@@ -35,10 +35,7 @@ impl<F: FnMut(u64) -> Duration> Controller<2, 2> for Slow<F> {
     }
 
     fn warm_up(&mut self, next: &Cycle<2, 2>) {
-        assert!(
-            next.positions
-                .is_some_and(|y| y.iter().all(|y| y.is_finite()))
-        );
+        assert!(next.positions.is_some_and(|y| y.iter().all(|y| y.is_finite())));
         assert_eq!(next.periods, 1);
         self.seen.lock().unwrap().push(('w', self.clock.now()));
         self.clock.advance((self.takes)(self.warm_ups));
@@ -51,17 +48,9 @@ type Seen = Vec<(char, Duration)>;
 fn run(warm_up: f64, takes: impl FnMut(u64) -> Duration) -> (LoopReport, Seen) {
     let mut robot = Watched::at_start(RATE);
     let seen = Arc::default();
-    let controller = Slow {
-        sound: pd(RATE),
-        clock: robot.clock.clone(),
-        takes,
-        warm_ups: 0,
-        seen: Arc::clone(&seen),
-    };
-    let settings = LoopSettings {
-        warm_up,
-        ..settings(RATE)
-    };
+    let controller =
+        Slow { sound: pd(RATE), clock: robot.clock.clone(), takes, warm_ups: 0, seen: Arc::clone(&seen) };
+    let settings = LoopSettings { warm_up, ..settings(RATE) };
     let report = loop_with(settings, controller, &mut robot).run();
     assert_eq!(report.end, End::Finished, "{report}");
     robot.assert_at_end(5e-3);
@@ -87,10 +76,7 @@ fn it_fits_before_each_period() {
     let (report, seen) = run(LEAD, |_| Duration::from_micros(1900));
     let counts = report.counts;
     assert_eq!(counts.warm_ups, counts.controller + 2);
-    assert_eq!(
-        (counts.late_warm_ups, counts.latest_wake),
-        (0, Duration::ZERO)
-    );
+    assert_eq!((counts.late_warm_ups, counts.latest_wake), (0, Duration::ZERO));
     for (what, phase) in phases(&seen) {
         let expected = if what == 's' { 0 } else { 18 };
         assert_eq!(phase, Duration::from_millis(expected), "{what}");
@@ -108,20 +94,13 @@ fn one_that_does_not_fit_is_left_out_from_the_start() {
     assert_eq!((counts.warm_ups, counts.late_warm_ups), (1, 1));
     assert_eq!(counts.latest_wake, Duration::ZERO);
     assert_eq!(seen.iter().filter(|(what, _)| *what == 'w').count(), 1);
-    assert!(
-        report
-            .to_string()
-            .ends_with("took too long, and were left out after 1"),
-        "{report}"
-    );
+    assert!(report.to_string().ends_with("took too long, and were left out after 1"), "{report}");
 }
 
 /// One that becomes slow in the middle delays its period once, and is left out from then on.
 #[test]
 fn one_that_becomes_slow_is_left_out_from_then_on() {
-    let (report, _) = run(LEAD, |k| {
-        Duration::from_micros(if k < 100 { 100 } else { 2500 })
-    });
+    let (report, _) = run(LEAD, |k| Duration::from_micros(if k < 100 { 100 } else { 2500 }));
     let counts = report.counts;
     assert_eq!((counts.warm_ups, counts.late_warm_ups), (101, 1));
     assert_eq!(counts.latest_wake, Duration::from_micros(500));
@@ -165,10 +144,7 @@ fn its_time_is_at_most_half_a_period() {
     for warm_up in [-1e-3, 0.0101, f64::NAN, f64::INFINITY] {
         let mut robot = Watched::at_start(RATE);
         let clock = robot.clock.clone();
-        let settings = LoopSettings {
-            warm_up,
-            ..settings(RATE)
-        };
+        let settings = LoopSettings { warm_up, ..settings(RATE) };
         let refused = gelenk_runtime::control_loop::ControlLoop::<_, _, _, _, _, 2, 2>::new(
             settings,
             support::robot::law(),

@@ -23,8 +23,7 @@ fn residual<const NX: usize, const NU: usize>(
     let (a, b, q, r, p) = (m(a), m(b), m(q), m(r), m(p));
     let h = r + b.transpose() * &p * &b;
     let coupling = b.transpose() * &p * &a;
-    let next =
-        q + a.transpose() * &p * &a - coupling.transpose() * h.try_inverse().unwrap() * &coupling;
+    let next = q + a.transpose() * &p * &a - coupling.transpose() * h.try_inverse().unwrap() * &coupling;
     (next - &p).amax() / p.amax()
 }
 
@@ -38,34 +37,22 @@ fn benchmark_example_1_1() {
     let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
     for i in 0..2 {
         for j in 0..2 {
-            assert!(
-                (lqr.cost_to_go[i][j] - golden * q[i][j]).abs() < 1e-10,
-                "{:?}",
-                lqr.cost_to_go
-            );
+            assert!((lqr.cost_to_go[i][j] - golden * q[i][j]).abs() < 1e-10, "{:?}", lqr.cost_to_go);
         }
     }
 }
 
-/// The scalar equation `p² b² + p (r − a² r − q b²) − q r = 0`, solved by the quadratic formula (Anderson, Moore 1990, chapter 2).
+/// The scalar equation `p² b² + p (r − a² r − q b²) − q r = 0`, solved by the quadratic formula (Anderson,
+/// Moore 1990, chapter 2).
 #[test]
 fn the_scalar_equation() {
-    for (a, b, q, r) in [
-        (1.0, 1.0, 1.0, 1.0),
-        (2.0, 0.5, 3.0, 0.1),
-        (0.3, 1.0, 1.0, 5.0),
-        (-1.5, 2.0, 0.01, 1.0),
-    ] {
-        let (square, linear, constant): (f64, f64, f64) =
-            (b * b, r - a * a * r - q * b * b, -q * r);
+    for (a, b, q, r) in
+        [(1.0, 1.0, 1.0, 1.0), (2.0, 0.5, 3.0, 0.1), (0.3, 1.0, 1.0, 5.0), (-1.5, 2.0, 0.01, 1.0)]
+    {
+        let (square, linear, constant): (f64, f64, f64) = (b * b, r - a * a * r - q * b * b, -q * r);
         let p = (-linear + (linear * linear - 4.0 * square * constant).sqrt()) / (2.0 * square);
-        let lqr = Lqr::new(&[[a]], &[[b]], &[[q]], &[[r]])
-            .unwrap_or_else(|e| panic!("{a} {b} {q} {r}: {e}"));
-        assert!(
-            (lqr.cost_to_go[0][0] - p).abs() < 1e-9 * p,
-            "{a} {b}: {} against {p}",
-            lqr.cost_to_go[0][0]
-        );
+        let lqr = Lqr::new(&[[a]], &[[b]], &[[q]], &[[r]]).unwrap_or_else(|e| panic!("{a} {b} {q} {r}: {e}"));
+        assert!((lqr.cost_to_go[0][0] - p).abs() < 1e-9 * p, "{a} {b}: {} against {p}", lqr.cost_to_go[0][0]);
         assert!((lqr.gain[0][0] + a * b * p / (r + b * b * p)).abs() < 1e-9);
     }
 }
@@ -73,18 +60,10 @@ fn the_scalar_equation() {
 fn structure<const NX: usize, const NU: usize>(seed: u64) {
     let mut random = Random::new(seed);
     let mut a = random.matrix::<NX, NX>();
-    let radius = m(&a)
-        .complex_eigenvalues()
-        .iter()
-        .map(|e| e.norm())
-        .fold(0.0, f64::max);
+    let radius = m(&a).complex_eigenvalues().iter().map(|e| e.norm()).fold(0.0, f64::max);
     let wanted = [0.5, 0.99, 1.0, 1.2, 2.0][(seed % 5) as usize];
     a.iter_mut().flatten().for_each(|v| *v *= wanted / radius);
-    let (b, q, r) = (
-        random.matrix::<NX, NU>(),
-        random.positive::<NX>(0.01),
-        random.positive::<NU>(0.01),
-    );
+    let (b, q, r) = (random.matrix::<NX, NU>(), random.positive::<NX>(0.01), random.positive::<NU>(0.01));
     let lqr = Lqr::new(&a, &b, &q, &r).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
     let p = &lqr.cost_to_go;
     for i in 0..NX {
@@ -92,20 +71,10 @@ fn structure<const NX: usize, const NU: usize>(seed: u64) {
             assert!((p[i][j] - p[j][i]).abs() <= 1e-10 * m(p).amax(), "P = Pᵀ");
         }
     }
-    assert!(
-        SymmetricEigen::new(m(p)).eigenvalues.min() > 0.0,
-        "P > 0 for Q > 0"
-    );
-    assert!(
-        residual(&a, &b, &q, &r, p) < 1e-8,
-        "seed {seed}: {}",
-        residual(&a, &b, &q, &r, p)
-    );
+    assert!(SymmetricEigen::new(m(p)).eigenvalues.min() > 0.0, "P > 0 for Q > 0");
+    assert!(residual(&a, &b, &q, &r, p) < 1e-8, "seed {seed}: {}", residual(&a, &b, &q, &r, p));
     let closed = m(&a) + m(&b) * m(&lqr.gain);
-    assert!(
-        closed.complex_eigenvalues().iter().all(|e| e.norm() < 1.0),
-        "A + B K stable"
-    );
+    assert!(closed.complex_eigenvalues().iter().all(|e| e.norm() < 1.0), "A + B K stable");
     // The limit of the finite horizon, from any terminal weight.
     let mut long = TimeVaryingLqr::<NX, NU>::new(100).unwrap();
     for k in 0..100 {
@@ -114,10 +83,7 @@ fn structure<const NX: usize, const NU: usize>(seed: u64) {
     long.solve(&q, &r, p).unwrap();
     for (i, row) in long.gain(0).iter().enumerate() {
         for (j, k) in row.iter().enumerate() {
-            assert!(
-                (k - lqr.gain[i][j]).abs() < 1e-7 * m(&lqr.gain).amax().max(1.0),
-                "seed {seed}"
-            );
+            assert!((k - lqr.gain[i][j]).abs() < 1e-7 * m(&lqr.gain).amax().max(1.0), "seed {seed}");
         }
     }
 }
@@ -132,7 +98,8 @@ fn every_solution_has_its_structure() {
     }
 }
 
-/// Units do not matter: with states x = D z and inputs u = E w the solution is D P D. Powers of two, so that the data are scaled without rounding.
+/// Units do not matter: with states x = D z and inputs u = E w the solution is D P D. Powers of two, so that
+/// the data are scaled without rounding.
 fn scaled<const NX: usize, const NU: usize>(seed: u64) {
     let mut random = Random::new(seed);
     let (a, b) = (random.matrix::<NX, NX>(), random.matrix::<NX, NU>());
@@ -153,10 +120,7 @@ fn scaled<const NX: usize, const NU: usize>(seed: u64) {
         for j in 0..NX {
             let found = lqr.cost_to_go[i][j] / (d[i] * d[j]);
             let size = (p[i][i] * p[j][j]).sqrt();
-            assert!(
-                (found - p[i][j]).abs() < 1e-9 * size,
-                "seed {seed} P {i} {j}"
-            );
+            assert!((found - p[i][j]).abs() < 1e-9 * size, "seed {seed} P {i} {j}");
         }
     }
 }
@@ -170,14 +134,13 @@ fn units_do_not_matter() {
     }
 }
 
-/// Joints of 1 to 1e-6 kg m², whose motors bear 100 to 0.1 N m, over periods from 0.1 to 20 ms: P is the cost that a
-/// simulation adds up.
+/// Joints of 1 to 1e-6 kg m², whose motors bear 100 to 0.1 N m, over periods from 0.1 to 20 ms: P is the cost
+/// that a simulation adds up.
 #[test]
 fn light_joints_beside_heavy_ones_have_a_regulator() {
     let (inertia, torque) = ([1.0_f64, 1e-2, 1e-4, 1e-6], [100.0, 30.0, 1.0, 0.1]);
     for period in [1e-4, 1e-3, 5e-3, 2e-2] {
-        let (mut a, mut b, mut q, mut r) =
-            ([[0.0; 8]; 8], [[0.0; 4]; 8], [[0.0; 8]; 8], [[0.0; 4]; 4]);
+        let (mut a, mut b, mut q, mut r) = ([[0.0; 8]; 8], [[0.0; 4]; 8], [[0.0; 8]; 8], [[0.0; 4]; 4]);
         for i in 0..4 {
             (a[i][i], a[4 + i][4 + i], a[i][4 + i]) = (1.0, 1.0, period);
             (q[i][i], q[4 + i][4 + i]) = (1e4, 1e2);
@@ -207,10 +170,7 @@ fn light_joints_beside_heavy_ones_have_a_regulator() {
             assert!(f64::from(steps) * period < 5.0, "{period} s: not stable");
         }
         let promised = (first.transpose() * m(&lqr.cost_to_go) * &first)[0];
-        assert!(
-            (cost - promised).abs() < 1e-9 * promised,
-            "{period} s: {cost} {promised}"
-        );
+        assert!((cost - promised).abs() < 1e-9 * promised, "{period} s: {cost} {promised}");
     }
 }
 
@@ -242,11 +202,7 @@ fn equals_the_qp_without_active_bounds() {
         let (q, r) = (random.positive::<4>(0.1), random.positive::<2>(0.1));
         let lqr = Lqr::new(&a, &b, &q, &r).unwrap();
         let mut problem = QpProblem::<4, 2>::new(15);
-        (
-            problem.state_weight,
-            problem.input_weight,
-            problem.terminal_weight,
-        ) = (q, r, lqr.cost_to_go);
+        (problem.state_weight, problem.input_weight, problem.terminal_weight) = (q, r, lqr.cost_to_go);
         problem.initial_state = random.vector();
         for stage in &mut problem.stages {
             (stage.state_matrix, stage.input_matrix) = (a, b);
@@ -257,10 +213,7 @@ fn equals_the_qp_without_active_bounds() {
         for k in 0..15 {
             let u = lqr.input(&x);
             for i in 0..2 {
-                assert!(
-                    (solver.input(k)[i] - u[i]).abs() < 1e-8,
-                    "seed {seed}, stage {k}"
-                );
+                assert!((solver.input(k)[i] - u[i]).abs() < 1e-8, "seed {seed}, stage {k}");
             }
             x = solver.state(k + 1);
         }
@@ -271,25 +224,11 @@ fn equals_the_qp_without_active_bounds() {
 fn systems_without_a_regulator_are_refused() {
     let (q, r) = ([[1.0, 0.0], [0.0, 1.0]], [[1.0]]);
     let unreachable = Lqr::new(&[[1.2, 0.0], [0.0, 0.5]], &[[0.0], [1.0]], &q, &r);
-    assert!(
-        matches!(unreachable, Err(LqrError::NotStabilizable(_))),
-        "{unreachable:?}"
-    );
-    let marginal = Lqr::new(
-        &[[1.0, 0.0], [0.0, 0.5]],
-        &[[1.0], [1.0]],
-        &[[0.0, 0.0], [0.0, 1.0]],
-        &r,
-    );
-    assert!(
-        matches!(marginal, Err(LqrError::NotStabilizable(_))),
-        "{marginal:?}"
-    );
+    assert!(matches!(unreachable, Err(LqrError::NotStabilizable(_))), "{unreachable:?}");
+    let marginal = Lqr::new(&[[1.0, 0.0], [0.0, 0.5]], &[[1.0], [1.0]], &[[0.0, 0.0], [0.0, 1.0]], &r);
+    assert!(matches!(marginal, Err(LqrError::NotStabilizable(_))), "{marginal:?}");
     let invisible = Lqr::new(&[[1.5]], &[[1.0]], &[[0.0]], &[[1.0]]);
-    assert!(
-        matches!(invisible, Err(LqrError::NotStabilizable(_))),
-        "{invisible:?}"
-    );
+    assert!(matches!(invisible, Err(LqrError::NotStabilizable(_))), "{invisible:?}");
     let negative = Lqr::new(&[[0.5, 0.0], [0.0, 0.5]], &[[0.0], [1.0]], &q, &[[-1.0]]);
     assert_eq!(negative, Err(LqrError::NotPositive));
     let nan = Lqr::new(&[[f64::NAN, 0.0], [0.0, 0.5]], &[[0.0], [1.0]], &q, &r);

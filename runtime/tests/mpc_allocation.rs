@@ -15,7 +15,8 @@ use tracking::{PERIOD, PowerCube, options};
 
 const STEPS: u32 = 10_000;
 
-/// Ten thousand steps with measurements that wander about the trajectory, are missing at times, and once are not numbers.
+/// Ten thousand steps with measurements that wander about the trajectory, are missing at times, and once are
+/// not numbers.
 fn drive(controller: &mut impl Controller<2, 2>, motion: &RestToRest<2>) {
     use gelenk_runtime::trajectory::Trajectory;
     let mut last = [0.0; 2];
@@ -50,10 +51,7 @@ fn drive(controller: &mut impl Controller<2, 2>, motion: &RestToRest<2>) {
         std::hint::black_box((controller.planned(1), controller.estimate()));
     }
     assert_eq!(allocations::count(), before);
-    assert!(
-        solved > STEPS - 200 && iterated > 100 && faults > 0,
-        "{solved} {iterated} {faults}"
-    );
+    assert!(solved > STEPS - 200 && iterated > 100 && faults > 0, "{solved} {iterated} {faults}");
 }
 
 fn motion() -> RestToRest<2> {

@@ -11,8 +11,7 @@ use gelenk_runtime::dynamics::{
 };
 use gelenk_runtime::lqr::Lqr;
 use gelenk_runtime::mpc::{
-    DisturbanceObserver, LinearizationPoint, LtvMpc, MpcError, MpcNote, MpcOptions, Nmpc,
-    ObserverOptions,
+    DisturbanceObserver, LinearizationPoint, LtvMpc, MpcError, MpcNote, MpcOptions, Nmpc, ObserverOptions,
 };
 use gelenk_runtime::trajectory::RestToRest;
 use tracking::{PERIOD, PowerCube, options};
@@ -24,13 +23,7 @@ fn motion() -> RestToRest<2> {
 }
 
 fn cycle(time: f64, positions: Option<[f64; 2]>) -> Cycle<2, 2> {
-    Cycle {
-        time,
-        periods: u32::from(time > 0.0),
-        positions,
-        last_inputs: [0.0; 2],
-        ..Cycle::default()
-    }
+    Cycle { time, periods: u32::from(time > 0.0), positions, last_inputs: [0.0; 2], ..Cycle::default() }
 }
 
 #[test]
@@ -55,9 +48,7 @@ fn senseless_options_are_refused_by_name() {
     let refuse = |change: fn(&mut MpcOptions<2, 2>)| {
         let mut options = options(&PowerCube, PERIOD, 10);
         change(&mut options);
-        Ltv::new(PowerCube, motion(), options)
-            .unwrap_err()
-            .to_string()
+        Ltv::new(PowerCube, motion(), options).unwrap_err().to_string()
     };
     assert!(refuse(|o| o.period = 0.0).contains("period"));
     assert!(refuse(|o| o.position_weight[1] = -1.0).contains("position_weight[1] is -1"));
@@ -86,17 +77,15 @@ fn measurements_that_are_not_numbers_give_a_fault_and_no_input() {
     }
 }
 
-/// What a step may answer to a reading, however absurd: inputs within the limits and a plan of such, or a fault and no plan.
+/// What a step may answer to a reading, however absurd: inputs within the limits and a plan of such, or a
+/// fault and no plan.
 fn answer(mpc: &mut impl Controller<2, 2>, cycle: &Cycle<2, 2>, limit: f64) -> bool {
     mpc.reset(&[0.1, -0.2], &[0.0; 2]);
     let within = |inputs: [f64; 2]| inputs.iter().all(|u| u.is_finite() && u.abs() <= limit);
     let plan = |mpc: &_, k| Controller::planned(mpc, k);
     if let Ok(command) = mpc.step(cycle) {
         assert!(within(command.inputs), "{cycle:?} {command:?}");
-        assert!(
-            (0..5).all(|k| plan(mpc, k).is_some_and(within)),
-            "{cycle:?}"
-        );
+        assert!((0..5).all(|k| plan(mpc, k).is_some_and(within)), "{cycle:?}");
         true
     } else {
         assert!((0..5).all(|k| plan(mpc, k).is_none()), "{cycle:?}");
@@ -126,10 +115,7 @@ fn absurd_readings_give_finite_inputs_within_the_limits_or_a_fault() {
             }
         }
         for (time, last) in [(f64::NAN, 0.0), (f64::INFINITY, 0.0), (0.0, f64::INFINITY)] {
-            let cycle = Cycle {
-                last_inputs: [last, 0.0],
-                ..cycle(time, Some([0.1, -0.2]))
-            };
+            let cycle = Cycle { last_inputs: [last, 0.0], ..cycle(time, Some([0.1, -0.2])) };
             assert!(!answer(&mut linear, &cycle, limit));
             assert!(!answer(&mut nonlinear, &cycle, limit));
         }
@@ -175,10 +161,7 @@ fn preparation_and_feedback_are_the_step() {
     };
     let (mut whole, mut parts) = (new(), new());
     for k in 0..20 {
-        let cycle = cycle(
-            f64::from(k) * PERIOD,
-            Some([0.1 + 1e-3 * f64::from(k), -0.2]),
-        );
+        let cycle = cycle(f64::from(k) * PERIOD, Some([0.1 + 1e-3 * f64::from(k), -0.2]));
         let (split, whole) = (parts.feedback(&cycle).unwrap(), whole.step(&cycle).unwrap());
         // Equal but for the last bits of the time at which the prepared period begins.
         for i in 0..2 {
@@ -188,7 +171,8 @@ fn preparation_and_feedback_are_the_step() {
     }
 }
 
-/// A trajectory beyond the soft limits is followed as far as they allow, and this is said beforehand, by joint and number.
+/// A trajectory beyond the soft limits is followed as far as they allow, and this is said beforehand, by
+/// joint and number.
 #[test]
 fn a_trajectory_beyond_the_soft_limits_is_noted() {
     let notes = |change: fn(&mut MpcOptions<2, 2>)| -> Vec<String> {
@@ -290,7 +274,8 @@ gelenk_runtime::dynamics!(struct Mass = mass);
 
 #[test]
 fn the_observer_converges_to_the_dual_of_the_regulator() {
-    // Stationary Kalman gain of the augmented mass by duality: the regulator of (Aᵀ, Cᵀ) (Anderson, Moore, Optimal Filtering, 1979, section 4.4).
+    // Stationary Kalman gain of the augmented mass by duality: the regulator of (Aᵀ, Cᵀ) (Anderson, Moore,
+    // Optimal Filtering, 1979, section 4.4).
     let noise = ObserverOptions {
         encoder_noise: [1e-3],
         velocity_noise: [2e-3],
@@ -309,11 +294,7 @@ fn the_observer_converges_to_the_dual_of_the_regulator() {
         observer.correct(&[0.0]);
     }
     observer.predict(&Mass, &[0.0], t, 1);
-    let before = [
-        observer.positions()[0],
-        observer.velocities()[0],
-        observer.disturbance()[0],
-    ];
+    let before = [observer.positions()[0], observer.velocities()[0], observer.disturbance()[0]];
     observer.correct(&[before[0] + 1.0]);
     let gain = [
         observer.positions()[0] - before[0],
@@ -323,10 +304,7 @@ fn the_observer_converges_to_the_dual_of_the_regulator() {
     for i in 0..3 {
         let predicted: f64 = (0..3).map(|j| a[i][j] * gain[j]).sum();
         let expected = -dual.gain[0][i];
-        assert!(
-            (predicted - expected).abs() <= 1e-6 * expected.abs(),
-            "{i}: {predicted} and {expected}"
-        );
+        assert!((predicted - expected).abs() <= 1e-6 * expected.abs(), "{i}: {predicted} and {expected}");
     }
 }
 
@@ -397,12 +375,7 @@ impl Dynamics<2, 2> for LightWrist {
 }
 
 impl Differentiable<2, 2> for LightWrist {
-    fn inverse_dynamics_derivatives(
-        &self,
-        y: &[f64; 2],
-        v: &[f64; 2],
-        a: &[f64; 2],
-    ) -> ForceDerivatives<2> {
+    fn inverse_dynamics_derivatives(&self, y: &[f64; 2], v: &[f64; 2], a: &[f64; 2]) -> ForceDerivatives<2> {
         ForceDerivatives {
             forces: self.inverse_dynamics(y, v, a),
             by_coordinates: [[0.0; 2]; 2],
@@ -424,16 +397,12 @@ impl Discretizable<2, 2> for LightWrist {}
 
 impl PhaseSpace<4> for LightWrist {}
 
-/// Rates of 1e9 1/s over 0.1 s have no zero-order hold: the controller is refused, or faults where its model is replaced in operation, by joint,
-/// slope and period. Rates of 1e8 1/s have one.
+/// Rates of 1e9 1/s over 0.1 s have no zero-order hold: the controller is refused, or faults where its model
+/// is replaced in operation, by joint, slope and period. Rates of 1e8 1/s have one.
 #[test]
 fn a_joint_too_fast_for_the_period_is_named() {
-    let bearable = LightWrist {
-        viscous: [1.0, 100.0],
-    };
-    let steep = LightWrist {
-        viscous: [1.0, 1000.0],
-    };
+    let bearable = LightWrist { viscous: [1.0, 100.0] };
+    let steep = LightWrist { viscous: [1.0, 1000.0] };
     let options = MpcOptions::new(&steep, 0.1, 5);
     let motion = || RestToRest::new([0.0, 0.0], [0.1, 0.1], 1.0).unwrap();
     let expected = "joint wrist is too fast to be predicted over a period of 0.1 s: its force has a slope of 1.000e3 N m s/rad \
@@ -441,16 +410,10 @@ fn a_joint_too_fast_for_the_period_is_named() {
     let linear = LtvMpc::new(steep, motion(), options.clone());
     let nonlinear = Nmpc::new(steep, motion(), options.clone());
     for error in [linear.unwrap_err(), nonlinear.unwrap_err()] {
-        assert_eq!(
-            error.to_string(),
-            format!("at 0 s of the trajectory {expected}")
-        );
+        assert_eq!(error.to_string(), format!("at 0 s of the trajectory {expected}"));
     }
     for linearization in [LinearizationPoint::Plan, LinearizationPoint::Reference] {
-        let options = MpcOptions {
-            linearization,
-            ..options.clone()
-        };
+        let options = MpcOptions { linearization, ..options.clone() };
         let mut mpc = LtvMpc::new(bearable, motion(), options).unwrap();
         assert!(mpc.step(&cycle(0.0, Some([0.0; 2]))).is_ok());
         mpc.set_model(steep).unwrap();

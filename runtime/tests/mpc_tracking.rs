@@ -40,20 +40,15 @@ fn below(run: &Run, rms: f64) {
 #[test]
 fn the_published_trajectory_is_tracked_below_0_15_mrad() {
     let reference = reference();
-    let (ltv, nmpc) = (
-        linear(PERIOD, 20, &reference),
-        nonlinear(PERIOD, 20, &reference),
-    );
+    let (ltv, nmpc) = (linear(PERIOD, 20, &reference), nonlinear(PERIOD, 20, &reference));
     println!("LTV-MPC {ltv:?}\nNMPC {nmpc:?}");
     below(&ltv, 0.15e-3);
     below(&nmpc, 0.15e-3);
-    // At 20 ms both predict nearly alike; NMPC takes the description's eight Runge–Kutta steps a period and is nearer.
+    // At 20 ms both predict nearly alike; NMPC takes the description's eight Runge–Kutta steps a period and
+    // is nearer.
     for i in 0..2 {
         let (larger, smaller) = (ltv.rms[i].max(nmpc.rms[i]), ltv.rms[i].min(nmpc.rms[i]));
-        assert!(
-            larger - smaller <= 0.3 * larger && nmpc.rms[i] <= ltv.rms[i],
-            "{larger} {smaller}"
-        );
+        assert!(larger - smaller <= 0.3 * larger && nmpc.rms[i] <= ltv.rms[i], "{larger} {smaller}");
         // What is left beside the file is what smoothing takes away.
         assert!(ltv.rms_to_file[i] < 1e-3, "{ltv:?}");
     }
@@ -61,8 +56,8 @@ fn the_published_trajectory_is_tracked_below_0_15_mrad() {
 
 #[test]
 fn feed_forward_alone_leaves() {
-    // Along the smoothed trajectory the exact model drifts off by millirad, held inputs being what they are; along the file, whose positions jump
-    // against its velocities, it is lost.
+    // Along the smoothed trajectory the exact model drifts off by millirad, held inputs being what they are;
+    // along the file, whose positions jump against its velocities, it is lost.
     let smooth = tracking::open_loop(&reference(), 0.0);
     let file = tracking::open_loop(&tracking::recording().raw().unwrap(), 0.0);
     println!("smoothed {smooth:?}, file {file:?}");
@@ -119,7 +114,8 @@ fn a_wrong_friction_shows_as_a_gap_between_feedback_and_feed_forward() {
     }
 }
 
-/// Steps of a controller along `reference` on the published arm, with `change` called before each; i·(u − u_ff) at the joints [N m].
+/// Steps of a controller along `reference` on the published arm, with `change` called before each; i·(u −
+/// u_ff) at the joints [N m].
 fn corrections(
     mpc: &mut Ltv<FreePowerCube, &Sampled<2>>,
     reference: &Sampled<2>,
@@ -153,8 +149,7 @@ fn corrections(
 #[test]
 fn a_model_that_is_replaced_in_operation_acts_from_the_next_step_on() {
     let reference = reference();
-    let controller =
-        |model: FreePowerCube| Ltv::new(model, &reference, options(&model, PERIOD, 20)).unwrap();
+    let controller = |model: FreePowerCube| Ltv::new(model, &reference, options(&model, PERIOD, 20)).unwrap();
     let right = FreePowerCube::default();
     // The same model changes nothing, not even a bit.
     let kept = corrections(&mut controller(right), &reference, |_, _| {});
@@ -210,20 +205,14 @@ fn the_observer_removes_nine_tenths_of_the_offset_by_wrong_gravity() {
     let (without, with) = (offset(0.0), offset(1e-3));
     println!("offset without {without:?} rad, with {with:?} rad");
     for i in 0..2 {
-        assert!(
-            without[i] > 1e-5 && with[i] <= 0.1 * without[i],
-            "{without:?} {with:?}"
-        );
+        assert!(without[i] > 1e-5 && with[i] <= 0.1 * without[i], "{without:?} {with:?}");
     }
 }
 
 #[test]
 fn a_period_of_delay_is_compensated() {
     let reference = reference();
-    let late = || PlantOptions {
-        delay: 1,
-        ..exact()
-    };
+    let late = || PlantOptions { delay: 1, ..exact() };
     let track = |delay: bool| {
         let mut options = options(&PowerCube, PERIOD, 20);
         options.delay = delay;
@@ -243,10 +232,7 @@ fn coarse_encoders_cost_no_more_than_their_step() {
     let reference = reference();
     let mut options = options(&PowerCube, PERIOD, 20);
     options.observer.encoder_noise = [STEP / 12.0_f64.sqrt(); 2];
-    let plant = PlantOptions {
-        encoder_resolution: [STEP; 2],
-        ..exact()
-    };
+    let plant = PlantOptions { encoder_resolution: [STEP; 2], ..exact() };
     let mut mpc = Ltv::new(PowerCube, &reference, options).unwrap();
     let forward = feed_forward(PowerCube, &reference);
     let run = tracking::run(PowerCube, plant, &mut mpc, &reference, PERIOD, forward);

@@ -1,8 +1,8 @@
-//! What arrives from outside, spoilt in every way: datagrams, frames of a CAN bus, logs, recordings. Nothing panics, nothing hangs,
-//! nothing damaged is taken for sound.
+//! What arrives from outside, spoilt in every way: datagrams, frames of a CAN bus, logs, recordings. Nothing
+//! panics, nothing hangs, nothing damaged is taken for sound.
 //!
-//! In CI a few thousand of each. The long form, a million datagrams for each of their readers and a hundred thousand logs, takes one
-//! or two minutes and also fails where a single one takes more than ten seconds:
+//! In CI a few thousand of each. The long form, a million datagrams for each of their readers and a hundred
+//! thousand logs, takes one or two minutes and also fails where a single one takes more than ten seconds:
 //!
 //! ```text
 //! GELENK_MUTATIONS=long cargo test --release -p gelenk-runtime --test mutations -- --nocapture
@@ -17,9 +17,7 @@ use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{Columns, Recording, Smoothing, Trajectory};
 use gelenk_runtime::transport::can_frame::{CanCodec, Frame};
 use gelenk_runtime::transport::datagram::{Datagram, MAX_DATAGRAM, Message, TrueState};
-use gelenk_runtime::transport::{
-    Brakes, Pace, PlantServer, ServerOptions, Transport, UdpTransport,
-};
+use gelenk_runtime::transport::{Brakes, Pace, PlantServer, ServerOptions, Transport, UdpTransport};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::net::UdpSocket;
@@ -50,26 +48,13 @@ impl Slowest {
 
     fn report(&self, what: &str, rounds: u64) {
         println!("{what}: {rounds}, the slowest took {:?}", self.0);
-        assert!(
-            !is_long() || self.0 < Duration::from_secs(10),
-            "{what}: {:?}",
-            self.0
-        );
+        assert!(!is_long() || self.0 < Duration::from_secs(10), "{what}: {:?}", self.0);
     }
 }
 
 /// A number as a bit pattern, an end of what numbers are, or an ordinary one.
 fn number(generator: &mut ChaCha8Rng) -> f64 {
-    const ENDS: [f64; 8] = [
-        f64::NAN,
-        f64::INFINITY,
-        1e308,
-        -1e308,
-        1e10,
-        5e-324,
-        0.0,
-        -0.0,
-    ];
+    const ENDS: [f64; 8] = [f64::NAN, f64::INFINITY, 1e308, -1e308, 1e10, 5e-324, 0.0, -0.0];
     match generator.random_range(0..4) {
         0 => f64::from_bits(generator.random()),
         1 => ENDS[generator.random_range(0..ENDS.len())],
@@ -104,7 +89,8 @@ fn message<const N: usize, const M: usize>(generator: &mut ChaCha8Rng) -> Messag
     }
 }
 
-/// A valid datagram, then spoilt: bytes, length, a piece of another; in half of the cases with a checksum that is right again.
+/// A valid datagram, then spoilt: bytes, length, a piece of another; in half of the cases with a checksum
+/// that is right again.
 fn datagram<const N: usize, const M: usize>(generator: &mut ChaCha8Rng) -> Vec<u8> {
     let mut buffer = [0; MAX_DATAGRAM];
     let sound = Datagram::<N, M> {
@@ -148,11 +134,7 @@ fn crc32(bytes: &[u8]) -> u32 {
     for byte in bytes {
         crc ^= u32::from(*byte);
         for _ in 0..8 {
-            crc = if crc & 1 == 1 {
-                crc >> 1 ^ 0xedb8_8320
-            } else {
-                crc >> 1
-            };
+            crc = if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 };
         }
     }
     !crc
@@ -174,10 +156,7 @@ fn read_datagrams<const N: usize, const M: usize>(seed: u64, count: u64) {
         }
     }
     assert!(taken > count / 20, "{taken} of {count} were sound");
-    slowest.report(
-        &format!("datagrams of {N} coordinates and {M} inputs"),
-        count,
-    );
+    slowest.report(&format!("datagrams of {N} coordinates and {M} inputs"), count);
 }
 
 #[test]
@@ -190,9 +169,7 @@ fn datagrams() {
 
 #[test]
 fn can_frames() {
-    const KNOWN: [u16; 11] = [
-        0x100, 0x110, 0x111, 0x112, 0x140, 0x141, 0x142, 0x143, 0x170, 0x171, 0x172,
-    ];
+    const KNOWN: [u16; 11] = [0x100, 0x110, 0x111, 0x112, 0x140, 0x141, 0x142, 0x143, 0x170, 0x171, 0x172];
     let mut generator = ChaCha8Rng::seed_from_u64(5);
     let plain = CanCodec::<3, 2>::new(0x100, [1e-5; 3], [1e-4, -1e-4]).unwrap();
     let full = plain.clone().with_velocities([1e-4; 3]).unwrap();
@@ -207,11 +184,7 @@ fn can_frames() {
             data[7] %= 5;
             let near = KNOWN[generator.random_range(0..KNOWN.len())];
             let frame = Frame {
-                identifier: if generator.random_bool(0.9) {
-                    near
-                } else {
-                    generator.random()
-                },
+                identifier: if generator.random_bool(0.9) { near } else { generator.random() },
                 length: if generator.random_bool(0.9) {
                     [2, 5, 6, 8][generator.random_range(0..4)]
                 } else {
@@ -242,14 +215,9 @@ fn a_server_survives_what_it_is_told() {
     let mut generator = ChaCha8Rng::seed_from_u64(6);
     let mut plant = Plant::new(Alpha, PlantOptions::default()).unwrap();
     plant.reset([0.1], [0.0]).unwrap();
-    let options = ServerOptions {
-        pace: Pace::LockStep,
-        period: 0.005,
-        session: 1,
-        ..ServerOptions::default()
-    };
-    let mut server: PlantServer<Alpha, 1, 1> =
-        PlantServer::bind(plant, "127.0.0.1:0", options).unwrap();
+    let options =
+        ServerOptions { pace: Pace::LockStep, period: 0.005, session: 1, ..ServerOptions::default() };
+    let mut server: PlantServer<Alpha, 1, 1> = PlantServer::bind(plant, "127.0.0.1:0", options).unwrap();
     let (count, mut slowest, mut answers) = (rounds(1500, 1_000_000), Slowest::default(), 0_u64);
     for _ in 0..count {
         let bytes = datagram::<1, 1>(&mut generator);
@@ -279,19 +247,13 @@ fn a_server_survives_its_network() {
     let mut generator = ChaCha8Rng::seed_from_u64(7);
     let mut plant = Plant::new(Alpha, PlantOptions::default()).unwrap();
     plant.reset([0.1], [0.0]).unwrap();
-    let options = ServerOptions {
-        pace: Pace::LockStep,
-        period: 0.005,
-        ..ServerOptions::default()
-    };
-    let mut server: PlantServer<Alpha, 1, 1> =
-        PlantServer::bind(plant, "127.0.0.1:0", options).unwrap();
+    let options = ServerOptions { pace: Pace::LockStep, period: 0.005, ..ServerOptions::default() };
+    let mut server: PlantServer<Alpha, 1, 1> = PlantServer::bind(plant, "127.0.0.1:0", options).unwrap();
     let address = server.local_address().unwrap();
     let serving = std::thread::spawn(move || server.serve(Duration::from_secs(2)));
     let noise = UdpSocket::bind("127.0.0.1:0").unwrap();
     noise.connect(address).unwrap();
-    let mut link: UdpTransport<1, 1> =
-        UdpTransport::connect(address, Duration::from_secs(30)).unwrap();
+    let mut link: UdpTransport<1, 1> = UdpTransport::connect(address, Duration::from_secs(30)).unwrap();
     let count = rounds(1000, 200_000);
     for k in 0..count {
         let mut bytes = datagram::<1, 1>(&mut generator);
@@ -310,7 +272,8 @@ fn a_server_survives_its_network() {
     println!("datagrams through a server's socket: {count}");
 }
 
-/// Whatever a robot answers, a reading is one that was meant: its checksum is right and its number that of the question.
+/// Whatever a robot answers, a reading is one that was meant: its checksum is right and its number that of
+/// the question.
 #[test]
 fn a_client_survives_what_it_is_answered() {
     let robot = UdpSocket::bind("127.0.0.1:0").unwrap();
@@ -343,13 +306,10 @@ fn a_client_survives_what_it_is_answered() {
                 },
             };
             let mut buffer = [0; MAX_DATAGRAM];
-            robot
-                .send_to(answer.encode(&mut buffer).unwrap(), from)
-                .unwrap();
+            robot.send_to(answer.encode(&mut buffer).unwrap(), from).unwrap();
         }
     });
-    let mut link: UdpTransport<2, 2> =
-        UdpTransport::connect(address, Duration::from_secs(5)).unwrap();
+    let mut link: UdpTransport<2, 2> = UdpTransport::connect(address, Duration::from_secs(5)).unwrap();
     let (mut slowest, mut readings) = (Slowest::default(), 0_u64);
     for _ in 0..questions {
         if let Ok(Some(reading)) = slowest.time(|| link.read()) {
@@ -466,11 +426,7 @@ fn spoil_log(bytes: &mut Vec<u8>, generator: &mut ChaCha8Rng) {
         }
         _ => {
             let piece = PIECES[generator.random_range(0..PIECES.len())];
-            let end = if generator.random_bool(0.5) {
-                at
-            } else {
-                to.min(at + piece.len())
-            };
+            let end = if generator.random_bool(0.5) { at } else { to.min(at + piece.len()) };
             bytes.splice(at..end, piece.iter().copied());
         }
     }
@@ -481,10 +437,7 @@ fn work_through(bytes: &[u8], schema: &LogSchema) -> bool {
     let Ok((mut log, findings)) = Log::read(bytes, "spoilt", schema) else {
         return false;
     };
-    let shown: usize = findings
-        .iter()
-        .map(|finding| finding.to_string().len())
-        .sum();
+    let shown: usize = findings.iter().map(|finding| finding.to_string().len()).sum();
     assert!(shown < 1_000_000, "{shown} characters of findings");
     check(&log);
     for name in log.names() {
@@ -534,11 +487,7 @@ fn logs() {
         for _ in 0..generator.random_range(1..6) {
             spoil_log(&mut bytes, &mut generator);
         }
-        let schema = if k % 5 == 0 {
-            &mapped
-        } else {
-            &LogSchema::default()
-        };
+        let schema = if k % 5 == 0 { &mapped } else { &LogSchema::default() };
         read += u64::from(slowest.time(|| work_through(&bytes, schema)));
         slowest.time(|| record(&bytes));
     }
@@ -548,11 +497,8 @@ fn logs() {
 
 /// The same file as a recording of a trajectory: refused, or a motion that is finite everywhere.
 fn record(bytes: &[u8]) {
-    let columns = Columns {
-        time: "time",
-        positions: ["q_beta", "q_gamma"],
-        velocities: Some(["dq_beta", "dq_gamma"]),
-    };
+    let columns =
+        Columns { time: "time", positions: ["q_beta", "q_gamma"], velocities: Some(["dq_beta", "dq_gamma"]) };
     let Ok(recording) = Recording::<2>::read(bytes, "spoilt", &columns) else {
         return;
     };

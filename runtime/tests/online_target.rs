@@ -7,13 +7,9 @@
 mod allocations;
 mod support;
 
-use gelenk_runtime::control_loop::{
-    ControlLoop, Controller, End, FeedForwardPd, StopReason, StopRequest,
-};
+use gelenk_runtime::control_loop::{ControlLoop, Controller, End, FeedForwardPd, StopReason, StopRequest};
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions};
-use gelenk_runtime::trajectory::{
-    MotionLimits, OnlineTarget, TargetStatus, Trajectory, TrajectoryError,
-};
+use gelenk_runtime::trajectory::{MotionLimits, OnlineTarget, TargetStatus, Trajectory, TrajectoryError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use support::robot::{LIMITS, PowerCube, START, Watched, law, settings};
@@ -36,8 +32,8 @@ fn arrival<const N: usize>(motion: &OnlineTarget<N>) -> f64 {
     }
 }
 
-/// Biagiotti, Melchiorri, *Trajectory Planning for Automatic Machines and Robots*, 2008, section 3.4: durations of double-S
-/// motions between two rests.
+/// Biagiotti, Melchiorri, *Trajectory Planning for Automatic Machines and Robots*, 2008, section 3.4:
+/// durations of double-S motions between two rests.
 #[test]
 fn rest_to_rest_takes_the_time_of_the_double_s() {
     let time = |way: f64, limits: &MotionLimits<1>| {
@@ -48,10 +44,7 @@ fn rest_to_rest_takes_the_time_of_the_double_s() {
     };
     // Neither speed nor acceleration reach their limits: four jerks of (d/2j)^⅓ each.
     let free = time(0.1, &limits(10.0, 10.0, 20.0));
-    assert!(
-        (free - 4.0 * (0.1_f64 / 40.0).cbrt()).abs() < 1e-9,
-        "{free}"
-    );
+    assert!((free - 4.0 * (0.1_f64 / 40.0).cbrt()).abs() < 1e-9, "{free}");
     // Both do: d/v + v/a + a/j.
     let full = time(-2.0, &limits(1.0, 2.0, 20.0));
     assert!((full - (2.0 + 0.5 + 0.1)).abs() < 1e-9, "{full}");
@@ -103,10 +96,7 @@ fn limits_hold_and_nothing_jumps_whatever_is_asked() {
 
 #[test]
 fn what_cannot_be_followed_is_told_and_the_motion_goes_on() {
-    let slow = MotionLimits {
-        positions: [[-1e4, 1e4]; 2],
-        ..limits(1e-4, 1.0, 1.0)
-    };
+    let slow = MotionLimits { positions: [[-1e4, 1e4]; 2], ..limits(1e-4, 1.0, 1.0) };
     let motion = OnlineTarget::new([0.0; 2], &slow).unwrap();
     motion.set([0.01; 2]).unwrap();
     motion.begin_period(0.0);
@@ -143,18 +133,11 @@ fn what_cannot_be_followed_is_told_and_the_motion_goes_on() {
 #[test]
 fn limits_must_be_numbers() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-5, 1e5] {
-        for limits in [
-            limits(bad, 1.0, 1.0),
-            limits(1.0, bad, 1.0),
-            limits(1.0, 1.0, bad),
-        ] {
+        for limits in [limits(bad, 1.0, 1.0), limits(1.0, bad, 1.0), limits(1.0, 1.0, bad)] {
             assert!(OnlineTarget::new([0.0], &limits).is_err(), "{limits:?}");
         }
     }
-    let narrow = MotionLimits {
-        positions: [[0.5, 1.0]],
-        ..limits(1.0, 1.0, 1.0)
-    };
+    let narrow = MotionLimits { positions: [[0.5, 1.0]], ..limits(1.0, 1.0, 1.0) };
     assert_eq!(
         OnlineTarget::new([0.0], &narrow).unwrap_err().to_string(),
         "point 1 has joint 1 at 0, outside its limits 0.5 to 1"
@@ -169,9 +152,7 @@ fn a_new_target_allocates_nothing() {
     let before = allocations::count();
     for k in 1..200_u32 {
         let time = 0.02 * f64::from(k);
-        motion
-            .set(core::array::from_fn(|i| (f64::from(k) + i as f64).sin()))
-            .unwrap();
+        motion.set(core::array::from_fn(|i| (f64::from(k) + i as f64).sin())).unwrap();
         motion.begin_period(time);
         assert!(motion.sample(time + 0.1).is_finite());
     }
@@ -184,10 +165,9 @@ fn drive(controller: impl Controller<2, 2>, motion: OnlineTarget<2>) {
     let clock = robot.clock.clone();
     let stop = StopRequest::new();
     let operator = motion.clone();
-    let mut control =
-        ControlLoop::new(settings(RATE), law(), motion, controller, &mut robot, clock)
-            .unwrap()
-            .with_stop_request(stop.clone());
+    let mut control = ControlLoop::new(settings(RATE), law(), motion, controller, &mut robot, clock)
+        .unwrap()
+        .with_stop_request(stop.clone());
     control.start().unwrap();
     let targets = [(10, [0.2, 0.1]), (70, [-0.3, -0.4]), (110, [0.4, -0.2])];
     for k in 0..400 {
@@ -208,10 +188,7 @@ fn drive(controller: impl Controller<2, 2>, motion: OnlineTarget<2>) {
 }
 
 fn of_the_arm() -> OnlineTarget<2> {
-    let limits = MotionLimits {
-        positions: LIMITS,
-        ..limits(0.7, 2.0, 20.0)
-    };
+    let limits = MotionLimits { positions: LIMITS, ..limits(0.7, 2.0, 20.0) };
     OnlineTarget::new(START, &limits).unwrap()
 }
 

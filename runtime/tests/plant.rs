@@ -50,12 +50,7 @@ impl Dynamics<1, 1> for Slider {
     }
 }
 
-const SLIDER: Slider = Slider {
-    mass: 2.0,
-    viscous: 0.0,
-    coulomb: 0.0,
-    tightening: 0.0,
-};
+const SLIDER: Slider = Slider { mass: 2.0, viscous: 0.0, coulomb: 0.0, tightening: 0.0 };
 
 /// A generated robot without friction.
 struct Frictionless<D>(D);
@@ -99,9 +94,7 @@ fn a_plant_without_friction_conserves_energy() {
     };
     let mut plant = ideal(Frictionless(Puma));
     let start = [0.3, 0.4, -0.5, 0.2, 0.7, -0.1];
-    plant
-        .reset(start, [0.5, -0.2, 0.4, 1.0, -0.6, 0.3])
-        .unwrap();
+    plant.reset(start, [0.5, -0.2, 0.4, 1.0, -0.6, 0.3]).unwrap();
     let (y, v) = plant.state();
     let before = energy(&y, &v);
     let mut largest: f64 = 0.0;
@@ -134,18 +127,12 @@ fn the_error_follows_the_tolerance() {
     };
     let errors = [1e-4, 1e-7, 1e-10].map(error);
     assert!(errors[0] < 1e-2 && errors[2] < 1e-9, "{errors:?}");
-    assert!(
-        errors[1] < 0.1 * errors[0] && errors[2] < 0.1 * errors[1],
-        "{errors:?}"
-    );
+    assert!(errors[1] < 0.1 * errors[0] && errors[2] < 0.1 * errors[1], "{errors:?}");
 }
 
 #[test]
 fn a_damped_mass_follows_its_closed_form() {
-    let mut plant = ideal(Slider {
-        viscous: 0.5,
-        ..SLIDER
-    });
+    let mut plant = ideal(Slider { viscous: 0.5, ..SLIDER });
     for _ in 0..100 {
         plant.apply(&[3.0], 0.02).unwrap();
     }
@@ -160,10 +147,7 @@ fn a_damped_mass_follows_its_closed_form() {
 /// Under dry friction alone a mass stops after m v/c, having slid m v²/2c, and stays.
 #[test]
 fn dry_friction_stops_a_mass_and_holds_it() {
-    let mut plant = ideal(Slider {
-        coulomb: 1.6,
-        ..SLIDER
-    });
+    let mut plant = ideal(Slider { coulomb: 1.6, ..SLIDER });
     plant.reset([0.0], [1.0]).unwrap();
     for _ in 0..62 {
         plant.apply(&[0.0], 0.02).unwrap();
@@ -182,16 +166,12 @@ fn dry_friction_stops_a_mass_and_holds_it() {
     close(plant.state().0[0], 0.625 - 0.025, 1e-9);
 }
 
-/// A push against the motion: the mass stops within the period and leaves in the other direction.
-/// Dry friction that grows along the way takes up `½ m v² = c (y + k y²/2)`, and where the mass stopped it holds as much as
-/// it brakes there.
+/// A push against the motion: the mass stops within the period and leaves in the other direction. Dry
+/// friction that grows along the way takes up `½ m v² = c (y + k y²/2)`, and where the mass stopped it holds
+/// as much as it brakes there.
 #[test]
 fn dry_friction_of_the_position_stops_and_holds_by_it() {
-    let mut plant = ideal(Slider {
-        coulomb: 1.6,
-        tightening: 2.0,
-        ..SLIDER
-    });
+    let mut plant = ideal(Slider { coulomb: 1.6, tightening: 2.0, ..SLIDER });
     plant.reset([0.0], [1.0]).unwrap();
     for _ in 0..100 {
         plant.apply(&[0.0], 0.02).unwrap();
@@ -210,10 +190,7 @@ fn dry_friction_of_the_position_stops_and_holds_by_it() {
 
 #[test]
 fn a_reversal_within_a_period_is_located() {
-    let mut plant = ideal(Slider {
-        coulomb: 1.0,
-        ..SLIDER
-    });
+    let mut plant = ideal(Slider { coulomb: 1.0, ..SLIDER });
     plant.reset([0.0], [0.7]).unwrap();
     plant.apply(&[-3.0], 1.0).unwrap();
     // Forward at −2 m/s² for 0.35 s, then back at −1 m/s².
@@ -222,7 +199,8 @@ fn a_reversal_within_a_period_is_located() {
     close(y[0], 0.7 * 0.35 - 0.35 * 0.35 - 0.5 * 0.65 * 0.65, 1e-9);
 }
 
-/// All six joints of the Puma have Coulomb friction: the arm comes to rest in finite time, losing energy all the way, and then does not move.
+/// All six joints of the Puma have Coulomb friction: the arm comes to rest in finite time, losing energy all
+/// the way, and then does not move.
 #[test]
 fn an_arm_with_coulomb_friction_comes_to_rest() {
     let energy = |y: &[f64; 6], v: &[f64; 6]| {
@@ -230,9 +208,7 @@ fn an_arm_with_coulomb_friction_comes_to_rest() {
     };
     let mut plant = ideal(Puma);
     let hanging = [0.0, -1.6, 1.6, 0.1, 0.2, 0.0];
-    plant
-        .reset(hanging, [1.0, 0.5, -0.7, 2.0, -2.0, 3.0])
-        .unwrap();
+    plant.reset(hanging, [1.0, 0.5, -0.7, 2.0, -2.0, 3.0]).unwrap();
     let mut before = f64::INFINITY;
     for _ in 0..200 {
         let (y, v) = plant.state();
@@ -277,10 +253,7 @@ fn brakes_decelerate_by_their_torque() {
     assert_eq!(plant.state().1, [0.0]);
     close(plant.state().0[0], 0.05, 1e-9);
 
-    let options = PlantOptions {
-        brake_torque: Some([f64::INFINITY]),
-        ..PlantOptions::default()
-    };
+    let options = PlantOptions { brake_torque: Some([f64::INFINITY]), ..PlantOptions::default() };
     let mut locked = Plant::new(SLIDER, options).unwrap();
     locked.reset([0.3], [1.0]).unwrap();
     locked.brake();
@@ -308,10 +281,7 @@ fn encoders_round_and_inputs_are_rounded_and_limited() {
 
 #[test]
 fn a_delayed_input_acts_periods_later() {
-    let options = PlantOptions {
-        delay: 2,
-        ..PlantOptions::default()
-    };
+    let options = PlantOptions { delay: 2, ..PlantOptions::default() };
     let mut plant = Plant::new(SLIDER, options).unwrap();
     plant.preload([0.5]);
     let mut seen = Vec::new();
@@ -324,12 +294,7 @@ fn a_delayed_input_acts_periods_later() {
 
 #[test]
 fn losses_hold_inputs_and_measurements() {
-    let options = PlantOptions {
-        input_loss: 0.2,
-        measurement_loss: 0.2,
-        seed: 7,
-        ..PlantOptions::default()
-    };
+    let options = PlantOptions { input_loss: 0.2, measurement_loss: 0.2, seed: 7, ..PlantOptions::default() };
     let mut plant = Plant::new(SLIDER, options).unwrap();
     let (mut inputs, mut measurements) = (0, 0);
     for k in 1..=5000 {
@@ -353,11 +318,7 @@ fn losses_hold_inputs_and_measurements() {
 
 #[test]
 fn noise_has_its_standard_deviation() {
-    let options = PlantOptions {
-        encoder_noise: [2e-3],
-        input_noise: [0.3],
-        ..PlantOptions::default()
-    };
+    let options = PlantOptions { encoder_noise: [2e-3], input_noise: [0.3], ..PlantOptions::default() };
     let mut plant = Plant::new(SLIDER, options).unwrap();
     let (mut position, mut input) = (0.0, 0.0);
     let n = 20_000;
@@ -388,11 +349,7 @@ fn the_seed_decides_everything() {
         for k in 0..100 {
             plant.apply(&[0.1, 0.001 * f64::from(k)], 0.02).unwrap();
             let (y, v) = plant.state();
-            all.push((
-                plant.measure().positions.map(f64::to_bits),
-                y.map(f64::to_bits),
-                v.map(f64::to_bits),
-            ));
+            all.push((plant.measure().positions.map(f64::to_bits), y.map(f64::to_bits), v.map(f64::to_bits)));
         }
         all
     };
@@ -406,28 +363,16 @@ fn errors_name_the_numbers_and_leave_the_plant() {
     plant.reset([0.1, 0.2], [0.3, 0.4]).unwrap();
     let before = (plant.state(), plant.time());
     let error = plant.apply(&[0.0, f64::NAN], 0.02).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "input gamma is NaN; only finite inputs can be applied"
-    );
+    assert_eq!(error.to_string(), "input gamma is NaN; only finite inputs can be applied");
     assert_eq!(plant.hold(0.0).unwrap_err(), PlantError::Period(0.0));
     assert!(plant.apply(&[0.0; 2], f64::INFINITY).is_err());
     assert!(plant.reset([f64::NAN, 0.0], [0.0; 2]).is_err());
     assert_eq!((plant.state(), plant.time()), before);
 
-    let options = PlantOptions {
-        input_loss: 1.5,
-        ..PlantOptions::default()
-    };
+    let options = PlantOptions { input_loss: 1.5, ..PlantOptions::default() };
     let error = Plant::new(PowerCube, options).err().unwrap();
-    assert_eq!(
-        error.to_string(),
-        "plant option input_loss is 1.5; it must be a probability, 0 to 1"
-    );
-    let options = PlantOptions {
-        velocity_noise: Some([0.0, -1.0]),
-        ..PlantOptions::default()
-    };
+    assert_eq!(error.to_string(), "plant option input_loss is 1.5; it must be a probability, 0 to 1");
+    let options = PlantOptions { velocity_noise: Some([0.0, -1.0]), ..PlantOptions::default() };
     let error = Plant::new(PowerCube, options).err().unwrap();
     assert_eq!(
         error.to_string(),
@@ -502,14 +447,8 @@ fn velocities_and_torques_are_measured_where_the_options_say_so() {
 /// A model whose accelerations are not finite must not hang the plant.
 #[test]
 fn a_model_that_breaks_down_is_reported() {
-    let mut plant = ideal(Slider {
-        mass: f64::NAN,
-        ..SLIDER
-    });
+    let mut plant = ideal(Slider { mass: f64::NAN, ..SLIDER });
     let error = plant.apply(&[1.0], 0.02).unwrap_err();
-    assert!(
-        matches!(error, PlantError::Integration { time, .. } if time == 0.0),
-        "{error}"
-    );
+    assert!(matches!(error, PlantError::Integration { time, .. } if time == 0.0), "{error}");
     assert_eq!(plant.state(), ([0.0], [0.0]));
 }

@@ -11,10 +11,7 @@ use support::random_qp;
 fn ten_thousand_solves_allocate_nothing() {
     let mut kinds: Vec<QpProblem<4, 2>> = vec![];
     for seed in 0..12 {
-        let kind = random_qp::Kind {
-            horizon: 10,
-            ..random_qp::kind_of(seed)
-        };
+        let kind = random_qp::Kind { horizon: 10, ..random_qp::kind_of(seed) };
         kinds.push(random_qp::random_qp(seed, kind));
     }
     let mut infeasible = kinds[0].clone();
@@ -30,11 +27,7 @@ fn ten_thousand_solves_allocate_nothing() {
     let before = allocations::count();
     for i in 0..10_000 {
         let problem = &kinds[i % kinds.len()];
-        let report = if i % 3 == 0 {
-            solver.solve_warm(problem)
-        } else {
-            solver.solve(problem)
-        };
+        let report = if i % 3 == 0 { solver.solve_warm(problem) } else { solver.solve(problem) };
         match report.status {
             QpStatus::Solved => solved += 1,
             QpStatus::Relaxed => relaxed += 1,
@@ -45,10 +38,7 @@ fn ten_thousand_solves_allocate_nothing() {
     }
     let after = allocations::count();
     assert_eq!(after, before);
-    assert!(
-        solved > 8000 && relaxed > 500 && refused > 500,
-        "{solved} {relaxed} {refused}"
-    );
+    assert!(solved > 8000 && relaxed > 500 && refused > 500, "{solved} {relaxed} {refused}");
     drop(std::hint::black_box(vec![0_u8; 32]));
     assert!(allocations::count() > after, "the counter counts");
 }

@@ -1,4 +1,5 @@
-//! What the QP solver promises beyond the optimum: KKT conditions, infeasible and senseless problems, updates, warm starts, horizons.
+//! What the QP solver promises beyond the optimum: KKT conditions, infeasible and senseless problems,
+//! updates, warm starts, horizons.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
@@ -7,20 +8,10 @@ mod support;
 use gelenk_runtime::qp::{Penalty, QpError, QpProblem, QpSettings, QpSolver, QpStatus};
 use support::{oracle, random_qp};
 
-const SETTINGS: QpSettings = QpSettings {
-    tolerance: 1e-10,
-    feasibility: 1e-10,
-    max_iterations: 50,
-};
+const SETTINGS: QpSettings = QpSettings { tolerance: 1e-10, feasibility: 1e-10, max_iterations: 50 };
 
 fn problem(seed: u64) -> QpProblem<4, 2> {
-    random_qp::random_qp(
-        seed,
-        random_qp::Kind {
-            horizon: 10,
-            ..random_qp::kind_of(seed)
-        },
-    )
+    random_qp::random_qp(seed, random_qp::Kind { horizon: 10, ..random_qp::kind_of(seed) })
 }
 
 fn times<const R: usize, const C: usize>(m: &[[f64; C]; R], v: &[f64; C]) -> [f64; R] {
@@ -40,13 +31,7 @@ fn bits<const NX: usize, const NU: usize>(solver: &QpSolver<NX, NU>) -> Vec<u64>
 }
 
 /// Multipliers `λ ≥ 0` times slacks, and violations, of one bound, hard or soft.
-fn complementarity(
-    z: f64,
-    lower: f64,
-    upper: f64,
-    multipliers: [f64; 2],
-    penalty: Option<Penalty>,
-) -> f64 {
+fn complementarity(z: f64, lower: f64, upper: f64, multipliers: [f64; 2], penalty: Option<Penalty>) -> f64 {
     let mut worst = 0.0_f64;
     for (slack, multiplier) in [(z - lower, multipliers[0]), (upper - z, multipliers[1])] {
         assert!(multiplier >= 0.0);
@@ -78,20 +63,9 @@ fn kkt<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>, solver: &QpSolve
     for k in (0..n).rev() {
         let stage = &p.stages[k];
         let (u, x) = (solver.input(k), solver.state(k + 1));
-        let last = if k == 0 {
-            p.initial_state
-        } else {
-            solver.state(k)
-        };
-        let (ax, bu) = (
-            times(&stage.state_matrix, &last),
-            times(&stage.input_matrix, &u),
-        );
-        let weight = if k + 1 == n {
-            &p.terminal_weight
-        } else {
-            &p.state_weight
-        };
+        let last = if k == 0 { p.initial_state } else { solver.state(k) };
+        let (ax, bu) = (times(&stage.state_matrix, &last), times(&stage.input_matrix, &u));
+        let weight = if k + 1 == n { &p.terminal_weight } else { &p.state_weight };
         let qx = times(weight, &x);
         let forces = solver.state_multipliers(k + 1);
         let next = costate;
@@ -105,41 +79,21 @@ fn kkt<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>, solver: &QpSolve
                 p.state_penalty[i],
             ));
             let pull: f64 = if k + 1 < n {
-                (0..NX)
-                    .map(|j| p.stages[k + 1].state_matrix[j][i] * next[j])
-                    .sum()
+                (0..NX).map(|j| p.stages[k + 1].state_matrix[j][i] * next[j]).sum()
             } else {
                 0.0
             };
             costate[i] = qx[i] + stage.state_gradient[i] - forces[i][0] + forces[i][1] + pull;
         }
-        let before = if k == 0 {
-            p.previous_input
-        } else {
-            solver.input(k - 1)
-        };
+        let before = if k == 0 { p.previous_input } else { solver.input(k - 1) };
         let after = if k + 1 < n { solver.input(k + 1) } else { u };
         let bend: [f64; NU] = core::array::from_fn(|i| 2.0 * u[i] - before[i] - after[i]);
-        let bend = if k + 1 < n {
-            bend
-        } else {
-            core::array::from_fn(|i| u[i] - before[i])
-        };
-        let (ru, wu) = (
-            times(&p.input_weight, &u),
-            times(&p.input_rate_weight, &bend),
-        );
+        let bend = if k + 1 < n { bend } else { core::array::from_fn(|i| u[i] - before[i]) };
+        let (ru, wu) = (times(&p.input_weight, &u), times(&p.input_rate_weight, &bend));
         for (i, force) in solver.input_multipliers(k).into_iter().enumerate() {
             let pull: f64 = (0..NX).map(|j| stage.input_matrix[j][i] * costate[j]).sum();
-            worst = worst
-                .max((ru[i] + wu[i] + stage.input_gradient[i] - force[0] + force[1] + pull).abs());
-            worst = worst.max(complementarity(
-                u[i],
-                stage.input_lower[i],
-                stage.input_upper[i],
-                force,
-                None,
-            ));
+            worst = worst.max((ru[i] + wu[i] + stage.input_gradient[i] - force[0] + force[1] + pull).abs());
+            worst = worst.max(complementarity(u[i], stage.input_lower[i], stage.input_upper[i], force, None));
         }
     }
     worst
@@ -154,14 +108,8 @@ fn kkt_conditions_hold() {
         assert_eq!(report.status, QpStatus::Solved);
         let scale = report.cost.abs().max(1.0);
         let residual = kkt(&problem, &solver);
-        assert!(
-            residual < 1e-7 * scale,
-            "seed {seed}: {residual:e} {report:?}"
-        );
-        assert!(
-            report.residuals.stationarity < 1e-7 * scale,
-            "seed {seed}: {report:?}"
-        );
+        assert!(residual < 1e-7 * scale, "seed {seed}: {residual:e} {report:?}");
+        assert!(report.residuals.stationarity < 1e-7 * scale, "seed {seed}: {report:?}");
     }
 }
 
@@ -188,14 +136,7 @@ fn inputs_never_leave_their_bounds() {
     for seed in 0..200 {
         let problem = problem(seed);
         for max_iterations in [0, 1, 3, 50] {
-            let mut solver = QpSolver::new(
-                10,
-                QpSettings {
-                    max_iterations,
-                    ..SETTINGS
-                },
-            )
-            .unwrap();
+            let mut solver = QpSolver::new(10, QpSettings { max_iterations, ..SETTINGS }).unwrap();
             let report = solver.solve(&problem);
             assert!(report.iterations <= 2 * max_iterations);
             for (k, stage) in problem.stages.iter().enumerate() {
@@ -225,7 +166,8 @@ fn an_infeasible_state_bound_gives_the_least_violation() {
         for stage in &mut problem.stages {
             stage.state_lower[0] = 3.0;
             stage.state_upper[1] = -2.0;
-            // Bounded on both sides, so that no input is large enough for its own cost to count beside the violation.
+            // Bounded on both sides, so that no input is large enough for its own cost to count beside the
+            // violation.
             stage.input_upper = stage.input_lower.map(|lower| lower + 0.4);
         }
         let mut solver = QpSolver::new(10, SETTINGS).unwrap();
@@ -233,21 +175,13 @@ fn an_infeasible_state_bound_gives_the_least_violation() {
         assert_eq!(report.status, QpStatus::Relaxed, "seed {seed}: {report:?}");
         assert!(report.iterations <= 100 && report.residuals.primal > 0.1);
         let mut least = problem.clone();
-        least.state_penalty = [Some(Penalty {
-            linear: 1e6,
-            quadratic: 0.0,
-        }); 4];
+        least.state_penalty = [Some(Penalty { linear: 1e6, quadratic: 0.0 }); 4];
         let truth = oracle::solve(&least, 1e-10);
         let total = |state: &dyn Fn(usize) -> [f64; 4]| -> f64 {
-            (0..10)
-                .map(|k| (3.0 - state(k)[0]).max(0.0) + (state(k)[1] + 2.0).max(0.0))
-                .sum()
+            (0..10).map(|k| (3.0 - state(k)[0]).max(0.0) + (state(k)[1] + 2.0).max(0.0)).sum()
         };
         let (ours, theirs) = (total(&|k| solver.state(k + 1)), total(&|k| truth.states[k]));
-        assert!(
-            ours <= theirs * (1.0 + 1e-4),
-            "seed {seed}: violation {ours} against {theirs}"
-        );
+        assert!(ours <= theirs * (1.0 + 1e-4), "seed {seed}: violation {ours} against {theirs}");
     }
 }
 
@@ -264,10 +198,7 @@ fn an_exact_penalty_keeps_a_soft_bound_that_can_be_kept() {
         };
         let hard = random_qp::random_qp::<4, 2>(seed, kind);
         let mut soft = hard.clone();
-        soft.state_penalty = [Some(Penalty {
-            linear: 1e5,
-            quadratic: 0.0,
-        }); 4];
+        soft.state_penalty = [Some(Penalty { linear: 1e5, quadratic: 0.0 }); 4];
         let mut solvers = [0, 1].map(|_| QpSolver::new(8, SETTINGS).unwrap());
         assert_eq!(solvers[0].solve(&hard).status, QpStatus::Solved);
         assert_eq!(solvers[1].solve(&soft).status, QpStatus::Solved);
@@ -342,7 +273,8 @@ fn without_active_bounds_one_factorization_is_enough() {
     assert!(kkt(&problem, &solver) < 1e-9);
 }
 
-/// Without bounds there is no complementarity that could tell a warm start how far it is from the new optimum.
+/// Without bounds there is no complementarity that could tell a warm start how far it is from the new
+/// optimum.
 #[test]
 fn a_warm_start_without_bounds_takes_in_new_data() {
     for seed in 0..20 {
@@ -358,10 +290,7 @@ fn a_warm_start_without_bounds_takes_in_new_data() {
         let report = solver.solve_warm(&problem);
         assert_eq!(report.status, QpStatus::Solved, "seed {seed}");
         let residual = kkt(&problem, &solver);
-        assert!(
-            residual < 1e-9 * report.cost.abs().max(1.0),
-            "seed {seed}: {residual:e}"
-        );
+        assert!(residual < 1e-9 * report.cost.abs().max(1.0), "seed {seed}: {residual:e}");
     }
 }
 
@@ -379,7 +308,8 @@ fn the_cost_holds_the_first_change_of_the_input() {
     assert!((report.cost - 6.0).abs() < 1e-12, "{report:?}");
 }
 
-/// Whatever overflows on the way: what counts as solved satisfies the KKT conditions, and every input is a number within its bounds.
+/// Whatever overflows on the way: what counts as solved satisfies the KKT conditions, and every input is a
+/// number within its bounds.
 #[test]
 fn numbers_that_overflow_are_never_called_solved() {
     let spoil: [fn(&mut QpProblem<4, 2>, f64); 7] = [
@@ -396,10 +326,8 @@ fn numbers_that_overflow_are_never_called_solved() {
         for size in [1e20, 1e100, 1e155, 1e200, 1e300] {
             let mut problem = problem(1);
             spoil(&mut problem, size);
-            for (state, upper) in problem
-                .stages
-                .iter_mut()
-                .flat_map(|s| s.state_lower.iter().zip(&mut s.state_upper))
+            for (state, upper) in
+                problem.stages.iter_mut().flat_map(|s| s.state_lower.iter().zip(&mut s.state_upper))
             {
                 *upper = upper.max(*state);
             }
@@ -411,18 +339,12 @@ fn numbers_that_overflow_are_never_called_solved() {
                 if report.status == QpStatus::Solved {
                     assert!(report.cost.is_finite(), "{what}");
                     let residual = kkt(&problem, &solver);
-                    assert!(
-                        residual <= 1e-6 * report.cost.abs().max(1.0),
-                        "{what}, {residual:e}"
-                    );
+                    assert!(residual <= 1e-6 * report.cost.abs().max(1.0), "{what}, {residual:e}");
                 }
                 invalid += usize::from(report.status == QpStatus::Invalid);
                 for (k, stage) in problem.stages.iter().enumerate() {
                     for (i, u) in solver.input(k).into_iter().enumerate() {
-                        assert!(
-                            stage.input_lower[i] <= u && u <= stage.input_upper[i],
-                            "{what}"
-                        );
+                        assert!(stage.input_lower[i] <= u && u <= stage.input_upper[i], "{what}");
                     }
                 }
             }
@@ -431,7 +353,8 @@ fn numbers_that_overflow_are_never_called_solved() {
     assert!(invalid > 0);
 }
 
-/// Neither the inputs nor what they lead to costs anything: the optimum is not unique, and there is nothing to factorize.
+/// Neither the inputs nor what they lead to costs anything: the optimum is not unique, and there is nothing
+/// to factorize.
 #[test]
 fn a_problem_without_curvature_is_invalid() {
     let mut problem = problem(1);
@@ -441,7 +364,8 @@ fn a_problem_without_curvature_is_invalid() {
     assert_eq!(solver.solve(&problem).status, QpStatus::Invalid);
 }
 
-/// A state that must pass through a point does so, within the tolerance; where that cannot be, the report says so.
+/// A state that must pass through a point does so, within the tolerance; where that cannot be, the report
+/// says so.
 #[test]
 fn equal_bounds_of_a_state_are_an_equality() {
     let mut problem = problem(2);
@@ -469,12 +393,7 @@ fn senseless_data_are_refused_with_a_usable_input() {
         |p| p.stages[3].state_lower[0] = f64::NAN,
         |p| p.stages[2].input_lower = [0.75; 2],
         |p| p.input_weight = [[-100.0, 0.0], [0.0, -100.0]],
-        |p| {
-            p.state_penalty[0] = Some(Penalty {
-                linear: -1.0,
-                quadratic: 0.0,
-            })
-        },
+        |p| p.state_penalty[0] = Some(Penalty { linear: -1.0, quadratic: 0.0 }),
         |p| p.stages.truncate(5),
     ];
     for (i, spoil) in spoil.into_iter().enumerate() {
@@ -507,29 +426,12 @@ fn fixed_inputs_are_allowed() {
 #[test]
 fn horizons_from_one_to_a_hundred() {
     for horizon in [1, 2, 50, 100] {
-        let kind = random_qp::Kind {
-            horizon,
-            spectral_radius: 0.95,
-            state_bounds: true,
-            soft: false,
-            rate: false,
-        };
+        let kind =
+            random_qp::Kind { horizon, spectral_radius: 0.95, state_bounds: true, soft: false, rate: false };
         let mut solver = QpSolver::<4, 2>::new(horizon, SETTINGS).unwrap();
-        assert_eq!(
-            solver.solve(&random_qp::random_qp(1, kind)).status,
-            QpStatus::Solved
-        );
+        assert_eq!(solver.solve(&random_qp::random_qp(1, kind)).status, QpStatus::Solved);
     }
-    assert_eq!(
-        QpSolver::<4, 2>::new(0, SETTINGS).err(),
-        Some(QpError::Horizon(0))
-    );
-    assert_eq!(
-        QpSolver::<4, 2>::new(101, SETTINGS).err(),
-        Some(QpError::Horizon(101))
-    );
-    assert_eq!(
-        QpSolver::<33, 2>::new(10, SETTINGS).err(),
-        Some(QpError::Size)
-    );
+    assert_eq!(QpSolver::<4, 2>::new(0, SETTINGS).err(), Some(QpError::Horizon(0)));
+    assert_eq!(QpSolver::<4, 2>::new(101, SETTINGS).err(), Some(QpError::Horizon(101)));
+    assert_eq!(QpSolver::<33, 2>::new(10, SETTINGS).err(), Some(QpError::Size));
 }

@@ -25,10 +25,7 @@ fn difference<const NX: usize, const NU: usize>(
 }
 
 fn compare<const NX: usize, const NU: usize>(seeds: impl Iterator<Item = u64>) {
-    let settings = QpSettings {
-        tolerance: 1e-14,
-        ..QpSettings::default()
-    };
+    let settings = QpSettings { tolerance: 1e-14, ..QpSettings::default() };
     let mut iterations = vec![];
     let mut worst = 0.0_f64;
     let mut failures = vec![];
@@ -37,10 +34,7 @@ fn compare<const NX: usize, const NU: usize>(seeds: impl Iterator<Item = u64>) {
         let problem = random_qp::random_qp::<NX, NU>(seed, kind);
         let truth = oracle::solve(&problem, 1e-13);
         assert!(
-            matches!(
-                truth.status,
-                SolverStatus::Solved | SolverStatus::AlmostSolved
-            ),
+            matches!(truth.status, SolverStatus::Solved | SolverStatus::AlmostSolved),
             "seed {seed}: Clarabel says {:?}",
             truth.status
         );
@@ -53,7 +47,9 @@ fn compare<const NX: usize, const NU: usize>(seeds: impl Iterator<Item = u64>) {
             && excess < 1e-7
             && report.residuals.primal < 1e-9;
         if !equal {
-            failures.push(format!("seed {seed} {kind:?}: difference {difference:.1e}, cost by {excess:.1e}, {report:?}"));
+            failures.push(format!(
+                "seed {seed} {kind:?}: difference {difference:.1e}, cost by {excess:.1e}, {report:?}"
+            ));
         }
         worst = worst.max(difference);
         iterations.push(report.iterations);
@@ -65,12 +61,7 @@ fn compare<const NX: usize, const NU: usize>(seeds: impl Iterator<Item = u64>) {
         iterations[n / 2],
         iterations[n - 1]
     );
-    assert!(
-        failures.is_empty(),
-        "{} of {n} differ:\n{}",
-        failures.len(),
-        failures.join("\n")
-    );
+    assert!(failures.is_empty(), "{} of {n} differ:\n{}", failures.len(), failures.join("\n"));
 }
 
 #[test]
@@ -106,10 +97,7 @@ fn iterations_vary_little() {
         })
         .collect();
     iterations.sort_unstable();
-    println!(
-        "median {}, 99 % {}, largest {}",
-        iterations[500], iterations[990], iterations[999]
-    );
+    println!("median {}, 99 % {}, largest {}", iterations[500], iterations[990], iterations[999]);
     assert!(
         iterations[999] <= 2 * iterations[500],
         "median {}, largest {}",

@@ -1,9 +1,12 @@
-//! The QP solver on random well-posed problems of every kind (`support::wide_qp`), cold and warm, against Clarabel: statuses are true, none ends at the
-//! iteration limit, and no cost exceeds the optimum by more than 1e-6 of its size.
+//! The QP solver on random well-posed problems of every kind (`support::wide_qp`), cold and warm, against
+//! Clarabel: statuses are true, none ends at the iteration limit, and no cost exceeds the optimum by more
+//! than 1e-6 of its size.
 //!
-//! Short by default. All ten thousand: `QP_PROBLEMS=10000 cargo test --release -p gelenk-runtime --test qp_random -- --nocapture`; others from the seed
-//! `QP_FIRST` on. That run does not pass yet: 1 of its 40 000 solves ends at the iteration limit, and is reported as such (seed 1493 shifted: a plan at the
-//! edge of what is feasible, whose multipliers have no bound; the cost is within 1e-6 of the optimum, but is not proven to be).
+//! Short by default. All ten thousand:
+//! `QP_PROBLEMS=10000 cargo test --release -p gelenk-runtime --test qp_random -- --nocapture`; others from
+//! the seed `QP_FIRST` on. That run does not pass yet: 1 of its 40 000 solves ends at the iteration limit,
+//! and is reported as such (seed 1493 shifted: a plan at the edge of what is feasible, whose multipliers have
+//! no bound; the cost is within 1e-6 of the optimum, but is not proven to be).
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
@@ -14,7 +17,8 @@ use gelenk_runtime::qp::{QpProblem, QpReport, QpSettings, QpSolver, QpStatus};
 use support::oracle::{self, Solution};
 use support::wide_qp::{self, Wide};
 
-/// What a point is worth by the problem's own data: cost, size of its quadratic terms, violation of hard bounds, defect of the dynamics.
+/// What a point is worth by the problem's own data: cost, size of its quadratic terms, violation of hard
+/// bounds, defect of the dynamics.
 #[derive(Debug, Default)]
 struct Value {
     cost: f64,
@@ -49,14 +53,9 @@ fn value<const NX: usize, const NU: usize>(
     let (mut last, mut x) = (p.previous_input, p.initial_state);
     for (k, s) in p.stages.iter().enumerate() {
         let (u, next) = (inputs[k], states[k]);
-        let weight = if k + 1 == p.stages.len() {
-            &p.terminal_weight
-        } else {
-            &p.state_weight
-        };
+        let weight = if k + 1 == p.stages.len() { &p.terminal_weight } else { &p.state_weight };
         let change: [f64; NU] = core::array::from_fn(|i| u[i] - last[i]);
-        let size =
-            form(weight, &next) + form(&p.input_weight, &u) + form(&p.input_rate_weight, &change);
+        let size = form(weight, &next) + form(&p.input_weight, &u) + form(&p.input_rate_weight, &change);
         v.size += size;
         v.cost += size + dot(&s.input_gradient, &u) + dot(&s.state_gradient, &next);
         let ideal = wide_qp::advance(s, &x, &u);
@@ -81,7 +80,8 @@ fn value<const NX: usize, const NU: usize>(
 /// Counts and failures of one kind of solve.
 #[derive(Debug, Default)]
 struct Tally {
-    /// Solves that Clarabel confirms, that it cannot judge since it did not solve the problem itself, and truly infeasible ones.
+    /// Solves that Clarabel confirms, that it cannot judge since it did not solve the problem itself, and
+    /// truly infeasible ones.
     confirmed: usize,
     unjudged: usize,
     infeasible: usize,
@@ -141,7 +141,8 @@ impl Tally {
     }
 }
 
-/// Solves of one problem: cold; warm after a shift, from the plan and beside it; warm after a jump to other data.
+/// Solves of one problem: cold; warm after a shift, from the plan and beside it; warm after a jump to other
+/// data.
 #[derive(Debug, Default)]
 struct Tallies {
     cold: Tally,
@@ -159,11 +160,7 @@ impl Tallies {
         let truth = oracle::solve(&first, 1e-10);
         self.cold.judge(seed, &first, &truth, &base, &report);
         let plan = base.state(1);
-        let warm = [
-            (0.0, &mut self.shifted),
-            (0.01, &mut self.disturbed),
-            (1.0, &mut self.changed),
-        ];
+        let warm = [(0.0, &mut self.shifted), (0.01, &mut self.disturbed), (1.0, &mut self.changed)];
         for (share, tally) in warm {
             let mut solver = base.clone();
             let x = core::array::from_fn(|i| plan[i] + share * (wide.reference[i] - plan[i]));

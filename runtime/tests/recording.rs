@@ -7,26 +7,17 @@ use gelenk_runtime::trajectory::{
 };
 use std::path::PathBuf;
 
-const COLUMNS: Columns<2> = Columns {
-    time: "t",
-    positions: ["y1", "y2"],
-    velocities: Some(["v1", "v2"]),
-};
+const COLUMNS: Columns<2> = Columns { time: "t", positions: ["y1", "y2"], velocities: Some(["v1", "v2"]) };
 
 /// The published trajectory; `None`, with a printed note, where it is not there.
 fn published() -> Option<Recording<2>> {
-    let folder = std::env::var_os("GELENK_SHARED").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared"),
-        PathBuf::from,
-    );
+    let folder = std::env::var_os("GELENK_SHARED")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from);
     let path = folder.join("reference/powercube/trajectory.csv");
     if path.exists() {
         return Some(Recording::open(path, &COLUMNS).unwrap());
     }
-    println!(
-        "skipped: {} is not there; set GELENK_SHARED",
-        path.display()
-    );
+    println!("skipped: {} is not there; set GELENK_SHARED", path.display());
     None
 }
 
@@ -45,7 +36,8 @@ fn largest_jerk_jump(trajectory: &Sampled<2>) -> f64 {
     largest
 }
 
-/// Largest difference of velocities and accelerations from the central differences of what they derive, in the middle of the periods.
+/// Largest difference of velocities and accelerations from the central differences of what they derive, in
+/// the middle of the periods.
 fn disagreement(trajectory: &Sampled<2>) -> [f64; 2] {
     let h = 1e-2 * trajectory.period();
     let mut largest = [0.0_f64; 2];
@@ -72,16 +64,8 @@ fn the_published_trajectory_contradicts_itself_at_fourteen_borders() {
     let found = recording.inconsistencies(1e-5);
     let mut borders: Vec<usize> = found.iter().map(|f| f.sample).collect();
     borders.dedup();
-    assert_eq!(
-        borders,
-        [
-            96, 197, 239, 262, 420, 463, 534, 613, 699, 781, 905, 992, 1082, 1131
-        ]
-    );
-    let largest = found
-        .iter()
-        .max_by(|a, b| a.defect.abs().total_cmp(&b.defect.abs()))
-        .unwrap();
+    assert_eq!(borders, [96, 197, 239, 262, 420, 463, 534, 613, 699, 781, 905, 992, 1082, 1131]);
+    let largest = found.iter().max_by(|a, b| a.defect.abs().total_cmp(&b.defect.abs())).unwrap();
     assert_eq!((largest.sample, largest.coordinate), (699, 0));
     assert!((largest.defect - 7.3697e-3).abs() < 1e-6, "{largest:?}");
     // Elsewhere the defect is that of the trapezoidal rule.
@@ -96,10 +80,7 @@ fn the_published_trajectory_is_smoothed() {
     };
     let smoothed = recording.smoothed(&Smoothing::of(0.02)).unwrap();
     let motion = &smoothed.trajectory;
-    println!(
-        "deviations {:?} {:?}",
-        smoothed.position_deviation, smoothed.velocity_deviation
-    );
+    println!("deviations {:?} {:?}", smoothed.position_deviation, smoothed.velocity_deviation);
     for i in 0..2 {
         // Half the largest jump and a little more.
         assert!(smoothed.position_deviation[i] < 5e-3);
@@ -114,13 +95,11 @@ fn the_published_trajectory_is_smoothed() {
         }
     }
     let [velocity, acceleration] = disagreement(motion);
-    assert!(
-        velocity < 1e-6 && acceleration < 1e-3,
-        "{velocity} {acceleration}"
-    );
+    assert!(velocity < 1e-6 && acceleration < 1e-3, "{velocity} {acceleration}");
     let jump = largest_jerk_jump(motion);
     assert!(jump < 1.0, "{jump}");
-    // No ripple between the samples: the trapezoidal rule holds, except where the motion sets in and where it is slowed down.
+    // No ripple between the samples: the trapezoidal rule holds, except where the motion sets in and where it
+    // is slowed down.
     let last = motion.samples().len() - 1;
     for (k, w) in motion.samples().windows(2).enumerate().skip(10) {
         for i in 0..2 {
@@ -142,10 +121,7 @@ fn a_smooth_recording_is_kept() {
         let recording = Recording::new(0.02, positions.clone(), velocities).unwrap();
         assert_eq!(recording.inconsistencies(1e-5), []);
         let smoothed = recording.smoothed(&Smoothing::of(0.02)).unwrap();
-        assert!(
-            smoothed.position_deviation.iter().all(|d| *d < 2e-4),
-            "{smoothed:?}"
-        );
+        assert!(smoothed.position_deviation.iter().all(|d| *d < 2e-4), "{smoothed:?}");
         let middle = (smoothed.trajectory.sample(2.5), motion.sample(2.5));
         for i in 0..2 {
             assert!((middle.0.positions[i] - middle.1.positions[i]).abs() < 1e-6);
@@ -159,21 +135,14 @@ fn a_smooth_recording_is_kept() {
 fn a_sine_passes_with_the_gain_of_the_filter() {
     let period = 0.02;
     for (omega, tau) in [(5.0_f64, 0.1), (10.0, 0.1), (15.0, 0.1), (5.0, 0.2)] {
-        let positions: Vec<_> = (0..=2000)
-            .map(|k| [(omega * (f64::from(k) - 1000.0) * period).cos()])
-            .collect();
+        let positions: Vec<_> =
+            (0..=2000).map(|k| [(omega * (f64::from(k) - 1000.0) * period).cos()]).collect();
         let recording = Recording::new(period, positions, None).unwrap();
-        let smoothing = Smoothing {
-            time_constant: tau,
-            correction_time: 1.0,
-        };
+        let smoothing = Smoothing { time_constant: tau, correction_time: 1.0 };
         let motion = recording.smoothed(&smoothing).unwrap().trajectory;
         let gain = 1.0 / (1.0 + (omega * tau).powi(6));
         let middle = motion.sample(20.0);
-        assert!(
-            (middle.positions[0] - gain).abs() < 1e-4,
-            "{omega} {tau}: {middle:?}, {gain}"
-        );
+        assert!((middle.positions[0] - gain).abs() < 1e-4, "{omega} {tau}: {middle:?}, {gain}");
         assert!((middle.accelerations[0] + gain * omega * omega).abs() < 1e-3 * omega * omega);
         assert!(middle.velocities[0].abs() < 1e-5);
     }
@@ -182,9 +151,7 @@ fn a_sine_passes_with_the_gain_of_the_filter() {
 /// A jump of positions that the velocities do not know is spread over a second, not made in one step.
 #[test]
 fn a_jump_is_spread() {
-    let positions: Vec<_> = (0..500)
-        .map(|k| [if k < 250 { 0.0 } else { 7e-3 }])
-        .collect();
+    let positions: Vec<_> = (0..500).map(|k| [if k < 250 { 0.0 } else { 7e-3 }]).collect();
     let velocities = vec![[0.0]; 500];
     let recording = Recording::new(0.02, positions, Some(velocities)).unwrap();
     let found = recording.inconsistencies(1e-5);
@@ -192,54 +159,25 @@ fn a_jump_is_spread() {
     assert_eq!((found[0].sample, found[0].defect), (249, 7e-3));
     let smoothed = recording.smoothed(&Smoothing::of(0.02)).unwrap();
     assert!(smoothed.velocity_deviation[0] < 0.02, "{smoothed:?}");
-    assert!(
-        (smoothed.position_deviation[0] - 3.5e-3).abs() < 3e-4,
-        "{smoothed:?}"
-    );
+    assert!((smoothed.position_deviation[0] - 3.5e-3).abs() < 3e-4, "{smoothed:?}");
 }
 
 #[test]
 fn files_that_cannot_be_used_say_where() {
-    let one = Columns {
-        time: "t",
-        positions: ["y"],
-        velocities: None,
-    };
+    let one = Columns { time: "t", positions: ["y"], velocities: None };
     let read = |text: &str| Recording::read(text.as_bytes(), "log.csv", &one).unwrap_err();
     let message = |text: &str| read(text).to_string();
-    assert_eq!(
-        message("t,x\n0,1\n"),
-        "log.csv: no column y; there are t, x"
-    );
-    assert_eq!(
-        message("t,y\n0,1\n1,two\n"),
-        "log.csv, row 2: \"two\" in column y is no number"
-    );
+    assert_eq!(message("t,x\n0,1\n"), "log.csv: no column y; there are t, x");
+    assert_eq!(message("t,y\n0,1\n1,two\n"), "log.csv, row 2: \"two\" in column y is no number");
     assert!(message("t,y\n0,1\n1,2\n3,3\n4,4\n").starts_with("log.csv, row 2: time is 1 s"));
-    assert!(matches!(
-        read("t,y\n0,1\n"),
-        TrajectoryError::TooFew {
-            needed: 3,
-            given: 1,
-            ..
-        }
-    ));
+    assert!(matches!(read("t,y\n0,1\n"), TrajectoryError::TooFew { needed: 3, given: 1, .. }));
     assert!(message("t,y\n0,1\n1,inf\n2,1\n").contains("positions of sample 1"));
     assert!(message("t,y\n0,1\n0,1\n0,1\n").contains("period is 0"));
     assert!(
-        Recording::open("/nowhere/log.csv", &one)
-            .unwrap_err()
-            .to_string()
-            .starts_with("/nowhere/log.csv: ")
+        Recording::open("/nowhere/log.csv", &one).unwrap_err().to_string().starts_with("/nowhere/log.csv: ")
     );
     let recording = Recording::read("t, y\n0, 1\n1, 2\n2, 3\n".as_bytes(), "", &one).unwrap();
     assert_eq!(recording.positions(), [[1.0], [2.0], [3.0]]);
-    let error = recording.smoothed(&Smoothing {
-        time_constant: 50.0,
-        correction_time: 1.0,
-    });
-    assert_eq!(
-        error.unwrap_err().to_string(),
-        "time constant in periods is 50; it must be 1 to 20"
-    );
+    let error = recording.smoothed(&Smoothing { time_constant: 50.0, correction_time: 1.0 });
+    assert_eq!(error.unwrap_err().to_string(), "time constant in periods is 50; it must be 1 to 20");
 }

@@ -5,24 +5,21 @@
 use gelenk_generated::{powercube_six_axis, puma560};
 use gelenk_runtime::kinematics::{Singularity, SphericalWrist};
 use gelenk_runtime::trajectory::{
-    Along, CartesianError, IdentificationSine, PointSequence, Quantity, Rating, RestToRest, Sample,
-    Sampled, Trajectory, joint_points, pose_sequence, straight_ways, violations,
+    Along, CartesianError, IdentificationSine, PointSequence, Quantity, Rating, RestToRest, Sample, Sampled,
+    Trajectory, joint_points, pose_sequence, straight_ways, violations,
 };
 
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 gelenk_runtime::dynamics!(struct CartPole = gelenk_generated::cart_pole);
 
-/// Velocities and accelerations are the derivatives of what stands before them, and nothing jumps: by central differences at `n` times.
+/// Velocities and accelerations are the derivatives of what stands before them, and nothing jumps: by central
+/// differences at `n` times.
 fn assert_c2<const N: usize>(trajectory: &impl Trajectory<N>, n: usize, tolerance: f64) {
     let duration = trajectory.duration();
     let h = 1e-5 * duration;
     let samples = (0..=n).map(|k| duration * (-0.01 + 1.02 * k as f64 / n as f64));
     for t in samples {
-        let (a, b, c) = (
-            trajectory.sample(t - h),
-            trajectory.sample(t),
-            trajectory.sample(t + h),
-        );
+        let (a, b, c) = (trajectory.sample(t - h), trajectory.sample(t), trajectory.sample(t + h));
         for i in 0..N {
             let velocity = (c.positions[i] - a.positions[i]) / (2.0 * h);
             let acceleration = (c.velocities[i] - a.velocities[i]) / (2.0 * h);
@@ -37,10 +34,7 @@ fn assert_c2<const N: usize>(trajectory: &impl Trajectory<N>, n: usize, toleranc
                 "acceleration of {i} at {t}: {acceleration} and {}",
                 b.accelerations[i]
             );
-            assert!(
-                jump.abs() < 1000.0 * tolerance,
-                "acceleration of {i} jumps by {jump} at {t}"
-            );
+            assert!(jump.abs() < 1000.0 * tolerance, "acceleration of {i} jumps by {jump} at {t}");
         }
     }
 }
@@ -55,13 +49,8 @@ fn rest_to_rest_has_its_peaks() {
     let middle = way.sample(2.0);
     assert!((middle.velocities[0] - 15.0 / 8.0 * 2.0 / 4.0).abs() < 1e-12);
     assert!((middle.positions[1] - 0.75).abs() < 1e-12);
-    let peak = (0..=4000)
-        .map(|k| way.sample(f64::from(k) * 1e-3).accelerations[0])
-        .fold(0.0, f64::max);
-    assert!(
-        (peak - 10.0 / 3.0_f64.sqrt() * 2.0 / 16.0).abs() < 1e-6,
-        "{peak}"
-    );
+    let peak = (0..=4000).map(|k| way.sample(f64::from(k) * 1e-3).accelerations[0]).fold(0.0, f64::max);
+    assert!((peak - 10.0 / 3.0_f64.sqrt() * 2.0 / 16.0).abs() < 1e-6, "{peak}");
 }
 
 #[test]
@@ -72,31 +61,18 @@ fn the_fastest_rest_to_rest_touches_one_limit() {
     assert!((by_speed.sample(3.75).velocities[0] - 0.5).abs() < 1e-12);
     let both = RestToRest::within([0.0; 2], [2.0, -1.0], &[10.0; 2], &[0.5, 9.0], 0.1).unwrap();
     assert!((both.duration().powi(2) - 10.0 / 3.0_f64.sqrt() * 2.0 / 0.5).abs() < 1e-9);
-    assert_eq!(
-        RestToRest::within([1.0; 2], [1.0; 2], &[1.0; 2], &infinite, 0.1)
-            .unwrap()
-            .duration(),
-        0.1
-    );
+    assert_eq!(RestToRest::within([1.0; 2], [1.0; 2], &[1.0; 2], &infinite, 0.1).unwrap().duration(), 0.1);
     assert!(RestToRest::within([0.0; 2], [1.0; 2], &[0.0; 2], &infinite, 0.1).is_err());
 }
 
 #[test]
 fn bad_numbers_are_named() {
     let error = RestToRest::new([0.0, f64::NAN], [0.0; 2], 1.0).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "start of joint 2 is NaN; it must be finite"
-    );
+    assert_eq!(error.to_string(), "start of joint 2 is NaN; it must be finite");
     let error = RestToRest::new([0.0; 2], [0.0; 2], -1.0).unwrap_err();
     assert_eq!(error.to_string(), "duration is -1; it must be positive");
     let one = vec![Sample::at_rest([0.0])];
-    assert!(
-        Sampled::new(one, 0.02)
-            .unwrap_err()
-            .to_string()
-            .contains("at least 2")
-    );
+    assert!(Sampled::new(one, 0.02).unwrap_err().to_string().contains("at least 2"));
 }
 
 #[test]
@@ -140,14 +116,7 @@ fn the_identification_sine_runs_in_and_out() {
     // The run-in only speeds up.
     assert!((0..=150).all(|k| motion.sample(0.01 * f64::from(k)).velocities[0] >= 0.0));
     assert!((motion.sample(0.0).positions[0] - (0.1 - 0.5 * 0.4 * 1.5)).abs() < 1e-12);
-    assert!(
-        IdentificationSine {
-            run_in: 0.0,
-            ..sine
-        }
-        .motion()
-        .is_err()
-    );
+    assert!(IdentificationSine { run_in: 0.0, ..sine }.motion().is_err());
 }
 
 #[test]
@@ -198,98 +167,47 @@ fn points_are_visited_one_after_the_other() {
 #[test]
 fn broken_limits_are_named_with_their_time() {
     let slow = RestToRest::new([2.9, 0.0], [3.2, 0.3], 3.0).unwrap();
-    assert_eq!(
-        violations(&slow, PowerCube, Rating::Peak, 0.01).unwrap(),
-        []
-    );
+    assert_eq!(violations(&slow, PowerCube, Rating::Peak, 0.01).unwrap(), []);
     // 3 rad in 1.5 s: 3.75 rad/s where 2.618 rad/s are allowed, from 0.45 s on.
     let fast = RestToRest::new([2.0, 0.0], [5.0, 0.0], 1.5).unwrap();
     let found = violations(&fast, PowerCube, Rating::Peak, 0.01).unwrap();
-    let speed = found
-        .iter()
-        .find(|v| v.quantity == Quantity::Velocity)
-        .unwrap();
-    assert_eq!(
-        (speed.index, speed.limit),
-        (0, 25.0 * std::f64::consts::TAU / 60.0)
-    );
-    assert!(
-        (speed.value - 3.75).abs() < 1e-9 && (speed.worst_time - 0.75).abs() < 1e-9,
-        "{speed}"
-    );
+    let speed = found.iter().find(|v| v.quantity == Quantity::Velocity).unwrap();
+    assert_eq!((speed.index, speed.limit), (0, 25.0 * std::f64::consts::TAU / 60.0));
+    assert!((speed.value - 3.75).abs() < 1e-9 && (speed.worst_time - 0.75).abs() < 1e-9, "{speed}");
     assert!((speed.from + speed.to - 1.5).abs() < 0.011, "{speed}");
-    assert!(
-        found
-            .iter()
-            .any(|v| v.quantity == Quantity::Effort && v.limit.abs() == 80.5)
-    );
-    assert!(
-        found
-            .iter()
-            .any(|v| v.quantity == Quantity::Input && v.limit.abs() == 0.5)
-    );
+    assert!(found.iter().any(|v| v.quantity == Quantity::Effort && v.limit.abs() == 80.5));
+    assert!(found.iter().any(|v| v.quantity == Quantity::Input && v.limit.abs() == 0.5));
     // Cart: the position beyond ±2.4 m, and a pole that no input holds upright.
     let far = RestToRest::new([0.0, 0.0], [3.0, 0.0], 4.0).unwrap();
     let found = violations(&far, CartPole, Rating::Nominal, 0.01).unwrap();
-    assert!(
-        found
-            .iter()
-            .any(|v| v.quantity == Quantity::Position && v.limit == 2.4 && v.to == 4.0)
-    );
-    assert!(
-        found
-            .iter()
-            .any(|v| v.quantity == Quantity::Unreachable && v.index == 1)
-    );
+    assert!(found.iter().any(|v| v.quantity == Quantity::Position && v.limit == 2.4 && v.to == 4.0));
+    assert!(found.iter().any(|v| v.quantity == Quantity::Unreachable && v.index == 1));
     let text = found[0].to_string();
     assert!(text.contains(" s to "), "{text}");
     // NaN breaks every limit rather than none.
     let huge = [1e200; 2];
-    let samples = vec![
-        Sample {
-            positions: [0.0; 2],
-            velocities: huge,
-            accelerations: huge
-        };
-        3
-    ];
+    let samples = vec![Sample { positions: [0.0; 2], velocities: huge, accelerations: huge }; 3];
     let wild = Sampled::new(samples, 0.02).unwrap();
-    assert!(
-        !violations(&wild, PowerCube, Rating::Peak, 0.01)
-            .unwrap()
-            .is_empty()
-    );
+    assert!(!violations(&wild, PowerCube, Rating::Peak, 0.01).unwrap().is_empty());
 }
 
 #[test]
 fn poses_are_visited_in_joint_space() {
     let pose = powercube_six_axis::frame_tool_pose;
     let arm = SphericalWrist::from_poses(pose).unwrap();
-    let points = [
-        [0.2, 0.5, 0.6, 0.1, 0.7, -0.2],
-        [0.5, 0.7, 0.4, 0.3, 0.9, 0.2],
-        [-0.4, 0.3, 0.9, -0.2, 0.5, 0.1],
-    ];
+    let points =
+        [[0.2, 0.5, 0.6, 0.1, 0.7, -0.2], [0.5, 0.7, 0.4, 0.3, 0.9, 0.2], [-0.4, 0.3, 0.9, -0.2, 0.5, 0.1]];
     let poses = points.map(|y| pose(&y));
     let free = [[f64::NEG_INFINITY, f64::INFINITY]; 6];
     let sequence = pose_sequence(&arm, &poses, &free, &points[0], &[0.5; 6], &[2.0; 6]).unwrap();
     assert_c2(&sequence, 1000, 1e-5);
     for (time, point) in sequence.times().iter().zip(points) {
         let reached = sequence.sample(*time).positions;
-        assert!(
-            reached
-                .iter()
-                .zip(&point)
-                .all(|(a, b)| (a - b).abs() < 1e-9),
-            "{reached:?}"
-        );
+        assert!(reached.iter().zip(&point).all(|(a, b)| (a - b).abs() < 1e-9), "{reached:?}");
     }
     let far = ([5.0, 0.0, 0.0], poses[0].1);
     let error = joint_points(&arm, &[poses[0], far], &free, &points[0]).unwrap_err();
-    assert!(
-        matches!(error, CartesianError::Unreachable { pose: 1, .. }),
-        "{error}"
-    );
+    assert!(matches!(error, CartesianError::Unreachable { pose: 1, .. }), "{error}");
 }
 
 #[test]
@@ -308,17 +226,12 @@ fn straight_ways_are_straight() {
         let p = pose(&motion.sample(t).positions).0;
         let r: Vec<f64> = (0..3).map(|i| p[i] - a.0[i]).collect();
         let along = r.iter().zip(&way).map(|(r, w)| r * w).sum::<f64>() / length;
-        let off = (r.iter().map(|x| x * x).sum::<f64>() - along * along)
-            .max(0.0)
-            .sqrt();
+        let off = (r.iter().map(|x| x * x).sum::<f64>() - along * along).max(0.0).sqrt();
         // Between the samples, joints follow polynomials: nanometres beside the line.
         assert!(off < 1e-7, "{off} m beside the line at {t} s");
     }
     let (back, first) = (motion.sample(4.0).positions, start);
-    assert!(
-        back.iter().zip(&first).all(|(x, y)| (x - y).abs() < 1e-9),
-        "{back:?}"
-    );
+    assert!(back.iter().zip(&first).all(|(x, y)| (x - y).abs() < 1e-9), "{back:?}");
 }
 
 #[test]
@@ -333,32 +246,14 @@ fn straight_ways_through_singularities_are_refused() {
     let straight = [0.2, 0.5, 0.6, 0.0, 0.0, 0.0];
     let end = pose(&[0.2, 0.5, 0.6, 0.3, 0.4, 0.0]);
     let error = refusal(&straight, end);
-    assert!(
-        matches!(
-            error,
-            CartesianError::Singular {
-                singularity: Singularity::Wrist,
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, CartesianError::Singular { singularity: Singularity::Wrist, .. }), "{error}");
     // It passes close by: the fourth joint would have to turn almost half around at once, and the sixth back.
-    let error = refusal(
-        &[0.2, 0.5, 0.6, 0.4, 0.3, 0.0],
-        pose(&[0.2, 0.5, 0.6, 0.4 + 3.1, 0.3, -3.1]),
-    );
-    assert!(
-        matches!(error, CartesianError::Jump { joint: 3, .. }),
-        "{error}"
-    );
+    let error = refusal(&[0.2, 0.5, 0.6, 0.4, 0.3, 0.0], pose(&[0.2, 0.5, 0.6, 0.4 + 3.1, 0.3, -3.1]));
+    assert!(matches!(error, CartesianError::Jump { joint: 3, .. }), "{error}");
     let far = ([5.0, 0.0, 0.0], end.1);
     let error = refusal(&[0.2, 0.5, 0.6, 0.0, 0.3, 0.0], far);
     assert!(
-        matches!(
-            error,
-            CartesianError::WayUnreachable { pose: 0, .. } | CartesianError::Jump { .. }
-        ),
+        matches!(error, CartesianError::WayUnreachable { pose: 0, .. } | CartesianError::Jump { .. }),
         "{error}"
     );
 }

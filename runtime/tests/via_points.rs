@@ -1,11 +1,9 @@
-//! Motions through points without a stop: what they promise, looked at by dense sampling and by differences, which know nothing of
-//! how they were made.
+//! Motions through points without a stop: what they promise, looked at by dense sampling and by differences,
+//! which know nothing of how they were made.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-use gelenk_runtime::trajectory::{
-    MotionLimits, PointSequence, Trajectory, TrajectoryError, ViaPoints,
-};
+use gelenk_runtime::trajectory::{MotionLimits, PointSequence, Trajectory, TrajectoryError, ViaPoints};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -67,11 +65,9 @@ fn limits_are_kept_and_one_is_reached() {
             let motion = ViaPoints::within(&points, &limits).unwrap();
             let [position, speed, acceleration] = largest(&motion, &limits);
             assert!(position <= 1e-11, "{position}");
-            assert!(
-                speed <= 1.0 + 1e-9 && acceleration <= 1.0 + 1e-9,
-                "{speed} {acceleration}"
-            );
-            // Accelerations of splines are largest in a point, those of monotone polynomials may lie between two samples.
+            assert!(speed <= 1.0 + 1e-9 && acceleration <= 1.0 + 1e-9, "{speed} {acceleration}");
+            // Accelerations of splines are largest in a point, those of monotone polynomials may lie between
+            // two samples.
             assert!(speed.max(acceleration) > 0.95, "{speed} {acceleration}");
             for (time, point) in motion.times().iter().zip(&points) {
                 let at = motion.sample(*time).positions;
@@ -112,7 +108,8 @@ fn the_motion_is_twice_continuously_differentiable() {
             }
             before = now;
         }
-        // The shortest way may be some ten steps long: the acceleration changes by a part of its limit from step to step.
+        // The shortest way may be some ten steps long: the acceleration changes by a part of its limit from
+        // step to step.
         let [position, velocity, acceleration] = jumps;
         assert!(acceleration < 0.5 * scale, "{jumps:?}");
         assert!(velocity < 0.2 * h * scale, "{jumps:?}");
@@ -120,14 +117,11 @@ fn the_motion_is_twice_continuously_differentiable() {
     }
 }
 
-/// Between points of one joint the accelerations are straight lines: that, together with the other tests, makes it *the* spline.
+/// Between points of one joint the accelerations are straight lines: that, together with the other tests,
+/// makes it *the* spline.
 #[test]
 fn without_position_limits_it_is_a_cubic_spline() {
-    let limits = MotionLimits {
-        speeds: [1.0],
-        accelerations: [2.0],
-        ..MotionLimits::default()
-    };
+    let limits = MotionLimits { speeds: [1.0], accelerations: [2.0], ..MotionLimits::default() };
     let points = [[0.0], [0.4], [0.1], [0.7], [0.9]];
     let motion = ViaPoints::within(&points, &limits).unwrap();
     for pair in motion.times().windows(2).skip(1).take(2) {
@@ -140,11 +134,7 @@ fn without_position_limits_it_is_a_cubic_spline() {
     }
     // It turns around near the second and the third point, and beyond them.
     let highest = (0..1000)
-        .map(|k| {
-            motion
-                .sample(motion.times()[2] * f64::from(k) / 1000.0)
-                .positions[0]
-        })
+        .map(|k| motion.sample(motion.times()[2] * f64::from(k) / 1000.0).positions[0])
         .fold(0.0, f64::max);
     assert!(highest > 0.404, "{highest}");
 }
@@ -161,16 +151,11 @@ fn position_limits_are_kept_where_splines_overshoot() {
     let points = [[0.0, 0.0], [0.4, 1.0], [0.1, 2.0], [0.2, 3.0], [0.4, 4.0]];
     let motion = ViaPoints::within(&points, &limits).unwrap();
     for k in 0..=5000 {
-        let y = motion
-            .sample(motion.duration() * f64::from(k) / 5000.0)
-            .positions[0];
+        let y = motion.sample(motion.duration() * f64::from(k) / 5000.0).positions[0];
         assert!((-1e-12..=0.4 + 1e-12).contains(&y), "{y}");
     }
     for time in &motion.times()[1..4] {
-        assert!(
-            motion.sample(*time).velocities[1] > 0.3,
-            "the other joint passes"
-        );
+        assert!(motion.sample(*time).velocities[1] > 0.3, "the other joint passes");
     }
 }
 
@@ -181,31 +166,21 @@ fn it_is_faster_than_stopping() {
     for _ in 0..30 {
         let (points, limits) = random(&mut generator, 8);
         passing += ViaPoints::within(&points, &limits).unwrap().duration();
-        stopping += PointSequence::within(&points, &limits.speeds, &limits.accelerations, 0.0)
-            .unwrap()
-            .duration();
+        stopping +=
+            PointSequence::within(&points, &limits.speeds, &limits.accelerations, 0.0).unwrap().duration();
     }
     // Random points are a succession of reversals, in which some joint stops anyway.
     assert!(passing < 0.93 * stopping, "{passing} {stopping}");
-    let limits = MotionLimits {
-        speeds: [1.0; 3],
-        accelerations: [3.0; 3],
-        ..MotionLimits::default()
-    };
-    let curve: Vec<[f64; 3]> = (0..12)
-        .map(|k| [0.3, 0.5, 0.7].map(|rate| (rate * f64::from(k)).sin()))
-        .collect();
+    let limits = MotionLimits { speeds: [1.0; 3], accelerations: [3.0; 3], ..MotionLimits::default() };
+    let curve: Vec<[f64; 3]> =
+        (0..12).map(|k| [0.3, 0.5, 0.7].map(|rate| (rate * f64::from(k)).sin())).collect();
     let passing = ViaPoints::within(&curve, &limits).unwrap().duration();
     let stopping = PointSequence::within(&curve, &limits.speeds, &limits.accelerations, 0.0);
     let ratio = passing / stopping.unwrap().duration();
     assert!(ratio < 0.65, "{ratio}");
     // Along a line at an even distance nearly all of the way has the highest speed.
     let points: Vec<[f64; 1]> = (0..21).map(|k| [0.5 * f64::from(k)]).collect();
-    let limits = MotionLimits {
-        speeds: [1.0],
-        accelerations: [2.0],
-        ..MotionLimits::default()
-    };
+    let limits = MotionLimits { speeds: [1.0], accelerations: [2.0], ..MotionLimits::default() };
     let line = ViaPoints::within(&points, &limits).unwrap();
     assert!(line.duration() < 1.15 * 10.5, "{}", line.duration());
 }
@@ -221,10 +196,7 @@ fn what_cannot_be_is_named() {
     let message = |points: &[[f64; 2]], limits: &MotionLimits<2>| {
         ViaPoints::within(points, limits).unwrap_err().to_string()
     };
-    assert_eq!(
-        message(&[[0.0; 2]], &limits),
-        "1 points given; at least 2 are needed"
-    );
+    assert_eq!(message(&[[0.0; 2]], &limits), "1 points given; at least 2 are needed");
     assert_eq!(
         message(&[[0.0; 2], [0.1, 0.2], [0.1, 0.2]], &limits),
         "points 2 and 3 are the same: leave one out, or stop there with a sequence of points"
@@ -233,42 +205,24 @@ fn what_cannot_be_is_named() {
         message(&[[0.0; 2], [1.2, 0.2]], &limits),
         "point 2 has joint 1 at 1.2, outside its limits -1 to 1"
     );
-    assert_eq!(
-        message(&[[0.0; 2], [0.1, f64::NAN]], &limits),
-        "point 2, joint 2, is NaN; it must be finite"
-    );
+    assert_eq!(message(&[[0.0; 2], [0.1, f64::NAN]], &limits), "point 2, joint 2, is NaN; it must be finite");
     let unlimited = MotionLimits::default();
     assert_eq!(
         message(&[[0.0; 2], [0.0, 0.2]], &unlimited),
         "joint 2 moves, but neither its speed nor its acceleration has a limit"
     );
     for bad in [0.0, -1.0, f64::NAN] {
-        let limits = MotionLimits {
-            speeds: [1.0, bad],
-            ..limits
-        };
+        let limits = MotionLimits { speeds: [1.0, bad], ..limits };
         assert!(message(&[[0.0; 2], [0.1; 2]], &limits).contains("speed limit of joint 2"));
     }
-    let crossed = MotionLimits {
-        positions: [[1.0, -1.0]; 2],
-        ..limits
-    };
+    let crossed = MotionLimits { positions: [[1.0, -1.0]; 2], ..limits };
     assert!(message(&[[0.0; 2], [0.1; 2]], &crossed).contains("width of the position limits"));
 }
 
 /// Ends of what a number is: an error, or a motion that is one.
 #[test]
 fn extreme_numbers_are_errors_or_motions() {
-    let extremes = [
-        1e308,
-        -1e308,
-        1e154,
-        1e-154,
-        5e-324,
-        1e-300,
-        f64::INFINITY,
-        0.3,
-    ];
+    let extremes = [1e308, -1e308, 1e154, 1e-154, 5e-324, 1e-300, f64::INFINITY, 0.3];
     for a in extremes {
         for b in extremes {
             for c in extremes {
@@ -292,10 +246,7 @@ fn extreme_numbers_are_errors_or_motions() {
     assert!(matches!(
         ViaPoints::within(
             &[[0.0], [1e308], [-1e308]],
-            &MotionLimits {
-                speeds: [1e-300],
-                ..MotionLimits::default()
-            }
+            &MotionLimits { speeds: [1e-300], ..MotionLimits::default() }
         ),
         Err(TrajectoryError::OutOfRange { .. } | TrajectoryError::NotFinite { .. })
     ));

@@ -1,5 +1,5 @@
-//! Eight states at once beside one by one: time per state, and the same bits. `lanes.sh` compiles it, once for each
-//! instruction set.
+//! Eight states at once beside one by one: time per state, and the same bits. `lanes.sh` compiles it, once
+//! for each instruction set.
 
 #[allow(dead_code, reason = "some functions are called")]
 mod robot {

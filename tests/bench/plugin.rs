@@ -1,7 +1,8 @@
-//! A generated module behind the C interface of the comparison of rigid-body libraries: one shared object per robot.
+//! A generated module behind the C interface of the comparison of rigid-body libraries: one shared object per
+//! robot.
 //!
-//! `dynamics.sh` compiles it, with the module's path in `GELENK_MODULE` and one `--cfg` for each function that may be
-//! missing. Matrices leave column by column.
+//! `dynamics.sh` compiles it, with the module's path in `GELENK_MODULE` and one `--cfg` for each function
+//! that may be missing. Matrices leave column by column.
 
 #[allow(dead_code, reason = "the comparison calls some of the functions")]
 mod robot {
@@ -13,7 +14,8 @@ use robot::N;
 type Vector = [f64; N];
 type Matrix = [[f64; N]; N];
 
-/// The number of coordinates; −1 for a model file of another robot, whose first number is its count of joints.
+/// The number of coordinates; −1 for a model file of another robot, whose first number is its count of
+/// joints.
 ///
 /// # Safety
 /// `path` is a C string.
@@ -29,8 +31,8 @@ pub unsafe extern "C" fn rbd_init(path: *const std::ffi::c_char) -> i32 {
     if count == Some(N) { N as i32 } else { -1 }
 }
 
-/// Leaves a matrix column by column. Exchanged in place, single entries would wait for the vectors that were just
-/// stored: 80 ns instead of 25 ns for two matrices of a Panda.
+/// Leaves a matrix column by column. Exchanged in place, single entries would wait for the vectors that were
+/// just stored: 80 ns instead of 25 ns for two matrices of a Panda.
 #[inline(never)]
 fn leave(matrix: &Matrix, to: &mut Matrix) {
     for (i, column) in to.iter_mut().enumerate() {

@@ -1,7 +1,7 @@
 //! Pages in a real browser: Chromium without a window, driven by its command line alone.
 //!
-//! A page is copied with a script at its end, which does what a reader would and leaves its findings in the document;
-//! the browser prints the document and the console. No network is reachable from there.
+//! A page is copied with a script at its end, which does what a reader would and leaves its findings in the
+//! document; the browser prints the document and the console. No network is reachable from there.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,12 +10,7 @@ use std::process::{Command, Stdio};
 use serde_json::Value;
 
 /// Names under which Chromium is installed.
-const NAMES: [&str; 4] = [
-    "chromium",
-    "chromium-browser",
-    "google-chrome",
-    "google-chrome-stable",
-];
+const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
 /// An installed browser.
 #[derive(Debug, Clone)]
@@ -44,23 +39,17 @@ pub struct Findings {
 }
 
 impl Browser {
-    /// The browser that `GELENK_BROWSER` names, or the first in the path; `None`, with a printed note, where there is
-    /// none.
+    /// The browser that `GELENK_BROWSER` names, or the first in the path; `None`, with a printed note, where
+    /// there is none.
     pub fn find() -> Option<Self> {
         if let Some(program) = std::env::var_os("GELENK_BROWSER") {
             let program = PathBuf::from(program);
-            assert!(
-                program.is_file(),
-                "GELENK_BROWSER: no file {}",
-                program.display()
-            );
+            assert!(program.is_file(), "GELENK_BROWSER: no file {}", program.display());
             return Some(Self { program });
         }
         let folders = std::env::var_os("PATH").unwrap_or_default();
         let folders: Vec<PathBuf> = std::env::split_paths(&folders).collect();
-        let mut places = NAMES
-            .iter()
-            .flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
+        let mut places = NAMES.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
         let program = places.find(|place| place.is_file());
         if program.is_none() {
             println!("skipped: no Chromium in the path, and GELENK_BROWSER is not set");
@@ -83,14 +72,10 @@ impl Browser {
         let (dom, log) = (text(&output.stdout), text(&output.stderr));
         let result = between(&dom, "<pre id=\"findings\">", "</pre>");
         let result = result.unwrap_or_else(|| panic!("the page did not come to its end:\n{log}"));
-        let result = result
-            .replace("&lt;", "<")
-            .replace("&gt;", ">")
-            .replace("&amp;", "&");
+        let result = result.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
         let lines = log.lines().filter(|line| line.contains(":CONSOLE"));
         Findings {
-            result: serde_json::from_str(&result)
-                .unwrap_or_else(|error| panic!("{error}: {result}")),
+            result: serde_json::from_str(&result).unwrap_or_else(|error| panic!("{error}: {result}")),
             console: lines.map(str::to_owned).collect(),
         }
     }
@@ -98,16 +83,9 @@ impl Browser {
     /// The page on paper; the number of its pages.
     pub fn print(&self, page: &str) -> usize {
         let folder = tempfile::tempdir().expect("a folder");
-        let (file, paper) = (
-            folder.path().join("page.html"),
-            folder.path().join("page.pdf"),
-        );
+        let (file, paper) = (folder.path().join("page.html"), folder.path().join("page.pdf"));
         fs::write(&file, page).expect("the page");
-        let window = Window {
-            width: 1200,
-            height: 900,
-            is_dark: true,
-        };
+        let window = Window { width: 1200, height: 900, is_dark: true };
         self.command(folder.path(), window)
             .arg("--no-pdf-header-footer")
             .arg(format!("--print-to-pdf={}", paper.display()))
@@ -134,10 +112,7 @@ impl Browser {
                 "--enable-logging=stderr",
                 "--log-level=0",
             ])
-            .arg(format!(
-                "--user-data-dir={}",
-                folder.join("profile").display()
-            ))
+            .arg(format!("--user-data-dir={}", folder.join("profile").display()))
             .arg(format!("--window-size={},{}", window.width, window.height))
             .stdin(Stdio::null());
         if window.is_dark {

@@ -25,13 +25,7 @@ pub fn clippy(folder: &Path, name: &str, text: &str, arguments: &[&str]) -> Resu
     compile("clippy-driver", folder, name, text, arguments)
 }
 
-fn compile(
-    program: &str,
-    folder: &Path,
-    name: &str,
-    text: &str,
-    arguments: &[&str],
-) -> Result<(), String> {
+fn compile(program: &str, folder: &Path, name: &str, text: &str, arguments: &[&str]) -> Result<(), String> {
     let file = format!("{name}.rs");
     fs::write(folder.join(&file), text).map_err(|error| error.to_string())?;
     let output = Command::new(program)
@@ -43,9 +37,5 @@ fn compile(
         .args(arguments)
         .output()
         .map_err(|error| format!("{program}: {error}"))?;
-    if output.status.success() {
-        Ok(())
-    } else {
-        Err(String::from_utf8_lossy(&output.stderr).into_owned())
-    }
+    if output.status.success() { Ok(()) } else { Err(String::from_utf8_lossy(&output.stderr).into_owned()) }
 }

@@ -30,19 +30,13 @@ pub fn evaluate<T: Number>(program: &Program, inputs: &[&[T]], parameters: &[f64
                 cosines[index] = Some(cosine);
                 sine
             }
-            Operation::CosineOf(pair) => {
-                cosines[pair].unwrap_or_else(|| panic!("a cosine follows its sine"))
-            }
+            Operation::CosineOf(pair) => cosines[pair].unwrap_or_else(|| panic!("a cosine follows its sine")),
             Operation::Call(function, a) => call(function, of(a)),
         };
         values.push(value);
     }
     let output = |entries: &[Operand]| entries.iter().map(|&entry| read(&values, entry)).collect();
-    program
-        .outputs
-        .iter()
-        .map(|result| output(&result.entries))
-        .collect()
+    program.outputs.iter().map(|result| output(&result.entries)).collect()
 }
 
 fn call<T: Number>(function: Function, x: T) -> T {

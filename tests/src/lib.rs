@@ -1,5 +1,5 @@
-//! What the tests that cross crates share: reference data, random robots, an independent derivation of their equations,
-//! and evaluation of derived functions.
+//! What the tests that cross crates share: reference data, random robots, an independent derivation of their
+//! equations, and evaluation of derived functions.
 
 pub mod browser;
 pub mod cargo;
@@ -30,14 +30,11 @@ pub const FUNCTIONS: Functions = Functions::EMBEDDED;
 
 /// The root of the workspace.
 pub fn workspace() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .map(Path::to_owned)
-        .unwrap_or_default()
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_owned).unwrap_or_default()
 }
 
-/// The folder of reference data: `GELENK_SHARED`, or `../shared` beside the workspace; `None`, with a printed note,
-/// where there is none.
+/// The folder of reference data: `GELENK_SHARED`, or `../shared` beside the workspace; `None`, with a printed
+/// note, where there is none.
 pub fn shared() -> Option<PathBuf> {
     let folder = match std::env::var_os("GELENK_SHARED") {
         Some(folder) => PathBuf::from(folder),
@@ -90,10 +87,7 @@ impl Robot {
     pub fn derive(description: &Path, options: &GenerateOptions) -> Self {
         let robot = generate(description, options);
         let robot = robot.unwrap_or_else(|problems| panic!("{problems}"));
-        Self {
-            model: robot.model,
-            functions: robot.module.functions,
-        }
+        Self { model: robot.model, functions: robot.module.functions }
     }
 
     /// Derives selected functions of a model.
@@ -125,12 +119,7 @@ impl Robot {
 
     /// The results of a function, each flattened rows first.
     pub fn call(&self, name: &str, inputs: &[&[f64]]) -> Vec<Vec<f64>> {
-        let parameters: Vec<f64> = self
-            .model
-            .parameters
-            .iter()
-            .map(|parameter| parameter.default)
-            .collect();
+        let parameters: Vec<f64> = self.model.parameters.iter().map(|parameter| parameter.default).collect();
         self.call_with(name, inputs, &parameters)
     }
 
@@ -141,8 +130,8 @@ impl Robot {
             .unwrap_or_else(|problem| panic!("{name}: {problem}"))
     }
 
-    /// What a function of friction takes: the velocities, and before them the coordinates where a friction law depends
-    /// on the position.
+    /// What a function of friction takes: the velocities, and before them the coordinates where a friction
+    /// law depends on the position.
     pub fn friction_arguments<'a>(&self, name: &str, y: &'a [f64], v: &'a [f64]) -> Vec<&'a [f64]> {
         let arguments = self.function(name).program.inputs.iter();
         arguments
@@ -163,17 +152,10 @@ impl Robot {
 /// Largest difference between two arrays, relative to the largest entry of the second.
 pub fn relative_error(found: &[f64], expected: &[f64]) -> f64 {
     assert_eq!(found.len(), expected.len(), "arrays differ in length");
-    let scale = expected
-        .iter()
-        .fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    let scale = expected.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
     let difference = found.iter().zip(expected).map(|(a, b)| (a - b).abs());
     // `max` would drop a NaN.
-    let worst = difference.fold(0.0, |largest: f64, x| {
-        if largest.is_nan() || x <= largest {
-            largest
-        } else {
-            x
-        }
-    });
+    let worst =
+        difference.fold(0.0, |largest: f64, x| if largest.is_nan() || x <= largest { largest } else { x });
     if scale == 0.0 { worst } else { worst / scale }
 }

@@ -53,11 +53,7 @@ pub fn right_angles(count: usize) -> Vec<Row> {
 
 /// A chain of revolute joints without drives; nothing about its bodies is special.
 pub fn chain(rows: &[Row], gravity: [f64; 3]) -> Model {
-    let base = Link {
-        name: "base".into(),
-        joint: None,
-        bodies: Vec::new(),
-    };
+    let base = Link { name: "base".into(), joint: None, bodies: Vec::new() };
     let links = rows.iter().enumerate().map(|(k, &row)| link(k, row));
     Model {
         name: "chain".into(),
@@ -107,17 +103,12 @@ fn exact_sin_cos(degrees: f64) -> (f64, f64) {
 
 /// Ten numbers that differ from body to body.
 fn body(k: usize) -> Body {
-    let vary = |base: f64, size: f64, phase: f64| {
-        Formula::Number(base + size * (1.7 * k as f64 + phase).sin())
-    };
+    let vary =
+        |base: f64, size: f64, phase: f64| Formula::Number(base + size * (1.7 * k as f64 + phase).sin());
     Body {
         name: format!("body{}", k + 1),
         mass: vary(3.0, 1.0, 0.1),
-        center_of_mass: [
-            vary(0.2, 0.05, 0.2),
-            vary(0.0, 0.05, 0.9),
-            vary(0.07, 0.03, 1.3),
-        ],
+        center_of_mass: [vary(0.2, 0.05, 0.2), vary(0.0, 0.05, 0.9), vary(0.07, 0.03, 1.3)],
         inertia: [
             vary(0.11, 0.01, 0.3),
             vary(0.0, 0.013, 0.7),

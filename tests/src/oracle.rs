@@ -1,8 +1,8 @@
 //! The equations of motion of a model as a textbook has them, to check the derived ones against.
 //!
-//! Energies are summed over the bodies in the base frame, and Lagrange's equations are formed with dual numbers
-//! (Fike and Alonso 2011): no recursion over forces, no Denavit–Hartenberg frames, no lumping, no expression graph. Only
-//! the [`Model`] is shared with the generator.
+//! Energies are summed over the bodies in the base frame, and Lagrange's equations are formed with dual
+//! numbers (Fike and Alonso 2011): no recursion over forces, no Denavit–Hartenberg frames, no lumping, no
+//! expression graph. Only the [`Model`] is shared with the generator.
 
 use gelenk_codegen::formula::{Formula, Function};
 use gelenk_codegen::model::{Drive, Frame, Joint, JointKind, Model, Motion, Pose, RotorCoupling};
@@ -72,13 +72,7 @@ impl Oracle<'_> {
     }
 
     /// State of the link behind a joint.
-    fn carried<T: Number>(
-        &self,
-        parent: &LinkState<T>,
-        joint: &Joint,
-        y: &[T],
-        v: &[T],
-    ) -> LinkState<T> {
+    fn carried<T: Number>(&self, parent: &LinkState<T>, joint: &Joint, y: &[T], v: &[T]) -> LinkState<T> {
         let (position, speed, moves) = match joint.motion {
             Motion::Fixed => (T::from(0.0), T::from(0.0), parent.moves),
             Motion::Held(position) => (T::from(position), T::from(0.0), parent.moves),
@@ -112,10 +106,7 @@ impl Oracle<'_> {
     /// A pose in a link: translation in axes of the base, rotation to the base.
     fn placed<T: Number>(&self, link: &LinkState<T>, pose: &Pose) -> (Vector<T>, Matrix<T>) {
         let translation = constant(self.vector(&pose.translation));
-        (
-            times(&link.rotation, &translation),
-            product(&link.rotation, &constant_matrix(pose.rotation)),
-        )
+        (times(&link.rotation, &translation), product(&link.rotation, &constant_matrix(pose.rotation)))
     }
 
     /// `T = Σ ½ m vᵀv + ½ ωᵀ I ω`, and for each rotor `½ J_R (a·ω_carrier + i ẏ)²`.
@@ -124,10 +115,7 @@ impl Oracle<'_> {
         let mut energy = T::from(0.0);
         for (link, state) in self.model.links.iter().zip(&states) {
             for body in &link.bodies {
-                let center = times(
-                    &state.rotation,
-                    &constant(self.vector(&body.center_of_mass)),
-                );
+                let center = times(&state.rotation, &constant(self.vector(&body.center_of_mass)));
                 let velocity = add(&state.velocity, &cross(&state.spin, &center));
                 let spin = times(&transposed(&state.rotation), &state.spin);
                 let inertia = body.inertia.each_ref().map(|entry| self.number(entry));
@@ -142,9 +130,7 @@ impl Oracle<'_> {
     }
 
     fn rotor_energy<T: Number>(&self, drive: &Drive, carrier: &LinkState<T>, v: &[T]) -> T {
-        let own = drive.coordinate.map_or(T::from(0.0), |index| {
-            v[index] * self.number(&drive.gear_ratio)
-        });
+        let own = drive.coordinate.map_or(T::from(0.0), |index| v[index] * self.number(&drive.gear_ratio));
         let axis = times(&carrier.rotation, &constant(drive.axis));
         let spin = match drive.coupling {
             RotorCoupling::Body => dot(&axis, &carrier.spin) + own,
@@ -160,10 +146,7 @@ impl Oracle<'_> {
         let mut energy = T::from(0.0);
         for (link, state) in self.model.links.iter().zip(self.links(y, &still)) {
             for body in link.bodies.iter().filter(|_| state.moves) {
-                let center = times(
-                    &state.rotation,
-                    &constant(self.vector(&body.center_of_mass)),
-                );
+                let center = times(&state.rotation, &constant(self.vector(&body.center_of_mass)));
                 let height = dot(&gravity, &add(&state.origin, &center));
                 energy -= height * self.number(&body.mass);
             }
@@ -174,12 +157,9 @@ impl Oracle<'_> {
     /// `d/dt ∂T/∂ẏ − ∂T/∂y`, that is M ÿ + k.
     pub fn inertial_forces(&self, y: &[f64], v: &[f64], a: &[f64]) -> Vec<f64> {
         let force = |j: usize| {
-            let along_y: Vec<_> = (0..y.len())
-                .map(|i| HyperDual64::new(y[i], 0.0, v[i], 0.0))
-                .collect();
-            let along_v: Vec<_> = (0..y.len())
-                .map(|i| HyperDual64::new(v[i], unit(i, j), a[i], 0.0))
-                .collect();
+            let along_y: Vec<_> = (0..y.len()).map(|i| HyperDual64::new(y[i], 0.0, v[i], 0.0)).collect();
+            let along_v: Vec<_> =
+                (0..y.len()).map(|i| HyperDual64::new(v[i], unit(i, j), a[i], 0.0)).collect();
             let constant: Vec<_> = v.iter().map(|&v| Dual64::from(v)).collect();
             self.kinetic_energy(&along_y, &along_v).eps1eps2
                 - self.kinetic_energy(&seeded(y, j), &constant).eps
@@ -189,9 +169,7 @@ impl Oracle<'_> {
 
     /// `−∂V/∂y`
     pub fn gravity_forces(&self, y: &[f64]) -> Vec<f64> {
-        (0..y.len())
-            .map(|j| -self.potential_energy(&seeded(y, j)).eps)
-            .collect()
+        (0..y.len()).map(|j| -self.potential_energy(&seeded(y, j)).eps).collect()
     }
 
     /// `∂²T/∂ẏ∂ẏ`, rows first.
@@ -199,9 +177,7 @@ impl Oracle<'_> {
         let position: Vec<_> = y.iter().map(|&y| HyperDual64::from(y)).collect();
         let n = y.len();
         let entry = |i: usize, j: usize| {
-            let v: Vec<_> = (0..n)
-                .map(|k| HyperDual64::new(0.0, unit(k, i), unit(k, j), 0.0))
-                .collect();
+            let v: Vec<_> = (0..n).map(|k| HyperDual64::new(0.0, unit(k, i), unit(k, j), 0.0)).collect();
             self.kinetic_energy(&position, &v).eps1eps2
         };
         (0..n * n).map(|at| entry(at / n, at % n)).collect()
@@ -211,8 +187,7 @@ impl Oracle<'_> {
     pub fn spring_forces(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
         let force = |(i, joint): (usize, &Joint)| {
             let laws = joint.springs.iter();
-            laws.map(|law| value(law, self.parameters, y[i], v[i]))
-                .sum()
+            laws.map(|law| value(law, self.parameters, y[i], v[i])).sum()
         };
         self.joints().enumerate().map(force).collect()
     }
@@ -222,9 +197,7 @@ impl Oracle<'_> {
         let torque = |(i, joint): (usize, &Joint)| {
             let terms = joint.friction.iter();
             terms
-                .map(|term| {
-                    self.number(&term.coefficient) * value(&term.basis, self.parameters, y[i], v[i])
-                })
+                .map(|term| self.number(&term.coefficient) * value(&term.basis, self.parameters, y[i], v[i]))
                 .sum()
         };
         self.joints().enumerate().map(torque).collect()
@@ -254,9 +227,7 @@ impl Oracle<'_> {
 
     /// `J̇ẏ`: acceleration of the frame on `y + ẏ t`.
     pub fn jacobian_rate_times_velocity(&self, frame: &Frame, y: &[f64], v: &[f64]) -> [f64; 6] {
-        let path: Vec<_> = (0..y.len())
-            .map(|i| HyperDual64::new(y[i], v[i], v[i], 0.0))
-            .collect();
+        let path: Vec<_> = (0..y.len()).map(|i| HyperDual64::new(y[i], v[i], v[i], 0.0)).collect();
         let (origin, rotation) = self.frame(frame, &path);
         // Ω = Ṙ Rᵀ, Ω̇ = R̈ Rᵀ + Ṙ Ṙᵀ; the second part is symmetric.
         let second = rotation.map(|row| row.map(|x| x.eps1eps2));
@@ -302,9 +273,7 @@ fn unit(i: usize, j: usize) -> f64 {
 
 /// `y` with the derivative by its entry `j`.
 fn seeded(y: &[f64], j: usize) -> Vec<Dual64> {
-    (0..y.len())
-        .map(|i| Dual64::new(y[i], unit(i, j)))
-        .collect()
+    (0..y.len()).map(|i| Dual64::new(y[i], unit(i, j))).collect()
 }
 
 fn stacked(a: [f64; 3], b: [f64; 3]) -> [f64; 6] {
@@ -345,11 +314,7 @@ fn dot<T: Number>(a: &Vector<T>, b: &Vector<T>) -> T {
 }
 
 fn cross<T: Number>(a: &Vector<T>, b: &Vector<T>) -> Vector<T> {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn times<T: Number>(a: &Matrix<T>, b: &Vector<T>) -> Vector<T> {
@@ -362,8 +327,7 @@ fn transposed<T: Number>(a: &Matrix<T>) -> Matrix<T> {
 
 fn product<T: Number>(a: &Matrix<T>, b: &Matrix<T>) -> Matrix<T> {
     let columns = transposed(b);
-    a.each_ref()
-        .map(|row| columns.each_ref().map(|column| dot(row, column)))
+    a.each_ref().map(|row| columns.each_ref().map(|column| dot(row, column)))
 }
 
 /// Rotation about a unit axis (Rodrigues 1840): `1 + sin θ [a] + (1 − cos θ) [a]²`.
@@ -372,6 +336,5 @@ fn turn<T: Number>(axis: [f64; 3], angle: T) -> Matrix<T> {
     let hat = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
     let square = product(&hat, &hat);
     let (sine, cosine) = angle.sin_cos();
-    [0, 1, 2]
-        .map(|i| [0, 1, 2].map(|j| sine * hat[i][j] + (-cosine + 1.0) * square[i][j] + unit(i, j)))
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| sine * hat[i][j] + (-cosine + 1.0) * square[i][j] + unit(i, j)))
 }

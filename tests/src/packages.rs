@@ -1,4 +1,5 @@
-//! The published crates as a registry would hand them out: packed by Cargo and unpacked below the target folder.
+//! The published crates as a registry would hand them out: packed by Cargo and unpacked below the target
+//! folder.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,13 +13,8 @@ use crate::cargo::{aloud, success, target};
 use crate::workspace;
 
 /// The crates that a package of a robot depends on, directly or through the others.
-const OF_ROBOTS: [&str; 5] = [
-    "gelenk-codegen",
-    "gelenk-dynamics",
-    "gelenk-files",
-    "gelenk-kernels",
-    "gelenk-runtime",
-];
+const OF_ROBOTS: [&str; 5] =
+    ["gelenk-codegen", "gelenk-dynamics", "gelenk-files", "gelenk-kernels", "gelenk-runtime"];
 
 /// The unpacked crates, by name.
 ///
@@ -52,10 +48,7 @@ pub fn manifests() -> Vec<Value> {
     let metadata: Value = serde_json::from_str(&text).expect("JSON");
     let packages = metadata["packages"].as_array().expect("packages").iter();
     // `publish = false` is an empty list of registries.
-    packages
-        .filter(|package| package["publish"].is_null())
-        .cloned()
-        .collect()
+    packages.filter(|package| package["publish"].is_null()).cloned().collect()
 }
 
 fn packed() -> BTreeMap<String, PathBuf> {
@@ -81,8 +74,8 @@ fn packed() -> BTreeMap<String, PathBuf> {
     names.into_iter().zip(versions).map(unpacked).collect()
 }
 
-/// Unpacks a crate. A file that stays as it is keeps its time, so that Cargo compiles a crate only after a change: in the archive all
-/// files have one time.
+/// Unpacks a crate. A file that stays as it is keeps its time, so that Cargo compiles a crate only after a
+/// change: in the archive all files have one time.
 fn unpack(package: &str, place: &Path) {
     let fresh = tempfile::tempdir().expect("a folder");
     let archive = target().join(format!("package/{package}.crate"));

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use fastrand::Rng;
 use gelenk_codegen::formula::{Formula, Function};
 use gelenk_codegen::model::{
-    Body, Drive, Frame, FrictionTerm, Input, Joint, JointKind, Limits, Link, Model, Motion,
-    MotorTorque, Options, Parameter, Pose, RotorCoupling,
+    Body, Drive, Frame, FrictionTerm, Input, Joint, JointKind, Limits, Link, Model, Motion, MotorTorque,
+    Options, Parameter, Pose, RotorCoupling,
 };
 use nalgebra::DMatrix;
 
@@ -37,7 +37,8 @@ pub fn random_model(seed: u64, longest: usize) -> Model {
     made_regular(rng, model)
 }
 
-/// As [`random_model`], with each rotor on the parent of the joint that it drives: loops over joints know no others.
+/// As [`random_model`], with each rotor on the parent of the joint that it drives: loops over joints know no
+/// others.
 pub fn random_model_with_near_rotors(seed: u64, longest: usize) -> Model {
     let mut rng = Rng::with_seed(seed);
     let mut model = tree(&mut rng, longest);
@@ -65,10 +66,7 @@ fn condition(rng: &mut Rng, model: &Model) -> f64 {
     (0..3)
         .map(|_| {
             let sample = random_sample(rng, model);
-            let oracle = Oracle {
-                model,
-                parameters: &sample.parameters,
-            };
+            let oracle = Oracle { model, parameters: &sample.parameters };
             condition_of(&oracle.mass_matrix(&sample.y))
         })
         .fold(0.0, worst)
@@ -85,24 +83,13 @@ pub fn condition_of(matrix: &[f64]) -> f64 {
 /// A state within a turn, velocities of a few rad/s, parameters near their defaults.
 pub fn random_sample(rng: &mut Rng, model: &Model) -> Sample {
     let n = model.coordinates.len();
-    let inputs = model
-        .drives
-        .iter()
-        .filter(|drive| drive.coordinate.is_some());
+    let inputs = model.drives.iter().filter(|drive| drive.coordinate.is_some());
     let m = inputs.count();
     let mut array = |len: usize, size: f64| (0..len).map(|_| within(rng, size)).collect();
     let (y, v, a, u) = (array(n, PI), array(n, 2.0), array(n, 3.0), array(m, 5.0));
     let parameters = model.parameters.iter();
-    let parameters = parameters
-        .map(|parameter| parameter.default * (1.0 + within(rng, 0.3)))
-        .collect();
-    Sample {
-        y,
-        v,
-        a,
-        u,
-        parameters,
-    }
+    let parameters = parameters.map(|parameter| parameter.default * (1.0 + within(rng, 0.3))).collect();
+    Sample { y, v, a, u, parameters }
 }
 
 fn moves(link: &Link) -> bool {
@@ -130,11 +117,7 @@ fn product(a: Formula, b: Formula) -> Formula {
 fn tree(rng: &mut Rng, longest: usize) -> Model {
     let count = rng.usize(1..=longest);
     let parameters = parameters(rng);
-    let mut links = vec![Link {
-        name: "base".into(),
-        joint: None,
-        bodies: vec![],
-    }];
+    let mut links = vec![Link { name: "base".into(), joint: None, bodies: vec![] }];
     let mut moving = Vec::new();
     while moving.len() < count {
         let index = links.len();
@@ -203,11 +186,7 @@ fn link(rng: &mut Rng, index: usize, motion: Motion, free: bool) -> Link {
         (_, 7) => JointKind::Continuous,
         _ => JointKind::Prismatic,
     };
-    let parent = if chance(rng, 0.75) {
-        index - 1
-    } else {
-        rng.usize(0..index)
-    };
+    let parent = if chance(rng, 0.75) { index - 1 } else { rng.usize(0..index) };
     let joint = Joint {
         name: format!("Joint {index}"),
         identifier: format!("j{index}"),
@@ -220,11 +199,7 @@ fn link(rng: &mut Rng, index: usize, motion: Motion, free: bool) -> Link {
         springs: springs(rng),
         friction: friction(rng, free),
     };
-    Link {
-        name: format!("link{index}"),
-        joint: Some(joint),
-        bodies: bodies(rng, free),
-    }
+    Link { name: format!("link{index}"), joint: Some(joint), bodies: bodies(rng, free) }
 }
 
 fn pose(rng: &mut Rng, free: bool) -> Pose {
@@ -238,10 +213,7 @@ fn pose(rng: &mut Rng, free: bool) -> Pose {
         let [x, y, z] = translation;
         translation = [product(Formula::Parameter(1), x), y, z];
     }
-    Pose {
-        translation,
-        rotation: rotation(rng),
-    }
+    Pose { translation, rotation: rotation(rng) }
 }
 
 fn principal(rng: &mut Rng) -> [f64; 3] {
@@ -251,11 +223,7 @@ fn principal(rng: &mut Rng) -> [f64; 3] {
 }
 
 fn axis(rng: &mut Rng) -> [f64; 3] {
-    if chance(rng, 0.6) {
-        principal(rng)
-    } else {
-        direction(rng)
-    }
+    if chance(rng, 0.6) { principal(rng) } else { direction(rng) }
 }
 
 fn direction(rng: &mut Rng) -> [f64; 3] {
@@ -295,11 +263,7 @@ fn rotation(rng: &mut Rng) -> [[f64; 3]; 3] {
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn bodies(rng: &mut Rng, free: bool) -> Vec<Body> {
@@ -336,14 +300,7 @@ fn rigid_body(rng: &mut Rng, name: &str) -> Body {
         number(if i == j { trace - moment } else { -moment })
     };
     Body {
-        inertia: [
-            entry(0, 0),
-            entry(0, 1),
-            entry(0, 2),
-            entry(1, 1),
-            entry(1, 2),
-            entry(2, 2),
-        ],
+        inertia: [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)],
         ..point_mass(rng, name)
     }
 }
@@ -358,22 +315,15 @@ fn springs(rng: &mut Rng) -> Vec<Formula> {
     };
     match rng.u8(0..6) {
         0 => vec![linear(rng)],
-        1 => vec![
-            linear(rng),
-            product(number(-3.0), Formula::Power(Box::new(Formula::Position), 3)),
-        ],
+        1 => vec![linear(rng), product(number(-3.0), Formula::Power(Box::new(Formula::Position), 3))],
         _ => vec![],
     }
 }
 
 /// Viscous, smooth and exact Coulomb terms, and Coulomb friction that depends on the position.
 fn friction(rng: &mut Rng, free: bool) -> Vec<FrictionTerm> {
-    let call = |function, slope: f64| {
-        Formula::Call(
-            function,
-            Box::new(product(number(slope), Formula::Velocity)),
-        )
-    };
+    let call =
+        |function, slope: f64| Formula::Call(function, Box::new(product(number(slope), Formula::Velocity)));
     let mut terms = Vec::new();
     for basis in [
         Formula::Velocity,
@@ -381,20 +331,13 @@ fn friction(rng: &mut Rng, free: bool) -> Vec<FrictionTerm> {
         call(Function::Sign, 1.0),
         // Positive at every position: teeth that mesh more or less tightly.
         product(
-            Formula::sum(
-                number(1.0),
-                product(number(0.5), Formula::call(Function::Sin, Formula::Position)),
-            ),
+            Formula::sum(number(1.0), product(number(0.5), Formula::call(Function::Sin, Formula::Position))),
             call(Function::Tanh, 20.0),
         ),
     ] {
         if chance(rng, 0.3) {
             let size = number(0.1 + rng.f64());
-            let coefficient = if free {
-                product(Formula::Parameter(0), size)
-            } else {
-                size
-            };
+            let coefficient = if free { product(Formula::Parameter(0), size) } else { size };
             terms.push(FrictionTerm { coefficient, basis });
         }
     }
@@ -432,16 +375,8 @@ fn drive(rng: &mut Rng, joint: &Joint, coordinate: Option<usize>, links: usize) 
             _ => joint.parent,
         },
         axis: axis(rng),
-        coupling: if chance(rng, 0.75) {
-            RotorCoupling::Body
-        } else {
-            RotorCoupling::Diagonal
-        },
-        input: if chance(rng, 0.7) {
-            Input::Torque
-        } else {
-            Input::Current(number(0.05))
-        },
+        coupling: if chance(rng, 0.75) { RotorCoupling::Body } else { RotorCoupling::Diagonal },
+        input: if chance(rng, 0.7) { Input::Torque } else { Input::Current(number(0.05)) },
         torque: MotorTorque::default(),
     }
 }
@@ -450,11 +385,7 @@ fn frame(rng: &mut Rng, index: usize, links: usize) -> Frame {
     Frame {
         name: format!("Frame {index}"),
         identifier: format!("f{index}"),
-        link: if index == 0 {
-            links - 1
-        } else {
-            rng.usize(0..links)
-        },
+        link: if index == 0 { links - 1 } else { rng.usize(0..links) },
         pose: pose(rng, false),
     }
 }

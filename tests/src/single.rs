@@ -28,8 +28,8 @@ pub fn interpret(program: &Program, inputs: &[Vec<f64>], parameters: &[f64]) -> 
     results.into_iter().map(f64::from).collect()
 }
 
-/// All results in f64, each with a bound on the error of f32 arithmetic: running error analysis (Higham, Accuracy and
-/// Stability of Numerical Algorithms, 2002, section 3.3).
+/// All results in f64, each with a bound on the error of f32 arithmetic: running error analysis (Higham,
+/// Accuracy and Stability of Numerical Algorithms, 2002, section 3.3).
 pub fn bounds(program: &Program, inputs: &[Vec<f64>], parameters: &[f64]) -> Vec<Bounded> {
     evaluate::<Bounded>(program, inputs, parameters)
 }
@@ -82,29 +82,20 @@ impl Bounded {
     /// A result with the error of its operands, rounded once more to `units` of roundoff.
     fn rounded(value: f64, error: f64, units: f64) -> Self {
         let rounding = units * ROUNDOFF * (value.abs() + error);
-        Self {
-            value,
-            error: error + rounding + f64::from(f32::MIN_POSITIVE),
-        }
+        Self { value, error: error + rounding + f64::from(f32::MIN_POSITIVE) }
     }
 }
 
 impl Arithmetic for Bounded {
     type Value = Self;
     fn constant(x: f64) -> Self {
-        Self {
-            value: x,
-            error: (x - f64::from(x as f32)).abs(),
-        }
+        Self { value: x, error: (x - f64::from(x as f32)).abs() }
     }
     fn sum(a: Self, b: Self) -> Self {
         Self::rounded(a.value + b.value, a.error + b.error, 1.0)
     }
     fn negative(a: Self) -> Self {
-        Self {
-            value: -a.value,
-            error: a.error,
-        }
+        Self { value: -a.value, error: a.error }
     }
     fn product(a: Self, b: Self) -> Self {
         let error = a.value.abs() * b.error + b.value.abs() * a.error + a.error * b.error;
@@ -113,11 +104,7 @@ impl Arithmetic for Bounded {
     fn quotient(a: Self, b: Self) -> Self {
         let value = a.value / b.value;
         let least = b.value.abs() - b.error;
-        let error = if least > 0.0 {
-            (a.error + value.abs() * b.error) / least
-        } else {
-            f64::INFINITY
-        };
+        let error = if least > 0.0 { (a.error + value.abs() * b.error) / least } else { f64::INFINITY };
         Self::rounded(value, error, 1.0)
     }
     fn multiply_add(a: Self, b: Self, c: Self) -> Self {
@@ -131,27 +118,16 @@ impl Arithmetic for Bounded {
             Function::Cos => Self::rounded(x.cos(), a.error, LIBRARY),
             Function::Tanh => Self::rounded(x.tanh(), a.error, LIBRARY),
             Function::Exp => Self::rounded(x.exp(), x.exp() * a.error.exp_m1(), LIBRARY),
-            Function::Abs => Self {
-                value: x.abs(),
-                error: a.error,
-            },
+            Function::Abs => Self { value: x.abs(), error: a.error },
             Function::Sign => Self {
                 value: if x == 0.0 { 0.0 } else { x.signum() },
-                error: if a.error < x.abs() || a.error == 0.0 {
-                    0.0
-                } else {
-                    2.0
-                },
+                error: if a.error < x.abs() || a.error == 0.0 { 0.0 } else { 2.0 },
             },
         }
     }
 }
 
-fn evaluate<A: Arithmetic>(
-    program: &Program,
-    inputs: &[Vec<f64>],
-    parameters: &[f64],
-) -> Vec<A::Value> {
+fn evaluate<A: Arithmetic>(program: &Program, inputs: &[Vec<f64>], parameters: &[f64]) -> Vec<A::Value> {
     let mut values: Vec<A::Value> = Vec::with_capacity(program.instructions.len());
     let read = |values: &[A::Value], operand: Operand| match operand {
         Operand::Value(index) => values[index],

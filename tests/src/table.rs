@@ -1,5 +1,5 @@
-//! A table of the public functions of generated modules, as Rust text: read from the modules themselves, so that no
-//! function is forgotten.
+//! A table of the public functions of generated modules, as Rust text: read from the modules themselves, so
+//! that no function is forgotten.
 
 use std::fmt::Write;
 
@@ -44,8 +44,8 @@ pub fn functions(text: &str) -> Vec<String> {
     names.collect()
 }
 
-/// Public functions with results that are programs. What writes into its arguments is called by the function of the same
-/// name that returns them; functions over a sample time, a number by value, call others.
+/// Public functions with results that are programs. What writes into its arguments is called by the function
+/// of the same name that returns them; functions over a sample time, a number by value, call others.
 fn is_listed(function: &syn::ItemFn) -> bool {
     matches!(function.vis, syn::Visibility::Public(_))
         && matches!(function.sig.output, syn::ReturnType::Type(..))
@@ -63,10 +63,7 @@ fn parameters(file: &syn::File) -> Vec<String> {
         _ => None,
     });
     let fields = structs.flat_map(|item| item.fields.iter());
-    fields
-        .filter_map(|field| field.ident.as_ref())
-        .map(ToString::to_string)
-        .collect()
+    fields.filter_map(|field| field.ident.as_ref()).map(ToString::to_string).collect()
 }
 
 /// The call of a function with arguments from `x` and parameters from `p`.
@@ -82,9 +79,8 @@ fn call(path: &str, function: &syn::ItemFn, parameters: &[String]) -> String {
         .map(|(index, ty)| match ty {
             syn::Type::Reference(to) if matches!(*to.elem, syn::Type::Path(_)) => {
                 let fields = parameters.iter().enumerate();
-                let fields: Vec<String> = fields
-                    .map(|(index, field)| format!("{field}: number(p[{index}])"))
-                    .collect();
+                let fields: Vec<String> =
+                    fields.map(|(index, field)| format!("{field}: number(p[{index}])")).collect();
                 format!("&{path}::Parameters {{ {} }}", fields.join(", "))
             }
             syn::Type::Reference(to) if to.mutability.is_some() => {
@@ -98,10 +94,7 @@ fn call(path: &str, function: &syn::ItemFn, parameters: &[String]) -> String {
     if results.is_empty() {
         return format!("flat(&{call})");
     }
-    let blank: String = results
-        .iter()
-        .map(|r| format!("let mut {r} = blank(); "))
-        .collect();
+    let blank: String = results.iter().map(|r| format!("let mut {r} = blank(); ")).collect();
     let flat: Vec<String> = results.iter().map(|r| format!("flat(&{r})")).collect();
     format!("{blank}{call}; [{}].concat()", flat.join(", "))
 }

@@ -1,5 +1,5 @@
-//! Functions with loops over joints: their text compiles without a warning, for chains and trees, and computes what the
-//! interpreter computes, bit for bit.
+//! Functions with loops over joints: their text compiles without a warning, for chains and trees, and
+//! computes what the interpreter computes, bit for bit.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -36,19 +36,14 @@ struct Robot {
     text: String,
 }
 
-/// Chains of all lengths of padding, and random trees with sliding joints, rotors, parameters and coordinates out of order.
+/// Chains of all lengths of padding, and random trees with sliding joints, rotors, parameters and coordinates
+/// out of order.
 fn robots(fused: bool) -> Vec<Robot> {
     let down = [0.0, 0.0, -9.81];
     let chains = [1, 2, 5, 13].map(|count| chain(&right_angles(count), down));
     let trees = (0..8).map(|seed| random_model_with_near_rotors(seed, 9));
-    let models = chains
-        .into_iter()
-        .chain([chain(&GENERAL, down)])
-        .chain(trees);
-    models
-        .enumerate()
-        .map(|(index, model)| robot(&format!("robot_{index}"), model, fused))
-        .collect()
+    let models = chains.into_iter().chain([chain(&GENERAL, down)]).chain(trees);
+    models.enumerate().map(|(index, model)| robot(&format!("robot_{index}"), model, fused)).collect()
 }
 
 fn robot(name: &str, mut model: Model, fused: bool) -> Robot {
@@ -63,17 +58,8 @@ fn robot(name: &str, mut model: Model, fused: bool) -> Robot {
             function.arrays = Some(form);
         }
     }
-    let text = emit::module(
-        &Module::new(&model, functions.clone(), &[]),
-        &EmitOptions::default(),
-    )
-    .text;
-    Robot {
-        name: name.to_owned(),
-        model,
-        functions,
-        text,
-    }
+    let text = emit::module(&Module::new(&model, functions.clone(), &[]), &EmitOptions::default()).text;
+    Robot { name: name.to_owned(), model, functions, text }
 }
 
 #[test]
@@ -94,15 +80,10 @@ fn fused_loops_agree_as_well() {
 fn compare(fused: bool, flags: &[&str]) {
     let folder = tempfile::tempdir().expect("a folder");
     let robots = robots(fused);
-    let trees = robots
-        .iter()
-        .filter(|robot| robot.text.contains("RELATIONS"));
+    let trees = robots.iter().filter(|robot| robot.text.contains("RELATIONS"));
     assert!(trees.count() > 2, "too few trees");
     let have_rotors = |robot: &&Robot| robot.text.contains("carried_rotor");
-    assert!(
-        robots.iter().filter(have_rotors).count() > 2,
-        "too few rotors"
-    );
+    assert!(robots.iter().filter(have_rotors).count() > 2, "too few rotors");
     let mut modules = String::new();
     let mut table = String::new();
     for robot in &robots {
@@ -112,11 +93,7 @@ fn compare(fused: bool, flags: &[&str]) {
         table.push_str(&table::entry(name, &format!("robots::{name}"), &robot.text));
     }
     let calls: String = robots.iter().flat_map(requests).collect();
-    std::fs::write(
-        folder.path().join("flat.rs"),
-        include_str!("../src/flat.rs"),
-    )
-    .expect("a file");
+    std::fs::write(folder.path().join("flat.rs"), include_str!("../src/flat.rs")).expect("a file");
     let main = format!(
         "mod flat;\nmod robots {{\n{modules}}}\nuse flat::*;\nconst ROBOTS: &[Robot] = &[\n{table}];\n\
          fn check(robot: &str, function: &str, x: &[Vec<f64>], p: &[f64], expected: &[u64]) {{\n\
@@ -137,59 +114,33 @@ fn compare(fused: bool, flags: &[&str]) {
     for level in ["0", "3"] {
         let level = format!("opt-level={level}");
         let arguments = [&["-C", level.as_str(), "-A", "warnings"], flags].concat();
-        rustc(folder.path(), "main", &main, &arguments)
-            .unwrap_or_else(|message| panic!("{message}"));
+        rustc(folder.path(), "main", &main, &arguments).unwrap_or_else(|message| panic!("{message}"));
         run(&folder.path().join("main"));
     }
 }
 
 fn run(program: &Path) {
     let output = Command::new(program).output().expect("the program starts");
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 /// Lines of robot, function, parameters, expected results and inputs; numbers as bits.
 fn requests(robot: &Robot) -> Vec<String> {
     let mut rng = Rng::with_seed(7);
-    let mut array =
-        |len: usize| -> Vec<f64> { (0..len).map(|_| 6.0 * (rng.f64() - 0.5)).collect() };
-    let parameters = robot
-        .model
-        .parameters
-        .iter()
-        .map(|parameter| parameter.default)
-        .collect::<Vec<_>>();
+    let mut array = |len: usize| -> Vec<f64> { (0..len).map(|_| 6.0 * (rng.f64() - 0.5)).collect() };
+    let parameters = robot.model.parameters.iter().map(|parameter| parameter.default).collect::<Vec<_>>();
     let mut lines = Vec::new();
     for function in &robot.functions {
-        assert!(
-            function.arrays.is_some(),
-            "{}::{}",
-            robot.name,
-            function.name
-        );
+        assert!(function.arrays.is_some(), "{}::{}", robot.name, function.name);
         for _ in 0..SAMPLES {
-            let inputs: Vec<Vec<f64>> = function
-                .program
-                .inputs
-                .iter()
-                .map(|input| array(input.extent.len))
-                .collect();
+            let inputs: Vec<Vec<f64>> =
+                function.program.inputs.iter().map(|input| array(input.extent.len)).collect();
             let slices: Vec<&[f64]> = inputs.iter().map(Vec::as_slice).collect();
-            let expected = interpret(&function.program, &slices, &parameters, &FUNCTIONS)
-                .expect("inputs fit")
-                .concat();
+            let expected =
+                interpret(&function.program, &slices, &parameters, &FUNCTIONS).expect("inputs fit").concat();
             let numbers = [&parameters, &expected].into_iter().chain(&inputs);
             let words: Vec<String> = numbers.map(|numbers| joined(numbers)).collect();
-            lines.push(format!(
-                "{}|{}|{}\n",
-                robot.name,
-                function.name,
-                words.join("|")
-            ));
+            lines.push(format!("{}|{}|{}\n", robot.name, function.name, words.join("|")));
         }
     }
     lines
@@ -213,10 +164,7 @@ fn loops_compile_without_a_warning() {
         let result = rustc(folder.path(), &robot.name, &robot.text, &alone);
         result.unwrap_or_else(|message| panic!("{}: {message}", robot.name));
         let name = &robot.name;
-        let _ = writeln!(
-            outer,
-            "/// Robot.\npub mod {name} {{ include!(\"{name}.rs\"); }}"
-        );
+        let _ = writeln!(outer, "/// Robot.\npub mod {name} {{ include!(\"{name}.rs\"); }}");
     }
     clippy(folder.path(), "outer", &outer, &check).unwrap_or_else(|message| panic!("{message}"));
 }

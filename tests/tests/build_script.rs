@@ -1,5 +1,6 @@
-//! A package outside the workspace whose build script generates its robots: what its author sees when a description is
-//! at fault, and that mending it is enough. It depends on the crates as they would be published.
+//! A package outside the workspace whose build script generates its robots: what its author sees when a
+//! description is at fault, and that mending it is enough. It depends on the crates as they would be
+//! published.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +9,8 @@ use gelenk_tests::cargo::{aloud, cargo, lock_like_here, success, target, text};
 use gelenk_tests::packages::use_published;
 use gelenk_tests::workspace;
 
-/// Copies the sample package to a folder of its own, under a name of its own: tests share one folder of programs.
+/// Copies the sample package to a folder of its own, under a name of its own: tests share one folder of
+/// programs.
 fn copy_sample(to: &Path, package: &str) {
     let sample = workspace().join("tests/build_script_sample");
     fs::create_dir(to.join("src")).expect("a folder");
@@ -32,19 +34,12 @@ fn a_faulty_description_is_a_readable_build_error() {
     copy_sample(folder.path(), "outside");
     let crane = folder.path().join("crane.toml");
     let right = fs::read_to_string(&crane).expect("the description");
-    let wrong = right
-        .replace("mass = 4\n", "mass = -4\n")
-        .replace("gear_ratio", "gear_ration");
+    let wrong = right.replace("mass = 4\n", "mass = -4\n").replace("gear_ratio", "gear_ration");
     fs::write(&crane, &wrong).expect("the description");
     let output = cargo(folder.path(), &["build"]);
     let message = text(&output.stderr);
     assert!(!output.status.success());
-    for expected in [
-        "crane.toml:7:11",
-        "did you mean `gear_ratio`",
-        "crane.toml:22:8",
-        "-4",
-    ] {
+    for expected in ["crane.toml:7:11", "did you mean `gear_ratio`", "crane.toml:22:8", "-4"] {
         assert!(message.contains(expected), "no {expected:?} in:\n{message}");
     }
     assert!(!message.contains("panicked"), "{message}");
@@ -94,17 +89,13 @@ fn notes_are_shown_once_and_mistakes_are_named() {
         text(&output.stderr)
     };
     let message = build();
-    let missing =
-        "generates no robot `pendlum`, but `crane` from crane.toml, `pendulum` from pendulum.urdf";
+    let missing = "generates no robot `pendlum`, but `crane` from crane.toml, `pendulum` from pendulum.urdf";
     assert!(message.contains(missing), "{message}");
     change("src/main.rs", "mod pendlum\n", "mod pendulum\n");
     let message = build();
     let forgotten = "write `struct Name { parameters } = module`";
     let first = message.split("error").nth(1).unwrap_or_default();
-    assert!(
-        first.contains("the module has free parameters"),
-        "{message}"
-    );
+    assert!(first.contains("the module has free parameters"), "{message}");
     assert!(first.contains(forgotten), "{message}");
 
     // No module of an earlier run is left, however it is included.
@@ -113,11 +104,7 @@ fn notes_are_shown_once_and_mistakes_are_named() {
         "gelenk_runtime::include_model!(\n    /// The pendulum of `pendulum.urdf`.\n    mod pendulum\n);",
         "mod pendulum {\n    include!(concat!(env!(\"OUT_DIR\"), \"/pendulum.rs\"));\n}",
     );
-    change(
-        "pendulum.urdf",
-        "<robot name=\"pendulum\">",
-        "<robot name=\"rod\">",
-    );
+    change("pendulum.urdf", "<robot name=\"pendulum\">", "<robot name=\"rod\">");
     let message = build();
     assert!(message.contains("couldn't read"), "{message}");
 }
@@ -125,10 +112,7 @@ fn notes_are_shown_once_and_mistakes_are_named() {
 /// The text of the description stands on the page of the module.
 #[test]
 fn the_documentation_of_a_module_is_its_description() {
-    success(&cargo(
-        &workspace(),
-        &["doc", "-p", "gelenk-build-script-sample", "--no-deps"],
-    ));
+    success(&cargo(&workspace(), &["doc", "-p", "gelenk-build-script-sample", "--no-deps"]));
     let page = target().join("doc/gelenk_build_script_sample/crane/index.html");
     let page = fs::read_to_string(page).expect("the page");
     assert!(page.contains("Slewing crane with a luffing boom and a payload at its end."));

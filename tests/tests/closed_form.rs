@@ -1,4 +1,5 @@
-//! The PowerCube's linearization against dual numbers through its published closed form (Nicodemus et al. 2022).
+//! The PowerCube's linearization against dual numbers through its published closed form (Nicodemus et al.
+//! 2022).
 
 use gelenk_generated::powercube;
 use gelenk_tests::relative_error;
@@ -33,10 +34,7 @@ fn accelerations(y: [Dual64; 2], v: [Dual64; 2], u: [Dual64; 2]) -> [Dual64; 2] 
         - v[1] * 56.231;
     let (f1, f2) = (q1 + u[0] * GEAR - k1, q2 + u[1] * GEAR - k2);
     let determinant = m11 * m22 - m12 * m12;
-    [
-        (m22 * f1 - m12 * f2) / determinant,
-        (m11 * f2 - m12 * f1) / determinant,
-    ]
+    [(m22 * f1 - m12 * f2) / determinant, (m11 * f2 - m12 * f1) / determinant]
 }
 
 #[test]
@@ -59,27 +57,20 @@ fn the_linearization_of_the_powercube_is_that_of_its_published_closed_form() {
         let blocks = [by_y, by_v, by_u];
         for (block, found) in blocks.iter().enumerate() {
             let expected = |i: usize, j: usize| dual(2 * block + j)[i].eps;
-            let expected = [
-                [expected(0, 0), expected(0, 1)],
-                [expected(1, 0), expected(1, 1)],
-            ];
+            let expected = [[expected(0, 0), expected(0, 1)], [expected(1, 0), expected(1, 1)]];
             let error = relative_error(&found.concat(), &expected.concat());
             assert!(error <= 1e-12, "block {block} at {y:?}, {v:?}: {error:e}");
         }
         // What the parts of ÿ sum up to, relative to the largest of them.
         let parts = |i: usize| {
             let x = [y, v, u];
-            let products =
-                (0..3).flat_map(|k| [blocks[k][i][0] * x[k][0], blocks[k][i][1] * x[k][1]]);
+            let products = (0..3).flat_map(|k| [blocks[k][i][0] * x[k][0], blocks[k][i][1] * x[k][1]]);
             products.chain([remainder[i]]).collect::<Vec<_>>()
         };
         for i in 0..2 {
             let scale = parts(i).iter().fold(0.0_f64, |scale, x| scale.max(x.abs()));
             let difference = parts(i).iter().sum::<f64>() - dual(0)[i].re;
-            assert!(
-                difference.abs() <= 1e-12 * scale,
-                "ÿ at {y:?}, {v:?}: {difference:e}"
-            );
+            assert!(difference.abs() <= 1e-12 * scale, "ÿ at {y:?}, {v:?}: {difference:e}");
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Operation counts of the functions over a sample time: their text runs over numbers that count, and the counts are
-//! those of the documentation, at most where they depend on the data.
+//! Operation counts of the functions over a sample time: their text runs over numbers that count, and the
+//! counts are those of the documentation, at most where they depend on the data.
 
 use std::process::Command;
 
@@ -53,9 +53,7 @@ const SIZES: [(usize, usize, usize); 4] = [(1, 1, 1), (2, 2, 3), (3, 1, 1), (6, 
 fn wrapped_literals(text: &str) -> String {
     let mut wrapped = String::new();
     let mut rest = text;
-    while let Some(start) =
-        rest.find(|letter: char| letter.is_ascii_alphanumeric() || letter == '_')
-    {
+    while let Some(start) = rest.find(|letter: char| letter.is_ascii_alphanumeric() || letter == '_') {
         let (before, word) = rest.split_at(start);
         let end = word.find(|letter: char| !(letter.is_ascii_alphanumeric() || letter == '_'));
         let (word, after) = word.split_at(end.unwrap_or(word.len()));
@@ -75,13 +73,7 @@ fn wrapped_literals(text: &str) -> String {
 
 /// The text over counting numbers.
 fn counting_text() -> String {
-    let texts = [
-        Text::Sums,
-        Text::Halves,
-        Text::ZeroOrderHold,
-        Text::RungeKutta,
-        Text::Sensitivities,
-    ];
+    let texts = [Text::Sums, Text::Halves, Text::ZeroOrderHold, Text::RungeKutta, Text::Sensitivities];
     let text: String = texts.iter().map(|text| text.source()).collect();
     // The coefficients are made by the compiler, not by the function.
     let start = text.find("const COEFFICIENTS").expect("coefficients");
@@ -89,11 +81,7 @@ fn counting_text() -> String {
     let coefficients = "const COEFFICIENTS: [[f64; TERMS]; 3] = [[1.0; TERMS]; 3];";
     let text = [&text[..start], coefficients, &text[end..]].concat();
     let mut text = wrapped_literals(&text);
-    for whole in [
-        "(1_u32 << repetitions) as f64",
-        "(1_u32 << DOUBLINGS) as f64",
-        "substeps as f64",
-    ] {
+    for whole in ["(1_u32 << repetitions) as f64", "(1_u32 << DOUBLINGS) as f64", "substeps as f64"] {
         assert!(text.contains(whole), "{whole}");
         text = text.replace(whole, &format!("F({})", whole.replace("f64", "real")));
     }
@@ -102,17 +90,12 @@ fn counting_text() -> String {
 
 #[test]
 fn counts_are_those_of_the_loops() {
-    let calls: String = SIZES
-        .iter()
-        .map(|(n, m, substeps)| format!("    all::<{n}, {m}>({substeps});\n"))
-        .collect();
+    let calls: String =
+        SIZES.iter().map(|(n, m, substeps)| format!("    all::<{n}, {m}>({substeps});\n")).collect();
     let text = format!("{NUMBER}{}{MAIN}fn main() {{\n{calls}}}\n", counting_text());
     let folder = tempfile::tempdir().expect("a folder");
-    rustc(folder.path(), "main", &text, &["-A", "warnings"])
-        .unwrap_or_else(|message| panic!("{message}"));
-    let output = Command::new(folder.path().join("main"))
-        .output()
-        .expect("it runs");
+    rustc(folder.path(), "main", &text, &["-A", "warnings"]).unwrap_or_else(|message| panic!("{message}"));
+    let output = Command::new(folder.path().join("main")).output().expect("it runs");
     assert!(output.status.success());
     let found = String::from_utf8_lossy(&output.stdout).into_owned();
     let expected: String = SIZES
@@ -120,10 +103,7 @@ fn counts_are_those_of_the_loops() {
         .flat_map(|&(n, m, substeps)| {
             Composition::ALL.map(|each| {
                 let cost = each.cost(n, m, substeps, Cost::default());
-                format!(
-                    "{} {} {}\n",
-                    cost.multiplications, cost.additions, cost.divisions
-                )
+                format!("{} {} {}\n", cost.multiplications, cost.additions, cost.divisions)
             })
         })
         .collect();

@@ -1,5 +1,5 @@
-//! Operation counts of the emitted programs: bars for the geometries that the literature counts, and a snapshot of all
-//! robots.
+//! Operation counts of the emitted programs: bars for the geometries that the literature counts, and a
+//! snapshot of all robots.
 //!
 //! A subtraction is an addition, a negation nothing; sines and cosines stand apart, sums of angles count.
 
@@ -32,10 +32,7 @@ fn assert_within(what: &str, model: Model, bars: &[(&str, usize, usize)]) {
     let mut above = String::new();
     for &(name, multiplications, additions) in bars {
         let found = operations(&robot, name);
-        let line = format!(
-            "{what} {name}: {}/{}, bar {multiplications}/{additions}",
-            found.0, found.1
-        );
+        let line = format!("{what} {name}: {}/{}, bar {multiplications}/{additions}", found.0, found.1);
         println!("{line}");
         if found.0 > multiplications || found.1 > additions {
             let _ = writeln!(above, "{line}");
@@ -78,14 +75,8 @@ fn puma560_geometry() {
     ];
     assert_within("Puma 560", chain(&PUMA, DOWN), &bars);
     let robot = Robot::of_model(chain(&PUMA, DOWN), &["mass_matrix", "bias_forces"]);
-    let (mass, bias) = (
-        operations(&robot, "mass_matrix"),
-        operations(&robot, "bias_forces"),
-    );
-    assert!(
-        mass.0 + bias.0 <= 410 && mass.1 + bias.1 <= 355,
-        "{mass:?} {bias:?}"
-    );
+    let (mass, bias) = (operations(&robot, "mass_matrix"), operations(&robot, "bias_forces"));
+    assert!(mass.0 + bias.0 <= 410 && mass.1 + bias.1 <= 355, "{mass:?} {bias:?}");
 }
 
 #[test]
@@ -93,10 +84,7 @@ fn general_arm() {
     assert_within(
         "general 6R",
         chain(&GENERAL, DOWN),
-        &[
-            ("inverse_dynamics", 407, 342),
-            ("inverse_dynamics_derivatives", 2151, 1648),
-        ],
+        &[("inverse_dynamics", 407, 342), ("inverse_dynamics_derivatives", 2151, 1648)],
     );
 }
 
@@ -110,76 +98,52 @@ fn thirty_joints() {
     assert_within("30 joints", chain(&right_angles(30), DOWN), &bars);
 }
 
-/// Loops do not know which entries are zero or one: they may take half as many operations again, in far less code.
+/// Loops do not know which entries are zero or one: they may take half as many operations again, in far less
+/// code.
 #[test]
 fn thirty_joints_as_loops() {
     let names = ["inverse_dynamics_derivatives", "linearize"];
     let robot = Robot::of_model(chain(&right_angles(30), DOWN), &names);
     for function in robot.functions() {
         assert!(function.arrays.is_some(), "{}", function.name);
-        println!(
-            "30 joints as loops, {}: {}",
-            function.name,
-            count(&function.program)
-        );
+        println!("30 joints as loops, {}: {}", function.name, count(&function.program));
     }
     let cost = count(&robot.function(names[0]).program);
-    assert!(
-        cost.multiplications <= 3 * 22753 / 2 && cost.additions <= 3 * 18467 / 2,
-        "{cost}"
-    );
+    assert!(cost.multiplications <= 3 * 22753 / 2 && cost.additions <= 3 * 18467 / 2, "{cost}");
 }
 
 /// The mass matrix beside the Jacobians of the inverse dynamics costs at most 30/20 more.
 #[test]
 fn mass_matrix_beside_the_jacobians() {
-    let names = [
-        "inverse_dynamics_derivatives",
-        "inverse_dynamics_derivatives_and_mass_matrix",
-    ];
+    let names = ["inverse_dynamics_derivatives", "inverse_dynamics_derivatives_and_mass_matrix"];
     let robot = Robot::in_form(chain(&PUMA, DOWN), &names, Form::Straight);
     let [without, with] = names.map(|name| operations(&robot, name));
     println!("Puma 560: {without:?}, with M {with:?}");
     assert!(with.0 <= without.0 + 30 && with.1 <= without.1 + 20);
 }
 
-/// Armstrong's masses and diagonal inertias, without rotors and friction, as SymPyBotics counts them: 193/164.
+/// Armstrong's masses and diagonal inertias, without rotors and friction, as SymPyBotics counts them:
+/// 193/164.
 #[test]
 fn puma560_with_diagonal_inertias() {
     let path = workspace().join("models/puma560.toml");
-    let mut model = read(&path, &ReadOptions::default())
-        .expect("the model")
-        .model;
+    let mut model = read(&path, &ReadOptions::default()).expect("the model").model;
     for drive in &mut model.drives {
         drive.rotor_inertia = Formula::Number(0.0);
     }
-    for joint in model
-        .links
-        .iter_mut()
-        .filter_map(|link| link.joint.as_mut())
-    {
+    for joint in model.links.iter_mut().filter_map(|link| link.joint.as_mut()) {
         joint.friction.clear();
     }
-    assert_within(
-        "Puma 560 (Armstrong)",
-        model,
-        &[("inverse_dynamics", 192, 163)],
-    );
+    assert_within("Puma 560 (Armstrong)", model, &[("inverse_dynamics", 192, 163)]);
 }
 
-/// M, k and q of the published arm without friction: by hand 8 multiplications and 7 additions, with sin y1, sin y2,
-/// cos y2 and sin(y1 + y2).
+/// M, k and q of the published arm without friction: by hand 8 multiplications and 7 additions, with sin y1,
+/// sin y2, cos y2 and sin(y1 + y2).
 #[test]
 fn powercube() {
     let path = workspace().join("models/powercube.toml");
-    let mut model = read(&path, &ReadOptions::default())
-        .expect("the model")
-        .model;
-    for joint in model
-        .links
-        .iter_mut()
-        .filter_map(|link| link.joint.as_mut())
-    {
+    let mut model = read(&path, &ReadOptions::default()).expect("the model").model;
+    for joint in model.links.iter_mut().filter_map(|link| link.joint.as_mut()) {
         joint.friction.clear();
     }
     assert_within("PowerCube", model, &[("equations_of_motion", 10, 8)]);

@@ -1,5 +1,5 @@
-//! Same description, same bytes: across runs, threads, the order of work, working directories, processes, and C libraries
-//! whose functions round differently.
+//! Same description, same bytes: across runs, threads, the order of work, working directories, processes, and
+//! C libraries whose functions round differently.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -69,8 +69,8 @@ const VALUE: &str = "value: ";
 /// Where the dynamic linker looks for functions first.
 const PRELOAD: &str = "LD_PRELOAD";
 
-/// A robot whose constants come from every function that a description may reach: angles as rpy and Denavit–Hartenberg
-/// rows, quaternions, held joints, leaves whose frames are turned, formulas of numbers.
+/// A robot whose constants come from every function that a description may reach: angles as rpy and
+/// Denavit–Hartenberg rows, quaternions, held joints, leaves whose frames are turned, formulas of numbers.
 const CURVED: &str = r#"
 name = "curved"
 [[joints]]
@@ -161,13 +161,9 @@ two! { atan2 hypot pow }
 pub unsafe extern "C" fn sincos(x: f64, s: *mut f64, c: *mut f64) { unsafe { *s = sin(x); *c = cos(x); } }
 "#;
 
-/// Runs this program again in another working directory and environment, perhaps with a library before the C library:
-/// the modules that [`child`] writes, and what it prints.
-fn in_a_process(
-    current: &Path,
-    home: &str,
-    library: Option<&Path>,
-) -> (Vec<(String, String)>, String) {
+/// Runs this program again in another working directory and environment, perhaps with a library before the C
+/// library: the modules that [`child`] writes, and what it prints.
+fn in_a_process(current: &Path, home: &str, library: Option<&Path>) -> (Vec<(String, String)>, String) {
     let folder = tempfile::tempdir().expect("a folder");
     let program = std::env::current_exe().expect("this program");
     let mut command = Command::new(program);
@@ -184,22 +180,11 @@ fn in_a_process(
     assert!(output.status.success(), "{output:?}");
     let entries = std::fs::read_dir(folder.path()).expect("the folder");
     let read = |path: PathBuf| {
-        let name = path
-            .file_name()
-            .expect("a name")
-            .to_string_lossy()
-            .into_owned();
+        let name = path.file_name().expect("a name").to_string_lossy().into_owned();
         (name, std::fs::read_to_string(&path).expect("a text"))
     };
-    let modules = sorted(
-        entries
-            .map(|entry| read(entry.expect("an entry").path()))
-            .collect(),
-    );
-    (
-        modules,
-        String::from_utf8_lossy(&output.stdout).into_owned(),
-    )
+    let modules = sorted(entries.map(|entry| read(entry.expect("an entry").path())).collect());
+    (modules, String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
 #[test]
@@ -209,7 +194,8 @@ fn processes_and_working_directories_change_nothing() {
     assert_same(&modules, &all_modules());
 }
 
-/// std's functions are those of the C library, which differ between platforms: no constant of the text may come from them.
+/// std's functions are those of the C library, which differ between platforms: no constant of the text may
+/// come from them.
 #[test]
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn another_c_library_changes_nothing() {
@@ -220,9 +206,7 @@ fn another_c_library_changes_nothing() {
     let library = folder.path().join("libother.so");
     let (modules, printed) = in_a_process(&workspace().join("models"), "/", Some(&library));
     let values = printed.lines().filter_map(|line| line.split_once(VALUE));
-    let values: Vec<u64> = values
-        .map(|(_, bits)| bits.parse().expect("bits"))
-        .collect();
+    let values: Vec<u64> = values.map(|(_, bits)| bits.parse().expect("bits")).collect();
     let expected = FUNCTIONS.map(|function| function(0.7).to_bits() ^ 1);
     assert_eq!(values, expected, "the library stands before the C library");
     assert_same(&modules, &all_modules());

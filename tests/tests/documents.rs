@@ -1,5 +1,6 @@
-//! The Markdown pages are true as far as a program can tell: links and paths lead somewhere, commands name what exists, and the examples of
-//! the README are what the generator writes and the runtime's documentation runs.
+//! The Markdown pages are true as far as a program can tell: links and paths lead somewhere, commands name
+//! what exists, and the examples of the README are what the generator writes and the runtime's documentation
+//! runs.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -61,9 +62,7 @@ fn prose(text: &str) -> String {
 fn blocks<'t>(text: &'t str, language: &str) -> Vec<&'t str> {
     let fence = format!("```{language}\n");
     let after = text.split(fence.as_str()).skip(1);
-    after
-        .filter_map(|rest| rest.split("\n```").next())
-        .collect()
+    after.filter_map(|rest| rest.split("\n```").next()).collect()
 }
 
 /// The anchors of a page, as GitHub makes them of headings.
@@ -71,11 +70,7 @@ fn anchors(text: &str) -> BTreeSet<String> {
     let slug = |heading: &str| {
         let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
         let lower = heading.trim_matches('#').trim().to_lowercase();
-        lower
-            .chars()
-            .filter(kept)
-            .collect::<String>()
-            .replace(' ', "-")
+        lower.chars().filter(kept).collect::<String>().replace(' ', "-")
     };
     let text = prose(text);
     let headings = text.lines().filter(|line| line.starts_with('#'));
@@ -88,10 +83,7 @@ fn links(text: &str) -> Vec<String> {
     let text = &text.split('`').step_by(2).collect::<Vec<_>>().join("code");
     let until = |rest: &str, end: char| rest.split(end).next().unwrap_or_default().to_owned();
     let inline = text.split("](").skip(1).map(|rest| until(rest, ')'));
-    let images = text
-        .split("src=\"")
-        .chain(text.split("srcset=\"").skip(1))
-        .skip(1);
+    let images = text.split("src=\"").chain(text.split("srcset=\"").skip(1)).skip(1);
     let images = images.map(|rest| until(rest, '"'));
     let named = text.lines().filter_map(|line| {
         let (_, address) = line.strip_prefix('[')?.split_once("]: ")?;
@@ -134,10 +126,8 @@ fn links_lead_somewhere() {
 #[test]
 fn names_of_links_have_addresses() {
     let text = prose(&read("README.md"));
-    let named: BTreeSet<&str> = text
-        .lines()
-        .filter_map(|line| Some(line.strip_prefix('[')?.split_once("]: ")?.0))
-        .collect();
+    let named: BTreeSet<&str> =
+        text.lines().filter_map(|line| Some(line.strip_prefix('[')?.split_once("]: ")?.0)).collect();
     let rows = text.lines().filter(|line| line.starts_with('|'));
     let used: BTreeSet<&str> = rows
         .flat_map(|row| row.split('[').skip(1))
@@ -166,9 +156,7 @@ fn paths_that_pages_name_exist() {
         }
         let text = prose(&text);
         for path in text.split('`').skip(1).step_by(2) {
-            let is_path = [".rs", ".sh", ".md", "/"]
-                .iter()
-                .any(|end| path.ends_with(end));
+            let is_path = [".rs", ".sh", ".md", "/"].iter().any(|end| path.ends_with(end));
             let is_plain = |c: char| c.is_alphanumeric() || matches!(c, '/' | '.' | '_' | '-');
             if !is_path || !path.chars().all(is_plain) || path == "/" {
                 continue;
@@ -250,27 +238,19 @@ fn the_readme_shows_what_the_generator_writes() {
     assert!(generated.source.text.contains(function), "{function}");
     let count = format!("one of the {} functions", generated.module.costs().len());
     assert!(readme.contains(&count), "{count}");
-    assert!(
-        generated.notes.entries().is_empty(),
-        "{:?}",
-        generated.notes
-    );
+    assert!(generated.notes.entries().is_empty(), "{:?}", generated.notes);
 }
 
-/// The README's loop is the example of the runtime's documentation, which rustdoc compiles and runs; its build script and its two lines
-/// are those that `gelenk new` writes.
+/// The README's loop is the example of the runtime's documentation, which rustdoc compiles and runs; its
+/// build script and its two lines are those that `gelenk new` writes.
 #[test]
 fn the_readme_shows_code_that_is_compiled() {
     let readme = read("README.md");
     let blocks = blocks(&readme, "rust");
     let documented = read("runtime/src/control_loop/mod.rs");
-    let documented: Vec<&str> = documented
-        .lines()
-        .map(|line| line.trim_start_matches("//!").trim())
-        .collect();
-    let control = blocks
-        .iter()
-        .find(|block| block.contains("ControlLoop::new"));
+    let documented: Vec<&str> =
+        documented.lines().map(|line| line.trim_start_matches("//!").trim()).collect();
+    let control = blocks.iter().find(|block| block.contains("ControlLoop::new"));
     for line in control.expect("the loop").lines() {
         assert!(documented.contains(&line.trim()), "{line}");
     }
@@ -285,21 +265,13 @@ fn the_readme_shows_code_that_is_compiled() {
 #[test]
 fn the_counts_are_those_of_the_generator() {
     let page = read("codegen/docs/operation_counts.md");
-    let rows: Vec<&str> = page
-        .lines()
-        .filter(|line| line.starts_with("| `"))
-        .collect();
+    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
     let expected: Vec<String> = generated(&workspace().join("models/powercube.toml"))
         .module
         .costs()
         .into_iter()
         .map(|(name, cost)| {
-            let numbers = [
-                cost.multiplications,
-                cost.additions,
-                cost.divisions,
-                cost.calls(),
-            ];
+            let numbers = [cost.multiplications, cost.additions, cost.divisions, cost.calls()];
             let numbers = numbers.map(|number| number.to_string()).join(" | ");
             format!("| `{name}` | {numbers} |")
         })

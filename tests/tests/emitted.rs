@@ -1,4 +1,5 @@
-//! The emitted code of every robot: it compiles without a warning, and computes what the interpreter computes.
+//! The emitted code of every robot: it compiles without a warning, and computes what the interpreter
+//! computes.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -28,17 +29,13 @@ fn random_inputs(rng: &mut Rng, function: &Function) -> Vec<Vec<f64>> {
         _ => 6.0 * (rng.f64() - 0.5),
     };
     let inputs = function.program.inputs.iter();
-    inputs
-        .map(|array| (0..array.extent.len).map(|_| entry()).collect())
-        .collect()
+    inputs.map(|array| (0..array.extent.len).map(|_| entry()).collect()).collect()
 }
 
 /// Near the described values.
 fn random_parameters(rng: &mut Rng, model: &Model) -> Vec<f64> {
     let parameters = model.parameters.iter();
-    parameters
-        .map(|parameter| parameter.default * (0.5 + rng.f64()))
-        .collect()
+    parameters.map(|parameter| parameter.default * (0.5 + rng.f64())).collect()
 }
 
 fn slices(arrays: &[Vec<f64>]) -> Vec<&[f64]> {
@@ -57,11 +54,7 @@ const IN_PLACE: &str = "_into";
 /// The derived function behind a compiled one.
 fn derived_function<'r>(robot: &'r Generated, name: &str) -> &'r Function {
     let name = name.strip_suffix(IN_PLACE).unwrap_or(name);
-    let function = robot
-        .module
-        .functions
-        .iter()
-        .find(|function| function.name == name);
+    let function = robot.module.functions.iter().find(|function| function.name == name);
     function.unwrap_or_else(|| panic!("{}::{name} was not derived", robot.source.name))
 }
 
@@ -73,12 +66,7 @@ fn interpreter_and_compiled_code_agree_in_every_bit() {
         let calls = compiled(&robot.source.name);
         let names = calls.iter().map(|(name, _)| *name);
         let names: Vec<&str> = names.filter(|name| !name.ends_with(IN_PLACE)).collect();
-        let derived: Vec<&str> = robot
-            .module
-            .functions
-            .iter()
-            .map(|f| f.name.as_str())
-            .collect();
+        let derived: Vec<&str> = robot.module.functions.iter().map(|f| f.name.as_str()).collect();
         assert_eq!(names, derived, "functions of {}", robot.source.name);
         let mut rng = Rng::with_seed(1);
         for (name, call) in calls {
@@ -86,10 +74,9 @@ fn interpreter_and_compiled_code_agree_in_every_bit() {
             for _ in 0..SAMPLES {
                 let inputs = random_inputs(&mut rng, function);
                 let parameters = random_parameters(&mut rng, &robot.model);
-                let expected =
-                    interpret(&function.program, &slices(&inputs), &parameters, &FUNCTIONS)
-                        .expect("inputs fit")
-                        .concat();
+                let expected = interpret(&function.program, &slices(&inputs), &parameters, &FUNCTIONS)
+                    .expect("inputs fit")
+                    .concat();
                 let found = call(&inputs, &parameters);
                 let what = format!("{}::{name}", robot.source.name);
                 assert_same_bits(&what, &found, &expected);
@@ -123,10 +110,7 @@ fn modules_compile_without_a_warning() {
             let alone = [&check[..], &["-D", "warnings"]].concat();
             let result = rustc(folder.path(), &name, &source.text, &alone);
             result.unwrap_or_else(|message| panic!("{name}: {message}"));
-            let _ = writeln!(
-                outer,
-                "/// Robot.\npub mod {name} {{ include!(\"{name}.rs\"); }}"
-            );
+            let _ = writeln!(outer, "/// Robot.\npub mod {name} {{ include!(\"{name}.rs\"); }}");
         }
     }
     let result = clippy(folder.path(), "outer", &outer, &check);
@@ -143,11 +127,7 @@ fn build_f32(folder: &Path, robots: &[Generated]) {
         let name = &source.name;
         std::fs::write(folder.join(format!("{name}.rs")), &source.text).expect("a file");
         let _ = writeln!(modules, "pub mod {name} {{ include!(\"{name}.rs\"); }}");
-        table.push_str(&table::entry(
-            name,
-            &format!("robots::{name}"),
-            &source.text,
-        ));
+        table.push_str(&table::entry(name, &format!("robots::{name}"), &source.text));
     }
     let main = format!(
         "mod flat;\nmod robots {{\n{modules}}}\nuse flat::*;\nconst ROBOTS: &[Robot] = &[\n{table}];\n{MAIN}"
@@ -196,24 +176,14 @@ fn run(folder: &Path, requests: String) -> Vec<Vec<f64>> {
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).expect("numbers");
     let number = |bits: &str| f64::from_bits(bits.parse().expect("bits"));
-    text.lines()
-        .map(|line| {
-            line.split(',')
-                .filter(|word| !word.is_empty())
-                .map(number)
-                .collect()
-        })
-        .collect()
+    text.lines().map(|line| line.split(',').filter(|word| !word.is_empty()).map(number).collect()).collect()
 }
 
 #[test]
 fn f32_modules_agree_within_their_rounding() {
     let folder = tempfile::tempdir().expect("a folder");
     let paths = descriptions();
-    let robots: Vec<Generated> = paths
-        .iter()
-        .map(|path| generate_model(path, Scalar::F32))
-        .collect();
+    let robots: Vec<Generated> = paths.iter().map(|path| generate_model(path, Scalar::F32)).collect();
     build_f32(folder.path(), &robots);
     let mut rng = Rng::with_seed(2);
     let (mut requests, mut samples) = (String::new(), Vec::new());
@@ -230,9 +200,7 @@ fn f32_modules_agree_within_their_rounding() {
             let parameters: Vec<f64> = parameters.into_iter().map(short).collect();
             let words: Vec<String> = inputs.iter().map(|array| joined(array)).collect();
             let _ = write!(requests, "{index}|{at}|{}", joined(&parameters));
-            words
-                .iter()
-                .for_each(|word| requests.push_str(&format!("|{word}")));
+            words.iter().for_each(|word| requests.push_str(&format!("|{word}")));
             requests.push('\n');
             samples.push((robot, function, inputs, parameters));
         }
@@ -244,14 +212,9 @@ fn f32_modules_agree_within_their_rounding() {
         let expected = single::interpret(&function.program, inputs, parameters);
         assert_same_bits(&what, &found, &expected);
         for (x, Bounded { value, error }) in
-            found
-                .iter()
-                .zip(single::bounds(&function.program, inputs, parameters))
+            found.iter().zip(single::bounds(&function.program, inputs, parameters))
         {
-            assert!(
-                (x - value).abs() <= error,
-                "{what}: {x} is not {value} ± {error:e}"
-            );
+            assert!((x - value).abs() <= error, "{what}: {x} is not {value} ± {error:e}");
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Modules for choices that the robots of models/ do not make: lanes of functions without angles, single functions, f32,
-//! fused operations, free parameters. Each compiles without a warning.
+//! Modules for choices that the robots of models/ do not make: lanes of functions without angles, single
+//! functions, f32, fused operations, free parameters. Each compiles without a warning.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -39,11 +39,7 @@ fn chain(kinds: &str, is_free: bool) -> String {
             _ => ("revolute", "[0, 1, 0]"),
         };
         let (mass, friction, inertia) = match is_free {
-            true => (
-                "{ free = 2.0 }",
-                "{ coulomb = { free = 0.3 }, viscous = 0.1 }",
-                "{ free = 1e-4 }",
-            ),
+            true => ("{ free = 2.0 }", "{ coulomb = { free = 0.3 }, viscous = 0.1 }", "{ free = 1e-4 }"),
             false => ("2.0", "\"0.1*v + 0.2*tanh(5*v)\"", "1e-4"),
         };
         let joint = JOINT
@@ -97,10 +93,7 @@ impl Crate {
 fn options(functions: &[String], lanes: &[String], scalar: Scalar) -> GenerateOptions {
     GenerateOptions {
         functions: functions.to_vec(),
-        emit: EmitOptions {
-            scalar,
-            ..EmitOptions::default()
-        },
+        emit: EmitOptions { scalar, ..EmitOptions::default() },
         lanes: lanes.to_vec(),
         ..GenerateOptions::default()
     }
@@ -110,12 +103,7 @@ fn options(functions: &[String], lanes: &[String], scalar: Scalar) -> GenerateOp
 fn functions(description: &Path) -> Vec<String> {
     let robot = generate(description, &GenerateOptions::default());
     let robot = robot.unwrap_or_else(|problems| panic!("{problems}"));
-    robot
-        .module
-        .costs()
-        .into_iter()
-        .map(|(name, _)| name)
-        .collect()
+    robot.module.costs().into_iter().map(|(name, _)| name).collect()
 }
 
 /// Functions that are asked for by name alone.
@@ -141,11 +129,9 @@ impl Robots {
 fn single_functions_over_lanes_compile_without_a_warning() {
     let robots = Robots::new();
     let mut modules = Crate::default();
-    for (kinds, is_free, scalar) in [
-        ("p", false, Scalar::F64),
-        ("p", true, Scalar::F32),
-        ("pr", false, Scalar::F32),
-    ] {
+    for (kinds, is_free, scalar) in
+        [("p", false, Scalar::F64), ("p", true, Scalar::F32), ("pr", false, Scalar::F32)]
+    {
         let description = robots.chain(kinds, is_free);
         let mut names = functions(&description);
         names.push(ON_REQUEST.to_owned());

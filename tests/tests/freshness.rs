@@ -27,16 +27,11 @@ fn committed_modules_are_fresh() {
     }
     let files = std::fs::read_dir(&folder).expect("generated/src");
     for path in files.map(|file| file.expect("a file").path()) {
-        let stem = path
-            .file_stem()
-            .map(|stem| stem.to_string_lossy().into_owned());
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         let is_known = stem.is_some_and(|stem| stem == "lib" || names.contains(&stem));
         if !is_known && is_generated(&path) {
             stale.push(format!("{} (nothing describes it)", path.display()));
         }
     }
-    assert!(
-        stale.is_empty(),
-        "stale in generated/src: {stale:?}\nrun: {COMMAND}"
-    );
+    assert!(stale.is_empty(), "stale in generated/src: {stale:?}\nrun: {COMMAND}");
 }

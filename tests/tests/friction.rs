@@ -37,10 +37,7 @@ fn robot(generate: &str, smooth_sign: Option<f64>) -> Robot {
     let folder = tempfile::tempdir().expect("a folder");
     let path: PathBuf = folder.path().join("robot.toml");
     std::fs::write(&path, format!("{DESCRIPTION}{generate}")).expect("a file");
-    let options = GenerateOptions {
-        smooth_sign,
-        ..GenerateOptions::default()
-    };
+    let options = GenerateOptions { smooth_sign, ..GenerateOptions::default() };
     Robot::derive(&path, &options)
 }
 
@@ -68,11 +65,7 @@ fn sign_is_exact_and_its_derivative_zero() {
         assert!((linear[3][0] - (accelerations[0] + VISCOUS / 5.0 * rate)).abs() < 1e-14);
     }
     let notes = &robot.function("linearize").notes;
-    assert!(
-        notes
-            .iter()
-            .any(|note| note.contains("derivative is taken as zero"))
-    );
+    assert!(notes.iter().any(|note| note.contains("derivative is taken as zero")));
 }
 
 #[test]
@@ -89,14 +82,9 @@ fn smooth_sign_is_a_tanh_with_its_derivative() {
             let edge = slope * (1.0 - smooth * smooth);
             let friction = robot.first("friction_torques", &[&v]);
             let springs = robot.first("spring_forces", &[&zero, &v]);
-            let slopes = robot
-                .call("inverse_dynamics_derivatives", &[&zero, &v, &zero])
-                .swap_remove(2);
+            let slopes = robot.call("inverse_dynamics_derivatives", &[&zero, &v, &zero]).swap_remove(2);
             let close = |found: f64, expected: f64| {
-                assert!(
-                    (found - expected).abs() < 1e-13,
-                    "at {rate}: {found}, {expected}"
-                );
+                assert!((found - expected).abs() < 1e-13, "at {rate}: {found}, {expected}");
             };
             close(friction[0], VISCOUS * rate + COULOMB * smooth);
             // The mean of both sides times the odd part, and half their difference times the even one.
@@ -106,11 +94,7 @@ fn smooth_sign_is_a_tanh_with_its_derivative() {
             close(slopes[3], (0.4 + 0.2 * smooth + 0.7) * edge);
         }
         let notes = &robot.function("linearize").notes;
-        assert!(
-            !notes
-                .iter()
-                .any(|note| note.contains("derivative is taken as zero"))
-        );
+        assert!(!notes.iter().any(|note| note.contains("derivative is taken as zero")));
     }
 }
 
@@ -135,15 +119,9 @@ fn friction_depends_on_the_position_where_its_law_does() {
     for (y, v) in [(0.0_f64, 0.1_f64), (1.3, 0.02), (-0.8, -0.4), (1.9, 3.0)] {
         let (positions, velocities, still) = ([y, 0.7], [v, -0.5], [0.0; 2]);
         let (tight, smooth) = (0.3 * (1.0 + 0.9 * y.sin()), (20.0 * v).tanh());
-        let (by_y, by_v) = (
-            0.27 * y.cos() * smooth,
-            20.0 * tight * (1.0 - smooth * smooth),
-        );
+        let (by_y, by_v) = (0.27 * y.cos() * smooth, 20.0 * tight * (1.0 - smooth * smooth));
         let close = |found: f64, expected: f64| {
-            assert!(
-                (found - expected).abs() < 1e-14,
-                "({y}, {v}): {found}, {expected}"
-            );
+            assert!((found - expected).abs() < 1e-14, "({y}, {v}): {found}, {expected}");
         };
         let friction = robot.first("friction_torques", &[&positions, &velocities]);
         close(friction[0], tight * smooth);
@@ -153,10 +131,7 @@ fn friction_depends_on_the_position_where_its_law_does() {
         assert_eq!(parameters, [0.3, 2.0]);
         close(regressor[0] * parameters[0], friction[0]);
         close(regressor[3] * parameters[1], friction[1]);
-        let inverse = robot.call(
-            "inverse_dynamics_derivatives",
-            &[&positions, &velocities, &still],
-        );
+        let inverse = robot.call("inverse_dynamics_derivatives", &[&positions, &velocities, &still]);
         let forces = robot.first("inverse_dynamics", &[&positions, &velocities, &still]);
         let bias = robot.first("bias_forces", &[&positions, &velocities]);
         close(forces[0] - bias[0], friction[0]);

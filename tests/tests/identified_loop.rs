@@ -1,5 +1,6 @@
-//! The loop identify → regenerate → track: friction found in a log becomes a description, a build script makes a module
-//! of it, and a program that links the runtime tracks a reference on the published arm with it.
+//! The loop identify → regenerate → track: friction found in a log becomes a description, a build script
+//! makes a module of it, and a program that links the runtime tracks a reference on the published arm with
+//! it.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -42,9 +43,7 @@ fn log() -> Log {
         let _ = writeln!(text, "{t:.2},{q1:.4},{q2:.4},{u1:.9},{u2:.9}");
     }
     let schema = LogSchema::default();
-    Log::read(text.as_bytes(), "simulated", &schema)
-        .expect("a log")
-        .0
+    Log::read(text.as_bytes(), "simulated", &schema).expect("a log").0
 }
 
 /// Friction of both joints: terms of the library for the first, a Stribeck law for the second.
@@ -56,21 +55,13 @@ fn identified() -> [FrictionResult; 2] {
         log.differentiate(position, &method).expect("derivatives");
     }
     let rows = log.select("t > 1 && t < 39").expect("rows");
-    let columns = log
-        .motion(&["q1", "q2"], &["u1", "u2"], &rows)
-        .expect("a motion");
+    let columns = log.motion(&["q1", "q2"], &["u1", "u2"], &rows).expect("a motion");
     let torques = friction_torques(&Arm, &columns.motion()).expect("friction torques");
-    let methods = [
-        FrictionMethod::BestSubset,
-        FrictionMethod::Stribeck(StribeckRegression::default()),
-    ];
+    let methods = [FrictionMethod::BestSubset, FrictionMethod::Stribeck(StribeckRegression::default())];
     let mut joint = 0;
     methods.map(|method| {
-        let settings = FrictionIdentification {
-            method,
-            draws: 0,
-            ..FrictionIdentification::new().expect("settings")
-        };
+        let settings =
+            FrictionIdentification { method, draws: 0, ..FrictionIdentification::new().expect("settings") };
         let data = FrictionData {
             joint: powercube::JOINT_NAMES[joint],
             unit: "N·m",

@@ -1,6 +1,7 @@
 //! Instructions per call of the emitted functions, counted by Valgrind: a regression shows without timing.
 //!
-//! Of those over lanes it is the count of eight states. The counts belong to rustc 1.95 and x86-64-v2, or v3 with fused operations; another compiler moves them a little. Review with `cargo insta review`.
+//! Of those over lanes it is the count of eight states. The counts belong to rustc 1.95 and x86-64-v2, or v3
+//! with fused operations; another compiler moves them a little. Review with `cargo insta review`.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -20,8 +21,8 @@ const FUNCTIONS: [(&str, &str); 7] = [
     ("linearize", "y, v, a"),
 ];
 
-/// Functions over a sample time: name of the row, function, period. What `discretize` takes grows with the period times the
-/// fastest rate of the robot; over the longest period it takes the most.
+/// Functions over a sample time: name of the row, function, period. What `discretize` takes grows with the
+/// period times the fastest rate of the robot; over the longest period it takes the most.
 const OVER_TIME: [(&str, &str, &str); 4] = [
     ("discretize", "discretize", "0.02"),
     ("discretize_at_most", "discretize", "longest[k % 8]"),
@@ -30,11 +31,8 @@ const OVER_TIME: [(&str, &str, &str); 4] = [
 ];
 
 /// Functions over eight states, in the form for AVX2 (Valgrind knows no AVX-512), and their results.
-const LANES: [(&str, &str); 3] = [
-    ("inverse_dynamics", "x"),
-    ("forward_dynamics", "x"),
-    ("linearize", "dy, dv, du, x"),
-];
+const LANES: [(&str, &str); 3] =
+    [("inverse_dynamics", "x"), ("forward_dynamics", "x"), ("linearize", "dy, dv, du, x")];
 
 /// Ten rounds over the states: the counts of all rounds are equal.
 const CALLS: u64 = 80;
@@ -114,11 +112,7 @@ struct Context {{
 fn profile(program: &Path, folder: &Path) -> String {
     let file = folder.join("profile");
     let output = Command::new("valgrind")
-        .args([
-            "--tool=callgrind",
-            "--compress-strings=no",
-            "--compress-pos=no",
-        ])
+        .args(["--tool=callgrind", "--compress-strings=no", "--compress-pos=no"])
         .arg(format!("--callgrind-out-file={}", file.display()))
         .arg(program)
         .output()
@@ -128,20 +122,16 @@ fn profile(program: &Path, folder: &Path) -> String {
     std::fs::read_to_string(file).expect("a profile")
 }
 
-/// Instructions of a function and of what it calls, in Callgrind's format: a block `fn=name`, in it lines of a position and
-/// a count, those of calls included.
+/// Instructions of a function and of what it calls, in Callgrind's format: a block `fn=name`, in it lines of
+/// a position and a count, those of calls included.
 fn instructions(profile: &str, function: &str) -> u64 {
-    let block = profile
-        .lines()
-        .skip_while(|line| *line != format!("fn={function}"));
+    let block = profile.lines().skip_while(|line| *line != format!("fn={function}"));
     let lines = block.skip(1).take_while(|line| !line.starts_with("fn="));
     let counts = lines.filter_map(|line| {
         let is_cost = line.starts_with(|letter: char| letter.is_ascii_digit());
         line.split_whitespace().last().filter(|_| is_cost)
     });
-    let count = counts
-        .map(|count| count.parse::<u64>().expect("a count"))
-        .sum();
+    let count = counts.map(|count| count.parse::<u64>().expect("a count")).sum();
     assert!(count > 0, "{function} was not counted");
     count
 }
@@ -159,8 +149,7 @@ fn module(robot: &str, fused: bool, functions: &[&str], lanes: bool) -> String {
         options.lanes = options.functions.clone();
     }
     let description = workspace().join("models").join(format!("{robot}.toml"));
-    let generated =
-        generate(&description, &options).unwrap_or_else(|problems| panic!("{problems}"));
+    let generated = generate(&description, &options).unwrap_or_else(|problems| panic!("{problems}"));
     generated.source.text
 }
 
@@ -170,11 +159,7 @@ fn report(robot: &str, fused: bool) -> String {
     // Modules of their own: who else calls a function decides where it is inlined.
     let modules = [
         ("robot.rs", FUNCTIONS.map(|(name, _)| name).to_vec(), false),
-        (
-            "discrete.rs",
-            OVER_TIME.map(|(_, name, _)| name).to_vec(),
-            false,
-        ),
+        ("discrete.rs", OVER_TIME.map(|(_, name, _)| name).to_vec(), false),
         ("many.rs", LANES.map(|(name, _)| name).to_vec(), true),
     ];
     for (file, functions, lanes) in modules {
@@ -190,29 +175,15 @@ fn report(robot: &str, fused: bool) -> String {
     let output = Command::new("rustc")
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env_remove("RUSTFLAGS")
-        .args([
-            "--edition",
-            "2024",
-            "-Copt-level=3",
-            "-Ccodegen-units=1",
-            target,
-            "-Awarnings",
-            "-o",
-        ])
+        .args(["--edition", "2024", "-Copt-level=3", "-Ccodegen-units=1", target, "-Awarnings", "-o"])
         .args([&program, &main])
         .output()
         .expect("rustc runs");
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let form = if fused { "fused" } else { "plain" };
     let singles = FUNCTIONS.iter().map(|(name, _)| (*name).to_owned());
     let over_time = OVER_TIME.iter().map(|(row, ..)| (*row).to_owned());
-    let names = singles
-        .chain(over_time)
-        .chain(LANES.iter().map(|(name, _)| format!("{name}_lanes")));
+    let names = singles.chain(over_time).chain(LANES.iter().map(|(name, _)| format!("{name}_lanes")));
     let profile = profile(&program, folder.path());
     let lines = names.map(|name| {
         let calls = instructions(&profile, &format!("measured_{name}"));
@@ -228,15 +199,7 @@ fn instructions_per_call() {
         println!("skipped: no valgrind, or no x86-64");
         return;
     }
-    let reports = [
-        ("ur5", false),
-        ("ur5", true),
-        ("panda", false),
-        ("panda", true),
-    ];
-    let text: String = reports
-        .iter()
-        .map(|(robot, fused)| report(robot, *fused))
-        .collect();
+    let reports = [("ur5", false), ("ur5", true), ("panda", false), ("panda", true)];
+    let text: String = reports.iter().map(|(robot, fused)| report(robot, *fused)).collect();
     insta::assert_snapshot!(text);
 }

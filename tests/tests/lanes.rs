@@ -1,4 +1,5 @@
-//! Functions over eight states: the bits of the scalar function in every state, for every function that has the form.
+//! Functions over eight states: the bits of the scalar function in every state, for every function that has
+//! the form.
 
 use std::fmt::Write as _;
 use std::process::Command;
@@ -14,10 +15,7 @@ fn robot(name: &str, functions: &[&str], scalar: Scalar, fused: bool) -> Generat
     let mut options = GenerateOptions {
         functions: functions.iter().map(|&name| name.to_owned()).collect(),
         fused_multiply_add: fused,
-        emit: EmitOptions {
-            scalar,
-            ..EmitOptions::default()
-        },
+        emit: EmitOptions { scalar, ..EmitOptions::default() },
         ..GenerateOptions::default()
     };
     let generate = |options: &GenerateOptions| {
@@ -82,11 +80,7 @@ fn compare(name: &str, form: &str, i: usize, found: &[Real], expected: &[Real]) 
 
 /// One function: its scalar form on each state, and its forms over lanes.
 fn comparison(robot: &Generated, name: &str) -> String {
-    let function = robot
-        .module
-        .functions
-        .iter()
-        .find(|function| function.name == name);
+    let function = robot.module.functions.iter().find(|function| function.name == name);
     let program = &function.unwrap_or_else(|| panic!("{name}")).program;
     let inputs = 0..program.inputs.len();
     let p = (!robot.model.parameters.is_empty()).then_some("&p");
@@ -102,16 +96,12 @@ fn comparison(robot: &Generated, name: &str) -> String {
         .enumerate()
         .map(|(k, output)| {
             let extents = output.shape.extents().into_iter().rev();
-            let ty = extents.fold("Lanes".to_owned(), |entry, extent| {
-                format!("[{entry}; {}]", extent.len)
-            });
+            let ty = extents.fold("Lanes".to_owned(), |entry, extent| format!("[{entry}; {}]", extent.len));
             format!("            let mut r{k} = <{ty}>::unwritten();\n")
         })
         .collect();
     let list = |prefix: &str, count: usize, before: &str| -> String {
-        (0..count)
-            .map(|k| format!("{before}{prefix}{k}, "))
-            .collect()
+        (0..count).map(|k| format!("{before}{prefix}{k}, ")).collect()
     };
     let arguments = format!(
         "{}{}{}",
@@ -121,13 +111,9 @@ fn comparison(robot: &Generated, name: &str) -> String {
     );
     let pushes: String = match outputs.len() {
         1 => "result.push(&mut expected);".to_owned(),
-        count => (0..count)
-            .map(|k| format!("result.{k}.push(&mut expected);"))
-            .collect(),
+        count => (0..count).map(|k| format!("result.{k}.push(&mut expected);")).collect(),
     };
-    let found: String = (0..outputs.len())
-        .map(|k| format!("r{k}.push(i, &mut found);"))
-        .collect();
+    let found: String = (0..outputs.len()).map(|k| format!("r{k}.push(i, &mut found);")).collect();
     let check = |form: &str, call: &str| {
         format!(
             "{results}            {call};
@@ -200,21 +186,12 @@ fn all_functions_have_the_bits_of_single_states() {
     for name in ["cart_pole", "powercube", "powercube_parameters"] {
         let robot = robot(name, &[], Scalar::F64, false);
         let count = check(&robot, Scalar::F64, &[]);
-        assert_eq!(
-            count,
-            robot.module.functions.len() - WITHOUT_STATE,
-            "{name}"
-        );
+        assert_eq!(count, robot.module.functions.len() - WITHOUT_STATE, "{name}");
     }
 }
 
 /// Functions that are cut into several loops.
-const LONG: [&str; 4] = [
-    "inverse_dynamics",
-    "forward_dynamics",
-    "inverse_dynamics_derivatives",
-    "linearize",
-];
+const LONG: [&str; 4] = ["inverse_dynamics", "forward_dynamics", "inverse_dynamics_derivatives", "linearize"];
 
 #[test]
 fn long_functions_have_the_bits_of_single_states() {
@@ -235,10 +212,7 @@ fn fused_functions_have_the_bits_of_single_states() {
     #[cfg(target_arch = "x86_64")]
     if std::is_x86_feature_detected!("fma") {
         let robot = robot("ur5", &LONG[..2], Scalar::F64, true);
-        assert_eq!(
-            check(&robot, Scalar::F64, &["-C", "target-feature=+fma"]),
-            2
-        );
+        assert_eq!(check(&robot, Scalar::F64, &["-C", "target-feature=+fma"]), 2);
         return;
     }
     println!("skipped: no x86-64 with fma");
@@ -246,11 +220,9 @@ fn fused_functions_have_the_bits_of_single_states() {
 
 #[test]
 fn modules_compile_without_a_warning() {
-    for (name, scalar) in [
-        ("powercube_parameters", Scalar::F64),
-        ("ur5", Scalar::F32),
-        ("cart_pole", Scalar::F64),
-    ] {
+    for (name, scalar) in
+        [("powercube_parameters", Scalar::F64), ("ur5", Scalar::F32), ("cart_pole", Scalar::F64)]
+    {
         let robot = robot(name, &[], scalar, false);
         check_warnings(name, &robot);
     }
@@ -259,10 +231,8 @@ fn modules_compile_without_a_warning() {
 /// In short parts the angles, which stand first, fill the first ones.
 #[test]
 fn parts_of_angles_alone_are_no_loops() {
-    let mut options = GenerateOptions {
-        functions: vec!["inverse_dynamics".to_owned()],
-        ..GenerateOptions::default()
-    };
+    let mut options =
+        GenerateOptions { functions: vec!["inverse_dynamics".to_owned()], ..GenerateOptions::default() };
     options.lanes = options.functions.clone();
     options.emit.longest_function = 4;
     let robot = generate(&workspace().join("models/ur5.toml"), &options);
@@ -288,10 +258,7 @@ fn unknown_names_are_errors_and_impossible_ones_are_noted() {
     let description = workspace().join("models/cart_pole.toml");
     let asked = |functions: &[&str], lanes: &[&str]| {
         let strings = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
-        let mut options = GenerateOptions {
-            functions: strings(functions),
-            ..GenerateOptions::default()
-        };
+        let mut options = GenerateOptions { functions: strings(functions), ..GenerateOptions::default() };
         options.lanes = strings(lanes);
         generate(&description, &options)
     };
@@ -302,10 +269,7 @@ fn unknown_names_are_errors_and_impossible_ones_are_noted() {
     assert_eq!(over_lanes(&robot.source.text), ["linearize"]);
     let notes = robot.notes.to_string();
     for name in ["`step`", "`input_matrix`"] {
-        assert!(
-            notes.contains(&format!("{name} is not written over lanes")),
-            "{notes}"
-        );
+        assert!(notes.contains(&format!("{name} is not written over lanes")), "{notes}");
     }
 }
 
@@ -321,8 +285,6 @@ fn descriptions_may_ask_for_lanes() {
     };
     let robot = of("\"mass_matrix\", \"linearize\"").expect("a robot");
     assert_eq!(over_lanes(&robot.source.text), ["mass_matrix", "linearize"]);
-    let problem = of("\"linearise\"")
-        .expect_err("no such function")
-        .to_string();
+    let problem = of("\"linearise\"").expect_err("no such function").to_string();
     assert!(problem.contains("did you mean `linearize`?"), "{problem}");
 }

@@ -49,13 +49,8 @@ const LARGE: [&str; 10] = [
 fn large_functions_are_refused_with_their_count_and_the_option() {
     let model = chain(&right_angles(500), DOWN);
     let names = selection(&LARGE);
-    let problems =
-        selection::derive_functions(&model, &names, MOST_OPERATIONS).expect_err("too large");
-    let refused: Vec<&str> = problems
-        .entries()
-        .iter()
-        .map(|problem| problem.code)
-        .collect();
+    let problems = selection::derive_functions(&model, &names, MOST_OPERATIONS).expect_err("too large");
+    let refused: Vec<&str> = problems.entries().iter().map(|problem| problem.code).collect();
     assert_eq!(refused, vec!["too-large"; LARGE.len()]);
     let model = chain(&right_angles(12), DOWN);
     let names = selection(&["mass_matrix", "bias_forces"]);
@@ -68,35 +63,20 @@ fn large_functions_are_refused_with_their_count_and_the_option() {
 #[test]
 fn large_functions_are_left_out() {
     let model = chain(&right_angles(4), DOWN);
-    let request = Request {
-        names: &[],
-        most: 700,
-        form: Form::Straight,
-        straight: &[],
-    };
+    let request = Request { names: &[], most: 700, form: Form::Straight, straight: &[] };
     let selected = derive(&model, &request).unwrap_or_else(|problems| panic!("{problems}"));
     let found = |name: &str| selected.functions.iter().any(|f| f.name == name);
     assert!(found("forward_dynamics") && !found("linearize"));
-    let compositions: Vec<&str> = selected
-        .compositions
-        .iter()
-        .map(|each| each.name())
-        .collect();
+    let compositions: Vec<&str> = selected.compositions.iter().map(|each| each.name()).collect();
     assert_eq!(compositions, ["step"]);
     let notes: Vec<String> = selected.notes.iter().map(ToString::to_string).collect();
     insta::assert_snapshot!(notes.join("\n"));
     let names = selection(&["discretize"]);
-    let request = Request {
-        names: &names,
-        ..request
-    };
+    let request = Request { names: &names, ..request };
     let problems = derive(&model, &request).expect_err("asked for by name");
     assert_eq!(problems.entries()[0].code, "too-large");
     let names = selection(&["bias_forces", "forward_dynamics"]);
-    let request = Request {
-        names: &names,
-        ..request
-    };
+    let request = Request { names: &names, ..request };
     assert!(derive(&model, &request).is_ok());
 }
 
@@ -108,10 +88,7 @@ fn loops_count_as_their_text() {
     let names = selection(&["linearize"]);
     let functions = selection::derive_functions(&model, &names, MOST);
     let functions = functions.unwrap_or_else(|problems| panic!("{problems}"));
-    let names: Vec<&str> = functions
-        .iter()
-        .map(|function| function.name.as_str())
-        .collect();
+    let names: Vec<&str> = functions.iter().map(|function| function.name.as_str()).collect();
     assert_eq!(names, ["forward_dynamics_derivatives", "linearize"]);
     let cost = count(&functions[0].program);
     assert!(cost.multiplications + cost.additions > 2 * MOST);

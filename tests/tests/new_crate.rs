@@ -8,11 +8,7 @@ use gelenk_tests::workspace;
 
 /// Lines of numbers: time, joints, energy.
 fn rows(printed: &str) -> Vec<Vec<f64>> {
-    let numbers = |line: &str| {
-        line.split_whitespace()
-            .map(str::parse)
-            .collect::<Result<Vec<f64>, _>>()
-    };
+    let numbers = |line: &str| line.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>();
     printed
         .lines()
         .skip(1)
@@ -36,15 +32,13 @@ fn a_new_crate_builds_and_simulates() {
     let build = aloud(&made, &["build"]);
     success(&build);
     let said = text(&build.stderr);
-    assert!(
-        !said.contains("warning"),
-        "warnings greet a new user: {said}"
-    );
+    assert!(!said.contains("warning"), "warnings greet a new user: {said}");
 
     let rows = rows(&success(&cargo(&made, &["run"])));
     assert_eq!(rows.len(), 21);
     assert_eq!(rows[0][..3], [0.0, 1.0, 0.0]);
-    // Without inputs, friction only takes energy; at rest at 1 rad it is V = -g (3 * 0.2 + 2 * 0.4) cos 1 - g 2 * 0.15 cos 1.
+    // Without inputs, friction only takes energy; at rest at 1 rad it is V = -g (3 * 0.2 + 2 * 0.4) cos 1 - g
+    // 2 * 0.15 cos 1.
     let start = -9.81 * 1.7 * 1.0_f64.cos();
     assert!((rows[0][3] - start).abs() < 1e-6, "{}", rows[0][3]);
     for pair in rows.windows(2) {
@@ -82,11 +76,7 @@ fn a_new_crate_finds_the_checkout() {
     let resolved = success(&cargo(&made, &tree));
     for (name, part) in [("gelenk-runtime", "runtime"), ("gelenk-codegen", "codegen")] {
         let place = workspace().join(part);
-        let line = format!(
-            "{name} v{} ({})",
-            env!("CARGO_PKG_VERSION"),
-            place.display()
-        );
+        let line = format!("{name} v{} ({})", env!("CARGO_PKG_VERSION"), place.display());
         assert!(resolved.contains(&line), "{line} not in:\n{resolved}");
     }
 }

@@ -1,5 +1,5 @@
-//! The crates as they would be published: what their manifests say, and that no file is missing. `new_crate.rs`, `build_script.rs` and
-//! `identified_loop.rs` compile them and run the result.
+//! The crates as they would be published: what their manifests say, and that no file is missing.
+//! `new_crate.rs`, `build_script.rs` and `identified_loop.rs` compile them and run the result.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,14 +10,7 @@ use gelenk_tests::workspace;
 /// The fields that a registry shows, or that tell a user whether the crate is one for them.
 #[test]
 fn manifests_say_what_a_registry_shows() {
-    let texts = [
-        "description",
-        "license",
-        "repository",
-        "documentation",
-        "readme",
-        "rust_version",
-    ];
+    let texts = ["description", "license", "repository", "documentation", "readme", "rust_version"];
     for package in manifests() {
         let name = package["name"].as_str().expect("a name");
         for key in texts {
@@ -63,7 +56,8 @@ fn packages_hold_the_licences() {
     }
 }
 
-/// Packing compiles nothing here, so a file that a crate includes from elsewhere in the repository would be missed.
+/// Packing compiles nothing here, so a file that a crate includes from elsewhere in the repository would be
+/// missed.
 #[test]
 fn packages_hold_every_file_that_they_include() {
     let mut count = 0;
@@ -73,11 +67,7 @@ fn packages_hold_every_file_that_they_include() {
             for included in included(&text) {
                 count += 1;
                 let path = source.parent().expect("a folder").join(included);
-                assert!(
-                    path.is_file(),
-                    "{name}: {} includes {included}",
-                    source.display()
-                );
+                assert!(path.is_file(), "{name}: {} includes {included}", source.display());
             }
         }
     }

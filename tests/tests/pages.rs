@@ -5,23 +5,14 @@ use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::{ReadOptions, read};
 use gelenk_codegen::report::{Contents, report};
 use gelenk_report::{
-    Axis, Block, Claim, Criterion, Equation, Figure, Marks, Pattern, Plot, Report, Section, Table,
-    text,
+    Axis, Block, Claim, Criterion, Equation, Figure, Marks, Pattern, Plot, Report, Section, Table, text,
 };
 use gelenk_tests::browser::{Browser, Findings, Window};
 use gelenk_tests::{FUNCTIONS, workspace};
 use serde_json::{Value, json};
 
-const WIDE: Window = Window {
-    width: 1400,
-    height: 900,
-    is_dark: false,
-};
-const NARROW: Window = Window {
-    width: 500,
-    height: 900,
-    is_dark: true,
-};
+const WIDE: Window = Window { width: 1400, height: 900, is_dark: false };
+const NARROW: Window = Window { width: 500, height: 900, is_dark: true };
 
 /// What every page must keep.
 const COMMON: &str = r##"
@@ -95,11 +86,7 @@ const ROBOT: &str = r##"
 
 fn check_common(name: &str, findings: &Findings) {
     let Findings { result, console } = findings;
-    assert_eq!(
-        console,
-        &Vec::<String>::new(),
-        "{name}: messages of the console"
-    );
+    assert_eq!(console, &Vec::<String>::new(), "{name}: messages of the console");
     assert_eq!(result["failed"], Value::Null, "{name}");
     for nothing in ["loaded", "repeatedIds", "deadLinks", "empty", "nameless"] {
         assert_eq!(result[nothing], json!([]), "{name}: {nothing}");
@@ -112,71 +99,48 @@ fn check_common(name: &str, findings: &Findings) {
 
 /// A page with one of everything.
 fn sample() -> String {
-    let line = |f: fn(f64) -> f64| {
-        (0..200)
-            .map(|k| 0.05 * f64::from(k))
-            .map(|x| [x, f(x)])
-            .collect()
-    };
+    let line = |f: fn(f64) -> f64| (0..200).map(|k| 0.05 * f64::from(k)).map(|x| [x, f(x)]).collect();
     let plot = Plot::new("Torque", Axis::new("time", "s"), Axis::new("torque", "N m"))
         .series("feed-forward", Marks::Line, line(f64::sin))
         .series("controller", Marks::Dashed, line(f64::cos))
         .series("held", Marks::Steps, line(|x| x.sin().round()))
         .series("samples", Marks::Points, line(|x| 0.3 * x.cos()));
-    let pareto = Plot::new(
-        "",
-        Axis::new("λ", "").logarithmic(),
-        Axis::new("error", "rad").logarithmic(),
-    )
-    .series(
-        "front",
-        Marks::Line,
-        (1..50)
-            .map(|k| [f64::from(k), 1.0 / f64::from(k)])
-            .collect(),
-    );
+    let pareto = Plot::new("", Axis::new("λ", "").logarithmic(), Axis::new("error", "rad").logarithmic())
+        .series("front", Marks::Line, (1..50).map(|k| [f64::from(k), 1.0 / f64::from(k)]).collect());
     let claim = |id: &str, value: f64| {
         Claim::new(id, "The error $e$ is small.")
             .criterion(Criterion::at_most("error", value, 1.0, "rad"))
             .flipped_by("no delay")
             .shown_in("torques")
     };
-    let rows = (0..4).map(|k| {
-        vec![
-            gelenk_report::Cell::Count(k),
-            gelenk_report::Cell::number(0.1),
-        ]
-    });
+    let rows = (0..4).map(|k| vec![gelenk_report::Cell::Count(k), gelenk_report::Cell::number(0.1)]);
     let identity = (0..12).map(|i| (0..12).map(|j| i == j).collect()).collect();
     Report::new("Everything <at> once")
         .lead("With $\\dot x = A x + B_x u + c$ and `code`.")
         .fact("samples", "1220")
-        .section(
-            Section::new("claims", "Claims").block(Block::Claims(vec![
-                claim("first", 0.5),
-                claim("second", 0.5).under("the delay is known"),
-                claim("third", 2.0).remark("It is `not` small."),
-                claim("fourth", f64::NAN),
-            ])),
-        )
+        .section(Section::new("claims", "Claims").block(Block::Claims(vec![
+            claim("first", 0.5),
+            claim("second", 0.5).under("the delay is known"),
+            claim("third", 2.0).remark("It is `not` small."),
+            claim("fourth", f64::NAN),
+        ])))
         .section(
             Section::new("rest", "The rest")
                 .block(Block::Equations(vec![
-                    Equation::new(r"\begin{bmatrix} a_{11} & \frac{1}{2} \\ 0 & \sum_{k=1}^{N} \|r_k\|^2 \end{bmatrix}")
-                        .expect("an equation"),
+                    Equation::new(
+                        r"\begin{bmatrix} a_{11} & \frac{1}{2} \\ 0 & \sum_{k=1}^{N} \|r_k\|^2 \end{bmatrix}",
+                    )
+                    .expect("an equation"),
                 ]))
-                .block(Block::Figure(
-                    Figure::new("torques", "Torques over time.").plot(plot).plot(pareto),
-                ))
+                .block(Block::Figure(Figure::new("torques", "Torques over time.").plot(plot).plot(pareto)))
                 .block(Block::Patterns(vec![Pattern::new("eye", "$I$", vec![], vec![], identity)]))
                 .block(Block::Table(
-                    Table::new("table", "Values of $x$.").column("", "index", "").column("$x$", "x", "m").rows(rows),
+                    Table::new("table", "Values of $x$.")
+                        .column("", "index", "")
+                        .column("$x$", "x", "m")
+                        .rows(rows),
                 ))
-                .block(Block::Details {
-                    summary: vec![],
-                    is_open: false,
-                    blocks: vec![text("folded $x^2$")],
-                })
+                .block(Block::Details { summary: vec![], is_open: false, blocks: vec![text("folded $x^2$")] })
                 .block(Block::Code("let x = 1 < 2;".to_owned())),
         )
         .html()
@@ -196,12 +160,7 @@ fn a_page_with_everything_is_sound() {
         check_common(name, findings);
         assert_eq!(findings.result["title"], "Everything <at> once");
         assert_eq!(findings.result["plots"], 2);
-        let verdicts = [
-            "✓ holds",
-            "◐ holds under a condition",
-            "✗ does not hold",
-            "✗ does not hold",
-        ];
+        let verdicts = ["✓ holds", "◐ holds under a condition", "✗ does not hold", "✗ does not hold"];
         assert_eq!(findings.result["verdicts"], json!(verdicts));
     }
     assert_ne!(light.result["background"], dark.result["background"]);
@@ -219,25 +178,12 @@ fn mistakes_are_found() {
         browser.visit(&page, &script, NARROW)
     };
     let loads = mistake("<img alt='x' src='https://example.org/x.png'>");
-    assert!(
-        !loads.console.is_empty(),
-        "the browser says nothing about a refused load"
-    );
-    assert!(
-        !mistake("<script>nothing.at.all()</script>")
-            .console
-            .is_empty()
-    );
+    assert!(!loads.console.is_empty(), "the browser says nothing about a refused load");
+    assert!(!mistake("<script>nothing.at.all()</script>").console.is_empty());
     let wide = mistake("<div style='width: 900px; height: 1px'></div>");
     assert!(wide.result["overflow"].as_i64().expect("a width") > 0);
-    assert_ne!(
-        mistake("<a href='#nowhere'>x</a>").result["deadLinks"],
-        json!([])
-    );
-    assert_ne!(
-        mistake("<canvas width='0' height='0'></canvas>").result["empty"],
-        json!([])
-    );
+    assert_ne!(mistake("<a href='#nowhere'>x</a>").result["deadLinks"], json!([]));
+    assert_ne!(mistake("<canvas width='0' height='0'></canvas>").result["empty"], json!([]));
     assert_ne!(mistake("<button></button>").result["nameless"], json!([]));
 }
 
@@ -250,8 +196,7 @@ struct RobotPage {
 
 fn robot_page(name: &str) -> RobotPage {
     let path = workspace().join("models").join(format!("{name}.toml"));
-    let loaded =
-        read(&path, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}"));
+    let loaded = read(&path, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}"));
     let functions = selection::derive_functions(&loaded.model, &[], MOST_OPERATIONS)
         .unwrap_or_else(|problems| panic!("{problems}"));
     let contents = Contents {
@@ -261,14 +206,9 @@ fn robot_page(name: &str) -> RobotPage {
         closed_form: Err("None are made here."),
         command: "gelenk report",
     };
-    let html = report(&contents)
-        .and_then(|page| page.html())
-        .expect("the page");
+    let html = report(&contents).and_then(|page| page.html()).expect("the page");
     let model = &loaded.model;
-    let joints = model
-        .coordinates
-        .iter()
-        .filter_map(|&link| model.links[link].joint.as_ref());
+    let joints = model.coordinates.iter().filter_map(|&link| model.links[link].joint.as_ref());
     let positions: Vec<f64> = joints
         .map(|joint| {
             let [low, high] = joint.limits.position.unwrap_or([-0.5, 0.5]);
@@ -278,10 +218,7 @@ fn robot_page(name: &str) -> RobotPage {
     let parameters: Vec<f64> = model.parameters.iter().map(|one| one.default).collect();
     let origin = |frame: &gelenk_codegen::model::Frame| {
         let name = format!("frame_{}_pose", frame.identifier);
-        let function = functions
-            .iter()
-            .find(|function| function.name == name)
-            .expect("a pose");
+        let function = functions.iter().find(|function| function.name == name).expect("a pose");
         gelenk_codegen::program::interpret::interpret(
             &function.program,
             &[&positions],
@@ -291,11 +228,7 @@ fn robot_page(name: &str) -> RobotPage {
         .expect("a pose")
         .swap_remove(0)
     };
-    RobotPage {
-        origins: model.frames.iter().map(origin).collect(),
-        positions,
-        html,
-    }
+    RobotPage { origins: model.frames.iter().map(origin).collect(), positions, html }
 }
 
 fn check_close(name: &str, found: &Value, expected: &[f64]) {
@@ -303,10 +236,7 @@ fn check_close(name: &str, found: &Value, expected: &[f64]) {
     assert_eq!(found.len(), expected.len(), "{name}");
     for (found, expected) in found.iter().zip(expected) {
         let found = found.as_f64().expect("a number");
-        assert!(
-            (found - expected).abs() < 1e-9,
-            "{name}: {found}, not {expected}"
-        );
+        assert!((found - expected).abs() < 1e-9, "{name}: {found}, not {expected}");
     }
 }
 
@@ -318,21 +248,10 @@ fn check_robot(browser: &Browser, name: &str, window: Window) {
     let findings = browser.visit(&page.html, &script, window);
     check_common(name, &findings);
     let result = &findings.result;
-    for yes in [
-        "focusable",
-        "turned",
-        "zoomed",
-        "reset",
-        "moved",
-        "spoken",
-        "home",
-    ] {
+    for yes in ["focusable", "turned", "zoomed", "reset", "moved", "spoken", "home"] {
         assert_eq!(result[yes], true, "{name}: {yes}");
     }
-    assert!(
-        result["colours"].as_u64() > Some(20),
-        "{name}: an empty view"
-    );
+    assert!(result["colours"].as_u64() > Some(20), "{name}: an empty view");
     // A slider's value is its least plus steps, rounded.
     check_close(name, &result["positions"], &page.positions);
     let origins = result["origins"].as_array().expect("origins");
@@ -342,10 +261,7 @@ fn check_robot(browser: &Browser, name: &str, window: Window) {
     }
     let verdicts = result["verdicts"].as_array().expect("verdicts");
     assert!(verdicts.len() >= 7, "{name}: {verdicts:?}");
-    assert!(
-        verdicts.iter().all(|verdict| verdict == "✓ holds"),
-        "{name}: {verdicts:?}"
-    );
+    assert!(verdicts.iter().all(|verdict| verdict == "✓ holds"), "{name}: {verdicts:?}");
 }
 
 #[test]
@@ -353,14 +269,7 @@ fn pages_of_robots_are_sound_and_move() {
     let Some(browser) = Browser::find() else {
         return;
     };
-    for name in [
-        "powercube",
-        "cart_pole",
-        "puma560",
-        "two_arm",
-        "panda",
-        "double_pendulum",
-    ] {
+    for name in ["powercube", "cart_pole", "puma560", "two_arm", "panda", "double_pendulum"] {
         check_robot(&browser, name, WIDE);
     }
     check_robot(&browser, "powercube", NARROW);
@@ -422,15 +331,8 @@ fn the_paper_s_page_is_sound_and_complete() {
         };
         let missing: Vec<usize> = (1..=12).filter(|number| !named(*number)).collect();
         assert_eq!(missing, Vec::<usize>::new(), "{name}: claims without a row");
-        assert_eq!(
-            result["unshown"],
-            json!([]),
-            "{name}: claims without their figure"
-        );
-        assert_eq!(
-            result["drawn"], true,
-            "{name}: figures without plot or caption"
-        );
+        assert_eq!(result["unshown"], json!([]), "{name}: claims without their figure");
+        assert_eq!(result["drawn"], true, "{name}: figures without plot or caption");
         assert!(result["figures"].as_u64() >= Some(20), "{name}: {result}");
         assert!(result["math"].as_u64() >= Some(12), "{name}: equations");
         let verdicts = result["verdicts"].as_array().expect("verdicts");

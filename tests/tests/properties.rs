@@ -1,8 +1,8 @@
 //! Properties of the equations of motion on random robots: trees of up to 12 joints with every kind of joint,
 //! placement, body, rotor and force law, checked against Lagrange's equations and against each other.
 //!
-//! Tolerances are relative to the size of what is summed, see [`Scales`]: rounding errors of a recursion over 12 joints
-//! are some hundred units of 1.1e-16 of it.
+//! Tolerances are relative to the size of what is summed, see [`Scales`]: rounding errors of a recursion over
+//! 12 joints are some hundred units of 1.1e-16 of it.
 
 use std::sync::LazyLock;
 
@@ -45,7 +45,8 @@ struct Scales {
     mass: f64,
     /// Of M ÿ.
     inertial: f64,
-    /// Of k, whose terms are products of derivatives of M and two velocities; lengths here are up to a few metres.
+    /// Of k, whose terms are products of derivatives of M and two velocities; lengths here are up to a few
+    /// metres.
     coriolis: f64,
     /// Of gravity's forces.
     gravity: f64,
@@ -105,9 +106,7 @@ impl Case<'_> {
     /// Friction torques at the state.
     fn friction(&self) -> Vec<f64> {
         let name = "friction_torques";
-        let arguments = self
-            .robot
-            .friction_arguments(name, &self.state.y, &self.state.v);
+        let arguments = self.robot.friction_arguments(name, &self.state.y, &self.state.v);
         self.call(name, &arguments)
     }
 
@@ -161,22 +160,13 @@ static ROBOTS: LazyLock<Vec<(u64, Robot)>> = LazyLock::new(|| {
     let selection = [&FUNCTIONS[..], &["frames"]].concat();
     let straight = |seed| Robot::in_form(random_model(seed, LONGEST), &selection, Form::Straight);
     // The array form knows no rotors that sit further from their joint than on its parent.
-    let looped = |seed| {
-        Robot::in_form(
-            random_model_with_near_rotors(seed, LONGEST),
-            &selection,
-            Form::Arrays,
-        )
-    };
-    let robots: Vec<(u64, Robot)> = SEEDS
-        .flat_map(|seed| [(seed, straight(seed)), (seed, looped(seed))])
-        .collect();
+    let looped =
+        |seed| Robot::in_form(random_model_with_near_rotors(seed, LONGEST), &selection, Form::Arrays);
+    let robots: Vec<(u64, Robot)> =
+        SEEDS.flat_map(|seed| [(seed, straight(seed)), (seed, looped(seed))]).collect();
     let has_loops = |name| move |(_, robot): &&(u64, Robot)| robot.function(name).arrays.is_some();
     for name in ["inverse_dynamics_derivatives", "linearize"] {
-        assert!(
-            robots.iter().filter(has_loops(name)).count() > robots.len() / 3,
-            "{name}"
-        );
+        assert!(robots.iter().filter(has_loops(name)).count() > robots.len() / 3, "{name}");
     }
     robots
 });
@@ -187,17 +177,8 @@ fn on_all(check: impl Fn(&Case)) {
         let mut rng = Rng::with_seed(seed ^ 0x5eed);
         for _ in 0..STATES {
             let state = random_sample(&mut rng, &robot.model);
-            let oracle = Oracle {
-                model: &robot.model,
-                parameters: &state.parameters,
-            };
-            check(&Case {
-                seed,
-                robot,
-                state: &state,
-                scales: Scales::of(&oracle, &state),
-                oracle,
-            });
+            let oracle = Oracle { model: &robot.model, parameters: &state.parameters };
+            check(&Case { seed, robot, state: &state, scales: Scales::of(&oracle, &state), oracle });
         }
     }
 }
@@ -220,10 +201,7 @@ fn times(matrix: &[f64], x: &[f64]) -> Vec<f64> {
 
 /// `y + ẏ t`, as a path.
 fn path(y: &[f64], rate: &[f64]) -> Vec<Dual64> {
-    y.iter()
-        .zip(rate)
-        .map(|(&y, &v)| Dual64::new(y, v))
-        .collect()
+    y.iter().zip(rate).map(|(&y, &v)| Dual64::new(y, v)).collect()
 }
 
 #[test]
@@ -256,12 +234,7 @@ fn forces_are_those_of_lagrange() {
         let gravity = oracle.gravity_forces(y);
         let k = case.call("coriolis_forces", &[y, v]);
         case.close("k", &k, &coriolis, scales.coriolis);
-        case.close(
-            "g",
-            &case.call("gravity_forces", &[y]),
-            &gravity,
-            scales.gravity,
-        );
+        case.close("g", &case.call("gravity_forces", &[y]), &gravity, scales.gravity);
         let bias = case.call("bias_forces", &[y, v]);
         let size = scales.coriolis + scales.gravity;
         case.close("bias", &bias, &minus(&coriolis, &gravity), size);
@@ -310,12 +283,7 @@ fn equations_of_motion_are_their_parts() {
         let (y, v, scales) = (&case.state.y, &case.state.v, &case.scales);
         let all = case.call_all("equations_of_motion", &[y, v]);
         case.close("M", &all[0], &case.call("mass_matrix", &[y]), scales.mass);
-        case.close(
-            "k",
-            &all[1],
-            &case.call("coriolis_forces", &[y, v]),
-            scales.coriolis,
-        );
+        case.close("k", &all[1], &case.call("coriolis_forces", &[y, v]), scales.coriolis);
         let size = scales.gravity + scales.other;
         case.close("q", &all[2], &case.call("applied_forces", &[y, v]), size);
     });
@@ -327,18 +295,12 @@ fn forward_dynamics_inverts_inverse_dynamics() {
     on_all(|case| {
         let Sample { y, v, a, u, .. } = case.state;
         let input_matrix = case.call("input_matrix", &[]);
-        let inputs = if u.is_empty() {
-            vec![0.0; y.len()]
-        } else {
-            times(&input_matrix, u)
-        };
+        let inputs = if u.is_empty() { vec![0.0; y.len()] } else { times(&input_matrix, u) };
         let size = case.scales.forces();
         case.close("B u", &inputs, &joint_forces(&case.oracle, u), size);
         let accelerations = case.call("forward_dynamics", &[y, v, u]);
         let forces = case.call("inverse_dynamics", &[y, v, &accelerations]);
-        let largest = accelerations
-            .iter()
-            .fold(0.0, |most: f64, x| most.max(x.abs()));
+        let largest = accelerations.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let residual = size + case.scales.mass * largest * y.len() as f64;
         case.close("M ÿ + k − q − B u", &forces, &inputs, residual);
         if u.len() == y.len() {
@@ -432,9 +394,7 @@ fn frames_are_where_the_links_carry_them() {
             let expected = oracle.jacobian_rate_times_velocity(frame, y, v);
             case.close("J̇ẏ", &found, &expected, reach * speed * speed);
             // The product's own pose, differentiated twice along y + ẏ t.
-            let path: Vec<_> = (0..y.len())
-                .map(|i| HyperDual64::new(y[i], v[i], v[i], 0.0))
-                .collect();
+            let path: Vec<_> = (0..y.len()).map(|i| HyperDual64::new(y[i], v[i], v[i], 0.0)).collect();
             let program = &case.function(&name("pose")).program;
             let pose = evaluate(program, &[&path], &case.state.parameters);
             let second: Vec<f64> = pose[0].iter().map(|x| x.eps1eps2).collect();
@@ -458,9 +418,7 @@ fn derivative(case: &Case, name: &str, inputs: &[&[f64]], by: usize) -> Vec<f64>
     };
     let columns: Vec<Vec<f64>> = (0..inputs[by].len()).map(column).collect();
     let rows = case.state.y.len();
-    (0..rows)
-        .flat_map(|i| columns.iter().map(move |column| column[i]))
-        .collect()
+    (0..rows).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
 }
 
 /// Largest entry, of a matrix whose errors are relative to it.
@@ -477,10 +435,7 @@ fn derivatives_of_inverse_dynamics_are_its_slopes() {
         let by_y = derivative(case, "inverse_dynamics", &inputs, 0);
         let by_v = derivative(case, "inverse_dynamics", &inputs, 1);
         let scale = case.scales.forces();
-        for name in [
-            "inverse_dynamics_derivatives",
-            "inverse_dynamics_derivatives_and_mass_matrix",
-        ] {
+        for name in ["inverse_dynamics_derivatives", "inverse_dynamics_derivatives_and_mass_matrix"] {
             let found = case.call_all(name, &inputs);
             case.close("forces", &found[0], &forces, scale);
             case.close("∂/∂y", &found[1], &by_y, scale + size(&by_y));
@@ -503,17 +458,8 @@ fn derivatives_of_forward_dynamics_are_its_slopes() {
         let slopes = [0, 1, 2].map(|by| derivative(case, "forward_dynamics", &inputs, by));
         let growth = condition_of(&case.oracle.mass_matrix(y));
         // Loops do not know which terms cancel exactly: their errors are relative to what is summed.
-        let has_loops = case
-            .function("forward_dynamics_derivatives")
-            .arrays
-            .is_some();
-        let Scales {
-            mass,
-            coriolis,
-            gravity,
-            other,
-            ..
-        } = case.scales;
+        let has_loops = case.function("forward_dynamics_derivatives").arrays.is_some();
+        let Scales { mass, coriolis, gravity, other, .. } = case.scales;
         let summed = match has_loops {
             true => (coriolis + gravity + other) / mass,
             false => 0.0,
@@ -524,9 +470,7 @@ fn derivatives_of_forward_dynamics_are_its_slopes() {
         case.close("∂ÿ/∂y", &found[1], &slopes[0], of(&slopes[0]));
         case.close("∂ÿ/∂ẏ", &found[2], &slopes[1], of(&slopes[1]));
         let mass = case.call("mass_matrix", &[y]);
-        let identity: Vec<f64> = (0..n * n)
-            .map(|at| f64::from(u8::from(at / n == at % n)))
-            .collect();
+        let identity: Vec<f64> = (0..n * n).map(|at| f64::from(u8::from(at / n == at % n))).collect();
         let product: Vec<f64> = (0..n * n)
             .map(|at| {
                 let (i, j) = (at / n, at % n);

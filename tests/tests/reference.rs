@@ -1,4 +1,5 @@
-//! Derived functions against values that nobody here computed: Pinocchio's and the published PowerCube model's.
+//! Derived functions against values that nobody here computed: Pinocchio's and the published PowerCube
+//! model's.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -10,8 +11,7 @@ use serde_json::Value;
 /// Reads a reference file; `None` where the folder is absent.
 fn reference(name: &str) -> Option<Value> {
     let path = shared()?.join("reference").join(name);
-    let text = std::fs::read_to_string(&path)
-        .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     Some(serde_json::from_str(&text).expect("reference files are JSON"))
 }
 
@@ -29,38 +29,26 @@ fn samples(reference: &Value) -> &[Value] {
 
 /// One robot of the reference: its URDF as it is, the listed joints held, a frame at the last joint.
 fn reference_robot(name: &str, reference: &Value) -> Option<Robot> {
-    let urdf = shared()?
-        .join("reference/urdf")
-        .join(format!("{name}.urdf"));
+    let urdf = shared()?.join("reference/urdf").join(format!("{name}.urdf"));
     let text = std::fs::read_to_string(&urdf).expect("the URDF of the reference");
     let joint = reference["frame"].as_str().expect("frame");
-    let mut description = format!(
-        "name = \"{name}\"\nurdf = {:?}\nignore_mimic = true\n",
-        urdf.display().to_string()
-    );
+    let mut description =
+        format!("name = \"{name}\"\nurdf = {:?}\nignore_mimic = true\n", urdf.display().to_string());
     for locked in reference["locked"].as_array().expect("locked") {
         let _ = write!(description, "[[joints]]\nname = {locked}\nheld = 0\n");
     }
-    let _ = write!(
-        description,
-        "[[frames]]\nname = \"last\"\nlink = {:?}\n",
-        child_link(&text, joint)
-    );
+    let _ = write!(description, "[[frames]]\nname = \"last\"\nlink = {:?}\n", child_link(&text, joint));
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("robot.toml");
     std::fs::write(&path, description).expect("a file");
-    let options = GenerateOptions {
-        no_friction: true,
-        ..GenerateOptions::default()
-    };
+    let options = GenerateOptions { no_friction: true, ..GenerateOptions::default() };
     Some(Robot::derive(&path, &options))
 }
 
 /// The link that a joint of a URDF moves.
 fn child_link(urdf: &str, joint: &str) -> String {
-    let from = urdf
-        .find(&format!("<joint name=\"{joint}\""))
-        .or_else(|| urdf.find(&format!("name=\"{joint}\"")));
+    let from =
+        urdf.find(&format!("<joint name=\"{joint}\"")).or_else(|| urdf.find(&format!("name=\"{joint}\"")));
     let rest = &urdf[from.expect("the joint")..];
     let child = &rest[rest.find("<child").expect("a child")..];
     let name = &child[child.find("link=\"").expect("a link") + 6..];
@@ -86,10 +74,7 @@ fn derivatives_agree(robot: &Robot, sample: &Value) {
     const TOLERANCE: f64 = 1e-9;
     let get = |key: &str| numbers(&sample[key]);
     let (y, v, a, tau) = (get("y"), get("v"), get("a"), get("tau"));
-    let inverse = robot.call(
-        "inverse_dynamics_derivatives_and_mass_matrix",
-        &[&y, &v, &a],
-    );
+    let inverse = robot.call("inverse_dynamics_derivatives_and_mass_matrix", &[&y, &v, &a]);
     for (found, key) in inverse.iter().zip(["id", "did_dy", "did_dv", "M"]) {
         check(key, found, &get(key), TOLERANCE);
     }
@@ -106,12 +91,7 @@ fn derivatives_agree(robot: &Robot, sample: &Value) {
     for (found, key) in linear.iter().zip(["dfd_dy", "dfd_dv", "dfd_dtau"]) {
         check(key, found, &get(key), TOLERANCE);
     }
-    let products = [
-        (&linear[0], &y),
-        (&linear[1], &v),
-        (&linear[2], &tau),
-        (&linear[3], &vec![]),
-    ];
+    let products = [(&linear[0], &y), (&linear[1], &v), (&linear[2], &tau), (&linear[3], &vec![])];
     let mut total = products[3].0.clone();
     for (matrix, x) in &products[..3] {
         total = sum(&total, &matrix_times(matrix, x));
@@ -132,60 +112,15 @@ fn agrees_with_pinocchio(name: &str) {
         let get = |key: &str| numbers(&sample[key]);
         let (y, v, a, tau) = (get("y"), get("v"), get("a"), get("tau"));
         let (c, g) = (get("c"), get("g"));
-        check(
-            "M",
-            &robot.first("mass_matrix", &[&y]),
-            &get("M"),
-            TOLERANCE,
-        );
-        check(
-            "c",
-            &robot.first("coriolis_forces", &[&y, &v]),
-            &c,
-            TOLERANCE,
-        );
-        check(
-            "g",
-            &robot.first("gravity_forces", &[&y]),
-            &negative(&g),
-            TOLERANCE,
-        );
-        check(
-            "q",
-            &robot.first("applied_forces", &[&y, &v]),
-            &negative(&g),
-            TOLERANCE,
-        );
-        check(
-            "nle",
-            &robot.first("bias_forces", &[&y, &v]),
-            &sum(&c, &g),
-            TOLERANCE,
-        );
-        check(
-            "id",
-            &robot.first("inverse_dynamics", &[&y, &v, &a]),
-            &get("id"),
-            TOLERANCE,
-        );
-        check(
-            "fd",
-            &robot.first("forward_dynamics", &[&y, &v, &tau]),
-            &get("fd"),
-            TOLERANCE,
-        );
-        check(
-            "kinetic",
-            &robot.first("kinetic_energy", &[&y, &v]),
-            &get("kinetic"),
-            TOLERANCE,
-        );
-        check(
-            "potential",
-            &robot.first("potential_energy", &[&y]),
-            &get("potential"),
-            TOLERANCE,
-        );
+        check("M", &robot.first("mass_matrix", &[&y]), &get("M"), TOLERANCE);
+        check("c", &robot.first("coriolis_forces", &[&y, &v]), &c, TOLERANCE);
+        check("g", &robot.first("gravity_forces", &[&y]), &negative(&g), TOLERANCE);
+        check("q", &robot.first("applied_forces", &[&y, &v]), &negative(&g), TOLERANCE);
+        check("nle", &robot.first("bias_forces", &[&y, &v]), &sum(&c, &g), TOLERANCE);
+        check("id", &robot.first("inverse_dynamics", &[&y, &v, &a]), &get("id"), TOLERANCE);
+        check("fd", &robot.first("forward_dynamics", &[&y, &v, &tau]), &get("fd"), TOLERANCE);
+        check("kinetic", &robot.first("kinetic_energy", &[&y, &v]), &get("kinetic"), TOLERANCE);
+        check("potential", &robot.first("potential_energy", &[&y]), &get("potential"), TOLERANCE);
         let all = robot.call("equations_of_motion", &[&y, &v]);
         check("M of all", &all[0], &get("M"), TOLERANCE);
         check("k of all", &all[1], &c, TOLERANCE);
@@ -198,12 +133,7 @@ fn agrees_with_pinocchio(name: &str) {
         let pose = robot.call("frame_last_pose", &[&y]);
         check("p", &pose[0], &get("p"), TOLERANCE);
         check("R", &pose[1], &get("R"), TOLERANCE);
-        check(
-            "J",
-            &robot.first("frame_last_jacobian", &[&y]),
-            &get("J"),
-            TOLERANCE,
-        );
+        check("J", &robot.first("frame_last_jacobian", &[&y]), &get("J"), TOLERANCE);
     }
 }
 
@@ -243,20 +173,12 @@ fn powercube_agrees_with_its_published_model() {
         check("q", &all[2], &get("q"), TOLERANCE);
         check("B", &robot.first("input_matrix", &[]), &get("B"), TOLERANCE);
         let acceleration = robot.first("forward_dynamics", &[&y, &v, &u]);
-        check(
-            "ẋ",
-            &[v.clone(), acceleration].concat(),
-            &get("xdot"),
-            TOLERANCE,
-        );
+        check("ẋ", &[v.clone(), acceleration].concat(), &get("xdot"), TOLERANCE);
     }
 }
 
 fn model(name: &str) -> Robot {
-    Robot::derive(
-        &workspace().join("models").join(format!("{name}.toml")),
-        &GenerateOptions::default(),
-    )
+    Robot::derive(&workspace().join("models").join(format!("{name}.toml")), &GenerateOptions::default())
 }
 
 /// Puma 560 at qn (robotics-toolbox-python, tests/test_DHRobot.py, four decimals).
@@ -273,11 +195,7 @@ fn puma560_agrees_with_its_published_tables() {
     };
     let rounding = 6e-5;
     let gravity = robot.first("gravity_forces", &[&y]);
-    close(
-        &negative(&gravity),
-        &[0.0, 31.6399, 6.0351, 0.0, 0.0283, 0.0],
-        rounding,
-    );
+    close(&negative(&gravity), &[0.0, 31.6399, 6.0351, 0.0, 0.0283, 0.0], rounding);
     let upper = [
         (0, vec![3.6594, -0.4044, 0.1006, -0.0025, 0.0, 0.0]),
         (1, vec![4.4137, 0.3509, 0.0, 0.0024, 0.0]),
@@ -302,45 +220,22 @@ fn puma560_agrees_with_its_published_tables() {
     close(&bias[..3], &expected, 6e-4);
     let ones = [1.0; 6];
     let inverse = |v: &[f64; 6], a: &[f64; 6]| robot.first("inverse_dynamics", &[&y, v, a]);
-    close(
-        &inverse(&still, &ones),
-        &[3.35311, 36.0025, 7.42596, 0.190043, 0.203441, 0.194133],
-        6e-5,
-    );
-    close(
-        &inverse(&ones, &ones),
-        &[32.4952, 60.867, 17.7436, 1.45452, 1.29911, 0.713781],
-        6e-5,
-    );
-    let inertial = sum(
-        &robot.first("coriolis_forces", &[&y, &still]),
-        &matrix_times(&mass, &velocities),
-    );
-    close(
-        &inertial,
-        &[3.15, 9.4805, 3.6189, 0.1901, 0.3519, 0.5823],
-        6e-5,
-    );
+    close(&inverse(&still, &ones), &[3.35311, 36.0025, 7.42596, 0.190043, 0.203441, 0.194133], 6e-5);
+    close(&inverse(&ones, &ones), &[32.4952, 60.867, 17.7436, 1.45452, 1.29911, 0.713781], 6e-5);
+    let inertial = sum(&robot.first("coriolis_forces", &[&y, &still]), &matrix_times(&mass, &velocities));
+    close(&inertial, &[3.15, 9.4805, 3.6189, 0.1901, 0.3519, 0.5823], 6e-5);
 }
 
 fn matrix_times(matrix: &[f64], x: &[f64]) -> Vec<f64> {
-    matrix
-        .chunks(x.len())
-        .map(|row| row.iter().zip(x).map(|(m, x)| m * x).sum())
-        .collect()
+    matrix.chunks(x.len()).map(|row| row.iter().zip(x).map(|(m, x)| m * x).sum()).collect()
 }
 
 #[test]
 fn every_model_is_there() {
     let folder = workspace().join("models");
-    for name in [
-        "powercube",
-        "powercube_six_axis",
-        "powercube_alpha",
-        "puma560",
-        "double_pendulum",
-        "cart_pole",
-    ] {
+    for name in
+        ["powercube", "powercube_six_axis", "powercube_alpha", "puma560", "double_pendulum", "cart_pole"]
+    {
         assert!(Path::exists(&folder.join(format!("{name}.toml"))), "{name}");
     }
 }

@@ -1,5 +1,5 @@
-//! Functions that are linear in parameters: regressors against the inverse dynamics and friction that they stand for,
-//! base parameters against the rank of stacked regressors.
+//! Functions that are linear in parameters: regressors against the inverse dynamics and friction that they
+//! stand for, base parameters against the rank of stacked regressors.
 
 use fastrand::Rng;
 use gelenk_codegen::functions::function::ConstantValue;
@@ -34,10 +34,7 @@ fn robots() -> Vec<Robot> {
         loaded.unwrap_or_else(|problems| panic!("{problems}")).model
     });
     let random = (100..140).map(|seed| random_model(seed, 12));
-    described
-        .chain(random)
-        .map(|model| Robot::of_model(model, &FUNCTIONS))
-        .collect()
+    described.chain(random).map(|model| Robot::of_model(model, &FUNCTIONS)).collect()
 }
 
 fn names<'r>(robot: &'r Robot, function: &str) -> &'r [String] {
@@ -62,9 +59,7 @@ fn base_terms(robot: &Robot) -> Option<&[(usize, usize, f64)]> {
 fn times(matrix: &[f64], x: &[f64]) -> Vec<(f64, f64)> {
     let row = |row: &[f64]| {
         let products = row.iter().zip(x).map(|(w, x)| w * x);
-        products.fold((0.0, 0.0), |(sum, size): (f64, f64), p| {
-            (sum + p, size + p.abs())
-        })
+        products.fold((0.0, 0.0), |(sum, size): (f64, f64), p| (sum + p, size + p.abs()))
     };
     matrix.chunks(x.len().max(1)).map(row).collect()
 }
@@ -83,15 +78,8 @@ fn inertial_regressor_times_parameters_is_the_inverse_dynamics() {
         let name = &robot.model.name;
         let mut rng = Rng::with_seed(7);
         for _ in 0..5 {
-            let Sample {
-                y,
-                v,
-                a,
-                parameters,
-                ..
-            } = random_sample(&mut rng, &robot.model);
-            let first =
-                |name, inputs: &[&[f64]]| robot.call_with(name, inputs, &parameters).swap_remove(0);
+            let Sample { y, v, a, parameters, .. } = random_sample(&mut rng, &robot.model);
+            let first = |name, inputs: &[&[f64]]| robot.call_with(name, inputs, &parameters).swap_remove(0);
             let pi = first("inertial_parameters", &[]);
             assert_eq!(pi.len(), names(&robot, "inertial_parameters").len());
             let bodies = times(&first("inertial_regressor", &[&y, &v, &a]), &pi);
@@ -118,24 +106,17 @@ fn friction_regressor_times_parameters_is_the_friction() {
     for robot in robots() {
         let mut rng = Rng::with_seed(8);
         let sample = random_sample(&mut rng, &robot.model);
-        let first = |name, inputs: &[&[f64]]| {
-            robot
-                .call_with(name, inputs, &sample.parameters)
-                .swap_remove(0)
-        };
+        let first =
+            |name, inputs: &[&[f64]]| robot.call_with(name, inputs, &sample.parameters).swap_remove(0);
         let coefficients = first("friction_parameters", &[]);
         let arguments = robot.friction_arguments("friction_regressor", &sample.y, &sample.v);
-        assert_eq!(
-            coefficients.len(),
-            names(&robot, "friction_parameters").len()
-        );
+        assert_eq!(coefficients.len(), names(&robot, "friction_parameters").len());
         columns += coefficients.len();
         let found = match coefficients.is_empty() {
             true => vec![(0.0, 0.0); sample.v.len()],
             false => times(&first("friction_regressor", &arguments), &coefficients),
         };
-        for ((sum, size), expected) in found.into_iter().zip(first("friction_torques", &arguments))
-        {
+        for ((sum, size), expected) in found.into_iter().zip(first("friction_torques", &arguments)) {
             close("R φ", &robot.model.name, sum, expected, size, TOLERANCE);
         }
     }
@@ -165,10 +146,7 @@ fn rank(mut matrix: DMatrix<f64>) -> usize {
         }
     }
     let values = matrix.singular_values();
-    values
-        .iter()
-        .filter(|value| **value > 1e-9 * values.max())
-        .count()
+    values.iter().filter(|value| **value > 1e-9 * values.max()).count()
 }
 
 #[test]
@@ -187,10 +165,7 @@ fn base_regressor_has_full_rank_and_no_column_more() {
         for column in full.column_iter() {
             let shares = directions.transpose() * column;
             let left = (column - &directions * shares).norm();
-            assert!(
-                left <= rounding.max(1e-9 * column.norm()),
-                "{name}: one more column leaves {left:e}"
-            );
+            assert!(left <= rounding.max(1e-9 * column.norm()), "{name}: one more column leaves {left:e}");
         }
     }
 }
@@ -209,24 +184,14 @@ fn base_regressor_times_base_parameters_is_all_that_moves() {
         let all = names(&robot, "inertial_parameters");
         for (group, leader) in leaders.iter().enumerate() {
             let first = terms.iter().find(|term| term.0 == group);
-            assert_eq!(
-                first.map(|term| (&all[term.1], term.2)),
-                Some((leader, 1.0))
-            );
+            assert_eq!(first.map(|term| (&all[term.1], term.2)), Some((leader, 1.0)));
         }
         let mut rng = Rng::with_seed(10);
         for _ in 0..5 {
             // The map holds for any values of the free parameters.
             let sample = random_sample(&mut rng, &robot.model);
-            let Sample {
-                y,
-                v,
-                a,
-                parameters,
-                ..
-            } = &sample;
-            let first =
-                |name, inputs: &[&[f64]]| robot.call_with(name, inputs, parameters).swap_remove(0);
+            let Sample { y, v, a, parameters, .. } = &sample;
+            let first = |name, inputs: &[&[f64]]| robot.call_with(name, inputs, parameters).swap_remove(0);
             let pi = first("inertial_parameters", &[]);
             let mut beta = vec![0.0; leaders.len()];
             let mut sizes = beta.clone();
@@ -247,8 +212,8 @@ fn base_regressor_times_base_parameters_is_all_that_moves() {
     assert!(left_out >= 5, "{left_out} maps that are no constants");
 }
 
-/// Whatever changes the groups: the gear ratio of a rotor on the base (i² J), the distance of the next axis, the direction of
-/// gravity. What only scales columns, as the size of gravity, changes nothing.
+/// Whatever changes the groups: the gear ratio of a rotor on the base (i² J), the distance of the next axis,
+/// the direction of gravity. What only scales columns, as the size of gravity, changes nothing.
 #[test]
 fn maps_that_depend_on_free_parameters_are_left_out() {
     let arm = |gear: &str, length: &str, gravity: &str| {
@@ -278,19 +243,11 @@ fn maps_that_depend_on_free_parameters_are_left_out() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("arm.toml");
         std::fs::write(&path, text).expect("a description");
-        let options = GenerateOptions {
-            functions: vec!["base_regressor".to_owned()],
-            ..GenerateOptions::default()
-        };
+        let options =
+            GenerateOptions { functions: vec!["base_regressor".to_owned()], ..GenerateOptions::default() };
         let robot = generate(&path, &options).unwrap_or_else(|problems| panic!("{problems}"));
         let has_map = robot.source.text.contains("pub const BASE_PARAMETER_TERMS");
-        assert_eq!(
-            has_map,
-            !robot
-                .notes
-                .to_string()
-                .contains("`BASE_PARAMETER_TERMS` is left out")
-        );
+        assert_eq!(has_map, !robot.notes.to_string().contains("`BASE_PARAMETER_TERMS` is left out"));
         let groups = robot.source.text.contains("c(p) ");
         assert_eq!(has_map, !groups);
         has_map
@@ -303,14 +260,13 @@ fn maps_that_depend_on_free_parameters_are_left_out() {
     assert!(!arm("50", "{ free = 0 }", "-9.81"));
 }
 
-/// The runtime factorizes with pivots of its own: as many base parameters, and the described bodies explain the forces.
+/// The runtime factorizes with pivots of its own: as many base parameters, and the described bodies explain
+/// the forces.
 #[test]
 fn identification_sees_the_same_base_parameters() {
     for name in ["powercube", "puma560", "ur5", "two_arm"] {
         let path = gelenk_tests::workspace().join(format!("models/{name}.toml"));
-        let model = read(&path, &ReadOptions::default())
-            .expect("the model")
-            .model;
+        let model = read(&path, &ReadOptions::default()).expect("the model").model;
         let robot = Robot::of_model(model, &FUNCTIONS);
         let regressor = stacked(&robot, "inertial_regressor", &mut Rng::with_seed(11));
         let pi = robot.first("inertial_parameters", &[]);
@@ -319,16 +275,11 @@ fn identification_sees_the_same_base_parameters() {
         let regression = InertialRegression::new(names, &regressor, forces.as_slice(), None);
         let regression = regression.expect("a regression");
         let base = regression.base_parameters(1e-11).expect("base parameters");
-        let leaders = robot.function("base_regressor").program.outputs[0]
-            .entries
-            .len();
+        let leaders = robot.function("base_regressor").program.outputs[0].entries.len();
         let leaders = leaders / robot.model.coordinates.len();
         assert_eq!(base.independent.len(), leaders, "{name}");
         let residual = regression.residual(&pi).expect("as many parameters");
-        assert!(
-            residual <= 1e-20 * forces.norm_squared(),
-            "{name}: {residual:e}"
-        );
+        assert!(residual <= 1e-20 * forces.norm_squared(), "{name}: {residual:e}");
         if name == "ur5" {
             for link in pi.chunks_exact(PER_BODY) {
                 let link = link.try_into().expect("ten parameters");
@@ -338,37 +289,23 @@ fn identification_sees_the_same_base_parameters() {
     }
 }
 
-/// Both axes are horizontal and parallel: of each link the two first moments across them count, and one moment of
-/// inertia. The rotor of the first drive only adds to the latter; that of the second couples both joints.
+/// Both axes are horizontal and parallel: of each link the two first moments across them count, and one
+/// moment of inertia. The rotor of the first drive only adds to the latter; that of the second couples both
+/// joints.
 #[test]
 fn base_parameters_of_the_published_arm() {
     let path = gelenk_tests::workspace().join("models/powercube.toml");
-    let model = read(&path, &ReadOptions::default())
-        .expect("the model")
-        .model;
+    let model = read(&path, &ReadOptions::default()).expect("the model").model;
     let robot = Robot::of_model(model, &FUNCTIONS);
-    let expected = [
-        "mcx_beta",
-        "mcz_beta",
-        "Iyy_beta",
-        "mcx_gamma",
-        "mcz_gamma",
-        "Iyy_gamma",
-        "J_gamma",
-    ];
+    let expected = ["mcx_beta", "mcz_beta", "Iyy_beta", "mcx_gamma", "mcz_gamma", "Iyy_gamma", "J_gamma"];
     assert_eq!(names(&robot, "base_regressor"), expected);
     // The published equations: M22 less its rotor, and h over the distance between the axes.
     let pi = robot.first("inertial_parameters", &[]);
     let group = |name: &str| {
-        let group = expected
-            .iter()
-            .position(|found| *found == name)
-            .expect(name);
+        let group = expected.iter().position(|found| *found == name).expect(name);
         let terms = base_terms(&robot).expect("a constant map").iter();
         let terms = terms.filter(|term| term.0 == group);
-        terms
-            .map(|&(_, parameter, c)| c * pi[parameter])
-            .sum::<f64>()
+        terms.map(|&(_, parameter, c)| c * pi[parameter]).sum::<f64>()
     };
     assert!((group("Iyy_gamma") - 0.6608899068565).abs() < 1e-12);
     assert!((group("mcz_gamma") - 0.3107549862 / 0.18).abs() < 1e-12);

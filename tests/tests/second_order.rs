@@ -1,5 +1,5 @@
-//! The Hessian of `λᵀ (M ÿ + k − q)` against hyper-dual numbers (Fike and Alonso 2011): exact second derivatives of the
-//! program of the inverse dynamics.
+//! The Hessian of `λᵀ (M ÿ + k − q)` against hyper-dual numbers (Fike and Alonso 2011): exact second
+//! derivatives of the program of the inverse dynamics.
 
 use fastrand::Rng;
 use gelenk_tests::Robot;
@@ -49,10 +49,7 @@ fn hessian_has_the_second_derivatives_of_the_inverse_dynamics() {
         let size = expected.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
         for (at, (found, expected)) in full.iter().zip(&expected).enumerate() {
             let error = (found - expected).abs();
-            assert!(
-                error <= 1e-10 * size,
-                "seed {seed}, entry {at}: {found} is not {expected}"
-            );
+            assert!(error <= 1e-10 * size, "seed {seed}, entry {at}: {found} is not {expected}");
         }
         for block in [0, 2] {
             for (i, j) in (0..n).flat_map(|i| (0..i).map(move |j| (i, j))) {

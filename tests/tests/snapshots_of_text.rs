@@ -1,4 +1,5 @@
-//! What the small robots look like at each stage: when the text changes, the first stage that changed names the cause.
+//! What the small robots look like at each stage: when the text changes, the first stage that changed names
+//! the cause.
 //!
 //! The whole modules, derivatives included, stand in generated/; here is what a reviewer reads.
 
@@ -37,9 +38,7 @@ fn snapshots(name: &str) {
     let functions = selection::derive_functions(&model, &selection, MOST_OPERATIONS);
     let functions = functions.unwrap_or_else(|problems| panic!("{problems}"));
     let parameters = model.parameters.iter();
-    let notation = Notation {
-        parameters: parameters.map(|parameter| parameter.name.clone()).collect(),
-    };
+    let notation = Notation { parameters: parameters.map(|parameter| parameter.name.clone()).collect() };
     let programs = functions.iter().map(|function| {
         let text = display::text(&function.program, &notation);
         format!("# {}\n{text}\n", function.name)

@@ -46,20 +46,11 @@ fn entries_that_patterns_exclude_are_zero_in_every_state() {
                 zeros += pattern.iter().filter(|may| !**may).count();
             }
             for _ in 0..8 {
-                let Sample {
-                    y,
-                    v,
-                    u,
-                    parameters,
-                    ..
-                } = random_sample(&mut rng, &robot.model);
+                let Sample { y, v, u, parameters, .. } = random_sample(&mut rng, &robot.model);
                 let inputs: [&[f64]; 3] = [&y, &v, &u];
                 let found = robot.call_with(name, &inputs[..takes], &parameters);
                 for (found, (what, pattern)) in found.iter().zip(&patterns) {
-                    let broken = found
-                        .iter()
-                        .zip(pattern)
-                        .filter(|(x, may)| !**may && **x != 0.0);
+                    let broken = found.iter().zip(pattern).filter(|(x, may)| !**may && **x != 0.0);
                     assert_eq!(broken.count(), 0, "{what} of {}", robot.model.name);
                 }
             }
@@ -92,22 +83,16 @@ fn patterns_show_branches_and_upright_axes() {
     // Nor does anything see a turn of the Puma's last link, which is round.
     let linear = patterns(robot("puma560.toml").function("linearize"));
     for (at, may) in linear[0].1.iter().enumerate() {
-        assert_eq!(
-            *may,
-            at % 6 != 0 && at % 6 != 5,
-            "A_y[{}][{}]",
-            at / 6,
-            at % 6
-        );
+        assert_eq!(*may, at % 6 != 0 && at % 6 != 5, "A_y[{}][{}]", at / 6, at % 6);
     }
 }
 
-/// The accelerations by articulated bodies as a program of y, v and the joint forces; `None` where rotors forbid it.
+/// The accelerations by articulated bodies as a program of y, v and the joint forces; `None` where rotors
+/// forbid it.
 fn by_articulated_bodies(model: &Model) -> Option<Program> {
     let graph = Graph::new();
     let n = model.coordinates.len();
-    let [y, v, f] =
-        [0, 1, 2].map(|array| (0..n).map(|k| graph.input(array, k)).collect::<Vec<_>>());
+    let [y, v, f] = [0, 1, 2].map(|array| (0..n).map(|k| graph.input(array, k)).collect::<Vec<_>>());
     if !Mechanism::new(&graph, model).rotors_are_neighbours() {
         return None;
     }
@@ -118,10 +103,7 @@ fn by_articulated_bodies(model: &Model) -> Option<Program> {
         shape: Shape::Vector(Extent::fixed(n)),
         entries: accelerations.iter().map(|x| x.edge()).collect(),
     };
-    let inputs = ["y", "v", "f"].map(|name| InputArray {
-        name: name.to_owned(),
-        extent: Extent::fixed(n),
-    });
+    let inputs = ["y", "v", "f"].map(|name| InputArray { name: name.to_owned(), extent: Extent::fixed(n) });
     Some(lower(&graph, inputs.into(), &[output]))
 }
 
@@ -137,19 +119,9 @@ fn articulated_bodies_give_the_accelerations_that_need_these_forces() {
         let n = robot.model.coordinates.len();
         let mut rng = Rng::with_seed(4);
         for _ in 0..3 {
-            let Sample {
-                y,
-                v,
-                a,
-                parameters,
-                ..
-            } = random_sample(&mut rng, &robot.model);
-            let mass = robot
-                .call_with("mass_matrix", &[&y], &parameters)
-                .swap_remove(0);
-            let bias = robot
-                .call_with("bias_forces", &[&y, &v], &parameters)
-                .swap_remove(0);
+            let Sample { y, v, a, parameters, .. } = random_sample(&mut rng, &robot.model);
+            let mass = robot.call_with("mass_matrix", &[&y], &parameters).swap_remove(0);
+            let bias = robot.call_with("bias_forces", &[&y, &v], &parameters).swap_remove(0);
             let inertial = |i: usize| (0..n).map(|j| mass[i * n + j] * a[j]).sum::<f64>();
             let forces: Vec<f64> = (0..n).map(|i| inertial(i) + bias[i]).collect();
             let found = interpret(&program, &[&y, &v, &forces], &parameters, &FUNCTIONS);
@@ -160,11 +132,7 @@ fn articulated_bodies_give_the_accelerations_that_need_these_forces() {
             for (found, expected) in found.iter().zip(&a) {
                 let error = (found - expected).abs();
                 let tolerance = 1e-12 * (growth + largest(&a));
-                assert!(
-                    error <= tolerance,
-                    "{}: {found} is not {expected}",
-                    robot.model.name
-                );
+                assert!(error <= tolerance, "{}: {found} is not {expected}", robot.model.name);
             }
         }
     }

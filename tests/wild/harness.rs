@@ -1,7 +1,8 @@
 //! A generated module as a program: states come in, what the functions make of them goes out, as text.
 //!
-//! `compare.py` compiles it, with the module's path in `GELENK_MODULE` and `--cfg has_forward_dynamics` where there is one.
-//! Each line of standard input holds y, v, a and u of one state; the answer has one line for each array, rows first.
+//! `compare.py` compiles it, with the module's path in `GELENK_MODULE` and `--cfg has_forward_dynamics` where
+//! there is one. Each line of standard input holds y, v, a and u of one state; the answer has one line for
+//! each array, rows first.
 
 #[allow(dead_code, reason = "the comparison calls some of the functions")]
 mod robot {

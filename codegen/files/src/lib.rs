@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-/// Writes a file whole or not at all: beside its place first. Missing folders are made; through a link, the file that it points to
-/// is replaced.
+/// Writes a file whole or not at all: beside its place first. Missing folders are made; through a link, the
+/// file that it points to is replaced.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
@@ -18,12 +18,14 @@ use tempfile::NamedTempFile;
 /// ```
 ///
 /// # Errors
-/// Those of the system, and what cannot be replaced: folders, devices, links to nothing, files that are read-only.
+/// Those of the system, and what cannot be replaced: folders, devices, links to nothing, files that are
+/// read-only.
 pub fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
     Prepared::new(path, content.as_ref())?.put()
 }
 
-/// A file that is written beside the place that it takes: full disks and killed programs leave the old one as it was.
+/// A file that is written beside the place that it takes: full disks and killed programs leave the old one as
+/// it was.
 #[derive(Debug)]
 pub struct Prepared {
     file: NamedTempFile,
@@ -31,8 +33,8 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Writes the content beside `path`, whose folder is made where it is missing. Through a link, the file that it points to
-    /// is replaced and the link stays.
+    /// Writes the content beside `path`, whose folder is made where it is missing. Through a link, the file
+    /// that it points to is replaced and the link stays.
     ///
     /// # Errors
     /// Those of the system, and what [`target`] refuses.
@@ -58,9 +60,7 @@ impl Prepared {
     /// # Errors
     /// Those of the system; the old file is then as it was.
     pub fn put(self) -> io::Result<()> {
-        self.file
-            .persist(self.target)
-            .map_err(|error| error.error)?;
+        self.file.persist(self.target).map_err(|error| error.error)?;
         Ok(())
     }
 }
@@ -73,10 +73,9 @@ pub fn target(path: &Path) -> io::Result<PathBuf> {
     let refused = |kind, why: &str| Err(io::Error::new(kind, why));
     match fs::metadata(path) {
         Ok(found) if found.is_dir() => refused(io::ErrorKind::IsADirectory, "it is a folder"),
-        Ok(found) if !found.is_file() => refused(
-            io::ErrorKind::InvalidInput,
-            "it is a device or a pipe, not a file",
-        ),
+        Ok(found) if !found.is_file() => {
+            refused(io::ErrorKind::InvalidInput, "it is a device or a pipe, not a file")
+        }
         // Asked for by itself: the superuser may write what is meant to stay.
         Ok(found) if found.permissions().readonly() => {
             refused(io::ErrorKind::PermissionDenied, "it is read-only")
@@ -86,10 +85,9 @@ pub fn target(path: &Path) -> io::Result<PathBuf> {
             OpenOptions::new().append(true).open(path)?;
             fs::canonicalize(path)
         }
-        Err(_) if fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink()) => refused(
-            io::ErrorKind::NotFound,
-            "it is a link to a file that does not exist",
-        ),
+        Err(_) if fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink()) => {
+            refused(io::ErrorKind::NotFound, "it is a link to a file that does not exist")
+        }
         Err(_) => Ok(path.to_owned()),
     }
 }

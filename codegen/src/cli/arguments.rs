@@ -8,7 +8,8 @@ use crate::diagnostic::nearest;
 use crate::emit::Scalar;
 use crate::model::{FUNCTIONS, ReadOptions, is_known_function};
 
-/// Robot dynamics as plain Rust: reads a kinematic description, derives the equations of motion, writes one module.
+/// Robot dynamics as plain Rust: reads a kinematic description, derives the equations of motion, writes one
+/// module.
 #[derive(Debug, Parser)]
 #[command(name = "gelenk", version, max_term_width = 100, after_help = EXAMPLES)]
 pub(super) struct Arguments {
@@ -83,8 +84,8 @@ pub(super) enum Command {
 pub(super) struct Generate {
     /// TOML or URDF; without it everything in models/ goes to generated/src/
     pub(super) description: Option<PathBuf>,
-    /// Where the module goes; `-` is standard output. Default: generated/src/<NAME>.rs for a description in the
-    /// workspace's models/, else <NAME>.rs in this folder
+    /// Where the module goes; `-` is standard output. Default: generated/src/<NAME>.rs for a description in
+    /// the workspace's models/, else <NAME>.rs in this folder
     #[arg(long, short, value_name = "FILE.rs", requires = "description")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
@@ -116,8 +117,8 @@ pub(super) struct Inspect {
     /// As LaTeX (program and closed forms only)
     #[arg(long)]
     pub(super) latex: bool,
-    /// Closed forms of M, k, q and B with symbolic parameters, for up to three joints; needs a build with the feature
-    /// `symbolica`, and for commercial use a licence of Symbolica
+    /// Closed forms of M, k, q and B with symbolic parameters, for up to three joints; needs a build with the
+    /// feature `symbolica`, and for commercial use a licence of Symbolica
     #[arg(long, conflicts_with_all = ["what", "functions", "scalar"])]
     pub(super) closed_form: bool,
     /// Write the closed forms to this file instead of standard output
@@ -135,8 +136,8 @@ pub(super) struct New {
     /// Describe the robot of this URDF [default: an arm of two joints]
     #[arg(long, value_name = "FILE")]
     pub(super) urdf: Option<PathBuf>,
-    /// Depend on the crates of this checkout [default: the one this program was built from, or the registry that it came
-    /// from]
+    /// Depend on the crates of this checkout [default: the one this program was built from, or the registry
+    /// that it came from]
     #[arg(long, value_name = "FOLDER")]
     pub(super) checkout: Option<PathBuf>,
     /// Depend on the crates of this repository
@@ -173,8 +174,8 @@ pub(super) struct Reading {
     /// Make mimic joints independent coordinates
     #[arg(long)]
     pub(super) ignore_mimic: bool,
-    /// Smooth friction: tanh(SLOPE · v) for sign(v), whose derivative is zero [default: that of the description, else
-    /// the exact sign]
+    /// Smooth friction: tanh(SLOPE · v) for sign(v), whose derivative is zero [default: that of the
+    /// description, else the exact sign]
     #[arg(long, value_name = "SLOPE", value_parser = positive)]
     pub(super) smooth_sign: Option<f64>,
     /// Take a robot whose mass matrix is not positive definite
@@ -237,11 +238,12 @@ pub(super) struct Choices {
     /// Functions that are also written over eight states at once, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = function)]
     pub(super) lanes: Vec<String>,
-    /// Contract products and sums to fused multiply-adds; the module then compiles only with std and for processors
-    /// that have them
+    /// Contract products and sums to fused multiply-adds; the module then compiles only with std and for
+    /// processors that have them
     #[arg(long)]
     pub(super) fused_multiply_add: bool,
-    /// Write tests at the end of the module: its functions at seeded states, against the generator's interpreter
+    /// Write tests at the end of the module: its functions at seeded states, against the generator's
+    /// interpreter
     #[arg(long)]
     pub(super) self_test: bool,
     /// Generate functions of up to so many operations [default: 300000]

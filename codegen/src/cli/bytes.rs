@@ -21,31 +21,21 @@ impl CodeSizes {
     /// Compiles a module at opt-level 3, with the rustc of the environment variable `RUSTC` or of the path.
     pub(super) fn measure(source: &SourceFile) -> Result<Self, Failure> {
         let folder = tempfile::tempdir()?;
-        let (text, object) = (
-            folder.path().join("robot.rs"),
-            folder.path().join("robot.o"),
-        );
+        let (text, object) = (folder.path().join("robot.rs"), folder.path().join("robot.o"));
         std::fs::write(&text, &source.text)?;
         let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
         let mut command = Command::new(&rustc);
         command
-            .args([
-                "--edition",
-                "2024",
-                "--crate-type",
-                "lib",
-                "--crate-name",
-                "robot",
-            ])
+            .args(["--edition", "2024", "--crate-type", "lib", "--crate-name", "robot"])
             .args(["-Copt-level=3", "-Ccodegen-units=1", "--emit", "obj", "-o"])
             .arg(&object)
             .arg(&text);
         if source.text.contains("target_feature = \"fma\"") && cfg!(target_arch = "x86_64") {
             command.arg("-Ctarget-feature=+fma");
         }
-        let output = command.output().map_err(|error| {
-            Failure::Problem(format!("{}: {error}; set RUSTC", rustc.to_string_lossy()))
-        })?;
+        let output = command
+            .output()
+            .map_err(|error| Failure::Problem(format!("{}: {error}; set RUSTC", rustc.to_string_lossy())))?;
         if !output.status.success() {
             let message = String::from_utf8_lossy(&output.stderr).into_owned();
             return Err(Failure::Problem(message));
@@ -53,15 +43,12 @@ impl CodeSizes {
         let data = std::fs::read(&object)?;
         let file = object::File::parse(data.as_slice())?;
         let symbols = file.symbols().filter(|symbol| symbol.size() > 0);
-        let symbols =
-            symbols.filter_map(|symbol| Some((symbol.name().ok()?.to_owned(), symbol.size())));
-        Ok(Self {
-            symbols: symbols.collect(),
-        })
+        let symbols = symbols.filter_map(|symbol| Some((symbol.name().ok()?.to_owned(), symbol.size())));
+        Ok(Self { symbols: symbols.collect() })
     }
 
-    /// Bytes of a function with what it is split into and the loops that it shares with others; `None` where it is left
-    /// to be inlined. Elementary functions are counted with none.
+    /// Bytes of a function with what it is split into and the loops that it shares with others; `None` where
+    /// it is left to be inlined. Elementary functions are counted with none.
     pub(super) fn of(&self, name: &str, function: Option<&Function>) -> Option<u64> {
         let shared: Vec<&str> = match function.and_then(|function| function.arrays.as_ref()) {
             Some(ArrayForm::Steps(form)) => shared_loops(form),
@@ -71,16 +58,11 @@ impl CodeSizes {
             let suffixes = ["_into", "_body", "_part_", "_setup"];
             symbol == name
                 || shared.contains(&symbol)
-                || suffixes.iter().any(|suffix| {
-                    symbol
-                        .strip_prefix(name)
-                        .is_some_and(|rest| rest.starts_with(suffix))
-                })
+                || suffixes
+                    .iter()
+                    .any(|suffix| symbol.strip_prefix(name).is_some_and(|rest| rest.starts_with(suffix)))
         };
-        let sizes = self
-            .symbols
-            .iter()
-            .filter(|(symbol, _)| path(symbol).is_some_and(parts));
+        let sizes = self.symbols.iter().filter(|(symbol, _)| path(symbol).is_some_and(parts));
         let sizes: Vec<u64> = sizes.map(|(_, &size)| size).collect();
         (!sizes.is_empty()).then(|| sizes.iter().sum())
     }
@@ -92,8 +74,7 @@ fn shared_loops(form: &Arrays) -> Vec<&str> {
         Step::Map(map) => Some(map.name.as_str()),
         _ => None,
     });
-    maps.chain(["arrays", "sum_ancestors", "sum_subtrees"])
-        .collect()
+    maps.chain(["arrays", "sum_ancestors", "sum_subtrees"]).collect()
 }
 
 /// The function's name within the module from a mangled symbol, `…5robot11mass_matrix…`.
@@ -111,10 +92,7 @@ mod tests {
     #[test]
     fn names_are_found_in_mangled_symbols() {
         assert_eq!(path("_ZN5robot11mass_matrix17h0d3bE"), Some("mass_matrix"));
-        assert_eq!(
-            path("_RNvCs1_5robot16mass_matrix_into"),
-            Some("mass_matrix_into")
-        );
+        assert_eq!(path("_RNvCs1_5robot16mass_matrix_into"), Some("mass_matrix_into"));
         assert_eq!(path("memcpy"), None);
     }
 }

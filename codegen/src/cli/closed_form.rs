@@ -1,8 +1,9 @@
 //! `gelenk inspect --closed-form`.
 //!
-//! The computer algebra prints a banner to standard output, and a second instance of it ends its whole process. So the
-//! work runs in a process of its own, whose standard output is our standard error: the banner is shown there, results
-//! stay parseable, and an end without a word becomes a message. With `--output` there is nothing to keep apart.
+//! The computer algebra prints a banner to standard output, and a second instance of it ends its whole
+//! process. So the work runs in a process of its own, whose standard output is our standard error: the banner
+//! is shown there, results stay parseable, and an end without a word becomes a message. With `--output` there
+//! is nothing to keep apart.
 
 use std::io;
 use std::path::Path;
@@ -39,8 +40,8 @@ fn problem(diagnostics: Diagnostics) -> Failure {
     Failure::Descriptions(vec![diagnostics])
 }
 
-/// Closed forms for the page of a robot, made in a process of their own, or why there are none: robots of more joints than
-/// can be read, and where the computer algebra cannot work, which is also printed.
+/// Closed forms for the page of a robot, made in a process of their own, or why there are none: robots of
+/// more joints than can be read, and where the computer algebra cannot work, which is also printed.
 pub(super) fn for_page(
     arguments: &arguments::Report,
     loaded: &Loaded,
@@ -68,9 +69,7 @@ pub(super) fn for_page(
         print::err(&format!(
             "gelenk: the page goes without closed forms: the computer algebra ended with {status}\n"
         ));
-        return Ok(Err(
-            "The computer algebra ended without a result when this page was made.".to_owned(),
-        ));
+        return Ok(Err("The computer algebra ended without a result when this page was made.".to_owned()));
     }
     let value: Value = serde_json::from_str(&std::fs::read_to_string(&output)?)?;
     Ok(Ok(from_json(&value)))
@@ -80,11 +79,8 @@ fn from_json(value: &Value) -> ClosedForm {
     let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
     let entries = |value: &Value| value.as_array().cloned().unwrap_or_default();
     let texts = |name: &str| entries(&value[name]).iter().map(text).collect();
-    let symbol = |entry: &Value| Symbol {
-        name: text(&entry[0]),
-        value: text(&entry[1]),
-        meaning: text(&entry[2]),
-    };
+    let symbol =
+        |entry: &Value| Symbol { name: text(&entry[0]), value: text(&entry[1]), meaning: text(&entry[2]) };
     ClosedForm {
         equations: texts("equations"),
         constants: texts("constants"),
@@ -115,12 +111,7 @@ fn delegate(description: &Path) -> Result<ExitCode, Failure> {
     }
 }
 
-fn write(
-    loaded: &Loaded,
-    arguments: &Inspect,
-    format: Format,
-    output: &Path,
-) -> Result<ExitCode, Failure> {
+fn write(loaded: &Loaded, arguments: &Inspect, format: Format, output: &Path) -> Result<ExitCode, Failure> {
     let mut waiting = |path: &Path| {
         print::err(&format!(
             "gelenk: waiting for another process with Symbolica, up to {} s (lock {})\n",

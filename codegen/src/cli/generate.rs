@@ -21,11 +21,7 @@ use crate::wording::quoted;
 pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode, Failure> {
     let workspace = Workspace::find();
     let Some(description) = &arguments.description else {
-        return generate_all(
-            &workspace.ok_or_else(no_workspace)?,
-            &arguments.modules,
-            format,
-        );
+        return generate_all(&workspace.ok_or_else(no_workspace)?, &arguments.modules, format);
     };
     let modules = &arguments.modules;
     let output = arguments.output.as_deref();
@@ -44,10 +40,7 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
         return Ok(ExitCode::SUCCESS);
     }
     let home = workspace.filter(|workspace| output.is_none() && workspace.contains(description));
-    let paths: Vec<PathBuf> = robots
-        .iter()
-        .map(|robot| place(robot, output, home.as_ref()))
-        .collect();
+    let paths: Vec<PathBuf> = robots.iter().map(|robot| place(robot, output, home.as_ref())).collect();
     let root = match &home {
         Some(home) => Some(root_with(home, &robots)?),
         None => None,
@@ -56,11 +49,9 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
     let outcomes = write(&robots, &paths, root)?;
     let written = robots.iter().zip(&paths).zip(outcomes);
     match format {
-        Format::Json => print::json(
-            &written
-                .map(|((robot, path), outcome)| result(robot, path, outcome))
-                .collect(),
-        ),
+        Format::Json => {
+            print::json(&written.map(|((robot, path), outcome)| result(robot, path, outcome)).collect())
+        }
         Format::Text => {
             let text = written.map(|((robot, path), outcome)| {
                 let counts = print::counts_table(&robot.module.costs(), &[]);
@@ -71,34 +62,24 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
     }
 }
 
-/// Writes modules, and the root of their crate where they have one: all of them, or none where one may not be written.
+/// Writes modules, and the root of their crate where they have one: all of them, or none where one may not be
+/// written.
 fn write(
     robots: &[Generated],
     paths: &[PathBuf],
     root: Option<(&Workspace, &str)>,
 ) -> Result<Vec<Outcome>, Failure> {
-    let read: Vec<PathBuf> = robots
-        .iter()
-        .flat_map(|robot| robot.files.clone())
-        .collect();
+    let read: Vec<PathBuf> = robots.iter().flat_map(|robot| robot.files.clone()).collect();
     let modules = robots
         .iter()
         .zip(paths)
         .map(|(robot, path)| Planned::new(path, &robot.source.text, Replaces::Module, &read));
     let modules = modules.collect::<Result<Vec<_>, _>>()?;
     let root = root.map(|(workspace, text)| {
-        Planned::new(
-            &workspace.modules().join("lib.rs"),
-            text,
-            Replaces::Root,
-            &read,
-        )
+        Planned::new(&workspace.modules().join("lib.rs"), text, Replaces::Root, &read)
     });
     let root = root.transpose()?;
-    let outcomes = modules
-        .iter()
-        .map(Planned::write)
-        .collect::<Result<_, _>>()?;
+    let outcomes = modules.iter().map(Planned::write).collect::<Result<_, _>>()?;
     if let Some(root) = root {
         root.write()?;
     }
@@ -106,17 +87,10 @@ fn write(
 }
 
 /// Everything in models/. Nothing is written unless all descriptions are right.
-fn generate_all(
-    workspace: &Workspace,
-    modules: &Modules,
-    format: Format,
-) -> Result<ExitCode, Failure> {
+fn generate_all(workspace: &Workspace, modules: &Modules, format: Format) -> Result<ExitCode, Failure> {
     let robots = derive_all(workspace, modules)?;
     say_notes(&robots, format);
-    let paths: Vec<PathBuf> = robots
-        .iter()
-        .map(|robot| place(robot, None, Some(workspace)))
-        .collect();
+    let paths: Vec<PathBuf> = robots.iter().map(|robot| place(robot, None, Some(workspace))).collect();
     let root = output::root_text(&documented(&robots));
     let outcomes = write(&robots, &paths, Some((workspace, &root)))?;
     let (mut lines, mut results) = (String::new(), Vec::new());
@@ -126,10 +100,7 @@ fn generate_all(
     }
     for path in output::left_over(&workspace.modules(), &names(&robots))? {
         std::fs::remove_file(&path)?;
-        lines.push_str(&format!(
-            "removed   {}: nothing in models/ describes it\n",
-            relative(&path)
-        ));
+        lines.push_str(&format!("removed   {}: nothing in models/ describes it\n", relative(&path)));
     }
     match format {
         Format::Json => print::json(&Value::Array(results)),
@@ -164,19 +135,12 @@ pub(super) fn check(arguments: &Check, format: Format) -> Result<ExitCode, Failu
 fn stale(workspace: &Workspace, modules: &Modules) -> Result<Vec<(PathBuf, String)>, Failure> {
     let robots = derive_all(workspace, modules)?;
     let root = output::root_text(&documented(&robots));
-    let modules = robots
-        .iter()
-        .map(|robot| (place(robot, None, Some(workspace)), &robot.source.text));
+    let modules = robots.iter().map(|robot| (place(robot, None, Some(workspace)), &robot.source.text));
     let expected = modules.chain([(workspace.modules().join("lib.rs"), &root)]);
-    let mut stale: Vec<PathBuf> = expected
-        .filter(|(path, text)| !output::check(path, text))
-        .map(|(path, _)| path)
-        .collect();
+    let mut stale: Vec<PathBuf> =
+        expected.filter(|(path, text)| !output::check(path, text)).map(|(path, _)| path).collect();
     stale.extend(output::left_over(&workspace.modules(), &names(&robots))?);
-    Ok(stale
-        .into_iter()
-        .map(|path| (path, "gelenk generate".to_owned()))
-        .collect())
+    Ok(stale.into_iter().map(|path| (path, "gelenk generate".to_owned())).collect())
 }
 
 fn report_stale(stale: &[(PathBuf, String)], format: Format) -> Result<ExitCode, Failure> {
@@ -184,19 +148,14 @@ fn report_stale(stale: &[(PathBuf, String)], format: Format) -> Result<ExitCode,
     if format == Format::Json {
         let files: Vec<String> = stale.iter().map(|(path, _)| relative(path)).collect();
         let commands: Vec<&String> = stale.iter().map(|(_, command)| command).take(1).collect();
-        print::json(
-            &json!({ "fresh": stale.is_empty(), "stale": files, "command": commands.first() }),
-        )?;
+        print::json(&json!({ "fresh": stale.is_empty(), "stale": files, "command": commands.first() }))?;
         return Ok(code);
     }
     let Some((_, command)) = stale.first() else {
         print::out("fresh\n")?;
         return Ok(code);
     };
-    let files: String = stale
-        .iter()
-        .map(|(path, _)| format!("stale: {}\n", relative(path)))
-        .collect();
+    let files: String = stale.iter().map(|(path, _)| format!("stale: {}\n", relative(path))).collect();
     print::err(&format!("{files}run: {command}\n"));
     Ok(code)
 }
@@ -216,14 +175,9 @@ fn derive_all(workspace: &Workspace, modules: &Modules) -> Result<Vec<Generated>
     }
     robots.sort_by(|a, b| a.source.name.cmp(&b.source.name));
     if let Some(pair) = names(&robots).windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(Failure::Problem(format!(
-            "two descriptions name their robot `{}`: rename one",
-            pair[0]
-        )));
+        return Err(Failure::Problem(format!("two descriptions name their robot `{}`: rename one", pair[0])));
     }
-    names(&robots)
-        .iter()
-        .try_for_each(|name| refuse_root(name))?;
+    names(&robots).iter().try_for_each(|name| refuse_root(name))?;
     Ok(robots)
 }
 
@@ -244,19 +198,15 @@ fn documented(robots: &[Generated]) -> Vec<(String, String)> {
 /// The crate's root is no robot.
 fn refuse_root(name: &str) -> Result<(), Failure> {
     match name {
-        "lib" => Err(Failure::Problem(
-            "`lib` is the root of the crate of robots: rename the robot".to_owned(),
-        )),
+        "lib" => {
+            Err(Failure::Problem("`lib` is the root of the crate of robots: rename the robot".to_owned()))
+        }
         _ => Ok(()),
     }
 }
 
 /// Runs the pipeline on one description.
-pub(super) fn derive(
-    description: &Path,
-    choices: &Choices,
-    command: String,
-) -> Result<Generated, Failure> {
+pub(super) fn derive(description: &Path, choices: &Choices, command: String) -> Result<Generated, Failure> {
     let _progress = Progress::start(description.display().to_string());
     pipeline::generate(description, &options(choices, command)).map_err(problem)
 }
@@ -303,34 +253,24 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
         max_operations: choices.max_operations,
         lanes: choices.lanes.clone(),
         remarks: vec![],
-        emit: EmitOptions {
-            scalar: choices.scalar.into(),
-            command,
-            ..EmitOptions::default()
-        },
+        emit: EmitOptions { scalar: choices.scalar.into(), command, ..EmitOptions::default() },
     }
 }
 
-/// The command that makes the file again, from the workspace's root or the folder that relative paths begin at.
+/// The command that makes the file again, from the workspace's root or the folder that relative paths begin
+/// at.
 pub(super) fn command(
     description: &Path,
     choices: &Choices,
     output: Option<&Path>,
     workspace: Option<&Workspace>,
 ) -> String {
-    let mut words = vec![
-        "gelenk generate".to_owned(),
-        quoted(&shown(description, workspace)),
-    ];
-    if let Some(output) = output.filter(|output| *output != Path::new("-") && !output.is_absolute())
-    {
+    let mut words = vec!["gelenk generate".to_owned(), quoted(&shown(description, workspace))];
+    if let Some(output) = output.filter(|output| *output != Path::new("-") && !output.is_absolute()) {
         words.push(format!("--output {}", quoted(&shown(output, None))));
     }
     if !choices.functions.is_empty() {
-        words.push(format!(
-            "--functions {}",
-            quoted(&choices.functions.join(","))
-        ));
+        words.push(format!("--functions {}", quoted(&choices.functions.join(","))));
     }
     if !choices.lanes.is_empty() {
         words.push(format!("--lanes {}", quoted(&choices.lanes.join(","))));
@@ -339,11 +279,7 @@ pub(super) fn command(
         words.push("--scalar f32".to_owned());
     }
     words.extend(choices.reading.words());
-    words.extend(
-        choices
-            .fused_multiply_add
-            .then(|| "--fused-multiply-add".to_owned()),
-    );
+    words.extend(choices.fused_multiply_add.then(|| "--fused-multiply-add".to_owned()));
     words.extend(choices.self_test.then(|| "--self-test".to_owned()));
     if let Some(most) = choices.max_operations {
         words.push(format!("--max-operations {most}"));
@@ -365,8 +301,8 @@ fn modules_command(
     command
 }
 
-/// Where a module goes: to `output`, else to the crate of its `home`, else into the current folder. The smooth one of a
-/// pair goes beside the exact one.
+/// Where a module goes: to `output`, else to the crate of its `home`, else into the current folder. The
+/// smooth one of a pair goes beside the exact one.
 fn place(robot: &Generated, output: Option<&Path>, home: Option<&Workspace>) -> PathBuf {
     let name = &robot.source.name;
     match (output, home) {
@@ -388,9 +324,7 @@ fn place(robot: &Generated, output: Option<&Path>, home: Option<&Workspace>) -> 
 
 /// The root of the crate `generated` with these modules beside those that are there.
 fn root_with(home: &Workspace, robots: &[Generated]) -> Result<String, Failure> {
-    robots
-        .iter()
-        .try_for_each(|robot| refuse_root(&robot.source.name))?;
+    robots.iter().try_for_each(|robot| refuse_root(&robot.source.name))?;
     let mut modules = documented(robots);
     modules.extend(output::documented(&home.modules())?);
     Ok(output::root_text(&modules))
@@ -402,17 +336,13 @@ fn line(robot: &Generated, path: &Path, outcome: Outcome) -> String {
         Outcome::Unchanged => "unchanged",
     };
     let (n, m) = (robot.model.coordinates.len(), inputs(robot));
-    let plural =
-        |count: usize, noun: &str| format!("{count} {noun}{}", if count == 1 { "" } else { "s" });
+    let plural = |count: usize, noun: &str| format!("{count} {noun}{}", if count == 1 { "" } else { "s" });
     format!(
         "{outcome} {}: {}, {}, {}, {} lines",
         relative(path),
         plural(n, "coordinate"),
         plural(m, "input"),
-        plural(
-            robot.module.functions.len() + robot.module.compositions.len(),
-            "function"
-        ),
+        plural(robot.module.functions.len() + robot.module.compositions.len(), "function"),
         robot.source.text.lines().count(),
     )
 }
@@ -436,16 +366,12 @@ fn result(robot: &Generated, path: &Path, outcome: Outcome) -> Value {
 /// The path from the current folder where it lies below.
 fn relative(path: &Path) -> String {
     let current = std::env::current_dir().unwrap_or_default();
-    path.strip_prefix(&current)
-        .unwrap_or(path)
-        .display()
-        .to_string()
+    path.strip_prefix(&current).unwrap_or(path).display().to_string()
 }
 
 fn no_workspace() -> Failure {
     Failure::Usage(
-        "no description given, and no folder with models/ and generated/src/ at or above this one"
-            .to_owned(),
+        "no description given, and no folder with models/ and generated/src/ at or above this one".to_owned(),
     )
 }
 
@@ -471,12 +397,7 @@ mod tests {
             self_test: false,
             max_operations: None,
         };
-        let command = command(
-            Path::new("my robots/arm.urdf"),
-            &choices,
-            Some(Path::new("src/arm.rs")),
-            None,
-        );
+        let command = command(Path::new("my robots/arm.urdf"), &choices, Some(Path::new("src/arm.rs")), None);
         assert_eq!(
             command,
             "gelenk generate 'my robots/arm.urdf' --output src/arm.rs --functions mass_matrix,bias_forces \

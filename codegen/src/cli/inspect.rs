@@ -20,17 +20,10 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
         return closed_form(arguments, format);
     };
     if arguments.latex && what != Stage::Program {
-        return Err(Failure::Usage(
-            "--latex goes with `inspect program` or --closed-form".to_owned(),
-        ));
+        return Err(Failure::Usage("--latex goes with `inspect program` or --closed-form".to_owned()));
     }
     let workspace = Workspace::find();
-    let command = generate::command(
-        &arguments.description,
-        &arguments.choices,
-        None,
-        workspace.as_ref(),
-    );
+    let command = generate::command(&arguments.description, &arguments.choices, None, workspace.as_ref());
     let robot = generate::derive(&arguments.description, &arguments.choices, command)?;
     generate::say_notes(std::slice::from_ref(&robot), format);
     if arguments.bytes {
@@ -38,37 +31,27 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
     }
     match format {
         Format::Json => print::json(&as_json(&robot, what, arguments.latex)),
-        Format::Text => {
-            print::out(&as_text(&robot, what, arguments.latex)).map(|()| ExitCode::SUCCESS)
-        }
+        Format::Text => print::out(&as_text(&robot, what, arguments.latex)).map(|()| ExitCode::SUCCESS),
     }
 }
 
 /// Operation counts, and the bytes of machine code beside them.
 fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<ExitCode, Failure> {
     if what != Stage::Counts {
-        return Err(Failure::Usage(
-            "--bytes goes with `inspect counts`".to_owned(),
-        ));
+        return Err(Failure::Usage("--bytes goes with `inspect counts`".to_owned()));
     }
     let sizes = CodeSizes::measure(&robot.source)?;
     let counts = robot.module.costs();
     let bytes: Vec<Option<u64>> = counts
         .iter()
         .map(|(name, _)| {
-            let function = robot
-                .module
-                .functions
-                .iter()
-                .find(|function| &function.name == name);
+            let function = robot.module.functions.iter().find(|function| &function.name == name);
             sizes.of(name, function)
         })
         .collect();
     match format {
         Format::Json => print::json(&print::counts(&counts, &bytes)),
-        Format::Text => {
-            print::out(&print::counts_table(&counts, &bytes)).map(|()| ExitCode::SUCCESS)
-        }
+        Format::Text => print::out(&print::counts_table(&counts, &bytes)).map(|()| ExitCode::SUCCESS),
     }
 }
 
@@ -109,13 +92,7 @@ fn as_text(robot: &Generated, what: Stage, latex: bool) -> String {
 }
 
 fn notation(model: &Model) -> Notation {
-    Notation {
-        parameters: model
-            .parameters
-            .iter()
-            .map(|parameter| parameter.name.clone())
-            .collect(),
-    }
+    Notation { parameters: model.parameters.iter().map(|parameter| parameter.name.clone()).collect() }
 }
 
 fn titled(function: &Function, program: &str) -> String {
@@ -149,34 +126,19 @@ fn model_text(model: &Model) -> String {
         model.frames.len(),
         model.parameters.len(),
     ));
-    let head = ["link", "parent", "joint", "kind", "motion", "bodies"]
-        .map(str::to_owned)
-        .to_vec();
+    let head = ["link", "parent", "joint", "kind", "motion", "bodies"].map(str::to_owned).to_vec();
     let rows = model.links.iter().map(|link| {
-        let parent = link
-            .joint
-            .as_ref()
-            .and_then(|joint| model.links.get(joint.parent));
+        let parent = link.joint.as_ref().and_then(|joint| model.links.get(joint.parent));
         vec![
             link.name.clone(),
             parent.map_or("", |parent| parent.name.as_str()).to_owned(),
-            link.joint
-                .as_ref()
-                .map_or("", |joint| joint.name.as_str())
-                .to_owned(),
-            link.joint
-                .as_ref()
-                .map_or("", |joint| kind(joint.kind))
-                .to_owned(),
-            link.joint
-                .as_ref()
-                .map_or(String::new(), |joint| motion(joint.motion)),
+            link.joint.as_ref().map_or("", |joint| joint.name.as_str()).to_owned(),
+            link.joint.as_ref().map_or("", |joint| kind(joint.kind)).to_owned(),
+            link.joint.as_ref().map_or(String::new(), |joint| motion(joint.motion)),
             link.bodies.len().to_string(),
         ]
     });
-    text.push_str(&print::table(
-        &std::iter::once(head).chain(rows).collect::<Vec<_>>(),
-    ));
+    text.push_str(&print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
     if !model.parameters.is_empty() {
         text.push_str(&format!("\n{}", parameters_text(model)));
     }
@@ -185,10 +147,8 @@ fn model_text(model: &Model) -> String {
 
 fn parameters_text(model: &Model) -> String {
     let head = ["parameter", "value", "unit"].map(str::to_owned).to_vec();
-    let rows = model
-        .parameters
-        .iter()
-        .map(|p| vec![p.name.clone(), format!("{:?}", p.default), p.unit.clone()]);
+    let rows =
+        model.parameters.iter().map(|p| vec![p.name.clone(), format!("{:?}", p.default), p.unit.clone()]);
     print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
 }
 

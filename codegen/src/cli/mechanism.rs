@@ -51,9 +51,7 @@ fn mechanism<'g>(graph: &'g Graph, model: &Model) -> Mechanism<'g> {
 }
 
 fn frames(mechanism: &Mechanism<'_>) -> Vec<Vec<String>> {
-    let head = [
-        "joint", "parent", "kind", "ratio", "gamma", "alpha", "x", "y", "z", "lift", "offset",
-    ];
+    let head = ["joint", "parent", "kind", "ratio", "gamma", "alpha", "x", "y", "z", "lift", "offset"];
     let rows = mechanism.bodies.iter().map(|body| {
         let [x, y, z] = body.translation.0.map(shown);
         vec![
@@ -74,9 +72,7 @@ fn frames(mechanism: &Mechanism<'_>) -> Vec<Vec<String>> {
 }
 
 fn moments(mechanism: &Mechanism<'_>) -> Vec<Vec<String>> {
-    let head = [
-        "body", "m", "h_x", "h_y", "h_z", "S_xx", "S_xy", "S_xz", "S_yy", "S_yz", "S_zz",
-    ];
+    let head = ["body", "m", "h_x", "h_y", "h_z", "S_xx", "S_xy", "S_xz", "S_yy", "S_yz", "S_zz"];
     let rows = mechanism.bodies.iter().map(|body| {
         let entries = body.moments.entries().map(shown);
         std::iter::once(body.name.clone()).chain(entries).collect()
@@ -90,8 +86,7 @@ fn with_head(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Vec<Vec<
 }
 
 fn parent<'a>(mechanism: &'a Mechanism<'_>, body: &Body<'_>) -> &'a str {
-    body.parent
-        .map_or("base", |parent| mechanism.bodies[parent].name.as_str())
+    body.parent.map_or("base", |parent| mechanism.bodies[parent].name.as_str())
 }
 
 fn degrees((sine, cosine): (f64, f64)) -> f64 {

@@ -22,8 +22,8 @@ use arguments::{Arguments, Command};
 
 use crate::diagnostic::Diagnostics;
 
-/// Runs the program with the arguments of the process. Exit code 0 on success, 1 where the description (or a file) is
-/// at fault or the output is stale, 2 for a wrong command line.
+/// Runs the program with the arguments of the process. Exit code 0 on success, 1 where the description (or a
+/// file) is at fault or the output is stale, 2 for a wrong command line.
 #[must_use]
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
@@ -41,9 +41,7 @@ pub fn run() -> ExitCode {
             ExitCode::from(1)
         }
         Err(Failure::Usage(message)) => {
-            print::err(&format!(
-                "error: {message}\n\nFor more information, try '--help'.\n"
-            ));
+            print::err(&format!("error: {message}\n\nFor more information, try '--help'.\n"));
             ExitCode::from(2)
         }
         Err(Failure::Problem(message)) => {

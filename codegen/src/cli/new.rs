@@ -14,10 +14,8 @@ use super::print;
 use crate::wording::{quoted, toml_text};
 
 /// The files of every new crate besides its manifest.
-const FILES: [(&str, &str); 2] = [
-    ("src/main.rs", include_str!("template/main.rs")),
-    (".gitignore", "/target\n/report\n"),
-];
+const FILES: [(&str, &str); 2] =
+    [("src/main.rs", include_str!("template/main.rs")), (".gitignore", "/target\n/report\n")];
 
 /// Names that Cargo or the compiler keep for themselves, and those of the dependencies.
 const TAKEN: [&str; 13] = [
@@ -61,9 +59,7 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
     match format {
         Format::Json => {
             let names: Value = files.iter().map(|(name, _)| *name).collect();
-            print::json(
-                &json!({ "package": name, "folder": folder.display().to_string(), "files": names }),
-            )
+            print::json(&json!({ "package": name, "folder": folder.display().to_string(), "files": names }))
         }
         Format::Text => {
             print::out(&format!(
@@ -81,15 +77,10 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
 
 /// Makes the folder, which must not exist: only then may it be removed again.
 fn make(folder: &Path) -> Result<(), Failure> {
-    let parent = folder
-        .parent()
-        .filter(|parent| !parent.as_os_str().is_empty());
+    let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty());
     let made = parent.map_or(Ok(()), fs::create_dir_all);
     match made.and_then(|()| fs::create_dir(folder)) {
-        Err(error)
-            if error.kind() == io::ErrorKind::AlreadyExists
-                && folder.symlink_metadata().is_ok() =>
-        {
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists && folder.symlink_metadata().is_ok() => {
             Err(Failure::Problem(format!(
                 "{} exists already\n  = help: choose another name, or remove it first",
                 folder.display()
@@ -109,9 +100,7 @@ fn cannot_make(folder: &Path, error: &io::Error) -> Failure {
 
 /// As it was called.
 fn this_program() -> String {
-    std::env::args()
-        .next()
-        .unwrap_or_else(|| "gelenk".to_owned())
+    std::env::args().next().unwrap_or_else(|| "gelenk".to_owned())
 }
 
 /// The package's name: the folder's, where Cargo takes it.
@@ -171,9 +160,8 @@ fn source(arguments: &New) -> Result<Source, Failure> {
     let Some(folder) = arguments.checkout.as_deref().or(checkout_of(built)) else {
         return Ok(Source::Version(env!("CARGO_PKG_VERSION").to_owned()));
     };
-    let is_checkout = ["codegen", "runtime"]
-        .iter()
-        .all(|part| folder.join(part).join("Cargo.toml").is_file());
+    let is_checkout =
+        ["codegen", "runtime"].iter().all(|part| folder.join(part).join("Cargo.toml").is_file());
     if !is_checkout {
         return Err(Failure::Problem(format!(
             "no checkout of gelenk at {}\n  = help: say where its crates come from with --checkout FOLDER, --git URL or --version VERSION",
@@ -190,8 +178,8 @@ fn source(arguments: &New) -> Result<Source, Failure> {
     Ok(Source::Path(folder))
 }
 
-/// The checkout of the package that this program was built from, which may have moved since; `None` where that package came from a
-/// registry: Cargo unpacks it to a folder called by its name and version.
+/// The checkout of the package that this program was built from, which may have moved since; `None` where
+/// that package came from a registry: Cargo unpacks it to a folder called by its name and version.
 fn checkout_of(package: &Path) -> Option<&Path> {
     let unpacked = concat!(env!("CARGO_PKG_NAME"), "-", env!("CARGO_PKG_VERSION"));
     let folder = package.parent()?;
@@ -200,16 +188,13 @@ fn checkout_of(package: &Path) -> Option<&Path> {
 
 /// Cargo takes addresses with a scheme, none of the short form `git@host:path`.
 fn git(url: &str) -> Result<Source, Failure> {
-    let is_whole = url
-        .split_once("://")
-        .is_some_and(|(scheme, rest)| !scheme.is_empty() && !rest.is_empty());
+    let is_whole = url.split_once("://").is_some_and(|(scheme, rest)| !scheme.is_empty() && !rest.is_empty());
     if is_whole && !url.contains(char::is_whitespace) {
         return Ok(Source::Git(url.to_owned()));
     }
-    let ssh = url.split_once(':').map_or_else(
-        || "ssh://git@HOST/PATH".to_owned(),
-        |(host, path)| format!("ssh://{host}/{path}"),
-    );
+    let ssh = url
+        .split_once(':')
+        .map_or_else(|| "ssh://git@HOST/PATH".to_owned(), |(host, path)| format!("ssh://{host}/{path}"));
     Err(Failure::Usage(format!(
         "`--git {url}` is no address that Cargo takes\n  = help: give it whole, e.g. https://HOST/PATH, {ssh} or file:///PATH"
     )))
@@ -234,10 +219,7 @@ impl Source {
     fn entry(&self, part: &str) -> String {
         match self {
             Self::Path(folder) => {
-                format!(
-                    "{{ path = {}",
-                    toml_text(&folder.join(part).to_string_lossy())
-                )
+                format!("{{ path = {}", toml_text(&folder.join(part).to_string_lossy()))
             }
             Self::Git(url) => format!("{{ git = {}", toml_text(url)),
             Self::Version(version) => format!("{{ version = {}", toml_text(version)),
@@ -277,30 +259,17 @@ mod tests {
         for good in ["arm", "my-arm", "arm_2", "Arm"] {
             assert_eq!(fault(good), None, "{good}");
         }
-        for bad in [
-            "", "2arm", "-arm", "my arm", "arm!", "ärm", "test", "core", "fn", "a/b",
-        ] {
+        for bad in ["", "2arm", "-arm", "my arm", "arm!", "ärm", "test", "core", "fn", "a/b"] {
             assert!(fault(bad).is_some(), "{bad}");
         }
     }
 
     #[test]
     fn sources_are_those_that_cargo_takes() {
-        for good in [
-            "https://example.org/gelenk.git",
-            "ssh://git@host/a",
-            "file:///srv/gelenk",
-        ] {
+        for good in ["https://example.org/gelenk.git", "ssh://git@host/a", "file:///srv/gelenk"] {
             assert!(git(good).is_ok(), "{good}");
         }
-        for bad in [
-            "",
-            "x",
-            "git@host:a/b.git",
-            "../gelenk",
-            "https://a b",
-            "://x",
-        ] {
+        for bad in ["", "x", "git@host:a/b.git", "../gelenk", "https://a b", "://x"] {
             assert!(git(bad).is_err(), "{bad}");
         }
         let Err(Failure::Usage(message)) = git("git@host:a/b.git") else {

@@ -38,10 +38,7 @@ pub(super) fn robot(urdf: Option<&Path>) -> Result<Robot, Failure> {
 fn from_urdf(path: &Path) -> Result<Robot, Failure> {
     let reading = Reading::of(path)?;
     let bytes = fs::read(path)?;
-    if !model::is_xml(
-        &path.display().to_string(),
-        &String::from_utf8_lossy(&bytes),
-    ) {
+    if !model::is_xml(&path.display().to_string(), &String::from_utf8_lossy(&bytes)) {
         return Err(Failure::Usage(format!(
             "{} is no URDF\n  = help: make the crate without --urdf, and put your description in the place of its robot.toml",
             path.display()
@@ -67,14 +64,8 @@ struct Reading {
 impl Reading {
     fn of(path: &Path) -> Result<Self, Failure> {
         let read = |ignore_mimic: bool| {
-            let options = ReadOptions {
-                ignore_mimic,
-                ..ReadOptions::default()
-            };
-            model::read(path, &options).map(|loaded| Self {
-                loaded,
-                ignores_mimic: ignore_mimic,
-            })
+            let options = ReadOptions { ignore_mimic, ..ReadOptions::default() };
+            model::read(path, &options).map(|loaded| Self { loaded, ignores_mimic: ignore_mimic })
         };
         read(false).or_else(|why| read(true).map_err(|_| Failure::Descriptions(vec![why])))
     }

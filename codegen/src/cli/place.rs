@@ -18,12 +18,9 @@ impl Workspace {
     }
 
     fn above(folder: &Path) -> Option<Self> {
-        let is_root = |folder: &&Path| {
-            folder.join("models").is_dir() && folder.join("generated/src").is_dir()
-        };
-        folder.ancestors().find(is_root).map(|root| Self {
-            root: root.to_owned(),
-        })
+        let is_root =
+            |folder: &&Path| folder.join("models").is_dir() && folder.join("generated/src").is_dir();
+        folder.ancestors().find(is_root).map(|root| Self { root: root.to_owned() })
     }
 
     /// Folder of the generated modules.
@@ -34,11 +31,8 @@ impl Workspace {
     /// Descriptions in models/, sorted by name: each TOML, and each URDF without a TOML of the same name.
     pub(super) fn descriptions(&self) -> io::Result<Vec<PathBuf>> {
         let entries = fs::read_dir(self.root.join("models"))?;
-        let paths = entries
-            .map(|entry| entry.map(|entry| entry.path()))
-            .collect::<Result<Vec<_>, _>>()?;
-        let has =
-            |path: &Path, extension: &str| path.extension().is_some_and(|own| own == extension);
+        let paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>()?;
+        let has = |path: &Path, extension: &str| path.extension().is_some_and(|own| own == extension);
         let is_description = |path: &&PathBuf| {
             has(path, "toml") || has(path, "urdf") && !paths.contains(&path.with_extension("toml"))
         };
@@ -49,20 +43,15 @@ impl Workspace {
 
     /// Whether the file lies directly in models/.
     pub(super) fn contains(&self, description: &Path) -> bool {
-        let folder = fs::canonicalize(description)
-            .ok()
-            .and_then(|path| path.parent().map(Path::to_owned));
+        let folder = fs::canonicalize(description).ok().and_then(|path| path.parent().map(Path::to_owned));
         folder.is_some() && folder == fs::canonicalize(self.root.join("models")).ok()
     }
 }
 
-/// A path for a header: relative to the workspace where it lies in models/, as given where that is relative, and the
-/// bare name otherwise. Machines differ in everything else.
+/// A path for a header: relative to the workspace where it lies in models/, as given where that is relative,
+/// and the bare name otherwise. Machines differ in everything else.
 pub(super) fn shown(path: &Path, workspace: Option<&Workspace>) -> String {
-    let name = path
-        .file_name()
-        .map(|name| name.to_string_lossy().into_owned())
-        .unwrap_or_default();
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     if workspace.is_some_and(|workspace| workspace.contains(path)) {
         return format!("models/{name}");
     }
@@ -70,10 +59,7 @@ pub(super) fn shown(path: &Path, workspace: Option<&Workspace>) -> String {
         return name;
     }
     let parts = path.components().filter(|part| *part != Component::CurDir);
-    parts
-        .map(|part| part.as_os_str().to_string_lossy())
-        .collect::<Vec<_>>()
-        .join("/")
+    parts.map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
 }
 
 #[cfg(test)]
@@ -90,12 +76,8 @@ mod tests {
             fs::write(root.join("models").join(name), "").unwrap();
         }
         let workspace = Workspace::above(&root.join("models/urdf")).unwrap();
-        let names: Vec<_> = workspace
-            .descriptions()
-            .unwrap()
-            .iter()
-            .map(|path| shown(path, Some(&workspace)))
-            .collect();
+        let names: Vec<_> =
+            workspace.descriptions().unwrap().iter().map(|path| shown(path, Some(&workspace))).collect();
         assert_eq!(names, ["models/a.toml", "models/b.toml", "models/c.urdf"]);
         assert_eq!(Workspace::above(Path::new("/nowhere")), None);
     }
@@ -103,9 +85,6 @@ mod tests {
     #[test]
     fn headers_hold_no_absolute_path() {
         assert_eq!(shown(Path::new("/home/someone/arm.urdf"), None), "arm.urdf");
-        assert_eq!(
-            shown(Path::new("./robots/arm.urdf"), None),
-            "robots/arm.urdf"
-        );
+        assert_eq!(shown(Path::new("./robots/arm.urdf"), None), "robots/arm.urdf");
     }
 }

@@ -13,13 +13,10 @@ use crate::program::cost::Cost;
 /// Writes to standard output. A reader that went away (`gelenk … | head`) is no failure.
 pub(super) fn out(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
-    match stdout
-        .write_all(text.as_bytes())
-        .and_then(|()| stdout.flush())
-    {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Problem(format!(
-            "cannot write to standard output: {error}"
-        ))),
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::Problem(format!("cannot write to standard output: {error}")))
+        }
         _ => Ok(()),
     }
 }
@@ -43,11 +40,7 @@ pub(super) fn problems(all: &[Diagnostics], format: Format) {
             err(&format!("{}\n", texts.join("\n\n")));
         }
         Format::Json => {
-            let entries: Value = all
-                .iter()
-                .flat_map(Diagnostics::entries)
-                .map(diagnostic)
-                .collect();
+            let entries: Value = all.iter().flat_map(Diagnostics::entries).map(diagnostic).collect();
             // Exit code 1 follows in any case.
             let _ = out(&format!("{:#}\n", json!({ "diagnostics": entries })));
         }
@@ -73,47 +66,25 @@ fn diagnostic(entry: &Diagnostic) -> Value {
 
 /// Operation counts of functions by name as a table, with their bytes of machine code where these are given.
 pub(super) fn counts_table(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> String {
-    let mut head = vec![
-        "function",
-        "multiplications",
-        "additions",
-        "divisions",
-        "calls",
-    ];
+    let mut head = vec!["function", "multiplications", "additions", "divisions", "calls"];
     head.extend((!bytes.is_empty()).then_some("bytes"));
     let head = head.into_iter().map(str::to_owned).collect();
     let rows = functions.iter().enumerate().map(|(index, (name, cost))| {
-        let counts = [
-            cost.multiplications,
-            cost.additions,
-            cost.divisions,
-            cost.calls(),
-        ];
+        let counts = [cost.multiplications, cost.additions, cost.divisions, cost.calls()];
         let size = bytes.get(index).map(|size| match size {
             Some(size) => size.to_string(),
             None => "inlined".to_owned(),
         });
-        [name.clone()]
-            .into_iter()
-            .chain(counts.iter().map(ToString::to_string))
-            .chain(size)
-            .collect()
+        [name.clone()].into_iter().chain(counts.iter().map(ToString::to_string)).chain(size).collect()
     });
     table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
 }
 
-/// Operation counts of functions by name as JSON, with their bytes of machine code where these are given; null where a function
-/// is left to be inlined.
+/// Operation counts of functions by name as JSON, with their bytes of machine code where these are given;
+/// null where a function is left to be inlined.
 pub(super) fn counts(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> Value {
     let entry = |(index, (name, cost)): (usize, &(String, Cost))| {
-        let Cost {
-            multiplications,
-            additions,
-            divisions,
-            sin_cos,
-            other_calls,
-            selections,
-        } = cost;
+        let Cost { multiplications, additions, divisions, sin_cos, other_calls, selections } = cost;
         let mut entry = json!({
             "function": name,
             "multiplications": multiplications,
@@ -134,25 +105,12 @@ pub(super) fn counts(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> Val
 /// Rows of cells in columns, below a head; columns of numbers to the right.
 pub(super) fn table(rows: &[Vec<String>]) -> String {
     let column = |column: usize| rows.iter().filter_map(move |row| row.get(column));
-    let width = |index: usize| {
-        column(index)
-            .map(|cell| cell.chars().count())
-            .max()
-            .unwrap_or(0)
-    };
-    let is_number = |index: usize| {
-        column(index)
-            .skip(1)
-            .all(|cell| cell.parse::<f64>().is_ok())
-    };
+    let width = |index: usize| column(index).map(|cell| cell.chars().count()).max().unwrap_or(0);
+    let is_number = |index: usize| column(index).skip(1).all(|cell| cell.parse::<f64>().is_ok());
     let line = |row: &Vec<String>| {
         let cells = row.iter().enumerate().map(|(index, cell)| {
             let space = " ".repeat(width(index) - cell.chars().count());
-            if is_number(index) {
-                format!("{space}{cell}")
-            } else {
-                format!("{cell}{space}")
-            }
+            if is_number(index) { format!("{space}{cell}") } else { format!("{cell}{space}") }
         });
         format!("  {}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
     };
@@ -165,17 +123,9 @@ mod tests {
 
     #[test]
     fn numbers_stand_to_the_right() {
-        let rows = [
-            ["function", "kind", "calls"],
-            ["f", "ω", "12"],
-            ["long_name", "b", "3"],
-        ];
-        let rows: Vec<Vec<String>> = rows
-            .iter()
-            .map(|row| row.map(str::to_owned).to_vec())
-            .collect();
-        let expected =
-            "  function   kind  calls\n  f          ω        12\n  long_name  b         3\n";
+        let rows = [["function", "kind", "calls"], ["f", "ω", "12"], ["long_name", "b", "3"]];
+        let rows: Vec<Vec<String>> = rows.iter().map(|row| row.map(str::to_owned).to_vec()).collect();
+        let expected = "  function   kind  calls\n  f          ω        12\n  long_name  b         3\n";
         assert_eq!(table(&rows), expected);
     }
 }

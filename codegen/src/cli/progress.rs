@@ -4,7 +4,8 @@ use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// Says on standard error, once a second has passed and then every five, what is being worked on; silent when dropped.
+/// Says on standard error, once a second has passed and then every five, what is being worked on; silent when
+/// dropped.
 #[derive(Debug)]
 pub(super) struct Progress {
     end: Option<Sender<()>>,
@@ -23,14 +24,8 @@ impl Progress {
             }
         };
         // Without a thread there is no progress, but the work goes on.
-        let thread = thread::Builder::new()
-            .name("progress".to_owned())
-            .spawn(report)
-            .ok();
-        Self {
-            end: Some(end),
-            thread,
-        }
+        let thread = thread::Builder::new().name("progress".to_owned()).spawn(report).ok();
+        Self { end: Some(end), thread }
     }
 }
 

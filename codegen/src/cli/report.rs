@@ -42,9 +42,7 @@ pub(super) fn write(arguments: &arguments::Report, format: Format) -> Result<Exi
         }
         Format::Text => say(&loaded, &page, &files)?,
     }
-    let failed = page
-        .claims()
-        .any(|claim| claim.verdict() == Verdict::DoesNotHold);
+    let failed = page.claims().any(|claim| claim.verdict() == Verdict::DoesNotHold);
     Ok(ExitCode::from(u8::from(failed)))
 }
 
@@ -59,12 +57,7 @@ fn problem(diagnostics: Diagnostics) -> Failure {
 fn page(arguments: &arguments::Report, loaded: &Loaded) -> Result<Report, Failure> {
     let most = arguments.max_operations.unwrap_or(MOST_OPERATIONS);
     // All functions, whatever the description asks to generate.
-    let request = Request {
-        names: &[],
-        most,
-        form: Form::Cheapest,
-        straight: &[],
-    };
+    let request = Request { names: &[], most, form: Form::Cheapest, straight: &[] };
     let selected = selection::derive(&loaded.model, &request).map_err(problem)?;
     let notes = [loaded.notes.entries(), &selected.notes].concat();
     let closed_form = closed_form(arguments, loaded)?;
@@ -120,14 +113,9 @@ fn say(loaded: &Loaded, page: &Report, files: &[PathBuf]) -> Result<(), Failure>
         files.len().saturating_sub(1)
     );
     let all = page.claims().count();
-    let held = page
-        .claims()
-        .filter(|claim| claim.verdict() == Verdict::Holds);
+    let held = page.claims().filter(|claim| claim.verdict() == Verdict::Holds);
     text.push_str(&format!("self-check: {} of {all} hold\n", held.count()));
-    for claim in page
-        .claims()
-        .filter(|claim| claim.verdict() != Verdict::Holds)
-    {
+    for claim in page.claims().filter(|claim| claim.verdict() != Verdict::Holds) {
         text.push_str(&format!("  {}: {}\n", claim.id, claim.verdict()));
     }
     print::out(&text)
@@ -135,9 +123,7 @@ fn say(loaded: &Loaded, page: &Report, files: &[PathBuf]) -> Result<(), Failure>
 
 fn result(loaded: &Loaded, page: &Report, files: &[PathBuf]) -> Value {
     let files = files.iter().map(|file| file.display().to_string());
-    let checks = page
-        .claims()
-        .map(|claim| json!({ "id": claim.id, "verdict": claim.verdict().to_string() }));
+    let checks = page.claims().map(|claim| json!({ "id": claim.id, "verdict": claim.verdict().to_string() }));
     json!({
         "robot": loaded.model.name,
         "files": files.collect::<Value>(),

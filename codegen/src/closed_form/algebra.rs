@@ -1,8 +1,8 @@
 //! The few operations of Symbolica that the derivation needs, on vectors and matrices.
 //!
-//! Sines and cosines are written with phases `E = e^{iα}`: `cos α = (E + E⁻¹)/2`, `sin α = (E − E⁻¹)/2i`. In them every
-//! trigonometric identity is plain arithmetic, so that expanding is already the simplification: equal expressions become
-//! the same Fourier sum.
+//! Sines and cosines are written with phases `E = e^{iα}`: `cos α = (E + E⁻¹)/2`, `sin α = (E − E⁻¹)/2i`. In
+//! them every trigonometric identity is plain arithmetic, so that expanding is already the simplification:
+//! equal expressions become the same Fourier sum.
 
 use symbolica::atom::{Atom, AtomCore, Symbol};
 use symbolica::symbol;
@@ -39,12 +39,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    const ALL: [Self; 4] = [
-        Self::Constant,
-        Self::Phase,
-        Self::Coordinate,
-        Self::Velocity,
-    ];
+    const ALL: [Self; 4] = [Self::Constant, Self::Phase, Self::Coordinate, Self::Velocity];
 
     fn prefix(self) -> &'static str {
         match self {
@@ -58,9 +53,7 @@ impl Kind {
 
 impl<'i> Variables<'i> {
     pub fn new(instance: &'i Instance) -> Self {
-        Self {
-            _instance: instance,
-        }
+        Self { _instance: instance }
     }
 
     pub fn symbol(self, kind: Kind, index: usize) -> Symbol {
@@ -74,14 +67,8 @@ impl<'i> Variables<'i> {
     /// What a variable is.
     pub fn recognize(self, symbol: Symbol) -> Option<(Kind, usize)> {
         let name = symbol.get_stripped_name();
-        let kind = Kind::ALL
-            .into_iter()
-            .find(|kind| name.starts_with(kind.prefix()))?;
-        let index = name
-            .get(1..)?
-            .parse()
-            .ok()
-            .filter(|&index| index < VARIABLES)?;
+        let kind = Kind::ALL.into_iter().find(|kind| name.starts_with(kind.prefix()))?;
+        let index = name.get(1..)?.parse().ok().filter(|&index| index < VARIABLES)?;
         Some((kind, index))
     }
 
@@ -140,9 +127,7 @@ pub(super) fn zero() -> Atom {
 pub(super) fn number(value: f64) -> Atom {
     let shown = format!("{value:e}");
     let (mantissa, exponent) = shown.split_once('e').unwrap_or((&shown, "0"));
-    let decimals = mantissa
-        .split_once('.')
-        .map_or(0, |(_, digits)| digits.len() as i64);
+    let decimals = mantissa.split_once('.').map_or(0, |(_, digits)| digits.len() as i64);
     // At most 17 digits and a sign: an i64; the exponent of an f64 has three.
     let digits: i64 = mantissa.replace('.', "").parse().unwrap_or(0);
     let exponent = exponent.parse::<i64>().unwrap_or(0) - decimals;

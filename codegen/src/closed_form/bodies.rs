@@ -1,7 +1,8 @@
 //! The moving bodies of a model in the frames of its description.
 //!
-//! What is fixed or held is lumped into the body that carries it: numbers into one mass, centre and inertia, whatever
-//! holds parameters stays a mass of its own. Independent of the kinematics stage, which the result is compared with.
+//! What is fixed or held is lumped into the body that carries it: numbers into one mass, centre and inertia,
+//! whatever holds parameters stays a mass of its own. Independent of the kinematics stage, which the result
+//! is compared with.
 
 use crate::formula::Formula;
 use crate::model::{Body, Joint, JointKind, Model, Motion, Pose, RotorCoupling};
@@ -45,7 +46,8 @@ pub(super) struct Mass {
 pub(super) struct Rotor {
     /// Drive that it belongs to.
     pub drive: usize,
-    /// Body that carries it and its axis in that body's frame; `None` where its carrier's motion does not count.
+    /// Body that carries it and its axis in that body's frame; `None` where its carrier's motion does not
+    /// count.
     pub carrier: Option<(usize, [f64; 3])>,
     /// Coordinate that turns it.
     pub coordinate: Option<usize>,
@@ -73,11 +75,9 @@ impl Bodies {
                 (Some(body), None, Some(inertia)) => {
                     bodies[body].masses.push(still_rotor(inertia, axis));
                 }
-                (carrier, coordinate, _) => rotors.push(Rotor {
-                    drive: index,
-                    carrier: carrier.map(|body| (body, axis)),
-                    coordinate,
-                }),
+                (carrier, coordinate, _) => {
+                    rotors.push(Rotor { drive: index, carrier: carrier.map(|body| (body, axis)), coordinate })
+                }
             }
         }
         for body in &mut bodies {
@@ -163,23 +163,14 @@ fn turned(rotation: &Matrix, v: [f64; 3]) -> [f64; 3] {
 
 /// Entries that are meant to be 0 or ±1 become that.
 fn cleaned(v: [f64; 3]) -> [f64; 3] {
-    v.map(|x| {
-        if (x - x.round()).abs() < ROUNDING {
-            x.round() + 0.0
-        } else {
-            x
-        }
-    })
+    v.map(|x| if (x - x.round()).abs() < ROUNDING { x.round() + 0.0 } else { x })
 }
 
 /// Rotations and translations without the rounding of products.
 fn tidy(mut pose: Pose) -> Pose {
     pose.rotation = pose.rotation.map(cleaned);
     let numbers = pose.translation.each_ref().map(Formula::as_number);
-    let largest = numbers
-        .iter()
-        .flatten()
-        .fold(0.0, |m: f64, x| m.max(x.abs()));
+    let largest = numbers.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
     for (entry, number) in pose.translation.iter_mut().zip(numbers) {
         if number.is_some_and(|x| x.abs() < ROUNDING * largest) {
             *entry = Formula::ZERO;
@@ -239,19 +230,14 @@ impl NumericMass {
         for (entry, formula) in inertia.iter_mut().zip(&mass.inertia) {
             *entry = formula.as_number()?;
         }
-        Some(Self {
-            mass: mass.mass.as_number()?,
-            center: [x?, y?, z?],
-            inertia,
-        })
+        Some(Self { mass: mass.mass.as_number()?, center: [x?, y?, z?], inertia })
     }
 }
 
 /// All numeric masses as one, before those with parameters.
 fn lumped(masses: Vec<Mass>) -> Vec<Mass> {
-    let (numeric, others): (Vec<_>, Vec<_>) = masses
-        .into_iter()
-        .partition(|mass| NumericMass::new(mass).is_some());
+    let (numeric, others): (Vec<_>, Vec<_>) =
+        masses.into_iter().partition(|mass| NumericMass::new(mass).is_some());
     let numeric: Vec<NumericMass> = numeric.iter().filter_map(NumericMass::new).collect();
     let mut all: Vec<Mass> = Vec::new();
     all.extend((!numeric.is_empty()).then(|| lump(&numeric)));

@@ -14,14 +14,10 @@ use crate::program::letters::greek_letter;
 /// - `parameters`: values of the free parameters, by which the constants are computed
 #[must_use]
 pub fn text(forms: &ClosedForms, parameters: &[f64]) -> String {
-    let printer = Printer {
-        forms,
-        style: Style::Text,
-    };
+    let printer = Printer { forms, style: Style::Text };
     let names = |letter: &str, names: &[String]| {
         let named = names.iter().enumerate();
-        let named =
-            named.map(|(k, name)| format!("{letter}{} {name}", subscript(&(k + 1).to_string())));
+        let named = named.map(|(k, name)| format!("{letter}{} {name}", subscript(&(k + 1).to_string())));
         named.collect::<Vec<_>>().join(", ")
     };
     let mut out = format!(
@@ -38,11 +34,7 @@ pub fn text(forms: &ClosedForms, parameters: &[f64]) -> String {
     let constants = printer.constants(parameters);
     if !constants.is_empty() {
         out.push_str("\nwith\n");
-        out.extend(
-            constants
-                .into_iter()
-                .map(|(name, sum, value)| format!("  {name} = {sum} = {value}\n")),
-        );
+        out.extend(constants.into_iter().map(|(name, sum, value)| format!("  {name} = {sum} = {value}\n")));
     }
     let symbols = printer.symbols(parameters);
     if !symbols.is_empty() {
@@ -52,7 +44,8 @@ pub fn text(forms: &ClosedForms, parameters: &[f64]) -> String {
     out
 }
 
-/// The equations and the lumped constants as an `align*` environment (amsmath); the letters' values follow as comments.
+/// The equations and the lumped constants as an `align*` environment (amsmath); the letters' values follow as
+/// comments.
 ///
 /// - `parameters`: values of the free parameters
 #[must_use]
@@ -65,11 +58,7 @@ pub fn latex(forms: &ClosedForms, parameters: &[f64]) -> String {
     let lines: Vec<String> = equations.chain(constants).collect();
     let symbols = parts.symbols.iter();
     let symbols = symbols.map(|[name, value, meaning]| format!("% {name} = {value}: {meaning}\n"));
-    format!(
-        "\\begin{{align*}}\n{}\n\\end{{align*}}\n{}",
-        lines.join(" \\\\\n"),
-        symbols.collect::<String>()
-    )
+    format!("\\begin{{align*}}\n{}\n\\end{{align*}}\n{}", lines.join(" \\\\\n"), symbols.collect::<String>())
 }
 
 /// Closed forms in LaTeX, equation by equation.
@@ -88,10 +77,7 @@ pub struct LatexParts {
 /// - `parameters`: values of the free parameters
 #[must_use]
 pub fn latex_parts(forms: &ClosedForms, parameters: &[f64]) -> LatexParts {
-    let printer = Printer {
-        forms,
-        style: Style::Latex,
-    };
+    let printer = Printer { forms, style: Style::Latex };
     LatexParts {
         equations: printer.entries(),
         constants: printer.constants(parameters),
@@ -119,10 +105,7 @@ impl Printer<'_> {
                 entries.push((self.entry("M", &[i, j]), self.sum(sum)));
             }
         }
-        let forces = [
-            ("k", &self.forms.coriolis_forces),
-            ("q", &self.forms.applied_forces),
-        ];
+        let forces = [("k", &self.forms.coriolis_forces), ("q", &self.forms.applied_forces)];
         for (letter, forces) in forces {
             let named = forces.iter().enumerate();
             entries.extend(named.map(|(i, sum)| (self.entry(letter, &[i]), self.sum(sum))));
@@ -140,11 +123,7 @@ impl Printer<'_> {
         let constants = self.forms.constants.iter().enumerate();
         let shown = constants.map(|(index, sum)| {
             let value = self.forms.constant_value(index, parameters);
-            (
-                self.factor(Factor::Constant(index)),
-                self.polynomial(sum),
-                self.number(rounded(value)),
-            )
+            (self.factor(Factor::Constant(index)), self.polynomial(sum), self.number(rounded(value)))
         });
         shown.collect()
     }
@@ -167,10 +146,7 @@ impl Printer<'_> {
     }
 
     fn entry(&self, letter: &str, indices: &[usize]) -> String {
-        let index: String = indices
-            .iter()
-            .map(|index| (index + 1).to_string())
-            .collect();
+        let index: String = indices.iter().map(|index| (index + 1).to_string()).collect();
         self.indexed(letter, &index)
     }
 
@@ -179,10 +155,7 @@ impl Printer<'_> {
     }
 
     fn polynomial(&self, sum: &[Monomial]) -> String {
-        self.joined(
-            sum.iter()
-                .map(|part| (part.number.value < 0.0, self.product(part, &[]))),
-        )
+        self.joined(sum.iter().map(|part| (part.number.value < 0.0, self.product(part, &[]))))
     }
 
     /// Summands with their signs.
@@ -261,11 +234,9 @@ impl Printer<'_> {
             Factor::Constant(index) => self.indexed("p", &number(index)),
             Factor::Coordinate(index) => self.indexed("y", &number(index)),
             Factor::Velocity(index) => self.velocity(index),
-            Factor::Symbol(index) => self
-                .forms
-                .symbols
-                .get(index)
-                .map_or_else(String::new, |symbol| self.name(symbol)),
+            Factor::Symbol(index) => {
+                self.forms.symbols.get(index).map_or_else(String::new, |symbol| self.name(symbol))
+            }
         }
     }
 
@@ -290,11 +261,9 @@ impl Printer<'_> {
         self.joined(summands.map(|(index, &multiple)| {
             let angle = match index.checked_sub(coordinates) {
                 None => self.factor(Factor::Coordinate(index)),
-                Some(fixed) => self
-                    .forms
-                    .angles
-                    .get(fixed)
-                    .map_or_else(String::new, |symbol| self.name(symbol)),
+                Some(fixed) => {
+                    self.forms.angles.get(fixed).map_or_else(String::new, |symbol| self.name(symbol))
+                }
             };
             let text = match multiple.abs() {
                 1 => angle,
@@ -331,11 +300,7 @@ impl Printer<'_> {
     fn formula(&self, formula: &Formula, of: usize) -> String {
         let go = |part: &Formula| self.formula(part, of);
         let tight = |part: &Formula| self.formula_of(part, of);
-        let space = if self.style == Style::Text {
-            " "
-        } else {
-            " \\, "
-        };
+        let space = if self.style == Style::Text { " " } else { " \\, " };
         match formula {
             Formula::Number(value) => self.number(*value),
             Formula::Parameter(index) => self.factor(Factor::Symbol(*index)),
@@ -379,10 +344,9 @@ impl Printer<'_> {
         };
         let digits = digits.replace('-', self.minus());
         match self.style {
-            Style::Text => format!(
-                "{digits}·10{}",
-                exponent.parse().map_or_else(|_| String::new(), superscript)
-            ),
+            Style::Text => {
+                format!("{digits}·10{}", exponent.parse().map_or_else(|_| String::new(), superscript))
+            }
             Style::Latex => format!("{digits} \\cdot 10^{{{exponent}}}"),
         }
     }
@@ -417,10 +381,7 @@ impl Printer<'_> {
         match index.trim_matches('_') {
             "" => format!("{letter}{primes}"),
             index if index.chars().any(char::is_alphabetic) => {
-                format!(
-                    "{letter}{primes}_{{\\mathrm{{{}}}}}",
-                    index.replace('_', ",")
-                )
+                format!("{letter}{primes}_{{\\mathrm{{{}}}}}", index.replace('_', ","))
             }
             index => format!("{letter}{primes}_{{{index}}}"),
         }
@@ -429,19 +390,11 @@ impl Printer<'_> {
 
 /// Indices of the symbols that occur.
 fn used(forms: &ClosedForms) -> BTreeSet<usize> {
-    let rows = forms
-        .mass_matrix
-        .iter()
-        .chain(&forms.input_matrix)
-        .flatten();
-    let sums = rows
-        .chain(&forms.coriolis_forces)
-        .chain(&forms.applied_forces);
+    let rows = forms.mass_matrix.iter().chain(&forms.input_matrix).flatten();
+    let sums = rows.chain(&forms.coriolis_forces).chain(&forms.applied_forces);
     let terms: Vec<&Term> = sums.flatten().collect();
     let outer = terms.iter().map(|term| &term.outer);
-    let factors = outer
-        .chain(forms.constants.iter().flatten())
-        .flat_map(|part| &part.factors);
+    let factors = outer.chain(forms.constants.iter().flatten()).flat_map(|part| &part.factors);
     let mut used: BTreeSet<usize> = factors
         .filter_map(|(factor, _)| match factor {
             Factor::Symbol(index) => Some(*index),
@@ -450,9 +403,7 @@ fn used(forms: &ClosedForms) -> BTreeSet<usize> {
         .collect();
     let bases = terms.iter().filter_map(|term| term.basis.as_ref());
     for (basis, _) in bases {
-        used.extend(
-            (0..forms.symbols.len()).filter(|&k| basis.any(&|part| *part == Formula::Parameter(k))),
-        );
+        used.extend((0..forms.symbols.len()).filter(|&k| basis.any(&|part| *part == Formula::Parameter(k))));
     }
     used
 }
@@ -468,9 +419,8 @@ fn aligned(rows: &[[String; 3]]) -> String {
         lengths.max().unwrap_or(0)
     };
     let (names, values) = (width(0), width(1));
-    let line = |[name, value, meaning]: &[String; 3]| {
-        format!("  {name:names$} = {value:values$}  {meaning}\n")
-    };
+    let line =
+        |[name, value, meaning]: &[String; 3]| format!("  {name:names$} = {value:values$}  {meaning}\n");
     rows.iter().map(line).collect()
 }
 

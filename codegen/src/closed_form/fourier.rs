@@ -24,10 +24,7 @@ pub(super) struct Part {
 impl Part {
     /// The same with the opposite sign.
     pub fn negated(self) -> Self {
-        Self {
-            number: -self.number,
-            ..self
-        }
+        Self { number: -self.number, ..self }
     }
 }
 
@@ -44,12 +41,9 @@ type Spectrum = BTreeMap<Vec<i32>, (Rational, Rational)>;
 /// - `phases`: number of angles
 ///
 /// # Errors
-/// `symbolica-form` where the expression is not a real sum of products of our variables: a defect of this program.
-pub(super) fn parts(
-    variables: Variables<'_>,
-    sum: &Atom,
-    phases: usize,
-) -> Result<Vec<Part>, Diagnostics> {
+/// `symbolica-form` where the expression is not a real sum of products of our variables: a defect of this
+/// program.
+pub(super) fn parts(variables: Variables<'_>, sum: &Atom, phases: usize) -> Result<Vec<Part>, Diagnostics> {
     let mut spectra: BTreeMap<Key, Spectrum> = BTreeMap::new();
     let view = sum.as_view();
     match view {
@@ -63,12 +57,7 @@ pub(super) fn parts(
     let mut parts = Vec::new();
     for ((constants, motion), spectrum) in spectra {
         for (number, wave) in real(&spectrum)? {
-            parts.push(Part {
-                number,
-                constants: constants.clone(),
-                motion: motion.clone(),
-                wave,
-            });
+            parts.push(Part { number, constants: constants.clone(), motion: motion.clone(), wave });
         }
     }
     Ok(parts)
@@ -94,16 +83,9 @@ fn add(
         }
         single => product.multiply(variables, single)?,
     }
-    let key = (
-        product.constants.into_iter().collect(),
-        product.motion.into_iter().collect(),
-    );
+    let key = (product.constants.into_iter().collect(), product.motion.into_iter().collect());
     let zero = || (Rational::from(0), Rational::from(0));
-    let place = spectra
-        .entry(key)
-        .or_default()
-        .entry(product.phases)
-        .or_insert_with(zero);
+    let place = spectra.entry(key).or_default().entry(product.phases).or_insert_with(zero);
     place.0 = &place.0 + &product.number.0;
     place.1 = &place.1 + &product.number.1;
     Ok(())
@@ -118,11 +100,7 @@ struct Product {
 }
 
 impl Product {
-    fn multiply(
-        &mut self,
-        variables: Variables<'_>,
-        factor: AtomView<'_>,
-    ) -> Result<(), Diagnostics> {
+    fn multiply(&mut self, variables: Variables<'_>, factor: AtomView<'_>) -> Result<(), Diagnostics> {
         let defect = || unexpected(&factor.to_string());
         let (base, exponent) = match factor {
             AtomView::Num(number) => {
@@ -139,16 +117,9 @@ impl Product {
         let AtomView::Var(variable) = base else {
             return Err(defect());
         };
-        match variables
-            .recognize(variable.get_symbol())
-            .ok_or_else(defect)?
-        {
-            (Kind::Constant, k) => {
-                *self.constants.entry(Factor::Symbol(k)).or_default() += exponent
-            }
-            (Kind::Coordinate, k) => {
-                *self.motion.entry(Factor::Coordinate(k)).or_default() += exponent
-            }
+        match variables.recognize(variable.get_symbol()).ok_or_else(defect)? {
+            (Kind::Constant, k) => *self.constants.entry(Factor::Symbol(k)).or_default() += exponent,
+            (Kind::Coordinate, k) => *self.motion.entry(Factor::Coordinate(k)).or_default() += exponent,
             (Kind::Velocity, k) => *self.motion.entry(Factor::Velocity(k)).or_default() += exponent,
             (Kind::Phase, k) => *self.phases.get_mut(k).ok_or_else(defect)? += exponent,
         }
@@ -188,10 +159,8 @@ fn real(spectrum: &Spectrum) -> Result<Vec<(Rational, Wave)>, Diagnostics> {
 }
 
 fn unexpected(what: &str) -> Diagnostics {
-    let defect = Diagnostic::error(
-        "symbolica-form",
-        format!("the closed form holds what it should not: {what}"),
-    )
-    .help("this is a defect of gelenk; please report it with the description");
+    let defect =
+        Diagnostic::error("symbolica-form", format!("the closed form holds what it should not: {what}"))
+            .help("this is a defect of gelenk; please report it with the description");
     Diagnostics::new(vec![defect])
 }

@@ -28,17 +28,13 @@ impl Constants {
     /// Brackets the summands of one entry.
     ///
     /// - `basis`: function that all summands are multiplied with
-    pub fn group(
-        &mut self,
-        parts: &[Part],
-        symbols: &[Symbol],
-        basis: Option<&(Formula, usize)>,
-    ) -> Sum {
+    pub fn group(&mut self, parts: &[Part], symbols: &[Symbol], basis: Option<&(Formula, usize)>) -> Sum {
         let mut hidden: BTreeMap<(Wave, Factors, Factors), Polynomial> = BTreeMap::new();
         for part in parts {
-            let (visible, lumped) = part.constants.iter().partition(
-                |(factor, _)| matches!(factor, Factor::Symbol(k) if symbols[*k].is_visible),
-            );
+            let (visible, lumped) = part
+                .constants
+                .iter()
+                .partition(|(factor, _)| matches!(factor, Factor::Symbol(k) if symbols[*k].is_visible));
             let key = (part.wave.clone(), visible, part.motion.clone());
             let summand = (lumped, part.number.clone());
             hidden.entry(key).or_default().push(summand);
@@ -69,9 +65,7 @@ impl Constants {
     pub fn definitions(self) -> Vec<Vec<Monomial>> {
         let definition = |polynomial: Polynomial| {
             let summands = polynomial.into_iter();
-            summands
-                .map(|(factors, number)| monomial(&number, factors))
-                .collect()
+            summands.map(|(factors, number)| monomial(&number, factors)).collect()
         };
         self.found.into_iter().map(definition).collect()
     }
@@ -80,11 +74,7 @@ impl Constants {
     fn letter(&mut self, mut polynomial: Polynomial) -> (Rational, Factors) {
         polynomial.sort_by(|a, b| a.0.cmp(&b.0));
         if let [(factors, number)] = polynomial.as_slice()
-            && factors
-                .iter()
-                .map(|(_, exponent)| exponent.abs())
-                .sum::<i32>()
-                <= SHORT
+            && factors.iter().map(|(_, exponent)| exponent.abs()).sum::<i32>() <= SHORT
         {
             return (number.clone(), factors.clone());
         }
@@ -96,11 +86,7 @@ impl Constants {
         let (number, index) = known.unwrap_or_else(|| {
             let content = content(&polynomial);
             let scaled = polynomial.into_iter();
-            self.found.push(
-                scaled
-                    .map(|(factors, number)| (factors, &number / &content))
-                    .collect(),
-            );
+            self.found.push(scaled.map(|(factors, number)| (factors, &number / &content)).collect());
             (content, self.found.len() - 1)
         });
         (number, vec![(Factor::Constant(index), 1)])
@@ -112,9 +98,7 @@ fn ratio(a: &Polynomial, b: &Polynomial) -> Option<Rational> {
     let first = &a.first()?.1 / &b.first()?.1;
     let pairs = a.iter().zip(b);
     let is_multiple = a.len() == b.len()
-        && pairs
-            .into_iter()
-            .all(|((factors, x), (others, y))| factors == others && *x == &first * y);
+        && pairs.into_iter().all(|((factors, x), (others, y))| factors == others && *x == &first * y);
     is_multiple.then_some(first)
 }
 
@@ -129,18 +113,11 @@ fn content(polynomial: &Polynomial) -> Rational {
         denominator = denominator.gcd(&number.denominator());
     }
     let size = Rational::from((numerator, denominator));
-    if first.is_negative() == size.is_negative() {
-        size
-    } else {
-        -size
-    }
+    if first.is_negative() == size.is_negative() { size } else { -size }
 }
 
 fn monomial(number: &Rational, factors: Factors) -> Monomial {
-    Monomial {
-        number: shown(number),
-        factors,
-    }
+    Monomial { number: shown(number), factors }
 }
 
 /// Fractions of numbers up to so many stay fractions.

@@ -4,7 +4,8 @@
 //! `d/dt ∂L/∂ẏ − ∂L/∂y = q − q_gravity + B u`
 //! (Goldstein, Poole and Safko, Classical Mechanics, 2002, sections 1.4 and 1.6)
 //!
-//! Velocities are derivatives of frames: `ṗ = Σ ∂p/∂yⱼ ẏⱼ`, `[ω]ₓ = RᵀṘ`. Nothing is shared with the recursive derivation.
+//! Velocities are derivatives of frames: `ṗ = Σ ∂p/∂yⱼ ẏⱼ`, `[ω]ₓ = RᵀṘ`. Nothing is shared with the
+//! recursive derivation.
 
 use symbolica::atom::{Atom, AtomCore};
 
@@ -35,19 +36,12 @@ pub(super) fn derive(
     letters: &mut Letters<'_>,
 ) -> Lagrange {
     let n = model.coordinates.len();
-    let mut derivation = Derivation {
-        variables,
-        bodies,
-        letters,
-        is_prismatic: vec![false; n],
-    };
+    let mut derivation = Derivation { variables, bodies, letters, is_prismatic: vec![false; n] };
     for body in &bodies.bodies {
         derivation.is_prismatic[body.coordinate] = body.is_prismatic;
     }
     let lagrangian = derivation.lagrangian(model);
-    let momenta: Vec<Atom> = (0..n)
-        .map(|i| variables.by_velocity(&lagrangian, i))
-        .collect();
+    let momenta: Vec<Atom> = (0..n).map(|i| variables.by_velocity(&lagrangian, i)).collect();
     let row = |momentum: &Atom| (0..n).map(|j| variables.by_velocity(momentum, j)).collect();
     let bias = |(i, momentum): (usize, &Atom)| {
         (derivation.rate(momentum) - derivation.by_coordinate(&lagrangian, i)).expand()
@@ -87,10 +81,7 @@ impl Derivation<'_, '_, '_> {
 
     /// Where the joint's motion takes a body.
     fn place(&mut self, body: &MovingBody, parent: Option<&Placed>) -> Placed {
-        let base = Placed {
-            rotation: algebra::identity(),
-            origin: std::array::from_fn(|_| algebra::zero()),
-        };
+        let base = Placed { rotation: algebra::identity(), origin: std::array::from_fn(|_| algebra::zero()) };
         let parent = parent.unwrap_or(&base);
         let (turn, offset) = self.letters.origin(body);
         let before = algebra::product(&parent.rotation, &turn);
@@ -100,40 +91,23 @@ impl Derivation<'_, '_, '_> {
         if body.is_prismatic {
             let position = self.variables.atom(Kind::Coordinate, body.coordinate);
             let slide = std::array::from_fn(|k| &aligned[k][2] * &position);
-            return Placed {
-                rotation: before,
-                origin: algebra::sum(&origin, &slide),
-            };
+            return Placed { rotation: before, origin: algebra::sum(&origin, &slide) };
         }
-        let (sine, cosine) = (
-            self.variables.sine(body.coordinate),
-            self.variables.cosine(body.coordinate),
-        );
+        let (sine, cosine) = (self.variables.sine(body.coordinate), self.variables.cosine(body.coordinate));
         let turned = algebra::product(&aligned, &algebra::rotation(2, &sine, &cosine));
-        Placed {
-            rotation: algebra::product(&turned, &algebra::transpose(&align)),
-            origin,
-        }
+        Placed { rotation: algebra::product(&turned, &algebra::transpose(&align)), origin }
     }
 
     /// ω in the body's frame, from `[ω]ₓ = RᵀṘ`.
     fn spin(&self, rotation: &Matrix) -> Vector {
-        let rate = rotation
-            .each_ref()
-            .map(|row| row.each_ref().map(|entry| self.rate(entry)));
+        let rate = rotation.each_ref().map(|row| row.each_ref().map(|entry| self.rate(entry)));
         let (columns, rates) = (algebra::transpose(rotation), algebra::transpose(&rate));
         let entry = |i: usize, j: usize| algebra::dot(&columns[i], &rates[j]);
         [entry(2, 1), entry(0, 2), entry(1, 0)]
     }
 
     /// `½ m ṗᵀṗ + ½ ωᵀ I ω + m g₀ᵀp` of all masses of a body.
-    fn of_body(
-        &mut self,
-        body: &MovingBody,
-        frame: &Placed,
-        spin: &Vector,
-        gravity: &Vector,
-    ) -> Atom {
+    fn of_body(&mut self, body: &MovingBody, frame: &Placed, spin: &Vector, gravity: &Vector) -> Atom {
         let mut sum = algebra::zero();
         for mass in &body.masses {
             let (m, center, inertia) = self.letters.mass(body.coordinate, mass);
@@ -160,9 +134,7 @@ impl Derivation<'_, '_, '_> {
         if let Some(coordinate) = rotor.coordinate {
             speed += ratio * self.variables.atom(Kind::Velocity, coordinate);
         }
-        debug_assert!(
-            rotor.carrier.is_none() || model.drives[rotor.drive].coupling == RotorCoupling::Body
-        );
+        debug_assert!(rotor.carrier.is_none() || model.drives[rotor.drive].coupling == RotorCoupling::Body);
         half(inertia * &speed * &speed).expand()
     }
 

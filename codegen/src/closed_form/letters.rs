@@ -1,7 +1,8 @@
 //! Letters for the numbers of a description: m₂, c₂, I₂, l₂, i₂, J₂, g, as a textbook would choose them.
 //!
-//! The index is the number of the coordinate that moves the body. A vector with one entry that is not zero is one letter;
-//! one with several has its axis in the index (c₂x, c₂z). Zero stays zero, and quarter turns stay what they are.
+//! The index is the number of the coordinate that moves the body. A vector with one entry that is not zero is
+//! one letter; one with several has its axis in the index (c₂x, c₂z). Zero stays zero, and quarter turns stay
+//! what they are.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -32,13 +33,8 @@ pub(super) struct Letters<'m> {
 
 impl<'m> Letters<'m> {
     pub fn new(variables: Variables<'m>, model: &'m Model) -> Self {
-        let mut letters = Self {
-            variables,
-            model,
-            symbols: Symbols::new(model),
-            angles: Vec::new(),
-            ratios: Vec::new(),
-        };
+        let mut letters =
+            Self { variables, model, symbols: Symbols::new(model), angles: Vec::new(), ratios: Vec::new() };
         for index in 0..model.drives.len() {
             let ratio = letters.ratio(index);
             letters.ratios.push(ratio);
@@ -51,9 +47,7 @@ impl<'m> Letters<'m> {
         match formula.as_number() {
             Some(0.0) => algebra::zero(),
             Some(_) => {
-                let place = self
-                    .symbols
-                    .add(stem, index, formula.clone(), meaning.to_owned());
+                let place = self.symbols.add(stem, index, formula.clone(), meaning.to_owned());
                 self.variables.atom(Kind::Constant, place)
             }
             None => {
@@ -106,32 +100,16 @@ impl<'m> Letters<'m> {
 
     /// One letter for a formula.
     fn whole(&mut self, formula: &Formula) -> Formula {
-        let known = self
-            .symbols
-            .entries
-            .iter()
-            .position(|symbol| symbol.value == *formula);
+        let known = self.symbols.entries.iter().position(|symbol| symbol.value == *formula);
         let place = known.unwrap_or_else(|| {
-            let count = self
-                .symbols
-                .entries
-                .iter()
-                .filter(|s| s.stem == "f")
-                .count();
+            let count = self.symbols.entries.iter().filter(|s| s.stem == "f").count();
             let index = (count + 1).to_string();
-            self.symbols
-                .add("f", &index, formula.clone(), String::new())
+            self.symbols.add("f", &index, formula.clone(), String::new())
         });
         Formula::Parameter(place)
     }
 
-    fn vector(
-        &mut self,
-        entries: &[Formula; 3],
-        stem: &str,
-        index: usize,
-        meaning: &str,
-    ) -> Vector {
+    fn vector(&mut self, entries: &[Formula; 3], stem: &str, index: usize, meaning: &str) -> Vector {
         let is_single = entries.iter().filter(|entry| !entry.is_zero()).count() == 1;
         std::array::from_fn(|k| {
             let axis = if is_single { "" } else { AXES[k] };
@@ -146,9 +124,7 @@ impl<'m> Letters<'m> {
         std::array::from_fn(|k| {
             let axis = if is_single { "" } else { AXES[k] };
             match gravity[k].as_number() {
-                Some(value) if value < 0.0 => {
-                    -self.visible(&Formula::Number(-value), "g", axis, MEANING)
-                }
+                Some(value) if value < 0.0 => -self.visible(&Formula::Number(-value), "g", axis, MEANING),
                 _ => self.visible(&gravity[k], "g", axis, MEANING),
             }
         })
@@ -192,8 +168,8 @@ impl<'m> Letters<'m> {
         algebra::product(&turn, &algebra::rotation(1, &sine, &cosine))
     }
 
-    /// Sine and cosine of an angle that does not move. Equal and opposite angles, and those with quarter turns between them,
-    /// share their letter.
+    /// Sine and cosine of an angle that does not move. Equal and opposite angles, and those with quarter
+    /// turns between them, share their letter.
     fn angle(&mut self, value: f64, stem: &str, index: usize, meaning: &str) -> (Atom, Atom) {
         let quarters = (value / FRAC_PI_2).round();
         if is_quarter(value) {
@@ -229,27 +205,14 @@ impl<'m> Letters<'m> {
     pub fn mass(&mut self, coordinate: usize, mass: &Mass) -> (Atom, Vector, [Atom; 6]) {
         let name = self.joint_name(coordinate);
         let index = coordinate + 1;
-        let m = self.constant(
-            &mass.mass,
-            "m",
-            &index.to_string(),
-            &format!("mass of what {name} carries [kg]"),
-        );
-        let center = self.vector(
-            &mass.center,
-            "c",
-            coordinate,
-            &format!("its centre in the frame of {name} [m]"),
-        );
+        let m =
+            self.constant(&mass.mass, "m", &index.to_string(), &format!("mass of what {name} carries [kg]"));
+        let center =
+            self.vector(&mass.center, "c", coordinate, &format!("its centre in the frame of {name} [m]"));
         let mut entry = |k: usize| {
             let (i, j) = PLACES[k];
             let index = format!("{index}{}{}", AXES[i], AXES[j]);
-            self.constant(
-                &mass.inertia[k],
-                "I",
-                &index,
-                "its inertia about the centre [kg m²]",
-            )
+            self.constant(&mass.inertia[k], "I", &index, "its inertia about the centre [kg m²]")
         };
         let inertia = [entry(0), entry(1), entry(2), entry(3), entry(4), entry(5)];
         (m, center, inertia)
@@ -258,10 +221,7 @@ impl<'m> Letters<'m> {
     /// Axial inertia and gear ratio of a drive's rotor.
     pub fn rotor(&mut self, drive: usize) -> (Atom, Atom) {
         let model = self.model;
-        let meaning = format!(
-            "axial inertia of the rotor of {} [kg m²]",
-            model.drives[drive].name
-        );
+        let meaning = format!("axial inertia of the rotor of {} [kg m²]", model.drives[drive].name);
         let index = self.drive_index(drive);
         let inertia = self.visible(&model.drives[drive].rotor_inertia, "J", &index, &meaning);
         (inertia, self.ratios[drive].clone())
@@ -270,12 +230,8 @@ impl<'m> Letters<'m> {
     /// `B`: gear ratio, times the motor constant where the input is a current.
     pub fn input_matrix(&mut self) -> Vec<Vec<Atom>> {
         let model = self.model;
-        let drives: Vec<_> = model
-            .drives
-            .iter()
-            .enumerate()
-            .filter(|(_, drive)| drive.coordinate.is_some())
-            .collect();
+        let drives: Vec<_> =
+            model.drives.iter().enumerate().filter(|(_, drive)| drive.coordinate.is_some()).collect();
         let mut matrix = vec![vec![algebra::zero(); drives.len()]; model.coordinates.len()];
         for (column, (index, drive)) in drives.iter().enumerate() {
             let mut entry = self.ratios[*index].clone();
@@ -303,11 +259,7 @@ impl<'m> Letters<'m> {
     }
 
     fn forces_of(&mut self, coordinate: usize, joint: &Joint) -> Vec<(Atom, Formula)> {
-        let springs = joint
-            .springs
-            .iter()
-            .cloned()
-            .flat_map(Formula::linear_terms);
+        let springs = joint.springs.iter().cloned().flat_map(Formula::linear_terms);
         let springs: Vec<_> = springs.collect();
         let mut forces = Vec::new();
         for (number, (coefficient, basis)) in springs.into_iter().enumerate() {

@@ -1,8 +1,8 @@
 //! One instance at a time: an advisory lock on a file that all users of the machine share.
 //!
-//! Without a key Symbolica allows one instance per machine; a second one ends its own process, where no error handling
-//! helps. Whoever goes through this lock never starts the second. It knows nothing of instances that do not: other
-//! programs with Symbolica, or a process with another folder for temporary files.
+//! Without a key Symbolica allows one instance per machine; a second one ends its own process, where no error
+//! handling helps. Whoever goes through this lock never starts the second. It knows nothing of instances that
+//! do not: other programs with Symbolica, or a process with another folder for temporary files.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
@@ -25,18 +25,20 @@ static LOCK: OnceLock<File> = OnceLock::new();
 /// Whose turn it is within this process.
 static TURN: Mutex<()> = Mutex::new(());
 
-/// The right to use Symbolica, on this thread, until dropped. Other processes have to wait for the end of this one; the
-/// operating system gives the lock back, however the process ends.
+/// The right to use Symbolica, on this thread, until dropped. Other processes have to wait for the end of
+/// this one; the operating system gives the lock back, however the process ends.
 #[derive(Debug)]
 pub struct Instance {
     _turn: MutexGuard<'static, ()>,
 }
 
 impl Instance {
-    /// Waits up to [`PATIENCE`] for the machine's one instance; `on_wait` is told once that there is something to wait for.
+    /// Waits up to [`PATIENCE`] for the machine's one instance; `on_wait` is told once that there is
+    /// something to wait for.
     ///
     /// # Errors
-    /// `symbolica-busy` where another process keeps the lock, `symbolica-lock` where the file cannot be locked at all.
+    /// `symbolica-busy` where another process keeps the lock, `symbolica-lock` where the file cannot be
+    /// locked at all.
     pub fn acquire(on_wait: &mut dyn FnMut(&Path)) -> Result<Self, Diagnostics> {
         // The mutex guards no data that a panic could have left half-made.
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -50,11 +52,7 @@ impl Instance {
 }
 
 /// The file at `path`, locked.
-fn locked(
-    path: &Path,
-    patience: Duration,
-    on_wait: &mut dyn FnMut(&Path),
-) -> Result<File, Diagnostics> {
+fn locked(path: &Path, patience: Duration, on_wait: &mut dyn FnMut(&Path)) -> Result<File, Diagnostics> {
     let file = open(path).map_err(|error| problem(unusable(path, &error)))?;
     let mut waited = Duration::ZERO;
     loop {
@@ -103,18 +101,12 @@ fn busy(path: &Path, patience: Duration) -> Diagnostic {
             patience.as_secs()
         ),
     )
-    .help(format!(
-        "wait for it to end, or look for who has `{}` open",
-        path.display()
-    ))
+    .help(format!("wait for it to end, or look for who has `{}` open", path.display()))
 }
 
 fn unusable(path: &Path, error: &io::Error) -> Diagnostic {
-    Diagnostic::error(
-        "symbolica-lock",
-        format!("cannot lock `{}`: {error}", path.display()),
-    )
-    .help("set TMPDIR to a folder on a local disk in which files can be made and locked")
+    Diagnostic::error("symbolica-lock", format!("cannot lock `{}`: {error}", path.display()))
+        .help("set TMPDIR to a folder on a local disk in which files can be made and locked")
 }
 
 #[cfg(test)]

@@ -1,14 +1,18 @@
-//! Formulas for people: M, k, q and B in closed form with symbolic parameters, by the computer algebra system Symbolica.
+//! Formulas for people: M, k, q and B in closed form with symbolic parameters, by the computer algebra system
+//! Symbolica.
 //!
-//! This folder stands behind the feature `symbolica`, which is off by default, and is the only one that names it; no
-//! generated number depends on it. Symbolica is source-available, not open source: without a key of the user's own it is
-//! for non-commercial use, one instance and one core per machine. Hence everything here takes an [`Instance`], the one
-//! of this machine, and stays on one thread. Symbolica prints a banner to standard output when it is first used.
+//! This folder stands behind the feature `symbolica`, which is off by default, and is the only one that names
+//! it; no generated number depends on it. Symbolica is source-available, not open source: without a key of
+//! the user's own it is for non-commercial use, one instance and one core per machine. Hence everything here
+//! takes an [`Instance`], the one of this machine, and stays on one thread. Symbolica prints a banner to
+//! standard output when it is first used.
 //!
-//! The equations come from Lagrange's equations of the second kind, energies and frames alone, so that the formulas also
-//! check the recursive derivation of [`crate::dynamics`], with which they share nothing but the model.
+//! The equations come from Lagrange's equations of the second kind, energies and frames alone, so that the
+//! formulas also check the recursive derivation of [`crate::dynamics`], with which they share nothing but the
+//! model.
 //!
-//! Sizes grow quickly in closed forms (they are why generated code never uses them): [`MAXIMUM_JOINTS`] is the limit.
+//! Sizes grow quickly in closed forms (they are why generated code never uses them): [`MAXIMUM_JOINTS`] is
+//! the limit.
 
 mod algebra;
 mod bodies;
@@ -38,8 +42,9 @@ use letters::Letters;
 /// Closed forms of more coordinates fill pages that nobody reads.
 pub const MAXIMUM_JOINTS: usize = 3;
 
-/// Coordinates and angles that are no quarter turns, together: each multiplies the number of terms by five at most. Three
-/// general joints with one such angle give 30 kB of formulas, with two 130 kB, with three hours of work.
+/// Coordinates and angles that are no quarter turns, together: each multiplies the number of terms by five at
+/// most. Three general joints with one such angle give 30 kB of formulas, with two 130 kB, with three hours
+/// of work.
 pub const MAXIMUM_ANGLES: usize = 4;
 
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a model with letters for its numbers.
@@ -47,7 +52,8 @@ pub const MAXIMUM_ANGLES: usize = 4;
 /// - `instance`: the right to use Symbolica
 ///
 /// # Errors
-/// `too-many-joints` where more than [`MAXIMUM_JOINTS`] coordinates move, `too-many-angles` beyond [`MAXIMUM_ANGLES`].
+/// `too-many-joints` where more than [`MAXIMUM_JOINTS`] coordinates move, `too-many-angles` beyond
+/// [`MAXIMUM_ANGLES`].
 pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnostics> {
     check_size(model)?;
     let variables = Variables::new(instance);
@@ -68,11 +74,7 @@ pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnos
         for (coefficient, basis) in &forces[coordinate] {
             let parts = writer.parts(coefficient)?;
             let basis = (basis.clone(), coordinate);
-            applied.extend(
-                writer
-                    .constants
-                    .group(&parts, &letters.symbols.entries, Some(&basis)),
-            );
+            applied.extend(writer.constants.group(&parts, &letters.symbols.entries, Some(&basis)));
         }
         coriolis_forces.push(coriolis);
         applied_forces.push(applied);
@@ -158,15 +160,13 @@ impl Writer<'_, '_> {
             let mut factors = part.motion.iter();
             factors.any(|(factor, _)| matches!(factor, Factor::Velocity(_)))
         };
-        let (coriolis, gravity): (Vec<Part>, Vec<Part>) =
-            self.parts(bias)?.into_iter().partition(moves);
+        let (coriolis, gravity): (Vec<Part>, Vec<Part>) = self.parts(bias)?.into_iter().partition(moves);
         let gravity: Vec<Part> = gravity.into_iter().map(Part::negated).collect();
         Ok((self.group(&coriolis), self.group(&gravity)))
     }
 
     fn group(&mut self, parts: &[Part]) -> Sum {
-        self.constants
-            .group(parts, &self.letters.symbols.entries, None)
+        self.constants.group(parts, &self.letters.symbols.entries, None)
     }
 }
 

@@ -40,25 +40,14 @@ impl Symbols {
             meaning: meaning(&parameter.description, &parameter.unit),
             is_visible: false,
         };
-        Self {
-            entries: model.parameters.iter().enumerate().map(entry).collect(),
-        }
+        Self { entries: model.parameters.iter().enumerate().map(entry).collect() }
     }
 
     /// A letter for a value that is not zero; a name that is taken gets a prime.
     pub fn add(&mut self, stem: &str, index: &str, value: Formula, meaning: String) -> usize {
-        let mut symbol = Symbol {
-            stem: stem.to_owned(),
-            index: index.to_owned(),
-            value,
-            meaning,
-            is_visible: false,
-        };
-        while self
-            .entries
-            .iter()
-            .any(|other| other.name() == symbol.name())
-        {
+        let mut symbol =
+            Symbol { stem: stem.to_owned(), index: index.to_owned(), value, meaning, is_visible: false };
+        while self.entries.iter().any(|other| other.name() == symbol.name()) {
             symbol.index.push('\'');
         }
         self.entries.push(symbol);

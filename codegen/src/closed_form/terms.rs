@@ -101,7 +101,8 @@ pub struct Values {
 }
 
 impl ClosedForms {
-    /// Evaluates the formulas as they are printed, with these values of the free parameters; `NaN` where one is missing.
+    /// Evaluates the formulas as they are printed, with these values of the free parameters; `NaN` where one
+    /// is missing.
     ///
     /// - `y`, `v`: coordinates and velocities, `n` each
     pub fn evaluate(&self, parameters: &[f64], y: &[f64], v: &[f64]) -> Values {
@@ -138,11 +139,7 @@ impl<'a> State<'a> {
         let mut state = Self {
             symbols: forms.symbols.iter().map(value).collect(),
             constants: Vec::new(),
-            angles: y
-                .iter()
-                .copied()
-                .chain(forms.angles.iter().map(value))
-                .collect(),
+            angles: y.iter().copied().chain(forms.angles.iter().map(value)).collect(),
             parameters,
             y,
             v,

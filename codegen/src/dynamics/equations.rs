@@ -76,79 +76,35 @@ impl<'g> Equations<'_, 'g> {
     }
 
     fn mass_matrix_by(&self, formulation: &Formulation, y: &[Scalar<'g>]) -> Matrix<'g> {
-        composite::mass_matrix(
-            &formulation.mechanism(self.graph, self.model),
-            formulation,
-            y,
-        )
+        composite::mass_matrix(&formulation.mechanism(self.graph, self.model), formulation, y)
     }
 
     /// `M(y)` and `k − q_gravity` in the formulations that cost least together.
-    pub fn mass_matrix_and_bias(
-        &self,
-        y: &[Scalar<'g>],
-        v: &[Scalar<'g>],
-    ) -> (Matrix<'g>, Vec<Scalar<'g>>) {
+    pub fn mass_matrix_and_bias(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> (Matrix<'g>, Vec<Scalar<'g>>) {
         let (mass, bias) = self.formulations.mass_and_bias();
         (self.mass_matrix_by(mass, y), self.bias_by(bias, y, v))
     }
 
-    fn bias_by(
-        &self,
-        formulation: &Formulation,
-        y: &[Scalar<'g>],
-        v: &[Scalar<'g>],
-    ) -> Vec<Scalar<'g>> {
-        self.recursive(
-            formulation,
-            MotionInput {
-                y,
-                v,
-                a: &self.zeros(),
-            },
-            true,
-        )
+    fn bias_by(&self, formulation: &Formulation, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
+        self.recursive(formulation, MotionInput { y, v, a: &self.zeros() }, true)
     }
 
     /// `k(y, ẏ)`
     pub fn coriolis_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
-        self.recursive(
-            self.formulations.bias_forces(),
-            MotionInput {
-                y,
-                v,
-                a: &self.zeros(),
-            },
-            false,
-        )
+        self.recursive(self.formulations.bias_forces(), MotionInput { y, v, a: &self.zeros() }, false)
     }
 
     /// Gravity's share of q.
     pub fn gravity_forces(&self, y: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let still = self.zeros();
-        let held = self.recursive(
-            self.formulations.gravity_forces(),
-            MotionInput {
-                y,
-                v: &still,
-                a: &still,
-            },
-            true,
-        );
+        let held =
+            self.recursive(self.formulations.gravity_forces(), MotionInput { y, v: &still, a: &still }, true);
         held.into_iter().map(|x| -x).collect()
     }
 
     /// `k − q_gravity`
     pub fn bias_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
-        self.recursive(
-            self.formulations.bias_forces(),
-            MotionInput {
-                y,
-                v,
-                a: &self.zeros(),
-            },
-            true,
-        )
+        self.recursive(self.formulations.bias_forces(), MotionInput { y, v, a: &self.zeros() }, true)
     }
 
     /// Springs' and dampers' share of q.
@@ -169,43 +125,25 @@ impl<'g> Equations<'_, 'g> {
     /// `q = q_gravity + q_springs − τ`
     pub fn applied_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let joint = self.joint_forces(y, v);
-        self.gravity_forces(y)
-            .iter()
-            .zip(&joint)
-            .map(|(&gravity, &joint)| gravity + joint)
-            .collect()
+        self.gravity_forces(y).iter().zip(&joint).map(|(&gravity, &joint)| gravity + joint).collect()
     }
 
     /// `M ÿ + k − q`
-    pub fn inverse_dynamics(
-        &self,
-        y: &[Scalar<'g>],
-        v: &[Scalar<'g>],
-        a: &[Scalar<'g>],
-    ) -> Vec<Scalar<'g>> {
-        let bodies = self.recursive(
-            self.formulations.inverse_dynamics(),
-            MotionInput { y, v, a },
-            true,
-        );
+    pub fn inverse_dynamics(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], a: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
+        let bodies = self.recursive(self.formulations.inverse_dynamics(), MotionInput { y, v, a }, true);
         subtract(&bodies, &self.joint_forces(y, v))
     }
 
     /// `M ÿ + k − q` with its derivatives by y and ẏ, and M.
     pub fn inverse_dynamics_derivatives(&self, input: MotionInput<'_, 'g>) -> ForceDerivatives<'g> {
-        let (derivatives, inverse_dynamics) = (
-            self.formulations.derivatives(),
-            self.formulations.inverse_dynamics(),
-        );
+        let (derivatives, inverse_dynamics) =
+            (self.formulations.derivatives(), self.formulations.inverse_dynamics());
         let mut result = derivatives.derive(self.graph, self.model, inverse_dynamics, input);
         let joint = self.joint_forces(input.y, input.v);
         for (row, &force) in joint.iter().enumerate() {
             // What acts on single joints has diagonal derivatives.
             let by = |variable| differentiate(self.graph, &[force], variable)[0];
-            let (y, v) = (
-                &mut result.by_coordinates[row][row],
-                &mut result.by_velocities[row][row],
-            );
+            let (y, v) = (&mut result.by_coordinates[row][row], &mut result.by_velocities[row][row]);
             (*y, *v) = (*y - by(input.y[row]), *v - by(input.v[row]));
         }
         result.forces = subtract(&result.forces, &joint);
@@ -226,26 +164,16 @@ impl<'g> Equations<'_, 'g> {
         let accelerating = subtract(&self.driving_forces(y, v, u), &self.bias_by(bias, y, v));
         let by_inverse = self.weighs_less_by_inverse(&factorization, &inverse);
         let solve = |right: &[Scalar<'g>]| match by_inverse {
-            true => inverse
-                .iter()
-                .map(|row| dot(self.graph, row, right))
-                .collect(),
+            true => inverse.iter().map(|row| dot(self.graph, row, right)).collect(),
             false => factorization.solve(right),
         };
         let solve_negative = |right: &Matrix<'g>| {
-            let columns: Vec<Vec<_>> = (0..y.len())
-                .map(|j| solve(&right.iter().map(|row| -row[j]).collect::<Vec<_>>()))
-                .collect();
-            (0..y.len())
-                .map(|i| columns.iter().map(|column| column[i]).collect())
-                .collect()
+            let columns: Vec<Vec<_>> =
+                (0..y.len()).map(|j| solve(&right.iter().map(|row| -row[j]).collect::<Vec<_>>())).collect();
+            (0..y.len()).map(|i| columns.iter().map(|column| column[i]).collect()).collect()
         };
         let accelerations = solve(&accelerating);
-        let forces = self.inverse_dynamics_derivatives(MotionInput {
-            y,
-            v,
-            a: &accelerations,
-        });
+        let forces = self.inverse_dynamics_derivatives(MotionInput { y, v, a: &accelerations });
         AccelerationDerivatives {
             by_coordinates: solve_negative(&forces.by_coordinates),
             by_velocities: solve_negative(&forces.by_velocities),
@@ -254,39 +182,21 @@ impl<'g> Equations<'_, 'g> {
         }
     }
 
-    /// Whether products with M⁻¹ cost no more than solutions by the factors. The products are preferred where both
-    /// cost the same: their terms do not wait for each other.
-    fn weighs_less_by_inverse(
-        &self,
-        factorization: &Factorization<'g>,
-        inverse: &Matrix<'g>,
-    ) -> bool {
-        let right: Vec<_> = (0..inverse.len())
-            .map(|k| self.graph.input(FREE, k))
-            .collect();
+    /// Whether products with M⁻¹ cost no more than solutions by the factors. The products are preferred where
+    /// both cost the same: their terms do not wait for each other.
+    fn weighs_less_by_inverse(&self, factorization: &Factorization<'g>, inverse: &Matrix<'g>) -> bool {
+        let right: Vec<_> = (0..inverse.len()).map(|k| self.graph.input(FREE, k)).collect();
         let weight = |results: Vec<Scalar<'g>>| {
-            let all: Vec<Edge> = inverse
-                .concat()
-                .iter()
-                .chain(&results)
-                .map(|result| result.edge())
-                .collect();
+            let all: Vec<Edge> =
+                inverse.concat().iter().chain(&results).map(|result| result.edge()).collect();
             Cost::of(self.graph, &all).weight()
         };
-        let product = inverse
-            .iter()
-            .map(|row| dot(self.graph, row, &right))
-            .collect();
+        let product = inverse.iter().map(|row| dot(self.graph, row, &right)).collect();
         weight(product) <= weight(factorization.solve(&right))
     }
 
     /// `ÿ = A_y y + A_v ẏ + B_x u + c` at a state and input.
-    pub fn linearize(
-        &self,
-        y: &[Scalar<'g>],
-        v: &[Scalar<'g>],
-        u: &[Scalar<'g>],
-    ) -> AffineAccelerations<'g> {
+    pub fn linearize(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], u: &[Scalar<'g>]) -> AffineAccelerations<'g> {
         let derivatives = self.forward_dynamics_derivatives(y, v, u);
         let input_matrix = forces::input_matrix(self.graph, self.model);
         let zero = self.graph.constant(0.0);
@@ -295,11 +205,7 @@ impl<'g> Equations<'_, 'g> {
             .iter()
             .map(|row| {
                 (0..u.len())
-                    .map(|j| {
-                        row.iter()
-                            .zip(&input_matrix)
-                            .fold(zero, |sum, (&x, b)| sum + x * b[j])
-                    })
+                    .map(|j| row.iter().zip(&input_matrix).fold(zero, |sum, (&x, b)| sum + x * b[j]))
                     .collect()
             })
             .collect();
@@ -310,40 +216,21 @@ impl<'g> Equations<'_, 'g> {
             derivatives.accelerations[i] - known
         });
         let remainder = remainder.collect();
-        let AccelerationDerivatives {
-            by_coordinates,
-            by_velocities,
-            ..
-        } = derivatives;
-        AffineAccelerations {
-            by_coordinates,
-            by_velocities,
-            by_inputs,
-            remainder,
-        }
+        let AccelerationDerivatives { by_coordinates, by_velocities, .. } = derivatives;
+        AffineAccelerations { by_coordinates, by_velocities, by_inputs, remainder }
     }
 
     /// `B u`
     pub fn input_forces(&self, u: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let matrix = forces::input_matrix(self.graph, self.model);
         let zero = self.graph.constant(0.0);
-        matrix
-            .iter()
-            .map(|row| row.iter().zip(u).fold(zero, |sum, (&b, &u)| sum + b * u))
-            .collect()
+        matrix.iter().map(|row| row.iter().zip(u).fold(zero, |sum, (&b, &u)| sum + b * u)).collect()
     }
 
     /// `M⁻¹ (q + B u − k)`
-    pub fn forward_dynamics(
-        &self,
-        y: &[Scalar<'g>],
-        v: &[Scalar<'g>],
-        u: &[Scalar<'g>],
-    ) -> Vec<Scalar<'g>> {
+    pub fn forward_dynamics(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], u: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let route = self.formulations.forward_dynamics();
-        route.accelerations(self.graph, self.formulations, y, v, || {
-            self.driving_forces(y, v, u)
-        })
+        route.accelerations(self.graph, self.formulations, y, v, || self.driving_forces(y, v, u))
     }
 
     /// `B u`, springs and friction.
@@ -353,11 +240,7 @@ impl<'g> Equations<'_, 'g> {
         v: &[Scalar<'g>],
         u: &[Scalar<'g>],
     ) -> Vec<Scalar<'g>> {
-        self.input_forces(u)
-            .into_iter()
-            .zip(self.joint_forces(y, v))
-            .map(|(a, b)| a + b)
-            .collect()
+        self.input_forces(u).into_iter().zip(self.joint_forces(y, v)).map(|(a, b)| a + b).collect()
     }
 
     /// W with `W π = M ÿ + k − q_gravity`
@@ -370,22 +253,13 @@ impl<'g> Equations<'_, 'g> {
     pub fn base_regressor(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
         let leaders = &self.formulations.base_parameters().leaders;
         let rows = self.inertial_regressor(input).into_iter();
-        rows.map(|row| leaders.iter().map(|&column| row[column]).collect())
-            .collect()
+        rows.map(|row| leaders.iter().map(|&column| row[column]).collect()).collect()
     }
 
     /// `½ ẏᵀ M ẏ`, as the work of what accelerates by ẏ from rest.
     pub fn kinetic_energy(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
         let formulation = self.formulations.inverse_dynamics();
-        let momentum = self.recursive(
-            formulation,
-            MotionInput {
-                y,
-                v: &self.zeros(),
-                a: v,
-            },
-            false,
-        );
+        let momentum = self.recursive(formulation, MotionInput { y, v: &self.zeros(), a: v }, false);
         dot(self.graph, &momentum, v) * 0.5
     }
 
@@ -394,9 +268,7 @@ impl<'g> Equations<'_, 'g> {
         let plain = Formulation::plain(self.model.coordinates.len());
         let choices = vec![RegroupChoice::Massless; plain.bodies.len()];
         let mechanism = Mechanism::new(self.graph, self.model).regrouped(&choices);
-        -mechanism
-            .gravity
-            .dot(composite::first_moment(&mechanism, &plain, y))
+        -mechanism.gravity.dot(composite::first_moment(&mechanism, &plain, y))
     }
 
     /// The bodies as seen from the base.

@@ -15,10 +15,7 @@ pub fn spring_forces<'g>(
 ) -> Vec<Scalar<'g>> {
     let zero = graph.constant(0.0);
     let force = |(index, joint): (usize, &Joint)| {
-        let forces = joint
-            .springs
-            .iter()
-            .map(|spring| lower_with(graph, spring, y[index], v[index]));
+        let forces = joint.springs.iter().map(|spring| lower_with(graph, spring, y[index], v[index]));
         forces.fold(zero, |sum, force| sum + force)
     };
     model.joints().enumerate().map(force).collect()
@@ -27,9 +24,7 @@ pub fn spring_forces<'g>(
 /// Whether a friction law depends on the position of its joint: τ(y, ẏ) then, else τ(ẏ).
 pub fn friction_depends_on_position(model: &Model) -> bool {
     let terms = model.joints().flat_map(|joint| &joint.friction);
-    terms
-        .map(|term| &term.basis)
-        .any(Formula::depends_on_position)
+    terms.map(|term| &term.basis).any(Formula::depends_on_position)
 }
 
 /// Friction torques τ by coordinate; they are subtracted from q.
@@ -105,10 +100,7 @@ pub fn friction_coefficients<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<
         let coefficients = terms.iter().map(|term| lower(graph, &term.coefficient));
         coefficients.fold(graph.constant(0.0), |sum, c| sum + c)
     };
-    model
-        .joints()
-        .flat_map(|joint| terms_by_basis(joint).into_iter().map(sum))
-        .collect()
+    model.joints().flat_map(|joint| terms_by_basis(joint).into_iter().map(sum)).collect()
 }
 
 /// Names of the columns: `joint: tanh(10*v)`.
@@ -116,8 +108,7 @@ pub fn friction_names(model: &Model) -> Vec<String> {
     let parameters: Vec<&str> = model.parameters.iter().map(|p| p.name.as_str()).collect();
     let names = |joint| {
         let bases = terms_by_basis(joint).into_iter();
-        let name =
-            |(basis, _): (&Formula, _)| format!("{}: {}", joint.name, basis.text(&parameters));
+        let name = |(basis, _): (&Formula, _)| format!("{}: {}", joint.name, basis.text(&parameters));
         bases.map(name).collect::<Vec<_>>()
     };
     model.joints().flat_map(names).collect()

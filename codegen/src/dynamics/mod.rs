@@ -1,7 +1,8 @@
 //! Stage 3: the equations of motion over the graph, each quantity from its cheapest formulation.
 //!
-//! `recursion` holds the equations over the bodies, `search` chooses among their forms, `per_joint` writes the large ones as
-//! loops over joints, `parameters` knows what they are linear in, and [`equations`] is the door.
+//! `recursion` holds the equations over the bodies, `search` chooses among their forms, `per_joint` writes
+//! the large ones as loops over joints, `parameters` knows what they are linear in, and [`equations`] is the
+//! door.
 
 pub mod arguments;
 pub mod equations;

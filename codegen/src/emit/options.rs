@@ -1,9 +1,9 @@
 //! How a module is printed.
 
-/// So many statements stay one function. With debug information, as in Cargo's dev profile, rustc 1.95 nests one scope
-/// for each `let`, and LLVM recurses over them: 2 800 statements compile, 3 200 overflow the 2 MB of its thread's stack and
-/// end rustc. Without it, at opt-level 3, 9 000 statements need 0.9 s and 200 MB, 28 000 need 4 s and 490 MB; there longer
-/// functions would do, since parts exchange values.
+/// So many statements stay one function. With debug information, as in Cargo's dev profile, rustc 1.95 nests
+/// one scope for each `let`, and LLVM recurses over them: 2 800 statements compile, 3 200 overflow the 2 MB
+/// of its thread's stack and end rustc. Without it, at opt-level 3, 9 000 statements need 0.9 s and 200 MB,
+/// 28 000 need 4 s and 490 MB; there longer functions would do, since parts exchange values.
 const LONGEST_FUNCTION: usize = 2_000;
 
 /// How a module is printed.
@@ -62,11 +62,12 @@ impl Scalar {
 
 /// Source of the functions that a module calls.
 ///
-/// The interpreter must run with the same ones ([`crate::program::interpret::Functions`]), else the bits differ.
+/// The interpreter must run with the same ones ([`crate::program::interpret::Functions`]), else the bits
+/// differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Math {
-    /// Our own functions, pasted into the module: `math::sin_cos(x)`. Only what is called, and what that requires.
-    /// They need neither std nor libm and give the same bits everywhere.
+    /// Our own functions, pasted into the module: `math::sin_cos(x)`. Only what is called, and what that
+    /// requires. They need neither std nor libm and give the same bits everywhere.
     #[default]
     Embedded,
     /// Methods of std: `x.sin_cos()`.

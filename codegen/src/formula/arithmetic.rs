@@ -59,10 +59,9 @@ impl Formula {
             || match self {
                 Self::Number(_) | Self::Parameter(_) | Self::Position | Self::Velocity => false,
                 Self::Negate(a) | Self::Power(a, _) | Self::Call(_, a) => a.any(test),
-                Self::Add(a, b)
-                | Self::Subtract(a, b)
-                | Self::Multiply(a, b)
-                | Self::Divide(a, b) => a.any(test) || b.any(test),
+                Self::Add(a, b) | Self::Subtract(a, b) | Self::Multiply(a, b) | Self::Divide(a, b) => {
+                    a.any(test) || b.any(test)
+                }
             }
     }
 
@@ -186,14 +185,7 @@ fn power(base: f64, exponent: u32) -> f64 {
 
 impl Function {
     /// All functions, in the order of their declaration.
-    pub const ALL: [Self; 6] = [
-        Self::Sin,
-        Self::Cos,
-        Self::Tanh,
-        Self::Exp,
-        Self::Abs,
-        Self::Sign,
-    ];
+    pub const ALL: [Self; 6] = [Self::Sin, Self::Cos, Self::Tanh, Self::Exp, Self::Abs, Self::Sign];
 
     /// The name in formulas.
     pub fn name(self) -> &'static str {

@@ -33,26 +33,12 @@ impl Formula {
             Self::Position => ("y".to_owned(), Atom),
             Self::Velocity => ("v".to_owned(), Atom),
             Self::Negate(a) => (format!("-{}", at_least(a, Atom)), Sign),
-            Self::Add(a, b) => (
-                format!("{} + {}", at_least(a, Sum), at_least(b, Product)),
-                Sum,
-            ),
-            Self::Subtract(a, b) => (
-                format!("{} - {}", at_least(a, Sum), at_least(b, Product)),
-                Sum,
-            ),
-            Self::Multiply(a, b) => (
-                format!("{}*{}", at_least(a, Product), at_least(b, Sign)),
-                Product,
-            ),
-            Self::Divide(a, b) => (
-                format!("{}/{}", at_least(a, Product), at_least(b, Atom)),
-                Product,
-            ),
+            Self::Add(a, b) => (format!("{} + {}", at_least(a, Sum), at_least(b, Product)), Sum),
+            Self::Subtract(a, b) => (format!("{} - {}", at_least(a, Sum), at_least(b, Product)), Sum),
+            Self::Multiply(a, b) => (format!("{}*{}", at_least(a, Product), at_least(b, Sign)), Product),
+            Self::Divide(a, b) => (format!("{}/{}", at_least(a, Product), at_least(b, Atom)), Product),
             Self::Power(a, exponent) => (format!("pow({}, {exponent})", a.text(parameters)), Atom),
-            Self::Call(function, a) => {
-                (format!("{}({})", function.name(), a.text(parameters)), Atom)
-            }
+            Self::Call(function, a) => (format!("{}({})", function.name(), a.text(parameters)), Atom),
         }
     }
 }

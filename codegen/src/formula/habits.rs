@@ -1,4 +1,5 @@
-//! Texts that are numbers to their author: with a unit, with a decimal comma, with a factor that stands without `*`.
+//! Texts that are numbers to their author: with a unit, with a decimal comma, with a factor that stands
+//! without `*`.
 
 use super::error::FormulaError;
 
@@ -99,38 +100,21 @@ fn with_comma(text: &str, number: &str, decimals: &str) -> Result<(), FormulaErr
     Err(error(COMMA, message, help, 0..text.len()))
 }
 
-fn error(
-    code: &'static str,
-    message: String,
-    help: String,
-    range: std::ops::Range<usize>,
-) -> FormulaError {
-    FormulaError {
-        code,
-        message,
-        help: Some(help),
-        range,
-    }
+fn error(code: &'static str, message: String, help: String, range: std::ops::Range<usize>) -> FormulaError {
+    FormulaError { code, message, help: Some(help), range }
 }
 
 /// Length of the number that a text begins with, with its sign; 0 where it begins with none.
 fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
-    let digits = |from: usize| {
-        bytes[from..]
-            .iter()
-            .take_while(|c| c.is_ascii_digit())
-            .count()
-    };
+    let digits = |from: usize| bytes[from..].iter().take_while(|c| c.is_ascii_digit()).count();
     let mut end = usize::from(text.starts_with(['-', '+']));
     let whole = digits(end);
     end += whole;
     if bytes.get(end) == Some(&b'.') {
         let decimals = digits(end + 1);
         // `1.sin()` calls a function.
-        if whole + decimals == 0
-            || decimals == 0 && text[end + 1..].starts_with(char::is_alphabetic)
-        {
+        if whole + decimals == 0 || decimals == 0 && text[end + 1..].starts_with(char::is_alphabetic) {
             return 0;
         }
         end += 1 + decimals;
@@ -153,10 +137,7 @@ mod tests {
     use super::*;
 
     fn help(text: &str) -> String {
-        check(text)
-            .err()
-            .and_then(|wrong| wrong.help)
-            .unwrap_or_default()
+        check(text).err().and_then(|wrong| wrong.help).unwrap_or_default()
     }
 
     #[test]

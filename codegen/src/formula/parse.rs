@@ -42,11 +42,7 @@ pub(crate) fn parse(text: &str, allowed: Allowed, parameters: &BTreeMap<String, 
         let range = whole_if_empty(wrong.span().byte_range(), text);
         error("formula-syntax", format!("not a formula: {wrong}"), range)
     })?;
-    let scope = Scope {
-        text,
-        allowed,
-        parameters,
-    };
+    let scope = Scope { text, allowed, parameters };
     let formula = scope.convert(&tree)?;
     let whole = 0..text.len();
     if !formula.is_finite() {
@@ -61,12 +57,7 @@ pub(crate) fn parse(text: &str, allowed: Allowed, parameters: &BTreeMap<String, 
 }
 
 fn error(code: &'static str, message: impl Into<String>, range: Range<usize>) -> FormulaError {
-    FormulaError {
-        code,
-        message: message.into(),
-        help: None,
-        range,
-    }
+    FormulaError { code, message: message.into(), help: None, range }
 }
 
 /// syn reports what is missing at the end of the text as an empty or foreign range.
@@ -101,19 +92,11 @@ fn check_text(text: &str) -> Result<(), FormulaError> {
             '.' | ',' | '_' => run = 0,
             c if c.is_alphanumeric() => run = 0,
             c => {
-                return Err(error(
-                    "formula-syntax",
-                    format!("{c:?} cannot stand in a formula"),
-                    here,
-                ));
+                return Err(error("formula-syntax", format!("{c:?} cannot stand in a formula"), here));
             }
         }
         if depth > DEEPEST || run > OPERATORS {
-            return Err(error(
-                "formula-too-deep",
-                "brackets or signs are nested too deeply",
-                here,
-            ));
+            return Err(error("formula-too-deep", "brackets or signs are nested too deeply", here));
         }
     }
     Ok(())
@@ -121,10 +104,7 @@ fn check_text(text: &str) -> Result<(), FormulaError> {
 
 fn power_help(range: Range<usize>) -> FormulaError {
     let help = Some("write `v.powi(2)` or `pow(v, 2)`".to_owned());
-    FormulaError {
-        help,
-        ..error("formula-power", "`^` is no operator here", range)
-    }
+    FormulaError { help, ..error("formula-power", "`^` is no operator here", range) }
 }
 
 struct Scope<'a> {
@@ -154,17 +134,8 @@ impl Scope<'_> {
         let range = whole_if_empty(node.span().byte_range(), self.text);
         let part = self.text.get(range.clone()).unwrap_or("").to_owned();
         let known = Function::ALL.map(Function::name).join(", ");
-        let help = Some(format!(
-            "a formula has numbers, names, + - * /, brackets, {known} and pow(x, n)"
-        ));
-        FormulaError {
-            help,
-            ..error(
-                "formula-syntax",
-                format!("`{part}` cannot stand in a formula"),
-                range,
-            )
-        }
+        let help = Some(format!("a formula has numbers, names, + - * /, brackets, {known} and pow(x, n)"));
+        FormulaError { help, ..error("formula-syntax", format!("`{part}` cannot stand in a formula"), range) }
     }
 
     fn number(&self, literal: &syn::Lit) -> Parsed {
@@ -194,41 +165,21 @@ impl Scope<'_> {
             Some(index) if self.allowed != Allowed::Constants => Ok(Formula::Parameter(*index)),
             Some(_) => Err(FormulaError {
                 help: Some(
-                    "angles, axes, limits and held positions are fixed when code is generated"
-                        .to_owned(),
+                    "angles, axes, limits and held positions are fixed when code is generated".to_owned(),
                 ),
-                ..error(
-                    "parameter-not-allowed",
-                    format!("`{name}` is a free parameter"),
-                    self.range(path),
-                )
+                ..error("parameter-not-allowed", format!("`{name}` is a free parameter"), self.range(path))
             }),
             None => Err(self.unknown(&name, path)),
         }
     }
 
     fn unknown(&self, name: &str, node: &impl Spanned) -> FormulaError {
-        let own: &[&str] = if self.allowed == Allowed::Motion {
-            &["v", "y", "pi"]
-        } else {
-            &["pi"]
-        };
+        let own: &[&str] = if self.allowed == Allowed::Motion { &["v", "y", "pi"] } else { &["pi"] };
         let visible = self.allowed != Allowed::Constants;
-        let parameters = self
-            .parameters
-            .keys()
-            .map(String::as_str)
-            .filter(|_| visible);
+        let parameters = self.parameters.keys().map(String::as_str).filter(|_| visible);
         let known = own.iter().copied().chain(parameters);
         let help = nearest(name, known);
-        FormulaError {
-            help,
-            ..error(
-                "unknown-name",
-                format!("unknown name `{name}`"),
-                self.range(node),
-            )
-        }
+        FormulaError { help, ..error("unknown-name", format!("unknown name `{name}`"), self.range(node)) }
     }
 
     fn range(&self, node: &impl Spanned) -> Range<usize> {
@@ -243,10 +194,7 @@ impl Scope<'_> {
             BinOp::Div(_) => Formula::quotient,
             _ => return Err(self.refuse(binary)),
         };
-        Ok(combine(
-            self.convert(&binary.left)?,
-            self.convert(&binary.right)?,
-        ))
+        Ok(combine(self.convert(&binary.left)?, self.convert(&binary.right)?))
     }
 
     fn call(&self, call: &syn::ExprCall) -> Parsed {
@@ -267,10 +215,9 @@ impl Scope<'_> {
 
     fn apply(&self, name: &str, place: &impl Spanned, arguments: &[&Expr]) -> Parsed {
         match (name, arguments) {
-            ("pow" | "powi", [base, exponent]) => Ok(Formula::power(
-                self.convert(base)?,
-                self.exponent(exponent)?,
-            )),
+            ("pow" | "powi", [base, exponent]) => {
+                Ok(Formula::power(self.convert(base)?, self.exponent(exponent)?))
+            }
             (_, [argument]) => match Function::ALL.into_iter().find(|known| known.name() == name) {
                 Some(function) => Ok(Formula::call(function, self.convert(argument)?)),
                 None => Err(self.unknown_function(name, place)),
@@ -291,16 +238,12 @@ impl Scope<'_> {
                     Some("sin(x), … take one, pow(x, n) two".to_owned()),
                 )
             }
-            "signum" => (
-                "`signum` is not used here".to_owned(),
-                Some("write `sign(v)`; it is 0 at 0".to_owned()),
-            ),
+            "signum" => {
+                ("`signum` is not used here".to_owned(), Some("write `sign(v)`; it is 0 at 0".to_owned()))
+            }
             _ => (format!("unknown function `{name}`"), nearest(name, known)),
         };
-        FormulaError {
-            help,
-            ..error("unknown-function", message, self.range(place))
-        }
+        FormulaError { help, ..error("unknown-function", message, self.range(place)) }
     }
 
     fn exponent(&self, tree: &Expr) -> Result<u32, FormulaError> {
@@ -314,10 +257,7 @@ impl Scope<'_> {
             _ => {
                 let message = format!("an exponent is a whole number from 0 to {LARGEST_EXPONENT}");
                 let help = Some("write a reciprocal as 1/pow(x, n)".to_owned());
-                Err(FormulaError {
-                    help,
-                    ..error("formula-exponent", message, self.range(tree))
-                })
+                Err(FormulaError { help, ..error("formula-exponent", message, self.range(tree)) })
             }
         }
     }
@@ -328,11 +268,7 @@ mod tests {
     use super::*;
 
     fn names() -> BTreeMap<String, usize> {
-        ["a1", "a2", "a3"]
-            .into_iter()
-            .enumerate()
-            .map(|(k, name)| (name.to_owned(), k))
-            .collect()
+        ["a1", "a2", "a3"].into_iter().enumerate().map(|(k, name)| (name.to_owned(), k)).collect()
     }
 
     fn value(text: &str) -> f64 {
@@ -360,32 +296,18 @@ mod tests {
     fn constants_fold() {
         let half_pi = parse("pi/2", Allowed::Constants, &names()).unwrap();
         assert_eq!(half_pi, Formula::Number(std::f64::consts::FRAC_PI_2));
-        assert_eq!(
-            parse("0*v + 1*a1", Allowed::Motion, &names()).unwrap(),
-            Formula::Parameter(0)
-        );
+        assert_eq!(parse("0*v + 1*a1", Allowed::Motion, &names()).unwrap(), Formula::Parameter(0));
     }
 
     #[test]
     fn laws_split_into_linear_terms() {
-        let law = parse(
-            "-a1*v + 2*a2*tanh(a3*v)/4 - (3 - v*y)",
-            Allowed::Motion,
-            &names(),
-        )
-        .unwrap();
+        let law = parse("-a1*v + 2*a2*tanh(a3*v)/4 - (3 - v*y)", Allowed::Motion, &names()).unwrap();
         let terms = law.clone().linear_terms();
         assert_eq!(terms.len(), 4);
-        assert!(
-            terms
-                .iter()
-                .all(|(coefficient, _)| !coefficient.depends_on_motion())
-        );
+        assert!(terms.iter().all(|(coefficient, _)| !coefficient.depends_on_motion()));
         let p = [2.0, 3.0, 0.5];
-        let sum: f64 = terms
-            .iter()
-            .map(|(c, b)| c.evaluate(&p, 0.25, -1.5) * b.evaluate(&p, 0.25, -1.5))
-            .sum();
+        let sum: f64 =
+            terms.iter().map(|(c, b)| c.evaluate(&p, 0.25, -1.5) * b.evaluate(&p, 0.25, -1.5)).sum();
         assert!((sum - law.evaluate(&p, 0.25, -1.5)).abs() < 1e-15);
     }
 

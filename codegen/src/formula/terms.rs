@@ -5,25 +5,16 @@ use super::Formula;
 impl Formula {
     /// The summands of the formula, each as (coefficient, basis).
     ///
-    /// `f(v) = Σ cᵢ φᵢ(v)`: factors without position and velocity form the coefficient, the others the basis. Products
-    /// are not distributed over sums: `a*(v + tanh(v))` is one term.
+    /// `f(v) = Σ cᵢ φᵢ(v)`: factors without position and velocity form the coefficient, the others the basis.
+    /// Products are not distributed over sums: `a*(v + tanh(v))` is one term.
     pub fn linear_terms(self) -> Vec<(Self, Self)> {
         let mut summands = Vec::new();
         collect_summands(self, false, &mut summands);
         let split = summands.into_iter().map(|(negative, summand)| {
             let (coefficient, basis) = split(summand);
-            (
-                if negative {
-                    Self::negation(coefficient)
-                } else {
-                    coefficient
-                },
-                basis,
-            )
+            (if negative { Self::negation(coefficient) } else { coefficient }, basis)
         });
-        split
-            .filter(|(coefficient, _)| !coefficient.is_zero())
-            .collect()
+        split.filter(|(coefficient, _)| !coefficient.is_zero()).collect()
     }
 }
 

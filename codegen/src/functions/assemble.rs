@@ -1,8 +1,6 @@
 //! From a row of the catalogue to a program.
 
-use super::catalogue::Argument::{
-    self, Accelerations, Coordinates, Inputs, Multipliers, Velocities,
-};
+use super::catalogue::Argument::{self, Accelerations, Coordinates, Inputs, Multipliers, Velocities};
 use super::catalogue::{Quantity, QuantityResult, Value};
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
@@ -18,15 +16,12 @@ pub(super) fn arguments_of<'g>(
     arguments: &[Argument],
 ) -> (Arguments<'g>, Vec<InputArray>) {
     let scalars = |argument: Argument| match arguments.iter().position(|&other| other == argument) {
-        Some(array) => (0..argument.extent(model).len)
-            .map(|index| graph.input(array, index))
-            .collect(),
+        Some(array) => (0..argument.extent(model).len).map(|index| graph.input(array, index)).collect(),
         None => Vec::new(),
     };
-    let inputs = arguments.iter().map(|argument| InputArray {
-        name: argument.name().to_owned(),
-        extent: argument.extent(model),
-    });
+    let inputs = arguments
+        .iter()
+        .map(|argument| InputArray { name: argument.name().to_owned(), extent: argument.extent(model) });
     let inputs = inputs.collect();
     let arguments = Arguments {
         y: scalars(Coordinates),
@@ -44,13 +39,9 @@ pub(super) fn straight_program(
     formulations: &Formulations<'_>,
     quantity: &Quantity,
 ) -> Program {
-    assemble(
-        model,
-        formulations,
-        quantity.arguments,
-        quantity.results,
-        |equations, arguments| (quantity.build)(equations, arguments),
-    )
+    assemble(model, formulations, quantity.arguments, quantity.results, |equations, arguments| {
+        (quantity.build)(equations, arguments)
+    })
 }
 
 /// Builds the graph of a function and lowers it.
@@ -63,14 +54,7 @@ pub(super) fn assemble(
 ) -> Program {
     let graph = Graph::new();
     let (inputs_of_graph, inputs) = arguments_of(&graph, model, arguments);
-    let values = build(
-        &Equations {
-            graph: &graph,
-            model,
-            formulations,
-        },
-        &inputs_of_graph,
-    );
+    let values = build(&Equations { graph: &graph, model, formulations }, &inputs_of_graph);
     let outputs: Vec<_> = values
         .iter()
         .zip(results)

@@ -6,7 +6,8 @@ use crate::model::Model;
 use crate::program::cost::{Cost, count};
 use gelenk_kernels::discrete_time::Text;
 
-/// Halvings of the period before `discretize` takes it on: at most so many. The number stands in its text too.
+/// Halvings of the period before `discretize` takes it on: at most so many. The number stands in its text
+/// too.
 const MOST_REPETITIONS: usize = 18;
 
 /// A result of a function over a sample time.
@@ -64,12 +65,8 @@ impl Composition {
     pub(crate) fn summary(self) -> &'static str {
         match self {
             Self::Discretize => "Exact zero-order hold of the linearization, over one period.",
-            Self::Step => {
-                "State after one period, by Runge–Kutta steps of order 4 of the nonlinear robot."
-            }
-            Self::StepDerivatives => {
-                "`step` with the exact derivatives of its result, in one pass."
-            }
+            Self::Step => "State after one period, by Runge–Kutta steps of order 4 of the nonlinear robot.",
+            Self::StepDerivatives => "`step` with the exact derivatives of its result, in one pass.",
         }
     }
 
@@ -79,9 +76,7 @@ impl Composition {
             Self::Discretize => {
                 "x⁺ = A_d x + B_d u + c_d with x = (y, ẏ), solves ẋ = A x + B_x u + c with u held"
             }
-            Self::Step => {
-                "x⁺ ≈ x + ∫ f(x, u) dt with x = (y, ẏ), f = (ẏ, M⁻¹ (q + B u − k)) and u held"
-            }
+            Self::Step => "x⁺ ≈ x + ∫ f(x, u) dt with x = (y, ẏ), f = (ẏ, M⁻¹ (q + B u − k)) and u held",
             Self::StepDerivatives => "δx⁺ = ∂x⁺/∂x δx + ∂x⁺/∂u δu with x = (y, ẏ)",
         }
     }
@@ -90,11 +85,8 @@ impl Composition {
     pub(crate) fn results(self, coordinates: usize, inputs: usize) -> Vec<ComposedResult> {
         let n = Extent::new(Dimension::Coordinates, coordinates);
         let (m, two) = (Extent::new(Dimension::Inputs, inputs), Extent::fixed(2));
-        let result = |name, extents: &[Extent], meaning| ComposedResult {
-            name,
-            extents: extents.to_vec(),
-            meaning,
-        };
+        let result =
+            |name, extents: &[Extent], meaning| ComposedResult { name, extents: extents.to_vec(), meaning };
         let motion = [
             result("y⁺", &[n], "coordinates after the period"),
             result("ẏ⁺", &[n], "velocities after the period"),
@@ -149,8 +141,8 @@ impl Composition {
         }
     }
 
-    /// All operations for N coordinates and M inputs: those of its calls and of its loops as they are written, factors
-    /// that are 0 or 1 included, at most where their number depends on the data.
+    /// All operations for N coordinates and M inputs: those of its calls and of its loops as they are
+    /// written, factors that are 0 or 1 included, at most where their number depends on the data.
     ///
     /// - `called`: operations of one call
     #[must_use]
@@ -160,9 +152,7 @@ impl Composition {
 
     /// All operations in a robot's module; `None` where the function that it calls is not among these.
     pub(crate) fn cost_in(self, model: &Model, functions: &[Function]) -> Option<Cost> {
-        let called = functions
-            .iter()
-            .find(|function| function.name == self.calls())?;
+        let called = functions.iter().find(|function| function.name == self.calls())?;
         let substeps = model.options.substeps.unwrap_or(1);
         let called = count(&called.program);
         let (n, m) = (model.coordinates.len(), input_count(model));
@@ -207,12 +197,7 @@ impl Composition {
         match self {
             Self::Discretize => &[Text::Sums, Text::Halves, Text::ZeroOrderHold],
             Self::Step => &[Text::Sums, Text::RungeKutta],
-            Self::StepDerivatives => &[
-                Text::Sums,
-                Text::Halves,
-                Text::RungeKutta,
-                Text::Sensitivities,
-            ],
+            Self::StepDerivatives => &[Text::Sums, Text::Halves, Text::RungeKutta, Text::Sensitivities],
         }
     }
 }
@@ -226,16 +211,9 @@ fn discretize_cost(n: usize, m: usize, repetitions: usize) -> Cost {
     let common = 58 * n.pow(3) + 50 * n.pow(2) + 2 * n * n * m;
     let trials = cost(2 + 3 * repetitions, 1 + repetitions + 2 * n * n, 2);
     let twice = 8 * n.pow(3) + 4 * n * n + (2 * n + 4 * n * n) * (m + 1);
-    cost(common + 6 * n * n + n + 1, common + 2 * n, 1)
-        + trials
-        + cost(twice, twice + 4 * n, 0) * repetitions
+    cost(common + 6 * n * n + n + 1, common + 2 * n, 1) + trials + cost(twice, twice + 4 * n, 0) * repetitions
 }
 
 fn cost(multiplications: usize, additions: usize, divisions: usize) -> Cost {
-    Cost {
-        multiplications,
-        additions,
-        divisions,
-        ..Cost::default()
-    }
+    Cost { multiplications, additions, divisions, ..Cost::default() }
 }

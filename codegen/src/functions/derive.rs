@@ -30,9 +30,7 @@ pub(super) fn derive_quantity(
         notes,
     );
     function.arrays = arrays;
-    function
-        .notes
-        .extend(forces::jump_note(model, &function.program));
+    function.notes.extend(forces::jump_note(model, &function.program));
     function.constants = (quantity.constants)(model, formulations, &function.program);
     function
 }
@@ -57,16 +55,11 @@ pub(super) fn derive_frame(
     quantity: &FrameQuantity,
 ) -> Function {
     let summary = format!("{} `{}`.", quantity.summary, frame.name);
-    let program = assemble(
-        model,
-        formulations,
-        quantity.arguments,
-        quantity.results,
-        |equations, arguments| {
+    let program =
+        assemble(model, formulations, quantity.arguments, quantity.results, |equations, arguments| {
             let pose = lower_pose(equations.graph, &frame.pose);
             (quantity.build)(equations, arguments, frame.link, &pose)
-        },
-    );
+        });
     described(model, quantity.arguments, quantity.results, program).named(
         frame_name(frame, quantity),
         summary,
@@ -86,14 +79,8 @@ fn described(
         name: String::new(),
         summary: String::new(),
         equation: String::new(),
-        arguments: arguments
-            .iter()
-            .map(|argument| argument.text(model))
-            .collect(),
-        results: results
-            .iter()
-            .map(|(.., meaning)| (*meaning).to_owned())
-            .collect(),
+        arguments: arguments.iter().map(|argument| argument.text(model)).collect(),
+        results: results.iter().map(|(.., meaning)| (*meaning).to_owned()).collect(),
         notes: Vec::new(),
         constants: Vec::new(),
         program,
@@ -103,12 +90,6 @@ fn described(
 
 impl Function {
     fn named(self, name: String, summary: String, equation: &str, notes: Vec<String>) -> Self {
-        Self {
-            name,
-            summary,
-            equation: equation.to_owned(),
-            notes,
-            ..self
-        }
+        Self { name, summary, equation: equation.to_owned(), notes, ..self }
     }
 }

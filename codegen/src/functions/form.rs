@@ -29,19 +29,21 @@ pub enum Form {
     Arrays,
 }
 
-/// Bytes of machine code that an operation of a large straight-line function takes, spilled registers included: 10 to
-/// 20 of x86-64 with AVX-512, fewer where functions are small.
+/// Bytes of machine code that an operation of a large straight-line function takes, spilled registers
+/// included: 10 to 20 of x86-64 with AVX-512, fewer where functions are small.
 const BYTES_PER_OPERATION: usize = 12;
 
-/// Bytes of machine code up to which a function stays straight-line code. Measured with AVX-512, time of loops over that of
-/// straight-line code: a generic chain of six joints, 26 and 43 kB, 1.1 and 0.75; of seven, 33 and 60 kB, 0.8 and 0.6; of
-/// twelve 0.4 and 0.36; UR5, 10 and 22 kB, 3.8 and 2.4. The instruction cache of the first level holds 32 kB.
+/// Bytes of machine code up to which a function stays straight-line code. Measured with AVX-512, time of
+/// loops over that of straight-line code: a generic chain of six joints, 26 and 43 kB, 1.1 and 0.75; of
+/// seven, 33 and 60 kB, 0.8 and 0.6; of twelve 0.4 and 0.36; UR5, 10 and 22 kB, 3.8 and 2.4. The instruction
+/// cache of the first level holds 32 kB.
 pub const LARGEST_STRAIGHT: usize = 27_000;
 
-/// Loops may take so many times the operations of straight-line code, because they work on whole vectors. Measured, time
-/// of loops over that of straight-line code with AVX-512, AVX2 and neither: LWA 4P's Jacobians of the forward dynamics,
-/// 3.15 times the operations, 1.4, 1.7 and 2.1; Panda's, 2.2 times, 0.65, 0.85 and 1.15; Panda's of the inverse dynamics,
-/// 2.7 times (3.0 with M), 0.95, 1.3 and 1.5 called alone, 0.8, 1.4 and 1.8 between other code.
+/// Loops may take so many times the operations of straight-line code, because they work on whole vectors.
+/// Measured, time of loops over that of straight-line code with AVX-512, AVX2 and neither: LWA 4P's Jacobians
+/// of the forward dynamics, 3.15 times the operations, 1.4, 1.7 and 2.1; Panda's, 2.2 times, 0.65, 0.85 and
+/// 1.15; Panda's of the inverse dynamics, 2.7 times (3.0 with M), 0.95, 1.3 and 1.5 called alone, 0.8, 1.4
+/// and 1.8 between other code.
 const MOST_OPERATIONS: f64 = 3.1;
 
 /// What the documentation of a function with loops says.
@@ -61,10 +63,7 @@ pub(super) struct Derived {
 
 impl Derived {
     fn with_loops(form: ArrayForm) -> Self {
-        Self {
-            program: form.unrolled(),
-            arrays: Some(form),
-        }
+        Self { program: form.unrolled(), arrays: Some(form) }
     }
 
     fn operations(&self) -> usize {
@@ -91,13 +90,7 @@ impl<'m> Forms<'m> {
         form: Form,
         straight: &'m [String],
     ) -> Self {
-        Self {
-            model,
-            formulations,
-            form,
-            straight,
-            derived: RefCell::default(),
-        }
+        Self { model, formulations, form, straight, derived: RefCell::default() }
     }
 
     pub(super) fn derive(&self, quantity: &'static Quantity) -> Derived {
@@ -114,7 +107,8 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// The function that a function calls, where it does. Known without deriving what may be too large to be wanted.
+    /// The function that a function calls, where it does. Known without deriving what may be too large to be
+    /// wanted.
     pub(super) fn callee(&self, name: &str) -> Option<&'static str> {
         let quantity = catalogue::row(name)?;
         let Some(Loops::Affine { called }) = quantity.loops else {
@@ -141,11 +135,9 @@ impl<'m> Forms<'m> {
     fn affine(&self, quantity: &Quantity, called: &str) -> Option<Affine> {
         let (called, inputs) = self.called(quantity, called)?;
         match &self.derived(called).arrays {
-            Some(ArrayForm::Steps(arrays)) => Some(Affine {
-                name: called.name,
-                called: arrays.clone(),
-                inputs,
-            }),
+            Some(ArrayForm::Steps(arrays)) => {
+                Some(Affine { name: called.name, called: arrays.clone(), inputs })
+            }
             _ => None,
         }
     }
@@ -156,9 +148,7 @@ impl<'m> Forms<'m> {
             return Rc::clone(known);
         }
         let derived = Rc::new(self.cheaper(quantity));
-        self.derived
-            .borrow_mut()
-            .insert(quantity.name, Rc::clone(&derived));
+        self.derived.borrow_mut().insert(quantity.name, Rc::clone(&derived));
         derived
     }
 
@@ -182,13 +172,12 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// Operations that a function takes at least, and whether it is surely written as loops; known without deriving it.
+    /// Operations that a function takes at least, and whether it is surely written as loops; known without
+    /// deriving it.
     pub(super) fn estimate(&self, quantity: &Quantity) -> Option<(Estimate, bool)> {
         let loops = quantity.loops.filter(|loops| match *loops {
             Loops::PerJoint { .. } => self.is_far_beyond() && self.may_loop(quantity),
-            Loops::Affine { called } => {
-                self.is_far_beyond() && self.called(quantity, called).is_some()
-            }
+            Loops::Affine { called } => self.is_far_beyond() && self.called(quantity, called).is_some(),
         });
         match loops {
             None => quantity.straight_size.map(|size| (size, false)),
@@ -216,19 +205,12 @@ impl<'m> Forms<'m> {
     }
 
     fn straight(&self, quantity: &Quantity) -> Derived {
-        Derived {
-            program: straight_program(self.model, self.formulations, quantity),
-            arrays: None,
-        }
+        Derived { program: straight_program(self.model, self.formulations, quantity), arrays: None }
     }
 
     fn with_loops(&self, quantity: &Quantity, build: BuildLoops) -> Derived {
         let graph = Graph::new();
-        let equations = Equations {
-            graph: &graph,
-            model: self.model,
-            formulations: self.formulations,
-        };
+        let equations = Equations { graph: &graph, model: self.model, formulations: self.formulations };
         let (arguments, inputs) = arguments_of(&graph, self.model, quantity.arguments);
         Derived::with_loops(ArrayForm::Steps(build(&equations, &arguments, inputs)))
     }
@@ -259,9 +241,7 @@ fn gains(model: &Model) -> Option<Vec<(usize, Operand)>> {
         let edge = matrix[row][column].edge();
         match graph.node(edge) {
             Node::Constant(_) => Some((row, Operand::Constant(graph.value(edge)?))),
-            Node::Parameter(index) if !edge.is_negative() => {
-                Some((row, Operand::Parameter(index as usize)))
-            }
+            Node::Parameter(index) if !edge.is_negative() => Some((row, Operand::Parameter(index as usize))),
             _ => None,
         }
     };

@@ -48,7 +48,8 @@ pub struct ArgumentText {
 /// A constant of a module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constant {
-    /// Rust identifier, one of [`crate::functions::module_constants::NAMES`] or [`crate::module::constants::NAMES`].
+    /// Rust identifier, one of [`crate::functions::module_constants::NAMES`] or
+    /// [`crate::module::constants::NAMES`].
     pub name: &'static str,
     /// What it says.
     pub summary: String,

@@ -1,6 +1,8 @@
-//! The functions that are generated: rows of a catalogue, each with its program and what its documentation says.
+//! The functions that are generated: rows of a catalogue, each with its program and what its documentation
+//! says.
 //!
-//! [`catalogue`] holds the rows, `assemble` and [`form`] make their programs, [`selection`] chooses among them.
+//! [`catalogue`] holds the rows, `assemble` and [`form`] make their programs, [`selection`] chooses among
+//! them.
 
 mod assemble;
 pub mod catalogue;

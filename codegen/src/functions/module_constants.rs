@@ -104,14 +104,8 @@ fn terms_text(model: &Model) -> String {
 
 /// A note where the map of the base parameters is left out.
 pub fn notes(functions: &[Function]) -> Option<Diagnostic> {
-    let base = functions
-        .iter()
-        .find(|function| function.name == "base_regressor")?;
-    if base
-        .constants
-        .iter()
-        .any(|constant| constant.name == BASE_TERMS)
-    {
+    let base = functions.iter().find(|function| function.name == "base_regressor")?;
+    if base.constants.iter().any(|constant| constant.name == BASE_TERMS) {
         return None;
     }
     let message = format!(
@@ -125,9 +119,7 @@ pub fn notes(functions: &[Function]) -> Option<Diagnostic> {
 fn group_text(group: &[Term], names: &[String]) -> String {
     let mut text = String::new();
     for (position, term) in group.iter().enumerate() {
-        let is_negative = term
-            .coefficient
-            .is_some_and(|coefficient| coefficient < 0.0);
+        let is_negative = term.coefficient.is_some_and(|coefficient| coefficient < 0.0);
         text.push_str(match (position, is_negative) {
             (0, false) => "",
             (0, true) => "−",
@@ -148,10 +140,7 @@ fn group_text(group: &[Term], names: &[String]) -> String {
 pub(super) fn patterns(program: &Program, blocks: &[(&'static str, &str)]) -> Vec<Constant> {
     let entries = nonzero_entries(program);
     let pattern = |&(name, output): &(&'static str, &str)| {
-        let index = program
-            .outputs
-            .iter()
-            .position(|found| found.name == output)?;
+        let index = program.outputs.iter().position(|found| found.name == output)?;
         let (found, nonzero) = (&program.outputs[index], &entries[index]);
         let Shape::Matrix(_, columns) = found.shape else {
             return None;
@@ -165,12 +154,7 @@ pub(super) fn patterns(program: &Program, blocks: &[(&'static str, &str)]) -> Ve
             "Structure of `{output}`: `false` where the entry is zero in every state; {count} of {} are not.",
             found.entries.len()
         );
-        Some(Constant {
-            name,
-            summary,
-            items: Vec::new(),
-            value: ConstantValue::Pattern(rows),
-        })
+        Some(Constant { name, summary, items: Vec::new(), value: ConstantValue::Pattern(rows) })
     };
     blocks.iter().filter_map(pattern).collect()
 }

@@ -1,7 +1,7 @@
 //! Which functions are generated, and what is left out.
 //!
-//! Without a selection all functions are wanted, and what cannot be generated is left out with a note. What is asked for by
-//! name is generated, or the reason is an error.
+//! Without a selection all functions are wanted, and what cannot be generated is left out with a note. What
+//! is asked for by name is generated, or the reason is an error.
 
 use super::derive;
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -44,8 +44,8 @@ pub struct Selection {
 /// Derives what is wanted, and what that calls.
 ///
 /// # Errors
-/// `unknown-function` for each name that the model does not have; `singular-mass-matrix` and `too-large` for functions that
-/// are asked for by name and cannot be generated.
+/// `unknown-function` for each name that the model does not have; `singular-mass-matrix` and `too-large` for
+/// functions that are asked for by name and cannot be generated.
 pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnostics> {
     catalogue::check_names(model, request.names)?;
     let formulations = Formulations::new(model);
@@ -74,17 +74,14 @@ pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnos
         wanted.compositions.iter().copied().partition(is_generated);
     let missing = missing.iter().map(|each| each.name().to_owned());
     left_out.callers.extend(missing);
-    Ok(Selection {
-        notes: left_out.notes(model, request.most),
-        functions,
-        compositions,
-    })
+    Ok(Selection { notes: left_out.notes(model, request.most), functions, compositions })
 }
 
-/// Derives the selected functions of a model, and those that selected ones call; an empty selection means all but those
-/// on request and those that cannot be generated, `frames` all functions of named frames.
+/// Derives the selected functions of a model, and those that selected ones call; an empty selection means all
+/// but those on request and those that cannot be generated, `frames` all functions of named frames.
 ///
-/// - `most`: operations of the largest function that is wanted, see [`MOST_OPERATIONS`](crate::functions::size::MOST_OPERATIONS)
+/// - `most`: operations of the largest function that is wanted, see
+///   [`MOST_OPERATIONS`](crate::functions::size::MOST_OPERATIONS)
 ///
 /// # Errors
 /// As [`derive()`].
@@ -109,12 +106,7 @@ pub fn derive_in_form(
     form: Form,
     straight: &[String],
 ) -> Result<Vec<Function>, Diagnostics> {
-    let request = Request {
-        names: selection,
-        most,
-        form,
-        straight,
-    };
+    let request = Request { names: selection, most, form, straight };
     Ok(derive(model, &request)?.functions)
 }
 
@@ -142,19 +134,10 @@ impl Row<'_> {
         }
     }
 
-    fn derive(
-        &self,
-        model: &Model,
-        formulations: &Formulations<'_>,
-        forms: &Forms<'_>,
-    ) -> Function {
+    fn derive(&self, model: &Model, formulations: &Formulations<'_>, forms: &Forms<'_>) -> Function {
         match self {
-            Self::Quantity(quantity) => {
-                derive::derive_quantity(model, formulations, quantity, forms)
-            }
-            Self::Frame(frame, quantity) => {
-                derive::derive_frame(model, formulations, frame, quantity)
-            }
+            Self::Quantity(quantity) => derive::derive_quantity(model, formulations, quantity, forms),
+            Self::Frame(frame, quantity) => derive::derive_frame(model, formulations, frame, quantity),
         }
     }
 }
@@ -173,15 +156,9 @@ impl<'a> Wanted<'a> {
         let calls = compositions.iter().map(|each| each.calls());
         let mut called: Vec<&'static str> = calls.collect();
         let named = request.names.iter().map(String::as_str);
-        let callees = named
-            .chain(called.clone())
-            .filter_map(|name| forms.callee(name));
+        let callees = named.chain(called.clone()).filter_map(|name| forms.callee(name));
         called.extend(callees.collect::<Vec<_>>());
-        Self {
-            request,
-            compositions,
-            called,
-        }
+        Self { request, compositions, called }
     }
 
     fn is_named(&self, name: &str) -> bool {
@@ -193,10 +170,7 @@ impl<'a> Wanted<'a> {
             return self.is_named(name);
         }
         let is_frame = name.starts_with("frame_") && self.is_named("frames");
-        self.request.names.is_empty()
-            || is_frame
-            || self.is_named(name)
-            || self.called.contains(&name)
+        self.request.names.is_empty() || is_frame || self.is_named(name) || self.called.contains(&name)
     }
 
     /// The function's name, and what asks for it where it is not asked for itself.
@@ -288,21 +262,15 @@ impl LeftOut {
         let is_too_large = |name: &str| too_large.iter().any(|each| each.name == name);
         let possible = rows.into_iter().filter(|row| !is_too_large(&row.name()));
         let possible = possible.collect();
-        let (asked, others): (Vec<_>, Vec<_>) = too_large
-            .into_iter()
-            .partition(|each| wanted.is_asked_for(&each.name));
+        let (asked, others): (Vec<_>, Vec<_>) =
+            too_large.into_iter().partition(|each| wanted.is_asked_for(&each.name));
         self.too_large = others;
         let problems = asked.iter().map(|each| each.error(model)).collect();
         or_problems(possible, problems)
     }
 
     /// Whether a function is small enough.
-    fn fits(
-        &mut self,
-        model: &Model,
-        wanted: &Wanted<'_>,
-        function: &Function,
-    ) -> Result<bool, Diagnostics> {
+    fn fits(&mut self, model: &Model, wanted: &Wanted<'_>, function: &Function) -> Result<bool, Diagnostics> {
         let Some(too_large) = size::after(function, wanted.request.most) else {
             return Ok(true);
         };
@@ -327,11 +295,8 @@ impl LeftOut {
             notes.push(Diagnostic::note("left-out", message));
         }
         if self.of_frames > 0 {
-            let message = format!(
-                "left out: the {} functions of {} frames",
-                self.of_frames,
-                model.frames.len()
-            );
+            let message =
+                format!("left out: the {} functions of {} frames", self.of_frames, model.frames.len());
             let help = "ask for single ones by name (`frame_<name>_pose`), or for all by `frames`";
             notes.push(Diagnostic::note("left-out", message).help(help));
         }

@@ -1,6 +1,7 @@
 //! Functions that nobody could compile or read are not written.
 //!
-//! What counts is the text that is emitted: loops over joints count once, however many operations they stand for.
+//! What counts is the text that is emitted: loops over joints count once, however many operations they stand
+//! for.
 
 use crate::diagnostic::Diagnostic;
 use crate::dynamics::recursion::composite;
@@ -14,12 +15,12 @@ use crate::program::Program;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
 use crate::program::cost::count;
 
-/// Operations up to which a function is emitted, unless more are asked for: `inertial_regressor` of 60 joints takes half of
-/// it; how long rustc takes for it is not measured yet.
+/// Operations up to which a function is emitted, unless more are asked for: `inertial_regressor` of 60 joints
+/// takes half of it; how long rustc takes for it is not measured yet.
 pub const MOST_OPERATIONS: usize = 300_000;
 
-/// Loops may stand for so many times the operations that are emitted: they are written out for the interpreter, which takes
-/// some 200 bytes for each.
+/// Loops may stand for so many times the operations that are emitted: they are written out for the
+/// interpreter, which takes some 200 bytes for each.
 const UNROLLED: usize = 10;
 
 /// Operations of a function at least.
@@ -38,7 +39,8 @@ fn estimated(estimate: Estimate, model: &Model) -> usize {
     }
 }
 
-/// Beyond so many pairs even the plain mass matrix takes gigabytes; the estimate is one operation for each then.
+/// Beyond so many pairs even the plain mass matrix takes gigabytes; the estimate is one operation for each
+/// then.
 const MANY_PAIRS: usize = 3 * MOST_OPERATIONS;
 
 /// Joints up to which no function is so large that deriving it takes long.
@@ -58,12 +60,7 @@ pub(super) struct TooLarge {
 }
 
 /// What is too large, as far as that is known before anything is derived.
-pub(super) fn before(
-    model: &Model,
-    names: &[String],
-    forms: &Forms<'_>,
-    most: usize,
-) -> Vec<TooLarge> {
+pub(super) fn before(model: &Model, names: &[String], forms: &Forms<'_>, most: usize) -> Vec<TooLarge> {
     if model.coordinates.len() <= FEW_JOINTS {
         return Vec::new();
     }
@@ -101,9 +98,7 @@ fn too_large(
             false => most,
         },
     });
-    too_large
-        .filter(|each| each.operations > each.most)
-        .collect()
+    too_large.filter(|each| each.operations > each.most).collect()
 }
 
 /// Whether a function became too large.
@@ -177,22 +172,15 @@ impl TooLarge {
 
 /// What was left out because nobody asked for it by name.
 pub(super) fn note(model: &Model, left_out: &[TooLarge], callers: &str, most: usize) -> Diagnostic {
-    let listed = left_out
-        .iter()
-        .map(|each| format!("`{}` ({})", each.name, each.takes()));
+    let listed = left_out.iter().map(|each| format!("`{}` ({})", each.name, each.takes()));
     let listed: Vec<String> = listed.collect();
-    let needed = left_out
-        .iter()
-        .map(TooLarge::limit_needed)
-        .max()
-        .unwrap_or(most);
+    let needed = left_out.iter().map(TooLarge::limit_needed).max().unwrap_or(most);
     let message = format!(
         "left out, because {} joints make them too large: {}{callers}; {most} operations are the limit",
         model.coordinates.len(),
         listed.join(", "),
     );
-    Diagnostic::note("left-out", message)
-        .help(format!("`--max-operations {needed}` generates them all"))
+    Diagnostic::note("left-out", message).help(format!("`--max-operations {needed}` generates them all"))
 }
 
 /// To two digits, with room for the estimate.
@@ -201,12 +189,11 @@ fn rounded_up(operations: usize) -> usize {
     (operations / unit + 2) * unit
 }
 
-/// Operations of M in the plain formulation: the search for a cheaper one would take minutes where this is large.
+/// Operations of M in the plain formulation: the search for a cheaper one would take minutes where this is
+/// large.
 fn mass_matrix_operations(model: &Model) -> usize {
     let graph = Graph::new();
-    let y: Vec<_> = (0..model.coordinates.len())
-        .map(|k| graph.input(0, k))
-        .collect();
+    let y: Vec<_> = (0..model.coordinates.len()).map(|k| graph.input(0, k)).collect();
     let formulation = Formulation::plain(y.len());
     let mechanism = formulation.mechanism(&graph, model);
     let matrix = composite::mass_matrix(&mechanism, &formulation, &y).concat();

@@ -5,9 +5,9 @@ use super::node::{Edge, Node};
 
 /// Rebuilds the results so that every sum of several terms adds first what is ready first.
 ///
-/// A recursion over links is one long chain of dependent operations, for which a processor that could do several at a
-/// time waits. Adding the latest term last shortens that chain by the other additions (Huffman's construction on the
-/// terms' depths). The number of operations does not grow; values change by rounding.
+/// A recursion over links is one long chain of dependent operations, for which a processor that could do
+/// several at a time waits. Adding the latest term last shortens that chain by the other additions (Huffman's
+/// construction on the terms' depths). The number of operations does not grow; values change by rounding.
 pub fn balanced(graph: &Graph, results: &[Edge]) -> Vec<Edge> {
     let reachable = graph.reachable(results);
     let mut balance = Balance {
@@ -19,18 +19,14 @@ pub fn balanced(graph: &Graph, results: &[Edge]) -> Vec<Edge> {
     for &edge in &reachable {
         balance.rebuild(edge);
     }
-    results
-        .iter()
-        .map(|&edge| balance.successor(edge))
-        .collect()
+    results.iter().map(|&edge| balance.successor(edge)).collect()
 }
 
-/// Marks the sums that are only steps on the way to another sum. What has a name is read by people, and stays.
+/// Marks the sums that are only steps on the way to another sum. What has a name is read by people, and
+/// stays.
 fn parts(graph: &Graph, reachable: &[Edge], results: &[Edge]) -> Vec<bool> {
     let mut uses = vec![0_u32; graph.len()];
-    let operands = reachable
-        .iter()
-        .flat_map(|&edge| graph.node(edge).operands());
+    let operands = reachable.iter().flat_map(|&edge| graph.node(edge).operands());
     for edge in operands.chain(results.iter().copied()) {
         uses[edge.index()] += 1;
     }
@@ -81,10 +77,7 @@ impl Balance<'_> {
     fn sum(&mut self, edge: Edge) -> Edge {
         let mut terms = Vec::new();
         self.collect(edge, &mut terms);
-        let mut terms: Vec<(u32, Edge)> = terms
-            .into_iter()
-            .map(|term| (self.depth(term), term))
-            .collect();
+        let mut terms: Vec<(u32, Edge)> = terms.into_iter().map(|term| (self.depth(term), term)).collect();
         while terms.len() > 1 {
             // Stable: terms of one depth keep their order.
             terms.sort_by_key(|&(depth, _)| std::cmp::Reverse(depth));
@@ -94,9 +87,7 @@ impl Balance<'_> {
                 terms.push((self.depth(sum), sum));
             }
         }
-        terms
-            .pop()
-            .map_or_else(|| self.graph.constant(0.0).edge(), |(_, sum)| sum)
+        terms.pop().map_or_else(|| self.graph.constant(0.0).edge(), |(_, sum)| sum)
     }
 
     /// The new terms of a sum, through its parts.
@@ -140,9 +131,7 @@ mod tests {
     /// A Horner-like chain: each link adds three ready terms to one that comes late.
     fn chain(graph: &Graph) -> Scalar<'_> {
         let x = |k: usize| graph.input(0, k);
-        (1..6).fold(x(0), |late, k| {
-            ((late * x(k) + x(k + 6)) + x(k + 12)) - x(k + 18)
-        })
+        (1..6).fold(x(0), |late, k| ((late * x(k) + x(k + 6)) + x(k + 12)) - x(k + 18))
     }
 
     fn value(graph: &Graph, edge: Edge) -> f64 {

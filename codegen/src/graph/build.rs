@@ -71,13 +71,11 @@ impl Graph {
         }
     }
 
-    /// Suggests a name for a node in generated text. The first suggestion stays; leaves have names of their own.
+    /// Suggests a name for a node in generated text. The first suggestion stays; leaves have names of their
+    /// own.
     pub fn label(&self, edge: Edge, name: impl FnOnce() -> String) {
         if self.node(edge).operands().next().is_some() {
-            self.labels
-                .borrow_mut()
-                .entry(edge.index())
-                .or_insert_with(name);
+            self.labels.borrow_mut().entry(edge.index()).or_insert_with(name);
         }
     }
 
@@ -100,10 +98,7 @@ impl Graph {
                 }
             }
         }
-        (0..nodes.len())
-            .filter(|&index| needed[index])
-            .map(Edge::plus)
-            .collect()
+        (0..nodes.len()).filter(|&index| needed[index]).map(Edge::plus).collect()
     }
 
     fn intern(&self, node: Node) -> Edge {
@@ -117,17 +112,9 @@ impl Graph {
 
     pub(super) fn add(&self, a: Edge, b: Edge) -> Edge {
         self.fold_sum(a, b).unwrap_or_else(|| {
-            let (first, second) = if a.index() <= b.index() {
-                (a, b)
-            } else {
-                (b, a)
-            };
+            let (first, second) = if a.index() <= b.index() { (a, b) } else { (b, a) };
             let negative = first.is_negative();
-            self.intern(Node::Sum(
-                first.negate_if(negative),
-                second.negate_if(negative),
-            ))
-            .negate_if(negative)
+            self.intern(Node::Sum(first.negate_if(negative), second.negate_if(negative))).negate_if(negative)
         })
     }
 
@@ -149,10 +136,7 @@ impl Graph {
         let Node::Sum(p, q) = self.node(sum) else {
             return None;
         };
-        let (p, q) = (
-            p.negate_if(sum.is_negative()),
-            q.negate_if(sum.is_negative()),
-        );
+        let (p, q) = (p.negate_if(sum.is_negative()), q.negate_if(sum.is_negative()));
         let (x, c) = match (self.value(p), self.value(q)) {
             (Some(c), _) => (q, c),
             (_, Some(c)) => (p, c),
@@ -180,11 +164,7 @@ impl Graph {
         let (a, b) = (a.abs(), b.abs());
         self.fold_product(a, b)
             .unwrap_or_else(|| {
-                let (first, second) = if a.index() <= b.index() {
-                    (a, b)
-                } else {
-                    (b, a)
-                };
+                let (first, second) = if a.index() <= b.index() { (a, b) } else { (b, a) };
                 self.intern(Node::Product(first, second))
             })
             .negate_if(negative)
@@ -204,9 +184,7 @@ impl Graph {
             return Some(x);
         }
         let (d, y) = self.scaled(x);
-        (d != 1.0)
-            .then(|| Some(self.mul(self.folded(c * d)?, y)))
-            .flatten()
+        (d != 1.0).then(|| Some(self.mul(self.folded(c * d)?, y))).flatten()
     }
 
     pub(super) fn div(&self, a: Edge, b: Edge) -> Edge {
@@ -224,16 +202,13 @@ impl Graph {
     }
 
     pub(super) fn call(&self, function: Function, a: Edge) -> Edge {
-        if let Some(value) = self
-            .value(a)
-            .and_then(|x| self.folded(function.evaluate(x)))
-        {
+        if let Some(value) = self.value(a).and_then(|x| self.folded(function.evaluate(x))) {
             return value;
         }
         match function {
-            Function::Sin | Function::Tanh | Function::Sign => self
-                .intern(Node::Call(function, a.abs()))
-                .negate_if(a.is_negative()),
+            Function::Sin | Function::Tanh | Function::Sign => {
+                self.intern(Node::Call(function, a.abs())).negate_if(a.is_negative())
+            }
             Function::Cos | Function::Abs => self.intern(Node::Call(function, a.abs())),
             Function::Exp => self.intern(Node::Call(function, a)),
         }

@@ -8,11 +8,7 @@ use crate::formula::Function;
 /// Derivatives of `results` by one input entry or parameter, on the same graph.
 ///
 /// `sign` is exact in the value and has the derivative zero; `|x|` has the derivative `sign x`.
-pub fn differentiate<'g>(
-    graph: &'g Graph,
-    results: &[Scalar<'g>],
-    variable: Scalar<'g>,
-) -> Vec<Scalar<'g>> {
+pub fn differentiate<'g>(graph: &'g Graph, results: &[Scalar<'g>], variable: Scalar<'g>) -> Vec<Scalar<'g>> {
     let edges: Vec<Edge> = results.iter().map(|x| x.edge()).collect();
     let zero = graph.constant(0.0);
     let mut derivatives = vec![zero; graph.len()];
@@ -34,19 +30,13 @@ pub fn differentiate<'g>(
     }
     results
         .iter()
-        .map(|x| {
-            derivatives[x.edge().index()].signed(if x.edge().is_negative() { -1.0 } else { 1.0 })
-        })
+        .map(|x| derivatives[x.edge().index()].signed(if x.edge().is_negative() { -1.0 } else { 1.0 }))
         .collect()
 }
 
-/// Derivatives of one result by many inputs, on the same graph: as many operations for all of them as a few evaluations
-/// of the result take. `sign` as in [`differentiate`].
-pub fn gradient<'g>(
-    graph: &'g Graph,
-    result: Scalar<'g>,
-    variables: &[Scalar<'g>],
-) -> Vec<Scalar<'g>> {
+/// Derivatives of one result by many inputs, on the same graph: as many operations for all of them as a few
+/// evaluations of the result take. `sign` as in [`differentiate`].
+pub fn gradient<'g>(graph: &'g Graph, result: Scalar<'g>, variables: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
     let zero = graph.constant(0.0);
     let mut adjoints = vec![zero; graph.len()];
     let signed = |x: Scalar<'g>, edge: Edge| match edge.is_negative() {
@@ -123,10 +113,7 @@ pub fn substitute<'g>(
         };
         replaced[edge.index()] = Some(value);
     }
-    edges
-        .iter()
-        .map(|&edge| signed_value(graph, &replaced, edge))
-        .collect()
+    edges.iter().map(|&edge| signed_value(graph, &replaced, edge)).collect()
 }
 
 fn signed_value<'g>(graph: &'g Graph, replaced: &[Option<Scalar<'g>>], edge: Edge) -> Scalar<'g> {
@@ -143,30 +130,20 @@ mod tests {
         let graph = Graph::new();
         let x: Vec<_> = (0..4).map(|k| graph.input(0, k)).collect();
         let angle = x[0] * x[1] - x[2];
-        let smooth = angle
-            .call(Function::Tanh)
-            .divided_by(x[2].squared() + graph.constant(1.5));
+        let smooth = angle.call(Function::Tanh).divided_by(x[2].squared() + graph.constant(1.5));
         let waves = x[0].call(Function::Sin) * angle.call(Function::Cos) * x[3];
-        let edges =
-            x[2].call(Function::Abs) * x[1].call(Function::Sign) - (-x[3]).call(Function::Exp);
+        let edges = x[2].call(Function::Abs) * x[1].call(Function::Sign) - (-x[3]).call(Function::Exp);
         let result = -(smooth * smooth + waves - edges * 0.3);
         let backwards = gradient(&graph, result, &x);
         for point in [[0.3, -1.2, 0.7, 0.1], [-2.0, 0.4, -0.6, 1.1]] {
             for (variable, backwards) in x.iter().zip(&backwards) {
                 let forwards = differentiate(&graph, &[result], *variable)[0];
                 let (found, expected) = (value(*backwards, &point), value(forwards, &point));
-                assert!(
-                    (found - expected).abs() < 1e-14,
-                    "{found} is not {expected}"
-                );
+                assert!((found - expected).abs() < 1e-14, "{found} is not {expected}");
             }
         }
         // What does not depend on a variable has the derivative 0 exactly.
-        assert!(
-            gradient(&graph, x[0] * x[1], &x[2..])
-                .iter()
-                .all(|d| d.is_zero())
-        );
+        assert!(gradient(&graph, x[0] * x[1], &x[2..]).iter().all(|d| d.is_zero()));
     }
 
     fn value(x: Scalar<'_>, point: &[f64]) -> f64 {
@@ -181,10 +158,6 @@ mod tests {
             Node::Quotient(a, b) => of(a) / of(b),
             Node::Call(function, a) => function.evaluate(of(a)),
         };
-        if x.edge().is_negative() {
-            -magnitude
-        } else {
-            magnitude
-        }
+        if x.edge().is_negative() { -magnitude } else { magnitude }
     }
 }

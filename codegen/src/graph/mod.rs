@@ -1,7 +1,8 @@
 //! Expressions with sharing: hash-consed nodes, folded as they are built. There is no robot in here.
 //!
-//! A [`Graph`] owns the nodes; a [`Scalar`] is a signed reference to one, so that negation costs nothing and `a − b`
-//! shares its node with `b − a`. Nothing is ever expanded: a rule fires only where it removes operations.
+//! A [`Graph`] owns the nodes; a [`Scalar`] is a signed reference to one, so that negation costs nothing and
+//! `a − b` shares its node with `b − a`. Nothing is ever expanded: a rule fires only where it removes
+//! operations.
 
 mod balance;
 mod build;

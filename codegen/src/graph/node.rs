@@ -35,8 +35,8 @@ impl Edge {
 
 /// A node. Operands stand before it in the graph.
 ///
-/// Canonical: the operands of commutative operations are ordered by index; the first operand of a sum is positive;
-/// operands of products, quotients and odd or even functions are positive; constants are positive.
+/// Canonical: the operands of commutative operations are ordered by index; the first operand of a sum is
+/// positive; operands of products, quotients and odd or even functions are positive; constants are positive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Node {
     /// The bits of a finite number ≥ 0.

@@ -96,11 +96,7 @@ impl Sub for Scalar<'_> {
 impl Neg for Scalar<'_> {
     type Output = Self;
     fn neg(self) -> Self {
-        let negated = if self.is_zero() {
-            self.edge
-        } else {
-            self.edge.negate_if(true)
-        };
+        let negated = if self.is_zero() { self.edge } else { self.edge.negate_if(true) };
         Self::new(self.graph, negated)
     }
 }
@@ -129,12 +125,7 @@ impl fmt::Debug for Scalar<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.value() {
             Some(value) => write!(f, "{value}"),
-            None => write!(
-                f,
-                "{}#{}",
-                if self.edge.is_negative() { "-" } else { "" },
-                self.edge.index()
-            ),
+            None => write!(f, "{}#{}", if self.edge.is_negative() { "-" } else { "" }, self.edge.index()),
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Link frames after the modified Denavit–Hartenberg convention, for trees.
 //!
-//! z lies on the joint's axis, x on the common normal to the axis of the main child, the origin where that normal
-//! meets z (Craig 1986; Khalil and Kleinfinger 1986). Other children of a branching body get a further angle γ.
-//! Freedom that this leaves (leaves of the tree, parallel and coincident axes) goes into zero offsets.
+//! z lies on the joint's axis, x on the common normal to the axis of the main child, the origin where that
+//! normal meets z (Craig 1986; Khalil and Kleinfinger 1986). Other children of a branching body get a further
+//! angle γ. Freedom that this leaves (leaves of the tree, parallel and coincident axes) goes into zero
+//! offsets.
 
 use nalgebra::{Matrix3, Vector3 as Numeric3};
 
@@ -19,8 +20,8 @@ use crate::spatial::{Angle, MassMoments, Pose, Twist, Vector3, cleaned, rotate};
 /// Axes whose cross product is shorter are parallel; constants that small are rounding.
 const PARALLEL: f64 = 1e-12;
 
-/// Axes with a smaller sine between them have their common normal too far away: the moments of mass about a point
-/// there would lose digits (a vendor's 1.5708 for 90° puts it kilometres away).
+/// Axes with a smaller sine between them have their common normal too far away: the moments of mass about a
+/// point there would lose digits (a vendor's 1.5708 for 90° puts it kilometres away).
 const NEARLY_PARALLEL: f64 = 1e-2;
 
 /// Lengths below this are rounding (m).
@@ -41,19 +42,14 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
     let mut placed: Vec<Pose<'g>> = Vec::new();
     let mut bodies = Vec::new();
     for (index, described) in tree.bodies.iter().enumerate() {
-        let parent = described
-            .parent
-            .map_or(Pose::identity(graph), |parent| placed[parent]);
+        let parent = described.parent.map_or(Pose::identity(graph), |parent| placed[parent]);
         let axis = joint_axis(model, described);
         let frame = complete(&drafts[index], described, &parent, axis);
         let relative = parent.inverse().then(described.pose).then(frame);
         let (twist, angle) = decompose(&relative.rotation);
         let z = twist.matrix().column(2).into_owned();
-        let lift = (0..3)
-            .fold(graph.constant(0.0), |sum, k| {
-                sum + relative.translation[k] * z[k]
-            })
-            .cleaned(ROUNDING);
+        let lift =
+            (0..3).fold(graph.constant(0.0), |sum, k| sum + relative.translation[k] * z[k]).cleaned(ROUNDING);
         let lateral = relative.translation - Vector3([0, 1, 2].map(|k| lift * z[k]));
         bodies.push(Body {
             name: joint(model, described).name.clone(),
@@ -81,12 +77,7 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
     let mut mechanism = Mechanism {
         graph,
         bodies,
-        gravity: Vector3(
-            model
-                .gravity
-                .each_ref()
-                .map(|formula| lower(graph, formula)),
-        ),
+        gravity: Vector3(model.gravity.each_ref().map(|formula| lower(graph, formula))),
         rotors: Vec::new(),
         base_moments: MassMoments::zero(graph),
         links: links.collect(),
@@ -97,10 +88,7 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
 
 fn joint<'m>(model: &'m Model, described: &DescribedBody<'_>) -> &'m model::Joint {
     #[expect(clippy::expect_used, reason = "only links with a joint become bodies")]
-    model.links[described.link]
-        .joint
-        .as_ref()
-        .expect("a moving body has a joint")
+    model.links[described.link].joint.as_ref().expect("a moving body has a joint")
 }
 
 fn joint_axis(model: &Model, described: &DescribedBody<'_>) -> JointAxis {
@@ -153,7 +141,8 @@ fn common_normals<'g>(
             None => described.pose.translation,
         };
         let (x, along) = normal_to_line(graph, drafts[index].z, point, z);
-        // A prismatic joint has no angle about its axis: its x follows from the parent, and the child's twist has a γ.
+        // A prismatic joint has no angle about its axis: its x follows from the parent, and the child's twist
+        // has a γ.
         if joint_axis(model, &tree.bodies[index]) == JointAxis::Revolute {
             drafts[index].x = x;
         }
@@ -179,8 +168,8 @@ fn main_children(tree: &DescribedTree<'_>) -> Vec<Option<usize>> {
     main
 }
 
-/// The common normal of the axis through 0 along `a` and the axis through `point` along `b`: its direction where it
-/// is determined, and where it meets the first axis.
+/// The common normal of the axis through 0 along `a` and the axis through `point` along `b`: its direction
+/// where it is determined, and where it meets the first axis.
 fn normal_to_line<'g>(
     graph: &'g Graph,
     a: Numeric3<f64>,
@@ -196,14 +185,8 @@ fn normal_to_line<'g>(
     }
     let along = dot(a);
     let across = point - Vector3([0, 1, 2].map(|k| along * a[k]));
-    let direction = across
-        .values()
-        .map(Numeric3::from)
-        .or_else(|| single_direction(graph, across));
-    (
-        direction.filter(|d| d.norm() > ROUNDING).map(tidy),
-        Some(along),
-    )
+    let direction = across.values().map(Numeric3::from).or_else(|| single_direction(graph, across));
+    (direction.filter(|d| d.norm() > ROUNDING).map(tidy), Some(along))
 }
 
 /// The direction of a vector with parameters in it, where only one component is not zero.
@@ -219,9 +202,7 @@ fn single_direction(_graph: &Graph, v: Vector3<'_>) -> Option<Numeric3<f64>> {
 
 /// Unit length, without the rounding of directions along an axis.
 fn tidy(v: Numeric3<f64>) -> Numeric3<f64> {
-    v.normalize()
-        .map(|x| if x.abs() < PARALLEL { 0.0 } else { x })
-        .normalize()
+    v.normalize().map(|x| if x.abs() < PARALLEL { 0.0 } else { x }).normalize()
 }
 
 /// From the root to the leaves: fills what the draft left free so that offsets vanish.
@@ -243,14 +224,11 @@ fn complete<'g>(
     let translation = match axis {
         JointAxis::Prismatic if described.parent.is_some() => in_body,
         JointAxis::Prismatic => Vector3::zero(offset[0]),
-        JointAxis::Revolute => draft
-            .origin
-            .unwrap_or_else(|| on_axis(draft.z, in_body, described.parent.is_some())),
+        JointAxis::Revolute => {
+            draft.origin.unwrap_or_else(|| on_axis(draft.z, in_body, described.parent.is_some()))
+        }
     };
-    Pose {
-        rotation,
-        translation: translation.map(|x| x.cleaned(ROUNDING)),
-    }
+    Pose { rotation, translation: translation.map(|x| x.cleaned(ROUNDING)) }
 }
 
 /// The foot of the parent's origin on the axis, so that no translation along the axis remains.
@@ -264,11 +242,7 @@ fn on_axis<'g>(z: Numeric3<f64>, parent_origin: Vector3<'g>, has_parent: bool) -
 
 /// A right-handed frame with this z axis.
 fn any_frame(z: Numeric3<f64>) -> Matrix3<f64> {
-    let helper = if z[0].abs() < 0.9 {
-        Numeric3::x()
-    } else {
-        Numeric3::y()
-    };
+    let helper = if z[0].abs() < 0.9 { Numeric3::x() } else { Numeric3::y() };
     let x = (helper - z * helper.dot(&z)).normalize();
     Matrix3::from_columns(&[x, z.cross(&x), z])
 }
@@ -278,26 +252,14 @@ fn decompose(rotation: &Matrix3<f64>) -> (Twist, Angle) {
     let z = rotation.column(2);
     let sine = numeric::length([z[0], z[1]]);
     let twist = if sine < PARALLEL {
-        Twist {
-            gamma: (0.0, 1.0),
-            alpha: (0.0, z[2].signum()),
-        }
+        Twist { gamma: (0.0, 1.0), alpha: (0.0, z[2].signum()) }
     } else if z[0].abs() < PARALLEL {
-        Twist {
-            gamma: (0.0, 1.0),
-            alpha: exact((-z[1], z[2])),
-        }
+        Twist { gamma: (0.0, 1.0), alpha: exact((-z[1], z[2])) }
     } else {
-        Twist {
-            gamma: exact((z[0] / sine, -z[1] / sine)),
-            alpha: exact((sine, z[2])),
-        }
+        Twist { gamma: exact((z[0] / sine, -z[1] / sine)), alpha: exact((sine, z[2])) }
     };
     let turn = twist.matrix().transpose() * rotation;
-    (
-        twist,
-        Angle::new(numeric::atan2(turn[(1, 0)], turn[(0, 0)])),
-    )
+    (twist, Angle::new(numeric::atan2(turn[(1, 0)], turn[(0, 0)])))
 }
 
 /// Sine and cosine of exactly unit length, with multiples of 90° exact.
@@ -320,10 +282,7 @@ fn add_rotors(model: &Model, mechanism: &mut Mechanism<'_>) {
             continue;
         }
         let (body, pose) = mechanism.links[drive.carrier];
-        let axis = rotate(
-            &pose.rotation,
-            Vector3(drive.axis.map(|x| mechanism.graph.constant(x))),
-        );
+        let axis = rotate(&pose.rotation, Vector3(drive.axis.map(|x| mechanism.graph.constant(x))));
         let carrier = body.filter(|_| drive.coupling == RotorCoupling::Body);
         if let Some(index) = carrier {
             let own = MassMoments::of_axial_inertia(inertia, axis);

@@ -24,8 +24,9 @@ pub fn moments_of_body<'g>(graph: &'g Graph, body: &model::Body) -> MassMoments<
     MassMoments::of_inertia(mass, center, inertia)
 }
 
-/// Moves what acts only through its sum from body to parent (base parameters; Gautier and Khalil 1990): masses on a
-/// revolute joint's axis, and the whole second moment of a prismatic joint's body. Leaves M, k and q unchanged.
+/// Moves what acts only through its sum from body to parent (base parameters; Gautier and Khalil 1990):
+/// masses on a revolute joint's axis, and the whole second moment of a prismatic joint's body. Leaves M, k
+/// and q unchanged.
 ///
 /// `base` receives what arrives there, in the base frame; its second moment then means nothing.
 pub fn regroup<'g>(bodies: &mut [Body<'g>], base: &mut MassMoments<'g>, choices: &[RegroupChoice]) {
@@ -34,17 +35,8 @@ pub fn regroup<'g>(bodies: &mut [Body<'g>], base: &mut MassMoments<'g>, choices:
             JointAxis::Revolute => on_axis(bodies[index].moments),
             JointAxis::Prismatic => second_only(bodies[index].moments),
         };
-        bodies[index].moments =
-            (bodies[index].moments - given).map(|x| x.cleaned(f64::MIN_POSITIVE));
-        let Body {
-            twist,
-            translation,
-            lift,
-            parent,
-            axis,
-            offset,
-            ..
-        } = bodies[index];
+        bodies[index].moments = (bodies[index].moments - given).map(|x| x.cleaned(f64::MIN_POSITIVE));
+        let Body { twist, translation, lift, parent, axis, offset, .. } = bodies[index];
         // Masses on a revolute joint's axis look the same from all sides.
         let ahead = match axis {
             JointAxis::Revolute => None,
@@ -68,21 +60,13 @@ fn on_axis(moments: MassMoments<'_>) -> MassMoments<'_> {
     let zero = moments.mass.constant(0.0);
     let mut second = Symmetric3::zero(zero);
     second.zz = moments.second.zz;
-    MassMoments {
-        mass: moments.mass,
-        first: Vector3([zero, zero, moments.first[2]]),
-        second,
-    }
+    MassMoments { mass: moments.mass, first: Vector3([zero, zero, moments.first[2]]), second }
 }
 
 /// The second moment alone: it depends on the orientation only, which a prismatic joint does not change.
 fn second_only(moments: MassMoments<'_>) -> MassMoments<'_> {
     let zero = moments.mass.constant(0.0);
-    MassMoments {
-        mass: zero,
-        first: Vector3::zero(zero),
-        second: moments.second,
-    }
+    MassMoments { mass: zero, first: Vector3::zero(zero), second: moments.second }
 }
 
 /// Balancing over a shorter lever (m) takes masses so large that digits are lost.
@@ -101,13 +85,7 @@ fn balance_parent(bodies: &mut [Body<'_>], index: usize, parent: usize) {
     let mut point = MassMoments::zero(mass.graph());
     point.mass = mass;
     bodies[index].moments.mass = bodies[index].moments.mass - mass;
-    let Body {
-        twist,
-        translation,
-        lift,
-        ..
-    } = bodies[index];
-    bodies[parent].moments =
-        bodies[parent].moments + point.lifted(lift).to_parent(&twist, translation);
+    let Body { twist, translation, lift, .. } = bodies[index];
+    bodies[parent].moments = bodies[parent].moments + point.lifted(lift).to_parent(&twist, translation);
     bodies[parent].moments.first.0[0] = mass.constant(0.0);
 }

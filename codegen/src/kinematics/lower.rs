@@ -11,11 +11,7 @@ use crate::spatial::{Pose, Vector3};
 pub fn lower_pose<'g>(graph: &'g Graph, pose: &model::Pose) -> Pose<'g> {
     Pose {
         rotation: Matrix3::from_fn(|row, column| pose.rotation[row][column]),
-        translation: Vector3(
-            pose.translation
-                .each_ref()
-                .map(|formula| lower(graph, formula)),
-        ),
+        translation: Vector3(pose.translation.each_ref().map(|formula| lower(graph, formula))),
     }
 }
 
@@ -25,12 +21,7 @@ pub fn lower<'g>(graph: &'g Graph, formula: &Formula) -> Scalar<'g> {
 }
 
 /// A formula as a scalar of the graph, with the joint's position `y` and velocity `v`.
-pub fn lower_with<'g>(
-    graph: &'g Graph,
-    formula: &Formula,
-    y: Scalar<'g>,
-    v: Scalar<'g>,
-) -> Scalar<'g> {
+pub fn lower_with<'g>(graph: &'g Graph, formula: &Formula, y: Scalar<'g>, v: Scalar<'g>) -> Scalar<'g> {
     let go = |part: &Formula| lower_with(graph, part, y, v);
     match formula {
         Formula::Number(value) => graph.constant(*value),

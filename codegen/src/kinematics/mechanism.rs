@@ -19,7 +19,8 @@ pub struct Mechanism<'g> {
     pub rotors: Vec<Rotor<'g>>,
     /// Moments of moving mass that acts as if it were fixed to the base, in the base frame.
     pub base_moments: MassMoments<'g>,
-    /// For every link of the model: the body that carries it (`None`: the base) and its pose in that body's frame.
+    /// For every link of the model: the body that carries it (`None`: the base) and its pose in that body's
+    /// frame.
     pub links: Vec<(Option<usize>, Pose<'g>)>,
 }
 
@@ -46,7 +47,8 @@ pub struct Body<'g> {
     pub offset: Angle,
     /// Moments of its mass, in this body's unit of length.
     pub moments: MassMoments<'g>,
-    /// Unit of length (m) in which forces, accelerations, masses and the children's translations are expressed.
+    /// Unit of length (m) in which forces, accelerations, masses and the children's translations are
+    /// expressed.
     pub length_unit: f64,
     /// The parent's unit of length over this one; 1 where the base carries the joint.
     pub unit_ratio: f64,
@@ -90,12 +92,11 @@ impl<'g> Mechanism<'g> {
         self.bodies.is_empty()
     }
 
-    /// Whether every rotor sits on the parent of the body that it drives, or on the base: the coupling of others reaches
-    /// beyond neighbours.
+    /// Whether every rotor sits on the parent of the body that it drives, or on the base: the coupling of
+    /// others reaches beyond neighbours.
     pub fn rotors_are_neighbours(&self) -> bool {
-        let sits_near = |rotor: &Rotor<'_>| {
-            rotor.carrier.is_none() || self.bodies[rotor.driven].parent == rotor.carrier
-        };
+        let sits_near =
+            |rotor: &Rotor<'_>| rotor.carrier.is_none() || self.bodies[rotor.driven].parent == rotor.carrier;
         self.rotors.iter().all(sits_near)
     }
 
@@ -112,8 +113,8 @@ impl<'g> Mechanism<'g> {
 }
 
 impl<'g> Body<'g> {
-    /// Origin in the parent's frame, at coordinate 0 where the joint is prismatic. With γ in the twist the lift along
-    /// the axis has a component along the parent's x.
+    /// Origin in the parent's frame, at coordinate 0 where the joint is prismatic. With γ in the twist the
+    /// lift along the axis has a component along the parent's x.
     pub fn origin_in_parent(&self) -> Vector3<'g> {
         let zero = self.lift.constant(0.0);
         self.translation + self.twist.to_parent(Vector3([zero, zero, self.lift]))
@@ -121,8 +122,8 @@ impl<'g> Body<'g> {
 }
 
 impl<'g> Mechanism<'g> {
-    /// Gives each body its own unit of length (m), so that one length in it becomes 1: moments of force keep their
-    /// values, forces and accelerations scale. Only where every joint is revolute.
+    /// Gives each body its own unit of length (m), so that one length in it becomes 1: moments of force keep
+    /// their values, forces and accelerations scale. Only where every joint is revolute.
     pub fn in_length_units(mut self, units: &[f64]) -> Self {
         for (body, &unit) in self.bodies.iter_mut().zip(units) {
             let parent_unit = body.parent.map_or(unit, |parent| units[parent]);
@@ -138,8 +139,7 @@ impl<'g> Mechanism<'g> {
 
     /// Gravitational acceleration in the frame of the base, in the unit of length of a body on it.
     pub fn gravity_for(&self, root: usize) -> Vector3<'g> {
-        self.gravity
-            .map(|x| scaled_down(x, self.bodies[root].length_unit))
+        self.gravity.map(|x| scaled_down(x, self.bodies[root].length_unit))
     }
 
     /// Turns a leaf's frame about its axis until its first moment has no y component.
@@ -156,8 +156,7 @@ impl<'g> Mechanism<'g> {
     /// Turns a leaf's frame about its axis until its second moment has no xy component.
     pub fn align_second_moment(&mut self, index: usize) {
         let second = self.bodies[index].moments.second;
-        if let (Some(xx), Some(xy), Some(yy)) =
-            (second.xx.value(), second.xy.value(), second.yy.value())
+        if let (Some(xx), Some(xy), Some(yy)) = (second.xx.value(), second.xy.value(), second.yy.value())
             && xy != 0.0
         {
             self.turn_leaf(index, 0.5 * numeric::atan2(2.0 * xy, xx - yy));
@@ -167,8 +166,8 @@ impl<'g> Mechanism<'g> {
 
     /// Turns the frame of a leaf about its axis; all that is given in it turns the other way.
     ///
-    /// The angle is rounded to 2⁻⁵⁰: other shifts of mass lead to it with other last bits, and then two functions of one angle
-    /// would have to be computed.
+    /// The angle is rounded to 2⁻⁵⁰: other shifts of mass lead to it with other last bits, and then two
+    /// functions of one angle would have to be computed.
     fn turn_leaf(&mut self, index: usize, angle: f64) {
         const STEPS: f64 = (1_u64 << 50) as f64;
         let angle = (angle * STEPS).round() / STEPS;

@@ -1,9 +1,9 @@
-//! Stage 2: a model becomes a [`Mechanism`]: moving bodies only, each with one coordinate, in frames that make the
-//! equations short.
+//! Stage 2: a model becomes a [`Mechanism`]: moving bodies only, each with one coordinate, in frames that
+//! make the equations short.
 //!
-//! What is fixed or held is lumped into the body that carries it; link frames follow the modified Denavit–Hartenberg
-//! convention (Craig 1986; Khalil and Kleinfinger 1986), whatever the description used; inertial constants that act
-//! only through sums move towards the base.
+//! What is fixed or held is lumped into the body that carries it; link frames follow the modified
+//! Denavit–Hartenberg convention (Craig 1986; Khalil and Kleinfinger 1986), whatever the description used;
+//! inertial constants that act only through sums move towards the base.
 
 mod build;
 mod frames;

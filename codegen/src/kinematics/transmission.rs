@@ -2,8 +2,8 @@
 
 use crate::graph::Scalar;
 
-/// A joint or a rotor that follows a coordinate: `position = ratio · y[coordinate]`, and constant offsets that stand in
-/// the frames.
+/// A joint or a rotor that follows a coordinate: `position = ratio · y[coordinate]`, and constant offsets
+/// that stand in the frames.
 ///
 /// The axis of a joint that was turned around has the ratio −1, a rotor the ratio of its gear.
 #[derive(Debug, Clone, Copy)]
@@ -31,7 +31,8 @@ impl<'g> Transmission<'g> {
         *sum = *sum + force * self.ratio;
     }
 
-    /// Adds the force along the motion for a unit of one coordinate's motion: `matrix[coordinate][column] += ratio · force`.
+    /// Adds the force along the motion for a unit of one coordinate's motion:
+    /// `matrix[coordinate][column] += ratio · force`.
     pub fn add_row_entry(&self, column: usize, force: Scalar<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
         let sum = &mut matrix[self.coordinate][column];
         *sum = *sum + force * self.ratio;
@@ -42,14 +43,9 @@ impl<'g> Transmission<'g> {
         self.add_force(force, &mut matrix[row]);
     }
 
-    /// Adds an entry of a symmetric matrix and its mirror image, which both fall on the diagonal where the motion follows
-    /// the coordinate.
-    pub fn add_coupling(
-        &self,
-        coordinate: usize,
-        force: Scalar<'g>,
-        matrix: &mut [Vec<Scalar<'g>>],
-    ) {
+    /// Adds an entry of a symmetric matrix and its mirror image, which both fall on the diagonal where the
+    /// motion follows the coordinate.
+    pub fn add_coupling(&self, coordinate: usize, force: Scalar<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
         self.add_row_entry(coordinate, force, matrix);
         self.add_column_entry(coordinate, force, matrix);
     }

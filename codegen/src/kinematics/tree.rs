@@ -1,4 +1,5 @@
-//! The moving bodies of a model in the frames of its description, with everything fixed or held lumped into them.
+//! The moving bodies of a model in the frames of its description, with everything fixed or held lumped into
+//! them.
 
 use super::inertia::moments_of_body;
 use super::lower::{lower, lower_pose};
@@ -30,15 +31,9 @@ pub struct DescribedBody<'g> {
 
 /// Collects the moving bodies of a model.
 pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
-    let mut tree = DescribedTree {
-        bodies: Vec::new(),
-        links: vec![(None, Pose::identity(graph))],
-    };
-    for (link, joint) in model
-        .links
-        .iter()
-        .enumerate()
-        .filter_map(|(k, link)| Some((k, link.joint.as_ref()?)))
+    let mut tree = DescribedTree { bodies: Vec::new(), links: vec![(None, Pose::identity(graph))] };
+    for (link, joint) in
+        model.links.iter().enumerate().filter_map(|(k, link)| Some((k, link.joint.as_ref()?)))
     {
         tree.attach(graph, link, joint);
     }
@@ -53,7 +48,8 @@ pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
     tree
 }
 
-/// Moments of each moving body in the described frame of its link, by coordinate; rotors of held joints included.
+/// Moments of each moving body in the described frame of its link, by coordinate; rotors of held joints
+/// included.
 pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments<'g>> {
     let tree = moving_bodies(graph, model);
     let mut moments = vec![MassMoments::zero(graph); tree.bodies.len()];
@@ -84,22 +80,14 @@ impl<'g> DescribedTree<'g> {
         let position = match joint.motion {
             Motion::Coordinate(coordinate) => {
                 let moments = MassMoments::zero(graph);
-                self.bodies.push(DescribedBody {
-                    link,
-                    coordinate,
-                    parent: carrier,
-                    pose,
-                    moments,
-                });
-                self.links
-                    .push((Some(self.bodies.len() - 1), Pose::identity(graph)));
+                self.bodies.push(DescribedBody { link, coordinate, parent: carrier, pose, moments });
+                self.links.push((Some(self.bodies.len() - 1), Pose::identity(graph)));
                 return;
             }
             Motion::Fixed => 0.0,
             Motion::Held(position) => position,
         };
-        self.links
-            .push((carrier, pose.then(displacement(graph, joint, position))));
+        self.links.push((carrier, pose.then(displacement(graph, joint, position))));
     }
 }
 
@@ -108,12 +96,8 @@ fn displacement<'g>(graph: &'g Graph, joint: &Joint, position: f64) -> Pose<'g> 
     let mut pose = Pose::identity(graph);
     match joint.kind {
         JointKind::Fixed => {}
-        JointKind::Revolute | JointKind::Continuous => {
-            pose.rotation = rotation_about(joint.axis, position)
-        }
-        JointKind::Prismatic => {
-            pose.translation = Vector3(joint.axis.map(|x| graph.constant(x * position)))
-        }
+        JointKind::Revolute | JointKind::Continuous => pose.rotation = rotation_about(joint.axis, position),
+        JointKind::Prismatic => pose.translation = Vector3(joint.axis.map(|x| graph.constant(x * position))),
     }
     pose
 }

@@ -52,8 +52,7 @@ impl Angles {
     }
 
     fn snapped(&self, angle: f64) -> f64 {
-        self.snap
-            .map_or(angle, |tolerance| snapped(angle, tolerance))
+        self.snap.map_or(angle, |tolerance| snapped(angle, tolerance))
     }
 
     fn remember(&mut self, angle: f64, span: Span, owner: &str) -> bool {
@@ -87,9 +86,7 @@ impl Angles {
             self.gained,
         );
         let help = "`--snap-angles 1e-4` or the key `snap_angles = 1e-4` does it";
-        report
-            .note(Some(*first), NEARLY_RIGHT_ANGLE, message)
-            .help(help);
+        report.note(Some(*first), NEARLY_RIGHT_ANGLE, message).help(help);
     }
 
     fn note_degrees(&self, report: &mut Report) {
@@ -97,19 +94,12 @@ impl Angles {
             return;
         };
         let entries = self.degrees.iter().map(|(_, entry)| entry.clone());
-        let message = format!(
-            "rotations look like degrees: {}; they are taken as radians",
-            listed(entries)
-        );
+        let message = format!("rotations look like degrees: {}; they are taken as radians", listed(entries));
         report.note(Some(*first), "looks-like-degrees", message);
         report.help("90° are 1.5707963267948966 in a URDF, `\"pi/2\"` in TOML");
     }
 }
 
 fn trivial_entries(rotation: &Rotation) -> usize {
-    rotation
-        .iter()
-        .flatten()
-        .filter(|entry| entry.abs() == 1.0 || **entry == 0.0)
-        .count()
+    rotation.iter().flatten().filter(|entry| entry.abs() == 1.0 || **entry == 0.0).count()
 }

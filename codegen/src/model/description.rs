@@ -1,7 +1,8 @@
 //! What a file says, before it is known to make sense: the common form of TOML and URDF descriptions.
 //!
-//! Names are texts as described, references between entries are by name, and every entry knows its place. A value
-//! that could not be read was reported and stands here as something harmless, so that it causes no second complaint.
+//! Names are texts as described, references between entries are by name, and every entry knows its place. A
+//! value that could not be read was reported and stands here as something harmless, so that it causes no
+//! second complaint.
 
 use super::pose::rotate_inertia;
 use super::{FrictionTerm, Input, JointKind, MotorTorque, Options, Parameter, Pose, RotorCoupling};
@@ -36,7 +37,8 @@ pub(super) struct RobotDescription {
     pub frames: Vec<FrameDescription>,
     /// Joint names in the order of the coordinates, where said.
     pub coordinates: Option<Vec<Name>>,
-    /// Children of a link in the order of their joints' names, as Pinocchio has them, not of their description.
+    /// Children of a link in the order of their joints' names, as Pinocchio has them, not of their
+    /// description.
     pub sort_joints: bool,
     /// Drive of joints that describe none.
     pub default_drive: DriveChoice,
@@ -88,10 +90,7 @@ impl BodyDescription {
 
     /// Inertia about the centre of mass in axes of the link's described frame.
     pub fn inertia_in_link(&self) -> [Formula; 6] {
-        let inertia = self
-            .inertia
-            .clone()
-            .map_or([Formula::ZERO; 6], |inertia| inertia.value);
+        let inertia = self.inertia.clone().map_or([Formula::ZERO; 6], |inertia| inertia.value);
         match &self.origin {
             Some(origin) => rotate_inertia(&origin.rotation, &inertia),
             None => inertia,

@@ -5,8 +5,7 @@ use std::path::Path;
 /// Why a file is no description, and what to do.
 pub(super) type Foreign = (String, &'static str);
 
-const MESH: &str =
-    "a mesh says nothing of masses and joints: give the URDF that names it, or write a TOML";
+const MESH: &str = "a mesh says nothing of masses and joints: give the URDF that names it, or write a TOML";
 const IMAGE: &str = "give a TOML or URDF file";
 const CONVERT: &str = "convert it to URDF first, or describe the robot in TOML";
 const UTF_8: &str = "descriptions are UTF-8 text: save it as that";
@@ -17,16 +16,8 @@ const BEGINNINGS: [(&[u8], &str, &str); 10] = [
     (b"\xff\xd8\xff", "an image (JPEG)", IMAGE),
     (b"GIF8", "an image (GIF)", IMAGE),
     (b"%PDF", "a PDF", IMAGE),
-    (
-        b"PK\x03\x04",
-        "a ZIP archive",
-        "unpack it, and give the TOML or URDF file in it",
-    ),
-    (
-        b"\x1f\x8b",
-        "a gzip archive",
-        "unpack it, and give the TOML or URDF file in it",
-    ),
+    (b"PK\x03\x04", "a ZIP archive", "unpack it, and give the TOML or URDF file in it"),
+    (b"\x1f\x8b", "a gzip archive", "unpack it, and give the TOML or URDF file in it"),
     (b"glTF", "a mesh (glTF)", MESH),
     (b"\x7fELF", "a program", IMAGE),
     (b"\xff\xfe", "UTF-16 text", UTF_8),
@@ -38,21 +29,14 @@ const ROOTS: [(&str, &str, &str); 4] = [
     ("sdf", "a robot or world in SDF", CONVERT),
     ("mujoco", "a model of MuJoCo (MJCF)", CONVERT),
     ("COLLADA", "a mesh (COLLADA)", MESH),
-    (
-        "launch",
-        "a launch file of ROS",
-        "give the URDF that it loads",
-    ),
+    ("launch", "a launch file of ROS", "give the URDF that it loads"),
 ];
 
 /// What a file is that cannot be a description.
 pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
-    let found = |what: &str, help: &'static str| {
-        Some((format!("{name} is {what}, no robot in TOML or URDF"), help))
-    };
-    let beginning = BEGINNINGS
-        .iter()
-        .find(|(first, ..)| bytes.starts_with(first));
+    let found =
+        |what: &str, help: &'static str| Some((format!("{name} is {what}, no robot in TOML or URDF"), help));
+    let beginning = BEGINNINGS.iter().find(|(first, ..)| bytes.starts_with(first));
     if let Some((_, what, help)) = beginning {
         return found(what, help);
     }
@@ -78,10 +62,9 @@ pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
     }
     let extension = Path::new(name).extension().and_then(|end| end.to_str());
     match (extension, text.starts_with('<')) {
-        (Some("toml"), true) => found(
-            "XML under a name that ends with `.toml`",
-            "rename it to end with `.urdf`",
-        ),
+        (Some("toml"), true) => {
+            found("XML under a name that ends with `.toml`", "rename it to end with `.urdf`")
+        }
         (Some("urdf" | "xml"), false) => found(
             "no XML, though its name ends like that of a URDF",
             "rename it to end with `.toml` where it is a description in TOML",
@@ -116,9 +99,7 @@ fn root(text: &str) -> Option<&str> {
             _ if rest.starts_with("!--") => "-->",
             _ if rest.starts_with(['?', '!']) => ">",
             _ => {
-                return rest
-                    .split(|c: char| c.is_whitespace() || ">/".contains(c))
-                    .next();
+                return rest.split(|c: char| c.is_whitespace() || ">/".contains(c)).next();
             }
         };
         rest = rest.split_once(skipped)?.1;
@@ -134,10 +115,7 @@ mod tests {
         for (name, text) in [
             ("robot.toml", "name = \"a\"\n"),
             ("robot", "[[joints]]\n"),
-            (
-                "robot.urdf",
-                "\u{feff}<?xml version=\"1.0\"?><!-- <sdf> --><robot name=\"a\"/>",
-            ),
+            ("robot.urdf", "\u{feff}<?xml version=\"1.0\"?><!-- <sdf> --><robot name=\"a\"/>"),
             ("robot.urdf", "<robot"),
             ("solid.toml", "solid = 1\n"),
         ] {
@@ -155,11 +133,7 @@ mod tests {
             ("a.stl", b"solid cube\nfacet normal 0 0 1", "a mesh (STL)"),
             ("a.toml", b"a = 1\0", "no text"),
             ("a.toml", b"\xff\xfea\0", "UTF-16"),
-            (
-                "a.sdf",
-                b"<?xml version=\"1.0\"?>\n<!-- a -->\n<sdf version=\"1.7\">",
-                "SDF",
-            ),
+            ("a.sdf", b"<?xml version=\"1.0\"?>\n<!-- a -->\n<sdf version=\"1.7\">", "SDF"),
             ("a.xml", b"<mujoco>", "MuJoCo"),
             ("a.json", b" {\"a\": 1}", "JSON"),
             ("a.yaml", b"a:\n  b", "YAML"),
@@ -168,10 +142,7 @@ mod tests {
             ("a.toml", b" \n", "empty"),
         ] {
             let (message, _) = foreign(name, bytes).unwrap_or_default();
-            assert!(
-                message.contains(what),
-                "{name}: {message:?} instead of {what}"
-            );
+            assert!(message.contains(what), "{name}: {message:?} instead of {what}");
         }
     }
 }

@@ -6,8 +6,8 @@ use crate::wording::{telling, three_digits};
 /// Published numbers have some six digits: relative to the largest principal moment.
 const DIGITS: f64 = 1e-6;
 
-/// Rounding of double precision, with room for a few thousand operations: CAD programs move inertias from the origin of the
-/// link to the centre of mass, which leaves rounding of m l², l the distance between both.
+/// Rounding of double precision, with room for a few thousand operations: CAD programs move inertias from the
+/// origin of the link to the centre of mass, which leaves rounding of m l², l the distance between both.
 const ARITHMETIC: f64 = 1e-12;
 
 /// Bodies are taken as at least so large [m], so that rounding of a body at the origin has a measure too.
@@ -35,9 +35,7 @@ impl std::fmt::Display for Flaw {
             }
             Self::Triangle(moments) => {
                 let [low, middle, high] =
-                    telling(without_rounding(*moments), |[low, middle, high]| {
-                        low + middle < high
-                    });
+                    telling(without_rounding(*moments), |[low, middle, high]| low + middle < high);
                 write!(out, "principal moments {low} + {middle} < {high}")
             }
         }
@@ -54,17 +52,16 @@ fn without_rounding(moments: [f64; 3]) -> [f64; 3] {
 }
 
 fn largest(moments: &[f64]) -> f64 {
-    moments
-        .iter()
-        .fold(0.0, |most, moment| most.max(moment.abs()))
+    moments.iter().fold(0.0, |most, moment| most.max(moment.abs()))
 }
 
-/// Checks mass, centre of mass in the link's frame, and the entries xx, xy, xz, yy, yz, zz about the centre of mass.
+/// Checks mass, centre of mass in the link's frame, and the entries xx, xy, xz, yy, yz, zz about the centre
+/// of mass.
 ///
-/// Principal moments are sums of two of the non-negative second moments ∫x², ∫y², ∫z², hence none is negative and none
-/// exceeds the sum of the others. Limits are allowed: a point mass (all zero), a thin rod (one zero). What breaks these
-/// rules by less than `1e-6 max |Iᵢ| + 1e-12 m l²` is rounding, l the distance of the centre of mass from the link's origin
-/// and at least 1 mm.
+/// Principal moments are sums of two of the non-negative second moments ∫x², ∫y², ∫z², hence none is negative
+/// and none exceeds the sum of the others. Limits are allowed: a point mass (all zero), a thin rod (one
+/// zero). What breaks these rules by less than `1e-6 max |Iᵢ| + 1e-12 m l²` is rounding, l the distance of
+/// the centre of mass from the link's origin and at least 1 mm.
 pub(super) fn check(mass: f64, center: [f64; 3], inertia: [f64; 6]) -> Option<Flaw> {
     if mass < 0.0 {
         return Some(Flaw::Mass(mass));
@@ -125,20 +122,10 @@ mod tests {
             &super::super::pose::about_z(0.3),
         );
         let d = [1.0, 2.0, 2.5];
-        let entry =
-            |i: usize, j: usize| (0..3).map(|k| turn[i][k] * d[k] * turn[j][k]).sum::<f64>();
-        let moments = principal_moments([
-            entry(0, 0),
-            entry(0, 1),
-            entry(0, 2),
-            entry(1, 1),
-            entry(1, 2),
-            entry(2, 2),
-        ]);
-        assert!(
-            moments.iter().zip(d).all(|(a, b)| (a - b).abs() < 1e-14),
-            "{moments:?}"
-        );
+        let entry = |i: usize, j: usize| (0..3).map(|k| turn[i][k] * d[k] * turn[j][k]).sum::<f64>();
+        let moments =
+            principal_moments([entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)]);
+        assert!(moments.iter().zip(d).all(|(a, b)| (a - b).abs() < 1e-14), "{moments:?}");
     }
 
     fn of_unit_mass(inertia: [f64; 6]) -> Option<Flaw> {
@@ -150,14 +137,8 @@ mod tests {
         assert_eq!(of_unit_mass([0.0; 6]), None);
         assert_eq!(of_unit_mass([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]), None);
         assert_eq!(of_unit_mass([1.0, 0.0, 0.0, 1.0, 0.0, 2.0]), None);
-        assert!(matches!(
-            of_unit_mass([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
-            Some(Flaw::Triangle(_))
-        ));
-        assert!(matches!(
-            of_unit_mass([1.0, 2.0, 0.0, 1.0, 0.0, 1.0]),
-            Some(Flaw::NotPositive(_))
-        ));
+        assert!(matches!(of_unit_mass([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]), Some(Flaw::Triangle(_))));
+        assert!(matches!(of_unit_mass([1.0, 2.0, 0.0, 1.0, 0.0, 1.0]), Some(Flaw::NotPositive(_))));
     }
 
     /// The first two are the head and the first right ankle link of iCub.
@@ -170,10 +151,7 @@ mod tests {
         let beside = [3e-6, 0.0, 0.0, 3e-6, 0.0, -1.2e-22];
         assert_eq!(check(1e-3, [0.0; 3], beside), None);
         let tiny = [1e-9, 0.0, 0.0, 1e-9, 0.0, -1e-9];
-        assert!(matches!(
-            check(1e-3, [0.01; 3], tiny),
-            Some(Flaw::NotPositive(_))
-        ));
+        assert!(matches!(check(1e-3, [0.01; 3], tiny), Some(Flaw::NotPositive(_))));
         let dummy = check(1e-6, [0.0; 3], [1e-6; 6]).map(|flaw| flaw.to_string());
         assert_eq!(dummy.as_deref(), Some("principal moments 0 + 0 < 3e-6"));
     }

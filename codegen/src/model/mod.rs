@@ -1,8 +1,8 @@
 //! Stage 1: a robot description becomes a validated [`Model`].
 //!
-//! A `Model` that exists is correct: names are distinct, and so are their Rust identifiers; the links form one tree whose
-//! parents stand before their children, axes have unit length, limits are ordered, numbers are finite. Later stages need
-//! no checks.
+//! A `Model` that exists is correct: names are distinct, and so are their Rust identifiers; the links form
+//! one tree whose parents stand before their children, axes have unit length, limits are ordered, numbers are
+//! finite. Later stages need no checks.
 
 mod angles;
 mod description;
@@ -46,7 +46,8 @@ pub struct Model {
     pub parameters: Vec<Parameter>,
     /// All links; `links[0]` is the base, every parent stands before its children.
     pub links: Vec<Link>,
-    /// Link indices of the moving joints, in the order of the coordinates: coordinate `i` moves `links[coordinates[i]]`.
+    /// Link indices of the moving joints, in the order of the coordinates: coordinate `i` moves
+    /// `links[coordinates[i]]`.
     pub coordinates: Vec<usize>,
     /// The inputs u in their order.
     pub drives: Vec<Drive>,
@@ -174,8 +175,8 @@ impl Model {
         }
     }
 
-    /// The joints that move nothing with inertia along their axis, so that M is singular; at the described values of free
-    /// parameters.
+    /// The joints that move nothing with inertia along their axis, so that M is singular; at the described
+    /// values of free parameters.
     #[must_use]
     pub fn joints_without_inertia(&self) -> Vec<&Joint> {
         self.joints_of(&regularity::Pivots::of(self).zero)
@@ -185,9 +186,7 @@ impl Model {
     pub(crate) fn least_pivots(&self) -> Vec<f64> {
         let least = regularity::Pivots::of(self).least;
         let pivots = self.coordinates.iter();
-        pivots
-            .filter_map(|&link| least.get(link).copied())
-            .collect()
+        pivots.filter_map(|&link| least.get(link).copied()).collect()
     }
 
     /// The moving joints in the order of the coordinates.
@@ -204,7 +203,8 @@ impl Model {
         drives.filter(|drive| drive.coordinate.is_some())
     }
 
-    /// Unit of an input: that of a motor's torque or current; a drive without gear on a prismatic joint is a force.
+    /// Unit of an input: that of a motor's torque or current; a drive without gear on a prismatic joint is a
+    /// force.
     pub fn input_unit(&self, drive: &Drive) -> &'static str {
         let joint = drive.coordinate.and_then(|moved| self.joints().nth(moved));
         let is_force = joint.is_some_and(|joint| joint.kind == JointKind::Prismatic);
@@ -219,9 +219,7 @@ impl Model {
 
     /// The joints of these links.
     fn joints_of(&self, links: &[usize]) -> Vec<&Joint> {
-        let joints = links
-            .iter()
-            .filter_map(|&link| self.links.get(link)?.joint.as_ref());
+        let joints = links.iter().filter_map(|&link| self.links.get(link)?.joint.as_ref());
         joints.collect()
     }
 }
@@ -290,7 +288,8 @@ pub struct Drive {
     pub name: String,
     /// The name as a Rust identifier, distinct among the drives.
     pub identifier: String,
-    /// Coordinate that it moves; `None` where that joint is held: no input then, but its rotor stays on the carrier.
+    /// Coordinate that it moves; `None` where that joint is held: no input then, but its rotor stays on the
+    /// carrier.
     pub coordinate: Option<usize>,
     /// Gear ratio i: motor angle over joint angle.
     pub gear_ratio: Formula,

@@ -2,17 +2,15 @@
 
 /// Words that are no identifiers in any edition, strict and reserved.
 const KEYWORDS: [&str; 54] = [
-    "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate",
-    "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl",
-    "in", "let", "loop", "macro", "match", "mod", "move", "mut", "override", "priv", "pub", "ref",
-    "return", "self", "static", "struct", "super", "trait", "true", "try", "type", "typeof",
-    "union", "unsafe", "unsized", "use", "virtual", "where", "while", "yield", "raw", "safe",
+    "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate", "do", "dyn",
+    "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop",
+    "macro", "match", "mod", "move", "mut", "override", "priv", "pub", "ref", "return", "self", "static",
+    "struct", "super", "trait", "true", "try", "type", "typeof", "union", "unsafe", "unsized", "use",
+    "virtual", "where", "while", "yield", "raw", "safe",
 ];
 
 /// Names with a meaning of their own in formulas.
-const IN_FORMULAS: [&str; 11] = [
-    "y", "v", "pi", "sin", "cos", "tanh", "exp", "abs", "sign", "pow", "powi",
-];
+const IN_FORMULAS: [&str; 11] = ["y", "v", "pi", "sin", "cos", "tanh", "exp", "abs", "sign", "pow", "powi"];
 
 /// Whether the name is a word of Rust.
 pub(super) fn is_keyword(name: &str) -> bool {
@@ -29,15 +27,11 @@ const LONGEST: usize = 200;
 
 /// The name in snake case of ASCII letters, digits and underscores.
 ///
-/// `ShoulderPan` becomes `shoulder_pan`, `β` `beta`, `a-b` `a_b`, `2nd` `_2nd`, `type` `type_`; where no letter or digit
-/// remains, the code points stand for the name: `腕` becomes `u8155`.
+/// `ShoulderPan` becomes `shoulder_pan`, `β` `beta`, `a-b` `a_b`, `2nd` `_2nd`, `type` `type_`; where no
+/// letter or digit remains, the code points stand for the name: `腕` becomes `u8155`.
 pub(super) fn identifier(name: &str) -> String {
     let result = snake_case(name);
-    if result.chars().any(|c| c.is_ascii_alphanumeric()) {
-        finish(result)
-    } else {
-        code_points(name)
-    }
+    if result.chars().any(|c| c.is_ascii_alphanumeric()) { finish(result) } else { code_points(name) }
 }
 
 fn snake_case(name: &str) -> String {
@@ -86,9 +80,9 @@ fn finish(mut result: String) -> String {
 
 fn greek(c: char) -> Option<&'static str> {
     const NAMES: [&str; 25] = [
-        "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa",
-        "lambda", "mu", "nu", "xi", "omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon",
-        "phi", "chi", "psi", "omega",
+        "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda",
+        "mu", "nu", "xi", "omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon", "phi", "chi", "psi",
+        "omega",
     ];
     let lower = c.to_lowercase().next()?;
     let index = u32::from(lower).checked_sub(u32::from('α'))?;
@@ -123,10 +117,7 @@ mod tests {
 
     #[test]
     fn keywords_are_those_of_syn() {
-        for word in KEYWORDS
-            .iter()
-            .filter(|word| !["raw", "safe", "union", "gen"].contains(word))
-        {
+        for word in KEYWORDS.iter().filter(|word| !["raw", "safe", "union", "gen"].contains(word)) {
             assert!(syn::parse_str::<syn::Ident>(word).is_err(), "{word}");
         }
     }

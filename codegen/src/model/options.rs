@@ -1,6 +1,7 @@
 //! Names of the functions that a description may ask for.
 
-/// What `[generate] functions` may list: the functions of every robot, and `frames` for all of those of named frames.
+/// What `[generate] functions` may list: the functions of every robot, and `frames` for all of those of named
+/// frames.
 pub const FUNCTIONS: [&str; 28] = [
     "mass_matrix",
     "coriolis_forces",

@@ -14,18 +14,12 @@ pub(super) const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0
 impl Pose {
     /// The pose of a frame in itself.
     pub fn identity() -> Self {
-        Self {
-            translation: [Formula::ZERO; 3],
-            rotation: IDENTITY,
-        }
+        Self { translation: [Formula::ZERO; 3], rotation: IDENTITY }
     }
 
     /// `a_x_c = a_x_b · b_x_c`
     pub fn then(&self, next: &Self) -> Self {
-        Self {
-            translation: self.point(&next.translation),
-            rotation: product(&self.rotation, &next.rotation),
-        }
+        Self { translation: self.point(&next.translation), rotation: product(&self.rotation, &next.rotation) }
     }
 
     /// A point of the inner frame, in coordinates of the outer one.
@@ -33,21 +27,14 @@ impl Pose {
         let turned = rotate(&self.rotation, point);
         let [x, y, z] = &self.translation;
         let [a, b, c] = turned;
-        [
-            Formula::sum(x.clone(), a),
-            Formula::sum(y.clone(), b),
-            Formula::sum(z.clone(), c),
-        ]
+        [Formula::sum(x.clone(), a), Formula::sum(y.clone(), b), Formula::sum(z.clone(), c)]
     }
 }
 
 /// `R p`
 pub(super) fn rotate(rotation: &Rotation, point: &[Formula; 3]) -> [Formula; 3] {
     let row = |row: &[f64; 3]| {
-        let terms = row
-            .iter()
-            .zip(point)
-            .map(|(r, p)| Formula::product(Formula::Number(*r), p.clone()));
+        let terms = row.iter().zip(point).map(|(r, p)| Formula::product(Formula::Number(*r), p.clone()));
         terms.fold(Formula::ZERO, Formula::sum)
     };
     [row(&rotation[0]), row(&rotation[1]), row(&rotation[2])]
@@ -74,21 +61,12 @@ pub(super) fn rotate_inertia(rotation: &Rotation, inertia: &[Formula; 6]) -> [Fo
         }
         sum
     };
-    [
-        entry(0, 0),
-        entry(0, 1),
-        entry(0, 2),
-        entry(1, 1),
-        entry(1, 2),
-        entry(2, 2),
-    ]
+    [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)]
 }
 
 /// `A B`
 pub(super) fn product(a: &Rotation, b: &Rotation) -> Rotation {
-    std::array::from_fn(|i| {
-        std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum::<f64>() + 0.0)
-    })
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum::<f64>() + 0.0))
 }
 
 /// `R_z(yaw) R_y(pitch) R_x(roll)`, the convention of URDF.
@@ -146,25 +124,13 @@ pub(super) fn is_nearly_right(angle: f64, tolerance: f64) -> bool {
     right_angles(angle, tolerance).is_some() && s != 0.0 && c != 0.0
 }
 
-/// Rotation of a unit quaternion w + x i + y j + z k; entries within `tolerance` of 0 and ±1 become exact when all
-/// entries are.
+/// Rotation of a unit quaternion w + x i + y j + z k; entries within `tolerance` of 0 and ±1 become exact
+/// when all entries are.
 pub(super) fn from_quaternion([w, x, y, z]: [f64; 4], tolerance: f64) -> Rotation {
     let rotation = [
-        [
-            1.0 - 2.0 * (y * y + z * z),
-            2.0 * (x * y - w * z),
-            2.0 * (x * z + w * y),
-        ],
-        [
-            2.0 * (x * y + w * z),
-            1.0 - 2.0 * (x * x + z * z),
-            2.0 * (y * z - w * x),
-        ],
-        [
-            2.0 * (x * z - w * y),
-            2.0 * (y * z + w * x),
-            1.0 - 2.0 * (x * x + y * y),
-        ],
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
     ];
     let tolerance = tolerance.max(8.0 * f64::EPSILON);
     let near = |value: f64| (value - value.round()).abs() <= tolerance;
@@ -178,24 +144,15 @@ pub(super) fn from_quaternion([w, x, y, z]: [f64; 4], tolerance: f64) -> Rotatio
 ///
 /// `T_z(d) T_x(a) R_x(α)`; the joint itself is `R_z(θ)` before it (Denavit and Hartenberg, 1955).
 pub(super) fn standard_dh(d: Formula, a: Formula, alpha: f64) -> Pose {
-    Pose {
-        translation: [a, Formula::ZERO, d],
-        rotation: about_x(alpha),
-    }
+    Pose { translation: [a, Formula::ZERO, d], rotation: about_x(alpha) }
 }
 
 /// Modified Denavit–Hartenberg row: pose of frame i in frame i − 1 at position 0.
 ///
 /// `R_x(α) T_x(a) R_z(θ) T_z(d)` (Khalil and Kleinfinger, 1986; Craig, Introduction to Robotics, 1986)
 pub(super) fn modified_dh(d: Formula, a: Formula, alpha: f64, theta: f64) -> Pose {
-    let tilt = Pose {
-        translation: [a, Formula::ZERO, Formula::ZERO],
-        rotation: about_x(alpha),
-    };
-    let lift = Pose {
-        translation: [Formula::ZERO, Formula::ZERO, d],
-        rotation: about_z(theta),
-    };
+    let tilt = Pose { translation: [a, Formula::ZERO, Formula::ZERO], rotation: about_x(alpha) };
+    let lift = Pose { translation: [Formula::ZERO, Formula::ZERO, d], rotation: about_z(theta) };
     tilt.then(&lift)
 }
 
@@ -211,24 +168,15 @@ mod tests {
 
     #[test]
     fn right_angles_are_exact() {
-        for (quarter, expected) in [
-            (1.0, [0.0, 1.0]),
-            (2.0, [-1.0, 0.0]),
-            (3.0, [0.0, -1.0]),
-            (-1.0, [0.0, -1.0]),
-        ] {
+        for (quarter, expected) in
+            [(1.0, [0.0, 1.0]), (2.0, [-1.0, 0.0]), (3.0, [0.0, -1.0]), (-1.0, [0.0, -1.0])]
+        {
             let [row, _, _] = about_z(quarter * FRAC_PI_2);
             assert_eq!([row[0], -row[1]], expected, "{quarter}");
         }
-        assert_eq!(
-            from_rpy([0.0, PI, 0.0]),
-            [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]
-        );
+        assert_eq!(from_rpy([0.0, PI, 0.0]), [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]);
         let half = std::f64::consts::FRAC_1_SQRT_2;
-        assert_eq!(
-            from_quaternion([half, half, 0.0, 0.0], 0.0),
-            about_x(FRAC_PI_2)
-        );
+        assert_eq!(from_quaternion([half, half, 0.0, 0.0], 0.0), about_x(FRAC_PI_2));
     }
 
     #[test]

@@ -59,11 +59,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, Diagnostics> {
         true => from_urdf(&text, &name, options),
         false => from_toml(&text, &name, options, &mut load),
     }?;
-    Ok(Loaded {
-        model,
-        notes,
-        files,
-    })
+    Ok(Loaded { model, notes, files })
 }
 
 /// Whether a file is XML: by its name, else by its content.
@@ -89,37 +85,25 @@ fn read_file(path: &Path) -> Result<String, Diagnostics> {
     let file = std::fs::File::open(path).map_err(|why| unreadable(why.to_string()))?;
     let mut bytes = Vec::new();
     let mut limited = file.take(LARGEST + 1);
-    limited
-        .read_to_end(&mut bytes)
-        .map_err(|why| unreadable(why.to_string()))?;
+    limited.read_to_end(&mut bytes).map_err(|why| unreadable(why.to_string()))?;
     if bytes.len() as u64 > LARGEST {
-        return Err(unreadable(format!(
-            "it is larger than {} MiB",
-            LARGEST >> 20
-        )));
+        return Err(unreadable(format!("it is larger than {} MiB", LARGEST >> 20)));
     }
     if let Some((message, help)) = file_kind::foreign(&name, &bytes) {
-        return Err(Diagnostic::error("not-a-description", message)
-            .help(help)
-            .into());
+        return Err(Diagnostic::error("not-a-description", message).help(help).into());
     }
     String::from_utf8(bytes).or_else(|why| decoded(&name, why))
 }
 
-/// XML that says another encoding, as CAD programs write it. Latin-1 has a character for each byte, so names stay distinct.
+/// XML that says another encoding, as CAD programs write it. Latin-1 has a character for each byte, so names
+/// stay distinct.
 fn decoded(name: &str, why: std::string::FromUtf8Error) -> Result<String, Diagnostics> {
     let start: Vec<u8> = why.as_bytes().iter().take(200).copied().collect();
     let start = String::from_utf8_lossy(&start).to_lowercase();
     let is_latin = start.contains("<?xml")
-        && ["iso-8859-1", "windows-1252", "latin1"]
-            .iter()
-            .any(|known| start.contains(known));
+        && ["iso-8859-1", "windows-1252", "latin1"].iter().any(|known| start.contains(known));
     match is_latin {
-        true => Ok(why
-            .as_bytes()
-            .iter()
-            .map(|&byte| char::from(byte))
-            .collect()),
+        true => Ok(why.as_bytes().iter().map(|&byte| char::from(byte)).collect()),
         false => Err(not_utf8(name, &why)),
     }
 }
@@ -134,8 +118,8 @@ fn not_utf8(name: &str, why: &std::string::FromUtf8Error) -> Diagnostics {
     report.finish()
 }
 
-/// Fetches a file that a description names: its name for diagnostics, and its text. The path is relative to the folder of the
-/// first description, also where another one names it.
+/// Fetches a file that a description names: its name for diagnostics, and its text. The path is relative to
+/// the folder of the first description, also where another one names it.
 pub type Load<'l> = dyn FnMut(&str) -> Result<(String, String), Diagnostics> + 'l;
 
 /// Reads a TOML description.
@@ -153,14 +137,8 @@ pub fn from_toml(
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::default();
     reader.angles.snap = options.snap_angles;
-    let mut chain = Chain {
-        load,
-        files: Path::new(name)
-            .file_name()
-            .map(PathBuf::from)
-            .into_iter()
-            .collect(),
-    };
+    let mut chain =
+        Chain { load, files: Path::new(name).file_name().map(PathBuf::from).into_iter().collect() };
     let robot = read_toml(&mut reader, text, name, options, &mut chain);
     finish(reader, robot, options)
 }
@@ -169,11 +147,7 @@ pub fn from_toml(
 ///
 /// # Errors
 /// All problems of the description.
-pub fn from_urdf(
-    text: &str,
-    name: &str,
-    options: &ReadOptions,
-) -> Result<(Model, Diagnostics), Diagnostics> {
+pub fn from_urdf(text: &str, name: &str, options: &ReadOptions) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::default();
     reader.angles.snap = options.snap_angles;
     let robot = read_urdf(&mut reader, text, name, options);
@@ -187,10 +161,7 @@ fn apply(options: &ReadOptions, model: &mut Model) {
         false => options.smooth_sign.or(model.options.smooth_sign),
     };
     let slope = model.options.smooth_sign;
-    let joints = model
-        .links
-        .iter_mut()
-        .filter_map(|link| link.joint.as_mut());
+    let joints = model.links.iter_mut().filter_map(|link| link.joint.as_mut());
     for joint in joints {
         if options.no_friction {
             joint.friction.clear();
@@ -232,12 +203,7 @@ fn stem(name: &str) -> &str {
     stem.unwrap_or("robot")
 }
 
-fn read_urdf(
-    reader: &mut Reader,
-    text: &str,
-    name: &str,
-    options: &ReadOptions,
-) -> Option<RobotDescription> {
+fn read_urdf(reader: &mut Reader, text: &str, name: &str, options: &ReadOptions) -> Option<RobotDescription> {
     let text = without_mark(text);
     let source = reader.report.add_source(name, text);
     let Reader { report, angles, .. } = reader;
@@ -319,9 +285,7 @@ fn read_base(
     if chain.contains(&path) {
         let message = format!("the description extends itself by way of `{}`", file.value);
         reader.report.error(file.span, "extends-itself", message);
-        reader
-            .report
-            .help("name another description to start from, or none");
+        reader.report.help("name another description to start from, or none");
         return None;
     }
     chain.files.push(path.clone());
@@ -344,11 +308,7 @@ fn read_base(
 }
 
 /// The base with everything that the extension says instead or besides.
-fn extend(
-    mut base: RobotDescription,
-    extension: RobotDescription,
-    report: &mut Report,
-) -> RobotDescription {
+fn extend(mut base: RobotDescription, extension: RobotDescription, report: &mut Report) -> RobotDescription {
     let joints = index(base.joints.iter().map(|joint| &joint.name));
     for joint in extension.joints {
         extend_joint(&mut base, &joints, joint, report);
@@ -378,24 +338,18 @@ fn extend(
 }
 
 fn index<'n>(names: impl Iterator<Item = &'n Name>) -> BTreeMap<String, usize> {
-    names
-        .enumerate()
-        .map(|(at, name)| (name.value.clone(), at))
-        .collect()
+    names.enumerate().map(|(at, name)| (name.value.clone(), at)).collect()
 }
 
-/// Mass, centre and inertia replace each other one by one; a new centre or inertia counts in the link's own frame
-/// unless a new origin comes with it.
+/// Mass, centre and inertia replace each other one by one; a new centre or inertia counts in the link's own
+/// frame unless a new origin comes with it.
 fn extend_body(known: &mut BodyDescription, body: BodyDescription) {
     let moved = body.center_of_mass.is_some() || body.inertia.is_some();
     let replaced = moved || body.mass.is_some();
     let kept = known.origin.take().filter(|_| !moved);
     if moved && body.origin.is_none() {
         // Both were described in the old frame: what is not replaced has to follow into the link's frame.
-        let unmoved = BodyDescription {
-            origin: kept.clone(),
-            ..known.clone()
-        };
+        let unmoved = BodyDescription { origin: kept.clone(), ..known.clone() };
         known.center_of_mass = Some(unmoved.center_in_link());
         if let Some(inertia) = &mut known.inertia {
             inertia.value = unmoved.inertia_in_link();
@@ -450,10 +404,7 @@ fn add_joint(
         let message = format!("the base description has no joint `{}`", joint.name.value);
         report.error(joint.name.span, "unknown-joint", message);
         let near = nearest(&joint.name.value, known.keys().map(String::as_str));
-        report.help(format!(
-            "{}; a new joint needs `parent`",
-            near.unwrap_or_default()
-        ));
+        report.help(format!("{}; a new joint needs `parent`", near.unwrap_or_default()));
         return;
     }
     joint.complete();

@@ -1,8 +1,8 @@
 //! Is the mass matrix positive definite?
 //!
 //! The pivots of M in its factorization along the tree are what the articulated-body recursion divides by:
-//! `Dᵢ = Sᵢᵀ Iᵢᴬ Sᵢ` (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7). M is positive definite exactly where
-//! all of them are positive.
+//! `Dᵢ = Sᵢᵀ Iᵢᴬ Sᵢ` (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7). M is positive definite
+//! exactly where all of them are positive.
 
 use super::{Joint, JointKind, Link, Model, Motion, Pose};
 use crate::random::Random;
@@ -19,7 +19,8 @@ const SEED: u64 = 0x7069_766f_7473;
 /// The pivots of M at seeded states.
 #[derive(Debug, Default)]
 pub(super) struct Pivots {
-    /// Links of the joints whose pivots are zero at every state: they move nothing with inertia along their axis.
+    /// Links of the joints whose pivots are zero at every state: they move nothing with inertia along their
+    /// axis.
     pub zero: Vec<usize>,
     /// Links of the joints whose pivots are negative at some state.
     pub negative: Vec<usize>,
@@ -59,12 +60,7 @@ impl Pivots {
             let found = found.filter(|&(_, count)| count >= least);
             found.map(|(link, _)| link).collect()
         };
-        Self {
-            zero: links(zero, STATES),
-            negative: links(negative, 1),
-            indefinite_states,
-            least,
-        }
+        Self { zero: links(zero, STATES), negative: links(negative, 1), indefinite_states, least }
     }
 }
 
@@ -126,10 +122,7 @@ fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Piv
                 project(&mut rest, &axis, pivot);
             }
         }
-        add(
-            &mut articulated[joint.parent],
-            &congruent(&rest, &transform),
-        );
+        add(&mut articulated[joint.parent], &congruent(&rest, &transform));
         add(&mut composite[joint.parent], &congruent(&whole, &transform));
     }
     pivots
@@ -139,9 +132,7 @@ fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Piv
 fn armatures(model: &Model, defaults: &[f64]) -> Vec<f64> {
     let mut result = vec![0.0; model.links.len()];
     for drive in &model.drives {
-        let link = drive
-            .coordinate
-            .and_then(|coordinate| model.coordinates.get(coordinate));
+        let link = drive.coordinate.and_then(|coordinate| model.coordinates.get(coordinate));
         let ratio = drive.gear_ratio.evaluate(defaults, 0.0, 0.0);
         if let Some(link) = link {
             result[*link] += ratio * ratio * drive.rotor_inertia.evaluate(defaults, 0.0, 0.0);
@@ -194,10 +185,7 @@ fn child_from_parent(joint: &Joint, position: f64, defaults: &[f64]) -> Matrix {
         JointKind::Prismatic => (0.0, position),
         JointKind::Revolute | JointKind::Continuous => (position, 0.0),
     };
-    let Pose {
-        translation,
-        rotation,
-    } = &joint.origin;
+    let Pose { translation, rotation } = &joint.origin;
     let inner = about_axis(&joint.axis, turn);
     let r: [f64; 3] = std::array::from_fn(|i| {
         let along: f64 = (0..3).map(|k| rotation[i][k] * joint.axis[k]).sum();
@@ -225,9 +213,7 @@ fn about_axis(a: &[f64; 3], angle: f64) -> [[f64; 3]; 3] {
     let (s, c) = crate::numeric::sin_cos(angle);
     let cross = [[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]];
     std::array::from_fn(|i| {
-        std::array::from_fn(|j| {
-            (if i == j { c } else { 0.0 }) + s * cross[i][j] + (1.0 - c) * a[i] * a[j]
-        })
+        std::array::from_fn(|j| (if i == j { c } else { 0.0 }) + s * cross[i][j] + (1.0 - c) * a[i] * a[j])
     })
 }
 
@@ -246,9 +232,7 @@ fn magnitude(matrix: &Matrix, a: &[f64; 6]) -> f64 {
 }
 
 fn quadratic(matrix: &Matrix, a: &[f64; 6]) -> f64 {
-    (0..6)
-        .map(|i| (0..6).map(|j| a[i] * matrix[i][j] * a[j]).sum::<f64>())
-        .sum()
+    (0..6).map(|i| (0..6).map(|j| a[i] * matrix[i][j] * a[j]).sum::<f64>()).sum()
 }
 
 /// `I − I S Sᵀ I / D`
@@ -263,8 +247,7 @@ fn project(matrix: &mut Matrix, axis: &[f64; 6], pivot: f64) {
 
 /// `Xᵀ I X`
 fn congruent(matrix: &Matrix, x: &Matrix) -> Matrix {
-    let right: Matrix = std::array::from_fn(|i| {
-        std::array::from_fn(|j| (0..6).map(|k| matrix[i][k] * x[k][j]).sum())
-    });
+    let right: Matrix =
+        std::array::from_fn(|i| std::array::from_fn(|j| (0..6).map(|k| matrix[i][k] * x[k][j]).sum()));
     std::array::from_fn(|i| std::array::from_fn(|j| (0..6).map(|k| x[k][i] * right[k][j]).sum()))
 }

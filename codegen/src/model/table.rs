@@ -1,4 +1,5 @@
-//! TOML tables with places: every key is known or complained about, every value has the type that is asked for.
+//! TOML tables with places: every key is known or complained about, every value has the type that is asked
+//! for.
 
 use crate::diagnostic::{Report, Span, nearest};
 use toml::Spanned;
@@ -30,16 +31,10 @@ pub(super) struct Item<'t> {
 impl<'t> Table<'t> {
     /// All entries in the order of their description.
     pub fn open(table: &'t DeTable<'t>, span: Span, what: &'static str) -> Self {
-        let mut entries: Vec<Item<'t>> = table
-            .iter()
-            .map(|(key, value)| entry(key, value, span.source))
-            .collect();
+        let mut entries: Vec<Item<'t>> =
+            table.iter().map(|(key, value)| entry(key, value, span.source)).collect();
         entries.sort_by_key(|item| item.key_span.start);
-        Self {
-            entries,
-            span,
-            what,
-        }
+        Self { entries, span, what }
     }
 
     /// The same with an error for each key that is not among `keys`.
@@ -51,16 +46,8 @@ impl<'t> Table<'t> {
         report: &mut Report,
     ) -> Self {
         let table = Self::open(table, span, what);
-        for item in table
-            .entries
-            .iter()
-            .filter(|item| !keys.contains(&item.key))
-        {
-            report.error(
-                item.key_span,
-                "unknown-key",
-                format!("unknown key `{}` in {what}", item.key),
-            );
+        for item in table.entries.iter().filter(|item| !keys.contains(&item.key)) {
+            report.error(item.key_span, "unknown-key", format!("unknown key `{}` in {what}", item.key));
             if report.is_full() {
                 continue;
             }
@@ -102,11 +89,7 @@ impl<'t> Item<'t> {
         report.error(
             self.span,
             "wrong-type",
-            format!(
-                "`{}` must be {what}, not {} {found}",
-                self.key,
-                article(found)
-            ),
+            format!("`{}` must be {what}, not {} {found}", self.key, article(found)),
         );
         if let Some(example) = example(self.key) {
             report.help(format!("for example {example}"));
@@ -147,12 +130,7 @@ impl<'t> Item<'t> {
     }
 
     /// The value as a table with known keys.
-    pub fn table(
-        &self,
-        what: &'static str,
-        keys: &[&'static str],
-        report: &mut Report,
-    ) -> Option<Table<'t>> {
+    pub fn table(&self, what: &'static str, keys: &[&'static str], report: &mut Report) -> Option<Table<'t>> {
         match self.value {
             DeValue::Table(table) => Some(Table::checked(table, self.span, what, keys, report)),
             _ => {
@@ -163,18 +141,10 @@ impl<'t> Item<'t> {
     }
 
     /// The value as a list of tables with known keys.
-    pub fn tables(
-        &self,
-        what: &'static str,
-        keys: &[&'static str],
-        report: &mut Report,
-    ) -> Vec<Table<'t>> {
+    pub fn tables(&self, what: &'static str, keys: &[&'static str], report: &mut Report) -> Vec<Table<'t>> {
         let expected = format!("a list of tables, each written [[{}]]", self.key);
         let items = self.array(&expected, report).unwrap_or_default();
-        items
-            .iter()
-            .filter_map(|item| item.table(what, keys, report))
-            .collect()
+        items.iter().filter_map(|item| item.table(what, keys, report)).collect()
     }
 }
 
@@ -205,9 +175,5 @@ pub(super) fn example(key: &str) -> Option<&'static str> {
 const INERTIA: &str = "`0.1` for all axes, the principal moments `[0.1, 0.1, 0.02]`, or `{ xx = 0.1, yy = 0.1, zz = 0.02, xy = 0, xz = 0, yz = 0 }`";
 
 fn article(found: &str) -> &'static str {
-    if found.starts_with(['a', 'i', 'o']) {
-        "an"
-    } else {
-        "a"
-    }
+    if found.starts_with(['a', 'i', 'o']) { "an" } else { "a" }
 }

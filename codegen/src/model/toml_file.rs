@@ -34,15 +34,7 @@ const ROBOT: [&str; 16] = [
     "joints",
     "frames",
 ];
-const BODY: [&str; 7] = [
-    "name",
-    "link",
-    "mass",
-    "center_of_mass",
-    "inertia",
-    "origin",
-    "accept_unphysical",
-];
+const BODY: [&str; 7] = ["name", "link", "mass", "center_of_mass", "inertia", "origin", "accept_unphysical"];
 const JOINT: [&str; 13] = [
     "name",
     "type",
@@ -81,9 +73,7 @@ pub(super) fn parse<'t>(
     let mut last_line = None;
     for wrong in &wrong {
         let span = Span::new(source, wrong.span().unwrap_or(0..0));
-        let line = text
-            .get(..span.start)
-            .map(|before| before.matches('\n').count());
+        let line = text.get(..span.start).map(|before| before.matches('\n').count());
         // What follows on the same line is usually a consequence of the first error.
         if line.is_none() || line != last_line {
             reader.report.error(span, "toml-syntax", wrong.message());
@@ -115,41 +105,22 @@ pub(super) fn open<'t>(
     table: &'t toml::Spanned<DeTable<'t>>,
     source: usize,
 ) -> Table<'t> {
-    Table::checked(
-        table.get_ref(),
-        Span::new(source, 0..0),
-        "a robot",
-        &ROBOT,
-        &mut reader.report,
-    )
+    Table::checked(table.get_ref(), Span::new(source, 0..0), "a robot", &ROBOT, &mut reader.report)
 }
 
 /// Reads what steers the reading of the rest.
 pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
-    let mut flag = |key| {
-        top.get(key)
-            .and_then(|item| item.boolean(&mut reader.report))
-            .unwrap_or(false)
-    };
+    let mut flag = |key| top.get(key).and_then(|item| item.boolean(&mut reader.report)).unwrap_or(false);
     let (ignore_mimic, no_friction) = (flag("ignore_mimic"), flag("no_friction"));
     let extends = ["urdf", "extends"].map(|key| top.get(key));
     if let [Some(_), Some(second)] = &extends {
         let message = "both `urdf` and `extends` name a base";
-        reader
-            .report
-            .error(second.key_span, "conflicting-keys", message);
+        reader.report.error(second.key_span, "conflicting-keys", message);
     }
     let extends = extends.into_iter().flatten().next();
     let extends = extends.and_then(|item| reader.name(item));
-    let snap_angles = top
-        .get("snap_angles")
-        .and_then(|item| snap_tolerance(reader, item));
-    Preamble {
-        extends,
-        snap_angles,
-        ignore_mimic,
-        no_friction,
-    }
+    let snap_angles = top.get("snap_angles").and_then(|item| snap_tolerance(reader, item));
+    Preamble { extends, snap_angles, ignore_mimic, no_friction }
 }
 
 /// Beyond this, angles would be snapped that were meant as they are (rad).
@@ -160,14 +131,9 @@ fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
     if tolerance.value <= WIDEST_SNAP {
         return Some(tolerance.value);
     }
-    let message = format!(
-        "`snap_angles` is {}, more than {WIDEST_SNAP} rad",
-        tolerance.value
-    );
+    let message = format!("`snap_angles` is {}, more than {WIDEST_SNAP} rad", tolerance.value);
     reader.report.error(item.span, "snap-too-wide", message);
-    reader
-        .report
-        .help("1e-4 corrects what was written with four digits or more");
+    reader.report.help("1e-4 corrects what was written with four digits or more");
     None
 }
 
@@ -185,24 +151,17 @@ pub(super) fn description(
     let base = top.get("base").and_then(|item| reader.name(item));
     let joints = read_joints(reader, top, base.as_ref(), extends);
     RobotDescription {
-        name: top
-            .get("name")
-            .and_then(|item| reader.name(item))
-            .unwrap_or(fallback),
+        name: top.get("name").and_then(|item| reader.name(item)).unwrap_or(fallback),
         description: top
             .get("description")
             .and_then(|item| item.text(&mut reader.report))
             .map(lines)
             .unwrap_or_default(),
-        gravity: top
-            .get("gravity")
-            .and_then(|item| reader.formulas::<3>(item, "gravity")),
+        gravity: top.get("gravity").and_then(|item| reader.formulas::<3>(item, "gravity")),
         base,
         bodies: read_bodies(reader, top),
         frames: read_frames(reader, top),
-        coordinates: top
-            .get("coordinates")
-            .and_then(|item| names(reader, item, "a list of joint names")),
+        coordinates: top.get("coordinates").and_then(|item| names(reader, item, "a list of joint names")),
         options: top.get("generate").map(|item| read_options(reader, item)),
         parameters: Vec::new(), // of all files together, in the reader
         joints,
@@ -218,27 +177,14 @@ pub(super) fn description(
 }
 
 fn lines(text: &str) -> Vec<String> {
-    let clean = |line: &str| {
-        line.chars()
-            .map(|c| if c.is_control() { ' ' } else { c })
-            .collect::<String>()
-    };
-    let lines: Vec<String> = text
-        .trim()
-        .lines()
-        .map(|line| clean(line.trim_end()))
-        .collect();
+    let clean = |line: &str| line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>();
+    let lines: Vec<String> = text.trim().lines().map(|line| clean(line.trim_end())).collect();
     lines
 }
 
 fn names(reader: &mut Reader, item: Item<'_>, what: &str) -> Option<Vec<Name>> {
     let entries = item.array(what, &mut reader.report)?;
-    Some(
-        entries
-            .into_iter()
-            .filter_map(|entry| reader.name(entry))
-            .collect(),
-    )
+    Some(entries.into_iter().filter_map(|entry| reader.name(entry)).collect())
 }
 
 fn read_parameters(reader: &mut Reader, item: Item<'_>) {
@@ -257,24 +203,13 @@ fn read_parameter(reader: &mut Reader, item: Item<'_>) {
         reader.push_parameter(name, value, String::new(), String::new());
         return;
     }
-    let Some(table) = item.table(
-        "a parameter",
-        &["value", "unit", "description"],
-        &mut reader.report,
-    ) else {
+    let Some(table) = item.table("a parameter", &["value", "unit", "description"], &mut reader.report) else {
         return;
     };
     if table.get("value").is_none() {
-        reader.report.error(
-            item.span,
-            "missing-key",
-            format!("parameter `{}` has no `value`", item.key),
-        );
+        reader.report.error(item.span, "missing-key", format!("parameter `{}` has no `value`", item.key));
     }
-    let value = table
-        .get("value")
-        .and_then(|value| reader.number(value))
-        .map_or(1.0, |number| number.value);
+    let value = table.get("value").and_then(|value| reader.number(value)).map_or(1.0, |number| number.value);
     reader.add_parameter(name, value, &table);
 }
 
@@ -290,26 +225,19 @@ fn read_options(reader: &mut Reader, item: Item<'_>) -> Options {
     let functions = functions.map(|item| function_names(reader, item));
     let lanes = table.get("lanes");
     let lanes = lanes.map(|item| function_names(reader, item));
-    let smooth_sign = table
-        .get("smooth_sign")
-        .and_then(|item| reader.positive(item))
-        .map(|number| number.value);
+    let smooth_sign =
+        table.get("smooth_sign").and_then(|item| reader.positive(item)).map(|number| number.value);
     Options {
         functions: functions.unwrap_or_default(),
         lanes: lanes.unwrap_or_default(),
         smooth_sign,
-        substeps: table
-            .get("substeps")
-            .and_then(|item| substeps(reader, item)),
+        substeps: table.get("substeps").and_then(|item| substeps(reader, item)),
     }
 }
 
 fn function_names(reader: &mut Reader, item: Item<'_>) -> Vec<String> {
     let functions = names(reader, item, "a list of function names").unwrap_or_default();
-    for unknown in functions
-        .iter()
-        .filter(|name| !is_known_function(&name.value))
-    {
+    for unknown in functions.iter().filter(|name| !is_known_function(&name.value)) {
         reader.report.error(
             unknown.span,
             "unknown-function",
@@ -329,14 +257,8 @@ fn substeps(reader: &mut Reader, item: Item<'_>) -> Option<usize> {
     let number = reader.positive(item)?;
     let count = (1..=MOST_SUBSTEPS).find(|&count| count as f64 == number.value);
     if count.is_none() {
-        reader.report.error(
-            number.span,
-            "bad-count",
-            format!("`substeps` is {}", number.value),
-        );
-        reader
-            .report
-            .help(format!("give a whole number from 1 to {MOST_SUBSTEPS}"));
+        reader.report.error(number.span, "bad-count", format!("`substeps` is {}", number.value));
+        reader.report.help(format!("give a whole number from 1 to {MOST_SUBSTEPS}"));
     }
     count
 }
@@ -346,43 +268,26 @@ fn read_bodies(reader: &mut Reader, top: &Table<'_>) -> Vec<BodyDescription> {
         return Vec::new();
     };
     let tables = item.tables("a body", &BODY, &mut reader.report);
-    tables
-        .iter()
-        .filter_map(|table| read_body(reader, table))
-        .collect()
+    tables.iter().filter_map(|table| read_body(reader, table)).collect()
 }
 
 fn read_body(reader: &mut Reader, table: &Table<'_>) -> Option<BodyDescription> {
     let link = table.get("link").and_then(|item| reader.name(item));
-    let name = table
-        .get("name")
-        .and_then(|item| reader.name(item))
-        .or_else(|| link.clone());
+    let name = table.get("name").and_then(|item| reader.name(item)).or_else(|| link.clone());
     let Some(name) = name else {
-        reader
-            .report
-            .error(table.span, "missing-key", "a body needs `name` or `link`");
+        reader.report.error(table.span, "missing-key", "a body needs `name` or `link`");
         return None;
     };
     let owner = name.value.clone();
-    let mass = table
-        .get("mass")
-        .map(|item| (item, reader.formula(item, &owner)));
-    let center_of_mass = table
-        .get("center_of_mass")
-        .and_then(|item| reader.formulas::<3>(item, &owner));
-    let inertia = table
-        .get("inertia")
-        .and_then(|item| Some(At::new(read_inertia(reader, item, &owner)?, item.span)));
-    let accepts = table
-        .get("accept_unphysical")
-        .and_then(|item| item.boolean(&mut reader.report));
+    let mass = table.get("mass").map(|item| (item, reader.formula(item, &owner)));
+    let center_of_mass = table.get("center_of_mass").and_then(|item| reader.formulas::<3>(item, &owner));
+    let inertia =
+        table.get("inertia").and_then(|item| Some(At::new(read_inertia(reader, item, &owner)?, item.span)));
+    let accepts = table.get("accept_unphysical").and_then(|item| item.boolean(&mut reader.report));
     Some(BodyDescription {
         link: link.unwrap_or_else(|| name.clone()),
         name,
-        origin: table
-            .get("origin")
-            .and_then(|item| reader.pose(item, &owner)),
+        origin: table.get("origin").and_then(|item| reader.pose(item, &owner)),
         mass: mass.map(|(item, value)| At::new(value.unwrap_or(Formula::ONE), item.span)),
         center_of_mass,
         inertia,
@@ -403,23 +308,15 @@ fn read_inertia(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<[For
             let keys = ["xx", "xy", "xz", "yy", "yz", "zz"];
             let table = item.table("an inertia", &keys, &mut reader.report)?;
             let owner = &format!("{owner}_inertia");
-            Some(keys.map(|key| {
-                table
-                    .get(key)
-                    .and_then(|item| reader.formula(item, owner))
-                    .unwrap_or_else(zero)
-            }))
+            Some(
+                keys.map(|key| {
+                    table.get(key).and_then(|item| reader.formula(item, owner)).unwrap_or_else(zero)
+                }),
+            )
         }
         _ => {
             let moment = reader.formula(item, owner)?;
-            Some([
-                moment.clone(),
-                zero(),
-                zero(),
-                moment.clone(),
-                zero(),
-                moment,
-            ])
+            Some([moment.clone(), zero(), zero(), moment.clone(), zero(), moment])
         }
     }
 }
@@ -429,34 +326,20 @@ fn read_frames(reader: &mut Reader, top: &Table<'_>) -> Vec<FrameDescription> {
         return Vec::new();
     };
     let tables = item.tables("a frame", &["name", "link", "origin"], &mut reader.report);
-    tables
-        .iter()
-        .filter_map(|table| read_frame(reader, table))
-        .collect()
+    tables.iter().filter_map(|table| read_frame(reader, table)).collect()
 }
 
 fn read_frame(reader: &mut Reader, table: &Table<'_>) -> Option<FrameDescription> {
     let name = required_name(reader, table, "name");
     let link = required_name(reader, table, "link");
     let owner = name.as_ref().map_or("frame", |name| &name.value).to_owned();
-    let pose = table
-        .get("origin")
-        .and_then(|item| reader.pose(item, &owner))
-        .unwrap_or_else(Pose::identity);
-    Some(FrameDescription {
-        name: name?,
-        link: link?,
-        pose,
-    })
+    let pose = table.get("origin").and_then(|item| reader.pose(item, &owner)).unwrap_or_else(Pose::identity);
+    Some(FrameDescription { name: name?, link: link?, pose })
 }
 
 fn required_name(reader: &mut Reader, table: &Table<'_>, key: &'static str) -> Option<Name> {
     let Some(item) = table.get(key) else {
-        reader.report.error(
-            table.span,
-            "missing-key",
-            format!("{} needs `{key}`", table.what),
-        );
+        reader.report.error(table.span, "missing-key", format!("{} needs `{key}`", table.what));
         return None;
     };
     reader.name(item)
@@ -488,16 +371,9 @@ fn read_joints(
 /// The defaults of a chain: each joint moves a link of its own name, carried by the link of the joint before.
 fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: Option<&Name>) {
     let at = joint.name.span;
-    let previous = before
-        .and_then(|joint| joint.child.clone())
-        .map(|link| At::new(link.value, at));
-    let first = || {
-        base.cloned()
-            .unwrap_or_else(|| At::new("base".to_owned(), at))
-    };
-    joint
-        .parent
-        .get_or_insert_with(|| previous.unwrap_or_else(first));
+    let previous = before.and_then(|joint| joint.child.clone()).map(|link| At::new(link.value, at));
+    let first = || base.cloned().unwrap_or_else(|| At::new("base".to_owned(), at));
+    joint.parent.get_or_insert_with(|| previous.unwrap_or_else(first));
     joint.complete();
 }
 
@@ -512,23 +388,13 @@ fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Option<JointDescription
         origin,
         link_frame,
         axis: table.get("axis").and_then(|item| reader.axis(item)),
-        held: table
-            .get("held")
-            .and_then(|item| reader.number(item))
-            .map(|number| number.value),
-        limits: table
-            .get("limits")
-            .and_then(|item| read_limits(reader, item))
-            .unwrap_or_default(),
-        springs: table
-            .get("spring")
-            .map(|item| At::new(springs(reader, item, &owner), item.span)),
+        held: table.get("held").and_then(|item| reader.number(item)).map(|number| number.value),
+        limits: table.get("limits").and_then(|item| read_limits(reader, item)).unwrap_or_default(),
+        springs: table.get("spring").map(|item| At::new(springs(reader, item, &owner), item.span)),
         friction: table
             .get("friction")
             .and_then(|item| Some(At::new(friction(reader, item, &owner)?, item.span))),
-        drive: table
-            .get("drive")
-            .and_then(|item| drive(reader, item, &owner)),
+        drive: table.get("drive").and_then(|item| drive(reader, item, &owner)),
         mimic: None,
         name,
     })
@@ -541,14 +407,8 @@ fn read_kind(reader: &mut Reader, item: Item<'_>) -> Option<JointKind> {
         "continuous" => Some(JointKind::Continuous),
         "prismatic" => Some(JointKind::Prismatic),
         other => {
-            reader.report.error(
-                item.span,
-                "joint-type",
-                format!("unsupported joint type {other:?}"),
-            );
-            reader
-                .report
-                .help("supported are \"fixed\", \"revolute\", \"continuous\" and \"prismatic\"");
+            reader.report.error(item.span, "joint-type", format!("unsupported joint type {other:?}"));
+            reader.report.help("supported are \"fixed\", \"revolute\", \"continuous\" and \"prismatic\"");
             // Reported; taken as moving, so that it causes no second complaint.
             Some(JointKind::Revolute)
         }
@@ -557,27 +417,15 @@ fn read_kind(reader: &mut Reader, item: Item<'_>) -> Option<JointKind> {
 
 /// Joint origin and, for standard DH rows, the described link frame behind the joint.
 fn placement(reader: &mut Reader, table: &Table<'_>, owner: &str) -> (Option<Pose>, Option<Pose>) {
-    let given: Vec<Item<'_>> = ["origin", "dh", "modified_dh"]
-        .iter()
-        .filter_map(|key| table.get(key))
-        .collect();
+    let given: Vec<Item<'_>> =
+        ["origin", "dh", "modified_dh"].iter().filter_map(|key| table.get(key)).collect();
     if let [first, second, ..] = given.as_slice() {
         let message = format!("both `{}` and `{}` place the joint", first.key, second.key);
-        reader
-            .report
-            .error(second.key_span, "conflicting-keys", message);
+        reader.report.error(second.key_span, "conflicting-keys", message);
     }
-    if let (Some(row), Some(axis)) = (
-        given.iter().find(|item| item.key != "origin"),
-        table.get("axis"),
-    ) {
-        let message = format!(
-            "`axis` beside `{}`: the axis of a Denavit–Hartenberg row is z",
-            row.key
-        );
-        reader
-            .report
-            .error(axis.key_span, "conflicting-keys", message);
+    if let (Some(row), Some(axis)) = (given.iter().find(|item| item.key != "origin"), table.get("axis")) {
+        let message = format!("`axis` beside `{}`: the axis of a Denavit–Hartenberg row is z", row.key);
+        reader.report.error(axis.key_span, "conflicting-keys", message);
     }
     match given.first() {
         Some(item) if item.key == "origin" => (reader.pose(*item, owner), None),
@@ -586,18 +434,10 @@ fn placement(reader: &mut Reader, table: &Table<'_>, owner: &str) -> (Option<Pos
     }
 }
 
-fn dh_row(
-    reader: &mut Reader,
-    item: Item<'_>,
-    owner: &str,
-) -> Option<(Option<Pose>, Option<Pose>)> {
+fn dh_row(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<(Option<Pose>, Option<Pose>)> {
     let table = item.table("a Denavit–Hartenberg row", &DH, &mut reader.report)?;
-    let mut length = |key| {
-        table
-            .get(key)
-            .and_then(|item| reader.formula(item, owner))
-            .unwrap_or(Formula::ZERO)
-    };
+    let mut length =
+        |key| table.get(key).and_then(|item| reader.formula(item, owner)).unwrap_or(Formula::ZERO);
     let (a, d) = (length("a"), length("d"));
     let mut angle = |key| match table.get(key).and_then(|item| reader.number(item)) {
         Some(angle) => reader.angles.angle(&angle, owner),
@@ -607,28 +447,14 @@ fn dh_row(
     if item.key == "modified_dh" {
         return Some((Some(modified_dh(d, a, alpha, theta)), None));
     }
-    let turned = Pose {
-        rotation: about_z(theta),
-        ..Pose::identity()
-    };
+    let turned = Pose { rotation: about_z(theta), ..Pose::identity() };
     Some((Some(turned), Some(standard_dh(d, a, alpha))))
 }
 
 fn read_limits(reader: &mut Reader, item: Item<'_>) -> Option<LimitsDescription> {
     let table = item.table("limits", &LIMITS, &mut reader.report)?;
-    let position = table
-        .get("position")
-        .and_then(|item| reader.numbers::<2>(item));
+    let position = table.get("position").and_then(|item| reader.numbers::<2>(item));
     let mut positive = |key| table.get(key).and_then(|item| reader.positive(item));
-    let (velocity, effort, peak_effort) = (
-        positive("velocity"),
-        positive("effort"),
-        positive("peak_effort"),
-    );
-    Some(LimitsDescription {
-        position,
-        velocity,
-        effort,
-        peak_effort,
-    })
+    let (velocity, effort, peak_effort) = (positive("velocity"), positive("effort"), positive("peak_effort"));
+    Some(LimitsDescription { position, velocity, effort, peak_effort })
 }

@@ -44,15 +44,13 @@ impl Reader {
         if number.value > 0.0 {
             return Some(number);
         }
-        let message = format!(
-            "`{}` must be greater than 0, not {}",
-            item.key, number.value
-        );
+        let message = format!("`{}` must be greater than 0, not {}", item.key, number.value);
         self.report.error(item.span, "not-positive", message);
         None
     }
 
-    /// A number, a formula over parameters, or `{ free = … }`, which makes a parameter named after owner and key.
+    /// A number, a formula over parameters, or `{ free = … }`, which makes a parameter named after owner and
+    /// key.
     pub fn formula(&mut self, item: Item<'_>, owner: &str) -> Option<Formula> {
         match item.value {
             DeValue::Table(_) => self.free_parameter(item, &format!("{owner}_{}", item.key)),
@@ -62,10 +60,7 @@ impl Reader {
 
     /// Value of a formula of parameters at their described values.
     pub fn at_defaults(&self, formula: &Formula) -> f64 {
-        let defaults = self
-            .parameters
-            .iter()
-            .map(|parameter| parameter.value.default);
+        let defaults = self.parameters.iter().map(|parameter| parameter.value.default);
         formula.evaluate(&defaults.collect::<Vec<f64>>(), 0.0, 0.0)
     }
 
@@ -87,9 +82,9 @@ impl Reader {
 
     fn literal(&mut self, item: Item<'_>) -> Option<f64> {
         let value = match item.value {
-            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
-                .ok()
-                .map(|n| n as f64),
+            DeValue::Integer(integer) => {
+                i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|n| n as f64)
+            }
             DeValue::Float(float) => float.as_str().parse().ok(),
             _ => None,
         };
@@ -102,11 +97,7 @@ impl Reader {
                 None
             }
             _ => {
-                let message = format!(
-                    "`{}` must be finite, not {}",
-                    item.key,
-                    self.report.text(item.span)
-                );
+                let message = format!("`{}` must be finite, not {}", item.key, self.report.text(item.span));
                 self.report.error(item.span, "number-not-finite", message);
                 None
             }
@@ -117,20 +108,12 @@ impl Reader {
         match parse(text, allowed, &self.parameter_names) {
             Ok(formula) => Some(formula),
             Err(wrong) => {
-                // A plain string literal has its text one byte behind the quote; other forms are marked as a whole.
-                let plain = self
-                    .report
-                    .text(span)
-                    .get(1..)
-                    .is_some_and(|rest| rest.starts_with(text));
+                // A plain string literal has its text one byte behind the quote; other forms are marked as a
+                // whole.
+                let plain = self.report.text(span).get(1..).is_some_and(|rest| rest.starts_with(text));
                 let start = span.start + 1;
-                let place = Span {
-                    start: start + wrong.range.start,
-                    end: start + wrong.range.end,
-                    ..span
-                };
-                self.report
-                    .error(if plain { place } else { span }, wrong.code, wrong.message);
+                let place = Span { start: start + wrong.range.start, end: start + wrong.range.end, ..span };
+                self.report.error(if plain { place } else { span }, wrong.code, wrong.message);
                 if let Some(help) = wrong.help {
                     self.report.help(help);
                 }
@@ -140,18 +123,11 @@ impl Reader {
     }
 
     fn free_parameter(&mut self, item: Item<'_>, name: &str) -> Option<Formula> {
-        let table = item.table(
-            "a free value",
-            &["free", "name", "unit", "description"],
-            &mut self.report,
-        )?;
+        let table = item.table("a free value", &["free", "name", "unit", "description"], &mut self.report)?;
         let Some(value) = table.get("free") else {
             let message = format!("`{}` is a table without `free`", item.key);
             self.report.error(item.span, "missing-key", message);
-            self.report.help(format!(
-                "write `{} = {{ free = 1.5 }}` for a value that stays free",
-                item.key
-            ));
+            self.report.help(format!("write `{} = {{ free = 1.5 }}` for a value that stays free", item.key));
             return None;
         };
         let default = self.number(value)?;
@@ -163,12 +139,7 @@ impl Reader {
     }
 
     /// Adds a parameter after checking its name; `table` may hold its unit and description.
-    pub fn add_parameter(
-        &mut self,
-        name: Name,
-        default: f64,
-        table: &Table<'_>,
-    ) -> Option<Formula> {
+    pub fn add_parameter(&mut self, name: Name, default: f64, table: &Table<'_>) -> Option<Formula> {
         let unit = self.one_line(table, "unit");
         let description = self.one_line(table, "description");
         self.push_parameter(name, default, unit, description)
@@ -189,46 +160,28 @@ impl Reader {
         if !usable || is_keyword(text) || has_meaning(text) {
             let message = format!("{text:?} cannot name a parameter");
             self.report.error(name.span, "parameter-name", message);
-            self.report.help(
-                "letters, digits and underscores; no word of Rust, and none of y, v, pi, sin, …",
-            );
+            self.report
+                .help("letters, digits and underscores; no word of Rust, and none of y, v, pi, sin, …");
             return None;
         }
         let field = identifier(text);
-        let other = self
-            .fields
-            .get(&field)
-            .and_then(|other| self.parameters.get(*other));
+        let other = self.fields.get(&field).and_then(|other| self.parameters.get(*other));
         if let Some(other) = other {
             let place = self.report.place(other.span);
-            let message =
-                format!("two parameters are named `{field}`; the other one stands at {place}");
+            let message = format!("two parameters are named `{field}`; the other one stands at {place}");
             self.report.error(name.span, "duplicate-name", message);
             return None;
         }
         let index = self.parameters.len();
         self.fields.insert(field.clone(), index);
         self.parameter_names.insert(name.value, index);
-        self.parameters.push(At::new(
-            Parameter {
-                name: field,
-                default,
-                unit,
-                description,
-            },
-            name.span,
-        ));
+        self.parameters.push(At::new(Parameter { name: field, default, unit, description }, name.span));
         Some(Formula::Parameter(index))
     }
 
     fn one_line(&mut self, table: &Table<'_>, key: &str) -> String {
-        let text = table
-            .get(key)
-            .and_then(|item| item.text(&mut self.report))
-            .unwrap_or("");
-        text.chars()
-            .map(|c| if c.is_control() { ' ' } else { c })
-            .collect()
+        let text = table.get(key).and_then(|item| item.text(&mut self.report)).unwrap_or("");
+        text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
     }
 
     /// A name: a text without control characters.
@@ -243,11 +196,7 @@ impl Reader {
     }
 
     /// A list of `N` formulas.
-    pub fn formulas<const N: usize>(
-        &mut self,
-        item: Item<'_>,
-        owner: &str,
-    ) -> Option<[Formula; N]> {
+    pub fn formulas<const N: usize>(&mut self, item: Item<'_>, owner: &str) -> Option<[Formula; N]> {
         let entries = self.entries::<N>(item)?;
         let label = |index: usize| ["x", "y", "z"].get(index).copied().unwrap_or("");
         let mut result = [Formula::ZERO; N];
@@ -266,10 +215,7 @@ impl Reader {
     /// A list of `N` numbers.
     pub fn numbers<const N: usize>(&mut self, item: Item<'_>) -> Option<At<[f64; N]>> {
         let entries = self.entries::<N>(item)?;
-        let numbers: Vec<Option<At<f64>>> = entries
-            .into_iter()
-            .map(|entry| self.number(entry))
-            .collect();
+        let numbers: Vec<Option<At<f64>>> = entries.into_iter().map(|entry| self.number(entry)).collect();
         let mut result = [0.0; N];
         for (into, number) in result.iter_mut().zip(numbers) {
             *into = number?.value;
@@ -298,12 +244,7 @@ impl Reader {
         if (length - 1.0).abs() <= UNIT {
             return Some(axis.map(|x| x / length));
         }
-        let message = format!(
-            "`{}` = [{}] has length {}, not 1",
-            item.key,
-            join(&axis),
-            not_one(length)
-        );
+        let message = format!("`{}` = [{}] has length {}, not 1", item.key, join(&axis), not_one(length));
         self.report.error(item.span, "axis-not-unit", message);
         if length > 0.0 && length.is_finite() {
             let unit = axis.map(|x| x / length);
@@ -315,13 +256,9 @@ impl Reader {
     /// A pose: `{ xyz, rpy }` or `{ xyz, quaternion = { w, x, y, z } }`.
     pub fn pose(&mut self, item: Item<'_>, owner: &str) -> Option<Pose> {
         let table = item.table("a pose", &["xyz", "rpy", "quaternion"], &mut self.report)?;
-        let xyz = table
-            .get("xyz")
-            .and_then(|xyz| self.formulas::<3>(xyz, owner));
+        let xyz = table.get("xyz").and_then(|xyz| self.formulas::<3>(xyz, owner));
         let rotation = match (table.get("rpy"), table.get("quaternion")) {
-            (Some(rpy), None) => self
-                .numbers::<3>(rpy)
-                .map(|angles| self.angles.rpy(&angles, owner)),
+            (Some(rpy), None) => self.numbers::<3>(rpy).map(|angles| self.angles.rpy(&angles, owner)),
             (None, Some(quaternion)) => self.quaternion(quaternion),
             (None, None) => None,
             (Some(_), Some(second)) => {
@@ -335,27 +272,18 @@ impl Reader {
             }
         };
         let translation = xyz.unwrap_or([Formula::ZERO; 3]);
-        Some(Pose {
-            translation,
-            rotation: rotation.unwrap_or(IDENTITY),
-        })
+        Some(Pose { translation, rotation: rotation.unwrap_or(IDENTITY) })
     }
 
     fn quaternion(&mut self, item: Item<'_>) -> Option<[[f64; 3]; 3]> {
         let keys = ["w", "x", "y", "z"];
         let table = item.table("a quaternion", &keys, &mut self.report)?;
-        let parts = keys.map(|key| {
-            table
-                .get(key)
-                .map_or(Some(0.0), |part| self.number(part).map(|n| n.value))
-        });
+        let parts =
+            keys.map(|key| table.get(key).map_or(Some(0.0), |part| self.number(part).map(|n| n.value)));
         let [w, x, y, z] = [parts[0]?, parts[1]?, parts[2]?, parts[3]?];
         let length = numeric::length([w, x, y, z]);
         if (length - 1.0).abs() <= UNIT {
-            return Some(
-                self.angles
-                    .quaternion([w, x, y, z].map(|part| part / length)),
-            );
+            return Some(self.angles.quaternion([w, x, y, z].map(|part| part / length)));
         }
         self.report.error(
             item.span,
@@ -374,9 +302,5 @@ fn not_one(length: f64) -> String {
 
 /// Numbers as a description would write them.
 pub(super) fn join(numbers: &[f64]) -> String {
-    numbers
-        .iter()
-        .map(|&number| as_written(number))
-        .collect::<Vec<_>>()
-        .join(", ")
+    numbers.iter().map(|&number| as_written(number)).collect::<Vec<_>>().join(", ")
 }

@@ -30,8 +30,8 @@ impl Tree {
         carriers.map(|carrier| carrier > 0).collect()
     }
 
-    /// For each link the first one on its way to the base whose own joint moves: itself, or what it is fixed to; the base
-    /// for what never moves.
+    /// For each link the first one on its way to the base whose own joint moves: itself, or what it is fixed
+    /// to; the base for what never moves.
     pub fn carriers(&self, robot: &RobotDescription) -> Vec<usize> {
         let mut carriers = vec![0; self.links.len()];
         for link in self.moved_links(robot) {
@@ -75,12 +75,8 @@ pub(super) fn build(robot: &RobotDescription, report: &mut Report) -> Option<Tre
 
 impl<'d> Graph<'d> {
     fn new(robot: &'d RobotDescription, report: &mut Report) -> Self {
-        let mut graph = Self {
-            names: Vec::new(),
-            numbers: BTreeMap::new(),
-            carried_by: Vec::new(),
-            carries: Vec::new(),
-        };
+        let mut graph =
+            Self { names: Vec::new(), numbers: BTreeMap::new(), carried_by: Vec::new(), carries: Vec::new() };
         graph.declare_links(robot, report);
         for (index, joint) in robot.joints.iter().enumerate() {
             let (Some(parent), Some(child)) = (&joint.parent, &joint.child) else {
@@ -95,12 +91,7 @@ impl<'d> Graph<'d> {
         }
         if robot.sort_joints {
             for joints in &mut graph.carries {
-                joints.sort_by(|a, b| {
-                    robot.joints[*a]
-                        .name
-                        .value
-                        .cmp(&robot.joints[*b].name.value)
-                });
+                joints.sort_by(|a, b| robot.joints[*a].name.value.cmp(&robot.joints[*b].name.value));
             }
         }
         graph
@@ -110,31 +101,17 @@ impl<'d> Graph<'d> {
         for link in &robot.links {
             if let Some(first) = self.numbers.get(link.value.as_str()) {
                 let place = report.place(self.names[*first].span);
-                let message = format!(
-                    "two links are named `{}`; the other one stands at {place}",
-                    link.value
-                );
+                let message =
+                    format!("two links are named `{}`; the other one stands at {place}", link.value);
                 report.error(link.span, "duplicate-name", message);
             }
             self.number(link);
         }
         let declared = !robot.links.is_empty();
-        for name in robot
-            .joints
-            .iter()
-            .flat_map(|joint| [&joint.parent, &joint.child])
-            .flatten()
-        {
+        for name in robot.joints.iter().flat_map(|joint| [&joint.parent, &joint.child]).flatten() {
             if declared && !self.numbers.contains_key(name.value.as_str()) {
-                report.error(
-                    name.span,
-                    "unknown-link",
-                    format!("unknown link `{}`", name.value),
-                );
-                if let Some(help) = nearest(
-                    &name.value,
-                    robot.links.iter().map(|link| link.value.as_str()),
-                ) {
+                report.error(name.span, "unknown-link", format!("unknown link `{}`", name.value));
+                if let Some(help) = nearest(&name.value, robot.links.iter().map(|link| link.value.as_str())) {
                     report.help(help);
                 }
                 self.number(name);
@@ -157,16 +134,12 @@ impl<'d> Graph<'d> {
     }
 
     fn root(&self, robot: &RobotDescription, report: &mut Report) -> Option<usize> {
-        let roots: Vec<usize> = (0..self.names.len())
-            .filter(|link| self.carried_by[*link].is_none())
-            .collect();
+        let roots: Vec<usize> =
+            (0..self.names.len()).filter(|link| self.carried_by[*link].is_none()).collect();
         match roots.as_slice() {
             [root] => match &robot.base {
                 Some(base) if base.value != self.names[*root].value => {
-                    let message = format!(
-                        "`{}` is carried by a joint, it cannot be the base",
-                        base.value
-                    );
+                    let message = format!("`{}` is carried by a joint, it cannot be the base", base.value);
                     report.error(base.span, "base-moves", message);
                     None
                 }
@@ -176,8 +149,7 @@ impl<'d> Graph<'d> {
                 if !report.has_errors() {
                     let message = "the description has no joints";
                     report.error(robot.name.span, "no-moving-joint", message);
-                    report
-                        .help("a robot needs at least one [[joints]] entry, or <joint> in a URDF");
+                    report.help("a robot needs at least one [[joints]] entry, or <joint> in a URDF");
                 }
                 None
             }
@@ -195,23 +167,15 @@ impl<'d> Graph<'d> {
     fn report_roots(&self, first: usize, others: &[usize], report: &mut Report) {
         for other in others {
             let (base, name) = (self.names[first], self.names[*other]);
-            let message = format!(
-                "two roots: neither `{}` nor `{}` is carried by a joint",
-                base.value, name.value
-            );
+            let message =
+                format!("two roots: neither `{}` nor `{}` is carried by a joint", base.value, name.value);
             report.error(name.span, "two-roots", message);
             let carried = (0..self.names.len()).filter(|link| self.carried_by[*link].is_some());
-            let hint = nearest(
-                &name.value,
-                carried.map(|link| self.names[link].value.as_str()),
-            );
+            let hint = nearest(&name.value, carried.map(|link| self.names[link].value.as_str()));
             let hint = hint.filter(|hint| hint.starts_with("did"));
             report.help(match hint {
                 Some(hint) => format!("{hint} Otherwise add a joint that carries `{}`", name.value),
-                None => format!(
-                    "add a joint from `{}` to `{}`, or fix the name",
-                    base.value, name.value
-                ),
+                None => format!("add a joint from `{}` to `{}`, or fix the name", base.value, name.value),
             });
         }
     }
@@ -231,10 +195,8 @@ impl<'d> Graph<'d> {
             tree.parents.push(parent);
             tree.index.insert(self.names[link].value.clone(), index);
             for joint in self.carries[link].iter().rev() {
-                let child = joints[*joint]
-                    .child
-                    .as_ref()
-                    .and_then(|child| self.numbers.get(child.value.as_str()));
+                let child =
+                    joints[*joint].child.as_ref().and_then(|child| self.numbers.get(child.value.as_str()));
                 stack.extend(child.map(|child| (*child, Some(*joint), index)));
             }
         }
@@ -242,11 +204,8 @@ impl<'d> Graph<'d> {
     }
 
     fn report_cycles(&self, tree: &Tree, robot: &RobotDescription, report: &mut Report) {
-        let mut seen: Vec<bool> = self
-            .names
-            .iter()
-            .map(|name| tree.index.contains_key(&name.value))
-            .collect();
+        let mut seen: Vec<bool> =
+            self.names.iter().map(|name| tree.index.contains_key(&name.value)).collect();
         for start in 0..self.names.len() {
             let mut path = Vec::new();
             let mut link = start;
@@ -254,9 +213,7 @@ impl<'d> Graph<'d> {
                 path.push(link);
                 let joint = self.carried_by[link].and_then(|joint| robot.joints.get(joint));
                 let parent = joint.and_then(|joint| joint.parent.as_ref());
-                let Some(parent) =
-                    parent.and_then(|parent| self.numbers.get(parent.value.as_str()))
-                else {
+                let Some(parent) = parent.and_then(|parent| self.numbers.get(parent.value.as_str())) else {
                     break;
                 };
                 link = *parent;
@@ -268,25 +225,15 @@ impl<'d> Graph<'d> {
     }
 
     fn report_cycle(&self, members: &[usize], robot: &RobotDescription, report: &mut Report) {
-        let names: Vec<String> = members
-            .iter()
-            .rev()
-            .take(8)
-            .map(|link| format!("`{}`", self.names[*link].value))
-            .collect();
+        let names: Vec<String> =
+            members.iter().rev().take(8).map(|link| format!("`{}`", self.names[*link].value)).collect();
         let dots = if members.len() > 8 { " → …" } else { "" };
-        let joint = members
-            .iter()
-            .filter_map(|link| self.carried_by[*link])
-            .max();
-        let span = joint
-            .and_then(|joint| robot.joints.get(joint))
-            .map_or(Span::default(), |joint| joint.name.span);
+        let joint = members.iter().filter_map(|link| self.carried_by[*link]).max();
+        let span =
+            joint.and_then(|joint| robot.joints.get(joint)).map_or(Span::default(), |joint| joint.name.span);
         let message = format!("the links {}{dots} form a cycle", names.join(" → "));
         report.error(span, "cycle", message);
-        report.help(
-            "each link is carried by one joint, and following the parents must lead to the base",
-        );
+        report.help("each link is carried by one joint, and following the parents must lead to the base");
     }
 }
 

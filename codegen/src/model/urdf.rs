@@ -1,6 +1,7 @@
 //! A URDF as a [`RobotDescription`].
 //!
-//! Everything that a vendor's file contains is accepted; what does not enter the dynamics is skipped with a note.
+//! Everything that a vendor's file contains is accepted; what does not enter the dynamics is skipped with a
+//! note.
 
 use super::angles::Angles;
 use super::description::{
@@ -35,30 +36,17 @@ pub(super) fn description(
         Ok(document) => document,
         Err(wrong) => {
             let at = byte_offset(text, wrong.pos());
-            report.error(
-                Span::new(source, at..at + 1),
-                "xml-syntax",
-                without_position(&wrong.to_string()),
-            );
+            report.error(Span::new(source, at..at + 1), "xml-syntax", without_position(&wrong.to_string()));
             return None;
         }
     };
     let robot = document.root_element();
     if robot.tag_name().name() != "robot" {
-        let message = format!(
-            "the file holds a `{}`, not a `robot`",
-            robot.tag_name().name()
-        );
+        let message = format!("the file holds a `{}`, not a `robot`", robot.tag_name().name());
         report.error(Span::new(source, robot.range()), "not-a-robot", message);
         return None;
     }
-    let mut reader = Reader {
-        report,
-        angles,
-        source,
-        options: *options,
-        notes: UrdfNotes::default(),
-    };
+    let mut reader = Reader { report, angles, source, options: *options, notes: UrdfNotes::default() };
     if let Some(macros) = xacro::first(robot) {
         let span = reader.span(macros);
         xacro::report(macros, span, file, reader.report);
@@ -77,9 +65,7 @@ fn stem(file: &str) -> &str {
 
 /// roxmltree appends its position, which the diagnostic shows already.
 fn without_position(message: &str) -> &str {
-    message
-        .rsplit_once(" at ")
-        .map_or(message, |(message, _)| message)
+    message.rsplit_once(" at ").map_or(message, |(message, _)| message)
 }
 
 fn byte_offset(text: &str, at: roxmltree::TextPos) -> usize {
@@ -87,11 +73,7 @@ fn byte_offset(text: &str, at: roxmltree::TextPos) -> usize {
     let start: usize = text.split_inclusive('\n').take(row).map(str::len).sum();
     let line = text.get(start..).unwrap_or("");
     let column = at.col.saturating_sub(1) as usize;
-    start
-        + line
-            .char_indices()
-            .nth(column)
-            .map_or(line.len(), |(byte, _)| byte)
+    start + line.char_indices().nth(column).map_or(line.len(), |(byte, _)| byte)
 }
 
 pub(super) struct Reader<'r> {
@@ -110,7 +92,8 @@ const SHAPES: [&str; 2] = ["visual", "collision"];
 /// Tags of a gear ratio in transmissions of ROS and ROS 2.
 const REDUCTIONS: [&str; 2] = ["mechanicalReduction", "mechanical_reduction"];
 
-/// Name of the joint that a transmission's reduction belongs to: it is itself that of a joint, or of an actuator beside it.
+/// Name of the joint that a transmission's reduction belongs to: it is itself that of a joint, or of an
+/// actuator beside it.
 fn joint_of<'a>(reduction: XmlNode<'a>) -> Option<&'a str> {
     let mut around = reduction.ancestors().skip(1).take(2);
     around.find_map(|node| match node.has_tag_name("joint") {
@@ -126,11 +109,7 @@ impl Reader<'_> {
     pub(super) fn span(&self, node: XmlNode<'_>) -> Span {
         let range = node.range();
         // The opening tag is enough: an element may be the whole file.
-        let text = node
-            .document()
-            .input_text()
-            .get(range.clone())
-            .unwrap_or("");
+        let text = node.document().input_text().get(range.clone()).unwrap_or("");
         let length = text.find(['>', '\n']).map_or(text.len(), |at| at + 1);
         Span::new(self.source, range.start..range.start + length)
     }
@@ -162,11 +141,8 @@ impl Reader<'_> {
     /// A reduction or rotor in a transmission would change the dynamics; the drive is ideal all the same.
     fn transmission(&mut self, node: XmlNode<'_>) {
         let span = self.span(node);
-        self.notes
-            .skip(format!("<{}>", node.tag_name().name()), span);
-        let reductions = node
-            .descendants()
-            .filter(|inner| REDUCTIONS.contains(&inner.tag_name().name()));
+        self.notes.skip(format!("<{}>", node.tag_name().name()), span);
+        let reductions = node.descendants().filter(|inner| REDUCTIONS.contains(&inner.tag_name().name()));
         for reduction in reductions {
             let text = reduction.text().unwrap_or("").trim();
             if text.parse::<f64>().ok() != Some(1.0) {
@@ -185,15 +161,10 @@ impl Reader<'_> {
             return;
         };
         let inertial = self.single(node, "inertial", &name.quoted());
-        for skipped in node
-            .children()
-            .filter(Node::is_element)
-            .filter(|inner| inner.tag_name().name() != "inertial")
+        for skipped in
+            node.children().filter(Node::is_element).filter(|inner| inner.tag_name().name() != "inertial")
         {
-            self.notes.skip(
-                format!("<{}>", skipped.tag_name().name()),
-                self.span(skipped),
-            );
+            self.notes.skip(format!("<{}>", skipped.tag_name().name()), self.span(skipped));
         }
         result.links.push(name.clone());
         let is_shape = |inner: XmlNode<'_>| SHAPES.contains(&inner.tag_name().name());
@@ -223,10 +194,7 @@ impl Reader<'_> {
         };
         let mass = self.required_number(mass, "value")?;
         let inertia = inertia.map(|node| At::new(self.inertia(node), self.span(node)));
-        let nothing = mass.value == 0.0
-            && inertia
-                .as_ref()
-                .is_none_or(|inertia| inertia.value == [0.0; 6]);
+        let nothing = mass.value == 0.0 && inertia.as_ref().is_none_or(|inertia| inertia.value == [0.0; 6]);
         if nothing {
             return None;
         }
@@ -236,8 +204,7 @@ impl Reader<'_> {
             origin: Some(self.origin(node, &owner)),
             mass: Some(At::new(Formula::Number(mass.value), mass.span)),
             center_of_mass: None,
-            inertia: inertia
-                .map(|entries| At::new(entries.value.map(Formula::Number), entries.span)),
+            inertia: inertia.map(|entries| At::new(entries.value.map(Formula::Number), entries.span)),
             accept_unphysical: false,
             is_published: true,
             name,
@@ -246,10 +213,7 @@ impl Reader<'_> {
 
     fn inertia(&mut self, node: XmlNode<'_>) -> [f64; 6] {
         let keys = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
-        keys.map(|key| {
-            self.required_number(node, key)
-                .map_or(0.0, |number| number.value)
-        })
+        keys.map(|key| self.required_number(node, key).map_or(0.0, |number| number.value))
     }
 
     fn origin(&mut self, parent: XmlNode<'_>, owner: &str) -> Pose {
@@ -259,17 +223,12 @@ impl Reader<'_> {
         let xyz = self.vector(node, "xyz").map_or([0.0; 3], |xyz| xyz.value);
         let rpy = self.vector(node, "rpy");
         let rotation = rpy.map_or(IDENTITY, |rpy| self.angles.rpy(&rpy, owner));
-        Pose {
-            translation: xyz.map(Formula::Number),
-            rotation,
-        }
+        Pose { translation: xyz.map(Formula::Number), rotation }
     }
 
     fn joint(&mut self, node: XmlNode<'_>) -> Option<JointDescription> {
         let name = self.required_name(node, "name")?;
-        let known = [
-            "origin", "parent", "child", "axis", "limit", "dynamics", "mimic",
-        ];
+        let known = ["origin", "parent", "child", "axis", "limit", "dynamics", "mimic"];
         self.known_children(node, &known);
         let kind = self.kind(node, &name);
         let moves = kind != Some(JointKind::Fixed);
@@ -278,9 +237,8 @@ impl Reader<'_> {
             .single(node, "dynamics", &name.quoted())
             .filter(|_| moves)
             .map(|node| At::new(self.friction(node, &name), self.span(node)));
-        let mimic = self
-            .single(node, "mimic", &name.quoted())
-            .filter(|_| moves && !self.options.ignore_mimic);
+        let mimic =
+            self.single(node, "mimic", &name.quoted()).filter(|_| moves && !self.options.ignore_mimic);
         Some(JointDescription {
             parent: self.end(node, "parent", &name),
             child: self.end(node, "child", &name),
@@ -306,15 +264,9 @@ impl Reader<'_> {
             Some("continuous") => Some(JointKind::Continuous),
             Some("prismatic") => Some(JointKind::Prismatic),
             other => {
-                let span = kind.map_or_else(
-                    || self.span(node),
-                    |attribute| self.attribute_span(attribute),
-                );
+                let span = kind.map_or_else(|| self.span(node), |attribute| self.attribute_span(attribute));
                 let other = other.map_or("none".to_owned(), |other| format!("{other:?}"));
-                let message = format!(
-                    "joint `{}` has type {other}, which is not supported",
-                    name.value
-                );
+                let message = format!("joint `{}` has type {other}, which is not supported", name.value);
                 self.report.error(span, "joint-type", message);
                 self.report.help(
                     "supported are fixed, revolute, continuous and prismatic; write a floating or planar joint as a \
@@ -330,8 +282,7 @@ impl Reader<'_> {
         let node = self.single(joint, tag, &name.quoted());
         if node.is_none() {
             let message = format!("joint `{}` has no <{tag}>", name.value);
-            self.report
-                .error(self.span(joint), "missing-element", message);
+            self.report.error(self.span(joint), "missing-element", message);
         }
         self.required_name(node?, "link")
     }
@@ -344,21 +295,13 @@ impl Reader<'_> {
         };
         let length = norm(&axis.value);
         if length == 0.0 || !length.is_finite() {
-            let message = format!(
-                "the axis of joint `{}` has length {}",
-                name.value,
-                three_digits(length)
-            );
+            let message = format!("the axis of joint `{}` has length {}", name.value, three_digits(length));
             self.report.error(axis.span, "axis-not-unit", message);
             return None;
         }
         if (length - 1.0).abs() > WRITTEN_DIGITS {
-            let owner = format!(
-                "`{}` [{}] of length {}",
-                name.value,
-                join(&axis.value),
-                three_digits(length)
-            );
+            let owner =
+                format!("`{}` [{}] of length {}", name.value, join(&axis.value), three_digits(length));
             self.notes.remark(Remark::AxisNormalized, axis.span, owner);
         }
         Some(axis.value.map(|x| x / length))
@@ -366,23 +309,18 @@ impl Reader<'_> {
 
     /// `τ = damping · v + friction · sign(v)`
     fn friction(&mut self, node: XmlNode<'_>, name: &Name) -> Vec<FrictionTerm> {
-        for unknown in node
-            .attributes()
-            .filter(|attribute| !["damping", "friction"].contains(&attribute.name()))
+        for unknown in
+            node.attributes().filter(|attribute| !["damping", "friction"].contains(&attribute.name()))
         {
-            self.notes.skip(
-                format!("<dynamics {}>", unknown.name()),
-                Span::new(self.source, unknown.range()),
-            );
+            self.notes
+                .skip(format!("<dynamics {}>", unknown.name()), Span::new(self.source, unknown.range()));
         }
         if self.options.no_friction {
             return Vec::new();
         }
         let sign = Formula::call(Function::Sign, Formula::Velocity);
         let laws = [("damping", Formula::Velocity), ("friction", sign)];
-        laws.into_iter()
-            .filter_map(|(key, basis)| self.friction_term(node, key, basis, name))
-            .collect()
+        laws.into_iter().filter_map(|(key, basis)| self.friction_term(node, key, basis, name)).collect()
     }
 
     fn friction_term(
@@ -405,15 +343,8 @@ impl Reader<'_> {
     /// The first child element of this kind, as ROS takes it.
     ///
     /// - `owner`: names the element around it in the warning about others
-    pub(super) fn single<'a>(
-        &mut self,
-        node: XmlNode<'a>,
-        tag: &str,
-        owner: &str,
-    ) -> Option<XmlNode<'a>> {
-        let mut found = node
-            .children()
-            .filter(|inner| inner.is_element() && inner.tag_name().name() == tag);
+    pub(super) fn single<'a>(&mut self, node: XmlNode<'a>, tag: &str, owner: &str) -> Option<XmlNode<'a>> {
+        let mut found = node.children().filter(|inner| inner.is_element() && inner.tag_name().name() == tag);
         let first = found.next()?;
         if let Some(second) = found.next() {
             let span = self.span(second);
@@ -426,8 +357,7 @@ impl Reader<'_> {
     fn known_children(&mut self, node: XmlNode<'_>, known: &[&str]) {
         for inner in node.children().filter(Node::is_element) {
             if !known.contains(&inner.tag_name().name()) {
-                self.notes
-                    .skip(format!("<{}>", inner.tag_name().name()), self.span(inner));
+                self.notes.skip(format!("<{}>", inner.tag_name().name()), self.span(inner));
             }
         }
     }
@@ -455,8 +385,7 @@ impl Reader<'_> {
 
     fn missing(&mut self, node: XmlNode<'_>, key: &str) {
         let message = format!("<{}> has no `{key}`", node.tag_name().name());
-        self.report
-            .error(self.span(node), "missing-attribute", message);
+        self.report.error(self.span(node), "missing-attribute", message);
     }
 
     fn required_number(&mut self, node: XmlNode<'_>, key: &str) -> Option<At<f64>> {
@@ -467,8 +396,7 @@ impl Reader<'_> {
     }
 
     pub(super) fn number(&mut self, node: XmlNode<'_>, key: &str) -> Option<At<f64>> {
-        self.numbers::<1>(node, key)
-            .map(|found| At::new(found.value[0], found.span))
+        self.numbers::<1>(node, key).map(|found| At::new(found.value[0], found.span))
     }
 
     fn vector(&mut self, node: XmlNode<'_>, key: &str) -> Option<At<[f64; 3]>> {
@@ -478,28 +406,17 @@ impl Reader<'_> {
     fn numbers<const N: usize>(&mut self, node: XmlNode<'_>, key: &str) -> Option<At<[f64; N]>> {
         let attribute = node.attribute_node(key)?;
         let span = self.attribute_span(attribute);
-        let numbers: Vec<Option<f64>> = attribute
-            .value()
-            .split_whitespace()
-            .map(|word| word.parse().ok())
-            .collect();
+        let numbers: Vec<Option<f64>> =
+            attribute.value().split_whitespace().map(|word| word.parse().ok()).collect();
         let mut result = [0.0; N];
         let readable = numbers.len() == N && numbers.iter().all(Option::is_some);
         for (into, number) in result.iter_mut().zip(numbers.into_iter().flatten()) {
             *into = number + 0.0; // −0 becomes 0
         }
         if !readable {
-            let wanted = if N == 1 {
-                "a number".to_owned()
-            } else {
-                format!("{N} numbers")
-            };
+            let wanted = if N == 1 { "a number".to_owned() } else { format!("{N} numbers") };
             let found: String = attribute.value().chars().take(60).collect();
-            self.report.error(
-                span,
-                "not-a-number",
-                format!("`{key}` must be {wanted}, not {found:?}"),
-            );
+            self.report.error(span, "not-a-number", format!("`{key}` must be {wanted}, not {found:?}"));
             return None;
         }
         if result.iter().any(|number| !number.is_finite()) {
@@ -518,23 +435,10 @@ impl Reader<'_> {
 
 /// Links without mass on fixed joints are frames: tool0 and the like.
 fn massless_frames(robot: &RobotDescription) -> Vec<FrameDescription> {
-    let with_mass: Vec<&str> = robot
-        .bodies
-        .iter()
-        .map(|body| body.link.value.as_str())
-        .collect();
+    let with_mass: Vec<&str> = robot.bodies.iter().map(|body| body.link.value.as_str()).collect();
     let with_mass: std::collections::BTreeSet<&str> = with_mass.into_iter().collect();
-    let fixed = robot
-        .joints
-        .iter()
-        .filter(|joint| joint.kind == Some(JointKind::Fixed));
+    let fixed = robot.joints.iter().filter(|joint| joint.kind == Some(JointKind::Fixed));
     let links = fixed.filter_map(|joint| joint.child.clone());
     let massless = links.filter(|link| !with_mass.contains(link.value.as_str()));
-    massless
-        .map(|link| FrameDescription {
-            name: link.clone(),
-            link,
-            pose: Pose::identity(),
-        })
-        .collect()
+    massless.map(|link| FrameDescription { name: link.clone(), link, pose: Pose::identity() }).collect()
 }

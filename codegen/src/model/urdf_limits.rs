@@ -1,4 +1,5 @@
-//! Limits as URDFs have them: 0, infinite and reversed ones are common, and none of them enters the equations.
+//! Limits as URDFs have them: 0, infinite and reversed ones are common, and none of them enters the
+//! equations.
 
 use super::JointKind;
 use super::description::{LimitsDescription, Name};

@@ -94,18 +94,14 @@ impl UrdfNotes {
     }
 
     pub(super) fn report(self, report: &mut Report) {
-        let (harmless, unknown): (Vec<_>, Vec<_>) = self
-            .skipped
-            .into_iter()
-            .partition(|(what, _)| HARMLESS.contains(&what.as_str()));
+        let (harmless, unknown): (Vec<_>, Vec<_>) =
+            self.skipped.into_iter().partition(|(what, _)| HARMLESS.contains(&what.as_str()));
         note_skipped(harmless, report);
         note_unknown(unknown, report);
         for (remark, (span, owners)) in self.remarks {
             let message = format!("{}: {}", remark.text(), listed(owners.into_iter()));
-            let entry = Diagnostic {
-                severity: remark.severity(),
-                ..Diagnostic::note(remark.code(), message)
-            };
+            let entry =
+                Diagnostic { severity: remark.severity(), ..Diagnostic::note(remark.code(), message) };
             report.push(Some(span), entry);
         }
     }

@@ -1,7 +1,8 @@
 //! The text of a URDF as the parsers of ROS take it.
 //!
-//! They are laxer than XML: `--` in comments, white space before the declaration, a document type and prefixes that nothing
-//! declares are common in published files. Such places are overwritten byte by byte, so that positions stay what they are.
+//! They are laxer than XML: `--` in comments, white space before the declaration, a document type and
+//! prefixes that nothing declares are common in published files. Such places are overwritten byte by byte, so
+//! that positions stay what they are.
 
 use roxmltree::{Document, Error};
 
@@ -143,21 +144,13 @@ mod tests {
 
     #[test]
     fn what_ros_takes_is_taken() {
-        assert_eq!(
-            taken("<r><!-- a -- ü --->\n</r>")
-                .trim_end_matches("</r>")
-                .trim(),
-            "<r>"
-        );
+        assert_eq!(taken("<r><!-- a -- ü --->\n</r>").trim_end_matches("</r>").trim(), "<r>");
         let data = "<r><![CDATA[<!-- a -- b]]></r>";
         assert_eq!(taken(data), data);
         assert_eq!(taken("\n <?xml version=\"1.0\"?><r/>").trim(), "<r/>");
         assert_eq!(taken("<!DOCTYPE r [<!ENTITY a \"b\">]><r/>").trim(), "<r/>");
         let prefixes = "<r><s:camera a:b = \"s:c a:d\"><x/></s:camera></r>";
-        assert_eq!(
-            taken(prefixes),
-            "<r><s.camera a.b = \"s:c a:d\"><x/></s.camera></r>"
-        );
+        assert_eq!(taken(prefixes), "<r><s.camera a.b = \"s:c a:d\"><x/></s.camera></r>");
         let declared = "<r xmlns:s=\"n\"><s:camera/></r>";
         assert_eq!(taken(declared), declared);
     }
@@ -165,10 +158,7 @@ mod tests {
     #[test]
     fn what_is_broken_stays() {
         for broken in ["<r><!-- a", "<r>", "<!DOCTYPE r", "", "<r a:b:c='1'/>"] {
-            assert!(
-                Document::parse(UrdfText::new(broken).as_str()).is_err(),
-                "{broken}"
-            );
+            assert!(Document::parse(UrdfText::new(broken).as_str()).is_err(), "{broken}");
         }
     }
 }

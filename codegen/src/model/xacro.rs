@@ -44,11 +44,7 @@ pub(super) fn report(node: Node<'_, '_>, span: Span, file: &str, report: &mut Re
         true => format!("<xacro:{}> is a macro", name.trim_start_matches("xacro.")),
         false => format!("<{name}> holds an expression of xacro"),
     };
-    report.error(
-        span,
-        "xacro-not-expanded",
-        format!("{message}: the file has to be expanded first"),
-    );
+    report.error(span, "xacro-not-expanded", format!("{message}: the file has to be expanded first"));
     let expanded = expanded(file);
     report.help(format!(
         "`xacro {} > {}` expands it (ROS's package xacro, or `pip install xacro`); arguments of the file follow its name as \

@@ -38,27 +38,19 @@ pub(super) fn all(model: &Model) -> Vec<Constant> {
 
 /// What a module has, for macros that take what there is.
 pub(super) fn functions<'a>(names: impl Iterator<Item = &'a str>) -> Constant {
-    constant(
-        "FUNCTIONS",
-        "Names of the functions.",
-        strings(Dimension::Fixed, names),
-    )
+    constant("FUNCTIONS", "Names of the functions.", strings(Dimension::Fixed, names))
 }
 
 /// How often functions over a sample time divide it.
 pub(super) fn substeps(model: &Model) -> Constant {
-    let summary = "Runge–Kutta steps in one period of `step` and `step_derivatives`: `substeps` of the description.";
+    let summary =
+        "Runge–Kutta steps in one period of `step` and `step_derivatives`: `substeps` of the description.";
     let count = model.options.substeps.unwrap_or(1);
     constant("SUBSTEPS", summary, ConstantValue::Count(count))
 }
 
 fn constant(name: &'static str, summary: &str, value: ConstantValue) -> Constant {
-    Constant {
-        name,
-        summary: summary.to_owned(),
-        items: vec![],
-        value,
-    }
+    Constant { name, summary: summary.to_owned(), items: vec![], value }
 }
 
 fn strings<'a>(dimension: Dimension, names: impl Iterator<Item = &'a str>) -> ConstantValue {
@@ -105,9 +97,7 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[&Drive]) -> Vec<Constant> {
 fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {
     const UNLIMITED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
     let positions = joints.iter().map(|joint| joint.limits.position);
-    let positions = positions
-        .map(|limits| limits.unwrap_or(UNLIMITED))
-        .collect();
+    let positions = positions.map(|limits| limits.unwrap_or(UNLIMITED)).collect();
     let of_joints = |name, summary, limit: fn(&Joint) -> Option<f64>| {
         let limits = joints.iter().map(|joint| limit(joint));
         let limits = limits.map(|limit| limit.unwrap_or(f64::INFINITY)).collect();
@@ -138,8 +128,8 @@ fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {
     ]
 }
 
-/// Constants of the drives. Gear ratios and rotor inertias that depend on free parameters are left out; limits of
-/// currents take the described motor constant.
+/// Constants of the drives. Gear ratios and rotor inertias that depend on free parameters are left out;
+/// limits of currents take the described motor constant.
 fn drives(model: &Model, inputs: &[&Drive]) -> Vec<Constant> {
     let described = model.parameters.iter().map(|parameter| parameter.default);
     let described: Vec<f64> = described.collect();
@@ -166,11 +156,9 @@ fn drives(model: &Model, inputs: &[&Drive]) -> Vec<Constant> {
              nominal one where no peak is described.",
             &|drive| limit(drive, drive.torque.peak.or(drive.torque.nominal)),
         ),
-        of_inputs(
-            "GEAR_RATIOS",
-            "Gear ratio of each drive: motor angle over joint angle.",
-            &|drive| drive.gear_ratio.value(&[]),
-        ),
+        of_inputs("GEAR_RATIOS", "Gear ratio of each drive: motor angle over joint angle.", &|drive| {
+            drive.gear_ratio.value(&[])
+        }),
         of_inputs(
             "ROTOR_INERTIAS",
             "Axial inertia of each rotor, on its own side of the gear [kg m²].",

@@ -102,11 +102,7 @@ impl ComposedFunction {
             Some(cost) => {
                 let text = format!("Cost: {cost}, {calls} of `{callee}` included.");
                 let note = composition.cost_note(model, functions);
-                [Some(text), note]
-                    .into_iter()
-                    .flatten()
-                    .collect::<Vec<_>>()
-                    .join(" ")
+                [Some(text), note].into_iter().flatten().collect::<Vec<_>>().join(" ")
             }
             None => format!("Cost: {calls} of `{callee}`, and its own operations."),
         };

@@ -10,8 +10,8 @@ use crate::emit::Scalar;
 use crate::pipeline::{self, GenerateOptions, Generated};
 use gelenk_files::is_same_file;
 
-/// Generates `$OUT_DIR/<name>.rs` from a description, for `build.rs`. The name is the robot's: the key `name` of a TOML file,
-/// or else the file's; in a URDF that of `<robot>`.
+/// Generates `$OUT_DIR/<name>.rs` from a description, for `build.rs`. The name is the robot's: the key `name`
+/// of a TOML file, or else the file's; in a URDF that of `<robot>`.
 ///
 /// Where the description is at fault, all its problems are printed and the build script ends with exit code 1. Tells
 /// Cargo to watch every file that was read. The path is relative to the package.
@@ -55,12 +55,10 @@ pub enum BuildError {
 impl fmt::Display for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NothingToDo => {
-                f.write_str("no description was given: call `description(\"robot.toml\")`")
+            Self::NothingToDo => f.write_str("no description was given: call `description(\"robot.toml\")`"),
+            Self::NoFolder => {
+                f.write_str("OUT_DIR is not set: call this from build.rs, or `output_folder` before")
             }
-            Self::NoFolder => f.write_str(
-                "OUT_DIR is not set: call this from build.rs, or `output_folder` before",
-            ),
             Self::Descriptions(all) => {
                 let texts: Vec<String> = all.iter().map(ToString::to_string).collect();
                 f.write_str(&texts.join("\n\n"))
@@ -138,9 +136,10 @@ impl Builder {
         self
     }
 
-    /// Writes two modules of each description: `<name>`, exact, for plants, and `<name>_control` for controllers, with
-    /// `tanh(slope · v)` for `sign(v)` in friction and springs. Controllers differentiate friction, and the derivative of an
-    /// exact sign is zero; a plant with the smooth law would creep where the robot stands still.
+    /// Writes two modules of each description: `<name>`, exact, for plants, and `<name>_control` for
+    /// controllers, with `tanh(slope · v)` for `sign(v)` in friction and springs. Controllers differentiate
+    /// friction, and the derivative of an exact sign is zero; a plant with the smooth law would creep where
+    /// the robot stands still.
     ///
     /// ```no_run
     /// gelenk_codegen::Builder::new().description("robot.toml").control_model(50.0).generate();
@@ -151,24 +150,24 @@ impl Builder {
         self
     }
 
-    /// Writes these functions also over eight states at once; by default what the description says. Names are checked as
-    /// those of [`functions`](Self::functions) are.
+    /// Writes these functions also over eight states at once; by default what the description says. Names are
+    /// checked as those of [`functions`](Self::functions) are.
     #[must_use]
     pub fn lanes<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
         self.options.lanes = names.into_iter().map(Into::into).collect();
         self
     }
 
-    /// Contracts products and sums to fused multiply-adds; the modules then compile only with std and for processors that
-    /// have them.
+    /// Contracts products and sums to fused multiply-adds; the modules then compile only with std and for
+    /// processors that have them.
     #[must_use]
     pub fn fused_multiply_add(mut self) -> Self {
         self.options.fused_multiply_add = true;
         self
     }
 
-    /// Writes tests at the end of each module: its functions at seeded states, against the values of the generator's
-    /// interpreter. `cargo test` runs them, on the machine that the module is for.
+    /// Writes tests at the end of each module: its functions at seeded states, against the values of the
+    /// generator's interpreter. `cargo test` runs them, on the machine that the module is for.
     #[must_use]
     pub fn self_test(mut self) -> Self {
         self.options.self_test = true;
@@ -183,8 +182,9 @@ impl Builder {
         self
     }
 
-    /// Shows no notes about the descriptions; by default each becomes a warning of Cargo, once: Cargo repeats the warnings of
-    /// a build script for as long as it need not run again, so the next build runs it again, to be silent.
+    /// Shows no notes about the descriptions; by default each becomes a warning of Cargo, once: Cargo repeats
+    /// the warnings of a build script for as long as it need not run again, so the next build runs it again,
+    /// to be silent.
     #[must_use]
     pub fn hide_notes(mut self) -> Self {
         self.hides_notes = true;
@@ -208,8 +208,8 @@ impl Builder {
 
     /// Generates all descriptions and returns the files. Nothing is written unless all of them are right.
     ///
-    /// In `$OUT_DIR` generated modules that this build script does not write any more are removed: a robot that was renamed
-    /// shall not live on. In another folder they stay.
+    /// In `$OUT_DIR` generated modules that this build script does not write any more are removed: a robot
+    /// that was renamed shall not live on. In another folder they stay.
     ///
     /// # Errors
     /// [`BuildError`], with the problems of all descriptions at once.
@@ -223,9 +223,7 @@ impl Builder {
         if out_dir.is_some_and(|out_dir| is_same_file(&out_dir, &folder)) {
             return OutDir::new(folder).write(&robots, self.hides_notes);
         }
-        let notes = robots
-            .iter()
-            .flat_map(|robot| robot.generated.notes.entries());
+        let notes = robots.iter().flat_map(|robot| robot.generated.notes.entries());
         notes.filter(|_| !self.hides_notes).for_each(warn);
         write(&folder, &robots)
     }
@@ -238,10 +236,11 @@ impl Builder {
         for description in &self.descriptions {
             watch(description);
             match self.derive(description) {
-                Ok(derived) => robots.extend(derived.into_iter().map(|generated| Robot {
-                    description: description.clone(),
-                    generated,
-                })),
+                Ok(derived) => robots.extend(
+                    derived
+                        .into_iter()
+                        .map(|generated| Robot { description: description.clone(), generated }),
+                ),
                 Err(diagnostics) => problems.push(diagnostics),
             }
         }
@@ -249,9 +248,7 @@ impl Builder {
             return Err(BuildError::Descriptions(problems));
         }
         let read = robots.iter().flat_map(|robot| &robot.generated.files);
-        let mut read: Vec<&PathBuf> = read
-            .filter(|file| !self.descriptions.contains(file))
-            .collect();
+        let mut read: Vec<&PathBuf> = read.filter(|file| !self.descriptions.contains(file)).collect();
         read.dedup();
         read.into_iter().for_each(|file| watch(file));
         Ok(robots)
@@ -259,9 +256,7 @@ impl Builder {
 
     fn derive(&self, description: &Path) -> Result<Vec<Generated>, Diagnostics> {
         match self.control_model {
-            Some(slope) => {
-                pipeline::generate_pair(description, &self.options, slope).map(Vec::from)
-            }
+            Some(slope) => pipeline::generate_pair(description, &self.options, slope).map(Vec::from),
             None => pipeline::generate(description, &self.options).map(|robot| vec![robot]),
         }
     }
@@ -274,9 +269,7 @@ pub(super) struct Robot {
 }
 
 fn refuse_same_names(robots: &[Robot]) -> Result<(), BuildError> {
-    let names = robots
-        .iter()
-        .map(|robot| robot.generated.source.name.as_str());
+    let names = robots.iter().map(|robot| robot.generated.source.name.as_str());
     let mut names: Vec<&str> = names.collect();
     names.sort_unstable();
     match names.windows(2).find(|pair| pair[0] == pair[1]) {
@@ -287,18 +280,14 @@ fn refuse_same_names(robots: &[Robot]) -> Result<(), BuildError> {
 
 /// Writes the modules, all or, where one may not be written, none.
 pub(super) fn write(folder: &Path, robots: &[Robot]) -> Result<Vec<PathBuf>, BuildError> {
-    let read = robots
-        .iter()
-        .flat_map(|robot| robot.generated.files.clone());
+    let read = robots.iter().flat_map(|robot| robot.generated.files.clone());
     let read: Vec<PathBuf> = read.collect();
     let planned = robots.iter().map(|robot| {
         let source = &robot.generated.source;
         let path = folder.join(format!("{}.rs", source.name));
         Planned::new(&path, &source.text, Replaces::Module, &read)
     });
-    let planned = planned
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(BuildError::Write)?;
+    let planned = planned.collect::<Result<Vec<_>, _>>().map_err(BuildError::Write)?;
     let paths = planned.iter().map(|file| {
         file.write()?;
         Ok(file.path().to_owned())
@@ -315,10 +304,7 @@ pub(super) fn command() -> String {
 }
 
 pub(super) fn watch(file: &Path) {
-    println!(
-        "cargo::rerun-if-changed={}",
-        one_line(&file.display().to_string())
-    );
+    println!("cargo::rerun-if-changed={}", one_line(&file.display().to_string()));
 }
 
 /// Cargo's protocol has one line per message.
@@ -328,10 +314,7 @@ pub(super) fn warn(note: &Diagnostic) {
         .as_ref()
         .map(|at| format!("{}:{}:{}: ", at.file, at.line, at.column))
         .unwrap_or_default();
-    println!(
-        "cargo::warning={}",
-        one_line(&format!("{place}{}", note.message))
-    );
+    println!("cargo::warning={}", one_line(&format!("{place}{}", note.message)));
 }
 
 fn one_line(text: &str) -> String {
@@ -346,20 +329,10 @@ mod tests {
     fn says_what_is_missing() {
         let folder = tempfile::tempdir().unwrap();
         let builder = || Builder::new().output_folder(folder.path());
-        assert!(matches!(
-            builder().try_generate(),
-            Err(BuildError::NothingToDo)
-        ));
-        let error = builder()
-            .description("no.toml")
-            .description("none.urdf")
-            .try_generate()
-            .unwrap_err()
-            .to_string();
-        assert!(
-            error.contains("no.toml") && error.contains("none.urdf"),
-            "{error}"
-        );
+        assert!(matches!(builder().try_generate(), Err(BuildError::NothingToDo)));
+        let error =
+            builder().description("no.toml").description("none.urdf").try_generate().unwrap_err().to_string();
+        assert!(error.contains("no.toml") && error.contains("none.urdf"), "{error}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 
@@ -375,9 +348,7 @@ mod tests {
         let output = folder.path().join("out");
         let builder = || {
             let builder = Builder::new().output_folder(&output).control_model(50.0);
-            builder
-                .functions(["friction_torques"])
-                .description(description("arm"))
+            builder.functions(["friction_torques"]).description(description("arm"))
         };
         let names = |paths: Vec<PathBuf>| -> Vec<String> {
             let names = paths.iter().filter_map(|path| path.file_name()?.to_str());
@@ -391,9 +362,6 @@ mod tests {
         // A robot of that name would be written over, or write over.
         let both = builder().description(description("arm_control"));
         let error = both.try_generate().unwrap_err();
-        assert!(
-            matches!(&error, BuildError::SameName(name) if name == "arm_control"),
-            "{error}"
-        );
+        assert!(matches!(&error, BuildError::SameName(name) if name == "arm_control"), "{error}");
     }
 }

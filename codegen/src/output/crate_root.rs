@@ -43,19 +43,12 @@ pub fn left_over(folder: &Path, modules: &[String]) -> io::Result<Vec<PathBuf>> 
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(vec![]),
         entries => entries?,
     };
-    let mut paths: Vec<PathBuf> = entries
-        .map(|entry| entry.map(|entry| entry.path()))
-        .collect::<Result<_, _>>()?;
+    let mut paths: Vec<PathBuf> =
+        entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<_, _>>()?;
     paths.retain(|path| {
-        let name = path
-            .file_stem()
-            .and_then(|stem| stem.to_str())
-            .unwrap_or_default();
+        let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
         let is_rust = path.extension().is_some_and(|extension| extension == "rs");
-        is_rust
-            && name != "lib"
-            && !modules.iter().any(|module| module == name)
-            && is_generated(path)
+        is_rust && name != "lib" && !modules.iter().any(|module| module == name) && is_generated(path)
     });
     paths.sort();
     Ok(paths)
@@ -75,8 +68,8 @@ pub fn documented(folder: &Path) -> io::Result<Vec<(String, String)>> {
     paths.iter().map(entry).collect()
 }
 
-/// Text of the crate's root: one public module for each name with its documentation, in alphabetical order. Of two with one
-/// name the first counts.
+/// Text of the crate's root: one public module for each name with its documentation, in alphabetical order.
+/// Of two with one name the first counts.
 #[must_use]
 pub fn root_text(modules: &[(String, String)]) -> String {
     let mut modules: Vec<&(String, String)> = modules.iter().collect();
@@ -109,21 +102,14 @@ mod tests {
         write("lib.rs", &format!("{FIRST_LINE}\n"));
         let paths = left_over(folder.path(), &["new".to_owned()]).unwrap();
         assert_eq!(paths, [folder.path().join("old.rs")]);
-        assert!(
-            left_over(&folder.path().join("none"), &[])
-                .unwrap()
-                .is_empty()
-        );
+        assert!(left_over(&folder.path().join("none"), &[]).unwrap().is_empty());
     }
 
     #[test]
     fn modules_are_sorted() {
         let module = |name: &str, lines: &str| (name.to_owned(), lines.to_owned());
-        let modules = [
-            module("ur5", "Six axes.\n"),
-            module("panda", "Seven.\n\nSlim.\n"),
-            module("ur5", "Old.\n"),
-        ];
+        let modules =
+            [module("ur5", "Six axes.\n"), module("panda", "Seven.\n\nSlim.\n"), module("ur5", "Old.\n")];
         let text = root_text(&modules);
         let expected = "\n/// Seven.\n///\n/// Slim.\n#[rustfmt::skip]\npub mod panda;\n\
             \n/// Six axes.\n#[rustfmt::skip]\npub mod ur5;\n";

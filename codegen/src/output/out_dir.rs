@@ -27,11 +27,7 @@ impl OutDir {
     }
 
     /// Writes modules and what belongs to them; removes the modules of earlier runs.
-    pub(super) fn write(
-        &self,
-        robots: &[Robot],
-        hides_notes: bool,
-    ) -> Result<Vec<PathBuf>, BuildError> {
+    pub(super) fn write(&self, robots: &[Robot], hides_notes: bool) -> Result<Vec<PathBuf>, BuildError> {
         let mut written = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
         for robot in robots {
             let name = &robot.generated.source.name;
@@ -46,10 +42,7 @@ impl OutDir {
         self.put(LIST, &list(&written))?;
         for robot in robots {
             let source = &robot.generated.source;
-            self.put(
-                &format!("gelenk.{}.md", source.name),
-                &documentation(&source.text),
-            )?;
+            self.put(&format!("gelenk.{}.md", source.name), &documentation(&source.text))?;
             if !hides_notes {
                 self.tell(&source.name, &robot.generated.notes)?;
             }
@@ -75,21 +68,17 @@ impl OutDir {
     fn put(&self, name: &str, text: &str) -> Result<(), BuildError> {
         let path = self.folder.join(name);
         let planned = Planned::new(&path, text, Replaces::Helper, &[]);
-        planned
-            .and_then(|file| file.write())
-            .map_err(BuildError::Write)?;
+        planned.and_then(|file| file.write()).map_err(BuildError::Write)?;
         Ok(())
     }
 
-    /// Shows notes that were not shown before. Cargo repeats what a build script has said until it runs again; so a file that
-    /// changes while the script runs makes it run once more, with nothing left to say.
+    /// Shows notes that were not shown before. Cargo repeats what a build script has said until it runs
+    /// again; so a file that changes while the script runs makes it run once more, with nothing left to say.
     fn tell(&self, name: &str, notes: &Diagnostics) -> Result<(), BuildError> {
         let file = format!("gelenk.{name}.notes");
         let path = self.folder.join(&file);
-        let (mere, grave): (Vec<_>, Vec<_>) = notes
-            .entries()
-            .iter()
-            .partition(|note| note.severity == Severity::Note);
+        let (mere, grave): (Vec<_>, Vec<_>) =
+            notes.entries().iter().partition(|note| note.severity == Severity::Note);
         // What is more than a note is for Cargo to repeat.
         grave.into_iter().for_each(builder::warn);
         if mere.is_empty() {
@@ -128,7 +117,8 @@ fn list(modules: &[(String, PathBuf)]) -> String {
     )
 }
 
-/// What the files of this build script begin with, and no others: what a build script has made by the program stays.
+/// What the files of this build script begin with, and no others: what a build script has made by the program
+/// stays.
 fn header() -> String {
     format!("{FIRST_LINE}\n//\n//     {}\n", builder::command())
 }
@@ -144,10 +134,7 @@ mod tests {
             ("arm_control".to_owned(), PathBuf::from("robot \"1\".toml")),
         ]);
         assert!(text.contains("(arm) => { include!(concat!(env!(\"OUT_DIR\"), \"/arm.rs\")); };"));
-        assert!(
-            text.contains(r#"`arm` from robot \"1\".toml, `arm_control` from robot"#),
-            "{text}"
-        );
+        assert!(text.contains(r#"`arm` from robot \"1\".toml, `arm_control` from robot"#), "{text}");
         assert!(syn::parse_file(&text).is_ok());
     }
 }

@@ -24,14 +24,15 @@ pub enum Replaces {
     Module,
     /// The root of a crate of generated modules.
     Root,
-    /// Anything: the name of the file is one that only build scripts of ours write, in the folder of their output.
+    /// Anything: the name of the file is one that only build scripts of ours write, in the folder of their
+    /// output.
     Helper,
     /// Nothing: what else was written before cannot be told from a user's file.
     Nothing,
 }
 
-/// A text and the file that may hold it. Several are planned before the first is written, so that a refusal leaves all
-/// files as they were.
+/// A text and the file that may hold it. Several are planned before the first is written, so that a refusal
+/// leaves all files as they were.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Planned<'t> {
     path: PathBuf,
@@ -73,11 +74,7 @@ impl fmt::Display for WriteError {
                 f.write_str("the description was read from it")?;
             }
             Self::Read { read, .. } => {
-                write!(
-                    f,
-                    "it is {}, which was read for the description",
-                    read.display()
-                )?;
+                write!(f, "it is {}, which was read for the description", read.display())?;
             }
             Self::Foreign { .. } => f.write_str("it holds what gelenk has not generated")?,
         }
@@ -99,17 +96,12 @@ impl std::error::Error for WriteError {
 }
 
 impl<'t> Planned<'t> {
-    /// A file that may be written: one that is new, empty or unchanged, or that holds what `replaces` names, and that is none of
-    /// the files that were `read`.
+    /// A file that may be written: one that is new, empty or unchanged, or that holds what `replaces` names,
+    /// and that is none of the files that were `read`.
     ///
     /// # Errors
     /// [`WriteError`], also for folders, devices, links to nothing and what is read-only.
-    pub fn new(
-        path: &Path,
-        text: &'t str,
-        replaces: Replaces,
-        read: &[PathBuf],
-    ) -> Result<Self, WriteError> {
+    pub fn new(path: &Path, text: &'t str, replaces: Replaces, read: &[PathBuf]) -> Result<Self, WriteError> {
         let path = path.to_owned();
         if let Some(read) = read.iter().find(|read| is_same_file(read, &path)) {
             let read = read.clone();
@@ -128,11 +120,7 @@ impl<'t> Planned<'t> {
             true => Outcome::Unchanged,
             false => Outcome::Written,
         };
-        Ok(Self {
-            path,
-            text,
-            outcome,
-        })
+        Ok(Self { path, text, outcome })
     }
 
     /// Where it goes.
@@ -141,8 +129,8 @@ impl<'t> Planned<'t> {
         &self.path
     }
 
-    /// Writes the text where the file differs: into a new file of the same folder, which then takes the old one's place at
-    /// once. Missing folders are made.
+    /// Writes the text where the file differs: into a new file of the same folder, which then takes the old
+    /// one's place at once. Missing folders are made.
     ///
     /// # Errors
     /// [`WriteError::System`]; the old file is then as it was.

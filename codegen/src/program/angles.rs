@@ -1,11 +1,11 @@
-//! Sines and cosines first: angles that are known from the start are turned into them side by side, so that one call
-//! can make several at once.
+//! Sines and cosines first: angles that are known from the start are turned into them side by side, so that
+//! one call can make several at once.
 
 use super::flow::operands;
 use super::{Operand, Operation, Output, Program};
 
-/// Moves each `SinCos` whose angle needs no other function to the front, angles of one array in their order, and with it
-/// what the angle is computed from. No operation changes, so that every bit stays.
+/// Moves each `SinCos` whose angle needs no other function to the front, angles of one array in their order,
+/// and with it what the angle is computed from. No operation changes, so that every bit stays.
 ///
 /// Afterwards these instructions stand together, each followed by its cosine where there is one.
 pub(super) fn angles_first(program: Program) -> Program {
@@ -38,10 +38,7 @@ fn early_angles(program: &Program) -> Vec<usize> {
             .any(|operand| matches!(operand, Operand::Value(value) if needs_function[value]));
         let is_cheap = matches!(
             instruction.operation,
-            Operation::Add(..)
-                | Operation::Subtract(..)
-                | Operation::Multiply(..)
-                | Operation::Negate(_)
+            Operation::Add(..) | Operation::Subtract(..) | Operation::Multiply(..) | Operation::Negate(_)
         );
         if matches!(instruction.operation, Operation::SinCos(_)) && !reads_function {
             early.push(index);

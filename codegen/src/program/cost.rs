@@ -7,8 +7,9 @@ use crate::formula::Function;
 
 /// Operation counts of a program.
 ///
-/// A subtraction is an addition; `x * x` and `2 * x` are one multiplication each; a fused multiply-add is one of both;
-/// a negation is nothing. Absolute value and sign stand apart: they are a bit mask and a comparison, no call.
+/// A subtraction is an addition; `x * x` and `2 * x` are one multiplication each; a fused multiply-add is one
+/// of both; a negation is nothing. Absolute value and sign stand apart: they are a bit mask and a comparison,
+/// no call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
     /// Multiplications.
@@ -75,11 +76,7 @@ impl fmt::Display for Cost {
             count(self.calls(), "function call"),
         )?;
         if self.sin_cos > 0 && self.other_calls > 0 {
-            write!(
-                f,
-                " ({} `sin_cos`, {} other)",
-                self.sin_cos, self.other_calls
-            )?;
+            write!(f, " ({} `sin_cos`, {} other)", self.sin_cos, self.other_calls)?;
         } else if self.sin_cos > 0 {
             f.write_str(" (`sin_cos`)")?;
         }
@@ -137,10 +134,7 @@ mod tests {
         let program = Program {
             inputs: vec![],
             instructions: instructions
-                .map(|(i, operation)| Instruction {
-                    name: format!("t{i}"),
-                    operation,
-                })
+                .map(|(i, operation)| Instruction { name: format!("t{i}"), operation })
                 .collect(),
             outputs: vec![],
         };

@@ -1,7 +1,8 @@
 //! A program with its abbreviations, for people: as text and as LaTeX.
 //!
-//! Each value stands on its own line as an equation; letters named in words become Greek, numbers at the end of a name
-//! become subscripts, and the inputs `y`, `v`, `a` are written y, ẏ, ÿ with indices from 1, as in papers.
+//! Each value stands on its own line as an equation; letters named in words become Greek, numbers at the end
+//! of a name become subscripts, and the inputs `y`, `v`, `a` are written y, ẏ, ÿ with indices from 1, as in
+//! papers.
 
 use super::flow::Flow;
 use super::letters::greek_letter;
@@ -18,43 +19,24 @@ pub struct Notation {
 /// The program as aligned lines of text.
 #[must_use]
 pub fn text(program: &Program, notation: &Notation) -> String {
-    let printer = Printer {
-        program,
-        notation,
-        style: Style::Text,
-    };
+    let printer = Printer { program, notation, style: Style::Text };
     let equations = printer.equations();
-    let width = equations
-        .iter()
-        .map(|(name, _)| name.chars().count())
-        .max()
-        .unwrap_or(0);
-    let lines = equations
-        .iter()
-        .map(|(name, value)| format!("  {name}{} = {value}\n", space(width, name)));
-    let results = program
-        .outputs
-        .iter()
-        .map(|output| printer.text_result(output));
+    let width = equations.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    let lines = equations.iter().map(|(name, value)| format!("  {name}{} = {value}\n", space(width, name)));
+    let results = program.outputs.iter().map(|output| printer.text_result(output));
     lines.chain(results).collect()
 }
 
 /// The program as an `align*` environment of LaTeX (amsmath).
 #[must_use]
 pub fn latex(program: &Program, notation: &Notation) -> String {
-    let LatexEquations {
-        abbreviations,
-        results,
-    } = latex_equations(program, notation);
+    let LatexEquations { abbreviations, results } = latex_equations(program, notation);
     let lines: Vec<String> = abbreviations
         .into_iter()
         .chain(results)
         .map(|(name, value)| format!("  {name} &= {value}"))
         .collect();
-    format!(
-        "\\begin{{align*}}\n{}\n\\end{{align*}}\n",
-        lines.join(" \\\\\n")
-    )
+    format!("\\begin{{align*}}\n{}\n\\end{{align*}}\n", lines.join(" \\\\\n"))
 }
 
 /// A program in LaTeX, equation by equation: left-hand and right-hand sides.
@@ -69,11 +51,7 @@ pub struct LatexEquations {
 /// The program as single equations of LaTeX, for pages that place each one.
 #[must_use]
 pub fn latex_equations(program: &Program, notation: &Notation) -> LatexEquations {
-    let printer = Printer {
-        program,
-        notation,
-        style: Style::Latex,
-    };
+    let printer = Printer { program, notation, style: Style::Latex };
     let outputs = program.outputs.iter();
     LatexEquations {
         abbreviations: printer.equations(),
@@ -97,14 +75,8 @@ impl Printer<'_> {
     /// Each value's name and what it is; a sine that only came with its cosine is left out.
     fn equations(&self) -> Vec<(String, String)> {
         let is_read = Flow::new(self.program).is_read;
-        let read = self
-            .program
-            .instructions
-            .iter()
-            .zip(is_read)
-            .filter(|(_, is_read)| *is_read);
-        read.map(|(i, _)| (self.letters(&i.name), self.expression(i.operation)))
-            .collect()
+        let read = self.program.instructions.iter().zip(is_read).filter(|(_, is_read)| *is_read);
+        read.map(|(i, _)| (self.letters(&i.name), self.expression(i.operation))).collect()
     }
 
     fn expression(&self, operation: Operation) -> String {
@@ -123,22 +95,13 @@ impl Printer<'_> {
             Operation::Divide(a, b) => format!("{} / {}", first(a), other(b)),
             Operation::Negate(a) => format!("{}{}", self.minus(), other(a)),
             Operation::MultiplyAdd(a, b, c) if latex => {
-                format!(
-                    "\\mathrm{{fma}}\\left({}, {}, {}\\right)",
-                    first(a),
-                    first(b),
-                    first(c)
-                )
+                format!("\\mathrm{{fma}}\\left({}, {}, {}\\right)", first(a), first(b), first(c))
             }
             Operation::MultiplyAdd(a, b, c) => {
                 format!("fma({}, {}, {})", first(a), first(b), first(c))
             }
             Operation::SinCos(a) => self.call(Function::Sin, a),
-            Operation::CosineOf(pair) => match self
-                .program
-                .instructions
-                .get(pair)
-                .map(|sine| sine.operation)
+            Operation::CosineOf(pair) => match self.program.instructions.get(pair).map(|sine| sine.operation)
             {
                 Some(Operation::SinCos(a)) => self.call(Function::Cos, a),
                 _ => "?".to_owned(),
@@ -192,11 +155,9 @@ impl Printer<'_> {
                 Some(input) => self.indexed(&input.name, index + 1),
                 None => "?".to_owned(),
             },
-            Operand::Parameter(index) => self
-                .notation
-                .parameters
-                .get(index)
-                .map_or_else(|| "?".to_owned(), |name| self.letters(name)),
+            Operand::Parameter(index) => {
+                self.notation.parameters.get(index).map_or_else(|| "?".to_owned(), |name| self.letters(name))
+            }
             Operand::Constant(number) if guarded && number.is_sign_negative() => {
                 format!("({})", self.number(number))
             }
@@ -219,10 +180,7 @@ impl Printer<'_> {
             other => return self.letters(&format!("{other}_{index}")),
         };
         match self.style {
-            Style::Text => format!(
-                "{text}{}",
-                subscript(&index.to_string()).unwrap_or_default()
-            ),
+            Style::Text => format!("{text}{}", subscript(&index.to_string()).unwrap_or_default()),
             Style::Latex => format!("{latex}_{{{index}}}"),
         }
     }
@@ -236,11 +194,7 @@ impl Printer<'_> {
     }
 
     fn rows(&self, output: &Output) -> Vec<Vec<String>> {
-        let entries: Vec<String> = output
-            .entries
-            .iter()
-            .map(|&entry| self.operand(entry, false))
-            .collect();
+        let entries: Vec<String> = output.entries.iter().map(|&entry| self.operand(entry, false)).collect();
         let columns = match output.shape {
             Shape::Matrix(_, columns) => columns.len.max(1),
             Shape::Scalar | Shape::Vector(_) => 1,
@@ -255,21 +209,12 @@ impl Printer<'_> {
             return format!("\n  {name} = {}\n", rows.concat().concat());
         }
         let width = |column: usize| {
-            rows.iter()
-                .filter_map(|row| Some(row.get(column)?.chars().count()))
-                .max()
-                .unwrap_or(0)
+            rows.iter().filter_map(|row| Some(row.get(column)?.chars().count())).max().unwrap_or(0)
         };
         let lines = rows.iter().enumerate().map(|(i, row)| {
-            let cells = row
-                .iter()
-                .enumerate()
-                .map(|(column, cell)| format!("{}{cell}", space(width(column), cell)));
-            let head = if i == 0 {
-                format!("{name} = ")
-            } else {
-                " ".repeat(name.chars().count() + 3)
-            };
+            let cells =
+                row.iter().enumerate().map(|(column, cell)| format!("{}{cell}", space(width(column), cell)));
+            let head = if i == 0 { format!("{name} = ") } else { " ".repeat(name.chars().count() + 3) };
             format!("  {head}[ {} ]\n", cells.collect::<Vec<_>>().join("  "))
         });
         format!("\n{}", lines.collect::<String>())
@@ -282,10 +227,7 @@ impl Printer<'_> {
             return (name, rows.concat().concat());
         }
         let rows: Vec<String> = rows.iter().map(|row| row.join(" & ")).collect();
-        let matrix = format!(
-            "\\begin{{bmatrix}} {} \\end{{bmatrix}}",
-            rows.join(" \\\\ ")
-        );
+        let matrix = format!("\\begin{{bmatrix}} {} \\end{{bmatrix}}", rows.join(" \\\\ "));
         (name, matrix)
     }
 }
@@ -307,9 +249,7 @@ pub(crate) fn latex_letters(name: &str) -> String {
 }
 
 fn stem_and_index(name: &str) -> (&str, &str) {
-    let stem_end = name
-        .find(|c: char| c == '_' || c.is_ascii_digit())
-        .unwrap_or(name.len());
+    let stem_end = name.find(|c: char| c == '_' || c.is_ascii_digit()).unwrap_or(name.len());
     let (stem, index) = name.split_at(stem_end);
     (stem, index.trim_matches('_'))
 }
@@ -396,10 +336,7 @@ fn subscript(index: &str) -> Option<String> {
 
 fn superscript(exponent: &str) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    let letter = |c: char| {
-        c.to_digit(10)
-            .and_then(|digit| DIGITS.get(digit as usize).copied())
-            .unwrap_or('⁻')
-    };
+    let letter =
+        |c: char| c.to_digit(10).and_then(|digit| DIGITS.get(digit as usize).copied()).unwrap_or('⁻');
     exponent.chars().map(letter).collect()
 }

@@ -22,16 +22,8 @@ impl Flow {
                 _ => index,
             })
             .collect();
-        let mut flow = Self {
-            is_read: vec![false; len],
-            cosine: vec![None; len],
-            made_at,
-        };
-        program
-            .outputs
-            .iter()
-            .flat_map(|output| &output.entries)
-            .for_each(|&entry| flow.read(entry));
+        let mut flow = Self { is_read: vec![false; len], cosine: vec![None; len], made_at };
+        program.outputs.iter().flat_map(|output| &output.entries).for_each(|&entry| flow.read(entry));
         for index in (0..len).rev() {
             flow.visit(index, program.instructions[index].operation);
         }
@@ -65,11 +57,7 @@ impl Flow {
     /// The value that stands for `index`: a second cosine of a pair is the first one.
     pub(crate) fn canonical(&self, index: usize) -> usize {
         let pair = self.made_at[index];
-        if pair == index {
-            index
-        } else {
-            self.cosine.get(pair).copied().flatten().unwrap_or(index)
-        }
+        if pair == index { index } else { self.cosine.get(pair).copied().flatten().unwrap_or(index) }
     }
 }
 
@@ -81,9 +69,7 @@ pub(crate) fn operands(operation: Operation) -> impl Iterator<Item = Operand> {
         | Operation::Multiply(a, b)
         | Operation::Divide(a, b) => [Some(a), Some(b), None],
         Operation::MultiplyAdd(a, b, c) => [Some(a), Some(b), Some(c)],
-        Operation::Negate(a) | Operation::SinCos(a) | Operation::Call(_, a) => {
-            [Some(a), None, None]
-        }
+        Operation::Negate(a) | Operation::SinCos(a) | Operation::Call(_, a) => [Some(a), None, None],
         Operation::CosineOf(_) => [None, None, None],
     };
     operands.into_iter().flatten()

@@ -1,7 +1,8 @@
 //! Contraction of products and sums into fused multiply-adds, on request: fewer instructions, other bits.
 //!
-//! Decided here, not by a compiler, so that interpreter and compiled function still agree bit for bit. Each fused
-//! operation saves one rounding: a result differs from the unfused one by roundings of the replaced products alone.
+//! Decided here, not by a compiler, so that interpreter and compiled function still agree bit for bit. Each
+//! fused operation saves one rounding: a result differs from the unfused one by roundings of the replaced
+//! products alone.
 
 use std::collections::BTreeSet;
 
@@ -10,8 +11,8 @@ use super::{Instruction, Operand, Operation, Output, Program};
 
 /// Replaces each product all of whose readers are sums and differences by `a · b + c` in these, rounded once.
 ///
-/// Of two products in one sum the one that is known later is fused, which shortens the longest chain. A product that
-/// is read elsewhere too stays: fusing it would not save its multiplication.
+/// Of two products in one sum the one that is known later is fused, which shortens the longest chain. A
+/// product that is read elsewhere too stays: fusing it would not save its multiplication.
 #[must_use]
 pub fn fuse_multiply_adds(program: &Program) -> Program {
     let fused = choose(program);
@@ -35,11 +36,7 @@ pub fn fuse_multiply_adds(program: &Program) -> Program {
         rewriting.rewrite(program, index, instruction, fused[index]);
     }
     let outputs = program.outputs.iter().map(|output| Output {
-        entries: output
-            .entries
-            .iter()
-            .map(|&entry| rewriting.place(entry))
-            .collect(),
+        entries: output.entries.iter().map(|&entry| rewriting.place(entry)).collect(),
         ..output.clone()
     });
     Program {
@@ -70,12 +67,8 @@ fn choose(program: &Program) -> Vec<Option<usize>> {
         })
         .collect();
     let depths = depths(program);
-    let is_multiply = |index: &usize| {
-        matches!(
-            program.instructions[*index].operation,
-            Operation::Multiply(..)
-        )
-    };
+    let is_multiply =
+        |index: &usize| matches!(program.instructions[*index].operation, Operation::Multiply(..));
     let mut products: Vec<usize> = (0..count).filter(is_multiply).collect();
     products.sort_by_key(|&product| (std::cmp::Reverse(depths[product]), product));
     let mut fused: Vec<Option<usize>> = vec![None; count];
@@ -203,9 +196,7 @@ impl Rewriting {
             Operand::Value(value) => self.negatives[value],
             _ => {
                 let mut known = self.negative_inputs.iter();
-                known
-                    .find(|(positive, _)| *positive == operand)
-                    .map(|(_, negative)| *negative)
+                known.find(|(positive, _)| *positive == operand).map(|(_, negative)| *negative)
             }
         }
     }
@@ -238,17 +229,11 @@ mod tests {
             Operation::Subtract(value(4), x),
         ];
         Program {
-            inputs: vec![InputArray {
-                name: "y".into(),
-                extent: Extent::fixed(3),
-            }],
+            inputs: vec![InputArray { name: "y".into(), extent: Extent::fixed(3) }],
             instructions: operations
                 .into_iter()
                 .enumerate()
-                .map(|(i, operation)| Instruction {
-                    name: format!("t{i}"),
-                    operation,
-                })
+                .map(|(i, operation)| Instruction { name: format!("t{i}"), operation })
                 .collect(),
             outputs: vec![Output {
                 name: "r".into(),

@@ -1,7 +1,8 @@
 //! Runs a program without a compiler: the oracle that the emitted code is compared with, bit for bit.
 //!
-//! Interpreter and compiled function do the same operations in the same order with the same [`Functions`]; each is
-//! rounded once, so that they agree in every bit. Only the sign and payload of a NaN are left open by IEEE 754.
+//! Interpreter and compiled function do the same operations in the same order with the same [`Functions`];
+//! each is rounded once, so that they agree in every bit. Only the sign and payload of a NaN are left open by
+//! IEEE 754.
 
 use core::fmt;
 
@@ -22,22 +23,11 @@ pub struct Functions {
 
 impl Functions {
     /// Our own, the same on every platform, as emitted by default.
-    pub const EMBEDDED: Self = Self {
-        sin_cos: math::sin_cos,
-        tanh: math::tanh,
-        exp: math::exp,
-    };
+    pub const EMBEDDED: Self = Self { sin_cos: math::sin_cos, tanh: math::tanh, exp: math::exp };
 
     /// The methods of std, as emitted with [`crate::emit::Math::Std`].
-    #[expect(
-        clippy::disallowed_methods,
-        reason = "a module with the functions of std computes these"
-    )]
-    pub const STD: Self = Self {
-        sin_cos: f64::sin_cos,
-        tanh: f64::tanh,
-        exp: f64::exp,
-    };
+    #[expect(clippy::disallowed_methods, reason = "a module with the functions of std computes these")]
+    pub const STD: Self = Self { sin_cos: f64::sin_cos, tanh: f64::tanh, exp: f64::exp };
 }
 
 /// Why a program could not be run.
@@ -47,17 +37,17 @@ pub enum InterpretError {
     InputCount(usize, usize),
     /// An input array has the wrong length: its name, expected, given.
     InputLength(String, usize, usize),
-    /// The operation at this instruction reads what does not exist: a later value, an entry or parameter out of range.
+    /// The operation at this instruction reads what does not exist: a later value, an entry or parameter out
+    /// of range.
     Operand(usize),
 }
 
 impl fmt::Display for InterpretError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::InputCount(expected, given) => write!(
-                f,
-                "the program takes {expected} input arrays, given {given}"
-            ),
+            Self::InputCount(expected, given) => {
+                write!(f, "the program takes {expected} input arrays, given {given}")
+            }
             Self::InputLength(name, expected, given) => {
                 write!(f, "input `{name}` has {expected} entries, given {given}")
             }
@@ -81,50 +71,27 @@ pub fn interpret(
     functions: &Functions,
 ) -> Result<Vec<Vec<f64>>, InterpretError> {
     check_inputs(program, inputs)?;
-    let mut state = State {
-        inputs,
-        parameters,
-        values: Vec::with_capacity(program.instructions.len()),
-        cosines: vec![],
-    };
+    let mut state =
+        State { inputs, parameters, values: Vec::with_capacity(program.instructions.len()), cosines: vec![] };
     for (index, instruction) in program.instructions.iter().enumerate() {
-        let value = state
-            .evaluate(index, instruction.operation, functions)
-            .ok_or(InterpretError::Operand(index))?;
+        let value =
+            state.evaluate(index, instruction.operation, functions).ok_or(InterpretError::Operand(index))?;
         state.values.push(value);
     }
     let end = program.instructions.len();
-    let output = |entries: &[Operand]| {
-        entries
-            .iter()
-            .map(|&entry| state.read(entry))
-            .collect::<Option<Vec<f64>>>()
-    };
-    program
-        .outputs
-        .iter()
-        .map(|o| output(&o.entries).ok_or(InterpretError::Operand(end)))
-        .collect()
+    let output =
+        |entries: &[Operand]| entries.iter().map(|&entry| state.read(entry)).collect::<Option<Vec<f64>>>();
+    program.outputs.iter().map(|o| output(&o.entries).ok_or(InterpretError::Operand(end))).collect()
 }
 
 fn check_inputs(program: &Program, inputs: &[&[f64]]) -> Result<(), InterpretError> {
     if program.inputs.len() != inputs.len() {
-        return Err(InterpretError::InputCount(
-            program.inputs.len(),
-            inputs.len(),
-        ));
+        return Err(InterpretError::InputCount(program.inputs.len(), inputs.len()));
     }
-    match program
-        .inputs
-        .iter()
-        .zip(inputs)
-        .find(|(array, given)| array.extent.len != given.len())
-    {
-        Some((array, given)) => Err(InterpretError::InputLength(
-            array.name.clone(),
-            array.extent.len,
-            given.len(),
-        )),
+    match program.inputs.iter().zip(inputs).find(|(array, given)| array.extent.len != given.len()) {
+        Some((array, given)) => {
+            Err(InterpretError::InputLength(array.name.clone(), array.extent.len, given.len()))
+        }
         None => Ok(()),
     }
 }
@@ -147,12 +114,7 @@ impl State<'_> {
         }
     }
 
-    fn evaluate(
-        &mut self,
-        index: usize,
-        operation: Operation,
-        functions: &Functions,
-    ) -> Option<f64> {
+    fn evaluate(&mut self, index: usize, operation: Operation, functions: &Functions) -> Option<f64> {
         Some(match operation {
             Operation::Add(a, b) => self.read(a)? + self.read(b)?,
             Operation::Subtract(a, b) => self.read(a)? - self.read(b)?,
@@ -166,10 +128,7 @@ impl State<'_> {
                 sine
             }
             Operation::CosineOf(pair) => {
-                let place = self
-                    .cosines
-                    .binary_search_by_key(&pair, |&(index, _)| index)
-                    .ok()?;
+                let place = self.cosines.binary_search_by_key(&pair, |&(index, _)| index).ok()?;
                 self.cosines[place].1
             }
             Operation::Call(function, a) => call(function, self.read(a)?, functions),

@@ -26,18 +26,14 @@ impl Plan {
     pub(crate) fn new(program: &Program, flow: &Flow, longest: usize) -> Option<Self> {
         let made = || (0..program.instructions.len()).filter(|&index| flow.is_made(index));
         let pairs: Vec<usize> = made().filter(|&index| is_pair(program, index)).collect();
-        let angles = pairs
-            .iter()
-            .map(|&index| program.instructions[index].operation);
+        let angles = pairs.iter().map(|&index| program.instructions[index].operation);
         let before = needed(program, angles.flat_map(operands), |_| true);
         if made().any(|index| before[index] && !is_arithmetic(program, index)) {
             return None;
         }
         let angles = (0..program.instructions.len())
             .filter(|&index| before[index] || pairs.binary_search(&index).is_ok());
-        let needed = needed(program, program.entries(), |index| {
-            !is_trigonometric(program, index)
-        });
+        let needed = needed(program, program.entries(), |index| !is_trigonometric(program, index));
         let is_in_part: Vec<bool> = (0..program.instructions.len())
             .map(|index| needed[index] && flow.is_made(index) && !is_trigonometric(program, index))
             .collect();
@@ -76,9 +72,8 @@ fn parts(program: &Program, flow: &Flow, longest: usize, is_in_part: &[bool]) ->
     }
     let last = ranges.len().saturating_sub(1);
     let parts = ranges.into_iter().enumerate();
-    let mut parts: Vec<Part> = parts
-        .map(|(index, range)| part(program, flow, is_in_part, range, index == last))
-        .collect();
+    let mut parts: Vec<Part> =
+        parts.map(|(index, range)| part(program, flow, is_in_part, range, index == last)).collect();
     split::hand_on(&mut parts, BTreeSet::new(), |part, value| {
         is_in_part[value] && part.range.contains(&value)
     });
@@ -86,13 +81,7 @@ fn parts(program: &Program, flow: &Flow, longest: usize, is_in_part: &[bool]) ->
 }
 
 /// A part; entries of large results are written where they are made, all others at the end.
-fn part(
-    program: &Program,
-    flow: &Flow,
-    is_in_part: &[bool],
-    range: Range<usize>,
-    is_last: bool,
-) -> Part {
+fn part(program: &Program, flow: &Flow, is_in_part: &[bool], range: Range<usize>, is_last: bool) -> Part {
     let is_own = |value: usize| is_in_part[value] && range.contains(&value);
     let in_place = program.has_large_results();
     let is_written_here = |entry: Operand| match entry {
@@ -110,10 +99,7 @@ fn part(
         here.map(|(index, _)| index).collect::<Vec<usize>>()
     });
     let results = written.enumerate().filter(|(_, here)| !here.is_empty());
-    Part {
-        results: results.collect(),
-        ..Part::new(range.clone(), read, flow, is_own)
-    }
+    Part { results: results.collect(), ..Part::new(range.clone(), read, flow, is_own) }
 }
 
 fn is_pair(program: &Program, index: usize) -> bool {
@@ -121,16 +107,11 @@ fn is_pair(program: &Program, index: usize) -> bool {
 }
 
 fn is_trigonometric(program: &Program, index: usize) -> bool {
-    is_pair(program, index)
-        || matches!(
-            program.instructions[index].operation,
-            Operation::CosineOf(_)
-        )
+    is_pair(program, index) || matches!(program.instructions[index].operation, Operation::CosineOf(_))
 }
 
 fn is_arithmetic(program: &Program, index: usize) -> bool {
-    !is_trigonometric(program, index)
-        && !matches!(program.instructions[index].operation, Operation::Call(..))
+    !is_trigonometric(program, index) && !matches!(program.instructions[index].operation, Operation::Call(..))
 }
 
 /// What `roots` need, through the instructions that may be passed.

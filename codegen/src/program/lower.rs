@@ -1,8 +1,8 @@
 //! From results in a graph to a straight-line program: order, signs and names.
 //!
-//! Afterwards every value is defined once, before its first use, under a unique name; nothing is computed that no
-//! result needs; negations stand only where neither a subtraction nor the sign of a product could take them; sines and
-//! cosines are made together.
+//! Afterwards every value is defined once, before its first use, under a unique name; nothing is computed
+//! that no result needs; negations stand only where neither a subtraction nor the sign of a product could
+//! take them; sines and cosines are made together.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -25,10 +25,7 @@ pub struct GraphOutput {
 
 /// The program that computes the outputs.
 pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) -> Program {
-    let results: Vec<Edge> = outputs
-        .iter()
-        .flat_map(|output| output.entries.iter().copied())
-        .collect();
+    let results: Vec<Edge> = outputs.iter().flat_map(|output| output.entries.iter().copied()).collect();
     let results = balanced(graph, &results);
     let mut lowering = Lowering::new(graph, &results);
     for edge in &results {
@@ -38,18 +35,10 @@ pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) ->
     let outputs = outputs.iter().map(|output| Output {
         name: output.name.clone(),
         shape: output.shape,
-        entries: entries
-            .by_ref()
-            .take(output.entries.len())
-            .map(|&edge| lowering.signed(edge))
-            .collect(),
+        entries: entries.by_ref().take(output.entries.len()).map(|&edge| lowering.signed(edge)).collect(),
     });
     let outputs = outputs.collect();
-    let mut program = angles_first(Program {
-        inputs,
-        instructions: lowering.instructions,
-        outputs,
-    });
+    let mut program = angles_first(Program { inputs, instructions: lowering.instructions, outputs });
     add_instead_of_doubling(&mut program);
     give_names(&mut program);
     program
@@ -94,18 +83,11 @@ impl<'g> Lowering<'g> {
         let mut angles: BTreeMap<Edge, [Option<Edge>; 2]> = BTreeMap::new();
         for &edge in &reachable {
             let node = graph.node(edge);
-            height[edge.index()] = node
-                .operands()
-                .map(|operand| height[operand.index()] + 1)
-                .max()
-                .unwrap_or(0);
+            height[edge.index()] =
+                node.operands().map(|operand| height[operand.index()] + 1).max().unwrap_or(0);
             match node {
-                Node::Call(Function::Sin, angle) => {
-                    angles.entry(angle).or_default()[0] = Some(edge)
-                }
-                Node::Call(Function::Cos, angle) => {
-                    angles.entry(angle).or_default()[1] = Some(edge)
-                }
+                Node::Call(Function::Sin, angle) => angles.entry(angle).or_default()[0] = Some(edge),
+                Node::Call(Function::Cos, angle) => angles.entry(angle).or_default()[1] = Some(edge),
                 _ => {}
             }
         }
@@ -188,10 +170,7 @@ impl<'g> Lowering<'g> {
 
     /// The operand for a signed reference; a negation is inserted where the sign has no other place.
     fn signed(&mut self, edge: Edge) -> Operand {
-        #[expect(
-            clippy::expect_used,
-            reason = "operands are visited before their users"
-        )]
+        #[expect(clippy::expect_used, reason = "operands are visited before their users")]
         let value = self.values[edge.index()].expect("operands stand before their users");
         if !edge.is_negative() {
             return value;
@@ -202,10 +181,7 @@ impl<'g> Lowering<'g> {
         if let Some(negative) = self.negatives[edge.index()] {
             return negative;
         }
-        let name = self
-            .graph
-            .label_of(edge)
-            .map(|label| format!("minus_{label}"));
+        let name = self.graph.label_of(edge).map(|label| format!("minus_{label}"));
         let negative = self.push(name, Operation::Negate(value));
         self.negatives[edge.index()] = Some(negative);
         negative
@@ -218,10 +194,7 @@ impl<'g> Lowering<'g> {
     /// Appends an instruction; its name is the label so far.
     fn push(&mut self, label: Option<String>, operation: Operation) -> Operand {
         let index = self.instructions.len();
-        self.instructions.push(Instruction {
-            name: label.unwrap_or_default(),
-            operation,
-        });
+        self.instructions.push(Instruction { name: label.unwrap_or_default(), operation });
         Operand::Value(index)
     }
 }

@@ -1,7 +1,7 @@
 //! Stage 4: a straight-line program, the last form before text.
 //!
-//! One instruction defines one value from earlier values, inputs, parameters or constants. What is decided here
-//! (names, order, signs, fused operations) is final: the emitter only prints.
+//! One instruction defines one value from earlier values, inputs, parameters or constants. What is decided
+//! here (names, order, signs, fused operations) is final: the emitter only prints.
 
 pub mod arrays;
 pub mod cost;
@@ -38,9 +38,9 @@ pub struct Program {
 
 /// Results of more entries than this are written where the caller wants them.
 ///
-/// A matrix that is returned passes through memory once or twice more: its entries are stored one by one and copied
-/// as vectors at once, which a processor cannot forward from its store buffer. M and bias forces of a UR5 took 119 ns
-/// that way and 60 ns written in place.
+/// A matrix that is returned passes through memory once or twice more: its entries are stored one by one and
+/// copied as vectors at once, which a processor cannot forward from its store buffer. M and bias forces of a
+/// UR5 took 119 ns that way and 60 ns written in place.
 const LARGEST_RETURNED: usize = 16;
 
 impl Program {
@@ -56,11 +56,7 @@ impl Program {
             entries: vec![Operand::Constant(0.0); output.entries.len()],
             ..output.clone()
         });
-        Self {
-            inputs: self.inputs.clone(),
-            instructions: Vec::new(),
-            outputs: outputs.collect(),
-        }
+        Self { inputs: self.inputs.clone(), instructions: Vec::new(), outputs: outputs.collect() }
     }
 
     /// Whether the results are better written in place than returned.

@@ -1,7 +1,8 @@
-//! Splits a long program into parts, since the time that compilers need grows faster than the length of a function.
+//! Splits a long program into parts, since the time that compilers need grows faster than the length of a
+//! function.
 //!
-//! Parts follow one another in the order of the program; no operation moves, so that every bit of the results stays.
-//! Each can become a function that takes the values it reads and returns those that are read later.
+//! Parts follow one another in the order of the program; no operation moves, so that every bit of the results
+//! stays. Each can become a function that takes the values it reads and returns those that are read later.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -22,7 +23,8 @@ pub(crate) struct Part {
     pub(crate) inputs: Vec<usize>,
     /// Whether it reads parameters.
     pub(crate) reads_parameters: bool,
-    /// Results that it writes, and which of their entries; none where the results are written after all parts.
+    /// Results that it writes, and which of their entries; none where the results are written after all
+    /// parts.
     pub(crate) results: Vec<(usize, Vec<usize>)>,
 }
 
@@ -61,9 +63,7 @@ pub(crate) fn parts(program: &Program, flow: &Flow, longest: usize) -> Vec<Part>
     });
     let mut parts: Vec<Part> = parts.collect();
     let results = values(program.entries(), flow);
-    hand_on(&mut parts, results, |part, value| {
-        part.range.contains(&flow.made_at[value])
-    });
+    hand_on(&mut parts, results, |part, value| part.range.contains(&flow.made_at[value]));
     parts
 }
 
@@ -114,8 +114,8 @@ impl Reads {
     }
 }
 
-/// Boundaries of the parts, first 0 and last the number of instructions. Each part has at most `longest` statements
-/// and ends, within its second half, where the fewest values are alive.
+/// Boundaries of the parts, first 0 and last the number of instructions. Each part has at most `longest`
+/// statements and ends, within its second half, where the fewest values are alive.
 fn cuts(program: &Program, flow: &Flow, longest: usize) -> Vec<usize> {
     let len = program.instructions.len();
     let alive = alive_before(program, flow);
@@ -124,10 +124,7 @@ fn cuts(program: &Program, flow: &Flow, longest: usize) -> Vec<usize> {
     let mut done = 0;
     while statements.len() - done > longest {
         let candidates = done + longest.div_ceil(2)..=done + longest;
-        let best = candidates
-            .rev()
-            .min_by_key(|&next| alive[statements[next]])
-            .unwrap_or(done + longest);
+        let best = candidates.rev().min_by_key(|&next| alive[statements[next]]).unwrap_or(done + longest);
         cuts.push(statements[best]);
         done = best;
     }

@@ -18,9 +18,7 @@ pub fn nonzero_entries(program: &Program) -> Vec<Vec<bool>> {
     }
     let entries = |entries: &[Operand]| -> Vec<bool> {
         let entries = entries.iter();
-        entries
-            .map(|&entry| !operand_is_zero(&is_zero, entry))
-            .collect()
+        entries.map(|&entry| !operand_is_zero(&is_zero, entry)).collect()
     };
     let outputs = program.outputs.iter();
     outputs.map(|output| entries(&output.entries)).collect()

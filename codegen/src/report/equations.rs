@@ -47,9 +47,7 @@ pub(super) fn legend() -> Result<Vec<Block>, ReportError> {
     let equation = Equation::new(r"M(y)\,\ddot{y} + k(y,\dot{y}) = q(y,\dot{y}) + B\,u")?;
     Ok(vec![
         Block::Equations(vec![equation]),
-        text(
-            "with coordinates $y_i$ and inputs $u_j$ in the order of the tables above, in SI units.",
-        ),
+        text("with coordinates $y_i$ and inputs $u_j$ in the order of the tables above, in SI units."),
         text(
             "Each function computes abbreviations from earlier ones, as in Neweul-M², and its result from them: nothing is computed \
              twice. The generated code holds these lines in this order.",
@@ -60,19 +58,11 @@ pub(super) fn legend() -> Result<Vec<Block>, ReportError> {
 /// A function with its abbreviations.
 pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
     let heading = Block::Heading(vec![
-        Inline::Text(
-            function
-                .summary
-                .replace('`', "")
-                .trim_end_matches('.')
-                .to_owned(),
-        ),
+        Inline::Text(function.summary.replace('`', "").trim_end_matches('.').to_owned()),
         Inline::Text(" — ".to_owned()),
         code(&function.name),
     ]);
-    let notation = Notation {
-        parameters: robot.parameter_names.clone(),
-    };
+    let notation = Notation { parameters: robot.parameter_names.clone() };
     let equations = display::latex_equations(&function.program, &notation);
     let count = equations.abbreviations.len();
     if count > MOST {
@@ -82,11 +72,8 @@ pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
         );
         return vec![heading, text(&words)];
     }
-    let joined = |pairs: Vec<(String, String)>| {
-        pairs
-            .into_iter()
-            .map(|(name, value)| format!("{name} = {value}"))
-    };
+    let joined =
+        |pairs: Vec<(String, String)>| pairs.into_iter().map(|(name, value)| format!("{name} = {value}"));
     let abbreviations: Vec<String> = joined(equations.abbreviations).collect();
     let results: Vec<String> = joined(equations.results).collect();
     // A name that no LaTeX can hold is rare, and the program as text is as good.
@@ -96,11 +83,7 @@ pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
     };
     let mut blocks = vec![heading];
     if count > 0 {
-        let plural = if count == 1 {
-            "abbreviation"
-        } else {
-            "abbreviations"
-        };
+        let plural = if count == 1 { "abbreviation" } else { "abbreviations" };
         blocks.push(Block::Details {
             summary: vec![Inline::Text(format!("{count} {plural}"))],
             is_open: count <= MOST_OPEN,
@@ -117,10 +100,8 @@ fn all(latex: &[String]) -> Result<Vec<Equation>, ReportError> {
 
 /// On lines that paper can hold.
 fn broken(latex: &[String]) -> Result<Vec<Equation>, ReportError> {
-    let lines: Result<Vec<Vec<Equation>>, ReportError> = latex
-        .iter()
-        .map(|one| Equation::broken(one, LETTERS))
-        .collect();
+    let lines: Result<Vec<Vec<Equation>>, ReportError> =
+        latex.iter().map(|one| Equation::broken(one, LETTERS)).collect();
     lines.map(|lines| lines.concat())
 }
 
@@ -136,9 +117,7 @@ pub(super) fn set(latex: &[String]) -> Block {
 pub(super) fn friction_laws(robot: &Robot<'_>) -> Vec<String> {
     let joints = robot.joints().into_iter().enumerate();
     let rubbing = joints.filter(|(_, joint)| !joint.friction.is_empty());
-    rubbing
-        .map(|(index, joint)| law(robot, index + 1, joint))
-        .collect()
+    rubbing.map(|(index, joint)| law(robot, index + 1, joint)).collect()
 }
 
 fn law(robot: &Robot<'_>, number: usize, joint: &Joint) -> String {
@@ -147,11 +126,7 @@ fn law(robot: &Robot<'_>, number: usize, joint: &Joint) -> String {
     let term = |term: &FrictionTerm| match (term.coefficient.as_number(), term.basis.as_number()) {
         (Some(1.0), _) => print(&term.basis),
         (_, Some(1.0)) => print(&term.coefficient),
-        _ => format!(
-            "{} \\, {}",
-            bracketed(&term.coefficient),
-            bracketed(&term.basis)
-        ),
+        _ => format!("{} \\, {}", bracketed(&term.coefficient), bracketed(&term.basis)),
     };
     let terms: Vec<String> = joint.friction.iter().map(term).collect();
     format!("\\tau_{{{number}}} = {}", terms.join(" + "))
@@ -171,19 +146,15 @@ pub(super) fn spring_laws(robot: &Robot<'_>) -> Vec<String> {
 /// Friction over velocity, as the generated function computes it.
 pub(super) fn friction_figure(robot: &Robot<'_>) -> Option<Figure> {
     let joints = robot.joints().into_iter().enumerate();
-    let rubbing: Vec<(usize, &Joint)> = joints
-        .filter(|(_, joint)| !joint.friction.is_empty())
-        .collect();
+    let rubbing: Vec<(usize, &Joint)> = joints.filter(|(_, joint)| !joint.friction.is_empty()).collect();
     let mut figure = Figure::new(
         "friction-curves",
         "Friction over velocity, up to the velocity limit (1 where there is none), with the other joints at rest. Friction \
          that depends on the position is drawn at both limits and in the middle.",
     );
     for prismatic in [false, true] {
-        let of_kind: Vec<&(usize, &Joint)> = rubbing
-            .iter()
-            .filter(|(_, joint)| (joint.kind == JointKind::Prismatic) == prismatic)
-            .collect();
+        let of_kind: Vec<&(usize, &Joint)> =
+            rubbing.iter().filter(|(_, joint)| (joint.kind == JointKind::Prismatic) == prismatic).collect();
         for group in of_kind.chunks(CURVES) {
             figure = figure.plot(friction_plot(robot, group, prismatic)?);
         }
@@ -193,15 +164,9 @@ pub(super) fn friction_figure(robot: &Robot<'_>) -> Option<Figure> {
 
 fn friction_plot(robot: &Robot<'_>, joints: &[&(usize, &Joint)], prismatic: bool) -> Option<Plot> {
     let (velocity, force) = if prismatic {
-        (
-            Axis::new("velocity", "m/s"),
-            Axis::new("friction force", "N"),
-        )
+        (Axis::new("velocity", "m/s"), Axis::new("friction force", "N"))
     } else {
-        (
-            Axis::new("velocity", "rad/s"),
-            Axis::new("friction torque", "N m"),
-        )
+        (Axis::new("velocity", "rad/s"), Axis::new("friction torque", "N m"))
     };
     let mut plot = Plot::new("", velocity, force);
     for (index, joint) in joints {
@@ -213,8 +178,8 @@ fn friction_plot(robot: &Robot<'_>, joints: &[&(usize, &Joint)], prismatic: bool
     Some(plot)
 }
 
-/// Positions at which a joint's friction is drawn, with the names of the curves: 0 alone, or both limits and their mean
-/// (−1, 0 and 1 without limits) where the law depends on the position.
+/// Positions at which a joint's friction is drawn, with the names of the curves: 0 alone, or both limits and
+/// their mean (−1, 0 and 1 without limits) where the law depends on the position.
 fn friction_positions(joint: &Joint) -> Vec<(String, f64)> {
     let terms = &joint.friction;
     if !terms.iter().any(|term| term.basis.depends_on_position()) {
@@ -226,12 +191,7 @@ fn friction_positions(joint: &Joint) -> Vec<(String, f64)> {
 }
 
 /// Velocities are spaced more closely around 0, where laws are steep.
-fn friction_curve(
-    robot: &Robot<'_>,
-    index: usize,
-    joint: &Joint,
-    position: f64,
-) -> Option<Vec<[f64; 2]>> {
+fn friction_curve(robot: &Robot<'_>, index: usize, joint: &Joint, position: f64) -> Option<Vec<[f64; 2]>> {
     const HALF: i32 = 200;
     let most = joint.limits.velocity.unwrap_or(1.0);
     let point = |k: i32| {
@@ -252,11 +212,7 @@ pub(super) struct ClosedFormText<'a>(pub &'a ClosedForm);
 
 impl ClosedFormText<'_> {
     pub fn blocks(&self) -> Result<Vec<Block>, ReportError> {
-        let ClosedForm {
-            equations,
-            constants,
-            symbols,
-        } = self.0;
+        let ClosedForm { equations, constants, symbols } = self.0;
         let mut blocks = vec![
             text(
                 "The same equations with letters for the numbers of the description, derived a second time from Lagrange's equations by the \

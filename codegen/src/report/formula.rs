@@ -8,30 +8,18 @@ use crate::program::display::{latex_letters, latex_number};
 /// - `parameters`: names of the free parameters
 /// - `coordinate`: index, from 1, of the joint whose y and ẏ it means
 pub(super) fn latex(formula: &Formula, parameters: &[String], coordinate: usize) -> String {
-    Printer {
-        parameters,
-        coordinate,
-    }
-    .print(formula, Binding::Sum)
+    Printer { parameters, coordinate }.print(formula, Binding::Sum)
 }
 
 /// As [`latex`], in brackets where it is not a factor.
 pub(super) fn factor(formula: &Formula, parameters: &[String], coordinate: usize) -> String {
-    Printer {
-        parameters,
-        coordinate,
-    }
-    .print(formula, Binding::Product)
+    Printer { parameters, coordinate }.print(formula, Binding::Product)
 }
 
 /// The sum of formulas in LaTeX.
 pub(super) fn sum(formulas: &[Formula], parameters: &[String], coordinate: usize) -> String {
-    let summands = formulas
-        .iter()
-        .map(|one| latex(one, parameters, coordinate));
-    summands
-        .reduce(|sum, summand| join(&sum, &summand))
-        .unwrap_or_default()
+    let summands = formulas.iter().map(|one| latex(one, parameters, coordinate));
+    summands.reduce(|sum, summand| join(&sum, &summand)).unwrap_or_default()
 }
 
 /// How tightly a formula holds together, and what its place asks for; one that is looser gets brackets.
@@ -53,11 +41,7 @@ struct Printer<'a> {
 impl Printer<'_> {
     fn print(&self, formula: &Formula, place: Binding) -> String {
         let text = self.bare(formula);
-        if binding(formula) >= place {
-            text
-        } else {
-            format!("\\left({text}\\right)")
-        }
+        if binding(formula) >= place { text } else { format!("\\left({text}\\right)") }
     }
 
     fn bare(&self, formula: &Formula) -> String {
@@ -65,10 +49,9 @@ impl Printer<'_> {
         let factor = |part: &Formula| self.print(part, Binding::Product);
         match formula {
             Formula::Number(value) => latex_number(*value),
-            Formula::Parameter(index) => self
-                .parameters
-                .get(*index)
-                .map_or_else(|| "?".to_owned(), |name| latex_letters(name)),
+            Formula::Parameter(index) => {
+                self.parameters.get(*index).map_or_else(|| "?".to_owned(), |name| latex_letters(name))
+            }
             Formula::Position => format!("y_{{{}}}", self.coordinate),
             Formula::Velocity => format!("\\dot{{y}}_{{{}}}", self.coordinate),
             Formula::Negate(a) => format!("-{}", factor(a)),
@@ -108,9 +91,7 @@ fn binding(formula: &Formula) -> Binding {
         Formula::Add(..) | Formula::Subtract(..) | Formula::Negate(_) => Binding::Sum,
         Formula::Number(value) if value.is_sign_negative() => Binding::Sum,
         Formula::Number(value) if format!("{value:?}").contains('e') => Binding::Product,
-        Formula::Number(_) | Formula::Parameter(_) | Formula::Position | Formula::Velocity => {
-            Binding::Letter
-        }
+        Formula::Number(_) | Formula::Parameter(_) | Formula::Position | Formula::Velocity => Binding::Letter,
         _ => Binding::Product,
     }
 }
@@ -125,19 +106,10 @@ mod tests {
         let sum = || Formula::Add(Box::new(v()), Box::new(a()));
         let negative = || Formula::Number(-2.0);
         let cases = [
-            (
-                Formula::Multiply(Box::new(a()), Box::new(sum())),
-                r"a_{1} \, \left(\dot{y}_{2} + a_{1}\right)",
-            ),
-            (
-                Formula::Power(Box::new(sum()), 2),
-                r"\left(\dot{y}_{2} + a_{1}\right)^{2}",
-            ),
+            (Formula::Multiply(Box::new(a()), Box::new(sum())), r"a_{1} \, \left(\dot{y}_{2} + a_{1}\right)"),
+            (Formula::Power(Box::new(sum()), 2), r"\left(\dot{y}_{2} + a_{1}\right)^{2}"),
             (Formula::Power(Box::new(v()), 3), r"\dot{y}_{2}^{3}"),
-            (
-                Formula::Add(Box::new(sum()), Box::new(negative())),
-                r"\dot{y}_{2} + a_{1} - 2",
-            ),
+            (Formula::Add(Box::new(sum()), Box::new(negative())), r"\dot{y}_{2} + a_{1} - 2"),
             (
                 Formula::Subtract(Box::new(v()), Box::new(sum())),
                 r"\dot{y}_{2} - \left(\dot{y}_{2} + a_{1}\right)",
@@ -146,10 +118,7 @@ mod tests {
                 Formula::Divide(Box::new(sum()), Box::new(Formula::Number(5e-9))),
                 r"\frac{\dot{y}_{2} + a_{1}}{5 \cdot 10^{-9}}",
             ),
-            (
-                Formula::Multiply(Box::new(negative()), Box::new(v())),
-                r"-2 \, \dot{y}_{2}",
-            ),
+            (Formula::Multiply(Box::new(negative()), Box::new(v())), r"-2 \, \dot{y}_{2}"),
             (
                 Formula::Multiply(
                     Box::new(v()),
@@ -157,19 +126,13 @@ mod tests {
                 ),
                 r"\dot{y}_{2} \, \left(-2 \, a_{1}\right)",
             ),
-            (
-                Formula::Call(Function::Abs, Box::new(v())),
-                r"\left|\dot{y}_{2}\right|",
-            ),
+            (Formula::Call(Function::Abs, Box::new(v())), r"\left|\dot{y}_{2}\right|"),
         ];
         for (formula, expected) in cases {
             assert_eq!(latex(&formula, &["a1".to_owned()], 2), expected);
         }
         let product = Formula::Multiply(Box::new(negative()), Box::new(v()));
         let springs = [product.clone(), product, v()];
-        assert_eq!(
-            super::sum(&springs, &[], 1),
-            r"-2 \, \dot{y}_{1} - 2 \, \dot{y}_{1} + \dot{y}_{1}"
-        );
+        assert_eq!(super::sum(&springs, &[], 1), r"-2 \, \dot{y}_{1} - 2 \, \dot{y}_{1} + \dot{y}_{1}");
     }
 }

@@ -1,4 +1,5 @@
-//! The page of a robot: what it is made of, its equations, what they cost, and whether they agree with each other.
+//! The page of a robot: what it is made of, its equations, what they cost, and whether they agree with each
+//! other.
 //!
 //! The page is written by [`gelenk_report`], as are those of the runtime's examples; here are its contents.
 
@@ -44,9 +45,7 @@ pub fn report(contents: &Contents<'_>) -> Result<Report, ReportError> {
     let robot = Robot::new(contents.model, contents.functions);
     let mut report = head(&robot);
     report.made_by = contents.command.to_owned();
-    report = report
-        .section(robot_section(&robot))
-        .section(parameters_section(&robot));
+    report = report.section(robot_section(&robot)).section(parameters_section(&robot));
     report = report.section(equations_section(&robot, contents.closed_form)?);
     if let Some(section) = friction_section(&robot)? {
         report = report.section(section);
@@ -54,15 +53,11 @@ pub fn report(contents: &Contents<'_>) -> Result<Report, ReportError> {
     let springs = equations::spring_laws(&robot);
     if !springs.is_empty() {
         let section = Section::new("springs", "Springs and dampers")
-            .block(text(
-                "Force (or torque) $s_i$ on joint $i$, part of the applied forces $q$.",
-            ))
+            .block(text("Force (or torque) $s_i$ on joint $i$, part of the applied forces $q$."))
             .block(equations::set(&springs));
         report = report.section(section);
     }
-    report = report
-        .section(structure_section(&robot))
-        .section(self_check_section(&robot));
+    report = report.section(structure_section(&robot)).section(self_check_section(&robot));
     if !contents.notes.is_empty() {
         let notes = Section::new("notes", "Notes on the description")
             .block(Block::Table(tables::notes(contents.notes)));
@@ -113,10 +108,7 @@ fn parameters_section(robot: &Robot<'_>) -> Section {
     {
         section = section.block(Block::Table(table));
     }
-    section.block(text(&format!(
-        "Gravity is {} in the base frame.",
-        tables::gravity(robot)
-    )))
+    section.block(text(&format!("Gravity is {} in the base frame.", tables::gravity(robot))))
 }
 
 fn equations_section(
@@ -124,19 +116,12 @@ fn equations_section(
     closed_form: Result<&ClosedForm, &str>,
 ) -> Result<Section, ReportError> {
     let mut section = Section::new("equations", "Equations of motion").blocks(equations::legend()?);
-    for function in [
-        "mass_matrix",
-        "coriolis_forces",
-        "applied_forces",
-        "input_matrix",
-    ] {
+    for function in ["mass_matrix", "coriolis_forces", "applied_forces", "input_matrix"] {
         if let Some(function) = robot.function(function) {
             section = section.blocks(equations::program(robot, function));
         }
     }
-    section = section.block(Block::Heading(vec![Inline::Text(
-        "In closed form".to_owned(),
-    )]));
+    section = section.block(Block::Heading(vec![Inline::Text("In closed form".to_owned())]));
     section = match closed_form {
         Ok(closed_form) => section.blocks(ClosedFormText(closed_form).blocks()?),
         Err(reason) => section.block(text(reason)),
@@ -223,10 +208,7 @@ mod tests {
 
     fn verdicts(model: &Model, functions: &[Function]) -> Vec<(String, Verdict)> {
         let claims = self_check::claims(&Robot::new(model, functions));
-        claims
-            .into_iter()
-            .map(|claim| (claim.id.clone(), claim.verdict()))
-            .collect()
+        claims.into_iter().map(|claim| (claim.id.clone(), claim.verdict())).collect()
     }
 
     #[test]
@@ -247,10 +229,8 @@ mod tests {
             "mass = 1\n        center_of_mass = [0.1, 0, -0.3]\n        inertia = 0.01",
             "mass = 0\n        inertia = 5e-10",
         );
-        let (model, functions) = arm(&needle.replace(
-            "drive = { gear_ratio = 50, rotor_inertia = 1e-5 }",
-            "drive = \"ideal\"",
-        ));
+        let (model, functions) =
+            arm(&needle.replace("drive = { gear_ratio = 50, rotor_inertia = 1e-5 }", "drive = \"ideal\""));
         for (id, verdict) in verdicts(&model, &functions) {
             assert_eq!(verdict, Verdict::Holds, "{id}");
         }
@@ -290,16 +270,10 @@ mod tests {
         let mass = &mut functions[0].program.outputs[0].entries;
         mass[1] = crate::program::Operand::Constant(1e6);
         let found = verdicts(&model, &functions);
-        assert_eq!(
-            found[1],
-            ("check-symmetric".to_owned(), Verdict::DoesNotHold)
-        );
+        assert_eq!(found[1], ("check-symmetric".to_owned(), Verdict::DoesNotHold));
         functions[0].program.outputs[0].entries[2] = crate::program::Operand::Constant(1e6);
         let found = verdicts(&model, &functions);
-        assert_eq!(
-            found[0],
-            ("check-definite".to_owned(), Verdict::DoesNotHold)
-        );
+        assert_eq!(found[0], ("check-definite".to_owned(), Verdict::DoesNotHold));
     }
 
     #[test]

@@ -45,9 +45,7 @@ impl<'a> Robot<'a> {
     /// All bodies with their links.
     pub fn bodies(&self) -> Vec<(&'a Link, &'a Body)> {
         let links = self.model.links.iter();
-        links
-            .flat_map(|link| link.bodies.iter().map(move |body| (link, body)))
-            .collect()
+        links.flat_map(|link| link.bodies.iter().map(move |body| (link, body))).collect()
     }
 
     /// Value of a formula of parameters.
@@ -74,7 +72,8 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Results of a function, each flat, rows first; `None` where there is none of that name or inputs do not fit.
+    /// Results of a function, each flat, rows first; `None` where there is none of that name or inputs do not
+    /// fit.
     pub fn call(&self, name: &str, inputs: &[&[f64]]) -> Option<Vec<Vec<f64>>> {
         let program = &self.function(name)?.program;
         interpret(program, inputs, &self.parameters, &Functions::EMBEDDED).ok()

@@ -8,16 +8,11 @@ use crate::model::{Joint, JointKind, Link, Motion};
 pub(super) fn scene(robot: &Robot<'_>) -> Scene {
     let model = robot.model;
     let links = model.links.iter().enumerate();
-    let joints = links
-        .clone()
-        .filter_map(|(_, link)| Some(scene_joint(robot, link, link.joint.as_ref()?)));
+    let joints = links.clone().filter_map(|(_, link)| Some(scene_joint(robot, link, link.joint.as_ref()?)));
     let bodies = links.flat_map(|(index, link)| link.bodies.iter().map(move |body| (index, body)));
     Scene {
         name: model.name.clone(),
-        base: model
-            .links
-            .first()
-            .map_or_else(String::new, |base| base.name.clone()),
+        base: model.links.first().map_or_else(String::new, |base| base.name.clone()),
         gravity: robot.vector(&model.gravity),
         joints: joints.collect(),
         bodies: bodies

@@ -28,7 +28,8 @@ struct Check {
     measure: Measure,
 }
 
-/// Thresholds of differences are far above their error (10⁻¹¹ of rounding at this step) and far below any mistake.
+/// Thresholds of differences are far above their error (10⁻¹¹ of rounding at this step) and far below any
+/// mistake.
 const CHECKS: &[Check] = &[
     Check {
         id: "check-symmetric",
@@ -91,15 +92,10 @@ const CHECKS: &[Check] = &[
 /// The rows of the self-check.
 pub(super) fn claims(robot: &Robot<'_>) -> Vec<Claim> {
     let mut random = Random::new(SEED);
-    let states: Vec<State> = (0..STATES)
-        .map(|_| State::seeded(robot, &mut random))
-        .collect();
+    let states: Vec<State> = (0..STATES).map(|_| State::seeded(robot, &mut random)).collect();
     let mut claims: Vec<Claim> = definiteness(robot, &states).into_iter().collect();
     for check in CHECKS {
-        let measured: Option<Vec<f64>> = states
-            .iter()
-            .map(|state| (check.measure)(robot, state))
-            .collect();
+        let measured: Option<Vec<f64>> = states.iter().map(|state| (check.measure)(robot, state)).collect();
         if let Some(measured) = measured {
             let criterion = Criterion::at_most(check.name, worst(&measured), check.bound, "");
             let claim = Claim::new(check.id, check.statement).criterion(criterion);
@@ -111,23 +107,13 @@ pub(super) fn claims(robot: &Robot<'_>) -> Vec<Claim> {
 
 fn worst(measured: &[f64]) -> f64 {
     // `max` would drop a NaN.
-    measured.iter().copied().fold(
-        0.0,
-        |worst, value| {
-            if value <= worst { worst } else { value }
-        },
-    )
+    measured.iter().copied().fold(0.0, |worst, value| if value <= worst { worst } else { value })
 }
 
 fn definiteness(robot: &Robot<'_>, states: &[State]) -> Option<Claim> {
-    let ratios: Option<Vec<f64>> = states
-        .iter()
-        .map(|state| definiteness_at(robot, state))
-        .collect();
-    let least = ratios?.into_iter().fold(
-        f64::INFINITY,
-        |least, value| if value >= least { least } else { value },
-    );
+    let ratios: Option<Vec<f64>> = states.iter().map(|state| definiteness_at(robot, state)).collect();
+    let least =
+        ratios?.into_iter().fold(f64::INFINITY, |least, value| if value >= least { least } else { value });
     let is_singular = robot.model.definiteness() == Definiteness::Semidefinite;
     let (statement, bound) = match is_singular {
         true => (
@@ -147,7 +133,8 @@ fn definiteness(robot: &Robot<'_>, states: &[State]) -> Option<Claim> {
 /// Eigenvalues of a scaled mass matrix below this are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The smallest eigenvalue of `M_ij / √(M_ii M_jj)`, a number without unit: masses and inertias may differ by any factor.
+/// The smallest eigenvalue of `M_ij / √(M_ii M_jj)`, a number without unit: masses and inertias may differ by
+/// any factor.
 fn definiteness_at(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let mass = mass_matrix(robot, state)?;
     let diagonal = mass.diagonal();
@@ -174,12 +161,11 @@ fn scaled(mass: &DMatrix<f64>) -> DMatrix<f64> {
         true => entry.sqrt(),
         false => 1.0,
     });
-    DMatrix::from_fn(mass.nrows(), mass.ncols(), |i, j| {
-        mass[(i, j)] / (scale[i] * scale[j])
-    })
+    DMatrix::from_fn(mass.nrows(), mass.ncols(), |i, j| mass[(i, j)] / (scale[i] * scale[j]))
 }
 
-/// Roots of the diagonal of M: forces over them, and accelerations times them, have one unit for slides and hinges.
+/// Roots of the diagonal of M: forces over them, and accelerations times them, have one unit for slides and
+/// hinges.
 fn weights(robot: &Robot<'_>, state: &State) -> Option<Vec<f64>> {
     let diagonal = mass_matrix(robot, state)?.diagonal();
     let root = |entry: &f64| if *entry > 0.0 { entry.sqrt() } else { 1.0 };
@@ -208,15 +194,13 @@ fn joint_forces(robot: &Robot<'_>, u: &[f64]) -> Option<Vec<f64>> {
     Some(rows.map(|row| product(row, u)).collect())
 }
 
-/// The forces at a state, beside which differences are judged. Those of the accelerations are sums of magnitudes: where light
-/// bodies are flung about, M ÿ is small beside its terms, and rounding is that of the terms.
+/// The forces at a state, beside which differences are judged. Those of the accelerations are sums of
+/// magnitudes: where light bodies are flung about, M ÿ is small beside its terms, and rounding is that of the
+/// terms.
 fn forces(robot: &Robot<'_>, state: &State, a: &[f64]) -> Option<[Vec<f64>; 4]> {
     let (y, v) = (&state.y, &state.v);
     Some([
-        matrix_times(
-            &magnitudes(&robot.first("mass_matrix", &[y])?),
-            &magnitudes(a),
-        ),
+        matrix_times(&magnitudes(&robot.first("mass_matrix", &[y])?), &magnitudes(a)),
         robot.first("coriolis_forces", &[y, v])?,
         robot.first("applied_forces", &[y, v])?,
         joint_forces(robot, &state.u)?,
@@ -257,9 +241,7 @@ fn parts(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let inertial = matrix_times(&robot.first("mass_matrix", &[y])?, a);
     let coriolis = robot.first("coriolis_forces", &[y, v])?;
     let applied = robot.first("applied_forces", &[y, v])?;
-    let expected: Vec<f64> = (0..robot.n())
-        .map(|i| inertial[i] + coriolis[i] - applied[i])
-        .collect();
+    let expected: Vec<f64> = (0..robot.n()).map(|i| inertial[i] + coriolis[i] - applied[i]).collect();
     weighted_difference(robot, state, a, [&forces, &expected])
 }
 
@@ -308,9 +290,7 @@ fn linearization(robot: &Robot<'_>, state: &State) -> Option<f64> {
             by_u.chunks(u.len()).map(|row| product(row, u)).collect()
         },
     ];
-    let expected: Vec<f64> = (0..y.len())
-        .map(|i| parts.iter().map(|part| part[i]).sum())
-        .collect();
+    let expected: Vec<f64> = (0..y.len()).map(|i| parts.iter().map(|part| part[i]).sum()).collect();
     let weights = weights(robot, state)?;
     let weighted = |part: &[f64]| largest(&times(part, &weights));
     let size = parts.iter().map(|part| weighted(part)).fold(0.0, f64::max);
@@ -330,14 +310,9 @@ fn frames(robot: &Robot<'_>, state: &State) -> Option<f64> {
 }
 
 fn frame_error(robot: &Robot<'_>, state: &State, name: &str) -> Option<f64> {
-    let (pose, jacobian) = (
-        format!("frame_{name}_pose"),
-        format!("frame_{name}_jacobian"),
-    );
+    let (pose, jacobian) = (format!("frame_{name}_pose"), format!("frame_{name}_jacobian"));
     let along = |t: f64| {
-        let mut results = robot
-            .call(&pose, &[&moved(&state.y, t, &state.v)])?
-            .into_iter();
+        let mut results = robot.call(&pose, &[&moved(&state.y, t, &state.v)])?.into_iter();
         let (mut origin, rotation) = (results.next()?, results.next()?);
         origin.extend(rotation);
         Some(origin)
@@ -345,16 +320,8 @@ fn frame_error(robot: &Robot<'_>, state: &State, name: &str) -> Option<f64> {
     let rates = derivative(along)?;
     let rotation = along(0.0)?.split_off(3);
     // Ṙ Rᵀ is the matrix of ω ×.
-    let spin =
-        |i: usize, j: usize| product(&rates[3 + 3 * i..6 + 3 * i], &rotation[3 * j..3 * j + 3]);
-    let found = [
-        rates[0],
-        rates[1],
-        rates[2],
-        spin(2, 1),
-        spin(0, 2),
-        spin(1, 0),
-    ];
+    let spin = |i: usize, j: usize| product(&rates[3 + 3 * i..6 + 3 * i], &rotation[3 * j..3 * j + 3]);
+    let found = [rates[0], rates[1], rates[2], spin(2, 1), spin(0, 2), spin(1, 0)];
     let expected = matrix_times(&robot.first(&jacobian, &[&state.y])?, &state.v);
     Some(difference(&found, &expected) / largest(&expected).max(largest(&state.v)))
 }

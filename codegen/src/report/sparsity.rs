@@ -9,62 +9,23 @@ use crate::program::{Program, Shape, nonzero_entries};
 const MATRICES: &[(&str, usize, &str, &str)] = &[
     ("mass_matrix", 0, "pattern-m", "$M$"),
     ("input_matrix", 0, "pattern-b", "$B$"),
-    (
-        "inverse_dynamics_derivatives",
-        1,
-        "pattern-f-y",
-        r"$\partial f/\partial y$",
-    ),
-    (
-        "inverse_dynamics_derivatives",
-        2,
-        "pattern-f-v",
-        r"$\partial f/\partial \dot y$",
-    ),
-    (
-        "linearize",
-        0,
-        "pattern-a-y",
-        r"$\partial \ddot y/\partial y$",
-    ),
-    (
-        "linearize",
-        1,
-        "pattern-a-v",
-        r"$\partial \ddot y/\partial \dot y$",
-    ),
-    (
-        "linearize",
-        2,
-        "pattern-b-x",
-        r"$\partial \ddot y/\partial u$",
-    ),
+    ("inverse_dynamics_derivatives", 1, "pattern-f-y", r"$\partial f/\partial y$"),
+    ("inverse_dynamics_derivatives", 2, "pattern-f-v", r"$\partial f/\partial \dot y$"),
+    ("linearize", 0, "pattern-a-y", r"$\partial \ddot y/\partial y$"),
+    ("linearize", 1, "pattern-a-v", r"$\partial \ddot y/\partial \dot y$"),
+    ("linearize", 2, "pattern-b-x", r"$\partial \ddot y/\partial u$"),
 ];
 
 /// Patterns of all matrices that have entries.
 pub(super) fn patterns(robot: &Robot<'_>) -> Vec<Pattern> {
-    let joints: Vec<String> = robot
-        .joints()
-        .iter()
-        .map(|joint| joint.name.clone())
-        .collect();
-    let drives: Vec<String> = robot
-        .inputs()
-        .iter()
-        .map(|drive| drive.name.clone())
-        .collect();
+    let joints: Vec<String> = robot.joints().iter().map(|joint| joint.name.clone()).collect();
+    let drives: Vec<String> = robot.inputs().iter().map(|drive| drive.name.clone()).collect();
     let pattern = |&(function, result, id, title): &(&str, usize, &str, &str)| {
         let program = &robot.function(function)?.program;
         let entries = entries(program, result)?;
         let is_by_inputs = matches!(id, "pattern-b" | "pattern-b-x");
         let columns = if is_by_inputs { &drives } else { &joints };
-        Some(Pattern::new(
-            id,
-            title,
-            joints.clone(),
-            columns.clone(),
-            entries,
-        ))
+        Some(Pattern::new(id, title, joints.clone(), columns.clone(), entries))
     };
     MATRICES.iter().filter_map(pattern).collect()
 }

@@ -26,10 +26,7 @@ impl State {
             random.either_side(0.1 * most, most)
         });
         let v = v.collect();
-        let a = joints
-            .iter()
-            .map(|_| random.either_side(0.1, 2.0))
-            .collect();
+        let a = joints.iter().map(|_| random.either_side(0.1, 2.0)).collect();
         let inputs = robot.inputs();
         let u = inputs.iter().map(|drive| {
             let ratio = robot.value(&drive.gear_ratio).abs().max(1e-3);

@@ -77,37 +77,30 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
     if drives.is_empty() {
         return None;
     }
-    let table = Table::new(
-        "drives",
-        "Drives and inputs. Torques are at the motor, forces at the joint.",
-    )
-    .column("", "index", "")
-    .column("drive", "drive", "")
-    .column("joint", "joint", "")
-    .column("gear ratio $i$", "gear ratio", "")
-    .column("rotor inertia $J_R$", "rotor inertia", "kg m²")
-    .column("carried by", "carrier", "")
-    .column("rotor in $M$", "coupling", "")
-    .column("input is", "input kind", "")
-    .column("nominal torque", "nominal torque", "N m")
-    .column("peak torque", "peak torque", "N m");
+    let table = Table::new("drives", "Drives and inputs. Torques are at the motor, forces at the joint.")
+        .column("", "index", "")
+        .column("drive", "drive", "")
+        .column("joint", "joint", "")
+        .column("gear ratio $i$", "gear ratio", "")
+        .column("rotor inertia $J_R$", "rotor inertia", "kg m²")
+        .column("carried by", "carrier", "")
+        .column("rotor in $M$", "coupling", "")
+        .column("input is", "input kind", "")
+        .column("nominal torque", "nominal torque", "N m")
+        .column("peak torque", "peak torque", "N m");
     let rows = drives.iter().map(|drive| {
         let mut inputs = robot.inputs().into_iter();
         let index = match inputs.position(|input| input.name == drive.name) {
             Some(index) => Cell::Line(vec![Inline::Math(format!("u_{{{}}}", index + 1))]),
             None => Cell::Empty,
         };
-        std::iter::once(index)
-            .chain(drive_row(robot, drive))
-            .collect()
+        std::iter::once(index).chain(drive_row(robot, drive)).collect()
     });
     Some(table.rows(rows))
 }
 
 fn drive_row(robot: &Robot<'_>, drive: &Drive) -> Vec<Cell> {
-    let joint = drive
-        .coordinate
-        .and_then(|index| robot.joints().get(index).copied());
+    let joint = drive.coordinate.and_then(|index| robot.joints().get(index).copied());
     let coupling = match drive.coupling {
         RotorCoupling::Body => "a body",
         RotorCoupling::Diagonal => "diagonal only",
@@ -146,11 +139,8 @@ pub(super) fn bodies(robot: &Robot<'_>) -> Option<Table> {
     }
     let bodies = robot.bodies();
     let rows = bodies.iter().map(|(link, body)| {
-        let mut row = vec![
-            Cell::Text(body.name.clone()),
-            Cell::Text(link.name.clone()),
-            cell(robot, &body.mass),
-        ];
+        let mut row =
+            vec![Cell::Text(body.name.clone()), Cell::Text(link.name.clone()), cell(robot, &body.mass)];
         row.extend(cells(robot, &body.center_of_mass));
         row
     });
@@ -175,12 +165,7 @@ pub(super) fn inertias(robot: &Robot<'_>) -> Option<Table> {
 
 /// Where joints are and how they point.
 pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
-    let joints: Vec<&Joint> = robot
-        .model
-        .links
-        .iter()
-        .filter_map(|link| link.joint.as_ref())
-        .collect();
+    let joints: Vec<&Joint> = robot.model.links.iter().filter_map(|link| link.joint.as_ref()).collect();
     if joints.is_empty() {
         return None;
     }
@@ -200,15 +185,9 @@ pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
                 let position = short(position).to_string().replace('-', "−");
                 Cell::text(format!("held at {position} {}", joint.kind.unit()))
             }
-            Motion::Coordinate(index) => {
-                Cell::Line(vec![Inline::Math(format!("y_{{{}}}", index + 1))])
-            }
+            Motion::Coordinate(index) => Cell::Line(vec![Inline::Math(format!("y_{{{}}}", index + 1))]),
         };
-        let mut row = vec![
-            Cell::Text(joint.name.clone()),
-            link_name(robot, joint.parent),
-            motion,
-        ];
+        let mut row = vec![Cell::Text(joint.name.clone()), link_name(robot, joint.parent), motion];
         row.extend(pose_cells(robot, &joint.origin));
         let axis = joint.axis.map(|x| short(x).to_string()).join(", ");
         row.push(Cell::Text(axis.replace('-', "−")));
@@ -233,12 +212,9 @@ pub(super) fn frames(robot: &Robot<'_>) -> Option<Table> {
 }
 
 fn pose_columns(table: Table) -> Table {
-    let table = ["x", "y", "z"].iter().fold(table, |table, axis| {
-        table.column(&format!("${axis}$"), *axis, "m")
-    });
-    ["roll", "pitch", "yaw"]
-        .iter()
-        .fold(table, |table, angle| table.column(angle, *angle, "rad"))
+    let table =
+        ["x", "y", "z"].iter().fold(table, |table, axis| table.column(&format!("${axis}$"), *axis, "m"));
+    ["roll", "pitch", "yaw"].iter().fold(table, |table, angle| table.column(angle, *angle, "rad"))
 }
 
 fn pose_cells(robot: &Robot<'_>, pose: &Pose) -> Vec<Cell> {
@@ -290,9 +266,7 @@ pub(super) fn parameters(robot: &Robot<'_>) -> Option<Table> {
 
 /// `(0, 0, −9.81) m/s²`
 pub(super) fn gravity(robot: &Robot<'_>) -> String {
-    let numbers = robot
-        .vector(&robot.model.gravity)
-        .map(|x| short(x).to_string());
+    let numbers = robot.vector(&robot.model.gravity).map(|x| short(x).to_string());
     format!("({}) m/s²", numbers.join(", ").replace('-', "−"))
 }
 
@@ -328,18 +302,12 @@ pub(super) fn counts(functions: &[Function]) -> Table {
 
 /// Notes on the description.
 pub(super) fn notes(notes: &Diagnostics) -> Table {
-    let table = Table::new(
-        "description-notes",
-        "What was skipped, changed or is worth knowing.",
-    )
-    .column("place", "place", "")
-    .column("note", "note", "")
-    .column("what to do", "help", "");
+    let table = Table::new("description-notes", "What was skipped, changed or is worth knowing.")
+        .column("place", "place", "")
+        .column("note", "note", "")
+        .column("what to do", "help", "");
     table.rows(notes.entries().iter().map(|note| {
-        let place = note
-            .location
-            .as_ref()
-            .map(|at| format!("{}:{}", at.file, at.line));
+        let place = note.location.as_ref().map(|at| format!("{}:{}", at.file, at.line));
         vec![
             Cell::text(place.unwrap_or_default()),
             Cell::text(note.message.clone()),
@@ -355,10 +323,7 @@ mod tests {
     #[test]
     fn angles_of_rotations() {
         let close = |found: [f64; 3], expected: [f64; 3]| {
-            found
-                .iter()
-                .zip(expected)
-                .all(|(a, b)| (a - b).abs() < 1e-12)
+            found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12)
         };
         let quarter = std::f64::consts::FRAC_PI_2;
         let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

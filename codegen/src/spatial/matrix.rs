@@ -30,11 +30,7 @@ impl<'g> Matrix3<'g> {
     /// `v×`: the matrix of the cross product with a vector.
     pub fn cross(v: Vector3<'g>) -> Self {
         let zero = v[0].constant(0.0);
-        Self([
-            [zero, -v[2], v[1]],
-            [v[2], zero, -v[0]],
-            [-v[1], v[0], zero],
-        ])
+        Self([[zero, -v[2], v[1]], [v[2], zero, -v[0]], [-v[1], v[0], zero]])
     }
 
     /// `ω× Σ`
@@ -78,8 +74,8 @@ impl<'g> Matrix3<'g> {
         ])
     }
 
-    /// `R_z(φ) A R_z(φ)ᵀ` with the sine and cosine of φ, in 12 multiplications and 11 additions: the antisymmetric part and
-    /// the trace of the block across z stay.
+    /// `R_z(φ) A R_z(φ)ᵀ` with the sine and cosine of φ, in 12 multiplications and 11 additions: the
+    /// antisymmetric part and the trace of the block across z stay.
     pub fn turned(&self, (s, c): (Scalar<'g>, Scalar<'g>)) -> Self {
         let a = self;
         let across = s * (a[0][0] - a[1][1]) + c * (a[0][1] + a[1][0]);

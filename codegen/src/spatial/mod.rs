@@ -1,6 +1,7 @@
 //! Vectors, motions, forces and masses in space, over scalars of a graph.
 //!
-//! A motion is an angular and a linear part, a force a moment and a force: the angular part stands first everywhere.
+//! A motion is an angular and a linear part, a force a moment and a force: the angular part stands first
+//! everywhere.
 
 mod matrix;
 mod moments;

@@ -10,8 +10,8 @@ use crate::graph::{Graph, Scalar};
 
 /// Moments of the mass distribution of a body about its frame's origin: m, ∫ r dm, ∫ r rᵀ dm.
 ///
-/// Second moments Σ stand in for the inertia tensor I = tr(Σ) 1 − Σ: they move by `Σ + h pᵀ + p hᵀ + m p pᵀ`, and
-/// the three moments of mass on a joint's axis are simply m, h_z and Σ_zz.
+/// Second moments Σ stand in for the inertia tensor I = tr(Σ) 1 − Σ: they move by `Σ + h pᵀ + p hᵀ + m p pᵀ`,
+/// and the three moments of mass on a joint's axis are simply m, h_z and Σ_zz.
 #[derive(Debug, Clone, Copy)]
 pub struct MassMoments<'g> {
     /// Mass m (kg).
@@ -26,31 +26,20 @@ impl<'g> MassMoments<'g> {
     /// Of nothing.
     pub fn zero(graph: &'g Graph) -> Self {
         let zero = graph.constant(0.0);
-        Self {
-            mass: zero,
-            first: Vector3::zero(zero),
-            second: Symmetric3::zero(zero),
-        }
+        Self { mass: zero, first: Vector3::zero(zero), second: Symmetric3::zero(zero) }
     }
 
     /// Of a body with this centre of mass, and this inertia about it: xx, xy, xz, yy, yz, zz.
     pub fn of_inertia(mass: Scalar<'g>, center: Vector3<'g>, inertia: [Scalar<'g>; 6]) -> Self {
-        let central = Self {
-            mass,
-            first: Vector3::zero(mass),
-            second: second_moments(Symmetric3::new(inertia)),
-        };
+        let central =
+            Self { mass, first: Vector3::zero(mass), second: second_moments(Symmetric3::new(inertia)) };
         central.shifted(center)
     }
 
     /// Of a pure inertia `j · axis axisᵀ`: a rotor that only turns about its axis.
     pub fn of_axial_inertia(j: Scalar<'g>, axis: Vector3<'g>) -> Self {
         let inertia = Symmetric3::square(axis).map(|x| x * j);
-        Self {
-            mass: j.constant(0.0),
-            first: Vector3::zero(j),
-            second: second_moments(inertia),
-        }
+        Self { mass: j.constant(0.0), first: Vector3::zero(j), second: second_moments(inertia) }
     }
 
     /// The same masses after a displacement by `p`.
@@ -76,20 +65,13 @@ impl<'g> MassMoments<'g> {
 
     /// Turned by an angle about z.
     pub fn turned(self, turn: (Scalar<'g>, Scalar<'g>)) -> Self {
-        Self {
-            mass: self.mass,
-            first: self.first.turned(turn),
-            second: self.second.turned(turn),
-        }
+        Self { mass: self.mass, first: self.first.turned(turn), second: self.second.turned(turn) }
     }
 
     /// From the joint's frame before its motion to the parent's frame.
     pub fn to_parent(self, twist: &Twist, translation: Vector3<'g>) -> Self {
         let rotation = twist.matrix();
-        self.moved(&Pose {
-            rotation,
-            translation,
-        })
+        self.moved(&Pose { rotation, translation })
     }
 
     /// The same masses after a displacement along z.
@@ -114,18 +96,12 @@ impl<'g> MassMoments<'g> {
 
     /// Applies `f` to each moment.
     pub fn map(self, mut f: impl FnMut(Scalar<'g>) -> Scalar<'g>) -> Self {
-        Self {
-            mass: f(self.mass),
-            first: self.first.map(&mut f),
-            second: self.second.map(&mut f),
-        }
+        Self { mass: f(self.mass), first: self.first.map(&mut f), second: self.second.map(&mut f) }
     }
 
     /// The ten moments.
     pub fn entries(self) -> impl Iterator<Item = Scalar<'g>> {
-        std::iter::once(self.mass)
-            .chain(self.first.0)
-            .chain(self.second.entries())
+        std::iter::once(self.mass).chain(self.first.0).chain(self.second.entries())
     }
 }
 
@@ -153,14 +129,7 @@ impl std::ops::Sub for MassMoments<'_> {
 
 /// `Σ = ½ tr(I) 1 − I`
 fn second_moments(inertia: Symmetric3<'_>) -> Symmetric3<'_> {
-    let Symmetric3 {
-        xx,
-        xy,
-        xz,
-        yy,
-        yz,
-        zz,
-    } = inertia;
+    let Symmetric3 { xx, xy, xz, yy, yz, zz } = inertia;
     Symmetric3 {
         xx: (yy + zz - xx) * 0.5,
         xy: -xy,
@@ -173,18 +142,9 @@ fn second_moments(inertia: Symmetric3<'_>) -> Symmetric3<'_> {
 
 fn rotate_symmetric<'g>(rotation: &Matrix3<f64>, matrix: Symmetric3<'g>) -> Symmetric3<'g> {
     let columns = [0, 1, 2].map(|k| {
-        let unit = Vector3(std::array::from_fn(|row| {
-            matrix.xx.constant(rotation[(k, row)])
-        }));
+        let unit = Vector3(std::array::from_fn(|row| matrix.xx.constant(rotation[(k, row)])));
         rotate(rotation, matrix.times(unit))
     });
     let entry = |row: usize, column: usize| columns[column][row];
-    Symmetric3::new([
-        entry(0, 0),
-        entry(0, 1),
-        entry(0, 2),
-        entry(1, 1),
-        entry(1, 2),
-        entry(2, 2),
-    ])
+    Symmetric3::new([entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)])
 }

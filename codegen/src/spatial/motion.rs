@@ -67,20 +67,14 @@ impl<'g> Motion<'g> {
 impl<'g> Force<'g> {
     /// The zero force of a scalar's graph.
     pub fn zero(any: Scalar<'g>) -> Self {
-        Self {
-            moment: Vector3::zero(any),
-            force: Vector3::zero(any),
-        }
+        Self { moment: Vector3::zero(any), force: Vector3::zero(any) }
     }
 
     /// Applies `f` to each entry.
     pub fn map(self, f: impl Fn(Scalar<'g>) -> Scalar<'g>) -> Self {
         // The force first, as elsewhere: an order of the graph's nodes that decides the order of operands.
         let force = self.force.map(&f);
-        Self {
-            moment: self.moment.map(&f),
-            force,
-        }
+        Self { moment: self.moment.map(&f), force }
     }
 
     /// The six entries.

@@ -21,10 +21,7 @@ pub struct Pose<'g> {
 impl<'g> Pose<'g> {
     /// The pose that changes nothing.
     pub fn identity(graph: &'g Graph) -> Self {
-        Self {
-            rotation: Matrix3::identity(),
-            translation: Vector3([graph.constant(0.0); 3]),
-        }
+        Self { rotation: Matrix3::identity(), translation: Vector3([graph.constant(0.0); 3]) }
     }
 
     /// `self · other`
@@ -38,10 +35,7 @@ impl<'g> Pose<'g> {
     /// The inverse pose.
     pub fn inverse(self) -> Self {
         let rotation = self.rotation.transpose();
-        Self {
-            rotation,
-            translation: -rotate(&rotation, self.translation),
-        }
+        Self { rotation, translation: -rotate(&rotation, self.translation) }
     }
 }
 
@@ -56,11 +50,7 @@ pub fn rotate<'g>(rotation: &Matrix3<f64>, v: Vector3<'g>) -> Vector3<'g> {
 pub fn cleaned(rotation: Matrix3<f64>) -> Matrix3<f64> {
     rotation.map(|entry| {
         let nearest = entry.round();
-        if (entry - nearest).abs() < ROTATION_ROUNDING {
-            nearest
-        } else {
-            entry
-        }
+        if (entry - nearest).abs() < ROTATION_ROUNDING { nearest } else { entry }
     })
 }
 
@@ -76,11 +66,7 @@ pub fn rotation_about(axis: [f64; 3], angle: f64) -> Matrix3<f64> {
 pub fn exact_sin_cos(degrees: f64) -> (f64, f64) {
     let (s, c) = numeric::sin_cos(degrees.to_radians());
     let clean = |x: f64| {
-        if (x - x.round()).abs() < 1e-15 {
-            x.round()
-        } else {
-            x
-        }
+        if (x - x.round()).abs() < 1e-15 { x.round() } else { x }
     };
     (clean(s), clean(c))
 }

@@ -26,10 +26,7 @@ pub struct Twist {
 
 impl Twist {
     /// No rotation.
-    pub const NONE: Self = Self {
-        gamma: (0.0, 1.0),
-        alpha: (0.0, 1.0),
-    };
+    pub const NONE: Self = Self { gamma: (0.0, 1.0), alpha: (0.0, 1.0) };
 
     /// Whether the joint's axis is parallel to the parent's, with aligned frames.
     pub fn is_none(&self) -> bool {
@@ -64,11 +61,7 @@ impl Angle {
         let remainder = radians - quarters * std::f64::consts::FRAC_PI_2;
         Self {
             quarters: quarters.rem_euclid(4.0) as u8,
-            remainder: if remainder.abs() < 1e-13 {
-                0.0
-            } else {
-                remainder
-            },
+            remainder: if remainder.abs() < 1e-13 { 0.0 } else { remainder },
         }
     }
 
@@ -101,9 +94,6 @@ impl std::ops::Add for Angle {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         let sum = Self::new(self.remainder + other.remainder);
-        Self {
-            quarters: (self.quarters + other.quarters + sum.quarters) % 4,
-            remainder: sum.remainder,
-        }
+        Self { quarters: (self.quarters + other.quarters + sum.quarters) % 4, remainder: sum.remainder }
     }
 }

@@ -47,11 +47,7 @@ impl<'g> Vector3<'g> {
 
     /// Turns by an angle about z: `R_z(φ) · self` with the sine and cosine of φ.
     pub fn turned(self, (s, c): (Scalar<'g>, Scalar<'g>)) -> Self {
-        Self([
-            c * self[0] - s * self[1],
-            s * self[0] + c * self[1],
-            self[2],
-        ])
+        Self([c * self[0] - s * self[1], s * self[0] + c * self[1], self[2]])
     }
 
     /// Turns back by an angle about z: `R_z(φ)ᵀ · self`.
@@ -116,14 +112,7 @@ pub struct Symmetric3<'g> {
 impl<'g> Symmetric3<'g> {
     /// From the entries xx, xy, xz, yy, yz, zz.
     pub fn new([xx, xy, xz, yy, yz, zz]: [Scalar<'g>; 6]) -> Self {
-        Self {
-            xx,
-            xy,
-            xz,
-            yy,
-            yz,
-            zz,
-        }
+        Self { xx, xy, xz, yy, yz, zz }
     }
 
     /// The entries xx, xy, xz, yy, yz, zz.
@@ -150,32 +139,14 @@ impl<'g> Symmetric3<'g> {
     /// `a bᵀ + b aᵀ`
     pub fn symmetric_product(a: Vector3<'g>, b: Vector3<'g>) -> Self {
         let entry = |i: usize, j: usize| {
-            if i == j {
-                (a[i] * b[i]) * 2.0
-            } else {
-                a[i] * b[j] + a[j] * b[i]
-            }
+            if i == j { (a[i] * b[i]) * 2.0 } else { a[i] * b[j] + a[j] * b[i] }
         };
-        Self::new([
-            entry(0, 0),
-            entry(0, 1),
-            entry(0, 2),
-            entry(1, 1),
-            entry(1, 2),
-            entry(2, 2),
-        ])
+        Self::new([entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)])
     }
 
     /// `a aᵀ`
     pub fn square(a: Vector3<'g>) -> Self {
-        Self::new([
-            a[0] * a[0],
-            a[0] * a[1],
-            a[0] * a[2],
-            a[1] * a[1],
-            a[1] * a[2],
-            a[2] * a[2],
-        ])
+        Self::new([a[0] * a[0], a[0] * a[1], a[0] * a[2], a[1] * a[1], a[1] * a[2], a[2] * a[2]])
     }
 
     /// Turns by an angle about z: `R_z(φ) · self · R_z(φ)ᵀ` in 9 multiplications and 7 additions.

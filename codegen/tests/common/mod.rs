@@ -1,10 +1,7 @@
 //! Hand-made models and programs, and a compiler to try their text.
 #![allow(dead_code, reason = "each test binary uses its part")]
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
-#![allow(
-    clippy::approx_constant,
-    reason = "rounded numbers, as descriptions have them"
-)]
+#![allow(clippy::approx_constant, reason = "rounded numbers, as descriptions have them")]
 
 use std::fs;
 use std::path::Path;
@@ -14,12 +11,10 @@ use gelenk_codegen::formula::{Formula, Function as Call};
 use gelenk_codegen::functions::function::{ArgumentText, Function};
 use gelenk_codegen::layout::{Dimension, Extent};
 use gelenk_codegen::model::{
-    Drive, Input, Joint, JointKind, Limits, Link, Model, Motion, MotorTorque, Options, Parameter,
-    Pose, RotorCoupling,
+    Drive, Input, Joint, JointKind, Limits, Link, Model, Motion, MotorTorque, Options, Parameter, Pose,
+    RotorCoupling,
 };
-use gelenk_codegen::program::{
-    InputArray, Instruction, Operand, Operation, Output, Program, Shape,
-};
+use gelenk_codegen::program::{InputArray, Instruction, Operand, Operation, Output, Program, Shape};
 
 pub fn number(value: f64) -> Formula {
     Formula::Number(value)
@@ -34,11 +29,7 @@ fn pose() -> Pose {
 
 /// A chain of joints with one drive each; only what emission reads is filled in.
 pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
-    let mut links = vec![Link {
-        name: "base".into(),
-        joint: None,
-        bodies: vec![],
-    }];
+    let mut links = vec![Link { name: "base".into(), joint: None, bodies: vec![] }];
     let mut drives = vec![];
     for (i, (joint, kind)) in joints.iter().enumerate() {
         links.push(Link {
@@ -85,21 +76,12 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
 
 /// The PowerCube reduced to β and γ, as far as emission reads it.
 pub fn powercube() -> Model {
-    let mut model = chain(
-        "powercube",
-        &[
-            ("beta", JointKind::Revolute),
-            ("gamma", JointKind::Revolute),
-        ],
-    );
+    let mut model = chain("powercube", &[("beta", JointKind::Revolute), ("gamma", JointKind::Revolute)]);
     model.description = vec!["Schunk PowerCube, reduced to two axes.".into()];
     for drive in &mut model.drives {
         drive.gear_ratio = number(161.0);
         drive.rotor_inertia = number(5.267e-5);
-        drive.torque = MotorTorque {
-            nominal: None,
-            peak: Some(0.5),
-        };
+        drive.torque = MotorTorque { nominal: None, peak: Some(0.5) };
     }
     for link in &mut model.links[1..] {
         if let Some(joint) = &mut link.joint {
@@ -115,20 +97,12 @@ pub fn powercube() -> Model {
 }
 
 pub fn parameter(name: &str, default: f64, unit: &str, description: &str) -> Parameter {
-    Parameter {
-        name: name.into(),
-        default,
-        unit: unit.into(),
-        description: description.into(),
-    }
+    Parameter { name: name.into(), default, unit: unit.into(), description: description.into() }
 }
 
 /// An array with an entry for each coordinate.
 pub fn input(name: &str, len: usize) -> InputArray {
-    InputArray {
-        name: name.into(),
-        extent: Extent::new(Dimension::Velocities, len),
-    }
+    InputArray { name: name.into(), extent: Extent::new(Dimension::Velocities, len) }
 }
 
 /// A square matrix, rows and columns by coordinate.
@@ -145,10 +119,7 @@ pub fn argument(meaning: &str, entries: &[(&str, &'static str)]) -> ArgumentText
 }
 
 pub fn instruction(name: &str, operation: Operation) -> Instruction {
-    Instruction {
-        name: name.into(),
-        operation,
-    }
+    Instruction { name: name.into(), operation }
 }
 
 /// M of the reduced PowerCube, written by hand from its published form.
@@ -159,18 +130,9 @@ pub fn mass_matrix() -> Function {
         instructions: vec![
             instruction("s2", Operation::SinCos(y2)),
             instruction("c2", Operation::CosineOf(0)),
-            instruction(
-                "h_c2",
-                Operation::Multiply(constant(0.310_754_986_2), Operand::Value(1)),
-            ),
-            instruction(
-                "m12",
-                Operation::Add(Operand::Value(2), constant(0.669_369_776_856_5)),
-            ),
-            instruction(
-                "m11_half",
-                Operation::Add(Operand::Value(2), constant(1.160_650_163_428_25)),
-            ),
+            instruction("h_c2", Operation::Multiply(constant(0.310_754_986_2), Operand::Value(1))),
+            instruction("m12", Operation::Add(Operand::Value(2), constant(0.669_369_776_856_5))),
+            instruction("m11_half", Operation::Add(Operand::Value(2), constant(1.160_650_163_428_25))),
             instruction("m11", Operation::Multiply(constant(2.0), Operand::Value(4))),
         ],
         outputs: vec![Output {
@@ -188,10 +150,7 @@ pub fn mass_matrix() -> Function {
         name: "mass_matrix".into(),
         summary: "Mass matrix `M(y)`.".into(),
         equation: "M = Σᵢ Jᵢᵀ Iᵢ Jᵢ".into(),
-        arguments: vec![argument(
-            "coordinates",
-            &[("beta", "rad"), ("gamma", "rad")],
-        )],
+        arguments: vec![argument("coordinates", &[("beta", "rad"), ("gamma", "rad")])],
         results: vec!["symmetric [kg m²]".into()],
         notes: vec!["Composite rigid bodies in link frames were cheapest.".into()],
         constants: vec![],
@@ -240,11 +199,7 @@ pub fn every_operation() -> Function {
         program: Program {
             inputs: vec![input("y", 2), input("v", 2)],
             instructions,
-            outputs: vec![Output {
-                name: "r".into(),
-                shape: Shape::Scalar,
-                entries: vec![value(17)],
-            }],
+            outputs: vec![Output { name: "r".into(), shape: Shape::Scalar, entries: vec![value(17)] }],
         },
         arrays: None,
     }
@@ -255,10 +210,7 @@ pub struct Random(pub u64);
 
 impl Random {
     pub fn next(&mut self) -> u64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         self.0 >> 16
     }
 
@@ -299,9 +251,7 @@ pub fn synthetic_with(length: usize, seed: u64, window: usize) -> Function {
         };
         instructions.push(instruction(&format!("t{i}"), operation));
     }
-    let entries = (0..36)
-        .map(|_| Operand::Value(length - 1 - random.below(length.min(200))))
-        .collect();
+    let entries = (0..36).map(|_| Operand::Value(length - 1 - random.below(length.min(200)))).collect();
     Function {
         name: "synthetic".into(),
         summary: "A synthetic program.".into(),
@@ -313,11 +263,7 @@ pub fn synthetic_with(length: usize, seed: u64, window: usize) -> Function {
         program: Program {
             inputs: vec![input("y", 6), input("v", 6), input("a", 6)],
             instructions,
-            outputs: vec![Output {
-                name: "r".into(),
-                shape: square(6),
-                entries,
-            }],
+            outputs: vec![Output { name: "r".into(), shape: square(6), entries }],
         },
         arrays: None,
     }
@@ -329,26 +275,12 @@ pub fn rustc(folder: &Path, name: &str, text: &str, arguments: &[&str]) -> Resul
 }
 
 /// As [`rustc`], by clippy; `None` where there is no clippy.
-pub fn clippy(
-    folder: &Path,
-    name: &str,
-    text: &str,
-    arguments: &[&str],
-) -> Option<Result<(), String>> {
-    Command::new("clippy-driver")
-        .arg("--version")
-        .output()
-        .ok()?;
+pub fn clippy(folder: &Path, name: &str, text: &str, arguments: &[&str]) -> Option<Result<(), String>> {
+    Command::new("clippy-driver").arg("--version").output().ok()?;
     Some(run("clippy-driver", folder, name, text, arguments))
 }
 
-fn run(
-    program: &str,
-    folder: &Path,
-    name: &str,
-    text: &str,
-    arguments: &[&str],
-) -> Result<(), String> {
+fn run(program: &str, folder: &Path, name: &str, text: &str, arguments: &[&str]) -> Result<(), String> {
     let file = format!("{name}.rs");
     fs::write(folder.join(&file), text).unwrap();
     let mut command = Command::new(program);
@@ -363,14 +295,6 @@ fn run(
         // Modules with fused multiply-adds compile for nothing less.
         command.arg("-Ctarget-feature=+fma");
     }
-    let output = command
-        .args(["--edition", "2024", &file])
-        .args(arguments)
-        .output()
-        .unwrap();
-    if output.status.success() {
-        Ok(())
-    } else {
-        Err(String::from_utf8_lossy(&output.stderr).into_owned())
-    }
+    let output = command.args(["--edition", "2024", &file]).args(arguments).output().unwrap();
+    if output.status.success() { Ok(()) } else { Err(String::from_utf8_lossy(&output.stderr).into_owned()) }
 }

@@ -1,6 +1,7 @@
-//! Reference of about 100 bits from the textbook: Taylor series in double-double arithmetic (Dekker 1971), after a
-//! reduction by its own constants. It shares nothing with the kernels and takes about a microsecond per value, so that
-//! 10⁷ points are feasible; what it finds suspicious is decided by a multiple-precision crate.
+//! Reference of about 100 bits from the textbook: Taylor series in double-double arithmetic (Dekker 1971),
+//! after a reduction by its own constants. It shares nothing with the kernels and takes about a microsecond
+//! per value, so that 10⁷ points are feasible; what it finds suspicious is decided by a multiple-precision
+//! crate.
 
 /// `hi + low` with `|low| ≤ ulp(hi) / 2`.
 #[derive(Debug, Clone, Copy)]
@@ -45,9 +46,7 @@ fn divide(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
 
 /// `x − n c` with `c` in three parts, each product exact.
 fn reduce(x: f64, n: f64, parts: [f64; 3]) -> DoubleDouble {
-    parts.iter().fold(double(x, 0.0), |rest, &part| {
-        add(rest, two_product(-n, part))
-    })
+    parts.iter().fold(double(x, 0.0), |rest, &part| add(rest, two_product(-n, part)))
 }
 
 /// `Σ tᵏ / (first + step k)! · first!` by Horner's rule.
@@ -63,11 +62,7 @@ fn series(t: DoubleDouble, first: u32, step: u32, terms: u32) -> DoubleDouble {
 /// `(sin x, cos x)` for `|x| ≤ 1e5`.
 pub fn sin_cos(x: f64) -> [DoubleDouble; 2] {
     // π/2 to 160 bits, each part rounded to nearest.
-    const HALF_PI: [f64; 3] = [
-        std::f64::consts::FRAC_PI_2,
-        6.123233995736766e-17,
-        -1.4973849048591833e-33,
-    ];
+    const HALF_PI: [f64; 3] = [std::f64::consts::FRAC_PI_2, 6.123233995736766e-17, -1.4973849048591833e-33];
     let n = (x * std::f64::consts::FRAC_2_PI).round();
     let r = reduce(x, n, HALF_PI);
     let square = multiply(r, r);
@@ -86,11 +81,7 @@ pub fn sin_cos(x: f64) -> [DoubleDouble; 2] {
 /// `exp x` where neither `x` nor the result is near the ends of the range.
 pub fn exp(x: f64) -> DoubleDouble {
     // ln 2 to 160 bits, each part rounded to nearest.
-    const LN_2: [f64; 3] = [
-        std::f64::consts::LN_2,
-        2.3190468138462996e-17,
-        5.707708438416212e-34,
-    ];
+    const LN_2: [f64; 3] = [std::f64::consts::LN_2, 2.3190468138462996e-17, 5.707708438416212e-34];
     let k = (x * std::f64::consts::LOG2_E).round();
     let sum = series(reduce(x, k, LN_2), 0, 1, 26);
     let power = 2.0_f64.powi(k as i32);

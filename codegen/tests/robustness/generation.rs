@@ -1,7 +1,7 @@
 //! From a mutated description to a module: no panic, no hang, a module that compiles or a message.
 //!
-//! `GELENK_MUTATIONS=50000 cargo test --release -p gelenk-codegen --test robustness generation -- --nocapture` is the long form; it
-//! takes an hour or two.
+//! `GELENK_MUTATIONS=50000 cargo test --release -p gelenk-codegen --test robustness generation -- --nocapture`
+//! is the long form; it takes an hour or two.
 
 use super::mutation::{Random, rewritten};
 use gelenk_codegen::emit::{EmitOptions, Scalar};
@@ -22,7 +22,8 @@ use std::time::{Duration, Instant};
 const MUTATIONS: usize = 500;
 /// Each so many of what is generated is compiled.
 const COMPILED: usize = 100;
-/// Work of the processor on one description. It is fractions of a second in a release build, and more in a debug build.
+/// Work of the processor on one description. It is fractions of a second in a release build, and more in a
+/// debug build.
 const MOST_WORK: Duration = Duration::from_secs(if cfg!(debug_assertions) { 60 } else { 10 });
 /// Time until a description counts as one that never ends: a busy machine may take much longer than the work.
 const PATIENCE: Duration = Duration::from_secs(300);
@@ -89,9 +90,7 @@ impl Case {
 fn options(random: &mut Random) -> GenerateOptions {
     let some = |random: &mut Random, most: usize| -> Vec<String> {
         let count = random.below(most);
-        (0..count)
-            .map(|_| (*random.one(&FUNCTIONS)).to_owned())
-            .collect()
+        (0..count).map(|_| (*random.one(&FUNCTIONS)).to_owned()).collect()
     };
     let mut functions = some(random, 4);
     if functions.is_empty() && !random.chance(4) {
@@ -108,10 +107,7 @@ fn options(random: &mut Random) -> GenerateOptions {
         ignore_mimic: random.chance(2),
         smooth_sign: random.chance(5).then_some(20.0),
         fused_multiply_add: random.chance(8),
-        emit: EmitOptions {
-            scalar: [Scalar::F64, Scalar::F32][random.below(2)],
-            ..EmitOptions::default()
-        },
+        emit: EmitOptions { scalar: [Scalar::F64, Scalar::F32][random.below(2)], ..EmitOptions::default() },
         lanes,
         ..GenerateOptions::default()
     }
@@ -135,10 +131,7 @@ fn work_of_thread() -> Duration {
     static START: OnceLock<Instant> = OnceLock::new();
     let told = fs::read_to_string("/proc/thread-self/schedstat").ok();
     let nanoseconds = told.and_then(|told| told.split(' ').next()?.parse().ok());
-    nanoseconds.map_or_else(
-        || START.get_or_init(Instant::now).elapsed(),
-        Duration::from_nanos,
-    )
+    nanoseconds.map_or_else(|| START.get_or_init(Instant::now).elapsed(), Duration::from_nanos)
 }
 
 /// Runs the cases one after the other; who waits sees a hang.
@@ -169,11 +162,7 @@ fn extension(file: &str) -> &str {
 /// Every constant is a number: what is not finite would be silently wrong.
 fn check_numbers(robot: &Generated, index: usize) {
     for function in &robot.module.functions {
-        let entries = function
-            .program
-            .outputs
-            .iter()
-            .flat_map(|output| &output.entries);
+        let entries = function.program.outputs.iter().flat_map(|output| &output.entries);
         let instructions = function.program.instructions.iter();
         let operands = instructions.flat_map(|made| operands(made.operation));
         for operand in entries.copied().chain(operands) {
@@ -214,10 +203,7 @@ impl Crate {
 
     fn compile(&mut self, folder: &Path) {
         let file = folder.join("modules.rs");
-        let text = format!(
-            "#![deny(warnings, missing_docs)]\n//! Robots.\n{}",
-            self.text
-        );
+        let text = format!("#![deny(warnings, missing_docs)]\n//! Robots.\n{}", self.text);
         fs::write(&file, text).expect("the modules");
         let fma: &[&str] = match cfg!(target_arch = "x86_64") {
             true => &["-C", "target-feature=+fma"],
@@ -226,25 +212,13 @@ impl Crate {
         let output = Command::new(std::env::var("RUSTC").unwrap_or_else(|_| "rustc".to_owned()))
             .env_remove("CARGO_ENCODED_RUSTFLAGS")
             .env_remove("RUSTFLAGS")
-            .args([
-                "--edition",
-                "2024",
-                "--crate-type",
-                "lib",
-                "--emit",
-                "metadata",
-                "-o",
-            ])
+            .args(["--edition", "2024", "--crate-type", "lib", "--emit", "metadata", "-o"])
             .arg(folder.join("modules.rmeta"))
             .arg(&file)
             .args(fma)
             .output()
             .expect("rustc starts");
-        assert!(
-            output.status.success(),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         *self = Self::default();
     }
 }
@@ -259,18 +233,13 @@ fn write(robots: &[Generated], folder: &Path) {
         let written = fs::read_to_string(&path).expect("the module");
         assert!(written == robot.source.text);
     }
-    assert_eq!(
-        fs::read_dir(folder).expect("a folder").count(),
-        robots.len()
-    );
+    assert_eq!(fs::read_dir(folder).expect("a folder").count(), robots.len());
 }
 
 #[test]
 fn mutated_descriptions_generate_or_are_explained() {
     let asked = std::env::var("GELENK_MUTATIONS").ok();
-    let count = asked
-        .and_then(|count| count.parse().ok())
-        .unwrap_or(MUTATIONS);
+    let count = asked.and_then(|count| count.parse().ok()).unwrap_or(MUTATIONS);
     // To look at a case again, or to go on behind it.
     let first = std::env::var("GELENK_FIRST_MUTATION").ok();
     let first: usize = first.and_then(|first| first.parse().ok()).unwrap_or(0);
@@ -298,8 +267,7 @@ fn mutated_descriptions_generate_or_are_explained() {
             eprintln!("case {next}, {}: {took:?}", case.file);
         }
         assert!(took <= MOST_WORK, "case {next} takes {took:?}: {case:#?}");
-        let result =
-            result.unwrap_or_else(|panic| panic!("case {next} panics: {panic}\n{}", case.text));
+        let result = result.unwrap_or_else(|panic| panic!("case {next} panics: {panic}\n{}", case.text));
         let robots = match result {
             Ok(robots) => robots,
             Err(message) => {
@@ -313,9 +281,7 @@ fn mutated_descriptions_generate_or_are_explained() {
         robots.iter().for_each(|robot| check_numbers(robot, next));
         if generated.is_multiple_of(COMPILED) {
             write(&robots, &folder.path().join("modules"));
-            robots
-                .iter()
-                .for_each(|robot| modules.add(robot, case.index));
+            robots.iter().for_each(|robot| modules.add(robot, case.index));
         }
         generated += 1;
         if modules.modules >= 10 {

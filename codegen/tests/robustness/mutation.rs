@@ -130,7 +130,8 @@ const LAWS: [&str; 9] = [
     "{ stribeck = { a1 = 1, a2 = 1, a3 = 1e9, a4 = 1, a5 = 1e9 } }",
 ];
 
-/// One to four edits that mostly leave a text that can be read: numbers, names, lines and parts change, rarely bytes.
+/// One to four edits that mostly leave a text that can be read: numbers, names, lines and parts change,
+/// rarely bytes.
 pub fn rewritten(text: &str, random: &mut Random) -> String {
     let mut text = text.to_owned();
     for _ in 0..=random.below(3) {
@@ -210,19 +211,15 @@ fn with_law(text: &str, random: &mut Random) -> String {
 /// A name in quotes becomes another one of the text.
 fn with_name(text: &str, random: &mut Random) -> String {
     let quotes: Vec<usize> = text.match_indices('"').map(|(at, _)| at).collect();
-    let names: Vec<std::ops::Range<usize>> = quotes
-        .chunks_exact(2)
-        .map(|pair| pair[0] + 1..pair[1])
-        .collect();
+    let names: Vec<std::ops::Range<usize>> =
+        quotes.chunks_exact(2).map(|pair| pair[0] + 1..pair[1]).collect();
     if names.is_empty() {
         return text.to_owned();
     }
     let run = random.one(&names).clone();
     let other = random.one(&names).clone();
     let new = match random.below(3) {
-        0 => random
-            .one(&["", "base", "world", "x y", "ä", "fn", "0", "a/b", "frames"])
-            .to_string(),
+        0 => random.one(&["", "base", "world", "x y", "ä", "fn", "0", "a/b", "frames"]).to_string(),
         _ => text[other].to_owned(),
     };
     with(text, run, &new)

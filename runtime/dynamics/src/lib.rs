@@ -1,4 +1,5 @@
-//! Generated robots as types: the traits that control and identification ask for, and the macros that implement them.
+//! Generated robots as types: the traits that control and identification ask for, and the macros that
+//! implement them.
 //!
 //! `gelenk-runtime` has the same module and macros under the same names.
 

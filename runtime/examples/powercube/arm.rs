@@ -1,4 +1,5 @@
-//! The simulated arm: its friction, the regimes in which it is driven, and the trajectory that it shall follow.
+//! The simulated arm: its friction, the regimes in which it is driven, and the trajectory that it shall
+//! follow.
 
 use crate::study::Outcome;
 use gelenk_generated::powercube_parameters::Parameters;
@@ -7,8 +8,8 @@ use gelenk_runtime::plant::PlantOptions;
 use gelenk_runtime::trajectory::{Columns, Recording, Sampled, Smoothing};
 
 gelenk_runtime::dynamics!(
-    /// The arm reduced to y = (β, γ), with friction and gravity as parameters: plants and controllers are each given
-    /// their own. `Default` is the published arm.
+    /// The arm reduced to y = (β, γ), with friction and gravity as parameters: plants and controllers are
+    /// each given their own. `Default` is the published arm.
     pub struct Arm { parameters } = gelenk_generated::powercube_parameters
 );
 
@@ -24,7 +25,8 @@ pub const JOINTS: [&str; 2] = ["β", "γ"];
 /// Terms of a [`Friction`].
 pub const TERMS: usize = 7;
 
-/// Friction torque of one joint [N m] over the library [1, v, sign v, tanh 5v, tanh 10v, tanh 20v, tanh 100v].
+/// Friction torque of one joint [N m] over the library [1, v, sign v, tanh 5v, tanh 10v, tanh 20v, tanh
+/// 100v].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction(pub [f64; TERMS]);
 
@@ -35,7 +37,8 @@ impl Friction {
     pub const B: Self = Self([0.0, 76.556, 0.0, 3.924, 10.838, 2.236, 0.0]);
     /// Joint C, the γ axis, as published.
     pub const C: Self = Self([0.0, 56.231, 0.492, 0.368, 0.368, 0.0, 8.342]);
-    /// Stand-in for the old model, one curve for all joints: 45 v + 9 tanh 10v. Oberhuber's own is not published.
+    /// Stand-in for the old model, one curve for all joints: 45 v + 9 tanh 10v. Oberhuber's own is not
+    /// published.
     pub const OLD: Self = Self([0.0, 45.0, 0.0, 0.0, 9.0, 0.0, 0.0]);
 
     /// Values of the terms at speed `v` [rad/s], sign(0) = 0.
@@ -120,8 +123,8 @@ impl Regime {
         torque_step: 0.0,
         torque_noise: 0.0,
     };
-    /// 50 Hz, inputs that act one period late, encoders of 0.1 mrad, torques in steps of 0.8 N m at the joint.
-    /// Assumed: the arm's own numbers are not published.
+    /// 50 Hz, inputs that act one period late, encoders of 0.1 mrad, torques in steps of 0.8 N m at the
+    /// joint. Assumed: the arm's own numbers are not published.
     pub const REALISTIC: Self = Self {
         period: PERIOD,
         delay: 1,
@@ -148,17 +151,9 @@ impl Regime {
 
 /// The published trajectory: 1220 samples, 20 ms, from rest to rest with motion reversals and zero crossings.
 pub fn recording() -> Outcome<Recording<2>> {
-    let columns = Columns {
-        time: "t",
-        positions: ["y1", "y2"],
-        velocities: Some(["v1", "v2"]),
-    };
+    let columns = Columns { time: "t", positions: ["y1", "y2"], velocities: Some(["v1", "v2"]) };
     let data = include_bytes!("../data/powercube_trajectory.csv");
-    Ok(Recording::read(
-        &data[..],
-        "powercube_trajectory.csv",
-        &columns,
-    )?)
+    Ok(Recording::read(&data[..], "powercube_trajectory.csv", &columns)?)
 }
 
 /// The published trajectory, smoothed so that positions, velocities and accelerations agree.
@@ -178,10 +173,7 @@ mod tests {
         let swapped = arm([Friction::C, Friction([0.1, 2.0, 0.3, 0.4, 0.5, 0.6, 0.7])]);
         for v in [-0.7, -0.01, 0.0, 0.03, 0.9] {
             let torques = swapped.friction_torques(&[0.0; 2], &[v; 2]);
-            let expected = [
-                Friction::C.at(v),
-                Friction([0.1, 2.0, 0.3, 0.4, 0.5, 0.6, 0.7]).at(v),
-            ];
+            let expected = [Friction::C.at(v), Friction([0.1, 2.0, 0.3, 0.4, 0.5, 0.6, 0.7]).at(v)];
             for i in 0..2 {
                 assert!((torques[i] - expected[i]).abs() < 1e-12, "{v}: {torques:?}");
             }

@@ -3,7 +3,8 @@
 use crate::study::Outcome;
 use gelenk_report::{Block, Equation, Section, text};
 
-/// Numbers of the published model: M_11, M_22 without rotors, h [kg m²], first moments [kg m], gear ratio, rotor inertia [kg m²], gravity.
+/// Numbers of the published model: M_11, M_22 without rotors, h [kg m²], first moments [kg m], gear ratio,
+/// rotor inertia [kg m²], gravity.
 struct Published {
     m11: f64,
     m22: f64,
@@ -28,16 +29,7 @@ const PUBLISHED: Published = Published {
 
 /// The section of the page.
 pub fn section() -> Outcome<Section> {
-    let Published {
-        m11,
-        m22,
-        h,
-        first,
-        second,
-        gear,
-        rotor,
-        gravity,
-    } = PUBLISHED;
+    let Published { m11, m22, h, first, second, gear, rotor, gravity } = PUBLISHED;
     let rotor = 1e5 * rotor;
     let equations = |sources: &[String]| -> Outcome<Block> {
         let set = sources.iter().map(|latex| Equation::new(latex.as_str()));
@@ -81,27 +73,18 @@ mod tests {
             let (y, v): ([f64; 2], [f64; 2]) = ([beta, gamma], [v1, v2]);
             let coupled = p.rotor * p.gear + p.m22 + p.h * gamma.cos();
             let mass = [
-                [
-                    p.rotor * p.gear * p.gear + p.m11 + 2.0 * p.h * gamma.cos(),
-                    coupled,
-                ],
+                [p.rotor * p.gear * p.gear + p.m11 + 2.0 * p.h * gamma.cos(), coupled],
                 [coupled, p.rotor * p.gear * p.gear + p.m22],
             ];
             let s = p.h * gamma.sin();
             let coriolis = [-s * (2.0 * v1 * v2 + v2 * v2), s * v1 * v1];
             let outer = p.second * (beta + gamma).sin();
-            let gravity = [
-                p.gravity * (p.first * beta.sin() + outer),
-                p.gravity * outer,
-            ];
+            let gravity = [p.gravity * (p.first * beta.sin() + outer), p.gravity * outer];
             let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-6, "{a} {b}");
             for i in 0..2 {
                 for j in 0..2 {
                     close(model.mass_matrix(&y)[i][j], mass[i][j]);
-                    close(
-                        model.input_matrix()[i][j],
-                        if i == j { p.gear } else { 0.0 },
-                    );
+                    close(model.input_matrix()[i][j], if i == j { p.gear } else { 0.0 });
                 }
                 close(model.coriolis_forces(&y, &v)[i], coriolis[i]);
                 close(rigid.applied_forces(&y, &v)[i], gravity[i]);

@@ -1,16 +1,16 @@
-//! "Identification of Friction Models for MPC-based Control of a PowerCube Serial Robot" (Fehr, Kargl, Eschmann),
-//! reproduced on the simulated arm.
+//! "Identification of Friction Models for MPC-based Control of a PowerCube Serial Robot" (Fehr, Kargl,
+//! Eschmann), reproduced on the simulated arm.
 //!
 //! ```sh
 //! cargo run --release -p gelenk-runtime --example powercube [FOLDER]
 //! ```
 //!
-//! Runs the paper's experiments with seeded plants, prints each claim with its verdict, and writes a report into FOLDER
-//! (`report`): `index.html`, and its numbers as JSON and CSV. `GELENK_EXAMPLE_SHORT=1` takes fewer samples through the
-//! same code.
+//! Runs the paper's experiments with seeded plants, prints each claim with its verdict, and writes a report
+//! into FOLDER (`report`): `index.html`, and its numbers as JSON and CSV. `GELENK_EXAMPLE_SHORT=1` takes
+//! fewer samples through the same code.
 //!
-//! Verdicts follow from numbers and thresholds; `control/tests.rs` and `friction/tests.rs` assert them, and flip each by
-//! what its claim names: `cargo test --release -p gelenk-runtime --example powercube`.
+//! Verdicts follow from numbers and thresholds; `control/tests.rs` and `friction/tests.rs` assert them, and
+//! flip each by what its claim names: `cargo test --release -p gelenk-runtime --example powercube`.
 
 mod arm;
 mod control;
@@ -35,9 +35,7 @@ fn main() -> ExitCode {
 
 fn run() -> Outcome<()> {
     let study = Study::from_environment();
-    let folder = std::env::args_os()
-        .nth(1)
-        .map_or_else(|| PathBuf::from("report"), PathBuf::from);
+    let folder = std::env::args_os().nth(1).map_or_else(|| PathBuf::from("report"), PathBuf::from);
     // A minute of work should not end with a folder that cannot be made.
     std::fs::create_dir_all(&folder)
         .map_err(|error| format!("cannot write {}: {error}", folder.display()))?;
@@ -53,13 +51,11 @@ fn run() -> Outcome<()> {
     Ok(())
 }
 
-/// Runs all experiments, several at a time; what they find does not depend on how many. Progress goes to the terminal.
+/// Runs all experiments, several at a time; what they find does not depend on how many. Progress goes to the
+/// terminal.
 fn report(study: &Study) -> Outcome<Report> {
-    let experiments: Vec<Experiment> = control::EXPERIMENTS
-        .iter()
-        .chain(friction::EXPERIMENTS)
-        .copied()
-        .collect();
+    let experiments: Vec<Experiment> =
+        control::EXPERIMENTS.iter().chain(friction::EXPERIMENTS).copied().collect();
     let found: Vec<_> = experiments.iter().map(|_| Mutex::new(None)).collect();
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let workers = std::thread::available_parallelism().map_or(1, usize::from);

@@ -33,10 +33,7 @@ pub fn report(study: &Study, mut parts: Vec<Part>) -> Outcome<Report> {
         )
         .section(equations::section()?);
     let mut report = sections.into_iter().fold(report, Report::section);
-    report.made_by = study.pick(
-        COMMAND.to_owned(),
-        format!("GELENK_EXAMPLE_SHORT=1 {COMMAND}"),
-    );
+    report.made_by = study.pick(COMMAND.to_owned(), format!("GELENK_EXAMPLE_SHORT=1 {COMMAND}"));
     Ok(report)
 }
 
@@ -48,9 +45,7 @@ fn label(claim: &Claim) -> &str {
 /// Claims stand in the order of the paper's list, its parts by their letters.
 fn number(claim: &Claim) -> (u32, String) {
     let label = label(claim);
-    let end = label
-        .find(|c: char| !c.is_ascii_digit())
-        .unwrap_or(label.len());
+    let end = label.find(|c: char| !c.is_ascii_digit()).unwrap_or(label.len());
     let (digits, rest) = label.split_at(end);
     (digits.parse().unwrap_or(u32::MAX), rest.to_owned())
 }
@@ -66,18 +61,10 @@ mod tests {
             claims: ids.iter().map(|id| Claim::new(*id, "It holds.")).collect(),
         };
         let study = Study { is_short: true };
-        let parts = vec![
-            part("a", &["claim-10", "claim-2"]),
-            part("b", &["claim-8b", "claim-8a"]),
-        ];
+        let parts = vec![part("a", &["claim-10", "claim-2"]), part("b", &["claim-8b", "claim-8a"])];
         let report = report(&study, parts).unwrap();
         let statements: Vec<&str> = report.claims().map(|one| one.statement.as_str()).collect();
-        let expected = [
-            "2. It holds.",
-            "8a. It holds.",
-            "8b. It holds.",
-            "10. It holds.",
-        ];
+        let expected = ["2. It holds.", "8a. It holds.", "8b. It holds.", "10. It holds."];
         assert_eq!(statements, expected);
         let sections: Vec<&str> = report.sections.iter().map(|one| one.id.as_str()).collect();
         assert_eq!(sections, ["claims", "equations", "a", "b"]);

@@ -13,9 +13,7 @@ pub struct Study {
 impl Study {
     /// `GELENK_EXAMPLE_SHORT=1` asks for the short form.
     pub fn from_environment() -> Self {
-        Self {
-            is_short: std::env::var_os("GELENK_EXAMPLE_SHORT").is_some(),
-        }
+        Self { is_short: std::env::var_os("GELENK_EXAMPLE_SHORT").is_some() }
     }
 
     /// One number for the full run, another for the short one.

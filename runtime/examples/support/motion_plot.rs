@@ -28,10 +28,9 @@ pub struct Line {
 impl Folder {
     /// The first argument, or `gelenk-examples` in the folder for temporary files.
     pub fn from_arguments() -> Result<Self, Box<dyn Error>> {
-        let folder = std::env::args_os().nth(1).map_or_else(
-            || std::env::temp_dir().join("gelenk-examples"),
-            PathBuf::from,
-        );
+        let folder = std::env::args_os()
+            .nth(1)
+            .map_or_else(|| std::env::temp_dir().join("gelenk-examples"), PathBuf::from);
         std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
         Ok(Self(folder))
     }
@@ -65,12 +64,7 @@ impl Folder {
     }
 
     /// Panels of lines over time, one above the other.
-    pub fn lines(
-        &self,
-        file: &str,
-        title: &str,
-        panels: &[(&str, Vec<Line>)],
-    ) -> Result<(), Box<dyn Error>> {
+    pub fn lines(&self, file: &str, title: &str, panels: &[(&str, Vec<Line>)]) -> Result<(), Box<dyn Error>> {
         let mut svg = String::new();
         {
             let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
@@ -87,12 +81,7 @@ impl Folder {
                         beside(span(all().map(|p| p.0), 0.0)),
                         span(all().map(|p| p.1), 0.05),
                     )?;
-                chart
-                    .configure_mesh()
-                    .max_light_lines(0)
-                    .x_desc("time [s]")
-                    .y_desc(*label)
-                    .draw()?;
+                chart.configure_mesh().max_light_lines(0).x_desc("time [s]").y_desc(*label).draw()?;
                 for (line, color) in lines.iter().zip(COLORS.iter().cycle()) {
                     let style = color.stroke_width(2);
                     chart
@@ -123,9 +112,7 @@ fn beside(x: Range<f64>) -> Range<f64> {
 }
 
 fn span(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-        (a.min(x), b.max(x))
-    });
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     let room = (margin * (high - low)).max(if high > low { 0.0 } else { 1e-3 });
     low - room..high + room
 }

@@ -1,7 +1,7 @@
 //! Least squares with linear inequalities, e.g. non-negative viscous friction and passivity τ·v ≥ 0.
 //!
-//! `min ‖y − Θ ξ‖²` subject to `A ξ ≥ 0` becomes a least-distance problem, and that a non-negative least-squares
-//! problem (Lawson and Hanson 1974, ch. 23). ξ = 0 is always feasible.
+//! `min ‖y − Θ ξ‖²` subject to `A ξ ≥ 0` becomes a least-distance problem, and that a non-negative
+//! least-squares problem (Lawson and Hanson 1974, ch. 23). ξ = 0 is always feasible.
 
 use super::error::{IdentificationError, Result, require_length};
 use super::least_squares::Reduced;
@@ -10,11 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Rows of `A` that keep the coefficients of `terms` non-negative; `count` terms in all.
 pub fn nonnegative_rows(terms: &[usize], count: usize) -> DMatrix<f64> {
-    DMatrix::from_fn(
-        terms.len(),
-        count,
-        |i, j| if terms[i] == j { 1.0 } else { 0.0 },
-    )
+    DMatrix::from_fn(terms.len(), count, |i, j| if terms[i] == j { 1.0 } else { 0.0 })
 }
 
 /// Rows of `A` that make friction dissipate at given velocities: `vₖ θ(vₖ) ξ ≥ 0`.
@@ -24,11 +20,7 @@ pub fn nonnegative_rows(terms: &[usize], count: usize) -> DMatrix<f64> {
 /// # Errors
 /// A library of other channels than one velocity.
 pub fn passivity_rows(library: &Library, velocities: &[f64]) -> Result<DMatrix<f64>> {
-    require_length(
-        "channels of a friction library (the velocity alone)",
-        1,
-        library.channels().len(),
-    )?;
+    require_length("channels of a friction library (the velocity alone)", 1, library.channels().len())?;
     let mut theta = library.matrix(&[velocities])?;
     for (mut row, v) in theta.row_iter_mut().zip(velocities) {
         // Scaled by |v| it would lose its weight near zero, where the sign matters as much.
@@ -50,32 +42,18 @@ pub fn constrained_fit(
     active: &[usize],
     rows: &DMatrix<f64>,
 ) -> Result<DVector<f64>> {
-    require_length(
-        "columns of the constraints",
-        reduced.moments().terms(),
-        rows.ncols(),
-    )?;
+    require_length("columns of the constraints", reduced.moments().terms(), rows.ncols())?;
     let free = reduced.solve(target, active, 0.0)?;
-    let gram = reduced
-        .moments()
-        .gram()
-        .select_rows(active)
-        .select_columns(active);
+    let gram = reduced.moments().gram().select_rows(active).select_columns(active);
     let collinear = || IdentificationError::Collinear {
-        terms: active
-            .iter()
-            .map(|&i| reduced.moments().names()[i].clone())
-            .collect(),
+        terms: active.iter().map(|&i| reduced.moments().names()[i].clone()).collect(),
         condition: reduced.condition(),
         limit: 1e7,
     };
     let factor = gram.cholesky().ok_or_else(collinear)?.l();
     // z = Lᵀ(ξ − ξ_free): minimize ‖z‖ subject to E z ≥ f, E = A L⁻ᵀ, f = −A ξ_free.
     let a = rows.select_columns(active);
-    let e = factor
-        .solve_lower_triangular(&a.transpose())
-        .ok_or_else(collinear)?
-        .transpose();
+    let e = factor.solve_lower_triangular(&a.transpose()).ok_or_else(collinear)?.transpose();
     let f = -rows * &free;
     let z = least_distance(&e, &f)?;
     let change = factor.tr_solve_lower_triangular(&z).ok_or_else(collinear)?;
@@ -94,12 +72,9 @@ fn least_distance(e: &DMatrix<f64>, f: &DVector<f64>) -> Result<DVector<f64>> {
     }
     // Unit f and unit rows keep the numbers of the inner problem near one.
     let scale = f.amax();
-    let norms: Vec<f64> = (0..rows)
-        .map(|i| e.row(i).norm().max(f64::MIN_POSITIVE))
-        .collect();
-    let matrix = DMatrix::from_fn(n + 1, rows, |i, j| {
-        (if i < n { e[(j, i)] } else { f[j] / scale }) / norms[j]
-    });
+    let norms: Vec<f64> = (0..rows).map(|i| e.row(i).norm().max(f64::MIN_POSITIVE)).collect();
+    let matrix =
+        DMatrix::from_fn(n + 1, rows, |i, j| (if i < n { e[(j, i)] } else { f[j] / scale }) / norms[j]);
     let mut right = DVector::zeros(n + 1);
     right[n] = 1.0;
     let u = nonnegative_least_squares(&matrix, &right)?;
@@ -119,9 +94,8 @@ pub fn nonnegative_least_squares(matrix: &DMatrix<f64>, b: &DVector<f64>) -> Res
     let limit = 10 * n.max(10);
     for _ in 0..limit {
         let gradient = matrix.tr_mul(&(b - matrix * &u));
-        let candidate = (0..n)
-            .filter(|j| !passive.contains(j))
-            .max_by(|&i, &j| gradient[i].total_cmp(&gradient[j]));
+        let candidate =
+            (0..n).filter(|j| !passive.contains(j)).max_by(|&i, &j| gradient[i].total_cmp(&gradient[j]));
         let Some(j) = candidate.filter(|&j| gradient[j] > tolerance) else {
             return Ok(u);
         };
@@ -169,11 +143,7 @@ fn step_to_boundary(u: &mut DVector<f64>, passive: &mut Vec<usize>, s: &DVector<
     *passive = kept;
 }
 
-fn subset_solution(
-    matrix: &DMatrix<f64>,
-    b: &DVector<f64>,
-    columns: &[usize],
-) -> Option<DVector<f64>> {
+fn subset_solution(matrix: &DMatrix<f64>, b: &DVector<f64>, columns: &[usize]) -> Option<DVector<f64>> {
     if columns.is_empty() {
         return Some(DVector::zeros(0));
     }
@@ -194,17 +164,9 @@ mod tests {
     fn by_interior_points(reduced: &Reduced, rows: &DMatrix<f64>) -> DVector<f64> {
         let p = reduced.moments().terms();
         let (g, b) = (reduced.moments().gram(), reduced.moments().projection(0));
-        let upper: Vec<Vec<f64>> = (0..p)
-            .map(|i| {
-                (0..p)
-                    .map(|j| if i <= j { g[(i, j)] } else { 0.0 })
-                    .collect()
-            })
-            .collect();
-        let a: Vec<Vec<f64>> = rows
-            .row_iter()
-            .map(|r| r.iter().map(|x| -x).collect())
-            .collect();
+        let upper: Vec<Vec<f64>> =
+            (0..p).map(|i| (0..p).map(|j| if i <= j { g[(i, j)] } else { 0.0 }).collect()).collect();
+        let a: Vec<Vec<f64>> = rows.row_iter().map(|r| r.iter().map(|x| -x).collect()).collect();
         let q: Vec<f64> = b.iter().map(|b| -b).collect();
         let zeros = vec![0.0; a.len()];
         let cones: [SupportedConeT<f64>; 1] = [NonnegativeConeT(a.len())];
@@ -215,15 +177,9 @@ mod tests {
             .tol_feas(1e-12)
             .build()
             .unwrap();
-        let mut solver = DefaultSolver::new(
-            &CscMatrix::from(&upper),
-            &q,
-            &CscMatrix::from(&a),
-            &zeros,
-            &cones,
-            settings,
-        )
-        .unwrap();
+        let mut solver =
+            DefaultSolver::new(&CscMatrix::from(&upper), &q, &CscMatrix::from(&a), &zeros, &cones, settings)
+                .unwrap();
         solver.solve();
         DVector::from_column_slice(&solver.solution.x)
     }
@@ -236,8 +192,7 @@ mod tests {
             let y: Vec<f64> = (0..40).map(|_| random.normal()).collect();
             let rows = DMatrix::from_fn(8, 5, |_, _| random.normal());
             let names: Vec<String> = (0..5).map(|i| format!("t{i}")).collect();
-            let reduced =
-                Reduced::new(&Samples::from_matrix(&names, &theta, vec![&y]).unwrap()).unwrap();
+            let reduced = Reduced::new(&Samples::from_matrix(&names, &theta, vec![&y]).unwrap()).unwrap();
             let fit = constrained_fit(&reduced, 0, &[0, 1, 2, 3, 4], &rows).unwrap();
             let reference = by_interior_points(&reduced, &rows);
             assert!((&fit - &reference).amax() < 1e-6, "{fit} {reference}");
@@ -250,28 +205,16 @@ mod tests {
         // Data with an offset: the free constant term drives the joint at small velocities.
         let library = Library::new(&["1", "v", "tanh(20*v)"], &["v"]).unwrap();
         let v: Vec<f64> = (0..500).map(|i| (0.05 * f64::from(i)).sin()).collect();
-        let y: Vec<f64> = v
-            .iter()
-            .map(|v| 0.5 - 0.2 * v + 0.8 * (20.0 * v).tanh())
-            .collect();
-        let reduced =
-            Reduced::new(&Samples::from_library(&library, vec![&v], vec![&y]).unwrap()).unwrap();
+        let y: Vec<f64> = v.iter().map(|v| 0.5 - 0.2 * v + 0.8 * (20.0 * v).tanh()).collect();
+        let reduced = Reduced::new(&Samples::from_library(&library, vec![&v], vec![&y]).unwrap()).unwrap();
         let grid: Vec<f64> = (-100..=100).map(|i| f64::from(i) * 0.01).collect();
         let viscous = nonnegative_rows(&[1], 3);
         let passive = passivity_rows(&library, &grid).unwrap();
-        let rows = DMatrix::from_rows(
-            &viscous
-                .row_iter()
-                .chain(passive.row_iter())
-                .collect::<Vec<_>>(),
-        );
+        let rows = DMatrix::from_rows(&viscous.row_iter().chain(passive.row_iter()).collect::<Vec<_>>());
         let free = reduced.solve(0, &[0, 1, 2], 0.0).unwrap();
         assert!((&rows * &free).min() < -0.1);
         let fit = constrained_fit(&reduced, 0, &[0, 1, 2], &rows).unwrap();
         assert!((&rows * &fit).min() > -1e-10);
-        assert!(
-            fit[1].abs() < 1e-10 && (fit[0] - fit[2] * 0.2_f64.tanh()).abs() < 1e-9,
-            "{fit}"
-        );
+        assert!(fit[1].abs() < 1e-10 && (fit[0] - fit[2] * 0.2_f64.tanh()).abs() < 1e-9, "{fit}");
     }
 }

@@ -1,7 +1,7 @@
 //! Choice of λ: k-fold cross-validation on contiguous blocks, and the Pareto front of error against size.
 //!
-//! Samples of a log are correlated in time; random folds would leak neighbours into the test set, so folds are
-//! contiguous blocks.
+//! Samples of a log are correlated in time; random folds would leak neighbours into the test set, so folds
+//! are contiguous blocks.
 
 use super::error::{IdentificationError, Result, require_length, require_setting};
 use super::lasso::{Lasso, LassoPath, active_terms, paper_lambda};
@@ -33,27 +33,11 @@ impl CrossValidation {
     /// # Errors
     /// Fewer than two folds, or as [`Lasso::path`].
     pub fn new(lasso: &Lasso, folds: &[Moments], target: usize, lambdas: &[f64]) -> Result<Self> {
-        require_setting(
-            "number of folds",
-            folds.len() as f64,
-            folds.len() >= 2,
-            "at least two are needed",
-        )?;
-        require_setting(
-            "number of λ",
-            lambdas.len() as f64,
-            !lambdas.is_empty(),
-            "at least one is needed",
-        )?;
+        require_setting("number of folds", folds.len() as f64, folds.len() >= 2, "at least two are needed")?;
+        require_setting("number of λ", lambdas.len() as f64, !lambdas.is_empty(), "at least one is needed")?;
         let mut errors = vec![Vec::with_capacity(folds.len()); lambdas.len()];
         for (k, held_out) in folds.iter().enumerate() {
-            let training = Moments::sum(
-                folds
-                    .iter()
-                    .enumerate()
-                    .filter(|(i, _)| *i != k)
-                    .map(|(_, f)| f),
-            )?;
+            let training = Moments::sum(folds.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, f)| f))?;
             let path = lasso.path(&training, target, lambdas)?;
             for (errors, coefficients) in errors.iter_mut().zip(path.coefficients.column_iter()) {
                 let residual = held_out.residual(target, &coefficients.into_owned());
@@ -61,26 +45,16 @@ impl CrossValidation {
             }
         }
         let mean_error: Vec<f64> = errors.iter().map(|e| mean(e)).collect();
-        let standard_error: Vec<f64> = errors
-            .iter()
-            .map(|e| (variance(e) / e.len() as f64).sqrt())
-            .collect();
-        let minimum = (0..lambdas.len())
-            .min_by(|&i, &j| mean_error[i].total_cmp(&mean_error[j]))
-            .unwrap_or(0);
+        let standard_error: Vec<f64> = errors.iter().map(|e| (variance(e) / e.len() as f64).sqrt()).collect();
+        let minimum =
+            (0..lambdas.len()).min_by(|&i, &j| mean_error[i].total_cmp(&mean_error[j])).unwrap_or(0);
         let bound = mean_error[minimum] + standard_error[minimum];
         let one_standard_error = (0..lambdas.len())
             .filter(|&i| mean_error[i] <= bound)
             .max_by(|&i, &j| lambdas[i].total_cmp(&lambdas[j]))
             .unwrap_or(minimum);
         let path = lasso.path(&Moments::sum(folds)?, target, lambdas)?;
-        Ok(Self {
-            path,
-            mean_error,
-            standard_error,
-            minimum,
-            one_standard_error,
-        })
+        Ok(Self { path, mean_error, standard_error, minimum, one_standard_error })
     }
 
     /// Coefficients on the path at `index`, e.g. [`Self::minimum`].
@@ -150,32 +124,20 @@ pub fn pareto_front(
 ///
 /// - `names`: texts of the terms; `choices`: indices of the least error and of the one-standard-error choice
 ///
-/// λ in both conventions, errors as root mean squares in the target's unit; `*` marks the least error, `+` the choice
-/// by one standard error.
-pub fn pareto_table(
-    front: &[ParetoPoint],
-    names: &[String],
-    samples: usize,
-    choices: [usize; 2],
-) -> String {
-    let mut text = format!(
-        "   {:>12} {:>12} {:>12} {:>12}  terms\n",
-        "λ of 1/(2N)", "λ of ‖·‖²", "left out", "refit"
-    );
+/// λ in both conventions, errors as root mean squares in the target's unit; `*` marks the least error, `+`
+/// the choice by one standard error.
+pub fn pareto_table(front: &[ParetoPoint], names: &[String], samples: usize, choices: [usize; 2]) -> String {
+    let mut text =
+        format!("   {:>12} {:>12} {:>12} {:>12}  terms\n", "λ of 1/(2N)", "λ of ‖·‖²", "left out", "refit");
     for (i, point) in front.iter().enumerate() {
         let changed = i == 0 || front[i - 1].active != point.active;
         if !changed && !choices.contains(&i) {
             continue;
         }
         let mark = |choice: usize, mark: char| if i == choice { mark } else { ' ' };
-        let left_out = point
-            .validation_error
-            .map_or_else(|| "-".into(), |e| format!("{:.6}", e.sqrt()));
-        let terms: Vec<&str> = point
-            .active
-            .iter()
-            .filter_map(|&k| names.get(k).map(String::as_str))
-            .collect();
+        let left_out = point.validation_error.map_or_else(|| "-".into(), |e| format!("{:.6}", e.sqrt()));
+        let terms: Vec<&str> =
+            point.active.iter().filter_map(|&k| names.get(k).map(String::as_str)).collect();
         let _ = writeln!(
             text,
             "{}{} {:>12.4e} {:>12.4e} {left_out:>12} {:>12.6}  {}",
@@ -219,13 +181,9 @@ mod tests {
 
     fn friction(m: usize, noise: f64) -> (Vec<f64>, Vec<f64>) {
         let mut random = SplitMix64::new(11);
-        let v: Vec<f64> = (0..m)
-            .map(|i| 1.2 * (0.0021 * i as f64).sin() + 0.4 * (0.013 * i as f64).sin())
-            .collect();
-        let y = v
-            .iter()
-            .map(|v| 3.0 * v + 0.8 * (10.0 * v).tanh() + noise * random.normal())
-            .collect();
+        let v: Vec<f64> =
+            (0..m).map(|i| 1.2 * (0.0021 * i as f64).sin() + 0.4 * (0.013 * i as f64).sin()).collect();
+        let y = v.iter().map(|v| 3.0 * v + 0.8 * (10.0 * v).tanh() + noise * random.normal()).collect();
         (v, y)
     }
 
@@ -237,29 +195,22 @@ mod tests {
         let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
         let folds = Moments::blocks(&samples, 5).unwrap();
         let lasso = Lasso::default();
-        let grid = lasso
-            .lambda_grid(&Moments::sum(&folds).unwrap(), 0, 12, 1e-3)
-            .unwrap();
+        let grid = lasso.lambda_grid(&Moments::sum(&folds).unwrap(), 0, 12, 1e-3).unwrap();
         let validation = CrossValidation::new(&lasso, &folds, 0, &grid).unwrap();
         // Fold 1 holds rows 201..402: 1003 = 3·201 + 2·200.
         let training = Moments::sum([0, 2, 3, 4].map(|k| &folds[k])).unwrap();
         let w = lasso.path(&training, 0, &grid).unwrap().coefficients;
         let mut direct = [0.0; 12];
         for (k, d) in direct.iter_mut().enumerate() {
-            *d = (201..402)
-                .map(|i| (y[i] - (theta.row(i) * w.column(k))[0]).powi(2))
-                .sum::<f64>()
-                / 201.0;
+            *d = (201..402).map(|i| (y[i] - (theta.row(i) * w.column(k))[0]).powi(2)).sum::<f64>() / 201.0;
         }
-        let by_sums: Vec<f64> = (0..12)
-            .map(|k| folds[1].residual(0, &w.column(k).into_owned()) / 201.0)
-            .collect();
+        let by_sums: Vec<f64> =
+            (0..12).map(|k| folds[1].residual(0, &w.column(k).into_owned()) / 201.0).collect();
         for (a, b) in direct.iter().zip(&by_sums) {
             assert!((a - b).abs() < 1e-12 * a.max(1.0), "{a} {b}");
         }
         assert!(validation.one_standard_error <= validation.minimum);
-        let bound = validation.mean_error[validation.minimum]
-            + validation.standard_error[validation.minimum];
+        let bound = validation.mean_error[validation.minimum] + validation.standard_error[validation.minimum];
         assert!(validation.mean_error[validation.one_standard_error] <= bound);
     }
 
@@ -282,25 +233,14 @@ mod tests {
         }
         let choices = [validation.minimum, validation.one_standard_error];
         let table = pareto_table(&front, library.terms(), 4000, choices);
-        let marked = |c: char| {
-            table
-                .lines()
-                .filter(|l| l.chars().take(2).any(|x| x == c))
-                .count()
-        };
+        let marked = |c: char| table.lines().filter(|l| l.chars().take(2).any(|x| x == c)).count();
         assert_eq!((marked('*'), marked('+')), (1, 1), "{table}");
         let largest = format!("{:.4e} {:>12.4e}", grid[0], 8000.0 * grid[0]);
         assert!(table.lines().nth(1).unwrap().contains(&largest), "{table}");
         let fit = refit(&reduced, 0, &validation.path, validation.one_standard_error).unwrap();
-        assert!(
-            fit.active.contains(&1) && fit.active.contains(&2),
-            "{:?}",
-            fit.active
-        );
+        assert!(fit.active.contains(&1) && fit.active.contains(&2), "{:?}", fit.active);
         assert!((fit.coefficients[1] - 3.0).abs() < 0.02);
-        let empty = refit(&reduced, 0, &validation.path, 0)
-            .unwrap_err()
-            .to_string();
+        let empty = refit(&reduced, 0, &validation.path, 0).unwrap_err().to_string();
         assert!(empty.contains("removes every term"), "{empty}");
     }
 }

@@ -1,7 +1,7 @@
 //! Identified friction as a robot description: TOML that `gelenk generate` takes unchanged.
 //!
-//! The description extends the one that the data were evaluated with and replaces the friction of the identified
-//! joints; everything else stays:
+//! The description extends the one that the data were evaluated with and replaces the friction of the
+//! identified joints; everything else stays:
 //!
 //! ```toml
 //! name = "arm_identified"
@@ -32,17 +32,13 @@ const FIRST_LINE: &str = "# Friction identified by gelenk.\n";
 /// Writes a [`description`](description_toml) into a file, whole or not at all.
 ///
 /// - `path`: a new file, an empty one, or one that this function has written before
-/// - `base`: the description that the data were evaluated with; an absolute path, or one relative to the folder of `path`
+/// - `base`: the description that the data were evaluated with; an absolute path, or one relative to the
+///   folder of `path`
 ///
 /// # Errors
-/// Those of [`description_toml`]; [`IdentificationError::File`] where the file is the base itself, holds something else, or
-/// cannot be written.
-pub fn write_description(
-    path: &Path,
-    name: &str,
-    base: &str,
-    results: &[FrictionResult],
-) -> Result<()> {
+/// Those of [`description_toml`]; [`IdentificationError::File`] where the file is the base itself, holds
+/// something else, or cannot be written.
+pub fn write_description(path: &Path, name: &str, base: &str, results: &[FrictionResult]) -> Result<()> {
     let text = description_toml(name, base, results)?;
     let fault = |message: String| IdentificationError::File {
         place: path.display().to_string(),
@@ -52,8 +48,7 @@ pub fn write_description(
         return Err(fault("it is the description that is to be extended".into()));
     }
     if !may_be_replaced(path).map_err(|e| fault(e.to_string()))? {
-        let message =
-            "it holds what identification has not written; name another file, or remove it first";
+        let message = "it holds what identification has not written; name another file, or remove it first";
         return Err(fault(message.into()));
     }
     write_whole(path, text).map_err(|e| fault(e.to_string()))
@@ -72,28 +67,18 @@ fn may_be_replaced(path: &Path) -> io::Result<bool> {
 /// A description with identified friction.
 ///
 /// - `name`: of the module to be generated
-/// - `extends`: path of the description that the data were evaluated with, a URDF or a TOML, relative to where this
-///   text will lie
+/// - `extends`: path of the description that the data were evaluated with, a URDF or a TOML, relative to
+///   where this text will lie
 ///
 /// # Errors
-/// No joint, a joint twice, a law without terms, a coefficient that is not finite, or a term that a description cannot
-/// hold: all would end as nonsense in generated code.
+/// No joint, a joint twice, a law without terms, a coefficient that is not finite, or a term that a
+/// description cannot hold: all would end as nonsense in generated code.
 pub fn description_toml(name: &str, extends: &str, results: &[FrictionResult]) -> Result<String> {
     if results.is_empty() {
-        return Err(IdentificationError::Empty {
-            what: format!("the list of identified joints of {name}"),
-        });
+        return Err(IdentificationError::Empty { what: format!("the list of identified joints of {name}") });
     }
-    let key = if extends.to_ascii_lowercase().ends_with(".urdf") {
-        "urdf"
-    } else {
-        "extends"
-    };
-    let mut text = format!(
-        "{FIRST_LINE}name = {}\n{key} = {}\n",
-        quoted(name),
-        quoted(extends)
-    );
+    let key = if extends.to_ascii_lowercase().ends_with(".urdf") { "urdf" } else { "extends" };
+    let mut text = format!("{FIRST_LINE}name = {}\n{key} = {}\n", quoted(name), quoted(extends));
     for (i, result) in results.iter().enumerate() {
         if results[..i].iter().any(|r| r.joint == result.joint) {
             return Err(IdentificationError::Expression {
@@ -113,28 +98,20 @@ pub fn description_toml(name: &str, extends: &str, results: &[FrictionResult]) -
 /// The value of a joint's key `friction`.
 fn friction_value(result: &FrictionResult) -> Result<String> {
     match &result.law {
-        FrictionLaw::Terms(terms) if terms.is_empty() => Err(IdentificationError::Empty {
-            what: format!("the friction law of {}", result.joint),
-        }),
+        FrictionLaw::Terms(terms) if terms.is_empty() => {
+            Err(IdentificationError::Empty { what: format!("the friction law of {}", result.joint) })
+        }
         FrictionLaw::Terms(terms) => {
             let values = terms.iter().map(|t| t.coefficient);
             require_finite(&result.joint, values, |i| terms[i].basis.clone())?;
-            let pair = |t: &FrictionTerm| {
-                Ok(format!(
-                    "[{}, {:?}]",
-                    quoted(&basis(&t.basis)?),
-                    t.coefficient
-                ))
-            };
+            let pair = |t: &FrictionTerm| Ok(format!("[{}, {:?}]", quoted(&basis(&t.basis)?), t.coefficient));
             let pairs: Vec<String> = terms.iter().map(pair).collect::<Result<_>>()?;
             Ok(format!("{{ terms = [{}] }}", pairs.join(", ")))
         }
         FrictionLaw::Stribeck { parameters, .. } => {
             let name = |i: usize| super::stribeck::NAMES[i].to_string();
             require_finite(&result.joint, parameters.iter().copied(), name)?;
-            let pairs: Vec<String> = (0..5)
-                .map(|i| format!("{} = {:?}", name(i), parameters[i]))
-                .collect();
+            let pairs: Vec<String> = (0..5).map(|i| format!("{} = {:?}", name(i), parameters[i])).collect();
             Ok(format!("{{ stribeck = {{ {} }} }}", pairs.join(", ")))
         }
     }
@@ -162,10 +139,7 @@ fn require_finite(
 
 /// A library term in the language of descriptions, which is a part of the language of libraries.
 fn basis(text: &str) -> Result<String> {
-    let fault = |message: String| IdentificationError::Expression {
-        text: text.into(),
-        message,
-    };
+    let fault = |message: String| IdentificationError::Expression { text: text.into(), message };
     let tree: Expr = syn::parse_str(text).map_err(|e| fault(e.to_string()))?;
     check_basis(&tree).map_err(|part| {
         fault(format!(
@@ -202,11 +176,7 @@ fn check_basis(tree: &Expr) -> std::result::Result<(), String> {
         }
         Expr::Call(e) => match &*e.func {
             Expr::Path(path) => check_call(
-                &path
-                    .path
-                    .get_ident()
-                    .map(ToString::to_string)
-                    .unwrap_or_default(),
+                &path.path.get_ident().map(ToString::to_string).unwrap_or_default(),
                 &e.args.iter().collect::<Vec<_>>(),
             ),
             _ => Err("a call of something without a name".into()),
@@ -259,23 +229,14 @@ fn comments(result: &FrictionResult, text: &mut String) {
         let _ = writeln!(text, "# {}", content.replace(|c: char| c.is_control(), " "));
     };
     let [slowest, fastest] = result.velocity_range;
-    line(format!(
-        "identified from {}, {} samples",
-        result.data, result.samples
-    ));
+    line(format!("identified from {}, {} samples", result.data, result.samples));
     line(format!(
         "velocities {slowest:.6} to {fastest:.6} {}; torque in {}",
         result.velocity_unit, result.unit
     ));
-    line(format!(
-        "residual {:.6} {} rms, R² {:.6}",
-        result.residual, result.unit, result.r_squared
-    ));
+    line(format!("residual {:.6} {} rms, R² {:.6}", result.residual, result.unit, result.r_squared));
     result.settings.iter().for_each(|s| line(s.clone()));
-    result
-        .warnings
-        .iter()
-        .for_each(|w| line(format!("warning: {w}")));
+    result.warnings.iter().for_each(|w| line(format!("warning: {w}")));
 }
 
 /// A TOML basic string.
@@ -302,10 +263,7 @@ mod tests {
 
     #[test]
     fn toml_is_read_back_unchanged() {
-        let named = FrictionResult {
-            joint: "beta \"2\"".into(),
-            ..example()
-        };
+        let named = FrictionResult { joint: "beta \"2\"".into(), ..example() };
         let text = description_toml("arm_identified", "arm.toml", &[named, example()]).unwrap();
         let table: toml::Table = toml::from_str(&text).unwrap();
         assert_eq!(table["extends"].as_str(), Some("arm.toml"));
@@ -333,10 +291,7 @@ mod tests {
         let message = |name: &str| write(name).unwrap_err().to_string();
         assert!(message("arm.toml").contains("the description that is to be extended"));
         assert!(message("other.toml").contains("identification has not written"));
-        assert_eq!(
-            fs::read_to_string(at("arm.toml")).unwrap(),
-            "name = \"arm\"\n"
-        );
+        assert_eq!(fs::read_to_string(at("arm.toml")).unwrap(), "name = \"arm\"\n");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
     }
 
@@ -344,10 +299,7 @@ mod tests {
     fn a_stribeck_law_keeps_every_digit() {
         let parameters = [2.1, 1.4, 20.0 / 3.0, 0.9, 8e-17];
         let result = FrictionResult {
-            law: FrictionLaw::Stribeck {
-                parameters,
-                standard_errors: [None; 5],
-            },
+            law: FrictionLaw::Stribeck { parameters, standard_errors: [None; 5] },
             ..example()
         };
         let text = description_toml("a", "arm.urdf", &[result]).unwrap();
@@ -377,24 +329,12 @@ mod tests {
         assert!(message("powi(v, 40)").contains("an exponent other than 0 to 16"));
         assert!(message("v*(v").contains("expression `v*(v`"));
         let nan = with("v", f64::NAN).unwrap_err().to_string();
-        assert!(
-            nan.contains("the coefficient of v of joint beta is not finite (NaN)"),
-            "{nan}"
-        );
+        assert!(nan.contains("the coefficient of v of joint beta is not finite (NaN)"), "{nan}");
         let spelled = with("sgn(v)*exp(-2*abs(v)) + v.powi(3)", 1.0).unwrap();
-        assert!(
-            spelled.contains("\"sign(v)*exp(-2*abs(v)) + v.powi(3)\""),
-            "{spelled}"
-        );
-        let empty = FrictionResult {
-            law: FrictionLaw::Terms(vec![]),
-            ..example()
-        };
-        let text = |results: &[FrictionResult]| {
-            description_toml("a", "b.toml", results)
-                .unwrap_err()
-                .to_string()
-        };
+        assert!(spelled.contains("\"sign(v)*exp(-2*abs(v)) + v.powi(3)\""), "{spelled}");
+        let empty = FrictionResult { law: FrictionLaw::Terms(vec![]), ..example() };
+        let text =
+            |results: &[FrictionResult]| description_toml("a", "b.toml", results).unwrap_err().to_string();
         assert!(text(&[empty]).starts_with("the friction law of beta is empty"));
         assert!(text(&[]).starts_with("the list of identified joints of a is empty"));
         assert!(text(&[example(), example()]).contains("stands twice"));

@@ -35,26 +35,13 @@ pub fn bootstrap(
     seed: u64,
     fit: impl Fn(Moments) -> Result<DVector<f64>>,
 ) -> Result<Ensemble> {
-    require_setting(
-        "number of blocks",
-        blocks.len() as f64,
-        blocks.len() >= 2,
-        "at least two are needed",
-    )?;
-    require_setting(
-        "number of draws",
-        draws as f64,
-        draws >= 1,
-        "at least one is needed",
-    )?;
+    require_setting("number of blocks", blocks.len() as f64, blocks.len() >= 2, "at least two are needed")?;
+    require_setting("number of draws", draws as f64, draws >= 1, "at least one is needed")?;
     let mut random = SplitMix64::new(seed);
     let mut models = Vec::with_capacity(draws);
     let mut failures: Vec<IdentificationError> = Vec::new();
     for _ in 0..draws {
-        let drawn: Vec<&Moments> = blocks
-            .iter()
-            .map(|_| &blocks[random.below(blocks.len())])
-            .collect();
+        let drawn: Vec<&Moments> = blocks.iter().map(|_| &blocks[random.below(blocks.len())]).collect();
         match Moments::sum(drawn).and_then(&fit) {
             Ok(coefficients) => models.push(coefficients),
             Err(error) => failures.push(error),
@@ -82,13 +69,9 @@ fn summarize(models: &[DVector<f64>]) -> Ensemble {
     for i in 0..models[0].len() {
         let mut values: Vec<f64> = models.iter().map(|m| m[i]).collect();
         values.sort_by(f64::total_cmp);
-        ensemble
-            .inclusion
-            .push(values.iter().filter(|x| **x != 0.0).count() as f64 / count);
+        ensemble.inclusion.push(values.iter().filter(|x| **x != 0.0).count() as f64 / count);
         ensemble.median.push(quantile(&values, 0.5));
-        ensemble
-            .interval
-            .push([quantile(&values, 0.025), quantile(&values, 0.975)]);
+        ensemble.interval.push([quantile(&values, 0.025), quantile(&values, 0.975)]);
     }
     ensemble
 }
@@ -113,41 +96,21 @@ mod tests {
     fn true_terms_are_always_chosen_and_intervals_cover_them() {
         let mut random = SplitMix64::new(21);
         let v: Vec<f64> = (0..5000).map(|_| 2.0 * random.uniform() - 1.0).collect();
-        let y: Vec<f64> = v
-            .iter()
-            .map(|v| 1.5 * v + 0.6 * (5.0 * v).tanh() + 0.3 * random.normal())
-            .collect();
+        let y: Vec<f64> =
+            v.iter().map(|v| 1.5 * v + 0.6 * (5.0 * v).tanh() + 0.3 * random.normal()).collect();
         let library = Library::new(&["1", "v", "tanh(5*v)", "v*abs(v)"], &["v"]).unwrap();
         let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
         let blocks = Moments::blocks(&samples, 100).unwrap();
-        let settings = Thresholding {
-            threshold: 0.2,
-            ..Default::default()
-        };
+        let settings = Thresholding { threshold: 0.2, ..Default::default() };
         let fit = |m: Moments| Ok(settings.fit(&Reduced::from_moments(m)?, 0)?.coefficients);
         let ensemble = bootstrap(&blocks, 200, 1, fit).unwrap();
-        assert_eq!(
-            (
-                ensemble.inclusion[1],
-                ensemble.inclusion[2],
-                ensemble.inclusion[0]
-            ),
-            (1.0, 1.0, 0.0)
-        );
+        assert_eq!((ensemble.inclusion[1], ensemble.inclusion[2], ensemble.inclusion[0]), (1.0, 1.0, 0.0));
         assert!(ensemble.interval[1][0] < 1.5 && 1.5 < ensemble.interval[1][1]);
         assert!(ensemble.interval[2][0] < 0.6 && 0.6 < ensemble.interval[2][1]);
         assert_eq!(ensemble, bootstrap(&blocks, 200, 1, fit).unwrap());
-        let strict = Thresholding {
-            threshold: 99.0,
-            ..settings
-        };
+        let strict = Thresholding { threshold: 99.0, ..settings };
         let failing = |m: Moments| Ok(strict.fit(&Reduced::from_moments(m)?, 0)?.coefficients);
-        assert!(
-            bootstrap(&blocks, 3, 1, failing)
-                .unwrap_err()
-                .to_string()
-                .contains("removes every term")
-        );
+        assert!(bootstrap(&blocks, 3, 1, failing).unwrap_err().to_string().contains("removes every term"));
     }
 
     #[test]

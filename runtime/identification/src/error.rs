@@ -28,9 +28,7 @@ pub enum IdentificationError {
         samples: usize,
     },
     /// Finite samples whose squares overflow.
-    #[error(
-        "{what} has values up to {largest:e}, whose squares overflow: scale it to sensible units"
-    )]
+    #[error("{what} has values up to {largest:e}, whose squares overflow: scale it to sensible units")]
     Overflow {
         /// Column or channel.
         what: String,
@@ -80,9 +78,7 @@ pub enum IdentificationError {
         limit: f64,
     },
     /// A quantity that never changes where its change is needed.
-    #[error(
-        "{what} is constant ({value}) in all {samples} samples: nothing can be identified from it"
-    )]
+    #[error("{what} is constant ({value}) in all {samples} samples: nothing can be identified from it")]
     Constant {
         /// The quantity.
         what: String,
@@ -100,9 +96,7 @@ pub enum IdentificationError {
         samples: usize,
     },
     /// A threshold or λ that leaves no term.
-    #[error(
-        "{what} = {value:e} removes every term: the largest value that keeps one is {largest:e}"
-    )]
+    #[error("{what} = {value:e} removes every term: the largest value that keeps one is {largest:e}")]
     EverythingRemoved {
         /// "threshold" or "lambda".
         what: String,
@@ -188,20 +182,11 @@ pub fn require_finite(what: &str, values: &[f64]) -> Result<()> {
 }
 
 /// Fails unless `value` is finite and satisfies `holds`; `requirement` says so in words.
-pub(crate) fn require_setting(
-    name: &str,
-    value: f64,
-    holds: bool,
-    requirement: &str,
-) -> Result<()> {
+pub(crate) fn require_setting(name: &str, value: f64, holds: bool, requirement: &str) -> Result<()> {
     if value.is_finite() && holds {
         return Ok(());
     }
-    Err(IdentificationError::Setting {
-        name: name.into(),
-        value,
-        requirement: requirement.into(),
-    })
+    Err(IdentificationError::Setting { name: name.into(), value, requirement: requirement.into() })
 }
 
 /// Fails unless `got == expected`.
@@ -209,11 +194,7 @@ pub(crate) fn require_length(what: &str, expected: usize, got: usize) -> Result<
     if expected == got {
         return Ok(());
     }
-    Err(IdentificationError::Shape {
-        what: what.into(),
-        expected,
-        got,
-    })
+    Err(IdentificationError::Shape { what: what.into(), expected, got })
 }
 
 /// Fails if there are fewer than `needed` samples.
@@ -222,11 +203,7 @@ pub(crate) fn require_samples(what: &str, needed: usize, got: usize) -> Result<(
         return Err(IdentificationError::Empty { what: what.into() });
     }
     if got < needed {
-        return Err(IdentificationError::TooFewSamples {
-            what: what.into(),
-            needed,
-            got,
-        });
+        return Err(IdentificationError::TooFewSamples { what: what.into(), needed, got });
     }
     Ok(())
 }

@@ -1,10 +1,10 @@
 //! Excitation: periodic motions that show the parameters well, within the robot's limits.
 //!
-//! `yᵢ(t) = cᵢ + Σₖ aᵢₖ sin(k ω t) + bᵢₖ cos(k ω t)` (Swevers et al. 1997). The condition number of the regressor,
-//! columns scaled to unit length, is minimized over the coefficients (Gautier and Khalil 1992) by an evolution strategy
-//! with one parent and one child and adapted step (Rechenberg's 1/5 rule) from several starts. Every candidate is first
-//! shrunk and shifted into the limits, so each is a motion that the robot can make; the search needs no derivatives of
-//! the regressor and finds a good motion, not a proven best one.
+//! `yᵢ(t) = cᵢ + Σₖ aᵢₖ sin(k ω t) + bᵢₖ cos(k ω t)` (Swevers et al. 1997). The condition number of the
+//! regressor, columns scaled to unit length, is minimized over the coefficients (Gautier and Khalil 1992) by
+//! an evolution strategy with one parent and one child and adapted step (Rechenberg's 1/5 rule) from several
+//! starts. Every candidate is first shrunk and shifted into the limits, so each is a motion that the robot
+//! can make; the search needs no derivatives of the regressor and finds a good motion, not a proven best one.
 
 use super::error::{IdentificationError, Result, require_length, require_samples, require_setting};
 use super::random::SplitMix64;
@@ -41,14 +41,7 @@ pub struct Excitation {
 
 impl Default for Excitation {
     fn default() -> Self {
-        Self {
-            period: 10.0,
-            harmonics: 5,
-            samples: 200,
-            starts: 4,
-            iterations: 1000,
-            seed: 1,
-        }
+        Self { period: 10.0, harmonics: 5, samples: 200, starts: 4, iterations: 1000, seed: 1 }
     }
 }
 
@@ -95,7 +88,8 @@ impl<const N: usize> FourierMotion<N> {
         (0..samples).map(|i| self.at(step * i as f64)).collect()
     }
 
-    /// Shrinks and shifts each joint so that the limits hold at the sampled instants, and one of them just so.
+    /// Shrinks and shifts each joint so that the limits hold at the sampled instants, and one of them just
+    /// so.
     fn fit_into(&mut self, limits: &[ExcitationLimits; N], samples: usize) {
         self.center = [0.0; N];
         let instants = self.instants(samples);
@@ -103,19 +97,14 @@ impl<const N: usize> FourierMotion<N> {
             let largest = |k: usize| instants.iter().map(|x| x[k][i].abs()).fold(0.0, f64::max);
             let (low, high) = instants
                 .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-                    (a.min(x[0][i]), b.max(x[0][i]))
-                });
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x[0][i]), b.max(x[0][i])));
             let [lowest, highest] = limits[i].position;
             let factor = ((highest - lowest) / (high - low))
                 .min(limits[i].velocity / largest(1))
                 .min(limits[i].acceleration / largest(2));
-            // Between the instants the motion may exceed what is seen there by a little: (ω T/samples)²/8 per harmonic.
-            let factor = if factor.is_finite() {
-                0.995 * factor
-            } else {
-                0.0
-            };
+            // Between the instants the motion may exceed what is seen there by a little: (ω T/samples)²/8 per
+            // harmonic.
+            let factor = if factor.is_finite() { 0.995 * factor } else { 0.0 };
             for pair in &mut self.coefficients[i] {
                 *pair = pair.map(|x| x * factor);
             }
@@ -127,8 +116,8 @@ impl<const N: usize> FourierMotion<N> {
 impl Excitation {
     /// Searches a motion with a small condition number.
     ///
-    /// - `regressor`: writes the rows at one instant, `rows` of them with `columns` entries each, row by row, for
-    ///   y, ẏ, ÿ; base parameters only, as dependent columns have no finite condition number
+    /// - `regressor`: writes the rows at one instant, `rows` of them with `columns` entries each, row by row,
+    ///   for y, ẏ, ÿ; base parameters only, as dependent columns have no finite condition number
     ///
     /// # Errors
     /// Settings or limits out of range, or a regressor whose columns stay dependent along every motion tried.
@@ -140,11 +129,7 @@ impl Excitation {
     ) -> Result<ExcitationResult<N>> {
         self.check(limits)?;
         require_samples("the excitation", columns, rows * self.samples)?;
-        require_length(
-            "columns of the regressor, at least one",
-            columns.max(1),
-            columns,
-        )?;
+        require_length("columns of the regressor, at least one", columns.max(1), columns)?;
         let mut condition = |motion: &FourierMotion<N>| {
             let mut matrix = DMatrix::zeros(columns, rows * self.samples);
             for (instant, out) in motion
@@ -163,14 +148,9 @@ impl Excitation {
             let first = self.random_motion(limits, &mut random);
             let value = condition(&first);
             start = start.min(value);
-            let (motion, condition) =
-                self.improve(first, value, limits, &mut random, &mut condition);
+            let (motion, condition) = self.improve(first, value, limits, &mut random, &mut condition);
             if best.as_ref().is_none_or(|b| condition < b.condition) {
-                best = Some(ExcitationResult {
-                    motion,
-                    condition,
-                    start,
-                });
+                best = Some(ExcitationResult { motion, condition, start });
             }
         }
         match best {
@@ -186,16 +166,8 @@ impl Excitation {
     }
 
     fn check<const N: usize>(&self, limits: &[ExcitationLimits; N]) -> Result<()> {
-        require_setting(
-            "period",
-            self.period,
-            self.period > 0.0,
-            "it must be positive",
-        )?;
-        let counts = [
-            ("number of harmonics", self.harmonics),
-            ("number of starts", self.starts),
-        ];
+        require_setting("period", self.period, self.period > 0.0, "it must be positive")?;
+        let counts = [("number of harmonics", self.harmonics), ("number of starts", self.starts)];
         for (name, count) in counts {
             require_setting(name, count as f64, count >= 1, "at least one is needed")?;
         }
@@ -214,10 +186,7 @@ impl Excitation {
                 range > 0.0 && low.is_finite() && high.is_finite(),
                 "it must be positive and finite; give bounds to joints without limits",
             )?;
-            let others = [
-                ("velocity", limit.velocity),
-                ("acceleration", limit.acceleration),
-            ];
+            let others = [("velocity", limit.velocity), ("acceleration", limit.acceleration)];
             for (name, value) in others {
                 require_setting(
                     &format!("highest {name} of joint {}", i + 1),
@@ -239,8 +208,7 @@ impl Excitation {
             period: self.period,
             center: [0.0; N],
             coefficients: std::array::from_fn(|_| {
-                let pair =
-                    |k: usize| [random.normal(), random.normal()].map(|x| x / (k + 1) as f64);
+                let pair = |k: usize| [random.normal(), random.normal()].map(|x| x / (k + 1) as f64);
                 (0..self.harmonics).map(pair).collect()
             }),
         };
@@ -256,7 +224,8 @@ impl Excitation {
         random: &mut SplitMix64,
         condition: &mut impl FnMut(&FourierMotion<N>) -> f64,
     ) -> (FourierMotion<N>, f64) {
-        // Step in units of each joint's range. 1/5 rule: a success lengthens the step as much as four failures shorten it.
+        // Step in units of each joint's range. 1/5 rule: a success lengthens the step as much as four
+        // failures shorten it.
         let mut step = 0.1;
         for _ in 0..self.iterations {
             let mut child = motion.clone();
@@ -301,16 +270,8 @@ mod tests {
     use super::*;
 
     const LIMITS: [ExcitationLimits; 2] = [
-        ExcitationLimits {
-            position: [-1.0, 1.5],
-            velocity: 1.5,
-            acceleration: 4.0,
-        },
-        ExcitationLimits {
-            position: [-2.0, 2.0],
-            velocity: 2.0,
-            acceleration: 6.0,
-        },
+        ExcitationLimits { position: [-1.0, 1.5], velocity: 1.5, acceleration: 4.0 },
+        ExcitationLimits { position: [-2.0, 2.0], velocity: 2.0, acceleration: 6.0 },
     ];
 
     /// Planar arm with two joints, linear in (J1, J2, h, g1, g2): design of the reduced PowerCube.
@@ -333,10 +294,7 @@ mod tests {
 
     #[test]
     fn the_search_lowers_the_condition_number_within_the_limits() {
-        let settings = Excitation {
-            iterations: 400,
-            ..Default::default()
-        };
+        let settings = Excitation { iterations: 400, ..Default::default() };
         let found = settings.search(&LIMITS, [2, 5], planar).unwrap();
         println!("condition {} from {}", found.condition, found.start);
         assert!(found.start > 2.0 && found.condition < 1.5);
@@ -366,35 +324,17 @@ mod tests {
 
     #[test]
     fn dependent_columns_and_bad_settings_have_messages() {
-        let short = Excitation {
-            iterations: 5,
-            ..Default::default()
-        };
+        let short = Excitation { iterations: 5, ..Default::default() };
         let twice = |_: &[f64; 2], _: &[f64; 2], a: &[f64; 2], out: &mut [f64]| {
             out.copy_from_slice(&[a[0], 2.0 * a[0]]);
         };
-        let message = short
-            .search(&LIMITS, [1, 2], twice)
-            .unwrap_err()
-            .to_string();
-        assert!(
-            message.contains("the 2 columns of the regressor are dependent"),
-            "{message}"
-        );
+        let message = short.search(&LIMITS, [1, 2], twice).unwrap_err().to_string();
+        assert!(message.contains("the 2 columns of the regressor are dependent"), "{message}");
         let mut endless = LIMITS;
         endless[1].position = [f64::NEG_INFINITY, f64::INFINITY];
-        let message = short
-            .search(&endless, [2, 5], planar)
-            .unwrap_err()
-            .to_string();
-        assert!(
-            message.starts_with("range of positions of joint 2 = inf"),
-            "{message}"
-        );
-        let few = Excitation {
-            samples: 10,
-            ..short
-        };
+        let message = short.search(&endless, [2, 5], planar).unwrap_err().to_string();
+        assert!(message.starts_with("range of positions of joint 2 = inf"), "{message}");
+        let few = Excitation { samples: 10, ..short };
         let message = few.search(&LIMITS, [2, 5], planar).unwrap_err().to_string();
         assert!(message.starts_with("number of instants = 10"), "{message}");
     }

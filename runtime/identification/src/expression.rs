@@ -1,9 +1,9 @@
 //! Expressions over named channels: library terms (`v*abs(v)`, `tanh(5*v)`) and selections
 //! (`abs(beta) < 0.1 && abs(v) > 0.05`).
 //!
-//! The text is parsed as a Rust expression, so precedence is Rust's and the same text means the same in a robot
-//! description. Several expressions compile into one [`Program`] that shares common parts and works on blocks of
-//! samples, one loop per operation.
+//! The text is parsed as a Rust expression, so precedence is Rust's and the same text means the same in a
+//! robot description. Several expressions compile into one [`Program`] that shares common parts and works on
+//! blocks of samples, one loop per operation.
 
 use super::error::{IdentificationError, Result, require_length};
 use super::kernel::{BLOCK, exp_block, sin_block, tanh_block};
@@ -60,8 +60,7 @@ enum Binary {
     Max,
 }
 
-const FUNCTIONS: &str =
-    "abs, sign (or sgn), sqrt, exp, ln, sin, cos, tanh, pow(x, n), min(x, y), max(x, y)";
+const FUNCTIONS: &str = "abs, sign (or sgn), sqrt, exp, ln, sin, cos, tanh, pow(x, n), min(x, y), max(x, y)";
 
 /// Several expressions over the same channels, ready to be evaluated.
 #[derive(Debug, Clone)]
@@ -83,19 +82,11 @@ impl Program {
     /// # Errors
     /// [`IdentificationError::Expression`] or [`IdentificationError::UnknownChannel`]
     pub fn new<S: AsRef<str>>(texts: &[S], names: &[String]) -> Result<Self> {
-        let mut program = Self {
-            channels: names.len(),
-            operations: Vec::new(),
-            results: Vec::new(),
-        };
+        let mut program = Self { channels: names.len(), operations: Vec::new(), results: Vec::new() };
         for text in texts {
             let text = text.as_ref();
             let tree: Expr = syn::parse_str(text).map_err(|e| fault(text, e.to_string()))?;
-            let mut compiler = Compiler {
-                text,
-                names,
-                operations: &mut program.operations,
-            };
+            let mut compiler = Compiler { text, names, operations: &mut program.operations };
             let result = compiler.compile(&tree)?;
             program.results.push(result);
         }
@@ -155,12 +146,7 @@ impl Program {
     ///
     /// # Errors
     /// [`IdentificationError::Shape`] if `channels` or `out` have the wrong length.
-    pub fn evaluate(
-        &self,
-        channels: &[f64],
-        workspace: &mut Workspace,
-        out: &mut [f64],
-    ) -> Result<()> {
+    pub fn evaluate(&self, channels: &[f64], workspace: &mut Workspace, out: &mut [f64]) -> Result<()> {
         require_length("values of the channels", self.channels, channels.len())?;
         require_length("results of the expressions", self.len(), out.len())?;
         for (i, operation) in self.operations.iter().enumerate() {
@@ -208,10 +194,12 @@ impl Program {
 /// Rows for which `text` is true.
 ///
 /// - `names`, `channels`: the channels and their samples
-/// - returns the row numbers in ascending order; a row where a used channel is NaN is not selected by a comparison
+/// - returns the row numbers in ascending order; a row where a used channel is NaN is not selected by a
+///   comparison
 ///
 /// # Errors
-/// Faulty text, a number where a truth value is needed, or no row at all ([`IdentificationError::NothingSelected`]).
+/// Faulty text, a number where a truth value is needed, or no row at all
+/// ([`IdentificationError::NothingSelected`]).
 pub fn select(text: &str, names: &[String], channels: &[&[f64]]) -> Result<Vec<usize>> {
     let program = Program::new(&[text], names)?;
     if program.kind(0) != Some(Kind::Truth) {
@@ -223,19 +211,13 @@ pub fn select(text: &str, names: &[String], channels: &[&[f64]]) -> Result<Vec<u
     let flags = program.evaluate_columns(channels)?.remove(0);
     let rows: Vec<usize> = (0..flags.len()).filter(|&i| flags[i] == 1.0).collect();
     if rows.is_empty() {
-        return Err(IdentificationError::NothingSelected {
-            selection: text.into(),
-            samples: flags.len(),
-        });
+        return Err(IdentificationError::NothingSelected { selection: text.into(), samples: flags.len() });
     }
     Ok(rows)
 }
 
 fn fault(text: &str, message: String) -> IdentificationError {
-    IdentificationError::Expression {
-        text: text.into(),
-        message,
-    }
+    IdentificationError::Expression { text: text.into(), message }
 }
 
 struct Compiler<'a> {
@@ -268,7 +250,8 @@ impl Compiler<'_> {
                 arguments.extend(&e.args);
                 self.call(&e.method.to_string(), &arguments)
             }
-            _ => Err(self.fault("only numbers, channels, + - * /, comparisons, &&, ||, ! and functions are possible")),
+            _ => Err(self
+                .fault("only numbers, channels, + - * /, comparisons, &&, ||, ! and functions are possible")),
         }
     }
 
@@ -323,16 +306,12 @@ impl Compiler<'_> {
             Lit::Int(l) if l.suffix().is_empty() => l.base10_digits().parse::<f64>().ok(),
             Lit::Float(l) if l.suffix().is_empty() => l.base10_digits().parse::<f64>().ok(),
             Lit::Bool(l) => {
-                return Ok((
-                    self.push(Operation::Constant(f64::from(l.value))),
-                    Kind::Truth,
-                ));
+                return Ok((self.push(Operation::Constant(f64::from(l.value))), Kind::Truth));
             }
             _ => None,
         };
-        let value = value
-            .filter(|v| v.is_finite())
-            .ok_or_else(|| self.fault("a literal is not a finite number"))?;
+        let value =
+            value.filter(|v| v.is_finite()).ok_or_else(|| self.fault("a literal is not a finite number"))?;
         Ok((self.push(Operation::Constant(value)), Kind::Number))
     }
 
@@ -341,15 +320,9 @@ impl Compiler<'_> {
             return Ok((self.push(Operation::Channel(i)), Kind::Number));
         }
         if name == "pi" {
-            return Ok((
-                self.push(Operation::Constant(std::f64::consts::PI)),
-                Kind::Number,
-            ));
+            return Ok((self.push(Operation::Constant(std::f64::consts::PI)), Kind::Number));
         }
-        Err(IdentificationError::UnknownChannel {
-            name: name.into(),
-            known: self.names.to_vec(),
-        })
+        Err(IdentificationError::UnknownChannel { name: name.into(), known: self.names.to_vec() })
     }
 
     fn unary(&mut self, op: &UnOp, tree: &Expr) -> Result<(usize, Kind)> {
@@ -408,10 +381,7 @@ impl Compiler<'_> {
             }
         };
         let [argument] = arguments else {
-            return Err(self.fault(format!(
-                "`{name}` takes one argument, {} given",
-                arguments.len()
-            )));
+            return Err(self.fault(format!("`{name}` takes one argument, {} given", arguments.len())));
         };
         let a = self.number(argument)?;
         Ok((self.push(Operation::Unary(f, a)), Kind::Number))
@@ -419,10 +389,7 @@ impl Compiler<'_> {
 
     fn call_with_two(&mut self, name: &str, arguments: &[&Expr]) -> Result<(usize, Kind)> {
         let [first, second] = arguments else {
-            return Err(self.fault(format!(
-                "`{name}` takes two arguments, {} given",
-                arguments.len()
-            )));
+            return Err(self.fault(format!("`{name}` takes two arguments, {} given", arguments.len())));
         };
         let a = self.number(first)?;
         let operation = match name {
@@ -452,11 +419,7 @@ fn power(a: &[f64], exponent: i32, out: &mut [f64]) {
 
 /// −1, 0 or 1; NaN stays NaN.
 pub(crate) fn sign(x: f64) -> f64 {
-    if x == 0.0 || x.is_nan() {
-        x
-    } else {
-        x.signum()
-    }
+    if x == 0.0 || x.is_nan() { x } else { x.signum() }
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
@@ -523,27 +486,17 @@ mod tests {
     fn value(text: &str, beta: f64, v: f64) -> f64 {
         let program = Program::new(&[text], &names()).unwrap();
         let mut out = [0.0];
-        program
-            .evaluate(&[beta, v], &mut program.workspace(), &mut out)
-            .unwrap();
+        program.evaluate(&[beta, v], &mut program.workspace(), &mut out).unwrap();
         out[0]
     }
 
     #[test]
     fn values_follow_the_standard_library() {
         let (b, v) = (0.3_f64, -1.7_f64);
-        let expected =
-            2.0 * v - (5.0 * v).tanh() / (1.0 + (-v.abs()).exp()) + v.powi(3) * (b + 0.5).sqrt();
-        let got = value(
-            "2*v - tanh(5*v)/(1 + exp(-abs(v))) + v.powi(3)*sqrt(beta + 0.5)",
-            b,
-            v,
-        );
+        let expected = 2.0 * v - (5.0 * v).tanh() / (1.0 + (-v.abs()).exp()) + v.powi(3) * (b + 0.5).sqrt();
+        let got = value("2*v - tanh(5*v)/(1 + exp(-abs(v))) + v.powi(3)*sqrt(beta + 0.5)", b, v);
         assert!((got - expected).abs() < 1e-13);
-        assert_eq!(
-            value("sgn(v)*max(beta, 2) - min(v, beta)", b, v),
-            -2.0 + 1.7
-        );
+        assert_eq!(value("sgn(v)*max(beta, 2) - min(v, beta)", b, v), -2.0 + 1.7);
         assert_eq!(value("sign(0)", b, v), 0.0);
         assert!(
             (value("cos(pi*beta) + sin(v) + ln(2)", b, v)
@@ -557,15 +510,10 @@ mod tests {
     fn selections_follow_rust_precedence() {
         let beta: Vec<f64> = (0..1000).map(|i| f64::from(i) * 1e-3 - 0.5).collect();
         let v: Vec<f64> = beta.iter().map(|b| (20.0 * b).sin()).collect();
-        let rows = select(
-            "abs(beta) < 0.1 && abs(v) > 0.05 || !(v <= 0.99)",
-            &names(),
-            &[&beta, &v],
-        )
-        .unwrap();
-        let expected: Vec<usize> = (0..1000)
-            .filter(|&i| beta[i].abs() < 0.1 && v[i].abs() > 0.05 || v[i] > 0.99)
-            .collect();
+        let rows =
+            select("abs(beta) < 0.1 && abs(v) > 0.05 || !(v <= 0.99)", &names(), &[&beta, &v]).unwrap();
+        let expected: Vec<usize> =
+            (0..1000).filter(|&i| beta[i].abs() < 0.1 && v[i].abs() > 0.05 || v[i] > 0.99).collect();
         assert_eq!(rows, expected);
     }
 
@@ -574,32 +522,21 @@ mod tests {
         let (nan, one) = ([f64::NAN, 1.0], [1.0, 1.0]);
         assert_eq!(select("v < 2", &names(), &[&one, &nan]).unwrap(), vec![1]);
         assert!(
-            value("max(v, beta)", 1.0, f64::NAN).is_nan()
-                && value("min(v, beta)", f64::NAN, 0.0).is_nan()
+            value("max(v, beta)", 1.0, f64::NAN).is_nan() && value("min(v, beta)", f64::NAN, 0.0).is_nan()
         );
     }
 
     #[test]
     fn faults_are_named() {
         let message = |text: &str| Program::new(&[text], &names()).unwrap_err().to_string();
-        assert_eq!(
-            message("tanh(5*w)"),
-            "there is no channel `w`; known are beta, v"
-        );
+        assert_eq!(message("tanh(5*w)"), "there is no channel `w`; known are beta, v");
         assert!(message("v^2").contains("pow(x, n)"));
         assert!(message("tan(v)").contains("unknown function `tan`; known are abs"));
         assert!(message("v + (v < 1)").contains("a truth value stands where a number is needed"));
         assert!(message("v + ").starts_with("expression `v + `"));
         assert!(message("abs(v, v)").contains("takes one argument, 2 given"));
-        assert!(
-            select("v", &names(), &[&[1.0], &[1.0]])
-                .unwrap_err()
-                .to_string()
-                .contains("true or false")
-        );
-        let nothing = select("v > 3", &names(), &[&[1.0], &[1.0]])
-            .unwrap_err()
-            .to_string();
+        assert!(select("v", &names(), &[&[1.0], &[1.0]]).unwrap_err().to_string().contains("true or false"));
+        let nothing = select("v > 3", &names(), &[&[1.0], &[1.0]]).unwrap_err().to_string();
         assert_eq!(nothing, "the selection `v > 3` keeps none of 1 rows");
     }
 }

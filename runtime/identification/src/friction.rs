@@ -1,8 +1,9 @@
-//! The friction law of one joint from its velocity and friction torque, with everything that says how far to trust it.
+//! The friction law of one joint from its velocity and friction torque, with everything that says how far to
+//! trust it.
 //!
-//! Terms are chosen by one of the [`FrictionMethod`]s and refitted by least squares; a bootstrap over contiguous blocks
-//! says how stable the choice is. Standard errors assume independent errors, which samples of a smoothed log do not
-//! have: the bootstrap's intervals are the honest ones.
+//! Terms are chosen by one of the [`FrictionMethod`]s and refitted by least squares; a bootstrap over
+//! contiguous blocks says how stable the choice is. Standard errors assume independent errors, which samples
+//! of a smoothed log do not have: the bootstrap's intervals are the honest ones.
 
 use super::constrained::{constrained_fit, nonnegative_rows, passivity_rows};
 use super::cross_validation::{CrossValidation, ParetoPoint, pareto_front, refit};
@@ -37,8 +38,8 @@ pub struct FrictionData<'a> {
     pub torques: &'a [f64],
     /// Weights of the samples, 1 where absent.
     pub weights: Option<&'a [f64]>,
-    /// Folds of the cross-validation, e.g. runs, or groups of runs that repeat one motion; contiguous blocks of equal
-    /// size where absent.
+    /// Folds of the cross-validation, e.g. runs, or groups of runs that repeat one motion; contiguous blocks
+    /// of equal size where absent.
     pub folds: Option<&'a [Range<usize>]>,
     /// Source and hash of the log.
     pub data: &'a str,
@@ -62,10 +63,11 @@ pub enum FrictionMethod {
     LeastSquares,
     /// Sequentially thresholded least squares.
     Thresholding(Thresholding),
-    /// LASSO on 100 values of λ, cross-validated on contiguous blocks, then least squares on the chosen terms.
+    /// LASSO on 100 values of λ, cross-validated on contiguous blocks, then least squares on the chosen
+    /// terms.
     Lasso(Lasso, LambdaChoice),
-    /// The subset with the fewest terms whose error on left-out blocks is within one standard error of the least, for
-    /// libraries of at most twelve terms.
+    /// The subset with the fewest terms whose error on left-out blocks is within one standard error of the
+    /// least, for libraries of at most twelve terms.
     BestSubset,
     /// Nonlinear regression of the Stribeck law; the library is not used.
     Stribeck(StribeckRegression),
@@ -86,7 +88,8 @@ pub struct FrictionIdentification {
     pub blocks: usize,
     /// Seed of the bootstrap.
     pub seed: u64,
-    /// Forces `τ v ≥ 0` over the speeds in the data and viscous friction ≥ 0, where least squares would break them.
+    /// Forces `τ v ≥ 0` over the speeds in the data and viscous friction ≥ 0, where least squares would break
+    /// them.
     pub passive: bool,
 }
 
@@ -131,22 +134,16 @@ impl FrictionIdentification {
     /// Finds the law of one joint.
     ///
     /// # Errors
-    /// Lengths that disagree, values that are not finite, a velocity that never changes, and what the method reports:
-    /// collinear terms, too few samples, a threshold or λ that removes every term.
+    /// Lengths that disagree, values that are not finite, a velocity that never changes, and what the method
+    /// reports: collinear terms, too few samples, a threshold or λ that removes every term.
     pub fn identify(&self, data: &FrictionData) -> Result<FrictionReport> {
         check(data)?;
-        let mut samples =
-            Samples::from_library(&self.library, vec![data.velocities], vec![data.torques])?;
+        let mut samples = Samples::from_library(&self.library, vec![data.velocities], vec![data.torques])?;
         if let Some(weights) = data.weights {
             samples = samples.with_weights(weights)?;
         }
-        let mut work = Work {
-            settings: self,
-            data,
-            samples,
-            notes: data.settings.to_vec(),
-            warnings: Vec::new(),
-        };
+        let mut work =
+            Work { settings: self, data, samples, notes: data.settings.to_vec(), warnings: Vec::new() };
         match &self.method {
             FrictionMethod::Stribeck(regression) => work.stribeck(regression),
             _ => work.sparse(),
@@ -159,10 +156,7 @@ fn check(data: &FrictionData) -> Result<()> {
     require_samples(&format!("the friction of {}", data.joint), 2, m)?;
     require_length("friction torques", m, data.torques.len())?;
     require_finite(&format!("the velocity of {}", data.joint), data.velocities)?;
-    require_finite(
-        &format!("the friction torque of {}", data.joint),
-        data.torques,
-    )?;
+    require_finite(&format!("the friction torque of {}", data.joint), data.torques)?;
     if data.velocities.iter().all(|v| *v == data.velocities[0]) {
         return Err(IdentificationError::Constant {
             what: format!("the velocity of {}", data.joint),
@@ -244,10 +238,7 @@ impl Work<'_> {
         Ok(report)
     }
 
-    fn select(
-        &mut self,
-        reduced: &Reduced,
-    ) -> Result<(Selection, Solution, Option<CrossValidation>)> {
+    fn select(&mut self, reduced: &Reduced) -> Result<(Selection, Solution, Option<CrossValidation>)> {
         match &self.settings.method {
             FrictionMethod::Thresholding(settings) => {
                 let t = settings.threshold;
@@ -317,9 +308,7 @@ impl Work<'_> {
         }
         let blocks = Moments::blocks(&self.samples, count.min(self.samples.len()))?;
         let fit = |moments: Moments| -> Result<DVector<f64>> {
-            Ok(selection
-                .fit(&Reduced::from_moments(moments)?)?
-                .coefficients)
+            Ok(selection.fit(&Reduced::from_moments(moments)?)?.coefficients)
         };
         match bootstrap(&blocks, draws, self.settings.seed, fit) {
             Ok(ensemble) => {
@@ -337,8 +326,7 @@ impl Work<'_> {
                 Ok(Some(ensemble))
             }
             Err(reason) => {
-                self.warnings
-                    .push(format!("no bootstrap draw gave a model: {reason}"));
+                self.warnings.push(format!("no bootstrap draw gave a model: {reason}"));
                 Ok(None)
             }
         }
@@ -351,21 +339,10 @@ impl Work<'_> {
             return Ok(free);
         }
         let library = &self.settings.library;
-        let fastest = self
-            .data
-            .velocities
-            .iter()
-            .fold(0.0_f64, |a, v| a.max(v.abs()));
-        let grid: Vec<f64> = (-200..=200)
-            .map(|i| fastest * f64::from(i) / 200.0)
-            .collect();
-        let viscous: Vec<usize> = (0..library.len())
-            .filter(|&i| library.terms()[i] == "v")
-            .collect();
-        let (signs, slope) = (
-            passivity_rows(library, &grid)?,
-            nonnegative_rows(&viscous, library.len()),
-        );
+        let fastest = self.data.velocities.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
+        let grid: Vec<f64> = (-200..=200).map(|i| fastest * f64::from(i) / 200.0).collect();
+        let viscous: Vec<usize> = (0..library.len()).filter(|&i| library.terms()[i] == "v").collect();
+        let (signs, slope) = (passivity_rows(library, &grid)?, nonnegative_rows(&viscous, library.len()));
         let all: Vec<_> = signs.row_iter().chain(slope.row_iter()).collect();
         let rows = DMatrix::from_rows(&all);
         let worst = (&rows * &free).min();
@@ -415,20 +392,13 @@ impl Work<'_> {
     fn report(&mut self, law: FrictionLaw) -> Result<FrictionReport> {
         let data = self.data;
         let torques = law.torques(data.velocities)?;
-        let residuals: Vec<f64> = data
-            .torques
-            .iter()
-            .zip(&torques)
-            .map(|(t, l)| t - l)
-            .collect();
+        let residuals: Vec<f64> = data.torques.iter().zip(&torques).map(|(t, l)| t - l).collect();
         let sum = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
         let (rss, energy) = (sum(&residuals), sum(data.torques));
         let range = data
             .velocities
             .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| {
-                [a.min(*v), b.max(*v)]
-            });
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)]);
         let result = FrictionResult {
             joint: data.joint.into(),
             unit: data.unit.into(),
@@ -437,11 +407,7 @@ impl Work<'_> {
             samples: residuals.len(),
             velocity_range: range,
             residual: (rss / residuals.len() as f64).sqrt(),
-            r_squared: if energy > 0.0 {
-                1.0 - rss / energy
-            } else {
-                1.0
-            },
+            r_squared: if energy > 0.0 { 1.0 - rss / energy } else { 1.0 },
             data: data.data.into(),
             settings: std::mem::take(&mut self.notes),
             warnings: std::mem::take(&mut self.warnings),
@@ -468,18 +434,11 @@ mod tests {
         let v: Vec<f64> = (0..6000)
             .map(|i| 0.6 * (0.011 * f64::from(i)).sin() + 0.4 * (0.027 * f64::from(i)).sin())
             .collect();
-        let torque = v
-            .iter()
-            .map(|v| law(*v) + noise * random.normal())
-            .collect();
+        let torque = v.iter().map(|v| law(*v) + noise * random.normal()).collect();
         (v, torque)
     }
 
-    fn identify(
-        settings: &FrictionIdentification,
-        v: &[f64],
-        torque: &[f64],
-    ) -> Result<FrictionReport> {
+    fn identify(settings: &FrictionIdentification, v: &[f64], torque: &[f64]) -> Result<FrictionReport> {
         settings.identify(&FrictionData {
             joint: "beta",
             unit: "N·m",
@@ -497,10 +456,7 @@ mod tests {
     fn every_method_finds_the_curve() {
         let truth = |v: f64| 20.0 * v + 3.0 * (10.0 * v).tanh();
         let (v, torque) = samples(truth, 0.2);
-        let lasso = Lasso {
-            standardize: true,
-            ..Default::default()
-        };
+        let lasso = Lasso { standardize: true, ..Default::default() };
         let methods = [
             FrictionMethod::LeastSquares,
             FrictionMethod::Thresholding(Thresholding::default()),
@@ -510,11 +466,8 @@ mod tests {
             FrictionMethod::Stribeck(StribeckRegression::default()),
         ];
         for method in methods {
-            let settings = FrictionIdentification {
-                method,
-                draws: 20,
-                ..FrictionIdentification::new().unwrap()
-            };
+            let settings =
+                FrictionIdentification { method, draws: 20, ..FrictionIdentification::new().unwrap() };
             let report = identify(&settings, &v, &torque).unwrap();
             let grid: Vec<f64> = (-100..=100).map(|i| 0.009 * f64::from(i)).collect();
             let law = report.result.law.torques(&grid).unwrap();
@@ -530,20 +483,14 @@ mod tests {
     #[test]
     fn the_lasso_says_its_lambda_in_both_conventions_and_keeps_its_path() {
         let (v, torque) = samples(|v| 20.0 * v + 3.0 * (10.0 * v).tanh(), 0.2);
-        let lasso = Lasso {
-            standardize: true,
-            ..Default::default()
-        };
+        let lasso = Lasso { standardize: true, ..Default::default() };
         let settings = FrictionIdentification {
             method: FrictionMethod::Lasso(lasso, LambdaChoice::OneStandardError),
             ..FrictionIdentification::new().unwrap()
         };
         let report = identify(&settings, &v, &torque).unwrap();
         let text = report.result.settings.join("\n");
-        assert!(
-            text.contains("in 1/(2N)‖·‖² + λ‖·‖₁") && text.contains("in ‖·‖² + λ‖·‖₁"),
-            "{text}"
-        );
+        assert!(text.contains("in 1/(2N)‖·‖² + λ‖·‖₁") && text.contains("in ‖·‖² + λ‖·‖₁"), "{text}");
         assert_eq!(report.front.len(), 100);
         assert_eq!(report.correlation.shape(), (7, 7));
         let ensemble = report.ensemble.unwrap();
@@ -556,29 +503,13 @@ mod tests {
         let (v, torque) = samples(|v| 0.5 + 20.0 * v + 3.0 * (10.0 * v).tanh(), 0.05);
         let settings = FrictionIdentification::new().unwrap();
         let report = identify(&settings, &v, &torque).unwrap();
-        assert!(
-            report
-                .result
-                .warnings
-                .iter()
-                .any(|w| w.contains("drives the joint"))
-        );
+        assert!(report.result.warnings.iter().any(|w| w.contains("drives the joint")));
         let grid: Vec<f64> = (-100..=100).map(|i| 0.01 * f64::from(i)).collect();
         for (v, t) in grid.iter().zip(report.result.law.torques(&grid).unwrap()) {
             assert!(v * t >= -1e-6, "{v} {t}");
         }
-        let free = FrictionIdentification {
-            passive: false,
-            ..settings
-        };
-        assert!(
-            identify(&free, &v, &torque)
-                .unwrap()
-                .result
-                .warnings
-                .iter()
-                .all(|w| !w.contains("drives"))
-        );
+        let free = FrictionIdentification { passive: false, ..settings };
+        assert!(identify(&free, &v, &torque).unwrap().result.warnings.iter().all(|w| !w.contains("drives")));
     }
 
     #[test]
@@ -588,13 +519,10 @@ mod tests {
         assert!(message(&[], &[]).starts_with("the friction of beta is empty"));
         assert!(message(&[1.0], &[1.0]).contains("needs at least 2 samples, there are 1"));
         assert!(
-            message(&[1.0; 50], &[1.0; 50])
-                .starts_with("the velocity of beta is constant (1) in all 50")
+            message(&[1.0; 50], &[1.0; 50]).starts_with("the velocity of beta is constant (1) in all 50")
         );
         assert!(message(&[1.0, f64::NAN], &[1.0; 2]).contains("not finite (NaN) at row 1"));
         assert!(message(&[1.0, 2.0], &[1.0]).contains("friction torques: 2 expected, 1 given"));
-        assert!(
-            message(&[0.1, 0.2, 0.3], &[1.0; 3]).contains("needs at least 7 samples, there are 3")
-        );
+        assert!(message(&[0.1, 0.2, 0.3], &[1.0; 3]).contains("needs at least 7 samples, there are 3"));
     }
 }

@@ -1,10 +1,11 @@
-//! Inertial parameters from a regressor, `W π = M ÿ + k − q_gravity`: base parameters, and physically consistent ones.
+//! Inertial parameters from a regressor, `W π = M ÿ + k − q_gravity`: base parameters, and physically
+//! consistent ones.
 //!
-//! π has ten numbers per body, all in the body's frame: m, m cₓ, m c_y, m c_z, then Ixx, Ixy, Iyy, Ixz, Iyz, Izz about
-//! the frame's origin, in the order of a generated module's `INERTIAL_PARAMETER_NAMES`; W stacks its
-//! `inertial_regressor` at all samples. Further parameters (rotor inertias) may stand behind those of the bodies. A body
-//! exists with these numbers if and only if its pseudo-inertia `[[Σ, m c], [m cᵀ, m]]`, `Σ = ½ tr(I) 1 − I`, is positive
-//! definite (Wensing, Kim, Slotine 2017).
+//! π has ten numbers per body, all in the body's frame: m, m cₓ, m c_y, m c_z, then Ixx, Ixy, Iyy, Ixz, Iyz,
+//! Izz about the frame's origin, in the order of a generated module's `INERTIAL_PARAMETER_NAMES`; W stacks
+//! its `inertial_regressor` at all samples. Further parameters (rotor inertias) may stand behind those of the
+//! bodies. A body exists with these numbers if and only if its pseudo-inertia `[[Σ, m c], [m cᵀ, m]]`,
+//! `Σ = ½ tr(I) 1 − I`, is positive definite (Wensing, Kim, Slotine 2017).
 
 use super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
@@ -52,7 +53,8 @@ pub struct BaseParameters {
 impl InertialRegression {
     /// Factors the equations once.
     ///
-    /// - `regressor`: W `[equations × parameters]`; `torques`: τ; `weights`: of the equations, e.g. 1/σ² per joint
+    /// - `regressor`: W `[equations × parameters]`; `torques`: τ; `weights`: of the equations, e.g. 1/σ² per
+    ///   joint
     ///
     /// # Errors
     /// Fewer equations than parameters, lengths that disagree, or values that are not finite.
@@ -118,10 +120,7 @@ impl InertialRegression {
             }
         }
         let stack = |column: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
-            (0..samples)
-                .flat_map(|i| (0..N).map(move |j| (i, j)))
-                .map(|(i, j)| column(i, j))
-                .collect()
+            (0..samples).flat_map(|i| (0..N).map(move |j| (i, j))).map(|(i, j)| column(i, j)).collect()
         };
         let right = stack(&|i, j| torques[j][i]);
         let weights = weights.map(|weights| stack(&|_, j| weights[j]));
@@ -130,7 +129,8 @@ impl InertialRegression {
 
     /// Base parameters by a column-pivoted factorization of R.
     ///
-    /// - `tolerance`: a column counts as dependent if what it adds is below this share of the largest, e.g. 1e-9
+    /// - `tolerance`: a column counts as dependent if what it adds is below this share of the largest, e.g.
+    ///   1e-9
     ///
     /// # Errors
     /// A tolerance outside (0, 1), or a regressor that vanishes.
@@ -155,9 +155,7 @@ impl InertialRegression {
         let qr = columns.qr();
         let r = qr.r();
         let mut right = DMatrix::zeros(p, dependent.len() + 1);
-        right
-            .view_mut((0, 0), (p, dependent.len()))
-            .copy_from(&self.triangle.select_columns(&dependent));
+        right.view_mut((0, 0), (p, dependent.len())).copy_from(&self.triangle.select_columns(&dependent));
         right.set_column(dependent.len(), &self.right);
         qr.q_tr_mul(&mut right);
         let n = independent.len();
@@ -166,20 +164,14 @@ impl InertialRegression {
             condition: f64::INFINITY,
             limit: 1.0 / tolerance,
         };
-        let solved = r
-            .solve_upper_triangular(&right.rows(0, n).into_owned())
-            .ok_or_else(collinear)?;
-        let inverse = r
-            .solve_upper_triangular(&DMatrix::identity(n, n))
-            .ok_or_else(collinear)?;
+        let solved = r.solve_upper_triangular(&right.rows(0, n).into_owned()).ok_or_else(collinear)?;
+        let inverse = r.solve_upper_triangular(&DMatrix::identity(n, n)).ok_or_else(collinear)?;
         let rest = right.view((n, dependent.len()), (p - n, 1)).norm_squared() + self.unexplained;
         let variance = rest / (self.samples - n).max(1) as f64;
         Ok(BaseParameters {
             regrouping: solved.columns(0, dependent.len()).into_owned(),
             values: solved.column(dependent.len()).into_owned(),
-            standard_errors: DVector::from_fn(n, |i, _| {
-                (variance * inverse.row(i).norm_squared()).sqrt()
-            }),
+            standard_errors: DVector::from_fn(n, |i, _| (variance * inverse.row(i).norm_squared()).sqrt()),
             condition: svd.singular_values.max() / svd.singular_values.min(),
             variance,
             independent,
@@ -187,33 +179,24 @@ impl InertialRegression {
         })
     }
 
-    /// Parameters of bodies that can exist, nearest to the data, in log-Cholesky coordinates (Rucker, Wensing 2022):
-    /// `min ‖W π − τ‖² + weight · Σ ((π − π₀)/s)²`, s the size of the prior's entries.
+    /// Parameters of bodies that can exist, nearest to the data, in log-Cholesky coordinates (Rucker, Wensing
+    /// 2022): `min ‖W π − τ‖² + weight · Σ ((π − π₀)/s)²`, s the size of the prior's entries.
     ///
-    /// - `prior`: π₀ of all bodies, physically consistent, e.g. the description's; behind them further parameters, which
-    ///   are positive and stay so
+    /// - `prior`: π₀ of all bodies, physically consistent, e.g. the description's; behind them further
+    ///   parameters, which are positive and stay so
     /// - `bodies`: how many bodies there are
-    /// - `weight`: how strongly directions that the data do not show are held at the prior, small and positive
+    /// - `weight`: how strongly directions that the data do not show are held at the prior, small and
+    ///   positive
     ///
     /// # Errors
     /// Wrong length, a prior that is not consistent, or a search that does not end.
-    pub fn consistent_estimate(
-        &self,
-        prior: &[f64],
-        bodies: usize,
-        weight: f64,
-    ) -> Result<Vec<f64>> {
+    pub fn consistent_estimate(&self, prior: &[f64], bodies: usize, weight: f64) -> Result<Vec<f64>> {
         require_length("prior parameters", self.triangle.ncols(), prior.len())?;
         if prior.len() < bodies * PER_BODY {
             require_length("parameters, ten per body", bodies * PER_BODY, prior.len())?;
         }
         let (of_bodies, others) = prior.split_at(bodies * PER_BODY);
-        require_setting(
-            "weight of the prior",
-            weight,
-            weight > 0.0,
-            "it must be positive",
-        )?;
+        require_setting("weight of the prior", weight, weight > 0.0, "it must be positive")?;
         let mut coordinates = Vec::with_capacity(prior.len());
         for (body, pi) in of_bodies.chunks_exact(PER_BODY).enumerate() {
             coordinates.extend(log_cholesky(body, pi)?);
@@ -235,18 +218,12 @@ impl InertialRegression {
                 .collect(),
             coordinates: DVector::from_vec(coordinates),
         };
-        let (problem, report) = LevenbergMarquardt::new()
-            .with_patience(200)
-            .minimize(problem);
+        let (problem, report) = LevenbergMarquardt::new().with_patience(200).minimize(problem);
         if !report.termination.was_successful() {
             return Err(IdentificationError::NotConverged {
                 what: "the physically consistent estimate".into(),
                 iterations: report.number_of_evaluations,
-                detail: format!(
-                    "{:?}, cost {:e}",
-                    report.termination,
-                    2.0 * report.objective_function
-                ),
+                detail: format!("{:?}, cost {:e}", report.termination, 2.0 * report.objective_function),
             });
         }
         Ok(problem.parameters().as_slice().to_vec())
@@ -260,21 +237,18 @@ impl InertialRegression {
     }
 }
 
-/// Greedy choice of independent columns; each time the one with the most left, earlier ones preferred when equal.
+/// Greedy choice of independent columns; each time the one with the most left, earlier ones preferred when
+/// equal.
 fn pivoted_order(triangle: &DMatrix<f64>, tolerance: f64) -> (Vec<usize>, Vec<usize>) {
     let mut rest = triangle.clone();
     let largest = rest.column_iter().map(|c| c.norm()).fold(0.0, f64::max);
-    let (mut independent, mut open): (Vec<usize>, Vec<usize>) =
-        (Vec::new(), (0..rest.ncols()).collect());
+    let (mut independent, mut open): (Vec<usize>, Vec<usize>) = (Vec::new(), (0..rest.ncols()).collect());
     while !open.is_empty() {
         let norm = |j: usize| rest.column(j).norm();
-        let best = open.iter().copied().fold(open[0], |best, j| {
-            if norm(j) > norm(best) * (1.0 + 1e-9) {
-                j
-            } else {
-                best
-            }
-        });
+        let best = open
+            .iter()
+            .copied()
+            .fold(open[0], |best, j| if norm(j) > norm(best) * (1.0 + 1e-9) { j } else { best });
         if norm(best) <= tolerance * largest {
             break;
         }
@@ -382,17 +356,8 @@ fn upper_factor(x: &[f64]) -> Matrix4<f64> {
 
 /// ∂U/∂xₖ.
 fn upper_factor_derivative(x: &[f64], k: usize) -> Matrix4<f64> {
-    const PLACES: [(usize, usize); 9] = [
-        (0, 0),
-        (1, 1),
-        (2, 2),
-        (0, 1),
-        (0, 2),
-        (1, 2),
-        (0, 3),
-        (1, 3),
-        (2, 3),
-    ];
+    const PLACES: [(usize, usize); 9] =
+        [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2), (0, 3), (1, 3), (2, 3)];
     if k == 0 {
         return upper_factor(x);
     }
@@ -448,10 +413,7 @@ impl ConsistentProblem<'_> {
             let u = upper_factor(x);
             for k in 0..PER_BODY {
                 let d = upper_factor_derivative(x, k) * u.transpose();
-                for (i, value) in from_pseudo_inertia(&(d + d.transpose()))
-                    .into_iter()
-                    .enumerate()
-                {
+                for (i, value) in from_pseudo_inertia(&(d + d.transpose())).into_iter().enumerate() {
                     jacobian[(body * PER_BODY + i, body * PER_BODY + k)] = value;
                 }
             }
@@ -477,11 +439,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for ConsistentProblem<'_> {
         let (pi, p) = (self.parameters(), self.coordinates.len());
         let data = &self.regression.triangle * &pi - &self.regression.right;
         Some(DVector::from_fn(2 * p, |i, _| {
-            if i < p {
-                data[i]
-            } else {
-                (pi[i - p] - self.prior[i - p]) * self.scale[i - p]
-            }
+            if i < p { data[i] } else { (pi[i - p] - self.prior[i - p]) * self.scale[i - p] }
         }))
     }
 
@@ -489,13 +447,9 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for ConsistentProblem<'_> {
         let p = self.coordinates.len();
         let inner = self.parameter_jacobian();
         let mut jacobian = DMatrix::zeros(2 * p, p);
-        jacobian
-            .view_mut((0, 0), (p, p))
-            .copy_from(&(&self.regression.triangle * &inner));
+        jacobian.view_mut((0, 0), (p, p)).copy_from(&(&self.regression.triangle * &inner));
         for i in 0..p {
-            jacobian
-                .row_mut(p + i)
-                .copy_from(&(inner.row(i) * self.scale[i]));
+            jacobian.row_mut(p + i).copy_from(&(inner.row(i) * self.scale[i]));
         }
         Some(jacobian)
     }
@@ -546,9 +500,7 @@ mod tests {
             assert!(is_physically_consistent(&pi));
         }
         // Triangle inequality broken: Izz > Ixx + Iyy.
-        assert!(!is_physically_consistent(&[
-            1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 2.5
-        ]));
+        assert!(!is_physically_consistent(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 2.5]));
         assert!(
             log_cholesky(3, &[-1.0; 10])
                 .unwrap_err()
@@ -589,30 +541,23 @@ mod tests {
             [body(&mut random), body(&mut random)].concat(),
             [body(&mut random), body(&mut random)].concat(),
         );
-        // A regressor that shows 14 of the 20 directions, and noise that makes plain least squares impossible.
+        // A regressor that shows 14 of the 20 directions, and noise that makes plain least squares
+        // impossible.
         let mut mixing = DMatrix::from_fn(14, 20, |_, _| random.normal());
         for body in [0, PER_BODY] {
             // Drawn row by row of the inertia; π goes through the columns of its upper triangle.
             mixing.swap_columns(body + 5, body + 6);
         }
         let w = DMatrix::from_fn(400, 14, |_, _| random.normal()) * mixing;
-        let torque: Vec<f64> = (&w * DVector::from_column_slice(&truth))
-            .iter()
-            .map(|t| t + 0.05 * random.normal())
-            .collect();
+        let torque: Vec<f64> =
+            (&w * DVector::from_column_slice(&truth)).iter().map(|t| t + 0.05 * random.normal()).collect();
         let regression = InertialRegression::new(&names(20), &w, &torque, None).unwrap();
         let estimate = regression.consistent_estimate(&other, 2, 1e-4).unwrap();
         for pi in estimate.chunks_exact(PER_BODY) {
             assert!(is_physically_consistent(pi.try_into().unwrap()));
         }
-        let (fitted, prior) = (
-            regression.residual(&estimate).unwrap(),
-            regression.residual(&other).unwrap(),
-        );
-        assert!(
-            fitted < 1.1 * 400.0 * 0.05 * 0.05 && fitted < 1e-2 * prior,
-            "{fitted} {prior}"
-        );
+        let (fitted, prior) = (regression.residual(&estimate).unwrap(), regression.residual(&other).unwrap());
+        assert!(fitted < 1.1 * 400.0 * 0.05 * 0.05 && fitted < 1e-2 * prior, "{fitted} {prior}");
         // A rotor's inertia behind the bodies: the last column scaled, so that it can be told from the rest.
         let mut with_rotor = w.clone().insert_column(20, 0.0).insert_row(400, 0.0);
         with_rotor[(400, 20)] = 10.0;
@@ -623,14 +568,8 @@ mod tests {
         let found = larger.consistent_estimate(&prior, 2, 1e-4).unwrap();
         assert!((found[20] - 0.7).abs() < 0.01, "{}", found[20]);
         let prior = [other.clone(), vec![-0.1]].concat();
-        let message = larger
-            .consistent_estimate(&prior, 2, 1e-4)
-            .unwrap_err()
-            .to_string();
-        assert!(
-            message.starts_with("prior of parameter 1 behind the bodies = -0.1"),
-            "{message}"
-        );
+        let message = larger.consistent_estimate(&prior, 2, 1e-4).unwrap_err().to_string();
+        assert!(message.starts_with("prior of parameter 1 behind the bodies = -0.1"), "{message}");
         let again = regression.consistent_estimate(&estimate, 2, 1e3).unwrap();
         for (a, b) in again.iter().zip(&estimate) {
             assert!((a - b).abs() < 1e-3);
@@ -640,18 +579,12 @@ mod tests {
     #[test]
     fn bad_input_has_messages() {
         let w = DMatrix::from_element(5, 10, 1.0);
-        let message = InertialRegression::new(&names(10), &w, &[0.0; 5], None)
-            .unwrap_err()
-            .to_string();
+        let message = InertialRegression::new(&names(10), &w, &[0.0; 5], None).unwrap_err().to_string();
         assert!(message.contains("needs at least 10 samples, there are 5"));
         let w = DMatrix::zeros(30, 10);
         let regression = InertialRegression::new(&names(10), &w, &[0.0; 30], None).unwrap();
         assert!(
-            regression
-                .base_parameters(1e-9)
-                .unwrap_err()
-                .to_string()
-                .contains("is zero in all 30 samples")
+            regression.base_parameters(1e-9).unwrap_err().to_string().contains("is zero in all 30 samples")
         );
         assert!(regression.consistent_estimate(&[0.0; 10], 1, 1.0).is_err());
     }

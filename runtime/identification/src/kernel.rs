@@ -1,8 +1,9 @@
 //! Inner loops over blocks of samples: elementary functions and sums of products.
 //!
-//! Each loop is compiled for AVX-512, AVX2 and the base target and chosen at run time. Sums run in eight fixed
-//! lanes, and where a product is fused with a sum it is so in all versions, so they give the same bits. A processor
-//! without fused multiply-adds (x86-64 before 2013) computes them in software, correctly and slowly.
+//! Each loop is compiled for AVX-512, AVX2 and the base target and chosen at run time. Sums run in eight
+//! fixed lanes, and where a product is fused with a sum it is so in all versions, so they give the same bits.
+//! A processor without fused multiply-adds (x86-64 before 2013) computes them in software, correctly and
+//! slowly.
 
 use multiversion::multiversion;
 use multiversion::target::match_target;
@@ -53,11 +54,7 @@ fn reduced_exponential(x: f64) -> (f64, f64) {
 #[inline(always)]
 pub(crate) fn exp(x: f64) -> f64 {
     let (p, scale) = reduced_exponential(x);
-    if x < -708.0 {
-        0.0
-    } else {
-        scale.mul_add(p, scale)
-    }
+    if x < -708.0 { 0.0 } else { scale.mul_add(p, scale) }
 }
 
 /// tanh x from expm1(−2|x|), accurate to a few units in the last place also near zero.
@@ -69,11 +66,7 @@ pub(crate) fn tanh(x: f64) -> f64 {
 }
 
 /// π in three parts, the first two with 31 bits: multiples below 2²¹ are exact.
-const PI_PARTS: [f64; 3] = [
-    3.141_592_653_468_251_2,
-    1.215_420_100_718_692e-10,
-    5.825_464_112_186_712e-20,
-];
+const PI_PARTS: [f64; 3] = [3.141_592_653_468_251_2, 1.215_420_100_718_692e-10, 5.825_464_112_186_712e-20];
 /// Beyond this magnitude the three-part reduction loses bits and the standard library is used.
 const LARGEST_REDUCED: f64 = 1.0e6;
 
@@ -150,8 +143,9 @@ pub(crate) fn sin_block(x: &[f64], out: &mut [f64]) {
 
 /// Adds the products of all pairs of columns over one block: `sums[j·q + k] += Σ aⱼ aₖ` for k ≤ j.
 ///
-/// Columns are taken in tiles of so many by four, that each product has vector sums of its own in registers: two rows
-/// fit the 32 registers of AVX-512, one the 16 of AVX2. The tile does not change a product's order of additions.
+/// Columns are taken in tiles of so many by four, that each product has vector sums of its own in registers:
+/// two rows fit the 32 registers of AVX-512, one the 16 of AVX2. The tile does not change a product's order
+/// of additions.
 ///
 /// - `columns`: q slices of the same length, at most [`BLOCK`]
 /// - `sums`: q × q, row by row, lower triangle
@@ -224,7 +218,8 @@ fn add_rest<const ROWS: usize>(
     }
 }
 
-/// Not inlined: next to the loop above, this order of additions makes LLVM pair up lanes of different sums there.
+/// Not inlined: next to the loop above, this order of additions makes LLVM pair up lanes of different sums
+/// there.
 #[inline(never)]
 fn horizontal_sums(lanes: &[[f64; LANES]; 4]) -> [f64; 4] {
     lanes.map(|[p, q, r, s, t, u, v, x]| ((p + q) + (r + s)) + ((t + u) + (v + x)))
@@ -239,12 +234,7 @@ fn add_product(sum: &mut [f64; LANES], a: [f64; LANES], b: [f64; LANES]) {
 
 /// Columns ∂τ/∂a and residual of the Stribeck law over one block, see [`super::stribeck`].
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
-pub(crate) fn stribeck_block(
-    v: &[f64],
-    torque: &[f64],
-    a: &[f64; 5],
-    columns: &mut [[f64; BLOCK]; 6],
-) {
+pub(crate) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &mut [[f64; BLOCK]; 6]) {
     let n = v.len().min(torque.len()).min(BLOCK);
     let [c1, c2, c3, c4, c5, residual] = columns;
     for i in 0..n {
@@ -269,15 +259,10 @@ mod tests {
     use super::*;
 
     fn largest_relative_error(f: fn(&[f64], &mut [f64]), exact: fn(f64) -> f64, range: f64) -> f64 {
-        let x: Vec<f64> = (0..20_001)
-            .map(|i| range * (i as f64 / 10_000.0 - 1.0))
-            .collect();
+        let x: Vec<f64> = (0..20_001).map(|i| range * (i as f64 / 10_000.0 - 1.0)).collect();
         let mut y = vec![0.0; x.len()];
         f(&x, &mut y);
-        x.iter()
-            .zip(&y)
-            .map(|(&x, &y)| (y - exact(x)).abs() / exact(x).abs().max(1e-300))
-            .fold(0.0, f64::max)
+        x.iter().zip(&y).map(|(&x, &y)| (y - exact(x)).abs() / exact(x).abs().max(1e-300)).fold(0.0, f64::max)
     }
 
     #[test]
@@ -300,22 +285,11 @@ mod tests {
 
     #[test]
     fn special_values_pass_through() {
-        let x = [
-            f64::NAN,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            710.0,
-            -750.0,
-            709.5,
-        ];
+        let x = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 710.0, -750.0, 709.5];
         let mut y = [0.0; 6];
         exp_block(&x, &mut y);
         assert!(
-            y[0].is_nan()
-                && y[1] == f64::INFINITY
-                && y[2] == 0.0
-                && y[3] == f64::INFINITY
-                && y[4] == 0.0
+            y[0].is_nan() && y[1] == f64::INFINITY && y[2] == 0.0 && y[3] == f64::INFINITY && y[4] == 0.0
         );
         assert!((y[5] / 709.5_f64.exp() - 1.0).abs() < 1e-14);
         tanh_block(&x, &mut y);
@@ -330,15 +304,12 @@ mod tests {
         let b: Vec<f64> = a.iter().map(|a| 3.0 - a).collect();
         let mut sums = [0.0; 36];
         add_products(&[&a, &b, &a, &b, &a, &b], &mut sums);
-        let (aa, ab): (f64, f64) = (
-            a.iter().map(|a| a * a).sum(),
-            a.iter().zip(&b).map(|(a, b)| a * b).sum(),
-        );
+        let (aa, ab): (f64, f64) =
+            (a.iter().map(|a| a * a).sum(), a.iter().zip(&b).map(|(a, b)| a * b).sum());
         assert_eq!([sums[0], sums[6], sums[24], sums[30]], [aa, ab, aa, ab]);
         for q in 1..=9 {
-            let columns: Vec<Vec<f64>> = (0..q)
-                .map(|j| a.iter().map(|a| a % f64::from(j + 2)).collect())
-                .collect();
+            let columns: Vec<Vec<f64>> =
+                (0..q).map(|j| a.iter().map(|a| a % f64::from(j + 2)).collect()).collect();
             let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
             let q = q as usize;
             let mut sums = vec![0.0; q * q];

@@ -64,16 +64,8 @@ impl Lasso {
         let start = problem.unpenalized_fit();
         let c = &problem.b - &problem.gram * start;
         let bound = |j: usize| {
-            let c = if problem.nonnegative[j] {
-                c[j].max(0.0)
-            } else {
-                c[j].abs()
-            };
-            if problem.weights[j] > 0.0 {
-                c / (problem.samples * problem.weights[j])
-            } else {
-                0.0
-            }
+            let c = if problem.nonnegative[j] { c[j].max(0.0) } else { c[j].abs() };
+            if problem.weights[j] > 0.0 { c / (problem.samples * problem.weights[j]) } else { 0.0 }
         };
         // A few units in the last place more, so that rounding leaves no coefficient at this λ.
         Ok((0..c.len()).map(bound).fold(0.0, f64::max) * (1.0 + 4.0 * f64::EPSILON))
@@ -90,18 +82,8 @@ impl Lasso {
         count: usize,
         ratio: f64,
     ) -> Result<Vec<f64>> {
-        require_setting(
-            "ratio of λ",
-            ratio,
-            ratio > 0.0 && ratio < 1.0,
-            "it must lie between 0 and 1",
-        )?;
-        require_setting(
-            "number of λ",
-            count as f64,
-            count >= 2,
-            "at least two are needed",
-        )?;
+        require_setting("ratio of λ", ratio, ratio > 0.0 && ratio < 1.0, "it must lie between 0 and 1")?;
+        require_setting("number of λ", count as f64, count >= 2, "at least two are needed")?;
         let largest = self.largest_lambda(moments, target)?;
         let step = |i: usize| largest * ratio.powf(i as f64 / (count - 1) as f64);
         Ok((0..count).map(step).collect())
@@ -121,12 +103,7 @@ impl Lasso {
         };
         let mut state = State::new(&problem);
         for (column, &lambda) in lambdas.iter().enumerate() {
-            require_setting(
-                "λ",
-                lambda,
-                lambda >= 0.0,
-                "it must be finite and not negative",
-            )?;
+            require_setting("λ", lambda, lambda >= 0.0, "it must be finite and not negative")?;
             let (gap, sweeps) = problem.solve(lambda, &mut state, self)?;
             path.coefficients.set_column(column, &state.w);
             path.gaps.push(gap);
@@ -138,13 +115,9 @@ impl Lasso {
     /// Chosen terms at one λ; an error if there are none.
     ///
     /// # Errors
-    /// [`IdentificationError::EverythingRemoved`] with the largest λ that keeps a term; else as [`Self::path`].
-    pub fn fit(
-        &self,
-        moments: &Moments,
-        target: usize,
-        lambda: f64,
-    ) -> Result<(DVector<f64>, Vec<usize>)> {
+    /// [`IdentificationError::EverythingRemoved`] with the largest λ that keeps a term; else as
+    /// [`Self::path`].
+    pub fn fit(&self, moments: &Moments, target: usize, lambda: f64) -> Result<(DVector<f64>, Vec<usize>)> {
         let path = self.path(moments, target, &[lambda])?;
         let coefficients = path.coefficients.column(0).into_owned();
         let active = active_terms(&coefficients);
@@ -161,9 +134,7 @@ impl Lasso {
 
 /// Indices of the coefficients that are not zero.
 pub fn active_terms(coefficients: &DVector<f64>) -> Vec<usize> {
-    (0..coefficients.len())
-        .filter(|&i| coefficients[i] != 0.0)
-        .collect()
+    (0..coefficients.len()).filter(|&i| coefficients[i] != 0.0).collect()
 }
 
 struct Problem {
@@ -183,10 +154,7 @@ struct State {
 
 impl State {
     fn new(problem: &Problem) -> Self {
-        Self {
-            w: DVector::zeros(problem.b.len()),
-            c: problem.b.clone(),
-        }
+        Self { w: DVector::zeros(problem.b.len()), c: problem.b.clone() }
     }
 }
 
@@ -195,12 +163,7 @@ impl Problem {
         if target >= moments.targets() {
             require_length("targets", target + 1, moments.targets())?;
         }
-        require_setting(
-            "tolerance",
-            settings.tolerance,
-            settings.tolerance > 0.0,
-            "it must be positive",
-        )?;
+        require_setting("tolerance", settings.tolerance, settings.tolerance > 0.0, "it must be positive")?;
         moments.require_no_zero_column()?;
         let (p, samples) = (moments.terms(), moments.samples() as f64);
         for &i in settings.unpenalized.iter().chain(&settings.nonnegative) {
@@ -232,9 +195,7 @@ impl Problem {
     }
 
     fn unpenalized_fit(&self) -> DVector<f64> {
-        let free: Vec<usize> = (0..self.b.len())
-            .filter(|&i| self.weights[i] == 0.0)
-            .collect();
+        let free: Vec<usize> = (0..self.b.len()).filter(|&i| self.weights[i] == 0.0).collect();
         let mut w = DVector::zeros(self.b.len());
         if let Some(small) = solve_scaled(&self.gram, &self.b, &free, 0.0) {
             for (&i, x) in free.iter().zip(small.iter()) {
@@ -291,7 +252,8 @@ impl Problem {
 
     /// Solves the optimality conditions for the present signs (feature-sign search; Lee et al. 2006).
     ///
-    /// Where a coefficient would change its sign, the step ends there and that coefficient leaves the support.
+    /// Where a coefficient would change its sign, the step ends there and that coefficient leaves the
+    /// support.
     fn solve_on_support(&self, lambda: f64, state: &mut State) {
         for _ in 0..state.w.len() {
             let active = active_terms(&state.w);
@@ -317,14 +279,9 @@ impl Problem {
     fn null_direction(&self, active: &[usize]) -> Option<DVector<f64>> {
         let n = active.len();
         let norm = |i: usize| self.gram[(active[i], active[i])].sqrt();
-        let scaled = DMatrix::from_fn(n, n, |i, j| {
-            self.gram[(active[i], active[j])] / (norm(i) * norm(j))
-        });
+        let scaled = DMatrix::from_fn(n, n, |i, j| self.gram[(active[i], active[j])] / (norm(i) * norm(j)));
         // Cholesky's least pivot bounds the least eigenvalue from above and is much cheaper.
-        let regular = scaled
-            .clone()
-            .cholesky()
-            .is_some_and(|f| f.l_dirty().diagonal().amin() > 1e-5);
+        let regular = scaled.clone().cholesky().is_some_and(|f| f.l_dirty().diagonal().amin() > 1e-5);
         if regular || n == 0 {
             return None;
         }
@@ -333,9 +290,7 @@ impl Problem {
         if eigen.eigenvalues[least] > 1e-12 {
             return None;
         }
-        Some(DVector::from_fn(n, |i, _| {
-            eigen.eigenvectors[(i, least)] / norm(i)
-        }))
+        Some(DVector::from_fn(n, |i, _| eigen.eigenvectors[(i, least)] / norm(i)))
     }
 
     /// A far point along a null direction, downhill in the penalty, so that some coefficient reaches zero.
@@ -345,9 +300,8 @@ impl Problem {
         direction: &DVector<f64>,
         w: &DVector<f64>,
     ) -> Option<DVector<f64>> {
-        let slope: f64 = (0..active.len())
-            .map(|i| self.weights[active[i]] * w[active[i]].signum() * direction[i])
-            .sum();
+        let slope: f64 =
+            (0..active.len()).map(|i| self.weights[active[i]] * w[active[i]].signum() * direction[i]).sum();
         let sign = if slope > 0.0 { -1.0 } else { 1.0 };
         let ratio = |i: usize| {
             if sign * direction[i] * w[active[i]] < 0.0 {
@@ -358,9 +312,7 @@ impl Problem {
         };
         let length = (0..active.len()).map(ratio).fold(f64::INFINITY, f64::min);
         let far = |i: usize| w[active[i]] + sign * 2.0 * length * direction[i];
-        length
-            .is_finite()
-            .then(|| DVector::from_fn(active.len(), |i, _| far(i)))
+        length.is_finite().then(|| DVector::from_fn(active.len(), |i, _| far(i)))
     }
 
     /// Share of the step to `solution` that keeps all signs, and the coefficient that ends it.
@@ -390,25 +342,15 @@ impl Problem {
         let residual = (residual_target - state.c.dot(&state.w)).max(0.0);
         let mut scale = 1.0_f64;
         for j in 0..state.w.len() {
-            let c = if self.nonnegative[j] {
-                state.c[j].max(0.0)
-            } else {
-                state.c[j].abs()
-            };
+            let c = if self.nonnegative[j] { state.c[j].max(0.0) } else { state.c[j].abs() };
             let limit = self.samples * lambda * self.weights[j];
             if self.weights[j] > 0.0 && c > limit {
                 scale = scale.min(limit / c);
             }
         }
-        let penalty: f64 = state
-            .w
-            .iter()
-            .zip(&self.weights)
-            .map(|(w, o)| o * w.abs())
-            .sum();
+        let penalty: f64 = state.w.iter().zip(&self.weights).map(|(w, o)| o * w.abs()).sum();
         let primal = residual / (2.0 * self.samples) + lambda * penalty;
-        let dual =
-            (2.0 * scale * residual_target - scale * scale * residual) / (2.0 * self.samples);
+        let dual = (2.0 * scale * residual_target - scale * scale * residual) / (2.0 * self.samples);
         (primal - dual).max(0.0)
     }
 }
@@ -432,13 +374,7 @@ mod tests {
                 theta.column_mut(j).axpy(0.9, &previous, 0.4);
             }
         }
-        let truth = DVector::from_fn(p, |j, _| {
-            if j % 3 == 0 {
-                1.5 - j as f64 / 4.0
-            } else {
-                0.0
-            }
-        });
+        let truth = DVector::from_fn(p, |j, _| if j % 3 == 0 { 1.5 - j as f64 / 4.0 } else { 0.0 });
         let noise = DVector::from_fn(m, |_, _| 0.3 * random.normal());
         let y = &theta * truth + noise;
         let names: Vec<String> = (0..p).map(|j| format!("t{j}")).collect();
@@ -457,33 +393,14 @@ mod tests {
         let sign = |i: usize| if i < p { 1.0 } else { -1.0 };
         let hessian: Vec<Vec<f64>> = (0..2 * p)
             .map(|i| {
-                (0..2 * p)
-                    .map(|j| {
-                        if i <= j {
-                            sign(i) * sign(j) * g[(i % p, j % p)]
-                        } else {
-                            0.0
-                        }
-                    })
-                    .collect()
+                (0..2 * p).map(|j| if i <= j { sign(i) * sign(j) * g[(i % p, j % p)] } else { 0.0 }).collect()
             })
             .collect();
-        let q: Vec<f64> = (0..2 * p)
-            .map(|i| lambda * weights[i % p] - sign(i) * b[i % p])
-            .collect();
-        let mut rows: Vec<Vec<f64>> = (0..2 * p)
-            .map(|i| {
-                (0..2 * p)
-                    .map(|j| if i == j { -1.0 } else { 0.0 })
-                    .collect()
-            })
-            .collect();
+        let q: Vec<f64> = (0..2 * p).map(|i| lambda * weights[i % p] - sign(i) * b[i % p]).collect();
+        let mut rows: Vec<Vec<f64>> =
+            (0..2 * p).map(|i| (0..2 * p).map(|j| if i == j { -1.0 } else { 0.0 }).collect()).collect();
         for &j in nonnegative {
-            rows.push(
-                (0..2 * p)
-                    .map(|k| if k == p + j { 1.0 } else { 0.0 })
-                    .collect(),
-            );
+            rows.push((0..2 * p).map(|k| if k == p + j { 1.0 } else { 0.0 }).collect());
         }
         let zeros = vec![0.0; rows.len()];
         let cones: [SupportedConeT<f64>; 1] = [NonnegativeConeT(rows.len())];
@@ -515,8 +432,7 @@ mod tests {
         let theta = DMatrix::from_fn(m, 3, |i, j| if i >> j & 1 == 0 { 1.0 } else { -1.0 });
         let y = &theta * DVector::from_column_slice(&[2.0, -0.7, 0.3]);
         let moments =
-            Moments::new(&Samples::from_matrix(&names, &theta, vec![y.as_slice()]).unwrap())
-                .unwrap();
+            Moments::new(&Samples::from_matrix(&names, &theta, vec![y.as_slice()]).unwrap()).unwrap();
         let lasso = Lasso::default();
         let path = lasso.path(&moments, 0, &[0.5]).unwrap();
         let expected = DVector::from_column_slice(&[1.5, -0.2, 0.0]);
@@ -536,23 +452,14 @@ mod tests {
                 ..Default::default()
             };
             let weights: Vec<f64> = (0..9)
-                .map(|j| {
-                    if lasso.standardize {
-                        (moments.gram()[(j, j)] / 60.0).sqrt()
-                    } else {
-                        1.0
-                    }
-                })
+                .map(|j| if lasso.standardize { (moments.gram()[(j, j)] / 60.0).sqrt() } else { 1.0 })
                 .collect();
             let grid = lasso.lambda_grid(&moments, 0, 8, 1e-3).unwrap();
             let path = lasso.path(&moments, 0, &grid).unwrap();
             for (k, &lambda) in grid.iter().enumerate() {
                 let reference = by_interior_points(&moments, lambda, &weights, &lasso.nonnegative);
                 let difference = (path.coefficients.column(k) - reference).amax();
-                assert!(
-                    difference < 2e-6,
-                    "seed {seed}, λ {lambda:e}: {difference:e}"
-                );
+                assert!(difference < 2e-6, "seed {seed}, λ {lambda:e}: {difference:e}");
             }
             assert!(path.coefficients.column(0).amax() < 1e-12);
         }
@@ -561,10 +468,7 @@ mod tests {
     #[test]
     fn more_terms_than_samples_still_have_a_solution() {
         let moments = random_moments(5, 12, 20, false);
-        let lasso = Lasso {
-            tolerance: 1e-9,
-            ..Default::default()
-        };
+        let lasso = Lasso { tolerance: 1e-9, ..Default::default() };
         let grid = lasso.lambda_grid(&moments, 0, 5, 0.05).unwrap();
         let path = lasso.path(&moments, 0, &grid).unwrap();
         assert!(path.gaps.iter().all(|g| *g <= 1e-9 * moments.energy(0)));
@@ -577,35 +481,22 @@ mod tests {
         let x: Vec<f64> = (0..40).map(f64::from).collect();
         let names: Vec<String> = ["1", "x", "sign"].map(String::from).to_vec();
         let samples = Samples::from_columns(&names, vec![&one, &x, &one], vec![&y]).unwrap();
-        let lasso = Lasso {
-            tolerance: 1e-12,
-            ..Default::default()
-        };
+        let lasso = Lasso { tolerance: 1e-12, ..Default::default() };
         let twice = Moments::new(&samples).unwrap();
         let samples = Samples::from_columns(&names[..2], vec![&one, &x], vec![&y]).unwrap();
         let once = Moments::new(&samples).unwrap();
         let grid = lasso.lambda_grid(&once, 0, 20, 1e-4).unwrap();
-        let (a, b) = (
-            lasso.path(&twice, 0, &grid).unwrap(),
-            lasso.path(&once, 0, &grid).unwrap(),
-        );
+        let (a, b) = (lasso.path(&twice, 0, &grid).unwrap(), lasso.path(&once, 0, &grid).unwrap());
         for k in 0..20 {
             let sum = a.coefficients[(0, k)] + a.coefficients[(2, k)];
-            assert!(
-                (sum - b.coefficients[(0, k)]).abs() < 1e-6,
-                "{k}: {sum} {}",
-                b.coefficients[(0, k)]
-            );
+            assert!((sum - b.coefficients[(0, k)]).abs() < 1e-6, "{k}: {sum} {}", b.coefficients[(0, k)]);
         }
     }
 
     #[test]
     fn unpenalized_terms_enter_first() {
         let moments = random_moments(2, 80, 6, false);
-        let lasso = Lasso {
-            unpenalized: vec![1],
-            ..Default::default()
-        };
+        let lasso = Lasso { unpenalized: vec![1], ..Default::default() };
         let largest = lasso.largest_lambda(&moments, 0).unwrap();
         let (coefficients, active) = lasso.fit(&moments, 0, 1.0001 * largest).unwrap();
         assert_eq!(active, [1]);
@@ -616,14 +507,9 @@ mod tests {
     #[test]
     fn a_lambda_that_removes_everything_is_an_error_with_the_bound() {
         let moments = random_moments(1, 50, 4, false);
-        let error = Lasso::default()
-            .fit(&moments, 0, 1e6)
-            .unwrap_err()
-            .to_string();
+        let error = Lasso::default().fit(&moments, 0, 1e6).unwrap_err().to_string();
         assert!(
-            error.starts_with(
-                "lambda = 1e6 removes every term: the largest value that keeps one is"
-            ),
+            error.starts_with("lambda = 1e6 removes every term: the largest value that keeps one is"),
             "{error}"
         );
     }

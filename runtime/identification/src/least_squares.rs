@@ -4,8 +4,8 @@ use super::error::{IdentificationError, Result, require_length, require_samples}
 use super::moments::{Moments, Samples};
 use nalgebra::{DMatrix, DVector};
 
-/// Normal equations have the square of the library's condition number and lose that many digits. Above this limit
-/// (six digits lost) the samples are factored orthogonally instead.
+/// Normal equations have the square of the library's condition number and lose that many digits. Above this
+/// limit (six digits lost) the samples are factored orthogonally instead.
 const NORMAL_EQUATIONS_LIMIT: f64 = 1e3;
 
 /// Above this condition number a library counts as collinear.
@@ -53,27 +53,15 @@ impl Reduced {
     /// Values that are not finite, zero columns, collinear terms, fewer samples than terms.
     pub fn new(samples: &Samples) -> Result<Self> {
         let moments = Moments::new(samples)?;
-        require_samples(
-            "least squares with this library",
-            moments.terms(),
-            moments.samples(),
-        )?;
+        require_samples("least squares with this library", moments.terms(), moments.samples())?;
         moments.require_no_zero_column()?;
         let condition = moments.condition();
         if condition <= NORMAL_EQUATIONS_LIMIT {
-            return Ok(Self {
-                moments,
-                triangle: None,
-                condition,
-            });
+            return Ok(Self { moments, triangle: None, condition });
         }
         let triangle = triangular_factor(samples);
         let condition = require_independent(&triangle, moments.names())?;
-        Ok(Self {
-            moments,
-            triangle: Some(triangle),
-            condition,
-        })
+        Ok(Self { moments, triangle: Some(triangle), condition })
     }
 
     /// Least squares from sums alone, where the samples are gone.
@@ -81,26 +69,13 @@ impl Reduced {
     /// # Errors
     /// As [`Self::new`]; terms count as collinear where the sums cannot resolve them (condition above 1e7).
     pub fn from_moments(moments: Moments) -> Result<Self> {
-        require_samples(
-            "least squares with this library",
-            moments.terms(),
-            moments.samples(),
-        )?;
+        require_samples("least squares with this library", moments.terms(), moments.samples())?;
         moments.require_no_zero_column()?;
         let condition = moments.condition();
         if condition > 1e7 {
-            return Err(collinear(
-                &moments.correlation(),
-                moments.names(),
-                condition,
-                1e7,
-            ));
+            return Err(collinear(&moments.correlation(), moments.names(), condition, 1e7));
         }
-        Ok(Self {
-            moments,
-            triangle: None,
-            condition,
-        })
+        Ok(Self { moments, triangle: None, condition })
     }
 
     /// The sums of products.
@@ -115,11 +90,7 @@ impl Reduced {
 
     /// How equations are solved on these data.
     pub fn solver(&self) -> Solver {
-        if self.triangle.is_some() {
-            Solver::Orthogonal
-        } else {
-            Solver::NormalEquations
-        }
+        if self.triangle.is_some() { Solver::Orthogonal } else { Solver::NormalEquations }
     }
 
     /// Minimizes `‖y − Θ ξ‖² + ridge ‖ξ‖²` over the terms `active`.
@@ -130,20 +101,11 @@ impl Reduced {
         self.check(target, active)?;
         let small = match &self.triangle {
             None => self.solve_normal(target, active, ridge),
-            Some(triangle) => {
-                solve_triangular(triangle, self.moments.terms() + target, active, ridge)
-            }
+            Some(triangle) => solve_triangular(triangle, self.moments.terms() + target, active, ridge),
         };
         let small = small.ok_or_else(|| {
-            let names: Vec<String> = active
-                .iter()
-                .map(|&i| self.moments.names()[i].clone())
-                .collect();
-            IdentificationError::Collinear {
-                terms: names,
-                condition: self.condition,
-                limit: COLLINEAR_LIMIT,
-            }
+            let names: Vec<String> = active.iter().map(|&i| self.moments.names()[i].clone()).collect();
+            IdentificationError::Collinear { terms: names, condition: self.condition, limit: COLLINEAR_LIMIT }
         })?;
         let mut coefficients = DVector::zeros(self.moments.terms());
         for (&i, value) in active.iter().zip(small.iter()) {
@@ -160,23 +122,11 @@ impl Reduced {
         let coefficients = self.solve(target, active, 0.0)?;
         let residual = self.residual(target, &coefficients);
         let freedom = self.moments.samples().saturating_sub(active.len());
-        let variance = if freedom == 0 {
-            0.0
-        } else {
-            residual / freedom as f64
-        };
+        let variance = if freedom == 0 { 0.0 } else { residual / freedom as f64 };
         let energy = self.moments.energy(target);
         Ok(Solution {
-            standard_errors: self
-                .inverse_diagonal(active)
-                .iter()
-                .map(|d| (d * variance).sqrt())
-                .collect(),
-            r_squared: if energy > 0.0 {
-                1.0 - residual / energy
-            } else {
-                1.0
-            },
+            standard_errors: self.inverse_diagonal(active).iter().map(|d| (d * variance).sqrt()).collect(),
+            r_squared: if energy > 0.0 { 1.0 - residual / energy } else { 1.0 },
             coefficients,
             active: active.to_vec(),
             residual,
@@ -213,11 +163,7 @@ impl Reduced {
         let r = match &self.triangle {
             Some(triangle) => triangle.select_columns(active).qr().r(),
             None => {
-                let gram = self
-                    .moments
-                    .gram()
-                    .select_rows(active)
-                    .select_columns(active);
+                let gram = self.moments.gram().select_rows(active).select_columns(active);
                 match gram.cholesky() {
                     Some(factor) => factor.l().transpose(),
                     None => return vec![f64::INFINITY; active.len()],
@@ -240,10 +186,7 @@ pub(crate) fn solve_scaled(
     ridge: f64,
 ) -> Option<DVector<f64>> {
     let n = active.len();
-    let diagonal: Vec<f64> = active
-        .iter()
-        .map(|&i| (gram[(i, i)] + ridge).sqrt())
-        .collect();
+    let diagonal: Vec<f64> = active.iter().map(|&i| (gram[(i, i)] + ridge).sqrt()).collect();
     if diagonal.iter().any(|d| *d <= 0.0) {
         return None;
     }
@@ -265,9 +208,7 @@ fn solve_triangular(
     let (q, n) = (triangle.nrows(), active.len());
     let extra = if ridge > 0.0 { n } else { 0 };
     let mut matrix = DMatrix::zeros(q + extra, n);
-    matrix
-        .view_mut((0, 0), (q, n))
-        .copy_from(&triangle.select_columns(active));
+    matrix.view_mut((0, 0), (q, n)).copy_from(&triangle.select_columns(active));
     for i in 0..extra {
         matrix[(q + i, i)] = ridge.sqrt();
     }
@@ -275,8 +216,7 @@ fn solve_triangular(
     right.rows_mut(0, q).copy_from(&triangle.column(target));
     let qr = matrix.qr();
     qr.q_tr_mul(&mut right);
-    qr.r()
-        .solve_upper_triangular(&right.rows(0, n).into_owned())
+    qr.r().solve_upper_triangular(&right.rows(0, n).into_owned())
 }
 
 /// R of the Householder factorization of `[Θ | Y]` `[q × q]`, formed block by block.
@@ -285,11 +225,7 @@ pub fn triangular_factor(samples: &Samples) -> DMatrix<f64> {
     let mut r = DMatrix::<f64>::zeros(q, q);
     samples.visit(0..samples.len(), &mut |columns| {
         let n = columns[0].len();
-        let stacked = DMatrix::from_fn(
-            q + n,
-            q,
-            |i, j| if i < q { r[(i, j)] } else { columns[j][i - q] },
-        );
+        let stacked = DMatrix::from_fn(q + n, q, |i, j| if i < q { r[(i, j)] } else { columns[j][i - q] });
         r = stacked.qr().r();
     });
     r
@@ -304,19 +240,12 @@ fn require_independent(triangle: &DMatrix<f64>, names: &[String]) -> Result<f64>
     }
     let svd = scaled.svd(false, true);
     let (least, largest) = (svd.singular_values.min(), svd.singular_values.max());
-    let condition = if least > 0.0 {
-        largest / least
-    } else {
-        f64::INFINITY
-    };
+    let condition = if least > 0.0 { largest / least } else { f64::INFINITY };
     if condition <= COLLINEAR_LIMIT {
         return Ok(condition);
     }
     let index = svd.singular_values.imin();
-    let direction = svd
-        .v_t
-        .map(|v| v.row(index).transpose())
-        .unwrap_or_else(|| DVector::zeros(p));
+    let direction = svd.v_t.map(|v| v.row(index).transpose()).unwrap_or_else(|| DVector::zeros(p));
     Err(IdentificationError::Collinear {
         terms: taking_part(&direction, names),
         condition,
@@ -331,24 +260,14 @@ fn collinear(
     limit: f64,
 ) -> IdentificationError {
     let eigen = correlation.clone().symmetric_eigen();
-    let direction = eigen
-        .eigenvectors
-        .column(eigen.eigenvalues.imin())
-        .into_owned();
-    IdentificationError::Collinear {
-        terms: taking_part(&direction, names),
-        condition,
-        limit,
-    }
+    let direction = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
+    IdentificationError::Collinear { terms: taking_part(&direction, names), condition, limit }
 }
 
 /// Terms with a noticeable share in a null direction.
 fn taking_part(direction: &DVector<f64>, names: &[String]) -> Vec<String> {
     let bound = 0.1 * direction.amax();
-    (0..names.len())
-        .filter(|&i| direction[i].abs() >= bound)
-        .map(|i| names[i].clone())
-        .collect()
+    (0..names.len()).filter(|&i| direction[i].abs() >= bound).map(|i| names[i].clone()).collect()
 }
 
 #[cfg(test)]
@@ -374,17 +293,8 @@ mod tests {
         let mean = x.iter().sum::<f64>() / 50.0;
         let my = y.iter().sum::<f64>() / 50.0;
         let sxx: f64 = x.iter().map(|x| (x - mean).powi(2)).sum();
-        let slope = x
-            .iter()
-            .zip(&y)
-            .map(|(x, y)| (x - mean) * (y - my))
-            .sum::<f64>()
-            / sxx;
-        let rss: f64 = x
-            .iter()
-            .zip(&y)
-            .map(|(x, y)| (y - my - slope * (x - mean)).powi(2))
-            .sum();
+        let slope = x.iter().zip(&y).map(|(x, y)| (x - mean) * (y - my)).sum::<f64>() / sxx;
+        let rss: f64 = x.iter().zip(&y).map(|(x, y)| (y - my - slope * (x - mean)).powi(2)).sum();
         assert!((fit.coefficients[1] - slope).abs() < 1e-12);
         assert!((fit.standard_errors[1] - (rss / 48.0 / sxx).sqrt()).abs() < 1e-12);
     }
@@ -396,10 +306,7 @@ mod tests {
         let terms: Vec<String> = (0..10).map(|i| format!("powi(x, {i})")).collect();
         let library = Library::new(&terms, &["x"]).unwrap();
         let truth: Vec<f64> = (0..10).map(|i| f64::from(i - 4)).collect();
-        let y: Vec<f64> = x
-            .iter()
-            .map(|x| truth.iter().rev().fold(0.0, |s, c| s * x + c))
-            .collect();
+        let y: Vec<f64> = x.iter().map(|x| truth.iter().rev().fold(0.0, |s, c| s * x + c)).collect();
         let samples = Samples::from_library(&library, vec![&x], vec![&y]).unwrap();
         let reduced = Reduced::new(&samples).unwrap();
         assert_eq!(reduced.solver(), Solver::Orthogonal);
@@ -420,18 +327,10 @@ mod tests {
         let library = Library::new(&["1", "x", "powi(x, 2)", "3 - 2*x"], &["x"]).unwrap();
         let samples = Samples::from_library(&library, vec![&x], vec![&y]).unwrap();
         let message = Reduced::new(&samples).unwrap_err().to_string();
-        assert!(
-            message.starts_with("the terms 1, x, 3 - 2*x are collinear"),
-            "{message}"
-        );
+        assert!(message.starts_with("the terms 1, x, 3 - 2*x are collinear"), "{message}");
         let library = Library::new(&["x", "0*x"], &["x"]).unwrap();
         let samples = Samples::from_library(&library, vec![&x], vec![&y]).unwrap();
-        assert!(
-            Reduced::new(&samples)
-                .unwrap_err()
-                .to_string()
-                .contains("0*x is zero in all 300 samples")
-        );
+        assert!(Reduced::new(&samples).unwrap_err().to_string().contains("0*x is zero in all 300 samples"));
         let library = Library::new(&["1", "x", "x*x"], &["x"]).unwrap();
         let samples = Samples::from_library(&library, vec![&x[..2]], vec![&y[..2]]).unwrap();
         let message = Reduced::new(&samples).unwrap_err().to_string();
@@ -446,13 +345,9 @@ mod tests {
         let reduced = Reduced::new(&samples).unwrap();
         let triangle = triangular_factor(&samples);
         for ridge in [0.5, 10.0] {
-            let normal = solve_scaled(
-                &reduced.moments.gram(),
-                &reduced.moments.projection(0),
-                &[0, 1, 2],
-                ridge,
-            )
-            .unwrap();
+            let normal =
+                solve_scaled(&reduced.moments.gram(), &reduced.moments.projection(0), &[0, 1, 2], ridge)
+                    .unwrap();
             let orthogonal = solve_triangular(&triangle, 3, &[0, 1, 2], ridge).unwrap();
             assert!((normal - orthogonal).amax() < 1e-10);
         }

@@ -1,8 +1,9 @@
 //! Identification: from logs to friction models that the generator reads.
 //!
 //! Order of work: a log is read and checked ([`log`]), velocities and accelerations are differentiated
-//! ([`differentiation`]), rows are selected by expressions ([`expression`]), a library of terms is evaluated and
-//! reduced to moments in one pass ([`library`], [`moments`]), and sparse or nonlinear models are fitted to them.
+//! ([`differentiation`]), rows are selected by expressions ([`expression`]), a library of terms is evaluated
+//! and reduced to moments in one pass ([`library`], [`moments`]), and sparse or nonlinear models are fitted
+//! to them.
 
 pub mod constrained;
 pub mod cross_validation;

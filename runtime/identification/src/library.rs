@@ -21,9 +21,7 @@ impl Library {
         let terms: Vec<String> = terms.iter().map(|t| t.as_ref().to_string()).collect();
         let channels: Vec<String> = channels.iter().map(|t| t.as_ref().to_string()).collect();
         if terms.is_empty() {
-            return Err(IdentificationError::Empty {
-                what: "the library of terms".into(),
-            });
+            return Err(IdentificationError::Empty { what: "the library of terms".into() });
         }
         let program = Program::new(&terms, &channels)?;
         for (i, term) in terms.iter().enumerate() {
@@ -38,11 +36,7 @@ impl Library {
                 return Err(fault("this term stands twice in the library"));
             }
         }
-        Ok(Self {
-            terms,
-            channels,
-            program,
-        })
+        Ok(Self { terms, channels, program })
     }
 
     /// The friction library of the reference robot: `[1, v, sign v, tanh 5v, tanh 10v, tanh 20v, tanh 100v]`.
@@ -50,18 +44,7 @@ impl Library {
     /// # Errors
     /// None in practice; the signature is that of [`Self::new`].
     pub fn friction() -> Result<Self> {
-        Self::new(
-            &[
-                "1",
-                "v",
-                "sign(v)",
-                "tanh(5*v)",
-                "tanh(10*v)",
-                "tanh(20*v)",
-                "tanh(100*v)",
-            ],
-            &["v"],
-        )
+        Self::new(&["1", "v", "sign(v)", "tanh(5*v)", "tanh(10*v)", "tanh(20*v)", "tanh(100*v)"], &["v"])
     }
 
     /// All monomials of `channels` up to `degree`, constant first, e.g. `1, x, y, x*x, x*y, y*y`.
@@ -127,17 +110,9 @@ impl Library {
     /// # Errors
     /// Wrong number or lengths of the channels.
     pub fn matrix(&self, channels: &[&[f64]]) -> Result<DMatrix<f64>> {
-        require_length(
-            "channels of the library",
-            self.channels.len(),
-            channels.len(),
-        )?;
+        require_length("channels of the library", self.channels.len(), channels.len())?;
         let columns = self.program.evaluate_columns(channels)?;
         let m = columns[0].len();
-        Ok(DMatrix::from_iterator(
-            m,
-            columns.len(),
-            columns.into_iter().flatten(),
-        ))
+        Ok(DMatrix::from_iterator(m, columns.len(), columns.into_iter().flatten()))
     }
 }

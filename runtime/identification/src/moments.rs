@@ -1,8 +1,9 @@
 //! One pass over the data: sums of products of all columns of `[Θ | Y]`, in total or for contiguous blocks.
 //!
-//! Sparse regression, cross-validation and bootstraps need no more than these sums ("moments"), so the samples are
-//! read once, however many models are fitted. Forming ΘᵀΘ squares the condition number; [`super::least_squares`]
-//! watches it and goes back to the data with an orthogonal factorization where it matters.
+//! Sparse regression, cross-validation and bootstraps need no more than these sums ("moments"), so the
+//! samples are read once, however many models are fitted. Forming ΘᵀΘ squares the condition number;
+//! [`super::least_squares`] watches it and goes back to the data with an orthogonal factorization where it
+//! matters.
 
 use super::error::{IdentificationError, Result, require_finite, require_length, require_samples};
 use super::kernel::{BLOCK, add_products};
@@ -31,11 +32,7 @@ impl<'a> Samples<'a> {
     ///
     /// # Errors
     /// No samples, or lengths that disagree.
-    pub fn from_columns(
-        names: &[String],
-        columns: Vec<&'a [f64]>,
-        targets: Vec<&'a [f64]>,
-    ) -> Result<Self> {
+    pub fn from_columns(names: &[String], columns: Vec<&'a [f64]>, targets: Vec<&'a [f64]>) -> Result<Self> {
         require_length("names of the columns", columns.len(), names.len())?;
         Self::new(names.to_vec(), Regressors::Columns(columns), targets)
     }
@@ -44,15 +41,8 @@ impl<'a> Samples<'a> {
     ///
     /// # Errors
     /// As [`Self::from_columns`].
-    pub fn from_matrix(
-        names: &[String],
-        theta: &'a DMatrix<f64>,
-        targets: Vec<&'a [f64]>,
-    ) -> Result<Self> {
-        let columns = theta
-            .as_slice()
-            .chunks_exact(theta.nrows().max(1))
-            .collect();
+    pub fn from_matrix(names: &[String], theta: &'a DMatrix<f64>, targets: Vec<&'a [f64]>) -> Result<Self> {
+        let columns = theta.as_slice().chunks_exact(theta.nrows().max(1)).collect();
         Self::from_columns(names, columns, targets)
     }
 
@@ -65,36 +55,18 @@ impl<'a> Samples<'a> {
         channels: Vec<&'a [f64]>,
         targets: Vec<&'a [f64]>,
     ) -> Result<Self> {
-        require_length(
-            "channels of the library",
-            library.channels().len(),
-            channels.len(),
-        )?;
-        Self::new(
-            library.terms().to_vec(),
-            Regressors::Library(library, channels),
-            targets,
-        )
+        require_length("channels of the library", library.channels().len(), channels.len())?;
+        Self::new(library.terms().to_vec(), Regressors::Library(library, channels), targets)
     }
 
-    fn new(
-        names: Vec<String>,
-        regressors: Regressors<'a>,
-        targets: Vec<&'a [f64]>,
-    ) -> Result<Self> {
+    fn new(names: Vec<String>, regressors: Regressors<'a>, targets: Vec<&'a [f64]>) -> Result<Self> {
         let samples = targets.first().map_or(0, |t| t.len());
         require_samples("the regression", 1, samples)?;
         let (Regressors::Columns(columns) | Regressors::Library(_, columns)) = &regressors;
         for column in columns.iter().chain(&targets) {
             require_length("samples of a column", samples, column.len())?;
         }
-        Ok(Self {
-            names,
-            regressors,
-            targets,
-            weights: None,
-            samples,
-        })
+        Ok(Self { names, regressors, targets, weights: None, samples })
     }
 
     /// Weights wᵢ ≥ 0 of the samples: the fit minimizes `Σ wᵢ (yᵢ − θᵢ ξ)²`.
@@ -146,18 +118,13 @@ impl<'a> Samples<'a> {
         while start < rows.end {
             let block = start..rows.end.min(start + BLOCK);
             let n = block.len();
-            let mut columns: Vec<&[f64]> =
-                Vec::with_capacity(self.names.len() + self.targets.len());
+            let mut columns: Vec<&[f64]> = Vec::with_capacity(self.names.len() + self.targets.len());
             match (&self.regressors, &mut workspace) {
-                (Regressors::Columns(all), _) => {
-                    columns.extend(all.iter().map(|c| &c[block.clone()]))
-                }
+                (Regressors::Columns(all), _) => columns.extend(all.iter().map(|c| &c[block.clone()])),
                 (Regressors::Library(library, channels), Some(workspace)) => {
                     let slices: Vec<&[f64]> = channels.iter().map(|c| &c[block.clone()]).collect();
                     library.program().block(&slices, workspace);
-                    columns.extend(
-                        (0..library.len()).map(|i| library.program().result(i, n, workspace)),
-                    );
+                    columns.extend((0..library.len()).map(|i| library.program().result(i, n, workspace)));
                 }
                 (Regressors::Library(..), None) => {}
             }
@@ -172,8 +139,7 @@ impl<'a> Samples<'a> {
 
     /// The first value that is not finite, as an error; overflow otherwise.
     fn explain_not_finite(&self) -> IdentificationError {
-        let mut values =
-            vec![Vec::with_capacity(self.samples); self.names.len() + self.targets.len()];
+        let mut values = vec![Vec::with_capacity(self.samples); self.names.len() + self.targets.len()];
         self.visit(0..self.samples, &mut |columns| {
             for (all, column) in values.iter_mut().zip(columns) {
                 all.extend_from_slice(column);
@@ -192,10 +158,7 @@ impl<'a> Samples<'a> {
         let i = (0..values.len())
             .max_by(|&i, &j| largest(&values[i]).total_cmp(&largest(&values[j])))
             .unwrap_or(0);
-        IdentificationError::Overflow {
-            what: name(i),
-            largest: largest(&values[i]),
-        }
+        IdentificationError::Overflow { what: name(i), largest: largest(&values[i]) }
     }
 }
 
@@ -206,11 +169,7 @@ fn scale_rows<'s>(columns: &[&[f64]], weights: &[f64], scaled: &'s mut [f64]) ->
             out[i] = column[i] * weights[i].sqrt();
         }
     }
-    scaled
-        .chunks_exact(BLOCK)
-        .take(columns.len())
-        .map(|c| &c[..n])
-        .collect()
+    scaled.chunks_exact(BLOCK).take(columns.len()).map(|c| &c[..n]).collect()
 }
 
 /// Sums of products `[Θ | Y]ᵀ W [Θ | Y]` over some samples.
@@ -230,16 +189,13 @@ impl Moments {
         Ok(Self::blocks(samples, 1)?.remove(0))
     }
 
-    /// Sums over `count` contiguous blocks of nearly equal size (the first ones get the remainder, one sample each).
+    /// Sums over `count` contiguous blocks of nearly equal size (the first ones get the remainder, one sample
+    /// each).
     ///
     /// # Errors
     /// Fewer samples than blocks, or NaN or infinite values.
     pub fn blocks(samples: &Samples, count: usize) -> Result<Vec<Self>> {
-        require_samples(
-            &format!("a division into {count} blocks"),
-            count.max(1),
-            samples.len(),
-        )?;
+        require_samples(&format!("a division into {count} blocks"), count.max(1), samples.len())?;
         let ranges: Vec<_> = contiguous_blocks(samples.len(), count.max(1)).collect();
         Self::ranges(samples, &ranges)
     }
@@ -270,11 +226,7 @@ impl Moments {
         let count = rows.len();
         samples.visit(rows, &mut |columns| add_products(columns, &mut sums));
         let products = DMatrix::from_fn(q, q, |i, j| sums[i.max(j) * q + i.min(j)]);
-        Self {
-            names: samples.names.clone(),
-            samples: count,
-            products,
-        }
+        Self { names: samples.names.clone(), samples: count, products }
     }
 
     /// Sum of several moments of the same columns.
@@ -284,17 +236,11 @@ impl Moments {
     pub fn sum<'m>(parts: impl IntoIterator<Item = &'m Self>) -> Result<Self> {
         let mut parts = parts.into_iter();
         let Some(first) = parts.next() else {
-            return Err(IdentificationError::Empty {
-                what: "the sum of moments".into(),
-            });
+            return Err(IdentificationError::Empty { what: "the sum of moments".into() });
         };
         let mut total = first.clone();
         for part in parts {
-            require_length(
-                "columns of the moments",
-                total.products.ncols(),
-                part.products.ncols(),
-            )?;
+            require_length("columns of the moments", total.products.ncols(), part.products.ncols())?;
             total.samples += part.samples;
             total.products += &part.products;
         }
@@ -330,10 +276,7 @@ impl Moments {
     /// Projection Θᵀy of one target `[p]`.
     pub fn projection(&self, target: usize) -> DVector<f64> {
         let p = self.terms();
-        self.products
-            .view((0, p + target), (p, 1))
-            .column(0)
-            .into_owned()
+        self.products.view((0, p + target), (p, 1)).column(0).into_owned()
     }
 
     /// Energy yᵀy of one target.
@@ -342,7 +285,8 @@ impl Moments {
         self.products[(i, i)]
     }
 
-    /// Residual sum of squares `‖y − Θ ξ‖²`, from the sums alone; cancellation limits it to about 1e-14 of yᵀy.
+    /// Residual sum of squares `‖y − Θ ξ‖²`, from the sums alone; cancellation limits it to about 1e-14 of
+    /// yᵀy.
     pub fn residual(&self, target: usize, coefficients: &DVector<f64>) -> f64 {
         let b = self.projection(target);
         let quadratic = (self.gram() * coefficients).dot(coefficients);
@@ -355,11 +299,7 @@ impl Moments {
         let norm = |i: usize| self.products[(i, i)].sqrt();
         DMatrix::from_fn(p, p, |i, j| {
             let product = norm(i) * norm(j);
-            if product > 0.0 {
-                self.products[(i, j)] / product
-            } else {
-                0.0
-            }
+            if product > 0.0 { self.products[(i, j)] / product } else { 0.0 }
         })
     }
 
@@ -368,29 +308,21 @@ impl Moments {
     pub fn condition(&self) -> f64 {
         let eigenvalues = self.correlation().symmetric_eigenvalues();
         let (least, largest) = (eigenvalues.min(), eigenvalues.max());
-        if least <= 0.0 {
-            f64::INFINITY
-        } else {
-            (largest / least).sqrt()
-        }
+        if least <= 0.0 { f64::INFINITY } else { (largest / least).sqrt() }
     }
 
     pub(crate) fn require_no_zero_column(&self) -> Result<()> {
         match (0..self.terms()).find(|&i| self.products[(i, i)] == 0.0) {
             None => Ok(()),
-            Some(i) => Err(IdentificationError::ZeroColumn {
-                term: self.names[i].clone(),
-                samples: self.samples,
-            }),
+            Some(i) => {
+                Err(IdentificationError::ZeroColumn { term: self.names[i].clone(), samples: self.samples })
+            }
         }
     }
 }
 
 /// Divides 0..samples into `count` contiguous ranges; the first `samples mod count` ranges are one longer.
-pub(crate) fn contiguous_blocks(
-    samples: usize,
-    count: usize,
-) -> impl Iterator<Item = Range<usize>> {
+pub(crate) fn contiguous_blocks(samples: usize, count: usize) -> impl Iterator<Item = Range<usize>> {
     let (size, longer) = (samples / count, samples % count);
     (0..count).map(move |k| {
         let start = k * size + k.min(longer);
@@ -419,10 +351,7 @@ mod tests {
         let b = theta.transpose() * diagonal * DVector::from_column_slice(&y);
         assert!((weighted.projection(0) - b).amax() < 1e-11);
         let blocks = Moments::blocks(&samples, 7).unwrap();
-        assert_eq!(
-            blocks.iter().map(Moments::samples).collect::<Vec<_>>(),
-            [143; 7]
-        );
+        assert_eq!(blocks.iter().map(Moments::samples).collect::<Vec<_>>(), [143; 7]);
         assert!((Moments::sum(&blocks).unwrap().gram() - plain.gram()).amax() < 1e-11);
         let runs = Moments::ranges(&samples, &[0..143, 143..1001]).unwrap();
         assert_eq!(runs[0], blocks[0]);
@@ -439,11 +368,8 @@ mod tests {
         let library = Library::friction().unwrap();
         let v: Vec<f64> = (0..3000).map(|i| (0.01 * f64::from(i)).sin()).collect();
         let theta = library.matrix(&[&v]).unwrap();
-        let stored =
-            Moments::new(&Samples::from_matrix(library.terms(), &theta, vec![&v]).unwrap())
-                .unwrap();
-        let streamed =
-            Moments::new(&Samples::from_library(&library, vec![&v], vec![&v]).unwrap()).unwrap();
+        let stored = Moments::new(&Samples::from_matrix(library.terms(), &theta, vec![&v]).unwrap()).unwrap();
+        let streamed = Moments::new(&Samples::from_library(&library, vec![&v], vec![&v]).unwrap()).unwrap();
         assert_eq!(stored, streamed);
     }
 
@@ -456,22 +382,16 @@ mod tests {
         let y = vec![1.0; 600];
         let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
         let message = Moments::new(&samples).unwrap_err().to_string();
-        assert!(message.starts_with(
-            "the term v is not finite (NaN) at row 321 (counted from 0), 2 such values of 600"
-        ));
+        assert!(
+            message.starts_with(
+                "the term v is not finite (NaN) at row 321 (counted from 0), 2 such values of 600"
+            )
+        );
         let huge = vec![1e200; 600];
         let samples = Samples::from_library(&library, vec![&y], vec![&huge]).unwrap();
+        assert!(Moments::new(&samples).unwrap_err().to_string().contains("target 0 has values up to 1e200"));
         assert!(
-            Moments::new(&samples)
-                .unwrap_err()
-                .to_string()
-                .contains("target 0 has values up to 1e200")
-        );
-        assert!(
-            Samples::from_library(&library, vec![&[]], vec![&[]])
-                .unwrap_err()
-                .to_string()
-                .contains("empty")
+            Samples::from_library(&library, vec![&[]], vec![&[]]).unwrap_err().to_string().contains("empty")
         );
     }
 }

@@ -73,19 +73,16 @@ pub fn residual_plot(
     })
 }
 
-/// Root mean squared errors over λ, both as logarithms, with vertical lines at the two choices and the number of terms above.
+/// Root mean squared errors over λ, both as logarithms, with vertical lines at the two choices and the number
+/// of terms above.
 ///
-/// - `front`: the points, λ descending; `choices`: indices of the least error and of the one-standard-error choice
+/// - `front`: the points, λ descending; `choices`: indices of the least error and of the one-standard-error
+///   choice
 /// - `unit`: of the target, e.g. `N·m`
 ///
 /// # Errors
 /// No points, a choice out of range, or values that are not finite.
-pub fn pareto_plot(
-    front: &[ParetoPoint],
-    choices: [usize; 2],
-    unit: &str,
-    caption: &str,
-) -> Result<String> {
+pub fn pareto_plot(front: &[ParetoPoint], choices: [usize; 2], unit: &str, caption: &str) -> Result<String> {
     require_samples("the Pareto front", 1, front.len())?;
     let furthest = choices[0].max(choices[1]);
     if furthest >= front.len() {
@@ -93,37 +90,21 @@ pub fn pareto_plot(
     }
     let x: Vec<f64> = front.iter().map(|p| p.lambda.log10()).collect();
     // An exact fit has no logarithm; twelve digits below the largest error is as good as exact.
-    let largest = front
-        .iter()
-        .map(|p| p.lasso_error)
-        .fold(f64::MIN_POSITIVE, f64::max);
+    let largest = front.iter().map(|p| p.lasso_error).fold(f64::MIN_POSITIVE, f64::max);
     let series = |f: &dyn Fn(&ParetoPoint) -> f64| -> Vec<f64> {
-        front
-            .iter()
-            .map(|p| 0.5 * f(p).max(1e-24 * largest).log10())
-            .collect()
+        front.iter().map(|p| 0.5 * f(p).max(1e-24 * largest).log10()).collect()
     };
     let curves = [
-        (
-            "left-out blocks",
-            series(&|p| p.validation_error.unwrap_or(p.lasso_error)),
-            BLUE,
-        ),
-        (
-            "least squares on the chosen terms",
-            series(&|p| p.refit_error),
-            RED,
-        ),
+        ("left-out blocks", series(&|p| p.validation_error.unwrap_or(p.lasso_error)), BLUE),
+        ("least squares on the chosen terms", series(&|p| p.refit_error), RED),
     ];
     for (_, values, _) in &curves {
         check(&x, values)?;
     }
     let range = span(x.iter().copied());
     let errors = span(curves.iter().flat_map(|c| c.1.iter().copied()));
-    let marks = [
-        ("least error", choices[0], BLACK.mix(1.0)),
-        ("one standard error", choices[1], GREEN.mix(1.0)),
-    ];
+    let marks =
+        [("least error", choices[0], BLACK.mix(1.0)), ("one standard error", choices[1], GREEN.mix(1.0))];
     let labels = [
         "log10 of lambda, in 1/(2N) |y - T x|² + lambda |x|".to_string(),
         format!("log10 of the rms error [{unit}]; above: number of terms"),
@@ -135,18 +116,14 @@ pub fn pareto_plot(
             chart
                 .draw_series(LineSeries::new(line, color.stroke_width(2)))?
                 .label(name)
-                .legend(move |(x, y)| {
-                    PathElement::new([(x, y), (x + 20, y)], color.stroke_width(2))
-                });
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], color.stroke_width(2)));
         }
         for (name, index, color) in marks {
             let line = [(x[index], errors.start), (x[index], errors.end)];
             chart
                 .draw_series(LineSeries::new(line, color.stroke_width(1)))?
                 .label(name)
-                .legend(move |(x, y)| {
-                    PathElement::new([(x, y), (x + 20, y)], color.stroke_width(1))
-                });
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], color.stroke_width(1)));
         }
         chart.draw_series(term_counts(front, &x, errors.end))?;
         legend(&mut chart, SeriesLabelPosition::LowerRight)
@@ -177,10 +154,7 @@ fn labels(quantities: [&str; 2], units: [&str; 2]) -> [String; 2] {
 }
 
 /// The caption's lines at the top, the first as a title, and the content below.
-fn draw(
-    caption: &str,
-    content: impl FnOnce(&DrawingArea<SVGBackend, Shift>) -> Drawn<()>,
-) -> Result<String> {
+fn draw(caption: &str, content: impl FnOnce(&DrawingArea<SVGBackend, Shift>) -> Drawn<()>) -> Result<String> {
     let mut text = String::new();
     let fault = |e: &dyn Display| IdentificationError::File {
         place: format!("plot {caption}"),
@@ -259,22 +233,13 @@ fn legend<'a, 'b: 'a>(chart: &mut Chart<'a, 'b>, position: SeriesLabelPosition) 
 
 fn points<'p>(x: &'p [f64], y: &'p [f64]) -> impl Iterator<Item = Circle<(f64, f64), i32>> + 'p {
     let stride = x.len().div_ceil(MOST_POINTS).max(1);
-    x.iter()
-        .zip(y)
-        .step_by(stride)
-        .map(|(x, y)| Circle::new((*x, *y), 2, BLUE.mix(0.4).filled()))
+    x.iter().zip(y).step_by(stride).map(|(x, y)| Circle::new((*x, *y), 2, BLUE.mix(0.4).filled()))
 }
 
 /// Range of the values with a margin; never empty.
 fn span(values: impl Iterator<Item = f64>) -> Range<f64> {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-        (a.min(x), b.max(x))
-    });
-    let margin = if high > low {
-        0.03 * (high - low)
-    } else {
-        0.5 * high.abs().max(1e-3)
-    };
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    let margin = if high > low { 0.03 * (high - low) } else { 0.5 * high.abs().max(1e-3) };
     low - margin..high + margin
 }
 
@@ -294,23 +259,15 @@ mod tests {
         let v: Vec<f64> = (0..10_000).map(|i| (0.01 * f64::from(i)).sin()).collect();
         let torque: Vec<f64> = v.iter().map(|v| 3.0 * v).collect();
         let law = ([-1.0, 1.0].as_slice(), [-3.0, 3.0].as_slice());
-        let svg =
-            friction_plot(&v, &torque, law, ["rad/s", "N·m"], "beta <2>\nsha256 ab12").unwrap();
+        let svg = friction_plot(&v, &torque, law, ["rad/s", "N·m"], "beta <2>\nsha256 ab12").unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
         assert!(svg.contains("beta &lt;2&gt;") && svg.contains("sha256 ab12"));
         assert!(svg.contains("velocity [rad/s]") && svg.contains("friction torque [N·m]"));
         let circles = svg.matches("<circle").count();
         assert!((3_000..=MOST_POINTS).contains(&circles), "{circles}");
         assert!(svg.contains("<polyline"));
-        assert_eq!(
-            svg,
-            friction_plot(&v, &torque, law, ["rad/s", "N·m"], "beta <2>\nsha256 ab12").unwrap()
-        );
-        assert!(
-            residual_plot(&v[..1], &[0.0], ["rad/s", "N·m"], "one")
-                .unwrap()
-                .contains("<circle")
-        );
+        assert_eq!(svg, friction_plot(&v, &torque, law, ["rad/s", "N·m"], "beta <2>\nsha256 ab12").unwrap());
+        assert!(residual_plot(&v[..1], &[0.0], ["rad/s", "N·m"], "one").unwrap().contains("<circle"));
     }
 
     #[test]
@@ -334,10 +291,7 @@ mod tests {
         );
         assert!(friction_plot(&[0.0], &[f64::NAN], (&[0.0], &[0.0]), ["", ""], "x").is_err());
         assert!(
-            friction_plot(&[], &[], (&[], &[]), ["", ""], "x")
-                .unwrap_err()
-                .to_string()
-                .contains("empty")
+            friction_plot(&[], &[], (&[], &[]), ["", ""], "x").unwrap_err().to_string().contains("empty")
         );
     }
 }

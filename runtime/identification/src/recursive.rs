@@ -1,7 +1,8 @@
 //! Recursive least squares with exponential forgetting and periodic thresholding, for adaptation in the loop.
 //!
-//! `K = P θ / (λ + θᵀ P θ)`, `ξ ← ξ + K (y − θᵀ ξ)`, `P ← (P − K θᵀ P)/λ` (Ljung, System Identification, 1999,
-//! ch. 11). Fixed sizes: an update neither allocates nor fails; samples that are not finite are skipped and counted.
+//! `K = P θ / (λ + θᵀ P θ)`, `ξ ← ξ + K (y − θᵀ ξ)`, `P ← (P − K θᵀ P)/λ` (Ljung, System Identification,
+//! 1999, ch. 11). Fixed sizes: an update neither allocates nor fails; samples that are not finite are skipped
+//! and counted.
 
 use super::error::{Result, require_setting};
 use nalgebra::{SMatrix, SVector};
@@ -23,13 +24,7 @@ pub struct RecursiveSettings {
 
 impl Default for RecursiveSettings {
     fn default() -> Self {
-        Self {
-            forgetting: 0.999,
-            initial_covariance: 1e6,
-            largest_trace: 1e9,
-            threshold: 0.0,
-            period: 500,
-        }
+        Self { forgetting: 0.999, initial_covariance: 1e6, largest_trace: 1e9, threshold: 0.0, period: 500 }
     }
 }
 
@@ -51,12 +46,7 @@ impl<const N: usize> RecursiveLeastSquares<N> {
     /// Settings out of range.
     pub fn new(initial: [f64; N], settings: RecursiveSettings) -> Result<Self> {
         let f = settings.forgetting;
-        require_setting(
-            "forgetting factor",
-            f,
-            f > 0.0 && f <= 1.0,
-            "it must lie in (0, 1]",
-        )?;
+        require_setting("forgetting factor", f, f > 0.0 && f <= 1.0, "it must lie in (0, 1]")?;
         let c = settings.initial_covariance;
         require_setting("initial covariance", c, c > 0.0, "it must be positive")?;
         let largest = settings.largest_trace;
@@ -72,12 +62,7 @@ impl<const N: usize> RecursiveLeastSquares<N> {
             settings.threshold >= 0.0,
             "it must not be negative",
         )?;
-        require_setting(
-            "period",
-            f64::from(settings.period),
-            settings.period > 0,
-            "it must be positive",
-        )?;
+        require_setting("period", f64::from(settings.period), settings.period > 0, "it must be positive")?;
         Ok(Self {
             settings,
             coefficients: SVector::from(initial),
@@ -114,29 +99,25 @@ impl<const N: usize> RecursiveLeastSquares<N> {
     /// Divides by λ where the trace allows it, and keeps the matrix symmetric.
     fn forget(&mut self) {
         let trace = self.covariance.trace();
-        let factor = (1.0 / self.settings.forgetting)
-            .min(self.settings.largest_trace / trace.max(f64::MIN_POSITIVE));
+        let factor =
+            (1.0 / self.settings.forgetting).min(self.settings.largest_trace / trace.max(f64::MIN_POSITIVE));
         for i in 0..N {
             for j in 0..=i {
-                let value =
-                    0.5 * (self.covariance[(i, j)] + self.covariance[(j, i)]) * factor.max(1.0);
+                let value = 0.5 * (self.covariance[(i, j)] + self.covariance[(j, i)]) * factor.max(1.0);
                 self.covariance[(i, j)] = value;
                 self.covariance[(j, i)] = value;
             }
         }
     }
 
-    /// Removes one coefficient after the other, the least first, each time with the others adapted to the loss
-    /// (`ξ ← ξ − P eᵢ ξᵢ/Pᵢᵢ`), until all remaining ones reach the threshold.
+    /// Removes one coefficient after the other, the least first, each time with the others adapted to the
+    /// loss (`ξ ← ξ − P eᵢ ξᵢ/Pᵢᵢ`), until all remaining ones reach the threshold.
     fn remove_small(&mut self) {
         self.active = [true; N];
         let (mut w, mut p) = (self.coefficients, self.covariance);
         for _ in 0..N {
             let small = |i: &usize| self.active[*i] && w[*i].abs() < self.settings.threshold;
-            let Some(i) = (0..N)
-                .filter(small)
-                .min_by(|&i, &j| w[i].abs().total_cmp(&w[j].abs()))
-            else {
+            let Some(i) = (0..N).filter(small).min_by(|&i, &j| w[i].abs().total_cmp(&w[j].abs())) else {
                 break;
             };
             self.active[i] = false;
@@ -208,9 +189,7 @@ mod tests {
         for i in 0..m {
             rls.update(&[theta[(i, 0)], theta[(i, 1)], theta[(i, 2)]], y[i]);
         }
-        let w = DMatrix::from_diagonal(&DVector::from_fn(m, |i, _| {
-            forgetting.powi((m - 1 - i) as i32)
-        }));
+        let w = DMatrix::from_diagonal(&DVector::from_fn(m, |i, _| forgetting.powi((m - 1 - i) as i32)));
         let prior = forgetting.powi(m as i32) / 1e4;
         let h = theta.transpose() * &w * &theta + DMatrix::identity(3, 3) * prior;
         let b = theta.transpose() * w * y + DVector::from_column_slice(&[0.5, 0.0, -0.2]) * prior;
@@ -223,12 +202,8 @@ mod tests {
     #[test]
     fn follows_a_change_and_removes_what_is_not_there() {
         let mut random = SplitMix64::new(2);
-        let settings = RecursiveSettings {
-            forgetting: 0.995,
-            threshold: 0.3,
-            period: 200,
-            ..Default::default()
-        };
+        let settings =
+            RecursiveSettings { forgetting: 0.995, threshold: 0.3, period: 200, ..Default::default() };
         let mut rls = RecursiveLeastSquares::new([0.0; 4], settings).unwrap();
         let mut run = |rls: &mut RecursiveLeastSquares<4>, viscous: f64| {
             for _ in 0..4000 {
@@ -242,10 +217,7 @@ mod tests {
             assert_eq!(rls.active(), &[false, true, false, true]);
             let w = rls.coefficients();
             assert!(
-                (w[1] - viscous).abs() < 0.06
-                    && (w[3] - 0.8).abs() < 0.05
-                    && w[0] == 0.0
-                    && w[2] == 0.0,
+                (w[1] - viscous).abs() < 0.06 && (w[3] - 0.8).abs() < 0.05 && w[0] == 0.0 && w[2] == 0.0,
                 "{w:?}"
             );
         }
@@ -253,34 +225,17 @@ mod tests {
 
     #[test]
     fn no_excitation_and_bad_samples_do_no_harm() {
-        let settings = RecursiveSettings {
-            forgetting: 0.9,
-            ..Default::default()
-        };
+        let settings = RecursiveSettings { forgetting: 0.9, ..Default::default() };
         let mut rls = RecursiveLeastSquares::new([1.0, 2.0], settings).unwrap();
         for i in 0..100_000 {
             let y = if i % 7 == 0 { f64::NAN } else { 3.0 };
             rls.update(&[1.0, 0.0], y);
         }
         assert_eq!(rls.skipped(), 14_286);
-        assert!(
-            rls.covariance().iter().all(|p| p.is_finite()) && rls.covariance().trace() <= 1.0001e9
-        );
-        assert!(
-            (rls.coefficients()[0] - 3.0).abs() < 1e-6
-                && (rls.coefficients()[1] - 2.0).abs() < 1e-9
-        );
-        let message = RecursiveLeastSquares::new(
-            [0.0],
-            RecursiveSettings {
-                forgetting: 1.5,
-                ..settings
-            },
-        )
-        .unwrap_err();
-        assert_eq!(
-            message.to_string(),
-            "forgetting factor = 1.5 is not possible: it must lie in (0, 1]"
-        );
+        assert!(rls.covariance().iter().all(|p| p.is_finite()) && rls.covariance().trace() <= 1.0001e9);
+        assert!((rls.coefficients()[0] - 3.0).abs() < 1e-6 && (rls.coefficients()[1] - 2.0).abs() < 1e-9);
+        let message =
+            RecursiveLeastSquares::new([0.0], RecursiveSettings { forgetting: 1.5, ..settings }).unwrap_err();
+        assert_eq!(message.to_string(), "forgetting factor = 1.5 is not possible: it must lie in (0, 1]");
     }
 }

@@ -60,20 +60,11 @@ impl FrictionLaw {
     pub fn formula(&self) -> String {
         let product = |basis: &str, factor: f64| format!("{factor:.6}*{basis}");
         let terms: Vec<String> = match self {
-            Self::Terms(terms) => terms
-                .iter()
-                .map(|t| product(&t.basis, t.coefficient))
-                .collect(),
-            Self::Stribeck {
-                parameters: [a1, a2, a3, a4, a5],
-                ..
-            } => vec![
+            Self::Terms(terms) => terms.iter().map(|t| product(&t.basis, t.coefficient)).collect(),
+            Self::Stribeck { parameters: [a1, a2, a3, a4, a5], .. } => vec![
                 product("v", *a1),
                 product(&format!("tanh({a3:.6}*v)"), *a2),
-                product(
-                    &format!("exp(-{a5:.6}*abs(v))*tanh({:.6}*v)", 3.0 * a3),
-                    *a4,
-                ),
+                product(&format!("exp(-{a5:.6}*abs(v))*tanh({:.6}*v)", 3.0 * a3), *a4),
             ],
         };
         terms.join(" + ").replace("+ -", "- ")
@@ -84,28 +75,11 @@ impl FrictionLaw {
         match self {
             Self::Terms(terms) => terms
                 .iter()
-                .map(|t| {
-                    (
-                        t.basis.as_str(),
-                        t.coefficient,
-                        t.standard_error,
-                        t.inclusion,
-                    )
-                })
+                .map(|t| (t.basis.as_str(), t.coefficient, t.standard_error, t.inclusion))
                 .collect(),
-            Self::Stribeck {
-                parameters,
-                standard_errors,
-            } => (0..5)
-                .map(|i| {
-                    (
-                        super::stribeck::NAMES[i],
-                        parameters[i],
-                        standard_errors[i],
-                        None,
-                    )
-                })
-                .collect(),
+            Self::Stribeck { parameters, standard_errors } => {
+                (0..5).map(|i| (super::stribeck::NAMES[i], parameters[i], standard_errors[i], None)).collect()
+            }
         }
     }
 }
@@ -158,16 +132,9 @@ impl FrictionResult {
         for (name, value, error, inclusion) in rows {
             let error = error.map_or_else(|| "-".into(), |x| format!("{x:.6}"));
             let inclusion = inclusion.map_or_else(|| "-".into(), |x| format!("{:.0} %", 100.0 * x));
-            let _ = writeln!(
-                text,
-                "{name:<width$}  {value:>14.6}  {error:>12}  {inclusion:>9}"
-            );
+            let _ = writeln!(text, "{name:<width$}  {value:>14.6}  {error:>12}  {inclusion:>9}");
         }
-        let _ = writeln!(
-            text,
-            "residual {:.6} {} rms, R² {:.5}",
-            self.residual, self.unit, self.r_squared
-        );
+        let _ = writeln!(text, "residual {:.6} {} rms, R² {:.5}", self.residual, self.unit, self.r_squared);
         for warning in &self.warnings {
             let _ = writeln!(text, "warning: {warning}");
         }
@@ -204,10 +171,7 @@ pub(super) mod tests {
     #[test]
     fn the_table_names_units_and_numbers() {
         let table = example().table();
-        assert!(
-            table.contains("friction of beta [N·m], 3000 samples, -0.7000 to 0.7100 rad/s"),
-            "{table}"
-        );
+        assert!(table.contains("friction of beta [N·m], 3000 samples, -0.7000 to 0.7100 rad/s"), "{table}");
         assert!(table.lines().nth(2).unwrap().ends_with("98 %"), "{table}");
         assert_eq!(example().law.formula(), "76.556000*v - 0.000000*tanh(5*v)");
     }
@@ -215,10 +179,7 @@ pub(super) mod tests {
     #[test]
     fn a_stribeck_law_and_its_formula_agree() {
         let parameters = [2.1, 1.4, 20.0, 0.9, 8.0];
-        let law = FrictionLaw::Stribeck {
-            parameters,
-            standard_errors: [Some(0.1), None, None, None, None],
-        };
+        let law = FrictionLaw::Stribeck { parameters, standard_errors: [Some(0.1), None, None, None, None] };
         let v = [-0.5, 0.0, 0.02, 1.3];
         let formula = Library::new(&[law.formula()], &["v"]).unwrap();
         let by_formula = formula.matrix(&[&v]).unwrap();
@@ -226,9 +187,6 @@ pub(super) mod tests {
             assert!((a - b).abs() < 1e-12, "{a} {b}");
         }
         let table = FrictionResult { law, ..example() }.table();
-        assert!(
-            table.lines().count() == 8 && table.contains("a5"),
-            "{table}"
-        );
+        assert!(table.lines().count() == 8 && table.contains("a5"), "{table}");
     }
 }

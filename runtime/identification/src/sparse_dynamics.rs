@@ -1,4 +1,5 @@
-//! Sparse identification of dynamics in general form: `ẋ ≈ Θ(x, u) Ξ` or `x⁺ ≈ Θ(x, u) Ξ` (Brunton, Proctor, Kutz 2016).
+//! Sparse identification of dynamics in general form: `ẋ ≈ Θ(x, u) Ξ` or `x⁺ ≈ Θ(x, u) Ξ` (Brunton, Proctor,
+//! Kutz 2016).
 
 use super::error::{IdentificationError, Result, require_length, require_samples};
 use super::expression::Workspace;
@@ -63,13 +64,7 @@ impl SparseDynamics {
         derivatives: &[&[f64]],
         method: &SparseMethod,
     ) -> Result<Self> {
-        Self::fit(
-            library,
-            channels.to_vec(),
-            derivatives.to_vec(),
-            false,
-            method,
-        )
+        Self::fit(library, channels.to_vec(), derivatives.to_vec(), false, method)
     }
 
     /// Discrete time: each state's next sample is the target.
@@ -87,11 +82,8 @@ impl SparseDynamics {
         let m = channels.first().map_or(0, |c| c.len());
         require_samples("dynamics in discrete time", 2, m)?;
         if states == 0 || states > channels.len() {
-            return require_length("states among the channels", channels.len(), states).and(Err(
-                IdentificationError::Empty {
-                    what: "the list of states".into(),
-                },
-            ));
+            return require_length("states among the channels", channels.len(), states)
+                .and(Err(IdentificationError::Empty { what: "the list of states".into() }));
         }
         for channel in channels {
             require_length("samples of a channel", m, channel.len())?;
@@ -110,28 +102,14 @@ impl SparseDynamics {
     ) -> Result<Self> {
         let states = targets.len();
         if states > library.channels().len() {
-            require_length(
-                "states among the library's channels",
-                library.channels().len(),
-                states,
-            )?;
+            require_length("states among the library's channels", library.channels().len(), states)?;
         }
         let samples = Samples::from_library(&library, channels, targets)?;
         let reduced = Reduced::new(&samples)?;
-        let solutions = (0..states)
-            .map(|k| method.fit(&reduced, k))
-            .collect::<Result<Vec<_>>>()?;
-        let coefficients =
-            DMatrix::from_fn(library.len(), states, |i, j| solutions[j].coefficients[i]);
+        let solutions = (0..states).map(|k| method.fit(&reduced, k)).collect::<Result<Vec<_>>>()?;
+        let coefficients = DMatrix::from_fn(library.len(), states, |i, j| solutions[j].coefficients[i]);
         let condition = reduced.condition();
-        Ok(Self {
-            library,
-            states,
-            discrete,
-            coefficients,
-            solutions,
-            condition,
-        })
+        Ok(Self { library, states, discrete, coefficients, solutions, condition })
     }
 
     /// Buffers for [`Self::evaluate`].
@@ -153,11 +131,7 @@ impl SparseDynamics {
         let (workspace, theta) = workspace;
         self.library.row(channels, workspace, theta)?;
         for (k, out) in out.iter_mut().enumerate() {
-            *out = theta
-                .iter()
-                .zip(self.coefficients.column(k).iter())
-                .map(|(t, c)| t * c)
-                .sum();
+            *out = theta.iter().zip(self.coefficients.column(k).iter()).map(|(t, c)| t * c).sum();
         }
         Ok(())
     }
@@ -167,20 +141,10 @@ impl fmt::Display for SparseDynamics {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         for k in 0..self.states {
             let name = &self.library.channels()[k];
-            let side = if self.discrete {
-                format!("{name}⁺")
-            } else {
-                format!("d{name}/dt")
-            };
+            let side = if self.discrete { format!("{name}⁺") } else { format!("d{name}/dt") };
             let terms: Vec<String> = (0..self.library.len())
                 .filter(|&i| self.coefficients[(i, k)] != 0.0)
-                .map(|i| {
-                    format!(
-                        "{:.6}·{}",
-                        self.coefficients[(i, k)],
-                        self.library.terms()[i]
-                    )
-                })
+                .map(|i| format!("{:.6}·{}", self.coefficients[(i, k)], self.library.terms()[i]))
                 .collect();
             writeln!(f, "{side} = {}", terms.join(" + ").replace("+ -", "− "))?;
         }
@@ -209,20 +173,14 @@ mod tests {
                 let k2 = f(plus(x, k1, h / 2.0), t + h / 2.0);
                 let k3 = f(plus(x, k2, h / 2.0), t + h / 2.0);
                 let k4 = f(plus(x, k3, h), t + h);
-                x = std::array::from_fn(|i| {
-                    x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i])
-                });
+                x = std::array::from_fn(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
                 now
             })
             .collect()
     }
 
     fn lorenz(x: [f64; 3], _: f64) -> [f64; 3] {
-        [
-            10.0 * (x[1] - x[0]),
-            x[0] * (28.0 - x[2]) - x[1],
-            x[0] * x[1] - 8.0 / 3.0 * x[2],
-        ]
+        [10.0 * (x[1] - x[0]), x[0] * (28.0 - x[2]) - x[1], x[0] * x[1] - 8.0 / 3.0 * x[2]]
     }
 
     #[test]
@@ -232,23 +190,15 @@ mod tests {
         let times: Vec<f64> = (0..states.len()).map(|i| i as f64 * 1e-3).collect();
         let smooth: Vec<_> = (0..3)
             .map(|k| {
-                let noisy: Vec<f64> = states
-                    .iter()
-                    .map(|x| x[k] + 0.01 * random.normal())
-                    .collect();
-                KalmanSmoother::from_noise(0.01)
-                    .differentiate(&times, &noisy)
-                    .unwrap()
+                let noisy: Vec<f64> = states.iter().map(|x| x[k] + 0.01 * random.normal()).collect();
+                KalmanSmoother::from_noise(0.01).differentiate(&times, &noisy).unwrap()
             })
             .collect();
         let inner = 100..states.len() - 100;
         let channels: Vec<&[f64]> = smooth.iter().map(|s| &s.value[inner.clone()]).collect();
         let rates: Vec<&[f64]> = smooth.iter().map(|s| &s.first[inner.clone()]).collect();
         let library = Library::polynomial(&["x", "y", "z"], 3).unwrap();
-        let method = SparseMethod::Thresholding(Thresholding {
-            threshold: 0.2,
-            ..Default::default()
-        });
+        let method = SparseMethod::Thresholding(Thresholding { threshold: 0.2, ..Default::default() });
         let model = SparseDynamics::continuous(library, &channels, &rates, &method).unwrap();
         let text = model.to_string();
         let expected = [
@@ -261,24 +211,11 @@ mod tests {
             ("z", -8.0 / 3.0, 2),
         ];
         for (term, value, column) in expected {
-            let row = model
-                .library
-                .terms()
-                .iter()
-                .position(|t| t == term)
-                .unwrap();
+            let row = model.library.terms().iter().position(|t| t == term).unwrap();
             let got = model.coefficients[(row, column)];
             assert!((got - value).abs() < 0.01 * value.abs(), "{text}");
         }
-        assert_eq!(
-            model
-                .solutions
-                .iter()
-                .map(|s| s.active.len())
-                .sum::<usize>(),
-            7,
-            "{text}"
-        );
+        assert_eq!(model.solutions.iter().map(|s| s.active.len()).sum::<usize>(), 7, "{text}");
     }
 
     #[test]
@@ -289,50 +226,28 @@ mod tests {
         let states = simulate(pendulum, [1.0, 0.0], h, 4000);
         let (phi, omega): (Vec<f64>, Vec<f64>) = states.iter().map(|x| (x[0], x[1])).unzip();
         let u: Vec<f64> = (0..4000).map(|i| torque(i as f64 * h)).collect();
-        let rates: Vec<[f64; 2]> = (0..4000)
-            .map(|i| pendulum(states[i], i as f64 * h))
-            .collect();
+        let rates: Vec<[f64; 2]> = (0..4000).map(|i| pendulum(states[i], i as f64 * h)).collect();
         let (dphi, domega): (Vec<f64>, Vec<f64>) = rates.iter().map(|r| (r[0], r[1])).unzip();
         let library = || {
             Library::new(
-                &[
-                    "1",
-                    "phi",
-                    "omega",
-                    "sin(phi)",
-                    "cos(phi)",
-                    "omega*abs(omega)",
-                    "u",
-                ],
+                &["1", "phi", "omega", "sin(phi)", "cos(phi)", "omega*abs(omega)", "u"],
                 &["phi", "omega", "u"],
             )
             .unwrap()
         };
         let lasso = SparseMethod::Lasso(Lasso::default(), 1e-2);
         let model =
-            SparseDynamics::continuous(library(), &[&phi, &omega, &u], &[&dphi, &domega], &lasso)
-                .unwrap();
-        let column = |k: usize| {
-            model
-                .coefficients
-                .column(k)
-                .iter()
-                .copied()
-                .collect::<Vec<_>>()
-        };
+            SparseDynamics::continuous(library(), &[&phi, &omega, &u], &[&dphi, &domega], &lasso).unwrap();
+        let column = |k: usize| model.coefficients.column(k).iter().copied().collect::<Vec<_>>();
         for (got, want) in column(1).iter().zip([0.0, 0.0, -0.4, -9.81, 0.0, 0.0, 1.0]) {
             assert!((got - want).abs() < 1e-6, "{model}");
         }
-        let method = SparseMethod::Thresholding(Thresholding {
-            threshold: 2e-3,
-            ..Default::default()
-        });
+        let method = SparseMethod::Thresholding(Thresholding { threshold: 2e-3, ..Default::default() });
         let step = SparseDynamics::discrete(library(), &[&phi, &omega, &u], 2, &method).unwrap();
         let (mut x, mut workspace, mut worst) = ([phi[0], omega[0]], step.workspace(), 0.0_f64);
         for i in 0..200 {
             let mut next = [0.0; 2];
-            step.evaluate(&[x[0], x[1], u[i]], &mut workspace, &mut next)
-                .unwrap();
+            step.evaluate(&[x[0], x[1], u[i]], &mut workspace, &mut next).unwrap();
             x = next;
             worst = worst.max((x[0] - phi[i + 1]).abs());
         }

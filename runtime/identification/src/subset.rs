@@ -1,7 +1,8 @@
-//! Best subset of a small library: every subset is fitted on all folds but one and judged on the one left out.
+//! Best subset of a small library: every subset is fitted on all folds but one and judged on the one left
+//! out.
 //!
-//! With p terms and k folds these are k·2ᵖ solves of at most p × p normal equations, free of λ and of the LASSO's bias
-//! (Hocking and Leslie 1967; the one-standard-error rule is Breiman's, 1984).
+//! With p terms and k folds these are k·2ᵖ solves of at most p × p normal equations, free of λ and of the
+//! LASSO's bias (Hocking and Leslie 1967; the one-standard-error rule is Breiman's, 1984).
 
 use super::error::{IdentificationError, Result, require_length, require_setting};
 use super::least_squares::solve_scaled;
@@ -43,12 +44,7 @@ impl SubsetValidation {
     pub fn new(folds: &[Moments], target: usize) -> Result<Self> {
         let p = folds.first().map_or(0, Moments::terms);
         let count = folds.len() as f64;
-        require_setting(
-            "number of folds",
-            count,
-            folds.len() >= 2,
-            "at least two are needed",
-        )?;
+        require_setting("number of folds", count, folds.len() >= 2, "at least two are needed")?;
         require_setting(
             "number of terms",
             p as f64,
@@ -59,15 +55,7 @@ impl SubsetValidation {
             require_length("targets", target + 1, folds[0].targets())?;
         }
         let training = (0..folds.len())
-            .map(|k| {
-                Moments::sum(
-                    folds
-                        .iter()
-                        .enumerate()
-                        .filter(|(i, _)| *i != k)
-                        .map(|f| f.1),
-                )
-            })
+            .map(|k| Moments::sum(folds.iter().enumerate().filter(|(i, _)| *i != k).map(|f| f.1)))
             .collect::<Result<Vec<_>>>()?;
         let mut best: Vec<Option<ValidatedSubset>> = vec![None; p];
         for bits in 1_u32..1 << p {
@@ -76,10 +64,7 @@ impl SubsetValidation {
                 continue;
             };
             let slot = &mut best[subset.active.len() - 1];
-            if slot
-                .as_ref()
-                .is_none_or(|b| subset.mean_error < b.mean_error)
-            {
+            if slot.as_ref().is_none_or(|b| subset.mean_error < b.mean_error) {
                 *slot = Some(subset);
             }
         }
@@ -97,14 +82,8 @@ impl SubsetValidation {
             });
         };
         let bound = best[minimum].mean_error + best[minimum].standard_error;
-        let one_standard_error = (0..best.len())
-            .find(|i| error(i) <= bound)
-            .unwrap_or(minimum);
-        Ok(Self {
-            best,
-            minimum,
-            one_standard_error,
-        })
+        let one_standard_error = (0..best.len()).find(|i| error(i) <= bound).unwrap_or(minimum);
+        Ok(Self { best, minimum, one_standard_error })
     }
 }
 
@@ -123,11 +102,7 @@ fn validate(
     let n = errors.len() as f64;
     let mean = errors.iter().sum::<f64>() / n;
     let variance = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    Some(ValidatedSubset {
-        active,
-        mean_error: mean,
-        standard_error: (variance / n).sqrt(),
-    })
+    Some(ValidatedSubset { active, mean_error: mean, standard_error: (variance / n).sqrt() })
 }
 
 fn fit(moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64>> {
@@ -136,10 +111,7 @@ fn fit(moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64
     for (&i, x) in active.iter().zip(small.iter()) {
         coefficients[i] = *x;
     }
-    coefficients
-        .iter()
-        .all(|x| x.is_finite())
-        .then_some(coefficients)
+    coefficients.iter().all(|x| x.is_finite()).then_some(coefficients)
 }
 
 /// The subset of `size` terms with the least residual, for bootstraps of the choice.
@@ -159,12 +131,11 @@ pub fn best_of_size(moments: &Moments, target: usize, size: usize) -> Result<DVe
             best = Some((residual, coefficients));
         }
     }
-    best.map(|b| b.1)
-        .ok_or_else(|| IdentificationError::Collinear {
-            terms: moments.names().to_vec(),
-            condition: moments.condition(),
-            limit: 1e7,
-        })
+    best.map(|b| b.1).ok_or_else(|| IdentificationError::Collinear {
+        terms: moments.names().to_vec(),
+        condition: moments.condition(),
+        limit: 1e7,
+    })
 }
 
 #[cfg(test)]
@@ -179,10 +150,8 @@ mod tests {
         let v: Vec<f64> = (0..5000)
             .map(|i| 0.8 * (0.01 * f64::from(i)).sin() + 0.3 * (0.037 * f64::from(i)).sin())
             .collect();
-        let y: Vec<f64> = v
-            .iter()
-            .map(|v| 4.0 * v + 0.7 * (10.0 * v).tanh() + noise * random.normal())
-            .collect();
+        let y: Vec<f64> =
+            v.iter().map(|v| 4.0 * v + 0.7 * (10.0 * v).tanh() + noise * random.normal()).collect();
         let samples = Samples::from_library(library, vec![&v], vec![&y]).unwrap();
         Moments::blocks(&samples, 10).unwrap()
     }
@@ -196,10 +165,7 @@ mod tests {
         assert!(found.one_standard_error <= found.minimum);
         let all = Moments::sum(&folds).unwrap();
         let two = best_of_size(&all, 0, 2).unwrap();
-        assert!(
-            (two[1] - 4.0).abs() < 0.05 && (two[4] - 0.7).abs() < 0.05,
-            "{two}"
-        );
+        assert!((two[1] - 4.0).abs() < 0.05 && (two[4] - 0.7).abs() < 0.05, "{two}");
     }
 
     #[test]
@@ -222,26 +188,13 @@ mod tests {
     fn what_cannot_be_tried_has_a_message() {
         let terms: Vec<String> = (1..=13).map(|i| format!("sin({i}*v)")).collect();
         let library = Library::new(&terms, &["v"]).unwrap();
-        let message = SubsetValidation::new(&folds(&library, 0.1), 0)
-            .unwrap_err()
-            .to_string();
-        assert!(
-            message.starts_with("number of terms = 13 is not possible"),
-            "{message}"
-        );
+        let message = SubsetValidation::new(&folds(&library, 0.1), 0).unwrap_err().to_string();
+        assert!(message.starts_with("number of terms = 13 is not possible"), "{message}");
         let one = &folds(&Library::friction().unwrap(), 0.1)[..1];
         let message = SubsetValidation::new(one, 0).unwrap_err().to_string();
-        assert!(
-            message.starts_with("number of folds = 1 is not possible"),
-            "{message}"
-        );
+        assert!(message.starts_with("number of folds = 1 is not possible"), "{message}");
         let zero = Library::new(&["0*v"], &["v"]).unwrap();
-        let message = SubsetValidation::new(&folds(&zero, 0.1), 0)
-            .unwrap_err()
-            .to_string();
-        assert!(
-            message.starts_with("the terms 0*v are collinear"),
-            "{message}"
-        );
+        let message = SubsetValidation::new(&folds(&zero, 0.1), 0).unwrap_err().to_string();
+        assert!(message.starts_with("the terms 0*v are collinear"), "{message}");
     }
 }

@@ -16,11 +16,7 @@ pub struct Thresholding {
 
 impl Default for Thresholding {
     fn default() -> Self {
-        Self {
-            threshold: 0.1,
-            ridge: 0.0,
-            max_iterations: 20,
-        }
+        Self { threshold: 0.1, ridge: 0.0, max_iterations: 20 }
     }
 }
 
@@ -31,7 +27,8 @@ impl Thresholding {
     /// - returns the least-squares solution on the terms that stayed
     ///
     /// # Errors
-    /// A negative or NaN threshold or ridge, a threshold that removes every term, or a factorization that fails.
+    /// A negative or NaN threshold or ridge, a threshold that removes every term, or a factorization that
+    /// fails.
     pub fn fit(&self, reduced: &Reduced, target: usize) -> Result<Solution> {
         require_setting(
             "threshold",
@@ -39,12 +36,7 @@ impl Thresholding {
             self.threshold >= 0.0,
             "it must be finite and not negative",
         )?;
-        require_setting(
-            "ridge",
-            self.ridge,
-            self.ridge >= 0.0,
-            "it must be finite and not negative",
-        )?;
+        require_setting("ridge", self.ridge, self.ridge >= 0.0, "it must be finite and not negative")?;
         let mut active: Vec<usize> = (0..reduced.moments().terms()).collect();
         for _ in 0..self.max_iterations {
             let coefficients = reduced.solve(target, &active, self.ridge)?;
@@ -76,10 +68,7 @@ mod tests {
         let library = Library::new(&["1", "v", "v*abs(v)", "tanh(20*v)"], &["v"]).unwrap();
         let mut random = SplitMix64::new(7);
         let v: Vec<f64> = (0..4000).map(|_| 2.0 * random.uniform() - 1.0).collect();
-        let y = v
-            .iter()
-            .map(|v| 2.1 * v + 1.4 * (20.0 * v).tanh() + 0.05 * random.normal())
-            .collect();
+        let y = v.iter().map(|v| 2.1 * v + 1.4 * (20.0 * v).tanh() + 0.05 * random.normal()).collect();
         (library, v, y)
     }
 
@@ -88,11 +77,7 @@ mod tests {
         let (library, v, y) = data();
         let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
         let reduced = Reduced::new(&samples).unwrap();
-        let settings = Thresholding {
-            threshold: 0.2,
-            ridge: 0.05,
-            ..Default::default()
-        };
+        let settings = Thresholding { threshold: 0.2, ridge: 0.05, ..Default::default() };
         let fit = settings.fit(&reduced, 0).unwrap();
         assert_eq!(fit.active, [1, 3]);
         assert!((fit.coefficients[1] - 2.1).abs() < 4.0 * fit.standard_errors[0]);
@@ -105,33 +90,14 @@ mod tests {
         let (library, v, y) = data();
         let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
         let reduced = Reduced::new(&samples).unwrap();
-        let settings = Thresholding {
-            threshold: 50.0,
-            ..Default::default()
-        };
-        let IdentificationError::EverythingRemoved { largest, .. } =
-            settings.fit(&reduced, 0).unwrap_err()
+        let settings = Thresholding { threshold: 50.0, ..Default::default() };
+        let IdentificationError::EverythingRemoved { largest, .. } = settings.fit(&reduced, 0).unwrap_err()
         else {
             panic!("another error");
         };
-        assert!(
-            Thresholding {
-                threshold: 0.999 * largest,
-                ..settings
-            }
-            .fit(&reduced, 0)
-            .is_ok()
-        );
-        let message = Thresholding {
-            threshold: f64::NAN,
-            ..settings
-        }
-        .fit(&reduced, 0)
-        .unwrap_err()
-        .to_string();
-        assert_eq!(
-            message,
-            "threshold = NaN is not possible: it must be finite and not negative"
-        );
+        assert!(Thresholding { threshold: 0.999 * largest, ..settings }.fit(&reduced, 0).is_ok());
+        let message =
+            Thresholding { threshold: f64::NAN, ..settings }.fit(&reduced, 0).unwrap_err().to_string();
+        assert_eq!(message, "threshold = NaN is not possible: it must be finite and not negative");
     }
 }

@@ -72,11 +72,7 @@ pub fn friction_torques<const N: usize, const M: usize>(
     let input_matrix = model.input_matrix();
     for (torque, gears) in torques.iter_mut().zip(&input_matrix) {
         for (i, torque) in torque.iter_mut().enumerate() {
-            let drive: f64 = gears
-                .iter()
-                .zip(&motion.inputs)
-                .map(|(b, u)| b * u[i])
-                .sum();
+            let drive: f64 = gears.iter().zip(&motion.inputs).map(|(b, u)| b * u[i]).sum();
             *torque = drive - *torque;
         }
     }
@@ -105,10 +101,7 @@ pub fn motor_constant(
     velocities: &[f64],
 ) -> Result<Solution> {
     if load.iter().all(|t| *t == 0.0) {
-        return Err(IdentificationError::ZeroColumn {
-            term: "the known load".into(),
-            samples: load.len(),
-        });
+        return Err(IdentificationError::ZeroColumn { term: "the known load".into(), samples: load.len() });
     }
     let drive: Vec<f64> = currents.iter().map(|i| gear_ratio * i).collect();
     let mut theta = library.matrix(&[velocities])?;
@@ -137,16 +130,10 @@ mod tests {
         let m11 = rotor * I * I + 2.0 * h * y[1].cos() + 0.956_037_516_856_5;
         let m12 = rotor * I + h * y[1].cos() + 0.660_889_906_856_5;
         let m22 = rotor * I * I + 0.660_889_906_856_5;
-        let k = [
-            -h * y[1].sin() * (2.0 * v[0] * v[1] + v[1] * v[1]),
-            h * v[0] * v[0] * y[1].sin(),
-        ];
+        let k = [-h * y[1].sin() * (2.0 * v[0] * v[1] + v[1] * v[1]), h * v[0] * v[0] * y[1].sin()];
         let second = 1.72641659 * g * (y[0] + y[1]).sin();
         let q = [1.626138 * g * y[0].sin() + second, second];
-        [
-            m11 * a[0] + m12 * a[1] + k[0] - q[0],
-            m12 * a[0] + m22 * a[1] + k[1] - q[1],
-        ]
+        [m11 * a[0] + m12 * a[1] + k[0] - q[0], m12 * a[0] + m22 * a[1] + k[1] - q[1]]
     }
 
     #[test]
@@ -155,11 +142,7 @@ mod tests {
         let t = |i: usize| 0.005 * i as f64;
         let wave = |a: f64, w: f64| -> [Vec<f64>; 3] {
             let of = |f: &dyn Fn(f64) -> f64| (0..m).map(|i| f(t(i))).collect::<Vec<f64>>();
-            [
-                of(&|t| a * (w * t).sin()),
-                of(&|t| a * w * (w * t).cos()),
-                of(&|t| -a * w * w * (w * t).sin()),
-            ]
+            [of(&|t| a * (w * t).sin()), of(&|t| a * w * (w * t).cos()), of(&|t| -a * w * w * (w * t).sin())]
         };
         let (b, g) = (wave(0.6, 1.1), wave(0.9, 1.7));
         let friction = |v: f64| 76.556 * v + 3.924 * (5.0 * v).tanh();
@@ -184,10 +167,7 @@ mod tests {
             assert!((known[0][i] - load[i]).abs() < 1e-8);
         }
         let mut random = SplitMix64::new(1);
-        let currents: Vec<f64> = u[0]
-            .iter()
-            .map(|u| u / 0.12 + 1e-3 * random.normal())
-            .collect();
+        let currents: Vec<f64> = u[0].iter().map(|u| u / 0.12 + 1e-3 * random.normal()).collect();
         let library = Library::new(&["v", "tanh(5*v)"], &["v"]).unwrap();
         let fit = motor_constant(&currents, I, &load, &library, &b[1]).unwrap();
         assert!(
@@ -195,23 +175,11 @@ mod tests {
             "{}",
             fit.coefficients
         );
-        assert!(
-            (fit.coefficients[1] - 76.556).abs() < 0.1,
-            "{}",
-            fit.coefficients
-        );
+        assert!((fit.coefficients[1] - 76.556).abs() < 0.1, "{}", fit.coefficients);
         let nan = [f64::NAN; 4000];
-        let broken = Motion {
-            velocities: [&b[1], &nan],
-            ..motion
-        };
-        let message = friction_torques(&PowerCube, &broken)
-            .unwrap_err()
-            .to_string();
-        assert!(
-            message.starts_with("the velocity of joint gamma is not finite (NaN) at row 0"),
-            "{message}"
-        );
+        let broken = Motion { velocities: [&b[1], &nan], ..motion };
+        let message = friction_torques(&PowerCube, &broken).unwrap_err().to_string();
+        assert!(message.starts_with("the velocity of joint gamma is not finite (NaN) at row 0"), "{message}");
         let zero = vec![0.0; m];
         assert!(
             motor_constant(&currents, I, &zero, &library, &b[1])

@@ -60,7 +60,8 @@ pub enum Inline {
     Code(String),
 }
 
-/// A paragraph of the author's own words: `$…$` is LaTeX, `` `…` `` code. Text from elsewhere goes through [`plain`].
+/// A paragraph of the author's own words: `$…$` is LaTeX, `` `…` `` code. Text from elsewhere goes through
+/// [`plain`].
 #[must_use]
 pub fn text(source: &str) -> Block {
     Block::Text(inlines(source))
@@ -85,11 +86,7 @@ pub(super) fn inlines(source: &str) -> Vec<Inline> {
     let mut rest = source;
     while let Some(sign) = rest.chars().next() {
         let after = &rest[sign.len_utf8()..];
-        let end = if matches!(sign, '$' | '`') {
-            after.find(sign)
-        } else {
-            None
-        };
+        let end = if matches!(sign, '$' | '`') { after.find(sign) } else { None };
         let Some(end) = end else {
             plain.push(sign);
             rest = after;
@@ -115,11 +112,7 @@ impl Section {
     /// An empty section.
     #[must_use]
     pub fn new(id: impl Into<String>, title: impl Into<String>) -> Self {
-        Self {
-            id: id.into(),
-            title: title.into(),
-            blocks: Vec::new(),
-        }
+        Self { id: id.into(), title: title.into(), blocks: Vec::new() }
     }
 
     /// Adds a block.

@@ -133,32 +133,14 @@ impl Claim {
 impl Criterion {
     /// Met where `value ≤ bound`.
     #[must_use]
-    pub fn at_most(
-        name: impl Into<String>,
-        value: f64,
-        bound: f64,
-        unit: impl Into<String>,
-    ) -> Self {
-        Self {
-            name: name.into(),
-            value,
-            bound: Bound::AtMost(bound),
-            unit: unit.into(),
-        }
+    pub fn at_most(name: impl Into<String>, value: f64, bound: f64, unit: impl Into<String>) -> Self {
+        Self { name: name.into(), value, bound: Bound::AtMost(bound), unit: unit.into() }
     }
 
     /// Met where `value ≥ bound`.
     #[must_use]
-    pub fn at_least(
-        name: impl Into<String>,
-        value: f64,
-        bound: f64,
-        unit: impl Into<String>,
-    ) -> Self {
-        Self {
-            bound: Bound::AtLeast(bound),
-            ..Self::at_most(name, value, bound, unit)
-        }
+    pub fn at_least(name: impl Into<String>, value: f64, bound: f64, unit: impl Into<String>) -> Self {
+        Self { bound: Bound::AtLeast(bound), ..Self::at_most(name, value, bound, unit) }
     }
 
     /// Whether the number keeps its threshold; not-a-number never does.
@@ -176,10 +158,7 @@ impl Criterion {
             Bound::AtMost(bound) => ("≤", bound),
             Bound::AtLeast(bound) => ("≥", bound),
         };
-        format!(
-            "{sign} {}",
-            with_unit(super::number::exact(bound), &self.unit)
-        )
+        format!("{sign} {}", with_unit(super::number::exact(bound), &self.unit))
     }
 
     /// `0.00412 rad`

@@ -53,22 +53,16 @@ pub(super) fn tables(report: &Value) -> Vec<String> {
 fn block(block: &Block) -> Option<Value> {
     match block {
         Block::Table(table) => Some(json!({ "table": table_json(table) })),
-        Block::Claims(claims) => {
-            Some(json!({ "claims": claims.iter().map(claim_json).collect::<Value>() }))
-        }
+        Block::Claims(claims) => Some(json!({ "claims": claims.iter().map(claim_json).collect::<Value>() })),
         Block::Figure(figure) => Some(json!({ "figure": figure_json(figure) })),
-        Block::Equations(equations) | Block::Abbreviations(equations) => Some(
-            json!({ "equations": equations.iter().map(|one| one.latex()).collect::<Vec<_>>() }),
-        ),
+        Block::Equations(equations) | Block::Abbreviations(equations) => {
+            Some(json!({ "equations": equations.iter().map(|one| one.latex()).collect::<Vec<_>>() }))
+        }
         Block::Patterns(patterns) => {
             Some(json!({ "patterns": patterns.iter().map(pattern_json).collect::<Value>() }))
         }
         Block::Scene(scene) => Some(json!({ "robot": scene.json() })),
-        Block::Text(_)
-        | Block::Heading(_)
-        | Block::Tree(_)
-        | Block::Code(_)
-        | Block::Details { .. } => None,
+        Block::Text(_) | Block::Heading(_) | Block::Tree(_) | Block::Code(_) | Block::Details { .. } => None,
     }
 }
 
@@ -105,11 +99,7 @@ fn cell_json(cell: &Cell) -> Value {
 
 /// JSON knows no infinity and no NaN: they are told as text.
 fn number_json(value: f64) -> Value {
-    if value.is_finite() {
-        json!(value)
-    } else {
-        json!(value.to_string())
-    }
+    if value.is_finite() { json!(value) } else { json!(value.to_string()) }
 }
 
 fn claim_json(claim: &Claim) -> Value {
@@ -195,19 +185,12 @@ pub(super) fn csv(report: &Report) -> Result<Vec<(String, String)>, ReportError>
 }
 
 fn written(id: &str, rows: &[Vec<String>]) -> Result<String, ReportError> {
-    let fault = |message: String| ReportError::Data {
-        id: id.to_owned(),
-        message,
-    };
+    let fault = |message: String| ReportError::Data { id: id.to_owned(), message };
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
-        writer
-            .write_record(row)
-            .map_err(|error| fault(error.to_string()))?;
+        writer.write_record(row).map_err(|error| fault(error.to_string()))?;
     }
-    let bytes = writer
-        .into_inner()
-        .map_err(|error| fault(error.to_string()))?;
+    let bytes = writer.into_inner().map_err(|error| fault(error.to_string()))?;
     String::from_utf8(bytes).map_err(|error| fault(error.to_string()))
 }
 
@@ -222,9 +205,7 @@ fn table_rows(table: &Table) -> Vec<Vec<String>> {
     let columns = table.columns.iter();
     let head = columns.map(|column| with_unit(&column.name, &column.unit));
     let row = |row: &Vec<Cell>| row.iter().map(cell_text).collect();
-    std::iter::once(head.collect())
-        .chain(table.rows.iter().map(row))
-        .collect()
+    std::iter::once(head.collect()).chain(table.rows.iter().map(row)).collect()
 }
 
 fn cell_text(cell: &Cell) -> String {
@@ -248,16 +229,7 @@ fn pattern_rows(pattern: &Pattern) -> Vec<Vec<String>> {
 }
 
 fn claim_rows(claims: &[Claim]) -> Vec<Vec<String>> {
-    let head = [
-        "claim",
-        "criterion",
-        "value",
-        "relation",
-        "bound",
-        "unit",
-        "met",
-        "verdict",
-    ];
+    let head = ["claim", "criterion", "value", "relation", "bound", "unit", "met", "verdict"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for claim in claims {
         for criterion in &claim.criteria {
@@ -286,14 +258,11 @@ fn figure_rows(figure: &Figure) -> Vec<Vec<String>> {
             title => title.to_owned(),
         };
         for series in &plot.series {
-            rows.extend(series.points.iter().map(|[x, y]| {
-                vec![
-                    title.clone(),
-                    series.name.clone(),
-                    format!("{x:?}"),
-                    format!("{y:?}"),
-                ]
-            }));
+            rows.extend(
+                series.points.iter().map(|[x, y]| {
+                    vec![title.clone(), series.name.clone(), format!("{x:?}"), format!("{y:?}")]
+                }),
+            );
         }
     }
     rows

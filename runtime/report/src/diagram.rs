@@ -22,13 +22,8 @@ struct Place {
 pub(super) fn tree(scene: &Scene) -> Markup {
     let children = children(scene);
     let (places, lanes) = places(&children);
-    let depth = places
-        .iter()
-        .fold(0.0, |most: f64, place| most.max(place.depth));
-    let (width, height) = (
-        lanes.max(1.0) * LANE + 2.0 * MARGIN,
-        depth * ROW + BOX.1 + 2.0 * MARGIN,
-    );
+    let depth = places.iter().fold(0.0, |most: f64, place| most.max(place.depth));
+    let (width, height) = (lanes.max(1.0) * LANE + 2.0 * MARGIN, depth * ROW + BOX.1 + 2.0 * MARGIN);
     let label = format!(
         "Kinematic tree of {}: {} joints, {} of them move",
         scene.name,
@@ -65,13 +60,7 @@ fn children(scene: &Scene) -> Vec<Vec<usize>> {
 
 /// Leaves take lanes from the left; who carries others stands above their middle.
 fn places(children: &[Vec<usize>]) -> (Vec<Place>, f64) {
-    let mut places = vec![
-        Place {
-            lane: 0.0,
-            depth: 0.0
-        };
-        children.len()
-    ];
+    let mut places = vec![Place { lane: 0.0, depth: 0.0 }; children.len()];
     // Parents stand before their children, so depth goes down and lanes come back up.
     for (parent, own) in children.iter().enumerate() {
         for &child in own {
@@ -108,19 +97,12 @@ fn mass(scene: &Scene, joint: Option<usize>) -> f64 {
 }
 
 fn center(place: Place) -> (f64, f64) {
-    (
-        MARGIN + 0.5 * BOX.0 + place.lane * LANE,
-        MARGIN + 0.5 * BOX.1 + place.depth * ROW,
-    )
+    (MARGIN + 0.5 * BOX.0 + place.lane * LANE, MARGIN + 0.5 * BOX.1 + place.depth * ROW)
 }
 
 fn link(name: &str, mass: f64, place: Place) -> Markup {
     let (x, y) = center(place);
-    let mass = if mass > 0.0 {
-        format!("{} kg", rounded(mass, 4))
-    } else {
-        String::new()
-    };
+    let mass = if mass > 0.0 { format!("{} kg", rounded(mass, 4)) } else { String::new() };
     html! {
         rect.link x=(x - 0.5 * BOX.0) y=(y - 0.5 * BOX.1) width=(BOX.0) height=(BOX.1) rx="4" {}
         text.name x=(x) y=(y + if mass.is_empty() { 4.5 } else { -2.0 }) text-anchor="middle" {
@@ -137,11 +119,7 @@ fn edge(joint: &SceneJoint, from: Place, to: Place) -> Markup {
     let ((x1, y1), (x2, y2)) = (center(from), center(to));
     let (start, end) = (y1 + 0.5 * BOX.1, y2 - 0.5 * BOX.1);
     let middle = 0.5 * (start + end);
-    let line = format!(
-        "M{x1} {start}L{x1} {}L{x2} {}L{x2} {end}",
-        start + 8.0,
-        start + 8.0
-    );
+    let line = format!("M{x1} {start}L{x1} {}L{x2} {}L{x2} {end}", start + 8.0, start + 8.0);
     html! {
         path.edge.fixed[joint.motion == SceneMotion::Fixed] d=(line) {}
         (symbol(joint, x2, middle))
@@ -155,10 +133,7 @@ fn edge(joint: &SceneJoint, from: Place, to: Place) -> Markup {
 
 /// A circle turns, a square slides, a bar is fixed; filled where driven.
 fn symbol(joint: &SceneJoint, x: f64, y: f64) -> Markup {
-    let (is_driven, moves) = (
-        joint.input.is_some(),
-        matches!(joint.motion, SceneMotion::Coordinate(_)),
-    );
+    let (is_driven, moves) = (joint.input.is_some(), matches!(joint.motion, SceneMotion::Coordinate(_)));
     html! {
         @if !moves {
             rect.held x=(x - 7.0) y=(y - 2.5) width="14" height="5" {}
@@ -171,11 +146,7 @@ fn symbol(joint: &SceneJoint, x: f64, y: f64) -> Markup {
 }
 
 fn words(joint: &SceneJoint) -> String {
-    let kind = if joint.is_prismatic {
-        "slides"
-    } else {
-        "turns"
-    };
+    let kind = if joint.is_prismatic { "slides" } else { "turns" };
     match joint.motion {
         SceneMotion::Fixed => "fixed".to_owned(),
         SceneMotion::Held(position) => format!("held at {} {}", rounded(position, 4), joint.unit()),
@@ -212,13 +183,7 @@ mod tests {
         // A torso with two arms, the first of two links.
         let (places, lanes) = places(&[vec![1], vec![2, 3], vec![4], vec![], vec![]]);
         assert_eq!(lanes, 2.0);
-        let lane_and_depth: Vec<(f64, f64)> = places
-            .iter()
-            .map(|place| (place.lane, place.depth))
-            .collect();
-        assert_eq!(
-            lane_and_depth,
-            [(0.5, 0.0), (0.5, 1.0), (0.0, 2.0), (1.0, 2.0), (0.0, 3.0)]
-        );
+        let lane_and_depth: Vec<(f64, f64)> = places.iter().map(|place| (place.lane, place.depth)).collect();
+        assert_eq!(lane_and_depth, [(0.5, 0.0), (0.5, 1.0), (0.0, 2.0), (1.0, 2.0), (0.0, 3.0)]);
     }
 }

@@ -23,8 +23,8 @@ impl Equation {
         Ok(Self { latex, mathml })
     }
 
-    /// An equation on as many lines as it needs: broken before signs of its outermost sum where a line would hold more
-    /// than so many letters. Pages scroll wide equations, paper does not.
+    /// An equation on as many lines as it needs: broken before signs of its outermost sum where a line would
+    /// hold more than so many letters. Pages scroll wide equations, paper does not.
     ///
     /// # Errors
     /// [`ReportError::Equation`] where `latex` cannot be set.
@@ -113,23 +113,16 @@ pub(super) fn inline(latex: &str) -> Result<String, ReportError> {
 }
 
 fn mathml(latex: &str, display_mode: DisplayMode) -> Result<String, ReportError> {
-    let fault = |message: String| ReportError::Equation {
-        latex: latex.to_owned(),
-        message,
-    };
+    let fault = |message: String| ReportError::Equation { latex: latex.to_owned(), message };
     // Where the parser stumbles the writer would set the message in red; here it is an error.
     let storage = Storage::new();
     if let Some(error) = Parser::new(latex, &storage).find_map(Result::err) {
         return Err(fault(error.to_string()));
     }
     let storage = Storage::new();
-    let config = RenderConfig {
-        display_mode,
-        ..RenderConfig::default()
-    };
+    let config = RenderConfig { display_mode, ..RenderConfig::default() };
     let mut out = String::new();
-    push_mathml(&mut out, Parser::new(latex, &storage), config)
-        .map_err(|error| fault(error.to_string()))?;
+    push_mathml(&mut out, Parser::new(latex, &storage), config).map_err(|error| fault(error.to_string()))?;
     Ok(out)
 }
 
@@ -141,30 +134,21 @@ mod tests {
     fn long_sums_are_broken_before_their_signs() {
         let lines = |latex: &str, letters: usize| -> Vec<String> {
             let lines = Equation::broken(latex, letters).map_err(|error| error.to_string());
-            lines
-                .unwrap()
-                .iter()
-                .map(|line| line.latex().to_owned())
-                .collect()
+            lines.unwrap().iter().map(|line| line.latex().to_owned()).collect()
         };
         let sum = r"k = a_{1} + b \, \left(c - d\right) - \frac{e + f}{2} + g";
         assert_eq!(lines(sum, 100), [sum]);
         assert_eq!(
             lines(sum, 12),
-            [
-                r"k = a_{1}",
-                r"\qquad + b \, \left(c - d\right)",
-                r"\qquad - \frac{e + f}{2} + g"
-            ]
+            [r"k = a_{1}", r"\qquad + b \, \left(c - d\right)", r"\qquad - \frac{e + f}{2} + g"]
         );
     }
 
     #[test]
     fn equations_become_mathml() {
-        let equation =
-            Equation::new(r"M_{11} = \frac{1}{2} \ddot{y}_{1} + \sin\left(\beta_2\right)")
-                .map_err(|error| error.to_string())
-                .unwrap();
+        let equation = Equation::new(r"M_{11} = \frac{1}{2} \ddot{y}_{1} + \sin\left(\beta_2\right)")
+            .map_err(|error| error.to_string())
+            .unwrap();
         let mathml = equation.mathml();
         for part in ["<math display=\"block\"", "<mfrac>", "<msub>", "β", "sin"] {
             assert!(mathml.contains(part), "no {part} in {mathml}");

@@ -13,10 +13,7 @@ const PAGE: &str = "index.html";
 const DATA: &str = "report.json";
 
 /// Writes files by name into a folder, and removes the tables that its report had and this one has not.
-pub(super) fn write(
-    folder: &Path,
-    files: &[(String, String)],
-) -> Result<Vec<PathBuf>, ReportError> {
+pub(super) fn write(folder: &Path, files: &[(String, String)]) -> Result<Vec<PathBuf>, ReportError> {
     let old = old_tables(folder);
     if folder.is_file() {
         let why = io::Error::new(io::ErrorKind::NotADirectory, "it is a file, not a folder");
@@ -67,9 +64,7 @@ fn check(folder: &Path, name: &str, content: &str, old: &[String]) -> io::Result
     }
     let text = fs::read(&path)?;
     let is_ours = match name {
-        PAGE => text
-            .windows(page::BESIDE.len())
-            .any(|part| part == page::BESIDE.as_bytes()),
+        PAGE => text.windows(page::BESIDE.len()).any(|part| part == page::BESIDE.as_bytes()),
         DATA => serde_json::from_slice(&text).is_ok_and(|value| data::is_report(&value)),
         table => old.iter().any(|known| known == table),
     };
@@ -103,17 +98,14 @@ mod tests {
     use super::*;
 
     fn report(title: &str, table: &str) -> Report {
-        let table = Table::new(table, "Numbers.")
-            .column("Name", "name", "")
-            .row([Cell::text("a")]);
+        let table = Table::new(table, "Numbers.").column("Name", "name", "").row([Cell::text("a")]);
         Report::new(title).section(Section::new("numbers", "Numbers").block(Block::Table(table)))
     }
 
     fn names(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).unwrap();
-        let mut names: Vec<String> = entries
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
     }
@@ -131,10 +123,7 @@ mod tests {
         let before = fs::read(at("index.html")).unwrap();
         let error = report("Third", "mine").write(folder.path()).unwrap_err();
         let message = error.to_string();
-        assert!(
-            message.contains("mine.csv: it holds what no report has written"),
-            "{message}"
-        );
+        assert!(message.contains("mine.csv: it holds what no report has written"), "{message}");
         assert_eq!(fs::read(at("index.html")).unwrap(), before);
         assert_eq!(fs::read_to_string(at("mine.csv")).unwrap(), "t,q\n");
         assert_eq!(names(folder.path()), expected);
@@ -142,10 +131,7 @@ mod tests {
 
     #[test]
     fn foreign_pages_and_data_are_kept() {
-        for (name, text) in [
-            ("index.html", "<h1>My arm</h1>"),
-            ("report.json", "{\"title\": 1}"),
-        ] {
+        for (name, text) in [("index.html", "<h1>My arm</h1>"), ("report.json", "{\"title\": 1}")] {
             let folder = tempfile::tempdir().unwrap();
             fs::write(folder.path().join(name), text).unwrap();
             let error = report("Arm", "numbers-1").write(folder.path()).unwrap_err();
@@ -159,9 +145,7 @@ mod tests {
     #[test]
     fn names_stay_in_the_folder() {
         let folder = tempfile::tempdir().unwrap();
-        let error = report("Arm", "../outside")
-            .write(folder.path())
-            .unwrap_err();
+        let error = report("Arm", "../outside").write(folder.path()).unwrap_err();
         assert!(error.to_string().contains("names no file"), "{error}");
         assert_eq!(names(folder.path()), [""; 0]);
     }

@@ -1,8 +1,9 @@
 //! Reports: values in, page out.
 //!
-//! A [`Report`] is data: sections of paragraphs, equations, tables, claims, figures and one view of a robot. From it
-//! come an HTML page that needs no network and no other file, and the same numbers as JSON and CSV. The page is for
-//! screens light and dark, narrow and wide, and for paper; what it shows rounded stands in the data in full.
+//! A [`Report`] is data: sections of paragraphs, equations, tables, claims, figures and one view of a robot.
+//! From it come an HTML page that needs no network and no other file, and the same numbers as JSON and CSV.
+//! The page is for screens light and dark, narrow and wide, and for paper; what it shows rounded stands in
+//! the data in full.
 //!
 //! ```
 //! use gelenk_report::{Block, Claim, Criterion, Report, Section, text};
@@ -64,10 +65,7 @@ impl Report {
     /// An empty report.
     #[must_use]
     pub fn new(title: impl Into<String>) -> Self {
-        Self {
-            title: title.into(),
-            ..Self::default()
-        }
+        Self { title: title.into(), ..Self::default() }
     }
 
     /// Sets the sentence below the title; `$…$` is an equation in LaTeX.
@@ -105,8 +103,8 @@ impl Report {
     /// The page: one self-contained HTML file.
     ///
     /// # Errors
-    /// [`ReportError::Equation`] where an equation is no LaTeX that can be set, [`ReportError::Plot`] where a figure
-    /// has values that cannot be drawn, [`ReportError::SameId`] where two parts share an identifier.
+    /// [`ReportError::Equation`] where an equation is no LaTeX that can be set, [`ReportError::Plot`] where a
+    /// figure has values that cannot be drawn, [`ReportError::SameId`] where two parts share an identifier.
     pub fn html(&self) -> Result<String, ReportError> {
         self.check_ids()?;
         page::html(self)
@@ -126,18 +124,16 @@ impl Report {
         data::csv(self)
     }
 
-    /// Writes `index.html`, `report.json` and the CSV files into `folder`, which is made where it is missing; returns
-    /// the files, the page first. A report that was written there before is replaced, as a whole: on a full disk the old one
-    /// stays.
+    /// Writes `index.html`, `report.json` and the CSV files into `folder`, which is made where it is missing;
+    /// returns the files, the page first. A report that was written there before is replaced, as a whole: on
+    /// a full disk the old one stays.
     ///
     /// # Errors
-    /// As [`Report::html`] and [`Report::csv`], before anything is written; [`ReportError::File`] where a file cannot
-    /// be written, or holds what no report has written.
+    /// As [`Report::html`] and [`Report::csv`], before anything is written; [`ReportError::File`] where a
+    /// file cannot be written, or holds what no report has written.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
-        let mut files = vec![
-            ("index.html".to_owned(), self.html()?),
-            ("report.json".to_owned(), self.json()),
-        ];
+        let mut files =
+            vec![("index.html".to_owned(), self.html()?), ("report.json".to_owned(), self.json())];
         files.extend(self.csv()?);
         files::write(folder, &files)
     }

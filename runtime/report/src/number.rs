@@ -35,9 +35,7 @@ pub(super) fn exact(value: f64) -> String {
     if !value.is_finite() {
         return unusual(value);
     }
-    let shown: f64 = format!("{value:.*e}", MOST_DIGITS - 1)
-        .parse()
-        .unwrap_or(value);
+    let shown: f64 = format!("{value:.*e}", MOST_DIGITS - 1).parse().unwrap_or(value);
     let shortest = format!("{shown:?}");
     let text = match shortest.split_once('e') {
         Some((digits, exponent)) => {

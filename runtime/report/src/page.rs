@@ -5,8 +5,8 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::block::{Block, Inline, Section};
 use super::scene::{Scene, SceneJoint};
 use super::{
-    Cell, Claim, Criterion, Equation, Figure, Pattern, Plot, Report, ReportError, Table, Verdict,
-    diagram, equation, number, pattern, plot,
+    Cell, Claim, Criterion, Equation, Figure, Pattern, Plot, Report, ReportError, Table, Verdict, diagram,
+    equation, number, pattern, plot,
 };
 
 const STYLE: &str = include_str!("page.css");
@@ -20,11 +20,8 @@ type Rendered = Result<Markup, ReportError>;
 
 pub(super) fn html(report: &Report) -> Result<String, ReportError> {
     let sections = joined(report.sections.iter().map(section))?;
-    let has_scene = report
-        .sections
-        .iter()
-        .flat_map(Section::all_blocks)
-        .any(|block| matches!(block, Block::Scene(_)));
+    let has_scene =
+        report.sections.iter().flat_map(Section::all_blocks).any(|block| matches!(block, Block::Scene(_)));
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -131,16 +128,10 @@ fn block(block: &Block) -> Rendered {
         Block::Claims(claims) => claims_markup(claims),
         Block::Figure(figure) => figure_markup(figure),
         Block::Patterns(patterns) => patterns_markup(patterns),
-        Block::Tree(scene) => {
-            Ok(html! { div.wide.scrolls tabindex="0" { (diagram::tree(scene)) } })
-        }
+        Block::Tree(scene) => Ok(html! { div.wide.scrolls tabindex="0" { (diagram::tree(scene)) } }),
         Block::Scene(scene) => Ok(scene_markup(scene)),
         Block::Code(text) => Ok(html! { pre.wide tabindex="0" { (text) } }),
-        Block::Details {
-            summary,
-            is_open,
-            blocks,
-        } => {
+        Block::Details { summary, is_open, blocks } => {
             let inner = joined(blocks.iter().map(self::block))?;
             Ok(html! {
                 details open[*is_open] {

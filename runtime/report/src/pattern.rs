@@ -29,22 +29,12 @@ impl Pattern {
         columns: Vec<String>,
         entries: Vec<Vec<bool>>,
     ) -> Self {
-        Self {
-            id: id.into(),
-            title: inlines(title),
-            rows,
-            columns,
-            entries,
-        }
+        Self { id: id.into(), title: inlines(title), rows, columns, entries }
     }
 
     /// Entries that are there.
     pub(super) fn count(&self) -> usize {
-        self.entries
-            .iter()
-            .flatten()
-            .filter(|entry| **entry)
-            .count()
+        self.entries.iter().flatten().filter(|entry| **entry).count()
     }
 
     /// All entries.
@@ -67,9 +57,7 @@ pub(super) fn svg(pattern: &Pattern) -> Markup {
         pattern.size()
     );
     let name = |names: &[String], index: usize| {
-        names
-            .get(index)
-            .map_or_else(|| (index + 1).to_string(), Clone::clone)
+        names.get(index).map_or_else(|| (index + 1).to_string(), Clone::clone)
     };
     html! {
         svg.spy viewBox=(format!("0 0 {width} {height}")) style=(format!("width: {width}px")) role="img" aria-label=(label) {

@@ -75,11 +75,7 @@ impl Figure {
     /// A figure without plots yet; `$…$` in the caption is an equation.
     #[must_use]
     pub fn new(id: impl Into<String>, caption: &str) -> Self {
-        Self {
-            id: id.into(),
-            caption: inlines(caption),
-            plots: Vec::new(),
-        }
+        Self { id: id.into(), caption: inlines(caption), plots: Vec::new() }
     }
 
     /// Adds a plot.
@@ -94,22 +90,13 @@ impl Plot {
     /// A plot without curves yet.
     #[must_use]
     pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
-        Self {
-            title: title.into(),
-            x,
-            y,
-            series: Vec::new(),
-        }
+        Self { title: title.into(), x, y, series: Vec::new() }
     }
 
     /// Adds a curve.
     #[must_use]
     pub fn series(mut self, name: impl Into<String>, marks: Marks, points: Vec<[f64; 2]>) -> Self {
-        self.series.push(Series {
-            name: name.into(),
-            marks,
-            points,
-        });
+        self.series.push(Series { name: name.into(), marks, points });
         self
     }
 }
@@ -118,12 +105,7 @@ impl Axis {
     /// A linear axis over the range of the data.
     #[must_use]
     pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self {
-            label: label.into(),
-            unit: unit.into(),
-            range: None,
-            is_logarithmic: false,
-        }
+        Self { label: label.into(), unit: unit.into(), range: None, is_logarithmic: false }
     }
 
     /// The same with a logarithmic scale.
@@ -148,7 +130,8 @@ impl Axis {
         }
     }
 
-    /// Where ticks stand, in scaled values: on a logarithmic axis powers of ten, with their double and fivefold where there are few of them.
+    /// Where ticks stand, in scaled values: on a logarithmic axis powers of ten, with their double and
+    /// fivefold where there are few of them.
     fn ticks(&self, span: &Range<f64>, most: usize) -> Vec<f64> {
         if self.is_logarithmic {
             let digits: &[f64] = match span.end - span.start {
@@ -171,18 +154,11 @@ impl Axis {
     }
 
     fn ticked(&self, span: &Range<f64>, most: usize) -> Ticked {
-        Ticked {
-            range: span.clone().into(),
-            ticks: self.ticks(span, most),
-        }
+        Ticked { range: span.clone().into(), ticks: self.ticks(span, most) }
     }
 
     fn scaled(&self, value: f64) -> f64 {
-        if self.is_logarithmic {
-            value.log10()
-        } else {
-            value
-        }
+        if self.is_logarithmic { value.log10() } else { value }
     }
 
     /// Shown range in scaled values.
@@ -192,9 +168,8 @@ impl Axis {
             return (low < high && (high - low).is_finite()).then_some(low..high);
         }
         let finite = values.filter(|value| value.is_finite());
-        let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-            (low.min(x), high.max(x))
-        });
+        let (low, high) =
+            finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         if low > high || !(high - low).is_finite() {
             return None;
         }
@@ -260,21 +235,14 @@ fn colour(series: usize, marks: Marks) -> RGBColor {
 ///
 /// - `id`: of the figure, for the message
 pub(super) fn svg(plot: &Plot, id: &str) -> Result<String, ReportError> {
-    let fault = |message: &dyn Display| ReportError::Plot {
-        id: id.to_owned(),
-        message: message.to_string(),
-    };
+    let fault = |message: &dyn Display| ReportError::Plot { id: id.to_owned(), message: message.to_string() };
     let curves: Vec<Vec<[f64; 2]>> = plot.series.iter().map(|one| scaled(plot, one)).collect();
     let values = |axis: usize| {
         let shown = curves.iter().flatten();
-        shown
-            .filter(|point| point.iter().all(|x| x.is_finite()))
-            .map(move |point| point[axis])
+        shown.filter(|point| point.iter().all(|x| x.is_finite())).map(move |point| point[axis])
     };
     let (Some(x), Some(y)) = (plot.x.span(values(0)), plot.y.span(values(1))) else {
-        return Err(fault(
-            &"no finite points, or a range that is empty: give at least one",
-        ));
+        return Err(fault(&"no finite points, or a range that is empty: give at least one"));
     };
     let mut text = String::new();
     draw(plot, &curves, x, y, &mut text).map_err(|error| fault(&error))?;
@@ -284,9 +252,7 @@ pub(super) fn svg(plot: &Plot, id: &str) -> Result<String, ReportError> {
 /// Points in the axes' scales.
 fn scaled(plot: &Plot, series: &Series) -> Vec<[f64; 2]> {
     let points = series.points.iter();
-    points
-        .map(|&[x, y]| [plot.x.scaled(x), plot.y.scaled(y)])
-        .collect()
+    points.map(|&[x, y]| [plot.x.scaled(x), plot.y.scaled(y)]).collect()
 }
 
 /// A range with ticks of its own.
@@ -304,11 +270,7 @@ impl Ranged for Ticked {
     }
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        if hint.weight().allow_light_points() {
-            Vec::new()
-        } else {
-            self.ticks.clone()
-        }
+        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.clone() }
     }
 
     fn range(&self) -> Range<f64> {
@@ -368,11 +330,7 @@ fn curve(
     if marks == Marks::Points {
         let dots = points.iter().step_by(stride).filter(|point| shown(point));
         // A few points stand for something; many are a cloud.
-        let radius = if points.len() <= FEW_POINTS {
-            SCALE * 4
-        } else {
-            SCALE * 3 / 2
-        };
+        let radius = if points.len() <= FEW_POINTS { SCALE * 4 } else { SCALE * 3 / 2 };
         let dot = |&[x, y]: &[f64; 2]| Circle::new((x, y), radius, style.filled());
         chart.draw_series(dots.map(dot))?;
         return Ok(());
@@ -407,12 +365,7 @@ fn description(plot: &Plot) -> String {
         "" => String::new(),
         title => format!("{title}: "),
     };
-    format!(
-        "{title}{} over {}; {}",
-        plot.y.title(),
-        plot.x.title(),
-        names.join(", ")
-    )
+    format!("{title}{} over {}; {}", plot.y.title(), plot.x.title(), names.join(", "))
 }
 
 /// Stand-ins become the page's colours; the size is left to the page.
@@ -429,9 +382,7 @@ fn themed(svg: &str, description: &str) -> String {
         let own = format!("var(--series-{})", index + 1);
         let dashed = hex(colour(index, Marks::Dashed));
         let dashes = format!("{own}\" stroke-dasharray=\"{} {}", 7 * SCALE, 4 * SCALE);
-        body = body
-            .replace(&dashed, &dashes)
-            .replace(&hex(colour(index, Marks::Line)), &own);
+        body = body.replace(&dashed, &dashes).replace(&hex(colour(index, Marks::Line)), &own);
     }
     format!(
         "<svg class=\"plot\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{label}\">{body}",
@@ -460,13 +411,7 @@ mod tests {
     fn curves_take_the_colours_of_the_page() {
         let points = (0..50).map(|i| [f64::from(i), 0.2 * f64::from(i * i) - 300.0]);
         let svg = drawn(&plot(points.collect())).unwrap();
-        for part in [
-            "var(--series-1)",
-            "stroke-dasharray",
-            "var(--grid)",
-            "−200",
-            "&lt;τ&gt;",
-        ] {
+        for part in ["var(--series-1)", "stroke-dasharray", "var(--grid)", "−200", "&lt;τ&gt;"] {
             assert!(svg.contains(part), "no {part}");
         }
         assert!(!svg.contains("#0") && !svg.contains("<τ>"), "{svg}");
@@ -475,13 +420,7 @@ mod tests {
 
     #[test]
     fn gaps_break_lines_and_nothing_is_an_error() {
-        let gap = vec![
-            [0.0, 1.0],
-            [1.0, 2.0],
-            [2.0, f64::NAN],
-            [3.0, 1.0],
-            [4.0, 5.0],
-        ];
+        let gap = vec![[0.0, 1.0], [1.0, 2.0], [2.0, f64::NAN], [3.0, 1.0], [4.0, 5.0]];
         let lines = drawn(&plot(gap)).unwrap();
         assert_eq!(lines.matches("stroke=\"var(--series-1)\"").count(), 2);
         assert!(drawn(&plot(vec![[f64::NAN, 0.0]])).is_err());
@@ -506,10 +445,7 @@ mod tests {
         let shown = |plot: &Plot, labels: &[&str]| {
             let svg = drawn(plot).unwrap();
             for label in labels {
-                assert!(
-                    svg.contains(&format!(">\n{label}\n<")),
-                    "no {label} in {svg}"
-                );
+                assert!(svg.contains(&format!(">\n{label}\n<")), "no {label} in {svg}");
             }
             assert!(!svg.contains("10⁻") && !svg.contains("3.2"), "{svg}");
         };
@@ -523,13 +459,9 @@ mod tests {
 
     #[test]
     fn ticks_are_short() {
-        for (value, shown) in [
-            (0.1 + 0.2, "0.3"),
-            (-0.0, "0"),
-            (-12.5, "−12.5"),
-            (200.0, "200"),
-            (1e-5, "1·10⁻⁵"),
-        ] {
+        for (value, shown) in
+            [(0.1 + 0.2, "0.3"), (-0.0, "0"), (-12.5, "−12.5"), (200.0, "200"), (1e-5, "1·10⁻⁵")]
+        {
             assert_eq!(tick(value), shown);
         }
     }

@@ -142,7 +142,8 @@ impl Scene {
                 "position": position,
             })
         };
-        let body = |body: &SceneBody| json!({ "joint": body.joint, "mass": body.mass, "center": body.center });
+        let body =
+            |body: &SceneBody| json!({ "joint": body.joint, "mass": body.mass, "center": body.center });
         let frame = |frame: &SceneFrame| {
             json!({
                 "name": frame.name,

@@ -50,26 +50,13 @@ impl Table {
     /// A table without columns and rows yet; `$…$` in the caption is an equation.
     #[must_use]
     pub fn new(id: impl Into<String>, caption: &str) -> Self {
-        Self {
-            id: id.into(),
-            caption: inlines(caption),
-            ..Self::default()
-        }
+        Self { id: id.into(), caption: inlines(caption), ..Self::default() }
     }
 
     /// Adds a column; `$…$` in the heading is an equation, the name stands in JSON and CSV.
     #[must_use]
-    pub fn column(
-        mut self,
-        heading: &str,
-        name: impl Into<String>,
-        unit: impl Into<String>,
-    ) -> Self {
-        self.columns.push(Column {
-            heading: inlines(heading),
-            name: name.into(),
-            unit: unit.into(),
-        });
+    pub fn column(mut self, heading: &str, name: impl Into<String>, unit: impl Into<String>) -> Self {
+        self.columns.push(Column { heading: inlines(heading), name: name.into(), unit: unit.into() });
         self
     }
 
@@ -90,17 +77,10 @@ impl Table {
     /// Whether the column holds numbers alone, and is set to the right.
     pub(super) fn is_numeric(&self, column: usize) -> bool {
         let mut cells = self.rows.iter().filter_map(|row| row.get(column));
-        let is_number = |cell: &Cell| {
-            matches!(
-                cell,
-                Cell::Rounded(..) | Cell::Exact(_) | Cell::Count(_) | Cell::Empty
-            )
-        };
+        let is_number =
+            |cell: &Cell| matches!(cell, Cell::Rounded(..) | Cell::Exact(_) | Cell::Count(_) | Cell::Empty);
         cells.all(is_number)
-            && self
-                .rows
-                .iter()
-                .any(|row| row.get(column).is_some_and(|cell| *cell != Cell::Empty))
+            && self.rows.iter().any(|row| row.get(column).is_some_and(|cell| *cell != Cell::Empty))
     }
 }
 
@@ -121,11 +101,7 @@ impl Cell {
     #[must_use]
     pub fn text(text: impl Into<String>) -> Self {
         let text = text.into();
-        if text.is_empty() {
-            Self::Empty
-        } else {
-            Self::Text(text)
-        }
+        if text.is_empty() { Self::Empty } else { Self::Text(text) }
     }
 
     /// The author's own words; `$…$` is an equation, `` `…` `` code.

@@ -9,8 +9,8 @@ pub trait Clock {
     /// Present time.
     fn now(&self) -> Duration;
 
-    /// Returns at `wake`, or at once where that is past. Absolute, so that the time spent since the last call does not
-    /// add up to drift.
+    /// Returns at `wake`, or at once where that is past. Absolute, so that the time spent since the last call
+    /// does not add up to drift.
     fn sleep_until(&self, wake: Duration);
 }
 
@@ -31,8 +31,7 @@ impl Clock for MonotonicClock {
         // A signal ends the sleep early; the time to wake at stays.
         while let Err(rustix::io::Errno::INTR) =
             rustix::thread::clock_nanosleep_absolute(rustix::thread::ClockId::Monotonic, &request)
-        {
-        }
+        {}
     }
 }
 
@@ -58,8 +57,8 @@ impl Clock for MonotonicClock {
     }
 }
 
-/// Time that passes only by [`sleep_until`](Clock::sleep_until) and [`advance`](VirtualClock::advance): a loop on it runs
-/// as fast as the machine allows and does the same every time. Clones show the same time.
+/// Time that passes only by [`sleep_until`](Clock::sleep_until) and [`advance`](VirtualClock::advance): a
+/// loop on it runs as fast as the machine allows and does the same every time. Clones show the same time.
 #[derive(Debug, Clone, Default)]
 pub struct VirtualClock(Arc<AtomicU64>);
 
@@ -74,9 +73,7 @@ impl VirtualClock {
     pub fn advance(&self, span: Duration) {
         let later = |now: u64| Some(now.saturating_add(nanoseconds(span)));
         // Never refused, as `later` always has an answer.
-        let _ = self
-            .0
-            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, later);
+        let _ = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, later);
     }
 }
 

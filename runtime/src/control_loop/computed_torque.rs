@@ -9,7 +9,8 @@ use crate::feed_forward::{FeedForward, FeedForwardError};
 use crate::trajectory::Sample;
 use thiserror::Error;
 
-/// Gains of [`ComputedTorque`], by coordinate. They make accelerations, so that they do not depend on the robot's masses.
+/// Gains of [`ComputedTorque`], by coordinate. They make accelerations, so that they do not depend on the
+/// robot's masses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AccelerationGains<const N: usize> {
     /// K_p [1/s²].
@@ -19,14 +20,11 @@ pub struct AccelerationGains<const N: usize> {
 }
 
 impl<const N: usize> AccelerationGains<N> {
-    /// Gains with which every error decays like an oscillator of natural frequency `omega` [rad/s] and damping ratio
-    /// `damping`: `K_p = ω²`, `K_d = 2 ζ ω`.
+    /// Gains with which every error decays like an oscillator of natural frequency `omega` [rad/s] and
+    /// damping ratio `damping`: `K_p = ω²`, `K_d = 2 ζ ω`.
     #[must_use]
     pub fn from_bandwidth(omega: f64, damping: f64) -> Self {
-        Self {
-            position: [omega * omega; N],
-            velocity: [2.0 * damping * omega; N],
-        }
+        Self { position: [omega * omega; N], velocity: [2.0 * damping * omega; N] }
     }
 }
 
@@ -39,7 +37,8 @@ pub enum ComputedTorqueError {
     /// The model has no feed-forward.
     #[error(transparent)]
     FeedForward(#[from] FeedForwardError),
-    /// Inputs cannot accelerate this joint at will: computed torque is for robots with a drive for every coordinate.
+    /// Inputs cannot accelerate this joint at will: computed torque is for robots with a drive for every
+    /// coordinate.
     #[error(
         "the inputs cannot make every force on joint {}: computed torque needs a drive for every coordinate; `JointPd` does not",
         Named(.name)
@@ -58,14 +57,16 @@ pub enum ComputedTorqueError {
 ///     u = B⁻¹ (M(y) (ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)) + k(y, ẏ) − q(y, ẏ))
 /// ```
 ///
-/// that is the inverse dynamics at the measured state, with an acceleration that makes the error e = y_d − y of an exact model
-/// obey `ë + K_d ė + K_p e = 0`, for each coordinate by itself and wherever the robot is (Siciliano, Sciavicco, Villani,
-/// Oriolo, *Robotics*, 2009, section 8.5.2; Craig, *Introduction to Robotics*, 2005, chapter 10).
+/// that is the inverse dynamics at the measured state, with an acceleration that makes the error e = y_d − y
+/// of an exact model obey `ë + K_d ė + K_p e = 0`, for each coordinate by itself and wherever the robot is
+/// (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009, section 8.5.2; Craig, *Introduction to
+/// Robotics*, 2005, chapter 10).
 ///
-/// Against [`JointPd`](super::JointPd): large errors decay as small ones do, and gains need no tuning to the masses. In return
-/// the model sees every measurement: noise of positions and velocities passes through M, k and q, and a friction law that is
-/// steep at rest is switched back and forth by the sign of a noisy velocity (take a model with smooth friction, and measured
-/// velocities where there are any). As fallback of a loop, `JointPd` is the quieter choice.
+/// Against [`JointPd`](super::JointPd): large errors decay as small ones do, and gains need no tuning to the
+/// masses. In return the model sees every measurement: noise of positions and velocities passes through M, k
+/// and q, and a friction law that is steep at rest is switched back and forth by the sign of a noisy velocity
+/// (take a model with smooth friction, and measured velocities where there are any). As fallback of a loop,
+/// `JointPd` is the quieter choice.
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{AccelerationGains, ComputedTorque, JointLaw};
@@ -107,10 +108,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> ComputedTorque<D, N, M> 
                 return Err(ComputedTorqueError::Underactuated { joint, name });
             }
         }
-        Ok(Self {
-            feed_forward,
-            gains,
-        })
+        Ok(Self { feed_forward, gains })
     }
 }
 
@@ -126,10 +124,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointLaw<N, M> for Compu
                 + self.gains.velocity[i] * (desired.velocities[i] - velocities[i])
                 + self.gains.position[i] * (desired.positions[i] - positions[i])
         });
-        let forces =
-            self.feed_forward
-                .model()
-                .inverse_dynamics(positions, velocities, &accelerations);
+        let forces = self.feed_forward.model().inverse_dynamics(positions, velocities, &accelerations);
         finite(self.feed_forward.inputs_for(&forces))
     }
 

@@ -8,22 +8,25 @@ use std::fmt;
 pub struct Cycle<const N: usize, const M: usize> {
     /// Time on the trajectory at the start of this period (s); 0 at its start.
     pub time: f64,
-    /// Periods since the previous call; 1 unless the loop was stalled. The input stayed the same over all of them.
+    /// Periods since the previous call; 1 unless the loop was stalled. The input stayed the same over all of
+    /// them.
     pub periods: u32,
-    /// Positions measured at `time` [rad or m], finite and plausible; `None` where nothing arrived, or nothing believable.
+    /// Positions measured at `time` [rad or m], finite and plausible; `None` where nothing arrived, or
+    /// nothing believable.
     pub positions: Option<[f64; N]>,
-    /// Velocities measured with these positions, finite and consistent with them [rad/s or m/s]; `None` where the robot does
-    /// not measure them, and where there are no positions.
+    /// Velocities measured with these positions, finite and consistent with them [rad/s or m/s]; `None` where
+    /// the robot does not measure them, and where there are no positions.
     pub velocities: Option<[f64; N]>,
     /// Forces of the drives at the joints measured with these positions, finite [N m or N]; `None` as above.
     pub torques: Option<[f64; N]>,
-    /// Input that the loop wrote last, after its limits. Without delay it acted until now; with one period of delay it
-    /// acts from now on, and the input computed now acts from `time + period` on.
+    /// Input that the loop wrote last, after its limits. Without delay it acted until now; with one period of
+    /// delay it acts from now on, and the input computed now acts from `time + period` on.
     pub last_inputs: [f64; M],
 }
 
 impl<const N: usize, const M: usize> Default for Cycle<N, M> {
-    /// Time 0, one period after the last, nothing measured, no inputs before: the rest of a literal that names what it has.
+    /// Time 0, one period after the last, nothing measured, no inputs before: the rest of a literal that
+    /// names what it has.
     fn default() -> Self {
         Self {
             time: 0.0,
@@ -75,10 +78,9 @@ impl fmt::Display for ControllerFault {
             }
             Self::NotFinite => write!(f, "state or equations of motion are not finite"),
             Self::TooFast(joint) => joint.fmt(f),
-            Self::Stalled { periods } => write!(
-                f,
-                "{periods} periods went by since the last step, too many to predict over"
-            ),
+            Self::Stalled { periods } => {
+                write!(f, "{periods} periods went by since the last step, too many to predict over")
+            }
         }
     }
 }
@@ -124,25 +126,26 @@ pub struct Estimate<const N: usize> {
     pub velocities: [f64; N],
 }
 
-/// A controller of a robot with `N` coordinates and `M` inputs. It knows its model and its trajectory; the loop knows
-/// clock, transport, limits and faults.
+/// A controller of a robot with `N` coordinates and `M` inputs. It knows its model and its trajectory; the
+/// loop knows clock, transport, limits and faults.
 ///
 /// No method may allocate, block, or run for longer than its budget: a real-time thread calls them.
 pub trait Controller<const N: usize, const M: usize> {
-    /// Begins at rest at `positions`, at time 0 of the trajectory, with nothing carried over. `inputs` is what the loop
-    /// writes until the first step.
+    /// Begins at rest at `positions`, at time 0 of the trajectory, with nothing carried over. `inputs` is
+    /// what the loop writes until the first step.
     fn reset(&mut self, positions: &[f64; N], inputs: &[f64; M]);
 
-    /// Takes in what happened since the last call and proposes the input of this period. Called once for every period
-    /// that the loop sees, also where the measurement is missing or an earlier proposal was not used.
+    /// Takes in what happened since the last call and proposes the input of this period. Called once for
+    /// every period that the loop sees, also where the measurement is missing or an earlier proposal was not
+    /// used.
     ///
     /// # Errors
-    /// [`ControllerFault`] where there is no input to propose. The controller must remain able to go on with the next
-    /// period.
+    /// [`ControllerFault`] where there is no input to propose. The controller must remain able to go on with
+    /// the next period.
     fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault>;
 
-    /// Input that the plan of the last successful step holds for `periods` ≥ 1 periods after that step; `None` beyond its
-    /// end, and for controllers without a plan.
+    /// Input that the plan of the last successful step holds for `periods` ≥ 1 periods after that step;
+    /// `None` beyond its end, and for controllers without a plan.
     fn planned(&self, periods: u32) -> Option<[f64; M]> {
         let _ = periods;
         None
@@ -153,13 +156,14 @@ pub trait Controller<const N: usize, const M: usize> {
         None
     }
 
-    /// Brings the code and the data of the next step into the caches: computes what the step will compute, about the state
-    /// that `next` expects, and throws the result away. The loop calls it while it waits for the next period, once at most,
-    /// and not at all where there is no time for it (see [`LoopSettings::warm_up`](super::LoopSettings::warm_up)).
+    /// Brings the code and the data of the next step into the caches: computes what the step will compute,
+    /// about the state that `next` expects, and throws the result away. The loop calls it while it waits for
+    /// the next period, once at most, and not at all where there is no time for it (see
+    /// [`LoopSettings::warm_up`](super::LoopSettings::warm_up)).
     ///
-    /// What any later call returns must be the same to the last bit, whether this was called or not: change scratch memory
-    /// alone. A test that drives the controller with and without these calls and compares is short. The default does
-    /// nothing.
+    /// What any later call returns must be the same to the last bit, whether this was called or not: change
+    /// scratch memory alone. A test that drives the controller with and without these calls and compares is
+    /// short. The default does nothing.
     fn warm_up(&mut self, next: &Cycle<N, M>) {
         let _ = next;
     }

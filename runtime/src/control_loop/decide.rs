@@ -45,10 +45,7 @@ where
 {
     /// Reads and judges a measurement. Too long without a believable one, and it brakes.
     pub(super) fn read(&mut self, desired: &[f64; N], periods: u32) -> Judged<N> {
-        let missing = Judged {
-            reading: Reading::of([f64::NAN; N], Brakes::Unknown),
-            believed: None,
-        };
+        let missing = Judged { reading: Reading::of([f64::NAN; N], Brakes::Unknown), believed: None };
         let reading = match self.transport.read() {
             Ok(Some(reading)) => reading,
             Ok(None) => {
@@ -154,8 +151,7 @@ where
         if self.state.failures > self.settings.fallback_periods {
             self.slow_down(StopReason::Controller(fault));
         }
-        self.follow_plan()
-            .unwrap_or_else(|| self.fall_back(desired, measured))
+        self.follow_plan().unwrap_or_else(|| self.fall_back(desired, measured))
     }
 
     fn follow_plan(&self) -> Option<Proposal<M>> {
@@ -164,11 +160,7 @@ where
             return None;
         }
         let inputs = self.controller.planned(failures)?;
-        is_finite(&inputs).then_some(Proposal {
-            inputs,
-            source: Source::Plan,
-            iterations: 0,
-        })
+        is_finite(&inputs).then_some(Proposal { inputs, source: Source::Plan, iterations: 0 })
     }
 
     fn fall_back(&self, desired: &Sample<N>, measured: Option<Measured<N>>) -> Proposal<M> {
@@ -179,20 +171,12 @@ where
         });
         inputs.map_or_else(
             || self.hold(),
-            |inputs| Proposal {
-                inputs,
-                source: Source::Fallback,
-                iterations: 0,
-            },
+            |inputs| Proposal { inputs, source: Source::Fallback, iterations: 0 },
         )
     }
 
     fn hold(&self) -> Proposal<M> {
-        Proposal {
-            inputs: self.state.inputs,
-            source: Source::Held,
-            iterations: 0,
-        }
+        Proposal { inputs: self.state.inputs, source: Source::Held, iterations: 0 }
     }
 
     /// Limits the inputs, and brakes where the state is outside its limits, or at the end of the motion.
@@ -200,12 +184,7 @@ where
         self.state.counts.limited_inputs += limit_inputs(&mut inputs, &self.settings.input_limit);
         let (positions, age) = self.state.guard.believed();
         let velocities = self.state.filter.velocities();
-        let situation = Situation {
-            positions: &positions,
-            velocities,
-            age,
-            desired,
-        };
+        let situation = Situation { positions: &positions, velocities, age, desired };
         if let Err(fault) = check_state(&self.settings, &self.joints, &situation) {
             self.engage(End::Stopped(StopReason::Limit(fault)));
         } else if let Some(end) = self.end_of_motion() {
@@ -225,9 +204,7 @@ where
             _ => return None,
         };
         let velocities = self.state.filter.velocities().iter();
-        let at_rest = velocities
-            .zip(&self.settings.standstill_speed)
-            .all(|(v, limit)| v.abs() <= *limit);
+        let at_rest = velocities.zip(&self.settings.standstill_speed).all(|(v, limit)| v.abs() <= *limit);
         (standing >= 0.0 && (at_rest || standing >= self.settings.stop_time)).then_some(end)
     }
 

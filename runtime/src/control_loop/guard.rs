@@ -33,8 +33,8 @@ pub enum EncoderFault {
         /// Distance that the desired position moved meanwhile [rad or m].
         desired: f64,
     },
-    /// The measured velocity is not finite, or not that with which the positions change: a wrong sign, unit or gear ratio, or
-    /// a sensor that fails.
+    /// The measured velocity is not finite, or not that with which the positions change: a wrong sign, unit
+    /// or gear ratio, or a sensor that fails.
     Velocity {
         /// Index of the coordinate.
         joint: usize,
@@ -42,7 +42,8 @@ pub enum EncoderFault {
         name: &'static str,
         /// What was measured [rad/s or m/s].
         measured: f64,
-        /// Measured velocity minus that of the positions, both over the last tenth of a second [rad/s or m/s].
+        /// Measured velocity minus that of the positions, both over the last tenth of a second [rad/s or
+        /// m/s].
         mismatch: f64,
         /// Magnitude of the mismatch that would have been believed [rad/s or m/s].
         possible: f64,
@@ -55,12 +56,7 @@ impl fmt::Display for EncoderFault {
             Self::NotFinite { name, .. } => {
                 write!(f, "encoder of joint {} is not finite", Named(name))
             }
-            Self::Jump {
-                name,
-                distance,
-                possible,
-                ..
-            } => write!(
+            Self::Jump { name, distance, possible, .. } => write!(
                 f,
                 "encoder of joint {} jumped by {distance:.4}; the joint can move {possible:.4} in that time",
                 Named(name)
@@ -70,13 +66,7 @@ impl fmt::Display for EncoderFault {
                 "encoder of joint {} did not change while {desired:.4} of motion was desired",
                 Named(name)
             ),
-            Self::Velocity {
-                name,
-                measured,
-                mismatch,
-                possible,
-                ..
-            } => write!(
+            Self::Velocity { name, measured, mismatch, possible, .. } => write!(
                 f,
                 "velocity {measured:.4} measured at joint {} is off by {mismatch:.4} from the change of its position, more than \
                  {possible:.4}: check its sign and unit",
@@ -93,10 +83,11 @@ pub struct GuardSettings<const N: usize> {
     pub jump_speed: [f64; N],
     /// Change that is always believed: noise and a few encoder steps [rad or m].
     pub jump_margin: [f64; N],
-    /// Desired motion during which a reading may stay the same: stiction, backlash and following error [rad or m].
+    /// Desired motion during which a reading may stay the same: stiction, backlash and following error [rad
+    /// or m].
     pub frozen_motion: [f64; N],
-    /// Difference between a measured velocity and that of the positions that is believed: noise, and the delay of the drive's
-    /// filter times the acceleration [rad/s or m/s]. Infinite: they are not compared.
+    /// Difference between a measured velocity and that of the positions that is believed: noise, and the
+    /// delay of the drive's filter times the acceleration [rad/s or m/s]. Infinite: they are not compared.
     pub velocity_mismatch: [f64; N],
 }
 
@@ -158,8 +149,8 @@ impl<const N: usize> EncoderGuard<N> {
         (self.believed, self.age)
     }
 
-    /// Judges one reading, given the position that is desired at the same time; velocities where they were measured with it
-    /// [rad/s or m/s].
+    /// Judges one reading, given the position that is desired at the same time; velocities where they were
+    /// measured with it [rad/s or m/s].
     ///
     /// # Errors
     /// The first [`EncoderFault`]; the reading then is not taken over.
@@ -203,26 +194,17 @@ impl<const N: usize> EncoderGuard<N> {
         // Written so that NaN is a jump. No time and no limit of the speed: 0 · ∞.
         let near = distance <= possible || (self.age == 0.0 && distance <= margin);
         if !(near && distance < NO_DISTANCE) {
-            return Err(EncoderFault::Jump {
-                joint,
-                name,
-                distance,
-                possible,
-            });
+            return Err(EncoderFault::Jump { joint, name, distance, possible });
         }
         let moved = (desired - self.desired_at_change[joint]).abs();
         if moved > settings.frozen_motion[joint] {
-            return Err(EncoderFault::Frozen {
-                joint,
-                name,
-                desired: moved,
-            });
+            return Err(EncoderFault::Frozen { joint, name, desired: moved });
         }
         Ok(())
     }
 
-    /// Filters the difference of the mean measured velocity (trapezoidal rule) and the mean velocity of the positions since the
-    /// last believed reading.
+    /// Filters the difference of the mean measured velocity (trapezoidal rule) and the mean velocity of the
+    /// positions since the last believed reading.
     fn compare(&mut self, reading: &[f64; N], velocities: &[f64; N]) {
         let Some(before) = self.velocities.filter(|_| self.age > 0.0) else {
             return;
@@ -244,13 +226,7 @@ impl<const N: usize> EncoderGuard<N> {
         if measured.is_finite() && mismatch.abs() <= possible {
             return Ok(());
         }
-        Err(EncoderFault::Velocity {
-            joint,
-            name: self.names[joint],
-            measured,
-            mismatch,
-            possible,
-        })
+        Err(EncoderFault::Velocity { joint, name: self.names[joint], measured, mismatch, possible })
     }
 }
 
@@ -283,10 +259,7 @@ mod tests {
         for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert_eq!(
                 guard().check(&[1.0, x], None, &[1.0, 0.0]),
-                Err(EncoderFault::NotFinite {
-                    joint: 1,
-                    name: "2"
-                })
+                Err(EncoderFault::NotFinite { joint: 1, name: "2" })
             );
         }
     }
@@ -356,9 +329,7 @@ mod tests {
     fn velocities_that_are_no_numbers_are_not_believed() {
         let mut guard = guard();
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            let fault = guard
-                .check(&[1.0, 0.0], Some(&[0.0, bad]), &[1.0, 0.0])
-                .unwrap_err();
+            let fault = guard.check(&[1.0, 0.0], Some(&[0.0, bad]), &[1.0, 0.0]).unwrap_err();
             assert!(matches!(fault, EncoderFault::Velocity { joint: 1, .. }));
         }
         let good = guard.check(&[1.0, 0.0], Some(&[0.0, 0.0]), &[1.0, 0.0]);
@@ -368,20 +339,14 @@ mod tests {
     /// Settings of the caller's own, without the checks of the loop: no number counts as no allowance.
     #[test]
     fn no_numbers_among_settings_and_times_let_nothing_through() {
-        let settings = GuardSettings {
-            jump_speed: [f64::INFINITY; 2],
-            ..SETTINGS
-        };
+        let settings = GuardSettings { jump_speed: [f64::INFINITY; 2], ..SETTINGS };
         let mut guard = EncoderGuard::new(settings, [1.0, 0.0], [1.0, 0.0]);
         guard.elapse(f64::NAN);
         guard.elapse(-1.0);
         assert_eq!(guard.believed().1, 0.0);
         assert!(guard.check(&[1.01, 0.0], None, &[1.0, 0.0]).is_err());
         assert_eq!(guard.check(&[1.0, 0.0], None, &[1.0, 0.0]), Ok(()));
-        let settings = GuardSettings {
-            jump_speed: [f64::NAN; 2],
-            ..SETTINGS
-        };
+        let settings = GuardSettings { jump_speed: [f64::NAN; 2], ..SETTINGS };
         let mut guard = EncoderGuard::new(settings, [1.0, 0.0], [1.0, 0.0]);
         guard.elapse(0.02);
         assert!(guard.check(&[1.0, 0.0], None, &[1.0, 0.0]).is_err());

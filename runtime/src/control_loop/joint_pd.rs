@@ -18,9 +18,10 @@ pub struct JointGains<const N: usize> {
 }
 
 impl<const N: usize> JointGains<N> {
-    /// Gains that make each joint, with the others at rest, an oscillator of natural frequency `omega` [rad/s] and damping
-    /// ratio `damping`: `K_p = M_ii ω²`, `K_d = 2 ζ M_ii ω` with the mass matrix at `positions` (Siciliano, Sciavicco,
-    /// Villani, Oriolo, *Robotics*, 2009, section 8.3). Friction of the joint damps in addition.
+    /// Gains that make each joint, with the others at rest, an oscillator of natural frequency `omega`
+    /// [rad/s] and damping ratio `damping`: `K_p = M_ii ω²`, `K_d = 2 ζ M_ii ω` with the mass matrix at
+    /// `positions` (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009, section 8.3). Friction of the
+    /// joint damps in addition.
     #[must_use]
     pub fn from_bandwidth<const M: usize>(
         model: &impl Dynamics<N, M>,
@@ -53,8 +54,9 @@ pub enum JointPdError {
 ///     u = u_ff(y_d, ẏ_d, ÿ_d) + B⁺ (K_p (y_d − y) + K_d (ẏ_d − ẏ))
 /// ```
 ///
-/// with the [`FeedForward`] u_ff and its B⁺. What the model says is taken along the desired motion, so that noise of the
-/// measurement reaches the inputs through the gains alone. Beside it stands [`ComputedTorque`](super::ComputedTorque).
+/// with the [`FeedForward`] u_ff and its B⁺. What the model says is taken along the desired motion, so that
+/// noise of the measurement reaches the inputs through the gains alone. Beside it stands
+/// [`ComputedTorque`](super::ComputedTorque).
 #[derive(Debug, Clone)]
 pub struct JointPd<D, const N: usize, const M: usize> {
     feed_forward: FeedForward<D, N, M>,
@@ -70,10 +72,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointPd<D, N, M> {
         let names = model.joint_names();
         require_gains("gains.position", &names, &gains.position)?;
         require_gains("gains.velocity", &names, &gains.velocity)?;
-        Ok(Self {
-            feed_forward: FeedForward::new(model)?,
-            gains,
-        })
+        Ok(Self { feed_forward: FeedForward::new(model)?, gains })
     }
 }
 
@@ -126,18 +125,13 @@ mod tests {
 
     #[test]
     fn the_law_is_feed_forward_plus_gains_through_the_gears() {
-        let gains = JointGains {
-            position: [100.0, 50.0],
-            velocity: [10.0, 5.0],
-        };
+        let gains = JointGains { position: [100.0, 50.0], velocity: [10.0, 5.0] };
         let law = JointPd::new(PowerCube, gains).unwrap();
         let motion = RestToRest::new([0.0, 0.1], [1.0, 0.5], 2.0).unwrap();
         let desired = motion.sample(0.7);
         let (y, v) = (&desired.positions, &desired.velocities);
         let exact = law.inputs(&desired, y, v).unwrap();
-        let off = law
-            .inputs(&desired, &[y[0] - 0.161, y[1]], &[v[0], v[1] + 0.322])
-            .unwrap();
+        let off = law.inputs(&desired, &[y[0] - 0.161, y[1]], &[v[0], v[1] + 0.322]).unwrap();
         // 100 · 0.161 / 161 and −5 · 0.322 / 161: the gear ratio is 161.
         assert!((off[0] - exact[0] - 0.1).abs() < 1e-12);
         assert!((off[1] - exact[1] + 0.01).abs() < 1e-12);
@@ -145,10 +139,7 @@ mod tests {
 
     #[test]
     fn gains_must_be_numbers() {
-        let gains = JointGains {
-            position: [1.0, f64::NAN],
-            velocity: [1.0; 2],
-        };
+        let gains = JointGains { position: [1.0, f64::NAN], velocity: [1.0; 2] };
         let error = JointPd::new(PowerCube, gains).unwrap_err();
         assert_eq!(
             error.to_string(),

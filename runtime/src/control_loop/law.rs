@@ -8,12 +8,15 @@ use crate::dynamics::numbered;
 use crate::trajectory::{Sample, Trajectory};
 use std::hint::black_box;
 
-/// A feedback law without memory: inputs from a desired state and the measured one. The loop falls back on one where its
-/// controller fails, and makes the controlled stop with it; [`LawController`] follows a trajectory by one.
+/// A feedback law without memory: inputs from a desired state and the measured one. The loop falls back on
+/// one where its controller fails, and makes the controlled stop with it; [`LawController`] follows a
+/// trajectory by one.
 ///
-/// [`JointPd`] takes the model along the desired motion, [`ComputedTorque`](super::ComputedTorque) at the measured state.
+/// [`JointPd`] takes the model along the desired motion, [`ComputedTorque`](super::ComputedTorque) at the
+/// measured state.
 pub trait JointLaw<const N: usize, const M: usize> {
-    /// Inputs [the model's units] for a desired state, given the measured positions [rad or m] and velocities [rad/s or m/s].
+    /// Inputs [the model's units] for a desired state, given the measured positions [rad or m] and velocities
+    /// [rad/s or m/s].
     ///
     /// # Errors
     /// [`ControllerFault::NotFinite`].
@@ -37,15 +40,11 @@ pub trait JointLaw<const N: usize, const M: usize> {
 
 /// The inputs, if they are numbers.
 pub(super) fn finite<const M: usize>(inputs: [f64; M]) -> Result<[f64; M], ControllerFault> {
-    if inputs.iter().all(|u| u.is_finite()) {
-        Ok(inputs)
-    } else {
-        Err(ControllerFault::NotFinite)
-    }
+    if inputs.iter().all(|u| u.is_finite()) { Ok(inputs) } else { Err(ControllerFault::NotFinite) }
 }
 
-/// A [`JointLaw`] along a trajectory, with velocities as the robot measures them, or else from differences of positions
-/// ([`VelocityFilter`]). Fails in periods without a measurement.
+/// A [`JointLaw`] along a trajectory, with velocities as the robot measures them, or else from differences of
+/// positions ([`VelocityFilter`]). Fails in periods without a measurement.
 #[derive(Debug, Clone)]
 pub struct LawController<L, R, const N: usize, const M: usize> {
     law: L,
@@ -58,28 +57,17 @@ pub struct LawController<L, R, const N: usize, const M: usize> {
 }
 
 /// [`JointPd`] along a trajectory.
-pub type FeedForwardPd<D, R, const N: usize, const M: usize> =
-    LawController<JointPd<D, N, M>, R, N, M>;
+pub type FeedForwardPd<D, R, const N: usize, const M: usize> = LawController<JointPd<D, N, M>, R, N, M>;
 
-impl<L: JointLaw<N, M>, R: Trajectory<N>, const N: usize, const M: usize>
-    LawController<L, R, N, M>
-{
-    /// The controller for periods of `period` seconds; velocities that are not measured are smoothed with `time_constant` (s).
+impl<L: JointLaw<N, M>, R: Trajectory<N>, const N: usize, const M: usize> LawController<L, R, N, M> {
+    /// The controller for periods of `period` seconds; velocities that are not measured are smoothed with
+    /// `time_constant` (s).
     ///
     /// # Errors
     /// [`SettingError`] for a period that is not positive and finite, a time constant that is not 0 to 60 s.
-    pub fn new(
-        law: L,
-        trajectory: R,
-        period: f64,
-        time_constant: f64,
-    ) -> Result<Self, SettingError> {
-        require("period", period, "positive and finite", |x| {
-            x.is_finite() && x > 0.0
-        })?;
-        require("time_constant", time_constant, "0 to 60 s", |x| {
-            (0.0..=60.0).contains(&x)
-        })?;
+    pub fn new(law: L, trajectory: R, period: f64, time_constant: f64) -> Result<Self, SettingError> {
+        require("period", period, "positive and finite", |x| x.is_finite() && x > 0.0)?;
+        require("time_constant", time_constant, "0 to 60 s", |x| (0.0..=60.0).contains(&x))?;
         let start = trajectory.sample(0.0).positions;
         Ok(Self {
             law,
@@ -113,20 +101,12 @@ impl<L: JointLaw<N, M>, R: Trajectory<N>, const N: usize, const M: usize> Contro
         }
         self.age = 0;
         let desired = self.trajectory.sample(cycle.time);
-        let inputs = self
-            .law
-            .inputs(&desired, &positions, self.filter.velocities())?;
-        Ok(Command {
-            inputs,
-            iterations: 0,
-        })
+        let inputs = self.law.inputs(&desired, &positions, self.filter.velocities())?;
+        Ok(Command { inputs, iterations: 0 })
     }
 
     fn estimate(&self) -> Option<Estimate<N>> {
-        Some(Estimate {
-            positions: *self.filter.positions(),
-            velocities: *self.filter.velocities(),
-        })
+        Some(Estimate { positions: *self.filter.positions(), velocities: *self.filter.velocities() })
     }
 
     fn warm_up(&mut self, next: &Cycle<N, M>) {
@@ -147,22 +127,14 @@ mod tests {
     type Pd = FeedForwardPd<PowerCube, RestToRest<2>, 2, 2>;
 
     fn controller(period: f64, time_constant: f64) -> Result<Pd, SettingError> {
-        let gains = JointGains {
-            position: [100.0, 50.0],
-            velocity: [10.0, 5.0],
-        };
+        let gains = JointGains { position: [100.0, 50.0], velocity: [10.0, 5.0] };
         let law = JointPd::new(PowerCube, gains).unwrap();
         let motion = RestToRest::new([0.0, 0.1], [1.0, 0.5], 2.0).unwrap();
         LawController::new(law, motion, period, time_constant)
     }
 
     fn cycle(velocities: Option<[f64; 2]>) -> Cycle<2, 2> {
-        Cycle {
-            time: 0.02,
-            positions: Some([0.002, 0.1]),
-            velocities,
-            ..Cycle::default()
-        }
+        Cycle { time: 0.02, positions: Some([0.002, 0.1]), velocities, ..Cycle::default() }
     }
 
     #[test]
@@ -186,26 +158,10 @@ mod tests {
     #[test]
     fn periods_and_time_constants_are_checked() {
         for (period, time_constant, message) in [
-            (
-                0.0,
-                0.01,
-                "setting period of the loop is 0; it must be positive and finite",
-            ),
-            (
-                -0.02,
-                0.01,
-                "setting period of the loop is -0.02; it must be positive and finite",
-            ),
-            (
-                f64::INFINITY,
-                0.01,
-                "setting period of the loop is inf; it must be positive and finite",
-            ),
-            (
-                0.02,
-                f64::NAN,
-                "setting time_constant of the loop is NaN; it must be 0 to 60 s",
-            ),
+            (0.0, 0.01, "setting period of the loop is 0; it must be positive and finite"),
+            (-0.02, 0.01, "setting period of the loop is -0.02; it must be positive and finite"),
+            (f64::INFINITY, 0.01, "setting period of the loop is inf; it must be positive and finite"),
+            (0.02, f64::NAN, "setting time_constant of the loop is NaN; it must be 0 to 60 s"),
         ] {
             let error = controller(period, time_constant).unwrap_err();
             assert_eq!(error.to_string(), message);
@@ -217,10 +173,7 @@ mod tests {
     fn an_overflow_passes() {
         let mut pd = controller(0.02, 0.01).unwrap();
         pd.reset(&[0.0, 0.1], &[0.0; 2]);
-        let wild = Cycle {
-            positions: Some([1e308, 0.1]),
-            ..cycle(None)
-        };
+        let wild = Cycle { positions: Some([1e308, 0.1]), ..cycle(None) };
         assert_eq!(pd.step(&wild), Err(ControllerFault::NotFinite));
         assert!(pd.step(&cycle(None)).is_ok());
     }

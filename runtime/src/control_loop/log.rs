@@ -11,19 +11,22 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// How long the writer sleeps when there is nothing to write. The loop never wakes it: that would be a system call.
+/// How long the writer sleeps when there is nothing to write. The loop never wakes it: that would be a system
+/// call.
 const IDLE: Duration = Duration::from_millis(5);
 
 /// One period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogRecord<const N: usize, const M: usize> {
-    /// Time since the trajectory began, by the clock, which goes on while a stop slows the trajectory down (s).
+    /// Time since the trajectory began, by the clock, which goes on while a stop slows the trajectory down
+    /// (s).
     pub time: f64,
     /// Positions as read, also where they were not believed [rad or m]; NaN where nothing arrived.
     pub positions: [f64; N],
     /// Estimated velocities: the controller's, or else the loop's [rad/s or m/s].
     pub velocities: [f64; N],
-    /// Velocities as read [rad/s or m/s], NaN where nothing arrived; None in all records of a robot that does not measure them.
+    /// Velocities as read [rad/s or m/s], NaN where nothing arrived; None in all records of a robot that does
+    /// not measure them.
     pub measured_velocities: Option<[f64; N]>,
     /// Forces of the drives at the joints as read [N m or N]; NaN and None as above.
     pub measured_torques: Option<[f64; N]>,
@@ -81,31 +84,26 @@ impl LogWriter {
     /// # Errors
     /// [`io::Error`] of the file.
     pub fn finish(self) -> io::Result<LogSummary> {
-        let written = self
-            .thread
-            .join()
-            .map_err(|_| io::Error::other("the log's writer panicked"))??;
-        Ok(LogSummary {
-            written,
-            dropped: self.dropped.load(Ordering::Relaxed),
-        })
+        let written = self.thread.join().map_err(|_| io::Error::other("the log's writer panicked"))??;
+        Ok(LogSummary { written, dropped: self.dropped.load(Ordering::Relaxed) })
     }
 }
 
 /// Most records between two looks of the writer: all their memory is taken at once.
 pub const MAX_LOG_CAPACITY: usize = 1 << 20;
 
-/// A log into a CSV file, for `capacity` records between two looks of the writer (every 5 ms; 1000 is plenty). Call it
-/// before real-time scheduling is requested, so that the writer does not inherit it.
+/// A log into a CSV file, for `capacity` records between two looks of the writer (every 5 ms; 1000 is
+/// plenty). Call it before real-time scheduling is requested, so that the writer does not inherit it.
 ///
-/// Columns, where `NAME` is that of the joint or input in `model`: `time`, `q_NAME` … (positions as read, NaN where nothing
-/// arrived), `dq_NAME` … (estimated velocities), `measured_dq_NAME` … and `measured_tau_NAME` … (velocities and forces of the
-/// drives as read, of robots that measure them), `desired_NAME` …, `u_NAME` …, `source`, `believed`, `iterations`,
-/// `lateness_ns`, `read_ns`, `control_ns`, `check_ns`, `write_ns`. Names with commas or quotation marks are quoted.
+/// Columns, where `NAME` is that of the joint or input in `model`: `time`, `q_NAME` … (positions as read, NaN
+/// where nothing arrived), `dq_NAME` … (estimated velocities), `measured_dq_NAME` … and `measured_tau_NAME` …
+/// (velocities and forces of the drives as read, of robots that measure them), `desired_NAME` …, `u_NAME` …,
+/// `source`, `believed`, `iterations`, `lateness_ns`, `read_ns`, `control_ns`, `check_ns`, `write_ns`. Names
+/// with commas or quotation marks are quoted.
 ///
 /// # Errors
-/// [`io::Error`] where the file cannot be made or no thread can be started, and for a capacity that is 0 or above
-/// [`MAX_LOG_CAPACITY`].
+/// [`io::Error`] where the file cannot be made or no thread can be started, and for a capacity that is 0 or
+/// above [`MAX_LOG_CAPACITY`].
 pub fn log_to_file<const N: usize, const M: usize>(
     path: &Path,
     model: &impl Dynamics<N, M>,
@@ -138,10 +136,7 @@ fn start<const N: usize, const M: usize>(
     let thread = std::thread::Builder::new()
         .name("loop-log".into())
         .spawn(move || write_all(consumer, &names, csv::Writer::from_writer(output)))?;
-    let sink = LogSink {
-        producer,
-        dropped: Arc::clone(&dropped),
-    };
+    let sink = LogSink { producer, dropped: Arc::clone(&dropped) };
     Ok((sink, LogWriter { thread, dropped }))
 }
 
@@ -198,27 +193,13 @@ struct Measures {
 
 impl Measures {
     fn of<const N: usize, const M: usize>(record: &LogRecord<N, M>) -> Self {
-        Self {
-            velocities: record.measured_velocities.is_some(),
-            torques: record.measured_torques.is_some(),
-        }
+        Self { velocities: record.measured_velocities.is_some(), torques: record.measured_torques.is_some() }
     }
 }
 
-fn header<const N: usize, const M: usize>(
-    (joints, inputs): &Names<N, M>,
-    measures: Measures,
-) -> Vec<String> {
-    let rest = [
-        "source",
-        "believed",
-        "iterations",
-        "lateness_ns",
-        "read_ns",
-        "control_ns",
-        "check_ns",
-        "write_ns",
-    ];
+fn header<const N: usize, const M: usize>((joints, inputs): &Names<N, M>, measures: Measures) -> Vec<String> {
+    let rest =
+        ["source", "believed", "iterations", "lateness_ns", "read_ns", "control_ns", "check_ns", "write_ns"];
     let mut header = vec!["time".to_owned()];
     let mut add = |prefix: &str, names: &[&str]| {
         header.extend(names.iter().map(|name| format!("{prefix}_{name}")));
@@ -243,10 +224,7 @@ fn fields<const N: usize, const M: usize>(
 ) -> impl Iterator<Item = String> {
     // As many fields as the header has, whatever the record holds.
     let column = |measured: bool, values: Option<[f64; N]>| {
-        measured
-            .then(|| values.unwrap_or([f64::NAN; N]))
-            .into_iter()
-            .flatten()
+        measured.then(|| values.unwrap_or([f64::NAN; N])).into_iter().flatten()
     };
     let numbers = std::iter::once(record.time)
         .chain(record.positions)
@@ -311,10 +289,7 @@ mod tests {
         records.iter().for_each(|record| sink.push(*record));
         drop(sink);
         let summary = writer.finish().unwrap();
-        assert_eq!(
-            (summary.written, summary.dropped),
-            (records.len() as u64, 0)
-        );
+        assert_eq!((summary.written, summary.dropped), (records.len() as u64, 0));
         let bytes = text.0.lock().unwrap().clone();
         String::from_utf8(bytes).unwrap()
     }

@@ -47,27 +47,15 @@ pub enum LimitFault {
 impl fmt::Display for LimitFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Position {
-                name,
-                position,
-                stopping,
-                limits: [low, high],
-                ..
-            } => write!(
+            Self::Position { name, position, stopping, limits: [low, high], .. } => write!(
                 f,
                 "joint {} at {position:.4} would stop at {stopping:.4}, outside {low:.4} to {high:.4}",
                 Named(name)
             ),
-            Self::Speed {
-                name, speed, limit, ..
-            } => write!(
-                f,
-                "joint {} moves at {speed:.4}, faster than {limit:.4}",
-                Named(name)
-            ),
-            Self::FollowingError {
-                name, error, limit, ..
-            } => write!(
+            Self::Speed { name, speed, limit, .. } => {
+                write!(f, "joint {} moves at {speed:.4}, faster than {limit:.4}", Named(name))
+            }
+            Self::FollowingError { name, error, limit, .. } => write!(
                 f,
                 "joint {} is {error:.4} away from its desired position, more than {limit:.4}: right after the start, check signs and \
                  order of inputs and encoders; later, check that inputs and soft limits allow the trajectory (`notes` of a predictive \
@@ -130,28 +118,15 @@ pub(super) fn check_state<const N: usize, const M: usize>(
         let (speed, limit) = (velocities[joint], settings.speed_limit[joint]);
         let within = speed.is_finite() && speed.abs() <= limit;
         if !within {
-            return Err(LimitFault::Speed {
-                joint,
-                name: names[joint],
-                speed,
-                limit,
-            });
+            return Err(LimitFault::Speed { joint, name: names[joint], speed, limit });
         }
     }
     // An old position is no measure of the error.
     for joint in (0..N).filter(|_| situation.age == 0.0) {
-        let (error, limit) = (
-            positions[joint] - situation.desired[joint],
-            settings.following_error[joint],
-        );
+        let (error, limit) = (positions[joint] - situation.desired[joint], settings.following_error[joint]);
         let within = error.abs() <= limit;
         if !within {
-            return Err(LimitFault::FollowingError {
-                joint,
-                name: names[joint],
-                error,
-                limit,
-            });
+            return Err(LimitFault::FollowingError { joint, name: names[joint], error, limit });
         }
     }
     Ok(())
@@ -207,12 +182,7 @@ mod tests {
     }
 
     fn check(y: f64, v: f64, age: f64, desired: f64) -> Result<(), LimitFault> {
-        let situation = Situation {
-            positions: &[y],
-            velocities: &[v],
-            age,
-            desired: &[desired],
-        };
+        let situation = Situation { positions: &[y], velocities: &[v], age, desired: &[desired] };
         check_state(&settings(), &["upper arm"], &situation)
     }
 
@@ -257,20 +227,11 @@ mod tests {
             ..settings()
         };
         let check = |y: f64, v: f64, desired: f64| {
-            let situation = Situation {
-                positions: &[y],
-                velocities: &[v],
-                age: 0.0,
-                desired: &[desired],
-            };
+            let situation = Situation { positions: &[y], velocities: &[v], age: 0.0, desired: &[desired] };
             check_state(&unlimited, &["1"], &situation)
         };
         assert_eq!(check(0.0, 1e100, 0.0), Ok(()));
-        for (y, v, desired) in [
-            (0.0, f64::NAN, 0.0),
-            (0.0, f64::INFINITY, 0.0),
-            (0.0, 0.0, f64::NAN),
-        ] {
+        for (y, v, desired) in [(0.0, f64::NAN, 0.0), (0.0, f64::INFINITY, 0.0), (0.0, 0.0, f64::NAN)] {
             assert!(check(y, v, desired).is_err(), "{y} {v} {desired}");
         }
     }

@@ -36,17 +36,15 @@ pub struct RealtimeRequest {
 }
 
 impl Default for RealtimeRequest {
-    /// Priority 80, memory locked: above interrupt threads of disks and network cards (50), below the kernel's own.
+    /// Priority 80, memory locked: above interrupt threads of disks and network cards (50), below the
+    /// kernel's own.
     fn default() -> Self {
-        Self {
-            priority: Some(80),
-            lock_memory: true,
-        }
+        Self { priority: Some(80), lock_memory: true }
     }
 }
 
-/// What was granted. Show it to the operator: a loop without real-time scheduling runs, but misses deadlines on a busy
-/// machine.
+/// What was granted. Show it to the operator: a loop without real-time scheduling runs, but misses deadlines
+/// on a busy machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RealtimeReport {
     /// `SCHED_FIFO` for the calling thread.
@@ -57,31 +55,22 @@ pub struct RealtimeReport {
 
 impl fmt::Display for RealtimeReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "SCHED_FIFO {}; locked memory {}",
-            self.scheduling, self.memory
-        )
+        write!(f, "SCHED_FIFO {}; locked memory {}", self.scheduling, self.memory)
     }
 }
 
 impl RealtimeRequest {
-    /// Asks for both on behalf of the calling thread. Call it after everything is constructed, in the thread that runs the
-    /// loop: threads started later would inherit the priority, and only memory that exists now is locked, which is all that
-    /// the loop touches.
+    /// Asks for both on behalf of the calling thread. Call it after everything is constructed, in the thread
+    /// that runs the loop: threads started later would inherit the priority, and only memory that exists now
+    /// is locked, which is all that the loop touches.
     ///
-    /// Needs `CAP_SYS_NICE` and `CAP_IPC_LOCK`, or limits (`rtprio`, `memlock` in `/etc/security/limits.conf`).
+    /// Needs `CAP_SYS_NICE` and `CAP_IPC_LOCK`, or limits (`rtprio`, `memlock` in
+    /// `/etc/security/limits.conf`).
     #[must_use]
     pub fn apply(&self) -> RealtimeReport {
         RealtimeReport {
-            scheduling: self
-                .priority
-                .map_or(Grant::NotRequested, request_scheduling),
-            memory: if self.lock_memory {
-                lock_memory()
-            } else {
-                Grant::NotRequested
-            },
+            scheduling: self.priority.map_or(Grant::NotRequested, request_scheduling),
+            memory: if self.lock_memory { lock_memory() } else { Grant::NotRequested },
         }
     }
 }
@@ -114,7 +103,8 @@ fn request_scheduling(_: u8) -> Grant {
     Grant::Refused("only known on Linux".into())
 }
 
-/// `MCL_CURRENT` alone: with `MCL_FUTURE` and a small limit, the first allocation of another thread would end the process.
+/// `MCL_CURRENT` alone: with `MCL_FUTURE` and a small limit, the first allocation of another thread would end
+/// the process.
 #[cfg(target_os = "linux")]
 fn lock_memory() -> Grant {
     match rustix::mm::mlockall(rustix::mm::MlockAllFlags::CURRENT) {
@@ -134,14 +124,8 @@ mod tests {
 
     #[test]
     fn a_report_says_what_was_granted() {
-        let request = RealtimeRequest {
-            priority: None,
-            lock_memory: false,
-        };
-        assert_eq!(
-            request.apply().to_string(),
-            "SCHED_FIFO not requested; locked memory not requested"
-        );
+        let request = RealtimeRequest { priority: None, lock_memory: false };
+        assert_eq!(request.apply().to_string(), "SCHED_FIFO not requested; locked memory not requested");
     }
 
     /// In a thread of its own, so that no other test inherits what is granted.
@@ -149,11 +133,7 @@ mod tests {
     fn a_request_ends_in_a_grant_or_a_reason() {
         let report = std::thread::spawn(|| {
             let priority = Some(10);
-            RealtimeRequest {
-                priority,
-                lock_memory: false,
-            }
-            .apply()
+            RealtimeRequest { priority, lock_memory: false }.apply()
         })
         .join()
         .unwrap();
@@ -166,14 +146,7 @@ mod tests {
 
     #[test]
     fn a_priority_out_of_range_is_refused() {
-        let report = RealtimeRequest {
-            priority: Some(100),
-            lock_memory: false,
-        }
-        .apply();
-        assert_eq!(
-            report.scheduling,
-            Grant::Refused("priority 100 is not 1 to 98".into())
-        );
+        let report = RealtimeRequest { priority: Some(100), lock_memory: false }.apply();
+        assert_eq!(report.scheduling, Grant::Refused("priority 100 is not 1 to 98".into()));
     }
 }

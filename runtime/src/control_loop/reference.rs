@@ -9,8 +9,8 @@ use crate::trajectory::{Sample, Trajectory};
 ///     y_d = y(s),  ẏ_d = y'(s) ṡ,  ÿ_d = y''(s) ṡ² + y'(s) s̈
 /// ```
 ///
-/// The robot so stays on its path (Dahl, Nielsen, *Torque-limited path following by on-line trajectory time scaling*, IEEE
-/// Trans. Robotics and Automation 6 (1990)).
+/// The robot so stays on its path (Dahl, Nielsen, *Torque-limited path following by on-line trajectory time
+/// scaling*, IEEE Trans. Robotics and Automation 6 (1990)).
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Reference {
     /// As planned, at this time (s).
@@ -23,11 +23,7 @@ impl Reference {
     /// Begins to slow down, within `span` seconds.
     pub fn stop(&mut self, span: f64) {
         if let Self::Running { time } = *self {
-            *self = Self::Stopping {
-                since: time,
-                elapsed: 0.0,
-                span,
-            };
+            *self = Self::Stopping { since: time, elapsed: 0.0, span };
         }
     }
 
@@ -43,19 +39,10 @@ impl Reference {
     pub fn time(&self) -> f64 {
         match *self {
             Self::Running { time } => time,
-            Self::Stopping {
-                since,
-                elapsed,
-                span,
-            } => {
+            Self::Stopping { since, elapsed, span } => {
                 let t = elapsed.min(span);
                 // span = 0 stops at once; 0/0 must not get into the time.
-                since
-                    + if span > 0.0 {
-                        t - t * t / (2.0 * span)
-                    } else {
-                        0.0
-                    }
+                since + if span > 0.0 { t - t * t / (2.0 * span) } else { 0.0 }
             }
         }
     }
@@ -73,9 +60,7 @@ impl Reference {
         let sample = trajectory.sample(self.time());
         let (rate, slope) = match *self {
             Self::Running { .. } => return sample,
-            Self::Stopping { elapsed, span, .. } if elapsed < span => {
-                (1.0 - elapsed / span, -1.0 / span)
-            }
+            Self::Stopping { elapsed, span, .. } if elapsed < span => (1.0 - elapsed / span, -1.0 / span),
             Self::Stopping { .. } => (0.0, 0.0),
         };
         let (v, a) = (sample.velocities, sample.accelerations);
@@ -100,20 +85,12 @@ mod tests {
         }
 
         fn sample(&self, t: f64) -> Sample<1> {
-            Sample {
-                positions: [t.sin()],
-                velocities: [t.cos()],
-                accelerations: [-t.sin()],
-            }
+            Sample { positions: [t.sin()], velocities: [t.cos()], accelerations: [-t.sin()] }
         }
     }
 
     fn stopping(elapsed: f64) -> Reference {
-        Reference::Stopping {
-            since: 1.0,
-            elapsed,
-            span: 0.5,
-        }
+        Reference::Stopping { since: 1.0, elapsed, span: 0.5 }
     }
 
     #[test]

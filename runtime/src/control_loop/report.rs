@@ -135,22 +135,12 @@ impl fmt::Display for Refusal {
             Self::NoMeasurement => write!(f, "no finite measurement arrived"),
             Self::Requested => write!(f, "asked to stop before the start"),
             Self::Limit(fault) => write!(f, "{fault}"),
-            Self::Start {
-                name,
-                position,
-                start,
-                ..
-            } => write!(
+            Self::Start { name, position, start, .. } => write!(
                 f,
                 "joint {} is at {position:.4}, but the trajectory begins at {start:.4}: move the robot there first",
                 Named(name)
             ),
-            Self::Torque {
-                name,
-                needed,
-                limit,
-                ..
-            } => write!(
+            Self::Torque { name, needed, limit, .. } => write!(
                 f,
                 "input {} would need {needed:.4} to hold the robot, more than its limit {limit:.4}",
                 Named(name)
@@ -197,7 +187,8 @@ pub struct Counts {
     pub fallback: u64,
     /// Periods with the inputs of the period before.
     pub held: u64,
-    /// Deadlines missed: periods whose inputs were not written before the next began, slept through ones included.
+    /// Deadlines missed: periods whose inputs were not written before the next began, slept through ones
+    /// included.
     pub deadline_misses: u64,
     /// The longest row of missed deadlines.
     pub longest_miss: u64,
@@ -225,8 +216,9 @@ pub struct Counts {
     pub latest_wake: Duration,
     /// Periods before which the controller was computed once for the caches.
     pub warm_ups: u64,
-    /// Of these, those that took longer than their time ([`LoopSettings::warm_up`](super::LoopSettings::warm_up)): at most
-    /// one, since the loop then leaves them out.
+    /// Of these, those that took longer than their time
+    /// ([`LoopSettings::warm_up`](super::LoopSettings::warm_up)): at most one, since the loop then leaves
+    /// them out.
     pub late_warm_ups: u64,
 }
 

@@ -94,12 +94,12 @@ where
     T: Transport<N, M>,
     K: Clock,
 {
-    /// A loop that has not touched the robot yet. `fallback` takes over where the controller fails, and makes the controlled
-    /// stop: usually a [`JointPd`](super::JointPd).
+    /// A loop that has not touched the robot yet. `fallback` takes over where the controller fails, and makes
+    /// the controlled stop: usually a [`JointPd`](super::JointPd).
     ///
     /// # Errors
-    /// [`SettingError`] for settings out of their range, and for a trajectory whose duration is no number. It may be infinite:
-    /// such a loop ends when it is asked to.
+    /// [`SettingError`] for settings out of their range, and for a trajectory whose duration is no number. It
+    /// may be infinite: such a loop ends when it is asked to.
     pub fn new(
         settings: LoopSettings<N, M>,
         fallback: L,
@@ -110,12 +110,7 @@ where
     ) -> Result<Self, SettingError> {
         let (joints, inputs) = (fallback.joint_names(), fallback.input_names());
         settings.check(&joints, &inputs)?;
-        require(
-            "trajectory.duration",
-            trajectory.duration(),
-            "a number (s)",
-            |x| !x.is_nan(),
-        )?;
+        require("trajectory.duration", trajectory.duration(), "a number (s)", |x| !x.is_nan())?;
         let period = settings.period();
         let start = trajectory.sample(0.0).positions;
         let state = State {
@@ -190,15 +185,11 @@ where
             Phase::Idle | Phase::Running | Phase::Stopping(_) => End::Running,
             Phase::Braking { end, .. } | Phase::Ended(end) => end,
         };
-        LoopReport {
-            end,
-            brakes: self.state.brakes,
-            counts: self.state.counts,
-        }
+        LoopReport { end, brakes: self.state.brakes, counts: self.state.counts }
     }
 
-    /// Reads where the robot is, checks that it may start there, writes the inputs that hold it, and releases the brakes.
-    /// [`run`](Self::run) does it; call it only to make the periods yourself.
+    /// Reads where the robot is, checks that it may start there, writes the inputs that hold it, and releases
+    /// the brakes. [`run`](Self::run) does it; call it only to make the periods yourself.
     ///
     /// # Errors
     /// [`Refusal`]; the brakes then are engaged.
@@ -267,19 +258,11 @@ where
 
     fn holding_inputs(&self, positions: &[f64; N]) -> Result<[f64; M], Refusal> {
         let rest = Sample::at_rest(*positions);
-        let inputs = self
-            .fallback
-            .inputs(&rest, positions, &[0.0; N])
-            .unwrap_or([f64::NAN; M]);
+        let inputs = self.fallback.inputs(&rest, positions, &[0.0; N]).unwrap_or([f64::NAN; M]);
         for (input, (needed, limit)) in inputs.iter().zip(self.settings.input_limit).enumerate() {
             let possible = needed.abs() <= limit;
             if !possible {
-                return Err(Refusal::Torque {
-                    input,
-                    name: self.inputs[input],
-                    needed: *needed,
-                    limit,
-                });
+                return Err(Refusal::Torque { input, name: self.inputs[input], needed: *needed, limit });
             }
         }
         Ok(inputs)
@@ -315,9 +298,7 @@ where
         }
         watch.lap(Stage::Log, self.clock.now());
         self.state.index += 1;
-        self.state
-            .counts
-            .take_times(&watch.stages, &self.settings.budgets);
+        self.state.counts.take_times(&watch.stages, &self.settings.budgets);
         !matches!(self.state.phase, Phase::Ended(_))
     }
 
@@ -405,7 +386,8 @@ where
         }
     }
 
-    /// Engages the brakes now, and asks for them again in the periods that follow. Does nothing if already done.
+    /// Engages the brakes now, and asks for them again in the periods that follow. Does nothing if already
+    /// done.
     pub(super) fn engage(&mut self, end: End) {
         if self.is_driving() {
             let left = self.settings.brake_periods;
@@ -431,10 +413,7 @@ where
         self.state.phase = if self.state.brakes == Brakes::Engaged || left == 0 {
             Phase::Ended(end)
         } else {
-            Phase::Braking {
-                end,
-                left: left - 1,
-            }
+            Phase::Braking { end, left: left - 1 }
         };
         LogRecord {
             time: self.time(),
@@ -452,13 +431,14 @@ where
         }
     }
 
-    /// What the log gets of quantity 0 (velocities) or 1 (torques): a value in every period, if the robot measures it.
+    /// What the log gets of quantity 0 (velocities) or 1 (torques): a value in every period, if the robot
+    /// measures it.
     fn logged(&self, quantity: usize, values: Option<[f64; N]>) -> Option<[f64; N]> {
         self.state.measures[quantity].then(|| values.unwrap_or([f64::NAN; N]))
     }
 
-    /// Computes the first step for the caches while the brakes are engaged, where its time costs nothing: if it takes longer
-    /// than it may later, there will be none later.
+    /// Computes the first step for the caches while the brakes are engaged, where its time costs nothing: if
+    /// it takes longer than it may later, there will be none later.
     fn first_warm_up(&mut self, positions: &[f64; N]) {
         if self.state.warms_up {
             let begin = self.clock.now();
@@ -467,7 +447,8 @@ where
         }
     }
 
-    /// Computes the step of the period that begins at `wake` for the caches, if there still is the time that is set aside for it.
+    /// Computes the step of the period that begins at `wake` for the caches, if there still is the time that
+    /// is set aside for it.
     fn warm_up_before(&mut self, wake: Duration) {
         if !(self.state.warms_up && self.is_driving()) {
             return;
@@ -490,11 +471,7 @@ where
 
     fn warm_up(&mut self, time: f64, positions: &[f64; N], velocities: Option<[f64; N]>) {
         let desired = self.state.reference.sample(&self.trajectory);
-        let _ = black_box(self.fallback.inputs(
-            &desired,
-            positions,
-            self.state.filter.velocities(),
-        ));
+        let _ = black_box(self.fallback.inputs(&desired, positions, self.state.filter.velocities()));
         if !matches!(self.state.phase, Phase::Stopping(_)) {
             self.controller.warm_up(&Cycle {
                 time,
@@ -522,9 +499,7 @@ where
 
     fn beginning_of(&self, index: u64) -> Duration {
         let nanos = nanoseconds(self.period).saturating_mul(index);
-        self.state
-            .origin
-            .saturating_add(Duration::from_nanos(nanos))
+        self.state.origin.saturating_add(Duration::from_nanos(nanos))
     }
 
     /// Time since the trajectory began, negative while the brakes release (s).
@@ -562,10 +537,7 @@ struct Stopwatch {
 
 impl Stopwatch {
     fn new(now: Duration) -> Self {
-        Self {
-            last: now,
-            stages: [Duration::ZERO; STAGES],
-        }
+        Self { last: now, stages: [Duration::ZERO; STAGES] }
     }
 
     fn lap(&mut self, stage: Stage, now: Duration) {

@@ -9,26 +9,29 @@ use std::time::Duration;
 /// Rates that the loop accepts (Hz).
 pub const RATES: std::ops::RangeInclusive<f64> = 50.0..=1000.0;
 
-/// Settings of a [`ControlLoop`](super::ControlLoop). Start from [`for_robot`](Self::for_robot) and change what differs.
+/// Settings of a [`ControlLoop`](super::ControlLoop). Start from [`for_robot`](Self::for_robot) and change
+/// what differs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopSettings<const N: usize, const M: usize> {
     /// Periods per second, 50 to 1000 (Hz).
     pub rate: f64,
-    /// Periods in a row that are bridged without a believable measurement, or with a missed deadline; the robot then holds
-    /// its inputs or follows the controller's prediction. One more and the loop brakes.
+    /// Periods in a row that are bridged without a believable measurement, or with a missed deadline; the
+    /// robot then holds its inputs or follows the controller's prediction. One more and the loop brakes.
     pub hold_periods: u32,
     /// Periods in a row for which the plan of the last good step is followed when the controller fails.
     pub plan_periods: u32,
-    /// Periods in a row without a good step of the controller, plan and joint PD together, after which the loop stops.
+    /// Periods in a row without a good step of the controller, plan and joint PD together, after which the
+    /// loop stops.
     pub fallback_periods: u32,
     /// Positions in which the robot may be [rad or m].
     pub position_limits: [[f64; 2]; N],
     /// Speeds at which the loop brakes [rad/s or m/s].
     pub speed_limit: [f64; N],
-    /// Deceleration that the brakes are sure to reach [rad/s² or m/s²]: the loop brakes where the robot would otherwise come
-    /// to rest outside `position_limits`. Infinite: no looking ahead.
+    /// Deceleration that the brakes are sure to reach [rad/s² or m/s²]: the loop brakes where the robot would
+    /// otherwise come to rest outside `position_limits`. Infinite: no looking ahead.
     pub braking_deceleration: [f64; N],
-    /// Distance from the desired position at which the loop brakes [rad or m]. This is what stops a drive with a wrong sign.
+    /// Distance from the desired position at which the loop brakes [rad or m]. This is what stops a drive
+    /// with a wrong sign.
     pub following_error: [f64; N],
     /// Distance from the start of the trajectory at which the loop refuses to start [rad or m].
     pub start_tolerance: [f64; N],
@@ -36,8 +39,8 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     pub input_limit: [f64; M],
     /// What is believed of encoders.
     pub guard: GuardSettings<N>,
-    /// Time constant of the velocity estimate from positions, for speed check, fallback and log (s). Without meaning for a
-    /// robot that measures its velocities: they are used as they are.
+    /// Time constant of the velocity estimate from positions, for speed check, fallback and log (s). Without
+    /// meaning for a robot that measures its velocities: they are used as they are.
     pub velocity_time_constant: f64,
     /// Speed below which a robot stands [rad/s or m/s].
     pub standstill_speed: [f64; N],
@@ -51,11 +54,12 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     pub start_periods: u32,
     /// Periods in which the loop asks for the brakes until they are confirmed.
     pub brake_periods: u32,
-    /// Time before each period in which the controller's step, and the fallback's, are computed once for the caches alone
-    /// (s); 0: not at all. A step after a pause otherwise waits for memory. At most half a period; the loop measures what it
-    /// takes before the brakes are released, and leaves it out for good once it takes longer than this. It costs the time
-    /// of a step in every period, and a second wake-up of the thread. Measured at 50 Hz (`benches/warm_up.rs`): the first step of a
-    /// joint PD or of computed torque for six joints becomes twice as fast, that of an LTV-MPC 1.2 to 1.7 times; the long one of an
+    /// Time before each period in which the controller's step, and the fallback's, are computed once for the
+    /// caches alone (s); 0: not at all. A step after a pause otherwise waits for memory. At most half a
+    /// period; the loop measures what it takes before the brakes are released, and leaves it out for good
+    /// once it takes longer than this. It costs the time of a step in every period, and a second wake-up of
+    /// the thread. Measured at 50 Hz (`benches/warm_up.rs`): the first step of a joint PD or of computed
+    /// torque for six joints becomes twice as fast, that of an LTV-MPC 1.2 to 1.7 times; the long one of an
     /// NMPC gains nothing.
     pub warm_up: f64,
     /// Budget of each stage; overruns are counted. A missed deadline is what the loop acts on.
@@ -63,14 +67,15 @@ pub struct LoopSettings<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> LoopSettings<N, M> {
-    /// Settings for a robot with the limits of `model`: inputs up to the peak of motor and joint ([`Dynamics::input_limits`]), positions
-    /// and speeds up to their limits.
+    /// Settings for a robot with the limits of `model`: inputs up to the peak of motor and joint
+    /// ([`Dynamics::input_limits`]), positions and speeds up to their limits.
     ///
-    /// Bridges 3 periods, falls back for 25 at most, of which 5 on the plan; brakes at a following error of 0.1 rad (or m),
-    /// starts within 0.05, believes jumps up to twice the highest speed and 0.001, stillness over 0.02 of desired
-    /// motion, and measured velocities that differ from those of the positions by a tenth of the highest; computes for the
-    /// caches within a tenth of the period; reckons with brakes that stop the highest speed within 0.2 s; slows down within 0.5 s. For joints in metres,
-    /// and for robots without speed limits, set your own.
+    /// Bridges 3 periods, falls back for 25 at most, of which 5 on the plan; brakes at a following error of
+    /// 0.1 rad (or m), starts within 0.05, believes jumps up to twice the highest speed and 0.001, stillness
+    /// over 0.02 of desired motion, and measured velocities that differ from those of the positions by a
+    /// tenth of the highest; computes for the caches within a tenth of the period; reckons with brakes that
+    /// stop the highest speed within 0.2 s; slows down within 0.5 s. For joints in metres, and for robots
+    /// without speed limits, set your own.
     #[must_use]
     pub fn for_robot(rate: f64, model: &impl Dynamics<N, M>) -> Self {
         Self::within(rate, &model.limits(), model.input_limits().peak)
@@ -78,12 +83,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
 
     pub(super) fn within(rate: f64, limits: &Limits<N, M>, input_limit: [f64; M]) -> Self {
         // A rate out of range is refused when the loop is made, not here.
-        let period = 1.0
-            / if RATES.contains(&rate) {
-                rate
-            } else {
-                *RATES.start()
-            };
+        let period = 1.0 / if RATES.contains(&rate) { rate } else { *RATES.start() };
         let share = |part: f64| Duration::from_secs_f64(part * period);
         let mut budgets = [share(0.05); STAGES];
         budgets[Stage::Read as usize] = share(0.25);
@@ -134,13 +134,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
     ) -> Result<(), SettingError> {
         require("rate", self.rate, "50 to 1000 Hz", |x| RATES.contains(&x))?;
         let intervals = self.position_limits.map(|[low, high]| high - low);
-        require_each(
-            "position_limits (upper minus lower)",
-            joints,
-            &intervals,
-            "positive",
-            |x| x > 0.0,
-        )?;
+        require_each("position_limits (upper minus lower)", joints, &intervals, "positive", |x| x > 0.0)?;
         let positive = [
             ("speed_limit", &self.speed_limit),
             ("braking_deceleration", &self.braking_deceleration),
@@ -154,16 +148,8 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
         for (name, values) in positive {
             require_each(name, joints, values, "positive", |x| x > 0.0)?;
         }
-        require_each("input_limit", inputs, &self.input_limit, "positive", |x| {
-            x > 0.0
-        })?;
-        require_each(
-            "guard.jump_margin",
-            joints,
-            &self.guard.jump_margin,
-            "not negative",
-            |x| x >= 0.0,
-        )?;
+        require_each("input_limit", inputs, &self.input_limit, "positive", |x| x > 0.0)?;
+        require_each("guard.jump_margin", joints, &self.guard.jump_margin, "not negative", |x| x >= 0.0)?;
         let times = [
             ("velocity_time_constant", self.velocity_time_constant),
             ("stop_time", self.stop_time),
@@ -174,9 +160,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
             require(name, value, "0 to 60 s", |x| (0.0..=60.0).contains(&x))?;
         }
         let half = 0.5 / self.rate;
-        require("warm_up", self.warm_up, "0 to half a period (s)", |x| {
-            (0.0..=half).contains(&x)
-        })
+        require("warm_up", self.warm_up, "0 to half a period (s)", |x| (0.0..=half).contains(&x))
     }
 }
 
@@ -199,11 +183,7 @@ impl fmt::Display for SettingError {
         if let Some(of) = self.of {
             write!(f, "[{}]", Named(of))?;
         }
-        write!(
-            f,
-            " of the loop is {}; it must be {}",
-            self.value, self.range
-        )
+        write!(f, " of the loop is {}; it must be {}", self.value, self.range)
     }
 }
 
@@ -218,12 +198,7 @@ pub(super) fn require(
     if holds(value) {
         return Ok(());
     }
-    Err(SettingError {
-        name,
-        of: None,
-        value,
-        range,
-    })
+    Err(SettingError { name, of: None, value, range })
 }
 
 /// As [`require`], for one value for each of `names`.
@@ -236,11 +211,6 @@ pub(super) fn require_each<const L: usize>(
 ) -> Result<(), SettingError> {
     match values.iter().position(|x| !holds(*x)) {
         None => Ok(()),
-        Some(index) => Err(SettingError {
-            name,
-            of: Some(names[index]),
-            value: values[index],
-            range,
-        }),
+        Some(index) => Err(SettingError { name, of: Some(names[index]), value: values[index], range }),
     }
 }

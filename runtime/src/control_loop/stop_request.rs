@@ -15,8 +15,8 @@ impl StopRequest {
         Self::default()
     }
 
-    /// A request that SIGINT (Ctrl-C) and SIGTERM raise. Neither ends the process any more: the loop does, after the robot
-    /// stands and its brakes are engaged. Further signals change nothing.
+    /// A request that SIGINT (Ctrl-C) and SIGTERM raise. Neither ends the process any more: the loop does,
+    /// after the robot stands and its brakes are engaged. Further signals change nothing.
     ///
     /// # Errors
     /// [`io::Error`] where the system refuses the handlers.

@@ -28,15 +28,12 @@ impl<const N: usize> VelocityFilter<N> {
     /// At rest at `positions` [rad or m]; `time_constant` is T_v (s), where what is not positive counts as 0.
     #[must_use]
     pub fn new(time_constant: f64, positions: [f64; N]) -> Self {
-        Self {
-            time_constant: time_constant.max(0.0),
-            positions,
-            velocities: [0.0; N],
-        }
+        Self { time_constant: time_constant.max(0.0), positions, velocities: [0.0; N] }
     }
 
-    /// Takes positions [rad or m], `span` seconds after the last ones. False where these numbers give no velocity (a span that
-    /// is not positive, numbers that are not finite or overflow): nothing then is taken.
+    /// Takes positions [rad or m], `span` seconds after the last ones. False where these numbers give no
+    /// velocity (a span that is not positive, numbers that are not finite or overflow): nothing then is
+    /// taken.
     pub fn update(&mut self, positions: &[f64; N], span: f64) -> bool {
         let weight = span / (span + self.time_constant);
         let velocities: [f64; N] = core::array::from_fn(|i| {
@@ -50,8 +47,8 @@ impl<const N: usize> VelocityFilter<N> {
         possible
     }
 
-    /// Takes positions with the velocities that were measured with them [rad/s or m/s]: these are the velocities now,
-    /// without a filter. False, and nothing is taken, where a number is not finite.
+    /// Takes positions with the velocities that were measured with them [rad/s or m/s]: these are the
+    /// velocities now, without a filter. False, and nothing is taken, where a number is not finite.
     pub fn update_measured(&mut self, positions: &[f64; N], velocities: &[f64; N]) -> bool {
         let possible = positions.iter().chain(velocities).all(|x| x.is_finite());
         if possible {

@@ -27,9 +27,7 @@ pub enum GeometryError {
         error: f64,
     },
     /// The last three axes do not meet in one point, with the middle one across.
-    #[error(
-        "the axes of the last three joints miss a common point by {distance} m: no spherical wrist"
-    )]
+    #[error("the axes of the last three joints miss a common point by {distance} m: no spherical wrist")]
     NoSphericalWrist {
         /// Largest distance of an axis from the point (m).
         distance: f64,
@@ -48,8 +46,8 @@ pub enum GeometryError {
 ///     T(y) = exp(ξ_1 y_1) … exp(ξ_6 y_6) T(0)
 /// ```
 ///
-/// each joint a rotation about an axis that is fixed at y = 0 (Murray, Li, Sastry, *A Mathematical Introduction to Robotic Manipulation*, 1994,
-/// section 3.2).
+/// each joint a rotation about an axis that is fixed at y = 0 (Murray, Li, Sastry, *A Mathematical
+/// Introduction to Robotic Manipulation*, 1994, section 3.2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Screws {
     /// Unit vectors along the axes at y = 0, in the base frame.
@@ -62,10 +60,12 @@ pub struct Screws {
 }
 
 impl Screws {
-    /// Reads the axes off a pose function: the pose with one joint turned, seen from the pose at zero, is a rotation about its axis.
+    /// Reads the axes off a pose function: the pose with one joint turned, seen from the pose at zero, is a
+    /// rotation about its axis.
     ///
     /// # Errors
-    /// [`GeometryError::NotRevolute`]; [`GeometryError::NotSerial`] where other configurations are not the product of these rotations.
+    /// [`GeometryError::NotRevolute`]; [`GeometryError::NotSerial`] where other configurations are not the
+    /// product of these rotations.
     pub fn from_poses(pose: impl Fn(&[f64; 6]) -> Pose) -> Result<Self, GeometryError> {
         let (home_position, home_rotation) = pose(&[0.0; 6]);
         let mut screws = Self {
@@ -77,30 +77,21 @@ impl Screws {
         for joint in 0..6 {
             let mut y = [0.0; 6];
             y[joint] = PROBE;
-            let (axis, point) = screws
-                .axis(&pose(&y))
-                .ok_or(GeometryError::NotRevolute { joint })?;
+            let (axis, point) = screws.axis(&pose(&y)).ok_or(GeometryError::NotRevolute { joint })?;
             screws.axes[joint] = axis;
             screws.points[joint] = point;
         }
         let error = screws.largest_error(pose);
         // Written so that NaN counts as a difference.
-        if error <= TOLERANCE {
-            Ok(screws)
-        } else {
-            Err(GeometryError::NotSerial { error })
-        }
+        if error <= TOLERANCE { Ok(screws) } else { Err(GeometryError::NotSerial { error }) }
     }
 
-    /// Axis and the point on it closest to the origin, of the rotation by [`PROBE`] from the home pose to `turned`.
+    /// Axis and the point on it closest to the origin, of the rotation by [`PROBE`] from the home pose to
+    /// `turned`.
     fn axis(&self, turned: &Pose) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let turn = matrix(&turned.1) * self.home_rotation.transpose();
         let antisymmetric = (turn - turn.transpose()) * 0.5;
-        let sine = Vector3::new(
-            antisymmetric[(2, 1)],
-            antisymmetric[(0, 2)],
-            antisymmetric[(1, 0)],
-        );
+        let sine = Vector3::new(antisymmetric[(2, 1)], antisymmetric[(0, 2)], antisymmetric[(1, 0)]);
         let axis = sine / PROBE.sin();
         let shift = vector(&turned.0) - turn * self.home_position;
         let unit = (axis.norm() - 1.0).abs() <= TOLERANCE;
@@ -117,11 +108,7 @@ impl Screws {
             let ((p, r), (q, s)) = (pose(&y), self.pose(&y));
             let position = (vector(&p) - vector(&q)).amax();
             let rotation = (matrix(&r) - matrix(&s)).amax();
-            if (position + rotation).is_nan() {
-                f64::NAN
-            } else {
-                largest.max(position).max(rotation)
-            }
+            if (position + rotation).is_nan() { f64::NAN } else { largest.max(position).max(rotation) }
         })
     }
 
@@ -148,8 +135,9 @@ impl Screws {
         (p, r)
     }
 
-    /// Velocities and accelerations of the joints that move the frame's origin with `velocity` and `acceleration`, linear parts first, in the
-    /// base frame: `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. None where J is singular.
+    /// Velocities and accelerations of the joints that move the frame's origin with `velocity` and
+    /// `acceleration`, linear parts first, in the base frame: `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. None where J
+    /// is singular.
     #[must_use]
     pub fn rates(
         &self,
@@ -166,13 +154,8 @@ impl Screws {
             axes[j] = r * self.axes[j];
             arms[j] = origin - (r * self.points[j] + p);
         }
-        let jacobian = Matrix6::from_fn(|i, j| {
-            if i < 3 {
-                axes[j].cross(&arms[j])[i]
-            } else {
-                axes[j][i - 3]
-            }
-        });
+        let jacobian =
+            Matrix6::from_fn(|i, j| if i < 3 { axes[j].cross(&arms[j])[i] } else { axes[j][i - 3] });
         let lu = jacobian.lu();
         let rates = lu.solve(&Vector6::from(*velocity))?;
         let bias = bias(&axes, &arms, &rates);
@@ -183,10 +166,10 @@ impl Screws {
     }
 }
 
-/// J̇ ẏ: acceleration of the frame where joints do not accelerate, from link to link (Craig, *Introduction to Robotics*, 2005, section 6.2).
+/// J̇ ẏ: acceleration of the frame where joints do not accelerate, from link to link (Craig, *Introduction to
+/// Robotics*, 2005, section 6.2).
 fn bias(axes: &[Vector3<f64>; 6], arms: &[Vector3<f64>; 6], rates: &Vector6<f64>) -> Vector6<f64> {
-    let (mut linear, mut angular, mut omega) =
-        (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
+    let (mut linear, mut angular, mut omega) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
     for j in 0..6 {
         // The axis turns with all joints before it.
         let spin = axes[j] * rates[j];
@@ -198,15 +181,10 @@ fn bias(axes: &[Vector3<f64>; 6], arms: &[Vector3<f64>; 6], rates: &Vector6<f64>
     // Centripetal parts: each arm turns with its axis' link and all after it.
     for j in 0..6 {
         let spin = axes[j] * rates[j];
-        let end_velocity: Vector3<f64> = (j..6)
-            .map(|k| (axes[k] * rates[k]).cross(&arms[k]))
-            .sum::<Vector3<f64>>()
-            + (0..j)
-                .map(|k| (axes[k] * rates[k]).cross(&arms[j]))
-                .sum::<Vector3<f64>>();
+        let end_velocity: Vector3<f64> =
+            (j..6).map(|k| (axes[k] * rates[k]).cross(&arms[k])).sum::<Vector3<f64>>()
+                + (0..j).map(|k| (axes[k] * rates[k]).cross(&arms[j])).sum::<Vector3<f64>>();
         linear += spin.cross(&end_velocity);
     }
-    Vector6::new(
-        linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
-    )
+    Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
 }

@@ -1,6 +1,8 @@
-//! Kinematics of six-axis arms with a spherical wrist: geometry from a pose function, and analytic inverse kinematics.
+//! Kinematics of six-axis arms with a spherical wrist: geometry from a pose function, and analytic inverse
+//! kinematics.
 //!
-//! A generated module has the pose of its frames as a function, `frame_tool_pose(y)`; all that is needed here is found by calling it.
+//! A generated module has the pose of its frames as a function, `frame_tool_pose(y)`; all that is needed here
+//! is found by calling it.
 
 mod geometry;
 mod spherical_wrist;
@@ -12,7 +14,8 @@ pub use spherical_wrist::{
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Position (m) and rotation matrix (columns are the frame's axes) of a frame in the base frame: what generated pose functions return.
+/// Position (m) and rotation matrix (columns are the frame's axes) of a frame in the base frame: what
+/// generated pose functions return.
 pub type Pose = ([f64; 3], [[f64; 3]; 3]);
 
 fn vector(p: &[f64; 3]) -> Vector3<f64> {

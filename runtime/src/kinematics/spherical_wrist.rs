@@ -1,8 +1,9 @@
 //! Analytic inverse kinematics of six-axis arms with a spherical wrist.
 //!
-//! The wrist's centre does not depend on the last three joints, the rotation beyond the third not on the position. With parallel second and third
-//! axes each part is a chain of the equation `a cos y + b sin y = c` (Pieper, *The Kinematics of Manipulators under Computer Control*, 1968;
-//! the subproblems of Paden and Kahan in Murray, Li, Sastry, *A Mathematical Introduction to Robotic Manipulation*, 1994, section 3.3).
+//! The wrist's centre does not depend on the last three joints, the rotation beyond the third not on the
+//! position. With parallel second and third axes each part is a chain of the equation `a cos y + b sin y = c`
+//! (Pieper, *The Kinematics of Manipulators under Computer Control*, 1968; the subproblems of Paden and Kahan
+//! in Murray, Li, Sastry, *A Mathematical Introduction to Robotic Manipulation*, 1994, section 3.3).
 
 use super::geometry::{GeometryError, Screws};
 use super::{Pose, matrix, rotation, vector};
@@ -12,7 +13,8 @@ use thiserror::Error;
 
 /// Distances (m) and deviations of directions below this are none.
 const GEOMETRY: f64 = 1e-8;
-/// Part of its largest value below which the lever of a joint counts as vanished. There two solutions fall together or a joint is free.
+/// Part of its largest value below which the lever of a joint counts as vanished. There two solutions fall
+/// together or a joint is free.
 const SINGULAR: f64 = 1e-6;
 /// Part by which a target may lie beyond the reach from rounding; it is then stretched out to.
 const REACH: f64 = 1e-12;
@@ -53,14 +55,8 @@ pub struct Solution {
 impl Solution {
     /// The singularities it lies in.
     pub fn singularities(&self) -> impl Iterator<Item = Singularity> + '_ {
-        let all = [
-            Singularity::Shoulder,
-            Singularity::Elbow,
-            Singularity::Wrist,
-        ];
-        all.into_iter()
-            .zip(self.singular)
-            .filter_map(|(s, on)| on.then_some(s))
+        let all = [Singularity::Shoulder, Singularity::Elbow, Singularity::Wrist];
+        all.into_iter().zip(self.singular).filter_map(|(s, on)| on.then_some(s))
     }
 }
 
@@ -92,10 +88,12 @@ pub enum KinematicsError {
         /// The longest (m).
         most: f64,
     },
-    /// No fifth angle gives the orientation: axes of the wrist that are not at right angles cannot turn everywhere.
+    /// No fifth angle gives the orientation: axes of the wrist that are not at right angles cannot turn
+    /// everywhere.
     #[error("the wrist cannot turn to this orientation")]
     Orientation,
-    /// Position, rotation or the given angles are not finite, an angle is beyond 1e6 rad, or the rotation matrix is not one.
+    /// Position, rotation or the given angles are not finite, an angle is beyond 1e6 rad, or the rotation
+    /// matrix is not one.
     #[error(
         "the pose is no pose: numbers that are not finite, angles beyond 1e6 rad, or a matrix that is no rotation (off by {0})"
     )]
@@ -113,8 +111,9 @@ pub enum KinematicsError {
     },
 }
 
-/// An arm whose inverse kinematics is solved here: second and third axes parallel, the first not parallel to them, the last three meeting in a
-/// point. The six-axis PowerCube and the Puma 560 are of this kind, as are most industrial arms.
+/// An arm whose inverse kinematics is solved here: second and third axes parallel, the first not parallel to
+/// them, the last three meeting in a point. The six-axis PowerCube and the Puma 560 are of this kind, as are
+/// most industrial arms.
 ///
 /// ```
 /// use gelenk_generated::puma560;
@@ -160,15 +159,12 @@ impl InverseKinematics {
         best
     }
 
-    /// The closest to `positions` among those within `limits` (rad); angles may be moved by full turns to get there.
+    /// The closest to `positions` among those within `limits` (rad); angles may be moved by full turns to get
+    /// there.
     ///
     /// # Errors
     /// [`KinematicsError::Limits`]; a limit that is no number holds nowhere.
-    pub fn within(
-        &self,
-        limits: &[[f64; 2]; 6],
-        positions: &[f64; 6],
-    ) -> Result<Solution, KinematicsError> {
+    pub fn within(&self, limits: &[[f64; 2]; 6], positions: &[f64; 6]) -> Result<Solution, KinematicsError> {
         let no_number = |limits: &[f64; 2]| limits.iter().any(|l| l.is_nan());
         if let Some(joint) = limits.iter().position(no_number) {
             let excess = f64::NAN;
@@ -199,22 +195,19 @@ impl InverseKinematics {
                 }
                 continue;
             }
-            let nearer = best.is_none_or(|b| {
-                distance(&moved.positions, positions) < distance(&b.positions, positions)
-            });
+            let nearer = best
+                .is_none_or(|b| distance(&moved.positions, positions) < distance(&b.positions, positions));
             if nearer {
                 best = Some(moved);
             }
         }
-        best.ok_or(KinematicsError::Limits {
-            joint: least.1,
-            excess: least.0,
-        })
+        best.ok_or(KinematicsError::Limits { joint: least.1, excess: least.0 })
     }
 }
 
 impl SphericalWrist {
-    /// Reads the geometry off a pose function, at y = 0 and with single joints turned, and checks it in other configurations.
+    /// Reads the geometry off a pose function, at y = 0 and with single joints turned, and checks it in other
+    /// configurations.
     ///
     /// # Errors
     /// [`GeometryError`] for other kinds of arms.
@@ -230,9 +223,7 @@ impl SphericalWrist {
         let axes = &screws.axes;
         let across = |i: usize, j: usize| axes[i].cross(&axes[j]).norm();
         if across(1, 2) > GEOMETRY {
-            return Err(GeometryError::NotSolved {
-                condition: "its second and third axes must be parallel",
-            });
+            return Err(GeometryError::NotSolved { condition: "its second and third axes must be parallel" });
         }
         if across(0, 1) < SINGULAR {
             return Err(GeometryError::NotSolved {
@@ -245,9 +236,7 @@ impl SphericalWrist {
             });
         }
         let center = meeting_point(&screws, 3, 4);
-        let distance = (3..6)
-            .map(|j| off_axis(&screws, j, &center).norm())
-            .fold(0.0, f64::max);
+        let distance = (3..6).map(|j| off_axis(&screws, j, &center).norm()).fold(0.0, f64::max);
         if distance > GEOMETRY {
             return Err(GeometryError::NoSphericalWrist { distance });
         }
@@ -277,18 +266,15 @@ impl SphericalWrist {
         off_axis(&self.screws, 2, &self.center)
     }
 
-    /// All joint angles that reach `pose`. `near` decides between full turns, and for joints that a singularity leaves free.
+    /// All joint angles that reach `pose`. `near` decides between full turns, and for joints that a
+    /// singularity leaves free.
     ///
     /// # Errors
     /// [`KinematicsError`] where there is none.
-    pub fn solve(
-        &self,
-        pose: &Pose,
-        near: &[f64; 6],
-    ) -> Result<InverseKinematics, KinematicsError> {
+    pub fn solve(&self, pose: &Pose, near: &[f64; 6]) -> Result<InverseKinematics, KinematicsError> {
         let (position, target) = (vector(&pose.0), matrix(&pose.1));
-        let off = (target.transpose() * target - Matrix3::identity()).amax()
-            + (target.determinant() - 1.0).abs();
+        let off =
+            (target.transpose() * target - Matrix3::identity()).amax() + (target.determinant() - 1.0).abs();
         let finite = pose.0.iter().all(|x| x.is_finite());
         let finite = finite && near.iter().all(|y| y.abs() <= FARTHEST);
         // Written so that NaN is refused.
@@ -313,10 +299,7 @@ impl SphericalWrist {
             }
         }
         match found.solutions.iter().flatten().next() {
-            Some(first) => Ok(InverseKinematics {
-                first: *first,
-                solutions: found.solutions,
-            }),
+            Some(first) => Ok(InverseKinematics { first: *first, solutions: found.solutions }),
             None => Err(found.error.unwrap_or(KinematicsError::Orientation)),
         }
     }
@@ -332,20 +315,15 @@ impl SphericalWrist {
         let b = -axes[1].dot(&axes[0].cross(&across));
         let scale = self.upper_arm().norm() + self.forearm().norm();
         let tilt = split(&axes[1], &axes[0]).1.norm();
-        solve_cos_sin(a, b, offset, scale * tilt, near).ok_or(
-            KinematicsError::TooCloseToFirstAxis {
-                distance: across.norm(),
-                least: offset.abs() / tilt,
-            },
-        )
+        solve_cos_sin(a, b, offset, scale * tilt, near).ok_or(KinematicsError::TooCloseToFirstAxis {
+            distance: across.norm(),
+            least: offset.abs() / tilt,
+        })
     }
 
-    /// Joint 3, by the distance of the wrist's centre from the second axis; and the centre as seen before joint 1 has turned it.
-    fn elbow(
-        &self,
-        center: &Vector3<f64>,
-        y1: f64,
-    ) -> Result<(Pair, Vector3<f64>), KinematicsError> {
+    /// Joint 3, by the distance of the wrist's centre from the second axis; and the centre as seen before
+    /// joint 1 has turned it.
+    fn elbow(&self, center: &Vector3<f64>, y1: f64) -> Result<(Pair, Vector3<f64>), KinematicsError> {
         let (axes, points) = (&self.screws.axes, &self.screws.points);
         let p = points[0] + rotation(&axes[0], -y1) * (center - points[0]);
         let (upper, fore) = (self.upper_arm(), self.forearm());
@@ -394,24 +372,17 @@ impl SphericalWrist {
         };
         for (wrist, y5) in fifth.angles() {
             let sixth_axis = rotation(&axes[4], y5) * axes[5];
-            // The fifth solutions fall together where axes 4, 5, 6 lie in a plane; only axes 4 and 6 in line free a joint.
+            // The fifth solutions fall together where axes 4, 5, 6 lie in a plane; only axes 4 and 6 in line
+            // free a joint.
             let aligned = axes[3].cross(&sixth_axis).norm() < SINGULAR;
-            let y4 = if aligned {
-                near[3]
-            } else {
-                angle_about(&axes[3], &sixth_axis, &goal)
-            };
+            let y4 = if aligned { near[3] } else { angle_about(&axes[3], &sixth_axis, &goal) };
             let last = (rotation(&axes[3], y4) * rotation(&axes[4], y5)).transpose() * rest;
             let mark = split(&axes[4], &axes[5]).1;
             let y6 = angle_about(&axes[5], &mark, &(last * mark));
             let angles = [arm[0], arm[1], arm[2], y4, y5, y6];
             found.add(Solution {
                 positions: core::array::from_fn(|j| nearest_turn(angles[j], near[j])),
-                branch: Branch {
-                    shoulder,
-                    elbow,
-                    wrist,
-                },
+                branch: Branch { shoulder, elbow, wrist },
                 singular: [singular[0], singular[1], aligned],
             });
             if aligned {
@@ -450,16 +421,12 @@ impl Pair {
     }
 }
 
-/// Solutions of `a cos y + b sin y = c`, where |(a, b)| is at most `size` in some configuration. Where a and b vanish with c, every y is one, and
-/// `free` is taken. None where |c| is too large.
+/// Solutions of `a cos y + b sin y = c`, where |(a, b)| is at most `size` in some configuration. Where a and
+/// b vanish with c, every y is one, and `free` is taken. None where |c| is too large.
 fn solve_cos_sin(a: f64, b: f64, c: f64, size: f64, free: f64) -> Option<Pair> {
     let length = a.hypot(b);
     if length < SINGULAR * size && c.abs() < SINGULAR * size {
-        return Some(Pair {
-            first: free,
-            second: None,
-            singular: true,
-        });
+        return Some(Pair { first: free, second: None, singular: true });
     }
     let cosine = c / length;
     if cosine.abs() > 1.0 + REACH {
@@ -469,17 +436,9 @@ fn solve_cos_sin(a: f64, b: f64, c: f64, size: f64, free: f64) -> Option<Pair> {
     // Half the distance of the solutions is also the lever that is left.
     if half.sin() < SINGULAR {
         let first = if cosine > 0.0 { middle } else { middle + PI };
-        return Some(Pair {
-            first,
-            second: None,
-            singular: true,
-        });
+        return Some(Pair { first, second: None, singular: true });
     }
-    Some(Pair {
-        first: middle + half,
-        second: Some(middle - half),
-        singular: false,
-    })
+    Some(Pair { first: middle + half, second: Some(middle - half), singular: false })
 }
 
 /// Parts of `v` along and across a unit vector.
@@ -513,8 +472,5 @@ fn nearest_turn(angle: f64, near: f64) -> f64 {
 }
 
 fn distance(a: &[f64; 6], b: &[f64; 6]) -> f64 {
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max)
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }

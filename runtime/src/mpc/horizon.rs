@@ -12,8 +12,8 @@ use crate::qp::{QpProblem, QpSolver, QpStage, QpStatus};
 use crate::trajectory::{Sample, Trajectory};
 use std::hint::black_box;
 
-/// Most periods that a step predicts over: what a stall of the loop may cost is bounded, and after as many the estimate says
-/// nothing.
+/// Most periods that a step predicts over: what a stall of the loop may cost is bounded, and after as many
+/// the estimate says nothing.
 const MAX_BRIDGED: u32 = 100;
 /// Intervals of the trajectory at whose ends terminal weights are computed.
 const TERMINAL_INTERVALS: usize = 32;
@@ -108,8 +108,8 @@ where
         self.feed_forward.model()
     }
 
-    /// Goes on with another model: estimate, plan and terminal weights stay, Runge–Kutta steps are added where the new
-    /// friction is steeper at rest.
+    /// Goes on with another model: estimate, plan and terminal weights stay, Runge–Kutta steps are added
+    /// where the new friction is steeper at rest.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         self.feed_forward.set_model(model)?;
         let (y, u) = (*self.observer.positions(), self.under_way);
@@ -151,7 +151,8 @@ where
             }
             let (y, v) = (&sample.positions, &sample.velocities);
             let linear = self.model().linearize(y, v, &inputs);
-            // At rest friction is steepest: the robot must be integrated there too, wherever it comes to stand.
+            // At rest friction is steepest: the robot must be integrated there too, wherever it comes to
+            // stand.
             let resting = self.model().linearize(y, &[0.0; N], &inputs);
             let period = self.options.period;
             let needed = substeps(&linear, period).max(substeps(&resting, period));
@@ -188,8 +189,8 @@ where
     /// Takes in the measurement. Returns when the horizon begins on the trajectory, and in which state.
     ///
     /// # Errors
-    /// [`ControllerFault::Stalled`] after more than `MAX_BRIDGED` periods; the next step goes on from this measurement.
-    /// [`ControllerFault::NotFinite`] for a time that is no number.
+    /// [`ControllerFault::Stalled`] after more than `MAX_BRIDGED` periods; the next step goes on from this
+    /// measurement. [`ControllerFault::NotFinite`] for a time that is no number.
     pub fn observe(&mut self, cycle: &Cycle<N, M>) -> Result<(f64, [f64; NX]), ControllerFault> {
         self.take_in(cycle)?;
         let start = self.start_at(cycle.time);
@@ -210,7 +211,8 @@ where
         Ok((start, join(&ahead.0, &ahead.1)))
     }
 
-    /// Moves the estimate on and corrects it. One that a wild reading has made infinite begins anew from this measurement.
+    /// Moves the estimate on and corrects it. One that a wild reading has made infinite begins anew from this
+    /// measurement.
     fn take_in(&mut self, cycle: &Cycle<N, M>) -> Result<(), ControllerFault> {
         let (period, substeps) = (self.options.period, self.substeps);
         if let (false, Some(positions)) = (self.observer.is_finite(), &cycle.positions) {
@@ -219,11 +221,7 @@ where
             self.under_way = cycle.last_inputs;
             return Ok(());
         }
-        let acted = if self.options.delay {
-            self.under_way
-        } else {
-            cycle.last_inputs
-        };
+        let acted = if self.options.delay { self.under_way } else { cycle.last_inputs };
         let model = self.feed_forward.model();
         for _ in 0..cycle.periods.min(MAX_BRIDGED) {
             self.observer.predict(model, &acted, period, substeps);
@@ -244,26 +242,15 @@ where
 
     /// When the horizon of a step at `time` begins (s).
     pub fn start_at(&self, time: f64) -> f64 {
-        if self.options.delay {
-            time + self.options.period
-        } else {
-            time
-        }
+        if self.options.delay { time + self.options.period } else { time }
     }
 
-    /// Computes for the caches alone what [`observe`](Self::observe) and [`solve`](Self::solve) will: neither estimate nor plan
-    /// change, and the solution of the QP is no state, because each solve is a cold start.
+    /// Computes for the caches alone what [`observe`](Self::observe) and [`solve`](Self::solve) will: neither
+    /// estimate nor plan change, and the solution of the QP is no state, because each solve is a cold start.
     pub fn rehearse(&mut self, next: &Cycle<N, M>) {
         let (period, substeps) = (self.options.period, self.substeps);
         let (y, v) = (self.observer.positions(), self.observer.velocities());
-        let _ = black_box(integrate(
-            self.model(),
-            y,
-            v,
-            &next.last_inputs,
-            period,
-            substeps,
-        ));
+        let _ = black_box(integrate(self.model(), y, v, &next.last_inputs, period, substeps));
         let _ = black_box(self.solver.solve(&self.problem));
     }
 
@@ -281,20 +268,16 @@ where
 
     /// The desired state in the middle of period `k`.
     pub fn middle(&self, start: f64, k: usize) -> Sample<N> {
-        self.trajectory
-            .sample(start + (k as f64 + 0.5) * self.options.period)
+        self.trajectory.sample(start + (k as f64 + 0.5) * self.options.period)
     }
 
-    /// Moves the plan to begin at `start` (s): shifted, its end filled with the feed-forward and the reference; all of it, if there is no plan.
+    /// Moves the plan to begin at `start` (s): shifted, its end filled with the feed-forward and the
+    /// reference; all of it, if there is no plan.
     pub fn shift_plan(&mut self, start: f64) {
         let stages = self.options.horizon;
         let periods = ((start - self.plan.start) / self.options.period).round();
         // NaN, a jump back and a gap of a whole horizon leave nothing to keep.
-        let kept = if (0.0..=stages as f64).contains(&periods) {
-            stages - periods as usize
-        } else {
-            0
-        };
+        let kept = if (0.0..=stages as f64).contains(&periods) { stages - periods as usize } else { 0 };
         let moved = stages - kept;
         self.plan.states.copy_within(moved.., 0);
         self.plan.inputs.copy_within(moved.., 0);
@@ -350,10 +333,7 @@ where
         if !inputs || !self.plan.is_finite() {
             return Err(self.refuse(ControllerFault::NotFinite));
         }
-        Ok(Command {
-            inputs: self.input(0),
-            iterations,
-        })
+        Ok(Command { inputs: self.input(0), iterations })
     }
 
     pub fn drop_plan(&mut self) {
@@ -386,14 +366,7 @@ where
             }
         };
         for (k, stage) in self.problem.stages.iter_mut().enumerate() {
-            let QpStage {
-                input_lower,
-                input_upper,
-                state_lower,
-                state_upper,
-                input_gradient,
-                ..
-            } = stage;
+            let QpStage { input_lower, input_upper, state_lower, state_upper, input_gradient, .. } = stage;
             for i in 0..M {
                 let offset = disturbance[i] - self.inputs[k][i];
                 [input_lower[i], input_upper[i]] = options.input_limits[i].map(|b| b + offset);
@@ -445,10 +418,7 @@ where
     }
 
     pub fn estimate(&self) -> Estimate<N> {
-        Estimate {
-            positions: *self.observer.positions(),
-            velocities: *self.observer.velocities(),
-        }
+        Estimate { positions: *self.observer.positions(), velocities: *self.observer.velocities() }
     }
 
     /// State `k` and input `u + d` of the plan.

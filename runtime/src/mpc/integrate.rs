@@ -1,18 +1,17 @@
-//! Whole periods of the nonlinear robot, in as many Runge–Kutta steps as its fastest motion needs, and the flat form of blocks.
+//! Whole periods of the nonlinear robot, in as many Runge–Kutta steps as its fastest motion needs, and the
+//! flat form of blocks.
 
 use crate::control_loop::{ControllerFault, TooFast};
 use crate::dynamics::{Discretizable, Discretization, Linearization, Step};
 
-/// The fastest rate of the robot times the length of a Runge–Kutta step stays below this; the method is stable up to 2.78.
+/// The fastest rate of the robot times the length of a Runge–Kutta step stays below this; the method is
+/// stable up to 2.78.
 const STABLE: f64 = 2.5;
 /// More steps than this are not taken, however stiff the robot.
 const MAX_SUBSTEPS: usize = 1000;
 
 /// Steps that a period needs: no part of the robot is faster than ν = (b + √(b² + 4a))/2 with a = ‖∂ÿ/∂y‖, b = ‖∂ÿ/∂ẏ‖.
-pub(super) fn substeps<const N: usize, const M: usize>(
-    linear: &Linearization<N, M>,
-    period: f64,
-) -> usize {
+pub(super) fn substeps<const N: usize, const M: usize>(linear: &Linearization<N, M>, period: f64) -> usize {
     let rate = rate(norm(&linear.by_coordinates), norm(&linear.by_velocities));
     ((period * rate / STABLE).ceil().max(1.0) as usize).min(MAX_SUBSTEPS)
 }
@@ -33,7 +32,8 @@ fn magnitude<const N: usize>(row: &[f64; N]) -> f64 {
 /// The zero-order hold at a state.
 ///
 /// # Errors
-/// [`ControllerFault::TooFast`] names the joint where it does not exist; [`ControllerFault::NotFinite`] if state or model are not finite.
+/// [`ControllerFault::TooFast`] names the joint where it does not exist; [`ControllerFault::NotFinite`] if
+/// state or model are not finite.
 pub(super) fn discretize<const N: usize, const M: usize>(
     model: &impl Discretizable<N, M>,
     y: &[f64; N],
@@ -42,11 +42,7 @@ pub(super) fn discretize<const N: usize, const M: usize>(
     period: f64,
 ) -> Result<Discretization<N, M>, ControllerFault> {
     let discrete = model.discretize(y, v, u, period);
-    if discrete.is_finite() {
-        Ok(discrete)
-    } else {
-        Err(too_fast(model, y, v, u, period))
-    }
+    if discrete.is_finite() { Ok(discrete) } else { Err(too_fast(model, y, v, u, period)) }
 }
 
 fn too_fast<const N: usize, const M: usize>(
@@ -58,10 +54,7 @@ fn too_fast<const N: usize, const M: usize>(
 ) -> ControllerFault {
     let linear = model.linearize(y, v, u);
     let rates: [f64; N] = core::array::from_fn(|i| {
-        rate(
-            magnitude(&linear.by_coordinates[i]),
-            magnitude(&linear.by_velocities[i]),
-        )
+        rate(magnitude(&linear.by_coordinates[i]), magnitude(&linear.by_velocities[i]))
     });
     let fastest = (0..N).max_by(|i, j| rates[*i].total_cmp(&rates[*j]));
     let Some(joint) = fastest.filter(|joint| rates[*joint].is_finite()) else {

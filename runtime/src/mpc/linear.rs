@@ -10,8 +10,9 @@ use crate::dynamics::{Discretizable, PhaseSpace};
 use crate::feed_forward::FeedForwardError;
 use crate::trajectory::Trajectory;
 
-/// Linear time-varying MPC: predictions by the exact zero-order hold of the affine linearization in the middle of each period, of the desired
-/// trajectory with its feed-forward or of the previous plan. See the [module](super).
+/// Linear time-varying MPC: predictions by the exact zero-order hold of the affine linearization in the
+/// middle of each period, of the desired trajectory with its feed-forward or of the previous plan. See the
+/// [module](super).
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{Controller, Cycle};
@@ -39,7 +40,8 @@ where
     D: Discretizable<N, M>,
     T: Trajectory<N>,
 {
-    /// A controller of `model` along `trajectory`. All memory is allocated here, and all terminal weights are computed.
+    /// A controller of `model` along `trajectory`. All memory is allocated here, and all terminal weights are
+    /// computed.
     ///
     /// # Errors
     /// [`MpcError`].
@@ -47,9 +49,7 @@ where
     where
         D: PhaseSpace<NX>,
     {
-        Ok(Self {
-            horizon: Horizon::new(model, trajectory, options)?,
-        })
+        Ok(Self { horizon: Horizon::new(model, trajectory, options)? })
     }
 
     /// The model.
@@ -57,9 +57,9 @@ where
         self.horizon.model()
     }
 
-    /// Goes on with another model from the next step on, e.g. with friction that was identified in operation. Estimate and plan stay; so do the
-    /// terminal weights, which stand for what lies beyond the horizon and change little with friction. Allocates nothing where the input
-    /// matrix is the same.
+    /// Goes on with another model from the next step on, e.g. with friction that was identified in operation.
+    /// Estimate and plan stay; so do the terminal weights, which stand for what lies beyond the horizon and
+    /// change little with friction. Allocates nothing where the input matrix is the same.
     ///
     /// # Errors
     /// [`FeedForwardError::InputMatrix`]; the model then stays.
@@ -67,8 +67,8 @@ where
         self.horizon.set_model(model)
     }
 
-    /// What was found when the controller was made and should be read before it drives: a trajectory beyond the soft limits, terminal weights of
-    /// few digits. Empty where all is well.
+    /// What was found when the controller was made and should be read before it drives: a trajectory beyond
+    /// the soft limits, terminal weights of few digits. Empty where all is well.
     pub fn notes(&self) -> &[MpcNote] {
         &self.horizon.notes
     }
@@ -126,8 +126,7 @@ where
     }
 }
 
-impl<D, T, const N: usize, const M: usize, const NX: usize> Controller<N, M>
-    for LtvMpc<D, T, N, M, NX>
+impl<D, T, const N: usize, const M: usize, const NX: usize> Controller<N, M> for LtvMpc<D, T, N, M, NX>
 where
     D: Discretizable<N, M>,
     T: Trajectory<N>,

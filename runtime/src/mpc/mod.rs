@@ -1,30 +1,34 @@
 //! Model predictive control along a trajectory: linear time-varying ([`LtvMpc`]) and nonlinear ([`Nmpc`]).
 //!
-//! Both are feedback on top of the feed-forward: with δx = x − x_ref and δu = u + d − u_ff they minimize over a horizon of `K` periods `T`
+//! Both are feedback on top of the feed-forward: with δx = x − x_ref and δu = u + d − u_ff they minimize over
+//! a horizon of `K` periods `T`
 //!
 //! ```text
 //!     Σ_{k=1}^{K−1} ½ δx_kᵀ Q δx_k + ½ δx_Kᵀ P δx_K + Σ_{k=0}^{K−1} ½ δu_kᵀ R δu_k + ½ ((u_k − u_{k−1})/T)ᵀ W ((u_k − u_{k−1})/T)
 //!     s.t. x_{k+1} = A_k x_k + B_k (u_k + d) + c_k,   u_min ≤ u_k ≤ u_max (hard),   y and ẏ within their limits (soft, exact penalty)
 //! ```
 //!
-//! with P from the discrete Riccati equation, and d the input disturbance that a Kalman filter estimates from the encoders
-//! ([`DisturbanceObserver`]), so that constant errors of the model leave no steady offset. The two differ in where `A_k, B_k, c_k` come from:
-//! the exact zero-order hold of the linearization around the desired trajectory or the previous plan, or the exact sensitivities of the
-//! integrated nonlinear robot around the plan, one Gauss–Newton step a period.
+//! with P from the discrete Riccati equation, and d the input disturbance that a Kalman filter estimates from
+//! the encoders ([`DisturbanceObserver`]), so that constant errors of the model leave no steady offset. The
+//! two differ in where `A_k, B_k, c_k` come from: the exact zero-order hold of the linearization around the
+//! desired trajectory or the previous plan, or the exact sensitivities of the integrated nonlinear robot
+//! around the plan, one Gauss–Newton step a period.
 //!
-//! A computed input that acts one period late is compensated ([`MpcOptions::delay`]): the horizon then begins where the input under way will have
-//! led.
+//! A computed input that acts one period late is compensated ([`MpcOptions::delay`]): the horizon then begins
+//! where the input under way will have led.
 //!
-//! Where the trajectory is beyond the soft limits, friction jumps at rest, or a terminal weight has few digits, the controller says so when it is made
-//! ([`LtvMpc::notes`]): print its notes before the first motion.
-//! [`tune`] is the guide to weights and limits.
+//! Where the trajectory is beyond the soft limits, friction jumps at rest, or a terminal weight has few
+//! digits, the controller says so when it is made ([`LtvMpc::notes`]): print its notes before the first
+//! motion. [`tune`] is the guide to weights and limits.
 //!
-//! Nothing is allocated after construction. A state has `NX = 2 N` numbers, positions before velocities; `NX` is a parameter of its own because
-//! `2 N` is not a type on stable Rust; `dynamics!` supplies it ([`PhaseSpace`](crate::dynamics::PhaseSpace)).
+//! Nothing is allocated after construction. A state has `NX = 2 N` numbers, positions before velocities; `NX`
+//! is a parameter of its own because `2 N` is not a type on stable Rust; `dynamics!` supplies it
+//! ([`PhaseSpace`](crate::dynamics::PhaseSpace)).
 //!
-//! Sources: the controller's structure follows Fehr, Schmid, Schneider, Eberhard, *Proc. Appl. Math. Mech.* 20 (2020) (feed-forward and LTV-MPC on
-//! the PowerCube); offset-free tracking Pannocchia, Rawlings, *AIChE J.* 49 (2003); multiple shooting and real-time iterations Diehl, Bock,
-//! Schlöder, *SIAM J. Control Optim.* 43 (2005).
+//! Sources: the controller's structure follows Fehr, Schmid, Schneider, Eberhard, *Proc. Appl. Math. Mech.*
+//! 20 (2020) (feed-forward and LTV-MPC on the PowerCube); offset-free tracking Pannocchia, Rawlings, *AIChE
+//! J.* 49 (2003); multiple shooting and real-time iterations Diehl, Bock, Schlöder, *SIAM J. Control Optim.*
+//! 43 (2005).
 
 mod horizon;
 mod integrate;

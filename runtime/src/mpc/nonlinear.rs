@@ -10,12 +10,13 @@ use crate::dynamics::{Discretizable, PhaseSpace};
 use crate::feed_forward::FeedForwardError;
 use crate::trajectory::Trajectory;
 
-/// Nonlinear MPC: multiple shooting with Runge–Kutta integration, a Gauss–Newton step of sequential quadratic programming per period (real-time
-/// iteration), exact sensitivities. See the [module](super).
+/// Nonlinear MPC: multiple shooting with Runge–Kutta integration, a Gauss–Newton step of sequential quadratic
+/// programming per period (real-time iteration), exact sensitivities. See the [module](super).
 ///
-/// A period has two parts. [`prepare`](Self::prepare) integrates and differentiates the shifted plan and needs no measurement;
-/// [`feedback`](Self::feedback) takes the measurement and solves the QP, so that only this lies between measurement and input.
-/// [`Controller::step`] does both, the first only where it has not been done.
+/// A period has two parts. [`prepare`](Self::prepare) integrates and differentiates the shifted plan and
+/// needs no measurement; [`feedback`](Self::feedback) takes the measurement and solves the QP, so that only
+/// this lies between measurement and input. [`Controller::step`] does both, the first only where it has not
+/// been done.
 #[derive(Debug, Clone)]
 pub struct Nmpc<D, T, const N: usize, const M: usize, const NX: usize> {
     horizon: Horizon<D, T, N, M, NX>,
@@ -28,8 +29,8 @@ where
     D: Discretizable<N, M>,
     T: Trajectory<N>,
 {
-    /// A controller of `model` along `trajectory`. All memory is allocated here, and all terminal weights are computed.
-    /// [`MpcOptions::linearization`] has no influence.
+    /// A controller of `model` along `trajectory`. All memory is allocated here, and all terminal weights are
+    /// computed. [`MpcOptions::linearization`] has no influence.
     ///
     /// # Errors
     /// [`MpcError`].
@@ -37,10 +38,7 @@ where
     where
         D: PhaseSpace<NX>,
     {
-        Ok(Self {
-            horizon: Horizon::new(model, trajectory, options)?,
-            prepared: f64::NAN,
-        })
+        Ok(Self { horizon: Horizon::new(model, trajectory, options)?, prepared: f64::NAN })
     }
 
     /// The model.
@@ -48,9 +46,9 @@ where
         self.horizon.model()
     }
 
-    /// Goes on with another model from the next step on, e.g. with friction that was identified in operation. Estimate and plan stay; so do the
-    /// terminal weights, which stand for what lies beyond the horizon and change little with friction. Allocates nothing where the input
-    /// matrix is the same.
+    /// Goes on with another model from the next step on, e.g. with friction that was identified in operation.
+    /// Estimate and plan stay; so do the terminal weights, which stand for what lies beyond the horizon and
+    /// change little with friction. Allocates nothing where the input matrix is the same.
     ///
     /// # Errors
     /// [`FeedForwardError::InputMatrix`]; the model then stays.
@@ -59,8 +57,8 @@ where
         self.horizon.set_model(model)
     }
 
-    /// What was found when the controller was made and should be read before it drives: a trajectory beyond the soft limits, terminal weights of
-    /// few digits. Empty where all is well.
+    /// What was found when the controller was made and should be read before it drives: a trajectory beyond
+    /// the soft limits, terminal weights of few digits. Empty where all is well.
     pub fn notes(&self) -> &[MpcNote] {
         &self.horizon.notes
     }
@@ -116,8 +114,7 @@ where
     }
 }
 
-impl<D, T, const N: usize, const M: usize, const NX: usize> Controller<N, M>
-    for Nmpc<D, T, N, M, NX>
+impl<D, T, const N: usize, const M: usize, const NX: usize> Controller<N, M> for Nmpc<D, T, N, M, NX>
 where
     D: Discretizable<N, M>,
     T: Trajectory<N>,
@@ -139,8 +136,8 @@ where
         Some(self.horizon.estimate())
     }
 
-    /// All that this writes, the step writes anew: reference, stages, solution. Estimate and plan stay, and stages that
-    /// [`prepare`](Nmpc::prepare) has set.
+    /// All that this writes, the step writes anew: reference, stages, solution. Estimate and plan stay, and
+    /// stages that [`prepare`](Nmpc::prepare) has set.
     fn warm_up(&mut self, next: &Cycle<N, M>) {
         if self.prepared.is_nan() {
             let start = self.horizon.start_at(next.time);

@@ -8,10 +8,12 @@ use std::fmt;
 /// Intervals of the trajectory at whose ends it is compared with the soft limits.
 const INTERVALS: usize = 256;
 
-/// Something that a controller does otherwise than its user may expect; found when it is made, see [`LtvMpc::notes`](super::LtvMpc::notes).
+/// Something that a controller does otherwise than its user may expect; found when it is made, see
+/// [`LtvMpc::notes`](super::LtvMpc::notes).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MpcNote {
-    /// The trajectory moves a joint faster than its soft limit: the controller will lag behind, and a following error is no fault of the robot.
+    /// The trajectory moves a joint faster than its soft limit: the controller will lag behind, and a
+    /// following error is no fault of the robot.
     Speed {
         /// Name of the joint.
         joint: &'static str,
@@ -33,16 +35,17 @@ pub enum MpcNote {
         /// [`MpcOptions::position_limits`].
         limits: [f64; 2],
     },
-    /// Friction of a joint jumps at rest, as an exact `sign` does. Its slope is taken as 0 on either side, so that predictions know nothing of
-    /// sticking: the joint may stop short of its goal. Controllers take a model with smooth friction.
+    /// Friction of a joint jumps at rest, as an exact `sign` does. Its slope is taken as 0 on either side, so
+    /// that predictions know nothing of sticking: the joint may stop short of its goal. Controllers take a
+    /// model with smooth friction.
     DryFriction {
         /// Name of the joint.
         joint: &'static str,
         /// Height of the jump [N m or N].
         jump: f64,
     },
-    /// The Riccati equation of a terminal weight was not solved to the digits that rounding allows. The weight is the cost of a stabilizing
-    /// regulator that may not be the optimal one.
+    /// The Riccati equation of a terminal weight was not solved to the digits that rounding allows. The
+    /// weight is the cost of a stabilizing regulator that may not be the optimal one.
     Terminal {
         /// Where on the trajectory the residual is largest (s).
         time: f64,
@@ -54,23 +57,13 @@ pub enum MpcNote {
 impl fmt::Display for MpcNote {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Speed {
-                joint,
-                time,
-                speed,
-                limit,
-            } => write!(
+            Self::Speed { joint, time, speed, limit } => write!(
                 f,
                 "at {time:.3} s the trajectory moves joint {} at {speed:.4}, beyond its soft limit of {limit:.4}: the controller will lag behind; \
                  slow the trajectory down, or raise `velocity_limits`",
                 Named(joint)
             ),
-            Self::Position {
-                joint,
-                time,
-                position,
-                limits: [low, high],
-            } => write!(
+            Self::Position { joint, time, position, limits: [low, high] } => write!(
                 f,
                 "at {time:.3} s the trajectory has joint {} at {position:.4}, outside its soft limits of {low:.4} to {high:.4}: the controller \
                  will stay behind; change the trajectory, or `position_limits`",
@@ -91,7 +84,8 @@ impl fmt::Display for MpcNote {
     }
 }
 
-/// Where the trajectory is beyond the soft limits: one note for each joint and limit. Samples that are not finite are reported elsewhere.
+/// Where the trajectory is beyond the soft limits: one note for each joint and limit. Samples that are not
+/// finite are reported elsewhere.
 pub(super) fn beyond_limits<const N: usize, const M: usize>(
     trajectory: &impl Trajectory<N>,
     options: &MpcOptions<N, M>,
@@ -107,12 +101,7 @@ pub(super) fn beyond_limits<const N: usize, const M: usize>(
         let speed = |sample: &Sample<N>| sample.velocities[i].abs();
         if let Some((time, sample)) = worst(&samples, |sample| speed(sample) - limit) {
             let speed = speed(sample);
-            notes.push(MpcNote::Speed {
-                joint,
-                time,
-                speed,
-                limit,
-            });
+            notes.push(MpcNote::Speed { joint, time, speed, limit });
         }
         let limits @ [low, high] = options.position_limits[i];
         let outside = |sample: &Sample<N>| {
@@ -120,12 +109,7 @@ pub(super) fn beyond_limits<const N: usize, const M: usize>(
             (low - position).max(position - high)
         };
         if let Some((time, sample)) = worst(&samples, outside) {
-            notes.push(MpcNote::Position {
-                joint,
-                time,
-                position: sample.positions[i],
-                limits,
-            });
+            notes.push(MpcNote::Position { joint, time, position: sample.positions[i], limits });
         }
     }
     notes
@@ -139,10 +123,7 @@ pub(super) fn dry_friction<const N: usize, const M: usize>(
     let (joints, at_rest) = (model.joint_names(), model.friction_at_rest(positions));
     (0..N)
         .filter(|&i| jumps(at_rest[i]))
-        .map(|i| MpcNote::DryFriction {
-            joint: joints[i],
-            jump: at_rest[i][1] - at_rest[i][0],
-        })
+        .map(|i| MpcNote::DryFriction { joint: joints[i], jump: at_rest[i][1] - at_rest[i][0] })
         .collect()
 }
 

@@ -13,8 +13,8 @@ pub struct ObserverOptions<const N: usize, const M: usize> {
     pub velocity_noise: [f64; N],
     /// Of the disturbance's change in a period, in units of the input. 0: no disturbance is estimated.
     pub disturbance_noise: [f64; M],
-    /// Of a measured velocity [rad/s or m/s], > 0, for robots whose drives measure them. None: measured velocities are not
-    /// used.
+    /// Of a measured velocity [rad/s or m/s], > 0, for robots whose drives measure them. None: measured
+    /// velocities are not used.
     pub velocity_sensor_noise: Option<[f64; N]>,
 }
 
@@ -37,30 +37,22 @@ impl<const N: usize, const M: usize> ObserverOptions<N, M> {
         require("encoder_noise", &self.encoder_noise, "positive", positive)?;
         let sensors = self.velocity_sensor_noise.as_ref().map_or(&[][..], |n| n);
         require("velocity_sensor_noise", sensors, "positive", positive)?;
-        require(
-            "velocity_noise",
-            &self.velocity_noise,
-            "not negative",
-            weight,
-        )?;
-        require(
-            "disturbance_noise",
-            &self.disturbance_noise,
-            "not negative",
-            weight,
-        )
+        require("velocity_noise", &self.velocity_noise, "not negative", weight)?;
+        require("disturbance_noise", &self.disturbance_noise, "not negative", weight)
     }
 }
 
-/// Kalman filter on the augmented state (y, ẏ, d), where the disturbance d acts like an input and is constant but for its noise:
+/// Kalman filter on the augmented state (y, ẏ, d), where the disturbance d acts like an input and is constant
+/// but for its noise:
 ///
 /// ```text
 ///     (y, ẏ)⁺ = f(y, ẏ, u + d)     d⁺ = d     measured: y
 /// ```
 ///
-/// Extended: prediction by the nonlinear robot, covariance by its exact sensitivities (Anderson, Moore, *Optimal Filtering*, 1979, section 8.2);
-/// the disturbance model for offset-free control as in Pannocchia, Rawlings, *AIChE J.* 49 (2003). Positions are taken one after another,
-/// which is the same as all at once, their noise being independent.
+/// Extended: prediction by the nonlinear robot, covariance by its exact sensitivities (Anderson, Moore,
+/// *Optimal Filtering*, 1979, section 8.2); the disturbance model for offset-free control as in Pannocchia,
+/// Rawlings, *AIChE J.* 49 (2003). Positions are taken one after another, which is the same as all at once,
+/// their noise being independent.
 #[derive(Debug, Clone)]
 pub struct DisturbanceObserver<const N: usize, const M: usize> {
     options: ObserverOptions<N, M>,
@@ -99,11 +91,7 @@ impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
         self.disturbance = [0.0; M];
         self.covariance.fill(0.0);
         for i in 0..Self::SIZE {
-            let measured = if i < N {
-                self.options.encoder_noise[i]
-            } else {
-                0.0
-            };
+            let measured = if i < N { self.options.encoder_noise[i] } else { 0.0 };
             self.covariance[i * Self::SIZE + i] = self.noise(i) + measured * measured;
         }
     }
@@ -129,14 +117,7 @@ impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
         substeps: usize,
     ) {
         let total: [f64; M] = core::array::from_fn(|i| inputs[i] + self.disturbance[i]);
-        let step = integrate(
-            model,
-            &self.positions,
-            &self.velocities,
-            &total,
-            period,
-            substeps.max(1),
-        );
+        let step = integrate(model, &self.positions, &self.velocities, &total, period, substeps.max(1));
         (self.positions, self.velocities) = (step.coordinates, step.velocities);
         // F P, of which only the rows of y and ẏ differ from P, then (F P) Fᵀ likewise.
         let n = Self::SIZE;
@@ -214,7 +195,8 @@ impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
         }
     }
 
-    /// Whether every estimate is finite; a reading so wild that the prediction from it overflows leaves others.
+    /// Whether every estimate is finite; a reading so wild that the prediction from it overflows leaves
+    /// others.
     pub(super) fn is_finite(&self) -> bool {
         let state = self.positions.iter().chain(&self.velocities);
         state.chain(&self.disturbance).all(|x| x.is_finite())
@@ -244,10 +226,6 @@ fn row_of<'a, const N: usize, const M: usize>(
 ) -> impl Fn(usize) -> f64 + 'a {
     let (half, i) = (row / N, row % N);
     move |k| {
-        if k < 2 * N {
-            state[half][k / N][i][k % N]
-        } else {
-            input[half][i][k - 2 * N]
-        }
+        if k < 2 * N { state[half][k / N][i][k % N] } else { input[half][i][k - 2 * N] }
     }
 }

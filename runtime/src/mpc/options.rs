@@ -11,9 +11,10 @@ use thiserror::Error;
 /// Where the linear predictions are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LinearizationPoint {
-    /// Along the desired trajectory and its feed-forward. Good while errors are small. Where friction is steep at rest, a joint that should rest
-    /// but does not is taken for one that hardly moves: far from its goal it is driven back and forth by full inputs (seen: 4 mrad on the
-    /// PowerCube after a motion that its torque was too small for).
+    /// Along the desired trajectory and its feed-forward. Good while errors are small. Where friction is
+    /// steep at rest, a joint that should rest but does not is taken for one that hardly moves: far from its
+    /// goal it is driven back and forth by full inputs (seen: 4 mrad on the PowerCube after a motion that its
+    /// torque was too small for).
     Reference,
     /// Along the plan of the step before, moved on by the time that has passed.
     #[default]
@@ -31,7 +32,8 @@ pub struct MpcOptions<const N: usize, const M: usize> {
     pub position_weight: [f64; N],
     /// Weights of velocity errors [s²/rad² or s²/m²], ≥ 0.
     pub velocity_weight: [f64; N],
-    /// Weights of the deviation from the feed-forward [1/(N m)², 1/N² or 1/A²], ≥ 0; with the rate weight > 0.
+    /// Weights of the deviation from the feed-forward [1/(N m)², 1/N² or 1/A²], ≥ 0; with the rate weight >
+    /// 0.
     pub input_weight: [f64; M],
     /// Weights of the input's rate of change [s²/(N m)² …], ≥ 0.
     pub input_rate_weight: [f64; M],
@@ -54,8 +56,10 @@ pub struct MpcOptions<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> MpcOptions<N, M> {
-    /// Options with the model's limits (inputs up to the peak of motor and joint, [`Dynamics::input_limits`]; positions; speeds) and weights for a robot in SI units: position errors 1e4, velocity errors
-    /// 1e2 (errors vanish with a time constant of 0.1 s), deviations of the input 1e-3 beside a full input. QP to a millionth of its cost. No delay, linearization around the plan.
+    /// Options with the model's limits (inputs up to the peak of motor and joint, [`Dynamics::input_limits`];
+    /// positions; speeds) and weights for a robot in SI units: position errors 1e4, velocity errors 1e2
+    /// (errors vanish with a time constant of 0.1 s), deviations of the input 1e-3 beside a full input. QP to
+    /// a millionth of its cost. No delay, linearization around the plan.
     pub fn new(model: &impl Dynamics<N, M>, period: f64, horizon: usize) -> Self {
         let limits = model.limits();
         let inputs = model.input_limits().peak;
@@ -70,17 +74,11 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
             input_limits: inputs.map(|u| [-u, u]),
             position_limits: limits.position,
             velocity_limits: limits.velocity,
-            limit_penalty: Penalty {
-                linear: 1e4,
-                quadratic: 1e5,
-            },
+            limit_penalty: Penalty { linear: 1e4, quadratic: 1e5 },
             linearization: LinearizationPoint::Plan,
             delay: false,
             observer: ObserverOptions::default(),
-            qp: QpSettings {
-                tolerance: 1e-6,
-                ..QpSettings::default()
-            },
+            qp: QpSettings { tolerance: 1e-6, ..QpSettings::default() },
         }
     }
 
@@ -90,41 +88,18 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let weight = |x: f64| x.is_finite() && x >= 0.0;
         require("period", &[self.period], "positive and finite", positive)?;
-        require(
-            "position_weight",
-            &self.position_weight,
-            NOT_NEGATIVE,
-            weight,
-        )?;
-        require(
-            "velocity_weight",
-            &self.velocity_weight,
-            NOT_NEGATIVE,
-            weight,
-        )?;
+        require("position_weight", &self.position_weight, NOT_NEGATIVE, weight)?;
+        require("velocity_weight", &self.velocity_weight, NOT_NEGATIVE, weight)?;
         require("input_weight", &self.input_weight, NOT_NEGATIVE, weight)?;
-        require(
-            "input_rate_weight",
-            &self.input_rate_weight,
-            NOT_NEGATIVE,
-            weight,
-        )?;
-        let both: [f64; M] =
-            core::array::from_fn(|i| self.input_weight[i] + self.input_rate_weight[i]);
-        require(
-            "input_weight plus input_rate_weight",
-            &both,
-            "positive",
-            positive,
-        )?;
+        require("input_rate_weight", &self.input_rate_weight, NOT_NEGATIVE, weight)?;
+        let both: [f64; M] = core::array::from_fn(|i| self.input_weight[i] + self.input_rate_weight[i]);
+        require("input_weight plus input_rate_weight", &both, "positive", positive)?;
         for limits in self.input_limits.iter().chain(&self.position_limits) {
             require("a bound", limits, "a number, lower before upper", |x| {
                 !x.is_nan() && limits[0] <= limits[1]
             })?;
         }
-        require("velocity_limits", &self.velocity_limits, "positive", |x| {
-            x > 0.0
-        })?;
+        require("velocity_limits", &self.velocity_limits, "positive", |x| x > 0.0)?;
         self.observer.check()
     }
 }
@@ -139,12 +114,7 @@ pub(super) fn require(
 ) -> Result<(), MpcError> {
     match values.iter().position(|x| !holds(*x)) {
         None => Ok(()),
-        Some(index) => Err(MpcError::Option {
-            option,
-            index,
-            value: values[index],
-            range,
-        }),
+        Some(index) => Err(MpcError::Option { option, index, value: values[index], range }),
     }
 }
 
@@ -177,7 +147,8 @@ pub enum MpcError {
         /// Why.
         reason: LqrError,
     },
-    /// A joint of the model is too fast to be predicted over a period, at a state of the trajectory or at rest there.
+    /// A joint of the model is too fast to be predicted over a period, at a state of the trajectory or at
+    /// rest there.
     #[error("at {time} s of the trajectory {what}")]
     TooFast {
         /// Where on the trajectory (s).

@@ -1,17 +1,19 @@
 //! Dry friction and brakes, exactly: joints that slide, and joints that stick.
 //!
-//! Friction with `sign ẏ` jumps at ẏ = 0. A method with error control grinds to a halt there, and a joint at rest would chatter. Here each
-//! joint with a jump is in one of three modes. Sliding forward or backward, its friction is continued smoothly beyond ẏ = 0, and the
-//! integration stops where ẏ changes its sign. Sticking, ÿ = 0 and the friction is what holds the joint; it must lie between the friction of
-//! either direction, and the integration stops where it leaves that range:
+//! Friction with `sign ẏ` jumps at ẏ = 0. A method with error control grinds to a halt there, and a joint at
+//! rest would chatter. Here each joint with a jump is in one of three modes. Sliding forward or backward, its
+//! friction is continued smoothly beyond ẏ = 0, and the integration stops where ẏ changes its sign. Sticking,
+//! ÿ = 0 and the friction is what holds the joint; it must lie between the friction of either direction, and
+//! the integration stops where it leaves that range:
 //!
 //! ```text
 //!     M ÿ + k = q + B u − σ        ẏ_i = ÿ_i = 0 and τ_i(0−) ≤ σ_i + τ_i(0) ≤ τ_i(0+) for joints that stick,  σ_i = 0 for others
 //! ```
 //!
-//! An engaged brake is more of the same friction. Which joints at rest stick is a linear complementarity problem, solved by exchanging the
-//! worst violation (Pfeiffer, Glocker, *Multibody Dynamics with Unilateral Contacts*, 1996, section 5; Filippov, *Differential Equations with
-//! Discontinuous Righthand Sides*, 1988, chapter 2).
+//! An engaged brake is more of the same friction. Which joints at rest stick is a linear complementarity
+//! problem, solved by exchanging the worst violation (Pfeiffer, Glocker, *Multibody Dynamics with Unilateral
+//! Contacts*, 1996, section 5; Filippov, *Differential Equations with Discontinuous Righthand Sides*, 1988,
+//! chapter 2).
 
 use super::integrator::{Flow, Motion};
 use crate::dynamics::{Dynamics, JUST_MOVING, jumps};
@@ -47,7 +49,8 @@ pub(super) struct Joints<'d, D, const N: usize, const M: usize> {
     /// Torques of the engaged brakes.
     pub brakes: &'d [f64; N],
     pub modes: [Mode; N],
-    /// Speed that the integration cannot resolve. A joint has turned beyond it, and rests below twice as much: where it turned, it rests.
+    /// Speed that the integration cannot resolve. A joint has turned beyond it, and rests below twice as
+    /// much: where it turned, it rests.
     pub rest: f64,
 }
 
@@ -67,8 +70,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
         let mut at_rest = [false; N];
         for i in 0..N {
             let ([_, high], jumps) = (range[i], jumps(range[i]));
-            at_rest[i] =
-                jumps && (motion.velocities[i].abs() <= 2.0 * self.rest || high == f64::INFINITY);
+            at_rest[i] = jumps && (motion.velocities[i].abs() <= 2.0 * self.rest || high == f64::INFINITY);
             self.modes[i] = match (jumps, at_rest[i]) {
                 (false, _) => Mode::Smooth,
                 (true, true) => Mode::Stuck,
@@ -79,7 +81,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
                 motion.velocities[i] = 0.0;
             }
         }
-        // Each exchange repairs the worst joint; a positive definite M needs few. The bound is a guard against rounding.
+        // Each exchange repairs the worst joint; a positive definite M needs few. The bound is a guard
+        // against rounding.
         for _ in 0..4 * N {
             let Some((joint, mode)) = self.worst(motion, &range, &at_rest) else {
                 return;
@@ -89,12 +92,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
     }
 
     /// The resting joint that violates its mode most, and the mode that it should have.
-    fn worst(
-        &self,
-        motion: &Motion<N>,
-        range: &[[f64; 2]; N],
-        at_rest: &[bool; N],
-    ) -> Option<(usize, Mode)> {
+    fn worst(&self, motion: &Motion<N>, range: &[[f64; 2]; N], at_rest: &[bool; N]) -> Option<(usize, Mode)> {
         let (accelerations, friction) = self.solve(motion);
         let mut worst = None;
         let mut largest = 0.0;
@@ -105,8 +103,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
                     let [low, high] = range[i];
                     let against = -mode.direction() * accelerations[i];
                     // In torques, to compare with overloads: the joint alone, as if all others stood.
-                    against * self.model.mass_matrix(&motion.positions)[i][i]
-                        - BREAK_LOOSE * (high - low)
+                    against * self.model.mass_matrix(&motion.positions)[i][i] - BREAK_LOOSE * (high - low)
                 }
             };
             if violation > largest {
@@ -129,11 +126,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
         let (mass, coriolis, applied) = self.model.equations_of_motion(y, &v);
         let input_matrix = self.model.input_matrix();
         let forces: [f64; N] = core::array::from_fn(|i| {
-            let input: f64 = input_matrix[i]
-                .iter()
-                .zip(self.inputs)
-                .map(|(b, u)| b * u)
-                .sum();
+            let input: f64 = input_matrix[i].iter().zip(self.inputs).map(|(b, u)| b * u).sum();
             // A sticking brake holds as part of the friction that is solved for.
             let brake = match self.modes[i].direction() {
                 0.0 => 0.0,
@@ -191,8 +184,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Flow<N> for Joints<'_, D
             return self.solve(motion).0;
         }
         let v = self.directed(&motion.velocities);
-        self.model
-            .forward_dynamics(&motion.positions, &v, self.inputs)
+        self.model.forward_dynamics(&motion.positions, &v, self.inputs)
     }
 
     fn has_ended(&self, motion: &Motion<N>) -> bool {

@@ -1,8 +1,8 @@
 //! Integration with error control, up to the end of a period or to the first event.
 //!
-//! The method is DOP853, order 8(5,3) with dense output of order 7 (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, 1993,
-//! sections II.5 and II.6), of the crate `differential-equations`. Its parts for one step are driven here, because its own loop collects
-//! solutions in vectors.
+//! The method is DOP853, order 8(5,3) with dense output of order 7 (Hairer, Nørsett, Wanner, *Solving
+//! Ordinary Differential Equations I*, 1993, sections II.5 and II.6), of the crate `differential-equations`.
+//! Its parts for one step are driven here, because its own loop collects solutions in vectors.
 
 use differential_equations::interpolate::Interpolation;
 use differential_equations::methods::{DormandPrince, ExplicitRungeKutta, Ordinary};
@@ -10,7 +10,8 @@ use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 use differential_equations::status::Status;
 use differential_equations::traits::State;
 
-/// Steps to one event, or to the end of a period, after which the integration gives up; a smooth robot needs about ten.
+/// Steps to one event, or to the end of a period, after which the integration gives up; a smooth robot needs
+/// about ten.
 const MAX_STEPS: usize = 20_000;
 /// Steps in one period, over all of its events.
 pub(super) const MAX_PERIOD_STEPS: usize = 100_000;
@@ -39,11 +40,7 @@ impl<const N: usize> State<f64> for Motion<N> {
     }
 
     fn get_component(&self, index: usize) -> f64 {
-        if index < N {
-            self.positions[index]
-        } else {
-            self.velocities[index - N]
-        }
+        if index < N { self.positions[index] } else { self.velocities[index - N] }
     }
 
     fn set_component(&mut self, index: usize, value: f64) {
@@ -66,10 +63,7 @@ impl<const N: usize> State<f64> for Motion<N> {
     }
 
     fn zeros() -> Self {
-        Self {
-            positions: [0.0; N],
-            velocities: [0.0; N],
-        }
+        Self { positions: [0.0; N], velocities: [0.0; N] }
     }
 
     fn mul_add_assign(&mut self, alpha: f64, other: &Self) {
@@ -110,8 +104,7 @@ pub(super) struct Arrival<const N: usize> {
 /// First step of a new integration (s).
 const FIRST_STEP: f64 = 1e-3;
 
-type Method<const N: usize> =
-    ExplicitRungeKutta<Ordinary, DormandPrince, f64, Motion<N>, 8, 12, 16>;
+type Method<const N: usize> = ExplicitRungeKutta<Ordinary, DormandPrince, f64, Motion<N>, 8, 12, 16>;
 
 #[derive(Clone)]
 pub(super) struct Integrator<const N: usize> {
@@ -127,13 +120,11 @@ impl<const N: usize> Integrator<N> {
             .atol(absolute_tolerance)
             // The method counts over its whole life; calls are bounded in `advance`.
             .max_steps(usize::MAX);
-        Self {
-            method,
-            step: FIRST_STEP,
-        }
+        Self { method, step: FIRST_STEP }
     }
 
-    /// From `start` to `end` (s), or to the first event of `flow`, in at most `budget` steps, which it takes off.
+    /// From `start` to `end` (s), or to the first event of `flow`, in at most `budget` steps, which it takes
+    /// off.
     ///
     /// # Errors
     /// Why it cannot go on.
@@ -147,7 +138,8 @@ impl<const N: usize> Integrator<N> {
     ) -> Result<Arrival<N>, &'static str> {
         let arrival = self.try_advance(flow, motion, start, end, budget);
         if arrival.is_err() {
-            // What failed with ever smaller steps says nothing of the next call, whose first step must not be as small.
+            // What failed with ever smaller steps says nothing of the next call, whose first step must not be
+            // as small.
             self.step = FIRST_STEP;
         }
         arrival
@@ -164,27 +156,15 @@ impl<const N: usize> Integrator<N> {
         let equations = Equations(flow);
         let negligible = 4.0 * f64::EPSILON * end.abs();
         if end - start <= negligible {
-            return Ok(Arrival {
-                time: end,
-                motion: *motion,
-                by_event: false,
-            });
+            return Ok(Arrival { time: end, motion: *motion, by_event: false });
         }
         self.method.h0 = self.step.min(end - start);
-        self.method
-            .init(&equations, start, end, motion)
-            .map_err(|_| "the first step size is not usable")?;
+        self.method.init(&equations, start, end, motion).map_err(|_| "the first step size is not usable")?;
         for _ in 0..MAX_STEPS {
-            *budget = budget
-                .checked_sub(1)
-                .ok_or("it took more than 100000 steps")?;
+            *budget = budget.checked_sub(1).ok_or("it took more than 100000 steps")?;
             let remaining = end - self.method.t();
             if remaining <= negligible {
-                return Ok(Arrival {
-                    time: end,
-                    motion: *self.method.y(),
-                    by_event: false,
-                });
+                return Ok(Arrival { time: end, motion: *self.method.y(), by_event: false });
             }
             let proposed = self.method.h();
             if proposed < negligible.max(f64::MIN_POSITIVE) {
@@ -192,20 +172,14 @@ impl<const N: usize> Integrator<N> {
             }
             let taken = proposed.min(remaining);
             self.method.set_h(taken);
-            self.method
-                .step(&equations)
-                .map_err(|_| "the model is too stiff for an explicit method")?;
+            self.method.step(&equations).map_err(|_| "the model is too stiff for an explicit method")?;
             let next = self.method.h();
             if matches!(self.method.status(), Status::RejectedStep) {
                 self.step = next;
                 continue;
             }
             // A step cut short by the end of the period says little about the next one.
-            self.step = if taken < proposed {
-                proposed.max(next)
-            } else {
-                next
-            };
+            self.step = if taken < proposed { proposed.max(next) } else { next };
             if !self.method.y().is_finite() {
                 return Err("positions or velocities are no longer finite");
             }
@@ -232,10 +206,6 @@ impl<const N: usize> Integrator<N> {
                 before = middle;
             }
         }
-        Arrival {
-            time: after,
-            motion,
-            by_event: true,
-        }
+        Arrival { time: after, motion, by_event: true }
     }
 }

@@ -4,8 +4,9 @@
 //!     M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u_applied        u_applied constant over a period
 //! ```
 //!
-//! The model of the plant is its own: any [`Dynamics`], with other masses or friction than the controller's, with exact `sign` where the
-//! controller's is smooth. See [`PlantOptions`] for what happens to inputs and measurements.
+//! The model of the plant is its own: any [`Dynamics`], with other masses or friction than the controller's,
+//! with exact `sign` where the controller's is smooth. See [`PlantOptions`] for what happens to inputs and
+//! measurements.
 
 mod dry_friction;
 mod integrator;
@@ -85,9 +86,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
     /// [`PlantError::Option`].
     pub fn new(model: D, options: PlantOptions<N, M>) -> Result<Self, PlantError> {
         options.check(&model.joint_names(), &model.input_names())?;
-        let brake_torque = options
-            .brake_torque
-            .unwrap_or_else(|| default_brakes(&model));
+        let brake_torque = options.brake_torque.unwrap_or_else(|| default_brakes(&model));
         // Separate streams: an option that draws more does not change what the others see.
         let stream = |number| {
             let mut generator = ChaCha8Rng::seed_from_u64(options.seed);
@@ -100,16 +99,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
             brakes_engaged: false,
             integrator: Integrator::new(options.relative_tolerance, options.absolute_tolerance),
             time: 0.0,
-            motion: Motion {
-                positions: [0.0; N],
-                velocities: [0.0; N],
-            },
-            measurement: Measurement {
-                time: 0.0,
-                positions: [0.0; N],
-                velocities: None,
-                torques: None,
-            },
+            motion: Motion { positions: [0.0; N], velocities: [0.0; N] },
+            measurement: Measurement { time: 0.0, positions: [0.0; N], velocities: None, torques: None },
             queue: VecDeque::with_capacity(options.delay + 1),
             received: [0.0; M],
             applied: [0.0; M],
@@ -124,7 +115,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
         Ok(plant)
     }
 
-    /// Puts the plant at positions and velocities at time 0, brakes released, inputs under way zero, and measures there. The random streams go on.
+    /// Puts the plant at positions and velocities at time 0, brakes released, inputs under way zero, and
+    /// measures there. The random streams go on.
     ///
     /// # Errors
     /// [`PlantError::Start`] for values that are not finite.
@@ -139,10 +131,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
                 });
             }
         }
-        self.motion = Motion {
-            positions,
-            velocities,
-        };
+        self.motion = Motion { positions, velocities };
         self.time = 0.0;
         self.brakes_engaged = false;
         self.applied = [0.0; M];
@@ -164,11 +153,12 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
         self.measurement
     }
 
-    /// Sends `inputs` and moves on by `period` (s) with the ones that arrive: the same, or with a delay those sent `delay` periods ago.
-    /// While brakes are engaged the drives are off.
+    /// Sends `inputs` and moves on by `period` (s) with the ones that arrive: the same, or with a delay those
+    /// sent `delay` periods ago. While brakes are engaged the drives are off.
     ///
     /// # Errors
-    /// [`PlantError::Input`], [`PlantError::Period`], [`PlantError::Integration`]; the plant then has not moved.
+    /// [`PlantError::Input`], [`PlantError::Period`], [`PlantError::Integration`]; the plant then has not
+    /// moved.
     pub fn apply(&mut self, inputs: &[f64; M], period: f64) -> Result<(), PlantError> {
         if let Some(input) = inputs.iter().position(|u| !u.is_finite()) {
             return Err(PlantError::Input {
@@ -186,7 +176,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
         self.advance(period)
     }
 
-    /// Moves on by `period` (s) without a new input: what was received last is held. Inputs under way stay under way.
+    /// Moves on by `period` (s) without a new input: what was received last is held. Inputs under way stay
+    /// under way.
     ///
     /// # Errors
     /// [`PlantError::Period`], [`PlantError::Integration`]; the plant then has not moved.
@@ -235,7 +226,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
         &self.model
     }
 
-    /// Makes another model the true one from now on, as wear, load and temperature do. State and inputs under way stay.
+    /// Makes another model the true one from now on, as wear, load and temperature do. State and inputs under
+    /// way stay.
     pub fn set_model(&mut self, model: D) {
         self.model = model;
     }
@@ -277,29 +269,17 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
             core::array::from_fn(|i| self.motion.velocities[i] + deviation[i] * noise[i])
         });
         let torques = self.options.torque_noise.map(|deviation| {
-            let (noise, gears) = (
-                normals::<N>(&mut self.torque_noise),
-                self.model.input_matrix(),
-            );
+            let (noise, gears) = (normals::<N>(&mut self.torque_noise), self.model.input_matrix());
             core::array::from_fn(|i| {
                 let force: f64 = gears[i].iter().zip(&self.applied).map(|(b, u)| b * u).sum();
                 force + deviation[i] * noise[i]
             })
         });
-        Measurement {
-            time: self.time,
-            positions,
-            velocities,
-            torques,
-        }
+        Measurement { time: self.time, positions, velocities, torques }
     }
 
     fn integrate(&mut self, inputs: &[f64; M], period: f64) -> Result<Motion<N>, PlantError> {
-        let brakes = if self.brakes_engaged {
-            self.brake_torque
-        } else {
-            [0.0; N]
-        };
+        let brakes = if self.brakes_engaged { self.brake_torque } else { [0.0; N] };
         let mut joints = Joints {
             model: &self.model,
             inputs,
@@ -313,10 +293,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
             let arrival = self
                 .integrator
                 .advance(&joints, &motion, time, period, &mut budget)
-                .map_err(|reason| PlantError::Integration {
-                    time: self.time + time,
-                    reason,
-                })?;
+                .map_err(|reason| PlantError::Integration { time: self.time + time, reason })?;
             (time, motion) = (arrival.time, arrival.motion);
             if !arrival.by_event {
                 return Ok(motion);
@@ -332,20 +309,12 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
 fn default_brakes<const N: usize, const M: usize>(model: &impl Dynamics<N, M>) -> [f64; N] {
     let (limits, input_matrix) = (model.limits(), model.input_matrix());
     core::array::from_fn(|i| {
-        if input_matrix[i].iter().all(|b| *b == 0.0) {
-            0.0
-        } else {
-            BRAKE_RESERVE * limits.peak_effort[i]
-        }
+        if input_matrix[i].iter().all(|b| *b == 0.0) { 0.0 } else { BRAKE_RESERVE * limits.peak_effort[i] }
     })
 }
 
 fn require_period(period: f64) -> Result<(), PlantError> {
-    if period.is_finite() && period > 0.0 {
-        Ok(())
-    } else {
-        Err(PlantError::Period(period))
-    }
+    if period.is_finite() && period > 0.0 { Ok(()) } else { Err(PlantError::Period(period)) }
 }
 
 fn quantized(x: f64, resolution: f64) -> f64 {

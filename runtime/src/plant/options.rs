@@ -3,18 +3,20 @@
 use crate::dynamics::Named;
 use thiserror::Error;
 
-/// Imperfections of a [`Plant`](super::Plant). The default has none: exact encoders, exact and unlimited inputs, no delay, nothing lost.
+/// Imperfections of a [`Plant`](super::Plant). The default has none: exact encoders, exact and unlimited
+/// inputs, no delay, nothing lost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantOptions<const N: usize, const M: usize> {
-    /// Step of each encoder at its joint [rad or m]; measured positions are rounded to its multiples. 0: exact.
+    /// Step of each encoder at its joint [rad or m]; measured positions are rounded to its multiples. 0:
+    /// exact.
     pub encoder_resolution: [f64; N],
     /// Standard deviation of the normal noise on each position, before rounding [rad or m].
     pub encoder_noise: [f64; N],
-    /// Standard deviation of the normal noise on each measured velocity [rad/s or m/s]. None: the drives do not measure
-    /// velocities.
+    /// Standard deviation of the normal noise on each measured velocity [rad/s or m/s]. None: the drives do
+    /// not measure velocities.
     pub velocity_noise: Option<[f64; N]>,
-    /// Standard deviation of the normal noise on each measured force of a drive at its joint [N m or N]. None: they are not
-    /// measured.
+    /// Standard deviation of the normal noise on each measured force of a drive at its joint [N m or N].
+    /// None: they are not measured.
     pub torque_noise: Option<[f64; N]>,
     /// Step of each input, in its unit; what is applied is rounded to its multiples. 0: exact.
     pub input_resolution: [f64; M],
@@ -26,10 +28,12 @@ pub struct PlantOptions<const N: usize, const M: usize> {
     pub delay: usize,
     /// Probability that an input is lost; the one before is then held.
     pub input_loss: f64,
-    /// Probability that a measurement is lost; [`Plant::measure`](super::Plant::measure) then returns the one before.
+    /// Probability that a measurement is lost; [`Plant::measure`](super::Plant::measure) then returns the one
+    /// before.
     pub measurement_loss: f64,
-    /// Friction torque of each engaged brake [N m or N]. Infinite: the joint locks at once. None: twice the peak effort of the model for
-    /// joints that an input acts on (infinite where the model gives no effort), no brake on the others.
+    /// Friction torque of each engaged brake [N m or N]. Infinite: the joint locks at once. None: twice the
+    /// peak effort of the model for joints that an input acts on (infinite where the model gives no effort),
+    /// no brake on the others.
     pub brake_torque: Option<[f64; N]>,
     /// Relative error that the integration allows in one of its steps.
     pub relative_tolerance: f64,
@@ -85,40 +89,26 @@ impl<const N: usize, const M: usize> PlantOptions<N, M> {
             let values = values.map_or(&[][..], |v| v);
             require(option, joints, values, SIZE, size)?;
         }
-        let drives = [
-            ("input_resolution", &self.input_resolution),
-            ("input_noise", &self.input_noise),
-        ];
+        let drives = [("input_resolution", &self.input_resolution), ("input_noise", &self.input_noise)];
         for (option, values) in drives {
             require(option, inputs, values, SIZE, size)?;
         }
-        require("input_limit", inputs, &self.input_limit, "positive", |x| {
-            x > 0.0
-        })?;
+        require("input_limit", inputs, &self.input_limit, "positive", |x| x > 0.0)?;
         let brakes = self.brake_torque.as_ref().map_or(&[][..], |b| b);
         require("brake_torque", joints, brakes, "not negative", |x| x >= 0.0)?;
-        let losses = [
-            ("input_loss", self.input_loss),
-            ("measurement_loss", self.measurement_loss),
-        ];
+        let losses = [("input_loss", self.input_loss), ("measurement_loss", self.measurement_loss)];
         for (option, value) in losses {
-            require(option, &[], &[value], "a probability, 0 to 1", |x| {
-                (0.0..=1.0).contains(&x)
-            })?;
+            require(option, &[], &[value], "a probability, 0 to 1", |x| (0.0..=1.0).contains(&x))?;
         }
         let tolerances = [
             ("relative_tolerance", self.relative_tolerance),
             ("absolute_tolerance", self.absolute_tolerance),
         ];
         for (option, value) in tolerances {
-            require(option, &[], &[value], "1e-14 to 1e-2", |x| {
-                (1e-14..=1e-2).contains(&x)
-            })?;
+            require(option, &[], &[value], "1e-14 to 1e-2", |x| (1e-14..=1e-2).contains(&x))?;
         }
         let delay = self.delay as f64;
-        require("delay", &[], &[delay], "at most 1000 periods", |x| {
-            x <= MAX_DELAY as f64
-        })
+        require("delay", &[], &[delay], "at most 1000 periods", |x| x <= MAX_DELAY as f64)
     }
 }
 
@@ -132,12 +122,9 @@ fn require(
 ) -> Result<(), PlantError> {
     match values.iter().position(|x| !holds(*x)) {
         None => Ok(()),
-        Some(index) => Err(PlantError::Option {
-            option,
-            of: names.get(index).copied(),
-            value: values[index],
-            range,
-        }),
+        Some(index) => {
+            Err(PlantError::Option { option, of: names.get(index).copied(), value: values[index], range })
+        }
     }
 }
 
@@ -183,7 +170,8 @@ pub enum PlantError {
     /// A period is not positive and finite.
     #[error("period is {0} s; it must be positive and finite")]
     Period(f64),
-    /// The integration cannot go on: the model's accelerations are not finite, or the steps became too many or too small.
+    /// The integration cannot go on: the model's accelerations are not finite, or the steps became too many
+    /// or too small.
     #[error("the integration stopped at {time} s: {reason}")]
     Integration {
         /// Time of the plant (s).

@@ -4,7 +4,8 @@ use super::lanes::{Vector, WIDTH};
 use core::arch::x86_64::*;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-/// Four numbers in one register. Values exist only in solvers that [`available`] allowed: every operation relies on it.
+/// Four numbers in one register. Values exist only in solvers that [`available`] allowed: every operation
+/// relies on it.
 #[derive(Debug, Clone, Copy)]
 #[repr(transparent)]
 pub(crate) struct Avx2(__m256d);
@@ -93,10 +94,7 @@ impl Vector for Avx2 {
     fn reduce_add(self) -> f64 {
         // SAFETY: see the type.
         unsafe {
-            let half = _mm_add_pd(
-                _mm256_castpd256_pd128(self.0),
-                _mm256_extractf128_pd::<1>(self.0),
-            );
+            let half = _mm_add_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
             _mm_cvtsd_f64(_mm_add_sd(half, _mm_unpackhi_pd(half, half)))
         }
     }
@@ -104,14 +102,8 @@ impl Vector for Avx2 {
     fn transpose(v: [Self; WIDTH]) -> [Self; WIDTH] {
         // SAFETY: see the type.
         unsafe {
-            let (a, b) = (
-                _mm256_unpacklo_pd(v[0].0, v[1].0),
-                _mm256_unpackhi_pd(v[0].0, v[1].0),
-            );
-            let (c, d) = (
-                _mm256_unpacklo_pd(v[2].0, v[3].0),
-                _mm256_unpackhi_pd(v[2].0, v[3].0),
-            );
+            let (a, b) = (_mm256_unpacklo_pd(v[0].0, v[1].0), _mm256_unpackhi_pd(v[0].0, v[1].0));
+            let (c, d) = (_mm256_unpacklo_pd(v[2].0, v[3].0), _mm256_unpackhi_pd(v[2].0, v[3].0));
             [
                 Self(_mm256_permute2f128_pd::<0x20>(a, c)),
                 Self(_mm256_permute2f128_pd::<0x20>(b, d)),

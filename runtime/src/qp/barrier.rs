@@ -1,8 +1,9 @@
 //! The bounds inside the interior-point method: slacks, multipliers and their Newton steps, four at a time.
 //!
-//! A bound `ς (z − b) + t ≥ 0` (ς = +1 lower, −1 upper; `t` the softening, absent for a hard bound) is written with the slack `s > 0`,
-//! `ς (z − b) + t − s = −r`, and the multiplier `λ > 0`. A soft bound costs `w₁ t + ½ w₂ t²`, `t ≥ 0`, whose own multiplier is
-//! `ν = w₁ + w₂ t − λ > 0`. Eliminating `ds`, `dt`, `dν` from the Newton system leaves a diagonal term in z:
+//! A bound `ς (z − b) + t ≥ 0` (ς = +1 lower, −1 upper; `t` the softening, absent for a hard bound) is
+//! written with the slack `s > 0`, `ς (z − b) + t − s = −r`, and the multiplier `λ > 0`. A soft bound costs
+//! `w₁ t + ½ w₂ t²`, `t ≥ 0`, whose own multiplier is `ν = w₁ + w₂ t − λ > 0`. Eliminating `ds`, `dt`, `dν`
+//! from the Newton system leaves a diagonal term in z:
 //!
 //! ```text
 //!     s dλ + λ ds = −rc₁ = −(s λ − τ + c₁)       t dν + ν dt = −rc₂ = −(t ν − τ + c₂)       τ = σμ, c: second-order correction
@@ -10,8 +11,8 @@
 //!     λ + dλ = λ (t (λ + ν) − D r)/Δ + (D (τ − c₁) − λ (τ − c₂))/Δ − W ς dz       W = λ D/Δ
 //! ```
 //!
-//! Source: Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapters 1 and 10; the elimination of soft bounds as in
-//! Frison, Diehl, *HPIPM*, IFAC 2020, section 3.
+//! Source: Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapters 1 and 10; the elimination of
+//! soft bounds as in Frison, Diehl, *HPIPM*, IFAC 2020, section 3.
 
 use super::lanes::{Vector, WIDTH, flat_mut, largest};
 use super::multipliers::Multipliers;
@@ -27,7 +28,8 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// One side of four bounds.
 #[derive(Debug, Clone, Copy)]
 struct Side<V> {
-    /// Bound, and 1 where it is finite, 0 elsewhere (the bound is then stored as 0, slack and multiplier stay 1).
+    /// Bound, and 1 where it is finite, 0 elsewhere (the bound is then stored as 0, slack and multiplier stay
+    /// 1).
     bound: V,
     active: V,
     /// `1/max(1, |bound|)` where it is finite, 0 elsewhere: violations count beside the size of the bound.
@@ -40,7 +42,8 @@ struct Side<V> {
     weight: V,
     inverse_slack: V,
     inverse_multiplier: V,
-    /// `1/s̃` and `s̃ − s`: the slack of the Newton system, `s̃ = max(s, λ/W_max)`, see [`Bounds::cap_weights`].
+    /// `1/s̃` and `s̃ − s`: the slack of the Newton system, `s̃ = max(s, λ/W_max)`, see
+    /// [`Bounds::cap_weights`].
     inverse_damped: V,
     excess: V,
     /// Steps; after the predictor the affine ones.
@@ -78,11 +81,7 @@ pub(super) struct Tally<V> {
 
 impl<V: Vector> Tally<V> {
     pub(super) fn new() -> Self {
-        Self {
-            sum: V::zero(),
-            max: V::zero(),
-            force: V::zero(),
-        }
+        Self { sum: V::zero(), max: V::zero(), force: V::zero() }
     }
     #[inline(always)]
     pub(super) fn force(&self) -> f64 {
@@ -162,9 +161,7 @@ impl<V: Vector> Side<V> {
         let inverse = V::one() / product;
         self.inverse_slack = l * inverse;
         self.inverse_multiplier = s * inverse;
-        self.inverse_damped = self
-            .inverse_slack
-            .fast_min(cap[0] * self.inverse_multiplier);
+        self.inverse_damped = self.inverse_slack.fast_min(cap[0] * self.inverse_multiplier);
         self.excess = (l * cap[1] - s).fast_max(V::zero());
         tally.sum = product.mul_add(self.active, tally.sum);
         let gap = Self::signed::<UPPER>(z - self.bound) - s;
@@ -194,16 +191,11 @@ impl<V: Vector> Side<V> {
         self.weight * (self.excess - self.residual)
     }
 
-    /// Steps for a step `dz` of the variable, where `s dλ + λ ds = −rc₁` and `t dν + ν dt = −rc₂`. Each is written so that small numbers come
-    /// from products of small numbers, not from differences of large ones: ν is tiny where a soft bound is violated.
+    /// Steps for a step `dz` of the variable, where `s dλ + λ ds = −rc₁` and `t dν + ν dt = −rc₂`. Each is
+    /// written so that small numbers come from products of small numbers, not from differences of large ones:
+    /// ν is tiny where a soft bound is violated.
     #[inline(always)]
-    fn steps<const UPPER: bool, const SOFT: bool>(
-        &mut self,
-        soft: &mut Softening<V>,
-        dz: V,
-        rc1: V,
-        rc2: V,
-    ) {
+    fn steps<const UPPER: bool, const SOFT: bool>(&mut self, soft: &mut Softening<V>, dz: V, rc1: V, rc2: V) {
         let (s, l) = (self.slack + self.excess, self.multiplier);
         let rho = self.active * (Self::signed::<UPPER>(dz) + self.residual);
         let pull = l.mul_add(rho, rc1);
@@ -223,12 +215,10 @@ impl<V: Vector> Side<V> {
     /// Largest `−ds/s`, `−dλ/λ`, `−dt/t`, `−dν/ν`: the inverse of the step to the boundary.
     #[inline(always)]
     fn inverse_step<const SOFT: bool>(&self, soft: &Softening<V>, max: V) -> V {
-        let max = max
-            .fast_max(-(self.ds * self.inverse_slack))
-            .fast_max(-(self.dl * self.inverse_multiplier));
+        let max =
+            max.fast_max(-(self.ds * self.inverse_slack)).fast_max(-(self.dl * self.inverse_multiplier));
         if SOFT {
-            max.fast_max(-(soft.dt * soft.inverse_t))
-                .fast_max(-(soft.dnu * soft.inverse_nu))
+            max.fast_max(-(soft.dt * soft.inverse_t)).fast_max(-(soft.dnu * soft.inverse_nu))
         } else {
             max
         }
@@ -277,13 +267,7 @@ impl<V: Vector> Side<V> {
     }
 
     #[inline(always)]
-    fn start<const SOFT: bool>(
-        &mut self,
-        soft: &mut Softening<V>,
-        [gap, least]: [V; 2],
-        mu: V,
-        far: bool,
-    ) {
+    fn start<const SOFT: bool>(&mut self, soft: &mut Softening<V>, [gap, least]: [V; 2], mu: V, far: bool) {
         let inert = V::one() - self.active;
         let mut slack = gap.fast_max(least);
         let mut multiplier = mu / slack;
@@ -292,14 +276,12 @@ impl<V: Vector> Side<V> {
             soft.t = soft.active * (least - gap).fast_max(least) + hard;
             slack = soft.active * (gap + soft.t) + hard * slack;
             multiplier = mu / slack;
-            multiplier =
-                soft.active * multiplier.fast_min(V::splat(0.5) * soft.w1) + hard * multiplier;
+            multiplier = soft.active * multiplier.fast_min(V::splat(0.5) * soft.w1) + hard * multiplier;
             soft.nu = soft.active * (soft.w1 + soft.w2 * soft.t - multiplier) + hard;
         } else if SOFT {
             let violation = (-gap).fast_max(V::zero());
             let limit = V::splat(0.5) * soft.w2.mul_add(violation, soft.w1);
-            multiplier =
-                soft.active * multiplier.fast_min(limit) + (V::one() - soft.active) * multiplier;
+            multiplier = soft.active * multiplier.fast_min(limit) + (V::one() - soft.active) * multiplier;
             soft.start(multiplier, mu);
         }
         self.slack = self.active * slack + inert;
@@ -328,14 +310,15 @@ impl<V: Vector> Softening<V> {
         penalty + l * d.fast_max(V::zero()) + half * beyond * beyond * inverse
     }
 
-    /// `t` and `ν = w₁ + w₂ t − λ` with the product μ, as all other pairs have it: a `t` as large as the violation would be far off the central path
-    /// where the bound will be kept in the end.
+    /// `t` and `ν = w₁ + w₂ t − λ` with the product μ, as all other pairs have it: a `t` as large as the
+    /// violation would be far off the central path where the bound will be kept in the end.
     #[inline(always)]
     fn start(&mut self, l: V, mu: V) {
         let (beyond, hard) = (l - self.w1, V::one() - self.active);
         let two = V::splat(2.0);
         let root = (beyond * beyond + V::splat(4.0) * self.w2 * mu).sqrt();
-        // Of the two forms of the root the one without cancellation; the first one divides by zero only where it is not taken.
+        // Of the two forms of the root the one without cancellation; the first one divides by zero only where
+        // it is not taken.
         let positive = (beyond + root) / (two * self.w2.fast_max(V::splat(f64::MIN_POSITIVE)));
         let negative = two * mu / (root - beyond).fast_max(V::splat(f64::MIN_POSITIVE));
         let t = V::select_positive(beyond, positive, negative);
@@ -356,7 +339,8 @@ impl<V: Vector> Softening<V> {
     }
 }
 
-/// All bounds of one kind of variable (inputs, or states), and the passes of an interior-point iteration over them.
+/// All bounds of one kind of variable (inputs, or states), and the passes of an interior-point iteration over
+/// them.
 #[derive(Debug, Clone)]
 pub(super) struct Bounds<V> {
     sides: Vec<[Side<V>; 2]>,
@@ -380,8 +364,9 @@ impl<V: Vector> Bounds<V> {
         self.soft.fill(Default::default());
     }
 
-    /// Largest diagonal term of the Newton system. Beyond it, digits of the weights would be lost beside it (`R` beside `BᵀWB`); a step that takes
-    /// the slack for `λ/W_max` instead is still a Newton step to second order, since `dλ` vanishes at the optimum.
+    /// Largest diagonal term of the Newton system. Beyond it, digits of the weights would be lost beside it
+    /// (`R` beside `BᵀWB`); a step that takes the slack for `λ/W_max` instead is still a Newton step to
+    /// second order, since `dλ` vanishes at the optimum.
     #[inline(always)]
     pub(super) fn cap_weights(&mut self, cap: f64) {
         self.cap = [V::splat(cap), V::splat(1.0 / cap)];
@@ -407,23 +392,12 @@ impl<V: Vector> Bounds<V> {
     /// [`Self::predictor_as`], likewise.
     #[inline(always)]
     pub(super) fn predictor(&mut self, soft: bool, dz: &[V]) -> Tally<V> {
-        if soft {
-            self.predictor_as::<true>(dz)
-        } else {
-            self.predictor_as::<false>(dz)
-        }
+        if soft { self.predictor_as::<true>(dz) } else { self.predictor_as::<false>(dz) }
     }
 
     /// [`Self::centre_as`], likewise.
     #[inline(always)]
-    pub(super) fn centre(
-        &mut self,
-        soft: bool,
-        gradient: &[V],
-        target: f64,
-        correction: f64,
-        rhs: &mut [V],
-    ) {
+    pub(super) fn centre(&mut self, soft: bool, gradient: &[V], target: f64, correction: f64, rhs: &mut [V]) {
         if soft {
             self.centre_as::<true>(gradient, target, correction, rhs);
         } else {
@@ -433,13 +407,7 @@ impl<V: Vector> Bounds<V> {
 
     /// [`Self::corrector_as`], likewise.
     #[inline(always)]
-    pub(super) fn corrector(
-        &mut self,
-        soft: bool,
-        dz: &[V],
-        target: f64,
-        correction: f64,
-    ) -> Tally<V> {
+    pub(super) fn corrector(&mut self, soft: bool, dz: &[V], target: f64, correction: f64) -> Tally<V> {
         if soft {
             self.corrector_as::<true>(dz, target, correction)
         } else {
@@ -477,7 +445,8 @@ impl<V: Vector> Bounds<V> {
         }
     }
 
-    /// First pass: `weight` becomes the diagonal barrier term, `rhs` the gradient of the affine step. Returns `Σ sλ` and `max |r|`.
+    /// First pass: `weight` becomes the diagonal barrier term, `rhs` the gradient of the affine step. Returns
+    /// `Σ sλ` and `max |r|`.
     #[inline(always)]
     fn linearize_as<const SOFT: bool>(
         &mut self,
@@ -489,11 +458,9 @@ impl<V: Vector> Bounds<V> {
         let mut tally = Tally::new();
         let cap = self.cap;
         for i in 0..self.sides.len() {
-            let ([lower, upper], [soft_lower, soft_upper]) =
-                (&mut self.sides[i], &mut self.soft[i]);
+            let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             let from_below = lower.linearize::<false, SOFT>(soft_lower, z[i], cap, &mut tally);
-            let pull =
-                from_below - upper.linearize::<true, SOFT>(soft_upper, z[i], cap, &mut tally);
+            let pull = from_below - upper.linearize::<true, SOFT>(soft_upper, z[i], cap, &mut tally);
             weight[i] = lower.weight + upper.weight;
             rhs[i] = gradient[i] - pull;
         }
@@ -505,8 +472,7 @@ impl<V: Vector> Bounds<V> {
     fn predictor_as<const SOFT: bool>(&mut self, dz: &[V]) -> Tally<V> {
         let mut tally = Tally::new();
         for i in 0..self.sides.len() {
-            let ([lower, upper], [soft_lower, soft_upper]) =
-                (&mut self.sides[i], &mut self.soft[i]);
+            let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             lower.predictor::<false, SOFT>(soft_lower, dz[i], &mut tally);
             upper.predictor::<true, SOFT>(soft_upper, dz[i], &mut tally);
         }
@@ -515,17 +481,10 @@ impl<V: Vector> Bounds<V> {
 
     /// Third pass: `rhs` becomes the gradient of the centred and corrected step.
     #[inline(always)]
-    fn centre_as<const SOFT: bool>(
-        &mut self,
-        gradient: &[V],
-        target: f64,
-        correction: f64,
-        rhs: &mut [V],
-    ) {
+    fn centre_as<const SOFT: bool>(&mut self, gradient: &[V], target: f64, correction: f64, rhs: &mut [V]) {
         let (target, correction) = (V::splat(target), V::splat(correction));
         for i in 0..self.sides.len() {
-            let ([lower, upper], [soft_lower, soft_upper]) =
-                (&mut self.sides[i], &mut self.soft[i]);
+            let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             rhs[i] = gradient[i] - lower.centred::<SOFT>(soft_lower, target, correction)
                 + upper.centred::<SOFT>(soft_upper, target, correction);
         }
@@ -533,17 +492,11 @@ impl<V: Vector> Bounds<V> {
 
     /// Fourth pass: the steps proper. Returns the inverse step to the boundary.
     #[inline(always)]
-    fn corrector_as<const SOFT: bool>(
-        &mut self,
-        dz: &[V],
-        target: f64,
-        correction: f64,
-    ) -> Tally<V> {
+    fn corrector_as<const SOFT: bool>(&mut self, dz: &[V], target: f64, correction: f64) -> Tally<V> {
         let mut tally = Tally::new();
         let target = [V::splat(target), V::splat(correction)];
         for i in 0..self.sides.len() {
-            let ([lower, upper], [soft_lower, soft_upper]) =
-                (&mut self.sides[i], &mut self.soft[i]);
+            let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             lower.corrector::<false, SOFT>(soft_lower, dz[i], target, &mut tally);
             upper.corrector::<true, SOFT>(soft_upper, dz[i], target, &mut tally);
         }
@@ -555,14 +508,14 @@ impl<V: Vector> Bounds<V> {
     fn advance_as<const SOFT: bool>(&mut self, length: f64) {
         let length = V::splat(length);
         for i in 0..self.sides.len() {
-            let ([lower, upper], [soft_lower, soft_upper]) =
-                (&mut self.sides[i], &mut self.soft[i]);
+            let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             lower.advance::<SOFT>(soft_lower, length);
             upper.advance::<SOFT>(soft_upper, length);
         }
     }
 
-    /// Bounds of number `i` of the padded variables, made inert where infinite, and the penalty weights `(w₁, w₂)` if it is soft.
+    /// Bounds of number `i` of the padded variables, made inert where infinite, and the penalty weights
+    /// `(w₁, w₂)` if it is soft.
     #[inline(always)]
     pub(super) fn set(&mut self, i: usize, lower: f64, upper: f64, penalty: Option<(f64, f64)>) {
         let (lane, i) = (i / WIDTH, i % WIDTH);
@@ -614,7 +567,8 @@ impl<V: Vector> Bounds<V> {
         sum.reduce_add()
     }
 
-    /// Adds a quadratic cost of `size` per distance between the bounds, from their middle; from 1 + |b| inside a bound that has no other side.
+    /// Adds a quadratic cost of `size` per distance between the bounds, from their middle; from 1 + |b|
+    /// inside a bound that has no other side.
     #[inline(always)]
     pub(super) fn attract(&self, size: f64, weight: &mut [V], linear: &mut [V]) {
         let (half, one) = (V::splat(0.5), V::one());
@@ -632,7 +586,8 @@ impl<V: Vector> Bounds<V> {
         }
     }
 
-    /// Raises slacks (and softenings) whose product with their multiplier is below `least`: they would block every step. The residual takes it up.
+    /// Raises slacks (and softenings) whose product with their multiplier is below `least`: they would block
+    /// every step. The residual takes it up.
     #[inline(always)]
     pub(super) fn recentre(&mut self, least: f64) {
         let least = V::splat(least);
@@ -648,7 +603,8 @@ impl<V: Vector> Bounds<V> {
         }
     }
 
-    /// Raises slacks to several times the residual that moving the variables to `z` leaves: smaller ones would block every step.
+    /// Raises slacks to several times the residual that moving the variables to `z` leaves: smaller ones
+    /// would block every step.
     #[inline(always)]
     pub(super) fn loosen(&mut self, z: &[V]) {
         let several = V::splat(10.0);
@@ -662,15 +618,13 @@ impl<V: Vector> Bounds<V> {
         }
     }
 
-    /// Largest violation of a bound by `z`, beside the size of the bound where that exceeds 1; of the hard bounds alone if `hard`; 0 if all are kept.
+    /// Largest violation of a bound by `z`, beside the size of the bound where that exceeds 1; of the hard
+    /// bounds alone if `hard`; 0 if all are kept.
     #[inline(always)]
     pub(super) fn violation(&self, z: &[V], hard: bool) -> f64 {
         let mut max = V::zero();
         for (i, ([lower, upper], z)) in self.sides.iter().zip(z).enumerate() {
-            let mut excess = [
-                lower.relative * (lower.bound - *z),
-                upper.relative * (*z - upper.bound),
-            ];
+            let mut excess = [lower.relative * (lower.bound - *z), upper.relative * (*z - upper.bound)];
             if hard {
                 for (excess, soft) in excess.iter_mut().zip(&self.soft[i]) {
                     *excess = (V::one() - soft.active + soft.relaxed) * *excess;
@@ -704,8 +658,9 @@ impl<V: Vector> Bounds<V> {
         sum.reduce_add()
     }
 
-    /// Duality gap of the bounds at `z` with given multipliers, term by term what Fenchel's inequality leaves: `φ(v) + φ*(λ) + λ d ≥ 0` for the distance
-    /// `d` into the bound, its violation `v = max(−d, 0)` and the penalty φ; `|λ d|` where the bound is hard, so that a violation counts too.
+    /// Duality gap of the bounds at `z` with given multipliers, term by term what Fenchel's inequality
+    /// leaves: `φ(v) + φ*(λ) + λ d ≥ 0` for the distance `d` into the bound, its violation `v = max(−d, 0)`
+    /// and the penalty φ; `|λ d|` where the bound is hard, so that a violation counts too.
     #[inline(always)]
     pub(super) fn gap(&self, z: &[V], multipliers: &Multipliers<V>) -> f64 {
         let mut sum = V::zero();
@@ -715,8 +670,7 @@ impl<V: Vector> Bounds<V> {
             for (side, d) in distances.into_iter().enumerate() {
                 let soft = &self.soft[i][side];
                 let (active, l) = (self.sides[i][side].active, multipliers.0[i][side]);
-                let rounding =
-                    V::splat(ROUNDING) * self.sides[i][side].bound.abs().fast_max(V::one());
+                let rounding = V::splat(ROUNDING) * self.sides[i][side].bound.abs().fast_max(V::one());
                 let hard = l.abs() * (d.abs() - rounding).fast_max(V::zero());
                 sum += active * (soft.active * soft.gap(l, d) + (V::one() - soft.active) * hard);
             }
@@ -724,20 +678,19 @@ impl<V: Vector> Bounds<V> {
         sum.reduce_add()
     }
 
-    /// The point to start from: slacks as the variables `z` have them but at least `share` of the distance between the bounds (of 1 + |z| for a
-    /// one-sided bound), multipliers `μ/s`.
+    /// The point to start from: slacks as the variables `z` have them but at least `share` of the distance
+    /// between the bounds (of 1 + |z| for a one-sided bound), multipliers `μ/s`.
     #[inline(always)]
     fn start_as<const SOFT: bool>(&mut self, z: &[V], mu: f64, share: f64, far: bool) {
         let mu = V::splat(mu);
         for i in 0..self.sides.len() {
-            let ([lower, upper], [soft_lower, soft_upper]) =
-                (&mut self.sides[i], &mut self.soft[i]);
+            let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             let both = lower.active * upper.active;
-            let width =
-                both * (upper.bound - lower.bound) + (V::one() - both) * (V::one() + z[i].abs());
+            let width = both * (upper.bound - lower.bound) + (V::one() - both) * (V::one() + z[i].abs());
             let least = width.fast_max(V::splat(MIN_WIDTH)) * V::splat(share);
             let (below, above) = (z[i] - lower.bound, upper.bound - z[i]);
-            // Between bounds that are close to each other beside their violation, slacks by their distance alone would be far too small.
+            // Between bounds that are close to each other beside their violation, slacks by their distance
+            // alone would be far too small.
             let least = least.fast_max(V::splat(VIOLATION_SHARE) * (-below.fast_min(above)));
             lower.start::<SOFT>(soft_lower, [below, least], mu, far);
             upper.start::<SOFT>(soft_upper, [above, least], mu, far);
@@ -754,8 +707,8 @@ impl<V: Vector> Bounds<V> {
                 let mut multiplier = bound.multiplier.fast_max(kept);
                 if SOFT {
                     let hard = V::one() - soft.active;
-                    multiplier = soft.active * multiplier.fast_min(V::splat(0.9) * soft.w1)
-                        + hard * multiplier;
+                    multiplier =
+                        soft.active * multiplier.fast_min(V::splat(0.9) * soft.w1) + hard * multiplier;
                     soft.start(multiplier, mu);
                 }
                 bound.multiplier = bound.active * multiplier + (V::one() - bound.active);

@@ -1,8 +1,11 @@
-//! What a point is worth that the solver returns: cost and residuals of exactly this point, from the problem's own data.
+//! What a point is worth that the solver returns: cost and residuals of exactly this point, from the
+//! problem's own data.
 //!
-//! The method's own quantities tell when to look; whether a problem counts as solved is decided here. With inputs in their bounds and states rolled
-//! out from them, the cost is at most `Σ gap + ½ ‖g‖²` above the optimum: the gaps of the bounds by Fenchel's inequality, and what a Newton step would
-//! gain from the gradient g of the Lagrangian that is left (Boyd, Vandenberghe, *Convex Optimization*, 2004, sections 5.5 and 9.5).
+//! The method's own quantities tell when to look; whether a problem counts as solved is decided here. With
+//! inputs in their bounds and states rolled out from them, the cost is at most `Σ gap + ½ ‖g‖²` above the
+//! optimum: the gaps of the bounds by Fenchel's inequality, and what a Newton step would gain from the
+//! gradient g of the Lagrangian that is left (Boyd, Vandenberghe, *Convex Optimization*, 2004, sections 5.5
+//! and 9.5).
 
 use super::core::Core;
 use super::lanes::Vector;
@@ -16,7 +19,8 @@ pub(super) struct Certificate {
     pub(super) residuals: KktResiduals,
     /// The part of the gap that is left of the gradient.
     decrease: f64,
-    /// Residuals beside their tolerances: at most 1 where the problem is solved, infinite where a number is not finite.
+    /// Residuals beside their tolerances: at most 1 where the problem is solved, infinite where a number is
+    /// not finite.
     pub(super) merit: f64,
 }
 
@@ -33,16 +37,12 @@ impl Certificate {
         self.decrease > 0.5 * self.residuals.gap
     }
 
-    /// True if this point is worth more than another one, which is no solution either: the cheaper one where both keep the hard bounds to `feasibility`,
-    /// and else the one with the smaller residuals.
+    /// True if this point is worth more than another one, which is no solution either: the cheaper one where
+    /// both keep the hard bounds to `feasibility`, and else the one with the smaller residuals.
     #[inline(always)]
     pub(super) fn is_better_than(&self, other: &Self, feasibility: f64) -> bool {
         let keeps = |point: &Self| point.merit.is_finite() && point.residuals.primal <= feasibility;
-        if keeps(self) && keeps(other) {
-            self.cost < other.cost
-        } else {
-            self.merit < other.merit
-        }
+        if keeps(self) && keeps(other) { self.cost < other.cost } else { self.merit < other.merit }
     }
 
     /// True if every number is one.
@@ -54,27 +54,22 @@ impl Certificate {
 
     #[inline(always)]
     pub(super) fn report(&self, status: QpStatus, iterations: usize) -> QpReport {
-        QpReport {
-            status,
-            iterations,
-            cost: self.cost,
-            residuals: self.residuals,
-        }
+        QpReport { status, iterations, cost: self.cost, residuals: self.residuals }
     }
 }
 
 impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
-    /// Makes the iterate the solution, with the multipliers in memory: inputs into their bounds, states from the dynamics. Needs a factorization;
-    /// overwrites `gradient`, `rhs` and `step`. `least` is a scale of the cost below which nothing counts.
+    /// Makes the iterate the solution, with the multipliers in memory: inputs into their bounds, states from
+    /// the dynamics. Needs a factorization; overwrites `gradient`, `rhs` and `step`. `least` is a scale of
+    /// the cost below which nothing counts.
     #[inline(always)]
     pub(super) fn certify(&mut self, problem: &QpProblem<NX, NU>, least: f64) -> Certificate {
         self.solution.copy_from(&self.iterate);
-        self.riccati
-            .project(&mut self.solution, &self.affine, |k, u| {
-                let stage = &problem.stages[k];
-                // Not by max and min, which would make NaN a bound.
-                core::array::from_fn(|i| u[i].clamp(stage.input_lower[i], stage.input_upper[i]))
-            });
+        self.riccati.project(&mut self.solution, &self.affine, |k, u| {
+            let stage = &problem.stages[k];
+            // Not by max and min, which would make NaN a bound.
+            core::array::from_fn(|i| u[i].clamp(stage.input_lower[i], stage.input_upper[i]))
+        });
         let z = &self.solution;
         let (quadratic, linear) = self.riccati.gradient(z, &self.linear, &mut self.gradient);
         let cost = 0.5 * quadratic + linear + self.constant;
@@ -110,7 +105,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     }
 }
 
-/// What a gap is compared with: the cost, or a small share of its quadratic terms where they cancel, or the least.
+/// What a gap is compared with: the cost, or a small share of its quadratic terms where they cancel, or the
+/// least.
 #[inline(always)]
 pub(super) fn cost_scale(cost: f64, quadratic: f64, least: f64) -> f64 {
     cost.abs().max(5e-5 * quadratic).max(least)
@@ -124,14 +120,6 @@ fn merit(residuals: &KktResiduals, scale: f64, settings: &QpSettings, softened: 
         return f64::INFINITY;
     }
     // A zero gap of a zero cost.
-    let gap = if r.gap <= 0.0 {
-        0.0
-    } else {
-        r.gap / (settings.tolerance * scale)
-    };
-    if softened {
-        gap
-    } else {
-        gap.max(r.primal / settings.feasibility)
-    }
+    let gap = if r.gap <= 0.0 { 0.0 } else { r.gap / (settings.tolerance * scale) };
+    if softened { gap } else { gap.max(r.primal / settings.feasibility) }
 }

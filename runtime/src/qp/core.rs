@@ -11,7 +11,8 @@ use super::riccati::Riccati;
 use super::status::{KktResiduals, QpReport, QpSettings, QpStatus};
 use super::trajectory::Trajectory;
 
-/// Bounds that are closer (relative to their size if that exceeds 1) count as equal, at their middle: rounding would leave no interior between them.
+/// Bounds that are closer (relative to their size if that exceeds 1) count as equal, at their middle:
+/// rounding would leave no interior between them.
 const LEAST_WIDTH: f64 = 1e-10;
 
 #[derive(Debug, Clone)]
@@ -86,7 +87,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         }
     }
 
-    /// Moves the last solution on by one stage, its last stage repeated, as the start of the next [`Self::solve_warm`] in a receding horizon.
+    /// Moves the last solution on by one stage, its last stage repeated, as the start of the next
+    /// [`Self::solve_warm`] in a receding horizon.
     #[inline(always)]
     pub(super) fn shift(&mut self) {
         let padded = Self::RX * WIDTH;
@@ -99,33 +101,24 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     /// `u_k` of the solution; zeros for `k ≥ N`.
     #[inline(always)]
     pub(super) fn input(&self, k: usize) -> [f64; NU] {
-        if k < self.horizon {
-            self.solution.input(k)
-        } else {
-            [0.0; NU]
-        }
+        if k < self.horizon { self.solution.input(k) } else { [0.0; NU] }
     }
 
-    /// `x_k` of the solution, `1 ≤ k ≤ N`, rolled out from the inputs through the dynamics; zeros for other `k`.
+    /// `x_k` of the solution, `1 ≤ k ≤ N`, rolled out from the inputs through the dynamics; zeros for other
+    /// `k`.
     #[inline(always)]
     pub(super) fn state(&self, k: usize) -> [f64; NX] {
-        if (1..=self.horizon).contains(&k) {
-            self.solution.state(k - 1)
-        } else {
-            [0.0; NX]
-        }
+        if (1..=self.horizon).contains(&k) { self.solution.state(k - 1) } else { [0.0; NX] }
     }
 
     /// Multipliers `[lower, upper]` of the bounds of `u_k`, all ≥ 0.
     #[inline(always)]
     pub(super) fn input_multipliers(&self, k: usize) -> [[f64; 2]; NU] {
-        core::array::from_fn(|i| {
-            if k < self.horizon {
-                self.multipliers[0].get(k * NU + i)
-            } else {
-                [0.0; 2]
-            }
-        })
+        core::array::from_fn(
+            |i| {
+                if k < self.horizon { self.multipliers[0].get(k * NU + i) } else { [0.0; 2] }
+            },
+        )
     }
 
     /// Multipliers `[lower, upper]` of the bounds of `x_k`, `1 ≤ k ≤ N`, all ≥ 0.
@@ -133,13 +126,11 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     pub(super) fn state_multipliers(&self, k: usize) -> [[f64; 2]; NX] {
         let padded = Self::RX * WIDTH;
         let inside = (1..=self.horizon).contains(&k);
-        core::array::from_fn(|i| {
-            if inside {
-                self.multipliers[1].get((k - 1) * padded + i)
-            } else {
-                [0.0; 2]
-            }
-        })
+        core::array::from_fn(
+            |i| {
+                if inside { self.multipliers[1].get((k - 1) * padded + i) } else { [0.0; 2] }
+            },
+        )
     }
 
     /// Solves from the start asked for; from a cold one if there is no solution in memory.
@@ -163,7 +154,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         }
     }
 
-    /// Forgets what a solve without a solution has left in memory: numbers that are not finite would stay, since masks multiply.
+    /// Forgets what a solve without a solution has left in memory: numbers that are not finite would stay,
+    /// since masks multiply.
     fn forget(&mut self) {
         self.riccati.forget();
         self.input_bounds.forget();
@@ -181,11 +173,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         for trajectory in trajectories {
             trajectory.clear();
         }
-        for multipliers in self
-            .multipliers
-            .iter_mut()
-            .chain(&mut self.best_multipliers)
-            .chain(&mut self.kept_multipliers)
+        for multipliers in
+            self.multipliers.iter_mut().chain(&mut self.best_multipliers).chain(&mut self.kept_multipliers)
         {
             multipliers.clear();
         }
@@ -195,12 +184,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     #[inline(always)]
     fn load(&mut self, problem: &QpProblem<NX, NU>) -> bool {
         let p = problem;
-        self.riccati.set_weights(
-            &p.state_weight,
-            &p.input_weight,
-            &p.terminal_weight,
-            &p.input_rate_weight,
-        );
+        self.riccati.set_weights(&p.state_weight, &p.input_weight, &p.terminal_weight, &p.input_rate_weight);
         let penalty = p.state_penalty.map(|p| p.map(|p| (p.linear, p.quadratic)));
         self.state_bounds.harden();
         self.fixed.clear();
@@ -231,37 +215,27 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     }
 
     #[inline(always)]
-    fn load_stage(
-        &mut self,
-        k: usize,
-        stage: &QpStage<NX, NU>,
-        penalty: &[Option<(f64, f64)>; NX],
-    ) {
+    fn load_stage(&mut self, k: usize, stage: &QpStage<NX, NU>, penalty: &[Option<(f64, f64)>; NX]) {
         let padded = Self::RX * WIDTH;
-        self.riccati
-            .set_stage(k, &stage.state_matrix, &stage.input_matrix);
+        self.riccati.set_stage(k, &stage.state_matrix, &stage.input_matrix);
         self.linear.set_input(k, &stage.input_gradient);
         self.linear.set_state(k, &stage.state_gradient);
         flat_mut(&mut self.affine[k * Self::RX..][..Self::RX])[..NX].copy_from_slice(&stage.affine);
         for i in 0..NU {
-            let (place, [lower, upper]) =
-                (k * NU + i, [stage.input_lower[i], stage.input_upper[i]]);
+            let (place, [lower, upper]) = (k * NU + i, [stage.input_lower[i], stage.input_upper[i]]);
             if let Some(value) = single_value(lower, upper) {
                 self.fixed.set(place, value);
-                self.input_bounds
-                    .set(place, -f64::INFINITY, f64::INFINITY, None);
+                self.input_bounds.set(place, -f64::INFINITY, f64::INFINITY, None);
             } else {
                 self.input_bounds.set(place, lower, upper, None);
             }
         }
         for i in 0..NX {
-            let (place, [lower, upper]) =
-                (k * padded + i, [stage.state_lower[i], stage.state_upper[i]]);
+            let (place, [lower, upper]) = (k * padded + i, [stage.state_lower[i], stage.state_upper[i]]);
             match single_value(lower, upper) {
                 Some(value) if penalty[i].is_none() => {
                     self.equalities.set(place, value);
-                    self.state_bounds
-                        .set(place, -f64::INFINITY, f64::INFINITY, None);
+                    self.state_bounds.set(place, -f64::INFINITY, f64::INFINITY, None);
                 }
                 _ => self.state_bounds.set(place, lower, upper, penalty[i]),
             }
@@ -276,8 +250,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         self.multipliers[0].clear();
         self.multipliers[1].clear();
         for (k, stage) in problem.stages.iter().take(self.horizon).enumerate() {
-            let u =
-                core::array::from_fn(|i| nearest_zero(stage.input_lower[i], stage.input_upper[i]));
+            let u = core::array::from_fn(|i| nearest_zero(stage.input_lower[i], stage.input_upper[i]));
             self.solution.set_input::<NU>(k, &u);
         }
         let nan = f64::NAN;
@@ -285,11 +258,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             status: QpStatus::Invalid,
             iterations: 0,
             cost: nan,
-            residuals: KktResiduals {
-                stationarity: nan,
-                primal: nan,
-                gap: nan,
-            },
+            residuals: KktResiduals { stationarity: nan, primal: nan, gap: nan },
         }
     }
 }
@@ -304,10 +273,6 @@ fn single_value(lower: f64, upper: f64) -> Option<f64> {
 
 /// The number nearest zero between two bounds, or zero if they are not in order.
 fn nearest_zero(lower: f64, upper: f64) -> f64 {
-    let nearest = if lower <= upper {
-        0.0_f64.max(lower).min(upper)
-    } else {
-        0.0
-    };
+    let nearest = if lower <= upper { 0.0_f64.max(lower).min(upper) } else { 0.0 };
     if nearest.is_finite() { nearest } else { 0.0 }
 }

@@ -1,16 +1,18 @@
 //! Bounds that leave no room: inputs that are fixed, states that must pass through a point.
 //!
-//! An interior-point method needs an interior, which a pair of equal bounds does not have. An input whose bounds are equal is no variable: it starts
-//! at its value, and a diagonal term beyond all others keeps it there to the last bit ([`Fixed`]). A state whose bounds are equal is an equality
-//! `x − b = 0` with a multiplier π of any sign. Each Newton step is one of the proximal method of multipliers,
+//! An interior-point method needs an interior, which a pair of equal bounds does not have. An input whose
+//! bounds are equal is no variable: it starts at its value, and a diagonal term beyond all others keeps it
+//! there to the last bit ([`Fixed`]). A state whose bounds are equal is an equality `x − b = 0` with a
+//! multiplier π of any sign. Each Newton step is one of the proximal method of multipliers,
 //!
 //! ```text
 //!     π⁺ = π − W (x + dx − b)        that is, a term W in the diagonal and the force π − W (x − b) on x
 //! ```
 //!
-//! whose regularization 1/W vanishes at the optimum, where `dπ = 0` (Rockafellar, *Augmented Lagrangians and applications of the proximal point
-//! algorithm in convex programming*, Math. Oper. Res. 1, 1976; Friedlander, Orban, *A primal–dual regularized interior-point method for convex
-//! quadratic programs*, Math. Program. Comput. 4, 2012).
+//! whose regularization 1/W vanishes at the optimum, where `dπ = 0` (Rockafellar, *Augmented Lagrangians and
+//! applications of the proximal point algorithm in convex programming*, Math. Oper. Res. 1, 1976;
+//! Friedlander, Orban, *A primal–dual regularized interior-point method for convex quadratic programs*, Math.
+//! Program. Comput. 4, 2012).
 
 use super::lanes::{Vector, WIDTH, flat_mut, largest};
 use super::multipliers::Multipliers;
@@ -29,11 +31,7 @@ struct Targets<V> {
 
 impl<V: Vector> Targets<V> {
     fn new(lanes: usize) -> Self {
-        Self {
-            any: false,
-            active: vec![V::zero(); lanes],
-            target: vec![V::zero(); lanes],
-        }
+        Self { any: false, active: vec![V::zero(); lanes], target: vec![V::zero(); lanes] }
     }
 
     #[inline(always)]
@@ -110,14 +108,13 @@ impl<V: Vector> Fixed<V> {
         }
     }
 
-    /// Moves what is left of the reduced gradient at fixed inputs into their multipliers, which may have any size.
+    /// Moves what is left of the reduced gradient at fixed inputs into their multipliers, which may have any
+    /// size.
     #[inline(always)]
     pub(super) fn absorb(&self, gradient: &mut [V], multipliers: &mut Multipliers<V>) {
         if self.0.any {
-            for ((g, active), [lower, upper]) in gradient
-                .iter_mut()
-                .zip(&self.0.active)
-                .zip(multipliers.lanes())
+            for ((g, active), [lower, upper]) in
+                gradient.iter_mut().zip(&self.0.active).zip(multipliers.lanes())
             {
                 *lower += *active * g.fast_max(V::zero());
                 *upper += *active * (-*g).fast_max(V::zero());
@@ -186,11 +183,8 @@ impl<V: Vector> Equalities<V> {
         }
         self.force.fill(V::zero());
         let Some(last) = last else { return };
-        for ((force, active), [lower, upper]) in self
-            .force
-            .iter_mut()
-            .zip(&self.targets.active)
-            .zip(last.pairs())
+        for ((force, active), [lower, upper]) in
+            self.force.iter_mut().zip(&self.targets.active).zip(last.pairs())
         {
             *force = *active * (*lower - *upper);
         }

@@ -1,11 +1,13 @@
 //! Mehrotra's predictor–corrector method on the optimal-control QP.
 //!
-//! Each iteration factorizes the Newton system of the perturbed KKT conditions once ([`super::riccati`]) and solves it twice: for the affine step,
-//! whose length tells how much centring is needed, and for the centred step with second-order correction. All iterates satisfy the dynamics, so
-//! only the bounds have a primal residual, and equal primal and dual step lengths shrink it and the dual residual by the same factor.
+//! Each iteration factorizes the Newton system of the perturbed KKT conditions once ([`super::riccati`]) and
+//! solves it twice: for the affine step, whose length tells how much centring is needed, and for the centred
+//! step with second-order correction. All iterates satisfy the dynamics, so only the bounds have a primal
+//! residual, and equal primal and dual step lengths shrink it and the dual residual by the same factor.
 //!
-//! Sources: Mehrotra, *On the implementation of a primal-dual interior point method*, SIAM J. Optim. 2 (1992); Wright, *Primal-Dual
-//! Interior-Point Methods*, SIAM 1997, chapter 10; Rao, Wright, Rawlings, JOTA 99 (1998), for the structure of the problem.
+//! Sources: Mehrotra, *On the implementation of a primal-dual interior point method*, SIAM J. Optim. 2
+//! (1992); Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapter 10; Rao, Wright, Rawlings, JOTA
+//! 99 (1998), for the structure of the problem.
 
 use super::barrier::Tally;
 use super::certificate::{Certificate, cost_scale};
@@ -15,9 +17,11 @@ use super::ldl::NotPositive;
 use super::problem::QpProblem;
 use super::status::{QpReport, QpStatus};
 
-/// Gap at the start, relative to the cost that keeping the bounds may add. Large: a start far inside takes fewer iterations than one near the boundary.
+/// Gap at the start, relative to the cost that keeping the bounds may add. Large: a start far inside takes
+/// fewer iterations than one near the boundary.
 const START_GAP: f64 = 100.0;
-/// The same for a warm start, relative to the cost, with slacks of at least [`WARM_SLACK`] of the distance between the bounds.
+/// The same for a warm start, relative to the cost, with slacks of at least [`WARM_SLACK`] of the distance
+/// between the bounds.
 const WARM_LEVEL: f64 = 1e-5;
 const WARM_SLACK: f64 = 1e-3;
 /// Slacks at the start are at least this share of the distance between the bounds.
@@ -28,7 +32,8 @@ const BOUNDARY_FRACTIONS: [f64; 2] = [0.995, 1.0 - 1e-5];
 const WEIGHT_CAP: f64 = 1e10;
 /// Costs below this share of the gap at the start count as none.
 const LEAST_COST: f64 = 1e-24;
-/// The largest barrier term may be this many times the largest multiplier of a state, where that is more: smaller ones would hold large multipliers back.
+/// The largest barrier term may be this many times the largest multiplier of a state, where that is more:
+/// smaller ones would hold large multipliers back.
 const STIFFNESS: f64 = 1e6;
 /// What becomes of both where rounding makes a factorization fail or its steps inexact.
 const CAP_CUT: f64 = 1e-2;
@@ -44,7 +49,8 @@ pub(super) enum Start {
     Cold,
     /// The solution in memory.
     Warm,
-    /// A point deep inside the bounds, with the steps that are safest: where the others have not led to a solution.
+    /// A point deep inside the bounds, with the steps that are safest: where the others have not led to a
+    /// solution.
     Deep,
     /// The unconstrained optimum, hard state bounds replaced by penalties.
     Relaxed,
@@ -89,7 +95,8 @@ struct Run {
     start: Start,
     /// True after [`Core::restart`], which happens once in a run at most.
     restarted: bool,
-    /// Iterations that the run had taken when its present start was made: 0, or those up to and including the restart.
+    /// Iterations that the run had taken when its present start was made: 0, or those up to and including the
+    /// restart.
     begun: usize,
     /// Steps in a row shorter than `CRAWL`.
     crawl: usize,
@@ -117,20 +124,22 @@ struct Run {
     progress: (f64, usize),
 }
 
-/// A start is a bad one if its first residual exceeds `FAR`, and from the iteration `JUDGED` on if more than `SLOW` of the residual is left per iteration (looked at
-/// in every third one) or if [`PATIENCE`] steps in a row are shorter than `CRAWL`, while the residual is not yet `NEAR` its tolerance. Judged earlier, starts are
-/// found bad where patience would have led to the solution sooner.
+/// A start is a bad one if its first residual exceeds `FAR`, and from the iteration `JUDGED` on if more than
+/// `SLOW` of the residual is left per iteration (looked at in every third one) or if [`PATIENCE`] steps in a
+/// row are shorter than `CRAWL`, while the residual is not yet `NEAR` its tolerance. Judged earlier, starts
+/// are found bad where patience would have led to the solution sooner.
 const JUDGED: usize = 14;
 const FAR: f64 = 1e4;
 const SLOW: f64 = 0.7;
 const CRAWL: f64 = 0.2;
 const NEAR: f64 = 1e3;
-/// A step shorter than `BLOCKED` is stopped by pairs far below the mean of the products `sλ`; from `SETTLED` iterations after the start on they are raised to the share
-/// `LEAST_PRODUCT` of it.
+/// A step shorter than `BLOCKED` is stopped by pairs far below the mean of the products `sλ`; from `SETTLED`
+/// iterations after the start on they are raised to the share `LEAST_PRODUCT` of it.
 const BLOCKED: f64 = 1e-2;
 const LEAST_PRODUCT: f64 = 1e-2;
 const SETTLED: usize = 8;
-/// From this iteration on the best iterate is kept, and stalling is watched for; nearly all solves have ended by then.
+/// From this iteration on the best iterate is kept, and stalling is watched for; nearly all solves have ended
+/// by then.
 const LATE: usize = 12;
 /// Iterations between two looks at whether the residual still falls.
 const STALL_PERIOD: usize = 6;
@@ -159,22 +168,21 @@ impl Run {
 
     #[inline(always)]
     fn note(&mut self, merit: f64) {
-        self.progress = if merit < 0.9 * self.progress.0 {
-            (merit, 0)
-        } else {
-            (self.progress.0, self.progress.1 + 1)
-        };
+        self.progress =
+            if merit < 0.9 * self.progress.0 { (merit, 0) } else { (self.progress.0, self.progress.1 + 1) };
     }
 }
 
-/// Iterations without progress after which the second-order correction is left out, since with it the method can cycle (Cartis, *Some
-/// disadvantages of a Mehrotra-type primal-dual corrector interior point algorithm*, Appl. Numer. Math. 59, 2009), and the centring then taken.
+/// Iterations without progress after which the second-order correction is left out, since with it the method
+/// can cycle (Cartis, *Some disadvantages of a Mehrotra-type primal-dual corrector interior point algorithm*,
+/// Appl. Numer. Math. 59, 2009), and the centring then taken.
 const PATIENCE: usize = 3;
 const SAFE_CENTRING: f64 = 0.3;
 
 impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
-    /// Solves the problem in memory, `soft` if it has soft bounds; from a cold start where a warm one leads nowhere. Where its hard state bounds
-    /// prove out of reach, solves it again with exact penalties in their place.
+    /// Solves the problem in memory, `soft` if it has soft bounds; from a cold start where a warm one leads
+    /// nowhere. Where its hard state bounds prove out of reach, solves it again with exact penalties in their
+    /// place.
     #[inline(always)]
     pub(super) fn optimize(
         &mut self,
@@ -198,9 +206,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             start = match start {
                 Start::Warm if !certificate.holds() => Start::Cold,
                 Start::Cold if !outcome.feasible && iterations < most => Start::Relaxed,
-                Start::Cold
-                    if !certificate.holds() && certificate.is_finite() && iterations < most =>
-                {
+                Start::Cold if !certificate.holds() && certificate.is_finite() && iterations < most => {
                     Start::Deep
                 }
                 _ => return Ok(certificate.report(self.status(&certificate), iterations)),
@@ -209,12 +215,12 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         }
     }
 
-    /// Makes the better one of two points the solution: the one kept in memory, if there is one, or the present one. Keeps it.
+    /// Makes the better one of two points the solution: the one kept in memory, if there is one, or the
+    /// present one. Keeps it.
     #[inline(always)]
     fn better_of(&mut self, kept: Option<Certificate>, present: Certificate) -> Certificate {
         let feasibility = self.settings.feasibility;
-        let better =
-            kept.filter(|kept| !present.holds() && kept.is_better_than(&present, feasibility));
+        let better = kept.filter(|kept| !present.holds() && kept.is_better_than(&present, feasibility));
         if better.is_some() {
             self.solution.copy_from(&self.kept);
             for (of_solution, kept) in self.multipliers.iter_mut().zip(&self.kept_multipliers) {
@@ -275,13 +281,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
 
     /// Runs the method from the iterate in memory.
     #[inline(always)]
-    fn run(
-        &mut self,
-        problem: &QpProblem<NX, NU>,
-        soft: bool,
-        start: Start,
-        budget: usize,
-    ) -> Outcome {
+    fn run(&mut self, problem: &QpProblem<NX, NU>, soft: bool, start: Start, budget: usize) -> Outcome {
         let mut run = Run::new(start, soft, self.settings.max_iterations, budget);
         let mut candidate = None;
         if start != Start::Warm && self.keeps_bounds() {
@@ -325,13 +325,13 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         }
     }
 
-    /// One iteration, unless it finds a candidate for the solution; the last one is known to have a merit of at least `least`, 0 if there was none.
+    /// One iteration, unless it finds a candidate for the solution; the last one is known to have a merit of
+    /// at least `least`, 0 if there was none.
     #[inline(always)]
     fn iterate(&mut self, least: f64, run: &mut Run) -> Option<Candidate> {
         let state = self.linearize(run.soft);
         // For the next one
-        self.state_bounds
-            .cap_weights(run.cap.max(run.stiffness * state.force));
+        self.state_bounds.cap_weights(run.cap.max(run.stiffness * state.force));
         self.equalities.cap_weights(run.cap);
         let merit = self.merit(&state, run).max(least);
         // The factorization that a certificate needs is that of the last iteration.
@@ -367,7 +367,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         None
     }
 
-    /// True if the run has had its iterations; beyond the cap, a second start goes on only where the bounds are about to be kept.
+    /// True if the run has had its iterations; beyond the cap, a second start goes on only where the bounds
+    /// are about to be kept.
     #[inline(always)]
     fn is_over(&self, state: &State, run: &Run) -> bool {
         let near = state.residual <= NEAR * self.settings.feasibility;
@@ -391,11 +392,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     /// Multipliers of the iterate, as those of the solution or of the best iterate.
     #[inline(always)]
     fn take_multipliers(&mut self, best: bool) {
-        let [of_inputs, of_states] = if best {
-            &mut self.best_multipliers
-        } else {
-            &mut self.multipliers
-        };
+        let [of_inputs, of_states] = if best { &mut self.best_multipliers } else { &mut self.multipliers };
         self.input_bounds.multipliers(of_inputs);
         self.state_bounds.multipliers(of_states);
         self.equalities.multipliers(of_states);
@@ -409,8 +406,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         self.riccati.factorize(&self.weight, Some(&self.affine))?;
         self.rhs.copy_from(&self.linear);
         self.fixed.attract(&mut self.rhs.u);
-        self.riccati
-            .solve(&self.rhs, &mut self.iterate, Some(&self.affine));
+        self.riccati.solve(&self.rhs, &mut self.iterate, Some(&self.affine));
         self.fixed.place(&mut self.iterate.u);
         Ok(())
     }
@@ -419,11 +415,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     #[inline(always)]
     fn begin(&mut self, start: Start, run: &mut Run) {
         let warm = start == Start::Warm;
-        let level = if warm {
-            WARM_LEVEL * self.cost().abs()
-        } else {
-            self.excess_energy()
-        };
+        let level = if warm { WARM_LEVEL * self.cost().abs() } else { self.excess_energy() };
         run.cap = WEIGHT_CAP * self.riccati.largest_weight();
         self.input_bounds.cap_weights(f64::INFINITY);
         self.cap_weights(run.cap);
@@ -433,35 +425,25 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         if warm {
             let mu = run.start_gap / run.count.max(1.0);
             self.input_bounds.remember(false, &self.multipliers[0], mu);
-            self.state_bounds
-                .remember(run.soft, &self.multipliers[1], mu);
+            self.state_bounds.remember(run.soft, &self.multipliers[1], mu);
         }
     }
 
     /// Slacks as the iterate has them, and multipliers, for a scale of the cost that keeping the bounds adds.
     #[inline(always)]
     fn set_slacks(&mut self, level: f64, start: Start, run: &mut Run) {
-        let mu = if level > 0.0 {
-            START_GAP * level / run.count.max(1.0)
-        } else {
-            1.0
-        };
+        let mu = if level > 0.0 { START_GAP * level / run.count.max(1.0) } else { 1.0 };
         run.start_gap = mu * run.count;
         run.shrink = 1.0;
-        let slack = if start == Start::Warm {
-            WARM_SLACK
-        } else {
-            START_SLACK
-        };
+        let slack = if start == Start::Warm { WARM_SLACK } else { START_SLACK };
         let far = run.restarted;
-        self.input_bounds
-            .start(false, &self.iterate.u, mu, slack, far);
-        self.state_bounds
-            .start(run.soft, &self.iterate.x, mu, slack, far);
+        self.input_bounds.start(false, &self.iterate.u, mu, slack, far);
+        self.state_bounds.start(run.soft, &self.iterate.x, mu, slack, far);
     }
 
-    /// Starts again from a point that lies as deep inside the bounds as the dynamics allow, with its whole cost as the scale: where the optimum without
-    /// bounds lies far outside, what it costs to move it there tells nothing, and the method creeps along the boundary.
+    /// Starts again from a point that lies as deep inside the bounds as the dynamics allow, with its whole
+    /// cost as the scale: where the optimum without bounds lies far outside, what it costs to move it there
+    /// tells nothing, and the method creeps along the boundary.
     #[inline(always)]
     fn restart(&mut self, run: &mut Run) {
         if run.iterations > 0 {
@@ -480,8 +462,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         let mut level = size;
         for _ in 0..4 {
             if self.centre(size).is_ok() {
-                self.riccati
-                    .solve(&self.rhs, &mut self.iterate, Some(&self.affine));
+                self.riccati.solve(&self.rhs, &mut self.iterate, Some(&self.affine));
                 self.fixed.place(&mut self.iterate.u);
                 level = self.scale();
                 if level <= most {
@@ -523,13 +504,12 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     /// Cost of the iterate, without penalties.
     #[inline(always)]
     fn cost(&mut self) -> f64 {
-        let (quadratic, linear) =
-            self.riccati
-                .gradient(&self.iterate, &self.linear, &mut self.gradient);
+        let (quadratic, linear) = self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
         0.5 * quadratic + linear + self.constant
     }
 
-    /// What moving the iterate into its bounds, number by number, would cost if it were the optimum without them: the scale of the multipliers.
+    /// What moving the iterate into its bounds, number by number, would cost if it were the optimum without
+    /// them: the scale of the multipliers.
     #[inline(always)]
     fn excess_energy(&mut self) -> f64 {
         self.step.copy_from(&self.iterate);
@@ -538,30 +518,17 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         self.equalities.place(&mut self.step.x);
         self.step.advance(&self.iterate, -1.0);
         self.rhs.clear();
-        let (quadratic, _) = self
-            .riccati
-            .gradient(&self.step, &self.rhs, &mut self.gradient);
+        let (quadratic, _) = self.riccati.gradient(&self.step, &self.rhs, &mut self.gradient);
         0.5 * quadratic + self.riccati.input_energy(&self.step)
     }
 
     /// Gradient of the cost, barrier terms and right-hand side of the affine step.
     #[inline(always)]
     fn linearize(&mut self, soft: bool) -> State {
-        let (quadratic, linear) =
-            self.riccati
-                .gradient(&self.iterate, &self.linear, &mut self.gradient);
-        let (z, g, w, h) = (
-            &self.iterate,
-            &self.gradient,
-            &mut self.weight,
-            &mut self.rhs,
-        );
-        let inputs = self
-            .input_bounds
-            .linearize(false, &z.u, &g.u, &mut w.u, &mut h.u);
-        let states = self
-            .state_bounds
-            .linearize(soft, &z.x, &g.x, &mut w.x, &mut h.x);
+        let (quadratic, linear) = self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
+        let (z, g, w, h) = (&self.iterate, &self.gradient, &mut self.weight, &mut self.rhs);
+        let inputs = self.input_bounds.linearize(false, &z.u, &g.u, &mut w.u, &mut h.u);
+        let states = self.state_bounds.linearize(soft, &z.x, &g.x, &mut w.x, &mut h.x);
         self.fixed.weigh(&mut w.u);
         self.equalities.weigh(&mut w.x);
         self.equalities.pull(&z.x, &mut h.x);
@@ -605,8 +572,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         if iterations < LATE || !iterations.is_multiple_of(STALL_PERIOD) {
             return false;
         }
-        let stalled = state.residual > NEAR * self.settings.feasibility
-            && state.residual > 0.5 * run.checkpoint;
+        let stalled =
+            state.residual > NEAR * self.settings.feasibility && state.residual > 0.5 * run.checkpoint;
         run.checkpoint = state.residual;
         stalled
     }
@@ -622,28 +589,17 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         }
         self.riccati.solve(&self.rhs, &mut self.step, None);
         let (target, correction) = self.centring(state, run);
-        self.input_bounds
-            .centre(false, &self.gradient.u, target, correction, &mut self.rhs.u);
-        self.state_bounds.centre(
-            run.soft,
-            &self.gradient.x,
-            target,
-            correction,
-            &mut self.rhs.x,
-        );
+        self.input_bounds.centre(false, &self.gradient.u, target, correction, &mut self.rhs.u);
+        self.state_bounds.centre(run.soft, &self.gradient.x, target, correction, &mut self.rhs.x);
         self.equalities.pull(&self.iterate.x, &mut self.rhs.x);
         self.riccati.solve(&self.rhs, &mut self.step, None);
-        let inputs = self
-            .input_bounds
-            .corrector(false, &self.step.u, target, correction);
-        let states = self
-            .state_bounds
-            .corrector(run.soft, &self.step.x, target, correction);
+        let inputs = self.input_bounds.corrector(false, &self.step.u, target, correction);
+        let states = self.state_bounds.corrector(run.soft, &self.step.x, target, correction);
         let boundary = inverse_step(&inputs, &states);
-        // The closer to the optimum, the closer to the boundary: needed for superlinear convergence (Wright 1997, chapter 7).
+        // The closer to the optimum, the closer to the boundary: needed for superlinear convergence (Wright
+        // 1997, chapter 7).
         let fraction = 1.0
-            - (state.gap / state.cost.abs())
-                .clamp(1.0 - BOUNDARY_FRACTIONS[1], 1.0 - BOUNDARY_FRACTIONS[0]);
+            - (state.gap / state.cost.abs()).clamp(1.0 - BOUNDARY_FRACTIONS[1], 1.0 - BOUNDARY_FRACTIONS[0]);
         let length = (fraction / boundary).min(1.0);
         if !length.is_finite() {
             return false;
@@ -671,11 +627,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         let length = 1.0 / inverse_step(&inputs, &states).max(1.0);
         let affine = (1.0 - length) * state.gap + length * length * (inputs.sum() + states.sum());
         // Without complementarity pairs there is nothing to centre.
-        let ratio = if state.gap > 0.0 {
-            (affine / state.gap).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
+        let ratio = if state.gap > 0.0 { (affine / state.gap).clamp(0.0, 1.0) } else { 0.0 };
         let mu = state.gap / run.count.max(1.0);
         if run.progress.1 >= PATIENCE || run.start == Start::Deep {
             (SAFE_CENTRING * mu, 0.0)
@@ -687,16 +639,14 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     /// Exact penalties in place of all hard state bounds, from the unconstrained optimum in memory.
     #[inline(always)]
     fn soften(&mut self) {
-        self.riccati
-            .gradient(&self.iterate, &self.linear, &mut self.gradient);
+        self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
         let mut slope = 0.0_f64;
         for g in &self.gradient.x {
             slope = slope.max(largest(g.abs()));
         }
         let weight = RELAXATION * slope.max(self.riccati.largest_weight());
         let bounds = &mut self.state_bounds;
-        self.equalities
-            .release(|i, value| bounds.set(i, value, value, None));
+        self.equalities.release(|i, value| bounds.set(i, value, value, None));
         self.state_bounds.soften(weight);
         self.softened = true;
     }

@@ -17,20 +17,12 @@ impl<'a> Right<'a> {
     /// Of a matrix given by its padded columns, or the transpose of one given by its padded rows.
     #[inline(always)]
     pub(super) fn columns(numbers: &'a [f64], stride: usize) -> Self {
-        Self {
-            numbers,
-            by_row: 1,
-            by_column: stride,
-        }
+        Self { numbers, by_row: 1, by_column: stride }
     }
     /// Of a matrix given by its padded rows.
     #[inline(always)]
     pub(super) fn rows(numbers: &'a [f64], stride: usize) -> Self {
-        Self {
-            numbers,
-            by_row: stride,
-            by_column: 1,
-        }
+        Self { numbers, by_row: stride, by_column: 1 }
     }
 }
 
@@ -51,7 +43,8 @@ impl<V: Vector> Term<'_, V> {
     }
 }
 
-/// `out[c] = start[c] + Σ terms`, for `columns` columns of `lanes(ROWS)` lanes; with `LOWER` only the lanes on and below the diagonal.
+/// `out[c] = start[c] + Σ terms`, for `columns` columns of `lanes(ROWS)` lanes; with `LOWER` only the lanes
+/// on and below the diagonal.
 #[inline(always)]
 pub(super) fn product<
     V: Vector,
@@ -84,7 +77,8 @@ pub(super) fn product<
     }
 }
 
-/// `C` columns from column `c`: blocks of three lanes, the last ones of two or one, since four by four do not fit the registers.
+/// `C` columns from column `c`: blocks of three lanes, the last ones of two or one, since four by four do not
+/// fit the registers.
 ///
 /// # Safety
 /// As for [`block`], for all its lanes below `n`.
@@ -116,7 +110,8 @@ unsafe fn strip<V: Vector, const C: usize, const LOWER: bool, const TERMS: usize
 /// A block of `R` lanes by `C` columns, accumulated in registers.
 ///
 /// # Safety
-/// `out` and `start` must hold `(c + C) n` lanes with `r + R ≤ n`, and each term [`Term::covers`] `c + C` columns.
+/// `out` and `start` must hold `(c + C) n` lanes with `r + R ≤ n`, and each term [`Term::covers`] `c + C`
+/// columns.
 #[inline(always)]
 unsafe fn block<V: Vector, const R: usize, const C: usize, const TERMS: usize>(
     out: &mut [V],

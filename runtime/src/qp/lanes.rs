@@ -1,9 +1,10 @@
 //! Vectors of four numbers.
 //!
-//! A vector of length `n` is stored as `⌈n/4⌉` lanes, padded with zeros; a matrix as a sequence of such vectors (its rows or its columns, said at
-//! each field). Padding stays zero under every operation here, so no kernel needs a remainder loop. The method is generic over the lanes:
-//! [`Portable`] compiles to the vector unit that the compiler may use anyway, [`Avx2`](super::avx2::Avx2) to that of newer x86-64 processors,
-//! chosen when a solver is made.
+//! A vector of length `n` is stored as `⌈n/4⌉` lanes, padded with zeros; a matrix as a sequence of such
+//! vectors (its rows or its columns, said at each field). Padding stays zero under every operation here, so
+//! no kernel needs a remainder loop. The method is generic over the lanes: [`Portable`] compiles to the
+//! vector unit that the compiler may use anyway, [`Avx2`](super::avx2::Avx2) to that of newer x86-64
+//! processors, chosen when a solver is made.
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
@@ -13,7 +14,8 @@ pub(super) const WIDTH: usize = 4;
 /// Lanes that need no feature beyond those the crate is compiled for.
 pub(crate) type Portable = wide::f64x4;
 
-/// Four numbers. All functions are inlined, so that they become instructions of the function that they end up in.
+/// Four numbers. All functions are inlined, so that they become instructions of the function that they end up
+/// in.
 pub(crate) trait Vector:
     bytemuck::Pod
     + core::fmt::Debug

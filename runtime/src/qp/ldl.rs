@@ -1,14 +1,13 @@
 //! Factorization of the small symmetric matrices of the inputs.
 
-/// A pivot of `R̃ + BᵀPB` was not positive: the weights are not positive (semi)definite as required, or not finite.
+/// A pivot of `R̃ + BᵀPB` was not positive: the weights are not positive (semi)definite as required, or not
+/// finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct NotPositive;
 
 /// `Λ` strictly below the diagonal and `D⁻¹` on it, of the symmetric matrix whose lower triangle is given.
 #[inline(always)]
-pub(super) fn factor_ldl<const NU: usize>(
-    mut h: [[f64; NU]; NU],
-) -> Result<[[f64; NU]; NU], NotPositive> {
+pub(super) fn factor_ldl<const NU: usize>(mut h: [[f64; NU]; NU]) -> Result<[[f64; NU]; NU], NotPositive> {
     let mut positive = true;
     for j in 0..NU {
         let pivot = h[j][j];

@@ -1,6 +1,7 @@
 //! The QP underneath the MPC: a Riccati-factorized interior-point method.
 //!
-//! [`QpProblem`] is plain data, [`QpSolver`] the method with its memory, [`QpReport`] what came of it. Inside, from the paper to the arithmetic:
+//! [`QpProblem`] is plain data, [`QpSolver`] the method with its memory, [`QpReport`] what came of it.
+//! Inside, from the paper to the arithmetic:
 //!
 //! | module | holds |
 //! |---|---|
@@ -13,8 +14,9 @@
 //! | `kernels`, `ldl` | matrix products in registers, small factorizations |
 //! | `trajectory`, `lanes`, `avx2` | memory layout, and vectors of four numbers |
 //!
-//! Every iterate satisfies the dynamics, and inputs returned satisfy their bounds exactly. Hard state bounds out of reach are found out within a
-//! bounded number of iterations, and replaced by exact penalties ([`QpStatus::Relaxed`]).
+//! Every iterate satisfies the dynamics, and inputs returned satisfy their bounds exactly. Hard state bounds
+//! out of reach are found out within a bounded number of iterations, and replaced by exact penalties
+//! ([`QpStatus::Relaxed`]).
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

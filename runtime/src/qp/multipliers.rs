@@ -45,10 +45,7 @@ impl<V: Vector> Multipliers<V> {
     #[inline(always)]
     pub(super) fn get(&self, i: usize) -> [f64; 2] {
         let [lower, upper] = &self.0[i / WIDTH];
-        [
-            flat(core::slice::from_ref(lower))[i % WIDTH],
-            flat(core::slice::from_ref(upper))[i % WIDTH],
-        ]
+        [flat(core::slice::from_ref(lower))[i % WIDTH], flat(core::slice::from_ref(upper))[i % WIDTH]]
     }
 
     /// Moves stage `k + 1` to stage `k`, `stride` numbers each; the last stage stays.
@@ -57,8 +54,7 @@ impl<V: Vector> Multipliers<V> {
         for i in 0..count.saturating_sub(stride) {
             let next = self.get(i + stride);
             for side in 0..2 {
-                flat_mut(core::slice::from_mut(&mut self.0[i / WIDTH][side]))[i % WIDTH] =
-                    next[side];
+                flat_mut(core::slice::from_mut(&mut self.0[i / WIDTH][side]))[i % WIDTH] = next[side];
             }
         }
     }

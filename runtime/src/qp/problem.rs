@@ -2,9 +2,9 @@
 
 /// Penalty of a soft bound: `linear · v + ½ quadratic · v²` for a violation `v ≥ 0`.
 ///
-/// The linear term makes it exact: if it exceeds the multiplier that the hard bound would have, the bound is kept as if it were hard
-/// (Fletcher, *Practical Methods of Optimization*, 1987, section 14.3; Kerrigan, Maciejowski, *Soft constraints and exact penalty functions in
-/// model predictive control*, UKACC 2000).
+/// The linear term makes it exact: if it exceeds the multiplier that the hard bound would have, the bound is
+/// kept as if it were hard (Fletcher, *Practical Methods of Optimization*, 1987, section 14.3; Kerrigan,
+/// Maciejowski, *Soft constraints and exact penalty functions in model predictive control*, UKACC 2000).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Penalty {
     /// Cost per unit of violation, > 0.
@@ -44,7 +44,8 @@ pub struct QpStage<const NX: usize, const NU: usize> {
 ///     s.t. x_{k+1} = A_k x_k + B_k u_k + c_k,  x_0 given,  u_min ≤ u_k ≤ u_max,  x_min ≤ x_k ≤ x_max (hard or soft)
 /// ```
 ///
-/// The constant weights must be symmetric, Q and P positive semidefinite, R positive definite on what BᵀPB leaves free.
+/// The constant weights must be symmetric, Q and P positive semidefinite, R positive definite on what BᵀPB
+/// leaves free.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QpProblem<const NX: usize, const NU: usize> {
     /// `x_0`.
@@ -55,7 +56,8 @@ pub struct QpProblem<const NX: usize, const NU: usize> {
     pub input_weight: [[f64; NU]; NU],
     /// `P`, of x_N.
     pub terminal_weight: [[f64; NX]; NX],
-    /// `W`, of the changes u_k − u_{k−1}; zero where they cost nothing. With torques as inputs this is the torque-rate weight, times T².
+    /// `W`, of the changes u_k − u_{k−1}; zero where they cost nothing. With torques as inputs this is the
+    /// torque-rate weight, times T².
     pub input_rate_weight: [[f64; NU]; NU],
     /// `u_{−1}`, the input before the horizon; counts only with a rate weight.
     pub previous_input: [f64; NU],
@@ -84,23 +86,16 @@ impl<const NX: usize, const NU: usize> Default for QpStage<NX, NU> {
 
 impl<const NX: usize, const NU: usize> QpStage<NX, NU> {
     fn is_valid(&self) -> bool {
-        let matrices = self
-            .state_matrix
-            .iter()
-            .flatten()
-            .chain(self.input_matrix.iter().flatten());
-        let vectors = self
-            .affine
-            .iter()
-            .chain(&self.input_gradient)
-            .chain(&self.state_gradient);
+        let matrices = self.state_matrix.iter().flatten().chain(self.input_matrix.iter().flatten());
+        let vectors = self.affine.iter().chain(&self.input_gradient).chain(&self.state_gradient);
         finite(matrices.chain(vectors))
             & ordered(&self.input_lower, &self.input_upper)
             & ordered(&self.state_lower, &self.state_upper)
     }
 }
 
-/// True if no number is infinite or NaN; without a branch per number, since it runs over all data of every solve.
+/// True if no number is infinite or NaN; without a branch per number, since it runs over all data of every
+/// solve.
 #[inline(always)]
 fn finite<'a>(numbers: impl Iterator<Item = &'a f64>) -> bool {
     numbers.fold(true, |ok, v| ok & v.is_finite())
@@ -109,33 +104,23 @@ fn finite<'a>(numbers: impl Iterator<Item = &'a f64>) -> bool {
 /// True if `lower ≤ upper` everywhere, and neither is infinite inwards.
 #[inline(always)]
 fn ordered(lower: &[f64], upper: &[f64]) -> bool {
-    lower.iter().zip(upper).fold(true, |ok, (l, h)| {
-        ok & (l <= h) & (*l < f64::INFINITY) & (*h > f64::NEG_INFINITY)
-    })
+    lower
+        .iter()
+        .zip(upper)
+        .fold(true, |ok, (l, h)| ok & (l <= h) & (*l < f64::INFINITY) & (*h > f64::NEG_INFINITY))
 }
 
 impl<const NX: usize, const NU: usize> QpProblem<NX, NU> {
     /// True if all numbers are finite (bounds may be infinite outwards), bounds ordered, penalties positive.
     pub(super) fn is_valid(&self) -> bool {
-        let weights = self
-            .state_weight
-            .iter()
-            .chain(&self.terminal_weight)
-            .flatten();
-        let input_weights = self
-            .input_weight
-            .iter()
-            .chain(&self.input_rate_weight)
-            .flatten();
+        let weights = self.state_weight.iter().chain(&self.terminal_weight).flatten();
+        let input_weights = self.input_weight.iter().chain(&self.input_rate_weight).flatten();
         let penalties = self.state_penalty.iter().flatten();
-        finite(
-            weights
-                .chain(input_weights)
-                .chain(&self.initial_state)
-                .chain(&self.previous_input),
-        ) && penalties.fold(true, |ok, p| {
-            ok & (p.linear > 0.0) & (p.quadratic >= 0.0) & finite([p.linear, p.quadratic].iter())
-        }) && self.stages.iter().all(QpStage::is_valid)
+        finite(weights.chain(input_weights).chain(&self.initial_state).chain(&self.previous_input))
+            && penalties.fold(true, |ok, p| {
+                ok & (p.linear > 0.0) & (p.quadratic >= 0.0) & finite([p.linear, p.quadratic].iter())
+            })
+            && self.stages.iter().all(QpStage::is_valid)
     }
 
     /// A problem over `horizon` stages without dynamics, cost or bounds, to be filled in.

@@ -1,7 +1,8 @@
 //! The Riccati recursion: factorization and solution of the equality-constrained optimal-control problem.
 //!
-//! With stage Hessians `Q̃_k = Q + diag(σ_k)`, `R̃_k = R + diag(ρ_k)` (σ, ρ: barrier terms of the bounds) the Newton step of the interior-point
-//! method minimizes `Σ ½ xᵀQ̃x + gᵀx + ½ uᵀR̃u + hᵀu` over `x⁺ = A x + B u`, `x_0 = 0`. Backwards from `P_N = Q̃_N`:
+//! With stage Hessians `Q̃_k = Q + diag(σ_k)`, `R̃_k = R + diag(ρ_k)` (σ, ρ: barrier terms of the bounds) the
+//! Newton step of the interior-point method minimizes `Σ ½ xᵀQ̃x + gᵀx + ½ uᵀR̃u + hᵀu` over
+//! `x⁺ = A x + B u`, `x_0 = 0`. Backwards from `P_N = Q̃_N`:
 //!
 //! ```text
 //!     Λ D Λᵀ = R̃ + Bᵀ P⁺ B          Y = Λ⁻¹ Bᵀ P⁺ A
@@ -9,22 +10,24 @@
 //!     d = −(Λ D Λᵀ)⁻¹ (h + Bᵀ p⁺)   p = g + Kᵀ h + Φᵀ p⁺
 //! ```
 //!
-//! and forwards `u = K x + d`, `x⁺ = Φ x + B d`. A weight W of the input's change, `½ (u_k − u_{k−1})ᵀ W (u_k − u_{k−1})`, makes v = u_{k−1} a
-//! further state, with `v⁺ = u`. Its rows of the dynamics are an identity and need no products (S = P_xv, V = P_vv are blocks of the cost-to-go):
+//! and forwards `u = K x + d`, `x⁺ = Φ x + B d`. A weight W of the input's change,
+//! `½ (u_k − u_{k−1})ᵀ W (u_k − u_{k−1})`, makes v = u_{k−1} a further state, with `v⁺ = u`. Its rows of the
+//! dynamics are an identity and need no products (S = P_xv, V = P_vv are blocks of the cost-to-go):
 //!
 //! ```text
 //!     T = P⁺B + S⁺     Λ D Λᵀ = R̃ + W + BᵀT + S⁺ᵀB + V⁺     Y = Λ⁻¹TᵀA     Y_v = −Λ⁻¹W
 //!     K_v = −Λ⁻ᵀ D⁻¹ Y_v    S = −YᵀD⁻¹Y_v    V = W − Y_vᵀD⁻¹Y_v    e = h + p_v⁺    p = g + Kᵀe + Φᵀp⁺    p_v = K_vᵀ(e + Bᵀp⁺)
 //! ```
 //!
-//! which adds O(n m²) to a factorization where a general state of n + m numbers would cost about twice as much.
-//! The cost is linear in the horizon, O((n + m)³) per factorization and O((n + m)²) per further
-//! right-hand side. The closed-loop matrix Φ is formed once per factorization, because it leaves one matrix-vector product in the chain of
-//! dependent operations of both sweeps.
+//! which adds O(n m²) to a factorization where a general state of n + m numbers would cost about twice as
+//! much. The cost is linear in the horizon, O((n + m)³) per factorization and O((n + m)²) per further
+//! right-hand side. The closed-loop matrix Φ is formed once per factorization, because it leaves one
+//! matrix-vector product in the chain of dependent operations of both sweeps.
 //!
-//! Sources: Rao, Wright, Rawlings, *Application of interior-point methods to model predictive control*, JOTA 99 (1998), section 3;
-//! Frison, Jørgensen, *Efficient implementation of the Riccati recursion for solving linear-quadratic control problems*, CCA 2013 (symmetric
-//! updates, fused products); Frison, Diehl, *HPIPM*, IFAC 2020.
+//! Sources: Rao, Wright, Rawlings, *Application of interior-point methods to model predictive control*, JOTA
+//! 99 (1998), section 3; Frison, Jørgensen, *Efficient implementation of the Riccati recursion for solving
+//! linear-quadratic control problems*, CCA 2013 (symmetric updates, fused products); Frison, Diehl, *HPIPM*,
+//! IFAC 2020.
 
 use super::kernels::{Right, Term, add_combination, product};
 use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, zeros};
@@ -133,7 +136,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Constant weights Q, R, P and W, of which only the symmetric part counts; W = 0 is no weight of the input's change.
+    /// Constant weights Q, R, P and W, of which only the symmetric part counts; W = 0 is no weight of the
+    /// input's change.
     #[inline(always)]
     pub(crate) fn set_weights(
         &mut self,
@@ -156,29 +160,22 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
     #[inline(always)]
     pub(crate) fn set_stage(&mut self, k: usize, a: &[[f64; NX]; NX], b: &[[f64; NU]; NX]) {
         let x = Self::RX;
-        for (row, lanes) in a
-            .iter()
-            .zip(self.a[k * NX * x..][..NX * x].chunks_exact_mut(x))
-        {
+        for (row, lanes) in a.iter().zip(self.a[k * NX * x..][..NX * x].chunks_exact_mut(x)) {
             pack(lanes, row);
         }
-        for (j, lanes) in self.b[k * NU * x..][..NU * x]
-            .chunks_exact_mut(x)
-            .enumerate()
-        {
+        for (j, lanes) in self.b[k * NU * x..][..NU * x].chunks_exact_mut(x).enumerate() {
             let column: [f64; NX] = core::array::from_fn(|i| b[i][j]);
             pack(lanes, &column);
         }
-        for (row, lanes) in b
-            .iter()
-            .zip(self.b_rows[k * NX * Self::RU..][..NX * Self::RU].chunks_exact_mut(Self::RU))
+        for (row, lanes) in
+            b.iter().zip(self.b_rows[k * NX * Self::RU..][..NX * Self::RU].chunks_exact_mut(Self::RU))
         {
             pack(lanes, row);
         }
     }
 
-    /// Factorizes with the diagonal terms of inputs and states in `weight`. With `affine`, the terms c_k of `x⁺ = A x + B u + c` (`A_0 x_0`
-    /// included in c_0), prepares a solution with them too.
+    /// Factorizes with the diagonal terms of inputs and states in `weight`. With `affine`, the terms c_k of
+    /// `x⁺ = A x + B u + c` (`A_0 x_0` included in c_0), prepares a solution with them too.
     #[inline(always)]
     pub(crate) fn factorize(
         &mut self,
@@ -203,7 +200,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         Ok(())
     }
 
-    /// The recursion without barrier terms down to P_0, so that K_0 exists too: a linear-quadratic regulator over the horizon.
+    /// The recursion without barrier terms down to P_0, so that K_0 exists too: a linear-quadratic regulator
+    /// over the horizon.
     #[inline(always)]
     pub(crate) fn regulate(&mut self) -> Result<(), NotPositive> {
         self.begin(&[V::zero(); MAX_LANES][..Self::RX]);
@@ -226,9 +224,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
     /// The cost-to-go matrix that the last factorization ended with.
     #[inline(always)]
     pub(crate) fn cost_to_go(&self) -> [[f64; NX]; NX] {
-        core::array::from_fn(|i| {
-            core::array::from_fn(|j| at(&self.p[j * Self::RX..][..Self::RX], i))
-        })
+        core::array::from_fn(|i| core::array::from_fn(|j| at(&self.p[j * Self::RX..][..Self::RX], i)))
     }
 
     /// The terminal cost-to-go.
@@ -274,20 +270,12 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         product::<V, NX, NU, false, 1>(
             &mut self.pb,
             self.rate.is_some().then_some(&self.s),
-            [Term {
-                left: &self.p,
-                right: Right::columns(flat(b), x * WIDTH),
-                depth: NX,
-            }],
+            [Term { left: &self.p, right: Right::columns(flat(b), x * WIDTH), depth: NX }],
         );
         product::<V, NU, NU, true, 1>(
             &mut self.h,
             None,
-            [Term {
-                left: b_rows,
-                right: Right::columns(flat(&self.pb), x * WIDTH),
-                depth: NX,
-            }],
+            [Term { left: b_rows, right: Right::columns(flat(&self.pb), x * WIDTH), depth: NX }],
         );
         let mut h = self.r;
         for j in 0..NU {
@@ -300,8 +288,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         if let Some(w) = &self.rate {
             for i in 0..NU {
                 for j in 0..=i {
-                    h[i][j] +=
-                        w[i][j] + self.v[i][j] + dot(&self.s[i * x..][..x], &b[j * x..][..x]);
+                    h[i][j] += w[i][j] + self.v[i][j] + dot(&self.s[i * x..][..x], &b[j * x..][..x]);
                 }
             }
         }
@@ -317,11 +304,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         product::<V, NX, NU, false, 1>(
             &mut self.y,
             None,
-            [Term {
-                left: a,
-                right: Right::columns(flat(&self.pb), x * WIDTH),
-                depth: NX,
-            }],
+            [Term { left: a, right: Right::columns(flat(&self.pb), x * WIDTH), depth: NX }],
         );
         let l = &self.ldl[k];
         let gain = &mut self.k[k * NU * x..][..NU * x];
@@ -388,11 +371,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         product::<V, NX, NX, false, 1>(
             &mut self.phi[k * NX * x..][..NX * x],
             Some(a),
-            [Term {
-                left: gain,
-                right: Right::rows(flat(b), x * WIDTH),
-                depth: NU,
-            }],
+            [Term { left: gain, right: Right::rows(flat(b), x * WIDTH), depth: NU }],
         );
     }
 
@@ -404,26 +383,14 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         product::<V, NX, NX, false, 1>(
             &mut self.pa,
             None,
-            [Term {
-                left: &self.p,
-                right: Right::rows(flat(a), x * WIDTH),
-                depth: NX,
-            }],
+            [Term { left: &self.p, right: Right::rows(flat(a), x * WIDTH), depth: NX }],
         );
         product::<V, NX, NX, true, 2>(
             &mut self.p,
             Some(&self.q),
             [
-                Term {
-                    left: a,
-                    right: Right::columns(flat(&self.pa), x * WIDTH),
-                    depth: NX,
-                },
-                Term {
-                    left: &self.y,
-                    right: Right::rows(flat(&self.z), x * WIDTH),
-                    depth: NU,
-                },
+                Term { left: a, right: Right::columns(flat(&self.pa), x * WIDTH), depth: NX },
+                Term { left: &self.y, right: Right::rows(flat(&self.z), x * WIDTH), depth: NU },
             ],
         );
         mirror::<V, NX>(&mut self.p, x);
@@ -436,8 +403,9 @@ fn symmetric<const N: usize>(m: &[[f64; N]; N]) -> [[f64; N]; N] {
     core::array::from_fn(|i| core::array::from_fn(|j| 0.5 * (m[i][j] + m[j][i])))
 }
 
-/// Makes a matrix of `NX` padded columns symmetric: blocks above the diagonal from those below, blocks on it by the mean with their transpose.
-/// Needed, not cosmetic: rounding leaves an antisymmetric part E, which the recursion would carry on as `AᵀEA`, by the open loop.
+/// Makes a matrix of `NX` padded columns symmetric: blocks above the diagonal from those below, blocks on it
+/// by the mean with their transpose. Needed, not cosmetic: rounding leaves an antisymmetric part E, which the
+/// recursion would carry on as `AᵀEA`, by the open loop.
 #[inline(always)]
 fn mirror<V: Vector, const NX: usize>(p: &mut [V], n: usize) {
     for rb in 0..n {

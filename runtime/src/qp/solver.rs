@@ -13,8 +13,9 @@ pub const MAX_HORIZON: usize = 100;
 /// Largest number of states and of inputs.
 pub const MAX_SIZE: usize = 32;
 
-/// Interior-point solver for optimal-control QPs of one size. All memory is allocated at construction; a solve allocates nothing, takes at most
-/// twice [`QpSettings::max_iterations`] iterations (three times from a warm start), never panics, and depends on the problem alone: a solve of changed data equals, bit for bit,
+/// Interior-point solver for optimal-control QPs of one size. All memory is allocated at construction; a
+/// solve allocates nothing, takes at most twice [`QpSettings::max_iterations`] iterations (three times from a
+/// warm start), never panics, and depends on the problem alone: a solve of changed data equals, bit for bit,
 /// a solve by a new solver. Processors with fused multiply-add round differently from those without.
 ///
 /// ```
@@ -89,8 +90,8 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
         self.solve_from(problem, Start::Cold)
     }
 
-    /// Solves from the solution of the last solve, which may have been moved by [`Self::shift`]; cold, if there is none, if no variable is bounded, or if
-    /// that start leads nowhere.
+    /// Solves from the solution of the last solve, which may have been moved by [`Self::shift`]; cold, if
+    /// there is none, if no variable is bounded, or if that start leads nowhere.
     pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU>) -> QpReport {
         self.solve_from(problem, Start::Warm)
     }
@@ -104,7 +105,8 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
         }
     }
 
-    /// Moves the last solution on by one stage, its last stage repeated, as the start of the next [`Self::solve_warm`] in a receding horizon.
+    /// Moves the last solution on by one stage, its last stage repeated, as the start of the next
+    /// [`Self::solve_warm`] in a receding horizon.
     pub fn shift(&mut self) {
         core!(&mut self.0, core => core.shift());
     }
@@ -114,7 +116,8 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
         core!(&self.0, core => core.input(k))
     }
 
-    /// `x_k` of the solution, `1 ≤ k ≤ N`, rolled out from the inputs through the dynamics; zeros for other `k`.
+    /// `x_k` of the solution, `1 ≤ k ≤ N`, rolled out from the inputs through the dynamics; zeros for other
+    /// `k`.
     pub fn state(&self, k: usize) -> [f64; NX] {
         core!(&self.0, core => core.state(k))
     }

@@ -2,32 +2,38 @@
 
 use std::fmt;
 
-/// How a solve ended. Decided by the residuals of the point that is returned: inputs within their bounds, states rolled out from them, cost and gradient
-/// from the problem's own data. A number that is not finite counts as a failure.
+/// How a solve ended. Decided by the residuals of the point that is returned: inputs within their bounds,
+/// states rolled out from them, cost and gradient from the problem's own data. A number that is not finite
+/// counts as a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum QpStatus {
-    /// The optimum, to the tolerances of [`QpSettings`]: hard bounds are kept, and the cost is proven to lie no further above the least one.
+    /// The optimum, to the tolerances of [`QpSettings`]: hard bounds are kept, and the cost is proven to lie
+    /// no further above the least one.
     Solved,
-    /// The hard state bounds cannot be kept (or no point that keeps them was found within the cap): the inputs returned minimize the violation
-    /// by an exact penalty and keep their own bounds.
+    /// The hard state bounds cannot be kept (or no point that keeps them was found within the cap): the
+    /// inputs returned minimize the violation by an exact penalty and keep their own bounds.
     Relaxed,
-    /// The cap on iterations was reached, or rounding allows no further step; of the points that the starts led to, the cheapest one that keeps the
-    /// bounds is returned, or else the one with the smallest residuals. The inputs keep their bounds, the KKT residuals tell how far they are from the optimum.
+    /// The cap on iterations was reached, or rounding allows no further step; of the points that the starts
+    /// led to, the cheapest one that keeps the bounds is returned, or else the one with the smallest
+    /// residuals. The inputs keep their bounds, the KKT residuals tell how far they are from the optimum.
     IterationLimit,
-    /// The data are not a convex QP with finite numbers and ordered bounds, or the arithmetic broke down: the inputs returned are those
-    /// nearest zero within their bounds.
+    /// The data are not a convex QP with finite numbers and ordered bounds, or the arithmetic broke down: the
+    /// inputs returned are those nearest zero within their bounds.
     Invalid,
 }
 
-/// Residuals of the Karush–Kuhn–Tucker conditions at the point returned, largest absolute values. The multipliers are never negative, so dual
-/// feasibility has no residual.
+/// Residuals of the Karush–Kuhn–Tucker conditions at the point returned, largest absolute values. The
+/// multipliers are never negative, so dual feasibility has no residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KktResiduals {
-    /// Stationarity: the gradient of the Lagrangian with respect to the inputs, the costates eliminated by their own recursion.
+    /// Stationarity: the gradient of the Lagrangian with respect to the inputs, the costates eliminated by
+    /// their own recursion.
     pub stationarity: f64,
-    /// Violation of the hard bounds by the states rolled out through the dynamics, relative to the bound where that exceeds 1; the inputs keep theirs.
+    /// Violation of the hard bounds by the states rolled out through the dynamics, relative to the bound
+    /// where that exceeds 1; the inputs keep theirs.
     pub primal: f64,
-    /// How far the cost may lie above the optimum: the duality gap of the bounds, and what a Newton step would still gain. In units of the cost.
+    /// How far the cost may lie above the optimum: the duality gap of the bounds, and what a Newton step
+    /// would still gain. In units of the cost.
     pub gap: f64,
 }
 
@@ -36,7 +42,8 @@ pub struct KktResiduals {
 pub struct QpReport {
     /// How it ended.
     pub status: QpStatus,
-    /// Interior-point iterations, each one factorization, of all starts together; 0 if the unconstrained optimum keeps all bounds.
+    /// Interior-point iterations, each one factorization, of all starts together; 0 if the unconstrained
+    /// optimum keeps all bounds.
     pub iterations: usize,
     /// Cost of the iterate returned, penalties of soft bounds included, the constant cost of x_0 not.
     pub cost: f64,
@@ -49,21 +56,18 @@ pub struct QpReport {
 pub struct QpSettings {
     /// Duality gap relative to the cost at which the iteration stops.
     pub tolerance: f64,
-    /// Largest violation of a hard bound, in units of the variable; relative to the bound where that exceeds 1.
+    /// Largest violation of a hard bound, in units of the variable; relative to the bound where that exceeds
+    /// 1.
     pub feasibility: f64,
-    /// Cap on interior-point iterations of each start. Where a start leads nowhere, others follow: a solve takes at most twice as many iterations from
-    /// a cold start, and three times as many from a warm one.
+    /// Cap on interior-point iterations of each start. Where a start leads nowhere, others follow: a solve
+    /// takes at most twice as many iterations from a cold start, and three times as many from a warm one.
     pub max_iterations: usize,
 }
 
 impl Default for QpSettings {
     /// Tolerance 1e-8, feasibility 1e-10, at most 50 iterations.
     fn default() -> Self {
-        Self {
-            tolerance: 1e-8,
-            feasibility: 1e-10,
-            max_iterations: 50,
-        }
+        Self { tolerance: 1e-8, feasibility: 1e-10, max_iterations: 50 }
     }
 }
 

@@ -8,18 +8,13 @@ use super::trajectory::Trajectory;
 impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
     /// The minimizer `step` for the linear costs `gradient`; `affine` as for [`Self::factorize`].
     #[inline(always)]
-    pub(crate) fn solve(
-        &self,
-        gradient: &Trajectory<V>,
-        step: &mut Trajectory<V>,
-        affine: Option<&[V]>,
-    ) {
+    pub(crate) fn solve(&self, gradient: &Trajectory<V>, step: &mut Trajectory<V>, affine: Option<&[V]>) {
         self.backward(gradient, flat_mut(&mut step.u), affine.is_some());
         self.forward(flat_mut(&mut step.u), &mut step.x, affine);
     }
 
-    /// What a Newton step of the last factorization would take off a function with these gradients (of inputs and states, the dynamics not yet
-    /// eliminated): `½ Σ wᵀ (Λ D Λᵀ)⁻¹ w`. `scratch` is overwritten.
+    /// What a Newton step of the last factorization would take off a function with these gradients (of inputs
+    /// and states, the dynamics not yet eliminated): `½ Σ wᵀ (Λ D Λᵀ)⁻¹ w`. `scratch` is overwritten.
     #[inline(always)]
     pub(crate) fn decrease(&self, gradient: &Trajectory<V>, scratch: &mut Trajectory<V>) -> f64 {
         self.backward(gradient, flat_mut(&mut scratch.u), false)
@@ -148,8 +143,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Moves the inputs of `z` by `limit(k, u_k)` and its states to where these inputs lead. By the gains of the last factorization, later inputs
-    /// act against what that and rounding change, which an unstable system would let grow.
+    /// Moves the inputs of `z` by `limit(k, u_k)` and its states to where these inputs lead. By the gains of
+    /// the last factorization, later inputs act against what that and rounding change, which an unstable
+    /// system would let grow.
     #[inline(always)]
     pub(crate) fn project(
         &self,
@@ -185,13 +181,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
 
     /// `A_k x_k + B_k u_k + c_k`.
     #[inline(always)]
-    fn follow(
-        &self,
-        k: usize,
-        state: &[V; MAX_LANES],
-        u: &[f64; NU],
-        affine: &[V],
-    ) -> [V; MAX_LANES] {
+    fn follow(&self, k: usize, state: &[V; MAX_LANES], u: &[f64; NU], affine: &[V]) -> [V; MAX_LANES] {
         let n = Self::RX;
         let mut next = [V::zero(); MAX_LANES];
         next[..n].copy_from_slice(&affine[k * n..][..n]);
@@ -216,11 +206,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
     ) -> (f64, f64) {
         let n = Self::RX;
         for k in 0..self.horizon {
-            let weight = if k + 1 == self.horizon {
-                &self.terminal
-            } else {
-                &self.q
-            };
+            let weight = if k + 1 == self.horizon { &self.terminal } else { &self.q };
             let state = &z.x[k * n..][..n];
             for r in 0..n {
                 let mut sum = [linear.x[k * n + r], V::zero()];
@@ -233,10 +219,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         self.input_gradient(flat(&z.u), flat(&linear.u), flat_mut(&mut gradient.u));
         let (mut both, mut line) = (V::zero(), V::zero());
         for ((z, g), l) in
-            z.x.iter()
-                .zip(&gradient.x)
-                .zip(&linear.x)
-                .chain(z.u.iter().zip(&gradient.u).zip(&linear.u))
+            z.x.iter().zip(&gradient.x).zip(&linear.x).chain(z.u.iter().zip(&gradient.u).zip(&linear.u))
         {
             both = g.mul_add(*z, both);
             line = l.mul_add(*z, line);
@@ -247,11 +230,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
 
     #[inline(always)]
     fn input_gradient(&self, u: &[f64], linear: &[f64], gradient: &mut [f64]) {
-        for (k, (u, g)) in u
-            .chunks_exact(NU)
-            .zip(gradient.chunks_exact_mut(NU))
-            .take(self.horizon)
-            .enumerate()
+        for (k, (u, g)) in
+            u.chunks_exact(NU).zip(gradient.chunks_exact_mut(NU)).take(self.horizon).enumerate()
         {
             for i in 0..NU {
                 g[i] = linear[k * NU + i];
@@ -261,8 +241,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
             }
         }
         if let Some(w) = &self.rate {
-            let change =
-                |k: usize, j: usize| u[k * NU + j] - if k > 0 { u[(k - 1) * NU + j] } else { 0.0 };
+            let change = |k: usize, j: usize| u[k * NU + j] - if k > 0 { u[(k - 1) * NU + j] } else { 0.0 };
             for k in 0..self.horizon {
                 for i in 0..NU {
                     let force: f64 = (0..NU).map(|j| w[i][j] * change(k, j)).sum();
@@ -275,7 +254,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// `½ Σ_k Δu_kᵀ (Λ D Λᵀ)_k Δu_k` of the last factorization: what moving the inputs costs above the minimum.
+    /// `½ Σ_k Δu_kᵀ (Λ D Λᵀ)_k Δu_k` of the last factorization: what moving the inputs costs above the
+    /// minimum.
     #[inline(always)]
     pub(crate) fn input_energy(&self, u: &Trajectory<V>) -> f64 {
         let mut sum = 0.0;
@@ -303,8 +283,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         entries.fold(0.0, |max, w| w.abs().max(max))
     }
 
-    /// Reduced gradient of the inputs, `h + Bᵀp` with the costate `p = g + Aᵀp⁺`, in place of `h`, for the gradients of the Lagrangian without
-    /// dynamics.
+    /// Reduced gradient of the inputs, `h + Bᵀp` with the costate `p = g + Aᵀp⁺`, in place of `h`, for the
+    /// gradients of the Lagrangian without dynamics.
     #[inline(always)]
     pub(crate) fn reduce(&self, gradient: &mut Trajectory<V>) {
         let n = Self::RX;
@@ -315,8 +295,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
                 next[r] = gradient.x[k * n + r];
                 if k + 1 < self.horizon {
                     for i in 0..NX {
-                        next[r] = self.a[((k + 1) * NX + i) * n + r]
-                            .mul_add(V::splat(at(&p, i)), next[r]);
+                        next[r] = self.a[((k + 1) * NX + i) * n + r].mul_add(V::splat(at(&p, i)), next[r]);
                     }
                 }
             }
@@ -353,12 +332,7 @@ fn add_product<V: Vector, const ROWS: usize>(
 
 /// Lane-wise products of row `i` with a state, not yet summed over the lane; zero for padding rows.
 #[inline(always)]
-fn rows_dot<V: Vector, const ROWS: usize>(
-    rows: &[V],
-    i: usize,
-    n: usize,
-    state: &[V; MAX_LANES],
-) -> V {
+fn rows_dot<V: Vector, const ROWS: usize>(rows: &[V], i: usize, n: usize, state: &[V; MAX_LANES]) -> V {
     if i >= ROWS {
         return V::zero();
     }

@@ -2,7 +2,8 @@
 
 use super::lanes::{Vector, flat, flat_mut, lanes, largest, zeros};
 
-/// Numbers for u_0 … u_{N−1}, contiguous without padding between stages, and for x_1 … x_N, each stage padded to whole lanes.
+/// Numbers for u_0 … u_{N−1}, contiguous without padding between stages, and for x_1 … x_N, each stage padded
+/// to whole lanes.
 #[derive(Debug, Clone)]
 pub(crate) struct Trajectory<V> {
     pub(crate) u: Vec<V>,
@@ -11,10 +12,7 @@ pub(crate) struct Trajectory<V> {
 
 impl<V: Vector> Trajectory<V> {
     pub(crate) fn new(horizon: usize, nx: usize, nu: usize) -> Self {
-        Self {
-            u: zeros(lanes(horizon * nu)),
-            x: zeros(horizon * lanes(nx)),
-        }
+        Self { u: zeros(lanes(horizon * nu)), x: zeros(horizon * lanes(nx)) }
     }
 
     /// Takes the numbers of another trajectory of the same shape.

@@ -4,8 +4,9 @@ use super::{Sample, Trajectory, TrajectoryError, require_finite};
 
 /// All coordinates follow one motion s(t), each in its own direction and share: `y(t) = y_0 + d s(t)`.
 ///
-/// With d = (1, −1), two parallel axes turn against each other and whatever the second carries keeps its orientation: the compensated motion
-/// β = −γ, in which gravity on the second joint stays almost constant. See [`Along::compensated`].
+/// With d = (1, −1), two parallel axes turn against each other and whatever the second carries keeps its
+/// orientation: the compensated motion β = −γ, in which gravity on the second joint stays almost constant.
+/// See [`Along::compensated`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Along<T, const N: usize> {
     offset: [f64; N],
@@ -21,11 +22,7 @@ impl<T: Trajectory<1>, const N: usize> Along<T, N> {
     pub fn new(offset: [f64; N], direction: [f64; N], motion: T) -> Result<Self, TrajectoryError> {
         require_finite("offset", &offset)?;
         require_finite("direction", &direction)?;
-        Ok(Self {
-            offset,
-            direction,
-            motion,
-        })
+        Ok(Self { offset, direction, motion })
     }
 }
 
@@ -51,9 +48,7 @@ impl<T: Trajectory<1>, const N: usize> Trajectory<N> for Along<T, N> {
     fn sample(&self, t: f64) -> Sample<N> {
         let s = self.motion.sample(t);
         Sample {
-            positions: core::array::from_fn(|i| {
-                self.offset[i] + self.direction[i] * s.positions[0]
-            }),
+            positions: core::array::from_fn(|i| self.offset[i] + self.direction[i] * s.positions[0]),
             velocities: self.direction.map(|d| d * s.velocities[0]),
             accelerations: self.direction.map(|d| d * s.accelerations[0]),
         }

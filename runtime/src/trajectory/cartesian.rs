@@ -1,14 +1,13 @@
 //! Poses one after the other, for arms with a spherical wrist.
 
 use super::polynomial::RestToRest;
-use super::{
-    PointSequence, Sample, Sampled, Trajectory, TrajectoryError, require_periods, require_positive,
-};
+use super::{PointSequence, Sample, Sampled, Trajectory, TrajectoryError, require_periods, require_positive};
 use crate::kinematics::{KinematicsError, Pose, Singularity, SphericalWrist};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use thiserror::Error;
 
-/// Largest step of a joint between two samples of a straight way (rad); more is a jump to another branch or a passage by a singularity.
+/// Largest step of a joint between two samples of a straight way (rad); more is a jump to another branch or a
+/// passage by a singularity.
 const LARGEST_STEP: f64 = 0.2;
 
 /// Why a sequence of poses cannot be driven.
@@ -66,10 +65,12 @@ pub enum CartesianError {
     },
 }
 
-/// Joint angles for `poses`, each the closest solution to the one before and within `limits` (rad); the first the closest to `start`.
+/// Joint angles for `poses`, each the closest solution to the one before and within `limits` (rad); the first
+/// the closest to `start`.
 ///
 /// # Errors
-/// [`CartesianError::Unreachable`]. Singular poses are no error: the joints that are free stay where they were.
+/// [`CartesianError::Unreachable`]. Singular poses are no error: the joints that are free stay where they
+/// were.
 pub fn joint_points(
     arm: &SphericalWrist,
     poses: &[Pose],
@@ -105,12 +106,14 @@ pub fn pose_sequence(
     Ok(PointSequence::within(&points, speeds, accelerations, 0.0)?)
 }
 
-/// Rest to rest from pose to pose, straight in space: the frame's origin moves on a line and the frame turns about one axis, both with the course
-/// s(t/T) of [`RestToRest`], in `durations` (s). Joint positions every `period` (s) come from the inverse kinematics, velocities and accelerations
-/// from the Jacobian: `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. The first pose is the one of `start`.
+/// Rest to rest from pose to pose, straight in space: the frame's origin moves on a line and the frame turns
+/// about one axis, both with the course s(t/T) of [`RestToRest`], in `durations` (s). Joint positions every
+/// `period` (s) come from the inverse kinematics, velocities and accelerations from the Jacobian:
+/// `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. The first pose is the one of `start`.
 ///
 /// # Errors
-/// [`CartesianError`]; half a turn or more between two poses turns the shorter way, exactly half a turn about an axis that rounding decides.
+/// [`CartesianError`]; half a turn or more between two poses turns the shorter way, exactly half a turn about
+/// an axis that rounding decides.
 pub fn straight_ways(
     arm: &SphericalWrist,
     start: &[f64; 6],
@@ -188,46 +191,22 @@ impl Way {
             .map_err(|source| CartesianError::WayUnreachable { pose, time, source })?
             .closest(near);
         if let Some(singularity) = solution.singularities().next() {
-            return Err(CartesianError::Singular {
-                pose,
-                time,
-                singularity,
-            });
+            return Err(CartesianError::Singular { pose, time, singularity });
         }
         for joint in 0..6 {
             let step = solution.positions[joint] - near[joint];
             if step.abs() > LARGEST_STEP {
-                return Err(CartesianError::Jump {
-                    pose,
-                    time,
-                    joint,
-                    step,
-                });
+                return Err(CartesianError::Jump { pose, time, joint, step });
             }
         }
         let frame = |rate: f64| -> [f64; 6] {
-            core::array::from_fn(|i| {
-                if i < 3 {
-                    self.line[i] * rate
-                } else {
-                    self.turn[i - 3] * rate
-                }
-            })
+            core::array::from_fn(|i| if i < 3 { self.line[i] * rate } else { self.turn[i - 3] * rate })
         };
-        let (velocity, acceleration) =
-            (frame(course.velocities[0]), frame(course.accelerations[0]));
-        let (velocities, accelerations) = arm
-            .screws()
-            .rates(&solution.positions, &velocity, &acceleration)
-            .ok_or(CartesianError::Singular {
-                pose,
-                time,
-                singularity: Singularity::Elbow,
-            })?;
-        Ok(Sample {
-            positions: solution.positions,
-            velocities,
-            accelerations,
-        })
+        let (velocity, acceleration) = (frame(course.velocities[0]), frame(course.accelerations[0]));
+        let (velocities, accelerations) =
+            arm.screws()
+                .rates(&solution.positions, &velocity, &acceleration)
+                .ok_or(CartesianError::Singular { pose, time, singularity: Singularity::Elbow })?;
+        Ok(Sample { positions: solution.positions, velocities, accelerations })
     }
 }

@@ -95,8 +95,8 @@ pub enum CheckError {
 /// Force on a passive coordinate that counts as none [N m or N].
 const FEASIBLE: f64 = 1e-6;
 
-/// Where `trajectory`, seen every `period` (s), breaks position, speed and torque limits of `model`; empty where it keeps them all. Torques are
-/// those of the feed-forward.
+/// Where `trajectory`, seen every `period` (s), breaks position, speed and torque limits of `model`; empty
+/// where it keeps them all. Torques are those of the feed-forward.
 ///
 /// # Errors
 /// [`CheckError`]; numbers that are not finite count as violations instead.
@@ -126,26 +126,12 @@ pub fn violations<D: Dynamics<N, M>, const N: usize, const M: usize>(
         for i in 0..N {
             let [low, high] = limits.position[i];
             let bound = |speed: f64| [-speed, speed];
-            let force: f64 = input_matrix[i]
-                .iter()
-                .zip(&command.inputs)
-                .map(|(b, u)| b * u)
-                .sum();
+            let force: f64 = input_matrix[i].iter().zip(&command.inputs).map(|(b, u)| b * u).sum();
             let place = (i, joints[i]);
             watch.see(Quantity::Position, place, sample.positions[i], [low, high]);
-            watch.see(
-                Quantity::Velocity,
-                place,
-                sample.velocities[i],
-                bound(limits.velocity[i]),
-            );
+            watch.see(Quantity::Velocity, place, sample.velocities[i], bound(limits.velocity[i]));
             watch.see(Quantity::Effort, place, force, bound(effort[i]));
-            watch.see(
-                Quantity::Unreachable,
-                place,
-                command.residual[i],
-                bound(FEASIBLE),
-            );
+            watch.see(Quantity::Unreachable, place, command.residual[i], bound(FEASIBLE));
         }
         for j in 0..M {
             let limits = [-input[j], input[j]];
@@ -171,10 +157,7 @@ impl Watch {
         value: f64,
         [low, high]: [f64; 2],
     ) {
-        let place = self
-            .open
-            .iter()
-            .position(|v| v.quantity == quantity && v.index == index);
+        let place = self.open.iter().position(|v| v.quantity == quantity && v.index == index);
         // Rounding at a limit that is just touched is no violation. NaN is.
         let slack = 1e-9 * low.abs().min(high.abs()).min(1e9);
         let within = value >= low - slack && value <= high + slack;

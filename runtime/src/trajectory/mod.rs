@@ -1,7 +1,7 @@
 //! Desired motions: positions, velocities and accelerations over time.
 //!
-//! Everything here is C²: positions, velocities and accelerations are continuous, and each is the derivative of the one before. Feed-forward and
-//! model predictive control rely on it.
+//! Everything here is C²: positions, velocities and accelerations are continuous, and each is the derivative
+//! of the one before. Feed-forward and model predictive control rely on it.
 
 mod along;
 mod cartesian;
@@ -48,11 +48,7 @@ impl<const N: usize> Sample<N> {
     /// At rest at `positions`.
     #[must_use]
     pub fn at_rest(positions: [f64; N]) -> Self {
-        Self {
-            positions,
-            velocities: [0.0; N],
-            accelerations: [0.0; N],
-        }
+        Self { positions, velocities: [0.0; N], accelerations: [0.0; N] }
     }
 
     /// True if no number is NaN or infinite.
@@ -88,7 +84,8 @@ impl<const N: usize> Default for MotionLimits<N> {
 }
 
 impl<const N: usize> MotionLimits<N> {
-    /// A model's limits of positions, a share (0 to 1) of its speeds, and accelerations of your own: models have none.
+    /// A model's limits of positions, a share (0 to 1) of its speeds, and accelerations of your own: models
+    /// have none.
     #[must_use]
     pub fn of<const M: usize>(limits: &Limits<N, M>, share: f64, accelerations: [f64; N]) -> Self {
         Self {
@@ -114,19 +111,15 @@ impl<const N: usize> MotionLimits<N> {
                 });
             }
             if !(low..=high).contains(&position) {
-                return Err(TrajectoryError::PointOutside {
-                    point,
-                    joint,
-                    position,
-                    limits,
-                });
+                return Err(TrajectoryError::PointOutside { point, joint, position, limits });
             }
         }
         Ok(())
     }
 
     /// # Errors
-    /// [`TrajectoryError::NotPositive`] for limits that are not positive, or of positions whose upper one is not above the lower.
+    /// [`TrajectoryError::NotPositive`] for limits that are not positive, or of positions whose upper one is
+    /// not above the lower.
     fn check(&self) -> Result<(), TrajectoryError> {
         let widths = self.positions.map(|[low, high]| high - low);
         let all = [
@@ -152,12 +145,13 @@ pub trait Trajectory<const N: usize> {
     /// Its length (s).
     fn duration(&self) -> f64;
 
-    /// Desired state at `t` (s). Before the start and after the end the robot rests at the first or last position; a time that is NaN counts
-    /// as before the start.
+    /// Desired state at `t` (s). Before the start and after the end the robot rests at the first or last
+    /// position; a time that is NaN counts as before the start.
     fn sample(&self, t: f64) -> Sample<N>;
 
-    /// The loop begins a period at `time` (s): what is earlier will not be asked for again. A motion that changes while it runs
-    /// takes its changes over here, and nowhere else, so that a period sees one motion. The default does nothing.
+    /// The loop begins a period at `time` (s): what is earlier will not be asked for again. A motion that
+    /// changes while it runs takes its changes over here, and nowhere else, so that a period sees one motion.
+    /// The default does nothing.
     fn begin_period(&self, time: f64) {
         let _ = time;
     }
@@ -290,11 +284,12 @@ fn require_periods(duration: f64, period: f64) -> Result<usize, TrajectoryError>
     })
 }
 
-/// Most samples that a trajectory is asked for at once: more are a mistake in a duration or a period, and would fill the
-/// memory.
+/// Most samples that a trajectory is asked for at once: more are a mistake in a duration or a period, and
+/// would fill the memory.
 pub const MAX_SAMPLES: usize = 10_000_000;
 
-/// Periods until a motion of this duration is over; None for more than [`MAX_SAMPLES`], and for durations that are no number.
+/// Periods until a motion of this duration is over; None for more than [`MAX_SAMPLES`], and for durations
+/// that are no number.
 pub(crate) fn whole_periods(duration: f64, period: f64) -> Option<usize> {
     let periods = (duration / period).ceil();
     // Written so that NaN is refused.
@@ -304,10 +299,9 @@ pub(crate) fn whole_periods(duration: f64, period: f64) -> Option<usize> {
 fn require_finite(what: &str, values: &[f64]) -> Result<(), TrajectoryError> {
     match values.iter().position(|x| !x.is_finite()) {
         None => Ok(()),
-        Some(i) => Err(TrajectoryError::NotFinite {
-            what: format!("{what} of joint {}", i + 1),
-            value: values[i],
-        }),
+        Some(i) => {
+            Err(TrajectoryError::NotFinite { what: format!("{what} of joint {}", i + 1), value: values[i] })
+        }
     }
 }
 

@@ -6,17 +6,20 @@ use rsruckig::trajectory::Trajectory as Profile;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// A motion to rest at a target that may be changed at any time, also while it runs: by an operator, a camera, a planner. All joints
-/// arrive at the same time, as soon as positions, speeds, accelerations and jerks within their limits allow. A new target begins a
-/// new motion from the state of the old one, so that positions, velocities and accelerations stay continuous.
+/// A motion to rest at a target that may be changed at any time, also while it runs: by an operator, a
+/// camera, a planner. All joints arrive at the same time, as soon as positions, speeds, accelerations and
+/// jerks within their limits allow. A new target begins a new motion from the state of the old one, so that
+/// positions, velocities and accelerations stay continuous.
 ///
-/// The motion is computed by the crate `rsruckig` (Berscheid, Kröger, *Jerk-limited Real-time Trajectory Generation with Arbitrary
-/// Target States*, RSS 2021), in some 10 µs for seven joints, in the thread of the loop and without allocation.
+/// The motion is computed by the crate `rsruckig` (Berscheid, Kröger, *Jerk-limited Real-time Trajectory
+/// Generation with Arbitrary Target States*, RSS 2021), in some 10 µs for seven joints, in the thread of the
+/// loop and without allocation.
 ///
-/// Clones share the target and the motion: give one to the loop and one to its controller, and keep one to [`set`](Self::set)
-/// targets from any thread. The loop takes a new target over at the beginning of a period
-/// ([`Trajectory::begin_period`]; call it yourself where there is no loop). Its duration is infinite: the loop ends when it is asked
-/// to stop. A predictive controller sees the motion to the present target ahead of it; its terminal weights are those of the start.
+/// Clones share the target and the motion: give one to the loop and one to its controller, and keep one to
+/// [`set`](Self::set) targets from any thread. The loop takes a new target over at the beginning of a period
+/// ([`Trajectory::begin_period`]; call it yourself where there is no loop). Its duration is infinite: the
+/// loop ends when it is asked to stop. A predictive controller sees the motion to the present target ahead of
+/// it; its terminal weights are those of the start.
 ///
 /// ```
 /// use gelenk_runtime::trajectory::{MotionLimits, OnlineTarget, Trajectory};
@@ -47,9 +50,7 @@ pub struct OnlineTarget<const N: usize> {
 
 impl<const N: usize> fmt::Debug for OnlineTarget<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("OnlineTarget")
-            .field("limits", &self.limits)
-            .finish_non_exhaustive()
+        f.debug_struct("OnlineTarget").field("limits", &self.limits).finish_non_exhaustive()
     }
 }
 
@@ -74,8 +75,8 @@ pub enum TargetStatus<const N: usize> {
         /// Target [rad or m].
         target: [f64; N],
     },
-    /// There is no motion to this target that keeps the limits, from where and how fast the robot was; it goes on to the one
-    /// before.
+    /// There is no motion to this target that keeps the limits, from where and how fast the robot was; it
+    /// goes on to the one before.
     Refused {
         /// Target [rad or m].
         target: [f64; N],
@@ -110,19 +111,19 @@ impl RuckigErrorHandler for Quiet {
 
 /// By how much a computed motion may leave the position limits [rad or m]: it ends within 1e-8 of its target.
 const SLACK: f64 = 1e-7;
-/// Largest position and limit, and its inverse the least limit: over eight decades the generator was seen to keep its limits, over
-/// twelve not.
+/// Largest position and limit, and its inverse the least limit: over eight decades the generator was seen to
+/// keep its limits, over twelve not.
 const LARGEST: f64 = 1e4;
-/// Periods in which a target is tried before it is refused: of four million random ones eight found no motion, from a state that a
-/// period later is another.
+/// Periods in which a target is tried before it is refused: of four million random ones eight found no
+/// motion, from a state that a period later is another.
 const ATTEMPTS: u32 = 5;
 
 impl<const N: usize> OnlineTarget<N> {
     /// At rest at `start` [rad or m] until there is another target.
     ///
     /// # Errors
-    /// Limits of speed, acceleration or jerk that are not 1e-4 to 1e4, with which the generator's equations are well scaled; a
-    /// start that is not finite, outside the position limits, or beyond 1e4.
+    /// Limits of speed, acceleration or jerk that are not 1e-4 to 1e4, with which the generator's equations
+    /// are well scaled; a start that is not finite, outside the position limits, or beyond 1e4.
     pub fn new(start: [f64; N], limits: &MotionLimits<N>) -> Result<Self, TrajectoryError> {
         limits.check()?;
         require_scaled("speed limit", &limits.speeds, 1.0 / LARGEST)?;
@@ -135,16 +136,10 @@ impl<const N: usize> OnlineTarget<N> {
         input.max_jerk = stack(limits.jerks);
         input.min_position = Some(stack(limits.positions.map(|[low, _]| low - SLACK)));
         input.max_position = Some(stack(limits.positions.map(|[_, high]| high + SLACK)));
-        let status = TargetStatus::Followed {
-            target: start,
-            arrival: 0.0,
-        };
+        let status = TargetStatus::Followed { target: start, arrival: 0.0 };
         Ok(Self {
             limits: *limits,
-            requests: Arc::new(Mutex::new(Requests {
-                pending: None,
-                status,
-            })),
+            requests: Arc::new(Mutex::new(Requests { pending: None, status })),
             plan: Arc::new(Mutex::new(Plan {
                 // Durations are not rounded to periods, so that the period has no influence.
                 generator: Ruckig::new(None, 1e-3),
@@ -158,10 +153,12 @@ impl<const N: usize> OnlineTarget<N> {
         })
     }
 
-    /// Asks for another target [rad or m], from any thread. What was asked for before and not taken over yet is forgotten.
+    /// Asks for another target [rad or m], from any thread. What was asked for before and not taken over yet
+    /// is forgotten.
     ///
     /// # Errors
-    /// A target that is not finite, outside the position limits, or beyond 1e4; the motion then goes on as it was.
+    /// A target that is not finite, outside the position limits, or beyond 1e4; the motion then goes on as it
+    /// was.
     pub fn set(&self, target: [f64; N]) -> Result<(), TrajectoryError> {
         check_target(&self.limits, &target)?;
         let mut requests = lock(&self.requests);
@@ -178,8 +175,8 @@ impl<const N: usize> OnlineTarget<N> {
 }
 
 impl<const N: usize> Plan<N> {
-    /// State at `time` (s) of the trajectory: at rest in the target at the end, and what was before the last change of the target is
-    /// forgotten.
+    /// State at `time` (s) of the trajectory: at rest in the target at the end, and what was before the last
+    /// change of the target is forgotten.
     fn sample(&self, time: f64) -> Sample<N> {
         let t = time - self.begin;
         if t >= self.profile.get_duration() {
@@ -195,14 +192,11 @@ impl<const N: usize> Plan<N> {
             &mut None,
             &mut None,
         );
-        Sample {
-            positions: array(&y),
-            velocities: array(&v),
-            accelerations: array(&a),
-        }
+        Sample { positions: array(&y), velocities: array(&v), accelerations: array(&a) }
     }
 
-    /// Moves on to `target` from the state at `time`. False, and nothing changes, where there is no such motion.
+    /// Moves on to `target` from the state at `time`. False, and nothing changes, where there is no such
+    /// motion.
     fn turn_to(&mut self, target: [f64; N], time: f64) -> bool {
         let now = self.sample(time);
         self.input.current_position = stack(now.positions);
@@ -231,7 +225,8 @@ impl<const N: usize> Trajectory<N> for OnlineTarget<N> {
     }
 
     fn begin_period(&self, time: f64) {
-        // Another thread is writing a target at this moment: it can wait for the next period, the loop cannot wait for it.
+        // Another thread is writing a target at this moment: it can wait for the next period, the loop cannot
+        // wait for it.
         let Ok(mut requests) = self.requests.try_lock() else {
             return;
         };
@@ -254,19 +249,13 @@ impl<const N: usize> Trajectory<N> for OnlineTarget<N> {
     }
 }
 
-fn check_target<const N: usize>(
-    limits: &MotionLimits<N>,
-    target: &[f64; N],
-) -> Result<(), TrajectoryError> {
+fn check_target<const N: usize>(limits: &MotionLimits<N>, target: &[f64; N]) -> Result<(), TrajectoryError> {
     limits.check_position(0, target)?;
     require_scaled("position", target, 0.0)
 }
 
 fn require_scaled(what: &'static str, values: &[f64], least: f64) -> Result<(), TrajectoryError> {
-    match values
-        .iter()
-        .find(|x| !(least..=LARGEST).contains(&x.abs()))
-    {
+    match values.iter().find(|x| !(least..=LARGEST).contains(&x.abs())) {
         None => Ok(()),
         Some(value) => Err(TrajectoryError::OutOfRange {
             what,

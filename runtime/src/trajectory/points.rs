@@ -1,8 +1,6 @@
 //! Point after point, with a stop at each.
 
-use super::{
-    RestToRest, Sample, Trajectory, TrajectoryError, require_positive, require_representable,
-};
+use super::{RestToRest, Sample, Trajectory, TrajectoryError, require_positive, require_representable};
 
 /// Motions from rest to rest between points in joint space, one after the other.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,8 +11,8 @@ pub struct PointSequence<const N: usize> {
 }
 
 impl<const N: usize> PointSequence<N> {
-    /// Through `points` [rad or m], each way as fast as `speeds` and `accelerations` allow (see [`RestToRest::within`]), resting `dwell` ≥ 0 (s) at
-    /// every point between.
+    /// Through `points` [rad or m], each way as fast as `speeds` and `accelerations` allow (see
+    /// [`RestToRest::within`]), resting `dwell` ≥ 0 (s) at every point between.
     ///
     /// # Errors
     /// Fewer than two points; as [`RestToRest::within`]; a dwell that is negative or not finite.
@@ -34,12 +32,9 @@ impl<const N: usize> PointSequence<N> {
     /// Through `points`, each way in the time of `durations` (s).
     ///
     /// # Errors
-    /// Fewer than two points, not one duration for each way; as [`RestToRest::new`]; a dwell that is negative or not finite.
-    pub fn timed(
-        points: &[[f64; N]],
-        durations: &[f64],
-        dwell: f64,
-    ) -> Result<Self, TrajectoryError> {
+    /// Fewer than two points, not one duration for each way; as [`RestToRest::new`]; a dwell that is negative
+    /// or not finite.
+    pub fn timed(points: &[[f64; N]], durations: &[f64], dwell: f64) -> Result<Self, TrajectoryError> {
         if durations.len() + 1 != points.len() {
             return Err(TrajectoryError::TooFew {
                 what: "points for the durations",
@@ -48,23 +43,14 @@ impl<const N: usize> PointSequence<N> {
             });
         }
         let ways = points.windows(2).zip(durations);
-        let pieces = ways
-            .map(|(w, duration)| RestToRest::new(w[0], w[1], *duration))
-            .collect::<Result<_, _>>()?;
+        let pieces =
+            ways.map(|(w, duration)| RestToRest::new(w[0], w[1], *duration)).collect::<Result<_, _>>()?;
         Self::chain(pieces, points.len(), dwell)
     }
 
-    fn chain(
-        pieces: Vec<RestToRest<N>>,
-        points: usize,
-        dwell: f64,
-    ) -> Result<Self, TrajectoryError> {
+    fn chain(pieces: Vec<RestToRest<N>>, points: usize, dwell: f64) -> Result<Self, TrajectoryError> {
         if points < 2 {
-            return Err(TrajectoryError::TooFew {
-                what: "points",
-                needed: 2,
-                given: points,
-            });
+            return Err(TrajectoryError::TooFew { what: "points", needed: 2, given: points });
         }
         if dwell != 0.0 {
             require_positive("dwell", dwell)?;
@@ -99,12 +85,7 @@ impl<const N: usize> Trajectory<N> for PointSequence<N> {
 
     fn sample(&self, t: f64) -> Sample<N> {
         // Each piece rests at its last point after its end; NaN falls on the first.
-        let begun = self
-            .times
-            .iter()
-            .skip(1)
-            .take_while(|begin| **begin <= t)
-            .count();
+        let begun = self.times.iter().skip(1).take_while(|begin| **begin <= t).count();
         let k = begun.min(self.pieces.len() - 1);
         self.pieces[k].sample(t - self.times[k])
     }

@@ -1,8 +1,6 @@
 //! Polynomials of degree five, given by position, velocity and acceleration at both ends.
 
-use super::{
-    Sample, Trajectory, TrajectoryError, require_finite, require_positive, require_representable,
-};
+use super::{Sample, Trajectory, TrajectoryError, require_finite, require_positive, require_representable};
 use crate::dynamics::Limits;
 
 /// Position, velocity and acceleration of one coordinate.
@@ -16,7 +14,8 @@ pub(super) struct Quintic {
 }
 
 impl Quintic {
-    /// From `start` at t = 0 to `end` at t = `duration` (Craig, *Introduction to Robotics*, 2005, section 7.3).
+    /// From `start` at t = 0 to `end` at t = `duration` (Craig, *Introduction to Robotics*, 2005, section
+    /// 7.3).
     pub fn new(start: End, end: End, duration: f64) -> Self {
         let [p, v, a] = start;
         let t = duration;
@@ -27,20 +26,16 @@ impl Quintic {
         let c3 = (10.0 * dp - 4.0 * dv + 0.5 * da) / (t * t * t);
         let c4 = (-15.0 * dp + 7.0 * dv - da) / (t * t * t * t);
         let c5 = (6.0 * dp - 3.0 * dv + 0.5 * da) / (t * t * t * t * t);
-        Self {
-            coefficients: [p, v, 0.5 * a, c3, c4, c5],
-        }
+        Self { coefficients: [p, v, 0.5 * a, c3, c4, c5] }
     }
 
     /// From the coefficients of 1, t, t², t³.
     pub fn cubic([c0, c1, c2, c3]: [f64; 4]) -> Self {
-        Self {
-            coefficients: [c0, c1, c2, c3, 0.0, 0.0],
-        }
+        Self { coefficients: [c0, c1, c2, c3, 0.0, 0.0] }
     }
 
-    /// Least and largest position, velocity and acceleration between 0 and `duration`, to rounding: between two roots of its
-    /// derivative a polynomial is monotone and has one root at most, which bisection finds.
+    /// Least and largest position, velocity and acceleration between 0 and `duration`, to rounding: between
+    /// two roots of its derivative a polynomial is monotone and has one root at most, which bisection finds.
     pub fn extremes(&self, duration: f64) -> [[f64; 2]; 3] {
         let c = &self.coefficients;
         let snap = |t: f64| 24.0 * c[4] + 120.0 * c[5] * t;
@@ -63,11 +58,10 @@ impl Quintic {
         [p, v, a]
     }
 
-    /// Bounds of what is summed up in position, velocity and acceleration until `duration`; infinite where it overflows.
+    /// Bounds of what is summed up in position, velocity and acceleration until `duration`; infinite where it
+    /// overflows.
     pub fn bounds(&self, duration: f64) -> End {
-        let absolute = Self {
-            coefficients: self.coefficients.map(f64::abs),
-        };
+        let absolute = Self { coefficients: self.coefficients.map(f64::abs) };
         absolute.at(duration)
     }
 
@@ -78,8 +72,8 @@ impl Quintic {
     }
 }
 
-/// Times between which a polynomial of degree five and its derivatives are monotone, in order: two ends, and at most
-/// 1 + 2 + 3 + 4 roots.
+/// Times between which a polynomial of degree five and its derivatives are monotone, in order: two ends, and
+/// at most 1 + 2 + 3 + 4 roots.
 struct Turns {
     times: [f64; 12],
     count: usize,
@@ -117,9 +111,7 @@ impl Turns {
 
     fn range(&self, f: impl Fn(f64) -> f64) -> [f64; 2] {
         let values = self.times[..self.count].iter().map(|t| f(*t));
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
-            [low.min(x), high.max(x)]
-        })
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
     }
 }
 
@@ -147,8 +139,9 @@ fn root(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
 ///     y(t) = y_0 + (y_1 − y_0) s(t/T)        s(x) = 10 x³ − 15 x⁴ + 6 x⁵
 /// ```
 ///
-/// Velocities and accelerations vanish at both ends. The largest speed is 15/8 |y_1 − y_0|/T, in the middle; the largest acceleration
-/// 10/√3 |y_1 − y_0|/T². (Flash, Hogan, *The coordination of arm movements*, J. Neurosci. 5, 1985: the motion of least jerk.)
+/// Velocities and accelerations vanish at both ends. The largest speed is 15/8 |y_1 − y_0|/T, in the middle;
+/// the largest acceleration 10/√3 |y_1 − y_0|/T². (Flash, Hogan, *The coordination of arm movements*, J.
+/// Neurosci. 5, 1985: the motion of least jerk.)
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RestToRest<const N: usize> {
     start: [f64; N],
@@ -175,14 +168,11 @@ impl<const N: usize> RestToRest<N> {
         };
         let peaks: [[f64; 2]; N] = core::array::from_fn(peaks);
         require_representable("speed or acceleration", peaks.as_flattened())?;
-        Ok(Self {
-            start,
-            end,
-            duration,
-        })
+        Ok(Self { start, end, duration })
     }
 
-    /// The fastest one that keeps within speeds and accelerations (infinite: no limit), and takes at least `shortest` (s).
+    /// The fastest one that keeps within speeds and accelerations (infinite: no limit), and takes at least
+    /// `shortest` (s).
     ///
     /// # Errors
     /// As [`RestToRest::new`]; limits that are not positive.
@@ -194,10 +184,7 @@ impl<const N: usize> RestToRest<N> {
         shortest: f64,
     ) -> Result<Self, TrajectoryError> {
         if shortest.is_nan() {
-            return Err(TrajectoryError::NotFinite {
-                what: "shortest duration".into(),
-                value: shortest,
-            });
+            return Err(TrajectoryError::NotFinite { what: "shortest duration".into(), value: shortest });
         }
         let mut duration = shortest;
         for i in 0..N {

@@ -18,7 +18,8 @@ pub struct Columns<'c, const N: usize> {
     pub velocities: Option<[&'c str; N]>,
 }
 
-/// Positions, and velocities where known, at times 0, T, 2T, …, as recorded or as somebody else computed them. They need not agree.
+/// Positions, and velocities where known, at times 0, T, 2T, …, as recorded or as somebody else computed
+/// them. They need not agree.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording<const N: usize> {
     period: f64,
@@ -43,20 +44,15 @@ impl<const N: usize> Recording<N> {
     /// Checks and keeps samples `period` (s) apart.
     ///
     /// # Errors
-    /// Fewer than three samples, another number of velocities than of positions, numbers that are not finite, a period that is not positive.
+    /// Fewer than three samples, another number of velocities than of positions, numbers that are not finite,
+    /// a period that is not positive.
     pub fn new(
         period: f64,
         positions: Vec<[f64; N]>,
         velocities: Option<Vec<[f64; N]>>,
     ) -> Result<Self, TrajectoryError> {
         require_positive("period", period)?;
-        let too_few = |what, needed, given| {
-            Err(TrajectoryError::TooFew {
-                what,
-                needed,
-                given,
-            })
-        };
+        let too_few = |what, needed, given| Err(TrajectoryError::TooFew { what, needed, given });
         if positions.len() < 3 {
             return too_few("samples", 3, positions.len());
         }
@@ -71,11 +67,7 @@ impl<const N: usize> Recording<N> {
                 require_finite(&format!("velocities of sample {k}"), row)?;
             }
         }
-        Ok(Self {
-            period,
-            positions,
-            velocities,
-        })
+        Ok(Self { period, positions, velocities })
     }
 
     /// Reads a CSV file with a head. Times must be evenly spaced; the first counts as 0.
@@ -95,31 +87,18 @@ impl<const N: usize> Recording<N> {
     ///
     /// # Errors
     /// As [`Recording::open`].
-    pub fn read(
-        reader: impl Read,
-        place: &str,
-        columns: &Columns<N>,
-    ) -> Result<Self, TrajectoryError> {
+    pub fn read(reader: impl Read, place: &str, columns: &Columns<N>) -> Result<Self, TrajectoryError> {
         let fault = |row: usize, message: String| TrajectoryError::File {
-            place: if row == 0 {
-                place.to_owned()
-            } else {
-                format!("{place}, row {row}")
-            },
+            place: if row == 0 { place.to_owned() } else { format!("{place}, row {row}") },
             message,
         };
-        let mut csv = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .from_reader(reader);
+        let mut csv = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(reader);
         let head = csv.headers().map_err(|e| fault(0, e.to_string()))?.clone();
         let find = |name: &str| {
             let found = head.iter().position(|h| h == name);
             found.ok_or_else(|| {
                 let names: Vec<&str> = head.iter().collect();
-                fault(
-                    0,
-                    format!("no column {name}; there are {}", names.join(", ")),
-                )
+                fault(0, format!("no column {name}; there are {}", names.join(", ")))
             })
         };
         let time = find(columns.time)?;
@@ -133,12 +112,8 @@ impl<const N: usize> Recording<N> {
             let record = record.map_err(|e| fault(k + 1, e.to_string()))?;
             let number = |column: usize| {
                 let text = record.get(column).unwrap_or_default();
-                text.parse::<f64>().map_err(|_| {
-                    fault(
-                        k + 1,
-                        format!("{text:?} in column {} is no number", &head[column]),
-                    )
-                })
+                text.parse::<f64>()
+                    .map_err(|_| fault(k + 1, format!("{text:?} in column {} is no number", &head[column])))
             };
             let row = |columns: &[usize; N]| -> Result<[f64; N], TrajectoryError> {
                 let mut values = [0.0; N];
@@ -184,8 +159,8 @@ impl<const N: usize> Recording<N> {
     ///     d_k = y_{k+1} − y_k − T/2 (v_k + v_{k+1})
     /// ```
     ///
-    /// exceeds `tolerance` [rad or m] in magnitude. Samples of one smooth motion have defects of T³/12 times its jerk. Empty where no
-    /// velocities were recorded.
+    /// exceeds `tolerance` [rad or m] in magnitude. Samples of one smooth motion have defects of T³/12 times
+    /// its jerk. Empty where no velocities were recorded.
     #[must_use]
     pub fn inconsistencies(&self, tolerance: f64) -> Vec<Inconsistency> {
         let Some(v) = &self.velocities else {
@@ -211,8 +186,9 @@ impl<const N: usize> Recording<N> {
         found
     }
 
-    /// The recording as it is: its velocities where it has them, else central differences; accelerations by central differences, at the ends
-    /// by one-sided ones. What is inconsistent stays so; compare [`Recording::smoothed`].
+    /// The recording as it is: its velocities where it has them, else central differences; accelerations by
+    /// central differences, at the ends by one-sided ones. What is inconsistent stays so; compare
+    /// [`Recording::smoothed`].
     ///
     /// # Errors
     /// None that [`Recording::new`] lets through.

@@ -6,8 +6,8 @@ use super::{
     require_representable,
 };
 
-/// A motion given by samples at times 0, T, 2T, …; between them polynomials of degree five that meet positions, velocities and accelerations
-/// of both neighbours, so that the whole is C².
+/// A motion given by samples at times 0, T, 2T, …; between them polynomials of degree five that meet
+/// positions, velocities and accelerations of both neighbours, so that the whole is C².
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampled<const N: usize> {
     samples: Vec<Sample<N>>,
@@ -15,28 +15,21 @@ pub struct Sampled<const N: usize> {
 }
 
 impl<const N: usize> Sampled<N> {
-    /// The motion through `samples`, `period` (s) apart. Positions, velocities and accelerations must already agree; see the smoothing of
-    /// this module for those that do not.
+    /// The motion through `samples`, `period` (s) apart. Positions, velocities and accelerations must already
+    /// agree; see the smoothing of this module for those that do not.
     ///
     /// # Errors
-    /// Fewer than two samples, numbers that are not finite, a period that is not positive, or numbers with which what lies
-    /// between two samples overflows.
+    /// Fewer than two samples, numbers that are not finite, a period that is not positive, or numbers with
+    /// which what lies between two samples overflows.
     pub fn new(samples: Vec<Sample<N>>, period: f64) -> Result<Self, TrajectoryError> {
         require_positive("period", period)?;
         if samples.len() < 2 {
-            return Err(TrajectoryError::TooFew {
-                what: "samples",
-                needed: 2,
-                given: samples.len(),
-            });
+            return Err(TrajectoryError::TooFew { what: "samples", needed: 2, given: samples.len() });
         }
         for (i, sample) in samples.iter().enumerate() {
             require_finite(&format!("positions of sample {i}"), &sample.positions)?;
             require_finite(&format!("velocities of sample {i}"), &sample.velocities)?;
-            require_finite(
-                &format!("accelerations of sample {i}"),
-                &sample.accelerations,
-            )?;
+            require_finite(&format!("accelerations of sample {i}"), &sample.accelerations)?;
         }
         let motion = Self { samples, period };
         require_representable("duration", &[motion.duration()])?;
@@ -63,9 +56,7 @@ impl<const N: usize> Sampled<N> {
     pub fn of(trajectory: &impl Trajectory<N>, period: f64) -> Result<Self, TrajectoryError> {
         require_positive("period", period)?;
         let last = require_periods(trajectory.duration(), period)?.max(1);
-        let samples = (0..=last)
-            .map(|k| trajectory.sample(k as f64 * period))
-            .collect();
+        let samples = (0..=last).map(|k| trajectory.sample(k as f64 * period)).collect();
         Self::new(samples, period)
     }
 

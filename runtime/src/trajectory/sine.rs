@@ -1,9 +1,7 @@
 //! The identification sine: it excites a joint over speeds and directions, and begins and ends at rest.
 
 use super::polynomial::{End, Quintic};
-use super::{
-    Sample, Trajectory, TrajectoryError, require_finite, require_positive, require_representable,
-};
+use super::{Sample, Trajectory, TrajectoryError, require_finite, require_positive, require_representable};
 
 /// A sine of variable frequency with polynomial run-in and run-out, each coordinate with its own:
 ///
@@ -11,11 +9,13 @@ use super::{
 ///     y(t) = y_c + â sin(ω(t) t)        ω(t) = ω_0 + (ω_1 − ω_0) t/T,   0 ≤ t ≤ T
 /// ```
 ///
-/// Before it, a polynomial of degree five leads from rest to the position, velocity and acceleration of the sine at t = 0, after it another
-/// from those at t = T to rest, so that the whole is C². The rest positions lie back by half of what the sine's speed would cover in the run-in,
-/// y_c − ½ â ω_0 T_in, and ahead accordingly at the end: the speed then rises and falls without turning back.
+/// Before it, a polynomial of degree five leads from rest to the position, velocity and acceleration of the
+/// sine at t = 0, after it another from those at t = T to rest, so that the whole is C². The rest positions
+/// lie back by half of what the sine's speed would cover in the run-in, y_c − ½ â ω_0 T_in, and ahead
+/// accordingly at the end: the speed then rises and falls without turning back.
 ///
-/// The speed is â cos(ω(t) t) (ω_0 + 2 (ω_1 − ω_0) t/T): at the end the frequency that is felt has changed by twice ω_1 − ω_0.
+/// The speed is â cos(ω(t) t) (ω_0 + 2 (ω_1 − ω_0) t/T): at the end the frequency that is felt has changed by
+/// twice ω_1 − ω_0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IdentificationSine<const N: usize> {
     /// y_c [rad or m].
@@ -45,7 +45,8 @@ impl<const N: usize> IdentificationSine<N> {
     /// The motion; it lasts `sine_duration` + 2 `run_in`.
     ///
     /// # Errors
-    /// Numbers that are not finite, durations that are not positive, or numbers with which accelerations overflow.
+    /// Numbers that are not finite, durations that are not positive, or numbers with which accelerations
+    /// overflow.
     pub fn motion(self) -> Result<IdentificationMotion<N>, TrajectoryError> {
         require_finite("center", &self.center)?;
         require_finite("amplitude", &self.amplitude)?;
@@ -53,21 +54,14 @@ impl<const N: usize> IdentificationSine<N> {
         require_finite("last_frequency", &self.last_frequency)?;
         require_positive("sine_duration", self.sine_duration)?;
         require_positive("run_in", self.run_in)?;
-        let ends: [[End; 2]; N] =
-            core::array::from_fn(|i| [self.at(i, 0.0), self.at(i, self.sine_duration)]);
+        let ends: [[End; 2]; N] = core::array::from_fn(|i| [self.at(i, 0.0), self.at(i, self.sine_duration)]);
         let way = |end: &End| 0.5 * end[1] * self.run_in;
-        let rest = [
-            ends.map(|[first, _]| first[0] - way(&first)),
-            ends.map(|[_, last]| last[0] + way(&last)),
-        ];
+        let rest =
+            [ends.map(|[first, _]| first[0] - way(&first)), ends.map(|[_, last]| last[0] + way(&last))];
         let motion = IdentificationMotion {
             sine: self,
-            run_in: core::array::from_fn(|i| {
-                Quintic::new([rest[0][i], 0.0, 0.0], ends[i][0], self.run_in)
-            }),
-            run_out: core::array::from_fn(|i| {
-                Quintic::new(ends[i][1], [rest[1][i], 0.0, 0.0], self.run_in)
-            }),
+            run_in: core::array::from_fn(|i| Quintic::new([rest[0][i], 0.0, 0.0], ends[i][0], self.run_in)),
+            run_out: core::array::from_fn(|i| Quintic::new(ends[i][1], [rest[1][i], 0.0, 0.0], self.run_in)),
             rest,
         };
         require_representable("duration", &[motion.duration()])?;
@@ -94,11 +88,7 @@ impl<const N: usize> IdentificationSine<N> {
         let rate = self.first_frequency[i] + 2.0 * change * t;
         let (sin, cos) = ((self.first_frequency[i] + change * t) * t).sin_cos();
         let a = self.amplitude[i];
-        [
-            self.center[i] + a * sin,
-            a * cos * rate,
-            a * (2.0 * change * cos - rate * rate * sin),
-        ]
+        [self.center[i] + a * sin, a * cos * rate, a * (2.0 * change * cos - rate * rate * sin)]
     }
 }
 

@@ -9,20 +9,17 @@ use nalgebra::{Matrix3, Vector3};
 pub struct Smoothing {
     /// τ (s): what happens faster is smoothed away; 1 to 20 periods.
     pub time_constant: f64,
-    /// ρ (s): time in which the motion, following the velocities, returns to positions that contradict them; at least τ. Without meaning for a
-    /// recording without velocities.
+    /// ρ (s): time in which the motion, following the velocities, returns to positions that contradict them;
+    /// at least τ. Without meaning for a recording without velocities.
     pub correction_time: f64,
 }
 
 impl Smoothing {
-    /// Two periods, and half a second: for samples that were computed, and contradict each other but carry no noise. Measured ones want a longer
-    /// time constant.
+    /// Two periods, and half a second: for samples that were computed, and contradict each other but carry no
+    /// noise. Measured ones want a longer time constant.
     #[must_use]
     pub fn of(period: f64) -> Self {
-        Self {
-            time_constant: 2.0 * period,
-            correction_time: 0.5_f64.max(2.0 * period),
-        }
+        Self { time_constant: 2.0 * period, correction_time: 0.5_f64.max(2.0 * period) }
     }
 }
 
@@ -51,14 +48,15 @@ impl<const N: usize> Recording<N> {
     ///     Σ_k T (y(t_k) − p_k)² + τ⁶ ∫ y‴² dt                              without
     /// ```
     ///
-    /// among all that begin in the first position and begin and end at rest (ẏ = ÿ = 0; a recording that ends moving is slowed down within
-    /// the last τ). It is a spline of degree five with its knots at the samples, so positions, velocities and accelerations agree exactly.
-    /// Velocities pass a low-pass filter without delay, 1/(1 + (ωτ)⁴), positions alone 1/(1 + (ωτ)⁶). (Wahba, *Spline Models for Observational
-    /// Data*, 1990, chapter 1.)
+    /// among all that begin in the first position and begin and end at rest (ẏ = ÿ = 0; a recording that ends
+    /// moving is slowed down within the last τ). It is a spline of degree five with its knots at the samples,
+    /// so positions, velocities and accelerations agree exactly. Velocities pass a low-pass filter without
+    /// delay, 1/(1 + (ωτ)⁴), positions alone 1/(1 + (ωτ)⁶). (Wahba, *Spline Models for Observational Data*,
+    /// 1990, chapter 1.)
     ///
     /// # Errors
-    /// A time constant that is not 1 to 20 periods, a correction time that is not τ to 1000 s, or a recording whose numbers
-    /// overflow.
+    /// A time constant that is not 1 to 20 periods, a correction time that is not τ to 1000 s, or a recording
+    /// whose numbers overflow.
     pub fn smoothed(&self, smoothing: &Smoothing) -> Result<Smoothed<N>, TrajectoryError> {
         let ratio = smoothing.time_constant / self.period();
         if !(1.0..=MAX_PERIODS).contains(&ratio) {
@@ -78,24 +76,17 @@ impl<const N: usize> Recording<N> {
         // In units of the period, divided by the weight of positions.
         let trust = smoothing.correction_time / self.period();
         let weights = match self.velocities() {
-            Some(_) => Weights {
-                velocity: trust.powi(2),
-                jerk: trust.powi(2) * ratio.powi(4),
-            },
-            None => Weights {
-                velocity: 0.0,
-                jerk: ratio.powi(6),
-            },
+            Some(_) => Weights { velocity: trust.powi(2), jerk: trust.powi(2) * ratio.powi(4) },
+            None => Weights { velocity: 0.0, jerk: ratio.powi(6) },
         };
         let count = self.positions().len();
         let mut samples = vec![Sample::at_rest([0.0; N]); count];
         for i in 0..N {
-            let nodes =
-                smooth(&self.coordinate(i), &weights).ok_or(TrajectoryError::OutOfRange {
-                    what: "period",
-                    value: self.period(),
-                    range: "one with which the weights of the smoothing are numbers",
-                })?;
+            let nodes = smooth(&self.coordinate(i), &weights).ok_or(TrajectoryError::OutOfRange {
+                what: "period",
+                value: self.period(),
+                range: "one with which the weights of the smoothing are numbers",
+            })?;
             for (sample, node) in samples.iter_mut().zip(nodes) {
                 sample.positions[i] = node[0];
                 sample.velocities[i] = node[1] / self.period();
@@ -105,8 +96,7 @@ impl<const N: usize> Recording<N> {
         let deviation = |of: &dyn Fn(usize, usize) -> f64| {
             core::array::from_fn(|i| (0..count).map(|k| of(k, i).abs()).fold(0.0, f64::max))
         };
-        let position_deviation =
-            deviation(&|k, i| samples[k].positions[i] - self.positions()[k][i]);
+        let position_deviation = deviation(&|k, i| samples[k].positions[i] - self.positions()[k][i]);
         let velocity_deviation = match self.velocities() {
             Some(v) => deviation(&|k, i| samples[k].velocities[i] - v[k][i]),
             None => [0.0; N],
@@ -155,7 +145,8 @@ fn smooth(data: &[[f64; 2]], weights: &Weights) -> Option<Vec<Node>> {
         system.diagonal.push(block);
         right.push(load);
     }
-    // Relative to the first position, whose node then is zero and falls out together with the speeds at the ends.
+    // Relative to the first position, whose node then is zero and falls out together with the speeds at the
+    // ends.
     let origin = data[0][0];
     for load in &mut right {
         load[0] -= origin;
@@ -169,15 +160,11 @@ fn smooth(data: &[[f64; 2]], weights: &Weights) -> Option<Vec<Node>> {
     Some(nodes)
 }
 
-/// ∫₀¹ y‴² dt of a polynomial of degree five as a quadratic form in its end values (y, ẏ, ÿ at 0; at 1), by blocks. The integrand has degree
-/// four: three Gauss points are exact.
+/// ∫₀¹ y‴² dt of a polynomial of degree five as a quadratic form in its end values (y, ẏ, ÿ at 0; at 1), by
+/// blocks. The integrand has degree four: three Gauss points are exact.
 fn jerk_energy() -> [[Matrix3<f64>; 2]; 2] {
     let half_width = (3.0_f64 / 5.0).sqrt() / 2.0;
-    let points = [
-        (0.5 - half_width, 5.0 / 18.0),
-        (0.5, 8.0 / 18.0),
-        (0.5 + half_width, 5.0 / 18.0),
-    ];
+    let points = [(0.5 - half_width, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + half_width, 5.0 / 18.0)];
     let mut blocks = [[Matrix3::zeros(); 2]; 2];
     for (t, weight) in points {
         let mut jerks = [Node::zeros(); 2];
@@ -220,7 +207,8 @@ impl BlockTridiagonal {
         }
     }
 
-    /// Block elimination, then one step of iterative refinement. None where a pivot is singular, which overflow alone makes.
+    /// Block elimination, then one step of iterative refinement. None where a pivot is singular, which
+    /// overflow alone makes.
     fn solve(&self, right: &[Node]) -> Option<Vec<Node>> {
         let n = self.diagonal.len();
         // Pivots D_k = A_k − Cᵀ D_{k−1}⁻¹ C of a positive definite matrix are positive definite.
@@ -248,11 +236,7 @@ impl BlockTridiagonal {
             x[k] -= self.coupling[k - 1].transpose() * before;
         }
         for k in (0..n).rev() {
-            let known = if k + 1 < n {
-                self.coupling[k] * x[k + 1]
-            } else {
-                Node::zeros()
-            };
+            let known = if k + 1 < n { self.coupling[k] * x[k + 1] } else { Node::zeros() };
             x[k] = inverses[k] * (x[k] - known);
         }
         x

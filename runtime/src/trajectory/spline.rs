@@ -6,8 +6,8 @@ use super::polynomial::{End, Quintic};
 /// Polynomials of all joints over one span.
 pub(super) type Piece<const N: usize> = [Quintic; N];
 
-/// Lengths of the polynomials: the ways between the points, the first and the last of which have one more knot in their middle;
-/// a single way has two.
+/// Lengths of the polynomials: the ways between the points, the first and the last of which have one more
+/// knot in their middle; a single way has two.
 pub(super) fn spans(ways: &[f64]) -> Vec<f64> {
     if let [way] = ways {
         return vec![way / 3.0; 3];
@@ -29,8 +29,8 @@ pub(super) fn way_of(span: usize, ways: usize) -> usize {
     span.saturating_sub(1).min(ways - 1)
 }
 
-/// Polynomials of all joints through `points`, in the times of `ways` and `spans`: cubic splines, or, for joints whose spline leaves
-/// their limits, monotone ones.
+/// Polynomials of all joints through `points`, in the times of `ways` and `spans`: cubic splines, or, for
+/// joints whose spline leaves their limits, monotone ones.
 ///
 /// # Errors
 /// Times and distances with which numbers overflow.
@@ -78,15 +78,15 @@ fn keeps_within(spline: &[Quintic], spans: &[f64], [low, high]: [f64; 2]) -> boo
         })
 }
 
-/// The cubic spline through `values` that begins and ends without velocity and acceleration. With second derivatives M_j at the
-/// knots and lengths g_j of the polynomials, the first derivative is continuous where
+/// The cubic spline through `values` that begins and ends without velocity and acceleration. With second
+/// derivatives M_j at the knots and lengths g_j of the polynomials, the first derivative is continuous where
 ///
 /// ```text
 ///     g_{j−1} M_{j−1}/6 + (g_{j−1} + g_j) M_j/3 + g_j M_{j+1}/6 = (y_{j+1} − y_j)/g_j − (y_j − y_{j−1})/g_{j−1}
 /// ```
 ///
-/// and the positions of the two knots that are no points follow from rest: y_1 = y_0 + g_0² M_1/6, and so at the end. None where
-/// numbers overflow.
+/// and the positions of the two knots that are no points follow from rest: y_1 = y_0 + g_0² M_1/6, and so at
+/// the end. None where numbers overflow.
 fn cubic(values: &[f64], spans: &[f64]) -> Option<Vec<Quintic>> {
     let knots = spans.len();
     // y_j = base_j + factor_j M_j.
@@ -119,21 +119,13 @@ fn cubic(values: &[f64], spans: &[f64]) -> Option<Vec<Quintic>> {
     }
     let inner = system.solve()?;
     let curvature = |j: usize| {
-        if j == 0 || j == knots {
-            0.0
-        } else {
-            inner[j - 1]
-        }
+        if j == 0 || j == knots { 0.0 } else { inner[j - 1] }
     };
     let position = |j: usize| base[j] + factor(j) * curvature(j);
     Some(
         (0..knots)
             .map(|j| {
-                let (y, m, g) = (
-                    [position(j), position(j + 1)],
-                    [curvature(j), curvature(j + 1)],
-                    spans[j],
-                );
+                let (y, m, g) = ([position(j), position(j + 1)], [curvature(j), curvature(j + 1)], spans[j]);
                 let slope = (y[1] - y[0]) / g - g * (2.0 * m[0] + m[1]) / 6.0;
                 Quintic::cubic([y[0], slope, 0.5 * m[0], (m[1] - m[0]) / (6.0 * g)])
             })
@@ -177,11 +169,7 @@ const STEEPEST: f64 = 1.25;
 
 /// Polynomials of degree five that are monotone between two values, without acceleration in them.
 fn monotone(values: &[f64], ways: &[f64], spans: &[f64]) -> Vec<Quintic> {
-    let slopes: Vec<f64> = values
-        .windows(2)
-        .zip(ways)
-        .map(|(w, way)| (w[1] - w[0]) / way)
-        .collect();
+    let slopes: Vec<f64> = values.windows(2).zip(ways).map(|(w, way)| (w[1] - w[0]) / way).collect();
     let velocity = |k: usize| {
         if k == 0 || k == ways.len() {
             0.0
@@ -192,11 +180,7 @@ fn monotone(values: &[f64], ways: &[f64], spans: &[f64]) -> Vec<Quintic> {
     let mut pieces = Vec::with_capacity(spans.len());
     let mut spans = spans.iter();
     for (k, way) in ways.iter().enumerate() {
-        let whole = Quintic::new(
-            [values[k], velocity(k), 0.0],
-            [values[k + 1], velocity(k + 1), 0.0],
-            *way,
-        );
+        let whole = Quintic::new([values[k], velocity(k), 0.0], [values[k + 1], velocity(k + 1), 0.0], *way);
         let parts = parts_of(k, ways.len());
         let mut begin: End = whole.at(0.0);
         for part in 1..=parts {

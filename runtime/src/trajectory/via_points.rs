@@ -4,21 +4,24 @@ use super::polynomial::Quintic;
 use super::spline::{self, Piece};
 use super::{MotionLimits, Sample, Trajectory, TrajectoryError};
 
-/// A motion through points in joint space that passes those between the first and the last without a stop, and keeps within
-/// limits of positions, speeds and accelerations. It begins and ends at rest, and positions, velocities and accelerations are
-/// continuous everywhere.
+/// A motion through points in joint space that passes those between the first and the last without a stop,
+/// and keeps within limits of positions, speeds and accelerations. It begins and ends at rest, and positions,
+/// velocities and accelerations are continuous everywhere.
 ///
-/// Each joint follows a cubic spline, with one more knot in the first and in the last interval, so that velocity and acceleration
-/// vanish at both ends (Lin, Chang, Luo, *Formulation and optimization of cubic polynomial joint trajectories for industrial
-/// robots*, IEEE Trans. Automatic Control 28 (1983); Biagiotti, Melchiorri, *Trajectory Planning for Automatic Machines and Robots*,
-/// 2008, section 4.4.4). Splines overshoot. A joint whose spline would leave its position limits between two points takes
-/// polynomials of degree five instead, which do not: they are monotone between two points, turn around in a point at the
-/// earliest, and have no acceleration in the points (velocities by the weighted harmonic mean of Fritsch, Butland, *SIAM J. Sci.
-/// Stat. Comput.* 5 (1984), at most 5/4 of either slope, with which the derivative's Bézier points have one sign).
+/// Each joint follows a cubic spline, with one more knot in the first and in the last interval, so that
+/// velocity and acceleration vanish at both ends (Lin, Chang, Luo, *Formulation and optimization of cubic
+/// polynomial joint trajectories for industrial robots*, IEEE Trans. Automatic Control 28 (1983); Biagiotti,
+/// Melchiorri, *Trajectory Planning for Automatic Machines and Robots*, 2008, section 4.4.4). Splines
+/// overshoot. A joint whose spline would leave its position limits between two points takes polynomials of
+/// degree five instead, which do not: they are monotone between two points, turn around in a point at the
+/// earliest, and have no acceleration in the points (velocities by the weighted harmonic mean of Fritsch,
+/// Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984), at most 5/4 of either slope, with which the derivative's
+/// Bézier points have one sign).
 ///
-/// Times are shared out among the ways in a few rounds, and then stretched by one factor, so that a limit is reached somewhere and
-/// exceeded nowhere: extremes are found from the roots of the derivatives, not by sampling. The result is not the fastest
-/// possible. To stop in each point, take a [`PointSequence`](super::PointSequence).
+/// Times are shared out among the ways in a few rounds, and then stretched by one factor, so that a limit is
+/// reached somewhere and exceeded nowhere: extremes are found from the roots of the derivatives, not by
+/// sampling. The result is not the fastest possible. To stop in each point, take a
+/// [`PointSequence`](super::PointSequence).
 ///
 /// ```
 /// use gelenk_runtime::trajectory::{MotionLimits, Trajectory, ViaPoints};
@@ -51,8 +54,9 @@ impl<const N: usize> ViaPoints<N> {
     /// Through `points` [rad or m] within `limits`.
     ///
     /// # Errors
-    /// Fewer than two points; two equal ones in a row; a point that is not finite or outside the position limits; limits that are
-    /// not positive; no finite limit of speed or acceleration for a joint that moves; numbers with which times overflow.
+    /// Fewer than two points; two equal ones in a row; a point that is not finite or outside the position
+    /// limits; limits that are not positive; no finite limit of speed or acceleration for a joint that moves;
+    /// numbers with which times overflow.
     pub fn within(points: &[[f64; N]], limits: &MotionLimits<N>) -> Result<Self, TrajectoryError> {
         limits.check()?;
         check_points(points, limits)?;
@@ -77,11 +81,7 @@ impl<const N: usize> ViaPoints<N> {
         Self::build(points, &best_ways, limits)
     }
 
-    fn build(
-        points: &[[f64; N]],
-        ways: &[f64],
-        limits: &MotionLimits<N>,
-    ) -> Result<Self, TrajectoryError> {
+    fn build(points: &[[f64; N]], ways: &[f64], limits: &MotionLimits<N>) -> Result<Self, TrajectoryError> {
         let spans = spline::spans(ways);
         let pieces = spline::through(points, ways, &spans, &limits.positions)?;
         let beyond = ratios(&pieces, &spans, limits, ways.len());
@@ -107,13 +107,7 @@ impl<const N: usize> ViaPoints<N> {
         if let (Some(time), Some(end)) = (times.last_mut(), knots.last()) {
             *time = *end;
         }
-        Ok(Self {
-            knots,
-            pieces,
-            times,
-            first: points[0],
-            last: points[points.len() - 1],
-        })
+        Ok(Self { knots, pieces, times, first: points[0], last: points[points.len() - 1] })
     }
 
     /// When each point is passed (s): 0 first, the duration last.
@@ -152,11 +146,7 @@ fn check_points<const N: usize>(
     limits: &MotionLimits<N>,
 ) -> Result<(), TrajectoryError> {
     if points.len() < 2 {
-        return Err(TrajectoryError::TooFew {
-            what: "points",
-            needed: 2,
-            given: points.len(),
-        });
+        return Err(TrajectoryError::TooFew { what: "points", needed: 2, given: points.len() });
     }
     for (k, point) in points.iter().enumerate() {
         limits.check_position(k, point)?;

@@ -7,14 +7,15 @@
 //! | `base + 0x40 + i` | drive i | position i: count, four bytes signed; sequence, one byte; status, one byte |
 //! | `base + 0x70 + i` | drive i, if it measures more | velocity i: count, four bytes signed; force of drive i: count, two bytes signed; sequence, one byte; contents, one byte |
 //!
-//! Status bit 0: the brake is engaged; bit 1: the encoder reports a fault. The command has the lowest identifier, so that the
-//! brakes win every arbitration. Drives stamp positions of the same sampling instant with the same sequence number (a SYNC of
-//! the bus master, or the sequence of the inputs they last received); only complete sets are readings. A count is
-//! `round(value / resolution)`; the CRC of CAN itself protects the frame.
+//! Status bit 0: the brake is engaged; bit 1: the encoder reports a fault. The command has the lowest
+//! identifier, so that the brakes win every arbitration. Drives stamp positions of the same sampling instant
+//! with the same sequence number (a SYNC of the bus master, or the sequence of the inputs they last
+//! received); only complete sets are readings. A count is `round(value / resolution)`; the CRC of CAN itself
+//! protects the frame.
 //!
-//! Contents bit 0: the velocity is measured; bit 1: the force is. The bytes of what is not are 0. Which of them the drives
-//! measure is told to the code ([`CanCodec::with_velocities`], [`CanCodec::with_torques`]), and a set is then complete with
-//! both frames of each drive.
+//! Contents bit 0: the velocity is measured; bit 1: the force is. The bytes of what is not are 0. Which of
+//! them the drives measure is told to the code ([`CanCodec::with_velocities`], [`CanCodec::with_torques`]),
+//! and a set is then complete with both frames of each drive.
 
 use super::{Brakes, Reading};
 use thiserror::Error;
@@ -56,11 +57,7 @@ impl Frame {
         }
         let mut data = [0; 8];
         data[..bytes.len()].copy_from_slice(bytes);
-        Some(Self {
-            identifier,
-            length: bytes.len() as u8,
-            data,
-        })
+        Some(Self { identifier, length: bytes.len() as u8, data })
     }
 
     /// Its bytes.
@@ -159,26 +156,22 @@ pub struct CanCodec<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> CanCodec<N, M> {
-    /// A code with identifiers from `base`, with the value of a count for each position [rad or m] and input. A negative
-    /// resolution turns the sense of an encoder or drive around.
+    /// A code with identifiers from `base`, with the value of a count for each position [rad or m] and input.
+    /// A negative resolution turns the sense of an encoder or drive around.
     ///
     /// # Errors
-    /// [`CanFrameError::Settings`] for more than 48 coordinates or inputs, a base above 0x780 (identifiers must stay in 11
-    /// bits), and resolutions whose magnitude is not 1e-30 to 1e30.
+    /// [`CanFrameError::Settings`] for more than 48 coordinates or inputs, a base above 0x780 (identifiers
+    /// must stay in 11 bits), and resolutions whose magnitude is not 1e-30 to 1e30.
     pub fn new(
         base: u16,
         position_resolution: [f64; N],
         input_resolution: [f64; M],
     ) -> Result<Self, CanFrameError> {
         if N > MAX_NODES || M > MAX_NODES {
-            return Err(CanFrameError::Settings(
-                "at most 48 coordinates and 48 inputs have identifiers",
-            ));
+            return Err(CanFrameError::Settings("at most 48 coordinates and 48 inputs have identifiers"));
         }
         if base > LAST_BASE {
-            return Err(CanFrameError::Settings(
-                "the base of the identifiers must be at most 0x780",
-            ));
+            return Err(CanFrameError::Settings("the base of the identifiers must be at most 0x780"));
         }
         require_resolutions(&position_resolution)?;
         require_resolutions(&input_resolution)?;
@@ -198,23 +191,18 @@ impl<const N: usize, const M: usize> CanCodec<N, M> {
     pub fn with_velocities(self, resolution: [f64; N]) -> Result<Self, CanFrameError> {
         require_resolutions(&resolution)?;
         self.require_base_for_rates()?;
-        Ok(Self {
-            velocity_resolution: Some(resolution),
-            ..self
-        })
+        Ok(Self { velocity_resolution: Some(resolution), ..self })
     }
 
-    /// For drives that measure their forces at the joints, with the value of a count for each [N m or N]; a count has two bytes.
+    /// For drives that measure their forces at the joints, with the value of a count for each [N m or N]; a
+    /// count has two bytes.
     ///
     /// # Errors
     /// As [`with_velocities`](Self::with_velocities).
     pub fn with_torques(self, resolution: [f64; N]) -> Result<Self, CanFrameError> {
         require_resolutions(&resolution)?;
         self.require_base_for_rates()?;
-        Ok(Self {
-            torque_resolution: Some(resolution),
-            ..self
-        })
+        Ok(Self { torque_resolution: Some(resolution), ..self })
     }
 
     fn require_base_for_rates(&self) -> Result<(), CanFrameError> {
@@ -236,10 +224,7 @@ impl<const N: usize, const M: usize> CanCodec<N, M> {
     /// An empty set of this robot's measurements.
     #[must_use]
     pub fn new_set(&self) -> MeasurementSet<N> {
-        MeasurementSet {
-            with_rates: self.contents() != 0,
-            ..MeasurementSet::default()
-        }
+        MeasurementSet { with_rates: self.contents() != 0, ..MeasurementSet::default() }
     }
 
     /// The frame of a message.
@@ -248,31 +233,18 @@ impl<const N: usize, const M: usize> CanCodec<N, M> {
     /// [`CanFrameError::Range`]; [`CanFrameError::Settings`] for an index that the robot does not have.
     pub fn encode(&self, message: &CanMessage) -> Result<Frame, CanFrameError> {
         const UNKNOWN: CanFrameError = CanFrameError::Settings("no such coordinate or input");
-        let mut frame = Frame {
-            identifier: self.base,
-            length: 2,
-            data: [0; 8],
-        };
+        let mut frame = Frame { identifier: self.base, length: 2, data: [0; 8] };
         match *message {
             CanMessage::Release => frame.data[..2].copy_from_slice(&[RELEASE, !RELEASE]),
             CanMessage::Brake => frame.data[..2].copy_from_slice(&[BRAKE, !BRAKE]),
-            CanMessage::Input {
-                index,
-                value,
-                sequence,
-            } => {
+            CanMessage::Input { index, value, sequence } => {
                 let resolution = self.input_resolution.get(index).ok_or(UNKNOWN)?;
                 frame.identifier += INPUT_OFFSET + index as u16;
                 frame.length = 5;
                 frame.data[..4].copy_from_slice(&count(value, *resolution)?.to_le_bytes());
                 frame.data[4] = sequence;
             }
-            CanMessage::Rates {
-                index,
-                velocity,
-                torque,
-                sequence,
-            } => {
+            CanMessage::Rates { index, velocity, torque, sequence } => {
                 if index >= N {
                     return Err(UNKNOWN);
                 }
@@ -290,12 +262,7 @@ impl<const N: usize, const M: usize> CanCodec<N, M> {
                 }
                 (frame.data[6], frame.data[7]) = (sequence, self.contents());
             }
-            CanMessage::Position {
-                index,
-                value,
-                sequence,
-                brake,
-            } => {
+            CanMessage::Position { index, value, sequence, brake } => {
                 let resolution = self.position_resolution.get(index).ok_or(UNKNOWN)?;
                 let fault = value.is_nan();
                 let value = if fault { 0.0 } else { value };
@@ -304,11 +271,7 @@ impl<const N: usize, const M: usize> CanCodec<N, M> {
                 frame.data[..4].copy_from_slice(&count(value, *resolution)?.to_le_bytes());
                 frame.data[4] = sequence;
                 frame.data[5] = if fault { STATUS_FAULT } else { 0 }
-                    | if brake == Brakes::Engaged {
-                        STATUS_BRAKED
-                    } else {
-                        0
-                    };
+                    | if brake == Brakes::Engaged { STATUS_BRAKED } else { 0 };
             }
         }
         Ok(frame)
@@ -326,10 +289,7 @@ impl<const N: usize, const M: usize> CanCodec<N, M> {
             if frame.length == needed {
                 Ok(())
             } else {
-                Err(CanFrameError::Length {
-                    given: frame.length,
-                    needed,
-                })
+                Err(CanFrameError::Length { given: frame.length, needed })
             }
         };
         let counts = f64::from(i32::from_le_bytes([data[0], data[1], data[2], data[3]]));
@@ -357,11 +317,7 @@ impl<const N: usize, const M: usize> CanCodec<N, M> {
                 index: index(POSITION_OFFSET),
                 value: if fault { f64::NAN } else { counts * resolution },
                 sequence: data[4],
-                brake: if data[5] & STATUS_BRAKED == 0 {
-                    Brakes::Released
-                } else {
-                    Brakes::Engaged
-                },
+                brake: if data[5] & STATUS_BRAKED == 0 { Brakes::Released } else { Brakes::Engaged },
             });
         }
         let joint = index(RATES_OFFSET);
@@ -375,10 +331,7 @@ impl<const N: usize, const M: usize> CanCodec<N, M> {
     fn rates(&self, index: usize, data: &[u8; 8]) -> Result<CanMessage, CanFrameError> {
         let needed = self.contents();
         if data[7] != needed {
-            return Err(CanFrameError::Contents {
-                given: data[7],
-                needed,
-            });
+            return Err(CanFrameError::Contents { given: data[7], needed });
         }
         let velocity = f64::from(i32::from_le_bytes([data[0], data[1], data[2], data[3]]));
         let torque = f64::from(i16::from_le_bytes([data[4], data[5]]));
@@ -410,9 +363,7 @@ fn require_resolutions(resolutions: &[f64]) -> Result<(), CanFrameError> {
     if resolutions.iter().all(|r| RESOLUTIONS.contains(&r.abs())) {
         return Ok(());
     }
-    Err(CanFrameError::Settings(
-        "the magnitude of a resolution must be 1e-30 to 1e30",
-    ))
+    Err(CanFrameError::Settings("the magnitude of a resolution must be 1e-30 to 1e30"))
 }
 
 fn count(value: f64, resolution: f64) -> Result<i32, CanFrameError> {
@@ -424,7 +375,8 @@ fn count(value: f64, resolution: f64) -> Result<i32, CanFrameError> {
     }
 }
 
-/// Collects measurements of one sampling instant. A set with another sequence number discards an incomplete older one.
+/// Collects measurements of one sampling instant. A set with another sequence number discards an incomplete
+/// older one.
 #[derive(Debug, Clone)]
 pub struct MeasurementSet<const N: usize> {
     sequence: Option<u8>,
@@ -452,12 +404,7 @@ impl<const N: usize> MeasurementSet<N> {
     /// Takes one message in; returns the reading that it completes. Messages to the drives complete none.
     pub fn take(&mut self, message: &CanMessage) -> Option<Reading<N>> {
         match *message {
-            CanMessage::Position {
-                index,
-                value,
-                sequence,
-                brake,
-            } => {
+            CanMessage::Position { index, value, sequence, brake } => {
                 self.begin(sequence);
                 *self.positions.get_mut(index)? = Some(value);
                 self.brakes = match (self.brakes, brake) {
@@ -465,12 +412,7 @@ impl<const N: usize> MeasurementSet<N> {
                     (_, other) => other,
                 };
             }
-            CanMessage::Rates {
-                index,
-                velocity,
-                torque,
-                sequence,
-            } => {
+            CanMessage::Rates { index, velocity, torque, sequence } => {
                 self.begin(sequence);
                 *self.rates.get_mut(index)? = Some((velocity, torque));
             }
@@ -481,11 +423,7 @@ impl<const N: usize> MeasurementSet<N> {
 
     fn begin(&mut self, sequence: u8) {
         if self.sequence != Some(sequence) {
-            *self = Self {
-                sequence: Some(sequence),
-                with_rates: self.with_rates,
-                ..Self::default()
-            };
+            *self = Self { sequence: Some(sequence), with_rates: self.with_rates, ..Self::default() };
         }
     }
 
@@ -529,11 +467,7 @@ mod tests {
         assert_eq!((brake.identifier, brake.bytes()), (0x100, &[2, 0xfd][..]));
         let release = frame(CanMessage::Release);
         assert_eq!(release.bytes(), [1, 0xfe]);
-        let input = frame(CanMessage::Input {
-            index: 1,
-            value: 0.5,
-            sequence: 9,
-        });
+        let input = frame(CanMessage::Input { index: 1, value: 0.5, sequence: 9 });
         // 0.5 / −1e-4 = −5000 = 0xffffec78.
         assert_eq!(input.identifier, 0x111);
         assert_eq!(input.bytes(), [0x78, 0xec, 0xff, 0xff, 9]);
@@ -552,13 +486,8 @@ mod tests {
     fn what_is_encoded_is_decoded_to_the_resolution() {
         let codec = codec();
         for value in [-0.37, 0.0, 0.123_456] {
-            let sent = CanMessage::Input {
-                index: 1,
-                value,
-                sequence: 3,
-            };
-            let CanMessage::Input { value: back, .. } =
-                codec.decode(&codec.encode(&sent).unwrap()).unwrap()
+            let sent = CanMessage::Input { index: 1, value, sequence: 3 };
+            let CanMessage::Input { value: back, .. } = codec.decode(&codec.encode(&sent).unwrap()).unwrap()
             else {
                 panic!("an input")
             };
@@ -572,12 +501,7 @@ mod tests {
     #[test]
     fn an_encoder_fault_is_nan() {
         let codec = codec();
-        let sent = CanMessage::Position {
-            index: 1,
-            value: f64::NAN,
-            sequence: 0,
-            brake: Brakes::Released,
-        };
+        let sent = CanMessage::Position { index: 1, value: f64::NAN, sequence: 0, brake: Brakes::Released };
         let back = codec.decode(&codec.encode(&sent).unwrap()).unwrap();
         assert!(matches!(back, CanMessage::Position { value, .. } if value.is_nan()));
     }
@@ -585,21 +509,10 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_an_error() {
         for value in [f64::NAN, f64::INFINITY, 1e9] {
-            let message = CanMessage::Input {
-                index: 0,
-                value,
-                sequence: 0,
-            };
-            assert!(matches!(
-                codec().encode(&message),
-                Err(CanFrameError::Range { .. })
-            ));
+            let message = CanMessage::Input { index: 0, value, sequence: 0 };
+            assert!(matches!(codec().encode(&message), Err(CanFrameError::Range { .. })));
         }
-        let message = CanMessage::Input {
-            index: 2,
-            value: 0.0,
-            sequence: 0,
-        };
+        let message = CanMessage::Input { index: 2, value: 0.0, sequence: 0 };
         assert!(codec().encode(&message).is_err(), "there are two inputs");
         assert!(CanCodec::<2, 2>::new(0x781, [1.0; 2], [1.0; 2]).is_err());
         for bad in [0.0, f64::NAN, f64::INFINITY, 5e-324, 1e300] {
@@ -620,19 +533,10 @@ mod tests {
             codec().decode(&frame).unwrap_err()
         };
         for identifier in [0x0, 0xff, 0x101, 0x10f, 0x112, 0x13f, 0x142, 0x7ff] {
-            assert_eq!(
-                decode(identifier, &[0; 8]),
-                CanFrameError::Identifier(identifier)
-            );
+            assert_eq!(decode(identifier, &[0; 8]), CanFrameError::Identifier(identifier));
         }
         assert_eq!(decode(0x100, &[1, 1]), CanFrameError::Command(1, 1));
-        assert!(matches!(
-            decode(0x110, &[0; 4]),
-            CanFrameError::Length {
-                given: 4,
-                needed: 5
-            }
-        ));
+        assert!(matches!(decode(0x110, &[0; 4]), CanFrameError::Length { given: 4, needed: 5 }));
         assert!(Frame::new(0x800, &[]).is_none() && Frame::new(0, &[0; 9]).is_none());
     }
 
@@ -643,41 +547,18 @@ mod tests {
 
     #[test]
     fn rates_have_the_documented_layout() {
-        let rates = CanMessage::Rates {
-            index: 1,
-            velocity: Some(0.5),
-            torque: Some(-2.5),
-            sequence: 9,
-        };
+        let rates = CanMessage::Rates { index: 1, velocity: Some(0.5), torque: Some(-2.5), sequence: 9 };
         let frame = rates_codec().encode(&rates).unwrap();
         // 0.5 / −0.001 = −500 = 0xfffffe0c; −2.5 / 0.01 = −250 = 0xff06.
         assert_eq!(frame.identifier, 0x171);
         assert_eq!(frame.bytes(), [0x0c, 0xfe, 0xff, 0xff, 0x06, 0xff, 9, 3]);
         assert_eq!(rates_codec().decode(&frame), Ok(rates));
-        assert_eq!(
-            codec().decode(&frame),
-            Err(CanFrameError::Identifier(0x171)),
-            "drives that measure none"
-        );
+        assert_eq!(codec().decode(&frame), Err(CanFrameError::Identifier(0x171)), "drives that measure none");
         let velocities = codec().with_velocities([1e-3; 2]).unwrap();
-        assert_eq!(
-            velocities.decode(&frame),
-            Err(CanFrameError::Contents {
-                given: 3,
-                needed: 1
-            })
-        );
+        assert_eq!(velocities.decode(&frame), Err(CanFrameError::Contents { given: 3, needed: 1 }));
         assert!(velocities.encode(&rates).is_err());
-        let strong = CanMessage::Rates {
-            index: 0,
-            velocity: Some(0.0),
-            torque: Some(400.0),
-            sequence: 0,
-        };
-        assert!(matches!(
-            rates_codec().encode(&strong),
-            Err(CanFrameError::Range { value: 400.0, .. })
-        ));
+        let strong = CanMessage::Rates { index: 0, velocity: Some(0.0), torque: Some(400.0), sequence: 0 };
+        assert!(matches!(rates_codec().encode(&strong), Err(CanFrameError::Range { value: 400.0, .. })));
     }
 
     #[test]
@@ -691,11 +572,7 @@ mod tests {
             let mut data = [0; 8];
             generator.fill_bytes(&mut data);
             // Also what no bus delivers: lengths and identifiers out of range.
-            let frame = Frame {
-                identifier: generator.random(),
-                length: generator.random_range(0..12),
-                data,
-            };
+            let frame = Frame { identifier: generator.random(), length: generator.random_range(0..12), data };
             let _ = frame.bytes();
             if let Ok(message) = codec.decode(&frame) {
                 taken += 1;
@@ -706,12 +583,7 @@ mod tests {
     }
 
     fn position(index: usize, value: f64, sequence: u8, brake: Brakes) -> CanMessage {
-        CanMessage::Position {
-            index,
-            value,
-            sequence,
-            brake,
-        }
+        CanMessage::Position { index, value, sequence, brake }
     }
 
     #[test]
@@ -729,11 +601,7 @@ mod tests {
             set.take(&position(0, 5.0, 9, Brakes::Released)),
             Some(Reading::of([5.0, 4.0], Brakes::Released))
         );
-        assert_eq!(
-            set.take(&position(2, 0.0, 10, Brakes::Released)),
-            None,
-            "no such joint"
-        );
+        assert_eq!(set.take(&position(2, 0.0, 10, Brakes::Released)), None, "no such joint");
     }
 
     #[test]

@@ -16,9 +16,9 @@
 //! | 24… | values, 8 bytes each, as many as the kind has |
 //! | last 4 | CRC-32 (IEEE 802.3) of everything before |
 //!
-//! A datagram is taken only if every byte is as it must be; lengths are exact. What is measured may be NaN, which the loop's
-//! guard judges; inputs must be finite. Version 2 adds measured velocities and torques; what has neither is still written as
-//! version 1, so that programs which know version 1 alone go on talking.
+//! A datagram is taken only if every byte is as it must be; lengths are exact. What is measured may be NaN,
+//! which the loop's guard judges; inputs must be finite. Version 2 adds measured velocities and torques; what
+//! has neither is still written as version 1, so that programs which know version 1 alone go on talking.
 
 use super::Brakes;
 use thiserror::Error;
@@ -76,7 +76,8 @@ pub enum Message<const N: usize, const M: usize> {
         /// Forces of the drives at the joints [N m or N], where they are measured.
         torques: Option<[f64; N]>,
     },
-    /// Kind 7, from the plant in lock-step, answers a query whose answer was lost on purpose: the period is over.
+    /// Kind 7, from the plant in lock-step, answers a query whose answer was lost on purpose: the period is
+    /// over.
     Lost,
     /// Kind 8, from the plant, answers an inspection.
     TrueState(TrueState<N>),
@@ -161,12 +162,7 @@ impl<const N: usize, const M: usize> Message<N, M> {
 
     /// Byte 21.
     fn contents(&self) -> u8 {
-        let Self::Measured {
-            velocities,
-            torques,
-            ..
-        } = self
-        else {
+        let Self::Measured { velocities, torques, .. } = self else {
             return 0;
         };
         let bit = |present: bool, bit: u8| if present { bit } else { 0 };
@@ -189,11 +185,9 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
     /// Writes the datagram into `buffer`; returns its bytes.
     ///
     /// # Errors
-    /// [`DatagramError::TooLarge`] for more values than fit; [`DatagramError::Input`] for inputs that are not finite.
-    pub fn encode<'a>(
-        &self,
-        buffer: &'a mut [u8; MAX_DATAGRAM],
-    ) -> Result<&'a [u8], DatagramError> {
+    /// [`DatagramError::TooLarge`] for more values than fit; [`DatagramError::Input`] for inputs that are not
+    /// finite.
+    pub fn encode<'a>(&self, buffer: &'a mut [u8; MAX_DATAGRAM]) -> Result<&'a [u8], DatagramError> {
         let (n, m) = sizes::<N, M>()?;
         let (kind, contents) = (self.message.kind(), self.message.contents());
         buffer[..4].copy_from_slice(&MAGIC);
@@ -214,11 +208,7 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
                 require_finite(inputs)?;
                 put(inputs);
             }
-            Message::Measured {
-                positions,
-                velocities,
-                torques,
-            } => {
+            Message::Measured { positions, velocities, torques } => {
                 put(positions);
                 velocities.iter().chain(torques).for_each(|v| put(v));
             }
@@ -229,11 +219,7 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
                 put(&state.highest);
                 put(&state.fastest);
             }
-            Message::Query
-            | Message::Release
-            | Message::Brake
-            | Message::Inspect
-            | Message::Lost => {}
+            Message::Query | Message::Release | Message::Brake | Message::Inspect | Message::Lost => {}
         }
         let checksum = crc32fast::hash(&buffer[..end]);
         buffer[end..end + CHECKSUM].copy_from_slice(&checksum.to_le_bytes());
@@ -247,10 +233,7 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
     pub fn decode(bytes: &[u8]) -> Result<Self, DatagramError> {
         let (n, m) = sizes::<N, M>()?;
         let shortest = HEADER + CHECKSUM;
-        let wrong_length = |needed| DatagramError::Length {
-            given: bytes.len(),
-            needed,
-        };
+        let wrong_length = |needed| DatagramError::Length { given: bytes.len(), needed };
         if bytes.len() < shortest {
             return Err(wrong_length(shortest));
         }
@@ -262,15 +245,9 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
         }
         let (kind, contents) = (bytes[5], bytes[21]);
         if [bytes[6], bytes[7]] != [n, m] {
-            return Err(DatagramError::Sizes {
-                given: [bytes[6], bytes[7]],
-                needed: [N, M],
-            });
+            return Err(DatagramError::Sizes { given: [bytes[6], bytes[7]], needed: [N, M] });
         }
-        let unknown = |position: usize| DatagramError::Byte {
-            position,
-            value: bytes[position],
-        };
+        let unknown = |position: usize| DatagramError::Byte { position, value: bytes[position] };
         let values = Message::<N, M>::values(kind, contents).ok_or(unknown(5))?;
         let possible = if kind == 6 { VELOCITIES | TORQUES } else { 0 };
         if contents & !possible != 0 {
@@ -342,11 +319,7 @@ fn message<const N: usize, const M: usize>(
 
 /// The version that knows these contents.
 fn version(contents: u8) -> u8 {
-    if contents == 0 {
-        FIRST_VERSION
-    } else {
-        VERSION
-    }
+    if contents == 0 { FIRST_VERSION } else { VERSION }
 }
 
 fn sizes<const N: usize, const M: usize>() -> Result<(u8, u8), DatagramError> {
@@ -385,11 +358,7 @@ mod tests {
     type Small = Datagram<3, 2>;
 
     fn measured(velocities: Option<[f64; 3]>, torques: Option<[f64; 3]>) -> Message<3, 2> {
-        Message::Measured {
-            positions: [1.0, -0.0, 1e-300],
-            velocities,
-            torques,
-        }
+        Message::Measured { positions: [1.0, -0.0, 1e-300], velocities, torques }
     }
 
     fn messages() -> [Message<3, 2>; 11] {
@@ -415,12 +384,7 @@ mod tests {
     }
 
     fn datagram(message: Message<3, 2>) -> Small {
-        Small {
-            session: 0xdead_beef,
-            sequence: u64::MAX - 1,
-            brakes: Brakes::Engaged,
-            message,
-        }
+        Small { session: 0xdead_beef, sequence: u64::MAX - 1, brakes: Brakes::Engaged, message }
     }
 
     #[test]
@@ -454,29 +418,18 @@ mod tests {
     #[test]
     fn positions_may_be_nan_inputs_not() {
         let mut buffer = [0; MAX_DATAGRAM];
-        let nan = datagram(Message::Measured {
-            positions: [f64::NAN, 0.0, 0.0],
-            velocities: None,
-            torques: None,
-        });
+        let nan =
+            datagram(Message::Measured { positions: [f64::NAN, 0.0, 0.0], velocities: None, torques: None });
         let decoded = Small::decode(nan.encode(&mut buffer).unwrap()).unwrap();
-        assert!(
-            matches!(decoded.message, Message::Measured { positions: [x, ..], .. } if x.is_nan())
-        );
+        assert!(matches!(decoded.message, Message::Measured { positions: [x, ..], .. } if x.is_nan()));
         let nan = datagram(Message::Inputs([0.0, f64::NAN]));
-        assert_eq!(
-            nan.encode(&mut buffer),
-            Err(DatagramError::Input { input: 1 })
-        );
+        assert_eq!(nan.encode(&mut buffer), Err(DatagramError::Input { input: 1 }));
         // Written by somebody else, with the right checksum.
         let good = datagram(Message::Inputs([0.0, 0.0]));
         let length = good.encode(&mut buffer).unwrap().len();
         buffer[32..40].copy_from_slice(&f64::INFINITY.to_le_bytes());
         seal(&mut buffer[..length]);
-        assert_eq!(
-            Small::decode(&buffer[..length]),
-            Err(DatagramError::Input { input: 1 })
-        );
+        assert_eq!(Small::decode(&buffer[..length]), Err(DatagramError::Input { input: 1 }));
     }
 
     fn seal(bytes: &mut [u8]) {
@@ -509,10 +462,7 @@ mod tests {
         let bytes = &mut buffer[..length];
         assert_eq!(
             Datagram::<2, 2>::decode(bytes),
-            Err(DatagramError::Sizes {
-                given: [3, 2],
-                needed: [2, 2]
-            })
+            Err(DatagramError::Sizes { given: [3, 2], needed: [2, 2] })
         );
         bytes[4] = 3;
         seal(bytes);
@@ -525,7 +475,8 @@ mod tests {
         assert_eq!(error.to_string(), "byte 20 is 3");
     }
 
-    /// Positions alone are version 1, byte for byte, whoever reads them; velocities and torques are version 2.
+    /// Positions alone are version 1, byte for byte, whoever reads them; velocities and torques are version
+    /// 2.
     #[test]
     fn what_version_1_says_is_version_1() {
         let mut buffer = [0; MAX_DATAGRAM];
@@ -535,23 +486,14 @@ mod tests {
             assert_eq!((bytes[4], bytes[21] != 0), (1 + u8::from(more), more));
         }
         // Neither version stands for what the other says.
-        for (message, other) in [
-            (measured(None, None), 2),
-            (measured(None, Some([0.0; 3])), 1),
-        ] {
+        for (message, other) in [(measured(None, None), 2), (measured(None, Some([0.0; 3])), 1)] {
             let length = datagram(message).encode(&mut buffer).unwrap().len();
             buffer[4] = other;
             seal(&mut buffer[..length]);
-            assert_eq!(
-                Small::decode(&buffer[..length]),
-                Err(DatagramError::Version(other))
-            );
+            assert_eq!(Small::decode(&buffer[..length]), Err(DatagramError::Version(other)));
         }
         // Contents that no version has, and contents of a kind that has none.
-        let length = datagram(measured(None, None))
-            .encode(&mut buffer)
-            .unwrap()
-            .len();
+        let length = datagram(measured(None, None)).encode(&mut buffer).unwrap().len();
         for (kind, contents) in [(6, 4), (1, 1)] {
             (buffer[4], buffer[5], buffer[21]) = (2, kind, contents);
             seal(&mut buffer[..length]);
@@ -561,16 +503,9 @@ mod tests {
 
     #[test]
     fn a_robot_too_large_is_an_error() {
-        let sent = Datagram::<40, 2> {
-            session: 0,
-            sequence: 0,
-            brakes: Brakes::Unknown,
-            message: Message::Query,
-        };
-        assert_eq!(
-            sent.encode(&mut [0; MAX_DATAGRAM]),
-            Err(DatagramError::TooLarge { values: 200 })
-        );
+        let sent =
+            Datagram::<40, 2> { session: 0, sequence: 0, brakes: Brakes::Unknown, message: Message::Query };
+        assert_eq!(sent.encode(&mut [0; MAX_DATAGRAM]), Err(DatagramError::TooLarge { values: 200 }));
         assert!(Datagram::<300, 2>::decode(&[0; 100]).is_err());
     }
 

@@ -6,12 +6,12 @@ use crate::dynamics::Dynamics;
 use crate::plant::Plant;
 use std::time::Duration;
 
-/// A [`Plant`] that moves with a clock. On a [`VirtualClock`](crate::control_loop::VirtualClock) that it shares with the
-/// loop, a run takes no longer than its computations, and a stall of the loop is one for the plant too: the robot moves on
-/// with the inputs that it has.
+/// A [`Plant`] that moves with a clock. On a [`VirtualClock`](crate::control_loop::VirtualClock) that it
+/// shares with the loop, a run takes no longer than its computations, and a stall of the loop is one for the
+/// plant too: the robot moves on with the inputs that it has.
 ///
-/// Inputs act from the end of the period of the plant in which they are written. A measurement that the plant's options lose
-/// does not arrive.
+/// Inputs act from the end of the period of the plant in which they are written. A measurement that the
+/// plant's options lose does not arrive.
 pub struct InProcess<D, K, const N: usize, const M: usize> {
     plant: Plant<D, N, M>,
     clock: K,
@@ -25,8 +25,8 @@ pub struct InProcess<D, K, const N: usize, const M: usize> {
 }
 
 impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> InProcess<D, K, N, M> {
-    /// A plant that moves in steps of `period` from now on; less than a microsecond counts as one. Give it the period of the
-    /// loop.
+    /// A plant that moves in steps of `period` from now on; less than a microsecond counts as one. Give it
+    /// the period of the loop.
     #[must_use]
     pub fn new(plant: Plant<D, N, M>, clock: K, period: Duration) -> Self {
         Self {
@@ -47,11 +47,7 @@ impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> InProcess<D, K
     fn catch_up(&mut self) -> Result<(), TransportError> {
         let now = self.clock.now();
         // A period beyond the end of time never passes.
-        while let Some(next) = self
-            .reached
-            .checked_add(self.period)
-            .filter(|next| *next <= now)
-        {
+        while let Some(next) = self.reached.checked_add(self.period).filter(|next| *next <= now) {
             self.reached = next;
             let period = self.period.as_secs_f64();
             let moved = match self.written.take() {
@@ -64,9 +60,7 @@ impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> InProcess<D, K
     }
 }
 
-impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> Transport<N, M>
-    for InProcess<D, K, N, M>
-{
+impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> Transport<N, M> for InProcess<D, K, N, M> {
     fn read(&mut self) -> Result<Option<Reading<N>>, TransportError> {
         self.catch_up()?;
         let measurement = self.plant.measure();
@@ -78,11 +72,7 @@ impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> Transport<N, M
             positions: measurement.positions,
             velocities: measurement.velocities,
             torques: measurement.torques,
-            brakes: if self.plant.is_braked() {
-                Brakes::Engaged
-            } else {
-                Brakes::Released
-            },
+            brakes: if self.plant.is_braked() { Brakes::Engaged } else { Brakes::Released },
         }))
     }
 

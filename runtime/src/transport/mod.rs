@@ -1,5 +1,5 @@
-//! How positions come from a robot and inputs get there: in process, over UDP, over a CAN bus, or through your own
-//! [`Transport`]. Read [`attaching_hardware`] before an arm moves.
+//! How positions come from a robot and inputs get there: in process, over UDP, over a CAN bus, or through
+//! your own [`Transport`]. Read [`attaching_hardware`] before an arm moves.
 
 #[doc = include_str!("attaching_hardware.md")]
 pub mod attaching_hardware {}
@@ -35,13 +35,14 @@ pub enum Brakes {
 /// What arrived from the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading<const N: usize> {
-    /// Positions in the order, units and sense of the model's coordinates [rad or m]; not yet checked in any way.
+    /// Positions in the order, units and sense of the model's coordinates [rad or m]; not yet checked in any
+    /// way.
     pub positions: [f64; N],
-    /// Velocities of the coordinates at the same instant, where the drives measure them [rad/s or m/s]. The loop compares
-    /// them with the positions, and then uses them instead of differences.
+    /// Velocities of the coordinates at the same instant, where the drives measure them [rad/s or m/s]. The
+    /// loop compares them with the positions, and then uses them instead of differences.
     pub velocities: Option<[f64; N]>,
-    /// Forces of the drives at their joints, after the gear and positive as B u is, where they are measured [N m or N]. For
-    /// controllers and the log; the loop itself decides nothing by them.
+    /// Forces of the drives at their joints, after the gear and positive as B u is, where they are measured
+    /// [N m or N]. For controllers and the log; the loop itself decides nothing by them.
     pub torques: Option<[f64; N]>,
     /// Brakes at the time of the measurement.
     pub brakes: Brakes,
@@ -51,19 +52,15 @@ impl<const N: usize> Reading<N> {
     /// Of a robot that measures positions alone.
     #[must_use]
     pub fn of(positions: [f64; N], brakes: Brakes) -> Self {
-        Self {
-            positions,
-            velocities: None,
-            torques: None,
-            brakes,
-        }
+        Self { positions, velocities: None, torques: None, brakes }
     }
 }
 
 /// Why a transport could not do what it was asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TransportError {
-    /// The robot's side started anew since the last reading: its brakes, positions and inputs are not what they were.
+    /// The robot's side started anew since the last reading: its brakes, positions and inputs are not what
+    /// they were.
     Restarted,
     /// The operating system failed to send or receive.
     Io(io::ErrorKind),
@@ -99,11 +96,12 @@ impl From<io::Error> for TransportError {
 ///
 /// No method may allocate, or block for longer than a fraction of the period: a real-time thread calls them.
 pub trait Transport<const N: usize, const M: usize> {
-    /// Positions now. `None` where nothing arrived in time, or nothing new; a reading is never returned twice.
+    /// Positions now. `None` where nothing arrived in time, or nothing new; a reading is never returned
+    /// twice.
     ///
     /// # Errors
-    /// [`TransportError::Restarted`] once after each restart of the robot's side; others where the connection fails. The
-    /// loop treats those like a missing reading and goes on asking.
+    /// [`TransportError::Restarted`] once after each restart of the robot's side; others where the connection
+    /// fails. The loop treats those like a missing reading and goes on asking.
     fn read(&mut self) -> Result<Option<Reading<N>>, TransportError>;
 
     /// Sends inputs; the robot holds them until the next ones. Never releases a brake.
@@ -112,14 +110,15 @@ pub trait Transport<const N: usize, const M: usize> {
     /// Where the connection fails. The loop goes on: the robot holds what it has.
     fn write(&mut self, inputs: &[f64; M]) -> Result<(), TransportError>;
 
-    /// Releases the brakes and switches the drives on. The loop writes the inputs that hold the robot before it calls this.
+    /// Releases the brakes and switches the drives on. The loop writes the inputs that hold the robot before
+    /// it calls this.
     ///
     /// # Errors
     /// Where the connection fails.
     fn release(&mut self) -> Result<(), TransportError>;
 
-    /// Engages the brakes and switches the drives off, in this order where both take time. The loop calls it again every
-    /// period until [`Reading::brakes`] confirms it.
+    /// Engages the brakes and switches the drives off, in this order where both take time. The loop calls it
+    /// again every period until [`Reading::brakes`] confirms it.
     ///
     /// # Errors
     /// Where the connection fails.

@@ -29,7 +29,8 @@ pub struct ServerOptions {
     pub period: f64,
     /// What makes time pass.
     pub pace: Pace,
-    /// Periods in a row without inputs that the plant bears; then it brakes by itself, as drives do when the bus falls silent.
+    /// Periods in a row without inputs that the plant bears; then it brakes by itself, as drives do when the
+    /// bus falls silent.
     pub watchdog_periods: u32,
     /// Probability that a datagram is lost, in either direction.
     pub loss: f64,
@@ -77,19 +78,13 @@ pub enum ServerError {
     },
 }
 
-/// Most periods that a server in real time catches up with at once. After a longer pause of the machine the plant, which
-/// has braked meanwhile, goes on from where it was.
+/// Most periods that a server in real time catches up with at once. After a longer pause of the machine the
+/// plant, which has braked meanwhile, goes on from where it was.
 const MAX_CATCH_UP: u32 = 1000;
 
 impl ServerOptions {
     fn check(&self) -> Result<(), ServerError> {
-        let refuse = |option, value, range| {
-            Err(ServerError::Option {
-                option,
-                value,
-                range,
-            })
-        };
+        let refuse = |option, value, range| Err(ServerError::Option { option, value, range });
         if !(1e-6..=60.0).contains(&self.period) {
             return refuse("period", self.period, "1e-6 to 60 s");
         }
@@ -100,12 +95,13 @@ impl ServerOptions {
     }
 }
 
-/// A plant that answers controllers over UDP. It begins with its brakes engaged. Whoever reaches its port can drive it: bind it
-/// to this machine (`127.0.0.1`) or to a network of its own.
+/// A plant that answers controllers over UDP. It begins with its brakes engaged. Whoever reaches its port can
+/// drive it: bind it to this machine (`127.0.0.1`) or to a network of its own.
 ///
-/// No datagram ends it. Inputs that the simulation cannot go on with (1e308 N m) are a breakdown of the robot: it is taken up
-/// again at rest where it was, its brakes engaged, as a new session, which controllers learn as
-/// [`TransportError::Restarted`](super::TransportError::Restarted). [`breakdowns`](Self::breakdowns) counts them.
+/// No datagram ends it. Inputs that the simulation cannot go on with (1e308 N m) are a breakdown of the
+/// robot: it is taken up again at rest where it was, its brakes engaged, as a new session, which controllers
+/// learn as [`TransportError::Restarted`](super::TransportError::Restarted). [`breakdowns`](Self::breakdowns)
+/// counts them.
 pub struct PlantServer<D, const N: usize, const M: usize> {
     plant: Plant<D, N, M>,
     socket: UdpSocket,
@@ -228,14 +224,12 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
         Ok(true)
     }
 
-    /// Takes in what a controller says and answers it, if it is a question: for connections other than this server's socket.
+    /// Takes in what a controller says and answers it, if it is a question: for connections other than this
+    /// server's socket.
     ///
     /// # Errors
     /// [`ServerError`].
-    pub fn respond(
-        &mut self,
-        question: &Datagram<N, M>,
-    ) -> Result<Option<Datagram<N, M>>, ServerError> {
+    pub fn respond(&mut self, question: &Datagram<N, M>) -> Result<Option<Datagram<N, M>>, ServerError> {
         let message = self.answer(question)?;
         Ok(message.map(|message| Datagram {
             session: self.options.session,
@@ -254,11 +248,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
                     self.advance()?;
                 }
                 let unanswered = lock_step.then_some(Message::Lost);
-                Ok(if lost {
-                    unanswered
-                } else {
-                    Some(self.measured())
-                })
+                Ok(if lost { unanswered } else { Some(self.measured()) })
             }
             // No time passes here, so in lock-step a lost one can only be told, too.
             Message::Release if lost => Ok(lock_step.then_some(Message::Lost)),
@@ -296,11 +286,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
     }
 
     fn brakes(&self) -> Brakes {
-        if self.plant.is_braked() {
-            Brakes::Engaged
-        } else {
-            Brakes::Released
-        }
+        if self.plant.is_braked() { Brakes::Engaged } else { Brakes::Released }
     }
 
     fn catch_up(&mut self) -> Result<(), ServerError> {

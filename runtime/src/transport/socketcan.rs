@@ -18,20 +18,15 @@ pub struct CanTransport<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> CanTransport<N, M> {
-    /// Opens an interface, e.g. `can0`, that `ip link` has set up. The queue of the interface must hold the frames of a
-    /// period: `ip link set can0 txqueuelen 64`.
+    /// Opens an interface, e.g. `can0`, that `ip link` has set up. The queue of the interface must hold the
+    /// frames of a period: `ip link set can0 txqueuelen 64`.
     ///
     /// # Errors
     /// [`io::Error`] where there is no such interface.
     pub fn open(interface: &str, codec: CanCodec<N, M>) -> io::Result<Self> {
         let socket = CanSocket::open(interface)?;
         socket.set_nonblocking(true)?;
-        Ok(Self {
-            socket,
-            measurements: codec.new_set(),
-            codec,
-            sequence: 0,
-        })
+        Ok(Self { socket, measurements: codec.new_set(), codec, sequence: 0 })
     }
 
     fn send(&self, message: &CanMessage) -> Result<(), TransportError> {
@@ -70,11 +65,7 @@ impl<const N: usize, const M: usize> Transport<N, M> for CanTransport<N, M> {
     fn write(&mut self, inputs: &[f64; M]) -> Result<(), TransportError> {
         self.sequence = self.sequence.wrapping_add(1);
         for (index, value) in inputs.iter().enumerate() {
-            self.send(&CanMessage::Input {
-                index,
-                value: *value,
-                sequence: self.sequence,
-            })?;
+            self.send(&CanMessage::Input { index, value: *value, sequence: self.sequence })?;
         }
         Ok(())
     }

@@ -13,8 +13,8 @@ const RELEASE_ATTEMPTS: u32 = 20;
 
 /// A robot behind a UDP socket, in the datagrams of [`datagram`](super::datagram).
 ///
-/// A reading is a question and its answer: old, foreign, damaged and doubled datagrams do not fit the question and are
-/// dropped, so that the robot's positions are always those of this period.
+/// A reading is a question and its answer: old, foreign, damaged and doubled datagrams do not fit the
+/// question and are dropped, so that the robot's positions are always those of this period.
 #[derive(Debug)]
 pub struct UdpTransport<const N: usize, const M: usize> {
     socket: UdpSocket,
@@ -24,12 +24,12 @@ pub struct UdpTransport<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> UdpTransport<N, M> {
-    /// Connects to a plant process, which need not run yet. `timeout` is how long a reading waits for its answer: a quarter
-    /// of the period in real time; seconds in lock-step, where nothing moves meanwhile.
+    /// Connects to a plant process, which need not run yet. `timeout` is how long a reading waits for its
+    /// answer: a quarter of the period in real time; seconds in lock-step, where nothing moves meanwhile.
     ///
     /// # Errors
-    /// [`io::Error`] where the address or socket cannot be had, `timeout` is zero or above an hour, or the robot has more
-    /// coordinates than fit in a datagram.
+    /// [`io::Error`] where the address or socket cannot be had, `timeout` is zero or above an hour, or the
+    /// robot has more coordinates than fit in a datagram.
     pub fn connect(address: impl ToSocketAddrs, timeout: Duration) -> io::Result<Self> {
         if timeout.is_zero() || timeout > LONGEST_TIMEOUT {
             return Err(io::Error::new(
@@ -41,28 +41,19 @@ impl<const N: usize, const M: usize> UdpTransport<N, M> {
         }
         let mut addresses = address.to_socket_addrs()?;
         let address = addresses.next().ok_or(io::ErrorKind::AddrNotAvailable)?;
-        let any: IpAddr = if address.is_ipv4() {
-            Ipv4Addr::UNSPECIFIED.into()
-        } else {
-            Ipv6Addr::UNSPECIFIED.into()
-        };
+        let any: IpAddr =
+            if address.is_ipv4() { Ipv4Addr::UNSPECIFIED.into() } else { Ipv6Addr::UNSPECIFIED.into() };
         let socket = UdpSocket::bind((any, 0))?;
         socket.connect(address)?;
         socket.set_read_timeout(Some(timeout))?;
-        let transport = Self {
-            socket,
-            timeout,
-            sequence: 0,
-            session: None,
-        };
+        let transport = Self { socket, timeout, sequence: 0, session: None };
         let question = transport.question(Message::Query);
-        question
-            .encode(&mut [0; MAX_DATAGRAM])
-            .map_err(io::Error::other)?;
+        question.encode(&mut [0; MAX_DATAGRAM]).map_err(io::Error::other)?;
         Ok(transport)
     }
 
-    /// True state of a simulated robot; for tests and displays, not for control. None where no answer came in time.
+    /// True state of a simulated robot; for tests and displays, not for control. None where no answer came in
+    /// time.
     ///
     /// # Errors
     /// [`TransportError::Io`].
@@ -75,12 +66,7 @@ impl<const N: usize, const M: usize> UdpTransport<N, M> {
     }
 
     fn question(&self, message: Message<N, M>) -> Datagram<N, M> {
-        Datagram {
-            session: 0,
-            sequence: self.sequence,
-            brakes: Brakes::Unknown,
-            message,
-        }
+        Datagram { session: 0, sequence: self.sequence, brakes: Brakes::Unknown, message }
     }
 
     fn send(&mut self, message: Message<N, M>) -> Result<(), TransportError> {
@@ -141,16 +127,9 @@ impl<const N: usize, const M: usize> Transport<N, M> for UdpTransport<N, M> {
     fn read(&mut self) -> Result<Option<Reading<N>>, TransportError> {
         let answer = self.ask(Message::Query)?;
         Ok(answer.and_then(|answer| match answer.message {
-            Message::Measured {
-                positions,
-                velocities,
-                torques,
-            } => Some(Reading {
-                positions,
-                velocities,
-                torques,
-                brakes: answer.brakes,
-            }),
+            Message::Measured { positions, velocities, torques } => {
+                Some(Reading { positions, velocities, torques, brakes: answer.brakes })
+            }
             _ => None,
         }))
     }
@@ -177,8 +156,5 @@ impl<const N: usize, const M: usize> Transport<N, M> for UdpTransport<N, M> {
 
 /// Which of the two the system reports depends on the system.
 pub(super) fn is_timeout(e: &io::Error) -> bool {
-    matches!(
-        e.kind(),
-        io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut
-    )
+    matches!(e.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut)
 }

@@ -6,7 +6,8 @@ use std::cell::Cell;
 struct Counting;
 
 thread_local! {
-    /// Per thread: the test runner, a log's writer and a plant's server allocate in theirs whenever they like.
+    /// Per thread: the test runner, a log's writer and a plant's server allocate in theirs whenever they
+    /// like.
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
 }
 
@@ -15,8 +16,8 @@ pub fn count() -> u64 {
     ALLOCATIONS.get()
 }
 
-// SAFETY: every call is handed to the system allocator unchanged; the counter is a plain thread-local number. What is
-// not overridden, `realloc` and `alloc_zeroed`, comes here through `alloc`.
+// SAFETY: every call is handed to the system allocator unchanged; the counter is a plain thread-local number.
+// What is not overridden, `realloc` and `alloc_zeroed`, comes here through `alloc`.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.set(ALLOCATIONS.get() + 1);

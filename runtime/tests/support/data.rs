@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-/// A file of `$GELENK_SHARED`, or of the folder `shared` beside the repository; none with a note where it is missing.
+/// A file of `$GELENK_SHARED`, or of the folder `shared` beside the repository; none with a note where it is
+/// missing.
 pub fn shared(path: &str) -> Option<PathBuf> {
     let folder = std::env::var_os("GELENK_SHARED").map(PathBuf::from);
     let beside = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared");
@@ -10,9 +11,6 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     if file.exists() {
         return Some(file);
     }
-    println!(
-        "skipped: {} is not there; set GELENK_SHARED",
-        file.display()
-    );
+    println!("skipped: {} is not there; set GELENK_SHARED", file.display());
     None
 }

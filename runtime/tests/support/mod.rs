@@ -1,9 +1,7 @@
-//! What test binaries share: random optimal-control QPs with Clarabel as their oracle, a robot with its loop, its plant process, programs of examples.
+//! What test binaries share: random optimal-control QPs with Clarabel as their oracle, a robot with its loop,
+//! its plant process, programs of examples.
 #![allow(dead_code, reason = "each test binary uses its own part")]
-#![allow(
-    clippy::unwrap_used,
-    reason = "test code: a problem that cannot be set up ends the test"
-)]
+#![allow(clippy::unwrap_used, reason = "test code: a problem that cannot be set up ends the test")]
 
 pub mod example;
 pub mod oracle;

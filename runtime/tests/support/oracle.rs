@@ -34,7 +34,8 @@ impl Entries {
     }
 }
 
-/// The QP `min ½ zᵀHz + qᵀz`, `Gz + s = b`, with the equalities first; z = (u_0 … u_{N−1}, x_1 … x_N, violations of soft bounds).
+/// The QP `min ½ zᵀHz + qᵀz`, `Gz + s = b`, with the equalities first; z = (u_0 … u_{N−1}, x_1 … x_N,
+/// violations of soft bounds).
 pub struct Sparse {
     pub solver: DefaultSolver<f64>,
 }
@@ -71,7 +72,8 @@ impl Builder {
     }
 }
 
-/// What the input before the horizon adds to the cost, whatever the solution: a term that a quadratic form in z does not hold.
+/// What the input before the horizon adds to the cost, whatever the solution: a term that a quadratic form in
+/// z does not hold.
 fn constant_cost<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>) -> f64 {
     let (w, u) = (&p.input_rate_weight, &p.previous_input);
     let terms = (0..NU).flat_map(|i| (0..NU).map(move |j| 0.5 * u[i] * w[i][j] * u[j]));
@@ -81,22 +83,11 @@ fn constant_cost<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>) -> f64
 /// Clarabel's problem for a QP, with `tolerance` for gap and feasibility.
 pub fn sparse<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>, tolerance: f64) -> Sparse {
     let n = p.stages.len();
-    let (u, x) = (
-        |k: usize, i: usize| k * NU + i,
-        |k: usize, i: usize| n * NU + (k - 1) * NX + i,
-    );
-    let mut s = Builder {
-        h: Entries::default(),
-        q: vec![0.0; n * (NX + NU)],
-        g: Entries::default(),
-        b: vec![],
-    };
+    let (u, x) = (|k: usize, i: usize| k * NU + i, |k: usize, i: usize| n * NU + (k - 1) * NX + i);
+    let mut s =
+        Builder { h: Entries::default(), q: vec![0.0; n * (NX + NU)], g: Entries::default(), b: vec![] };
     for (k, stage) in p.stages.iter().enumerate() {
-        let weight = if k + 1 == n {
-            &p.terminal_weight
-        } else {
-            &p.state_weight
-        };
+        let weight = if k + 1 == n { &p.terminal_weight } else { &p.state_weight };
         for i in 0..NX {
             s.q[x(k + 1, i)] = stage.state_gradient[i];
             for j in 0..NX {
@@ -153,28 +144,19 @@ pub fn sparse<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>, tolerance
         .unwrap();
     let cones = [ZeroConeT(equalities), NonnegativeConeT(rows - equalities)];
     let (h, g) = (s.h.csc(variables, variables), s.g.csc(rows, variables));
-    Sparse {
-        solver: DefaultSolver::new(&h, &s.q, &g, &s.b, &cones, settings).unwrap(),
-    }
+    Sparse { solver: DefaultSolver::new(&h, &s.q, &g, &s.b, &cones, settings).unwrap() }
 }
 
 /// Solves by Clarabel.
-pub fn solve<const NX: usize, const NU: usize>(
-    p: &QpProblem<NX, NU>,
-    tolerance: f64,
-) -> Solution<NX, NU> {
+pub fn solve<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>, tolerance: f64) -> Solution<NX, NU> {
     let n = p.stages.len();
     let mut solver = sparse(p, tolerance).solver;
     solver.solve();
     let z = &solver.solution.x;
     Solution {
         status: solver.solution.status,
-        inputs: (0..n)
-            .map(|k| core::array::from_fn(|i| z[k * NU + i]))
-            .collect(),
-        states: (0..n)
-            .map(|k| core::array::from_fn(|i| z[n * NU + k * NX + i]))
-            .collect(),
+        inputs: (0..n).map(|k| core::array::from_fn(|i| z[k * NU + i])).collect(),
+        states: (0..n).map(|k| core::array::from_fn(|i| z[n * NU + k * NX + i])).collect(),
         cost: solver.solution.obj_val + constant_cost(p),
     }
 }

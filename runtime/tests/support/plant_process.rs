@@ -1,8 +1,5 @@
 //! Starts the program `plant_process`, and ends it.
-#![allow(
-    clippy::expect_used,
-    reason = "test code: a plant that does not start ends the test"
-)]
+#![allow(clippy::expect_used, reason = "test code: a plant that does not start ends the test")]
 
 use std::io::{BufRead, BufReader};
 use std::net::SocketAddr;
@@ -26,9 +23,7 @@ impl PlantProcess {
             .expect("the plant process starts");
         let output = child.stdout.take().expect("its output is piped");
         let mut line = String::new();
-        BufReader::new(output)
-            .read_line(&mut line)
-            .expect("its output can be read");
+        BufReader::new(output).read_line(&mut line).expect("its output can be read");
         let address = line
             .trim()
             .strip_prefix("listening on ")

@@ -16,7 +16,8 @@ pub struct Kind {
     pub rate: bool,
 }
 
-/// The kind of the problem with this seed: all combinations in turn. At a spectral radius of 1.3 over 20 stages Clarabel itself no longer reaches 1e-6.
+/// The kind of the problem with this seed: all combinations in turn. At a spectral radius of 1.3 over 20
+/// stages Clarabel itself no longer reaches 1e-6.
 pub fn kind_of(seed: u64) -> Kind {
     let horizon = [1, 2, 3, 5, 8, 13, 20][(seed % 7) as usize];
     let spectral_radius = [0.5, 0.9, 1.0, 1.1, 1.2][(seed % 5) as usize];
@@ -74,10 +75,7 @@ impl Random {
 
 pub fn spectral_radius<const N: usize>(a: &[[f64; N]; N]) -> f64 {
     let m = DMatrix::from_fn(N, N, |i, j| a[i][j]);
-    m.complex_eigenvalues()
-        .iter()
-        .map(|e| e.norm())
-        .fold(0.0, f64::max)
+    m.complex_eigenvalues().iter().map(|e| e.norm()).fold(0.0, f64::max)
 }
 
 /// A random problem of one kind.
@@ -96,11 +94,7 @@ pub fn random_qp<const NX: usize, const NU: usize>(seed: u64, kind: Kind) -> QpP
         p.state_penalty = core::array::from_fn(|i| {
             let penalty = Penalty {
                 linear: r.between(0.5, 20.0),
-                quadratic: if i % 2 == 0 {
-                    0.0
-                } else {
-                    r.between(0.1, 10.0)
-                },
+                quadratic: if i % 2 == 0 { 0.0 } else { r.between(0.1, 10.0) },
             };
             (i % 3 != 2).then_some(penalty)
         });
@@ -133,17 +127,9 @@ pub fn random_qp<const NX: usize, const NU: usize>(seed: u64, kind: Kind) -> QpP
             let (below, above) = (r.between(0.05, 1.0) * width, r.between(0.05, 1.0) * width);
             if kind.state_bounds && r.sym() > -0.6 {
                 // Soft bounds may exclude the trajectory that keeps the hard ones.
-                let shift = if p.state_penalty[i].is_some() {
-                    width * r.sym()
-                } else {
-                    0.0
-                };
+                let shift = if p.state_penalty[i].is_some() { width * r.sym() } else { 0.0 };
                 stage.state_lower[i] = x[i] - below + shift;
-                stage.state_upper[i] = if r.sym() > 0.0 {
-                    x[i] + above + shift
-                } else {
-                    f64::INFINITY
-                };
+                stage.state_upper[i] = if r.sym() > 0.0 { x[i] + above + shift } else { f64::INFINITY };
             }
         }
     }

@@ -30,10 +30,7 @@ pub fn motion() -> RestToRest<2> {
 }
 
 pub fn settings(rate: f64) -> LoopSettings<2, 2> {
-    LoopSettings {
-        position_limits: LIMITS,
-        ..LoopSettings::for_robot(rate, &PowerCube)
-    }
+    LoopSettings { position_limits: LIMITS, ..LoopSettings::for_robot(rate, &PowerCube) }
 }
 
 pub fn law() -> Law {
@@ -46,21 +43,12 @@ pub fn pd(rate: f64) -> Pd {
 }
 
 pub fn plant_options() -> PlantOptions<2, 2> {
-    PlantOptions {
-        encoder_resolution: [1e-4; 2],
-        input_limit: [0.5; 2],
-        ..PlantOptions::default()
-    }
+    PlantOptions { encoder_resolution: [1e-4; 2], input_limit: [0.5; 2], ..PlantOptions::default() }
 }
 
 /// One in five measurements and one in five inputs are lost.
 pub fn lossy(seed: u64) -> PlantOptions<2, 2> {
-    PlantOptions {
-        measurement_loss: 0.2,
-        input_loss: 0.2,
-        seed,
-        ..plant_options()
-    }
+    PlantOptions { measurement_loss: 0.2, input_loss: 0.2, seed, ..plant_options() }
 }
 
 pub fn plant_at(positions: [f64; 2], options: PlantOptions<2, 2>) -> Plant<PowerCube, 2, 2> {
@@ -118,11 +106,7 @@ impl Watched {
             input_sign: 1.0,
             reads: 0,
             releases: 0,
-            seen: Seen {
-                lowest: positions,
-                highest: positions,
-                fastest: [0.0; 2],
-            },
+            seen: Seen { lowest: positions, highest: positions, fastest: [0.0; 2] },
         }
     }
 
@@ -131,10 +115,7 @@ impl Watched {
         Self::new(rate, plant_at(START, plant_options()))
     }
 
-    pub fn with_fault(
-        mut self,
-        fault: impl FnMut(u64, Reading<2>) -> Option<Reading<2>> + 'static,
-    ) -> Self {
+    pub fn with_fault(mut self, fault: impl FnMut(u64, Reading<2>) -> Option<Reading<2>> + 'static) -> Self {
         self.fault = Box::new(fault);
         self
     }
@@ -253,11 +234,7 @@ pub fn run_oversleeping<C: Controller<2, 2>>(
     robot: &mut Watched,
     [at, by]: [Duration; 2],
 ) -> LoopReport {
-    let clock = Oversleeping {
-        clock: robot.clock.clone(),
-        at,
-        by,
-    };
+    let clock = Oversleeping { clock: robot.clock.clone(), at, by };
     let control: WatchedLoop<'_, _, _> =
         ControlLoop::new(settings, law(), motion(), controller, robot, clock).unwrap();
     { control }.run()

@@ -25,23 +25,13 @@ pub const GEAR: f64 = 161.0;
 pub const PEAK: f64 = 0.5;
 
 pub fn recording() -> Recording<2> {
-    let columns = Columns {
-        time: "t",
-        positions: ["y1", "y2"],
-        velocities: Some(["v1", "v2"]),
-    };
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/examples/data/powercube_trajectory.csv"
-    );
+    let columns = Columns { time: "t", positions: ["y1", "y2"], velocities: Some(["v1", "v2"]) };
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/powercube_trajectory.csv");
     Recording::open(path, &columns).unwrap()
 }
 
 pub fn smoothed(recording: &Recording<2>) -> Sampled<2> {
-    recording
-        .smoothed(&Smoothing::of(PERIOD))
-        .unwrap()
-        .trajectory
+    recording.smoothed(&Smoothing::of(PERIOD)).unwrap().trajectory
 }
 
 /// Options for tracking: velocity errors weigh so little that positions return within about a period.
@@ -69,7 +59,8 @@ pub struct Run {
     pub iterations: u32,
 }
 
-/// Runs `controller` on `plant_model` along `reference`, with the controller's feed-forward `inputs` at a time.
+/// Runs `controller` on `plant_model` along `reference`, with the controller's feed-forward `inputs` at a
+/// time.
 pub fn run(
     plant_model: impl Dynamics<2, 2>,
     options: PlantOptions<2, 2>,
@@ -122,17 +113,11 @@ pub fn run(
 
 /// A plant like the model, but for the motors' peak torque.
 pub fn exact() -> PlantOptions<2, 2> {
-    PlantOptions {
-        input_limit: [PEAK; 2],
-        ..PlantOptions::default()
-    }
+    PlantOptions { input_limit: [PEAK; 2], ..PlantOptions::default() }
 }
 
 /// Feed-forward of `model` along `reference`.
-pub fn feed_forward(
-    model: impl Dynamics<2, 2>,
-    reference: &impl Trajectory<2>,
-) -> impl Fn(f64) -> [f64; 2] {
+pub fn feed_forward(model: impl Dynamics<2, 2>, reference: &impl Trajectory<2>) -> impl Fn(f64) -> [f64; 2] {
     let feed_forward = FeedForward::new(model).unwrap();
     move |time| feed_forward.at(&reference.sample(time)).inputs
 }
@@ -141,14 +126,10 @@ pub fn feed_forward(
 pub fn open_loop(reference: &Sampled<2>, share: f64) -> [f64; 2] {
     let inputs = feed_forward(PowerCube, reference);
     let mut plant = Plant::new(PowerCube, exact()).unwrap();
-    plant
-        .reset(reference.sample(0.0).positions, [0.0; 2])
-        .unwrap();
+    plant.reset(reference.sample(0.0).positions, [0.0; 2]).unwrap();
     let mut largest = [0.0_f64; 2];
     for k in 0..reference.samples().len() - 1 {
-        plant
-            .apply(&inputs((k as f64 + share) * PERIOD), PERIOD)
-            .unwrap();
+        plant.apply(&inputs((k as f64 + share) * PERIOD), PERIOD).unwrap();
         let desired = reference.samples()[k + 1].positions;
         for i in 0..2 {
             largest[i] = largest[i].max((plant.state().0[i] - desired[i]).abs());

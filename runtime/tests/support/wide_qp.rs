@@ -1,6 +1,8 @@
-//! Seeded random problems of all kinds that are well-posed: horizons to 100, unstable systems, bounds of every sort, scales far apart.
+//! Seeded random problems of all kinds that are well-posed: horizons to 100, unstable systems, bounds of
+//! every sort, scales far apart.
 //!
-//! A reference trajectory that keeps the hard bounds exists by construction, strictly inside them where they leave room.
+//! A reference trajectory that keeps the hard bounds exists by construction, strictly inside them where they
+//! leave room.
 
 use super::random_qp::{Random, spectral_radius};
 use gelenk_runtime::lqr::TimeVaryingLqr;
@@ -8,7 +10,8 @@ use gelenk_runtime::qp::{Penalty, QpProblem, QpSolver, QpStage};
 
 /// Horizons that come up.
 const HORIZONS: [usize; 12] = [1, 2, 3, 4, 6, 9, 13, 20, 30, 45, 70, 100];
-/// The open loop grows by no more than this over the horizon: beyond, inputs in double precision do not determine the states.
+/// The open loop grows by no more than this over the horizon: beyond, inputs in double precision do not
+/// determine the states.
 const GROWTH: f64 = 1e5;
 
 /// A problem of one stage more than the horizon, of which any window can be solved.
@@ -29,8 +32,8 @@ impl<const NX: usize, const NU: usize> Wide<NX, NU> {
         p
     }
 
-    /// The problem one stage on from that of `plan`, from `state`. The bounds of its last stage hold what repeating the last input leads to, so that
-    /// the plan, moved on, is feasible.
+    /// The problem one stage on from that of `plan`, from `state`. The bounds of its last stage hold what
+    /// repeating the last input leads to, so that the plan, moved on, is feasible.
     pub fn next(&self, plan: &QpSolver<NX, NU>, state: [f64; NX]) -> QpProblem<NX, NU> {
         let mut p = self.long.clone();
         p.stages.remove(0);
@@ -86,10 +89,7 @@ impl Bounded {
 
     /// Bounds around `value`, at distances below `width`.
     fn around(self, r: &mut Random, value: f64, width: f64) -> [f64; 2] {
-        let (below, above) = (
-            value - width * r.between(0.02, 1.0),
-            value + width * r.between(0.02, 1.0),
-        );
+        let (below, above) = (value - width * r.between(0.02, 1.0), value + width * r.between(0.02, 1.0));
         let free = [f64::NEG_INFINITY, f64::INFINITY];
         match self {
             Self::No => free,
@@ -117,11 +117,7 @@ pub fn wide_qp<const NX: usize, const NU: usize>(seed: u64) -> Wide<NX, NU> {
     let (inputs, states) = reference(&mut r, &p);
     set_bounds(&mut r, &mut p, &inputs, &states);
     let reference = states[0];
-    let mut wide = Wide {
-        horizon,
-        long: p,
-        reference,
-    };
+    let mut wide = Wide { horizon, long: p, reference };
     rescale(&mut r, &mut wide);
     wide
 }
@@ -192,11 +188,7 @@ fn set_dynamics<const NX: usize, const NU: usize>(r: &mut Random, p: &mut QpProb
         stage.state_gradient = r.vector().map(|v| 0.3 * v);
     }
     while growth(p) > GROWTH {
-        for entry in p
-            .stages
-            .iter_mut()
-            .flat_map(|s| s.state_matrix.as_flattened_mut())
-        {
+        for entry in p.stages.iter_mut().flat_map(|s| s.state_matrix.as_flattened_mut()) {
             *entry *= 0.95;
         }
     }
@@ -267,12 +259,9 @@ fn set_bounds<const NX: usize, const NU: usize>(
     let equal_inputs = of_inputs != Bounded::No && r.one_of(4);
     let penalties = p.state_penalty;
     let last = p.stages.len() - 2;
-    // Fewer than the inputs can place, and only where no input is fixed: otherwise rounding decides whether the problem is feasible.
-    let equal_states = if !equal_inputs && last >= NX && r.one_of(4) {
-        1 + r.below(NU.min(NX))
-    } else {
-        0
-    };
+    // Fewer than the inputs can place, and only where no input is fixed: otherwise rounding decides whether
+    // the problem is feasible.
+    let equal_states = if !equal_inputs && last >= NX && r.one_of(4) { 1 + r.below(NU.min(NX)) } else { 0 };
     for (k, stage) in p.stages.iter_mut().enumerate() {
         for i in 0..NU {
             let [low, high] = of_inputs.around(r, inputs[k][i], 0.4);
@@ -301,11 +290,7 @@ fn set_bounds<const NX: usize, const NU: usize>(
 fn rescale<const NX: usize, const NU: usize>(r: &mut Random, wide: &mut Wide<NX, NU>) {
     let p = &mut wide.long;
     let mut scale = |of: usize| {
-        if r.one_of(of) {
-            r.power(-2.0, 2.0)
-        } else {
-            1.0
-        }
+        if r.one_of(of) { r.power(-2.0, 2.0) } else { 1.0 }
     };
     let cost = scale(3) * scale(3);
     let all = scale(3);

@@ -21,9 +21,7 @@ gelenk_runtime::dynamics!(
 );
 
 fn main() {
-    let crane = Crane {
-        parameters: crane::Parameters { payload_mass: 2.0 },
-    };
+    let crane = Crane { parameters: crane::Parameters { payload_mass: 2.0 } };
     let torque = crane.inverse_dynamics(&[0.0; 2], &[0.0; 2], &[0.0; 2])[1];
     println!("crane: {torque:.4} N·m hold the boom with 2 kg");
     println!("pendulum: {:.4} rad after 1 s", swing(1000));
@@ -46,15 +44,12 @@ mod tests {
 
     const GRAVITY: f64 = 9.81;
 
-    /// A horizontal boom: −m g l of itself and the payload, about an axis that points upwards when lifting is negative.
+    /// A horizontal boom: −m g l of itself and the payload, about an axis that points upwards when lifting is
+    /// negative.
     #[test]
     fn the_boom_is_held_against_its_weight() {
         for payload in [0.0, 0.5, 2.0] {
-            let crane = Crane {
-                parameters: crane::Parameters {
-                    payload_mass: payload,
-                },
-            };
+            let crane = Crane { parameters: crane::Parameters { payload_mass: payload } };
             let [slew, luff] = crane.inverse_dynamics(&[0.3, 0.0], &[0.0; 2], &[0.0; 2]);
             let expected = -GRAVITY * (4.0 * 0.6 + payload * 1.2);
             assert!((luff - expected).abs() < 1e-12 * expected.abs(), "{luff}");
@@ -67,10 +62,7 @@ mod tests {
     fn the_slewing_drive_turns_with_its_gear() {
         let input_matrix = Crane::default().input_matrix();
         assert_eq!(input_matrix, [[160.0, 0.0], [0.0, 1.0]]);
-        assert_eq!(
-            Crane::default().friction_torques(&[0.0; 2], &[2.0, 0.0]),
-            [6.0, 0.0]
-        );
+        assert_eq!(Crane::default().friction_torques(&[0.0; 2], &[2.0, 0.0]), [6.0, 0.0]);
     }
 
     #[test]

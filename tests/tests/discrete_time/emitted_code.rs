@@ -11,18 +11,12 @@ use gelenk_tests::workspace;
 fn module(robot: &str, scalar: Scalar, functions: &[&str]) -> String {
     let options = GenerateOptions {
         functions: functions.iter().map(|name| (*name).to_owned()).collect(),
-        emit: EmitOptions {
-            scalar,
-            ..EmitOptions::default()
-        },
+        emit: EmitOptions { scalar, ..EmitOptions::default() },
         ..GenerateOptions::default()
     };
     let description = workspace().join(format!("models/{robot}.toml"));
     let generated = generate(&description, &options);
-    generated
-        .unwrap_or_else(|problems| panic!("{problems}"))
-        .source
-        .text
+    generated.unwrap_or_else(|problems| panic!("{problems}")).source.text
 }
 
 fn compile(folder: &Path, name: &str, text: &str, arguments: &[&str]) {
@@ -74,9 +68,7 @@ fn single_precision_stays_within_its_rounding() {
         });
         let text = modules.concat() + MAIN;
         compile(folder.path(), "main", &text, &["-C", "opt-level=1"]);
-        let output = Command::new(folder.path().join("main"))
-            .output()
-            .expect("it runs");
+        let output = Command::new(folder.path().join("main")).output().expect("it runs");
         assert!(output.status.success());
         let text = String::from_utf8(output.stdout).expect("UTF-8");
         assert_eq!(text.lines().count(), 70);
@@ -100,10 +92,7 @@ fn machine_code_cannot_panic() {
         let assembly = std::fs::read_to_string(folder.path().join(format!("{robot}.s")));
         let assembly = assembly.expect("the machine code");
         assert!(functions.iter().all(|name| assembly.contains(name)));
-        let panics: Vec<&str> = assembly
-            .lines()
-            .filter(|line| line.contains("panic"))
-            .collect();
+        let panics: Vec<&str> = assembly.lines().filter(|line| line.contains("panic")).collect();
         assert!(panics.is_empty(), "{robot}: {panics:?}");
     }
 }
@@ -115,14 +104,7 @@ fn each_function_compiles_alone() {
         for scalar in [Scalar::F64, Scalar::F32] {
             let folder = tempfile::tempdir().expect("a folder");
             let text = module("double_pendulum", scalar, &[function]);
-            let arguments = [
-                "--crate-type",
-                "lib",
-                "--emit",
-                "metadata",
-                "-D",
-                "warnings",
-            ];
+            let arguments = ["--crate-type", "lib", "--emit", "metadata", "-D", "warnings"];
             compile(folder.path(), "alone", &text, &arguments);
         }
     }

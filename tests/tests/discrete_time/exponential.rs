@@ -1,5 +1,5 @@
-//! The exponential of a matrix to about 28 digits: Taylor series with scaling and squaring in double-double arithmetic
-//! (Dekker 1971).
+//! The exponential of a matrix to about 28 digits: Taylor series with scaling and squaring in double-double
+//! arithmetic (Dekker 1971).
 
 /// `hi + low` with `|low| ≤ ulp(hi) / 2`.
 #[derive(Clone, Copy)]
@@ -48,8 +48,7 @@ fn product(a: &Matrix, b: &Matrix) -> Matrix {
 
 fn sum(a: &Matrix, b: &Matrix) -> Matrix {
     let rows = a.iter().zip(b);
-    rows.map(|(a, b)| a.iter().zip(b).map(|(&a, &b)| add(a, b)).collect())
-        .collect()
+    rows.map(|(a, b)| a.iter().zip(b).map(|(&a, &b)| add(a, b)).collect()).collect()
 }
 
 /// `exp(a t)`, rounded to f64.
@@ -60,10 +59,7 @@ pub fn exponential(a: &[Vec<f64>], t: f64) -> Vec<Vec<f64>> {
     let doublings = (norm.log2().ceil() as i32 + 6).max(0);
     let unit = t * f64::powi(2.0, -doublings);
     let scaled = |x: &f64| multiply(Double(*x, 0.0), Double(unit, 0.0));
-    let scaled: Matrix = a
-        .iter()
-        .map(|row| row.iter().map(scaled).collect())
-        .collect();
+    let scaled: Matrix = a.iter().map(|row| row.iter().map(scaled).collect()).collect();
     let identity = |i: usize| {
         let entry = |j: usize| Double(f64::from(u8::from(i == j)), 0.0);
         (0..a.len()).map(entry).collect()

@@ -16,10 +16,7 @@ impl<F: Fn(&[f64], &mut [f64])> ODE<f64, Vec<f64>> for Rates<F> {
 }
 
 fn halves<const N: usize>(state: &[f64]) -> ([f64; N], [f64; N]) {
-    (
-        core::array::from_fn(|i| state[i]),
-        core::array::from_fn(|i| state[N + i]),
-    )
+    (core::array::from_fn(|i| state[i]), core::array::from_fn(|i| state[N + i]))
 }
 
 /// The state after a time, to about 13 digits.
@@ -35,9 +32,7 @@ pub fn integrated<const N: usize, const M: usize>(
         rates[N..].copy_from_slice(&robot.forward_dynamics(&y, &v, u));
     });
     let method = ExplicitRungeKutta::dop853().rtol(1e-13).atol(1e-15);
-    let solution = IVP::ode(&rates, 0.0, time, state.to_vec())
-        .method(method)
-        .solve();
+    let solution = IVP::ode(&rates, 0.0, time, state.to_vec()).method(method).solve();
     let solution = solution.unwrap_or_else(|_| panic!("no solution over {time} s"));
     let (end, state) = solution.last().expect("an end");
     assert!((end - time).abs() < 1e-16, "{end} of {time} s");
@@ -94,16 +89,10 @@ fn check<const N: usize, const M: usize>(name: &str, robot: &impl Discretizable<
             count *= 2;
         }
         let (coarse, fine) = (error(count), error(2 * count));
-        println!(
-            "{name}: {count} steps {coarse:.2e}, ratio {:.2}",
-            coarse / fine
-        );
+        println!("{name}: {count} steps {coarse:.2e}, ratio {:.2}", coarse / fine);
         assert!(count <= 512, "{name}: {count} steps");
         let ratio = coarse / fine;
-        assert!(
-            (13.0..20.0).contains(&ratio),
-            "{name}: {coarse:e} / {fine:e} = {ratio}"
-        );
+        assert!((13.0..20.0).contains(&ratio), "{name}: {coarse:e} / {fine:e} = {ratio}");
     }
 }
 

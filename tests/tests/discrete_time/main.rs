@@ -1,4 +1,5 @@
-//! `discretize`, `step` and `step_derivatives` of every generated robot, against methods that share nothing with them.
+//! `discretize`, `step` and `step_derivatives` of every generated robot, against methods that share nothing
+//! with them.
 
 mod emitted_code;
 mod exponential;
@@ -34,10 +35,7 @@ macro_rules! for_each_robot {
         $check("panda", &robots::Panda);
         $check("powercube", &robots::PowerCube);
         $check("powercube_alpha", &robots::PowerCubeAlpha);
-        $check(
-            "powercube_alpha_parameters",
-            &robots::FreePowerCubeAlpha::default(),
-        );
+        $check("powercube_alpha_parameters", &robots::FreePowerCubeAlpha::default());
         $check("powercube_parameters", &robots::FreePowerCube::default());
         $check("powercube_six_axis", &robots::PowerCubeSixAxis);
         $check("puma560", &robots::Puma560);
@@ -80,10 +78,7 @@ fn no_robot_is_forgotten() {
     let text: String = include_str!("main.rs").split_whitespace().collect();
     for file in std::fs::read_dir(workspace().join("generated/src")).expect("generated/src") {
         let path = file.expect("a file").path();
-        let name = path
-            .file_stem()
-            .and_then(|name| name.to_str())
-            .expect("a name");
+        let name = path.file_stem().and_then(|name| name.to_str()).expect("a name");
         let listed = text.contains(&format!("gelenk_generated::{name})"));
         let checked = text.contains(&format!("$check(\"{name}\""));
         assert!(name == "lib" || (listed && checked), "{name}");

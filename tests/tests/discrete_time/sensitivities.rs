@@ -39,13 +39,8 @@ fn error(found: &[Vec<f64>], expected: &[Vec<f64>], n: usize) -> f64 {
     let mut worst = 0.0_f64;
     for rows in [0..n, n..2 * n] {
         for columns in [0..n, n..2 * n, 2 * n..found[0].len()] {
-            let entries = rows
-                .clone()
-                .flat_map(|i| columns.clone().map(move |j| (i, j)));
-            let scale = entries
-                .clone()
-                .map(|(i, j)| expected[i][j].abs())
-                .fold(0.0, f64::max);
+            let entries = rows.clone().flat_map(|i| columns.clone().map(move |j| (i, j)));
+            let scale = entries.clone().map(|(i, j)| expected[i][j].abs()).fold(0.0, f64::max);
             let difference = entries.map(|(i, j)| (found[i][j] - expected[i][j]).abs());
             worst = worst.max(difference.fold(0.0, f64::max) / scale);
         }
@@ -68,15 +63,9 @@ fn check<const N: usize, const M: usize>(name: &str, robot: &impl Discretizable<
         let period = quiet / 4.0;
         let step = robot.step_derivatives(&y, &v, &u, period);
         let (coordinates, velocities) = robot.step(&y, &v, &u, period);
-        for (a, b) in [
-            (step.coordinates, coordinates),
-            (step.velocities, velocities),
-        ] {
+        for (a, b) in [(step.coordinates, coordinates), (step.velocities, velocities)] {
             for (a, b) in a.iter().zip(b) {
-                assert!(
-                    (a - b).abs() <= 1e-12 * b.abs().max(1.0),
-                    "{name}: {a} and {b}"
-                );
+                assert!((a - b).abs() <= 1e-12 * b.abs().max(1.0), "{name}: {a} and {b}");
             }
         }
         let of_steps = |state: &[f64], u: &[f64; M]| {
@@ -87,8 +76,8 @@ fn check<const N: usize, const M: usize>(name: &str, robot: &impl Discretizable<
         let found = rows(&step.state, &step.input);
         let exactness = error(&found, &differences::<N, M>(of_steps, &state, &u), N);
 
-        // A short time, so that the steps' own error stays small; the integrator's 13 digits leave seven of differences
-        // by inputs, which move coordinates by millionths in it.
+        // A short time, so that the steps' own error stays small; the integrator's 13 digits leave seven of
+        // differences by inputs, which move coordinates by millionths in it.
         let period = quiet / 10.0;
         let step = robot.step_derivatives(&y, &v, &u, period);
         let of_flow = |state: &[f64], u: &[f64; M]| integrated(robot, state, u, period);

@@ -38,8 +38,8 @@ fn rate<const N: usize, const M: usize>(linear: &Linearization<N, M>) -> f64 {
     (b + (b * b + 4.0 * a).sqrt()) / 2.0
 }
 
-/// Largest difference of each block of columns (y, ẏ, u, 1) in each half, relative to the block's largest entry; in the
-/// blocks that begin as the identity, 1 counts as one of them.
+/// Largest difference of each block of columns (y, ẏ, u, 1) in each half, relative to the block's largest
+/// entry; in the blocks that begin as the identity, 1 counts as one of them.
 fn error<const N: usize, const M: usize>(linear: &Linearization<N, M>, period: f64) -> f64 {
     let discrete = linear.discretize(period);
     let mut found = rows(&discrete.state, &discrete.input);
@@ -48,12 +48,7 @@ fn error<const N: usize, const M: usize>(linear: &Linearization<N, M>, period: f
         row.push(affine);
     }
     let expected = exponential(&lifted(linear), period);
-    let columns = [
-        (0, N),
-        (N, 2 * N),
-        (2 * N, 2 * N + M),
-        (2 * N + M, 2 * N + M + 1),
-    ];
+    let columns = [(0, N), (N, 2 * N), (2 * N, 2 * N + M), (2 * N + M, 2 * N + M + 1)];
     let mut worst = 0.0_f64;
     for half in 0..2 {
         for (from, to) in columns {
@@ -105,14 +100,12 @@ fn friction_at_standstill_is_within_the_bound() {
     for (period, highest) in [(0.02, 1e-14), (0.1, 1e-12)] {
         let (reach, error) = (rate(&linear) * period, error(&linear, period));
         println!("ν T = {reach:.1}: {error:.1e}");
-        assert!(
-            reach <= 80.0 && error <= highest,
-            "ν T = {reach}: {error:e}"
-        );
+        assert!(reach <= 80.0 && error <= highest, "ν T = {reach}: {error:e}");
     }
 }
 
-/// A stiff arm: `M ÿ = −K y − D ẏ + B u + f` with joints from a shoulder to a light wrist, and steep friction on each.
+/// A stiff arm: `M ÿ = −K y − D ẏ + B u + f` with joints from a shoulder to a light wrist, and steep friction
+/// on each.
 fn stiff_arm(rng: &mut Rng, steepest: f64) -> Linearization<3, 2> {
     let mut normal = || 2.0 * rng.f64() - 1.0;
     // M⁻¹ = S (1 + ½ symmetric) S is positive definite, from 1 to 3e4 1/(kg m²).
@@ -131,8 +124,7 @@ fn stiff_arm(rng: &mut Rng, steepest: f64) -> Linearization<3, 2> {
         core::array::from_fn(|i| core::array::from_fn(|j| scale[i] * coupling[i][j] * scale[j]));
     let stiffness = [-20.0, -5.0, -0.3];
     let damping = [steepest * 0.1, steepest, steepest * 0.03];
-    let scaled =
-        |factors: [f64; 3]| inverse.map(|row| core::array::from_fn(|j| -row[j] * factors[j]));
+    let scaled = |factors: [f64; 3]| inverse.map(|row| core::array::from_fn(|j| -row[j] * factors[j]));
     Linearization {
         by_coordinates: scaled(stiffness),
         by_velocities: scaled(damping),
@@ -141,8 +133,8 @@ fn stiff_arm(rng: &mut Rng, steepest: f64) -> Linearization<3, 2> {
     }
 }
 
-/// Steep friction on light wrists. Six doublings, whatever the robot, once gave |A_d| of 1e105 here; more doublings of the
-/// same kind would be unstable, since they magnify rounding by the ratio of the rates.
+/// Steep friction on light wrists. Six doublings, whatever the robot, once gave |A_d| of 1e105 here; more
+/// doublings of the same kind would be unstable, since they magnify rounding by the ratio of the rates.
 #[test]
 fn stiff_robots_are_within_the_same_error() {
     let mut rng = Rng::with_seed(2);
@@ -163,10 +155,7 @@ fn stiff_robots_are_within_the_same_error() {
         }
     }
     let beyond = |bound: f64| reaches.iter().filter(|reach| **reach > bound).count();
-    assert!(
-        beyond(80.0) > 20 && beyond(1e5) > 10 && beyond(1e6) > 2,
-        "{reaches:?}"
-    );
+    assert!(beyond(80.0) > 20 && beyond(1e5) > 10 && beyond(1e6) > 2, "{reaches:?}");
 }
 
 /// What no number of repetitions reaches is infinite everywhere, and nothing else is.
@@ -191,10 +180,7 @@ fn beyond_the_bound_everything_is_infinite() {
             beyond.input.as_flattened().as_flattened(),
             beyond.affine.as_flattened(),
         ];
-        assert!(
-            all.concat().iter().all(|x| *x == f64::INFINITY),
-            "{beyond:?}"
-        );
+        assert!(all.concat().iter().all(|x| *x == f64::INFINITY), "{beyond:?}");
     }
     let nan = linear(f64::NAN).discretize(period);
     assert!(nan.state[1][1][0][0].is_nan());
@@ -205,10 +191,7 @@ fn no_time_changes_nothing() {
     use gelenk_runtime::dynamics::Discretization;
     let discrete = robots::PowerCube.discretize(&[0.2, -0.4], &[0.3, 0.1], &[0.0; 2], 0.0);
     let (one, zero) = ([[1.0, 0.0], [0.0, 1.0]], [[0.0; 2]; 2]);
-    let expected = Discretization {
-        state: [[one, zero], [zero, one]],
-        input: [zero; 2],
-        affine: [[0.0; 2]; 2],
-    };
+    let expected =
+        Discretization { state: [[one, zero], [zero, one]], input: [zero; 2], affine: [[0.0; 2]; 2] };
     assert_eq!(discrete, expected);
 }

@@ -1,13 +1,14 @@
-//! Base parameters: the combinations of the inertial parameters that the inverse dynamics show (Khalil and Kleinfinger
-//! 1987; Gautier 1991).
+//! Base parameters: the combinations of the inertial parameters that the inverse dynamics show (Khalil and
+//! Kleinfinger 1987; Gautier 1991).
 //!
-//! The regressor at random states, stacked, is factorized by Gram–Schmidt from the first column to the last. A column
-//! that depends on those before it joins their groups, so that parameters move towards the base. Numerically and not by
-//! rules, since the rules know neither branches with special axes nor gravity along an axis. The states come from a
-//! fixed seed, and sums are plain loops: the same description gives the same groups on every platform.
+//! The regressor at random states, stacked, is factorized by Gram–Schmidt from the first column to the last.
+//! A column that depends on those before it joins their groups, so that parameters move towards the base.
+//! Numerically and not by rules, since the rules know neither branches with special axes nor gravity along an
+//! axis. The states come from a fixed seed, and sums are plain loops: the same description gives the same
+//! groups on every platform.
 //!
-//! Free lengths, gear ratios and gravity enter the regressor. Then groups are formed at several values of them, and what differs
-//! is no number: i² J of a rotor is another one for every gear ratio i.
+//! Free lengths, gear ratios and gravity enter the regressor. Then groups are formed at several values of
+//! them, and what differs is no number: i² J of a rotor is another one for every gear ratio i.
 
 use crate::dynamics::parameters::regressor::inertial_regressor;
 use crate::dynamics::recursion::newton_euler::MotionInput;
@@ -19,8 +20,8 @@ use crate::program::flow::operands;
 use crate::program::interpret::{Functions, interpret};
 use crate::program::{GraphOutput, InputArray, Operand, Program, Shape, lower};
 
-/// A column is dependent if so little of its length is left after the projection on those before it. Exact dependencies
-/// leave some 1e-15, angles given with nine digits 1e-9.
+/// A column is dependent if so little of its length is left after the projection on those before it. Exact
+/// dependencies leave some 1e-15, angles given with nine digits 1e-9.
 const DEPENDENT: f64 = 1e-7;
 
 /// A column shorter than this share of the longest is rounding itself.
@@ -38,12 +39,12 @@ const STATES: usize = 25;
 /// Values of the free parameters that the regressor is looked at with, where it depends on them.
 const VALUES: usize = 3;
 
-/// Coefficients at different values of the free parameters are one if they differ by no more than this, relative to the
-/// larger one where that is above 1: some hundred times the rounding of the factorization.
+/// Coefficients at different values of the free parameters are one if they differ by no more than this,
+/// relative to the larger one where that is above 1: some hundred times the rounding of the factorization.
 const SAME: f64 = 1e-9;
 
-/// The base parameters of a model, for almost all values of its free parameters: where such a value makes a length zero, say,
-/// there may be fewer.
+/// The base parameters of a model, for almost all values of its free parameters: where such a value makes a
+/// length zero, say, there may be fewer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseParameters {
     /// Parameters that lead a group, ascending; their columns are the base regressor.
@@ -70,11 +71,7 @@ impl BaseParameters {
         let mut random = SplitMix64(0x6672_6565);
         let described = || model.parameters.iter().map(|parameter| parameter.default);
         if !reads_parameters(&program) {
-            return Self::of_columns(&stacked_columns(
-                model,
-                &program,
-                &described().collect::<Vec<_>>(),
-            ));
+            return Self::of_columns(&stacked_columns(model, &program, &described().collect::<Vec<_>>()));
         }
         let found = (0..VALUES).map(|_| {
             let values: Vec<f64> = described().map(|x| random.near(x)).collect();
@@ -86,9 +83,7 @@ impl BaseParameters {
     /// The constant terms: β\[group\] = Σ coefficient · π\[parameter\]. `None` where some are not constant.
     pub fn constant_terms(&self) -> Option<Vec<(usize, usize, f64)>> {
         let terms = self.terms.iter();
-        terms
-            .map(|term| Some((term.group, term.parameter, term.coefficient?)))
-            .collect()
+        terms.map(|term| Some((term.group, term.parameter, term.coefficient?))).collect()
     }
 
     /// What holds of all of several: each leader of one, and the coefficients that are the same.
@@ -100,8 +95,7 @@ impl BaseParameters {
         for one in found {
             for term in &one.terms {
                 let group = leaders.binary_search(&one.leaders[term.group]);
-                let group =
-                    group.unwrap_or_else(|_| unreachable!("each leader of one is among all"));
+                let group = group.unwrap_or_else(|_| unreachable!("each leader of one is among all"));
                 terms.push(Term { group, ..*term });
             }
         }
@@ -111,10 +105,7 @@ impl BaseParameters {
             let is_everywhere = same.len() == found.len();
             let first = same[0];
             let is_constant = is_everywhere && same.iter().all(|term| is_same(term, &first));
-            Term {
-                coefficient: first.coefficient.filter(|_| is_constant),
-                ..first
-            }
+            Term { coefficient: first.coefficient.filter(|_| is_constant), ..first }
         });
         let terms = terms.collect();
         Self { leaders, terms }
@@ -129,11 +120,7 @@ impl BaseParameters {
         for (index, column) in columns.iter().enumerate() {
             match basis.project(column, ROUNDING * longest) {
                 Projection::Independent => {
-                    terms.push(Term {
-                        group: leaders.len(),
-                        parameter: index,
-                        coefficient: Some(1.0),
-                    });
+                    terms.push(Term { group: leaders.len(), parameter: index, coefficient: Some(1.0) });
                     leaders.push(index);
                 }
                 Projection::Dependent(coefficients) => {
@@ -169,10 +156,7 @@ fn is_same(one: &Term, other: &Term) -> bool {
 /// Whether a free parameter enters the regressor: lengths, gear ratios and gravity do, masses do not.
 fn reads_parameters(program: &Program) -> bool {
     let is_parameter = |operand: &Operand| matches!(operand, Operand::Parameter(_));
-    let mut read = program
-        .instructions
-        .iter()
-        .flat_map(|made| operands(made.operation));
+    let mut read = program.instructions.iter().flat_map(|made| operands(made.operation));
     let mut entries = program.outputs.iter().flat_map(|output| &output.entries);
     read.any(|operand| is_parameter(&operand)) || entries.any(is_parameter)
 }
@@ -181,13 +165,8 @@ fn reads_parameters(program: &Program) -> bool {
 fn regressor_program(model: &Model) -> Program {
     let graph = Graph::new();
     let n = model.coordinates.len();
-    let [y, v, a] =
-        [0, 1, 2].map(|array| (0..n).map(|k| graph.input(array, k)).collect::<Vec<_>>());
-    let input = MotionInput {
-        y: &y,
-        v: &v,
-        a: &a,
-    };
+    let [y, v, a] = [0, 1, 2].map(|array| (0..n).map(|k| graph.input(array, k)).collect::<Vec<_>>());
+    let input = MotionInput { y: &y, v: &v, a: &a };
     let matrix = inertial_regressor(&Mechanism::new(&graph, model), model, input);
     let columns = matrix.first().map_or(0, Vec::len);
     let output = GraphOutput {
@@ -195,10 +174,7 @@ fn regressor_program(model: &Model) -> Program {
         shape: Shape::Matrix(Extent::fixed(n), Extent::fixed(columns)),
         entries: matrix.concat().iter().map(|x| x.edge()).collect(),
     };
-    let inputs = ["y", "v", "a"].map(|name| InputArray {
-        name: name.to_owned(),
-        extent: Extent::fixed(n),
-    });
+    let inputs = ["y", "v", "a"].map(|name| InputArray { name: name.to_owned(), extent: Extent::fixed(n) });
     lower(&graph, inputs.into(), &[output])
 }
 
@@ -297,7 +273,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 struct SplitMix64(u64);
 
 impl SplitMix64 {
-    /// Within 30 % of a described value, and anywhere near zero where that is described: a value without special meaning.
+    /// Within 30 % of a described value, and anywhere near zero where that is described: a value without
+    /// special meaning.
     fn near(&mut self, described: f64) -> f64 {
         match described {
             0.0 => self.within(0.3),
@@ -323,13 +300,12 @@ mod tests {
     use super::*;
     use crate::testing::{GENERAL, PUMA, RX90, chain};
 
-    /// Mayeda, Yoshida and Osuka (1990): 7 n − 4 for revolute joints of which the first two are not parallel, 2 less
-    /// where the first is upright. (The 40 of the RX-90 in Khalil and Dombre 2002 hold four rotors.)
+    /// Mayeda, Yoshida and Osuka (1990): 7 n − 4 for revolute joints of which the first two are not parallel,
+    /// 2 less where the first is upright. (The 40 of the RX-90 in Khalil and Dombre 2002 hold four rotors.)
     #[test]
     fn counts_of_known_geometries() {
-        let count = |rows: &[crate::testing::Row], gravity| {
-            BaseParameters::new(&chain(rows, gravity)).leaders.len()
-        };
+        let count =
+            |rows: &[crate::testing::Row], gravity| BaseParameters::new(&chain(rows, gravity)).leaders.len();
         assert_eq!(count(&RX90, [0.0, 0.0, -9.81]), 36);
         assert_eq!(count(&PUMA, [0.0, 0.0, -9.81]), 36);
         assert_eq!(count(&GENERAL, [0.3, 1.0, -9.0]), 38);
@@ -338,28 +314,11 @@ mod tests {
     #[test]
     fn dependent_columns_join_the_groups_of_those_before() {
         let (a, b) = (vec![1.0, 2.0, 0.5, -1.0], vec![0.0, 1.0, -3.0, 2.0]);
-        let sum = |x: f64, y: f64| {
-            a.iter()
-                .zip(&b)
-                .map(|(a, b)| x * a + y * b)
-                .collect::<Vec<_>>()
-        };
-        let columns = [
-            a.clone(),
-            vec![0.0; 4],
-            sum(0.25, 0.0),
-            b.clone(),
-            sum(-1.0, 2.0),
-        ];
+        let sum = |x: f64, y: f64| a.iter().zip(&b).map(|(a, b)| x * a + y * b).collect::<Vec<_>>();
+        let columns = [a.clone(), vec![0.0; 4], sum(0.25, 0.0), b.clone(), sum(-1.0, 2.0)];
         let base = BaseParameters::of_columns(&columns);
         assert_eq!(base.leaders, [0, 3]);
-        let terms = vec![
-            (0, 0, 1.0),
-            (0, 2, 0.25),
-            (0, 4, -1.0),
-            (1, 3, 1.0),
-            (1, 4, 2.0),
-        ];
+        let terms = vec![(0, 0, 1.0), (0, 2, 0.25), (0, 4, -1.0), (1, 3, 1.0), (1, 4, 2.0)];
         assert_eq!(base.constant_terms(), Some(terms));
         assert_eq!(base.groups().count(), 2);
     }
@@ -368,12 +327,7 @@ mod tests {
     fn what_changes_with_free_parameters_is_no_constant() {
         let column = |x: f64| vec![x, 2.0 * x, -x];
         let at = |length: f64| {
-            BaseParameters::of_columns(&[
-                column(1.0),
-                column(0.5),
-                column(length),
-                vec![1.0, 0.0, length],
-            ])
+            BaseParameters::of_columns(&[column(1.0), column(0.5), column(length), vec![1.0, 0.0, length]])
         };
         let same = BaseParameters::in_common(&[at(0.3), at(0.3)]);
         assert_eq!(same, at(0.3));
@@ -384,9 +338,6 @@ mod tests {
         assert_eq!(coefficients, [Some(1.0), Some(0.5), None, Some(1.0)]);
         // A column that is a direction of its own at one value has to stand in the regressor.
         let other = |x: f64| BaseParameters::of_columns(&[column(1.0), vec![1.0, 2.0, x]]);
-        assert_eq!(
-            BaseParameters::in_common(&[other(-1.0), other(2.0)]).leaders,
-            [0, 1]
-        );
+        assert_eq!(BaseParameters::in_common(&[other(-1.0), other(2.0)]).leaders, [0, 1]);
     }
 }

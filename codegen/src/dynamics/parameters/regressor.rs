@@ -1,16 +1,16 @@
 //! Regressor of the inertial parameters: `W π = M ÿ + k − q_gravity`.
 //!
-//! Each link has ten parameters in its own described frame, everything fixed to it or held on it included: m, m c_x,
-//! m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the frame's origin (the order of Pinocchio). A unit of each
-//! needs the force and moment
+//! Each link has ten parameters in its own described frame, everything fixed to it or held on it included: m,
+//! m c_x, m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the frame's origin (the order of Pinocchio).
+//! A unit of each needs the force and moment
 //!
 //! ```text
 //! m: F = a          m c: F = U e, n = e × a          I: n = E ω̇ + ω × E ω
 //! ```
 //!
-//! with the acceleration a of the origin, minus gravity, and U = ω̇× + ω× ω× (Atkeson, An and Hollerbach 1986). The row
-//! of a joint is their power at a unit of its velocity, so that no wrench is carried towards the base: the screws of
-//! the joints are carried outwards instead. Rotors add one column each.
+//! with the acceleration a of the origin, minus gravity, and U = ω̇× + ω× ω× (Atkeson, An and Hollerbach
+//! 1986). The row of a joint is their power at a unit of its velocity, so that no wrench is carried towards
+//! the base: the screws of the joints are carried outwards instead. Rotors add one column each.
 
 use crate::dynamics::matrix::Matrix;
 use crate::dynamics::recursion::newton_euler::{BodyMotion, MotionInput, motions, spread_of};
@@ -26,9 +26,7 @@ use crate::spatial::{Matrix3, Motion, Vector3, rotate};
 pub const PER_LINK: usize = 10;
 
 /// Their symbols.
-pub const SYMBOLS: [&str; PER_LINK] = [
-    "m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz",
-];
+pub const SYMBOLS: [&str; PER_LINK] = ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
 /// Drives with a rotor, in the order of the inputs: all but ideal ones.
 pub fn drives_with_rotor(model: &Model) -> impl Iterator<Item = &Drive> {
@@ -49,18 +47,17 @@ pub fn parameter_names(model: &Model) -> Vec<String> {
 
 /// π: values of all parameters, in the order of [`parameter_names`].
 pub fn inertial_parameters<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g>> {
-    let links = described_moments(graph, model)
-        .into_iter()
-        .flat_map(|link| {
-            let (h, s) = (link.first, link.second);
-            let (xx, yy, zz) = (s.yy + s.zz, s.xx + s.zz, s.xx + s.yy);
-            [link.mass, h[0], h[1], h[2], xx, -s.xy, yy, -s.xz, -s.yz, zz]
-        });
+    let links = described_moments(graph, model).into_iter().flat_map(|link| {
+        let (h, s) = (link.first, link.second);
+        let (xx, yy, zz) = (s.yy + s.zz, s.xx + s.zz, s.xx + s.yy);
+        [link.mass, h[0], h[1], h[2], xx, -s.xy, yy, -s.xz, -s.yz, zz]
+    });
     let rotors = drives_with_rotor(model).map(|drive| lower(graph, &drive.rotor_inertia));
     links.chain(rotors).collect()
 }
 
-/// `W`, rows by coordinate, columns in the order of [`parameter_names`]. The mechanism is in metres and not regrouped.
+/// `W`, rows by coordinate, columns in the order of [`parameter_names`]. The mechanism is in metres and not
+/// regrouped.
 pub fn inertial_regressor<'g>(
     mechanism: &Mechanism<'g>,
     model: &Model,
@@ -102,10 +99,7 @@ struct Screw<'g> {
 }
 
 /// For each body the screws of all joints that move it.
-fn joint_screws<'g>(
-    mechanism: &Mechanism<'g>,
-    placements: &[Placement<'g>],
-) -> Vec<Vec<Screw<'g>>> {
+fn joint_screws<'g>(mechanism: &Mechanism<'g>, placements: &[Placement<'g>]) -> Vec<Vec<Screw<'g>>> {
     let zero = mechanism.graph.constant(0.0);
     let mut screws: Vec<Vec<Screw<'g>>> = Vec::with_capacity(mechanism.len());
     for (index, body) in mechanism.bodies.iter().enumerate() {
@@ -116,19 +110,11 @@ fn joint_screws<'g>(
             let at_joint = linear + angular.cross(placement.translation);
             let angular = placement.to_child(&body.twist, angular);
             let linear = placement.to_child(&body.twist, at_joint) + angular.cross(lift);
-            Screw {
-                joint: screw.joint,
-                motion: Motion { angular, linear },
-            }
+            Screw { joint: screw.joint, motion: Motion { angular, linear } }
         };
-        let parents = body
-            .parent
-            .map_or(&[][..], |parent| screws[parent].as_slice());
+        let parents = body.parent.map_or(&[][..], |parent| screws[parent].as_slice());
         let mut all: Vec<Screw<'g>> = parents.iter().map(carried).collect();
-        all.push(Screw {
-            joint: index,
-            motion: body.axis.unit_motion(zero),
-        });
+        all.push(Screw { joint: index, motion: body.axis.unit_motion(zero) });
         screws.push(all);
     }
     screws
@@ -150,12 +136,7 @@ struct LinkMotion<'g> {
 }
 
 impl<'g> LinkMotion<'g> {
-    fn new(
-        mechanism: &Mechanism<'g>,
-        model: &Model,
-        index: usize,
-        motion: &BodyMotion<'g>,
-    ) -> Self {
+    fn new(mechanism: &Mechanism<'g>, model: &Model, index: usize, motion: &BodyMotion<'g>) -> Self {
         let link = model.coordinates[mechanism.bodies[index].transmission.coordinate];
         let pose = mechanism.links[link].1;
         let rotation = pose.rotation.transpose();
@@ -176,10 +157,7 @@ impl<'g> LinkMotion<'g> {
     /// A motion of the body in the described frame.
     fn motion(&self, motion: Motion<'g>) -> Motion<'g> {
         let at_origin = motion.linear + motion.angular.cross(self.origin);
-        Motion {
-            angular: rotate(&self.rotation, motion.angular),
-            linear: rotate(&self.rotation, at_origin),
-        }
+        Motion { angular: rotate(&self.rotation, motion.angular), linear: rotate(&self.rotation, at_origin) }
     }
 
     /// Powers of what a unit of each parameter needs, at a velocity.
@@ -207,8 +185,8 @@ impl<'g> LinkMotion<'g> {
     }
 }
 
-/// Forces that a unit of a rotor's axial inertia needs. Spinning with `a · ω + i ẏ` about its axis a it needs the
-/// moment `a (a · ω̇ + i ÿ) + ω × a (a · ω + i ẏ)` on its carrier and `i (a · ω̇ + i ÿ)` at its joint.
+/// Forces that a unit of a rotor's axial inertia needs. Spinning with `a · ω + i ẏ` about its axis a it needs
+/// the moment `a (a · ω̇ + i ÿ) + ω × a (a · ω + i ẏ)` on its carrier and `i (a · ω̇ + i ÿ)` at its joint.
 fn rotor_column<'g>(
     mechanism: &Mechanism<'g>,
     drive: &Drive,

@@ -28,7 +28,8 @@ pub(super) struct Composites {
     pub force: ArrayId,
 }
 
-/// Inertia, momentum, rate of the screw, the acceleration that the joint adds, and the rate of the momentum, of one body.
+/// Inertia, momentum, rate of the screw, the acceleration that the joint adds, and the rate of the momentum,
+/// of one body.
 fn body_in_motion<'g>(
     [axes, origin, moments, screw, rate, gravity, velocity]: [&Rows<'g>; 7],
     acceleration: Option<Scalar<'g>>,
@@ -64,21 +65,10 @@ pub(super) fn move_bodies(
         |rows| [motion_of(rows[0]).scaled(rows[1][0]).entries().to_vec()],
     );
     let velocity = builder.sum_ancestors(joint_velocity, "velocity");
-    let [axes, origins, moments, screws, rates, gravity] = [
-        setup.axes,
-        setup.origins,
-        setup.moments,
-        setup.screws,
-        setup.rates,
-        setup.gravity,
-    ];
-    let writes = [
-        ("inertia", 10),
-        ("flow", 12),
-        ("screw_rate", 6),
-        ("joint_acceleration", 6),
-        ("momentum_rate", 6),
-    ];
+    let [axes, origins, moments, screws, rates, gravity] =
+        [setup.axes, setup.origins, setup.moments, setup.screws, setup.rates, setup.gravity];
+    let writes =
+        [("inertia", 10), ("flow", 12), ("screw_rate", 6), ("joint_acceleration", 6), ("momentum_rate", 6)];
     let [inertia, flow, screw_rate, joint_acceleration, momentum_rate] = match is_accelerated {
         true => builder.map(
             (
@@ -112,14 +102,7 @@ pub(super) fn move_bodies(
             [flat(inertial + force_of(rows[2]))]
         },
     );
-    let motion = Motions {
-        joint_velocity,
-        velocity,
-        screw_rate,
-        acceleration,
-        joint_acceleration,
-        inertia,
-        force,
-    };
+    let motion =
+        Motions { joint_velocity, velocity, screw_rate, acceleration, joint_acceleration, inertia, force };
     (motion, flow)
 }

@@ -22,26 +22,17 @@ impl ArrayBuilder {
         let bodies = &mechanism.bodies;
         let mut parents = vec![None; bodies.len()];
         for body in bodies {
-            let parent = body
-                .parent
-                .map(|parent| bodies[parent].transmission.coordinate);
+            let parent = body.parent.map(|parent| bodies[parent].transmission.coordinate);
             parents[body.transmission.coordinate] = parent;
         }
         Self {
             form: Arrays {
-                setup: Program {
-                    inputs: Vec::new(),
-                    instructions: Vec::new(),
-                    outputs: Vec::new(),
-                },
+                setup: Program { inputs: Vec::new(), instructions: Vec::new(), outputs: Vec::new() },
                 arrays: Vec::new(),
                 steps: Vec::new(),
                 outputs: Vec::new(),
                 parents,
-                order: bodies
-                    .iter()
-                    .map(|body| body.transmission.coordinate)
-                    .collect(),
+                order: bodies.iter().map(|body| body.transmission.coordinate).collect(),
                 is_fused: false,
             },
             set_up: Vec::new(),
@@ -59,10 +50,7 @@ impl ArrayBuilder {
     }
 
     fn array(&mut self, name: &str, rows: usize) -> ArrayId {
-        self.form.arrays.push(Array {
-            name: name.to_owned(),
-            rows,
-        });
+        self.form.arrays.push(Array { name: name.to_owned(), rows });
         self.form.arrays.len() - 1
     }
 
@@ -137,12 +125,7 @@ impl ArrayBuilder {
         name: &str,
     ) -> ArrayId {
         let to = self.array(name, self.joints());
-        self.form.steps.push(Step::Pairs(Pairs {
-            before,
-            beyond,
-            diagonal,
-            to,
-        }));
+        self.form.steps.push(Step::Pairs(Pairs { before, beyond, diagonal, to }));
         to
     }
 
@@ -154,16 +137,9 @@ impl ArrayBuilder {
     }
 
     /// `−left · right`
-    pub(super) fn negative_product(
-        &mut self,
-        left: ArrayId,
-        right: ArrayId,
-        name: &str,
-    ) -> ArrayId {
+    pub(super) fn negative_product(&mut self, left: ArrayId, right: ArrayId, name: &str) -> ArrayId {
         let to = self.array(name, self.joints());
-        self.form
-            .steps
-            .push(Step::NegativeProduct { left, right, to });
+        self.form.steps.push(Step::NegativeProduct { left, right, to });
         to
     }
 
@@ -176,18 +152,11 @@ impl ArrayBuilder {
 
     /// Makes an array a result.
     pub(super) fn output(&mut self, name: &str, shape: Shape, array: ArrayId) {
-        self.form.outputs.push(ArrayOutput {
-            name: name.to_owned(),
-            shape,
-            array,
-        });
+        self.form.outputs.push(ArrayOutput { name: name.to_owned(), shape, array });
     }
 
     /// The array form; the setup is lowered from the graph of its scalars.
     pub(super) fn finish(self, graph: &Graph, inputs: Vec<InputArray>) -> Arrays {
-        Arrays {
-            setup: lower(graph, inputs, &self.set_up),
-            ..self.form
-        }
+        Arrays { setup: lower(graph, inputs, &self.set_up), ..self.form }
     }
 }

@@ -7,24 +7,10 @@ use crate::program::arrays::ArrayId;
 
 /// `M ÿ + k − q`
 pub(super) fn joint_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
-    let Moving {
-        setup,
-        motions,
-        rotors,
-        composites,
-    } = moving;
+    let Moving { setup, motions, rotors, composites } = moving;
     let [forces] = builder.map(
-        (
-            "forces_at_joints",
-            "Force along each joint, without springs and friction.",
-        ),
-        &[
-            setup.screws,
-            composites.force,
-            setup.rotors,
-            setup.last,
-            setup.joint_forces,
-        ],
+        ("forces_at_joints", "Force along each joint, without springs and friction."),
+        &[setup.screws, composites.force, setup.rotors, setup.last, setup.joint_forces],
         [("forces", 1)],
         |rows| {
             let bodies = motion_of(rows[0]).dot(force_of(rows[1]));
@@ -34,10 +20,7 @@ pub(super) fn joint_forces(builder: &mut ArrayBuilder, moving: &Moving) -> Array
     let Some(rotors) = rotors else { return forces };
     let carried = rotors.carried(builder, motions);
     let [forces] = builder.map(
-        (
-            "forces_at_rotors",
-            "Force along each joint and its rotor, without springs and friction.",
-        ),
+        ("forces_at_rotors", "Force along each joint and its rotor, without springs and friction."),
         &[forces, carried],
         [("forces_with_rotors", 1)],
         |[force, carried]| [vec![force[0] + carried[0]]],
@@ -47,17 +30,9 @@ pub(super) fn joint_forces(builder: &mut ArrayBuilder, moving: &Moving) -> Array
 
 /// What is left to accelerate.
 pub(super) fn remaining_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
-    let Moving {
-        setup,
-        motions,
-        rotors,
-        composites,
-    } = moving;
+    let Moving { setup, motions, rotors, composites } = moving;
     let [remaining] = builder.map(
-        (
-            "remaining_forces",
-            "What of the driving forces is left to accelerate.",
-        ),
+        ("remaining_forces", "What of the driving forces is left to accelerate."),
         &[setup.screws, composites.force, setup.last],
         [("remaining_force", 1)],
         |rows| [vec![rows[2][0] - motion_of(rows[0]).dot(force_of(rows[1]))]],
@@ -79,17 +54,9 @@ pub(super) fn remaining_forces(builder: &mut ArrayBuilder, moving: &Moving) -> A
 }
 
 pub(super) fn mass_matrix(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
-    let Moving {
-        setup,
-        rotors,
-        composites,
-        ..
-    } = moving;
+    let Moving { setup, rotors, composites, .. } = moving;
     let [needed, diagonal] = builder.map(
-        (
-            "unit_accelerations",
-            "What a unit acceleration of each joint needs.",
-        ),
+        ("unit_accelerations", "What a unit acceleration of each joint needs."),
         &[setup.screws, composites.inertia, setup.rotors],
         [("unit_force", 6), ("diagonal", 1)],
         |rows| {
@@ -98,33 +65,36 @@ pub(super) fn mass_matrix(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayI
             [flat(force), vec![screw.dot(force) + rows[2][0]]]
         },
     );
-    let needed = rotors
-        .as_ref()
-        .map_or(needed, |rotors| rotors.add_momentum(builder, needed));
-    builder.pairs(
-        (needed, setup.screws),
-        (setup.screws, needed),
-        diagonal,
-        "mass_matrix",
-    )
+    let needed = rotors.as_ref().map_or(needed, |rotors| rotors.add_momentum(builder, needed));
+    builder.pairs((needed, setup.screws), (setup.screws, needed), diagonal, "mass_matrix")
 }
 
 /// ∂/∂y and ∂/∂ẏ
 pub(super) fn jacobians(builder: &mut ArrayBuilder, moving: &Moving) -> (ArrayId, ArrayId) {
-    let Moving {
-        setup,
-        motions,
-        rotors,
-        composites,
-    } = moving;
+    let Moving { setup, motions, rotors, composites } = moving;
     let [gains, by_coordinate, by_velocity, stiffness, damping, own_stiffness, own_damping] = builder.map(
-        ("disturbances", "How each joint disturbs the bodies beyond it, and what that asks of the joints before it."),
+        (
+            "disturbances",
+            "How each joint disturbs the bodies beyond it, and what that asks of the joints before it.",
+        ),
         &[
-            setup.screws, motions.screw_rate, motions.velocity, motions.acceleration, composites.inertia, composites.flow, composites.force,
+            setup.screws,
+            motions.screw_rate,
+            motions.velocity,
+            motions.acceleration,
+            composites.inertia,
+            composites.flow,
+            composites.force,
             setup.joint_forces,
         ],
         [
-            ("gains", 9), ("by_coordinate", 9), ("by_velocity", 9), ("stiffness", 6), ("damping", 6), ("own_stiffness", 1), ("own_damping", 1),
+            ("gains", 9),
+            ("by_coordinate", 9),
+            ("by_velocity", 9),
+            ("stiffness", 6),
+            ("damping", 6),
+            ("own_stiffness", 1),
+            ("own_damping", 1),
         ],
         |[screw, screw_rate, velocity, acceleration, inertia, flow, force, joint]| {
             let (screw, rate) = (motion_of(screw), motion_of(screw_rate));
@@ -151,9 +121,8 @@ pub(super) fn jacobians(builder: &mut ArrayBuilder, moving: &Moving) -> (ArrayId
         Some(rotors) => rotors.add_to_columns(builder, gains, damping),
         None => (gains, damping),
     };
-    let mut pairs = |by_j, column, diagonal, name| {
-        builder.pairs((gains, by_j), (setup.screws, column), diagonal, name)
-    };
+    let mut pairs =
+        |by_j, column, diagonal, name| builder.pairs((gains, by_j), (setup.screws, column), diagonal, name);
     (
         pairs(by_coordinate, stiffness, own_stiffness, "by_coordinates"),
         pairs(by_velocity, damping, own_damping, "by_velocities"),

@@ -1,9 +1,10 @@
-//! Jacobians of the inverse and forward dynamics in array form, with spatial vectors in the frame of the base.
+//! Jacobians of the inverse and forward dynamics in array form, with spatial vectors in the frame of the
+//! base.
 //!
-//! There every sum along a path or over a subtree is a sum of arrays, and what two joints have in common is a product of
-//! two columns of six or nine entries. With the screw S of a joint, the spatial velocity v and acceleration a of its
-//! body, Ψ̇ = v × S and Ψ̈ = a × S + v × Ψ̇, the composite inertia I, 2B s = Σ 2 ∫ r ∧ (ω_s × ṙ) dm and force f of all
-//! that it carries, and for j before i
+//! There every sum along a path or over a subtree is a sum of arrays, and what two joints have in common is a
+//! product of two columns of six or nine entries. With the screw S of a joint, the spatial velocity v and
+//! acceleration a of its body, Ψ̇ = v × S and Ψ̈ = a × S + v × Ψ̇, the composite inertia I, 2B s = Σ 2 ∫ r ∧
+//! (ω_s × ṙ) dm and force f of all that it carries, and for j before i
 //!
 //! ```text
 //! M_ji = S_jᵀ I_i S_i = M_ij
@@ -11,8 +12,8 @@
 //! ∂τ_j/∂y_i = S_jᵀ (2B_i Ψ̇_i + I_i Ψ̈_i + S_i ×* f_i)   ∂τ_i/∂y_j = S_iᵀ (2B_i Ψ̇_j + I_i Ψ̈_j)
 //! ```
 //!
-//! (Singh, Russell and Wensing 2022; 2B in the moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm of `derivatives.rs`, which act on the
-//! angular part alone.)
+//! (Singh, Russell and Wensing 2022; 2B in the moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm of `derivatives.rs`, which
+//! act on the angular part alone.)
 
 mod bodies;
 mod builder;
@@ -34,8 +35,8 @@ use crate::kinematics::Mechanism;
 use crate::program::arrays::Arrays;
 use crate::program::{InputArray, Shape};
 
-/// Whether the array form knows all that the mechanism has: no rotor may sit further from its joint than on the joint's
-/// parent.
+/// Whether the array form knows all that the mechanism has: no rotor may sit further from its joint than on
+/// the joint's parent.
 pub fn is_possible(mechanism: &Mechanism<'_>) -> bool {
     !mechanism.is_empty() && mechanism.rotors_are_neighbours()
 }
@@ -82,12 +83,7 @@ fn inverse_dynamics_and_jacobians<'g>(
         let moments = rotors.moments(&mut builder, &setup, setup.last);
         composites = rotors.complete(&mut builder, composites, moments);
     }
-    let moving = Moving {
-        setup,
-        motions,
-        rotors,
-        composites,
-    };
+    let moving = Moving { setup, motions, rotors, composites };
     let forces = joint_forces(&mut builder, &moving);
     builder.output("B u", Shape::Vector(builder.each_joint()), forces);
     let (by_coordinates, by_velocities) = jacobians(&mut builder, &moving);
@@ -104,10 +100,7 @@ pub fn forward_dynamics_derivatives<'g>(
     inputs: Vec<InputArray>,
 ) -> Arrays {
     let mut builder = ArrayBuilder::new(&Mechanism::new(equations.graph, equations.model));
-    let last = (
-        "driving_forces",
-        equations.driving_forces(&arguments.y, &arguments.v, &arguments.u),
-    );
+    let last = ("driving_forces", equations.driving_forces(&arguments.y, &arguments.v, &arguments.u));
     let setup = set_up(&mut builder, equations, arguments, last);
     let (motions, flow) = move_bodies(&mut builder, &setup, false);
     let rotors = Rotors::new(&mut builder, &setup, &motions);
@@ -120,12 +113,7 @@ pub fn forward_dynamics_derivatives<'g>(
         let moments = rotors.steady_moments(&mut builder, &setup);
         composites = rotors.complete(&mut builder, composites, moments);
     }
-    let steady = Moving {
-        setup,
-        motions,
-        rotors,
-        composites,
-    };
+    let steady = Moving { setup, motions, rotors, composites };
     let mass = mass_matrix(&mut builder, &steady);
     let inverse = builder.invert(mass, "inverse");
     let remaining = remaining_forces(&mut builder, &steady);

@@ -18,17 +18,8 @@ pub(super) struct Moving {
 }
 
 /// What the accelerations add to a steady motion.
-pub(super) fn accelerate(
-    builder: &mut ArrayBuilder,
-    steady: Moving,
-    accelerations: ArrayId,
-) -> Moving {
-    let Moving {
-        setup,
-        motions,
-        rotors,
-        composites,
-    } = steady;
+pub(super) fn accelerate(builder: &mut ArrayBuilder, steady: Moving, accelerations: ArrayId) -> Moving {
+    let Moving { setup, motions, rotors, composites } = steady;
     let [gained] = builder.map(
         ("joint_accelerations", "Acceleration that each joint adds."),
         &[setup.screws, accelerations],
@@ -37,18 +28,12 @@ pub(super) fn accelerate(
     );
     let gained = builder.sum_ancestors(gained, "added_acceleration");
     let [acceleration, force] = builder.map(
-        (
-            "accelerated_bodies",
-            "Acceleration of each body, and the force that the added one needs.",
-        ),
+        ("accelerated_bodies", "Acceleration of each body, and the force that the added one needs."),
         &[motions.inertia, motions.acceleration, gained],
         [("total_acceleration", 6), ("added_force", 6)],
         |rows| {
             let gained = motion_of(rows[2]);
-            [
-                (motion_of(rows[1]) + gained).entries().to_vec(),
-                flat(moments_of(rows[0]).times(gained)),
-            ]
+            [(motion_of(rows[1]) + gained).entries().to_vec(), flat(moments_of(rows[0]).times(gained))]
         },
     );
     let added = builder.sum_subtrees(force, "composite_added_force");
@@ -67,14 +52,8 @@ pub(super) fn accelerate(
     };
     Moving {
         setup,
-        motions: Motions {
-            acceleration,
-            ..motions
-        },
+        motions: Motions { acceleration, ..motions },
         rotors,
-        composites: Composites {
-            force,
-            ..composites
-        },
+        composites: Composites { force, ..composites },
     }
 }

@@ -1,8 +1,8 @@
 //! Rotors on the parents of the joints that they drive.
 //!
-//! Such a rotor's momentum i J a couples its joint i with every joint before it, but not with itself: so do the columns of
-//! the Jacobians. With ω and ω̇ of the parent, the sums of `rotor.rs` over subtrees are those of all bodies beyond, without
-//! the rotor of the joint itself.
+//! Such a rotor's momentum i J a couples its joint i with every joint before it, but not with itself: so do
+//! the columns of the Jacobians. With ω and ω̇ of the parent, the sums of `rotor.rs` over subtrees are those
+//! of all bodies beyond, without the rotor of the joint itself.
 
 use super::bodies::{Composites, Motions};
 use super::builder::ArrayBuilder;
@@ -26,16 +26,8 @@ impl Rotors {
     pub fn new(builder: &mut ArrayBuilder, setup: &Setup, motions: &Motions) -> Option<Self> {
         let momentum = setup.momenta?;
         let [swept, spin] = builder.map(
-            (
-                "rotors_in_motion",
-                "How the bodies before the joints turn the rotors, and the rotors' spin.",
-            ),
-            &[
-                momentum,
-                motions.velocity,
-                motions.joint_velocity,
-                setup.rates,
-            ],
+            ("rotors_in_motion", "How the bodies before the joints turn the rotors, and the rotors' spin."),
+            &[momentum, motions.velocity, motions.joint_velocity, setup.rates],
             [("swept_rotor", 3), ("rotor_spin", 3)],
             |[momentum, velocity, own, rate]| {
                 let carrier = motion_of(velocity).angular - motion_of(own).angular;
@@ -43,30 +35,17 @@ impl Rotors {
                 [swept, vector(momentum).scaled(rate[0])].map(|v| v.0.to_vec())
             },
         );
-        Some(Self {
-            momentum,
-            swept,
-            spin,
-        })
+        Some(Self { momentum, swept, spin })
     }
 
     /// `ÿ h + ẏ ω × h`: moments on the bodies that carry rotors.
-    pub fn moments(
-        &self,
-        builder: &mut ArrayBuilder,
-        setup: &Setup,
-        accelerations: ArrayId,
-    ) -> ArrayId {
+    pub fn moments(&self, builder: &mut ArrayBuilder, setup: &Setup, accelerations: ArrayId) -> ArrayId {
         let [moments] = builder.map(
-            (
-                "rotor_moments",
-                "Moment of each joint's rotor on the body before the joint.",
-            ),
+            ("rotor_moments", "Moment of each joint's rotor on the body before the joint."),
             &[self.momentum, self.swept, setup.rates, accelerations],
             [("rotor_moment", 3)],
             |[momentum, swept, rate, acceleration]| {
-                let moment =
-                    vector(momentum).scaled(acceleration[0]) + vector(swept).scaled(rate[0]);
+                let moment = vector(momentum).scaled(acceleration[0]) + vector(swept).scaled(rate[0]);
                 [moment.0.to_vec()]
             },
         );
@@ -76,10 +55,7 @@ impl Rotors {
     /// `ẏ ω × h`: moments on the bodies that carry rotors, at ÿ = 0.
     pub fn steady_moments(&self, builder: &mut ArrayBuilder, setup: &Setup) -> ArrayId {
         let [moments] = builder.map(
-            (
-                "steady_rotor_moments",
-                "Moment of each joint's rotor on the body before the joint, at ÿ = 0.",
-            ),
+            ("steady_rotor_moments", "Moment of each joint's rotor on the body before the joint, at ÿ = 0."),
             &[self.swept, setup.rates],
             [("rotor_moment", 3)],
             |[swept, rate]| [vector(swept).scaled(rate[0]).0.to_vec()],
@@ -105,10 +81,7 @@ impl Rotors {
     pub fn add_moments(builder: &mut ArrayBuilder, force: ArrayId, moments: ArrayId) -> ArrayId {
         let sum = builder.sum_subtrees(moments, "composite_rotor_moment");
         let [force] = builder.map(
-            (
-                "forces_with_rotors",
-                "Force of all that each joint carries, its rotors included.",
-            ),
+            ("forces_with_rotors", "Force of all that each joint carries, its rotors included."),
             &[force, sum, moments],
             [("force_with_rotors", 6)],
             |[force, sum, own]| {
@@ -121,49 +94,27 @@ impl Rotors {
     }
 
     /// Forces, and what turns with the bodies, with the rotors.
-    pub fn complete(
-        &self,
-        builder: &mut ArrayBuilder,
-        bodies: Composites,
-        moments: ArrayId,
-    ) -> Composites {
+    pub fn complete(&self, builder: &mut ArrayBuilder, bodies: Composites, moments: ArrayId) -> Composites {
         let force = Self::add_moments(builder, bodies.force, moments);
         let sum = builder.sum_subtrees(self.spin, "composite_rotor_spin");
         let [flow] = builder.map(
-            (
-                "flows_with_rotors",
-                "Momentum of all that each joint carries, its rotors included.",
-            ),
+            ("flows_with_rotors", "Momentum of all that each joint carries, its rotors included."),
             &[bodies.flow, sum, self.spin],
             [("flow_with_rotors", 12)],
             |[flow, sum, own]| {
                 let spin = Matrix3::cross(vector(sum) - vector(own)).0.concat();
-                let spin = flow[3..]
-                    .iter()
-                    .zip(spin)
-                    .map(|(&bodies, rotors)| bodies + rotors);
+                let spin = flow[3..].iter().zip(spin).map(|(&bodies, rotors)| bodies + rotors);
                 [flow[..3].iter().copied().chain(spin).collect()]
             },
         );
-        Composites {
-            force,
-            flow,
-            ..bodies
-        }
+        Composites { force, flow, ..bodies }
     }
 
     /// `h · ω̇`: forces on the joints by the angular accelerations of the bodies before them.
     pub fn carried(&self, builder: &mut ArrayBuilder, motions: &Motions) -> ArrayId {
         let [carried] = builder.map(
-            (
-                "carried_rotors",
-                "Force on each joint by the acceleration of the body that carries its rotor.",
-            ),
-            &[
-                self.momentum,
-                motions.acceleration,
-                motions.joint_acceleration,
-            ],
+            ("carried_rotors", "Force on each joint by the acceleration of the body that carries its rotor."),
+            &[self.momentum, motions.acceleration, motions.joint_acceleration],
             [("carried_rotor", 1)],
             |[momentum, acceleration, own]| {
                 let carrier = motion_of(acceleration).angular - motion_of(own).angular;
@@ -176,10 +127,7 @@ impl Rotors {
     /// Adds `h` to what a unit acceleration of each joint needs of the joints before it.
     pub fn add_momentum(&self, builder: &mut ArrayBuilder, needed: ArrayId) -> ArrayId {
         let [needed] = builder.map(
-            (
-                "unit_accelerations_with_rotors",
-                "What a unit acceleration of each joint and its rotor needs.",
-            ),
+            ("unit_accelerations_with_rotors", "What a unit acceleration of each joint and its rotor needs."),
             &[needed, self.momentum],
             [("unit_force_with_rotors", 6)],
             |[needed, momentum]| [flat(with_moment(force_of(needed), vector(momentum)))],
@@ -187,7 +135,8 @@ impl Rotors {
         needed
     }
 
-    /// Adds to the columns of the Jacobians: `ω × h` to what δω does, `h` to what δω̇ does, `ω × h` to the damping.
+    /// Adds to the columns of the Jacobians: `ω × h` to what δω does, `h` to what δω̇ does, `ω × h` to the
+    /// damping.
     pub fn add_to_columns(
         &self,
         builder: &mut ArrayBuilder,
@@ -195,10 +144,7 @@ impl Rotors {
         damping: ArrayId,
     ) -> (ArrayId, ArrayId) {
         let [gains, damping] = builder.map(
-            (
-                "disturbances_with_rotors",
-                "How the joints before each one disturb it and its rotor.",
-            ),
+            ("disturbances_with_rotors", "How the joints before each one disturb it and its rotor."),
             &[gains, damping, self.momentum, self.swept],
             [("gains_with_rotors", 9), ("damping_with_rotors", 6)],
             |[gains, damping, momentum, swept]| {
@@ -215,8 +161,5 @@ impl Rotors {
 }
 
 fn with_moment<'g>(f: Force<'g>, moment: Vector3<'g>) -> Force<'g> {
-    Force {
-        moment: f.moment + moment,
-        ..f
-    }
+    Force { moment: f.moment + moment, ..f }
 }

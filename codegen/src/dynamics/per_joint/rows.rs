@@ -31,31 +31,18 @@ pub(super) fn moments_of<'g>(rows: &Rows<'g>) -> MassMoments<'g> {
 }
 
 pub(super) fn entries_of<'g>(moments: &MassMoments<'g>) -> Vec<Scalar<'g>> {
-    [
-        &[moments.mass][..],
-        &moments.first.0,
-        &moments.second.entries(),
-    ]
-    .concat()
+    [&[moments.mass][..], &moments.first.0, &moments.second.entries()].concat()
 }
 
 /// Moments of a body about the base's origin, in the axes of the base.
-pub(super) fn moved<'g>(
-    axes: &Rows<'g>,
-    origin: Vector3<'g>,
-    own: MassMoments<'g>,
-) -> MassMoments<'g> {
+pub(super) fn moved<'g>(axes: &Rows<'g>, origin: Vector3<'g>, own: MassMoments<'g>) -> MassMoments<'g> {
     let axes: [Vector3<'g>; 3] = [0, 1, 2].map(|k| vector(&axes[3 * k..]));
-    let direction =
-        |v: Vector3<'g>| axes[0].scaled(v[0]) + axes[1].scaled(v[1]) + axes[2].scaled(v[2]);
+    let direction = |v: Vector3<'g>| axes[0].scaled(v[0]) + axes[1].scaled(v[1]) + axes[2].scaled(v[2]);
     let (s, first) = (own.second, direction(own.first));
     // R Σ, column by column, then (R Σ) Rᵀ.
     let half = s.columns().map(direction);
-    let turned = |i: usize, j: usize| {
-        (0..3).fold(own.mass.constant(0.0), |sum, k| {
-            sum + half[k][i] * axes[k][j]
-        })
-    };
+    let turned =
+        |i: usize, j: usize| (0..3).fold(own.mass.constant(0.0), |sum, k| sum + half[k][i] * axes[k][j]);
     let turned = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| turned(i, j));
     let carried = origin.scaled(own.mass);
     let middle = first + carried.map(|x| x * 0.5);
@@ -67,14 +54,8 @@ pub(super) fn moved<'g>(
 }
 
 /// `2 ∫ ṙ dm` and `2 ∫ ṙ rᵀ dm`
-pub(super) fn flow_of<'g>(
-    moments: &MassMoments<'g>,
-    velocity: Motion<'g>,
-) -> (Vector3<'g>, Matrix3<'g>) {
-    let Motion {
-        angular: omega,
-        linear: v,
-    } = velocity.map(|x| x * 2.0);
+pub(super) fn flow_of<'g>(moments: &MassMoments<'g>, velocity: Motion<'g>) -> (Vector3<'g>, Matrix3<'g>) {
+    let Motion { angular: omega, linear: v } = velocity.map(|x| x * 2.0);
     let spin = Matrix3::cross_of(omega, moments.second);
     (
         v.scaled(moments.mass) + omega.cross(moments.first),
@@ -83,22 +64,11 @@ pub(super) fn flow_of<'g>(
 }
 
 /// `2B s` with the angular part of s.
-pub(super) fn swept<'g>(
-    spin: &Matrix3<'g>,
-    momentum: Vector3<'g>,
-    angular: Vector3<'g>,
-) -> Force<'g> {
-    Force {
-        moment: spin.times(angular),
-        force: angular.cross(momentum),
-    }
+pub(super) fn swept<'g>(spin: &Matrix3<'g>, momentum: Vector3<'g>, angular: Vector3<'g>) -> Force<'g> {
+    Force { moment: spin.times(angular), force: angular.cross(momentum) }
 }
 
 /// `tr A − A` of nine entries, rows first.
 pub(super) fn complement<'g>(a: &Rows<'g>) -> Matrix3<'g> {
-    Matrix3([
-        [a[4] + a[8], -a[1], -a[2]],
-        [-a[3], a[0] + a[8], -a[5]],
-        [-a[6], -a[7], a[0] + a[4]],
-    ])
+    Matrix3([[a[4] + a[8], -a[1], -a[2]], [-a[3], a[0] + a[8], -a[5]], [-a[6], -a[7], a[0] + a[4]]])
 }

@@ -61,22 +61,14 @@ pub(super) fn set_up<'g>(
             let axis = pose.axes[2].map(|x| x * body.transmission.ratio);
             body.axis.along(axis, pose.origin).entries().to_vec()
         }),
-        axes: rows("axes", 9, &|index| {
-            poses.body(index).axes.map(|axis| axis.0).concat()
-        }),
+        axes: rows("axes", 9, &|index| poses.body(index).axes.map(|axis| axis.0).concat()),
         origins: rows("origins", 3, &|index| poses.body(index).origin.0.to_vec()),
-        moments: rows("moments", 10, &|index| {
-            entries_of(&mechanism.bodies[index].moments)
-        }),
+        moments: rows("moments", 10, &|index| entries_of(&mechanism.bodies[index].moments)),
         rates: rows("rates", 1, &|index| vec![arguments.v[coordinate(index)]]),
-        gravity: rows(
-            "gravity",
-            3,
-            &|index| match mechanism.bodies[index].parent {
-                Some(_) => vec![zero; 3],
-                None => (-mechanism.gravity).0.to_vec(),
-            },
-        ),
+        gravity: rows("gravity", 3, &|index| match mechanism.bodies[index].parent {
+            Some(_) => vec![zero; 3],
+            None => (-mechanism.gravity).0.to_vec(),
+        }),
         rotors: rows("rotor_inertia", 1, &|index| {
             let coordinate = coordinate(index);
             vec![rotors[coordinate][coordinate]]
@@ -85,18 +77,14 @@ pub(super) fn set_up<'g>(
         joint_forces: rows("joint_forces", 3, &|index| {
             let coordinate = coordinate(index);
             let force = joint[coordinate];
-            vec![
-                by(force, arguments.y[coordinate]),
-                by(force, arguments.v[coordinate]),
-                force,
-            ]
+            vec![by(force, arguments.y[coordinate]), by(force, arguments.v[coordinate]), force]
         }),
-        momenta: momenta
-            .map(|momenta| rows("rotor_momenta", 3, &|index| momenta[index].0.to_vec())),
+        momenta: momenta.map(|momenta| rows("rotor_momenta", 3, &|index| momenta[index].0.to_vec())),
     }
 }
 
-/// `i J a` in the base frame of the rotors that drive each joint from its parent; `None` where there are none.
+/// `i J a` in the base frame of the rotors that drive each joint from its parent; `None` where there are
+/// none.
 fn rotor_momenta<'g>(mechanism: &Mechanism<'g>, poses: &BasePoses<'g>) -> Option<Vec<Vector3<'g>>> {
     let mut momenta = vec![Vector3::zero(mechanism.graph.constant(0.0)); mechanism.len()];
     let mut is_carried = false;
@@ -104,9 +92,7 @@ fn rotor_momenta<'g>(mechanism: &Mechanism<'g>, poses: &BasePoses<'g>) -> Option
         let Some(carrier) = rotor.carrier else {
             continue;
         };
-        let momentum = poses
-            .body(carrier)
-            .direction(rotor.axis.scaled(rotor.coupling_inertia()));
+        let momentum = poses.body(carrier).direction(rotor.axis.scaled(rotor.coupling_inertia()));
         momenta[rotor.driven] = momenta[rotor.driven] + momentum;
         is_carried = true;
     }

@@ -1,4 +1,5 @@
-//! Forward dynamics by articulated bodies (Featherstone 2008, section 7.3), with the joint's own accelerations.
+//! Forward dynamics by articulated bodies (Featherstone 2008, section 7.3), with the joint's own
+//! accelerations.
 //!
 //! With ω̇ and the acceleration a of its origin, minus gravity, a body and all that it carries freely need
 //!
@@ -6,9 +7,9 @@
 //! n = J ω̇ + C a + n₀          F = Cᵀ ω̇ + M a + F₀
 //! ```
 //!
-//! Beginning at the leaves, a joint's equation gives its acceleration from those of its parent, which leaves an
-//! articulated body with fewer inertia terms to the parent. The work grows with the number of joints, where that of the
-//! mass matrix and its factorization grows with its square and its cube.
+//! Beginning at the leaves, a joint's equation gives its acceleration from those of its parent, which leaves
+//! an articulated body with fewer inertia terms to the parent. The work grows with the number of joints,
+//! where that of the mass matrix and its factorization grows with its square and its cube.
 
 use crate::dynamics::recursion::placement::{Placement, Turn, place};
 use crate::dynamics::search::formulation::Formulation;
@@ -49,16 +50,12 @@ impl<'g> RotorCoupling<'g> {
     fn of_bodies(mechanism: &Mechanism<'g>) -> Vec<Self> {
         let zero = mechanism.graph.constant(0.0);
         let of_body = |(index, body): (usize, &Body<'g>)| {
-            let mut coupling = Self {
-                axial: Vector3::zero(zero),
-                inertia: zero,
-            };
+            let mut coupling = Self { axial: Vector3::zero(zero), inertia: zero };
             let rotors = mechanism.rotors.iter();
             for rotor in rotors.filter(|rotor| rotor.driven == index) {
                 // For a unit of the joint's acceleration, which is not that of the coordinate.
                 let per_joint = |x| body.transmission.inverse(x);
-                coupling.inertia =
-                    coupling.inertia + per_joint(per_joint(rotor.reflected_inertia()));
+                coupling.inertia = coupling.inertia + per_joint(per_joint(rotor.reflected_inertia()));
                 if rotor.carrier.is_some() {
                     let axial = rotor.axis.scaled(per_joint(rotor.coupling_inertia()));
                     coupling.axial = coupling.axial + axial;
@@ -83,17 +80,11 @@ struct Rates<'g> {
     coriolis: Vector3<'g>,
 }
 
-fn rates<'g>(
-    mechanism: &Mechanism<'g>,
-    placements: &[Placement<'g>],
-    v: &[Scalar<'g>],
-) -> Vec<Rates<'g>> {
+fn rates<'g>(mechanism: &Mechanism<'g>, placements: &[Placement<'g>], v: &[Scalar<'g>]) -> Vec<Rates<'g>> {
     let zero = mechanism.graph.constant(0.0);
     let mut rates: Vec<Rates<'g>> = Vec::with_capacity(mechanism.len());
     for (index, body) in mechanism.bodies.iter().enumerate() {
-        let parent = body
-            .parent
-            .map_or(Vector3::zero(zero), |parent| rates[parent].omega);
+        let parent = body.parent.map_or(Vector3::zero(zero), |parent| rates[parent].omega);
         let carried = placements[index].to_child(&body.twist, parent);
         let joint = body.transmission.motion(v);
         let across = |rate: Scalar<'g>| Vector3([carried[1] * rate, -(carried[0] * rate), zero]);
@@ -102,12 +93,7 @@ fn rates<'g>(
             JointAxis::Prismatic => (carried, across(joint * 2.0)),
         };
         omega.named(&format!("omega_{}", body.identifier));
-        rates.push(Rates {
-            carried,
-            omega,
-            joint,
-            coriolis,
-        });
+        rates.push(Rates { carried, omega, joint, coriolis });
     }
     rates
 }
@@ -127,7 +113,8 @@ struct Articulated<'g> {
     force: Vector3<'g>,
 }
 
-/// A joint's equation: `ÿ = known − per_angular · ω̇ − per_linear · a`, with the accelerations that its parent gives it.
+/// A joint's equation: `ÿ = known − per_angular · ω̇ − per_linear · a`, with the accelerations that its
+/// parent gives it.
 #[derive(Clone, Copy)]
 struct JointEquation<'g> {
     known: Scalar<'g>,
@@ -145,13 +132,10 @@ struct Tree<'a, 'g> {
 impl<'g> Tree<'_, 'g> {
     /// From the leaves to the base.
     fn eliminate(&self, forces: &[Scalar<'g>]) -> Vec<JointEquation<'g>> {
-        let mut bodies: Vec<Articulated<'g>> =
-            (0..self.mechanism.len()).map(|k| self.rigid(k)).collect();
+        let mut bodies: Vec<Articulated<'g>> = (0..self.mechanism.len()).map(|k| self.rigid(k)).collect();
         let mut joints = Vec::with_capacity(bodies.len());
         for (index, body) in self.mechanism.bodies.iter().enumerate().rev() {
-            let force = body
-                .transmission
-                .inverse(forces[body.transmission.coordinate]);
+            let force = body.transmission.inverse(forces[body.transmission.coordinate]);
             let (joint, rest) = self.eliminate_joint(index, &bodies[index], force);
             joints.push(joint);
             if let Some(parent) = body.parent {
@@ -159,8 +143,7 @@ impl<'g> Tree<'_, 'g> {
                 let coupling = self.couplings[index].axial;
                 let gyroscopic = self.rates[parent].omega.cross(coupling);
                 bodies[parent] = bodies[parent].plus(&arrived);
-                bodies[parent].moment =
-                    bodies[parent].moment + gyroscopic.scaled(self.rates[index].joint);
+                bodies[parent].moment = bodies[parent].moment + gyroscopic.scaled(self.rates[index].joint);
             }
         }
         joints.reverse();
@@ -171,11 +154,8 @@ impl<'g> Tree<'_, 'g> {
     fn rigid(&self, index: usize) -> Articulated<'g> {
         let (moments, omega) = (self.placements[index].moments, self.rates[index].omega);
         let s = moments.second;
-        let inertia = Matrix3([
-            [s.yy + s.zz, -s.xy, -s.xz],
-            [-s.xy, s.xx + s.zz, -s.yz],
-            [-s.xz, -s.yz, s.xx + s.yy],
-        ]);
+        let inertia =
+            Matrix3([[s.yy + s.zz, -s.xy, -s.xz], [-s.xy, s.xx + s.zz, -s.yz], [-s.xz, -s.yz, s.xx + s.yy]]);
         let angular_momentum = inertia.times(omega);
         Articulated {
             inertia,
@@ -198,16 +178,8 @@ impl<'g> Tree<'_, 'g> {
         let described = &self.mechanism.bodies[index];
         let axial = self.placements[index].to_child(&described.twist, coupling.axial);
         let (by_angular, by_linear, own) = match revolute {
-            true => (
-                body.inertia.column(2),
-                Vector3(body.coupling[2]),
-                body.inertia[2][2],
-            ),
-            false => (
-                body.coupling.column(2),
-                Vector3(body.mass[2]),
-                body.mass[2][2],
-            ),
+            true => (body.inertia.column(2), Vector3(body.coupling[2]), body.inertia[2][2]),
+            false => (body.coupling.column(2), Vector3(body.mass[2]), body.mass[2][2]),
         };
         let by_angular = by_angular + axial;
         let (moment, bias) = match revolute {
@@ -221,10 +193,8 @@ impl<'g> Tree<'_, 'g> {
             ),
         };
         let own = own + coupling.inertia;
-        let reciprocal = own
-            .constant(1.0)
-            .divided_by(own)
-            .named(|| format!("inverse_d_{}", described.identifier));
+        let reciprocal =
+            own.constant(1.0).divided_by(own).named(|| format!("inverse_d_{}", described.identifier));
         // Exactly 1 where only the body resists: what is eliminated then vanishes exactly.
         let per = |x: Scalar<'g>| match x == own {
             true => own.constant(1.0),
@@ -232,20 +202,10 @@ impl<'g> Tree<'_, 'g> {
         };
         let (per_angular, per_linear) = (by_angular.map(per), by_linear.map(per));
         let known = (force - if revolute { moment[2] } else { bias[2] }) * reciprocal;
-        let joint = JointEquation {
-            known,
-            per_angular,
-            per_linear,
-        };
+        let joint = JointEquation { known, per_angular, per_linear };
         let mut rest = Articulated {
             inertia: minus_symmetric(&body.inertia, by_angular, per_angular),
-            coupling: minus_product(
-                &body.coupling,
-                by_angular,
-                per_angular,
-                by_linear,
-                per_linear,
-            ),
+            coupling: minus_product(&body.coupling, by_angular, per_angular, by_linear, per_linear),
             mass: minus_symmetric(&body.mass, by_linear, per_linear),
             moment: moment + by_angular.scaled(known),
             force: bias + by_linear.scaled(known),
@@ -265,12 +225,8 @@ impl<'g> Tree<'_, 'g> {
         let (body, placement) = (&self.mechanism.bodies[index], &self.placements[index]);
         let zero = placement.extension.constant(0.0);
         let lift = Vector3([zero, zero, placement.extension]);
-        let turned = rest
-            .shifted(lift, self.rates[index].carried)
-            .turned(placement.turn, &body.twist);
-        let omega = body
-            .parent
-            .map_or(Vector3::zero(zero), |parent| self.rates[parent].omega);
+        let turned = rest.shifted(lift, self.rates[index].carried).turned(placement.turn, &body.twist);
+        let omega = body.parent.map_or(Vector3::zero(zero), |parent| self.rates[parent].omega);
         turned.shifted(placement.translation, omega)
     }
 
@@ -282,12 +238,9 @@ impl<'g> Tree<'_, 'g> {
         for (index, body) in self.mechanism.bodies.iter().enumerate() {
             let (angular, linear) = self.carried(index, body, &motions);
             let joint = &joints[index];
-            let acceleration =
-                joint.known - joint.per_angular.dot(angular) - joint.per_linear.dot(linear);
-            result[body.transmission.coordinate] = body
-                .transmission
-                .inverse(acceleration)
-                .named(|| format!("acceleration_{}", body.identifier));
+            let acceleration = joint.known - joint.per_angular.dot(angular) - joint.per_linear.dot(linear);
+            result[body.transmission.coordinate] =
+                body.transmission.inverse(acceleration).named(|| format!("acceleration_{}", body.identifier));
             let own = self.rates[index].coriolis + Vector3([zero, zero, acceleration]);
             motions.push(match body.axis {
                 JointAxis::Revolute => (angular + own, linear),
@@ -307,25 +260,13 @@ impl<'g> Tree<'_, 'g> {
         let placement = &self.placements[index];
         let zero = placement.extension.constant(0.0);
         let (angular, linear, omega) = match body.parent {
-            Some(parent) => (
-                motions[parent].0,
-                motions[parent].1,
-                self.rates[parent].omega,
-            ),
-            None => (
-                Vector3::zero(zero),
-                -self.mechanism.gravity,
-                Vector3::zero(zero),
-            ),
+            Some(parent) => (motions[parent].0, motions[parent].1, self.rates[parent].omega),
+            None => (Vector3::zero(zero), -self.mechanism.gravity, Vector3::zero(zero)),
         };
-        let at_joint = linear
-            + angular.cross(placement.translation)
-            + omega.cross(omega.cross(placement.translation));
+        let at_joint =
+            linear + angular.cross(placement.translation) + omega.cross(omega.cross(placement.translation));
         let turned = placement.to_child(&body.twist, angular);
-        let (lift, carried) = (
-            Vector3([zero, zero, placement.extension]),
-            self.rates[index].carried,
-        );
+        let (lift, carried) = (Vector3([zero, zero, placement.extension]), self.rates[index].carried);
         let origin = placement.to_child(&body.twist, at_joint)
             + turned.cross(lift)
             + carried.cross(carried.cross(lift));
@@ -363,13 +304,7 @@ impl<'g> Articulated<'g> {
                 inertia[j][i] = inertia[i][j];
             }
         }
-        Self {
-            inertia,
-            coupling,
-            mass: self.mass,
-            moment,
-            force,
-        }
+        Self { inertia, coupling, mass: self.mass, moment, force }
     }
 
     /// In the axes before the joint's turn and twist.

@@ -1,7 +1,8 @@
 //! Mass matrix by composite rigid bodies.
 //!
-//! Column j of M is what joint j needs to accelerate the composite body beyond it by 1, passed on to the joints before
-//! it (Walker and Orin 1982; Featherstone 2008, ch. 6), with moments of mass in place of spatial inertias.
+//! Column j of M is what joint j needs to accelerate the composite body beyond it by 1, passed on to the
+//! joints before it (Walker and Orin 1982; Featherstone 2008, ch. 6), with moments of mass in place of
+//! spatial inertias.
 
 use crate::dynamics::recursion::placement::{Placement, ends_at_root, place};
 use crate::dynamics::recursion::rotor;
@@ -24,13 +25,7 @@ pub fn mass_matrix<'g>(
     let placements = place(mechanism, formulation, y);
     let composites = composites(mechanism, formulation, &placements);
     for (index, composite) in composites.iter().enumerate() {
-        Column {
-            mechanism,
-            formulation,
-            placements: &placements,
-            index,
-        }
-        .fill(composite, &mut matrix);
+        Column { mechanism, formulation, placements: &placements, index }.fill(composite, &mut matrix);
     }
     rotor::add_inertia(mechanism, &mut matrix);
     rotor::add_coupling(mechanism, &placements, &mut matrix);
@@ -52,25 +47,19 @@ pub(super) fn composites<'g>(
     formulation: &Formulation,
     placements: &[Placement<'g>],
 ) -> Vec<Composite<'g>> {
-    let mut composites: Vec<Composite<'g>> = placements
-        .iter()
-        .map(|placement| Composite::of(placement.moments))
-        .collect();
+    let mut composites: Vec<Composite<'g>> =
+        placements.iter().map(|placement| Composite::of(placement.moments)).collect();
     for index in (0..mechanism.len()).rev() {
         let (body, placement) = (&mechanism.bodies[index], &placements[index]);
         let Some(parent) = body.parent else { continue };
         let Composite { mut moments, polar } = composites[index];
         moments = before_joint(moments.lifted(placement.extension), placement);
         let arrived = moments.to_parent(&body.twist, placement.translation);
-        let keeps_polar =
-            body.twist.is_none() && formulation.bodies[index].source == RunLink::RunBase;
+        let keeps_polar = body.twist.is_none() && formulation.bodies[index].source == RunLink::RunBase;
         let sum = composites[parent].moments + arrived;
         let arrived_polar = polar_after_shift(polar, &moments, placement.translation);
         composites[parent] = match keeps_polar {
-            true => Composite {
-                moments: sum,
-                polar: composites[parent].polar + arrived_polar,
-            },
+            true => Composite { moments: sum, polar: composites[parent].polar + arrived_polar },
             false => Composite::of(sum),
         };
     }
@@ -79,10 +68,7 @@ pub(super) fn composites<'g>(
 
 impl<'g> Composite<'g> {
     fn of(moments: MassMoments<'g>) -> Self {
-        Self {
-            moments,
-            polar: moments.second.xx + moments.second.yy,
-        }
+        Self { moments, polar: moments.second.xx + moments.second.yy }
     }
 
     /// `(tr Σ − Σ) v`: the inertia tensor about the origin times a vector.
@@ -97,25 +83,16 @@ impl<'g> Composite<'g> {
 }
 
 /// Moments in the frame before the joint, in the parent's unit of length.
-pub(super) fn before_joint<'g>(
-    moments: MassMoments<'g>,
-    placement: &Placement<'g>,
-) -> MassMoments<'g> {
+pub(super) fn before_joint<'g>(moments: MassMoments<'g>, placement: &Placement<'g>) -> MassMoments<'g> {
     MassMoments {
         mass: moments.mass * (placement.unit_ratio * placement.unit_ratio),
         first: placement.before_joint_unit(moments.first),
-        second: placement
-            .turn
-            .map_or(moments.second, |turn| moments.second.turned(turn)),
+        second: placement.turn.map_or(moments.second, |turn| moments.second.turned(turn)),
     }
 }
 
 /// `Σ_xx + Σ_yy` after a displacement by `p`.
-fn polar_after_shift<'g>(
-    polar: Scalar<'g>,
-    moments: &MassMoments<'g>,
-    p: Vector3<'g>,
-) -> Scalar<'g> {
+fn polar_after_shift<'g>(polar: Scalar<'g>, moments: &MassMoments<'g>, p: Vector3<'g>) -> Scalar<'g> {
     let h = moments.first;
     let quadratic = moments.mass * (p[0].squared() + p[1].squared());
     polar + (h[0] * p[0] + h[1] * p[1]) * 2.0 + quadratic
@@ -150,57 +127,41 @@ impl<'g> Column<'_, 'g> {
                 let twist = &self.mechanism.bodies[index].twist;
                 let screw = self.placements[index].parent_screw(twist);
                 let share = screw.dot(carried.force) + twist.to_parent(carried.transverse)[2];
-                row.transmission
-                    .add_coupling(column.coordinate, share * column.ratio, matrix);
+                row.transmission.add_coupling(column.coordinate, share * column.ratio, matrix);
                 break;
             }
             carried = self.pass_on(index, carried);
             let entry = row.axis.force(carried.force);
-            row.transmission
-                .add_coupling(column.coordinate, entry * column.ratio, matrix);
+            row.transmission.add_coupling(column.coordinate, entry * column.ratio, matrix);
             index = parent;
         }
     }
 
     /// What accelerates the composite body by 1 along or about the joint's axis.
     fn unit_acceleration(&self, composite: &Composite<'g>) -> Carried<'g> {
-        let MassMoments {
-            mass,
-            first: h,
-            second: s,
-        } = composite.moments;
+        let MassMoments { mass, first: h, second: s } = composite.moments;
         let zero = mass.constant(0.0);
         let force = match self.mechanism.bodies[self.index].axis {
             JointAxis::Revolute => Force {
                 force: Vector3([-h[1], h[0], zero]),
                 moment: Vector3([-s.xz, -s.yz, composite.polar]),
             },
-            JointAxis::Prismatic => Force {
-                force: Vector3([zero, zero, mass]),
-                moment: Vector3([h[1], -h[0], zero]),
-            },
+            JointAxis::Prismatic => {
+                Force { force: Vector3([zero, zero, mass]), moment: Vector3([h[1], -h[0], zero]) }
+            }
         };
-        Carried {
-            force,
-            transverse: Vector3::zero(zero),
-        }
+        Carried { force, transverse: Vector3::zero(zero) }
     }
 
     fn pass_on(&self, index: usize, carried: Carried<'g>) -> Carried<'g> {
         let (body, placement) = (&self.mechanism.bodies[index], &self.placements[index]);
-        let Carried {
-            force: Force { force, mut moment },
-            mut transverse,
-        } = carried;
+        let Carried { force: Force { force, mut moment }, mut transverse } = carried;
         let zero = moment[0].constant(0.0);
         let length = placement.extension;
         moment = moment + Vector3([-(length * force[1]), length * force[0], zero]);
         if self.formulation.bodies[index].sink == RunLink::RunBase && placement.run != index {
             let across = Vector3([moment[0], moment[1], zero]);
-            transverse = transverse
-                + placement
-                    .turn_from_run
-                    .map_or(across, |turn| across.turned(turn));
+            transverse = transverse + placement.turn_from_run.map_or(across, |turn| across.turned(turn));
             moment = Vector3([zero, zero, moment[2]]);
         }
         let mut turned = placement.turn.map_or(moment, |turn| moment.turned(turn));
@@ -210,10 +171,7 @@ impl<'g> Column<'_, 'g> {
         }
         let force = body.twist.to_parent(placement.before_joint_unit(force));
         let moment = body.twist.to_parent(turned) + placement.translation.cross(force);
-        Carried {
-            force: Force { force, moment },
-            transverse,
-        }
+        Carried { force: Force { force, moment }, transverse }
     }
 }
 
@@ -224,10 +182,7 @@ pub fn first_moment<'g>(
     y: &[Scalar<'g>],
 ) -> Vector3<'g> {
     let placements = place(mechanism, formulation, y);
-    let mut moments: Vec<_> = placements
-        .iter()
-        .map(|p| (p.moments.mass, p.moments.first))
-        .collect();
+    let mut moments: Vec<_> = placements.iter().map(|p| (p.moments.mass, p.moments.first)).collect();
     let mut total = mechanism.base_moments.first;
     for index in (0..mechanism.len()).rev() {
         let (body, placement) = (&mechanism.bodies[index], &placements[index]);
@@ -235,9 +190,7 @@ pub fn first_moment<'g>(
         first.0[2] = first[2] + mass * placement.extension;
         let arrived = placement.to_parent(&body.twist, first) + placement.translation.scaled(mass);
         match body.parent {
-            Some(parent) => {
-                moments[parent] = (moments[parent].0 + mass, moments[parent].1 + arrived)
-            }
+            Some(parent) => moments[parent] = (moments[parent].0 + mass, moments[parent].1 + arrived),
             None => total = total + arrived,
         }
     }

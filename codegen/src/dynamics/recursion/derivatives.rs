@@ -1,23 +1,25 @@
 //! Analytic derivatives of the inverse dynamics, with composite bodies.
 //!
-//! A body that carries others is disturbed by an angular velocity δω, by β = δω̇ + ω × δω and by an acceleration δa of
-//! its origin. With r and ṙ relative to that origin, every point of the subtree then accelerates by
+//! A body that carries others is disturbed by an angular velocity δω, by β = δω̇ + ω × δω and by an
+//! acceleration δa of its origin. With r and ṙ relative to that origin, every point of the subtree then
+//! accelerates by
 //!
 //! ```text
 //! δr̈ = δa + β × r + 2 δω × ṙ
 //! ```
 //!
-//! and δω, β stay the same vectors in every body beyond. So the force and moment that follow need only the composite
-//! moments m, h = ∫ r dm, Σ = ∫ r rᵀ dm, 2 P = 2 ∫ ṙ dm and 2 K = 2 ∫ ṙ rᵀ dm:
+//! and δω, β stay the same vectors in every body beyond. So the force and moment that follow need only the
+//! composite moments m, h = ∫ r dm, Σ = ∫ r rᵀ dm, 2 P = 2 ∫ ṙ dm and 2 K = 2 ∫ ṙ rᵀ dm:
 //!
 //! ```text
 //! δF = m δa + β × h + δω × 2P
 //! δn = h × δa + (tr Σ − Σ) β + (tr 2K − 2K) δω
 //! ```
 //!
-//! A revolute coordinate disturbs by δω = ω × z, β = U z, δa = a × z, its velocity by δω = z, β = 2 ω × z; a prismatic
-//! one by δa = U z and δa = 2 ω × z. The derivatives are those of Carpentier and Mansard (2018) and of Singh, Russell
-//! and Wensing (2022), written with classical accelerations, so that no linear velocity is needed.
+//! A revolute coordinate disturbs by δω = ω × z, β = U z, δa = a × z, its velocity by δω = z, β = 2 ω × z; a
+//! prismatic one by δa = U z and δa = 2 ω × z. The derivatives are those of Carpentier and Mansard (2018) and
+//! of Singh, Russell and Wensing (2022), written with classical accelerations, so that no linear velocity is
+//! needed.
 
 use crate::dynamics::matrix::Matrix;
 use crate::dynamics::recursion::composite::{Composite, before_joint, composites};
@@ -47,8 +49,8 @@ pub struct ForceDerivatives<'g> {
 pub enum PairFrame {
     /// In the working frame of each joint, carried there link by link.
     Links,
-    /// In the frame of the tree's first body: nothing is carried, but every product has all its components. All bodies
-    /// need the same unit of length.
+    /// In the frame of the tree's first body: nothing is carried, but every product has all its components.
+    /// All bodies need the same unit of length.
     Root,
 }
 
@@ -78,10 +80,7 @@ pub fn inverse_dynamics_derivatives<'g>(
     };
     let tree = match pairs {
         PairFrame::Links => tree,
-        PairFrame::Root => Tree {
-            base: tree.base_bodies(),
-            ..tree
-        },
+        PairFrame::Root => Tree { base: tree.base_bodies(), ..tree },
     };
     let flows = tree.flows(formulation, input);
     for index in 0..mechanism.len() {
@@ -91,10 +90,7 @@ pub fn inverse_dynamics_derivatives<'g>(
     }
     rotor::add_inertia(mechanism, &mut result.mass_matrix);
     for rotor in &mechanism.rotors {
-        let Some(carrier) = rotor
-            .carrier
-            .filter(|&carrier| !tree.passes(rotor.driven, carrier))
-        else {
+        let Some(carrier) = rotor.carrier.filter(|&carrier| !tree.passes(rotor.driven, carrier)) else {
             continue;
         };
         let mut column = Column::zero(mechanism);
@@ -138,17 +134,10 @@ fn levers<'g>(
         let mut along_velocity = twice.scaled(along);
         along_velocity.0[2] = rate * 2.0;
         let across_velocity = match body.parent {
-            Some(parent) => motions[parent]
-                .omega
-                .cross(placements[index].translation)
-                .map(|x| x * 2.0),
+            Some(parent) => motions[parent].omega.cross(placements[index].translation).map(|x| x * 2.0),
             None => Vector3::zero(zero),
         };
-        Lever {
-            along,
-            along_velocity,
-            across_velocity,
-        }
+        Lever { along, along_velocity, across_velocity }
     };
     mechanism.bodies.iter().enumerate().map(lever).collect()
 }
@@ -158,8 +147,8 @@ fn twice_across(omega: Vector3<'_>) -> Vector3<'_> {
     Vector3([omega[1] * 2.0, -(omega[0] * 2.0), omega[2].constant(0.0)])
 }
 
-/// A column of the derivatives on its way to the base: three wrenches, and what the torque of the column's joint gains
-/// by disturbances of the body that it has arrived at.
+/// A column of the derivatives on its way to the base: three wrenches, and what the torque of the column's
+/// joint gains by disturbances of the body that it has arrived at.
 #[derive(Clone, Copy)]
 struct Column<'g> {
     /// By the acceleration; also: torque of the joint by δa and β.
@@ -176,12 +165,7 @@ impl<'g> Column<'g> {
     fn zero(mechanism: &Mechanism<'g>) -> Self {
         let zero = mechanism.graph.constant(0.0);
         let nothing = Force::zero(zero);
-        Self {
-            inertial: nothing,
-            damping: nothing,
-            stiffness: nothing,
-            by_omega: Vector3::zero(zero),
-        }
+        Self { inertial: nothing, damping: nothing, stiffness: nothing, by_omega: Vector3::zero(zero) }
     }
 }
 
@@ -202,15 +186,10 @@ struct Disturbed<'g> {
 impl<'g> Flow<'g> {
     /// Force and moment about the origin that a disturbance of the body causes.
     fn response(&self, disturbed: &Disturbed<'g>) -> Force<'g> {
-        let Disturbed {
-            omega,
-            beta,
-            acceleration,
-        } = *disturbed;
+        let Disturbed { omega, beta, acceleration } = *disturbed;
         let moments = self.composite.moments;
-        let force = acceleration.scaled(moments.mass)
-            + beta.cross(moments.first)
-            + omega.cross(self.momentum);
+        let force =
+            acceleration.scaled(moments.mass) + beta.cross(moments.first) + omega.cross(self.momentum);
         let moment = moments.first.cross(acceleration)
             + self.composite.inertia_times(beta)
             + self.spin.complement_times(omega);
@@ -228,8 +207,8 @@ struct Tree<'a, 'g> {
     base: Vec<BaseBody<'g>>,
 }
 
-/// A body as seen from the root of its tree: vectors in the axes of the root's working frame, moments and accelerations
-/// at its origin, velocities relative to the base.
+/// A body as seen from the root of its tree: vectors in the axes of the root's working frame, moments and
+/// accelerations at its origin, velocities relative to the base.
 #[derive(Clone, Copy)]
 struct BaseBody<'g> {
     axes: [Vector3<'g>; 3],
@@ -248,14 +227,9 @@ impl<'g> BaseBody<'g> {
     /// A disturbance of the body, with the acceleration of the point at the base's origin.
     fn disturbed(&self, local: &Disturbed<'g>) -> Disturbed<'g> {
         let (omega, beta) = (self.direction(local.omega), self.direction(local.beta));
-        let at_origin = self.direction(local.acceleration)
-            - beta.cross(self.origin)
-            - omega.cross(self.twice_velocity);
-        Disturbed {
-            omega,
-            beta,
-            acceleration: at_origin,
-        }
+        let at_origin =
+            self.direction(local.acceleration) - beta.cross(self.origin) - omega.cross(self.twice_velocity);
+        Disturbed { omega, beta, acceleration: at_origin }
     }
 
     fn force(&self, f: Force<'g>) -> Force<'g> {
@@ -286,11 +260,7 @@ impl<'g> Tree<'_, 'g> {
                 let moments = self.placements[index].moments;
                 let twice = self.motions[index].omega.map(|x| x * 2.0);
                 let momentum = twice.cross(moments.first);
-                Flow {
-                    composite,
-                    momentum,
-                    spin: Matrix3::cross_of(twice, moments.second),
-                }
+                Flow { composite, momentum, spin: Matrix3::cross_of(twice, moments.second) }
             })
             .collect();
         self.add_rotor_spin(&mut flows, input);
@@ -306,33 +276,18 @@ impl<'g> Tree<'_, 'g> {
 
     /// 2P and 2K of a subtree about the parent's origin.
     fn pass_flow(&self, index: usize, flow: &Flow<'g>) -> (Vector3<'g>, Matrix3<'g>) {
-        let (body, placement, lever) = (
-            &self.mechanism.bodies[index],
-            &self.placements[index],
-            &self.levers[index],
-        );
+        let (body, placement, lever) =
+            (&self.mechanism.bodies[index], &self.placements[index], &self.levers[index]);
         let zero = lever.along.constant(0.0);
         let moments = flow.composite.moments;
         let along = Vector3([zero, zero, lever.along]);
-        let (momentum, spin) = shift_flow(
-            moments,
-            flow.momentum,
-            &flow.spin,
-            along,
-            lever.along_velocity,
-        );
+        let (momentum, spin) = shift_flow(moments, flow.momentum, &flow.spin, along, lever.along_velocity);
         let moments = before_joint(moments.lifted(lever.along), placement);
         let moments = moments.to_parent(&body.twist, Vector3::zero(zero));
         let momentum = body.twist.to_parent(placement.before_joint_unit(momentum));
         let spin = placement.turn.map_or(spin, |turn| spin.turned(turn));
         let spin = spin.twisted(&body.twist);
-        shift_flow(
-            moments,
-            momentum,
-            &spin,
-            placement.translation,
-            lever.across_velocity,
-        )
+        shift_flow(moments, momentum, &spin, placement.translation, lever.across_velocity)
     }
 
     /// A rotor's spin turns with its carrier.
@@ -358,14 +313,8 @@ impl<'g> Tree<'_, 'g> {
             beta: screw.angular,
             acceleration: screw.linear,
         });
-        let (own, turned) = (
-            flow.response(&disturbance.by_coordinate),
-            screw.cross_force(*needed),
-        );
-        let mut stiffness = Force {
-            force: own.force + turned.force,
-            moment: own.moment + turned.moment,
-        };
+        let (own, turned) = (flow.response(&disturbance.by_coordinate), screw.cross_force(*needed));
+        let mut stiffness = Force { force: own.force + turned.force, moment: own.moment + turned.moment };
         let by_omega = match axis {
             JointAxis::Revolute => {
                 inertial.moment.0[2] = flow.composite.polar;
@@ -395,11 +344,7 @@ impl<'g> Tree<'_, 'g> {
         let bodies = &self.mechanism.bodies;
         bodies[index].axis == JointAxis::Revolute
             && bodies.iter().all(|body| body.parent != Some(index))
-            && self
-                .mechanism
-                .rotors
-                .iter()
-                .all(|r| r.carrier != Some(index))
+            && self.mechanism.rotors.iter().all(|r| r.carrier != Some(index))
             && across.iter().all(|x| x.is_zero())
             && second.xx == second.yy
     }
@@ -424,16 +369,8 @@ impl<'g> Tree<'_, 'g> {
                 },
             },
             JointAxis::Prismatic => Disturbance {
-                by_coordinate: Disturbed {
-                    omega: nothing,
-                    beta: nothing,
-                    acceleration: axis_points,
-                },
-                by_velocity: Disturbed {
-                    omega: nothing,
-                    beta: nothing,
-                    acceleration: twice_across(w),
-                },
+                by_coordinate: Disturbed { omega: nothing, beta: nothing, acceleration: axis_points },
+                by_velocity: Disturbed { omega: nothing, beta: nothing, acceleration: twice_across(w) },
             },
         }
     }
@@ -454,19 +391,13 @@ impl<'g> Tree<'_, 'g> {
                     // Column k of R is what the twist makes of the unit vector k, turned afterwards.
                     let [x, y, z] = unit.map(|axis| parent.direction(body.twist.to_parent(axis)));
                     match placement.turn {
-                        Some((s, c)) => (
-                            [x.scaled(c) + y.scaled(s), y.scaled(c) - x.scaled(s), z],
-                            origin,
-                            velocity,
-                        ),
+                        Some((s, c)) => {
+                            ([x.scaled(c) + y.scaled(s), y.scaled(c) - x.scaled(s), z], origin, velocity)
+                        }
                         None => ([x, y, z], origin, velocity),
                     }
                 }
-                None => (
-                    unit,
-                    -Vector3([zero, zero, lever.along]),
-                    Vector3::zero(zero),
-                ),
+                None => (unit, -Vector3([zero, zero, lever.along]), Vector3::zero(zero)),
             };
             let mut seen = BaseBody {
                 axes,
@@ -477,10 +408,7 @@ impl<'g> Tree<'_, 'g> {
             };
             seen.twice_velocity = seen.twice_velocity + seen.direction(lever.along_velocity);
             seen.screw = body.axis.along(axes[2], seen.origin);
-            let Disturbance {
-                by_coordinate,
-                by_velocity,
-            } = seen.disturbance;
+            let Disturbance { by_coordinate, by_velocity } = seen.disturbance;
             seen.disturbance = Disturbance {
                 by_coordinate: seen.disturbed(&by_coordinate),
                 by_velocity: seen.disturbed(&by_velocity),
@@ -492,19 +420,12 @@ impl<'g> Tree<'_, 'g> {
 
     /// A column where it starts its way to the base.
     fn depart(&self, index: usize, column: Column<'g>) -> Column<'g> {
-        self.base
-            .get(index)
-            .map_or(column, |body| body.column(&column))
+        self.base.get(index).map_or(column, |body| body.column(&column))
     }
 
-    /// Carries the column of a joint from a body to the base and reads off the entries at every joint that it passes.
-    fn walk(
-        &self,
-        start: usize,
-        joint: usize,
-        mut column: Column<'g>,
-        result: &mut ForceDerivatives<'g>,
-    ) {
+    /// Carries the column of a joint from a body to the base and reads off the entries at every joint that it
+    /// passes.
+    fn walk(&self, start: usize, joint: usize, mut column: Column<'g>, result: &mut ForceDerivatives<'g>) {
         let mut index = start;
         while let Some(parent) = self.mechanism.bodies[index].parent {
             if self.base.is_empty() {
@@ -518,11 +439,8 @@ impl<'g> Tree<'_, 'g> {
 
     /// The entries of the column's own joint.
     fn read_own(&self, index: usize, values: &Column<'g>, result: &mut ForceDerivatives<'g>) {
-        let Body {
-            axis, transmission, ..
-        } = &self.mechanism.bodies[index];
-        let add =
-            |f, matrix| transmission.add_row_entry(transmission.coordinate, axis.force(f), matrix);
+        let Body { axis, transmission, .. } = &self.mechanism.bodies[index];
+        let add = |f, matrix| transmission.add_row_entry(transmission.coordinate, axis.force(f), matrix);
         add(values.inertial, &mut result.mass_matrix);
         add(values.damping, &mut result.by_velocities);
         add(values.stiffness, &mut result.by_coordinates);
@@ -537,49 +455,21 @@ impl<'g> Tree<'_, 'g> {
     }
 
     /// The entries that couple the column's joint with another one.
-    fn read_off(
-        &self,
-        index: usize,
-        joint: usize,
-        values: &Column<'g>,
-        result: &mut ForceDerivatives<'g>,
-    ) {
+    fn read_off(&self, index: usize, joint: usize, values: &Column<'g>, result: &mut ForceDerivatives<'g>) {
         let row = &self.mechanism.bodies[index].transmission;
         let column = self.mechanism.bodies[joint].transmission.coordinate;
-        row.add_coupling(
-            column,
-            self.met_by(index, values.inertial),
-            &mut result.mass_matrix,
-        );
-        row.add_row_entry(
-            column,
-            self.met_by(index, values.damping),
-            &mut result.by_velocities,
-        );
-        row.add_row_entry(
-            column,
-            self.met_by(index, values.stiffness),
-            &mut result.by_coordinates,
-        );
-        let disturbance = self
-            .base
-            .get(index)
-            .map_or_else(|| self.disturbance(index), |body| body.disturbance);
+        row.add_coupling(column, self.met_by(index, values.inertial), &mut result.mass_matrix);
+        row.add_row_entry(column, self.met_by(index, values.damping), &mut result.by_velocities);
+        row.add_row_entry(column, self.met_by(index, values.stiffness), &mut result.by_coordinates);
+        let disturbance =
+            self.base.get(index).map_or_else(|| self.disturbance(index), |body| body.disturbance);
         let gain = |disturbed: Disturbed<'g>| {
             let Force { force, moment } = values.inertial;
             let by_motion = moment.dot(disturbed.beta) + force.dot(disturbed.acceleration);
             values.by_omega.dot(disturbed.omega) + by_motion
         };
-        row.add_column_entry(
-            column,
-            gain(disturbance.by_coordinate),
-            &mut result.by_coordinates,
-        );
-        row.add_column_entry(
-            column,
-            gain(disturbance.by_velocity),
-            &mut result.by_velocities,
-        );
+        row.add_column_entry(column, gain(disturbance.by_coordinate), &mut result.by_coordinates);
+        row.add_column_entry(column, gain(disturbance.by_velocity), &mut result.by_velocities);
     }
 
     /// Whether the path from a joint to the base passes a body, after the joint itself.
@@ -611,32 +501,21 @@ impl<'g> Tree<'_, 'g> {
     }
 
     fn pass_on(&self, index: usize, column: &Column<'g>) -> Column<'g> {
-        let (body, placement, lever) = (
-            &self.mechanism.bodies[index],
-            &self.placements[index],
-            &self.levers[index],
-        );
+        let (body, placement, lever) =
+            (&self.mechanism.bodies[index], &self.placements[index], &self.levers[index]);
         let zero = lever.along.constant(0.0);
         let along = Vector3([zero, zero, lever.along]);
-        let force_to_parent =
-            |force: Vector3<'g>| body.twist.to_parent(placement.before_joint_unit(force));
+        let force_to_parent = |force: Vector3<'g>| body.twist.to_parent(placement.before_joint_unit(force));
         let pass = |f: Force<'g>| {
             let lifted = f.moment + along.cross(f.force);
             let force = force_to_parent(f.force);
-            let moment =
-                placement.to_parent(&body.twist, lifted) + placement.translation.cross(force);
+            let moment = placement.to_parent(&body.twist, lifted) + placement.translation.cross(force);
             Force { moment, force }
         };
         let lifted = column.by_omega + lever.along_velocity.cross(column.inertial.force);
         let inertial = pass(column.inertial);
-        let by_omega =
-            placement.to_parent(&body.twist, lifted) + lever.across_velocity.cross(inertial.force);
-        Column {
-            inertial,
-            damping: pass(column.damping),
-            stiffness: pass(column.stiffness),
-            by_omega,
-        }
+        let by_omega = placement.to_parent(&body.twist, lifted) + lever.across_velocity.cross(inertial.force);
+        Column { inertial, damping: pass(column.damping), stiffness: pass(column.stiffness), by_omega }
     }
 }
 
@@ -649,7 +528,6 @@ fn shift_flow<'g>(
     velocity: Vector3<'g>,
 ) -> (Vector3<'g>, Matrix3<'g>) {
     let moved = momentum + velocity.scaled(moments.mass);
-    let entry =
-        |i: usize, j: usize| spin[i][j] + (moved[i] * lever[j] + velocity[i] * moments.first[j]);
+    let entry = |i: usize, j: usize| spin[i][j] + (moved[i] * lever[j] + velocity[i] * moments.first[j]);
     (moved, Matrix3::from_fn(entry))
 }

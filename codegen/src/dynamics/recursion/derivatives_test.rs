@@ -13,33 +13,18 @@ fn derivatives_agree_with_forward_differentiation() {
     let graph = Graph::new();
     let array = |k: usize| (0..n).map(|i| graph.input(k, i)).collect::<Vec<_>>();
     let (y, v, a) = (array(0), array(1), array(2));
-    let input = MotionInput {
-        y: &y,
-        v: &v,
-        a: &a,
-    };
+    let input = MotionInput { y: &y, v: &v, a: &a };
     let f = Formulation::plain(n);
     for pairs in [PairFrame::Links, PairFrame::Root] {
         let d = inverse_dynamics_derivatives(&f.mechanism(&graph, &model), &f, pairs, input);
-        let values: Vec<Vec<f64>> = (0..3)
-            .map(|k| {
-                (0..n)
-                    .map(|i| ((k * 7 + i * 3) as f64 * 0.77).sin())
-                    .collect()
-            })
-            .collect();
-        for (wrt, matrix) in [
-            (&y, &d.by_coordinates),
-            (&v, &d.by_velocities),
-            (&a, &d.mass_matrix),
-        ] {
+        let values: Vec<Vec<f64>> =
+            (0..3).map(|k| (0..n).map(|i| ((k * 7 + i * 3) as f64 * 0.77).sin()).collect()).collect();
+        for (wrt, matrix) in [(&y, &d.by_coordinates), (&v, &d.by_velocities), (&a, &d.mass_matrix)] {
             for (j, x) in wrt.iter().enumerate() {
                 let column = differentiate(&graph, &d.forces, *x);
                 for i in 0..n {
-                    let (got, want) = (
-                        evaluate(&graph, matrix[i][j], &values),
-                        evaluate(&graph, column[i], &values),
-                    );
+                    let (got, want) =
+                        (evaluate(&graph, matrix[i][j], &values), evaluate(&graph, column[i], &values));
                     assert!((got - want).abs() < 1e-10 * 30.0, "{i} {j}: {got} {want}");
                 }
             }
@@ -52,11 +37,7 @@ fn evaluate(graph: &Graph, x: Scalar<'_>, inputs: &[Vec<f64>]) -> f64 {
     let mut values = vec![0.0; graph.len()];
     for edge in graph.reachable(&[x.edge()]) {
         let of = |e: crate::graph::Edge| {
-            if e.is_negative() {
-                -values[e.index()]
-            } else {
-                values[e.index()]
-            }
+            if e.is_negative() { -values[e.index()] } else { values[e.index()] }
         };
         values[edge.index()] = match graph.node(edge) {
             Node::Constant(bits) => f64::from_bits(bits),

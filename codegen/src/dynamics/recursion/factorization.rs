@@ -1,7 +1,7 @@
 //! `M = Lᵀ D L` along the branches of the tree, and solutions with it.
 //!
-//! Eliminated from the leaves to the base, the factor keeps the zeros of M between branches (Featherstone 2005;
-//! 2008, section 6.5).
+//! Eliminated from the leaves to the base, the factor keeps the zeros of M between branches (Featherstone
+//! 2005; 2008, section 6.5).
 
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::Mechanism;
@@ -22,27 +22,18 @@ pub struct Factorization<'g> {
 impl<'g> Factorization<'g> {
     /// Factorizes a mass matrix given by coordinates.
     pub fn new(mechanism: &Mechanism<'g>, mass_matrix: &[Vec<Scalar<'g>>]) -> Self {
-        let coordinates: Vec<_> = mechanism
-            .bodies
-            .iter()
-            .map(|body| body.transmission.coordinate)
-            .collect();
+        let coordinates: Vec<_> = mechanism.bodies.iter().map(|body| body.transmission.coordinate).collect();
         let count = coordinates.len();
         let couplings = couplings(mechanism, mass_matrix);
         let mut work: Vec<Vec<Scalar<'g>>> = (0..count)
-            .map(|i| {
-                (0..count)
-                    .map(|j| mass_matrix[coordinates[i]][coordinates[j]])
-                    .collect()
-            })
+            .map(|i| (0..count).map(|j| mass_matrix[coordinates[i]][coordinates[j]]).collect())
             .collect();
         let mut lower = vec![vec![None; count]; count];
         let mut reciprocals = Vec::with_capacity(count);
         for k in (0..count).rev() {
             let one = work[k][k].constant(1.0);
-            let reciprocal = one
-                .divided_by(work[k][k])
-                .named(|| format!("inverse_d_{}", mechanism.bodies[k].identifier));
+            let reciprocal =
+                one.divided_by(work[k][k]).named(|| format!("inverse_d_{}", mechanism.bodies[k].identifier));
             reciprocals.push(reciprocal);
             for &i in &couplings[k] {
                 let factor = work[k][i] * reciprocal;
@@ -53,22 +44,14 @@ impl<'g> Factorization<'g> {
             }
         }
         reciprocals.reverse();
-        Self {
-            lower,
-            reciprocals,
-            ancestors: couplings,
-            coordinates,
-        }
+        Self { lower, reciprocals, ancestors: couplings, coordinates }
     }
 
     /// `M⁻¹`
     pub fn inverse(&self, graph: &'g Graph) -> Vec<Vec<Scalar<'g>>> {
         let count = self.coordinates.len();
-        let unit = |k: usize| {
-            (0..count)
-                .map(|i| graph.constant(if i == k { 1.0 } else { 0.0 }))
-                .collect::<Vec<_>>()
-        };
+        let unit =
+            |k: usize| (0..count).map(|i| graph.constant(if i == k { 1.0 } else { 0.0 })).collect::<Vec<_>>();
         let mut inverse: Vec<Vec<Scalar<'g>>> = (0..count).map(|k| self.solve(&unit(k))).collect();
         // Symmetric: one triangle serves both.
         for i in 0..count {
@@ -81,11 +64,7 @@ impl<'g> Factorization<'g> {
 
     /// The solution of `M x = right`, by coordinates.
     pub fn solve(&self, right: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
-        let mut x: Vec<_> = self
-            .coordinates
-            .iter()
-            .map(|&coordinate| right[coordinate])
-            .collect();
+        let mut x: Vec<_> = self.coordinates.iter().map(|&coordinate| right[coordinate]).collect();
         for i in (0..x.len()).rev() {
             for &j in &self.ancestors[i] {
                 if let Some(factor) = self.lower[i][j] {
@@ -111,21 +90,16 @@ impl<'g> Factorization<'g> {
     }
 }
 
-/// Bodies before each body that M couples it with, nearest first. Beyond the ancestors these are only bodies that
-/// carry the rotor of another branch.
+/// Bodies before each body that M couples it with, nearest first. Beyond the ancestors these are only bodies
+/// that carry the rotor of another branch.
 fn couplings<'g>(mechanism: &Mechanism<'g>, mass_matrix: &[Vec<Scalar<'g>>]) -> Vec<Vec<usize>> {
     let count = mechanism.len();
     let entry = |i: usize, j: usize| {
         let [row, column] = [i, j].map(|k| mechanism.bodies[k].transmission.coordinate);
         mass_matrix[row][column]
     };
-    let mut coupled: Vec<Vec<bool>> = (0..count)
-        .map(|i| {
-            (0..count)
-                .map(|j| j < i && !entry(i, j).is_zero())
-                .collect()
-        })
-        .collect();
+    let mut coupled: Vec<Vec<bool>> =
+        (0..count).map(|i| (0..count).map(|j| j < i && !entry(i, j).is_zero()).collect()).collect();
     for k in (0..count).rev() {
         let before: Vec<_> = (0..k).filter(|&i| coupled[k][i]).collect();
         for (position, &i) in before.iter().enumerate() {
@@ -134,8 +108,5 @@ fn couplings<'g>(mechanism: &Mechanism<'g>, mass_matrix: &[Vec<Scalar<'g>>]) -> 
             }
         }
     }
-    coupled
-        .iter()
-        .map(|row| (0..count).rev().filter(|&j| row[j]).collect())
-        .collect()
+    coupled.iter().map(|row| (0..count).rev().filter(|&j| row[j]).collect()).collect()
 }

@@ -54,15 +54,10 @@ impl<'g> BasePoses<'g> {
     /// Pose of a frame fixed to a link of the model.
     pub fn pose(&self, link: usize, frame: &Pose<'g>) -> FramePose<'g> {
         let (body, pose) = self.in_body(link, frame);
-        let body = body.map_or(
-            FramePose::base(self.mechanism.graph.constant(1.0)),
-            |index| self.bodies[index],
-        );
+        let body =
+            body.map_or(FramePose::base(self.mechanism.graph.constant(1.0)), |index| self.bodies[index]);
         let origin = body.point(pose.translation);
-        FramePose {
-            origin,
-            ..body.twisted(&pose.rotation)
-        }
+        FramePose { origin, ..body.twisted(&pose.rotation) }
     }
 
     /// Jacobian of a frame: linear rows first, columns by coordinate.
@@ -81,8 +76,7 @@ impl<'g> BasePoses<'g> {
             };
             for k in 0..3 {
                 body.transmission.add_column_entry(k, linear[k], &mut rows);
-                body.transmission
-                    .add_column_entry(k + 3, angular[k], &mut rows);
+                body.transmission.add_column_entry(k + 3, angular[k], &mut rows);
             }
             next = body.parent;
         }
@@ -106,11 +100,7 @@ impl<'g> BasePoses<'g> {
         let input = MotionInput { y, v, a: &still };
         let (linear, angular) = frame_acceleration(&self.mechanism, input, index, pose.translation);
         let base = &self.bodies[index];
-        base.direction(linear)
-            .0
-            .into_iter()
-            .chain(base.direction(angular).0)
-            .collect()
+        base.direction(linear).0.into_iter().chain(base.direction(angular).0).collect()
     }
 
     fn in_body(&self, link: usize, frame: &Pose<'g>) -> (Option<usize>, Pose<'g>) {
@@ -123,25 +113,16 @@ impl<'g> FramePose<'g> {
     fn base(one: Scalar<'g>) -> Self {
         let zero = one.constant(0.0);
         let axes = [[one, zero, zero], [zero, one, zero], [zero, zero, one]].map(Vector3);
-        Self {
-            origin: Vector3::zero(one),
-            axes,
-        }
+        Self { origin: Vector3::zero(one), axes }
     }
 
     /// The axes after a constant rotation.
     fn twisted(&self, rotation: &Matrix3<f64>) -> Self {
         let rows = [0, 1, 2].map(|row| {
-            rotate(
-                &rotation.transpose(),
-                Vector3([self.axes[0][row], self.axes[1][row], self.axes[2][row]]),
-            )
+            rotate(&rotation.transpose(), Vector3([self.axes[0][row], self.axes[1][row], self.axes[2][row]]))
         });
         let axes = [0, 1, 2].map(|axis| Vector3([rows[0][axis], rows[1][axis], rows[2][axis]]));
-        Self {
-            origin: self.origin,
-            axes,
-        }
+        Self { origin: self.origin, axes }
     }
 
     /// The axes after the turn from the frame before the run.
@@ -151,10 +132,7 @@ impl<'g> FramePose<'g> {
         };
         let [x, y, z] = self.axes;
         let axes = [x.scaled(c) + y.scaled(s), y.scaled(c) - x.scaled(s), z];
-        Self {
-            origin: self.origin,
-            axes,
-        }
+        Self { origin: self.origin, axes }
     }
 
     /// A point of the frame in the base frame.

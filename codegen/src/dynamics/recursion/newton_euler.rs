@@ -1,13 +1,14 @@
 //! Recursive Newton–Euler equations with moments of mass.
 //!
-//! With U = ω̇× + ω× ω× the points r of a body accelerate by a + U r. Hence, with the moments m, h, Σ of its mass,
+//! With U = ω̇× + ω× ω× the points r of a body accelerate by a + U r. Hence, with the moments m, h, Σ of its
+//! mass,
 //!
 //! ```text
 //! F = m a + U h            n = h × a + vee(U Σ − Σ Uᵀ)
 //! ```
 //!
-//! (Luh, Walker and Paul 1980; Balafoutis and Patel 1989 for the second moments; Khalil and Dombre 2002, ch. 9, for
-//! the frames.)
+//! (Luh, Walker and Paul 1980; Balafoutis and Patel 1989 for the second moments; Khalil and Dombre 2002, ch.
+//! 9, for the frames.)
 
 use crate::dynamics::recursion::placement::{Placement, place};
 use crate::dynamics::recursion::rotor::Gyrostat;
@@ -69,37 +70,16 @@ pub(super) fn inverse_dynamics_parts<'g>(
 ) -> InverseDynamicsParts<'g> {
     let placements = place(mechanism, formulation, input.y);
     let motions = motions(mechanism, formulation, &placements, input);
-    let mut wrenches: Vec<Force<'g>> = motions
-        .iter()
-        .zip(&placements)
-        .map(|(motion, placement)| own_force(motion, placement))
-        .collect();
+    let mut wrenches: Vec<Force<'g>> =
+        motions.iter().zip(&placements).map(|(motion, placement)| own_force(motion, placement)).collect();
     let mut generalized = vec![mechanism.graph.constant(0.0); mechanism.len()];
-    add_rotors(
-        mechanism,
-        &placements,
-        &motions,
-        input,
-        &mut wrenches,
-        &mut generalized,
-    );
-    gather(
-        mechanism,
-        formulation,
-        &placements,
-        &mut wrenches,
-        &mut generalized,
-    );
-    InverseDynamicsParts {
-        placements,
-        motions,
-        wrenches,
-        generalized,
-    }
+    add_rotors(mechanism, &placements, &motions, input, &mut wrenches, &mut generalized);
+    gather(mechanism, formulation, &placements, &mut wrenches, &mut generalized);
+    InverseDynamicsParts { placements, motions, wrenches, generalized }
 }
 
-/// Linear and angular acceleration of a point fixed to a body, in the body's own frame; without gravity. The mechanism
-/// is in metres.
+/// Linear and angular acceleration of a point fixed to a body, in the body's own frame; without gravity. The
+/// mechanism is in metres.
 pub fn frame_acceleration<'g>(
     mechanism: &Mechanism<'g>,
     input: MotionInput<'_, 'g>,
@@ -107,16 +87,10 @@ pub fn frame_acceleration<'g>(
     point: Vector3<'g>,
 ) -> (Vector3<'g>, Vector3<'g>) {
     let formulation = Formulation::plain(mechanism.len());
-    let weightless = Mechanism {
-        gravity: Vector3::zero(mechanism.graph.constant(0.0)),
-        ..mechanism.clone()
-    };
+    let weightless = Mechanism { gravity: Vector3::zero(mechanism.graph.constant(0.0)), ..mechanism.clone() };
     let placements = place(&weightless, &formulation, input.y);
     let motion = motions(&weightless, &formulation, &placements, input)[body];
-    (
-        motion.acceleration + motion.spread.times(point),
-        motion.angular_acceleration(),
-    )
+    (motion.acceleration + motion.spread.times(point), motion.angular_acceleration())
 }
 
 pub(in crate::dynamics) fn motions<'g>(
@@ -130,18 +104,13 @@ pub(in crate::dynamics) fn motions<'g>(
         let base = BodyMotion::at_rest(-mechanism.gravity_for(index));
         let placement = &placements[index];
         let parent = body.parent.map_or(base, |parent| motions[parent]);
-        let (rate, acceleration) = (
-            body.transmission.motion(input.v),
-            body.transmission.motion(input.a),
-        );
+        let (rate, acceleration) = (body.transmission.motion(input.v), body.transmission.motion(input.a));
         let carried = parent.acceleration + parent.spread.times(placement.translation);
         let carried = placement.to_child_unit(&body.twist, carried);
         let mut motion = match body.axis {
             JointAxis::Prismatic => extend(&parent, body, placement, carried, rate, acceleration),
             JointAxis::Revolute => {
-                let run_parent = mechanism.bodies[placement.run]
-                    .parent
-                    .map_or(base, |p| motions[p]);
+                let run_parent = mechanism.bodies[placement.run].parent.map_or(base, |p| motions[p]);
                 let joint = RevoluteStep {
                     mechanism,
                     placements,
@@ -156,9 +125,7 @@ pub(in crate::dynamics) fn motions<'g>(
         let lift = motion.spread.column(2).scaled(placement.extension);
         motion.acceleration = motion.acceleration + lift;
         motion.omega.named(&format!("omega_{}", body.identifier));
-        motion
-            .acceleration
-            .named(&format!("acceleration_{}", body.identifier));
+        motion.acceleration.named(&format!("acceleration_{}", body.identifier));
         motions.push(motion);
     }
     motions
@@ -178,11 +145,7 @@ impl<'g> BodyMotion<'g> {
     /// Angular acceleration ω̇, where it is not known from the antisymmetric part of U.
     pub(in crate::dynamics) fn angular_acceleration(&self) -> Vector3<'g> {
         let (u, w) = (&self.spread, self.omega);
-        let from_spread = [
-            u[2][1] - w[1] * w[2],
-            u[0][2] - w[0] * w[2],
-            u[1][0] - w[0] * w[1],
-        ];
+        let from_spread = [u[2][1] - w[1] * w[2], u[0][2] - w[0] * w[2], u[1][0] - w[0] * w[1]];
         Vector3([0, 1, 2].map(|k| self.angular[k].unwrap_or(from_spread[k])))
     }
 }
@@ -219,18 +182,10 @@ impl<'g> RevoluteStep<'_, 'g> {
                 let axis = self.source_twist().to_parent(unit_z(rate));
                 let points = self.carry(source.spread.times(axis));
                 let axial = self.axial(source.angular_acceleration()) + acceleration;
-                (
-                    [None, None, Some(axial)],
-                    spread_from_axis(omega, points, axial),
-                )
+                ([None, None, Some(axial)], spread_from_axis(omega, points, axial))
             }
         };
-        BodyMotion {
-            omega,
-            angular,
-            spread,
-            acceleration: origin,
-        }
+        BodyMotion { omega, angular, spread, acceleration: origin }
     }
 
     /// Rate and acceleration of the turn relative to the source.
@@ -251,12 +206,7 @@ impl<'g> RevoluteStep<'_, 'g> {
             }
         }
         let zero = self.mechanism.graph.constant(0.0);
-        let sum = |values: &[Scalar<'g>]| {
-            chain
-                .iter()
-                .rev()
-                .fold(zero, |sum, &k| sum + signed(values, k))
-        };
+        let sum = |values: &[Scalar<'g>]| chain.iter().rev().fold(zero, |sum, &k| sum + signed(values, k));
         (sum(input.v), sum(input.a))
     }
 
@@ -299,12 +249,7 @@ fn extend<'g>(
     let spread = spread_of(omega, angular);
     let twice = rate * 2.0;
     let coriolis = Vector3([omega[1] * twice, -(omega[0] * twice), acceleration]);
-    BodyMotion {
-        omega,
-        angular: angular.0.map(Some),
-        spread,
-        acceleration: carried + coriolis,
-    }
+    BodyMotion { omega, angular: angular.0.map(Some), spread, acceleration: carried + coriolis }
 }
 
 fn unit_z(any: Scalar<'_>) -> Vector3<'_> {
@@ -332,11 +277,7 @@ fn spread_from_axis<'g>(omega: Vector3<'g>, points: Vector3<'g>, axial: Scalar<'
     Matrix3([
         [-(yy + zz), xy - axial, points[0]],
         [xy + axial, -(xx + zz), points[1]],
-        [
-            w[0] * twice - points[0],
-            w[1] * twice - points[1],
-            points[2],
-        ],
+        [w[0] * twice - points[0], w[1] * twice - points[1], points[2]],
     ])
 }
 
@@ -351,12 +292,9 @@ fn own_force<'g>(motion: &BodyMotion<'g>, placement: &Placement<'g>) -> Force<'g
 /// `vee(U Σ − Σ Uᵀ)`
 fn moment_of_second<'g>(u: &Matrix3<'g>, s: Symmetric3<'g>) -> Vector3<'g> {
     Vector3([
-        u[2][0] * s.xy - u[1][0] * s.xz + (u[2][2] - u[1][1]) * s.yz + u[2][1] * s.yy
-            - u[1][2] * s.zz,
-        u[0][1] * s.yz - u[2][1] * s.xy + (u[0][0] - u[2][2]) * s.xz + u[0][2] * s.zz
-            - u[2][0] * s.xx,
-        u[1][2] * s.xz - u[0][2] * s.yz + (u[1][1] - u[0][0]) * s.xy + u[1][0] * s.xx
-            - u[0][1] * s.yy,
+        u[2][0] * s.xy - u[1][0] * s.xz + (u[2][2] - u[1][1]) * s.yz + u[2][1] * s.yy - u[1][2] * s.zz,
+        u[0][1] * s.yz - u[2][1] * s.xy + (u[0][0] - u[2][2]) * s.xz + u[0][2] * s.zz - u[2][0] * s.xx,
+        u[1][2] * s.xz - u[0][2] * s.yz + (u[1][1] - u[0][0]) * s.xy + u[1][0] * s.xx - u[0][1] * s.yy,
     ])
 }
 
@@ -372,15 +310,11 @@ fn add_rotors<'g>(
     for rotor in &mechanism.rotors {
         let coordinate = rotor.transmission.coordinate;
         let (rate, acceleration) = (input.v[coordinate], input.a[coordinate]);
-        generalized[coordinate] =
-            generalized[coordinate] + rotor.reflected_inertia() * acceleration;
+        generalized[coordinate] = generalized[coordinate] + rotor.reflected_inertia() * acceleration;
         let Some(carrier) = rotor.carrier else {
             continue;
         };
-        let (gyrostat, motion) = (
-            Gyrostat::new(rotor, &placements[carrier]),
-            &motions[carrier],
-        );
+        let (gyrostat, motion) = (Gyrostat::new(rotor, &placements[carrier]), &motions[carrier]);
         let moment = gyrostat.moment(motion.omega, rate, acceleration);
         forces[carrier].moment = forces[carrier].moment + moment;
         let carried = gyrostat.carried(motion.angular_acceleration());
@@ -404,15 +338,12 @@ fn gather<'g>(
         let Force { force, mut moment } = forces[index];
         force.named(&format!("force_{}", body.identifier));
         moment.named(&format!("moment_{}", body.identifier));
-        body.transmission
-            .add_force(body.axis.force(forces[index]), generalized);
+        body.transmission.add_force(body.axis.force(forces[index]), generalized);
         let length = placement.extension;
         moment = moment + Vector3([-(length * force[1]), length * force[0], zero]);
         if formulation.bodies[index].sink == RunLink::RunBase && placement.run != index {
             let across = Vector3([moment[0], moment[1], zero]);
-            let across = placement
-                .turn_from_run
-                .map_or(across, |turn| across.turned(turn));
+            let across = placement.turn_from_run.map_or(across, |turn| across.turned(turn));
             transverse[placement.run] = transverse[placement.run] + across;
             moment = Vector3([zero, zero, moment[2]]);
         }
@@ -420,9 +351,7 @@ fn gather<'g>(
         let force = body.twist.to_parent(placement.before_joint_unit(force));
         let turned = placement.turn.map_or(moment, |turn| moment.turned(turn)) + transverse[index];
         let moment = body.twist.to_parent(turned) + placement.translation.cross(force);
-        forces[parent] = Force {
-            force: forces[parent].force + force,
-            moment: forces[parent].moment + moment,
-        };
+        forces[parent] =
+            Force { force: forces[parent].force + force, moment: forces[parent].moment + moment };
     }
 }

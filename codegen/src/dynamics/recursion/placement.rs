@@ -54,9 +54,9 @@ fn place_body<'g>(
 ) -> Placement<'g> {
     let body = &mechanism.bodies[index];
     let revolute = body.axis == JointAxis::Revolute;
-    let previous = body.parent.filter(|&p| {
-        revolute && body.twist.is_none() && mechanism.bodies[p].axis == JointAxis::Revolute
-    });
+    let previous = body
+        .parent
+        .filter(|&p| revolute && body.twist.is_none() && mechanism.bodies[p].axis == JointAxis::Revolute);
     let before = previous.and_then(|p| placed[p].aligned);
     let aligned = match formulation.bodies[index].frame {
         WorkingFrame::BeforeJoint if revolute => before,
@@ -79,11 +79,7 @@ fn place_body<'g>(
     Placement {
         turn: turn(before, aligned),
         translation,
-        extension: if revolute {
-            body.lift
-        } else {
-            body.lift + body.transmission.motion(y)
-        },
+        extension: if revolute { body.lift } else { body.lift + body.transmission.motion(y) },
         run: previous.map_or(index, |p| placed[p].run),
         turn_from_run: turn(None, aligned),
         moments: to_body.map_or(body.moments, |ahead| body.moments.turned(ahead)),
@@ -93,8 +89,8 @@ fn place_body<'g>(
     }
 }
 
-/// The turn between two frames of one run: from the own frame of body `from` to that of body `to`, `None` standing for
-/// the frame before the run. Angles are added before the sine.
+/// The turn between two frames of one run: from the own frame of body `from` to that of body `to`, `None`
+/// standing for the frame before the run. Angles are added before the sine.
 fn turn_between<'g>(
     mechanism: &Mechanism<'g>,
     y: &[Scalar<'g>],
@@ -106,10 +102,8 @@ fn turn_between<'g>(
         return None;
     }
     let chain = run_chain(mechanism, member);
-    let position = |end: Option<usize>| {
-        end.and_then(|body| chain.iter().position(|&k| k == body))
-            .map_or(0, |k| k + 1)
-    };
+    let position =
+        |end: Option<usize>| end.and_then(|body| chain.iter().position(|&k| k == body)).map_or(0, |k| k + 1);
     let joints = &chain[position(from)..position(to)];
     let zero = mechanism.graph.constant(0.0);
     let mut angle = zero;
@@ -128,8 +122,8 @@ fn turn_between<'g>(
     Some(offset.advance((sine, cosine)))
 }
 
-/// Whether a body's parent is a revolute joint on the base with another direction: nothing but its own torque then needs
-/// what arrives there.
+/// Whether a body's parent is a revolute joint on the base with another direction: nothing but its own torque
+/// then needs what arrives there.
 pub fn ends_at_root(mechanism: &Mechanism<'_>, body: usize) -> bool {
     let child = &mechanism.bodies[body];
     let root = child.parent.map(|parent| &mechanism.bodies[parent]);
@@ -141,9 +135,7 @@ pub fn ends_at_root(mechanism: &Mechanism<'_>, body: usize) -> bool {
 fn run_chain(mechanism: &Mechanism<'_>, member: usize) -> Vec<usize> {
     let mut chain = vec![member];
     let mut body = &mechanism.bodies[member];
-    while let Some(parent) = body
-        .parent
-        .filter(|_| body.twist.is_none() && body.axis == JointAxis::Revolute)
+    while let Some(parent) = body.parent.filter(|_| body.twist.is_none() && body.axis == JointAxis::Revolute)
     {
         if mechanism.bodies[parent].axis != JointAxis::Revolute {
             break;
@@ -172,14 +164,15 @@ impl<'g> Placement<'g> {
         self.scaled_turn(twist.to_child(v), |v, turn| v.turned_back(turn))
     }
 
-    /// A force or first moment from this working frame and unit to the frame before the joint and the parent's unit.
+    /// A force or first moment from this working frame and unit to the frame before the joint and the
+    /// parent's unit.
     pub fn before_joint_unit(&self, v: Vector3<'g>) -> Vector3<'g> {
         self.scaled_turn(v, |v, turn| v.turned(turn))
     }
 
-    /// What a unit of the parent's angular velocity about its z axis does to this body: angular velocity, and velocity
-    /// of the origin, in this working frame and unit. Their products with a moment and a force are the parent's share
-    /// along z, in fewer operations than passing both on.
+    /// What a unit of the parent's angular velocity about its z axis does to this body: angular velocity, and
+    /// velocity of the origin, in this working frame and unit. Their products with a moment and a force are
+    /// the parent's share along z, in fewer operations than passing both on.
     pub fn parent_screw(&self, twist: &Twist) -> Motion<'g> {
         let zero = self.extension.constant(0.0);
         let z = Vector3([zero, zero, zero.constant(1.0)]);

@@ -1,7 +1,8 @@
-//! Rotors: what an evenly shaped body that spins in another one does, beyond the inertia that it adds to its carrier.
+//! Rotors: what an evenly shaped body that spins in another one does, beyond the inertia that it adds to its
+//! carrier.
 //!
-//! A rotor of axial inertia J whose gear turns it by i ẏ about the axis a of the body that carries it, with the angular
-//! velocity ω of that body, needs the moment n on its carrier and the force f on its coordinate:
+//! A rotor of axial inertia J whose gear turns it by i ẏ about the axis a of the body that carries it, with
+//! the angular velocity ω of that body, needs the moment n on its carrier and the force f on its coordinate:
 //!
 //! ```text
 //! n = i J (ÿ a + ẏ ω × a)          f = i J (a · ω̇ + i ÿ)
@@ -27,9 +28,7 @@ impl<'g> Gyrostat<'g> {
     /// - `placement`: that of the carrier
     pub(super) fn new(rotor: &Rotor<'g>, placement: &Placement<'g>) -> Self {
         let coupling = rotor.coupling_inertia();
-        let axis = placement
-            .to_body
-            .map_or(rotor.axis, |ahead| rotor.axis.turned(ahead));
+        let axis = placement.to_body.map_or(rotor.axis, |ahead| rotor.axis.turned(ahead));
         Self { axis, coupling }
     }
 
@@ -45,8 +44,7 @@ impl<'g> Gyrostat<'g> {
         rate: Scalar<'g>,
         acceleration: Scalar<'g>,
     ) -> Vector3<'g> {
-        self.axis.scaled(self.coupling * acceleration)
-            + omega.cross(self.axis).scaled(self.coupling * rate)
+        self.axis.scaled(self.coupling * acceleration) + omega.cross(self.axis).scaled(self.coupling * rate)
     }
 
     /// `i J a · ω̇`: force on the coordinate by the carrier's angular acceleration.
@@ -59,7 +57,8 @@ impl<'g> Gyrostat<'g> {
         Matrix3::cross(self.axis.scaled(self.coupling * rate))
     }
 
-    /// The entries of M: i J times the share of each joint between the base and the carrier in the rotor's axis.
+    /// The entries of M: i J times the share of each joint between the base and the carrier in the rotor's
+    /// axis.
     fn couple(
         &self,
         mechanism: &Mechanism<'g>,
@@ -73,8 +72,7 @@ impl<'g> Gyrostat<'g> {
             let body = &mechanism.bodies[index];
             if body.axis.turns() {
                 let share = self.coupling * moment[2];
-                body.transmission
-                    .add_coupling(rotor.transmission.coordinate, share, matrix);
+                body.transmission.add_coupling(rotor.transmission.coordinate, share, matrix);
             }
             let Some(parent) = body.parent else { break };
             moment = placements[index].to_parent(&body.twist, moment);
@@ -84,10 +82,7 @@ impl<'g> Gyrostat<'g> {
 }
 
 /// `M += i² J` on the diagonal.
-pub(in crate::dynamics) fn add_inertia<'g>(
-    mechanism: &Mechanism<'g>,
-    matrix: &mut [Vec<Scalar<'g>>],
-) {
+pub(in crate::dynamics) fn add_inertia<'g>(mechanism: &Mechanism<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
     for rotor in &mechanism.rotors {
         let entry = &mut matrix[rotor.transmission.coordinate][rotor.transmission.coordinate];
         *entry = *entry + rotor.reflected_inertia();
@@ -104,7 +99,6 @@ pub(super) fn add_coupling<'g>(
         let Some(carrier) = rotor.carrier else {
             continue;
         };
-        Gyrostat::new(rotor, &placements[carrier])
-            .couple(mechanism, placements, rotor, carrier, matrix);
+        Gyrostat::new(rotor, &placements[carrier]).couple(mechanism, placements, rotor, carrier, matrix);
     }
 }

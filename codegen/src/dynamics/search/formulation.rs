@@ -9,8 +9,8 @@ use crate::model::Model;
 pub enum AngularRoute {
     /// From the angular acceleration ω̇: U = ω̇× + ω× ω×.
     Acceleration,
-    /// From the points of the joint's axis: they belong to parent and child, so U z turns like a vector. Then only
-    /// ω, U z and the axial acceleration are carried along.
+    /// From the points of the joint's axis: they belong to parent and child, so U z turns like a vector. Then
+    /// only ω, U z and the axial acceleration are carried along.
     AxisPoints,
 }
 
@@ -81,18 +81,14 @@ impl Formulation {
             leaf: LeafAlignment::NoOffset,
             length_unit: 1.0,
         };
-        Self {
-            bodies: vec![choices; count],
-        }
+        Self { bodies: vec![choices; count] }
     }
 
     /// The mechanism of a model, prepared for this formulation.
     pub fn mechanism<'g>(&self, graph: &'g Graph, model: &Model) -> Mechanism<'g> {
         let regroup: Vec<_> = self.bodies.iter().map(|body| body.regroup).collect();
         let units: Vec<_> = self.bodies.iter().map(|body| body.length_unit).collect();
-        let mut mechanism = Mechanism::new(graph, model)
-            .regrouped(&regroup)
-            .in_length_units(&units);
+        let mut mechanism = Mechanism::new(graph, model).regrouped(&regroup).in_length_units(&units);
         for (index, choices) in self.bodies.iter().enumerate() {
             match choices.leaf {
                 LeafAlignment::NoOffset => {}
@@ -106,18 +102,14 @@ impl Formulation {
     /// This formulation with massless bodies.
     pub fn massless(&self) -> Self {
         let mut next = self.clone();
-        next.bodies
-            .iter_mut()
-            .for_each(|body| body.regroup = RegroupChoice::Massless);
+        next.bodies.iter_mut().for_each(|body| body.regroup = RegroupChoice::Massless);
         next
     }
 
     /// This formulation with every moment passed on to the parent.
     pub fn without_shortcuts(&self) -> Self {
         let mut next = self.clone();
-        next.bodies
-            .iter_mut()
-            .for_each(|body| body.sink = RunLink::Parent);
+        next.bodies.iter_mut().for_each(|body| body.sink = RunLink::Parent);
         next
     }
 
@@ -136,9 +128,7 @@ impl Formulation {
     /// This formulation with one unit of length for all bodies.
     fn with_unit(&self, unit: f64) -> Self {
         let mut next = self.clone();
-        next.bodies
-            .iter_mut()
-            .for_each(|body| body.length_unit = unit);
+        next.bodies.iter_mut().for_each(|body| body.length_unit = unit);
         next
     }
 
@@ -146,11 +136,7 @@ impl Formulation {
     pub fn with_own_units(&self, space: &SearchSpace, rank: usize) -> Self {
         let mut next = self.clone();
         for (body, options) in next.bodies.iter_mut().zip(&space.bodies) {
-            body.length_unit = options
-                .own_lengths
-                .get(rank)
-                .copied()
-                .unwrap_or(body.length_unit);
+            body.length_unit = options.own_lengths.get(rank).copied().unwrap_or(body.length_unit);
         }
         next
     }
@@ -195,25 +181,11 @@ impl BodyOptions {
         }
         if self.in_run {
             let other = |link| {
-                if link == RunLink::Parent {
-                    RunLink::RunBase
-                } else {
-                    RunLink::Parent
-                }
+                if link == RunLink::Parent { RunLink::RunBase } else { RunLink::Parent }
             };
-            options.push(BodyChoices {
-                source: other(now.source),
-                ..now
-            });
-            options.push(BodyChoices {
-                sink: other(now.sink),
-                ..now
-            });
-            options.push(BodyChoices {
-                source: other(now.source),
-                sink: other(now.sink),
-                ..now
-            });
+            options.push(BodyChoices { source: other(now.source), ..now });
+            options.push(BodyChoices { sink: other(now.sink), ..now });
+            options.push(BodyChoices { source: other(now.source), sink: other(now.sink), ..now });
         }
         if self.balances {
             let regroup = match now.regroup {
@@ -224,9 +196,7 @@ impl BodyOptions {
         }
         if self.is_leaf {
             use LeafAlignment::{FirstMoment, NoOffset, SecondMoment};
-            let others = [NoOffset, FirstMoment, SecondMoment]
-                .into_iter()
-                .filter(|leaf| *leaf != now.leaf);
+            let others = [NoOffset, FirstMoment, SecondMoment].into_iter().filter(|leaf| *leaf != now.leaf);
             options.extend(others.map(|leaf| BodyChoices { leaf, ..now }));
         }
         options
@@ -234,9 +204,7 @@ impl BodyOptions {
 
     /// Units of length that may pay in this body.
     fn units(&self, formulation: &Formulation) -> Vec<f64> {
-        let parent = self
-            .parent
-            .map(|parent| formulation.bodies[parent].length_unit);
+        let parent = self.parent.map(|parent| formulation.bodies[parent].length_unit);
         self.own_lengths.iter().copied().chain(parent).collect()
     }
 }
@@ -253,9 +221,8 @@ impl SearchSpace {
         };
         let bodies = mechanism.bodies.iter().enumerate().map(|(index, body)| {
             let revolute = body.axis == JointAxis::Revolute;
-            let parent_revolute = body
-                .parent
-                .is_some_and(|p| mechanism.bodies[p].axis == JointAxis::Revolute);
+            let parent_revolute =
+                body.parent.is_some_and(|p| mechanism.bodies[p].axis == JointAxis::Revolute);
             BodyOptions {
                 revolute,
                 right_angle: body.parent.is_some() && body.twist.alpha.1 == 0.0,
@@ -264,9 +231,7 @@ impl SearchSpace {
                 is_leaf: revolute && children[index].is_empty(),
                 balances: revolute
                     && body.parent.is_some()
-                    && body.origin_in_parent()[0]
-                        .value()
-                        .is_some_and(|px| px.abs() >= SHORTEST_LEVER),
+                    && body.origin_in_parent()[0].value().is_some_and(|px| px.abs() >= SHORTEST_LEVER),
                 parent: body.parent,
                 own_lengths: if all_revolute(&mechanism) {
                     own_lengths(&mechanism, index, &children[index])
@@ -275,19 +240,13 @@ impl SearchSpace {
                 },
             }
         });
-        Self {
-            length_units: length_units(&mechanism),
-            bodies: bodies.collect(),
-        }
+        Self { length_units: length_units(&mechanism), bodies: bodies.collect() }
     }
 }
 
 /// With prismatic joints forces are results, and their unit is not free.
 fn all_revolute(mechanism: &Mechanism<'_>) -> bool {
-    mechanism
-        .bodies
-        .iter()
-        .all(|body| body.axis == JointAxis::Revolute)
+    mechanism.bodies.iter().all(|body| body.axis == JointAxis::Revolute)
 }
 
 /// Lengths that would become 1 in a unit for the whole mechanism.
@@ -300,10 +259,7 @@ fn length_units(mechanism: &Mechanism<'_>) -> Vec<f64> {
         .iter()
         .filter(|body| body.parent.is_some())
         .flat_map(|body| body.translation.0.into_iter().chain([body.lift]));
-    let mut units: Vec<f64> = levers
-        .chain(mechanism.gravity.0)
-        .filter_map(nonzero_length)
-        .collect();
+    let mut units: Vec<f64> = levers.chain(mechanism.gravity.0).filter_map(nonzero_length).collect();
     units.sort_by(f64::total_cmp);
     units.dedup();
     // Every candidate costs an evaluation; long chains gain by the bodies' own lengths anyway.
@@ -313,19 +269,12 @@ fn length_units(mechanism: &Mechanism<'_>) -> Vec<f64> {
 
 /// Lengths that would become 1 in a body's own unit.
 fn own_lengths(mechanism: &Mechanism<'_>, body: usize, children: &[usize]) -> Vec<f64> {
-    let levers = children
-        .iter()
-        .flat_map(|&child| mechanism.bodies[child].translation.0);
-    levers
-        .chain([mechanism.bodies[body].lift])
-        .filter_map(nonzero_length)
-        .collect()
+    let levers = children.iter().flat_map(|&child| mechanism.bodies[child].translation.0);
+    levers.chain([mechanism.bodies[body].lift]).filter_map(nonzero_length).collect()
 }
 
 fn nonzero_length(x: Scalar<'_>) -> Option<f64> {
-    x.value()
-        .map(f64::abs)
-        .filter(|length| *length >= SHORTEST_LEVER)
+    x.value().map(f64::abs).filter(|length| *length >= SHORTEST_LEVER)
 }
 
 /// Formulations are compared by this many visited nodes at most, so that generating stays quick.
@@ -333,21 +282,13 @@ const VISITED_NODES: usize = 600_000;
 
 /// Descends to a formulation that no single change makes cheaper.
 ///
-/// `evaluate` gives the weight of a formulation and the number of nodes that it took. Deterministic: changes are
-/// tried in order and every improvement is kept.
-pub fn cheapest(
-    space: &SearchSpace,
-    evaluate: impl Fn(&Formulation) -> (u64, usize),
-) -> Formulation {
+/// `evaluate` gives the weight of a formulation and the number of nodes that it took. Deterministic: changes
+/// are tried in order and every improvement is kept.
+pub fn cheapest(space: &SearchSpace, evaluate: impl Fn(&Formulation) -> (u64, usize)) -> Formulation {
     let plain = Formulation::plain(space.bodies.len());
     let (weight, nodes) = evaluate(&plain);
     let budget = (VISITED_NODES / nodes.max(1)).max(4);
-    let mut descent = Descent {
-        evaluate,
-        best: plain,
-        weight,
-        left: budget.min(600),
-    };
+    let mut descent = Descent { evaluate, best: plain, weight, left: budget.min(600) };
     descent.attempt(|best| space.promising(best));
     let mut before = u64::MAX;
     while descent.weight < before && descent.left > 0 {
@@ -392,15 +333,7 @@ impl<F: Fn(&Formulation) -> (u64, usize)> Descent<F> {
                 self.attempt(|best| best.with_body(index, choices));
             }
             for length_unit in options.units(&self.best) {
-                self.attempt(|best| {
-                    best.with_body(
-                        index,
-                        BodyChoices {
-                            length_unit,
-                            ..best.bodies[index]
-                        },
-                    )
-                });
+                self.attempt(|best| best.with_body(index, BodyChoices { length_unit, ..best.bodies[index] }));
             }
         }
     }

@@ -7,9 +7,7 @@ use crate::dynamics::matrix::{FREE, Matrix, jacobian, subtract};
 use crate::dynamics::parameters::base_parameters::BaseParameters;
 use crate::dynamics::recursion::articulated;
 use crate::dynamics::recursion::composite;
-use crate::dynamics::recursion::derivatives::{
-    ForceDerivatives, PairFrame, inverse_dynamics_derivatives,
-};
+use crate::dynamics::recursion::derivatives::{ForceDerivatives, PairFrame, inverse_dynamics_derivatives};
 use crate::dynamics::recursion::factorization::Factorization;
 use crate::dynamics::recursion::newton_euler::{self, MotionInput};
 use crate::graph::{Cost, Edge, Graph, Scalar, substitute};
@@ -58,8 +56,7 @@ impl ForwardRoute {
                 let matrix = composite::mass_matrix(&mass.mechanism(graph, model), mass, y);
                 let still = vec![graph.constant(0.0); y.len()];
                 let input = MotionInput { y, v, a: &still };
-                let bias =
-                    newton_euler::inverse_dynamics(&bias.mechanism(graph, model), bias, input);
+                let bias = newton_euler::inverse_dynamics(&bias.mechanism(graph, model), bias, input);
                 let factorization = Factorization::new(&Mechanism::new(graph, model), &matrix);
                 factorization.solve(&subtract(&forces(), &bias))
             }
@@ -133,32 +130,26 @@ impl<'m> Formulations<'m> {
 
     /// The base parameters.
     pub fn base_parameters(&self) -> &BaseParameters {
-        self.base_parameters
-            .get_or_init(|| BaseParameters::new(self.model))
+        self.base_parameters.get_or_init(|| BaseParameters::new(self.model))
     }
 
     /// Of the inverse dynamics.
     pub fn inverse_dynamics(&self) -> &Formulation {
-        self.inverse_dynamics
-            .get_or_init(|| self.recursive(Moving::Accelerated))
+        self.inverse_dynamics.get_or_init(|| self.recursive(Moving::Accelerated))
     }
 
     /// Of the bias forces: without accelerations.
     pub fn bias_forces(&self) -> &Formulation {
-        self.bias_forces
-            .get_or_init(|| self.recursive(Moving::Steadily))
+        self.bias_forces.get_or_init(|| self.recursive(Moving::Steadily))
     }
 
     /// Of gravity alone.
     pub fn gravity_forces(&self) -> &Formulation {
-        self.gravity_forces
-            .get_or_init(|| self.recursive(Moving::Not))
+        self.gravity_forces.get_or_init(|| self.recursive(Moving::Not))
     }
 
     fn recursive(&self, moving: Moving) -> Formulation {
-        cheapest(&self.space, |formulation| {
-            recursion(self.model, formulation, moving)
-        })
+        cheapest(&self.space, |formulation| recursion(self.model, formulation, moving))
     }
 
     /// Of the mass matrix.
@@ -175,9 +166,8 @@ impl<'m> Formulations<'m> {
 
     /// Of M and the bias forces where both are needed: what they share is computed once.
     pub fn mass_and_bias(&self) -> &(Formulation, Formulation) {
-        self.mass_and_bias.get_or_init(|| {
-            self.cheapest_pair(&[self.mass_matrix(), self.bias_forces()], |_, _| Vec::new())
-        })
+        self.mass_and_bias
+            .get_or_init(|| self.cheapest_pair(&[self.mass_matrix(), self.bias_forces()], |_, _| Vec::new()))
     }
 
     /// Of M and the bias forces beside the derivatives of the inverse dynamics.
@@ -191,14 +181,8 @@ impl<'m> Formulations<'m> {
                 return (self.mass_matrix().clone(), self.bias_forces().clone());
             }
             self.cheapest_pair(&candidates, |graph, input| {
-                let result =
-                    self.derivatives()
-                        .derive(graph, self.model, self.inverse_dynamics(), input);
-                [
-                    result.by_coordinates.concat(),
-                    result.by_velocities.concat(),
-                ]
-                .concat()
+                let result = self.derivatives().derive(graph, self.model, self.inverse_dynamics(), input);
+                [result.by_coordinates.concat(), result.by_velocities.concat()].concat()
             })
         })
     }
@@ -212,21 +196,14 @@ impl<'m> Formulations<'m> {
         let weight = |mass: &Formulation, bias: &Formulation| {
             let (weight, _) = weigh(self.model, |graph, input| {
                 let still = vec![graph.constant(0.0); input.y.len()];
-                let matrix =
-                    composite::mass_matrix(&mass.mechanism(graph, self.model), mass, input.y);
+                let matrix = composite::mass_matrix(&mass.mechanism(graph, self.model), mass, input.y);
                 let steady = MotionInput { a: &still, ..input };
-                let forces = newton_euler::inverse_dynamics(
-                    &bias.mechanism(graph, self.model),
-                    bias,
-                    steady,
-                );
+                let forces = newton_euler::inverse_dynamics(&bias.mechanism(graph, self.model), bias, steady);
                 [matrix.concat(), forces, beside(graph, input)].concat()
             });
             weight
         };
-        let pairs = candidates
-            .iter()
-            .flat_map(|mass| candidates.iter().map(move |bias| (*mass, *bias)));
+        let pairs = candidates.iter().flat_map(|mass| candidates.iter().map(move |bias| (*mass, *bias)));
         let best = pairs.min_by_key(|(mass, bias)| weight(mass, bias));
         best.map_or_else(
             || (self.mass_matrix().clone(), self.bias_forces().clone()),
@@ -244,41 +221,31 @@ impl<'m> Formulations<'m> {
         let weight = |route: &DerivativeRoute| {
             weigh(model, |graph, input| {
                 let result = route.derive(graph, model, inverse, input);
-                [
-                    result.forces,
-                    result.by_coordinates.concat(),
-                    result.by_velocities.concat(),
-                ]
-                .concat()
+                [result.forces, result.by_coordinates.concat(), result.by_velocities.concat()].concat()
             })
         };
-        let composite = |formulation: &Formulation, pairs| {
-            DerivativeRoute::Composite(formulation.clone(), pairs)
-        };
+        let composite =
+            |formulation: &Formulation, pairs| DerivativeRoute::Composite(formulation.clone(), pairs);
         let mut routes = vec![
             composite(&inverse.massless(), PairFrame::Links),
             composite(&inverse.massless().in_metres(), PairFrame::Root),
         ];
         if model.coordinates.len() <= LARGEST_SEARCHED {
-            let links = cheapest(&self.space, |formulation| {
-                weight(&composite(formulation, PairFrame::Links))
-            });
+            let links =
+                cheapest(&self.space, |formulation| weight(&composite(formulation, PairFrame::Links)));
             routes.push(composite(&links, PairFrame::Links));
         }
         if model.coordinates.len() <= LARGEST_FORWARD {
             routes.push(DerivativeRoute::Forward);
         }
-        let best = routes
-            .iter()
-            .enumerate()
-            .min_by_key(|(_, route)| weight(route).0)
-            .map_or(0, |(index, _)| index);
+        let best =
+            routes.iter().enumerate().min_by_key(|(_, route)| weight(route).0).map_or(0, |(index, _)| index);
         routes.swap_remove(best)
     }
 }
 
-/// Beyond so many joints a search among the derivatives takes longer than it saves: the formulation of the inverse
-/// dynamics serves them as well.
+/// Beyond so many joints a search among the derivatives takes longer than it saves: the formulation of the
+/// inverse dynamics serves them as well.
 const LARGEST_SEARCHED: usize = 12;
 
 /// Forward differentiation of the program never paid beyond three joints.
@@ -294,12 +261,9 @@ impl DerivativeRoute {
         input: MotionInput<'_, 'g>,
     ) -> ForceDerivatives<'g> {
         match self {
-            Self::Composite(formulation, pairs) => inverse_dynamics_derivatives(
-                &formulation.mechanism(graph, model),
-                formulation,
-                *pairs,
-                input,
-            ),
+            Self::Composite(formulation, pairs) => {
+                inverse_dynamics_derivatives(&formulation.mechanism(graph, model), formulation, *pairs, input)
+            }
             Self::Forward => differentiate_forwards(graph, model, inverse, input),
         }
     }
@@ -318,7 +282,8 @@ impl DerivativeRoute {
     }
 }
 
-/// Inverse dynamics and its derivatives by their program, at accelerations that may themselves depend on the state.
+/// Inverse dynamics and its derivatives by their program, at accelerations that may themselves depend on the
+/// state.
 fn differentiate_forwards<'g>(
     graph: &'g Graph,
     model: &Model,
@@ -328,13 +293,9 @@ fn differentiate_forwards<'g>(
     let MotionInput { y, v, a } = input;
     let free: Vec<_> = (0..a.len()).map(|k| graph.input(FREE, k)).collect();
     let mechanism = formulation.mechanism(graph, model);
-    let forces =
-        newton_euler::inverse_dynamics(&mechanism, formulation, MotionInput { y, v, a: &free });
+    let forces = newton_euler::inverse_dynamics(&mechanism, formulation, MotionInput { y, v, a: &free });
     let at = |matrix: Matrix<'g>| -> Matrix<'g> {
-        matrix
-            .iter()
-            .map(|row| substitute(graph, row, &free, a))
-            .collect()
+        matrix.iter().map(|row| substitute(graph, row, &free, a)).collect()
     };
     ForceDerivatives {
         by_coordinates: at(jacobian(graph, &forces, y)),
@@ -362,11 +323,7 @@ fn recursion(model: &Model, formulation: &Formulation, moving: Moving) -> (u64, 
         let input = match moving {
             Moving::Accelerated => MotionInput { y, v, a },
             Moving::Steadily => MotionInput { y, v, a: &still },
-            Moving::Not => MotionInput {
-                y,
-                v: &still,
-                a: &still,
-            },
+            Moving::Not => MotionInput { y, v: &still, a: &still },
         };
         newton_euler::inverse_dynamics(&formulation.mechanism(graph, model), formulation, input)
     })
@@ -378,16 +335,9 @@ where
     F: for<'a> FnOnce(&'a Graph, MotionInput<'_, 'a>) -> Vec<Scalar<'a>>,
 {
     let graph = Graph::new();
-    let [y, v, a]: [Vec<_>; 3] = [0, 1, 2].map(|array| {
-        (0..model.coordinates.len())
-            .map(|k| graph.input(array, k))
-            .collect()
-    });
-    let input = MotionInput {
-        y: &y,
-        v: &v,
-        a: &a,
-    };
+    let [y, v, a]: [Vec<_>; 3] =
+        [0, 1, 2].map(|array| (0..model.coordinates.len()).map(|k| graph.input(array, k)).collect());
+    let input = MotionInput { y: &y, v: &v, a: &a };
     let results: Vec<Edge> = build(&graph, input).iter().map(|x| x.edge()).collect();
     (Cost::of(&graph, &results).weight(), graph.len())
 }

@@ -25,8 +25,7 @@ pub(super) fn items(
 }
 
 fn statements(body: &Body<'_>, form: &Affine) -> TokenStream {
-    let ([y, v, u], [by_y, by_v, by_u, remainder]) =
-        (body.arguments.as_slice(), body.results.as_slice())
+    let ([y, v, u], [by_y, by_v, by_u, remainder]) = (body.arguments.as_slice(), body.results.as_slice())
     else {
         unreachable!("`Affine::unrolled` has three arguments and four results");
     };

@@ -21,19 +21,12 @@ impl Row {
             0..=4 | 9..=12 => 4,
             _ => 8,
         };
-        Self {
-            len: joints.next_multiple_of(block),
-            block,
-            is_chain: form.is_chain(),
-        }
+        Self { len: joints.next_multiple_of(block), block, is_chain: form.is_chain() }
     }
 
     /// The constant that loops over blocks read.
     fn block_size(self) -> String {
-        format!(
-            "/// Entries of a block of a row.\nconst K: usize = {};",
-            self.block
-        )
+        format!("/// Entries of a block of a row.\nconst K: usize = {};", self.block)
     }
 
     /// Whether the loops are those for chains in one block: what other loops leave to choices, and to the compiler, is
@@ -45,10 +38,7 @@ impl Row {
 
 /// The module of loops that the functions call.
 pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
-    let forms: Vec<&ArrayForm> = functions
-        .iter()
-        .filter_map(|function| function.arrays.as_ref())
-        .collect();
+    let forms: Vec<&ArrayForm> = functions.iter().filter_map(|function| function.arrays.as_ref()).collect();
     let Some(first) = forms.first().map(|form| form.arrays()) else {
         return String::new();
     };
@@ -63,24 +53,13 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
     ];
     texts.extend(pairs(row, &block));
     let inverts = |step: &Step| matches!(step, Step::Invert { .. });
-    if forms
-        .iter()
-        .any(|form| form.arrays().steps.iter().any(inverts))
-    {
+    if forms.iter().any(|form| form.arrays().steps.iter().any(inverts)) {
         texts.extend(inverse(row));
     }
-    if forms
-        .iter()
-        .any(|form| matches!(form, ArrayForm::Affine(_)))
-    {
+    if forms.iter().any(|form| matches!(form, ArrayForm::Affine(_))) {
         texts.push(include_str!("array_kernels/dot.rs"));
     }
-    pasted::loops(
-        scalar,
-        "Loops over arrays of joints: R rows of N entries, padded to L.",
-        "arrays",
-        &texts,
-    )
+    pasted::loops(scalar, "Loops over arrays of joints: R rows of N entries, padded to L.", "arrays", &texts)
 }
 
 /// Matrices over pairs of joints.

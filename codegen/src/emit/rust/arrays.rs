@@ -15,14 +15,8 @@ use crate::program::split::{self, Part};
 use crate::program::{Operand, Program, Shape};
 
 /// Names that the module takes for array forms.
-pub(super) const RESERVED: [&str; 6] = [
-    "arrays",
-    "sum_ancestors",
-    "sum_subtrees",
-    "RELATIONS",
-    "joint",
-    "is_before",
-];
+pub(super) const RESERVED: [&str; 6] =
+    ["arrays", "sum_ancestors", "sum_subtrees", "RELATIONS", "joint", "is_before"];
 
 /// The public functions, and the setup.
 pub(super) fn items(
@@ -66,12 +60,7 @@ impl<'a> Emission<'a> {
         let context = body.context;
         let mut taken = context.reserved.clone();
         taken.push("p".to_owned());
-        taken.extend(
-            body.arguments
-                .iter()
-                .chain(&body.results)
-                .map(ToString::to_string),
-        );
+        taken.extend(body.arguments.iter().chain(&body.results).map(ToString::to_string));
         let locals = names::distinct(form.arrays.iter().map(|array| array.name.as_str()), &taken);
         let place = |(index, local): (usize, Ident)| {
             let output = form.outputs.iter().position(|output| output.array == index);
@@ -79,9 +68,7 @@ impl<'a> Emission<'a> {
                 _ if table(form, index).is_some() => {
                     Place::Table(names::identifier(&local.to_string().to_uppercase()))
                 }
-                Some(output) if is_only_result(form, index) => {
-                    Place::Result(body.results[output].clone())
-                }
+                Some(output) if is_only_result(form, index) => Place::Result(body.results[output].clone()),
                 _ => Place::Local(local),
             }
         };
@@ -136,10 +123,7 @@ impl<'a> Emission<'a> {
 
     fn ty(&self, rows: usize) -> TokenStream {
         let ty = self.context.ty();
-        let (rows, lanes) = (
-            Literal::usize_unsuffixed(rows),
-            Literal::usize_unsuffixed(self.row.len),
-        );
+        let (rows, lanes) = (Literal::usize_unsuffixed(rows), Literal::usize_unsuffixed(self.row.len));
         quote!([[#ty; #lanes]; #rows])
     }
 
@@ -202,9 +186,7 @@ impl<'a> Emission<'a> {
             Step::NegativeProduct { left, right, to } => {
                 self.call(&quote!(arrays::negative_product), &[*left, *right], *to)
             }
-            Step::Apply { matrix, vector, to } => {
-                self.call(&quote!(arrays::apply), &[*matrix, *vector], *to)
-            }
+            Step::Apply { matrix, vector, to } => self.call(&quote!(arrays::apply), &[*matrix, *vector], *to),
         }
     }
 
@@ -314,11 +296,7 @@ impl<'a> Emission<'a> {
             Some(quote!(to[#parent] += to[#index];))
         });
         let copy = std::iter::once(quote!(*to = *from;));
-        self.sums(
-            "sum_subtrees",
-            "Adds to each joint all beyond it.",
-            &copy.chain(sums).collect::<Vec<_>>(),
-        )
+        self.sums("sum_subtrees", "Adds to each joint all beyond it.", &copy.chain(sums).collect::<Vec<_>>())
     }
 
     fn sums(&self, name: &str, about: &str, statements: &[TokenStream]) -> Ident {
@@ -361,9 +339,7 @@ impl<'a> Emission<'a> {
         let constants = body.stores(|entry| body.made(entry).is_none());
         let statements = body.statements(0..body.program.instructions.len());
         let allowed = [
-            Some(
-                quote!(#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]),
-            ),
+            Some(quote!(#[allow(clippy::needless_range_loop, reason = "one index for all arrays")])),
             lints::for_arguments(arguments.len()),
             lints::for_numbers(body.numbers()),
         ];
@@ -385,8 +361,7 @@ impl<'a> Emission<'a> {
 
     /// The arrays that the setup fills.
     fn filled(&self) -> impl Iterator<Item = usize> {
-        (0..self.form.setup.outputs.len())
-            .filter(|&array| matches!(self.places[array], Place::Local(_)))
+        (0..self.form.setup.outputs.len()).filter(|&array| matches!(self.places[array], Place::Local(_)))
     }
 
     fn setup_call(&self) -> TokenStream {
@@ -401,9 +376,7 @@ impl<'a> Emission<'a> {
     fn setup_items(&self, signature: &Signature) -> Vec<TokenStream> {
         let filled = self.filled();
         let program = Program {
-            outputs: filled
-                .map(|array| self.form.setup.outputs[array].clone())
-                .collect(),
+            outputs: filled.map(|array| self.form.setup.outputs[array].clone()).collect(),
             ..self.form.setup.clone()
         };
         let (name, body) = (self.setup_name(), Body::in_place(self.context, &program));
@@ -433,10 +406,7 @@ impl<'a> Emission<'a> {
         let arguments: Vec<TokenStream> = arguments.collect();
         let about = "Poses and single joints of";
         item(
-            &DocComment::new(&format!(
-                "{about} `{}`; the arrays hold zeros before.",
-                self.name
-            )),
+            &DocComment::new(&format!("{about} `{}`; the arrays hold zeros before.", self.name)),
             [
                 lints::for_names(body.value_names().chain(&body.arguments).chain([&name])),
                 lints::for_numbers(body.numbers()),

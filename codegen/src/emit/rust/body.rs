@@ -72,18 +72,12 @@ impl<'a> Body<'a> {
 
     /// The same body, whose statements do not store into the results.
     pub(super) fn without_stores(&self) -> Self {
-        Self {
-            stored: vec![],
-            ..self.clone()
-        }
+        Self { stored: vec![], ..self.clone() }
     }
 
     /// The same body, which stores nothing and whose inputs have a column: of an array, or a lane.
     pub(super) fn with_column(&self, column: TokenStream) -> Self {
-        Self {
-            column: Some(column),
-            ..self.without_stores()
-        }
+        Self { column: Some(column), ..self.without_stores() }
     }
 
     /// Name of a value.
@@ -98,15 +92,12 @@ impl<'a> Body<'a> {
 
     /// Names of the values that these instructions define, as far as they are mentioned.
     pub(super) fn value_names_in(&self, range: Range<usize>) -> impl Iterator<Item = &Ident> {
-        range
-            .filter(|&index| self.flow.is_read[index])
-            .map(|index| &self.names[index])
+        range.filter(|&index| self.flow.is_read[index]).map(|index| &self.names[index])
     }
 
     /// All numbers in the text.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
-        self.numbers_in(0..self.program.instructions.len())
-            .chain(self.program.entries().filter_map(constant))
+        self.numbers_in(0..self.program.instructions.len()).chain(self.program.entries().filter_map(constant))
     }
 
     /// The numbers in these instructions.
@@ -195,14 +186,11 @@ impl<'a> Body<'a> {
         let [output] = self.program.outputs.as_slice() else {
             return None;
         };
-        let (Shape::Scalar, [Operand::Value(index)]) = (output.shape, output.entries.as_slice())
-        else {
+        let (Shape::Scalar, [Operand::Value(index)]) = (output.shape, output.entries.as_slice()) else {
             return None;
         };
         let instructions = &self.program.instructions;
-        let last = (0..instructions.len())
-            .rev()
-            .find(|&index| self.flow.is_made(index))?;
+        let last = (0..instructions.len()).rev().find(|&index| self.flow.is_made(index))?;
         let is_pair = matches!(instructions[last].operation, Operation::SinCos(_));
         (last == *index && !is_pair).then_some(last)
     }

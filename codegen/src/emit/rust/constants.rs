@@ -57,11 +57,7 @@ fn value(context: &Context<'_>, value: &ConstantValue) -> (TokenStream, TokenStr
         }
         ConstantValue::Indices(dimension, indices) => {
             let indices = indices.iter().map(|&index| count(index));
-            array(
-                *dimension,
-                &quote!(usize),
-                indices.map(|index| quote!(#index)),
-            )
+            array(*dimension, &quote!(usize), indices.map(|index| quote!(#index)))
         }
         ConstantValue::Numbers(dimension, numbers) => {
             array(*dimension, &ty, numbers.iter().map(|&x| scalar.literal(x)))

@@ -25,7 +25,8 @@ pub(super) struct Context<'a> {
     pub(super) has_lanes: Cell<bool>,
     /// Whether a function over lanes has something to keep between its loops.
     pub(super) has_groups: Cell<bool>,
-    /// Names that no argument or value inside a function may take: a constant's would be a pattern, not a variable.
+    /// Names that no argument or value inside a function may take: a constant's would be a pattern, not a
+    /// variable.
     pub(super) reserved: Vec<String>,
     /// Private functions of array forms, which several functions call.
     pub(super) shared: Shared,
@@ -33,16 +34,9 @@ pub(super) struct Context<'a> {
 
 impl<'a> Context<'a> {
     /// - `reserved`: names of the module's own constants and functions
-    pub(super) fn new(
-        module: &'a Module,
-        options: &'a EmitOptions,
-        mut reserved: Vec<String>,
-    ) -> Self {
+    pub(super) fn new(module: &'a Module, options: &'a EmitOptions, mut reserved: Vec<String>) -> Self {
         let parameters = module.parameters.iter().map(|each| each.name.as_str());
-        let functions = module
-            .functions
-            .iter()
-            .map(|function| function.name.as_str());
+        let functions = module.functions.iter().map(|function| function.name.as_str());
         let functions = names::distinct(functions, &reserved);
         reserved.extend(functions.iter().map(ToString::to_string));
         Self {
@@ -102,7 +96,8 @@ impl Shared {
         self.items.take().into_values().collect()
     }
 
-    /// Adds a function, unless it is there already; its name, another one where that is taken by something else.
+    /// Adds a function, unless it is there already; its name, another one where that is taken by something
+    /// else.
     pub(super) fn add(&self, stem: &str, item: impl Fn(&Ident) -> TokenStream) -> Ident {
         let mut items = self.items.borrow_mut();
         let mut number = 1;

@@ -1,4 +1,5 @@
-//! Functions over a sample time: calls of the module's own `linearize` and `forward_dynamics`, and the pasted texts.
+//! Functions over a sample time: calls of the module's own `linearize` and `forward_dynamics`, and the pasted
+//! texts.
 
 use std::collections::BTreeSet;
 
@@ -71,11 +72,8 @@ fn documentation(context: &Context<'_>, composed: &ComposedFunction) -> DocComme
 
 /// The pasted texts in a module of their own.
 pub(super) fn text(scalar: Scalar, compositions: &[ComposedFunction]) -> String {
-    let texts: BTreeSet<Text> = compositions
-        .iter()
-        .flat_map(|each| each.composition.texts())
-        .copied()
-        .collect();
+    let texts: BTreeSet<Text> =
+        compositions.iter().flat_map(|each| each.composition.texts()).copied().collect();
     if texts.is_empty() {
         return String::new();
     }

@@ -1,4 +1,5 @@
-//! Documentation of generated items: wrapped, and escaped so that no text of a description becomes markup or code.
+//! Documentation of generated items: wrapped, and escaped so that no text of a description becomes markup or
+//! code.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -22,9 +23,7 @@ impl DocComment {
 
     /// Documentation of one paragraph that is escaped already.
     pub(super) fn escaped(text: &str) -> Self {
-        Self {
-            lines: wrap(text, ""),
-        }
+        Self { lines: wrap(text, "") }
     }
 
     /// A paragraph of Markdown, apart from what stands above.
@@ -44,8 +43,7 @@ impl DocComment {
 
     /// A list item of Markdown. `gap` separates a list from what stands above.
     pub(super) fn item(&mut self, text: &str) {
-        self.lines
-            .extend(wrap(&format!("- {}", markdown(text)), "  "));
+        self.lines.extend(wrap(&format!("- {}", markdown(text)), "  "));
     }
 
     /// An empty line, unless at the beginning.
@@ -57,32 +55,22 @@ impl DocComment {
 
     /// The attributes of the item.
     pub(super) fn tokens(&self) -> TokenStream {
-        let lines = self.lines.iter().map(|line| {
-            if line.is_empty() {
-                String::new()
-            } else {
-                format!(" {line}")
-            }
-        });
+        let lines =
+            self.lines.iter().map(|line| if line.is_empty() { String::new() } else { format!(" {line}") });
         quote!(#(#[doc = #lines])*)
     }
 }
 
-/// Markdown by our own stages: spans in backticks stay, elsewhere tags and emphasis lose their meaning. Units in
-/// brackets get parentheses, since rustdoc would take brackets for links.
+/// Markdown by our own stages: spans in backticks stay, elsewhere tags and emphasis lose their meaning. Units
+/// in brackets get parentheses, since rustdoc would take brackets for links.
 pub(super) fn markdown(text: &str) -> String {
     let text = visible(&text.replace('\n', " "));
     let parts: Vec<&str> = text.split('`').collect();
     if parts.len().is_multiple_of(2) {
         return plain(&text);
     }
-    let escaped = parts.iter().enumerate().map(|(i, part)| {
-        if i % 2 == 0 {
-            prose(part)
-        } else {
-            (*part).to_owned()
-        }
-    });
+    let escaped =
+        parts.iter().enumerate().map(|(i, part)| if i % 2 == 0 { prose(part) } else { (*part).to_owned() });
     guard_start(escaped.collect::<Vec<_>>().join("`"))
 }
 
@@ -113,10 +101,7 @@ fn prose(text: &str) -> String {
 fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.replace("://", ":\\//").chars() {
-        if matches!(
-            letter,
-            '[' | ']' | '<' | '>' | '*' | '_' | '`' | '#' | '|' | '~' | '&'
-        ) {
+        if matches!(letter, '[' | ']' | '<' | '>' | '*' | '_' | '`' | '#' | '|' | '~' | '&') {
             escaped.push('\\');
         }
         escaped.push(letter);
@@ -124,8 +109,8 @@ fn escape(text: &str) -> String {
     escaped
 }
 
-/// Replaces control characters and invisible ones, among them those that reverse the direction of text (rustc refuses
-/// them), by their escapes.
+/// Replaces control characters and invisible ones, among them those that reverse the direction of text (rustc
+/// refuses them), by their escapes.
 pub(super) fn visible(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -145,26 +130,20 @@ fn is_invisible(letter: char) -> bool {
             | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
 }
 
-/// Breaks at spaces outside of backticks, and only before a word that cannot begin a list, a heading or a quote.
+/// Breaks at spaces outside of backticks, and only before a word that cannot begin a list, a heading or a
+/// quote.
 fn wrap(text: &str, indent: &str) -> Vec<String> {
     let mut lines = vec![String::new()];
     let mut in_code = false;
     for word in text.split(' ').filter(|word| !word.is_empty()) {
-        let line = lines
-            .last_mut()
-            .map(|line| line.chars().count())
-            .unwrap_or_default();
-        let can_begin =
-            word.starts_with(|first: char| first.is_alphabetic() || first == '`' || first == '(');
+        let line = lines.last_mut().map(|line| line.chars().count()).unwrap_or_default();
+        let can_begin = word.starts_with(|first: char| first.is_alphabetic() || first == '`' || first == '(');
         if line > 0 && line + 1 + word.chars().count() > WIDTH && can_begin && !in_code {
             lines.push(indent.to_owned());
         } else if line > 0 {
             lines.last_mut().into_iter().for_each(|line| line.push(' '));
         }
-        lines
-            .last_mut()
-            .into_iter()
-            .for_each(|line| line.push_str(word));
+        lines.last_mut().into_iter().for_each(|line| line.push_str(word));
         in_code ^= word.matches('`').count() % 2 == 1;
     }
     lines
@@ -180,14 +159,8 @@ mod tests {
             plain("a [link] <b> *x* `c`\r\u{202e}"),
             "a \\[link\\] \\<b\\> \\*x\\* \\`c\\`\\u{d}\\u{202e}"
         );
-        assert_eq!(
-            plain("see https://example.org"),
-            "see https:\\//example.org"
-        );
-        assert_eq!(
-            markdown("forces [N] on `M[0][1]`"),
-            "forces (N) on `M[0][1]`"
-        );
+        assert_eq!(plain("see https://example.org"), "see https:\\//example.org");
+        assert_eq!(markdown("forces [N] on `M[0][1]`"), "forces (N) on `M[0][1]`");
         assert_eq!(markdown("one ` alone"), "one \\` alone");
         assert_eq!(plain("- no list"), "\\- no list");
         assert_eq!(plain("12. no list"), "12\\. no list");

@@ -8,15 +8,14 @@ use super::names::is_snake_case;
 
 /// Allows numbers that look like rounded π, e, …, where there are such.
 pub(super) fn for_numbers(numbers: impl IntoIterator<Item = f64>) -> Option<TokenStream> {
-    numbers.into_iter().any(resembles_constant).then(|| {
-        quote!(#[allow(clippy::approx_constant, reason = "numbers as the description gives them")])
-    })
+    numbers
+        .into_iter()
+        .any(resembles_constant)
+        .then(|| quote!(#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]))
 }
 
 /// Allows names with capitals, where there are such.
-pub(super) fn for_names<'a>(
-    names: impl IntoIterator<Item = &'a proc_macro2::Ident>,
-) -> Option<TokenStream> {
+pub(super) fn for_names<'a>(names: impl IntoIterator<Item = &'a proc_macro2::Ident>) -> Option<TokenStream> {
     names
         .into_iter()
         .any(|name| !is_snake_case(&name.to_string()))
@@ -30,14 +29,11 @@ pub(super) fn for_arguments(count: usize) -> Option<TokenStream> {
     )
 }
 
-/// Allows a tuple of matrices as result. Clippy's score: each type counts 10 times its depth; 250 is its limit.
+/// Allows a tuple of matrices as result. Clippy's score: each type counts 10 times its depth; 250 is its
+/// limit.
 pub(super) fn for_result(dimensions: &[usize]) -> Option<TokenStream> {
     let depth = if dimensions.len() > 1 { 1 } else { 0 };
-    let entry = |array: &usize| {
-        (1..=array + 1)
-            .map(|level| 10 * (level + depth))
-            .sum::<usize>()
-    };
+    let entry = |array: &usize| (1..=array + 1).map(|level| 10 * (level + depth)).sum::<usize>();
     let score = 10 * depth + dimensions.iter().map(entry).sum::<usize>();
     (score > 250).then(|| quote!(#[allow(clippy::type_complexity, reason = "blocks of fixed size need no type of their own")]))
 }

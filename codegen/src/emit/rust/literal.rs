@@ -22,11 +22,7 @@ impl Scalar {
     /// `number` as what a method is called on: in parentheses where negative, its type named.
     pub(super) fn receiver(self, number: f64) -> TokenStream {
         let literal = self.typed(number);
-        if number.is_sign_negative() {
-            quote!((#literal))
-        } else {
-            literal
-        }
+        if number.is_sign_negative() { quote!((#literal)) } else { literal }
     }
 
     /// `number` with its type named, where nothing else would fix it.
@@ -40,18 +36,11 @@ impl Scalar {
         if number == f64::NEG_INFINITY {
             return quote!(#ty::NEG_INFINITY);
         }
-        if number.is_sign_negative() && !number.is_nan() {
-            quote!(-#magnitude)
-        } else {
-            magnitude
-        }
+        if number.is_sign_negative() && !number.is_nan() { quote!(-#magnitude) } else { magnitude }
     }
 
     fn magnitude(self, number: f64, suffix: Suffix) -> TokenStream {
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "f32 constants are the rounded f64 ones"
-        )]
+        #[allow(clippy::cast_possible_truncation, reason = "f32 constants are the rounded f64 ones")]
         let (is_finite, is_nan, single) = match self {
             Self::F64 => (number.is_finite(), number.is_nan(), 0.0),
             Self::F32 => ((number as f32).is_finite(), number.is_nan(), number as f32),
@@ -76,10 +65,8 @@ enum Suffix {
 
 /// `{:?}` of a finite, non-negative float is a Rust literal: `0.1`, `1e-7`, `1e300`.
 fn shortest(text: &str) -> TokenStream {
-    text.parse::<Literal>().map_or_else(
-        |_| quote!(compile_error!("not a number")),
-        |literal| quote!(#literal),
-    )
+    text.parse::<Literal>()
+        .map_or_else(|_| quote!(compile_error!("not a number")), |literal| quote!(#literal))
 }
 
 /// Whether clippy takes a literal for a badly written constant of `core::f64::consts` (`approx_constant`).
@@ -110,9 +97,7 @@ pub(super) fn resembles_constant(number: f64) -> bool {
         1.618_033_988_749_895,
         0.577_215_664_901_532_9,
     ];
-    constants
-        .iter()
-        .any(|constant| (number.abs() - constant).abs() <= 1e-3 * constant)
+    constants.iter().any(|constant| (number.abs() - constant).abs() <= 1e-3 * constant)
 }
 
 #[cfg(test)]
@@ -121,23 +106,9 @@ mod tests {
 
     #[test]
     fn literals_read_back_to_the_same_bits() {
-        for number in [
-            0.0,
-            0.1,
-            1e-7,
-            1e300,
-            f64::MIN_POSITIVE,
-            5e-324,
-            f64::MAX,
-            161.0,
-            9.80665,
-        ] {
+        for number in [0.0, 0.1, 1e-7, 1e300, f64::MIN_POSITIVE, 5e-324, f64::MAX, 161.0, 9.80665] {
             let text = Scalar::F64.literal(number).to_string();
-            assert_eq!(
-                text.parse::<f64>().unwrap().to_bits(),
-                number.to_bits(),
-                "{text}"
-            );
+            assert_eq!(text.parse::<f64>().unwrap().to_bits(), number.to_bits(), "{text}");
         }
     }
 
@@ -151,10 +122,7 @@ mod tests {
             (Scalar::F32.literal(0.1), "0.1"),
             (Scalar::F32.literal(9.806_65), "9.80665"),
             (Scalar::F32.literal(1e300), "f32 :: INFINITY"),
-            (
-                Scalar::F64.literal(f64::NEG_INFINITY),
-                "f64 :: NEG_INFINITY",
-            ),
+            (Scalar::F64.literal(f64::NEG_INFINITY), "f64 :: NEG_INFINITY"),
         ];
         for (tokens, expected) in cases {
             assert_eq!(tokens.to_string(), expected);

@@ -16,7 +16,8 @@ use gelenk_kernels::math::Kernel;
 /// Names of the module's own functions: nothing else may be named like them.
 pub(super) const RESERVED: [&str; 1] = ["sign"];
 
-/// A call of a function of one argument, which stands as `receiver` before a method and as `argument` in parentheses.
+/// A call of a function of one argument, which stands as `receiver` before a method and as `argument` in
+/// parentheses.
 pub(super) fn call(
     context: &Context<'_>,
     function: Call,
@@ -47,11 +48,7 @@ pub(super) fn call(
 }
 
 /// Sine and cosine of one angle.
-pub(super) fn sin_cos(
-    context: &Context<'_>,
-    receiver: &TokenStream,
-    argument: &TokenStream,
-) -> TokenStream {
+pub(super) fn sin_cos(context: &Context<'_>, receiver: &TokenStream, argument: &TokenStream) -> TokenStream {
     match context.options.math {
         Math::Embedded => own(context, [Kernel::SinCos, Kernel::SinCosF32], argument),
         Math::Std => quote!(#receiver.sin_cos()),
@@ -59,11 +56,7 @@ pub(super) fn sin_cos(
 }
 
 /// Sines and cosines of several angles, padded to `lanes`: 2, 4 or 8.
-pub(super) fn sin_cos_of(
-    context: &Context<'_>,
-    lanes: usize,
-    angles: &[TokenStream],
-) -> TokenStream {
+pub(super) fn sin_cos_of(context: &Context<'_>, lanes: usize, angles: &[TokenStream]) -> TokenStream {
     let kernels = match lanes {
         2 => [Kernel::SinCos2, Kernel::SinCos2F32],
         4 => [Kernel::SinCos4, Kernel::SinCos4F32],
@@ -151,9 +144,7 @@ fn module(kernels: &BTreeSet<Kernel>) -> String {
 fn needed(called: &BTreeSet<Kernel>) -> BTreeSet<Kernel> {
     let mut needed = BTreeSet::new();
     for &kernel in called {
-        needed.extend(std::iter::successors(Some(kernel), |kernel| {
-            kernel.requires()
-        }));
+        needed.extend(std::iter::successors(Some(kernel), |kernel| kernel.requires()));
     }
     needed
 }
@@ -180,10 +171,7 @@ mod tests {
             let called = called.iter().copied().collect();
             needed(&called).iter().map(|kernel| kernel.name()).collect()
         };
-        assert_eq!(
-            names(&[Kernel::SinCos4]),
-            ["sin_cos", "sin_cos_array", "sin_cos_4"]
-        );
+        assert_eq!(names(&[Kernel::SinCos4]), ["sin_cos", "sin_cos_array", "sin_cos_4"]);
         assert_eq!(names(&[Kernel::TanhF32]), ["exp_direct_f32", "tanh_f32"]);
         assert!(names(&[]).is_empty());
     }

@@ -2,10 +2,11 @@
 //!
 //! The text compiles without warnings, on its own and through `include!`.
 //!
-//! From below: `names.rs`, `literal.rs` and `doc_comment.rs` guard what reaches the text. `body.rs` names the values of a function, `statements.rs`
-//! prints one `let` per instruction, `signature.rs` and `public.rs` what stands around them, `parts.rs` the functions that a
-//! long one is split into. On these stand the forms: `straight.rs`, `arrays.rs`, `affine.rs`, `lanes/`. `function.rs` chooses
-//! between them by what the module says.
+//! From below: `names.rs`, `literal.rs` and `doc_comment.rs` guard what reaches the text. `body.rs` names the
+//! values of a function, `statements.rs` prints one `let` per instruction, `signature.rs` and `public.rs`
+//! what stands around them, `parts.rs` the functions that a long one is split into. On these stand the forms:
+//! `straight.rs`, `arrays.rs`, `affine.rs`, `lanes/`. `function.rs` chooses between them by what the module
+//! says.
 
 mod affine;
 mod array_kernels;
@@ -43,7 +44,8 @@ use crate::module::{self, Module};
 
 /// Writes a module as Rust.
 ///
-/// The text depends on the arguments alone. It needs no crate, has no inner attributes and names only `core::` paths.
+/// The text depends on the arguments alone. It needs no crate, has no inner attributes and names only
+/// `core::` paths.
 #[must_use]
 pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     let context = Context::new(module, options, reserved());
@@ -62,20 +64,14 @@ pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     text.push_str(&functions);
     push_items(&mut text, module.substeps.iter().map(constant));
     let composed = module.compositions.iter();
-    push_items(
-        &mut text,
-        composed.map(|each| discrete_time::function(&context, each)),
-    );
+    push_items(&mut text, composed.map(|each| discrete_time::function(&context, each)));
     push_items(&mut text, context.shared.take());
     text.push_str(&array_kernels::text(options.scalar, &module.functions));
     text.push_str(&math::text(&context));
     text.push_str(&discrete_time::text(options.scalar, &module.compositions));
     text.push_str(math::guard(&module.functions));
     push_items(&mut text, self_test::item(&context));
-    SourceFile {
-        name: names::identifier(&module.name).to_string(),
-        text,
-    }
+    SourceFile { name: names::identifier(&module.name).to_string(), text }
 }
 
 /// Names that the module takes for itself.
@@ -100,8 +96,8 @@ fn push_items(text: &mut String, items: impl IntoIterator<Item = TokenStream>) {
     }
 }
 
-/// Formats one item. The tokens were made by this folder: where they are no Rust, that is a defect here, and the
-/// unformatted tokens with rustc's message about them help more than a panic.
+/// Formats one item. The tokens were made by this folder: where they are no Rust, that is a defect here, and
+/// the unformatted tokens with rustc's message about them help more than a panic.
 fn print(item: TokenStream) -> String {
     match syn::parse2::<syn::File>(item.clone()) {
         Ok(file) => prettyplease::unparse(&file),

@@ -1,7 +1,8 @@
 //! Names of a description and of a program as Rust identifiers.
 //!
-//! The model has checked its names already; this is the last guard, so that no string becomes code. Identifiers are
-//! ASCII: other letters would trip rustc's lints on confusable names, which only the including crate could allow.
+//! The model has checked its names already; this is the last guard, so that no string becomes code.
+//! Identifiers are ASCII: other letters would trip rustc's lints on confusable names, which only the
+//! including crate could allow.
 
 use std::collections::BTreeSet;
 
@@ -11,11 +12,11 @@ use crate::program::letters;
 
 /// Words that are no identifiers in edition 2024, reserved ones included.
 const KEYWORDS: [&str; 53] = [
-    "Self", "_", "abstract", "as", "async", "await", "become", "box", "break", "const", "continue",
-    "crate", "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if",
-    "impl", "in", "let", "loop", "macro", "match", "mod", "move", "mut", "override", "priv", "pub",
-    "ref", "return", "self", "static", "struct", "super", "trait", "true", "try", "type", "typeof",
-    "unsafe", "unsized", "use", "virtual", "where", "while", "yield",
+    "Self", "_", "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate",
+    "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let",
+    "loop", "macro", "match", "mod", "move", "mut", "override", "priv", "pub", "ref", "return", "self",
+    "static", "struct", "super", "trait", "true", "try", "type", "typeof", "unsafe", "unsized", "use",
+    "virtual", "where", "while", "yield",
 ];
 
 /// The nearest ASCII identifier to `name`; `name` itself where it is one.
@@ -43,16 +44,11 @@ fn spelling(name: &str) -> String {
     text
 }
 
-/// Identifiers for `names`, different from each other and from `taken`; a name already taken gets `_` and a number.
-pub(super) fn distinct<'a>(
-    names: impl IntoIterator<Item = &'a str>,
-    taken: &[String],
-) -> Vec<Ident> {
+/// Identifiers for `names`, different from each other and from `taken`; a name already taken gets `_` and a
+/// number.
+pub(super) fn distinct<'a>(names: impl IntoIterator<Item = &'a str>, taken: &[String]) -> Vec<Ident> {
     let mut used: BTreeSet<String> = taken.iter().cloned().collect();
-    names
-        .into_iter()
-        .map(|name| unused(spelling(name), &mut used))
-        .collect()
+    names.into_iter().map(|name| unused(spelling(name), &mut used)).collect()
 }
 
 fn unused(spelling: String, used: &mut BTreeSet<String>) -> Ident {

@@ -17,19 +17,10 @@ pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
     let ty = scalar.ty();
     let fields = &context.parameters;
     let docs = context.module.parameters.iter().map(documentation);
-    let values = context
-        .module
-        .parameters
-        .iter()
-        .map(|parameter| scalar.literal(parameter.default));
+    let values = context.module.parameters.iter().map(|parameter| scalar.literal(parameter.default));
     let allowed_names = lints::for_names(fields);
-    let allowed_numbers = lints::for_numbers(
-        context
-            .module
-            .parameters
-            .iter()
-            .map(|parameter| parameter.default),
-    );
+    let allowed_numbers =
+        lints::for_numbers(context.module.parameters.iter().map(|parameter| parameter.default));
     vec![
         quote! {
             #[doc = " Free parameters of the model; `Default` gives the described values."]

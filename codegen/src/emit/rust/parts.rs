@@ -42,9 +42,7 @@ impl Taken {
         });
         Self {
             values,
-            inputs: inputs
-                .map(|&input| signature.arguments[input].clone())
-                .collect(),
+            inputs: inputs.map(|&input| signature.arguments[input].clone()).collect(),
             parameters: parameters.filter(|_| part.reads_parameters),
         }
     }
@@ -92,21 +90,13 @@ pub(super) fn items(
         [_] => vec![],
         _ => {
             let parts = parts.iter().enumerate();
-            parts
-                .map(|(i, part)| private(&body, name, i, part, signature))
-                .collect()
+            parts.map(|(i, part)| private(&body, name, i, part, signature)).collect()
         }
     }
 }
 
 /// The private function of a part. Never inlined: that would undo the splitting.
-fn private(
-    body: &Body<'_>,
-    name: &Ident,
-    index: usize,
-    part: &Part,
-    signature: &Signature,
-) -> TokenStream {
+fn private(body: &Body<'_>, name: &Ident, index: usize, part: &Part, signature: &Signature) -> TokenStream {
     let callee = part_name(name, index);
     let taken = Taken::declared(body, part, signature);
     let arguments = taken.inputs.into_iter().chain(taken.values);
@@ -115,10 +105,7 @@ fn private(
     let names = names.chain(part.takes.iter().map(|&value| body.name(value)));
     let statements = body.statements(part.range.clone());
     let (returns, ty) = (values(body, &part.returns), array(body, &part.returns));
-    let documentation = format!(
-        "Part {} of `{name}`: values that later parts read.",
-        index + 1
-    );
+    let documentation = format!("Part {} of `{name}`: values that later parts read.", index + 1);
     item(
         &DocComment::new(&documentation),
         [
@@ -150,8 +137,5 @@ pub(super) fn unused(
     let inputs = body.arguments.iter().enumerate();
     let inputs = inputs.filter(|(array, _)| !reads_input(array));
     let parameters = body.context.passed_parameters();
-    inputs
-        .map(|(_, name)| quote!(#name))
-        .chain(parameters.filter(|_| !reads_parameters))
-        .collect()
+    inputs.map(|(_, name)| quote!(#name)).chain(parameters.filter(|_| !reads_parameters)).collect()
 }

@@ -1,20 +1,18 @@
-//! Modules of pasted texts. Private modules keep the names of helpers apart from those of a robot; the texts stay as
-//! they are, since the pretty printer would drop their comments.
+//! Modules of pasted texts. Private modules keep the names of helpers apart from those of a robot; the texts
+//! stay as they are, since the pretty printer would drop their comments.
 
 use crate::emit::options::Scalar;
 
 /// A module with a line of documentation and an attribute.
 pub(super) fn module(documentation: &str, attribute: &str, name: &str, texts: &[&str]) -> String {
     let texts: Vec<String> = texts.iter().map(|text| indented(text)).collect();
-    format!(
-        "\n/// {documentation}\n{attribute}\nmod {name} {{\n{}}}\n",
-        texts.join("\n")
-    )
+    format!("\n/// {documentation}\n{attribute}\nmod {name} {{\n{}}}\n", texts.join("\n"))
 }
 
 /// A module of loops, whose texts are written for `f64` and its bits.
 pub(super) fn loops(scalar: Scalar, documentation: &str, name: &str, texts: &[&str]) -> String {
-    let attribute = "#[allow(clippy::needless_range_loop, reason = \"index notation reads like the formulas\")]";
+    let attribute =
+        "#[allow(clippy::needless_range_loop, reason = \"index notation reads like the formulas\")]";
     let module = module(documentation, attribute, name, texts);
     match scalar {
         Scalar::F64 => module,

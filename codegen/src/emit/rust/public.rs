@@ -1,4 +1,5 @@
-//! The public faces of a function: one that returns its results, and one that writes them in place where they are large.
+//! The public faces of a function: one that returns its results, and one that writes them in place where they
+//! are large.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -9,10 +10,12 @@ use super::lints;
 use super::signature::{Signature, item, length_text, zeros};
 use crate::functions::function::Function;
 
-/// Up to so many instructions a function is offered to inlining in other crates: a call costs as much as they do.
+/// Up to so many instructions a function is offered to inlining in other crates: a call costs as much as they
+/// do.
 const INLINE_UP_TO: usize = 40;
 
-/// The functions that callers see. `statements` return the results of a body, or store them where it has names for them.
+/// The functions that callers see. `statements` return the results of a body, or store them where it has
+/// names for them.
 pub(super) fn items(
     function: &Function,
     body: &Body<'_>,
@@ -61,12 +64,7 @@ fn returning(
 }
 
 /// The function with its results as arguments: its documentation refers to the other.
-fn storing(
-    body: &Body<'_>,
-    name: &Ident,
-    signature: &Signature,
-    statements: &TokenStream,
-) -> TokenStream {
+fn storing(body: &Body<'_>, name: &Ident, signature: &Signature, statements: &TokenStream) -> TokenStream {
     let into = into_name(name);
     let documentation =
         format!("`{name}` with its results written in place; nothing of what stood there is read.");

@@ -10,8 +10,8 @@ use crate::functions::function::Function;
 use crate::program::Shape;
 use crate::self_test::SelfTest;
 
-/// Largest deviation, relative to the largest entry of a result: rounding where a compiler contracts products and sums, or where
-/// sine and cosine are the platform's.
+/// Largest deviation, relative to the largest entry of a result: rounding where a compiler contracts products
+/// and sums, or where sine and cosine are the platform's.
 fn tolerance(scalar: Scalar) -> f64 {
     match scalar {
         Scalar::F64 => 1e-12,
@@ -26,10 +26,7 @@ pub(super) fn item(context: &Context<'_>) -> Option<TokenStream> {
         return None;
     }
     let ty = context.options.scalar.ty();
-    let tolerance = context
-        .options
-        .scalar
-        .literal(tolerance(context.options.scalar));
+    let tolerance = context.options.scalar.literal(tolerance(context.options.scalar));
     let calls_of = |function: &Function| {
         let calls = tests.iter().filter(|call| call.function == function.name);
         calls.collect::<Vec<_>>()
@@ -63,9 +60,7 @@ fn test(context: &Context<'_>, function: &Function, calls: &[&SelfTest]) -> Toke
     let literal = |x: &f64| context.options.scalar.literal(*x);
     let parameters = context.passed_parameters();
     let parameters = parameters.map(|_| quote!(&super::Parameters::default()));
-    let numbers = calls
-        .iter()
-        .flat_map(|call| call.arguments.iter().chain(&call.results));
+    let numbers = calls.iter().flat_map(|call| call.arguments.iter().chain(&call.results));
     let allowed = lints::for_numbers(numbers.flatten().copied());
     let calls = calls.iter().map(|call| {
         let arguments = call.arguments.iter().map(|entries| {
@@ -78,20 +73,15 @@ fn test(context: &Context<'_>, function: &Function, calls: &[&SelfTest]) -> Toke
             [only] => quote!(#only),
             _ => quote!((#(#found),*)),
         };
-        let checks =
-            found
-                .iter()
-                .zip(&shapes)
-                .zip(&call.results)
-                .map(|((found, shape), expected)| {
-                    let found = match shape {
-                        Shape::Scalar => quote!(&[#found]),
-                        Shape::Vector(_) => quote!(&#found),
-                        Shape::Matrix(..) => quote!(#found.as_flattened()),
-                    };
-                    let expected = expected.iter().map(literal);
-                    quote!(assert_close(#found, &[#(#expected),*]);)
-                });
+        let checks = found.iter().zip(&shapes).zip(&call.results).map(|((found, shape), expected)| {
+            let found = match shape {
+                Shape::Scalar => quote!(&[#found]),
+                Shape::Vector(_) => quote!(&#found),
+                Shape::Matrix(..) => quote!(#found.as_flattened()),
+            };
+            let expected = expected.iter().map(literal);
+            quote!(assert_close(#found, &[#(#expected),*]);)
+        });
         quote! {{
             let #pattern = super::#name(#(#arguments),*);
             #(#checks)*

@@ -25,9 +25,7 @@ impl Signature {
         let results: Vec<TokenStream> = outputs.iter().map(|output| result(output, &ty)).collect();
         let dimensions = outputs.iter().map(|output| output.shape.extents().len());
         Self {
-            arguments: inputs(body, &ty)
-                .chain(body.context.declared_parameters())
-                .collect(),
+            arguments: inputs(body, &ty).chain(body.context.declared_parameters()).collect(),
             result: tuple(results.iter().cloned()),
             results,
             dimensions: dimensions.collect(),
@@ -46,10 +44,7 @@ pub(super) fn inputs(body: &Body<'_>, entry: &TokenStream) -> impl Iterator<Item
 
 /// The type of a result, of entries of a type.
 pub(super) fn result(output: &Output, entry: &TokenStream) -> TokenStream {
-    nested(
-        entry.clone(),
-        output.shape.extents().into_iter().map(length),
-    )
+    nested(entry.clone(), output.shape.extents().into_iter().map(length))
 }
 
 /// Zeros of a shape.

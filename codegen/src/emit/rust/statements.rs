@@ -11,8 +11,9 @@ use crate::emit::options::Math;
 use crate::program::split;
 use crate::program::{Operand, Operation};
 
-/// So many statements stay one block. Each `let` opens a scope within the last one, and with full debug information
-/// rustc 1.95 describes scopes recursively: 4 600 of them overflow its stack. Blocks cost nothing once optimized.
+/// So many statements stay one block. Each `let` opens a scope within the last one, and with full debug
+/// information rustc 1.95 describes scopes recursively: 4 600 of them overflow its stack. Blocks cost nothing
+/// once optimized.
 const LONGEST_BLOCK: usize = 1000;
 
 impl Body<'_> {
@@ -112,8 +113,9 @@ impl Body<'_> {
         }
     }
 
-    /// One call for up to eight angles: they become lanes, and angles in registers avoid the way through memory.
-    /// Seven angles took 22 ns as one padded call of eight, 31 ns as calls of 4, 2 and 1, 54 ns one by one (AVX2).
+    /// One call for up to eight angles: they become lanes, and angles in registers avoid the way through
+    /// memory. Seven angles took 22 ns as one padded call of eight, 31 ns as calls of 4, 2 and 1, 54 ns one
+    /// by one (AVX2).
     fn angles(&self, instructions: &[usize]) -> Vec<TokenStream> {
         let angle = |&index: &usize| match self.program.instructions[index].operation {
             Operation::SinCos(angle) => Some((index, angle)),
@@ -188,9 +190,7 @@ impl Body<'_> {
             Operation::Subtract(a, b) => binary(a, quote!(-), b),
             Operation::Multiply(a, b) => binary(a, quote!(*), b),
             Operation::Divide(a, b) => binary(a, quote!(/), b),
-            Operation::Negate(Operand::Constant(number)) => {
-                self.context.options.scalar.typed(-number)
-            }
+            Operation::Negate(Operand::Constant(number)) => self.context.options.scalar.typed(-number),
             Operation::Negate(a) => {
                 let operand = self.operand(a);
                 quote!(-#operand)
@@ -199,9 +199,7 @@ impl Body<'_> {
                 let (a, b, c) = (self.receiver(a), self.operand(b), self.operand(c));
                 quote!(#a.mul_add(#b, #c))
             }
-            Operation::SinCos(a) => {
-                math::sin_cos(self.context, &self.receiver(a), &self.operand(a))
-            }
+            Operation::SinCos(a) => math::sin_cos(self.context, &self.receiver(a), &self.operand(a)),
             Operation::CosineOf(_) => return None,
             Operation::Call(function, a) => {
                 math::call(self.context, function, &self.receiver(a), &self.operand(a))

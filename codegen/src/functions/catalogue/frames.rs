@@ -12,17 +12,11 @@ pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
         arguments: &[Coordinates],
         results: &[
             ("p", IN_SPACE, "origin in the base frame [m]"),
-            (
-                "R",
-                ROTATION,
-                "rotation matrix, columns are the frame's axes",
-            ),
+            ("R", ROTATION, "rotation matrix, columns are the frame's axes"),
         ],
         build: |equations, arguments, link, pose| {
             let pose = equations.base_poses(&arguments.y).pose(link, pose);
-            let rows = (0..3)
-                .map(|row| pose.axes.iter().map(|axis| axis[row]).collect())
-                .collect();
+            let rows = (0..3).map(|row| pose.axes.iter().map(|axis| axis[row]).collect()).collect();
             vec![vector(pose.origin.0.to_vec()), matrix(rows)]
         },
     },
@@ -37,9 +31,7 @@ pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
             "rows: velocity of the origin, then angular velocity, in the axes of the base frame",
         )],
         build: |equations, arguments, link, pose| {
-            vec![matrix(
-                equations.base_poses(&arguments.y).jacobian(link, pose),
-            )]
+            vec![matrix(equations.base_poses(&arguments.y).jacobian(link, pose))]
         },
     },
     FrameQuantity {
@@ -54,9 +46,7 @@ pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
         )],
         build: |equations, arguments, link, pose| {
             let (y, v) = (&arguments.y, &arguments.v);
-            vec![vector(
-                equations.base_poses(y).jacobian_rate(link, pose, y, v),
-            )]
+            vec![vector(equations.base_poses(y).jacobian_rate(link, pose, y, v))]
         },
     },
 ];

@@ -1,8 +1,9 @@
-//! Second derivatives of the inverse dynamics, contracted with multipliers: what a sequential quadratic program with
-//! exact Hessians needs of the constraint `M ÿ + k − q = B u`.
+//! Second derivatives of the inverse dynamics, contracted with multipliers: what a sequential quadratic
+//! program with exact Hessians needs of the constraint `M ÿ + k − q = B u`.
 //!
-//! The gradient of `λᵀ (M ÿ + k − q)` comes from reverse differentiation of the recursive equations, or from λ times the
-//! analytic Jacobians; each column of the Hessian then from forward differentiation of the gradient.
+//! The gradient of `λᵀ (M ÿ + k − q)` comes from reverse differentiation of the recursive equations, or from
+//! λ times the analytic Jacobians; each column of the Hessian then from forward differentiation of the
+//! gradient.
 
 use super::quantity::Argument::{Accelerations, Coordinates, Multipliers, Velocities};
 use super::quantity::{Quantity, SQUARE, matrix};
@@ -23,33 +24,17 @@ pub const QUANTITY: Quantity = Quantity {
     results: &[
         ("H_yy", SQUARE, "∂²/∂y², symmetric, both triangles filled"),
         ("H_yv", SQUARE, "∂²/∂y ∂ẏ, row i = coordinate i"),
-        (
-            "H_vv",
-            SQUARE,
-            "∂²/∂ẏ², symmetric, both triangles filled; friction included",
-        ),
-        (
-            "H_ya",
-            SQUARE,
-            "∂²/∂y ∂ÿ, row i = coordinate i: the derivative of M λ",
-        ),
+        ("H_vv", SQUARE, "∂²/∂ẏ², symmetric, both triangles filled; friction included"),
+        ("H_ya", SQUARE, "∂²/∂y ∂ÿ, row i = coordinate i: the derivative of M λ"),
     ],
     notes: &[
         "The constraint `M ÿ + k − q = B u` with multipliers λ adds exactly these blocks to the Hessian of the \
          Lagrangian; it is linear in u. The gradient comes from reverse differentiation of the inverse dynamics or from \
          λ times its analytic Jacobians, whichever costs less in the end; its forward derivatives are the Hessian.",
     ],
-    build: |equations,
-            Arguments {
-                y, v, a, lambda, ..
-            }| {
+    build: |equations, Arguments { y, v, a, lambda, .. }| {
         let hessian = inverse_dynamics_hessian(equations, MotionInput { y, v, a }, lambda);
-        let blocks = [
-            hessian.by_coordinates,
-            hessian.mixed,
-            hessian.by_velocities,
-            hessian.by_accelerations,
-        ];
+        let blocks = [hessian.by_coordinates, hessian.mixed, hessian.by_velocities, hessian.by_accelerations];
         blocks.map(matrix).into()
     },
     ..Quantity::PLAIN
@@ -70,16 +55,9 @@ pub struct Hessian<'g> {
 
 impl<'g> Hessian<'g> {
     fn weight(&self, equations: &Equations<'_, 'g>) -> u64 {
-        let blocks = [
-            &self.by_coordinates,
-            &self.mixed,
-            &self.by_velocities,
-            &self.by_accelerations,
-        ];
-        let edges: Vec<Edge> = blocks
-            .iter()
-            .flat_map(|block| block.iter().flatten().map(|x| x.edge()))
-            .collect();
+        let blocks = [&self.by_coordinates, &self.mixed, &self.by_velocities, &self.by_accelerations];
+        let edges: Vec<Edge> =
+            blocks.iter().flat_map(|block| block.iter().flatten().map(|x| x.edge())).collect();
         Cost::of(equations.graph, &edges).weight()
     }
 }
@@ -90,16 +68,8 @@ pub fn inverse_dynamics_hessian<'g>(
     input: MotionInput<'_, 'g>,
     multipliers: &[Scalar<'g>],
 ) -> Hessian<'g> {
-    let reverse = second(
-        equations,
-        input,
-        reverse_gradient(equations, input, multipliers),
-    );
-    let analytic = second(
-        equations,
-        input,
-        analytic_gradient(equations, input, multipliers),
-    );
+    let reverse = second(equations, input, reverse_gradient(equations, input, multipliers));
+    let analytic = second(equations, input, analytic_gradient(equations, input, multipliers));
     match reverse.weight(equations) <= analytic.weight(equations) {
         true => reverse,
         false => analytic,
@@ -134,10 +104,7 @@ fn analytic_gradient<'g>(
         };
         (0..multipliers.len()).map(column).collect()
     };
-    (
-        contract(&derivatives.by_coordinates),
-        contract(&derivatives.by_velocities),
-    )
+    (contract(&derivatives.by_coordinates), contract(&derivatives.by_velocities))
 }
 
 fn second<'g>(

@@ -23,8 +23,8 @@ pub fn quantities() -> impl Iterator<Item = &'static Quantity> {
     QUANTITIES.iter().chain(regressors::QUANTITIES)
 }
 
-/// [`quantities()`] with the rows of friction that a model needs: where a friction law depends on the position of its
-/// joint, they take y too.
+/// [`quantities()`] with the rows of friction that a model needs: where a friction law depends on the
+/// position of its joint, they take y too.
 fn quantities_of(model: &Model) -> impl Iterator<Item = &'static Quantity> {
     let by_position: &[Quantity] = match forces::friction_depends_on_position(model) {
         true => FRICTION_BY_POSITION,
@@ -68,19 +68,15 @@ pub(crate) fn differentiates_friction(name: &str) -> bool {
 /// Names of all functions of a model, in the order of the generated module.
 pub fn names(model: &Model) -> Vec<String> {
     let quantities = all_quantities(model).map(|quantity| quantity.name.to_owned());
-    let frames = model
-        .frames
-        .iter()
-        .flat_map(|frame| FRAME_QUANTITIES.iter().map(|q| frame_name(frame, q)));
+    let frames = model.frames.iter().flat_map(|frame| FRAME_QUANTITIES.iter().map(|q| frame_name(frame, q)));
     let compositions = Composition::ALL.iter().map(|each| each.name().to_owned());
     quantities.chain(frames).chain(compositions).collect()
 }
 
 /// The selected functions that call others; an empty selection means all.
 pub fn compositions(selection: &[String]) -> Vec<Composition> {
-    let is_selected = |each: &Composition| {
-        selection.is_empty() || selection.iter().any(|name| name == each.name())
-    };
+    let is_selected =
+        |each: &Composition| selection.is_empty() || selection.iter().any(|name| name == each.name());
     Composition::ALL.into_iter().filter(is_selected).collect()
 }
 
@@ -88,20 +84,14 @@ pub fn compositions(selection: &[String]) -> Vec<Composition> {
 /// `unknown-function` for each name that the model does not have; `frames` stands for all of named frames.
 pub(crate) fn check_names(model: &Model, selection: &[String]) -> Result<(), Diagnostics> {
     let known = names(model);
-    let unknown = selection
-        .iter()
-        .filter(|name| *name != "frames" && !known.contains(name));
+    let unknown = selection.iter().filter(|name| *name != "frames" && !known.contains(name));
     let problems: Vec<_> = unknown
         .map(|name| {
             Diagnostic::error("unknown-function", format!("there is no function `{name}`"))
                 .help(format!("choose from: {}, frames", known.join(", ")))
         })
         .collect();
-    if problems.is_empty() {
-        Ok(())
-    } else {
-        Err(Diagnostics::new(problems))
-    }
+    if problems.is_empty() { Ok(()) } else { Err(Diagnostics::new(problems)) }
 }
 
 #[cfg(test)]

@@ -18,18 +18,10 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         summary: "Mass matrix `M(y)`.",
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[Coordinates],
-        results: &[(
-            "M",
-            SQUARE,
-            "symmetric, positive definite, both triangles filled",
-        )],
-        notes: &[
-            "Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.",
-        ],
+        results: &[("M", SQUARE, "symmetric, positive definite, both triangles filled")],
+        notes: &["Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included."],
         build: |equations, arguments| vec![matrix(equations.mass_matrix(&arguments.y))],
-        constants: |_, _, program| {
-            module_constants::patterns(program, &[("MASS_MATRIX_NONZERO", "M")])
-        },
+        constants: |_, _, program| module_constants::patterns(program, &[("MASS_MATRIX_NONZERO", "M")]),
         straight_size: Some(Estimate::MassMatrix),
         ..Quantity::PLAIN
     },
@@ -38,17 +30,9 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         summary: "Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.",
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[Coordinates, Velocities],
-        results: &[(
-            "k",
-            VECTOR,
-            "on the left-hand side: without gravity, springs and friction",
-        )],
+        results: &[("k", VECTOR, "on the left-hand side: without gravity, springs and friction")],
         notes: &["Recursive Newton–Euler equations without gravity and accelerations."],
-        build: |equations, arguments| {
-            vec![vector(
-                equations.coriolis_forces(&arguments.y, &arguments.v),
-            )]
-        },
+        build: |equations, arguments| vec![vector(equations.coriolis_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
     Quantity {
@@ -56,11 +40,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         summary: "Gravity's share of the applied forces.",
         equation: "q = gravity_forces + spring_forces − friction_torques",
         arguments: &[Coordinates],
-        results: &[(
-            "q_gravity",
-            VECTOR,
-            "positive where gravity drives the joint forwards; −∂V/∂y",
-        )],
+        results: &[("q_gravity", VECTOR, "positive where gravity drives the joint forwards; −∂V/∂y")],
         notes: &[],
         build: |equations, arguments| vec![vector(equations.gravity_forces(&arguments.y))],
         ..Quantity::PLAIN
@@ -70,15 +50,9 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         summary: "Springs' and dampers' share of the applied forces.",
         equation: "q = gravity_forces + spring_forces − friction_torques",
         arguments: &[Coordinates, Velocities],
-        results: &[(
-            "q_springs",
-            VECTOR,
-            "positive where a spring drives the joint forwards",
-        )],
+        results: &[("q_springs", VECTOR, "positive where a spring drives the joint forwards")],
         notes: &[],
-        build: |equations, arguments| {
-            vec![vector(equations.spring_forces(&arguments.y, &arguments.v))]
-        },
+        build: |equations, arguments| vec![vector(equations.spring_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
     Quantity {
@@ -98,9 +72,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities],
         results: &[("q", VECTOR, "on the right-hand side, without the inputs")],
         notes: &[],
-        build: |equations, arguments| {
-            vec![vector(equations.applied_forces(&arguments.y, &arguments.v))]
-        },
+        build: |equations, arguments| vec![vector(equations.applied_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
     Quantity {
@@ -108,15 +80,9 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         summary: "Bias forces `k − q_gravity`.",
         equation: "k − gravity_forces",
         arguments: &[Coordinates, Velocities],
-        results: &[(
-            "b",
-            VECTOR,
-            "what holds the accelerations at zero, without springs and friction",
-        )],
+        results: &[("b", VECTOR, "what holds the accelerations at zero, without springs and friction")],
         notes: &["Recursive Newton–Euler equations at ÿ = 0. Pinocchio calls this `nle`."],
-        build: |equations, arguments| {
-            vec![vector(equations.bias_forces(&arguments.y, &arguments.v))]
-        },
+        build: |equations, arguments| vec![vector(equations.bias_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
     Quantity {
@@ -124,18 +90,9 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         summary: "Input matrix `B`.",
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[],
-        results: &[(
-            "B",
-            BY_INPUTS,
-            "gear ratios, times motor constants where inputs are currents",
-        )],
+        results: &[("B", BY_INPUTS, "gear ratios, times motor constants where inputs are currents")],
         notes: &[],
-        build: |equations, _| {
-            vec![matrix(forces::input_matrix(
-                equations.graph,
-                equations.model,
-            ))]
-        },
+        build: |equations, _| vec![matrix(forces::input_matrix(equations.graph, equations.model))],
         ..Quantity::PLAIN
     },
     Quantity {
@@ -144,11 +101,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[Coordinates, Velocities],
         results: &[
-            (
-                "M",
-                SQUARE,
-                "symmetric, positive definite, both triangles filled",
-            ),
+            ("M", SQUARE, "symmetric, positive definite, both triangles filled"),
             ("k", VECTOR, "Coriolis, centrifugal and gyroscopic forces"),
             ("q", VECTOR, "gravity, springs and friction"),
         ],
@@ -156,11 +109,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         build: |equations, arguments| {
             let (y, v) = (&arguments.y, &arguments.v);
             let k = equations.coriolis_forces(y, v);
-            vec![
-                matrix(equations.mass_matrix(y)),
-                vector(k),
-                vector(equations.applied_forces(y, v)),
-            ]
+            vec![matrix(equations.mass_matrix(y)), vector(k), vector(equations.applied_forces(y, v))]
         },
         straight_size: Some(Estimate::MassMatrix),
         ..Quantity::PLAIN
@@ -170,20 +119,10 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         summary: "Inverse dynamics: the joint forces of a motion.",
         equation: "M(y) ÿ + k(y, ẏ) − q(y, ẏ)",
         arguments: &[Coordinates, Velocities, Accelerations],
-        results: &[(
-            "B u",
-            VECTOR,
-            "what the drives exert at the joints; u_ff = B⁻¹ times it",
-        )],
-        notes: &[
-            "Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters.",
-        ],
+        results: &[("B u", VECTOR, "what the drives exert at the joints; u_ff = B⁻¹ times it")],
+        notes: &["Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters."],
         build: |equations, arguments| {
-            vec![vector(equations.inverse_dynamics(
-                &arguments.y,
-                &arguments.v,
-                &arguments.a,
-            ))]
+            vec![vector(equations.inverse_dynamics(&arguments.y, &arguments.v, &arguments.a))]
         },
         ..Quantity::PLAIN
     },
@@ -195,11 +134,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         results: &[("ÿ", VECTOR, "accelerations")],
         notes: &[],
         build: |equations, arguments| {
-            vec![vector(equations.forward_dynamics(
-                &arguments.y,
-                &arguments.v,
-                &arguments.u,
-            ))]
+            vec![vector(equations.forward_dynamics(&arguments.y, &arguments.v, &arguments.u))]
         },
         route: |formulations| Some(formulations.forward_dynamics().description()),
         needs_inverse: true,
@@ -212,11 +147,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[Coordinates, Velocities],
         results: &[
-            (
-                "M",
-                SQUARE,
-                "symmetric, positive definite, both triangles filled",
-            ),
+            ("M", SQUARE, "symmetric, positive definite, both triangles filled"),
             (
                 "b",
                 VECTOR,
@@ -245,11 +176,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         notes: DERIVATIVE_NOTES,
         build: |equations, Arguments { y, v, a, .. }| {
             let result = equations.inverse_dynamics_derivatives(MotionInput { y, v, a });
-            vec![
-                vector(result.forces),
-                matrix(result.by_coordinates),
-                matrix(result.by_velocities),
-            ]
+            vec![vector(result.forces), matrix(result.by_coordinates), matrix(result.by_velocities)]
         },
         route: |formulations| Some(formulations.derivatives().description()),
         straight_size: Some(Estimate::MassMatrix),
@@ -269,24 +196,13 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             ("B u", VECTOR, "the forces M ÿ + k − q, on the joint side"),
             ("∂/∂y", SQUARE, "row i = force i"),
             ("∂/∂ẏ", SQUARE, "row i = force i, friction included"),
-            (
-                "M",
-                SQUARE,
-                "symmetric, positive definite, both triangles filled",
-            ),
+            ("M", SQUARE, "symmetric, positive definite, both triangles filled"),
         ],
         notes: DERIVATIVE_NOTES,
         build: |equations, Arguments { y, v, a, .. }| {
             let result = equations.inverse_dynamics_derivatives(MotionInput { y, v, a });
-            let jacobians = [
-                result.by_coordinates,
-                result.by_velocities,
-                result.mass_matrix,
-            ]
-            .map(matrix);
-            std::iter::once(vector(result.forces))
-                .chain(jacobians)
-                .collect()
+            let jacobians = [result.by_coordinates, result.by_velocities, result.mass_matrix].map(matrix);
+            std::iter::once(vector(result.forces)).chain(jacobians).collect()
         },
         route: |formulations| Some(formulations.derivatives().description()),
         straight_size: Some(Estimate::MassMatrix),
@@ -306,20 +222,13 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             ("ÿ", VECTOR, "accelerations"),
             ("∂ÿ/∂y", SQUARE, "row i = acceleration i"),
             ("∂ÿ/∂ẏ", SQUARE, "row i = acceleration i"),
-            (
-                "M⁻¹",
-                SQUARE,
-                "symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B",
-            ),
+            ("M⁻¹", SQUARE, "symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B"),
         ],
         notes: DERIVATIVE_NOTES,
         build: |equations, Arguments { y, v, u, .. }| {
             let result = equations.forward_dynamics_derivatives(y, v, u);
-            let jacobians =
-                [result.by_coordinates, result.by_velocities, result.inverse].map(matrix);
-            std::iter::once(vector(result.accelerations))
-                .chain(jacobians)
-                .collect()
+            let jacobians = [result.by_coordinates, result.by_velocities, result.inverse].map(matrix);
+            std::iter::once(vector(result.accelerations)).chain(jacobians).collect()
         },
         route: |formulations| Some(formulations.derivatives().description()),
         needs_inverse: true,
@@ -345,33 +254,19 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         notes: DERIVATIVE_NOTES,
         build: |equations, Arguments { y, v, u, .. }| {
             let result = equations.linearize(y, v, u);
-            let jacobians = [
-                result.by_coordinates,
-                result.by_velocities,
-                result.by_inputs,
-            ]
-            .map(matrix);
-            jacobians
-                .into_iter()
-                .chain([vector(result.remainder)])
-                .collect()
+            let jacobians = [result.by_coordinates, result.by_velocities, result.by_inputs].map(matrix);
+            jacobians.into_iter().chain([vector(result.remainder)]).collect()
         },
         route: |formulations| Some(formulations.derivatives().description()),
         needs_inverse: true,
         constants: |_, _, program| {
             module_constants::patterns(
                 program,
-                &[
-                    ("A_Y_NONZERO", "A_y"),
-                    ("A_V_NONZERO", "A_v"),
-                    ("B_X_NONZERO", "B_x"),
-                ],
+                &[("A_Y_NONZERO", "A_y"), ("A_V_NONZERO", "A_v"), ("B_X_NONZERO", "B_x")],
             )
         },
         straight_size: Some(Estimate::MassMatrix),
-        loops: Some(Loops::Affine {
-            called: "forward_dynamics_derivatives",
-        }),
+        loops: Some(Loops::Affine { called: "forward_dynamics_derivatives" }),
     },
     Quantity {
         name: "kinetic_energy",
@@ -380,9 +275,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities],
         results: &[("T", SCALAR, "energy [J]")],
         notes: &[],
-        build: |equations, arguments| {
-            vec![scalar(equations.kinetic_energy(&arguments.y, &arguments.v))]
-        },
+        build: |equations, arguments| vec![scalar(equations.kinetic_energy(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
     Quantity {
@@ -408,11 +301,7 @@ pub(super) const FRICTION_BY_POSITION: &[Quantity] = &[
         summary: "Joint friction `τ(y, ẏ)`.",
         equation: "q = gravity_forces + spring_forces − friction_torques",
         arguments: &[Coordinates, Velocities],
-        results: &[(
-            "τ",
-            VECTOR,
-            "positive where friction brakes a positive velocity, at the joint",
-        )],
+        results: &[("τ", VECTOR, "positive where friction brakes a positive velocity, at the joint")],
         notes: &[],
         build: friction_torques,
         ..Quantity::PLAIN
@@ -421,15 +310,9 @@ pub(super) const FRICTION_BY_POSITION: &[Quantity] = &[
     regressors::FRICTION_REGRESSOR_BY_POSITION,
 ];
 
-fn friction_torques<'g>(
-    equations: &Equations<'_, 'g>,
-    arguments: &Arguments<'g>,
-) -> Vec<Value<'g>> {
-    vec![vector(
-        equations.friction_torques(&arguments.y, &arguments.v),
-    )]
+fn friction_torques<'g>(equations: &Equations<'_, 'g>, arguments: &Arguments<'g>) -> Vec<Value<'g>> {
+    vec![vector(equations.friction_torques(&arguments.y, &arguments.v))]
 }
 
-const DERIVATIVE_NOTES: &[&str] = &[
-    "Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).",
-];
+const DERIVATIVE_NOTES: &[&str] =
+    &["Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022)."];

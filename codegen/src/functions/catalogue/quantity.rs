@@ -69,10 +69,7 @@ impl Argument {
             }
             Multipliers => Vec::new(),
         };
-        ArgumentText {
-            meaning: self.meaning().to_owned(),
-            entries,
-        }
+        ArgumentText { meaning: self.meaning().to_owned(), entries }
     }
 
     pub(in crate::functions) fn extent(self, model: &Model) -> Extent {
@@ -93,24 +90,15 @@ pub struct Value<'g> {
 }
 
 pub(in crate::functions) fn scalar(x: Scalar<'_>) -> Value<'_> {
-    Value {
-        lengths: Vec::new(),
-        entries: vec![x],
-    }
+    Value { lengths: Vec::new(), entries: vec![x] }
 }
 
 pub(in crate::functions) fn vector(entries: Vec<Scalar<'_>>) -> Value<'_> {
-    Value {
-        lengths: vec![entries.len()],
-        entries,
-    }
+    Value { lengths: vec![entries.len()], entries }
 }
 
 pub(in crate::functions) fn matrix(rows: Matrix<'_>) -> Value<'_> {
-    Value {
-        lengths: vec![rows.len(), rows.first().map_or(0, Vec::len)],
-        entries: rows.concat(),
-    }
+    Value { lengths: vec![rows.len(), rows.first().map_or(0, Vec::len)], entries: rows.concat() }
 }
 
 /// A result of a quantity: its symbol, what its dimensions are, rows first, and its meaning.
@@ -118,44 +106,35 @@ pub(in crate::functions) type QuantityResult = (&'static str, &'static [Dimensio
 
 pub(in crate::functions) const SCALAR: &[Dimension] = &[];
 pub(in crate::functions) const VECTOR: &[Dimension] = &[Dimension::Velocities];
-pub(in crate::functions) const SQUARE: &[Dimension] =
-    &[Dimension::Velocities, Dimension::Velocities];
-pub(in crate::functions) const BY_INPUTS: &[Dimension] =
-    &[Dimension::Velocities, Dimension::Inputs];
+pub(in crate::functions) const SQUARE: &[Dimension] = &[Dimension::Velocities, Dimension::Velocities];
+pub(in crate::functions) const BY_INPUTS: &[Dimension] = &[Dimension::Velocities, Dimension::Inputs];
 pub(in crate::functions) const PARAMETERS: &[Dimension] = &[Dimension::Parameters];
-pub(in crate::functions) const REGRESSOR: &[Dimension] =
-    &[Dimension::Velocities, Dimension::Parameters];
+pub(in crate::functions) const REGRESSOR: &[Dimension] = &[Dimension::Velocities, Dimension::Parameters];
 pub(in crate::functions) const IN_SPACE: &[Dimension] = &[Dimension::Fixed];
 pub(in crate::functions) const ROTATION: &[Dimension] = &[Dimension::Fixed, Dimension::Fixed];
-pub(in crate::functions) const FRAME_JACOBIAN: &[Dimension] =
-    &[Dimension::Fixed, Dimension::Velocities];
+pub(in crate::functions) const FRAME_JACOBIAN: &[Dimension] = &[Dimension::Fixed, Dimension::Velocities];
 
 /// How a quantity is built from the equations of motion.
-pub(in crate::functions) type Build =
-    for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>;
+pub(in crate::functions) type Build = for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>;
 
 /// Operations that functions take at least, known before they are derived.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Estimate {
     /// At least the work of the mass matrix, whose size grows with the square of the joints' number.
     MassMatrix,
-    /// Blocks of ten columns for each joint and each link that it moves, of 39 operations for the UR5, 75 for a chain of 30
-    /// right angles.
+    /// Blocks of ten columns for each joint and each link that it moves, of 39 operations for the UR5, 75 for
+    /// a chain of 30 right angles.
     Regressor,
-    /// Multiplied and inverted matrices: 5.2 operations times the cube of the joints' number for Talos, 6.9 for a chain of 60
-    /// right angles.
+    /// Multiplied and inverted matrices: 5.2 operations times the cube of the joints' number for Talos, 6.9
+    /// for a chain of 60 right angles.
     Inverse,
     /// Products for each pair: 83 operations for a chain of 60 right angles.
     Pairs,
 }
 
 impl Estimate {
-    pub(in crate::functions) const ALL: [Self; 4] = [
-        Self::MassMatrix,
-        Self::Regressor,
-        Self::Inverse,
-        Self::Pairs,
-    ];
+    pub(in crate::functions) const ALL: [Self; 4] =
+        [Self::MassMatrix, Self::Regressor, Self::Inverse, Self::Pairs];
 }
 
 /// A row of the catalogue.

@@ -1,9 +1,7 @@
 //! Functions that are linear in parameters, for identification: a part of the catalogue.
 
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
-use super::quantity::{
-    Estimate, PARAMETERS, Quantity, QuantityResult, REGRESSOR, Value, matrix, vector,
-};
+use super::quantity::{Estimate, PARAMETERS, Quantity, QuantityResult, REGRESSOR, Value, matrix, vector};
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::forces;
@@ -18,11 +16,7 @@ pub const QUANTITIES: &[Quantity] = &[
         summary: "Inertial parameters `π` of links and rotors as described.",
         equation: "W(y, ẏ, ÿ) π = M ÿ + k − q_gravity",
         arguments: &[],
-        results: &[(
-            "π",
-            PARAMETERS,
-            "in the order of `INERTIAL_PARAMETER_NAMES`",
-        )],
+        results: &[("π", PARAMETERS, "in the order of `INERTIAL_PARAMETER_NAMES`")],
         notes: &[],
         build: |equations, _| {
             let parameters = regressor::inertial_parameters(equations.graph, equations.model);
@@ -46,11 +40,7 @@ pub const QUANTITIES: &[Quantity] = &[
              described inertias (Atkeson, An and Hollerbach 1986).",
         ],
         build: |equations, Arguments { y, v, a, .. }| {
-            vec![matrix(equations.inertial_regressor(MotionInput {
-                y,
-                v,
-                a,
-            }))]
+            vec![matrix(equations.inertial_regressor(MotionInput { y, v, a }))]
         },
         straight_size: Some(Estimate::Regressor),
         ..Quantity::PLAIN
@@ -60,11 +50,7 @@ pub const QUANTITIES: &[Quantity] = &[
         summary: "Regressor `W_b` of the base parameters: the independent columns of `inertial_regressor`.",
         equation: "W_b(y, ẏ, ÿ) β = W π = M ÿ + k − q_gravity",
         arguments: &[Coordinates, Velocities, Accelerations],
-        results: &[(
-            "W_b",
-            REGRESSOR,
-            "rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`",
-        )],
+        results: &[("W_b", REGRESSOR, "rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`")],
         notes: &[
             "Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite \
              the robot, W_b has full rank, for almost all values of free parameters.",
@@ -126,17 +112,11 @@ pub const FRICTION_REGRESSOR_BY_POSITION: Quantity = Quantity {
     ..Quantity::PLAIN
 };
 
-const FRICTION_PARAMETERS: &[QuantityResult] = &[(
-    "φ",
-    PARAMETERS,
-    "in the order of `FRICTION_PARAMETER_NAMES`",
-)];
+const FRICTION_PARAMETERS: &[QuantityResult] =
+    &[("φ", PARAMETERS, "in the order of `FRICTION_PARAMETER_NAMES`")];
 
-const FRICTION_REGRESSOR: &[QuantityResult] = &[(
-    "R",
-    REGRESSOR,
-    "rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`",
-)];
+const FRICTION_REGRESSOR: &[QuantityResult] =
+    &[("R", REGRESSOR, "rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`")];
 
 const FRICTION_NOTES: &[&str] = &[
     "What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.",

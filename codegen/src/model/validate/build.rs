@@ -1,8 +1,6 @@
 //! From a description whose parts are checked to the model.
 
-use super::super::description::{
-    DriveChoice, DriveDescription, FrameDescription, Name, RobotDescription,
-};
+use super::super::description::{DriveChoice, DriveDescription, FrameDescription, Name, RobotDescription};
 use super::super::pose::{rotate_inertia, rotate_numbers};
 use super::super::tree::Tree;
 use super::super::{
@@ -35,21 +33,12 @@ impl Builder<'_, '_> {
         self.attach_bodies(&mut links);
         let drives = self.drives(&links);
         let frames = self.frames();
-        let gravity = self
-            .robot
-            .gravity
-            .clone()
-            .unwrap_or(GRAVITY.map(Formula::Number));
+        let gravity = self.robot.gravity.clone().unwrap_or(GRAVITY.map(Formula::Number));
         Some(Model {
             name: self.identifiers.module.clone(),
             description: self.robot.description.clone(),
             gravity,
-            parameters: self
-                .robot
-                .parameters
-                .iter()
-                .map(|parameter| parameter.value.clone())
-                .collect(),
+            parameters: self.robot.parameters.iter().map(|parameter| parameter.value.clone()).collect(),
             links,
             coordinates,
             drives,
@@ -62,19 +51,12 @@ impl Builder<'_, '_> {
     fn coordinates(&mut self) -> Option<Vec<usize>> {
         let mut moving: Vec<(usize, usize)> = Vec::new();
         for (link, joint) in self.tree.joints.iter().enumerate() {
-            moving.extend(
-                joint
-                    .filter(|joint| self.robot.joints[*joint].moves())
-                    .map(|joint| (joint, link)),
-            );
+            moving.extend(joint.filter(|joint| self.robot.joints[*joint].moves()).map(|joint| (joint, link)));
         }
         if moving.is_empty() {
-            self.report.error(
-                self.robot.name.span,
-                "no-moving-joint",
-                "no joint of the robot moves",
-            );
-            self.report.help("a model needs at least one revolute, continuous or prismatic joint that is not held");
+            self.report.error(self.robot.name.span, "no-moving-joint", "no joint of the robot moves");
+            self.report
+                .help("a model needs at least one revolute, continuous or prismatic joint that is not held");
             return None;
         }
         if !self.robot.sort_joints {
@@ -86,16 +68,10 @@ impl Builder<'_, '_> {
         }
     }
 
-    fn listed_coordinates(
-        &mut self,
-        listed: &[Name],
-        moving: &[(usize, usize)],
-    ) -> Option<Vec<usize>> {
+    fn listed_coordinates(&mut self, listed: &[Name], moving: &[(usize, usize)]) -> Option<Vec<usize>> {
         let joints = &self.robot.joints;
-        let by_name: BTreeMap<&str, usize> = moving
-            .iter()
-            .map(|(joint, link)| (joints[*joint].name.value.as_str(), *link))
-            .collect();
+        let by_name: BTreeMap<&str, usize> =
+            moving.iter().map(|(joint, link)| (joints[*joint].name.value.as_str(), *link)).collect();
         let before = self.report.error_count();
         report_duplicates(listed.iter(), "coordinates", self.report);
         let mut result = Vec::new();
@@ -112,9 +88,7 @@ impl Builder<'_, '_> {
             }
         }
         for (name, _) in by_name.iter().filter(|(_, link)| !result.contains(link)) {
-            let span = listed
-                .first()
-                .map_or(self.robot.name.span, |first| first.span);
+            let span = listed.first().map_or(self.robot.name.span, |first| first.span);
             self.report.error(
                 span,
                 "missing-coordinate",
@@ -132,16 +106,12 @@ impl Builder<'_, '_> {
         }
         let mut links = Vec::new();
         for link in 0..self.tree.links.len() {
-            let joint = self.tree.joints[link]
-                .map(|joint| self.joint(joint, self.tree.parents[link], order[link]));
-            let described = self.tree.joints[link]
-                .and_then(|joint| self.robot.joints[joint].link_frame.clone());
+            let joint =
+                self.tree.joints[link].map(|joint| self.joint(joint, self.tree.parents[link], order[link]));
+            let described =
+                self.tree.joints[link].and_then(|joint| self.robot.joints[joint].link_frame.clone());
             self.offsets.push(described.unwrap_or_else(Pose::identity));
-            links.push(Link {
-                name: self.tree.links[link].value.clone(),
-                joint,
-                bodies: Vec::new(),
-            });
+            links.push(Link { name: self.tree.links[link].value.clone(), joint, bodies: Vec::new() });
         }
         links
     }
@@ -178,15 +148,8 @@ impl Builder<'_, '_> {
     fn find_link(&mut self, name: &Name) -> Option<usize> {
         let found = self.tree.index.get(&name.value).copied();
         if found.is_none() {
-            self.report.error(
-                name.span,
-                "unknown-link",
-                format!("unknown link `{}`", name.value),
-            );
-            if let Some(help) = nearest(
-                &name.value,
-                self.tree.links.iter().map(|link| link.value.as_str()),
-            ) {
+            self.report.error(name.span, "unknown-link", format!("unknown link `{}`", name.value));
+            if let Some(help) = nearest(&name.value, self.tree.links.iter().map(|link| link.value.as_str())) {
                 self.report.help(help);
             }
         }
@@ -201,10 +164,7 @@ impl Builder<'_, '_> {
             let offset = &self.offsets[link];
             links[link].bodies.push(Body {
                 name: body.name.value.clone(),
-                mass: body
-                    .mass
-                    .as_ref()
-                    .map_or(Formula::ZERO, |mass| mass.value.clone()),
+                mass: body.mass.as_ref().map_or(Formula::ZERO, |mass| mass.value.clone()),
                 center_of_mass: offset.point(&body.center_in_link()),
                 inertia: rotate_inertia(&offset.rotation, &body.inertia_in_link()),
             });
@@ -213,8 +173,7 @@ impl Builder<'_, '_> {
 
     fn frames(&mut self) -> Vec<Frame> {
         let identifiers = self.identifiers.frames.clone();
-        let described: Vec<(&FrameDescription, String)> =
-            self.robot.frames.iter().zip(identifiers).collect();
+        let described: Vec<(&FrameDescription, String)> = self.robot.frames.iter().zip(identifiers).collect();
         let frame = |(frame, identifier): (&FrameDescription, String)| {
             let link = self.find_link(&frame.link)?;
             Some(Frame {
@@ -229,9 +188,8 @@ impl Builder<'_, '_> {
 
     /// The inputs in the order of their coordinates, then the motors of held joints.
     fn drives(&mut self, links: &[Link]) -> Vec<Drive> {
-        let mut drives: Vec<Drive> = (0..links.len())
-            .filter_map(|link| self.drive(link, &links[link]))
-            .collect();
+        let mut drives: Vec<Drive> =
+            (0..links.len()).filter_map(|link| self.drive(link, &links[link])).collect();
         drives.sort_by_key(|drive| drive.coordinate.unwrap_or(usize::MAX));
         drives
     }
@@ -271,25 +229,18 @@ impl Builder<'_, '_> {
             Some(axis) => rotate_numbers(&self.offsets[carrier].rotation, &axis),
             None if carrier == joint.parent => rotate_numbers(&joint.origin.rotation, &joint.axis),
             None => {
-                let span = motor
-                    .carrier
-                    .as_ref()
-                    .map_or(motor.gear_ratio.span, |name| name.span);
+                let span = motor.carrier.as_ref().map_or(motor.gear_ratio.span, |name| name.span);
                 self.report.error(
                     span,
                     "missing-key",
                     "a rotor on another link than the joint's parent needs `axis`",
                 );
-                self.report
-                    .help("`axis` is the rotor's axis in the frame of the link that carries it");
+                self.report.help("`axis` is the rotor's axis in the frame of the link that carries it");
                 return None;
             }
         };
         Some(Drive {
-            name: motor
-                .name
-                .as_ref()
-                .map_or_else(|| joint.name.clone(), |name| name.value.clone()),
+            name: motor.name.as_ref().map_or_else(|| joint.name.clone(), |name| name.value.clone()),
             identifier: self.drive_identifier(index),
             coordinate,
             gear_ratio: motor.gear_ratio.value.clone(),
@@ -311,22 +262,19 @@ impl Builder<'_, '_> {
                 "gear-ratio",
                 format!("the gear ratio is {}", as_written(ratio)),
             );
-            self.report
-                .help("motor angle over joint angle: finite and not 0");
+            self.report.help("motor angle over joint angle: finite and not 0");
         }
         let rotor = value(&motor.rotor_inertia.value);
         if !rotor.is_finite() || rotor < 0.0 {
             let message = format!("the rotor inertia is {}", as_written(rotor));
-            self.report
-                .error(motor.rotor_inertia.span, "rotor-inertia", message);
+            self.report.error(motor.rotor_inertia.span, "rotor-inertia", message);
             self.report.help("kg m², finite and at least 0");
         }
         if let Input::Current(constant) = &motor.input
             && !(value(constant).is_finite() && value(constant) != 0.0)
         {
             let message = format!("the motor constant is {}", as_written(value(constant)));
-            self.report
-                .error(motor.gear_ratio.span, "motor-constant", message);
+            self.report.error(motor.gear_ratio.span, "motor-constant", message);
         }
     }
 
@@ -352,7 +300,5 @@ impl Builder<'_, '_> {
 }
 
 fn laws<T: Clone>(described: &Option<At<Vec<T>>>) -> Vec<T> {
-    described
-        .as_ref()
-        .map_or(Vec::new(), |laws| laws.value.clone())
+    described.as_ref().map_or(Vec::new(), |laws| laws.value.clone())
 }

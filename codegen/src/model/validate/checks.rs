@@ -11,10 +11,7 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
     if let Some(position) = &joint.limits.position {
         let [low, high] = position.value;
         if joint.kind == Some(JointKind::Continuous) {
-            let message = format!(
-                "joint `{}` is continuous and has position limits",
-                name.value
-            );
+            let message = format!("joint `{}` is continuous and has position limits", name.value);
             report.error(position.span, "conflicting-keys", message);
             report.help("a joint with position limits is \"revolute\"");
         }
@@ -32,10 +29,7 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
                 as_written(low)
             ));
         }
-        if let Some(held) = joint
-            .held
-            .filter(|held| low <= high && !(low..=high).contains(held))
-        {
+        if let Some(held) = joint.held.filter(|held| low <= high && !(low..=high).contains(held)) {
             let message = format!(
                 "joint `{}` is held at {}, outside of its limits {} … {}",
                 name.value,
@@ -50,21 +44,16 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
     if joint.kind == Some(JointKind::Fixed) {
         fixed(joint, report);
     } else if let Some(other) = joint.mimic.as_ref().filter(|_| joint.held.is_none()) {
-        let message = format!(
-            "joint `{}` mimics `{}`; coupled joints are not modelled",
-            name.value, other.value
-        );
+        let message =
+            format!("joint `{}` mimics `{}`; coupled joints are not modelled", name.value, other.value);
         report.error(other.span, "mimic-joint", message);
         report.help("`--ignore-mimic` (or `ignore_mimic = true`) makes it independent; a TOML description can hold it");
     }
 }
 
 fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
-    let amounts = [
-        ("speed", &limits.velocity),
-        ("effort", &limits.effort),
-        ("peak effort", &limits.peak_effort),
-    ];
+    let amounts =
+        [("speed", &limits.velocity), ("effort", &limits.effort), ("peak effort", &limits.peak_effort)];
     for (what, limit) in amounts {
         if let Some(limit) = limit.as_ref().filter(|limit| limit.value <= 0.0) {
             let message = format!(
@@ -95,19 +84,12 @@ fn fixed(joint: &JointDescription, report: &mut Report) {
         "a drive"
     } else if joint.springs.is_some() {
         "a spring"
-    } else if joint
-        .friction
-        .as_ref()
-        .is_some_and(|terms| !terms.value.is_empty())
-    {
+    } else if joint.friction.as_ref().is_some_and(|terms| !terms.value.is_empty()) {
         "friction"
     } else {
         return;
     };
-    let message = format!(
-        "joint `{}` is fixed; {what} has no meaning there",
-        joint.name.value
-    );
+    let message = format!("joint `{}` is fixed; {what} has no meaning there", joint.name.value);
     report.error(joint.name.span, "fixed-joint", message);
     report.help("remove it, or give the joint a type that moves");
 }
@@ -122,23 +104,12 @@ pub(super) fn body(body: &BodyDescription, defaults: &[f64], report: &mut Report
     };
     let kilograms = value(&mass.value);
     if !kilograms.is_finite() || (kilograms < 0.0 && !body.is_published) {
-        let message = format!(
-            "body `{}` has mass {}",
-            body.name.value,
-            as_written(kilograms)
-        );
+        let message = format!("body `{}` has mass {}", body.name.value, as_written(kilograms));
         report.error(mass.span, "mass-not-positive", message);
         report.help("a mass is finite and at least 0");
     }
-    if body
-        .center_in_link()
-        .iter()
-        .any(|entry| !value(entry).is_finite())
-    {
-        let message = format!(
-            "the centre of mass of body `{}` is not finite",
-            body.name.value
-        );
+    if body.center_in_link().iter().any(|entry| !value(entry).is_finite()) {
+        let message = format!("the centre of mass of body `{}` is not finite", body.name.value);
         report.error(body.name.span, "number-not-finite", message);
     }
     let Some(inertia) = &body.inertia else { return };

@@ -1,7 +1,7 @@
 //! Do the force laws of a joint have finite values, and does its friction brake?
 //!
-//! Both are looked at on a grid: positions within the joint's limits, speeds up to its limit, at the described values of free
-//! parameters.
+//! Both are looked at on a grid: positions within the joint's limits, speeds up to its limit, at the
+//! described values of free parameters.
 
 use super::super::JointKind;
 use super::super::description::JointDescription;
@@ -26,21 +26,13 @@ pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Rep
     let grid = Grid::new(joint);
     if let Some(springs) = &joint.springs {
         let summands = springs.value.iter().map(|spring| (&Formula::ONE, spring));
-        let law = Law {
-            what: "spring",
-            summands: summands.collect(),
-            defaults,
-        };
+        let law = Law { what: "spring", summands: summands.collect(), defaults };
         is_finite(&law, &grid, springs.span, report);
     }
     if let Some(friction) = &joint.friction {
         let terms = friction.value.iter();
         let summands = terms.map(|term| (&term.coefficient, &term.basis)).collect();
-        let law = Law {
-            what: "friction",
-            summands,
-            defaults,
-        };
+        let law = Law { what: "friction", summands, defaults };
         if is_finite(&law, &grid, friction.span, report) {
             brakes(&law, &grid, friction.span, report);
         }
@@ -60,15 +52,14 @@ fn is_finite(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) ->
         false => "infinite",
     };
     let (unit, what, name) = (grid.unit, law.what, &grid.joint.name.value);
-    let mut message = format!(
-        "the {what} of joint `{name}` is {value} at v = {} {unit}/s",
-        three_digits(v)
-    );
+    let mut message = format!("the {what} of joint `{name}` is {value} at v = {} {unit}/s", three_digits(v));
     if law.depends_on_position() {
         message.push_str(&format!(", y = {} {unit}", three_digits(y)));
     }
     report.error(span, "force-not-finite", message);
-    report.help("a force law needs a finite value at every position and speed within the limits, standstill included");
+    report.help(
+        "a force law needs a finite value at every position and speed within the limits, standstill included",
+    );
     false
 }
 
@@ -87,12 +78,12 @@ fn brakes(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) {
             format!("from {low} to {high} {}/s", grid.unit)
         };
         let ranges: Vec<String> = ranges.map(text).collect();
-        let message = format!(
-            "the friction of joint `{name}` drives it at velocities {}",
-            ranges.join(" and ")
-        );
+        let message =
+            format!("the friction of joint `{name}` drives it at velocities {}", ranges.join(" and "));
         report.note(Some(span), "friction-drives", message);
-        report.help("friction with the sign of the velocity brakes; with the other sign it gives the joint energy");
+        report.help(
+            "friction with the sign of the velocity brakes; with the other sign it gives the joint energy",
+        );
     }
 }
 
@@ -118,15 +109,11 @@ impl Law<'_> {
     fn value(&self, position: f64, velocity: f64) -> f64 {
         let value = |formula: &Formula| formula.evaluate(self.defaults, position, velocity);
         let summands = self.summands.iter();
-        summands
-            .map(|(coefficient, basis)| value(coefficient) * value(basis))
-            .sum()
+        summands.map(|(coefficient, basis)| value(coefficient) * value(basis)).sum()
     }
 
     fn depends_on_position(&self) -> bool {
-        self.summands
-            .iter()
-            .any(|(_, basis)| basis.depends_on_position())
+        self.summands.iter().any(|(_, basis)| basis.depends_on_position())
     }
 }
 
@@ -144,11 +131,7 @@ impl<'a> Grid<'a> {
             Some(JointKind::Prismatic) => ("m", 1.0),
             _ => ("rad", std::f64::consts::PI),
         };
-        Self {
-            joint,
-            unit,
-            widest,
-        }
+        Self { joint, unit, widest }
     }
 
     /// Ascending but for 0, which stands last where the limits contain it.
@@ -168,9 +151,7 @@ impl<'a> Grid<'a> {
         // A limit that is not positive has its own message.
         let most = if most > 0.0 { most } else { SPEED };
         let backward = (0..SPEEDS).map(move |k| -most * numeric::power(FACTOR, k));
-        let forward = (0..SPEEDS)
-            .rev()
-            .map(move |k| most * numeric::power(FACTOR, k));
+        let forward = (0..SPEEDS).rev().map(move |k| most * numeric::power(FACTOR, k));
         backward.chain(forward)
     }
 }

@@ -1,4 +1,5 @@
-//! What a description probably means otherwise: degrees, millimetres, legs without a floating base, meshes without mass.
+//! What a description probably means otherwise: degrees, millimetres, legs without a floating base, meshes
+//! without mass.
 //!
 //! Each kind is noted once. Whoever means it so loses nothing.
 
@@ -15,9 +16,7 @@ use crate::wording::{as_written, list, listed, three_digits};
 const FAR: f64 = 50.0;
 
 /// Parts of the names of legs.
-const LEG_WORDS: [&str; 9] = [
-    "leg", "foot", "feet", "knee", "ankle", "calf", "thigh", "shin", "shank",
-];
+const LEG_WORDS: [&str; 9] = ["leg", "foot", "feet", "knee", "ankle", "calf", "thigh", "shin", "shank"];
 
 /// Notes what is strange about a robot whose links form a tree.
 pub(super) fn note(robot: &RobotDescription, tree: &Tree, defaults: &[f64], report: &mut Report) {
@@ -29,38 +28,25 @@ pub(super) fn note(robot: &RobotDescription, tree: &Tree, defaults: &[f64], repo
 }
 
 fn note_degrees(robot: &RobotDescription, report: &mut Report) {
-    let turns = |joint: &&JointDescription| {
-        matches!(
-            joint.kind,
-            Some(JointKind::Revolute | JointKind::Continuous)
-        )
-    };
+    let turns =
+        |joint: &&JointDescription| matches!(joint.kind, Some(JointKind::Revolute | JointKind::Continuous));
     let mut found: Vec<(Span, String)> = Vec::new();
     for joint in robot.joints.iter().filter(turns) {
         let name = joint.name.quoted();
         let limits = joint.limits.position.as_ref();
         if let Some(limits) = limits.filter(|limits| are_degrees(limits.value)) {
             let [low, high] = limits.value;
-            found.push((
-                limits.span,
-                format!("{name} from {} to {}", as_written(low), as_written(high)),
-            ));
+            found.push((limits.span, format!("{name} from {} to {}", as_written(low), as_written(high))));
         }
         if let Some(held) = joint.held.filter(|&held| looks_like_degrees(held)) {
-            found.push((
-                joint.name.span,
-                format!("{name} held at {}", as_written(held)),
-            ));
+            found.push((joint.name.span, format!("{name} held at {}", as_written(held))));
         }
     }
     let Some((first, _)) = found.first() else {
         return;
     };
     let (first, entries) = (*first, found.iter().map(|(_, entry)| entry.clone()));
-    let message = format!(
-        "positions look like degrees: {}; they are taken as radians",
-        listed(entries)
-    );
+    let message = format!("positions look like degrees: {}; they are taken as radians", listed(entries));
     report.note(Some(first), "looks-like-degrees", message);
     report.help("90° are 1.5707963267948966 in a URDF, `\"pi/2\"` in TOML");
 }
@@ -77,24 +63,15 @@ fn note_lengths(
     report: &mut Report,
 ) {
     let length = |entries: &[Formula; 3]| {
-        let entries = entries
-            .iter()
-            .map(|entry| entry.evaluate(defaults, 0.0, 0.0));
+        let entries = entries.iter().map(|entry| entry.evaluate(defaults, 0.0, 0.0));
         entries.map(|entry| entry * entry).sum::<f64>().sqrt()
     };
     let mut found: Vec<(Span, String)> = Vec::new();
     for body in &robot.bodies {
-        let moves = tree
-            .index
-            .get(&body.link.value)
-            .is_some_and(|&link| moving[link]);
+        let moves = tree.index.get(&body.link.value).is_some_and(|&link| moving[link]);
         let distance = length(&body.center_in_link());
         if moves && distance.is_finite() && distance > FAR {
-            let entry = format!(
-                "the centre of mass of {} {} m",
-                body.name.quoted(),
-                three_digits(distance)
-            );
+            let entry = format!("the centre of mass of {} {} m", body.name.quoted(), three_digits(distance));
             found.push((body.name.span, entry));
         }
     }
@@ -103,10 +80,7 @@ fn note_lengths(
         let Some(joint) = joint.filter(|_| moving[tree.parents[link]]) else {
             continue;
         };
-        let distance = joint
-            .origin
-            .as_ref()
-            .map_or(0.0, |origin| length(&origin.translation));
+        let distance = joint.origin.as_ref().map_or(0.0, |origin| length(&origin.translation));
         if distance > FAR {
             let entry = format!("joint {} {} m", joint.name.quoted(), three_digits(distance));
             found.push((joint.name.span, entry));
@@ -116,10 +90,7 @@ fn note_lengths(
         return;
     };
     let (first, entries) = (*first, found.iter().map(|(_, entry)| entry.clone()));
-    let message = format!(
-        "far from the frame of its link: {}; are lengths in millimetres?",
-        listed(entries)
-    );
+    let message = format!("far from the frame of its link: {}; are lengths in millimetres?", listed(entries));
     report.note(Some(first), "far-away", message);
     report.help("lengths are in metres, inertias in kg m²");
 }
@@ -130,10 +101,7 @@ fn note_legs(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
     for link in tree.moved_links(robot) {
         let joint = tree.joints[link].and_then(|joint| robot.joints.get(joint));
         let names = [Some(&tree.links[link]), joint.map(|joint| &joint.name)];
-        let is_leg = names
-            .into_iter()
-            .flatten()
-            .any(|name| names_a_leg(&name.value));
+        let is_leg = names.into_iter().flatten().any(|name| names_a_leg(&name.value));
         if is_leg && !tree.ancestors(link).any(|before| legs.contains(&before)) {
             legs.push(link);
         }
@@ -141,9 +109,7 @@ fn note_legs(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
     let (Some(base), Some(&first)) = (tree.links.first(), legs.get(1).and(legs.first())) else {
         return;
     };
-    let joints = legs
-        .iter()
-        .filter_map(|&link| robot.joints.get(tree.joints[link]?));
+    let joints = legs.iter().filter_map(|&link| robot.joints.get(tree.joints[link]?));
     let joints: Vec<&str> = joints.map(|joint| joint.name.value.as_str()).collect();
     let message = format!(
         "the robot seems to have {} legs ({}), and its base {} is fixed to the world: there is no floating base in the model",

@@ -1,8 +1,8 @@
 //! Are the moving bodies such as there can be?
 //!
-//! Bodies that are fixed to the base never enter the dynamics and are not checked. Inertias of a TOML file are its author's
-//! and have to be right. Those of a URDF are often somebody else's: they are taken as published, with one warning, as long
-//! as the mass matrix is positive definite.
+//! Bodies that are fixed to the base never enter the dynamics and are not checked. Inertias of a TOML file
+//! are its author's and have to be right. Those of a URDF are often somebody else's: they are taken as
+//! published, with one warning, as long as the mass matrix is positive definite.
 
 use super::super::description::{BodyDescription, RobotDescription};
 use super::super::inertia::{self, Flaw};
@@ -42,10 +42,7 @@ pub(super) fn check<'d>(
         _ => true,
     };
     let bodies: Vec<&BodyDescription> = robot.bodies.iter().filter(moves).collect();
-    let mut published = Published {
-        findings: Vec::new(),
-        moving: bodies.len(),
-    };
+    let mut published = Published { findings: Vec::new(), moving: bodies.len() };
     for body in bodies {
         let Some(flaw) = flaw(body, defaults) else {
             continue;
@@ -67,9 +64,7 @@ fn flaw(body: &BodyDescription, defaults: &[f64]) -> Option<Flaw> {
     let numbers = [mass].into_iter().chain(center).chain(inertia);
     // What is not finite has its error already.
     let is_finite = numbers.into_iter().all(f64::is_finite);
-    is_finite
-        .then(|| inertia::check(mass, center, inertia))
-        .flatten()
+    is_finite.then(|| inertia::check(mass, center, inertia)).flatten()
 }
 
 fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
@@ -107,8 +102,7 @@ impl Published<'_> {
             return;
         };
         let entries = self.findings.iter();
-        let entries =
-            entries.map(|Finding { body, flaw }| format!("`{}` ({flaw})", body.name.value));
+        let entries = entries.map(|Finding { body, flaw }| format!("`{}` ({flaw})", body.name.value));
         let definite = match pivots.is_some_and(Pivots::are_positive) {
             true => format!("; its mass matrix is positive definite at {STATES} seeded states"),
             false => String::new(),

@@ -6,13 +6,10 @@ use super::super::{Joint, Model};
 use crate::diagnostic::{Report, Span};
 use crate::wording::list;
 
-/// A negative pivot is an error, unless the robot is wanted as it is; a zero one is a warning, since only some functions need
-/// the inverse.
+/// A negative pivot is an error, unless the robot is wanted as it is; a zero one is a warning, since only
+/// some functions need the inverse.
 pub(super) fn check(robot: &RobotDescription, model: &Model, pivots: &Pivots, report: &mut Report) {
-    let (negative, zero) = (
-        model.joints_of(&pivots.negative),
-        model.joints_of(&pivots.zero),
-    );
+    let (negative, zero) = (model.joints_of(&pivots.negative), model.joints_of(&pivots.zero));
     if let Some(first) = negative.first() {
         report_indefinite(robot, place(robot, first), &negative, pivots, report);
     }

@@ -19,11 +19,7 @@ use names::Identifiers;
 /// Checks everything and builds the model; with errors in the report there is none.
 pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Model> {
     let identifiers = Identifiers::new(robot, report);
-    let defaults: Vec<f64> = robot
-        .parameters
-        .iter()
-        .map(|parameter| parameter.value.default)
-        .collect();
+    let defaults: Vec<f64> = robot.parameters.iter().map(|parameter| parameter.value.default).collect();
     for joint in &robot.joints {
         checks::joint(joint, report);
         force_laws::check(joint, &defaults, report);
@@ -39,14 +35,7 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
     }
     let published = inertias::check(robot, tree.as_ref(), &defaults, report);
     let model = tree.and_then(|tree| {
-        let mut builder = Builder {
-            robot,
-            report,
-            identifiers,
-            defaults,
-            tree,
-            offsets: Vec::new(),
-        };
+        let mut builder = Builder { robot, report, identifiers, defaults, tree, offsets: Vec::new() };
         builder.build()
     });
     let model = model.filter(|_| !report.has_errors());

@@ -24,11 +24,7 @@ impl Identifiers {
     pub(super) fn new(robot: &RobotDescription, report: &mut Report) -> Self {
         let joints: Vec<&Name> = robot.joints.iter().map(|joint| &joint.name).collect();
         let frames: Vec<&Name> = robot.frames.iter().map(|frame| &frame.name).collect();
-        let drives: Vec<Option<&Name>> = robot
-            .joints
-            .iter()
-            .map(|joint| drive_name(robot, joint))
-            .collect();
+        let drives: Vec<Option<&Name>> = robot.joints.iter().map(|joint| drive_name(robot, joint)).collect();
         let driven: Vec<&Name> = drives.iter().copied().flatten().collect();
         let before = report.error_count();
         report_duplicates(joints.iter().copied(), "joints", report);
@@ -42,10 +38,7 @@ impl Identifiers {
             module: identifier(&robot.name.value),
             joints: distinct(&joints),
             frames: distinct(&frames),
-            drives: drives
-                .iter()
-                .map(|name| name.and_then(|_| of_drives.next()))
-                .collect(),
+            drives: drives.iter().map(|name| name.and_then(|_| of_drives.next())).collect(),
         }
     }
 
@@ -85,14 +78,9 @@ fn distinct(names: &[&Name]) -> Vec<String> {
     let mut taken: BTreeSet<String> = BTreeSet::new();
     let mut known: BTreeMap<&str, String> = BTreeMap::new();
     for name in names {
-        known
-            .entry(&name.value)
-            .or_insert_with(|| unused(identifier(&name.value), &mut taken));
+        known.entry(&name.value).or_insert_with(|| unused(identifier(&name.value), &mut taken));
     }
-    names
-        .iter()
-        .map(|name| known.get(name.value.as_str()).cloned().unwrap_or_default())
-        .collect()
+    names.iter().map(|name| known.get(name.value.as_str()).cloned().unwrap_or_default()).collect()
 }
 
 fn unused(stem: String, taken: &mut BTreeSet<String>) -> String {
@@ -105,11 +93,7 @@ fn unused(stem: String, taken: &mut BTreeSet<String>) -> String {
     candidate
 }
 
-pub(super) fn report_duplicates<'d>(
-    names: impl Iterator<Item = &'d Name>,
-    what: &str,
-    report: &mut Report,
-) {
+pub(super) fn report_duplicates<'d>(names: impl Iterator<Item = &'d Name>, what: &str, report: &mut Report) {
     let mut seen: BTreeMap<&str, &Name> = BTreeMap::new();
     for name in names {
         let Some(first) = seen.get(name.value.as_str()) else {
@@ -117,10 +101,7 @@ pub(super) fn report_duplicates<'d>(
             continue;
         };
         let place = report.place(first.span);
-        let message = format!(
-            "two {what} are named `{}`; the other one stands at {place}",
-            name.value
-        );
+        let message = format!("two {what} are named `{}`; the other one stands at {place}", name.value);
         report.error(name.span, "duplicate-name", message);
         report.help("give each its own name");
     }

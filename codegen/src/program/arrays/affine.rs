@@ -22,16 +22,9 @@ impl Affine {
     /// `c = ÿ − ((A_y y + A_v ẏ) + B_x u)`, row by row, each product of rows in four partial sums.
     #[must_use]
     pub fn unrolled(&self) -> Program {
-        let Program {
-            inputs,
-            instructions,
-            outputs,
-        } = self.called.unrolled();
+        let Program { inputs, instructions, outputs } = self.called.unrolled();
         let n = self.called.joints();
-        let mut writer = Writer {
-            instructions,
-            is_fused: self.called.is_fused,
-        };
+        let mut writer = Writer { instructions, is_fused: self.called.is_fused };
         let [accelerations, by_y, by_v, inverse] = [0, 1, 2, 3].map(|k| outputs[k].entries.clone());
         let mut by_inputs = Vec::with_capacity(n * self.inputs.len());
         for row in inverse.chunks(n) {
@@ -53,15 +46,8 @@ impl Affine {
                 writer.push(Operation::Subtract(accelerations[i], sum))
             })
             .collect();
-        let output = |name: &str, shape, entries| Output {
-            name: name.to_owned(),
-            shape,
-            entries,
-        };
-        let (each, input) = (
-            Extent::new(Dimension::Velocities, n),
-            Extent::new(Dimension::Inputs, m),
-        );
+        let output = |name: &str, shape, entries| Output { name: name.to_owned(), shape, entries };
+        let (each, input) = (Extent::new(Dimension::Velocities, n), Extent::new(Dimension::Inputs, m));
         numbered(Program {
             inputs,
             instructions: writer.instructions,

@@ -1,10 +1,10 @@
 //! Array form of a program: the same operations as loops over the joints.
 //!
-//! Straight-line code grows with the square and the cube of the number of joints, and out of a processor's caches. The
-//! array form keeps a straight-line *setup* that grows like n and goes on with *steps* over arrays, one entry per joint
-//! in each row, whose code hardly grows at all. [`Arrays::unrolled`] writes the steps out as a straight-line program:
-//! it defines what they mean, operation by operation in their order, so that interpreter, counts and texts need to know
-//! nothing about arrays.
+//! Straight-line code grows with the square and the cube of the number of joints, and out of a processor's
+//! caches. The array form keeps a straight-line *setup* that grows like n and goes on with *steps* over
+//! arrays, one entry per joint in each row, whose code hardly grows at all. [`Arrays::unrolled`] writes the
+//! steps out as a straight-line program: it defines what they mean, operation by operation in their order, so
+//! that interpreter, counts and texts need to know nothing about arrays.
 
 mod affine;
 mod unroll;
@@ -38,10 +38,7 @@ impl ArrayForm {
     pub fn fused(&self) -> Self {
         match self {
             Self::Steps(arrays) => Self::Steps(arrays.fused()),
-            Self::Affine(affine) => Self::Affine(Affine {
-                called: affine.called.fused(),
-                ..affine.clone()
-            }),
+            Self::Affine(affine) => Self::Affine(Affine { called: affine.called.fused(), ..affine.clone() }),
         }
     }
 
@@ -118,8 +115,8 @@ pub enum Step {
     },
     /// A matrix over pairs of joints on one path.
     Pairs(Pairs),
-    /// Inverse of a symmetric positive definite matrix with the zeros of a mass matrix, by Gauss and Jordan without
-    /// pivots from the leaves to the base.
+    /// Inverse of a symmetric positive definite matrix with the zeros of a mass matrix, by Gauss and Jordan
+    /// without pivots from the leaves to the base.
     Invert {
         /// The matrix.
         from: ArrayId,
@@ -161,8 +158,8 @@ pub struct Map {
     pub body: Program,
 }
 
-/// `to[i][j]` is `Σ before.0[r][i] · before.1[r][j]` where j is before i on its path to the base, `diagonal[i]` where
-/// i = j, `Σ beyond.0[r][i] · beyond.1[r][j]` where i is before j, and 0 elsewhere.
+/// `to[i][j]` is `Σ before.0[r][i] · before.1[r][j]` where j is before i on its path to the base,
+/// `diagonal[i]` where i = j, `Σ beyond.0[r][i] · beyond.1[r][j]` where i is before j, and 0 elsewhere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pairs {
     /// Rows by i and rows by j where j is before i.
@@ -186,9 +183,7 @@ impl Arrays {
     #[must_use]
     pub fn is_chain(&self) -> bool {
         let parents = self.parents.iter().enumerate();
-        parents
-            .into_iter()
-            .all(|(index, parent)| *parent == index.checked_sub(1))
+        parents.into_iter().all(|(index, parent)| *parent == index.checked_sub(1))
     }
 
     /// Whether joint `j` stands before joint `i` on its path to the base.
@@ -219,15 +214,12 @@ impl Step {
     pub fn reads(&self, array: ArrayId) -> bool {
         match self {
             Self::Map(map) => map.reads.contains(&array),
-            Self::SumAncestors { from, .. }
-            | Self::SumSubtrees { from, .. }
-            | Self::Invert { from, .. } => *from == array,
-            Self::Pairs(Pairs {
-                before,
-                beyond,
-                diagonal,
-                ..
-            }) => [before.0, before.1, beyond.0, beyond.1, *diagonal].contains(&array),
+            Self::SumAncestors { from, .. } | Self::SumSubtrees { from, .. } | Self::Invert { from, .. } => {
+                *from == array
+            }
+            Self::Pairs(Pairs { before, beyond, diagonal, .. }) => {
+                [before.0, before.1, beyond.0, beyond.1, *diagonal].contains(&array)
+            }
             Self::NegativeProduct { left, right, .. } => [*left, *right].contains(&array),
             Self::Apply { matrix, vector, .. } => [*matrix, *vector].contains(&array),
         }

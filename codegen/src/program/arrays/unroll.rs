@@ -6,22 +6,14 @@ use crate::program::lower::give_names;
 use crate::program::{Operand, Operation, Output, Program};
 
 impl Arrays {
-    /// Each operation of the array form as an instruction, in the same order. Padding at the end of rows, and entries
-    /// that loops compute and drop, are not part of it.
+    /// Each operation of the array form as an instruction, in the same order. Padding at the end of rows, and
+    /// entries that loops compute and drop, are not part of it.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         let mut unrolling = Unrolling {
             form: self,
-            writer: Writer {
-                instructions: self.setup.instructions.clone(),
-                is_fused: self.is_fused,
-            },
-            values: self
-                .setup
-                .outputs
-                .iter()
-                .map(|o| o.entries.clone())
-                .collect(),
+            writer: Writer { instructions: self.setup.instructions.clone(), is_fused: self.is_fused },
+            values: self.setup.outputs.iter().map(|o| o.entries.clone()).collect(),
         };
         let zeros = |array: &Array| vec![Operand::Constant(0.0); array.rows * self.joints()];
         let made = self.arrays.iter().skip(unrolling.values.len()).map(zeros);
@@ -85,9 +77,8 @@ impl Unrolling<'_> {
                 let n = self.form.joints();
                 self.values[*to] = (0..n)
                     .map(|j| {
-                        let terms: Vec<_> = (0..n)
-                            .map(|k| (self.at(*vector, 0, k), self.at(*matrix, k, j)))
-                            .collect();
+                        let terms: Vec<_> =
+                            (0..n).map(|k| (self.at(*vector, 0, k), self.at(*matrix, k, j))).collect();
                         self.writer.sum_of_products(&terms)
                     })
                     .collect();
@@ -107,9 +98,7 @@ impl Unrolling<'_> {
         let start = self.writer.instructions.len();
         let place = |values: &[Vec<Operand>], operand: Operand| match operand {
             Operand::Value(index) => Operand::Value(start + index),
-            Operand::Input(array, row) => {
-                values[map.reads[array]][row * self.form.joints() + joint]
-            }
+            Operand::Input(array, row) => values[map.reads[array]][row * self.form.joints() + joint],
             other => other,
         };
         for instruction in &map.body.instructions {
@@ -163,9 +152,7 @@ impl Unrolling<'_> {
     fn sweep(&mut self, matrix: usize, k: usize) {
         let n = self.form.joints();
         let pivot = self.at(matrix, k, k);
-        let reciprocal = self
-            .writer
-            .push(Operation::Divide(Operand::Constant(1.0), pivot));
+        let reciprocal = self.writer.push(Operation::Divide(Operand::Constant(1.0), pivot));
         self.set(matrix, k, k, reciprocal);
         for j in (0..n).filter(|&j| j != k) {
             let entry = self.at(matrix, k, j);

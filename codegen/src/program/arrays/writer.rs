@@ -11,10 +11,7 @@ pub(super) struct Writer {
 
 impl Writer {
     pub(super) fn push(&mut self, operation: Operation) -> Operand {
-        self.instructions.push(Instruction {
-            name: String::new(),
-            operation,
-        });
+        self.instructions.push(Instruction { name: String::new(), operation });
         Operand::Value(self.instructions.len() - 1)
     }
 

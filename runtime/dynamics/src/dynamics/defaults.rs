@@ -35,11 +35,7 @@ pub fn equations_of_motion<D: Dynamics<N, M> + ?Sized, const N: usize, const M: 
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
-    (
-        robot.mass_matrix(y),
-        robot.coriolis_forces(y, v),
-        robot.applied_forces(y, v),
-    )
+    (robot.mass_matrix(y), robot.coriolis_forces(y, v), robot.applied_forces(y, v))
 }
 
 /// [`Dynamics::inverse_dynamics`] by the other methods.
@@ -101,9 +97,7 @@ pub fn step<D: Discretizable<N, M> + ?Sized, const N: usize, const M: usize>(
     u: &[f64; M],
     period: f64,
 ) -> ([f64; N], [f64; N]) {
-    discrete_time::runge_kutta(*y, *v, period, D::SUBSTEPS, |y, v| {
-        robot.forward_dynamics(y, v, u)
-    })
+    discrete_time::runge_kutta(*y, *v, period, D::SUBSTEPS, |y, v| robot.forward_dynamics(y, v, u))
 }
 
 /// [`Discretizable::step_derivatives`] by the other methods.
@@ -117,19 +111,9 @@ pub fn step_derivatives<D: Discretizable<N, M> + ?Sized, const N: usize, const M
 ) -> Step<N, M> {
     let linearize = |y: &[f64; N], v: &[f64; N]| {
         let linear = robot.linearize(y, v, u);
-        (
-            linear.by_coordinates,
-            linear.by_velocities,
-            linear.by_inputs,
-            linear.affine,
-        )
+        (linear.by_coordinates, linear.by_velocities, linear.by_inputs, linear.affine)
     };
     let (coordinates, velocities, state, input) =
         discrete_time::runge_kutta_derivatives(y, v, u, period, D::SUBSTEPS, linearize);
-    Step {
-        coordinates,
-        velocities,
-        state,
-        input,
-    }
+    Step { coordinates, velocities, state, input }
 }

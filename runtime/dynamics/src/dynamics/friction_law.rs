@@ -1,7 +1,8 @@
 //! Generated functions of friction, with or without the coordinates among their arguments.
 //!
-//! A module has `friction_torques(v)`, and `friction_torques(y, v)` where a friction law depends on the position. The
-//! macro [`dynamics!`](crate::dynamics!) cannot see which; the compiler finds the implementation that fits the function.
+//! A module has `friction_torques(v)`, and `friction_torques(y, v)` where a friction law depends on the
+//! position. The macro [`dynamics!`](crate::dynamics!) cannot see which; the compiler finds the
+//! implementation that fits the function.
 
 /// A generated `friction_torques`. `Arguments` tells the implementations apart and is inferred.
 pub trait FrictionLaw<Arguments, const N: usize> {

@@ -1,8 +1,8 @@
 //! How the macro [`dynamics!`](crate::dynamics!) takes from a module the functions that it has.
 //!
-//! A macro cannot ask whether a module has a function. The compiler resolves a name to what an inner block imports from the
-//! module, and else to what the block around it imports: there [`Missing`] stands under the function's name. [`OrElse`] then
-//! calls the function, or what takes its place.
+//! A macro cannot ask whether a module has a function. The compiler resolves a name to what an inner block
+//! imports from the module, and else to what the block around it imports: there [`Missing`] stands under the
+//! function's name. [`OrElse`] then calls the function, or what takes its place.
 
 /// Stands for a function that a module does not have.
 #[derive(Debug, Clone, Copy)]
@@ -11,7 +11,8 @@ pub struct Missing;
 /// Runge–Kutta steps in a period where a module does not say it.
 pub const NO_SUBSTEPS: usize = 1;
 
-/// A function of a module, or [`Missing`]: `A` are its arguments, `T` is its result, `R` what is made of that.
+/// A function of a module, or [`Missing`]: `A` are its arguments, `T` is its result, `R` what is made of
+/// that.
 pub trait OrElse<A, T, R> {
     /// `made` of the function's result, or `otherwise`.
     fn or_else(&self, arguments: A, made: impl FnOnce(T) -> R, otherwise: impl FnOnce() -> R) -> R;
@@ -113,7 +114,8 @@ pub struct HasDerivatives<const B: bool>;
 /// gelenk_dynamics::dynamics!(struct Arm = arm: Differentiable);
 /// ```
 ///
-/// Without `: Differentiable` it compiles. The lifetime keeps the compiler from judging the bound before the trait is asked for.
+/// Without `: Differentiable` it compiles. The lifetime keeps the compiler from judging the bound before the
+/// trait is asked for.
 #[diagnostic::on_unimplemented(
     message = "the module has no derivatives",
     label = "generate it with inverse_dynamics_derivatives and linearize",

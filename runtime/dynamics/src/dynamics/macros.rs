@@ -1,8 +1,8 @@
 //! Macros that make a generated module a type with its traits.
 
 /// Makes a type of a generated module that implements [`Dynamics`](crate::dynamics::Dynamics), and
-/// [`Differentiable`](crate::dynamics::Differentiable) and [`Discretizable`](crate::dynamics::Discretizable) where the module
-/// has derivatives.
+/// [`Differentiable`](crate::dynamics::Differentiable) and [`Discretizable`](crate::dynamics::Discretizable)
+/// where the module has derivatives.
 ///
 /// ```
 /// use gelenk_dynamics::dynamics::Dynamics;
@@ -13,12 +13,13 @@
 /// assert_eq!(PowerCube.gravity_forces(&[0.0, 0.0]), [0.0, 0.0]);
 /// ```
 ///
-/// Every method calls the module's function of that name. Where the module was generated without it, the method computes the
-/// same from others: six functions of [`Dynamics`](crate::dynamics::Dynamics), and for derivatives two of
-/// [`Differentiable`](crate::dynamics::Differentiable), have nothing to take their place. Limits and the names of joints and
-/// inputs are the module's constants.
+/// Every method calls the module's function of that name. Where the module was generated without it, the
+/// method computes the same from others: six functions of [`Dynamics`](crate::dynamics::Dynamics), and for
+/// derivatives two of [`Differentiable`](crate::dynamics::Differentiable), have nothing to take their place.
+/// Limits and the names of joints and inputs are the module's constants.
 ///
-/// Traits behind the module's name are checked, so that the message stands here and not where they are used first:
+/// Traits behind the module's name are checked, so that the message stands here and not where they are used
+/// first:
 ///
 /// ```
 /// gelenk_dynamics::dynamics!(pub struct Ur5 = gelenk_generated::ur5: Differentiable + Discretizable);
@@ -265,9 +266,10 @@ macro_rules! dynamics {
     };
 }
 
-/// Includes a module that the build script generated: `include_model!(pub mod arm)` reads `$OUT_DIR/arm.rs`, which is named
-/// after the robot (in a URDF: `<robot name="arm">`), not after the file. Where the build script generates no robot of that
-/// name, the compiler's message says which it does. The documentation of the module is the robot's description.
+/// Includes a module that the build script generated: `include_model!(pub mod arm)` reads `$OUT_DIR/arm.rs`,
+/// which is named after the robot (in a URDF: `<robot name="arm">`), not after the file. Where the build
+/// script generates no robot of that name, the compiler's message says which it does. The documentation of
+/// the module is the robot's description.
 ///
 /// ```ignore
 /// // Needs a build script: gelenk_codegen::build("arm.toml");

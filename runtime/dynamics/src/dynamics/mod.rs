@@ -1,8 +1,9 @@
-//! The bridge between generated modules and generic code: [`Dynamics`], [`Differentiable`], [`Discretizable`], and the macros that wrap a
-//! module in one line.
+//! The bridge between generated modules and generic code: [`Dynamics`], [`Differentiable`],
+//! [`Discretizable`], and the macros that wrap a module in one line.
 //!
-//! Generated files have no dependencies, so they cannot implement a trait themselves. [`dynamics!`](crate::dynamics!)
-//! does it for them; every method then is a call of the generated function, nothing else.
+//! Generated files have no dependencies, so they cannot implement a trait themselves.
+//! [`dynamics!`](crate::dynamics!) does it for them; every method then is a call of the generated function,
+//! nothing else.
 
 #[doc(hidden)]
 pub mod defaults;

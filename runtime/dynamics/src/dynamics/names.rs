@@ -48,8 +48,8 @@ pub fn numbered<const L: usize>() -> [&'static str; L] {
     Numbers::<L>::NAMES
 }
 
-/// A name in a message: as it is where it is one word, in quotation marks and escaped where it is not. Names come from
-/// descriptions and may hold anything.
+/// A name in a message: as it is where it is one word, in quotation marks and escaped where it is not. Names
+/// come from descriptions and may hold anything.
 pub struct Named<'a>(pub &'a str);
 
 impl fmt::Display for Named<'_> {

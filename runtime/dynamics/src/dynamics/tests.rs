@@ -114,11 +114,7 @@ mod free {
         period: f64,
         p: &Parameters,
     ) -> ([[[[f64; N]; N]; 2]; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]) {
-        (
-            [[[[period; N]; N]; 2]; 2],
-            [[[p.friction; M]; N]; 2],
-            [[8.0; N]; 2],
-        )
+        ([[[[period; N]; N]; 2]; 2], [[[p.friction; M]; N]; 2], [[8.0; N]; 2])
     }
     pub fn step(
         _: &[f64; N],
@@ -136,18 +132,8 @@ mod free {
         _: &[f64; M],
         period: f64,
         p: &Parameters,
-    ) -> (
-        [f64; N],
-        [f64; N],
-        [[[[f64; N]; N]; 2]; 2],
-        [[[f64; M]; N]; 2],
-    ) {
-        (
-            [1.0; N],
-            [2.0; N],
-            [[[[period; N]; N]; 2]; 2],
-            [[[p.friction; M]; N]; 2],
-        )
+    ) -> ([f64; N], [f64; N], [[[[f64; N]; N]; 2]; 2], [[[f64; M]; N]; 2]) {
+        ([1.0; N], [2.0; N], [[[[period; N]; N]; 2]; 2], [[[p.friction; M]; N]; 2])
     }
 }
 
@@ -181,10 +167,7 @@ fn accelerations_follow_the_published_closed_form() {
 #[test]
 fn inverse_dynamics_gives_the_input_back() {
     let forces = CartPole.inverse_dynamics(&Y, &V, &published(4.0));
-    assert!(
-        (forces[0] - 4.0).abs() < 1e-13 && forces[1].abs() < 1e-13,
-        "{forces:?}"
-    );
+    assert!((forces[0] - 4.0).abs() < 1e-13 && forces[1].abs() < 1e-13, "{forces:?}");
 }
 
 #[test]
@@ -197,31 +180,17 @@ fn an_indefinite_mass_matrix_gives_nan() {
 fn a_system_of_three_is_solved() {
     // Moler matrix with α = −1: x was chosen, b = A x by hand.
     let a = [[1.0, -1.0, -1.0], [-1.0, 2.0, 0.0], [-1.0, 0.0, 3.0]];
-    assert_eq!(
-        solve_positive_definite(a, [-4.0, 3.0, 8.0]),
-        [1.0, 2.0, 3.0]
-    );
+    assert_eq!(solve_positive_definite(a, [-4.0, 3.0, 8.0]), [1.0, 2.0, 3.0]);
 }
 
 #[test]
 fn parameters_and_blocks_are_passed_on() {
-    let robot = Free {
-        parameters: free::Parameters { friction: 7.0 },
-    };
+    let robot = Free { parameters: free::Parameters { friction: 7.0 } };
     assert_eq!(robot.friction_torques(&[0.0; 2], &[2.0, 0.0]), [14.0, 0.0]);
-    assert_eq!(
-        Free::default().friction_torques(&[0.0; 2], &[2.0, 0.0]),
-        [0.0, 0.0]
-    );
+    assert_eq!(Free::default().friction_torques(&[0.0; 2], &[2.0, 0.0]), [0.0, 0.0]);
     let linear = robot.linearize(&Y, &V, &[0.0]);
-    assert_eq!(
-        linear.accelerations(&[1.0, 1.0], &[1.0, 1.0], &[1.0]),
-        [2.0 + 4.0 + 3.0 + 7.0; 2]
-    );
-    assert_eq!(
-        robot.inverse_dynamics_derivatives(&Y, &V, &V).by_velocities,
-        [[3.0; 2]; 2]
-    );
+    assert_eq!(linear.accelerations(&[1.0, 1.0], &[1.0, 1.0], &[1.0]), [2.0 + 4.0 + 3.0 + 7.0; 2]);
+    assert_eq!(robot.inverse_dynamics_derivatives(&Y, &V, &V).by_velocities, [[3.0; 2]; 2]);
     assert_eq!(robot.limits().peak_input, [20.0]);
 }
 
@@ -243,11 +212,7 @@ fn names_are_those_of_the_module() {
 
 #[test]
 fn generic_code_needs_only_the_trait() {
-    fn power<const N: usize, const M: usize>(
-        robot: &impl Dynamics<N, M>,
-        y: &[f64; N],
-        v: &[f64; N],
-    ) -> f64 {
+    fn power<const N: usize, const M: usize>(robot: &impl Dynamics<N, M>, y: &[f64; N], v: &[f64; N]) -> f64 {
         product(&robot.friction_torques(y, v), v)
     }
     assert_eq!(power(&CartPole, &[0.0; 2], &[2.0, 0.0]), 2.0);
@@ -257,8 +222,8 @@ fn generic_code_needs_only_the_trait() {
 mod toothed {
     pub use super::cart_pole::{
         EFFORT_LIMITS, FUNCTIONS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS,
-        PEAK_INPUT_LIMITS, POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces, gravity_forces,
-        input_matrix, mass_matrix, spring_forces,
+        PEAK_INPUT_LIMITS, POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces, gravity_forces, input_matrix,
+        mass_matrix, spring_forces,
     };
     pub fn friction_torques(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
         core::array::from_fn(|i| (1.0 + y[i]) * v[i])
@@ -267,8 +232,8 @@ mod toothed {
 mod free_toothed {
     pub use super::free::{
         EFFORT_LIMITS, FUNCTIONS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS,
-        PEAK_INPUT_LIMITS, POSITION_LIMITS, Parameters, VELOCITY_LIMITS, coriolis_forces,
-        gravity_forces, input_matrix, mass_matrix, spring_forces,
+        PEAK_INPUT_LIMITS, POSITION_LIMITS, Parameters, VELOCITY_LIMITS, coriolis_forces, gravity_forces,
+        input_matrix, mass_matrix, spring_forces,
     };
     pub fn friction_torques(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
         core::array::from_fn(|i| p.friction * (1.0 + y[i]) * v[i])
@@ -280,25 +245,17 @@ crate::dynamics!(struct FreeToothed { parameters } = free_toothed);
 
 #[test]
 fn friction_of_the_position_gets_the_position() {
-    assert_eq!(
-        Toothed.friction_torques(&[1.0, -0.5], &[2.0, 3.0]),
-        [4.0, 1.5]
-    );
-    let robot = FreeToothed {
-        parameters: free_toothed::Parameters { friction: 7.0 },
-    };
-    assert_eq!(
-        robot.friction_torques(&[1.0, -0.5], &[2.0, 3.0]),
-        [28.0, 10.5]
-    );
+    assert_eq!(Toothed.friction_torques(&[1.0, -0.5], &[2.0, 3.0]), [4.0, 1.5]);
+    let robot = FreeToothed { parameters: free_toothed::Parameters { friction: 7.0 } };
+    assert_eq!(robot.friction_torques(&[1.0, -0.5], &[2.0, 3.0]), [28.0, 10.5]);
 }
 
-/// Two masses on springs and dampers, `M ÿ = −K y − D ẏ + B u + f`, in physical units; linear, so that the zero-order
-/// hold and the sensitivities of a step are those of the robot itself.
+/// Two masses on springs and dampers, `M ÿ = −K y − D ẏ + B u + f`, in physical units; linear, so that the
+/// zero-order hold and the sensitivities of a step are those of the robot itself.
 mod masses {
     pub use super::cart_pole::{
-        EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, PEAK_EFFORT_LIMITS,
-        PEAK_INPUT_LIMITS, POSITION_LIMITS, VELOCITY_LIMITS,
+        EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS,
+        POSITION_LIMITS, VELOCITY_LIMITS,
     };
     pub const FUNCTIONS: [&str; 2] = ["inverse_dynamics_derivatives", "linearize"];
     pub const N: usize = 2;
@@ -317,10 +274,7 @@ mod masses {
     }
     pub fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
         [0, 1].map(|i| {
-            -(STIFFNESS[i][0] * y[0]
-                + STIFFNESS[i][1] * y[1]
-                + DAMPING[i][0] * v[0]
-                + DAMPING[i][1] * v[1])
+            -(STIFFNESS[i][0] * y[0] + STIFFNESS[i][1] * y[1] + DAMPING[i][0] * v[0] + DAMPING[i][1] * v[1])
         })
     }
     pub fn friction_torques(_: &[f64; N]) -> [f64; N] {
@@ -344,12 +298,7 @@ mod masses {
     ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
         let negative = |a: [[f64; N]; N]| a.map(|row| row.map(|x| -x));
         let gravity = gravity_forces(&[0.0; N]);
-        (
-            negative(STIFFNESS),
-            negative(DAMPING),
-            input_matrix(),
-            gravity,
-        )
+        (negative(STIFFNESS), negative(DAMPING), input_matrix(), gravity)
     }
 }
 
@@ -357,23 +306,15 @@ crate::dynamics!(struct Masses = masses: Differentiable + Discretizable);
 
 #[test]
 fn functions_of_discrete_time_are_passed_on() {
-    let robot = Free {
-        parameters: free::Parameters { friction: 7.0 },
-    };
+    let robot = Free { parameters: free::Parameters { friction: 7.0 } };
     let u = [0.0];
     let discrete = robot.discretize(&Y, &V, &u, 0.5);
     assert_eq!(discrete.state, [[[[0.5; 2]; 2]; 2]; 2]);
-    assert_eq!(
-        (discrete.input, discrete.affine),
-        ([[[7.0]; 2]; 2], [[8.0; 2]; 2])
-    );
+    assert_eq!((discrete.input, discrete.affine), ([[[7.0]; 2]; 2], [[8.0; 2]; 2]));
     assert_eq!(robot.step(&Y, &V, &u, 0.5), ([0.5; 2], [7.0; 2]));
     let step = robot.step_derivatives(&Y, &V, &u, 0.5);
     assert_eq!((step.coordinates, step.velocities), ([1.0; 2], [2.0; 2]));
-    assert_eq!(
-        (step.state, step.input),
-        (discrete.state, [[[7.0; 1]; 2]; 2])
-    );
+    assert_eq!((step.state, step.input), (discrete.state, [[[7.0; 1]; 2]; 2]));
     assert_eq!(Free::SUBSTEPS, 9);
 }
 
@@ -410,16 +351,14 @@ fn the_zero_order_hold_is_the_exponential_of_the_lifted_matrix() {
             ];
             for (column, entry) in entries.into_iter().enumerate() {
                 let difference = entry - expected[(row, column)];
-                assert!(
-                    difference.abs() < 1e-14,
-                    "{period} s, ({row}, {column}): {difference}"
-                );
+                assert!(difference.abs() < 1e-14, "{period} s, ({row}, {column}): {difference}");
             }
         }
     }
 }
 
-/// On a linear robot a step of length h is the Taylor polynomial of degree 4 of the exponential: error h⁵/120 ‖A‖⁵.
+/// On a linear robot a step of length h is the Taylor polynomial of degree 4 of the exponential: error h⁵/120
+/// ‖A‖⁵.
 #[test]
 fn a_step_of_a_linear_robot_is_its_exponential_to_order_four() {
     let (u, period) = ([1.5], 0.01);
@@ -433,22 +372,12 @@ fn a_step_of_a_linear_robot_is_its_exponential_to_order_four() {
         assert!((y[i] - step.coordinates[i]).abs() < 1e-15);
         assert!((v[i] - step.velocities[i]).abs() < 1e-15);
     }
-    for (a, b) in step
-        .state
-        .iter()
-        .flatten()
-        .zip(discrete.state.iter().flatten())
-    {
+    for (a, b) in step.state.iter().flatten().zip(discrete.state.iter().flatten()) {
         for (a, b) in a.iter().flatten().zip(b.iter().flatten()) {
             assert!((a - b).abs() < 1e-9, "{a} and {b}");
         }
     }
-    for (a, b) in step
-        .input
-        .iter()
-        .flatten()
-        .zip(discrete.input.iter().flatten())
-    {
+    for (a, b) in step.input.iter().flatten().zip(discrete.input.iter().flatten()) {
         assert!((a[0] - b[0]).abs() < 1e-9, "{a:?} and {b:?}");
     }
 }
@@ -464,7 +393,8 @@ fn limits<const N: usize, const M: usize>(motors: [f64; M], efforts: [f64; N]) -
     }
 }
 
-/// The smaller of what motor and joint bear, over each ratio and each sign; a joint without an input limits none.
+/// The smaller of what motor and joint bear, over each ratio and each sign; a joint without an input limits
+/// none.
 #[test]
 fn inputs_keep_the_efforts_of_their_joints() {
     let gears = [[-100.0, 0.0], [0.0, 0.5], [0.0, 0.0]];
@@ -496,9 +426,9 @@ fn inputs_that_share_a_joint_keep_its_effort_whatever_their_signs() {
 mod dry {
     pub use super::cart_pole::FUNCTIONS;
     pub use super::cart_pole::{
-        EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS,
-        PEAK_INPUT_LIMITS, POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces, gravity_forces,
-        input_matrix, mass_matrix, spring_forces,
+        EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS,
+        POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces, gravity_forces, input_matrix, mass_matrix,
+        spring_forces,
     };
     pub fn friction_torques(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
         let sign = if v[0] == 0.0 { 0.0 } else { v[0].signum() };
@@ -521,35 +451,15 @@ fn friction_jumps_where_it_is_dry() {
 fn no_corner_of_the_input_limits_exceeds_an_effort() {
     let mut state = 1_u64;
     let mut uniform = || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         (state >> 40) as f64 / (1_u64 << 24) as f64
     };
     for _ in 0..500 {
         let matrix: [[f64; 3]; 4] = core::array::from_fn(|_| {
-            core::array::from_fn(|_| {
-                if uniform() < 0.4 {
-                    0.0
-                } else {
-                    uniform() - 0.5
-                }
-            })
+            core::array::from_fn(|_| if uniform() < 0.4 { 0.0 } else { uniform() - 0.5 })
         });
-        let motors = core::array::from_fn(|_| {
-            if uniform() < 0.5 {
-                f64::INFINITY
-            } else {
-                uniform()
-            }
-        });
-        let efforts = core::array::from_fn(|_| {
-            if uniform() < 0.3 {
-                f64::INFINITY
-            } else {
-                uniform()
-            }
-        });
+        let motors = core::array::from_fn(|_| if uniform() < 0.5 { f64::INFINITY } else { uniform() });
+        let efforts = core::array::from_fn(|_| if uniform() < 0.3 { f64::INFINITY } else { uniform() });
         let bounds = limits(motors, efforts).at_inputs(&matrix).peak;
         for j in 0..3 {
             assert!(bounds[j] >= 0.0 && bounds[j] <= motors[j], "{bounds:?}");
@@ -559,10 +469,7 @@ fn no_corner_of_the_input_limits_exceeds_an_effort() {
             let u: [f64; 3] = core::array::from_fn(|j| sign(j) * bounds[j].min(1e9));
             for (row, effort) in matrix.iter().zip(efforts) {
                 let made = product(row, &u).abs();
-                assert!(
-                    made <= effort * (1.0 + 1e-14),
-                    "{matrix:?} {efforts:?} {bounds:?}"
-                );
+                assert!(made <= effort * (1.0 + 1e-14), "{matrix:?} {efforts:?} {bounds:?}");
             }
         }
     }

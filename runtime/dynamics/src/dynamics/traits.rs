@@ -4,11 +4,13 @@ use super::defaults;
 use super::names::numbered;
 use super::types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};
 
-/// Speed [rad/s or m/s] that stands for "just moving": friction laws see their direction, all else sees rest. So small that a smooth law, however
-/// steep, changes by next to nothing between the two directions, and far enough from the smallest number that a slope times it is one.
+/// Speed [rad/s or m/s] that stands for "just moving": friction laws see their direction, all else sees rest.
+/// So small that a smooth law, however steep, changes by next to nothing between the two directions, and far
+/// enough from the smallest number that a slope times it is one.
 pub const JUST_MOVING: f64 = 1e-300;
 
-/// Largest difference that a smooth friction law may have over two [`JUST_MOVING`]: slopes up to 1e99 are smooth.
+/// Largest difference that a smooth friction law may have over two [`JUST_MOVING`]: slopes up to 1e99 are
+/// smooth.
 const SMOOTH: f64 = 1e-200;
 
 /// True if friction jumps between these two values of [`Dynamics::friction_at_rest`], as dry friction does.
@@ -16,16 +18,18 @@ pub fn jumps([backward, forward]: [f64; 2]) -> bool {
     forward - backward > SMOOTH
 }
 
-/// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs, with
-/// `q = gravity + springs − friction`.
+/// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs,
+/// with `q = gravity + springs − friction`.
 ///
-/// Arrays are indexed by coordinate or input in the order of the module's `JOINT_NAMES` and `INPUT_NAMES`, matrices rows
-/// first; units are rad or m, s, N m or N. `y`, `v`, `a`, `u` are the coordinates, velocities, accelerations and inputs.
+/// Arrays are indexed by coordinate or input in the order of the module's `JOINT_NAMES` and `INPUT_NAMES`,
+/// matrices rows first; units are rad or m, s, N m or N. `y`, `v`, `a`, `u` are the coordinates, velocities,
+/// accelerations and inputs.
 ///
-/// The methods with a body combine the others, for modules that were generated without these functions. What a module
-/// has is faster, because it shares work.
+/// The methods with a body combine the others, for modules that were generated without these functions. What
+/// a module has is faster, because it shares work.
 pub trait Dynamics<const N: usize, const M: usize> {
-    /// Names of the coordinates, for messages and logs: the module's `JOINT_NAMES`; "1", "2", … where there are none.
+    /// Names of the coordinates, for messages and logs: the module's `JOINT_NAMES`; "1", "2", … where there
+    /// are none.
     fn joint_names(&self) -> [&'static str; N] {
         numbered()
     }
@@ -50,11 +54,13 @@ pub trait Dynamics<const N: usize, const M: usize> {
     /// Generalized forces of springs and dampers, a part of q.
     fn spring_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N];
 
-    /// Joint friction `τ(y, ẏ)`, positive for positive velocity; q holds −τ. Most laws depend on the velocities alone.
+    /// Joint friction `τ(y, ẏ)`, positive for positive velocity; q holds −τ. Most laws depend on the
+    /// velocities alone.
     fn friction_torques(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N];
 
-    /// Joint friction just before and just after rest, `[τ(y, 0−), τ(y, 0+)]` of each joint, by [`JUST_MOVING`] in either direction. The two differ
-    /// where friction is dry, as with an exact `sign`; see [`jumps`].
+    /// Joint friction just before and just after rest, `[τ(y, 0−), τ(y, 0+)]` of each joint, by
+    /// [`JUST_MOVING`] in either direction. The two differ where friction is dry, as with an exact `sign`;
+    /// see [`jumps`].
     fn friction_at_rest(&self, y: &[f64; N]) -> [[f64; 2]; N] {
         let backward = self.friction_torques(y, &[-JUST_MOVING; N]);
         let forward = self.friction_torques(y, &[JUST_MOVING; N]);
@@ -64,8 +70,8 @@ pub trait Dynamics<const N: usize, const M: usize> {
     /// Input matrix `B`, constant; holds the gear ratios.
     fn input_matrix(&self) -> [[f64; M]; N];
 
-    /// Bounds of the inputs that keep the limits of motors and joints: what the loop and the predictive controllers use, see
-    /// [`Limits::at_inputs`].
+    /// Bounds of the inputs that keep the limits of motors and joints: what the loop and the predictive
+    /// controllers use, see [`Limits::at_inputs`].
     fn input_limits(&self) -> InputLimits<M> {
         self.limits().at_inputs(&self.input_matrix())
     }
@@ -81,11 +87,7 @@ pub trait Dynamics<const N: usize, const M: usize> {
     }
 
     /// M, k and q at once.
-    fn equations_of_motion(
-        &self,
-        y: &[f64; N],
-        v: &[f64; N],
-    ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
+    fn equations_of_motion(&self, y: &[f64; N], v: &[f64; N]) -> ([[f64; N]; N], [f64; N], [f64; N]) {
         defaults::equations_of_motion(self, y, v)
     }
 
@@ -107,66 +109,52 @@ pub trait Dynamics<const N: usize, const M: usize> {
 
 /// Analytic derivatives of the equations of motion.
 pub trait Differentiable<const N: usize, const M: usize>: Dynamics<N, M> {
-    /// Inverse dynamics with its derivatives by coordinates and by velocities; row i belongs to force i. The third, by
-    /// accelerations, is the mass matrix.
-    fn inverse_dynamics_derivatives(
-        &self,
-        y: &[f64; N],
-        v: &[f64; N],
-        a: &[f64; N],
-    ) -> ForceDerivatives<N>;
+    /// Inverse dynamics with its derivatives by coordinates and by velocities; row i belongs to force i. The
+    /// third, by accelerations, is the mass matrix.
+    fn inverse_dynamics_derivatives(&self, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> ForceDerivatives<N>;
 
     /// Linearization of the forward dynamics about a state and an input.
     fn linearize(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> Linearization<N, M>;
 }
 
-/// The length of a state `x = (y, ẏ)`: `NX = 2 N`, which is no type on stable Rust. [`dynamics!`](crate::dynamics!) implements
-/// it, so that `LtvMpc::new(arm, motion, options)` finds all sizes by itself.
+/// The length of a state `x = (y, ẏ)`: `NX = 2 N`, which is no type on stable Rust.
+/// [`dynamics!`](crate::dynamics!) implements it, so that `LtvMpc::new(arm, motion, options)` finds all sizes
+/// by itself.
 pub trait PhaseSpace<const NX: usize> {}
 
 /// The robot in discrete time. Periods are in s; inputs are held over them.
 ///
-/// All methods have a body, built from [`Differentiable::linearize`] and [`Dynamics::forward_dynamics`]; generated
-/// modules have the same functions.
+/// All methods have a body, built from [`Differentiable::linearize`] and [`Dynamics::forward_dynamics`];
+/// generated modules have the same functions.
 pub trait Discretizable<const N: usize, const M: usize>: Differentiable<N, M> {
-    /// Runge–Kutta steps in one period of [`Self::step`]. The method is stable while `period / SUBSTEPS` times the
-    /// fastest rate of the robot [1/s] stays below 2.7; steep friction at standstill makes this rate large.
+    /// Runge–Kutta steps in one period of [`Self::step`]. The method is stable while `period / SUBSTEPS`
+    /// times the fastest rate of the robot [1/s] stays below 2.7; steep friction at standstill makes this
+    /// rate large.
     const SUBSTEPS: usize = 1;
 
     /// Exact zero-order hold of the linearization at `(y, ẏ, u)`: `x⁺ = A_d x + B_d u + c_d`.
     ///
-    /// Scaling and squaring (Higham, *Functions of Matrices*, 2008, section 10.3): a Taylor polynomial of degree 17 over
-    /// 1/64 of a part of the period, six doublings, and repetitions of that part. The part is the whole period while
-    /// ν · period ≤ 80, and is halved for each factor of two beyond, at most 18 times. With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the
-    /// largest sums of magnitudes in a row, no part of the robot is faster than ν = (b + √(b² + 4a))/2. Where 18 halvings
-    /// do not suffice, for ν · period > 2e7, every entry of the result is +∞, see [`Discretization::is_finite`].
+    /// Scaling and squaring (Higham, *Functions of Matrices*, 2008, section 10.3): a Taylor polynomial of
+    /// degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part. The part is
+    /// the whole period while ν · period ≤ 80, and is halved for each factor of two beyond, at most 18 times.
+    /// With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest sums of magnitudes in a row, no part of the robot is
+    /// faster than ν = (b + √(b² + 4a))/2. Where 18 halvings do not suffice, for ν · period > 2e7, every
+    /// entry of the result is +∞, see [`Discretization::is_finite`].
     ///
-    /// The terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest entry of each
-    /// block, the diagonal ones counted as at least 1.
-    fn discretize(
-        &self,
-        y: &[f64; N],
-        v: &[f64; N],
-        u: &[f64; M],
-        period: f64,
-    ) -> Discretization<N, M> {
+    /// The terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest
+    /// entry of each block, the diagonal ones counted as at least 1.
+    fn discretize(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M], period: f64) -> Discretization<N, M> {
         defaults::discretize(self, y, v, u, period)
     }
 
-    /// State after a period of the nonlinear robot: [`Self::SUBSTEPS`] steps of the classical Runge–Kutta method of
-    /// order 4.
+    /// State after a period of the nonlinear robot: [`Self::SUBSTEPS`] steps of the classical Runge–Kutta
+    /// method of order 4.
     fn step(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M], period: f64) -> ([f64; N], [f64; N]) {
         defaults::step(self, y, v, u, period)
     }
 
     /// [`Self::step`] with the exact derivatives of its result, by the chain rule over the stages.
-    fn step_derivatives(
-        &self,
-        y: &[f64; N],
-        v: &[f64; N],
-        u: &[f64; M],
-        period: f64,
-    ) -> Step<N, M> {
+    fn step_derivatives(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M], period: f64) -> Step<N, M> {
         defaults::step_derivatives(self, y, v, u, period)
     }
 }

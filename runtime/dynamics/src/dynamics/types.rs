@@ -14,8 +14,8 @@ pub struct ForceDerivatives<const N: usize> {
     pub by_velocities: [[f64; N]; N],
 }
 
-/// Accelerations as an affine function of state and input: the lower halves of A, B_x and c of `ẋ = A x + B_x u + c`.
-/// The upper halves are `[0 I]`, 0 and 0.
+/// Accelerations as an affine function of state and input: the lower halves of A, B_x and c of
+/// `ẋ = A x + B_x u + c`. The upper halves are `[0 I]`, 0 and 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Linearization<const N: usize, const M: usize> {
     /// ∂ÿ/∂y.
@@ -44,18 +44,9 @@ impl<const N: usize, const M: usize> Linearization<N, M> {
     /// [`Discretizable::discretize`](super::Discretizable::discretize) says of its error holds here.
     #[must_use]
     pub fn discretize(&self, period: f64) -> Discretization<N, M> {
-        let linear = (
-            self.by_coordinates,
-            self.by_velocities,
-            self.by_inputs,
-            self.affine,
-        );
+        let linear = (self.by_coordinates, self.by_velocities, self.by_inputs, self.affine);
         let (state, input, affine) = discrete_time::zero_order_hold(&linear, period);
-        Discretization {
-            state,
-            input,
-            affine,
-        }
+        Discretization { state, input, affine }
     }
 }
 
@@ -71,18 +62,14 @@ pub struct Discretization<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> Discretization<N, M> {
-    /// Whether every entry is finite. Infinite ones stand where the robot is too fast for the period, NaN where its
-    /// linearization was not finite.
+    /// Whether every entry is finite. Infinite ones stand where the robot is too fast for the period, NaN
+    /// where its linearization was not finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let state = self.state.as_flattened().as_flattened().as_flattened();
         let input = self.input.as_flattened().as_flattened();
         let affine = self.affine.as_flattened();
-        state
-            .iter()
-            .chain(input)
-            .chain(affine)
-            .all(|entry| entry.is_finite())
+        state.iter().chain(input).chain(affine).all(|entry| entry.is_finite())
     }
 
     /// Coordinates and velocities a sample time later.
@@ -124,23 +111,25 @@ pub struct Limits<const N: usize, const M: usize> {
     pub effort: [f64; N],
     /// Peak force at the joint [N m or N].
     pub peak_effort: [f64; N],
-    /// Magnitude of the input that its motor bears continuously; the efforts hold beside it, see [`Self::at_inputs`].
+    /// Magnitude of the input that its motor bears continuously; the efforts hold beside it, see
+    /// [`Self::at_inputs`].
     pub input: [f64; M],
     /// Magnitude of the input that its motor bears for a short time; the peak efforts hold beside it.
     pub peak_input: [f64; M],
 }
 
 impl<const N: usize, const M: usize> Limits<N, M> {
-    /// Bounds of the inputs that keep both the limits of the motors and the efforts of the joints, given B (rows first):
+    /// Bounds of the inputs that keep both the limits of the motors and the efforts of the joints, given B
+    /// (rows first):
     ///
     /// ```text
     ///     c_j = min(motor_j, min_i effort_i / |B_ij|)          input j alone
     ///     ū_j = c_j · min(1, min_i effort_i / Σ_l |B_il| c_l)    over the joints i that input j acts on together with others
     /// ```
     ///
-    /// so that `|u_j| ≤ ū_j` for all j implies `|(B u)_i| ≤ effort_i` for all i, whatever the signs. Where every joint has an input of
-    /// its own, as behind gears, `ū_j = min(motor_j, effort_i / |ratio|)`. Where several inputs act on one joint this is
-    /// conservative: inputs that oppose each other could be larger.
+    /// so that `|u_j| ≤ ū_j` for all j implies `|(B u)_i| ≤ effort_i` for all i, whatever the signs. Where
+    /// every joint has an input of its own, as behind gears, `ū_j = min(motor_j, effort_i / |ratio|)`. Where
+    /// several inputs act on one joint this is conservative: inputs that oppose each other could be larger.
     ///
     /// Limits that are no numbers give NaN, which controllers refuse.
     #[must_use]
@@ -174,17 +163,14 @@ fn within_efforts<const N: usize, const M: usize>(
     }
     let mut share = [1.0; M];
     for (row, effort) in input_matrix.iter().zip(efforts) {
-        // A joint with one input is done: a share of it would only add rounding. One without a limit has no share.
+        // A joint with one input is done: a share of it would only add rounding. One without a limit has no
+        // share.
         let several = row.iter().filter(|b| **b != 0.0).count() > 1;
         if !several || *effort == f64::INFINITY {
             continue;
         }
-        let together: f64 = row
-            .iter()
-            .zip(&alone)
-            .filter(|(b, _)| **b != 0.0)
-            .map(|(b, u)| b.abs() * u)
-            .sum();
+        let together: f64 =
+            row.iter().zip(&alone).filter(|(b, _)| **b != 0.0).map(|(b, u)| b.abs() * u).sum();
         for (share, _) in share.iter_mut().zip(row).filter(|(_, b)| **b != 0.0) {
             *share = smaller(*share, effort / together);
         }
@@ -194,9 +180,5 @@ fn within_efforts<const N: usize, const M: usize>(
 
 /// The smaller number; NaN where either is none.
 fn smaller(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() {
-        f64::NAN
-    } else {
-        a.min(b)
-    }
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.min(b) }
 }

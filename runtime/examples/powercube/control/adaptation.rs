@@ -1,4 +1,5 @@
-//! Claim 12: friction changes in operation; recursive identification follows, and the controller uses what it finds.
+//! Claim 12: friction changes in operation; recursive identification follows, and the controller uses what it
+//! finds.
 
 use super::identified::identify;
 use super::run::{self, Ltv, Modelled, Run, Setup, drive};
@@ -7,9 +8,7 @@ use crate::arm::{self, Arm, Friction, GEAR, JOINTS, PERIOD, Regime, arm};
 use crate::study::{Outcome, Part, Study};
 use gelenk_identification::differentiation::quantization_noise;
 use gelenk_identification::recursive::{RecursiveLeastSquares, RecursiveSettings};
-use gelenk_report::{
-    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
-};
+use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::trajectory::Sampled;
@@ -74,8 +73,7 @@ impl<'t> Adaptive<'t> {
             return;
         };
         let v: [f64; 2] = core::array::from_fn(|i| (now[i] - before[i]) / (2.0 * PERIOD));
-        let a =
-            core::array::from_fn(|i| (now[i] - 2.0 * middle[i] + before[i]) / (PERIOD * PERIOD));
+        let a = core::array::from_fn(|i| (now[i] - 2.0 * middle[i] + before[i]) / (PERIOD * PERIOD));
         let rigid = arm([Friction([0.0; 7]); 2]).inverse_dynamics(&middle, &v, &a);
         for i in 0..2 {
             if v[i].abs() < MOVING {
@@ -111,11 +109,8 @@ impl Controller<2, 2> for Adaptive<'_> {
         }
         self.past.push(positions);
         self.last_inputs = cycle.last_inputs;
-        self.factors
-            .push([0, 1].map(|i| self.estimators[i].coefficients()));
-        self.mpc
-            .set_model(arm(self.friction()))
-            .map_err(|_| ControllerFault::NotFinite)?;
+        self.factors.push([0, 1].map(|i| self.estimators[i].coefficients()));
+        self.mpc.set_model(arm(self.friction())).map_err(|_| ControllerFault::NotFinite)?;
         self.mpc.step(cycle)
     }
 
@@ -155,31 +150,17 @@ pub fn adaptation(reference: &Sampled<2>, forgetting: f64, duration: f64) -> Out
     let before = [Friction::B, Friction::C];
     let after = before.map(|friction| with_factors(&friction, FACTORS));
     let initial = identify(arm(before), arm(before), duration)?;
-    let regime = Regime {
-        encoder_step: ENCODER_STEP,
-        ..Regime::IDEAL
-    };
-    let setup = Setup {
-        change: Some((CHANGE, arm(after))),
-        ..Setup::new(arm(before), regime)
-    };
+    let regime = Regime { encoder_step: ENCODER_STEP, ..Regime::IDEAL };
+    let setup = Setup { change: Some((CHANGE, arm(after))), ..Setup::new(arm(before), regime) };
     let mut adaptive = Adaptive::new(initial, reference, forgetting)?;
     let with = drive(&setup, &mut adaptive, reference)?;
     let without = drive(&setup, &mut controller(initial, reference)?, reference)?;
     let settled = core::array::from_fn(|i| {
-        let curves = adaptive
-            .factors
-            .iter()
-            .map(|factors| with_factors(&initial[i], factors[i]));
+        let curves = adaptive.factors.iter().map(|factors| with_factors(&initial[i], factors[i]));
         let errors: Vec<f64> = curves.map(|curve| difference(&curve, &after[i])).collect();
         settling_time(&errors, FOUND * difference(&before[i], &after[i]))
     });
-    Ok(Adaptation {
-        adaptive: with,
-        fixed: without,
-        factors: adaptive.factors,
-        settled,
-    })
+    Ok(Adaptation { adaptive: with, fixed: without, factors: adaptive.factors, settled })
 }
 
 /// Root mean square of the difference of two curves [N m].
@@ -243,10 +224,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
                 .plot(show::errors("with adaptation", &adaptation.adaptive)),
         ))
         .block(Block::Table(table(&adaptation)));
-    Ok(Part {
-        section,
-        claims: vec![claim(&adaptation)],
-    })
+    Ok(Part { section, claims: vec![claim(&adaptation)] })
 }
 
 fn factors(adaptation: &Adaptation) -> Figure {
@@ -255,54 +233,35 @@ fn factors(adaptation: &Adaptation) -> Figure {
         "Estimated factors of the viscous and the dry part, relative to what was identified before the change; dashed, the plant's.",
     );
     let times = || adaptation.adaptive.rows.iter().map(|row| row.time);
-    let truth = |part: usize| {
-        times()
-            .map(|t| [t, if t < CHANGE { 1.0 } else { FACTORS[part] }])
-            .collect()
-    };
+    let truth = |part: usize| times().map(|t| [t, if t < CHANGE { 1.0 } else { FACTORS[part] }]).collect();
     [0, 1].into_iter().fold(figure, |figure, i| {
         let estimate = |part: usize| {
             let values = adaptation.factors.iter().map(|factors| factors[i][part]);
             times().zip(values).map(|(t, value)| [t, value]).collect()
         };
         figure.plot(
-            Plot::new(
-                format!("joint {}", JOINTS[i]),
-                show::time(),
-                Axis::new("factor", ""),
-            )
-            .series("viscous", Marks::Line, estimate(0))
-            .series("dry", Marks::Line, estimate(1))
-            .series("viscous, plant", Marks::Dashed, truth(0))
-            .series("dry, plant", Marks::Dashed, truth(1)),
+            Plot::new(format!("joint {}", JOINTS[i]), show::time(), Axis::new("factor", ""))
+                .series("viscous", Marks::Line, estimate(0))
+                .series("dry", Marks::Line, estimate(1))
+                .series("viscous, plant", Marks::Dashed, truth(0))
+                .series("dry, plant", Marks::Dashed, truth(1)),
         )
     })
 }
 
 fn table(adaptation: &Adaptation) -> Table {
-    let mut table = Table::new(
-        "adaptation-table",
-        "Before the change, and from 6 s after it on.",
-    )
-    .column("controller", "controller", "")
-    .column("time", "time", "");
+    let mut table = Table::new("adaptation-table", "Before the change, and from 6 s after it on.")
+        .column("controller", "controller", "")
+        .column("time", "time", "");
     for joint in JOINTS {
-        table = table
-            .column(
-                &format!("rms error {joint}"),
-                format!("rms error {joint}"),
-                "mrad",
-            )
-            .column(&format!("gap {joint}"), format!("gap {joint}"), "N m");
+        table = table.column(&format!("rms error {joint}"), format!("rms error {joint}"), "mrad").column(
+            &format!("gap {joint}"),
+            format!("gap {joint}"),
+            "N m",
+        );
     }
-    let spans = [
-        ("before", 0.0, CHANGE),
-        ("afterwards", AFTERWARDS, f64::INFINITY),
-    ];
-    for (name, run) in [
-        ("without adaptation", &adaptation.fixed),
-        ("with", &adaptation.adaptive),
-    ] {
+    let spans = [("before", 0.0, CHANGE), ("afterwards", AFTERWARDS, f64::INFINITY)];
+    for (name, run) in [("without adaptation", &adaptation.fixed), ("with", &adaptation.adaptive)] {
         for (span, from, to) in spans {
             let part = run.between(from, to);
             let numbers = (0..2).flat_map(|i| [1e3 * part.rms_error(i), part.gap(i)]);

@@ -1,13 +1,12 @@
-//! Claim 2: with the old friction feedback must make what the model lacks; with the identified one little is left.
+//! Claim 2: with the old friction feedback must make what the model lacks; with the identified one little is
+//! left.
 
 use super::identified::identify;
 use super::run::{self, Run, Setup};
 use super::show;
 use crate::arm::{self, Arm, Friction, JOINTS, PERIOD, Regime, arm, heavier};
 use crate::study::{Outcome, Part, Study};
-use gelenk_report::{
-    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
-};
+use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::trajectory::{Sampled, Trajectory};
 
@@ -19,16 +18,12 @@ pub struct Models {
     pub old: Run,
     pub identified: Run,
     pub friction: [Friction; 2],
-    /// What the controllers' rigid body asks for beyond the plant's, along the reference, in the middle of each period [N m].
+    /// What the controllers' rigid body asks for beyond the plant's, along the reference, in the middle of
+    /// each period [N m].
     pub rigid_error: Vec<[f64; 2]>,
 }
 
-pub fn models(
-    reference: &Sampled<2>,
-    old: [Friction; 2],
-    too_heavy: f64,
-    duration: f64,
-) -> Outcome<Models> {
+pub fn models(reference: &Sampled<2>, old: [Friction; 2], too_heavy: f64, duration: f64) -> Outcome<Models> {
     let plant = arm([Friction::B, Friction::C]);
     let rigid = heavier(plant, too_heavy);
     let friction = identify(plant, rigid, duration)?;
@@ -40,19 +35,13 @@ pub fn models(
     let runs = (track(old)?, track(friction)?);
     let rigid_error = runs.1.rows.iter();
     let rigid_error = rigid_error.map(|row| difference(&rigid, &plant, reference, row.time));
-    Ok(Models {
-        rigid_error: rigid_error.collect(),
-        old: runs.0,
-        identified: runs.1,
-        friction,
-    })
+    Ok(Models { rigid_error: rigid_error.collect(), old: runs.0, identified: runs.1, friction })
 }
 
 fn difference(model: &Arm, plant: &Arm, reference: &Sampled<2>, time: f64) -> [f64; 2] {
     let sample = reference.sample(time + 0.5 * PERIOD);
-    let forces = |arm: &Arm| {
-        arm.inverse_dynamics(&sample.positions, &sample.velocities, &sample.accelerations)
-    };
+    let forces =
+        |arm: &Arm| arm.inverse_dynamics(&sample.positions, &sample.velocities, &sample.accelerations);
     let (model, plant) = (forces(model), forces(plant));
     core::array::from_fn(|i| model[i] - plant[i])
 }
@@ -62,9 +51,7 @@ impl Models {
     pub fn unexplained(&self, i: usize) -> f64 {
         let pairs = self.identified.rows.iter().zip(&self.rigid_error);
         // What the model asks for too much, feedback takes back.
-        let sum: f64 = pairs
-            .map(|(row, error)| (row.gap(i) + error[i]).powi(2))
-            .sum();
+        let sum: f64 = pairs.map(|(row, error)| (row.gap(i) + error[i]).powi(2)).sum();
         (sum / self.rigid_error.len() as f64).sqrt() / self.identified.gap(i)
     }
 }
@@ -104,12 +91,7 @@ pub fn claim(models: &Models) -> Claim {
 
 pub fn experiment(study: &Study) -> Outcome<Part> {
     let reference = arm::reference()?;
-    let models = models(
-        &reference,
-        [Friction::OLD; 2],
-        TOO_HEAVY,
-        study.pick(60.0, 30.0),
-    )?;
+    let models = models(&reference, [Friction::OLD; 2], TOO_HEAVY, study.pick(60.0, 30.0))?;
     let claim = claim(&models);
     let section = Section::new("gap", "2 · Torque of feedback and feed-forward")
         .block(text("The plant has the published friction. Both controllers have a rigid body whose gravity is 3 % too large; one has the old friction, the other what the sparse regression finds in a recorded identification sine with that same wrong rigid body. Neither is the plant's model."))
@@ -126,10 +108,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
         .block(Block::Figure(remainder(&models)))
         .block(Block::Figure(curves(&models)))
         .block(Block::Table(table(&models)));
-    Ok(Part {
-        section,
-        claims: vec![claim],
-    })
+    Ok(Part { section, claims: vec![claim] })
 }
 
 fn remainder(models: &Models) -> Figure {
@@ -141,26 +120,15 @@ fn remainder(models: &Models) -> Figure {
         let pairs = models.identified.rows.iter().zip(&models.rigid_error);
         let rigid = pairs.map(|(row, error)| [row.time, -error[i]]).collect();
         figure.plot(
-            Plot::new(
-                format!("joint {}", JOINTS[i]),
-                show::time(),
-                Axis::new("torque at the joint", "N m"),
-            )
-            .series(
-                "gap",
-                Marks::Line,
-                models.identified.points(|row| row.gap(i)),
-            )
-            .series("rigid-body error", Marks::Dashed, rigid),
+            Plot::new(format!("joint {}", JOINTS[i]), show::time(), Axis::new("torque at the joint", "N m"))
+                .series("gap", Marks::Line, models.identified.points(|row| row.gap(i)))
+                .series("rigid-body error", Marks::Dashed, rigid),
         )
     })
 }
 
 fn curves(models: &Models) -> Figure {
-    let figure = Figure::new(
-        "gap-friction",
-        "Friction of the plant, of the old model, and as identified.",
-    );
+    let figure = Figure::new("gap-friction", "Friction of the plant, of the old model, and as identified.");
     let curve = |friction: Friction| {
         let speeds = (-160..=160).map(|k| f64::from(k) / 200.0);
         speeds.map(|v| [v, friction.at(v)]).collect()
@@ -190,19 +158,10 @@ fn table(models: &Models) -> Table {
         table = table.column(&format!("gap {joint}"), format!("gap {joint}"), "N m");
     }
     for joint in JOINTS {
-        table = table.column(
-            &format!("rms error {joint}"),
-            format!("rms error {joint}"),
-            "mrad",
-        );
+        table = table.column(&format!("rms error {joint}"), format!("rms error {joint}"), "mrad");
     }
     for (name, run) in [("old", &models.old), ("identified", &models.identified)] {
-        let numbers = [
-            run.gap(0),
-            run.gap(1),
-            1e3 * run.rms_error(0),
-            1e3 * run.rms_error(1),
-        ];
+        let numbers = [run.gap(0), run.gap(1), 1e3 * run.rms_error(0), 1e3 * run.rms_error(1)];
         let cells = std::iter::once(Cell::text(name));
         table = table.row(cells.chain(numbers.map(|x| Cell::Rounded(x, 3))));
     }

@@ -21,8 +21,8 @@ pub struct FrictionSamples {
     pub torques: [Vec<f64>; 2],
 }
 
-/// Records the identification sine on `plant` under an MPC that has the old friction, and computes the friction torque
-/// with the rigid body of `model`.
+/// Records the identification sine on `plant` under an MPC that has the old friction, and computes the
+/// friction torque with the rigid body of `model`.
 pub fn record(plant: Arm, model: Arm, duration: f64) -> Outcome<FrictionSamples> {
     let sine = IdentificationSine {
         center: [0.0, 0.0],
@@ -33,10 +33,7 @@ pub fn record(plant: Arm, model: Arm, duration: f64) -> Outcome<FrictionSamples>
         run_in: 2.0,
     };
     let reference = Sampled::of(&sine.motion()?, PERIOD)?;
-    let regime = Regime {
-        encoder_step: ENCODER_STEP,
-        ..Regime::IDEAL
-    };
+    let regime = Regime { encoder_step: ENCODER_STEP, ..Regime::IDEAL };
     let mut old = arm([Friction::OLD; 2]);
     old.parameters.g = model.parameters.g;
     let mut options = run::options(&old, PERIOD);

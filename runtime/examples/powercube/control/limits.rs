@@ -5,9 +5,7 @@ use super::run::{self, Faster, Run, Setup};
 use super::show;
 use crate::arm::{self, Arm, Friction, GEAR, JOINTS, PEAK, PERIOD, Regime, arm};
 use crate::study::{Outcome, Part, Study};
-use gelenk_report::{
-    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
-};
+use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::mpc::{LinearizationPoint, MpcOptions};
@@ -26,10 +24,7 @@ const REACHED: f64 = 1.0 - 1e-4;
 
 /// Linearized around the plan, which limits keep off the desired trajectory.
 pub fn options(model: &Arm) -> MpcOptions<2, 2> {
-    MpcOptions {
-        linearization: LinearizationPoint::Plan,
-        ..run::options(model, PERIOD)
-    }
+    MpcOptions { linearization: LinearizationPoint::Plan, ..run::options(model, PERIOD) }
 }
 
 /// The trajectory `factor` times as fast with at most `torque` [N m] at the joint.
@@ -63,38 +58,15 @@ fn periods(run: &Run, is_at_limit: impl Fn(&run::Row) -> bool) -> f64 {
 pub fn claim(fast: &Run, slow: &Run) -> Claim {
     let at_torque = |row: &run::Row| row.inputs.iter().any(|u| u.abs() >= REACHED * PEAK);
     let at_speed = |row: &run::Row| row.velocities.iter().any(|v| v.abs() >= 0.99 * SPEED);
-    let last = fast
-        .rows
-        .last()
-        .map_or(f64::NAN, |row| row.error(0).abs().max(row.error(1).abs()));
+    let last = fast.rows.last().map_or(f64::NAN, |row| row.error(0).abs().max(row.error(1).abs()));
     let mut claim = Claim::new(
         "claim-10",
         "Limits are constraints of the MPC: peak torque and a speed limit are reached and kept.",
     )
-    .criterion(Criterion::at_least(
-        "periods at the peak torque",
-        periods(fast, at_torque),
-        10.0,
-        "",
-    ))
-    .criterion(Criterion::at_most(
-        "largest torque at a joint",
-        fast.largest_torque(),
-        GEAR * PEAK,
-        "N m",
-    ))
-    .criterion(Criterion::at_most(
-        "error at the end of the fast motion",
-        1e3 * last,
-        1.0,
-        "mrad",
-    ))
-    .criterion(Criterion::at_least(
-        "periods at the speed limit",
-        periods(slow, at_speed),
-        10.0,
-        "",
-    ))
+    .criterion(Criterion::at_least("periods at the peak torque", periods(fast, at_torque), 10.0, ""))
+    .criterion(Criterion::at_most("largest torque at a joint", fast.largest_torque(), GEAR * PEAK, "N m"))
+    .criterion(Criterion::at_most("error at the end of the fast motion", 1e3 * last, 1.0, "mrad"))
+    .criterion(Criterion::at_least("periods at the speed limit", periods(slow, at_speed), 10.0, ""))
     .criterion(Criterion::at_most(
         "largest speed of a joint",
         slow.largest_speed(),
@@ -185,10 +157,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
         .block(Block::Table(torque_table(&reference)?))
         .block(Block::Table(speed_table()))
         .block(Block::Figure(demand(&reference)?));
-    Ok(Part {
-        section,
-        claims: vec![claim(&fast, &slow)],
-    })
+    Ok(Part { section, claims: vec![claim(&fast, &slow)] })
 }
 
 fn torques(fast: &Run) -> Figure {
@@ -206,19 +175,12 @@ fn torques(fast: &Run) -> Figure {
 }
 
 fn speeds(slow: &Run) -> Figure {
-    let figure = Figure::new(
-        "limits-speed",
-        "The published trajectory with a speed limit of 0.4 rad/s.",
-    );
+    let figure = Figure::new("limits-speed", "The published trajectory with a speed limit of 0.4 rad/s.");
     [0, 1].into_iter().fold(figure, |figure, i| {
         figure.plot(
-            Plot::new(
-                format!("joint {}", JOINTS[i]),
-                show::time(),
-                Axis::new("speed", "rad/s"),
-            )
-            .series("speed", Marks::Line, slow.points(|row| row.velocities[i]))
-            .series("limits", Marks::Dashed, show::limits(slow, SPEED)),
+            Plot::new(format!("joint {}", JOINTS[i]), show::time(), Axis::new("speed", "rad/s"))
+                .series("speed", Marks::Line, slow.points(|row| row.velocities[i]))
+                .series("limits", Marks::Dashed, show::limits(slow, SPEED)),
         )
     })
 }

@@ -5,9 +5,7 @@ use super::run::{self, Run, Setup};
 use super::show;
 use crate::arm::{self, Arm, Friction, JOINTS, PERIOD, Regime, arm};
 use crate::study::{Outcome, Part, Study};
-use gelenk_report::{
-    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
-};
+use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use gelenk_runtime::mpc::{LinearizationPoint, MpcOptions};
 use gelenk_runtime::trajectory::{RestToRest, Sampled, Trajectory};
 
@@ -26,20 +24,10 @@ pub struct Three {
 }
 
 impl Three {
-    fn new(
-        model: Arm,
-        options: &MpcOptions<2, 2>,
-        reference: &impl Trajectory<2>,
-    ) -> Outcome<Self> {
-        let regime = Regime {
-            period: options.period,
-            ..Regime::IDEAL
-        };
+    fn new(model: Arm, options: &MpcOptions<2, 2>, reference: &impl Trajectory<2>) -> Outcome<Self> {
+        let regime = Regime { period: options.period, ..Regime::IDEAL };
         let setup = Setup::new(arm([Friction::B, Friction::C]), regime);
-        let plan = MpcOptions {
-            linearization: LinearizationPoint::Plan,
-            ..options.clone()
-        };
+        let plan = MpcOptions { linearization: LinearizationPoint::Plan, ..options.clone() };
         Ok(Self {
             linear: run::linear(&setup, model, options.clone(), reference)?,
             plan: run::linear(&setup, model, plan, reference)?,
@@ -54,11 +42,7 @@ impl Three {
 
     fn late(&self) -> Self {
         let part = |run: &Run| run.between(LATE, f64::INFINITY);
-        Self {
-            linear: part(&self.linear),
-            plan: part(&self.plan),
-            nonlinear: part(&self.nonlinear),
-        }
+        Self { linear: part(&self.linear), plan: part(&self.plan), nonlinear: part(&self.nonlinear) }
     }
 }
 
@@ -84,10 +68,7 @@ pub const TOO_FAST: f64 = 1.2;
 
 pub fn claim(coarse: &Three, deviation: &Three) -> Claim {
     let late = deviation.late();
-    let mut claim = Claim::new(
-        "claim-4",
-        "A truly nonlinear MPC with the new models improves tracking.",
-    );
+    let mut claim = Claim::new("claim-4", "A truly nonlinear MPC with the new models improves tracking.");
     for (i, joint) in JOINTS.into_iter().enumerate() {
         claim = claim
             .criterion(Criterion::at_least(
@@ -122,23 +103,14 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
     let coarse = along(model, &reference, COARSE)?;
     let large = deviation(model, PERIOD, TOO_FAST)?;
     rows.push(("large motion, 50 Hz, at rest".to_owned(), large.late()));
-    rows.push((
-        "large motion, 10 Hz, at rest".to_owned(),
-        deviation(model, COARSE, TOO_FAST)?.late(),
-    ));
-    rows.push((
-        "large motion, 50 Hz, all of it".to_owned(),
-        deviation(model, PERIOD, TOO_FAST)?,
-    ));
+    rows.push(("large motion, 10 Hz, at rest".to_owned(), deviation(model, COARSE, TOO_FAST)?.late()));
+    rows.push(("large motion, 50 Hz, all of it".to_owned(), deviation(model, PERIOD, TOO_FAST)?));
     let section = Section::new("nonlinear", "4 · Nonlinear MPC")
         .block(text("The plant has the published friction, all controllers what was identified. NMPC predicts by Runge–Kutta steps of the nonlinear arm about its plan, one Gauss–Newton step a period; LTV-MPC by the exact zero-order hold of linearizations. The large deviation: 0.9 rad in 1.2 s with 56 N m at the joint, then rest."))
         .block(Block::Figure(rest(&large)))
         .block(Block::Figure(errors(&coarse)))
         .block(Block::Table(table(&rows)));
-    Ok(Part {
-        section,
-        claims: vec![claim(&coarse, &large)],
-    })
+    Ok(Part { section, claims: vec![claim(&coarse, &large)] })
 }
 
 fn rest(large: &Three) -> Figure {
@@ -154,61 +126,35 @@ fn rest(large: &Three) -> Figure {
                 show::time(),
                 Axis::new("error", "mrad").over(-40.0, 40.0),
             )
-            .series(
-                "LTV-MPC around the desired trajectory",
-                Marks::Line,
-                points(&large.linear, i),
-            )
-            .series(
-                "LTV-MPC around its plan",
-                Marks::Line,
-                points(&large.plan, i),
-            )
+            .series("LTV-MPC around the desired trajectory", Marks::Line, points(&large.linear, i))
+            .series("LTV-MPC around its plan", Marks::Line, points(&large.plan, i))
             .series("NMPC", Marks::Dashed, points(&large.nonlinear, i)),
         )
     })
 }
 
 fn errors(coarse: &Three) -> Figure {
-    let figure = Figure::new(
-        "nonlinear-errors",
-        "Along the published trajectory, sampled at 10 Hz.",
-    );
+    let figure = Figure::new("nonlinear-errors", "Along the published trajectory, sampled at 10 Hz.");
     let points = |run: &Run, i: usize| run.points(|row| 1e3 * row.error(i));
     [0, 1].into_iter().fold(figure, |figure, i| {
         figure.plot(
-            Plot::new(
-                format!("joint {}", JOINTS[i]),
-                show::time(),
-                Axis::new("error", "mrad"),
-            )
-            .series(
-                "LTV-MPC around the desired trajectory",
-                Marks::Line,
-                points(&coarse.linear, i),
-            )
-            .series("NMPC", Marks::Line, points(&coarse.nonlinear, i)),
+            Plot::new(format!("joint {}", JOINTS[i]), show::time(), Axis::new("error", "mrad"))
+                .series("LTV-MPC around the desired trajectory", Marks::Line, points(&coarse.linear, i))
+                .series("NMPC", Marks::Line, points(&coarse.nonlinear, i)),
         )
     })
 }
 
 fn table(rows: &[(String, Three)]) -> Table {
-    let mut table = Table::new(
-        "nonlinear-table",
-        "Rms errors with the identified friction.",
-    )
-    .column("motion", "motion", "");
+    let mut table = Table::new("nonlinear-table", "Rms errors with the identified friction.")
+        .column("motion", "motion", "");
     for joint in JOINTS {
         for (heading, name) in [
             ("LTV, desired", "LTV around the desired trajectory"),
             ("LTV, plan", "LTV around its plan"),
             ("NMPC", "NMPC"),
         ] {
-            table = table.column(
-                &format!("{joint}, {heading}"),
-                format!("{joint} {name}"),
-                "mrad",
-            );
+            table = table.column(&format!("{joint}, {heading}"), format!("{joint} {name}"), "mrad");
         }
     }
     for (name, three) in rows {

@@ -5,9 +5,7 @@ use super::run::{self, Run, Setup};
 use super::show;
 use crate::arm::{self, Friction, JOINTS, Regime, arm};
 use crate::study::{Outcome, Part, Study};
-use gelenk_report::{
-    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
-};
+use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use gelenk_runtime::trajectory::Sampled;
 
 /// What the controller does about what it does not know.
@@ -25,11 +23,8 @@ pub struct Control {
 pub const SLOWER: f64 = 0.1;
 
 /// Offset-free tracking, and no idea of the delay.
-pub const OFFSET_FREE: Control = Control {
-    disturbance_noise: 1e-2,
-    compensates_delay: false,
-    rate_weight: 0.0,
-};
+pub const OFFSET_FREE: Control =
+    Control { disturbance_noise: 1e-2, compensates_delay: false, rate_weight: 0.0 };
 
 /// Rms errors by joint [rad] with the old and with the identified friction in one regime, over all seeds.
 #[derive(Debug, Clone, Copy)]
@@ -50,10 +45,7 @@ impl Comparison {
             }
             Ok(squares.map(|sum| (sum / case.seeds as f64).sqrt()))
         };
-        Ok(Self {
-            old: over_seeds([Friction::OLD; 2])?,
-            identified: over_seeds(case.identified)?,
-        })
+        Ok(Self { old: over_seeds([Friction::OLD; 2])?, identified: over_seeds(case.identified)? })
     }
 
     /// Error with the old friction over the error with the identified one.
@@ -80,13 +72,7 @@ impl Case {
     }
 }
 
-fn track(
-    case: &Case,
-    friction: [Friction; 2],
-    regime: Regime,
-    control: Control,
-    seed: u64,
-) -> Outcome<Run> {
+fn track(case: &Case, friction: [Friction; 2], regime: Regime, control: Control, seed: u64) -> Outcome<Run> {
     let model = arm(friction);
     let mut options = run::options(&model, regime.period);
     options.delay = control.compensates_delay;
@@ -94,10 +80,7 @@ fn track(
     options.observer.disturbance_noise = [control.disturbance_noise; 2];
     let noise = (regime.encoder_step.powi(2) / 12.0 + regime.encoder_noise.powi(2)).sqrt();
     options.observer.encoder_noise = [noise.max(1e-5); 2];
-    let setup = Setup {
-        seed,
-        ..Setup::new(arm([Friction::B, Friction::C]), regime)
-    };
+    let setup = Setup { seed, ..Setup::new(arm([Friction::B, Friction::C]), regime) };
     run::linear(&setup, model, options, &case.reference)
 }
 
@@ -106,22 +89,10 @@ fn rows() -> [(&'static str, Regime, Control); 9] {
     let (ideal, all) = (Regime::IDEAL, Regime::REALISTIC);
     let late = Regime { delay: 1, ..ideal };
     let coarse = Regime { delay: 0, ..all };
-    let slow = |regime| Regime {
-        period: 0.1,
-        ..regime
-    };
-    let compensated = Control {
-        compensates_delay: true,
-        ..OFFSET_FREE
-    };
-    let slower = Control {
-        rate_weight: SLOWER,
-        ..OFFSET_FREE
-    };
-    let without = Control {
-        disturbance_noise: 0.0,
-        ..OFFSET_FREE
-    };
+    let slow = |regime| Regime { period: 0.1, ..regime };
+    let compensated = Control { compensates_delay: true, ..OFFSET_FREE };
+    let slower = Control { rate_weight: SLOWER, ..OFFSET_FREE };
+    let without = Control { disturbance_noise: 0.0, ..OFFSET_FREE };
     [
         ("ideal", ideal, OFFSET_FREE),
         ("delay of one period", late, OFFSET_FREE),
@@ -183,25 +154,14 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
         .block(text("Ideal: 50 Hz, exact encoders and torques, no delay. Realistic: an input acts one period late, encoders have steps of 0.1 mrad and noise of 0.05 mrad, motor torques steps of 5 mN m (0.8 N m at the joint) and noise of 2 mN m. Feedback is tight: errors shall return within about a period; slower means that changes of the torque cost as well. These are assumptions: the arm's own numbers are not published. The plant has the published friction, the models the old one or what was identified."))
         .block(Block::Table(table(&rows, &compared)))
         .block(Block::Figure(figure));
-    Ok(Part {
-        section,
-        claims: vec![claim(&compared[0], &compared[4])],
-    })
+    Ok(Part { section, claims: vec![claim(&compared[0], &compared[4])] })
 }
 
 fn comparison(title: &str, old: &Run, identified: &Run) -> Plot {
     let (old, identified) = (old.between(10.0, 13.0), identified.between(10.0, 13.0));
     Plot::new(title, show::time(), Axis::new("error of β", "mrad"))
-        .series(
-            "old friction",
-            Marks::Line,
-            old.points(|row| 1e3 * row.error(0)),
-        )
-        .series(
-            "identified friction",
-            Marks::Line,
-            identified.points(|row| 1e3 * row.error(0)),
-        )
+        .series("old friction", Marks::Line, old.points(|row| 1e3 * row.error(0)))
+        .series("identified friction", Marks::Line, identified.points(|row| 1e3 * row.error(0)))
 }
 
 fn table(rows: &[(&str, Regime, Control)], compared: &[Comparison]) -> Table {
@@ -213,11 +173,7 @@ fn table(rows: &[(&str, Regime, Control)], compared: &[Comparison]) -> Table {
     for joint in JOINTS {
         table = table
             .column(&format!("{joint}, old"), format!("{joint} old"), "mrad")
-            .column(
-                &format!("{joint}, identified"),
-                format!("{joint} identified"),
-                "mrad",
-            )
+            .column(&format!("{joint}, identified"), format!("{joint} identified"), "mrad")
             .column(&format!("{joint}, ratio"), format!("{joint} ratio"), "");
     }
     for ((name, ..), one) in rows.iter().zip(compared) {

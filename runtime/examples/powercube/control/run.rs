@@ -14,8 +14,8 @@ pub type Nonlinear<T> = Nmpc<Arm, T, 2, 2, 4>;
 /// Stages of the horizon at 50 Hz.
 pub const HORIZON: usize = 20;
 
-/// As in the paper: linearized around the desired trajectory. Velocity errors weigh so little that positions return
-/// within about a period.
+/// As in the paper: linearized around the desired trajectory. Velocity errors weigh so little that positions
+/// return within about a period.
 pub fn options(model: &Arm, period: f64) -> MpcOptions<2, 2> {
     // The same time ahead at all sample times, but at least eight stages.
     let stages = (HORIZON as f64 * PERIOD / period).round() as usize;
@@ -52,11 +52,7 @@ pub struct FeedForwardAlone<'t> {
 
 impl<'t> FeedForwardAlone<'t> {
     pub fn new(model: Arm, reference: &'t Sampled<2>, period: f64) -> Outcome<Self> {
-        Ok(Self {
-            feed_forward: FeedForward::new(model)?,
-            reference,
-            period,
-        })
+        Ok(Self { feed_forward: FeedForward::new(model)?, reference, period })
     }
 }
 
@@ -66,10 +62,7 @@ impl Controller<2, 2> for FeedForwardAlone<'_> {
     /// What the middle of the period needs, which is the best that a held input can do.
     fn step(&mut self, cycle: &Cycle<2, 2>) -> Result<Command<2>, ControllerFault> {
         let sample = self.reference.sample(cycle.time + 0.5 * self.period);
-        Ok(Command {
-            inputs: limited(self.feed_forward.at(&sample).inputs),
-            iterations: 0,
-        })
+        Ok(Command { inputs: limited(self.feed_forward.at(&sample).inputs), iterations: 0 })
     }
 }
 
@@ -98,13 +91,7 @@ pub struct Setup {
 impl Setup {
     /// Starts on the reference, and stays the same.
     pub fn new(plant: Arm, regime: Regime) -> Self {
-        Self {
-            plant,
-            regime,
-            seed: 1,
-            offset: [0.0; 2],
-            change: None,
-        }
+        Self { plant, regime, seed: 1, offset: [0.0; 2], change: None }
     }
 }
 
@@ -178,20 +165,14 @@ impl Run {
     }
 
     pub fn most_iterations(&self) -> u32 {
-        self.rows
-            .iter()
-            .map(|row| row.iterations)
-            .max()
-            .unwrap_or(0)
+        self.rows.iter().map(|row| row.iterations).max().unwrap_or(0)
     }
 
     /// The part of the run within times (s).
     pub fn between(&self, from: f64, to: f64) -> Self {
         let rows = self.rows.iter();
         let rows = rows.filter(|row| (from..to).contains(&row.time));
-        Self {
-            rows: rows.copied().collect(),
-        }
+        Self { rows: rows.copied().collect() }
     }
 
     /// Points over time for a figure.
@@ -201,11 +182,7 @@ impl Run {
 }
 
 /// Runs `controller` along `reference` to its end.
-pub fn drive(
-    setup: &Setup,
-    controller: &mut impl Modelled,
-    reference: &impl Trajectory<2>,
-) -> Outcome<Run> {
+pub fn drive(setup: &Setup, controller: &mut impl Modelled, reference: &impl Trajectory<2>) -> Outcome<Run> {
     let period = setup.regime.period;
     let mut plant = Plant::new(setup.plant, setup.regime.plant(setup.seed))?;
     let start = reference.sample(0.0);
@@ -218,10 +195,7 @@ pub fn drive(
     let mut rows = Vec::with_capacity(steps);
     for k in 0..steps {
         let time = k as f64 * period;
-        if let Some((_, model)) = setup
-            .change
-            .filter(|(when, _)| (when - time).abs() < 0.5 * period)
-        {
+        if let Some((_, model)) = setup.change.filter(|(when, _)| (when - time).abs() < 0.5 * period) {
             plant.set_model(model);
         }
         let (positions, velocities) = plant.state();

@@ -10,29 +10,15 @@ pub fn time() -> Axis {
 
 /// Torque at a joint over time: the controller's, and the feed-forward of its model.
 pub fn torques(title: &str, run: &Run, i: usize) -> Plot {
-    Plot::new(
-        format!("joint {}, {title}", JOINTS[i]),
-        time(),
-        Axis::new("torque at the joint", "N m"),
-    )
-    .series(
-        "LTV-MPC",
-        Marks::Steps,
-        run.points(|row| GEAR * row.inputs[i]),
-    )
-    .series(
-        "feed-forward",
-        Marks::Dashed,
-        run.points(|row| GEAR * row.forward[i]),
-    )
+    Plot::new(format!("joint {}, {title}", JOINTS[i]), time(), Axis::new("torque at the joint", "N m"))
+        .series("LTV-MPC", Marks::Steps, run.points(|row| GEAR * row.inputs[i]))
+        .series("feed-forward", Marks::Dashed, run.points(|row| GEAR * row.forward[i]))
 }
 
 /// Errors of both joints over time.
 pub fn errors(title: &str, run: &Run) -> Plot {
     let plot = Plot::new(title, time(), Axis::new("error", "mrad"));
-    (0..2).fold(plot, |plot, i| {
-        plot.series(JOINTS[i], Marks::Line, run.points(|row| 1e3 * row.error(i)))
-    })
+    (0..2).fold(plot, |plot, i| plot.series(JOINTS[i], Marks::Line, run.points(|row| 1e3 * row.error(i))))
 }
 
 /// The same limit either way, as one curve with a gap.

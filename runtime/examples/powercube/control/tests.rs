@@ -31,18 +31,13 @@ fn holds(experiment: fn(&Study) -> Outcome<Part>, verdict: Verdict, expected: &[
     assert_eq!(claim.verdict(), verdict, "{found:?}");
     assert_eq!(found.len(), expected.len(), "{found:?}");
     for (found, (value, share)) in found.iter().zip(expected) {
-        assert!(
-            (found - value).abs() <= share * value.abs(),
-            "{found}, not {value}"
-        );
+        assert!((found - value).abs() <= share * value.abs(), "{found}, not {value}");
     }
 }
 
 /// The claim does not hold any more, by exactly the criteria that the cause touches.
 fn flipped(claim: &Claim, missed: &[usize]) {
-    let found: Vec<usize> = (0..claim.criteria.len())
-        .filter(|&i| !claim.criteria[i].is_met())
-        .collect();
+    let found: Vec<usize> = (0..claim.criteria.len()).filter(|&i| !claim.criteria[i].is_met()).collect();
     println!("{}: {:?}", claim.id, claim.criteria);
     assert_eq!(claim.verdict(), Verdict::DoesNotHold);
     assert_eq!(found, missed, "{:?}", claim.criteria);
@@ -53,30 +48,15 @@ fn mpc_follows_what_feed_forward_leaves() {
     let expected = [(0.0393, 0.05), (189.6, 0.1)];
     holds(tracking::experiment, Verdict::HoldsConditionally, &expected);
     // Nothing disturbs the arm.
-    flipped(
-        &tracking::claim(&tracking::pair(&reference(), 0.0).unwrap()),
-        &[1],
-    );
+    flipped(&tracking::claim(&tracking::pair(&reference(), 0.0).unwrap()), &[1]);
 }
 
 #[test]
 fn identified_friction_closes_the_gap() {
-    let expected = [
-        (15.29, 0.02),
-        (25.8, 0.1),
-        (0.14, 0.2),
-        (4.75, 0.02),
-        (11.2, 0.1),
-        (0.336, 0.2),
-    ];
+    let expected = [(15.29, 0.02), (25.8, 0.1), (0.14, 0.2), (4.75, 0.02), (11.2, 0.1), (0.336, 0.2)];
     holds(gap::experiment, Verdict::Holds, &expected);
     // The right friction given to the old model.
-    let right = gap::models(
-        &reference(),
-        [Friction::B, Friction::C],
-        gap::TOO_HEAVY,
-        DURATION,
-    );
+    let right = gap::models(&reference(), [Friction::B, Friction::C], gap::TOO_HEAVY, DURATION);
     flipped(&gap::claim(&right.unwrap()), &[0, 1, 3, 4]);
     // Without an error of the rigid body nothing is left for it to explain.
     let rigid = gap::models(&reference(), [Friction::OLD; 2], 0.0, DURATION);
@@ -90,22 +70,10 @@ fn delay_hides_better_friction() {
     let case = regimes::Case::new(&SHORT).unwrap();
     let compare = |regime, control| regimes::Comparison::new(&case, regime, control).unwrap();
     let ideal = compare(Regime::IDEAL, regimes::OFFSET_FREE);
-    let punctual = Regime {
-        delay: 0,
-        ..Regime::REALISTIC
-    };
-    let compensated = regimes::Control {
-        compensates_delay: true,
-        ..regimes::OFFSET_FREE
-    };
-    let slower = regimes::Control {
-        rate_weight: regimes::SLOWER,
-        ..regimes::OFFSET_FREE
-    };
-    let without_observer = regimes::Control {
-        disturbance_noise: 0.0,
-        ..regimes::OFFSET_FREE
-    };
+    let punctual = Regime { delay: 0, ..Regime::REALISTIC };
+    let compensated = regimes::Control { compensates_delay: true, ..regimes::OFFSET_FREE };
+    let slower = regimes::Control { rate_weight: regimes::SLOWER, ..regimes::OFFSET_FREE };
+    let without_observer = regimes::Control { disturbance_noise: 0.0, ..regimes::OFFSET_FREE };
     for (regime, control) in [
         (punctual, regimes::OFFSET_FREE),
         (Regime::REALISTIC, compensated),
@@ -119,11 +87,7 @@ fn delay_hides_better_friction() {
 #[test]
 fn nonlinear_prediction_pays_where_sampling_is_coarse_or_deviations_large() {
     let expected = [(1.68, 0.1), (512.0, 0.5), (1.43, 0.1), (242.0, 0.5)];
-    holds(
-        nonlinear::experiment,
-        Verdict::HoldsConditionally,
-        &expected,
-    );
+    holds(nonlinear::experiment, Verdict::HoldsConditionally, &expected);
     let (model, reference) = (identified(), reference());
     let along = |period| nonlinear::along(model, &reference, period).unwrap();
     let motion = |duration| nonlinear::deviation(model, PERIOD, duration).unwrap();
@@ -153,28 +117,19 @@ fn limits_are_reached_and_kept() {
     flipped(&limits::claim(&fast(limits::FACTOR), &slow(1.0)), &[4]);
     // With the nominal torque the arm does not come back in time.
     let nominal = limits::torque_limited(model, &reference, limits::FACTOR, limits::NOMINAL);
-    flipped(
-        &limits::claim(&nominal.unwrap(), &slow(limits::SPEED)),
-        &[0, 2],
-    );
+    flipped(&limits::claim(&nominal.unwrap(), &slow(limits::SPEED)), &[0, 2]);
 }
 
 #[test]
 fn the_worst_period_takes_few_iterations() {
-    holds(
-        timing::experiment,
-        Verdict::Holds,
-        &[(15.0, 0.15), (100.0, 0.01), (9.0, 0.3)],
-    );
+    holds(timing::experiment, Verdict::Holds, &[(15.0, 0.15), (100.0, 0.01), (9.0, 0.3)]);
     let plant = arm([Friction::B, Friction::C]);
     let samples = identified::record(plant, plant, DURATION).unwrap();
     let passes = [0, 1].map(|joint| timing::passes(&samples, joint).unwrap());
     let stiff = timing::worst_iterations(identified(), &reference(), 1e8 * limits::PENALTY);
     flipped(&timing::claim(stiff.unwrap(), passes), &[0]);
-    let free = FrictionSamples {
-        torques: samples.velocities.each_ref().map(|v| vec![0.0; v.len()]),
-        ..samples
-    };
+    let free =
+        FrictionSamples { torques: samples.velocities.each_ref().map(|v| vec![0.0; v.len()]), ..samples };
     let passes = [0, 1].map(|joint| timing::passes(&free, joint).unwrap());
     flipped(&timing::claim(0, passes), &[1, 2]);
 }
@@ -191,10 +146,7 @@ fn friction_is_followed_in_operation() {
 /// Two runs give the same data to the last bit, times apart.
 #[test]
 fn experiments_repeat_themselves() {
-    for experiment in [
-        tracking::experiment as fn(&Study) -> _,
-        adaptation::experiment,
-    ] {
+    for experiment in [tracking::experiment as fn(&Study) -> _, adaptation::experiment] {
         let run = || {
             let part = experiment(&SHORT).unwrap();
             crate::page::report(&SHORT, vec![part]).unwrap().json()

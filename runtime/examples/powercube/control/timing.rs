@@ -11,9 +11,7 @@ use gelenk_identification::least_squares::Reduced;
 use gelenk_identification::moments::{Moments, Samples};
 use gelenk_identification::stribeck::StribeckRegression;
 use gelenk_identification::thresholding::Thresholding;
-use gelenk_report::{
-    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
-};
+use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
 use gelenk_runtime::trajectory::{Sampled, Trajectory};
 use rustix::time::{ClockId, clock_gettime};
@@ -81,28 +79,21 @@ fn measured(
     reference: &impl Trajectory<2>,
 ) -> Outcome<Measured> {
     let setup = Setup::new(arm([Friction::B, Friction::C]), Regime::IDEAL);
-    let mut timed = Timed {
-        controller,
-        times: Vec::new(),
-    };
+    let mut timed = Timed { controller, times: Vec::new() };
     let run = drive(&setup, &mut timed, reference)?;
-    Ok(Measured {
-        name,
-        run,
-        times: timed.times,
-    })
+    Ok(Measured { name, run, times: timed.times })
 }
 
-/// Iterations of the worst period: of the fast trajectory at its torque limit, and of the published one at a speed limit whose
-/// violation costs `penalty` per rad/s.
+/// Iterations of the worst period: of the fast trajectory at its torque limit, and of the published one at a
+/// speed limit whose violation costs `penalty` per rad/s.
 pub fn worst_iterations(model: Arm, motion: &Sampled<2>, penalty: f64) -> Outcome<u32> {
     let fast = limits::torque_limited(model, motion, limits::FACTOR, GEAR * PEAK)?;
     let slow = limits::speed_limited(model, motion, limits::SPEED, penalty)?;
     Ok(fast.most_iterations().max(slow.most_iterations()))
 }
 
-/// Passes of the nonlinear regression over all samples of a joint, after it was started on bins. Sparse regression makes one, whatever the data,
-/// into moments.
+/// Passes of the nonlinear regression over all samples of a joint, after it was started on bins. Sparse
+/// regression makes one, whatever the data, into moments.
 pub fn passes(samples: &FrictionSamples, joint: usize) -> Outcome<usize> {
     let (v, torque) = (&samples.velocities[joint], &samples.torques[joint]);
     let fit = StribeckRegression::default().fit(v, torque, None)?;
@@ -122,7 +113,9 @@ pub fn claim(worst: u32, passes: [usize; 2]) -> Claim {
     ));
     for (joint, passes) in JOINTS.into_iter().zip(passes) {
         claim = claim.criterion(Criterion::at_least(
-            format!("passes of nonlinear regression over the data of {joint}, where sparse regression makes one"),
+            format!(
+                "passes of nonlinear regression over the data of {joint}, where sparse regression makes one"
+            ),
             passes as f64,
             2.0,
             "",
@@ -142,61 +135,31 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
     let duration = study.pick(60.0, 30.0);
     let model = arm(identify(plant, plant, duration)?);
     let samples = record(plant, plant, duration)?;
-    let fast = Faster {
-        motion: &reference,
-        factor: limits::FACTOR,
-    };
+    let fast = Faster { motion: &reference, factor: limits::FACTOR };
     let usual = limits::options(&model);
     let runs = [
-        measured(
-            "LTV-MPC, as published",
-            Ltv::new(model, &reference, usual.clone())?,
-            &reference,
-        )?,
-        measured(
-            "LTV-MPC, 1.5 times as fast",
-            Ltv::new(model, fast, usual.clone())?,
-            &fast,
-        )?,
-        measured(
-            "NMPC, as published",
-            Nonlinear::new(model, &reference, usual.clone())?,
-            &reference,
-        )?,
-        measured(
-            "NMPC, 1.5 times as fast",
-            Nonlinear::new(model, fast, usual)?,
-            &fast,
-        )?,
+        measured("LTV-MPC, as published", Ltv::new(model, &reference, usual.clone())?, &reference)?,
+        measured("LTV-MPC, 1.5 times as fast", Ltv::new(model, fast, usual.clone())?, &fast)?,
+        measured("NMPC, as published", Nonlinear::new(model, &reference, usual.clone())?, &reference)?,
+        measured("NMPC, 1.5 times as fast", Nonlinear::new(model, fast, usual)?, &fast)?,
     ];
     let passes = [passes(&samples, 0)?, passes(&samples, 1)?];
-    let claim = claim(
-        worst_iterations(model, &reference, limits::PENALTY)?,
-        passes,
-    );
+    let claim = claim(worst_iterations(model, &reference, limits::PENALTY)?, passes);
     let section = Section::new("time", "11 · Time")
         .block(text(&format!("A step: observer, {HORIZON} linearizations and discretizations, QP. The QP is solved by an interior-point method where a bound is active, and directly where none is: 0 iterations. Along the trajectory as published no bound is.")))
         .block(Block::Figure(iterations(&runs[1].run)))
         .block(Block::Table(step_table(&runs)))
         .block(Block::Table(regression_table(&samples, study.pick(21, 5))?));
-    Ok(Part {
-        section,
-        claims: vec![claim],
-    })
+    Ok(Part { section, claims: vec![claim] })
 }
 
 fn iterations(run: &Run) -> Figure {
-    Figure::new(
-        "time-iterations",
-        "Iterations of the QP in each period, 1.5 times as fast as published.",
-    )
-    .plot(
-        Plot::new("", show::time(), Axis::new("iterations", "")).series(
+    Figure::new("time-iterations", "Iterations of the QP in each period, 1.5 times as fast as published.")
+        .plot(Plot::new("", show::time(), Axis::new("iterations", "")).series(
             "LTV-MPC",
             Marks::Points,
             run.points(|row| f64::from(row.iterations)),
-        ),
-    )
+        ))
 }
 
 fn step_table(runs: &[Measured]) -> Table {
@@ -211,24 +174,12 @@ fn step_table(runs: &[Measured]) -> Table {
     .column("CPU time, median", "measured median time", "µs")
     .column("at a bound, median", "measured median time at a bound", "µs");
     for one in runs {
-        let counts: Vec<f64> = one
-            .run
-            .rows
-            .iter()
-            .map(|row| f64::from(row.iterations))
-            .collect();
+        let counts: Vec<f64> = one.run.rows.iter().map(|row| f64::from(row.iterations)).collect();
         let bounded: Vec<f64> = counts.iter().copied().filter(|n| *n > 0.0).collect();
         let pairs = counts.iter().zip(&one.times);
-        let slow: Vec<f64> = pairs
-            .filter(|(n, _)| **n > 0.0)
-            .map(|(_, time)| *time)
-            .collect();
+        let slow: Vec<f64> = pairs.filter(|(n, _)| **n > 0.0).map(|(_, time)| *time).collect();
         let or_empty = |values: Vec<f64>, digits: usize| {
-            if values.is_empty() {
-                Cell::Empty
-            } else {
-                Cell::Rounded(median(values), digits)
-            }
+            if values.is_empty() { Cell::Empty } else { Cell::Rounded(median(values), digits) }
         };
         table = table.row([
             Cell::text(one.name),

@@ -4,9 +4,7 @@ use super::run::{self, FeedForwardAlone, Run, Setup, drive};
 use super::show;
 use crate::arm::{self, Friction, JOINTS, PERIOD, Regime, arm};
 use crate::study::{Outcome, Part, Study};
-use gelenk_report::{
-    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
-};
+use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use gelenk_runtime::trajectory::Sampled;
 
 /// How far beside the start of the trajectory the arm starts [rad].
@@ -20,10 +18,7 @@ pub struct Pair {
 
 pub fn pair(reference: &Sampled<2>, beside: f64) -> Outcome<Pair> {
     let model = arm([Friction::B, Friction::C]);
-    let setup = Setup {
-        offset: [beside; 2],
-        ..Setup::new(model, Regime::IDEAL)
-    };
+    let setup = Setup { offset: [beside; 2], ..Setup::new(model, Regime::IDEAL) };
     let mut forward = FeedForwardAlone::new(model, reference, PERIOD)?;
     Ok(Pair {
         forward: drive(&setup, &mut forward, reference)?,
@@ -73,10 +68,7 @@ pub fn experiment(_: &Study) -> Outcome<Part> {
         .block(Block::Figure(desired(&smoothed, &beside)))
         .block(Block::Figure(errors(&beside)))
         .block(Block::Table(table(&rows)));
-    Ok(Part {
-        section,
-        claims: vec![claim],
-    })
+    Ok(Part { section, claims: vec![claim] })
 }
 
 fn desired(reference: &Sampled<2>, beside: &Pair) -> Figure {
@@ -88,22 +80,10 @@ fn desired(reference: &Sampled<2>, beside: &Pair) -> Figure {
         let samples = reference.samples().iter().enumerate();
         let desired = samples.map(|(k, sample)| [k as f64 * PERIOD, sample.positions[i]]);
         figure.plot(
-            Plot::new(
-                format!("joint {}", JOINTS[i]),
-                show::time(),
-                Axis::new("position", "rad"),
-            )
-            .series("desired", Marks::Line, desired.collect())
-            .series(
-                "feed-forward alone",
-                Marks::Line,
-                beside.forward.points(|row| row.positions[i]),
-            )
-            .series(
-                "LTV-MPC",
-                Marks::Dashed,
-                beside.mpc.points(|row| row.positions[i]),
-            ),
+            Plot::new(format!("joint {}", JOINTS[i]), show::time(), Axis::new("position", "rad"))
+                .series("desired", Marks::Line, desired.collect())
+                .series("feed-forward alone", Marks::Line, beside.forward.points(|row| row.positions[i]))
+                .series("LTV-MPC", Marks::Dashed, beside.mpc.points(|row| row.positions[i])),
         )
     })
 }
@@ -128,20 +108,16 @@ fn errors(beside: &Pair) -> Figure {
 }
 
 fn table(rows: &[(&str, &Pair)]) -> Table {
-    let mut table = Table::new(
-        "tracking-table",
-        "Errors over the whole motion; the model is the plant's own.",
-    )
-    .column("trajectory", "trajectory", "")
-    .column("controller", "controller", "");
+    let mut table =
+        Table::new("tracking-table", "Errors over the whole motion; the model is the plant's own.")
+            .column("trajectory", "trajectory", "")
+            .column("controller", "controller", "");
     for joint in JOINTS {
-        table = table
-            .column(&format!("rms {joint}"), format!("rms {joint}"), "mrad")
-            .column(
-                &format!("largest {joint}"),
-                format!("largest {joint}"),
-                "mrad",
-            );
+        table = table.column(&format!("rms {joint}"), format!("rms {joint}"), "mrad").column(
+            &format!("largest {joint}"),
+            format!("largest {joint}"),
+            "mrad",
+        );
     }
     for (name, pair) in rows {
         for (controller, run) in [("feed-forward", &pair.forward), ("LTV-MPC", &pair.mpc)] {

@@ -1,8 +1,9 @@
-//! Friction that seems to depend on the angle: what an error of gravity does to identified friction, and two ways around it (claim 6).
+//! Friction that seems to depend on the angle: what an error of gravity does to identified friction, and two
+//! ways around it (claim 6).
 
 use super::data::{
-    MEASURED, REPEAT, Samples, alpha, beta_alone, controller_arm, friction_samples, gamma_alone,
-    opposed, periodic, published_arm, record, rms,
+    MEASURED, REPEAT, Samples, alpha, beta_alone, controller_arm, friction_samples, gamma_alone, opposed,
+    periodic, published_arm, record, rms,
 };
 use super::law::{Method, curve, curve_error, true_curve};
 use crate::arm::{Friction, heavier};
@@ -11,9 +12,7 @@ use gelenk_identification::excitation::FourierMotion;
 use gelenk_identification::least_squares::Reduced;
 use gelenk_identification::library::Library;
 use gelenk_identification::moments::Samples as Columns;
-use gelenk_report::{
-    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
-};
+use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 
 /// Gravity of the identifying model is too large by this share.
 pub const GRAVITY_ERROR: f64 = 0.08;
@@ -25,36 +24,21 @@ const UNSEEN: f64 = 0.2;
 const LINK: f64 = 0.18;
 
 /// Friction samples of β and γ along a motion, identified with gravity off by a share.
-pub fn arm_samples(
-    motion: &FourierMotion<2>,
-    gravity_error: f64,
-    seconds: f64,
-) -> Outcome<[Samples; 2]> {
-    let log = record(
-        published_arm(),
-        &controller_arm(),
-        motion,
-        seconds,
-        (&MEASURED, 2),
-    )?;
+pub fn arm_samples(motion: &FourierMotion<2>, gravity_error: f64, seconds: f64) -> Outcome<[Samples; 2]> {
+    let log = record(published_arm(), &controller_arm(), motion, seconds, (&MEASURED, 2))?;
     let model = heavier(published_arm(), gravity_error);
     friction_samples(&log, &model, MEASURED.encoder_step)
 }
 
 /// Friction samples of α along its motion.
 pub fn alpha_samples(seconds: f64) -> Outcome<Samples> {
-    let log = record(
-        alpha(Friction::A),
-        &alpha(Friction::OLD),
-        &periodic([1.0]),
-        seconds,
-        (&MEASURED, 3),
-    )?;
+    let log = record(alpha(Friction::A), &alpha(Friction::OLD), &periodic([1.0]), seconds, (&MEASURED, 3))?;
     let [samples] = friction_samples(&log, &alpha(Friction::OLD), MEASURED.encoder_step)?;
     Ok(samples)
 }
 
-/// How much the torque depends on the angle beside the speed: rms of the part `c sin y` in `τ = Σ a_i θ_i(v) + c sin y`, least squares [N m].
+/// How much the torque depends on the angle beside the speed: rms of the part `c sin y` in
+/// `τ = Σ a_i θ_i(v) + c sin y`, least squares [N m].
 pub fn dependence(samples: &Samples) -> Outcome<f64> {
     let library = Library::new(&["v", "tanh(10*v)", "tanh(100*v)", "sin(y)"], &["v", "y"])?;
     let channels: Vec<&[f64]> = vec![&samples.velocities, &samples.angles];
@@ -66,48 +50,32 @@ pub fn dependence(samples: &Samples) -> Outcome<f64> {
 
 /// Claim 6a: β alone, then γ alone.
 pub fn seeming_claim([beta, gamma]: [&Samples; 2]) -> Outcome<Claim> {
-    Ok(Claim::new(
-        "claim-6a",
-        "With gravity 8 % wrong the friction of β and γ seems to depend on the angle.",
-    )
-    .criterion(Criterion::at_least(
-        "torque that depends on the angle, β, rms",
-        dependence(beta)?,
-        0.5,
-        "N m",
-    ))
-    .criterion(Criterion::at_least(
-        "the same, γ",
-        dependence(gamma)?,
-        0.25,
-        "N m",
-    ))
-    .flipped_by("the right gravity in the identifying model")
-    .shown_in("by-angle"))
+    Ok(Claim::new("claim-6a", "With gravity 8 % wrong the friction of β and γ seems to depend on the angle.")
+        .criterion(Criterion::at_least(
+            "torque that depends on the angle, β, rms",
+            dependence(beta)?,
+            0.5,
+            "N m",
+        ))
+        .criterion(Criterion::at_least("the same, γ", dependence(gamma)?, 0.25, "N m"))
+        .flipped_by("the right gravity in the identifying model")
+        .shown_in("by-angle"))
 }
 
 /// Claim 6b: β alone, samples with |β| < `narrow` kept.
 pub fn selection_claim(beta: &Samples, narrow: f64) -> Outcome<Claim> {
     let kept = beta.select(|angle, _| angle.abs() < narrow);
     let share = kept.len() as f64 / beta.len() as f64;
-    Ok(Claim::new(
-        "claim-6b",
-        "Keeping only |β| < 0.1 removes the dependence, at the price of data.",
-    )
-    .criterion(Criterion::at_most(
-        "torque that depends on the angle, β, rms",
-        dependence(&kept)?,
-        UNSEEN,
-        "N m",
-    ))
-    .criterion(Criterion::at_most(
-        "share of the data kept",
-        share,
-        0.35,
-        "",
-    ))
-    .flipped_by("keeping |β| < 0.8: the dependence is back")
-    .shown_in("by-angle"))
+    Ok(Claim::new("claim-6b", "Keeping only |β| < 0.1 removes the dependence, at the price of data.")
+        .criterion(Criterion::at_most(
+            "torque that depends on the angle, β, rms",
+            dependence(&kept)?,
+            UNSEEN,
+            "N m",
+        ))
+        .criterion(Criterion::at_most("share of the data kept", share, 0.35, ""))
+        .flipped_by("keeping |β| < 0.8: the dependence is back")
+        .shown_in("by-angle"))
 }
 
 /// Claim 6c: γ while β moves too.
@@ -179,11 +147,8 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
         .block(Block::Figure(figure))
         .block(Block::Figure(by_angle))
         .block(Block::Table(table));
-    let claims = vec![
-        seeming_claim([&beta, &gamma])?,
-        selection_claim(&beta, NARROW)?,
-        opposed_claim(&free)?,
-    ];
+    let claims =
+        vec![seeming_claim([&beta, &gamma])?, selection_claim(&beta, NARROW)?, opposed_claim(&free)?];
     Ok(Part { section, claims })
 }
 
@@ -227,11 +192,7 @@ fn left_over(name: &str, samples: &Samples, law: &[f64]) -> Plot {
 
 /// The arm along its periodic motions, its links as lines.
 fn frames() -> Figure {
-    let motions = [
-        ("β alone", beta_alone()),
-        ("γ alone", gamma_alone()),
-        ("β = −γ", opposed()),
-    ];
+    let motions = [("β alone", beta_alone()), ("γ alone", gamma_alone()), ("β = −γ", opposed())];
     let mut figure = Figure::new(
         "frames",
         "The arm along a cycle of 10 s of its periodic motions, every 1.67 s: link between β and γ, and what γ carries up to the tool.",

@@ -1,5 +1,5 @@
-//! Simulated experiments for identification: joints are moved under control, encoders and motors are recorded, and a rigid-body model turns
-//! the record into friction torques.
+//! Simulated experiments for identification: joints are moved under control, encoders and motors are
+//! recorded, and a rigid-body model turns the record into friction torques.
 
 use crate::arm::{Arm, Friction, PEAK, PERIOD, Regime, arm};
 use crate::study::Outcome;
@@ -42,11 +42,7 @@ pub fn published_arm() -> Arm {
 }
 
 /// Encoders of 0.1 mrad, 0.3 N m of noise at the joint.
-pub const MEASURED: Regime = Regime {
-    encoder_step: 1e-4,
-    torque_noise: 2e-3,
-    ..Regime::IDEAL
-};
+pub const MEASURED: Regime = Regime { encoder_step: 1e-4, torque_noise: 2e-3, ..Regime::IDEAL };
 /// Samples left out at both ends (1 s): there the smoothing sees one side only.
 const MARGIN: usize = 50;
 /// Fundamental period of the motions (s).
@@ -92,13 +88,15 @@ pub struct Record<const N: usize> {
     pub times: Vec<f64>,
     /// Encoder readings [rad].
     pub positions: [Vec<f64>; N],
-    /// Motor torques sent [N m]: at each reading the mean of the periods before and after it, as the inputs are held between the readings.
+    /// Motor torques sent [N m]: at each reading the mean of the periods before and after it, as the inputs
+    /// are held between the readings.
     pub inputs: [Vec<f64>; N],
     /// True velocities [rad/s].
     pub velocities: [Vec<f64>; N],
 }
 
-/// Drives `plant` along `motion` by feed-forward of `model` and a linear-quadratic regulator for each joint, and records.
+/// Drives `plant` along `motion` by feed-forward of `model` and a linear-quadratic regulator for each joint,
+/// and records.
 pub fn record<const N: usize>(
     plant: impl Dynamics<N, N>,
     model: &impl Differentiable<N, N>,
@@ -159,8 +157,8 @@ fn options<const N: usize>(regime: &Regime, seed: u64) -> PlantOptions<N, N> {
     }
 }
 
-/// One regulator for each joint, from the diagonal of the linearization at rest; for a single joint that is the linear-quadratic regulator.
-/// 20 mrad, 0.2 rad/s and 0.2 N m weigh the same.
+/// One regulator for each joint, from the diagonal of the linearization at rest; for a single joint that is
+/// the linear-quadratic regulator. 20 mrad, 0.2 rad/s and 0.2 N m weigh the same.
 fn regulators<const N: usize>(model: &impl Differentiable<N, N>) -> Outcome<[Lqr<2, 1>; N]> {
     let linear = model.linearize(&[0.0; N], &[0.0; N], &[0.0; N]);
     let mut gains = Vec::with_capacity(N);
@@ -177,9 +175,7 @@ fn regulators<const N: usize>(model: &impl Differentiable<N, N>) -> Outcome<[Lqr
         let weights = [[2500.0, 0.0], [0.0, 25.0]];
         gains.push(Lqr::new(&state, &input, &weights, &[[25.0]])?);
     }
-    gains
-        .try_into()
-        .map_err(|_| "one regulator for each joint".into())
+    gains.try_into().map_err(|_| "one regulator for each joint".into())
 }
 
 /// Friction samples of a joint.
@@ -200,9 +196,7 @@ impl Samples {
 
     /// Largest speed [rad/s].
     pub fn fastest(&self) -> f64 {
-        self.velocities
-            .iter()
-            .fold(0.0, |most, v| most.max(v.abs()))
+        self.velocities.iter().fold(0.0, |most, v| most.max(v.abs()))
     }
 
     /// Smallest speed [rad/s].
@@ -244,7 +238,8 @@ impl Samples {
     }
 }
 
-/// Friction torques `q_s + B u − M ÿ − k` of a record, velocities and accelerations by total-variation regularization.
+/// Friction torques `q_s + B u − M ÿ − k` of a record, velocities and accelerations by total-variation
+/// regularization.
 pub fn friction_samples<const N: usize>(
     record: &Record<N>,
     model: &impl Dynamics<N, N>,
@@ -272,8 +267,6 @@ pub fn friction_samples<const N: usize>(
 
 /// Root mean square.
 pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
-    let (sum, count) = values
-        .into_iter()
-        .fold((0.0, 0_usize), |(sum, count), x| (sum + x * x, count + 1));
+    let (sum, count) = values.into_iter().fold((0.0, 0_usize), |(sum, count), x| (sum + x * x, count + 1));
     (sum / count.max(1) as f64).sqrt()
 }

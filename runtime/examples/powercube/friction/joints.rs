@@ -1,17 +1,15 @@
 //! Equal modules, different friction; and friction that grows with the load (claim 9).
 
 use super::data::{
-    MEASURED, Samples, alpha, beta_alone, controller_arm, friction_samples, opposed, periodic,
-    published_arm, record,
+    MEASURED, Samples, alpha, beta_alone, controller_arm, friction_samples, opposed, periodic, published_arm,
+    record,
 };
 use super::law::{Method, curve, curve_error, true_curve};
 use super::plants::{MoreFriction, law_under_load, load};
 use crate::arm::{Friction, arm};
 use crate::study::{Outcome, Part, Study};
 use gelenk_identification::result::FrictionLaw;
-use gelenk_report::{
-    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
-};
+use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 
 /// Speed at which curves are compared [rad/s].
 const SPEED: f64 = 0.3;
@@ -72,39 +70,22 @@ pub fn difference_claim(laws: &[FrictionLaw; 3]) -> Outcome<Claim> {
 
 /// Claim 9b on identified laws.
 pub fn stand_in_claim([_, b, c]: &[FrictionLaw; 3]) -> Outcome<Claim> {
-    Ok(Claim::new(
-        "claim-9b",
-        "One common curve, as in the old model, fits neither B nor C.",
-    )
-    .criterion(Criterion::at_least(
-        "common curve minus B, rms",
-        stand_in_error(b)?,
-        2.0,
-        "N m",
-    ))
-    .criterion(Criterion::at_least(
-        "common curve minus C, rms",
-        stand_in_error(c)?,
-        2.0,
-        "N m",
-    ))
-    .flipped_by("a plant whose friction is that common curve")
-    .remark("The old model is not published; 45 v + 9 tanh 10v stands in for it.")
-    .shown_in("joints"))
+    Ok(Claim::new("claim-9b", "One common curve, as in the old model, fits neither B nor C.")
+        .criterion(Criterion::at_least("common curve minus B, rms", stand_in_error(b)?, 2.0, "N m"))
+        .criterion(Criterion::at_least("common curve minus C, rms", stand_in_error(c)?, 2.0, "N m"))
+        .flipped_by("a plant whose friction is that common curve")
+        .remark("The old model is not published; 45 v + 9 tanh 10v stands in for it.")
+        .shown_in("joints"))
 }
 
-/// Friction samples of β and the loads at them, for a plant whose friction holds `share` of the load; `gravity` scales it, 0 for the isolated
-/// module.
+/// Friction samples of β and the loads at them, for a plant whose friction holds `share` of the load;
+/// `gravity` scales it, 0 for the isolated module.
 pub fn under_load(share: f64, gravity: f64, seconds: f64) -> Outcome<(Samples, Vec<f64>)> {
     let mut robot = published_arm();
     robot.parameters.g *= gravity;
     let mut controller = controller_arm();
     controller.parameters.g *= gravity;
-    let plant = MoreFriction {
-        robot,
-        load_share: share,
-        stribeck: [None; 2],
-    };
+    let plant = MoreFriction { robot, load_share: share, stribeck: [None; 2] };
     let log = record(plant, &controller, &beta_alone(), seconds, (&MEASURED, 4))?;
     let [beta, gamma] = friction_samples(&log, &robot, MEASURED.encoder_step)?;
     let loads = (beta.angles.iter().zip(&gamma.angles))
@@ -148,11 +129,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
     let laws = laws([Friction::A, Friction::B, Friction::C], seconds)?;
     let (isolated, _) = under_load(LOAD_SHARE, 0.0, seconds)?;
     let assembled = under_load(LOAD_SHARE, 1.0, seconds)?;
-    let claims = vec![
-        difference_claim(&laws)?,
-        stand_in_claim(&laws)?,
-        load_claim(&isolated, &assembled)?,
-    ];
+    let claims = vec![difference_claim(&laws)?, stand_in_claim(&laws)?, load_claim(&isolated, &assembled)?];
     let section = Section::new("friction-of-joints", "Equal modules, different friction, and load")
         .block(text(
             "Each law is identified from a record of its joint (SINDy with LASSO). The old model's curve is a stand-in, \
@@ -166,11 +143,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
 }
 
 fn joints_figure(laws: &[FrictionLaw; 3]) -> Outcome<Figure> {
-    let mut plot = Plot::new(
-        "",
-        Axis::new("velocity", "rad/s"),
-        Axis::new("friction torque", "N m"),
-    );
+    let mut plot = Plot::new("", Axis::new("velocity", "rad/s"), Axis::new("friction torque", "N m"));
     for (name, law) in NAMES.iter().zip(laws) {
         plot = plot.series(*name, Marks::Line, curve(law, FASTEST)?);
     }
@@ -183,22 +156,18 @@ fn joints_figure(laws: &[FrictionLaw; 3]) -> Outcome<Figure> {
 }
 
 fn joints_table(laws: &[FrictionLaw; 3]) -> Outcome<Table> {
-    let mut table = Table::new(
-        "joints-laws",
-        "The identified laws in numbers; `v` in rad/s, torques in N m.",
-    )
-    .column("joint", "joint", "")
-    .column("at 0.05 rad/s", "slow", "N m")
-    .column("at 0.3 rad/s", "medium", "N m")
-    .column("at 0.5 rad/s", "fast", "N m")
-    .column("common curve minus law, rms", "stand_in", "N m");
+    let mut table =
+        Table::new("joints-laws", "The identified laws in numbers; `v` in rad/s, torques in N m.")
+            .column("joint", "joint", "")
+            .column("at 0.05 rad/s", "slow", "N m")
+            .column("at 0.3 rad/s", "medium", "N m")
+            .column("at 0.5 rad/s", "fast", "N m")
+            .column("common curve minus law, rms", "stand_in", "N m");
     for (name, law) in NAMES.iter().zip(laws) {
         let torques = law.torques(&[0.05, SPEED, FASTEST])?;
         let numbers = torques.into_iter().map(Cell::number);
         table = table.row(
-            std::iter::once(Cell::text(*name))
-                .chain(numbers)
-                .chain([Cell::number(stand_in_error(law)?)]),
+            std::iter::once(Cell::text(*name)).chain(numbers).chain([Cell::number(stand_in_error(law)?)]),
         );
     }
     Ok(table)

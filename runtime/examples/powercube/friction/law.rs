@@ -72,17 +72,12 @@ impl Method {
 
 /// The LASSO with each term in units of its root mean square.
 pub fn standardized() -> Lasso {
-    Lasso {
-        standardize: true,
-        ..Lasso::default()
-    }
+    Lasso { standardize: true, ..Lasso::default() }
 }
 
 /// Speeds from −`fastest` to `fastest`, zero among them.
 fn speeds(fastest: f64) -> Vec<f64> {
-    (-200..=200)
-        .map(|i| fastest * f64::from(i) / 200.0)
-        .collect()
+    (-200..=200).map(|i| fastest * f64::from(i) / 200.0).collect()
 }
 
 /// A law as points of a curve.
@@ -99,16 +94,9 @@ pub fn true_curve(truth: impl Fn(f64) -> f64, fastest: f64) -> Vec<[f64; 2]> {
 }
 
 /// Law minus truth over the speeds up to `fastest` [N m].
-pub fn deviation(
-    law: &FrictionLaw,
-    truth: impl Fn(f64) -> f64,
-    fastest: f64,
-) -> Outcome<Vec<[f64; 2]>> {
+pub fn deviation(law: &FrictionLaw, truth: impl Fn(f64) -> f64, fastest: f64) -> Outcome<Vec<[f64; 2]>> {
     let points = curve(law, fastest)?;
-    Ok(points
-        .into_iter()
-        .map(|[v, torque]| [v, torque - truth(v)])
-        .collect())
+    Ok(points.into_iter().map(|[v, torque]| [v, torque - truth(v)]).collect())
 }
 
 /// Root mean square of law minus truth over the speeds up to `fastest` [N m].

@@ -12,27 +12,17 @@ use gelenk_identification::library::Library;
 use gelenk_identification::moments::{Moments, Samples as Columns};
 use gelenk_identification::result::FrictionLaw;
 use gelenk_identification::thresholding::Thresholding;
-use gelenk_report::{
-    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
-};
+use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 
 /// Folds of the cross-validation.
 const FOLDS: usize = 10;
 /// Terms of the finer library beside those of the paper's.
-const FINER: [&str; 5] = [
-    "tanh(7*v)",
-    "tanh(14*v)",
-    "tanh(30*v)",
-    "tanh(50*v)",
-    "tanh(70*v)",
-];
+const FINER: [&str; 5] = ["tanh(7*v)", "tanh(14*v)", "tanh(30*v)", "tanh(50*v)", "tanh(70*v)"];
 
 /// The paper's library with five more slopes.
 pub fn finer_library() -> Outcome<Library> {
     let paper = Friction::library()?;
-    let terms: Vec<&str> = (paper.terms().iter().map(String::as_str))
-        .chain(FINER)
-        .collect();
+    let terms: Vec<&str> = (paper.terms().iter().map(String::as_str)).chain(FINER).collect();
     Ok(Library::new(&terms, &["v"])?)
 }
 
@@ -71,14 +61,11 @@ pub fn fineness(library: &Library, samples: &Samples) -> Outcome<Fineness> {
 }
 
 fn columns<'s>(library: &'s Library, samples: &'s Samples) -> Outcome<Columns<'s>> {
-    Ok(Columns::from_library(
-        library,
-        vec![&samples.velocities],
-        vec![&samples.torques],
-    )?)
+    Ok(Columns::from_library(library, vec![&samples.velocities], vec![&samples.torques])?)
 }
 
-/// Number of terms and residual rms [N m] of the models that a method offers, fewest terms first, the best for each number.
+/// Number of terms and residual rms [N m] of the models that a method offers, fewest terms first, the best
+/// for each number.
 pub type Front = Vec<(usize, f64)>;
 
 /// Fronts of STLS over its threshold and of LASSO over λ, both after least squares on the chosen terms.
@@ -88,10 +75,8 @@ fn fronts(samples: &Samples) -> Outcome<[Front; 2]> {
     let reduced = Reduced::new(&columns)?;
     let mut by_threshold = Vec::new();
     for i in 0..100 {
-        let settings = Thresholding {
-            threshold: 1e-3 * 1e5_f64.powf(f64::from(i) / 99.0),
-            ..Thresholding::default()
-        };
+        let settings =
+            Thresholding { threshold: 1e-3 * 1e5_f64.powf(f64::from(i) / 99.0), ..Thresholding::default() };
         // Beyond the largest coefficient nothing is left.
         let Ok(fit) = settings.fit(&reduced, 0) else {
             break;
@@ -126,9 +111,7 @@ pub fn joint_fronts([a, b, c]: &[Samples; 3]) -> Outcome<[[Front; 2]; 3]> {
 
 /// Fewest terms of a front whose error is within 1 % of its least.
 fn knee(front: &Front) -> f64 {
-    let least = front
-        .iter()
-        .fold(f64::INFINITY, |least, (_, e)| least.min(*e));
+    let least = front.iter().fold(f64::INFINITY, |least, (_, e)| least.min(*e));
     let enough = front.iter().find(|(_, error)| *error <= 1.01 * least);
     enough.map_or(f64::NAN, |(size, _)| *size as f64)
 }
@@ -161,12 +144,7 @@ pub fn fineness_claim(paper: &Fineness, finer: &Fineness) -> Claim {
 
 /// Claim 7b on the fronts of joints A, B, C.
 pub fn front_claim(fronts: &[[Front; 2]; 3]) -> Claim {
-    let most = |method: usize| {
-        fronts
-            .iter()
-            .map(|joint| knee(&joint[method]))
-            .fold(0.0, f64::max)
-    };
+    let most = |method: usize| fronts.iter().map(|joint| knee(&joint[method])).fold(0.0, f64::max);
     Claim::new(
         "claim-7b",
         "The Pareto fronts of STLS and LASSO bend early: few terms reach the error of all seven within 1 %.",
@@ -180,9 +158,7 @@ pub fn front_claim(fronts: &[[Front; 2]; 3]) -> Claim {
 /// Claim 7c on what LASSO chose for joints A, B, C.
 pub fn choice_claim(chosen: &[(FrictionReport, f64); 3]) -> Claim {
     let most = chosen.iter().map(|(report, _)| terms_of(report).len());
-    let worst = chosen
-        .iter()
-        .fold(0.0, |worst: f64, (_, error)| worst.max(*error));
+    let worst = chosen.iter().fold(0.0, |worst: f64, (_, error)| worst.max(*error));
     Claim::new(
         "claim-7c",
         "LASSO with k folds chooses its terms alone, without a threshold set by hand.",
@@ -202,10 +178,9 @@ pub fn choice_claim(chosen: &[(FrictionReport, f64); 3]) -> Claim {
 /// Terms of a law with their coefficients.
 fn terms_of(report: &FrictionReport) -> Vec<(String, f64)> {
     match &report.result.law {
-        FrictionLaw::Terms(terms) => terms
-            .iter()
-            .map(|term| (term.basis.clone(), term.coefficient))
-            .collect(),
+        FrictionLaw::Terms(terms) => {
+            terms.iter().map(|term| (term.basis.clone(), term.coefficient)).collect()
+        }
         FrictionLaw::Stribeck { .. } => Vec::new(),
     }
 }
@@ -236,11 +211,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
     let finer = fineness(&finer_library()?, beta)?;
     let fronts = joint_fronts(&samples)?;
     let chosen = choices(&samples)?;
-    let claims = vec![
-        fineness_claim(&paper, &finer),
-        front_claim(&fronts),
-        choice_claim(&chosen),
-    ];
+    let claims = vec![fineness_claim(&paper, &finer), front_claim(&fronts), choice_claim(&chosen)];
     let section = Section::new("library", "The library and the choice of terms")
         .block(text(
             "The record of the experiment before, the identifying model's gravity right. The finer library adds tanh 7v, 14v, 30v, 50v and 70v.",
@@ -255,9 +226,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
 
 fn correlation_table(samples: &Samples) -> Outcome<Table> {
     let library = Friction::library()?;
-    let correlation = Reduced::new(&columns(&library, samples)?)?
-        .moments()
-        .correlation();
+    let correlation = Reduced::new(&columns(&library, samples)?)?.moments().correlation();
     let mut table = Table::new(
         "correlation",
         "Correlation of the library's terms on the record of joint B: cosines of the angles between the columns.",
@@ -274,14 +243,12 @@ fn correlation_table(samples: &Samples) -> Outcome<Table> {
 }
 
 fn fineness_table(libraries: &[(&str, &Fineness)]) -> Table {
-    let mut table = Table::new(
-        "fineness",
-        "What finer slopes cost and bring, joint B, least squares on all terms.",
-    )
-    .column("library", "library", "")
-    .column("condition number", "condition", "")
-    .column("largest correlation", "correlation", "")
-    .column("error on left-out folds, rms", "unseen", "N m");
+    let mut table =
+        Table::new("fineness", "What finer slopes cost and bring, joint B, least squares on all terms.")
+            .column("library", "library", "")
+            .column("condition number", "condition", "")
+            .column("largest correlation", "correlation", "")
+            .column("error on left-out folds, rms", "unseen", "N m");
     for (name, one) in libraries {
         table = table.row([
             Cell::text(*name),
@@ -299,11 +266,7 @@ fn pareto_figure(fronts: &[[Front; 2]; 3]) -> Figure {
         "Residual over number of terms after least squares on the terms that STLS chooses over its threshold, and LASSO over λ.",
     );
     for (name, [by_threshold, by_lambda]) in ["A (α)", "B (β)", "C (γ)"].iter().zip(fronts) {
-        let points = |front: &Front| {
-            (front.iter())
-                .map(|(size, error)| [*size as f64, *error])
-                .collect()
-        };
+        let points = |front: &Front| (front.iter()).map(|(size, error)| [*size as f64, *error]).collect();
         figure = figure.plot(
             Plot::new(
                 *name,
@@ -336,11 +299,7 @@ fn validation_figure(chosen: &[(FrictionReport, f64); 3]) -> Figure {
                 Axis::new("error on left-out data, rms", "N m").logarithmic(),
             )
             .series("left-out folds", Marks::Line, all)
-            .series(
-                "least error",
-                Marks::Points,
-                vec![point(validation.minimum)],
-            )
+            .series("least error", Marks::Points, vec![point(validation.minimum)])
             .series(
                 "one standard error",
                 Marks::Points,
@@ -363,9 +322,7 @@ fn choice_table(chosen: &[(FrictionReport, f64); 3]) -> Outcome<Table> {
     }
     table = table.column("error of the law, rms", "error", "N m");
     let truths = [Friction::A, Friction::B, Friction::C];
-    for ((name, (report, error)), truth) in
-        ["A (α)", "B (β)", "C (γ)"].iter().zip(chosen).zip(truths)
-    {
+    for ((name, (report, error)), truth) in ["A (α)", "B (β)", "C (γ)"].iter().zip(chosen).zip(truths) {
         let found = terms_of(report);
         let coefficients = library.terms().iter().map(|term| {
             let one = found.iter().find(|(basis, _)| basis == term);
@@ -380,11 +337,8 @@ fn choice_table(chosen: &[(FrictionReport, f64); 3]) -> Outcome<Table> {
             0.0 => Cell::Empty,
             value => Cell::number(*value),
         });
-        table = table.row(
-            std::iter::once(Cell::text(format!("{name}, plant")))
-                .chain(own)
-                .chain([Cell::Empty]),
-        );
+        table =
+            table.row(std::iter::once(Cell::text(format!("{name}, plant"))).chain(own).chain([Cell::Empty]));
     }
     Ok(table)
 }

@@ -34,21 +34,12 @@ pub struct Beside {
 }
 
 impl Beside {
-    pub const NOTHING: Self = Self {
-        offset: 0.0,
-        stribeck: None,
-    };
+    pub const NOTHING: Self = Self { offset: 0.0, stribeck: None };
     /// Like joint C, with a step that no term of the library has, and 4 N m more towards standstill.
-    pub const STRIBECK: Self = Self {
-        offset: 0.0,
-        stribeck: Some([56.0, 9.0, 40.0, 4.0, 10.0]),
-    };
+    pub const STRIBECK: Self = Self { offset: 0.0, stribeck: Some([56.0, 9.0, 40.0, 4.0, 10.0]) };
 
     pub fn offset(offset: f64) -> Self {
-        Self {
-            offset,
-            ..Self::NOTHING
-        }
+        Self { offset, ..Self::NOTHING }
     }
 
     /// What the generated arm can have of it, for a joint whose published friction is this.
@@ -83,9 +74,7 @@ impl Case {
     /// The plant's own friction [N m].
     pub fn truth(&self, v: f64) -> f64 {
         let rest = self.beside.friction(self.published).at(v);
-        self.beside
-            .stribeck
-            .map_or(rest, |law| rest + stribeck_torque(v, &law))
+        self.beside.stribeck.map_or(rest, |law| rest + stribeck_torque(v, &law))
     }
 
     pub fn law(&self, method: Method) -> Outcome<FrictionLaw> {
@@ -104,11 +93,7 @@ impl Case {
 
     /// The same joint with other samples of it.
     pub fn with(&self, name: &'static str, samples: Samples) -> Self {
-        Self {
-            name,
-            samples,
-            ..self.clone()
-        }
+        Self { name, samples, ..self.clone() }
     }
 
     /// The first `seconds` of the data.
@@ -154,12 +139,7 @@ impl Recorded {
             0 => ("B, all angles", b, Friction::B),
             _ => ("C, β = −γ", c, Friction::C),
         };
-        Ok(Case {
-            name,
-            samples,
-            published,
-            beside: self.beside,
-        })
+        Ok(Case { name, samples, published, beside: self.beside })
     }
 }
 
@@ -185,13 +165,7 @@ pub fn narrow(b: &Case) -> Case {
 /// Largest error of a method [N m rms]; not-a-number where it gives no law.
 pub fn worst(cases: &[Case], method: Method) -> f64 {
     let errors = cases.iter().map(|case| case.error_or_nan(method));
-    errors.fold(0.0, |worst, error| {
-        if error > worst || error.is_nan() {
-            error
-        } else {
-            worst
-        }
-    })
+    errors.fold(0.0, |worst, error| if error > worst || error.is_nan() { error } else { worst })
 }
 
 /// Error of nonlinear regression over that of SINDy with LASSO, both rms over records of the same kind.
@@ -224,7 +198,8 @@ pub fn both_claim(cases: &[Case]) -> Claim {
     .shown_in("methods")
 }
 
-/// Claim 8b on records of B without selection that have a constant offset; those that have none stand beside it.
+/// Claim 8b on records of B without selection that have a constant offset; those that have none stand beside
+/// it.
 pub fn unfiltered_claim(with_offset: &[Case], without: &[Case]) -> Claim {
     Claim::new(
         "claim-8b",
@@ -295,7 +270,8 @@ pub fn slower(case: &Case, slow: f64) -> Case {
     case.with(case.name, case.samples.select(|_, v| v.abs() <= slow))
 }
 
-/// Error between `SLOW` and `FASTEST` of the law from the samples up to `slow` [N m rms]; not-a-number where there is no law.
+/// Error between `SLOW` and `FASTEST` of the law from the samples up to `slow` [N m rms]; not-a-number where
+/// there is no law.
 fn outside_error(case: &Case, slow: f64, method: Method) -> f64 {
     let Ok(law) = slower(case, slow).law(method) else {
         return f64::NAN;
@@ -311,31 +287,25 @@ fn outside_error(case: &Case, slow: f64, method: Method) -> f64 {
 pub fn outside_claim(cases: &[Case], slow: f64) -> Claim {
     let worst = |method| {
         let errors = cases.iter().map(|case| outside_error(case, slow, method));
-        errors.fold(
-            0.0,
-            |worst: f64, e| if e > worst || e.is_nan() { e } else { worst },
-        )
+        errors.fold(0.0, |worst: f64, e| if e > worst || e.is_nan() { e } else { worst })
     };
-    Claim::new(
-        "claim-8e",
-        "Laws stay useful up to twice the speeds of the data.",
-    )
-    .criterion(Criterion::at_most(
-        "error of SINDy (LASSO) between 0.25 and 0.5 rad/s, worst joint, rms",
-        worst(Method::Lasso),
-        2.0 * USEFUL,
-        "N m",
-    ))
-    .criterion(Criterion::at_most(
-        "the same for nonlinear regression",
-        worst(Method::Stribeck),
-        2.0 * USEFUL,
-        "N m",
-    ))
-    .under("the rigid-body model is right")
-    .flipped_by("gravity 8 % wrong in the identifying model, or data up to 0.05 rad/s only")
-    .remark("The viscous part carries the laws on: it is seen well at half the speed.")
-    .shown_in("outside")
+    Claim::new("claim-8e", "Laws stay useful up to twice the speeds of the data.")
+        .criterion(Criterion::at_most(
+            "error of SINDy (LASSO) between 0.25 and 0.5 rad/s, worst joint, rms",
+            worst(Method::Lasso),
+            2.0 * USEFUL,
+            "N m",
+        ))
+        .criterion(Criterion::at_most(
+            "the same for nonlinear regression",
+            worst(Method::Stribeck),
+            2.0 * USEFUL,
+            "N m",
+        ))
+        .under("the rigid-body model is right")
+        .flipped_by("gravity 8 % wrong in the identifying model, or data up to 0.05 rad/s only")
+        .remark("The viscous part carries the laws on: it is seen well at half the speed.")
+        .shown_in("outside")
 }
 
 /// Claim 8f: STLS on `narrow` data of B, nonlinear regression on data with an offset.
@@ -371,16 +341,11 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
     let [a, b, c] = joints(GRAVITY_ERROR, seconds)?;
     let right = joints(0.0, seconds)?;
     let good = [a, narrow(&b), c];
-    let cases =
-        |one: &dyn Fn(u64) -> Outcome<Case>| (2..2 + seeds).map(one).collect::<Outcome<Vec<_>>>();
-    let unfiltered =
-        cases(&|seed| Recorded::b(Beside::NOTHING, seconds, seed)?.case(GRAVITY_ERROR))?;
-    let with_offset =
-        cases(&|seed| Recorded::b(Beside::offset(OFFSET), seconds, seed)?.case(GRAVITY_ERROR))?;
-    let published_c =
-        cases(&|seed| Recorded::c(Beside::NOTHING, seconds, seed)?.case(GRAVITY_ERROR))?;
-    let stribeck_c =
-        cases(&|seed| Recorded::c(Beside::STRIBECK, seconds, seed)?.case(GRAVITY_ERROR))?;
+    let cases = |one: &dyn Fn(u64) -> Outcome<Case>| (2..2 + seeds).map(one).collect::<Outcome<Vec<_>>>();
+    let unfiltered = cases(&|seed| Recorded::b(Beside::NOTHING, seconds, seed)?.case(GRAVITY_ERROR))?;
+    let with_offset = cases(&|seed| Recorded::b(Beside::offset(OFFSET), seconds, seed)?.case(GRAVITY_ERROR))?;
+    let published_c = cases(&|seed| Recorded::c(Beside::NOTHING, seconds, seed)?.case(GRAVITY_ERROR))?;
+    let stribeck_c = cases(&|seed| Recorded::c(Beside::STRIBECK, seconds, seed)?.case(GRAVITY_ERROR))?;
     let claims = vec![
         both_claim(&good),
         unfiltered_claim(&with_offset, &unfiltered),

@@ -37,18 +37,10 @@ fn curves(shown: &[Case]) -> Outcome<Figure> {
     for case in shown {
         let law = |method| curve(&case.law(method)?, FASTEST);
         figure = figure.plot(
-            Plot::new(
-                case.name,
-                velocity(),
-                Axis::new("friction torque", "N m").over(-62.0, 62.0),
-            )
-            .series("samples", Marks::Points, case.samples.points(400))
-            .series(Method::Lasso.name(), Marks::Line, law(Method::Lasso)?)
-            .series(
-                Method::Stribeck.name(),
-                Marks::Dashed,
-                law(Method::Stribeck)?,
-            ),
+            Plot::new(case.name, velocity(), Axis::new("friction torque", "N m").over(-62.0, 62.0))
+                .series("samples", Marks::Points, case.samples.points(400))
+                .series(Method::Lasso.name(), Marks::Line, law(Method::Lasso)?)
+                .series(Method::Stribeck.name(), Marks::Dashed, law(Method::Stribeck)?),
         );
     }
     Ok(figure)
@@ -60,11 +52,7 @@ fn deviations(shown: &[Case]) -> Outcome<Figure> {
         "Law minus the plant's own friction. What leaves the plot for B with |β| < 0.1 is STLS, see claim 8f.",
     );
     for case in shown {
-        let mut plot = Plot::new(
-            case.name,
-            velocity(),
-            Axis::new("law minus plant", "N m").over(-1.2, 1.2),
-        );
+        let mut plot = Plot::new(case.name, velocity(), Axis::new("law minus plant", "N m").over(-1.2, 1.2));
         for method in Method::ALL {
             let points = deviation(&case.law(method)?, |v| case.truth(v), FASTEST)?;
             plot = plot.series(method.name(), Marks::Line, points);
@@ -123,19 +111,9 @@ fn times(shown: &[Case]) -> Outcome<Table> {
 }
 
 /// One curve for each method over a swept quantity.
-fn sweep(
-    title: &str,
-    x: Axis,
-    points: &[f64],
-    error: impl Fn(f64, Method) -> Outcome<f64>,
-) -> Outcome<Plot> {
-    let mut plot = Plot::new(
-        title,
-        x,
-        Axis::new("error of the law, rms", "N m")
-            .logarithmic()
-            .over(5e-3, 20.0),
-    );
+fn sweep(title: &str, x: Axis, points: &[f64], error: impl Fn(f64, Method) -> Outcome<f64>) -> Outcome<Plot> {
+    let mut plot =
+        Plot::new(title, x, Axis::new("error of the law, rms", "N m").logarithmic().over(5e-3, 20.0));
     for method in Method::ALL {
         let mut curve = Vec::new();
         for point in points {
@@ -151,31 +129,20 @@ fn sweep(
 fn breaks(study: &Study) -> Outcome<Figure> {
     let seconds = 30.0;
     let record = Recorded::b(Beside::NOTHING, seconds, 2)?;
-    let gravity: &[f64] = study.pick(
-        &[0.0, 2.0, 4.0, 8.0, 12.0, 16.0, 24.0, 32.0],
-        &[0.0, 8.0, 24.0],
-    );
-    let by_gravity = sweep(
-        "B, all angles",
-        Axis::new("error of gravity", "%"),
-        gravity,
-        |percent, method| Ok(record.case(0.01 * percent)?.error_or_nan(method)),
-    )?;
+    let gravity: &[f64] = study.pick(&[0.0, 2.0, 4.0, 8.0, 12.0, 16.0, 24.0, 32.0], &[0.0, 8.0, 24.0]);
+    let by_gravity =
+        sweep("B, all angles", Axis::new("error of gravity", "%"), gravity, |percent, method| {
+            Ok(record.case(0.01 * percent)?.error_or_nan(method))
+        })?;
     let offsets: &[f64] = study.pick(&[0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 4.0], &[0.0, 1.0, 4.0]);
-    let by_offset = sweep(
-        "C, β = −γ",
-        Axis::new("constant in the friction", "N m"),
-        offsets,
-        |offset, method| {
+    let by_offset =
+        sweep("C, β = −γ", Axis::new("constant in the friction", "N m"), offsets, |offset, method| {
             let case = Recorded::c(Beside::offset(offset), seconds, 2)?.case(GRAVITY_ERROR)?;
             Ok(case.error_or_nan(method))
-        },
-    )?;
+        })?;
     let all = record.case(GRAVITY_ERROR)?;
-    let widths: &[f64] = study.pick(
-        &[0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8],
-        &[0.05, 0.1, 0.3, 0.8],
-    );
+    let widths: &[f64] =
+        study.pick(&[0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8], &[0.05, 0.1, 0.3, 0.8]);
     let by_width = sweep(
         "B, gravity 8 % wrong",
         Axis::new("angles kept, |β| below", "rad").logarithmic(),
@@ -199,20 +166,13 @@ fn breaks(study: &Study) -> Outcome<Figure> {
 
 fn data_needed(study: &Study, right: &[Case]) -> Figure {
     let error = |cases: &[Case], method| worst(cases, method);
-    let counts: &[f64] = study.pick(
-        &[12.0, 20.0, 30.0, 50.0, 100.0, 300.0, 1000.0],
-        &[20.0, 100.0, 1000.0],
-    );
+    let counts: &[f64] = study.pick(&[12.0, 20.0, 30.0, 50.0, 100.0, 300.0, 1000.0], &[20.0, 100.0, 1000.0]);
     let thinned = |count: f64, method| {
-        let few: Vec<Case> = (right.iter())
-            .map(|case| case.with(case.name, case.samples.thinned(count as usize)))
-            .collect();
+        let few: Vec<Case> =
+            (right.iter()).map(|case| case.with(case.name, case.samples.thinned(count as usize))).collect();
         Ok(error(&few, method))
     };
-    let lengths: &[f64] = study.pick(
-        &[2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 30.0],
-        &[3.0, 5.0, 10.0, 25.0],
-    );
+    let lengths: &[f64] = study.pick(&[2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 30.0], &[3.0, 5.0, 10.0, 25.0]);
     let first = |seconds: f64, method| {
         let short: Vec<Case> = right.iter().map(|case| case.first(seconds)).collect();
         Ok(error(&short, method))
@@ -224,12 +184,7 @@ fn data_needed(study: &Study, right: &[Case]) -> Figure {
             counts,
             thinned,
         ),
-        sweep(
-            "Beginning of the record, 50 Hz",
-            Axis::new("length", "s").logarithmic(),
-            lengths,
-            first,
-        ),
+        sweep("Beginning of the record, 50 Hz", Axis::new("length", "s").logarithmic(), lengths, first),
     ];
     let figure = Figure::new(
         "data-needed",
@@ -245,11 +200,7 @@ fn outside(right: &[Case]) -> Outcome<Figure> {
     );
     for case in right {
         let slow = slower(case, SLOW);
-        let mut plot = Plot::new(
-            case.name,
-            velocity(),
-            Axis::new("law minus plant", "N m").over(-1.2, 1.2),
-        );
+        let mut plot = Plot::new(case.name, velocity(), Axis::new("law minus plant", "N m").over(-1.2, 1.2));
         for method in Method::ALL {
             if let Ok(law) = slow.law(method) {
                 let points = deviation(&law, |v| case.truth(v), FASTEST)?;

@@ -1,5 +1,5 @@
-//! Plants with friction that the generated arm does not have: one that grows with the load, and Stribeck's law. The load as a term of the
-//! library.
+//! Plants with friction that the generated arm does not have: one that grows with the load, and Stribeck's
+//! law. The load as a term of the library.
 
 use super::data::Samples;
 use crate::arm::Arm;
@@ -13,13 +13,7 @@ use gelenk_runtime::dynamics::{Dynamics, Limits};
 /// Slope of the load's friction at rest [s/rad].
 const SLOPE: f64 = 20.0;
 /// Terms of joint β's published law and the load.
-const TERMS: [&str; 5] = [
-    "v",
-    "tanh(5*v)",
-    "tanh(10*v)",
-    "tanh(20*v)",
-    "abs(load)*tanh(20*v)",
-];
+const TERMS: [&str; 5] = ["v", "tanh(5*v)", "tanh(10*v)", "tanh(20*v)", "abs(load)*tanh(20*v)"];
 
 /// The arm with additional friction: `load_share · |q_g(y)| tanh 20v`, and Stribeck's law in some joints.
 pub struct MoreFriction {
@@ -105,23 +99,18 @@ pub fn law_under_load(samples: &Samples, loads: &[f64]) -> Outcome<LawUnderLoad>
 }
 
 impl LawUnderLoad {
-    /// Friction due to load, in the direction of motion, over the load: at most `count` samples faster than 0.05 rad/s.
+    /// Friction due to load, in the direction of motion, over the load: at most `count` samples faster than
+    /// 0.05 rad/s.
     pub fn against_load(&self, samples: &Samples, loads: &[f64], count: usize) -> Vec<[f64; 2]> {
         let [viscous, five, ten, twenty] = self.terms;
         let rest = |i: usize| {
             let v = samples.velocities[i];
-            let own = viscous * v
-                + five * (5.0 * v).tanh()
-                + ten * (10.0 * v).tanh()
-                + twenty * (20.0 * v).tanh();
+            let own =
+                viscous * v + five * (5.0 * v).tanh() + ten * (10.0 * v).tanh() + twenty * (20.0 * v).tanh();
             [loads[i].abs(), (samples.torques[i] - own) * v.signum()]
         };
         let fast = |i: &usize| samples.velocities[*i].abs() > 0.05;
         let stride = samples.len().div_ceil(count.max(1)).max(1);
-        (0..samples.len())
-            .step_by(stride)
-            .filter(fast)
-            .map(rest)
-            .collect()
+        (0..samples.len()).step_by(stride).filter(fast).map(rest).collect()
     }
 }

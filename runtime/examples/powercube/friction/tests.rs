@@ -27,12 +27,7 @@ fn check(part: &Part, id: &str, verdict: Verdict, values: &[f64]) {
 
 fn is_flipped(claim: Claim) {
     let numbers: Vec<f64> = claim.criteria.iter().map(|one| one.value).collect();
-    assert_eq!(
-        claim.verdict(),
-        Verdict::DoesNotHold,
-        "{}: {numbers:?}",
-        claim.id
-    );
+    assert_eq!(claim.verdict(), Verdict::DoesNotHold, "{}: {numbers:?}", claim.id);
 }
 
 #[test]
@@ -52,9 +47,7 @@ fn fine_encoders_need_no_smoothing() {
 
 #[test]
 fn without_noise_differences_do() {
-    is_flipped(velocity::synthetic_claim(
-        &velocity::synthetic(1e-6, 20.0).unwrap(),
-    ));
+    is_flipped(velocity::synthetic_claim(&velocity::synthetic(1e-6, 20.0).unwrap()));
 }
 
 #[test]
@@ -122,9 +115,7 @@ fn without_noise_every_term_counts() {
     for (samples, truth) in samples.iter_mut().zip(truths) {
         samples.torques = samples.velocities.iter().map(|v| truth.at(*v)).collect();
     }
-    is_flipped(library::front_claim(
-        &library::joint_fronts(&samples).unwrap(),
-    ));
+    is_flipped(library::front_claim(&library::joint_fronts(&samples).unwrap()));
 }
 
 #[test]
@@ -140,12 +131,7 @@ fn methods_side_by_side() {
     check(&part, "claim-8b", Verdict::HoldsConditionally, &[4.040]);
     check(&part, "claim-8c", Verdict::HoldsConditionally, &[2.740]);
     check(&part, "claim-8d", Verdict::Holds, &[0.02945, 0.07111]);
-    check(
-        &part,
-        "claim-8e",
-        Verdict::HoldsConditionally,
-        &[0.8350, 0.8812],
-    );
+    check(&part, "claim-8e", Verdict::HoldsConditionally, &[0.8350, 0.8812]);
     check(&part, "claim-8f", Verdict::Holds, &[1000.0, 2.057]);
 }
 
@@ -164,19 +150,13 @@ fn without_an_offset_regression_does_not_fail_on_b() {
 
 #[test]
 fn with_stribeck_friction_regression_is_better_on_c() {
-    let case = [Recorded::c(Beside::STRIBECK, REPEAT, 2)
-        .unwrap()
-        .case(GRAVITY_ERROR)
-        .unwrap()];
+    let case = [Recorded::c(Beside::STRIBECK, REPEAT, 2).unwrap().case(GRAVITY_ERROR).unwrap()];
     is_flipped(methods::joint_c_claim(&case, &case));
 }
 
 #[test]
 fn three_seconds_are_too_short() {
-    is_flipped(methods::short_claim(
-        &methods::joints(0.0, REPEAT).unwrap(),
-        3.0,
-    ));
+    is_flipped(methods::short_claim(&methods::joints(0.0, REPEAT).unwrap(), 3.0));
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! Velocities: differences of encoder readings are coarse, total-variation regularization is not, and what it costs in bandwidth (claim 5).
+//! Velocities: differences of encoder readings are coarse, total-variation regularization is not, and what it
+//! costs in bandwidth (claim 5).
 
 use super::data::{MEASURED, beta_alone, controller_arm, published_arm, record, rms};
 use crate::arm::{PERIOD, Regime};
@@ -7,9 +8,7 @@ use gelenk_identification::differentiation::{
     Regularization, TotalVariation, central_differences, quantization_noise,
 };
 use gelenk_identification::random::SplitMix64;
-use gelenk_report::{
-    Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text,
-};
+use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use std::f64::consts::TAU;
 
 /// Share of the samples at either end that is not judged.
@@ -51,43 +50,22 @@ impl Comparison {
 
     /// `marks`: of the differences; as steps each is drawn over the period that it is the mean of.
     fn plot(&self, title: &str, y: Axis, window: [f64; 2], marks: Marks) -> Plot {
-        let early = if marks == Marks::Steps {
-            0.5 * PERIOD
-        } else {
-            0.0
-        };
+        let early = if marks == Marks::Steps { 0.5 * PERIOD } else { 0.0 };
         let differences = self.window(&self.differences, window);
-        let differences = differences
-            .into_iter()
-            .map(|[t, x]| [t - early, x])
-            .collect();
+        let differences = differences.into_iter().map(|[t, x]| [t - early, x]).collect();
         Plot::new(title, Axis::new("time", "s"), y)
             .series("differences", marks, differences)
             .series("TVDiff", Marks::Line, self.window(&self.smoothed, window))
-            .series(
-                "reference",
-                Marks::Dashed,
-                self.window(&self.reference, window),
-            )
+            .series("reference", Marks::Dashed, self.window(&self.reference, window))
     }
 }
 
 /// Velocity of β along its motion from encoders of `step` [rad], against the plant's own.
 pub fn measured_like(step: f64, seconds: f64) -> Outcome<Comparison> {
-    let regime = Regime {
-        encoder_step: step,
-        ..MEASURED
-    };
-    let log = record(
-        published_arm(),
-        &controller_arm(),
-        &beta_alone(),
-        seconds,
-        (&regime, 1),
-    )?;
+    let regime = Regime { encoder_step: step, ..MEASURED };
+    let log = record(published_arm(), &controller_arm(), &beta_alone(), seconds, (&regime, 1))?;
     let [beta, _] = &log.positions;
-    let smooth =
-        TotalVariation::from_noise(quantization_noise(step)).differentiate(&log.times, beta)?;
+    let smooth = TotalVariation::from_noise(quantization_noise(step)).differentiate(&log.times, beta)?;
     let differences = beta.windows(2).map(|y| (y[1] - y[0]) / PERIOD);
     let [reference, _] = &log.velocities;
     // A difference is the mean velocity of its period: all are compared in the middle.
@@ -102,51 +80,26 @@ pub fn measured_like(step: f64, seconds: f64) -> Outcome<Comparison> {
 
 /// Two sines of 0.3 and 0.8 Hz [rad], and their first and second derivatives.
 fn analytic(t: f64) -> [f64; 3] {
-    [(0.5, 0.3 * TAU), (0.1, 0.8 * TAU)]
-        .iter()
-        .fold([0.0; 3], |[s, v, a], (size, rate)| {
-            let (sin, cos) = (rate * t).sin_cos();
-            [
-                s + size * sin,
-                v + size * rate * cos,
-                a - size * rate * rate * sin,
-            ]
-        })
+    [(0.5, 0.3 * TAU), (0.1, 0.8 * TAU)].iter().fold([0.0; 3], |[s, v, a], (size, rate)| {
+        let (sin, cos) = (rate * t).sin_cos();
+        [s + size * sin, v + size * rate * cos, a - size * rate * rate * sin]
+    })
 }
 
 /// First and second derivative of an analytic signal with normal noise [rad].
 pub fn synthetic(noise: f64, seconds: f64) -> Outcome<[Comparison; 2]> {
     let mut random = SplitMix64::new(5);
-    let times: Vec<f64> = (0..(seconds / PERIOD) as usize)
-        .map(|k| PERIOD * k as f64)
-        .collect();
+    let times: Vec<f64> = (0..(seconds / PERIOD) as usize).map(|k| PERIOD * k as f64).collect();
     let truth: Vec<[f64; 3]> = times.iter().map(|t| analytic(*t)).collect();
-    let signal: Vec<f64> = truth
-        .iter()
-        .map(|[s, _, _]| s + noise * random.normal())
-        .collect();
+    let signal: Vec<f64> = truth.iter().map(|[s, _, _]| s + noise * random.normal()).collect();
     let smooth = TotalVariation::from_noise(noise).differentiate(&times, &signal)?;
     let first = central_differences(&times, &signal)?;
-    let inner = signal
-        .windows(3)
-        .map(|s| (s[2] - 2.0 * s[1] + s[0]) / (PERIOD * PERIOD));
-    let second = std::iter::once(0.0)
-        .chain(inner)
-        .chain(std::iter::once(0.0));
+    let inner = signal.windows(3).map(|s| (s[2] - 2.0 * s[1] + s[0]) / (PERIOD * PERIOD));
+    let second = std::iter::once(0.0).chain(inner).chain(std::iter::once(0.0));
     let column = |k: usize| truth.iter().map(|all| all[k]).collect::<Vec<_>>();
     Ok([
-        Comparison {
-            times: times.clone(),
-            reference: column(1),
-            differences: first,
-            smoothed: smooth.first,
-        },
-        Comparison {
-            times,
-            reference: column(2),
-            differences: second.collect(),
-            smoothed: smooth.second,
-        },
+        Comparison { times: times.clone(), reference: column(1), differences: first, smoothed: smooth.first },
+        Comparison { times, reference: column(2), differences: second.collect(), smoothed: smooth.second },
     ])
 }
 
@@ -162,13 +115,8 @@ impl LowPass {
     pub fn new(factor: f64, seconds: f64) -> Outcome<Self> {
         let motion = beta_alone();
         let step = MEASURED.encoder_step;
-        let times: Vec<f64> = (0..(seconds / PERIOD) as usize)
-            .map(|k| PERIOD * k as f64)
-            .collect();
-        let signal: Vec<f64> = times
-            .iter()
-            .map(|t| (motion.at(*t)[0][0] / step).round() * step)
-            .collect();
+        let times: Vec<f64> = (0..(seconds / PERIOD) as usize).map(|k| PERIOD * k as f64).collect();
+        let signal: Vec<f64> = times.iter().map(|t| (motion.at(*t)[0][0] / step).round() * step).collect();
         let acceleration = times.windows(2).map(|t| {
             let [a, b] = [t[0], t[1]].map(|t| motion.at(t)[2][0]);
             (b - a) / PERIOD
@@ -178,25 +126,16 @@ impl LowPass {
             ..TotalVariation::from_noise(quantization_noise(step))
         };
         let gamma = by_noise.solve(&times, &signal)?.gamma;
-        let settings = TotalVariation {
-            regularization: Regularization::Weight(factor * gamma),
-            ..by_noise
-        };
+        let settings = TotalVariation { regularization: Regularization::Weight(factor * gamma), ..by_noise };
         let still = settings.differentiate(&times, &signal)?.first;
-        Ok(Self {
-            settings,
-            times,
-            signal,
-            still,
-        })
+        Ok(Self { settings, times, signal, still })
     }
 
     /// Gain at `frequency` (Hz): what remains of the velocity of a small sine on top of the motion.
     pub fn gain(&self, frequency: f64) -> Outcome<f64> {
         let rate = TAU * frequency;
-        let shaken: Vec<f64> = (self.times.iter().zip(&self.signal))
-            .map(|(t, s)| s + PROBE * (rate * t).sin())
-            .collect();
+        let shaken: Vec<f64> =
+            (self.times.iter().zip(&self.signal)).map(|(t, s)| s + PROBE * (rate * t).sin()).collect();
         let derivative = self.settings.differentiate(&self.times, &shaken)?.first;
         let margin = (MARGIN * self.times.len() as f64) as usize;
         let (mut product, mut energy) = (0.0, 0.0);
@@ -256,12 +195,7 @@ pub fn synthetic_claim([first, second]: &[Comparison; 2]) -> Claim {
         5.0,
         "",
     ))
-    .criterion(Criterion::at_least(
-        "the same, second derivative",
-        second.gain(),
-        50.0,
-        "",
-    ))
+    .criterion(Criterion::at_least("the same, second derivative", second.gain(), 50.0, ""))
     .flipped_by("noise a thousand times smaller: what remains is the error of the formulas")
     .shown_in("synthetic")
 }
@@ -287,46 +221,24 @@ pub fn low_pass_claim(filter: &LowPass) -> Outcome<Claim> {
 pub fn experiment(study: &Study) -> Outcome<Part> {
     let seconds = study.pick(60.0, 20.0);
     let step = MEASURED.encoder_step;
-    let logs = [
-        measured_like(step, seconds)?,
-        measured_like(10.0 * step, seconds)?,
-    ];
+    let logs = [measured_like(step, seconds)?, measured_like(10.0 * step, seconds)?];
     let by_step = by_encoder_step(study, seconds)?;
     let synthetic = synthetic(1e-3, seconds)?;
     let filters = [0.01, 1.0, 100.0].map(|factor| LowPass::new(factor, seconds));
     let [light, chosen, heavy] = filters;
     let (light, chosen, heavy) = (light?, chosen?, heavy?);
     let count = study.pick(31, 11);
-    let frequencies: Vec<f64> = (0..count)
-        .map(|i| 0.1 * 200_f64.powf(f64::from(i) / f64::from(count - 1)))
-        .collect();
+    let frequencies: Vec<f64> =
+        (0..count).map(|i| 0.1 * 200_f64.powf(f64::from(i) / f64::from(count - 1))).collect();
     let of_difference = |f: &f64| [*f, (TAU * f * PERIOD).sin() / (TAU * f * PERIOD)];
-    let low_pass = Plot::new(
-        "",
-        Axis::new("frequency", "Hz").logarithmic(),
-        Axis::new("gain", "").over(0.0, 1.1),
-    )
-    .series(
-        "γ of the encoders",
-        Marks::Line,
-        chosen.curve(&frequencies)?,
-    )
-    .series("γ/100", Marks::Line, light.curve(&frequencies)?)
-    .series("100 γ", Marks::Line, heavy.curve(&frequencies)?)
-    .series(
-        "central differences",
-        Marks::Dashed,
-        frequencies.iter().map(of_difference).collect(),
-    );
-    let claims = vec![
-        encoder_claim(&logs, step),
-        synthetic_claim(&synthetic),
-        low_pass_claim(&chosen)?,
-    ];
-    Ok(Part {
-        section: section(&logs[0], by_step, &synthetic, low_pass),
-        claims,
-    })
+    let low_pass =
+        Plot::new("", Axis::new("frequency", "Hz").logarithmic(), Axis::new("gain", "").over(0.0, 1.1))
+            .series("γ of the encoders", Marks::Line, chosen.curve(&frequencies)?)
+            .series("γ/100", Marks::Line, light.curve(&frequencies)?)
+            .series("100 γ", Marks::Line, heavy.curve(&frequencies)?)
+            .series("central differences", Marks::Dashed, frequencies.iter().map(of_difference).collect());
+    let claims = vec![encoder_claim(&logs, step), synthetic_claim(&synthetic), low_pass_claim(&chosen)?];
+    Ok(Part { section: section(&logs[0], by_step, &synthetic, low_pass), claims })
 }
 
 /// Errors of the velocity over the step of the encoder.
@@ -349,21 +261,11 @@ fn by_encoder_step(study: &Study, seconds: f64) -> Outcome<Plot> {
     .series("TVDiff", Marks::Line, smoothed))
 }
 
-fn section(
-    log: &Comparison,
-    by_step: Plot,
-    synthetic: &[Comparison; 2],
-    low_pass: Plot,
-) -> Section {
+fn section(log: &Comparison, by_step: Plot, synthetic: &[Comparison; 2], low_pass: Plot) -> Section {
     let [first, second] = synthetic;
     let row = |name: &str, unit: &str, one: &Comparison| {
         let [differences, smoothed] = one.errors();
-        [
-            Cell::text(name),
-            Cell::text(unit),
-            Cell::number(differences),
-            Cell::number(smoothed),
-        ]
+        [Cell::text(name), Cell::text(unit), Cell::number(differences), Cell::number(smoothed)]
     };
     Section::new("differentiation", "Velocities from encoders")
         .block(text(

@@ -41,11 +41,7 @@ pub(super) fn solve<const W: usize>(band: &mut Band<W>, x: &mut [f64]) {
 
 /// Pivot and multipliers of one row; `rows[k]`, `pivots[k]` belong to the row k + 1 above.
 #[inline(always)]
-fn factor_row<const W: usize>(
-    a: [f64; W],
-    rows: &[[f64; W]; W],
-    pivots: &[f64; W],
-) -> (f64, [f64; W]) {
+fn factor_row<const W: usize>(a: [f64; W], rows: &[[f64; W]; W], pivots: &[f64; W]) -> (f64, [f64; W]) {
     // u[k] = lᵢ,ᵢ₋ₖ dᵢ₋ₖ, from the farthest column to the nearest.
     let mut u = a;
     let mut l = [0.0; W];
@@ -73,18 +69,12 @@ mod tests {
         let mut random = SplitMix64::new(m as u64);
         let mut dense = DMatrix::<f64>::identity(m, m);
         for start in 0..m.saturating_sub(W - 1) {
-            let d = DVector::from_fn(m, |i, _| {
-                if i >= start && i < start + W {
-                    random.normal()
-                } else {
-                    0.0
-                }
-            });
+            let d =
+                DVector::from_fn(m, |i, _| if i >= start && i < start + W { random.normal() } else { 0.0 });
             dense += &d * d.transpose();
         }
-        let mut band: Band<W> = (0..m)
-            .map(|i| std::array::from_fn(|k| if k <= i { dense[(i, i - k)] } else { 0.0 }))
-            .collect();
+        let mut band: Band<W> =
+            (0..m).map(|i| std::array::from_fn(|k| if k <= i { dense[(i, i - k)] } else { 0.0 })).collect();
         let f = DVector::from_fn(m, |_, _| random.normal());
         let mut x = f.as_slice().to_vec();
         solve(&mut band, &mut x);

@@ -1,7 +1,8 @@
 //! Constant-jerk Kalman smoother (Rauch, Tung, Striebel 1965): white noise drives the jerk's derivative.
 //!
-//! State (x, ẋ, ẍ, x⃛), `x⃜ = w` with spectral density q, measured x with variance σ². The forward pass filters, the
-//! backward pass smooths. Inside, time counts in mean sampling steps, which keeps the covariances well scaled.
+//! State (x, ẋ, ẍ, x⃛), `x⃜ = w` with spectral density q, measured x with variance σ². The forward pass
+//! filters, the backward pass smooths. Inside, time counts in mean sampling steps, which keeps the
+//! covariances well scaled.
 
 use super::super::error::{IdentificationError, Result, require_setting};
 use super::{Derivatives, check, judged_windows, require_noise, residual_bound, rms_difference};
@@ -12,32 +13,27 @@ use nalgebra::{Matrix4, Vector4};
 pub struct KalmanSmoother {
     /// Standard deviation σ of the measurement noise, in the signal's unit.
     pub sigma: f64,
-    /// Spectral density q of the noise on the jerk's derivative [unit² s⁻⁷]; `None`: the least at which the rms of the
-    /// residual does not exceed σ (discrepancy principle).
+    /// Spectral density q of the noise on the jerk's derivative [unit² s⁻⁷]; `None`: the least at which the
+    /// rms of the residual does not exceed σ (discrepancy principle).
     pub density: Option<f64>,
 }
 
 impl KalmanSmoother {
     /// q from the noise σ.
     pub fn from_noise(sigma: f64) -> Self {
-        Self {
-            sigma,
-            density: None,
-        }
+        Self { sigma, density: None }
     }
 
     /// q by hand.
     pub fn with_density(sigma: f64, density: f64) -> Self {
-        Self {
-            sigma,
-            density: Some(density),
-        }
+        Self { sigma, density: Some(density) }
     }
 
     /// Smoothed signal and derivatives at the sampling times.
     ///
     /// # Errors
-    /// Fewer than eight samples, values that are not finite, times that do not increase, settings out of range.
+    /// Fewer than eight samples, values that are not finite, times that do not increase, settings out of
+    /// range.
     pub fn differentiate(&self, times: &[f64], signal: &[f64]) -> Result<Derivatives> {
         require_noise(self.sigma)?;
         check(times, signal, 8)?;
@@ -55,10 +51,7 @@ impl KalmanSmoother {
         let filter = Filter::new(times, signal, self.sigma, step, ratio);
         let states = filter.smooth()?;
         let scaled = |k: usize| -> Vec<f64> {
-            states
-                .iter()
-                .map(|s| s[k] * self.sigma / step.powi(k as i32))
-                .collect()
+            states.iter().map(|s| s[k] * self.sigma / step.powi(k as i32)).collect()
         };
         let value: Vec<f64> = scaled(0).iter().map(|x| x + filter.offset).collect();
         Ok(Derivatives {
@@ -76,13 +69,8 @@ fn ratio_by_discrepancy(times: &[f64], signal: &[f64], sigma: f64, step: f64) ->
     let excess = |exponent: f64| -> Result<f64> {
         let (mut sum, mut count) = (0.0, 0_usize);
         for window in judged_windows(times.len()) {
-            let filter = Filter::new(
-                &times[window.clone()],
-                &signal[window],
-                sigma,
-                step,
-                10f64.powf(exponent),
-            );
+            let filter =
+                Filter::new(&times[window.clone()], &signal[window], sigma, step, 10f64.powf(exponent));
             for (i, state) in filter.smooth()?.iter().enumerate() {
                 sum += (filter.measurement(i) - state[0]).powi(2);
                 count += 1;
@@ -97,11 +85,7 @@ fn ratio_by_discrepancy(times: &[f64], signal: &[f64], sigma: f64, step: f64) ->
     }
     while high - low > 0.05 {
         let middle = 0.5 * (low + high);
-        if excess(middle)? <= 0.0 {
-            high = middle
-        } else {
-            low = middle
-        }
+        if excess(middle)? <= 0.0 { high = middle } else { low = middle }
     }
     Ok(10f64.powf(high))
 }
@@ -127,18 +111,8 @@ struct Step {
 
 impl<'a> Filter<'a> {
     fn new(times: &'a [f64], signal: &'a [f64], sigma: f64, step: f64, ratio: f64) -> Self {
-        let uniform = times
-            .windows(2)
-            .all(|t| (t[1] - t[0] - step).abs() <= 1e-6 * step);
-        Self {
-            times,
-            signal,
-            sigma,
-            step,
-            ratio,
-            offset: signal[0],
-            uniform,
-        }
+        let uniform = times.windows(2).all(|t| (t[1] - t[0] - step).abs() <= 1e-6 * step);
+        Self { times, signal, sigma, step, ratio, offset: signal[0], uniform }
     }
 
     fn measurement(&self, i: usize) -> f64 {
@@ -146,18 +120,12 @@ impl<'a> Filter<'a> {
     }
 
     fn interval(&self, i: usize) -> f64 {
-        if self.uniform {
-            1.0
-        } else {
-            (self.times[i] - self.times[i - 1]) / self.step
-        }
+        if self.uniform { 1.0 } else { (self.times[i] - self.times[i - 1]) / self.step }
     }
 
     /// Wide prior: no derivative per step exceeds the signal's range.
     fn prior(&self) -> Matrix4<f64> {
-        let range = (0..self.signal.len())
-            .map(|i| self.measurement(i).abs())
-            .fold(1.0, f64::max);
+        let range = (0..self.signal.len()).map(|i| self.measurement(i).abs()).fold(1.0, f64::max);
         Matrix4::from_diagonal_element(range * range)
     }
 
@@ -190,11 +158,7 @@ impl<'a> Filter<'a> {
         let mut steps: Vec<Step> = Vec::new();
         self.run(|step, x| {
             states.push(*x);
-            if !self.uniform
-                || steps
-                    .last()
-                    .is_none_or(|last| last.filtered != step.filtered)
-            {
+            if !self.uniform || steps.last().is_none_or(|last| last.filtered != step.filtered) {
                 steps.push(*step);
             }
         });
@@ -219,9 +183,7 @@ impl<'a> Filter<'a> {
 }
 
 fn unchanged(a: &Matrix4<f64>, b: &Matrix4<f64>) -> bool {
-    (0..4).all(|i| {
-        (0..4).all(|j| (a[(i, j)] - b[(i, j)]).abs() <= 1e-12 * (b[(i, i)] * b[(j, j)]).sqrt())
-    })
+    (0..4).all(|i| (0..4).all(|j| (a[(i, j)] - b[(i, j)]).abs() <= 1e-12 * (b[(i, i)] * b[(j, j)]).sqrt()))
 }
 
 /// Measurement update with unit variance, in Joseph's form, which keeps the covariance positive.
@@ -233,23 +195,13 @@ fn update(predicted: Matrix4<f64>) -> Step {
         keep[(i, 0)] -= gain[i];
     }
     let filtered = keep * predicted * keep.transpose() + gain * gain.transpose();
-    Step {
-        gain,
-        filtered: (filtered + filtered.transpose()) * 0.5,
-        predicted,
-    }
+    Step { gain, filtered: (filtered + filtered.transpose()) * 0.5, predicted }
 }
 
 /// `F = exp(A h)` and `Q = ∫ F(s) e₄ e₄ᵀ F(s)ᵀ ds · ratio`.
 fn transition(h: f64, ratio: f64) -> (Matrix4<f64>, Matrix4<f64>) {
     const FACTORIAL: [f64; 4] = [1.0, 1.0, 2.0, 6.0];
-    let f = Matrix4::from_fn(|i, j| {
-        if j >= i {
-            h.powi((j - i) as i32) / FACTORIAL[j - i]
-        } else {
-            0.0
-        }
-    });
+    let f = Matrix4::from_fn(|i, j| if j >= i { h.powi((j - i) as i32) / FACTORIAL[j - i] } else { 0.0 });
     let q = Matrix4::from_fn(|i, j| {
         let power = 7 - i - j;
         ratio * h.powi(power as i32) / (power as f64 * FACTORIAL[3 - i] * FACTORIAL[3 - j])
@@ -266,14 +218,11 @@ fn smoother_gain(
     let d = predicted.diagonal().map(|p| 1.0 / p.sqrt());
     let scale = Matrix4::from_diagonal(&d);
     let scaled = scale * predicted * scale;
-    let factor = scaled
-        .cholesky()
-        .ok_or_else(|| IdentificationError::NotConverged {
-            what: "the Kalman smoother".into(),
-            iterations: 0,
-            detail: "the predicted covariance is not positive definite; raise the spectral density"
-                .into(),
-        })?;
+    let factor = scaled.cholesky().ok_or_else(|| IdentificationError::NotConverged {
+        what: "the Kalman smoother".into(),
+        iterations: 0,
+        detail: "the predicted covariance is not positive definite; raise the spectral density".into(),
+    })?;
     let right = scale * f * filtered;
     Ok((scale * factor.solve(&right)).transpose())
 }
@@ -307,37 +256,22 @@ mod tests {
                 block += add;
             }
         }
-        information
-            .cholesky()
-            .unwrap()
-            .solve(&right)
-            .as_slice()
-            .to_vec()
+        information.cholesky().unwrap().solve(&right).as_slice().to_vec()
     }
 
     #[test]
     fn agrees_with_dense_least_squares() {
         for jitter in [0.0, 0.3] {
             let mut random = SplitMix64::new(9);
-            let times: Vec<f64> = (0..40)
-                .map(|i| 0.1 * (f64::from(i) + jitter * random.uniform()))
-                .collect();
-            let signal: Vec<f64> = times
-                .iter()
-                .map(|t| t.sin() + 0.1 * random.normal())
-                .collect();
+            let times: Vec<f64> = (0..40).map(|i| 0.1 * (f64::from(i) + jitter * random.uniform())).collect();
+            let signal: Vec<f64> = times.iter().map(|t| t.sin() + 0.1 * random.normal()).collect();
             let step = (times[39] - times[0]) / 39.0;
             let filter = Filter::new(&times, &signal, 0.1, step, 1e-2);
             let smoothed = filter.smooth().unwrap();
             let dense = by_dense_least_squares(&filter);
             for (i, s) in smoothed.iter().enumerate() {
                 for k in 0..4 {
-                    assert!(
-                        (s[k] - dense[4 * i + k]).abs() < 1e-6,
-                        "{i} {k}: {} {}",
-                        s[k],
-                        dense[4 * i + k]
-                    );
+                    assert!((s[k] - dense[4 * i + k]).abs() < 1e-6, "{i} {k}: {} {}", s[k], dense[4 * i + k]);
                 }
             }
         }
@@ -348,15 +282,8 @@ mod tests {
         let mut random = SplitMix64::new(10);
         let times: Vec<f64> = (0..3000).map(|i| 0.01 * f64::from(i)).collect();
         // The same times, but not equal enough for the shortcut.
-        let uneven: Vec<f64> = times
-            .iter()
-            .enumerate()
-            .map(|(i, t)| t + 1e-7 * ((i % 2) as f64))
-            .collect();
-        let signal: Vec<f64> = times
-            .iter()
-            .map(|t| (3.0 * t).sin() + 0.01 * random.normal())
-            .collect();
+        let uneven: Vec<f64> = times.iter().enumerate().map(|(i, t)| t + 1e-7 * ((i % 2) as f64)).collect();
+        let signal: Vec<f64> = times.iter().map(|t| (3.0 * t).sin() + 0.01 * random.normal()).collect();
         let settings = KalmanSmoother::with_density(0.01, 1e4);
         let fast = settings.differentiate(&times, &signal).unwrap();
         let slow = settings.differentiate(&uneven, &signal).unwrap();

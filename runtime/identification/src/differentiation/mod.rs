@@ -35,7 +35,8 @@ pub struct Derivatives {
 
 /// Standard deviation of the rounding error of an encoder, `Δ/√12` for resolution Δ.
 ///
-/// Holds where the signal moves by more than Δ between samples; a slower signal has correlated rounding errors.
+/// Holds where the signal moves by more than Δ between samples; a slower signal has correlated rounding
+/// errors.
 pub fn quantization_noise(resolution: f64) -> f64 {
     resolution / 12.0_f64.sqrt()
 }
@@ -65,10 +66,8 @@ pub fn central_differences(times: &[f64], signal: &[f64]) -> Result<Vec<f64>> {
 pub fn estimate_noise(signal: &[f64]) -> Result<f64> {
     require_samples("the noise estimate", 5, signal.len())?;
     require_finite("the signal", signal)?;
-    let mut third: Vec<f64> = signal
-        .windows(4)
-        .map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs())
-        .collect();
+    let mut third: Vec<f64> =
+        signal.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs()).collect();
     third.sort_by(f64::total_cmp);
     Ok(super::ensemble::quantile(&third, 0.5) / (0.6745 * 20.0_f64.sqrt()))
 }
@@ -81,11 +80,7 @@ fn check(times: &[f64], signal: &[f64], needed: usize) -> Result<()> {
     require_finite("the signal", signal)?;
     match times.windows(2).position(|w| w[1] <= w[0]) {
         None => Ok(()),
-        Some(i) => Err(IdentificationError::Time {
-            row: i + 1,
-            before: times[i],
-            after: times[i + 1],
-        }),
+        Some(i) => Err(IdentificationError::Time { row: i + 1, before: times[i], after: times[i + 1] }),
     }
 }
 
@@ -94,7 +89,8 @@ fn rms_difference(a: &[f64], b: &[f64]) -> f64 {
     (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
 }
 
-/// Residual rms that noise σ explains in n samples: σ plus two standard errors of a sample's rms, `σ √(1 + 2 √(2/n))`.
+/// Residual rms that noise σ explains in n samples: σ plus two standard errors of a sample's rms,
+/// `σ √(1 + 2 √(2/n))`.
 ///
 /// Without the margin a log whose noise happens to be a little above σ would hardly be smoothed at all.
 fn residual_bound(sigma: f64, samples: usize) -> f64 {
@@ -109,9 +105,7 @@ fn judged_windows(samples: usize) -> Vec<Range<usize>> {
         return std::iter::once(0..samples).collect();
     }
     let spacing = (samples - SIZE) / (WINDOWS - 1);
-    (0..WINDOWS)
-        .map(|k| k * spacing..k * spacing + SIZE)
-        .collect()
+    (0..WINDOWS).map(|k| k * spacing..k * spacing + SIZE).collect()
 }
 
 fn require_noise(sigma: f64) -> Result<()> {
@@ -132,10 +126,7 @@ mod tests {
         let mut random = SplitMix64::new(seed);
         let times: Vec<f64> = (0..2000).map(|i| f64::from(i) * 0.01).collect();
         let phase = |t: f64| 2.0 * std::f64::consts::PI * (0.1 * t + 0.05 * t * t);
-        let signal = times
-            .iter()
-            .map(|&t| phase(t).sin() + 0.01 * random.normal())
-            .collect();
+        let signal = times.iter().map(|&t| phase(t).sin() + 0.01 * random.normal()).collect();
         let rate = |t: f64| 2.0 * std::f64::consts::PI * (0.1 + 0.1 * t);
         let first = times.iter().map(|&t| rate(t) * phase(t).cos()).collect();
         (times, signal, first)
@@ -145,8 +136,7 @@ mod tests {
     fn inner_error(estimate: &[f64], truth: &[f64]) -> f64 {
         let inner = truth.len() / 20..truth.len() - truth.len() / 20;
         let zero = vec![0.0; inner.len()];
-        rms_difference(&estimate[inner.clone()], &truth[inner.clone()])
-            / rms_difference(&truth[inner], &zero)
+        rms_difference(&estimate[inner.clone()], &truth[inner.clone()]) / rms_difference(&truth[inner], &zero)
     }
 
     #[test]
@@ -155,24 +145,13 @@ mod tests {
         for seed in 1..=20 {
             let (times, signal, truth) = chirp(seed);
             let central = inner_error(&central_differences(&times, &signal).unwrap(), &truth);
-            let tv = TotalVariation::from_noise(0.01)
-                .differentiate(&times, &signal)
-                .unwrap();
-            let kalman = KalmanSmoother::from_noise(0.01)
-                .differentiate(&times, &signal)
-                .unwrap();
-            let polynomial = SavitzkyGolay::from_noise(0.01)
-                .differentiate(&times, &signal)
-                .unwrap();
+            let tv = TotalVariation::from_noise(0.01).differentiate(&times, &signal).unwrap();
+            let kalman = KalmanSmoother::from_noise(0.01).differentiate(&times, &signal).unwrap();
+            let polynomial = SavitzkyGolay::from_noise(0.01).differentiate(&times, &signal).unwrap();
             let errors = [&tv, &kalman, &polynomial].map(|d| inner_error(&d.first, &truth));
             println!(
                 "seed {seed}: central {central:.4}, total variation {:.4} (γ {:.3e}), Kalman {:.4} (q {:.3e}), Savitzky–Golay {:.4} ({})",
-                errors[0],
-                tv.parameter,
-                errors[1],
-                kalman.parameter,
-                errors[2],
-                polynomial.parameter
+                errors[0], tv.parameter, errors[1], kalman.parameter, errors[2], polynomial.parameter
             );
             least_tv = least_tv.min(central / errors[0]);
             least_best = least_best.min(central / errors.into_iter().fold(f64::INFINITY, f64::min));
@@ -188,10 +167,7 @@ mod tests {
     fn bad_signals_are_refused_with_numbers() {
         let ok = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
         let message = |t: &[f64], x: &[f64]| {
-            TotalVariation::with_gamma(1.0)
-                .differentiate(t, x)
-                .unwrap_err()
-                .to_string()
+            TotalVariation::with_gamma(1.0).differentiate(t, x).unwrap_err().to_string()
         };
         assert!(message(&[], &[]).contains("empty"));
         assert!(message(&[0.0], &[1.0]).contains("needs at least 4 samples, there are 1"));
@@ -199,16 +175,10 @@ mod tests {
             message(&[0.0, 1.0, 1.0, 2.0], &ok[..4])
                 .contains("row 2 (counted from 0): 1 s is followed by 1 s")
         );
-        assert!(
-            message(&ok, &[0.0, 1.0, f64::NAN, 1.0, 1.0, 1.0])
-                .contains("not finite (NaN) at row 2")
-        );
+        assert!(message(&ok, &[0.0, 1.0, f64::NAN, 1.0, 1.0, 1.0]).contains("not finite (NaN) at row 2"));
         assert!(message(&ok, &ok[..5]).contains("5 expected, 6 given"));
         assert!(estimate_noise(&[1.0; 4]).is_err());
-        let negative = KalmanSmoother::from_noise(-1.0)
-            .differentiate(&ok, &ok)
-            .unwrap_err()
-            .to_string();
+        let negative = KalmanSmoother::from_noise(-1.0).differentiate(&ok, &ok).unwrap_err().to_string();
         assert!(negative.contains("noise σ = -1 is not possible"));
     }
 
@@ -218,15 +188,9 @@ mod tests {
         for slope in [0.0, -3.5] {
             let signal: Vec<f64> = times.iter().map(|t| 7.0 + slope * t).collect();
             let all = [
-                TotalVariation::from_noise(1e-4)
-                    .differentiate(&times, &signal)
-                    .unwrap(),
-                SavitzkyGolay::from_noise(1e-4)
-                    .differentiate(&times, &signal)
-                    .unwrap(),
-                KalmanSmoother::from_noise(1e-4)
-                    .differentiate(&times, &signal)
-                    .unwrap(),
+                TotalVariation::from_noise(1e-4).differentiate(&times, &signal).unwrap(),
+                SavitzkyGolay::from_noise(1e-4).differentiate(&times, &signal).unwrap(),
+                KalmanSmoother::from_noise(1e-4).differentiate(&times, &signal).unwrap(),
             ];
             for d in all {
                 for i in 0..200 {

@@ -26,24 +26,19 @@ pub enum Window {
 impl SavitzkyGolay {
     /// Window by hand.
     pub fn with_window(samples: usize, degree: usize) -> Self {
-        Self {
-            degree,
-            window: Window::Samples(samples),
-        }
+        Self { degree, window: Window::Samples(samples) }
     }
 
     /// Window from the noise σ, degree 5.
     pub fn from_noise(sigma: f64) -> Self {
-        Self {
-            degree: 5,
-            window: Window::Noise(sigma),
-        }
+        Self { degree: 5, window: Window::Noise(sigma) }
     }
 
     /// Smoothed signal and derivatives at the sampling times; near the ends the window is not centred.
     ///
     /// # Errors
-    /// Fewer samples than the window, values that are not finite, times that do not increase, settings out of range.
+    /// Fewer samples than the window, values that are not finite, times that do not increase, settings out of
+    /// range.
     pub fn differentiate(&self, times: &[f64], signal: &[f64]) -> Result<Derivatives> {
         require_setting(
             "degree",
@@ -54,12 +49,7 @@ impl SavitzkyGolay {
         match self.window {
             Window::Samples(window) => {
                 let wanted = format!("it must be odd and at least {}", self.degree + 1);
-                require_setting(
-                    "window",
-                    window as f64,
-                    window % 2 == 1 && window > self.degree,
-                    &wanted,
-                )?;
+                require_setting("window", window as f64, window % 2 == 1 && window > self.degree, &wanted)?;
                 check(times, signal, window)?;
                 Filter::new(times, window, self.degree)?.apply(times, signal)
             }
@@ -110,39 +100,23 @@ impl Filter {
     fn new(times: &[f64], window: usize, degree: usize) -> Result<Self> {
         let m = times.len();
         let step = (times[m - 1] - times[0]) / (m - 1) as f64;
-        let uniform = times
-            .windows(2)
-            .all(|t| (t[1] - t[0] - step).abs() <= 1e-6 * step);
+        let uniform = times.windows(2).all(|t| (t[1] - t[0] - step).abs() <= 1e-6 * step);
         let half = (window / 2) as f64;
         let ideal: Vec<f64> = (0..window).map(|i| (i as f64 - half) * step).collect();
         let weights = polynomial_weights(&ideal, 0.0, degree)?;
-        Ok(Self {
-            window,
-            degree,
-            uniform,
-            weights,
-        })
+        Ok(Self { window, degree, uniform, weights })
     }
 
     fn apply(&self, times: &[f64], signal: &[f64]) -> Result<Derivatives> {
         let out = self.filtered::<3>(times, signal)?;
         let residual = rms_difference(&out[0], signal);
         let [value, first, second] = out;
-        Ok(Derivatives {
-            value,
-            first,
-            second,
-            residual,
-            parameter: self.window as f64,
-        })
+        Ok(Derivatives { value, first, second, residual, parameter: self.window as f64 })
     }
 
     /// Root mean square of signal minus smoothed signal.
     fn residual(&self, times: &[f64], signal: &[f64]) -> Result<f64> {
-        Ok(rms_difference(
-            &self.filtered::<1>(times, signal)?[0],
-            signal,
-        ))
+        Ok(rms_difference(&self.filtered::<1>(times, signal)?[0], signal))
     }
 
     /// Value and the first K − 1 derivatives.
@@ -162,11 +136,7 @@ impl Filter {
             };
             // Relative to the sample itself: the weights of the derivatives sum to zero, and digits are kept.
             for (out, weights) in out.iter_mut().zip(weights) {
-                out[i] = weights
-                    .iter()
-                    .zip(&signal[rows.clone()])
-                    .map(|(w, x)| w * (x - signal[i]))
-                    .sum();
+                out[i] = weights.iter().zip(&signal[rows.clone()]).map(|(w, x)| w * (x - signal[i])).sum();
             }
             out[0][i] += signal[i];
         }
@@ -192,10 +162,8 @@ impl Filter {
         let qr = matrix.qr();
         qr.q_tr_mul(&mut right);
         let right = right.rows(0, self.degree + 1).into_owned();
-        let mut c = qr
-            .r()
-            .solve_upper_triangular(&right)
-            .ok_or_else(|| singular(self.degree, self.window))?;
+        let mut c =
+            qr.r().solve_upper_triangular(&right).ok_or_else(|| singular(self.degree, self.window))?;
         for out in out.iter_mut() {
             for i in rows.clone() {
                 let x = (times[i] - centre) / scale;
@@ -218,9 +186,8 @@ fn singular(degree: usize, window: usize) -> IdentificationError {
 /// Weights of the samples in value, slope and curvature at `centre` of the polynomial fitted at `times`.
 fn polynomial_weights(times: &[f64], centre: f64, degree: usize) -> Result<[Vec<f64>; 3]> {
     let scale = times.iter().fold(0.0_f64, |a, t| a.max((t - centre).abs()));
-    let vandermonde = DMatrix::from_fn(times.len(), degree + 1, |i, j| {
-        ((times[i] - centre) / scale).powi(j as i32)
-    });
+    let vandermonde =
+        DMatrix::from_fn(times.len(), degree + 1, |i, j| ((times[i] - centre) / scale).powi(j as i32));
     let qr = vandermonde.qr();
     let (q, r) = (qr.q(), qr.r());
     let mut weights = [Vec::new(), Vec::new(), Vec::new()];
@@ -228,9 +195,7 @@ fn polynomial_weights(times: &[f64], centre: f64, degree: usize) -> Result<[Vec<
     for (k, weights) in weights.iter_mut().enumerate() {
         // Row k of R⁻¹ Qᵀ: solve Rᵀ z = eₖ, then Q z.
         let unit = DVector::from_fn(degree + 1, |i, _| if i == k { 1.0 } else { 0.0 });
-        let z = r
-            .tr_solve_upper_triangular(&unit)
-            .ok_or_else(|| singular(degree, times.len()))?;
+        let z = r.tr_solve_upper_triangular(&unit).ok_or_else(|| singular(degree, times.len()))?;
         *weights = (&q * z * factors[k]).as_slice().to_vec();
     }
     Ok(weights)
@@ -256,16 +221,10 @@ mod tests {
     #[test]
     fn polynomials_of_the_degree_are_exact_also_at_the_ends_and_with_jitter() {
         for jitter in [0.0, 0.003] {
-            let times: Vec<f64> = (0..60)
-                .map(|i| 0.02 * f64::from(i) + jitter * f64::from(i * 7 % 3))
-                .collect();
-            let signal: Vec<f64> = times
-                .iter()
-                .map(|t| 1.0 - 2.0 * t + 3.0 * t.powi(4))
-                .collect();
-            let d = SavitzkyGolay::with_window(11, 4)
-                .differentiate(&times, &signal)
-                .unwrap();
+            let times: Vec<f64> =
+                (0..60).map(|i| 0.02 * f64::from(i) + jitter * f64::from(i * 7 % 3)).collect();
+            let signal: Vec<f64> = times.iter().map(|t| 1.0 - 2.0 * t + 3.0 * t.powi(4)).collect();
+            let d = SavitzkyGolay::with_window(11, 4).differentiate(&times, &signal).unwrap();
             for (i, t) in times.iter().enumerate() {
                 assert!((d.first[i] - (12.0 * t.powi(3) - 2.0)).abs() < 1e-8);
                 assert!((d.second[i] - 36.0 * t * t).abs() < 1e-6);
@@ -276,23 +235,10 @@ mod tests {
     #[test]
     fn windows_out_of_range_are_refused() {
         let times: Vec<f64> = (0..9).map(f64::from).collect();
-        let message = |w, d| {
-            SavitzkyGolay::with_window(w, d)
-                .differentiate(&times, &times)
-                .unwrap_err()
-                .to_string()
-        };
-        assert_eq!(
-            message(4, 2),
-            "window = 4 is not possible: it must be odd and at least 3"
-        );
-        assert_eq!(
-            message(11, 2),
-            "differentiation needs at least 11 samples, there are 9"
-        );
-        assert_eq!(
-            message(5, 1),
-            "degree = 1 is not possible: it must lie between 2 and 8"
-        );
+        let message =
+            |w, d| SavitzkyGolay::with_window(w, d).differentiate(&times, &times).unwrap_err().to_string();
+        assert_eq!(message(4, 2), "window = 4 is not possible: it must be odd and at least 3");
+        assert_eq!(message(11, 2), "differentiation needs at least 11 samples, there are 9");
+        assert_eq!(message(5, 1), "degree = 1 is not possible: it must lie between 2 and 8");
     }
 }

@@ -1,8 +1,8 @@
 //! Total-variation regularized differentiation (Chartrand 2011), by lagged diffusivity.
 //!
 //! With the smoothed signal s as unknown and D the divided difference of order k + 1,
-//! `F(s) = ½ ‖s − f‖² + γ Δt Σ √((D s)² + ε)`; k = 1 penalizes the variation of the first derivative (Chartrand's
-//! functional, the offset left free), k = 2 that of the second. Each iteration fixes the root in
+//! `F(s) = ½ ‖s − f‖² + γ Δt Σ √((D s)² + ε)`; k = 1 penalizes the variation of the first derivative
+//! (Chartrand's functional, the offset left free), k = 2 that of the second. Each iteration fixes the root in
 //! `(I + γ Δt Dᵀ W D) s = f`, `W = 1/√((D s)² + ε)`, a banded system: its cost is linear in the samples.
 
 use super::super::error::{IdentificationError, Result, require_setting};
@@ -12,12 +12,14 @@ use super::{Derivatives, check, require_noise, residual_bound, rms_difference};
 /// Settings of the method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TotalVariation {
-    /// Which derivative's variation is penalized: 1 (piecewise constant velocity) or 2 (piecewise linear velocity).
+    /// Which derivative's variation is penalized: 1 (piecewise constant velocity) or 2 (piecewise linear
+    /// velocity).
     pub order: usize,
     /// Weight γ of the variation, or the noise from which it is found.
     pub regularization: Regularization,
-    /// Smoothing ε of the root, in (unit / s^(order+1))². Small values make that derivative jump; `None` takes the
-    /// mean square of that derivative in a quadratically smoothed signal, which suits smooth motions.
+    /// Smoothing ε of the root, in (unit / s^(order+1))². Small values make that derivative jump; `None`
+    /// takes the mean square of that derivative in a quadratically smoothed signal, which suits smooth
+    /// motions.
     pub epsilon: Option<f64>,
     /// Limit of the iterations.
     pub iterations: usize,
@@ -72,15 +74,14 @@ impl TotalVariation {
     /// Smoothed signal and derivatives at the sampling times.
     ///
     /// # Errors
-    /// Fewer than order + 3 samples, values that are not finite, times that do not increase, settings out of range.
+    /// Fewer than order + 3 samples, values that are not finite, times that do not increase, settings out of
+    /// range.
     pub fn differentiate(&self, times: &[f64], signal: &[f64]) -> Result<Derivatives> {
         let result = self.solve(times, signal)?;
         let m = signal.len();
         let middle: Vec<f64> = times.windows(2).map(|t| 0.5 * (t[0] + t[1])).collect();
         let slope: Vec<f64> = (0..m - 2)
-            .map(|i| {
-                (result.derivative[i + 1] - result.derivative[i]) / (middle[i + 1] - middle[i])
-            })
+            .map(|i| (result.derivative[i + 1] - result.derivative[i]) / (middle[i + 1] - middle[i]))
             .collect();
         let second = |i: usize| slope[i.clamp(1, m - 2) - 1];
         let first = |i: usize| {
@@ -108,12 +109,7 @@ impl TotalVariation {
     /// # Errors
     /// As [`Self::differentiate`].
     pub fn solve(&self, times: &[f64], signal: &[f64]) -> Result<TotalVariationResult> {
-        require_setting(
-            "order",
-            self.order as f64,
-            matches!(self.order, 1 | 2),
-            "it must be 1 or 2",
-        )?;
+        require_setting("order", self.order as f64, matches!(self.order, 1 | 2), "it must be 1 or 2")?;
         if let Some(epsilon) = self.epsilon {
             require_setting("ε", epsilon, epsilon > 0.0, "it must be positive")?;
         } else if let Regularization::Weight(gamma) = self.regularization {
@@ -123,12 +119,7 @@ impl TotalVariation {
                 requirement: "with γ by hand ε must be given too".into(),
             });
         }
-        require_setting(
-            "iterations",
-            self.iterations as f64,
-            self.iterations > 0,
-            "at least one is needed",
-        )?;
+        require_setting("iterations", self.iterations as f64, self.iterations > 0, "at least one is needed")?;
         check(times, signal, self.order + 3)?;
         match (self.regularization, self.order) {
             (Regularization::Weight(gamma), _) => {
@@ -177,9 +168,7 @@ impl<'a, const W: usize> Problem<'a, W> {
     fn new(settings: &'a TotalVariation, times: &'a [f64], signal: &'a [f64]) -> Self {
         let m = times.len();
         let step = (times[m - 1] - times[0]) / (m - 1) as f64;
-        let uniform = times
-            .windows(2)
-            .all(|t| (t[1] - t[0] - step).abs() <= 1e-6 * step);
+        let uniform = times.windows(2).all(|t| (t[1] - t[0] - step).abs() <= 1e-6 * step);
         let differences = if uniform {
             let ideal: Vec<f64> = (0..W).map(|i| i as f64 * step).collect();
             vec![divided_difference(&ideal)]
@@ -203,9 +192,7 @@ impl<'a, const W: usize> Problem<'a, W> {
         if self.settings.epsilon.is_none() {
             self.root = Root::Quadratic;
             let smooth = self.by_discrepancy(sigma).signal;
-            let squares: f64 = (0..smooth.len() + 1 - W)
-                .map(|i| self.difference(i, &smooth).powi(2))
-                .sum();
+            let squares: f64 = (0..smooth.len() + 1 - W).map(|i| self.difference(i, &smooth).powi(2)).sum();
             // The floor keeps a straight signal, whose difference is rounding error, regular.
             let floor = (sigma / self.duration().powi(W as i32 - 1)).powi(2);
             self.root = Root::Smoothed((squares / smooth.len() as f64).max(floor));
@@ -236,26 +223,15 @@ impl<'a, const W: usize> Problem<'a, W> {
             let before = std::mem::replace(&mut s, self.centred.clone());
             solve(&mut band, &mut s);
             iterations += 1;
-            let moved = s
-                .iter()
-                .zip(&before)
-                .fold(0.0_f64, |a, (x, y)| a.max((x - y).abs()));
+            let moved = s.iter().zip(&before).fold(0.0_f64, |a, (x, y)| a.max((x - y).abs()));
             if moved <= self.settings.tolerance * range {
                 break;
             }
         }
-        let derivative = s
-            .windows(2)
-            .zip(self.times.windows(2))
-            .map(|(s, t)| (s[1] - s[0]) / (t[1] - t[0]))
-            .collect();
+        let derivative =
+            s.windows(2).zip(self.times.windows(2)).map(|(s, t)| (s[1] - s[0]) / (t[1] - t[0])).collect();
         s.iter_mut().for_each(|s| *s += self.mean);
-        TotalVariationResult {
-            signal: s,
-            derivative,
-            gamma,
-            iterations,
-        }
+        TotalVariationResult { signal: s, derivative, gamma, iterations }
     }
 
     /// Lower band of `I + γ Δt Dᵀ W D`.
@@ -265,9 +241,7 @@ impl<'a, const W: usize> Problem<'a, W> {
         for i in 0..s.len() + 1 - W {
             let d = self.coefficients(i);
             let w = match self.root {
-                Root::Smoothed(epsilon) => {
-                    weight / (self.difference(i, s).powi(2) + epsilon).sqrt()
-                }
+                Root::Smoothed(epsilon) => weight / (self.difference(i, s).powi(2) + epsilon).sqrt(),
                 Root::Quadratic => weight,
             };
             for row in 0..W {
@@ -282,11 +256,10 @@ impl<'a, const W: usize> Problem<'a, W> {
     fn by_discrepancy(&self, sigma: f64) -> TotalVariationResult {
         let residual = |result: &TotalVariationResult| rms_difference(&result.signal, self.signal);
         let sigma = residual_bound(sigma, self.signal.len());
-        // γ times the weight of one difference, relative to 1, from no smoothing to a window of the whole signal.
+        // γ times the weight of one difference, relative to 1, from no smoothing to a window of the whole
+        // signal.
         let typical = match self.root {
-            Root::Smoothed(epsilon) => epsilon
-                .sqrt()
-                .max(sigma / self.duration().powi(W as i32 - 1)),
+            Root::Smoothed(epsilon) => epsilon.sqrt().max(sigma / self.duration().powi(W as i32 - 1)),
             Root::Quadratic => 1.0,
         };
         let unit = |window: f64| window.powi(2 * W as i32 - 2) * typical / self.step;
@@ -312,14 +285,12 @@ impl<'a, const W: usize> Problem<'a, W> {
     }
 }
 
-/// Coefficients of `W − 1 factorial` times the divided difference on the given times, a derivative of order W − 1.
+/// Coefficients of `W − 1 factorial` times the divided difference on the given times, a derivative of order W
+/// − 1.
 fn divided_difference<const W: usize>(times: &[f64]) -> [f64; W] {
     let factorial: f64 = (1..W).map(|k| k as f64).product();
     std::array::from_fn(|i| {
-        let product: f64 = (0..W)
-            .filter(|&j| j != i)
-            .map(|j| times[i] - times[j])
-            .product();
+        let product: f64 = (0..W).filter(|&j| j != i).map(|j| times[i] - times[j]).product();
         factorial / product
     })
 }
@@ -331,10 +302,8 @@ mod tests {
 
     fn objective(s: &[f64], f: &[f64], gamma: f64, dt: f64) -> f64 {
         let fidelity: f64 = s.iter().zip(f).map(|(s, f)| (s - f).powi(2)).sum::<f64>() / 2.0;
-        let variation: f64 = s
-            .windows(3)
-            .map(|w| (((w[2] - 2.0 * w[1] + w[0]) / dt / dt).powi(2) + 1e-6).sqrt())
-            .sum();
+        let variation: f64 =
+            s.windows(3).map(|w| (((w[2] - 2.0 * w[1] + w[0]) / dt / dt).powi(2) + 1e-6).sqrt()).sum();
         fidelity + gamma * dt * variation
     }
 
@@ -343,41 +312,25 @@ mod tests {
         let mut random = SplitMix64::new(2);
         let dt = 0.01;
         let times: Vec<f64> = (0..300).map(|i| f64::from(i) * dt).collect();
-        let signal: Vec<f64> = times
-            .iter()
-            .map(|t| (t - 1.5).abs() + 0.01 * random.normal())
-            .collect();
+        let signal: Vec<f64> = times.iter().map(|t| (t - 1.5).abs() + 0.01 * random.normal()).collect();
         let gamma = 1e-3;
-        let settings = TotalVariation {
-            iterations: 500,
-            ..TotalVariation::with_gamma(gamma)
-        };
+        let settings = TotalVariation { iterations: 500, ..TotalVariation::with_gamma(gamma) };
         let result = settings.solve(&times, &signal).unwrap();
         let least = objective(&result.signal, &signal, gamma, dt);
         for _ in 0..200 {
             let size = 1e-6 * 10f64.powi(random.below(4) as i32);
-            let moved: Vec<f64> = result
-                .signal
-                .iter()
-                .map(|s| s + size * random.normal())
-                .collect();
+            let moved: Vec<f64> = result.signal.iter().map(|s| s + size * random.normal()).collect();
             assert!(objective(&moved, &signal, gamma, dt) >= least);
         }
         // A kink: the derivative is −1, then 1, and flat in between.
-        assert!(
-            (result.derivative[50] + 1.0).abs() < 0.05
-                && (result.derivative[250] - 1.0).abs() < 0.05
-        );
+        assert!((result.derivative[50] + 1.0).abs() < 0.05 && (result.derivative[250] - 1.0).abs() < 0.05);
     }
 
     #[test]
     fn the_discrepancy_principle_meets_the_noise() {
         let (times, signal, _) = super::super::tests::chirp(4);
         for order in [1, 2] {
-            let settings = TotalVariation {
-                order,
-                ..TotalVariation::from_noise(0.01)
-            };
+            let settings = TotalVariation { order, ..TotalVariation::from_noise(0.01) };
             let result = settings.differentiate(&times, &signal).unwrap();
             assert!(
                 result.residual <= residual_bound(0.01, 2000) && result.residual > 0.0098,
@@ -390,16 +343,10 @@ mod tests {
     #[test]
     fn jittered_sampling_gives_the_same_derivative() {
         let mut random = SplitMix64::new(6);
-        let times: Vec<f64> = (0..1000)
-            .map(|i| 0.01 * (f64::from(i) + 0.4 * (random.uniform() - 0.5)))
-            .collect();
-        let signal: Vec<f64> = times
-            .iter()
-            .map(|t| (2.0 * t).sin() + 1e-4 * random.normal())
-            .collect();
-        let result = TotalVariation::from_noise(1e-4)
-            .differentiate(&times, &signal)
-            .unwrap();
+        let times: Vec<f64> =
+            (0..1000).map(|i| 0.01 * (f64::from(i) + 0.4 * (random.uniform() - 0.5))).collect();
+        let signal: Vec<f64> = times.iter().map(|t| (2.0 * t).sin() + 1e-4 * random.normal()).collect();
+        let result = TotalVariation::from_noise(1e-4).differentiate(&times, &signal).unwrap();
         for i in 50..950 {
             assert!((result.first[i] - 2.0 * (2.0 * times[i]).cos()).abs() < 0.02);
             assert!((result.second[i] + 4.0 * (2.0 * times[i]).sin()).abs() < 0.5);

@@ -88,13 +88,7 @@ impl Findings {
         }
         self.open.push(self.all.len());
         let channel = channel.map(String::from);
-        self.all.push(Finding {
-            first: row,
-            last: row,
-            channel,
-            kind,
-            message: message(),
-        });
+        self.all.push(Finding { first: row, last: row, channel, kind, message: message() });
     }
 
     /// The rows of a channel that have a finding.
@@ -122,24 +116,17 @@ pub fn check(log: &Log) -> Vec<Finding> {
 /// As [`check`]; what reading the log has `found` comes first and is not said again.
 pub(super) fn check_after(log: &Log, found: Findings) -> Vec<Finding> {
     let unread: Vec<Vec<bool>> = log.channels().iter().map(|c| found.rows_of(c)).collect();
-    let mut findings = Findings {
-        all: found.all,
-        open: Vec::new(),
-    };
+    let mut findings = Findings { all: found.all, open: Vec::new() };
     let time = log.channels().iter().find(|c| c.quantity == Quantity::Time);
     if let Some(time) = time {
         check_times(time, log.segments(), &mut findings);
     }
     for (channel, unread) in log.channels().iter().zip(&unread) {
         check_values(channel, unread, &mut findings);
-        let continuous = matches!(
-            channel.quantity,
-            Quantity::Position | Quantity::Velocity | Quantity::Torque
-        );
+        let continuous =
+            matches!(channel.quantity, Quantity::Position | Quantity::Velocity | Quantity::Torque);
         if continuous {
-            log.segments()
-                .iter()
-                .for_each(|rows| check_jumps(channel, rows.clone(), &mut findings));
+            log.segments().iter().for_each(|rows| check_jumps(channel, rows.clone(), &mut findings));
         }
     }
     if let Some(time) = time {
@@ -150,17 +137,8 @@ pub(super) fn check_after(log: &Log, found: Findings) -> Vec<Finding> {
 
 fn check_times(time: &Channel, segments: &[Range<usize>], findings: &mut Findings) {
     let t = &time.values;
-    let steps = |rows: &Range<usize>| {
-        rows.clone()
-            .skip(1)
-            .map(|i| (i, t[i] - t[i - 1]))
-            .collect::<Vec<_>>()
-    };
-    let mut all: Vec<(usize, f64)> = segments
-        .iter()
-        .flat_map(steps)
-        .filter(|(_, d)| d.is_finite())
-        .collect();
+    let steps = |rows: &Range<usize>| rows.clone().skip(1).map(|i| (i, t[i] - t[i - 1])).collect::<Vec<_>>();
+    let mut all: Vec<(usize, f64)> = segments.iter().flat_map(steps).filter(|(_, d)| d.is_finite()).collect();
     let Some(median) = median(all.iter().map(|s| s.1).filter(|d| *d > 0.0)) else {
         return;
     };
@@ -168,13 +146,10 @@ fn check_times(time: &Channel, segments: &[Range<usize>], findings: &mut Finding
     for &(row, step) in &all {
         let (before, after) = (t[row - 1], t[row]);
         if step < 0.0 {
-            findings.add(row, name, FindingKind::Unsorted, || {
-                format!("time falls from {before} s to {after} s")
-            });
+            findings
+                .add(row, name, FindingKind::Unsorted, || format!("time falls from {before} s to {after} s"));
         } else if step == 0.0 {
-            findings.add(row, name, FindingKind::Repeated, || {
-                format!("time {after} s stands twice")
-            });
+            findings.add(row, name, FindingKind::Repeated, || format!("time {after} s stands twice"));
         } else if is_near(step / median, 1000.0, 0.05) || is_near(step / median, 1e-3, 0.05) {
             findings.add(row, name, FindingKind::MixedUnits, || {
                 format!(
@@ -184,10 +159,7 @@ fn check_times(time: &Channel, segments: &[Range<usize>], findings: &mut Finding
             });
         } else if step > 1.5 * median {
             findings.add(row, name, FindingKind::Gap, || {
-                format!(
-                    "a gap of {step:.6} s, {:.0} samples are missing",
-                    (step / median).round() - 1.0
-                )
+                format!("a gap of {step:.6} s, {:.0} samples are missing", (step / median).round() - 1.0)
             });
         }
     }
@@ -196,12 +168,9 @@ fn check_times(time: &Channel, segments: &[Range<usize>], findings: &mut Finding
 }
 
 fn check_jitter(steps: &[(usize, f64)], median: f64, name: Option<&str>, findings: &mut Findings) {
-    let rms = (steps.iter().map(|(_, d)| (d - median).powi(2)).sum::<f64>()
-        / steps.len().max(1) as f64)
-        .sqrt();
-    let worst = steps
-        .iter()
-        .max_by(|a, b| (a.1 - median).abs().total_cmp(&(b.1 - median).abs()));
+    let rms =
+        (steps.iter().map(|(_, d)| (d - median).powi(2)).sum::<f64>() / steps.len().max(1) as f64).sqrt();
+    let worst = steps.iter().max_by(|a, b| (a.1 - median).abs().total_cmp(&(b.1 - median).abs()));
     if let Some(&(row, step)) = worst
         && rms > 0.01 * median
     {
@@ -221,17 +190,14 @@ fn check_values(channel: &Channel, unread: &[bool], findings: &mut Findings) {
     let finite = channel.values.iter().filter(|x| x.is_finite());
     let Some(first) = finite.clone().next() else {
         if unread.contains(&false) {
-            findings.add(0, name, FindingKind::NoValues, || {
-                format!("none of {count} values is a finite number")
-            });
+            findings
+                .add(0, name, FindingKind::NoValues, || format!("none of {count} values is a finite number"));
         }
         return;
     };
     for (row, (x, unread)) in channel.values.iter().zip(unread).enumerate() {
         if !x.is_finite() && !unread {
-            findings.add(row, name, FindingKind::NotFinite, || {
-                format!("the value is {x}")
-            });
+            findings.add(row, name, FindingKind::NotFinite, || format!("the value is {x}"));
         }
     }
     if channel.quantity != Quantity::Segment && finite.clone().all(|x| x == first) {
@@ -243,43 +209,33 @@ fn check_values(channel: &Channel, unread: &[bool], findings: &mut Findings) {
 }
 
 /// Ratios of units that are mixed up: degrees and radians, thousandths, rpm and rad/s.
-const UNIT_RATIOS: [f64; 3] = [
-    180.0 / std::f64::consts::PI,
-    1000.0,
-    30.0 / std::f64::consts::PI,
-];
+const UNIT_RATIOS: [f64; 3] = [180.0 / std::f64::consts::PI, 1000.0, 30.0 / std::f64::consts::PI];
 
-/// Smaller jumps, as a share of the channel's range, have any ratio near a zero crossing and say nothing of units.
+/// Smaller jumps, as a share of the channel's range, have any ratio near a zero crossing and say nothing of
+/// units.
 const LEAST_UNIT_JUMP: f64 = 0.1;
 
 fn check_jumps(channel: &Channel, rows: Range<usize>, findings: &mut Findings) {
     let x = &channel.values[rows.clone()];
-    let Some(typical) = median(
-        x.windows(2)
-            .map(|w| (w[1] - w[0]).abs())
-            .filter(|d| *d > 0.0),
-    ) else {
+    let Some(typical) = median(x.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0)) else {
         return;
     };
     let (low, high) = x
         .iter()
         .filter(|x| x.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-            (a.min(*x), b.max(*x))
-        });
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
     for i in 1..x.len() {
         let jump = x[i] - x[i - 1];
         if jump.is_nan() || jump.abs() <= 20.0 * typical {
             continue;
         }
-        let stays = x
-            .get(i + 1)
-            .is_none_or(|next| (next - x[i]).abs() < 0.2 * jump.abs());
+        let stays = x.get(i + 1).is_none_or(|next| (next - x[i]).abs() < 0.2 * jump.abs());
         let name = Some(channel.name.as_str());
         let ratio = (x[i] / x[i - 1]).abs().max((x[i - 1] / x[i]).abs());
-        if let Some(unit) = UNIT_RATIOS.iter().find(|u| {
-            stays && jump.abs() > LEAST_UNIT_JUMP * (high - low) && is_near(ratio, **u, 0.03)
-        }) {
+        if let Some(unit) = UNIT_RATIOS
+            .iter()
+            .find(|u| stays && jump.abs() > LEAST_UNIT_JUMP * (high - low) && is_near(ratio, **u, 0.03))
+        {
             findings.add(rows.start + i, name, FindingKind::MixedUnits, || {
                 format!(
                     "from {} to {}: a factor of {ratio:.2}, close to {unit:.2} between two units",
@@ -287,8 +243,7 @@ fn check_jumps(channel: &Channel, rows: Range<usize>, findings: &mut Findings) {
                     x[i]
                 )
             });
-        } else if stays && channel.quantity == Quantity::Position && jump.abs() > 0.5 * (high - low)
-        {
+        } else if stays && channel.quantity == Quantity::Position && jump.abs() > 0.5 * (high - low) {
             findings.add(rows.start + i, name, FindingKind::Wrap, || {
                 format!(
                     "from {} to {}: a jump of {jump}, like a counter that overflows ({})",
@@ -320,11 +275,7 @@ fn period(jump: f64) -> String {
 /// Positions against velocities of the same joint, window by window.
 fn check_rates(log: &Log, time: &Channel, findings: &mut Findings) {
     const WINDOW: usize = 200;
-    let of = |q: Quantity| {
-        log.channels()
-            .iter()
-            .filter(move |c| c.quantity == q && c.joint.is_some())
-    };
+    let of = |q: Quantity| log.channels().iter().filter(move |c| c.quantity == q && c.joint.is_some());
     for position in of(Quantity::Position) {
         let Some(velocity) = of(Quantity::Velocity).find(|v| v.joint == position.joint) else {
             continue;
@@ -341,14 +292,14 @@ fn check_rates(log: &Log, time: &Channel, findings: &mut Findings) {
                 ) else {
                     continue;
                 };
-                let unit = UNIT_RATIOS
-                    .iter()
-                    .flat_map(|u| [*u, 1.0 / u])
-                    .find(|u| is_near(ratio, *u, 0.2));
+                let unit = UNIT_RATIOS.iter().flat_map(|u| [*u, 1.0 / u]).find(|u| is_near(ratio, *u, 0.2));
                 if let Some(unit) = unit {
                     for row in rows {
                         findings.add(row, Some(&position.name), FindingKind::MixedUnits, || {
-                            format!("its slope is {ratio:.4} times {}, close to {unit:.4} between two units", velocity.name)
+                            format!(
+                                "its slope is {ratio:.4} times {}, close to {unit:.4} between two units",
+                                velocity.name
+                            )
                         });
                     }
                 }
@@ -401,10 +352,7 @@ mod tests {
             writeln!(text, "{},{},{}", row[0], row[1], row[2]).unwrap();
         }
         let (_, findings) = Log::read(text.as_bytes(), "test", &LogSchema::default()).unwrap();
-        findings
-            .into_iter()
-            .map(|f| (f.kind, f.first, f.last, f.to_string()))
-            .collect()
+        findings.into_iter().map(|f| (f.kind, f.first, f.last, f.to_string())).collect()
     }
 
     fn kinds(found: &[(FindingKind, usize, usize, String)]) -> Vec<(FindingKind, usize, usize)> {
@@ -425,18 +373,12 @@ mod tests {
             _ => {}
         });
         let kinds = kinds(&found);
+        assert!(kinds.contains(&(FindingKind::Repeated, 100, 100)), "{found:?}");
+        assert!(kinds.contains(&(FindingKind::Unsorted, 200, 200)), "{found:?}");
         assert!(
-            kinds.contains(&(FindingKind::Repeated, 100, 100)),
-            "{found:?}"
-        );
-        assert!(
-            kinds.contains(&(FindingKind::Unsorted, 200, 200)),
-            "{found:?}"
-        );
-        assert!(
-            found.iter().any(|f| f.0 == FindingKind::Gap
-                && f.1 == 500
-                && f.3.contains("5 samples are missing")),
+            found
+                .iter()
+                .any(|f| f.0 == FindingKind::Gap && f.1 == 500 && f.3.contains("5 samples are missing")),
             "{found:?}"
         );
         let jitter = findings(|i, row| row[0] += 0.002 * (i as f64 * 1.7).sin());
@@ -452,9 +394,7 @@ mod tests {
             }
         });
         assert!(
-            mixed
-                .iter()
-                .any(|f| f.0 == FindingKind::MixedUnits && f.3.contains("channel t")),
+            mixed.iter().any(|f| f.0 == FindingKind::MixedUnits && f.3.contains("channel t")),
             "{mixed:?}"
         );
     }
@@ -467,13 +407,7 @@ mod tests {
             }
             row[2] = 0.25;
         });
-        assert_eq!(
-            kinds(&found),
-            [
-                (FindingKind::NotFinite, 300, 319),
-                (FindingKind::Constant, 0, 0)
-            ]
-        );
+        assert_eq!(kinds(&found), [(FindingKind::NotFinite, 300, 319), (FindingKind::Constant, 0, 0)]);
         let nothing = findings(|_, row| row[1] = f64::NAN);
         assert_eq!(kinds(&nothing), [(FindingKind::NoValues, 0, 0)]);
     }

@@ -1,7 +1,7 @@
 //! Logs of a real or simulated robot: channels read from CSV, with everything suspicious reported by row.
 //!
-//! Nothing is repaired silently: a value that cannot be read is NaN and reported; gaps, jitter, wraps and mixed units
-//! are [`Finding`]s, and the caller decides (select rows, [`Log::unwrap_counter`], split).
+//! Nothing is repaired silently: a value that cannot be read is NaN and reported; gaps, jitter, wraps and
+//! mixed units are [`Finding`]s, and the caller decides (select rows, [`Log::unwrap_counter`], split).
 
 mod check;
 mod motion;
@@ -85,10 +85,7 @@ impl Log {
             .iter()
             .find(|c| c.name == name)
             .map(|c| c.values.as_slice())
-            .ok_or_else(|| IdentificationError::UnknownChannel {
-                name: name.into(),
-                known: self.names(),
-            })
+            .ok_or_else(|| IdentificationError::UnknownChannel { name: name.into(), known: self.names() })
     }
 
     /// The time channel.
@@ -99,10 +96,7 @@ impl Log {
         let channel = self.channels.iter().find(|c| c.quantity == Quantity::Time);
         channel
             .map(|c| c.values.as_slice())
-            .ok_or_else(|| IdentificationError::UnknownChannel {
-                name: "time".into(),
-                known: self.names(),
-            })
+            .ok_or_else(|| IdentificationError::UnknownChannel { name: "time".into(), known: self.names() })
     }
 
     /// Rows where the expression is true, see [`select`].
@@ -136,14 +130,10 @@ impl Log {
     /// Undoes counter overflows: a step of more than half a period is taken as the shorter way around.
     ///
     /// # Errors
-    /// Unknown channel, a period that is not positive, or one so small that the values are no multiple of it any more.
+    /// Unknown channel, a period that is not positive, or one so small that the values are no multiple of it
+    /// any more.
     pub fn unwrap_counter(&mut self, name: &str, period: f64) -> Result<()> {
-        require_setting(
-            "period of the counter",
-            period,
-            period > 0.0,
-            "it must be positive",
-        )?;
+        require_setting("period of the counter", period, period > 0.0, "it must be positive")?;
         let largest = self.channel(name)?.iter().filter(|x| x.is_finite());
         let largest = largest.fold(0.0_f64, |largest, x| largest.max(x.abs()));
         require_setting(
@@ -188,10 +178,7 @@ mod tests {
         let text = "t,q1\n0,1\n0.1,-1e300\n0.2,NaN\n";
         let (log, _) = Log::read(text.as_bytes(), "test", &LogSchema::default()).unwrap();
         for period in [0.0, -1.0, f64::NAN, f64::INFINITY, 5e-324, 1e280] {
-            assert!(
-                log.clone().unwrap_counter("q1", period).is_err(),
-                "{period}"
-            );
+            assert!(log.clone().unwrap_counter("q1", period).is_err(), "{period}");
         }
         let mut unwrapped = log.clone();
         unwrapped.unwrap_counter("q1", 1e290).unwrap();

@@ -1,4 +1,5 @@
-//! Motions made of channels: smoothed positions with their derivatives, segment by segment, and columns per joint.
+//! Motions made of channels: smoothed positions with their derivatives, segment by segment, and columns per
+//! joint.
 
 use super::super::differentiation::{Derivatives, KalmanSmoother, SavitzkyGolay, TotalVariation};
 use super::super::error::{IdentificationError, Result, require_samples};
@@ -56,12 +57,13 @@ impl<const N: usize, const M: usize> MotionColumns<N, M> {
 }
 
 impl Log {
-    /// Adds the channels `<position>_smooth`, `<position>_velocity` and `<position>_acceleration`, each segment
-    /// differentiated by itself; returns the regularization used in each segment ([`Derivatives::parameter`]).
+    /// Adds the channels `<position>_smooth`, `<position>_velocity` and `<position>_acceleration`, each
+    /// segment differentiated by itself; returns the regularization used in each segment
+    /// ([`Derivatives::parameter`]).
     ///
     /// # Errors
-    /// Unknown channel, no time channel, NaN or times that do not increase (with the log's row), or segments too short
-    /// for the method.
+    /// Unknown channel, no time channel, NaN or times that do not increase (with the log's row), or segments
+    /// too short for the method.
     pub fn differentiate(&mut self, position: &str, method: &Differentiation) -> Result<Vec<f64>> {
         let (time, signal) = (self.time()?, self.channel(position)?);
         let mut columns: [Vec<f64>; 3] = Default::default();
@@ -80,26 +82,16 @@ impl Log {
         let kinds = [
             ("smooth", Quantity::Position, unit.clone()),
             ("velocity", Quantity::Velocity, format!("{unit}/s")),
-            (
-                "acceleration",
-                Quantity::Acceleration,
-                format!("{unit}/s^2"),
-            ),
+            ("acceleration", Quantity::Acceleration, format!("{unit}/s^2")),
         ];
         for ((suffix, quantity, unit), values) in kinds.into_iter().zip(columns) {
-            self.add(Channel {
-                name: format!("{position}_{suffix}"),
-                quantity,
-                unit,
-                joint,
-                values,
-            })?;
+            self.add(Channel { name: format!("{position}_{suffix}"), quantity, unit, joint, values })?;
         }
         Ok(parameters)
     }
 
-    /// Those of `rows` that are at least `margin` samples away from both ends of their segment, where smoothers are at
-    /// their worst.
+    /// Those of `rows` that are at least `margin` samples away from both ends of their segment, where
+    /// smoothers are at their worst.
     ///
     /// # Errors
     /// [`IdentificationError::TooFewSamples`] if none is left.
@@ -171,24 +163,18 @@ impl Log {
 /// Rows of a segment's error, counted in the log.
 fn at_log_row(error: IdentificationError, start: usize, position: &str) -> IdentificationError {
     match error {
-        IdentificationError::NotFinite {
-            what,
-            row,
-            value,
-            count,
-            samples,
-        } => IdentificationError::NotFinite {
-            what: format!("{what} ({position})"),
-            row: row + start,
-            value,
-            count,
-            samples,
-        },
-        IdentificationError::Time { row, before, after } => IdentificationError::Time {
-            row: row + start,
-            before,
-            after,
-        },
+        IdentificationError::NotFinite { what, row, value, count, samples } => {
+            IdentificationError::NotFinite {
+                what: format!("{what} ({position})"),
+                row: row + start,
+                value,
+                count,
+                samples,
+            }
+        }
+        IdentificationError::Time { row, before, after } => {
+            IdentificationError::Time { row: row + start, before, after }
+        }
         other => other,
     }
 }
@@ -213,9 +199,7 @@ mod tests {
                 writeln!(text, "{run},{t:.2},{q},{run}").unwrap();
             }
         }
-        Log::read(text.as_bytes(), "runs", &LogSchema::default())
-            .unwrap()
-            .0
+        Log::read(text.as_bytes(), "runs", &LogSchema::default()).unwrap().0
     }
 
     #[test]
@@ -228,10 +212,7 @@ mod tests {
         assert_eq!((rows.len(), rows[0], rows[160]), (320, 20, 220));
         let columns = log.motion(&["q1"], &["u1"], &rows).unwrap();
         for (i, row) in rows.iter().enumerate() {
-            let (t, sign) = (
-                0.01 * (row % 200) as f64,
-                if *row < 200 { 1.0 } else { -1.0 },
-            );
+            let (t, sign) = (0.01 * (row % 200) as f64, if *row < 200 { 1.0 } else { -1.0 });
             assert!((columns.velocities[0][i] - sign * t.cos()).abs() < 1e-3);
             assert!((columns.accelerations[0][i] + sign * t.sin()).abs() < 2e-2);
         }
@@ -244,33 +225,14 @@ mod tests {
     #[test]
     fn faults_name_the_row_of_the_log() {
         let method = Differentiation::SavitzkyGolay(SavitzkyGolay::from_noise(1e-6));
-        let message = runs(Some(231))
-            .differentiate("q1", &method)
-            .unwrap_err()
-            .to_string();
+        let message = runs(Some(231)).differentiate("q1", &method).unwrap_err().to_string();
         assert!(message.contains("at row 231 (counted from 0)"), "{message}");
         let log = runs(None);
         let message = log.inner_rows(&[5], 150).unwrap_err().to_string();
-        assert!(
-            message.contains("needs at least 301 samples, there are 200"),
-            "{message}"
-        );
-        assert!(
-            log.values("u1", &[400])
-                .unwrap_err()
-                .to_string()
-                .contains("401 expected, 400 given")
-        );
-        assert!(
-            log.motion(&["q1"], &["u1"], &[])
-                .unwrap_err()
-                .to_string()
-                .contains("empty")
-        );
+        assert!(message.contains("needs at least 301 samples, there are 200"), "{message}");
+        assert!(log.values("u1", &[400]).unwrap_err().to_string().contains("401 expected, 400 given"));
+        assert!(log.motion(&["q1"], &["u1"], &[]).unwrap_err().to_string().contains("empty"));
         let message = log.motion(&["q1"], &["u1"], &[1]).unwrap_err().to_string();
-        assert!(
-            message.starts_with("there is no channel `q1_smooth`"),
-            "{message}"
-        );
+        assert!(message.starts_with("there is no channel `q1_smooth`"), "{message}");
     }
 }

@@ -15,40 +15,30 @@ impl Log {
     /// As [`Self::read`], or a file that cannot be opened.
     pub fn open(path: &Path, schema: &LogSchema) -> Result<(Self, Vec<Finding>)> {
         let place = path.display().to_string();
-        let file = std::fs::File::open(path).map_err(|e| IdentificationError::File {
-            place: place.clone(),
-            message: e.to_string(),
-        })?;
+        let file = std::fs::File::open(path)
+            .map_err(|e| IdentificationError::File { place: place.clone(), message: e.to_string() })?;
         Self::read(file, &place, schema)
     }
 
-    /// Reads CSV with a header row. Values become SI units; what is not a number becomes NaN and a [`Finding`].
+    /// Reads CSV with a header row. Values become SI units; what is not a number becomes NaN and a
+    /// [`Finding`].
     ///
     /// - `source`: name for messages and results
     /// - returns the log and everything suspicious in it, by row
     ///
     /// # Errors
-    /// No rows, a mapped column that is missing, columns that something else than commas separates where the schema names no
-    /// separator, or bytes that are no CSV.
-    pub fn read(
-        reader: impl Read,
-        source: &str,
-        schema: &LogSchema,
-    ) -> Result<(Self, Vec<Finding>)> {
-        let fault = |e: csv::Error| IdentificationError::File {
-            place: source.into(),
-            message: e.to_string(),
-        };
+    /// No rows, a mapped column that is missing, columns that something else than commas separates where the
+    /// schema names no separator, or bytes that are no CSV.
+    pub fn read(reader: impl Read, source: &str, schema: &LogSchema) -> Result<(Self, Vec<Finding>)> {
+        let fault =
+            |e: csv::Error| IdentificationError::File { place: source.into(), message: e.to_string() };
         let separator = u8::try_from(schema.separator.unwrap_or(',')).unwrap_or(b',');
         let mut csv = csv::ReaderBuilder::new()
             .flexible(true)
             .delimiter(separator)
             .trim(csv::Trim::Headers)
             .buffer_capacity(1 << 16)
-            .from_reader(Hashing {
-                inner: reader,
-                hasher: Sha256::new(),
-            });
+            .from_reader(Hashing { inner: reader, hasher: Sha256::new() });
         let headers: Vec<String> = csv
             .byte_headers()
             .map_err(fault)?
@@ -71,9 +61,7 @@ impl Log {
             row += 1;
         }
         if row == 0 {
-            return Err(IdentificationError::Empty {
-                what: format!("the log {source}"),
-            });
+            return Err(IdentificationError::Empty { what: format!("the log {source}") });
         }
         let hash = hexadecimal(&csv.into_inner().hasher.finalize());
         let log = assemble(columns, values, hash, source);
@@ -85,26 +73,20 @@ impl Log {
 /// One number; NaN with a finding where there is none.
 fn field(record: &csv::ByteRecord, column: &Column, row: usize, findings: &mut Findings) -> f64 {
     let Some(bytes) = record.get(column.index) else {
-        findings.add(row, Some(&column.name), FindingKind::Missing, || {
-            "the row ends before this column".into()
-        });
+        findings
+            .add(row, Some(&column.name), FindingKind::Missing, || "the row ends before this column".into());
         return f64::NAN;
     };
     let text = bytes.trim_ascii();
     if text.is_empty() {
-        findings.add(row, Some(&column.name), FindingKind::Missing, || {
-            "the field is empty".into()
-        });
+        findings.add(row, Some(&column.name), FindingKind::Missing, || "the field is empty".into());
         return f64::NAN;
     }
-    let number = std::str::from_utf8(text)
-        .ok()
-        .and_then(|t| t.parse::<f64>().ok());
+    let number = std::str::from_utf8(text).ok().and_then(|t| t.parse::<f64>().ok());
     let Some(number) = number else {
         let shown = String::from_utf8_lossy(&text[..text.len().min(40)]).into_owned();
-        findings.add(row, Some(&column.name), FindingKind::NotANumber, || {
-            format!("`{shown}` is not a number")
-        });
+        findings
+            .add(row, Some(&column.name), FindingKind::NotANumber, || format!("`{shown}` is not a number"));
         return f64::NAN;
     };
     number * column.factor + column.offset
@@ -144,12 +126,7 @@ fn assemble(columns: Vec<Column>, values: Vec<Vec<f64>>, hash: String, source: &
         starts.extend((1..rows).filter(|&r| values[i][r].to_bits() != values[i][r - 1].to_bits()));
     }
     let ends = starts.iter().skip(1).copied().chain([rows]);
-    let segments = starts
-        .iter()
-        .copied()
-        .zip(ends)
-        .map(|(a, b)| a..b)
-        .collect();
+    let segments = starts.iter().copied().zip(ends).map(|(a, b)| a..b).collect();
     let channels = columns
         .into_iter()
         .zip(values)
@@ -161,12 +138,7 @@ fn assemble(columns: Vec<Column>, values: Vec<Vec<f64>>, hash: String, source: &
             values,
         })
         .collect();
-    Log {
-        channels,
-        segments,
-        hash,
-        source: source.into(),
-    }
+    Log { channels, segments, hash, source: source.into() }
 }
 
 struct Hashing<R> {
@@ -201,10 +173,7 @@ mod tests {
         assert_eq!(log.channel("u1").unwrap(), [1.0, -0.25, 0.0]);
         assert_eq!(log.time().unwrap(), [0.0, 0.1, 0.2]);
         // From `printf 't,q1 [deg],u1\n0,180,1\n0.1,90,-2.5e-1\n0.2,0,0\n' | sha256sum`.
-        assert_eq!(
-            log.hash(),
-            "e4e6b7f2f04511277405314903245d5e284deb52ce6ff55377a28660d5c602c1"
-        );
+        assert_eq!(log.hash(), "e4e6b7f2f04511277405314903245d5e284deb52ce6ff55377a28660d5c602c1");
         assert!(findings.is_empty(), "{findings:?}");
     }
 
@@ -213,14 +182,8 @@ mod tests {
         let (log, findings) = read("t,q1\n0,1\n0.1,abc\n0.2,\n0.3\n0.4,5\n").unwrap();
         assert!(log.channel("q1").unwrap()[1..4].iter().all(|x| x.is_nan()));
         let text: Vec<String> = findings.iter().map(ToString::to_string).collect();
-        assert!(
-            text[0].starts_with("row 1, channel q1: `abc` is not a number"),
-            "{text:?}"
-        );
-        assert!(
-            text[1].starts_with("rows 2 to 3, channel q1: the field is empty"),
-            "{text:?}"
-        );
+        assert!(text[0].starts_with("row 1, channel q1: `abc` is not a number"), "{text:?}");
+        assert!(text[1].starts_with("rows 2 to 3, channel q1: the field is empty"), "{text:?}");
     }
 
     #[test]
@@ -231,22 +194,13 @@ mod tests {
         };
         assert_eq!(
             all("t,q1\n0,1\n0.1,abc\n0.2,2\n0.3,inf\n"),
-            [
-                "row 1, channel q1: `abc` is not a number",
-                "row 3, channel q1: the value is inf",
-            ]
+            ["row 1, channel q1: `abc` is not a number", "row 3, channel q1: the value is inf",]
         );
         assert_eq!(
             all("t,q1\n0,0\n0.1,x\n0.2,0\n"),
-            [
-                "row 1, channel q1: `x` is not a number",
-                "row 0, channel q1: all 2 finite values of 3 are 0",
-            ]
+            ["row 1, channel q1: `x` is not a number", "row 0, channel q1: all 2 finite values of 3 are 0",]
         );
-        assert_eq!(
-            all("t,q1\n0,\n0.1,\n"),
-            ["rows 0 to 1, channel q1: the field is empty"]
-        );
+        assert_eq!(all("t,q1\n0,\n0.1,\n"), ["rows 0 to 1, channel q1: the field is empty"]);
         assert_eq!(
             all("t,q1\n0,\n0.1,NaN\n"),
             [
@@ -263,22 +217,14 @@ mod tests {
             "the log test.csv is empty: there is nothing to identify from"
         );
         assert!(read("").unwrap_err().to_string().contains("empty"));
-        assert!(
-            read("a,a\n1,2\n")
-                .unwrap_err()
-                .to_string()
-                .contains("two columns have this name")
-        );
+        assert!(read("a,a\n1,2\n").unwrap_err().to_string().contains("two columns have this name"));
     }
 
     #[test]
     fn other_separators_are_named() {
         for (text, separator) in [("t [s];q1 [rad]\n0;0\n", "';'"), ("t\tq1\n0\t0\n", "'\\t'")] {
             let message = read(text).unwrap_err().to_string();
-            assert!(
-                message.contains(&format!("no comma in the header, but {separator}")),
-                "{message}"
-            );
+            assert!(message.contains(&format!("no comma in the header, but {separator}")), "{message}");
         }
     }
 

@@ -47,9 +47,9 @@ pub struct ChannelSchema {
     pub motor_constant: Option<f64>,
 }
 
-/// Mapping of columns to channels. Without one, columns are known by their names: `q1`, `dq1 [deg/s]`, `tau2`, and those of
-/// the control loop's log (`control_loop::log_to_file`), `q_NAME`, `dq_NAME`, `u_NAME`, whose joints are told apart by their
-/// names.
+/// Mapping of columns to channels. Without one, columns are known by their names: `q1`, `dq1 [deg/s]`,
+/// `tau2`, and those of the control loop's log (`control_loop::log_to_file`), `q_NAME`, `dq_NAME`, `u_NAME`,
+/// whose joints are told apart by their names.
 ///
 /// ```toml
 /// [[channel]]
@@ -75,10 +75,8 @@ impl LogSchema {
     /// # Errors
     /// [`IdentificationError::File`] with line and column.
     pub fn from_toml(text: &str) -> Result<Self> {
-        toml::from_str(text).map_err(|e| IdentificationError::File {
-            place: "column mapping".into(),
-            message: e.to_string(),
-        })
+        toml::from_str(text)
+            .map_err(|e| IdentificationError::File { place: "column mapping".into(), message: e.to_string() })
     }
 
     /// The mapping for a file with these headers.
@@ -92,10 +90,7 @@ impl LogSchema {
             number_joints(&mut columns);
             return Ok(columns);
         }
-        self.channels
-            .iter()
-            .map(|c| Column::from_schema(c, headers))
-            .collect()
+        self.channels.iter().map(|c| Column::from_schema(c, headers)).collect()
     }
 }
 
@@ -135,15 +130,7 @@ impl Column {
         let quantity = schema.quantity.unwrap_or_else(|| guess(&schema.name));
         let unit = schema.unit.as_deref().unwrap_or("");
         let (scale, offset) = (schema.scale.unwrap_or(1.0), schema.offset.unwrap_or(0.0));
-        let column = Self::new(
-            index,
-            schema.name.clone(),
-            quantity,
-            unit,
-            schema.joint,
-            scale,
-            offset,
-        )?;
+        let column = Self::new(index, schema.name.clone(), quantity, unit, schema.joint, scale, offset)?;
         match schema.motor_constant {
             Some(constant) => column.driven(constant),
             None => Ok(column),
@@ -185,20 +172,13 @@ impl Column {
         scale: f64,
         offset: f64,
     ) -> Result<Self> {
-        let digits: String = name
-            .chars()
-            .rev()
-            .take_while(char::is_ascii_digit)
-            .collect();
+        let digits: String = name.chars().rev().take_while(char::is_ascii_digit).collect();
         let joint = joint.or_else(|| digits.chars().rev().collect::<String>().parse().ok());
         let (factor, si) = match unit {
             "" => (1.0, default_unit(quantity)),
             _ => conversion(unit).ok_or_else(|| IdentificationError::Expression {
                 text: unit.into(),
-                message: format!(
-                    "unknown unit of channel {name}; known are {}",
-                    known_units()
-                ),
+                message: format!("unknown unit of channel {name}; known are {}", known_units()),
             })?,
         };
         Ok(Self {
@@ -213,22 +193,15 @@ impl Column {
     }
 }
 
-/// Name and unit of `q1 [deg]` or `q1[deg]`. A bracket within a name, as in `q_arm[1]`, is none: what follows a name without
-/// a space must be a unit that is known, and not a number.
+/// Name and unit of `q1 [deg]` or `q1[deg]`. A bracket within a name, as in `q_arm[1]`, is none: what follows
+/// a name without a space must be a unit that is known, and not a number.
 fn split_unit(header: &str) -> (&str, &str) {
     let header = header.trim();
-    let Some((name, unit)) = header
-        .strip_suffix(']')
-        .and_then(|rest| rest.rsplit_once('['))
-    else {
+    let Some((name, unit)) = header.strip_suffix(']').and_then(|rest| rest.rsplit_once('[')) else {
         return (header, "");
     };
     let spaced = name.ends_with(char::is_whitespace);
-    if spaced || (conversion(unit).is_some() && unit != "1") {
-        (name.trim_end(), unit)
-    } else {
-        (header, "")
-    }
+    if spaced || (conversion(unit).is_some() && unit != "1") { (name.trim_end(), unit) } else { (header, "") }
 }
 
 /// Prefixes that the control loop's log writes before the name of a joint or input.
@@ -248,8 +221,8 @@ fn of_loop(name: &str) -> Option<(Quantity, &str)> {
     (!joint.is_empty()).then_some((*quantity, joint))
 }
 
-/// Columns of the same named joint get the same number, in the order of the file; a digit at the end of a joint's name is
-/// no number of a joint.
+/// Columns of the same named joint get the same number, in the order of the file; a digit at the end of a
+/// joint's name is no number of a joint.
 fn number_joints(columns: &mut [Column]) {
     let number = |column: &Column| of_loop(&column.name)?.1.parse::<usize>().ok();
     let taken = columns.iter().filter_map(number).max().unwrap_or(0);
@@ -274,16 +247,8 @@ fn number_joints(columns: &mut [Column]) {
 
 /// A header as an identifier: other characters become `_`.
 fn identifier(text: &str, index: usize) -> String {
-    let mut name: String = text
-        .chars()
-        .map(|c| {
-            if c.is_ascii_alphanumeric() || c == '_' {
-                c
-            } else {
-                '_'
-            }
-        })
-        .collect();
+    let mut name: String =
+        text.chars().map(|c| if c.is_ascii_alphanumeric() || c == '_' { c } else { '_' }).collect();
     if name.is_empty() {
         name = format!("column_{index}");
     }
@@ -294,10 +259,7 @@ fn identifier(text: &str, index: usize) -> String {
 }
 
 fn guess(name: &str) -> Quantity {
-    let stem = name
-        .trim_end_matches(|c: char| c.is_ascii_digit())
-        .trim_end_matches('_')
-        .to_ascii_lowercase();
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches('_').to_ascii_lowercase();
     match stem.as_str() {
         "t" | "time" => Quantity::Time,
         "q" | "y" | "pos" | "position" | "phi" => Quantity::Position,
@@ -371,16 +333,9 @@ mod tests {
             columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(),
             ["run", "t", "q1", "dq1", "motor_load"]
         );
+        assert_eq!((columns[1].quantity, columns[1].factor), (Quantity::Time, 1e-3));
         assert_eq!(
-            (columns[1].quantity, columns[1].factor),
-            (Quantity::Time, 1e-3)
-        );
-        assert_eq!(
-            (
-                columns[2].quantity,
-                columns[2].joint,
-                columns[2].unit.as_str()
-            ),
+            (columns[2].quantity, columns[2].joint, columns[2].unit.as_str()),
             (Quantity::Position, Some(1), "rad")
         );
         assert!((columns[2].factor - 0.017_453_292_519_943_295).abs() < 1e-18);
@@ -412,18 +367,10 @@ mod tests {
             columns[index].joint
         };
         assert_eq!(joint("q_wrist_2"), Some(8));
-        for elbow in [
-            "q_elbow_2",
-            "dq_elbow_2",
-            "measured_dq_elbow_2",
-            "u_elbow_2",
-        ] {
+        for elbow in ["q_elbow_2", "dq_elbow_2", "measured_dq_elbow_2", "u_elbow_2"] {
             assert_eq!(joint(elbow), Some(9), "{elbow}");
         }
-        assert_eq!(
-            (joint("q_arm[1]"), joint("dq_arm[1]")),
-            (Some(10), Some(10))
-        );
+        assert_eq!((joint("q_arm[1]"), joint("dq_arm[1]")), (Some(10), Some(10)));
         assert_eq!((joint("q_7"), joint("dq_7")), (Some(7), Some(7)));
         assert_eq!(joint("time"), None);
         let quantities: Vec<Quantity> = columns.iter().map(|c| c.quantity).collect();
@@ -431,12 +378,7 @@ mod tests {
         assert_eq!(columns[3].name, "q_arm_1_");
         assert_eq!(
             quantities[6..10],
-            [
-                Quantity::Velocity,
-                Quantity::Velocity,
-                Quantity::Other,
-                Quantity::Torque
-            ]
+            [Quantity::Velocity, Quantity::Velocity, Quantity::Other, Quantity::Torque]
         );
         assert_eq!(columns[12].name, "q_left_arm__up");
     }
@@ -453,29 +395,15 @@ mod tests {
 
     #[test]
     fn faults_in_the_mapping_are_explained() {
-        let schema = LogSchema::from_toml(
-            "[[channel]]\nname = \"beta\"\ncolumn = \"pos\"\nunit = \"grad\"\n",
-        )
-        .unwrap();
-        let message = schema
-            .resolve(&["pos".to_string()])
-            .unwrap_err()
-            .to_string();
-        assert!(
-            message.starts_with("expression `grad`: unknown unit of channel beta; known are s, ms")
-        );
-        let message = schema
-            .resolve(&["time".to_string()])
-            .unwrap_err()
-            .to_string();
+        let schema =
+            LogSchema::from_toml("[[channel]]\nname = \"beta\"\ncolumn = \"pos\"\nunit = \"grad\"\n")
+                .unwrap();
+        let message = schema.resolve(&["pos".to_string()]).unwrap_err().to_string();
+        assert!(message.starts_with("expression `grad`: unknown unit of channel beta; known are s, ms"));
+        let message = schema.resolve(&["time".to_string()]).unwrap_err().to_string();
         assert_eq!(message, "there is no channel `pos`; known are time");
-        let message = LogSchema::from_toml("[[channel]]\nname = \"b\"\nunti = 1\n")
-            .unwrap_err()
-            .to_string();
-        assert!(
-            message.contains("line 3") && message.contains("unti"),
-            "{message}"
-        );
+        let message = LogSchema::from_toml("[[channel]]\nname = \"b\"\nunti = 1\n").unwrap_err().to_string();
+        assert!(message.contains("line 3") && message.contains("unti"), "{message}");
     }
 
     #[test]
@@ -486,19 +414,13 @@ mod tests {
         };
         let current = "quantity = \"current\"\nunit = \"mA\"\n";
         let column = &schema(&format!("{current}motor_constant = 0.12")).unwrap()[0];
-        assert_eq!(
-            (column.quantity, column.unit.as_str()),
-            (Quantity::Torque, "N*m")
-        );
+        assert_eq!((column.quantity, column.unit.as_str()), (Quantity::Torque, "N*m"));
         assert!((column.factor - 1.2e-4).abs() < 1e-18);
         let message = |more: &str| schema(more).unwrap_err().to_string();
         assert!(
             message(&format!("{current}motor_constant = 0.0"))
                 .starts_with("motor_constant of channel u1 = 0")
         );
-        assert!(
-            message("motor_constant = 0.12")
-                .contains("must be a current in A or mA, this is Torque")
-        );
+        assert!(message("motor_constant = 0.12").contains("must be a current in A or mA, this is Torque"));
     }
 }

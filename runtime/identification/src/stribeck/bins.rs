@@ -40,40 +40,29 @@ impl Bins {
         let mut grid = Vec::new();
         for i in 0..8 {
             for j in 0..6 {
-                // In units of the fastest velocity: steps 2 to 400 times, decays 1 to 100 times steeper than it.
+                // In units of the fastest velocity: steps 2 to 400 times, decays 1 to 100 times steeper than
+                // it.
                 let a3 = 2.0 * 200f64.powf(f64::from(i) / 7.0) / self.fastest;
                 let a5 = 100f64.powf(f64::from(j) / 5.0) / self.fastest;
                 grid.extend(self.linear_part(a3, a5));
             }
         }
         grid.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let refined = grid
-            .iter()
-            .take(count)
-            .map(|(a, cost)| self.refine(*a, *cost));
-        refined
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(a, _)| a)
-            .ok_or_else(|| IdentificationError::NotConverged {
+        let refined = grid.iter().take(count).map(|(a, cost)| self.refine(*a, *cost));
+        refined.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(a, _)| a).ok_or_else(|| {
+            IdentificationError::NotConverged {
                 what: "the search for starts".into(),
                 iterations: 48,
-                detail: format!(
-                    "no finite cost on {} bins up to {} rad/s",
-                    self.v.len(),
-                    self.fastest
-                ),
-            })
+                detail: format!("no finite cost on {} bins up to {} rad/s", self.v.len(), self.fastest),
+            }
+        })
     }
 
     /// Least squares of (a1, a2, a4) for given (a3, a5), slightly damped so that few bins are enough.
     fn linear_part(&self, a3: f64, a5: f64) -> Option<([f64; 5], f64)> {
         let (mut h, mut g, mut energy) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
         for ((v, torque), w) in self.v.iter().zip(&self.torque).zip(&self.root_weight) {
-            let row = Vector3::new(
-                *v,
-                (a3 * v).tanh(),
-                (-a5 * v.abs()).exp() * (3.0 * a3 * v).tanh(),
-            ) * *w;
+            let row = Vector3::new(*v, (a3 * v).tanh(), (-a5 * v.abs()).exp() * (3.0 * a3 * v).tanh()) * *w;
             h += row * row.transpose();
             g += row * (w * torque);
             energy += (w * torque).powi(2);
@@ -83,22 +72,15 @@ impl Bins {
         }
         let x = h.cholesky()?.solve(&g);
         let cost = energy - g.dot(&x);
-        cost.is_finite()
-            .then_some(([x[0], x[1], a3, x[2], a5], cost))
+        cost.is_finite().then_some(([x[0], x[1], a3, x[2], a5], cost))
     }
 
     fn refine(&self, start: [f64; 5], cost: f64) -> ([f64; 5], f64) {
         let [a1, a2, a3, a4, a5] = start;
-        let problem = BinnedProblem {
-            bins: self,
-            p: Vector5::new(a1, a2, a3.ln(), a4, a5.ln()),
-        };
-        let (problem, report) = LevenbergMarquardt::new()
-            .with_patience(20)
-            .minimize(problem);
+        let problem = BinnedProblem { bins: self, p: Vector5::new(a1, a2, a3.ln(), a4, a5.ln()) };
+        let (problem, report) = LevenbergMarquardt::new().with_patience(20).minimize(problem);
         let a = problem.parameters();
-        let better =
-            report.objective_function.is_finite() && 2.0 * report.objective_function <= cost;
+        let better = report.objective_function.is_finite() && 2.0 * report.objective_function <= cost;
         if better && a.iter().all(|a| a.is_finite()) {
             (a, 2.0 * report.objective_function)
         } else {
@@ -115,25 +97,14 @@ struct BinnedProblem<'a> {
 
 impl BinnedProblem<'_> {
     fn parameters(&self) -> [f64; 5] {
-        [
-            self.p[0],
-            self.p[1],
-            self.p[2].exp(),
-            self.p[3],
-            self.p[4].exp(),
-        ]
+        [self.p[0], self.p[1], self.p[2].exp(), self.p[3], self.p[4].exp()]
     }
 
     fn columns(&self) -> Vec<[f64; 6]> {
         let a = self.parameters();
         let mut columns = [[0.0; BLOCK]; 6];
         let mut rows = Vec::with_capacity(self.bins.v.len());
-        for (v, torque) in self
-            .bins
-            .v
-            .chunks(BLOCK)
-            .zip(self.bins.torque.chunks(BLOCK))
-        {
+        for (v, torque) in self.bins.v.chunks(BLOCK).zip(self.bins.torque.chunks(BLOCK)) {
             stribeck_block(v, torque, &a, &mut columns);
             rows.extend((0..v.len()).map(|i| columns.map(|c| c[i])));
         }
@@ -156,22 +127,16 @@ impl LeastSquaresProblem<f64, Dyn, U5> for BinnedProblem<'_> {
 
     fn residuals(&self) -> Option<OVector<f64, Dyn>> {
         let rows = self.columns();
-        Some(OVector::<f64, Dyn>::from_fn_generic(
-            Dyn(rows.len()),
-            nalgebra::U1,
-            |i, _| -rows[i][5] * self.bins.root_weight[i],
-        ))
+        Some(OVector::<f64, Dyn>::from_fn_generic(Dyn(rows.len()), nalgebra::U1, |i, _| {
+            -rows[i][5] * self.bins.root_weight[i]
+        }))
     }
 
     fn jacobian(&self) -> Option<OMatrix<f64, Dyn, U5>> {
         let (rows, a) = (self.columns(), self.parameters());
-        Some(OMatrix::<f64, Dyn, U5>::from_fn_generic(
-            Dyn(rows.len()),
-            U5,
-            |i, j| {
-                let chain = if j == 2 || j == 4 { a[j] } else { 1.0 };
-                rows[i][j] * chain * self.bins.root_weight[i]
-            },
-        ))
+        Some(OMatrix::<f64, Dyn, U5>::from_fn_generic(Dyn(rows.len()), U5, |i, j| {
+            let chain = if j == 2 || j == 4 { a[j] } else { 1.0 };
+            rows[i][j] * chain * self.bins.root_weight[i]
+        }))
     }
 }

@@ -1,7 +1,8 @@
 //! Regression of the five-parameter Stribeck law `τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`.
 //!
 //! Starts are found on binned data, where (a1, a2, a4) follow from (a3, a5) by linear least squares and
-//! Levenberg–Marquardt costs microseconds; the best one is refined on all samples with one pass per iteration.
+//! Levenberg–Marquardt costs microseconds; the best one is refined on all samples with one pass per
+//! iteration.
 
 mod bins;
 mod refine;
@@ -48,12 +49,7 @@ pub struct StribeckRegression {
 
 impl Default for StribeckRegression {
     fn default() -> Self {
-        Self {
-            starts: 3,
-            robustness: Robustness::None,
-            max_iterations: 100,
-            tolerance: 1e-13,
-        }
+        Self { starts: 3, robustness: Robustness::None, max_iterations: 100, tolerance: 1e-13 }
     }
 }
 
@@ -87,20 +83,13 @@ impl StribeckRegression {
     /// - `velocities`, `torques`: m samples [rad/s, N·m]; `weights`: m or none
     ///
     /// # Errors
-    /// Fewer than six samples, values that are not finite, or constant velocity. Parameters that run away end with a warning.
-    pub fn fit(
-        &self,
-        velocities: &[f64],
-        torques: &[f64],
-        weights: Option<&[f64]>,
-    ) -> Result<StribeckFit> {
+    /// Fewer than six samples, values that are not finite, or constant velocity. Parameters that run away end
+    /// with a warning.
+    pub fn fit(&self, velocities: &[f64], torques: &[f64], weights: Option<&[f64]>) -> Result<StribeckFit> {
         self.check(velocities, torques, weights)?;
         let bins = Bins::new(velocities, torques, weights);
         let start = bins.best_start(self.starts.max(1))?;
-        let data = Data {
-            v: velocities,
-            torque: torques,
-        };
+        let data = Data { v: velocities, torque: torques };
         let mut state = data.refine(start, weights, self);
         if let Robustness::Huber(k) = self.robustness {
             state = data.reweighted(state, weights, k, self);
@@ -117,12 +106,7 @@ impl StribeckRegression {
             require_length("weights", v.len(), weights.len())?;
             require_finite("the weights", weights)?;
             let least = weights.iter().fold(f64::INFINITY, |a, b| a.min(*b));
-            require_setting(
-                "least weight",
-                least,
-                least >= 0.0,
-                "weights must not be negative",
-            )?;
+            require_setting("least weight", least, least >= 0.0, "weights must not be negative")?;
         }
         if let Robustness::Huber(k) = self.robustness {
             require_setting("Huber's k", k, k > 0.0, "it must be positive")?;
@@ -151,12 +135,12 @@ impl StribeckFit {
     pub fn confidence_intervals(&self, level: f64) -> Result<[Option<[f64; 2]>; 5]> {
         let t = self.quantile(level)?;
         Ok(std::array::from_fn(|i| {
-            self.standard_errors[i]
-                .map(|s| [self.parameters[i] - t * s, self.parameters[i] + t * s])
+            self.standard_errors[i].map(|s| [self.parameters[i] - t * s, self.parameters[i] + t * s])
         }))
     }
 
-    /// Half widths at velocity `v`: of the confidence band of the law, and of the prediction band of a new sample.
+    /// Half widths at velocity `v`: of the confidence band of the law, and of the prediction band of a new
+    /// sample.
     ///
     /// # Errors
     /// A level outside (0, 1).
@@ -180,12 +164,7 @@ impl StribeckFit {
     }
 
     fn quantile(&self, level: f64) -> Result<f64> {
-        require_setting(
-            "level",
-            level,
-            level > 0.0 && level < 1.0,
-            "it must lie between 0 and 1",
-        )?;
+        require_setting("level", level, level > 0.0 && level < 1.0, "it must lie between 0 and 1")?;
         let distribution = StudentsT::new(0.0, 1.0, self.freedom.max(1) as f64).map_err(|e| {
             IdentificationError::Setting {
                 name: "degrees of freedom".into(),

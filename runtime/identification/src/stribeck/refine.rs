@@ -27,12 +27,7 @@ impl Data<'_> {
         let mut columns = [[0.0; BLOCK]; 6];
         for start in (0..self.v.len()).step_by(BLOCK) {
             let rows = start..self.v.len().min(start + BLOCK);
-            stribeck_block(
-                &self.v[rows.clone()],
-                &self.torque[rows.clone()],
-                &a,
-                &mut columns,
-            );
+            stribeck_block(&self.v[rows.clone()], &self.torque[rows.clone()], &a, &mut columns);
             if let Some(weights) = weights {
                 for column in &mut columns {
                     for (c, w) in column.iter_mut().zip(&weights[rows.clone()]) {
@@ -42,10 +37,7 @@ impl Data<'_> {
             }
             let n = rows.len();
             let [c1, c2, c3, c4, c5, r] = &columns;
-            add_products(
-                &[&c1[..n], &c2[..n], &c3[..n], &c4[..n], &c5[..n], &r[..n]],
-                &mut sums,
-            );
+            add_products(&[&c1[..n], &c2[..n], &c3[..n], &c4[..n], &c5[..n], &r[..n]], &mut sums);
         }
         Normal {
             a,
@@ -80,20 +72,12 @@ impl Data<'_> {
             // Predicted decrease below the rounding of the cost: nothing is left to gain.
             let expected = step.dot(&best.g);
             if expected <= settings.tolerance * best.cost + floor {
-                return Normal {
-                    iterations: passes,
-                    converged: true,
-                    ..best
-                };
+                return Normal { iterations: passes, converged: true, ..best };
             }
             if damping > 1e12 {
                 break;
             }
-            let trial = if a[2] > 0.0 && a[4] > 0.0 {
-                Some(self.normal(a, weights))
-            } else {
-                None
-            };
+            let trial = if a[2] > 0.0 && a[4] > 0.0 { Some(self.normal(a, weights)) } else { None };
             passes += 1;
             match trial {
                 Some(trial) if trial.cost <= best.cost => {
@@ -103,10 +87,7 @@ impl Data<'_> {
                 _ => damping *= 10.0,
             }
         }
-        Normal {
-            iterations: passes,
-            ..best
-        }
+        Normal { iterations: passes, ..best }
     }
 
     fn residual(&self, i: usize, a: &[f64; 5]) -> f64 {
@@ -129,14 +110,12 @@ impl Data<'_> {
             if scale == 0.0 {
                 return state;
             }
-            let weight =
-                |i: usize| given.map_or(1.0, |w| w[i]) * (k * scale / residuals[i].max(k * scale));
+            let weight = |i: usize| given.map_or(1.0, |w| w[i]) * (k * scale / residuals[i].max(k * scale));
             let weights: Vec<f64> = (0..m).map(weight).collect();
             let before = state;
             state = self.refine(before.a, Some(&weights), settings);
             state.iterations += before.iterations;
-            let moved =
-                (0..5).map(|i| (state.a[i] - before.a[i]).abs() / (before.a[i].abs() + 1e-12));
+            let moved = (0..5).map(|i| (state.a[i] - before.a[i]).abs() / (before.a[i].abs() + 1e-12));
             if moved.fold(0.0, f64::max) < 1e-7 {
                 break;
             }
@@ -147,10 +126,7 @@ impl Data<'_> {
 
 fn damped_step(normal: &Normal, damping: f64) -> Option<SVector<f64, 5>> {
     // A parameter without influence has a zero diagonal; a one keeps its step at zero.
-    let d = normal
-        .h
-        .diagonal()
-        .map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
+    let d = normal.h.diagonal().map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
     let mut scaled = SMatrix::<f64, 5, 5>::from_fn(|i, j| normal.h[(i, j)] / (d[i] * d[j]));
     for i in 0..5 {
         scaled[(i, i)] = scaled[(i, i)].max(1e-12) + damping;
@@ -162,10 +138,7 @@ fn damped_step(normal: &Normal, damping: f64) -> Option<SVector<f64, 5>> {
 pub(super) fn summarize(data: &Data, state: Normal) -> StribeckFit {
     let freedom = data.v.len() - 5;
     let variance = state.cost / freedom as f64;
-    let d = state
-        .h
-        .diagonal()
-        .map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
+    let d = state.h.diagonal().map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
     let scaled = SMatrix::<f64, 5, 5>::from_fn(|i, j| state.h[(i, j)] / (d[i] * d[j]));
     let eigen = scaled.symmetric_eigen();
     let largest = eigen.eigenvalues.max();
@@ -176,20 +149,16 @@ pub(super) fn summarize(data: &Data, state: Normal) -> StribeckFit {
         if eigen.eigenvalues[k] > 1e-10 * largest {
             inverse += direction * direction.transpose() / eigen.eigenvalues[k];
         } else {
-            (0..5)
-                .filter(|&i| direction[i].abs() > 0.1)
-                .for_each(|i| lost[i] = true);
+            (0..5).filter(|&i| direction[i].abs() > 0.1).for_each(|i| lost[i] = true);
         }
     }
-    let covariance = SMatrix::from_fn(|i, j| {
-        if lost[i] || lost[j] {
-            0.0
-        } else {
-            variance * inverse[(i, j)] / (d[i] * d[j])
-        }
-    });
-    let standard_errors =
-        std::array::from_fn(|i| (!lost[i]).then(|| covariance[(i, i)].max(0.0).sqrt()));
+    let covariance =
+        SMatrix::from_fn(
+            |i, j| {
+                if lost[i] || lost[j] { 0.0 } else { variance * inverse[(i, j)] / (d[i] * d[j]) }
+            },
+        );
+    let standard_errors = std::array::from_fn(|i| (!lost[i]).then(|| covariance[(i, i)].max(0.0).sqrt()));
     let least = eigen.eigenvalues.min().max(0.0);
     let mut fit = StribeckFit {
         parameters: state.a,
@@ -197,11 +166,7 @@ pub(super) fn summarize(data: &Data, state: Normal) -> StribeckFit {
         standard_errors,
         variance,
         freedom,
-        condition: if least > 0.0 {
-            (largest / least).sqrt()
-        } else {
-            f64::INFINITY
-        },
+        condition: if least > 0.0 { (largest / least).sqrt() } else { f64::INFINITY },
         iterations: state.iterations,
         converged: state.converged,
         warnings: Vec::new(),
@@ -214,28 +179,18 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<String> {
     let mut warnings = Vec::new();
     let a = &fit.parameters;
     if !fit.converged {
-        warnings.push(format!(
-            "no convergence in {} passes: some parameters run away",
-            fit.iterations
-        ));
+        warnings.push(format!("no convergence in {} passes: some parameters run away", fit.iterations));
     }
     for i in 0..5 {
         match fit.standard_errors[i] {
-            None => warnings.push(format!(
-                "{} is not identifiable: the data do not depend on it",
-                NAMES[i]
-            )),
+            None => warnings.push(format!("{} is not identifiable: the data do not depend on it", NAMES[i])),
             Some(s) if s > 0.5 * a[i].abs() => {
-                warnings.push(format!(
-                    "{} = {:.4} has a standard error of {s:.4}",
-                    NAMES[i], a[i]
-                ));
+                warnings.push(format!("{} = {:.4} has a standard error of {s:.4}", NAMES[i], a[i]));
             }
             Some(_) => {}
         }
         for j in 0..i {
-            let c =
-                fit.covariance[(i, j)] / (fit.covariance[(i, i)] * fit.covariance[(j, j)]).sqrt();
+            let c = fit.covariance[(i, j)] / (fit.covariance[(i, i)] * fit.covariance[(j, j)]).sqrt();
             if c.abs() > 0.995 {
                 warnings.push(format!(
                     "{} and {} are correlated with {c:.4}: only a combination is known",

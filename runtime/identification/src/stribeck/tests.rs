@@ -7,34 +7,20 @@ const TRUE: [f64; 5] = [2.1, 1.4, 20.0, 0.9, 8.0];
 
 fn data(m: usize, sigma: f64, seed: u64) -> (Vec<f64>, Vec<f64>) {
     let mut random = SplitMix64::new(seed);
-    let v: Vec<f64> = (0..m)
-        .map(|i| 1.2 * (0.002 * i as f64).sin() + 0.7 * (0.0052 * i as f64 + 0.4).sin())
-        .collect();
-    let torque = v
-        .iter()
-        .map(|v| stribeck_torque(*v, &TRUE) + sigma * random.normal())
-        .collect();
+    let v: Vec<f64> =
+        (0..m).map(|i| 1.2 * (0.002 * i as f64).sin() + 0.7 * (0.0052 * i as f64 + 0.4).sin()).collect();
+    let torque = v.iter().map(|v| stribeck_torque(*v, &TRUE) + sigma * random.normal()).collect();
     (v, torque)
 }
 
 #[test]
 fn finds_the_parameters_without_noise() {
-    for a in [
-        TRUE,
-        [76.0, 4.0, 5.0, 2.0, 30.0],
-        [0.1, 10.0, 80.0, -3.0, 2.0],
-    ] {
+    for a in [TRUE, [76.0, 4.0, 5.0, 2.0, 30.0], [0.1, 10.0, 80.0, -3.0, 2.0]] {
         let (v, _) = data(5000, 0.0, 1);
         let torque: Vec<f64> = v.iter().map(|v| stribeck_torque(*v, &a)).collect();
-        let fit = StribeckRegression::default()
-            .fit(&v, &torque, None)
-            .unwrap();
+        let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
         for i in 0..5 {
-            assert!(
-                (fit.parameters[i] / a[i] - 1.0).abs() < 1e-5,
-                "{:?} instead of {a:?}",
-                fit.parameters
-            );
+            assert!((fit.parameters[i] / a[i] - 1.0).abs() < 1e-5, "{:?} instead of {a:?}", fit.parameters);
         }
     }
 }
@@ -44,9 +30,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
     let (mut covered, mut inside, mut count) = ([0; 5], 0, 0);
     for seed in 0..200 {
         let (v, torque) = data(2000, 0.05, seed);
-        let fit = StribeckRegression::default()
-            .fit(&v, &torque, None)
-            .unwrap();
+        let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
         let intervals = fit.confidence_intervals(0.9).unwrap();
         for i in 0..5 {
             let [low, high] = intervals[i].unwrap();
@@ -68,12 +52,7 @@ fn outliers_hardly_move_the_robust_fit() {
     let (v, mut torque) = data(4000, 0.05, 3);
     (0..4000).step_by(20).for_each(|i| torque[i] += 8.0);
     let error = |robustness| {
-        let fit = StribeckRegression {
-            robustness,
-            ..Default::default()
-        }
-        .fit(&v, &torque, None)
-        .unwrap();
+        let fit = StribeckRegression { robustness, ..Default::default() }.fit(&v, &torque, None).unwrap();
         (0..40)
             .map(|i| 0.05 * f64::from(i) - 1.0)
             .map(|v| (fit.torque(v) - stribeck_torque(v, &TRUE)).abs())
@@ -88,23 +67,14 @@ fn parameters_without_influence_are_named() {
     let (v, _) = data(3000, 0.0, 1);
     let mut random = SplitMix64::new(5);
     let viscous: Vec<f64> = v.iter().map(|v| 3.6 * v + 0.05 * random.normal()).collect();
-    let fit = StribeckRegression::default()
-        .fit(&v, &viscous, None)
-        .unwrap();
+    let fit = StribeckRegression::default().fit(&v, &viscous, None).unwrap();
     assert!(!fit.warnings.is_empty());
     assert!((fit.torque(1.0) - 3.6).abs() < 0.1);
     let fast: Vec<f64> = v.iter().map(|v| 2.0 + v.abs()).collect();
-    let torque: Vec<f64> = fast
-        .iter()
-        .map(|v| stribeck_torque(*v, &TRUE) + 0.05 * random.normal())
-        .collect();
-    let fit = StribeckRegression::default()
-        .fit(&fast, &torque, None)
-        .unwrap();
+    let torque: Vec<f64> = fast.iter().map(|v| stribeck_torque(*v, &TRUE) + 0.05 * random.normal()).collect();
+    let fit = StribeckRegression::default().fit(&fast, &torque, None).unwrap();
     assert!(
-        fit.warnings
-            .iter()
-            .any(|w| w.contains("slower than 1/a3") || w.contains("not identifiable")),
+        fit.warnings.iter().any(|w| w.contains("slower than 1/a3") || w.contains("not identifiable")),
         "{:?}",
         fit.warnings
     );
@@ -119,12 +89,8 @@ fn bad_input_has_messages() {
     let message = |v: &[f64], t: &[f64]| regression.fit(v, t, None).unwrap_err().to_string();
     assert!(message(&[], &[]).contains("empty"));
     assert!(message(&[1.0; 5], &[1.0; 5]).contains("at least 6 samples, there are 5"));
-    assert!(
-        message(&[0.3; 9], &[1.0; 9]).contains("the velocity is constant (0.3) in all 9 samples")
-    );
+    assert!(message(&[0.3; 9], &[1.0; 9]).contains("the velocity is constant (0.3) in all 9 samples"));
     assert!(message(&[f64::NAN; 9], &[1.0; 9]).contains("9 such values of 9"));
-    let zero = regression
-        .fit(&data(100, 0.0, 1).0, &[0.0; 100], None)
-        .unwrap();
+    let zero = regression.fit(&data(100, 0.0, 1).0, &[0.0; 100], None).unwrap();
     assert!(zero.parameters.iter().all(|a| a.is_finite()) && zero.torque(0.7).abs() < 1e-9);
 }

@@ -42,9 +42,9 @@ impl InstructionSet {
         }
     }
 
-    /// States in one run of the text: those of one register, so that no loop over them is left, which the compiler
-    /// would unroll. With all eight in two AVX2 registers, `linearize` of a UR5 outgrew the instruction cache: 114 ns
-    /// instead of 76 ns per state.
+    /// States in one run of the text: those of one register, so that no loop over them is left, which the
+    /// compiler would unroll. With all eight in two AVX2 registers, `linearize` of a UR5 outgrew the
+    /// instruction cache: 114 ns instead of 76 ns per state.
     fn width(self, scalar: Scalar) -> usize {
         match (self, scalar) {
             (Self::Avx512, _) | (Self::Avx2, Scalar::F32) => LANES,
@@ -54,19 +54,12 @@ impl InstructionSet {
 }
 
 /// Names that the text over lanes takes.
-const LOCALS: [&str; 8] = [
-    "p", "group", "lane", "W", "angles", "sines", "cosines", "values",
-];
+const LOCALS: [&str; 8] = ["p", "group", "lane", "W", "angles", "sines", "cosines", "values"];
 
 /// The loops, and one public function for each instruction set.
 ///
 /// - `unused`: arguments that nothing reads
-pub(super) fn items(
-    body: &Body<'_>,
-    name: &Ident,
-    plan: &Plan,
-    unused: &[TokenStream],
-) -> Vec<TokenStream> {
+pub(super) fn items(body: &Body<'_>, name: &Ident, plan: &Plan, unused: &[TokenStream]) -> Vec<TokenStream> {
     let form = Form::new(body, name, plan);
     let mut items = vec![form.each(unused)];
     items.extend(InstructionSet::ALL.map(|set| form.public(set)));
@@ -116,9 +109,7 @@ impl<'a> Form<'a> {
             name,
             names,
             results,
-            values: values
-                .map(|part| format_ident!("values_{}", part))
-                .collect(),
+            values: values.map(|part| format_ident!("values_{}", part)).collect(),
         }
     }
 
@@ -245,9 +236,9 @@ impl<'a> Form<'a> {
         }
         let locals = self.locals();
         let outputs = self.body.program.outputs.iter().zip(&self.results);
-        let stores = outputs.zip(&locals).flat_map(|((output, result), local)| {
-            copies(output, result, local, 0..output.entries.len())
-        });
+        let stores = outputs
+            .zip(&locals)
+            .flat_map(|((output, result), local)| copies(output, result, local, 0..output.entries.len()));
         let locals = tuple(locals.iter().map(|local| quote!(#local)));
         quote!(let #locals = #call; #(#stores)*)
     }
@@ -256,11 +247,7 @@ impl<'a> Form<'a> {
     fn storing(&self, index: usize, callee: &Ident, arguments: &TokenStream) -> TokenStream {
         let part = &self.plan.parts[index];
         let all = self.locals();
-        let locals: Vec<&Ident> = part
-            .results
-            .iter()
-            .map(|(result, _)| &all[*result])
-            .collect();
+        let locals: Vec<&Ident> = part.results.iter().map(|(result, _)| &all[*result]).collect();
         let zeros = part.results.iter().map(|(result, _)| {
             let output = &self.body.program.outputs[*result];
             zeros(output.shape, self.context.zero())
@@ -303,27 +290,22 @@ impl<'a> Form<'a> {
         format_ident!("{}_each", self.name)
     }
 
-    /// The function for one instruction set; never inlined, since in a caller's loop the lanes would be undone.
+    /// The function for one instruction set; never inlined, since in a caller's loop the lanes would be
+    /// undone.
     fn public(&self, set: InstructionSet) -> TokenStream {
         let (each, arguments, names) = (self.each_name(), &self.arguments, &self.names);
         let name = format_ident!("{}_lanes{}", self.name, set.suffix());
         let width = Literal::usize_unsuffixed(set.width(self.context.options.scalar));
         let features = set.features();
         let first = features.and_then(|features| features.split(',').next());
-        let needed = first.map_or(String::new(), |first| {
-            format!("; for processors with {first}")
-        });
-        let documentation = format!(
-            "`{}` of eight states, the same bits as of each{needed}.",
-            self.name
-        );
+        let needed = first.map_or(String::new(), |first| format!("; for processors with {first}"));
+        let documentation = format!("`{}` of eight states, the same bits as of each{needed}.", self.name);
         let mut documentation = DocComment::new(&documentation);
         documentation.paragraph("Nothing that stood in the results is read.");
         if first.is_some() {
             documentation.heading("Safety");
-            documentation.paragraph(
-                "The processor must have these instructions: `is_x86_feature_detected!` tells.",
-            );
+            documentation
+                .paragraph("The processor must have these instructions: `is_x86_feature_detected!` tells.");
         }
         let features = features.map(|features| {
             quote! {
@@ -333,11 +315,7 @@ impl<'a> Form<'a> {
         });
         item(
             &documentation,
-            [
-                features,
-                Some(quote!(#[inline(never)])),
-                lints::for_arguments(self.arguments.len()),
-            ],
+            [features, Some(quote!(#[inline(never)])), lints::for_arguments(self.arguments.len())],
             &quote!(pub fn #name(#(#arguments),*)),
             &quote!(#each::<#width>(#(#names),*);),
         )

@@ -1,9 +1,11 @@
-//! Many states at once: functions over eight states that stand side by side, with the bits of the scalar ones.
+//! Many states at once: functions over eight states that stand side by side, with the bits of the scalar
+//! ones.
 //!
-//! Sines and cosines come first, by a loop of their own. The rest are inlined functions of one state, which the scalar
-//! function calls once and the one over lanes in a loop over the states: a loop whose every index is written out
-//! becomes SIMD code however long its body is, while an inner loop, or arrays of lanes with operators, would keep the
-//! compiler from it. What a long function computes is cut into several such loops ([`Plan`]).
+//! Sines and cosines come first, by a loop of their own. The rest are inlined functions of one state, which
+//! the scalar function calls once and the one over lanes in a loop over the states: a loop whose every index
+//! is written out becomes SIMD code however long its body is, while an inner loop, or arrays of lanes with
+//! operators, would keep the compiler from it. What a long function computes is cut into several such loops
+//! ([`Plan`]).
 
 mod form;
 mod scalar;
@@ -24,7 +26,8 @@ use crate::program::lanes::Plan;
 /// States per call: one register of AVX-512, two of AVX2, four of SSE2 or Neon.
 const LANES: usize = 8;
 
-/// Statements of one loop over the states. `linearize` of UR5 and Panda, ns per state, AVX2 and AVX-512 (EPYC, Zen 4):
+/// Statements of one loop over the states. `linearize` of UR5 and Panda, ns per state, AVX2 and AVX-512
+/// (EPYC, Zen 4):
 ///
 /// | statements | UR5 | | Panda | |
 /// |---|---|---|---|---|
@@ -35,15 +38,15 @@ const LANES: usize = 8;
 /// | 250 | 83 | 80 | 241 | 163 |
 /// | 500 | 106 | 75 | 417 | 295 |
 ///
-/// The values between loops stand on the stack, each in a place of its own: with places that later values take again
-/// they could not move to registers (95 to 128 ns).
+/// The values between loops stand on the stack, each in a place of its own: with places that later values
+/// take again they could not move to registers (95 to 128 ns).
 const LONGEST_LOOP: usize = 100;
 
 /// Names that the module takes for lanes.
 pub(super) const RESERVED: [&str; 2] = ["Lanes", "Group"];
 
-/// The types that the functions printed so far need: eight values, and what stands between the loops of a function, which one
-/// without angles and parts that hand on values has not.
+/// The types that the functions printed so far need: eight values, and what stands between the loops of a
+/// function, which one without angles and parts that hand on values has not.
 pub(super) fn types(context: &Context<'_>) -> Vec<TokenStream> {
     let (ty, len) = (context.ty(), Literal::usize_unsuffixed(LANES));
     let lanes = context.has_lanes.get().then(|| {

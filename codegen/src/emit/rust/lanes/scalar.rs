@@ -44,25 +44,12 @@ fn arguments(taken: Taken, results: impl Iterator<Item = TokenStream>) -> Vec<To
 }
 
 /// One function for each part.
-pub(super) fn items(
-    body: &Body<'_>,
-    name: &Ident,
-    signature: &Signature,
-    plan: &Plan,
-) -> Vec<TokenStream> {
+pub(super) fn items(body: &Body<'_>, name: &Ident, signature: &Signature, plan: &Plan) -> Vec<TokenStream> {
     let parts = 0..plan.parts.len();
-    parts
-        .map(|index| part(body, name, signature, plan, index))
-        .collect()
+    parts.map(|index| part(body, name, signature, plan, index)).collect()
 }
 
-fn part(
-    body: &Body<'_>,
-    name: &Ident,
-    signature: &Signature,
-    plan: &Plan,
-    index: usize,
-) -> TokenStream {
+fn part(body: &Body<'_>, name: &Ident, signature: &Signature, plan: &Plan, index: usize) -> TokenStream {
     let part = &plan.parts[index];
     let returns_result = index + 1 == plan.parts.len() && body.results.is_empty();
     let callee = body_name(name, plan, index);
@@ -82,19 +69,13 @@ fn part(
             quote!(-> #ty)
         }
     };
-    let results = part
-        .results
-        .iter()
-        .map(|&(result, _)| &body.results[result]);
+    let results = part.results.iter().map(|&(result, _)| &body.results[result]);
     let names = body.value_names_in(part.range.clone());
     let names = names.chain(part.takes.iter().map(|&value| body.name(value)));
     let names = names.chain(results).chain(&body.arguments).chain([name]);
     let documentation = match plan.parts.len() {
         1 => format!("`{name}` from sines and cosines."),
-        _ => format!(
-            "Part {} of `{name}` from sines, cosines and what earlier parts made.",
-            index + 1
-        ),
+        _ => format!("Part {} of `{name}` from sines, cosines and what earlier parts made.", index + 1),
     };
     item(
         &DocComment::new(&documentation),
@@ -110,7 +91,8 @@ fn part(
     )
 }
 
-/// The statements of a part. The last one has the entries that no part makes too: numbers, inputs, sines and cosines.
+/// The statements of a part. The last one has the entries that no part makes too: numbers, inputs, sines and
+/// cosines.
 fn part_statements(body: &Body<'_>, plan: &Plan, part: &Part, is_last: bool) -> TokenStream {
     let statements = body.statements_among(part.range.clone(), |index| plan.is_in_part[index]);
     match (is_last, body.results.is_empty()) {
