@@ -7,11 +7,10 @@
 //! gelenk_codegen::build("robot.toml");
 //! ```
 //!
-//! and [`Builder`] for the rest. [`guide`] holds conventions and signs, how to read generated code, and how
-//! to add a joint type.
+//! and [`Builder`] for the rest. [`guide`] holds conventions and signs, how to read generated code, a glossary,
+//! and how to add a joint type, a function, a printer or a friction term.
 
-// Constants reach the generated text, so they may not depend on the platform's library. Tests compare with
-// it.
+// Constants reach the generated text, so they may not depend on the platform's library. Tests compare with it.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod advice;

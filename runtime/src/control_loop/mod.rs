@@ -65,6 +65,7 @@ mod reference;
 mod report;
 mod run;
 mod settings;
+mod stage;
 mod stop_request;
 mod velocity_filter;
 #[doc = include_str!("write_a_controller.md")]
@@ -79,8 +80,9 @@ pub use law::{FeedForwardPd, JointLaw, LawController};
 pub use log::{LogRecord, LogSink, LogSummary, LogWriter, MAX_LOG_CAPACITY, log_to, log_to_file};
 pub use monitor::LimitFault;
 pub use realtime::{Grant, RealtimeReport, RealtimeRequest};
-pub use report::{Counts, End, LoopReport, Refusal, STAGES, Source, Stage, StopReason};
+pub use report::{Counts, End, LoopReport, Refusal, Source, StopReason};
 pub use run::ControlLoop;
 pub use settings::{LoopSettings, RATES, SettingError};
+pub use stage::{STAGES, Stage};
 pub use stop_request::StopRequest;
 pub use velocity_filter::VelocityFilter;

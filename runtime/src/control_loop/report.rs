@@ -3,28 +3,11 @@
 use super::controller::ControllerFault;
 use super::guard::EncoderFault;
 use super::monitor::LimitFault;
+use super::stage::STAGES;
 use crate::dynamics::Named;
 use crate::transport::{Brakes, TransportError};
 use std::fmt;
 use std::time::Duration;
-
-/// Parts of a period, in their order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
-    /// Reading positions and judging them.
-    Read,
-    /// The controller, and what stands in for it.
-    Control,
-    /// Limits of inputs and states.
-    Check,
-    /// Writing inputs.
-    Write,
-    /// Handing the record over to the log.
-    Log,
-}
-
-/// Number of stages.
-pub const STAGES: usize = 5;
 
 /// Where the inputs of a period came from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

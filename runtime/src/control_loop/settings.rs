@@ -1,7 +1,7 @@
 //! What the loop is told before it runs.
 
 use super::guard::GuardSettings;
-use super::report::{STAGES, Stage};
+use super::stage::{STAGES, Stage};
 use crate::dynamics::{Dynamics, Limits, Named};
 use std::fmt;
 use std::time::Duration;
