@@ -191,7 +191,7 @@ pub struct Counts {
     pub controller_faults: u64,
     /// Writes, readings and brake commands that the transport could not do.
     pub transport_errors: u64,
-    /// Stages that took longer than their budget, by [`Stage`].
+    /// Stages that took longer than their budget, by [`Stage`](super::Stage).
     pub budget_overruns: [u64; STAGES],
     /// Longest time of each stage.
     pub longest: [Duration; STAGES],
