@@ -20,10 +20,10 @@ const HORIZON: usize = 20;
 const ENCODER_STEP: f64 = 1e-5;
 
 gelenk_runtime::dynamics!(
-    struct PowerCube = gelenk_generated::powercube
+    struct PowerCube = gelenk_generated::powercube: Discretizable []
 );
 gelenk_runtime::dynamics!(
-    struct Panda = gelenk_generated::panda
+    struct Panda = gelenk_generated::panda: Discretizable []
 );
 
 /// CPU time of this thread in microseconds.

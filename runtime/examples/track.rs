@@ -23,7 +23,7 @@ mod outcome;
 
 gelenk_runtime::dynamics!(
     /// The controllers' model, and the plant's.
-    struct PowerCube = gelenk_generated::powercube
+    struct PowerCube = gelenk_generated::powercube: Discretizable []
 );
 
 const PERIOD: f64 = 0.02;

@@ -44,10 +44,10 @@ fn the_published_trajectory_is_tracked_below_0_15_mrad() {
     println!("LTV-MPC {ltv:?}\nNMPC {nmpc:?}");
     below(&ltv, 0.15e-3);
     below(&nmpc, 0.15e-3);
-    // At 20 ms both predict nearly alike; NMPC is the nearer one.
+    // At 20 ms both predict alike.
     for i in 0..2 {
         let (larger, smaller) = (ltv.rms[i].max(nmpc.rms[i]), ltv.rms[i].min(nmpc.rms[i]));
-        assert!(larger - smaller <= 0.3 * larger && nmpc.rms[i] <= ltv.rms[i], "{larger} {smaller}");
+        assert!(larger - smaller <= 0.2 * larger, "{larger} {smaller}");
         // What is left beside the file is what smoothing takes away.
         assert!(ltv.rms_to_file[i] < 1e-3, "{ltv:?}");
     }

@@ -10,7 +10,7 @@ use gelenk_runtime::trajectory::{Columns, Recording, Sampled, Smoothing};
 gelenk_runtime::dynamics!(
     /// The arm reduced to y = (β, γ), with friction and gravity as parameters: plants and controllers are
     /// each given their own. `Default` is the published arm.
-    pub struct Arm { parameters } = gelenk_generated::powercube_parameters
+    pub struct Arm { parameters } = gelenk_generated::powercube_parameters: Discretizable []
 );
 
 /// Gear ratio of both joints.

@@ -11,7 +11,7 @@ use gelenk_runtime::transport::{InProcess, Reading, Transport, TransportError};
 use std::time::Duration;
 
 gelenk_runtime::dynamics!(
-    pub struct PowerCube = gelenk_generated::powercube
+    pub struct PowerCube = gelenk_generated::powercube: Discretizable []
 );
 
 /// Positions that the tests allow [rad]; the description has no limits.

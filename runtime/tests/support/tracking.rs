@@ -10,11 +10,11 @@ use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{Columns, Recording, Sampled, Smoothing, Trajectory};
 
 gelenk_runtime::dynamics!(
-    pub struct PowerCube = gelenk_generated::powercube
+    pub struct PowerCube = gelenk_generated::powercube: Discretizable []
 );
 gelenk_runtime::dynamics!(
     pub struct FreePowerCube { parameters } =
-        gelenk_generated::powercube_parameters
+        gelenk_generated::powercube_parameters: Discretizable []
 );
 
 /// Period of the published trajectory, and of control along it [s].

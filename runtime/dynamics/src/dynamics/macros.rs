@@ -25,6 +25,18 @@
 /// gelenk_dynamics::dynamics!(pub struct Ur5 = gelenk_generated::ur5: Differentiable + Discretizable);
 /// ```
 ///
+/// `Discretizable []` takes no function over a sample time from the module: the trait's own bodies discretize what the
+/// derivatives give, with one Runge–Kutta step a period whatever `substeps` of the description says.
+///
+/// ```
+/// use gelenk_dynamics::dynamics::Discretizable;
+///
+/// gelenk_dynamics::dynamics!(struct Fine = gelenk_generated::powercube);
+/// gelenk_dynamics::dynamics!(struct Coarse = gelenk_generated::powercube: Discretizable []);
+///
+/// assert_eq!((<Fine as Discretizable<2, 2>>::SUBSTEPS, <Coarse as Discretizable<2, 2>>::SUBSTEPS), (8, 1));
+/// ```
+///
 /// A module with free parameters is wrapped with them; the type then has a field `parameters`, and `Default`:
 ///
 /// ```
@@ -39,7 +51,7 @@
 /// ```
 #[macro_export]
 macro_rules! dynamics {
-    ($(#[$meta:meta])* $visibility:vis struct $name:ident = $($module:ident)::+ $(: $first:ident $(+ $other:ident)*)?) => {
+    ($(#[$meta:meta])* $visibility:vis struct $name:ident = $($module:ident)::+ $(: $first:ident $(+ $other:ident)* $([$($own:tt)*])?)?) => {
         $(#[$meta])*
         #[derive(Debug, Clone, Copy, PartialEq, Default)]
         $visibility struct $name;
@@ -53,11 +65,11 @@ macro_rules! dynamics {
                 $crate::dynamics::without_parameters::<Parameters>();
             }
         };
-        $crate::dynamics!(@implement $name, [$($module)::+], [], [$($first $(, $other)*)?]);
+        $crate::dynamics!(@implement $name, [$($module)::+], [], [$($first $(, $other)*)?], [$($([$($own)*])?)?]);
     };
     (
         $(#[$meta:meta])* $visibility:vis struct $name:ident { parameters } = $($module:ident)::+
-        $(: $first:ident $(+ $other:ident)*)?
+        $(: $first:ident $(+ $other:ident)* $([$($own:tt)*])?)?
     ) => {
         $(#[$meta])*
         #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -65,13 +77,13 @@ macro_rules! dynamics {
             /// Free parameters of the model.
             pub parameters: $($module)::+::Parameters,
         }
-        $crate::dynamics!(@implement $name, [$($module)::+], [parameters], [$($first $(, $other)*)?]);
+        $crate::dynamics!(@implement $name, [$($module)::+], [parameters], [$($first $(, $other)*)?], [$($([$($own)*])?)?]);
     };
 
-    (@implement $name:ident, $module:tt, $p:tt, [$($trait:ident),*]) => {
+    (@implement $name:ident, $module:tt, $p:tt, [$($trait:ident),*], $own:tt) => {
         $crate::dynamics!(@dynamics $name, $module, $p);
         $crate::dynamics!(@differentiable $name, $module, $p);
-        $crate::dynamics!(@discretizable $name, $module, $p);
+        $crate::dynamics!(@discretizable $name, $module, $p, $own);
         $($crate::dynamics!(@check $trait, $name, $module);)*
     };
     (@check $trait:ident, $name:ident, [$($module:ident)::+]) => {
@@ -132,7 +144,15 @@ macro_rules! dynamics {
             );
         }
     };
-    (@discretizable $name:ident, [$($module:ident)::+], $p:tt) => {
+    // What the trait makes of the module's derivatives.
+    (@discretizable $name:ident, [$($module:ident)::+], $p:tt, [[]]) => {
+        impl $crate::dynamics::Discretizable<{ $($module)::+::N }, { $($module)::+::M }> for $name
+        where
+            $crate::dynamics!(@has_derivatives [$($module)::+]): for<'a> $crate::dynamics::Yes<'a>,
+        {
+        }
+    };
+    (@discretizable $name:ident, [$($module:ident)::+], $p:tt, []) => {
         impl $crate::dynamics::Discretizable<{ $($module)::+::N }, { $($module)::+::M }> for $name
         where
             $crate::dynamics!(@has_derivatives [$($module)::+]): for<'a> $crate::dynamics::Yes<'a>,
