@@ -31,44 +31,34 @@ const OVER_TIME: [(&str, &str, &str); 4] = [
 ];
 
 /// Functions over eight states, in the form for AVX2 (Valgrind knows no AVX-512), and their results.
-const LANES: [(&str, &str); 3] =
-    [("inverse_dynamics", "x"), ("forward_dynamics", "x"), ("linearize", "dy, dv, du, x")];
+const LANES: [(&str, &str); 3] = [
+    ("inverse_dynamics", "&mut x"),
+    ("forward_dynamics", "&mut x"),
+    ("linearize", "&mut dy, &mut dv, &mut du, &mut x"),
+];
 
 /// Ten rounds over the states: the counts of all rounds are equal.
 const CALLS: u64 = 80;
 
-/// A program that calls each function so often, in a function of its own: `measured_` and the row's name.
+/// A program that calls one function so many times: both are its arguments.
 fn main_text() -> String {
-    let mut measured = String::new();
-    let mut calls = String::new();
-    let mut add = |row: &str, body: String| {
-        let _ = writeln!(
-            measured,
-            "#[unsafe(no_mangle)]\n#[inline(never)]\nfn measured_{row}(context: &mut Context) {{\n    \
-             let Context {{ states, longest, groups, x, dy, dv, du }} = context;\n    _ = (&states, &longest, &groups, &x, &dy, &dv, &du);\n    \
-             for k in 0..{CALLS} {{ {body} }}\n}}"
-        );
-        let _ = writeln!(calls, "    measured_{row}(&mut context);");
-    };
+    let mut arms = String::new();
     let single = FUNCTIONS.map(|(name, arguments)| (name, "robot", name, arguments.to_owned()));
     let over_time =
         OVER_TIME.map(|(row, name, period)| (row, "discrete", name, format!("y, v, a, {period}")));
     for (row, module, name, arguments) in single.into_iter().chain(over_time) {
-        add(
-            row,
-            format!(
-                "let [y, v, a] = &states[k % 8]; let (y, v, a) = (black_box(y), black_box(v), black_box(a)); _ = (v, a); \
-                 black_box({module}::{name}({arguments}));"
-            ),
+        let _ = writeln!(
+            arms,
+            "        {row:?} => for k in 0..calls {{ let [y, v, a] = &states[k % 8]; \
+             let (y, v, a) = (black_box(y), black_box(v), black_box(a)); _ = (v, a); \
+             black_box({module}::{name}({arguments})); }},"
         );
     }
     for (name, results) in LANES {
-        add(
-            &format!("{name}_lanes"),
-            format!(
-                "let [y, v, a] = black_box(&groups[k % 8]); unsafe {{ many::{name}_lanes_avx2(y, v, a, {results}); }} \
-                 black_box((&x, &dy, &dv, &du));"
-            ),
+        let _ = writeln!(
+            arms,
+            "        \"{name}_lanes\" => for k in 0..calls {{ let [y, v, a] = black_box(&groups[k % 8]); \
+             unsafe {{ many::{name}_lanes_avx2(y, v, a, {results}); }} black_box((&x, &dy, &dv, &du)); }},"
         );
     }
     format!(
@@ -85,55 +75,39 @@ fn longest([y, v, u]: &[[f64; robot::N]; 3]) -> f64 {{
     while (a * t + b) * t > 1.0 {{ t *= 0.5; }}
     80.0 * f64::from(1 << 18) * t
 }}
-struct Context {{
-    states: [[[f64; robot::N]; 3]; 8],
-    longest: [f64; 8],
-    groups: [[[many::Lanes; robot::N]; 3]; 8],
-    x: [many::Lanes; robot::N],
-    dy: [[many::Lanes; robot::N]; robot::N],
-    dv: [[many::Lanes; robot::N]; robot::N],
-    du: [[many::Lanes; robot::N]; robot::N],
-}}
-{measured}fn main() {{
+fn main() {{
+    let mut arguments = std::env::args().skip(1);
+    let name = arguments.next().unwrap();
+    let calls: usize = arguments.next().unwrap().parse().unwrap();
     let states: [[[f64; robot::N]; 3]; 8] = core::array::from_fn(|s| core::array::from_fn(|k| core::array::from_fn(|i|
         ((s * 31 + k * 7 + i) as f64 * 0.7).rem_euclid(4.0) - 2.0)));
     let longest = states.each_ref().map(longest);
     let groups: [[[many::Lanes; robot::N]; 3]; 8] = core::array::from_fn(|s| core::array::from_fn(|k| core::array::from_fn(|i|
         many::Lanes(core::array::from_fn(|lane| states[(s + lane) % 8][k][i])))));
     let zero = many::Lanes([0.0; 8]);
-    let matrix = [[zero; robot::N]; robot::N];
-    let mut context = Context {{ states, longest, groups, x: [zero; robot::N], dy: matrix, dv: matrix, du: matrix }};
-{calls}}}
+    let mut x = [zero; robot::N];
+    let (mut dy, mut dv, mut du) = ([[zero; robot::N]; robot::N], [[zero; robot::N]; robot::N], [[zero; robot::N]; robot::N]);
+    match name.as_str() {{
+{arms}        _ => panic!(),
+    }}
+}}
 "
     )
 }
 
-/// What Valgrind counts in one run, function by function.
-fn profile(program: &Path, folder: &Path) -> String {
-    let file = folder.join("profile");
+/// The instructions that Valgrind counts in one run.
+fn count(program: &Path, function: &str, calls: u64) -> u64 {
     let output = Command::new("valgrind")
-        .args(["--tool=callgrind", "--compress-strings=no", "--compress-pos=no"])
-        .arg(format!("--callgrind-out-file={}", file.display()))
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
         .arg(program)
+        .args([function, &calls.to_string()])
         .output()
         .expect("valgrind runs");
-    let text = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{text}");
-    std::fs::read_to_string(file).expect("a profile")
-}
-
-/// Instructions of a function and of what it calls, in Callgrind's format: a block `fn=name`, in it lines of
-/// a position and a count, those of calls included.
-fn instructions(profile: &str, function: &str) -> u64 {
-    let block = profile.lines().skip_while(|line| *line != format!("fn={function}"));
-    let lines = block.skip(1).take_while(|line| !line.starts_with("fn="));
-    let counts = lines.filter_map(|line| {
-        let is_cost = line.starts_with(|letter: char| letter.is_ascii_digit());
-        line.split_whitespace().last().filter(|_| is_cost)
-    });
-    let count = counts.map(|count| count.parse::<u64>().expect("a count")).sum();
-    assert!(count > 0, "{function} was not counted");
-    count
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{function}: {text}");
+    let collected = text.lines().find_map(|line| line.split_once("Collected : "));
+    let (_, number) = collected.unwrap_or_else(|| panic!("{text}"));
+    number.trim().parse().expect("a count")
 }
 
 /// The text of a robot's module with these functions.
@@ -146,7 +120,7 @@ fn module(robot: &str, fused: bool, functions: &[&str], lanes: bool) -> String {
         ..GenerateOptions::default()
     };
     if lanes {
-        options.lanes = options.functions.clone();
+        options.emit.lanes = options.functions.clone();
     }
     let description = workspace().join("models").join(format!("{robot}.toml"));
     let generated = generate(&description, &options).unwrap_or_else(|problems| panic!("{problems}"));
@@ -184,9 +158,8 @@ fn report(robot: &str, fused: bool) -> String {
     let singles = FUNCTIONS.iter().map(|(name, _)| (*name).to_owned());
     let over_time = OVER_TIME.iter().map(|(row, ..)| (*row).to_owned());
     let names = singles.chain(over_time).chain(LANES.iter().map(|(name, _)| format!("{name}_lanes")));
-    let profile = profile(&program, folder.path());
     let lines = names.map(|name| {
-        let calls = instructions(&profile, &format!("measured_{name}"));
+        let calls = count(&program, &name, CALLS) - count(&program, &name, 0);
         format!("{robot} {form} {name}: {}\n", (calls + CALLS / 2) / CALLS)
     });
     lines.collect()
