@@ -120,7 +120,7 @@ fn module(robot: &str, fused: bool, functions: &[&str], lanes: bool) -> String {
         ..GenerateOptions::default()
     };
     if lanes {
-        options.emit.lanes = options.functions.clone();
+        options.lanes = options.functions.clone();
     }
     let description = workspace().join("models").join(format!("{robot}.toml"));
     let generated = generate(&description, &options).unwrap_or_else(|problems| panic!("{problems}"));
