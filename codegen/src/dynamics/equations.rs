@@ -81,8 +81,7 @@ impl<'g> Equations<'_, 'g> {
 
     /// `M(y)` and `k − q_gravity` in the formulations that cost least together.
     pub fn mass_matrix_and_bias(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> (Matrix<'g>, Vec<Scalar<'g>>) {
-        let (mass, bias) = self.formulations.mass_and_bias();
-        (self.mass_matrix_by(mass, y), self.bias_by(bias, y, v))
+        self.formulations.mass_matrix_and_bias(self.graph, y, v)
     }
 
     fn bias_by(&self, formulation: &Formulation, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
@@ -104,7 +103,7 @@ impl<'g> Equations<'_, 'g> {
 
     /// `k − q_gravity`
     pub fn bias_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
-        self.recursive(self.formulations.bias_forces(), MotionInput { y, v, a: &self.zeros() }, true)
+        self.bias_by(self.formulations.bias_forces(), y, v)
     }
 
     /// Springs' and dampers' share of q.

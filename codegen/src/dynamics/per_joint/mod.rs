@@ -23,11 +23,9 @@ mod rotors;
 mod rows;
 mod setup;
 
-use self::bodies::{Composites, move_bodies};
 use self::builder::ArrayBuilder;
 use self::joints::{jacobians, joint_forces, mass_matrix, remaining_forces};
-use self::moving::{Moving, accelerate};
-use self::rotors::Rotors;
+use self::moving::{Moving, accelerate, set_moving};
 use self::setup::set_up;
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
@@ -72,18 +70,7 @@ fn inverse_dynamics_and_jacobians<'g>(
     let mut builder = ArrayBuilder::new(&Mechanism::new(equations.graph, equations.model));
     let last = ("accelerations", arguments.a.clone());
     let setup = set_up(&mut builder, equations, arguments, last);
-    let (motions, flow) = move_bodies(&mut builder, &setup, true);
-    let rotors = Rotors::new(&mut builder, &setup, &motions);
-    let mut composites = Composites {
-        inertia: builder.sum_subtrees(motions.inertia, "composite_inertia"),
-        flow: builder.sum_subtrees(flow, "composite_flow"),
-        force: builder.sum_subtrees(motions.force, "composite_force"),
-    };
-    if let Some(rotors) = &rotors {
-        let moments = rotors.moments(&mut builder, &setup, setup.last);
-        composites = rotors.complete(&mut builder, composites, moments);
-    }
-    let moving = Moving { setup, motions, rotors, composites };
+    let moving = set_moving(&mut builder, setup, true);
     let forces = joint_forces(&mut builder, &moving);
     builder.output("B u", Shape::Vector(builder.each_joint()), forces);
     let (by_coordinates, by_velocities) = jacobians(&mut builder, &moving);
@@ -102,18 +89,7 @@ pub fn forward_dynamics_derivatives<'g>(
     let mut builder = ArrayBuilder::new(&Mechanism::new(equations.graph, equations.model));
     let last = ("driving_forces", equations.driving_forces(&arguments.y, &arguments.v, &arguments.u));
     let setup = set_up(&mut builder, equations, arguments, last);
-    let (motions, flow) = move_bodies(&mut builder, &setup, false);
-    let rotors = Rotors::new(&mut builder, &setup, &motions);
-    let mut composites = Composites {
-        inertia: builder.sum_subtrees(motions.inertia, "composite_inertia"),
-        flow: builder.sum_subtrees(flow, "composite_flow"),
-        force: builder.sum_subtrees(motions.force, "composite_bias"),
-    };
-    if let Some(rotors) = &rotors {
-        let moments = rotors.steady_moments(&mut builder, &setup);
-        composites = rotors.complete(&mut builder, composites, moments);
-    }
-    let steady = Moving { setup, motions, rotors, composites };
+    let steady = set_moving(&mut builder, setup, false);
     let mass = mass_matrix(&mut builder, &steady);
     let inverse = builder.invert(mass, "inverse");
     let remaining = remaining_forces(&mut builder, &steady);

@@ -1,6 +1,6 @@
 //! The robot in motion, as the joints meet it.
 
-use super::bodies::{Composites, Motions};
+use super::bodies::{Composites, Motions, move_bodies};
 use super::builder::ArrayBuilder;
 use super::rotors::Rotors;
 use super::rows::{flat, force_of, moments_of, motion_of};
@@ -15,6 +15,26 @@ pub(super) struct Moving {
     pub rotors: Option<Rotors>,
     /// With the rotors.
     pub composites: Composites,
+}
+
+/// The robot moving with the accelerations of the setup, or steadily.
+pub(super) fn set_moving(builder: &mut ArrayBuilder, setup: Setup, is_accelerated: bool) -> Moving {
+    let (motions, flow) = move_bodies(builder, &setup, is_accelerated);
+    let rotors = Rotors::new(builder, &setup, &motions);
+    let force = if is_accelerated { "composite_force" } else { "composite_bias" };
+    let mut composites = Composites {
+        inertia: builder.sum_subtrees(motions.inertia, "composite_inertia"),
+        flow: builder.sum_subtrees(flow, "composite_flow"),
+        force: builder.sum_subtrees(motions.force, force),
+    };
+    if let Some(rotors) = &rotors {
+        let moments = match is_accelerated {
+            true => rotors.moments(builder, &setup, setup.last),
+            false => rotors.steady_moments(builder, &setup),
+        };
+        composites = rotors.complete(builder, composites, moments);
+    }
+    Moving { setup, motions, rotors, composites }
 }
 
 /// What the accelerations add to a steady motion.

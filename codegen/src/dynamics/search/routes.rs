@@ -52,11 +52,7 @@ impl ForwardRoute {
         let model = formulations.model;
         match self {
             Self::Factorization => {
-                let (mass, bias) = formulations.mass_and_bias();
-                let matrix = composite::mass_matrix(&mass.mechanism(graph, model), mass, y);
-                let still = vec![graph.constant(0.0); y.len()];
-                let input = MotionInput { y, v, a: &still };
-                let bias = newton_euler::inverse_dynamics(&bias.mechanism(graph, model), bias, input);
+                let (matrix, bias) = formulations.mass_matrix_and_bias(graph, y, v);
                 let factorization = Factorization::new(&Mechanism::new(graph, model), &matrix);
                 factorization.solve(&subtract(&forces(), &bias))
             }
@@ -170,6 +166,31 @@ impl<'m> Formulations<'m> {
             .get_or_init(|| self.cheapest_pair(&[self.mass_matrix(), self.bias_forces()], |_, _| Vec::new()))
     }
 
+    /// `M(y)` and `k − q_gravity` in the formulations that cost least together.
+    pub fn mass_matrix_and_bias<'g>(
+        &self,
+        graph: &'g Graph,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+    ) -> (Matrix<'g>, Vec<Scalar<'g>>) {
+        let (mass, bias) = self.mass_and_bias();
+        self.mass_matrix_and_bias_by(mass, bias, graph, y, v)
+    }
+
+    fn mass_matrix_and_bias_by<'g>(
+        &self,
+        mass: &Formulation,
+        bias: &Formulation,
+        graph: &'g Graph,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+    ) -> (Matrix<'g>, Vec<Scalar<'g>>) {
+        let matrix = composite::mass_matrix(&mass.mechanism(graph, self.model), mass, y);
+        let still = vec![graph.constant(0.0); y.len()];
+        let steady = MotionInput { y, v, a: &still };
+        (matrix, newton_euler::inverse_dynamics(&bias.mechanism(graph, self.model), bias, steady))
+    }
+
     /// Of M and the bias forces beside the derivatives of the inverse dynamics.
     pub fn mass_and_bias_beside_derivatives(&self) -> &(Formulation, Formulation) {
         self.beside_derivatives.get_or_init(|| {
@@ -195,10 +216,7 @@ impl<'m> Formulations<'m> {
     ) -> (Formulation, Formulation) {
         let weight = |mass: &Formulation, bias: &Formulation| {
             let (weight, _) = weigh(self.model, |graph, input| {
-                let still = vec![graph.constant(0.0); input.y.len()];
-                let matrix = composite::mass_matrix(&mass.mechanism(graph, self.model), mass, input.y);
-                let steady = MotionInput { a: &still, ..input };
-                let forces = newton_euler::inverse_dynamics(&bias.mechanism(graph, self.model), bias, steady);
+                let (matrix, forces) = self.mass_matrix_and_bias_by(mass, bias, graph, input.y, input.v);
                 [matrix.concat(), forces, beside(graph, input)].concat()
             });
             weight

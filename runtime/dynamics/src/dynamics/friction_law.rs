@@ -5,6 +5,11 @@
 //! implementation that fits the function.
 
 /// A generated `friction_torques`. `Arguments` tells the implementations apart and is inferred.
+#[diagnostic::on_unimplemented(
+    message = "the module has no `friction_torques` of velocities, or of positions and velocities",
+    label = "generate it with friction_torques",
+    note = "a type of a module with free parameters is written `struct Name {{ parameters }} = module`, one without them `struct Name = module`"
+)]
 pub trait FrictionLaw<Arguments, const N: usize> {
     /// Friction torques [N m or N] at positions `y` and velocities `v`.
     fn torques(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N];
@@ -28,6 +33,11 @@ where
 }
 
 /// A generated `friction_torques` of a module with free parameters `P`.
+#[diagnostic::on_unimplemented(
+    message = "the module has no `friction_torques` of velocities, or of positions and velocities",
+    label = "generate it with friction_torques",
+    note = "a type of a module with free parameters is written `struct Name {{ parameters }} = module`, one without them `struct Name = module`"
+)]
 pub trait FrictionLawWithParameters<Arguments, P, const N: usize> {
     /// Friction torques [N m or N] at positions `y` and velocities `v`.
     fn torques(&self, y: &[f64; N], v: &[f64; N], p: &P) -> [f64; N];

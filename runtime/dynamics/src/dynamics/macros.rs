@@ -60,8 +60,7 @@ macro_rules! dynamics {
             #[allow(dead_code, reason = "only modules without free parameters need it")]
             type Parameters = ();
             {
-                #[allow(unused_imports, clippy::wildcard_imports, reason = "whatever the module has")]
-                use $($module)::+::*;
+                $crate::dynamics!(@import [$($module)::+]);
                 $crate::dynamics::without_parameters::<Parameters>();
             }
         };
@@ -161,8 +160,7 @@ macro_rules! dynamics {
                 #[allow(unused_imports, reason = "only modules without steps need it")]
                 use $crate::dynamics::NO_SUBSTEPS as SUBSTEPS;
                 {
-                    #[allow(unused_imports, clippy::wildcard_imports, reason = "whatever the module has")]
-                    use $($module)::+::*;
+                    $crate::dynamics!(@import [$($module)::+]);
                     SUBSTEPS
                 }
             };
@@ -195,8 +193,7 @@ macro_rules! dynamics {
             #[allow(unused_imports, reason = "only modules without this function need it")]
             use $crate::dynamics::Missing as friction_torques;
             {
-                #[allow(unused_imports, clippy::wildcard_imports, reason = "whatever the module has")]
-                use $($module)::+::*;
+                $crate::dynamics!(@import [$($module)::+]);
                 $crate::dynamics!(@torques friction_torques, y, v $(, &self.$p)?)
             }
         }
