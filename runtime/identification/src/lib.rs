@@ -25,6 +25,8 @@ pub mod plot;
 pub mod random;
 pub mod recursive;
 pub mod result;
+pub mod robot;
+pub mod run;
 pub mod sparse_dynamics;
 pub mod stribeck;
 pub mod subset;

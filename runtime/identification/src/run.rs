@@ -1,0 +1,52 @@
+//! Recorded motions, joint by joint: as they were measured, and prepared for the regression.
+
+/// A part of a log without interruption: all joints' samples at the same times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// The log's file name, and the number of the run where the log has several.
+    pub name: String,
+    /// Times [s]. They increase strictly; their steps may differ.
+    pub times: Vec<f64>,
+    /// Row of each sample in the log, counted from 1 with the header as row 1, as an editor shows it.
+    pub rows: Vec<usize>,
+    /// Measured positions [rad or m], for each joint of the robot.
+    pub positions: Vec<Vec<f64>>,
+    /// Measured velocities [rad/s or m/s], for each joint, where the log has them.
+    pub velocities: Vec<Option<Vec<f64>>>,
+    /// Measured efforts; joints or inputs, as [`Effort`] says.
+    pub efforts: Vec<Vec<f64>>,
+    /// What the efforts are.
+    pub effort: Effort,
+}
+
+/// What a log's efforts are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// Forces at the joints, `B u` [N·m or N], one for each joint.
+    Joint,
+    /// Inputs u of the description [N·m or N], at the motors' side of the gears, one for each input.
+    Input,
+    /// Motor currents [A], one for each input: `u = K_M i` with K_M unknown.
+    Current,
+}
+
+/// A run with smoothed positions, their derivatives, and efforts passed through the same filter, delay removed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PreparedRun {
+    /// Name of the run that it was made of.
+    pub name: String,
+    /// Times [s], equidistant.
+    pub times: Vec<f64>,
+    /// Row of the nearest sample in the log, as in [`Run::rows`].
+    pub rows: Vec<usize>,
+    /// y [rad or m], for each joint.
+    pub positions: Vec<Vec<f64>>,
+    /// ẏ, for each joint.
+    pub velocities: Vec<Vec<f64>>,
+    /// ÿ, for each joint.
+    pub accelerations: Vec<Vec<f64>>,
+    /// Efforts, smoothed by the same filter; joints or inputs, as [`Effort`] says.
+    pub efforts: Vec<Vec<f64>>,
+    /// What the efforts are.
+    pub effort: Effort,
+}
