@@ -25,6 +25,8 @@ pub mod formula;
 pub mod functions;
 pub mod graph;
 pub mod guide;
+#[cfg(feature = "cli")]
+pub mod identify;
 pub mod kinematics;
 mod lanes;
 pub mod layout;

@@ -147,7 +147,7 @@ fn write_plots(report: &FrictionReport, log: &Log, folder: &Path) -> Outcome<()>
 }
 
 /// A motion that tells viscous friction from steps at standstill, within what the motors can do.
-fn excitation(short: bool) -> Outcome<FourierMotion<2>> {
+fn excitation(short: bool) -> Outcome<FourierMotion> {
     let settings = Excitation { iterations: if short { 50 } else { 1000 }, ..Default::default() };
     let limits = [ExcitationLimits { position: [-0.6, 0.6], velocity: 0.65, acceleration: 2.0 }; 2];
     // Steps at standstill and slopes, each direction by itself, so that the motion shows both.

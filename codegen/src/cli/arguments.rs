@@ -28,6 +28,7 @@ Examples:
   gelenk check                                 is generated/ fresh?
   gelenk inspect counts models/ur5.toml        operation counts of all functions
   gelenk report models/ur5.toml                a page about the robot
+  gelenk identify arm.toml log.csv             friction and inertias from a recorded motion
   gelenk new my_arm                            a crate to begin with
 
 Exit codes: 0 success, 1 the description is at fault or the output is stale, 2 wrong command line.";
@@ -62,6 +63,17 @@ Examples:
 
 Exit codes: 0 success, 1 the description is at fault or the self-check fails, 2 wrong command line.";
 
+const IDENTIFY_EXAMPLES: &str = "\
+Examples:
+  gelenk identify --plan arm.toml                         a motion to record, plan.csv
+  gelenk identify arm.toml log.csv                        writes arm_identified.toml
+  gelenk identify ur10.urdf monday.csv tuesday.csv --report page
+  gelenk identify arm.toml log.csv --columns 'time=t,position=pos_{},torque=i_{} [N m]'
+
+In --columns, {} is a joint's number and {name} its name.
+
+Exit codes: 0 success, 1 a file is at fault or the data explain nothing, 2 wrong command line.";
+
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     /// Write the Rust module of a description, or of everything in models/
@@ -75,6 +87,10 @@ pub(super) enum Command {
     /// Make a small crate with a robot, its build script and a simulation
     #[command(after_help = NEW_EXAMPLES)]
     New(New),
+    /// Find friction, inertias and drive gains in logs of a robot, and write them as a description; or plan a
+    /// motion that shows them
+    #[command(after_help = IDENTIFY_EXAMPLES)]
+    Identify(Identify),
     /// Write a page about a robot: drawing, parameters, equations, costs, a self-check
     #[command(after_help = REPORT_EXAMPLES)]
     Report(Report),
@@ -160,6 +176,60 @@ pub(super) struct Report {
     /// Derive functions of up to so many operations [default: 300000]
     #[arg(long, value_name = "COUNT")]
     pub(super) max_operations: Option<usize>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Identify {
+    /// TOML or URDF
+    pub(super) description: PathBuf,
+    /// Recorded motions, CSV with time, positions and efforts
+    #[arg(required_unless_present = "plan", value_name = "LOG.csv")]
+    pub(super) logs: Vec<PathBuf>,
+    /// Where the description with the results goes [default: <NAME>_identified.toml], or the plan
+    /// [default: plan.csv]
+    #[arg(long, short, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Folder for a page with figures (index.html) and its numbers
+    #[arg(long, value_name = "FOLDER", conflicts_with = "plan")]
+    pub(super) report: Option<PathBuf>,
+    /// Which columns of the logs are what, e.g. 'position=joint{}_pos,torque={name}_tau' [default: known
+    /// patterns]
+    #[arg(long, value_name = "PATTERNS", conflicts_with = "plan")]
+    pub(super) columns: Option<String>,
+    /// What the logs' efforts are [default: by the names of their columns]
+    #[arg(long, value_enum, conflicts_with = "plan")]
+    pub(super) effort: Option<EffortName>,
+    /// The recorded efforts are without the robot's weight, which its own controller compensates
+    #[arg(long, conflicts_with = "plan")]
+    pub(super) gravity_compensated: bool,
+    /// Write results although they explain little
+    #[arg(long, conflicts_with = "plan")]
+    pub(super) accept_poor: bool,
+    /// Plan a motion to record, within the limits of the description
+    #[arg(long, conflicts_with = "logs")]
+    pub(super) plan: bool,
+    /// Period of the planned motion
+    #[arg(long, value_name = "SECONDS", requires = "plan", value_parser = positive, default_value_t = 20.0)]
+    pub(super) seconds: f64,
+    /// Rows of the plan in a second
+    #[arg(long, value_name = "HZ", requires = "plan", value_parser = positive, default_value_t = 250.0)]
+    pub(super) rate: f64,
+    /// Largest acceleration of the plan [rad/s² or m/s²; default: the largest speed in half a second]
+    #[arg(long, value_name = "VALUE", requires = "plan", value_parser = positive)]
+    pub(super) acceleration: Option<f64>,
+    #[command(flatten)]
+    pub(super) reading: Reading,
+}
+
+/// What efforts of a log are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum EffortName {
+    /// Torques or forces at the joints, behind the gears
+    Joint,
+    /// Inputs as described, at the motors
+    Input,
+    /// Motor currents, whose torque constants are to be found
+    Current,
 }
 
 /// How a description is read: choices that change the equations.

@@ -5,6 +5,7 @@ mod bytes;
 #[cfg(feature = "symbolica")]
 mod closed_form;
 mod generate;
+mod identify;
 mod inspect;
 mod mechanism;
 mod new;
@@ -31,6 +32,7 @@ pub fn run() -> ExitCode {
         Command::Generate(what) => generate::generate(what, arguments.format),
         Command::Check(what) => generate::check(what, arguments.format),
         Command::Inspect(what) => inspect::inspect(what, arguments.format),
+        Command::Identify(what) => identify::identify(what, arguments.format),
         Command::New(what) => new::new(what, arguments.format),
         Command::Report(what) => report::write(what, arguments.format),
     };

@@ -105,6 +105,12 @@ pub enum IdentificationError {
         /// Bound below which at least one term stays.
         largest: f64,
     },
+    /// A joint that no input moves.
+    #[error("joint {joint} has no drive: no motion of it can be planned")]
+    NotDriven {
+        /// Name of the joint.
+        joint: String,
+    },
     /// Times that do not increase.
     #[error(
         "time does not increase at row {row} (counted from 0): {before} s is followed by {after} s; sort the rows or split the log into segments"

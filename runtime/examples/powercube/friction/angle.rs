@@ -24,7 +24,7 @@ const UNSEEN: f64 = 0.2;
 const LINK: f64 = 0.18;
 
 /// Friction samples of β and γ along a motion, identified with gravity off by a share.
-pub fn arm_samples(motion: &FourierMotion<2>, gravity_error: f64, seconds: f64) -> Outcome<[Samples; 2]> {
+pub fn arm_samples(motion: &FourierMotion, gravity_error: f64, seconds: f64) -> Outcome<[Samples; 2]> {
     let log = record(published_arm(), &controller_arm(), motion, seconds, (&MEASURED, 2))?;
     let model = heavier(published_arm(), gravity_error);
     friction_samples(&log, &model, MEASURED.encoder_step)

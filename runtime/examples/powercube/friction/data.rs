@@ -58,27 +58,27 @@ fn waves(size: f64, center: f64) -> (f64, Vec<[f64; 2]>) {
 }
 
 /// A periodic motion from sizes of its joints, off the middle by 0.2 rad for size 1.
-pub fn periodic<const N: usize>(sizes: [f64; N]) -> FourierMotion<N> {
+pub fn periodic<const N: usize>(sizes: [f64; N]) -> FourierMotion {
     let waves = sizes.map(|size| waves(size, 0.2));
     FourierMotion {
         period: REPEAT,
-        center: waves.each_ref().map(|(center, _)| *center),
-        coefficients: waves.map(|(_, coefficients)| coefficients),
+        center: waves.each_ref().map(|(center, _)| *center).to_vec(),
+        coefficients: waves.map(|(_, coefficients)| coefficients).to_vec(),
     }
 }
 
 /// β moves, γ is held straight.
-pub fn beta_alone() -> FourierMotion<2> {
+pub fn beta_alone() -> FourierMotion {
     periodic([1.0, 0.0])
 }
 
 /// γ moves, β is held upright.
-pub fn gamma_alone() -> FourierMotion<2> {
+pub fn gamma_alone() -> FourierMotion {
     periodic([0.0, 1.0])
 }
 
 /// β = −γ: what lies beyond γ stays upright, and γ carries no weight.
-pub fn opposed() -> FourierMotion<2> {
+pub fn opposed() -> FourierMotion {
     periodic([1.0, -1.0])
 }
 
@@ -100,7 +100,7 @@ pub struct Record<const N: usize> {
 pub fn record<const N: usize>(
     plant: impl Dynamics<N, N>,
     model: &impl Differentiable<N, N>,
-    motion: &FourierMotion<N>,
+    motion: &FourierMotion,
     seconds: f64,
     (regime, seed): (&Regime, u64),
 ) -> Outcome<Record<N>> {

@@ -116,9 +116,10 @@ impl LowPass {
         let motion = beta_alone();
         let step = MEASURED.encoder_step;
         let times: Vec<f64> = (0..(seconds / PERIOD) as usize).map(|k| PERIOD * k as f64).collect();
-        let signal: Vec<f64> = times.iter().map(|t| (motion.at(*t)[0][0] / step).round() * step).collect();
+        let signal: Vec<f64> =
+            times.iter().map(|t| (motion.at::<1>(*t)[0][0] / step).round() * step).collect();
         let acceleration = times.windows(2).map(|t| {
-            let [a, b] = [t[0], t[1]].map(|t| motion.at(t)[2][0]);
+            let [a, b] = [t[0], t[1]].map(|t| motion.at::<1>(t)[2][0]);
             (b - a) / PERIOD
         });
         let by_noise = TotalVariation {

@@ -1,0 +1,35 @@
+//! `gelenk identify`.
+
+mod plan;
+
+use std::process::ExitCode;
+
+use super::Failure;
+use super::arguments::{Format, Identify};
+use super::print;
+use crate::identify::InterpretedRobot;
+use crate::model::{self, Loaded};
+
+/// Identifies a robot from its logs, or plans a motion to record.
+pub(super) fn identify(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
+    match arguments.plan {
+        true => plan::write(arguments, format),
+        false => Err(Failure::Problem("not yet".to_owned())),
+    }
+}
+
+/// The described robot, its regressors ready.
+fn read(arguments: &Identify) -> Result<(Loaded, InterpretedRobot), Failure> {
+    let at_fault = |problems| Failure::Descriptions(vec![problems]);
+    let loaded = model::read(&arguments.description, &arguments.reading.options()).map_err(at_fault)?;
+    if !loaded.notes.is_empty() {
+        print::err(&format!("{}\n\n", loaded.notes));
+    }
+    let robot = InterpretedRobot::new(&loaded.model).map_err(at_fault)?;
+    Ok((loaded, robot))
+}
+
+/// Says on standard error what is being done.
+fn say(sentence: &str) {
+    print::err(&format!("gelenk: {sentence}\n"));
+}

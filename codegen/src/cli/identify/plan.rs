@@ -1,0 +1,98 @@
+//! `gelenk identify --plan`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use gelenk_files::write_whole;
+use gelenk_identification::excitation::{Excitation, Plan, PlanSettings, plan};
+use gelenk_identification::robot::Robot;
+use serde_json::{Value, json};
+
+use super::super::Failure;
+use super::super::arguments::{Format, Identify};
+use super::super::print;
+use crate::identify::InterpretedRobot;
+
+/// Most rows of a plan.
+const MOST_ROWS: f64 = 1e6;
+
+/// Searches a motion and writes it.
+pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
+    if arguments.seconds * arguments.rate > MOST_ROWS {
+        return Err(Failure::Usage(format!(
+            "a plan has at most {MOST_ROWS} rows: lower --rate or --seconds"
+        )));
+    }
+    let (loaded, robot) = super::read(arguments)?;
+    let default = PlanSettings::default();
+    let settings = PlanSettings {
+        excitation: Excitation { period: arguments.seconds, ..default.excitation },
+        acceleration: arguments.acceleration,
+        ..default
+    };
+    let found = plan(&robot, &settings, &mut super::say)?;
+    let path = arguments.output.clone().unwrap_or_else(|| PathBuf::from("plan.csv"));
+    if loaded.files.iter().any(|file| gelenk_files::is_same_file(file, &path)) {
+        return Err(Failure::Problem(format!("{} is read, and is not written over", path.display())));
+    }
+    let text = found.csv(&robot.joint_names(), 1.0 / arguments.rate, 1);
+    write_whole(&path, text).map_err(|error| {
+        Failure::Problem(format!(
+            "{}: {error}\n  = help: name a file in a folder that exists with --output",
+            path.display()
+        ))
+    })?;
+    match format {
+        Format::Json => print::json(&as_json(&found, &robot, &path)),
+        Format::Text => print::out(&as_text(&found, &robot, &path)).map(|()| ExitCode::SUCCESS),
+    }
+}
+
+fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &std::path::Path) -> String {
+    let [inertial, friction] = plan.parameters;
+    let mut text = format!(
+        "wrote {}: {} s that begin and end at rest, for {inertial} base parameters and {friction} of friction\n\
+         condition number of their regressor (columns of unit length): {:.0}\n",
+        path.display(),
+        plan.motion.period,
+        plan.condition,
+    );
+    let [speeds, efforts] = &plan.largest;
+    let head = ["joint", "largest speed", "largest effort", "described limit"].map(str::to_owned).to_vec();
+    let rows =
+        robot.joint_names().into_iter().zip(robot.position_units()).zip(robot.limits()).enumerate().map(
+            |(i, ((name, unit), limits))| {
+                let force = if unit == "m" { "N" } else { "N m" };
+                let limit = if limits.effort.is_finite() {
+                    format!("{} {force}", limits.effort)
+                } else {
+                    "none".to_owned()
+                };
+                vec![name, format!("{:.2} {unit}/s", speeds[i]), format!("{:.1} {force}", efforts[i]), limit]
+            },
+        );
+    text.push('\n');
+    text.push_str(&print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
+    text.push('\n');
+    plan.notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
+    text.push_str(
+        "note: obstacles, and links that meet each other, are not known here: look at the motion before the robot makes it\n",
+    );
+    text
+}
+
+fn as_json(plan: &Plan, robot: &InterpretedRobot, path: &std::path::Path) -> Value {
+    let [inertial, friction] = plan.parameters;
+    let [speeds, efforts] = &plan.largest;
+    json!({
+        "file": path.display().to_string(),
+        "period": plan.motion.period,
+        "joints": robot.joint_names(),
+        "base_parameters": inertial,
+        "friction_parameters": friction,
+        "condition": plan.condition,
+        "largest_speeds": speeds,
+        "largest_efforts": efforts,
+        "notes": plan.notes,
+    })
+}

@@ -1,0 +1,156 @@
+//! Identified inertial parameters as the bodies of a description.
+
+use std::fmt::Write;
+
+use super::robot::DriveParameter;
+use crate::dynamics::parameters::regressor::PER_LINK;
+use crate::model::{Drive, Input, Model, Motion, RotorCoupling};
+
+/// A body of a description, about its centre of mass in the frame of its link.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyValues {
+    /// Name of the body.
+    pub name: String,
+    /// Link that carries it, where its name is another.
+    pub link: Option<String>,
+    /// Mass [kg].
+    pub mass: f64,
+    /// Centre of mass in the link's frame [m].
+    pub center_of_mass: [f64; 3],
+    /// Moments about the centre of mass, `xx, yy, zz, xy, xz, yz` [kg m²].
+    pub inertia: [f64; 6],
+}
+
+impl BodyValues {
+    /// A body with the ten parameters of a link: m, m c, and the moments about the origin of its frame, xx, xy,
+    /// yy, xz, yz, zz. Steiner: `I_c = I_o − m (cᵀc 1 − c cᵀ)`.
+    fn of_link(name: String, link: Option<String>, parameters: &[f64]) -> Self {
+        let &[mass, hx, hy, hz, xx, xy, yy, xz, yz, zz] = parameters else {
+            unreachable!("a link has {PER_LINK} parameters");
+        };
+        let [x, y, z] = [hx, hy, hz].map(|h| if mass == 0.0 { 0.0 } else { h / mass });
+        let inertia = [
+            xx - mass * (y * y + z * z),
+            yy - mass * (x * x + z * z),
+            zz - mass * (x * x + y * y),
+            xy + mass * x * y,
+            xz + mass * x * z,
+            yz + mass * y * z,
+        ];
+        Self { name, link, mass, center_of_mass: [x, y, z], inertia }
+    }
+
+    /// The table of a description.
+    #[must_use]
+    pub fn toml(&self) -> String {
+        let mut text = format!("[[bodies]]\nname = {:?}\n", self.name);
+        if let Some(link) = &self.link {
+            let _ = writeln!(text, "link = {link:?}");
+        }
+        let [x, y, z] = self.center_of_mass.map(number);
+        let _ = writeln!(text, "mass = {}\ncenter_of_mass = [{x}, {y}, {z}]", number(self.mass));
+        let names = ["xx", "yy", "zz", "xy", "xz", "yz"];
+        let entries =
+            names.iter().zip(self.inertia).map(|(name, value)| format!("{name} = {}", number(value)));
+        let _ = writeln!(text, "inertia = {{ {} }}", entries.collect::<Vec<_>>().join(", "));
+        text
+    }
+}
+
+/// Nine digits: a thousand times finer than any estimate, and coarse enough that the last bits of two processors
+/// give the same text.
+fn number(value: f64) -> String {
+    let text = format!("{value:.8e}");
+    let rounded: f64 = text.parse().unwrap_or(value);
+    format!("{rounded:?}")
+}
+
+/// The bodies of a description whose moving links have these parameters, ten for each in the order of the
+/// coordinates.
+///
+/// All that is fixed to a moving link or held on it is one body of the equations of motion. The first body of
+/// the link takes all of it, and the others become massless. `fixed` are the parameters of what is described
+/// elsewhere than in bodies (rotors of held joints).
+#[must_use]
+pub fn bodies(model: &Model, parameters: &[f64], fixed: &[f64]) -> Vec<BodyValues> {
+    let carriers: Vec<Option<usize>> = (0..model.links.len()).map(|link| carrier(model, link)).collect();
+    let links = parameters.chunks_exact(PER_LINK).zip(fixed.chunks_exact(PER_LINK)).enumerate();
+    let of_coordinate = |(coordinate, (all, fixed)): (usize, (&[f64], &[f64]))| {
+        let own: Vec<f64> = all.iter().zip(fixed).map(|(all, fixed)| all - fixed).collect();
+        let moving = &model.links[model.coordinates[coordinate]];
+        let first = moving.bodies.first().map_or(&moving.name, |body| &body.name).clone();
+        let link = (first != moving.name).then(|| moving.name.clone());
+        let carried = (0..model.links.len()).filter(|link| carriers[*link] == Some(coordinate));
+        let described = carried.flat_map(|link| model.links[link].bodies.iter());
+        let emptied = described.filter(|body| body.name != first).map(|body| BodyValues {
+            name: body.name.clone(),
+            link: None,
+            mass: 0.0,
+            center_of_mass: [0.0; 3],
+            inertia: [0.0; 6],
+        });
+        let emptied: Vec<BodyValues> = emptied.collect();
+        std::iter::once(BodyValues::of_link(first.clone(), link, &own)).chain(emptied).collect::<Vec<_>>()
+    };
+    links.flat_map(of_coordinate).collect()
+}
+
+/// Coordinate that moves a link; `None` for links on the base.
+fn carrier(model: &Model, link: usize) -> Option<usize> {
+    let joint = model.links[link].joint.as_ref()?;
+    match joint.motion {
+        Motion::Coordinate(coordinate) => Some(coordinate),
+        Motion::Fixed | Motion::Held(_) => carrier(model, joint.parent),
+    }
+}
+
+/// The drive of a joint as a description writes it, with an identified inertia.
+///
+/// - `inertia`: J_R of its rotor, or what it adds to its joint [kg m²]
+/// - `gain`: factor on the force of its input, where that was identified
+#[must_use]
+pub fn drive(model: &Model, parameter: DriveParameter<'_>, inertia: f64, gain: Option<f64>) -> String {
+    let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    let (drive, coupling) = match parameter {
+        DriveParameter::Rotor(drive) => (drive, drive.coupling),
+        DriveParameter::ReflectedInertia(drive) => (drive, RotorCoupling::Diagonal),
+    };
+    let mut entries = vec![format!("name = {:?}", drive.name)];
+    entries.push(format!("gear_ratio = {}", formula(&drive.gear_ratio.text(&names))));
+    entries.push(format!("rotor_inertia = {}", number(inertia)));
+    match coupling {
+        RotorCoupling::Diagonal => entries.push("coupling = \"diagonal\"".to_owned()),
+        RotorCoupling::Body => entries.extend(mounting(model, drive)),
+    }
+    let [nominal, peak] = [drive.torque.nominal, drive.torque.peak];
+    let torques = [("nominal", nominal), ("peak", peak)];
+    let torques = torques.iter().filter_map(|(name, value)| Some(format!("{name} = {:?}", (*value)?)));
+    let torques: Vec<String> = torques.collect();
+    if !torques.is_empty() {
+        entries.push(format!("torque = {{ {} }}", torques.join(", ")));
+    }
+    let described = match &drive.input {
+        Input::Torque => None,
+        Input::Current(constant) => Some(constant.text(&names)),
+    };
+    match (gain, described) {
+        (Some(gain), _) => entries.push(format!("motor_constant = {}", number(gain))),
+        (None, Some(text)) => entries.push(format!("motor_constant = {}", formula(&text))),
+        (None, None) => {}
+    }
+    format!("{{ {} }}", entries.join(", "))
+}
+
+/// Where a rotor sits.
+fn mounting(model: &Model, drive: &Drive) -> [String; 2] {
+    let [x, y, z] = drive.axis.map(|x| format!("{x:?}"));
+    [format!("carrier = {:?}", model.links[drive.carrier].name), format!("axis = [{x}, {y}, {z}]")]
+}
+
+/// A number as it is, a formula in quotes.
+fn formula(text: &str) -> String {
+    match text.parse::<f64>() {
+        Ok(value) => format!("{value:?}"),
+        Err(_) => format!("{text:?}"),
+    }
+}

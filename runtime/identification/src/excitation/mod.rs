@@ -1,0 +1,16 @@
+//! Excitation: periodic motions that show the parameters well, within the robot's limits.
+//!
+//! `yᵢ(t) = cᵢ + Σₖ aᵢₖ sin(k ω t) + bᵢₖ cos(k ω t)` (Swevers et al. 1997). A criterion of the regressor along
+//! the motion is minimized over the coefficients: its condition number (Gautier and Khalil 1992), or minus the
+//! logarithm of the determinant of the Fisher information (D-optimality; Swevers et al. 1997). The search is an
+//! evolution strategy with one parent and one child and adapted step (Rechenberg's 1/5 rule) from several
+//! starts. Every candidate is first shrunk and shifted into the limits, so each is a motion that the robot
+//! can make; the search needs no derivatives of the regressor and finds a good motion, not a proven best one.
+
+mod motion;
+mod plan;
+mod search;
+
+pub use motion::{FourierMotion, Instant};
+pub use plan::{Plan, PlanSettings, plan};
+pub use search::{Excitation, ExcitationLimits, ExcitationResult};

@@ -1,0 +1,92 @@
+//! Periodic motions as sums of sines and cosines.
+
+use super::ExcitationLimits;
+use std::f64::consts::TAU;
+
+/// A periodic motion of any number of joints, `yᵢ(t) = cᵢ + Σₖ aᵢₖ sin(k ω t) + bᵢₖ cos(k ω t)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FourierMotion {
+    /// T (s); ω = 2π/T.
+    pub period: f64,
+    /// cᵢ [rad or m], for each joint.
+    pub center: Vec<f64>,
+    /// (aᵢₖ, bᵢₖ) for k = 1, 2, …, for each joint.
+    pub coefficients: Vec<Vec<[f64; 2]>>,
+}
+
+/// Positions, velocities and accelerations of all joints at one time.
+pub type Instant = [Vec<f64>; 3];
+
+impl FourierMotion {
+    /// y, ẏ, ÿ of joint `i` at time `t` (s).
+    fn joint_at(&self, i: usize, t: f64) -> [f64; 3] {
+        let mut out = [self.center[i], 0.0, 0.0];
+        for (k, [a, b]) in self.coefficients[i].iter().enumerate() {
+            let rate = TAU * (k + 1) as f64 / self.period;
+            let (s, c) = (rate * t).sin_cos();
+            out[0] += a * s + b * c;
+            out[1] += rate * (a * c - b * s);
+            out[2] -= rate * rate * (a * s + b * c);
+        }
+        out
+    }
+
+    /// y, ẏ, ÿ of the first `N` joints at time `t` (s).
+    ///
+    /// # Panics
+    /// Where the motion has fewer joints.
+    pub fn at<const N: usize>(&self, t: f64) -> [[f64; N]; 3] {
+        let joints: [[f64; 3]; N] = std::array::from_fn(|i| self.joint_at(i, t));
+        std::array::from_fn(|k| joints.map(|joint| joint[k]))
+    }
+
+    /// y, ẏ, ÿ of all joints at time `t` (s).
+    pub fn instant(&self, t: f64) -> Instant {
+        let joints: Vec<[f64; 3]> = (0..self.center.len()).map(|i| self.joint_at(i, t)).collect();
+        std::array::from_fn(|k| joints.iter().map(|joint| joint[k]).collect())
+    }
+
+    /// The motion at so many evenly spaced times of a period.
+    pub fn instants(&self, samples: usize) -> Vec<Instant> {
+        let step = self.period / samples as f64;
+        (0..samples).map(|i| self.instant(step * i as f64)).collect()
+    }
+
+    /// Changes the first harmonic so that the motion is at rest without acceleration at the start of each
+    /// period: Σ k aₖ = 0 and Σ k² bₖ = 0.
+    pub(super) fn start_at_rest(&mut self) {
+        for pairs in &mut self.coefficients {
+            let order = |k: usize| (k + 1) as f64;
+            let velocity: f64 = pairs.iter().enumerate().map(|(k, [a, _])| order(k) * a).sum();
+            let acceleration: f64 = pairs.iter().enumerate().map(|(k, [_, b])| order(k) * order(k) * b).sum();
+            if let Some([a, b]) = pairs.first_mut() {
+                *a -= velocity;
+                *b -= acceleration;
+            }
+        }
+    }
+
+    /// Shrinks and shifts each joint so that the limits hold at the sampled instants, and one of them just
+    /// so.
+    pub(super) fn fit_into(&mut self, limits: &[ExcitationLimits], samples: usize) {
+        self.center.fill(0.0);
+        let instants = self.instants(samples);
+        for i in 0..limits.len() {
+            let largest = |k: usize| instants.iter().map(|x| x[k][i].abs()).fold(0.0, f64::max);
+            let (low, high) = instants
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x[0][i]), b.max(x[0][i])));
+            let [lowest, highest] = limits[i].position;
+            let factor = ((highest - lowest) / (high - low))
+                .min(limits[i].velocity / largest(1))
+                .min(limits[i].acceleration / largest(2));
+            // Between the instants the motion may exceed what is seen there by a little: (ω T/samples)²/8 per
+            // harmonic.
+            let factor = if factor.is_finite() { 0.995 * factor } else { 0.0 };
+            for pair in &mut self.coefficients[i] {
+                *pair = pair.map(|x| x * factor);
+            }
+            self.center[i] = 0.5 * (lowest + highest) - 0.5 * factor * (low + high);
+        }
+    }
+}

@@ -1,0 +1,341 @@
+//! A motion to record for the identification of a robot.
+
+use super::super::error::{IdentificationError, Result, require_setting};
+use super::super::random::SplitMix64;
+use super::super::robot::{JointLimits, Robot};
+use super::search::condition_of_scaled;
+use super::{Excitation, ExcitationLimits, FourierMotion, Instant};
+use nalgebra::DMatrix;
+use std::f64::consts::PI;
+
+/// What a plan may use of the robot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlanSettings {
+    /// Search, and period of the motion (s).
+    pub excitation: Excitation,
+    /// Share of the range of positions that is used, about its middle.
+    pub position_share: f64,
+    /// Share of the described speeds that is used.
+    pub velocity_share: f64,
+    /// Share of the described efforts that the motion may need by the described robot.
+    pub effort_share: f64,
+    /// Largest acceleration [rad/s² or m/s²]; twice the largest speed per second where there is none.
+    pub acceleration: Option<f64>,
+    /// Largest speed [rad/s or m/s] of joints without a described one.
+    pub velocity: f64,
+    /// Range of positions [m] of prismatic joints without described ones; revolute ones may turn by ±π.
+    pub travel: f64,
+}
+
+impl Default for PlanSettings {
+    fn default() -> Self {
+        Self {
+            excitation: Excitation {
+                period: 20.0,
+                harmonics: 8,
+                samples: 100,
+                starts: 3,
+                iterations: 300,
+                seed: 1,
+            },
+            position_share: 0.9,
+            velocity_share: 0.7,
+            effort_share: 0.7,
+            acceleration: None,
+            velocity: 1.0,
+            travel: 0.2,
+        }
+    }
+}
+
+/// A planned motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// The motion; it begins and ends each period at rest.
+    pub motion: FourierMotion,
+    /// Number of base parameters and of friction parameters that the plan asks for.
+    pub parameters: [usize; 2],
+    /// Condition number of their regressor, rows by the joints' efforts, columns scaled to unit length.
+    pub condition: f64,
+    /// The same for the best random motion before the search.
+    pub start: f64,
+    /// Largest speeds and efforts of the motion by joint, by the described robot.
+    pub largest: [Vec<f64>; 2],
+    /// What was assumed, in sentences.
+    pub notes: Vec<String>,
+}
+
+/// Friction columns of a joint: viscous, Coulomb, offset.
+const FRICTION: usize = 3;
+/// Speed within which Coulomb friction changes its sign, as a share of the joint's largest.
+const SIGN_SHARE: f64 = 0.02;
+/// States that tell dependent columns of the regressor from independent ones.
+const STATES: usize = 60;
+
+/// Plans a motion that shows the base parameters and the friction of all joints.
+///
+/// Minus the logarithm of the determinant of the Fisher information `Σ Wᵀ Σ_τ⁻¹ W` is minimized (D-optimality),
+/// Σ_τ with the squares of the described efforts: the volume of the parameters' confidence ellipsoid. W has a
+/// column for each independent inertial parameter and for v, a smooth sign of v and 1 of each joint.
+///
+/// The motion keeps the joints' limits, and its forces those of the described robot. Obstacles, and links that
+/// meet each other, are not known here.
+///
+/// # Errors
+/// Shares out of range, a joint without a drive, or a robot for which no motion tried shows all parameters within its efforts.
+pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut(&str)) -> Result<Plan> {
+    check(settings)?;
+    require_driven(robot)?;
+    let (limits, notes) = usable(robot, settings);
+    let design = Design::new(robot, &limits, settings);
+    progress(&format!(
+        "searching a motion for {} base parameters and {} of friction",
+        design.independent.len(),
+        design.friction()
+    ));
+    let best = settings.excitation.minimize(
+        &limits,
+        |instants| design.score(instants),
+        |mut motion| {
+            motion.start_at_rest();
+            motion
+        },
+    )?;
+    let best = best.ok_or_else(|| IdentificationError::NotConverged {
+        what: "the search for a motion".into(),
+        iterations: settings.excitation.starts * settings.excitation.iterations,
+        detail: "no motion tried shows all parameters within the joints' efforts: raise the efforts, lower the speed, or lengthen the period".into(),
+    })?;
+    let instants = best.motion.instants(settings.excitation.samples);
+    Ok(Plan {
+        parameters: [design.independent.len(), design.friction()],
+        condition: condition_of_scaled(&design.information(&instants)),
+        start: best.start,
+        largest: design.largest(&instants),
+        motion: best.motion,
+        notes,
+    })
+}
+
+impl Plan {
+    /// The motion as CSV, `t [s]`, then `q_`, `dq_`, `ddq_` and the joint's name: what
+    /// `gelenk_runtime::trajectory::Recording::open` reads, and what a log of it is compared with.
+    ///
+    /// - `period`: of the rows (s); `periods`: how often the motion is repeated
+    pub fn csv(&self, joints: &[String], period: f64, periods: usize) -> String {
+        let head = ["q", "dq", "ddq"]
+            .iter()
+            .flat_map(|kind| joints.iter().map(move |name| format!(",{kind}_{name}")));
+        let mut text = format!("t{}\n", head.collect::<String>());
+        let rows = (self.motion.period * periods as f64 / period).round() as usize;
+        for row in 0..=rows {
+            let t = row as f64 * period;
+            let columns = self.motion.instant(t).into_iter().flatten();
+            text.push_str(&format!("{t:.6}{}\n", columns.map(|x| format!(",{x:.9}")).collect::<String>()));
+        }
+        text
+    }
+}
+
+fn check(settings: &PlanSettings) -> Result<()> {
+    let shares = [
+        ("position share", settings.position_share),
+        ("velocity share", settings.velocity_share),
+        ("effort share", settings.effort_share),
+    ];
+    for (name, share) in shares {
+        require_setting(name, share, share > 0.0 && share <= 1.0, "it must be above 0 and at most 1")?;
+    }
+    for (name, value) in [("velocity", settings.velocity), ("travel", settings.travel)] {
+        require_setting(name, value, value > 0.0 && value.is_finite(), "it must be positive and finite")?;
+    }
+    let acceleration = settings.acceleration.unwrap_or(1.0);
+    require_setting("acceleration", acceleration, acceleration > 0.0, "it must be positive")
+}
+
+/// Limits of the motion, and what was assumed for them.
+fn usable(robot: &dyn Robot, settings: &PlanSettings) -> (Vec<ExcitationLimits>, Vec<String>) {
+    let joints = robot.limits().into_iter().zip(robot.position_units());
+    let limits = joints.map(|(JointLimits { position, velocity, .. }, unit)| {
+        let half = if unit == "m" { 0.5 * settings.travel } else { PI };
+        let [low, high] = if is_bounded(position) { position } else { [-half, half] };
+        let speed = if is_limit(velocity) { velocity } else { settings.velocity };
+        let (middle, half) = (0.5 * (low + high), 0.5 * settings.position_share * (high - low));
+        let velocity = settings.velocity_share * speed;
+        let acceleration = settings.acceleration.unwrap_or(2.0 * velocity);
+        ExcitationLimits { position: [middle - half, middle + half], velocity, acceleration }
+    });
+    (limits.collect(), assumptions(robot, settings))
+}
+
+fn is_bounded(position: [f64; 2]) -> bool {
+    position.iter().all(|bound| bound.is_finite())
+}
+
+fn is_limit(velocity: f64) -> bool {
+    velocity.is_finite() && velocity > 0.0
+}
+
+fn assumptions(robot: &dyn Robot, settings: &PlanSettings) -> Vec<String> {
+    let (limits, units) = (robot.limits(), robot.position_units());
+    let names = robot.joint_names();
+    let joints = |unit: &str, lacks: &dyn Fn(&JointLimits) -> bool| {
+        let found = (0..names.len()).filter(|i| units[*i] == unit && lacks(&limits[*i]));
+        let found: Vec<&str> = found.map(|i| names[i].as_str()).collect();
+        (!found.is_empty()).then(|| found.join(", "))
+    };
+    let ranges = [("rad", PI), ("m", 0.5 * settings.travel)].map(|(unit, half)| {
+        let found = joints(unit, &|limits| !is_bounded(limits.position));
+        found.map(|names| format!("without limits of position ±{half:.2} {unit} are used: {names}"))
+    });
+    let speeds = ["rad", "m"].map(|unit| {
+        let found = joints(unit, &|limits| !is_limit(limits.velocity));
+        found.map(|names| format!("without limits of speed {} {unit}/s are used: {names}", settings.velocity))
+    });
+    ranges.into_iter().chain(speeds).flatten().collect()
+}
+
+/// Fails with the first joint that no input moves.
+fn require_driven(robot: &dyn Robot) -> Result<()> {
+    let inputs = robot.input_names().len();
+    let matrix = robot.input_matrix();
+    let mut rows = matrix.chunks_exact(inputs.max(1));
+    match robot
+        .joint_names()
+        .into_iter()
+        .find(|_| rows.next().is_none_or(|row| row.iter().all(|b| *b == 0.0)))
+    {
+        Some(joint) => Err(IdentificationError::NotDriven { joint }),
+        None => Ok(()),
+    }
+}
+
+/// What the score is made of.
+struct Design<'a> {
+    robot: &'a dyn Robot,
+    /// Columns of W that no others replace.
+    independent: Vec<usize>,
+    columns: usize,
+    /// Efforts that the motion may need, and weights 1/σ of the rows.
+    efforts: Vec<f64>,
+    weights: Vec<f64>,
+    sign_speeds: Vec<f64>,
+}
+
+impl<'a> Design<'a> {
+    fn new(robot: &'a dyn Robot, limits: &[ExcitationLimits], settings: &PlanSettings) -> Self {
+        let columns = robot.parameter_names().len();
+        let states = random_states(limits);
+        let efforts: Vec<f64> = robot.limits().iter().map(|l| settings.effort_share * l.effort).collect();
+        let typical = largest_forces(robot, &states);
+        let weight = |(effort, typical): (&f64, &f64)| match [*effort, *typical] {
+            [effort, _] if effort.is_finite() && effort > 0.0 => 1.0 / effort,
+            [_, typical] if typical > 0.0 => 1.0 / typical,
+            // Nothing moves this joint but friction.
+            _ => 1.0,
+        };
+        Self {
+            robot,
+            independent: independent_columns(robot, columns, &states),
+            columns,
+            weights: efforts.iter().zip(&typical).map(weight).collect(),
+            efforts,
+            sign_speeds: limits.iter().map(|limit| SIGN_SHARE * limit.velocity).collect(),
+        }
+    }
+
+    fn friction(&self) -> usize {
+        FRICTION * self.efforts.len()
+    }
+
+    /// Minus the logarithm of the determinant of the information; infinite beyond the efforts.
+    fn score(&self, instants: &[Instant]) -> f64 {
+        let [_, forces] = self.largest(instants);
+        if forces.iter().zip(&self.efforts).any(|(force, effort)| force > effort) {
+            return f64::INFINITY;
+        }
+        match self.information(instants).cholesky() {
+            Some(factor) => -2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>(),
+            None => f64::INFINITY,
+        }
+    }
+
+    /// `Σ Wᵀ Σ_τ⁻¹ W` over the instants.
+    fn information(&self, instants: &[Instant]) -> DMatrix<f64> {
+        let n = self.efforts.len();
+        let count = self.independent.len() + self.friction();
+        let mut matrix = DMatrix::zeros(count, n * instants.len());
+        let mut regressor = vec![0.0; n * self.columns];
+        for (i, [y, v, a]) in instants.iter().enumerate() {
+            self.robot.inertial_regressor(y, v, a, &mut regressor);
+            for (joint, row) in regressor.chunks_exact(self.columns.max(1)).enumerate() {
+                let mut column = matrix.column_mut(i * n + joint);
+                for (entry, index) in self.independent.iter().enumerate() {
+                    column[entry] = row[*index] * self.weights[joint];
+                }
+                let first = self.independent.len() + FRICTION * joint;
+                let friction = [v[joint], (v[joint] / self.sign_speeds[joint]).tanh(), 1.0];
+                for (k, value) in friction.into_iter().enumerate() {
+                    column[first + k] = value * self.weights[joint];
+                }
+            }
+        }
+        &matrix * matrix.transpose()
+    }
+
+    /// Largest speeds and forces.
+    fn largest(&self, instants: &[Instant]) -> [Vec<f64>; 2] {
+        let n = self.efforts.len();
+        let speed = |i: usize| instants.iter().map(|[_, v, _]| v[i].abs()).fold(0.0, f64::max);
+        [(0..n).map(speed).collect(), largest_forces(self.robot, instants)]
+    }
+}
+
+fn largest_forces(robot: &dyn Robot, instants: &[Instant]) -> Vec<f64> {
+    let mut largest = vec![0.0_f64; robot.joint_names().len()];
+    let mut forces = largest.clone();
+    for [y, v, a] in instants {
+        robot.rigid_forces(y, v, a, &mut forces);
+        largest.iter_mut().zip(&forces).for_each(|(most, force)| *most = most.max(force.abs()));
+    }
+    largest
+}
+
+fn random_states(limits: &[ExcitationLimits]) -> Vec<Instant> {
+    let mut random = SplitMix64::new(1);
+    let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
+    let mut state = || {
+        let y = limits.iter().map(|l| between(l.position[0], l.position[1])).collect();
+        let v = limits.iter().map(|l| between(-l.velocity, l.velocity)).collect();
+        let a = limits.iter().map(|l| between(-l.acceleration, l.acceleration)).collect();
+        [y, v, a]
+    };
+    (0..STATES).map(|_| state()).collect()
+}
+
+/// Columns of W that are independent at random states, the strongest first found (Gautier 1991).
+fn independent_columns(robot: &dyn Robot, columns: usize, states: &[Instant]) -> Vec<usize> {
+    let n = robot.joint_names().len();
+    let mut stacked = DMatrix::zeros(n * states.len(), columns);
+    let mut regressor = vec![0.0; n * columns];
+    for (i, [y, v, a]) in states.iter().enumerate() {
+        robot.inertial_regressor(y, v, a, &mut regressor);
+        for (joint, row) in regressor.chunks_exact(columns.max(1)).enumerate() {
+            row.iter().enumerate().for_each(|(k, value)| stacked[(i * n + joint, k)] = *value);
+        }
+    }
+    let largest = stacked.column_iter().map(|column| column.norm()).fold(0.0, f64::max);
+    let (mut kept, mut basis): (Vec<usize>, Vec<nalgebra::DVector<f64>>) = (Vec::new(), Vec::new());
+    for (k, column) in stacked.column_iter().enumerate() {
+        let mut rest = column.clone_owned();
+        // Twice is enough (Parlett 1980, section 6-9).
+        for _ in 0..2 {
+            basis.iter().for_each(|q| rest.axpy(-q.dot(&rest), q, 1.0));
+        }
+        if rest.norm() > 1e-8 * largest {
+            basis.push(rest.normalize());
+            kept.push(k);
+        }
+    }
+    kept
+}
