@@ -26,25 +26,50 @@ const FUNCTIONS: [&str; 8] = ["sin", "cos", "tanh", "exp", "abs", "sign", "pow",
 /// Largest exponent of a description's formula.
 const LARGEST_EXPONENT: u32 = 16;
 
-/// First line of every description of identified friction.
-const FIRST_LINE: &str = "# Friction identified by gelenk.\n";
+/// First line of every description of identified values.
+const FIRST_LINE: &str = "# Identified by gelenk.\n";
 
-/// Writes a [`description`](description_toml) into a file, whole or not at all.
-///
-/// - `path`: a new file, an empty one, or one that this function has written before
-/// - `base`: the description that the data were evaluated with; an absolute path, or one relative to the
-///   folder of `path`
+/// What a description of identified values says, beside what it extends.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Identified<'a> {
+    /// Name of the robot, and of the module to be generated.
+    pub name: &'a str,
+    /// Path of the description that the data were evaluated with, a URDF or a TOML, relative to where the text
+    /// will lie.
+    pub extends: &'a str,
+    /// Where all of it comes from: comments at the head.
+    pub provenance: &'a [String],
+    /// Friction laws by joint.
+    pub friction: &'a [FrictionResult],
+    /// Drives by joint: its name, and the value of its key `drive` as TOML.
+    pub drives: &'a [(String, String)],
+    /// Tables `[[bodies]]` as TOML.
+    pub bodies: &'a [String],
+}
+
+/// Writes a [`description`](description_toml) of friction alone into a file, see [`write_identified`].
 ///
 /// # Errors
-/// Those of [`description_toml`]; [`IdentificationError::File`] where the file is the base itself, holds
-/// something else, or cannot be written.
+/// As [`write_identified`].
 pub fn write_description(path: &Path, name: &str, base: &str, results: &[FrictionResult]) -> Result<()> {
-    let text = description_toml(name, base, results)?;
+    write_identified(path, &Identified { name, extends: base, friction: results, ..Identified::default() })
+}
+
+/// Writes a [`description`](identified_toml) into a file, whole or not at all.
+///
+/// - `path`: a new file, an empty one, or one that this function has written before; what it extends is an
+///   absolute path, or one relative to the folder of `path`
+///
+/// # Errors
+/// Those of [`identified_toml`]; [`IdentificationError::File`] where the file is the base itself, holds
+/// something else, or cannot be written.
+pub fn write_identified(path: &Path, identified: &Identified<'_>) -> Result<()> {
+    let text = identified_toml(identified)?;
     let fault = |message: String| IdentificationError::File {
         place: path.display().to_string(),
         message: format!("cannot be written: {message}"),
     };
-    if is_same_file(path, &path.with_file_name(base)) {
+    if is_same_file(path, &path.with_file_name(identified.extends)) {
         return Err(fault("it is the description that is to be extended".into()));
     }
     if !may_be_replaced(path).map_err(|e| fault(e.to_string()))? {
@@ -64,34 +89,51 @@ fn may_be_replaced(path: &Path) -> io::Result<bool> {
     }
 }
 
-/// A description with identified friction.
-///
-/// - `name`: of the module to be generated
-/// - `extends`: path of the description that the data were evaluated with, a URDF or a TOML, relative to
-///   where this text will lie
+/// A description with identified friction alone, see [`identified_toml`].
 ///
 /// # Errors
-/// No joint, a joint twice, a law without terms, a coefficient that is not finite, or a term that a
-/// description cannot hold: all would end as nonsense in generated code.
+/// As [`identified_toml`].
 pub fn description_toml(name: &str, extends: &str, results: &[FrictionResult]) -> Result<String> {
-    if results.is_empty() {
+    identified_toml(&Identified { name, extends, friction: results, ..Identified::default() })
+}
+
+/// A description with identified values.
+///
+/// # Errors
+/// Nothing identified, a joint twice, a law without terms, a coefficient that is not finite, or a term that a
+/// description cannot hold: all would end as nonsense in generated code.
+pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
+    let Identified { name, extends, provenance, friction, drives, bodies } = *identified;
+    if friction.is_empty() && drives.is_empty() && bodies.is_empty() {
         return Err(IdentificationError::Empty { what: format!("the list of identified joints of {name}") });
     }
     let key = if extends.to_ascii_lowercase().ends_with(".urdf") { "urdf" } else { "extends" };
-    let mut text = format!("{FIRST_LINE}name = {}\n{key} = {}\n", quoted(name), quoted(extends));
-    for (i, result) in results.iter().enumerate() {
-        if results[..i].iter().any(|r| r.joint == result.joint) {
+    let mut text = FIRST_LINE.to_owned();
+    provenance.iter().for_each(|line| comment(line, &mut text));
+    let _ = writeln!(text, "name = {}\n{key} = {}", quoted(name), quoted(extends));
+    for (i, result) in friction.iter().enumerate() {
+        if friction[..i].iter().any(|r| r.joint == result.joint) {
             return Err(IdentificationError::Expression {
                 text: result.joint.clone(),
                 message: "this joint stands twice among the results".into(),
             });
         }
-        let friction = friction_value(result)?;
+        let value = friction_value(result)?;
         text.push_str("\n[[joints]]\n");
         comments(result, &mut text);
         let _ = writeln!(text, "name = {}", quoted(&result.joint));
-        let _ = writeln!(text, "friction = {friction}");
+        if let Some((_, drive)) = drives.iter().find(|(joint, _)| *joint == result.joint) {
+            let _ = writeln!(text, "drive = {drive}");
+        }
+        let _ = writeln!(text, "friction = {value}");
     }
+    let has_law = |joint: &str| friction.iter().any(|result| result.joint == joint);
+    for (joint, drive) in drives.iter().filter(|(joint, _)| !has_law(joint)) {
+        let _ = writeln!(text, "\n[[joints]]\nname = {}\ndrive = {drive}", quoted(joint));
+    }
+    bodies.iter().for_each(|body| {
+        let _ = write!(text, "\n{body}");
+    });
     Ok(text)
 }
 
@@ -224,10 +266,7 @@ fn spelled(text: &str) -> String {
 }
 
 fn comments(result: &FrictionResult, text: &mut String) {
-    let mut line = |content: String| {
-        // A newline in a name or setting must not end the comment.
-        let _ = writeln!(text, "# {}", content.replace(|c: char| c.is_control(), " "));
-    };
+    let mut line = |content: String| comment(&content, text);
     let [slowest, fastest] = result.velocity_range;
     line(format!("identified from {}, {} samples", result.data, result.samples));
     line(format!(
@@ -237,6 +276,11 @@ fn comments(result: &FrictionResult, text: &mut String) {
     line(format!("residual {:.6} {} rms, R² {:.6}", result.residual, result.unit, result.r_squared));
     result.settings.iter().for_each(|s| line(s.clone()));
     result.warnings.iter().for_each(|w| line(format!("warning: {w}")));
+}
+
+/// A newline in a name or setting must not end the comment.
+fn comment(content: &str, text: &mut String) {
+    let _ = writeln!(text, "# {}", content.replace(|c: char| c.is_control(), " "));
 }
 
 /// A TOML basic string.
