@@ -2,9 +2,8 @@
 
 use std::fmt::Write;
 
-use super::robot::DriveParameter;
 use crate::dynamics::parameters::regressor::PER_LINK;
-use crate::model::{Drive, Input, Model, Motion, RotorCoupling};
+use crate::model::{Model, Motion};
 
 /// A body of a description, about its centre of mass in the frame of its link.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +58,7 @@ impl BodyValues {
 
 /// Nine digits: a thousand times finer than any estimate, and coarse enough that the last bits of two processors
 /// give the same text.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     let text = format!("{value:.8e}");
     let rounded: f64 = text.parse().unwrap_or(value);
     format!("{rounded:?}")
@@ -101,56 +100,5 @@ fn carrier(model: &Model, link: usize) -> Option<usize> {
     match joint.motion {
         Motion::Coordinate(coordinate) => Some(coordinate),
         Motion::Fixed | Motion::Held(_) => carrier(model, joint.parent),
-    }
-}
-
-/// The drive of a joint as a description writes it, with an identified inertia.
-///
-/// - `inertia`: J_R of its rotor, or what it adds to its joint [kg m²]
-/// - `gain`: factor on the force of its input, where that was identified
-#[must_use]
-pub fn drive(model: &Model, parameter: DriveParameter<'_>, inertia: f64, gain: Option<f64>) -> String {
-    let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-    let (drive, coupling) = match parameter {
-        DriveParameter::Rotor(drive) => (drive, drive.coupling),
-        DriveParameter::ReflectedInertia(drive) => (drive, RotorCoupling::Diagonal),
-    };
-    let mut entries = vec![format!("name = {:?}", drive.name)];
-    entries.push(format!("gear_ratio = {}", formula(&drive.gear_ratio.text(&names))));
-    entries.push(format!("rotor_inertia = {}", number(inertia)));
-    match coupling {
-        RotorCoupling::Diagonal => entries.push("coupling = \"diagonal\"".to_owned()),
-        RotorCoupling::Body => entries.extend(mounting(model, drive)),
-    }
-    let [nominal, peak] = [drive.torque.nominal, drive.torque.peak];
-    let torques = [("nominal", nominal), ("peak", peak)];
-    let torques = torques.iter().filter_map(|(name, value)| Some(format!("{name} = {:?}", (*value)?)));
-    let torques: Vec<String> = torques.collect();
-    if !torques.is_empty() {
-        entries.push(format!("torque = {{ {} }}", torques.join(", ")));
-    }
-    let described = match &drive.input {
-        Input::Torque => None,
-        Input::Current(constant) => Some(constant.text(&names)),
-    };
-    match (gain, described) {
-        (Some(gain), _) => entries.push(format!("motor_constant = {}", number(gain))),
-        (None, Some(text)) => entries.push(format!("motor_constant = {}", formula(&text))),
-        (None, None) => {}
-    }
-    format!("{{ {} }}", entries.join(", "))
-}
-
-/// Where a rotor sits.
-fn mounting(model: &Model, drive: &Drive) -> [String; 2] {
-    let [x, y, z] = drive.axis.map(|x| format!("{x:?}"));
-    [format!("carrier = {:?}", model.links[drive.carrier].name), format!("axis = [{x}, {y}, {z}]")]
-}
-
-/// A number as it is, a formula in quotes.
-fn formula(text: &str) -> String {
-    match text.parse::<f64>() {
-        Ok(value) => format!("{value:?}"),
-        Err(_) => format!("{text:?}"),
     }
 }

@@ -4,7 +4,9 @@
 //! its results.
 
 mod bodies;
+mod drives;
 mod robot;
 
-pub use bodies::{BodyValues, bodies, drive};
-pub use robot::{DriveParameter, InterpretedRobot};
+pub use bodies::{BodyValues, bodies};
+pub use drives::{IdentifiedDrive, drives, rotors};
+pub use robot::InterpretedRobot;
