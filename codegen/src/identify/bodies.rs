@@ -2,6 +2,10 @@
 
 use std::fmt::Write;
 
+use gelenk_identification::description::quoted;
+
+use super::robot;
+use crate::diagnostic::Diagnostics;
 use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::model::{Model, Motion};
 
@@ -42,9 +46,9 @@ impl BodyValues {
     /// The table of a description.
     #[must_use]
     pub fn toml(&self) -> String {
-        let mut text = format!("[[bodies]]\nname = {:?}\n", self.name);
+        let mut text = format!("[[bodies]]\nname = {}\n", quoted(&self.name));
         if let Some(link) = &self.link {
-            let _ = writeln!(text, "link = {link:?}");
+            let _ = writeln!(text, "link = {}", quoted(link));
         }
         let [x, y, z] = self.center_of_mass.map(number);
         let _ = writeln!(text, "mass = {}\ncenter_of_mass = [{x}, {y}, {z}]", number(self.mass));
@@ -68,10 +72,12 @@ pub(super) fn number(value: f64) -> String {
 /// coordinates.
 ///
 /// All that is fixed to a moving link or held on it is one body of the equations of motion. The first body of
-/// the link takes all of it, and the others become massless. `fixed` are the parameters of what is described
-/// elsewhere than in bodies (rotors of held joints).
-#[must_use]
-pub fn bodies(model: &Model, parameters: &[f64], fixed: &[f64]) -> Vec<BodyValues> {
+/// the link takes all of it, and the others become massless.
+///
+/// # Errors
+/// As [`InterpretedRobot::new`](super::InterpretedRobot::new).
+pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<BodyValues>, Diagnostics> {
+    let fixed = without_bodies(model)?;
     let carriers: Vec<Option<usize>> = (0..model.links.len()).map(|link| carrier(model, link)).collect();
     let links = parameters.chunks_exact(PER_LINK).zip(fixed.chunks_exact(PER_LINK)).enumerate();
     let of_coordinate = |(coordinate, (all, fixed)): (usize, (&[f64], &[f64]))| {
@@ -91,7 +97,14 @@ pub fn bodies(model: &Model, parameters: &[f64], fixed: &[f64]) -> Vec<BodyValue
         let emptied: Vec<BodyValues> = emptied.collect();
         std::iter::once(BodyValues::of_link(first.clone(), link, &own)).chain(emptied).collect::<Vec<_>>()
     };
-    links.flat_map(of_coordinate).collect()
+    Ok(links.flat_map(of_coordinate).collect())
+}
+
+/// Parameters of the moving links by what is described elsewhere than in bodies: rotors of held joints.
+fn without_bodies(model: &Model) -> Result<Vec<f64>, Diagnostics> {
+    let mut model = model.clone();
+    model.links.iter_mut().for_each(|link| link.bodies.clear());
+    robot::parameters(&model)
 }
 
 /// Coordinate that moves a link; `None` for links on the base.

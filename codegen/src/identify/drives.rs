@@ -1,5 +1,7 @@
 //! Identified drives as a description writes them.
 
+use gelenk_identification::description::quoted;
+
 use super::bodies::number;
 use crate::dynamics::parameters::regressor::drives_with_rotor;
 use crate::formula::Formula;
@@ -43,7 +45,7 @@ fn toml(model: &Model, drive: &Drive, found: &IdentifiedDrive) -> String {
     let coupling = if found.reflected.is_some() { RotorCoupling::Diagonal } else { drive.coupling };
     let inertia = found.rotor.or(found.reflected).map_or_else(|| formula(&drive.rotor_inertia), number);
     let mut entries = vec![
-        format!("name = {:?}", drive.name),
+        format!("name = {}", quoted(&drive.name)),
         format!("gear_ratio = {}", formula(&drive.gear_ratio)),
         format!("rotor_inertia = {inertia}"),
     ];
@@ -64,7 +66,7 @@ fn toml(model: &Model, drive: &Drive, found: &IdentifiedDrive) -> String {
 /// Where a rotor sits.
 fn mounting(model: &Model, drive: &Drive) -> [String; 2] {
     let [x, y, z] = drive.axis.map(|x| format!("{x:?}"));
-    [format!("carrier = {:?}", model.links[drive.carrier].name), format!("axis = [{x}, {y}, {z}]")]
+    [format!("carrier = {}", quoted(&model.links[drive.carrier].name)), format!("axis = [{x}, {y}, {z}]")]
 }
 
 fn torques(drive: &Drive) -> Option<String> {
@@ -79,6 +81,6 @@ fn text(formula: &Formula, parameters: &[&str]) -> String {
     let text = formula.text(parameters);
     match text.parse::<f64>() {
         Ok(value) => format!("{value:?}"),
-        Err(_) => format!("{text:?}"),
+        Err(_) => quoted(&text),
     }
 }

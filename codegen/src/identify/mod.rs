@@ -10,3 +10,74 @@ mod robot;
 pub use bodies::{BodyValues, bodies};
 pub use drives::{IdentifiedDrive, drives, rotors};
 pub use robot::InterpretedRobot;
+
+#[cfg(test)]
+mod tests {
+    use std::path::{Path, PathBuf};
+
+    use gelenk_identification::description::{Identified, identified_toml};
+    use gelenk_identification::robot::Robot;
+
+    use super::*;
+    use crate::dynamics::parameters::regressor::PER_LINK;
+    use crate::model::{self, ReadOptions};
+
+    fn robot(path: &Path) -> InterpretedRobot {
+        let loaded = model::read(path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        InterpretedRobot::new(&loaded.model).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    fn models() -> Vec<PathBuf> {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+        let names = ["powercube", "powercube_alpha", "cart_pole", "two_arm", "panda", "ur5"];
+        names.map(|name| folder.join(format!("{name}.toml"))).to_vec()
+    }
+
+    /// Parameters of heavier bodies, and of rotors.
+    fn changed(robot: &InterpretedRobot) -> Vec<f64> {
+        let parameters = robot.parameters();
+        let heavier =
+            parameters.iter().enumerate().map(|(i, value)| value * (1.1 + 0.05 * (i / PER_LINK) as f64));
+        heavier.collect()
+    }
+
+    #[test]
+    fn written_bodies_and_drives_are_read_back_with_their_values() {
+        let folder = tempfile::tempdir().unwrap();
+        for path in models() {
+            let described = robot(&path);
+            let (model, expected) = (described.model(), changed(&described));
+            let (links, others) = expected.split_at(PER_LINK * described.bodies());
+            let identified: Vec<IdentifiedDrive> = rotors(model)
+                .iter()
+                .map(|place| IdentifiedDrive {
+                    rotor: place.map(|place| others[place]),
+                    ..Default::default()
+                })
+                .collect();
+            let written: Vec<String> = bodies(model, links).unwrap().iter().map(BodyValues::toml).collect();
+            let text = identified_toml(&Identified {
+                name: "identified",
+                extends: &path.canonicalize().unwrap().display().to_string(),
+                drives: &drives(model, &identified),
+                bodies: &written,
+                ..Default::default()
+            });
+            let file = folder.path().join("identified.toml");
+            std::fs::write(&file, text.unwrap()).unwrap();
+            let found = robot(&file);
+            assert_eq!(found.joint_names(), described.joint_names());
+            assert_eq!(found.input_matrix(), described.input_matrix());
+            for ((name, found), expected) in
+                found.parameter_names().iter().zip(found.parameters()).zip(&expected)
+            {
+                let error = (found - expected).abs();
+                assert!(
+                    error < 1e-7 * (1e-3 + expected.abs()),
+                    "{}: {name} {found} {expected}",
+                    path.display()
+                );
+            }
+        }
+    }
+}

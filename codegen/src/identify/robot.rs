@@ -61,6 +61,14 @@ impl InterpretedRobot {
     }
 }
 
+/// Described values of a model's inertial parameters.
+pub(super) fn parameters(model: &Model) -> Result<Vec<f64>, Diagnostics> {
+    let name = ["inertial_parameters".to_owned()];
+    let functions = derive_in_form(model, &name, MOST_OPERATIONS, Form::Straight, &name)?;
+    let free: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+    Ok(functions.first().map_or(Vec::new(), |function| result(function, &[], &free)))
+}
+
 /// The first result of a function.
 fn result(function: &Function, inputs: &[&[f64]], free: &[f64]) -> Vec<f64> {
     let results = interpret(&function.program, inputs, free, &Functions::EMBEDDED);
