@@ -165,6 +165,20 @@ pub enum IdentificationError {
         /// The numbers at the end.
         detail: String,
     },
+    /// A fit that explains too little of a joint's force on data that it has not seen.
+    #[error(
+        "the fit does not explain joint {joint}: R² {r_squared:.3} on held-out data, at least {least} is asked for; {reasons}"
+    )]
+    Unexplained {
+        /// Name of the joint.
+        joint: String,
+        /// Centred R² on held-out data.
+        r_squared: f64,
+        /// The level that was asked for.
+        least: f64,
+        /// Likely reasons and what to do.
+        reasons: String,
+    },
 }
 
 /// Result of an identification step.

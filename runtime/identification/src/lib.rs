@@ -11,6 +11,7 @@ pub mod description;
 pub mod differentiation;
 pub mod ensemble;
 pub mod error;
+pub mod estimation;
 pub mod excitation;
 pub mod expression;
 pub mod friction;

@@ -1,0 +1,218 @@
+//! What is estimated is chosen by the error on held-out data: Coulomb widths, optional terms, offsets, and the
+//! weight of the description.
+
+use super::super::error::Result;
+use super::super::inertial::PER_BODY;
+use super::fit::{HeldOut, Weighting, held_out, reweighted};
+use super::layout::{ARMATURE, COULOMB, Layout};
+use super::normal::{Centred, Model, Offsets, Values};
+use super::prior::Prior;
+use super::sums::Sums;
+
+/// Weights of the description that are tried: two for each decade.
+const LEAST_WEIGHT: f64 = 1e-3;
+const WEIGHTS: usize = 23;
+
+/// Factor by which a body may be trusted less, and how often.
+const LESS_TRUST: f64 = 0.01;
+const LESS_TRUST_STEPS: usize = 3;
+
+/// Held-out error for one weight of the description.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeightTried {
+    /// λ.
+    pub weight: f64,
+    /// Sum over folds and joints of the squared residuals in units of their variance, per equation.
+    pub error: f64,
+}
+
+/// A choice, and what it was chosen from.
+pub(super) struct Chosen<'a> {
+    pub(super) model: Model,
+    pub(super) weighting: Weighting,
+    pub(super) values: Values,
+    pub(super) centred: Centred<'a>,
+    pub(super) tried: Vec<WeightTried>,
+}
+
+/// What is left to the choice.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Freedom {
+    pub(super) offsets: Option<Offsets>,
+    pub(super) terms: bool,
+}
+
+fn grid() -> impl Iterator<Item = f64> {
+    (0..WEIGHTS).map(|i| LEAST_WEIGHT * 10_f64.powf(0.5 * i as f64))
+}
+
+/// Chooses in turn: widths and offsets, then optional terms, then the weight of the description.
+pub(super) fn choose<'a>(
+    layout: &'a Layout,
+    sums: &'a Sums,
+    prior: &Prior,
+    start: &Values,
+    freedom: Freedom,
+    gains: bool,
+) -> Result<Chosen<'a>> {
+    let model = Model {
+        coulomb: vec![0; layout.joints],
+        asymmetry: vec![false; layout.joints],
+        armature: vec![false; layout.joints],
+        offsets: freedom.offsets.unwrap_or(Offsets::Common),
+        gains,
+    };
+    let centred = Centred::new(layout, sums, model.offsets);
+    let weighting = Weighting { sigma: super::fit::deviations(&centred, start), description: 1.0, trust: vec![1.0; layout.parameters] };
+    let mut chosen = Chosen { model, weighting, values: start.clone(), centred, tried: Vec::new() };
+    chosen.reweight(prior)?;
+    chosen.choose_weight(prior, true)?;
+    chosen.reweight(prior)?;
+    chosen.choose_widths(prior)?;
+    if freedom.offsets.is_none() {
+        chosen.choose_offsets(layout, sums, prior)?;
+    }
+    if freedom.terms {
+        chosen.choose_terms(prior)?;
+    }
+    chosen.reweight(prior)?;
+    chosen.choose_weight(prior, false)?;
+    chosen.choose_trust(prior)?;
+    chosen.reweight(prior)?;
+    Ok(chosen)
+}
+
+impl Chosen<'_> {
+    fn error(&self, model: &Model, prior: &Prior) -> Result<HeldOut> {
+        held_out(&self.centred, model, prior, &self.weighting, &self.values)
+    }
+
+    pub(super) fn held_out(&self, prior: &Prior) -> Result<HeldOut> {
+        self.error(&self.model, prior)
+    }
+
+    pub(super) fn reweight(&mut self, prior: &Prior) -> Result<()> {
+        let solved = reweighted(&self.centred, &self.model, prior, &mut self.weighting, &self.values)?;
+        self.values = solved.values;
+        Ok(())
+    }
+
+    /// The weight with the least error, or the largest one that is not worse by more than a standard error.
+    pub(super) fn choose_weight(&mut self, prior: &Prior, least: bool) -> Result<()> {
+        let mut errors = Vec::with_capacity(WEIGHTS);
+        for description in grid() {
+            let weighting = Weighting { description, ..self.weighting.clone() };
+            errors.push(held_out(&self.centred, &self.model, prior, &weighting, &self.values)?);
+        }
+        let best = (0..WEIGHTS).fold(0, |b, i| if errors[i].total() < errors[b].total() { i } else { b });
+        let near = |i: &usize| {
+            let (excess, error) = errors[*i].excess(&errors[best]);
+            excess <= error
+        };
+        let index = if least { best } else { (best..WEIGHTS).take_while(near).last().unwrap_or(best) };
+        let equations = (self.centred.sums.samples * self.centred.layout.joints) as f64;
+        let tried =
+            grid().zip(&errors).map(|(weight, e)| WeightTried { weight, error: e.total() / equations });
+        self.tried = tried.collect();
+        self.weighting.description = self.tried[index].weight;
+        Ok(())
+    }
+
+    /// A body that the data contradict is trusted less, where that lowers the error by more than a standard error:
+    /// exporters write dummies, and tools are forgotten.
+    pub(super) fn choose_trust(&mut self, prior: &Prior) -> Result<()> {
+        let mut best = self.held_out(prior)?;
+        for body in &prior.bodies {
+            for _ in 0..LESS_TRUST_STEPS {
+                let mut weighting = self.weighting.clone();
+                weighting.trust[body * PER_BODY..(body + 1) * PER_BODY].iter_mut().for_each(|t| *t *= LESS_TRUST);
+                let error = held_out(&self.centred, &self.model, prior, &weighting, &self.values)?;
+                let (excess, deviation) = error.excess(&best);
+                if excess >= -deviation {
+                    break;
+                }
+                (best, self.weighting) = (error, weighting);
+            }
+        }
+        Ok(())
+    }
+
+    /// The steepest Coulomb term, as friction reverses at rest, or a wider one that lowers the error by more than
+    /// a standard error.
+    fn choose_widths(&mut self, prior: &Prior) -> Result<()> {
+        let mut best = self.held_out(prior)?;
+        for joint in (0..self.model.coulomb.len()).filter(|&j| self.centred.layout.moves[j]) {
+            for width in 1..COULOMB.len() {
+                let mut model = self.model.clone();
+                model.coulomb[joint] = width;
+                let error = self.error(&model, prior)?;
+                let (excess, deviation) = error.excess(&best);
+                if excess < -deviation {
+                    (best, self.model) = (error, model);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A term is taken where it lowers the error by more than a standard error.
+    fn choose_terms(&mut self, prior: &Prior) -> Result<()> {
+        let mut best = self.held_out(prior)?;
+        for joint in (0..self.model.coulomb.len()).filter(|&j| self.centred.layout.moves[j]) {
+            for term in 0..2 {
+                let mut model = self.model.clone();
+                let chosen = if term == 0 { &mut model.armature } else { &mut model.asymmetry };
+                chosen[joint] = true;
+                let error = self.error(&model, prior)?;
+                let (excess, deviation) = error.excess(&best);
+                if excess < -deviation && self.can_exist(&model, joint, prior)? {
+                    (best, self.model) = (error, model);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether reflected inertia comes out positive: friction that lags behind the speed makes it negative, and
+    /// no robot has that.
+    fn can_exist(&self, model: &Model, joint: usize, prior: &Prior) -> Result<bool> {
+        let all = &self.centred.all;
+        let solved = super::fit::fit(&self.centred, all, model, prior, &self.weighting, &self.values)?;
+        let inertia = solved.values.unknowns[self.centred.layout.term(joint, ARMATURE)];
+        Ok(!model.armature[joint] || inertia > 0.0)
+    }
+}
+
+impl<'a> Chosen<'a> {
+    /// The same choice with other sums: the fit, reweighted.
+    pub(super) fn with_sums<'b>(&self, sums: &'b Sums, prior: &Prior) -> Result<Chosen<'b>>
+    where
+        'a: 'b,
+    {
+        let mut other = Chosen {
+            model: self.model.clone(),
+            weighting: self.weighting.clone(),
+            values: self.values.clone(),
+            centred: Centred::new(self.centred.layout, sums, self.model.offsets),
+            tried: self.tried.clone(),
+        };
+        other.reweight(prior)?;
+        Ok(other)
+    }
+
+    /// Offsets for each run, where there are several and they lower the error by more than a standard error.
+    fn choose_offsets(&mut self, layout: &'a Layout, sums: &'a Sums, prior: &Prior) -> Result<()> {
+        if sums.by_run(0, None).len() < 2 {
+            return Ok(());
+        }
+        let common = self.held_out(prior)?;
+        let centred = Centred::new(layout, sums, Offsets::ByRun);
+        let by_run = held_out(&centred, &self.model, prior, &self.weighting, &self.values)?;
+        let (excess, deviation) = by_run.excess(&common);
+        if excess < -deviation {
+            self.centred = centred;
+            self.model.offsets = Offsets::ByRun;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,175 @@
+//! The weighted fit for a given choice of terms, and its error on data that it has not seen.
+
+use super::super::error::Result;
+use super::normal::{Centred, Model, Normal, Values, assemble, regularized, solve};
+use super::prior::Prior;
+use nalgebra::{DMatrix, DVector};
+
+/// Rounds of the gains and of the joints' variances. Both settle within a few.
+const ROUNDS: usize = 8;
+
+/// Weights of the fit.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Weighting {
+    /// Standard deviation of each joint's residual, in units of the measured effort times B.
+    pub(super) sigma: Vec<f64>,
+    /// Weight λ of the distance from the description.
+    pub(super) description: f64,
+    /// Factor of that distance for each inertial parameter, the same within a body.
+    pub(super) trust: Vec<f64>,
+}
+
+impl Weighting {
+    /// `Λ = λ √t R √t` over the active unknowns: zero beyond the inertial parameters.
+    pub(super) fn metric(&self, prior: &Prior, active: &[usize]) -> DMatrix<f64> {
+        let p = prior.held.len();
+        let entry = |i: usize, k: usize| {
+            self.description * (self.trust[i] * self.trust[k]).sqrt() * prior.metric[(i, k)]
+        };
+        DMatrix::from_fn(active.len(), active.len(), |i, k| {
+            let (i, k) = (active[i], active[k]);
+            if i < p && k < p { entry(i, k) } else { 0.0 }
+        })
+    }
+}
+
+/// Errors on held-out data.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct HeldOut {
+    /// Sum over joints of RSS / σ², for each fold.
+    pub(super) scores: Vec<f64>,
+    /// RSS of each joint over all folds.
+    pub(super) rss: Vec<f64>,
+}
+
+impl HeldOut {
+    pub(super) fn total(&self) -> f64 {
+        self.scores.iter().sum()
+    }
+
+    /// Sum of the differences of the folds' scores from another's, and the standard error of this sum.
+    pub(super) fn excess(&self, other: &Self) -> (f64, f64) {
+        let differences: Vec<f64> = self.scores.iter().zip(&other.scores).map(|(a, b)| a - b).collect();
+        let n = differences.len() as f64;
+        let mean = differences.iter().sum::<f64>() / n;
+        let squares: f64 = differences.iter().map(|d| (d - mean).powi(2)).sum();
+        (n * mean, (squares * n / (n - 1.0).max(1.0)).sqrt())
+    }
+}
+
+/// Values and the last equations that gave them.
+pub(super) struct Solved {
+    pub(super) values: Values,
+    pub(super) active: Vec<usize>,
+    pub(super) normal: Normal,
+    /// `H + Λ`.
+    pub(super) regularized: DMatrix<f64>,
+}
+
+/// Weights 1/σ² of the joints' equations in units of force.
+pub(super) fn force_weights(weighting: &Weighting, gains: &[f64]) -> Vec<f64> {
+    weighting.sigma.iter().zip(gains).map(|(sigma, gain)| (sigma * gain).powi(-2)).collect()
+}
+
+/// Minimizes `Σ ‖K z − rigid − W δ − Θ φ − o‖² / σ² + λ δᵀ R δ`, gains included where the model has them.
+pub(super) fn fit(
+    centred: &Centred,
+    products: &[DMatrix<f64>],
+    model: &Model,
+    prior: &Prior,
+    weighting: &Weighting,
+    start: &Values,
+) -> Result<Solved> {
+    let layout = centred.layout;
+    let active = model.active(layout, prior);
+    let mut values = start.clone();
+    let rounds = if model.gains { ROUNDS } else { 1 };
+    let mut round = 0;
+    loop {
+        let weights = force_weights(weighting, &values.gains);
+        let normal = assemble(layout, products, &active, &weights, &values);
+        let regularized = regularized(&normal, &weighting.metric(prior, &active));
+        let right = DMatrix::from_column_slice(active.len(), 1, normal.linear.as_slice());
+        let x = solve(&regularized, &right)?;
+        values.unknowns = DVector::zeros(layout.len());
+        active.iter().zip(x.iter()).for_each(|(&global, x)| values.unknowns[global] = *x);
+        let change = if model.gains { take_gains(centred, &mut values) } else { 0.0 };
+        round += 1;
+        if round >= rounds || change < 1e-6 {
+            return Ok(Solved { values, active, normal, regularized });
+        }
+    }
+}
+
+/// Turns relative changes of the rigid force into gains; friction scales with them. Returns the largest change.
+fn take_gains(centred: &Centred, values: &mut Values) -> f64 {
+    let layout = centred.layout;
+    let mut largest = 0.0_f64;
+    for joint in 0..layout.joints {
+        let change = values.unknowns[layout.gain(joint)].clamp(-0.5, 1.0);
+        largest = largest.max(change.abs());
+        values.unknowns[layout.gain(joint)] = 0.0;
+        values.gains[joint] /= 1.0 + change;
+        for term in 0..super::layout::TERMS {
+            values.unknowns[layout.term(joint, term)] /= 1.0 + change;
+        }
+    }
+    largest
+}
+
+/// Errors over each fold of the values fitted to the others.
+pub(super) fn held_out(
+    centred: &Centred,
+    model: &Model,
+    prior: &Prior,
+    weighting: &Weighting,
+    start: &Values,
+) -> Result<HeldOut> {
+    let joints = centred.layout.joints;
+    let mut found = HeldOut { scores: Vec::new(), rss: vec![0.0; joints] };
+    for fold in 0..centred.sums.folds.len() {
+        let solved = fit(centred, &centred.without[fold], model, prior, weighting, start)?;
+        let rss = centred.held_out(fold, &solved.values);
+        let weights = force_weights(weighting, &start.gains);
+        found.scores.push(rss.iter().zip(weights).map(|(rss, w)| rss * w).sum());
+        found.rss.iter_mut().zip(&rss).for_each(|(sum, rss)| *sum += rss);
+    }
+    Ok(found)
+}
+
+/// Standard deviations of the joints' residuals and the fit that they weight, in turn until both settle.
+pub(super) fn reweighted(
+    centred: &Centred,
+    model: &Model,
+    prior: &Prior,
+    weighting: &mut Weighting,
+    start: &Values,
+) -> Result<Solved> {
+    let mut solved = fit(centred, &centred.all, model, prior, weighting, start)?;
+    for _ in 0..ROUNDS {
+        let before = weighting.sigma.clone();
+        weighting.sigma = deviations(centred, &solved.values);
+        solved = fit(centred, &centred.all, model, prior, weighting, &solved.values)?;
+        let settled = before.iter().zip(&weighting.sigma).all(|(a, b)| (a - b).abs() <= 1e-3 * b);
+        if settled {
+            break;
+        }
+    }
+    Ok(solved)
+}
+
+/// Standard deviation of each joint's residual, in units of its measured column.
+pub(super) fn deviations(centred: &Centred, values: &Values) -> Vec<f64> {
+    let rss = centred.residuals(&centred.all, values);
+    let count = |j: usize| centred.sums.by_run(j, None).iter().map(|(n, _)| n).sum::<f64>();
+    let energy = |j: usize| {
+        let products = &centred.all[j];
+        products[(products.nrows() - 1, products.nrows() - 1)]
+    };
+    // A perfect fit would make its joint infinitely heavy: nothing is known better than 1e-6 of the effort.
+    let deviation = |j: usize| {
+        let floor = 1e-12 * energy(j) + f64::MIN_POSITIVE;
+        ((rss[j] / values.gains[j].powi(2)).max(floor) / count(j).max(1.0)).sqrt()
+    };
+    (0..centred.layout.joints).map(deviation).collect()
+}

@@ -1,0 +1,186 @@
+//! Covariance of the estimate under correlated residuals, and of what the description contributes.
+//!
+//! With the normal matrix H, the description's metric Λ (its weight included), and `A = H + Λ`, it is
+//! `A⁻¹ (S + ω² Λ) A⁻¹`. S is the variance of the score, from its sums over short blocks with Bartlett's
+//! weights over neighbouring blocks of the same run (Newey, West 1987). `ω² Λ⁻¹` is how far descriptions are
+//! from robots: ω² = δᵀ Λ δ / γ, with γ the number of combinations that the data decide (MacKay 1992).
+
+use super::super::error::Result;
+use super::super::kernel::BLOCK;
+use super::super::run::PreparedRun;
+use super::fit::{Solved, Weighting, force_weights};
+use super::layout::Layout;
+use super::normal::{Centred, Offsets, Values, residual_vector, solve};
+use super::prior::Prior;
+use super::residuals::{RunOffsets, huber, residual};
+use super::rows::Rows;
+use nalgebra::{DMatrix, DVector};
+
+/// Blocks over all runs, at most: more would cost time and change nothing.
+const MOST_BLOCKS: usize = 600;
+/// Bandwidth of Bartlett's weights, in correlation times.
+const BANDWIDTH: f64 = 4.0;
+
+/// Scores of the blocks in the order of time, for each run.
+pub(super) struct Scores {
+    runs: Vec<Vec<DVector<f64>>>,
+    /// Samples of a block.
+    length: usize,
+    /// Samples after which residuals forget, the largest of all joints.
+    pub(super) correlation_time: f64,
+}
+
+/// What the scores are made with.
+pub(super) struct Fitted<'a> {
+    pub(super) centred: &'a Centred<'a>,
+    pub(super) solved: &'a Solved,
+    pub(super) weighting: &'a Weighting,
+    pub(super) values: &'a Values,
+    pub(super) offsets: &'a RunOffsets,
+    /// Deviations beyond which samples lose weight; infinite without.
+    pub(super) outlier: &'a [f64],
+}
+
+/// Integrated autocorrelation time of a series in samples, `1 + 2 Σ ρ`, window of five times itself (Sokal 1997).
+pub(super) fn correlation_time(series: &[&[f64]]) -> f64 {
+    let count: usize = series.iter().map(|s| s.len()).sum();
+    let mean = series.iter().flat_map(|s| s.iter()).sum::<f64>() / count.max(1) as f64;
+    let lagged = |lag: usize| -> f64 {
+        let of =
+            |s: &&[f64]| s.iter().zip(s.iter().skip(lag)).map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>();
+        series.iter().map(of).sum()
+    };
+    let variance = lagged(0);
+    let mut time = 1.0;
+    for lag in 1..(count / 4).max(1) {
+        if variance <= 0.0 || lag as f64 > 5.0 * time {
+            break;
+        }
+        time += 2.0 * lagged(lag) / variance;
+        time = time.max(1.0);
+    }
+    time
+}
+
+/// The blocks' scores: one pass along the runs.
+pub(super) fn scores(
+    rows: &mut Rows,
+    layout: &Layout,
+    runs: &[PreparedRun],
+    of: &Fitted,
+    time: f64,
+) -> Scores {
+    let total: usize = runs.iter().map(|r| r.times.len()).sum();
+    let length = total.div_ceil(MOST_BLOCKS).clamp(1, BLOCK).max(((0.5 * time) as usize).clamp(1, BLOCK));
+    let weights = force_weights(of.weighting, &of.values.gains);
+    let factors: Vec<_> = (0..layout.joints).map(|j| residual_vector(layout, of.values, j)).collect();
+    let means: Vec<_> = (0..layout.joints).map(|j| column_means(of.centred, j)).collect();
+    let mut place = vec![None; layout.len()];
+    of.solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
+    let mut found = Scores { runs: Vec::new(), length, correlation_time: time };
+    for (run, samples) in runs.iter().enumerate() {
+        let mut blocks = Vec::new();
+        for start in (0..samples.times.len()).step_by(length) {
+            rows.evaluate(samples, start..samples.times.len().min(start + length));
+            let mut score = DVector::zeros(of.solved.active.len());
+            for joint in 0..layout.joints {
+                let columns = rows.joint(joint);
+                let products = products(
+                    &columns,
+                    &factors[joint],
+                    of.offsets[joint][run],
+                    of.outlier[joint],
+                    &means[joint][run],
+                );
+                add(&mut score, layout, of.values, joint, &place, &(products * weights[joint]));
+            }
+            blocks.push(score);
+        }
+        found.runs.push(blocks);
+    }
+    found
+}
+
+/// `Σ w r (x − x̄)` over a block, for each of a joint's columns.
+fn products(
+    columns: &[&[f64]],
+    factors: &DVector<f64>,
+    offset: f64,
+    outlier: f64,
+    means: &DVector<f64>,
+) -> DVector<f64> {
+    let mut r = residual(factors, offset, columns);
+    let weights = huber(&r, outlier);
+    r.iter_mut().zip(weights).for_each(|(r, w)| *r *= w);
+    let total: f64 = r.iter().sum();
+    let dot = |column: &&[f64]| -> f64 { column.iter().zip(&r).map(|(x, r)| x * r).sum() };
+    DVector::from_iterator(columns.len(), columns.iter().map(dot)) - means * total
+}
+
+fn add(
+    score: &mut DVector<f64>,
+    layout: &Layout,
+    values: &Values,
+    joint: usize,
+    place: &[Option<usize>],
+    products: &DVector<f64>,
+) {
+    for (k, &global) in layout.local[joint].iter().enumerate() {
+        if let Some(i) = place[global] {
+            score[i] += products[k];
+        }
+    }
+    if let Some(gain) = place[layout.gain(joint)] {
+        score[gain] += super::normal::force_vector(layout, values, joint).dot(products);
+    }
+}
+
+/// Means of a joint's columns over what shares an offset, for each run.
+fn column_means(centred: &Centred, joint: usize) -> Vec<DVector<f64>> {
+    let runs = centred.sums.by_run(joint, None);
+    let zero = DVector::zeros(runs.first().map_or(0, |r| r.1.len()));
+    let all = runs.iter().fold((0.0, zero.clone()), |a, b| (a.0 + b.0, a.1 + &b.1));
+    let mean = |(n, sum): &(f64, DVector<f64>)| if *n > 0.0 { sum / *n } else { zero.clone() };
+    match centred.offsets {
+        Offsets::None => vec![zero.clone(); runs.len()],
+        Offsets::Common => vec![mean(&all); runs.len()],
+        Offsets::ByRun => runs.iter().map(mean).collect(),
+    }
+}
+
+impl Scores {
+    /// Variance of the total score.
+    fn variance(&self, size: usize) -> DMatrix<f64> {
+        let lags = (BANDWIDTH * self.correlation_time / self.length as f64).ceil() as usize;
+        let mut variance = DMatrix::zeros(size, size);
+        for run in &self.runs {
+            // Bartlett's weights are the correlation of a box with itself: sums over moving windows of blocks.
+            let window = lags + 1;
+            for end in 0..run.len() + window - 1 {
+                let from = (end + 1).saturating_sub(window);
+                let moving =
+                    run[from..(end + 1).min(run.len())].iter().fold(DVector::zeros(size), |s, b| s + b);
+                variance.syger(1.0 / window as f64, &moving, &moving, 1.0);
+            }
+        }
+        variance.fill_upper_triangle_with_lower_triangle();
+        variance
+    }
+}
+
+/// Covariance of the active unknowns.
+pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<DMatrix<f64>> {
+    let solved = of.solved;
+    let (n, p) = (solved.active.len(), prior.held.len());
+    let inverse = solve(&solved.regularized, &DMatrix::identity(n, n))?;
+    let bodies = solved.active.iter().take_while(|&&global| global < p).count();
+    let metric = of.weighting.metric(prior, &solved.active);
+    let decided = bodies as f64 - inverse.component_mul(&metric).sum();
+    let change = DVector::from_fn(n, |i, _| solved.values.unknowns[solved.active[i]]);
+    let spread = (&metric * &change).dot(&change) / decided.max(1.0);
+    let equations = of.centred.sums.samples * of.centred.layout.joints;
+    let unknowns = decided + (n - bodies) as f64;
+    let spent = unknowns * scores.correlation_time / equations.max(1) as f64;
+    let middle = scores.variance(n) / (1.0 - spent).max(0.25) + metric * spread;
+    Ok(&inverse * middle * &inverse)
+}

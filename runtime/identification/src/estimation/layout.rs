@@ -1,0 +1,175 @@
+//! Which unknown stands in which column, and which columns an equation of a joint has.
+
+use super::super::error::{IdentificationError, Result, require_length, require_samples};
+use super::super::random::SplitMix64;
+use super::super::robot::Robot;
+use super::super::run::{Effort, PreparedRun};
+
+/// Widths of the Coulomb term that are tried, as shares of the joint's fast speed.
+const WIDTHS: [f64; 4] = [0.01, 0.025, 0.06, 0.15];
+/// Candidate terms of a joint: v, the Coulomb terms, |v|, and ÿ.
+pub(super) const TERMS: usize = WIDTHS.len() + 3;
+pub(super) const VISCOUS: usize = 0;
+pub(super) const COULOMB: std::ops::Range<usize> = 1..1 + WIDTHS.len();
+pub(super) const ASYMMETRY: usize = TERMS - 2;
+pub(super) const ARMATURE: usize = TERMS - 1;
+
+/// A joint that moves less than this [rad or m] stands still.
+const STANDSTILL: f64 = 1e-3;
+/// States at which the structure of W is looked up. One generic state shows it; more guard against chance.
+const PROBES: usize = 4;
+
+/// Columns of the equations, and what is known about the data before the first pass.
+///
+/// Unknowns count globally: the P inertial parameters (as differences from the description), then [`TERMS`]
+/// candidates of each joint, then a gain for each joint.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Layout {
+    pub(super) joints: usize,
+    pub(super) parameters: usize,
+    /// Global columns with entries in the joint's equation, ascending; behind them stand the described rigid
+    /// force and the measured force.
+    pub(super) local: Vec<Vec<usize>>,
+    /// Factors k of the terms tanh(k v), for each joint.
+    pub(super) steepness: Vec<[f64; WIDTHS.len()]>,
+    /// Whether the joint moves.
+    pub(super) moves: Vec<bool>,
+    pub(super) effort: Effort,
+    /// B, rows first.
+    pub(super) input_matrix: Vec<f64>,
+}
+
+impl Layout {
+    pub(super) fn new(robot: &dyn Robot, runs: &[PreparedRun]) -> Result<Self> {
+        let joints = robot.joint_names().len();
+        let first = runs.first().ok_or(IdentificationError::Empty { what: "the list of runs".into() })?;
+        for run in runs {
+            check_run(robot, run, first.effort)?;
+        }
+        let parameters = robot.parameters().len();
+        let structure = structure(robot, joints, parameters);
+        let local = structure.iter().enumerate().map(|(joint, columns)| {
+            let start = parameters + joint * TERMS;
+            columns.iter().copied().chain(start..start + TERMS).collect()
+        });
+        Ok(Self {
+            joints,
+            parameters,
+            local: local.collect(),
+            steepness: (0..joints).map(|j| steepness(runs, j)).collect(),
+            moves: (0..joints).map(|j| span(runs, j) > STANDSTILL).collect(),
+            effort: first.effort,
+            input_matrix: robot.input_matrix(),
+        })
+    }
+
+    /// Global number of a candidate term.
+    pub(super) fn term(&self, joint: usize, term: usize) -> usize {
+        self.parameters + joint * TERMS + term
+    }
+
+    /// Global number of a joint's gain.
+    pub(super) fn gain(&self, joint: usize) -> usize {
+        self.parameters + self.joints * TERMS + joint
+    }
+
+    /// Number of global unknowns.
+    pub(super) fn len(&self) -> usize {
+        self.parameters + self.joints * (TERMS + 1)
+    }
+
+    /// Columns of a joint's sums of products: its unknowns, the rigid force, the measured force.
+    pub(super) fn width(&self, joint: usize) -> usize {
+        self.local[joint].len() + 2
+    }
+
+    /// Input that drives each joint alone, where there is a current for it.
+    pub(super) fn input_of(&self, joint: usize) -> Option<usize> {
+        let inputs = self.input_matrix.len() / self.joints.max(1);
+        (0..inputs).find(|i| self.input_matrix[joint * inputs + i] != 0.0)
+    }
+}
+
+fn check_run(robot: &dyn Robot, run: &PreparedRun, effort: Effort) -> Result<()> {
+    let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
+    let of_run = |what: &str| format!("{what} of {}", run.name);
+    require_samples(&of_run("samples"), 3, run.times.len())?;
+    if run.effort != effort {
+        return Err(IdentificationError::File {
+            place: run.name.clone(),
+            message: format!("its efforts are {:?}, those of the first run are {effort:?}", run.effort),
+        });
+    }
+    let columns = if effort == Effort::Joint { joints } else { inputs };
+    let kinds = [
+        ("positions", &run.positions, joints),
+        ("velocities", &run.velocities, joints),
+        ("accelerations", &run.accelerations, joints),
+        ("efforts", &run.efforts, columns),
+    ];
+    for (kind, found, expected) in kinds {
+        require_length(&of_run(kind), expected, found.len())?;
+        for column in found {
+            require_length(&of_run(kind), run.times.len(), column.len())?;
+            super::super::error::require_finite(&of_run(kind), column)?;
+        }
+    }
+    if effort == Effort::Current { require_own_inputs(robot) } else { Ok(()) }
+}
+
+/// A current's gain can be told from the joint's force only where each joint has one input of its own.
+fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
+    let (joints, inputs) = (robot.joint_names(), robot.input_names());
+    let b = robot.input_matrix();
+    let entries = |of: &dyn Fn(usize) -> f64, n: usize| (0..n).filter(|&k| of(k) != 0.0).count();
+    let rows = (0..joints.len()).all(|j| entries(&|i| b[j * inputs.len() + i], inputs.len()) == 1);
+    let columns = (0..inputs.len()).all(|i| entries(&|j| b[j * inputs.len() + i], joints.len()) == 1);
+    if rows && columns {
+        return Ok(());
+    }
+    Err(IdentificationError::File {
+        place: "drive gains".into(),
+        message:
+            "currents give gains only where each joint has one input of its own; convert the currents to \
+                  forces of the inputs first"
+                .into(),
+    })
+}
+
+/// Columns of W with entries in each joint's row, at generic states.
+fn structure(robot: &dyn Robot, joints: usize, parameters: usize) -> Vec<Vec<usize>> {
+    let mut random = SplitMix64::new(0x5EED);
+    let mut regressor = vec![0.0; joints * parameters];
+    let mut found = vec![vec![false; parameters]; joints];
+    for _ in 0..PROBES {
+        let [y, v, a]: [Vec<f64>; 3] =
+            std::array::from_fn(|_| (0..joints).map(|_| random.normal()).collect());
+        regressor.fill(0.0);
+        robot.inertial_regressor(&y, &v, &a, &mut regressor);
+        for (row, found) in regressor.chunks_exact(parameters.max(1)).zip(&mut found) {
+            found.iter_mut().zip(row).for_each(|(found, x)| *found |= *x != 0.0);
+        }
+    }
+    found.iter().map(|row| (0..parameters).filter(|&i| row[i]).collect()).collect()
+}
+
+fn span(runs: &[PreparedRun], joint: usize) -> f64 {
+    let all = || runs.iter().flat_map(|run| &run.positions[joint]);
+    all().fold(f64::MIN, |a, x| a.max(*x)) - all().fold(f64::MAX, |a, x| a.min(*x))
+}
+
+/// Factors of the Coulomb candidates, with two digits, so that the printed expression is the one fitted.
+fn steepness(runs: &[PreparedRun], joint: usize) -> [f64; WIDTHS.len()] {
+    let mut speeds: Vec<f64> =
+        runs.iter().flat_map(|run| run.velocities[joint].iter().step_by(7)).map(|v| v.abs()).collect();
+    let at = (speeds.len() * 95 / 100).min(speeds.len() - 1);
+    let (_, fast, _) = speeds.select_nth_unstable_by(at, f64::total_cmp);
+    let fast = if *fast > 0.0 { *fast } else { 1.0 };
+    WIDTHS.map(|width| two_digits(1.0 / (width * fast)))
+}
+
+fn two_digits(x: f64) -> f64 {
+    let scale = 10_f64.powf(x.abs().log10().floor() - 1.0);
+    let rounded = (x / scale).round();
+    if scale >= 1.0 { rounded * scale } else { rounded / (1.0 / scale).round() }
+}

@@ -1,0 +1,25 @@
+//! The estimate: inertia, friction, offsets and drive gains in one weighted linear fit.
+
+mod checks;
+mod choice;
+mod estimate;
+mod fit;
+mod instruments;
+mod intervals;
+mod layout;
+mod normal;
+mod prior;
+mod residuals;
+mod result;
+mod rows;
+mod settings;
+mod sums;
+#[cfg(test)]
+mod tests;
+
+pub use choice::WeightTried;
+pub use estimate::estimate;
+pub use instruments::BiasTest;
+pub use normal::Offsets;
+pub use result::{Estimate, EstimatedTerm, JointEstimate, Uncertain};
+pub use settings::EstimationSettings;

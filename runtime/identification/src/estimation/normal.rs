@@ -1,0 +1,261 @@
+//! The weighted normal equations of all joints, made of sums, and their solution.
+
+use super::super::error::{IdentificationError, Result};
+use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, VISCOUS};
+use super::prior::Prior;
+use super::sums::Sums;
+use nalgebra::{DMatrix, DVector};
+
+/// How offsets of the measured forces are estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Offsets {
+    /// None: the sensors and the gravity of the description are trusted.
+    None,
+    /// One for each joint.
+    Common,
+    /// One for each joint and run.
+    ByRun,
+}
+
+/// Which unknowns are estimated.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Model {
+    /// Coulomb term of each joint, as an index of the widths.
+    pub(super) coulomb: Vec<usize>,
+    pub(super) asymmetry: Vec<bool>,
+    pub(super) armature: Vec<bool>,
+    pub(super) offsets: Offsets,
+    pub(super) gains: bool,
+}
+
+/// Values of all unknowns: differences from the description, candidate terms (zero where not chosen), gains.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Values {
+    /// By global number; those of the gains are relative changes and end as zeros.
+    pub(super) unknowns: DVector<f64>,
+    /// Force per unit of the measured effort, by joint: one, or K_M.
+    pub(super) gains: Vec<f64>,
+}
+
+/// Sums for one choice of offsets: products of each joint with the offsets projected out, for all data and
+/// without each fold.
+pub(super) struct Centred<'a> {
+    pub(super) layout: &'a Layout,
+    pub(super) sums: &'a Sums,
+    pub(super) offsets: Offsets,
+    pub(super) all: Vec<DMatrix<f64>>,
+    pub(super) without: Vec<Vec<DMatrix<f64>>>,
+}
+
+impl Model {
+    /// Global numbers of the estimated unknowns, ascending.
+    pub(super) fn active(&self, layout: &Layout, prior: &Prior) -> Vec<usize> {
+        let mut active: Vec<usize> = (0..layout.parameters).filter(|&i| !prior.held[i]).collect();
+        for joint in (0..layout.joints).filter(|&j| layout.moves[j]) {
+            active.push(layout.term(joint, VISCOUS));
+            active.push(layout.term(joint, COULOMB.start + self.coulomb[joint]));
+            for (term, chosen) in [(ASYMMETRY, &self.asymmetry), (ARMATURE, &self.armature)] {
+                active.extend(chosen[joint].then(|| layout.term(joint, term)));
+            }
+        }
+        if self.gains {
+            active.extend((0..layout.joints).map(|j| layout.gain(j)));
+        }
+        active
+    }
+}
+
+impl<'a> Centred<'a> {
+    pub(super) fn new(layout: &'a Layout, sums: &'a Sums, offsets: Offsets) -> Self {
+        let of = |without| -> Vec<DMatrix<f64>> {
+            (0..layout.joints).map(|j| centred(sums, j, without, offsets)).collect()
+        };
+        Self {
+            layout,
+            sums,
+            offsets,
+            all: of(None),
+            without: (0..sums.folds.len()).map(|k| of(Some(k))).collect(),
+        }
+    }
+
+    /// Residual sums of squares of each joint, in the data that the values were fitted to.
+    pub(super) fn residuals(&self, products: &[DMatrix<f64>], values: &Values) -> Vec<f64> {
+        let rss = |j: usize| {
+            let r = residual_vector(self.layout, values, j);
+            (&products[j] * &r).dot(&r).max(0.0)
+        };
+        (0..self.layout.joints).map(rss).collect()
+    }
+
+    /// Residual sums of squares of each joint over a fold, with the offsets from the other folds.
+    pub(super) fn held_out(&self, fold: usize, values: &Values) -> Vec<f64> {
+        (0..self.layout.joints).map(|j| self.held_out_joint(fold, values, j)).collect()
+    }
+
+    fn held_out_joint(&self, fold: usize, values: &Values, joint: usize) -> f64 {
+        let r = residual_vector(self.layout, values, joint);
+        let offsets = self.offsets_without(Some(fold), &r, joint);
+        let mut rss = (&self.sums.folds[fold][joint] * &r).dot(&r);
+        for piece in self.sums.pieces.iter().filter(|p| p.fold == fold) {
+            let offset = offsets[piece.run];
+            rss += offset * (offset * piece.weight[joint] - 2.0 * piece.columns[joint].dot(&r));
+        }
+        rss.max(0.0)
+    }
+
+    /// Offset of each run in a joint's force. A run without other data gets the common offset.
+    pub(super) fn offsets(&self, values: &Values, joint: usize) -> Vec<f64> {
+        self.offsets_without(None, &residual_vector(self.layout, values, joint), joint)
+    }
+
+    fn offsets_without(&self, fold: Option<usize>, r: &DVector<f64>, joint: usize) -> Vec<f64> {
+        let runs = self.sums.by_run(joint, fold);
+        let sums: Vec<(f64, f64)> = runs.iter().map(|(n, s)| (*n, s.dot(r))).collect();
+        let (n, total) = sums.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+        let common = if n > 0.0 { total / n } else { 0.0 };
+        let of_run = |&(n, sum): &(f64, f64)| match self.offsets {
+            Offsets::None => 0.0,
+            Offsets::ByRun if n > 0.0 => sum / n,
+            Offsets::Common | Offsets::ByRun => common,
+        };
+        sums.iter().map(of_run).collect()
+    }
+}
+
+/// Products of a joint's columns, with what offsets explain taken out.
+fn centred(sums: &Sums, joint: usize, without: Option<usize>, offsets: Offsets) -> DMatrix<f64> {
+    let mut products = sums.products(joint, without);
+    let mut groups = sums.by_run(joint, without);
+    match offsets {
+        Offsets::None => return products,
+        Offsets::ByRun => {}
+        Offsets::Common => {
+            let zero = (0.0, DVector::zeros(products.nrows()));
+            groups = vec![groups.into_iter().fold(zero, |a, b| (a.0 + b.0, a.1 + b.1))];
+        }
+    }
+    for (weight, columns) in groups.iter().filter(|g| g.0 > 0.0) {
+        products.ger(-1.0 / weight, columns, columns, 1.0);
+    }
+    products
+}
+
+/// Factors of a joint's columns in its residual: `K z − rigid − W δ − Θ φ`.
+pub(super) fn residual_vector(layout: &Layout, values: &Values, joint: usize) -> DVector<f64> {
+    let local = &layout.local[joint];
+    let mut r = DVector::zeros(local.len() + 2);
+    for (place, &global) in r.iter_mut().zip(local) {
+        *place = -values.unknowns[global];
+    }
+    r[local.len()] = -1.0;
+    r[local.len() + 1] = values.gains[joint];
+    r
+}
+
+/// The normal equations `H x = g` over the active unknowns.
+pub(super) struct Normal {
+    pub(super) hessian: DMatrix<f64>,
+    pub(super) linear: DVector<f64>,
+}
+
+/// Sums up the joints' equations.
+///
+/// - `products`: of each joint; `weights`: of its equations, 1/σ² in units of the force
+/// - `at`: current gains, and the parameters whose force a change of gain scales
+pub(super) fn assemble(
+    layout: &Layout,
+    products: &[DMatrix<f64>],
+    active: &[usize],
+    weights: &[f64],
+    at: &Values,
+) -> Normal {
+    let mut place = vec![None; layout.len()];
+    active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
+    let mut normal =
+        Normal { hessian: DMatrix::zeros(active.len(), active.len()), linear: DVector::zeros(active.len()) };
+    for joint in 0..layout.joints {
+        normal.add(layout, joint, &products[joint], &place, weights[joint], at);
+    }
+    normal
+}
+
+impl Normal {
+    fn add(
+        &mut self,
+        layout: &Layout,
+        joint: usize,
+        products: &DMatrix<f64>,
+        place: &[Option<usize>],
+        weight: f64,
+        at: &Values,
+    ) {
+        let local = &layout.local[joint];
+        let chosen: Vec<(usize, usize)> =
+            local.iter().enumerate().filter_map(|(k, &global)| place[global].map(|i| (k, i))).collect();
+        let target = products * target_vector(local.len(), at.gains[joint]);
+        for &(k, i) in &chosen {
+            self.linear[i] += weight * target[k];
+            for &(l, m) in &chosen {
+                self.hessian[(i, m)] += weight * products[(k, l)];
+            }
+        }
+        let Some(gain) = place[layout.gain(joint)] else { return };
+        let force = force_vector(layout, at, joint);
+        let column = products * &force;
+        for &(k, i) in &chosen {
+            self.hessian[(i, gain)] += weight * column[k];
+            self.hessian[(gain, i)] += weight * column[k];
+        }
+        self.hessian[(gain, gain)] += weight * column.dot(&force);
+        self.linear[gain] += weight * target.dot(&force);
+    }
+}
+
+fn target_vector(unknowns: usize, gain: f64) -> DVector<f64> {
+    let mut t = DVector::zeros(unknowns + 2);
+    t[unknowns] = -1.0;
+    t[unknowns + 1] = gain;
+    t
+}
+
+/// The rigid body's force with the current parameters, as factors of the joint's columns.
+pub(super) fn force_vector(layout: &Layout, at: &Values, joint: usize) -> DVector<f64> {
+    let local = &layout.local[joint];
+    let mut c = DVector::zeros(local.len() + 2);
+    for (k, &global) in local.iter().enumerate().filter(|(_, global)| **global < layout.parameters) {
+        c[k] = at.unknowns[global];
+    }
+    c[local.len()] = 1.0;
+    c
+}
+
+/// The Hessian with the description's metric Λ, and hardly anything on the other unknowns.
+pub(super) fn regularized(normal: &Normal, metric: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut a = &normal.hessian + metric;
+    for i in 0..a.nrows() {
+        let own = a[(i, i)];
+        a[(i, i)] = if own > 0.0 { own * (1.0 + 1e-12) } else { 1.0 };
+    }
+    a
+}
+
+/// Solves `A x = b` for symmetric positive definite A, scaled to a unit diagonal.
+///
+/// # Errors
+/// A matrix that is not finite, as where squares of the data overflow.
+pub(super) fn solve(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>> {
+    let scale = DVector::from_fn(a.nrows(), |i, _| 1.0 / a[(i, i)].sqrt());
+    let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, k| a[(i, k)] * scale[i] * scale[k]);
+    let right = DMatrix::from_fn(b.nrows(), b.ncols(), |i, k| b[(i, k)] * scale[i]);
+    // Where rounding made it indefinite, the directions concerned are below what the sums resolve.
+    for ridge in [0.0, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8] {
+        let mut shifted = scaled.clone();
+        shifted.fill_diagonal(1.0 + ridge);
+        if let Some(factor) = shifted.cholesky() {
+            let solution = factor.solve(&right);
+            return Ok(DMatrix::from_fn(b.nrows(), b.ncols(), |i, k| solution[(i, k)] * scale[i]));
+        }
+    }
+    Err(IdentificationError::Overflow { what: "the sum of products".into(), largest: a.amax() })
+}

@@ -1,0 +1,121 @@
+//! The distance from the description: a quadratic form in the inertial parameters without units or frames.
+//!
+//! For each body it is ½ tr((P₀⁻¹ ΔP)²), with the pseudo-inertia P₀ of the description and the difference ΔP
+//! (Lee, Wensing, Park 2020: the affine-invariant metric at P₀). A change of one means a mass or an inertia
+//! that is wrong by about itself. For a rotor it is (ΔJ / J)².
+
+use super::super::inertial::{PER_BODY, pseudo_inertia};
+use nalgebra::{DMatrix, Matrix4};
+
+/// Share of the body's own radius of gyration, squared, below which a description's inertia is not believed:
+/// exporters write point masses and thin bodies.
+const OWN_FLOOR: f64 = 0.01;
+/// The same for the mean radius of all bodies.
+const COMMON_FLOOR: f64 = 1e-3;
+
+/// The quadratic form, and which parameters the data may change.
+pub(super) struct Prior {
+    pub(super) metric: DMatrix<f64>,
+    /// Parameters that stay as described: those of bodies without mass.
+    pub(super) held: Vec<bool>,
+    /// Parameters of bodies with mass, body by body.
+    pub(super) bodies: Vec<usize>,
+}
+
+impl Prior {
+    pub(super) fn new(described: &[f64], bodies: usize) -> Self {
+        let p = described.len();
+        let mut prior = Self { metric: DMatrix::zeros(p, p), held: vec![false; p], bodies: Vec::new() };
+        let radius = mean_radius(described, bodies);
+        for body in 0..bodies {
+            let start = body * PER_BODY;
+            let mut parameters = [0.0; PER_BODY];
+            parameters.copy_from_slice(&described[start..start + PER_BODY]);
+            if parameters[0] > 0.0 {
+                let block = body_metric(&parameters, radius);
+                prior.metric.view_mut((start, start), (PER_BODY, PER_BODY)).copy_from(&block);
+                prior.bodies.push(body);
+            } else {
+                prior.held[start..start + PER_BODY].fill(true);
+            }
+        }
+        for i in bodies * PER_BODY..p {
+            prior.held[i] = described[i] <= 0.0;
+            prior.metric[(i, i)] = if prior.held[i] { 0.0 } else { described[i].powi(-2) };
+        }
+        prior
+    }
+}
+
+/// Squared radius of gyration, averaged over the bodies with mass [m²].
+fn mean_radius(described: &[f64], bodies: usize) -> f64 {
+    let (mut sum, mut mass) = (0.0, 0.0);
+    for pi in described[..bodies * PER_BODY].chunks_exact(PER_BODY).filter(|pi| pi[0] > 0.0) {
+        sum += 0.5 * (pi[4] + pi[6] + pi[9]).max(0.0);
+        mass += pi[0];
+    }
+    if sum > 0.0 { sum / mass } else { 0.01 }
+}
+
+fn body_metric(pi: &[f64; PER_BODY], mean_radius: f64) -> DMatrix<f64> {
+    let inverse = believed(pi, mean_radius);
+    let unit = |i: usize| {
+        let mut e = [0.0; PER_BODY];
+        e[i] = 1.0;
+        inverse * pseudo_inertia(&e)
+    };
+    let scaled: Vec<Matrix4<f64>> = (0..PER_BODY).map(unit).collect();
+    DMatrix::from_fn(PER_BODY, PER_BODY, |i, k| 0.5 * (scaled[i] * scaled[k]).trace())
+}
+
+/// Inverse of P₀ with its floors; of the nearest body that can exist where the description has none.
+fn believed(pi: &[f64; PER_BODY], mean_radius: f64) -> Matrix4<f64> {
+    let mut p = pseudo_inertia(pi);
+    let own = (p[(0, 0)] + p[(1, 1)] + p[(2, 2)]).abs() / pi[0];
+    let mut floor = pi[0] * (OWN_FLOOR * own + COMMON_FLOOR * mean_radius);
+    loop {
+        for i in 0..3 {
+            p[(i, i)] += floor;
+        }
+        if let Some(factor) = p.cholesky() {
+            return factor.inverse();
+        }
+        floor *= 2.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DVector;
+
+    const BODY: [f64; PER_BODY] = [2.0, 0.1, 0.0, 0.4, 0.5, 0.01, 0.4, 0.02, 0.0, 0.2];
+
+    fn distance(prior: &Prior, change: &[f64]) -> f64 {
+        let change = DVector::from_column_slice(change);
+        (&prior.metric * &change).dot(&change)
+    }
+
+    #[test]
+    fn a_body_and_a_rotor_of_other_size_are_as_far_as_the_factor() {
+        let mut described = BODY.to_vec();
+        described.push(1e-4);
+        let prior = Prior::new(&described, 1);
+        // P = (1 + s) P₀: ½ tr(s² 1) = 2 s², where the floor of the inertia adds little.
+        let change: Vec<f64> = described[..10].iter().map(|x| 0.1 * x).chain([0.0]).collect();
+        assert!((distance(&prior, &change) - 2.0 * 0.01).abs() < 2e-3, "{}", distance(&prior, &change));
+        let mut rotor = vec![0.0; 11];
+        rotor[10] = 3e-5;
+        assert!((distance(&prior, &rotor) - 0.09).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_has_no_mass_is_held_and_what_cannot_exist_still_has_a_distance() {
+        let mut described = vec![0.0; 10];
+        described.extend([1.0, 0.0, 0.0, 0.5, 1e-9, 0.0, 1e-9, 0.0, 0.0, 1e-9, 0.0]);
+        let prior = Prior::new(&described, 2);
+        assert!(prior.held[..10].iter().all(|h| *h) && prior.held[20] && prior.bodies == [1]);
+        let block = prior.metric.view((10, 10), (10, 10)).into_owned();
+        assert!(block.symmetric_eigenvalues().min() > 0.0);
+    }
+}

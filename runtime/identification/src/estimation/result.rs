@@ -1,0 +1,92 @@
+//! The estimate and how far to trust it.
+
+use super::super::run::Effort;
+use super::choice::WeightTried;
+use super::normal::Offsets;
+
+/// Inertia, friction, offsets and gains of a robot, with intervals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// The P inertial parameters π, in the robot's order [kg, kg m, kg m²].
+    pub parameters: Vec<Uncertain>,
+    /// Whether every body with mass can exist: its pseudo-inertia is positive definite.
+    pub consistent: bool,
+    /// Of each joint.
+    pub joints: Vec<JointEstimate>,
+    /// What the efforts were.
+    pub effort: Effort,
+    /// How offsets were estimated.
+    pub offsets: Offsets,
+    /// Weight of the distance from the description, and the held-out errors it was chosen by.
+    pub description_weight: f64,
+    /// Held-out error for each weight that was tried.
+    pub weights_tried: Vec<WeightTried>,
+    /// How many combinations of the inertial parameters the data decide: the trace of `(H + λ R)⁻¹ H` over them.
+    pub effective_parameters: f64,
+    /// Forces at the joints as measured, gains applied, `[run][joint][sample]` [N·m or N].
+    pub measured: Vec<Vec<Vec<f64>>>,
+    /// The model's forces, offsets included, in the same shape.
+    pub predicted: Vec<Vec<Vec<f64>>>,
+    /// Measured forces without the rigid body's: friction, offset and error, in the same shape.
+    pub friction: Vec<Vec<Vec<f64>>>,
+    /// Level of all intervals.
+    pub confidence: f64,
+    /// What was chosen, as sentences.
+    pub choices: Vec<String>,
+    /// Doubts, as sentences with remedies.
+    pub warnings: Vec<String>,
+    /// Whether least squares is biased by noise in the motion, where it was tested.
+    pub bias: Option<super::BiasTest>,
+}
+
+/// A value with its interval, which holds under correlated residuals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Uncertain {
+    /// The estimate.
+    pub value: f64,
+    /// Standard error; zero where the data may not change the value.
+    pub standard_error: f64,
+    /// Ends of the interval at the estimate's level.
+    pub interval: [f64; 2],
+}
+
+/// What belongs to one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointEstimate {
+    /// Name of the joint in the description.
+    pub name: String,
+    /// `N·m` or `N`.
+    pub unit: &'static str,
+    /// Friction and reflected inertia; empty where the joint stands still.
+    pub terms: Vec<EstimatedTerm>,
+    /// Reflected inertia that the description does not have [kg m² or kg], where it was chosen.
+    pub armature: Option<Uncertain>,
+    /// Motor constant K_M [N·m/A or N/A] where efforts are currents.
+    pub gain: Option<Uncertain>,
+    /// Offset of the measured force in each run, `measured = model + offset`.
+    pub offsets: Vec<f64>,
+    /// Standard deviation of the residual.
+    pub sigma: f64,
+    /// `1 − RSS / Σ (τ − τ̄)²` over all data that were fitted.
+    pub r_squared: f64,
+    /// The same with each fold predicted from the others.
+    pub held_out_r_squared: f64,
+    /// Whether the joint moves in the data.
+    pub moves: bool,
+}
+
+/// A friction term with its coefficient.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EstimatedTerm {
+    /// Expression in the joint's velocity `v`, as a description has it.
+    pub basis: String,
+    /// Its coefficient.
+    pub coefficient: Uncertain,
+}
+
+impl Uncertain {
+    pub(super) fn new(value: f64, standard_error: f64, quantile: f64) -> Self {
+        let half = quantile * standard_error;
+        Self { value, standard_error, interval: [value - half, value + half] }
+    }
+}

@@ -1,0 +1,110 @@
+//! The equations of all joints, evaluated block by block along the runs.
+
+use super::super::kernel::BLOCK;
+use super::super::robot::Robot;
+use super::super::run::PreparedRun;
+use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
+use std::ops::Range;
+
+/// Evaluates the columns of up to [`BLOCK`] samples. Nothing is stored beyond the block.
+pub(super) struct Rows<'a> {
+    robot: &'a dyn Robot,
+    layout: &'a Layout,
+    described: Vec<f64>,
+    gravity_compensated: bool,
+    regressor: Vec<f64>,
+    at_rest: Vec<f64>,
+    /// Columns of each joint, [`BLOCK`] apart.
+    columns: Vec<Vec<f64>>,
+    count: usize,
+}
+
+impl<'a> Rows<'a> {
+    pub(super) fn new(robot: &'a dyn Robot, layout: &'a Layout, gravity_compensated: bool) -> Self {
+        let size = layout.joints * layout.parameters;
+        Self {
+            robot,
+            layout,
+            described: robot.parameters(),
+            gravity_compensated,
+            regressor: vec![0.0; size],
+            at_rest: vec![0.0; size],
+            columns: (0..layout.joints).map(|j| vec![0.0; layout.width(j) * BLOCK]).collect(),
+            count: 0,
+        }
+    }
+
+    /// Columns of a joint at the samples evaluated last.
+    pub(super) fn joint(&self, joint: usize) -> Vec<&[f64]> {
+        let columns = self.columns[joint].chunks_exact(BLOCK);
+        columns.map(|column| &column[..self.count]).collect()
+    }
+
+    /// Evaluates the samples `rows` of a run, at most [`BLOCK`].
+    pub(super) fn evaluate(&mut self, run: &PreparedRun, rows: Range<usize>) {
+        let n = self.layout.joints;
+        self.count = rows.len();
+        let (mut y, mut v, mut a, mut rigid) = (vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        for (place, sample) in rows.enumerate() {
+            for j in 0..n {
+                y[j] = run.positions[j][sample];
+                v[j] = run.velocities[j][sample];
+                a[j] = run.accelerations[j][sample];
+            }
+            self.rigid_body(&y, &v, &a, &mut rigid);
+            for j in 0..n {
+                self.write(j, place, [v[j], a[j]], [rigid[j], self.force(run, j, sample)]);
+            }
+        }
+    }
+
+    /// W and the described rigid force, both without gravity where the robot compensates it.
+    fn rigid_body(&mut self, y: &[f64], v: &[f64], a: &[f64], rigid: &mut [f64]) {
+        self.regressor.fill(0.0);
+        self.robot.inertial_regressor(y, v, a, &mut self.regressor);
+        self.robot.rigid_forces(y, v, a, rigid);
+        if !self.gravity_compensated {
+            return;
+        }
+        let zero = vec![0.0; v.len()];
+        self.at_rest.fill(0.0);
+        self.robot.inertial_regressor(y, &zero, &zero, &mut self.at_rest);
+        let p = self.layout.parameters;
+        for (joint, force) in rigid.iter_mut().enumerate() {
+            for i in 0..p {
+                let gravity = self.at_rest[joint * p + i];
+                self.regressor[joint * p + i] -= gravity;
+                *force -= gravity * self.described[i];
+            }
+        }
+    }
+
+    fn write(&mut self, joint: usize, place: usize, [v, a]: [f64; 2], last: [f64; 2]) {
+        let p = self.layout.parameters;
+        let local = &self.layout.local[joint];
+        let parameters = local.len() - TERMS;
+        let column = &mut self.columns[joint];
+        for (k, &i) in local[..parameters].iter().enumerate() {
+            column[k * BLOCK + place] = self.regressor[joint * p + i];
+        }
+        let mut set = |term: usize, value: f64| column[(parameters + term) * BLOCK + place] = value;
+        set(VISCOUS, v);
+        for (term, steepness) in COULOMB.zip(&self.layout.steepness[joint]) {
+            set(term, (steepness * v).tanh());
+        }
+        set(ASYMMETRY, v.abs());
+        set(ARMATURE, a);
+        set(TERMS, last[0]);
+        set(TERMS + 1, last[1]);
+    }
+
+    /// Measured force at a joint, for gains of one.
+    fn force(&self, run: &PreparedRun, joint: usize, sample: usize) -> f64 {
+        if run.effort == super::super::run::Effort::Joint {
+            return run.efforts[joint][sample];
+        }
+        let inputs = run.efforts.len();
+        let row = &self.layout.input_matrix[joint * inputs..(joint + 1) * inputs];
+        row.iter().zip(&run.efforts).map(|(b, u)| b * u[sample]).sum()
+    }
+}

@@ -1,0 +1,61 @@
+//! What a user may decide about the estimate.
+
+use super::super::error::{Result, require_setting};
+use super::normal::Offsets;
+
+/// Settings of [`super::estimate`]. The defaults suit a log about which nothing is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EstimationSettings {
+    /// The recorded efforts exclude gravity, because the robot adds it itself.
+    pub gravity_compensated: bool,
+    /// Offsets of the efforts; `None` chooses between one for each joint and one for each joint and run by the
+    /// held-out error.
+    pub offsets: Option<Offsets>,
+    /// Whether reflected inertia (ÿ) and asymmetric viscous friction (|v|) may be added where the held-out error
+    /// asks for them.
+    pub optional_terms: bool,
+    /// Number of folds of contiguous blocks, 4 to 50.
+    pub folds: usize,
+    /// Number of passes in which outliers lose weight (Huber 1964); 0 trusts every sample alike.
+    pub robust_passes: usize,
+    /// Whether the inertial parameters must be those of bodies that can exist.
+    pub consistent: bool,
+    /// Level of the intervals, e.g. 0.9.
+    pub confidence: f64,
+    /// Least R² on held-out data, centred, that a moving joint's fit must have.
+    pub least_r_squared: f64,
+    /// Returns the estimate even where a joint's R² is below the least one.
+    pub accept_poor: bool,
+    /// Whether least squares is tested for bias with instrumental variables.
+    pub test_bias: bool,
+}
+
+impl Default for EstimationSettings {
+    fn default() -> Self {
+        Self {
+            gravity_compensated: false,
+            offsets: None,
+            optional_terms: true,
+            folds: 10,
+            robust_passes: 2,
+            consistent: true,
+            confidence: 0.9,
+            least_r_squared: 0.3,
+            accept_poor: false,
+            test_bias: true,
+        }
+    }
+}
+
+impl EstimationSettings {
+    pub(super) fn check(&self) -> Result<()> {
+        let folds = (4..=50).contains(&self.folds);
+        require_setting("folds", self.folds as f64, folds, "it must lie between 4 and 50")?;
+        let level = self.confidence > 0.0 && self.confidence < 1.0;
+        require_setting("confidence", self.confidence, level, "it must lie between 0 and 1")?;
+        let least = self.least_r_squared < 1.0;
+        require_setting("least R²", self.least_r_squared, least, "it must be below 1")?;
+        let passes = self.robust_passes <= 20;
+        require_setting("robust passes", self.robust_passes as f64, passes, "it must be at most 20")
+    }
+}

@@ -1,0 +1,5 @@
+//! Whole estimates: simulated robots with known parameters, and measured ones.
+
+mod chain;
+mod data;
+mod measured;
