@@ -2,9 +2,13 @@
 
 #[path = "support/data.rs"]
 mod data;
+#[path = "support/named_robot.rs"]
+mod named_robot;
 
 use data::shared;
-use gelenk_identification::log::{FindingKind, Log, LogSchema, Quantity};
+use gelenk_identification::log::{ColumnOptions, FindingKind, Log, LogSchema, Quantity, Recording, runs};
+use gelenk_identification::run::Effort;
+use named_robot::NamedRobot;
 use std::fmt::Write;
 
 #[test]
@@ -46,4 +50,57 @@ fn a_million_rows_are_ordinary() {
     let (log, findings) = Log::read(text.as_bytes(), "million", &LogSchema::default()).unwrap();
     assert_eq!(log.rows(), 1_000_000);
     assert!(findings.is_empty(), "{findings:?}");
+}
+
+fn sentences(recording: &Recording) -> Vec<String> {
+    recording.findings.iter().map(ToString::to_string).collect()
+}
+
+/// The Schunk log as runs: its `u` are at the joints, which has to be told where the description has gears.
+#[test]
+fn the_schunk_runs_are_runs_of_a_robot() {
+    let Some(path) = shared("data/schunk_lwa4p/runs.csv") else {
+        return;
+    };
+    let names: Vec<String> = (1..=6).map(|i| format!("joint_{i}")).collect();
+    let robot = NamedRobot { names, gear: 160.0, weight: 30.0, ..NamedRobot::default() };
+    let told = ColumnOptions { effort: Some(Effort::Joint), ..ColumnOptions::default() };
+    let recording = runs(&[path.clone()], &robot, &told).unwrap();
+    assert_eq!((recording.runs.len(), recording.effort), (28, Effort::Joint));
+    assert_eq!(recording.unused, [""; 0]);
+    let samples: usize = recording.runs.iter().map(|run| run.times.len()).sum();
+    assert_eq!(samples, 19_598 - 28, "the torques of each run's last row are NaN");
+    let (first, second) = (&recording.runs[0], &recording.runs[5]);
+    assert_eq!((first.name.as_str(), second.name.as_str()), ("runs.csv, run 1", "runs.csv, run 21"));
+    assert_eq!((first.rows[0], first.times[1], first.positions[2][0]), (2, 0.004, -1.368));
+    let found = sentences(&recording);
+    assert_eq!(found.len(), 3, "{found:?}");
+    assert!(found[0].contains("rows 938 to 19599: column `u1`, column `u2`"), "{found:?}");
+    assert!(
+        found.iter().any(|f| f.ends_with("28 rows are left out because they are not complete")),
+        "{found:?}"
+    );
+    let guessed = runs(&[path], &robot, &ColumnOptions::default()).unwrap();
+    assert_eq!(guessed.effort, Effort::Input);
+    let doubts = guessed.findings.iter().filter(|f| f.kind == FindingKind::GearDoubtful).count();
+    assert_eq!(doubts, 1, "{:?}", sentences(&guessed));
+}
+
+/// The UR10's JointState, by the names of its URDF.
+#[test]
+fn the_ur10_log_is_read_by_the_names_of_its_joints() {
+    let Some(path) = shared("data/ur10/exciting.csv") else {
+        return;
+    };
+    let names = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"];
+    let names = names.map(|name| format!("{name}_joint")).to_vec();
+    let robot = NamedRobot { names, speed: 3.2, effort: 330.0, ..NamedRobot::default() };
+    let recording = runs(&[path], &robot, &ColumnOptions::default()).unwrap();
+    assert_eq!((recording.runs.len(), recording.effort), (1, Effort::Joint));
+    let run = &recording.runs[0];
+    assert_eq!((run.times.len(), run.rows[3440]), (3441, 3442));
+    assert_eq!((run.times[1], run.positions[0][0], run.efforts[5][0]), (0.008, 0.6197783, -0.7875644));
+    assert!(run.velocities.iter().all(Option::is_some));
+    assert_eq!(sentences(&recording), [""; 0]);
+    assert_eq!(recording.mapping.len(), 20, "{:?}", recording.mapping);
 }

@@ -30,6 +30,26 @@ pub enum FindingKind {
     Wrap,
     /// A jump by the ratio of two units, or a position and a velocity that differ by one.
     MixedUnits,
+    /// Rows or runs that are not used.
+    LeftOut,
+    /// Time goes back, a new run begins.
+    NewRun,
+    /// A unit that nobody names was taken for granted.
+    UnitAssumed,
+    /// A joint does not move.
+    StoodStill,
+    /// Positions beyond the joint's limits.
+    BeyondPosition,
+    /// Speeds beyond the joint's limit.
+    BeyondSpeed,
+    /// Efforts beyond the joint's limit.
+    BeyondEffort,
+    /// Efforts that look as if they were on the other side of the gears.
+    GearDoubtful,
+    /// A column of velocities that is not the slope of the positions.
+    VelocityDisagrees,
+    /// Samples that repeat the values of the ones before.
+    Stuck,
 }
 
 /// Something suspicious, with the rows where it is (counted from 0, header not counted).

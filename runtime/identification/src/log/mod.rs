@@ -4,12 +4,30 @@
 //! mixed units are [`Finding`]s, and the caller decides (select rows, [`Log::unwrap_counter`], split).
 
 mod check;
+mod families;
+mod health;
+mod mapping;
 mod motion;
+mod number;
+mod options;
 mod read;
+mod recording;
+mod runs;
+mod scale;
 mod schema;
+mod sheet;
+#[cfg(test)]
+mod strangers;
+#[cfg(test)]
+mod testing;
+mod time;
+mod units;
+mod vocabulary;
 
 pub use check::{Finding, FindingKind, check};
 pub use motion::{Differentiation, MotionColumns};
+pub use options::ColumnOptions;
+pub use recording::{Recording, RunFinding, runs, runs_of};
 pub use schema::{ChannelSchema, LogSchema, Quantity};
 
 use super::error::{IdentificationError, Result, require_setting};

@@ -1,6 +1,7 @@
 //! Which column of a CSV file is which channel, in which unit.
 
 use super::super::error::{IdentificationError, Result, require_setting};
+use super::units::{conversion, known_units};
 use serde::Deserialize;
 
 /// The quantity that a channel measures.
@@ -282,43 +283,6 @@ fn default_unit(quantity: Quantity) -> &'static str {
         Quantity::Current => "A",
         Quantity::Segment | Quantity::Other => "1",
     }
-}
-
-const DEGREE: f64 = std::f64::consts::PI / 180.0;
-const UNITS: [(&str, f64, &str); 25] = [
-    ("s", 1.0, "s"),
-    ("ms", 1e-3, "s"),
-    ("us", 1e-6, "s"),
-    ("ns", 1e-9, "s"),
-    ("rad", 1.0, "rad"),
-    ("mrad", 1e-3, "rad"),
-    ("deg", DEGREE, "rad"),
-    ("rad/s", 1.0, "rad/s"),
-    ("deg/s", DEGREE, "rad/s"),
-    ("rpm", std::f64::consts::PI / 30.0, "rad/s"),
-    ("rad/s^2", 1.0, "rad/s^2"),
-    ("deg/s^2", DEGREE, "rad/s^2"),
-    ("m", 1.0, "m"),
-    ("mm", 1e-3, "m"),
-    ("m/s", 1.0, "m/s"),
-    ("mm/s", 1e-3, "m/s"),
-    ("m/s^2", 1.0, "m/s^2"),
-    ("N*m", 1.0, "N*m"),
-    ("Nm", 1.0, "N*m"),
-    ("mNm", 1e-3, "N*m"),
-    ("N", 1.0, "N"),
-    ("A", 1.0, "A"),
-    ("mA", 1e-3, "A"),
-    ("count", 1.0, "count"),
-    ("1", 1.0, "1"),
-];
-
-fn conversion(unit: &str) -> Option<(f64, &'static str)> {
-    UNITS.iter().find(|u| u.0 == unit).map(|u| (u.1, u.2))
-}
-
-fn known_units() -> String {
-    UNITS.map(|u| u.0).join(", ")
 }
 
 #[cfg(test)]

@@ -1,0 +1,325 @@
+//! What runs say about their log: joints that stood still, limits, units, velocities that are none.
+
+use super::super::robot::{JointLimits, Robot};
+use super::super::run::{Effort, Run};
+use super::FindingKind;
+use super::recording::RunFinding;
+use std::f64::consts::{PI, TAU};
+
+/// Findings of all joints, pooled over the runs.
+pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<RunFinding> {
+    let (names, units, limits) = (robot.joint_names(), robot.position_units(), robot.limits());
+    let mut findings = Vec::new();
+    for (joint, name) in names.iter().enumerate() {
+        let unit = units.get(joint).copied().unwrap_or("rad");
+        let limits = limits.get(joint).copied().unwrap_or(UNLIMITED);
+        let mut say = |kind: FindingKind, message: String| {
+            findings.push(RunFinding { file: None, rows: None, joint: Some(name.clone()), kind, message });
+        };
+        if let Some(message) = stood_still(runs, joint, unit) {
+            say(FindingKind::StoodStill, message);
+            continue;
+        }
+        positions(runs, joint, unit, limits).into_iter().for_each(|m| say(FindingKind::BeyondPosition, m));
+        speeds(runs, joint, unit, limits).into_iter().for_each(|m| say(FindingKind::BeyondSpeed, m));
+        velocity(runs, joint).into_iter().for_each(|m| say(FindingKind::VelocityDisagrees, m));
+    }
+    findings.extend(efforts(runs, robot, &limits));
+    findings.extend(gears(runs, robot));
+    findings.extend(stuck(runs));
+    findings
+}
+
+const UNLIMITED: JointLimits = JointLimits {
+    position: [f64::NEG_INFINITY, f64::INFINITY],
+    velocity: f64::INFINITY,
+    effort: f64::INFINITY,
+};
+
+/// A joint that moves by less than this stands still [rad or m].
+fn least_travel(unit: &str) -> f64 {
+    if unit == "m" { 2e-4 } else { 2e-3 }
+}
+
+/// Smallest and largest value without the outermost thousandth at both ends: single outliers are no motion.
+fn span(values: &mut [f64]) -> Option<(f64, f64)> {
+    let last = values.len().checked_sub(1)?;
+    let cut = values.len() / 1000;
+    let low = *values.select_nth_unstable_by(cut, f64::total_cmp).1;
+    let high = *values.select_nth_unstable_by(last - cut, f64::total_cmp).1;
+    Some((low, high))
+}
+
+fn pooled(runs: &[Run], column: impl Fn(&Run) -> Option<&Vec<f64>>) -> Vec<f64> {
+    runs.iter().filter_map(column).flatten().copied().collect()
+}
+
+fn stood_still(runs: &[Run], joint: usize, unit: &str) -> Option<String> {
+    let mut widest = 0.0_f64;
+    for run in runs {
+        let (low, high) = span(&mut run.positions.get(joint)?.clone())?;
+        widest = widest.max(high - low);
+    }
+    (widest < least_travel(unit)).then(|| {
+        format!(
+            "it stood still (it moved by {widest:.2e} {unit} at most): nothing can be said of its friction"
+        )
+    })
+}
+
+fn positions(runs: &[Run], joint: usize, unit: &str, limits: JointLimits) -> Option<String> {
+    let (low, high) = span(&mut pooled(runs, |r| r.positions.get(joint)))?;
+    let [least, most] = limits.position;
+    let tolerance = 0.01 * (most - least).min(TAU) + least_travel(unit);
+    if low >= least - tolerance && high <= most + tolerance {
+        return None;
+    }
+    let inside = |factor: f64| low * factor >= least - tolerance && high * factor <= most + tolerance;
+    Some(format!(
+        "its positions go from {low:.4} to {high:.4} {unit}, its limits are {least:.4} and {most:.4}{}",
+        looks_like(unit, "position", inside)
+    ))
+}
+
+/// Whether another unit would mend it.
+fn looks_like(unit: &str, key: &str, inside: impl Fn(f64) -> bool) -> String {
+    let candidates: [(&str, f64); 2] =
+        if unit == "m" { [("mm", 1e-3), ("cm", 1e-2)] } else { [("deg", PI / 180.0), ("rev", TAU)] };
+    let better = candidates.iter().filter(|(_, factor)| *factor < 1.0).find(|(_, factor)| inside(*factor));
+    better
+        .map_or(String::new(), |(name, _)| format!("; they would fit in {name}: --columns '{key}=…[{name}]'"))
+}
+
+/// Speeds over a few samples at a time, which noise and coarse encoders disturb less than single steps.
+fn slopes(run: &Run, joint: usize) -> Vec<f64> {
+    let (t, q) = (&run.times, &run.positions[joint]);
+    let stride = 10.min(t.len().saturating_sub(1)).max(1);
+    (stride..t.len()).map(|i| (q[i] - q[i - stride]) / (t[i] - t[i - stride])).collect()
+}
+
+fn speeds(runs: &[Run], joint: usize, unit: &str, limits: JointLimits) -> Option<String> {
+    let mut speeds: Vec<f64> = runs.iter().flat_map(|r| slopes(r, joint)).map(f64::abs).collect();
+    let (_, fastest) = span(&mut speeds)?;
+    let limit = limits.velocity;
+    if !limit.is_finite() || fastest <= 1.1 * limit {
+        return None;
+    }
+    Some(format!(
+        "it moves by up to {fastest:.4} {unit}/s, {:.1} times its limit of {limit:.4}{}",
+        fastest / limit,
+        looks_like(unit, "position", |factor| fastest * factor <= 1.1 * limit)
+    ))
+}
+
+/// Factors between units of velocities, and their names: what a column is in where rad/s or m/s are expected.
+const UNITS: [(f64, &str); 5] = [
+    (PI / 180.0, "deg/s"),
+    (PI / 30.0, "rpm"),
+    (TAU, "rev/s"),
+    (1e-3, "thousandths (mm/s, mrad/s), or a time that is in ms"),
+    (1e3, "thousands, or a time that is in s"),
+];
+
+/// A column of velocities against the slope of the positions, by windows of a few samples.
+fn velocity(runs: &[Run], joint: usize) -> Option<String> {
+    let (mut qq, mut qv, mut vv) = (0.0, 0.0, 0.0);
+    for run in runs {
+        let Some(v) = run.velocities.get(joint)?.as_ref() else { continue };
+        for (travel, integral) in travels(run, joint, v) {
+            qq += travel * travel;
+            qv += travel * integral;
+            vv += integral * integral;
+        }
+    }
+    if runs.iter().all(|r| r.velocities[joint].is_none()) || qq <= 0.0 {
+        return None;
+    }
+    if vv <= 0.0 {
+        return Some("its column of velocities is zero while it moves; the column is not needed".into());
+    }
+    let correlation = qv / (qq * vv).sqrt();
+    let ratio = qv / vv;
+    if correlation.abs() < 0.8 {
+        return Some(format!(
+            "its column of velocities is hardly related to its positions (correlation {correlation:.2}): is it another \
+             joint's, or a commanded one?"
+        ));
+    }
+    let size = ratio.abs();
+    if ratio > 0.0 && (size - 1.0).abs() < 0.15 {
+        return None;
+    }
+    let sign = if ratio < 0.0 { "the opposite sign of" } else { "another scale than" };
+    let unit = UNITS.iter().find(|(factor, _)| (size / factor - 1.0).abs() < 0.1);
+    let guess = unit.map_or(String::new(), |(_, name)| format!("; velocities in {name} would explain it"));
+    Some(format!(
+        "its column of velocities has {sign} the slope of its positions: the slope is {ratio:.4} times the column{guess}"
+    ))
+}
+
+/// Change of the position and integral of the velocity over windows.
+fn travels<'a>(run: &'a Run, joint: usize, v: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
+    const WINDOW: usize = 10;
+    let (t, q) = (&run.times, &run.positions[joint]);
+    let ends = (WINDOW..t.len()).step_by(WINDOW);
+    ends.map(move |end| {
+        let start = end - WINDOW;
+        let trapezoid = |i: usize| 0.5 * (v[i] + v[i - 1]) * (t[i] - t[i - 1]);
+        (q[end] - q[start], (start + 1..=end).map(trapezoid).sum())
+    })
+}
+
+fn efforts(runs: &[Run], robot: &dyn Robot, limits: &[JointLimits]) -> Vec<RunFinding> {
+    let Some(effort) = runs.first().map(|r| r.effort) else { return Vec::new() };
+    let names = if effort == Effort::Joint { robot.joint_names() } else { robot.input_names() };
+    let mut findings = Vec::new();
+    for (i, name) in names.iter().enumerate() {
+        let mut values = pooled(runs, |r| r.efforts.get(i));
+        let exact =
+            values.iter().copied().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        let mut say = |kind: FindingKind, message: String| {
+            findings.push(RunFinding { file: None, rows: None, joint: Some(name.clone()), kind, message });
+        };
+        if exact.0 == exact.1 {
+            say(
+                FindingKind::Constant,
+                format!("its effort is {} in all samples: nothing can be identified from it", exact.0),
+            );
+            continue;
+        }
+        let limit = limits.get(i).map_or(f64::INFINITY, |l| l.effort);
+        if let (Effort::Joint, Some((low, high))) = (effort, span(&mut values))
+            && high.max(-low) > 1.05 * limit
+        {
+            say(
+                FindingKind::BeyondEffort,
+                format!(
+                    "its effort goes from {low:.4} to {high:.4}, its limit is {limit:.4}: another unit, or not at the joint?"
+                ),
+            );
+        }
+    }
+    findings
+}
+
+/// Whether efforts at the joints were taken for those of the motors, or the other way round: where a gear stands
+/// between them, the joint that carries the largest weight shows it.
+fn gears(runs: &[Run], robot: &dyn Robot) -> Option<RunFinding> {
+    let (n, m, matrix) = (robot.joint_names().len(), robot.input_names().len(), robot.input_matrix());
+    let effort = runs.first()?.effort;
+    if n != m || effort == Effort::Current {
+        return None;
+    }
+    let weights = weights(runs, robot, n);
+    let joint = (0..n).max_by(|a, b| weights[*a].total_cmp(&weights[*b]))?;
+    let (weight, gear) = (weights[joint], matrix.get(joint * m + joint)?.abs());
+    let recorded = root_mean_square(runs.iter().filter_map(|r| r.efforts.get(joint)).flatten().copied());
+    if !(weight > 0.0 && recorded > 0.0 && (gear > 4.0 || gear < 0.25 && gear > 0.0)) {
+        return None;
+    }
+    let ratio = if effort == Effort::Input { recorded * gear / weight } else { recorded / weight };
+    // Half of the gear, in logarithms: friction and motion change the effort by less than that.
+    let is_doubtful = match effort {
+        Effort::Input => ratio.ln() / gear.ln() > 0.5,
+        _ => -ratio.ln() / gear.ln() > 0.5,
+    };
+    let (taken, other, key) = match effort {
+        Effort::Input => ("efforts of the motors", "forces at the joints", "torque"),
+        _ => ("forces at the joints", "efforts of the motors", "input"),
+    };
+    is_doubtful.then(|| RunFinding {
+        file: None,
+        rows: None,
+        joint: robot.joint_names().get(joint).cloned(),
+        kind: FindingKind::GearDoubtful,
+        message: format!(
+            "its efforts are taken as {taken} and are then {ratio:.3} times what carries the described weight (rms), with \
+             {gear} between motor and joint: they look like {other} (--columns '{key}=…')"
+        ),
+    })
+}
+
+/// Root mean squares of the forces that hold the described robot, over some of the samples.
+fn weights(runs: &[Run], robot: &dyn Robot, n: usize) -> Vec<f64> {
+    const SAMPLES: usize = 20;
+    let zero = vec![0.0; n];
+    let mut forces = vec![vec![]; n];
+    for run in runs {
+        for i in (0..run.times.len()).step_by((run.times.len() / SAMPLES).max(1)) {
+            let y: Vec<f64> = run.positions.iter().map(|q| q[i]).collect();
+            let mut force = zero.clone();
+            robot.rigid_forces(&y, &zero, &zero, &mut force);
+            forces.iter_mut().zip(force).for_each(|(column, f)| column.push(f));
+        }
+    }
+    forces.into_iter().map(|column| root_mean_square(column.into_iter())).collect()
+}
+
+fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
+    let (count, sum) =
+        values.filter(|v| v.is_finite()).fold((0.0, 0.0), |(n, sum), v| (n + 1.0, sum + v * v));
+    if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 }
+}
+
+/// Samples that repeat the one before in everything: a log that is written faster than the robot is read.
+fn stuck(runs: &[Run]) -> Option<RunFinding> {
+    let same = |run: &Run, i: usize| {
+        run.positions.iter().chain(&run.efforts).all(|column| column[i].to_bits() == column[i - 1].to_bits())
+    };
+    let all: usize = runs.iter().map(|r| r.times.len()).sum();
+    let equal: usize = runs.iter().map(|r| (1..r.times.len()).filter(|i| same(r, *i)).count()).sum();
+    (equal * 100 > all).then(|| RunFinding {
+        file: None,
+        rows: None,
+        joint: None,
+        kind: FindingKind::Stuck,
+        message: format!(
+            "{:.0} % of the samples repeat all values of the one before at a new time; they are kept",
+            100.0 * equal as f64 / all as f64
+        ),
+    })
+}
+
+/// Undoes jumps by a turn of joints without limits, whose encoders count one turn only.
+pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Vec<RunFinding> {
+    let (names, units, limits) = (robot.joint_names(), robot.position_units(), robot.limits());
+    let mut findings = Vec::new();
+    for (joint, q) in run.positions.iter_mut().enumerate() {
+        let is_angle = units.get(joint).is_some_and(|u| *u == "rad");
+        let jumps: Vec<usize> = (1..q.len()).filter(|i| is_turn(q[*i] - q[*i - 1])).collect();
+        let (Some(first), Some(last)) = (jumps.first(), jumps.last()) else { continue };
+        let rows = Some((run.rows[*first], run.rows[*last]));
+        let is_free = limits.get(joint).is_some_and(|l| l.position.iter().all(|p| p.is_infinite()));
+        if !is_angle || !in_one_turn(q) {
+            continue;
+        }
+        let (kind, message) = if is_free {
+            super::unwrap(q, TAU);
+            (
+                FindingKind::Wrap,
+                format!("its position jumps by a turn {} times and is unwrapped", jumps.len()),
+            )
+        } else {
+            (
+                FindingKind::Wrap,
+                format!(
+                    "its position jumps by a turn {} times; it is not unwrapped because the joint has limits",
+                    jumps.len()
+                ),
+            )
+        };
+        let joint = names.get(joint).cloned();
+        findings.push(RunFinding { file: Some(source.into()), rows, joint, kind, message });
+    }
+    findings
+}
+
+fn is_turn(jump: f64) -> bool {
+    (jump.abs() / TAU - 1.0).abs() < 0.2
+}
+
+fn in_one_turn(q: &[f64]) -> bool {
+    let (low, high) =
+        q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| (low.min(*q), high.max(*q)));
+    high - low <= 1.01 * TAU && low >= -1.01 * PI && high <= 1.01 * TAU
+}

@@ -1,0 +1,535 @@
+//! Which column of a stranger's log is which quantity of a robot.
+
+use super::super::error::{IdentificationError, Result};
+use super::super::robot::Robot;
+use super::super::run::Effort;
+use super::families::{Family, Key, Targets, families};
+use super::options::{ColumnOptions, Named, Pattern, is_effort};
+use super::sheet::{Sheet, shortened};
+use super::time::{TimeColumn, find_time};
+use super::units::Unit;
+use super::vocabulary::{Header, Kind, Origin, is_number};
+
+/// A column and the factor that makes it SI.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Source {
+    pub column: usize,
+    pub factor: f64,
+}
+
+/// The columns of one log.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Mapping {
+    pub time: TimeColumn,
+    pub run: Option<usize>,
+    pub positions: Vec<Source>,
+    pub velocities: Vec<Option<Source>>,
+    pub efforts: Vec<Source>,
+    pub effort: Effort,
+    /// One sentence for each column, then what was assumed.
+    pub sentences: Vec<String>,
+    /// Headers of the columns that nothing uses.
+    pub unused: Vec<String>,
+}
+
+/// A robot's joints and inputs as columns are matched with them.
+pub(super) struct RobotColumns {
+    pub joints: Targets,
+    pub inputs: Targets,
+    /// `rad` or `m`, of each joint.
+    pub units: Vec<&'static str>,
+    /// B is the identity: forces at the joints and inputs are the same.
+    pub direct: bool,
+}
+
+impl RobotColumns {
+    pub(super) fn new(robot: &dyn Robot) -> Self {
+        let (joints, inputs) = (robot.joint_names(), robot.input_names());
+        let (n, m) = (joints.len(), inputs.len());
+        let matrix = robot.input_matrix();
+        let entry = |row: usize, column: usize| matrix.get(row * m + column).copied().unwrap_or(0.0);
+        let driven = |input: usize| {
+            let mut rows = (0..n).filter(|joint| entry(*joint, input) != 0.0);
+            let joint = rows.next()?;
+            rows.next().is_none().then(|| joints[joint].clone())
+        };
+        let others: Vec<Option<String>> = (0..m).map(driven).collect();
+        let direct = n == m
+            && (0..n)
+                .all(|row| (0..m).all(|column| entry(row, column) == f64::from(u8::from(row == column))));
+        Self {
+            inputs: Targets::new(&inputs, &others),
+            joints: Targets::new(&joints, &[]),
+            units: robot.position_units(),
+            direct,
+        }
+    }
+}
+
+/// Finds the columns of a robot in a sheet.
+///
+/// # Errors
+/// Quantities without columns or with two sets of them, and units that do not fit, each with the line of
+/// `--columns` that settles it.
+pub(super) fn resolve(
+    sheet: &Sheet,
+    robot: &RobotColumns,
+    options: &ColumnOptions,
+    source: &str,
+) -> Result<Mapping> {
+    let patterns = options.patterns()?;
+    let headers: Vec<Header> = sheet
+        .headers
+        .iter()
+        .enumerate()
+        .map(|(i, text)| Header::new(i, text, sheet.units.get(i).and_then(Option::as_deref)))
+        .collect();
+    let listed = listed_names(sheet, &headers, robot);
+    let finder =
+        Finder { sheet, headers: &headers, robot, patterns: &patterns, listed: listed.as_deref(), source };
+    finder.require_header()?;
+    finder.mapping(options)
+}
+
+/// What finding columns needs.
+pub(super) struct Finder<'a> {
+    pub sheet: &'a Sheet<'a>,
+    pub headers: &'a [Header],
+    pub robot: &'a RobotColumns,
+    pub patterns: &'a [Pattern],
+    listed: Option<&'a [Option<usize>]>,
+    pub source: &'a str,
+}
+
+/// Columns of a quantity, how they were found, and what has to be said of them.
+struct Found {
+    columns: Vec<usize>,
+    unit: Option<Unit>,
+    remarks: Vec<String>,
+}
+
+impl Finder<'_> {
+    pub(super) fn fault(&self, message: String) -> IdentificationError {
+        IdentificationError::File { place: self.source.into(), message }
+    }
+
+    pub(super) fn pattern(&self, matches: impl Fn(Named) -> bool) -> Option<&Pattern> {
+        self.patterns.iter().find(|p| matches(p.named))
+    }
+
+    /// A row of numbers is no header.
+    fn require_header(&self) -> Result<()> {
+        let asked = |named: fn(Named) -> bool| self.pattern(named).is_some();
+        let all = asked(|n| n == Named::Time) && asked(|n| n == Named::Position) && asked(is_effort);
+        if !self.headers.is_empty() || all {
+            return Ok(());
+        }
+        let n = self.robot.joints.names.len();
+        Err(self.fault(format!(
+            "the log has no header: its first row is `{}`. Say which column is what by numbers, as in --columns \
+             'time=1,position=2..{},torque={}..{}'",
+            shortened(&self.sheet.first),
+            n + 1,
+            n + 2,
+            2 * n + 1
+        )))
+    }
+
+    fn mapping(&self, options: &ColumnOptions) -> Result<Mapping> {
+        let joints = &self.robot.joints;
+        let time = find_time(self)?;
+        let position = self.required(Named::Position, &[Kind::Position], joints)?;
+        let velocity = self.optional(Named::Velocity, Kind::Velocity, joints)?;
+        let (effort, efforts) = self.efforts(options.effort)?;
+        let run = self.run()?;
+        let mut sentences = vec![time.said.clone()];
+        let mut used = time.columns();
+        used.extend(run);
+        used.extend(&position.columns);
+        let positions = self.sources(&position, Kind::Position, joints, &mut sentences)?;
+        let velocities = match &velocity {
+            Some(found) => {
+                used.extend(&found.columns);
+                self.sources(found, Kind::Velocity, joints, &mut sentences)?.into_iter().map(Some).collect()
+            }
+            None => vec![None; joints.names.len()],
+        };
+        let (kind, targets) = self.of_effort(effort);
+        used.extend(&efforts.columns);
+        let efforts_sources = self.sources(&efforts, kind, targets, &mut sentences)?;
+        sentences.extend(run.map(|r| format!("Column {} is the number of the run.", self.label(r))));
+        sentences
+            .extend([Some(position), velocity, Some(efforts)].into_iter().flatten().flat_map(|f| f.remarks));
+        self.require_distinct(&used)?;
+        Ok(Mapping {
+            time,
+            run,
+            positions,
+            velocities,
+            efforts: efforts_sources,
+            effort: if self.robot.direct && effort == Effort::Input { Effort::Joint } else { effort },
+            sentences,
+            unused: self.unused(&used),
+        })
+    }
+
+    fn of_effort(&self, effort: Effort) -> (Kind, &Targets) {
+        match effort {
+            Effort::Joint => (Kind::Torque, &self.robot.joints),
+            Effort::Input => (Kind::Input, &self.robot.inputs),
+            Effort::Current => (Kind::Current, &self.robot.inputs),
+        }
+    }
+
+    /// Name of a column for people.
+    pub(super) fn label(&self, column: usize) -> String {
+        match self.headers.get(column) {
+            Some(header) => format!("`{}`", header.text),
+            None => format!("number {}", column + 1),
+        }
+    }
+
+    fn unused(&self, used: &[usize]) -> Vec<String> {
+        let left = self.headers.iter().filter(|h| !used.contains(&h.index) && !h.text.is_empty());
+        left.map(|h| h.text.clone()).collect()
+    }
+
+    fn require_distinct(&self, used: &[usize]) -> Result<()> {
+        let twice = used.iter().enumerate().find(|(i, column)| used[..*i].contains(column));
+        match twice {
+            Some((_, column)) => Err(self.fault(format!(
+                "column {} would stand for two quantities: name the columns with --columns",
+                self.label(*column)
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    fn run(&self) -> Result<Option<usize>> {
+        if let Some(pattern) = self.pattern(|n| n == Named::Run) {
+            let one = Targets::new(&["run".into()], &[]);
+            return Ok(pattern.resolve(self.headers, self.sheet.width, &one)?.columns.first().copied());
+        }
+        let mut runs = self.headers.iter().filter(|h| {
+            let words: Vec<&str> = h.words.iter().map(String::as_str).collect();
+            super::vocabulary::meaning(&words).is_some_and(|m| m.kind == Kind::Run && m.doubt < 2)
+        });
+        match (runs.next(), runs.next()) {
+            (Some(a), Some(b)) => Err(self.fault(format!(
+                "both `{}` and `{}` could be the number of the run: --columns 'run={}' settles it",
+                a.text, b.text, a.text
+            ))),
+            (found, _) => Ok(found.map(|h| h.index)),
+        }
+    }
+
+    /// By the user's pattern, or the best family; none without one.
+    fn optional(&self, named: Named, kind: Kind, targets: &Targets) -> Result<Option<Found>> {
+        if let Some(pattern) = self.pattern(|n| n == named) {
+            return self.by_pattern(pattern, targets).map(Some);
+        }
+        self.best(&[kind], targets)
+    }
+
+    fn by_pattern(&self, pattern: &Pattern, targets: &Targets) -> Result<Found> {
+        let chosen = pattern.resolve(self.headers, self.sheet.width, targets)?;
+        Ok(Found { columns: chosen.columns, unit: chosen.unit, remarks: Vec::new() })
+    }
+
+    fn required(&self, named: Named, kinds: &[Kind], targets: &Targets) -> Result<Found> {
+        match self.optional(named, kinds[0], targets)? {
+            Some(found) => Ok(found),
+            None => Err(self.missing(kinds, targets)),
+        }
+    }
+
+    fn efforts(&self, wanted: Option<Effort>) -> Result<(Effort, Found)> {
+        if let Some(pattern) = self.pattern(is_effort) {
+            let named = match pattern.named {
+                Named::Input => Effort::Input,
+                Named::Current => Effort::Current,
+                _ => Effort::Joint,
+            };
+            let effort = wanted.unwrap_or(named);
+            return Ok((effort, self.by_pattern(pattern, self.of_effort(effort).1)?));
+        }
+        let tried: &[(Effort, &[Kind])] = match wanted {
+            Some(Effort::Joint) => &[(Effort::Joint, &[Kind::Torque, Kind::Input])],
+            Some(Effort::Input) => &[(Effort::Input, &[Kind::Input, Kind::Torque])],
+            Some(Effort::Current) => &[(Effort::Current, &[Kind::Current])],
+            None => &[
+                (Effort::Joint, &[Kind::Torque]),
+                (Effort::Input, &[Kind::Input]),
+                (Effort::Current, &[Kind::Current]),
+            ],
+        };
+        let mut found = Vec::new();
+        for (effort, kinds) in tried {
+            found.extend(self.best(kinds, self.of_effort(*effort).1)?.map(|f| (*effort, f)));
+        }
+        // What was commanded is the last choice: a torque that was asked for says less than a current that flowed.
+        let commanded = |f: &(Effort, Found)| self.is_commanded(&f.1.columns);
+        let best = found.iter().position(|f| !commanded(f)).or((!found.is_empty()).then_some(0));
+        let Some(best) = best else {
+            return Err(self.missing(&[Kind::Torque, Kind::Input, Kind::Current], &self.robot.joints));
+        };
+        let (effort, mut efforts) = found.swap_remove(best);
+        efforts.remarks.push(self.effort_said(effort, wanted.is_some()));
+        Ok((effort, efforts))
+    }
+
+    fn effort_said(&self, effort: Effort, is_told: bool) -> String {
+        let why = if is_told { "as told" } else { "by their names" };
+        match effort {
+            _ if self.robot.direct && effort != Effort::Current => format!(
+                "The efforts are taken as forces at the joints, {why}; the description's drives are ideal (B = 1), so \
+                 inputs are the same."
+            ),
+            Effort::Joint => format!("The efforts are taken as forces at the joints (B u), {why}."),
+            Effort::Input => {
+                format!("The efforts are taken as the inputs u, at the motors' side of the gears, {why}.")
+            }
+            Effort::Current => {
+                format!("The efforts are taken as motor currents, {why}; u = K_M i with K_M unknown.")
+            }
+        }
+    }
+
+    fn is_commanded(&self, columns: &[usize]) -> bool {
+        let Some(header) = columns.first().and_then(|c| self.headers.get(*c)) else { return false };
+        let words: Vec<&str> = header.words.iter().map(String::as_str).filter(|w| !is_number(w)).collect();
+        super::vocabulary::meaning(&words).is_some_and(|m| m.origin == Origin::Commanded)
+    }
+
+    fn families(&self, kinds: &[Kind], targets: &Targets) -> Vec<Family> {
+        let mut all = families(self.headers, targets, self.listed);
+        all.retain(|f| kinds.contains(&f.meaning.kind));
+        all.sort_by_key(|f| (kinds.iter().position(|k| *k == f.meaning.kind), f.rank()));
+        all
+    }
+
+    /// The best complete family.
+    ///
+    /// # Errors
+    /// Two that are equally good.
+    fn best(&self, kinds: &[Kind], targets: &Targets) -> Result<Option<Found>> {
+        let mut complete: Vec<(Family, Vec<usize>)> = Vec::new();
+        for family in self.families(kinds, targets) {
+            if let Some(columns) = family.complete()
+                && complete.iter().all(|(_, known)| *known != columns)
+            {
+                complete.push((family, columns));
+            }
+        }
+        let Some((family, columns)) = complete.first() else { return Ok(None) };
+        let mut remarks = Vec::new();
+        for (other, others) in complete.iter().skip(1) {
+            if other.meaning.kind == family.meaning.kind && other.rank() == family.rank() {
+                return Err(self.ambiguous(kinds[0], columns, others, targets));
+            }
+            remarks.push(format!(
+                "Columns {} could be the {} too and were not taken: {}.",
+                self.pattern_of(others, targets),
+                plural(kinds[0]),
+                reason(family, other)
+            ));
+        }
+        remarks.extend(order_said(family, kinds[0]));
+        Ok(Some(Found { columns: columns.clone(), unit: None, remarks }))
+    }
+
+    fn ambiguous(
+        &self,
+        kind: Kind,
+        one: &[usize],
+        other: &[usize],
+        targets: &Targets,
+    ) -> IdentificationError {
+        let (one, other) = (self.pattern_of(one, targets), self.pattern_of(other, targets));
+        self.fault(format!(
+            "both `{one}` and `{other}` could be the {}: --columns '{}={one}' or '{}={other}' settles it",
+            plural(kind),
+            key(kind),
+            key(kind)
+        ))
+    }
+
+    /// Columns as `--columns` takes them.
+    fn pattern_of(&self, columns: &[usize], targets: &Targets) -> String {
+        let texts: Vec<&str> =
+            columns.iter().filter_map(|c| self.headers.get(*c)).map(|h| h.text.as_str()).collect();
+        let named =
+            texts.iter().zip(&targets.names).map(|(text, name)| text.replacen(name.as_str(), "{name}", 1));
+        let named: Vec<String> = named.collect();
+        if named.first().is_some_and(|first| first.contains("{name}") && named.iter().all(|n| n == first)) {
+            return named[0].clone();
+        }
+        numbered_pattern(&texts).unwrap_or_else(|| texts.join("|"))
+    }
+
+    fn missing(&self, kinds: &[Kind], targets: &Targets) -> IdentificationError {
+        let n = targets.names.len();
+        let best = self.families(kinds, targets).into_iter().max_by_key(|f| {
+            (f.columns.iter().flatten().count(), f.numbers.len(), std::cmp::Reverse(f.rank()))
+        });
+        let why = match best {
+            Some(family) if family.numbers.len() > n => format!(
+                "the columns like {} have {} numbers ({} to {}), the description has {n}: which of them are its own is \
+                 not known",
+                family.numbers_like(self),
+                family.numbers.len(),
+                family.numbers[0],
+                family.numbers[family.numbers.len() - 1]
+            ),
+            Some(family) if family.columns.iter().any(Option::is_some) => {
+                let missing = family.columns.iter().zip(&targets.names).filter(|(c, _)| c.is_none());
+                let missing: Vec<String> = missing.map(|(_, name)| format!("`{name}`")).collect();
+                format!("no column is the {} of {}", singular(kinds[0]), missing.join(", "))
+            }
+            _ => format!("no columns are known as the {} of {}", plural(kinds[0]), shortened(&targets.names)),
+        };
+        self.fault(format!(
+            "{why}. There are {}. Name them: --columns '{}=…', with {{}} for a number, {{name}} for a joint's name, or \
+             columns as in `a|b|c` or `2..7`",
+            shortened(&self.sheet.headers),
+            key(kinds[0])
+        ))
+    }
+
+    /// Factors to SI, and a sentence for each column.
+    fn sources(
+        &self,
+        found: &Found,
+        kind: Kind,
+        targets: &Targets,
+        sentences: &mut Vec<String>,
+    ) -> Result<Vec<Source>> {
+        let mut sources = Vec::with_capacity(found.columns.len());
+        for (i, &column) in found.columns.iter().enumerate() {
+            let (factor, unit) = super::scale::factor(self, column, kind, i, found.unit)?;
+            let what = if kind == Kind::Input || kind == Kind::Current { "input" } else { "joint" };
+            sentences.push(format!(
+                "Column {} is the {} of {what} {}, {unit}.",
+                self.label(column),
+                singular(kind),
+                targets.names[i]
+            ));
+            sources.push(Source { column, factor });
+        }
+        Ok(sources)
+    }
+}
+
+impl Family {
+    fn numbers_like(&self, finder: &Finder) -> String {
+        let words = finder
+            .headers
+            .iter()
+            .find(|h| super::families::meaning_of(h, &h.words).is_some_and(|m| m.kind == self.meaning.kind));
+        words.map_or("these".into(), |h| format!("`{}`", h.text))
+    }
+}
+
+/// `q{}` of `q1`, `q2`, …
+fn numbered_pattern(texts: &[&str]) -> Option<String> {
+    let first = texts.first()?;
+    let digits = |c: char| c.is_ascii_digit();
+    let same = |at: usize, end: usize| {
+        let (before, after) = (&first[..at], &first[end..]);
+        let fits = |text: &&str| {
+            let middle = text.strip_prefix(before).and_then(|rest| rest.strip_suffix(after));
+            middle.is_some_and(|m| !m.is_empty() && m.chars().all(digits))
+        };
+        texts.iter().all(fits).then(|| format!("{before}{{}}{after}"))
+    };
+    let mut at = 0;
+    while let Some(start) = first[at..].find(digits).map(|s| s + at) {
+        let end = first[start..].find(|c| !digits(c)).map_or(first.len(), |e| e + start);
+        if let Some(pattern) = same(start, end) {
+            return Some(pattern);
+        }
+        at = end;
+    }
+    None
+}
+
+fn reason(family: &Family, other: &Family) -> String {
+    let origin = |f: &Family| match f.meaning.origin {
+        Origin::Measured => "measured",
+        Origin::Unsaid => "neither measured nor commanded by their name",
+        Origin::Filtered => "filtered",
+        Origin::Commanded => "commanded",
+    };
+    if family.meaning.origin != other.meaning.origin {
+        return format!("they are {}, the ones taken are {}", origin(other), origin(family));
+    }
+    if family.meaning.doubt != other.meaning.doubt {
+        return "their names say it less surely".into();
+    }
+    "names of joints go before numbers".into()
+}
+
+/// Numbers say less than names: what they are taken for is said.
+fn order_said(family: &Family, kind: Kind) -> Option<String> {
+    match family.key {
+        Key::Number(first) if family.columns.len() > 1 => Some(format!(
+            "The {} are told apart by numbers from {first} on, in the order of the description's joints; a message that \
+             lists its joints in another order (ROS: often by the alphabet) would be mixed up.",
+            plural(kind)
+        )),
+        Key::Listed => Some(format!("The {} are in the order of the names in the log's rows.", plural(kind))),
+        _ => None,
+    }
+}
+
+pub(super) fn singular(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Time => "time",
+        Kind::Position => "position",
+        Kind::Velocity => "velocity",
+        Kind::Acceleration => "acceleration",
+        Kind::Torque => "effort",
+        Kind::Input => "motor effort",
+        Kind::Current => "current",
+        Kind::Run => "run",
+        Kind::Name => "name",
+    }
+}
+
+fn plural(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Position => "positions",
+        Kind::Velocity => "velocities",
+        Kind::Torque | Kind::Input => "efforts",
+        Kind::Current => "currents",
+        other => singular(other),
+    }
+}
+
+fn key(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Torque => "torque",
+        Kind::Input => "input",
+        other => singular(other),
+    }
+}
+
+/// Joints in the order of a message that names them in its rows: `field.name0`, … or one list of names.
+fn listed_names(sheet: &Sheet, headers: &[Header], robot: &RobotColumns) -> Option<Vec<Option<usize>>> {
+    let is_name = |h: &&Header| {
+        let words: Vec<&str> = h.words.iter().map(String::as_str).filter(|w| !is_number(w)).collect();
+        super::vocabulary::meaning(&words).is_some_and(|m| m.kind == Kind::Name)
+    };
+    let columns: Vec<&Header> = headers.iter().filter(is_name).collect();
+    let value = |h: &&Header| sheet.first.get(h.index).map(|text| text.trim().to_owned());
+    let names: Vec<String> = match columns.as_slice() {
+        [only] => {
+            let quoted = value(only)?.split(['\'', '"']).skip(1).step_by(2).map(str::to_owned).collect();
+            quoted
+        }
+        several => several.iter().filter_map(value).collect(),
+    };
+    let joints: Vec<Option<usize>> = names.iter().map(|n| robot.joints.position(n)).collect();
+    let all = (0..robot.joints.names.len()).all(|j| joints.contains(&Some(j)));
+    (all && !names.is_empty()).then_some(joints)
+}

@@ -1,0 +1,273 @@
+//! What a user says about the columns of a log: `--columns 'position=joint{}_pos[deg],torque=…,time=…'`.
+
+use super::super::error::{IdentificationError, Result};
+use super::super::run::Effort;
+use super::families::Targets;
+use super::sheet::shortened;
+use super::units::{self, Unit};
+use super::vocabulary::{Header, words};
+
+/// What is said about the columns of a log; nothing by default.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ColumnOptions {
+    /// `QUANTITY=COLUMNS,…`; quantities that are not named are looked for.
+    ///
+    /// - quantities: `time`, `position`, `velocity`, one of `torque` (at the joints), `input` (of the motors) and
+    ///   `current`, and `run`;
+    /// - columns: a header with `{}` where the joint's number stands or `{name}` where its name does; headers with
+    ///   `|` between them, in the robot's order; or numbers, counted from 1: `2..7`;
+    /// - a unit in brackets may follow: `position=2..7[deg]`, `position=count{}[0.0879 deg]`.
+    pub columns: Option<String>,
+    /// Field separator, where it is not found.
+    pub separator: Option<char>,
+    /// What the efforts are, where their names do not say it.
+    pub effort: Option<Effort>,
+}
+
+/// A quantity that `--columns` can name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Named {
+    Time,
+    Position,
+    Velocity,
+    Torque,
+    Input,
+    Current,
+    Run,
+}
+
+const KEYS: [(&str, Named); 9] = [
+    ("time", Named::Time),
+    ("position", Named::Position),
+    ("velocity", Named::Velocity),
+    ("torque", Named::Torque),
+    ("effort", Named::Torque),
+    ("input", Named::Input),
+    ("current", Named::Current),
+    ("run", Named::Run),
+    ("trial", Named::Run),
+];
+
+/// One `QUANTITY=COLUMNS`.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Pattern {
+    pub named: Named,
+    text: String,
+}
+
+/// Columns that a pattern names, with their unit where it gives one.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Chosen {
+    pub columns: Vec<usize>,
+    pub unit: Option<Unit>,
+}
+
+impl ColumnOptions {
+    /// The patterns in the order of the line.
+    pub(super) fn patterns(&self) -> Result<Vec<Pattern>> {
+        let mut patterns: Vec<Pattern> = Vec::new();
+        let line = self.columns.as_deref().unwrap_or("");
+        for part in parts(line) {
+            let (key, text) = part.split_once('=').ok_or_else(|| {
+                fault(part, "this is not `QUANTITY=COLUMNS`, as in `position=q{},torque=tau{},time=t`".into())
+            })?;
+            let key = key.trim().to_lowercase();
+            let named =
+                KEYS.iter().find(|(known, _)| *known == key).map(|(_, named)| *named).ok_or_else(|| {
+                    fault(
+                        part,
+                        format!("there is no quantity `{key}`; known are {}", KEYS.map(|k| k.0).join(", ")),
+                    )
+                })?;
+            if patterns.iter().any(|p| p.named == named || is_effort(p.named) && is_effort(named)) {
+                return Err(fault(
+                    part,
+                    "the line names this quantity twice; torque, input and current are one".into(),
+                ));
+            }
+            patterns.push(Pattern { named, text: text.trim().to_owned() });
+        }
+        Ok(patterns)
+    }
+}
+
+pub(super) fn is_effort(named: Named) -> bool {
+    matches!(named, Named::Torque | Named::Input | Named::Current)
+}
+
+/// Parts between commas that a `QUANTITY=` follows; other commas belong to headers.
+fn parts(line: &str) -> Vec<&str> {
+    let begins = |rest: &str| {
+        let key = rest.split_once('=').map_or("", |(key, _)| key).trim();
+        !key.is_empty() && key.chars().all(|c| c.is_ascii_alphabetic())
+    };
+    let mut parts = Vec::new();
+    let mut start = 0;
+    for (at, _) in line.match_indices(',').filter(|(at, _)| begins(&line[at + 1..])) {
+        parts.push(&line[start..at]);
+        start = at + 1;
+    }
+    parts.push(&line[start..]);
+    parts.retain(|part| !part.trim().is_empty());
+    parts
+}
+
+fn fault(text: &str, message: String) -> IdentificationError {
+    IdentificationError::File { place: format!("--columns `{}`", text.trim()), message }
+}
+
+impl Pattern {
+    /// The columns for each of `targets`.
+    ///
+    /// - `width`: fields of a row, for numbers of columns
+    pub(super) fn resolve(&self, headers: &[Header], width: usize, targets: &Targets) -> Result<Chosen> {
+        let count = targets.names.len();
+        let whole = self.columns(&self.text, headers, width, targets)?;
+        if let Some(columns) = whole {
+            return self.counted(columns, None, count);
+        }
+        let split = self.text.strip_suffix(']').and_then(|rest| rest.rsplit_once('['));
+        if let Some((text, unit)) = split.filter(|(_, unit)| !unit.contains("{")) {
+            let Some(found) = units::find(unit) else {
+                return Err(fault(
+                    &self.text,
+                    format!("unknown unit `{unit}`; known are {}", units::known_units()),
+                ));
+            };
+            if let Some(columns) = self.columns(text.trim_end(), headers, width, targets)? {
+                return self.counted(columns, Some(found), count);
+            }
+        }
+        Err(self.nothing(headers))
+    }
+
+    fn counted(&self, columns: Vec<usize>, unit: Option<Unit>, count: usize) -> Result<Chosen> {
+        if columns.len() == count {
+            return Ok(Chosen { columns, unit });
+        }
+        Err(fault(
+            &self.text,
+            format!("it names {} columns, {count} are needed, one for each joint or input", columns.len()),
+        ))
+    }
+
+    /// None where nothing has this name.
+    fn columns(
+        &self,
+        text: &str,
+        headers: &[Header],
+        width: usize,
+        targets: &Targets,
+    ) -> Result<Option<Vec<usize>>> {
+        if text.contains("{name}") {
+            return by_names(text, headers, targets);
+        }
+        if text.contains("{}") {
+            return by_numbers(text, headers, targets.names.len());
+        }
+        if let Some((first, last)) = text.split_once("..")
+            && let (Ok(first), Ok(last)) =
+                (first.trim().parse::<usize>(), last.trim().trim_start_matches('=').parse())
+        {
+            return range(text, first, last, width).map(Some);
+        }
+        Ok(text.split('|').map(|item| one(item.trim(), headers, width)).collect())
+    }
+
+    /// Nothing has the name: which columns there are, and which is the nearest.
+    fn nothing(&self, headers: &[Header]) -> IdentificationError {
+        let names: Vec<String> = headers.iter().map(|h| h.text.clone()).collect();
+        if names.is_empty() {
+            return fault(
+                &self.text,
+                "the log has no header; give the columns' numbers, as in `position=2..7`".into(),
+            );
+        }
+        // The distance takes time with the product of the lengths.
+        let cut = |text: &str| text.to_lowercase().chars().take(100).collect::<String>();
+        let wanted = cut(&self.text);
+        let nearest =
+            names.iter().take(1000).min_by_key(|name| strsim::damerau_levenshtein(&cut(name), &wanted));
+        let nearest = nearest.map_or(String::new(), |n| format!("; the nearest is `{n}`"));
+        fault(&self.text, format!("no columns have this name{nearest}. There are {}", shortened(&names)))
+    }
+}
+
+/// A header, or the number of a column.
+fn one(item: &str, headers: &[Header], width: usize) -> Option<usize> {
+    let same = |h: &&Header| h.text.trim() == item;
+    let lower = item.to_lowercase();
+    let alike =
+        |h: &&Header| h.text.trim().to_lowercase() == lower || (!item.is_empty() && bare(&h.text) == lower);
+    let header = headers.iter().find(same).or_else(|| headers.iter().find(alike));
+    let number = || item.parse::<usize>().ok().filter(|n| (1..=width).contains(n)).map(|n| n - 1);
+    header.map(|h| h.index).or_else(number)
+}
+
+/// In lower case and without a unit in brackets at the end.
+fn bare(text: &str) -> String {
+    let text = text.trim();
+    let cut = text.strip_suffix([']', ')']).and_then(|rest| rest.rsplit_once(['[', '(']));
+    let cut = cut.filter(|(_, unit)| units::find(unit).is_some() && unit.parse::<f64>().is_err());
+    cut.map_or(text, |(name, _)| name.trim_end()).to_lowercase()
+}
+
+fn range(text: &str, first: usize, last: usize, width: usize) -> Result<Vec<usize>> {
+    if first == 0 || last < first || last > width {
+        return Err(fault(text, format!("the log has columns 1 to {width}")));
+    }
+    Ok((first - 1..last).collect())
+}
+
+fn by_names(text: &str, headers: &[Header], targets: &Targets) -> Result<Option<Vec<usize>>> {
+    let column = |name: &String| {
+        let filled = text.replace("{name}", name);
+        let spelled = words(&filled);
+        let exact = one(&filled, headers, 0);
+        exact.or_else(|| headers.iter().find(|h| h.words == spelled).map(|h| h.index))
+    };
+    let found: Vec<Option<usize>> = targets.names.iter().map(column).collect();
+    if found.iter().all(Option::is_none) {
+        return Ok(None);
+    }
+    match found.iter().position(Option::is_none) {
+        Some(missing) => Err(fault(
+            text,
+            format!("there is no column `{}`", text.replace("{name}", &targets.names[missing])),
+        )),
+        None => Ok(found.into_iter().collect()),
+    }
+}
+
+/// Numbers from 0 where there is a 0, otherwise from 1; others are left.
+fn by_numbers(text: &str, headers: &[Header], count: usize) -> Result<Option<Vec<usize>>> {
+    let (before, after) = text.split_once("{}").unwrap_or((text, ""));
+    let (before, after) = (before.to_lowercase(), after.to_lowercase());
+    let number = |header: &str| {
+        let middle = header.strip_prefix(before.as_str())?.strip_suffix(after.as_str())?;
+        middle.parse::<u64>().ok()
+    };
+    let mut numbered: Vec<(u64, usize)> = headers
+        .iter()
+        .filter_map(|h| {
+            let full = h.text.trim().to_lowercase();
+            number(&full).or_else(|| number(&bare(&full))).map(|n| (n, h.index))
+        })
+        .collect();
+    numbered.sort_unstable();
+    let Some(first) = numbered.first().map(|n| n.0) else { return Ok(None) };
+    let base = if numbered.len() == count { first } else { u64::from(first != 0) };
+    let column =
+        |joint: usize| numbered.iter().find(|n| Some(n.0) == base.checked_add(joint as u64)).map(|n| n.1);
+    let found: Option<Vec<usize>> = (0..count).map(column).collect();
+    match found {
+        Some(columns) => Ok(Some(columns)),
+        None => {
+            let numbers: Vec<String> = numbered.iter().take(40).map(|n| n.0.to_string()).collect();
+            Err(fault(
+                text,
+                format!("the numbers are {}; {count} from {base} on are needed", numbers.join(", ")),
+            ))
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Logs of strangers as runs of a robot.
+
+use super::super::error::{IdentificationError, Result};
+use super::super::robot::Robot;
+use super::super::run::{Effort, Run};
+use super::FindingKind;
+use super::health;
+use super::mapping::{Mapping, RobotColumns, resolve};
+use super::options::ColumnOptions;
+use super::read::sha256;
+use super::runs::{Samples, split};
+use super::sheet::Sheet;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// What several logs hold of one robot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// Runs in the order of the files and rows.
+    pub runs: Vec<Run>,
+    /// What the runs' efforts are, the same in all logs.
+    pub effort: Effort,
+    /// What is suspicious in the logs, or was repaired.
+    pub findings: Vec<RunFinding>,
+    /// One sentence for each column that is used, then what was assumed.
+    pub mapping: Vec<String>,
+    /// Headers of columns that nothing uses.
+    pub unused: Vec<String>,
+    /// Path and SHA-256 of each log, in hexadecimal.
+    pub hashes: Vec<(String, String)>,
+}
+
+/// Something suspicious in a log, or something that was done to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunFinding {
+    /// The log's file; none for all of them.
+    pub file: Option<String>,
+    /// First and last row in the file, as an editor shows them; none where no row is meant.
+    pub rows: Option<(usize, usize)>,
+    /// Name of the joint or input; none for all of them.
+    pub joint: Option<String>,
+    /// Kind.
+    pub kind: FindingKind,
+    /// A sentence with the numbers.
+    pub message: String,
+}
+
+impl fmt::Display for RunFinding {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let rows = match self.rows {
+            Some((first, last)) if first == last => Some(format!("row {first}")),
+            Some((first, last)) => Some(format!("rows {first} to {last}")),
+            None => None,
+        };
+        let joint = self.joint.as_ref().map(|joint| format!("joint {joint}"));
+        let place: Vec<String> = [self.file.clone(), rows, joint].into_iter().flatten().collect();
+        let colon = if place.is_empty() { "" } else { ": " };
+        write!(f, "{}{colon}{}", place.join(", "), self.message)
+    }
+}
+
+/// Largest log that is read, in bytes: it stands in memory as a whole.
+const LARGEST: u64 = 8 << 30;
+
+/// Reads logs as runs of a robot.
+///
+/// Columns are found by their names or by the user's options ([`ColumnOptions`]); what is measured goes before what is
+/// commanded, names of joints before numbers, a message's own stamp before the time when it came. Times keep every
+/// digit of the file. A run ends where the run's number changes, where time goes back, and with the file. Rows without
+/// a time, a position or an effort are left out, samples with the time of the one before too; joints without limits
+/// whose positions jump by a turn are unwrapped. All of this is said in [`Recording::findings`].
+///
+/// # Errors
+/// Files that cannot be read or are no tables, columns that are missing or ambiguous, units that do not fit, logs
+/// without two complete rows, and logs whose efforts are of different kinds.
+pub fn runs(paths: &[PathBuf], robot: &dyn Robot, columns: &ColumnOptions) -> Result<Recording> {
+    if paths.is_empty() {
+        return Err(IdentificationError::Empty { what: "the list of logs".into() });
+    }
+    let mut recording: Option<Recording> = None;
+    for path in paths {
+        let one = read_file(path, robot, columns)?;
+        recording = Some(match recording {
+            None => one,
+            Some(before) => join(before, one)?,
+        });
+    }
+    let mut recording =
+        recording.ok_or_else(|| IdentificationError::Empty { what: "the list of logs".into() })?;
+    name_by_file(&mut recording, paths);
+    recording.findings.extend(health::findings(&recording.runs, robot));
+    Ok(recording)
+}
+
+/// As [`runs`], of text in memory.
+///
+/// - `source`: name for messages and of the runs
+///
+/// # Errors
+/// As [`runs`].
+pub fn runs_of(bytes: &[u8], source: &str, robot: &dyn Robot, columns: &ColumnOptions) -> Result<Recording> {
+    let mut recording = read_bytes(bytes, source, robot, columns)?;
+    recording.findings.extend(health::findings(&recording.runs, robot));
+    Ok(recording)
+}
+
+fn read_file(path: &Path, robot: &dyn Robot, columns: &ColumnOptions) -> Result<Recording> {
+    let place = path.display().to_string();
+    let fault =
+        |e: std::io::Error| IdentificationError::File { place: place.clone(), message: e.to_string() };
+    let size = std::fs::metadata(path).map_err(fault)?.len();
+    if size > LARGEST {
+        return Err(IdentificationError::File {
+            place,
+            message: format!("{size} bytes are more than a log may have ({LARGEST}): split it"),
+        });
+    }
+    let bytes = std::fs::read(path).map_err(fault)?;
+    read_bytes(&bytes, &place, robot, columns)
+}
+
+fn read_bytes(bytes: &[u8], source: &str, robot: &dyn Robot, options: &ColumnOptions) -> Result<Recording> {
+    let sheet = Sheet::new(bytes, options.separator, source)?;
+    let names = RobotColumns::new(robot);
+    let mapping = resolve(&sheet, &names, options, source)?;
+    let mut findings = Vec::new();
+    let samples = Samples::read(&sheet, &mapping, &names, source, &mut findings)?;
+    let runs = split(samples, &mapping, robot, source, &mut findings)?;
+    let Mapping { effort, sentences, unused, .. } = mapping;
+    Ok(Recording {
+        runs,
+        effort,
+        findings,
+        mapping: sentences,
+        unused,
+        hashes: vec![(source.into(), sha256(bytes))],
+    })
+}
+
+fn join(mut before: Recording, one: Recording) -> Result<Recording> {
+    if before.effort != one.effort {
+        return Err(IdentificationError::File {
+            place: one.hashes.first().map_or(String::new(), |h| h.0.clone()),
+            message: format!(
+                "its efforts are {}, those of the logs before it are {}: identify from one kind, or say with --columns \
+                 which columns are meant",
+                words(one.effort),
+                words(before.effort)
+            ),
+        });
+    }
+    if let Some((known, same)) = twice(&before, &one) {
+        return Err(IdentificationError::File {
+            place: same,
+            message: format!("it holds the same bytes as {known}: give a log once"),
+        });
+    }
+    before.runs.extend(one.runs);
+    before.findings.extend(one.findings);
+    before.hashes.extend(one.hashes);
+    let place = before.hashes.last().map_or(String::new(), |h| h.0.clone());
+    let new: Vec<String> =
+        one.mapping.into_iter().filter(|sentence| !before.mapping.contains(sentence)).collect();
+    before.mapping.extend(new.into_iter().map(|sentence| format!("{place}: {sentence}")));
+    let unused: Vec<String> = one.unused.into_iter().filter(|name| !before.unused.contains(name)).collect();
+    before.unused.extend(unused);
+    Ok(before)
+}
+
+/// Paths of a log that is there twice.
+fn twice(before: &Recording, one: &Recording) -> Option<(String, String)> {
+    let (path, hash) = one.hashes.first()?;
+    let known = before.hashes.iter().find(|(_, other)| other == hash)?;
+    Some((known.0.clone(), path.clone()))
+}
+
+fn words(effort: Effort) -> &'static str {
+    match effort {
+        Effort::Joint => "forces at the joints",
+        Effort::Input => "inputs",
+        Effort::Current => "currents",
+    }
+}
+
+/// Runs carry file names instead of paths, where these tell the files apart.
+fn name_by_file(recording: &mut Recording, paths: &[PathBuf]) {
+    let name = |path: &PathBuf| path.file_name().map(|n| n.to_string_lossy().into_owned());
+    let names: Vec<Option<String>> = paths.iter().map(name).collect();
+    let distinct = names.iter().enumerate().all(|(i, n)| n.is_some() && !names[..i].contains(n));
+    if !distinct {
+        return;
+    }
+    for (path, name) in paths.iter().zip(names.iter().flatten()) {
+        let place = path.display().to_string();
+        for run in &mut recording.runs {
+            if let Some(rest) =
+                run.name.strip_prefix(&place).filter(|rest| rest.is_empty() || rest.starts_with(", "))
+            {
+                run.name = format!("{name}{rest}");
+            }
+        }
+        for finding in recording.findings.iter_mut().filter(|f| f.file.as_ref() == Some(&place)) {
+            finding.file = Some(name.clone());
+        }
+    }
+}

@@ -1,0 +1,372 @@
+//! Rows of a log as samples, and samples as runs.
+
+use super::super::error::{IdentificationError, Result};
+use super::super::robot::Robot;
+use super::super::run::Run;
+use super::FindingKind;
+use super::mapping::{Mapping, RobotColumns, Source};
+use super::number::{Decimals, number};
+use super::recording::RunFinding;
+use super::sheet::{Sheet, shortened};
+use super::time::assumed_unit;
+
+/// Complete rows of a log.
+#[derive(Debug, Default)]
+pub(super) struct Samples {
+    /// In 10⁻¹² of the time column's unit.
+    times: Vec<i128>,
+    /// Row of each sample, as an editor shows it.
+    lines: Vec<usize>,
+    /// Number of each sample's run in `names`.
+    labels: Vec<usize>,
+    names: Vec<String>,
+    /// Positions, velocities (NaN where there is no column) and efforts, one column each.
+    values: Vec<Vec<f64>>,
+}
+
+/// Values of one column that are no finite numbers.
+#[derive(Debug, Default, Clone, PartialEq)]
+struct Gaps {
+    count: usize,
+    rows: Option<(usize, usize)>,
+    /// The first of them that is text.
+    text: Option<String>,
+    /// Rows that end before the column.
+    short: usize,
+    /// The column has a finite value.
+    alive: bool,
+}
+
+impl Gaps {
+    fn add(&mut self, line: usize, field: Option<&[u8]>) {
+        self.count += 1;
+        self.rows = Some((self.rows.map_or(line, |r| r.0), line));
+        match field {
+            None => self.short += 1,
+            Some(bytes) if self.text.is_none() && number(bytes, Decimals::Point).is_none() => {
+                let text = String::from_utf8_lossy(bytes);
+                let shown: String = text.trim().chars().take(40).collect();
+                self.text = Some(shown).filter(|shown| !shown.is_empty());
+            }
+            Some(_) => {}
+        }
+    }
+}
+
+impl Gaps {
+    fn finding(&self, columns: &str, place: &str) -> RunFinding {
+        let kind = if self.text.is_some() { FindingKind::NotANumber } else { FindingKind::Missing };
+        let text = self.text.as_ref().map_or(String::new(), |text| format!(", the first as `{text}`"));
+        let short = match self.short {
+            0 => String::new(),
+            n => format!(", {n} because the row ends before"),
+        };
+        let message = format!("{columns}: no finite number in {} rows{text}{short}", self.count);
+        file_finding(place, self.rows, kind, message)
+    }
+}
+
+impl Samples {
+    /// Reads the mapped columns; rows without time, a position or an effort are left out and said.
+    ///
+    /// # Errors
+    /// Columns without any number, or fewer than two complete rows.
+    pub(super) fn read(
+        sheet: &Sheet,
+        mapping: &Mapping,
+        robot: &RobotColumns,
+        source: &str,
+        findings: &mut Vec<RunFinding>,
+    ) -> Result<Self> {
+        let sources = sources(mapping);
+        let needed = |i: usize| i < mapping.positions.len() || i >= 2 * mapping.positions.len();
+        let mut samples = Self { values: vec![Vec::new(); sources.len()], ..Self::default() };
+        let mut gaps = vec![Gaps::default(); sources.len() + 1];
+        let mut row = vec![f64::NAN; sources.len()];
+        let mut total = 0;
+        sheet.rows(source, |line, record| {
+            total += 1;
+            let mut complete = true;
+            for (i, source) in sources.iter().enumerate() {
+                let Some(source) = source else { continue };
+                row[i] = value(record, source, sheet, line, &mut gaps[i]);
+                complete &= row[i].is_finite() || !needed(i);
+            }
+            let Some(time) = mapping.time.read(record, sheet.decimals) else {
+                gaps[sources.len()].add(line, record.get(mapping.time.column));
+                return Ok(());
+            };
+            if complete {
+                samples.push(time, line, mapping.run.and_then(|run| record.get(run)), &row);
+            }
+            Ok(())
+        })?;
+        require_alive(sheet, &sources, &gaps, source)?;
+        let kept = samples.lines.len();
+        findings.extend(gap_findings(sheet, mapping, &sources, &gaps, source, total - kept));
+        samples.require_some(robot, &gaps, total, source)?;
+        Ok(samples)
+    }
+
+    fn push(&mut self, time: i128, line: usize, label: Option<&[u8]>, row: &[f64]) {
+        self.times.push(time);
+        self.lines.push(line);
+        let label = label.map_or(String::new(), |l| String::from_utf8_lossy(l.trim_ascii()).into_owned());
+        // Runs stand one after another: the newest is looked at first.
+        let known = self.names.iter().rposition(|name| *name == label);
+        self.labels.push(known.unwrap_or_else(|| {
+            self.names.push(label);
+            self.names.len() - 1
+        }));
+        for (column, value) in self.values.iter_mut().zip(row) {
+            column.push(*value);
+        }
+    }
+
+    fn require_some(&self, robot: &RobotColumns, gaps: &[Gaps], total: usize, source: &str) -> Result<()> {
+        if self.lines.len() >= 2 {
+            return Ok(());
+        }
+        let fullest = gaps.iter().map(|g| total - g.count.min(total)).min().unwrap_or(0);
+        Err(IdentificationError::File {
+            place: source.into(),
+            message: format!(
+                "{} of {total} rows have time, {} positions and efforts together; the emptiest column has {fullest} \
+                 values. Where positions and efforts stand in different rows, export the topic that has both",
+                self.lines.len(),
+                robot.joints.names.len()
+            ),
+        })
+    }
+}
+
+/// The columns of a mapping in the order of [`Samples::values`].
+fn sources(mapping: &Mapping) -> Vec<Option<&Source>> {
+    let positions = mapping.positions.iter().map(Some);
+    let velocities = mapping.velocities.iter().map(Option::as_ref);
+    positions.chain(velocities).chain(mapping.efforts.iter().map(Some)).collect()
+}
+
+fn value(record: &csv::ByteRecord, source: &Source, sheet: &Sheet, line: usize, gaps: &mut Gaps) -> f64 {
+    let field = record.get(source.column);
+    let value = field.and_then(|f| number(f, sheet.decimals)).map_or(f64::NAN, |x| x * source.factor);
+    if value.is_finite() {
+        gaps.alive = true;
+    } else {
+        gaps.add(line, field);
+    }
+    value
+}
+
+fn label(sheet: &Sheet, column: usize) -> String {
+    sheet.headers.get(column).map_or_else(|| format!("column {}", column + 1), |h| format!("column `{h}`"))
+}
+
+fn require_alive(sheet: &Sheet, sources: &[Option<&Source>], gaps: &[Gaps], place: &str) -> Result<()> {
+    for (source, gaps) in sources.iter().zip(gaps) {
+        if let Some(source) = source
+            && !gaps.alive
+            && gaps.count > 0
+        {
+            let example =
+                gaps.text.as_ref().map_or(String::new(), |text| format!(" (its first value is `{text}`)"));
+            return Err(IdentificationError::File {
+                place: place.into(),
+                message: format!(
+                    "{} has no finite number{example}: name another one with --columns",
+                    label(sheet, source.column)
+                ),
+            });
+        }
+    }
+    Ok(())
+}
+
+fn gap_findings(
+    sheet: &Sheet,
+    mapping: &Mapping,
+    sources: &[Option<&Source>],
+    gaps: &[Gaps],
+    place: &str,
+    left_out: usize,
+) -> Vec<RunFinding> {
+    let columns = sources.iter().map(|s| s.map(|s| s.column)).chain([Some(mapping.time.column)]);
+    // Columns with the same gaps are one finding.
+    let mut alike: Vec<(Vec<String>, &Gaps)> = Vec::new();
+    for (column, gaps) in columns.zip(gaps).filter(|(_, gaps)| gaps.count > 0) {
+        let Some(column) = column else { continue };
+        match alike.iter_mut().find(|(_, known)| *known == gaps) {
+            Some((names, _)) => names.push(label(sheet, column)),
+            None => alike.push((vec![label(sheet, column)], gaps)),
+        }
+    }
+    let mut findings: Vec<RunFinding> =
+        alike.into_iter().map(|(names, gaps)| gaps.finding(&shortened(&names), place)).collect();
+    if left_out > 0 {
+        let message = format!("{left_out} rows are left out because they are not complete");
+        findings.push(file_finding(place, None, FindingKind::LeftOut, message));
+    }
+    findings
+}
+
+pub(super) fn file_finding(
+    place: &str,
+    rows: Option<(usize, usize)>,
+    kind: FindingKind,
+    message: String,
+) -> RunFinding {
+    RunFinding { file: Some(place.into()), rows, joint: None, kind, message }
+}
+
+/// Samples as runs: cut where the run's number changes and where time goes back, without repeated times.
+///
+/// # Errors
+/// No run of two samples.
+pub(super) fn split(
+    samples: Samples,
+    mapping: &Mapping,
+    robot: &dyn Robot,
+    source: &str,
+    findings: &mut Vec<RunFinding>,
+) -> Result<Vec<Run>> {
+    let (parts, step) = parts(&samples, source, findings);
+    let (unit, said) = match mapping.time.unit {
+        Some(unit) => (unit, None),
+        None => assumed_unit(step),
+    };
+    findings.extend(said.map(|message| file_finding(source, None, FindingKind::UnitAssumed, message)));
+    let clock = Clock::new(&samples.times, unit);
+    let short = parts.iter().filter(|p| p.len() < 2).count();
+    if short > 0 {
+        let message = format!("{short} runs of a single sample are left out");
+        findings.push(file_finding(source, None, FindingKind::LeftOut, message));
+    }
+    let kept: Vec<Vec<usize>> = parts.into_iter().filter(|p| p.len() > 1).collect();
+    if kept.is_empty() {
+        return Err(IdentificationError::File {
+            place: source.into(),
+            message:
+                "no two samples follow each other in time within a run: is the time column the right one?"
+                    .into(),
+        });
+    }
+    let names = names(&samples, &kept, source);
+    let mut runs: Vec<Run> =
+        kept.iter().zip(names).map(|(part, name)| samples.run(part, name, &clock, mapping)).collect();
+    for run in &mut runs {
+        findings.extend(super::health::unwrap_turns(run, robot, source));
+    }
+    Ok(runs)
+}
+
+/// Samples of each run, and the median step between them.
+fn parts(samples: &Samples, source: &str, findings: &mut Vec<RunFinding>) -> (Vec<Vec<usize>>, i128) {
+    let mut parts: Vec<Vec<usize>> = Vec::new();
+    let mut steps: Vec<i128> = Vec::new();
+    let (mut repeated, mut back) = (Tally::default(), Tally::default());
+    for i in 0..samples.times.len() {
+        let last = parts.last().and_then(|part| part.last()).copied();
+        let Some(last) = last.filter(|last| samples.labels[*last] == samples.labels[i]) else {
+            parts.push(vec![i]);
+            continue;
+        };
+        let step = samples.times[i].saturating_sub(samples.times[last]);
+        if step == 0 {
+            repeated.add(samples.lines[i]);
+            continue;
+        }
+        if step < 0 {
+            back.add(samples.lines[i]);
+            parts.push(vec![i]);
+            continue;
+        }
+        steps.push(step);
+        if let Some(part) = parts.last_mut() {
+            part.push(i);
+        }
+    }
+    findings.extend(repeated.finding(source, FindingKind::Repeated, |n| {
+        format!("{n} samples have the time of the one before and are left out")
+    }));
+    findings.extend(back.finding(source, FindingKind::NewRun, |n| {
+        format!("time goes back {n} times: a new run begins at each of these rows")
+    }));
+    let middle = steps.len() / 2;
+    let step = if steps.is_empty() { 0 } else { *steps.select_nth_unstable(middle).1 };
+    (parts, step)
+}
+
+#[derive(Default)]
+struct Tally {
+    count: usize,
+    rows: Option<(usize, usize)>,
+}
+
+impl Tally {
+    fn add(&mut self, row: usize) {
+        self.count += 1;
+        self.rows = Some((self.rows.map_or(row, |r| r.0), row));
+    }
+
+    fn finding(self, source: &str, kind: FindingKind, say: impl Fn(usize) -> String) -> Option<RunFinding> {
+        (self.count > 0).then(|| file_finding(source, self.rows, kind, say(self.count)))
+    }
+}
+
+/// From counts to seconds since the log's beginning, or since 0 where times are no epoch.
+struct Clock {
+    zero: i128,
+    per_second: f64,
+}
+
+/// Beyond, times are taken as counted from an epoch or from when a machine was started [s].
+const EPOCH: f64 = 1e6;
+
+impl Clock {
+    fn new(times: &[i128], unit: f64) -> Self {
+        // Powers of ten that are doubles: a quotient by them is the double that is nearest to the decimal.
+        let exact = [1e12, 1e15, 1e18, 1e21].into_iter().find(|p| (p * unit / 1e12 - 1.0).abs() < 1e-9);
+        let per_second = exact.unwrap_or(1e12 / unit);
+        let first = times.first().copied().unwrap_or(0);
+        let is_epoch = first as f64 / per_second > EPOCH;
+        Self { zero: if is_epoch { first } else { 0 }, per_second }
+    }
+
+    fn seconds(&self, time: i128) -> f64 {
+        time.saturating_sub(self.zero) as f64 / self.per_second
+    }
+}
+
+/// File and run, with a number where several have the same name.
+fn names(samples: &Samples, parts: &[Vec<usize>], source: &str) -> Vec<String> {
+    let labels: Vec<&str> = parts.iter().map(|p| samples.names[samples.labels[p[0]]].as_str()).collect();
+    let mut names = Vec::with_capacity(parts.len());
+    for (i, label) in labels.iter().enumerate() {
+        let same = labels.iter().filter(|l| *l == label).count();
+        let part = labels[..=i].iter().filter(|l| *l == label).count();
+        let run = if label.is_empty() { String::new() } else { format!(", run {label}") };
+        let part = if same > 1 { format!(", part {part}") } else { String::new() };
+        names.push(format!("{source}{run}{part}"));
+    }
+    names
+}
+
+impl Samples {
+    fn run(&self, part: &[usize], name: String, clock: &Clock, mapping: &Mapping) -> Run {
+        let n = mapping.positions.len();
+        let column = |i: usize| -> Vec<f64> { part.iter().map(|s| self.values[i][*s]).collect() };
+        let velocity = |joint: usize| {
+            let values = column(n + joint);
+            values.iter().all(|v| v.is_finite()).then_some(values)
+        };
+        Run {
+            name,
+            times: part.iter().map(|s| clock.seconds(self.times[*s])).collect(),
+            rows: part.iter().map(|s| self.lines[*s]).collect(),
+            positions: (0..n).map(column).collect(),
+            velocities: (0..n).map(velocity).collect(),
+            efforts: (2 * n..self.values.len()).map(column).collect(),
+            effort: mapping.effort,
+        }
+    }
+}

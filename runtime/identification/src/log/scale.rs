@@ -1,0 +1,106 @@
+//! Factors of columns to SI, by the unit that the user, the header or the row below it names.
+
+use super::super::error::{IdentificationError, Result};
+use super::mapping::{Finder, singular};
+use super::units::{self, Unit};
+use super::vocabulary::{Header, Kind};
+
+/// Factor of a column to SI, and what was taken as its unit, in words.
+///
+/// - `joint`: number of the joint or input
+/// - `told`: the unit that the user names
+///
+/// # Errors
+/// Units that are not known, or that are none of the quantity.
+pub(super) fn factor(
+    finder: &Finder,
+    column: usize,
+    kind: Kind,
+    joint: usize,
+    told: Option<Unit>,
+) -> Result<(f64, String)> {
+    let wanted = accepted(kind, finder.robot.units.get(joint).copied().unwrap_or("rad"));
+    let header = finder.headers.get(column);
+    let named = told.or_else(|| header.and_then(|h| h.unit));
+    if let Some(unit) = named {
+        return fitting(finder, column, kind, &wanted, unit);
+    }
+    if let Some(odd) = header.and_then(|h| h.odd.as_ref()).filter(|odd| looks_like_unit(odd)) {
+        return Err(finder.fault(format!(
+            "column {} is in `{odd}`, which is no known unit; name it with --columns '{}=…[UNIT]' (known are {}; a factor \
+             may precede, as in [0.0879 deg])",
+            finder.label(column),
+            singular(kind),
+            units::known_units()
+        )));
+    }
+    if let Some(unit) = header.and_then(|h| suffix(h, &wanted)) {
+        return fitting(finder, column, kind, &wanted, unit);
+    }
+    Ok((1.0, format!("in {} as its header names no unit", wanted[0])))
+}
+
+fn fitting(finder: &Finder, column: usize, kind: Kind, wanted: &[&str], unit: Unit) -> Result<(f64, String)> {
+    if wanted.contains(&unit.si) || unit.si == "1" {
+        let said = if unit.factor == 1.0 {
+            format!("in {}", unit.si)
+        } else {
+            format!("times {} in {}", unit.factor, unit.si)
+        };
+        return Ok((unit.factor, said));
+    }
+    Err(IdentificationError::File {
+        place: finder.source.into(),
+        message: format!(
+            "column {} is a {} in {}, but {} is expected here",
+            finder.label(column),
+            singular(kind),
+            unit.si,
+            wanted.join(" or ")
+        ),
+    })
+}
+
+/// SI units of a quantity; the first is assumed where none is named.
+fn accepted(kind: Kind, position: &'static str) -> Vec<&'static str> {
+    let linear = position == "m";
+    match kind {
+        Kind::Time => vec!["s"],
+        Kind::Position => vec![position],
+        Kind::Velocity if linear => vec!["m/s"],
+        Kind::Velocity => vec!["rad/s"],
+        Kind::Acceleration if linear => vec!["m/s^2"],
+        Kind::Acceleration => vec!["rad/s^2"],
+        Kind::Torque if linear => vec!["N"],
+        Kind::Torque => vec!["N*m"],
+        // A motor before a spindle has a torque, the joint behind it a force.
+        Kind::Input if linear => vec!["N", "N*m"],
+        Kind::Input => vec!["N*m"],
+        Kind::Current => vec!["A"],
+        Kind::Run | Kind::Name => vec!["1"],
+    }
+}
+
+/// Text in brackets that is meant as a unit: short, and no word that headers have elsewhere.
+fn looks_like_unit(text: &str) -> bool {
+    let words = super::vocabulary::words(text);
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    !super::vocabulary::is_known(&words)
+}
+
+/// A unit that ends the words: `q1_deg`, `vel_2_deg_s`.
+fn suffix(header: &Header, wanted: &[&str]) -> Option<Unit> {
+    let words: Vec<&str> =
+        header.words.iter().map(String::as_str).filter(|w| !super::vocabulary::is_number(w)).collect();
+    let tails = (1..=3.min(words.len().saturating_sub(1))).rev().map(|n| &words[words.len() - n..]);
+    let named = tails.filter_map(|tail| {
+        let parts: Vec<&str> = tail.iter().copied().filter(|w| *w != "per").collect();
+        units::find(&parts.join("/")).filter(|unit| wanted.contains(&unit.si))
+    });
+    named.into_iter().next()
+}
+
+/// The unit at the end of the words of a time column.
+pub(super) fn time_suffix(header: &Header) -> Option<Unit> {
+    suffix(header, &["s"])
+}

@@ -1,0 +1,334 @@
+//! A file of numbers as it comes: which bytes separate fields and decimals, which row is the header, where the
+//! numbers begin.
+
+use super::super::error::{IdentificationError, Result};
+use super::number::{Decimals, number};
+use super::units;
+use std::borrow::Cow;
+
+/// Text that has been understood as a table; its rows are read by [`Self::rows`].
+#[derive(Debug)]
+pub(super) struct Sheet<'a> {
+    /// Names of the columns, without their units' row; empty where the file has no header.
+    pub headers: Vec<String>,
+    /// Units of a row below the header, one for each column that has one.
+    pub units: Vec<Option<String>>,
+    /// Number of fields in a row of numbers.
+    pub width: usize,
+    /// What a field is separated by.
+    pub separator: u8,
+    /// How decimals are written.
+    pub decimals: Decimals,
+    /// Fields of the first row of numbers, for messages and for names that stand in the rows.
+    pub first: Vec<String>,
+    /// Fields of the first rows of numbers.
+    pub sample: Vec<Vec<String>>,
+    body: Cow<'a, [u8]>,
+    /// Line of the body's first row, counted from 1.
+    line: usize,
+}
+
+/// Lines that are looked at to understand a file.
+const SAMPLE: usize = 600;
+
+impl<'a> Sheet<'a> {
+    /// Understands the text of a file.
+    ///
+    /// - `separator`: of the fields, where it is known
+    /// - `source`: name for messages
+    ///
+    /// # Errors
+    /// Formats that are no text, no rows of numbers, or a header that does not fit to its rows.
+    pub(super) fn new(bytes: &'a [u8], separator: Option<char>, source: &str) -> Result<Self> {
+        let fault = |message: String| IdentificationError::File { place: source.into(), message };
+        refuse_binary(bytes).map_err(fault)?;
+        let text = unify_line_ends(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
+        let lines = sample(&text);
+        let separator = match separator {
+            Some(known) => u8::try_from(known)
+                .map_err(|_| fault(format!("{known:?} cannot separate fields: it is not ASCII")))?,
+            None => guess_separator(&lines).ok_or_else(|| fault(nothing(&lines)))?,
+        };
+        let body_of = |start: usize| match (separator, &text) {
+            (b' ', text) => Cow::Owned(collapse_blanks(&text[start..])),
+            (_, Cow::Borrowed(text)) => Cow::Borrowed(&text[start..]),
+            (_, Cow::Owned(text)) => Cow::Owned(text[start..].to_vec()),
+        };
+        let split: Vec<Vec<String>> = lines.iter().map(|l| fields(l.text, separator)).collect();
+        let data = first_data(&lines, &split).ok_or_else(|| fault(nothing(&lines)))?;
+        let (header, units) = header(&lines, &split, data);
+        let sheet = Self {
+            headers: header.map(|h| split[h].clone()).unwrap_or_default(),
+            units: units.map(|u| split[u].iter().map(|f| unit_field(f)).collect()).unwrap_or_default(),
+            width: split[data].len(),
+            separator: if separator == b' ' { b'\t' } else { separator },
+            decimals: decimals(&lines, &split, separator),
+            first: split[data].clone(),
+            sample: split[data..].iter().take(50).cloned().collect(),
+            body: body_of(lines[data].start),
+            line: lines[data].number,
+        };
+        sheet.require_alignment().map_err(fault)?;
+        Ok(sheet)
+    }
+
+    /// Calls `each` with line (counted from 1, as an editor does) and fields of every row of numbers.
+    ///
+    /// # Errors
+    /// What `each` returns; bytes that are no rows.
+    pub(super) fn rows(
+        &self,
+        source: &str,
+        mut each: impl FnMut(usize, &csv::ByteRecord) -> Result<()>,
+    ) -> Result<()> {
+        let mut csv = csv::ReaderBuilder::new()
+            .flexible(true)
+            .has_headers(false)
+            .delimiter(self.separator)
+            .from_reader(&*self.body);
+        let mut record = csv::ByteRecord::new();
+        let fault =
+            |e: csv::Error| IdentificationError::File { place: source.into(), message: e.to_string() };
+        while csv.read_byte_record(&mut record).map_err(fault)? {
+            let at = record.position().map_or(1, csv::Position::line);
+            let line = self.line.saturating_add(usize::try_from(at).unwrap_or(1)).saturating_sub(1);
+            let blank = record.iter().all(|field| field.trim_ascii().is_empty());
+            if !blank && !record.get(0).is_some_and(|field| comment(field).is_some()) {
+                each(line, &record)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A header with fewer names than the rows have fields would give columns the wrong names.
+    fn require_alignment(&self) -> std::result::Result<(), String> {
+        let filled = self.first.iter().rposition(|f| !f.is_empty()).map_or(0, |last| last + 1);
+        if self.headers.is_empty() || filled <= self.headers.len() {
+            return Ok(());
+        }
+        Err(format!(
+            "the header has {} names ({}), but row {} has {} fields: which column has which name is not known. Name \
+             every column in the header, or remove it and give the columns' numbers (`--columns 'time=1,position=2..7,…'`)",
+            self.headers.len(),
+            shortened(&self.headers),
+            self.line,
+            filled
+        ))
+    }
+}
+
+/// The first names of a list.
+pub(super) fn shortened(names: &[String]) -> String {
+    const SHOWN: usize = 40;
+    let shown: Vec<String> = names.iter().take(SHOWN).map(|n| n.chars().take(60).collect()).collect();
+    let more = names.len().saturating_sub(SHOWN);
+    let rest = if more > 0 { format!(", … ({more} more)") } else { String::new() };
+    format!("{}{rest}", shown.join(", "))
+}
+
+/// Formats that people have logs in, by their first bytes, and what to do.
+const BINARY: [(&[u8], &str); 10] = [
+    (b"\x1f\x8b", "a gzip file: unpack it (`gunzip FILE`)"),
+    (b"\x28\xb5\x2f\xfd", "a zstd file: unpack it (`zstd -d FILE`)"),
+    (b"PK\x03\x04", "a zip archive or an Excel or NumPy file: export its table as CSV"),
+    (
+        b"\x93NUMPY",
+        "a NumPy array: write it with `numpy.savetxt(…, delimiter=',', header='t,q1,…', comments='')`",
+    ),
+    (
+        b"#ROSBAG V2",
+        "a ROS 1 bag: export its JointState topic as CSV (PlotJuggler, or `rostopic echo -b FILE -p /joint_states`)",
+    ),
+    (b"SQLite format 3", "a ROS 2 bag: export its JointState topic as CSV (e.g. with PlotJuggler)"),
+    (b"\x89MCAP", "an MCAP file: export its JointState topic as CSV (e.g. with PlotJuggler)"),
+    (b"MATLAB 5.0", "a MATLAB file: write its table as CSV (`writetable`)"),
+    (b"\x89HDF", "an HDF5 or MATLAB 7.3 file: write its table as CSV"),
+    (b"PAR1", "a Parquet file: write its table as CSV"),
+];
+
+fn refuse_binary(bytes: &[u8]) -> std::result::Result<(), String> {
+    if let Some((_, what)) = BINARY.iter().find(|(magic, _)| bytes.starts_with(magic)) {
+        return Err(format!("this is {what}"));
+    }
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return Err("this is UTF-16: save it as UTF-8".into());
+    }
+    if bytes.trim_ascii().is_empty() {
+        return Err("the file is empty: there is nothing to identify from".into());
+    }
+    Ok(())
+}
+
+/// Lines that end with a carriage return alone get line feeds.
+fn unify_line_ends(bytes: &[u8]) -> Cow<'_, [u8]> {
+    if bytes.contains(&b'\n') || !bytes.contains(&b'\r') {
+        return Cow::Borrowed(bytes);
+    }
+    Cow::Owned(bytes.iter().map(|b| if *b == b'\r' { b'\n' } else { *b }).collect())
+}
+
+/// Blanks and tabs between fields become one tab, blanks at the ends of lines vanish.
+fn collapse_blanks(bytes: &[u8]) -> Vec<u8> {
+    let lines = bytes.split(|b| *b == b'\n').map(|line| {
+        let words: Vec<&[u8]> =
+            line.split(|b| b.is_ascii_whitespace()).filter(|word| !word.is_empty()).collect();
+        words.join(&b'\t')
+    });
+    lines.collect::<Vec<_>>().join(&b'\n')
+}
+
+/// A line that is not blank.
+struct Line<'t> {
+    /// Counted from 1.
+    number: usize,
+    /// Where it starts.
+    start: usize,
+    /// Without the signs that make it a comment.
+    text: &'t [u8],
+    is_comment: bool,
+}
+
+fn sample(text: &[u8]) -> Vec<Line<'_>> {
+    let mut start = 0;
+    let mut lines = Vec::new();
+    for (index, line) in text.split(|b| *b == b'\n').enumerate() {
+        let trimmed = line.strip_suffix(b"\r").unwrap_or(line);
+        if !trimmed.trim_ascii().is_empty() {
+            let inner = comment(trimmed);
+            lines.push(Line {
+                number: index + 1,
+                start,
+                text: inner.unwrap_or(trimmed),
+                is_comment: inner.is_some(),
+            });
+        }
+        if lines.len() >= SAMPLE {
+            break;
+        }
+        start += line.len() + 1;
+    }
+    lines
+}
+
+/// What follows the signs of a comment.
+fn comment(line: &[u8]) -> Option<&[u8]> {
+    let trimmed = line.trim_ascii_start();
+    let signs = [&b"#"[..], b"%", b"//"];
+    signs.iter().find_map(|sign| trimmed.strip_prefix(*sign))
+}
+
+/// Fields of a line, without blanks and quotation marks around them.
+fn fields(line: &[u8], separator: u8) -> Vec<String> {
+    if separator == b' ' {
+        let words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        return words.map(|word| String::from_utf8_lossy(word).into_owned()).collect();
+    }
+    let mut csv = csv::ReaderBuilder::new()
+        .flexible(true)
+        .has_headers(false)
+        .delimiter(separator)
+        .trim(csv::Trim::All)
+        .from_reader(trim_start_but(line, separator));
+    let mut record = csv::ByteRecord::new();
+    let _ = csv.read_byte_record(&mut record); // a line that is no record has no fields
+    let mut fields: Vec<String> = record.iter().map(|f| String::from_utf8_lossy(f).into_owned()).collect();
+    // A separator at the end of a line begins no field.
+    if fields.len() > 1 && fields.last().is_some_and(String::is_empty) {
+        fields.pop();
+    }
+    fields
+}
+
+/// Blanks before a quotation mark would make it part of the field.
+fn trim_start_but(line: &[u8], separator: u8) -> &[u8] {
+    let start = line.iter().position(|b| !b.is_ascii_whitespace() || *b == separator);
+    start.map_or(&[], |start| &line[start..])
+}
+
+/// How many fields there are, and how many of them are numbers.
+fn count(fields: &[String]) -> (usize, usize) {
+    let filled = fields.iter().filter(|f| !f.is_empty());
+    let numbers = filled.clone().filter(|f| {
+        let bytes = f.as_bytes();
+        number(bytes, Decimals::Point).or_else(|| number(bytes, Decimals::Comma)).is_some()
+    });
+    (filled.count(), numbers.count())
+}
+
+/// The separator that leaves the largest share of numbers in the sample's last lines, where numbers are.
+fn guess_separator(lines: &[Line]) -> Option<u8> {
+    let plain: Vec<&Line> = lines.iter().filter(|l| !l.is_comment).collect();
+    let last = &plain[plain.len().saturating_sub(50).max(plain.len() / 3)..];
+    let mut best = None;
+    for separator in [b';', b'\t', b',', b' '] {
+        let (mut all, mut numbers, mut wide) = (0, 0, 0);
+        for line in last {
+            let split = fields(line.text, separator);
+            wide += usize::from(split.len() > 1);
+            let (filled, numeric) = count(&split);
+            all += filled;
+            numbers += numeric;
+        }
+        let share = numbers as f64 / all.max(1) as f64;
+        let score = (share, numbers);
+        if 2 * wide > last.len() && share >= 0.25 && best.is_none_or(|(_, other)| score > other) {
+            best = Some((separator, score));
+        }
+    }
+    best.map(|(separator, _)| separator)
+}
+
+/// The first line of numbers: at least half of its fields are, and it is no shorter than half of what is usual.
+fn first_data(lines: &[Line], split: &[Vec<String>]) -> Option<usize> {
+    let is_row = |i: &usize| {
+        let (filled, numbers) = count(&split[*i]);
+        !lines[*i].is_comment && numbers > 0 && 2 * numbers >= filled
+    };
+    let mut widths: Vec<usize> = (0..lines.len()).filter(is_row).map(|i| split[i].len()).collect();
+    let middle = widths.len().checked_sub(1)? / 2;
+    let usual = *widths.select_nth_unstable(middle).1;
+    (0..lines.len()).find(|i| is_row(i) && 2 * split[*i].len() >= usual)
+}
+
+/// The lines of the names and of the units.
+fn header(lines: &[Line], split: &[Vec<String>], data: usize) -> (Option<usize>, Option<usize>) {
+    let width = split[data].len();
+    let is_wide = |i: &usize| {
+        split[*i].len() + 1 >= width && count(&split[*i]).1 == 0 || {
+            let (filled, numbers) = count(&split[*i]);
+            !lines[*i].is_comment && filled > 1 && 2 * numbers < filled
+        }
+    };
+    let mut before = (0..data).rev().filter(is_wide);
+    let Some(last) = before.next() else { return (None, None) };
+    let are_units = split[last].iter().all(|f| f.is_empty() || f == "-" || unit_field(f).is_some());
+    match before.next().filter(|h| are_units && split[*h].len() == split[last].len()) {
+        Some(names) => (Some(names), Some(last)),
+        None => (Some(last), None),
+    }
+}
+
+/// A unit in a row of units, which may stand in brackets.
+fn unit_field(field: &str) -> Option<String> {
+    let inner = field.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']);
+    units::find(inner).map(|_| inner.to_owned())
+}
+
+fn decimals(lines: &[Line], split: &[Vec<String>], separator: u8) -> Decimals {
+    let rows = lines.iter().zip(split).filter(|(line, _)| !line.is_comment);
+    let is_comma = |field: &String| {
+        number(field.as_bytes(), Decimals::Point).is_none()
+            && number(field.as_bytes(), Decimals::Comma).is_some()
+    };
+    let commas = separator != b',' && rows.flat_map(|(_, fields)| fields).any(is_comma);
+    if commas { Decimals::Comma } else { Decimals::Point }
+}
+
+fn nothing(lines: &[Line]) -> String {
+    let shown =
+        lines.first().map_or(String::new(), |l| String::from_utf8_lossy(l.text).chars().take(80).collect());
+    format!(
+        "no rows of numbers are found; the file begins with `{shown}`. Columns are separated by commas, semicolons, \
+         tabs or blanks (`--separator` names another one), below a header with their names"
+    )
+}

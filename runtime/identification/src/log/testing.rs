@@ -1,0 +1,62 @@
+//! A robot for tests of logs: names, limits, units and gears, without dynamics.
+
+use super::super::robot::{JointLimits, Robot};
+
+/// Joints with limits and drives, as a log needs them.
+pub(super) struct Fake {
+    pub joints: Vec<String>,
+    pub inputs: Vec<String>,
+    pub units: Vec<&'static str>,
+    pub limits: Vec<JointLimits>,
+    pub gear: f64,
+}
+
+impl Fake {
+    /// Rotary joints within ±3 rad, 4 rad/s and 100 N·m, with ideal drives.
+    pub(super) fn new(joints: &[&str]) -> Self {
+        let joints: Vec<String> = joints.iter().map(|j| (*j).to_owned()).collect();
+        Self {
+            inputs: joints.clone(),
+            units: vec!["rad"; joints.len()],
+            limits: vec![JointLimits { position: [-3.0, 3.0], velocity: 4.0, effort: 100.0 }; joints.len()],
+            gear: 1.0,
+            joints,
+        }
+    }
+
+    /// As many joints, with the names `joint_1`, …
+    pub(super) fn numbered(count: usize) -> Self {
+        let names: Vec<String> = (1..=count).map(|i| format!("joint_{i}")).collect();
+        Self::new(&names.iter().map(String::as_str).collect::<Vec<_>>())
+    }
+}
+
+impl Robot for Fake {
+    fn joint_names(&self) -> Vec<String> {
+        self.joints.clone()
+    }
+    fn input_names(&self) -> Vec<String> {
+        self.inputs.clone()
+    }
+    fn position_units(&self) -> Vec<&'static str> {
+        self.units.clone()
+    }
+    fn limits(&self) -> Vec<JointLimits> {
+        self.limits.clone()
+    }
+    fn parameter_names(&self) -> Vec<String> {
+        Vec::new()
+    }
+    fn parameters(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    fn bodies(&self) -> usize {
+        0
+    }
+    fn input_matrix(&self) -> Vec<f64> {
+        let (n, m) = (self.joints.len(), self.inputs.len());
+        (0..n * m).map(|i| if i / m == i % m { self.gear } else { 0.0 }).collect()
+    }
+    fn inertial_regressor(&self, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) {}
+    fn rigid_forces(&self, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) {}
+}

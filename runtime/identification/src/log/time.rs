@@ -1,0 +1,146 @@
+//! Times of strangers' logs: the column, its unit, and values without a lost digit.
+
+use super::super::error::Result;
+use super::families::{Targets, meaning_of};
+use super::mapping::Finder;
+use super::number::{Decimals, exact};
+use super::options::Named;
+use super::vocabulary::{Header, Kind};
+
+/// Where times stand.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct TimeColumn {
+    /// Times, or whole seconds.
+    pub column: usize,
+    /// Nanoseconds beside whole seconds.
+    pub nanoseconds: Option<usize>,
+    /// Seconds of its unit, where it is named.
+    pub unit: Option<f64>,
+    /// A sentence about the column.
+    pub said: String,
+}
+
+impl TimeColumn {
+    pub(super) fn columns(&self) -> Vec<usize> {
+        [Some(self.column), self.nanoseconds].into_iter().flatten().collect()
+    }
+
+    /// Time of a row in 10⁻¹² of its unit.
+    pub(super) fn read(&self, record: &csv::ByteRecord, decimals: Decimals) -> Option<i128> {
+        let whole = exact(record.get(self.column)?, decimals)?;
+        match self.nanoseconds {
+            None => Some(whole),
+            Some(column) => whole.checked_add(exact(record.get(column)?, decimals)? / 1_000_000_000),
+        }
+    }
+}
+
+/// Finds the time: by the user's pattern, otherwise a message's stamp before `t`, `time` and `timestamp`, and these
+/// before the time when a message came.
+///
+/// # Errors
+/// No column or several equally good ones.
+pub(super) fn find_time(finder: &Finder) -> Result<TimeColumn> {
+    if let Some(pattern) = finder.pattern(|n| n == Named::Time) {
+        let one = Targets::new(&["time".into()], &[]);
+        let chosen = pattern.resolve(finder.headers, finder.sheet.width, &one)?;
+        let column = chosen.columns[0];
+        let header = finder.headers.get(column);
+        let pair = header.and_then(|h| partner(h, finder.headers)).filter(|_| chosen.unit.is_none());
+        return Ok(time_column(finder, column, pair, chosen.unit.map(|u| u.factor)));
+    }
+    let mut found: Vec<(u8, &Header)> = finder
+        .headers
+        .iter()
+        .filter(|h| !is_nanoseconds(h) || whole_partner(h, finder.headers).is_none())
+        .filter_map(|h| meaning_of(h, &h.words).filter(|m| m.kind == Kind::Time).map(|m| (m.doubt, h)))
+        .collect();
+    found.sort_by_key(|(doubt, _)| *doubt);
+    let (still, moving): (Vec<_>, Vec<_>) = found.iter().copied().partition(|(_, h)| stands_still(finder, h));
+    let candidates = if moving.is_empty() { still } else { moving };
+    let Some((doubt, header)) = candidates.first() else {
+        return Err(finder.fault(format!(
+            "no column is known as the time. There are {}. Name it: --columns 'time=…[s]'",
+            super::sheet::shortened(&finder.sheet.headers)
+        )));
+    };
+    if let Some((_, other)) = candidates.get(1).filter(|(d, _)| d == doubt) {
+        return Err(finder.fault(format!(
+            "both `{}` and `{}` could be the time: --columns 'time={}' or 'time={}' settles it",
+            header.text, other.text, header.text, other.text
+        )));
+    }
+    Ok(time_column(finder, header.index, partner(header, finder.headers), None))
+}
+
+fn time_column(finder: &Finder, column: usize, pair: Option<usize>, told: Option<f64>) -> TimeColumn {
+    let header = finder.headers.get(column);
+    let named = header.and_then(|h| h.unit.filter(|u| u.si == "s").or_else(|| super::scale::time_suffix(h)));
+    let unit = told.or_else(|| named.map(|u| u.factor));
+    let said = match (pair, unit) {
+        (Some(nano), _) => {
+            format!("Columns {} and {} are the time, in s and ns.", finder.label(column), finder.label(nano))
+        }
+        (None, Some(unit)) => format!("Column {} is the time, times {unit} in s.", finder.label(column)),
+        (None, None) => format!("Column {} is the time.", finder.label(column)),
+    };
+    TimeColumn { column, nanoseconds: pair, unit: if pair.is_some() { Some(1.0) } else { unit }, said }
+}
+
+/// All sampled rows have the same time: a stamp that nobody set.
+fn stands_still(finder: &Finder, header: &Header) -> bool {
+    let mut values =
+        finder.sheet.sample.iter().filter_map(|row| row.get(header.index)).filter(|f| !f.is_empty());
+    let nano = partner(header, finder.headers);
+    let nanos: Vec<Option<&String>> =
+        finder.sheet.sample.iter().map(|row| nano.and_then(|n| row.get(n))).collect();
+    let first = values.next();
+    finder.sheet.sample.len() > 3
+        && values.all(|v| Some(v) == first)
+        && nanos.windows(2).all(|w| w[0] == w[1])
+}
+
+const SECONDS: [&str; 3] = ["sec", "secs", "seconds"];
+const NANOSECONDS: [&str; 6] = ["nsec", "nsecs", "nanosec", "nanosecs", "nanosecond", "nanoseconds"];
+
+fn is_nanoseconds(header: &Header) -> bool {
+    header.words.iter().any(|w| NANOSECONDS.contains(&w.as_str()))
+}
+
+/// The column of nanoseconds beside one of seconds.
+fn partner(header: &Header, headers: &[Header]) -> Option<usize> {
+    headers.iter().find(|other| are_pair(header, other)).map(|other| other.index)
+}
+
+fn whole_partner(header: &Header, headers: &[Header]) -> Option<usize> {
+    headers.iter().find(|other| are_pair(other, header)).map(|other| other.index)
+}
+
+fn are_pair(whole: &Header, nano: &Header) -> bool {
+    let fits = |(a, b): (&String, &String)| {
+        a == b || SECONDS.contains(&a.as_str()) && NANOSECONDS.contains(&b.as_str())
+    };
+    whole.words.len() == nano.words.len()
+        && is_nanoseconds(nano)
+        && !is_nanoseconds(whole)
+        && whole.words.iter().zip(&nano.words).all(fits)
+}
+
+/// Seconds of a unit that nobody names, by the usual step: robots are sampled between 5 Hz and 20 kHz.
+///
+/// - `step`: median step in 10⁻¹² of the unit
+/// - returns the factor, and a sentence where it is not 1
+pub(super) fn assumed_unit(step: i128) -> (f64, Option<String>) {
+    let steps = step as f64 / 1e12;
+    let (factor, name) = match steps {
+        s if s <= 0.2 => return (1.0, None),
+        s if s < 100.0 => (1e-3, "ms"),
+        s if s < 1e5 => (1e-6, "µs"),
+        _ => (1e-9, "ns"),
+    };
+    let said = format!(
+        "the time has no unit and steps by {steps}: taken as {name} ({:.6} Hz); --columns 'time=…[s]' says otherwise",
+        1.0 / (steps * factor)
+    );
+    (factor, Some(said))
+}
