@@ -5,6 +5,7 @@
 
 mod bodies;
 mod drives;
+pub mod page;
 mod robot;
 
 pub use bodies::{BodyValues, bodies};

@@ -15,6 +15,7 @@ pub mod estimation;
 pub mod excitation;
 pub mod expression;
 pub mod friction;
+pub mod identify;
 pub mod inertial;
 mod kernel;
 pub mod lasso;

@@ -1,5 +1,6 @@
 //! `gelenk identify`.
 
+mod logs;
 mod plan;
 
 use std::process::ExitCode;
@@ -14,7 +15,7 @@ use crate::model::{self, Loaded};
 pub(super) fn identify(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     match arguments.plan {
         true => plan::write(arguments, format),
-        false => Err(Failure::Problem("not yet".to_owned())),
+        false => logs::write(arguments, format),
     }
 }
 

@@ -1,0 +1,220 @@
+//! `gelenk identify` with logs.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use gelenk_identification::description::{Identified, write_identified};
+use gelenk_identification::friction::FrictionReport;
+use gelenk_identification::identify::{Identification, IdentificationSettings, identify};
+use gelenk_identification::log::ColumnOptions;
+use gelenk_identification::result::FrictionResult;
+use gelenk_identification::robot::Robot;
+use gelenk_identification::run::Effort;
+use serde_json::{Value, json};
+
+use super::super::Failure;
+use super::super::arguments::{EffortName, Format, Identify};
+use super::super::place::{Workspace, shown};
+use super::super::print;
+use crate::diagnostic::Diagnostics;
+use crate::dynamics::parameters::regressor::PER_LINK;
+use crate::identify::{BodyValues, IdentifiedDrive, InterpretedRobot, bodies, drives, page, rotors};
+use crate::model::Loaded;
+use crate::wording::quoted;
+
+/// Estimates, writes the description and the page.
+pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
+    let (loaded, robot) = super::read(arguments)?;
+    let output = output(arguments, &loaded)?;
+    let found = identify(&robot, &arguments.logs, &settings(arguments)?, &mut super::say)?;
+    let command = command(arguments);
+    describe(arguments, &robot, &found, &command, &output).map_err(|problems| match problems {
+        Problems::Description(problems) => Failure::Descriptions(vec![problems]),
+        Problems::Other(message) => Failure::Problem(message),
+    })?;
+    let name = &loaded.model.name;
+    let files = match &arguments.report {
+        Some(folder) => page::page(name, &robot, &found, &command).write(folder)?,
+        None => Vec::new(),
+    };
+    match format {
+        Format::Json => print::json(&as_json(&found, &output, &files)),
+        Format::Text => print::out(&as_text(&found, &output, &files)).map(|()| ExitCode::SUCCESS),
+    }
+}
+
+fn settings(arguments: &Identify) -> Result<IdentificationSettings, Failure> {
+    let effort = arguments.effort.map(|name| match name {
+        EffortName::Joint => Effort::Joint,
+        EffortName::Input => Effort::Input,
+        EffortName::Current => Effort::Current,
+    });
+    let mut settings = IdentificationSettings::new()?;
+    settings.columns = ColumnOptions { columns: arguments.columns.clone(), effort, ..settings.columns };
+    settings.estimation.gravity_compensated = arguments.gravity_compensated;
+    settings.estimation.accept_poor = arguments.accept_poor;
+    settings.accept_poor = arguments.accept_poor;
+    Ok(settings)
+}
+
+/// Where the description goes: nothing that was read is written over.
+fn output(arguments: &Identify, loaded: &Loaded) -> Result<PathBuf, Failure> {
+    let default = || PathBuf::from(format!("{}_identified.toml", loaded.model.name));
+    let output = arguments.output.clone().unwrap_or_else(default);
+    let read = loaded.files.iter().chain(&arguments.logs);
+    match read.into_iter().find(|file| gelenk_files::is_same_file(file, &output)) {
+        Some(_) => Err(Failure::Problem(format!("{} is read, and is not written over", output.display()))),
+        None => Ok(output),
+    }
+}
+
+/// The command for the file and the page: the same on every machine.
+fn command(arguments: &Identify) -> String {
+    let workspace = Workspace::find();
+    let files = std::iter::once(&arguments.description).chain(&arguments.logs);
+    let files = files.map(|file| quoted(&shown(file, workspace.as_ref())).to_string());
+    let columns = arguments.columns.iter().map(|patterns| format!("--columns '{patterns}'"));
+    let gravity = arguments.gravity_compensated.then(|| "--gravity-compensated".to_owned());
+    let poor = arguments.accept_poor.then(|| "--accept-poor".to_owned());
+    let words = std::iter::once("gelenk identify".to_owned()).chain(files).chain(columns).chain(gravity).chain(poor);
+    words.chain(arguments.reading.words()).collect::<Vec<_>>().join(" ")
+}
+
+/// Why a description cannot be written.
+enum Problems {
+    Description(Diagnostics),
+    Other(String),
+}
+
+impl<E: std::error::Error> From<E> for Problems {
+    fn from(error: E) -> Self {
+        Self::Other(error.to_string())
+    }
+}
+
+fn describe(
+    arguments: &Identify,
+    robot: &InterpretedRobot,
+    found: &Identification,
+    command: &str,
+    output: &Path,
+) -> Result<(), Problems> {
+    let values: Vec<f64> = found.estimate.parameters.iter().map(|parameter| parameter.value).collect();
+    let (links, others) = values.split_at(PER_LINK * robot.bodies());
+    let bodies = match found.estimate.consistent {
+        true => bodies(robot.model(), links).map_err(Problems::Description)?,
+        false => Vec::new(),
+    };
+    let bodies: Vec<String> = bodies.iter().map(BodyValues::toml).collect();
+    let identified = rotors(robot.model()).into_iter().zip(&found.estimate.joints).map(|(rotor, joint)| {
+        IdentifiedDrive {
+            rotor: rotor.map(|place| others[place]),
+            reflected: joint.armature.map(|inertia| inertia.value),
+            motor_constant: joint.gain.map(|gain| gain.value),
+        }
+    });
+    let identified: Vec<IdentifiedDrive> = identified.collect();
+    let friction: Vec<FrictionResult> = laws(found).map(|report| report.result.clone()).collect();
+    let provenance: Vec<String> = provenance(found, command);
+    let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    Ok(write_identified(
+        output,
+        &Identified {
+            name: &name,
+            extends: &relative(&arguments.description, output)?,
+            provenance: &provenance,
+            friction: &friction,
+            drives: &drives(robot.model(), &identified),
+            bodies: &bodies,
+        },
+    )?)
+}
+
+fn laws(found: &Identification) -> impl Iterator<Item = &FrictionReport> {
+    found.friction.iter().filter_map(|joint| joint.report.as_ref().ok())
+}
+
+/// Comments at the head of the description.
+fn provenance(found: &Identification, command: &str) -> Vec<String> {
+    let hashes = found.recording.hashes.iter().map(|(path, hash)| {
+        let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
+        format!("{name}: sha256 {hash}")
+    });
+    let fits = found.estimate.joints.iter().filter(|joint| joint.moves).map(|joint| {
+        format!(
+            "{}: R² {:.4} on held-out data, {:.4} in the fit, residual {:.3} {}",
+            joint.name, joint.held_out_r_squared, joint.r_squared, joint.sigma, joint.unit
+        )
+    });
+    let warnings = page::warnings(found).into_iter().map(|warning| format!("warning: {warning}"));
+    let choices = found.estimate.choices.iter().cloned();
+    std::iter::once(command.to_owned()).chain(hashes).chain(fits).chain(choices).chain(warnings).collect()
+}
+
+/// Path of the extended description from the folder of the output: relative where both lie in one folder,
+/// absolute elsewhere.
+fn relative(description: &Path, output: &Path) -> Result<String, std::io::Error> {
+    let description = description.canonicalize()?;
+    let folder = match output.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.canonicalize()?,
+        _ => std::env::current_dir()?.canonicalize()?,
+    };
+    let path = description.strip_prefix(&folder).unwrap_or(&description);
+    Ok(path.display().to_string())
+}
+
+fn as_text(found: &Identification, output: &Path, files: &[PathBuf]) -> String {
+    let recording = &found.recording;
+    let mut text = String::new();
+    recording.findings.iter().for_each(|finding| text.push_str(&format!("note: {finding}\n")));
+    found.preparation.notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
+    found.estimate.choices.iter().for_each(|choice| text.push_str(&format!("note: {choice}\n")));
+    page::warnings(found).iter().for_each(|warning| text.push_str(&format!("warning: {warning}\n")));
+    text.push('\n');
+    let head = ["joint", "R² held-out", "R² fit", "residual", "friction"].map(str::to_owned).to_vec();
+    let rows = found.estimate.joints.iter().enumerate().map(|(index, joint)| {
+        let number = |value: f64| if joint.moves { format!("{value:.4}") } else { "–".to_owned() };
+        vec![
+            joint.name.clone(),
+            number(joint.held_out_r_squared),
+            number(joint.r_squared),
+            format!("{:.3} {}", joint.sigma, joint.unit),
+            page::law(found, index),
+        ]
+    });
+    text.push_str(&print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
+    text.push_str(&format!("\nwrote {}\n", output.display()));
+    if let Some(page) = files.first() {
+        text.push_str(&format!("wrote {} and {} files of its numbers\n", page.display(), files.len() - 1));
+    }
+    text
+}
+
+fn as_json(found: &Identification, output: &Path, files: &[PathBuf]) -> Value {
+    let joints = found.estimate.joints.iter().enumerate().map(|(index, joint)| {
+        json!({
+            "name": joint.name,
+            "moves": joint.moves,
+            "r_squared_held_out": joint.held_out_r_squared,
+            "r_squared": joint.r_squared,
+            "residual": joint.sigma,
+            "unit": joint.unit,
+            "friction": page::law(found, index),
+        })
+    });
+    let parameters = found.estimate.parameters.iter();
+    let files = files.iter().map(|file| file.display().to_string());
+    json!({
+        "description": output.display().to_string(),
+        "files": files.collect::<Value>(),
+        "joints": joints.collect::<Value>(),
+        "inertial_parameters": parameters.map(|p| json!({
+            "value": p.value, "standard_error": p.standard_error, "interval": p.interval,
+        })).collect::<Value>(),
+        "mapping": found.recording.mapping,
+        "unused_columns": found.recording.unused,
+        "findings": found.recording.findings.iter().map(ToString::to_string).collect::<Value>(),
+        "choices": found.estimate.choices,
+        "warnings": page::warnings(found),
+    })
+}

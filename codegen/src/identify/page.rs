@@ -1,0 +1,257 @@
+//! The page of an identification.
+
+use gelenk_identification::estimation::Uncertain;
+use gelenk_identification::identify::{Identification, JointFriction};
+use gelenk_identification::robot::Robot;
+use gelenk_identification::run::PreparedRun;
+use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Table, plain, text};
+
+/// Most points of a curve; of longer ones every k-th is drawn.
+const MOST_POINTS: usize = 1500;
+/// Points of a friction curve.
+const CURVE: usize = 200;
+
+/// The page: friction curves, efforts measured and predicted, residuals, held-out errors, parameters, and what
+/// was done to the logs.
+///
+/// - `command`: that made the page
+#[must_use]
+pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str) -> Report {
+    let estimate = &found.estimate;
+    let samples: usize = found.runs.iter().map(|run| run.times.len()).sum();
+    let mut report = Report::new(format!("Identification of {name}"))
+        .lead(
+            "Efforts at the joints are $\\tau = W(y,\\dot y,\\ddot y)\\,\\pi + \\tau_F(\\dot y) + c$: inertial parameters $\\pi$, \
+             friction $\\tau_F$ and offsets $c$ in one weighted fit.",
+        )
+        .fact("joints", estimate.joints.len().to_string())
+        .fact("runs", found.runs.len().to_string())
+        .fact("samples", samples.to_string());
+    report.made_by = command.to_owned();
+    let units = robot.position_units();
+    let mut report = report.section(summary(found));
+    let warnings = warnings(found);
+    if !warnings.is_empty() {
+        let blocks = warnings.into_iter().map(plain);
+        report = report.section(Section::new("warnings", "Doubts").blocks(blocks));
+    }
+    report
+        .section(friction(found, &units))
+        .section(efforts(found))
+        .section(residuals(found, &units))
+        .section(parameters(robot, found))
+        .section(data(found))
+}
+
+/// Warnings of the estimate, and joints without a friction law.
+#[must_use]
+pub fn warnings(found: &Identification) -> Vec<String> {
+    let laws = found.friction.iter().filter_map(|joint| {
+        let reason = joint.report.as_ref().err()?;
+        Some(format!("joint {}: no friction law is written: {reason}", joint.name))
+    });
+    let doubts = found.friction.iter().filter_map(|joint| joint.report.as_ref().ok()).flat_map(|report| {
+        let result = &report.result;
+        result.warnings.iter().map(|doubt| format!("joint {}: {doubt}", result.joint))
+    });
+    let resting = found.estimate.joints.iter().filter(|joint| !joint.moves);
+    let resting = resting.map(|joint| format!("joint {} does not move: nothing of it is estimated", joint.name));
+    found.estimate.warnings.iter().cloned().chain(resting).chain(laws).chain(doubts).collect()
+}
+
+/// Law of a joint, or a dash.
+#[must_use]
+pub fn law(found: &Identification, joint: usize) -> String {
+    let of_joint = found.friction.iter().find(|friction| friction.joint == joint);
+    let report = of_joint.and_then(|friction| friction.report.as_ref().ok());
+    report.map_or_else(|| "–".to_owned(), |report| report.result.law.formula())
+}
+
+fn summary(found: &Identification) -> Section {
+    let mut table = Table::new(
+        "joints",
+        "Held-out: each contiguous fold of the data is predicted by the fit to the others. $R^2$ is centred.",
+    )
+    .column("joint", "joint", "")
+    .column("$R^2$ held-out", "r_squared_held_out", "")
+    .column("$R^2$ in the fit", "r_squared", "")
+    .column("residual $\\sigma$", "sigma", "")
+    .column("unit", "unit", "")
+    .column("friction", "friction", "");
+    for (index, joint) in found.estimate.joints.iter().enumerate() {
+        table = table.row([
+            Cell::text(joint.name.clone()),
+            if joint.moves { Cell::Rounded(joint.held_out_r_squared, 4) } else { Cell::Empty },
+            if joint.moves { Cell::Rounded(joint.r_squared, 4) } else { Cell::Empty },
+            Cell::Rounded(joint.sigma, 3),
+            Cell::text(joint.unit),
+            Cell::Code(law(found, index)),
+        ]);
+    }
+    let choices = found.estimate.choices.iter().cloned().map(plain);
+    Section::new("summary", "How well it fits").block(Block::Table(table)).blocks(choices)
+}
+
+fn friction(found: &Identification, units: &[&str]) -> Section {
+    let mut section = Section::new("friction", "Friction").block(text(
+        "Points: measured effort minus the rigid body's and the offset. Line: the law that is written.",
+    ));
+    for joint in &found.friction {
+        section = section.block(Block::Figure(friction_figure(joint, units[joint.joint])));
+    }
+    section
+}
+
+fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
+    let force = if unit == "m" { "N" } else { "N·m" };
+    let velocity = Axis::new("velocity", format!("{unit}/s"));
+    let law = joint.report.as_ref().ok();
+    let offsets = law.map_or(&[][..], |report| &report.result.offsets);
+    let offset = offsets.iter().map(|offset| offset.value).sum::<f64>() / offsets.len().max(1) as f64;
+    let points = joint.velocities.iter().zip(&joint.torques).map(|(v, torque)| [*v, torque - offset]);
+    let mut plot = Plot::new(joint.name.clone(), velocity, Axis::new("friction", force)).series(
+        "measured",
+        Marks::Points,
+        thinned(points.collect()),
+    );
+    let mut figure = Figure::new(format!("friction_{}", joint.joint + 1), "");
+    if let Some(report) = law {
+        let [low, high] = report.result.velocity_range;
+        let grid: Vec<f64> = (0..=CURVE).map(|i| low + (high - low) * i as f64 / CURVE as f64).collect();
+        if let Ok(torques) = report.result.law.torques(&grid) {
+            plot = plot.series("law", Marks::Line, grid.iter().zip(torques).map(|(v, t)| [*v, t]).collect());
+        }
+        figure = figure.plot(plot);
+        if !report.front.is_empty() {
+            let points = report.front.iter().map(|point| [point.terms as f64, point.error]).collect();
+            let front = Plot::new("Error by number of terms", Axis::new("terms", ""), Axis::new("held-out error", force));
+            figure = figure.plot(front.series("LASSO", Marks::Points, points));
+        }
+        return figure;
+    }
+    figure.plot(plot)
+}
+
+fn efforts(found: &Identification) -> Section {
+    let mut section = Section::new("efforts", "Efforts over time").block(text(
+        "Efforts at the joints, behind the gears, as measured and as the estimate predicts them; runs follow each other.",
+    ));
+    let times = times(&found.runs);
+    for (index, joint) in found.estimate.joints.iter().enumerate() {
+        let curve = |runs: &[Vec<Vec<f64>>]| {
+            let values = runs.iter().flat_map(|run| run[index].iter().copied().chain([f64::NAN]));
+            thinned(times.iter().copied().zip(values).map(|(t, value)| [t, value]).collect())
+        };
+        let plot = Plot::new(joint.name.clone(), Axis::new("time", "s"), Axis::new("effort", joint.unit))
+            .series("measured", Marks::Line, curve(&found.estimate.measured))
+            .series("predicted", Marks::Dashed, curve(&found.estimate.predicted));
+        section = section.block(Block::Figure(Figure::new(format!("effort_{}", index + 1), "").plot(plot)));
+    }
+    section
+}
+
+/// Times of all runs one after the other, a gap behind each.
+fn times(runs: &[PreparedRun]) -> Vec<f64> {
+    let mut times = Vec::new();
+    let mut start = 0.0;
+    for run in runs {
+        let first = run.times.first().copied().unwrap_or_default();
+        times.extend(run.times.iter().map(|t| start + t - first));
+        let end = times.last().copied().unwrap_or_default();
+        times.push(end);
+        start = end;
+    }
+    times
+}
+
+fn residuals(found: &Identification, units: &[&str]) -> Section {
+    let mut section = Section::new("residuals", "Residuals").block(text(
+        "Measured minus predicted effort. What is left should depend on nothing.",
+    ));
+    for (index, joint) in found.estimate.joints.iter().enumerate() {
+        let unit = units[index];
+        let over = |label: &str, axis: &str, signal: &dyn Fn(&PreparedRun) -> &[f64]| {
+            let points = found.runs.iter().enumerate().flat_map(|(run, prepared)| {
+                let measured = &found.estimate.measured[run][index];
+                let predicted = &found.estimate.predicted[run][index];
+                let error = measured.iter().zip(predicted).map(|(m, p)| m - p);
+                signal(prepared).iter().copied().zip(error).map(|(x, e)| [x, e]).collect::<Vec<_>>()
+            });
+            let y = Axis::new("residual", joint.unit);
+            Plot::new(joint.name.clone(), Axis::new(label, axis), y).series("", Marks::Points, thinned(points.collect()))
+        };
+        let figure = Figure::new(format!("residual_{}", index + 1), "")
+            .plot(over("time", "s", &|run| &run.times))
+            .plot(over("velocity", &format!("{unit}/s"), &|run| &run.velocities[index]))
+            .plot(over("position", unit, &|run| &run.positions[index]));
+        section = section.block(Block::Figure(figure));
+    }
+    section
+}
+
+fn parameters(robot: &dyn Robot, found: &Identification) -> Section {
+    let mut table = Table::new(
+        "parameters",
+        &format!(
+            "Described and estimated inertial parameters with {:.0} % intervals: what the data cannot tell stays near the \
+             description.",
+            100.0 * found.estimate.confidence
+        ),
+    )
+    .column("parameter", "parameter", "")
+    .column("described", "described", "")
+    .column("estimated", "estimated", "")
+    .column("lowest", "lowest", "")
+    .column("highest", "highest", "");
+    let described = robot.parameter_names().into_iter().zip(robot.parameters());
+    for ((name, described), Uncertain { value, interval, .. }) in described.zip(&found.estimate.parameters) {
+        let [low, high] = *interval;
+        let cells = [described, *value, low, high].map(|x| Cell::Rounded(x, 4));
+        table = table.row([Cell::Code(name)].into_iter().chain(cells));
+    }
+    Section::new("parameters", "Inertial parameters").block(Block::Table(table))
+}
+
+fn data(found: &Identification) -> Section {
+    let recording = &found.recording;
+    let hashes = recording.hashes.iter().map(|(path, hash)| plain(format!("{path}: sha256 {hash}")));
+    let mapping = recording.mapping.iter().cloned().map(plain);
+    let unused = (!recording.unused.is_empty())
+        .then(|| plain(format!("Columns that nothing uses: {}.", recording.unused.join(", "))));
+    let findings = recording.findings.iter().map(|finding| plain(finding.to_string()));
+    let notes = found.preparation.notes.iter().cloned().map(plain);
+    Section::new("data", "Data")
+        .blocks(hashes)
+        .blocks(mapping)
+        .blocks(unused)
+        .blocks(findings)
+        .blocks(notes)
+        .block(Block::Table(preparation(found)))
+}
+
+fn preparation(found: &Identification) -> Table {
+    let mut table = Table::new("preparation", "What was found in the signals, and the filter that all of them passed.")
+        .column("joint", "joint", "")
+        .column("noise of positions", "noise", "")
+        .column("resolution", "resolution", "")
+        .column("filter", "bandwidth", "Hz")
+        .column("delay of the effort", "delay", "ms")
+        .column("remark", "remark", "");
+    for joint in &found.preparation.joints {
+        table = table.row([
+            Cell::text(joint.name.clone()),
+            Cell::Rounded(joint.noise, 3),
+            Cell::Rounded(joint.resolution, 3),
+            Cell::Rounded(joint.bandwidth, 3),
+            Cell::Rounded(1e3 * joint.delay, 3),
+            Cell::text(joint.fault.clone().unwrap_or_default()),
+        ]);
+    }
+    table
+}
+
+/// Every k-th point.
+fn thinned(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let step = points.len().div_ceil(MOST_POINTS).max(1);
+    points.into_iter().step_by(step).collect()
+}

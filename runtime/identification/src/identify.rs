@@ -1,0 +1,209 @@
+//! From logs to an identified robot, in one call.
+
+use super::error::Result;
+use super::estimation::{Estimate, EstimationSettings, estimate};
+use super::friction::{FrictionData, FrictionIdentification, FrictionReport};
+use super::log::{ColumnOptions, Recording, runs};
+use super::preparation::{PreparationReport, PreparationSettings, prepare_all};
+use super::robot::{JointLimits, Robot};
+use super::run::PreparedRun;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// What may be decided about an identification; the defaults suit a log about which nothing is known.
+#[derive(Debug, Clone)]
+pub struct IdentificationSettings {
+    /// Which columns are what.
+    pub columns: ColumnOptions,
+    /// Grid, filter and delay.
+    pub preparation: PreparationSettings,
+    /// The common estimate of inertia, friction, offsets and gains.
+    pub estimation: EstimationSettings,
+    /// How the terms of the friction laws are chosen.
+    pub friction: FrictionIdentification,
+    /// Takes friction laws that would be refused; the reason becomes a warning.
+    pub accept_poor: bool,
+}
+
+impl IdentificationSettings {
+    /// The defaults.
+    ///
+    /// # Errors
+    /// None in fact: those of the default library of friction terms.
+    pub fn new() -> Result<Self> {
+        Ok(Self {
+            columns: ColumnOptions::default(),
+            preparation: PreparationSettings::default(),
+            estimation: EstimationSettings::default(),
+            friction: FrictionIdentification::new()?,
+            accept_poor: false,
+        })
+    }
+}
+
+/// What was found, and all that it was found from.
+#[derive(Debug, Clone)]
+pub struct Identification {
+    /// The logs.
+    pub recording: Recording,
+    /// What was done to their signals.
+    pub preparation: PreparationReport,
+    /// The signals that the estimate was made of.
+    pub runs: Vec<PreparedRun>,
+    /// Inertia, friction, offsets and gains.
+    pub estimate: Estimate,
+    /// Friction laws of the joints that moved.
+    pub friction: Vec<JointFriction>,
+}
+
+/// The friction of a joint.
+#[derive(Debug, Clone)]
+pub struct JointFriction {
+    /// Number of the joint.
+    pub joint: usize,
+    /// Name of the joint.
+    pub name: String,
+    /// ẏ at all samples of all runs.
+    pub velocities: Vec<f64>,
+    /// Measured forces without those of the rigid body: friction, offset and error.
+    pub torques: Vec<f64>,
+    /// The law, or why there is none.
+    pub report: std::result::Result<FrictionReport, String>,
+}
+
+/// Reads logs of a robot, prepares their signals, estimates, and chooses the terms of each joint's friction.
+///
+/// - `progress`: takes a sentence at each step
+///
+/// # Errors
+/// Logs that cannot be read or matched with the robot's joints, signals that are too short, and estimates that
+/// explain nothing. A joint whose friction has no law is no error, see [`JointFriction::report`].
+pub fn identify(
+    robot: &dyn Robot,
+    logs: &[PathBuf],
+    settings: &IdentificationSettings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Identification> {
+    progress("reading the logs");
+    let recording = runs(logs, robot, &settings.columns)?;
+    progress("smoothing");
+    let (prepared, preparation) = prepare_all(&recording.runs, Some(robot), &settings.preparation)?;
+    let estimate = estimate(robot, &prepared, &settings.estimation, progress)?;
+    progress("choosing the terms of friction");
+    let data = source(&recording);
+    let preparations = sentences(&preparation);
+    let moving = (0..estimate.joints.len()).filter(|joint| estimate.joints[*joint].moves);
+    let friction = moving.map(|joint| {
+        let samples = JointSamples::new(joint, &prepared, &estimate);
+        samples.friction(robot, settings, &data, &preparations)
+    });
+    let friction = friction.collect();
+    Ok(Identification { recording, preparation, runs: prepared, estimate, friction })
+}
+
+/// Logs with the first digits of their hashes.
+fn source(recording: &Recording) -> String {
+    let logs = recording.hashes.iter().map(|(path, hash)| {
+        let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
+        format!("{name} (sha256 {})", hash.get(..16).unwrap_or(hash))
+    });
+    logs.collect::<Vec<_>>().join(", ")
+}
+
+fn sentences(preparation: &PreparationReport) -> Vec<String> {
+    let bandwidth = preparation.joints.first().map(|joint| joint.bandwidth);
+    let filter = bandwidth.map(|hertz| {
+        format!(
+            "positions and efforts through one zero-phase filter of {hertz:.3} Hz, {:.4} Hz grid",
+            preparation.sample_rate
+        )
+    });
+    filter.into_iter().collect()
+}
+
+/// Columns of one joint over all runs.
+struct JointSamples<'a> {
+    joint: usize,
+    name: &'a str,
+    unit: &'a str,
+    runs: Vec<Range<usize>>,
+    positions: Vec<f64>,
+    velocities: Vec<f64>,
+    accelerations: Vec<f64>,
+    torques: Vec<f64>,
+}
+
+impl<'a> JointSamples<'a> {
+    fn new(joint: usize, prepared: &[PreparedRun], estimate: &'a Estimate) -> Self {
+        let mut samples = Self {
+            joint,
+            name: &estimate.joints[joint].name,
+            unit: estimate.joints[joint].unit,
+            runs: Vec::new(),
+            positions: Vec::new(),
+            velocities: Vec::new(),
+            accelerations: Vec::new(),
+            torques: Vec::new(),
+        };
+        for (run, torques) in prepared.iter().zip(&estimate.friction) {
+            samples.extend(run, &torques[joint]);
+        }
+        samples
+    }
+
+    /// Adds the samples of a run whose torque is known.
+    fn extend(&mut self, run: &PreparedRun, torques: &[f64]) {
+        let start = self.torques.len();
+        let known = (0..torques.len()).filter(|i| torques[*i].is_finite());
+        for i in known {
+            self.positions.push(run.positions[self.joint][i]);
+            self.velocities.push(run.velocities[self.joint][i]);
+            self.accelerations.push(run.accelerations[self.joint][i]);
+            self.torques.push(torques[i]);
+        }
+        if self.torques.len() > start {
+            self.runs.push(start..self.torques.len());
+        }
+    }
+
+    fn friction(
+        self,
+        robot: &dyn Robot,
+        settings: &IdentificationSettings,
+        data: &str,
+        preparations: &[String],
+    ) -> JointFriction {
+        let limits: Option<JointLimits> = robot.limits().get(self.joint).copied();
+        let report = settings.friction.identify(&FrictionData {
+            joint: self.name,
+            unit: self.unit,
+            velocity_unit: if self.unit == "N" { "m/s" } else { "rad/s" },
+            velocities: &self.velocities,
+            torques: &self.torques,
+            weights: None,
+            folds: None,
+            runs: Some(&self.runs),
+            positions: Some(&self.positions),
+            accelerations: Some(&self.accelerations),
+            limits,
+            data,
+            settings: preparations,
+        });
+        let report = report.map_err(|error| error.to_string()).and_then(|mut report| {
+            if settings.accept_poor {
+                report.result.accept();
+            }
+            match report.result.refusal.clone() {
+                Some(reason) => Err(reason),
+                None => Ok(report),
+            }
+        });
+        JointFriction {
+            joint: self.joint,
+            name: self.name.to_owned(),
+            velocities: self.velocities,
+            torques: self.torques,
+            report,
+        }
+    }
+}
