@@ -24,6 +24,7 @@ pub mod library;
 pub mod log;
 pub mod moments;
 pub mod plot;
+pub mod preparation;
 pub mod random;
 pub mod recursive;
 pub mod result;

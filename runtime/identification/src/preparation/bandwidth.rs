@@ -1,0 +1,113 @@
+//! The common bandwidth that the positions themselves ask for.
+
+use super::filter::gain;
+use super::spectrum::Spectrum;
+
+/// What is known of a joint's measured positions.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct PositionQuality {
+    /// Pooled spectrum of all runs.
+    pub spectrum: Spectrum,
+    /// White-noise density [unit²/Hz].
+    pub density: f64,
+    /// Standard deviation of the noise σ of a sample [unit].
+    pub noise: f64,
+    /// Whether the joint moves by more than its noise.
+    pub moves: bool,
+}
+
+/// Candidates: this many for each octave.
+const PER_OCTAVE: f64 = 6.0;
+
+/// Bandwidths whose error is within this share of the acceleration's power of the least error are equal; the
+/// widest of them is taken, which leaves the choice among them to the efforts.
+const TOLERANCE: f64 = 1e-3;
+
+/// Candidate bandwidths from `lowest` to `highest`.
+pub(super) fn candidates(lowest: f64, highest: f64, per_octave: f64) -> Vec<f64> {
+    let count = ((highest / lowest).log2() * per_octave).floor().max(0.0) as usize;
+    (0..=count).map(|k| highest * 2.0_f64.powf(-((count - k) as f64) / per_octave)).collect()
+}
+
+/// Mean square error of the filtered acceleration of a joint, relative to the acceleration's power: what is lost
+/// of the signal, and what stays of the noise.
+///
+/// `Σ (1 − H)² S / Σ S` and `Σ H² N / Σ S` over bands with the signal's power S and the noise's N, both as
+/// accelerations (times ω⁴).
+pub(super) fn relative_errors(quality: &PositionQuality, bandwidth: f64) -> [f64; 2] {
+    let (mut lost, mut left, mut all) = (0.0, 0.0, 0.0);
+    for (frequency, signal, noise) in quality.spectrum.accelerations(quality.density) {
+        let h = gain(bandwidth, frequency);
+        lost += (1.0 - h).powi(2) * signal;
+        left += h * h * noise;
+        all += signal;
+    }
+    if all > 0.0 { [lost / all, left / all] } else { [1.0, 1.0] }
+}
+
+/// Power of the noise in a filtered acceleration relative to the filtered acceleration's own.
+pub(super) fn noise_share(quality: &PositionQuality, bandwidth: f64) -> f64 {
+    let (mut left, mut passed) = (0.0, 0.0);
+    for (frequency, signal, noise) in quality.spectrum.accelerations(quality.density) {
+        let h = gain(bandwidth, frequency);
+        left += h * h * noise;
+        passed += h * h * signal;
+    }
+    left / (left + passed).max(f64::MIN_POSITIVE)
+}
+
+/// The widest bandwidth at which the mean of the moving joints' errors is within the tolerance of its least.
+///
+/// Errors of a joint count at most as much as its whole acceleration. Returns `None` if no joint moves.
+pub(super) fn from_positions(joints: &[&PositionQuality], lowest: f64, highest: f64) -> Option<f64> {
+    let moving: Vec<_> = joints.iter().filter(|q| q.moves).collect();
+    let mean = |f: &f64| {
+        moving.iter().map(|q| relative_errors(q, *f).iter().sum::<f64>().min(1.0)).sum::<f64>()
+            / moving.len() as f64
+    };
+    if moving.is_empty() {
+        return None;
+    }
+    let tried = candidates(lowest, highest, PER_OCTAVE);
+    let errors: Vec<f64> = tried.iter().map(mean).collect();
+    let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
+    errors.iter().rposition(|e| *e <= least + TOLERANCE).map(|k| tried[k])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::random::SplitMix64;
+    use super::*;
+    use std::f64::consts::PI;
+
+    fn quality(frequency: f64, sigma: f64, seed: u64) -> PositionQuality {
+        let mut random = SplitMix64::new(seed);
+        let w = 2.0 * PI * frequency;
+        let positions: Vec<f64> =
+            (0..20_000).map(|i| (w * 1e-3 * f64::from(i)).sin() + sigma * random.normal()).collect();
+        let mut spectrum = Spectrum::new();
+        spectrum.add(&positions, 1e-3);
+        let density = spectrum.floor(400.0);
+        PositionQuality { spectrum, density, noise: sigma, moves: true }
+    }
+
+    #[test]
+    fn motion_passes_and_noise_does_not() {
+        for (frequency, sigma) in [(0.3, 1e-5), (1.0, 1e-4), (3.0, 1e-3), (10.0, 1e-4)] {
+            let quality = quality(frequency, sigma, 8);
+            let bandwidth = from_positions(&[&quality], 0.2, 200.0).unwrap();
+            assert!(bandwidth > 1.3 * frequency, "{frequency} {bandwidth}");
+            assert!(relative_errors(&quality, bandwidth).iter().sum::<f64>() < 0.02);
+            assert!(noise_share(&quality, bandwidth) < 2e-3);
+        }
+    }
+
+    #[test]
+    fn the_fastest_joint_is_not_smoothed_away() {
+        let joints = [quality(0.3, 1e-5, 1), quality(5.0, 1e-5, 2)];
+        let bandwidth = from_positions(&[&joints[0], &joints[1]], 0.2, 200.0).unwrap();
+        assert!(bandwidth > 6.0, "{bandwidth}");
+        let rest = PositionQuality { moves: false, ..joints[1].clone() };
+        assert_eq!(from_positions(&[&rest], 0.2, 200.0), None);
+    }
+}

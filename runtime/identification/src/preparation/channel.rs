@@ -1,0 +1,191 @@
+//! One measured signal reduced to its informative samples: repeats, spikes, turns and gaps are told apart.
+
+use super::super::ensemble::quantile;
+use std::f64::consts::PI;
+
+/// The samples of a signal that carry information, at their own times.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Channel {
+    /// Times [s], increasing.
+    pub times: Vec<f64>,
+    /// Values at these times.
+    pub values: Vec<f64>,
+    /// Samples of the log for each one that is kept; 1 where each is new.
+    pub hold: f64,
+    /// Smallest change between two samples; the resolution where the signal is quantized.
+    pub resolution: f64,
+    /// Indices of samples that were left out as spikes.
+    pub spikes: Vec<usize>,
+    /// Number of whole turns that were taken out.
+    pub turns: usize,
+}
+
+/// Half-width of the windows in which motion is told from rest [samples].
+const WINDOW: usize = 8;
+
+impl Channel {
+    /// Informative samples of a signal; `position` also takes out turns by 2π.
+    pub fn new(times: &[f64], signal: &[f64], position: bool) -> Self {
+        let mut rows: Vec<usize> = (0..signal.len()).filter(|i| signal[*i].is_finite()).collect();
+        let mut values: Vec<f64> = rows.iter().map(|i| signal[*i]).collect();
+        let turns = if position { take_out_turns(&mut values) } else { 0 };
+        let spikes = if position { spikes(&values) } else { Vec::new() };
+        let spike_rows: Vec<usize> = spikes.iter().map(|k| rows[*k]).collect();
+        for k in spikes.iter().rev() {
+            rows.remove(*k);
+            values.remove(*k);
+        }
+        let resolution = smallest_change(&values);
+        let hold = hold(&values, resolution);
+        let kept = if hold > 1.2 { updates(&values, hold) } else { (0..values.len()).collect() };
+        let times: Vec<f64> = kept.iter().map(|k| times[rows[*k]]).collect();
+        let values: Vec<f64> = kept.iter().map(|k| values[*k]).collect();
+        Self { times, values, hold, resolution, spikes: spike_rows, turns }
+    }
+
+    /// Median time between informative samples [s]; 0 where there are fewer than two.
+    pub fn step(&self) -> f64 {
+        median_step(&self.times)
+    }
+
+    /// Changes by at least the resolution per second while the signal moves, which tells how white its
+    /// rounding error is.
+    pub fn change_rate(&self) -> f64 {
+        let moving = self.values.windows(2).filter(|w| w[0] != w[1]).count();
+        let windows = self.values.windows(2 * WINDOW + 1).step_by(WINDOW);
+        let (all, at_rest) = windows.fold((0_usize, 0_usize), |(all, rest), w| {
+            (all + 1, rest + usize::from(w.iter().all(|x| *x == w[0])))
+        });
+        let share = 1.0 - at_rest as f64 / all.max(1) as f64;
+        let duration = self.times.last().unwrap_or(&0.0) - self.times.first().unwrap_or(&0.0);
+        if share * duration > 0.0 { moving as f64 / (share * duration) } else { 0.0 }
+    }
+}
+
+/// Median of the steps of increasing times; 0 where there are fewer than two.
+pub(super) fn median_step(times: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = times.windows(2).map(|t| t[1] - t[0]).collect();
+    if steps.is_empty() {
+        return 0.0;
+    }
+    steps.sort_by(f64::total_cmp);
+    quantile(&steps, 0.5)
+}
+
+/// Adds or subtracts 2π after each jump by 2π between neighbours (within 0.5 rad); returns the number of jumps.
+///
+/// No joint turns by 5.8 rad or moves by 5.8 m between two samples, so nothing else is mistaken for a turn.
+fn take_out_turns(values: &mut [f64]) -> usize {
+    let (mut offset, mut turns) = (0.0, 0);
+    for i in 1..values.len() {
+        let jump = values[i] + offset - values[i - 1];
+        if (jump.abs() - 2.0 * PI).abs() < 0.5 {
+            offset -= 2.0 * PI * jump.signum();
+            turns += 1;
+        }
+        values[i] += offset;
+    }
+    turns
+}
+
+/// Samples that neither the cubic through their neighbours nor the median of five explains.
+///
+/// The cubic alone would also blame a spike's neighbours, the median alone the turning points of a motion. A spike
+/// stands above thirty times the noise, which is the rms of the cubic's error without its largest fiftieth.
+fn spikes(values: &[f64]) -> Vec<usize> {
+    let cubic = |w: &[f64]| (w[2] - (4.0 * (w[1] + w[3]) - w[0] - w[4]) / 6.0).abs();
+    let errors: Vec<f64> = values.windows(5).map(cubic).collect();
+    let mut sorted = errors.clone();
+    sorted.sort_by(f64::total_cmp);
+    let usual = &sorted[..sorted.len() - sorted.len().div_ceil(50)];
+    let rms = (usual.iter().map(|d| d * d).sum::<f64>() / usual.len().max(1) as f64).sqrt();
+    let bound = 30.0 * rms.max(smallest_change(values));
+    let windows = values.windows(5).zip(&errors).enumerate();
+    let stands_out = |w: &[f64], e: f64| from_median(w) > bound.max(0.5 * e) && e > bound;
+    windows.filter(|(_, (w, e))| stands_out(w, **e)).map(|(i, _)| i + 2).collect()
+}
+
+fn from_median(window: &[f64]) -> f64 {
+    let mut sorted = window.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    (window[2] - sorted[2]).abs()
+}
+
+/// The smallest difference of neighbours that is not zero; 0 for a constant.
+fn smallest_change(values: &[f64]) -> f64 {
+    let changes = values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0);
+    let smallest = changes.fold(f64::INFINITY, f64::min);
+    if smallest.is_finite() { smallest } else { 0.0 }
+}
+
+/// Samples per new value, counted where the signal changes by four times its resolution or more at a time.
+///
+/// A coarse signal repeats because it moves slowly, and its repeats are measurements; where changes span
+/// several steps of the resolution, a repeat only says that the driver had nothing new.
+fn hold(values: &[f64], resolution: f64) -> f64 {
+    let (mut samples, mut changes) = (0_usize, 0_usize);
+    for window in values.windows(2 * WINDOW + 1).step_by(WINDOW) {
+        let mut steps: Vec<f64> =
+            window.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0).collect();
+        steps.sort_by(f64::total_cmp);
+        if steps.len() >= 2 && quantile(&steps, 0.5) >= 4.0 * resolution {
+            samples += 2 * WINDOW;
+            changes += steps.len();
+        }
+    }
+    if changes == 0 { 1.0 } else { samples as f64 / changes as f64 }
+}
+
+/// Changed samples, and in stretches without change one for each `hold` samples, where the signal rests.
+fn updates(values: &[f64], hold: f64) -> Vec<usize> {
+    let mut kept: Vec<usize> = Vec::new();
+    for i in 0..values.len() {
+        let changed = i > 0 && values[i] != values[i - 1];
+        let due = kept.last().is_none_or(|last| (i - last) as f64 >= 1.5 * hold);
+        if changed || due {
+            kept.push(i);
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wave(samples: usize, step: f64) -> (Vec<f64>, Vec<f64>) {
+        let times: Vec<f64> = (0..samples).map(|i| step * i as f64).collect();
+        let signal = times.iter().map(|t| (2.0 * t).sin()).collect();
+        (times, signal)
+    }
+
+    #[test]
+    fn repeats_of_a_driver_are_dropped_and_those_of_an_encoder_kept() {
+        let (times, fine) = wave(4000, 1e-3);
+        let held: Vec<f64> = (0..4000).map(|i| fine[i - i % 4]).collect();
+        let channel = Channel::new(&times, &held, true);
+        assert!((channel.hold - 4.0).abs() < 0.2, "{}", channel.hold);
+        assert!((channel.step() - 4e-3).abs() < 1e-9 && channel.times.len() == 1000);
+        let coarse: Vec<f64> = fine.iter().map(|y| (y / 6e-3).round() * 6e-3).collect();
+        let channel = Channel::new(&times, &coarse, true);
+        assert_eq!((channel.hold, channel.times.len()), (1.0, 4000));
+        assert!((channel.resolution - 6e-3).abs() < 1e-9);
+    }
+
+    #[test]
+    fn turns_and_spikes_are_taken_out() {
+        let (times, mut signal) = wave(1000, 0.01);
+        let truth = signal.clone();
+        for y in &mut signal[300..600] {
+            *y -= 2.0 * PI;
+        }
+        signal[700] += 0.5;
+        signal[20] = f64::NAN;
+        let channel = Channel::new(&times, &signal, true);
+        assert_eq!((channel.turns, channel.spikes.as_slice(), channel.times.len()), (2, &[700][..], 998));
+        let error = |(t, y): (&f64, &f64)| (y - truth[(t / 0.01).round() as usize]).abs();
+        assert!(channel.times.iter().zip(&channel.values).all(|pair| error(pair) < 1e-12));
+        let none = Channel::new(&times, &truth, true);
+        assert!(none.spikes.is_empty() && none.turns == 0 && none.hold == 1.0);
+    }
+}

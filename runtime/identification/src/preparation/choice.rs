@@ -1,0 +1,450 @@
+//! The order of the preparation: channels, noise, bandwidth, delay, and the bandwidth that efforts confirm.
+
+use super::super::error::{IdentificationError, Result, require_length, require_samples, require_setting};
+use super::super::robot::Robot;
+use super::super::run::{Effort, PreparedRun, Run};
+use super::bandwidth::{PositionQuality, candidates, from_positions, noise_share};
+use super::channel::Channel;
+use super::delay::{DelayEstimate, Delays, estimate};
+use super::filter::Filter;
+use super::grid::{Piece, interpolate, pieces};
+use super::regression::{Columns, Problem, Sample, problems, spread};
+use super::signals::{Signals, Smoothed, Smoothing, smooth};
+use super::spectrum::Spectrum;
+use super::{Delay, JointPreparation, PreparationReport, PreparationSettings, VelocityCheck};
+use nalgebra::DVector;
+
+/// Log samples in a pause that is interpolated in any case.
+const SHORT_PAUSE: f64 = 3.5;
+
+/// Share of the bandwidth's period in a pause that is interpolated in any case.
+const SHORT_PERIOD: f64 = 0.2;
+
+/// Output samples for each period of the bandwidth.
+const OVERSAMPLING: f64 = 10.0;
+
+/// Share of all pieces' duration that has to be left after their ends are cut.
+const KEPT: f64 = 0.6;
+
+/// Highest bandwidth as a share of the rate at which the slowest channel has new samples.
+const HIGHEST: f64 = 0.2;
+
+/// Relative growth of what the motion leaves unexplained of the efforts that a lower bandwidth may cost.
+const LOSS: f64 = 0.02;
+
+/// Growth after which still lower bandwidths are not tried.
+const HOPELESS: f64 = 0.5;
+
+/// Least relative fall of the residual sum of squares by which a common delay counts, and one of an effort's own:
+/// errors of the model imitate delays, and then the fall is small although it is significant.
+const DROPS: [f64; 2] = [0.02, 0.1];
+
+/// Samples in the regressions that compare bandwidths.
+const SAMPLES: usize = 1500;
+
+/// Runs as signals, and what is known of them before a bandwidth is chosen.
+struct Recorded<'a> {
+    signals: Vec<Signals>,
+    robot: Option<&'a dyn Robot>,
+    settings: &'a PreparationSettings,
+    quality: Vec<PositionQuality>,
+    faults: Vec<Option<String>>,
+    step: f64,
+}
+
+/// As [`super::prepare_all`].
+pub(super) fn prepare_all(
+    runs: &[Run],
+    robot: Option<&dyn Robot>,
+    settings: &PreparationSettings,
+) -> Result<(Vec<PreparedRun>, PreparationReport)> {
+    check(runs, robot, settings)?;
+    let recorded = Recorded::new(runs, robot, settings);
+    let widest = recorded.widest()?;
+    let first = recorded.delays_at(widest)?;
+    let bandwidth = match (settings.bandwidth, robot) {
+        (None, Some(robot)) => {
+            recorded.confirmed(robot, widest, &removed(settings, &first, recorded.efforts()))?
+        }
+        _ => widest,
+    };
+    let found = if bandwidth == widest { first } else { recorded.delays_at(bandwidth)? };
+    let delays = removed(settings, &found, recorded.efforts());
+    let how = recorded.smoothing(bandwidth, delays.iter().map(|d| d.removed).collect());
+    let smoothed = recorded.smooth(&how)?;
+    if smoothed.is_empty() {
+        return Err(recorded.too_short(&how));
+    }
+    let report = recorded.report(&how, delays, &smoothed)?;
+    Ok((smoothed.into_iter().map(|s| s.run).collect(), report))
+}
+
+impl<'a> Recorded<'a> {
+    fn new(runs: &[Run], robot: Option<&'a dyn Robot>, settings: &'a PreparationSettings) -> Self {
+        let signals: Vec<Signals> = runs.iter().map(Signals::new).collect();
+        let mut steps: Vec<f64> = signals.iter().map(|s| s.step).filter(|h| *h > 0.0).collect();
+        steps.sort_by(f64::total_cmp);
+        let step = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
+        let mut recorded = Self { signals, robot, settings, quality: Vec::new(), faults: Vec::new(), step };
+        recorded.faults = (0..recorded.efforts()).map(|m| effort_fault(runs, m)).collect();
+        recorded.quality = (0..recorded.joints()).map(|j| recorded.quality_of(j)).collect();
+        recorded
+    }
+
+    fn joints(&self) -> usize {
+        self.signals[0].positions.len()
+    }
+
+    fn efforts(&self) -> usize {
+        self.signals[0].efforts.len()
+    }
+
+    /// Pieces of a run; `bandwidth` allows longer pauses where samples are dense.
+    fn pieces(&self, signals: &Signals, bandwidth: f64) -> Vec<Piece> {
+        let by_itself = (SHORT_PAUSE * signals.step).max(SHORT_PERIOD / bandwidth);
+        let efforts = signals.efforts.iter().zip(&self.faults).filter(|(_, f)| f.is_none()).map(|(c, _)| c);
+        let channels: Vec<&Channel> =
+            signals.positions.iter().chain(efforts).chain(signals.velocities.iter().flatten()).collect();
+        pieces(&channels, self.settings.largest_gap.unwrap_or(by_itself))
+    }
+
+    fn quality_of(&self, joint: usize) -> PositionQuality {
+        let mut spectrum = Spectrum::new();
+        let (mut rounding, mut noise_band, mut range) = (0.0_f64, f64::INFINITY, 0.0_f64);
+        for signals in &self.signals {
+            let channel = &signals.positions[joint];
+            let step = signals.step.max(1e-9);
+            for piece in self.pieces(signals, f64::INFINITY) {
+                spectrum.add(&interpolate(channel, &piece.grid(step)), step);
+            }
+            let half_rate = 0.5 / channel.step().max(step);
+            noise_band = noise_band.min(half_rate);
+            // A rounding error that changes seldom has its power at low frequencies.
+            let band = half_rate.min(channel.change_rate().max(1e-3));
+            rounding = rounding.max(channel.resolution.powi(2) / 12.0 / band);
+            let extremes = channel
+                .values
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(*y), b.max(*y)));
+            range = range.max(extremes.1 - extremes.0);
+        }
+        let density = spectrum.floor(0.7 * noise_band).max(rounding);
+        let noise = (density * noise_band).sqrt();
+        PositionQuality { spectrum, density, noise, moves: range > 10.0 * noise }
+    }
+
+    /// The lowest bandwidth that leaves enough of the pieces.
+    fn lowest(&self) -> f64 {
+        let durations: Vec<f64> =
+            self.signals.iter().flat_map(|s| self.pieces(s, f64::INFINITY)).map(|p| p.duration()).collect();
+        let all: f64 = durations.iter().sum();
+        let left = |f: f64| durations.iter().map(|d| (d - 2.0 / f).max(0.0)).sum::<f64>();
+        let mut bandwidth = 0.1;
+        while bandwidth < 1e4 && left(bandwidth) < KEPT * all {
+            bandwidth *= 1.05;
+        }
+        bandwidth
+    }
+
+    /// The highest bandwidth that the slowest channel's samples allow.
+    fn highest(&self) -> f64 {
+        let channels = self.signals.iter().flat_map(|s| s.positions.iter().chain(&s.efforts));
+        HIGHEST / channels.map(Channel::step).fold(self.step, f64::max)
+    }
+
+    /// The bandwidth by the setting, or by positions alone.
+    fn widest(&self) -> Result<f64> {
+        if let Some(given) = self.settings.bandwidth {
+            Filter::new(given, self.output_step(given))?;
+            return Ok(given);
+        }
+        let joints: Vec<&PositionQuality> = self.quality.iter().collect();
+        let (lowest, highest) = (self.lowest(), self.highest());
+        from_positions(&joints, lowest.min(highest), highest).ok_or_else(|| {
+            let samples = self.signals.iter().map(|s| s.times.len()).sum();
+            let what = "each joint's position (its noise aside)".to_string();
+            IdentificationError::Constant { what, value: self.signals[0].positions[0].values[0], samples }
+        })
+    }
+
+    fn output_step(&self, bandwidth: f64) -> f64 {
+        let rate = self.settings.rate.unwrap_or(OVERSAMPLING * bandwidth);
+        self.step * (1.0 / (self.step * rate)).floor().max(1.0)
+    }
+
+    fn smoothing(&self, bandwidth: f64, delays: Vec<f64>) -> Smoothing {
+        Smoothing {
+            bandwidth,
+            step: self.output_step(bandwidth),
+            cut: self.settings.cut.unwrap_or(1.0 / bandwidth),
+            delays,
+            faulty: self.faults.iter().map(Option::is_some).collect(),
+        }
+    }
+
+    fn smooth(&self, how: &Smoothing) -> Result<Vec<Smoothed>> {
+        let mut all = Vec::new();
+        for signals in &self.signals {
+            for piece in self.pieces(signals, how.bandwidth) {
+                all.extend(smooth(signals, &piece, how)?);
+            }
+        }
+        Ok(all)
+    }
+
+    fn delays_at(&self, bandwidth: f64) -> Result<Option<Delays>> {
+        let (None, Some(robot)) = (self.settings.delay, self.robot) else { return Ok(None) };
+        let how = self.smoothing(bandwidth, vec![0.0; self.efforts()]);
+        let smoothed = self.smooth(&how)?;
+        let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
+        Ok(estimate(&Columns::new(robot, &runs), &runs, how.step))
+    }
+
+    /// The lowest bandwidth at which the motion explains the efforts as well as at any other up to `widest`.
+    ///
+    /// What the positions show above their noise need not be motion of a rigid robot: gears vibrate. Efforts are
+    /// predicted on held-out blocks, as they were measured, so that bandwidths compare.
+    fn confirmed(&self, robot: &dyn Robot, widest: f64, delays: &[Delay]) -> Result<f64> {
+        let tried = candidates(self.lowest().min(widest), widest, 2.0);
+        let cut = self.settings.cut.unwrap_or(1.0 / tried[0]);
+        let (mut least, mut chosen) = (f64::INFINITY, widest);
+        for bandwidth in tried.iter().rev() {
+            let mut how = self.smoothing(*bandwidth, delays.iter().map(|d| d.removed).collect());
+            how.cut = cut;
+            let unexplained = self.unexplained(robot, &how)?;
+            least = least.min(unexplained);
+            if unexplained <= least + LOSS {
+                chosen = *bandwidth;
+            }
+            if unexplained > least + HOPELESS {
+                break;
+            }
+        }
+        Ok(chosen)
+    }
+
+    /// Mean over the efforts of the logarithm of 1 − R², each predicted on every second block from the others.
+    fn unexplained(&self, robot: &dyn Robot, how: &Smoothing) -> Result<f64> {
+        let smoothed = self.smooth(how)?;
+        let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
+        let samples = spread(&runs, SAMPLES, 0);
+        let problems = problems(&Columns::new(robot, &runs), &runs, &samples);
+        let score = |m: usize| {
+            let column = |of: &dyn Fn(&Smoothed) -> &Vec<f64>| {
+                DVector::from_iterator(samples.len(), samples.iter().map(|(r, i)| of(&smoothed[*r])[*i]))
+            };
+            let (target, measured) = (column(&|s| &s.run.efforts[m]), column(&|s| &s.measured[m]));
+            problems[m].as_ref().and_then(|p| held_out(p, &samples, &target, &measured))
+        };
+        let scores: Vec<f64> = (0..problems.len()).filter_map(score).collect();
+        Ok(if scores.is_empty() {
+            0.0
+        } else {
+            scores.iter().map(|s| s.max(1e-12).ln()).sum::<f64>() / scores.len() as f64
+        })
+    }
+
+    fn too_short(&self, how: &Smoothing) -> IdentificationError {
+        let longest = self.signals.iter().flat_map(|s| self.pieces(s, how.bandwidth));
+        let longest = longest.map(|p| p.duration()).fold(0.0, f64::max);
+        IdentificationError::TooFewSamples {
+            what: format!(
+                "a filter of {:.3} Hz with {:.3} s cut off at both ends (`PreparationSettings::cut`, `bandwidth`, `largest_gap`)",
+                how.bandwidth, how.cut
+            ),
+            needed: (2.0 * how.cut / self.step).ceil() as usize + 1,
+            got: (longest / self.step) as usize,
+        }
+    }
+
+    fn report(
+        &self,
+        how: &Smoothing,
+        delays: Vec<Delay>,
+        smoothed: &[Smoothed],
+    ) -> Result<PreparationReport> {
+        let filter = Filter::new(how.bandwidth, how.step)?;
+        let joints = (0..self.joints()).map(|j| self.joint(j, how, &delays, smoothed)).collect();
+        let notes = self.notes(how);
+        Ok(PreparationReport { joints, delays, filter, sample_rate: 1.0 / how.step, notes })
+    }
+
+    fn name(&self, joint: usize) -> String {
+        let names = self.robot.map(Robot::joint_names).unwrap_or_default();
+        names.get(joint).cloned().unwrap_or_else(|| format!("joint {}", joint + 1))
+    }
+
+    fn joint(&self, j: usize, how: &Smoothing, delays: &[Delay], smoothed: &[Smoothed]) -> JointPreparation {
+        let quality = &self.quality[j];
+        let channels = self.signals.iter().map(|s| &s.positions[j]);
+        let own = from_positions(&[quality], self.lowest(), self.highest());
+        JointPreparation {
+            name: self.name(j),
+            noise: quality.noise,
+            resolution: channels.clone().map(|c| c.resolution).fold(0.0, f64::max),
+            hold: channels.map(|c| c.hold).fold(1.0, f64::max),
+            moves: quality.moves,
+            bandwidth: how.bandwidth,
+            own_bandwidth: own,
+            acceleration_noise: noise_share(quality, how.bandwidth),
+            delay: delays.get(j).map_or(0.0, |d| d.removed),
+            sample_rate: 1.0 / how.step,
+            velocity: velocity_check(smoothed, j),
+            fault: self.faults.get(j).cloned().flatten(),
+        }
+    }
+
+    fn notes(&self, how: &Smoothing) -> Vec<String> {
+        let mut notes = Vec::new();
+        for signals in &self.signals {
+            let pieces = self.pieces(signals, how.bandwidth);
+            for pair in pieces.windows(2) {
+                notes.push(format!(
+                    "{} is split by the gap of {:.3} s after row {}",
+                    signals.name,
+                    pair[1].start - pair[0].end,
+                    signals.row(pair[0].end)
+                ));
+            }
+            for (j, channel) in signals.positions.iter().enumerate() {
+                if let Some(first) = channel.spikes.first() {
+                    notes.push(format!(
+                        "{}: {} spikes of the position of {} were left out, the first in row {}",
+                        signals.name,
+                        channel.spikes.len(),
+                        self.name(j),
+                        signals.rows[*first]
+                    ));
+                }
+                if channel.turns > 0 {
+                    notes.push(format!(
+                        "{}: {} jumps by a whole turn were taken out of the position of {}",
+                        signals.name,
+                        channel.turns,
+                        self.name(j)
+                    ));
+                }
+            }
+        }
+        notes
+    }
+}
+
+/// 1 − R² of measured efforts on every second of ten blocks, by coefficients from the others, both ways.
+fn held_out(
+    problem: &Problem,
+    samples: &[Sample],
+    target: &DVector<f64>,
+    measured: &DVector<f64>,
+) -> Option<f64> {
+    let block = |i: usize| 10 * i / samples.len();
+    let (mut residual, mean) = (0.0, measured.mean());
+    for side in 0..2 {
+        let (fit, test): (Vec<usize>, Vec<usize>) = (0..samples.len()).partition(|i| block(*i) % 2 == side);
+        let part = problem.part(&fit)?;
+        let coefficients = part.fit(&target.select_rows(&fit));
+        let predicted = problem.columns.select_rows(&test) * coefficients;
+        residual += (measured.select_rows(&test) - predicted).norm_squared();
+    }
+    let all = measured.add_scalar(-mean).norm_squared();
+    let unexplained = residual / all;
+    unexplained.is_finite().then(|| unexplained.min(1.0))
+}
+
+/// Delays that are removed: the given one, or those found where they are significant.
+fn removed(settings: &PreparationSettings, found: &Option<Delays>, efforts: usize) -> Vec<Delay> {
+    let none =
+        Delay { removed: settings.delay.unwrap_or(0.0), estimated: f64::NAN, error: f64::NAN, own: false };
+    let Some(found) = found else { return vec![none; efforts] };
+    let seen = found.common.value.abs() > 2.0 * found.common.error && found.common.drop > DROPS[0];
+    let common = if seen { found.common.value } else { 0.0 };
+    let of_effort = |own: &DelayEstimate| {
+        let differs = (own.value - common).abs() > 3.0 * own.error.hypot(found.common.error);
+        let differs = differs && own.drop > DROPS[1];
+        let removed = if differs { own.value } else { common };
+        Delay { removed, estimated: own.value, error: own.error, own: differs }
+    };
+    found.own.iter().map(of_effort).collect()
+}
+
+/// Why an effort cannot be used.
+fn effort_fault(runs: &[Run], m: usize) -> Option<String> {
+    let values = || runs.iter().flat_map(|r| r.efforts[m].iter().zip(&r.rows));
+    let finite = values().filter(|(u, _)| u.is_finite()).count();
+    let row = runs.first().and_then(|r| r.rows.first()).copied().unwrap_or(0);
+    if 2 * finite < values().count() {
+        let first = values().find(|(u, _)| !u.is_finite()).map_or(row, |(_, row)| *row);
+        return Some(format!("more than half of its efforts are missing, the first in row {first}"));
+    }
+    let mut all = values().filter(|(u, _)| u.is_finite()).map(|(u, _)| *u);
+    let first = all.next()?;
+    all.all(|u| u == first).then(|| format!("its effort is {first} in every row from row {row} on"))
+}
+
+fn velocity_check(smoothed: &[Smoothed], joint: usize) -> Option<VelocityCheck> {
+    let (mut vv, mut mv, mut mm) = (0.0, 0.0, 0.0);
+    for piece in smoothed {
+        let measured = piece.velocities[joint].as_ref()?;
+        for (m, v) in measured.iter().zip(&piece.run.velocities[joint]) {
+            vv += v * v;
+            mv += m * v;
+            mm += m * m;
+        }
+    }
+    let gain = mv / vv;
+    gain.is_finite()
+        .then(|| VelocityCheck { gain, r_squared: if mm > 0.0 { mv * mv / (vv * mm) } else { 0.0 } })
+}
+
+/// Shapes agree, times increase, and settings are in range.
+fn check(runs: &[Run], robot: Option<&dyn Robot>, settings: &PreparationSettings) -> Result<()> {
+    require_samples("the list of runs", 1, runs.len())?;
+    let settings = [
+        ("bandwidth", settings.bandwidth, false),
+        ("rate", settings.rate, false),
+        ("largest_gap", settings.largest_gap, false),
+        ("cut", settings.cut, true),
+    ];
+    for (name, value, zero) in settings {
+        let holds = value.is_none_or(|x| x > 0.0 || zero && x == 0.0);
+        require_setting(name, value.unwrap_or(0.0), holds, "it must be positive")?;
+    }
+    let (joints, efforts) = (runs[0].positions.len(), runs[0].efforts.len());
+    if let Some(robot) = robot {
+        require_length("joints of the log and the robot", robot.joint_names().len(), joints)?;
+        let expected = if runs[0].effort == Effort::Joint { joints } else { robot.input_names().len() };
+        require_length("efforts of the log and the robot", expected, efforts)?;
+    }
+    runs.iter().try_for_each(|run| check_run(run, joints, efforts))
+}
+
+fn check_run(run: &Run, joints: usize, efforts: usize) -> Result<()> {
+    let m = run.times.len();
+    require_samples(&format!("run {}", run.name), 16, m)?;
+    require_length(&format!("joints of run {}", run.name), joints, run.positions.len())?;
+    require_length(&format!("velocities of run {}", run.name), joints, run.velocities.len())?;
+    require_length(&format!("efforts of run {}", run.name), efforts, run.efforts.len())?;
+    require_length(&format!("rows of run {}", run.name), m, run.rows.len())?;
+    super::super::error::require_finite(&format!("the time of run {}", run.name), &run.times)?;
+    if let Some(i) = run.times.windows(2).position(|t| t[1] <= t[0]) {
+        return Err(IdentificationError::Time {
+            row: run.rows[i + 1],
+            before: run.times[i],
+            after: run.times[i + 1],
+        });
+    }
+    for (j, column) in run.positions.iter().enumerate() {
+        require_length(&format!("positions of joint {} in run {}", j + 1, run.name), m, column.len())?;
+        let finite = column.iter().filter(|y| y.is_finite()).count();
+        require_samples(
+            &format!("the measured position of joint {} in run {}", j + 1, run.name),
+            16,
+            finite,
+        )?;
+    }
+    let others = run.velocities.iter().flatten().chain(&run.efforts);
+    for column in others {
+        require_length(&format!("samples of run {}", run.name), m, column.len())?;
+    }
+    Ok(())
+}

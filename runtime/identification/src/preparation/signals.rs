@@ -1,0 +1,162 @@
+//! A run as channels of informative samples, and its pieces smoothed onto an even grid.
+
+use super::super::error::Result;
+use super::super::run::{Effort, PreparedRun, Run};
+use super::channel::{Channel, median_step};
+use super::filter::{continued, kernel};
+use super::grid::{Piece, interpolate};
+
+/// The channels of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Signals {
+    pub name: String,
+    pub times: Vec<f64>,
+    pub rows: Vec<usize>,
+    pub positions: Vec<Channel>,
+    pub velocities: Vec<Option<Channel>>,
+    pub efforts: Vec<Channel>,
+    pub effort: Effort,
+    /// Median step of the log [s].
+    pub step: f64,
+}
+
+impl Signals {
+    /// Channels of a run whose times increase.
+    pub fn new(run: &Run) -> Self {
+        let channel = |values: &Vec<f64>, position| Channel::new(&run.times, values, position);
+        Self {
+            name: run.name.clone(),
+            times: run.times.clone(),
+            rows: run.rows.clone(),
+            positions: run.positions.iter().map(|y| channel(y, true)).collect(),
+            velocities: run.velocities.iter().map(|v| v.as_ref().map(|v| channel(v, false))).collect(),
+            efforts: run.efforts.iter().map(|u| channel(u, false)).collect(),
+            effort: run.effort,
+            step: median_step(&run.times),
+        }
+    }
+
+    /// Row of the log nearest to a time.
+    pub fn row(&self, time: f64) -> usize {
+        let after = self.times.partition_point(|t| *t < time).min(self.times.len().saturating_sub(1));
+        let before = after.saturating_sub(1);
+        let nearer = if time - self.times[before] < self.times[after] - time { before } else { after };
+        self.rows[nearer]
+    }
+}
+
+/// How a piece is smoothed.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Smoothing {
+    /// Half-amplitude frequency [Hz].
+    pub bandwidth: f64,
+    /// Time between results [s].
+    pub step: f64,
+    /// What is cut off at either end of a piece [s].
+    pub cut: f64,
+    /// Delay of each effort [s].
+    pub delays: Vec<f64>,
+    /// Efforts that are not used: their columns hold NaN.
+    pub faulty: Vec<bool>,
+}
+
+/// A smoothed piece, and its efforts as they were measured, at the same times.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Smoothed {
+    pub run: PreparedRun,
+    pub measured: Vec<Vec<f64>>,
+    /// Measured velocities through the same filter, where there are any.
+    pub velocities: Vec<Option<Vec<f64>>>,
+}
+
+/// Results at every `ratio`-th sample of an even grid.
+struct Sampler {
+    grid: Vec<f64>,
+    step: f64,
+    ratio: usize,
+    first: usize,
+    count: usize,
+}
+
+/// A piece of a run, smoothed; `None` if nothing is left between its cut ends.
+pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Result<Option<Smoothed>> {
+    let Some(sampler) = Sampler::new(signals.step, piece, how) else { return Ok(None) };
+    let times: Vec<f64> = sampler.centres().map(|c| sampler.grid[c]).collect();
+    let through = |channel: &Channel, order: usize, shift: f64| -> Result<Vec<f64>> {
+        sampler.filter(&interpolate(channel, &sampler.grid), &kernel_at(&sampler, how, order, shift)?)
+    };
+    let all =
+        |order: usize| signals.positions.iter().map(|c| through(c, order, 0.0)).collect::<Result<Vec<_>>>();
+    let (mut efforts, mut measured) = (Vec::new(), Vec::new());
+    for (m, channel) in signals.efforts.iter().enumerate() {
+        if how.faulty[m] {
+            efforts.push(vec![f64::NAN; times.len()]);
+            measured.push(vec![f64::NAN; times.len()]);
+            continue;
+        }
+        efforts.push(sampler.delayed(channel, how, m)?);
+        let late: Vec<f64> = times.iter().map(|t| t + how.delays[m]).collect();
+        measured.push(interpolate(channel, &late));
+    }
+    let mut velocities = Vec::new();
+    for channel in &signals.velocities {
+        velocities.push(channel.as_ref().map(|c| through(c, 0, 0.0)).transpose()?);
+    }
+    let run = PreparedRun {
+        name: signals.name.clone(),
+        rows: times.iter().map(|t| signals.row(*t)).collect(),
+        positions: all(0)?,
+        velocities: all(1)?,
+        accelerations: all(2)?,
+        efforts,
+        effort: signals.effort,
+        times,
+    };
+    Ok(Some(Smoothed { run, measured, velocities }))
+}
+
+fn kernel_at(sampler: &Sampler, how: &Smoothing, order: usize, shift: f64) -> Result<Vec<f64>> {
+    kernel(how.bandwidth, sampler.step, order, shift)
+}
+
+impl Sampler {
+    fn new(log_step: f64, piece: &Piece, how: &Smoothing) -> Option<Self> {
+        let ratio = (how.step / log_step).round().max(1.0) as usize;
+        let step = how.step / ratio as f64;
+        let grid = piece.grid(step);
+        // Both the positions' and the efforts' windows have to lie within the piece.
+        let early = how.delays.iter().fold(0.0_f64, |a, d| a.min(*d));
+        let late = how.delays.iter().fold(0.0_f64, |a, d| a.max(*d));
+        let first = ((how.cut - early) / step).ceil() as usize;
+        let last = grid.len().checked_sub(1 + ((how.cut + late) / step).ceil() as usize)?;
+        let count = last.checked_sub(first)? / ratio + 1;
+        Some(Self { grid, step, ratio, first, count })
+    }
+
+    fn centres(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.count).map(|i| self.first + i * self.ratio)
+    }
+
+    fn filter(&self, signal: &[f64], taps: &[f64]) -> Result<Vec<f64>> {
+        Ok(self.centres().map(|c| weighted(signal, taps, c as isize)).collect())
+    }
+
+    /// Effort `m` at its delay: whole steps by the index, the rest by the kernel.
+    fn delayed(&self, channel: &Channel, how: &Smoothing, m: usize) -> Result<Vec<f64>> {
+        let steps = (how.delays[m] / self.step).round();
+        let taps = kernel_at(self, how, 0, how.delays[m] - steps * self.step)?;
+        let signal = interpolate(channel, &self.grid);
+        Ok(self.centres().map(|c| weighted(&signal, &taps, c as isize + steps as isize)).collect())
+    }
+}
+
+/// `Σ taps[k] · signal[centre + half − k]`.
+fn weighted(signal: &[f64], taps: &[f64], centre: isize) -> f64 {
+    let half = (taps.len() / 2) as isize;
+    let (first, last) = (centre - half, centre + half);
+    if first >= 0 && (last as usize) < signal.len() {
+        let window = &signal[first as usize..=last as usize];
+        return window.iter().zip(taps.iter().rev()).map(|(x, h)| x * h).sum();
+    }
+    (first..=last).zip(taps.iter().rev()).map(|(i, h)| h * continued(signal, i)).sum()
+}

@@ -1,0 +1,197 @@
+//! Power of positions over frequency, pooled over runs, and what in it is noise.
+
+use std::f64::consts::PI;
+
+/// Lower edge of the first band [Hz].
+const LOWEST: f64 = 0.02;
+
+/// Bands for each octave.
+const PER_OCTAVE: f64 = 6.0;
+
+/// Number of bands: up to 80 kHz.
+const BANDS: usize = 132;
+
+/// Measured power in bands of a sixth of an octave. Densities count one-sided frequencies.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Spectrum {
+    bands: Vec<Band>,
+}
+
+/// Sums over the bins of a band, weighted by the duration of their piece.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Band {
+    /// Number of bins.
+    bins: usize,
+    /// `Σ P Δf T` of positions.
+    position: f64,
+    /// `Σ ω⁴ P Δf T`, of accelerations.
+    acceleration: f64,
+    /// `Σ Δf T`, of a white position of density one.
+    white: f64,
+    /// `Σ ω⁴ Δf T`, of its acceleration.
+    white_acceleration: f64,
+}
+
+impl Spectrum {
+    /// No power yet.
+    pub fn new() -> Self {
+        Self { bands: vec![Band::default(); BANDS] }
+    }
+
+    /// Adds the periodogram of evenly sampled positions.
+    ///
+    /// Second differences are taken before the Hann taper: positions fall so steeply over frequency that
+    /// leakage from their slow part would otherwise cover the fast one.
+    pub fn add(&mut self, positions: &[f64], step: f64) {
+        let second: Vec<f64> = positions.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]).collect();
+        let m = second.len();
+        if m < 8 {
+            return;
+        }
+        let taper = |i: usize| 0.5 - 0.5 * (2.0 * PI * (i as f64 + 0.5) / m as f64).cos();
+        let length = m.next_power_of_two();
+        let mut re: Vec<f64> = second.iter().enumerate().map(|(i, a)| a * taper(i)).collect();
+        re.resize(length, 0.0);
+        let mut im = vec![0.0; length];
+        transform(&mut re, &mut im);
+        let (duration, bin) = (m as f64 * step, 1.0 / (length as f64 * step));
+        // Hann's taper has mean square 3/8.
+        let density = 2.0 * step / (0.375 * m as f64);
+        for k in 1..length / 2 {
+            let frequency = k as f64 * bin;
+            let difference = (2.0 * (PI * frequency * step).sin()).powi(4);
+            let power = density * (re[k] * re[k] + im[k] * im[k]) / difference;
+            self.bands[band(frequency)].add(frequency, power, bin * duration);
+        }
+    }
+
+    /// White-noise density of positions, as the lowest mean over half an octave at or below `highest` \[Hz\].
+    ///
+    /// Motion falls with frequency and noise does not, so the lowest place is an upper bound of the noise,
+    /// and the noise itself wherever the sampling leaves room above the motion. Half octaves with less than an
+    /// eighth of the bins of the fullest are left out: the least of many poor means would be too low. Returns 0
+    /// without data.
+    pub fn floor(&self, highest: f64) -> f64 {
+        let top = band(highest).min(BANDS - 1);
+        let sums = |bands: &[Band]| {
+            let sum = |of: &dyn Fn(&Band) -> f64| bands.iter().map(of).sum::<f64>();
+            (sum(&|b| b.bins as f64), sum(&|b| b.position) / sum(&|b| b.white))
+        };
+        let means: Vec<(f64, f64)> = self.bands[..top].windows(3).map(sums).collect();
+        let fullest = means.iter().map(|m| m.0).fold(0.0, f64::max);
+        let trusted = means.iter().filter(|m| m.0 >= (fullest / 8.0).max(1.0)).map(|m| m.1);
+        let lowest = trusted.fold(f64::INFINITY, f64::min);
+        if lowest.is_finite() { lowest } else { 0.0 }
+    }
+
+    /// `(centre frequency, signal, noise)` of each band: the power of accelerations without and of the noise
+    /// of density `noise`, as sums.
+    ///
+    /// A band holds signal where its power stands clearly above the noise: half as much again, and by four
+    /// standard errors of its mean. The rest would add up over the many bands of a fast log, times ω⁴.
+    pub fn accelerations(&self, noise: f64) -> Vec<(f64, f64, f64)> {
+        let used = self.bands.iter().enumerate().filter(|(_, band)| band.bins > 0);
+        used.map(|(k, band)| {
+            let noise = noise * band.white_acceleration;
+            let clear = noise * (1.5 + 4.0 / (band.bins as f64).sqrt());
+            let signal = if band.acceleration > clear { band.acceleration - noise } else { 0.0 };
+            (centre(k), signal, noise)
+        })
+        .collect()
+    }
+}
+
+impl Band {
+    fn add(&mut self, frequency: f64, power: f64, measure: f64) {
+        let fourth = (2.0 * PI * frequency).powi(4);
+        self.bins += 1;
+        self.position += power * measure;
+        self.acceleration += fourth * power * measure;
+        self.white += measure;
+        self.white_acceleration += fourth * measure;
+    }
+}
+
+fn band(frequency: f64) -> usize {
+    ((frequency / LOWEST).log2() * PER_OCTAVE).clamp(0.0, (BANDS - 1) as f64) as usize
+}
+
+fn centre(band: usize) -> f64 {
+    LOWEST * 2.0_f64.powf((band as f64 + 0.5) / PER_OCTAVE)
+}
+
+/// Discrete Fourier transform in place, by radix two (Cooley and Tukey 1965); the length is a power of two.
+fn transform(re: &mut [f64], im: &mut [f64]) {
+    let n = re.len();
+    reorder(re, im);
+    let mut size = 2;
+    while size <= n {
+        let half = size / 2;
+        let turn: Vec<(f64, f64)> =
+            (0..half).map(|k| (-2.0 * PI * k as f64 / size as f64).sin_cos()).collect();
+        for start in (0..n).step_by(size) {
+            for (k, (s, c)) in turn.iter().enumerate() {
+                let (a, b) = (start + k, start + k + half);
+                let (x, y) = (re[b] * c - im[b] * s, re[b] * s + im[b] * c);
+                (re[b], im[b]) = (re[a] - x, im[a] - y);
+                (re[a], im[a]) = (re[a] + x, im[a] + y);
+            }
+        }
+        size *= 2;
+    }
+}
+
+/// Swaps each entry with that of the reversed index.
+fn reorder(re: &mut [f64], im: &mut [f64]) {
+    let n = re.len();
+    let mut j = 0;
+    for i in 1..n {
+        let mut bit = n / 2;
+        while j & bit != 0 {
+            j ^= bit;
+            bit /= 2;
+        }
+        j |= bit;
+        if i < j {
+            re.swap(i, j);
+            im.swap(i, j);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::random::SplitMix64;
+    use super::*;
+
+    #[test]
+    fn the_transform_agrees_with_its_definition() {
+        let signal: Vec<f64> = (0..16).map(|i| f64::from(i * i % 7)).collect();
+        let (mut re, mut im) = (signal.clone(), vec![0.0; 16]);
+        transform(&mut re, &mut im);
+        for k in 0..16 {
+            let angle = |i: usize| -2.0 * PI * (i * k) as f64 / 16.0;
+            let c: f64 = signal.iter().enumerate().map(|(i, x)| x * angle(i).cos()).sum();
+            let s: f64 = signal.iter().enumerate().map(|(i, x)| x * angle(i).sin()).sum();
+            assert!((re[k] - c).abs() < 1e-12 && (im[k] - s).abs() < 1e-12, "{k}");
+        }
+    }
+
+    #[test]
+    fn noise_under_a_motion_and_the_motions_acceleration_are_found() {
+        let (step, sigma) = (0.002, 1e-4);
+        let mut random = SplitMix64::new(5);
+        let w = 2.0 * PI;
+        let positions: Vec<f64> =
+            (0..10_000).map(|i| (w * step * f64::from(i)).sin() + sigma * random.normal()).collect();
+        let mut spectrum = Spectrum::new();
+        spectrum.add(&positions, step);
+        // White noise of variance σ² over 250 Hz.
+        let noise = spectrum.floor(200.0);
+        assert!((noise / (sigma * sigma / 250.0) - 1.0).abs() < 0.2, "{noise}");
+        let energy: f64 =
+            spectrum.accelerations(noise).iter().filter(|band| band.0 < 5.0).map(|band| band.1).sum();
+        assert!((energy / 20.0 / (0.5 * w.powi(4)) - 1.0).abs() < 0.05, "{energy}");
+        assert_eq!(Spectrum::new().floor(100.0), 0.0);
+    }
+}
