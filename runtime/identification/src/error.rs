@@ -159,6 +159,16 @@ pub enum IdentificationError {
         /// The numbers at the end.
         detail: String,
     },
+    /// A friction law that is not to be written.
+    #[error(
+        "the friction of {joint} is not written: {reason}. `FrictionResult::accept` takes it nevertheless"
+    )]
+    Refused {
+        /// Name of the joint.
+        joint: String,
+        /// Why.
+        reason: String,
+    },
 }
 
 /// Result of an identification step.
