@@ -17,7 +17,6 @@ use gelenk_identification::friction::{
     FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice,
 };
 use gelenk_identification::lasso::Lasso;
-use gelenk_identification::library::Library;
 use gelenk_identification::log::{Differentiation, Log, LogSchema};
 use gelenk_identification::plot::{friction_plot, pareto_plot, residual_plot};
 use gelenk_identification::random::SplitMix64;
@@ -63,9 +62,8 @@ fn run() -> Outcome<()> {
     for report in &reports {
         println!("\n{}", report.result.table());
         if let Some(validation) = &report.validation {
-            let names = Library::friction()?.terms().to_vec();
             let choices = [validation.minimum, validation.one_standard_error];
-            println!("{}", pareto_table(&report.front, &names, report.result.samples, choices));
+            println!("{}", pareto_table(&report.front, &report.terms, report.result.samples, choices));
         }
         write_plots(report, &log, &folder)?;
     }
@@ -106,10 +104,11 @@ fn identify(log: &mut Log, draws: usize) -> Outcome<Vec<FrictionReport>> {
             velocity_unit: "rad/s",
             velocities: &columns.velocities[joint],
             torques: &torques[joint],
-            weights: None,
-            folds: None,
+            positions: Some(&columns.positions[joint]),
+            accelerations: Some(&columns.accelerations[joint]),
             data: &data,
             settings: &preparation,
+            ..FrictionData::default()
         })
     };
     Ok(vec![one(0)?, one(1)?])

@@ -59,10 +59,8 @@ fn identify(
         velocity_unit: "rad/s",
         velocities,
         torques,
-        weights: None,
-        folds: None,
         data: "by hand",
-        settings: &[],
+        ..FrictionData::default()
     })
 }
 

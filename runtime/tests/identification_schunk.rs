@@ -125,10 +125,9 @@ fn identify(log: &Log, groups: &[Vec<u32>]) -> Result<[FrictionLaw; 6]> {
             velocity_unit: "rad/s",
             velocities: &friction.velocities[joint],
             torques: &friction.torques[joint],
-            weights: None,
             folds: Some(&friction.groups),
             data: log.hash(),
-            settings: &[],
+            ..FrictionData::default()
         })?;
         println!("joint {}: {}", joint + 1, report.result.law.formula());
         laws.push(report.result.law);

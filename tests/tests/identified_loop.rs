@@ -68,10 +68,8 @@ fn identified() -> [FrictionResult; 2] {
             velocity_unit: "rad/s",
             velocities: &columns.velocities[joint],
             torques: &torques[joint],
-            weights: None,
-            folds: None,
             data: log.hash(),
-            settings: &[],
+            ..FrictionData::default()
         };
         joint += 1;
         settings.identify(&data).expect("a friction law").result

@@ -55,7 +55,8 @@ pub fn warnings(found: &Identification) -> Vec<String> {
         result.warnings.iter().map(|doubt| format!("joint {}: {doubt}", result.joint))
     });
     let resting = found.estimate.joints.iter().filter(|joint| !joint.moves);
-    let resting = resting.map(|joint| format!("joint {} does not move: nothing of it is estimated", joint.name));
+    let resting =
+        resting.map(|joint| format!("joint {} does not move: nothing of it is estimated", joint.name));
     found.estimate.warnings.iter().cloned().chain(resting).chain(laws).chain(doubts).collect()
 }
 
@@ -123,8 +124,16 @@ fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
         }
         figure = figure.plot(plot);
         if !report.front.is_empty() {
-            let points = report.front.iter().map(|point| [point.terms as f64, point.error]).collect();
-            let front = Plot::new("Error by number of terms", Axis::new("terms", ""), Axis::new("held-out error", force));
+            let points = report
+                .front
+                .iter()
+                .map(|point| [point.active.len() as f64, point.validation_error.sqrt()])
+                .collect();
+            let front = Plot::new(
+                "Error by number of terms",
+                Axis::new("terms", ""),
+                Axis::new("held-out error", force),
+            );
             figure = figure.plot(front.series("LASSO", Marks::Points, points));
         }
         return figure;
@@ -165,9 +174,8 @@ fn times(runs: &[PreparedRun]) -> Vec<f64> {
 }
 
 fn residuals(found: &Identification, units: &[&str]) -> Section {
-    let mut section = Section::new("residuals", "Residuals").block(text(
-        "Measured minus predicted effort. What is left should depend on nothing.",
-    ));
+    let mut section = Section::new("residuals", "Residuals")
+        .block(text("Measured minus predicted effort. What is left should depend on nothing."));
     for (index, joint) in found.estimate.joints.iter().enumerate() {
         let unit = units[index];
         let over = |label: &str, axis: &str, signal: &dyn Fn(&PreparedRun) -> &[f64]| {
@@ -178,7 +186,11 @@ fn residuals(found: &Identification, units: &[&str]) -> Section {
                 signal(prepared).iter().copied().zip(error).map(|(x, e)| [x, e]).collect::<Vec<_>>()
             });
             let y = Axis::new("residual", joint.unit);
-            Plot::new(joint.name.clone(), Axis::new(label, axis), y).series("", Marks::Points, thinned(points.collect()))
+            Plot::new(joint.name.clone(), Axis::new(label, axis), y).series(
+                "",
+                Marks::Points,
+                thinned(points.collect()),
+            )
         };
         let figure = Figure::new(format!("residual_{}", index + 1), "")
             .plot(over("time", "s", &|run| &run.times))
@@ -230,13 +242,14 @@ fn data(found: &Identification) -> Section {
 }
 
 fn preparation(found: &Identification) -> Table {
-    let mut table = Table::new("preparation", "What was found in the signals, and the filter that all of them passed.")
-        .column("joint", "joint", "")
-        .column("noise of positions", "noise", "")
-        .column("resolution", "resolution", "")
-        .column("filter", "bandwidth", "Hz")
-        .column("delay of the effort", "delay", "ms")
-        .column("remark", "remark", "");
+    let mut table =
+        Table::new("preparation", "What was found in the signals, and the filter that all of them passed.")
+            .column("joint", "joint", "")
+            .column("noise of positions", "noise", "")
+            .column("resolution", "resolution", "")
+            .column("filter", "bandwidth", "Hz")
+            .column("delay of the effort", "delay", "ms")
+            .column("remark", "remark", "");
     for joint in &found.preparation.joints {
         table = table.row([
             Cell::text(joint.name.clone()),

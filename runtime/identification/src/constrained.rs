@@ -64,6 +64,16 @@ pub fn constrained_fit(
     Ok(coefficients)
 }
 
+/// Rows of `A` on which `ξ` lies, `aᵢ ξ = 0` within rounding.
+pub fn face(rows: &DMatrix<f64>, coefficients: &DVector<f64>) -> DMatrix<f64> {
+    let binds = |i: &usize| {
+        let terms = rows.row(*i).transpose().component_mul(coefficients);
+        terms.sum().abs() <= 1e-8 * terms.lp_norm(1).max(f64::MIN_POSITIVE)
+    };
+    let all_zero = |i: &usize| rows.row(*i).amax() == 0.0;
+    rows.select_rows(&(0..rows.nrows()).filter(|i| binds(i) && !all_zero(i)).collect::<Vec<_>>())
+}
+
 /// `min ‖z‖` subject to `E z ≥ f`, feasible by assumption.
 fn least_distance(e: &DMatrix<f64>, f: &DVector<f64>) -> Result<DVector<f64>> {
     let (rows, n) = e.shape();

@@ -12,6 +12,7 @@
 //! friction = { terms = [["v", 76.5], ["tanh(10*v)", 16.9]] }
 //! ```
 
+use super::digits::{literal, vanishes};
 use super::error::{IdentificationError, Result};
 use super::result::{FrictionLaw, FrictionResult, FrictionTerm};
 use gelenk_files::{is_same_file, write_whole};
@@ -100,8 +101,12 @@ pub fn description_toml(name: &str, extends: &str, results: &[FrictionResult]) -
 /// A description with identified values.
 ///
 /// # Errors
-/// Nothing identified, a joint twice, a law without terms, a coefficient that is not finite, or a term that a
-/// description cannot hold: all would end as nonsense in generated code.
+/// Nothing identified, a joint twice, a law without terms, a law that is refused and was not accepted, a
+/// coefficient that is not finite, or a term that a description cannot hold: all would end as nonsense in
+/// generated code.
+///
+/// Coefficients of friction have the digits that their errors leave them ([`super::digits`]); terms of which
+/// nothing is left are not written.
 pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
     let Identified { name, extends, provenance, friction, drives, bodies } = *identified;
     if friction.is_empty() && drives.is_empty() && bodies.is_empty() {
@@ -139,21 +144,30 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
 
 /// The value of a joint's key `friction`.
 fn friction_value(result: &FrictionResult) -> Result<String> {
+    if let Some(reason) = &result.refusal {
+        return Err(IdentificationError::Refused { joint: result.joint.clone(), reason: reason.clone() });
+    }
     match &result.law {
-        FrictionLaw::Terms(terms) if terms.is_empty() => {
-            Err(IdentificationError::Empty { what: format!("the friction law of {}", result.joint) })
-        }
         FrictionLaw::Terms(terms) => {
             let values = terms.iter().map(|t| t.coefficient);
             require_finite(&result.joint, values, |i| terms[i].basis.clone())?;
-            let pair = |t: &FrictionTerm| Ok(format!("[{}, {:?}]", quoted(&basis(&t.basis)?), t.coefficient));
-            let pairs: Vec<String> = terms.iter().map(pair).collect::<Result<_>>()?;
+            let pair = |t: &&FrictionTerm| {
+                Ok(format!("[{}, {}]", quoted(&basis(&t.basis)?), literal(t.coefficient, t.written_error())))
+            };
+            let kept = terms.iter().filter(|t| !vanishes(t.coefficient, t.written_error()));
+            let pairs: Vec<String> = kept.collect::<Vec<_>>().iter().map(pair).collect::<Result<_>>()?;
+            if pairs.is_empty() {
+                return Err(IdentificationError::Empty {
+                    what: format!("the friction law of {}", result.joint),
+                });
+            }
             Ok(format!("{{ terms = [{}] }}", pairs.join(", ")))
         }
-        FrictionLaw::Stribeck { parameters, .. } => {
+        FrictionLaw::Stribeck { parameters, resolutions, .. } => {
             let name = |i: usize| super::stribeck::NAMES[i].to_string();
             require_finite(&result.joint, parameters.iter().copied(), name)?;
-            let pairs: Vec<String> = (0..5).map(|i| format!("{} = {:?}", name(i), parameters[i])).collect();
+            let pair = |i: usize| format!("{} = {}", name(i), literal(parameters[i], resolutions[i]));
+            let pairs: Vec<String> = (0..5).map(pair).collect();
             Ok(format!("{{ stribeck = {{ {} }} }}", pairs.join(", ")))
         }
     }
@@ -273,7 +287,8 @@ fn comments(result: &FrictionResult, text: &mut String) {
         "velocities {slowest:.6} to {fastest:.6} {}; torque in {}",
         result.velocity_unit, result.unit
     ));
-    line(format!("residual {:.6} {} rms, R² {:.6}", result.residual, result.unit, result.r_squared));
+    result.coefficient_lines().into_iter().for_each(&mut line);
+    result.summary_lines().into_iter().for_each(&mut line);
     result.settings.iter().for_each(|s| line(s.clone()));
     result.warnings.iter().for_each(|w| line(format!("warning: {w}")));
 }
@@ -315,8 +330,30 @@ mod tests {
         assert_eq!(joint["name"].as_str(), Some("beta \"2\""));
         let terms = &joint["friction"]["terms"];
         assert_eq!(terms[0][0].as_str(), Some("v"));
-        assert_eq!(terms[1][1].as_float(), Some(-3.924e-7));
+        assert_eq!(terms[0][1].as_float(), Some(76.5561));
+        assert_eq!(terms[1][1].as_float(), Some(-3.9245));
+        assert!(text.contains("# v: 76.556 ± 0.031, 95 % interval 76.494 … 76.619\n"), "{text}");
         assert!(text.contains("# two lines\n") && text.contains("sha256 00ff"));
+    }
+
+    #[test]
+    fn refused_laws_and_vanished_terms_are_not_written() {
+        let text = |result: FrictionResult| description_toml("a", "arm.toml", &[result]);
+        let mut refused = FrictionResult { refusal: Some("the law explains nothing".into()), ..example() };
+        let message = text(refused.clone()).unwrap_err().to_string();
+        assert!(
+            message.starts_with("the friction of beta is not written: the law explains nothing."),
+            "{message}"
+        );
+        refused.accept();
+        assert!(text(refused).unwrap().contains("# warning: accepted although the law explains nothing\n"));
+        let FrictionLaw::Terms(mut terms) = example().law else { panic!("a law of terms") };
+        terms[1].coefficient = 4e-5;
+        let written = text(FrictionResult { law: FrictionLaw::Terms(terms.clone()), ..example() }).unwrap();
+        assert!(written.ends_with("friction = { terms = [[\"v\", 76.5561]] }\n"), "{written}");
+        terms.remove(0);
+        let empty = text(FrictionResult { law: FrictionLaw::Terms(terms), ..example() }).unwrap_err();
+        assert!(empty.to_string().starts_with("the friction law of beta is empty"));
     }
 
     #[test]
@@ -343,7 +380,7 @@ mod tests {
     fn a_stribeck_law_keeps_every_digit() {
         let parameters = [2.1, 1.4, 20.0 / 3.0, 0.9, 8e-17];
         let result = FrictionResult {
-            law: FrictionLaw::Stribeck { parameters, standard_errors: [None; 5] },
+            law: FrictionLaw::Stribeck { parameters, standard_errors: [None; 5], resolutions: [None; 5] },
             ..example()
         };
         let text = description_toml("a", "arm.urdf", &[result]).unwrap();
@@ -362,8 +399,7 @@ mod tests {
             result.law = FrictionLaw::Terms(vec![FrictionTerm {
                 basis: basis.into(),
                 coefficient,
-                standard_error: None,
-                inclusion: None,
+                ..FrictionTerm::default()
             }]);
             description_toml("a", "b.toml", &[result])
         };

@@ -179,6 +179,16 @@ pub enum IdentificationError {
         /// Likely reasons and what to do.
         reasons: String,
     },
+    /// A friction law that is not to be written.
+    #[error(
+        "the friction of {joint} is not written: {reason}. `FrictionResult::accept` takes it nevertheless"
+    )]
+    Refused {
+        /// Name of the joint.
+        joint: String,
+        /// Why.
+        reason: String,
+    },
 }
 
 /// Result of an identification step.

@@ -5,10 +5,12 @@
 //! and reduced to moments in one pass ([`library`], [`moments`]), and sparse or nonlinear models are fitted
 //! to them.
 
+pub mod confidence;
 pub mod constrained;
 pub mod cross_validation;
 pub mod description;
 pub mod differentiation;
+pub mod digits;
 pub mod ensemble;
 pub mod error;
 pub mod estimation;

@@ -47,6 +47,20 @@ impl Library {
         Self::new(&["1", "v", "sign(v)", "tanh(5*v)", "tanh(10*v)", "tanh(20*v)", "tanh(100*v)"], &["v"])
     }
 
+    /// Friction of a joint whose shape is not known: the terms of [`Self::friction`] and what makes them differ
+    /// by direction, `|v|` and `|tanh 20v|`.
+    ///
+    /// With `a v + b |v|` viscous friction is `a + b` forwards and `a − b` backwards; so is the Coulomb friction
+    /// of `a tanh 20v + b |tanh 20v|`. Unlike a constant, both vanish at rest.
+    ///
+    /// # Errors
+    /// None in practice; the signature is that of [`Self::new`].
+    pub fn joint_friction() -> Result<Self> {
+        let asymmetric = ["abs(v)", "abs(tanh(20*v))"].map(String::from);
+        let terms: Vec<String> = Self::friction()?.terms.into_iter().chain(asymmetric).collect();
+        Self::new(&terms, &["v"])
+    }
+
     /// All monomials of `channels` up to `degree`, constant first, e.g. `1, x, y, x*x, x*y, y*y`.
     ///
     /// # Errors

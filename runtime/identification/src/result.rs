@@ -1,21 +1,34 @@
 //! Identified friction: the law, how far to trust it, and a table of both. As TOML: [`super::description`].
 
+use super::confidence::quantile;
+use super::digits::{rounded, with_error};
 use super::error::Result;
+use super::friction::Drift;
 use super::library::Library;
-use super::stribeck::stribeck_torque;
+use super::stribeck::{StribeckWords, stribeck_gradient, stribeck_torque};
+use nalgebra::DMatrix;
 use std::fmt::Write;
+use std::ops::Range;
+
+/// Level of the intervals in tables and descriptions.
+pub const CONFIDENCE: f64 = 0.95;
 
 /// One term of a friction law with what is known about its coefficient.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct FrictionTerm {
     /// Expression in the joint's velocity `v`.
     pub basis: String,
     /// Factor [N·m times the inverse unit of the basis].
     pub coefficient: f64,
-    /// Standard error, where known.
+    /// Standard error for correlated residuals, where known.
     pub standard_error: Option<f64>,
+    /// Standard error if all other coefficients were known, where known: terms that resemble each other have
+    /// vague coefficients and a sharp sum, so the coefficient is written with the digits of this one.
+    pub resolution: Option<f64>,
     /// Share of bootstrap draws with this term, where known.
     pub inclusion: Option<f64>,
+    /// Probability of the term over all subsets of the library, where known.
+    pub probability: Option<f64>,
 }
 
 /// Friction τ(v) of a joint, in a form that descriptions have.
@@ -27,9 +40,17 @@ pub enum FrictionLaw {
     Stribeck {
         /// a1 … a5.
         parameters: [f64; 5],
-        /// Standard errors; `None` where a parameter is not identifiable.
+        /// Standard errors for correlated residuals; `None` where a parameter is not identifiable.
         standard_errors: [Option<f64>; 5],
+        /// Standard errors if all other parameters were known.
+        resolutions: [Option<f64>; 5],
     },
+}
+
+impl Default for FrictionLaw {
+    fn default() -> Self {
+        Self::Terms(Vec::new())
+    }
 }
 
 impl FrictionLaw {
@@ -45,8 +66,7 @@ impl FrictionLaw {
             }
             Self::Terms(terms) => terms,
         };
-        let bases: Vec<&str> = terms.iter().map(|t| t.basis.as_str()).collect();
-        let theta = Library::new(&bases, &["v"])?.matrix(&[velocities])?;
+        let theta = matrix(terms, velocities)?;
         let mut torques = vec![0.0; velocities.len()];
         for (column, term) in theta.column_iter().zip(terms) {
             for (torque, value) in torques.iter_mut().zip(column.iter()) {
@@ -56,36 +76,123 @@ impl FrictionLaw {
         Ok(torques)
     }
 
-    /// The law as one line of text.
+    /// Derivatives of the torques by the coefficients `[velocities × coefficients]`.
+    ///
+    /// # Errors
+    /// As [`Self::torques`].
+    pub fn gradients(&self, velocities: &[f64]) -> Result<DMatrix<f64>> {
+        match self {
+            Self::Terms(terms) => matrix(terms, velocities),
+            Self::Stribeck { parameters, .. } => {
+                let rows: Vec<[f64; 5]> =
+                    velocities.iter().map(|v| stribeck_gradient(*v, parameters)).collect();
+                Ok(DMatrix::from_fn(rows.len(), 5, |i, j| rows[i][j]))
+            }
+        }
+    }
+
+    /// The law as one line of text, with the digits that a description gets.
     pub fn formula(&self) -> String {
-        let product = |basis: &str, factor: f64| format!("{factor:.6}*{basis}");
+        let product = |basis: &str, factor: &str| format!("{factor}*{basis}");
         let terms: Vec<String> = match self {
-            Self::Terms(terms) => terms.iter().map(|t| product(&t.basis, t.coefficient)).collect(),
-            Self::Stribeck { parameters: [a1, a2, a3, a4, a5], .. } => vec![
-                product("v", *a1),
-                product(&format!("tanh({a3:.6}*v)"), *a2),
-                product(&format!("exp(-{a5:.6}*abs(v))*tanh({:.6}*v)", 3.0 * a3), *a4),
-            ],
+            Self::Terms(terms) => {
+                let term = |t: &FrictionTerm| product(&t.basis, &rounded(t.coefficient, t.written_error()));
+                terms.iter().map(term).collect()
+            }
+            Self::Stribeck { parameters, resolutions, .. } => {
+                let [a1, a2, a3, a4, a5]: [String; 5] =
+                    std::array::from_fn(|i| rounded(parameters[i], resolutions[i]));
+                vec![
+                    product("v", &a1),
+                    product(&format!("tanh({a3}*v)"), &a2),
+                    product(&format!("exp(-{a5}*abs(v))*tanh(3*{a3}*v)"), &a4),
+                ]
+            }
         };
         terms.join(" + ").replace("+ -", "- ")
     }
 
-    /// Name, value, standard error and inclusion of each coefficient.
-    fn rows(&self) -> Vec<(&str, f64, Option<f64>, Option<f64>)> {
+    fn rows(&self) -> Vec<Row<'_>> {
         match self {
-            Self::Terms(terms) => terms
-                .iter()
-                .map(|t| (t.basis.as_str(), t.coefficient, t.standard_error, t.inclusion))
+            Self::Terms(terms) => terms.iter().map(Row::of_term).collect(),
+            Self::Stribeck { parameters, standard_errors, .. } => (0..5)
+                .map(|i| Row {
+                    name: super::stribeck::NAMES[i],
+                    value: parameters[i],
+                    error: standard_errors[i],
+                    inclusion: None,
+                    probability: None,
+                })
                 .collect(),
-            Self::Stribeck { parameters, standard_errors } => {
-                (0..5).map(|i| (super::stribeck::NAMES[i], parameters[i], standard_errors[i], None)).collect()
-            }
         }
     }
 }
 
-/// The friction law of one joint and how it was found.
+impl FrictionTerm {
+    /// The error that decides how many digits are written.
+    pub fn written_error(&self) -> Option<f64> {
+        self.resolution.or(self.standard_error)
+    }
+}
+
+fn matrix(terms: &[FrictionTerm], velocities: &[f64]) -> Result<DMatrix<f64>> {
+    let bases: Vec<&str> = terms.iter().map(|t| t.basis.as_str()).collect();
+    Library::new(&bases, &["v"])?.matrix(&[velocities])
+}
+
+/// A line of the table.
+struct Row<'a> {
+    name: &'a str,
+    value: f64,
+    error: Option<f64>,
+    inclusion: Option<f64>,
+    probability: Option<f64>,
+}
+
+impl<'a> Row<'a> {
+    fn of_term(term: &'a FrictionTerm) -> Self {
+        Self {
+            name: &term.basis,
+            value: term.coefficient,
+            error: term.standard_error,
+            inclusion: term.inclusion,
+            probability: term.probability,
+        }
+    }
+
+    fn line(&self, width: usize, t: f64) -> String {
+        let share = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{:.0} %", 100.0 * x));
+        format!(
+            "{:<width$}  {:>22}  {:>26}  {:>9}  {:>11}",
+            self.name,
+            with_error(self.value, self.error),
+            interval(self.value, self.error, t).unwrap_or_else(|| "-".into()),
+            share(self.inclusion),
+            share(self.probability)
+        )
+    }
+}
+
+/// `low … high`.
+fn interval(value: f64, error: Option<f64>, t: f64) -> Option<String> {
+    let e = error.filter(|e| e.is_finite() && *e > 0.0)?;
+    let bound = |x: f64| rounded(x, error);
+    Some(format!("{} … {}", bound(value - t * e), bound(value + t * e)))
+}
+
+/// A constant torque beside the law.
 #[derive(Debug, Clone, PartialEq)]
+pub struct Offset {
+    /// The run's samples.
+    pub samples: Range<usize>,
+    /// Mean of torque minus law [N·m or N].
+    pub value: f64,
+    /// Standard error for correlated residuals; `None` where the run is too short to tell.
+    pub standard_error: Option<f64>,
+}
+
+/// The friction law of one joint and how it was found.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct FrictionResult {
     /// Name of the joint in the description.
     pub joint: String,
@@ -95,28 +202,100 @@ pub struct FrictionResult {
     pub velocity_unit: String,
     /// The law.
     pub law: FrictionLaw,
+    /// A Stribeck law in physical words.
+    pub stribeck: Option<StribeckWords>,
+    /// The constant torque of each run; none where it belongs to the law.
+    pub offsets: Vec<Offset>,
     /// Samples used.
     pub samples: usize,
+    /// Degrees of freedom of the standard errors, for Student's distribution.
+    pub freedom: f64,
     /// Range of the velocities in the data; outside the law is extrapolated.
     pub velocity_range: [f64; 2],
     /// Residual rms.
     pub residual: f64,
-    /// `1 − RSS/Σ τ²`.
+    /// `1 − RSS/Σ (τ − τ̄)²` on the data that were fitted, τ̄ by run where offsets are separate.
     pub r_squared: f64,
+    /// The same on folds that were left out; `None` where the samples are too few.
+    pub held_out: Option<f64>,
+    /// What changes over the log; `None` where the samples are too few.
+    pub drift: Option<Drift>,
     /// File name and SHA-256 of the data.
     pub data: String,
     /// Settings in words: method, λ with its convention, selection, differentiation.
     pub settings: Vec<String>,
     /// Doubts.
     pub warnings: Vec<String>,
+    /// Why the law must not be written into a description; see [`Self::accept`].
+    pub refusal: Option<String>,
 }
 
 impl FrictionResult {
+    /// Takes a refused law nevertheless: the reason becomes a warning.
+    pub fn accept(&mut self) {
+        if let Some(reason) = self.refusal.take() {
+            self.warnings.push(format!("accepted although {reason}"));
+        }
+    }
+
+    /// Half the width of the interval at [`CONFIDENCE`] in standard errors.
+    pub fn interval_factor(&self) -> f64 {
+        let freedom = if self.freedom > 0.0 { self.freedom } else { 1e9 };
+        quantile(CONFIDENCE, freedom).unwrap_or(f64::INFINITY)
+    }
+
+    /// One line for each coefficient: name, value with standard error, interval.
+    pub fn coefficient_lines(&self) -> Vec<String> {
+        let t = self.interval_factor();
+        let line = |row: &Row| {
+            let range = interval(row.value, row.error, t)
+                .map_or_else(String::new, |i| format!(", {:.0} % interval {i}", 100.0 * CONFIDENCE));
+            format!("{}: {}{range}", row.name, with_error(row.value, row.error))
+        };
+        self.law.rows().iter().map(line).collect()
+    }
+
+    /// Lines on offsets, Stribeck's words and quality of the fit.
+    pub fn summary_lines(&self) -> Vec<String> {
+        let mut lines: Vec<String> =
+            self.stribeck.iter().map(|words| words.line(&self.unit, &self.velocity_unit)).collect();
+        lines.extend(self.offset_line());
+        let held_out = self.held_out.map_or_else(|| "unknown".into(), |r| format!("{r:.4}"));
+        lines.push(format!(
+            "residual {:.3e} {} rms, R² {:.4} in the fit, {held_out} on left-out data",
+            self.residual, self.unit, self.r_squared
+        ));
+        lines
+    }
+
+    fn offset_line(&self) -> Option<String> {
+        let text = |o: &Offset| with_error(o.value, o.standard_error);
+        match self.offsets.as_slice() {
+            [] => None,
+            [one] => Some(format!("offset {} {}, not part of the law", text(one), self.unit)),
+            several => {
+                let extreme = |sign: f64| {
+                    several
+                        .iter()
+                        .max_by(|a, b| (sign * a.value).total_cmp(&(sign * b.value)))
+                        .map_or_else(String::new, text)
+                };
+                Some(format!(
+                    "offsets of {} runs from {} to {} {}, not part of the law",
+                    several.len(),
+                    extreme(-1.0),
+                    extreme(1.0),
+                    self.unit
+                ))
+            }
+        }
+    }
+
     /// A table for people.
     pub fn table(&self) -> String {
         let mut text = String::new();
         let rows = self.law.rows();
-        let width = rows.iter().map(|r| r.0.chars().count()).max();
+        let width = rows.iter().map(|r| r.name.chars().count()).max();
         let width = width.unwrap_or(0).max(4);
         let [slowest, fastest] = self.velocity_range;
         let _ = writeln!(
@@ -126,17 +305,21 @@ impl FrictionResult {
         );
         let _ = writeln!(
             text,
-            "{:<width$}  {:>14}  {:>12}  {:>9}",
-            "term", "coefficient", "std. error", "inclusion"
+            "{:<width$}  {:>22}  {:>26}  {:>9}  {:>11}",
+            "term", "coefficient", "95 % interval", "inclusion", "probability"
         );
-        for (name, value, error, inclusion) in rows {
-            let error = error.map_or_else(|| "-".into(), |x| format!("{x:.6}"));
-            let inclusion = inclusion.map_or_else(|| "-".into(), |x| format!("{:.0} %", 100.0 * x));
-            let _ = writeln!(text, "{name:<width$}  {value:>14.6}  {error:>12}  {inclusion:>9}");
+        let t = self.interval_factor();
+        rows.iter().for_each(|row| {
+            let _ = writeln!(text, "{}", row.line(width, t));
+        });
+        for line in self.summary_lines() {
+            let _ = writeln!(text, "{line}");
         }
-        let _ = writeln!(text, "residual {:.6} {} rms, R² {:.5}", self.residual, self.unit, self.r_squared);
         for warning in &self.warnings {
             let _ = writeln!(text, "warning: {warning}");
+        }
+        if let Some(reason) = &self.refusal {
+            let _ = writeln!(text, "refused: {reason}");
         }
         text
     }
@@ -150,21 +333,26 @@ pub(super) mod tests {
         let term = |basis: &str, coefficient| FrictionTerm {
             basis: basis.into(),
             coefficient,
-            standard_error: Some(0.01),
+            standard_error: Some(0.0312),
+            resolution: Some(0.0041),
             inclusion: Some(0.985),
+            probability: Some(0.75),
         };
         FrictionResult {
             joint: "beta".into(),
             unit: "N·m".into(),
             velocity_unit: "rad/s".into(),
-            law: FrictionLaw::Terms(vec![term("v", 76.556), term("tanh(5*v)", -3.924e-7)]),
+            law: FrictionLaw::Terms(vec![term("v", 76.556_12), term("tanh(5*v)", -3.924_49)]),
+            offsets: vec![Offset { samples: 0..3000, value: 0.503, standard_error: Some(0.021) }],
             samples: 3000,
+            freedom: 60.0,
             velocity_range: [-0.7, 0.71],
             residual: 0.1234,
             r_squared: 0.998,
+            held_out: Some(0.9971),
             data: "run.csv (sha256 00ff)".into(),
             settings: vec!["λ = 0.01 in 1/(2N)‖·‖² + λ‖·‖₁".into(), "two\nlines".into()],
-            warnings: vec![],
+            ..FrictionResult::default()
         }
     }
 
@@ -172,14 +360,33 @@ pub(super) mod tests {
     fn the_table_names_units_and_numbers() {
         let table = example().table();
         assert!(table.contains("friction of beta [N·m], 3000 samples, -0.7000 to 0.7100 rad/s"), "{table}");
-        assert!(table.lines().nth(2).unwrap().ends_with("98 %"), "{table}");
-        assert_eq!(example().law.formula(), "76.556000*v - 0.000000*tanh(5*v)");
+        let line = table.lines().nth(2).unwrap();
+        // Student's quantile for 60 degrees of freedom is 2.000.
+        assert!(line.contains("76.556 ± 0.031") && line.contains("76.494 … 76.619"), "{table}");
+        assert!(line.contains("98 %") && line.ends_with("75 %"), "{table}");
+        assert!(table.contains("offset 0.503 ± 0.021 N·m, not part of the law"), "{table}");
+        assert!(table.contains("R² 0.9980 in the fit, 0.9971 on left-out data"), "{table}");
+        // The formula has the digits of the resolution: what is written.
+        assert_eq!(example().law.formula(), "76.5561*v - 3.9245*tanh(5*v)");
+    }
+
+    #[test]
+    fn a_refused_law_says_so_until_it_is_accepted() {
+        let mut result = FrictionResult { refusal: Some("the law explains nothing".into()), ..example() };
+        assert!(result.table().ends_with("refused: the law explains nothing\n"));
+        result.accept();
+        assert_eq!(result.refusal, None);
+        assert!(result.table().ends_with("warning: accepted although the law explains nothing\n"));
     }
 
     #[test]
     fn a_stribeck_law_and_its_formula_agree() {
         let parameters = [2.1, 1.4, 20.0, 0.9, 8.0];
-        let law = FrictionLaw::Stribeck { parameters, standard_errors: [Some(0.1), None, None, None, None] };
+        let law = FrictionLaw::Stribeck {
+            parameters,
+            standard_errors: [Some(0.1), None, None, None, None],
+            resolutions: [Some(0.1), None, None, None, None],
+        };
         let v = [-0.5, 0.0, 0.02, 1.3];
         let formula = Library::new(&[law.formula()], &["v"]).unwrap();
         let by_formula = formula.matrix(&[&v]).unwrap();
@@ -187,6 +394,6 @@ pub(super) mod tests {
             assert!((a - b).abs() < 1e-12, "{a} {b}");
         }
         let table = FrictionResult { law, ..example() }.table();
-        assert!(table.lines().count() == 8 && table.contains("a5"), "{table}");
+        assert!(table.lines().count() == 9 && table.contains("a5"), "{table}");
     }
 }

@@ -76,7 +76,8 @@ fn command(arguments: &Identify) -> String {
     let columns = arguments.columns.iter().map(|patterns| format!("--columns '{patterns}'"));
     let gravity = arguments.gravity_compensated.then(|| "--gravity-compensated".to_owned());
     let poor = arguments.accept_poor.then(|| "--accept-poor".to_owned());
-    let words = std::iter::once("gelenk identify".to_owned()).chain(files).chain(columns).chain(gravity).chain(poor);
+    let words =
+        std::iter::once("gelenk identify".to_owned()).chain(files).chain(columns).chain(gravity).chain(poor);
     words.chain(arguments.reading.words()).collect::<Vec<_>>().join(" ")
 }
 
@@ -106,13 +107,12 @@ fn describe(
         false => Vec::new(),
     };
     let bodies: Vec<String> = bodies.iter().map(BodyValues::toml).collect();
-    let identified = rotors(robot.model()).into_iter().zip(&found.estimate.joints).map(|(rotor, joint)| {
-        IdentifiedDrive {
+    let identified =
+        rotors(robot.model()).into_iter().zip(&found.estimate.joints).map(|(rotor, joint)| IdentifiedDrive {
             rotor: rotor.map(|place| others[place]),
             reflected: joint.armature.map(|inertia| inertia.value),
             motor_constant: joint.gain.map(|gain| gain.value),
-        }
-    });
+        });
     let identified: Vec<IdentifiedDrive> = identified.collect();
     let friction: Vec<FrictionResult> = laws(found).map(|report| report.result.clone()).collect();
     let provenance: Vec<String> = provenance(found, command);

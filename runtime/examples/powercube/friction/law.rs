@@ -4,7 +4,7 @@ use super::data::{Samples, rms};
 use crate::arm::Friction;
 use crate::study::Outcome;
 use gelenk_identification::friction::{
-    FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice,
+    FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice, Offsets,
 };
 use gelenk_identification::lasso::Lasso;
 use gelenk_identification::library::Library;
@@ -52,6 +52,8 @@ impl Method {
         let identification = FrictionIdentification {
             library,
             method: self.settings(),
+            // The paper counts a constant torque as friction.
+            offsets: Offsets::PartOfLaw,
             draws: 0,
             passive: false,
             ..FrictionIdentification::new()?
@@ -62,10 +64,8 @@ impl Method {
             velocity_unit: "rad/s",
             velocities: &samples.velocities,
             torques: &samples.torques,
-            weights: None,
-            folds: None,
             data: "simulated",
-            settings: &[],
+            ..FrictionData::default()
         })?)
     }
 }

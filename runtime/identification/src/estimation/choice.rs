@@ -63,7 +63,11 @@ pub(super) fn choose<'a>(
         gains,
     };
     let centred = Centred::new(layout, sums, model.offsets);
-    let weighting = Weighting { sigma: super::fit::deviations(&centred, start), description: 1.0, trust: vec![1.0; layout.parameters] };
+    let weighting = Weighting {
+        sigma: super::fit::deviations(&centred, start),
+        description: 1.0,
+        trust: vec![1.0; layout.parameters],
+    };
     let mut chosen = Chosen { model, weighting, values: start.clone(), centred, tried: Vec::new() };
     chosen.reweight(prior)?;
     chosen.choose_weight(prior, true)?;
@@ -125,7 +129,9 @@ impl Chosen<'_> {
         for body in &prior.bodies {
             for _ in 0..LESS_TRUST_STEPS {
                 let mut weighting = self.weighting.clone();
-                weighting.trust[body * PER_BODY..(body + 1) * PER_BODY].iter_mut().for_each(|t| *t *= LESS_TRUST);
+                weighting.trust[body * PER_BODY..(body + 1) * PER_BODY]
+                    .iter_mut()
+                    .for_each(|t| *t *= LESS_TRUST);
                 let error = held_out(&self.centred, &self.model, prior, &weighting, &self.values)?;
                 let (excess, deviation) = error.excess(&best);
                 if excess >= -deviation {

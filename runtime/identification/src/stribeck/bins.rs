@@ -1,142 +1,196 @@
 //! Starts on binned data.
 
 use super::super::error::{IdentificationError, Result};
-use super::super::kernel::{BLOCK, stribeck_block};
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::{Dyn, Matrix3, OMatrix, OVector, Owned, U5, Vector3, Vector5};
+use super::super::kernel::{BLOCK, add_products, stribeck_block};
+use super::refine::{Data, Normal};
+use super::{Robustness, StribeckRegression};
+use nalgebra::{SMatrix, SVector};
+use std::ops::Range;
 
 const BINS: usize = 400;
+/// Grid of starts over (a3, a5).
+const STEEPNESSES: usize = 8;
+const DECAYS: usize = 6;
+
+/// First damping for starts on a coarse grid.
+const FAR: f64 = 1e-3;
 
 /// Means over bins of velocity, finer towards zero, where the law bends.
 pub(super) struct Bins {
     v: Vec<f64>,
     torque: Vec<f64>,
-    root_weight: Vec<f64>,
+    weight: Vec<f64>,
     fastest: f64,
+    offset: bool,
+    /// What was taken off each run before its samples were put into bins.
+    before: Vec<f64>,
+}
+
+/// A point of the grid with its cost.
+#[derive(Clone, Copy)]
+struct Start {
+    a: [f64; 5],
+    offset: f64,
+    cost: f64,
 }
 
 impl Bins {
-    pub(super) fn new(v: &[f64], torque: &[f64], weights: Option<&[f64]>) -> Self {
-        let fastest = v.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+    pub(super) fn new(data: &Data, weights: Option<&[f64]>) -> Self {
+        let fastest = data.v.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+        let before = preliminary_offsets(data, weights, fastest);
         let mut sums = vec![[0.0; 3]; BINS];
         let (half, scale) = (0.5 * BINS as f64, 0.499_999 * BINS as f64 / fastest.sqrt());
-        for i in 0..v.len() {
-            let w = weights.map_or(1.0, |w| w[i]);
-            let position = half + v[i].abs().sqrt().copysign(v[i]) * scale;
-            let sum = &mut sums[(position as usize).min(BINS - 1)];
-            *sum = [sum[0] + w, sum[1] + w * v[i], sum[2] + w * torque[i]];
+        for (run, offset) in data.runs.iter().zip(&before) {
+            for i in run.clone() {
+                let w = weights.map_or(1.0, |w| w[i]);
+                let position = half + data.v[i].abs().sqrt().copysign(data.v[i]) * scale;
+                let sum = &mut sums[(position as usize).min(BINS - 1)];
+                *sum = [sum[0] + w, sum[1] + w * data.v[i], sum[2] + w * (data.torque[i] - offset)];
+            }
         }
         sums.retain(|s| s[0] > 0.0);
         Self {
             v: sums.iter().map(|s| s[1] / s[0]).collect(),
             torque: sums.iter().map(|s| s[2] / s[0]).collect(),
-            root_weight: sums.iter().map(|s| s[0].sqrt()).collect(),
+            weight: sums.iter().map(|s| s[0]).collect(),
             fastest,
+            offset: data.offset,
+            before,
         }
     }
 
-    /// Best of a grid over (a3, a5), the best `count` of them refined.
-    pub(super) fn best_start(&self, count: usize) -> Result<[f64; 5]> {
-        let mut grid = Vec::new();
-        for i in 0..8 {
-            for j in 0..6 {
-                // In units of the fastest velocity: steps 2 to 400 times, decays 1 to 100 times steeper than
-                // it.
-                let a3 = 2.0 * 200f64.powf(f64::from(i) / 7.0) / self.fastest;
-                let a5 = 100f64.powf(f64::from(j) / 5.0) / self.fastest;
-                grid.extend(self.linear_part(a3, a5));
-            }
-        }
-        grid.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let refined = grid.iter().take(count).map(|(a, cost)| self.refine(*a, *cost));
-        refined.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(a, _)| a).ok_or_else(|| {
-            IdentificationError::NotConverged {
-                what: "the search for starts".into(),
-                iterations: 48,
-                detail: format!("no finite cost on {} bins up to {} rad/s", self.v.len(), self.fastest),
-            }
+    /// Offsets of the runs, where the bins have one in common.
+    pub(super) fn offsets(&self, common: f64) -> Vec<f64> {
+        self.before.iter().map(|before| before + common).collect()
+    }
+
+    /// The best law on the bins with its offset: of a grid over (a3, a5), `count` hollows are refined.
+    pub(super) fn best_start(&self, count: usize) -> Result<([f64; 5], f64)> {
+        let grid = self.grid();
+        let refined = hollows(&grid, count).into_iter().map(|start| self.refine(start));
+        let best = refined.min_by(|a, b| a.cost.total_cmp(&b.cost));
+        best.map(|start| (start.a, start.offset)).ok_or_else(|| IdentificationError::NotConverged {
+            what: "the search for starts".into(),
+            iterations: STEEPNESSES * DECAYS,
+            detail: format!("no finite cost on {} bins up to {} rad/s", self.v.len(), self.fastest),
         })
     }
 
-    /// Least squares of (a1, a2, a4) for given (a3, a5), slightly damped so that few bins are enough.
-    fn linear_part(&self, a3: f64, a5: f64) -> Option<([f64; 5], f64)> {
-        let (mut h, mut g, mut energy) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
-        for ((v, torque), w) in self.v.iter().zip(&self.torque).zip(&self.root_weight) {
-            let row = Vector3::new(*v, (a3 * v).tanh(), (-a5 * v.abs()).exp() * (3.0 * a3 * v).tanh()) * *w;
-            h += row * row.transpose();
-            g += row * (w * torque);
-            energy += (w * torque).powi(2);
+    fn grid(&self) -> Vec<Vec<Option<Start>>> {
+        let share = |i: usize, count: usize| i as f64 / (count - 1) as f64;
+        // In units of the fastest velocity: steps 2 to 400 times, decays 1 to 100 times steeper than it.
+        let row = |i: usize| {
+            let a3 = 2.0 * 200f64.powf(share(i, STEEPNESSES)) / self.fastest;
+            let point = |j: usize| self.linear_part(a3, 100f64.powf(share(j, DECAYS)) / self.fastest);
+            (0..DECAYS).map(point).collect()
+        };
+        (0..STEEPNESSES).map(row).collect()
+    }
+
+    /// Least squares of (a1, a2, a4) and the offset for given (a3, a5), slightly damped so that few bins are
+    /// enough.
+    fn linear_part(&self, a3: f64, a5: f64) -> Option<Start> {
+        let sums = self.products(&[0.0, 0.0, a3, 0.0, a5]);
+        // Columns: v, tanh, decay, offset, torque.
+        let mut h = SMatrix::<f64, 4, 4>::from_fn(|i, j| sums[i.max(j) * 5 + i.min(j)]);
+        let mut g = SVector::<f64, 4>::from_fn(|i, _| sums[20 + i]);
+        if !self.offset {
+            h.fill_row(3, 0.0);
+            h.fill_column(3, 0.0);
+            (h[(3, 3)], g[3]) = (1.0, 0.0);
         }
-        for i in 0..3 {
+        for i in 0..4 {
             h[(i, i)] *= 1.0 + 1e-9;
         }
         let x = h.cholesky()?.solve(&g);
-        let cost = energy - g.dot(&x);
-        cost.is_finite().then_some(([x[0], x[1], a3, x[2], a5], cost))
+        let cost = sums[24] - g.dot(&x);
+        cost.is_finite().then_some(Start { a: [x[0], x[1], a3, x[2], a5], offset: x[3], cost })
     }
 
-    fn refine(&self, start: [f64; 5], cost: f64) -> ([f64; 5], f64) {
-        let [a1, a2, a3, a4, a5] = start;
-        let problem = BinnedProblem { bins: self, p: Vector5::new(a1, a2, a3.ln(), a4, a5.ln()) };
-        let (problem, report) = LevenbergMarquardt::new().with_patience(20).minimize(problem);
-        let a = problem.parameters();
-        let better = report.objective_function.is_finite() && 2.0 * report.objective_function <= cost;
-        if better && a.iter().all(|a| a.is_finite()) {
-            (a, 2.0 * report.objective_function)
-        } else {
-            (start, cost)
-        }
-    }
-}
-
-/// Binned residuals over (a1, a2, ln a3, a4, ln a5): the logarithms keep both rates positive.
-struct BinnedProblem<'a> {
-    bins: &'a Bins,
-    p: Vector5<f64>,
-}
-
-impl BinnedProblem<'_> {
-    fn parameters(&self) -> [f64; 5] {
-        [self.p[0], self.p[1], self.p[2].exp(), self.p[3], self.p[4].exp()]
-    }
-
-    fn columns(&self) -> Vec<[f64; 6]> {
-        let a = self.parameters();
+    fn products(&self, a: &[f64; 5]) -> [f64; 25] {
+        let mut sums = [0.0; 25];
         let mut columns = [[0.0; BLOCK]; 6];
-        let mut rows = Vec::with_capacity(self.bins.v.len());
-        for (v, torque) in self.bins.v.chunks(BLOCK).zip(self.bins.torque.chunks(BLOCK)) {
-            stribeck_block(v, torque, &a, &mut columns);
-            rows.extend((0..v.len()).map(|i| columns.map(|c| c[i])));
+        let mut ones = [0.0; BLOCK];
+        for start in (0..self.v.len()).step_by(BLOCK) {
+            let rows = start..self.v.len().min(start + BLOCK);
+            let n = rows.len();
+            stribeck_block(&self.v[rows.clone()], &self.torque[rows.clone()], a, &mut columns);
+            // With a1 = a2 = a4 = 0 the residual is the torque.
+            ones.fill(1.0);
+            let [c1, c2, _, c4, _, torque] = &mut columns;
+            for column in [c1, c2, c4, torque, &mut ones] {
+                column.iter_mut().zip(&self.weight[rows.clone()]).for_each(|(c, w)| *c *= w.sqrt());
+            }
+            let [c1, c2, _, c4, _, torque] = &columns;
+            add_products(&[&c1[..n], &c2[..n], &c4[..n], &ones[..n], &torque[..n]], &mut sums);
         }
-        rows
+        sums
+    }
+
+    fn refine(&self, start: Start) -> Start {
+        let whole: [Range<usize>; 1] = [0..self.v.len()];
+        let data = Data { v: &self.v, torque: &self.torque, runs: &whole, offset: self.offset };
+        let settings = StribeckRegression {
+            starts: 1,
+            offset: self.offset,
+            robustness: Robustness::None,
+            max_iterations: 60,
+            tolerance: 1e-9,
+        };
+        let found: Normal = data.refine(start.a, vec![start.offset], Some(&self.weight), &settings, FAR);
+        let better = found.cost.is_finite() && found.cost <= start.cost;
+        if better && found.a.iter().all(|a| a.is_finite()) {
+            Start { a: found.a, offset: found.offsets[0], cost: found.cost }
+        } else {
+            start
+        }
     }
 }
 
-impl LeastSquaresProblem<f64, Dyn, U5> for BinnedProblem<'_> {
-    type ParameterStorage = Owned<f64, U5>;
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, U5>;
-
-    fn set_params(&mut self, p: &Vector5<f64>) {
-        self.p = *p;
+/// The points of the grid that no neighbour undercuts, then the others, `count` in all, best first of each.
+fn hollows(grid: &[Vec<Option<Start>>], count: usize) -> Vec<Start> {
+    let cost = |i: usize, j: usize| {
+        let start = grid.get(i).and_then(|row| row.get(j)).copied().flatten();
+        start.map_or(f64::INFINITY, |start| start.cost)
+    };
+    let mut points: Vec<(bool, Start)> = Vec::new();
+    for (i, row) in grid.iter().enumerate() {
+        for (j, start) in row.iter().enumerate() {
+            let Some(start) = start else { continue };
+            let neighbours = [(i.wrapping_sub(1), j), (i + 1, j), (i, j.wrapping_sub(1)), (i, j + 1)];
+            let undercut = neighbours.iter().any(|&(i, j)| cost(i, j) < start.cost);
+            points.push((undercut, *start));
+        }
     }
+    points.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.cost.total_cmp(&b.1.cost)));
+    points.into_iter().take(count).map(|(_, start)| start).collect()
+}
 
-    fn params(&self) -> Vector5<f64> {
-        self.p
+/// Offsets of several runs from least squares on a smooth law, so that their samples fit into the same bins.
+fn preliminary_offsets(data: &Data, weights: Option<&[f64]>, fastest: f64) -> Vec<f64> {
+    let none = vec![0.0; data.runs.len()];
+    if !data.offset || data.runs.len() < 2 {
+        return none;
     }
-
-    fn residuals(&self) -> Option<OVector<f64, Dyn>> {
-        let rows = self.columns();
-        Some(OVector::<f64, Dyn>::from_fn_generic(Dyn(rows.len()), nalgebra::U1, |i, _| {
-            -rows[i][5] * self.bins.root_weight[i]
-        }))
+    let basis = |v: f64| SVector::<f64, 3>::new(v, (5.0 * v / fastest).tanh(), (50.0 * v / fastest).tanh());
+    let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
+    let mut means = Vec::with_capacity(data.runs.len());
+    let (mut h, mut g) = (SMatrix::<f64, 3, 3>::zeros(), SVector::<f64, 3>::zeros());
+    for run in data.runs {
+        let total: f64 = run.clone().map(weight).sum::<f64>().max(f64::MIN_POSITIVE);
+        let level = run.clone().map(|i| basis(data.v[i]) * weight(i)).sum::<SVector<f64, 3>>() / total;
+        let torque = run.clone().map(|i| data.torque[i] * weight(i)).sum::<f64>() / total;
+        for i in run.clone() {
+            let row = basis(data.v[i]) - level;
+            h += row * row.transpose() * weight(i);
+            g += row * (weight(i) * (data.torque[i] - torque));
+        }
+        means.push((level, torque));
     }
-
-    fn jacobian(&self) -> Option<OMatrix<f64, Dyn, U5>> {
-        let (rows, a) = (self.columns(), self.parameters());
-        Some(OMatrix::<f64, Dyn, U5>::from_fn_generic(Dyn(rows.len()), U5, |i, j| {
-            let chain = if j == 2 || j == 4 { a[j] } else { 1.0 };
-            rows[i][j] * chain * self.bins.root_weight[i]
-        }))
+    for i in 0..3 {
+        h[(i, i)] *= 1.0 + 1e-9;
     }
+    let Some(factor) = h.cholesky() else { return none };
+    let x = factor.solve(&g);
+    means.iter().map(|(level, torque)| torque - level.dot(&x)).collect()
 }

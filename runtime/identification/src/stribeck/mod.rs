@@ -1,28 +1,42 @@
-//! Regression of the five-parameter Stribeck law `τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`.
+//! Regression of the five-parameter Stribeck law `τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`, beside a
+//! constant offset of each run.
 //!
-//! Starts are found on binned data, where (a1, a2, a4) follow from (a3, a5) by linear least squares and
-//! Levenberg–Marquardt costs microseconds; the best one is refined on all samples with one pass per
-//! iteration.
+//! Starts are found on binned data, where (a1, a2, a4) and an offset follow from (a3, a5) by linear least squares
+//! and Levenberg–Marquardt costs microseconds; the best one is refined on all samples with one pass per
+//! iteration. Offsets are eliminated from the normal equations (Golub, Pereyra 1973): they are free, cost no
+//! iteration, and the law stays odd.
 
 mod bins;
+mod errors;
 mod refine;
 #[cfg(test)]
 mod tests;
+mod words;
+
+pub use words::{Estimate, StribeckWords};
 
 use super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
 };
 use super::kernel::{BLOCK, stribeck_block};
 use bins::Bins;
-use nalgebra::{SMatrix, Vector5};
-use refine::{Data, summarize};
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use errors::summarize;
+use nalgebra::{SMatrix, SVector};
+use refine::{Data, NEAR};
+use std::ops::Range;
 
 pub(super) const NAMES: [&str; 5] = ["a1", "a2", "a3", "a4", "a5"];
 
 /// The law's value at velocity `v` [N·m or N].
 pub fn stribeck_torque(v: f64, a: &[f64; 5]) -> f64 {
     a[0] * v + a[1] * (a[2] * v).tanh() + a[3] * (-a[4] * v.abs()).exp() * (3.0 * a[2] * v).tanh()
+}
+
+/// The law's derivatives by a1 … a5 at velocity `v`.
+pub fn stribeck_gradient(v: f64, a: &[f64; 5]) -> [f64; 5] {
+    let mut columns = [[0.0; BLOCK]; 6];
+    stribeck_block(&[v], &[0.0], a, &mut columns);
+    std::array::from_fn(|i| columns[i][0])
 }
 
 /// Weights against outliers.
@@ -39,6 +53,8 @@ pub enum Robustness {
 pub struct StribeckRegression {
     /// How many of the best starts are refined on the binned data.
     pub starts: usize,
+    /// Whether each run has a constant torque beside the law.
+    pub offset: bool,
     /// Weights against outliers.
     pub robustness: Robustness,
     /// Limit of the passes over all samples, for each set of weights.
@@ -49,7 +65,7 @@ pub struct StribeckRegression {
 
 impl Default for StribeckRegression {
     fn default() -> Self {
-        Self { starts: 3, robustness: Robustness::None, max_iterations: 100, tolerance: 1e-13 }
+        Self { starts: 5, offset: true, robustness: Robustness::None, max_iterations: 100, tolerance: 1e-13 }
     }
 }
 
@@ -58,11 +74,16 @@ impl Default for StribeckRegression {
 pub struct StribeckFit {
     /// a1 … a5 [N·m·s/rad, N·m, s/rad, N·m, s/rad].
     pub parameters: [f64; 5],
-    /// Covariance of the parameters for independent errors; rows and columns of parameters that are not
-    /// identifiable are zero, see [`Self::standard_errors`].
+    /// The constant torque of each run; none where the regression has none.
+    pub offsets: Vec<f64>,
+    /// Covariance of the parameters for independent errors, or for correlated ones after
+    /// [`Self::with_correlated_errors`]; rows and columns of parameters that are not identifiable are zero, see
+    /// [`Self::standard_errors`].
     pub covariance: SMatrix<f64, 5, 5>,
     /// Standard errors; `None` where a parameter is not identifiable from these data.
     pub standard_errors: [Option<f64>; 5],
+    /// Standard errors if all other parameters were known.
+    pub resolutions: [Option<f64>; 5],
     /// Residual variance σ² [(N·m)²].
     pub variance: f64,
     /// Degrees of freedom.
@@ -75,26 +96,63 @@ pub struct StribeckFit {
     pub converged: bool,
     /// Doubts about the parameters, with numbers.
     pub warnings: Vec<String>,
+    /// JᵀWJ at the result, offsets eliminated.
+    information: SMatrix<f64, 5, 5>,
 }
 
 impl StribeckRegression {
-    /// Fits the law.
+    /// Fits the law to a single run.
     ///
     /// - `velocities`, `torques`: m samples [rad/s, N·m]; `weights`: m or none
     ///
     /// # Errors
+    /// As [`Self::fit_runs`].
+    pub fn fit(&self, velocities: &[f64], torques: &[f64], weights: Option<&[f64]>) -> Result<StribeckFit> {
+        let whole = 0..velocities.len();
+        self.fit_runs(velocities, torques, weights, &[whole])
+    }
+
+    /// Fits one law to several runs, each with an offset of its own.
+    ///
+    /// - `velocities`, `torques`: m samples [rad/s, N·m]; `weights`: m or none
+    /// - `runs`: ranges of samples that follow each other and hold all
+    ///
+    /// # Errors
     /// Fewer than six samples, values that are not finite, or constant velocity. Parameters that run away end
     /// with a warning.
-    pub fn fit(&self, velocities: &[f64], torques: &[f64], weights: Option<&[f64]>) -> Result<StribeckFit> {
+    pub fn fit_runs(
+        &self,
+        velocities: &[f64],
+        torques: &[f64],
+        weights: Option<&[f64]>,
+        runs: &[Range<usize>],
+    ) -> Result<StribeckFit> {
         self.check(velocities, torques, weights)?;
-        let bins = Bins::new(velocities, torques, weights);
-        let start = bins.best_start(self.starts.max(1))?;
-        let data = Data { v: velocities, torque: torques };
-        let mut state = data.refine(start, weights, self);
+        let covered = runs.iter().try_fold(0, |end, run| (run.start == end).then_some(run.end));
+        require_length("samples in the runs", velocities.len(), covered.unwrap_or(0))?;
+        let data = Data { v: velocities, torque: torques, runs, offset: self.offset };
+        let bins = Bins::new(&data, weights);
+        let (start, offset) = bins.best_start(self.starts.max(1))?;
+        let offsets = bins.offsets(offset);
+        let mut state = data.refine(start, offsets, weights, self, NEAR);
         if let Robustness::Huber(k) = self.robustness {
             state = data.reweighted(state, weights, k, self);
         }
-        Ok(summarize(&data, state))
+        Ok(summarize(&data, &state))
+    }
+
+    /// Parameters of a fit to samples with other weights that begins at a known law; outliers are not sought again.
+    pub(crate) fn refit(
+        &self,
+        known: &StribeckFit,
+        velocities: &[f64],
+        torques: &[f64],
+        weights: &[f64],
+        runs: &[Range<usize>],
+    ) -> [f64; 5] {
+        let data = Data { v: velocities, torque: torques, runs, offset: self.offset };
+        let offsets = if self.offset { known.offsets.clone() } else { vec![0.0; runs.len()] };
+        data.refine(known.parameters, offsets, Some(weights), self, NEAR).a
     }
 
     fn check(&self, v: &[f64], torque: &[f64], weights: Option<&[f64]>) -> Result<()> {
@@ -123,7 +181,7 @@ impl StribeckRegression {
 }
 
 impl StribeckFit {
-    /// The law at velocity `v`.
+    /// The law at velocity `v`, without an offset.
     pub fn torque(&self, v: f64) -> f64 {
         stribeck_torque(v, &self.parameters)
     }
@@ -140,15 +198,13 @@ impl StribeckFit {
     }
 
     /// Half widths at velocity `v`: of the confidence band of the law, and of the prediction band of a new
-    /// sample.
+    /// sample without its offset.
     ///
     /// # Errors
     /// A level outside (0, 1).
     pub fn half_widths(&self, v: f64, level: f64) -> Result<[f64; 2]> {
         let t = self.quantile(level)?;
-        let mut columns = [[0.0; BLOCK]; 6];
-        stribeck_block(&[v], &[0.0], &self.parameters, &mut columns);
-        let g = Vector5::from_fn(|i, _| columns[i][0]);
+        let g = SVector::<f64, 5>::from(stribeck_gradient(v, &self.parameters));
         let law = g.dot(&(self.covariance * g)).max(0.0);
         Ok([t * law.sqrt(), t * (law + self.variance).sqrt()])
     }
@@ -164,14 +220,6 @@ impl StribeckFit {
     }
 
     fn quantile(&self, level: f64) -> Result<f64> {
-        require_setting("level", level, level > 0.0 && level < 1.0, "it must lie between 0 and 1")?;
-        let distribution = StudentsT::new(0.0, 1.0, self.freedom.max(1) as f64).map_err(|e| {
-            IdentificationError::Setting {
-                name: "degrees of freedom".into(),
-                value: self.freedom as f64,
-                requirement: e.to_string(),
-            }
-        })?;
-        Ok(distribution.inverse_cdf(0.5 * (1.0 + level)))
+        super::confidence::quantile(level, self.freedom.max(1) as f64)
     }
 }

@@ -1,66 +1,119 @@
-//! Refinement on all samples, and what the data say about the result.
+//! Refinement on all samples.
 
 use super::super::kernel::{BLOCK, add_products, stribeck_block};
-use super::{NAMES, StribeckFit, StribeckRegression, stribeck_torque};
+use super::{StribeckRegression, stribeck_torque};
 use nalgebra::{SMatrix, SVector};
+use std::ops::Range;
+
+/// Columns of a pass: five derivatives, the residual, a constant.
+const WIDTH: usize = 7;
+
+/// First damping for starts near the result.
+pub(super) const NEAR: f64 = 1e-8;
 
 pub(super) struct Data<'a> {
     pub(super) v: &'a [f64],
     pub(super) torque: &'a [f64],
+    pub(super) runs: &'a [Range<usize>],
+    /// Whether each run has a constant beside the law.
+    pub(super) offset: bool,
 }
 
-/// Cost Σ w r², JᵀW J and JᵀW r at one point.
-#[derive(Clone, Copy)]
+/// Cost Σ w r², JᵀW J and JᵀW r at one point, the offsets eliminated.
+#[derive(Clone)]
 pub(super) struct Normal {
-    a: [f64; 5],
-    cost: f64,
-    h: SMatrix<f64, 5, 5>,
+    pub(super) a: [f64; 5],
+    pub(super) cost: f64,
+    pub(super) h: SMatrix<f64, 5, 5>,
     g: SVector<f64, 5>,
-    iterations: usize,
-    converged: bool,
+    /// The best offset of each run at this point.
+    pub(super) offsets: Vec<f64>,
+    /// Mean of the derivatives in each run: by their product with a step the offset sinks.
+    pub(super) levels: Vec<SVector<f64, 5>>,
+    pub(super) iterations: usize,
+    pub(super) converged: bool,
 }
 
 impl Data<'_> {
     /// One pass over the samples.
-    fn normal(&self, a: [f64; 5], weights: Option<&[f64]>) -> Normal {
-        let mut sums = [0.0; 36];
+    ///
+    /// - `offsets`: near the best ones, so that their elimination cancels no digits
+    fn normal(&self, a: [f64; 5], offsets: &[f64], weights: Option<&[f64]>) -> Normal {
+        let mut state = Normal {
+            a,
+            cost: 0.0,
+            h: SMatrix::zeros(),
+            g: SVector::zeros(),
+            offsets: offsets.to_vec(),
+            levels: vec![SVector::zeros(); offsets.len()],
+            iterations: 1,
+            converged: false,
+        };
+        for (k, run) in self.runs.iter().enumerate() {
+            let sums = self.products(run, &a, offsets[k], weights);
+            let total = sums[WIDTH * WIDTH - 1];
+            let constant = |i: usize| sums[(WIDTH - 1) * WIDTH + i];
+            // Without weight or offset nothing is eliminated.
+            let share = if self.offset && total > 0.0 { 1.0 / total } else { 0.0 };
+            let product =
+                |i: usize, j: usize| sums[i.max(j) * WIDTH + i.min(j)] - constant(i) * constant(j) * share;
+            state.h += SMatrix::<f64, 5, 5>::from_fn(product);
+            state.g += SVector::<f64, 5>::from_fn(|i, _| product(5, i));
+            state.cost += product(5, 5).max(0.0);
+            state.offsets[k] += constant(5) * share;
+            state.levels[k] = SVector::from_fn(|i, _| constant(i) * share);
+        }
+        state
+    }
+
+    fn products(
+        &self,
+        run: &Range<usize>,
+        a: &[f64; 5],
+        offset: f64,
+        weights: Option<&[f64]>,
+    ) -> [f64; WIDTH * WIDTH] {
+        let mut sums = [0.0; WIDTH * WIDTH];
         let mut columns = [[0.0; BLOCK]; 6];
-        for start in (0..self.v.len()).step_by(BLOCK) {
-            let rows = start..self.v.len().min(start + BLOCK);
-            stribeck_block(&self.v[rows.clone()], &self.torque[rows.clone()], &a, &mut columns);
+        let mut ones = [1.0; BLOCK];
+        for start in run.clone().step_by(BLOCK) {
+            let rows = start..run.end.min(start + BLOCK);
+            let n = rows.len();
+            stribeck_block(&self.v[rows.clone()], &self.torque[rows.clone()], a, &mut columns);
+            if offset != 0.0 {
+                columns[5].iter_mut().for_each(|r| *r -= offset);
+            }
             if let Some(weights) = weights {
-                for column in &mut columns {
+                ones.fill(1.0);
+                for column in columns.iter_mut().chain([&mut ones]) {
                     for (c, w) in column.iter_mut().zip(&weights[rows.clone()]) {
                         *c *= w.sqrt();
                     }
                 }
             }
-            let n = rows.len();
             let [c1, c2, c3, c4, c5, r] = &columns;
-            add_products(&[&c1[..n], &c2[..n], &c3[..n], &c4[..n], &c5[..n], &r[..n]], &mut sums);
+            let all = [&c1[..n], &c2[..n], &c3[..n], &c4[..n], &c5[..n], &r[..n], &ones[..n]];
+            add_products(&all, &mut sums);
         }
-        Normal {
-            a,
-            cost: sums[35],
-            h: SMatrix::from_fn(|i, j| sums[i.max(j) * 6 + i.min(j)]),
-            g: SVector::from_fn(|i, _| sums[30 + i]),
-            iterations: 1,
-            converged: false,
-        }
+        sums
     }
 
     /// Levenberg–Marquardt on the 5 × 5 normal equations, damping in units of the diagonal.
+    ///
+    /// - `first_damping`: [`NEAR`] where the start comes from the same data, so that nearly undamped steps succeed
+    ///   at once
     pub(super) fn refine(
         &self,
         start: [f64; 5],
+        offsets: Vec<f64>,
         weights: Option<&[f64]>,
         settings: &StribeckRegression,
+        first_damping: f64,
     ) -> Normal {
-        let mut best = self.normal(start, weights);
+        let mut best = self.normal(start, &offsets, weights);
         // What rounding in the residuals leaves of the cost where the law fits exactly.
         let floor = 1e-28 * self.torque.iter().map(|t| t * t).sum::<f64>();
-        // The start comes from the same data, binned: nearly undamped steps succeed at once.
-        let mut damping = 1e-8;
+        let mut damping = first_damping;
         let mut passes = 1;
         while passes < settings.max_iterations {
             let Some(step) = damped_step(&best, damping) else {
@@ -77,7 +130,7 @@ impl Data<'_> {
             if damping > 1e12 {
                 break;
             }
-            let trial = if a[2] > 0.0 && a[4] > 0.0 { Some(self.normal(a, weights)) } else { None };
+            let trial = (a[2] > 0.0 && a[4] > 0.0).then(|| self.normal(a, &ahead(&best, &step), weights));
             passes += 1;
             match trial {
                 Some(trial) if trial.cost <= best.cost => {
@@ -90,8 +143,15 @@ impl Data<'_> {
         Normal { iterations: passes, ..best }
     }
 
-    fn residual(&self, i: usize, a: &[f64; 5]) -> f64 {
-        self.torque[i] - stribeck_torque(self.v[i], a)
+    /// Torque minus offset minus law.
+    pub(super) fn residuals(&self, state: &Normal) -> Vec<f64> {
+        let mut residuals = Vec::with_capacity(self.v.len());
+        for (run, offset) in self.runs.iter().zip(&state.offsets) {
+            let offset = if self.offset { *offset } else { 0.0 };
+            let residual = |i: usize| self.torque[i] - offset - stribeck_torque(self.v[i], &state.a);
+            residuals.extend(run.clone().map(residual));
+        }
+        residuals
     }
 
     /// Iteratively reweighted least squares with the scale from the median absolute residual.
@@ -104,7 +164,7 @@ impl Data<'_> {
     ) -> Normal {
         let m = self.v.len();
         for _ in 0..50 {
-            let residuals: Vec<f64> = (0..m).map(|i| self.residual(i, &state.a).abs()).collect();
+            let residuals: Vec<f64> = self.residuals(&state).iter().map(|r| r.abs()).collect();
             let mut sorted = residuals.clone();
             let scale = 1.4826 * *sorted.select_nth_unstable_by(m / 2, f64::total_cmp).1;
             if scale == 0.0 {
@@ -113,7 +173,7 @@ impl Data<'_> {
             let weight = |i: usize| given.map_or(1.0, |w| w[i]) * (k * scale / residuals[i].max(k * scale));
             let weights: Vec<f64> = (0..m).map(weight).collect();
             let before = state;
-            state = self.refine(before.a, Some(&weights), settings);
+            state = self.refine(before.a, before.offsets.clone(), Some(&weights), settings, NEAR);
             state.iterations += before.iterations;
             let moved = (0..5).map(|i| (state.a[i] - before.a[i]).abs() / (before.a[i].abs() + 1e-12));
             if moved.fold(0.0, f64::max) < 1e-7 {
@@ -122,6 +182,11 @@ impl Data<'_> {
         }
         state
     }
+}
+
+/// Offsets after a step, to first order.
+fn ahead(state: &Normal, step: &SVector<f64, 5>) -> Vec<f64> {
+    state.offsets.iter().zip(&state.levels).map(|(offset, level)| offset - level.dot(step)).collect()
 }
 
 fn damped_step(normal: &Normal, damping: f64) -> Option<SVector<f64, 5>> {
@@ -133,78 +198,4 @@ fn damped_step(normal: &Normal, damping: f64) -> Option<SVector<f64, 5>> {
     }
     let z = scaled.cholesky()?.solve(&normal.g.component_div(&d));
     Some(z.component_div(&d))
-}
-
-pub(super) fn summarize(data: &Data, state: Normal) -> StribeckFit {
-    let freedom = data.v.len() - 5;
-    let variance = state.cost / freedom as f64;
-    let d = state.h.diagonal().map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
-    let scaled = SMatrix::<f64, 5, 5>::from_fn(|i, j| state.h[(i, j)] / (d[i] * d[j]));
-    let eigen = scaled.symmetric_eigen();
-    let largest = eigen.eigenvalues.max();
-    let mut inverse = SMatrix::<f64, 5, 5>::zeros();
-    let mut lost = [false; 5];
-    for k in 0..5 {
-        let direction = eigen.eigenvectors.column(k);
-        if eigen.eigenvalues[k] > 1e-10 * largest {
-            inverse += direction * direction.transpose() / eigen.eigenvalues[k];
-        } else {
-            (0..5).filter(|&i| direction[i].abs() > 0.1).for_each(|i| lost[i] = true);
-        }
-    }
-    let covariance =
-        SMatrix::from_fn(
-            |i, j| {
-                if lost[i] || lost[j] { 0.0 } else { variance * inverse[(i, j)] / (d[i] * d[j]) }
-            },
-        );
-    let standard_errors = std::array::from_fn(|i| (!lost[i]).then(|| covariance[(i, i)].max(0.0).sqrt()));
-    let least = eigen.eigenvalues.min().max(0.0);
-    let mut fit = StribeckFit {
-        parameters: state.a,
-        covariance,
-        standard_errors,
-        variance,
-        freedom,
-        condition: if least > 0.0 { (largest / least).sqrt() } else { f64::INFINITY },
-        iterations: state.iterations,
-        converged: state.converged,
-        warnings: Vec::new(),
-    };
-    fit.warnings = warnings(&fit, data);
-    fit
-}
-
-fn warnings(fit: &StribeckFit, data: &Data) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let a = &fit.parameters;
-    if !fit.converged {
-        warnings.push(format!("no convergence in {} passes: some parameters run away", fit.iterations));
-    }
-    for i in 0..5 {
-        match fit.standard_errors[i] {
-            None => warnings.push(format!("{} is not identifiable: the data do not depend on it", NAMES[i])),
-            Some(s) if s > 0.5 * a[i].abs() => {
-                warnings.push(format!("{} = {:.4} has a standard error of {s:.4}", NAMES[i], a[i]));
-            }
-            Some(_) => {}
-        }
-        for j in 0..i {
-            let c = fit.covariance[(i, j)] / (fit.covariance[(i, i)] * fit.covariance[(j, j)]).sqrt();
-            if c.abs() > 0.995 {
-                warnings.push(format!(
-                    "{} and {} are correlated with {c:.4}: only a combination is known",
-                    NAMES[j], NAMES[i]
-                ));
-            }
-        }
-    }
-    let slow = data.v.iter().filter(|v| v.abs() < 1.0 / a[2]).count();
-    if slow < 10 {
-        warnings.push(format!(
-            "only {slow} samples are slower than 1/a3 = {:.4}: the step at zero is a guess",
-            1.0 / a[2]
-        ));
-    }
-    warnings
 }

@@ -69,18 +69,24 @@ fn the_first_half_of_a_ur10_log_predicts_the_second() {
         let mut f = std::io::BufWriter::new(std::fs::File::create(path).unwrap());
         for i in 0..run.times.len() {
             let at = |c: &[Vec<f64>]| -> Vec<f64> { c.iter().map(|c| c[i]).collect() };
-            let (y, v, a, e) = (at(&run.positions), at(&run.velocities), at(&run.accelerations), at(&run.efforts));
+            let (y, v, a, e) =
+                (at(&run.positions), at(&run.velocities), at(&run.accelerations), at(&run.efforts));
             let mut w = vec![0.0; 360];
             ur10().inertial_regressor(&y, &v, &a, &mut w);
-            let all: Vec<String> = y.iter().chain(&v).chain(&a).chain(&e).chain(&w).map(|x| x.to_string()).collect();
+            let all: Vec<String> =
+                y.iter().chain(&v).chain(&a).chain(&e).chain(&w).map(|x| x.to_string()).collect();
             writeln!(f, "{}", all.join(",")).unwrap();
         }
         return;
     }
     let half = run.times.len() / 2;
     let mut settings = EstimationSettings::default();
-    if let Ok(x) = std::env::var("ROBUST") { settings.robust_passes = x.parse().unwrap(); }
-    if std::env::var("TERMS").is_ok() { settings.optional_terms = false; }
+    if let Ok(x) = std::env::var("ROBUST") {
+        settings.robust_passes = x.parse().unwrap();
+    }
+    if std::env::var("TERMS").is_ok() {
+        settings.optional_terms = false;
+    }
     let start = std::time::Instant::now();
     let found =
         estimate(&ur10(), &[part(&run, 0..half)], &settings, &mut |s| println!("{:?} {s}", start.elapsed()))

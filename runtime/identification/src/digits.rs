@@ -1,0 +1,109 @@
+//! Numbers with the digits that mean something: two significant digits of the standard error decide.
+
+/// Most significant digits of a double.
+const MOST_DIGITS: i32 = 17;
+/// Decimals beyond which a number is written with an exponent.
+const MOST_DECIMALS: i32 = 12;
+
+/// `value` rounded to the decimal place of the second significant digit of `error`.
+///
+/// - `error`: standard error; where it is absent, zero or not finite, the shortest text that reads back as
+///   `value` is returned
+///
+/// 76.5561 with 0.0312 is `76.556`; 12345.0 with 120.0 is `12350`. At most 17 significant digits are written.
+pub fn rounded(value: f64, error: Option<f64>) -> String {
+    let Some(decimals) = decimals(error).filter(|_| value.is_finite()) else {
+        return format!("{value:?}");
+    };
+    if value != 0.0 && magnitude(value) + 1 + decimals > MOST_DIGITS {
+        return format!("{value:?}");
+    }
+    let text = if value.abs() < 0.5 * 10_f64.powi(-decimals) {
+        "0.0".into()
+    } else if decimals > MOST_DECIMALS {
+        let digits = (magnitude(value) + decimals).max(0);
+        format!("{value:.*e}", digits as usize)
+    } else if decimals >= 0 {
+        format!("{value:.*}", decimals as usize)
+    } else {
+        let unit = 10_f64.powi(-decimals);
+        format!("{:.0}", (value / unit).round() * unit)
+    };
+    text
+}
+
+/// [`rounded`] with a point or an exponent, so that formats which tell whole numbers from others read a
+/// floating-point number.
+pub fn literal(value: f64, error: Option<f64>) -> String {
+    let text = rounded(value, error);
+    if text.contains(['.', 'e', 'N', 'i']) { text } else { text + ".0" }
+}
+
+/// `76.556 ± 0.031`; the value alone where no error is known.
+pub fn with_error(value: f64, error: Option<f64>) -> String {
+    match error.filter(|_| decimals(error).is_some()) {
+        Some(e) => format!("{} ± {}", rounded(value, error), rounded(e, error)),
+        None => rounded(value, None),
+    }
+}
+
+/// Whether nothing is left of `value` after [`rounded`].
+pub fn vanishes(value: f64, error: Option<f64>) -> bool {
+    rounded(value, error).parse::<f64>() == Ok(0.0)
+}
+
+/// Decimal place of the second significant digit of the error.
+fn decimals(error: Option<f64>) -> Option<i32> {
+    let error = error.filter(|e| e.is_finite() && *e > 0.0)?;
+    Some(1 - magnitude(error))
+}
+
+/// Exponent of ten of a number rounded to two digits: 0.0996 counts as 0.10.
+fn magnitude(x: f64) -> i32 {
+    let text = format!("{:.1e}", x.abs());
+    text.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_digits_of_the_error_decide() {
+        assert_eq!(with_error(76.556_12, Some(0.0312)), "76.556 ± 0.031");
+        assert_eq!(with_error(76.556_12, Some(0.0996)), "76.56 ± 0.10");
+        assert_eq!(with_error(-3.924, Some(2.0)), "-3.9 ± 2.0");
+        assert_eq!(with_error(12_345.0, Some(123.0)), "12350 ± 120");
+        assert_eq!(rounded(3.212e-6, Some(4.1e-8)), "0.000003212");
+        assert_eq!(rounded(3.212_49e-16, Some(4.1e-18)), "3.212e-16");
+        assert_eq!(rounded(-0.001, Some(0.1)), "0.0");
+        assert_eq!(rounded(1e-20, Some(4.1e-18)), "0.0");
+    }
+
+    #[test]
+    fn without_an_error_nothing_is_lost() {
+        for value in [76.5, 20.0 / 3.0, 8e-17, -1.0] {
+            for error in [None, Some(0.0), Some(f64::NAN), Some(1e-30)] {
+                assert_eq!(rounded(value, error).parse::<f64>(), Ok(value));
+            }
+        }
+        assert_eq!(with_error(2.5, None), "2.5");
+        assert_eq!(rounded(1.0 / 3.0, Some(1e-16)).parse::<f64>(), Ok(1.0 / 3.0));
+    }
+
+    #[test]
+    fn literals_are_floating_point_numbers() {
+        assert_eq!(literal(12_345.0, Some(123.0)), "12350.0");
+        assert_eq!(literal(4.0, Some(0.5)), "4.00");
+        for text in [literal(77.2, Some(15.0)), literal(1e300, Some(1e298)), literal(3.2e-16, Some(1e-17))] {
+            let table: toml::Table = toml::from_str(&format!("x = {text}")).unwrap();
+            assert!(table["x"].is_float(), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_rounds_to_nothing_vanishes() {
+        assert!(vanishes(0.0, None) && vanishes(0.004, Some(0.1)) && vanishes(-0.004, Some(0.1)));
+        assert!(!vanishes(0.006, Some(0.1)) && !vanishes(1e-9, None) && !vanishes(40.0, Some(100.0)));
+    }
+}

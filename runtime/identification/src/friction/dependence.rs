@@ -1,0 +1,85 @@
+//! Residuals that depend on what friction does not know: signs of a wrong rigid body.
+
+use super::super::error::Result;
+use super::super::least_squares::Reduced;
+use super::super::moments::{Moments, Samples};
+use super::FrictionData;
+use super::design::{centre, fold_ranges, runs};
+
+/// Share of the residual's variance that another quantity must explain on left-out folds to be named.
+const NAMED_SHARE: f64 = 0.1;
+/// Share of the friction torque's rms below which a dependence does not matter.
+const NEGLIGIBLE: f64 = 0.02;
+
+/// A sentence, with its remedy, for each quantity that the residuals depend on.
+///
+/// - `scale`: rms of the friction torque
+pub(super) fn dependences(data: &FrictionData, folds: usize, residuals: &[f64], scale: f64) -> Vec<String> {
+    let mut sentences = Vec::new();
+    let mut look = |what: &str, columns: Vec<Vec<f64>>, remedy: &str| {
+        let Some(share) = explained_share(data, folds, residuals, columns) else { return };
+        let variance = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len() as f64;
+        let rms = (share * variance).max(0.0).sqrt();
+        if share > NAMED_SHARE && rms > NEGLIGIBLE * scale {
+            let percent = 100.0 * share;
+            sentences.push(format!(
+                "the residual depends on the {what}, which explains {percent:.0} % of it on left-out data \
+                 ({rms:.4} {} rms): {remedy}",
+                data.unit
+            ));
+        }
+    };
+    if let Some(y) = data.positions {
+        look("position", functions_of_position(y, data.velocity_unit), POSITION_REMEDY);
+    }
+    if let Some(a) = data.accelerations {
+        look("acceleration", vec![a.to_vec()], ACCELERATION_REMEDY);
+    }
+    sentences
+}
+
+const POSITION_REMEDY: &str = "masses or centres of mass of the description (or the load, or the direction of \
+    gravity) are wrong; identify inertial parameters together with friction, or give the friction a law in `y`";
+const ACCELERATION_REMEDY: &str = "inertia or rotor inertia of the description is wrong, or the torque is delayed \
+    against the position; identify inertial parameters together with friction, and the delay";
+
+/// Gravity of turning links, or a polynomial for sliding ones.
+fn functions_of_position(y: &[f64], velocity_unit: &str) -> Vec<Vec<f64>> {
+    let functions: &[fn(f64) -> f64] = if velocity_unit.starts_with("rad") {
+        &[f64::sin, f64::cos, |y| (2.0 * y).sin(), |y| (2.0 * y).cos()]
+    } else {
+        &[|y| y, |y| y * y]
+    };
+    functions.iter().map(|f| y.iter().map(|y| f(*y)).collect()).collect()
+}
+
+/// Share of the residuals' variance that the columns explain on folds left out; `None` where that cannot be told.
+fn explained_share(
+    data: &FrictionData,
+    folds: usize,
+    residuals: &[f64],
+    mut columns: Vec<Vec<f64>>,
+) -> Option<f64> {
+    columns.iter_mut().for_each(|column| centre(column, &runs(data), data.weights));
+    let names: Vec<String> = (0..columns.len()).map(|i| format!("f{i}")).collect();
+    let slices = columns.iter().map(Vec::as_slice).collect();
+    let mut samples = Samples::from_columns(&names, slices, vec![residuals]).ok()?;
+    if let Some(weights) = data.weights {
+        samples = samples.with_weights(weights).ok()?;
+    }
+    let folds = Moments::ranges(&samples, &fold_ranges(data, folds)).ok()?;
+    let energy: f64 = folds.iter().map(|fold| fold.energy(0)).sum();
+    let left = left_over(&folds).ok()?;
+    (energy > 0.0).then(|| 1.0 - left / energy)
+}
+
+fn left_over(folds: &[Moments]) -> Result<f64> {
+    let mut sum = 0.0;
+    for (k, fold) in folds.iter().enumerate() {
+        let others = folds.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, fold)| fold);
+        let training = Reduced::from_moments(Moments::sum(others)?)?;
+        let all: Vec<usize> = (0..training.moments().terms()).collect();
+        sum += fold.residual(0, &training.solve(0, &all, 0.0)?);
+    }
+    Ok(sum)
+}

@@ -1,0 +1,199 @@
+//! The regression without its offsets: from each run's columns and torque their means are taken.
+//!
+//! Least squares on what remains gives the same coefficients as least squares with a constant for each run
+//! (Frisch, Waugh 1933; Lovell 1963). So an offset is separated before anything is asked of the law, and costs
+//! no term of the library.
+
+use super::super::error::{IdentificationError, Result};
+use super::super::least_squares::Reduced;
+use super::super::library::Library;
+use super::super::moments::{Moments, Samples, contiguous_blocks};
+use super::super::result::Offset;
+use super::{FrictionData, FrictionIdentification, Offsets};
+use nalgebra::DVector;
+use std::ops::Range;
+
+/// Share of a column that must remain when the runs' means are taken off. Less cannot be told from offsets: six
+/// digits of the data would be lost.
+const LEAST_REMAINDER: f64 = 1e-6;
+
+/// Columns of the candidate terms and the torque, without offsets.
+pub(super) struct Design<'a> {
+    pub(super) data: &'a FrictionData<'a>,
+    /// The library's terms that may enter the law.
+    pub(super) library: Library,
+    columns: Vec<Vec<f64>>,
+    torque: Vec<f64>,
+    pub(super) runs: Vec<Range<usize>>,
+    pub(super) separate: bool,
+}
+
+impl<'a> Design<'a> {
+    pub(super) fn new(settings: &FrictionIdentification, data: &'a FrictionData<'a>) -> Result<Self> {
+        let separate = settings.offsets == Offsets::Separate;
+        let library = if separate { without_constants(&settings.library)? } else { settings.library.clone() };
+        let matrix = library.matrix(&[data.velocities])?;
+        let mut columns: Vec<Vec<f64>> = matrix.column_iter().map(|c| c.iter().copied().collect()).collect();
+        let mut torque = data.torques.to_vec();
+        let runs = runs(data);
+        require_independent(&library, &columns, data, separate)?;
+        if separate {
+            for (term, column) in library.terms().iter().zip(&mut columns) {
+                centre_term(term, column, &runs, data.weights)?;
+            }
+            centre(&mut torque, &runs, data.weights);
+        }
+        Ok(Self { data, library, columns, torque, runs, separate })
+    }
+
+    /// Samples for least squares.
+    pub(super) fn samples(&self) -> Result<Samples<'_>> {
+        self.samples_of(&(0..self.library.len()).collect::<Vec<_>>())
+    }
+
+    /// Samples of some of the terms.
+    pub(super) fn samples_of(&self, terms: &[usize]) -> Result<Samples<'_>> {
+        let names: Vec<String> = terms.iter().map(|&i| self.library.terms()[i].clone()).collect();
+        let columns = terms.iter().map(|&i| self.columns[i].as_slice()).collect();
+        let samples = Samples::from_columns(&names, columns, vec![&self.torque])?;
+        match self.data.weights {
+            Some(weights) => samples.with_weights(weights),
+            None => Ok(samples),
+        }
+    }
+
+    /// One term's column.
+    pub(super) fn column(&self, term: usize) -> &[f64] {
+        &self.columns[term]
+    }
+
+    /// Folds of the cross-validation.
+    pub(super) fn folds(&self, samples: &Samples, count: usize) -> Result<Vec<Moments>> {
+        Moments::ranges(samples, &self.fold_ranges(count))
+    }
+
+    pub(super) fn fold_ranges(&self, count: usize) -> Vec<Range<usize>> {
+        fold_ranges(self.data, count)
+    }
+
+    /// Torque minus offset minus law.
+    pub(super) fn residuals(&self, coefficients: &DVector<f64>) -> Vec<f64> {
+        let mut residuals = self.torque.clone();
+        for (column, coefficient) in self.columns.iter().zip(coefficients.iter()) {
+            if *coefficient != 0.0 {
+                residuals.iter_mut().zip(column).for_each(|(r, x)| *r -= coefficient * x);
+            }
+        }
+        residuals
+    }
+
+    /// The constant of each run that goes with a law; none where constants belong to the law.
+    pub(super) fn offsets(&self, law: &[f64], residuals: &[f64]) -> Vec<Offset> {
+        if !self.separate {
+            return Vec::new();
+        }
+        offsets(self.data, &self.runs, law, residuals)
+    }
+}
+
+/// Ranges of the folds that the data name, or contiguous blocks; at most one for each sample.
+pub(super) fn fold_ranges(data: &FrictionData, count: usize) -> Vec<Range<usize>> {
+    match data.folds {
+        Some(folds) => folds.to_vec(),
+        None => contiguous_blocks(data.velocities.len(), count.clamp(1, data.velocities.len())).collect(),
+    }
+}
+
+/// The runs of the data, or one that holds all samples.
+pub(super) fn runs(data: &FrictionData) -> Vec<Range<usize>> {
+    let whole = 0..data.velocities.len();
+    data.runs.map_or_else(|| vec![whole], <[_]>::to_vec)
+}
+
+/// The mean of torque minus law in each run, with the standard error of the residuals' mean.
+pub(super) fn offsets(
+    data: &FrictionData,
+    runs: &[Range<usize>],
+    law: &[f64],
+    residuals: &[f64],
+) -> Vec<Offset> {
+    let offset = |rows: &Range<usize>| {
+        let left: Vec<f64> = rows.clone().map(|i| data.torques[i] - law[i]).collect();
+        let weights = data.weights.map(|w| &w[rows.clone()]);
+        let spread = super::super::confidence::LongRun::of_sum(&residuals[rows.clone()], &[0..rows.len()]);
+        Offset {
+            samples: rows.clone(),
+            value: mean(&left, weights),
+            standard_error: (rows.len() >= 24).then(|| spread.standard_error() / rows.len() as f64),
+        }
+    };
+    runs.iter().map(offset).collect()
+}
+
+/// Takes its (weighted) mean off each run of a column.
+pub(crate) fn centre(column: &mut [f64], runs: &[Range<usize>], weights: Option<&[f64]>) {
+    for rows in runs {
+        let mean = mean(&column[rows.clone()], weights.map(|w| &w[rows.clone()]));
+        column[rows.clone()].iter_mut().for_each(|x| *x -= mean);
+    }
+}
+
+pub(super) fn mean(x: &[f64], weights: Option<&[f64]>) -> f64 {
+    let Some(weights) = weights else {
+        return x.iter().sum::<f64>() / x.len() as f64;
+    };
+    let total: f64 = weights.iter().sum();
+    let sum: f64 = x.iter().zip(weights).map(|(x, w)| x * w).sum();
+    if total > 0.0 { sum / total } else { 0.0 }
+}
+
+fn centre_term(term: &str, column: &mut [f64], runs: &[Range<usize>], weights: Option<&[f64]>) -> Result<()> {
+    let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let before = norm(column);
+    centre(column, runs, weights);
+    let remains = norm(column) / before;
+    if remains > LEAST_REMAINDER {
+        return Ok(());
+    }
+    Err(IdentificationError::Collinear {
+        terms: vec![term.into(), "the offset of each run".into()],
+        condition: 1.0 / remains,
+        limit: 1.0 / LEAST_REMAINDER,
+    })
+}
+
+/// The library with a constant in place of its own: collinear terms are named here as they were written.
+fn require_independent(
+    library: &Library,
+    columns: &[Vec<f64>],
+    data: &FrictionData,
+    separate: bool,
+) -> Result<()> {
+    let one = vec![1.0; data.velocities.len()];
+    let mut names = library.terms().to_vec();
+    let mut all: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    if separate {
+        names.insert(0, "1".into());
+        all.insert(0, &one);
+    }
+    let mut samples = Samples::from_columns(&names, all, vec![data.torques])?;
+    if let Some(weights) = data.weights {
+        samples = samples.with_weights(weights)?;
+    }
+    Reduced::new(&samples).map(|_| ())
+}
+
+/// The library without terms that are constant at all speeds.
+fn without_constants(library: &Library) -> Result<Library> {
+    // Speeds at which no term of a friction law agrees by chance.
+    let speeds = [-17.3, -1.1, -0.07, 0.0, 0.003, 0.21, 2.9, 31.0];
+    let matrix = library.matrix(&[&speeds])?;
+    let varies = |i: &usize| matrix.column(*i).iter().any(|x| *x != matrix[(0, *i)]);
+    let kept: Vec<&str> = (0..library.len()).filter(varies).map(|i| library.terms()[i].as_str()).collect();
+    if kept.is_empty() {
+        return Err(IdentificationError::Empty {
+            what: "the library without its constant terms, which are offsets,".into(),
+        });
+    }
+    Library::new(&kept, library.channels())
+}

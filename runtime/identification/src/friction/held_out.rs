@@ -1,0 +1,84 @@
+//! R² on data that were left out: the choice of terms and the fit are repeated without each fold in turn.
+
+use super::super::constrained::constrained_fit;
+use super::super::error::Result;
+use super::super::least_squares::Reduced;
+use super::super::moments::{Moments, Samples};
+use super::design::{Design, centre, mean, runs};
+use super::judgement::Findings;
+use super::selection::Selection;
+use super::{FrictionData, FrictionIdentification};
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// Sums over folds that were left out.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Unseen {
+    pub(super) residual: f64,
+    pub(super) total: f64,
+}
+
+impl Unseen {
+    /// `1 − RSS / Σ w (τ − τ̄)²`; `None` where the torque never changes.
+    pub(super) fn r_squared(&self) -> Option<f64> {
+        (self.total > 0.0).then(|| 1.0 - self.residual / self.total)
+    }
+}
+
+/// Errors of laws of terms on the folds that they were not fitted to; `None`, with a warning, where a fold leaves
+/// too little to fit.
+///
+/// Each run keeps the offset that it has on all of its samples, also where a part of it is left out: an offset
+/// belongs to a run, and no law can foretell it.
+pub(super) fn held_out(
+    design: &Design,
+    samples: &Samples,
+    settings: &FrictionIdentification,
+    selection: &Selection,
+    rows: Option<&DMatrix<f64>>,
+    findings: &mut Findings,
+) -> Option<Unseen> {
+    let ranges = design.fold_ranges(settings.folds);
+    let residual = design.folds(samples, settings.folds).and_then(|folds| by_folds(&folds, selection, rows));
+    match residual {
+        Ok(residual) => Some(Unseen { residual, total: variation(design.data, design.separate, &ranges) }),
+        Err(reason) => {
+            findings.warn(format!("no R² on left-out data: {reason}"));
+            None
+        }
+    }
+}
+
+fn by_folds(folds: &[Moments], selection: &Selection, rows: Option<&DMatrix<f64>>) -> Result<f64> {
+    let mut sum = 0.0;
+    for (k, fold) in folds.iter().enumerate() {
+        let others = folds.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, fold)| fold);
+        let training = Reduced::from_moments(Moments::sum(others)?)?;
+        sum += fold.residual(0, &fit(&training, selection, rows)?);
+    }
+    Ok(sum)
+}
+
+fn fit(training: &Reduced, selection: &Selection, rows: Option<&DMatrix<f64>>) -> Result<DVector<f64>> {
+    let free = selection.fit(training)?;
+    match rows {
+        Some(rows) if (rows * &free.coefficients).min() < -1e-9 * free.coefficients.amax() => {
+            constrained_fit(training, 0, &free.active, rows)
+        }
+        _ => Ok(free.coefficients),
+    }
+}
+
+/// `Σ w (τ − τ̄)²` over the rows of `ranges`, τ̄ by run where offsets are separate.
+pub(super) fn variation(data: &FrictionData, separate: bool, ranges: &[Range<usize>]) -> f64 {
+    let mut torque = data.torques.to_vec();
+    if separate {
+        centre(&mut torque, &runs(data), data.weights);
+    } else {
+        let mean = mean(&torque, data.weights);
+        torque.iter_mut().for_each(|t| *t -= mean);
+    }
+    let weight = |i: usize| data.weights.map_or(1.0, |w| w[i]);
+    // A row that stands in two folds is judged twice.
+    ranges.iter().cloned().flatten().map(|i| weight(i) * torque[i] * torque[i]).sum()
+}

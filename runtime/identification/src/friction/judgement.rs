@@ -1,0 +1,142 @@
+//! What is said about a law: notes, doubts, and reasons to refuse it.
+
+use super::super::error::Result;
+use super::super::result::{FrictionLaw, FrictionResult, Offset};
+use super::super::stribeck::StribeckWords;
+use super::dependence::dependences;
+use super::drift::Drift;
+use super::held_out::{Unseen, variation};
+use super::{FrictionData, FrictionIdentification, FrictionReport};
+use nalgebra::DMatrix;
+
+/// Share of samples beyond a limit of the description above which the data do not fit the joint.
+const BEYOND_LIMITS: f64 = 0.01;
+
+/// What is collected on the way.
+pub(super) struct Findings<'a> {
+    data: &'a FrictionData<'a>,
+    pub(super) unit: &'a str,
+    notes: Vec<String>,
+    warnings: Vec<String>,
+    refusals: Vec<String>,
+}
+
+/// A law and what it leaves.
+pub(super) struct Judged {
+    pub(super) law: FrictionLaw,
+    pub(super) offsets: Vec<Offset>,
+    pub(super) unseen: Option<Unseen>,
+    /// Torque minus offset minus law.
+    pub(super) residuals: Vec<f64>,
+    /// Degrees of freedom of the standard errors.
+    pub(super) freedom: f64,
+    pub(super) stribeck: Option<StribeckWords>,
+}
+
+impl<'a> Findings<'a> {
+    pub(super) fn new(data: &'a FrictionData<'a>) -> Self {
+        let notes = data.settings.to_vec();
+        Self { data, unit: data.unit, notes, warnings: Vec::new(), refusals: Vec::new() }
+    }
+
+    pub(super) fn note(&mut self, text: String) {
+        self.notes.push(text);
+    }
+
+    pub(super) fn warn(&mut self, text: String) {
+        self.warnings.push(text);
+    }
+
+    pub(super) fn refuse(&mut self, text: String) {
+        self.refusals.push(text);
+    }
+
+    /// The report on a law, without what only some methods have.
+    pub(super) fn report(
+        mut self,
+        settings: &FrictionIdentification,
+        judged: Judged,
+    ) -> Result<FrictionReport> {
+        let data = self.data;
+        let separate = !judged.offsets.is_empty();
+        let whole = 0..judged.residuals.len();
+        let weight = |i: usize| data.weights.map_or(1.0, |w| w[i]);
+        let rss: f64 = judged.residuals.iter().enumerate().map(|(i, r)| weight(i) * r * r).sum();
+        let total = variation(data, separate, &[whole]);
+        let held_out = judged.unseen.and_then(|unseen| unseen.r_squared());
+        self.judge(held_out, settings.least_r_squared);
+        self.check_limits();
+        let rms = (total / judged.residuals.len() as f64).sqrt();
+        self.warnings.extend(dependences(data, settings.folds, &judged.residuals, rms));
+        let torques = judged.law.torques(data.velocities)?;
+        let drift = Drift::new(data, &torques, judged.law.gradients(data.velocities)?, &judged.residuals);
+        self.warnings.extend(drift.iter().flat_map(|drift| drift.warnings(data.unit, rms)));
+        let result = FrictionResult {
+            joint: data.joint.into(),
+            unit: data.unit.into(),
+            velocity_unit: data.velocity_unit.into(),
+            law: judged.law,
+            stribeck: judged.stribeck,
+            offsets: judged.offsets,
+            samples: judged.residuals.len(),
+            freedom: judged.freedom,
+            velocity_range: velocity_range(data.velocities),
+            residual: rms_of(&judged.residuals),
+            r_squared: if total > 0.0 { 1.0 - rss / total } else { 1.0 },
+            held_out,
+            drift,
+            data: data.data.into(),
+            settings: self.notes,
+            warnings: self.warnings,
+            refusal: (!self.refusals.is_empty()).then(|| self.refusals.join("; ")),
+        };
+        Ok(FrictionReport {
+            result,
+            terms: Vec::new(),
+            correlation: DMatrix::zeros(0, 0),
+            condition: f64::NAN,
+            covariance: DMatrix::zeros(0, 0),
+            validation: None,
+            front: Vec::new(),
+            ensemble: None,
+            average: None,
+            residuals: judged.residuals,
+        })
+    }
+
+    fn judge(&mut self, held_out: Option<f64>, least: f64) {
+        let Some(r) = held_out.filter(|r| *r < least) else { return };
+        self.refuse(format!(
+            "the law explains nothing: R² on left-out data is {r:.3}, and at least {least} is asked for. Record \
+             motion with more speed and reversals, or leave the described friction as it is"
+        ));
+    }
+
+    fn check_limits(&mut self) {
+        let Some(limits) = self.data.limits else { return };
+        let data = self.data;
+        let quantities = [
+            ("speeds", data.velocities, limits.velocity, data.velocity_unit),
+            ("friction torques", data.torques, limits.effort, data.unit),
+        ];
+        for (what, values, limit, unit) in quantities {
+            let share = values.iter().filter(|x| x.abs() > limit).count() as f64 / values.len() as f64;
+            if share > BEYOND_LIMITS {
+                let largest = values.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+                self.refuse(format!(
+                    "{:.1} % of the {what} exceed the described limit of {limit} {unit}, up to {largest:.4}: the \
+                     log's columns or units are not this joint's, or the description's limits are wrong",
+                    100.0 * share
+                ));
+            }
+        }
+    }
+}
+
+fn rms_of(x: &[f64]) -> f64 {
+    (x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64).sqrt()
+}
+
+fn velocity_range(velocities: &[f64]) -> [f64; 2] {
+    velocities.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)])
+}

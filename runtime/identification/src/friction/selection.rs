@@ -1,0 +1,104 @@
+//! The choice of terms, repeatable on other moments: on those of folds and of bootstrap draws.
+
+use super::super::cross_validation::{CrossValidation, refit};
+use super::super::error::Result;
+use super::super::lasso::{Lasso, active_terms, paper_lambda};
+use super::super::least_squares::{Reduced, Solution};
+use super::super::moments::Moments;
+use super::super::subset::{SubsetValidation, best_of_size};
+use super::super::thresholding::Thresholding;
+use super::{FrictionMethod, LambdaChoice};
+
+/// A choice of terms.
+pub(super) enum Selection {
+    All,
+    Thresholding(Thresholding),
+    Lasso(Lasso, f64),
+    BestOfSize(usize),
+}
+
+/// A choice with its fit on all samples and the words that say how it came about.
+pub(super) struct Chosen {
+    pub(super) selection: Selection,
+    pub(super) solution: Solution,
+    pub(super) validation: Option<CrossValidation>,
+    pub(super) note: String,
+}
+
+impl Selection {
+    pub(super) fn fit(&self, reduced: &Reduced) -> Result<Solution> {
+        match self {
+            Self::All => {
+                let all: Vec<usize> = (0..reduced.moments().terms()).collect();
+                reduced.fit(0, &all)
+            }
+            Self::Thresholding(settings) => settings.fit(reduced, 0),
+            Self::Lasso(lasso, lambda) => {
+                let (_, active) = lasso.fit(reduced.moments(), 0, *lambda)?;
+                reduced.fit(0, &active)
+            }
+            Self::BestOfSize(size) => {
+                let best = best_of_size(reduced.moments(), 0, *size)?;
+                reduced.fit(0, &active_terms(&best))
+            }
+        }
+    }
+}
+
+/// Chooses terms by a method; `folds` are made where it needs them.
+pub(super) fn choose(
+    method: &FrictionMethod,
+    reduced: &Reduced,
+    folds: impl Fn() -> Result<Vec<Moments>>,
+) -> Result<Chosen> {
+    match method {
+        FrictionMethod::Thresholding(settings) => Ok(Chosen {
+            selection: Selection::Thresholding(*settings),
+            solution: settings.fit(reduced, 0)?,
+            validation: None,
+            note: format!(
+                "sequentially thresholded least squares, threshold {}, ridge {}",
+                settings.threshold, settings.ridge
+            ),
+        }),
+        FrictionMethod::Lasso(lasso, choice) => by_lasso(reduced, lasso, *choice, &folds()?),
+        FrictionMethod::BestSubset => by_subsets(reduced, &folds()?),
+        FrictionMethod::LeastSquares | FrictionMethod::Stribeck(_) => Ok(Chosen {
+            selection: Selection::All,
+            solution: Selection::All.fit(reduced)?,
+            validation: None,
+            note: "least squares on all terms".into(),
+        }),
+    }
+}
+
+fn by_subsets(reduced: &Reduced, folds: &[Moments]) -> Result<Chosen> {
+    let subsets = SubsetValidation::new(folds, 0)?;
+    let best = &subsets.best[subsets.one_standard_error];
+    Ok(Chosen {
+        selection: Selection::BestOfSize(best.active.len()),
+        solution: reduced.fit(0, &best.active)?,
+        validation: None,
+        note: format!("best subset, {} contiguous folds, choice by one standard error", folds.len()),
+    })
+}
+
+fn by_lasso(reduced: &Reduced, lasso: &Lasso, choice: LambdaChoice, folds: &[Moments]) -> Result<Chosen> {
+    let grid = lasso.lambda_grid(reduced.moments(), 0, 100, 1e-4)?;
+    let validation = CrossValidation::new(lasso, folds, 0, &grid)?;
+    let (index, name) = match choice {
+        LambdaChoice::Minimum => (validation.minimum, "least error"),
+        LambdaChoice::OneStandardError => (validation.one_standard_error, "one standard error"),
+    };
+    let lambda = grid[index];
+    let note = format!(
+        "LASSO, {} contiguous folds, choice by {name}: λ = {lambda:.4e} in 1/(2N)‖·‖² + λ‖·‖₁{}, {:.4e} in \
+         ‖·‖² + λ‖·‖₁; then least squares on the chosen terms, whose values and errors these are",
+        folds.len(),
+        if lasso.standardize { " (terms in units of their rms)" } else { "" },
+        paper_lambda(lambda, reduced.moments().samples())
+    );
+    let solution = refit(reduced, 0, &validation.path, index)?;
+    let selection = Selection::Lasso(lasso.clone(), lambda);
+    Ok(Chosen { selection, solution, validation: Some(validation), note })
+}

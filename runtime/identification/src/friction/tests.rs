@@ -1,0 +1,396 @@
+//! Laws found again in made data, and everything that is said about them.
+
+use super::super::random::SplitMix64;
+use super::super::result::FrictionLaw;
+use super::*;
+
+fn samples(law: impl Fn(f64) -> f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
+    let mut random = SplitMix64::new(9);
+    let v: Vec<f64> =
+        (0..6000).map(|i| 0.6 * (0.011 * f64::from(i)).sin() + 0.4 * (0.027 * f64::from(i)).sin()).collect();
+    let torque = v.iter().map(|v| law(*v) + noise * random.normal()).collect();
+    (v, torque)
+}
+
+fn identify(settings: &FrictionIdentification, v: &[f64], torque: &[f64]) -> Result<FrictionReport> {
+    settings.identify(&FrictionData {
+        joint: "beta",
+        unit: "N·m",
+        velocity_unit: "rad/s",
+        velocities: v,
+        torques: torque,
+        data: "here (sha256 0)",
+        settings: &["made by hand".into()],
+        ..FrictionData::default()
+    })
+}
+
+#[test]
+fn every_method_finds_the_curve() {
+    let truth = |v: f64| 20.0 * v + 3.0 * (10.0 * v).tanh();
+    let (v, torque) = samples(truth, 0.2);
+    let lasso = Lasso { standardize: true, ..Default::default() };
+    let methods = [
+        FrictionMethod::LeastSquares,
+        FrictionMethod::Thresholding(Thresholding::default()),
+        FrictionMethod::Lasso(lasso.clone(), LambdaChoice::Minimum),
+        FrictionMethod::Lasso(lasso, LambdaChoice::OneStandardError),
+        FrictionMethod::BestSubset,
+        FrictionMethod::Stribeck(StribeckRegression::default()),
+    ];
+    for method in methods {
+        let settings = FrictionIdentification { method, draws: 20, ..FrictionIdentification::new().unwrap() };
+        let report = identify(&settings, &v, &torque).unwrap();
+        let grid: Vec<f64> = (-100..=100).map(|i| 0.009 * f64::from(i)).collect();
+        let law = report.result.law.torques(&grid).unwrap();
+        for (v, t) in grid.iter().zip(&law) {
+            assert!((t - truth(*v)).abs() < 0.25, "{:?} at {v}", settings.method);
+        }
+        assert!((report.result.residual - 0.2).abs() < 0.01);
+        assert_eq!(report.residuals.len(), 6000);
+        assert_eq!(report.result.settings[0], "made by hand");
+    }
+}
+
+#[test]
+fn the_lasso_says_its_lambda_in_both_conventions_and_keeps_its_path() {
+    let (v, torque) = samples(|v| 20.0 * v + 3.0 * (10.0 * v).tanh(), 0.2);
+    let lasso = Lasso { standardize: true, ..Default::default() };
+    let settings = FrictionIdentification {
+        method: FrictionMethod::Lasso(lasso, LambdaChoice::OneStandardError),
+        ..FrictionIdentification::new().unwrap()
+    };
+    let report = identify(&settings, &v, &torque).unwrap();
+    let text = report.result.settings.join("\n");
+    assert!(text.contains("in 1/(2N)‖·‖² + λ‖·‖₁") && text.contains("in ‖·‖² + λ‖·‖₁"), "{text}");
+    assert_eq!(report.front.len(), 100);
+    // The constant of the library belongs to the offset.
+    assert_eq!(report.terms[..2], ["v", "sign(v)"]);
+    assert_eq!(report.correlation.shape(), (8, 8));
+    let ensemble = report.ensemble.unwrap();
+    assert_eq!(ensemble.inclusion[0], 1.0);
+    let average = report.average.unwrap();
+    assert!(average.inclusion[0] > 0.99 && average.effective_samples > 1000.0, "{average:?}");
+}
+
+/// Law and offset that passivity spoilt when it was asked for first: 1.57 forwards and 0 backwards.
+#[test]
+fn an_offset_is_separated_before_passivity_is_asked_for() {
+    let truth = |v: f64| 0.78 * (50.0 * v).tanh() + 2.0 * v;
+    let (v, torque) = samples(|v| 0.8 + truth(v), 0.05);
+    for method in [
+        FrictionMethod::BestSubset,
+        FrictionMethod::LeastSquares,
+        FrictionMethod::Stribeck(StribeckRegression::default()),
+    ] {
+        let settings = FrictionIdentification { method, draws: 0, ..FrictionIdentification::new().unwrap() };
+        let result = identify(&settings, &v, &torque).unwrap().result;
+        assert!(result.warnings.iter().all(|w| !w.contains("drives the joint")), "{:?}", result.warnings);
+        let [offset] = result.offsets.as_slice() else { panic!("one offset") };
+        assert!((offset.value - 0.8).abs() < 0.03, "{:?}: {offset:?}", settings.method);
+        let curve = result.law.torques(&[-0.5, -0.2, 0.0, 0.2, 0.5]).unwrap();
+        for (v, t) in [-0.5, -0.2, 0.0, 0.2, 0.5].into_iter().zip(curve) {
+            assert!((t - truth(v)).abs() < 0.04, "{:?}: {t} at {v}", settings.method);
+        }
+    }
+}
+
+#[test]
+fn every_run_has_its_own_offset() {
+    let (v, mut torque) = samples(|v| 5.0 * v + 1.0 * (20.0 * v).tanh(), 0.05);
+    let runs = [0..1500, 1500..4000, 4000..6000];
+    for (run, offset) in runs.iter().zip([2.0, -1.0, 0.4]) {
+        torque[run.clone()].iter_mut().for_each(|t| *t += offset);
+    }
+    for method in [FrictionMethod::BestSubset, FrictionMethod::Stribeck(StribeckRegression::default())] {
+        let settings = FrictionIdentification { method, draws: 0, ..FrictionIdentification::new().unwrap() };
+        let data =
+            FrictionData { runs: Some(&runs), velocities: &v, torques: &torque, ..FrictionData::default() };
+        let report = settings.identify(&data).unwrap();
+        for (offset, truth) in report.result.offsets.iter().zip([2.0, -1.0, 0.4]) {
+            let error = (offset.value - truth).abs();
+            assert!(error < 0.02 && error < 4.0 * offset.standard_error.unwrap(), "{offset:?}");
+        }
+        assert!((report.result.residual - 0.05).abs() < 0.003, "{}", report.result.residual);
+        let one = settings.identify(&FrictionData { runs: None, ..data }).unwrap();
+        assert!(one.result.residual > 0.5);
+    }
+    let bad = [0..10, 11..6000];
+    let data = FrictionData { runs: Some(&bad), velocities: &v, torques: &torque, ..FrictionData::default() };
+    let message = FrictionIdentification::new().unwrap().identify(&data).unwrap_err().to_string();
+    assert!(message.contains("first sample of a run of : 10 expected, 11 given"), "{message}");
+}
+
+#[test]
+fn a_law_that_would_drive_the_joint_is_mended_with_a_warning() {
+    // A compensation that is too strong: slow motion is driven.
+    let (v, torque) = samples(|v| 20.0 * v - 3.0 * (20.0 * v).tanh(), 0.05);
+    let settings = FrictionIdentification {
+        method: FrictionMethod::LeastSquares,
+        draws: 0,
+        ..FrictionIdentification::new().unwrap()
+    };
+    let report = identify(&settings, &v, &torque).unwrap();
+    assert!(report.result.warnings.iter().any(|w| w.contains("drives the joint")));
+    let grid: Vec<f64> = (-100..=100).map(|i| 0.01 * f64::from(i)).collect();
+    for (v, t) in grid.iter().zip(report.result.law.torques(&grid).unwrap()) {
+        assert!(v * t >= -1e-6, "{v} {t}");
+    }
+    let free = FrictionIdentification { passive: false, ..settings };
+    assert!(identify(&free, &v, &torque).unwrap().result.warnings.iter().all(|w| !w.contains("drives")));
+}
+
+#[test]
+fn friction_that_differs_by_direction_is_found() {
+    let truth = |v: f64| if v > 0.0 { 8.0 * v } else { 5.0 * v };
+    let (v, torque) = samples(|v| 0.3 + truth(v), 0.05);
+    let settings = FrictionIdentification {
+        method: FrictionMethod::BestSubset,
+        draws: 0,
+        ..FrictionIdentification::new().unwrap()
+    };
+    let result = identify(&settings, &v, &torque).unwrap().result;
+    let FrictionLaw::Terms(terms) = &result.law else { panic!("a law of terms") };
+    let found: Vec<(&str, f64)> = terms.iter().map(|t| (t.basis.as_str(), t.coefficient)).collect();
+    assert!(
+        matches!(found[..], [("v", a), ("abs(v)", b)] if (a - 6.5).abs() < 0.05 && (b - 1.5).abs() < 0.05),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn constants_belong_to_the_law_where_that_is_said() {
+    let (v, torque) = samples(|v| 2.0 + 20.0 * v, 0.05);
+    let settings = FrictionIdentification {
+        method: FrictionMethod::BestSubset,
+        offsets: Offsets::PartOfLaw,
+        passive: false,
+        draws: 0,
+        ..FrictionIdentification::new().unwrap()
+    };
+    let result = identify(&settings, &v, &torque).unwrap().result;
+    assert!(result.offsets.is_empty());
+    assert!((result.law.torques(&[0.0]).unwrap()[0] - 2.0).abs() < 0.01, "{}", result.law.formula());
+}
+
+#[test]
+fn a_law_that_explains_nothing_is_refused() {
+    let (v, torque) = samples(|_| 3.0, 0.5);
+    for method in [FrictionMethod::LeastSquares, FrictionMethod::Stribeck(StribeckRegression::default())] {
+        let settings = FrictionIdentification {
+            method,
+            passive: false,
+            draws: 0,
+            ..FrictionIdentification::new().unwrap()
+        };
+        let result = identify(&settings, &v, &torque).unwrap().result;
+        let reason = result.refusal.unwrap();
+        assert!(reason.starts_with("the law explains nothing: R² on left-out data is"), "{reason}");
+        let lenient = FrictionIdentification { least_r_squared: -1.0, ..settings };
+        assert_eq!(identify(&lenient, &v, &torque).unwrap().result.refusal, None);
+    }
+}
+
+#[test]
+fn samples_beyond_the_described_limits_are_refused() {
+    let (v, torque) = samples(|v| 20.0 * v, 0.05);
+    let settings = FrictionIdentification { draws: 0, ..FrictionIdentification::new().unwrap() };
+    let with = |velocity: f64, effort: f64| {
+        let limits = JointLimits { position: [-3.0, 3.0], velocity, effort };
+        let data = FrictionData {
+            velocities: &v,
+            torques: &torque,
+            limits: Some(limits),
+            ..FrictionData::default()
+        };
+        settings.identify(&data).unwrap().result.refusal
+    };
+    assert_eq!(with(1.1, 30.0), None);
+    assert_eq!(with(f64::INFINITY, f64::INFINITY), None);
+    assert!(with(0.1, 30.0).unwrap().contains("of the speeds exceed the described limit of 0.1"));
+    assert!(with(1.1, 2.0).unwrap().contains("of the friction torques exceed the described limit of 2"));
+}
+
+/// R² by explicit fits to all folds but one, of least squares with a constant by QR.
+#[test]
+fn r_squared_is_centred_and_on_data_that_were_left_out() {
+    let (v, torque) = samples(|v| 30.0 + 4.0 * v, 1.5);
+    let settings = FrictionIdentification {
+        library: Library::new(&["v"], &["v"]).unwrap(),
+        method: FrictionMethod::LeastSquares,
+        draws: 0,
+        folds: 4,
+        ..FrictionIdentification::new().unwrap()
+    };
+    let result = identify(&settings, &v, &torque).unwrap().result;
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+    let (level, speed) = (mean(&torque), mean(&v));
+    let (mut left, mut total) = (0.0, 0.0);
+    for k in 0..4 {
+        let fold = 1500 * k..1500 * (k + 1);
+        let others: Vec<usize> = (0..6000).filter(|i| !fold.contains(i)).collect();
+        let product: f64 = others.iter().map(|&i| (v[i] - speed) * (torque[i] - level)).sum();
+        let slope = product / others.iter().map(|&i| (v[i] - speed).powi(2)).sum::<f64>();
+        left += fold.clone().map(|i| (torque[i] - level - slope * (v[i] - speed)).powi(2)).sum::<f64>();
+        total += fold.map(|i| (torque[i] - level).powi(2)).sum::<f64>();
+    }
+    assert!((result.held_out.unwrap() - (1.0 - left / total)).abs() < 1e-12, "{:?}", result.held_out);
+    // Uncentred it would be 0.999.
+    assert!(result.r_squared < 0.8 && result.r_squared > result.held_out.unwrap());
+}
+
+#[test]
+fn a_wrong_rigid_body_is_named_with_its_remedy() {
+    let t: Vec<f64> = (0..6000).map(|i| 0.01 * f64::from(i)).collect();
+    let wave = |f: &dyn Fn(f64, f64, f64) -> f64| -> Vec<f64> {
+        t.iter().map(|t| f(0.9, 0.8, *t) + f(0.4, 2.1, *t)).collect()
+    };
+    let y = wave(&|a, w, t| a * (w * t).sin());
+    let v = wave(&|a, w, t| a * w * (w * t).cos());
+    let a = wave(&|a, w, t| -a * w * w * (w * t).sin());
+    let mut random = SplitMix64::new(3);
+    let noise: Vec<f64> = t.iter().map(|_| 0.1 * random.normal()).collect();
+    let warnings = |gravity: f64, inertia: f64| {
+        let torque: Vec<f64> = (0..6000)
+            .map(|i| 3.0 * v[i] + (20.0 * v[i]).tanh() + gravity * y[i].sin() + inertia * a[i] + noise[i])
+            .collect();
+        let settings = FrictionIdentification { draws: 0, ..FrictionIdentification::new().unwrap() };
+        let data = FrictionData {
+            velocity_unit: "rad/s",
+            velocities: &v,
+            torques: &torque,
+            positions: Some(&y),
+            accelerations: Some(&a),
+            ..FrictionData::default()
+        };
+        settings.identify(&data).unwrap().result.warnings
+    };
+    let named = |warnings: &[String], what: &str| warnings.iter().any(|w| w.contains(what));
+    let none = warnings(0.0, 0.0);
+    assert!(!named(&none, "residual depends on"), "{none:?}");
+    let gravity = warnings(0.6, 0.0);
+    assert!(named(&gravity, "depends on the position") && named(&gravity, "centres of mass"), "{gravity:?}");
+    let inertia = warnings(0.0, 0.4);
+    assert!(named(&inertia, "depends on the acceleration") && named(&inertia, "delayed"), "{inertia:?}");
+}
+
+#[test]
+fn drift_is_shown_where_it_is_there() {
+    let (v, torque) = samples(|v| 5.0 * v + 2.0 * (20.0 * v).tanh(), 0.1);
+    let settings = FrictionIdentification { draws: 0, ..FrictionIdentification::new().unwrap() };
+    let drift = |factor: f64, slope: f64| {
+        let changed: Vec<f64> = torque
+            .iter()
+            .enumerate()
+            .map(|(i, t)| t * (1.0 - factor * i as f64 / 6000.0) + slope * i as f64 / 6000.0)
+            .collect();
+        let result = identify(&settings, &v, &changed).unwrap().result;
+        (result.drift.unwrap(), result.warnings.join("; "))
+    };
+    let (still, words) = drift(0.0, 0.0);
+    assert!(!words.contains("changes by") && !words.contains("drifts"), "{words}");
+    assert_eq!(still.means.len(), 10);
+    let (warm, words) = drift(0.2, 0.0);
+    // A fifth of the first value is 22 % of the middle one.
+    assert!((warm.friction.change + 0.222).abs() < 0.02, "{warm:?}");
+    assert!(words.contains("friction changes by -22.") && words.contains("warming up"), "{words}");
+    let (offset, words) = drift(0.0, 1.0);
+    assert!(
+        (offset.offset.change - 1.0).abs() < 0.05 && words.contains("constant torque drifts by"),
+        "{words}"
+    );
+}
+
+/// Errors that are correlated over a tenth of a second, as smoothing leaves them.
+fn correlated_samples(seed: u64) -> (Vec<f64>, Vec<f64>) {
+    let mut random = SplitMix64::new(seed);
+    let phase = [0.0; 3].map(|_: f64| 6.28 * random.uniform());
+    let speed = |t: f64| {
+        0.6 * (1.1 * t + phase[0]).sin() + 0.4 * (2.3 * t + phase[1]).sin() + 0.2 * (4.1 * t + phase[2]).sin()
+    };
+    let v: Vec<f64> = (0..3000).map(|i| speed(0.02 * f64::from(i))).collect();
+    let mut slow = 0.0;
+    let mut error = || {
+        slow = 0.82 * slow + 0.57 * random.normal();
+        0.2 * slow
+    };
+    let torque = v.iter().map(|v| 0.5 + 4.0 * v + 1.5 * (10.0 * v).tanh() + error()).collect();
+    (v, torque)
+}
+
+/// Counts of intervals at 90 % that hold the truth, for v and tanh 10v, and of those that would if errors were
+/// independent.
+fn coverage(seeds: Range<u64>) -> [usize; 2] {
+    let settings = FrictionIdentification {
+        library: Library::new(&["v", "tanh(10*v)"], &["v"]).unwrap(),
+        method: FrictionMethod::LeastSquares,
+        draws: 0,
+        ..FrictionIdentification::new().unwrap()
+    };
+    let mut covered = [0; 2];
+    for seed in seeds {
+        let (v, torque) = correlated_samples(seed);
+        let report = identify(&settings, &v, &torque).unwrap();
+        let FrictionLaw::Terms(terms) = &report.result.law else { panic!("a law of terms") };
+        let t = super::super::confidence::quantile(0.9, report.result.freedom).unwrap();
+        // σ/√(ΘᵀΘ) by hand: what least squares says of independent errors, with other terms known.
+        let independent = report.result.residual / (v.len() as f64 * 0.28).sqrt();
+        for (term, truth) in terms.iter().zip([4.0, 1.5]) {
+            let error = (term.coefficient - truth).abs();
+            covered[0] += usize::from(error <= t * term.standard_error.unwrap());
+            covered[1] += usize::from(error <= 1.645 * independent);
+        }
+    }
+    covered
+}
+
+#[test]
+fn intervals_hold_for_correlated_residuals() {
+    let [covered, independent] = coverage(0..50);
+    // 90 % of 100 with a binomial standard deviation of 3.
+    assert!((80..=98).contains(&covered), "{covered} of 100");
+    assert!(independent < 75, "{independent} of 100");
+}
+
+/// `cargo test --release -p gelenk-identification --lib coverage_of -- --ignored --nocapture`
+#[test]
+#[ignore = "a Monte Carlo study of some seconds"]
+fn coverage_of_a_thousand_logs() {
+    let [covered, independent] = coverage(0..1000);
+    println!("{covered} of 2000 intervals at 90 % hold the truth; {independent} for independent errors");
+    assert!((1700..=1900).contains(&covered));
+}
+
+/// Terms that resemble each other: each coefficient is vague, their sum is not.
+#[test]
+fn rounding_moves_the_law_by_less_than_its_own_error() {
+    let (v, torque) = samples(|v| 20.0 * v + 3.0 * (10.0 * v).tanh(), 0.2);
+    let settings = FrictionIdentification {
+        method: FrictionMethod::LeastSquares,
+        draws: 0,
+        ..FrictionIdentification::new().unwrap()
+    };
+    let report = identify(&settings, &v, &torque).unwrap();
+    let grid: Vec<f64> = (-100..=100).map(|i| 0.009 * f64::from(i)).collect();
+    let band = report.band(&grid, 0.68).unwrap();
+    let exact = report.result.law.torques(&grid).unwrap();
+    let written = Library::new(&[report.result.law.formula()], &["v"]).unwrap().matrix(&[&grid]).unwrap();
+    for i in 0..grid.len() {
+        let moved = (written[i] - exact[i]).abs();
+        assert!(moved <= 0.35 * band[i] + 0.002, "{moved} of {} at {}", band[i], grid[i]);
+        assert!(band[i] < 0.1, "{}", band[i]);
+    }
+    assert!(report.result.law.formula().len() < 200, "{}", report.result.law.formula());
+}
+
+#[test]
+fn bad_data_have_messages() {
+    let settings = FrictionIdentification::new().unwrap();
+    let message = |v: &[f64], t: &[f64]| identify(&settings, v, t).unwrap_err().to_string();
+    assert!(message(&[], &[]).starts_with("the friction of beta is empty"));
+    assert!(message(&[1.0], &[1.0]).contains("needs at least 2 samples, there are 1"));
+    assert!(message(&[1.0; 50], &[1.0; 50]).starts_with("the velocity of beta is constant (1) in all 50"));
+    assert!(message(&[1.0, f64::NAN], &[1.0; 2]).contains("not finite (NaN) at row 1"));
+    assert!(message(&[1.0, 2.0], &[1.0]).contains("friction torques: 2 expected, 1 given"));
+    assert!(message(&[0.1, 0.2, 0.3], &[1.0; 3]).contains("needs at least 9 samples, there are 3"));
+}
