@@ -127,13 +127,10 @@ fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
             let points = report
                 .front
                 .iter()
-                .map(|point| [point.active.len() as f64, point.validation_error.sqrt()])
+                .map(|point| [point.active.len() as f64, point.refit_error.sqrt()])
                 .collect();
-            let front = Plot::new(
-                "Error by number of terms",
-                Axis::new("terms", ""),
-                Axis::new("held-out error", force),
-            );
+            let front =
+                Plot::new("Error by number of terms", Axis::new("terms", ""), Axis::new("rms error", force));
             figure = figure.plot(front.series("LASSO", Marks::Points, points));
         }
         return figure;
@@ -203,7 +200,7 @@ fn residuals(found: &Identification, units: &[&str]) -> Section {
 
 fn parameters(robot: &dyn Robot, found: &Identification) -> Section {
     let mut table = Table::new(
-        "parameters",
+        "inertial_parameters",
         &format!(
             "Described and estimated inertial parameters with {:.0} % intervals: what the data cannot tell stays near the \
              description.",

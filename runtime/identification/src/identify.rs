@@ -2,7 +2,7 @@
 
 use super::error::Result;
 use super::estimation::{Estimate, EstimationSettings, estimate};
-use super::friction::{FrictionData, FrictionIdentification, FrictionReport};
+use super::friction::{FrictionData, FrictionIdentification, FrictionMethod, FrictionReport};
 use super::log::{ColumnOptions, Recording, runs};
 use super::preparation::{PreparationReport, PreparationSettings, prepare_all};
 use super::robot::{JointLimits, Robot};
@@ -35,7 +35,7 @@ impl IdentificationSettings {
             columns: ColumnOptions::default(),
             preparation: PreparationSettings::default(),
             estimation: EstimationSettings::default(),
-            friction: FrictionIdentification::new()?,
+            friction: FrictionIdentification { method: FrictionMethod::BestSubset, ..FrictionIdentification::new()? },
             accept_poor: false,
         })
     }
