@@ -6,6 +6,10 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use gelenk_codegen::identify::InterpretedRobot;
+use gelenk_codegen::model::{self, Model, ReadOptions};
+use gelenk_identification::robot::Robot;
+
 fn gelenk(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_gelenk")).args(arguments).current_dir(folder).output().unwrap()
 }
@@ -30,6 +34,7 @@ fn help_of_all_commands() {
         ("help_inspect", vec!["inspect", "--help"]),
         ("help_new", vec!["new", "--help"]),
         ("help_report", vec!["report", "--help"]),
+        ("help_identify", vec!["identify", "--help"]),
     ] {
         insta::assert_snapshot!(name, shown(&gelenk(folder.path(), &arguments)));
     }
@@ -405,4 +410,149 @@ fn a_closed_pipe_is_no_panic() {
     child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(1));
     assert_eq!(stderr, "");
+}
+
+const ARM: &str = r#"
+name = "arm"
+gravity = [0, 0, -9.80665]
+
+[[joints]]
+name = "shoulder"
+axis = [0, 1, 0]
+drive = "ideal"
+limits = { position = [-2, 2], velocity = 2, effort = 80 }
+
+[[joints]]
+name = "elbow"
+axis = [0, 1, 0]
+origin = { xyz = [0, 0, 0.5] }
+drive = { gear_ratio = 100, rotor_inertia = 5e-5 }
+limits = { position = [-2, 2], velocity = 3, effort = 40 }
+
+[[bodies]]
+link = "shoulder"
+mass = 5
+center_of_mass = [0, 0, 0.2]
+inertia = [0.1, 0.1, 0.01]
+
+[[bodies]]
+link = "elbow"
+mass = 3
+center_of_mass = [0, 0, 0.2]
+inertia = [0.05, 0.05, 0.005]
+"#;
+
+/// What the arm really is.
+const TRUTH: &str = r#"
+name = "truth"
+extends = "arm.toml"
+
+[[joints]]
+name = "shoulder"
+friction = { viscous = 4, coulomb = { value = 3, slope = 20 } }
+
+[[joints]]
+name = "elbow"
+drive = { gear_ratio = 100, rotor_inertia = 8e-5 }
+friction = { viscous = 1.5 }
+
+[[bodies]]
+name = "shoulder"
+mass = 6
+center_of_mass = [0.03, 0, 0.25]
+
+[[bodies]]
+name = "elbow"
+mass = 2.2
+center_of_mass = [0, 0, 0.26]
+"#;
+
+/// Torques of a described arm along a plan, friction included, as sensors with noise would log them.
+fn simulated_log(folder: &Path, plan: &str) -> String {
+    let mut sensors = Noise(1);
+    let mut log = String::from("t [s],q_shoulder [rad],q_elbow [rad],tau_shoulder [N m],tau_elbow [N m]\n");
+    let truth = described(folder, "truth.toml");
+    for row in plan.lines().skip(1) {
+        let values: Vec<f64> = row.split(',').map(|value| value.parse().unwrap()).collect();
+        let torque = truth.torques(&values[1..3], &values[3..5], &values[5..7]);
+        let counts = [values[1], values[2]].map(|q| (q / 1e-5).round() * 1e-5);
+        let [shoulder, elbow] = [torque[0] + 0.1 * sensors.next(), torque[1] + 0.1 * sensors.next()];
+        log.push_str(&format!("{},{},{},{shoulder:.4},{elbow:.4}\n", values[0], counts[0], counts[1]));
+    }
+    log
+}
+
+/// Seeded numbers between -1 and 1.
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// A robot with its friction.
+struct Described(InterpretedRobot, Model);
+
+fn described(folder: &Path, file: &str) -> Described {
+    let model = model::read(&folder.join(file), &ReadOptions::default()).unwrap().model;
+    Described(InterpretedRobot::new(&model).unwrap(), model)
+}
+
+impl Described {
+    /// Joint torques at a state and an acceleration.
+    fn torques(&self, y: &[f64], v: &[f64], a: &[f64]) -> Vec<f64> {
+        let mut torques = vec![0.0; 2];
+        self.0.rigid_forces(y, v, a, &mut torques);
+        let joints = self.1.joints().zip(v).zip(&mut torques);
+        joints.for_each(|((joint, v), torque)| {
+            let terms = joint.friction.iter();
+            *torque += terms.map(|term| term.coefficient.evaluate(&[], 0.0, 0.0) * term.basis.evaluate(&[], 0.0, *v)).sum::<f64>();
+        });
+        torques
+    }
+}
+
+#[test]
+fn a_planned_motion_identifies_what_a_simulated_arm_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("arm.toml"), ARM).unwrap();
+    fs::write(at("truth.toml"), TRUTH).unwrap();
+    let planned = gelenk(folder.path(), &["identify", "--plan", "arm.toml", "--rate", "200"]);
+    assert!(planned.status.success(), "{}", shown(&planned));
+    let log = simulated_log(folder.path(), &fs::read_to_string(at("plan.csv")).unwrap());
+    fs::write(at("log.csv"), log).unwrap();
+    let arguments = ["identify", "arm.toml", "log.csv", "--report", "page", "--format", "json"];
+    let identified = gelenk(folder.path(), &arguments);
+    assert!(identified.status.success(), "{}", shown(&identified));
+    let result: serde_json::Value = serde_json::from_slice(&identified.stdout).unwrap();
+    for joint in result["joints"].as_array().unwrap() {
+        assert!(joint["r_squared_held_out"].as_f64().unwrap() > 0.999, "{result:#}");
+    }
+    assert!(at("page/index.html").exists());
+    let (arm, truth, found) = (
+        described(folder.path(), "arm.toml"),
+        described(folder.path(), "truth.toml"),
+        described(folder.path(), "arm_identified.toml"),
+    );
+    let mut noise = Noise(7);
+    let [mut before, mut after] = [0.0; 2];
+    for _ in 0..200 {
+        let [y, v, a] = [1.2, 1.0, 3.0].map(|size| vec![size * noise.next(), size * noise.next()]);
+        let [described, true_, found] = [&arm, &truth, &found].map(|robot| robot.torques(&y, &v, &a));
+        before += described.iter().zip(&true_).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+        after += found.iter().zip(&true_).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+    }
+    let [before, after] = [before, after].map(|sum| (sum / 400.0).sqrt());
+    println!("torques of the description are off by {before} N m rms, of the identified one by {after}");
+    assert!(before > 2.0 && after < 0.1);
+    // Once more over its own output, never over what was read.
+    assert!(gelenk(folder.path(), &["identify", "arm.toml", "log.csv"]).status.success());
+    for kept in ["arm.toml", "log.csv"] {
+        let refused = gelenk(folder.path(), &["identify", "arm.toml", "log.csv", "--output", kept]);
+        assert_eq!(refused.status.code(), Some(1), "{}", shown(&refused));
+    }
+    assert_eq!(fs::read_to_string(at("arm.toml")).unwrap(), ARM);
 }
