@@ -130,9 +130,13 @@ impl Robot for Chain {
                 for j in (0..=i).rev() {
                     let axis = self.joints[j].axis;
                     let moment = wrench[1];
-                    regressor[j * n * 10 + i * 10 + k] = axis.x * moment[0] + axis.y * moment[1] + axis.z * moment[2];
+                    regressor[j * n * 10 + i * 10 + k] =
+                        axis.x * moment[0] + axis.y * moment[1] + axis.z * moment[2];
                     let force = times(&rotations[j], wrench[0]);
-                    wrench = [force, add(times(&rotations[j], moment), cross(self.joints[j].origin.into(), force))];
+                    wrench = [
+                        force,
+                        add(times(&rotations[j], moment), cross(self.joints[j].origin.into(), force)),
+                    ];
                 }
             }
         }
