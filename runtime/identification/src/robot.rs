@@ -1,5 +1,7 @@
 //! What identification asks of a robot, whether its functions are compiled or interpreted.
 
+use gelenk_dynamics::dynamics::{Dynamics, Limits};
+
 /// A robot whose equations of motion are linear in its inertial parameters, `W(y, ẏ, ÿ) π = M ÿ + k − q_g`.
 ///
 /// N joints, M inputs, P parameters. A generated module has these functions; a description that is interpreted
@@ -47,4 +49,97 @@ pub struct JointLimits {
     pub velocity: f64,
     /// Largest force [N·m or N].
     pub effort: f64,
+}
+
+/// W at y, ẏ, ÿ, as a generated module's `inertial_regressor`.
+pub type Regressor<const N: usize, const P: usize> = fn(&[f64; N], &[f64; N], &[f64; N]) -> [[f64; P]; N];
+
+/// A generated module as a [`Robot`]: its [`Dynamics`] and its `inertial_regressor`.
+///
+/// ```
+/// use gelenk_generated::powercube as module;
+/// use gelenk_identification::robot::{Generated, Robot};
+/// gelenk_dynamics::dynamics!(struct PowerCube = gelenk_generated::powercube);
+///
+/// let robot = Generated {
+///     model: PowerCube,
+///     units: module::JOINT_UNITS,
+///     parameter_names: module::INERTIAL_PARAMETER_NAMES,
+///     parameters: module::inertial_parameters(),
+///     bodies: 2,
+///     regressor: module::inertial_regressor,
+/// };
+/// assert_eq!(robot.joint_names(), ["beta", "gamma"]);
+/// ```
+#[derive(Debug, Clone)]
+pub struct Generated<D, const N: usize, const M: usize, const P: usize> {
+    /// The module's functions.
+    pub model: D,
+    /// Its `JOINT_UNITS`.
+    pub units: [&'static str; N],
+    /// Its `INERTIAL_PARAMETER_NAMES`.
+    pub parameter_names: [&'static str; P],
+    /// Its `inertial_parameters()`.
+    pub parameters: [f64; P],
+    /// Number of bodies; behind their `10 · bodies` parameters stand those of the rotors.
+    pub bodies: usize,
+    /// Its `inertial_regressor`.
+    pub regressor: Regressor<N, P>,
+}
+
+impl<D: Dynamics<N, M>, const N: usize, const M: usize, const P: usize> Robot for Generated<D, N, M, P> {
+    fn joint_names(&self) -> Vec<String> {
+        self.model.joint_names().map(String::from).to_vec()
+    }
+
+    fn input_names(&self) -> Vec<String> {
+        self.model.input_names().map(String::from).to_vec()
+    }
+
+    fn position_units(&self) -> Vec<&'static str> {
+        self.units.to_vec()
+    }
+
+    fn limits(&self) -> Vec<JointLimits> {
+        let Limits { position, velocity, effort, .. } = self.model.limits();
+        let of = |j: usize| JointLimits { position: position[j], velocity: velocity[j], effort: effort[j] };
+        (0..N).map(of).collect()
+    }
+
+    fn parameter_names(&self) -> Vec<String> {
+        self.parameter_names.map(String::from).to_vec()
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        self.parameters.to_vec()
+    }
+
+    fn bodies(&self) -> usize {
+        self.bodies
+    }
+
+    fn input_matrix(&self) -> Vec<f64> {
+        self.model.input_matrix().concat()
+    }
+
+    fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {
+        let [y, v, a] = [y, v, a].map(columns::<N>);
+        for (row, values) in regressor.chunks_exact_mut(P).zip((self.regressor)(&y, &v, &a)) {
+            row.copy_from_slice(&values);
+        }
+    }
+
+    fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]) {
+        let [y, v, a] = [y, v, a].map(columns::<N>);
+        let all = self.model.inverse_dynamics(&y, &v, &a);
+        let friction = self.model.friction_torques(&y, &v);
+        for (j, force) in forces.iter_mut().enumerate() {
+            *force = all[j] - friction[j];
+        }
+    }
+}
+
+/// The first N values; the trait promises that there are N.
+fn columns<const N: usize>(values: &[f64]) -> [f64; N] {
+    std::array::from_fn(|i| values[i])
 }

@@ -4,7 +4,7 @@
 use super::super::error::Result;
 use super::super::inertial::PER_BODY;
 use super::fit::{HeldOut, Weighting, held_out, reweighted};
-use super::layout::{ARMATURE, COULOMB, Layout};
+use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
 use super::normal::{Centred, Model, Offsets, Values};
 use super::prior::Prior;
 use super::sums::Sums;
@@ -16,6 +16,9 @@ const WEIGHTS: usize = 23;
 /// Factor by which a body may be trusted less, and how often.
 const LESS_TRUST: f64 = 0.01;
 const LESS_TRUST_STEPS: usize = 3;
+
+/// Cosine between v and |v| beyond which they are not told apart.
+const MOST_ALIKE: f64 = 0.8;
 
 /// Held-out error for one weight of the description.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +43,7 @@ pub(super) struct Chosen<'a> {
 pub(super) struct Freedom {
     pub(super) offsets: Option<Offsets>,
     pub(super) terms: bool,
+    pub(super) consistent: bool,
 }
 
 fn grid() -> impl Iterator<Item = f64> {
@@ -47,6 +51,7 @@ fn grid() -> impl Iterator<Item = f64> {
 }
 
 /// Chooses in turn: widths and offsets, then optional terms, then the weight of the description.
+/// Bounds of what can exist hold at the end: they cost more than all choices, and hardly change one.
 pub(super) fn choose<'a>(
     layout: &'a Layout,
     sums: &'a Sums,
@@ -61,6 +66,7 @@ pub(super) fn choose<'a>(
         armature: vec![false; layout.joints],
         offsets: freedom.offsets.unwrap_or(Offsets::Common),
         gains,
+        consistent: false,
     };
     let centred = Centred::new(layout, sums, model.offsets);
     let weighting = Weighting {
@@ -82,6 +88,7 @@ pub(super) fn choose<'a>(
     chosen.reweight(prior)?;
     chosen.choose_weight(prior, false)?;
     chosen.choose_trust(prior)?;
+    chosen.model.consistent = freedom.consistent;
     chosen.reweight(prior)?;
     Ok(chosen)
 }
@@ -167,6 +174,9 @@ impl Chosen<'_> {
         for joint in (0..self.model.coulomb.len()).filter(|&j| self.centred.layout.moves[j]) {
             for term in 0..2 {
                 let mut model = self.model.clone();
+                if term == 1 && !self.both_directions(joint) {
+                    continue;
+                }
                 let chosen = if term == 0 { &mut model.armature } else { &mut model.asymmetry };
                 chosen[joint] = true;
                 let error = self.error(&model, prior)?;
@@ -177,6 +187,16 @@ impl Chosen<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Whether the joint moves both ways enough to tell v from |v|.
+    fn both_directions(&self, joint: usize) -> bool {
+        let local = self.centred.layout.local[joint].len();
+        let place = |term: usize| local - TERMS + term;
+        let products = self.centred.sums.products(joint, None);
+        let entry = |a: usize, b: usize| products[(place(a), place(b))];
+        let cosine = entry(VISCOUS, ASYMMETRY) / (entry(VISCOUS, VISCOUS) * entry(ASYMMETRY, ASYMMETRY)).sqrt();
+        cosine.abs() < MOST_ALIKE
     }
 
     /// Whether reflected inertia comes out positive: friction that lags behind the speed makes it negative, and

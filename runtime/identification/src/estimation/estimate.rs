@@ -111,7 +111,11 @@ impl Task<'_> {
                 vec![1.0; self.layout.joints]
             },
         };
-        let freedom = Freedom { offsets: self.settings.offsets, terms: self.settings.optional_terms };
+        let freedom = Freedom {
+            offsets: self.settings.offsets,
+            terms: self.settings.optional_terms,
+            consistent: self.settings.consistent,
+        };
         choose(self.layout, sums, self.prior, &start, freedom, gains)
     }
 

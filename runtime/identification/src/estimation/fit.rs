@@ -1,6 +1,7 @@
 //! The weighted fit for a given choice of terms, and its error on data that it has not seen.
 
 use super::super::error::Result;
+use super::consistent::bounded;
 use super::normal::{Centred, Model, Normal, Values, assemble, regularized, solve};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
@@ -90,7 +91,10 @@ pub(super) fn fit(
         let normal = assemble(layout, products, &active, &weights, &values);
         let regularized = regularized(&normal, &weighting.metric(prior, &active));
         let right = DMatrix::from_column_slice(active.len(), 1, normal.linear.as_slice());
-        let x = solve(&regularized, &right)?;
+        let mut x = solve(&regularized, &right)?.column(0).into_owned();
+        if model.consistent {
+            x = bounded(layout, prior, &active, &regularized, &normal.linear, &x)?;
+        }
         values.unknowns = DVector::zeros(layout.len());
         active.iter().zip(x.iter()).for_each(|(&global, x)| values.unknowns[global] = *x);
         let change = if model.gains { take_gains(centred, &mut values) } else { 0.0 };

@@ -2,6 +2,7 @@
 
 mod checks;
 mod choice;
+mod consistent;
 mod estimate;
 mod fit;
 mod instruments;

@@ -26,6 +26,8 @@ pub(super) struct Model {
     pub(super) armature: Vec<bool>,
     pub(super) offsets: Offsets,
     pub(super) gains: bool,
+    /// Whether bodies must be able to exist.
+    pub(super) consistent: bool,
 }
 
 /// Values of all unknowns: differences from the description, candidate terms (zero where not chosen), gains.

@@ -16,6 +16,8 @@ const COMMON_FLOOR: f64 = 1e-3;
 /// The quadratic form, and which parameters the data may change.
 pub(super) struct Prior {
     pub(super) metric: DMatrix<f64>,
+    /// The described parameters.
+    pub(super) described: Vec<f64>,
     /// Parameters that stay as described: those of bodies without mass.
     pub(super) held: Vec<bool>,
     /// Parameters of bodies with mass, body by body.
@@ -25,7 +27,12 @@ pub(super) struct Prior {
 impl Prior {
     pub(super) fn new(described: &[f64], bodies: usize) -> Self {
         let p = described.len();
-        let mut prior = Self { metric: DMatrix::zeros(p, p), held: vec![false; p], bodies: Vec::new() };
+        let mut prior = Self {
+            metric: DMatrix::zeros(p, p),
+            described: described.to_vec(),
+            held: vec![false; p],
+            bodies: Vec::new(),
+        };
         let radius = mean_radius(described, bodies);
         for body in 0..bodies {
             let start = body * PER_BODY;

@@ -112,3 +112,103 @@ fn the_first_half_of_a_ur10_log_predicts_the_second() {
     }
     println!("λ {} {:?}", found.description_weight, found.weights_tried);
 }
+
+gelenk_dynamics::dynamics!(struct Arm = gelenk_generated::schunk_lwa4p);
+
+fn schunk() -> impl Robot {
+    use gelenk_generated::schunk_lwa4p as module;
+    super::super::super::robot::Generated {
+        model: Arm,
+        units: module::JOINT_UNITS,
+        parameter_names: module::INERTIAL_PARAMETER_NAMES,
+        parameters: module::inertial_parameters(),
+        bodies: 6,
+        regressor: module::inertial_regressor,
+    }
+}
+
+fn schunk_runs() -> Option<Vec<PreparedRun>> {
+    let text = std::fs::read_to_string(shared("data/schunk_lwa4p/runs.csv")?).unwrap();
+    let mut runs: Vec<(String, Vec<Vec<f64>>)> = Vec::new();
+    for line in text.lines().skip(1) {
+        let (run, rest) = line.split_once(',').unwrap();
+        let row: Vec<f64> = rest.split(',').map(|x| x.parse().unwrap_or(f64::NAN)).collect();
+        match runs.last_mut() {
+            Some((name, rows)) if name == run => rows.push(row),
+            _ => runs.push((run.to_string(), vec![row])),
+        }
+    }
+    let prepared = runs.into_iter().map(|(name, mut rows)| {
+        rows.pop(); // the last row of a run has no torque
+        let column = |i: usize| -> Vec<f64> { rows.iter().map(|r| r[i]).collect() };
+        let columns = |from: usize| (from..from + 6).map(column).collect::<Vec<_>>();
+        let w: usize = std::env::var("WINDOW").map_or(21, |x| x.parse().unwrap());
+        prepare(&name, &column(0), &columns(1), &columns(13), w)
+    });
+    Some(prepared.collect())
+}
+
+#[test]
+fn schunk_look() {
+    let Some(runs) = schunk_runs() else { return };
+    println!("{} runs {} samples", runs.len(), runs.iter().map(|r| r.times.len()).sum::<usize>());
+    if let Ok(path) = std::env::var("DUMP") {
+        use std::io::Write;
+        let mut f = std::io::BufWriter::new(std::fs::File::create(path).unwrap());
+        let robot = schunk();
+        for (r, run) in runs.iter().enumerate() {
+            for i in (0..run.times.len()).step_by(4) {
+                let at = |c: &[Vec<f64>]| -> Vec<f64> { c.iter().map(|c| c[i]).collect() };
+                let (y, v, a, e) = (at(&run.positions), at(&run.velocities), at(&run.accelerations), at(&run.efforts));
+                let (mut w, mut g) = (vec![0.0; 396], vec![0.0; 396]);
+                robot.inertial_regressor(&y, &v, &a, &mut w);
+                robot.inertial_regressor(&y, &[0.0; 6], &[0.0; 6], &mut g);
+                w.iter_mut().zip(&g).for_each(|(w, g)| *w -= g);
+                let all: Vec<String> = [r as f64].iter().chain(&y).chain(&v).chain(&a).chain(&e).chain(&w).map(|x| x.to_string()).collect();
+                writeln!(f, "{}", all.join(",")).unwrap();
+            }
+        }
+        return;
+    }
+    let settings = EstimationSettings {
+        consistent: std::env::var("FREE").is_err(),
+        gravity_compensated: std::env::var("GRAV").is_err(),
+        robust_passes: 1,
+        ..EstimationSettings::default()
+    };
+    let start = std::time::Instant::now();
+    let found =
+        estimate(&schunk(), &runs, &settings, &mut |s| println!("{:?} {s}", start.elapsed())).unwrap();
+    println!("{:?}", start.elapsed());
+    for joint in &found.joints {
+        println!(
+            "{} fit {:.4} held out {:.4} {:?} {:?}",
+            joint.name,
+            joint.r_squared,
+            joint.held_out_r_squared,
+            joint.armature.map(|a| a.value),
+            joint
+                .terms
+                .iter()
+                .map(|t| format!(
+                    "{} {:.3} ± {:.3}",
+                    t.basis, t.coefficient.value, t.coefficient.standard_error
+                ))
+                .collect::<Vec<_>>()
+        );
+    }
+    println!(
+        "λ {} {:?} {:?}",
+        found.description_weight,
+        found.offsets,
+        found.weights_tried.iter().map(|t| t.error).collect::<Vec<_>>()
+    );
+    for (name, value) in schunk()
+        .parameter_names()
+        .iter()
+        .zip(&found.parameters)
+        .filter(|(n, _)| n.starts_with("m_") || n.starts_with("J"))
+    {
+        println!("{name} {value:?}");
+    }
+}

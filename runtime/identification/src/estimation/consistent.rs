@@ -1,0 +1,52 @@
+//! The fit over bodies that can exist.
+
+use super::super::error::Result;
+use super::super::inertial::consistent::{ConsistentProblem, MARGIN, solve};
+use super::super::inertial::{PER_BODY, margin};
+use super::layout::{ARMATURE, Layout};
+use super::prior::Prior;
+use nalgebra::{DMatrix, DVector};
+
+/// The minimum of `½ xᵀ A x − gᵀ x` where the description plus x has positive pseudo-inertias, and rotor and
+/// reflected inertias that are not negative. `free` is the minimum without these bounds.
+pub(super) fn bounded(
+    layout: &Layout,
+    prior: &Prior,
+    active: &[usize],
+    regularized: &DMatrix<f64>,
+    linear: &DVector<f64>,
+    free: &DVector<f64>,
+) -> Result<DVector<f64>> {
+    let described =
+        DVector::from_fn(active.len(), |i, _| prior.described.get(active[i]).copied().unwrap_or(0.0));
+    let nonnegative = nonnegative(layout, prior, active);
+    let absolute = &described + free;
+    if can_exist(&absolute, prior.bodies.len(), &nonnegative) {
+        return Ok(free.clone());
+    }
+    let solution = solve(&ConsistentProblem {
+        hessian: regularized.clone(),
+        linear: linear + regularized * &described,
+        bodies: prior.bodies.len(),
+        nonnegative,
+    })?;
+    Ok(solution.parameters - described)
+}
+
+/// Places of rotor inertias and reflected inertias among the active unknowns.
+fn nonnegative(layout: &Layout, prior: &Prior, active: &[usize]) -> Vec<usize> {
+    let bodies = PER_BODY * prior.bodies.len();
+    let armatures: Vec<usize> = (0..layout.joints).map(|j| layout.term(j, ARMATURE)).collect();
+    let inertia = |i: &usize| active[*i] < layout.parameters || armatures.contains(&active[*i]);
+    (bodies..active.len()).filter(inertia).collect()
+}
+
+fn can_exist(parameters: &DVector<f64>, bodies: usize, nonnegative: &[usize]) -> bool {
+    let body = |pi: &[f64]| {
+        let mut body = [0.0; PER_BODY];
+        body.copy_from_slice(pi);
+        margin(&body) >= MARGIN
+    };
+    parameters.as_slice()[..bodies * PER_BODY].chunks_exact(PER_BODY).all(body)
+        && nonnegative.iter().all(|&i| parameters[i] >= 0.0)
+}
