@@ -127,6 +127,15 @@ impl Samples {
         if self.lines.len() >= 2 {
             return Ok(());
         }
+        if let Some(Gaps { count, text: Some(text), .. }) = gaps.last().filter(|time| time.count == total) {
+            return Err(IdentificationError::File {
+                place: source.into(),
+                message: format!(
+                    "the time is no number in all {count} rows (the first is `{text}`): export it in seconds, or name \
+                     another column with --columns 'time=…[s]'"
+                ),
+            });
+        }
         let fullest = gaps.iter().map(|g| total - g.count.min(total)).min().unwrap_or(0);
         Err(IdentificationError::File {
             place: source.into(),
