@@ -2,6 +2,7 @@
 
 use super::units;
 use super::vocabulary::{Header, Kind, Meaning, Origin, is_number, is_plain, meaning, words};
+use std::collections::BTreeMap;
 
 /// What the columns of a family are told apart by. The order is the one in which families are preferred.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -82,7 +83,12 @@ impl Targets {
 
     /// The words name a joint.
     pub(super) fn mentions(&self, words: &[String]) -> bool {
-        self.find(words).is_some()
+        self.mentioned(words).is_some()
+    }
+
+    /// The joint that the words name.
+    pub(super) fn mentioned(&self, words: &[String]) -> Option<usize> {
+        self.find(words).map(|(joint, _)| joint)
     }
 
     /// The joint of exactly this name.
@@ -112,14 +118,11 @@ pub(super) fn families(
     families
 }
 
-/// Those of a group of columns, in the order of the file.
-type Group<K> = Vec<(K, Vec<usize>)>;
+/// Columns with the same phrase, in the order of the file.
+type Groups = BTreeMap<Phrase, Vec<usize>>;
 
-fn push<K: PartialEq>(groups: &mut Group<K>, key: K, column: usize) {
-    match groups.iter_mut().find(|(known, _)| *known == key) {
-        Some((_, columns)) => columns.push(column),
-        None => groups.push((key, vec![column])),
-    }
+fn push(groups: &mut Groups, key: Phrase, column: usize) {
+    groups.entry(key).or_default().push(column);
 }
 
 fn said(words: &[String]) -> Option<Meaning> {
@@ -159,7 +162,7 @@ pub(super) fn meaning_of(header: &Header, words: &[String]) -> Option<Meaning> {
 type Phrase = (Option<Kind>, Vec<String>);
 
 fn by_name(headers: &[Header], targets: &Targets) -> Vec<Family> {
-    let mut groups: Group<Phrase> = Vec::new();
+    let mut groups = Groups::new();
     let mut joints = vec![None; headers.len()];
     for header in headers {
         let Some((joint, rest)) = targets.find(&header.words) else { continue };
@@ -177,21 +180,30 @@ fn by_name(headers: &[Header], targets: &Targets) -> Vec<Family> {
             let slot = &mut columns[joints[member]?];
             twice |= slot.replace(member).is_some();
         }
-        (!twice).then_some(Family { meaning, key: Key::Name, columns, numbers: Vec::new() })
+        let is_sure = !twice && !counts_from_zero(headers, &columns, targets);
+        is_sure.then_some(Family { meaning, key: Key::Name, columns, numbers: Vec::new() })
     };
     groups.into_iter().chain(stems).filter_map(family).collect()
 }
 
 /// Groups that differ in a unit at the end only, as one: `cart_pos_mm` and `pole_pos_deg`.
-fn by_stem(groups: &Group<Phrase>) -> Group<Phrase> {
-    let mut stems: Group<Phrase> = Vec::new();
+fn by_stem(groups: &Groups) -> Groups {
+    let mut stems: BTreeMap<Phrase, (usize, Vec<usize>)> = BTreeMap::new();
     for ((unit, rest), members) in groups {
-        for member in members {
-            push(&mut stems, (*unit, without_unit(rest)), *member);
-        }
+        let (parts, all) = stems.entry((*unit, without_unit(rest))).or_default();
+        *parts += 1;
+        all.extend(members);
     }
-    stems.retain(|(_, members)| groups.iter().all(|(_, known)| known != members));
-    stems
+    stems.into_iter().filter(|(_, (parts, _))| *parts > 1).map(|(phrase, (_, all))| (phrase, all)).collect()
+}
+
+/// The joints' names are numbers from 1 on, and the columns have a 0 besides: their 1 may be the second joint.
+fn counts_from_zero(headers: &[Header], columns: &[Option<usize>], targets: &Targets) -> bool {
+    let Some(first) = columns.iter().flatten().next() else { return false };
+    let zero = |word: &String| if is_number(word) { "0".into() } else { word.clone() };
+    let zeroed: Vec<String> = headers[*first].words.iter().map(zero).collect();
+    let has_zero = zeroed.iter().any(|w| w == "0") && headers.iter().any(|h| h.words == zeroed);
+    has_zero && !targets.names.iter().any(|name| words(name).iter().any(|w| w == "0"))
 }
 
 /// Words without a unit of several letters at their end.
@@ -202,7 +214,7 @@ fn without_unit(words: &[String]) -> Vec<String> {
 }
 
 fn by_number(headers: &[Header], count: usize, listed: Option<&[Option<usize>]>) -> Vec<Family> {
-    let mut shapes: Group<Phrase> = Vec::new();
+    let mut shapes = Groups::new();
     for header in headers.iter().filter(|h| h.words.iter().any(|w| is_number(w))) {
         let shape = header.words.iter().map(|w| if is_number(w) { "#".into() } else { w.clone() }).collect();
         push(&mut shapes, (kind_of_unit(header), shape), header.index);
@@ -210,7 +222,7 @@ fn by_number(headers: &[Header], count: usize, listed: Option<&[Option<usize>]>)
     let mut families = Vec::new();
     for ((unit, shape), members) in shapes {
         let slot = varying_slot(headers, &shape, &members);
-        let mut groups: Group<Phrase> = Vec::new();
+        let mut groups = Groups::new();
         for member in members {
             let number = headers[member].words[slot].clone();
             let mut rest = headers[member].words.clone();

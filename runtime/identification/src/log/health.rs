@@ -265,7 +265,7 @@ fn weights(runs: &[Run], robot: &dyn Robot, n: usize) -> Vec<f64> {
     const SAMPLES: usize = 20;
     let zero = vec![0.0; n];
     let mut forces = vec![vec![]; n];
-    for run in runs {
+    for run in runs.iter().step_by((runs.len() / SAMPLES).max(1)) {
         for i in (0..run.times.len()).step_by((run.times.len() / SAMPLES).max(1)) {
             let y: Vec<f64> = run.positions.iter().map(|q| q[i]).collect();
             let mut force = zero.clone();

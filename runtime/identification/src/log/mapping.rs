@@ -8,7 +8,7 @@ use super::options::{ColumnOptions, Named, Pattern, is_effort};
 use super::sheet::{Sheet, shortened};
 use super::time::{TimeColumn, find_time};
 use super::units::Unit;
-use super::vocabulary::{Header, Kind, Origin, is_number, meaning};
+use super::vocabulary::{Header, Kind, Origin, is_number, meaning, words};
 use super::wording::{order_said, plural, reason, singular};
 
 /// A column and the factor that makes it SI.
@@ -357,6 +357,12 @@ impl Finder<'_> {
                 reason(family, other)
             ));
         }
+        if family.meaning.origin == Origin::Commanded {
+            remarks.push(format!(
+                "The {} are commanded by their names: nothing that was measured is found.",
+                plural(kinds[0])
+            ));
+        }
         remarks.extend(order_said(family, kinds[0]));
         Ok(Some(Found { columns: columns.clone(), unit: None, remarks }))
     }
@@ -400,7 +406,8 @@ fn listed_names(sheet: &Sheet, headers: &[Header], robot: &RobotColumns) -> Opti
         }
         several => several.iter().filter_map(value).collect(),
     };
-    let joints: Vec<Option<usize>> = names.iter().map(|n| robot.joints.position(n)).collect();
+    let joint = |name: &String| robot.joints.position(name).or_else(|| robot.joints.mentioned(&words(name)));
+    let joints: Vec<Option<usize>> = names.iter().map(joint).collect();
     let all = (0..robot.joints.names.len()).all(|j| joints.contains(&Some(j)));
     (all && !names.is_empty()).then_some(joints)
 }

@@ -95,14 +95,16 @@ fn is_described(finder: &Finder, text: &str) -> bool {
 fn suffix(header: &Header, wanted: &[&str]) -> Option<Unit> {
     let words: Vec<&str> = header.words.iter().map(String::as_str).filter(|w| !is_number(w)).collect();
     let tails = (1..=3.min(words.len().saturating_sub(1))).rev().map(|n| &words[words.len() - n..]);
-    let named = tails.filter_map(|tail| {
+    let mut named = tails.filter_map(|tail| {
         let parts: Vec<&str> = tail.iter().copied().filter(|w| *w != "per").collect();
-        units::find(&parts.join("/")).filter(|unit| wanted.contains(&unit.si))
+        // A letter at the end may mean something else (`q_m`, measured): it counts where it fits.
+        let is_sure = parts.first().is_some_and(|p| p.len() > 1);
+        units::find(&parts.join("/")).filter(|unit| is_sure || wanted.contains(&unit.si))
     });
-    named.into_iter().next()
+    named.next()
 }
 
 /// The unit at the end of the words of a time column.
 pub(super) fn time_suffix(header: &Header) -> Option<Unit> {
-    suffix(header, &["s"])
+    suffix(header, &["s"]).filter(|unit| unit.si == "s")
 }

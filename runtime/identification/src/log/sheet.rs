@@ -50,6 +50,9 @@ impl Lines<'_> {
     }
 }
 
+/// More columns are no log of a robot.
+const MOST_COLUMNS: usize = 20_000;
+
 /// Lines that are looked at to understand a file.
 const SAMPLE: usize = 600;
 
@@ -84,12 +87,15 @@ impl<'a> Sheet<'a> {
             units: units.iter().map(|f| unit_field(f)).collect(),
             width: split[data].len(),
             separator: if separator == b' ' { b'\t' } else { separator },
-            decimals: decimals(&lines, &split, separator),
+            decimals: decimals(&lines, &split),
             first: split[data].clone(),
             sample: split[data..].iter().take(50).cloned().collect(),
             body: body_of(lines[data].start),
             line: lines[data].number,
         };
+        if sheet.width.max(sheet.headers.len()) > MOST_COLUMNS {
+            return Err(fault(format!("more than {MOST_COLUMNS} columns: export those of the robot")));
+        }
         sheet.require_alignment().map_err(fault)?;
         Ok(sheet)
     }
@@ -337,14 +343,16 @@ fn unit_field(field: &str) -> Option<String> {
     units::find(inner).map(|_| inner.to_owned())
 }
 
-fn decimals(lines: &[Line], split: &[Vec<String>], separator: u8) -> Decimals {
+/// What most numbers are written with. Between commas, a comma within a field stands in quotation marks.
+fn decimals(lines: &[Line], split: &[Vec<String>]) -> Decimals {
     let rows = lines.iter().zip(split).filter(|(line, _)| !line.is_comment);
-    let is_comma = |field: &String| {
-        number(field.as_bytes(), Decimals::Point).is_none()
-            && number(field.as_bytes(), Decimals::Comma).is_some()
-    };
-    let commas = separator != b',' && rows.flat_map(|(_, fields)| fields).any(is_comma);
-    if commas { Decimals::Comma } else { Decimals::Point }
+    let (mut points, mut commas) = (0_usize, 0_usize);
+    for field in rows.flat_map(|(_, fields)| fields) {
+        let is = |decimals: Decimals| number(field.as_bytes(), decimals).is_some();
+        points += usize::from(field.contains('.') && is(Decimals::Point));
+        commas += usize::from(field.contains(',') && is(Decimals::Comma));
+    }
+    if commas > points { Decimals::Comma } else { Decimals::Point }
 }
 
 fn nothing(lines: &[Line]) -> String {

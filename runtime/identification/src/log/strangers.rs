@@ -94,6 +94,8 @@ fn styles() -> Vec<(&'static str, &'static str, Row, &'static str, Effort, bool)
         ("a time before each signal", "Time,Pos1,Time,Pos2,Time,Torque1,Time,Torque2", |t, [a, b]| format!("{t},{},{t},{},{t},{},{t},{}", a[0], b[0], a[2], b[2]), "", Joint, false),
         ("old line ends", "t,q1,q2,u1,u2", |t, [a, b]| format!("{t},{},{},{},{}\r", a[0], b[0], a[2], b[2]), "", Joint, false),
         ("units alone", "Time;A1 [deg];A2 [deg];A1 [Nm];A2 [Nm]", |t, [a, b]| format!("{t};{};{};{};{}", a[0] * DEG, b[0] * DEG, a[2], b[2]), "", Joint, false),
+        ("quoted decimals", "t,q1,q2,u1,u2", |t, [a, b]| [t, a[0], b[0], a[2], b[2]].map(|x| format!("\"{x}\"").replace('.', ",")).join(","), "", Joint, false),
+        ("from zero with a gripper told", "t,joint_0_pos,joint_1_pos,joint_2_pos,joint_0_eff,joint_1_eff,joint_2_eff", |t, [a, b]| format!("{t},{},{},0,{},{},0", a[0], b[0], a[2], b[2]), "position=joint_{}_pos,torque=joint_{}_eff", Joint, false),
         ("told", "a,b,c,d,e", |t, [a, b]| format!("{},{},{t},{},{}", a[0] * DEG, b[0] * DEG, a[2], b[2]), "position=a|b[deg],torque=4..5,time=c", Joint, false),
         ("told by numbers", "", |t, [a, b]| format!("{t},{},{},{},{}", a[0], b[0], a[2], b[2]), "time=1, position=2..3, current=4..5", Current, false),
         ("told by pattern", "clock,enc_0_raw,enc_1_raw,enc_2_raw,x0,x1", |t, [a, b]| format!("{t},{},{},0,{},{}", a[0] * DEG / 0.1, b[0] * DEG / 0.1, a[2], b[2]), "position=ENC_{}_raw[0.1 deg],effort=x{}", Joint, false),
@@ -127,7 +129,7 @@ fn strangers_logs_are_read() {
 fn what_cannot_be_read_is_explained() {
     let rows = "0,1,2,3,4\n0.1,1,2,3,4\n0.2,1,2,3,4\n";
     let under = |header: &str| format!("{header}\n{rows}");
-    let cases: [(String, &str, &str); 24] = [
+    let cases: [(String, &str, &str); 26] = [
         (
             rows.into(),
             "",
@@ -174,6 +176,16 @@ fn what_cannot_be_read_is_explained() {
             under("t,q1 [counts],q2 [counts],u1,u2"),
             "",
             "column `q1 [counts]` is in `counts`, which is no known unit",
+        ),
+        (
+            under("t,joint_0_pos,joint_1_pos,joint_2_pos,u1"),
+            "",
+            "have 3 numbers (0 to 2), the description has 2",
+        ),
+        (
+            under("t,q1_count,q2_count,u1,u2"),
+            "",
+            "column `q1_count` is a position in count, but rad is expected here",
         ),
         (under("t,q1,q2,u1"), "", "the header has 4 names (t, q1, q2, u1), but row 2 has 5 fields"),
         ("t,q1,q2,u1,u2\n".into(), "", "no rows of numbers are found; the file begins with `t,q1,q2,u1,u2`"),
