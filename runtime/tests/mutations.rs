@@ -10,14 +10,18 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
+#[path = "support/named_robot.rs"]
+mod named_robot;
+
 use gelenk_identification::differentiation::{KalmanSmoother, SavitzkyGolay, TotalVariation};
-use gelenk_identification::log::{Differentiation, Log, LogSchema, check};
+use gelenk_identification::log::{ColumnOptions, Differentiation, Log, LogSchema, check, runs_of};
 use gelenk_runtime::control_loop::{Source, log_to};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{Columns, Recording, Smoothing, Trajectory};
 use gelenk_runtime::transport::can_frame::{CanCodec, Frame};
 use gelenk_runtime::transport::datagram::{Datagram, MAX_DATAGRAM, Message, TrueState};
 use gelenk_runtime::transport::{Brakes, Pace, PlantServer, ServerOptions, Transport, UdpTransport};
+use named_robot::NamedRobot;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::net::UdpSocket;
@@ -476,8 +480,10 @@ fn logs() {
     )
     .unwrap();
     let count = rounds(400, 100_000);
-    let (mut slowest, mut read) = (Slowest::default(), 0_u64);
+    let (mut slowest, mut read, mut as_runs) = (Slowest::default(), 0_u64, 0_u64);
+    let mut strange = false;
     let sound = [loop_log(), measured_log()];
+    assert!(work_as_runs(&sound[0], None));
     for bytes in &sound {
         assert!(work_through(bytes, &LogSchema::default()));
     }
@@ -489,10 +495,39 @@ fn logs() {
         }
         let schema = if k % 5 == 0 { &mapped } else { &LogSchema::default() };
         read += u64::from(slowest.time(|| work_through(&bytes, schema)));
+        let columns = strange.then(|| "time=1,position=q{}|2[deg],effort=u_{name}".into());
+        strange = !strange;
+        as_runs += u64::from(slowest.time(|| work_as_runs(&bytes, columns)));
         slowest.time(|| record(&bytes));
     }
     assert!(read > count / 4, "{read} of {count} could be read");
+    assert!(as_runs > count / 10, "{as_runs} of {count} could be read as runs");
     slowest.report("logs", count);
+}
+
+/// The same file as runs of a robot: refused, or runs that are whole.
+fn work_as_runs(bytes: &[u8], columns: Option<String>) -> bool {
+    let robot = NamedRobot { names: vec!["beta".into(), "gamma".into()], ..NamedRobot::default() };
+    let options = ColumnOptions { columns, ..ColumnOptions::default() };
+    let recording = match runs_of(bytes, "spoilt", &robot, &options) {
+        Ok(recording) => recording,
+        Err(error) => {
+            assert!(error.to_string().len() < 100_000, "{error}");
+            return false;
+        }
+    };
+    let shown: usize = recording.findings.iter().map(|finding| finding.to_string().len()).sum();
+    assert!(shown < 1_000_000, "{shown} characters of findings");
+    assert!(!recording.runs.is_empty());
+    for run in &recording.runs {
+        assert!(run.times.len() > 1 && run.times.windows(2).all(|t| t[0] <= t[1]), "{:?}", run.times);
+        let columns = run.positions.iter().chain(run.velocities.iter().flatten()).chain(&run.efforts);
+        assert!(
+            columns.clone().all(|column| column.len() == run.times.len() && column.len() == run.rows.len())
+        );
+        assert!(columns.flatten().chain(&run.times).all(|x| x.is_finite()));
+    }
+    true
 }
 
 /// The same file as a recording of a trajectory: refused, or a motion that is finite everywhere.
@@ -518,6 +553,7 @@ fn mappings() {
     let sound = b"separator = \";\"\n[[channel]]\nname = \"u1\"\ncolumn = \"i1\"\nquantity = \"current\"\nunit = \"mA\"\n\
                   joint = 1\nscale = 2.0\noffset = 1.0\nmotor_constant = 0.12\n";
     let mut generator = ChaCha8Rng::seed_from_u64(10);
+    let loop_log = loop_log();
     let count = rounds(1000, 50_000);
     let mut slowest = Slowest::default();
     for _ in 0..count {
@@ -530,6 +566,9 @@ fn mappings() {
         if let Ok(schema) = schema {
             let _ = Log::read(&b"i1;t\n1;0\n2;0.1\n3;0.2\n"[..], "sound", &schema);
         }
+        let mut line = b"position=q{}[deg],time=t[ms],input=u{name}|5..6,run=run".to_vec();
+        spoil_log(&mut line, &mut generator);
+        slowest.time(|| work_as_runs(&loop_log, Some(String::from_utf8_lossy(&line).into_owned())));
     }
     slowest.report("mappings of columns", count);
 }

@@ -38,6 +38,8 @@ pub enum FindingKind {
     UnitAssumed,
     /// A joint does not move.
     StoodStill,
+    /// A single sample far from its neighbours.
+    Outlier,
     /// Positions beyond the joint's limits.
     BeyondPosition,
     /// Speeds beyond the joint's limit.

@@ -1,6 +1,8 @@
 //! Columns that belong together: one quantity of all joints, told apart by the joints' names or by numbers.
 
+use super::units;
 use super::vocabulary::{Header, Kind, Meaning, Origin, is_number, is_plain, meaning, words};
+use std::collections::BTreeMap;
 
 /// What the columns of a family are told apart by. The order is the one in which families are preferred.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -79,6 +81,16 @@ impl Targets {
         Some((joint, [&header[..at], &header[at + length..]].concat()))
     }
 
+    /// The words name a joint.
+    pub(super) fn mentions(&self, words: &[String]) -> bool {
+        self.mentioned(words).is_some()
+    }
+
+    /// The joint that the words name.
+    pub(super) fn mentioned(&self, words: &[String]) -> Option<usize> {
+        self.find(words).map(|(joint, _)| joint)
+    }
+
     /// The joint of exactly this name.
     pub(super) fn position(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|known| known == name)
@@ -106,14 +118,11 @@ pub(super) fn families(
     families
 }
 
-/// Those of a group of columns, in the order of the file.
-type Group<K> = Vec<(K, Vec<usize>)>;
+/// Columns with the same phrase, in the order of the file.
+type Groups = BTreeMap<Phrase, Vec<usize>>;
 
-fn push<K: PartialEq>(groups: &mut Group<K>, key: K, column: usize) {
-    match groups.iter_mut().find(|(known, _)| *known == key) {
-        Some((_, columns)) => columns.push(column),
-        None => groups.push((key, vec![column])),
-    }
+fn push(groups: &mut Groups, key: Phrase, column: usize) {
+    groups.entry(key).or_default().push(column);
 }
 
 fn said(words: &[String]) -> Option<Meaning> {
@@ -121,46 +130,49 @@ fn said(words: &[String]) -> Option<Meaning> {
     meaning(&words)
 }
 
-/// What the unit in brackets says where the words say nothing: `A1 [deg]`.
-fn said_by(header: &Header, words: &[String]) -> Option<Meaning> {
-    let unit = header.unit?;
-    let kind = match unit.si {
-        "rad" | "m" => Kind::Position,
-        "rad/s" | "m/s" => Kind::Velocity,
-        "rad/s^2" | "m/s^2" => Kind::Acceleration,
-        "N*m" | "N" => Kind::Torque,
-        "A" => Kind::Current,
-        "s" => Kind::Time,
-        _ => return None,
-    };
-    match said(words) {
-        // An `effort` in ampere is a current.
-        Some(meaning) if matches!(meaning.kind, Kind::Torque | Kind::Input) && kind == Kind::Current => {
-            Some(Meaning { kind, ..meaning })
-        }
-        None if words.iter().all(|w| is_number(w) || w == "#" || is_plain(w)) => {
-            Some(Meaning { kind, origin: Origin::Unsaid, doubt: 1 })
-        }
-        meaning => meaning,
+/// The quantity that a unit in brackets belongs to.
+fn kind_of_unit(header: &Header) -> Option<Kind> {
+    match header.unit?.si {
+        "rad" | "m" => Some(Kind::Position),
+        "rad/s" | "m/s" => Some(Kind::Velocity),
+        "rad/s^2" | "m/s^2" => Some(Kind::Acceleration),
+        "N*m" | "N" => Some(Kind::Torque),
+        "A" => Some(Kind::Current),
+        "s" => Some(Kind::Time),
+        _ => None,
     }
 }
 
-/// The meaning of a header without the words that tell its joint.
+/// The meaning of a header without the words that tell its joint: what these words say, or the unit in brackets where
+/// they say nothing (`A1 [deg]`).
 pub(super) fn meaning_of(header: &Header, words: &[String]) -> Option<Meaning> {
-    if header.unit.is_some() { said_by(header, words) } else { said(words) }
+    let Some(kind) = kind_of_unit(header) else { return said(words) };
+    // `a` is an axis as often as an acceleration.
+    let is_silent = words.iter().all(|w| is_number(w) || w == "#" || w == "a" || is_plain(w) && w.len() > 1);
+    if is_silent {
+        return Some(Meaning { kind, origin: Origin::Unsaid, doubt: 1 });
+    }
+    let meaning = said(words)?;
+    // An `effort` in ampere is a current.
+    let is_current = matches!(meaning.kind, Kind::Torque | Kind::Input) && kind == Kind::Current;
+    Some(if is_current { Meaning { kind, ..meaning } } else { meaning })
 }
 
+/// Words without those that tell the joint, and the quantity of the unit: columns of one quantity have the same.
+type Phrase = (Option<Kind>, Vec<String>);
+
 fn by_name(headers: &[Header], targets: &Targets) -> Vec<Family> {
-    let mut groups: Group<Vec<String>> = Vec::new();
+    let mut groups = Groups::new();
     let mut joints = vec![None; headers.len()];
     for header in headers {
         let Some((joint, rest)) = targets.find(&header.words) else { continue };
         if meaning_of(header, &rest).is_some() {
             joints[header.index] = Some(joint);
-            push(&mut groups, rest, header.index);
+            push(&mut groups, (kind_of_unit(header), rest), header.index);
         }
     }
-    let family = |(rest, members): (Vec<String>, Vec<usize>)| {
+    let stems = by_stem(&groups);
+    let family = |((_, rest), members): (Phrase, Vec<usize>)| {
         let meaning = meaning_of(&headers[members[0]], &rest)?;
         let mut columns = vec![None; targets.names.len()];
         let mut twice = false;
@@ -168,30 +180,59 @@ fn by_name(headers: &[Header], targets: &Targets) -> Vec<Family> {
             let slot = &mut columns[joints[member]?];
             twice |= slot.replace(member).is_some();
         }
-        (!twice).then_some(Family { meaning, key: Key::Name, columns, numbers: Vec::new() })
+        let is_sure = !twice && !counts_from_zero(headers, &columns, targets);
+        is_sure.then_some(Family { meaning, key: Key::Name, columns, numbers: Vec::new() })
     };
-    groups.into_iter().filter_map(family).collect()
+    groups.into_iter().chain(stems).filter_map(family).collect()
+}
+
+/// Groups that differ in a unit at the end only, as one: `cart_pos_mm` and `pole_pos_deg`.
+fn by_stem(groups: &Groups) -> Groups {
+    let mut stems: BTreeMap<Phrase, (usize, Vec<usize>)> = BTreeMap::new();
+    for ((unit, rest), members) in groups {
+        let (parts, all) = stems.entry((*unit, without_unit(rest))).or_default();
+        *parts += 1;
+        all.extend(members);
+    }
+    stems.into_iter().filter(|(_, (parts, _))| *parts > 1).map(|(phrase, (_, all))| (phrase, all)).collect()
+}
+
+/// The joints' names are numbers from 1 on, and the columns have a 0 besides: their 1 may be the second joint.
+fn counts_from_zero(headers: &[Header], columns: &[Option<usize>], targets: &Targets) -> bool {
+    let Some(first) = columns.iter().flatten().next() else { return false };
+    let zero = |word: &String| if is_number(word) { "0".into() } else { word.clone() };
+    let zeroed: Vec<String> = headers[*first].words.iter().map(zero).collect();
+    let has_zero = zeroed.iter().any(|w| w == "0") && headers.iter().any(|h| h.words == zeroed);
+    has_zero && !targets.names.iter().any(|name| words(name).iter().any(|w| w == "0"))
+}
+
+/// Words without a unit of several letters at their end.
+fn without_unit(words: &[String]) -> Vec<String> {
+    let is_unit = |tail: &[String]| tail[0].chars().count() > 1 && units::find(&tail.join("/")).is_some();
+    let tail = (1..=2).rev().find(|n| words.len() > *n && is_unit(&words[words.len() - n..]));
+    words[..words.len() - tail.unwrap_or(0)].to_vec()
 }
 
 fn by_number(headers: &[Header], count: usize, listed: Option<&[Option<usize>]>) -> Vec<Family> {
-    let mut shapes: Group<Vec<String>> = Vec::new();
+    let mut shapes = Groups::new();
     for header in headers.iter().filter(|h| h.words.iter().any(|w| is_number(w))) {
         let shape = header.words.iter().map(|w| if is_number(w) { "#".into() } else { w.clone() }).collect();
-        push(&mut shapes, shape, header.index);
+        push(&mut shapes, (kind_of_unit(header), shape), header.index);
     }
     let mut families = Vec::new();
-    for (shape, members) in shapes {
+    for ((unit, shape), members) in shapes {
         let slot = varying_slot(headers, &shape, &members);
-        let mut groups: Group<Vec<String>> = Vec::new();
+        let mut groups = Groups::new();
         for member in members {
             let number = headers[member].words[slot].clone();
             let mut rest = headers[member].words.clone();
             rest.remove(slot);
             // `joint1_q1` says its number twice.
             rest.iter_mut().filter(|word| **word == number).for_each(|word| "#".clone_into(word));
-            push(&mut groups, rest, member);
+            push(&mut groups, (unit, rest), member);
         }
-        families.extend(groups.iter().filter_map(|(rest, members)| {
+        let stems = by_stem(&groups);
+        families.extend(groups.iter().chain(&stems).filter_map(|((_, rest), members)| {
             let meaning = meaning_of(&headers[members[0]], rest)?;
             numbered(headers, members, slot, count, listed).map(|(key, columns, numbers)| Family {
                 meaning,

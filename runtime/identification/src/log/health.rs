@@ -22,6 +22,7 @@ pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<RunFinding> {
         }
         positions(runs, joint, unit, limits).into_iter().for_each(|m| say(FindingKind::BeyondPosition, m));
         speeds(runs, joint, unit, limits).into_iter().for_each(|m| say(FindingKind::BeyondSpeed, m));
+        outliers(runs, joint, unit).into_iter().for_each(|m| say(FindingKind::Outlier, m));
         velocity(runs, joint).into_iter().for_each(|m| say(FindingKind::VelocityDisagrees, m));
     }
     findings.extend(efforts(runs, robot, &limits));
@@ -41,10 +42,10 @@ fn least_travel(unit: &str) -> f64 {
     if unit == "m" { 2e-4 } else { 2e-3 }
 }
 
-/// Smallest and largest value without the outermost thousandth at both ends: single outliers are no motion.
+/// Smallest and largest value without the outermost 0.5 % at both ends: single outliers are no motion.
 fn span(values: &mut [f64]) -> Option<(f64, f64)> {
     let last = values.len().checked_sub(1)?;
-    let cut = values.len() / 1000;
+    let cut = values.len() / 200;
     let low = *values.select_nth_unstable_by(cut, f64::total_cmp).1;
     let high = *values.select_nth_unstable_by(last - cut, f64::total_cmp).1;
     Some((low, high))
@@ -109,6 +110,26 @@ fn speeds(runs: &[Run], joint: usize, unit: &str, limits: JointLimits) -> Option
         fastest / limit,
         looks_like(unit, "position", |factor| fastest * factor <= 1.1 * limit)
     ))
+}
+
+/// Single samples far from the ones before and behind them.
+fn outliers(runs: &[Run], joint: usize, unit: &str) -> Option<String> {
+    let steps = |run: &Run| run.positions[joint].windows(2).map(|w| w[1] - w[0]).collect::<Vec<f64>>();
+    let mut sizes: Vec<f64> = runs.iter().flat_map(steps).map(f64::abs).collect();
+    let fast = sizes.len().checked_sub(1)? - sizes.len() / 20;
+    let usual = *sizes.select_nth_unstable_by(fast, f64::total_cmp).1;
+    let most = (20.0 * usual).max(least_travel(unit));
+    let is_outlier = |w: &[f64]| w[0].abs() > most && w[1].abs() > most && w[0] * w[1] < 0.0;
+    let found = runs.iter().flat_map(|run| {
+        let steps = steps(run);
+        (1..steps.len())
+            .filter(|i| is_outlier(&steps[i - 1..=*i]))
+            .map(|i| run.rows[i])
+            .collect::<Vec<usize>>()
+    });
+    let rows: Vec<usize> = found.collect();
+    let first = rows.first()?;
+    Some(format!("{} of its positions are far from their neighbours, the first in row {first}", rows.len()))
 }
 
 /// Factors between units of velocities, and their names: what a column is in where rad/s or m/s are expected.
@@ -244,7 +265,7 @@ fn weights(runs: &[Run], robot: &dyn Robot, n: usize) -> Vec<f64> {
     const SAMPLES: usize = 20;
     let zero = vec![0.0; n];
     let mut forces = vec![vec![]; n];
-    for run in runs {
+    for run in runs.iter().step_by((runs.len() / SAMPLES).max(1)) {
         for i in (0..run.times.len()).step_by((run.times.len() / SAMPLES).max(1)) {
             let y: Vec<f64> = run.positions.iter().map(|q| q[i]).collect();
             let mut force = zero.clone();

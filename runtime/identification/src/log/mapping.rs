@@ -3,12 +3,13 @@
 use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
 use super::super::run::Effort;
-use super::families::{Family, Key, Targets, families};
+use super::families::{Family, Targets, families};
 use super::options::{ColumnOptions, Named, Pattern, is_effort};
 use super::sheet::{Sheet, shortened};
 use super::time::{TimeColumn, find_time};
 use super::units::Unit;
-use super::vocabulary::{Header, Kind, Origin, is_number};
+use super::vocabulary::{Header, Kind, Origin, is_number, meaning, words};
+use super::wording::{order_said, plural, reason, singular};
 
 /// A column and the factor that makes it SI.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +39,8 @@ pub(super) struct RobotColumns {
     pub inputs: Targets,
     /// `rad` or `m`, of each joint.
     pub units: Vec<&'static str>,
+    /// Unit of the position of the joint that an input drives, where it is one.
+    pub input_units: Vec<&'static str>,
     /// B is the identity: forces at the joints and inputs are the same.
     pub direct: bool,
 }
@@ -51,16 +54,20 @@ impl RobotColumns {
         let driven = |input: usize| {
             let mut rows = (0..n).filter(|joint| entry(*joint, input) != 0.0);
             let joint = rows.next()?;
-            rows.next().is_none().then(|| joints[joint].clone())
+            rows.next().is_none().then_some(joint)
         };
-        let others: Vec<Option<String>> = (0..m).map(driven).collect();
+        let driven: Vec<Option<usize>> = (0..m).map(driven).collect();
+        let others: Vec<Option<String>> = driven.iter().map(|j| j.map(|j| joints[j].clone())).collect();
+        let units = robot.position_units();
+        let unit = |joint: Option<usize>| joint.and_then(|j| units.get(j).copied()).unwrap_or("rad");
         let direct = n == m
             && (0..n)
                 .all(|row| (0..m).all(|column| entry(row, column) == f64::from(u8::from(row == column))));
         Self {
             inputs: Targets::new(&inputs, &others),
             joints: Targets::new(&joints, &[]),
-            units: robot.position_units(),
+            input_units: driven.into_iter().map(unit).collect(),
+            units,
             direct,
         }
     }
@@ -139,7 +146,7 @@ impl Finder<'_> {
         let joints = &self.robot.joints;
         let time = find_time(self)?;
         let position = self.required(Named::Position, &[Kind::Position], joints)?;
-        let velocity = self.optional(Named::Velocity, Kind::Velocity, joints)?;
+        let velocity = self.velocities()?;
         let (effort, efforts) = self.efforts(options.effort)?;
         let run = self.run()?;
         let mut sentences = vec![time.said.clone()];
@@ -189,6 +196,12 @@ impl Finder<'_> {
         }
     }
 
+    /// What `--columns` takes for a header: its text, or its number where others have the same text.
+    pub(super) fn unique(&self, header: &Header) -> String {
+        let same = self.headers.iter().filter(|h| h.text == header.text).count();
+        if same > 1 { (header.index + 1).to_string() } else { header.text.clone() }
+    }
+
     fn unused(&self, used: &[usize]) -> Vec<String> {
         let left = self.headers.iter().filter(|h| !used.contains(&h.index) && !h.text.is_empty());
         left.map(|h| h.text.clone()).collect()
@@ -212,7 +225,7 @@ impl Finder<'_> {
         }
         let mut runs = self.headers.iter().filter(|h| {
             let words: Vec<&str> = h.words.iter().map(String::as_str).collect();
-            super::vocabulary::meaning(&words).is_some_and(|m| m.kind == Kind::Run && m.doubt < 2)
+            meaning(&words).is_some_and(|m| m.kind == Kind::Run && m.doubt < 2)
         });
         match (runs.next(), runs.next()) {
             (Some(a), Some(b)) => Err(self.fault(format!(
@@ -229,6 +242,16 @@ impl Finder<'_> {
             return self.by_pattern(pattern, targets).map(Some);
         }
         self.best(&[kind], targets)
+    }
+
+    /// Velocities are no must: columns in a unit that is none of theirs (`v1 [V]`) are something else.
+    fn velocities(&self) -> Result<Option<Found>> {
+        let joints = &self.robot.joints;
+        let found = self.optional(Named::Velocity, Kind::Velocity, joints)?;
+        if self.pattern(|n| n == Named::Velocity).is_some() {
+            return Ok(found);
+        }
+        Ok(found.filter(|f| self.sources(f, Kind::Velocity, joints, &mut Vec::new()).is_ok()))
     }
 
     fn by_pattern(&self, pattern: &Pattern, targets: &Targets) -> Result<Found> {
@@ -298,10 +321,10 @@ impl Finder<'_> {
     fn is_commanded(&self, columns: &[usize]) -> bool {
         let Some(header) = columns.first().and_then(|c| self.headers.get(*c)) else { return false };
         let words: Vec<&str> = header.words.iter().map(String::as_str).filter(|w| !is_number(w)).collect();
-        super::vocabulary::meaning(&words).is_some_and(|m| m.origin == Origin::Commanded)
+        meaning(&words).is_some_and(|m| m.origin == Origin::Commanded)
     }
 
-    fn families(&self, kinds: &[Kind], targets: &Targets) -> Vec<Family> {
+    pub(super) fn families(&self, kinds: &[Kind], targets: &Targets) -> Vec<Family> {
         let mut all = families(self.headers, targets, self.listed);
         all.retain(|f| kinds.contains(&f.meaning.kind));
         all.sort_by_key(|f| (kinds.iter().position(|k| *k == f.meaning.kind), f.rank()));
@@ -334,66 +357,14 @@ impl Finder<'_> {
                 reason(family, other)
             ));
         }
+        if family.meaning.origin == Origin::Commanded {
+            remarks.push(format!(
+                "The {} are commanded by their names: nothing that was measured is found.",
+                plural(kinds[0])
+            ));
+        }
         remarks.extend(order_said(family, kinds[0]));
         Ok(Some(Found { columns: columns.clone(), unit: None, remarks }))
-    }
-
-    fn ambiguous(
-        &self,
-        kind: Kind,
-        one: &[usize],
-        other: &[usize],
-        targets: &Targets,
-    ) -> IdentificationError {
-        let (one, other) = (self.pattern_of(one, targets), self.pattern_of(other, targets));
-        self.fault(format!(
-            "both `{one}` and `{other}` could be the {}: --columns '{}={one}' or '{}={other}' settles it",
-            plural(kind),
-            key(kind),
-            key(kind)
-        ))
-    }
-
-    /// Columns as `--columns` takes them.
-    fn pattern_of(&self, columns: &[usize], targets: &Targets) -> String {
-        let texts: Vec<&str> =
-            columns.iter().filter_map(|c| self.headers.get(*c)).map(|h| h.text.as_str()).collect();
-        let named =
-            texts.iter().zip(&targets.names).map(|(text, name)| text.replacen(name.as_str(), "{name}", 1));
-        let named: Vec<String> = named.collect();
-        if named.first().is_some_and(|first| first.contains("{name}") && named.iter().all(|n| n == first)) {
-            return named[0].clone();
-        }
-        numbered_pattern(&texts).unwrap_or_else(|| texts.join("|"))
-    }
-
-    fn missing(&self, kinds: &[Kind], targets: &Targets) -> IdentificationError {
-        let n = targets.names.len();
-        let best = self.families(kinds, targets).into_iter().max_by_key(|f| {
-            (f.columns.iter().flatten().count(), f.numbers.len(), std::cmp::Reverse(f.rank()))
-        });
-        let why = match best {
-            Some(family) if family.numbers.len() > n => format!(
-                "the columns like {} have {} numbers ({} to {}), the description has {n}: which of them are its own is \
-                 not known",
-                family.numbers_like(self),
-                family.numbers.len(),
-                family.numbers[0],
-                family.numbers[family.numbers.len() - 1]
-            ),
-            Some(family) if family.columns.iter().any(Option::is_some) => {
-                let missing = family.columns.iter().zip(&targets.names).filter(|(c, _)| c.is_none());
-                let missing: Vec<String> = missing.map(|(_, name)| format!("`{name}`")).collect();
-                format!("no column is the {} of {}", singular(kinds[0]), missing.join(", "))
-            }
-            _ => format!("no columns are known as the {} of {}", plural(kinds[0]), shortened(&targets.names)),
-        };
-        self.fault(format!(
-            "{why}. There are {}. Name them: --columns '{}=…', with {{}} for a number, {{name}} for a joint's name, or \
-             columns as in `a|b|c` or `2..7`",
-            shortened(&self.sheet.headers),
-            key(kinds[0])
-        ))
     }
 
     /// Factors to SI, and a sentence for each column.
@@ -420,105 +391,11 @@ impl Finder<'_> {
     }
 }
 
-impl Family {
-    fn numbers_like(&self, finder: &Finder) -> String {
-        let words = finder
-            .headers
-            .iter()
-            .find(|h| super::families::meaning_of(h, &h.words).is_some_and(|m| m.kind == self.meaning.kind));
-        words.map_or("these".into(), |h| format!("`{}`", h.text))
-    }
-}
-
-/// `q{}` of `q1`, `q2`, …
-fn numbered_pattern(texts: &[&str]) -> Option<String> {
-    let first = texts.first()?;
-    let digits = |c: char| c.is_ascii_digit();
-    let same = |at: usize, end: usize| {
-        let (before, after) = (&first[..at], &first[end..]);
-        let fits = |text: &&str| {
-            let middle = text.strip_prefix(before).and_then(|rest| rest.strip_suffix(after));
-            middle.is_some_and(|m| !m.is_empty() && m.chars().all(digits))
-        };
-        texts.iter().all(fits).then(|| format!("{before}{{}}{after}"))
-    };
-    let mut at = 0;
-    while let Some(start) = first[at..].find(digits).map(|s| s + at) {
-        let end = first[start..].find(|c| !digits(c)).map_or(first.len(), |e| e + start);
-        if let Some(pattern) = same(start, end) {
-            return Some(pattern);
-        }
-        at = end;
-    }
-    None
-}
-
-fn reason(family: &Family, other: &Family) -> String {
-    let origin = |f: &Family| match f.meaning.origin {
-        Origin::Measured => "measured",
-        Origin::Unsaid => "neither measured nor commanded by their name",
-        Origin::Filtered => "filtered",
-        Origin::Commanded => "commanded",
-    };
-    if family.meaning.origin != other.meaning.origin {
-        return format!("they are {}, the ones taken are {}", origin(other), origin(family));
-    }
-    if family.meaning.doubt != other.meaning.doubt {
-        return "their names say it less surely".into();
-    }
-    "names of joints go before numbers".into()
-}
-
-/// Numbers say less than names: what they are taken for is said.
-fn order_said(family: &Family, kind: Kind) -> Option<String> {
-    match family.key {
-        Key::Number(first) if family.columns.len() > 1 => Some(format!(
-            "The {} are told apart by numbers from {first} on, in the order of the description's joints; a message that \
-             lists its joints in another order (ROS: often by the alphabet) would be mixed up.",
-            plural(kind)
-        )),
-        Key::Listed => Some(format!("The {} are in the order of the names in the log's rows.", plural(kind))),
-        _ => None,
-    }
-}
-
-pub(super) fn singular(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Time => "time",
-        Kind::Position => "position",
-        Kind::Velocity => "velocity",
-        Kind::Acceleration => "acceleration",
-        Kind::Torque => "effort",
-        Kind::Input => "motor effort",
-        Kind::Current => "current",
-        Kind::Run => "run",
-        Kind::Name => "name",
-    }
-}
-
-fn plural(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Position => "positions",
-        Kind::Velocity => "velocities",
-        Kind::Torque | Kind::Input => "efforts",
-        Kind::Current => "currents",
-        other => singular(other),
-    }
-}
-
-fn key(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Torque => "torque",
-        Kind::Input => "input",
-        other => singular(other),
-    }
-}
-
 /// Joints in the order of a message that names them in its rows: `field.name0`, … or one list of names.
 fn listed_names(sheet: &Sheet, headers: &[Header], robot: &RobotColumns) -> Option<Vec<Option<usize>>> {
     let is_name = |h: &&Header| {
         let words: Vec<&str> = h.words.iter().map(String::as_str).filter(|w| !is_number(w)).collect();
-        super::vocabulary::meaning(&words).is_some_and(|m| m.kind == Kind::Name)
+        meaning(&words).is_some_and(|m| m.kind == Kind::Name)
     };
     let columns: Vec<&Header> = headers.iter().filter(is_name).collect();
     let value = |h: &&Header| sheet.first.get(h.index).map(|text| text.trim().to_owned());
@@ -529,7 +406,8 @@ fn listed_names(sheet: &Sheet, headers: &[Header], robot: &RobotColumns) -> Opti
         }
         several => several.iter().filter_map(value).collect(),
     };
-    let joints: Vec<Option<usize>> = names.iter().map(|n| robot.joints.position(n)).collect();
+    let joint = |name: &String| robot.joints.position(name).or_else(|| robot.joints.mentioned(&words(name)));
+    let joints: Vec<Option<usize>> = names.iter().map(joint).collect();
     let all = (0..robot.joints.names.len()).all(|j| joints.contains(&Some(j)));
     (all && !names.is_empty()).then_some(joints)
 }

@@ -23,6 +23,7 @@ mod testing;
 mod time;
 mod units;
 mod vocabulary;
+mod wording;
 
 pub use check::{Finding, FindingKind, check};
 pub use motion::{Differentiation, MotionColumns};

@@ -183,11 +183,11 @@ impl Pattern {
                 "the log has no header; give the columns' numbers, as in `position=2..7`".into(),
             );
         }
-        // The distance takes time with the product of the lengths.
+        // The comparison takes time with the product of the lengths.
         let cut = |text: &str| text.to_lowercase().chars().take(100).collect::<String>();
         let wanted = cut(&self.text);
-        let nearest =
-            names.iter().take(1000).min_by_key(|name| strsim::damerau_levenshtein(&cut(name), &wanted));
+        let likeness = |name: &&String| strsim::jaro_winkler(&cut(name), &wanted);
+        let nearest = names.iter().take(1000).rev().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
         let nearest = nearest.map_or(String::new(), |n| format!("; the nearest is `{n}`"));
         fault(&self.text, format!("no columns have this name{nearest}. There are {}", shortened(&names)))
     }

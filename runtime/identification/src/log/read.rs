@@ -2,6 +2,7 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::check::{FindingKind, Findings, check_after};
+use super::number::{Decimals, number};
 use super::schema::{Column, LogSchema, Quantity};
 use super::{Channel, Finding, Log};
 use sha2::{Digest, Sha256};
@@ -30,44 +31,70 @@ impl Log {
     /// No rows, a mapped column that is missing, columns that something else than commas separates where the
     /// schema names no separator, or bytes that are no CSV.
     pub fn read(reader: impl Read, source: &str, schema: &LogSchema) -> Result<(Self, Vec<Finding>)> {
-        let fault =
-            |e: csv::Error| IdentificationError::File { place: source.into(), message: e.to_string() };
         let separator = u8::try_from(schema.separator.unwrap_or(',')).unwrap_or(b',');
-        let mut csv = csv::ReaderBuilder::new()
-            .flexible(true)
-            .delimiter(separator)
-            .trim(csv::Trim::Headers)
-            .buffer_capacity(1 << 16)
-            .from_reader(Hashing { inner: reader, hasher: Sha256::new() });
-        let headers: Vec<String> = csv
-            .byte_headers()
-            .map_err(fault)?
-            .iter()
-            .map(|h| String::from_utf8_lossy(h).into_owned())
-            .collect();
-        if schema.separator.is_none() {
-            require_commas(&headers, source)?;
-        }
-        let columns = schema.resolve(&headers)?;
-        require_distinct(&columns)?;
-        let mut values: Vec<Vec<f64>> = vec![Vec::new(); columns.len()];
+        let mut reader = Hashing { inner: reader, hasher: Sha256::new() };
+        let mut columns: Option<Vec<Column>> = None;
+        let mut values: Vec<Vec<f64>> = Vec::new();
         let mut findings = Findings::default();
-        let mut record = csv::ByteRecord::new();
         let mut row = 0;
-        while csv.read_byte_record(&mut record).map_err(fault)? {
+        records(&mut reader, separator, source, |_, record| {
+            let Some(columns) = &columns else {
+                let resolved = header(record, schema, source)?;
+                values = vec![Vec::new(); resolved.len()];
+                columns = Some(resolved);
+                return Ok(());
+            };
             for (column, values) in columns.iter().zip(&mut values) {
-                values.push(field(&record, column, row, &mut findings));
+                values.push(field(record, column, row, &mut findings));
             }
             row += 1;
-        }
+            Ok(())
+        })?;
         if row == 0 {
             return Err(IdentificationError::Empty { what: format!("the log {source}") });
         }
-        let hash = hexadecimal(&csv.into_inner().hasher.finalize());
-        let log = assemble(columns, values, hash, source);
+        let hash = hexadecimal(&reader.hasher.finalize());
+        let log = assemble(columns.unwrap_or_default(), values, hash, source);
         let findings = check_after(&log, findings);
         Ok((log, findings))
     }
+}
+
+/// Calls `each` with the fields of every row that is not empty, and the byte behind the row before it: the one place
+/// where rows are read.
+///
+/// # Errors
+/// What `each` returns, and what the reader does.
+pub(super) fn records(
+    reader: impl Read,
+    separator: u8,
+    source: &str,
+    mut each: impl FnMut(u64, &csv::ByteRecord) -> Result<()>,
+) -> Result<()> {
+    let mut csv = csv::ReaderBuilder::new()
+        .flexible(true)
+        .has_headers(false)
+        .delimiter(separator)
+        .buffer_capacity(1 << 16)
+        .from_reader(reader);
+    let mut record = csv::ByteRecord::new();
+    let fault = |e: csv::Error| IdentificationError::File { place: source.into(), message: e.to_string() };
+    while csv.read_byte_record(&mut record).map_err(fault)? {
+        each(record.position().map_or(0, csv::Position::byte), &record)?;
+    }
+    Ok(())
+}
+
+/// The columns that a header names.
+fn header(record: &csv::ByteRecord, schema: &LogSchema, source: &str) -> Result<Vec<Column>> {
+    let text = |field: &[u8]| String::from_utf8_lossy(field.trim_ascii()).into_owned();
+    let headers: Vec<String> = record.iter().map(text).collect();
+    if schema.separator.is_none() {
+        require_commas(&headers, source)?;
+    }
+    let columns = schema.resolve(&headers)?;
+    require_distinct(&columns)?;
+    Ok(columns)
 }
 
 /// One number; NaN with a finding where there is none.
@@ -82,8 +109,7 @@ fn field(record: &csv::ByteRecord, column: &Column, row: usize, findings: &mut F
         findings.add(row, Some(&column.name), FindingKind::Missing, || "the field is empty".into());
         return f64::NAN;
     }
-    let number = std::str::from_utf8(text).ok().and_then(|t| t.parse::<f64>().ok());
-    let Some(number) = number else {
+    let Some(number) = number(text, Decimals::Point) else {
         let shown = String::from_utf8_lossy(&text[..text.len().min(40)]).into_owned();
         findings
             .add(row, Some(&column.name), FindingKind::NotANumber, || format!("`{shown}` is not a number"));

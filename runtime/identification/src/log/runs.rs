@@ -9,6 +9,7 @@ use super::number::{Decimals, number};
 use super::recording::RunFinding;
 use super::sheet::{Sheet, shortened};
 use super::time::assumed_unit;
+use std::collections::BTreeMap;
 
 /// Complete rows of a log.
 #[derive(Debug, Default)]
@@ -20,6 +21,7 @@ pub(super) struct Samples {
     /// Number of each sample's run in `names`.
     labels: Vec<usize>,
     names: Vec<String>,
+    numbers: BTreeMap<String, usize>,
     /// Positions, velocities (NaN where there is no column) and efforts, one column each.
     values: Vec<Vec<f64>>,
 }
@@ -84,8 +86,15 @@ impl Samples {
         let mut gaps = vec![Gaps::default(); sources.len() + 1];
         let mut row = vec![f64::NAN; sources.len()];
         let mut total = 0;
+        let mut long = Tally::default();
+        let widest = sheet.width.max(sheet.headers.len());
         sheet.rows(source, |line, record| {
             total += 1;
+            // A field too many has moved the others.
+            if record.iter().skip(widest).any(|field| !field.trim_ascii().is_empty()) {
+                long.add(line);
+                return Ok(());
+            }
             let mut complete = true;
             for (i, source) in sources.iter().enumerate() {
                 let Some(source) = source else { continue };
@@ -102,8 +111,14 @@ impl Samples {
             Ok(())
         })?;
         require_alive(sheet, &sources, &gaps, source)?;
-        let kept = samples.lines.len();
-        findings.extend(gap_findings(sheet, mapping, &sources, &gaps, source, total - kept));
+        let long_rows = long.count;
+        findings.extend(long.finding(source, FindingKind::LeftOut, |n| {
+            format!(
+                "{n} rows have more fields than the header and are left out: is a separator part of a text?"
+            )
+        }));
+        let left_out = total - samples.lines.len() - long_rows;
+        findings.extend(gap_findings(sheet, mapping, &sources, &gaps, source, left_out));
         samples.require_some(robot, &gaps, total, source)?;
         Ok(samples)
     }
@@ -112,12 +127,12 @@ impl Samples {
         self.times.push(time);
         self.lines.push(line);
         let label = label.map_or(String::new(), |l| String::from_utf8_lossy(l.trim_ascii()).into_owned());
-        // Runs stand one after another: the newest is looked at first.
-        let known = self.names.iter().rposition(|name| *name == label);
-        self.labels.push(known.unwrap_or_else(|| {
-            self.names.push(label);
-            self.names.len() - 1
-        }));
+        let next = self.names.len();
+        let number = *self.numbers.entry(label).or_insert_with_key(|label| {
+            self.names.push(label.clone());
+            next
+        });
+        self.labels.push(number);
         for (column, value) in self.values.iter_mut().zip(row) {
             column.push(*value);
         }
@@ -126,6 +141,15 @@ impl Samples {
     fn require_some(&self, robot: &RobotColumns, gaps: &[Gaps], total: usize, source: &str) -> Result<()> {
         if self.lines.len() >= 2 {
             return Ok(());
+        }
+        if let Some(Gaps { count, text: Some(text), .. }) = gaps.last().filter(|time| time.count == total) {
+            return Err(IdentificationError::File {
+                place: source.into(),
+                message: format!(
+                    "the time is no number in all {count} rows (the first is `{text}`): export it in seconds, or name \
+                     another column with --columns 'time=…[s]'"
+                ),
+            });
         }
         let fullest = gaps.iter().map(|g| total - g.count.min(total)).min().unwrap_or(0);
         Err(IdentificationError::File {
@@ -339,16 +363,21 @@ impl Clock {
 
 /// File and run, with a number where several have the same name.
 fn names(samples: &Samples, parts: &[Vec<usize>], source: &str) -> Vec<String> {
-    let labels: Vec<&str> = parts.iter().map(|p| samples.names[samples.labels[p[0]]].as_str()).collect();
-    let mut names = Vec::with_capacity(parts.len());
-    for (i, label) in labels.iter().enumerate() {
-        let same = labels.iter().filter(|l| *l == label).count();
-        let part = labels[..=i].iter().filter(|l| *l == label).count();
-        let run = if label.is_empty() { String::new() } else { format!(", run {label}") };
-        let part = if same > 1 { format!(", part {part}") } else { String::new() };
-        names.push(format!("{source}{run}{part}"));
-    }
-    names
+    let label = |part: &Vec<usize>| samples.labels[part[0]];
+    let mut same = vec![0_usize; samples.names.len()];
+    parts.iter().for_each(|part| same[label(part)] += 1);
+    let mut seen = vec![0_usize; samples.names.len()];
+    let name = |part: &Vec<usize>| {
+        let label = label(part);
+        seen[label] += 1;
+        let run = match samples.names[label].as_str() {
+            "" => String::new(),
+            name => format!(", run {name}"),
+        };
+        let part = if same[label] > 1 { format!(", part {}", seen[label]) } else { String::new() };
+        format!("{source}{run}{part}")
+    };
+    parts.iter().map(name).collect()
 }
 
 impl Samples {

@@ -1,9 +1,10 @@
 //! Factors of columns to SI, by the unit that the user, the header or the row below it names.
 
 use super::super::error::{IdentificationError, Result};
-use super::mapping::{Finder, singular};
+use super::mapping::Finder;
 use super::units::{self, Unit};
-use super::vocabulary::{Header, Kind};
+use super::vocabulary::{Header, Kind, is_known, is_number, words};
+use super::wording::singular;
 
 /// Factor of a column to SI, and what was taken as its unit, in words.
 ///
@@ -19,13 +20,15 @@ pub(super) fn factor(
     joint: usize,
     told: Option<Unit>,
 ) -> Result<(f64, String)> {
-    let wanted = accepted(kind, finder.robot.units.get(joint).copied().unwrap_or("rad"));
+    let of_input = matches!(kind, Kind::Input | Kind::Current);
+    let units = if of_input { &finder.robot.input_units } else { &finder.robot.units };
+    let wanted = accepted(kind, units.get(joint).copied().unwrap_or("rad"));
     let header = finder.headers.get(column);
     let named = told.or_else(|| header.and_then(|h| h.unit));
     if let Some(unit) = named {
         return fitting(finder, column, kind, &wanted, unit);
     }
-    if let Some(odd) = header.and_then(|h| h.odd.as_ref()).filter(|odd| looks_like_unit(odd)) {
+    if let Some(odd) = header.and_then(|h| h.odd.as_ref()).filter(|odd| !is_described(finder, odd)) {
         return Err(finder.fault(format!(
             "column {} is in `{odd}`, which is no known unit; name it with --columns '{}=…[UNIT]' (known are {}; a factor \
              may precede, as in [0.0879 deg])",
@@ -75,32 +78,33 @@ fn accepted(kind: Kind, position: &'static str) -> Vec<&'static str> {
         Kind::Torque => vec!["N*m"],
         // A motor before a spindle has a torque, the joint behind it a force.
         Kind::Input if linear => vec!["N", "N*m"],
-        Kind::Input => vec!["N*m"],
+        Kind::Input => vec!["N*m", "N"],
         Kind::Current => vec!["A"],
         Kind::Run | Kind::Name => vec!["1"],
     }
 }
 
-/// Text in brackets that is meant as a unit: short, and no word that headers have elsewhere.
-fn looks_like_unit(text: &str) -> bool {
-    let words = super::vocabulary::words(text);
-    let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    !super::vocabulary::is_known(&words)
+/// Text in brackets that says something else than a unit: words of headers, or a joint's name.
+fn is_described(finder: &Finder, text: &str) -> bool {
+    let spelled = words(text);
+    let known: Vec<&str> = spelled.iter().map(String::as_str).collect();
+    is_known(&known) || finder.robot.joints.mentions(&spelled) || finder.robot.inputs.mentions(&spelled)
 }
 
 /// A unit that ends the words: `q1_deg`, `vel_2_deg_s`.
 fn suffix(header: &Header, wanted: &[&str]) -> Option<Unit> {
-    let words: Vec<&str> =
-        header.words.iter().map(String::as_str).filter(|w| !super::vocabulary::is_number(w)).collect();
+    let words: Vec<&str> = header.words.iter().map(String::as_str).filter(|w| !is_number(w)).collect();
     let tails = (1..=3.min(words.len().saturating_sub(1))).rev().map(|n| &words[words.len() - n..]);
-    let named = tails.filter_map(|tail| {
+    let mut named = tails.filter_map(|tail| {
         let parts: Vec<&str> = tail.iter().copied().filter(|w| *w != "per").collect();
-        units::find(&parts.join("/")).filter(|unit| wanted.contains(&unit.si))
+        // A letter at the end may mean something else (`q_m`, measured): it counts where it fits.
+        let is_sure = parts.first().is_some_and(|p| p.len() > 1);
+        units::find(&parts.join("/")).filter(|unit| is_sure || wanted.contains(&unit.si))
     });
-    named.into_iter().next()
+    named.next()
 }
 
 /// The unit at the end of the words of a time column.
 pub(super) fn time_suffix(header: &Header) -> Option<Unit> {
-    suffix(header, &["s"])
+    suffix(header, &["s"]).filter(|unit| unit.si == "s")
 }

@@ -2,6 +2,7 @@
 
 use super::super::error::{IdentificationError, Result, require_setting};
 use super::units::{conversion, known_units};
+use super::vocabulary::{Kind, Origin, is_number, meaning, words};
 use serde::Deserialize;
 
 /// The quantity that a channel measures.
@@ -259,17 +260,22 @@ fn identifier(text: &str, index: usize) -> String {
     name
 }
 
+/// What the loop's prefixes or the words of a name say; what was commanded is no measurement.
 fn guess(name: &str) -> Quantity {
-    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches('_').to_ascii_lowercase();
-    match stem.as_str() {
-        "t" | "time" => Quantity::Time,
-        "q" | "y" | "pos" | "position" | "phi" => Quantity::Position,
-        "dq" | "v" | "vel" | "velocity" | "qd" => Quantity::Velocity,
-        "ddq" | "a" | "acc" | "acceleration" | "qdd" => Quantity::Acceleration,
-        "u" | "tau" | "torque" => Quantity::Torque,
-        "i" | "current" => Quantity::Current,
-        "run" | "segment" => Quantity::Segment,
-        _ => of_loop(name).map_or(Quantity::Other, |(quantity, _)| quantity),
+    if let Some((quantity, _)) = of_loop(name) {
+        return quantity;
+    }
+    let spelled = words(name);
+    let spelled: Vec<&str> = spelled.iter().map(String::as_str).filter(|w| !is_number(w)).collect();
+    match meaning(&spelled).filter(|m| m.origin != Origin::Commanded).map(|m| m.kind) {
+        Some(Kind::Time) => Quantity::Time,
+        Some(Kind::Position) => Quantity::Position,
+        Some(Kind::Velocity) => Quantity::Velocity,
+        Some(Kind::Acceleration) => Quantity::Acceleration,
+        Some(Kind::Torque | Kind::Input) => Quantity::Torque,
+        Some(Kind::Current) => Quantity::Current,
+        Some(Kind::Run) => Quantity::Segment,
+        Some(Kind::Name) | None => Quantity::Other,
     }
 }
 

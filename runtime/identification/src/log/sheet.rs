@@ -3,6 +3,7 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::number::{Decimals, number};
+use super::read::records;
 use super::units;
 use std::borrow::Cow;
 
@@ -27,6 +28,30 @@ pub(super) struct Sheet<'a> {
     /// Line of the body's first row, counted from 1.
     line: usize,
 }
+
+/// Counts lines: the CSV reader's own count stands before the empty lines that it skips.
+struct Lines<'t> {
+    text: &'t [u8],
+    at: usize,
+    line: usize,
+}
+
+impl Lines<'_> {
+    /// Line of the first row at or behind `byte`; bytes increase from call to call.
+    fn line_from(&mut self, byte: u64) -> usize {
+        let byte = usize::try_from(byte).unwrap_or(usize::MAX);
+        while let Some(&sign) = self.text.get(self.at)
+            && (self.at < byte || sign == b'\n' || sign == b'\r')
+        {
+            self.line += usize::from(sign == b'\n');
+            self.at += 1;
+        }
+        self.line
+    }
+}
+
+/// More columns are no log of a robot.
+const MOST_COLUMNS: usize = 20_000;
 
 /// Lines that are looked at to understand a file.
 const SAMPLE: usize = 600;
@@ -56,18 +81,21 @@ impl<'a> Sheet<'a> {
         };
         let split: Vec<Vec<String>> = lines.iter().map(|l| fields(l.text, separator)).collect();
         let data = first_data(&lines, &split).ok_or_else(|| fault(nothing(&lines)))?;
-        let (header, units) = header(&lines, &split, data);
+        let (headers, units) = header(&lines, &split, data);
         let sheet = Self {
-            headers: header.map(|h| split[h].clone()).unwrap_or_default(),
-            units: units.map(|u| split[u].iter().map(|f| unit_field(f)).collect()).unwrap_or_default(),
+            headers,
+            units: units.iter().map(|f| unit_field(f)).collect(),
             width: split[data].len(),
             separator: if separator == b' ' { b'\t' } else { separator },
-            decimals: decimals(&lines, &split, separator),
+            decimals: decimals(&lines, &split),
             first: split[data].clone(),
             sample: split[data..].iter().take(50).cloned().collect(),
             body: body_of(lines[data].start),
             line: lines[data].number,
         };
+        if sheet.width.max(sheet.headers.len()) > MOST_COLUMNS {
+            return Err(fault(format!("more than {MOST_COLUMNS} columns: export those of the robot")));
+        }
         sheet.require_alignment().map_err(fault)?;
         Ok(sheet)
     }
@@ -81,23 +109,15 @@ impl<'a> Sheet<'a> {
         source: &str,
         mut each: impl FnMut(usize, &csv::ByteRecord) -> Result<()>,
     ) -> Result<()> {
-        let mut csv = csv::ReaderBuilder::new()
-            .flexible(true)
-            .has_headers(false)
-            .delimiter(self.separator)
-            .from_reader(&*self.body);
-        let mut record = csv::ByteRecord::new();
-        let fault =
-            |e: csv::Error| IdentificationError::File { place: source.into(), message: e.to_string() };
-        while csv.read_byte_record(&mut record).map_err(fault)? {
-            let at = record.position().map_or(1, csv::Position::line);
-            let line = self.line.saturating_add(usize::try_from(at).unwrap_or(1)).saturating_sub(1);
+        let mut lines = Lines { text: &self.body, at: 0, line: self.line };
+        records(&*self.body, self.separator, source, |byte, record| {
+            let line = lines.line_from(byte);
             let blank = record.iter().all(|field| field.trim_ascii().is_empty());
-            if !blank && !record.get(0).is_some_and(|field| comment(field).is_some()) {
-                each(line, &record)?;
+            if blank || record.get(0).is_some_and(|field| comment(field).is_some()) {
+                return Ok(());
             }
-        }
-        Ok(())
+            each(line, record)
+        })
     }
 
     /// A header with fewer names than the rows have fields would give columns the wrong names.
@@ -290,22 +310,31 @@ fn first_data(lines: &[Line], split: &[Vec<String>]) -> Option<usize> {
     (0..lines.len()).find(|i| is_row(i) && 2 * split[*i].len() >= usual)
 }
 
-/// The lines of the names and of the units.
-fn header(lines: &[Line], split: &[Vec<String>], data: usize) -> (Option<usize>, Option<usize>) {
+/// Names of the columns, and the row of their units.
+fn header(lines: &[Line], split: &[Vec<String>], data: usize) -> (Vec<String>, Vec<String>) {
     let width = split[data].len();
-    let is_wide = |i: &usize| {
-        split[*i].len() + 1 >= width && count(&split[*i]).1 == 0 || {
-            let (filled, numbers) = count(&split[*i]);
-            !lines[*i].is_comment && filled > 1 && 2 * numbers < filled
-        }
+    let is_header = |i: &usize| {
+        let (filled, numbers) = count(&split[*i]);
+        let is_text = filled > 1 && 2 * numbers < filled;
+        // A comment is a header if it has a name for every column.
+        is_text && (!lines[*i].is_comment || numbers == 0 && split[*i].len() + 1 >= width)
     };
-    let mut before = (0..data).rev().filter(is_wide);
-    let Some(last) = before.next() else { return (None, None) };
+    let mut before = (0..data).rev().filter(is_header);
+    let Some(last) = before.next() else {
+        return (otherwise_separated(&lines[..data], width).unwrap_or_default(), Vec::new());
+    };
     let are_units = split[last].iter().all(|f| f.is_empty() || f == "-" || unit_field(f).is_some());
     match before.next().filter(|h| are_units && split[*h].len() == split[last].len()) {
-        Some(names) => (Some(names), Some(last)),
-        None => (Some(last), None),
+        Some(names) => (split[names].clone(), split[last].clone()),
+        None => (split[last].clone(), Vec::new()),
     }
+}
+
+/// A header whose names something else separates than the numbers: `# t,q1,q2` above `0 0.1 0.2`.
+fn otherwise_separated(before: &[Line], width: usize) -> Option<Vec<String>> {
+    let last = before.last()?;
+    let mut split = [b',', b';', b'\t', b' '].into_iter().map(|separator| fields(last.text, separator));
+    split.find(|names| names.len() == width && width > 1 && count(names) == (width, 0))
 }
 
 /// A unit in a row of units, which may stand in brackets.
@@ -314,14 +343,16 @@ fn unit_field(field: &str) -> Option<String> {
     units::find(inner).map(|_| inner.to_owned())
 }
 
-fn decimals(lines: &[Line], split: &[Vec<String>], separator: u8) -> Decimals {
+/// What most numbers are written with. Between commas, a comma within a field stands in quotation marks.
+fn decimals(lines: &[Line], split: &[Vec<String>]) -> Decimals {
     let rows = lines.iter().zip(split).filter(|(line, _)| !line.is_comment);
-    let is_comma = |field: &String| {
-        number(field.as_bytes(), Decimals::Point).is_none()
-            && number(field.as_bytes(), Decimals::Comma).is_some()
-    };
-    let commas = separator != b',' && rows.flat_map(|(_, fields)| fields).any(is_comma);
-    if commas { Decimals::Comma } else { Decimals::Point }
+    let (mut points, mut commas) = (0_usize, 0_usize);
+    for field in rows.flat_map(|(_, fields)| fields) {
+        let is = |decimals: Decimals| number(field.as_bytes(), decimals).is_some();
+        points += usize::from(field.contains('.') && is(Decimals::Point));
+        commas += usize::from(field.contains(',') && is(Decimals::Comma));
+    }
+    if commas > points { Decimals::Comma } else { Decimals::Point }
 }
 
 fn nothing(lines: &[Line]) -> String {

@@ -85,6 +85,17 @@ fn styles() -> Vec<(&'static str, &'static str, Row, &'static str, Effort, bool)
         ("index column", ",t,q1,q2,u1,u2", |t, [a, b]| format!("{},{t},{},{},{},{}", (t * 100.0).round(), a[0], b[0], a[2], b[2]), "", Joint, false),
         ("loop", "time,q_joint_1,q_joint_2,dq_joint_1,dq_joint_2,desired_joint_1,desired_joint_2,u_joint_1,u_joint_2,source,believed,iterations,lateness_ns,read_ns,control_ns,check_ns,write_ns", |t, [a, b]| format!("{t},{},{},{},{},0,0,{},{},controller,1,3,100,1,2,3,4", a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
         ("blanks and dots", "Sample;robot.Joint 1.Actual Position (rad);robot.Joint 2.Actual Position (rad);robot.Joint 1.Motor Torque (Nm);robot.Joint 2.Motor Torque (Nm);elapsed time (us)", |t, [a, b]| format!("1;{};{};{};{};{}", a[0], b[0], a[2], b[2], (t * 1e6).round()), "", Joint, false),
+        ("savetxt with commas", "# t,q_0,q_1,tau_0,tau_1", |t, [a, b]| format!("{t:.18e} {:.18e} {:.18e} {:.18e} {:.18e}", a[0], b[0], a[2], b[2]), "", Joint, false),
+        ("mujoco", "time,qpos_0,qpos_1,qvel_0,qvel_1,ctrl_0,ctrl_1,qfrc_actuator_0,qfrc_actuator_1", |t, [a, b]| format!("{t},{},{},{},{},0,0,{},{}", a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
+        ("unitree", "stamp_us,motor_state[0].q,motor_state[1].q,motor_state[0].dq,motor_state[1].dq,motor_state[0].tauEst,motor_state[1].tauEst", |t, [a, b]| format!("{},{},{},{},{},{},{}", (t * 1e6).round(), a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
+        ("dynamixel", "time,present_position_1,present_position_2,goal_position_1,goal_position_2,present_current_1 [mA],present_current_2 [mA]", |t, [a, b]| format!("{t},{},{},9,9,{},{}", a[0], b[0], a[2] * 1e3, b[2] * 1e3), "", Current, false),
+        ("dots and derivatives", "t,theta1,theta2,theta1_dot,theta2_dot,theta1_ddot,theta2_ddot,tau1,tau2", |t, [a, b]| format!("{t},{},{},{},{},0,0,{},{}", a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
+        ("voltages beside", "t,q1,q2,u1 [Nm],u2 [Nm],v1 [V],v2 [V]", |t, [a, b]| format!("{t},{},{},{},{},24,24", a[0], b[0], a[2], b[2]), "", Joint, false),
+        ("a time before each signal", "Time,Pos1,Time,Pos2,Time,Torque1,Time,Torque2", |t, [a, b]| format!("{t},{},{t},{},{t},{},{t},{}", a[0], b[0], a[2], b[2]), "", Joint, false),
+        ("old line ends", "t,q1,q2,u1,u2", |t, [a, b]| format!("{t},{},{},{},{}\r", a[0], b[0], a[2], b[2]), "", Joint, false),
+        ("units alone", "Time;A1 [deg];A2 [deg];A1 [Nm];A2 [Nm]", |t, [a, b]| format!("{t};{};{};{};{}", a[0] * DEG, b[0] * DEG, a[2], b[2]), "", Joint, false),
+        ("quoted decimals", "t,q1,q2,u1,u2", |t, [a, b]| [t, a[0], b[0], a[2], b[2]].map(|x| format!("\"{x}\"").replace('.', ",")).join(","), "", Joint, false),
+        ("from zero with a gripper told", "t,joint_0_pos,joint_1_pos,joint_2_pos,joint_0_eff,joint_1_eff,joint_2_eff", |t, [a, b]| format!("{t},{},{},0,{},{},0", a[0], b[0], a[2], b[2]), "position=joint_{}_pos,torque=joint_{}_eff", Joint, false),
         ("told", "a,b,c,d,e", |t, [a, b]| format!("{},{},{t},{},{}", a[0] * DEG, b[0] * DEG, a[2], b[2]), "position=a|b[deg],torque=4..5,time=c", Joint, false),
         ("told by numbers", "", |t, [a, b]| format!("{t},{},{},{},{}", a[0], b[0], a[2], b[2]), "time=1, position=2..3, current=4..5", Current, false),
         ("told by pattern", "clock,enc_0_raw,enc_1_raw,enc_2_raw,x0,x1", |t, [a, b]| format!("{t},{},{},0,{},{}", a[0] * DEG / 0.1, b[0] * DEG / 0.1, a[2], b[2]), "position=ENC_{}_raw[0.1 deg],effort=x{}", Joint, false),
@@ -96,6 +107,8 @@ fn strangers_logs_are_read() {
     for (style, header, row, columns, effort, has_velocity) in styles() {
         let text = written(header, 200, row);
         let columns = Some(columns.to_owned()).filter(|c| !c.is_empty());
+        let text =
+            if style == "old line ends" { text.replace("\r\n", "\r").replace('\n', "\r") } else { text };
         let recording =
             read(text.trim_start_matches('\n'), &ColumnOptions { columns, ..ColumnOptions::default() });
         assert_motion(style, &recording, 200);
@@ -109,4 +122,340 @@ fn strangers_logs_are_read() {
         let suspicious = recording.findings.iter().filter(|f| f.kind != FindingKind::UnitAssumed);
         assert_eq!(suspicious.map(ToString::to_string).collect::<Vec<_>>(), Vec::<String>::new(), "{style}");
     }
+}
+
+/// Each message names what is wrong and the line that settles it.
+#[test]
+fn what_cannot_be_read_is_explained() {
+    let rows = "0,1,2,3,4\n0.1,1,2,3,4\n0.2,1,2,3,4\n";
+    let under = |header: &str| format!("{header}\n{rows}");
+    let cases: [(String, &str, &str); 26] = [
+        (
+            rows.into(),
+            "",
+            "the log has no header: its first row is `0, 1, 2, 3, 4`. Say which column is what by numbers, as in --columns 'time=1,position=2..3,torque=4..5'",
+        ),
+        (rows.into(), "time=t,position=2..3,torque=4..5", "the log has no header; give the columns' numbers"),
+        (rows.into(), "time=1,position=2..9,torque=4..5", "the log has columns 1 to 5"),
+        (rows.into(), "time=1,position=2..4,torque=4..5", "it names 3 columns, 2 are needed"),
+        (rows.into(), "time=1,position=2..3,torque=3..4", "column number 3 would stand for two quantities"),
+        (
+            under("t,q1,q2,x1,x2"),
+            "",
+            "no columns are known as the efforts of joint_1, joint_2. There are t, q1, q2, x1, x2. Name them: --columns 'torque=…'",
+        ),
+        (under("t,q1,q3,u1,u2"), "", "no column is the position of `joint_2`"),
+        (under("t,q1,q2,u1,q3"), "", "have 3 numbers (1 to 3), the description has 2"),
+        (under("x,q1,q2,u1,u2"), "", "no column is known as the time"),
+        (
+            under("time_one,q1,q2,u1,time_two"),
+            "",
+            "both `time_one` and `time_two` (columns 1 and 5) could be the time",
+        ),
+        (
+            under("t,left_q1,left_q2,right_q1,right_q2"),
+            "torque=4|5",
+            "both `left_q{}` and `right_q{}` could be the positions: --columns 'position=left_q{}' or 'position=right_q{}' settles it",
+        ),
+        (
+            under("t,joint1_position,joint2_position,u1,u2"),
+            "position=joint{}_pos",
+            "no columns have this name; the nearest is `joint1_position`. There are t, joint1_position",
+        ),
+        (under("t,q1,q2,u1,u2"), "position=q{}[grad]", "unknown unit `grad`; known are s, ms"),
+        (
+            under("t,q1,q2,u1,u2"),
+            "position=q{}[Nm]",
+            "column `q1` is a position in N*m, but rad is expected here",
+        ),
+        (under("t,q1,q2,u1,u2"), "positon=q{}", "there is no quantity `positon`; known are time, position"),
+        (under("t,q1,q2,u1,u2"), "q{}", "this is not `QUANTITY=COLUMNS`"),
+        (under("t,q1,q2,u1,u2"), "torque=u{},current=u{}", "the line names this quantity twice"),
+        (under("t,q1,q2,u1,u2"), "position={name}_pos", "no columns have this name"),
+        (
+            under("t,q1 [counts],q2 [counts],u1,u2"),
+            "",
+            "column `q1 [counts]` is in `counts`, which is no known unit",
+        ),
+        (
+            under("t,joint_0_pos,joint_1_pos,joint_2_pos,u1"),
+            "",
+            "have 3 numbers (0 to 2), the description has 2",
+        ),
+        (
+            under("t,q1_count,q2_count,u1,u2"),
+            "",
+            "column `q1_count` is a position in count, but rad is expected here",
+        ),
+        (under("t,q1,q2,u1"), "", "the header has 4 names (t, q1, q2, u1), but row 2 has 5 fields"),
+        ("t,q1,q2,u1,u2\n".into(), "", "no rows of numbers are found; the file begins with `t,q1,q2,u1,u2`"),
+        (
+            "t,q1,q2,u1,u2\n12:00:01,1,2,3,4\n12:00:02,1,2,3,4\n".into(),
+            "",
+            "the time is no number in all 2 rows (the first is `12:00:01`)",
+        ),
+        ("t,q1,q2,u1,u2\n0,1,2,NaN,4\n1,1,2,NaN,4\n".into(), "", "column `u1` has no finite number"),
+        (
+            "t,q1,q2,u1,u2\n0,1,,3,4\n1,,2,,4\n2,1,,,4\n".into(),
+            "",
+            "0 of 3 rows have time, 2 positions and efforts together",
+        ),
+    ];
+    for (text, columns, part) in cases {
+        let said = message(&text, columns);
+        assert!(said.contains(part), "{text}\n{columns}\n{said}");
+    }
+    for (bytes, part) in [
+        (&b"\x1f\x8b\x08\0"[..], "gunzip"),
+        (b"PK\x03\x04", "zip"),
+        (b"\xff\xfet\0", "UTF-16"),
+        (b" \n", "the file is empty"),
+    ] {
+        let said =
+            runs_of(bytes, "log", &Fake::numbered(2), &ColumnOptions::default()).unwrap_err().to_string();
+        assert!(said.contains(part), "{said}");
+    }
+}
+
+/// Time, run label and values of a log of two joints that differ from sample to sample.
+fn log_of(rows: &[(&str, &str)]) -> String {
+    let mut text = String::from("time,trial,q1,q2,tau1,tau2\n");
+    for (i, (time, trial)) in rows.iter().enumerate() {
+        writeln!(text, "{time},{trial},{i},0.{i},{i},{i}").unwrap();
+    }
+    text
+}
+
+#[test]
+fn times_cut_runs() {
+    let rows = [
+        ("0", "a"),
+        ("0.01", "a"),
+        ("0.01", "a"),
+        ("0.02", "a"),
+        ("0", "b"),
+        ("0.01", "b"),
+        ("0.005", "b"),
+        ("0.02", "b"),
+        ("9", "c"),
+    ];
+    let recording = read(&log_of(&rows), &ColumnOptions::default());
+    let runs: Vec<(&str, &[f64], &[usize])> =
+        recording.runs.iter().map(|r| (r.name.as_str(), r.times.as_slice(), r.rows.as_slice())).collect();
+    assert_eq!(
+        runs,
+        [
+            ("log.csv, run a", &[0.0, 0.01, 0.02][..], &[2, 3, 5][..]),
+            ("log.csv, run b, part 1", &[0.0, 0.01], &[6, 7]),
+            ("log.csv, run b, part 2", &[0.005, 0.02], &[8, 9]),
+        ]
+    );
+    let said: Vec<String> = recording.findings.iter().take(3).map(ToString::to_string).collect();
+    assert_eq!(said[0], "log.csv, row 4: 1 samples have the time of the one before and are left out");
+    assert_eq!(said[1], "log.csv, row 8: time goes back 1 times: a new run begins at each of these rows");
+    assert_eq!(said[2], "log.csv: 1 runs of a single sample are left out");
+}
+
+/// Jitter below a microsecond in times since 1970: a double has no digits for it.
+#[test]
+fn epoch_times_keep_their_digits() {
+    let rows = [("1700000000000000001", ""), ("1700000000008000003", ""), ("1700000000016000000", "")];
+    let recording = read(&log_of(&rows).replace("time,", "stamp_ns,"), &ColumnOptions::default());
+    assert_eq!(recording.runs[0].times, [0.0, 0.008_000_002, 0.015_999_999]);
+    let rows = [("1700000000.000000001", ""), ("1700000000.004", ""), ("1700000000.008", "")];
+    let recording = read(&log_of(&rows), &ColumnOptions::default());
+    assert_eq!(recording.runs[0].times, [0.0, 0.003_999_999, 0.007_999_999]);
+    // Without a unit, by the step; and it is said.
+    for (step, said) in [(4_u64, "ms (250"), (4000, "µs (250"), (4_000_000, "ns (250")] {
+        let times: Vec<String> = (0..4).map(|i| (i * step).to_string()).collect();
+        let rows: Vec<(&str, &str)> = times.iter().map(|t| (t.as_str(), "")).collect();
+        let recording = read(&log_of(&rows), &ColumnOptions::default());
+        assert_eq!(recording.runs[0].times, [0.0, 0.004, 0.008, 0.012]);
+        let finding = recording.findings.iter().find(|f| f.kind == FindingKind::UnitAssumed).unwrap();
+        assert!(finding.message.contains(said), "{finding}");
+    }
+}
+
+#[test]
+fn incomplete_rows_are_left_out_by_number() {
+    let text = "# made by hand\n\nt,q1,q2,u1,u2\n0,1,1,1,1\n1,1,,1,1\n2,1,1,x,1\n3,1,1,1\n# stop\n4,2,2,2,2\n\n5,3,3,3,3\n";
+    let recording = read(text, &ColumnOptions::default());
+    assert_eq!(recording.runs[0].rows, [4, 9, 11]);
+    let said: Vec<String> = recording.findings.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        said[..4],
+        [
+            "log.csv, row 5: column `q2`: no finite number in 1 rows",
+            "log.csv, row 6: column `u1`: no finite number in 1 rows, the first as `x`",
+            "log.csv, row 7: column `u2`: no finite number in 1 rows, 1 because the row ends before",
+            "log.csv: 3 rows are left out because they are not complete",
+        ]
+    );
+}
+
+/// Findings of a plain log whose rows are changed.
+fn found(
+    robot: &Fake,
+    columns: &str,
+    change: impl Fn(usize, &mut [[f64; 3]; 2]),
+) -> Vec<(FindingKind, String)> {
+    let mut text = String::from("t,q1,q2,dq1,dq2,u1,u2\n");
+    for i in 0..400 {
+        let (t, mut joints) = motion(i);
+        change(i, &mut joints);
+        let [a, b] = joints;
+        writeln!(text, "{t},{},{},{},{},{},{}", a[0], b[0], a[1], b[1], a[2], b[2]).unwrap();
+    }
+    let columns = Some(columns.to_owned()).filter(|c| !c.is_empty());
+    let options = ColumnOptions { columns, ..ColumnOptions::default() };
+    let recording = runs_of(text.as_bytes(), "log.csv", robot, &options).unwrap();
+    recording.findings.iter().map(|f| (f.kind, f.to_string())).collect()
+}
+
+#[test]
+fn joints_that_look_wrong_are_named() {
+    use FindingKind::{
+        BeyondEffort, BeyondPosition, BeyondSpeed, Constant, GearDoubtful, StoodStill, VelocityDisagrees,
+    };
+    let robot = Fake::numbered(2);
+    assert_eq!(found(&robot, "", |_, _| {}), []);
+    type Change = fn(usize, &mut [[f64; 3]; 2]);
+    let cases: [(&str, Change, &[FindingKind], &str); 9] = [
+        (
+            "still",
+            |i, j| j[1][0] = 0.3 + 1e-4 * (i % 2) as f64,
+            &[StoodStill],
+            "joint joint_2: it stood still",
+        ),
+        (
+            "degrees",
+            |_, j| j[0].iter_mut().take(2).for_each(|x| *x *= DEG),
+            &[BeyondPosition, BeyondSpeed],
+            "they would fit in deg: --columns 'position=…[deg]'",
+        ),
+        (
+            "outlier",
+            |i, j| {
+                if i == 7 {
+                    j[0][0] = 90.0
+                }
+            },
+            &[FindingKind::Outlier],
+            "1 of its positions are far from their neighbours, the first in row 9",
+        ),
+        ("effort", |_, j| j[1][2] *= 1000.0, &[BeyondEffort], "its limit is 100.0000"),
+        ("dead effort", |_, j| j[0][2] = 0.0, &[Constant], "joint joint_1: its effort is 0 in all samples"),
+        ("sign", |_, j| j[0][1] = -j[0][1], &[VelocityDisagrees], "the opposite sign of the slope"),
+        (
+            "velocity unit",
+            |_, j| j[0][1] *= DEG,
+            &[VelocityDisagrees],
+            "the slope is 0.0175 times the column; velocities in deg/s would explain it",
+        ),
+        ("other joint", |_, j| j[0][1] = j[1][1], &[VelocityDisagrees], "hardly related"),
+        ("no velocity", |_, j| j[0][1] = 0.0, &[VelocityDisagrees], "is zero while it moves"),
+    ];
+    for (name, change, kinds, part) in cases {
+        let found = found(&robot, "", change);
+        assert_eq!(found.iter().map(|f| f.0).collect::<Vec<_>>(), kinds, "{name}: {found:?}");
+        assert!(kinds.is_empty() || found.iter().any(|f| f.1.contains(part)), "{name}: {found:?}");
+    }
+    // A gear of 100: efforts of 3 N·m carry a weight of 4 N·m at the joint, not at the motor.
+    let geared = Fake { gear: 100.0, weight: 4.0, ..Fake::numbered(2) };
+    assert_eq!(found(&geared, "torque=u{}", |_, _| {}), []);
+    let doubted = found(&geared, "", |_, _| {});
+    assert_eq!(doubted.iter().map(|f| f.0).collect::<Vec<_>>(), [GearDoubtful], "{doubted:?}");
+    assert!(
+        doubted[0].1.contains("they look like forces at the joints (--columns 'torque=…')"),
+        "{doubted:?}"
+    );
+    assert_eq!(found(&geared, "input=u{}", |_, j| j.iter_mut().for_each(|j| j[2] /= 100.0)), []);
+}
+
+#[test]
+fn turns_are_unwrapped_where_a_joint_may_turn() {
+    let wrapped = |i: usize, joints: &mut [[f64; 3]; 2]| {
+        let angle = 0.02 * i as f64 - 1.0;
+        joints[0][0] =
+            (angle + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
+        joints[0][1] = 2.0;
+    };
+    let mut robot = Fake::numbered(2);
+    robot.limits[0].position = [f64::NEG_INFINITY, f64::INFINITY];
+    let free = found(&robot, "", wrapped);
+    assert_eq!(free.len(), 1, "{free:?}");
+    assert!(
+        free[0].1.contains("row 210, joint joint_1: its position jumps by a turn 1 times and is unwrapped"),
+        "{free:?}"
+    );
+    robot.limits[0].position = [-3.5, 3.5];
+    let limited = found(&robot, "", wrapped);
+    assert!(limited[0].1.contains("not unwrapped because the joint has limits"), "{limited:?}");
+}
+
+/// Inputs of an underactuated robot; a slide in millimetres.
+#[test]
+fn slides_and_inputs_have_their_units() {
+    let mut cart = Fake::new(&["cart", "pole"]);
+    cart.inputs.truncate(1);
+    cart.units[0] = "m";
+    let text = "t,cart_pos_mm,pole_pos_deg,u_cart\n0,1000,180,5\n0.01,1001,181,6\n0.02,1002,182,7\n";
+    let recording = runs_of(text.as_bytes(), "log.csv", &cart, &ColumnOptions::default()).unwrap();
+    let run = &recording.runs[0];
+    assert_eq!((run.positions[0][0], run.positions[1][0]), (1.0, std::f64::consts::PI));
+    assert_eq!((recording.effort, run.efforts.as_slice()), (Effort::Input, &[vec![5.0, 6.0, 7.0]][..]));
+    assert!(
+        recording
+            .mapping
+            .iter()
+            .any(|s| s
+                == "Column `u_cart` is the motor effort of input cart, in N as its header names no unit."),
+        "{:?}",
+        recording.mapping
+    );
+}
+
+#[test]
+fn what_was_measured_goes_before_what_was_commanded() {
+    let (_, header, row, ..) = styles().into_iter().find(|s| s.0 == "rtde").unwrap();
+    let recording = read(&written(header, 20, row), &ColumnOptions::default());
+    let said = recording.mapping.join("\n");
+    assert!(said.contains("Columns target_q_{} could be the positions too and were not taken: they are commanded, the ones taken are measured."), "{said}");
+    assert!(
+        said.contains("The efforts are taken as motor currents, by their names; u = K_M i with K_M unknown."),
+        "{said}"
+    );
+    assert_eq!(recording.unused, ["target_q_0", "target_q_1", "actual_TCP_pose_0", "actual_TCP_pose_1"]);
+}
+
+#[test]
+fn several_logs_are_one_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let row: Row = |t, [a, b]| format!("{t},{},{},{},{}", a[0], b[0], a[2], b[2]);
+    let one = write("one.csv", &written("t,q1,q2,tau1,tau2", 50, row));
+    let two = write("two.csv", &written("t,pos_1,pos_2,u1,u2", 60, row));
+    let same = write("same.csv", &written("t,q1,q2,tau1,tau2", 50, row));
+    let current = write("current.csv", &written("t,q1,q2,i1,i2", 50, row));
+    let robot = Fake::numbered(2);
+    let read = |paths: &[&std::path::PathBuf]| {
+        let paths: Vec<std::path::PathBuf> = paths.iter().map(|p| (*p).clone()).collect();
+        super::runs(&paths, &robot, &ColumnOptions::default())
+    };
+    let recording = read(&[&one, &two]).unwrap();
+    let names: Vec<(&str, usize)> = recording.runs.iter().map(|r| (r.name.as_str(), r.times.len())).collect();
+    assert_eq!(names, [("one.csv", 50), ("two.csv", 60)]);
+    assert_eq!(recording.hashes.len(), 2);
+    let message = |paths: &[&std::path::PathBuf]| read(paths).unwrap_err().to_string();
+    assert!(message(&[&one, &same]).contains("same.csv: it holds the same bytes as"));
+    assert!(
+        message(&[&one, &current])
+            .contains("its efforts are currents, those of the logs before it are forces")
+    );
+    assert!(message(&[]).contains("the list of logs is empty"));
+    assert!(message(&[&folder.path().join("none.csv")]).contains("none.csv"));
 }

@@ -9,6 +9,8 @@ pub(super) struct Fake {
     pub units: Vec<&'static str>,
     pub limits: Vec<JointLimits>,
     pub gear: f64,
+    /// Torque that carries the first joint's weight [N·m].
+    pub weight: f64,
 }
 
 impl Fake {
@@ -20,6 +22,7 @@ impl Fake {
             units: vec!["rad"; joints.len()],
             limits: vec![JointLimits { position: [-3.0, 3.0], velocity: 4.0, effort: 100.0 }; joints.len()],
             gear: 1.0,
+            weight: 0.0,
             joints,
         }
     }
@@ -58,5 +61,8 @@ impl Robot for Fake {
         (0..n * m).map(|i| if i / m == i % m { self.gear } else { 0.0 }).collect()
     }
     fn inertial_regressor(&self, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) {}
-    fn rigid_forces(&self, _: &[f64], _: &[f64], _: &[f64], _: &mut [f64]) {}
+    fn rigid_forces(&self, _: &[f64], _: &[f64], _: &[f64], forces: &mut [f64]) {
+        forces.fill(0.0);
+        forces[0] = self.weight;
+    }
 }

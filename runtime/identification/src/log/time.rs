@@ -64,10 +64,16 @@ pub(super) fn find_time(finder: &Finder) -> Result<TimeColumn> {
             super::sheet::shortened(&finder.sheet.headers)
         )));
     };
-    if let Some((_, other)) = candidates.get(1).filter(|(d, _)| d == doubt) {
+    let mut rivals = candidates.iter().skip(1).filter(|(d, _)| d == doubt);
+    if let Some((_, other)) = rivals.find(|(_, other)| !are_equal(finder, header, other)) {
         return Err(finder.fault(format!(
-            "both `{}` and `{}` could be the time: --columns 'time={}' or 'time={}' settles it",
-            header.text, other.text, header.text, other.text
+            "both `{}` and `{}` (columns {} and {}) could be the time: --columns 'time={}' or 'time={}' settles it",
+            header.text,
+            other.text,
+            header.index + 1,
+            other.index + 1,
+            finder.unique(header),
+            finder.unique(other)
         )));
     }
     Ok(time_column(finder, header.index, partner(header, finder.headers), None))
@@ -98,6 +104,11 @@ fn stands_still(finder: &Finder, header: &Header) -> bool {
     finder.sheet.sample.len() > 3
         && values.all(|v| Some(v) == first)
         && nanos.windows(2).all(|w| w[0] == w[1])
+}
+
+/// Two columns that hold the same in the sampled rows, as programs write that repeat the time before each signal.
+fn are_equal(finder: &Finder, one: &Header, other: &Header) -> bool {
+    finder.sheet.sample.iter().all(|row| row.get(one.index) == row.get(other.index))
 }
 
 const SECONDS: [&str; 3] = ["sec", "secs", "seconds"];

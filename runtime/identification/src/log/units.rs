@@ -125,7 +125,8 @@ fn named(text: &str) -> Option<Unit> {
         .map(|c| match c {
             'µ' | 'μ' => 'u',
             '²' => '2',
-            'º' => '°',
+            // What is left of a degree sign in a file that is not UTF-8.
+            'º' | char::REPLACEMENT_CHARACTER => '°',
             c => c,
         })
         .collect();

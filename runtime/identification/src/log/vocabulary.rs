@@ -107,7 +107,7 @@ pub(super) fn is_number(word: &str) -> bool {
 }
 
 /// Words of a kind that stand for nothing else.
-const STRONG: [(&str, Kind, u8); 66] = [
+const STRONG: [(&str, Kind, u8); 71] = [
     ("time", Kind::Time, 0),
     ("times", Kind::Time, 0),
     ("timestamp", Kind::Time, 0),
@@ -156,6 +156,11 @@ const STRONG: [(&str, Kind, u8); 66] = [
     ("qdd", Kind::Acceleration, 0),
     ("qddot", Kind::Acceleration, 0),
     ("qdotdot", Kind::Acceleration, 0),
+    ("qpos", Kind::Position, 0),
+    ("qvel", Kind::Velocity, 0),
+    ("thetadotdot", Kind::Acceleration, 1),
+    ("qfrc", Kind::Torque, 0),
+    ("jtrq", Kind::Torque, 0),
     ("effort", Kind::Torque, 0),
     ("efforts", Kind::Torque, 0),
     ("eff", Kind::Torque, 0),
@@ -180,11 +185,12 @@ const STRONG: [(&str, Kind, u8); 66] = [
 const CURRENT: [&str; 9] = ["current", "currents", "cur", "curr", "amp", "amps", "amperage", "iq", "imot"];
 
 /// Single letters count where no longer word says something.
-const WEAK: [(&str, Kind, u8); 7] = [
+const WEAK: [(&str, Kind, u8); 8] = [
     ("t", Kind::Time, 0),
     ("q", Kind::Position, 0),
     ("y", Kind::Position, 1),
     ("v", Kind::Velocity, 0),
+    ("w", Kind::Velocity, 1),
     ("a", Kind::Acceleration, 0),
     ("u", Kind::Input, 0),
     ("i", Kind::Current, 0),
@@ -308,12 +314,13 @@ pub(super) fn meaning(words: &[&str]) -> Option<Meaning> {
     Some(Meaning { kind, origin, doubt })
 }
 
-/// `q dot`, `q dot dot` and `d q` as one word.
+/// `q dot`, `q dot dot` and `q ddot` as one word.
 fn join_derivatives(words: &[&str]) -> Vec<String> {
     let mut joined: Vec<String> = Vec::new();
     for word in words {
         match joined.last_mut() {
             Some(last) if *word == "dot" => last.push_str("dot"),
+            Some(last) if *word == "ddot" => last.push_str("dotdot"),
             _ => joined.push((*word).to_owned()),
         }
     }
@@ -373,7 +380,9 @@ pub(super) fn is_plain(word: &str) -> bool {
 
 /// Whether all words are ones that headers have beside units, or numbers.
 pub(super) fn is_known(words: &[&str]) -> bool {
-    !words.is_empty() && words.iter().all(|w| is_number(w) || FOREIGN.contains(w) || !is_unknown(w))
+    // `[V]` is a unit that nothing here is in, not the letter of velocities.
+    let is_word = |w: &&str| w.chars().count() > 1 && (FOREIGN.contains(w) || !is_unknown(w));
+    !words.is_empty() && words.iter().all(|w| is_number(w) || is_word(w))
 }
 
 /// The time in a message's header is when it was measured; a bag's is when it came.
