@@ -8,7 +8,7 @@ use super::channel::Channel;
 use super::delay::{DelayEstimate, Delays, estimate};
 use super::filter::Filter;
 use super::grid::{Piece, interpolate, pieces};
-use super::regression::{Columns, Problem, Sample, problems, spread};
+use super::regression::{Columns, problems, spread};
 use super::signals::{Signals, Smoothed, Smoothing, smooth};
 use super::spectrum::Spectrum;
 use super::{Delay, JointPreparation, PreparationReport, PreparationSettings, VelocityCheck};
@@ -19,6 +19,9 @@ const SHORT_PAUSE: f64 = 3.5;
 
 /// Share of the bandwidth's period in a pause that is interpolated in any case.
 const SHORT_PERIOD: f64 = 0.2;
+
+/// Bandwidth that allows the pauses in spectra, before any is chosen [Hz].
+const USUAL: f64 = 5.0;
 
 /// Output samples for each period of the bandwidth.
 const OVERSAMPLING: f64 = 10.0;
@@ -71,7 +74,7 @@ pub(super) fn prepare_all(
     let found = if bandwidth == widest { first } else { recorded.delays_at(bandwidth)? };
     let delays = removed(settings, &found, recorded.efforts());
     let how = recorded.smoothing(bandwidth, delays.iter().map(|d| d.removed).collect());
-    let smoothed = recorded.smooth(&how)?;
+    let smoothed = recorded.smooth(&how, bandwidth)?;
     if smoothed.is_empty() {
         return Err(recorded.too_short(&how));
     }
@@ -114,7 +117,7 @@ impl<'a> Recorded<'a> {
         for signals in &self.signals {
             let channel = &signals.positions[joint];
             let step = signals.step.max(1e-9);
-            for piece in self.pieces(signals, f64::INFINITY) {
+            for piece in self.pieces(signals, USUAL) {
                 spectrum.add(&interpolate(channel, &piece.grid(step)), step);
             }
             let half_rate = 0.5 / channel.step().max(step);
@@ -133,15 +136,15 @@ impl<'a> Recorded<'a> {
         PositionQuality { spectrum, density, noise, moves: range > 10.0 * noise }
     }
 
-    /// The lowest bandwidth that leaves enough of the pieces.
-    fn lowest(&self) -> f64 {
+    /// The lowest bandwidth that leaves enough of the pieces as `split` makes them.
+    fn lowest(&self, split: f64) -> f64 {
         let durations: Vec<f64> =
-            self.signals.iter().flat_map(|s| self.pieces(s, f64::INFINITY)).map(|p| p.duration()).collect();
+            self.signals.iter().flat_map(|s| self.pieces(s, split)).map(|p| p.duration()).collect();
         let all: f64 = durations.iter().sum();
         let left = |f: f64| durations.iter().map(|d| (d - 2.0 / f).max(0.0)).sum::<f64>();
         let mut bandwidth = 0.1;
         while bandwidth < 1e4 && left(bandwidth) < KEPT * all {
-            bandwidth *= 1.05;
+            bandwidth *= 1.1;
         }
         bandwidth
     }
@@ -159,7 +162,7 @@ impl<'a> Recorded<'a> {
             return Ok(given);
         }
         let joints: Vec<&PositionQuality> = self.quality.iter().collect();
-        let (lowest, highest) = (self.lowest(), self.highest());
+        let (lowest, highest) = (self.lowest(USUAL), self.highest());
         from_positions(&joints, lowest.min(highest), highest).ok_or_else(|| {
             let samples = self.signals.iter().map(|s| s.times.len()).sum();
             let what = "each joint's position (its noise aside)".to_string();
@@ -182,10 +185,11 @@ impl<'a> Recorded<'a> {
         }
     }
 
-    fn smooth(&self, how: &Smoothing) -> Result<Vec<Smoothed>> {
+    /// All pieces as `split` makes them, smoothed.
+    fn smooth(&self, how: &Smoothing, split: f64) -> Result<Vec<Smoothed>> {
         let mut all = Vec::new();
         for signals in &self.signals {
-            for piece in self.pieces(signals, how.bandwidth) {
+            for piece in self.pieces(signals, split) {
                 all.extend(smooth(signals, &piece, how)?);
             }
         }
@@ -195,53 +199,53 @@ impl<'a> Recorded<'a> {
     fn delays_at(&self, bandwidth: f64) -> Result<Option<Delays>> {
         let (None, Some(robot)) = (self.settings.delay, self.robot) else { return Ok(None) };
         let how = self.smoothing(bandwidth, vec![0.0; self.efforts()]);
-        let smoothed = self.smooth(&how)?;
+        let smoothed = self.smooth(&how, bandwidth)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
-        Ok(estimate(&Columns::new(robot, &runs), &runs, how.step))
+        let filter = Filter::new(how.bandwidth, how.step)?;
+        Ok(estimate(&Columns::new(robot, &runs, Some(&filter)), &runs, how.step))
     }
 
-    /// The lowest bandwidth at which the motion explains the efforts as well as at any other up to `widest`.
+    /// The widest bandwidth, up to `widest`, at which the motion explains the efforts as well as at any other.
     ///
     /// What the positions show above their noise need not be motion of a rigid robot: gears vibrate. Efforts are
-    /// predicted on held-out blocks, as they were measured, so that bandwidths compare.
+    /// taken as they were measured, so that bandwidths compare. Among equals the widest rounds the steps of
+    /// friction least.
     fn confirmed(&self, robot: &dyn Robot, widest: f64, delays: &[Delay]) -> Result<f64> {
-        let tried = candidates(self.lowest().min(widest), widest, 2.0);
+        let tried = candidates(self.lowest(widest).min(widest), widest, 2.0);
         let cut = self.settings.cut.unwrap_or(1.0 / tried[0]);
-        let (mut least, mut chosen) = (f64::INFINITY, widest);
+        let (mut least, mut scores) = (f64::INFINITY, Vec::new());
         for bandwidth in tried.iter().rev() {
             let mut how = self.smoothing(*bandwidth, delays.iter().map(|d| d.removed).collect());
-            how.cut = cut;
-            let unexplained = self.unexplained(robot, &how)?;
+            // The same samples for all, so that their residuals compare.
+            (how.cut, how.step) = (cut, self.output_step(widest));
+            let unexplained = self.unexplained(robot, &how, widest)?;
             least = least.min(unexplained);
-            if unexplained <= least + LOSS {
-                chosen = *bandwidth;
-            }
+            scores.push(unexplained);
             if unexplained > least + HOPELESS {
                 break;
             }
         }
-        Ok(chosen)
+        let chosen = tried.iter().rev().zip(scores).find(|(_, score)| *score <= least + LOSS);
+        Ok(chosen.map_or(widest, |(bandwidth, _)| *bandwidth))
     }
 
-    /// Mean over the efforts of the logarithm of 1 − R², each predicted on every second block from the others.
-    fn unexplained(&self, robot: &dyn Robot, how: &Smoothing) -> Result<f64> {
-        let smoothed = self.smooth(how)?;
+    /// Mean over the efforts of the logarithm of 1 − R², by least squares on efforts as they were measured.
+    fn unexplained(&self, robot: &dyn Robot, how: &Smoothing, split: f64) -> Result<f64> {
+        let smoothed = self.smooth(how, split)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
         let samples = spread(&runs, SAMPLES, 0);
-        let problems = problems(&Columns::new(robot, &runs), &runs, &samples);
+        let problems = problems(&Columns::new(robot, &runs, None), &runs, &samples);
         let score = |m: usize| {
-            let column = |of: &dyn Fn(&Smoothed) -> &Vec<f64>| {
-                DVector::from_iterator(samples.len(), samples.iter().map(|(r, i)| of(&smoothed[*r])[*i]))
-            };
-            let (target, measured) = (column(&|s| &s.run.efforts[m]), column(&|s| &s.measured[m]));
-            problems[m].as_ref().and_then(|p| held_out(p, &samples, &target, &measured))
+            let measured = samples.iter().map(|(r, i)| smoothed[*r].measured[m][*i]);
+            let measured = DVector::from_iterator(samples.len(), measured);
+            let all = measured.add_scalar(-measured.mean()).norm_squared();
+            let share = problems[m].as_ref()?.misfit(&measured) / all;
+            share.is_finite().then(|| share.max(1e-12).ln())
         };
         let scores: Vec<f64> = (0..problems.len()).filter_map(score).collect();
-        Ok(if scores.is_empty() {
-            0.0
-        } else {
-            scores.iter().map(|s| s.max(1e-12).ln()).sum::<f64>() / scores.len() as f64
-        })
+        #[cfg(test)]
+        println!("{:.2} Hz: {:.4?}", how.bandwidth, scores.iter().map(|s| s.exp()).collect::<Vec<_>>());
+        Ok(if scores.is_empty() { 0.0 } else { scores.iter().sum::<f64>() / scores.len() as f64 })
     }
 
     fn too_short(&self, how: &Smoothing) -> IdentificationError {
@@ -277,7 +281,7 @@ impl<'a> Recorded<'a> {
     fn joint(&self, j: usize, how: &Smoothing, delays: &[Delay], smoothed: &[Smoothed]) -> JointPreparation {
         let quality = &self.quality[j];
         let channels = self.signals.iter().map(|s| &s.positions[j]);
-        let own = from_positions(&[quality], self.lowest(), self.highest());
+        let own = from_positions(&[quality], self.lowest(USUAL).min(self.highest()), self.highest());
         JointPreparation {
             name: self.name(j),
             noise: quality.noise,
@@ -328,27 +332,6 @@ impl<'a> Recorded<'a> {
         }
         notes
     }
-}
-
-/// 1 − R² of measured efforts on every second of ten blocks, by coefficients from the others, both ways.
-fn held_out(
-    problem: &Problem,
-    samples: &[Sample],
-    target: &DVector<f64>,
-    measured: &DVector<f64>,
-) -> Option<f64> {
-    let block = |i: usize| 10 * i / samples.len();
-    let (mut residual, mean) = (0.0, measured.mean());
-    for side in 0..2 {
-        let (fit, test): (Vec<usize>, Vec<usize>) = (0..samples.len()).partition(|i| block(*i) % 2 == side);
-        let part = problem.part(&fit)?;
-        let coefficients = part.fit(&target.select_rows(&fit));
-        let predicted = problem.columns.select_rows(&test) * coefficients;
-        residual += (measured.select_rows(&test) - predicted).norm_squared();
-    }
-    let all = measured.add_scalar(-mean).norm_squared();
-    let unexplained = residual / all;
-    unexplained.is_finite().then(|| unexplained.min(1.0))
 }
 
 /// Delays that are removed: the given one, or those found where they are significant.

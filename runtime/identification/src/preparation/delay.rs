@@ -33,7 +33,7 @@ pub(super) struct Delays {
 pub(super) const RANGE: [f64; 2] = [-0.02, 0.08];
 
 /// Samples in the regression, at most.
-const SAMPLES: usize = 3000;
+const SAMPLES: usize = 2000;
 
 /// Blocks of consecutive samples, for a standard error that holds under correlated residuals.
 const BLOCKS: usize = 16;
@@ -52,7 +52,8 @@ pub(super) fn estimate(columns: &Columns, runs: &[&PreparedRun], step: f64) -> O
     let search = Search { runs, samples: &samples, problems: &problems, step };
     let own: Vec<DelayEstimate> = (0..problems.len()).map(|m| search.own(m)).collect();
     let known: Vec<usize> = (0..own.len()).filter(|m| own[*m].error.is_finite()).collect();
-    if known.is_empty() {
+    // Most efforts have to show a delay: one alone may be the model's error.
+    if 2 * known.len() <= own.len() {
         return None;
     }
     let sum = |d: f64| known.iter().map(|m| search.misfit(*m, d)).sum::<f64>();
@@ -95,7 +96,7 @@ impl Search<'_> {
     /// `log` of the residual sum of squares of effort `m`; 0 where there is nothing to explain.
     fn misfit(&self, m: usize, delay: f64) -> f64 {
         let Some(problem) = &self.problems[m] else { return 0.0 };
-        let squares = problem.residual(&self.effort(m, delay).0).norm_squared();
+        let squares = problem.misfit(&self.effort(m, delay).0);
         if squares > 0.0 { squares.ln() } else { 0.0 }
     }
 
@@ -119,7 +120,7 @@ impl Search<'_> {
         let best = grid.min_by(|a, b| misfit(*a).total_cmp(&misfit(*b))).unwrap_or(0.0);
         let (mut low, mut high) = ((best - 4e-3).max(RANGE[0]), (best + 4e-3).min(RANGE[1]));
         let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-        while high - low > 1e-5 {
+        while high - low > 5e-5 {
             let (left, right) = (high - golden * (high - low), low + golden * (high - low));
             if misfit(left) <= misfit(right) { high = right } else { low = left }
         }

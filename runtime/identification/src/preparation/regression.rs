@@ -3,7 +3,8 @@
 
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use super::filter::Filter;
+use nalgebra::{DMatrix, DVector};
 
 /// Ridge on columns of unit length: parameters that the motion does not show stay at zero.
 const RIDGE: f64 = 1e-7;
@@ -16,32 +17,35 @@ pub(super) struct Columns<'a> {
     robot: &'a dyn Robot,
     /// `B⁺`, `M × N`, where efforts are inputs; `None` where they are joint forces.
     inverse: Option<DMatrix<f64>>,
-    /// Speeds below which the sign is rounded, for each joint.
-    slow: Vec<f64>,
+    /// Rounded signs of velocities, for each run and joint.
+    signs: Vec<Vec<Vec<f64>>>,
 }
 
 impl<'a> Columns<'a> {
-    /// Columns for the efforts of `runs`.
-    pub fn new(robot: &'a dyn Robot, runs: &[&PreparedRun]) -> Self {
+    /// Columns for the efforts of `runs`; a `filter` that rounded the steps of Coulomb friction in the efforts
+    /// rounds the signs of the velocities too.
+    pub fn new(robot: &'a dyn Robot, runs: &[&PreparedRun], filter: Option<&Filter>) -> Self {
         let joints = robot.joint_names().len();
         let inputs = runs.first().is_some_and(|r| r.effort != Effort::Joint);
         let inverse = || {
             let inputs = robot.input_names().len();
             DMatrix::from_row_slice(joints, inputs, &robot.input_matrix()).pseudo_inverse(1e-9).ok()
         };
-        let fastest = |j: usize| {
-            let speeds = runs.iter().flat_map(|r| r.velocities[j].iter());
-            speeds.fold(0.0_f64, |most, v| most.max(v.abs()))
+        let slow: Vec<f64> = (0..joints).map(|j| (ROUNDING * fastest(runs, j)).max(1e-12)).collect();
+        let sign = |(v, slow): (&Vec<f64>, &f64)| -> Vec<f64> {
+            let sharp: Vec<f64> = v.iter().map(|v| (v / slow).tanh()).collect();
+            filter.map_or(sharp.clone(), |f| f.apply(&sharp))
         };
-        let slow = (0..joints).map(|j| (ROUNDING * fastest(j)).max(1e-12)).collect();
-        Self { robot, inverse: if inputs { inverse() } else { None }, slow }
+        let signs = runs.iter().map(|r| r.velocities.iter().zip(&slow).map(sign).collect()).collect();
+        Self { robot, inverse: if inputs { inverse() } else { None }, signs }
     }
 
-    /// Columns at sample `i`, one row for each effort.
-    fn at(&self, run: &PreparedRun, i: usize) -> DMatrix<f64> {
+    /// Columns at sample `i` of run `r`, one row for each effort.
+    fn at(&self, runs: &[&PreparedRun], (r, i): Sample) -> DMatrix<f64> {
+        let run = runs[r];
         let state = |all: &[Vec<f64>]| -> Vec<f64> { all.iter().map(|c| c[i]).collect() };
         let (y, v, a) = (state(&run.positions), state(&run.velocities), state(&run.accelerations));
-        let (joints, parameters) = (y.len(), self.robot.parameters().len());
+        let (joints, parameters) = (y.len(), self.robot.parameter_names().len());
         let mut regressor = vec![0.0; joints * parameters];
         self.robot.inertial_regressor(&y, &v, &a, &mut regressor);
         let mut all = DMatrix::zeros(joints, parameters + 3 * joints);
@@ -51,7 +55,7 @@ impl<'a> Columns<'a> {
             }
             let friction = parameters + 3 * j;
             all[(j, friction)] = v[j];
-            all[(j, friction + 1)] = (v[j] / self.slow[j]).tanh();
+            all[(j, friction + 1)] = self.signs[r][j][i];
             all[(j, friction + 2)] = 1.0;
         }
         match &self.inverse {
@@ -61,11 +65,9 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// Columns of one effort over the chosen samples.
-pub(super) struct Problem {
-    /// Rows × columns, zero columns left out, scaled to unit length.
-    pub columns: DMatrix<f64>,
-    factor: Cholesky<f64, Dyn>,
+fn fastest(runs: &[&PreparedRun], joint: usize) -> f64 {
+    let speeds = runs.iter().flat_map(|r| r.velocities[joint].iter());
+    speeds.fold(0.0_f64, |most, v| most.max(v.abs()))
 }
 
 /// A sample: number of the run and of the sample in it.
@@ -79,45 +81,42 @@ pub(super) fn spread(runs: &[&PreparedRun], count: usize, margin: usize) -> Vec<
     all.into_iter().step_by(stride).collect()
 }
 
-/// One problem for each effort; `None` where its columns are all zero.
+/// Columns of one effort over the chosen samples.
+pub(super) struct Problem {
+    /// Columns × samples, times the inverse of the normal equations' factor: orthonormal but for the ridge.
+    basis: DMatrix<f64>,
+}
+
+/// One problem for each effort; `None` where its columns have no factor.
 pub(super) fn problems(columns: &Columns, runs: &[&PreparedRun], samples: &[Sample]) -> Vec<Option<Problem>> {
-    let blocks: Vec<DMatrix<f64>> = samples.iter().map(|(r, i)| columns.at(runs[*r], *i)).collect();
+    let blocks: Vec<DMatrix<f64>> = samples.iter().map(|sample| columns.at(runs, *sample)).collect();
     let Some(first) = blocks.first() else { return Vec::new() };
-    let of_effort = |m: usize| DMatrix::from_fn(blocks.len(), first.ncols(), |i, k| blocks[i][(m, k)]);
+    let of_effort = |m: usize| DMatrix::from_fn(first.ncols(), blocks.len(), |k, i| blocks[i][(m, k)]);
     (0..first.nrows()).map(|m| Problem::new(&of_effort(m))).collect()
 }
 
 impl Problem {
     fn new(columns: &DMatrix<f64>) -> Option<Self> {
-        let norms: Vec<f64> = columns.column_iter().map(|c| c.norm()).collect();
+        let norms: Vec<f64> = columns.row_iter().map(|c| c.norm()).collect();
         let largest = norms.iter().copied().fold(0.0, f64::max);
         let used: Vec<usize> = (0..norms.len()).filter(|k| norms[*k] > 1e-9 * largest).collect();
-        let scaled =
-            DMatrix::from_fn(columns.nrows(), used.len(), |i, k| columns[(i, used[k])] / norms[used[k]]);
-        let mut gram = scaled.tr_mul(&scaled);
+        let rows =
+            DMatrix::from_fn(used.len(), columns.ncols(), |k, i| columns[(used[k], i)] / norms[used[k]]);
+        // The product with a transposed copy is a blocked one, several times faster than dot products.
+        let mut gram = &rows * rows.transpose();
         for k in 0..used.len() {
             gram[(k, k)] += RIDGE;
         }
-        Some(Self { factor: gram.cholesky()?, columns: scaled })
+        Some(Self { basis: gram.cholesky()?.l().solve_lower_triangular(&rows)? })
     }
 
     /// What the columns cannot explain of `target`.
     pub fn residual(&self, target: &DVector<f64>) -> DVector<f64> {
-        target - &self.columns * self.factor.solve(&self.columns.tr_mul(target))
+        target - self.basis.tr_mul(&(&self.basis * target))
     }
 
-    /// The samples `kept` alone.
-    pub fn part(&self, kept: &[usize]) -> Option<Self> {
-        let columns = self.columns.select_rows(kept);
-        let mut gram = columns.tr_mul(&columns);
-        for k in 0..columns.ncols() {
-            gram[(k, k)] += RIDGE;
-        }
-        Some(Self { factor: gram.cholesky()?, columns })
-    }
-
-    /// Coefficients of the scaled columns.
-    pub fn fit(&self, target: &DVector<f64>) -> DVector<f64> {
-        self.factor.solve(&self.columns.tr_mul(target))
+    /// Squares of what the columns cannot explain of `target`.
+    pub fn misfit(&self, target: &DVector<f64>) -> f64 {
+        target.norm_squared() - (&self.basis * target).norm_squared()
     }
 }
