@@ -8,7 +8,7 @@ use super::super::error::Result;
 use super::super::least_squares::{Reduced, Solution, Solver, triangular_factor};
 use super::super::moments::{Moments, Samples};
 use super::super::result::{FrictionLaw, FrictionTerm};
-use super::super::subset::{MOST_TERMS, ModelAverage};
+use super::super::subset::{MOST_TERMS, ModelAverage, requirements};
 use super::design::Design;
 use super::held_out::held_out;
 use super::judgement::{Findings, Judged};
@@ -257,7 +257,8 @@ fn average(reduced: &Reduced, errors: &Errors) -> Result<Option<ModelAverage>> {
     if reduced.moments().terms() > MOST_TERMS {
         return Ok(None);
     }
-    ModelAverage::new(reduced.moments(), 0, errors.effective_samples).map(Some)
+    let requirements = requirements(reduced.moments().names());
+    ModelAverage::new(reduced.moments(), 0, errors.effective_samples, &requirements).map(Some)
 }
 
 fn law(
