@@ -262,8 +262,10 @@ impl FrictionResult {
         lines.extend(self.offset_line());
         let held_out = self.held_out.map_or_else(|| "unknown".into(), |r| format!("{r:.4}"));
         lines.push(format!(
-            "residual {:.3e} {} rms, R² {:.4} in the fit, {held_out} on left-out data",
-            self.residual, self.unit, self.r_squared
+            "residual {} {} rms, R² {:.4} in the fit, {held_out} on left-out data",
+            rounded(self.residual, Some(1e-2 * self.residual)),
+            self.unit,
+            self.r_squared
         ));
         lines
     }

@@ -34,6 +34,35 @@ pub struct SubsetValidation {
     pub one_standard_error: usize,
 }
 
+/// A term that may only stand beside another one: an asymmetry `|f(v)|` beside `f(v)`. Alone it would pass for `f`
+/// on motion in one direction, and drive the joint in the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Requirement {
+    /// The term.
+    pub term: usize,
+    /// The one it needs.
+    pub needs: usize,
+}
+
+/// A requirement for each term `abs(f)` of a library that has `f` too.
+pub fn requirements(terms: &[String]) -> Vec<Requirement> {
+    let partner = |(term, text): (usize, &String)| {
+        let inner = text.strip_prefix("abs(")?.strip_suffix(')')?;
+        let needs = terms.iter().position(|t| t == inner)?;
+        Some(Requirement { term, needs })
+    };
+    terms.iter().enumerate().filter_map(partner).collect()
+}
+
+/// All subsets of p terms that meet the requirements, the empty one first.
+fn subsets(p: usize, requirements: &[Requirement]) -> impl Iterator<Item = Vec<usize>> {
+    let has = |bits: u32, i: usize| bits >> i & 1 == 1;
+    let meets = move |bits: &u32| requirements.iter().all(|r| !has(*bits, r.term) || has(*bits, r.needs));
+    (0..1_u32 << p.min(MOST_TERMS))
+        .filter(meets)
+        .map(move |bits| (0..p).filter(|i| *i < MOST_TERMS && has(bits, *i)).collect())
+}
+
 impl SubsetValidation {
     /// Judges all subsets.
     ///
@@ -42,6 +71,14 @@ impl SubsetValidation {
     /// # Errors
     /// Fewer than two folds, more than [`MOST_TERMS`] terms, or no subset that can be solved.
     pub fn new(folds: &[Moments], target: usize) -> Result<Self> {
+        Self::with_requirements(folds, target, &[])
+    }
+
+    /// Judges all subsets that meet requirements.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_requirements(folds: &[Moments], target: usize, requirements: &[Requirement]) -> Result<Self> {
         let p = folds.first().map_or(0, Moments::terms);
         let count = folds.len() as f64;
         require_setting("number of folds", count, folds.len() >= 2, "at least two are needed")?;
@@ -58,8 +95,7 @@ impl SubsetValidation {
             .map(|k| Moments::sum(folds.iter().enumerate().filter(|(i, _)| *i != k).map(|f| f.1)))
             .collect::<Result<Vec<_>>>()?;
         let mut best: Vec<Option<ValidatedSubset>> = vec![None; p];
-        for bits in 1_u32..1 << p {
-            let active: Vec<usize> = (0..p).filter(|i| bits >> i & 1 == 1).collect();
+        for active in subsets(p, requirements).skip(1) {
             let Some(subset) = validate(active, &training, folds, target) else {
                 continue;
             };
@@ -112,7 +148,12 @@ impl ModelAverage {
     ///
     /// # Errors
     /// More than [`MOST_TERMS`] terms, a target that is not there, or fewer than two effective samples.
-    pub fn new(moments: &Moments, target: usize, effective_samples: f64) -> Result<Self> {
+    pub fn new(
+        moments: &Moments,
+        target: usize,
+        effective_samples: f64,
+        requirements: &[Requirement],
+    ) -> Result<Self> {
         let p = moments.terms();
         let requirement = "all subsets are weighed for one to twelve terms";
         require_setting("number of terms", p as f64, (1..=MOST_TERMS).contains(&p), requirement)?;
@@ -124,8 +165,7 @@ impl ModelAverage {
         // An exact fit has no residual; what rounding leaves of the energy is the least.
         let floor = 1e-14 * moments.energy(target).max(f64::MIN_POSITIVE);
         let mut models: Vec<(f64, Vec<usize>, DVector<f64>)> = Vec::with_capacity(1 << p);
-        for bits in 0_u32..1 << p {
-            let active: Vec<usize> = (0..p).filter(|i| bits >> i & 1 == 1).collect();
+        for active in subsets(p, requirements) {
             let Some(coefficients) = fit(moments, target, &active) else { continue };
             let residual = moments.residual(target, &coefficients).max(floor);
             let bic = n * (residual / n).ln() + active.len() as f64 * n.ln();
@@ -184,11 +224,14 @@ fn fit(moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64
 ///
 /// # Errors
 /// A size that no solvable subset has.
-pub fn best_of_size(moments: &Moments, target: usize, size: usize) -> Result<DVector<f64>> {
-    let p = moments.terms();
+pub fn best_of_size(
+    moments: &Moments,
+    target: usize,
+    size: usize,
+    requirements: &[Requirement],
+) -> Result<DVector<f64>> {
     let mut best: Option<(f64, DVector<f64>)> = None;
-    for bits in (1_u32..1 << p.min(MOST_TERMS)).filter(|b| b.count_ones() as usize == size) {
-        let active: Vec<usize> = (0..p).filter(|i| bits >> i & 1 == 1).collect();
+    for active in subsets(moments.terms(), requirements).filter(|a| a.len() == size && size > 0) {
         let Some(coefficients) = fit(moments, target, &active) else {
             continue;
         };
@@ -230,7 +273,7 @@ mod tests {
         assert_eq!(found.best[found.one_standard_error].active, [1, 4]);
         assert!(found.one_standard_error <= found.minimum);
         let all = Moments::sum(&folds).unwrap();
-        let two = best_of_size(&all, 0, 2).unwrap();
+        let two = best_of_size(&all, 0, 2, &[]).unwrap();
         assert!((two[1] - 4.0).abs() < 0.05 && (two[4] - 0.7).abs() < 0.05, "{two}");
     }
 
@@ -254,13 +297,13 @@ mod tests {
     fn the_terms_that_made_the_data_are_probable_and_others_are_not() {
         let library = Library::friction().unwrap();
         let all = Moments::sum(&folds(&library, 0.3)).unwrap();
-        let average = ModelAverage::new(&all, 0, 5000.0).unwrap();
+        let average = ModelAverage::new(&all, 0, 5000.0, &[]).unwrap();
         assert_eq!(average.best, [1, 4]);
         for (i, probability) in average.inclusion.iter().enumerate() {
             assert_eq!(*probability > 0.5, [1, 4].contains(&i), "{:?}", average.inclusion);
         }
         // With few samples the terms that resemble each other share the probability.
-        let vague = ModelAverage::new(&all, 0, 20.0).unwrap();
+        let vague = ModelAverage::new(&all, 0, 20.0, &[]).unwrap();
         assert!(vague.inclusion[4] < 0.7 && vague.inclusion[1] > 0.9, "{:?}", vague.inclusion);
     }
 
@@ -271,7 +314,7 @@ mod tests {
         let y: Vec<f64> = (0..8).map(|i| [1.2, 0.4, 1.1, -0.1][i % 4]).collect();
         let names = ["a", "b"].map(String::from);
         let samples = Samples::from_columns(&names, vec![&one, &alternating], vec![&y]).unwrap();
-        let average = ModelAverage::new(&Moments::new(&samples).unwrap(), 0, 8.0).unwrap();
+        let average = ModelAverage::new(&Moments::new(&samples).unwrap(), 0, 8.0, &[]).unwrap();
         let energy: f64 = y.iter().map(|y| y * y).sum();
         let gains =
             [&one, &alternating].map(|x| x.iter().zip(&y).map(|(x, y)| x * y).sum::<f64>().powi(2) / 8.0);
@@ -285,6 +328,23 @@ mod tests {
         for (found, expected) in average.inclusion.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
+    }
+
+    #[test]
+    fn an_asymmetry_stands_beside_what_it_changes() {
+        let library = Library::joint_friction().unwrap();
+        let found = requirements(library.terms());
+        assert_eq!(found, [Requirement { term: 7, needs: 1 }, Requirement { term: 8, needs: 5 }]);
+        assert_eq!(subsets(9, &found).count(), 128 * 9 / 4);
+        // Motion in one direction: |v| is as good as v, and may not be alone.
+        let v: Vec<f64> = (0..2000).map(|i| -0.6 + 0.5 * (0.01 * f64::from(i)).sin()).collect();
+        let y: Vec<f64> = v.iter().map(|v| 4.0 * v).collect();
+        let library = Library::new(&["abs(v)", "v"], &["v"]).unwrap();
+        let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
+        let folds = Moments::blocks(&samples, 5).unwrap();
+        let needs = requirements(library.terms());
+        let found = SubsetValidation::with_requirements(&folds, 0, &needs).unwrap();
+        assert_eq!(found.best[0].active, [1]);
     }
 
     #[test]

@@ -9,6 +9,7 @@ use super::super::least_squares::Reduced;
 use super::super::library::Library;
 use super::super::moments::{Moments, Samples, contiguous_blocks};
 use super::super::result::Offset;
+use super::super::subset::{Requirement, requirements};
 use super::{FrictionData, FrictionIdentification, Offsets};
 use nalgebra::DVector;
 use std::ops::Range;
@@ -16,6 +17,9 @@ use std::ops::Range;
 /// Share of a column that must remain when the runs' means are taken off. Less cannot be told from offsets: six
 /// digits of the data would be lost.
 const LEAST_REMAINDER: f64 = 1e-6;
+
+/// Share of a term's energy that the rarer direction must have for an asymmetry to be told.
+const LEAST_OF_A_DIRECTION: f64 = 0.01;
 
 /// Columns of the candidate terms and the torque, without offsets.
 pub(super) struct Design<'a> {
@@ -26,12 +30,15 @@ pub(super) struct Design<'a> {
     torque: Vec<f64>,
     pub(super) runs: Vec<Range<usize>>,
     pub(super) separate: bool,
+    /// What was left out of the library, and why.
+    pub(super) notes: Vec<String>,
 }
 
 impl<'a> Design<'a> {
     pub(super) fn new(settings: &FrictionIdentification, data: &'a FrictionData<'a>) -> Result<Self> {
         let separate = settings.offsets == Offsets::Separate;
         let library = if separate { without_constants(&settings.library)? } else { settings.library.clone() };
+        let (library, notes) = without_unseen_asymmetries(&library, data.velocities)?;
         let matrix = library.matrix(&[data.velocities])?;
         let mut columns: Vec<Vec<f64>> = matrix.column_iter().map(|c| c.iter().copied().collect()).collect();
         let mut torque = data.torques.to_vec();
@@ -43,7 +50,7 @@ impl<'a> Design<'a> {
             }
             centre(&mut torque, &runs, data.weights);
         }
-        Ok(Self { data, library, columns, torque, runs, separate })
+        Ok(Self { data, library, columns, torque, runs, separate, notes })
     }
 
     /// Samples for least squares.
@@ -181,6 +188,32 @@ fn require_independent(
         samples = samples.with_weights(weights)?;
     }
     Reduced::new(&samples).map(|_| ())
+}
+
+/// The library without asymmetries `|f(v)|` of motion that is nearly all in one direction: there they are `f(v)` or
+/// its negative.
+fn without_unseen_asymmetries(library: &Library, velocities: &[f64]) -> Result<(Library, Vec<String>)> {
+    let matrix = library.matrix(&[velocities])?;
+    let unseen = |requirement: &Requirement| {
+        let column = matrix.column(requirement.needs);
+        let energy = |sign: f64| -> f64 { column.iter().map(|x| (sign * x).max(0.0).powi(2)).sum() };
+        let (forwards, backwards) = (energy(1.0), energy(-1.0));
+        forwards.min(backwards) < LEAST_OF_A_DIRECTION * (forwards + backwards)
+    };
+    let left_out: Vec<usize> = requirements(library.terms())
+        .iter()
+        .filter(|requirement| unseen(requirement))
+        .map(|requirement| requirement.term)
+        .collect();
+    if left_out.is_empty() {
+        return Ok((library.clone(), Vec::new()));
+    }
+    let (out, kept): (Vec<_>, Vec<_>) =
+        library.terms().iter().enumerate().partition(|(i, _)| left_out.contains(i));
+    let texts = |terms: &[(usize, &String)]| -> Vec<String> { terms.iter().map(|t| t.1.clone()).collect() };
+    let note =
+        format!("{} left out: the joint hardly moves in one of its directions", texts(&out).join(", "));
+    Ok((Library::new(&texts(&kept), library.channels())?, vec![note]))
 }
 
 /// The library without terms that are constant at all speeds.

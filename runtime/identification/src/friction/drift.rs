@@ -75,8 +75,9 @@ impl Drift {
         if friction.significant && friction.change.abs() > NAMED_CHANGE {
             let change = with_error(100.0 * friction.change, Some(100.0 * friction.standard_error));
             sentences.push(format!(
-                "friction changes by {change} % from the beginning to the end of the log, as while warming up: the law \
-                 is that of the middle; record after warming up, or identify cold and warm runs apart"
+                "friction changes by {change} % from the beginning to the end of the log, as while warming up (or the \
+                 motions differ in what the model lacks): the law is that of the middle; record after warming up, or \
+                 identify the runs apart"
             ));
         }
         if self.offset.significant && self.offset.change.abs() > NAMED_CHANGE * scale {

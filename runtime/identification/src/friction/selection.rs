@@ -5,7 +5,7 @@ use super::super::error::Result;
 use super::super::lasso::{Lasso, active_terms, paper_lambda};
 use super::super::least_squares::{Reduced, Solution};
 use super::super::moments::Moments;
-use super::super::subset::{SubsetValidation, best_of_size};
+use super::super::subset::{SubsetValidation, best_of_size, requirements};
 use super::super::thresholding::Thresholding;
 use super::{FrictionMethod, LambdaChoice};
 
@@ -32,17 +32,30 @@ impl Selection {
                 let all: Vec<usize> = (0..reduced.moments().terms()).collect();
                 reduced.fit(0, &all)
             }
-            Self::Thresholding(settings) => settings.fit(reduced, 0),
+            Self::Thresholding(settings) => completed(settings.fit(reduced, 0)?, reduced),
             Self::Lasso(lasso, lambda) => {
                 let (_, active) = lasso.fit(reduced.moments(), 0, *lambda)?;
-                reduced.fit(0, &active)
+                completed(reduced.fit(0, &active)?, reduced)
             }
             Self::BestOfSize(size) => {
-                let best = best_of_size(reduced.moments(), 0, *size)?;
+                let requirements = requirements(reduced.moments().names());
+                let best = best_of_size(reduced.moments(), 0, *size, &requirements)?;
                 reduced.fit(0, &active_terms(&best))
             }
         }
     }
+}
+
+/// A solution with the terms that its terms need.
+fn completed(solution: Solution, reduced: &Reduced) -> Result<Solution> {
+    let mut active = solution.active.clone();
+    for requirement in requirements(reduced.moments().names()) {
+        if active.contains(&requirement.term) && !active.contains(&requirement.needs) {
+            active.push(requirement.needs);
+        }
+    }
+    active.sort_unstable();
+    if active == solution.active { Ok(solution) } else { reduced.fit(0, &active) }
 }
 
 /// Chooses terms by a method; `folds` are made where it needs them.
@@ -54,7 +67,7 @@ pub(super) fn choose(
     match method {
         FrictionMethod::Thresholding(settings) => Ok(Chosen {
             selection: Selection::Thresholding(*settings),
-            solution: settings.fit(reduced, 0)?,
+            solution: completed(settings.fit(reduced, 0)?, reduced)?,
             validation: None,
             note: format!(
                 "sequentially thresholded least squares, threshold {}, ridge {}",
@@ -73,7 +86,8 @@ pub(super) fn choose(
 }
 
 fn by_subsets(reduced: &Reduced, folds: &[Moments]) -> Result<Chosen> {
-    let subsets = SubsetValidation::new(folds, 0)?;
+    let requirements = requirements(reduced.moments().names());
+    let subsets = SubsetValidation::with_requirements(folds, 0, &requirements)?;
     let best = &subsets.best[subsets.one_standard_error];
     Ok(Chosen {
         selection: Selection::BestOfSize(best.active.len()),
@@ -98,7 +112,7 @@ fn by_lasso(reduced: &Reduced, lasso: &Lasso, choice: LambdaChoice, folds: &[Mom
         if lasso.standardize { " (terms in units of their rms)" } else { "" },
         paper_lambda(lambda, reduced.moments().samples())
     );
-    let solution = refit(reduced, 0, &validation.path, index)?;
+    let solution = completed(refit(reduced, 0, &validation.path, index)?, reduced)?;
     let selection = Selection::Lasso(lasso.clone(), lambda);
     Ok(Chosen { selection, solution, validation: Some(validation), note })
 }

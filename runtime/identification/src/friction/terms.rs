@@ -8,7 +8,7 @@ use super::super::error::Result;
 use super::super::least_squares::{Reduced, Solution, Solver, triangular_factor};
 use super::super::moments::{Moments, Samples};
 use super::super::result::{FrictionLaw, FrictionTerm};
-use super::super::subset::{MOST_TERMS, ModelAverage};
+use super::super::subset::{MOST_TERMS, ModelAverage, requirements};
 use super::design::Design;
 use super::held_out::held_out;
 use super::judgement::{Findings, Judged};
@@ -16,7 +16,7 @@ use super::selection::{Selection, choose};
 use super::{FrictionData, FrictionIdentification, FrictionReport};
 use nalgebra::{DMatrix, DVector};
 
-/// Condition number of the library above which coefficients are doubted (the curve need not be).
+/// Condition number of the chosen terms above which coefficients are doubted (the curve need not be).
 const DOUBTFUL_CONDITION: f64 = 100.0;
 
 /// Coefficients that contribute less than this share of the torque's rms are what rounding leaves of zero.
@@ -40,6 +40,7 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
     let rows = settings.passive.then(|| constraints(&design)).transpose()?;
     let free = chosen.solution.clone();
     let (solution, binding) = restrict(&reduced, free, rows.as_ref(), &samples, &mut findings)?;
+    doubt(&reduced, &solution.active, &mut findings);
     let residuals = design.residuals(&solution.coefficients);
     let errors = Errors::new(&design, &solution.active, &binding, &residuals)?;
     let average = average(&reduced, &errors)?;
@@ -65,14 +66,22 @@ fn describe_library(design: &Design, reduced: &Reduced, findings: &mut Findings)
     let terms = design.library.terms().join(", ");
     let condition = reduced.condition();
     findings.note(format!("library [{terms}]{offsets}, condition number {condition:.1}"));
-    if condition > DOUBTFUL_CONDITION {
-        findings.warn(format!(
-            "the library is nearly collinear on these velocities (condition number {condition:.0}): trust the curve, \
-             not the single coefficients"
-        ));
-    }
+    design.notes.iter().for_each(|note| findings.note(note.clone()));
     if reduced.solver() == Solver::Orthogonal {
         findings.note("solved by orthogonal factorization".into());
+    }
+}
+
+/// Doubts coefficients of chosen terms that resemble each other.
+fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings) {
+    let chosen = reduced.moments().correlation().select_rows(active).select_columns(active);
+    let eigenvalues = chosen.symmetric_eigenvalues();
+    let condition = (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt();
+    if condition > DOUBTFUL_CONDITION {
+        findings.warn(format!(
+            "the chosen terms are nearly collinear on these velocities (condition number {condition:.0}): trust the \
+             curve, not the single coefficients"
+        ));
     }
 }
 
@@ -257,7 +266,8 @@ fn average(reduced: &Reduced, errors: &Errors) -> Result<Option<ModelAverage>> {
     if reduced.moments().terms() > MOST_TERMS {
         return Ok(None);
     }
-    ModelAverage::new(reduced.moments(), 0, errors.effective_samples).map(Some)
+    let requirements = requirements(reduced.moments().names());
+    ModelAverage::new(reduced.moments(), 0, errors.effective_samples, &requirements).map(Some)
 }
 
 fn law(

@@ -5,8 +5,8 @@ use super::{StribeckRegression, stribeck_torque};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
-/// Columns of a pass: five derivatives, the residual, a constant.
-const WIDTH: usize = 7;
+/// Columns of a pass: five derivatives and the residual.
+const WIDTH: usize = 6;
 
 /// First damping for starts near the result.
 pub(super) const NEAR: f64 = 1e-8;
@@ -50,32 +50,31 @@ impl Data<'_> {
             converged: false,
         };
         for (k, run) in self.runs.iter().enumerate() {
-            let sums = self.products(run, &a, offsets[k], weights);
-            let total = sums[WIDTH * WIDTH - 1];
-            let constant = |i: usize| sums[(WIDTH - 1) * WIDTH + i];
+            let (sums, constant, total) = self.products(run, &a, offsets[k], weights);
             // Without weight or offset nothing is eliminated.
             let share = if self.offset && total > 0.0 { 1.0 / total } else { 0.0 };
             let product =
-                |i: usize, j: usize| sums[i.max(j) * WIDTH + i.min(j)] - constant(i) * constant(j) * share;
+                |i: usize, j: usize| sums[i.max(j) * WIDTH + i.min(j)] - constant[i] * constant[j] * share;
             state.h += SMatrix::<f64, 5, 5>::from_fn(product);
             state.g += SVector::<f64, 5>::from_fn(|i, _| product(5, i));
             state.cost += product(5, 5).max(0.0);
-            state.offsets[k] += constant(5) * share;
-            state.levels[k] = SVector::from_fn(|i, _| constant(i) * share);
+            state.offsets[k] += constant[5] * share;
+            state.levels[k] = SVector::from_fn(|i, _| constant[i] * share);
         }
         state
     }
 
+    /// Products of the columns over one run, their products with a constant, and the sum of the weights.
     fn products(
         &self,
         run: &Range<usize>,
         a: &[f64; 5],
         offset: f64,
         weights: Option<&[f64]>,
-    ) -> [f64; WIDTH * WIDTH] {
-        let mut sums = [0.0; WIDTH * WIDTH];
-        let mut columns = [[0.0; BLOCK]; 6];
-        let mut ones = [1.0; BLOCK];
+    ) -> ([f64; WIDTH * WIDTH], [f64; WIDTH], f64) {
+        let (mut sums, mut constants, mut total) = ([0.0; WIDTH * WIDTH], [0.0; WIDTH], 0.0);
+        let mut columns = [[0.0; BLOCK]; WIDTH];
+        let mut roots = [1.0; BLOCK];
         for start in run.clone().step_by(BLOCK) {
             let rows = start..run.end.min(start + BLOCK);
             let n = rows.len();
@@ -84,18 +83,20 @@ impl Data<'_> {
                 columns[5].iter_mut().for_each(|r| *r -= offset);
             }
             if let Some(weights) = weights {
-                ones.fill(1.0);
-                for column in columns.iter_mut().chain([&mut ones]) {
-                    for (c, w) in column.iter_mut().zip(&weights[rows.clone()]) {
-                        *c *= w.sqrt();
-                    }
+                roots.iter_mut().zip(&weights[rows]).for_each(|(root, w)| *root = w.sqrt());
+                for column in &mut columns {
+                    column.iter_mut().zip(&roots).for_each(|(c, root)| *c *= root);
                 }
             }
             let [c1, c2, c3, c4, c5, r] = &columns;
-            let all = [&c1[..n], &c2[..n], &c3[..n], &c4[..n], &c5[..n], &r[..n], &ones[..n]];
-            add_products(&all, &mut sums);
+            add_products(&[&c1[..n], &c2[..n], &c3[..n], &c4[..n], &c5[..n], &r[..n]], &mut sums);
+            if self.offset {
+                total += dot(&roots[..n], &roots[..n]);
+                let products = columns.iter().map(|column| dot(&column[..n], &roots[..n]));
+                constants.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
+            }
         }
-        sums
+        (sums, constants, total)
     }
 
     /// Levenberg–Marquardt on the 5 × 5 normal equations, damping in units of the diagonal.
@@ -182,6 +183,19 @@ impl Data<'_> {
         }
         state
     }
+}
+
+/// Eight sums side by side, as vector units add.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let (eights, rest) = (a.chunks_exact(8).zip(b.chunks_exact(8)), a.len() / 8 * 8);
+    for (a, b) in eights {
+        for l in 0..8 {
+            lanes[l] += a[l] * b[l];
+        }
+    }
+    let tail: f64 = a[rest..].iter().zip(&b[rest..]).map(|(a, b)| a * b).sum();
+    lanes.iter().sum::<f64>() + tail
 }
 
 /// Offsets after a step, to first order.

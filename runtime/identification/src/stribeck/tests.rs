@@ -94,3 +94,77 @@ fn bad_input_has_messages() {
     let zero = regression.fit(&data(100, 0.0, 1).0, &[0.0; 100], None).unwrap();
     assert!(zero.parameters.iter().all(|a| a.is_finite()) && zero.torque(0.7).abs() < 1e-9);
 }
+
+#[test]
+fn an_offset_is_found_beside_the_law_and_leaves_it_alone() {
+    let (v, torque) = data(6000, 0.05, 7);
+    let runs = [0..2000, 2000..6000];
+    let mut moved = torque.clone();
+    moved[..2000].iter_mut().for_each(|t| *t += 3.0);
+    moved[2000..].iter_mut().for_each(|t| *t -= 1.0);
+    let fit = StribeckRegression::default().fit_runs(&v, &moved, None, &runs).unwrap();
+    let plain = StribeckRegression::default().fit_runs(&v, &torque, None, &runs).unwrap();
+    for i in 0..5 {
+        assert!((fit.parameters[i] / plain.parameters[i] - 1.0).abs() < 1e-4, "{:?}", fit.parameters);
+        assert!((fit.parameters[i] - TRUE[i]).abs() < 4.0 * fit.standard_errors[i].unwrap());
+    }
+    assert!((fit.offsets[0] - 3.0).abs() < 0.01 && (fit.offsets[1] + 1.0).abs() < 0.01, "{:?}", fit.offsets);
+    // One offset cannot be both, and none is what the odd law ignores.
+    let one = StribeckRegression::default().fit(&v, &moved, None).unwrap();
+    assert!(one.variance > 1.0 && (fit.variance / 0.0025 - 1.0).abs() < 0.1);
+    let none = StribeckRegression { offset: false, ..Default::default() };
+    assert!(none.fit(&v, &torque, None).unwrap().offsets.is_empty());
+}
+
+#[test]
+fn physical_words_are_what_the_law_does() {
+    let (v, torque) = data(6000, 0.05, 2);
+    let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+    let words = fit.words();
+    // Viscous friction and Coulomb's level from the curve itself, at speeds where the excess is gone.
+    let slope = (fit.torque(30.0) - fit.torque(20.0)) / 10.0;
+    assert!((words.viscous.value - slope).abs() < 1e-9);
+    assert!((words.coulomb.value - (fit.torque(20.0) - 20.0 * slope)).abs() < 1e-9);
+    let near =
+        |found: Estimate, truth: f64| (found.value - truth).abs() < 3.0 * found.standard_error.unwrap();
+    assert!(near(words.coulomb, 1.4) && near(words.static_friction, 2.3), "{words:?}");
+    assert!(near(words.stribeck_speed, 0.125) && near(words.viscous, 2.1), "{words:?}");
+    let line = words.line("N·m", "rad/s");
+    assert!(line.contains("static F_s = 2.263 ± 0.035 N·m"), "{line}");
+}
+
+/// The starts do not know the scale: the law of a slow slide, and one with a dip far out.
+#[test]
+fn the_best_of_several_starts_is_found_at_any_scale() {
+    for (scale, a) in [(0.004, [300.0, 9.0, 6000.0, 5.0, 900.0]), (40.0, [0.02, 1.0, 4.0, 0.8, 0.1])] {
+        let (v, _) = data(4000, 0.0, 1);
+        let v: Vec<f64> = v.iter().map(|v| scale * v).collect();
+        let mut random = SplitMix64::new(4);
+        let torque: Vec<f64> =
+            v.iter().map(|v| 0.7 + stribeck_torque(*v, &a) + 0.02 * random.normal()).collect();
+        let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+        assert!(fit.converged && (fit.variance.sqrt() - 0.02).abs() < 0.001, "{fit:?}");
+    }
+}
+
+#[test]
+fn correlated_errors_widen_the_intervals() {
+    let (v, mut torque) = data(4000, 0.0, 1);
+    let mut random = SplitMix64::new(12);
+    let mut slow = 0.0;
+    for t in &mut torque {
+        slow = 0.9 * slow + 0.05 * random.normal();
+        *t += slow;
+    }
+    let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+    let whole = 0..v.len();
+    let honest = fit.clone().with_correlated_errors(&v, &torque, None, &[whole]);
+    for i in 0..5 {
+        let (narrow, wide) = (fit.standard_errors[i].unwrap(), honest.standard_errors[i].unwrap());
+        assert!(wide > 1.5 * narrow && wide < 10.0 * narrow, "{i}: {narrow} {wide}");
+        assert!((fit.parameters[i] - TRUE[i]).abs() < 4.0 * wide);
+        assert!(honest.resolutions[i].unwrap() <= wide * 1.5);
+    }
+    assert!(honest.freedom < fit.freedom);
+    assert_eq!(honest.parameters, fit.parameters);
+}
