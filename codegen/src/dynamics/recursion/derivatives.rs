@@ -56,7 +56,7 @@ pub enum PairFrame {
 
 /// Derives all of them in the working frames of a formulation.
 pub fn inverse_dynamics_derivatives<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
     pairs: PairFrame,
     input: MotionInput<'_, 'g>,
@@ -105,7 +105,7 @@ pub fn inverse_dynamics_derivatives<'g>(
 #[derive(Clone, Copy)]
 struct Flow<'g> {
     composite: Composite<'g>,
-    momentum: Vector3<'g>,
+    momentum: Vector3<Scalar<'g>>,
     spin: Matrix3<'g>,
 }
 
@@ -113,18 +113,18 @@ struct Flow<'g> {
 #[derive(Clone, Copy)]
 struct Lever<'g> {
     along: Scalar<'g>,
-    along_velocity: Vector3<'g>,
-    across_velocity: Vector3<'g>,
+    along_velocity: Vector3<Scalar<'g>>,
+    across_velocity: Vector3<Scalar<'g>>,
 }
 
 fn levers<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],
     motions: &[BodyMotion<'g>],
     input: MotionInput<'_, 'g>,
 ) -> Vec<Lever<'g>> {
     let zero = mechanism.graph.constant(0.0);
-    let lever = |(index, body): (usize, &Body<'g>)| {
+    let lever = |(index, body): (usize, &Body<Scalar<'g>>)| {
         let rate = match body.axis {
             JointAxis::Revolute => zero,
             JointAxis::Prismatic => body.transmission.motion(input.v),
@@ -143,7 +143,7 @@ fn levers<'g>(
 }
 
 /// `2 ω × z`
-fn twice_across(omega: Vector3<'_>) -> Vector3<'_> {
+fn twice_across(omega: Vector3<Scalar<'_>>) -> Vector3<Scalar<'_>> {
     Vector3([omega[1] * 2.0, -(omega[0] * 2.0), omega[2].constant(0.0)])
 }
 
@@ -158,11 +158,11 @@ struct Column<'g> {
     /// By the coordinate.
     stiffness: Force<'g>,
     /// Torque of the joint by δω.
-    by_omega: Vector3<'g>,
+    by_omega: Vector3<Scalar<'g>>,
 }
 
 impl<'g> Column<'g> {
-    fn zero(mechanism: &Mechanism<'g>) -> Self {
+    fn zero(mechanism: &Mechanism<Scalar<'g>>) -> Self {
         let zero = mechanism.graph.constant(0.0);
         let nothing = Force::zero(zero);
         Self { inertial: nothing, damping: nothing, stiffness: nothing, by_omega: Vector3::zero(zero) }
@@ -178,9 +178,9 @@ struct Disturbance<'g> {
 
 #[derive(Clone, Copy)]
 struct Disturbed<'g> {
-    omega: Vector3<'g>,
-    beta: Vector3<'g>,
-    acceleration: Vector3<'g>,
+    omega: Vector3<Scalar<'g>>,
+    beta: Vector3<Scalar<'g>>,
+    acceleration: Vector3<Scalar<'g>>,
 }
 
 impl<'g> Flow<'g> {
@@ -199,7 +199,7 @@ impl<'g> Flow<'g> {
 
 /// The mechanism in motion.
 struct Tree<'a, 'g> {
-    mechanism: &'a Mechanism<'g>,
+    mechanism: &'a Mechanism<Scalar<'g>>,
     placements: &'a [Placement<'g>],
     motions: &'a [BodyMotion<'g>],
     levers: Vec<Lever<'g>>,
@@ -211,16 +211,16 @@ struct Tree<'a, 'g> {
 /// accelerations at its origin, velocities relative to the base.
 #[derive(Clone, Copy)]
 struct BaseBody<'g> {
-    axes: [Vector3<'g>; 3],
-    origin: Vector3<'g>,
-    twice_velocity: Vector3<'g>,
+    axes: [Vector3<Scalar<'g>>; 3],
+    origin: Vector3<Scalar<'g>>,
+    twice_velocity: Vector3<Scalar<'g>>,
     /// What a unit of the joint's velocity does to points at the base's origin.
     screw: Motion<'g>,
     disturbance: Disturbance<'g>,
 }
 
 impl<'g> BaseBody<'g> {
-    fn direction(&self, v: Vector3<'g>) -> Vector3<'g> {
+    fn direction(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         self.axes[0].scaled(v[0]) + self.axes[1].scaled(v[1]) + self.axes[2].scaled(v[2])
     }
 
@@ -275,7 +275,7 @@ impl<'g> Tree<'_, 'g> {
     }
 
     /// 2P and 2K of a subtree about the parent's origin.
-    fn pass_flow(&self, index: usize, flow: &Flow<'g>) -> (Vector3<'g>, Matrix3<'g>) {
+    fn pass_flow(&self, index: usize, flow: &Flow<'g>) -> (Vector3<Scalar<'g>>, Matrix3<'g>) {
         let (body, placement, lever) =
             (&self.mechanism.bodies[index], &self.placements[index], &self.levers[index]);
         let zero = lever.along.constant(0.0);
@@ -505,7 +505,8 @@ impl<'g> Tree<'_, 'g> {
             (&self.mechanism.bodies[index], &self.placements[index], &self.levers[index]);
         let zero = lever.along.constant(0.0);
         let along = Vector3([zero, zero, lever.along]);
-        let force_to_parent = |force: Vector3<'g>| body.twist.to_parent(placement.before_joint_unit(force));
+        let force_to_parent =
+            |force: Vector3<Scalar<'g>>| body.twist.to_parent(placement.before_joint_unit(force));
         let pass = |f: Force<'g>| {
             let lifted = f.moment + along.cross(f.force);
             let force = force_to_parent(f.force);
@@ -521,12 +522,12 @@ impl<'g> Tree<'_, 'g> {
 
 /// 2P and 2K about another point: with the lever r and twice its velocity v.
 fn shift_flow<'g>(
-    moments: MassMoments<'g>,
-    momentum: Vector3<'g>,
+    moments: MassMoments<Scalar<'g>>,
+    momentum: Vector3<Scalar<'g>>,
     spin: &Matrix3<'g>,
-    lever: Vector3<'g>,
-    velocity: Vector3<'g>,
-) -> (Vector3<'g>, Matrix3<'g>) {
+    lever: Vector3<Scalar<'g>>,
+    velocity: Vector3<Scalar<'g>>,
+) -> (Vector3<Scalar<'g>>, Matrix3<'g>) {
     let moved = momentum + velocity.scaled(moments.mass);
     let entry = |i: usize, j: usize| spin[i][j] + (moved[i] * lever[j] + velocity[i] * moments.first[j]);
     (moved, Matrix3::from_fn(entry))
