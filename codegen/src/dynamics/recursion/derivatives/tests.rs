@@ -1,6 +1,6 @@
 //! The recursive derivatives against forward differentiation of the recursive equations.
 
-use crate::dynamics::recursion::derivatives::{PairFrame, inverse_dynamics_derivatives};
+use super::{PairFrame, inverse_dynamics_derivatives};
 use crate::dynamics::recursion::newton_euler::MotionInput;
 use crate::dynamics::search::formulation::Formulation;
 use crate::graph::{Graph, Scalar, differentiate};
