@@ -10,7 +10,7 @@ use crate::functions::module_constants;
 use crate::functions::selection::{self, Request, Selection};
 use crate::functions::size::MOST_OPERATIONS;
 use crate::lanes::Lanes;
-use crate::model::{self, Loaded, Model, ReadOptions};
+use crate::model::{DescriptionFiles, Loaded, Model, ReadOptions};
 use crate::module::Module;
 use crate::program::arrays::ArrayForm;
 use crate::program::fuse_multiply_adds;
@@ -74,6 +74,13 @@ pub struct Generated {
 /// # Errors
 /// All [`Diagnostics`] of the first stage that found the description at fault.
 pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generated, Diagnostics> {
+    generate_from(&mut DescriptionFiles::of(description), options)
+}
+
+fn generate_from(
+    description: &mut DescriptionFiles,
+    options: &GenerateOptions,
+) -> Result<Generated, Diagnostics> {
     check_slope(options.smooth_sign)?;
     let read_options = ReadOptions {
         ignore_mimic: options.ignore_mimic,
@@ -83,7 +90,7 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
         accept_unphysical: options.accept_unphysical,
         exact_sign: options.exact_sign,
     };
-    let Loaded { model, notes, files } = model::read(description, &read_options)?;
+    let Loaded { model, notes, files } = description.load(&read_options)?;
     let lanes = Lanes::new(&model, &options.lanes)?;
     let selection = lanes.selected_with(selection(&model, options));
     let selected = derive(&model, options, &selection, &lanes);
@@ -129,11 +136,12 @@ pub fn generate_pair(
     options: &GenerateOptions,
     slope: f64,
 ) -> Result<[Generated; 2], Diagnostics> {
-    let with = |smooth_sign: Option<f64>, remark: String| {
+    let mut description = DescriptionFiles::of(description);
+    let mut with = |smooth_sign: Option<f64>, remark: String| {
         let mut options =
             GenerateOptions { smooth_sign, exact_sign: smooth_sign.is_none(), ..options.clone() };
         options.remarks.push(remark);
-        generate(description, &options)
+        generate_from(&mut description, &options)
     };
     let exact = with(None, "The exact model, for plants.".to_owned())?;
     let name = &exact.source.name;

@@ -1,11 +1,9 @@
 //! What it would save to take nearly right angles for right ones, in operations.
 
-use std::path::Path;
-
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::functions::function::Function;
 use crate::functions::selection;
-use crate::model::{self, NEARLY_RIGHT, NEARLY_RIGHT_ANGLE, ReadOptions};
+use crate::model::{DescriptionFiles, NEARLY_RIGHT, NEARLY_RIGHT_ANGLE, ReadOptions};
 use crate::program::cost::count;
 
 /// The functions that are counted for the note, where they are generated at all.
@@ -15,7 +13,7 @@ const COUNTED: [&str; 2] = ["inverse_dynamics", "mass_matrix"];
 /// where none would be.
 pub fn priced(
     notes: Diagnostics,
-    description: &Path,
+    description: &mut DescriptionFiles,
     options: &ReadOptions,
     functions: &[Function],
 ) -> Diagnostics {
@@ -39,7 +37,11 @@ pub fn priced(
 
 /// Counts of the functions with the angles snapped and as they are, empty where they are the same; `None`
 /// where none of them is generated.
-fn savings(description: &Path, options: &ReadOptions, functions: &[Function]) -> Option<String> {
+fn savings(
+    description: &mut DescriptionFiles,
+    options: &ReadOptions,
+    functions: &[Function],
+) -> Option<String> {
     let described: Vec<&Function> =
         functions.iter().filter(|function| COUNTED.contains(&function.name.as_str())).collect();
     let names: Vec<String> = described.iter().map(|f| f.name.clone()).collect();
@@ -47,7 +49,7 @@ fn savings(description: &Path, options: &ReadOptions, functions: &[Function]) ->
         return None;
     }
     let options = ReadOptions { snap_angles: Some(NEARLY_RIGHT), ..*options };
-    let snapped = model::read(description, &options).ok()?.model;
+    let snapped = description.load(&options).ok()?.model;
     let snapped = selection::derive_functions(&snapped, &names, usize::MAX).ok()?;
     let lines: Vec<String> = described
         .iter()

@@ -93,10 +93,11 @@ fn by_articulated_bodies(model: &Model) -> Option<Program> {
     let graph = Graph::new();
     let n = model.coordinates.len();
     let [y, v, f] = [0, 1, 2].map(|array| (0..n).map(|k| graph.input(array, k)).collect::<Vec<_>>());
-    if !Mechanism::new(&graph, model).rotors_are_neighbours() {
+    let mechanism = Mechanism::new(model);
+    if !mechanism.rotors_are_neighbours() {
         return None;
     }
-    let mechanism = Formulation::plain(n).mechanism(&graph, model);
+    let mechanism = Formulation::plain(n).mechanism(&graph, &mechanism);
     let accelerations = articulated::forward_dynamics(&mechanism, &y, &v, &f);
     let output = GraphOutput {
         name: "a".to_owned(),

@@ -3,14 +3,14 @@
 use serde_json::{Value, json};
 
 use super::print;
-use crate::graph::{Graph, Scalar};
-use crate::kinematics::{Body, Mechanism, RegroupChoice};
+use crate::dynamics::search::formulation::Formulation;
+use crate::graph::Graph;
+use crate::kinematics::{Body, Mechanism, Number};
 use crate::model::Model;
 use crate::numeric;
 
 pub(super) fn as_text(model: &Model) -> String {
-    let graph = Graph::new();
-    let mechanism = mechanism(&graph, model);
+    let mechanism = mechanism(model);
     format!(
         "Modified Denavit–Hartenberg frames: R_z(gamma) R_x(alpha) and the shift x y z lead from the parent's frame to the \
          joint's axis,\n`lift` along it to the origin (m, degrees)\n\n{}\nMoments of mass about the origins, what acts \
@@ -21,10 +21,9 @@ pub(super) fn as_text(model: &Model) -> String {
 }
 
 pub(super) fn as_json(model: &Model) -> Value {
-    let graph = Graph::new();
-    let mechanism = mechanism(&graph, model);
-    let numbers = |entries: &[Scalar<'_>]| entries.iter().map(|x| x.value()).collect::<Vec<_>>();
-    let body = |body: &Body<'_>| {
+    let mechanism = mechanism(model);
+    let numbers = |entries: &[Number]| entries.iter().map(|x| x.value()).collect::<Vec<_>>();
+    let body = |body: &Body<Number>| {
         json!({
             "joint": body.name,
             "parent": parent(&mechanism, body),
@@ -44,13 +43,12 @@ pub(super) fn as_json(model: &Model) -> Value {
 }
 
 /// The plain formulation; the cheapest one differs from function to function.
-fn mechanism<'g>(graph: &'g Graph, model: &Model) -> Mechanism<'g> {
-    let mechanism = Mechanism::new(graph, model);
-    let choices = vec![RegroupChoice::Massless; mechanism.len()];
-    mechanism.regrouped(&choices)
+fn mechanism(model: &Model) -> Mechanism<Number> {
+    let mechanism = Mechanism::new(model);
+    Formulation::plain(mechanism.len()).mechanism(&Graph::new(), &mechanism).by_itself()
 }
 
-fn frames(mechanism: &Mechanism<'_>) -> Vec<Vec<String>> {
+fn frames(mechanism: &Mechanism<Number>) -> Vec<Vec<String>> {
     let head = ["joint", "parent", "kind", "ratio", "gamma", "alpha", "x", "y", "z", "lift", "offset"];
     let rows = mechanism.bodies.iter().map(|body| {
         let [x, y, z] = body.translation.0.map(shown);
@@ -71,7 +69,7 @@ fn frames(mechanism: &Mechanism<'_>) -> Vec<Vec<String>> {
     with_head(&head, rows)
 }
 
-fn moments(mechanism: &Mechanism<'_>) -> Vec<Vec<String>> {
+fn moments(mechanism: &Mechanism<Number>) -> Vec<Vec<String>> {
     let head = ["body", "m", "h_x", "h_y", "h_z", "S_xx", "S_xy", "S_xz", "S_yy", "S_yz", "S_zz"];
     let rows = mechanism.bodies.iter().map(|body| {
         let entries = body.moments.entries().map(shown);
@@ -85,7 +83,7 @@ fn with_head(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Vec<Vec<
     std::iter::once(head).chain(rows).collect()
 }
 
-fn parent<'a>(mechanism: &'a Mechanism<'_>, body: &Body<'_>) -> &'a str {
+fn parent<'a>(mechanism: &'a Mechanism<Number>, body: &Body<Number>) -> &'a str {
     body.parent.map_or("base", |parent| mechanism.bodies[parent].name.as_str())
 }
 
@@ -93,7 +91,7 @@ fn degrees((sine, cosine): (f64, f64)) -> f64 {
     numeric::atan2(sine, cosine).to_degrees()
 }
 
-fn shown(x: Scalar<'_>) -> String {
+fn shown(x: Number) -> String {
     x.value().map_or_else(|| "free".to_owned(), number)
 }
 

@@ -1,10 +1,9 @@
 //! The robot of a new crate: the example, or one that a URDF describes.
 
-use std::fs;
 use std::path::Path;
 
 use super::Failure;
-use crate::model::{self, Joint, Loaded, Model, ReadOptions};
+use crate::model::{DescriptionFiles, Joint, Loaded, Model, ReadOptions};
 use crate::wording::toml_text;
 
 const BUILD: &str = include_str!("template/build.rs");
@@ -36,9 +35,10 @@ pub(super) fn robot(urdf: Option<&Path>) -> Result<Robot, Failure> {
 
 /// The URDF must be one that can be generated: half a crate helps nobody.
 fn from_urdf(path: &Path) -> Result<Robot, Failure> {
-    let reading = Reading::of(path)?;
-    let bytes = fs::read(path)?;
-    if !model::is_xml(&path.display().to_string(), &String::from_utf8_lossy(&bytes)) {
+    let wrong = |why| Failure::Descriptions(vec![why]);
+    let mut files = DescriptionFiles::of(path);
+    let reading = Reading::of(&mut files)?;
+    if !files.is_xml().map_err(wrong)? {
         return Err(Failure::Usage(format!(
             "{} is no URDF\n  = help: make the crate without --urdf, and put your description in the place of its robot.toml",
             path.display()
@@ -50,7 +50,7 @@ fn from_urdf(path: &Path) -> Result<Robot, Failure> {
             false => BUILD,
         },
         description: description(path, &reading.loaded.model, reading.ignores_mimic),
-        urdf: Some(bytes),
+        urdf: Some(files.content().map_err(wrong)?.to_vec()),
     })
 }
 
@@ -62,10 +62,10 @@ struct Reading {
 }
 
 impl Reading {
-    fn of(path: &Path) -> Result<Self, Failure> {
-        let read = |ignore_mimic: bool| {
+    fn of(files: &mut DescriptionFiles) -> Result<Self, Failure> {
+        let mut read = |ignore_mimic: bool| {
             let options = ReadOptions { ignore_mimic, ..ReadOptions::default() };
-            model::read(path, &options).map(|loaded| Self { loaded, ignores_mimic: ignore_mimic })
+            files.load(&options).map(|loaded| Self { loaded, ignores_mimic: ignore_mimic })
         };
         read(false).or_else(|why| read(true).map_err(|_| Failure::Descriptions(vec![why])))
     }

@@ -53,6 +53,11 @@ pub struct Equations<'a, 'g> {
 }
 
 impl<'g> Equations<'_, 'g> {
+    /// The mechanism on the graph, in metres and not regrouped.
+    pub(super) fn mechanism(&self) -> Mechanism<Scalar<'g>> {
+        self.formulations.mechanism().on(self.graph)
+    }
+
     fn zeros(&self) -> Vec<Scalar<'g>> {
         vec![self.graph.constant(0.0); self.model.coordinates.len()]
     }
@@ -63,7 +68,7 @@ impl<'g> Equations<'_, 'g> {
         input: MotionInput<'_, 'g>,
         with_gravity: bool,
     ) -> Vec<Scalar<'g>> {
-        let mut mechanism = formulation.mechanism(self.graph, self.model);
+        let mut mechanism = formulation.mechanism(self.graph, self.formulations.mechanism());
         if !with_gravity {
             mechanism.gravity = Vector3::zero(self.graph.constant(0.0));
         }
@@ -76,7 +81,11 @@ impl<'g> Equations<'_, 'g> {
     }
 
     fn mass_matrix_by(&self, formulation: &Formulation, y: &[Scalar<'g>]) -> Matrix<'g> {
-        composite::mass_matrix(&formulation.mechanism(self.graph, self.model), formulation, y)
+        composite::mass_matrix(
+            &formulation.mechanism(self.graph, self.formulations.mechanism()),
+            formulation,
+            y,
+        )
     }
 
     /// `M(y)` and `k − q_gravity` in the formulations that cost least together.
@@ -137,7 +146,8 @@ impl<'g> Equations<'_, 'g> {
     pub fn inverse_dynamics_derivatives(&self, input: MotionInput<'_, 'g>) -> ForceDerivatives<'g> {
         let (derivatives, inverse_dynamics) =
             (self.formulations.derivatives(), self.formulations.inverse_dynamics());
-        let mut result = derivatives.derive(self.graph, self.model, inverse_dynamics, input);
+        let mut result =
+            derivatives.derive(self.graph, self.formulations.mechanism(), inverse_dynamics, input);
         let joint = self.joint_forces(input.y, input.v);
         for (row, &force) in joint.iter().enumerate() {
             // What acts on single joints has diagonal derivatives.
@@ -158,7 +168,7 @@ impl<'g> Equations<'_, 'g> {
     ) -> AccelerationDerivatives<'g> {
         let (mass, bias) = self.formulations.mass_and_bias_beside_derivatives();
         let matrix = self.mass_matrix_by(mass, y);
-        let factorization = Factorization::new(&Mechanism::new(self.graph, self.model), &matrix);
+        let factorization = Factorization::new(self.formulations.mechanism(), &matrix);
         let inverse = factorization.inverse(self.graph);
         let accelerating = subtract(&self.driving_forces(y, v, u), &self.bias_by(bias, y, v));
         let by_inverse = self.weighs_less_by_inverse(&factorization, &inverse);
@@ -244,8 +254,7 @@ impl<'g> Equations<'_, 'g> {
 
     /// W with `W π = M ÿ + k − q_gravity`
     pub fn inertial_regressor(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
-        let mechanism = Mechanism::new(self.graph, self.model);
-        regressor::inertial_regressor(&mechanism, self.model, input)
+        regressor::inertial_regressor(&self.mechanism(), self.model, input)
     }
 
     /// The columns of W that lead a group of base parameters.
@@ -266,12 +275,12 @@ impl<'g> Equations<'_, 'g> {
     pub fn potential_energy(&self, y: &[Scalar<'g>]) -> Scalar<'g> {
         let plain = Formulation::plain(self.model.coordinates.len());
         let choices = vec![RegroupChoice::Massless; plain.bodies.len()];
-        let mechanism = Mechanism::new(self.graph, self.model).regrouped(&choices);
+        let mechanism = self.mechanism().regrouped(&choices);
         -mechanism.gravity.dot(composite::first_moment(&mechanism, &plain, y))
     }
 
     /// The bodies as seen from the base.
     pub fn base_poses(&self, y: &[Scalar<'g>]) -> BasePoses<'g> {
-        BasePoses::new(Mechanism::new(self.graph, self.model), y)
+        BasePoses::new(self.mechanism(), y)
     }
 }

@@ -11,7 +11,7 @@ use crate::dynamics::forces;
 use crate::dynamics::per_joint;
 use crate::dynamics::search::routes::Formulations;
 use crate::graph::{Graph, Node};
-use crate::kinematics::Mechanism;
+use crate::kinematics::{Mechanism, Number};
 use crate::model::Model;
 use crate::program::arrays::{Affine, ArrayForm};
 use crate::program::cost::count;
@@ -191,7 +191,7 @@ impl<'m> Forms<'m> {
 
     /// Whether straight-line code need not be derived to know that it is too large.
     fn is_far_beyond(&self) -> bool {
-        self.form == Form::Arrays || is_large(OPERATIONS_PER_PAIR * pairs(self.model))
+        self.form == Form::Arrays || is_large(OPERATIONS_PER_PAIR * self.mechanism().pairs())
     }
 
     fn is_straight(&self, quantity: &Quantity) -> bool {
@@ -201,7 +201,12 @@ impl<'m> Forms<'m> {
     fn may_loop(&self, quantity: &Quantity) -> bool {
         matches!(quantity.loops, Some(Loops::PerJoint { .. }))
             && !self.is_straight(quantity)
-            && per_joint::is_possible(&Mechanism::new(&Graph::new(), self.model))
+            && per_joint::is_possible(self.mechanism())
+    }
+
+    /// The mechanism.
+    pub(super) fn mechanism(&self) -> &'m Mechanism<Number> {
+        self.formulations.mechanism()
     }
 
     fn straight(&self, quantity: &Quantity) -> Derived {
@@ -218,17 +223,6 @@ impl<'m> Forms<'m> {
 
 fn is_large(operations: usize) -> bool {
     BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT
-}
-
-/// Pairs of joints on one path to the base.
-pub(super) fn pairs(model: &Model) -> usize {
-    let graph = Graph::new();
-    let mechanism = Mechanism::new(&graph, model);
-    let mut depths: Vec<usize> = Vec::with_capacity(mechanism.len());
-    for body in &mechanism.bodies {
-        depths.push(body.parent.map_or(0, |parent| depths[parent] + 1));
-    }
-    depths.iter().sum()
 }
 
 /// For each input its coordinate and gain; `None` where a gain has to be computed.

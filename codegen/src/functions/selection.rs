@@ -11,6 +11,7 @@ use crate::functions::composition::Composition;
 use crate::functions::form::{Form, Forms};
 use crate::functions::function::Function;
 use crate::functions::size::{self, TooLarge};
+use crate::kinematics::Mechanism;
 use crate::model::{Frame, Model};
 use crate::program::arrays::ArrayForm;
 
@@ -48,7 +49,8 @@ pub struct Selection {
 /// functions that are asked for by name and cannot be generated.
 pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnostics> {
     catalogue::check_names(model, request.names)?;
-    let formulations = Formulations::new(model);
+    let mechanism = Mechanism::new(model);
+    let formulations = Formulations::new(model, &mechanism);
     let forms = Forms::new(model, &formulations, request.form, request.straight);
     let wanted = Wanted::new(request, &forms);
     let mut left_out = LeftOut::default();

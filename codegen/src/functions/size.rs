@@ -7,9 +7,10 @@ use crate::diagnostic::Diagnostic;
 use crate::dynamics::recursion::composite;
 use crate::dynamics::search::formulation::Formulation;
 use crate::functions::catalogue::{self, Estimate};
-use crate::functions::form::{Forms, pairs};
+use crate::functions::form::Forms;
 use crate::functions::function::Function;
 use crate::graph::{Cost, Graph};
+use crate::kinematics::{Mechanism, Number};
 use crate::model::Model;
 use crate::program::Program;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
@@ -24,14 +25,14 @@ pub const MOST_OPERATIONS: usize = 300_000;
 const UNROLLED: usize = 10;
 
 /// Operations of a function at least.
-fn estimated(estimate: Estimate, model: &Model) -> usize {
-    let joints = model.coordinates.len();
+fn estimated(estimate: Estimate, mechanism: &Mechanism<Number>) -> usize {
+    let joints = mechanism.len();
     // Each joint with itself included.
-    let pairs = || pairs(model) + joints;
+    let pairs = || mechanism.pairs() + joints;
     match estimate {
         Estimate::MassMatrix => match pairs() {
             pairs if pairs > MANY_PAIRS => pairs,
-            _ => mass_matrix_operations(model),
+            _ => mass_matrix_operations(mechanism),
         },
         Estimate::Regressor => 40 * pairs(),
         Estimate::Inverse => 5_usize.saturating_mul(joints.saturating_pow(3)),
@@ -71,14 +72,14 @@ pub(super) fn before(model: &Model, names: &[String], forms: &Forms<'_>, most: u
     let estimated: Vec<_> = estimated.collect();
     let of = |estimate: Estimate| {
         let names = estimated.iter().filter(move |each| each.1 == estimate);
-        too_large(model, estimate, &names.collect::<Vec<_>>(), most)
+        too_large(forms.mechanism(), estimate, &names.collect::<Vec<_>>(), most)
     };
     Estimate::ALL.into_iter().flat_map(of).collect()
 }
 
 /// Those of one estimate, each with its name and whether it is loops.
 fn too_large(
-    model: &Model,
+    mechanism: &Mechanism<Number>,
     estimate: Estimate,
     functions: &[&(&String, Estimate, bool)],
     most: usize,
@@ -87,7 +88,7 @@ fn too_large(
     if functions.is_empty() {
         return Vec::new();
     }
-    let operations = estimated(estimate, model);
+    let operations = estimated(estimate, mechanism);
     let too_large = functions.iter().map(|&&(name, _, are_loops)| TooLarge {
         name: name.clone(),
         operations,
@@ -191,11 +192,11 @@ fn rounded_up(operations: usize) -> usize {
 
 /// Operations of M in the plain formulation: the search for a cheaper one would take minutes where this is
 /// large.
-fn mass_matrix_operations(model: &Model) -> usize {
+fn mass_matrix_operations(mechanism: &Mechanism<Number>) -> usize {
     let graph = Graph::new();
-    let y: Vec<_> = (0..model.coordinates.len()).map(|k| graph.input(0, k)).collect();
+    let y: Vec<_> = (0..mechanism.len()).map(|k| graph.input(0, k)).collect();
     let formulation = Formulation::plain(y.len());
-    let mechanism = formulation.mechanism(&graph, model);
+    let mechanism = formulation.mechanism(&graph, mechanism);
     let matrix = composite::mass_matrix(&mechanism, &formulation, &y).concat();
     let edges: Vec<_> = matrix.iter().map(|x| x.edge()).collect();
     let cost = Cost::of(&graph, &edges);

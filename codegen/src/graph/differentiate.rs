@@ -104,14 +104,7 @@ pub fn substitute<'g>(
             continue;
         }
         let of = |operand: Edge| signed_value(graph, &replaced, operand);
-        let value = match graph.node(edge) {
-            Node::Constant(_) | Node::Input(..) | Node::Parameter(_) => graph.scalar(edge),
-            Node::Sum(a, b) => of(a) + of(b),
-            Node::Product(a, b) => of(a) * of(b),
-            Node::Quotient(a, b) => of(a).divided_by(of(b)),
-            Node::Call(function, a) => of(a).call(function),
-        };
-        replaced[edge.index()] = Some(value);
+        replaced[edge.index()] = Some(graph.rebuilt(graph.node(edge), of));
     }
     edges.iter().map(|&edge| signed_value(graph, &replaced, edge)).collect()
 }

@@ -9,6 +9,7 @@ mod build;
 mod cost;
 mod differentiate;
 mod node;
+mod nodes;
 mod scalar;
 
 pub use balance::balanced;
@@ -16,4 +17,5 @@ pub use build::Graph;
 pub use cost::Cost;
 pub use differentiate::{differentiate, gradient, substitute};
 pub use node::{Edge, Node};
+pub use nodes::Nodes;
 pub use scalar::Scalar;

@@ -1,20 +1,97 @@
-//! From a model to its mechanism.
+//! From a model to its mechanism, which is made once, and from there onto the graph of each function.
 
 use super::inertia::{RegroupChoice, regroup};
-use super::mechanism::Mechanism;
+use super::mechanism::{Body, Mechanism, Rotor};
+use super::number::{Number, Numbers};
+use super::transmission::Transmission;
 use super::{frames, tree};
-use crate::graph::Graph;
+use crate::graph::{Graph, Scalar};
 use crate::model::Model;
+use crate::spatial::Pose;
 
-impl<'g> Mechanism<'g> {
+impl Mechanism<Number> {
     /// The mechanism of a model, with all inertial constants where the description puts them.
-    pub fn new(graph: &'g Graph, model: &Model) -> Self {
-        frames::assign(graph, model, &tree::moving_bodies(graph, model))
+    pub fn new(model: &Model) -> Self {
+        let graph = Graph::new();
+        frames::assign(&graph, model, &tree::moving_bodies(&graph, model)).by_itself()
     }
 
+    /// This mechanism on a graph.
+    pub fn on<'g>(&self, graph: &'g Graph) -> Mechanism<Scalar<'g>> {
+        let nodes = graph.copied(&self.graph);
+        self.with(graph, |number| match number {
+            Number::Constant(value) => graph.constant(value),
+            Number::Formula(edge) => edge.signed(&nodes),
+        })
+    }
+}
+
+impl Mechanism<Scalar<'_>> {
     /// Moves inertial constants towards the base; M, k, q and energies do not change.
     pub fn regrouped(mut self, choices: &[RegroupChoice]) -> Self {
         regroup(&mut self.bodies, &mut self.base_moments, choices);
         self
+    }
+
+    /// This mechanism as a plain value.
+    pub fn by_itself(&self) -> Mechanism<Number> {
+        self.with(self.graph.to_nodes(), Number::from)
+    }
+}
+
+impl<S: Numbers> Mechanism<S> {
+    /// The same mechanism of other numbers.
+    fn with<T: Numbers>(&self, graph: T::Graph, to: impl Fn(S) -> T) -> Mechanism<T> {
+        Mechanism {
+            graph,
+            bodies: self.bodies.iter().map(|body| body.with(&to)).collect(),
+            gravity: self.gravity.map(&to),
+            rotors: self.rotors.iter().map(|rotor| rotor.with(&to)).collect(),
+            base_moments: self.base_moments.map(&to),
+            links: self.links.iter().map(|(body, pose)| (*body, pose.with(&to))).collect(),
+        }
+    }
+}
+
+impl<S: Copy> Body<S> {
+    fn with<T>(&self, to: impl Fn(S) -> T) -> Body<T> {
+        Body {
+            name: self.name.clone(),
+            identifier: self.identifier.clone(),
+            transmission: self.transmission.with(&to),
+            parent: self.parent,
+            axis: self.axis,
+            twist: self.twist,
+            translation: self.translation.map(&to),
+            lift: to(self.lift),
+            offset: self.offset,
+            moments: self.moments.map(&to),
+            length_unit: self.length_unit,
+            unit_ratio: self.unit_ratio,
+        }
+    }
+}
+
+impl<S: Copy> Rotor<S> {
+    fn with<T>(&self, to: impl Fn(S) -> T) -> Rotor<T> {
+        Rotor {
+            transmission: self.transmission.with(&to),
+            driven: self.driven,
+            carrier: self.carrier,
+            axis: self.axis.map(&to),
+            inertia: to(self.inertia),
+        }
+    }
+}
+
+impl<S> Transmission<S> {
+    fn with<T>(self, to: impl Fn(S) -> T) -> Transmission<T> {
+        Transmission { coordinate: self.coordinate, ratio: to(self.ratio) }
+    }
+}
+
+impl<S> Pose<S> {
+    fn with<T>(self, to: impl Fn(S) -> T) -> Pose<T> {
+        Pose { rotation: self.rotation, translation: self.translation.map(to) }
     }
 }

@@ -32,14 +32,14 @@ const ROUNDING: f64 = 1e-14;
 struct Draft<'g> {
     z: Numeric3<f64>,
     x: Option<Numeric3<f64>>,
-    origin: Option<Vector3<'g>>,
+    origin: Option<Vector3<Scalar<'g>>>,
 }
 
 /// Chooses the frames and expresses everything in them.
-pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> Mechanism<'g> {
+pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> Mechanism<Scalar<'g>> {
     let directions = directions(model, tree);
-    let drafts = common_normals(graph, model, tree, &directions);
-    let mut placed: Vec<Pose<'g>> = Vec::new();
+    let drafts = common_normals(model, tree, &directions);
+    let mut placed: Vec<Pose<Scalar<'g>>> = Vec::new();
     let mut bodies = Vec::new();
     for (index, described) in tree.bodies.iter().enumerate() {
         let parent = described.parent.map_or(Pose::identity(graph), |parent| placed[parent]);
@@ -115,12 +115,7 @@ fn directions(model: &Model, tree: &DescribedTree<'_>) -> Vec<f64> {
 }
 
 /// From the leaves to the root: axes and origins that the main child determines.
-fn common_normals<'g>(
-    graph: &'g Graph,
-    model: &Model,
-    tree: &DescribedTree<'g>,
-    directions: &[f64],
-) -> Vec<Draft<'g>> {
+fn common_normals<'g>(model: &Model, tree: &DescribedTree<'g>, directions: &[f64]) -> Vec<Draft<'g>> {
     let main = main_children(tree);
     let mut drafts: Vec<Draft<'g>> = tree
         .bodies
@@ -140,7 +135,7 @@ fn common_normals<'g>(
             Some(origin) => described.pose.translation + rotate(&described.pose.rotation, origin),
             None => described.pose.translation,
         };
-        let (x, along) = normal_to_line(graph, drafts[index].z, point, z);
+        let (x, along) = normal_to_line(drafts[index].z, point, z);
         // A prismatic joint has no angle about its axis: its x follows from the parent, and the child's twist
         // has a γ.
         if joint_axis(model, &tree.bodies[index]) == JointAxis::Revolute {
@@ -171,9 +166,8 @@ fn main_children(tree: &DescribedTree<'_>) -> Vec<Option<usize>> {
 /// The common normal of the axis through 0 along `a` and the axis through `point` along `b`: its direction
 /// where it is determined, and where it meets the first axis.
 fn normal_to_line<'g>(
-    graph: &'g Graph,
     a: Numeric3<f64>,
-    point: Vector3<'g>,
+    point: Vector3<Scalar<'g>>,
     b: Numeric3<f64>,
 ) -> (Option<Numeric3<f64>>, Option<Scalar<'g>>) {
     let dot = |n: Numeric3<f64>| point[0] * n[0] + point[1] * n[1] + point[2] * n[2];
@@ -185,12 +179,12 @@ fn normal_to_line<'g>(
     }
     let along = dot(a);
     let across = point - Vector3([0, 1, 2].map(|k| along * a[k]));
-    let direction = across.values().map(Numeric3::from).or_else(|| single_direction(graph, across));
+    let direction = across.values().map(Numeric3::from).or_else(|| single_direction(across));
     (direction.filter(|d| d.norm() > ROUNDING).map(tidy), Some(along))
 }
 
 /// The direction of a vector with parameters in it, where only one component is not zero.
-fn single_direction(_graph: &Graph, v: Vector3<'_>) -> Option<Numeric3<f64>> {
+fn single_direction(v: Vector3<Scalar<'_>>) -> Option<Numeric3<f64>> {
     let mut present = (0..3).filter(|&k| !v[k].cleaned(ROUNDING).is_zero());
     let (axis, None) = (present.next()?, present.next()) else {
         return None;
@@ -209,9 +203,9 @@ fn tidy(v: Numeric3<f64>) -> Numeric3<f64> {
 fn complete<'g>(
     draft: &Draft<'g>,
     described: &DescribedBody<'g>,
-    parent: &Pose<'g>,
+    parent: &Pose<Scalar<'g>>,
     axis: JointAxis,
-) -> Pose<'g> {
+) -> Pose<Scalar<'g>> {
     let to_parent = parent.rotation.transpose() * described.pose.rotation;
     let x = draft.x.unwrap_or_else(|| {
         let (twist, _) = decompose(&cleaned(to_parent * any_frame(draft.z)));
@@ -232,7 +226,11 @@ fn complete<'g>(
 }
 
 /// The foot of the parent's origin on the axis, so that no translation along the axis remains.
-fn on_axis<'g>(z: Numeric3<f64>, parent_origin: Vector3<'g>, has_parent: bool) -> Vector3<'g> {
+fn on_axis<'g>(
+    z: Numeric3<f64>,
+    parent_origin: Vector3<Scalar<'g>>,
+    has_parent: bool,
+) -> Vector3<Scalar<'g>> {
     if !has_parent {
         return Vector3::zero(parent_origin[0]);
     }
@@ -275,7 +273,7 @@ fn exact((sine, cosine): (f64, f64)) -> (f64, f64) {
 }
 
 /// Rotors: their axial inertia belongs to the carrier, what turns relative to it becomes a [`Rotor`].
-fn add_rotors(model: &Model, mechanism: &mut Mechanism<'_>) {
+fn add_rotors(model: &Model, mechanism: &mut Mechanism<Scalar<'_>>) {
     for drive in &model.drives {
         let inertia = lower(mechanism.graph, &drive.rotor_inertia);
         if inertia.is_zero() {
@@ -292,7 +290,7 @@ fn add_rotors(model: &Model, mechanism: &mut Mechanism<'_>) {
             continue;
         };
         let ratio = lower(mechanism.graph, &drive.gear_ratio);
-        let follows = |body: &Body<'_>| body.transmission.coordinate == coordinate;
+        let follows = |body: &Body<Scalar<'_>>| body.transmission.coordinate == coordinate;
         let Some(driven) = mechanism.bodies.iter().position(follows) else {
             unreachable!("every coordinate moves a body");
         };

@@ -3,7 +3,7 @@
 use super::joint::JointAxis;
 use super::lower::lower;
 use super::mechanism::Body;
-use crate::graph::Graph;
+use crate::graph::{Graph, Scalar};
 use crate::model;
 use crate::spatial::{MassMoments, Symmetric3, Vector3};
 
@@ -17,7 +17,7 @@ pub enum RegroupChoice {
 }
 
 /// Moments of a described body, about its link frame's origin.
-pub fn moments_of_body<'g>(graph: &'g Graph, body: &model::Body) -> MassMoments<'g> {
+pub fn moments_of_body<'g>(graph: &'g Graph, body: &model::Body) -> MassMoments<Scalar<'g>> {
     let mass = lower(graph, &body.mass);
     let center = Vector3(body.center_of_mass.each_ref().map(|f| lower(graph, f)));
     let inertia = body.inertia.each_ref().map(|f| lower(graph, f));
@@ -29,7 +29,11 @@ pub fn moments_of_body<'g>(graph: &'g Graph, body: &model::Body) -> MassMoments<
 /// and q unchanged.
 ///
 /// `base` receives what arrives there, in the base frame; its second moment then means nothing.
-pub fn regroup<'g>(bodies: &mut [Body<'g>], base: &mut MassMoments<'g>, choices: &[RegroupChoice]) {
+pub fn regroup<'g>(
+    bodies: &mut [Body<Scalar<'g>>],
+    base: &mut MassMoments<Scalar<'g>>,
+    choices: &[RegroupChoice],
+) {
     for index in (0..bodies.len()).rev() {
         let given = match bodies[index].axis {
             JointAxis::Revolute => on_axis(bodies[index].moments),
@@ -56,7 +60,7 @@ pub fn regroup<'g>(bodies: &mut [Body<'g>], base: &mut MassMoments<'g>, choices:
 }
 
 /// The moments of the masses on the z axis.
-fn on_axis(moments: MassMoments<'_>) -> MassMoments<'_> {
+fn on_axis(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
     let zero = moments.mass.constant(0.0);
     let mut second = Symmetric3::zero(zero);
     second.zz = moments.second.zz;
@@ -64,7 +68,7 @@ fn on_axis(moments: MassMoments<'_>) -> MassMoments<'_> {
 }
 
 /// The second moment alone: it depends on the orientation only, which a prismatic joint does not change.
-fn second_only(moments: MassMoments<'_>) -> MassMoments<'_> {
+fn second_only(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
     let zero = moments.mass.constant(0.0);
     MassMoments { mass: zero, first: Vector3::zero(zero), second: moments.second }
 }
@@ -73,7 +77,7 @@ fn second_only(moments: MassMoments<'_>) -> MassMoments<'_> {
 pub const SHORTEST_LEVER: f64 = 1e-3;
 
 /// Shifts mass between a revolute joint's origin and its parent until the parent's h_x vanishes.
-fn balance_parent(bodies: &mut [Body<'_>], index: usize, parent: usize) {
+fn balance_parent(bodies: &mut [Body<Scalar<'_>>], index: usize, parent: usize) {
     let origin = bodies[index].origin_in_parent();
     let (Some(hx), Some(px)) = (bodies[parent].moments.first[0].value(), origin[0].value()) else {
         return;

@@ -44,7 +44,7 @@ impl JointAxis {
     }
 
     /// S with this axis, about a point from which the body's origin lies at `origin`.
-    pub fn along<'g>(self, axis: Vector3<'g>, origin: Vector3<'g>) -> Motion<'g> {
+    pub fn along<'g>(self, axis: Vector3<Scalar<'g>>, origin: Vector3<Scalar<'g>>) -> Motion<'g> {
         match self {
             Self::Revolute => Motion { angular: axis, linear: origin.cross(axis) },
             Self::Prismatic => Motion { angular: Vector3::zero(axis[0]), linear: axis },

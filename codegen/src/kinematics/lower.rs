@@ -8,7 +8,7 @@ use crate::model;
 use crate::spatial::{Pose, Vector3};
 
 /// A described pose.
-pub fn lower_pose<'g>(graph: &'g Graph, pose: &model::Pose) -> Pose<'g> {
+pub fn lower_pose<'g>(graph: &'g Graph, pose: &model::Pose) -> Pose<Scalar<'g>> {
     Pose {
         rotation: Matrix3::from_fn(|row, column| pose.rotation[row][column]),
         translation: Vector3(pose.translation.each_ref().map(|formula| lower(graph, formula))),

@@ -1,38 +1,39 @@
 //! The moving bodies of a model in modified Denavit–Hartenberg frames.
 
 use super::joint::JointAxis;
+use super::number::{Number, Numbers};
 use super::transmission::Transmission;
-use crate::graph::{Graph, Scalar};
+use crate::graph::Scalar;
 use crate::numeric;
 use crate::spatial::{Angle, MassMoments, Pose, Twist, Vector3, rotation_about};
 
 /// The moving bodies of a model; body `i` carries one coordinate, parents stand before their children.
-#[derive(Debug, Clone)]
-pub struct Mechanism<'g> {
-    /// The graph of all scalars.
-    pub graph: &'g Graph,
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mechanism<S: Numbers> {
+    /// The graph of all scalars, or the nodes of those that stand by themselves.
+    pub graph: S::Graph,
     /// Bodies, parents first.
-    pub bodies: Vec<Body<'g>>,
+    pub bodies: Vec<Body<S>>,
     /// Gravitational acceleration in the base frame [m/s²].
-    pub gravity: Vector3<'g>,
+    pub gravity: Vector3<S>,
     /// Rotors that turn relative to the body that carries them.
-    pub rotors: Vec<Rotor<'g>>,
+    pub rotors: Vec<Rotor<S>>,
     /// Moments of moving mass that acts as if it were fixed to the base, in the base frame.
-    pub base_moments: MassMoments<'g>,
+    pub base_moments: MassMoments<S>,
     /// For every link of the model: the body that carries it (`None`: the base) and its pose in that body's
     /// frame.
-    pub links: Vec<(Option<usize>, Pose<'g>)>,
+    pub links: Vec<(Option<usize>, Pose<S>)>,
 }
 
 /// A moving body in its own frame: z along the joint's axis.
-#[derive(Debug, Clone)]
-pub struct Body<'g> {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body<S> {
     /// Name of the joint, as described.
     pub name: String,
     /// The joint's identifier, which labels values.
     pub identifier: String,
     /// How its joint follows the coordinates.
-    pub transmission: Transmission<'g>,
+    pub transmission: Transmission<S>,
     /// Parent body; `None` where the base carries the joint.
     pub parent: Option<usize>,
     /// Type of the joint.
@@ -40,13 +41,13 @@ pub struct Body<'g> {
     /// Rotation from the parent's frame to the joint's frame before its motion.
     pub twist: Twist,
     /// From the parent's origin to the joint's axis, in the parent's frame and unit.
-    pub translation: Vector3<'g>,
+    pub translation: Vector3<S>,
     /// From there to the origin along the axis, in this body's unit.
-    pub lift: Scalar<'g>,
+    pub lift: S,
     /// Angle about z where the coordinate is 0.
     pub offset: Angle,
     /// Moments of its mass, in this body's unit of length.
-    pub moments: MassMoments<'g>,
+    pub moments: MassMoments<S>,
     /// Unit of length (m) in which forces, accelerations, masses and the children's translations are
     /// expressed.
     pub length_unit: f64,
@@ -55,21 +56,21 @@ pub struct Body<'g> {
 }
 
 /// A rotor: an evenly shaped body that turns about its axis, relative to the body that carries it.
-#[derive(Debug, Clone, Copy)]
-pub struct Rotor<'g> {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rotor<S> {
     /// How it follows the coordinates: with the ratio of its gear.
-    pub transmission: Transmission<'g>,
+    pub transmission: Transmission<S>,
     /// Body whose joint its drive moves.
     pub driven: usize,
     /// Body that carries it; `None` for the base, and for rotors that only enter the diagonal.
     pub carrier: Option<usize>,
     /// Its axis in the carrier's frame.
-    pub axis: Vector3<'g>,
+    pub axis: Vector3<S>,
     /// Axial inertia J_R [kg m²].
-    pub inertia: Scalar<'g>,
+    pub inertia: S,
 }
 
-impl<'g> Rotor<'g> {
+impl<'g> Rotor<Scalar<'g>> {
     /// `i J_R`
     pub fn coupling_inertia(&self) -> Scalar<'g> {
         self.transmission.ratio * self.inertia
@@ -81,7 +82,7 @@ impl<'g> Rotor<'g> {
     }
 }
 
-impl<'g> Mechanism<'g> {
+impl<S: Numbers> Mechanism<S> {
     /// The number of coordinates.
     pub fn len(&self) -> usize {
         self.bodies.len()
@@ -96,8 +97,17 @@ impl<'g> Mechanism<'g> {
     /// others reaches beyond neighbours.
     pub fn rotors_are_neighbours(&self) -> bool {
         let sits_near =
-            |rotor: &Rotor<'_>| rotor.carrier.is_none() || self.bodies[rotor.driven].parent == rotor.carrier;
+            |rotor: &Rotor<S>| rotor.carrier.is_none() || self.bodies[rotor.driven].parent == rotor.carrier;
         self.rotors.iter().all(sits_near)
+    }
+
+    /// The number of pairs of joints on one path to the base.
+    pub fn pairs(&self) -> usize {
+        let mut depths: Vec<usize> = Vec::with_capacity(self.len());
+        for body in &self.bodies {
+            depths.push(body.parent.map_or(0, |parent| depths[parent] + 1));
+        }
+        depths.iter().sum()
     }
 
     /// Children of each body.
@@ -112,16 +122,25 @@ impl<'g> Mechanism<'g> {
     }
 }
 
-impl<'g> Body<'g> {
+impl<'g> Body<Scalar<'g>> {
     /// Origin in the parent's frame, at coordinate 0 where the joint is prismatic. With γ in the twist the
     /// lift along the axis has a component along the parent's x.
-    pub fn origin_in_parent(&self) -> Vector3<'g> {
+    pub fn origin_in_parent(&self) -> Vector3<Scalar<'g>> {
         let zero = self.lift.constant(0.0);
         self.translation + self.twist.to_parent(Vector3([zero, zero, self.lift]))
     }
 }
 
-impl<'g> Mechanism<'g> {
+impl Body<Number> {
+    /// Component of [`Self::origin_in_parent`] along the parent's x, where it is a constant.
+    pub fn lever(&self) -> Option<f64> {
+        let share = self.twist.matrix()[(0, 2)];
+        let lifted = if share == 0.0 { 0.0 } else { share * self.lift.value()? };
+        Some(self.translation[0].value()? + lifted)
+    }
+}
+
+impl<'g> Mechanism<Scalar<'g>> {
     /// Gives each body its own unit of length (m), so that one length in it becomes 1: moments of force keep
     /// their values, forces and accelerations scale. Only where every joint is revolute.
     pub fn in_length_units(mut self, units: &[f64]) -> Self {
@@ -138,7 +157,7 @@ impl<'g> Mechanism<'g> {
     }
 
     /// Gravitational acceleration in the frame of the base, in the unit of length of a body on it.
-    pub fn gravity_for(&self, root: usize) -> Vector3<'g> {
+    pub fn gravity_for(&self, root: usize) -> Vector3<Scalar<'g>> {
         self.gravity.map(|x| scaled_down(x, self.bodies[root].length_unit))
     }
 

@@ -1,5 +1,5 @@
-//! Stage 2: a model becomes a [`Mechanism`]: moving bodies only, each with one coordinate, in frames that
-//! make the equations short.
+//! Stage 2: a model becomes a [`Mechanism`], a plain value: moving bodies only, each with one coordinate, in
+//! frames that make the equations short. Each function takes it [onto its graph](Mechanism::on).
 //!
 //! What is fixed or held is lumped into the body that carries it; link frames follow the modified
 //! Denavit–Hartenberg convention (Craig 1986; Khalil and Kleinfinger 1986), whatever the description used;
@@ -11,6 +11,7 @@ mod inertia;
 mod joint;
 mod lower;
 mod mechanism;
+mod number;
 mod transmission;
 mod tree;
 
@@ -18,5 +19,6 @@ pub use inertia::{RegroupChoice, SHORTEST_LEVER};
 pub use joint::JointAxis;
 pub use lower::{lower, lower_pose, lower_with};
 pub use mechanism::{Body, Mechanism, Rotor};
+pub use number::{Number, Numbers};
 pub use transmission::Transmission;
 pub use tree::described_moments;

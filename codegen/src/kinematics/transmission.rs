@@ -6,15 +6,15 @@ use crate::graph::Scalar;
 /// that stand in the frames.
 ///
 /// The axis of a joint that was turned around has the ratio −1, a rotor the ratio of its gear.
-#[derive(Debug, Clone, Copy)]
-pub struct Transmission<'g> {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transmission<S> {
     /// The coordinate that is followed.
     pub coordinate: usize,
     /// Motion for a unit of the coordinate's motion.
-    pub ratio: Scalar<'g>,
+    pub ratio: S,
 }
 
-impl<'g> Transmission<'g> {
+impl<'g> Transmission<Scalar<'g>> {
     /// `ratio · x[coordinate]`: the position, velocity or acceleration for those of all coordinates.
     pub fn motion(&self, x: &[Scalar<'g>]) -> Scalar<'g> {
         x[self.coordinate] * self.ratio

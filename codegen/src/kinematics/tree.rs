@@ -3,7 +3,7 @@
 
 use super::inertia::moments_of_body;
 use super::lower::{lower, lower_pose};
-use crate::graph::Graph;
+use crate::graph::{Graph, Scalar};
 use crate::model::{Joint, JointKind, Model, Motion, RotorCoupling};
 use crate::spatial::{MassMoments, Pose, Vector3, rotate, rotation_about};
 
@@ -12,7 +12,7 @@ pub struct DescribedTree<'g> {
     /// Bodies, parents first.
     pub bodies: Vec<DescribedBody<'g>>,
     /// For every link: the body that carries it (`None`: the base) and its pose in that body's frame.
-    pub links: Vec<(Option<usize>, Pose<'g>)>,
+    pub links: Vec<(Option<usize>, Pose<Scalar<'g>>)>,
 }
 
 /// A moving body as described.
@@ -24,9 +24,9 @@ pub struct DescribedBody<'g> {
     /// Parent body; `None` for the base.
     pub parent: Option<usize>,
     /// Pose of the joint's frame in the parent body's frame.
-    pub pose: Pose<'g>,
+    pub pose: Pose<Scalar<'g>>,
     /// Moments of its mass and of all that is fixed to it.
-    pub moments: MassMoments<'g>,
+    pub moments: MassMoments<Scalar<'g>>,
 }
 
 /// Collects the moving bodies of a model.
@@ -50,7 +50,7 @@ pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
 
 /// Moments of each moving body in the described frame of its link, by coordinate; rotors of held joints
 /// included.
-pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments<'g>> {
+pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments<Scalar<'g>>> {
     let tree = moving_bodies(graph, model);
     let mut moments = vec![MassMoments::zero(graph); tree.bodies.len()];
     for body in &tree.bodies {
@@ -92,7 +92,7 @@ impl<'g> DescribedTree<'g> {
 }
 
 /// What a joint at `position` does to its link.
-fn displacement<'g>(graph: &'g Graph, joint: &Joint, position: f64) -> Pose<'g> {
+fn displacement<'g>(graph: &'g Graph, joint: &Joint, position: f64) -> Pose<Scalar<'g>> {
     let mut pose = Pose::identity(graph);
     match joint.kind {
         JointKind::Fixed => {}

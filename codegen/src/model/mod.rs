@@ -6,6 +6,7 @@
 
 mod angles;
 mod description;
+mod description_files;
 mod file_kind;
 mod inertia;
 mod name;
@@ -26,10 +27,10 @@ mod validate;
 mod xacro;
 
 pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
+pub use description_files::{DescriptionFiles, read};
 pub use options::{FUNCTIONS, is_known_function};
 #[cfg(feature = "cli")]
-pub(crate) use read::is_xml;
-pub use read::{Load, Loaded, ReadOptions, from_toml, from_urdf, read};
+pub use read::{Load, Loaded, ReadOptions, from_toml, from_urdf};
 
 use crate::formula::Formula;
 

@@ -1,15 +1,11 @@
-//! From files and texts to a [`Model`].
+//! From texts to a [`Model`].
 
 use super::description::{BodyDescription, DriveChoice, JointDescription, Name, RobotDescription};
 use super::toml_values::Reader;
-use super::{JointKind, Model, file_kind, toml_file, urdf, validate};
-use crate::diagnostic::{At, Diagnostic, Diagnostics, Report, Span, nearest};
+use super::{JointKind, Model, toml_file, urdf, validate};
+use crate::diagnostic::{At, Diagnostics, Report, nearest};
 use std::collections::BTreeMap;
-use std::io::Read;
 use std::path::{Component, Path, PathBuf};
-
-/// Larger files are refused [bytes].
-const LARGEST: u64 = 256 << 20;
 
 /// How to read a description; the description's own keys of the same names count too.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -39,31 +35,8 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
 }
 
-/// Reads a description, TOML or URDF by its file name extension, else by its content.
-///
-/// # Errors
-/// All problems of the description, or that a file cannot be read.
-pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, Diagnostics> {
-    let text = read_file(path)?;
-    let name = path.display().to_string();
-    let mut files = vec![path.to_owned()];
-    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    let mut load = |relative: &str| {
-        let path = folder.join(relative);
-        let text = read_file(&path)?;
-        let name = path.display().to_string();
-        files.push(path);
-        Ok((name, text))
-    };
-    let (model, notes) = match is_xml(&name, &text) {
-        true => from_urdf(&text, &name, options),
-        false => from_toml(&text, &name, options, &mut load),
-    }?;
-    Ok(Loaded { model, notes, files })
-}
-
 /// Whether a file is XML: by its name, else by its content.
-pub(crate) fn is_xml(name: &str, text: &str) -> bool {
+pub(super) fn is_xml(name: &str, text: &str) -> bool {
     match Path::new(name).extension().and_then(|end| end.to_str()) {
         Some("toml") => false,
         Some("urdf" | "xml") => true,
@@ -74,48 +47,6 @@ pub(crate) fn is_xml(name: &str, text: &str) -> bool {
 /// The text without the byte order mark that some editors put before it.
 fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
-}
-
-fn read_file(path: &Path) -> Result<String, Diagnostics> {
-    let name = path.display().to_string();
-    let unreadable = |why: String| {
-        let problem = Diagnostic::error("file-unreadable", format!("cannot read {name}: {why}"));
-        Diagnostics::from(problem.help("give the path of a TOML or URDF file that you may read"))
-    };
-    let file = std::fs::File::open(path).map_err(|why| unreadable(why.to_string()))?;
-    let mut bytes = Vec::new();
-    let mut limited = file.take(LARGEST + 1);
-    limited.read_to_end(&mut bytes).map_err(|why| unreadable(why.to_string()))?;
-    if bytes.len() as u64 > LARGEST {
-        return Err(unreadable(format!("it is larger than {} MiB", LARGEST >> 20)));
-    }
-    if let Some((message, help)) = file_kind::foreign(&name, &bytes) {
-        return Err(Diagnostic::error("not-a-description", message).help(help).into());
-    }
-    String::from_utf8(bytes).or_else(|why| decoded(&name, why))
-}
-
-/// XML that says another encoding, as CAD programs write it. Latin-1 has a character for each byte, so names
-/// stay distinct.
-fn decoded(name: &str, why: std::string::FromUtf8Error) -> Result<String, Diagnostics> {
-    let start: Vec<u8> = why.as_bytes().iter().take(200).copied().collect();
-    let start = String::from_utf8_lossy(&start).to_lowercase();
-    let is_latin = start.contains("<?xml")
-        && ["iso-8859-1", "windows-1252", "latin1"].iter().any(|known| start.contains(known));
-    match is_latin {
-        true => Ok(why.as_bytes().iter().map(|&byte| char::from(byte)).collect()),
-        false => Err(not_utf8(name, &why)),
-    }
-}
-
-fn not_utf8(name: &str, why: &std::string::FromUtf8Error) -> Diagnostics {
-    let at = why.utf8_error().valid_up_to();
-    let mut report = Report::default();
-    let source = report.add_source(name, &String::from_utf8_lossy(why.as_bytes()));
-    let message = format!("byte {at} of the file is no UTF-8");
-    report.error(Span::new(source, at..at + 1), "not-utf-8", message);
-    report.help("descriptions are UTF-8 text");
-    report.finish()
 }
 
 /// Fetches a file that a description names: its name for diagnostics, and its text. The path is relative to
@@ -417,31 +348,4 @@ fn add_joint(
         base.links.extend(joint.child.clone());
     }
     base.joints.push(joint);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const ARM: &str = "[[joints]]\nname = \"swing\"\naxis = [0, 1, 0]\n[[bodies]]\nlink = \"swing\"\nmass = 2\ninertia = 1\n";
-
-    #[test]
-    fn bases_are_found_from_the_file_that_names_them() {
-        let folder = tempfile::tempdir().unwrap();
-        let put = |name: &str, text: &str| {
-            let path = folder.path().join(name);
-            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-            std::fs::write(path, text).unwrap();
-        };
-        put("mine/arm.toml", "extends = \"../vendor/arm.toml\"\n");
-        put("vendor/arm.toml", "extends = \"parts/arm.toml\"\n");
-        put("vendor/parts/arm.toml", ARM);
-        // What a path from the first file would find.
-        put("mine/parts/arm.toml", &ARM.replace("mass = 2", "mass = 3"));
-        let path = folder.path().join("mine/arm.toml");
-        let loaded = read(&path, &ReadOptions::default()).unwrap();
-        assert_eq!(loaded.model.links[1].bodies[0].mass.as_number(), Some(2.0));
-        assert_eq!(loaded.files.len(), 3);
-        assert!(loaded.files.iter().all(|file| file.is_file()));
-    }
 }

@@ -28,19 +28,19 @@ impl<'g> Matrix3<'g> {
     }
 
     /// `v×`: the matrix of the cross product with a vector.
-    pub fn cross(v: Vector3<'g>) -> Self {
+    pub fn cross(v: Vector3<Scalar<'g>>) -> Self {
         let zero = v[0].constant(0.0);
         Self([[zero, -v[2], v[1]], [v[2], zero, -v[0]], [-v[1], v[0], zero]])
     }
 
     /// `ω× Σ`
-    pub fn cross_of(omega: Vector3<'g>, second: Symmetric3<'g>) -> Self {
+    pub fn cross_of(omega: Vector3<Scalar<'g>>, second: Symmetric3<Scalar<'g>>) -> Self {
         let columns = second.columns().map(|column| omega.cross(column));
         Self::from_fn(|row, column| columns[column][row])
     }
 
     /// Column `k`.
-    pub fn column(&self, k: usize) -> Vector3<'g> {
+    pub fn column(&self, k: usize) -> Vector3<Scalar<'g>> {
         Vector3([self[0][k], self[1][k], self[2][k]])
     }
 
@@ -50,12 +50,12 @@ impl<'g> Matrix3<'g> {
     }
 
     /// `A v`
-    pub fn times(&self, v: Vector3<'g>) -> Vector3<'g> {
+    pub fn times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         Vector3(self.0.map(|row| Vector3(row).dot(v)))
     }
 
     /// `Aᵀ v`
-    pub fn transposed_times(&self, v: Vector3<'g>) -> Vector3<'g> {
+    pub fn transposed_times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         Vector3([0, 1, 2].map(|k| self.column(k).dot(v)))
     }
 
@@ -65,7 +65,7 @@ impl<'g> Matrix3<'g> {
     }
 
     /// `(tr A − A) v`
-    pub fn complement_times(&self, v: Vector3<'g>) -> Vector3<'g> {
+    pub fn complement_times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let a = self;
         Vector3([
             (a[1][1] + a[2][2]) * v[0] - a[0][1] * v[1] - a[0][2] * v[2],

@@ -1,4 +1,5 @@
-//! Vectors, motions, forces and masses in space, over scalars of a graph.
+//! Vectors, motions, forces and masses in space, over scalars of a graph; what a mechanism holds, over plain
+//! numbers too.
 //!
 //! A motion is an angular and a linear part, a force a moment and a force: the angular part stands first
 //! everywhere.

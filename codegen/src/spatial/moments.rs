@@ -12,17 +12,29 @@ use crate::graph::{Graph, Scalar};
 ///
 /// Second moments Σ stand in for the inertia tensor I = tr(Σ) 1 − Σ: they move by `Σ + h pᵀ + p hᵀ + m p pᵀ`,
 /// and the three moments of mass on a joint's axis are simply m, h_z and Σ_zz.
-#[derive(Debug, Clone, Copy)]
-pub struct MassMoments<'g> {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MassMoments<S> {
     /// Mass m (kg).
-    pub mass: Scalar<'g>,
+    pub mass: S,
     /// First moment h = m c [kg m].
-    pub first: Vector3<'g>,
+    pub first: Vector3<S>,
     /// Second moment Σ [kg m²].
-    pub second: Symmetric3<'g>,
+    pub second: Symmetric3<S>,
 }
 
-impl<'g> MassMoments<'g> {
+impl<S> MassMoments<S> {
+    /// Applies `f` to each moment.
+    pub fn map<T>(self, mut f: impl FnMut(S) -> T) -> MassMoments<T> {
+        MassMoments { mass: f(self.mass), first: self.first.map(&mut f), second: self.second.map(&mut f) }
+    }
+
+    /// The ten moments.
+    pub fn entries(self) -> impl Iterator<Item = S> {
+        std::iter::once(self.mass).chain(self.first.0).chain(self.second.entries())
+    }
+}
+
+impl<'g> MassMoments<Scalar<'g>> {
     /// Of nothing.
     pub fn zero(graph: &'g Graph) -> Self {
         let zero = graph.constant(0.0);
@@ -30,20 +42,20 @@ impl<'g> MassMoments<'g> {
     }
 
     /// Of a body with this centre of mass, and this inertia about it: xx, xy, xz, yy, yz, zz.
-    pub fn of_inertia(mass: Scalar<'g>, center: Vector3<'g>, inertia: [Scalar<'g>; 6]) -> Self {
+    pub fn of_inertia(mass: Scalar<'g>, center: Vector3<Scalar<'g>>, inertia: [Scalar<'g>; 6]) -> Self {
         let central =
             Self { mass, first: Vector3::zero(mass), second: second_moments(Symmetric3::new(inertia)) };
         central.shifted(center)
     }
 
     /// Of a pure inertia `j · axis axisᵀ`: a rotor that only turns about its axis.
-    pub fn of_axial_inertia(j: Scalar<'g>, axis: Vector3<'g>) -> Self {
+    pub fn of_axial_inertia(j: Scalar<'g>, axis: Vector3<Scalar<'g>>) -> Self {
         let inertia = Symmetric3::square(axis).map(|x| x * j);
         Self { mass: j.constant(0.0), first: Vector3::zero(j), second: second_moments(inertia) }
     }
 
     /// The same masses after a displacement by `p`.
-    pub fn shifted(self, p: Vector3<'g>) -> Self {
+    pub fn shifted(self, p: Vector3<Scalar<'g>>) -> Self {
         Self {
             mass: self.mass,
             first: self.first + p.scaled(self.mass),
@@ -54,7 +66,7 @@ impl<'g> MassMoments<'g> {
     }
 
     /// The same masses in another frame: `pose` is this frame's pose there.
-    pub fn moved(self, pose: &Pose<'g>) -> Self {
+    pub fn moved(self, pose: &Pose<Scalar<'g>>) -> Self {
         let rotated = Self {
             mass: self.mass,
             first: rotate(&pose.rotation, self.first),
@@ -69,7 +81,7 @@ impl<'g> MassMoments<'g> {
     }
 
     /// From the joint's frame before its motion to the parent's frame.
-    pub fn to_parent(self, twist: &Twist, translation: Vector3<'g>) -> Self {
+    pub fn to_parent(self, twist: &Twist, translation: Vector3<Scalar<'g>>) -> Self {
         let rotation = twist.matrix();
         self.moved(&Pose { rotation, translation })
     }
@@ -93,19 +105,9 @@ impl<'g> MassMoments<'g> {
             force: linear.scaled(self.mass) + angular.cross(self.first),
         }
     }
-
-    /// Applies `f` to each moment.
-    pub fn map(self, mut f: impl FnMut(Scalar<'g>) -> Scalar<'g>) -> Self {
-        Self { mass: f(self.mass), first: self.first.map(&mut f), second: self.second.map(&mut f) }
-    }
-
-    /// The ten moments.
-    pub fn entries(self) -> impl Iterator<Item = Scalar<'g>> {
-        std::iter::once(self.mass).chain(self.first.0).chain(self.second.entries())
-    }
 }
 
-impl std::ops::Add for MassMoments<'_> {
+impl std::ops::Add for MassMoments<Scalar<'_>> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self {
@@ -116,7 +118,7 @@ impl std::ops::Add for MassMoments<'_> {
     }
 }
 
-impl std::ops::Sub for MassMoments<'_> {
+impl std::ops::Sub for MassMoments<Scalar<'_>> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         Self {
@@ -128,7 +130,7 @@ impl std::ops::Sub for MassMoments<'_> {
 }
 
 /// `Σ = ½ tr(I) 1 − I`
-fn second_moments(inertia: Symmetric3<'_>) -> Symmetric3<'_> {
+fn second_moments(inertia: Symmetric3<Scalar<'_>>) -> Symmetric3<Scalar<'_>> {
     let Symmetric3 { xx, xy, xz, yy, yz, zz } = inertia;
     Symmetric3 {
         xx: (yy + zz - xx) * 0.5,
@@ -140,7 +142,7 @@ fn second_moments(inertia: Symmetric3<'_>) -> Symmetric3<'_> {
     }
 }
 
-fn rotate_symmetric<'g>(rotation: &Matrix3<f64>, matrix: Symmetric3<'g>) -> Symmetric3<'g> {
+fn rotate_symmetric<'g>(rotation: &Matrix3<f64>, matrix: Symmetric3<Scalar<'g>>) -> Symmetric3<Scalar<'g>> {
     let columns = [0, 1, 2].map(|k| {
         let unit = Vector3(std::array::from_fn(|row| matrix.xx.constant(rotation[(k, row)])));
         rotate(rotation, matrix.times(unit))

@@ -9,18 +9,18 @@ use crate::graph::Scalar;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion<'g> {
     /// Angular part.
-    pub angular: Vector3<'g>,
+    pub angular: Vector3<Scalar<'g>>,
     /// Linear part, of the point of reference.
-    pub linear: Vector3<'g>,
+    pub linear: Vector3<Scalar<'g>>,
 }
 
 /// A force, and its moment about the point of reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Force<'g> {
     /// Moment about the point of reference.
-    pub moment: Vector3<'g>,
+    pub moment: Vector3<Scalar<'g>>,
     /// Force.
-    pub force: Vector3<'g>,
+    pub force: Vector3<Scalar<'g>>,
 }
 
 impl<'g> Motion<'g> {

@@ -3,22 +3,22 @@
 use nalgebra::{Matrix3, Vector3 as Numeric3};
 
 use super::vector::Vector3;
-use crate::graph::Graph;
+use crate::graph::{Graph, Scalar};
 use crate::numeric;
 
 /// Entries of a rotation matrix closer than this to 0 or ±1 are meant to be exactly that.
 const ROTATION_ROUNDING: f64 = 1e-14;
 
-/// A pose: constant rotation, translation over the graph.
-#[derive(Debug, Clone, Copy)]
-pub struct Pose<'g> {
+/// A pose: constant rotation, translation over scalars.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose<S> {
     /// Rotation matrix; its columns are the frame's axes.
     pub rotation: Matrix3<f64>,
     /// Origin (m).
-    pub translation: Vector3<'g>,
+    pub translation: Vector3<S>,
 }
 
-impl<'g> Pose<'g> {
+impl<'g> Pose<Scalar<'g>> {
     /// The pose that changes nothing.
     pub fn identity(graph: &'g Graph) -> Self {
         Self { rotation: Matrix3::identity(), translation: Vector3([graph.constant(0.0); 3]) }
@@ -40,7 +40,7 @@ impl<'g> Pose<'g> {
 }
 
 /// `rotation · v`
-pub fn rotate<'g>(rotation: &Matrix3<f64>, v: Vector3<'g>) -> Vector3<'g> {
+pub fn rotate<'g>(rotation: &Matrix3<f64>, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
     Vector3(std::array::from_fn(|row| {
         v[0] * rotation[(row, 0)] + v[1] * rotation[(row, 1)] + v[2] * rotation[(row, 2)]
     }))

@@ -40,14 +40,14 @@ impl Twist {
     }
 
     /// From the joint's frame before its motion to the parent's frame.
-    pub fn to_parent<'g>(&self, v: Vector3<'g>) -> Vector3<'g> {
+    pub fn to_parent<'g>(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let ((sg, cg), (sa, ca)) = (self.gamma, self.alpha);
         let (x, y, z) = (v[0], v[1] * ca - v[2] * sa, v[1] * sa + v[2] * ca);
         Vector3([x * cg - y * sg, x * sg + y * cg, z])
     }
 
     /// From the parent's frame to the joint's frame before its motion.
-    pub fn to_child<'g>(&self, v: Vector3<'g>) -> Vector3<'g> {
+    pub fn to_child<'g>(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let ((sg, cg), (sa, ca)) = (self.gamma, self.alpha);
         let (x, y, z) = (v[0] * cg + v[1] * sg, v[1] * cg - v[0] * sg, v[2]);
         Vector3([x, y * ca + z * sa, z * ca - y * sa])

@@ -1,14 +1,22 @@
-//! Vectors and symmetric matrices of three dimensions over scalars of a graph.
+//! Vectors and symmetric matrices of three dimensions.
 
+use std::fmt;
 use std::ops::{Add, Index, Neg, Sub};
 
 use crate::graph::Scalar;
 
 /// A vector with components x, y, z.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Vector3<'g>(pub [Scalar<'g>; 3]);
+#[derive(Clone, Copy, PartialEq)]
+pub struct Vector3<S>(pub [S; 3]);
 
-impl<'g> Vector3<'g> {
+impl<S> Vector3<S> {
+    /// Applies `f` to each component.
+    pub fn map<T>(self, f: impl FnMut(S) -> T) -> Vector3<T> {
+        Vector3(self.0.map(f))
+    }
+}
+
+impl<'g> Vector3<Scalar<'g>> {
     /// The zero vector of a scalar's graph.
     pub fn zero(any: Scalar<'g>) -> Self {
         Self([any.constant(0.0); 3])
@@ -28,11 +36,6 @@ impl<'g> Vector3<'g> {
     /// `factor · self`
     pub fn scaled(self, factor: Scalar<'g>) -> Self {
         Self(self.0.map(|x| x * factor))
-    }
-
-    /// Applies `f` to each component.
-    pub fn map(self, f: impl FnMut(Scalar<'g>) -> Scalar<'g>) -> Self {
-        Self(self.0.map(f))
     }
 
     /// Whether all components are the constant 0.
@@ -64,28 +67,36 @@ impl<'g> Vector3<'g> {
     }
 }
 
-impl<'g> Index<usize> for Vector3<'g> {
-    type Output = Scalar<'g>;
-    fn index(&self, axis: usize) -> &Scalar<'g> {
+/// Shows the components on one line.
+impl<S: fmt::Debug> fmt::Debug for Vector3<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = &self.0;
+        write!(f, "[{x:?}, {y:?}, {z:?}]")
+    }
+}
+
+impl<S> Index<usize> for Vector3<S> {
+    type Output = S;
+    fn index(&self, axis: usize) -> &S {
         &self.0[axis]
     }
 }
 
-impl Add for Vector3<'_> {
+impl Add for Vector3<Scalar<'_>> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self([self[0] + other[0], self[1] + other[1], self[2] + other[2]])
     }
 }
 
-impl Sub for Vector3<'_> {
+impl Sub for Vector3<Scalar<'_>> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         self + (-other)
     }
 }
 
-impl Neg for Vector3<'_> {
+impl Neg for Vector3<Scalar<'_>> {
     type Output = Self;
     fn neg(self) -> Self {
         Self(self.0.map(|x| -x))
@@ -94,34 +105,41 @@ impl Neg for Vector3<'_> {
 
 /// A symmetric 3 × 3 matrix: xx, xy, xz, yy, yz, zz.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Symmetric3<'g> {
+pub struct Symmetric3<S> {
     /// Entry (x, x).
-    pub xx: Scalar<'g>,
+    pub xx: S,
     /// Entry (x, y).
-    pub xy: Scalar<'g>,
+    pub xy: S,
     /// Entry (x, z).
-    pub xz: Scalar<'g>,
+    pub xz: S,
     /// Entry (y, y).
-    pub yy: Scalar<'g>,
+    pub yy: S,
     /// Entry (y, z).
-    pub yz: Scalar<'g>,
+    pub yz: S,
     /// Entry (z, z).
-    pub zz: Scalar<'g>,
+    pub zz: S,
 }
 
-impl<'g> Symmetric3<'g> {
+impl<S> Symmetric3<S> {
     /// From the entries xx, xy, xz, yy, yz, zz.
-    pub fn new([xx, xy, xz, yy, yz, zz]: [Scalar<'g>; 6]) -> Self {
+    pub fn new([xx, xy, xz, yy, yz, zz]: [S; 6]) -> Self {
         Self { xx, xy, xz, yy, yz, zz }
     }
 
     /// The entries xx, xy, xz, yy, yz, zz.
-    pub fn entries(self) -> [Scalar<'g>; 6] {
+    pub fn entries(self) -> [S; 6] {
         [self.xx, self.xy, self.xz, self.yy, self.yz, self.zz]
     }
 
+    /// Applies `f` to each entry.
+    pub fn map<T>(self, f: impl FnMut(S) -> T) -> Symmetric3<T> {
+        Symmetric3::new(self.entries().map(f))
+    }
+}
+
+impl<'g> Symmetric3<Scalar<'g>> {
     /// Columns, which are the rows too.
-    pub fn columns(self) -> [Vector3<'g>; 3] {
+    pub fn columns(self) -> [Vector3<Scalar<'g>>; 3] {
         let s = self;
         [[s.xx, s.xy, s.xz], [s.xy, s.yy, s.yz], [s.xz, s.yz, s.zz]].map(Vector3)
     }
@@ -131,13 +149,8 @@ impl<'g> Symmetric3<'g> {
         Self::new([any.constant(0.0); 6])
     }
 
-    /// Applies `f` to each entry.
-    pub fn map(self, f: impl FnMut(Scalar<'g>) -> Scalar<'g>) -> Self {
-        Self::new(self.entries().map(f))
-    }
-
     /// `a bᵀ + b aᵀ`
-    pub fn symmetric_product(a: Vector3<'g>, b: Vector3<'g>) -> Self {
+    pub fn symmetric_product(a: Vector3<Scalar<'g>>, b: Vector3<Scalar<'g>>) -> Self {
         let entry = |i: usize, j: usize| {
             if i == j { (a[i] * b[i]) * 2.0 } else { a[i] * b[j] + a[j] * b[i] }
         };
@@ -145,7 +158,7 @@ impl<'g> Symmetric3<'g> {
     }
 
     /// `a aᵀ`
-    pub fn square(a: Vector3<'g>) -> Self {
+    pub fn square(a: Vector3<Scalar<'g>>) -> Self {
         Self::new([a[0] * a[0], a[0] * a[1], a[0] * a[2], a[1] * a[1], a[1] * a[2], a[2] * a[2]])
     }
 
@@ -165,7 +178,7 @@ impl<'g> Symmetric3<'g> {
     }
 
     /// `self · v`
-    pub fn times(self, v: Vector3<'g>) -> Vector3<'g> {
+    pub fn times(self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         Vector3([
             self.xx * v[0] + self.xy * v[1] + self.xz * v[2],
             self.xy * v[0] + self.yy * v[1] + self.yz * v[2],
@@ -174,7 +187,7 @@ impl<'g> Symmetric3<'g> {
     }
 }
 
-impl Add for Symmetric3<'_> {
+impl Add for Symmetric3<Scalar<'_>> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         let (a, b) = (self.entries(), other.entries());
@@ -182,7 +195,7 @@ impl Add for Symmetric3<'_> {
     }
 }
 
-impl Sub for Symmetric3<'_> {
+impl Sub for Symmetric3<Scalar<'_>> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         let (a, b) = (self.entries(), other.entries());

@@ -13,7 +13,7 @@
 use crate::dynamics::parameters::regressor::inertial_regressor;
 use crate::dynamics::recursion::newton_euler::MotionInput;
 use crate::graph::Graph;
-use crate::kinematics::Mechanism;
+use crate::kinematics::{Mechanism, Number};
 use crate::layout::Extent;
 use crate::model::{JointKind, Model};
 use crate::program::flow::operands;
@@ -66,8 +66,8 @@ pub struct Term {
 
 impl BaseParameters {
     /// Of a model.
-    pub fn new(model: &Model) -> Self {
-        let program = regressor_program(model);
+    pub fn new(model: &Model, mechanism: &Mechanism<Number>) -> Self {
+        let program = regressor_program(model, mechanism);
         let mut random = SplitMix64(0x6672_6565);
         let described = || model.parameters.iter().map(|parameter| parameter.default);
         if !reads_parameters(&program) {
@@ -162,12 +162,12 @@ fn reads_parameters(program: &Program) -> bool {
 }
 
 /// The regressor as a program of y, v, a.
-fn regressor_program(model: &Model) -> Program {
+fn regressor_program(model: &Model, mechanism: &Mechanism<Number>) -> Program {
     let graph = Graph::new();
     let n = model.coordinates.len();
     let [y, v, a] = [0, 1, 2].map(|array| (0..n).map(|k| graph.input(array, k)).collect::<Vec<_>>());
     let input = MotionInput { y: &y, v: &v, a: &a };
-    let matrix = inertial_regressor(&Mechanism::new(&graph, model), model, input);
+    let matrix = inertial_regressor(&mechanism.on(&graph), model, input);
     let columns = matrix.first().map_or(0, Vec::len);
     let output = GraphOutput {
         name: "W".to_owned(),
@@ -304,8 +304,10 @@ mod tests {
     /// 2 less where the first is upright. (The 40 of the RX-90 in Khalil and Dombre 2002 hold four rotors.)
     #[test]
     fn counts_of_known_geometries() {
-        let count =
-            |rows: &[crate::testing::Row], gravity| BaseParameters::new(&chain(rows, gravity)).leaders.len();
+        let count = |rows: &[crate::testing::Row], gravity| {
+            let model = chain(rows, gravity);
+            BaseParameters::new(&model, &Mechanism::new(&model)).leaders.len()
+        };
         assert_eq!(count(&RX90, [0.0, 0.0, -9.81]), 36);
         assert_eq!(count(&PUMA, [0.0, 0.0, -9.81]), 36);
         assert_eq!(count(&GENERAL, [0.3, 1.0, -9.0]), 38);

@@ -59,7 +59,7 @@ pub fn inertial_parameters<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g
 /// `W`, rows by coordinate, columns in the order of [`parameter_names`]. The mechanism is in metres and not
 /// regrouped.
 pub fn inertial_regressor<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     model: &Model,
     input: MotionInput<'_, 'g>,
 ) -> Matrix<'g> {
@@ -99,7 +99,7 @@ struct Screw<'g> {
 }
 
 /// For each body the screws of all joints that move it.
-fn joint_screws<'g>(mechanism: &Mechanism<'g>, placements: &[Placement<'g>]) -> Vec<Vec<Screw<'g>>> {
+fn joint_screws<'g>(mechanism: &Mechanism<Scalar<'g>>, placements: &[Placement<'g>]) -> Vec<Vec<Screw<'g>>> {
     let zero = mechanism.graph.constant(0.0);
     let mut screws: Vec<Vec<Screw<'g>>> = Vec::with_capacity(mechanism.len());
     for (index, body) in mechanism.bodies.iter().enumerate() {
@@ -125,18 +125,18 @@ struct LinkMotion<'g> {
     /// From the body's axes to those of the described frame.
     rotation: nalgebra::Matrix3<f64>,
     /// Origin of the described frame in the body's.
-    origin: Vector3<'g>,
+    origin: Vector3<Scalar<'g>>,
     /// Acceleration of the origin, minus gravity.
-    acceleration: Vector3<'g>,
-    omega: Vector3<'g>,
+    acceleration: Vector3<Scalar<'g>>,
+    omega: Vector3<Scalar<'g>>,
     /// ω̇
-    angular: Vector3<'g>,
+    angular: Vector3<Scalar<'g>>,
     /// U
     spread: Matrix3<'g>,
 }
 
 impl<'g> LinkMotion<'g> {
-    fn new(mechanism: &Mechanism<'g>, model: &Model, index: usize, motion: &BodyMotion<'g>) -> Self {
+    fn new(mechanism: &Mechanism<Scalar<'g>>, model: &Model, index: usize, motion: &BodyMotion<'g>) -> Self {
         let link = model.coordinates[mechanism.bodies[index].transmission.coordinate];
         let pose = mechanism.links[link].1;
         let rotation = pose.rotation.transpose();
@@ -171,7 +171,7 @@ impl<'g> LinkMotion<'g> {
     }
 
     /// Moments that units of I_xx, I_xy, I_yy, I_xz, I_yz, I_zz need; most of their components stand in U.
-    fn inertia_moments(&self) -> [Vector3<'g>; 6] {
+    fn inertia_moments(&self) -> [Vector3<Scalar<'g>>; 6] {
         let (u, w, e) = (&self.spread, self.omega, self.angular);
         let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
         [
@@ -188,7 +188,7 @@ impl<'g> LinkMotion<'g> {
 /// Forces that a unit of a rotor's axial inertia needs. Spinning with `a · ω + i ẏ` about its axis a it needs
 /// the moment `a (a · ω̇ + i ÿ) + ω × a (a · ω + i ẏ)` on its carrier and `i (a · ω̇ + i ÿ)` at its joint.
 fn rotor_column<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     drive: &Drive,
     motions: &[BodyMotion<'g>],
     screws: &[Vec<Screw<'g>>],

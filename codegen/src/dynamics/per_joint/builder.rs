@@ -1,7 +1,7 @@
 //! Builds array forms step by step.
 
 use crate::graph::{Edge, Graph, Scalar};
-use crate::kinematics::Mechanism;
+use crate::kinematics::{Mechanism, Numbers};
 use crate::layout::{Dimension, Extent};
 use crate::program::arrays::{Array, ArrayId, ArrayOutput, Arrays, Map, Pairs, Step};
 use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
@@ -18,7 +18,7 @@ pub(super) struct ArrayBuilder {
 
 impl ArrayBuilder {
     /// Over the joints of a mechanism, by coordinate.
-    pub(super) fn new(mechanism: &Mechanism<'_>) -> Self {
+    pub(super) fn new<S: Numbers>(mechanism: &Mechanism<S>) -> Self {
         let bodies = &mechanism.bodies;
         let mut parents = vec![None; bodies.len()];
         for body in bodies {

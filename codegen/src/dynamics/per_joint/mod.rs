@@ -29,13 +29,13 @@ use self::moving::{Moving, accelerate, set_moving};
 use self::setup::set_up;
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
-use crate::kinematics::Mechanism;
+use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::Arrays;
 use crate::program::{InputArray, Shape};
 
 /// Whether the array form knows all that the mechanism has: no rotor may sit further from its joint than on
 /// the joint's parent.
-pub fn is_possible(mechanism: &Mechanism<'_>) -> bool {
+pub fn is_possible(mechanism: &Mechanism<Number>) -> bool {
     !mechanism.is_empty() && mechanism.rotors_are_neighbours()
 }
 
@@ -67,9 +67,10 @@ fn inverse_dynamics_and_jacobians<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,
 ) -> (ArrayBuilder, Moving) {
-    let mut builder = ArrayBuilder::new(&Mechanism::new(equations.graph, equations.model));
+    let mechanism = equations.mechanism();
+    let mut builder = ArrayBuilder::new(&mechanism);
     let last = ("accelerations", arguments.a.clone());
-    let setup = set_up(&mut builder, equations, arguments, last);
+    let setup = set_up(&mut builder, equations, &mechanism, arguments, last);
     let moving = set_moving(&mut builder, setup, true);
     let forces = joint_forces(&mut builder, &moving);
     builder.output("B u", Shape::Vector(builder.each_joint()), forces);
@@ -86,9 +87,10 @@ pub fn forward_dynamics_derivatives<'g>(
     arguments: &Arguments<'g>,
     inputs: Vec<InputArray>,
 ) -> Arrays {
-    let mut builder = ArrayBuilder::new(&Mechanism::new(equations.graph, equations.model));
+    let mechanism = equations.mechanism();
+    let mut builder = ArrayBuilder::new(&mechanism);
     let last = ("driving_forces", equations.driving_forces(&arguments.y, &arguments.v, &arguments.u));
-    let setup = set_up(&mut builder, equations, arguments, last);
+    let setup = set_up(&mut builder, equations, &mechanism, arguments, last);
     let steady = set_moving(&mut builder, setup, false);
     let mass = mass_matrix(&mut builder, &steady);
     let inverse = builder.invert(mass, "inverse");

@@ -8,6 +8,7 @@ use super::bodies::{Composites, Motions};
 use super::builder::ArrayBuilder;
 use super::rows::{flat, force_of, motion_of, vector};
 use super::setup::Setup;
+use crate::graph::Scalar;
 use crate::program::arrays::ArrayId;
 use crate::spatial::{Force, Matrix3, Vector3};
 
@@ -160,6 +161,6 @@ impl Rotors {
     }
 }
 
-fn with_moment<'g>(f: Force<'g>, moment: Vector3<'g>) -> Force<'g> {
+fn with_moment<'g>(f: Force<'g>, moment: Vector3<Scalar<'g>>) -> Force<'g> {
     Force { moment: f.moment + moment, ..f }
 }

@@ -4,7 +4,7 @@ use super::builder::Rows;
 use crate::graph::Scalar;
 use crate::spatial::{Force, MassMoments, Matrix3, Motion, Symmetric3, Vector3};
 
-pub(super) fn vector<'g>(rows: &Rows<'g>) -> Vector3<'g> {
+pub(super) fn vector<'g>(rows: &Rows<'g>) -> Vector3<Scalar<'g>> {
     Vector3([rows[0], rows[1], rows[2]])
 }
 
@@ -22,7 +22,7 @@ pub(super) fn flat(f: Force<'_>) -> Vec<Scalar<'_>> {
     f.entries().to_vec()
 }
 
-pub(super) fn moments_of<'g>(rows: &Rows<'g>) -> MassMoments<'g> {
+pub(super) fn moments_of<'g>(rows: &Rows<'g>) -> MassMoments<Scalar<'g>> {
     MassMoments {
         mass: rows[0],
         first: vector(&rows[1..]),
@@ -30,14 +30,19 @@ pub(super) fn moments_of<'g>(rows: &Rows<'g>) -> MassMoments<'g> {
     }
 }
 
-pub(super) fn entries_of<'g>(moments: &MassMoments<'g>) -> Vec<Scalar<'g>> {
+pub(super) fn entries_of<'g>(moments: &MassMoments<Scalar<'g>>) -> Vec<Scalar<'g>> {
     [&[moments.mass][..], &moments.first.0, &moments.second.entries()].concat()
 }
 
 /// Moments of a body about the base's origin, in the axes of the base.
-pub(super) fn moved<'g>(axes: &Rows<'g>, origin: Vector3<'g>, own: MassMoments<'g>) -> MassMoments<'g> {
-    let axes: [Vector3<'g>; 3] = [0, 1, 2].map(|k| vector(&axes[3 * k..]));
-    let direction = |v: Vector3<'g>| axes[0].scaled(v[0]) + axes[1].scaled(v[1]) + axes[2].scaled(v[2]);
+pub(super) fn moved<'g>(
+    axes: &Rows<'g>,
+    origin: Vector3<Scalar<'g>>,
+    own: MassMoments<Scalar<'g>>,
+) -> MassMoments<Scalar<'g>> {
+    let axes: [Vector3<Scalar<'g>>; 3] = [0, 1, 2].map(|k| vector(&axes[3 * k..]));
+    let direction =
+        |v: Vector3<Scalar<'g>>| axes[0].scaled(v[0]) + axes[1].scaled(v[1]) + axes[2].scaled(v[2]);
     let (s, first) = (own.second, direction(own.first));
     // R Σ, column by column, then (R Σ) Rᵀ.
     let half = s.columns().map(direction);
@@ -54,7 +59,10 @@ pub(super) fn moved<'g>(axes: &Rows<'g>, origin: Vector3<'g>, own: MassMoments<'
 }
 
 /// `2 ∫ ṙ dm` and `2 ∫ ṙ rᵀ dm`
-pub(super) fn flow_of<'g>(moments: &MassMoments<'g>, velocity: Motion<'g>) -> (Vector3<'g>, Matrix3<'g>) {
+pub(super) fn flow_of<'g>(
+    moments: &MassMoments<Scalar<'g>>,
+    velocity: Motion<'g>,
+) -> (Vector3<Scalar<'g>>, Matrix3<'g>) {
     let Motion { angular: omega, linear: v } = velocity.map(|x| x * 2.0);
     let spin = Matrix3::cross_of(omega, moments.second);
     (
@@ -64,7 +72,11 @@ pub(super) fn flow_of<'g>(moments: &MassMoments<'g>, velocity: Motion<'g>) -> (V
 }
 
 /// `2B s` with the angular part of s.
-pub(super) fn swept<'g>(spin: &Matrix3<'g>, momentum: Vector3<'g>, angular: Vector3<'g>) -> Force<'g> {
+pub(super) fn swept<'g>(
+    spin: &Matrix3<'g>,
+    momentum: Vector3<Scalar<'g>>,
+    angular: Vector3<Scalar<'g>>,
+) -> Force<'g> {
     Force { moment: spin.times(angular), force: angular.cross(momentum) }
 }
 

@@ -33,11 +33,11 @@ pub(super) struct Setup {
 pub(super) fn set_up<'g>(
     builder: &mut ArrayBuilder,
     equations: &Equations<'_, 'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     arguments: &Arguments<'g>,
     (last_name, last): (&'static str, Vec<Scalar<'g>>),
 ) -> Setup {
     let graph = equations.graph;
-    let mechanism = Mechanism::new(graph, equations.model);
     let (n, zero) = (mechanism.len(), graph.constant(0.0));
     let poses = BasePoses::new(mechanism.clone(), &arguments.y);
     let mut rows = |name: &str, count: usize, fill: &dyn Fn(usize) -> Vec<Scalar<'g>>| {
@@ -52,8 +52,8 @@ pub(super) fn set_up<'g>(
     let joint = equations.joint_forces(&arguments.y, &arguments.v);
     let by = |force: Scalar<'g>, variable: Scalar<'g>| differentiate(graph, &[force], variable)[0];
     let mut rotors = vec![vec![zero; n]; n];
-    rotor::add_inertia(&mechanism, &mut rotors);
-    let momenta = rotor_momenta(&mechanism, &poses);
+    rotor::add_inertia(mechanism, &mut rotors);
+    let momenta = rotor_momenta(mechanism, &poses);
     let coordinate = |index: usize| mechanism.bodies[index].transmission.coordinate;
     Setup {
         screws: rows("screws", 6, &|index| {
@@ -85,7 +85,10 @@ pub(super) fn set_up<'g>(
 
 /// `i J a` in the base frame of the rotors that drive each joint from its parent; `None` where there are
 /// none.
-fn rotor_momenta<'g>(mechanism: &Mechanism<'g>, poses: &BasePoses<'g>) -> Option<Vec<Vector3<'g>>> {
+fn rotor_momenta<'g>(
+    mechanism: &Mechanism<Scalar<'g>>,
+    poses: &BasePoses<'g>,
+) -> Option<Vec<Vector3<Scalar<'g>>>> {
     let mut momenta = vec![Vector3::zero(mechanism.graph.constant(0.0)); mechanism.len()];
     let mut is_carried = false;
     for rotor in &mechanism.rotors {

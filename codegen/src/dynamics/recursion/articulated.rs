@@ -20,7 +20,7 @@ use crate::spatial::{Matrix3, Twist, Vector3};
 /// Accelerations that joint forces cause, by coordinate; the mechanism is in metres, and its
 /// [rotors are neighbours](Mechanism::rotors_are_neighbours).
 pub fn forward_dynamics<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     y: &[Scalar<'g>],
     v: &[Scalar<'g>],
     forces: &[Scalar<'g>],
@@ -41,15 +41,15 @@ pub fn forward_dynamics<'g>(
 #[derive(Clone, Copy)]
 struct RotorCoupling<'g> {
     /// `i J_R a` of rotors on the parent, in the parent's frame.
-    axial: Vector3<'g>,
+    axial: Vector3<Scalar<'g>>,
     /// `i² J_R` of all its rotors.
     inertia: Scalar<'g>,
 }
 
 impl<'g> RotorCoupling<'g> {
-    fn of_bodies(mechanism: &Mechanism<'g>) -> Vec<Self> {
+    fn of_bodies(mechanism: &Mechanism<Scalar<'g>>) -> Vec<Self> {
         let zero = mechanism.graph.constant(0.0);
-        let of_body = |(index, body): (usize, &Body<'g>)| {
+        let of_body = |(index, body): (usize, &Body<Scalar<'g>>)| {
             let mut coupling = Self { axial: Vector3::zero(zero), inertia: zero };
             let rotors = mechanism.rotors.iter();
             for rotor in rotors.filter(|rotor| rotor.driven == index) {
@@ -71,16 +71,20 @@ impl<'g> RotorCoupling<'g> {
 #[derive(Clone, Copy)]
 struct Rates<'g> {
     /// Angular velocity of the parent.
-    carried: Vector3<'g>,
+    carried: Vector3<Scalar<'g>>,
     /// Angular velocity ω.
-    omega: Vector3<'g>,
+    omega: Vector3<Scalar<'g>>,
     /// Velocity of the joint.
     joint: Scalar<'g>,
     /// What the joint's velocity adds to ω̇ for revolute, to the origin's acceleration for prismatic joints.
-    coriolis: Vector3<'g>,
+    coriolis: Vector3<Scalar<'g>>,
 }
 
-fn rates<'g>(mechanism: &Mechanism<'g>, placements: &[Placement<'g>], v: &[Scalar<'g>]) -> Vec<Rates<'g>> {
+fn rates<'g>(
+    mechanism: &Mechanism<Scalar<'g>>,
+    placements: &[Placement<'g>],
+    v: &[Scalar<'g>],
+) -> Vec<Rates<'g>> {
     let zero = mechanism.graph.constant(0.0);
     let mut rates: Vec<Rates<'g>> = Vec::with_capacity(mechanism.len());
     for (index, body) in mechanism.bodies.iter().enumerate() {
@@ -108,9 +112,9 @@ struct Articulated<'g> {
     /// M, symmetric.
     mass: Matrix3<'g>,
     /// n₀
-    moment: Vector3<'g>,
+    moment: Vector3<Scalar<'g>>,
     /// F₀
-    force: Vector3<'g>,
+    force: Vector3<Scalar<'g>>,
 }
 
 /// A joint's equation: `ÿ = known − per_angular · ω̇ − per_linear · a`, with the accelerations that its
@@ -118,12 +122,12 @@ struct Articulated<'g> {
 #[derive(Clone, Copy)]
 struct JointEquation<'g> {
     known: Scalar<'g>,
-    per_angular: Vector3<'g>,
-    per_linear: Vector3<'g>,
+    per_angular: Vector3<Scalar<'g>>,
+    per_linear: Vector3<Scalar<'g>>,
 }
 
 struct Tree<'a, 'g> {
-    mechanism: &'a Mechanism<'g>,
+    mechanism: &'a Mechanism<Scalar<'g>>,
     placements: &'a [Placement<'g>],
     couplings: &'a [RotorCoupling<'g>],
     rates: Vec<Rates<'g>>,
@@ -234,7 +238,7 @@ impl<'g> Tree<'_, 'g> {
     fn accelerate(&self, joints: &[JointEquation<'g>]) -> Vec<Scalar<'g>> {
         let zero = self.mechanism.graph.constant(0.0);
         let mut result = vec![zero; joints.len()];
-        let mut motions: Vec<(Vector3<'g>, Vector3<'g>)> = Vec::with_capacity(joints.len());
+        let mut motions: Vec<(Vector3<Scalar<'g>>, Vector3<Scalar<'g>>)> = Vec::with_capacity(joints.len());
         for (index, body) in self.mechanism.bodies.iter().enumerate() {
             let (angular, linear) = self.carried(index, body, &motions);
             let joint = &joints[index];
@@ -254,9 +258,9 @@ impl<'g> Tree<'_, 'g> {
     fn carried(
         &self,
         index: usize,
-        body: &Body<'g>,
-        motions: &[(Vector3<'g>, Vector3<'g>)],
-    ) -> (Vector3<'g>, Vector3<'g>) {
+        body: &Body<Scalar<'g>>,
+        motions: &[(Vector3<Scalar<'g>>, Vector3<Scalar<'g>>)],
+    ) -> (Vector3<Scalar<'g>>, Vector3<Scalar<'g>>) {
         let placement = &self.placements[index];
         let zero = placement.extension.constant(0.0);
         let (angular, linear, omega) = match body.parent {
@@ -286,7 +290,7 @@ impl<'g> Articulated<'g> {
     }
 
     /// About a point that is nearer by the lever `d`: `a = a' + ω̇ × d + ω × (ω × d)`, `n' = n + d × F`.
-    fn shifted(self, d: Vector3<'g>, omega: Vector3<'g>) -> Self {
+    fn shifted(self, d: Vector3<Scalar<'g>>, omega: Vector3<Scalar<'g>>) -> Self {
         if d.is_zero() {
             return self;
         }
@@ -309,7 +313,7 @@ impl<'g> Articulated<'g> {
 
     /// In the axes before the joint's turn and twist.
     fn turned(self, turn: Option<Turn<'g>>, twist: &Twist) -> Self {
-        let vector = |v: Vector3<'g>| twist.to_parent(turn.map_or(v, |turn| v.turned(turn)));
+        let vector = |v: Vector3<Scalar<'g>>| twist.to_parent(turn.map_or(v, |turn| v.turned(turn)));
         let matrix = |a: &Matrix3<'g>| {
             let turned = turn.map_or(*a, |turn| a.turned(turn));
             let rows = |a: Matrix3<'g>| Matrix3(a.0.map(|row| twist.to_parent(Vector3(row)).0));
@@ -335,7 +339,7 @@ impl<'g> Articulated<'g> {
 }
 
 /// `A − u uᵀ/d` with `per = u/d`; the lower triangle serves both.
-fn minus_symmetric<'g>(a: &Matrix3<'g>, u: Vector3<'g>, per: Vector3<'g>) -> Matrix3<'g> {
+fn minus_symmetric<'g>(a: &Matrix3<'g>, u: Vector3<Scalar<'g>>, per: Vector3<Scalar<'g>>) -> Matrix3<'g> {
     let mut result = *a;
     for i in 0..3 {
         for j in 0..=i {
@@ -349,10 +353,10 @@ fn minus_symmetric<'g>(a: &Matrix3<'g>, u: Vector3<'g>, per: Vector3<'g>) -> Mat
 /// `A − u wᵀ/d` with `u/d` and `w/d` at hand; exact zeros where one of them is 1.
 fn minus_product<'g>(
     a: &Matrix3<'g>,
-    u: Vector3<'g>,
-    per_u: Vector3<'g>,
-    w: Vector3<'g>,
-    per_w: Vector3<'g>,
+    u: Vector3<Scalar<'g>>,
+    per_u: Vector3<Scalar<'g>>,
+    w: Vector3<Scalar<'g>>,
+    per_w: Vector3<Scalar<'g>>,
 ) -> Matrix3<'g> {
     Matrix3::from_fn(|i, j| match per_u[i].value() == Some(1.0) {
         true => a[i][j] - w[j],

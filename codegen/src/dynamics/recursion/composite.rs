@@ -13,7 +13,7 @@ use crate::spatial::{Force, MassMoments, Vector3};
 
 /// Mass matrix `M(y)`, rows first, both triangles filled.
 pub fn mass_matrix<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
     y: &[Scalar<'g>],
 ) -> Vec<Vec<Scalar<'g>>> {
@@ -36,14 +36,14 @@ pub fn mass_matrix<'g>(
 #[derive(Clone, Copy)]
 pub(super) struct Composite<'g> {
     /// Moments in the body's working frame.
-    pub moments: MassMoments<'g>,
+    pub moments: MassMoments<Scalar<'g>>,
     /// Σ_xx + Σ_yy, which turning about z leaves alone.
     pub polar: Scalar<'g>,
 }
 
 /// Each body together with all that it carries.
 pub(super) fn composites<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
     placements: &[Placement<'g>],
 ) -> Vec<Composite<'g>> {
@@ -67,12 +67,12 @@ pub(super) fn composites<'g>(
 }
 
 impl<'g> Composite<'g> {
-    fn of(moments: MassMoments<'g>) -> Self {
+    fn of(moments: MassMoments<Scalar<'g>>) -> Self {
         Self { moments, polar: moments.second.xx + moments.second.yy }
     }
 
     /// `(tr Σ − Σ) v`: the inertia tensor about the origin times a vector.
-    pub fn inertia_times(&self, v: Vector3<'g>) -> Vector3<'g> {
+    pub fn inertia_times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let s = self.moments.second;
         Vector3([
             (s.yy + s.zz) * v[0] - s.xy * v[1] - s.xz * v[2],
@@ -83,7 +83,10 @@ impl<'g> Composite<'g> {
 }
 
 /// Moments in the frame before the joint, in the parent's unit of length.
-pub(super) fn before_joint<'g>(moments: MassMoments<'g>, placement: &Placement<'g>) -> MassMoments<'g> {
+pub(super) fn before_joint<'g>(
+    moments: MassMoments<Scalar<'g>>,
+    placement: &Placement<'g>,
+) -> MassMoments<Scalar<'g>> {
     MassMoments {
         mass: moments.mass * (placement.unit_ratio * placement.unit_ratio),
         first: placement.before_joint_unit(moments.first),
@@ -92,7 +95,11 @@ pub(super) fn before_joint<'g>(moments: MassMoments<'g>, placement: &Placement<'
 }
 
 /// `Σ_xx + Σ_yy` after a displacement by `p`.
-fn polar_after_shift<'g>(polar: Scalar<'g>, moments: &MassMoments<'g>, p: Vector3<'g>) -> Scalar<'g> {
+fn polar_after_shift<'g>(
+    polar: Scalar<'g>,
+    moments: &MassMoments<Scalar<'g>>,
+    p: Vector3<Scalar<'g>>,
+) -> Scalar<'g> {
     let h = moments.first;
     let quadratic = moments.mass * (p[0].squared() + p[1].squared());
     polar + (h[0] * p[0] + h[1] * p[1]) * 2.0 + quadratic
@@ -103,12 +110,12 @@ fn polar_after_shift<'g>(polar: Scalar<'g>, moments: &MassMoments<'g>, p: Vector
 struct Carried<'g> {
     force: Force<'g>,
     /// Transverse moment that goes to the frame before the run directly.
-    transverse: Vector3<'g>,
+    transverse: Vector3<Scalar<'g>>,
 }
 
 /// One column of M.
 struct Column<'a, 'g> {
-    mechanism: &'a Mechanism<'g>,
+    mechanism: &'a Mechanism<Scalar<'g>>,
     formulation: &'a Formulation,
     placements: &'a [Placement<'g>],
     index: usize,
@@ -177,10 +184,10 @@ impl<'g> Column<'_, 'g> {
 
 /// First moment of all moving masses in the base frame [kg m]. The mechanism is in metres.
 pub fn first_moment<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
     y: &[Scalar<'g>],
-) -> Vector3<'g> {
+) -> Vector3<Scalar<'g>> {
     let placements = place(mechanism, formulation, y);
     let mut moments: Vec<_> = placements.iter().map(|p| (p.moments.mass, p.moments.first)).collect();
     let mut total = mechanism.base_moments.first;

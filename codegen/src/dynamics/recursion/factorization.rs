@@ -4,7 +4,7 @@
 //! 2005; 2008, section 6.5).
 
 use crate::graph::{Graph, Scalar};
-use crate::kinematics::Mechanism;
+use crate::kinematics::{Mechanism, Numbers};
 
 /// The factors of a mass matrix; rows and columns in the order of the bodies.
 #[derive(Debug, Clone)]
@@ -21,7 +21,7 @@ pub struct Factorization<'g> {
 
 impl<'g> Factorization<'g> {
     /// Factorizes a mass matrix given by coordinates.
-    pub fn new(mechanism: &Mechanism<'g>, mass_matrix: &[Vec<Scalar<'g>>]) -> Self {
+    pub fn new<S: Numbers>(mechanism: &Mechanism<S>, mass_matrix: &[Vec<Scalar<'g>>]) -> Self {
         let coordinates: Vec<_> = mechanism.bodies.iter().map(|body| body.transmission.coordinate).collect();
         let count = coordinates.len();
         let couplings = couplings(mechanism, mass_matrix);
@@ -92,7 +92,7 @@ impl<'g> Factorization<'g> {
 
 /// Bodies before each body that M couples it with, nearest first. Beyond the ancestors these are only bodies
 /// that carry the rotor of another branch.
-fn couplings<'g>(mechanism: &Mechanism<'g>, mass_matrix: &[Vec<Scalar<'g>>]) -> Vec<Vec<usize>> {
+fn couplings<S: Numbers>(mechanism: &Mechanism<S>, mass_matrix: &[Vec<Scalar<'_>>]) -> Vec<Vec<usize>> {
     let count = mechanism.len();
     let entry = |i: usize, j: usize| {
         let [row, column] = [i, j].map(|k| mechanism.bodies[k].transmission.coordinate);

@@ -13,20 +13,20 @@ use crate::spatial::{Pose, Vector3, rotate};
 #[derive(Debug, Clone, Copy)]
 pub struct FramePose<'g> {
     /// Origin in the base frame (m).
-    pub origin: Vector3<'g>,
+    pub origin: Vector3<Scalar<'g>>,
     /// Axes x, y, z in the base frame.
-    pub axes: [Vector3<'g>; 3],
+    pub axes: [Vector3<Scalar<'g>>; 3],
 }
 
 /// The bodies of a mechanism, seen from the base.
 pub struct BasePoses<'g> {
-    mechanism: Mechanism<'g>,
+    mechanism: Mechanism<Scalar<'g>>,
     bodies: Vec<FramePose<'g>>,
 }
 
 impl<'g> BasePoses<'g> {
     /// At the coordinates `y`; the mechanism is in metres and its working frames are the bodies' own.
-    pub fn new(mechanism: Mechanism<'g>, y: &[Scalar<'g>]) -> Self {
+    pub fn new(mechanism: Mechanism<Scalar<'g>>, y: &[Scalar<'g>]) -> Self {
         let placements = place(&mechanism, &Formulation::plain(mechanism.len()), y);
         let base = FramePose::base(mechanism.graph.constant(1.0));
         let mut bodies: Vec<FramePose<'g>> = Vec::with_capacity(mechanism.len());
@@ -52,7 +52,7 @@ impl<'g> BasePoses<'g> {
     }
 
     /// Pose of a frame fixed to a link of the model.
-    pub fn pose(&self, link: usize, frame: &Pose<'g>) -> FramePose<'g> {
+    pub fn pose(&self, link: usize, frame: &Pose<Scalar<'g>>) -> FramePose<'g> {
         let (body, pose) = self.in_body(link, frame);
         let body =
             body.map_or(FramePose::base(self.mechanism.graph.constant(1.0)), |index| self.bodies[index]);
@@ -61,7 +61,7 @@ impl<'g> BasePoses<'g> {
     }
 
     /// Jacobian of a frame: linear rows first, columns by coordinate.
-    pub fn jacobian(&self, link: usize, frame: &Pose<'g>) -> Vec<Vec<Scalar<'g>>> {
+    pub fn jacobian(&self, link: usize, frame: &Pose<Scalar<'g>>) -> Vec<Vec<Scalar<'g>>> {
         let origin = self.pose(link, frame).origin;
         let zero = self.mechanism.graph.constant(0.0);
         let mut rows = vec![vec![zero; self.mechanism.len()]; 6];
@@ -87,7 +87,7 @@ impl<'g> BasePoses<'g> {
     pub fn jacobian_rate(
         &self,
         link: usize,
-        frame: &Pose<'g>,
+        frame: &Pose<Scalar<'g>>,
         y: &[Scalar<'g>],
         v: &[Scalar<'g>],
     ) -> Vec<Scalar<'g>> {
@@ -103,7 +103,7 @@ impl<'g> BasePoses<'g> {
         base.direction(linear).0.into_iter().chain(base.direction(angular).0).collect()
     }
 
-    fn in_body(&self, link: usize, frame: &Pose<'g>) -> (Option<usize>, Pose<'g>) {
+    fn in_body(&self, link: usize, frame: &Pose<Scalar<'g>>) -> (Option<usize>, Pose<Scalar<'g>>) {
         let (body, pose) = self.mechanism.links[link];
         (body, pose.then(*frame))
     }
@@ -136,12 +136,12 @@ impl<'g> FramePose<'g> {
     }
 
     /// A point of the frame in the base frame.
-    fn point(&self, p: Vector3<'g>) -> Vector3<'g> {
+    fn point(&self, p: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         self.origin + self.direction(p)
     }
 
     /// A direction of the frame in the base frame.
-    pub fn direction(&self, v: Vector3<'g>) -> Vector3<'g> {
+    pub fn direction(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         self.axes[0].scaled(v[0]) + self.axes[1].scaled(v[1]) + self.axes[2].scaled(v[2])
     }
 

@@ -3,8 +3,6 @@
 pub mod articulated;
 pub mod composite;
 pub mod derivatives;
-#[cfg(test)]
-mod derivatives_test;
 pub mod factorization;
 pub mod frame_motion;
 pub mod newton_euler;

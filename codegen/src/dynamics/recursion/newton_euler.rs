@@ -21,13 +21,13 @@ use crate::spatial::{Force, Matrix3, Symmetric3, Twist, Vector3};
 #[derive(Debug, Clone, Copy)]
 pub(in crate::dynamics) struct BodyMotion<'g> {
     /// Angular velocity ω.
-    pub omega: Vector3<'g>,
+    pub omega: Vector3<Scalar<'g>>,
     /// Components of the angular acceleration ω̇ that were needed for U.
     angular: [Option<Scalar<'g>>; 3],
     /// U = ω̇× + ω× ω×.
     pub spread: Matrix3<'g>,
     /// Acceleration of the origin, minus gravity.
-    pub acceleration: Vector3<'g>,
+    pub acceleration: Vector3<Scalar<'g>>,
 }
 
 /// What the inverse dynamics are asked for.
@@ -55,7 +55,7 @@ pub(super) struct InverseDynamicsParts<'g> {
 
 /// Generalized forces `M ÿ + k − q_gravity` of bodies and rotors, by coordinate.
 pub fn inverse_dynamics<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
     input: MotionInput<'_, 'g>,
 ) -> Vec<Scalar<'g>> {
@@ -64,7 +64,7 @@ pub fn inverse_dynamics<'g>(
 
 /// The inverse dynamics with what they were made from.
 pub(super) fn inverse_dynamics_parts<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
     input: MotionInput<'_, 'g>,
 ) -> InverseDynamicsParts<'g> {
@@ -81,11 +81,11 @@ pub(super) fn inverse_dynamics_parts<'g>(
 /// Linear and angular acceleration of a point fixed to a body, in the body's own frame; without gravity. The
 /// mechanism is in metres.
 pub fn frame_acceleration<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     input: MotionInput<'_, 'g>,
     body: usize,
-    point: Vector3<'g>,
-) -> (Vector3<'g>, Vector3<'g>) {
+    point: Vector3<Scalar<'g>>,
+) -> (Vector3<Scalar<'g>>, Vector3<Scalar<'g>>) {
     let formulation = Formulation::plain(mechanism.len());
     let weightless = Mechanism { gravity: Vector3::zero(mechanism.graph.constant(0.0)), ..mechanism.clone() };
     let placements = place(&weightless, &formulation, input.y);
@@ -94,7 +94,7 @@ pub fn frame_acceleration<'g>(
 }
 
 pub(in crate::dynamics) fn motions<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
     placements: &[Placement<'g>],
     input: MotionInput<'_, 'g>,
@@ -132,7 +132,7 @@ pub(in crate::dynamics) fn motions<'g>(
 }
 
 impl<'g> BodyMotion<'g> {
-    fn at_rest(acceleration: Vector3<'g>) -> Self {
+    fn at_rest(acceleration: Vector3<Scalar<'g>>) -> Self {
         let zero = acceleration[0].constant(0.0);
         Self {
             omega: Vector3::zero(zero),
@@ -143,7 +143,7 @@ impl<'g> BodyMotion<'g> {
     }
 
     /// Angular acceleration ω̇, where it is not known from the antisymmetric part of U.
-    pub(in crate::dynamics) fn angular_acceleration(&self) -> Vector3<'g> {
+    pub(in crate::dynamics) fn angular_acceleration(&self) -> Vector3<Scalar<'g>> {
         let (u, w) = (&self.spread, self.omega);
         let from_spread = [u[2][1] - w[1] * w[2], u[0][2] - w[0] * w[2], u[1][0] - w[0] * w[1]];
         Vector3([0, 1, 2].map(|k| self.angular[k].unwrap_or(from_spread[k])))
@@ -152,7 +152,7 @@ impl<'g> BodyMotion<'g> {
 
 /// One revolute joint on the way outwards.
 struct RevoluteStep<'a, 'g> {
-    mechanism: &'a Mechanism<'g>,
+    mechanism: &'a Mechanism<Scalar<'g>>,
     placements: &'a [Placement<'g>],
     index: usize,
     choices: BodyChoices,
@@ -162,7 +162,7 @@ struct RevoluteStep<'a, 'g> {
 
 impl<'g> RevoluteStep<'_, 'g> {
     /// BodyMotion of the body, given the acceleration of its origin.
-    fn turn(&self, input: MotionInput<'_, 'g>, origin: Vector3<'g>) -> BodyMotion<'g> {
+    fn turn(&self, input: MotionInput<'_, 'g>, origin: Vector3<Scalar<'g>>) -> BodyMotion<'g> {
         let (rate, acceleration) = self.rates(input);
         let source = match self.choices.source {
             RunLink::Parent => self.parent,
@@ -219,7 +219,7 @@ impl<'g> RevoluteStep<'_, 'g> {
     }
 
     /// A vector from the source's working frame to this one.
-    fn carry(&self, v: Vector3<'g>) -> Vector3<'g> {
+    fn carry(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let placement = &self.placements[self.index];
         let turn = match self.choices.source {
             RunLink::Parent => placement.turn,
@@ -230,7 +230,7 @@ impl<'g> RevoluteStep<'_, 'g> {
     }
 
     /// The component of a vector of the source along this joint's axis.
-    fn axial(&self, v: Vector3<'g>) -> Scalar<'g> {
+    fn axial(&self, v: Vector3<Scalar<'g>>) -> Scalar<'g> {
         self.source_twist().to_child(v)[2]
     }
 }
@@ -238,9 +238,9 @@ impl<'g> RevoluteStep<'_, 'g> {
 /// One prismatic joint on the way outwards: `a + 2 ω × z ḋ + z d̈`.
 fn extend<'g>(
     parent: &BodyMotion<'g>,
-    body: &Body<'g>,
+    body: &Body<Scalar<'g>>,
     placement: &Placement<'g>,
-    carried: Vector3<'g>,
+    carried: Vector3<Scalar<'g>>,
     rate: Scalar<'g>,
     acceleration: Scalar<'g>,
 ) -> BodyMotion<'g> {
@@ -252,12 +252,15 @@ fn extend<'g>(
     BodyMotion { omega, angular: angular.0.map(Some), spread, acceleration: carried + coriolis }
 }
 
-fn unit_z(any: Scalar<'_>) -> Vector3<'_> {
+fn unit_z(any: Scalar<'_>) -> Vector3<Scalar<'_>> {
     Vector3([any.constant(0.0), any.constant(0.0), any.constant(1.0)])
 }
 
 /// `U = ω̇× + ω× ω×`
-pub(in crate::dynamics) fn spread_of<'g>(omega: Vector3<'g>, angular: Vector3<'g>) -> Matrix3<'g> {
+pub(in crate::dynamics) fn spread_of<'g>(
+    omega: Vector3<Scalar<'g>>,
+    angular: Vector3<Scalar<'g>>,
+) -> Matrix3<'g> {
     let (w, e) = (omega, angular);
     let (xx, yy, zz) = (w[0].squared(), w[1].squared(), w[2].squared());
     let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
@@ -269,7 +272,11 @@ pub(in crate::dynamics) fn spread_of<'g>(omega: Vector3<'g>, angular: Vector3<'g
 }
 
 /// U from ω, from U z, and from the angular acceleration about z.
-fn spread_from_axis<'g>(omega: Vector3<'g>, points: Vector3<'g>, axial: Scalar<'g>) -> Matrix3<'g> {
+fn spread_from_axis<'g>(
+    omega: Vector3<Scalar<'g>>,
+    points: Vector3<Scalar<'g>>,
+    axial: Scalar<'g>,
+) -> Matrix3<'g> {
     let w = omega;
     let (xx, yy, zz) = (w[0].squared(), w[1].squared(), w[2].squared());
     let xy = w[0] * w[1];
@@ -290,7 +297,7 @@ fn own_force<'g>(motion: &BodyMotion<'g>, placement: &Placement<'g>) -> Force<'g
 }
 
 /// `vee(U Σ − Σ Uᵀ)`
-fn moment_of_second<'g>(u: &Matrix3<'g>, s: Symmetric3<'g>) -> Vector3<'g> {
+fn moment_of_second<'g>(u: &Matrix3<'g>, s: Symmetric3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
     Vector3([
         u[2][0] * s.xy - u[1][0] * s.xz + (u[2][2] - u[1][1]) * s.yz + u[2][1] * s.yy - u[1][2] * s.zz,
         u[0][1] * s.yz - u[2][1] * s.xy + (u[0][0] - u[2][2]) * s.xz + u[0][2] * s.zz - u[2][0] * s.xx,
@@ -300,7 +307,7 @@ fn moment_of_second<'g>(u: &Matrix3<'g>, s: Symmetric3<'g>) -> Vector3<'g> {
 
 /// Rotors: what their spin needs of the coordinates that they follow, and of the bodies that carry them.
 fn add_rotors<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],
     motions: &[BodyMotion<'g>],
     input: MotionInput<'_, 'g>,
@@ -324,7 +331,7 @@ fn add_rotors<'g>(
 
 /// From the leaves to the base: what a body needs, its parent passes on.
 fn gather<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
     placements: &[Placement<'g>],
     forces: &mut [Force<'g>],

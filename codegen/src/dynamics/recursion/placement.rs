@@ -15,7 +15,7 @@ pub struct Placement<'g> {
     /// Turn about z from the parent's working frame, after the twist; `None` where the frames coincide.
     pub turn: Option<Turn<'g>>,
     /// Origin in the parent's working frame (m).
-    pub translation: Vector3<'g>,
+    pub translation: Vector3<Scalar<'g>>,
     /// Displacement along z: constant for revolute joints, with the coordinate for prismatic ones.
     pub extension: Scalar<'g>,
     /// First body of the run of parallel revolute joints that this one belongs to.
@@ -23,7 +23,7 @@ pub struct Placement<'g> {
     /// Turn about z from the frame before the run's first joint.
     pub turn_from_run: Option<Turn<'g>>,
     /// Moments of mass in the working frame.
-    pub moments: MassMoments<'g>,
+    pub moments: MassMoments<Scalar<'g>>,
     /// Turn about z from the working frame to the body's own frame.
     pub to_body: Option<Turn<'g>>,
     /// The parent's unit of length over this body's.
@@ -34,7 +34,7 @@ pub struct Placement<'g> {
 
 /// Places every body at the coordinates `y`.
 pub fn place<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
     y: &[Scalar<'g>],
 ) -> Vec<Placement<'g>> {
@@ -46,7 +46,7 @@ pub fn place<'g>(
 }
 
 fn place_body<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
     y: &[Scalar<'g>],
     placed: &[Placement<'g>],
@@ -92,7 +92,7 @@ fn place_body<'g>(
 /// The turn between two frames of one run: from the own frame of body `from` to that of body `to`, `None`
 /// standing for the frame before the run. Angles are added before the sine.
 fn turn_between<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     y: &[Scalar<'g>],
     from: Option<usize>,
     to: Option<usize>,
@@ -124,7 +124,7 @@ fn turn_between<'g>(
 
 /// Whether a body's parent is a revolute joint on the base with another direction: nothing but its own torque
 /// then needs what arrives there.
-pub fn ends_at_root(mechanism: &Mechanism<'_>, body: usize) -> bool {
+pub fn ends_at_root(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
     let child = &mechanism.bodies[body];
     let root = child.parent.map(|parent| &mechanism.bodies[parent]);
     !child.twist.is_none()
@@ -132,7 +132,7 @@ pub fn ends_at_root(mechanism: &Mechanism<'_>, body: usize) -> bool {
 }
 
 /// The bodies of the run that ends with `member`, from its first body on.
-fn run_chain(mechanism: &Mechanism<'_>, member: usize) -> Vec<usize> {
+fn run_chain(mechanism: &Mechanism<Scalar<'_>>, member: usize) -> Vec<usize> {
     let mut chain = vec![member];
     let mut body = &mechanism.bodies[member];
     while let Some(parent) = body.parent.filter(|_| body.twist.is_none() && body.axis == JointAxis::Revolute)
@@ -149,24 +149,24 @@ fn run_chain(mechanism: &Mechanism<'_>, member: usize) -> Vec<usize> {
 
 impl<'g> Placement<'g> {
     /// An angular velocity, angular acceleration or moment from the parent's working frame to this one.
-    pub fn to_child(&self, twist: &Twist, v: Vector3<'g>) -> Vector3<'g> {
+    pub fn to_child(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let v = twist.to_child(v);
         self.turn.map_or(v, |turn| v.turned_back(turn))
     }
 
     /// An angular velocity, angular acceleration or moment from this working frame to the parent's.
-    pub fn to_parent(&self, twist: &Twist, v: Vector3<'g>) -> Vector3<'g> {
+    pub fn to_parent(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         twist.to_parent(self.turn.map_or(v, |turn| v.turned(turn)))
     }
 
     /// An acceleration from the parent's working frame and unit to this one's.
-    pub fn to_child_unit(&self, twist: &Twist, v: Vector3<'g>) -> Vector3<'g> {
+    pub fn to_child_unit(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         self.scaled_turn(twist.to_child(v), |v, turn| v.turned_back(turn))
     }
 
     /// A force or first moment from this working frame and unit to the frame before the joint and the
     /// parent's unit.
-    pub fn before_joint_unit(&self, v: Vector3<'g>) -> Vector3<'g> {
+    pub fn before_joint_unit(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         self.scaled_turn(v, |v, turn| v.turned(turn))
     }
 
@@ -185,9 +185,9 @@ impl<'g> Placement<'g> {
     /// Turns, with the change of unit inside the sine and cosine.
     fn scaled_turn(
         &self,
-        v: Vector3<'g>,
-        turn: impl Fn(Vector3<'g>, Turn<'g>) -> Vector3<'g>,
-    ) -> Vector3<'g> {
+        v: Vector3<Scalar<'g>>,
+        turn: impl Fn(Vector3<Scalar<'g>>, Turn<'g>) -> Vector3<Scalar<'g>>,
+    ) -> Vector3<Scalar<'g>> {
         let ratio = v[0].constant(self.unit_ratio);
         match self.turn {
             Some((s, c)) => {

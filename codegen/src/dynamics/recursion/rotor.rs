@@ -19,36 +19,36 @@ use crate::spatial::{Matrix3, Vector3};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gyrostat<'g> {
     /// Its axis a.
-    axis: Vector3<'g>,
+    axis: Vector3<Scalar<'g>>,
     /// i J
     coupling: Scalar<'g>,
 }
 
 impl<'g> Gyrostat<'g> {
     /// - `placement`: that of the carrier
-    pub(super) fn new(rotor: &Rotor<'g>, placement: &Placement<'g>) -> Self {
+    pub(super) fn new(rotor: &Rotor<Scalar<'g>>, placement: &Placement<'g>) -> Self {
         let coupling = rotor.coupling_inertia();
         let axis = placement.to_body.map_or(rotor.axis, |ahead| rotor.axis.turned(ahead));
         Self { axis, coupling }
     }
 
     /// `i J a`: moment on the carrier at a unit of the coordinate's acceleration.
-    pub(super) fn momentum(&self) -> Vector3<'g> {
+    pub(super) fn momentum(&self) -> Vector3<Scalar<'g>> {
         self.axis.scaled(self.coupling)
     }
 
     /// `i J (ÿ a + ẏ ω × a)`: moment on the carrier.
     pub(super) fn moment(
         &self,
-        omega: Vector3<'g>,
+        omega: Vector3<Scalar<'g>>,
         rate: Scalar<'g>,
         acceleration: Scalar<'g>,
-    ) -> Vector3<'g> {
+    ) -> Vector3<Scalar<'g>> {
         self.axis.scaled(self.coupling * acceleration) + omega.cross(self.axis).scaled(self.coupling * rate)
     }
 
     /// `i J a · ω̇`: force on the coordinate by the carrier's angular acceleration.
-    pub(super) fn carried(&self, angular: Vector3<'g>) -> Scalar<'g> {
+    pub(super) fn carried(&self, angular: Vector3<Scalar<'g>>) -> Scalar<'g> {
         self.coupling * self.axis.dot(angular)
     }
 
@@ -61,9 +61,9 @@ impl<'g> Gyrostat<'g> {
     /// axis.
     fn couple(
         &self,
-        mechanism: &Mechanism<'g>,
+        mechanism: &Mechanism<Scalar<'g>>,
         placements: &[Placement<'g>],
-        rotor: &Rotor<'g>,
+        rotor: &Rotor<Scalar<'g>>,
         carrier: usize,
         matrix: &mut [Vec<Scalar<'g>>],
     ) {
@@ -82,7 +82,10 @@ impl<'g> Gyrostat<'g> {
 }
 
 /// `M += i² J` on the diagonal.
-pub(in crate::dynamics) fn add_inertia<'g>(mechanism: &Mechanism<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
+pub(in crate::dynamics) fn add_inertia<'g>(
+    mechanism: &Mechanism<Scalar<'g>>,
+    matrix: &mut [Vec<Scalar<'g>>],
+) {
     for rotor in &mechanism.rotors {
         let entry = &mut matrix[rotor.transmission.coordinate][rotor.transmission.coordinate];
         *entry = *entry + rotor.reflected_inertia();
@@ -91,7 +94,7 @@ pub(in crate::dynamics) fn add_inertia<'g>(mechanism: &Mechanism<'g>, matrix: &m
 
 /// What couples in M the rotors that moving bodies carry with the joints before these.
 pub(super) fn add_coupling<'g>(
-    mechanism: &Mechanism<'g>,
+    mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],
     matrix: &mut [Vec<Scalar<'g>>],
 ) {

@@ -1,8 +1,7 @@
 //! The ways in which the same equations can be written, and the search for the cheapest.
 
 use crate::graph::{Graph, Scalar};
-use crate::kinematics::{JointAxis, Mechanism, RegroupChoice, SHORTEST_LEVER};
-use crate::model::Model;
+use crate::kinematics::{JointAxis, Mechanism, Number, RegroupChoice, SHORTEST_LEVER};
 
 /// How the acceleration of the points of a body is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,11 +83,11 @@ impl Formulation {
         Self { bodies: vec![choices; count] }
     }
 
-    /// The mechanism of a model, prepared for this formulation.
-    pub fn mechanism<'g>(&self, graph: &'g Graph, model: &Model) -> Mechanism<'g> {
+    /// The mechanism on a graph, prepared for this formulation.
+    pub fn mechanism<'g>(&self, graph: &'g Graph, mechanism: &Mechanism<Number>) -> Mechanism<Scalar<'g>> {
         let regroup: Vec<_> = self.bodies.iter().map(|body| body.regroup).collect();
         let units: Vec<_> = self.bodies.iter().map(|body| body.length_unit).collect();
-        let mut mechanism = Mechanism::new(graph, model).regrouped(&regroup).in_length_units(&units);
+        let mut mechanism = mechanism.on(graph).regrouped(&regroup).in_length_units(&units);
         for (index, choices) in self.bodies.iter().enumerate() {
             match choices.leaf {
                 LeafAlignment::NoOffset => {}
@@ -210,10 +209,8 @@ impl BodyOptions {
 }
 
 impl SearchSpace {
-    /// The space of a model.
-    pub fn new(model: &Model) -> Self {
-        let graph = Graph::new();
-        let mechanism = Mechanism::new(&graph, model);
+    /// The space of a mechanism.
+    pub fn new(mechanism: &Mechanism<Number>) -> Self {
         let children = mechanism.children();
         let parallel = |index: usize| {
             let body = &mechanism.bodies[index];
@@ -231,26 +228,26 @@ impl SearchSpace {
                 is_leaf: revolute && children[index].is_empty(),
                 balances: revolute
                     && body.parent.is_some()
-                    && body.origin_in_parent()[0].value().is_some_and(|px| px.abs() >= SHORTEST_LEVER),
+                    && body.lever().is_some_and(|px| px.abs() >= SHORTEST_LEVER),
                 parent: body.parent,
-                own_lengths: if all_revolute(&mechanism) {
-                    own_lengths(&mechanism, index, &children[index])
+                own_lengths: if all_revolute(mechanism) {
+                    own_lengths(mechanism, index, &children[index])
                 } else {
                     Vec::new()
                 },
             }
         });
-        Self { length_units: length_units(&mechanism), bodies: bodies.collect() }
+        Self { length_units: length_units(mechanism), bodies: bodies.collect() }
     }
 }
 
 /// With prismatic joints forces are results, and their unit is not free.
-fn all_revolute(mechanism: &Mechanism<'_>) -> bool {
+fn all_revolute(mechanism: &Mechanism<Number>) -> bool {
     mechanism.bodies.iter().all(|body| body.axis == JointAxis::Revolute)
 }
 
 /// Lengths that would become 1 in a unit for the whole mechanism.
-fn length_units(mechanism: &Mechanism<'_>) -> Vec<f64> {
+fn length_units(mechanism: &Mechanism<Number>) -> Vec<f64> {
     if !all_revolute(mechanism) {
         return Vec::new();
     }
@@ -268,12 +265,12 @@ fn length_units(mechanism: &Mechanism<'_>) -> Vec<f64> {
 }
 
 /// Lengths that would become 1 in a body's own unit.
-fn own_lengths(mechanism: &Mechanism<'_>, body: usize, children: &[usize]) -> Vec<f64> {
+fn own_lengths(mechanism: &Mechanism<Number>, body: usize, children: &[usize]) -> Vec<f64> {
     let levers = children.iter().flat_map(|&child| mechanism.bodies[child].translation.0);
     levers.chain([mechanism.bodies[body].lift]).filter_map(nonzero_length).collect()
 }
 
-fn nonzero_length(x: Scalar<'_>) -> Option<f64> {
+fn nonzero_length(x: Number) -> Option<f64> {
     x.value().map(f64::abs).filter(|length| *length >= SHORTEST_LEVER)
 }
 

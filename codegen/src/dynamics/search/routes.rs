@@ -11,13 +11,14 @@ use crate::dynamics::recursion::derivatives::{ForceDerivatives, PairFrame, inver
 use crate::dynamics::recursion::factorization::Factorization;
 use crate::dynamics::recursion::newton_euler::{self, MotionInput};
 use crate::graph::{Cost, Edge, Graph, Scalar, substitute};
-use crate::kinematics::Mechanism;
+use crate::kinematics::{Mechanism, Number};
 use crate::model::Model;
 
 /// The cheapest formulations of a model, each searched for when it is first needed.
 #[derive(Debug)]
 pub struct Formulations<'m> {
     model: &'m Model,
+    mechanism: &'m Mechanism<Number>,
     space: SearchSpace,
     inverse_dynamics: OnceCell<Formulation>,
     bias_forces: OnceCell<Formulation>,
@@ -49,15 +50,14 @@ impl ForwardRoute {
         v: &[Scalar<'g>],
         forces: impl FnOnce() -> Vec<Scalar<'g>>,
     ) -> Vec<Scalar<'g>> {
-        let model = formulations.model;
         match self {
             Self::Factorization => {
                 let (matrix, bias) = formulations.mass_matrix_and_bias(graph, y, v);
-                let factorization = Factorization::new(&Mechanism::new(graph, model), &matrix);
+                let factorization = Factorization::new(formulations.mechanism, &matrix);
                 factorization.solve(&subtract(&forces(), &bias))
             }
             Self::ArticulatedBodies => {
-                let mechanism = Formulation::plain(y.len()).mechanism(graph, model);
+                let mechanism = Formulation::plain(y.len()).mechanism(graph, formulations.mechanism);
                 articulated::forward_dynamics(&mechanism, y, v, &forces())
             }
         }
@@ -86,11 +86,12 @@ pub enum DerivativeRoute {
 }
 
 impl<'m> Formulations<'m> {
-    /// Of a model; nothing is searched for yet.
-    pub fn new(model: &'m Model) -> Self {
+    /// Of a model and its mechanism; nothing is searched for yet.
+    pub fn new(model: &'m Model, mechanism: &'m Mechanism<Number>) -> Self {
         Self {
             model,
-            space: SearchSpace::new(model),
+            mechanism,
+            space: SearchSpace::new(mechanism),
             inverse_dynamics: OnceCell::new(),
             bias_forces: OnceCell::new(),
             gravity_forces: OnceCell::new(),
@@ -103,21 +104,22 @@ impl<'m> Formulations<'m> {
         }
     }
 
+    /// The mechanism.
+    pub fn mechanism(&self) -> &'m Mechanism<Number> {
+        self.mechanism
+    }
+
     /// The cheaper way to the accelerations.
     pub fn forward_dynamics(&self) -> ForwardRoute {
         *self.forward_dynamics.get_or_init(|| {
-            let is_possible = {
-                let graph = Graph::new();
-                Mechanism::new(&graph, self.model).rotors_are_neighbours()
-            };
             let weight = |route: ForwardRoute| {
-                let weighed = weigh(self.model, |graph, MotionInput { y, v, a }| {
+                let weighed = weigh(self.mechanism.len(), |graph, MotionInput { y, v, a }| {
                     route.accelerations(graph, self, y, v, || a.to_vec())
                 });
                 weighed.0
             };
             let routes = [ForwardRoute::ArticulatedBodies, ForwardRoute::Factorization];
-            match is_possible && weight(routes[0]) < weight(routes[1]) {
+            match self.mechanism.rotors_are_neighbours() && weight(routes[0]) < weight(routes[1]) {
                 true => routes[0],
                 false => routes[1],
             }
@@ -126,7 +128,7 @@ impl<'m> Formulations<'m> {
 
     /// The base parameters.
     pub fn base_parameters(&self) -> &BaseParameters {
-        self.base_parameters.get_or_init(|| BaseParameters::new(self.model))
+        self.base_parameters.get_or_init(|| BaseParameters::new(self.model, self.mechanism))
     }
 
     /// Of the inverse dynamics.
@@ -145,15 +147,15 @@ impl<'m> Formulations<'m> {
     }
 
     fn recursive(&self, moving: Moving) -> Formulation {
-        cheapest(&self.space, |formulation| recursion(self.model, formulation, moving))
+        cheapest(&self.space, |formulation| recursion(self.mechanism, formulation, moving))
     }
 
     /// Of the mass matrix.
     pub fn mass_matrix(&self) -> &Formulation {
         self.mass_matrix.get_or_init(|| {
             cheapest(&self.space, |formulation| {
-                weigh(self.model, |graph, input| {
-                    let mechanism = formulation.mechanism(graph, self.model);
+                weigh(self.mechanism.len(), |graph, input| {
+                    let mechanism = formulation.mechanism(graph, self.mechanism);
                     composite::mass_matrix(&mechanism, formulation, input.y).concat()
                 })
             })
@@ -185,10 +187,10 @@ impl<'m> Formulations<'m> {
         y: &[Scalar<'g>],
         v: &[Scalar<'g>],
     ) -> (Matrix<'g>, Vec<Scalar<'g>>) {
-        let matrix = composite::mass_matrix(&mass.mechanism(graph, self.model), mass, y);
+        let matrix = composite::mass_matrix(&mass.mechanism(graph, self.mechanism), mass, y);
         let still = vec![graph.constant(0.0); y.len()];
         let steady = MotionInput { y, v, a: &still };
-        (matrix, newton_euler::inverse_dynamics(&bias.mechanism(graph, self.model), bias, steady))
+        (matrix, newton_euler::inverse_dynamics(&bias.mechanism(graph, self.mechanism), bias, steady))
     }
 
     /// Of M and the bias forces beside the derivatives of the inverse dynamics.
@@ -198,11 +200,11 @@ impl<'m> Formulations<'m> {
             if let DerivativeRoute::Composite(formulation, _) = self.derivatives() {
                 candidates.push(formulation);
             }
-            if self.model.coordinates.len() > LARGEST_SEARCHED {
+            if self.mechanism.len() > LARGEST_SEARCHED {
                 return (self.mass_matrix().clone(), self.bias_forces().clone());
             }
             self.cheapest_pair(&candidates, |graph, input| {
-                let result = self.derivatives().derive(graph, self.model, self.inverse_dynamics(), input);
+                let result = self.derivatives().derive(graph, self.mechanism, self.inverse_dynamics(), input);
                 [result.by_coordinates.concat(), result.by_velocities.concat()].concat()
             })
         })
@@ -215,7 +217,7 @@ impl<'m> Formulations<'m> {
         beside: impl for<'g> Fn(&'g Graph, MotionInput<'_, 'g>) -> Vec<Scalar<'g>>,
     ) -> (Formulation, Formulation) {
         let weight = |mass: &Formulation, bias: &Formulation| {
-            let (weight, _) = weigh(self.model, |graph, input| {
+            let (weight, _) = weigh(self.mechanism.len(), |graph, input| {
                 let (matrix, forces) = self.mass_matrix_and_bias_by(mass, bias, graph, input.y, input.v);
                 [matrix.concat(), forces, beside(graph, input)].concat()
             });
@@ -235,10 +237,10 @@ impl<'m> Formulations<'m> {
     }
 
     fn cheapest_derivatives(&self) -> DerivativeRoute {
-        let (model, inverse) = (self.model, self.inverse_dynamics());
+        let (mechanism, inverse) = (self.mechanism, self.inverse_dynamics());
         let weight = |route: &DerivativeRoute| {
-            weigh(model, |graph, input| {
-                let result = route.derive(graph, model, inverse, input);
+            weigh(mechanism.len(), |graph, input| {
+                let result = route.derive(graph, mechanism, inverse, input);
                 [result.forces, result.by_coordinates.concat(), result.by_velocities.concat()].concat()
             })
         };
@@ -248,12 +250,12 @@ impl<'m> Formulations<'m> {
             composite(&inverse.massless(), PairFrame::Links),
             composite(&inverse.massless().in_metres(), PairFrame::Root),
         ];
-        if model.coordinates.len() <= LARGEST_SEARCHED {
+        if mechanism.len() <= LARGEST_SEARCHED {
             let links =
                 cheapest(&self.space, |formulation| weight(&composite(formulation, PairFrame::Links)));
             routes.push(composite(&links, PairFrame::Links));
         }
-        if model.coordinates.len() <= LARGEST_FORWARD {
+        if mechanism.len() <= LARGEST_FORWARD {
             routes.push(DerivativeRoute::Forward);
         }
         let best =
@@ -274,15 +276,18 @@ impl DerivativeRoute {
     pub fn derive<'g>(
         &self,
         graph: &'g Graph,
-        model: &Model,
+        mechanism: &Mechanism<Number>,
         inverse: &Formulation,
         input: MotionInput<'_, 'g>,
     ) -> ForceDerivatives<'g> {
         match self {
-            Self::Composite(formulation, pairs) => {
-                inverse_dynamics_derivatives(&formulation.mechanism(graph, model), formulation, *pairs, input)
-            }
-            Self::Forward => differentiate_forwards(graph, model, inverse, input),
+            Self::Composite(formulation, pairs) => inverse_dynamics_derivatives(
+                &formulation.mechanism(graph, mechanism),
+                formulation,
+                *pairs,
+                input,
+            ),
+            Self::Forward => differentiate_forwards(graph, mechanism, inverse, input),
         }
     }
 
@@ -304,13 +309,13 @@ impl DerivativeRoute {
 /// state.
 fn differentiate_forwards<'g>(
     graph: &'g Graph,
-    model: &Model,
+    mechanism: &Mechanism<Number>,
     formulation: &Formulation,
     input: MotionInput<'_, 'g>,
 ) -> ForceDerivatives<'g> {
     let MotionInput { y, v, a } = input;
     let free: Vec<_> = (0..a.len()).map(|k| graph.input(FREE, k)).collect();
-    let mechanism = formulation.mechanism(graph, model);
+    let mechanism = formulation.mechanism(graph, mechanism);
     let forces = newton_euler::inverse_dynamics(&mechanism, formulation, MotionInput { y, v, a: &free });
     let at = |matrix: Matrix<'g>| -> Matrix<'g> {
         matrix.iter().map(|row| substitute(graph, row, &free, a)).collect()
@@ -335,26 +340,25 @@ enum Moving {
 }
 
 /// Weight of the recursive equations.
-fn recursion(model: &Model, formulation: &Formulation, moving: Moving) -> (u64, usize) {
-    weigh(model, |graph, MotionInput { y, v, a }| {
+fn recursion(mechanism: &Mechanism<Number>, formulation: &Formulation, moving: Moving) -> (u64, usize) {
+    weigh(mechanism.len(), |graph, MotionInput { y, v, a }| {
         let still = vec![graph.constant(0.0); y.len()];
         let input = match moving {
             Moving::Accelerated => MotionInput { y, v, a },
             Moving::Steadily => MotionInput { y, v, a: &still },
             Moving::Not => MotionInput { y, v: &still, a: &still },
         };
-        newton_euler::inverse_dynamics(&formulation.mechanism(graph, model), formulation, input)
+        newton_euler::inverse_dynamics(&formulation.mechanism(graph, mechanism), formulation, input)
     })
 }
 
-/// Weight of a computation, and the nodes that it took.
-fn weigh<F>(model: &Model, build: F) -> (u64, usize)
+/// Weight of a computation over `count` coordinates, and the nodes that it took.
+fn weigh<F>(count: usize, build: F) -> (u64, usize)
 where
     F: for<'a> FnOnce(&'a Graph, MotionInput<'_, 'a>) -> Vec<Scalar<'a>>,
 {
     let graph = Graph::new();
-    let [y, v, a]: [Vec<_>; 3] =
-        [0, 1, 2].map(|array| (0..model.coordinates.len()).map(|k| graph.input(array, k)).collect());
+    let [y, v, a]: [Vec<_>; 3] = [0, 1, 2].map(|array| (0..count).map(|k| graph.input(array, k)).collect());
     let input = MotionInput { y: &y, v: &v, a: &a };
     let results: Vec<Edge> = build(&graph, input).iter().map(|x| x.edge()).collect();
     (Cost::of(&graph, &results).weight(), graph.len())

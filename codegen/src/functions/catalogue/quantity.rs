@@ -195,7 +195,7 @@ impl Quantity {
 
 /// How a quantity of a named frame is built.
 pub(in crate::functions) type FrameBuild =
-    for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, usize, &Pose<'g>) -> Vec<Value<'g>>;
+    for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, usize, &Pose<Scalar<'g>>) -> Vec<Value<'g>>;
 
 /// A function of each named frame: `frame_<name>_<suffix>`.
 pub(in crate::functions) struct FrameQuantity {

@@ -1,9 +1,10 @@
 //! The recursive derivatives against forward differentiation of the recursive equations.
 
-use crate::dynamics::recursion::derivatives::{PairFrame, inverse_dynamics_derivatives};
+use super::{PairFrame, inverse_dynamics_derivatives};
 use crate::dynamics::recursion::newton_euler::MotionInput;
 use crate::dynamics::search::formulation::Formulation;
 use crate::graph::{Graph, Scalar, differentiate};
+use crate::kinematics::Mechanism;
 use crate::testing::{GENERAL, chain};
 
 #[test]
@@ -16,7 +17,7 @@ fn derivatives_agree_with_forward_differentiation() {
     let input = MotionInput { y: &y, v: &v, a: &a };
     let f = Formulation::plain(n);
     for pairs in [PairFrame::Links, PairFrame::Root] {
-        let d = inverse_dynamics_derivatives(&f.mechanism(&graph, &model), &f, pairs, input);
+        let d = inverse_dynamics_derivatives(&f.mechanism(&graph, &Mechanism::new(&model)), &f, pairs, input);
         let values: Vec<Vec<f64>> =
             (0..3).map(|k| (0..n).map(|i| ((k * 7 + i * 3) as f64 * 0.77).sin()).collect()).collect();
         for (wrt, matrix) in [(&y, &d.by_coordinates), (&v, &d.by_velocities), (&a, &d.mass_matrix)] {

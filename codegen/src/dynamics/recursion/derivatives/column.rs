@@ -1,0 +1,41 @@
+//! Columns of the derivatives, and the disturbances that they come from.
+
+use crate::graph::Scalar;
+use crate::kinematics::Mechanism;
+use crate::spatial::{Force, Vector3};
+
+/// A column of the derivatives on its way to the base: three wrenches, and what the torque of the column's
+/// joint gains by disturbances of the body that it has arrived at.
+#[derive(Clone, Copy)]
+pub(super) struct Column<'g> {
+    /// By the acceleration; also: torque of the joint by δa and β.
+    pub(super) inertial: Force<'g>,
+    /// By the velocity.
+    pub(super) damping: Force<'g>,
+    /// By the coordinate.
+    pub(super) stiffness: Force<'g>,
+    /// Torque of the joint by δω.
+    pub(super) by_omega: Vector3<Scalar<'g>>,
+}
+
+impl<'g> Column<'g> {
+    pub(super) fn zero(mechanism: &Mechanism<Scalar<'g>>) -> Self {
+        let zero = mechanism.graph.constant(0.0);
+        let nothing = Force::zero(zero);
+        Self { inertial: nothing, damping: nothing, stiffness: nothing, by_omega: Vector3::zero(zero) }
+    }
+}
+
+/// How a coordinate and its velocity disturb the body that it moves.
+#[derive(Clone, Copy)]
+pub(super) struct Disturbance<'g> {
+    pub(super) by_coordinate: Disturbed<'g>,
+    pub(super) by_velocity: Disturbed<'g>,
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct Disturbed<'g> {
+    pub(super) omega: Vector3<Scalar<'g>>,
+    pub(super) beta: Vector3<Scalar<'g>>,
+    pub(super) acceleration: Vector3<Scalar<'g>>,
+}

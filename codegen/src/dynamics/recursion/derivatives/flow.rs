@@ -1,0 +1,82 @@
+//! Composite moments that depend on velocities, and the levers over which they are passed on.
+
+use super::column::Disturbed;
+use crate::dynamics::recursion::composite::Composite;
+use crate::dynamics::recursion::newton_euler::{BodyMotion, MotionInput};
+use crate::dynamics::recursion::placement::Placement;
+use crate::graph::Scalar;
+use crate::kinematics::{Body, JointAxis, Mechanism};
+use crate::spatial::{Force, MassMoments, Matrix3, Vector3};
+
+/// Composite moments that depend on velocities: 2P and 2K.
+#[derive(Clone, Copy)]
+pub(super) struct Flow<'g> {
+    pub(super) composite: Composite<'g>,
+    pub(super) momentum: Vector3<Scalar<'g>>,
+    pub(super) spin: Matrix3<'g>,
+}
+
+/// Levers of a joint and twice their velocities: along z in the body's frame, then across in the parent's.
+#[derive(Clone, Copy)]
+pub(super) struct Lever<'g> {
+    pub(super) along: Scalar<'g>,
+    pub(super) along_velocity: Vector3<Scalar<'g>>,
+    pub(super) across_velocity: Vector3<Scalar<'g>>,
+}
+
+pub(super) fn levers<'g>(
+    mechanism: &Mechanism<Scalar<'g>>,
+    placements: &[Placement<'g>],
+    motions: &[BodyMotion<'g>],
+    input: MotionInput<'_, 'g>,
+) -> Vec<Lever<'g>> {
+    let zero = mechanism.graph.constant(0.0);
+    let lever = |(index, body): (usize, &Body<Scalar<'g>>)| {
+        let rate = match body.axis {
+            JointAxis::Revolute => zero,
+            JointAxis::Prismatic => body.transmission.motion(input.v),
+        };
+        let twice = twice_across(motions[index].omega);
+        let along = placements[index].extension;
+        let mut along_velocity = twice.scaled(along);
+        along_velocity.0[2] = rate * 2.0;
+        let across_velocity = match body.parent {
+            Some(parent) => motions[parent].omega.cross(placements[index].translation).map(|x| x * 2.0),
+            None => Vector3::zero(zero),
+        };
+        Lever { along, along_velocity, across_velocity }
+    };
+    mechanism.bodies.iter().enumerate().map(lever).collect()
+}
+
+/// `2 ω × z`
+pub(super) fn twice_across(omega: Vector3<Scalar<'_>>) -> Vector3<Scalar<'_>> {
+    Vector3([omega[1] * 2.0, -(omega[0] * 2.0), omega[2].constant(0.0)])
+}
+
+impl<'g> Flow<'g> {
+    /// Force and moment about the origin that a disturbance of the body causes.
+    pub(super) fn response(&self, disturbed: &Disturbed<'g>) -> Force<'g> {
+        let Disturbed { omega, beta, acceleration } = *disturbed;
+        let moments = self.composite.moments;
+        let force =
+            acceleration.scaled(moments.mass) + beta.cross(moments.first) + omega.cross(self.momentum);
+        let moment = moments.first.cross(acceleration)
+            + self.composite.inertia_times(beta)
+            + self.spin.complement_times(omega);
+        Force { moment, force }
+    }
+}
+
+/// 2P and 2K about another point: with the lever r and twice its velocity v.
+pub(super) fn shift_flow<'g>(
+    moments: MassMoments<Scalar<'g>>,
+    momentum: Vector3<Scalar<'g>>,
+    spin: &Matrix3<'g>,
+    lever: Vector3<Scalar<'g>>,
+    velocity: Vector3<Scalar<'g>>,
+) -> (Vector3<Scalar<'g>>, Matrix3<'g>) {
+    let moved = momentum + velocity.scaled(moments.mass);
+    let entry = |i: usize, j: usize| spin[i][j] + (moved[i] * lever[j] + velocity[i] * moments.first[j]);
+    (moved, Matrix3::from_fn(entry))
+}

@@ -1,0 +1,161 @@
+//! Analytic derivatives of the inverse dynamics, with composite bodies.
+//!
+//! A body that carries others is disturbed by an angular velocity δω, by β = δω̇ + ω × δω and by an
+//! acceleration δa of its origin. With r and ṙ relative to that origin, every point of the subtree then
+//! accelerates by
+//!
+//! ```text
+//! δr̈ = δa + β × r + 2 δω × ṙ
+//! ```
+//!
+//! and δω, β stay the same vectors in every body beyond. So the force and moment that follow need only the
+//! composite moments m, h = ∫ r dm, Σ = ∫ r rᵀ dm, 2 P = 2 ∫ ṙ dm and 2 K = 2 ∫ ṙ rᵀ dm:
+//!
+//! ```text
+//! δF = m δa + β × h + δω × 2P
+//! δn = h × δa + (tr Σ − Σ) β + (tr 2K − 2K) δω
+//! ```
+//!
+//! A revolute coordinate disturbs by δω = ω × z, β = U z, δa = a × z, its velocity by δω = z, β = 2 ω × z; a
+//! prismatic one by δa = U z and δa = 2 ω × z. The derivatives are those of Carpentier and Mansard (2018) and
+//! of Singh, Russell and Wensing (2022), written with classical accelerations, so that no linear velocity is
+//! needed.
+
+mod base_body;
+mod column;
+mod flow;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+use self::column::{Column, Disturbed};
+use self::flow::levers;
+use self::tree::Tree;
+use super::newton_euler::{MotionInput, inverse_dynamics_parts};
+use super::rotor;
+use crate::dynamics::matrix::Matrix;
+use crate::dynamics::search::formulation::Formulation;
+use crate::graph::Scalar;
+use crate::kinematics::{Body, Mechanism};
+use crate::spatial::Force;
+
+/// Inverse dynamics of bodies and rotors with their derivatives.
+#[derive(Debug, Clone)]
+pub struct ForceDerivatives<'g> {
+    /// `M ÿ + k − q_gravity`
+    pub forces: Vec<Scalar<'g>>,
+    /// ∂/∂y, row i = force i.
+    pub by_coordinates: Matrix<'g>,
+    /// ∂/∂ẏ, row i = force i.
+    pub by_velocities: Matrix<'g>,
+    /// M
+    pub mass_matrix: Matrix<'g>,
+}
+
+/// Where the columns of the derivatives meet the joints that they couple with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PairFrame {
+    /// In the working frame of each joint, carried there link by link.
+    Links,
+    /// In the frame of the tree's first body: nothing is carried, but every product has all its components.
+    /// All bodies need the same unit of length.
+    Root,
+}
+
+/// Derives all of them in the working frames of a formulation.
+pub fn inverse_dynamics_derivatives<'g>(
+    mechanism: &Mechanism<Scalar<'g>>,
+    formulation: &Formulation,
+    pairs: PairFrame,
+    input: MotionInput<'_, 'g>,
+) -> ForceDerivatives<'g> {
+    // Wrenches are read at every body, so none may be led past it.
+    let formulation = &formulation.without_shortcuts();
+    let parts = inverse_dynamics_parts(mechanism, formulation, input);
+    let zeros = vec![vec![mechanism.graph.constant(0.0); mechanism.len()]; mechanism.len()];
+    let mut result = ForceDerivatives {
+        forces: parts.generalized,
+        by_coordinates: zeros.clone(),
+        by_velocities: zeros.clone(),
+        mass_matrix: zeros,
+    };
+    let tree = Tree {
+        mechanism,
+        placements: &parts.placements,
+        motions: &parts.motions,
+        levers: levers(mechanism, &parts.placements, &parts.motions, input),
+        base: Vec::new(),
+    };
+    let tree = match pairs {
+        PairFrame::Links => tree,
+        PairFrame::Root => Tree { base: tree.base_bodies(), ..tree },
+    };
+    let flows = tree.flows(formulation, input);
+    for index in 0..mechanism.len() {
+        let column = tree.column(index, &flows[index], &parts.wrenches[index]);
+        tree.read_own(index, &column, &mut result);
+        tree.walk(index, index, tree.depart(index, column), &mut result);
+    }
+    rotor::add_inertia(mechanism, &mut result.mass_matrix);
+    for rotor in &mechanism.rotors {
+        let Some(carrier) = rotor.carrier.filter(|&carrier| !tree.passes(rotor.driven, carrier)) else {
+            continue;
+        };
+        let mut column = Column::zero(mechanism);
+        tree.add_rotor_coupling(carrier, rotor.driven, &mut column);
+        tree.read_off(carrier, rotor.driven, &column, &mut result);
+        tree.walk(carrier, rotor.driven, column, &mut result);
+    }
+    result
+}
+
+impl<'g> Tree<'_, 'g> {
+    /// Carries the column of a joint from a body to the base and reads off the entries at every joint that it
+    /// passes.
+    fn walk(&self, start: usize, joint: usize, mut column: Column<'g>, result: &mut ForceDerivatives<'g>) {
+        let mut index = start;
+        while let Some(parent) = self.mechanism.bodies[index].parent {
+            if self.base.is_empty() {
+                column = self.pass_on(index, &column);
+            }
+            index = parent;
+            self.add_rotor_coupling(index, joint, &mut column);
+            self.read_off(index, joint, &column, result);
+        }
+    }
+
+    /// The entries of the column's own joint.
+    fn read_own(&self, index: usize, values: &Column<'g>, result: &mut ForceDerivatives<'g>) {
+        let Body { axis, transmission, .. } = &self.mechanism.bodies[index];
+        let add = |f, matrix| transmission.add_row_entry(transmission.coordinate, axis.force(f), matrix);
+        add(values.inertial, &mut result.mass_matrix);
+        add(values.damping, &mut result.by_velocities);
+        add(values.stiffness, &mut result.by_coordinates);
+    }
+
+    /// What a force on its way exerts along the joint of a body.
+    fn met_by(&self, index: usize, f: Force<'g>) -> Scalar<'g> {
+        match self.base.get(index) {
+            None => self.mechanism.bodies[index].axis.force(f),
+            Some(body) => body.screw.dot(f),
+        }
+    }
+
+    /// The entries that couple the column's joint with another one.
+    fn read_off(&self, index: usize, joint: usize, values: &Column<'g>, result: &mut ForceDerivatives<'g>) {
+        let row = &self.mechanism.bodies[index].transmission;
+        let column = self.mechanism.bodies[joint].transmission.coordinate;
+        row.add_coupling(column, self.met_by(index, values.inertial), &mut result.mass_matrix);
+        row.add_row_entry(column, self.met_by(index, values.damping), &mut result.by_velocities);
+        row.add_row_entry(column, self.met_by(index, values.stiffness), &mut result.by_coordinates);
+        let disturbance =
+            self.base.get(index).map_or_else(|| self.disturbance(index), |body| body.disturbance);
+        let gain = |disturbed: Disturbed<'g>| {
+            let Force { force, moment } = values.inertial;
+            let by_motion = moment.dot(disturbed.beta) + force.dot(disturbed.acceleration);
+            values.by_omega.dot(disturbed.omega) + by_motion
+        };
+        row.add_column_entry(column, gain(disturbance.by_coordinate), &mut result.by_coordinates);
+        row.add_column_entry(column, gain(disturbance.by_velocity), &mut result.by_velocities);
+    }
+}

@@ -1,0 +1,245 @@
+//! The mechanism in motion: what a joint needs of its body, and what of it arrives at the parent.
+
+use super::base_body::BaseBody;
+use super::column::{Column, Disturbance, Disturbed};
+use super::flow::{Flow, Lever, shift_flow, twice_across};
+use crate::dynamics::recursion::composite::{before_joint, composites};
+use crate::dynamics::recursion::newton_euler::{BodyMotion, MotionInput};
+use crate::dynamics::recursion::placement::Placement;
+use crate::dynamics::recursion::rotor::Gyrostat;
+use crate::dynamics::search::formulation::Formulation;
+use crate::graph::Scalar;
+use crate::kinematics::{JointAxis, Mechanism};
+use crate::spatial::{Force, Matrix3, Vector3};
+
+/// The mechanism in motion.
+pub(super) struct Tree<'a, 'g> {
+    pub(super) mechanism: &'a Mechanism<Scalar<'g>>,
+    pub(super) placements: &'a [Placement<'g>],
+    pub(super) motions: &'a [BodyMotion<'g>],
+    pub(super) levers: Vec<Lever<'g>>,
+    /// Every body as seen from the base, where the pairs meet there.
+    pub(super) base: Vec<BaseBody<'g>>,
+}
+
+impl<'g> Tree<'_, 'g> {
+    /// Composite moments of every body in its working frame.
+    pub(super) fn flows(&self, formulation: &Formulation, input: MotionInput<'_, 'g>) -> Vec<Flow<'g>> {
+        let composites = composites(self.mechanism, formulation, self.placements);
+        let mut flows: Vec<Flow<'g>> = composites
+            .into_iter()
+            .enumerate()
+            .map(|(index, composite)| {
+                let moments = self.placements[index].moments;
+                let twice = self.motions[index].omega.map(|x| x * 2.0);
+                let momentum = twice.cross(moments.first);
+                Flow { composite, momentum, spin: Matrix3::cross_of(twice, moments.second) }
+            })
+            .collect();
+        self.add_rotor_spin(&mut flows, input);
+        for index in (0..flows.len()).rev() {
+            if let Some(parent) = self.mechanism.bodies[index].parent {
+                let (momentum, spin) = self.pass_flow(index, &flows[index]);
+                flows[parent].momentum = flows[parent].momentum + momentum;
+                flows[parent].spin = flows[parent].spin + spin;
+            }
+        }
+        flows
+    }
+
+    /// 2P and 2K of a subtree about the parent's origin.
+    fn pass_flow(&self, index: usize, flow: &Flow<'g>) -> (Vector3<Scalar<'g>>, Matrix3<'g>) {
+        let (body, placement, lever) =
+            (&self.mechanism.bodies[index], &self.placements[index], &self.levers[index]);
+        let zero = lever.along.constant(0.0);
+        let moments = flow.composite.moments;
+        let along = Vector3([zero, zero, lever.along]);
+        let (momentum, spin) = shift_flow(moments, flow.momentum, &flow.spin, along, lever.along_velocity);
+        let moments = before_joint(moments.lifted(lever.along), placement);
+        let moments = moments.to_parent(&body.twist, Vector3::zero(zero));
+        let momentum = body.twist.to_parent(placement.before_joint_unit(momentum));
+        let spin = placement.turn.map_or(spin, |turn| spin.turned(turn));
+        let spin = spin.twisted(&body.twist);
+        shift_flow(moments, momentum, &spin, placement.translation, lever.across_velocity)
+    }
+
+    /// A rotor's spin turns with its carrier.
+    fn add_rotor_spin(&self, flows: &mut [Flow<'g>], input: MotionInput<'_, 'g>) {
+        for rotor in &self.mechanism.rotors {
+            let Some(carrier) = rotor.carrier else {
+                continue;
+            };
+            let rate = input.v[rotor.transmission.coordinate];
+            let spin = Gyrostat::new(rotor, &self.placements[carrier]).spin(rate);
+            flows[carrier].spin = flows[carrier].spin + spin;
+        }
+    }
+
+    /// What body `index` needs for a unit of its joint's acceleration, velocity and position.
+    pub(super) fn column(&self, index: usize, flow: &Flow<'g>, needed: &Force<'g>) -> Column<'g> {
+        let zero = needed.force[0].constant(0.0);
+        let axis = self.mechanism.bodies[index].axis;
+        let screw = axis.unit_motion(zero);
+        let disturbance = self.disturbance(index);
+        let mut inertial = flow.response(&Disturbed {
+            omega: Vector3::zero(zero),
+            beta: screw.angular,
+            acceleration: screw.linear,
+        });
+        let (own, turned) = (flow.response(&disturbance.by_coordinate), screw.cross_force(*needed));
+        let mut stiffness = Force { force: own.force + turned.force, moment: own.moment + turned.moment };
+        let by_omega = match axis {
+            JointAxis::Revolute => {
+                inertial.moment.0[2] = flow.composite.polar;
+                let spin = &flow.spin;
+                Vector3([-spin[2][0], -spin[2][1], spin[0][0] + spin[1][1]])
+            }
+            JointAxis::Prismatic => flow.momentum.cross(screw.linear),
+        };
+        if self.looks_the_same_turned(index) {
+            // What it needs does not change with its angle; the sums above would only leave their rounding.
+            stiffness = Force::zero(zero);
+        }
+        let ratio = self.mechanism.bodies[index].transmission.ratio;
+        Column {
+            inertial: inertial.map(|x| x * ratio),
+            damping: flow.response(&disturbance.by_velocity).map(|x| x * ratio),
+            stiffness: stiffness.map(|x| x * ratio),
+            by_omega: by_omega.map(|x| x * ratio),
+        }
+    }
+
+    /// Whether a body that carries nothing has its masses around the axis of its revolute joint evenly.
+    fn looks_the_same_turned(&self, index: usize) -> bool {
+        let moments = self.placements[index].moments;
+        let (first, second) = (moments.first, moments.second);
+        let across = [first[0], first[1], second.xy, second.xz, second.yz];
+        let bodies = &self.mechanism.bodies;
+        bodies[index].axis == JointAxis::Revolute
+            && bodies.iter().all(|body| body.parent != Some(index))
+            && self.mechanism.rotors.iter().all(|r| r.carrier != Some(index))
+            && across.iter().all(|x| x.is_zero())
+            && second.xx == second.yy
+    }
+
+    pub(super) fn disturbance(&self, index: usize) -> Disturbance<'g> {
+        let motion = &self.motions[index];
+        let (w, u, a) = (motion.omega, &motion.spread, motion.acceleration);
+        let zero = w[0].constant(0.0);
+        let nothing = Vector3::zero(zero);
+        let axis_points = u.column(2);
+        match self.mechanism.bodies[index].axis {
+            JointAxis::Revolute => Disturbance {
+                by_coordinate: Disturbed {
+                    omega: Vector3([w[1], -w[0], zero]),
+                    beta: axis_points,
+                    acceleration: Vector3([a[1], -a[0], zero]),
+                },
+                by_velocity: Disturbed {
+                    omega: Vector3([zero, zero, zero.constant(1.0)]),
+                    beta: twice_across(w),
+                    acceleration: nothing,
+                },
+            },
+            JointAxis::Prismatic => Disturbance {
+                by_coordinate: Disturbed { omega: nothing, beta: nothing, acceleration: axis_points },
+                by_velocity: Disturbed { omega: nothing, beta: nothing, acceleration: twice_across(w) },
+            },
+        }
+    }
+
+    pub(super) fn pass_on(&self, index: usize, column: &Column<'g>) -> Column<'g> {
+        let (body, placement, lever) =
+            (&self.mechanism.bodies[index], &self.placements[index], &self.levers[index]);
+        let zero = lever.along.constant(0.0);
+        let along = Vector3([zero, zero, lever.along]);
+        let force_to_parent =
+            |force: Vector3<Scalar<'g>>| body.twist.to_parent(placement.before_joint_unit(force));
+        let pass = |f: Force<'g>| {
+            let lifted = f.moment + along.cross(f.force);
+            let force = force_to_parent(f.force);
+            let moment = placement.to_parent(&body.twist, lifted) + placement.translation.cross(force);
+            Force { moment, force }
+        };
+        let lifted = column.by_omega + lever.along_velocity.cross(column.inertial.force);
+        let inertial = pass(column.inertial);
+        let by_omega = placement.to_parent(&body.twist, lifted) + lever.across_velocity.cross(inertial.force);
+        Column { inertial, damping: pass(column.damping), stiffness: pass(column.stiffness), by_omega }
+    }
+
+    /// Every body as seen from the base.
+    pub(super) fn base_bodies(&self) -> Vec<BaseBody<'g>> {
+        let mut bodies: Vec<BaseBody<'g>> = Vec::with_capacity(self.mechanism.len());
+        for (index, body) in self.mechanism.bodies.iter().enumerate() {
+            let (placement, lever) = (&self.placements[index], &self.levers[index]);
+            let zero = lever.along.constant(0.0);
+            let one = zero.constant(1.0);
+            let unit = [[one, zero, zero], [zero, one, zero], [zero, zero, one]].map(Vector3);
+            let (axes, origin, velocity) = match body.parent {
+                Some(parent) => {
+                    let parent = &bodies[parent];
+                    let origin = parent.origin + parent.direction(placement.translation);
+                    let velocity = parent.twice_velocity + parent.direction(lever.across_velocity);
+                    // Column k of R is what the twist makes of the unit vector k, turned afterwards.
+                    let [x, y, z] = unit.map(|axis| parent.direction(body.twist.to_parent(axis)));
+                    match placement.turn {
+                        Some((s, c)) => {
+                            ([x.scaled(c) + y.scaled(s), y.scaled(c) - x.scaled(s), z], origin, velocity)
+                        }
+                        None => ([x, y, z], origin, velocity),
+                    }
+                }
+                None => (unit, -Vector3([zero, zero, lever.along]), Vector3::zero(zero)),
+            };
+            let mut seen = BaseBody {
+                axes,
+                origin: origin + axes[2].scaled(lever.along),
+                twice_velocity: velocity,
+                screw: body.axis.along(axes[2], Vector3::zero(zero)),
+                disturbance: self.disturbance(index),
+            };
+            seen.twice_velocity = seen.twice_velocity + seen.direction(lever.along_velocity);
+            seen.screw = body.axis.along(axes[2], seen.origin);
+            let Disturbance { by_coordinate, by_velocity } = seen.disturbance;
+            seen.disturbance = Disturbance {
+                by_coordinate: seen.disturbed(&by_coordinate),
+                by_velocity: seen.disturbed(&by_velocity),
+            };
+            bodies.push(seen);
+        }
+        bodies
+    }
+
+    /// A column where it starts its way to the base.
+    pub(super) fn depart(&self, index: usize, column: Column<'g>) -> Column<'g> {
+        self.base.get(index).map_or(column, |body| body.column(&column))
+    }
+
+    /// Whether the path from a joint to the base passes a body, after the joint itself.
+    pub(super) fn passes(&self, joint: usize, body: usize) -> bool {
+        let mut next = self.mechanism.bodies[joint].parent;
+        while let Some(index) = next {
+            if index == body {
+                return true;
+            }
+            next = self.mechanism.bodies[index].parent;
+        }
+        false
+    }
+
+    /// Adds the rotors on a body whose drives move the column's joint.
+    pub(super) fn add_rotor_coupling(&self, index: usize, joint: usize, column: &mut Column<'g>) {
+        let rotors = self.mechanism.rotors.iter();
+        for rotor in rotors.filter(|r| r.carrier == Some(index) && r.driven == joint) {
+            let momentum = Gyrostat::new(rotor, &self.placements[index]).momentum();
+            let swept = self.motions[index].omega.cross(momentum);
+            let (momentum, swept) = match self.base.get(index) {
+                Some(body) => (body.direction(momentum), body.direction(swept)),
+                None => (momentum, swept),
+            };
+            column.inertial.moment = column.inertial.moment + momentum;
+            column.damping.moment = column.damping.moment + swept;
+            column.by_omega = column.by_omega + swept;
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! The numbers of mechanisms: scalars of a graph, or plain values.
+
+use std::fmt;
+
+use crate::graph::{Edge, Graph, Nodes, Scalar};
+
+/// What the numbers of a mechanism are.
+pub trait Numbers: Copy {
+    /// Where they stand.
+    type Graph;
+}
+
+/// Scalars stand in a graph.
+impl<'g> Numbers for Scalar<'g> {
+    type Graph = &'g Graph;
+}
+
+/// Numbers stand by themselves, formulas among the nodes of the mechanism.
+impl Numbers for Number {
+    type Graph = Nodes;
+}
+
+/// A number of a mechanism without a graph.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Number {
+    /// A constant.
+    Constant(f64),
+    /// A formula of free parameters, among the nodes of the mechanism.
+    Formula(Edge),
+}
+
+impl Number {
+    /// The value, where it is a constant.
+    pub fn value(self) -> Option<f64> {
+        match self {
+            Self::Constant(value) => Some(value),
+            Self::Formula(_) => None,
+        }
+    }
+}
+
+impl From<Scalar<'_>> for Number {
+    fn from(scalar: Scalar<'_>) -> Self {
+        scalar.value().map_or(Self::Formula(scalar.edge()), Self::Constant)
+    }
+}
+
+impl fmt::Debug for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Constant(value) => write!(f, "{value}"),
+            Self::Formula(edge) => {
+                write!(f, "{}#{}", if edge.is_negative() { "-" } else { "" }, edge.index())
+            }
+        }
+    }
+}
