@@ -21,6 +21,10 @@ const OPEN: f64 = 1e-12;
 /// How negative an eigenvalue may be by rounding, as a share of the largest.
 const NEGATIVE: f64 = 1e-9;
 
+/// Share of the scaled distance from a body of unit sizes in the objective: rounding where H determines the body.
+/// Where it does not, the multipliers would have no interior, and the iteration would stop early.
+const PULL: f64 = 1e-12;
+
 type Block = SMatrix<f64, PER_BODY, BLOCK>;
 
 /// The scaled program, and the way back.
@@ -32,6 +36,8 @@ pub(super) struct Scaled {
     /// Directions that H does not determine.
     pub open: usize,
     blocks: Vec<Block>,
+    /// Entries behind the bodies which H does not contain; they are zero.
+    pub unseen: Vec<usize>,
     /// Sizes of the entries behind the bodies.
     sizes: Vec<f64>,
 }
@@ -76,16 +82,19 @@ impl Scaled {
             let diagonal = (unit.transpose() * h * unit).diagonal();
             parameters_of_block(&balance(&std::array::from_fn(|k| diagonal[k]), largest))
         });
-        let further =
-            problem.hessian.diagonal().iter().skip(PER_BODY * problem.bodies).copied().collect::<Vec<_>>();
-        let size = |h: f64| if h > UNSEEN * largest { 1.0 / h.sqrt() } else { 1.0 };
+        let others = PER_BODY * problem.bodies;
+        let further: Vec<f64> = problem.hessian.diagonal().iter().skip(others).copied().collect();
+        let seen = |h: f64| h > UNSEEN * largest;
+        let unseen = (0..further.len()).filter(|&i| !seen(further[i])).map(|i| others + i).collect();
+        let size = |h: f64| if seen(h) { 1.0 / h.sqrt() } else { 1.0 };
         let mut scaled = Self {
             hessian: DMatrix::zeros(0, 0),
             linear: DVector::zeros(0),
             energy: 1.0,
             open: 0,
             blocks: blocks.collect(),
-            sizes: further.into_iter().map(size).collect(),
+            sizes: further.iter().copied().map(size).collect(),
+            unseen,
         };
         scaled.transform(problem);
         scaled.normalize()?;
@@ -141,7 +150,19 @@ impl Scaled {
             self.blocks.iter_mut().for_each(|block| *block *= size);
             self.sizes.iter_mut().for_each(|s| *s *= size);
         }
+        self.pull();
         Ok(())
+    }
+
+    /// Adds `½ · PULL · ‖u − unit bodies‖²`.
+    fn pull(&mut self) {
+        let share = PULL * self.hessian.diagonal().amax().max(f64::MIN_POSITIVE);
+        for i in 0..self.linear.len() {
+            self.hessian[(i, i)] += share;
+        }
+        for b in 0..self.blocks.len() {
+            self.linear.rows_mut(BLOCK * b, 4).add_scalar_mut(share);
+        }
     }
 
     /// x of scaled entries u.
@@ -153,6 +174,9 @@ impl Scaled {
         }
         for (i, size) in self.sizes.iter().enumerate() {
             x[BLOCK * self.blocks.len() + i] *= size;
+        }
+        for &i in &self.unseen {
+            x[i] = 0.0;
         }
         x
     }
