@@ -1,17 +1,190 @@
 //! Doubts about data and model, as sentences with remedies.
 
-use super::super::error::Result;
+use super::super::robot::Robot;
+use super::super::run::PreparedRun;
 use super::layout::Layout;
+use super::normal::{Centred, Offsets};
+use super::residuals::Forces;
 use super::sums::Sums;
 
+/// Share of the residual's variance that one quantity may explain before it is a doubt.
+const SUSPICIOUS: f64 = 0.1;
+/// The same in correlation times over samples: chance alone explains about one of these.
+const BY_CHANCE: f64 = 10.0;
+/// Factor between estimated and described rigid forces beyond which a unit may be wrong.
+const OTHER_UNIT: f64 = 3.0;
+
 /// Gains with which the described rigid force has the size of the measured effort.
-pub(super) fn first_gains(layout: &Layout, sums: &Sums) -> Result<Vec<f64>> {
-    let gain = |joint: usize| {
-        let products =
-            super::normal::Centred::new(layout, sums, super::normal::Offsets::Common).all[joint].clone();
+pub(super) fn first_gains(layout: &Layout, sums: &Sums) -> Vec<f64> {
+    let centred = Centred::new(layout, sums, Offsets::Common);
+    let gain = |products: &nalgebra::DMatrix<f64>| {
         let q = products.nrows();
         let (rigid, both, z) = (products[(q - 2, q - 2)], products[(q - 2, q - 1)], products[(q - 1, q - 1)]);
-        if both != 0.0 { both.signum() * (rigid / z).sqrt() } else { 1.0 }
+        if both != 0.0 && rigid > 0.0 { both.signum() * (rigid / z).sqrt() } else { 1.0 }
     };
-    Ok((0..layout.joints).map(gain).collect())
+    centred.all.iter().map(gain).collect()
+}
+
+/// What the checks look at.
+pub(super) struct Checked<'a> {
+    pub(super) robot: &'a dyn Robot,
+    pub(super) layout: &'a Layout,
+    pub(super) runs: &'a [PreparedRun],
+    pub(super) forces: &'a Forces,
+    pub(super) correlation_time: f64,
+}
+
+impl Checked<'_> {
+    /// Doubts about each moving joint, and which joints stand still.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let names = self.robot.joint_names();
+        let mut warnings = Vec::new();
+        for (joint, name) in names.iter().enumerate() {
+            if !self.layout.moves[joint] {
+                warnings.push(format!(
+                    "Joint {name} stands still in these data: its friction is not estimated. Move it."
+                ));
+                continue;
+            }
+            warnings.extend(self.joint(joint).into_iter().map(|doubt| format!("Joint {name}: {doubt}")));
+        }
+        warnings
+    }
+
+    /// Doubts about one joint, as ends of a sentence.
+    pub(super) fn joint(&self, joint: usize) -> Vec<String> {
+        let doubts = [
+            self.other_unit(joint),
+            self.delay(joint),
+            self.acceleration(joint),
+            self.position(joint),
+            self.drift(joint),
+            self.friction_drift(joint),
+        ];
+        doubts.into_iter().flatten().collect()
+    }
+
+    fn other_unit(&self, joint: usize) -> Option<String> {
+        let rms = |of: &[Vec<Vec<f64>>]| {
+            let squares: f64 = of.iter().flat_map(|run| &run[joint]).map(|x| x * x).sum();
+            squares.sqrt()
+        };
+        let [rigid, described, measured] =
+            [&self.forces.rigid, &self.forces.described, &self.forces.measured].map(|of| rms(of));
+        let ratio = rigid / described;
+        let matters = described > 0.1 * measured;
+        (matters && !(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio)).then(|| {
+            format!(
+                "the rigid body needs {ratio:.2} times the described force. Check the efforts' unit and the gear \
+                 ratio, or whether the efforts are currents."
+            )
+        })
+    }
+
+    /// A torque that comes late by d is `τ(t − d) ≈ τ − d τ̇`.
+    fn delay(&self, joint: usize) -> Option<String> {
+        let slope = |run: usize, i: usize| {
+            let (p, t) = (self.predicted(run, joint), &self.runs[run].times);
+            let (before, after) = (i.saturating_sub(1), (i + 1).min(t.len() - 1));
+            (p(after) - p(before)) / (t[after] - t[before])
+        };
+        let (factor, share) = self.explained(joint, &slope)?;
+        self.is_suspicious(share).then(|| {
+            format!(
+                "{:.0} % of the residual's variance is a delay of {:.1} ms between torque and position. Remove the \
+                 delay before the estimate.",
+                100.0 * share,
+                -1e3 * factor
+            )
+        })
+    }
+
+    fn predicted(&self, run: usize, joint: usize) -> impl Fn(usize) -> f64 + '_ {
+        let (measured, residual) = (&self.forces.measured[run][joint], &self.forces.residual[run][joint]);
+        move |i| measured[i] - residual[i]
+    }
+
+    fn acceleration(&self, joint: usize) -> Option<String> {
+        let (factor, share) = self.explained(joint, &|run, i| self.runs[run].accelerations[joint][i])?;
+        self.is_suspicious(share).then(|| {
+            format!(
+                "{:.0} % of the residual's variance follows the acceleration ({factor:+.3} per unit). The rigid body \
+                 is wrong: describe the rotor's inertia, or look for a delay or an elastic gear.",
+                100.0 * share
+            )
+        })
+    }
+
+    fn position(&self, joint: usize) -> Option<String> {
+        let y = |run: usize, i: usize| self.runs[run].positions[joint][i];
+        let shapes: [&dyn Fn(usize, usize) -> f64; 3] = [&y, &|r, i| y(r, i).sin(), &|r, i| y(r, i).cos()];
+        let shares = shapes.iter().filter_map(|shape| self.explained(joint, *shape)).map(|(_, share)| share);
+        let share = shares.fold(0.0, f64::max);
+        self.is_suspicious(share).then(|| {
+            format!(
+                "{:.0} % of the residual's variance follows the joint's position. Check gravity and the load, or \
+                 describe a spring or the pull of cables.",
+                100.0 * share
+            )
+        })
+    }
+
+    fn drift(&self, joint: usize) -> Option<String> {
+        let (factor, share) = self.explained(joint, &|run, i| self.progress(run, i))?;
+        self.is_suspicious(share).then(|| {
+            format!(
+                "its offset drifts by {factor:+.3} from the first to the last sample ({:.0} % of the residual's \
+                 variance). Warm the robot up, or estimate offsets by run.",
+                100.0 * share
+            )
+        })
+    }
+
+    fn friction_drift(&self, joint: usize) -> Option<String> {
+        let steepness = self.layout.steepness[joint][0];
+        let direction = |run: usize, i: usize| (steepness * self.runs[run].velocities[joint][i]).tanh();
+        let column = |run: usize, i: usize| (self.progress(run, i) - 0.5) * direction(run, i);
+        let (factor, share) = self.explained(joint, &column)?;
+        // Friction that changes within a log matters earlier: the law is an average that holds at no time.
+        (share > 0.5 * SUSPICIOUS && self.is_beyond_chance(share)).then(|| {
+            format!(
+                "its friction changes by {factor:+.3} from the first to the last sample ({:.0} % of the residual's \
+                 variance). Warm the robot up before the log, and identify it as warm as it works.",
+                100.0 * share
+            )
+        })
+    }
+
+    /// Place of a sample in all data, 0 to 1. Runs count one after another, whatever their clocks say.
+    fn progress(&self, run: usize, sample: usize) -> f64 {
+        let total: usize = self.runs.iter().map(|r| r.times.len()).sum();
+        let before: usize = self.runs[..run].iter().map(|r| r.times.len()).sum();
+        (before + sample) as f64 / total.max(2) as f64
+    }
+
+    fn is_suspicious(&self, share: f64) -> bool {
+        share > SUSPICIOUS && self.is_beyond_chance(share)
+    }
+
+    fn is_beyond_chance(&self, share: f64) -> bool {
+        let total: usize = self.runs.iter().map(|r| r.times.len()).sum();
+        share > BY_CHANCE * self.correlation_time / total as f64
+    }
+
+    /// Factor of a quantity in a joint's residual, and the share of the variance that it explains.
+    fn explained(&self, joint: usize, quantity: &dyn Fn(usize, usize) -> f64) -> Option<(f64, f64)> {
+        let mut sums = [0.0; 6];
+        for (run, residual) in self.forces.residual.iter().enumerate() {
+            for (i, r) in residual[joint].iter().enumerate() {
+                let x = quantity(run, i);
+                for (sum, term) in sums.iter_mut().zip([1.0, x, *r, x * x, x * r, r * r]) {
+                    *sum += term;
+                }
+            }
+        }
+        let [n, x, r, xx, xr, rr] = sums;
+        let (variance, covariance, energy) = (xx - x * x / n, xr - x * r / n, rr - r * r / n);
+        let usable = variance > 1e-12 * xx && energy > 0.0;
+        usable.then(|| (covariance / variance, covariance * covariance / (variance * energy)))
+    }
 }

@@ -15,7 +15,7 @@ const WEIGHTS: usize = 23;
 
 /// Factor by which a body may be trusted less, and how often.
 const LESS_TRUST: f64 = 0.01;
-const LESS_TRUST_STEPS: usize = 3;
+const LESS_TRUST_STEPS: usize = 2;
 
 /// Cosine between v and |v| beyond which they are not told apart.
 const MOST_ALIKE: f64 = 0.8;
@@ -195,7 +195,8 @@ impl Chosen<'_> {
         let place = |term: usize| local - TERMS + term;
         let products = self.centred.sums.products(joint, None);
         let entry = |a: usize, b: usize| products[(place(a), place(b))];
-        let cosine = entry(VISCOUS, ASYMMETRY) / (entry(VISCOUS, VISCOUS) * entry(ASYMMETRY, ASYMMETRY)).sqrt();
+        let cosine =
+            entry(VISCOUS, ASYMMETRY) / (entry(VISCOUS, VISCOUS) * entry(ASYMMETRY, ASYMMETRY)).sqrt();
         cosine.abs() < MOST_ALIKE
     }
 
@@ -215,15 +216,23 @@ impl<'a> Chosen<'a> {
     where
         'a: 'b,
     {
-        let mut other = Chosen {
+        let mut other = self.over(sums);
+        other.reweight(prior)?;
+        Ok(other)
+    }
+
+    /// The same choice and weights over other sums, not fitted yet.
+    pub(super) fn over<'b>(&self, sums: &'b Sums) -> Chosen<'b>
+    where
+        'a: 'b,
+    {
+        Chosen {
             model: self.model.clone(),
             weighting: self.weighting.clone(),
             values: self.values.clone(),
             centred: Centred::new(self.centred.layout, sums, self.model.offsets),
             tried: self.tried.clone(),
-        };
-        other.reweight(prior)?;
-        Ok(other)
+        }
     }
 
     /// Offsets for each run, where there are several and they lower the error by more than a standard error.

@@ -3,21 +3,21 @@
 use super::super::error::{IdentificationError, Result, require_finite};
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
-use super::checks;
+use super::alternatives::{Doubts, other_explanations};
+use super::checks::{Checked, first_gains};
 use super::choice::{Chosen, Freedom, choose};
-use super::fit::{Solved, fit};
+use super::fit::fit;
 use super::intervals::{Fitted, correlation_time, covariance, scores};
-use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, VISCOUS};
-use super::normal::Values;
-use super::normal::residual_vector;
+use super::layout::Layout;
+use super::normal::{Centred, Values, residual_vector};
 use super::prior::Prior;
+use super::report::Report;
 use super::residuals::{Forces, RunOffsets, forces, huber, residual, robust_deviations};
-use super::result::{Estimate, EstimatedTerm, JointEstimate, Uncertain};
+use super::result::Estimate;
 use super::rows::Rows;
 use super::settings::EstimationSettings;
 use super::sums::{Piece, Sums, cut, sum};
 use nalgebra::DVector;
-use statrs::distribution::{ContinuousCDF, Normal};
 
 /// The robot, the data and the settings, as the stages need them.
 pub(super) struct Task<'a> {
@@ -26,6 +26,7 @@ pub(super) struct Task<'a> {
     pub(super) settings: &'a EstimationSettings,
     pub(super) layout: &'a Layout,
     pub(super) prior: &'a Prior,
+    pub(super) pieces: Vec<Piece>,
 }
 
 /// Inertial parameters, friction, offsets and gains of a robot from its runs.
@@ -52,28 +53,27 @@ pub fn estimate(
 ) -> Result<Estimate> {
     settings.check()?;
     require_finite("the description's inertial parameters", &robot.parameters())?;
-    let layout = Layout::new(robot, runs)?;
+    let layout = Layout::new(robot, runs, settings.steepness.as_deref())?;
     let prior = Prior::new(&robot.parameters(), robot.bodies());
-    let task = Task { robot, runs, settings, layout: &layout, prior: &prior };
     let pieces = cut(runs, settings.folds);
+    let task = Task { robot, runs, settings, layout: &layout, prior: &prior, pieces };
     let samples: usize = runs.iter().map(|r| r.times.len()).sum();
     progress(&format!("The regressor is evaluated at {samples} samples of {} runs.", runs.len()));
-    let first = task.sums(&pieces, None);
+    let first = task.sums(None);
     progress("Terms, offsets and the weight of the description are chosen by the held-out error.");
-    let chosen = task.choose(&first)?;
     let mut outlier = vec![f64::INFINITY; layout.joints];
-    let (mut values, mut offsets) = (chosen.values.clone(), chosen.offsets());
     let mut robust = first.clone();
     for pass in 0..settings.robust_passes {
+        let chosen = task.choose(&robust)?;
         progress(&format!("Outliers lose weight, pass {} of {}.", pass + 1, settings.robust_passes));
-        outlier = robust_deviations(&task.forces(&values, &offsets));
-        robust = task.sums(&pieces, Some((&values, &offsets, &outlier)));
-        let again = chosen.with_sums(&robust, &prior)?;
-        (values, offsets) = (again.values.clone(), again.offsets());
+        let offsets = chosen.offsets();
+        outlier = robust_deviations(&task.forces(&chosen.values, &offsets));
+        let sums = task.sums(Some((&chosen.values, &offsets, &outlier)));
+        drop(chosen);
+        robust = sums;
     }
-    let mut last = chosen.with_sums(&robust, &prior)?;
-    last.reweight(&prior)?;
-    task.finish(&chosen, last, &outlier, progress)
+    let chosen = task.choose(&robust)?;
+    task.finish(&first, &chosen, &outlier, progress)
 }
 
 /// Values, offsets and deviations that weights of samples are made of.
@@ -84,7 +84,7 @@ impl Task<'_> {
         Rows::new(self.robot, self.layout, self.settings.gravity_compensated)
     }
 
-    fn sums(&self, pieces: &[Piece], robust: Option<Robust>) -> Sums {
+    fn sums(&self, robust: Option<Robust>) -> Sums {
         let factors: Vec<DVector<f64>> = robust.map_or(Vec::new(), |(values, ..)| {
             (0..self.layout.joints).map(|j| residual_vector(self.layout, values, j)).collect()
         });
@@ -94,7 +94,7 @@ impl Task<'_> {
                 huber(&residual(&factors[joint], offsets[joint][run], columns), deviations[joint])
             }
         };
-        sum(&mut self.rows(), self.layout, self.runs, pieces, &weights)
+        sum(&mut self.rows(), self.layout, self.runs, &self.pieces, &weights)
     }
 
     pub(super) fn forces(&self, values: &Values, offsets: &RunOffsets) -> Forces {
@@ -105,11 +105,7 @@ impl Task<'_> {
         let gains = self.layout.effort == Effort::Current;
         let start = Values {
             unknowns: DVector::zeros(self.layout.len()),
-            gains: if gains {
-                checks::first_gains(self.layout, sums)?
-            } else {
-                vec![1.0; self.layout.joints]
-            },
+            gains: if gains { first_gains(self.layout, sums) } else { vec![1.0; self.layout.joints] },
         };
         let freedom = Freedom {
             offsets: self.settings.offsets,
@@ -119,47 +115,81 @@ impl Task<'_> {
         choose(self.layout, sums, self.prior, &start, freedom, gains)
     }
 
+    /// Intervals, doubts and predictions of the last fit. `plain` holds the sums in which every sample counts.
     fn finish(
         &self,
-        plain: &Chosen,
-        last: Chosen,
+        plain: &Sums,
+        last: &Chosen,
         outlier: &[f64],
         progress: &mut dyn FnMut(&str),
     ) -> Result<Estimate> {
-        let solved =
-            fit(&last.centred, &last.centred.all, &last.model, self.prior, &last.weighting, &last.values)?;
-        let values = solved.values.clone();
-        let offsets = last.offsets();
+        let Chosen { centred, model, weighting, values, .. } = last;
+        let solved = fit(centred, &centred.all, model, self.prior, weighting, values)?;
+        let offsets = offsets_of(centred, &solved.values);
         progress("Intervals are computed under correlated residuals.");
-        let forces = self.forces(&values, &offsets);
+        let forces = self.forces(&solved.values, &offsets);
         let time = self.correlation_time(&forces);
         let fitted = Fitted {
-            centred: &last.centred,
+            centred,
             solved: &solved,
-            weighting: &last.weighting,
-            values: &values,
+            weighting,
+            values: &solved.values,
             offsets: &offsets,
             outlier,
         };
         let scores = scores(&mut self.rows(), self.layout, self.runs, &fitted, time);
         let covariance = covariance(&fitted, self.prior, &scores)?;
-        let mut deviation = vec![0.0; self.layout.len()];
-        solved
-            .active
-            .iter()
-            .enumerate()
-            .for_each(|(i, &g)| deviation[g] = covariance[(i, i)].max(0.0).sqrt());
-        let held_out = plain.centred_r_squared(&plain.held_out(self.prior)?.rss);
+        let judged = last.with_sums(plain, self.prior)?;
+        let errors = judged.held_out(self.prior)?;
+        let held_out = judged.centred_r_squared(&errors.rss);
+        let checked = Checked {
+            robot: self.robot,
+            layout: self.layout,
+            runs: self.runs,
+            forces: &forces,
+            correlation_time: time,
+        };
+        progress("Other explanations are tried.");
+        let mut doubts = other_explanations(self, &judged, &errors)?;
+        self.require_explained(&held_out, &doubts, &checked)?;
+        doubts.of_all.extend(checked.warnings());
         let report = Report {
             task: self,
-            chosen: &last,
+            chosen: last,
             solved: &solved,
             forces: &forces,
             offsets: &offsets,
-            deviation: &deviation,
+            covariance: &covariance,
             held_out: &held_out,
+            warnings: doubts.sentences(self.robot),
         };
-        report.estimate()
+        Ok(report.estimate())
+    }
+
+    /// Refuses a fit that explains too little, with what may be the reason.
+    fn require_explained(&self, held_out: &[f64], doubts: &Doubts, checked: &Checked) -> Result<()> {
+        let least = self.settings.least_r_squared;
+        let poor = |j: &usize| {
+            let wrong = held_out[*j] < least || held_out[*j].is_nan() || doubts.of_joints[*j].is_some();
+            self.layout.moves[*j] && wrong
+        };
+        let Some(joint) = (0..self.layout.joints).find(poor).filter(|_| !self.settings.accept_poor) else {
+            return Ok(());
+        };
+        let mut reasons: Vec<String> =
+            doubts.of_joints[joint].iter().chain(&doubts.of_all).cloned().collect();
+        reasons.extend(checked.joint(joint));
+        if reasons.is_empty() {
+            reasons.push(
+                "check sign, unit and assignment of the columns, and that the robot moved freely".into(),
+            );
+        }
+        Err(IdentificationError::Unexplained {
+            joint: self.robot.joint_names()[joint].clone(),
+            r_squared: held_out[joint],
+            least,
+            reasons: reasons.join(" "),
+        })
     }
 
     fn correlation_time(&self, forces: &Forces) -> f64 {
@@ -171,13 +201,18 @@ impl Task<'_> {
     }
 }
 
+/// Offsets of each joint and run for given values.
+fn offsets_of(centred: &Centred, values: &Values) -> RunOffsets {
+    (0..centred.layout.joints).map(|j| centred.offsets(values, j)).collect()
+}
+
 impl Chosen<'_> {
-    pub(super) fn offsets(&self) -> RunOffsets {
-        (0..self.centred.layout.joints).map(|j| self.centred.offsets(&self.values, j)).collect()
+    fn offsets(&self) -> RunOffsets {
+        offsets_of(&self.centred, &self.values)
     }
 
     /// R² of each joint for given residual sums: centred over what shares an offset.
-    fn centred_r_squared(&self, rss: &[f64]) -> Vec<f64> {
+    pub(super) fn centred_r_squared(&self, rss: &[f64]) -> Vec<f64> {
         let share = |(joint, rss): (usize, &f64)| {
             let products = &self.centred.all[joint];
             let last = products.nrows() - 1;
@@ -185,119 +220,4 @@ impl Chosen<'_> {
         };
         rss.iter().enumerate().map(share).collect()
     }
-}
-
-/// Everything that the printed estimate is made of.
-struct Report<'a> {
-    task: &'a Task<'a>,
-    chosen: &'a Chosen<'a>,
-    solved: &'a Solved,
-    forces: &'a Forces,
-    offsets: &'a RunOffsets,
-    deviation: &'a [f64],
-    held_out: &'a [f64],
-}
-
-impl Report<'_> {
-    fn estimate(&self) -> Result<Estimate> {
-        let Task { robot, settings, layout, .. } = self.task;
-        let described = robot.parameters();
-        let parameters = (0..layout.parameters).map(|i| self.uncertain(i, described[i]));
-        let add = |a: &[f64], b: &[f64], sign: f64| {
-            a.iter().zip(b).map(|(a, b)| a + sign * b).collect::<Vec<f64>>()
-        };
-        let each = |of: &dyn Fn(usize, usize) -> Vec<f64>| -> Vec<Vec<Vec<f64>>> {
-            let runs = 0..self.forces.measured.len();
-            runs.map(|r| (0..layout.joints).map(|j| of(r, j)).collect()).collect()
-        };
-        let Forces { measured, residual, rigid } = self.forces;
-        Ok(Estimate {
-            parameters: parameters.collect(),
-            consistent: false,
-            joints: self.joints(),
-            effort: layout.effort,
-            offsets: self.chosen.model.offsets,
-            description_weight: self.chosen.weighting.description,
-            weights_tried: self.chosen.tried.clone(),
-            effective_parameters: 0.0,
-            predicted: each(&|r, j| add(&measured[r][j], &residual[r][j], -1.0)),
-            friction: each(&|r, j| add(&measured[r][j], &rigid[r][j], -1.0)),
-            measured: measured.clone(),
-            confidence: settings.confidence,
-            choices: Vec::new(),
-            warnings: Vec::new(),
-            bias: None,
-        })
-    }
-
-    fn uncertain(&self, global: usize, base: f64) -> Uncertain {
-        let level = self.task.settings.confidence;
-        let quantile = Normal::standard().inverse_cdf(0.5 + 0.5 * level);
-        Uncertain::new(base + self.solved.values.unknowns[global], self.deviation[global], quantile)
-    }
-
-    fn joints(&self) -> Vec<JointEstimate> {
-        let names = self.task.robot.joint_names();
-        let rss: Vec<f64> = (0..names.len()).map(|j| self.squares(j)).collect();
-        let in_fit = self.chosen.centred_r_squared(&rss);
-        names.into_iter().enumerate().map(|(j, name)| self.joint(j, name, in_fit[j])).collect()
-    }
-
-    fn squares(&self, joint: usize) -> f64 {
-        self.forces.residual.iter().flat_map(|run| &run[joint]).map(|r| r * r).sum()
-    }
-
-    fn joint(&self, joint: usize, name: String, r_squared: f64) -> JointEstimate {
-        let Task { robot, layout, .. } = self.task;
-        let model = &self.chosen.model;
-        let count: usize = self.forces.residual.iter().map(|run| run[joint].len()).sum();
-        let armature = model.armature[joint] && layout.moves[joint];
-        JointEstimate {
-            name,
-            unit: if robot.position_units()[joint] == "m" { "N" } else { "N·m" },
-            terms: self.terms(joint),
-            armature: armature.then(|| self.uncertain(layout.term(joint, ARMATURE), 0.0)),
-            gain: model.gains.then(|| self.gain(joint)),
-            offsets: self.offsets[joint].clone(),
-            sigma: (self.squares(joint) / count.max(1) as f64).sqrt(),
-            r_squared,
-            held_out_r_squared: self.held_out[joint],
-            moves: layout.moves[joint],
-        }
-    }
-
-    fn terms(&self, joint: usize) -> Vec<EstimatedTerm> {
-        let layout = self.task.layout;
-        if !layout.moves[joint] {
-            return Vec::new();
-        }
-        let width = self.chosen.model.coulomb[joint];
-        let tanh = format!("tanh({}*v)", layout.steepness[joint][width]);
-        let mut terms = vec![("v".to_string(), VISCOUS), (tanh, COULOMB.start + width)];
-        if self.chosen.model.asymmetry[joint] {
-            terms.push(("abs(v)".to_string(), ASYMMETRY));
-        }
-        let term = |(basis, term)| EstimatedTerm {
-            basis,
-            coefficient: self.uncertain(layout.term(joint, term), 0.0),
-        };
-        terms.into_iter().map(term).collect()
-    }
-
-    /// K_M: its relative error is that of the rigid force.
-    fn gain(&self, joint: usize) -> Uncertain {
-        let value = self.solved.values.gains[joint];
-        let quantile = Normal::standard().inverse_cdf(0.5 + 0.5 * self.task.settings.confidence);
-        Uncertain::new(value, value * self.deviation[self.task.layout.gain(joint)], quantile)
-    }
-}
-
-/// An error that names what a fit misses.
-pub(super) fn unexplained(
-    joint: &str,
-    r_squared: f64,
-    least: f64,
-    reasons: &[String],
-) -> IdentificationError {
-    IdentificationError::Unexplained { joint: joint.into(), r_squared, least, reasons: reasons.join("; ") }
 }

@@ -168,8 +168,23 @@ impl Scores {
     }
 }
 
+/// Covariance of the active unknowns, and what decides them.
+pub(super) struct Covariance {
+    pub(super) matrix: DMatrix<f64>,
+    /// Number of combinations of inertial parameters that the data decide: `tr(A⁻¹ H)` over them.
+    pub(super) decided: f64,
+}
+
+impl Covariance {
+    /// Standard error of an unknown; zero where it is not estimated.
+    pub(super) fn deviation(&self, solved: &Solved, global: usize) -> f64 {
+        let place = solved.active.iter().position(|&active| active == global);
+        place.map_or(0.0, |i| self.matrix[(i, i)].max(0.0).sqrt())
+    }
+}
+
 /// Covariance of the active unknowns.
-pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<DMatrix<f64>> {
+pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<Covariance> {
     let solved = of.solved;
     let (n, p) = (solved.active.len(), prior.held.len());
     let inverse = solve(&solved.regularized, &DMatrix::identity(n, n))?;
@@ -184,5 +199,5 @@ pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<
     let unknowns = decided + (n - bodies) as f64;
     let spent = unknowns * scores.correlation_time / equations.max(1) as f64;
     let middle = scores.variance(n) / (1.0 - spent).max(0.25) + metric * spread;
-    Ok(&inverse * middle * &inverse)
+    Ok(Covariance { matrix: &inverse * middle * &inverse, decided })
 }

@@ -40,11 +40,14 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    pub(super) fn new(robot: &dyn Robot, runs: &[PreparedRun]) -> Result<Self> {
+    pub(super) fn new(robot: &dyn Robot, runs: &[PreparedRun], given: Option<&[f64]>) -> Result<Self> {
         let joints = robot.joint_names().len();
         let first = runs.first().ok_or(IdentificationError::Empty { what: "the list of runs".into() })?;
         for run in runs {
             check_run(robot, run, first.effort)?;
+        }
+        if let Some(given) = given {
+            require_length("factors of the Coulomb terms", joints, given.len())?;
         }
         let parameters = robot.parameters().len();
         let structure = structure(robot, joints, parameters);
@@ -56,7 +59,9 @@ impl Layout {
             joints,
             parameters,
             local: local.collect(),
-            steepness: (0..joints).map(|j| steepness(runs, j)).collect(),
+            steepness: (0..joints)
+                .map(|j| given.map_or_else(|| steepness(runs, j), |k| [k[j]; WIDTHS.len()]))
+                .collect(),
             moves: (0..joints).map(|j| span(runs, j) > STANDSTILL).collect(),
             effort: first.effort,
             input_matrix: robot.input_matrix(),

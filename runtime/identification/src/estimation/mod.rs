@@ -1,5 +1,6 @@
 //! The estimate: inertia, friction, offsets and drive gains in one weighted linear fit.
 
+mod alternatives;
 mod checks;
 mod choice;
 mod consistent;
@@ -10,6 +11,7 @@ mod intervals;
 mod layout;
 mod normal;
 mod prior;
+mod report;
 mod residuals;
 mod result;
 mod rows;

@@ -16,8 +16,9 @@ const HUBER: f64 = 2.5;
 pub(super) struct Forces {
     pub(super) measured: Vec<Vec<Vec<f64>>>,
     pub(super) residual: Vec<Vec<Vec<f64>>>,
-    /// What the rigid body needs.
+    /// What the rigid body needs, and what it would need as described.
     pub(super) rigid: Vec<Vec<Vec<f64>>>,
+    pub(super) described: Vec<Vec<Vec<f64>>>,
 }
 
 /// Offsets of each joint and run, `[joint][run]`.
@@ -40,7 +41,7 @@ pub(super) fn forces(
     offsets: &RunOffsets,
 ) -> Forces {
     let empty = || vec![vec![Vec::new(); layout.joints]; runs.len()];
-    let mut found = Forces { measured: empty(), residual: empty(), rigid: empty() };
+    let mut found = Forces { measured: empty(), residual: empty(), rigid: empty(), described: empty() };
     let factors: Vec<_> = (0..layout.joints).map(|j| residual_vector(layout, values, j)).collect();
     for (run, samples) in runs.iter().enumerate() {
         for start in (0..samples.times.len()).step_by(BLOCK) {
@@ -51,6 +52,7 @@ pub(super) fn forces(
                 let gain = values.gains[joint];
                 let measured = columns.last().map_or(&[][..], |z| z);
                 found.measured[run][joint].extend(measured.iter().map(|z| gain * z));
+                found.described[run][joint].extend(columns[columns.len() - 2]);
                 found.rigid[run][joint].extend(rigid(layout, joint, &factors[joint], &columns));
             }
         }

@@ -11,6 +11,8 @@ pub struct EstimationSettings {
     /// Offsets of the efforts; `None` chooses between one for each joint and one for each joint and run by the
     /// held-out error.
     pub offsets: Option<Offsets>,
+    /// Factors k of the Coulomb terms tanh(k v), for each joint; `None` chooses them by the held-out error.
+    pub steepness: Option<Vec<f64>>,
     /// Whether reflected inertia (ÿ) and asymmetric viscous friction (|v|) may be added where the held-out error
     /// asks for them.
     pub optional_terms: bool,
@@ -35,9 +37,10 @@ impl Default for EstimationSettings {
         Self {
             gravity_compensated: false,
             offsets: None,
+            steepness: None,
             optional_terms: true,
             folds: 10,
-            robust_passes: 2,
+            robust_passes: 1,
             consistent: true,
             confidence: 0.9,
             least_r_squared: 0.3,
@@ -53,6 +56,9 @@ impl EstimationSettings {
         require_setting("folds", self.folds as f64, folds, "it must lie between 4 and 50")?;
         let level = self.confidence > 0.0 && self.confidence < 1.0;
         require_setting("confidence", self.confidence, level, "it must lie between 0 and 1")?;
+        for k in self.steepness.iter().flatten() {
+            require_setting("steepness", *k, *k > 0.0, "it must be positive")?;
+        }
         let least = self.least_r_squared < 1.0;
         require_setting("least R²", self.least_r_squared, least, "it must be below 1")?;
         let passes = self.robust_passes <= 20;

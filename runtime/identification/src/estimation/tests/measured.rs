@@ -110,6 +110,7 @@ fn the_first_half_of_a_ur10_log_predicts_the_second() {
                 .collect::<Vec<_>>()
         );
     }
+    println!("{:#?} {:#?} eff {}", found.choices, found.warnings, found.effective_parameters);
     println!("λ {} {:?}", found.description_weight, found.weights_tried);
 }
 
@@ -159,12 +160,21 @@ fn schunk_look() {
         for (r, run) in runs.iter().enumerate() {
             for i in (0..run.times.len()).step_by(4) {
                 let at = |c: &[Vec<f64>]| -> Vec<f64> { c.iter().map(|c| c[i]).collect() };
-                let (y, v, a, e) = (at(&run.positions), at(&run.velocities), at(&run.accelerations), at(&run.efforts));
+                let (y, v, a, e) =
+                    (at(&run.positions), at(&run.velocities), at(&run.accelerations), at(&run.efforts));
                 let (mut w, mut g) = (vec![0.0; 396], vec![0.0; 396]);
                 robot.inertial_regressor(&y, &v, &a, &mut w);
                 robot.inertial_regressor(&y, &[0.0; 6], &[0.0; 6], &mut g);
                 w.iter_mut().zip(&g).for_each(|(w, g)| *w -= g);
-                let all: Vec<String> = [r as f64].iter().chain(&y).chain(&v).chain(&a).chain(&e).chain(&w).map(|x| x.to_string()).collect();
+                let all: Vec<String> = [r as f64]
+                    .iter()
+                    .chain(&y)
+                    .chain(&v)
+                    .chain(&a)
+                    .chain(&e)
+                    .chain(&w)
+                    .map(|x| x.to_string())
+                    .collect();
                 writeln!(f, "{}", all.join(",")).unwrap();
             }
         }

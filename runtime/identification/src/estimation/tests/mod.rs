@@ -3,3 +3,5 @@
 mod chain;
 mod data;
 mod measured;
+mod pendulum;
+mod simulated;

@@ -1,0 +1,96 @@
+//! Whether the data are explained better by what the user did not say: gravity left out, or a sign.
+
+use super::super::error::Result;
+use super::super::robot::Robot;
+use super::choice::Chosen;
+use super::estimate::Task;
+use super::fit::{HeldOut, held_out};
+use super::layout::{ARMATURE, TERMS};
+use super::rows::Rows;
+use super::sums::sum;
+
+/// An explanation counts as better where it lowers the held-out error by this share, and by two standard errors.
+const CLEARLY: f64 = 0.1;
+
+/// R² below which a sign is doubted.
+const POOR: f64 = 0.5;
+/// Power of driving friction, as a share of the power of a force as large as the measured one.
+const NOTICEABLE: f64 = 0.05;
+
+/// Sentences about all joints, and about single ones.
+pub(super) struct Doubts {
+    pub(super) of_all: Vec<String>,
+    pub(super) of_joints: Vec<Option<String>>,
+}
+
+impl Doubts {
+    pub(super) fn sentences(&self, robot: &dyn Robot) -> Vec<String> {
+        let names = robot.joint_names();
+        let of_joints = names.iter().zip(&self.of_joints);
+        let of_joints =
+            of_joints.filter_map(|(name, doubt)| doubt.as_ref().map(|d| format!("Joint {name}: {d}")));
+        self.of_all.iter().cloned().chain(of_joints).collect()
+    }
+}
+
+/// Tries the other setting of gravity, and the other sign of the efforts of joints that are hardly explained or
+/// whose friction drives them.
+pub(super) fn other_explanations(task: &Task, chosen: &Chosen, own: &HeldOut) -> Result<Doubts> {
+    let of_all = gravity(task, chosen, own)?.into_iter().collect();
+    let r_squared = chosen.centred_r_squared(&own.rss);
+    let mut of_joints = vec![None; task.layout.joints];
+    for joint in (0..task.layout.joints).filter(|&j| task.layout.moves[j]) {
+        if drives(chosen, joint) || (r_squared[joint] < POOR && has_other_sign(task, chosen, own, joint)?) {
+            of_joints[joint] = Some(
+                "the data are explained better with the other sign of its effort, with which friction brakes. \
+                 Check the signs of effort and position."
+                    .into(),
+            );
+        }
+    }
+    Ok(Doubts { of_all, of_joints })
+}
+
+fn gravity(task: &Task, chosen: &Chosen, own: &HeldOut) -> Result<Option<String>> {
+    let compensated = task.settings.gravity_compensated;
+    let mut rows = Rows::new(task.robot, task.layout, !compensated);
+    let every = |_: usize, _: usize, columns: &[&[f64]]| vec![1.0; columns.first().map_or(0, |c| c.len())];
+    let sums = sum(&mut rows, task.layout, task.runs, &task.pieces, &every);
+    let other = chosen.over(&sums);
+    let other = held_out(&other.centred, &chosen.model, task.prior, &chosen.weighting, &other.values)?;
+    let (excess, deviation) = other.excess(own);
+    if excess > -CLEARLY * own.total() || excess > -2.0 * deviation {
+        return Ok(None);
+    }
+    Ok(Some(if compensated {
+        "The data are explained better with gravity: the efforts seem to hold it. Leave out the setting that the \
+         robot compensates gravity."
+            .into()
+    } else {
+        "The data are explained better without gravity: the robot seems to compensate it outside the recorded \
+         efforts. Say so by the setting for gravity-compensated robots."
+            .into()
+    }))
+}
+
+/// Whether the rigid body fits better with the other sign of a joint's effort.
+fn has_other_sign(task: &Task, chosen: &Chosen, own: &HeldOut, joint: usize) -> Result<bool> {
+    let mut start = chosen.values.clone();
+    start.gains[joint] = -start.gains[joint];
+    let other = held_out(&chosen.centred, &chosen.model, task.prior, &chosen.weighting, &start)?;
+    let (excess, deviation) = other.excess(own);
+    Ok(excess < -CLEARLY * own.total() && excess < -2.0 * deviation)
+}
+
+/// Whether the estimated friction does noticeable work on the joint, `Σ v τ(v) < 0`.
+fn drives(chosen: &Chosen, joint: usize) -> bool {
+    let layout = chosen.centred.layout;
+    let products = &chosen.centred.all[joint];
+    let first = layout.local[joint].len() - TERMS;
+    let term =
+        |term: usize| chosen.values.unknowns[layout.term(joint, term)] * products[(first, first + term)];
+    let power: f64 = (0..ARMATURE).map(term).sum();
+    let last = products.nrows() - 1;
+    let scale = chosen.values.gains[joint].abs() * (products[(first, first)] * products[(last, last)]).sqrt();
+    power < -NOTICEABLE * scale
+}

@@ -1,0 +1,208 @@
+//! A double pendulum with its regressor by hand (Lagrange), simulated under a controller that sees noisy
+//! positions.
+
+use super::super::super::inertial::PER_BODY;
+use super::super::super::random::SplitMix64;
+use super::super::super::robot::{JointLimits, Robot};
+use super::super::super::run::{Effort, PreparedRun};
+use super::data::prepare;
+
+const LENGTH: f64 = 0.4;
+const GRAVITY: f64 = 9.81;
+
+/// Two links in a vertical plane, axes along z, x along the links; y = 0 is horizontal.
+#[derive(Clone)]
+pub(super) struct Pendulum {
+    pub(super) parameters: Vec<f64>,
+    /// Diagonal of B.
+    pub(super) gears: [f64; 2],
+}
+
+impl Pendulum {
+    pub(super) fn described() -> Self {
+        let link = |m: f64, c: f64, i: f64| [m, m * c, 0.0, 0.0, 0.1 * i, 0.0, i, 0.0, 0.0, i];
+        Self { parameters: [link(3.0, 0.2, 0.16), link(2.0, 0.15, 0.08)].concat(), gears: [1.0; 2] }
+    }
+
+    /// A robot near the described one: pseudo-inertias `(1 + s N) P (1 + s N)ᵀ` with normal entries of N.
+    pub(super) fn other(&self, size: f64, random: &mut SplitMix64) -> Self {
+        use super::super::super::inertial::{from_pseudo_inertia, pseudo_inertia};
+        let other = |pi: &[f64]| {
+            let p = pseudo_inertia(&std::array::from_fn(|i| pi[i]));
+            let n = nalgebra::Matrix4::from_fn(|_, _| random.normal() * size) + nalgebra::Matrix4::identity();
+            from_pseudo_inertia(&(n * p * n.transpose()))
+        };
+        let parameters = self.parameters.chunks_exact(PER_BODY).flat_map(other).collect();
+        Self { parameters, ..self.clone() }
+    }
+
+    fn regressor(y: &[f64], v: &[f64], a: &[f64]) -> [[f64; 20]; 2] {
+        let (l, g) = (LENGTH, GRAVITY);
+        let theta = y[0] + y[1];
+        let (s, c) = y[1].sin_cos();
+        let mut w = [[0.0; 20]; 2];
+        w[0][1] = g * y[0].cos();
+        w[0][2] = -g * y[0].sin();
+        w[0][9] = a[0];
+        w[0][10] = l * l * a[0] + g * l * y[0].cos();
+        let (both, mixed) = (2.0 * a[0] + a[1], v[1] * (2.0 * v[0] + v[1]));
+        w[0][11] = l * (c * both - s * mixed) + g * theta.cos();
+        w[1][11] = l * (c * a[0] + s * v[0] * v[0]) + g * theta.cos();
+        w[0][12] = -l * (s * both + c * mixed) - g * theta.sin();
+        w[1][12] = l * (-s * a[0] + c * v[0] * v[0]) - g * theta.sin();
+        w[0][19] = a[0] + a[1];
+        w[1][19] = a[0] + a[1];
+        w
+    }
+
+    fn forces(&self, y: &[f64], v: &[f64], a: &[f64]) -> [f64; 2] {
+        Self::regressor(y, v, a).map(|row| row.iter().zip(&self.parameters).map(|(w, p)| w * p).sum())
+    }
+
+    /// ÿ for joint forces τ that include friction.
+    fn accelerations(&self, y: &[f64; 2], v: &[f64; 2], tau: [f64; 2]) -> [f64; 2] {
+        let bias = self.forces(y, v, &[0.0; 2]);
+        let column = |a: [f64; 2]| {
+            let all = self.forces(y, &[0.0; 2], &a);
+            let rest = self.forces(y, &[0.0; 2], &[0.0; 2]);
+            [all[0] - rest[0], all[1] - rest[1]]
+        };
+        let (m0, m1) = (column([1.0, 0.0]), column([0.0, 1.0]));
+        let r = [tau[0] - bias[0], tau[1] - bias[1]];
+        let det = m0[0] * m1[1] - m1[0] * m0[1];
+        [(m1[1] * r[0] - m1[0] * r[1]) / det, (m0[0] * r[1] - m0[1] * r[0]) / det]
+    }
+}
+
+impl Robot for Pendulum {
+    fn joint_names(&self) -> Vec<String> {
+        vec!["shoulder".into(), "elbow".into()]
+    }
+    fn input_names(&self) -> Vec<String> {
+        self.joint_names()
+    }
+    fn position_units(&self) -> Vec<&'static str> {
+        vec!["rad"; 2]
+    }
+    fn limits(&self) -> Vec<JointLimits> {
+        let limits = JointLimits { position: [-9.0, 9.0], velocity: 9.0, effort: 99.0 };
+        vec![limits; 2]
+    }
+    fn parameter_names(&self) -> Vec<String> {
+        (0..20).map(|i| format!("p{i}")).collect()
+    }
+    fn parameters(&self) -> Vec<f64> {
+        self.parameters.clone()
+    }
+    fn bodies(&self) -> usize {
+        2
+    }
+    fn input_matrix(&self) -> Vec<f64> {
+        vec![self.gears[0], 0.0, 0.0, self.gears[1]]
+    }
+    fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {
+        regressor.copy_from_slice(&Self::regressor(y, v, a).concat());
+    }
+    fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]) {
+        forces.copy_from_slice(&self.forces(y, v, a));
+    }
+}
+
+/// Friction `v φ₁ + tanh(10 v) φ₂` of both joints.
+pub(super) const STEEPNESS: f64 = 10.0;
+pub(super) const FRICTION: [[f64; 2]; 2] = [[1.2, 2.0], [0.5, 0.8]];
+
+/// What a simulated log is made of.
+#[derive(Clone)]
+pub(super) struct Experiment {
+    pub(super) seconds: f64,
+    pub(super) rate: f64,
+    /// Noise of the encoders [rad] and of the force measurement [N m].
+    pub(super) position_noise: f64,
+    pub(super) force_noise: f64,
+    pub(super) offsets: [f64; 2],
+    /// Gains of a controller that acts on the measured positions.
+    pub(super) stiffness: f64,
+    /// Window of the filter, samples.
+    pub(super) window: usize,
+}
+
+impl Default for Experiment {
+    fn default() -> Self {
+        Self {
+            seconds: 12.0,
+            rate: 500.0,
+            position_noise: 2e-5,
+            force_noise: 0.15,
+            offsets: [0.4, -0.2],
+            stiffness: 60.0,
+            window: 21,
+        }
+    }
+}
+
+/// Reference: three sines for each joint with phases of the run.
+fn reference(t: f64, phases: &[f64; 6]) -> [[f64; 3]; 2] {
+    std::array::from_fn(|j| {
+        let mut sum = [0.0; 3];
+        for k in 0..3 {
+            let w = 1.3 * (k + 1) as f64 + 0.4 * j as f64;
+            let (s, c) = (w * t + phases[3 * j + k]).sin_cos();
+            let size = 0.8 / (k + 1) as f64;
+            sum = [sum[0] + size * s, sum[1] + size * w * c, sum[2] - size * w * w * s];
+        }
+        sum
+    })
+}
+
+/// A run of the robot under control, prepared; and the same with the reference in place of the motion.
+pub(super) fn simulate(
+    robot: &Pendulum,
+    of: &Experiment,
+    random: &mut SplitMix64,
+) -> (PreparedRun, PreparedRun) {
+    let (h, inner) = (1.0 / of.rate, 4);
+    let phases: [f64; 6] = std::array::from_fn(|_| 6.28 * random.uniform());
+    let start = reference(0.0, &phases);
+    let (mut y, mut v) = ([start[0][0], start[1][0]], [start[0][1], start[1][1]]);
+    let model = Pendulum::described();
+    let (mut times, mut columns) = (Vec::new(), vec![Vec::new(); 6]);
+    let mut before: Option<[f64; 2]> = None;
+    let mut held: Option<[f64; 2]> = None;
+    for i in 0..(of.seconds * of.rate) as usize {
+        let wanted = reference(i as f64 * h, &phases);
+        let seen: [f64; 2] = std::array::from_fn(|j| y[j] + of.position_noise * random.normal());
+        let last = before.unwrap_or(seen);
+        let a: [f64; 2] = std::array::from_fn(|j| {
+            let slope = (seen[j] - last[j]) / h;
+            let slope = if before.is_some() { slope } else { wanted[j][1] };
+            wanted[j][2]
+                + of.stiffness * (wanted[j][0] - seen[j])
+                + 2.0 * of.stiffness.sqrt() * (wanted[j][1] - slope)
+        });
+        let feed = model.forces(&[wanted[0][0], wanted[1][0]], &[wanted[0][1], wanted[1][1]], &a);
+        for j in 0..2 {
+            columns[j].push(seen[j]);
+            columns[2 + j]
+                .push((feed[j] + of.offsets[j] + of.force_noise * random.normal()) / robot.gears[j]);
+            columns[4 + j].push(wanted[j][0]);
+        }
+        times.push(i as f64 * h);
+        for _ in 0..inner {
+            let tau = std::array::from_fn(|j| {
+                feed[j] - FRICTION[j][0] * v[j] - FRICTION[j][1] * (STEEPNESS * v[j]).tanh()
+            });
+            let a = robot.accelerations(&y, &v, tau);
+            for j in 0..2 {
+                v[j] += h / inner as f64 * a[j];
+                y[j] += h / inner as f64 * v[j];
+            }
+        }
+        (before, held) = (Some(seen), Some(feed));
+    }
+    let run = |from: usize| PreparedRun {
+        effort: Effort::Input,
+        ..prepare("simulated", &times, &columns[from..from + 2], &columns[2..4], of.window)
+    };
+    (run(0), run(4))
+}
