@@ -508,7 +508,9 @@ impl Described {
         let joints = self.1.joints().zip(v).zip(&mut torques);
         joints.for_each(|((joint, v), torque)| {
             let terms = joint.friction.iter();
-            *torque += terms.map(|term| term.coefficient.evaluate(&[], 0.0, 0.0) * term.basis.evaluate(&[], 0.0, *v)).sum::<f64>();
+            *torque += terms
+                .map(|term| term.coefficient.evaluate(&[], 0.0, 0.0) * term.basis.evaluate(&[], 0.0, *v))
+                .sum::<f64>();
         });
         torques
     }

@@ -202,6 +202,9 @@ pub(super) struct Identify {
     /// The recorded efforts are without the robot's weight, which its own controller compensates
     #[arg(long, conflicts_with = "plan")]
     pub(super) gravity_compensated: bool,
+    /// Logs to predict with the results, which are not made from them; may be given several times
+    #[arg(long, value_name = "LOG.csv", conflicts_with = "plan")]
+    pub(super) validate: Vec<PathBuf>,
     /// Write results although they explain little
     #[arg(long, conflicts_with = "plan")]
     pub(super) accept_poor: bool,

@@ -139,10 +139,11 @@ fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
 }
 
 fn efforts(found: &Identification) -> Section {
-    let mut section = Section::new("efforts", "Efforts over time").block(text(
-        "Efforts at the joints, behind the gears, as measured and as the estimate predicts them; runs follow each other.",
-    ));
     let times = times(&found.runs);
+    let mut figure = Figure::new(
+        "effort",
+        "Efforts at the joints, behind the gears, as measured and as the estimate predicts them; runs follow each other.",
+    );
     for (index, joint) in found.estimate.joints.iter().enumerate() {
         let curve = |runs: &[Vec<Vec<f64>>]| {
             let values = runs.iter().flat_map(|run| run[index].iter().copied().chain([f64::NAN]));
@@ -151,9 +152,9 @@ fn efforts(found: &Identification) -> Section {
         let plot = Plot::new(joint.name.clone(), Axis::new("time", "s"), Axis::new("effort", joint.unit))
             .series("measured", Marks::Line, curve(&found.estimate.measured))
             .series("predicted", Marks::Dashed, curve(&found.estimate.predicted));
-        section = section.block(Block::Figure(Figure::new(format!("effort_{}", index + 1), "").plot(plot)));
+        figure = figure.plot(plot);
     }
-    section
+    Section::new("efforts", "Efforts over time").block(Block::Figure(figure))
 }
 
 /// Times of all runs one after the other, a gap behind each.

@@ -35,7 +35,10 @@ impl IdentificationSettings {
             columns: ColumnOptions::default(),
             preparation: PreparationSettings::default(),
             estimation: EstimationSettings::default(),
-            friction: FrictionIdentification { method: FrictionMethod::BestSubset, ..FrictionIdentification::new()? },
+            friction: FrictionIdentification {
+                method: FrictionMethod::BestSubset,
+                ..FrictionIdentification::new()?
+            },
             accept_poor: false,
         })
     }

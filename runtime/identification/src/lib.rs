@@ -37,5 +37,6 @@ pub mod stribeck;
 pub mod subset;
 pub mod thresholding;
 pub mod torque;
+pub mod validation;
 
 pub use error::{IdentificationError, Result};

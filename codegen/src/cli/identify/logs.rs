@@ -10,6 +10,7 @@ use gelenk_identification::log::ColumnOptions;
 use gelenk_identification::result::FrictionResult;
 use gelenk_identification::robot::Robot;
 use gelenk_identification::run::Effort;
+use gelenk_identification::validation::{JointValidation, validate};
 use serde_json::{Value, json};
 
 use super::super::Failure;
@@ -26,7 +27,12 @@ use crate::wording::quoted;
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = super::read(arguments)?;
     let output = output(arguments, &loaded)?;
-    let found = identify(&robot, &arguments.logs, &settings(arguments)?, &mut super::say)?;
+    let settings = settings(arguments)?;
+    let found = identify(&robot, &arguments.logs, &settings, &mut super::say)?;
+    let validation = match arguments.validate.as_slice() {
+        [] => Vec::new(),
+        logs => validate(&robot, &found, logs, &settings)?,
+    };
     let command = command(arguments);
     describe(arguments, &robot, &found, &command, &output).map_err(|problems| match problems {
         Problems::Description(problems) => Failure::Descriptions(vec![problems]),
@@ -38,8 +44,10 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
         None => Vec::new(),
     };
     match format {
-        Format::Json => print::json(&as_json(&found, &output, &files)),
-        Format::Text => print::out(&as_text(&found, &output, &files)).map(|()| ExitCode::SUCCESS),
+        Format::Json => print::json(&as_json(&found, &validation, &output, &files)),
+        Format::Text => {
+            print::out(&as_text(&found, &validation, &output, &files)).map(|()| ExitCode::SUCCESS)
+        }
     }
 }
 
@@ -61,7 +69,7 @@ fn settings(arguments: &Identify) -> Result<IdentificationSettings, Failure> {
 fn output(arguments: &Identify, loaded: &Loaded) -> Result<PathBuf, Failure> {
     let default = || PathBuf::from(format!("{}_identified.toml", loaded.model.name));
     let output = arguments.output.clone().unwrap_or_else(default);
-    let read = loaded.files.iter().chain(&arguments.logs);
+    let read = loaded.files.iter().chain(&arguments.logs).chain(&arguments.validate);
     match read.into_iter().find(|file| gelenk_files::is_same_file(file, &output)) {
         Some(_) => Err(Failure::Problem(format!("{} is read, and is not written over", output.display()))),
         None => Ok(output),
@@ -163,7 +171,12 @@ fn relative(description: &Path, output: &Path) -> Result<String, std::io::Error>
     Ok(path.display().to_string())
 }
 
-fn as_text(found: &Identification, output: &Path, files: &[PathBuf]) -> String {
+fn as_text(
+    found: &Identification,
+    validation: &[JointValidation],
+    output: &Path,
+    files: &[PathBuf],
+) -> String {
     let recording = &found.recording;
     let mut text = String::new();
     recording.findings.iter().for_each(|finding| text.push_str(&format!("note: {finding}\n")));
@@ -183,6 +196,7 @@ fn as_text(found: &Identification, output: &Path, files: &[PathBuf]) -> String {
         ]
     });
     text.push_str(&print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
+    text.push_str(&validated(validation));
     text.push_str(&format!("\nwrote {}\n", output.display()));
     if let Some(page) = files.first() {
         text.push_str(&format!("wrote {} and {} files of its numbers\n", page.display(), files.len() - 1));
@@ -190,7 +204,24 @@ fn as_text(found: &Identification, output: &Path, files: &[PathBuf]) -> String {
     text
 }
 
-fn as_json(found: &Identification, output: &Path, files: &[PathBuf]) -> Value {
+/// How well logs are predicted that nothing was fitted to.
+fn validated(validation: &[JointValidation]) -> String {
+    if validation.is_empty() {
+        return String::new();
+    }
+    let head = ["joint", "R² in the logs to validate", "residual"].map(str::to_owned).to_vec();
+    let rows = validation.iter().map(|joint| {
+        vec![joint.name.clone(), format!("{:.4}", joint.r_squared), format!("{:.3}", joint.residual)]
+    });
+    format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))
+}
+
+fn as_json(
+    found: &Identification,
+    validation: &[JointValidation],
+    output: &Path,
+    files: &[PathBuf],
+) -> Value {
     let joints = found.estimate.joints.iter().enumerate().map(|(index, joint)| {
         json!({
             "name": joint.name,
@@ -210,6 +241,9 @@ fn as_json(found: &Identification, output: &Path, files: &[PathBuf]) -> Value {
         "joints": joints.collect::<Value>(),
         "inertial_parameters": parameters.map(|p| json!({
             "value": p.value, "standard_error": p.standard_error, "interval": p.interval,
+        })).collect::<Value>(),
+        "validation": validation.iter().map(|joint| json!({
+            "name": joint.name, "r_squared": joint.r_squared, "residual": joint.residual,
         })).collect::<Value>(),
         "mapping": found.recording.mapping,
         "unused_columns": found.recording.unused,

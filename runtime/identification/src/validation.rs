@@ -1,0 +1,175 @@
+//! How well an identified robot predicts logs that it was not identified from.
+
+use super::error::Result;
+use super::identify::{Identification, IdentificationSettings};
+use super::log::runs;
+use super::preparation::{PreparationSettings, prepare_all};
+use super::robot::Robot;
+use super::run::{Effort, PreparedRun};
+use std::path::PathBuf;
+
+/// Prediction of a joint's efforts in logs that nothing was fitted to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointValidation {
+    /// Name of the joint.
+    pub name: String,
+    /// `1 − Σ (τ − τ̂)² / Σ (τ − τ̄)²`; NaN where the effort is constant.
+    pub r_squared: f64,
+    /// Root mean square of τ − τ̂ [N·m or N].
+    pub residual: f64,
+}
+
+/// Predicts the efforts of other logs by the identified values: inertial parameters, added inertias, the chosen
+/// friction laws, gains, and the mean offset of each joint. Nothing is fitted again.
+///
+/// Signals pass the filter of the identification, and efforts lose its delay.
+///
+/// # Errors
+/// Logs that cannot be read or matched, or that are too short.
+pub fn validate(
+    robot: &dyn Robot,
+    found: &Identification,
+    logs: &[PathBuf],
+    settings: &IdentificationSettings,
+) -> Result<Vec<JointValidation>> {
+    let recording = runs(logs, robot, &settings.columns)?;
+    let joint = found.preparation.joints.first();
+    let preparation = PreparationSettings {
+        bandwidth: joint.map(|joint| joint.bandwidth),
+        rate: joint.map(|joint| joint.sample_rate),
+        delay: joint.map(|joint| joint.delay),
+        ..settings.preparation.clone()
+    };
+    let (prepared, _) = prepare_all(&recording.runs, Some(robot), &preparation)?;
+    let mut model = Prediction::new(robot, found, settings.estimation.gravity_compensated)?;
+    let mut sums = vec![Sums::default(); model.joints];
+    for run in &prepared {
+        for sample in 0..run.times.len() {
+            model.add(run, sample, &mut sums);
+        }
+    }
+    let joints = found.estimate.joints.iter().zip(sums);
+    Ok(joints.map(|(joint, sums)| sums.judged(joint.name.clone())).collect())
+}
+
+/// Sums of one joint's measured forces and errors.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    count: f64,
+    mean: f64,
+    spread: f64,
+    errors: f64,
+}
+
+impl Sums {
+    /// Mean and spread by Welford's recursion (1962).
+    fn add(&mut self, measured: f64, predicted: f64) {
+        self.count += 1.0;
+        let before = measured - self.mean;
+        self.mean += before / self.count;
+        self.spread += before * (measured - self.mean);
+        self.errors += (measured - predicted).powi(2);
+    }
+
+    fn judged(self, name: String) -> JointValidation {
+        let residual = (self.errors / self.count).sqrt();
+        let r_squared = if self.spread > 0.0 { 1.0 - self.errors / self.spread } else { f64::NAN };
+        JointValidation { name, r_squared, residual }
+    }
+}
+
+/// The identified model.
+struct Prediction<'a> {
+    robot: &'a dyn Robot,
+    found: &'a Identification,
+    is_gravity_compensated: bool,
+    joints: usize,
+    /// π and its difference from the description.
+    values: Vec<f64>,
+    changes: Vec<f64>,
+    offsets: Vec<f64>,
+    input_matrix: Vec<f64>,
+    regressor: Vec<f64>,
+    forces: Vec<f64>,
+}
+
+impl<'a> Prediction<'a> {
+    fn new(robot: &'a dyn Robot, found: &'a Identification, is_gravity_compensated: bool) -> Result<Self> {
+        let joints = robot.joint_names().len();
+        let values: Vec<f64> = found.estimate.parameters.iter().map(|parameter| parameter.value).collect();
+        let changes: Vec<f64> = values.iter().zip(robot.parameters()).map(|(new, old)| new - old).collect();
+        let mean = |offsets: &[f64]| offsets.iter().sum::<f64>() / offsets.len().max(1) as f64;
+        let offset = |joint: usize| {
+            let law = found.friction.iter().find(|friction| friction.joint == joint);
+            let report = law.and_then(|law| law.report.as_ref().ok());
+            match report {
+                Some(report) => mean(&report.result.offsets.iter().map(|o| o.value).collect::<Vec<_>>()),
+                None => mean(&found.estimate.joints[joint].offsets),
+            }
+        };
+        Ok(Self {
+            robot,
+            found,
+            is_gravity_compensated,
+            joints,
+            offsets: (0..joints).map(offset).collect(),
+            input_matrix: robot.input_matrix(),
+            regressor: vec![0.0; joints * values.len()],
+            forces: vec![0.0; joints],
+            values,
+            changes,
+        })
+    }
+
+    fn add(&mut self, run: &PreparedRun, sample: usize, sums: &mut [Sums]) {
+        let at = |columns: &[Vec<f64>]| columns.iter().map(|column| column[sample]).collect::<Vec<f64>>();
+        let (y, v, a) = (at(&run.positions), at(&run.velocities), at(&run.accelerations));
+        self.rigid(&y, &v, &a);
+        for (joint, sums) in sums.iter_mut().enumerate() {
+            let measured = self.measured(run, joint, sample);
+            let predicted = self.forces[joint] + self.at_joint(joint, v[joint], a[joint]);
+            if measured.is_finite() && predicted.is_finite() {
+                sums.add(measured, predicted);
+            }
+        }
+    }
+
+    /// `M ÿ + k − q` with the identified parameters, without gravity where the robot compensates it.
+    fn rigid(&mut self, y: &[f64], v: &[f64], a: &[f64]) {
+        self.robot.rigid_forces(y, v, a, &mut self.forces);
+        self.add_regressor([y, v, a], 1.0, &self.changes.clone());
+        if self.is_gravity_compensated {
+            let zero = vec![0.0; v.len()];
+            self.add_regressor([y, &zero, &zero], -1.0, &self.values.clone());
+        }
+    }
+
+    fn add_regressor(&mut self, [y, v, a]: [&[f64]; 3], sign: f64, parameters: &[f64]) {
+        self.regressor.fill(0.0);
+        self.robot.inertial_regressor(y, v, a, &mut self.regressor);
+        let rows = self.regressor.chunks_exact(parameters.len().max(1));
+        for (force, row) in self.forces.iter_mut().zip(rows) {
+            *force += sign * row.iter().zip(parameters).map(|(w, p)| w * p).sum::<f64>();
+        }
+    }
+
+    /// Friction, added inertia and offset of a joint.
+    fn at_joint(&self, joint: usize, v: f64, a: f64) -> f64 {
+        let law = self.found.friction.iter().find(|friction| friction.joint == joint);
+        let report = law.and_then(|law| law.report.as_ref().ok());
+        let friction = report.and_then(|report| report.result.law.torques(&[v]).ok());
+        let inertia = self.found.estimate.joints[joint].armature.map_or(0.0, |armature| armature.value);
+        friction.and_then(|torques| torques.first().copied()).unwrap_or(0.0)
+            + inertia * a
+            + self.offsets[joint]
+    }
+
+    fn measured(&self, run: &PreparedRun, joint: usize, sample: usize) -> f64 {
+        if run.effort == Effort::Joint {
+            return run.efforts[joint][sample];
+        }
+        let row = self.input_matrix.chunks_exact(run.efforts.len().max(1)).nth(joint).unwrap_or_default();
+        let force: f64 = row.iter().zip(&run.efforts).map(|(b, effort)| b * effort[sample]).sum();
+        force * self.found.estimate.joints[joint].gain.map_or(1.0, |gain| gain.value)
+    }
+}
