@@ -400,10 +400,7 @@ fn listed_names(sheet: &Sheet, headers: &[Header], robot: &RobotColumns) -> Opti
     let columns: Vec<&Header> = headers.iter().filter(is_name).collect();
     let value = |h: &&Header| sheet.first.get(h.index).map(|text| text.trim().to_owned());
     let names: Vec<String> = match columns.as_slice() {
-        [only] => {
-            let quoted = value(only)?.split(['\'', '"']).skip(1).step_by(2).map(str::to_owned).collect();
-            quoted
-        }
+        [only] => value(only)?.split(['\'', '"']).skip(1).step_by(2).map(str::to_owned).collect(),
         several => several.iter().filter_map(value).collect(),
     };
     let joint = |name: &String| robot.joints.position(name).or_else(|| robot.joints.mentioned(&words(name)));

@@ -2,6 +2,11 @@
 //!
 //! Nothing is repaired silently: a value that cannot be read is NaN and reported; gaps, jitter, wraps and
 //! mixed units are [`Finding`]s, and the caller decides (select rows, [`Log::unwrap_counter`], split).
+//!
+//! [`runs`] goes further for logs of strangers: it finds the columns of a robot by itself and gives whole runs.
+//! Its order of work is one file for each step: `sheet` (separators, header, rows), `vocabulary` (words of a
+//! header), `families` (the columns of one quantity), `mapping` and `scale` (which family, in which unit), `time`,
+//! `runs` (samples, cut into runs), `health` (what the runs say about their log).
 
 mod check;
 mod families;
@@ -12,6 +17,8 @@ mod number;
 mod options;
 mod read;
 mod recording;
+#[cfg(test)]
+mod refusals;
 mod runs;
 mod scale;
 mod schema;

@@ -1,7 +1,7 @@
 //! Logs in strangers' styles: the same motion, written as other programs write it.
 
 use super::super::run::Effort;
-use super::testing::Fake;
+use super::testing::{Fake, message};
 use super::{ColumnOptions, FindingKind, Recording, runs_of};
 use std::fmt::Write;
 
@@ -25,12 +25,6 @@ fn written(header: &str, count: usize, row: impl Fn(f64, [[f64; 3]; 2]) -> Strin
 fn read(text: &str, options: &ColumnOptions) -> Recording {
     runs_of(text.as_bytes(), "log.csv", &Fake::numbered(2), options)
         .unwrap_or_else(|e| panic!("{e}\n{}", &text[..text.len().min(300)]))
-}
-
-fn message(text: &str, columns: &str) -> String {
-    let columns = Some(columns.to_owned()).filter(|c| !c.is_empty());
-    let options = ColumnOptions { columns, ..ColumnOptions::default() };
-    runs_of(text.as_bytes(), "log.csv", &Fake::numbered(2), &options).unwrap_err().to_string()
 }
 
 /// The motion stands in the recording, up to what was written.
@@ -121,99 +115,6 @@ fn strangers_logs_are_read() {
         );
         let suspicious = recording.findings.iter().filter(|f| f.kind != FindingKind::UnitAssumed);
         assert_eq!(suspicious.map(ToString::to_string).collect::<Vec<_>>(), Vec::<String>::new(), "{style}");
-    }
-}
-
-/// Each message names what is wrong and the line that settles it.
-#[test]
-fn what_cannot_be_read_is_explained() {
-    let rows = "0,1,2,3,4\n0.1,1,2,3,4\n0.2,1,2,3,4\n";
-    let under = |header: &str| format!("{header}\n{rows}");
-    let cases: [(String, &str, &str); 26] = [
-        (
-            rows.into(),
-            "",
-            "the log has no header: its first row is `0, 1, 2, 3, 4`. Say which column is what by numbers, as in --columns 'time=1,position=2..3,torque=4..5'",
-        ),
-        (rows.into(), "time=t,position=2..3,torque=4..5", "the log has no header; give the columns' numbers"),
-        (rows.into(), "time=1,position=2..9,torque=4..5", "the log has columns 1 to 5"),
-        (rows.into(), "time=1,position=2..4,torque=4..5", "it names 3 columns, 2 are needed"),
-        (rows.into(), "time=1,position=2..3,torque=3..4", "column number 3 would stand for two quantities"),
-        (
-            under("t,q1,q2,x1,x2"),
-            "",
-            "no columns are known as the efforts of joint_1, joint_2. There are t, q1, q2, x1, x2. Name them: --columns 'torque=…'",
-        ),
-        (under("t,q1,q3,u1,u2"), "", "no column is the position of `joint_2`"),
-        (under("t,q1,q2,u1,q3"), "", "have 3 numbers (1 to 3), the description has 2"),
-        (under("x,q1,q2,u1,u2"), "", "no column is known as the time"),
-        (
-            under("time_one,q1,q2,u1,time_two"),
-            "",
-            "both `time_one` and `time_two` (columns 1 and 5) could be the time",
-        ),
-        (
-            under("t,left_q1,left_q2,right_q1,right_q2"),
-            "torque=4|5",
-            "both `left_q{}` and `right_q{}` could be the positions: --columns 'position=left_q{}' or 'position=right_q{}' settles it",
-        ),
-        (
-            under("t,joint1_position,joint2_position,u1,u2"),
-            "position=joint{}_pos",
-            "no columns have this name; the nearest is `joint1_position`. There are t, joint1_position",
-        ),
-        (under("t,q1,q2,u1,u2"), "position=q{}[grad]", "unknown unit `grad`; known are s, ms"),
-        (
-            under("t,q1,q2,u1,u2"),
-            "position=q{}[Nm]",
-            "column `q1` is a position in N*m, but rad is expected here",
-        ),
-        (under("t,q1,q2,u1,u2"), "positon=q{}", "there is no quantity `positon`; known are time, position"),
-        (under("t,q1,q2,u1,u2"), "q{}", "this is not `QUANTITY=COLUMNS`"),
-        (under("t,q1,q2,u1,u2"), "torque=u{},current=u{}", "the line names this quantity twice"),
-        (under("t,q1,q2,u1,u2"), "position={name}_pos", "no columns have this name"),
-        (
-            under("t,q1 [counts],q2 [counts],u1,u2"),
-            "",
-            "column `q1 [counts]` is in `counts`, which is no known unit",
-        ),
-        (
-            under("t,joint_0_pos,joint_1_pos,joint_2_pos,u1"),
-            "",
-            "have 3 numbers (0 to 2), the description has 2",
-        ),
-        (
-            under("t,q1_count,q2_count,u1,u2"),
-            "",
-            "column `q1_count` is a position in count, but rad is expected here",
-        ),
-        (under("t,q1,q2,u1"), "", "the header has 4 names (t, q1, q2, u1), but row 2 has 5 fields"),
-        ("t,q1,q2,u1,u2\n".into(), "", "no rows of numbers are found; the file begins with `t,q1,q2,u1,u2`"),
-        (
-            "t,q1,q2,u1,u2\n12:00:01,1,2,3,4\n12:00:02,1,2,3,4\n".into(),
-            "",
-            "the time is no number in all 2 rows (the first is `12:00:01`)",
-        ),
-        ("t,q1,q2,u1,u2\n0,1,2,NaN,4\n1,1,2,NaN,4\n".into(), "", "column `u1` has no finite number"),
-        (
-            "t,q1,q2,u1,u2\n0,1,,3,4\n1,,2,,4\n2,1,,,4\n".into(),
-            "",
-            "0 of 3 rows have time, 2 positions and efforts together",
-        ),
-    ];
-    for (text, columns, part) in cases {
-        let said = message(&text, columns);
-        assert!(said.contains(part), "{text}\n{columns}\n{said}");
-    }
-    for (bytes, part) in [
-        (&b"\x1f\x8b\x08\0"[..], "gunzip"),
-        (b"PK\x03\x04", "zip"),
-        (b"\xff\xfet\0", "UTF-16"),
-        (b" \n", "the file is empty"),
-    ] {
-        let said =
-            runs_of(bytes, "log", &Fake::numbered(2), &ColumnOptions::default()).unwrap_err().to_string();
-        assert!(said.contains(part), "{said}");
     }
 }
 
@@ -458,4 +359,43 @@ fn several_logs_are_one_recording() {
     );
     assert!(message(&[]).contains("the list of logs is empty"));
     assert!(message(&[&folder.path().join("none.csv")]).contains("none.csv"));
+}
+
+/// As PlotJuggler exports several topics: each row has one topic's columns, the others are empty.
+#[test]
+fn topics_between_each_other_are_told_apart() {
+    let mut text = String::from(
+        "__time,/imu/acceleration/x,/joint_states/joint_1/position,/joint_states/joint_2/position,/joint_states/joint_1/effort,/joint_states/joint_2/effort,/cmd/joint_1/position,/cmd/joint_2/position\n",
+    );
+    for i in 0..100 {
+        let (t, [a, b]) = motion(i);
+        writeln!(text, "{t},9.81,,,,,,").unwrap();
+        writeln!(text, "{t},,{},{},{},{},,", a[0], b[0], a[2], b[2]).unwrap();
+        writeln!(text, "{},,,,,,{},{}", t + 0.001, a[0], b[0]).unwrap();
+    }
+    let recording = read(&text, &ColumnOptions::default());
+    assert_motion("topics", &recording, 100);
+    assert_eq!(recording.runs[0].rows[..2], [3, 6]);
+    let left = recording.findings.iter().find(|f| f.kind == FindingKind::LeftOut).map(ToString::to_string);
+    assert_eq!(left.as_deref(), Some("log.csv: 200 rows are left out because they are not complete"));
+}
+
+/// What is asked of every reader: no input takes longer than its length says.
+#[test]
+fn odd_logs_are_read_in_time() {
+    // Every row is a run of its own, or goes back in time.
+    let rows = |row: &dyn Fn(usize) -> String| -> String {
+        let rows: Vec<String> = (0..20_000).map(row).collect();
+        format!("t,run,q1,q2,u1,u2\n{}\n", rows.join("\n"))
+    };
+    let said = message(&rows(&|i| format!("{i},{i},1,2,3,4")), "");
+    assert!(said.contains("no two samples follow each other"), "{said}");
+    let recording = read(&rows(&|i| format!("{},1,1,2,3,4", i % 2)), &ColumnOptions::default());
+    assert_eq!(recording.runs.len(), 10_000);
+    assert!(recording.findings.len() < 20, "{}", recording.findings.len());
+    // More columns than any log has.
+    let header: Vec<String> = (0..5000).map(|i| format!("topic_{i}/signal_{}", i % 7)).collect();
+    let row = vec!["1"; 5000].join(",");
+    let said = message(&format!("{}\n{row}\n{row}\n", header.join(",")), "");
+    assert!(said.contains("(4960 more)"), "{}", &said[..200]);
 }

@@ -1,6 +1,7 @@
 //! A robot for tests of logs: names, limits, units and gears, without dynamics.
 
 use super::super::robot::{JointLimits, Robot};
+use super::{ColumnOptions, runs_of};
 
 /// Joints with limits and drives, as a log needs them.
 pub(super) struct Fake {
@@ -65,4 +66,11 @@ impl Robot for Fake {
         forces.fill(0.0);
         forces[0] = self.weight;
     }
+}
+
+/// Why a log of two joints cannot be read.
+pub(super) fn message(text: &str, columns: &str) -> String {
+    let columns = Some(columns.to_owned()).filter(|c| !c.is_empty());
+    let options = ColumnOptions { columns, ..ColumnOptions::default() };
+    runs_of(text.as_bytes(), "log.csv", &Fake::numbered(2), &options).unwrap_err().to_string()
 }

@@ -1,0 +1,63 @@
+//! What cannot be read: each message names what is wrong and the line that settles it.
+
+use super::testing::{Fake, message};
+use super::{ColumnOptions, runs_of};
+
+const ROWS: &str = "0,1,2,3,4\n0.1,1,2,3,4\n0.2,1,2,3,4\n";
+
+/// Text of a log, what is said about its columns, and a part of the message.
+#[rustfmt::skip]
+fn cases() -> Vec<(String, &'static str, &'static str)> {
+    let under = |header: &str| format!("{header}\n{ROWS}");
+    vec![
+        (ROWS.into(), "", "the log has no header: its first row is `0, 1, 2, 3, 4`. Say which column is what by numbers, as in --columns 'time=1,position=2..3,torque=4..5'"),
+        (ROWS.into(), "time=t,position=2..3,torque=4..5", "the log has no header; give the columns' numbers"),
+        (ROWS.into(), "time=1,position=2..9,torque=4..5", "the log has columns 1 to 5"),
+        (ROWS.into(), "time=1,position=2..4,torque=4..5", "it names 3 columns, 2 are needed"),
+        (ROWS.into(), "time=1,position=2..3,torque=3..4", "column number 3 would stand for two quantities"),
+        (under("t,q1,q2,x1,x2"), "", "no columns are known as the efforts of joint_1, joint_2. There are t, q1, q2, x1, x2. Name them: --columns 'torque=…'"),
+        (under("t,q1,q3,u1,u2"), "", "no column is the position of `joint_2`"),
+        (under("t,q1,q2,u1,q3"), "", "have 3 numbers (1 to 3), the description has 2"),
+        (under("x,q1,q2,u1,u2"), "", "no column is known as the time"),
+        (under("time_one,q1,q2,u1,time_two"), "", "both `time_one` and `time_two` (columns 1 and 5) could be the time"),
+        (under("t,left_q1,left_q2,right_q1,right_q2"), "torque=4|5", "both `left_q{}` and `right_q{}` could be the positions: --columns 'position=left_q{}' or 'position=right_q{}' settles it"),
+        (under("t,joint1_position,joint2_position,u1,u2"), "position=joint{}_pos", "no columns have this name; the nearest is `joint1_position`. There are t, joint1_position"),
+        (under("t,q1,q2,u1,u2"), "position=q{}[grad]", "unknown unit `grad`; known are s, ms"),
+        (under("t,q1,q2,u1,u2"), "position=q{}[Nm]", "column `q1` is a position in N*m, but rad is expected here"),
+        (under("t,q1,q2,u1,u2"), "positon=q{}", "there is no quantity `positon`; known are time, position"),
+        (under("t,q1,q2,u1,u2"), "q{}", "this is not `QUANTITY=COLUMNS`"),
+        (under("t,q1,q2,u1,u2"), "torque=u{},current=u{}", "the line names this quantity twice"),
+        (under("t,q1,q2,u1,u2"), "position={name}_pos", "no columns have this name"),
+        (under("t,q1 [counts],q2 [counts],u1,u2"), "", "column `q1 [counts]` is in `counts`, which is no known unit"),
+        (under("t,joint_0_pos,joint_1_pos,joint_2_pos,u1"), "", "have 3 numbers (0 to 2), the description has 2"),
+        (under("t,q1_count,q2_count,u1,u2"), "", "column `q1_count` is a position in count, but rad is expected here"),
+        (under("t,q1,q2,u1"), "", "the header has 4 names (t, q1, q2, u1), but row 2 has 5 fields"),
+        ("t,q1,q2,u1,u2\n".into(), "", "no rows of numbers are found; the file begins with `t,q1,q2,u1,u2`"),
+        ("t,q1,q2,u1,u2\n12:00:01,1,2,3,4\n12:00:02,1,2,3,4\n".into(), "", "the time is no number in all 2 rows (the first is `12:00:01`)"),
+        ("t,q1,q2,u1,u2\n0,1,2,NaN,4\n1,1,2,NaN,4\n".into(), "", "column `u1` has no finite number"),
+        ("t,q1,q2,u1,u2\n0,1,,3,4\n1,,2,,4\n2,1,,,4\n".into(), "", "0 of 3 rows have time, 2 positions and efforts together"),
+    ]
+}
+
+#[test]
+fn what_cannot_be_read_is_explained() {
+    for (text, columns, part) in cases() {
+        let said = message(&text, columns);
+        assert!(said.contains(part), "{text}\n{columns}\n{said}");
+    }
+}
+
+#[test]
+fn files_of_other_kinds_are_named() {
+    let cases: [(&[u8], &str); 4] = [
+        (b"\x1f\x8b\x08\0", "gunzip"),
+        (b"PK\x03\x04", "zip"),
+        (b"\xff\xfet\0", "UTF-16"),
+        (b" \n", "the file is empty"),
+    ];
+    for (bytes, part) in cases {
+        let said = runs_of(bytes, "log", &Fake::numbered(2), &ColumnOptions::default());
+        let said = said.unwrap_err().to_string();
+        assert!(said.contains(part), "{said}");
+    }
+}
