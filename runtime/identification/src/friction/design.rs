@@ -37,9 +37,18 @@ pub(super) struct Design<'a> {
 impl<'a> Design<'a> {
     pub(super) fn new(settings: &FrictionIdentification, data: &'a FrictionData<'a>) -> Result<Self> {
         let separate = settings.offsets == Offsets::Separate;
-        let library = if separate { without_constants(&settings.library)? } else { settings.library.clone() };
-        let (library, notes) = without_unseen_asymmetries(&library, data.velocities)?;
-        let matrix = library.matrix(&[data.velocities])?;
+        let (library, notes) = seen(&settings.library, separate, data.velocities)?;
+        Ok(Self { notes, ..Self::over(library, &[data.velocities], separate, data)? })
+    }
+
+    /// The design of a library over any channels.
+    pub(super) fn over(
+        library: Library,
+        channels: &[&[f64]],
+        separate: bool,
+        data: &'a FrictionData<'a>,
+    ) -> Result<Self> {
+        let matrix = library.matrix(channels)?;
         let mut columns: Vec<Vec<f64>> = matrix.column_iter().map(|c| c.iter().copied().collect()).collect();
         let mut torque = data.torques.to_vec();
         let runs = runs(data);
@@ -50,7 +59,7 @@ impl<'a> Design<'a> {
             }
             centre(&mut torque, &runs, data.weights);
         }
-        Ok(Self { data, library, columns, torque, runs, separate, notes })
+        Ok(Self { data, library, columns, torque, runs, separate, notes: Vec::new() })
     }
 
     /// Samples for least squares.
@@ -188,6 +197,12 @@ fn require_independent(
         samples = samples.with_weights(weights)?;
     }
     Reduced::new(&samples).map(|_| ())
+}
+
+/// The terms of a library that may enter a law of these velocities, and what was left out.
+pub(super) fn seen(library: &Library, separate: bool, velocities: &[f64]) -> Result<(Library, Vec<String>)> {
+    let library = if separate { without_constants(library)? } else { library.clone() };
+    without_unseen_asymmetries(&library, velocities)
 }
 
 /// The library without asymmetries `|f(v)|` of motion that is nearly all in one direction: there they are `f(v)` or

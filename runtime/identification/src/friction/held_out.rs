@@ -49,7 +49,7 @@ pub(super) fn held_out(
     }
 }
 
-fn by_folds(folds: &[Moments], selection: &Selection, rows: Option<&DMatrix<f64>>) -> Result<f64> {
+pub(super) fn by_folds(folds: &[Moments], selection: &Selection, rows: Option<&DMatrix<f64>>) -> Result<f64> {
     let mut sum = 0.0;
     for (k, fold) in folds.iter().enumerate() {
         let others = folds.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, fold)| fold);

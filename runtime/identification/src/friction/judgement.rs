@@ -68,8 +68,7 @@ impl<'a> Findings<'a> {
         self.check_limits();
         let rms = (total / judged.residuals.len() as f64).sqrt();
         self.warnings.extend(dependences(data, settings.folds, &judged.residuals, rms));
-        let torques = judged.law.torques(data.velocities)?;
-        let drift = Drift::new(data, &torques, judged.law.gradients(data.velocities)?, &judged.residuals);
+        let drift = drift(data, &judged)?;
         self.warnings.extend(drift.iter().flat_map(|drift| drift.warnings(data.unit, rms)));
         let result = FrictionResult {
             joint: data.joint.into(),
@@ -90,18 +89,7 @@ impl<'a> Findings<'a> {
             warnings: self.warnings,
             refusal: (!self.refusals.is_empty()).then(|| self.refusals.join("; ")),
         };
-        Ok(FrictionReport {
-            result,
-            terms: Vec::new(),
-            correlation: DMatrix::zeros(0, 0),
-            condition: f64::NAN,
-            covariance: DMatrix::zeros(0, 0),
-            validation: None,
-            front: Vec::new(),
-            ensemble: None,
-            average: None,
-            residuals: judged.residuals,
-        })
+        Ok(alone(result, judged.residuals))
     }
 
     fn judge(&mut self, held_out: Option<f64>, least: f64) {
@@ -131,6 +119,27 @@ impl<'a> Findings<'a> {
             }
         }
     }
+}
+
+/// A report of nothing but the law.
+fn alone(result: FrictionResult, residuals: Vec<f64>) -> FrictionReport {
+    FrictionReport {
+        result,
+        terms: Vec::new(),
+        correlation: DMatrix::zeros(0, 0),
+        condition: f64::NAN,
+        covariance: DMatrix::zeros(0, 0),
+        validation: None,
+        front: Vec::new(),
+        ensemble: None,
+        average: None,
+        residuals,
+    }
+}
+
+fn drift(data: &FrictionData, judged: &Judged) -> Result<Option<Drift>> {
+    let (torques, gradients) = (judged.law.torques(data.velocities)?, judged.law.gradients(data.velocities)?);
+    Ok(Drift::new(data, &torques, gradients, &judged.residuals))
 }
 
 fn rms_of(x: &[f64]) -> f64 {

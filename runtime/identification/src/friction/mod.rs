@@ -10,8 +10,10 @@
 mod dependence;
 mod design;
 mod drift;
+mod errors;
 mod held_out;
 mod judgement;
+mod load;
 mod selection;
 mod stribeck;
 mod terms;
@@ -20,6 +22,7 @@ mod tests;
 
 pub(crate) use design::centre;
 pub use drift::{Drift, Trend};
+pub use load::LoadFriction;
 
 use super::cross_validation::{CrossValidation, ParetoPoint};
 use super::ensemble::Ensemble;
@@ -170,6 +173,30 @@ impl FrictionIdentification {
             FrictionMethod::Stribeck(regression) => stribeck::identify(self, data, regression),
             _ => terms::identify(self, data),
         }
+    }
+}
+
+impl FrictionIdentification {
+    /// Finds friction that grows with the load, `τ = s₀(v) + |τ_l| s₁(v)`: [`Self::library`] holds the terms of s₀.
+    ///
+    /// - `load_library`: terms of s₁ in the velocity `v`, e.g. `tanh(20*v)`
+    /// - `loads`: τ_l, the torque `M ÿ + k − q` without friction that the gear carries, at the same samples
+    ///
+    /// The law is not kept from driving the joint; a warning says where it would. The Stribeck method is taken for
+    /// least squares on all terms.
+    ///
+    /// # Errors
+    /// As [`Self::identify`]; a load that never changes is collinear with s₀.
+    pub fn identify_with_load(
+        &self,
+        load_library: &Library,
+        data: &FrictionData,
+        loads: &[f64],
+    ) -> Result<LoadFriction> {
+        check(data)?;
+        require_length(&format!("loads of {}", data.joint), data.velocities.len(), loads.len())?;
+        require_finite(&format!("the load of {}", data.joint), loads)?;
+        load::identify(self, load_library, data, loads)
     }
 }
 

@@ -1,15 +1,15 @@
 //! Laws that are sums of terms: choice, least squares, passivity, standard errors.
 
-use super::super::confidence::{LongRun, covariance_of_sums};
 use super::super::constrained::{constrained_fit, face, nonnegative_rows, passivity_rows};
 use super::super::cross_validation::pareto_front;
 use super::super::ensemble::{Ensemble, bootstrap};
 use super::super::error::Result;
-use super::super::least_squares::{Reduced, Solution, Solver, triangular_factor};
+use super::super::least_squares::{Reduced, Solution, Solver};
 use super::super::moments::{Moments, Samples};
 use super::super::result::{FrictionLaw, FrictionTerm};
 use super::super::subset::{MOST_TERMS, ModelAverage, requirements};
 use super::design::Design;
+use super::errors::Errors;
 use super::held_out::held_out;
 use super::judgement::{Findings, Judged};
 use super::selection::{Selection, choose};
@@ -163,105 +163,6 @@ fn remove_rounding(coefficients: &mut DVector<f64>, moments: &Moments, samples: 
     }
 }
 
-/// Standard errors of the chosen coefficients.
-struct Errors {
-    covariance: DMatrix<f64>,
-    standard: Vec<f64>,
-    /// As if all other coefficients were known.
-    resolution: Vec<f64>,
-    freedom: f64,
-    /// Samples that would tell as much if their errors were independent.
-    effective_samples: f64,
-}
-
-impl Errors {
-    /// - `binding`: rows of constraints that the coefficients lie on; they count as known
-    fn new(design: &Design, active: &[usize], binding: &DMatrix<f64>, residuals: &[f64]) -> Result<Self> {
-        let bread = inverse_gram(design, active, binding)?;
-        let scores: Vec<Vec<f64>> = active.iter().map(|&i| score(design, i, residuals)).collect();
-        let influences = combine(&bread, &scores);
-        let sums: Vec<LongRun> =
-            influences.iter().map(|series| LongRun::of_sum(series, &design.runs)).collect();
-        let block = sums.iter().map(|s| s.block).max().unwrap_or(1);
-        let standard: Vec<f64> = sums.iter().map(LongRun::standard_error).collect();
-        let raw = covariance_of_sums(&influences, &design.runs, block);
-        let independent: Vec<f64> = influences.iter().map(|s| s.iter().map(|x| x * x).sum::<f64>()).collect();
-        let inflation: Vec<f64> =
-            sums.iter().zip(&independent).filter(|(_, i)| **i > 0.0).map(|(s, i)| s.variance / i).collect();
-        Ok(Self {
-            covariance: rescaled(raw, &standard),
-            resolution: active.iter().zip(&scores).map(|(&i, s)| alone(design, i, s)).collect(),
-            freedom: sums.iter().map(|s| s.freedom).fold(f64::INFINITY, f64::min).min(1e9),
-            effective_samples: residuals.len() as f64 / median(inflation).max(1.0),
-            standard,
-        })
-    }
-}
-
-fn median(mut x: Vec<f64>) -> f64 {
-    x.sort_by(f64::total_cmp);
-    x.get(x.len() / 2).copied().unwrap_or(1.0)
-}
-
-/// Contributions of the samples to the normal equations of one term.
-fn score(design: &Design, term: usize, residuals: &[f64]) -> Vec<f64> {
-    let products = design.column(term).iter().zip(residuals).map(|(x, r)| x * r);
-    match design.data.weights {
-        Some(weights) => products.zip(weights).map(|(s, w)| s * w).collect(),
-        None => products.collect(),
-    }
-}
-
-/// Standard error of a coefficient if all others were known.
-fn alone(design: &Design, term: usize, score: &[f64]) -> f64 {
-    let weight = |i: usize| design.data.weights.map_or(1.0, |w| w[i]);
-    let energy: f64 = design.column(term).iter().enumerate().map(|(i, x)| weight(i) * x * x).sum();
-    LongRun::of_sum(score, &design.runs).standard_error() / energy
-}
-
-/// `(ΘᵀWΘ)⁻¹` on the active terms, or on the face where constraints bind, by orthogonal factorization.
-fn inverse_gram(design: &Design, active: &[usize], binding: &DMatrix<f64>) -> Result<DMatrix<f64>> {
-    let (p, samples) = (active.len(), design.samples_of(active)?);
-    let r = triangular_factor(&samples).view((0, 0), (p, p)).into_owned();
-    let z = null_space(&binding.select_columns(active), p);
-    let svd = (r * &z).svd(false, true);
-    let limit = 1e-12 * svd.singular_values.amax();
-    let Some(v_t) = svd.v_t else { return Ok(DMatrix::zeros(p, p)) };
-    let inverse = svd.singular_values.map(|s| if s > limit { 1.0 / (s * s) } else { 0.0 });
-    let inner = v_t.transpose() * DMatrix::from_diagonal(&inverse) * v_t;
-    Ok(&z * inner * z.transpose())
-}
-
-/// Orthonormal columns that span what the rows map to zero.
-fn null_space(rows: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
-    if rows.nrows() == 0 {
-        return DMatrix::identity(count, count);
-    }
-    let eigen = (rows.transpose() * rows).symmetric_eigen();
-    let limit = 1e-10 * eigen.eigenvalues.amax();
-    let kept: Vec<usize> = (0..count).filter(|&i| eigen.eigenvalues[i] <= limit).collect();
-    eigen.eigenvectors.select_columns(&kept)
-}
-
-/// Influence of each sample on each coefficient: the bread times the scores.
-fn combine(bread: &DMatrix<f64>, scores: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let samples = scores.first().map_or(0, Vec::len);
-    let row = |j: usize| {
-        let mut sum = vec![0.0; samples];
-        for (k, score) in scores.iter().enumerate() {
-            sum.iter_mut().zip(score).for_each(|(s, x)| *s += bread[(j, k)] * x);
-        }
-        sum
-    };
-    (0..scores.len()).map(row).collect()
-}
-
-/// A covariance with the correlations of `raw` and these standard errors.
-fn rescaled(raw: DMatrix<f64>, standard: &[f64]) -> DMatrix<f64> {
-    let factor = |i: usize| if raw[(i, i)] > 0.0 { standard[i] / raw[(i, i)].sqrt() } else { 0.0 };
-    DMatrix::from_fn(standard.len(), standard.len(), |i, j| raw[(i, j)] * factor(i) * factor(j))
-}
-
 fn average(reduced: &Reduced, errors: &Errors) -> Result<Option<ModelAverage>> {
     if reduced.moments().terms() > MOST_TERMS {
         return Ok(None);
@@ -277,14 +178,10 @@ fn law(
     average: Option<&ModelAverage>,
     ensemble: Option<&Ensemble>,
 ) -> FrictionLaw {
-    let known = |error: f64| Some(error).filter(|e| e.is_finite());
     let term = |(k, &i): (usize, &usize)| FrictionTerm {
-        basis: design.library.terms()[i].clone(),
-        coefficient: solution.coefficients[i],
-        standard_error: known(errors.standard[k]),
-        resolution: known(errors.resolution[k]),
         inclusion: ensemble.map(|e| e.inclusion[i]),
         probability: average.map(|a| a.inclusion[i]),
+        ..errors.term(k, &design.library.terms()[i], solution.coefficients[i])
     };
     FrictionLaw::Terms(solution.active.iter().enumerate().map(term).collect())
 }
