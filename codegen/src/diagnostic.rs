@@ -35,11 +35,11 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// Kind of the problem in kebab case; stable, for scripts.
     pub code: &'static str,
-    /// What is wrong, with the offending numbers.
+    /// The problem, with the offending numbers.
     pub message: String,
     /// Where; `None` for what has no place in a file.
     pub location: Option<Location>,
-    /// What to do.
+    /// Advice to the user.
     pub help: Option<String>,
 }
 
@@ -131,12 +131,12 @@ impl Diagnostics {
         self.0
     }
 
-    /// Whether there is none.
+    /// Tells whether there are no diagnostics.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Whether any of them is an error.
+    /// Tells whether one of the diagnostics is an error.
     pub fn has_errors(&self) -> bool {
         self.error_count() > 0
     }
@@ -282,12 +282,12 @@ impl Report {
         errors.count() + self.dropped
     }
 
-    /// Whether further errors are only counted; looking for advice is in vain then.
+    /// Tells whether further errors are only counted. Advice for them is then in vain.
     pub fn is_full(&self) -> bool {
         self.entries.len() >= KEPT
     }
 
-    /// Whether an error was added.
+    /// Tells whether an error was added.
     pub fn has_errors(&self) -> bool {
         self.error_count() > 0
     }

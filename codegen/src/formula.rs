@@ -14,7 +14,7 @@ mod terms;
 /// Largest number of a description: far beyond any robot, and products of ten of them are finite.
 pub(crate) const LARGEST_NUMBER: f64 = 1e30;
 
-/// What is wrong with a number beyond [`LARGEST_NUMBER`].
+/// The message about a number beyond [`LARGEST_NUMBER`].
 pub(crate) fn too_large(what: &str) -> String {
     format!("{what} is beyond {LARGEST_NUMBER:e}, where the equations overflow")
 }
@@ -64,7 +64,7 @@ pub enum Function {
 }
 
 impl Formula {
-    /// Whether the formula calls a function.
+    /// Tells whether the formula calls a function.
     pub fn calls(&self, function: Function) -> bool {
         match self {
             Self::Number(_) | Self::Parameter(_) | Self::Position | Self::Velocity => false,

@@ -12,7 +12,7 @@ use crate::program::lanes;
 pub(crate) struct Lanes(Vec<String>);
 
 impl Lanes {
-    /// What the caller asks for, else what the description asks for.
+    /// Takes the functions that the caller asks for, else those that the description asks for.
     ///
     /// - `asked`: by the caller, may be empty
     ///

@@ -1,6 +1,6 @@
 //! Lengths with names: what the entries of an array stand for.
 
-/// What the entries of an array stand for, so that its length has a name in every language.
+/// The meaning of an array's entries, which gives its length a name in every language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// Coordinates y.
@@ -18,7 +18,7 @@ pub enum Dimension {
 /// A length: how many entries, and what they stand for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extent {
-    /// What the entries stand for.
+    /// The meaning of the entries.
     pub dimension: Dimension,
     /// How many there are.
     pub len: usize,

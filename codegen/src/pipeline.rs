@@ -17,7 +17,7 @@ use crate::program::fuse_multiply_adds;
 use crate::self_test::self_tests;
 use crate::snapping;
 
-/// What the caller may ask for beyond the description.
+/// Choices of the caller, beyond the description.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GenerateOptions {
     /// Functions to generate; empty: what the description asks for, by default all.
@@ -52,7 +52,7 @@ pub struct GenerateOptions {
     pub emit: EmitOptions,
 }
 
-/// What became of a description.
+/// The products of a description.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Generated {
     /// The robot.
@@ -61,9 +61,9 @@ pub struct Generated {
     pub module: Module,
     /// Its text.
     pub source: SourceFile,
-    /// Whether this is the smooth one of a pair.
+    /// It is true if this is the smooth one of a pair.
     pub is_control_model: bool,
-    /// What is worth knowing about the description.
+    /// Notes about the description.
     pub notes: Diagnostics,
     /// All files that were read, the description first.
     pub files: Vec<PathBuf>,
@@ -122,7 +122,7 @@ fn generate_from(
     })
 }
 
-/// What the name of the smooth module of a pair ends with.
+/// The end of the name of a pair's smooth module.
 pub const CONTROL: &str = "_control";
 
 /// Two modules of one description: an exact one for plants, whose friction and springs keep their `sign`, and

@@ -41,7 +41,7 @@ impl Workspace {
         Ok(descriptions)
     }
 
-    /// Whether the file lies directly in models/.
+    /// Tells whether the file lies directly in models/.
     pub(super) fn contains(&self, description: &Path) -> bool {
         let folder = fs::canonicalize(description).ok().and_then(|path| path.parent().map(Path::to_owned));
         folder.is_some() && folder == fs::canonicalize(self.root.join("models")).ok()

@@ -32,7 +32,7 @@ pub(super) fn err(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// What is wrong with descriptions: text on standard error, JSON on standard output.
+/// Prints the problems of descriptions: text on standard error, JSON on standard output.
 pub(super) fn problems(all: &[Diagnostics], format: Format) {
     match format {
         Format::Text => {

@@ -64,7 +64,7 @@ impl<'i> Variables<'i> {
         Atom::var(self.symbol(kind, index))
     }
 
-    /// What a variable is.
+    /// Recognizes the kind of a variable.
     pub fn recognize(self, symbol: Symbol) -> Option<(Kind, usize)> {
         let name = symbol.get_stripped_name();
         let kind = Kind::ALL.into_iter().find(|kind| name.starts_with(kind.prefix()))?;

@@ -24,7 +24,7 @@ pub(super) struct MovingBody {
     pub pose: Pose,
     /// Axis in the joint frame, unit length.
     pub axis: [f64; 3],
-    /// Whether it slides.
+    /// Tells whether its joint is prismatic.
     pub is_prismatic: bool,
     /// Its masses, in its own frame.
     pub masses: Vec<Mass>,

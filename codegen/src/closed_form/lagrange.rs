@@ -14,7 +14,7 @@ use super::bodies::{Bodies, ENTRY, MovingBody, Rotor};
 use super::letters::Letters;
 use crate::model::{Model, RotorCoupling};
 
-/// What the energies give; phases stand for sines and cosines.
+/// The equations that follow from the energies, with phases for sines and cosines.
 pub(super) struct Lagrange {
     /// `M = ∂²L/∂ẏ²`
     pub mass_matrix: Vec<Vec<Atom>>,

@@ -95,7 +95,7 @@ pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnos
     })
 }
 
-/// Whether closed forms of this model are offered; needs no instance.
+/// Checks that a model is small enough for closed forms. No instance of Symbolica is needed.
 ///
 /// # Errors
 /// As [`derive`].

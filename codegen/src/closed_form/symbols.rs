@@ -12,7 +12,7 @@ pub struct Symbol {
     pub index: String,
     /// Described value; parameters may have others.
     pub value: Formula,
-    /// What it is, with its unit.
+    /// The meaning of the symbol, with its unit.
     pub meaning: String,
     /// Belongs to drives, gravity or friction: shown in the entries, never hidden in a lumped constant.
     pub is_visible: bool,

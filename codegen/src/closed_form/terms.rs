@@ -38,7 +38,7 @@ pub struct Number {
     pub fraction: Option<(i64, i64)>,
 }
 
-/// What a monomial multiplies.
+/// A factor of a monomial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Factor {
     /// Lumped constant with this index.

@@ -21,7 +21,7 @@ pub fn spring_forces<'g>(
     model.joints().enumerate().map(force).collect()
 }
 
-/// Whether a friction law depends on the position of its joint: τ(y, ẏ) then, else τ(ẏ).
+/// Tells whether a friction law depends on the position of its joint. Friction is τ(y, ẏ) then, else τ(ẏ).
 pub fn friction_depends_on_position(model: &Model) -> bool {
     let terms = model.joints().flat_map(|joint| &joint.friction);
     terms.map(|term| &term.basis).any(Formula::depends_on_position)
@@ -144,7 +144,7 @@ pub fn input_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>>
     matrix
 }
 
-/// What the documentation says where a force law jumps.
+/// The note in a function's documentation where a force law jumps.
 pub fn jump_note(model: &Model, program: &Program) -> Option<String> {
     let is_sign = |step: &Instruction| matches!(step.operation, Operation::Call(Function::Sign, _));
     (model.joints().any(Joint::jumps) && program.instructions.iter().any(is_sign)).then(|| {

@@ -13,7 +13,7 @@ pub struct EmitOptions {
     pub scalar: Scalar,
     /// Where sine, cosine, tanh and exp come from.
     pub math: Math,
-    /// What makes the file again, for its header: a command without absolute paths.
+    /// The command that makes the file again, for its header, without absolute paths.
     pub command: String,
     /// Programs with more statements than this are split into private functions of at most so many.
     pub longest_function: usize,

@@ -17,7 +17,7 @@ impl Formula {
         }
     }
 
-    /// Whether the formula is the number 0.
+    /// Tells whether the formula is the number 0.
     pub fn is_zero(&self) -> bool {
         self.as_number() == Some(0.0)
     }
@@ -53,7 +53,7 @@ impl Formula {
         (!self.any(&is_open)).then(|| self.evaluate(parameters, f64::NAN, f64::NAN))
     }
 
-    /// Whether the formula holds a node for which `test` is true.
+    /// Tells whether the formula holds a node for which `test` is true.
     pub fn any(&self, test: &dyn Fn(&Self) -> bool) -> bool {
         test(self)
             || match self {
@@ -65,22 +65,22 @@ impl Formula {
             }
     }
 
-    /// Whether the value depends on the joint's position or velocity.
+    /// Tells whether the value depends on the joint's position or velocity.
     pub fn depends_on_motion(&self) -> bool {
         self.any(&|node| matches!(node, Self::Position | Self::Velocity))
     }
 
-    /// Whether the value depends on the joint's position.
+    /// Tells whether the value depends on the joint's position.
     pub fn depends_on_position(&self) -> bool {
         self.any(&|node| matches!(node, Self::Position))
     }
 
-    /// Whether every number in the formula is finite.
+    /// Tells whether every number in the formula is finite.
     pub fn is_finite(&self) -> bool {
         !self.any(&|node| matches!(node, Self::Number(value) if !value.is_finite()))
     }
 
-    /// Whether a number in the formula is beyond [`LARGEST_NUMBER`](super::LARGEST_NUMBER).
+    /// Tells whether a number in the formula is beyond [`LARGEST_NUMBER`](super::LARGEST_NUMBER).
     pub(crate) fn is_too_large(&self) -> bool {
         self.any(&|node| matches!(node, Self::Number(value) if value.abs() > super::LARGEST_NUMBER))
     }

@@ -7,7 +7,7 @@ const UNIT: &str = "formula-unit";
 const COMMA: &str = "formula-comma";
 
 impl FormulaError {
-    /// Whether the text would be a number elsewhere.
+    /// Tells whether the text would be a number in another language.
     pub(crate) fn is_habit(&self) -> bool {
         [UNIT, COMMA].contains(&self.code)
     }

@@ -21,7 +21,7 @@ const MOST_OPERATORS: usize = 200;
 /// Largest exponent.
 const LARGEST_EXPONENT: u32 = 16;
 
-/// What a formula may refer to.
+/// The names that a formula may refer to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Allowed {
     /// Numbers and `pi`.

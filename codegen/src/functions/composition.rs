@@ -17,7 +17,7 @@ pub struct ComposedResult {
     pub name: &'static str,
     /// Its lengths, outermost first.
     pub extents: Vec<Extent>,
-    /// What it is.
+    /// The meaning of the value.
     pub meaning: &'static str,
 }
 
@@ -55,7 +55,7 @@ impl Composition {
         }
     }
 
-    /// Whether it takes several steps in one period.
+    /// Tells whether the function takes several steps in one period.
     #[must_use]
     pub fn has_substeps(self) -> bool {
         self != Self::Discretize
@@ -159,7 +159,7 @@ impl Composition {
         Some(self.cost(n, m, substeps, called))
     }
 
-    /// What the documentation adds to a cost that depends on the data.
+    /// The note in the documentation about a cost that depends on the data.
     pub(crate) fn cost_note(self, model: &Model, functions: &[Function]) -> Option<String> {
         if self != Self::Discretize {
             return None;
@@ -192,7 +192,7 @@ impl Composition {
         }
     }
 
-    /// What is pasted into the module.
+    /// The texts that are pasted into the module.
     pub(crate) fn texts(self) -> &'static [Text] {
         match self {
             Self::Discretize => &[Text::Sums, Text::Halves, Text::ZeroOrderHold],

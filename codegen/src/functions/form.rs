@@ -46,7 +46,7 @@ pub const LARGEST_STRAIGHT: usize = 27_000;
 /// and 1.8 between other code.
 const MOST_OPERATIONS: f64 = 3.1;
 
-/// What the documentation of a function with loops says.
+/// The note in the documentation of a function with loops.
 pub(super) const NOTE: &str = "Loops over joints, with spatial vectors in the frame of the base (Singh, Russell and Wensing 2022): \
     straight-line code would not fit into a processor's instruction cache. The cost counts each operation that contributes.";
 

@@ -14,13 +14,13 @@ pub struct Function {
     pub summary: String,
     /// The equation in Unicode.
     pub equation: String,
-    /// What the input arrays are, in the order of `program.inputs`.
+    /// The meaning of the input arrays, in the order of `program.inputs`.
     pub arguments: Vec<ArgumentText>,
     /// Meaning, unit and frame of each result, in the order of `program.outputs`.
     pub results: Vec<String>,
     /// Further sentences: which formulation was cheapest, limits, sources.
     pub notes: Vec<String>,
-    /// What users of this function need beside it.
+    /// Constants that users of this function need beside it.
     pub constants: Vec<Constant>,
     /// The body.
     pub program: Program,
@@ -36,7 +36,7 @@ impl Function {
     }
 }
 
-/// What the documentation of an argument says.
+/// The documentation of an argument.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArgumentText {
     /// Meaning, unit and frame.
@@ -51,7 +51,7 @@ pub struct Constant {
     /// Rust identifier, one of [`crate::functions::module_constants::NAMES`] or
     /// [`crate::module::constants::NAMES`].
     pub name: &'static str,
-    /// What it says.
+    /// The sentence about the constant.
     pub summary: String,
     /// A list below, may be empty.
     pub items: Vec<String>,

@@ -18,7 +18,7 @@ use crate::program::arrays::ArrayForm;
 /// Frames whose functions are generated without being asked for.
 const MOST_FRAMES: usize = 500;
 
-/// What is wanted of a model.
+/// A request for functions of a model.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
     /// Names of functions, `frames` for those of all named frames; none means all but those on request.
@@ -38,7 +38,7 @@ pub struct Selection {
     pub functions: Vec<Function>,
     /// Functions that call them.
     pub compositions: Vec<Composition>,
-    /// What was left out, and why.
+    /// Notes about functions that were left out, with the reason.
     pub notes: Vec<Diagnostic>,
 }
 

@@ -60,7 +60,7 @@ pub(super) struct TooLarge {
     most: usize,
 }
 
-/// What is too large, as far as that is known before anything is derived.
+/// Finds the functions that are too large, as far as that is known before anything is derived.
 pub(super) fn before(model: &Model, names: &[String], forms: &Forms<'_>, most: usize) -> Vec<TooLarge> {
     if model.coordinates.len() <= FEW_JOINTS {
         return Vec::new();
@@ -102,7 +102,7 @@ fn too_large(
     too_large.filter(|each| each.operations > each.most).collect()
 }
 
-/// Whether a function became too large.
+/// Checks a derived function, and returns it if it is too large.
 pub(super) fn after(function: &Function, most: usize) -> Option<TooLarge> {
     let operations = emitted(function);
     (operations > most).then(|| TooLarge {
@@ -171,7 +171,7 @@ impl TooLarge {
     }
 }
 
-/// What was left out because nobody asked for it by name.
+/// Makes the note about functions that were left out because nobody asked for them by name.
 pub(super) fn note(model: &Model, left_out: &[TooLarge], callers: &str, most: usize) -> Diagnostic {
     let listed = left_out.iter().map(|each| format!("`{}` ({})", each.name, each.takes()));
     let listed: Vec<String> = listed.collect();

@@ -28,7 +28,7 @@ impl Graph {
         self.nodes.borrow().len()
     }
 
-    /// Whether there is no node yet.
+    /// Tells whether there is no node yet.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -20,7 +20,7 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Of all that the results need.
+    /// Counts the operations that the results need.
     pub fn of(graph: &Graph, results: &[Edge]) -> Self {
         let mut cost = Self::default();
         let mut angles = std::collections::BTreeSet::new();

@@ -39,7 +39,7 @@ impl<'g> Scalar<'g> {
         self.graph.value(self.edge)
     }
 
-    /// Whether it is the constant 0.
+    /// Tells whether the scalar is the constant 0.
     pub fn is_zero(self) -> bool {
         self.value() == Some(0.0)
     }

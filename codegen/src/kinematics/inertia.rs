@@ -7,7 +7,7 @@ use crate::graph::{Graph, Scalar};
 use crate::model;
 use crate::spatial::{MassMoments, Symmetric3, Vector3};
 
-/// What a joint's freedom to shift mass along its axis is used for.
+/// The use of a joint's freedom to shift mass along its axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RegroupChoice {
     /// The body itself becomes massless.

@@ -4,8 +4,8 @@ use crate::graph::Scalar;
 use crate::model::JointKind;
 use crate::spatial::{Force, Motion, Vector3};
 
-/// What a joint's velocity does to its body, in the frame behind the joint: a column of its motion subspace S
-/// (Featherstone 2008, section 3.5). z is the axis.
+/// The motion that a joint's velocity gives its body, in the frame behind the joint: a column of its motion
+/// subspace S (Featherstone 2008, section 3.5). z is the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointAxis {
     /// Rotation about z.
@@ -32,7 +32,7 @@ impl JointAxis {
         }
     }
 
-    /// Whether its velocity turns the body.
+    /// Tells whether the joint's velocity turns the body.
     pub fn turns(self) -> bool {
         self == Self::Revolute
     }

@@ -88,13 +88,13 @@ impl<S: Numbers> Mechanism<S> {
         self.bodies.len()
     }
 
-    /// Whether nothing moves.
+    /// Tells whether no body moves.
     pub fn is_empty(&self) -> bool {
         self.bodies.is_empty()
     }
 
-    /// Whether every rotor sits on the parent of the body that it drives, or on the base: the coupling of
-    /// others reaches beyond neighbours.
+    /// Tells whether every rotor sits on the parent of the body that it drives, or on the base: the coupling
+    /// of others reaches beyond neighbours.
     pub fn rotors_are_neighbours(&self) -> bool {
         let sits_near =
             |rotor: &Rotor<S>| rotor.carrier.is_none() || self.bodies[rotor.driven].parent == rotor.carrier;

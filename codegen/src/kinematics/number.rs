@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::graph::{Edge, Graph, Nodes, Scalar};
 
-/// What the numbers of a mechanism are.
+/// A kind of numbers that a mechanism may consist of.
 pub trait Numbers: Copy {
     /// Where they stand.
     type Graph;

@@ -19,7 +19,7 @@ pub(super) struct Angles {
     degrees: Vec<(Span, String)>,
 }
 
-/// Whether an angle is a multiple of 5 beyond any usual number of turns: 90, −180, 360.
+/// Tells whether an angle is a multiple of 5 beyond any usual number of turns: 90, −180, 360.
 pub(super) fn looks_like_degrees(angle: f64) -> bool {
     (30.0..=720.0).contains(&angle.abs()) && angle % 5.0 == 0.0
 }

@@ -74,7 +74,8 @@ pub(super) struct BodyDescription {
     pub center_of_mass: Option<[Formula; 3]>,
     pub inertia: Option<At<[Formula; 6]>>,
     pub accept_unphysical: bool,
-    /// Whether it is that of a URDF: somebody else's, taken as it is.
+    /// It is true if the body is that of a URDF, which somebody else has published and which is taken as it
+    /// is.
     pub is_published: bool,
 }
 
@@ -119,12 +120,12 @@ pub(super) struct JointDescription {
 }
 
 impl JointDescription {
-    /// Whether it is a coordinate.
+    /// Tells whether the joint is a coordinate.
     pub fn moves(&self) -> bool {
         self.held.is_none() && self.kind.is_some_and(|kind| kind != JointKind::Fixed)
     }
 
-    /// What a new joint has where nothing is said: it is revolute and moves a link of its own name.
+    /// Fills in the defaults of a new joint: it is revolute and moves a link of its own name.
     pub fn complete(&mut self) {
         self.kind.get_or_insert(JointKind::Revolute);
         self.child.get_or_insert_with(|| self.name.clone());

@@ -34,7 +34,7 @@ impl DescriptionFiles {
         self.bytes(&path)
     }
 
-    /// Whether the description is XML: by its name, else by its content.
+    /// Tells whether the description is XML, by its name, else by its content.
     ///
     /// # Errors
     /// The file cannot be read, or is no description.

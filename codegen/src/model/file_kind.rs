@@ -32,7 +32,7 @@ const ROOTS: [(&str, &str, &str); 4] = [
     ("launch", "a launch file of ROS", "give the URDF that it loads"),
 ];
 
-/// What a file is that cannot be a description.
+/// Recognizes files that cannot be descriptions.
 pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
     let found =
         |what: &str, help: &'static str| Some((format!("{name} is {what}, no robot in TOML or URDF"), help));

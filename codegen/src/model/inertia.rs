@@ -13,7 +13,7 @@ const ARITHMETIC: f64 = 1e-12;
 /// Bodies are taken as at least so large [m], so that rounding of a body at the origin has a measure too.
 const SMALLEST_EXTENT: f64 = 1e-3;
 
-/// What is wrong with a body.
+/// A fault of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Flaw {
     /// The mass is negative.

@@ -54,7 +54,7 @@ pub struct Model {
     pub drives: Vec<Drive>,
     /// Named frames.
     pub frames: Vec<Frame>,
-    /// What the description asks the generator to do.
+    /// Options that the description sets for the generator.
     pub options: Options,
 }
 
@@ -104,13 +104,13 @@ pub struct Joint {
     pub identifier: String,
     /// Index of the parent link.
     pub parent: usize,
-    /// What motion it allows.
+    /// The kind of motion that the joint allows.
     pub kind: JointKind,
     /// Pose of the joint frame in the parent link's frame; the link's frame coincides with it at position 0.
     pub origin: Pose,
     /// Axis in the joint frame, unit length.
     pub axis: [f64; 3],
-    /// Whether it moves, and as which coordinate.
+    /// The coordinate that the joint moves with, if it moves.
     pub motion: Motion,
     /// Limits on position, speed and force.
     pub limits: Limits,
@@ -139,7 +139,7 @@ const SLIDE: f64 = 0.5;
 const FARTHEST: f64 = 20.0;
 
 impl Joint {
-    /// Whether friction or a spring jumps: whether they have an exact `sign`.
+    /// Tells whether friction or a spring jumps, because it has an exact `sign`.
     #[must_use]
     pub fn jumps(&self) -> bool {
         let friction = self.friction.iter();
@@ -165,7 +165,7 @@ impl Joint {
 }
 
 impl Model {
-    /// What M is at seeded states, at the described values of free parameters.
+    /// The definiteness of M at seeded states, at the described values of free parameters.
     #[must_use]
     pub fn definiteness(&self) -> Definiteness {
         let pivots = regularity::Pivots::of(self);
@@ -249,7 +249,7 @@ impl JointKind {
     }
 }
 
-/// Whether a joint is a coordinate.
+/// The way in which a joint moves, or does not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {
     /// A fixed joint.
@@ -302,7 +302,7 @@ pub struct Drive {
     pub axis: [f64; 3],
     /// How the rotor enters M.
     pub coupling: RotorCoupling,
-    /// What the input is.
+    /// The kind of the input.
     pub input: Input,
     /// Limits of the input's torque at the motor (N m).
     pub torque: MotorTorque,
@@ -311,9 +311,9 @@ pub struct Drive {
 /// Nominal and peak torque of a motor (N m), `None` where not described.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MotorTorque {
-    /// What it bears continuously.
+    /// The torque that the motor bears continuously.
     pub nominal: Option<f64>,
-    /// What it bears for a short time.
+    /// The torque that the motor bears for a short time.
     pub peak: Option<f64>,
 }
 
@@ -326,7 +326,7 @@ pub enum RotorCoupling {
     Diagonal,
 }
 
-/// What an input is.
+/// The kind of an input.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Input {
     /// Motor torque (N m); the input matrix holds the gear ratio.
@@ -357,7 +357,7 @@ pub struct Pose {
     pub rotation: [[f64; 3]; 3],
 }
 
-/// What the description asks the generator to do.
+/// Options that the description sets for the generator.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Options {
     /// Names of the functions to generate; empty means all.

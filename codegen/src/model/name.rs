@@ -12,12 +12,12 @@ const KEYWORDS: [&str; 54] = [
 /// Names with a meaning of their own in formulas.
 const IN_FORMULAS: [&str; 11] = ["y", "v", "pi", "sin", "cos", "tanh", "exp", "abs", "sign", "pow", "powi"];
 
-/// Whether the name is a word of Rust.
+/// Tells whether the name is a word of Rust.
 pub(super) fn is_keyword(name: &str) -> bool {
     KEYWORDS.contains(&name)
 }
 
-/// Whether the name means something else in formulas.
+/// Tells whether the name means something else in formulas.
 pub(super) fn has_meaning(name: &str) -> bool {
     IN_FORMULAS.contains(&name)
 }

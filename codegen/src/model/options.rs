@@ -1,7 +1,7 @@
 //! Names of the functions that a description may ask for.
 
-/// What `[generate] functions` may list: the functions of every robot, and `frames` for all of those of named
-/// frames.
+/// Names that `[generate] functions` may list: the functions of every robot, and `frames` for all of those of
+/// named frames.
 pub const FUNCTIONS: [&str; 28] = [
     "mass_matrix",
     "coriolis_forces",
@@ -33,7 +33,7 @@ pub const FUNCTIONS: [&str; 28] = [
     "frames",
 ];
 
-/// Whether a description may ask for this function; single ones of named frames begin with `frame_`.
+/// Tells whether a description may ask for this function. Functions of single frames begin with `frame_`.
 pub fn is_known_function(name: &str) -> bool {
     FUNCTIONS.contains(&name) || name.starts_with("frame_")
 }

@@ -118,7 +118,7 @@ pub(super) fn snapped(angle: f64, tolerance: f64) -> f64 {
     }
 }
 
-/// Whether snapping within a tolerance would change the sine or cosine.
+/// Tells whether snapping within a tolerance would change the sine or cosine.
 pub(super) fn is_nearly_right(angle: f64, tolerance: f64) -> bool {
     let (s, c) = sin_cos(angle);
     right_angles(angle, tolerance).is_some() && s != 0.0 && c != 0.0

@@ -29,13 +29,13 @@ pub struct ReadOptions {
 pub struct Loaded {
     /// The robot.
     pub model: Model,
-    /// What was skipped or changed.
+    /// Notes about what was skipped or changed.
     pub notes: Diagnostics,
     /// Every file that was read, the description first.
     pub files: Vec<PathBuf>,
 }
 
-/// Whether a file is XML: by its name, else by its content.
+/// Tells whether a file is XML, by its name, else by its content.
 pub(super) fn is_xml(name: &str, text: &str) -> bool {
     match Path::new(name).extension().and_then(|end| end.to_str()) {
         Some("toml") => false,

@@ -31,7 +31,7 @@ pub(super) struct Pivots {
 }
 
 impl Pivots {
-    /// Whether M is positive definite at all states.
+    /// Tells whether M is positive definite at all states.
     pub fn are_positive(&self) -> bool {
         self.zero.is_empty() && self.negative.is_empty()
     }

@@ -11,7 +11,7 @@ pub(super) struct Table<'t> {
     entries: Vec<Item<'t>>,
     /// Where it stands.
     pub span: Span,
-    /// What it describes, with article: `a joint`.
+    /// The thing that the table describes, with article: `a joint`.
     pub what: &'static str,
 }
 

@@ -53,7 +53,7 @@ const JOINT: [&str; 13] = [
 const LIMITS: [&str; 4] = ["position", "velocity", "effort", "peak_effort"];
 const DH: [&str; 4] = ["a", "alpha", "d", "theta"];
 
-/// What the top of the file says about reading the rest and its base.
+/// Keys at the top of the file that say how to read the rest and its base.
 #[derive(Debug, Default)]
 pub(super) struct Preamble {
     /// The URDF or TOML that this description extends.

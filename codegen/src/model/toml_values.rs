@@ -15,7 +15,7 @@ use crate::wording::{as_written, telling};
 use std::collections::BTreeMap;
 use toml::de::DeValue;
 
-/// What reading a TOML description collects.
+/// Values that reading a TOML description collects.
 #[derive(Debug, Default)]
 pub(super) struct Reader {
     pub report: Report,

@@ -36,7 +36,7 @@ pub(super) fn all(model: &Model) -> Vec<Constant> {
     constants
 }
 
-/// What a module has, for macros that take what there is.
+/// The list of a module's functions, for macros that take those that there are.
 pub(super) fn functions<'a>(names: impl Iterator<Item = &'a str>) -> Constant {
     constant("FUNCTIONS", "Names of the functions.", strings(Dimension::Fixed, names))
 }

@@ -44,11 +44,11 @@ pub struct Module {
 pub struct ComposedFunction {
     /// Which one.
     pub composition: Composition,
-    /// What it returns.
+    /// The results of the function.
     pub results: Vec<ComposedResult>,
     /// Its operations; none where the function that it calls is not in the module.
     pub cost: Option<Cost>,
-    /// What its documentation says about them.
+    /// The sentence about the costs in the function's documentation.
     pub cost_text: String,
 }
 

@@ -295,7 +295,7 @@ pub(super) fn write(folder: &Path, robots: &[Robot]) -> Result<Vec<PathBuf>, Bui
     paths.collect::<Result<_, _>>().map_err(BuildError::Write)
 }
 
-/// What the header names: the package whose build script this is.
+/// The command in the header of generated files: the package whose build script this is.
 pub(super) fn command() -> String {
     match std::env::var("CARGO_PKG_NAME") {
         Ok(package) => format!("cargo build -p {package}"),

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use crate::emit::{FIRST_LINE, documentation};
 
-/// Whether a file was written by this program.
+/// Tells whether a file was written by this program.
 #[must_use]
 pub fn is_generated(path: &Path) -> bool {
     begins_with(path, FIRST_LINE)
 }
 
-/// Whether a file is the root of a crate of generated modules, as [`root_text`] writes it.
+/// Tells whether a file is the root of a crate of generated modules, as [`root_text`] writes it.
 #[must_use]
 pub fn is_root(path: &Path) -> bool {
     begins_with(path, ROOT)

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::crate_root::{is_generated, is_root};
 use gelenk_files::{Prepared, is_same_file, target};
 
-/// What became of a file.
+/// The outcome of writing a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// It was new or differed, and was written.
@@ -17,7 +17,7 @@ pub enum Outcome {
     Unchanged,
 }
 
-/// What a file may hold that is written over; empty files may always be.
+/// The files that may be written over, by their content. Empty files always may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Replaces {
     /// A generated module.
@@ -47,7 +47,7 @@ pub enum WriteError {
     System {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The error of the system.
         source: io::Error,
     },
     /// The file was read, by this name or another.
@@ -162,7 +162,7 @@ impl Replaces {
     }
 }
 
-/// Whether `path` holds exactly `text`. A file that cannot be read is not fresh.
+/// Tells whether the file at `path` holds exactly `text`. A file that cannot be read is not fresh.
 #[must_use]
 pub fn check(path: &Path, text: &str) -> bool {
     is_fresh(path, text)

@@ -42,7 +42,7 @@ pub fn latex(program: &Program, notation: &Notation) -> String {
 /// A program in LaTeX, equation by equation: left-hand and right-hand sides.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LatexEquations {
-    /// What is computed on the way.
+    /// The equations of the intermediate values.
     pub abbreviations: Vec<(String, String)>,
     /// The results, made of abbreviations.
     pub results: Vec<(String, String)>,

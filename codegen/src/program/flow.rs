@@ -5,7 +5,7 @@ use super::{Operand, Operation, Program};
 /// Facts about the values of a program.
 #[derive(Debug, Clone)]
 pub(crate) struct Flow {
-    /// Whether a result depends on the value and reads it by name.
+    /// It is true for each value that a result depends on and reads by name.
     pub(crate) is_read: Vec<bool>,
     /// For a `SinCos`: the value that stands for its cosine, where that is read.
     pub(crate) cosine: Vec<Option<usize>>,
@@ -49,7 +49,7 @@ impl Flow {
         }
     }
 
-    /// Whether the statement of this instruction is needed.
+    /// Tells whether the statement of this instruction is needed.
     pub(crate) fn is_made(&self, index: usize) -> bool {
         self.is_read[index] || self.cosine[index].is_some()
     }
@@ -61,7 +61,7 @@ impl Flow {
     }
 }
 
-/// What an operation reads; the pair of a `CosineOf` is none of it.
+/// The operands that an operation reads. The pair of a `CosineOf` is none of them.
 pub(crate) fn operands(operation: Operation) -> impl Iterator<Item = Operand> {
     let operands = match operation {
         Operation::Add(a, b)

@@ -7,13 +7,14 @@ use super::flow::{Flow, operands};
 use super::split::{self, Part};
 use super::{Operand, Operation, Program};
 
-/// What stands apart in a function over lanes.
+/// The plan of a function over lanes: the parts that stand apart.
 pub(crate) struct Plan {
     /// Instructions of the angles: what they are computed from, and each `SinCos`.
     pub(crate) angles: Vec<usize>,
     /// The `SinCos` among them.
     pub(crate) pairs: Vec<usize>,
-    /// Whether an instruction stands in a part: not sines and cosines, nor what only they need.
+    /// It is true for each instruction that stands in a part: not for sines and cosines, nor for what only
+    /// they need.
     pub(crate) is_in_part: Vec<bool>,
     /// The rest, in order.
     pub(crate) parts: Vec<Part>,

@@ -59,7 +59,7 @@ impl Program {
         Self { inputs: self.inputs.clone(), instructions: Vec::new(), outputs: outputs.collect() }
     }
 
-    /// Whether the results are better written in place than returned.
+    /// Tells whether the results are better written in place than returned.
     pub(crate) fn has_large_results(&self) -> bool {
         self.entries().count() > LARGEST_RETURNED
     }
@@ -70,7 +70,7 @@ impl Program {
 pub struct InputArray {
     /// Argument name: `y`, `v`, `a`, `u`, …
     pub name: String,
-    /// What the entries are, and their number.
+    /// The meaning of the entries, and their number.
     pub extent: Extent,
 }
 
@@ -79,7 +79,7 @@ pub struct InputArray {
 pub struct Instruction {
     /// Name of the value: a Rust identifier, unique within the program.
     pub name: String,
-    /// What is computed.
+    /// The operation that computes the value.
     pub operation: Operation,
 }
 

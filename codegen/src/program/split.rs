@@ -21,7 +21,7 @@ pub(crate) struct Part {
     pub(crate) returns: Vec<usize>,
     /// Input arrays that it reads.
     pub(crate) inputs: Vec<usize>,
-    /// Whether it reads parameters.
+    /// It is true if the part reads parameters.
     pub(crate) reads_parameters: bool,
     /// Results that it writes, and which of their entries; none where the results are written after all
     /// parts.
@@ -88,12 +88,12 @@ fn values(operands: impl Iterator<Item = Operand>, flow: &Flow) -> BTreeSet<usiz
     operands.filter_map(value).collect()
 }
 
-/// What a run of instructions reads.
+/// The values that a run of instructions reads.
 pub(crate) struct Reads {
     values: BTreeSet<usize>,
     /// Input arrays.
     pub(crate) inputs: Vec<usize>,
-    /// Whether there are parameters among it.
+    /// It is true if there are parameters among them.
     pub(crate) parameters: bool,
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Operand, Operation, Program};
 
-/// Of each output, which entries are not zero in every state.
+/// Tells for each entry of each output whether it is not zero in every state.
 pub fn nonzero_entries(program: &Program) -> Vec<Vec<bool>> {
     let mut is_zero: Vec<bool> = Vec::with_capacity(program.instructions.len());
     for instruction in &program.instructions {

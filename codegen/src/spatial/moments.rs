@@ -35,20 +35,20 @@ impl<S> MassMoments<S> {
 }
 
 impl<'g> MassMoments<Scalar<'g>> {
-    /// Of nothing.
+    /// The moments of no mass.
     pub fn zero(graph: &'g Graph) -> Self {
         let zero = graph.constant(0.0);
         Self { mass: zero, first: Vector3::zero(zero), second: Symmetric3::zero(zero) }
     }
 
-    /// Of a body with this centre of mass, and this inertia about it: xx, xy, xz, yy, yz, zz.
+    /// The moments of a body with this centre of mass, and this inertia about it: xx, xy, xz, yy, yz, zz.
     pub fn of_inertia(mass: Scalar<'g>, center: Vector3<Scalar<'g>>, inertia: [Scalar<'g>; 6]) -> Self {
         let central =
             Self { mass, first: Vector3::zero(mass), second: second_moments(Symmetric3::new(inertia)) };
         central.shifted(center)
     }
 
-    /// Of a pure inertia `j · axis axisᵀ`: a rotor that only turns about its axis.
+    /// The moments of a pure inertia `j · axis axisᵀ`: a rotor that only turns about its axis.
     pub fn of_axial_inertia(j: Scalar<'g>, axis: Vector3<Scalar<'g>>) -> Self {
         let inertia = Symmetric3::square(axis).map(|x| x * j);
         Self { mass: j.constant(0.0), first: Vector3::zero(j), second: second_moments(inertia) }

@@ -38,7 +38,7 @@ impl<'g> Vector3<Scalar<'g>> {
         Self(self.0.map(|x| x * factor))
     }
 
-    /// Whether all components are the constant 0.
+    /// Tells whether all components are the constant 0.
     pub fn is_zero(self) -> bool {
         self.0.iter().all(|x| x.is_zero())
     }

@@ -66,8 +66,10 @@ mod report;
 mod run;
 mod settings;
 mod stage;
+mod start;
 mod stop_request;
 mod velocity_filter;
+mod warm_up;
 #[doc = include_str!("write_a_controller.md")]
 pub mod write_a_controller {}
 

@@ -1,20 +1,18 @@
 //! The loop itself: when things happen.
 
 use super::clock::Clock;
-use super::controller::{Controller, Cycle};
+use super::controller::Controller;
 use super::guard::EncoderGuard;
 use super::law::JointLaw;
 use super::log::{LogRecord, LogSink};
-use super::monitor::check_positions;
 use super::reference::Reference;
-use super::report::{Counts, End, LoopReport, Refusal, Source, StopReason};
+use super::report::{Counts, End, LoopReport, Source, StopReason};
 use super::settings::{LoopSettings, SettingError, require};
 use super::stage::{STAGES, Stage};
 use super::stop_request::StopRequest;
 use super::velocity_filter::VelocityFilter;
-use crate::trajectory::{Sample, Trajectory};
+use crate::trajectory::Trajectory;
 use crate::transport::{Brakes, Reading, Transport};
-use std::hint::black_box;
 use std::time::Duration;
 
 /// Where the loop is in its life.
@@ -53,9 +51,9 @@ pub(super) struct State<const N: usize, const M: usize> {
     pub unwritten: u64,
     pub brakes: Brakes,
     /// Quantities that the robot measured beside positions at the start, and so has a column for in the log.
-    measures: [bool; 2],
+    pub(super) measures: [bool; 2],
     /// False once a warm-up took longer than its time.
-    warms_up: bool,
+    pub(super) warms_up: bool,
     pub counts: Counts,
 }
 
@@ -71,19 +69,19 @@ where
     K: Clock,
 {
     pub(super) settings: LoopSettings<N, M>,
-    period: Duration,
+    pub(super) period: Duration,
     /// The same (s).
     pub(super) seconds: f64,
     /// Names of joints and inputs.
     pub(super) joints: [&'static str; N],
-    inputs: [&'static str; M],
+    pub(super) inputs: [&'static str; M],
     pub(super) fallback: L,
     pub(super) trajectory: R,
     pub(super) controller: C,
     pub(super) transport: T,
-    clock: K,
+    pub(super) clock: K,
     log: Option<LogSink<N, M>>,
-    stop: StopRequest,
+    pub(super) stop: StopRequest,
     pub(super) state: State<N, M>,
 }
 
@@ -187,86 +185,6 @@ where
             Phase::Braking { end, .. } | Phase::Ended(end) => end,
         };
         LoopReport { end, brakes: self.state.brakes, counts: self.state.counts }
-    }
-
-    /// Reads where the robot is, checks that it may start there, writes the inputs that hold it, and releases
-    /// the brakes. [`run`](Self::run) does it; call it only to make the periods yourself.
-    ///
-    /// # Errors
-    /// [`Refusal`]; the brakes then are engaged.
-    pub fn start(&mut self) -> Result<(), Refusal> {
-        let started = self.try_start();
-        if let Err(refusal) = started {
-            self.brake();
-            self.state.phase = Phase::Ended(End::Refused(refusal));
-        }
-        started
-    }
-
-    fn try_start(&mut self) -> Result<(), Refusal> {
-        self.transport.brake().map_err(Refusal::Transport)?;
-        let positions = self.first_reading()?;
-        check_positions(&self.settings, &self.joints, &positions).map_err(Refusal::Limit)?;
-        let start = self.trajectory.sample(0.0).positions;
-        for joint in 0..N {
-            let distance = (positions[joint] - start[joint]).abs();
-            // Written so that a trajectory of NaN is refused.
-            let near = distance <= self.settings.start_tolerance[joint];
-            if !near {
-                return Err(Refusal::Start {
-                    joint,
-                    name: self.joints[joint],
-                    position: positions[joint],
-                    start: start[joint],
-                });
-            }
-        }
-        let inputs = self.holding_inputs(&positions)?;
-        self.controller.reset(&positions, &inputs);
-        self.state.inputs = inputs;
-        self.first_warm_up(&positions);
-        self.transport.write(&inputs).map_err(Refusal::Transport)?;
-        self.transport.release().map_err(Refusal::Transport)?;
-        let time = -self.release_time();
-        let (settings, state) = (&self.settings, &mut self.state);
-        state.guard = EncoderGuard::new(settings.guard, positions, start).with_names(self.joints);
-        state.filter = VelocityFilter::new(settings.velocity_time_constant, positions);
-        state.reference = Reference::Running { time };
-        (state.unmeasured, state.failures, state.unwritten) = (0, 0, 0);
-        (state.origin, state.index) = (self.clock.now().saturating_add(self.period), 0);
-        state.phase = Phase::Running;
-        Ok(())
-    }
-
-    fn first_reading(&mut self) -> Result<[f64; N], Refusal> {
-        for _ in 0..=self.settings.start_periods {
-            if self.stop.is_raised() {
-                return Err(Refusal::Requested);
-            }
-            // Errors too are waited out: a robot that was just switched on reports its restart here.
-            if let Ok(Some(reading)) = self.transport.read() {
-                self.state.brakes = reading.brakes;
-                self.state.measures = [reading.velocities.is_some(), reading.torques.is_some()];
-                if reading.positions.iter().all(|y| y.is_finite()) {
-                    return Ok(reading.positions);
-                }
-            }
-            let next = self.clock.now().saturating_add(self.period);
-            self.clock.sleep_until(next);
-        }
-        Err(Refusal::NoMeasurement)
-    }
-
-    fn holding_inputs(&self, positions: &[f64; N]) -> Result<[f64; M], Refusal> {
-        let rest = Sample::at_rest(*positions);
-        let inputs = self.fallback.inputs(&rest, positions, &[0.0; N]).unwrap_or([f64::NAN; M]);
-        for (input, (needed, limit)) in inputs.iter().zip(self.settings.input_limit).enumerate() {
-            let possible = needed.abs() <= limit;
-            if !possible {
-                return Err(Refusal::Torque { input, name: self.inputs[input], needed: *needed, limit });
-            }
-        }
-        Ok(inputs)
     }
 
     /// Sleeps until the next period begins and runs it. False once the loop has ended.
@@ -398,7 +316,7 @@ where
         }
     }
 
-    fn brake(&mut self) {
+    pub(super) fn brake(&mut self) {
         if self.transport.brake().is_err() {
             self.state.counts.transport_errors += 1;
         }
@@ -438,61 +356,6 @@ where
         self.state.measures[quantity].then(|| values.unwrap_or([f64::NAN; N]))
     }
 
-    /// Computes the first step for the caches while the brakes are engaged, where its time costs nothing: if
-    /// it takes longer than it may later, there will be none later.
-    fn first_warm_up(&mut self, positions: &[f64; N]) {
-        if self.state.warms_up {
-            let begin = self.clock.now();
-            self.warm_up(-self.release_time(), positions, None);
-            self.take_warm_up(begin);
-        }
-    }
-
-    /// Computes the step of the period that begins at `wake` for the caches, if there still is the time that
-    /// is set aside for it.
-    fn warm_up_before(&mut self, wake: Duration) {
-        if !(self.state.warms_up && self.is_driving()) {
-            return;
-        }
-        let begin = wake.saturating_sub(Duration::from_secs_f64(self.settings.warm_up));
-        if self.clock.now() > begin {
-            return;
-        }
-        self.clock.sleep_until(begin);
-        let woken = self.clock.now();
-        // A wake-up this late has used up the time.
-        if woken.saturating_sub(begin) > wake.saturating_sub(begin) / 2 {
-            return;
-        }
-        let (positions, _) = self.state.guard.believed();
-        let velocities = self.state.measures[0].then(|| *self.state.filter.velocities());
-        self.warm_up(self.time(), &positions, velocities);
-        self.take_warm_up(begin);
-    }
-
-    fn warm_up(&mut self, time: f64, positions: &[f64; N], velocities: Option<[f64; N]>) {
-        let desired = self.state.reference.sample(&self.trajectory);
-        let _ = black_box(self.fallback.inputs(&desired, positions, self.state.filter.velocities()));
-        if !matches!(self.state.phase, Phase::Stopping(_)) {
-            self.controller.warm_up(&Cycle {
-                time,
-                positions: Some(*positions),
-                velocities,
-                last_inputs: self.state.inputs,
-                ..Cycle::default()
-            });
-        }
-    }
-
-    fn take_warm_up(&mut self, begin: Duration) {
-        let took = self.clock.now().saturating_sub(begin);
-        self.state.counts.warm_ups += 1;
-        if took > Duration::from_secs_f64(self.settings.warm_up) {
-            self.state.counts.late_warm_ups += 1;
-            self.state.warms_up = false;
-        }
-    }
-
     /// True while inputs are written: brakes neither engaged nor asked for.
     pub(super) fn is_driving(&self) -> bool {
         matches!(self.state.phase, Phase::Running | Phase::Stopping(_))
@@ -504,12 +367,12 @@ where
     }
 
     /// Time since the trajectory began, negative while the brakes release (s).
-    fn time(&self) -> f64 {
+    pub(super) fn time(&self) -> f64 {
         self.state.index as f64 * self.seconds - self.release_time()
     }
 
     /// In whole periods, so that time 0 of the trajectory is the beginning of one (s).
-    fn release_time(&self) -> f64 {
+    pub(super) fn release_time(&self) -> f64 {
         (self.settings.release_time / self.seconds).ceil() * self.seconds
     }
 }

@@ -49,7 +49,7 @@ const SAME: f64 = 1e-9;
 pub struct BaseParameters {
     /// Parameters that lead a group, ascending; their columns are the base regressor.
     pub leaders: Vec<usize>,
-    /// What belongs to the groups, leaders included, in the order of the groups.
+    /// The members of the groups, leaders included, in the order of the groups.
     pub terms: Vec<Term>,
 }
 
@@ -60,12 +60,12 @@ pub struct Term {
     pub group: usize,
     /// The parameter.
     pub parameter: usize,
-    /// What it is multiplied by; `None` where that changes with the free parameters.
+    /// The factor of the parameter; `None` where it changes with the free parameters.
     pub coefficient: Option<f64>,
 }
 
 impl BaseParameters {
-    /// Of a model.
+    /// Finds the base parameters of a model.
     pub fn new(model: &Model, mechanism: &Mechanism<Number>) -> Self {
         let program = regressor_program(model, mechanism);
         let mut random = SplitMix64(0x6672_6565);

@@ -28,7 +28,7 @@ pub(super) fn joint_forces(builder: &mut ArrayBuilder, moving: &Moving) -> Array
     forces
 }
 
-/// What is left to accelerate.
+/// The forces that are left to accelerate the joints.
 pub(super) fn remaining_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let Moving { setup, motions, rotors, composites } = moving;
     let [remaining] = builder.map(

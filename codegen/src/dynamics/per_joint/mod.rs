@@ -12,7 +12,7 @@
 //! ∂τ_j/∂y_i = S_jᵀ (2B_i Ψ̇_i + I_i Ψ̈_i + S_i ×* f_i)   ∂τ_i/∂y_j = S_iᵀ (2B_i Ψ̇_j + I_i Ψ̈_j)
 //! ```
 //!
-//! (Singh, Russell and Wensing 2022; 2B in the moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm of `derivatives.rs`, which
+//! (Singh, Russell and Wensing 2022; 2B in the moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm of `derivatives/`, which
 //! act on the angular part alone.)
 
 mod bodies;
@@ -33,7 +33,7 @@ use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::Arrays;
 use crate::program::{InputArray, Shape};
 
-/// Whether the array form knows all that the mechanism has: no rotor may sit further from its joint than on
+/// Tells whether there are loops over joints for a mechanism: no rotor may sit further from its joint than on
 /// the joint's parent.
 pub fn is_possible(mechanism: &Mechanism<Number>) -> bool {
     !mechanism.is_empty() && mechanism.rotors_are_neighbours()

@@ -37,7 +37,7 @@ pub(super) fn set_moving(builder: &mut ArrayBuilder, setup: Setup, is_accelerate
     Moving { setup, motions, rotors, composites }
 }
 
-/// What the accelerations add to a steady motion.
+/// Adds the accelerations to a steady motion.
 pub(super) fn accelerate(builder: &mut ArrayBuilder, steady: Moving, accelerations: ArrayId) -> Moving {
     let Moving { setup, motions, rotors, composites } = steady;
     let [gained] = builder.map(

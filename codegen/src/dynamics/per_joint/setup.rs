@@ -11,7 +11,7 @@ use crate::kinematics::Mechanism;
 use crate::program::arrays::ArrayId;
 use crate::spatial::Vector3;
 
-/// What the setup computes joint by joint.
+/// Arrays that the setup computes joint by joint.
 pub(super) struct Setup {
     pub screws: ArrayId,
     pub axes: ArrayId,

@@ -30,7 +30,7 @@ pub(in crate::dynamics) struct BodyMotion<'g> {
     pub acceleration: Vector3<Scalar<'g>>,
 }
 
-/// What the inverse dynamics are asked for.
+/// The motion that the inverse dynamics are evaluated for.
 #[derive(Debug, Clone, Copy)]
 pub struct MotionInput<'a, 'g> {
     /// Coordinates.
@@ -47,7 +47,7 @@ pub(super) struct InverseDynamicsParts<'g> {
     pub placements: Vec<Placement<'g>>,
     /// BodyMotion of each body.
     pub motions: Vec<BodyMotion<'g>>,
-    /// What moves each body and all beyond it.
+    /// The force that moves each body and all beyond it.
     pub wrenches: Vec<Force<'g>>,
     /// Generalized forces by coordinate.
     pub generalized: Vec<Scalar<'g>>,

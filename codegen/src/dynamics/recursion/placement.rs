@@ -122,8 +122,8 @@ fn turn_between<'g>(
     Some(offset.advance((sine, cosine)))
 }
 
-/// Whether a body's parent is a revolute joint on the base with another direction: nothing but its own torque
-/// then needs what arrives there.
+/// Tells whether a body's parent is a revolute joint on the base with another direction: nothing but its own
+/// torque then needs what arrives there.
 pub fn ends_at_root(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
     let child = &mechanism.bodies[body];
     let root = child.parent.map(|parent| &mechanism.bodies[parent]);
@@ -170,9 +170,9 @@ impl<'g> Placement<'g> {
         self.scaled_turn(v, |v, turn| v.turned(turn))
     }
 
-    /// What a unit of the parent's angular velocity about its z axis does to this body: angular velocity, and
-    /// velocity of the origin, in this working frame and unit. Their products with a moment and a force are
-    /// the parent's share along z, in fewer operations than passing both on.
+    /// The motion of this body at a unit of the parent's angular velocity about its z axis: angular velocity,
+    /// and velocity of the origin, in this working frame and unit. Their products with a moment and a force
+    /// are the parent's share along z, in fewer operations than passing both on.
     pub fn parent_screw(&self, twist: &Twist) -> Motion<'g> {
         let zero = self.extension.constant(0.0);
         let z = Vector3([zero, zero, zero.constant(1.0)]);

@@ -92,7 +92,7 @@ pub(in crate::dynamics) fn add_inertia<'g>(
     }
 }
 
-/// What couples in M the rotors that moving bodies carry with the joints before these.
+/// Adds the entries of M that couple the rotors on moving bodies with the joints before these.
 pub(super) fn add_coupling<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],

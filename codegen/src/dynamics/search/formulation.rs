@@ -53,7 +53,7 @@ pub struct BodyChoices {
     pub source: RunLink,
     /// Where the transverse moment goes to.
     pub sink: RunLink,
-    /// What the mass on the joint's axis is used for.
+    /// The use of the mass on the joint's axis.
     pub regroup: RegroupChoice,
     /// Alignment of a leaf's frame.
     pub leaf: LeafAlignment,
@@ -141,7 +141,7 @@ impl Formulation {
     }
 }
 
-/// What may be chosen for one mechanism.
+/// The choices that one mechanism offers.
 #[derive(Debug, Clone)]
 pub struct SearchSpace {
     length_units: Vec<f64>,

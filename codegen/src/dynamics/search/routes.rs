@@ -41,7 +41,7 @@ pub enum ForwardRoute {
 }
 
 impl ForwardRoute {
-    /// What joint forces, gravity and motion make of the accelerations.
+    /// The accelerations under joint forces and gravity, in motion.
     pub fn accelerations<'g>(
         self,
         graph: &'g Graph,
@@ -63,7 +63,7 @@ impl ForwardRoute {
         }
     }
 
-    /// What the documentation says about it.
+    /// The sentence about this route in the documentation of a function.
     pub fn description(self) -> &'static str {
         match self {
             Self::Factorization => {
@@ -86,7 +86,7 @@ pub enum DerivativeRoute {
 }
 
 impl<'m> Formulations<'m> {
-    /// Of a model and its mechanism; nothing is searched for yet.
+    /// Makes the formulations of a model and its mechanism, with nothing searched for yet.
     pub fn new(model: &'m Model, mechanism: &'m Mechanism<Number>) -> Self {
         Self {
             model,
@@ -131,17 +131,17 @@ impl<'m> Formulations<'m> {
         self.base_parameters.get_or_init(|| BaseParameters::new(self.model, self.mechanism))
     }
 
-    /// Of the inverse dynamics.
+    /// The cheapest formulation of the inverse dynamics.
     pub fn inverse_dynamics(&self) -> &Formulation {
         self.inverse_dynamics.get_or_init(|| self.recursive(Moving::Accelerated))
     }
 
-    /// Of the bias forces: without accelerations.
+    /// The cheapest formulation of the bias forces, without accelerations.
     pub fn bias_forces(&self) -> &Formulation {
         self.bias_forces.get_or_init(|| self.recursive(Moving::Steadily))
     }
 
-    /// Of gravity alone.
+    /// The cheapest formulation of gravity alone.
     pub fn gravity_forces(&self) -> &Formulation {
         self.gravity_forces.get_or_init(|| self.recursive(Moving::Not))
     }
@@ -150,7 +150,7 @@ impl<'m> Formulations<'m> {
         cheapest(&self.space, |formulation| recursion(self.mechanism, formulation, moving))
     }
 
-    /// Of the mass matrix.
+    /// The cheapest formulation of the mass matrix.
     pub fn mass_matrix(&self) -> &Formulation {
         self.mass_matrix.get_or_init(|| {
             cheapest(&self.space, |formulation| {
@@ -162,7 +162,7 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// Of M and the bias forces where both are needed: what they share is computed once.
+    /// The formulations of M and the bias forces that are cheapest together: common terms are computed once.
     pub fn mass_and_bias(&self) -> &(Formulation, Formulation) {
         self.mass_and_bias
             .get_or_init(|| self.cheapest_pair(&[self.mass_matrix(), self.bias_forces()], |_, _| Vec::new()))
@@ -193,7 +193,8 @@ impl<'m> Formulations<'m> {
         (matrix, newton_euler::inverse_dynamics(&bias.mechanism(graph, self.mechanism), bias, steady))
     }
 
-    /// Of M and the bias forces beside the derivatives of the inverse dynamics.
+    /// The formulations of M and the bias forces that are cheapest beside the derivatives of the inverse
+    /// dynamics.
     pub fn mass_and_bias_beside_derivatives(&self) -> &(Formulation, Formulation) {
         self.beside_derivatives.get_or_init(|| {
             let mut candidates = vec![self.mass_matrix(), self.bias_forces()];
@@ -231,7 +232,7 @@ impl<'m> Formulations<'m> {
         )
     }
 
-    /// Of the derivatives of the inverse dynamics.
+    /// The cheapest route to the derivatives of the inverse dynamics.
     pub fn derivatives(&self) -> &DerivativeRoute {
         self.derivatives.get_or_init(|| self.cheapest_derivatives())
     }
@@ -291,7 +292,7 @@ impl DerivativeRoute {
         }
     }
 
-    /// What the documentation says about it.
+    /// The sentence about this route in the documentation of a function.
     pub fn description(&self) -> &'static str {
         match self {
             Self::Forward => "Forward differentiation of the inverse dynamics was cheapest.",

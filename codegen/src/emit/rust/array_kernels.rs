@@ -29,8 +29,8 @@ impl Row {
         format!("/// Entries of a block of a row.\nconst K: usize = {};", self.block)
     }
 
-    /// Whether the loops are those for chains in one block: what other loops leave to choices, and to the compiler, is
-    /// written out there.
+    /// Tells whether the loops are those for chains in one block: what other loops leave to choices, and to
+    /// the compiler, is written out there.
     pub(super) fn is_one_block(self) -> bool {
         self.is_chain && self.len == self.block
     }

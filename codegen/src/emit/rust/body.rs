@@ -22,7 +22,7 @@ pub(super) struct Body<'a> {
     pub(super) results: Vec<Ident>,
     /// Name of each value.
     pub(super) names: Vec<Ident>,
-    /// What follows an entry of an input or result: the column of an array, or a lane.
+    /// The index behind an entry of an input or result: the column of an array, or a lane.
     pub(super) column: Option<TokenStream>,
     /// Whether each value is an entry of a result that is written in place.
     stored: Vec<bool>,
@@ -151,7 +151,7 @@ impl<'a> Body<'a> {
         stores
     }
 
-    /// What the results take from a new value, where they are written in place.
+    /// The assignments of a new value to results that are written in place.
     pub(super) fn stores_of(&self, index: usize) -> Vec<TokenStream> {
         match self.stored.get(index) {
             Some(true) => self.stores(|entry| self.made(entry) == Some(index)),

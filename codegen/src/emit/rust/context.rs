@@ -21,9 +21,9 @@ pub(super) struct Context<'a> {
     pub(super) functions: Vec<Ident>,
     /// Elementary functions that were called so far.
     pub(super) calls: Calls,
-    /// Whether a function is written over lanes.
+    /// It is true if a function is written over lanes.
     pub(super) has_lanes: Cell<bool>,
-    /// Whether a function over lanes has something to keep between its loops.
+    /// It is true if a function over lanes keeps values between its loops.
     pub(super) has_groups: Cell<bool>,
     /// Names that no argument or value inside a function may take: a constant's would be a pattern, not a
     /// variable.
@@ -77,7 +77,7 @@ impl<'a> Context<'a> {
     }
 }
 
-/// What the functions printed so far call.
+/// The functions that are called by those printed so far.
 #[derive(Debug, Default)]
 pub(super) struct Calls {
     pub(super) kernels: RefCell<BTreeSet<Kernel>>,

@@ -69,7 +69,8 @@ fn shortest(text: &str) -> TokenStream {
         .map_or_else(|_| quote!(compile_error!("not a number")), |literal| quote!(#literal))
 }
 
-/// Whether clippy takes a literal for a badly written constant of `core::f64::consts` (`approx_constant`).
+/// Tells whether clippy takes a literal for a badly written constant of `core::f64::consts`
+/// (`approx_constant`).
 ///
 /// A superset of what clippy reports: an `allow` too many does no harm.
 pub(super) fn resembles_constant(number: f64) -> bool {

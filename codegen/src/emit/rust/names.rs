@@ -61,7 +61,7 @@ fn unused(spelling: String, used: &mut BTreeSet<String>) -> Ident {
     Ident::new(&candidate, Span::call_site())
 }
 
-/// Whether rustc would ask for another spelling of a variable, field or function.
+/// Tells whether rustc accepts the spelling of a variable, field or function.
 pub(super) fn is_snake_case(name: &str) -> bool {
     let name = name.trim_start_matches('_');
     !name.contains("__") && !name.contains(char::is_uppercase)

@@ -10,7 +10,7 @@ use super::signature::{Signature, item};
 use crate::program::Operand;
 use crate::program::split::{Part, Reads};
 
-/// What a part takes, as arguments of its call or of its signature.
+/// The arguments of a part, in its call or in its signature.
 pub(super) struct Taken {
     /// Values that earlier parts made, as one array.
     pub(super) values: Option<TokenStream>,

@@ -41,7 +41,7 @@ pub(super) fn all_quantities(model: &Model) -> impl Iterator<Item = &'static Qua
     quantities_of(model).chain(ON_REQUEST)
 }
 
-/// Whether a function is derived only where it is asked for by name.
+/// Tells whether a function is derived only where it is asked for by name.
 pub(super) fn is_on_request(name: &str) -> bool {
     ON_REQUEST.iter().any(|quantity| quantity.name == name)
 }
@@ -55,12 +55,12 @@ pub(super) fn row(name: &str) -> Option<&'static Quantity> {
     rows.find(|row| row.name == name)
 }
 
-/// Whether another function may call it.
+/// Tells whether other functions may call a function.
 pub(super) fn is_called(name: &str) -> bool {
     quantities().any(|row| matches!(row.loops, Some(Loops::Affine { called }) if called == name))
 }
 
-/// Whether a function differentiates friction by the velocity.
+/// Tells whether a function differentiates friction by the velocity.
 pub(crate) fn differentiates_friction(name: &str) -> bool {
     row(name).is_some_and(|row| row.differentiates_friction)
 }

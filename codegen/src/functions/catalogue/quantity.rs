@@ -50,7 +50,7 @@ impl Argument {
         }
     }
 
-    /// What its documentation says.
+    /// The documentation of the argument.
     pub(in crate::functions) fn text(self, model: &Model) -> ArgumentText {
         let by_joint = |units: [&'static str; 2]| {
             let entry = |joint: &Joint| {
@@ -151,9 +151,9 @@ pub struct Quantity {
     pub(in crate::functions) route: fn(&Formulations<'_>) -> Option<&'static str>,
     /// Constants that stand before the function.
     pub(in crate::functions) constants: fn(&Model, &Formulations<'_>, &Program) -> Vec<Constant>,
-    /// Whether it divides by the pivots of the mass matrix.
+    /// It is true if the function divides by the pivots of the mass matrix.
     pub(in crate::functions) needs_inverse: bool,
-    /// Whether it differentiates friction by the velocity: where a law jumps it says nothing of that.
+    /// It is true if the function differentiates friction by the velocity. Jumps of a law do not show in it.
     pub(in crate::functions) differentiates_friction: bool,
     /// Operations that straight-line code takes at least, for robots that make it very large.
     pub(in crate::functions) straight_size: Option<Estimate>,
@@ -175,7 +175,7 @@ pub(in crate::functions) type BuildLoops =
     for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, Vec<InputArray>) -> Arrays;
 
 impl Quantity {
-    /// What a row does not say: nothing of it is large, and it needs nothing beside it.
+    /// The defaults of a row: the function is not large and needs nothing beside it.
     pub(in crate::functions) const PLAIN: Self = Self {
         name: "",
         summary: "",

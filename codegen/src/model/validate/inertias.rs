@@ -18,7 +18,7 @@ struct Finding<'d> {
     flaw: Flaw,
 }
 
-/// What is wrong with the published bodies of a robot.
+/// Faults of the published bodies of a robot.
 pub(super) struct Published<'d> {
     findings: Vec<Finding<'d>>,
     moving: usize,

@@ -59,7 +59,7 @@ pub struct Arrays {
     pub setup: Program,
     /// All arrays: those of the setup first.
     pub arrays: Vec<Array>,
-    /// What is done with them, in order.
+    /// The steps of the computation, in order.
     pub steps: Vec<Step>,
     /// Results of the function in their order.
     pub outputs: Vec<ArrayOutput>,
@@ -67,14 +67,14 @@ pub struct Arrays {
     pub parents: Vec<Option<usize>>,
     /// The coordinates, parents first.
     pub order: Vec<usize>,
-    /// Whether products and sums of the steps are fused.
+    /// It is true if products and sums of the steps are fused.
     pub is_fused: bool,
 }
 
 /// Rows of one entry per coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
-    /// What it holds, as an identifier.
+    /// The name of the array, as an identifier.
     pub name: String,
     /// How many rows it has.
     pub rows: usize,
@@ -146,15 +146,15 @@ pub enum Step {
 /// A straight-line program for each joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
-    /// What it does, as an identifier.
+    /// The name of the step, as an identifier.
     pub name: String,
-    /// What it does, for the documentation.
+    /// The purpose of the step, for the documentation.
     pub about: String,
     /// Arrays that it reads; its inputs are their rows at one joint.
     pub reads: Vec<ArrayId>,
     /// Arrays that it writes; its results are their rows at the joint.
     pub writes: Vec<ArrayId>,
-    /// What is done.
+    /// The computation at each joint.
     pub body: Program,
 }
 
@@ -179,14 +179,14 @@ impl Arrays {
         self.parents.len()
     }
 
-    /// Whether each coordinate but the first follows the one before it.
+    /// Tells whether each coordinate but the first follows the one before it.
     #[must_use]
     pub fn is_chain(&self) -> bool {
         let parents = self.parents.iter().enumerate();
         parents.into_iter().all(|(index, parent)| *parent == index.checked_sub(1))
     }
 
-    /// Whether joint `j` stands before joint `i` on its path to the base.
+    /// Tells whether joint `j` stands before joint `i` on its path to the base.
     #[must_use]
     pub fn is_before(&self, j: usize, i: usize) -> bool {
         let path = std::iter::successors(self.parents[i], |&next| self.parents[next]);
@@ -209,7 +209,7 @@ impl Arrays {
 }
 
 impl Step {
-    /// Whether it reads an array.
+    /// Tells whether the step reads an array.
     #[must_use]
     pub fn reads(&self, array: ArrayId) -> bool {
         match self {

@@ -5,7 +5,7 @@ use crate::program::{Instruction, Operand, Operation};
 /// A straight-line program in the making; names come at the end.
 pub(super) struct Writer {
     pub(super) instructions: Vec<Instruction>,
-    /// Whether products and sums become one operation.
+    /// It is true if products and sums become one operation.
     pub(super) is_fused: bool,
 }
 

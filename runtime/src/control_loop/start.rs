@@ -1,0 +1,102 @@
+//! The start of the loop: where the robot is, whether it may start there, and the release of its brakes.
+
+use super::clock::Clock;
+use super::controller::Controller;
+use super::guard::EncoderGuard;
+use super::law::JointLaw;
+use super::monitor::check_positions;
+use super::reference::Reference;
+use super::report::{End, Refusal};
+use super::run::{ControlLoop, Phase};
+use super::velocity_filter::VelocityFilter;
+use crate::trajectory::{Sample, Trajectory};
+use crate::transport::Transport;
+
+impl<L, R, C, T, K, const N: usize, const M: usize> ControlLoop<L, R, C, T, K, N, M>
+where
+    L: JointLaw<N, M>,
+    R: Trajectory<N>,
+    C: Controller<N, M>,
+    T: Transport<N, M>,
+    K: Clock,
+{
+    /// Reads where the robot is, checks that it may start there, writes the inputs that hold it, and releases
+    /// the brakes. [`run`](Self::run) does it; call it only to make the periods yourself.
+    ///
+    /// # Errors
+    /// [`Refusal`]; the brakes then are engaged.
+    pub fn start(&mut self) -> Result<(), Refusal> {
+        let started = self.try_start();
+        if let Err(refusal) = started {
+            self.brake();
+            self.state.phase = Phase::Ended(End::Refused(refusal));
+        }
+        started
+    }
+
+    fn try_start(&mut self) -> Result<(), Refusal> {
+        self.transport.brake().map_err(Refusal::Transport)?;
+        let positions = self.first_reading()?;
+        check_positions(&self.settings, &self.joints, &positions).map_err(Refusal::Limit)?;
+        let start = self.trajectory.sample(0.0).positions;
+        for joint in 0..N {
+            let distance = (positions[joint] - start[joint]).abs();
+            // Written so that a trajectory of NaN is refused.
+            let near = distance <= self.settings.start_tolerance[joint];
+            if !near {
+                return Err(Refusal::Start {
+                    joint,
+                    name: self.joints[joint],
+                    position: positions[joint],
+                    start: start[joint],
+                });
+            }
+        }
+        let inputs = self.holding_inputs(&positions)?;
+        self.controller.reset(&positions, &inputs);
+        self.state.inputs = inputs;
+        self.first_warm_up(&positions);
+        self.transport.write(&inputs).map_err(Refusal::Transport)?;
+        self.transport.release().map_err(Refusal::Transport)?;
+        let time = -self.release_time();
+        let (settings, state) = (&self.settings, &mut self.state);
+        state.guard = EncoderGuard::new(settings.guard, positions, start).with_names(self.joints);
+        state.filter = VelocityFilter::new(settings.velocity_time_constant, positions);
+        state.reference = Reference::Running { time };
+        (state.unmeasured, state.failures, state.unwritten) = (0, 0, 0);
+        (state.origin, state.index) = (self.clock.now().saturating_add(self.period), 0);
+        state.phase = Phase::Running;
+        Ok(())
+    }
+
+    fn first_reading(&mut self) -> Result<[f64; N], Refusal> {
+        for _ in 0..=self.settings.start_periods {
+            if self.stop.is_raised() {
+                return Err(Refusal::Requested);
+            }
+            // Errors too are waited out: a robot that was just switched on reports its restart here.
+            if let Ok(Some(reading)) = self.transport.read() {
+                self.state.brakes = reading.brakes;
+                self.state.measures = [reading.velocities.is_some(), reading.torques.is_some()];
+                if reading.positions.iter().all(|y| y.is_finite()) {
+                    return Ok(reading.positions);
+                }
+            }
+            let next = self.clock.now().saturating_add(self.period);
+            self.clock.sleep_until(next);
+        }
+        Err(Refusal::NoMeasurement)
+    }
+
+    fn holding_inputs(&self, positions: &[f64; N]) -> Result<[f64; M], Refusal> {
+        let rest = Sample::at_rest(*positions);
+        let inputs = self.fallback.inputs(&rest, positions, &[0.0; N]).unwrap_or([f64::NAN; M]);
+        for (input, (needed, limit)) in inputs.iter().zip(self.settings.input_limit).enumerate() {
+            let possible = needed.abs() <= limit;
+            if !possible {
+                return Err(Refusal::Torque { input, name: self.inputs[input], needed: *needed, limit });
+            }
+        }
+        Ok(inputs)
+    }
+}

@@ -1,0 +1,74 @@
+//! Steps of the controller that are computed for the caches alone.
+
+use super::clock::Clock;
+use super::controller::{Controller, Cycle};
+use super::law::JointLaw;
+use super::run::{ControlLoop, Phase};
+use crate::trajectory::Trajectory;
+use crate::transport::Transport;
+use std::hint::black_box;
+use std::time::Duration;
+
+impl<L, R, C, T, K, const N: usize, const M: usize> ControlLoop<L, R, C, T, K, N, M>
+where
+    L: JointLaw<N, M>,
+    R: Trajectory<N>,
+    C: Controller<N, M>,
+    T: Transport<N, M>,
+    K: Clock,
+{
+    /// Computes the first step for the caches while the brakes are engaged, where its time costs nothing: if
+    /// it takes longer than it may later, there will be none later.
+    pub(super) fn first_warm_up(&mut self, positions: &[f64; N]) {
+        if self.state.warms_up {
+            let begin = self.clock.now();
+            self.warm_up(-self.release_time(), positions, None);
+            self.take_warm_up(begin);
+        }
+    }
+
+    /// Computes the step of the period that begins at `wake` for the caches, if there still is the time that
+    /// is set aside for it.
+    pub(super) fn warm_up_before(&mut self, wake: Duration) {
+        if !(self.state.warms_up && self.is_driving()) {
+            return;
+        }
+        let begin = wake.saturating_sub(Duration::from_secs_f64(self.settings.warm_up));
+        if self.clock.now() > begin {
+            return;
+        }
+        self.clock.sleep_until(begin);
+        let woken = self.clock.now();
+        // A wake-up this late has used up the time.
+        if woken.saturating_sub(begin) > wake.saturating_sub(begin) / 2 {
+            return;
+        }
+        let (positions, _) = self.state.guard.believed();
+        let velocities = self.state.measures[0].then(|| *self.state.filter.velocities());
+        self.warm_up(self.time(), &positions, velocities);
+        self.take_warm_up(begin);
+    }
+
+    fn warm_up(&mut self, time: f64, positions: &[f64; N], velocities: Option<[f64; N]>) {
+        let desired = self.state.reference.sample(&self.trajectory);
+        let _ = black_box(self.fallback.inputs(&desired, positions, self.state.filter.velocities()));
+        if !matches!(self.state.phase, Phase::Stopping(_)) {
+            self.controller.warm_up(&Cycle {
+                time,
+                positions: Some(*positions),
+                velocities,
+                last_inputs: self.state.inputs,
+                ..Cycle::default()
+            });
+        }
+    }
+
+    fn take_warm_up(&mut self, begin: Duration) {
+        let took = self.clock.now().saturating_sub(begin);
+        self.state.counts.warm_ups += 1;
+        if took > Duration::from_secs_f64(self.settings.warm_up) {
+            self.state.counts.late_warm_ups += 1;
+            self.state.warms_up = false;
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! The bounds inside the interior-point method: slacks, multipliers and their Newton steps, four at a time.
+//!
+//! A bound `ς (z − b) + t ≥ 0` (ς = +1 lower, −1 upper; `t` the softening, absent for a hard bound) is
+//! written with the slack `s > 0`, `ς (z − b) + t − s = −r`, and the multiplier `λ > 0`. A soft bound costs
+//! `w₁ t + ½ w₂ t²`, `t ≥ 0`, whose own multiplier is `ν = w₁ + w₂ t − λ > 0`. Eliminating `ds`, `dt`, `dν`
+//! from the Newton system leaves a diagonal term in z:
+//!
+//! ```text
+//!     s dλ + λ ds = −rc₁ = −(s λ − τ + c₁)       t dν + ν dt = −rc₂ = −(t ν − τ + c₂)       τ = σμ, c: second-order correction
+//!     ς dz + dt + r = ds       dν = w₂ dt − dλ       D = ν + w₂ t (1 if hard)       Δ = D s + t λ (t = 0 if hard)
+//!     λ + dλ = λ (t (λ + ν) − D r)/Δ + (D (τ − c₁) − λ (τ − c₂))/Δ − W ς dz       W = λ D/Δ
+//! ```
+//!
+//! Source: Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapters 1 and 10; the elimination of
+//! soft bounds as in Frison, Diehl, *HPIPM*, IFAC 2020, section 3.
+
+mod measure;
+mod side;
+mod start;
+
+pub(super) use self::side::Tally;
+use self::side::{Side, Softening};
+use super::lanes::Vector;
+use super::multipliers::Multipliers;
+
+/// All bounds of one kind of variable (inputs, or states), and the passes of an interior-point iteration over
+/// them.
+#[derive(Debug, Clone)]
+pub(super) struct Bounds<V> {
+    sides: Vec<[Side<V>; 2]>,
+    soft: Vec<[Softening<V>; 2]>,
+    /// `W_max` and its inverse.
+    cap: [V; 2],
+}
+
+impl<V: Vector> Bounds<V> {
+    pub(super) fn new(lanes: usize) -> Self {
+        Self {
+            sides: vec![Default::default(); lanes],
+            soft: vec![Default::default(); lanes],
+            cap: [V::one(); 2],
+        }
+    }
+
+    /// Forgets bounds, slacks and multipliers.
+    pub(super) fn forget(&mut self) {
+        self.sides.fill(Default::default());
+        self.soft.fill(Default::default());
+    }
+
+    /// Largest diagonal term of the Newton system. Beyond it, digits of the weights would be lost beside it
+    /// (`R` beside `BᵀWB`); a step that takes the slack for `λ/W_max` instead is still a Newton step to
+    /// second order, since `dλ` vanishes at the optimum.
+    #[inline(always)]
+    pub(super) fn cap_weights(&mut self, cap: f64) {
+        self.cap = [V::splat(cap), V::splat(1.0 / cap)];
+    }
+
+    /// [`Self::linearize_as`], with soft bounds or without.
+    #[inline(always)]
+    pub(super) fn linearize(
+        &mut self,
+        soft: bool,
+        z: &[V],
+        gradient: &[V],
+        weight: &mut [V],
+        rhs: &mut [V],
+    ) -> Tally<V> {
+        if soft {
+            self.linearize_as::<true>(z, gradient, weight, rhs)
+        } else {
+            self.linearize_as::<false>(z, gradient, weight, rhs)
+        }
+    }
+
+    /// [`Self::predictor_as`], likewise.
+    #[inline(always)]
+    pub(super) fn predictor(&mut self, soft: bool, dz: &[V]) -> Tally<V> {
+        if soft { self.predictor_as::<true>(dz) } else { self.predictor_as::<false>(dz) }
+    }
+
+    /// [`Self::centre_as`], likewise.
+    #[inline(always)]
+    pub(super) fn centre(&mut self, soft: bool, gradient: &[V], target: f64, correction: f64, rhs: &mut [V]) {
+        if soft {
+            self.centre_as::<true>(gradient, target, correction, rhs);
+        } else {
+            self.centre_as::<false>(gradient, target, correction, rhs);
+        }
+    }
+
+    /// [`Self::corrector_as`], likewise.
+    #[inline(always)]
+    pub(super) fn corrector(&mut self, soft: bool, dz: &[V], target: f64, correction: f64) -> Tally<V> {
+        if soft {
+            self.corrector_as::<true>(dz, target, correction)
+        } else {
+            self.corrector_as::<false>(dz, target, correction)
+        }
+    }
+
+    /// [`Self::advance_as`], likewise.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, soft: bool, length: f64) {
+        if soft {
+            self.advance_as::<true>(length);
+        } else {
+            self.advance_as::<false>(length);
+        }
+    }
+
+    /// [`Self::start_as`], likewise.
+    #[inline(always)]
+    pub(super) fn start(&mut self, soft: bool, z: &[V], mu: f64, share: f64, far: bool) {
+        if soft {
+            self.start_as::<true>(z, mu, share, far);
+        } else {
+            self.start_as::<false>(z, mu, share, far);
+        }
+    }
+
+    /// [`Self::remember_as`], likewise.
+    #[inline(always)]
+    pub(super) fn remember(&mut self, soft: bool, last: &Multipliers<V>, mu: f64) {
+        if soft {
+            self.remember_as::<true>(last, mu);
+        } else {
+            self.remember_as::<false>(last, mu);
+        }
+    }
+
+    /// First pass: `weight` becomes the diagonal barrier term, `rhs` the gradient of the affine step. Returns
+    /// `Σ sλ` and `max |r|`.
+    #[inline(always)]
+    fn linearize_as<const SOFT: bool>(
+        &mut self,
+        z: &[V],
+        gradient: &[V],
+        weight: &mut [V],
+        rhs: &mut [V],
+    ) -> Tally<V> {
+        let mut tally = Tally::new();
+        let cap = self.cap;
+        for i in 0..self.sides.len() {
+            let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
+            let from_below = lower.linearize::<false, SOFT>(soft_lower, z[i], cap, &mut tally);
+            let pull = from_below - upper.linearize::<true, SOFT>(soft_upper, z[i], cap, &mut tally);
+            weight[i] = lower.weight + upper.weight;
+            rhs[i] = gradient[i] - pull;
+        }
+        tally
+    }
+
+    /// Second pass: affine steps. Returns `Σ ds dλ` and the inverse step to the boundary.
+    #[inline(always)]
+    fn predictor_as<const SOFT: bool>(&mut self, dz: &[V]) -> Tally<V> {
+        let mut tally = Tally::new();
+        for i in 0..self.sides.len() {
+            let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
+            lower.predictor::<false, SOFT>(soft_lower, dz[i], &mut tally);
+            upper.predictor::<true, SOFT>(soft_upper, dz[i], &mut tally);
+        }
+        tally
+    }
+
+    /// Third pass: `rhs` becomes the gradient of the centred and corrected step.
+    #[inline(always)]
+    fn centre_as<const SOFT: bool>(&mut self, gradient: &[V], target: f64, correction: f64, rhs: &mut [V]) {
+        let (target, correction) = (V::splat(target), V::splat(correction));
+        for i in 0..self.sides.len() {
+            let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
+            rhs[i] = gradient[i] - lower.centred::<SOFT>(soft_lower, target, correction)
+                + upper.centred::<SOFT>(soft_upper, target, correction);
+        }
+    }
+
+    /// Fourth pass: the steps proper. Returns the inverse step to the boundary.
+    #[inline(always)]
+    fn corrector_as<const SOFT: bool>(&mut self, dz: &[V], target: f64, correction: f64) -> Tally<V> {
+        let mut tally = Tally::new();
+        let target = [V::splat(target), V::splat(correction)];
+        for i in 0..self.sides.len() {
+            let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
+            lower.corrector::<false, SOFT>(soft_lower, dz[i], target, &mut tally);
+            upper.corrector::<true, SOFT>(soft_upper, dz[i], target, &mut tally);
+        }
+        tally
+    }
+
+    /// Fifth pass: the step is taken.
+    #[inline(always)]
+    fn advance_as<const SOFT: bool>(&mut self, length: f64) {
+        let length = V::splat(length);
+        for i in 0..self.sides.len() {
+            let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
+            lower.advance::<SOFT>(soft_lower, length);
+            upper.advance::<SOFT>(soft_upper, length);
+        }
+    }
+}

@@ -1,0 +1,338 @@
+//! Mehrotra's predictor–corrector method on the optimal-control QP.
+//!
+//! Each iteration factorizes the Newton system of the perturbed KKT conditions once ([`super::riccati`]) and
+//! solves it twice: for the affine step, whose length tells how much centring is needed, and for the centred
+//! step with second-order correction. All iterates satisfy the dynamics, so only the bounds have a primal
+//! residual, and equal primal and dual step lengths shrink it and the dual residual by the same factor.
+//!
+//! Sources: Mehrotra, *On the implementation of a primal-dual interior point method*, SIAM J. Optim. 2
+//! (1992); Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapter 10; Rao, Wright, Rawlings, JOTA
+//! 99 (1998), for the structure of the problem.
+
+mod judge;
+mod start;
+mod step;
+
+use self::judge::{LATE, NEAR};
+use super::certificate::Certificate;
+use super::core::Core;
+use super::lanes::Vector;
+use super::ldl::NotPositive;
+use super::problem::QpProblem;
+use super::status::{QpReport, QpStatus};
+
+/// Costs below this share of the gap at the start count as none.
+const LEAST_COST: f64 = 1e-24;
+/// The largest barrier term may be this many times the largest multiplier of a state, where that is more:
+/// smaller ones would hold large multipliers back.
+const STIFFNESS: f64 = 1e6;
+/// Both limits of the barrier terms are multiplied by this where rounding makes a factorization fail or its
+/// steps inexact.
+const CAP_CUT: f64 = 1e-2;
+/// The largest barrier term is multiplied by this where the method makes no progress: damped multipliers fall
+/// slowly.
+const CAP_RAISE: f64 = 10.0;
+/// Iterations without progress after which the second-order correction is left out, since with it the method
+/// can cycle (Cartis, *Some disadvantages of a Mehrotra-type primal-dual corrector interior point algorithm*,
+/// Appl. Numer. Math. 59, 2009).
+const PATIENCE: usize = 3;
+
+/// Where the first iterate comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Start {
+    /// The unconstrained optimum.
+    Cold,
+    /// The solution in memory.
+    Warm,
+    /// A point deep inside the bounds, with the steps that are safest: where the others have not led to a
+    /// solution.
+    Deep,
+    /// The unconstrained optimum, hard state bounds replaced by penalties.
+    Relaxed,
+}
+
+/// How a run of the method ended.
+#[derive(Debug, Clone, Copy)]
+struct Outcome {
+    certificate: Certificate,
+    iterations: usize,
+    /// False if the hard bounds could not be reached.
+    feasible: bool,
+}
+
+/// A point that may be the solution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Candidate {
+    /// The unconstrained optimum, which keeps the bounds.
+    Free,
+    /// An iterate.
+    Iterate,
+    /// The best iterate, whatever it is worth: the method has ended.
+    Last,
+}
+
+/// What one iteration starts from.
+#[derive(Debug, Clone, Copy, Default)]
+struct State {
+    /// `zᵀHz` and the cost.
+    quadratic: f64,
+    cost: f64,
+    /// `Σ sλ`, and the largest residual of a bound.
+    gap: f64,
+    residual: f64,
+    /// Largest multiplier.
+    force: f64,
+}
+
+/// Quantities of a run.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    start: Start,
+    /// True after [`Core::restart`], which happens once in a run at most.
+    restarted: bool,
+    /// Iterations that the run had taken when its present start was made: 0, or those up to and including the
+    /// restart.
+    begun: usize,
+    /// Steps in a row shorter than `CRAWL`.
+    crawl: usize,
+    /// True if there are soft bounds.
+    soft: bool,
+    /// Complementarity pairs.
+    count: f64,
+    /// Gap at the start.
+    start_gap: f64,
+    /// Largest diagonal term of the Newton system.
+    cap: f64,
+    /// The same beside the largest multiplier.
+    stiffness: f64,
+    /// `Π (1 − α)`: what is left of the dual residual.
+    shrink: f64,
+    iterations: usize,
+    /// Iterations after which it ends: the cap of its present start, and those that are left to the solve.
+    limit: usize,
+    budget: usize,
+    /// Smallest merit so far, and the residual that belongs to it; its iterate is in memory.
+    best: (f64, f64),
+    /// Residual some iterations ago.
+    checkpoint: f64,
+    /// Smallest merit so far, and iterations since it last fell.
+    progress: (f64, usize),
+}
+
+impl Run {
+    fn new(start: Start, soft: bool, cap: usize, budget: usize) -> Self {
+        Self {
+            start,
+            restarted: false,
+            begun: 0,
+            crawl: 0,
+            soft,
+            count: 0.0,
+            start_gap: 0.0,
+            cap: 0.0,
+            stiffness: STIFFNESS,
+            shrink: 1.0,
+            iterations: 0,
+            limit: cap.min(budget),
+            budget,
+            best: (f64::INFINITY, f64::INFINITY),
+            checkpoint: f64::INFINITY,
+            progress: (f64::INFINITY, 0),
+        }
+    }
+
+    #[inline(always)]
+    fn note(&mut self, merit: f64) {
+        self.progress =
+            if merit < 0.9 * self.progress.0 { (merit, 0) } else { (self.progress.0, self.progress.1 + 1) };
+    }
+}
+
+impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
+    /// Solves the problem in memory, `soft` if it has soft bounds; from a cold start where a warm one leads
+    /// nowhere. Where its hard state bounds prove out of reach, solves it again with exact penalties in their
+    /// place.
+    #[inline(always)]
+    pub(super) fn optimize(
+        &mut self,
+        problem: &QpProblem<NX, NU>,
+        soft: bool,
+        start: Start,
+    ) -> Result<QpReport, NotPositive> {
+        let (mut soft, mut start, mut iterations) = (soft, start, 0);
+        let starts = if start == Start::Warm { 3 } else { 2 };
+        let most = starts * self.settings.max_iterations;
+        let mut kept: Option<Certificate> = None;
+        if !self.is_bounded() {
+            start = Start::Cold;
+        }
+        loop {
+            self.set_out(start)?;
+            soft |= start == Start::Relaxed;
+            let outcome = self.run(problem, soft, start, most - iterations);
+            iterations += outcome.iterations;
+            let certificate = self.better_of(kept, outcome.certificate);
+            start = match start {
+                Start::Warm if !certificate.holds() => Start::Cold,
+                Start::Cold if !outcome.feasible && iterations < most => Start::Relaxed,
+                Start::Cold if !certificate.holds() && certificate.is_finite() && iterations < most => {
+                    Start::Deep
+                }
+                _ => return Ok(certificate.report(self.status(&certificate), iterations)),
+            };
+            kept = (start == Start::Deep).then_some(certificate);
+        }
+    }
+
+    /// Makes the better one of two points the solution: the one kept in memory, if there is one, or the
+    /// present one. Keeps it.
+    #[inline(always)]
+    fn better_of(&mut self, kept: Option<Certificate>, present: Certificate) -> Certificate {
+        let feasibility = self.settings.feasibility;
+        let better = kept.filter(|kept| !present.holds() && kept.is_better_than(&present, feasibility));
+        if better.is_some() {
+            self.solution.copy_from(&self.kept);
+            for (of_solution, kept) in self.multipliers.iter_mut().zip(&self.kept_multipliers) {
+                of_solution.copy_from(kept);
+            }
+        } else if !present.holds() {
+            self.kept.copy_from(&self.solution);
+            for (kept, of_solution) in self.kept_multipliers.iter_mut().zip(&self.multipliers) {
+                kept.copy_from(of_solution);
+            }
+        }
+        better.unwrap_or(present)
+    }
+
+    /// Makes the first iterate.
+    #[inline(always)]
+    fn set_out(&mut self, start: Start) -> Result<(), NotPositive> {
+        if start == Start::Warm {
+            self.iterate.copy_from(&self.solution);
+            self.input_bounds.clip(&mut self.iterate.u);
+            self.fixed.place(&mut self.iterate.u);
+            self.riccati.roll_out(&mut self.iterate, &self.affine);
+            return Ok(());
+        }
+        self.unconstrained()?;
+        if start == Start::Relaxed {
+            self.soften();
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn status(&self, certificate: &Certificate) -> QpStatus {
+        if !certificate.is_finite() {
+            QpStatus::Invalid
+        } else if !certificate.holds() {
+            QpStatus::IterationLimit
+        } else if self.softened && certificate.residuals.primal > self.settings.feasibility {
+            QpStatus::Relaxed
+        } else {
+            QpStatus::Solved
+        }
+    }
+
+    /// True if there is a bound that may become active.
+    #[inline(always)]
+    fn is_bounded(&self) -> bool {
+        self.equalities.any() || self.input_bounds.count() + self.state_bounds.count() > 0.0
+    }
+
+    /// True if the iterate keeps all bounds.
+    #[inline(always)]
+    fn keeps_bounds(&self) -> bool {
+        let inputs = self.input_bounds.violation(&self.iterate.u, false);
+        let states = self.state_bounds.violation(&self.iterate.x, false);
+        inputs.max(states) <= 0.0 && !self.equalities.any()
+    }
+
+    /// Runs the method from the iterate in memory.
+    #[inline(always)]
+    fn run(&mut self, problem: &QpProblem<NX, NU>, soft: bool, start: Start, budget: usize) -> Outcome {
+        let mut run = Run::new(start, soft, self.settings.max_iterations, budget);
+        let mut candidate = None;
+        if start != Start::Warm && self.keeps_bounds() {
+            self.multipliers[0].clear();
+            self.multipliers[1].clear();
+            candidate = Some(Candidate::Free);
+        } else {
+            self.begin(start, &mut run);
+            if start == Start::Deep && self.settings.max_iterations > 0 {
+                self.restart(&mut run);
+            }
+        }
+        loop {
+            let mut least = 0.0;
+            if let Some(kind) = candidate {
+                let certificate = self.certify(problem, LEAST_COST * run.start_gap);
+                let ended = kind == Candidate::Last || !self.is_bounded();
+                if certificate.holds() || ended {
+                    let residual = run.best.1.min(certificate.residuals.primal);
+                    return Outcome {
+                        certificate,
+                        iterations: run.iterations,
+                        feasible: kind != Candidate::Last || residual <= self.settings.feasibility,
+                    };
+                }
+                if kind == Candidate::Free {
+                    self.begin(start, &mut run);
+                }
+                least = certificate.merit;
+                if certificate.is_inexact() {
+                    run.cap *= CAP_CUT;
+                }
+                if kind == Candidate::Iterate {
+                    run.checkpoint = f64::INFINITY;
+                    self.iterate.copy_from(&self.solution);
+                    self.input_bounds.loosen(&self.iterate.u);
+                    self.state_bounds.loosen(&self.iterate.x);
+                }
+            }
+            candidate = self.iterate(least, &mut run);
+        }
+    }
+
+    /// One iteration, unless it finds a candidate for the solution; the last one is known to have a merit of
+    /// at least `least`, 0 if there was none.
+    #[inline(always)]
+    fn iterate(&mut self, least: f64, run: &mut Run) -> Option<Candidate> {
+        let state = self.linearize(run.soft);
+        // For the next one
+        self.state_bounds.cap_weights(run.cap.max(run.stiffness * state.force));
+        self.equalities.cap_weights(run.cap);
+        let merit = self.merit(&state, run).max(least);
+        // The factorization that a certificate needs is that of the last iteration.
+        if merit <= 1.0 && run.iterations > 0 {
+            self.take_multipliers(false);
+            return Some(Candidate::Iterate);
+        }
+        let stalled = self.stalled(&state, run);
+        let may_restart = !run.restarted && run.iterations < run.limit;
+        if merit.is_finite() && may_restart && (stalled || self.is_slow(&state, run)) {
+            if run.start == Start::Warm {
+                return Some(Candidate::Last);
+            }
+            self.restart(run);
+            return None;
+        }
+        run.note(merit);
+        if run.progress.1 >= PATIENCE && state.residual <= NEAR * self.settings.feasibility {
+            run.cap *= CAP_RAISE;
+        }
+        let stops = stalled || !merit.is_finite() || self.is_over(&state, run);
+        if stops || run.iterations >= LATE || run.iterations == 0 {
+            self.keep_best(merit, &state, run);
+        }
+        if stops || !self.advance(&state, run) {
+            self.iterate.copy_from(&self.best);
+            for (kept, best) in self.multipliers.iter_mut().zip(&self.best_multipliers) {
+                kept.copy_from(best);
+            }
+            return Some(Candidate::Last);
+        }
+        run.iterations += 1;
+        None
+    }
+}

@@ -1,0 +1,161 @@
+//! Points from which the method starts, and starts again.
+
+use super::super::core::Core;
+use super::super::lanes::{Vector, largest};
+use super::super::ldl::NotPositive;
+use super::{Run, Start};
+
+/// Gap at the start, relative to the cost that keeping the bounds may add. Large: a start far inside takes
+/// fewer iterations than one near the boundary.
+const START_GAP: f64 = 100.0;
+/// The same for a warm start, relative to the cost, with slacks of at least [`WARM_SLACK`] of the distance
+/// between the bounds.
+const WARM_LEVEL: f64 = 1e-5;
+const WARM_SLACK: f64 = 1e-3;
+/// Slacks at the start are at least this share of the distance between the bounds.
+const START_SLACK: f64 = 0.1;
+/// Largest barrier term of the Newton system, relative to the largest weight of the cost.
+const WEIGHT_CAP: f64 = 1e10;
+/// Penalty of a violated bound in a relaxed problem, relative to the largest gradient or weight of the cost.
+const RELAXATION: f64 = 1e5;
+
+impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
+    /// The optimum without bounds, by one factorization.
+    #[inline(always)]
+    pub(super) fn unconstrained(&mut self) -> Result<(), NotPositive> {
+        self.weight.clear();
+        self.fixed.weigh(&mut self.weight.u);
+        self.riccati.factorize(&self.weight, Some(&self.affine))?;
+        self.rhs.copy_from(&self.linear);
+        self.fixed.attract(&mut self.rhs.u);
+        self.riccati.solve(&self.rhs, &mut self.iterate, Some(&self.affine));
+        self.fixed.place(&mut self.iterate.u);
+        Ok(())
+    }
+
+    /// Slacks and multipliers for the first iterate.
+    #[inline(always)]
+    pub(super) fn begin(&mut self, start: Start, run: &mut Run) {
+        let warm = start == Start::Warm;
+        let level = if warm { WARM_LEVEL * self.cost().abs() } else { self.excess_energy() };
+        run.cap = WEIGHT_CAP * self.riccati.largest_weight();
+        self.input_bounds.cap_weights(f64::INFINITY);
+        self.cap_weights(run.cap);
+        self.equalities.start(warm.then_some(&self.multipliers[1]));
+        run.count = self.input_bounds.count() + self.state_bounds.count();
+        self.set_slacks(level, start, run);
+        if warm {
+            let mu = run.start_gap / run.count.max(1.0);
+            self.input_bounds.remember(false, &self.multipliers[0], mu);
+            self.state_bounds.remember(run.soft, &self.multipliers[1], mu);
+        }
+    }
+
+    /// Slacks as the iterate has them, and multipliers, for a scale of the cost that keeping the bounds adds.
+    #[inline(always)]
+    fn set_slacks(&mut self, level: f64, start: Start, run: &mut Run) {
+        let mu = if level > 0.0 { START_GAP * level / run.count.max(1.0) } else { 1.0 };
+        run.start_gap = mu * run.count;
+        run.shrink = 1.0;
+        let slack = if start == Start::Warm { WARM_SLACK } else { START_SLACK };
+        let far = run.restarted;
+        self.input_bounds.start(false, &self.iterate.u, mu, slack, far);
+        self.state_bounds.start(run.soft, &self.iterate.x, mu, slack, far);
+    }
+
+    /// Starts again from a point that lies as deep inside the bounds as the dynamics allow, with its whole
+    /// cost as the scale: where the optimum without bounds lies far outside, what it costs to move it there
+    /// tells nothing, and the method creeps along the boundary.
+    #[inline(always)]
+    pub(super) fn restart(&mut self, run: &mut Run) {
+        if run.iterations > 0 {
+            self.iterate.copy_from(&self.best);
+        }
+        run.iterations += 1;
+        run.restarted = true;
+        run.begun = run.iterations;
+        run.limit = (run.begun + self.settings.max_iterations).min(run.budget);
+        run.crawl = 0;
+        // What the first start has reached is no measure of the progress of the second.
+        run.progress = (f64::INFINITY, 0);
+        run.checkpoint = f64::INFINITY;
+        let mut size = self.scale();
+        let most = 10.0 * size * run.count.max(1.0);
+        let mut level = size;
+        for _ in 0..4 {
+            if self.centre(size).is_ok() {
+                self.riccati.solve(&self.rhs, &mut self.iterate, Some(&self.affine));
+                self.fixed.place(&mut self.iterate.u);
+                level = self.scale();
+                if level <= most {
+                    break;
+                }
+            }
+            size *= 1e-3;
+        }
+        self.equalities.start(None);
+        self.set_slacks(level, Start::Cold, run);
+        run.best = (f64::INFINITY, f64::INFINITY);
+    }
+
+    /// Size of the cost at the iterate.
+    #[inline(always)]
+    fn scale(&mut self) -> f64 {
+        self.cost().abs() + self.state_bounds.penalty(&self.iterate.x, true)
+    }
+
+    #[inline(always)]
+    fn centre(&mut self, size: f64) -> Result<(), NotPositive> {
+        self.weight.clear();
+        self.rhs.copy_from(&self.linear);
+        let (w, h) = (&mut self.weight, &mut self.rhs);
+        self.input_bounds.attract(size, &mut w.u, &mut h.u);
+        self.state_bounds.attract(size, &mut w.x, &mut h.x);
+        self.equalities.attract(&mut w.x, &mut h.x);
+        self.fixed.weigh(&mut w.u);
+        self.fixed.attract(&mut h.u);
+        self.riccati.factorize(&self.weight, Some(&self.affine))
+    }
+
+    #[inline(always)]
+    fn cap_weights(&mut self, cap: f64) {
+        self.state_bounds.cap_weights(cap);
+        self.equalities.cap_weights(cap);
+    }
+
+    /// Cost of the iterate, without penalties.
+    #[inline(always)]
+    fn cost(&mut self) -> f64 {
+        let (quadratic, linear) = self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
+        0.5 * quadratic + linear + self.constant
+    }
+
+    /// What moving the iterate into its bounds, number by number, would cost if it were the optimum without
+    /// them: the scale of the multipliers.
+    #[inline(always)]
+    fn excess_energy(&mut self) -> f64 {
+        self.step.copy_from(&self.iterate);
+        self.input_bounds.clip(&mut self.step.u);
+        self.state_bounds.clip(&mut self.step.x);
+        self.equalities.place(&mut self.step.x);
+        self.step.advance(&self.iterate, -1.0);
+        self.rhs.clear();
+        let (quadratic, _) = self.riccati.gradient(&self.step, &self.rhs, &mut self.gradient);
+        0.5 * quadratic + self.riccati.input_energy(&self.step)
+    }
+
+    /// Exact penalties in place of all hard state bounds, from the unconstrained optimum in memory.
+    #[inline(always)]
+    pub(super) fn soften(&mut self) {
+        self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
+        let mut slope = 0.0_f64;
+        for g in &self.gradient.x {
+            slope = slope.max(largest(g.abs()));
+        }
+        let weight = RELAXATION * slope.max(self.riccati.largest_weight());
+        let bounds = &mut self.state_bounds;
+        self.equalities.release(|i, value| bounds.set(i, value, value, None));
+        self.state_bounds.soften(weight);
+        self.softened = true;
+    }
+}

@@ -1,0 +1,103 @@
+//! One step of the method: Newton system, affine step, centred and corrected step.
+
+use super::super::barrier::Tally;
+use super::super::core::Core;
+use super::super::lanes::Vector;
+use super::judge::CRAWL;
+use super::{CAP_CUT, PATIENCE, Run, Start, State};
+
+/// Fraction of the step to the boundary that is taken far from the optimum, and close to it.
+const BOUNDARY_FRACTIONS: [f64; 2] = [0.995, 1.0 - 1e-5];
+/// A step shorter than `BLOCKED` is stopped by pairs far below the mean of the products `sλ`; from `SETTLED`
+/// iterations after the start on they are raised to the share `LEAST_PRODUCT` of it.
+const BLOCKED: f64 = 1e-2;
+const LEAST_PRODUCT: f64 = 1e-2;
+const SETTLED: usize = 8;
+/// The centring after [`PATIENCE`] iterations without progress.
+const SAFE_CENTRING: f64 = 0.3;
+
+impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
+    /// Gradient of the cost, barrier terms and right-hand side of the affine step.
+    #[inline(always)]
+    pub(super) fn linearize(&mut self, soft: bool) -> State {
+        let (quadratic, linear) = self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
+        let (z, g, w, h) = (&self.iterate, &self.gradient, &mut self.weight, &mut self.rhs);
+        let inputs = self.input_bounds.linearize(false, &z.u, &g.u, &mut w.u, &mut h.u);
+        let states = self.state_bounds.linearize(soft, &z.x, &g.x, &mut w.x, &mut h.x);
+        self.fixed.weigh(&mut w.u);
+        self.equalities.weigh(&mut w.x);
+        self.equalities.pull(&z.x, &mut h.x);
+        let unmet = self.equalities.violation(&z.x);
+        State {
+            quadratic,
+            cost: 0.5 * quadratic + linear + self.constant,
+            gap: inputs.sum() + states.sum(),
+            residual: inputs.max().max(states.max()).max(unmet),
+            force: states.force(),
+        }
+    }
+
+    /// One iteration. Returns false if the arithmetic broke down, the iterate then being unchanged.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, state: &State, run: &mut Run) -> bool {
+        if self.riccati.factorize(&self.weight, None).is_err() {
+            // Rounding beside the largest terms.
+            run.cap *= CAP_CUT;
+            run.stiffness *= CAP_CUT;
+            return run.cap > 0.0;
+        }
+        self.riccati.solve(&self.rhs, &mut self.step, None);
+        let (target, correction) = self.centring(state, run);
+        self.input_bounds.centre(false, &self.gradient.u, target, correction, &mut self.rhs.u);
+        self.state_bounds.centre(run.soft, &self.gradient.x, target, correction, &mut self.rhs.x);
+        self.equalities.pull(&self.iterate.x, &mut self.rhs.x);
+        self.riccati.solve(&self.rhs, &mut self.step, None);
+        let inputs = self.input_bounds.corrector(false, &self.step.u, target, correction);
+        let states = self.state_bounds.corrector(run.soft, &self.step.x, target, correction);
+        let boundary = inverse_step(&inputs, &states);
+        // The closer to the optimum, the closer to the boundary: needed for superlinear convergence (Wright
+        // 1997, chapter 7).
+        let fraction = 1.0
+            - (state.gap / state.cost.abs()).clamp(1.0 - BOUNDARY_FRACTIONS[1], 1.0 - BOUNDARY_FRACTIONS[0]);
+        let length = (fraction / boundary).min(1.0);
+        if !length.is_finite() {
+            return false;
+        }
+        self.input_bounds.advance(false, length);
+        self.state_bounds.advance(run.soft, length);
+        self.equalities.corrector(&self.iterate.x, &self.step.x);
+        self.equalities.advance(length);
+        self.iterate.advance(&self.step, length);
+        run.shrink *= 1.0 - length;
+        run.crawl = if length < CRAWL { run.crawl + 1 } else { 0 };
+        if length < BLOCKED && run.iterations >= run.begun + SETTLED {
+            let least = LEAST_PRODUCT * state.gap / run.count.max(1.0);
+            self.input_bounds.recentre(least);
+            self.state_bounds.recentre(least);
+        }
+        true
+    }
+
+    /// Complementarity `σμ` to aim at, from the affine step: `σ = (μ_affine/μ)³` (Mehrotra 1992).
+    #[inline(always)]
+    fn centring(&mut self, state: &State, run: &Run) -> (f64, f64) {
+        let inputs = self.input_bounds.predictor(false, &self.step.u);
+        let states = self.state_bounds.predictor(run.soft, &self.step.x);
+        let length = 1.0 / inverse_step(&inputs, &states).max(1.0);
+        let affine = (1.0 - length) * state.gap + length * length * (inputs.sum() + states.sum());
+        // Without complementarity pairs there is nothing to centre.
+        let ratio = if state.gap > 0.0 { (affine / state.gap).clamp(0.0, 1.0) } else { 0.0 };
+        let mu = state.gap / run.count.max(1.0);
+        if run.progress.1 >= PATIENCE || run.start == Start::Deep {
+            (SAFE_CENTRING * mu, 0.0)
+        } else {
+            (ratio * ratio * ratio * mu, length.sqrt())
+        }
+    }
+}
+
+/// Inverse of the step to the boundary.
+#[inline(always)]
+fn inverse_step<V: Vector>(inputs: &Tally<V>, states: &Tally<V>) -> f64 {
+    inputs.max().max(states.max())
+}

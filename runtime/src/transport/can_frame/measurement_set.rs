@@ -1,0 +1,76 @@
+//! Readings from the messages of single drives.
+
+use super::super::{Brakes, Reading};
+use super::CanMessage;
+
+/// Collects measurements of one sampling instant. A set with another sequence number discards an incomplete
+/// older one.
+#[derive(Debug, Clone)]
+pub struct MeasurementSet<const N: usize> {
+    sequence: Option<u8>,
+    positions: [Option<f64>; N],
+    /// Velocity and force of each drive.
+    rates: [Option<(Option<f64>, Option<f64>)>; N],
+    /// True where a set is complete with the rates of each drive alone.
+    with_rates: bool,
+    brakes: Brakes,
+}
+
+impl<const N: usize> Default for MeasurementSet<N> {
+    fn default() -> Self {
+        Self::new(false)
+    }
+}
+
+impl<const N: usize> MeasurementSet<N> {
+    /// An empty set, complete with the positions alone or `with_rates` of each drive.
+    pub(super) fn new(with_rates: bool) -> Self {
+        Self { sequence: None, positions: [None; N], rates: [None; N], with_rates, brakes: Brakes::Unknown }
+    }
+
+    /// Takes one message in; returns the reading that it completes. Messages to the drives complete none.
+    pub fn take(&mut self, message: &CanMessage) -> Option<Reading<N>> {
+        match *message {
+            CanMessage::Position { index, value, sequence, brake } => {
+                self.begin(sequence);
+                *self.positions.get_mut(index)? = Some(value);
+                self.brakes = match (self.brakes, brake) {
+                    (Brakes::Engaged, _) | (_, Brakes::Engaged) => Brakes::Engaged,
+                    (_, other) => other,
+                };
+            }
+            CanMessage::Rates { index, velocity, torque, sequence } => {
+                self.begin(sequence);
+                *self.rates.get_mut(index)? = Some((velocity, torque));
+            }
+            CanMessage::Release | CanMessage::Brake | CanMessage::Input { .. } => return None,
+        }
+        self.complete()
+    }
+
+    fn begin(&mut self, sequence: u8) {
+        if self.sequence != Some(sequence) {
+            *self = Self { sequence: Some(sequence), ..Self::new(self.with_rates) };
+        }
+    }
+
+    fn complete(&mut self) -> Option<Reading<N>> {
+        let positions = all(&self.positions)?;
+        let mut reading = Reading::of(positions, self.brakes);
+        if self.with_rates {
+            let rates = all(&self.rates)?;
+            reading.velocities = all(&rates.map(|(velocity, _)| velocity));
+            reading.torques = all(&rates.map(|(_, torque)| torque));
+        }
+        self.positions = [None; N];
+        self.rates = [None; N];
+        self.brakes = Brakes::Unknown;
+        Some(reading)
+    }
+}
+
+/// The values, if there is one for each.
+fn all<V: Copy + Default, const N: usize>(values: &[Option<V>; N]) -> Option<[V; N]> {
+    let complete = values.iter().all(Option::is_some);
+    complete.then(|| values.map(Option::unwrap_or_default))
+}
