@@ -65,7 +65,7 @@ fn the_schunk_runs_are_runs_of_a_robot() {
     let names: Vec<String> = (1..=6).map(|i| format!("joint_{i}")).collect();
     let robot = NamedRobot { names, gear: 160.0, weight: 30.0, ..NamedRobot::default() };
     let told = ColumnOptions { effort: Some(Effort::Joint), ..ColumnOptions::default() };
-    let recording = runs(&[path.clone()], &robot, &told).unwrap();
+    let recording = runs(std::slice::from_ref(&path), &robot, &told).unwrap();
     assert_eq!((recording.runs.len(), recording.effort), (28, Effort::Joint));
     assert_eq!(recording.unused, [""; 0]);
     let samples: usize = recording.runs.iter().map(|run| run.times.len()).sum();

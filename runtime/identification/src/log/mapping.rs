@@ -274,7 +274,9 @@ impl Finder<'_> {
                 _ => Effort::Joint,
             };
             let effort = wanted.unwrap_or(named);
-            return Ok((effort, self.by_pattern(pattern, self.of_effort(effort).1)?));
+            let mut found = self.by_pattern(pattern, self.of_effort(effort).1)?;
+            found.remarks.push(self.effort_said(effort, true));
+            return Ok((effort, found));
         }
         let tried: &[(Effort, &[Kind])] = match wanted {
             Some(Effort::Joint) => &[(Effort::Joint, &[Kind::Torque, Kind::Input])],

@@ -47,6 +47,15 @@ fn what_cannot_be_read_is_explained() {
     }
 }
 
+/// A quotation mark in a text would swallow the rest of the log.
+#[test]
+fn open_quotation_marks_are_named() {
+    let rows: Vec<String> =
+        (0..200).map(|i| format!("{i},1,2,3,4,{}", if i == 60 { "\"" } else { "ok" })).collect();
+    let said = message(&format!("t,q1,q2,u1,u2,mode\n{}\n", rows.join("\n")), "");
+    assert!(said.contains("row 62 has a quotation mark that is not closed"), "{said}");
+}
+
 #[test]
 fn files_of_other_kinds_are_named() {
     let cases: [(&[u8], &str); 4] = [

@@ -50,6 +50,9 @@ impl Lines<'_> {
     }
 }
 
+/// A row of more lines has swallowed the ones behind it.
+const MOST_LINES_OF_A_ROW: usize = 50;
+
 /// More columns are no log of a robot.
 const MOST_COLUMNS: usize = 20_000;
 
@@ -112,6 +115,12 @@ impl<'a> Sheet<'a> {
         let mut lines = Lines { text: &self.body, at: 0, line: self.line };
         records(&*self.body, self.separator, source, |byte, record| {
             let line = lines.line_from(byte);
+            if record.as_slice().iter().filter(|b| **b == b'\n').count() > MOST_LINES_OF_A_ROW {
+                return Err(IdentificationError::File {
+                    place: source.into(),
+                    message: format!("row {line} has a quotation mark that is not closed: remove it"),
+                });
+            }
             let blank = record.iter().all(|field| field.trim_ascii().is_empty());
             if blank || record.get(0).is_some_and(|field| comment(field).is_some()) {
                 return Ok(());

@@ -107,7 +107,7 @@ pub(super) fn is_number(word: &str) -> bool {
 }
 
 /// Words of a kind that stand for nothing else.
-const STRONG: [(&str, Kind, u8); 71] = [
+const STRONG: [(&str, Kind, u8); 72] = [
     ("time", Kind::Time, 0),
     ("times", Kind::Time, 0),
     ("timestamp", Kind::Time, 0),
@@ -161,6 +161,7 @@ const STRONG: [(&str, Kind, u8); 71] = [
     ("thetadotdot", Kind::Acceleration, 1),
     ("qfrc", Kind::Torque, 0),
     ("jtrq", Kind::Torque, 0),
+    ("jtor", Kind::Torque, 0),
     ("effort", Kind::Torque, 0),
     ("efforts", Kind::Torque, 0),
     ("eff", Kind::Torque, 0),
