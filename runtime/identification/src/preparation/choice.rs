@@ -246,8 +246,6 @@ impl<'a> Recorded<'a> {
             (error / all).is_finite().then(|| (error / all).max(1e-12).ln())
         };
         let scores: Vec<f64> = (0..problems.len()).filter_map(score).collect();
-        #[cfg(test)]
-        println!("{:.2} Hz: {:.4?}", how.bandwidth, scores.iter().map(|s| s.exp()).collect::<Vec<_>>());
         Ok(if scores.is_empty() { 0.0 } else { scores.iter().sum::<f64>() / scores.len() as f64 })
     }
 }

@@ -34,6 +34,10 @@ impl Recorded<'_> {
             (0..self.joints()).map(|j| self.joint(j, how, &delays, smoothed)).collect();
         let mut notes = self.notes(how);
         notes.extend(joints.iter().flat_map(remarks));
+        if how.step > 1.5 * self.step {
+            let (fewer, all) = (1.0 / how.step, 1.0 / self.step);
+            notes.push(format!("the filter leaves nothing above {:.3} Hz, so {fewer:.1} of {all:.1} samples a second are kept (`PreparationSettings::rate`)", 2.0 * how.bandwidth));
+        }
         Ok(PreparationReport { joints, delays, filter, sample_rate: 1.0 / how.step, notes })
     }
 

@@ -1,6 +1,6 @@
 //! What `prepare` and `prepare_all` promise about lengths, gaps, faults and settings.
 
-use super::super::super::run::Run;
+use super::super::super::run::{Effort, Run};
 use super::super::{PreparationSettings, prepare, prepare_all};
 use super::arm::Arm;
 use super::simulated::{GOOD, Sampling, log};
@@ -57,6 +57,19 @@ fn gaps_split_and_faults_are_named() {
     assert_eq!(report.joints[1].fault.as_deref(), Some("its effort is 0.25 in every row from row 2 on"));
     assert!(runs.iter().all(|r| r.efforts[1].iter().all(|u| u.is_nan())));
     assert!(runs.iter().all(|r| r.efforts[0].iter().chain(&r.accelerations[0]).all(|x| x.is_finite())));
+}
+
+#[test]
+fn inputs_through_unit_gears_are_joint_efforts() {
+    let arm = Arm::pendulum();
+    let (run, _) = log(&arm, &Sampling { rate: 60.0, delay: 0.03, ..GOOD }, 8.0, 3);
+    let inputs = Run { effort: Effort::Input, ..run.clone() };
+    let of = |run: Run| prepare_all(&[run], Some(&arm), &PreparationSettings::default()).unwrap();
+    let ((joints, report), (mut same, other)) = (of(run), of(inputs));
+    assert_eq!(report.delays, other.delays);
+    assert!(report.delays.iter().all(|d| (d.removed - 0.03).abs() < 2e-3), "{:?}", report.delays);
+    same[0].effort = Effort::Joint;
+    assert_eq!(joints, same);
 }
 
 #[test]
