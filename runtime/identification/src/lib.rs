@@ -3,7 +3,8 @@
 //! Order of work: a log is read and checked ([`log`]), velocities and accelerations are differentiated
 //! ([`differentiation`]), rows are selected by expressions ([`expression`]), a library of terms is evaluated
 //! and reduced to moments in one pass ([`library`], [`moments`]), and sparse or nonlinear models are fitted
-//! to them.
+//! to them. Whole recorded runs ([`run`]) become equidistant and smoothed by one filter, without the delay of the
+//! efforts, in [`preparation`].
 
 pub mod confidence;
 pub mod constrained;

@@ -23,6 +23,9 @@ pub(super) struct Channel {
 /// Half-width of the windows in which motion is told from rest [samples].
 const WINDOW: usize = 8;
 
+/// Decades of magnitudes that are told apart, from 1e-9 on.
+const DECADES: usize = 19;
+
 impl Channel {
     /// Informative samples of a signal; `position` also takes out turns by 2π.
     pub fn new(times: &[f64], signal: &[f64], position: bool) -> Self {
@@ -36,7 +39,7 @@ impl Channel {
             values.remove(*k);
         }
         let resolution = smallest_change(&values);
-        let hold = hold(&values, resolution);
+        let hold = hold(&values);
         let kept = if hold > 1.2 { updates(&values, hold) } else { (0..values.len()).collect() };
         let times: Vec<f64> = kept.iter().map(|k| times[rows[*k]]).collect();
         let values: Vec<f64> = kept.iter().map(|k| values[*k]).collect();
@@ -122,18 +125,35 @@ fn smallest_change(values: &[f64]) -> f64 {
 ///
 /// A coarse signal repeats because it moves slowly, and its repeats are measurements; where changes span
 /// several steps of the resolution, a repeat only says that the driver had nothing new.
-fn hold(values: &[f64], resolution: f64) -> f64 {
+fn hold(values: &[f64]) -> f64 {
+    let resolutions = resolutions(values);
     let (mut samples, mut changes) = (0_usize, 0_usize);
     for window in values.windows(2 * WINDOW + 1).step_by(WINDOW) {
         let mut steps: Vec<f64> =
             window.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0).collect();
         steps.sort_by(f64::total_cmp);
+        let resolution = window.iter().map(|y| resolutions[decade(*y)]).fold(0.0, f64::max);
         if steps.len() >= 2 && quantile(&steps, 0.5) >= 4.0 * resolution {
             samples += 2 * WINDOW;
             changes += steps.len();
         }
     }
     if changes == 0 { 1.0 } else { samples as f64 / changes as f64 }
+}
+
+/// The smallest change in each decade of magnitudes: a log with a fixed number of digits is coarser where its
+/// values are larger.
+fn resolutions(values: &[f64]) -> [f64; DECADES] {
+    let mut smallest = [f64::INFINITY; DECADES];
+    for pair in values.windows(2).filter(|w| w[0] != w[1]) {
+        let smallest = &mut smallest[decade(pair[0]).max(decade(pair[1]))];
+        *smallest = smallest.min((pair[1] - pair[0]).abs());
+    }
+    smallest
+}
+
+fn decade(value: f64) -> usize {
+    (value.abs().log10() + 9.0).clamp(0.0, (DECADES - 1) as f64) as usize
 }
 
 /// Changed samples, and in stretches without change one for each `hold` samples, where the signal rests.
@@ -170,6 +190,16 @@ mod tests {
         let channel = Channel::new(&times, &coarse, true);
         assert_eq!((channel.hold, channel.times.len()), (1.0, 4000));
         assert!((channel.resolution - 6e-3).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_fixed_number_of_digits_is_no_hold() {
+        // Five significant digits: 1e-5 below one and 1e-4 above it.
+        let (times, fine) = wave(4000, 1e-3);
+        let digits = |y: &f64| format!("{:.4e}", 0.1 * y + 1.0).parse::<f64>().unwrap();
+        let signal: Vec<f64> = fine.iter().map(digits).collect();
+        let channel = Channel::new(&times, &signal, true);
+        assert_eq!((channel.hold, channel.times.len()), (1.0, 4000));
     }
 
     #[test]

@@ -1,17 +1,18 @@
 //! The order of the preparation: channels, noise, bandwidth, delay, and the bandwidth that efforts confirm.
 
-use super::super::error::{IdentificationError, Result, require_length, require_samples, require_setting};
+use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
-use super::super::run::{Effort, PreparedRun, Run};
-use super::bandwidth::{PositionQuality, candidates, from_positions, noise_share};
+use super::super::run::{PreparedRun, Run};
+use super::bandwidth::{PositionQuality, candidates, from_positions};
 use super::channel::Channel;
+use super::check::{check, effort_fault};
 use super::delay::{DelayEstimate, Delays, estimate};
 use super::filter::Filter;
 use super::grid::{Piece, interpolate, pieces};
 use super::regression::{Columns, problems, spread};
 use super::signals::{Signals, Smoothed, Smoothing, smooth};
 use super::spectrum::Spectrum;
-use super::{Delay, JointPreparation, PreparationReport, PreparationSettings, VelocityCheck};
+use super::{Delay, PreparationReport, PreparationSettings};
 use nalgebra::DVector;
 
 /// Log samples in a pause that is interpolated in any case.
@@ -21,7 +22,7 @@ const SHORT_PAUSE: f64 = 3.5;
 const SHORT_PERIOD: f64 = 0.2;
 
 /// Bandwidth that allows the pauses in spectra, before any is chosen [Hz].
-const USUAL: f64 = 5.0;
+pub(super) const USUAL: f64 = 5.0;
 
 /// Output samples for each period of the bandwidth.
 const OVERSAMPLING: f64 = 10.0;
@@ -46,13 +47,13 @@ const DROPS: [f64; 2] = [0.02, 0.1];
 const SAMPLES: usize = 1500;
 
 /// Runs as signals, and what is known of them before a bandwidth is chosen.
-struct Recorded<'a> {
-    signals: Vec<Signals>,
-    robot: Option<&'a dyn Robot>,
+pub(super) struct Recorded<'a> {
+    pub(super) signals: Vec<Signals>,
+    pub(super) robot: Option<&'a dyn Robot>,
     settings: &'a PreparationSettings,
-    quality: Vec<PositionQuality>,
-    faults: Vec<Option<String>>,
-    step: f64,
+    pub(super) quality: Vec<PositionQuality>,
+    pub(super) faults: Vec<Option<String>>,
+    pub(super) step: f64,
 }
 
 /// As [`super::prepare_all`].
@@ -94,7 +95,7 @@ impl<'a> Recorded<'a> {
         recorded
     }
 
-    fn joints(&self) -> usize {
+    pub(super) fn joints(&self) -> usize {
         self.signals[0].positions.len()
     }
 
@@ -103,11 +104,10 @@ impl<'a> Recorded<'a> {
     }
 
     /// Pieces of a run; `bandwidth` allows longer pauses where samples are dense.
-    fn pieces(&self, signals: &Signals, bandwidth: f64) -> Vec<Piece> {
+    pub(super) fn pieces(&self, signals: &Signals, bandwidth: f64) -> Vec<Piece> {
         let by_itself = (SHORT_PAUSE * signals.step).max(SHORT_PERIOD / bandwidth);
         let efforts = signals.efforts.iter().zip(&self.faults).filter(|(_, f)| f.is_none()).map(|(c, _)| c);
-        let channels: Vec<&Channel> =
-            signals.positions.iter().chain(efforts).chain(signals.velocities.iter().flatten()).collect();
+        let channels: Vec<&Channel> = signals.positions.iter().chain(efforts).collect();
         pieces(&channels, self.settings.largest_gap.unwrap_or(by_itself))
     }
 
@@ -137,7 +137,7 @@ impl<'a> Recorded<'a> {
     }
 
     /// The lowest bandwidth that leaves enough of the pieces as `split` makes them.
-    fn lowest(&self, split: f64) -> f64 {
+    pub(super) fn lowest(&self, split: f64) -> f64 {
         let durations: Vec<f64> =
             self.signals.iter().flat_map(|s| self.pieces(s, split)).map(|p| p.duration()).collect();
         let all: f64 = durations.iter().sum();
@@ -150,7 +150,7 @@ impl<'a> Recorded<'a> {
     }
 
     /// The highest bandwidth that the slowest channel's samples allow.
-    fn highest(&self) -> f64 {
+    pub(super) fn highest(&self) -> f64 {
         let channels = self.signals.iter().flat_map(|s| s.positions.iter().chain(&s.efforts));
         HIGHEST / channels.map(Channel::step).fold(self.step, f64::max)
     }
@@ -229,108 +229,24 @@ impl<'a> Recorded<'a> {
         Ok(chosen.map_or(widest, |(bandwidth, _)| *bandwidth))
     }
 
-    /// Mean over the efforts of the logarithm of 1 − R², by least squares on efforts as they were measured.
+    /// Mean over the efforts of the logarithm of 1 − R²: parameters by least squares on the filtered efforts, judged
+    /// on the efforts as they were measured.
     fn unexplained(&self, robot: &dyn Robot, how: &Smoothing, split: f64) -> Result<f64> {
         let smoothed = self.smooth(how, split)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
         let samples = spread(&runs, SAMPLES, 0);
         let problems = problems(&Columns::new(robot, &runs, None), &runs, &samples);
         let score = |m: usize| {
-            let measured = samples.iter().map(|(r, i)| smoothed[*r].measured[m][*i]);
-            let measured = DVector::from_iterator(samples.len(), measured);
+            let column = |of: &dyn Fn(&Smoothed) -> &Vec<f64>| {
+                DVector::from_iterator(samples.len(), samples.iter().map(|(r, i)| of(&smoothed[*r])[*i]))
+            };
+            let (filtered, measured) = (column(&|s| &s.run.efforts[m]), column(&|s| &s.measured[m]));
             let all = measured.add_scalar(-measured.mean()).norm_squared();
-            let share = problems[m].as_ref()?.misfit(&measured) / all;
-            share.is_finite().then(|| share.max(1e-12).ln())
+            let error = (measured - problems[m].as_ref()?.explained(&filtered)).norm_squared();
+            (error / all).is_finite().then(|| (error / all).max(1e-12).ln())
         };
         let scores: Vec<f64> = (0..problems.len()).filter_map(score).collect();
-        #[cfg(test)]
-        println!("{:.2} Hz: {:.4?}", how.bandwidth, scores.iter().map(|s| s.exp()).collect::<Vec<_>>());
         Ok(if scores.is_empty() { 0.0 } else { scores.iter().sum::<f64>() / scores.len() as f64 })
-    }
-
-    fn too_short(&self, how: &Smoothing) -> IdentificationError {
-        let longest = self.signals.iter().flat_map(|s| self.pieces(s, how.bandwidth));
-        let longest = longest.map(|p| p.duration()).fold(0.0, f64::max);
-        IdentificationError::TooFewSamples {
-            what: format!(
-                "a filter of {:.3} Hz with {:.3} s cut off at both ends (`PreparationSettings::cut`, `bandwidth`, `largest_gap`)",
-                how.bandwidth, how.cut
-            ),
-            needed: (2.0 * how.cut / self.step).ceil() as usize + 1,
-            got: (longest / self.step) as usize,
-        }
-    }
-
-    fn report(
-        &self,
-        how: &Smoothing,
-        delays: Vec<Delay>,
-        smoothed: &[Smoothed],
-    ) -> Result<PreparationReport> {
-        let filter = Filter::new(how.bandwidth, how.step)?;
-        let joints = (0..self.joints()).map(|j| self.joint(j, how, &delays, smoothed)).collect();
-        let notes = self.notes(how);
-        Ok(PreparationReport { joints, delays, filter, sample_rate: 1.0 / how.step, notes })
-    }
-
-    fn name(&self, joint: usize) -> String {
-        let names = self.robot.map(Robot::joint_names).unwrap_or_default();
-        names.get(joint).cloned().unwrap_or_else(|| format!("joint {}", joint + 1))
-    }
-
-    fn joint(&self, j: usize, how: &Smoothing, delays: &[Delay], smoothed: &[Smoothed]) -> JointPreparation {
-        let quality = &self.quality[j];
-        let channels = self.signals.iter().map(|s| &s.positions[j]);
-        let own = from_positions(&[quality], self.lowest(USUAL).min(self.highest()), self.highest());
-        JointPreparation {
-            name: self.name(j),
-            noise: quality.noise,
-            resolution: channels.clone().map(|c| c.resolution).fold(0.0, f64::max),
-            hold: channels.map(|c| c.hold).fold(1.0, f64::max),
-            moves: quality.moves,
-            bandwidth: how.bandwidth,
-            own_bandwidth: own,
-            acceleration_noise: noise_share(quality, how.bandwidth),
-            delay: delays.get(j).map_or(0.0, |d| d.removed),
-            sample_rate: 1.0 / how.step,
-            velocity: velocity_check(smoothed, j),
-            fault: self.faults.get(j).cloned().flatten(),
-        }
-    }
-
-    fn notes(&self, how: &Smoothing) -> Vec<String> {
-        let mut notes = Vec::new();
-        for signals in &self.signals {
-            let pieces = self.pieces(signals, how.bandwidth);
-            for pair in pieces.windows(2) {
-                notes.push(format!(
-                    "{} is split by the gap of {:.3} s after row {}",
-                    signals.name,
-                    pair[1].start - pair[0].end,
-                    signals.row(pair[0].end)
-                ));
-            }
-            for (j, channel) in signals.positions.iter().enumerate() {
-                if let Some(first) = channel.spikes.first() {
-                    notes.push(format!(
-                        "{}: {} spikes of the position of {} were left out, the first in row {}",
-                        signals.name,
-                        channel.spikes.len(),
-                        self.name(j),
-                        signals.rows[*first]
-                    ));
-                }
-                if channel.turns > 0 {
-                    notes.push(format!(
-                        "{}: {} jumps by a whole turn were taken out of the position of {}",
-                        signals.name,
-                        channel.turns,
-                        self.name(j)
-                    ));
-                }
-            }
-        }
-        notes
     }
 }
 
@@ -348,86 +264,4 @@ fn removed(settings: &PreparationSettings, found: &Option<Delays>, efforts: usiz
         Delay { removed, estimated: own.value, error: own.error, own: differs }
     };
     found.own.iter().map(of_effort).collect()
-}
-
-/// Why an effort cannot be used.
-fn effort_fault(runs: &[Run], m: usize) -> Option<String> {
-    let values = || runs.iter().flat_map(|r| r.efforts[m].iter().zip(&r.rows));
-    let finite = values().filter(|(u, _)| u.is_finite()).count();
-    let row = runs.first().and_then(|r| r.rows.first()).copied().unwrap_or(0);
-    if 2 * finite < values().count() {
-        let first = values().find(|(u, _)| !u.is_finite()).map_or(row, |(_, row)| *row);
-        return Some(format!("more than half of its efforts are missing, the first in row {first}"));
-    }
-    let mut all = values().filter(|(u, _)| u.is_finite()).map(|(u, _)| *u);
-    let first = all.next()?;
-    all.all(|u| u == first).then(|| format!("its effort is {first} in every row from row {row} on"))
-}
-
-fn velocity_check(smoothed: &[Smoothed], joint: usize) -> Option<VelocityCheck> {
-    let (mut vv, mut mv, mut mm) = (0.0, 0.0, 0.0);
-    for piece in smoothed {
-        let measured = piece.velocities[joint].as_ref()?;
-        for (m, v) in measured.iter().zip(&piece.run.velocities[joint]) {
-            vv += v * v;
-            mv += m * v;
-            mm += m * m;
-        }
-    }
-    let gain = mv / vv;
-    gain.is_finite()
-        .then(|| VelocityCheck { gain, r_squared: if mm > 0.0 { mv * mv / (vv * mm) } else { 0.0 } })
-}
-
-/// Shapes agree, times increase, and settings are in range.
-fn check(runs: &[Run], robot: Option<&dyn Robot>, settings: &PreparationSettings) -> Result<()> {
-    require_samples("the list of runs", 1, runs.len())?;
-    let settings = [
-        ("bandwidth", settings.bandwidth, false),
-        ("rate", settings.rate, false),
-        ("largest_gap", settings.largest_gap, false),
-        ("cut", settings.cut, true),
-    ];
-    for (name, value, zero) in settings {
-        let holds = value.is_none_or(|x| x > 0.0 || zero && x == 0.0);
-        require_setting(name, value.unwrap_or(0.0), holds, "it must be positive")?;
-    }
-    let (joints, efforts) = (runs[0].positions.len(), runs[0].efforts.len());
-    if let Some(robot) = robot {
-        require_length("joints of the log and the robot", robot.joint_names().len(), joints)?;
-        let expected = if runs[0].effort == Effort::Joint { joints } else { robot.input_names().len() };
-        require_length("efforts of the log and the robot", expected, efforts)?;
-    }
-    runs.iter().try_for_each(|run| check_run(run, joints, efforts))
-}
-
-fn check_run(run: &Run, joints: usize, efforts: usize) -> Result<()> {
-    let m = run.times.len();
-    require_samples(&format!("run {}", run.name), 16, m)?;
-    require_length(&format!("joints of run {}", run.name), joints, run.positions.len())?;
-    require_length(&format!("velocities of run {}", run.name), joints, run.velocities.len())?;
-    require_length(&format!("efforts of run {}", run.name), efforts, run.efforts.len())?;
-    require_length(&format!("rows of run {}", run.name), m, run.rows.len())?;
-    super::super::error::require_finite(&format!("the time of run {}", run.name), &run.times)?;
-    if let Some(i) = run.times.windows(2).position(|t| t[1] <= t[0]) {
-        return Err(IdentificationError::Time {
-            row: run.rows[i + 1],
-            before: run.times[i],
-            after: run.times[i + 1],
-        });
-    }
-    for (j, column) in run.positions.iter().enumerate() {
-        require_length(&format!("positions of joint {} in run {}", j + 1, run.name), m, column.len())?;
-        let finite = column.iter().filter(|y| y.is_finite()).count();
-        require_samples(
-            &format!("the measured position of joint {} in run {}", j + 1, run.name),
-            16,
-            finite,
-        )?;
-    }
-    let others = run.velocities.iter().flatten().chain(&run.efforts);
-    for column in others {
-        require_length(&format!("samples of run {}", run.name), m, column.len())?;
-    }
-    Ok(())
 }

@@ -8,11 +8,13 @@
 
 mod bandwidth;
 mod channel;
+mod check;
 mod choice;
 mod delay;
 mod filter;
 mod grid;
 mod regression;
+mod report;
 mod signals;
 mod spectrum;
 #[cfg(test)]
@@ -105,7 +107,8 @@ pub struct JointPreparation {
     pub sample_rate: f64,
     /// Comparison with measured velocities, where the log has them.
     pub velocity: Option<VelocityCheck>,
-    /// Why the joint's effort holds NaN and must stay out of a fit; `None` if all is well.
+    /// Why the effort with the joint's number is not usable: its columns hold NaN, so that no fit takes it for
+    /// measured. `None` if all is well.
     pub fault: Option<String>,
 }
 

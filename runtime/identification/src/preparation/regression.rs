@@ -110,13 +110,20 @@ impl Problem {
         Some(Self { basis: gram.cholesky()?.l().solve_lower_triangular(&rows)? })
     }
 
-    /// What the columns cannot explain of `target`.
-    pub fn residual(&self, target: &DVector<f64>) -> DVector<f64> {
-        target - self.basis.tr_mul(&(&self.basis * target))
+    /// What the columns explain of `target`.
+    pub fn explained(&self, target: &DVector<f64>) -> DVector<f64> {
+        self.basis.tr_mul(&(&self.basis * target))
     }
 
-    /// Squares of what the columns cannot explain of `target`.
-    pub fn misfit(&self, target: &DVector<f64>) -> f64 {
-        target.norm_squared() - (&self.basis * target).norm_squared()
+    /// What the columns cannot explain of `target`.
+    pub fn residual(&self, target: &DVector<f64>) -> DVector<f64> {
+        target - self.explained(target)
+    }
+
+    /// Squares of what the columns cannot explain of each column of `targets`.
+    pub fn misfits(&self, targets: &DMatrix<f64>) -> Vec<f64> {
+        let explained = &self.basis * targets;
+        let squares = targets.column_iter().zip(explained.column_iter());
+        squares.map(|(all, part)| all.norm_squared() - part.norm_squared()).collect()
     }
 }

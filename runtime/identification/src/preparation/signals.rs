@@ -115,6 +115,11 @@ pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Resul
     Ok(Some(Smoothed { run, measured, velocities }))
 }
 
+/// Whether nothing is left of a piece between its cut ends.
+pub(super) fn is_too_short(signals: &Signals, piece: &Piece, how: &Smoothing) -> bool {
+    Sampler::new(signals.step, piece, how).is_none()
+}
+
 fn kernel_at(sampler: &Sampler, how: &Smoothing, order: usize, shift: f64) -> Result<Vec<f64>> {
     kernel(how.bandwidth, sampler.step, order, shift)
 }

@@ -1,0 +1,159 @@
+//! What was found and chosen, in numbers and sentences.
+
+use super::super::error::{IdentificationError, Result};
+use super::super::robot::Robot;
+use super::bandwidth::{from_positions, noise_share};
+use super::choice::{Recorded, USUAL};
+use super::filter::Filter;
+use super::grid::Piece;
+use super::signals::{Signals, Smoothed, Smoothing, is_too_short};
+use super::{Delay, JointPreparation, PreparationReport, VelocityCheck};
+
+impl Recorded<'_> {
+    pub(super) fn too_short(&self, how: &Smoothing) -> IdentificationError {
+        let longest = self.signals.iter().flat_map(|s| self.pieces(s, how.bandwidth));
+        let longest = longest.map(|p| p.duration()).fold(0.0, f64::max);
+        IdentificationError::TooFewSamples {
+            what: format!(
+                "a filter of {:.3} Hz with {:.3} s cut off at both ends (`PreparationSettings::cut`, `bandwidth`, `largest_gap`)",
+                how.bandwidth, how.cut
+            ),
+            needed: (2.0 * how.cut / self.step).ceil() as usize + 1,
+            got: (longest / self.step) as usize,
+        }
+    }
+
+    pub(super) fn report(
+        &self,
+        how: &Smoothing,
+        delays: Vec<Delay>,
+        smoothed: &[Smoothed],
+    ) -> Result<PreparationReport> {
+        let filter = Filter::new(how.bandwidth, how.step)?;
+        let joints: Vec<JointPreparation> =
+            (0..self.joints()).map(|j| self.joint(j, how, &delays, smoothed)).collect();
+        let mut notes = self.notes(how);
+        notes.extend(joints.iter().flat_map(remarks));
+        if how.step > 1.5 * self.step {
+            let (fewer, all) = (1.0 / how.step, 1.0 / self.step);
+            notes.push(format!("the filter leaves nothing above {:.3} Hz, so {fewer:.1} of {all:.1} samples a second are kept (`PreparationSettings::rate`)", 2.0 * how.bandwidth));
+        }
+        Ok(PreparationReport { joints, delays, filter, sample_rate: 1.0 / how.step, notes })
+    }
+
+    fn name(&self, joint: usize) -> String {
+        let names = self.robot.map(Robot::joint_names).unwrap_or_default();
+        names.get(joint).cloned().unwrap_or_else(|| format!("joint {}", joint + 1))
+    }
+
+    fn joint(&self, j: usize, how: &Smoothing, delays: &[Delay], smoothed: &[Smoothed]) -> JointPreparation {
+        let quality = &self.quality[j];
+        let channels = self.signals.iter().map(|s| &s.positions[j]);
+        let own = from_positions(&[quality], self.lowest(USUAL).min(self.highest()), self.highest());
+        JointPreparation {
+            name: self.name(j),
+            noise: quality.noise,
+            resolution: channels.clone().map(|c| c.resolution).fold(0.0, f64::max),
+            hold: channels.map(|c| c.hold).fold(1.0, f64::max),
+            moves: quality.moves,
+            bandwidth: how.bandwidth,
+            own_bandwidth: own,
+            acceleration_noise: noise_share(quality, how.bandwidth),
+            delay: delays.get(j).map_or(0.0, |d| d.removed),
+            sample_rate: 1.0 / how.step,
+            velocity: velocity_check(smoothed, j),
+            fault: self.faults.get(j).cloned().flatten(),
+        }
+    }
+
+    /// What was left out of each run.
+    fn notes(&self, how: &Smoothing) -> Vec<String> {
+        self.signals.iter().flat_map(|s| [self.of_pieces(s, how), self.of_positions(s)].concat()).collect()
+    }
+
+    fn of_pieces(&self, signals: &Signals, how: &Smoothing) -> Vec<String> {
+        let name = &signals.name;
+        let pieces = self.pieces(signals, how.bandwidth);
+        if pieces.is_empty() {
+            return vec![format!("{name} is left out: at no time do all its columns have values")];
+        }
+        let gap = |pair: &[Piece]| {
+            let (pause, row) = (pair[1].start - pair[0].end, signals.row(pair[0].end));
+            format!("{name} is split by the gap of {pause:.3} s after row {row}")
+        };
+        let short = pieces.iter().filter(|p| is_too_short(signals, p, how)).map(|p| {
+            let (first, last) = (signals.row(p.start), signals.row(p.end));
+            format!("{name}: rows {first} to {last} are left out; they last {:.3} s, less than the two ends of {:.3} s that are cut (`PreparationSettings::cut`)", p.duration(), how.cut)
+        });
+        pieces.windows(2).map(gap).chain(short).collect()
+    }
+
+    fn of_positions(&self, signals: &Signals) -> Vec<String> {
+        let mut notes = Vec::new();
+        for (j, channel) in signals.positions.iter().enumerate() {
+            let (run, joint) = (&signals.name, self.name(j));
+            if let Some(first) = channel.spikes.first() {
+                let (count, row) = (channel.spikes.len(), signals.rows[*first]);
+                notes.push(format!(
+                    "{run}: {count} spikes of the position of {joint} are left out, the first in row {row}"
+                ));
+            }
+            if channel.turns > 0 {
+                let turns = channel.turns;
+                notes.push(format!(
+                    "{run}: {turns} jumps by a whole turn are taken out of the position of {joint}"
+                ));
+            }
+        }
+        notes
+    }
+}
+
+/// What stands out in a joint's numbers.
+fn remarks(joint: &JointPreparation) -> Vec<String> {
+    let name = &joint.name;
+    let mut remarks = Vec::new();
+    if joint.moves && joint.acceleration_noise > 0.1 {
+        remarks.push(format!(
+            "{name}: {:.0} % of the power of its acceleration is noise; inertia comes out too small unless it moves faster (`PreparationSettings::bandwidth` is {:.3} Hz)",
+            100.0 * joint.acceleration_noise, joint.bandwidth
+        ));
+    }
+    if joint.hold > 1.2 {
+        remarks.push(format!(
+            "{name}: its position is new in one of {:.1} rows only; the repeats are left out",
+            joint.hold
+        ));
+    }
+    if let Some(check) =
+        joint.velocity.filter(|v| joint.moves && ((v.gain - 1.0).abs() > 0.1 || v.r_squared < 0.9))
+    {
+        remarks.push(format!(
+            "{name}: its measured velocity is {:.3} times the derivative of its position, with R² {:.3}; check its unit and joint (it is not used)",
+            check.gain, check.r_squared
+        ));
+    }
+    if joint.delay != 0.0 {
+        remarks.push(format!(
+            "{name}: its effort comes {:.1} ms after its position; this delay is removed",
+            1e3 * joint.delay
+        ));
+    }
+    remarks
+}
+
+fn velocity_check(smoothed: &[Smoothed], joint: usize) -> Option<VelocityCheck> {
+    let (mut vv, mut mv, mut mm) = (0.0, 0.0, 0.0);
+    for piece in smoothed {
+        let measured = piece.velocities[joint].as_ref()?;
+        let pairs = measured.iter().zip(&piece.run.velocities[joint]);
+        for (m, v) in pairs.filter(|(m, _)| m.is_finite()) {
+            vv += v * v;
+            mv += m * v;
+            mm += m * m;
+        }
+    }
+    let gain = mv / vv;
+    gain.is_finite()
+        .then(|| VelocityCheck { gain, r_squared: if mm > 0.0 { mv * mv / (vv * mm) } else { 0.0 } })
+}
