@@ -14,6 +14,7 @@
 mod base_parameters;
 pub mod consistent;
 mod interior_point;
+pub mod payload;
 mod pseudo_inertia;
 mod regression;
 pub mod regularized;

@@ -1,0 +1,139 @@
+//! The load's numbers as a reader wants them: centre of mass, moments about it, intervals, warnings.
+
+use super::{Estimate, NAMES, Payload};
+use crate::error::{IdentificationError, Result};
+use crate::inertial::consistent::ConsistentSolution;
+use crate::inertial::pseudo_inertia::PER_BODY;
+use nalgebra::{DMatrix, RowDVector};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// What a payload is made of.
+pub(super) struct Parts<'a> {
+    pub names: Vec<String>,
+    pub body: usize,
+    pub load: &'a ConsistentSolution,
+    pub covariance: &'a DMatrix<f64>,
+    /// By how much bodies of this mass differ.
+    pub sizes: &'a [f64],
+    pub degrees: usize,
+    pub confidence: f64,
+    pub explained: Vec<Option<f64>>,
+    pub residuals: Vec<Option<f64>>,
+}
+
+pub(super) fn payload(parts: Parts) -> Result<Payload> {
+    let quantile = quantile(parts.degrees, parts.confidence)?;
+    let pi: [f64; PER_BODY] = std::array::from_fn(|k| parts.load.parameters[k]);
+    let half = |gradient: &[f64; PER_BODY]| {
+        let g = RowDVector::from_row_slice(gradient);
+        quantile * (&g * parts.covariance * g.transpose())[0].max(0.0).sqrt()
+    };
+    let of = |function: &dyn Fn(&[f64; PER_BODY]) -> f64| {
+        let (value, half) = (function(&pi), half(&gradient(function, &pi)));
+        Estimate { value, interval: [value - half, value + half] }
+    };
+    let parameters: [Estimate; PER_BODY] = std::array::from_fn(|k| of(&move |pi| pi[k]));
+    let shown = std::array::from_fn(|k| {
+        let [low, high] = parameters[k].interval;
+        0.5 * (high - low) < parts.sizes[k]
+    });
+    let mut payload = Payload {
+        body: parts.body,
+        mass: parameters[0],
+        centre_of_mass: std::array::from_fn(|k| of(&move |pi| pi[1 + k] / pi[0])),
+        moments: std::array::from_fn(|k| of(&move |pi| central_moments(pi)[k])),
+        parameters,
+        shown,
+        explained: parts.explained,
+        residuals: parts.residuals,
+        warnings: Vec::new(),
+    };
+    payload.warnings = warnings(&payload, parts.load, &parts.names);
+    Ok(payload)
+}
+
+/// Student's quantile of a two-sided interval.
+pub(super) fn quantile(degrees: usize, confidence: f64) -> Result<f64> {
+    let student = StudentsT::new(0.0, 1.0, degrees.max(1) as f64);
+    let student = student.map_err(|error| IdentificationError::Setting {
+        name: "degrees of freedom".into(),
+        value: degrees as f64,
+        requirement: error.to_string(),
+    })?;
+    Ok(student.inverse_cdf(0.5 + 0.5 * confidence))
+}
+
+/// Central differences with steps of the parameters' own size; the functions are smooth where mass is
+/// positive.
+fn gradient(function: &dyn Fn(&[f64; PER_BODY]) -> f64, pi: &[f64; PER_BODY]) -> [f64; PER_BODY] {
+    let scale = pi.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
+    std::array::from_fn(|k| {
+        let step = 1e-6 * if k == 0 { pi[0] } else { scale };
+        let at = |sign: f64| {
+            let mut moved = *pi;
+            moved[k] += sign * step;
+            function(&moved)
+        };
+        (at(1.0) - at(-1.0)) / (2.0 * step)
+    })
+}
+
+/// Moments about the centre of mass, in the order of the parameters.
+fn central_moments(pi: &[f64; PER_BODY]) -> [f64; 6] {
+    let [m, hx, hy, hz, xx, xy, yy, xz, yz, zz] = *pi;
+    [
+        xx - (hy * hy + hz * hz) / m,
+        xy + hx * hy / m,
+        yy - (hx * hx + hz * hz) / m,
+        xz + hx * hz / m,
+        yz + hy * hz / m,
+        zz - (hx * hx + hy * hy) / m,
+    ]
+}
+
+fn warnings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let [low, high] = payload.mass.interval;
+    if low <= 0.0 {
+        warnings.push(format!(
+            "No load is seen: the interval of its mass, {low:.3} to {high:.3} kg, contains zero."
+        ));
+    }
+    let hidden: Vec<&str> =
+        NAMES.iter().zip(payload.shown).filter(|(_, shown)| !shown).map(|(name, _)| *name).collect();
+    if !hidden.is_empty() {
+        let instead = if low > 0.0 { ": the values are those of a ball of 1500 kg/m³" } else { "" };
+        warnings.push(format!("The motion does not show {} of the load{instead}.", hidden.join(", ")));
+    }
+    if !load.on_boundary.is_empty() {
+        warnings.push(
+            "The efforts ask for a load that cannot exist; the nearest possible one is stated, and the intervals do not know about the bound."
+                .into(),
+        );
+    }
+    let still: Vec<&str> = names
+        .iter()
+        .zip(&payload.residuals)
+        .filter(|(_, residual)| residual.is_none())
+        .map(|(name, _)| name.as_str())
+        .collect();
+    if !still.is_empty() {
+        warnings.push(format!(
+            "{} stood still: dry friction holds a part of the load there, so these efforts were not used.",
+            still.join(", ")
+        ));
+    }
+    let worse: Vec<&str> = names
+        .iter()
+        .zip(&payload.explained)
+        .filter(|(_, share)| share.is_some_and(|share| share < -0.05))
+        .map(|(name, _)| name.as_str())
+        .collect();
+    if !worse.is_empty() {
+        warnings.push(format!(
+            "The load makes the residuals of {} larger: friction or offset differ between the logs.",
+            worse.join(", ")
+        ));
+    }
+    warnings
+}
