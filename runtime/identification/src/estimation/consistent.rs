@@ -24,13 +24,19 @@ pub(super) fn bounded(
     if can_exist(&absolute, prior.bodies.len(), &nonnegative) {
         return Ok(free.clone());
     }
+    let map = prior.unit_bodies(active.len());
+    let linear = linear + regularized * &described;
     let solution = solve(&ConsistentProblem {
-        hessian: regularized.clone(),
-        linear: linear + regularized * &described,
+        hessian: symmetric(map.transpose() * regularized * &map),
+        linear: map.transpose() * linear,
         bodies: prior.bodies.len(),
         nonnegative,
     })?;
-    Ok(solution.parameters - described)
+    Ok(map * solution.parameters - described)
+}
+
+fn symmetric(a: DMatrix<f64>) -> DMatrix<f64> {
+    0.5 * (&a + a.transpose())
 }
 
 /// Places of rotor inertias and reflected inertias among the active unknowns.

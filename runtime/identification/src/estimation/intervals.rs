@@ -192,9 +192,7 @@ pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<
     let metric = of.weighting.metric(prior, &solved.active);
     let decided = bodies as f64 - inverse.component_mul(&metric).sum();
     let change = DVector::from_fn(n, |i, _| solved.values.unknowns[solved.active[i]]);
-    // Λ is the inverse covariance of descriptions where residuals are independent; correlated ones count for
-    // less, by their correlation time.
-    let spread = ((&metric * &change).dot(&change) / decided.max(1.0)).min(scores.correlation_time);
+    let spread = (&metric * &change).dot(&change) / decided.max(1.0);
     let equations = of.centred.sums.samples * of.centred.layout.joints;
     let unknowns = decided + (n - bodies) as f64;
     let spent = unknowns * scores.correlation_time / equations.max(1) as f64;

@@ -4,8 +4,8 @@
 //! (Lee, Wensing, Park 2020: the affine-invariant metric at P₀). A change of one means a mass or an inertia
 //! that is wrong by about itself. For a rotor it is (ΔJ / J)².
 
-use super::super::inertial::{PER_BODY, pseudo_inertia};
-use nalgebra::{DMatrix, Matrix4};
+use super::super::inertial::{PER_BODY, from_pseudo_inertia, pseudo_inertia};
+use nalgebra::{Cholesky, Const, DMatrix, Matrix4};
 
 /// Share of the body's own radius of gyration, squared, below which a description's inertia is not believed:
 /// exporters write point masses and thin bodies.
@@ -20,8 +20,10 @@ pub(super) struct Prior {
     pub(super) described: Vec<f64>,
     /// Parameters that stay as described: those of bodies without mass.
     pub(super) held: Vec<bool>,
-    /// Parameters of bodies with mass, body by body.
+    /// The bodies with mass.
     pub(super) bodies: Vec<usize>,
+    /// Cholesky factors L of their believed pseudo-inertias, P₀ = L Lᵀ.
+    factors: Vec<Matrix4<f64>>,
 }
 
 impl Prior {
@@ -32,6 +34,7 @@ impl Prior {
             described: described.to_vec(),
             held: vec![false; p],
             bodies: Vec::new(),
+            factors: Vec::new(),
         };
         let radius = mean_radius(described, bodies);
         for body in 0..bodies {
@@ -39,7 +42,9 @@ impl Prior {
             let mut parameters = [0.0; PER_BODY];
             parameters.copy_from_slice(&described[start..start + PER_BODY]);
             if parameters[0] > 0.0 {
-                let block = body_metric(&parameters, radius);
+                let factor = believed(&parameters, radius);
+                let block = body_metric(&factor.inverse());
+                prior.factors.push(factor.l());
                 prior.metric.view_mut((start, start), (PER_BODY, PER_BODY)).copy_from(&block);
                 prior.bodies.push(body);
             } else {
@@ -51,6 +56,22 @@ impl Prior {
             prior.metric[(i, i)] = if prior.held[i] { 0.0 } else { described[i].powi(-2) };
         }
         prior
+    }
+
+    /// Coordinates in which the believed bodies have the pseudo-inertia one: `π(L S Lᵀ)` of the parameters of S,
+    /// as a matrix over `unknowns`, of which the bodies come first and the others stay.
+    pub(super) fn unit_bodies(&self, unknowns: usize) -> DMatrix<f64> {
+        let mut map = DMatrix::identity(unknowns, unknowns);
+        for (body, factor) in self.factors.iter().enumerate() {
+            for k in 0..PER_BODY {
+                let mut unit = [0.0; PER_BODY];
+                unit[k] = 1.0;
+                let column = from_pseudo_inertia(&(factor * pseudo_inertia(&unit) * factor.transpose()));
+                let start = body * PER_BODY;
+                map.view_mut((start, start + k), (PER_BODY, 1)).copy_from_slice(&column);
+            }
+        }
+        map
     }
 }
 
@@ -64,8 +85,7 @@ fn mean_radius(described: &[f64], bodies: usize) -> f64 {
     if sum > 0.0 { sum / mass } else { 0.01 }
 }
 
-fn body_metric(pi: &[f64; PER_BODY], mean_radius: f64) -> DMatrix<f64> {
-    let inverse = believed(pi, mean_radius);
+fn body_metric(inverse: &Matrix4<f64>) -> DMatrix<f64> {
     let unit = |i: usize| {
         let mut e = [0.0; PER_BODY];
         e[i] = 1.0;
@@ -75,8 +95,8 @@ fn body_metric(pi: &[f64; PER_BODY], mean_radius: f64) -> DMatrix<f64> {
     DMatrix::from_fn(PER_BODY, PER_BODY, |i, k| 0.5 * (scaled[i] * scaled[k]).trace())
 }
 
-/// Inverse of P₀ with its floors; of the nearest body that can exist where the description has none.
-fn believed(pi: &[f64; PER_BODY], mean_radius: f64) -> Matrix4<f64> {
+/// Factor of P₀ with its floors; of the nearest body that can exist where the description has none.
+fn believed(pi: &[f64; PER_BODY], mean_radius: f64) -> Cholesky<f64, Const<4>> {
     let mut p = pseudo_inertia(pi);
     let own = (p[(0, 0)] + p[(1, 1)] + p[(2, 2)]).abs() / pi[0];
     let mut floor = pi[0] * (OWN_FLOOR * own + COMMON_FLOOR * mean_radius);
@@ -85,7 +105,7 @@ fn believed(pi: &[f64; PER_BODY], mean_radius: f64) -> Matrix4<f64> {
             p[(i, i)] += floor;
         }
         if let Some(factor) = p.cholesky() {
-            return factor.inverse();
+            return factor;
         }
         floor *= 2.0;
     }

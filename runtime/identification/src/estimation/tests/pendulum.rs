@@ -59,6 +59,15 @@ impl Pendulum {
         Self::regressor(y, v, a).map(|row| row.iter().zip(&self.parameters).map(|(w, p)| w * p).sum())
     }
 
+    /// A step of the midpoint rule with friction and the given forces of the drives.
+    fn midpoint(&self, h: f64, y: [f64; 2], v: [f64; 2], drive: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+        let law = |j: usize, v: f64| FRICTION[j][0] * v + FRICTION[j][1] * (STEEPNESS * v).tanh();
+        let slope = |y: &[f64; 2], v: &[f64; 2]| self.accelerations(y, v, [0, 1].map(|j| drive[j] - law(j, v[j])));
+        let step = |x: [f64; 2], d: [f64; 2], h: f64| [x[0] + h * d[0], x[1] + h * d[1]];
+        let (half, middle) = (step(y, v, 0.5 * h), step(v, slope(&y, &v), 0.5 * h));
+        (step(y, middle, h), step(v, slope(&half, &middle), h))
+    }
+
     /// ÿ for joint forces τ that include friction.
     fn accelerations(&self, y: &[f64; 2], v: &[f64; 2], tau: [f64; 2]) -> [f64; 2] {
         let bias = self.forces(y, v, &[0.0; 2]);
@@ -189,14 +198,7 @@ pub(super) fn simulate(
         }
         times.push(i as f64 * h);
         for _ in 0..inner {
-            let tau = std::array::from_fn(|j| {
-                feed[j] - FRICTION[j][0] * v[j] - FRICTION[j][1] * (STEEPNESS * v[j]).tanh()
-            });
-            let a = robot.accelerations(&y, &v, tau);
-            for j in 0..2 {
-                v[j] += h / inner as f64 * a[j];
-                y[j] += h / inner as f64 * v[j];
-            }
+            (y, v) = robot.midpoint(h / inner as f64, y, v, feed);
         }
         (before, held) = (Some(seen), Some(feed));
     }
