@@ -3,7 +3,7 @@
 use super::super::error::{IdentificationError, Result};
 use super::super::kernel::{BLOCK, add_products, stribeck_block};
 use super::refine::{Data, Normal};
-use super::{Robustness, StribeckRegression};
+use super::{Robustness, StribeckRegression, stribeck_torque};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
@@ -11,6 +11,9 @@ const BINS: usize = 400;
 /// Grid of starts over (a3, a5).
 const STEEPNESSES: usize = 8;
 const DECAYS: usize = 6;
+
+/// Share of the cost by which laws must differ to be told apart.
+const LEAST_DIFFERENCE: f64 = 0.01;
 
 /// First damping for starts on a coarse grid.
 const FAR: f64 = 1e-3;
@@ -20,6 +23,9 @@ pub(super) struct Bins {
     v: Vec<f64>,
     torque: Vec<f64>,
     weight: Vec<f64>,
+    /// Σ w (τ − mean of the bin)²: what no law of the speed explains.
+    within: f64,
+    samples: usize,
     fastest: f64,
     offset: bool,
     /// What was taken off each run before its samples were put into bins.
@@ -39,13 +45,15 @@ impl Bins {
         let fastest = data.v.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
         let before = preliminary_offsets(data, weights, fastest);
         let mut sums = vec![[0.0; 3]; BINS];
+        let mut energy = 0.0;
         let (half, scale) = (0.5 * BINS as f64, 0.499_999 * BINS as f64 / fastest.sqrt());
         for (run, offset) in data.runs.iter().zip(&before) {
             for i in run.clone() {
                 let w = weights.map_or(1.0, |w| w[i]);
                 let position = half + data.v[i].abs().sqrt().copysign(data.v[i]) * scale;
-                let sum = &mut sums[(position as usize).min(BINS - 1)];
-                *sum = [sum[0] + w, sum[1] + w * data.v[i], sum[2] + w * (data.torque[i] - offset)];
+                let (sum, torque) = (&mut sums[(position as usize).min(BINS - 1)], data.torque[i] - offset);
+                *sum = [sum[0] + w, sum[1] + w * data.v[i], sum[2] + w * torque];
+                energy += w * torque * torque;
             }
         }
         sums.retain(|s| s[0] > 0.0);
@@ -53,6 +61,8 @@ impl Bins {
             v: sums.iter().map(|s| s[1] / s[0]).collect(),
             torque: sums.iter().map(|s| s[2] / s[0]).collect(),
             weight: sums.iter().map(|s| s[0]).collect(),
+            within: (energy - sums.iter().map(|s| s[2] * s[2] / s[0]).sum::<f64>()).max(0.0),
+            samples: data.v.len(),
             fastest,
             offset: data.offset,
             before,
@@ -65,15 +75,27 @@ impl Bins {
     }
 
     /// The best law on the bins with its offset: of a grid over (a3, a5), `count` hollows are refined.
+    ///
+    /// Where the data cannot tell which law is the better one, as without slow samples, one that dissipates at all
+    /// speeds is taken before one that drives the joint at some.
     pub(super) fn best_start(&self, count: usize) -> Result<([f64; 5], f64)> {
-        let grid = self.grid();
-        let refined = hollows(&grid, count).into_iter().map(|start| self.refine(start));
-        let best = refined.min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let refined: Vec<Start> =
+            hollows(&self.grid(), count).into_iter().map(|start| self.refine(start)).collect();
+        let least = refined.iter().fold(f64::INFINITY, |least, start| least.min(start.cost));
+        let margin = LEAST_DIFFERENCE.max(10.0 / self.samples as f64);
+        let bound = least + margin * (least + self.within);
+        let drives = |start: &Start| start.cost > bound || !self.dissipates(&start.a);
+        let best = refined.iter().min_by(|a, b| drives(a).cmp(&drives(b)).then(a.cost.total_cmp(&b.cost)));
         best.map(|start| (start.a, start.offset)).ok_or_else(|| IdentificationError::NotConverged {
             what: "the search for starts".into(),
             iterations: STEEPNESSES * DECAYS,
             detail: format!("no finite cost on {} bins up to {} rad/s", self.v.len(), self.fastest),
         })
+    }
+
+    /// Whether the law is positive at speeds from a ten-thousandth of the fastest to all of it.
+    fn dissipates(&self, a: &[f64; 5]) -> bool {
+        (0..=80).all(|i| stribeck_torque(self.fastest * 10_f64.powf(-0.05 * f64::from(i)), a) >= 0.0)
     }
 
     fn grid(&self) -> Vec<Vec<Option<Start>>> {
