@@ -47,7 +47,7 @@ pub enum FeedForwardError {
         name: &'static str,
         /// It [N m or N].
         residual: f64,
-        /// What was allowed.
+        /// The residual that is allowed [N m or N].
         tolerance: f64,
     },
     /// Positions, velocities or the equations of motion are not finite.
@@ -139,7 +139,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
         self.inverse.map(|row| product(&row, forces))
     }
 
-    /// What inputs for generalized forces f cannot make of them: `f − B B⁺ f` [N m or N].
+    /// The part of generalized forces f that no inputs can make: `f − B B⁺ f` [N m or N].
     #[must_use]
     pub fn missed(&self, forces: &[f64; N]) -> [f64; N] {
         self.residual(forces, &self.inputs_for(forces))

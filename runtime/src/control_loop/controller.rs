@@ -3,7 +3,7 @@
 use crate::dynamics::Named;
 use std::fmt;
 
-/// What a controller learns at the start of a period.
+/// The state of the loop at the start of a period, as a controller learns it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cycle<const N: usize, const M: usize> {
     /// Time on the trajectory at the start of this period (s); 0 at its start.
@@ -39,7 +39,7 @@ impl<const N: usize, const M: usize> Default for Cycle<N, M> {
     }
 }
 
-/// What a controller proposes; the loop checks it before anything is written.
+/// The proposal of a controller. The loop checks it before anything is written.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Command<const M: usize> {
     /// Inputs u [N m, N or A: the model's units].

@@ -20,7 +20,7 @@ pub(super) struct Judged<const N: usize> {
     pub believed: Option<Measured<N>>,
 }
 
-/// What is believed of a reading.
+/// The part of a reading that is believed.
 #[derive(Clone, Copy)]
 pub(super) struct Measured<const N: usize> {
     pub positions: [f64; N],

@@ -3,7 +3,7 @@
 use crate::dynamics::{Named, numbered};
 use std::fmt;
 
-/// What is wrong with a measured position.
+/// A fault of a measured position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum EncoderFault {
     /// NaN or infinite.
@@ -40,7 +40,7 @@ pub enum EncoderFault {
         joint: usize,
         /// Its name.
         name: &'static str,
-        /// What was measured [rad/s or m/s].
+        /// The measured velocity [rad/s or m/s].
         measured: f64,
         /// Measured velocity minus that of the positions, both over the last tenth of a second [rad/s or
         /// m/s].
@@ -76,7 +76,7 @@ impl fmt::Display for EncoderFault {
     }
 }
 
-/// What the guard tolerates, by coordinate.
+/// The deviations that the guard tolerates, by coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GuardSettings<const N: usize> {
     /// Speed above which a change of position is a jump [rad/s or m/s].

@@ -76,7 +76,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointPd<D, N, M> {
     }
 }
 
-/// What gains must be.
+/// Checks that gains are in their range.
 ///
 /// # Errors
 /// [`SettingError`] for the first that is not.

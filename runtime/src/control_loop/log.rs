@@ -62,7 +62,7 @@ impl<const N: usize, const M: usize> LogSink<N, M> {
     }
 }
 
-/// What was written.
+/// The outcome of writing a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LogSummary {
     /// Records in the file.

@@ -5,7 +5,7 @@ use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
 };
 
-/// What became of a request.
+/// The outcome of a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Grant {
     /// The system does it.
@@ -26,7 +26,7 @@ impl fmt::Display for Grant {
     }
 }
 
-/// What the thread of the loop asks the system for.
+/// A request of the loop's thread to the system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RealtimeRequest {
     /// Priority 1 to 98 of `SCHED_FIFO`; None: the usual scheduling.
@@ -43,8 +43,8 @@ impl Default for RealtimeRequest {
     }
 }
 
-/// What was granted. Show it to the operator: a loop without real-time scheduling runs, but misses deadlines
-/// on a busy machine.
+/// The requests that were granted. Show them to the operator: a loop without real-time scheduling runs, but
+/// misses deadlines on a busy machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RealtimeReport {
     /// `SCHED_FIFO` for the calling thread.

@@ -103,9 +103,9 @@ pub enum Refusal {
         input: usize,
         /// Its name.
         name: &'static str,
-        /// What would hold it, in the input's unit; NaN where the model has no answer.
+        /// The input that would hold the robot, in the input's unit; NaN where the model has no answer.
         needed: f64,
-        /// What is allowed.
+        /// The largest input that is allowed.
         limit: f64,
     },
     /// The robot could not be reached.
@@ -212,7 +212,7 @@ pub struct LoopReport {
     pub end: End,
     /// Brakes as the robot last reported them. Anything but engaged after a run needs a look at the robot.
     pub brakes: Brakes,
-    /// What was counted.
+    /// The counts of the run.
     pub counts: Counts,
 }
 

@@ -30,7 +30,7 @@ pub(super) enum Phase {
     Ended(End),
 }
 
-/// What changes while the loop runs.
+/// The state that changes while the loop runs.
 #[derive(Debug, Clone)]
 pub(super) struct State<const N: usize, const M: usize> {
     pub phase: Phase,
@@ -41,7 +41,7 @@ pub(super) struct State<const N: usize, const M: usize> {
     pub reference: Reference,
     pub guard: EncoderGuard<N>,
     pub filter: VelocityFilter<N>,
-    /// What the robot holds.
+    /// The inputs that the robot holds.
     pub inputs: [f64; M],
     /// Periods in a row without a believable measurement.
     pub unmeasured: u32,
@@ -177,7 +177,7 @@ where
         self.report()
     }
 
-    /// What happened so far.
+    /// Reports what has happened so far.
     #[must_use]
     pub fn report(&self) -> LoopReport {
         let end = match self.state.phase {

@@ -37,7 +37,7 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     pub start_tolerance: [f64; N],
     /// Largest magnitude of each input, in its unit; more is cut off, whatever the controller says.
     pub input_limit: [f64; M],
-    /// What is believed of encoders.
+    /// The guard's tolerances for encoders.
     pub guard: GuardSettings<N>,
     /// Time constant of the velocity estimate from positions, for speed check, fallback and log (s). Without
     /// meaning for a robot that measures its velocities: they are used as they are.
@@ -171,9 +171,9 @@ pub struct SettingError {
     pub name: &'static str,
     /// Name of the joint or input that it is for; None for settings of the whole loop.
     pub of: Option<&'static str>,
-    /// What was given.
+    /// The value that was given.
     pub value: f64,
-    /// What is allowed.
+    /// The range that is allowed.
     pub range: &'static str,
 }
 

@@ -35,7 +35,7 @@ pub enum GeometryError {
     /// The second and third axes are not parallel, or the first is parallel to them.
     #[error("the arm before the wrist is not of the kind that is solved here: {condition}")]
     NotSolved {
-        /// What does not hold.
+        /// The condition that does not hold.
         condition: &'static str,
     },
 }

@@ -73,7 +73,7 @@ pub enum KinematicsError {
     TooCloseToFirstAxis {
         /// Its distance (m).
         distance: f64,
-        /// What the arm's sideways offset demands (m).
+        /// The least distance, which the arm's sideways offset demands (m).
         least: f64,
     },
     /// The wrist's centre would be too far from, or too close to, the second axis.

@@ -67,7 +67,7 @@ where
         self.horizon.set_model(model)
     }
 
-    /// What was found when the controller was made and should be read before it drives: a trajectory beyond
+    /// Findings from when the controller was made, which should be read before it drives: a trajectory beyond
     /// the soft limits, terminal weights of few digits. Empty where all is well.
     pub fn notes(&self) -> &[MpcNote] {
         &self.horizon.notes

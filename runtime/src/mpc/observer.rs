@@ -7,14 +7,16 @@ use crate::dynamics::Discretizable;
 /// Noise that the filter reckons with: standard deviations, random per period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObserverOptions<const N: usize, const M: usize> {
-    /// Of a measured position [rad or m]: the encoder's step over √12, plus noise. > 0.
+    /// Standard deviation of a measured position [rad or m]: the encoder's step over √12, plus noise. > 0.
     pub encoder_noise: [f64; N],
-    /// Of the velocity's change in a period that the model does not explain [rad/s or m/s]. ≥ 0.
+    /// Standard deviation of the velocity's change in a period that the model does not explain [rad/s or
+    /// m/s]. ≥ 0.
     pub velocity_noise: [f64; N],
-    /// Of the disturbance's change in a period, in units of the input. 0: no disturbance is estimated.
+    /// Standard deviation of the disturbance's change in a period, in units of the input. 0: no disturbance
+    /// is estimated.
     pub disturbance_noise: [f64; M],
-    /// Of a measured velocity [rad/s or m/s], > 0, for robots whose drives measure them. None: measured
-    /// velocities are not used.
+    /// Standard deviation of a measured velocity [rad/s or m/s], > 0, for robots whose drives measure them.
+    /// None: measured velocities are not used.
     pub velocity_sensor_noise: Option<[f64; N]>,
 }
 
@@ -195,7 +197,7 @@ impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
         }
     }
 
-    /// Whether every estimate is finite; a reading so wild that the prediction from it overflows leaves
+    /// Tells whether every estimate is finite. A reading so wild that the prediction from it overflows leaves
     /// others.
     pub(super) fn is_finite(&self) -> bool {
         let state = self.positions.iter().chain(&self.velocities);

@@ -128,9 +128,9 @@ pub enum MpcError {
         option: &'static str,
         /// Its component, 0 for scalars.
         index: usize,
-        /// What was given.
+        /// The value that was given.
         value: f64,
-        /// What is allowed.
+        /// The range that is allowed.
         range: &'static str,
     },
     /// Horizon or sizes do not suit the QP.

@@ -28,7 +28,7 @@ const MAX_EVENTS: usize = 1000;
 /// Brakes hold this many times the peak effort of their joint, where the options do not say.
 const BRAKE_RESERVE: f64 = 2.0;
 
-/// What the encoders said last.
+/// The last measurement of the encoders.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measurement<const N: usize> {
     /// When it was measured (s). Older than the plant's time where a measurement was lost.

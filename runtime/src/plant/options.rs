@@ -138,9 +138,9 @@ pub enum PlantError {
         option: &'static str,
         /// Name of the joint or input that it is for; None for options of the whole plant.
         of: Option<&'static str>,
-        /// What was given.
+        /// The value that was given.
         value: f64,
-        /// What is allowed.
+        /// The range that is allowed.
         range: &'static str,
     },
     /// A start position or speed is NaN or infinite.
@@ -176,7 +176,7 @@ pub enum PlantError {
     Integration {
         /// Time of the plant (s).
         time: f64,
-        /// What happened.
+        /// The reason.
         reason: &'static str,
     },
 }

@@ -33,7 +33,7 @@ pub(super) struct Core<V, const NX: usize, const NU: usize> {
     pub(super) linear: Trajectory<V>,
     pub(super) constant: f64,
     pub(super) iterate: Trajectory<V>,
-    /// What is returned.
+    /// The solution that is returned.
     pub(super) solution: Trajectory<V>,
     pub(super) step: Trajectory<V>,
     /// Gradient of the cost at the iterate.

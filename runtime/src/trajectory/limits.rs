@@ -9,13 +9,13 @@ use thiserror::Error;
 /// Which of the model's torque limits must hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rating {
-    /// What the drives bear continuously.
+    /// The torques that the drives bear continuously.
     Nominal,
-    /// What they bear for a short time.
+    /// The torques that the drives bear for a short time.
     Peak,
 }
 
-/// What a limit is on.
+/// The quantity that a limit is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Position of a coordinate [rad or m].
@@ -33,9 +33,9 @@ pub enum Quantity {
 /// A time span over which a limit is broken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Violation {
-    /// What is beyond its limit.
+    /// The quantity that is beyond its limit.
     pub quantity: Quantity,
-    /// Of which coordinate or input.
+    /// The coordinate's or input's index.
     pub index: usize,
     /// Its name.
     pub name: &'static str,

@@ -59,7 +59,7 @@ impl<const N: usize> Sample<N> {
     }
 }
 
-/// What a motion must keep within, by coordinate. The default has no limits.
+/// The limits that a motion must keep, by coordinate. The default has no limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionLimits<const N: usize> {
     /// Lowest and highest position [rad or m].
@@ -207,7 +207,7 @@ pub enum TrajectoryError {
     /// Not enough points or samples.
     #[error("{given} {what} given; at least {needed} are needed")]
     TooFew {
-        /// What there is too little of.
+        /// The kind of entries that are too few: points or samples.
         what: &'static str,
         /// How many are needed.
         needed: usize,
@@ -221,7 +221,7 @@ pub enum TrajectoryError {
         what: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// The range that is allowed.
         range: &'static str,
     },
     /// A point is outside the position limits.
@@ -258,7 +258,7 @@ pub enum TrajectoryError {
     File {
         /// File, and row where known.
         place: String,
-        /// What is wrong with it.
+        /// The fault that was found.
         message: String,
     },
 }

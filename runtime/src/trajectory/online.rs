@@ -60,7 +60,7 @@ struct Requests<const N: usize> {
     status: TargetStatus<N>,
 }
 
-/// What became of the last target.
+/// The outcome of the last target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TargetStatus<const N: usize> {
     /// The motion leads to this target and is there at this time of the trajectory (s).
@@ -167,7 +167,7 @@ impl<const N: usize> OnlineTarget<N> {
         Ok(())
     }
 
-    /// What became of the last target.
+    /// The outcome of the last target.
     #[must_use]
     pub fn status(&self) -> TargetStatus<N> {
         lock(&self.requests).status

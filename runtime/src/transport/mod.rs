@@ -32,7 +32,7 @@ pub enum Brakes {
     Engaged,
 }
 
-/// What arrived from the robot.
+/// A measurement that arrived from the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading<const N: usize> {
     /// Positions in the order, units and sense of the model's coordinates [rad or m]; not yet checked in any
@@ -49,7 +49,7 @@ pub struct Reading<const N: usize> {
 }
 
 impl<const N: usize> Reading<N> {
-    /// Of a robot that measures positions alone.
+    /// The reading of a robot that measures positions alone.
     #[must_use]
     pub fn of(positions: [f64; N], brakes: Brakes) -> Self {
         Self { positions, velocities: None, torques: None, brakes }

@@ -13,7 +13,7 @@ use std::ops::Range;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// What makes time pass for the plant.
+/// The clock that makes time pass for the plant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pace {
     /// Each query: a period. A slow machine makes no difference; nothing moves without a controller.
@@ -27,7 +27,7 @@ pub enum Pace {
 pub struct ServerOptions {
     /// Step of the plant (s).
     pub period: f64,
-    /// What makes time pass.
+    /// The clock of the plant.
     pub pace: Pace,
     /// Periods in a row without inputs that the plant bears; then it brakes by itself, as drives do when the
     /// bus falls silent.
@@ -71,9 +71,9 @@ pub enum ServerError {
     Option {
         /// Name of the option.
         option: &'static str,
-        /// What was given.
+        /// The value that was given.
         value: f64,
-        /// What is allowed.
+        /// The range that is allowed.
         range: &'static str,
     },
 }

@@ -74,7 +74,7 @@ functions!(a: A, b: B, c: C);
 functions!(a: A, b: B, c: C, d: D);
 functions!(a: A, b: B, c: C, d: D, e: E);
 
-/// Whether a module has a function.
+/// Tells whether a module has a function.
 #[must_use]
 pub const fn has(functions: &[&str], name: &str) -> bool {
     let mut k = 0;
@@ -95,7 +95,7 @@ const fn is_same(a: &[u8], b: &[u8]) -> bool {
     k == a.len() && k == b.len()
 }
 
-/// Whether a module has what a trait needs.
+/// Stands for the answer whether a module has the functions that a trait needs.
 #[derive(Debug, Clone, Copy)]
 pub struct HasDerivatives<const B: bool>;
 

@@ -62,8 +62,8 @@ pub struct Discretization<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> Discretization<N, M> {
-    /// Whether every entry is finite. Infinite ones stand where the robot is too fast for the period, NaN
-    /// where its linearization was not finite.
+    /// Tells whether every entry is finite. Infinite ones stand where the robot is too fast for the period,
+    /// NaN where its linearization was not finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let state = self.state.as_flattened().as_flattened().as_flattened();

@@ -57,6 +57,7 @@ pub(in crate::qp) struct Tally<V> {
 }
 
 impl<V: Vector> Tally<V> {
+    #[inline(always)]
     pub(in crate::qp) fn new() -> Self {
         Self { sum: V::zero(), max: V::zero(), force: V::zero() }
     }

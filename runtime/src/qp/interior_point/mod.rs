@@ -10,10 +10,13 @@
 //! 99 (1998), for the structure of the problem.
 
 mod judge;
+mod run;
 mod start;
 mod step;
 
 use self::judge::{LATE, NEAR};
+pub(super) use self::run::Start;
+use self::run::{CAP_CUT, LEAST_COST, PATIENCE, Run};
 use super::certificate::Certificate;
 use super::core::Core;
 use super::lanes::Vector;
@@ -21,35 +24,9 @@ use super::ldl::NotPositive;
 use super::problem::QpProblem;
 use super::status::{QpReport, QpStatus};
 
-/// Costs below this share of the gap at the start count as none.
-const LEAST_COST: f64 = 1e-24;
-/// The largest barrier term may be this many times the largest multiplier of a state, where that is more:
-/// smaller ones would hold large multipliers back.
-const STIFFNESS: f64 = 1e6;
-/// Both limits of the barrier terms are multiplied by this where rounding makes a factorization fail or its
-/// steps inexact.
-const CAP_CUT: f64 = 1e-2;
 /// The largest barrier term is multiplied by this where the method makes no progress: damped multipliers fall
 /// slowly.
 const CAP_RAISE: f64 = 10.0;
-/// Iterations without progress after which the second-order correction is left out, since with it the method
-/// can cycle (Cartis, *Some disadvantages of a Mehrotra-type primal-dual corrector interior point algorithm*,
-/// Appl. Numer. Math. 59, 2009).
-const PATIENCE: usize = 3;
-
-/// Where the first iterate comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Start {
-    /// The unconstrained optimum.
-    Cold,
-    /// The solution in memory.
-    Warm,
-    /// A point deep inside the bounds, with the steps that are safest: where the others have not led to a
-    /// solution.
-    Deep,
-    /// The unconstrained optimum, hard state bounds replaced by penalties.
-    Relaxed,
-}
 
 /// How a run of the method ended.
 #[derive(Debug, Clone, Copy)]
@@ -69,83 +46,6 @@ enum Candidate {
     Iterate,
     /// The best iterate, whatever it is worth: the method has ended.
     Last,
-}
-
-/// What one iteration starts from.
-#[derive(Debug, Clone, Copy, Default)]
-struct State {
-    /// `zᵀHz` and the cost.
-    quadratic: f64,
-    cost: f64,
-    /// `Σ sλ`, and the largest residual of a bound.
-    gap: f64,
-    residual: f64,
-    /// Largest multiplier.
-    force: f64,
-}
-
-/// Quantities of a run.
-#[derive(Debug, Clone, Copy)]
-struct Run {
-    start: Start,
-    /// True after [`Core::restart`], which happens once in a run at most.
-    restarted: bool,
-    /// Iterations that the run had taken when its present start was made: 0, or those up to and including the
-    /// restart.
-    begun: usize,
-    /// Steps in a row shorter than `CRAWL`.
-    crawl: usize,
-    /// True if there are soft bounds.
-    soft: bool,
-    /// Complementarity pairs.
-    count: f64,
-    /// Gap at the start.
-    start_gap: f64,
-    /// Largest diagonal term of the Newton system.
-    cap: f64,
-    /// The same beside the largest multiplier.
-    stiffness: f64,
-    /// `Π (1 − α)`: what is left of the dual residual.
-    shrink: f64,
-    iterations: usize,
-    /// Iterations after which it ends: the cap of its present start, and those that are left to the solve.
-    limit: usize,
-    budget: usize,
-    /// Smallest merit so far, and the residual that belongs to it; its iterate is in memory.
-    best: (f64, f64),
-    /// Residual some iterations ago.
-    checkpoint: f64,
-    /// Smallest merit so far, and iterations since it last fell.
-    progress: (f64, usize),
-}
-
-impl Run {
-    fn new(start: Start, soft: bool, cap: usize, budget: usize) -> Self {
-        Self {
-            start,
-            restarted: false,
-            begun: 0,
-            crawl: 0,
-            soft,
-            count: 0.0,
-            start_gap: 0.0,
-            cap: 0.0,
-            stiffness: STIFFNESS,
-            shrink: 1.0,
-            iterations: 0,
-            limit: cap.min(budget),
-            budget,
-            best: (f64::INFINITY, f64::INFINITY),
-            checkpoint: f64::INFINITY,
-            progress: (f64::INFINITY, 0),
-        }
-    }
-
-    #[inline(always)]
-    fn note(&mut self, merit: f64) {
-        self.progress =
-            if merit < 0.9 * self.progress.0 { (merit, 0) } else { (self.progress.0, self.progress.1 + 1) };
-    }
 }
 
 impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {

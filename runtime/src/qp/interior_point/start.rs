@@ -3,7 +3,7 @@
 use super::super::core::Core;
 use super::super::lanes::{Vector, largest};
 use super::super::ldl::NotPositive;
-use super::{Run, Start};
+use super::run::{Run, Start};
 
 /// Gap at the start, relative to the cost that keeping the bounds may add. Large: a start far inside takes
 /// fewer iterations than one near the boundary.

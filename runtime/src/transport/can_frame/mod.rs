@@ -72,7 +72,7 @@ impl Frame {
     }
 }
 
-/// What a frame says.
+/// The content of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CanMessage {
     /// Release all brakes.
@@ -99,7 +99,7 @@ pub enum CanMessage {
         /// The brake of this joint.
         brake: Brakes,
     },
-    /// What a drive measures beside the position of its joint.
+    /// Quantities that a drive measures beside the position of its joint.
     Rates {
         /// Index of the coordinate.
         index: usize,
@@ -134,7 +134,7 @@ pub enum CanFrameError {
     Contents {
         /// Received.
         given: u8,
-        /// Of this robot.
+        /// The contents of frames for this robot.
         needed: u8,
     },
     /// A value that is not finite or does not fit in its counts: four bytes, two for a force.

@@ -57,7 +57,7 @@ pub struct TrueState<const N: usize> {
     pub fastest: [f64; N],
 }
 
-/// What a datagram says.
+/// The content of a datagram.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Message<const N: usize, const M: usize> {
     /// Kind 1, to the plant: where are you? In lock-step, a period passes first.

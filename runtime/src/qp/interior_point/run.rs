@@ -1,0 +1,105 @@
+//! Runs of the method: where they start, and what they remember from one iteration to the next.
+
+/// Costs below this share of the gap at the start count as none.
+pub(super) const LEAST_COST: f64 = 1e-24;
+/// The largest barrier term may be this many times the largest multiplier of a state, where that is more:
+/// smaller ones would hold large multipliers back.
+pub(super) const STIFFNESS: f64 = 1e6;
+/// Both limits of the barrier terms are multiplied by this where rounding makes a factorization fail or its
+/// steps inexact.
+pub(super) const CAP_CUT: f64 = 1e-2;
+/// Iterations without progress after which the second-order correction is left out, since with it the method
+/// can cycle (Cartis, *Some disadvantages of a Mehrotra-type primal-dual corrector interior point algorithm*,
+/// Appl. Numer. Math. 59, 2009).
+pub(super) const PATIENCE: usize = 3;
+
+/// Where the first iterate comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::qp) enum Start {
+    /// The unconstrained optimum.
+    Cold,
+    /// The solution in memory.
+    Warm,
+    /// A point deep inside the bounds, with the steps that are safest: where the others have not led to a
+    /// solution.
+    Deep,
+    /// The unconstrained optimum, hard state bounds replaced by penalties.
+    Relaxed,
+}
+
+/// What one iteration starts from.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct State {
+    /// `zᵀHz` and the cost.
+    pub(super) quadratic: f64,
+    pub(super) cost: f64,
+    /// `Σ sλ`, and the largest residual of a bound.
+    pub(super) gap: f64,
+    pub(super) residual: f64,
+    /// Largest multiplier.
+    pub(super) force: f64,
+}
+
+/// Quantities of a run.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Run {
+    pub(super) start: Start,
+    /// True after [`Core::restart`], which happens once in a run at most.
+    pub(super) restarted: bool,
+    /// Iterations that the run had taken when its present start was made: 0, or those up to and including the
+    /// restart.
+    pub(super) begun: usize,
+    /// Steps in a row shorter than `CRAWL`.
+    pub(super) crawl: usize,
+    /// True if there are soft bounds.
+    pub(super) soft: bool,
+    /// Complementarity pairs.
+    pub(super) count: f64,
+    /// Gap at the start.
+    pub(super) start_gap: f64,
+    /// Largest diagonal term of the Newton system.
+    pub(super) cap: f64,
+    /// The same beside the largest multiplier.
+    pub(super) stiffness: f64,
+    /// `Π (1 − α)`: what is left of the dual residual.
+    pub(super) shrink: f64,
+    pub(super) iterations: usize,
+    /// Iterations after which it ends: the cap of its present start, and those that are left to the solve.
+    pub(super) limit: usize,
+    pub(super) budget: usize,
+    /// Smallest merit so far, and the residual that belongs to it; its iterate is in memory.
+    pub(super) best: (f64, f64),
+    /// Residual some iterations ago.
+    pub(super) checkpoint: f64,
+    /// Smallest merit so far, and iterations since it last fell.
+    pub(super) progress: (f64, usize),
+}
+
+impl Run {
+    pub(super) fn new(start: Start, soft: bool, cap: usize, budget: usize) -> Self {
+        Self {
+            start,
+            restarted: false,
+            begun: 0,
+            crawl: 0,
+            soft,
+            count: 0.0,
+            start_gap: 0.0,
+            cap: 0.0,
+            stiffness: STIFFNESS,
+            shrink: 1.0,
+            iterations: 0,
+            limit: cap.min(budget),
+            budget,
+            best: (f64::INFINITY, f64::INFINITY),
+            checkpoint: f64::INFINITY,
+            progress: (f64::INFINITY, 0),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn note(&mut self, merit: f64) {
+        self.progress =
+            if merit < 0.9 * self.progress.0 { (merit, 0) } else { (self.progress.0, self.progress.1 + 1) };
+    }
+}
