@@ -7,6 +7,9 @@ pub mod conventions {}
 #[doc = include_str!("../docs/generated_code.md")]
 pub mod generated_code {}
 
+#[doc = include_str!("../docs/identification.md")]
+pub mod identification {}
+
 #[doc = include_str!("../docs/joint_types.md")]
 pub mod joint_types {}
 

@@ -1,9 +1,9 @@
 //! From logs to an identified robot, in one call.
 
-use super::error::Result;
+use super::error::{IdentificationError, Result};
 use super::estimation::{Estimate, EstimationSettings, estimate};
 use super::friction::{FrictionData, FrictionIdentification, FrictionMethod, FrictionReport};
-use super::log::{ColumnOptions, Recording, runs};
+use super::log::{ColumnOptions, FindingKind, Recording, runs};
 use super::preparation::{PreparationReport, PreparationSettings, prepare_all};
 use super::robot::{JointLimits, Robot};
 use super::run::PreparedRun;
@@ -89,6 +89,7 @@ pub fn identify(
 ) -> Result<Identification> {
     progress("reading the logs");
     let recording = runs(logs, robot, &settings.columns)?;
+    require_sides(&recording, &settings.columns)?;
     progress("smoothing");
     let (prepared, preparation) = prepare_all(&recording.runs, Some(robot), &settings.preparation)?;
     let estimate = estimate(robot, &prepared, &settings.estimation, progress)?;
@@ -102,6 +103,23 @@ pub fn identify(
     });
     let friction = friction.collect();
     Ok(Identification { recording, preparation, runs: prepared, estimate, friction })
+}
+
+/// Efforts on the other side of the gears than their names say would make every result wrong by the gear's ratio:
+/// somebody has to say what they are.
+fn require_sides(recording: &Recording, columns: &ColumnOptions) -> Result<()> {
+    let is_said = columns.effort.is_some() || columns.columns.is_some();
+    let doubt = recording.findings.iter().find(|finding| finding.kind == FindingKind::GearDoubtful);
+    match doubt {
+        Some(doubt) if !is_said => Err(IdentificationError::File {
+            place: doubt.file.clone().unwrap_or_else(|| "the logs".into()),
+            message: format!(
+                "{}. Say what they are: --effort joint, --effort input or --effort current",
+                doubt.message
+            ),
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// Logs with the first digits of their hashes.

@@ -62,7 +62,8 @@ impl Pendulum {
     /// A step of the midpoint rule with friction and the given forces of the drives.
     fn midpoint(&self, h: f64, y: [f64; 2], v: [f64; 2], drive: [f64; 2]) -> ([f64; 2], [f64; 2]) {
         let law = |j: usize, v: f64| FRICTION[j][0] * v + FRICTION[j][1] * (STEEPNESS * v).tanh();
-        let slope = |y: &[f64; 2], v: &[f64; 2]| self.accelerations(y, v, [0, 1].map(|j| drive[j] - law(j, v[j])));
+        let slope =
+            |y: &[f64; 2], v: &[f64; 2]| self.accelerations(y, v, [0, 1].map(|j| drive[j] - law(j, v[j])));
         let step = |x: [f64; 2], d: [f64; 2], h: f64| [x[0] + h * d[0], x[1] + h * d[1]];
         let (half, middle) = (step(y, v, 0.5 * h), step(v, slope(&y, &v), 0.5 * h));
         (step(y, middle, h), step(v, slope(&half, &middle), h))

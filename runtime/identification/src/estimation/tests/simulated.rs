@@ -50,7 +50,10 @@ fn intervals_cover_the_truth_in_a_hundred_logs() {
             for j in &found.joints {
                 println!("{} {:.4} {:?}", j.held_out_r_squared, j.sigma, j.terms);
             }
-            println!("{:?} {:?}", found.choices, found.warnings); for (n, v, t) in pairs(&found, &truth) { println!("{n} {:.5} ± {:.5} {:.5}", v.value, v.standard_error, t); }
+            println!("{:?} {:?}", found.choices, found.warnings);
+            for (n, v, t) in pairs(&found, &truth) {
+                println!("{n} {:.5} ± {:.5} {:.5}", v.value, v.standard_error, t);
+            }
         }
         all += 1;
     }
