@@ -138,7 +138,9 @@ fn hold(values: &[f64]) -> f64 {
             changes += steps.len();
         }
     }
-    if changes == 0 { 1.0 } else { samples as f64 / changes as f64 }
+    // A few windows may hold no more than the end of a motion.
+    let enough = changes > 0 && samples >= values.len() / 10;
+    if enough { samples as f64 / changes as f64 } else { 1.0 }
 }
 
 /// The smallest change in each decade of magnitudes: a log with a fixed number of digits is coarser where its
