@@ -83,6 +83,7 @@ pub fn solve(problem: &ConsistentProblem) -> Result<ConsistentSolution> {
         parameters[i] = 0.0;
     }
     let on_boundary = keep_margin(problem.bodies, &mut parameters);
+    require_possible(problem.bodies, &parameters, point.iterations)?;
     let product = &problem.hessian * &parameters;
     let energy = scaled.energy;
     let gap = gap(problem, &scaled, &point, &parameters);
@@ -129,6 +130,23 @@ fn keep_margin(bodies: usize, parameters: &mut DVector<f64>) -> Vec<usize> {
         }
     }
     moved
+}
+
+/// Sums of a pseudo-inertia's entries can lose the smaller ones entirely; then there is no result.
+fn require_possible(bodies: usize, parameters: &DVector<f64>, iterations: usize) -> Result<()> {
+    for (b, pi) in parameters.as_slice().chunks_exact(PER_BODY).take(bodies).enumerate() {
+        let possible = margin(&std::array::from_fn(|k| pi[k])) > 0.0;
+        if !possible || !pi.iter().all(|x| x.is_finite()) {
+            return Err(IdentificationError::NotConverged {
+                what: "the physically consistent estimate".into(),
+                iterations,
+                detail: format!(
+                    "body {b} has moments so far apart that rounding makes it impossible: {pi:?}"
+                ),
+            });
+        }
+    }
+    Ok(())
 }
 
 fn require_converged(point: &Point) -> Result<()> {
@@ -355,6 +373,19 @@ mod tests {
             require_feasible(&problem, &solution);
             assert!(solution.open >= 20 - rank, "{case}");
         }
+    }
+
+    #[test]
+    fn bodies_lost_in_rounding_are_no_result() {
+        // Ixx = Iyy = 10¹⁷ swallow Σxx and Σyy of Izz = 1.
+        let mut lost = DVector::from_vec(vec![1.0, 0.0, 0.0, 0.0, 1e17, 0.0, 1e17, 0.0, 0.0, 1.0]);
+        keep_margin(1, &mut lost);
+        assert!(
+            require_possible(1, &lost, 9)
+                .unwrap_err()
+                .to_string()
+                .contains("body 0 has moments so far apart")
+        );
     }
 
     #[test]

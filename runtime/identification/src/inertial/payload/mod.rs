@@ -64,9 +64,9 @@ impl Default for PayloadSettings {
 pub struct Payload {
     /// The body that carries the load, from 0.
     pub body: usize,
-    /// Mass [kg].
+    /// Mass, in kg.
     pub mass: Estimate,
-    /// Centre of mass [m].
+    /// Centre of mass, in m.
     pub centre_of_mass: [Estimate; 3],
     /// Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the centre of mass, axes parallel to the body's frame [kg m²].
     pub moments: [Estimate; 6],
