@@ -6,6 +6,7 @@ use super::choice::Chosen;
 use super::estimate::Task;
 use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, TERMS};
+use super::prior::Prior;
 use super::rows::Rows;
 use super::sums::sum;
 
@@ -16,6 +17,9 @@ const CLEARLY: f64 = 0.1;
 const POOR: f64 = 0.5;
 /// Power of driving friction, as a share of the power of a force as large as the measured one.
 const NOTICEABLE: f64 = 0.05;
+
+/// Weight of the description with which nothing changes its bodies.
+const AS_DESCRIBED: f64 = 1e12;
 
 /// Sentences about all joints, and about single ones.
 pub(super) struct Doubts {
@@ -36,7 +40,7 @@ impl Doubts {
 /// Tries the other setting of gravity, and the other sign of the efforts of joints that are hardly explained or
 /// whose friction drives them.
 pub(super) fn other_explanations(task: &Task, chosen: &Chosen, own: &HeldOut) -> Result<Doubts> {
-    let of_all = gravity(task, chosen, own)?.into_iter().collect();
+    let of_all = gravity(task, chosen)?.into_iter().collect();
     let r_squared = chosen.centred_r_squared(&own.rss);
     let mut of_joints = vec![None; task.layout.joints];
     for joint in (0..task.layout.joints).filter(|&j| task.layout.moves[j]) {
@@ -51,14 +55,14 @@ pub(super) fn other_explanations(task: &Task, chosen: &Chosen, own: &HeldOut) ->
     Ok(Doubts { of_all, of_joints })
 }
 
-fn gravity(task: &Task, chosen: &Chosen, own: &HeldOut) -> Result<Option<String>> {
+fn gravity(task: &Task, chosen: &Chosen) -> Result<Option<String>> {
     let compensated = task.settings.gravity_compensated;
     let mut rows = Rows::new(task.robot, task.layout, !compensated);
     let every = |_: usize, _: usize, columns: &[&[f64]]| vec![1.0; columns.first().map_or(0, |c| c.len())];
     let sums = sum(&mut rows, task.layout, task.runs, &task.pieces, &every);
-    let other = chosen.over(&sums);
-    let other = held_out(&other.centred, &chosen.model, task.prior, &chosen.weighting, &other.values)?;
-    let (excess, deviation) = other.excess(own);
+    let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
+    let other = as_described(chosen.over(&sums), task.prior)?;
+    let (excess, deviation) = other.excess(&own);
     if excess > -CLEARLY * own.total() || excess > -2.0 * deviation {
         return Ok(None);
     }
@@ -71,6 +75,15 @@ fn gravity(task: &Task, chosen: &Chosen, own: &HeldOut) -> Result<Option<String>
          efforts. Say so by the setting for gravity-compensated robots."
             .into()
     }))
+}
+
+/// Held-out error of the described bodies as they are, with friction and offsets fitted: free bodies would take up
+/// much of a gravity that is not there.
+fn as_described(mut chosen: Chosen, prior: &Prior) -> Result<HeldOut> {
+    chosen.model.consistent = false;
+    chosen.weighting.trust.fill(1.0);
+    chosen.weighting.description = AS_DESCRIBED;
+    chosen.held_out(prior)
 }
 
 /// Whether the rigid body fits better with the other sign of a joint's effort.

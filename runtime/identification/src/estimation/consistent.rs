@@ -1,11 +1,15 @@
 //! The fit over bodies that can exist.
 
-use super::super::error::Result;
+use super::super::error::{IdentificationError, Result};
 use super::super::inertial::consistent::{ConsistentProblem, MARGIN, solve};
 use super::super::inertial::{PER_BODY, margin};
 use super::layout::{ARMATURE, Layout};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
+
+/// Pulls towards the description, as shares of the largest curvature, that are tried in turn until the program
+/// converges. They are below what the sums of products resolve.
+const PULLS: [f64; 4] = [0.0, 1e-13, 1e-12, 1e-11];
 
 /// The minimum of `½ xᵀ A x − gᵀ x` where the description plus x has positive pseudo-inertias, and rotor and
 /// reflected inertias that are not negative. `free` is the minimum without these bounds.
@@ -25,14 +29,29 @@ pub(super) fn bounded(
         return Ok(free.clone());
     }
     let map = prior.unit_bodies(active.len());
-    let linear = linear + regularized * &described;
-    let solution = solve(&ConsistentProblem {
-        hessian: symmetric(map.transpose() * regularized * &map),
-        linear: map.transpose() * linear,
-        bodies: prior.bodies.len(),
-        nonnegative,
-    })?;
-    Ok(map * solution.parameters - described)
+    let origin = map.clone().lu().solve(&described).unwrap_or_else(|| described.clone());
+    let mut hessian = symmetric(map.transpose() * regularized * &map);
+    let mut linear = map.transpose() * (linear + regularized * &described);
+    let largest = hessian.diagonal().max();
+    let mut fault = None;
+    for pull in PULLS {
+        for i in 0..PER_BODY * prior.bodies.len() {
+            hessian[(i, i)] += pull * largest;
+            linear[i] += pull * largest * origin[i];
+        }
+        let bodies = prior.bodies.len();
+        let problem = ConsistentProblem {
+            hessian: hessian.clone(),
+            linear: linear.clone(),
+            bodies,
+            nonnegative: nonnegative.clone(),
+        };
+        match solve(&problem) {
+            Ok(solution) => return Ok(map * solution.parameters - described),
+            Err(error) => fault = Some(error),
+        }
+    }
+    Err(fault.unwrap_or(IdentificationError::Empty { what: "the list of pulls".into() }))
 }
 
 fn symmetric(a: DMatrix<f64>) -> DMatrix<f64> {

@@ -2,7 +2,7 @@
 
 use super::super::error::Result;
 use super::consistent::bounded;
-use super::normal::{Centred, Model, Normal, Values, assemble, regularized, solve};
+use super::normal::{Centred, Model, Values, assemble, regularized, solve};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
 
@@ -58,11 +58,10 @@ impl HeldOut {
     }
 }
 
-/// Values and the last equations that gave them.
+/// Values, and the curvature at them.
 pub(super) struct Solved {
     pub(super) values: Values,
     pub(super) active: Vec<usize>,
-    pub(super) normal: Normal,
     /// `H + Λ`.
     pub(super) regularized: DMatrix<f64>,
 }
@@ -100,7 +99,7 @@ pub(super) fn fit(
         let change = if model.gains { take_gains(centred, &mut values) } else { 0.0 };
         round += 1;
         if round >= rounds || change < 1e-6 {
-            return Ok(Solved { values, active, normal, regularized });
+            return Ok(Solved { values, active, regularized });
         }
     }
 }

@@ -19,7 +19,7 @@ use nalgebra::{DMatrix, DVector};
 /// Blocks over all runs, at most: more would cost time and change nothing.
 const MOST_BLOCKS: usize = 600;
 /// Bandwidth of Bartlett's weights, in correlation times.
-const BANDWIDTH: f64 = 4.0;
+const BANDWIDTH: f64 = 10.0;
 
 /// Scores of the blocks in the order of time, for each run.
 pub(super) struct Scores {

@@ -87,12 +87,6 @@ impl Layout {
     pub(super) fn width(&self, joint: usize) -> usize {
         self.local[joint].len() + 2
     }
-
-    /// Input that drives each joint alone, where there is a current for it.
-    pub(super) fn input_of(&self, joint: usize) -> Option<usize> {
-        let inputs = self.input_matrix.len() / self.joints.max(1);
-        (0..inputs).find(|i| self.input_matrix[joint * inputs + i] != 0.0)
-    }
 }
 
 fn check_run(robot: &dyn Robot, run: &PreparedRun, effort: Effort) -> Result<()> {

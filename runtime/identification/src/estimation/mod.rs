@@ -6,7 +6,6 @@ mod choice;
 mod consistent;
 mod estimate;
 mod fit;
-mod instruments;
 mod intervals;
 mod layout;
 mod normal;
@@ -22,7 +21,6 @@ mod tests;
 
 pub use choice::WeightTried;
 pub use estimate::estimate;
-pub use instruments::BiasTest;
 pub use normal::Offsets;
 pub use result::{Estimate, EstimatedTerm, JointEstimate, Uncertain};
 pub use settings::EstimationSettings;

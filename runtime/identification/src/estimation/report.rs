@@ -52,7 +52,6 @@ impl Report<'_> {
             confidence: settings.confidence,
             choices: self.choices(),
             warnings: self.warnings.clone(),
-            bias: None,
         }
     }
 

@@ -35,8 +35,6 @@ pub struct Estimate {
     pub choices: Vec<String>,
     /// Doubts, as sentences with remedies.
     pub warnings: Vec<String>,
-    /// Whether least squares is biased by noise in the motion, where it was tested.
-    pub bias: Option<super::BiasTest>,
 }
 
 /// A value with its interval, which holds under correlated residuals.

@@ -28,8 +28,6 @@ pub struct EstimationSettings {
     pub least_r_squared: f64,
     /// Returns the estimate even where a joint's R² is below the least one.
     pub accept_poor: bool,
-    /// Whether least squares is tested for bias with instrumental variables.
-    pub test_bias: bool,
 }
 
 impl Default for EstimationSettings {
@@ -45,7 +43,6 @@ impl Default for EstimationSettings {
             confidence: 0.9,
             least_r_squared: 0.3,
             accept_poor: false,
-            test_bias: true,
         }
     }
 }

@@ -53,65 +53,22 @@ fn ur10_run() -> Option<PreparedRun> {
         text.lines().skip(1).map(|l| l.split(',').map(|x| x.parse().unwrap()).collect()).collect();
     let column = |i: usize| -> Vec<f64> { rows.iter().map(|r| r[i]).collect() };
     let columns = |from: usize| (from..from + 6).map(column).collect::<Vec<_>>();
-    let d: usize = std::env::var("DELAY").map_or(0, |x| x.parse().unwrap());
-    let m = rows.len() - d;
-    let w: usize = std::env::var("WINDOW").map_or(21, |x| x.parse().unwrap());
-    let p: Vec<Vec<f64>> = columns(1).iter().map(|c| c[..m].to_vec()).collect();
-    let e: Vec<Vec<f64>> = columns(13).iter().map(|c| c[d..].to_vec()).collect();
-    Some(prepare("exciting", &column(0)[..m], &p, &e, w))
+    Some(prepare("exciting", &column(0), &columns(1), &columns(13), 21))
 }
+
+/// Joint 6 is light and its friction changes between the halves: least squares reaches .89 to .90 there.
+const LEAST: [f64; 6] = [0.970, 0.995, 0.994, 0.980, 0.985, 0.880];
 
 #[test]
 fn the_first_half_of_a_ur10_log_predicts_the_second() {
     let Some(run) = ur10_run() else { return };
-    if let Ok(path) = std::env::var("DUMP") {
-        use std::io::Write;
-        let mut f = std::io::BufWriter::new(std::fs::File::create(path).unwrap());
-        for i in 0..run.times.len() {
-            let at = |c: &[Vec<f64>]| -> Vec<f64> { c.iter().map(|c| c[i]).collect() };
-            let (y, v, a, e) =
-                (at(&run.positions), at(&run.velocities), at(&run.accelerations), at(&run.efforts));
-            let mut w = vec![0.0; 360];
-            ur10().inertial_regressor(&y, &v, &a, &mut w);
-            let all: Vec<String> =
-                y.iter().chain(&v).chain(&a).chain(&e).chain(&w).map(|x| x.to_string()).collect();
-            writeln!(f, "{}", all.join(",")).unwrap();
-        }
-        return;
-    }
     let half = run.times.len() / 2;
-    let mut settings = EstimationSettings::default();
-    if let Ok(x) = std::env::var("ROBUST") {
-        settings.robust_passes = x.parse().unwrap();
-    }
-    if std::env::var("TERMS").is_ok() {
-        settings.optional_terms = false;
-    }
-    let start = std::time::Instant::now();
-    let found =
-        estimate(&ur10(), &[part(&run, 0..half)], &settings, &mut |s| println!("{:?} {s}", start.elapsed()))
-            .unwrap();
+    let settings = EstimationSettings { folds: 5, ..EstimationSettings::default() };
+    let found = estimate(&ur10(), &[part(&run, 0..half)], &settings, &mut |_| ()).unwrap();
     let unseen = predicted(&ur10(), &found, &part(&run, half..run.times.len()));
-    println!("{:?}", start.elapsed());
-    for (joint, unseen) in found.joints.iter().zip(&unseen) {
-        println!(
-            "{} fit {:.4} held out {:.4} unseen {unseen:.4} {:?} {:?}",
-            joint.name,
-            joint.r_squared,
-            joint.held_out_r_squared,
-            joint.armature.map(|a| a.value),
-            joint
-                .terms
-                .iter()
-                .map(|t| format!(
-                    "{} {:.3} ± {:.3}",
-                    t.basis, t.coefficient.value, t.coefficient.standard_error
-                ))
-                .collect::<Vec<_>>()
-        );
-    }
-    println!("{:#?} {:#?} eff {}", found.choices, found.warnings, found.effective_parameters);
-    println!("λ {} {:?}", found.description_weight, found.weights_tried);
+    println!("{unseen:.4?}");
+    assert!(unseen.iter().zip(LEAST).all(|(r, least)| *r >= least), "{unseen:.4?}");
+    assert!(found.consistent);
 }
 
 gelenk_dynamics::dynamics!(struct Arm = gelenk_generated::schunk_lwa4p);
@@ -143,82 +100,30 @@ fn schunk_runs() -> Option<Vec<PreparedRun>> {
         rows.pop(); // the last row of a run has no torque
         let column = |i: usize| -> Vec<f64> { rows.iter().map(|r| r[i]).collect() };
         let columns = |from: usize| (from..from + 6).map(column).collect::<Vec<_>>();
-        let w: usize = std::env::var("WINDOW").map_or(21, |x| x.parse().unwrap());
-        prepare(&name, &column(0), &columns(1), &columns(13), w)
+        prepare(&name, &column(0), &columns(1), &columns(13), 21)
     });
     Some(prepared.collect())
 }
 
 #[test]
-fn schunk_look() {
+fn a_robot_that_compensates_gravity_is_told_from_one_that_does_not() {
     let Some(runs) = schunk_runs() else { return };
-    println!("{} runs {} samples", runs.len(), runs.iter().map(|r| r.times.len()).sum::<usize>());
-    if let Ok(path) = std::env::var("DUMP") {
-        use std::io::Write;
-        let mut f = std::io::BufWriter::new(std::fs::File::create(path).unwrap());
-        let robot = schunk();
-        for (r, run) in runs.iter().enumerate() {
-            for i in (0..run.times.len()).step_by(4) {
-                let at = |c: &[Vec<f64>]| -> Vec<f64> { c.iter().map(|c| c[i]).collect() };
-                let (y, v, a, e) =
-                    (at(&run.positions), at(&run.velocities), at(&run.accelerations), at(&run.efforts));
-                let (mut w, mut g) = (vec![0.0; 396], vec![0.0; 396]);
-                robot.inertial_regressor(&y, &v, &a, &mut w);
-                robot.inertial_regressor(&y, &[0.0; 6], &[0.0; 6], &mut g);
-                w.iter_mut().zip(&g).for_each(|(w, g)| *w -= g);
-                let all: Vec<String> = [r as f64]
-                    .iter()
-                    .chain(&y)
-                    .chain(&v)
-                    .chain(&a)
-                    .chain(&e)
-                    .chain(&w)
-                    .map(|x| x.to_string())
-                    .collect();
-                writeln!(f, "{}", all.join(",")).unwrap();
-            }
-        }
-        return;
-    }
+    let some: Vec<PreparedRun> = runs.into_iter().step_by(5).collect();
     let settings = EstimationSettings {
-        consistent: std::env::var("FREE").is_err(),
-        gravity_compensated: std::env::var("GRAV").is_err(),
-        robust_passes: 1,
+        folds: 4,
+        robust_passes: 0,
+        optional_terms: false,
+        accept_poor: true,
         ..EstimationSettings::default()
     };
-    let start = std::time::Instant::now();
-    let found =
-        estimate(&schunk(), &runs, &settings, &mut |s| println!("{:?} {s}", start.elapsed())).unwrap();
-    println!("{:?}", start.elapsed());
-    for joint in &found.joints {
-        println!(
-            "{} fit {:.4} held out {:.4} {:?} {:?}",
-            joint.name,
-            joint.r_squared,
-            joint.held_out_r_squared,
-            joint.armature.map(|a| a.value),
-            joint
-                .terms
-                .iter()
-                .map(|t| format!(
-                    "{} {:.3} ± {:.3}",
-                    t.basis, t.coefficient.value, t.coefficient.standard_error
-                ))
-                .collect::<Vec<_>>()
-        );
-    }
-    println!(
-        "λ {} {:?} {:?}",
-        found.description_weight,
-        found.offsets,
-        found.weights_tried.iter().map(|t| t.error).collect::<Vec<_>>()
-    );
-    for (name, value) in schunk()
-        .parameter_names()
-        .iter()
-        .zip(&found.parameters)
-        .filter(|(n, _)| n.starts_with("m_") || n.starts_with("J"))
-    {
-        println!("{name} {value:?}");
-    }
+    let doubted = estimate(&schunk(), &some, &settings, &mut |_| ()).unwrap();
+    assert!(doubted.warnings[0].contains("explained better without gravity"), "{:?}", doubted.warnings);
+    let settings = EstimationSettings { gravity_compensated: true, ..settings };
+    let found = estimate(&schunk(), &some, &settings, &mut |_| ()).unwrap();
+    assert!(!found.warnings.iter().any(|w| w.contains("gravity:")), "{:?}", found.warnings);
+    assert!(found.consistent);
+    let r_squared: Vec<f64> = found.joints.iter().map(|j| j.held_out_r_squared).collect();
+    println!("{r_squared:.3?}");
+    // The joints with the largest share of friction; 1 to 4 lose where few runs remain.
+    assert!(r_squared[4] > 0.97 && r_squared[5] > 0.97, "{r_squared:.3?}");
 }

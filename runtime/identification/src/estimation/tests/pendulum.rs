@@ -1,11 +1,12 @@
 //! A double pendulum with its regressor by hand (Lagrange), simulated under a controller that sees noisy
 //! positions.
 
-use super::super::super::inertial::PER_BODY;
+use super::super::super::inertial::{PER_BODY, from_pseudo_inertia, pseudo_inertia};
 use super::super::super::random::SplitMix64;
 use super::super::super::robot::{JointLimits, Robot};
 use super::super::super::run::{Effort, PreparedRun};
 use super::data::prepare;
+use nalgebra::Matrix4;
 
 const LENGTH: f64 = 0.4;
 const GRAVITY: f64 = 9.81;
@@ -24,13 +25,12 @@ impl Pendulum {
         Self { parameters: [link(3.0, 0.2, 0.16), link(2.0, 0.15, 0.08)].concat(), gears: [1.0; 2] }
     }
 
-    /// A robot near the described one: pseudo-inertias `(1 + s N) P (1 + s N)ᵀ` with normal entries of N.
+    /// A robot near the described one: `P = L (1 + s N) (1 + s N)ᵀ Lᵀ` with normal entries of N and P₀ = L Lᵀ.
     pub(super) fn other(&self, size: f64, random: &mut SplitMix64) -> Self {
-        use super::super::super::inertial::{from_pseudo_inertia, pseudo_inertia};
         let other = |pi: &[f64]| {
-            let p = pseudo_inertia(&std::array::from_fn(|i| pi[i]));
-            let n = nalgebra::Matrix4::from_fn(|_, _| random.normal() * size) + nalgebra::Matrix4::identity();
-            from_pseudo_inertia(&(n * p * n.transpose()))
+            let factor = pseudo_inertia(&std::array::from_fn(|i| pi[i])).cholesky().unwrap().l();
+            let n = Matrix4::from_fn(|_, _| random.normal() * size) + Matrix4::identity();
+            from_pseudo_inertia(&(factor * n * n.transpose() * factor.transpose()))
         };
         let parameters = self.parameters.chunks_exact(PER_BODY).flat_map(other).collect();
         Self { parameters, ..self.clone() }
@@ -193,8 +193,10 @@ pub(super) fn simulate(
         let feed = model.forces(&[wanted[0][0], wanted[1][0]], &[wanted[0][1], wanted[1][1]], &a);
         for j in 0..2 {
             columns[j].push(seen[j]);
+            // The input is held over a period: at the sample it is between the last one and this one.
+            let applied = 0.5 * (feed[j] + held.map_or(feed[j], |held| held[j]));
             columns[2 + j]
-                .push((feed[j] + of.offsets[j] + of.force_noise * random.normal()) / robot.gears[j]);
+                .push((applied + of.offsets[j] + of.force_noise * random.normal()) / robot.gears[j]);
             columns[4 + j].push(wanted[j][0]);
         }
         times.push(i as f64 * h);
