@@ -18,7 +18,7 @@ pub fn rounded(value: f64, error: Option<f64>) -> String {
     if value != 0.0 && magnitude(value) + 1 + decimals > MOST_DIGITS {
         return format!("{value:?}");
     }
-    let text = if value.abs() < 0.5 * 10_f64.powi(-decimals) {
+    if value.abs() < 0.5 * 10_f64.powi(-decimals) {
         "0.0".into()
     } else if decimals > MOST_DECIMALS {
         let digits = (magnitude(value) + decimals).max(0);
@@ -28,8 +28,7 @@ pub fn rounded(value: f64, error: Option<f64>) -> String {
     } else {
         let unit = 10_f64.powi(-decimals);
         format!("{:.0}", (value / unit).round() * unit)
-    };
-    text
+    }
 }
 
 /// [`rounded`] with a point or an exponent, so that formats which tell whole numbers from others read a

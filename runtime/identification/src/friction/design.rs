@@ -4,6 +4,7 @@
 //! (Frisch, Waugh 1933; Lovell 1963). So an offset is separated before anything is asked of the law, and costs
 //! no term of the library.
 
+use super::super::confidence::LongRun;
 use super::super::error::{IdentificationError, Result};
 use super::super::least_squares::Reduced;
 use super::super::library::Library;
@@ -136,7 +137,8 @@ pub(super) fn offsets(
     let offset = |rows: &Range<usize>| {
         let left: Vec<f64> = rows.clone().map(|i| data.torques[i] - law[i]).collect();
         let weights = data.weights.map(|w| &w[rows.clone()]);
-        let spread = super::super::confidence::LongRun::of_sum(&residuals[rows.clone()], &[0..rows.len()]);
+        let whole = 0..rows.len();
+        let spread = LongRun::of_sum(&residuals[rows.clone()], &[whole]);
         Offset {
             samples: rows.clone(),
             value: mean(&left, weights),

@@ -5,7 +5,6 @@ use super::super::kernel::{BLOCK, add_products, stribeck_block};
 use super::refine::{Data, Normal};
 use super::{Robustness, StribeckRegression, stribeck_torque};
 use nalgebra::{SMatrix, SVector};
-use std::ops::Range;
 
 const BINS: usize = 400;
 /// Grid of starts over (a3, a5).
@@ -150,8 +149,8 @@ impl Bins {
     }
 
     fn refine(&self, start: Start) -> Start {
-        let whole: [Range<usize>; 1] = [0..self.v.len()];
-        let data = Data { v: &self.v, torque: &self.torque, runs: &whole, offset: self.offset };
+        let whole = 0..self.v.len();
+        let data = Data { v: &self.v, torque: &self.torque, runs: &[whole], offset: self.offset };
         let settings = StribeckRegression {
             starts: 1,
             offset: self.offset,

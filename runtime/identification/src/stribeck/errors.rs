@@ -95,7 +95,7 @@ impl StribeckFit {
         runs: &[Range<usize>],
     ) -> Vec<Vec<f64>> {
         let m = velocities.len();
-        let mut all: Vec<Vec<f64>> = vec![Vec::with_capacity(m); 6];
+        let mut all: Vec<Vec<f64>> = vec![Vec::new(); 6];
         let mut columns = [[0.0; BLOCK]; 6];
         for (v, torque) in velocities.chunks(BLOCK).zip(torques.chunks(BLOCK)) {
             stribeck_block(v, torque, &self.parameters, &mut columns);
