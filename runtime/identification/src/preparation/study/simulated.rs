@@ -65,13 +65,9 @@ pub fn torques(arm: &Arm, [y, v, a]: &[Vec<f64>; 3]) -> Vec<f64> {
     forces
 }
 
-/// A log, and the same instants with the true motion and undelayed, equally noisy efforts.
-pub fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (Run, PreparedRun) {
-    let n = arm.joints.len();
-    let motion = Motion::new(n, seed);
-    let mut random = SplitMix64::new(1000 + seed);
+/// Times of the samples, with jitter and gaps.
+fn instants(sampling: &Sampling, duration: f64, random: &mut SplitMix64) -> Vec<f64> {
     let step = 1.0 / sampling.rate;
-    let quantum = 2.0 * PI / f64::from(1_u32 << sampling.bits);
     let mut times = Vec::new();
     for i in 0..(duration * sampling.rate) as usize {
         let shift = (sampling.jitter * random.normal()).clamp(-0.45, 0.45);
@@ -84,6 +80,16 @@ pub fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (Run, Pr
             times.push(t);
         }
     }
+    times
+}
+
+/// A log, and the same instants with the true motion and undelayed, equally noisy efforts.
+pub fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (Run, PreparedRun) {
+    let n = arm.joints.len();
+    let motion = Motion::new(n, seed);
+    let mut random = SplitMix64::new(1000 + seed);
+    let quantum = 2.0 * PI / f64::from(1_u32 << sampling.bits);
+    let times = instants(sampling, duration, &mut random);
     let (mut positions, mut efforts) = (vec![Vec::new(); n], vec![Vec::new(); n]);
     let mut truth = PreparedRun {
         name: "truth".into(),
