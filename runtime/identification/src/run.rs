@@ -5,7 +5,7 @@
 pub struct Run {
     /// The log's file name, and the number of the run where the log has several.
     pub name: String,
-    /// Times [s]. They increase strictly; their steps may differ.
+    /// Times \[s\]. They increase strictly; their steps may differ.
     pub times: Vec<f64>,
     /// Row of each sample in the log, counted from 1 with the header as row 1, as an editor shows it.
     pub rows: Vec<usize>,
@@ -26,7 +26,7 @@ pub enum Effort {
     Joint,
     /// Inputs u of the description [N·m or N], at the motors' side of the gears, one for each input.
     Input,
-    /// Motor currents [A], one for each input: `u = K_M i` with K_M unknown.
+    /// Motor currents \[A\], one for each input: `u = K_M i` with K_M unknown.
     Current,
 }
 
@@ -35,7 +35,7 @@ pub enum Effort {
 pub struct PreparedRun {
     /// Name of the run that it was made of.
     pub name: String,
-    /// Times [s], equidistant.
+    /// Times \[s\], equidistant.
     pub times: Vec<f64>,
     /// Row of the nearest sample in the log, as in [`Run::rows`].
     pub rows: Vec<usize>,
