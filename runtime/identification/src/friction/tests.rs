@@ -321,7 +321,7 @@ fn drift_is_shown_where_it_is_there() {
 /// Errors that are correlated over a tenth of a second, as smoothing leaves them.
 fn correlated_samples(seed: u64) -> (Vec<f64>, Vec<f64>) {
     let mut random = SplitMix64::new(seed);
-    let phase = [0.0; 3].map(|_: f64| 6.28 * random.uniform());
+    let phase = [0.0; 3].map(|_: f64| std::f64::consts::TAU * random.uniform());
     let speed = |t: f64| {
         0.6 * (1.1 * t + phase[0]).sin() + 0.4 * (2.3 * t + phase[1]).sin() + 0.2 * (4.1 * t + phase[2]).sin()
     };
