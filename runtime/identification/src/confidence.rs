@@ -134,6 +134,11 @@ mod tests {
         (0..samples).map(|_| next()).collect()
     }
 
+    fn whole(samples: usize) -> [Range<usize>; 1] {
+        let whole = 0..samples;
+        [whole]
+    }
+
     #[test]
     fn intervals_of_a_mean_cover_as_often_as_they_say() {
         for (correlation, white) in [(0.0, 0.0), (0.9, 0.0), (0.98, 2.0)] {
@@ -141,7 +146,7 @@ mod tests {
                 let x = series(seed, 3000, correlation, white);
                 let mean = x.iter().sum::<f64>() / 3000.0;
                 let centred: Vec<f64> = x.iter().map(|x| x - mean).collect();
-                let found = LongRun::of_sum(&centred, std::slice::from_ref(&(0..3000)));
+                let found = LongRun::of_sum(&centred, &whole(3000));
                 mean.abs() <= found.half_width(0.9).unwrap() / 3000.0
             });
             // 90 % of 300 is 270 ± 5.2; nothing is promised within a few per cent at strong correlation.
@@ -153,9 +158,7 @@ mod tests {
     #[test]
     fn the_block_is_longer_than_the_correlation() {
         let found = |correlation: f64| -> Vec<LongRun> {
-            let one = |seed| {
-                LongRun::of_sum(&series(seed, 5000, correlation, 0.0), std::slice::from_ref(&(0..5000)))
-            };
+            let one = |seed| LongRun::of_sum(&series(seed, 5000, correlation, 0.0), &whole(5000));
             (0..20).map(one).collect()
         };
         let error = |found: &[LongRun]| {
@@ -186,7 +189,7 @@ mod tests {
 
     #[test]
     fn faulty_levels_are_refused() {
-        let found = LongRun::of_sum(&[1.0, -1.0], std::slice::from_ref(&(0..2)));
+        let found = LongRun::of_sum(&[1.0, -1.0], &whole(2));
         assert!(found.half_width(1.0).unwrap_err().to_string().starts_with("level = 1 is not possible"));
         assert!((quantile(0.95, 1e6).unwrap() - 1.96).abs() < 1e-3);
     }
