@@ -172,7 +172,7 @@ pub(super) fn simulate(
     random: &mut SplitMix64,
 ) -> (PreparedRun, PreparedRun) {
     let (h, inner) = (1.0 / of.rate, 4);
-    let phases: [f64; 6] = std::array::from_fn(|_| 6.28 * random.uniform());
+    let phases: [f64; 6] = std::array::from_fn(|_| std::f64::consts::TAU * random.uniform());
     let start = reference(0.0, &phases);
     let (mut y, mut v) = ([start[0][0], start[1][0]], [start[0][1], start[1][1]]);
     let model = Pendulum::described();
