@@ -150,7 +150,11 @@ fn base_regressor(y: &[f64; 2], v: &[f64; 2], a: &[f64; 2], out: &mut [f64]) {
 fn base_parameters_are_recovered_along_an_excitation() {
     let limits = [ExcitationLimits { position: [-1.2, 1.2], velocity: 2.0, acceleration: 6.0 }; 2];
     let settings = Excitation { iterations: 200, starts: 2, ..Default::default() };
-    let excitation = settings.search(&limits, [2, BASE], base_regressor).unwrap();
+    let excitation = settings.search(&limits, [2, BASE], |y, v, a, out| {
+        let [y, v, a] = [y, v, a].map(|all| <[f64; 2]>::try_from(all).unwrap());
+        base_regressor(&y, &v, &a, out);
+    });
+    let excitation = excitation.unwrap();
     println!("condition {:.2} from {:.2}", excitation.condition, excitation.start);
     let instants: Vec<[[f64; 2]; 3]> = (0..SAMPLES).map(|i| excitation.motion.at(STEP * i as f64)).collect();
     let column = |k: usize, j: usize| -> Vec<f64> { instants.iter().map(|x| x[k][j]).collect() };

@@ -29,7 +29,6 @@ mod xacro;
 pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
 pub use description_files::{DescriptionFiles, read};
 pub use options::{FUNCTIONS, is_known_function};
-#[cfg(feature = "cli")]
 pub use read::{Load, Loaded, ReadOptions, from_toml, from_urdf};
 
 use crate::formula::Formula;
