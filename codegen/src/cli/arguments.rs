@@ -202,6 +202,12 @@ pub(super) struct Identify {
     /// The recorded efforts are without the robot's weight, which its own controller compensates
     #[arg(long, conflicts_with = "plan")]
     pub(super) gravity_compensated: bool,
+    /// Half-amplitude frequency of the filter over positions and efforts [default: from the data]
+    #[arg(long, value_name = "HZ", conflicts_with = "plan", value_parser = positive)]
+    pub(super) bandwidth: Option<f64>,
+    /// How much later efforts are than positions, 0 for not at all [default: from the data]
+    #[arg(long, value_name = "SECONDS", conflicts_with = "plan", allow_negative_numbers = true)]
+    pub(super) delay: Option<f64>,
     /// Logs to predict with the results, which are not made from them; may be given several times
     #[arg(long, value_name = "LOG.csv", conflicts_with = "plan")]
     pub(super) validate: Vec<PathBuf>,

@@ -112,7 +112,7 @@ fn require_sides(recording: &Recording, columns: &ColumnOptions) -> Result<()> {
     let doubt = recording.findings.iter().find(|finding| finding.kind == FindingKind::GearDoubtful);
     match doubt {
         Some(doubt) if !is_said => Err(IdentificationError::File {
-            place: doubt.file.clone().unwrap_or_else(|| "the logs".into()),
+            place: doubt.joint.as_ref().map_or_else(|| "the logs".into(), |joint| format!("joint {joint}")),
             message: format!(
                 "{}. Say what they are: --effort joint, --effort input or --effort current",
                 doubt.message

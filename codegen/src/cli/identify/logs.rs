@@ -59,6 +59,8 @@ fn settings(arguments: &Identify) -> Result<IdentificationSettings, Failure> {
     });
     let mut settings = IdentificationSettings::new()?;
     settings.columns = ColumnOptions { columns: arguments.columns.clone(), effort, ..settings.columns };
+    settings.preparation.bandwidth = arguments.bandwidth;
+    settings.preparation.delay = arguments.delay;
     settings.estimation.gravity_compensated = arguments.gravity_compensated;
     settings.estimation.accept_poor = arguments.accept_poor;
     settings.accept_poor = arguments.accept_poor;
