@@ -196,6 +196,9 @@ pub(super) struct Identify {
     /// patterns]
     #[arg(long, value_name = "PATTERNS", conflicts_with = "plan")]
     pub(super) columns: Option<String>,
+    /// Character between the fields of the logs [default: from the data]
+    #[arg(long, value_name = "CHARACTER", conflicts_with = "plan")]
+    pub(super) separator: Option<char>,
     /// What the logs' efforts are [default: by the names of their columns]
     #[arg(long, value_enum, conflicts_with = "plan")]
     pub(super) effort: Option<EffortName>,

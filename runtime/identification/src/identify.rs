@@ -92,6 +92,7 @@ pub fn identify(
     require_sides(&recording, &settings.columns)?;
     progress("smoothing");
     let (prepared, preparation) = prepare_all(&recording.runs, Some(robot), &settings.preparation)?;
+    require_efforts(&preparation)?;
     let estimate = estimate(robot, &prepared, &settings.estimation, progress)?;
     progress("choosing the terms of friction");
     let data = source(&recording);
@@ -119,6 +120,19 @@ fn require_sides(recording: &Recording, columns: &ColumnOptions) -> Result<()> {
             ),
         }),
         _ => Ok(()),
+    }
+}
+
+/// Joints whose efforts cannot be used would make the whole estimate fail without their names.
+fn require_efforts(preparation: &PreparationReport) -> Result<()> {
+    let faults = preparation.joints.iter().filter_map(|joint| {
+        let fault = joint.fault.as_ref()?;
+        Some(format!("joint {}: {fault}", joint.name))
+    });
+    let faults: Vec<String> = faults.collect();
+    match faults.is_empty() {
+        true => Ok(()),
+        false => Err(IdentificationError::File { place: "the logs".into(), message: faults.join("; ") }),
     }
 }
 

@@ -17,7 +17,6 @@ use super::super::Failure;
 use super::super::arguments::{EffortName, Format, Identify};
 use super::super::place::{Workspace, shown};
 use super::super::print;
-use crate::diagnostic::Diagnostics;
 use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::identify::{BodyValues, IdentifiedDrive, InterpretedRobot, bodies, drives, page, rotors};
 use crate::model::Loaded;
@@ -34,10 +33,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
         logs => validate(&robot, &found, logs, &settings)?,
     };
     let command = command(arguments);
-    describe(arguments, &robot, &found, &command, &output).map_err(|problems| match problems {
-        Problems::Description(problems) => Failure::Descriptions(vec![problems]),
-        Problems::Other(message) => Failure::Problem(message),
-    })?;
+    describe(arguments, &robot, &found, &command, &output)?;
     let name = &loaded.model.name;
     let files = match &arguments.report {
         Some(folder) => page::page(name, &robot, &found, &command).write(folder)?,
@@ -58,7 +54,8 @@ fn settings(arguments: &Identify) -> Result<IdentificationSettings, Failure> {
         EffortName::Current => Effort::Current,
     });
     let mut settings = IdentificationSettings::new()?;
-    settings.columns = ColumnOptions { columns: arguments.columns.clone(), effort, ..settings.columns };
+    settings.columns =
+        ColumnOptions { columns: arguments.columns.clone(), effort, separator: arguments.separator };
     settings.preparation.bandwidth = arguments.bandwidth;
     settings.preparation.delay = arguments.delay;
     settings.estimation.gravity_compensated = arguments.gravity_compensated;
@@ -72,10 +69,23 @@ fn output(arguments: &Identify, loaded: &Loaded) -> Result<PathBuf, Failure> {
     let default = || PathBuf::from(format!("{}_identified.toml", loaded.model.name));
     let output = arguments.output.clone().unwrap_or_else(default);
     let read = loaded.files.iter().chain(&arguments.logs).chain(&arguments.validate);
-    match read.into_iter().find(|file| gelenk_files::is_same_file(file, &output)) {
-        Some(_) => Err(Failure::Problem(format!("{} is read, and is not written over", output.display()))),
-        None => Ok(output),
+    if read.into_iter().any(|file| gelenk_files::is_same_file(file, &output)) {
+        return Err(Failure::Problem(format!("{} is read, and is not written over", output.display())));
     }
+    // Before the work begins, not after it.
+    folder(&output).map(|_| output)
+}
+
+/// Folder of a file that is to be written, absolute.
+fn folder(file: &Path) -> Result<PathBuf, Failure> {
+    let folder = match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    folder.canonicalize().map_err(|error| {
+        let help = "name a file in a folder that exists with --output";
+        Failure::Problem(format!("{}: {error}\n  = help: {help}", folder.display()))
+    })
 }
 
 /// The command for the file and the page: the same on every machine.
@@ -91,29 +101,17 @@ fn command(arguments: &Identify) -> String {
     words.chain(arguments.reading.words()).collect::<Vec<_>>().join(" ")
 }
 
-/// Why a description cannot be written.
-enum Problems {
-    Description(Diagnostics),
-    Other(String),
-}
-
-impl<E: std::error::Error> From<E> for Problems {
-    fn from(error: E) -> Self {
-        Self::Other(error.to_string())
-    }
-}
-
 fn describe(
     arguments: &Identify,
     robot: &InterpretedRobot,
     found: &Identification,
     command: &str,
     output: &Path,
-) -> Result<(), Problems> {
+) -> Result<(), Failure> {
     let values: Vec<f64> = found.estimate.parameters.iter().map(|parameter| parameter.value).collect();
     let (links, others) = values.split_at(PER_LINK * robot.bodies());
     let bodies = match found.estimate.consistent {
-        true => bodies(robot.model(), links).map_err(Problems::Description)?,
+        true => bodies(robot.model(), links).map_err(|problems| Failure::Descriptions(vec![problems]))?,
         false => Vec::new(),
     };
     let bodies: Vec<String> = bodies.iter().map(BodyValues::toml).collect();
@@ -163,13 +161,10 @@ fn provenance(found: &Identification, command: &str) -> Vec<String> {
 
 /// Path of the extended description from the folder of the output: relative where both lie in one folder,
 /// absolute elsewhere.
-fn relative(description: &Path, output: &Path) -> Result<String, std::io::Error> {
-    let description = description.canonicalize()?;
-    let folder = match output.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder.canonicalize()?,
-        _ => std::env::current_dir()?.canonicalize()?,
-    };
-    let path = description.strip_prefix(&folder).unwrap_or(&description);
+fn relative(description: &Path, output: &Path) -> Result<String, Failure> {
+    let fault = |error| Failure::Problem(format!("{}: {error}", description.display()));
+    let description = description.canonicalize().map_err(fault)?;
+    let path = description.strip_prefix(folder(output)?).unwrap_or(&description);
     Ok(path.display().to_string())
 }
 
