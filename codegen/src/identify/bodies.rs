@@ -16,9 +16,9 @@ pub struct BodyValues {
     pub name: String,
     /// Link that carries it, where its name is another.
     pub link: Option<String>,
-    /// Mass [kg].
+    /// Mass \[kg\].
     pub mass: f64,
-    /// Centre of mass in the link's frame [m].
+    /// Centre of mass in the link's frame \[m\].
     pub center_of_mass: [f64; 3],
     /// Moments about the centre of mass, `xx, yy, zz, xy, xz, yz` [kg m²].
     pub inertia: [f64; 6],

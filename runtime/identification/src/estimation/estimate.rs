@@ -37,7 +37,7 @@ pub(super) struct Task<'a> {
 ///
 /// z is the measured effort times B, K the drive's gain (estimated where efforts are currents, else one), s the
 /// description's forces that are no inertia, and o the offset. π is held near the description along directions
-/// that the data cannot tell: `λ` times the squared distance of [`prior`](self) is added, with the largest λ
+/// that the data cannot tell: `λ` times the squared distance from the described bodies is added, with the largest λ
 /// whose held-out error is not worse than the best by more than a standard error.
 ///
 /// `progress` gets a sentence at each stage.

@@ -23,7 +23,7 @@ pub struct PlanSettings {
     pub acceleration: Option<f64>,
     /// Largest speed [rad/s or m/s] of joints without a described one.
     pub velocity: f64,
-    /// Range of positions [m] of prismatic joints without described ones; revolute ones may turn by ±π.
+    /// Range of positions \[m\] of prismatic joints without described ones; revolute ones may turn by ±π.
     pub travel: f64,
 }
 
