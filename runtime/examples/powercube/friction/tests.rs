@@ -127,9 +127,6 @@ fn folds_do_not_see_a_wrong_gravity() {
 #[test]
 fn methods_side_by_side() {
     let part = methods::experiment(&SHORT).unwrap();
-    for c in &part.claims {
-        println!(c.id, c.verdict(), c.criteria.iter().map(|o| o.value).collect::<Vec<_>>());
-    }
     check(&part, "claim-8a", Verdict::Holds, &[0.1132, 0.0976]);
     check(&part, "claim-8b", Verdict::HoldsConditionally, &[4.040]);
     check(&part, "claim-8c", Verdict::HoldsConditionally, &[2.280]);
