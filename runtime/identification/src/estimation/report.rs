@@ -77,8 +77,12 @@ impl Report<'_> {
         let names = self.task.robot.parameter_names();
         let doubted =
             self.task.prior.bodies.iter().filter(|b| self.chosen.weighting.trust[*b * PER_BODY] < 1.0);
-        let doubted =
-            doubted.map(|b| format!("The data contradict the described body of {}.", names[b * PER_BODY]));
+        let doubted = doubted.map(|b| {
+            format!(
+                "The data contradict the described body of {}.",
+                names[b * PER_BODY].trim_start_matches("m_")
+            )
+        });
         [offsets.to_string(), weight].into_iter().chain(doubted).collect()
     }
 
