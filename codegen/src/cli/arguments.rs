@@ -277,6 +277,15 @@ impl Reading {
         }
     }
 
+    /// The keys of a description that make these choices, one line of TOML each. Left out are those of friction,
+    /// which is not read from the description.
+    pub(super) fn keys(&self) -> Vec<String> {
+        let snap = self.snap_angles.map(|angle| format!("snap_angles = {angle:?}"));
+        let mimic = self.ignore_mimic.then(|| "ignore_mimic = true".to_owned());
+        let unphysical = self.accept_unphysical.then(|| "accept_unphysical = true".to_owned());
+        snap.into_iter().chain(mimic).chain(unphysical).collect()
+    }
+
     /// The words of the command line that make these choices.
     pub(super) fn words(&self) -> Vec<String> {
         let number = |option: &str, value: Option<f64>| {

@@ -5,6 +5,10 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
+use gelenk_files::is_same_file;
+
+use super::Failure;
+
 /// A folder with `models/` and `generated/src/`: this project's workspace, or one like it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Workspace {
@@ -46,6 +50,29 @@ impl Workspace {
         let folder = fs::canonicalize(description).ok().and_then(|path| path.parent().map(Path::to_owned));
         folder.is_some() && folder == fs::canonicalize(self.root.join("models")).ok()
     }
+}
+
+/// Fails where a file that is to be written was read, or has no folder.
+pub(super) fn require_writable<'a>(
+    file: &Path,
+    mut read: impl Iterator<Item = &'a PathBuf>,
+) -> Result<(), Failure> {
+    match read.any(|known| is_same_file(known, file)) {
+        true => Err(Failure::Problem(format!("{} is read, and is not written over", file.display()))),
+        false => folder(file).map(|_| ()),
+    }
+}
+
+/// Folder of a file that is to be written, absolute.
+pub(super) fn folder(file: &Path) -> Result<PathBuf, Failure> {
+    let folder = match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    folder.canonicalize().map_err(|error| {
+        let help = "name a file in a folder that exists with --output";
+        Failure::Problem(format!("{}: {error}\n  = help: {help}", folder.display()))
+    })
 }
 
 /// A path for a header: relative to the workspace where it lies in models/, as given where that is relative,

@@ -28,13 +28,7 @@ pub(super) fn write(arguments: &arguments::Report, format: Format) -> Result<Exi
         Some(folder) => folder.clone(),
         None => Path::new("report").join(&loaded.model.name),
     };
-    let files = page
-        .write(&folder)
-        .map_err(|error| {
-            Failure::Problem(format!(
-                "{error}\n  = help: name a folder that is to be made, or in which you may write, with --output FOLDER"
-            ))
-        })?;
+    let files = written(&page, &folder, "--output")?;
     drop(progress);
     match format {
         Format::Json => {
@@ -44,6 +38,15 @@ pub(super) fn write(arguments: &arguments::Report, format: Format) -> Result<Exi
     }
     let failed = page.claims().any(|claim| claim.verdict() == Verdict::DoesNotHold);
     Ok(ExitCode::from(u8::from(failed)))
+}
+
+/// Writes a page into the folder that an option names; its files.
+pub(super) fn written(page: &Report, folder: &Path, option: &str) -> Result<Vec<PathBuf>, Failure> {
+    page.write(folder).map_err(|error| {
+        Failure::Problem(format!(
+            "{error}\n  = help: name a folder that is to be made, or in which you may write, with {option} FOLDER"
+        ))
+    })
 }
 
 fn read(arguments: &arguments::Report) -> Result<Loaded, Failure> {

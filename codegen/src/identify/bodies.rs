@@ -2,12 +2,11 @@
 
 use std::fmt::Write;
 
-use gelenk_identification::description::quoted;
-
 use super::robot;
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::model::{Model, Motion};
+use crate::wording::toml_text;
 
 /// A body of a description, about its centre of mass in the frame of its link.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,9 +45,9 @@ impl BodyValues {
     /// The table of a description.
     #[must_use]
     pub fn toml(&self) -> String {
-        let mut text = format!("[[bodies]]\nname = {}\n", quoted(&self.name));
+        let mut text = format!("[[bodies]]\nname = {}\n", toml_text(&self.name));
         if let Some(link) = &self.link {
-            let _ = writeln!(text, "link = {}", quoted(link));
+            let _ = writeln!(text, "link = {}", toml_text(link));
         }
         let [x, y, z] = self.center_of_mass.map(number);
         let _ = writeln!(text, "mass = {}\ncenter_of_mass = [{x}, {y}, {z}]", number(self.mass));

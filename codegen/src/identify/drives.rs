@@ -1,11 +1,10 @@
 //! Identified drives as a description writes them.
 
-use gelenk_identification::description::quoted;
-
 use super::bodies::number;
 use crate::dynamics::parameters::regressor::drives_with_rotor;
 use crate::formula::Formula;
 use crate::model::{Drive, Input, Model, RotorCoupling};
+use crate::wording::toml_text;
 
 /// What was identified of the drive of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -45,7 +44,7 @@ fn toml(model: &Model, drive: &Drive, found: &IdentifiedDrive) -> String {
     let coupling = if found.reflected.is_some() { RotorCoupling::Diagonal } else { drive.coupling };
     let inertia = found.rotor.or(found.reflected).map_or_else(|| formula(&drive.rotor_inertia), number);
     let mut entries = vec![
-        format!("name = {}", quoted(&drive.name)),
+        format!("name = {}", toml_text(&drive.name)),
         format!("gear_ratio = {}", formula(&drive.gear_ratio)),
         format!("rotor_inertia = {inertia}"),
     ];
@@ -66,7 +65,7 @@ fn toml(model: &Model, drive: &Drive, found: &IdentifiedDrive) -> String {
 /// Where a rotor sits.
 fn mounting(model: &Model, drive: &Drive) -> [String; 2] {
     let [x, y, z] = drive.axis.map(|x| format!("{x:?}"));
-    [format!("carrier = {}", quoted(&model.links[drive.carrier].name)), format!("axis = [{x}, {y}, {z}]")]
+    [format!("carrier = {}", toml_text(&model.links[drive.carrier].name)), format!("axis = [{x}, {y}, {z}]")]
 }
 
 fn torques(drive: &Drive) -> Option<String> {
@@ -81,6 +80,6 @@ fn text(formula: &Formula, parameters: &[&str]) -> String {
     let text = formula.text(parameters);
     match text.parse::<f64>() {
         Ok(value) => format!("{value:?}"),
-        Err(_) => quoted(&text),
+        Err(_) => toml_text(&text),
     }
 }

@@ -40,6 +40,8 @@ pub struct Identified<'a> {
     pub extends: &'a str,
     /// Where all of it comes from: comments at the head.
     pub provenance: &'a [String],
+    /// Further keys at the top, a line of TOML each: how the extended description is read.
+    pub settings: &'a [String],
     /// Friction laws by joint.
     pub friction: &'a [FrictionResult],
     /// Drives by joint: its name, and the value of its key `drive` as TOML.
@@ -108,7 +110,7 @@ pub fn description_toml(name: &str, extends: &str, results: &[FrictionResult]) -
 /// Coefficients of friction have the digits that their errors leave them ([`super::digits`]); terms of which
 /// nothing is left are not written.
 pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
-    let Identified { name, extends, provenance, friction, drives, bodies } = *identified;
+    let Identified { name, extends, provenance, settings, friction, drives, bodies } = *identified;
     if friction.is_empty() && drives.is_empty() && bodies.is_empty() {
         return Err(IdentificationError::Empty { what: format!("the list of identified joints of {name}") });
     }
@@ -116,6 +118,9 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
     let mut text = FIRST_LINE.to_owned();
     provenance.iter().for_each(|line| comment(line, &mut text));
     let _ = writeln!(text, "name = {}\n{key} = {}", quoted(name), quoted(extends));
+    settings.iter().for_each(|line| {
+        let _ = writeln!(text, "{line}");
+    });
     for (i, result) in friction.iter().enumerate() {
         if friction[..i].iter().any(|r| r.joint == result.joint) {
             return Err(IdentificationError::Expression {
@@ -299,7 +304,7 @@ fn comment(content: &str, text: &mut String) {
 }
 
 /// A TOML basic string.
-pub fn quoted(text: &str) -> String {
+fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
         match c {

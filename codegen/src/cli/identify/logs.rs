@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use clap::ValueEnum;
 use gelenk_identification::description::{Identified, write_identified};
 use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::{Identification, IdentificationSettings, identify};
@@ -15,8 +16,8 @@ use serde_json::{Value, json};
 
 use super::super::Failure;
 use super::super::arguments::{EffortName, Format, Identify};
-use super::super::place::{Workspace, shown};
-use super::super::print;
+use super::super::place::{self, Workspace, shown};
+use super::super::{print, report};
 use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::identify::{BodyValues, IdentifiedDrive, InterpretedRobot, bodies, drives, page, rotors};
 use crate::model::Loaded;
@@ -36,7 +37,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     describe(arguments, &robot, &found, &command, &output)?;
     let name = &loaded.model.name;
     let files = match &arguments.report {
-        Some(folder) => page::page(name, &robot, &found, &command).write(folder)?,
+        Some(folder) => report::written(&page::page(name, &robot, &found, &command), folder, "--report")?,
         None => Vec::new(),
     };
     match format {
@@ -64,40 +65,33 @@ fn settings(arguments: &Identify) -> Result<IdentificationSettings, Failure> {
     Ok(settings)
 }
 
-/// Where the description goes: nothing that was read is written over.
+/// Where the description goes.
 fn output(arguments: &Identify, loaded: &Loaded) -> Result<PathBuf, Failure> {
     let default = || PathBuf::from(format!("{}_identified.toml", loaded.model.name));
     let output = arguments.output.clone().unwrap_or_else(default);
-    let read = loaded.files.iter().chain(&arguments.logs).chain(&arguments.validate);
-    if read.into_iter().any(|file| gelenk_files::is_same_file(file, &output)) {
-        return Err(Failure::Problem(format!("{} is read, and is not written over", output.display())));
-    }
-    // Before the work begins, not after it.
-    folder(&output).map(|_| output)
-}
-
-/// Folder of a file that is to be written, absolute.
-fn folder(file: &Path) -> Result<PathBuf, Failure> {
-    let folder = match file.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    folder.canonicalize().map_err(|error| {
-        let help = "name a file in a folder that exists with --output";
-        Failure::Problem(format!("{}: {error}\n  = help: {help}", folder.display()))
-    })
+    place::require_writable(&output, loaded.files.iter().chain(&arguments.logs).chain(&arguments.validate))?;
+    Ok(output)
 }
 
 /// The command for the file and the page: the same on every machine.
 fn command(arguments: &Identify) -> String {
     let workspace = Workspace::find();
     let files = std::iter::once(&arguments.description).chain(&arguments.logs);
-    let files = files.map(|file| quoted(&shown(file, workspace.as_ref())).to_string());
-    let columns = arguments.columns.iter().map(|patterns| format!("--columns '{patterns}'"));
-    let gravity = arguments.gravity_compensated.then(|| "--gravity-compensated".to_owned());
-    let poor = arguments.accept_poor.then(|| "--accept-poor".to_owned());
+    let files = files.map(|file| quoted(&shown(file, workspace.as_ref())));
+    let word =
+        |option: &str, value: Option<String>| value.map(|value| format!("{option} {}", quoted(&value)));
+    let effort = arguments.effort.and_then(|effort| Some(effort.to_possible_value()?.get_name().to_owned()));
+    let options = [
+        word("--columns", arguments.columns.clone()),
+        word("--separator", arguments.separator.map(String::from)),
+        word("--effort", effort),
+        word("--bandwidth", arguments.bandwidth.map(|hertz| format!("{hertz:?}"))),
+        word("--delay", arguments.delay.map(|seconds| format!("{seconds:?}"))),
+        arguments.gravity_compensated.then(|| "--gravity-compensated".to_owned()),
+        arguments.accept_poor.then(|| "--accept-poor".to_owned()),
+    ];
     let words =
-        std::iter::once("gelenk identify".to_owned()).chain(files).chain(columns).chain(gravity).chain(poor);
+        std::iter::once("gelenk identify".to_owned()).chain(files).chain(options.into_iter().flatten());
     words.chain(arguments.reading.words()).collect::<Vec<_>>().join(" ")
 }
 
@@ -110,10 +104,11 @@ fn describe(
 ) -> Result<(), Failure> {
     let values: Vec<f64> = found.estimate.parameters.iter().map(|parameter| parameter.value).collect();
     let (links, others) = values.split_at(PER_LINK * robot.bodies());
-    let bodies = match found.estimate.consistent {
-        true => bodies(robot.model(), links).map_err(|problems| Failure::Descriptions(vec![problems]))?,
-        false => Vec::new(),
-    };
+    if !found.estimate.consistent {
+        let message = "the estimate holds a body that cannot exist; nothing is written";
+        return Err(Failure::Problem(message.to_owned()));
+    }
+    let bodies = bodies(robot.model(), links).map_err(|problems| Failure::Descriptions(vec![problems]))?;
     let bodies: Vec<String> = bodies.iter().map(BodyValues::toml).collect();
     let identified =
         rotors(robot.model()).into_iter().zip(&found.estimate.joints).map(|(rotor, joint)| IdentifiedDrive {
@@ -131,6 +126,7 @@ fn describe(
             name: &name,
             extends: &relative(&arguments.description, output)?,
             provenance: &provenance,
+            settings: &arguments.reading.keys(),
             friction: &friction,
             drives: &drives(robot.model(), &identified),
             bodies: &bodies,
@@ -164,7 +160,7 @@ fn provenance(found: &Identification, command: &str) -> Vec<String> {
 fn relative(description: &Path, output: &Path) -> Result<String, Failure> {
     let fault = |error| Failure::Problem(format!("{}: {error}", description.display()));
     let description = description.canonicalize().map_err(fault)?;
-    let path = description.strip_prefix(folder(output)?).unwrap_or(&description);
+    let path = description.strip_prefix(place::folder(output)?).unwrap_or(&description);
     Ok(path.display().to_string())
 }
 

@@ -1,6 +1,7 @@
 //! `gelenk identify --plan`.
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use gelenk_files::write_whole;
@@ -10,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::super::Failure;
 use super::super::arguments::{Format, Identify};
-use super::super::print;
+use super::super::{place, print};
 use crate::identify::InterpretedRobot;
 
 /// Most rows of a plan.
@@ -30,25 +31,31 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
         acceleration: arguments.acceleration,
         ..default
     };
-    let found = plan(&robot, &settings, &mut super::say)?;
     let path = arguments.output.clone().unwrap_or_else(|| PathBuf::from("plan.csv"));
-    if loaded.files.iter().any(|file| gelenk_files::is_same_file(file, &path)) {
-        return Err(Failure::Problem(format!("{} is read, and is not written over", path.display())));
-    }
+    require_plan_or_nothing(&path, &Plan::header(&robot.joint_names()))?;
+    place::require_writable(&path, loaded.files.iter())?;
+    let found = plan(&robot, &settings, &mut super::say)?;
     let text = found.csv(&robot.joint_names(), 1.0 / arguments.rate, 1);
-    write_whole(&path, text).map_err(|error| {
-        Failure::Problem(format!(
-            "{}: {error}\n  = help: name a file in a folder that exists with --output",
-            path.display()
-        ))
-    })?;
+    write_whole(&path, text).map_err(|error| Failure::Problem(format!("{}: {error}", path.display())))?;
     match format {
         Format::Json => print::json(&as_json(&found, &robot, &path)),
         Format::Text => print::out(&as_text(&found, &robot, &path)).map(|()| ExitCode::SUCCESS),
     }
 }
 
-fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &std::path::Path) -> String {
+/// A log of the motion must not be lost to a new plan.
+fn require_plan_or_nothing(path: &Path, header: &str) -> Result<(), Failure> {
+    match fs::read(path) {
+        Ok(found) if !found.is_empty() && !found.starts_with(header.as_bytes()) => {
+            let message = "holds no plan for this robot; name another file with --output, or remove it first";
+            Err(Failure::Problem(format!("{} {message}", path.display())))
+        }
+        // What cannot be read fails when it is to be written.
+        _ => Ok(()),
+    }
+}
+
+fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
     let [inertial, friction] = plan.parameters;
     let mut text = format!(
         "wrote {}: {} s that begin and end at rest, for {inertial} base parameters and {friction} of friction\n\
@@ -81,7 +88,7 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &std::path::Path) -> Str
     text
 }
 
-fn as_json(plan: &Plan, robot: &InterpretedRobot, path: &std::path::Path) -> Value {
+fn as_json(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> Value {
     let [inertial, friction] = plan.parameters;
     let [speeds, efforts] = &plan.largest;
     json!({

@@ -118,15 +118,20 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
 }
 
 impl Plan {
+    /// First line of the CSV, its end included.
+    pub fn header(joints: &[String]) -> String {
+        let columns = ["q", "dq", "ddq"]
+            .iter()
+            .flat_map(|kind| joints.iter().map(move |name| format!(",{kind}_{name}")));
+        format!("t{}\n", columns.collect::<String>())
+    }
+
     /// The motion as CSV, `t [s]`, then `q_`, `dq_`, `ddq_` and the joint's name: what
     /// `gelenk_runtime::trajectory::Recording::open` reads, and what a log of it is compared with.
     ///
     /// - `period`: of the rows (s); `periods`: how often the motion is repeated
     pub fn csv(&self, joints: &[String], period: f64, periods: usize) -> String {
-        let head = ["q", "dq", "ddq"]
-            .iter()
-            .flat_map(|kind| joints.iter().map(move |name| format!(",{kind}_{name}")));
-        let mut text = format!("t{}\n", head.collect::<String>());
+        let mut text = Self::header(joints);
         let rows = (self.motion.period * periods as f64 / period).round() as usize;
         for row in 0..=rows {
             let t = row as f64 * period;
