@@ -134,7 +134,7 @@ fn model_text(model: &Model) -> String {
             parent.map_or("", |parent| parent.name.as_str()).to_owned(),
             link.joint.as_ref().map_or("", |joint| joint.name.as_str()).to_owned(),
             link.joint.as_ref().map_or("", |joint| kind(joint.kind)).to_owned(),
-            link.joint.as_ref().map_or(String::new(), |joint| motion(joint.motion)),
+            link.joint.as_ref().map_or(String::new(), |joint| motion(model, joint.motion)),
             link.bodies.len().to_string(),
         ]
     });
@@ -161,8 +161,18 @@ fn kind(kind: JointKind) -> &'static str {
     }
 }
 
-fn motion(motion: Motion) -> String {
+fn motion(model: &Model, motion: Motion) -> String {
     match motion {
+        Motion::Follower(index) => {
+            let moving = model.moving_joints();
+            let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+            let terms = moving[index].follows.iter().map(|term| match term.ratio.as_number() {
+                Some(1.0) => format!("y{}", term.coordinate + 1),
+                _ => format!("({}) y{}", term.ratio.text(&names), term.coordinate + 1),
+            });
+            let offset = (moving[index].offset != 0.0).then(|| format!("{:?}", moving[index].offset));
+            terms.chain(offset).collect::<Vec<_>>().join(" + ")
+        }
         Motion::Fixed => "fixed".to_owned(),
         Motion::Held(position) => format!("held at {position:?}"),
         Motion::Coordinate(index) => format!("y{}", index + 1),
@@ -178,7 +188,7 @@ fn model_json(model: &Model) -> Value {
                 "name": joint.name,
                 "parent": model.links.get(joint.parent).map(|parent| &parent.name),
                 "kind": kind(joint.kind),
-                "motion": motion(joint.motion),
+                "motion": motion(model, joint.motion),
                 "position_limits": joint.limits.position,
                 "velocity_limit": joint.limits.velocity,
                 "effort_limit": joint.limits.effort,

@@ -28,7 +28,7 @@ pub(super) fn as_json(model: &Model) -> Value {
             "joint": body.name,
             "parent": parent(&mechanism, body),
             "kind": body.axis.name(),
-            "ratio": body.transmission.ratio.value(),
+            "follows": follows(body),
             "gamma": degrees(body.twist.gamma),
             "alpha": degrees(body.twist.alpha),
             "translation": numbers(&body.translation.0),
@@ -42,21 +42,53 @@ pub(super) fn as_json(model: &Model) -> Value {
     mechanism.bodies.iter().map(body).collect()
 }
 
+/// The coordinates that a joint follows with its axis, each with its ratio; `null` where that depends on
+/// parameters.
+fn follows(body: &Body<Number>) -> Vec<Value> {
+    let terms = body.transmission.terms.iter();
+    terms.map(|term| json!({ "coordinate": term.coordinate + 1, "ratio": term.ratio.value() })).collect()
+}
+
+/// `y1`, `-y2`, `2 y1 + y3`
+fn followed(body: &Body<Number>) -> String {
+    let mut text = String::new();
+    for term in &body.transmission.terms {
+        let ratio = term.ratio.value();
+        let (sign, size) = match ratio {
+            Some(ratio) if ratio < 0.0 => ("-", Some(-ratio)),
+            ratio => ("+", ratio),
+        };
+        text += match (text.is_empty(), sign) {
+            (true, "+") => "",
+            (true, _) => "-",
+            (false, "+") => " + ",
+            (false, _) => " - ",
+        };
+        text += &match size {
+            Some(1.0) => String::new(),
+            Some(size) => format!("{} ", number(size)),
+            None => "free ".to_owned(),
+        };
+        text += &format!("y{}", term.coordinate + 1);
+    }
+    text
+}
+
 /// The plain formulation; the cheapest one differs from function to function.
 fn mechanism(model: &Model) -> Mechanism<Number> {
     let mechanism = Mechanism::new(model);
-    Formulation::plain(mechanism.len()).mechanism(&Graph::new(), &mechanism).by_itself()
+    Formulation::plain(mechanism.bodies.len()).mechanism(&Graph::new(), &mechanism).by_itself()
 }
 
 fn frames(mechanism: &Mechanism<Number>) -> Vec<Vec<String>> {
-    let head = ["joint", "parent", "kind", "ratio", "gamma", "alpha", "x", "y", "z", "lift", "offset"];
+    let head = ["joint", "parent", "kind", "follows", "gamma", "alpha", "x", "y", "z", "lift", "offset"];
     let rows = mechanism.bodies.iter().map(|body| {
         let [x, y, z] = body.translation.0.map(shown);
         vec![
             body.name.clone(),
             parent(mechanism, body).to_owned(),
             body.axis.name().to_owned(),
-            shown(body.transmission.ratio),
+            followed(body),
             number(degrees(body.twist.gamma)),
             number(degrees(body.twist.alpha)),
             x,

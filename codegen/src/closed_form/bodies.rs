@@ -69,7 +69,7 @@ impl Bodies {
             let (body, pose) = &places[drive.carrier];
             let axis = cleaned(turned(&pose.rotation, drive.axis));
             let carrier = body.filter(|_| drive.coupling == RotorCoupling::Body);
-            match (carrier, drive.coordinate, drive.rotor_inertia.as_number()) {
+            match (carrier, drive.coordinate(), drive.rotor_inertia.as_number()) {
                 (_, _, Some(0.0)) | (None, None, _) => {}
                 // A rotor that stands still relative to its carrier is part of it.
                 (Some(body), None, Some(inertia)) => {
@@ -112,6 +112,7 @@ fn attached(
     let (parent, parent_pose) = &places[joint.parent];
     let pose = tidy(parent_pose.then(&joint.origin));
     let position = match joint.motion {
+        Motion::Follower(_) => unreachable!("closed forms of coupled joints are refused"),
         Motion::Coordinate(coordinate) => {
             bodies.push(MovingBody {
                 coordinate,

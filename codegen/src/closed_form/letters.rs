@@ -154,7 +154,7 @@ impl<'m> Letters<'m> {
     /// A rotor's axis in its carrier's frame.
     pub fn rotor_axis(&mut self, drive: usize, axis: [f64; 3]) -> Vector {
         let meaning = format!("rotor axis of {} [rad]", self.model.drives[drive].name);
-        let index = self.model.drives[drive].coordinate.unwrap_or(drive);
+        let index = self.model.drives[drive].coordinate().unwrap_or(drive);
         let align = self.align(axis, ["mu", "nu"], index, &meaning);
         align.map(|[_, _, z]| z)
     }
@@ -231,7 +231,7 @@ impl<'m> Letters<'m> {
     pub fn input_matrix(&mut self) -> Vec<Vec<Atom>> {
         let model = self.model;
         let drives: Vec<_> =
-            model.drives.iter().enumerate().filter(|(_, drive)| drive.coordinate.is_some()).collect();
+            model.drives.iter().enumerate().filter(|(_, drive)| drive.coordinate().is_some()).collect();
         let mut matrix = vec![vec![algebra::zero(); drives.len()]; model.coordinates.len()];
         for (column, (index, drive)) in drives.iter().enumerate() {
             let mut entry = self.ratios[*index].clone();
@@ -239,7 +239,7 @@ impl<'m> Letters<'m> {
                 let meaning = format!("motor constant of {} [N m/A]", drive.name);
                 entry *= self.visible(constant, "K", &self.drive_index(*index), &meaning);
             }
-            if let Some(row) = drive.coordinate {
+            if let Some(row) = drive.coordinate() {
                 matrix[row][column] = entry;
             }
         }
@@ -291,7 +291,7 @@ impl<'m> Letters<'m> {
     /// Number of the coordinate that a drive moves; that of a held joint has the drive's name.
     fn drive_index(&self, drive: usize) -> String {
         let drive = &self.model.drives[drive];
-        match drive.coordinate {
+        match drive.coordinate() {
             Some(coordinate) => (coordinate + 1).to_string(),
             None => format!("_{}", drive.identifier),
         }

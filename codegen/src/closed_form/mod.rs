@@ -52,7 +52,7 @@ pub const MAXIMUM_ANGLES: usize = 4;
 /// - `instance`: the right to use Symbolica
 ///
 /// # Errors
-/// `too-many-joints` where more than [`MAXIMUM_JOINTS`] coordinates move, `too-many-angles` beyond
+/// `coupled-joints` where a joint or drive follows several coordinates, or another's; `too-many-joints` where more than [`MAXIMUM_JOINTS`] coordinates move, `too-many-angles` beyond
 /// [`MAXIMUM_ANGLES`].
 pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnostics> {
     check_size(model)?;
@@ -100,6 +100,13 @@ pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnos
 /// # Errors
 /// As [`derive`].
 pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
+    if let Some(coupled) = coupled_joint(model) {
+        let message =
+            format!("closed forms are offered where every joint and drive has one coordinate; {coupled}");
+        let problem = Diagnostic::error("coupled-joints", message)
+            .help("`gelenk inspect program` shows the equations of coupled joints with their abbreviations");
+        return Err(Diagnostics::new(vec![problem]));
+    }
     let n = model.coordinates.len();
     if n > MAXIMUM_JOINTS {
         let message = format!(
@@ -126,6 +133,14 @@ pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
         return Err(Diagnostics::new(vec![problem]));
     }
     Ok(())
+}
+
+/// A joint or a drive that follows others, in words.
+fn coupled_joint(model: &Model) -> Option<String> {
+    let joint = model.followers.first().and_then(|follower| model.links[follower.link].joint.as_ref());
+    let joint = joint.map(|joint| format!("joint `{}` follows others", joint.name));
+    let drive = model.inputs().find(|drive| drive.coordinate().is_none());
+    joint.or_else(|| drive.map(|drive| format!("drive `{}` acts on several", drive.name)))
 }
 
 /// From Symbolica's expressions to sums of ours.

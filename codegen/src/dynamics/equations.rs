@@ -150,10 +150,15 @@ impl<'g> Equations<'_, 'g> {
             derivatives.derive(self.graph, self.formulations.mechanism(), inverse_dynamics, input);
         let joint = self.joint_forces(input.y, input.v);
         for (row, &force) in joint.iter().enumerate() {
-            // What acts on single joints has diagonal derivatives.
-            let by = |variable| differentiate(self.graph, &[force], variable)[0];
-            let (y, v) = (&mut result.by_coordinates[row][row], &mut result.by_velocities[row][row]);
-            (*y, *v) = (*y - by(input.y[row]), *v - by(input.v[row]));
+            // What acts on single joints has diagonal derivatives, unless joints follow several coordinates.
+            let columns = if self.model.followers.is_empty() { row..row + 1 } else { 0..joint.len() };
+            for column in columns {
+                let by = |variable| differentiate(self.graph, &[force], variable)[0];
+                let y = &mut result.by_coordinates[row][column];
+                *y = *y - by(input.y[column]);
+                let v = &mut result.by_velocities[row][column];
+                *v = *v - by(input.v[column]);
+            }
         }
         result.forces = subtract(&result.forces, &joint);
         result
@@ -273,7 +278,7 @@ impl<'g> Equations<'_, 'g> {
 
     /// `−g · Σ m c` over the moving bodies.
     pub fn potential_energy(&self, y: &[Scalar<'g>]) -> Scalar<'g> {
-        let plain = Formulation::plain(self.model.coordinates.len());
+        let plain = Formulation::plain(self.formulations.mechanism().bodies.len());
         let choices = vec![RegroupChoice::Massless; plain.bodies.len()];
         let mechanism = self.mechanism().regrouped(&choices);
         -mechanism.gravity.dot(composite::first_moment(&mechanism, &plain, y))

@@ -2,8 +2,8 @@
 
 use crate::formula::{Formula, Function};
 use crate::graph::{Graph, Scalar};
-use crate::kinematics::{lower, lower_with};
-use crate::model::{FrictionTerm, Input, Joint, Model};
+use crate::kinematics::{Followed, Transmission, lower, lower_with};
+use crate::model::{FollowedCoordinate, FrictionTerm, Input, Joint, Model, MovingJoint};
 use crate::program::{Instruction, Operation, Program};
 
 /// Forces of springs and dampers by coordinate; they add to q.
@@ -13,18 +13,60 @@ pub fn spring_forces<'g>(
     y: &[Scalar<'g>],
     v: &[Scalar<'g>],
 ) -> Vec<Scalar<'g>> {
-    let zero = graph.constant(0.0);
-    let force = |(index, joint): (usize, &Joint)| {
-        let forces = joint.springs.iter().map(|spring| lower_with(graph, spring, y[index], v[index]));
-        forces.fold(zero, |sum, force| sum + force)
+    let mut forces = vec![graph.constant(0.0); model.coordinates.len()];
+    for moving in Moving::of(graph, model) {
+        let (position, velocity) = (moving.position(y), moving.velocity(v));
+        for spring in &moving.joint.springs {
+            let force = lower_with(graph, spring, position, velocity);
+            moving.transmission.add_force(force, &mut forces);
+        }
+    }
+    forces
+}
+
+/// A joint that moves, on a graph.
+struct Moving<'m, 'g> {
+    joint: &'m Joint,
+    transmission: Transmission<Scalar<'g>>,
+    offset: f64,
+}
+
+impl<'m, 'g> Moving<'m, 'g> {
+    fn of(graph: &'g Graph, model: &'m Model) -> Vec<Self> {
+        let moving = |moving: MovingJoint<'m>| Self {
+            joint: moving.joint,
+            transmission: followed(graph, &moving.follows),
+            offset: moving.offset,
+        };
+        model.moving_joints().into_iter().map(moving).collect()
+    }
+
+    /// `G y + g₀`
+    fn position(&self, y: &[Scalar<'g>]) -> Scalar<'g> {
+        let position = self.transmission.motion(y);
+        if self.offset == 0.0 { position } else { position + position.constant(self.offset) }
+    }
+
+    /// `G ẏ`
+    fn velocity(&self, v: &[Scalar<'g>]) -> Scalar<'g> {
+        self.transmission.motion(v)
+    }
+}
+
+/// The coordinates that a joint or a drive follows, on a graph.
+pub fn followed<'g>(graph: &'g Graph, terms: &[FollowedCoordinate]) -> Transmission<Scalar<'g>> {
+    let term = |term: &FollowedCoordinate| Followed {
+        coordinate: term.coordinate,
+        ratio: lower(graph, &term.ratio),
     };
-    model.joints().enumerate().map(force).collect()
+    Transmission { terms: terms.iter().map(term).collect() }
 }
 
 /// Tells whether a friction law depends on the position of its joint. Friction is τ(y, ẏ) then, else τ(ẏ).
 pub fn friction_depends_on_position(model: &Model) -> bool {
-    let terms = model.joints().flat_map(|joint| &joint.friction);
-    terms.map(|term| &term.basis).any(Formula::depends_on_position)
+    let moving = model.moving_joints();
+    let mut terms = moving.iter().flat_map(|moving| &moving.joint.friction);
+    terms.any(|term| term.basis.depends_on_position())
 }
 
 /// Friction torques τ by coordinate; they are subtracted from q.
@@ -37,40 +79,38 @@ pub fn friction_torques<'g>(
     v: &[Scalar<'g>],
 ) -> Vec<Scalar<'g>> {
     let mut torques = vec![graph.constant(0.0); model.coordinates.len()];
-    for (index, joint) in model.joints().enumerate() {
-        for term in &joint.friction {
-            let basis = friction_basis(graph, term, y.get(index), v[index]);
-            torques[index] = torques[index] + lower(graph, &term.coefficient) * basis;
+    for moving in Moving::of(graph, model) {
+        for term in &moving.joint.friction {
+            let basis = moving.friction_basis(term, y, v);
+            moving.transmission.add_force(lower(graph, &term.coefficient) * basis, &mut torques);
         }
     }
     torques
 }
 
-fn friction_basis<'g>(
-    graph: &'g Graph,
-    term: &FrictionTerm,
-    y: Option<&Scalar<'g>>,
-    v: Scalar<'g>,
-) -> Scalar<'g> {
-    let y = match (y, term.basis.depends_on_position()) {
-        (Some(&y), _) => y,
-        // Never read.
-        (None, false) => graph.constant(0.0),
-        (None, true) => unreachable!("friction that depends on y is asked for with y"),
-    };
-    lower_with(graph, &term.basis, y, v)
+impl<'g> Moving<'_, 'g> {
+    fn friction_basis(&self, term: &FrictionTerm, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
+        let velocity = self.velocity(v);
+        let position = match (y.is_empty(), term.basis.depends_on_position()) {
+            (false, _) => self.position(y),
+            // Never read.
+            (true, false) => velocity.constant(0.0),
+            (true, true) => unreachable!("friction that depends on y is asked for with y"),
+        };
+        lower_with(velocity.graph(), &term.basis, position, velocity)
+    }
 }
 
 /// A column of the friction regressor.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct FrictionColumn<'g> {
-    /// Coordinate that it brakes.
-    pub coordinate: usize,
+    /// What brakes with it: the coordinates that the joint follows.
+    pub transmission: Transmission<Scalar<'g>>,
     /// Function of position and velocity.
     pub basis: Scalar<'g>,
 }
 
-/// The basis functions of all friction laws by coordinate, each once.
+/// The basis functions of all friction laws by moving joint, each once.
 ///
 /// - `y`: may be empty where no law depends on the position
 pub fn friction_columns<'g>(
@@ -79,19 +119,15 @@ pub fn friction_columns<'g>(
     y: &[Scalar<'g>],
     v: &[Scalar<'g>],
 ) -> Vec<FrictionColumn<'g>> {
-    let column = |coordinate: usize, terms: &[&FrictionTerm]| FrictionColumn {
-        coordinate,
-        basis: friction_basis(graph, terms[0], y.get(coordinate), v[coordinate]),
+    let columns = |moving: &Moving<'_, 'g>| {
+        let groups = terms_by_basis(moving.joint).into_iter();
+        let column = |(_, terms): (_, Vec<&FrictionTerm>)| FrictionColumn {
+            transmission: moving.transmission.clone(),
+            basis: moving.friction_basis(terms[0], y, v),
+        };
+        groups.map(column).collect::<Vec<_>>()
     };
-    model
-        .joints()
-        .enumerate()
-        .flat_map(|(coordinate, joint)| {
-            let groups = terms_by_basis(joint).into_iter();
-            groups.map(move |(_, terms)| (coordinate, terms))
-        })
-        .map(|(coordinate, terms)| column(coordinate, &terms))
-        .collect()
+    Moving::of(graph, model).iter().flat_map(columns).collect()
 }
 
 /// Coefficients of the friction regressor's columns as described, those of one basis function added up.
@@ -100,18 +136,19 @@ pub fn friction_coefficients<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<
         let coefficients = terms.iter().map(|term| lower(graph, &term.coefficient));
         coefficients.fold(graph.constant(0.0), |sum, c| sum + c)
     };
-    model.joints().flat_map(|joint| terms_by_basis(joint).into_iter().map(sum)).collect()
+    let moving = model.moving_joints();
+    moving.iter().flat_map(|moving| terms_by_basis(moving.joint).into_iter().map(sum)).collect()
 }
 
 /// Names of the columns: `joint: tanh(10*v)`.
 pub fn friction_names(model: &Model) -> Vec<String> {
     let parameters: Vec<&str> = model.parameters.iter().map(|p| p.name.as_str()).collect();
-    let names = |joint| {
+    let names = |joint: &Joint| {
         let bases = terms_by_basis(joint).into_iter();
         let name = |(basis, _): (&Formula, _)| format!("{}: {}", joint.name, basis.text(&parameters));
         bases.map(name).collect::<Vec<_>>()
     };
-    model.joints().flat_map(names).collect()
+    model.moving_joints().iter().flat_map(|moving| names(moving.joint)).collect()
 }
 
 /// Basis functions of a joint in their order, each with its terms.
@@ -126,20 +163,19 @@ fn terms_by_basis(joint: &Joint) -> Vec<(&Formula, Vec<&FrictionTerm>)> {
     groups
 }
 
-/// Input matrix B, rows first: gear ratio, times the motor constant where the input is a current.
+/// Input matrix B, rows first: gear ratio, times the motor constant where the input is a current, times the
+/// weights of the coordinates that the drive acts on.
 pub fn input_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>> {
     let zero = graph.constant(0.0);
     let drives: Vec<_> = model.inputs().collect();
     let mut matrix = vec![vec![zero; drives.len()]; model.coordinates.len()];
     for (column, drive) in drives.iter().enumerate() {
-        let Some(row) = drive.coordinate else {
-            continue;
-        };
         let ratio = lower(graph, &drive.gear_ratio);
-        matrix[row][column] = match &drive.input {
+        let gain = match &drive.input {
             Input::Torque => ratio,
             Input::Current(constant) => ratio * lower(graph, constant),
         };
+        followed(graph, &drive.acts_on).add_row_entry(column, gain, &mut matrix);
     }
     matrix
 }
@@ -147,7 +183,8 @@ pub fn input_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>>
 /// The note in a function's documentation where a force law jumps.
 pub fn jump_note(model: &Model, program: &Program) -> Option<String> {
     let is_sign = |step: &Instruction| matches!(step.operation, Operation::Call(Function::Sign, _));
-    (model.joints().any(Joint::jumps) && program.instructions.iter().any(is_sign)).then(|| {
+    let jumps = model.moving_joints().iter().any(|moving| moving.joint.jumps());
+    (jumps && program.instructions.iter().any(is_sign)).then(|| {
         "`sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or \
          `smooth_sign` in the description, makes it `tanh(SLOPE v)`."
             .to_owned()

@@ -225,13 +225,17 @@ fn is_large(operations: usize) -> bool {
     BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT
 }
 
-/// For each input its coordinate and gain; `None` where a gain has to be computed.
+/// For each input its coordinate and gain; `None` where a gain has to be computed, or an input acts on several
+/// coordinates.
 fn gains(model: &Model) -> Option<Vec<(usize, Operand)>> {
     let graph = Graph::new();
     let matrix = forces::input_matrix(&graph, model);
     let columns = matrix.first().map_or(0, Vec::len);
     let gain = |column: usize| {
-        let row = matrix.iter().position(|row| !row[column].is_zero())?;
+        let mut rows = (0..matrix.len()).filter(|&row| !matrix[row][column].is_zero());
+        let (row, None) = (rows.next()?, rows.next()) else {
+            return None;
+        };
         let edge = matrix[row][column].edge();
         match graph.node(edge) {
             Node::Constant(_) => Some((row, Operand::Constant(graph.value(edge)?))),

@@ -26,7 +26,7 @@ const UNROLLED: usize = 10;
 
 /// Operations of a function at least.
 fn estimated(estimate: Estimate, mechanism: &Mechanism<Number>) -> usize {
-    let joints = mechanism.len();
+    let joints = mechanism.bodies.len();
     // Each joint with itself included.
     let pairs = || mechanism.pairs() + joints;
     match estimate {
@@ -194,8 +194,8 @@ fn rounded_up(operations: usize) -> usize {
 /// large.
 fn mass_matrix_operations(mechanism: &Mechanism<Number>) -> usize {
     let graph = Graph::new();
-    let y: Vec<_> = (0..mechanism.len()).map(|k| graph.input(0, k)).collect();
-    let formulation = Formulation::plain(y.len());
+    let y: Vec<_> = (0..mechanism.coordinates).map(|k| graph.input(0, k)).collect();
+    let formulation = Formulation::plain(mechanism.bodies.len());
     let mechanism = formulation.mechanism(&graph, mechanism);
     let matrix = composite::mass_matrix(&mechanism, &formulation, &y).concat();
     let edges: Vec<_> = matrix.iter().map(|x| x.edge()).collect();

@@ -68,7 +68,7 @@ pub(super) fn number(value: f64) -> String {
 }
 
 /// The bodies of a description whose moving links have these parameters, ten for each in the order of the
-/// coordinates.
+/// moving joints.
 ///
 /// All that is fixed to a moving link or held on it is one body of the equations of motion. The first body of
 /// the link takes all of it, and the others become massless.
@@ -79,12 +79,13 @@ pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<BodyValues>, Diag
     let fixed = without_bodies(model)?;
     let carriers: Vec<Option<usize>> = (0..model.links.len()).map(|link| carrier(model, link)).collect();
     let links = parameters.chunks_exact(PER_LINK).zip(fixed.chunks_exact(PER_LINK)).enumerate();
-    let of_coordinate = |(coordinate, (all, fixed)): (usize, (&[f64], &[f64]))| {
+    let moving_joints = model.moving_joints();
+    let of_joint = |(joint, (all, fixed)): (usize, (&[f64], &[f64]))| {
         let own: Vec<f64> = all.iter().zip(fixed).map(|(all, fixed)| all - fixed).collect();
-        let moving = &model.links[model.coordinates[coordinate]];
+        let moving = &model.links[moving_joints[joint].link];
         let first = moving.bodies.first().map_or(&moving.name, |body| &body.name).clone();
         let link = (first != moving.name).then(|| moving.name.clone());
-        let carried = (0..model.links.len()).filter(|link| carriers[*link] == Some(coordinate));
+        let carried = (0..model.links.len()).filter(|link| carriers[*link] == Some(joint));
         let described = carried.flat_map(|link| model.links[link].bodies.iter());
         let emptied = described.filter(|body| body.name != first).map(|body| BodyValues {
             name: body.name.clone(),
@@ -96,7 +97,7 @@ pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<BodyValues>, Diag
         let emptied: Vec<BodyValues> = emptied.collect();
         std::iter::once(BodyValues::of_link(first.clone(), link, &own)).chain(emptied).collect::<Vec<_>>()
     };
-    Ok(links.flat_map(of_coordinate).collect())
+    Ok(links.flat_map(of_joint).collect())
 }
 
 /// Parameters of the moving links by what is described elsewhere than in bodies: rotors of held joints.
@@ -106,11 +107,11 @@ fn without_bodies(model: &Model) -> Result<Vec<f64>, Diagnostics> {
     robot::parameters(&model)
 }
 
-/// Coordinate that moves a link; `None` for links on the base.
+/// Moving joint that carries a link; `None` for links on the base.
 fn carrier(model: &Model, link: usize) -> Option<usize> {
     let joint = model.links[link].joint.as_ref()?;
     match joint.motion {
-        Motion::Coordinate(coordinate) => Some(coordinate),
+        Motion::Coordinate(joint) | Motion::Follower(joint) => Some(joint),
         Motion::Fixed | Motion::Held(_) => carrier(model, joint.parent),
     }
 }

@@ -23,7 +23,7 @@ pub struct IdentifiedDrive {
 #[must_use]
 pub fn drives(model: &Model, identified: &[IdentifiedDrive]) -> Vec<(String, String)> {
     let written = model.inputs().filter_map(|drive| {
-        let coordinate = drive.coordinate?;
+        let coordinate = drive.coordinate()?;
         let found = identified.get(coordinate).filter(|found| **found != IdentifiedDrive::default())?;
         let joint = model.joints().nth(coordinate)?;
         Some((joint.name.clone(), toml(model, drive, found)))
@@ -34,7 +34,8 @@ pub fn drives(model: &Model, identified: &[IdentifiedDrive]) -> Vec<(String, Str
 /// For each coordinate, the place of its rotor among the parameters of rotors.
 #[must_use]
 pub fn rotors(model: &Model) -> Vec<Option<usize>> {
-    let place = |coordinate| drives_with_rotor(model).position(|drive| drive.coordinate == Some(coordinate));
+    let place =
+        |coordinate| drives_with_rotor(model).position(|drive| drive.coordinate() == Some(coordinate));
     (0..model.coordinates.len()).map(place).collect()
 }
 

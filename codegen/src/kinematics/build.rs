@@ -3,7 +3,7 @@
 use super::inertia::{RegroupChoice, regroup};
 use super::mechanism::{Body, Mechanism, Rotor};
 use super::number::{Number, Numbers};
-use super::transmission::Transmission;
+use super::transmission::{Followed, Transmission};
 use super::{frames, tree};
 use crate::graph::{Graph, Scalar};
 use crate::model::Model;
@@ -44,6 +44,7 @@ impl<S: Numbers> Mechanism<S> {
     fn with<T: Numbers>(&self, graph: T::Graph, to: impl Fn(S) -> T) -> Mechanism<T> {
         Mechanism {
             graph,
+            coordinates: self.coordinates,
             bodies: self.bodies.iter().map(|body| body.with(&to)).collect(),
             gravity: self.gravity.map(&to),
             rotors: self.rotors.iter().map(|rotor| rotor.with(&to)).collect(),
@@ -58,6 +59,7 @@ impl<S: Copy> Body<S> {
         Body {
             name: self.name.clone(),
             identifier: self.identifier.clone(),
+            joint: self.joint,
             transmission: self.transmission.with(&to),
             parent: self.parent,
             axis: self.axis,
@@ -76,6 +78,7 @@ impl<S: Copy> Rotor<S> {
     fn with<T>(&self, to: impl Fn(S) -> T) -> Rotor<T> {
         Rotor {
             transmission: self.transmission.with(&to),
+            ratio: to(self.ratio),
             driven: self.driven,
             carrier: self.carrier,
             axis: self.axis.map(&to),
@@ -84,9 +87,10 @@ impl<S: Copy> Rotor<S> {
     }
 }
 
-impl<S> Transmission<S> {
-    fn with<T>(self, to: impl Fn(S) -> T) -> Transmission<T> {
-        Transmission { coordinate: self.coordinate, ratio: to(self.ratio) }
+impl<S: Copy> Transmission<S> {
+    fn with<T>(&self, to: impl Fn(S) -> T) -> Transmission<T> {
+        let term = |term: &Followed<S>| Followed { coordinate: term.coordinate, ratio: to(term.ratio) };
+        Transmission { terms: self.terms.iter().map(term).collect() }
     }
 }
 

@@ -10,10 +10,10 @@ use nalgebra::{Matrix3, Vector3 as Numeric3};
 use super::joint::JointAxis;
 use super::lower::lower;
 use super::mechanism::{Body, Mechanism, Rotor};
-use super::transmission::Transmission;
+use super::transmission::{Followed, Transmission};
 use super::tree::{DescribedBody, DescribedTree};
 use crate::graph::{Graph, Scalar};
-use crate::model::{self, Model, RotorCoupling};
+use crate::model::{self, Model, MovingJoint, RotorCoupling};
 use crate::numeric;
 use crate::spatial::{Angle, MassMoments, Pose, Twist, Vector3, cleaned, rotate};
 
@@ -39,31 +39,32 @@ struct Draft<'g> {
 pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> Mechanism<Scalar<'g>> {
     let directions = directions(model, tree);
     let drafts = common_normals(model, tree, &directions);
+    let moving_joints = model.moving_joints();
     let mut placed: Vec<Pose<Scalar<'g>>> = Vec::new();
     let mut bodies = Vec::new();
     for (index, described) in tree.bodies.iter().enumerate() {
         let parent = described.parent.map_or(Pose::identity(graph), |parent| placed[parent]);
-        let axis = joint_axis(model, described);
+        let (axis, moving) = (joint_axis(model, described), &moving_joints[described.joint]);
+        let shift = moving.offset * directions[index];
         let frame = complete(&drafts[index], described, &parent, axis);
         let relative = parent.inverse().then(described.pose).then(frame);
         let (twist, angle) = decompose(&relative.rotation);
         let z = twist.matrix().column(2).into_owned();
         let lift =
             (0..3).fold(graph.constant(0.0), |sum, k| sum + relative.translation[k] * z[k]).cleaned(ROUNDING);
+        let (turn, slide) = if axis.turns() { (shift, 0.0) } else { (0.0, shift) };
         let lateral = relative.translation - Vector3([0, 1, 2].map(|k| lift * z[k]));
         bodies.push(Body {
             name: joint(model, described).name.clone(),
             identifier: joint(model, described).identifier.clone(),
-            transmission: Transmission {
-                coordinate: described.coordinate,
-                ratio: graph.constant(directions[index]),
-            },
+            joint: described.joint,
+            transmission: transmission(graph, moving, directions[index]),
             parent: described.parent,
             axis,
             twist,
             translation: lateral.map(|x| x.cleaned(ROUNDING)),
-            lift,
-            offset: angle,
+            lift: if slide == 0.0 { lift } else { lift + graph.constant(slide) },
+            offset: if turn == 0.0 { angle } else { angle + Angle::new(turn) },
             moments: described.moments.moved(&frame.inverse()),
             length_unit: 1.0,
             unit_ratio: 1.0,
@@ -76,6 +77,7 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
     });
     let mut mechanism = Mechanism {
         graph,
+        coordinates: model.coordinates.len(),
         bodies,
         gravity: Vector3(model.gravity.each_ref().map(|formula| lower(graph, formula))),
         rotors: Vec::new(),
@@ -84,6 +86,16 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
     };
     add_rotors(model, &mut mechanism);
     mechanism
+}
+
+/// The row of a moving joint in G; its axis may have been turned around.
+fn transmission<'g>(graph: &'g Graph, moving: &MovingJoint<'_>, direction: f64) -> Transmission<Scalar<'g>> {
+    let direction = graph.constant(direction);
+    let terms = moving
+        .follows
+        .iter()
+        .map(|term| Followed { coordinate: term.coordinate, ratio: lower(graph, &term.ratio) * direction });
+    Transmission { terms: terms.collect() }
 }
 
 fn joint<'m>(model: &'m Model, described: &DescribedBody<'_>) -> &'m model::Joint {
@@ -286,16 +298,21 @@ fn add_rotors(model: &Model, mechanism: &mut Mechanism<Scalar<'_>>) {
             let own = MassMoments::of_axial_inertia(inertia, axis);
             mechanism.bodies[index].moments = mechanism.bodies[index].moments + own;
         }
-        let Some(coordinate) = drive.coordinate else {
+        if drive.acts_on.is_empty() {
             continue;
-        };
+        }
         let ratio = lower(mechanism.graph, &drive.gear_ratio);
-        let follows = |body: &Body<Scalar<'_>>| body.transmission.coordinate == coordinate;
-        let Some(driven) = mechanism.bodies.iter().position(follows) else {
-            unreachable!("every coordinate moves a body");
-        };
+        let terms = drive
+            .acts_on
+            .iter()
+            .map(|term| Followed { coordinate: term.coordinate, ratio: lower(mechanism.graph, &term.ratio) });
+        let driven = drive.coordinate().and_then(|coordinate| {
+            let mut bodies = mechanism.bodies.iter();
+            bodies.position(|body| body.joint == coordinate)
+        });
         mechanism.rotors.push(Rotor {
-            transmission: Transmission { coordinate, ratio },
+            transmission: Transmission { terms: terms.collect() },
+            ratio,
             driven,
             carrier,
             axis,

@@ -7,11 +7,13 @@ use crate::graph::Scalar;
 use crate::numeric;
 use crate::spatial::{Angle, MassMoments, Pose, Twist, Vector3, rotation_about};
 
-/// The moving bodies of a model; body `i` carries one coordinate, parents stand before their children.
+/// The moving bodies of a model, parents before their children. Each follows one coordinate or several.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mechanism<S: Numbers> {
     /// The graph of all scalars, or the nodes of those that stand by themselves.
     pub graph: S::Graph,
+    /// The number of coordinates.
+    pub coordinates: usize,
     /// Bodies, parents first.
     pub bodies: Vec<Body<S>>,
     /// Gravitational acceleration in the base frame [m/s²].
@@ -32,6 +34,8 @@ pub struct Body<S> {
     pub name: String,
     /// The joint's identifier, which labels values.
     pub identifier: String,
+    /// Index of its joint among the moving joints: those of the coordinates first, then those that follow.
+    pub joint: usize,
     /// How its joint follows the coordinates.
     pub transmission: Transmission<S>,
     /// Parent body; `None` where the base carries the joint.
@@ -56,12 +60,14 @@ pub struct Body<S> {
 }
 
 /// A rotor: an evenly shaped body that turns about its axis, relative to the body that carries it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Rotor<S> {
-    /// How it follows the coordinates: with the ratio of its gear.
+    /// What its drive moves: a coordinate, or the sum of several.
     pub transmission: Transmission<S>,
-    /// Body whose joint its drive moves.
-    pub driven: usize,
+    /// Gear ratio i: turns of the rotor for a unit of that motion.
+    pub ratio: S,
+    /// Body whose joint its drive moves; `None` where that is the sum of several.
+    pub driven: Option<usize>,
     /// Body that carries it; `None` for the base, and for rotors that only enter the diagonal.
     pub carrier: Option<usize>,
     /// Its axis in the carrier's frame.
@@ -73,37 +79,41 @@ pub struct Rotor<S> {
 impl<'g> Rotor<Scalar<'g>> {
     /// `i J_R`
     pub fn coupling_inertia(&self) -> Scalar<'g> {
-        self.transmission.ratio * self.inertia
+        self.ratio * self.inertia
     }
 
     /// `i² J_R`
     pub fn reflected_inertia(&self) -> Scalar<'g> {
-        self.transmission.ratio * self.coupling_inertia()
+        self.ratio * self.coupling_inertia()
     }
 }
 
 impl<S: Numbers> Mechanism<S> {
-    /// The number of coordinates.
-    pub fn len(&self) -> usize {
-        self.bodies.len()
+    /// Tells whether bodies follow others: then a coordinate moves several joints, or a joint or rotor
+    /// follows several coordinates.
+    pub fn is_coupled(&self) -> bool {
+        self.bodies.len() > self.coordinates || self.rotors.iter().any(|rotor| rotor.driven.is_none())
     }
 
-    /// Tells whether no body moves.
-    pub fn is_empty(&self) -> bool {
-        self.bodies.is_empty()
+    /// The bodies whose joints are coordinates, as such: parents first.
+    pub fn independent(&self) -> impl Iterator<Item = &Body<S>> {
+        self.bodies.iter().filter(|body| body.joint < self.coordinates)
     }
 
     /// Tells whether every rotor sits on the parent of the body that it drives, or on the base: the coupling
     /// of others reaches beyond neighbours.
     pub fn rotors_are_neighbours(&self) -> bool {
-        let sits_near =
-            |rotor: &Rotor<S>| rotor.carrier.is_none() || self.bodies[rotor.driven].parent == rotor.carrier;
+        let sits_near = |rotor: &Rotor<S>| match rotor.driven {
+            _ if rotor.carrier.is_none() => true,
+            Some(driven) => self.bodies[driven].parent == rotor.carrier,
+            None => false,
+        };
         self.rotors.iter().all(sits_near)
     }
 
     /// The number of pairs of joints on one path to the base.
     pub fn pairs(&self) -> usize {
-        let mut depths: Vec<usize> = Vec::with_capacity(self.len());
+        let mut depths: Vec<usize> = Vec::with_capacity(self.bodies.len());
         for body in &self.bodies {
             depths.push(body.parent.map_or(0, |parent| depths[parent] + 1));
         }
@@ -112,7 +122,7 @@ impl<S: Numbers> Mechanism<S> {
 
     /// Children of each body.
     pub fn children(&self) -> Vec<Vec<usize>> {
-        let mut children = vec![Vec::new(); self.len()];
+        let mut children = vec![Vec::new(); self.bodies.len()];
         for (index, body) in self.bodies.iter().enumerate() {
             if let Some(parent) = body.parent {
                 children[parent].push(index);

@@ -20,5 +20,5 @@ pub use joint::JointAxis;
 pub use lower::{lower, lower_pose, lower_with};
 pub use mechanism::{Body, Mechanism, Rotor};
 pub use number::{Number, Numbers};
-pub use transmission::Transmission;
+pub use transmission::{Followed, Transmission};
 pub use tree::described_moments;

@@ -2,40 +2,76 @@
 
 use crate::graph::Scalar;
 
-/// A joint or a rotor that follows a coordinate: `position = ratio · y[coordinate]`, and constant offsets
-/// that stand in the frames.
+/// A joint or a rotor that follows coordinates: `position = Σ ratio · y[coordinate]`, and constant offsets
+/// that stand in the frames. It is a row of the matrix G in `y_joint = G y + g₀`.
 ///
-/// The axis of a joint that was turned around has the ratio −1, a rotor the ratio of its gear.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The axis of a joint that was turned around has the ratio −1, a joint that follows others has a term for
+/// each of them.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Transmission<S> {
-    /// The coordinate that is followed.
+    /// The coordinates that are followed, each once.
+    pub terms: Vec<Followed<S>>,
+}
+
+/// A coordinate that a joint follows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Followed<S> {
+    /// The coordinate.
     pub coordinate: usize,
     /// Motion for a unit of the coordinate's motion.
     pub ratio: S,
 }
 
-impl<'g> Transmission<Scalar<'g>> {
-    /// `ratio · x[coordinate]`: the position, velocity or acceleration for those of all coordinates.
-    pub fn motion(&self, x: &[Scalar<'g>]) -> Scalar<'g> {
-        x[self.coordinate] * self.ratio
+impl<S: Copy> Transmission<S> {
+    /// Follows one coordinate.
+    pub fn of(coordinate: usize, ratio: S) -> Self {
+        Self { terms: vec![Followed { coordinate, ratio }] }
     }
 
-    /// `x / ratio`: what a motion, or a force, is for one of the coordinate.
-    pub fn inverse(&self, x: Scalar<'g>) -> Scalar<'g> {
-        x.divided_by(self.ratio)
+    /// The coordinate, where only one is followed.
+    pub fn single(&self) -> Option<Followed<S>> {
+        match self.terms[..] {
+            [followed] => Some(followed),
+            _ => None,
+        }
+    }
+
+    /// The coordinate of a joint in a mechanism without couplings.
+    ///
+    /// # Panics
+    ///
+    /// Where several are followed: callers ask [`Mechanism::is_coupled`](super::Mechanism::is_coupled) first.
+    pub fn own(&self) -> Followed<S> {
+        match self.single() {
+            Some(followed) => followed,
+            None => unreachable!("forms for single coordinates are not chosen for coupled joints"),
+        }
+    }
+}
+
+impl<'g> Transmission<Scalar<'g>> {
+    /// `Σ ratio · x[coordinate]`: the position, velocity or acceleration for those of all coordinates.
+    pub fn motion(&self, x: &[Scalar<'g>]) -> Scalar<'g> {
+        let terms = self.terms.iter().map(|term| x[term.coordinate] * term.ratio);
+        let sum = terms.reduce(|sum, term| sum + term);
+        sum.unwrap_or_else(|| unreachable!("validation gives every follower a coordinate"))
     }
 
     /// Adds what a force along the motion does to the coordinates: `forces[coordinate] += ratio · force`.
     pub fn add_force(&self, force: Scalar<'g>, forces: &mut [Scalar<'g>]) {
-        let sum = &mut forces[self.coordinate];
-        *sum = *sum + force * self.ratio;
+        for term in &self.terms {
+            let sum = &mut forces[term.coordinate];
+            *sum = *sum + force * term.ratio;
+        }
     }
 
     /// Adds the force along the motion for a unit of one coordinate's motion:
     /// `matrix[coordinate][column] += ratio · force`.
     pub fn add_row_entry(&self, column: usize, force: Scalar<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
-        let sum = &mut matrix[self.coordinate][column];
-        *sum = *sum + force * self.ratio;
+        for term in &self.terms {
+            let sum = &mut matrix[term.coordinate][column];
+            *sum = *sum + force * term.ratio;
+        }
     }
 
     /// Adds the force on one coordinate for a unit of the motion: `matrix[row][coordinate] += force · ratio`.

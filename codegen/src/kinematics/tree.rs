@@ -19,8 +19,8 @@ pub struct DescribedTree<'g> {
 pub struct DescribedBody<'g> {
     /// Link that its joint carries.
     pub link: usize,
-    /// Coordinate that moves it.
-    pub coordinate: usize,
+    /// Index of its joint among the moving joints of the model.
+    pub joint: usize,
     /// Parent body; `None` for the base.
     pub parent: Option<usize>,
     /// Pose of the joint's frame in the parent body's frame.
@@ -48,18 +48,16 @@ pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
     tree
 }
 
-/// Moments of each moving body in the described frame of its link, by coordinate; rotors of held joints
+/// Moments of each moving body in the described frame of its link, by moving joint; rotors of held joints
 /// included.
 pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments<Scalar<'g>>> {
     let tree = moving_bodies(graph, model);
     let mut moments = vec![MassMoments::zero(graph); tree.bodies.len()];
     for body in &tree.bodies {
-        moments[body.coordinate] = body.moments;
+        moments[body.joint] = body.moments;
     }
-    let held = model
-        .drives
-        .iter()
-        .filter(|drive| drive.coordinate.is_none() && drive.coupling == RotorCoupling::Body);
+    let held =
+        model.drives.iter().filter(|drive| drive.acts_on.is_empty() && drive.coupling == RotorCoupling::Body);
     for drive in held {
         let (Some(index), pose) = tree.links[drive.carrier] else {
             continue;
@@ -67,8 +65,8 @@ pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments
         let axis = Vector3(drive.axis.map(|x| graph.constant(x)));
         let axis = rotate(&pose.rotation, axis);
         let own = MassMoments::of_axial_inertia(lower(graph, &drive.rotor_inertia), axis);
-        let coordinate = tree.bodies[index].coordinate;
-        moments[coordinate] = moments[coordinate] + own;
+        let joint = tree.bodies[index].joint;
+        moments[joint] = moments[joint] + own;
     }
     moments
 }
@@ -78,9 +76,9 @@ impl<'g> DescribedTree<'g> {
         let (carrier, parent_pose) = self.links[joint.parent];
         let pose = parent_pose.then(lower_pose(graph, &joint.origin));
         let position = match joint.motion {
-            Motion::Coordinate(coordinate) => {
+            Motion::Coordinate(index) | Motion::Follower(index) => {
                 let moments = MassMoments::zero(graph);
-                self.bodies.push(DescribedBody { link, coordinate, parent: carrier, pose, moments });
+                self.bodies.push(DescribedBody { link, joint: index, parent: carrier, pose, moments });
                 self.links.push((Some(self.bodies.len() - 1), Pose::identity(graph)));
                 return;
             }

@@ -40,6 +40,8 @@ pub(super) struct RobotDescription {
     /// Children of a link in the order of their joints' names, as Pinocchio has them, not of their
     /// description.
     pub sort_joints: bool,
+    /// Drives that stand apart from joints.
+    pub drives: Vec<SharedDriveDescription>,
     /// Drive of joints that describe none.
     pub default_drive: DriveChoice,
     /// A mass matrix that is not positive definite is a warning, no error.
@@ -48,12 +50,19 @@ pub(super) struct RobotDescription {
 }
 
 impl RobotDescription {
-    /// How a joint is driven: as it says, else as this robot's joints are.
+    /// How a joint is driven: as it says, else as this robot's joints are. Joints that follow others, and those
+    /// that a drive of its own acts on, have none unless they say so.
     pub fn drive_of<'d>(&'d self, joint: &'d JointDescription) -> &'d DriveChoice {
         match &joint.drive {
             Some(drive) => &drive.value,
+            None if joint.is_follower() || self.is_acted_on(joint) => &DriveChoice::Passive,
             None => &self.default_drive,
         }
+    }
+
+    fn is_acted_on(&self, joint: &JointDescription) -> bool {
+        let mut terms = self.drives.iter().flat_map(|drive| &drive.on);
+        terms.any(|term| term.joint.value == joint.name.value)
     }
 }
 
@@ -115,14 +124,42 @@ pub(super) struct JointDescription {
     pub springs: Option<At<Vec<Formula>>>,
     pub friction: Option<At<Vec<FrictionTerm>>>,
     pub drive: Option<At<DriveChoice>>,
-    /// The joint that this one follows in a URDF.
-    pub mimic: Option<Name>,
+    /// The joints that this one follows.
+    pub follows: Option<At<Vec<FollowsDescription>>>,
+    /// Its position where all of these are at 0.
+    pub offset: Option<At<f64>>,
+}
+
+/// A joint that another one, or a drive, follows.
+#[derive(Debug, Clone)]
+pub(super) struct FollowsDescription {
+    pub joint: Name,
+    pub ratio: At<Formula>,
+}
+
+/// A drive that stands apart from joints.
+#[derive(Debug, Clone)]
+pub(super) struct SharedDriveDescription {
+    pub name: Name,
+    /// The joints whose weighted sum its gear turns into the motor's angle.
+    pub on: Vec<FollowsDescription>,
+    pub motor: DriveDescription,
 }
 
 impl JointDescription {
-    /// Tells whether the joint is a coordinate.
+    /// Tells whether the joint moves.
     pub fn moves(&self) -> bool {
         self.held.is_none() && self.kind.is_some_and(|kind| kind != JointKind::Fixed)
+    }
+
+    /// Tells whether the joint moves with others.
+    pub fn is_follower(&self) -> bool {
+        self.moves() && self.follows.is_some()
+    }
+
+    /// Tells whether the joint is a coordinate.
+    pub fn is_coordinate(&self) -> bool {
+        self.moves() && self.follows.is_none()
     }
 
     /// Fills in the defaults of a new joint: it is revolute and moves a link of its own name.

@@ -15,6 +15,7 @@ mod pose;
 mod read;
 mod regularity;
 mod table;
+mod toml_couplings;
 mod toml_file;
 mod toml_forces;
 mod toml_values;
@@ -49,6 +50,9 @@ pub struct Model {
     /// Link indices of the moving joints, in the order of the coordinates: coordinate `i` moves
     /// `links[coordinates[i]]`.
     pub coordinates: Vec<usize>,
+    /// The joints that follow coordinates. They come after those of the coordinates in the order of the
+    /// moving joints.
+    pub followers: Vec<Follower>,
     /// The inputs u in their order.
     pub drives: Vec<Drive>,
     /// Named frames.
@@ -68,6 +72,47 @@ pub struct Parameter {
     pub unit: String,
     /// One line of meaning, may be empty.
     pub description: String,
+}
+
+/// A joint that follows coordinates: `y_joint = Σ ratio · y[coordinate] + offset`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Follower {
+    /// Link that the joint carries.
+    pub link: usize,
+    /// The coordinates that it follows, each once.
+    pub follows: Vec<FollowedCoordinate>,
+    /// Its position where all of them are 0 (rad or m).
+    pub offset: f64,
+}
+
+/// A coordinate that a joint or a drive follows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FollowedCoordinate {
+    /// The coordinate.
+    pub coordinate: usize,
+    /// Motion for a unit of the coordinate's motion; depends on parameters only.
+    pub ratio: Formula,
+}
+
+impl FollowedCoordinate {
+    /// A coordinate itself.
+    #[must_use]
+    pub fn itself(coordinate: usize) -> Self {
+        Self { coordinate, ratio: Formula::ONE }
+    }
+}
+
+/// A joint that moves, with its row of G in `y_joint = G y + g₀`.
+#[derive(Debug, Clone)]
+pub struct MovingJoint<'m> {
+    /// The joint.
+    pub joint: &'m Joint,
+    /// Link that it carries.
+    pub link: usize,
+    /// The coordinates that it follows: its own, or those of others.
+    pub follows: Vec<FollowedCoordinate>,
+    /// Its position where all of them are 0 (rad or m).
+    pub offset: f64,
 }
 
 /// A link and the joint that carries it.
@@ -197,16 +242,44 @@ impl Model {
         })
     }
 
-    /// The drives that move a coordinate, in the order of the inputs.
+    /// Tells whether a joint follows others, or a drive acts on several coordinates.
+    #[must_use]
+    pub fn is_coupled(&self) -> bool {
+        !self.followers.is_empty() || self.inputs().any(|drive| drive.coordinate().is_none())
+    }
+
+    /// All joints that move: those of the coordinates in their order, then those that follow them.
+    #[must_use]
+    pub fn moving_joints(&self) -> Vec<MovingJoint<'_>> {
+        let joint_of = |link: usize| {
+            let joint = self.links.get(link).and_then(|link| link.joint.as_ref());
+            joint.unwrap_or_else(|| unreachable!("validation gives every moving link its joint"))
+        };
+        let own = self.coordinates.iter().enumerate().map(|(coordinate, &link)| MovingJoint {
+            joint: joint_of(link),
+            link,
+            follows: vec![FollowedCoordinate::itself(coordinate)],
+            offset: 0.0,
+        });
+        let followers = self.followers.iter().map(|follower| MovingJoint {
+            joint: joint_of(follower.link),
+            link: follower.link,
+            follows: follower.follows.clone(),
+            offset: follower.offset,
+        });
+        own.chain(followers).collect()
+    }
+
+    /// The drives that move coordinates, in the order of the inputs.
     pub fn inputs(&self) -> impl Iterator<Item = &Drive> {
         let drives = self.drives.iter();
-        drives.filter(|drive| drive.coordinate.is_some())
+        drives.filter(|drive| !drive.acts_on.is_empty())
     }
 
     /// Unit of an input: that of a motor's torque or current; a drive without gear on a prismatic joint is a
     /// force.
     pub fn input_unit(&self, drive: &Drive) -> &'static str {
-        let joint = drive.coordinate.and_then(|moved| self.joints().nth(moved));
+        let joint = drive.coordinate().and_then(|moved| self.joints().nth(moved));
         let is_force = joint.is_some_and(|joint| joint.kind == JointKind::Prismatic);
         let is_direct =
             drive.gear_ratio.value(&[]) == Some(1.0) && drive.rotor_inertia.value(&[]) == Some(0.0);
@@ -257,6 +330,9 @@ pub enum Motion {
     Held(f64),
     /// Coordinate with this index.
     Coordinate(usize),
+    /// It follows coordinates; the index is that among the moving joints, and so not below the number of
+    /// coordinates.
+    Follower(usize),
 }
 
 /// Limits of a joint; `None` where the description gives none.
@@ -281,17 +357,17 @@ pub struct FrictionTerm {
     pub basis: Formula,
 }
 
-/// A drive: one input, acting on one coordinate.
+/// A drive: one input, acting on one coordinate or on the sum of several.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
     /// Name in the description, to the letter; that of the joint where the drive has none of its own.
     pub name: String,
     /// The name as a Rust identifier, distinct among the drives.
     pub identifier: String,
-    /// Coordinate that it moves; `None` where that joint is held: no input then, but its rotor stays on the
-    /// carrier.
-    pub coordinate: Option<usize>,
-    /// Gear ratio i: motor angle over joint angle.
+    /// The coordinates whose weighted sum its gear turns into the motor's angle; empty where its joint is held:
+    /// no input then, but its rotor stays on the carrier.
+    pub acts_on: Vec<FollowedCoordinate>,
+    /// Gear ratio i: motor angle over that sum.
     pub gear_ratio: Formula,
     /// Axial inertia J_R of the rotor (kg m²).
     pub rotor_inertia: Formula,
@@ -305,6 +381,17 @@ pub struct Drive {
     pub input: Input,
     /// Limits of the input's torque at the motor (N m).
     pub torque: MotorTorque,
+}
+
+impl Drive {
+    /// The coordinate that it moves, where it moves that one alone.
+    #[must_use]
+    pub fn coordinate(&self) -> Option<usize> {
+        match &self.acts_on[..] {
+            [only] if only.ratio == Formula::ONE => Some(only.coordinate),
+            _ => None,
+        }
+    }
 }
 
 /// Nominal and peak torque of a motor (N m), `None` where not described.

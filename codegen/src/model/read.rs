@@ -251,6 +251,12 @@ fn extend(mut base: RobotDescription, extension: RobotDescription, report: &mut 
             None => base.bodies.push(body),
         }
     }
+    for drive in extension.drives {
+        match base.drives.iter_mut().find(|known| known.name.value == drive.name.value) {
+            Some(known) => *known = drive,
+            None => base.drives.push(drive),
+        }
+    }
     if !extension.frames.is_empty() {
         base.frames = extension.frames;
     }
@@ -314,7 +320,14 @@ fn extend_joint(
         (known.origin, known.link_frame) = (joint.origin, joint.link_frame);
     }
     known.axis = joint.axis.or(known.axis);
+    if joint.follows.is_some() {
+        known.held = None;
+    }
     known.held = joint.held.or(known.held);
+    if joint.follows.is_some() {
+        (known.follows, known.offset) = (joint.follows, None);
+    }
+    known.offset = joint.offset.or(known.offset.take());
     known.springs = joint.springs.or(known.springs.take());
     known.friction = joint.friction.or(known.friction.take());
     known.drive = joint.drive.or(known.drive.take());

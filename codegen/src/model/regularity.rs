@@ -4,6 +4,8 @@
 //! `Dᵢ = Sᵢᵀ Iᵢᴬ Sᵢ` (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7). M is positive definite
 //! exactly where all of them are positive.
 
+mod coupled;
+
 use super::{Joint, JointKind, Link, Model, Motion, Pose};
 use crate::random::Random;
 
@@ -45,7 +47,11 @@ impl Pivots {
         let mut least = vec![f64::INFINITY; model.links.len()];
         let mut indefinite_states = 0;
         for state in 0..STATES {
-            let pivots = pivots(model, &described, &positions(model, state, &mut random));
+            let positions = positions(model, &described, state, &mut random);
+            let pivots = match model.is_coupled() {
+                true => coupled::pivots(model, &described, &positions),
+                false => pivots(model, &described, &positions),
+            };
             let is_negative = |pivot: &Option<Pivot>| matches!(pivot, Some(Pivot::Negative(_)));
             indefinite_states += usize::from(pivots.iter().any(is_negative));
             for (link, pivot) in pivots.into_iter().enumerate() {
@@ -65,7 +71,7 @@ impl Pivots {
 }
 
 /// Positions of the links' joints.
-fn positions(model: &Model, state: usize, random: &mut Random) -> Vec<f64> {
+fn positions(model: &Model, described: &[f64], state: usize, random: &mut Random) -> Vec<f64> {
     let position = |(index, link): (usize, &Link)| match &link.joint {
         None => 0.0,
         // An irrational stride keeps angles of different joints in general position.
@@ -75,7 +81,14 @@ fn positions(model: &Model, state: usize, random: &mut Random) -> Vec<f64> {
             random.between(low, high)
         }
     };
-    model.links.iter().enumerate().map(position).collect()
+    let mut positions: Vec<f64> = model.links.iter().enumerate().map(position).collect();
+    for follower in &model.followers {
+        let terms = follower.follows.iter().map(|term| {
+            term.ratio.evaluate(described, 0.0, 0.0) * positions[model.coordinates[term.coordinate]]
+        });
+        positions[follower.link] = terms.sum::<f64>() + follower.offset;
+    }
+    positions
 }
 
 /// A pivot, zero where it is rounding.
@@ -132,7 +145,7 @@ fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Piv
 fn armatures(model: &Model, defaults: &[f64]) -> Vec<f64> {
     let mut result = vec![0.0; model.links.len()];
     for drive in &model.drives {
-        let link = drive.coordinate.and_then(|coordinate| model.coordinates.get(coordinate));
+        let link = drive.coordinate().and_then(|coordinate| model.coordinates.get(coordinate));
         let ratio = drive.gear_ratio.evaluate(defaults, 0.0, 0.0);
         if let Some(link) = link {
             result[*link] += ratio * ratio * drive.rotor_inertia.evaluate(defaults, 0.0, 0.0);
@@ -178,7 +191,7 @@ fn child_from_parent(joint: &Joint, position: f64, defaults: &[f64]) -> Matrix {
     let position = match joint.motion {
         Motion::Fixed => 0.0,
         Motion::Held(position) => position,
-        Motion::Coordinate(_) => position,
+        Motion::Coordinate(_) | Motion::Follower(_) => position,
     };
     let (turn, shift) = match joint.kind {
         JointKind::Fixed => (0.0, 0.0),

@@ -7,6 +7,7 @@ use super::description::{
 use super::options::{FUNCTIONS, is_known_function};
 use super::pose::{about_z, modified_dh, standard_dh};
 use super::table::{Item, Table};
+use super::toml_couplings::{followed_joints, read_drives};
 use super::toml_forces::{drive, friction, springs};
 use super::toml_values::Reader;
 use super::{JointKind, Options, Pose};
@@ -16,7 +17,7 @@ use crate::formula::parse::{self, Allowed};
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
-const ROBOT: [&str; 16] = [
+const ROBOT: [&str; 17] = [
     "name",
     "description",
     "urdf",
@@ -32,10 +33,11 @@ const ROBOT: [&str; 16] = [
     "parameters",
     "bodies",
     "joints",
+    "drives",
     "frames",
 ];
 const BODY: [&str; 7] = ["name", "link", "mass", "center_of_mass", "inertia", "origin", "accept_unphysical"];
-const JOINT: [&str; 13] = [
+const JOINT: [&str; 15] = [
     "name",
     "type",
     "parent",
@@ -45,6 +47,8 @@ const JOINT: [&str; 13] = [
     "modified_dh",
     "axis",
     "held",
+    "follows",
+    "offset",
     "limits",
     "spring",
     "friction",
@@ -165,6 +169,7 @@ pub(super) fn description(
         options: top.get("generate").map(|item| read_options(reader, item)),
         parameters: Vec::new(), // of all files together, in the reader
         joints,
+        drives: read_drives(reader, top),
         default_drive: DriveChoice::Passive,
         accept_unphysical: top
             .get("accept_unphysical")
@@ -337,7 +342,7 @@ fn read_frame(reader: &mut Reader, table: &Table<'_>) -> Option<FrameDescription
     Some(FrameDescription { name: name?, link: link?, pose })
 }
 
-fn required_name(reader: &mut Reader, table: &Table<'_>, key: &'static str) -> Option<Name> {
+pub(super) fn required_name(reader: &mut Reader, table: &Table<'_>, key: &'static str) -> Option<Name> {
     let Some(item) = table.get(key) else {
         reader.report.error(table.span, "missing-key", format!("{} needs `{key}`", table.what));
         return None;
@@ -395,7 +400,10 @@ fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Option<JointDescription
             .get("friction")
             .and_then(|item| Some(At::new(friction(reader, item, &owner)?, item.span))),
         drive: table.get("drive").and_then(|item| drive(reader, item, &owner)),
-        mimic: None,
+        follows: table
+            .get("follows")
+            .and_then(|item| Some(At::new(followed_joints(reader, item, &owner)?, item.key_span))),
+        offset: table.get("offset").and_then(|item| reader.number(item)),
         name,
     })
 }

@@ -172,7 +172,7 @@ fn spring(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Formula> {
     Some(Formula::difference(Formula::negation(elastic), damping))
 }
 
-const DRIVE: [&str; 8] =
+pub(super) const DRIVE: [&str; 8] =
     ["name", "gear_ratio", "rotor_inertia", "carrier", "axis", "coupling", "torque", "motor_constant"];
 
 /// The drive of a joint: `"ideal"`, `"none"` or a motor.
@@ -194,7 +194,7 @@ pub(super) fn drive(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<
     Some(At::new(choice, item.span))
 }
 
-fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> DriveDescription {
+pub(super) fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> DriveDescription {
     let mut value = |key, default: f64| match table.get(key) {
         Some(item) => At::new(reader.formula(item, owner).unwrap_or(Formula::Number(default)), item.span),
         None => At::new(Formula::Number(default), table.span),

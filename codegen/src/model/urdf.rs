@@ -5,7 +5,8 @@
 
 use super::angles::Angles;
 use super::description::{
-    BodyDescription, DriveChoice, FrameDescription, JointDescription, Name, RobotDescription,
+    BodyDescription, DriveChoice, FollowsDescription, FrameDescription, JointDescription, Name,
+    RobotDescription,
 };
 use super::pose::{IDENTITY, norm};
 use super::toml_values::join;
@@ -246,7 +247,8 @@ impl Reader<'_> {
             limits: self.limits(node, kind, &name),
             origin: Some(origin),
             friction,
-            mimic: mimic.and_then(|node| self.required_name(node, "joint")),
+            offset: mimic.and_then(|node| self.number(node, "offset")),
+            follows: mimic.and_then(|node| self.mimicked(node)),
             kind,
             link_frame: None,
             held: None,
@@ -254,6 +256,16 @@ impl Reader<'_> {
             drive: None,
             name,
         })
+    }
+
+    /// The joint that `<mimic>` names, with its multiplier.
+    fn mimicked(&mut self, node: XmlNode<'_>) -> Option<At<Vec<FollowsDescription>>> {
+        let joint = self.required_name(node, "joint")?;
+        let multiplier = self.number(node, "multiplier");
+        let ratio = multiplier.unwrap_or_else(|| At::new(1.0, joint.span));
+        let span = joint.span;
+        let ratio = At::new(Formula::Number(ratio.value), ratio.span);
+        Some(At::new(vec![FollowsDescription { joint, ratio }], span))
     }
 
     fn kind(&mut self, node: XmlNode<'_>, name: &Name) -> Option<JointKind> {

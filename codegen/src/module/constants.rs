@@ -59,7 +59,7 @@ fn strings<'a>(dimension: Dimension, names: impl Iterator<Item = &'a str>) -> Co
 
 fn names(model: &Model, joints: &[&Joint], inputs: &[&Drive]) -> Vec<Constant> {
     use Dimension::{Coordinates, Fixed, Inputs};
-    let acted_on = inputs.iter().filter_map(|drive| drive.coordinate);
+    let acted_on = inputs.iter().filter_map(|drive| drive.coordinate());
     let frames = (!model.frames.is_empty()).then(|| {
         let names = model.frames.iter().map(|frame| frame.name.as_str());
         constant("FRAME_NAMES", "Names of the frames.", strings(Fixed, names))

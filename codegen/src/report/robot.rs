@@ -2,7 +2,7 @@
 
 use crate::formula::Formula;
 use crate::functions::function::Function;
-use crate::model::{Body, Drive, Joint, Link, Model};
+use crate::model::{Body, Drive, FollowedCoordinate, Joint, Link, Model};
 use crate::program::interpret::{Functions, interpret};
 
 /// A robot with its functions, at the described values of its parameters.
@@ -25,6 +25,27 @@ impl<'a> Robot<'a> {
             parameters: parameters.clone().map(|one| one.default).collect(),
             parameter_names: parameters.map(|one| one.name.clone()).collect(),
         }
+    }
+
+    /// `\sum ratio y_i + offset` as a formula.
+    pub(super) fn followed(&self, terms: &[FollowedCoordinate], offset: f64) -> String {
+        let mut sum = String::new();
+        let signed = terms.iter().map(|term| {
+            let ratio = self.value(&term.ratio);
+            let size = if ratio.abs() == 1.0 { String::new() } else { format!("{}\\,", ratio.abs()) };
+            (ratio < 0.0, format!("{size}y_{{{}}}", term.coordinate + 1))
+        });
+        let offset = (offset != 0.0).then(|| (offset < 0.0, offset.abs().to_string()));
+        for (is_negative, text) in signed.chain(offset) {
+            sum += match (sum.is_empty(), is_negative) {
+                (true, false) => "",
+                (true, true) => "-",
+                (false, false) => " + ",
+                (false, true) => " - ",
+            };
+            sum += &text;
+        }
+        sum
     }
 
     /// Number of coordinates.

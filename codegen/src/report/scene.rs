@@ -41,16 +41,26 @@ fn joint_of(link: usize) -> Option<usize> {
     link.checked_sub(1)
 }
 
+/// The coordinates that a joint follows, at the page's values of free parameters.
+fn follower(robot: &Robot<'_>, index: usize) -> SceneMotion {
+    let moving = robot.model.moving_joints();
+    let terms = moving[index].follows.iter().map(|term| (term.coordinate, robot.value(&term.ratio)));
+    SceneMotion::Follows { terms: terms.collect(), offset: moving[index].offset }
+}
+
 fn scene_joint(robot: &Robot<'_>, link: &Link, joint: &Joint) -> SceneJoint {
     let motion = match joint.motion {
+        Motion::Follower(index) => follower(robot, index),
         Motion::Fixed => SceneMotion::Fixed,
         Motion::Held(position) => SceneMotion::Held(position),
         Motion::Coordinate(index) => SceneMotion::Coordinate(index),
     };
-    let drive = robot.inputs().into_iter().find(|drive| match joint.motion {
-        Motion::Coordinate(index) => drive.coordinate == Some(index),
+    let acts = |drive: &&crate::model::Drive| match joint.motion {
+        Motion::Coordinate(index) => drive.acts_on.iter().any(|term| term.coordinate == index),
         _ => false,
-    });
+    };
+    let drives: Vec<String> =
+        robot.inputs().into_iter().filter(acts).map(|drive| drive.name.clone()).collect();
     SceneJoint {
         name: joint.name.clone(),
         link: link.name.clone(),
@@ -61,6 +71,6 @@ fn scene_joint(robot: &Robot<'_>, link: &Link, joint: &Joint) -> SceneJoint {
         is_prismatic: joint.kind == JointKind::Prismatic,
         motion,
         limits: joint.limits.position,
-        input: drive.map(|drive| drive.name.clone()),
+        input: (!drives.is_empty()).then(|| drives.join(", ")),
     }
 }

@@ -100,12 +100,16 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
 }
 
 fn drive_row(robot: &Robot<'_>, drive: &Drive) -> Vec<Cell> {
-    let joint = drive.coordinate.and_then(|index| robot.joints().get(index).copied());
+    let joint = match drive.coordinate() {
+        Some(index) => Cell::text(robot.joints().get(index).map_or("", |joint| joint.name.as_str())),
+        None if drive.acts_on.is_empty() => Cell::text(""),
+        None => Cell::Line(vec![Inline::Math(robot.followed(&drive.acts_on, 0.0))]),
+    };
     let coupling = match drive.coupling {
         RotorCoupling::Body => "a body",
         RotorCoupling::Diagonal => "diagonal only",
     };
-    let input = match (&drive.input, drive.coordinate) {
+    let input = match (&drive.input, drive.acts_on.first()) {
         (_, None) => Cell::text("none: the joint is held"),
         (Input::Torque, _) if robot.model.input_unit(drive) == "N" => Cell::text("force"),
         (Input::Torque, _) => Cell::text("torque"),
@@ -116,7 +120,7 @@ fn drive_row(robot: &Robot<'_>, drive: &Drive) -> Vec<Cell> {
     };
     vec![
         Cell::Text(drive.name.clone()),
-        Cell::text(joint.map_or("", |joint| joint.name.as_str())),
+        joint,
         cell(robot, &drive.gear_ratio),
         cell(robot, &drive.rotor_inertia),
         link_name(robot, drive.carrier),
@@ -186,6 +190,11 @@ pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
                 Cell::text(format!("held at {position} {}", joint.kind.unit()))
             }
             Motion::Coordinate(index) => Cell::Line(vec![Inline::Math(format!("y_{{{}}}", index + 1))]),
+            Motion::Follower(index) => {
+                let moving = robot.model.moving_joints();
+                let text = robot.followed(&moving[index].follows, moving[index].offset);
+                Cell::Line(vec![Inline::Math(text)])
+            }
         };
         let mut row = vec![Cell::Text(joint.name.clone()), link_name(robot, joint.parent), motion];
         row.extend(pose_cells(robot, &joint.origin));

@@ -133,7 +133,8 @@ fn edge(joint: &SceneJoint, from: Place, to: Place) -> Markup {
 
 /// A circle turns, a square slides, a bar is fixed; filled where driven.
 fn symbol(joint: &SceneJoint, x: f64, y: f64) -> Markup {
-    let (is_driven, moves) = (joint.input.is_some(), matches!(joint.motion, SceneMotion::Coordinate(_)));
+    let is_driven = joint.input.is_some();
+    let moves = matches!(joint.motion, SceneMotion::Coordinate(_) | SceneMotion::Follows { .. });
     html! {
         @if !moves {
             rect.held x=(x - 7.0) y=(y - 2.5) width="14" height="5" {}
@@ -147,13 +148,17 @@ fn symbol(joint: &SceneJoint, x: f64, y: f64) -> Markup {
 
 fn words(joint: &SceneJoint) -> String {
     let kind = if joint.is_prismatic { "slides" } else { "turns" };
-    match joint.motion {
+    match &joint.motion {
         SceneMotion::Fixed => "fixed".to_owned(),
-        SceneMotion::Held(position) => format!("held at {} {}", rounded(position, 4), joint.unit()),
+        SceneMotion::Held(position) => format!("held at {} {}", rounded(*position, 4), joint.unit()),
         SceneMotion::Coordinate(index) => match joint.input {
             Some(_) => format!("y{}, {kind}, driven", subscript(index + 1)),
             None => format!("y{}, {kind}", subscript(index + 1)),
         },
+        SceneMotion::Follows { terms, .. } => {
+            let names = terms.iter().map(|(index, _)| format!("y{}", subscript(index + 1)));
+            format!("{kind} with {}", names.collect::<Vec<_>>().join(", "))
+        }
     }
 }
 

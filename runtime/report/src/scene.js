@@ -31,7 +31,7 @@
     for (const joint of robot.joints) {
       const parent = joint.parent === null ? IDENTITY : links[joint.parent];
       const before = then(parent, { p: joint.translation, R: joint.rotation });
-      const q = joint.coordinate === null ? joint.position : y[joint.coordinate];
+      const q = joint.terms.reduce((sum, [k, ratio]) => sum + ratio * y[k], joint.position);
       const motion = joint.slides
         ? { p: times(q, joint.axis), R: IDENTITY.R }
         : { p: [0, 0, 0], R: about(joint.axis, q) };

@@ -45,7 +45,7 @@ pub struct SceneJoint {
 }
 
 /// Whether a joint moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum SceneMotion {
     /// A fixed joint.
     Fixed,
@@ -53,6 +53,13 @@ pub enum SceneMotion {
     Held(f64),
     /// A coordinate, counted from 0.
     Coordinate(usize),
+    /// It moves with coordinates: `Σ ratio · y[coordinate] + offset`.
+    Follows {
+        /// The coordinates, counted from 0, with their ratios.
+        terms: Vec<(usize, f64)>,
+        /// Position where all of them are 0 (rad or m).
+        offset: f64,
+    },
 }
 
 /// A body: a point with a mass.
@@ -125,10 +132,15 @@ impl Scene {
     /// The scene as the script reads it.
     pub(super) fn json(&self) -> Value {
         let joint = |joint: &SceneJoint| {
-            let (coordinate, position) = match joint.motion {
-                SceneMotion::Fixed => (None, 0.0),
-                SceneMotion::Held(position) => (None, position),
-                SceneMotion::Coordinate(index) => (Some(index), 0.0),
+            let (terms, position) = match &joint.motion {
+                SceneMotion::Fixed => (vec![], 0.0),
+                SceneMotion::Held(position) => (vec![], *position),
+                SceneMotion::Coordinate(index) => (vec![(*index, 1.0)], 0.0),
+                SceneMotion::Follows { terms, offset } => (terms.clone(), *offset),
+            };
+            let coordinate = match joint.motion {
+                SceneMotion::Coordinate(index) => Some(index),
+                _ => None,
             };
             json!({
                 "name": joint.name,
@@ -139,6 +151,7 @@ impl Scene {
                 "slides": joint.is_prismatic,
                 "moves": joint.motion != SceneMotion::Fixed,
                 "coordinate": coordinate,
+                "terms": terms,
                 "position": position,
             })
         };

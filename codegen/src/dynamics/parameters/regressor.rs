@@ -12,6 +12,7 @@
 //! 1986). The row of a joint is their power at a unit of its velocity, so that no wrench is carried towards
 //! the base: the screws of the joints are carried outwards instead. Rotors add one column each.
 
+use crate::dynamics::forces::followed;
 use crate::dynamics::matrix::Matrix;
 use crate::dynamics::recursion::newton_euler::{BodyMotion, MotionInput, motions, spread_of};
 use crate::dynamics::recursion::placement::{Placement, place};
@@ -37,9 +38,9 @@ fn is_ideal(drive: &Drive) -> bool {
     drive.gear_ratio == Formula::ONE && drive.rotor_inertia == Formula::ZERO
 }
 
-/// Names of all parameters: those of the links by coordinate, then those of the rotors.
+/// Names of all parameters: those of the links by moving joint, then those of the rotors.
 pub fn parameter_names(model: &Model) -> Vec<String> {
-    let joints = model.joints();
+    let joints = model.moving_joints().into_iter().map(|moving| moving.joint);
     let links = joints.flat_map(|joint| SYMBOLS.map(|symbol| format!("{symbol}_{}", joint.name)));
     let rotors = drives_with_rotor(model).map(|drive| format!("J_{}", drive.name));
     links.chain(rotors).collect()
@@ -63,21 +64,21 @@ pub fn inertial_regressor<'g>(
     model: &Model,
     input: MotionInput<'_, 'g>,
 ) -> Matrix<'g> {
-    let formulation = Formulation::plain(mechanism.len());
+    let formulation = Formulation::plain(mechanism.bodies.len());
     let placements = place(mechanism, &formulation, input.y);
     let motions = motions(mechanism, &formulation, &placements, input);
     let screws = joint_screws(mechanism, &placements);
     let zero = mechanism.graph.constant(0.0);
     let rotors: Vec<&Drive> = drives_with_rotor(model).collect();
-    let columns = PER_LINK * mechanism.len() + rotors.len();
-    let mut matrix = vec![vec![zero; columns]; mechanism.len()];
+    let columns = PER_LINK * mechanism.bodies.len() + rotors.len();
+    let mut matrix = vec![vec![zero; columns]; mechanism.coordinates];
     for (index, body) in mechanism.bodies.iter().enumerate() {
         let link = LinkMotion::new(mechanism, model, index, &motions[index]);
         for screw in &screws[index] {
             let joint = &mechanism.bodies[screw.joint];
             let entries = link.powers(link.motion(screw.motion));
             for (k, entry) in entries.into_iter().enumerate() {
-                let column = PER_LINK * body.transmission.coordinate + k;
+                let column = PER_LINK * body.joint + k;
                 joint.transmission.add_row_entry(column, entry, &mut matrix);
             }
         }
@@ -85,7 +86,7 @@ pub fn inertial_regressor<'g>(
     for (k, drive) in rotors.into_iter().enumerate() {
         let column = rotor_column(mechanism, drive, &motions, &screws, input);
         for (row, entry) in matrix.iter_mut().zip(column) {
-            row[PER_LINK * mechanism.len() + k] = entry;
+            row[PER_LINK * mechanism.bodies.len() + k] = entry;
         }
     }
     matrix
@@ -101,7 +102,7 @@ struct Screw<'g> {
 /// For each body the screws of all joints that move it.
 fn joint_screws<'g>(mechanism: &Mechanism<Scalar<'g>>, placements: &[Placement<'g>]) -> Vec<Vec<Screw<'g>>> {
     let zero = mechanism.graph.constant(0.0);
-    let mut screws: Vec<Vec<Screw<'g>>> = Vec::with_capacity(mechanism.len());
+    let mut screws: Vec<Vec<Screw<'g>>> = Vec::with_capacity(mechanism.bodies.len());
     for (index, body) in mechanism.bodies.iter().enumerate() {
         let placement = &placements[index];
         let lift = Vector3([zero, zero, placement.extension]);
@@ -137,7 +138,7 @@ struct LinkMotion<'g> {
 
 impl<'g> LinkMotion<'g> {
     fn new(mechanism: &Mechanism<Scalar<'g>>, model: &Model, index: usize, motion: &BodyMotion<'g>) -> Self {
-        let link = model.coordinates[mechanism.bodies[index].transmission.coordinate];
+        let link = model.moving_joints()[mechanism.bodies[index].joint].link;
         let pose = mechanism.links[link].1;
         let rotation = pose.rotation.transpose();
         let origin = pose.translation;
@@ -194,12 +195,10 @@ fn rotor_column<'g>(
     screws: &[Vec<Screw<'g>>],
     input: MotionInput<'_, 'g>,
 ) -> Vec<Scalar<'g>> {
-    let mut column = vec![mechanism.graph.constant(0.0); mechanism.len()];
-    let Some(coordinate) = drive.coordinate else {
-        return column;
-    };
+    let mut column = vec![mechanism.graph.constant(0.0); mechanism.coordinates];
+    let moved = followed(mechanism.graph, &drive.acts_on);
     let ratio = lower(mechanism.graph, &drive.gear_ratio);
-    let (mut spin, mut spin_rate) = (ratio * input.v[coordinate], ratio * input.a[coordinate]);
+    let (mut spin, mut spin_rate) = (ratio * moved.motion(input.v), ratio * moved.motion(input.a));
     let (body, pose) = mechanism.links[drive.carrier];
     if let Some(carrier) = body.filter(|_| drive.coupling == RotorCoupling::Body) {
         let axis = Vector3(drive.axis.map(|x| mechanism.graph.constant(x)));
@@ -214,6 +213,6 @@ fn rotor_column<'g>(
             joint.transmission.add_force(share, &mut column);
         }
     }
-    column[coordinate] = column[coordinate] + ratio * spin_rate;
+    moved.add_force(ratio * spin_rate, &mut column);
     column
 }

@@ -22,8 +22,8 @@ impl ArrayBuilder {
         let bodies = &mechanism.bodies;
         let mut parents = vec![None; bodies.len()];
         for body in bodies {
-            let parent = body.parent.map(|parent| bodies[parent].transmission.coordinate);
-            parents[body.transmission.coordinate] = parent;
+            let parent = body.parent.map(|parent| bodies[parent].joint);
+            parents[body.joint] = parent;
         }
         Self {
             form: Arrays {
@@ -32,7 +32,7 @@ impl ArrayBuilder {
                 steps: Vec::new(),
                 outputs: Vec::new(),
                 parents,
-                order: bodies.iter().map(|body| body.transmission.coordinate).collect(),
+                order: bodies.iter().map(|body| body.joint).collect(),
                 is_fused: false,
             },
             set_up: Vec::new(),

@@ -38,13 +38,13 @@ pub(super) fn set_up<'g>(
     (last_name, last): (&'static str, Vec<Scalar<'g>>),
 ) -> Setup {
     let graph = equations.graph;
-    let (n, zero) = (mechanism.len(), graph.constant(0.0));
+    let (n, zero) = (mechanism.coordinates, graph.constant(0.0));
     let poses = BasePoses::new(mechanism.clone(), &arguments.y);
     let mut rows = |name: &str, count: usize, fill: &dyn Fn(usize) -> Vec<Scalar<'g>>| {
         let mut rows = vec![vec![zero; n]; count];
         for (index, body) in mechanism.bodies.iter().enumerate() {
             for (row, entry) in rows.iter_mut().zip(fill(index)) {
-                row[body.transmission.coordinate] = entry;
+                row[body.joint] = entry;
             }
         }
         builder.set_up(name, rows)
@@ -54,11 +54,11 @@ pub(super) fn set_up<'g>(
     let mut rotors = vec![vec![zero; n]; n];
     rotor::add_inertia(mechanism, &mut rotors);
     let momenta = rotor_momenta(mechanism, &poses);
-    let coordinate = |index: usize| mechanism.bodies[index].transmission.coordinate;
+    let coordinate = |index: usize| mechanism.bodies[index].joint;
     Setup {
         screws: rows("screws", 6, &|index| {
             let (body, pose) = (&mechanism.bodies[index], poses.body(index));
-            let axis = pose.axes[2].map(|x| x * body.transmission.ratio);
+            let axis = pose.axes[2].map(|x| x * body.transmission.own().ratio);
             body.axis.along(axis, pose.origin).entries().to_vec()
         }),
         axes: rows("axes", 9, &|index| poses.body(index).axes.map(|axis| axis.0).concat()),
@@ -89,14 +89,14 @@ fn rotor_momenta<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     poses: &BasePoses<'g>,
 ) -> Option<Vec<Vector3<Scalar<'g>>>> {
-    let mut momenta = vec![Vector3::zero(mechanism.graph.constant(0.0)); mechanism.len()];
+    let mut momenta = vec![Vector3::zero(mechanism.graph.constant(0.0)); mechanism.bodies.len()];
     let mut is_carried = false;
     for rotor in &mechanism.rotors {
-        let Some(carrier) = rotor.carrier else {
+        let (Some(carrier), Some(driven)) = (rotor.carrier, rotor.driven) else {
             continue;
         };
         let momentum = poses.body(carrier).direction(rotor.axis.scaled(rotor.coupling_inertia()));
-        momenta[rotor.driven] = momenta[rotor.driven] + momentum;
+        momenta[driven] = momenta[driven] + momentum;
         is_carried = true;
     }
     is_carried.then_some(momenta)

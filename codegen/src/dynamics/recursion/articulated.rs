@@ -14,11 +14,11 @@
 use crate::dynamics::recursion::placement::{Placement, Turn, place};
 use crate::dynamics::search::formulation::Formulation;
 use crate::graph::Scalar;
-use crate::kinematics::{Body, JointAxis, Mechanism};
+use crate::kinematics::{Body, Followed, JointAxis, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3};
 
-/// Accelerations that joint forces cause, by coordinate; the mechanism is in metres, and its
-/// [rotors are neighbours](Mechanism::rotors_are_neighbours).
+/// Accelerations that joint forces cause, by coordinate; the mechanism is in metres, it is not
+/// [coupled](Mechanism::is_coupled), and its [rotors are neighbours](Mechanism::rotors_are_neighbours).
 pub fn forward_dynamics<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     y: &[Scalar<'g>],
@@ -26,7 +26,7 @@ pub fn forward_dynamics<'g>(
     forces: &[Scalar<'g>],
 ) -> Vec<Scalar<'g>> {
     let couplings = RotorCoupling::of_bodies(mechanism);
-    let placements = place(mechanism, &Formulation::plain(mechanism.len()), y);
+    let placements = place(mechanism, &Formulation::plain(mechanism.bodies.len()), y);
     let tree = Tree {
         mechanism,
         placements: &placements,
@@ -52,9 +52,9 @@ impl<'g> RotorCoupling<'g> {
         let of_body = |(index, body): (usize, &Body<Scalar<'g>>)| {
             let mut coupling = Self { axial: Vector3::zero(zero), inertia: zero };
             let rotors = mechanism.rotors.iter();
-            for rotor in rotors.filter(|rotor| rotor.driven == index) {
+            for rotor in rotors.filter(|rotor| rotor.driven == Some(index)) {
                 // For a unit of the joint's acceleration, which is not that of the coordinate.
-                let per_joint = |x| body.transmission.inverse(x);
+                let per_joint = |x: Scalar<'g>| x.divided_by(body.transmission.own().ratio);
                 coupling.inertia = coupling.inertia + per_joint(per_joint(rotor.reflected_inertia()));
                 if rotor.carrier.is_some() {
                     let axial = rotor.axis.scaled(per_joint(rotor.coupling_inertia()));
@@ -86,7 +86,7 @@ fn rates<'g>(
     v: &[Scalar<'g>],
 ) -> Vec<Rates<'g>> {
     let zero = mechanism.graph.constant(0.0);
-    let mut rates: Vec<Rates<'g>> = Vec::with_capacity(mechanism.len());
+    let mut rates: Vec<Rates<'g>> = Vec::with_capacity(mechanism.bodies.len());
     for (index, body) in mechanism.bodies.iter().enumerate() {
         let parent = body.parent.map_or(Vector3::zero(zero), |parent| rates[parent].omega);
         let carried = placements[index].to_child(&body.twist, parent);
@@ -136,10 +136,12 @@ struct Tree<'a, 'g> {
 impl<'g> Tree<'_, 'g> {
     /// From the leaves to the base.
     fn eliminate(&self, forces: &[Scalar<'g>]) -> Vec<JointEquation<'g>> {
-        let mut bodies: Vec<Articulated<'g>> = (0..self.mechanism.len()).map(|k| self.rigid(k)).collect();
+        let mut bodies: Vec<Articulated<'g>> =
+            (0..self.mechanism.bodies.len()).map(|k| self.rigid(k)).collect();
         let mut joints = Vec::with_capacity(bodies.len());
         for (index, body) in self.mechanism.bodies.iter().enumerate().rev() {
-            let force = body.transmission.inverse(forces[body.transmission.coordinate]);
+            let Followed { coordinate, ratio } = body.transmission.own();
+            let force = forces[coordinate].divided_by(ratio);
             let (joint, rest) = self.eliminate_joint(index, &bodies[index], force);
             joints.push(joint);
             if let Some(parent) = body.parent {
@@ -243,8 +245,9 @@ impl<'g> Tree<'_, 'g> {
             let (angular, linear) = self.carried(index, body, &motions);
             let joint = &joints[index];
             let acceleration = joint.known - joint.per_angular.dot(angular) - joint.per_linear.dot(linear);
-            result[body.transmission.coordinate] =
-                body.transmission.inverse(acceleration).named(|| format!("acceleration_{}", body.identifier));
+            let Followed { coordinate, ratio } = body.transmission.own();
+            result[coordinate] =
+                acceleration.divided_by(ratio).named(|| format!("acceleration_{}", body.identifier));
             let own = self.rates[index].coriolis + Vector3([zero, zero, acceleration]);
             motions.push(match body.axis {
                 JointAxis::Revolute => (angular + own, linear),

@@ -8,7 +8,7 @@ use crate::dynamics::recursion::placement::{Placement, ends_at_root, place};
 use crate::dynamics::recursion::rotor;
 use crate::dynamics::search::formulation::{Formulation, RunLink};
 use crate::graph::Scalar;
-use crate::kinematics::{JointAxis, Mechanism};
+use crate::kinematics::{JointAxis, Mechanism, Transmission};
 use crate::spatial::{Force, MassMoments, Vector3};
 
 /// Mass matrix `M(y)`, rows first, both triangles filled.
@@ -18,8 +18,8 @@ pub fn mass_matrix<'g>(
     y: &[Scalar<'g>],
 ) -> Vec<Vec<Scalar<'g>>> {
     let zero = mechanism.graph.constant(0.0);
-    let mut matrix = vec![vec![zero; mechanism.len()]; mechanism.len()];
-    if mechanism.is_empty() {
+    let mut matrix = vec![vec![zero; mechanism.coordinates]; mechanism.coordinates];
+    if mechanism.bodies.is_empty() {
         return matrix;
     }
     let placements = place(mechanism, formulation, y);
@@ -49,7 +49,7 @@ pub(super) fn composites<'g>(
 ) -> Vec<Composite<'g>> {
     let mut composites: Vec<Composite<'g>> =
         placements.iter().map(|placement| Composite::of(placement.moments)).collect();
-    for index in (0..mechanism.len()).rev() {
+    for index in (0..mechanism.bodies.len()).rev() {
         let (body, placement) = (&mechanism.bodies[index], &placements[index]);
         let Some(parent) = body.parent else { continue };
         let Composite { mut moments, polar } = composites[index];
@@ -126,7 +126,9 @@ impl<'g> Column<'_, 'g> {
         let column = &self.mechanism.bodies[self.index].transmission;
         let mut carried = self.unit_acceleration(composite);
         let own = self.mechanism.bodies[self.index].axis.force(carried.force);
-        column.add_row_entry(column.coordinate, own * column.ratio, matrix);
+        for term in &column.terms {
+            column.add_row_entry(term.coordinate, own * term.ratio, matrix);
+        }
         let mut index = self.index;
         while let Some(parent) = self.mechanism.bodies[index].parent {
             let row = &self.mechanism.bodies[parent];
@@ -134,12 +136,12 @@ impl<'g> Column<'_, 'g> {
                 let twist = &self.mechanism.bodies[index].twist;
                 let screw = self.placements[index].parent_screw(twist);
                 let share = screw.dot(carried.force) + twist.to_parent(carried.transverse)[2];
-                row.transmission.add_coupling(column.coordinate, share * column.ratio, matrix);
+                couple(&row.transmission, column, share, matrix);
                 break;
             }
             carried = self.pass_on(index, carried);
             let entry = row.axis.force(carried.force);
-            row.transmission.add_coupling(column.coordinate, entry * column.ratio, matrix);
+            couple(&row.transmission, column, entry, matrix);
             index = parent;
         }
     }
@@ -182,6 +184,19 @@ impl<'g> Column<'_, 'g> {
     }
 }
 
+/// Adds the force along one joint for a unit of another one's acceleration to the entries of M, and its mirror
+/// image.
+fn couple<'g>(
+    row: &Transmission<Scalar<'g>>,
+    column: &Transmission<Scalar<'g>>,
+    force: Scalar<'g>,
+    matrix: &mut [Vec<Scalar<'g>>],
+) {
+    for term in &column.terms {
+        row.add_coupling(term.coordinate, force * term.ratio, matrix);
+    }
+}
+
 /// First moment of all moving masses in the base frame [kg m]. The mechanism is in metres.
 pub fn first_moment<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
@@ -191,7 +206,7 @@ pub fn first_moment<'g>(
     let placements = place(mechanism, formulation, y);
     let mut moments: Vec<_> = placements.iter().map(|p| (p.moments.mass, p.moments.first)).collect();
     let mut total = mechanism.base_moments.first;
-    for index in (0..mechanism.len()).rev() {
+    for index in (0..mechanism.bodies.len()).rev() {
         let (body, placement) = (&mechanism.bodies[index], &placements[index]);
         let (mass, mut first) = moments[index];
         first.0[2] = first[2] + mass * placement.extension;

@@ -6,25 +6,26 @@
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Mechanism, Numbers};
 
-/// The factors of a mass matrix; rows and columns in the order of the bodies.
+/// The factors of a mass matrix; rows and columns in the order of the bodies whose joints are coordinates.
 #[derive(Debug, Clone)]
 pub struct Factorization<'g> {
     /// Unit lower triangle L: `lower[i][j]` for each ancestor j of i.
     lower: Vec<Vec<Option<Scalar<'g>>>>,
     /// Reciprocals of D.
     reciprocals: Vec<Scalar<'g>>,
-    /// Ancestors of each body, nearest first.
+    /// What M couples each of them with among those before it, nearest first.
     ancestors: Vec<Vec<usize>>,
-    /// Coordinate of each body.
+    /// Their coordinates.
     coordinates: Vec<usize>,
 }
 
 impl<'g> Factorization<'g> {
     /// Factorizes a mass matrix given by coordinates.
     pub fn new<S: Numbers>(mechanism: &Mechanism<S>, mass_matrix: &[Vec<Scalar<'g>>]) -> Self {
-        let coordinates: Vec<_> = mechanism.bodies.iter().map(|body| body.transmission.coordinate).collect();
+        let coordinates: Vec<_> = mechanism.independent().map(|body| body.joint).collect();
+        let names: Vec<_> = mechanism.independent().map(|body| &body.identifier).collect();
         let count = coordinates.len();
-        let couplings = couplings(mechanism, mass_matrix);
+        let couplings = couplings(&coordinates, mass_matrix);
         let mut work: Vec<Vec<Scalar<'g>>> = (0..count)
             .map(|i| (0..count).map(|j| mass_matrix[coordinates[i]][coordinates[j]]).collect())
             .collect();
@@ -32,8 +33,7 @@ impl<'g> Factorization<'g> {
         let mut reciprocals = Vec::with_capacity(count);
         for k in (0..count).rev() {
             let one = work[k][k].constant(1.0);
-            let reciprocal =
-                one.divided_by(work[k][k]).named(|| format!("inverse_d_{}", mechanism.bodies[k].identifier));
+            let reciprocal = one.divided_by(work[k][k]).named(|| format!("inverse_d_{}", names[k]));
             reciprocals.push(reciprocal);
             for &i in &couplings[k] {
                 let factor = work[k][i] * reciprocal;
@@ -90,14 +90,12 @@ impl<'g> Factorization<'g> {
     }
 }
 
-/// Bodies before each body that M couples it with, nearest first. Beyond the ancestors these are only bodies
-/// that carry the rotor of another branch.
-fn couplings<S: Numbers>(mechanism: &Mechanism<S>, mass_matrix: &[Vec<Scalar<'_>>]) -> Vec<Vec<usize>> {
-    let count = mechanism.len();
-    let entry = |i: usize, j: usize| {
-        let [row, column] = [i, j].map(|k| mechanism.bodies[k].transmission.coordinate);
-        mass_matrix[row][column]
-    };
+/// Coordinates before each coordinate that M couples it with, nearest first. Beyond the ancestors these are
+/// those of bodies that carry the rotor of another branch, and those of joints that follow the same
+/// coordinates.
+fn couplings(coordinates: &[usize], mass_matrix: &[Vec<Scalar<'_>>]) -> Vec<Vec<usize>> {
+    let count = coordinates.len();
+    let entry = |i: usize, j: usize| mass_matrix[coordinates[i]][coordinates[j]];
     let mut coupled: Vec<Vec<bool>> =
         (0..count).map(|i| (0..count).map(|j| j < i && !entry(i, j).is_zero()).collect()).collect();
     for k in (0..count).rev() {

@@ -27,9 +27,9 @@ pub struct BasePoses<'g> {
 impl<'g> BasePoses<'g> {
     /// At the coordinates `y`; the mechanism is in metres and its working frames are the bodies' own.
     pub fn new(mechanism: Mechanism<Scalar<'g>>, y: &[Scalar<'g>]) -> Self {
-        let placements = place(&mechanism, &Formulation::plain(mechanism.len()), y);
+        let placements = place(&mechanism, &Formulation::plain(mechanism.bodies.len()), y);
         let base = FramePose::base(mechanism.graph.constant(1.0));
-        let mut bodies: Vec<FramePose<'g>> = Vec::with_capacity(mechanism.len());
+        let mut bodies: Vec<FramePose<'g>> = Vec::with_capacity(mechanism.bodies.len());
         let mut before_run = bodies.clone();
         for (index, body) in mechanism.bodies.iter().enumerate() {
             let parent = body.parent.map_or(base, |parent| bodies[parent]);
@@ -64,7 +64,7 @@ impl<'g> BasePoses<'g> {
     pub fn jacobian(&self, link: usize, frame: &Pose<Scalar<'g>>) -> Vec<Vec<Scalar<'g>>> {
         let origin = self.pose(link, frame).origin;
         let zero = self.mechanism.graph.constant(0.0);
-        let mut rows = vec![vec![zero; self.mechanism.len()]; 6];
+        let mut rows = vec![vec![zero; self.mechanism.coordinates]; 6];
         let mut next = self.in_body(link, frame).0;
         while let Some(index) = next {
             let body = &self.mechanism.bodies[index];

@@ -72,7 +72,7 @@ pub(super) fn inverse_dynamics_parts<'g>(
     let motions = motions(mechanism, formulation, &placements, input);
     let mut wrenches: Vec<Force<'g>> =
         motions.iter().zip(&placements).map(|(motion, placement)| own_force(motion, placement)).collect();
-    let mut generalized = vec![mechanism.graph.constant(0.0); mechanism.len()];
+    let mut generalized = vec![mechanism.graph.constant(0.0); mechanism.coordinates];
     add_rotors(mechanism, &placements, &motions, input, &mut wrenches, &mut generalized);
     gather(mechanism, formulation, &placements, &mut wrenches, &mut generalized);
     InverseDynamicsParts { placements, motions, wrenches, generalized }
@@ -86,7 +86,7 @@ pub fn frame_acceleration<'g>(
     body: usize,
     point: Vector3<Scalar<'g>>,
 ) -> (Vector3<Scalar<'g>>, Vector3<Scalar<'g>>) {
-    let formulation = Formulation::plain(mechanism.len());
+    let formulation = Formulation::plain(mechanism.bodies.len());
     let weightless = Mechanism { gravity: Vector3::zero(mechanism.graph.constant(0.0)), ..mechanism.clone() };
     let placements = place(&weightless, &formulation, input.y);
     let motion = motions(&weightless, &formulation, &placements, input)[body];
@@ -315,9 +315,9 @@ fn add_rotors<'g>(
     generalized: &mut [Scalar<'g>],
 ) {
     for rotor in &mechanism.rotors {
-        let coordinate = rotor.transmission.coordinate;
-        let (rate, acceleration) = (input.v[coordinate], input.a[coordinate]);
-        generalized[coordinate] = generalized[coordinate] + rotor.reflected_inertia() * acceleration;
+        let moved = &rotor.transmission;
+        let (rate, acceleration) = (moved.motion(input.v), moved.motion(input.a));
+        moved.add_force(rotor.reflected_inertia() * acceleration, generalized);
         let Some(carrier) = rotor.carrier else {
             continue;
         };
@@ -325,7 +325,7 @@ fn add_rotors<'g>(
         let moment = gyrostat.moment(motion.omega, rate, acceleration);
         forces[carrier].moment = forces[carrier].moment + moment;
         let carried = gyrostat.carried(motion.angular_acceleration());
-        generalized[coordinate] = generalized[coordinate] + carried;
+        moved.add_force(carried, generalized);
     }
 }
 
@@ -339,8 +339,8 @@ fn gather<'g>(
 ) {
     let zero = mechanism.graph.constant(0.0);
     // Transverse moments that go to the frame before a run directly, without the bodies between.
-    let mut transverse = vec![Vector3::zero(zero); mechanism.len()];
-    for index in (0..mechanism.len()).rev() {
+    let mut transverse = vec![Vector3::zero(zero); mechanism.bodies.len()];
+    for index in (0..mechanism.bodies.len()).rev() {
         let (body, placement) = (&mechanism.bodies[index], &placements[index]);
         let Force { force, mut moment } = forces[index];
         force.named(&format!("force_{}", body.identifier));

@@ -38,8 +38,8 @@ pub fn place<'g>(
     formulation: &Formulation,
     y: &[Scalar<'g>],
 ) -> Vec<Placement<'g>> {
-    let mut placements: Vec<Placement<'g>> = Vec::with_capacity(mechanism.len());
-    for index in 0..mechanism.len() {
+    let mut placements: Vec<Placement<'g>> = Vec::with_capacity(mechanism.bodies.len());
+    for index in 0..mechanism.bodies.len() {
         placements.push(place_body(mechanism, formulation, y, &placements, index));
     }
     placements

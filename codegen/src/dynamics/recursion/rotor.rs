@@ -2,7 +2,8 @@
 //! carrier.
 //!
 //! A rotor of axial inertia J whose gear turns it by i ẏ about the axis a of the body that carries it, with
-//! the angular velocity ω of that body, needs the moment n on its carrier and the force f on its coordinate:
+//! the angular velocity ω of that body, needs the moment n on its carrier and the force f on its coordinate,
+//! or on the sum of coordinates that stands for y:
 //!
 //! ```text
 //! n = i J (ÿ a + ẏ ω × a)          f = i J (a · ω̇ + i ÿ)
@@ -72,7 +73,9 @@ impl<'g> Gyrostat<'g> {
             let body = &mechanism.bodies[index];
             if body.axis.turns() {
                 let share = self.coupling * moment[2];
-                body.transmission.add_coupling(rotor.transmission.coordinate, share, matrix);
+                for term in &rotor.transmission.terms {
+                    body.transmission.add_coupling(term.coordinate, share * term.ratio, matrix);
+                }
             }
             let Some(parent) = body.parent else { break };
             moment = placements[index].to_parent(&body.twist, moment);
@@ -81,14 +84,16 @@ impl<'g> Gyrostat<'g> {
     }
 }
 
-/// `M += i² J` on the diagonal.
+/// `M += i² J`: on the diagonal, where a rotor follows one coordinate.
 pub(in crate::dynamics) fn add_inertia<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     matrix: &mut [Vec<Scalar<'g>>],
 ) {
     for rotor in &mechanism.rotors {
-        let entry = &mut matrix[rotor.transmission.coordinate][rotor.transmission.coordinate];
-        *entry = *entry + rotor.reflected_inertia();
+        for term in &rotor.transmission.terms {
+            let force = rotor.reflected_inertia() * term.ratio;
+            rotor.transmission.add_row_entry(term.coordinate, force, matrix);
+        }
     }
 }
 

@@ -57,7 +57,8 @@ impl ForwardRoute {
                 factorization.solve(&subtract(&forces(), &bias))
             }
             Self::ArticulatedBodies => {
-                let mechanism = Formulation::plain(y.len()).mechanism(graph, formulations.mechanism);
+                let mechanism = Formulation::plain(formulations.mechanism.bodies.len())
+                    .mechanism(graph, formulations.mechanism);
                 articulated::forward_dynamics(&mechanism, y, v, &forces())
             }
         }
@@ -113,13 +114,14 @@ impl<'m> Formulations<'m> {
     pub fn forward_dynamics(&self) -> ForwardRoute {
         *self.forward_dynamics.get_or_init(|| {
             let weight = |route: ForwardRoute| {
-                let weighed = weigh(self.mechanism.len(), |graph, MotionInput { y, v, a }| {
+                let weighed = weigh(self.mechanism.coordinates, |graph, MotionInput { y, v, a }| {
                     route.accelerations(graph, self, y, v, || a.to_vec())
                 });
                 weighed.0
             };
             let routes = [ForwardRoute::ArticulatedBodies, ForwardRoute::Factorization];
-            match self.mechanism.rotors_are_neighbours() && weight(routes[0]) < weight(routes[1]) {
+            let is_tree = !self.mechanism.is_coupled() && self.mechanism.rotors_are_neighbours();
+            match is_tree && weight(routes[0]) < weight(routes[1]) {
                 true => routes[0],
                 false => routes[1],
             }
@@ -154,7 +156,7 @@ impl<'m> Formulations<'m> {
     pub fn mass_matrix(&self) -> &Formulation {
         self.mass_matrix.get_or_init(|| {
             cheapest(&self.space, |formulation| {
-                weigh(self.mechanism.len(), |graph, input| {
+                weigh(self.mechanism.coordinates, |graph, input| {
                     let mechanism = formulation.mechanism(graph, self.mechanism);
                     composite::mass_matrix(&mechanism, formulation, input.y).concat()
                 })
@@ -201,7 +203,7 @@ impl<'m> Formulations<'m> {
             if let DerivativeRoute::Composite(formulation, _) = self.derivatives() {
                 candidates.push(formulation);
             }
-            if self.mechanism.len() > LARGEST_SEARCHED {
+            if self.mechanism.bodies.len() > LARGEST_SEARCHED {
                 return (self.mass_matrix().clone(), self.bias_forces().clone());
             }
             self.cheapest_pair(&candidates, |graph, input| {
@@ -218,7 +220,7 @@ impl<'m> Formulations<'m> {
         beside: impl for<'g> Fn(&'g Graph, MotionInput<'_, 'g>) -> Vec<Scalar<'g>>,
     ) -> (Formulation, Formulation) {
         let weight = |mass: &Formulation, bias: &Formulation| {
-            let (weight, _) = weigh(self.mechanism.len(), |graph, input| {
+            let (weight, _) = weigh(self.mechanism.coordinates, |graph, input| {
                 let (matrix, forces) = self.mass_matrix_and_bias_by(mass, bias, graph, input.y, input.v);
                 [matrix.concat(), forces, beside(graph, input)].concat()
             });
@@ -240,7 +242,7 @@ impl<'m> Formulations<'m> {
     fn cheapest_derivatives(&self) -> DerivativeRoute {
         let (mechanism, inverse) = (self.mechanism, self.inverse_dynamics());
         let weight = |route: &DerivativeRoute| {
-            weigh(mechanism.len(), |graph, input| {
+            weigh(mechanism.coordinates, |graph, input| {
                 let result = route.derive(graph, mechanism, inverse, input);
                 [result.forces, result.by_coordinates.concat(), result.by_velocities.concat()].concat()
             })
@@ -251,12 +253,12 @@ impl<'m> Formulations<'m> {
             composite(&inverse.massless(), PairFrame::Links),
             composite(&inverse.massless().in_metres(), PairFrame::Root),
         ];
-        if mechanism.len() <= LARGEST_SEARCHED {
+        if mechanism.bodies.len() <= LARGEST_SEARCHED {
             let links =
                 cheapest(&self.space, |formulation| weight(&composite(formulation, PairFrame::Links)));
             routes.push(composite(&links, PairFrame::Links));
         }
-        if mechanism.len() <= LARGEST_FORWARD {
+        if mechanism.bodies.len() <= LARGEST_FORWARD {
             routes.push(DerivativeRoute::Forward);
         }
         let best =
@@ -342,7 +344,7 @@ enum Moving {
 
 /// Weight of the recursive equations.
 fn recursion(mechanism: &Mechanism<Number>, formulation: &Formulation, moving: Moving) -> (u64, usize) {
-    weigh(mechanism.len(), |graph, MotionInput { y, v, a }| {
+    weigh(mechanism.coordinates, |graph, MotionInput { y, v, a }| {
         let still = vec![graph.constant(0.0); y.len()];
         let input = match moving {
             Moving::Accelerated => MotionInput { y, v, a },

@@ -135,7 +135,7 @@ fn friction_regressor<'g>(
     let zero = equations.graph.constant(0.0);
     let mut rows = vec![vec![zero; columns.len()]; equations.model.coordinates.len()];
     for (index, column) in columns.iter().enumerate() {
-        rows[column.coordinate][index] = column.basis;
+        column.transmission.add_row_entry(index, column.basis, &mut rows);
     }
     vec![matrix(rows)]
 }

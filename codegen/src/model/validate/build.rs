@@ -1,12 +1,15 @@
 //! From a description whose parts are checked to the model.
 
-use super::super::description::{DriveChoice, DriveDescription, FrameDescription, Name, RobotDescription};
+use super::super::description::{
+    DriveChoice, DriveDescription, FrameDescription, Name, RobotDescription, SharedDriveDescription,
+};
 use super::super::pose::{rotate_inertia, rotate_numbers};
 use super::super::tree::Tree;
 use super::super::{
-    Body, Drive, Frame, Input, Joint, JointKind, Limits, Link, Model, Motion, MotorTorque, Pose,
-    RotorCoupling,
+    Body, Drive, FollowedCoordinate, Follower, Frame, Input, Joint, JointKind, Limits, Link, Model, Motion,
+    MotorTorque, Pose, RotorCoupling,
 };
+use super::couplings::Couplings;
 use super::names::{Identifiers, report_duplicates};
 use crate::diagnostic::{At, Report, nearest};
 use crate::formula::Formula;
@@ -29,9 +32,11 @@ pub(super) struct Builder<'d, 'r> {
 impl Builder<'_, '_> {
     pub(super) fn build(&mut self) -> Option<Model> {
         let coordinates = self.coordinates()?;
-        let mut links = self.links(&coordinates);
+        let couplings = Couplings::resolve(self.robot, &self.tree, &coordinates, &self.defaults, self.report);
+        let followers = couplings.followers(&self.tree);
+        let mut links = self.links(&coordinates, &followers);
         self.attach_bodies(&mut links);
-        let drives = self.drives(&links);
+        let drives = self.drives(&links, &couplings);
         let frames = self.frames();
         let gravity = self.robot.gravity.clone().unwrap_or(GRAVITY.map(Formula::Number));
         Some(Model {
@@ -41,6 +46,7 @@ impl Builder<'_, '_> {
             parameters: self.robot.parameters.iter().map(|parameter| parameter.value.clone()).collect(),
             links,
             coordinates,
+            followers,
             drives,
             frames,
             options: self.robot.options.clone().unwrap_or_default(),
@@ -51,12 +57,14 @@ impl Builder<'_, '_> {
     fn coordinates(&mut self) -> Option<Vec<usize>> {
         let mut moving: Vec<(usize, usize)> = Vec::new();
         for (link, joint) in self.tree.joints.iter().enumerate() {
-            moving.extend(joint.filter(|joint| self.robot.joints[*joint].moves()).map(|joint| (joint, link)));
+            moving.extend(
+                joint.filter(|joint| self.robot.joints[*joint].is_coordinate()).map(|joint| (joint, link)),
+            );
         }
         if moving.is_empty() {
             self.report.error(self.robot.name.span, "no-moving-joint", "no joint of the robot moves");
             self.report
-                .help("a model needs at least one revolute, continuous or prismatic joint that is not held");
+                .help("a model needs at least one revolute, continuous or prismatic joint that is not held and follows no other");
             return None;
         }
         if !self.robot.sort_joints {
@@ -79,7 +87,12 @@ impl Builder<'_, '_> {
             match by_name.get(name.value.as_str()) {
                 Some(link) => result.push(*link),
                 None => {
-                    let message = format!("`{}` is no moving joint", name.value);
+                    let follows =
+                        joints.iter().any(|joint| joint.name.value == name.value && joint.is_follower());
+                    let message = match follows {
+                        true => format!("`{}` follows other joints, it is no coordinate", name.value),
+                        false => format!("`{}` is no moving joint", name.value),
+                    };
                     self.report.error(name.span, "unknown-joint", message);
                     if let Some(help) = nearest(&name.value, by_name.keys().copied()) {
                         self.report.help(help);
@@ -99,10 +112,13 @@ impl Builder<'_, '_> {
         (self.report.error_count() == before).then_some(result)
     }
 
-    fn links(&mut self, coordinates: &[usize]) -> Vec<Link> {
+    fn links(&mut self, coordinates: &[usize], followers: &[Follower]) -> Vec<Link> {
         let mut order = vec![None; self.tree.links.len()];
         for (coordinate, link) in coordinates.iter().enumerate() {
-            order[*link] = Some(coordinate);
+            order[*link] = Some(Motion::Coordinate(coordinate));
+        }
+        for (index, follower) in followers.iter().enumerate() {
+            order[follower.link] = Some(Motion::Follower(coordinates.len() + index));
         }
         let mut links = Vec::new();
         for link in 0..self.tree.links.len() {
@@ -116,11 +132,11 @@ impl Builder<'_, '_> {
         links
     }
 
-    fn joint(&self, index: usize, parent: usize, coordinate: Option<usize>) -> Joint {
+    fn joint(&self, index: usize, parent: usize, motion: Option<Motion>) -> Joint {
         let described = &self.robot.joints[index];
         let origin = described.origin.clone().unwrap_or_else(Pose::identity);
-        let motion = match (coordinate, described.held) {
-            (Some(coordinate), _) => Motion::Coordinate(coordinate),
+        let motion = match (motion, described.held) {
+            (Some(motion), _) => motion,
             (None, Some(position)) => Motion::Held(position),
             (None, None) => Motion::Fixed,
         };
@@ -186,12 +202,84 @@ impl Builder<'_, '_> {
         described.into_iter().filter_map(frame).collect()
     }
 
-    /// The inputs in the order of their coordinates, then the motors of held joints.
-    fn drives(&mut self, links: &[Link]) -> Vec<Drive> {
+    /// The drives of joints in the order of their coordinates, then those that stand apart as they are
+    /// described, then the motors of held joints.
+    fn drives(&mut self, links: &[Link], couplings: &Couplings) -> Vec<Drive> {
         let mut drives: Vec<Drive> =
             (0..links.len()).filter_map(|link| self.drive(link, &links[link])).collect();
-        drives.sort_by_key(|drive| drive.coordinate.unwrap_or(usize::MAX));
+        drives.sort_by_key(|drive| drive.coordinate().unwrap_or(usize::MAX));
+        let held = drives.iter().position(|drive| drive.acts_on.is_empty()).unwrap_or(drives.len());
+        let shared: Vec<Drive> = (0..self.robot.drives.len())
+            .filter_map(|index| self.shared_drive(index, links, couplings))
+            .collect();
+        drives.splice(held..held, shared);
         drives
+    }
+
+    /// A drive that stands apart from joints.
+    fn shared_drive(&mut self, index: usize, links: &[Link], couplings: &Couplings) -> Option<Drive> {
+        let described = &self.robot.drives[index];
+        let row = couplings.drives.get(index)?.as_ref()?;
+        self.check_motor(&described.motor);
+        let (acts_on, gear_ratio) = match &row.terms[..] {
+            // One number says what gear and weight do together.
+            [only] => (
+                vec![FollowedCoordinate::itself(only.coordinate)],
+                Formula::product(described.motor.gear_ratio.value.clone(), only.ratio.clone()),
+            ),
+            _ => (row.terms.clone(), described.motor.gear_ratio.value.clone()),
+        };
+        let (carrier, axis) = self.shared_mounting(described, &acts_on, links)?;
+        Some(Drive {
+            name: described.name.value.clone(),
+            identifier: self.identifiers.shared_drives[index].clone(),
+            acts_on,
+            gear_ratio,
+            rotor_inertia: described.motor.rotor_inertia.value.clone(),
+            carrier,
+            axis,
+            coupling: described.motor.coupling,
+            input: described.motor.input.clone(),
+            torque: described.motor.torque,
+        })
+    }
+
+    /// The link that carries the rotor of a drive apart from joints, and its axis there: as described, else as
+    /// if it stood at the only joint that it acts on.
+    fn shared_mounting(
+        &mut self,
+        described: &SharedDriveDescription,
+        acts_on: &[FollowedCoordinate],
+        links: &[Link],
+    ) -> Option<(usize, [f64; 3])> {
+        let motor = &described.motor;
+        if let (Some(name), Some(axis)) = (&motor.carrier, motor.axis) {
+            let carrier = self.find_link(name)?;
+            return Some((carrier, rotate_numbers(&self.offsets[carrier].rotation, &axis)));
+        }
+        let only = match acts_on {
+            [only] if motor.carrier.is_none() && motor.axis.is_none() => {
+                let at = |joint: &&Joint| joint.motion == Motion::Coordinate(only.coordinate);
+                links.iter().filter_map(|link| link.joint.as_ref()).find(at)
+            }
+            _ => None,
+        };
+        match only {
+            Some(joint) => Some((joint.parent, rotate_numbers(&joint.origin.rotation, &joint.axis))),
+            None if motor.coupling == RotorCoupling::Diagonal || motor.rotor_inertia.value.is_zero() => {
+                Some((0, [0.0, 0.0, 1.0]))
+            }
+            None => {
+                let message =
+                    format!("the rotor of drive `{}` needs `carrier` and `axis`", described.name.value);
+                self.report.error(described.name.span, "missing-key", message);
+                self.report.help(
+                    "`carrier` is the link that carries the rotor, `axis` its axis there; `coupling = \"diagonal\"` \
+                     takes only what the rotor adds to the motion that the drive acts on",
+                );
+                None
+            }
+        }
     }
 
     fn drive(&mut self, link: usize, moved: &Link) -> Option<Drive> {
@@ -200,16 +288,27 @@ impl Builder<'_, '_> {
         if joint.motion == Motion::Fixed {
             return None;
         }
+        if let (Motion::Follower(_), Some(drive)) = (joint.motion, &self.robot.joints[index].drive)
+            && !matches!(drive.value, DriveChoice::Passive)
+        {
+            let message = format!("joint `{}` follows other joints and has a drive", joint.name);
+            self.report.error(drive.span, "driven-follower", message);
+            self.report.help(
+                "a drive acts on coordinates: describe it at the joint that is followed, or by itself with \
+                 `[[drives]]` and `on = { … }`",
+            );
+            return None;
+        }
         let robot = self.robot;
         let choice = robot.drive_of(&robot.joints[index]);
-        let coordinate = match joint.motion {
-            Motion::Coordinate(coordinate) => Some(coordinate),
-            _ => None,
+        let acts_on = match joint.motion {
+            Motion::Coordinate(coordinate) => vec![FollowedCoordinate::itself(coordinate)],
+            _ => Vec::new(),
         };
         match choice {
             DriveChoice::Passive => None,
-            DriveChoice::Ideal => coordinate.map(|_| self.ideal_drive(joint, index, coordinate)),
-            DriveChoice::Motor(motor) => self.motor(motor, index, joint, coordinate),
+            DriveChoice::Ideal => (!acts_on.is_empty()).then(|| self.ideal_drive(joint, index, acts_on)),
+            DriveChoice::Motor(motor) => self.motor(motor, index, joint, acts_on),
         }
     }
 
@@ -218,7 +317,7 @@ impl Builder<'_, '_> {
         motor: &DriveDescription,
         index: usize,
         joint: &Joint,
-        coordinate: Option<usize>,
+        acts_on: Vec<FollowedCoordinate>,
     ) -> Option<Drive> {
         self.check_motor(motor);
         let carrier = match &motor.carrier {
@@ -242,7 +341,7 @@ impl Builder<'_, '_> {
         Some(Drive {
             name: motor.name.as_ref().map_or_else(|| joint.name.clone(), |name| name.value.clone()),
             identifier: self.drive_identifier(index),
-            coordinate,
+            acts_on,
             gear_ratio: motor.gear_ratio.value.clone(),
             rotor_inertia: motor.rotor_inertia.value.clone(),
             carrier,
@@ -279,11 +378,11 @@ impl Builder<'_, '_> {
     }
 
     /// A torque or force at the joint itself.
-    fn ideal_drive(&self, joint: &Joint, index: usize, coordinate: Option<usize>) -> Drive {
+    fn ideal_drive(&self, joint: &Joint, index: usize, acts_on: Vec<FollowedCoordinate>) -> Drive {
         Drive {
             name: joint.name.clone(),
             identifier: self.drive_identifier(index),
-            coordinate,
+            acts_on,
             gear_ratio: Formula::ONE,
             rotor_inertia: Formula::ZERO,
             carrier: joint.parent,

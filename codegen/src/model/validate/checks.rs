@@ -43,11 +43,12 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
     amounts(&joint.limits, name, report);
     if joint.kind == Some(JointKind::Fixed) {
         fixed(joint, report);
-    } else if let Some(other) = joint.mimic.as_ref().filter(|_| joint.held.is_none()) {
-        let message =
-            format!("joint `{}` mimics `{}`; coupled joints are not modelled", name.value, other.value);
-        report.error(other.span, "mimic-joint", message);
-        report.help("`--ignore-mimic` (or `ignore_mimic = true`) makes it independent; a TOML description can hold it");
+    } else if joint.follows.is_none()
+        && let Some(offset) = &joint.offset
+    {
+        let message = format!("joint `{}` has an `offset` and follows no joint", name.value);
+        report.error(offset.span, "conflicting-keys", message);
+        report.help("an offset is the position where all joints that are followed are at 0: add `follows`");
     }
 }
 
@@ -80,6 +81,8 @@ fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
 fn fixed(joint: &JointDescription, report: &mut Report) {
     let what = if joint.held.is_some() {
         "`held`"
+    } else if joint.follows.is_some() {
+        "`follows`"
     } else if joint.drive.is_some() {
         "a drive"
     } else if joint.springs.is_some() {

@@ -2,6 +2,7 @@
 
 mod build;
 mod checks;
+mod couplings;
 mod force_laws;
 mod hints;
 mod inertias;

@@ -17,6 +17,8 @@ pub(super) struct Identifiers {
     pub(super) frames: Vec<String>,
     /// By joint; `None` where it has no drive.
     pub(super) drives: Vec<Option<String>>,
+    /// Of the drives that stand apart from joints.
+    pub(super) shared_drives: Vec<String>,
 }
 
 impl Identifiers {
@@ -25,7 +27,8 @@ impl Identifiers {
         let joints: Vec<&Name> = robot.joints.iter().map(|joint| &joint.name).collect();
         let frames: Vec<&Name> = robot.frames.iter().map(|frame| &frame.name).collect();
         let drives: Vec<Option<&Name>> = robot.joints.iter().map(|joint| drive_name(robot, joint)).collect();
-        let driven: Vec<&Name> = drives.iter().copied().flatten().collect();
+        let shared = robot.drives.iter().map(|drive| &drive.name);
+        let driven: Vec<&Name> = drives.iter().copied().flatten().chain(shared).collect();
         let before = report.error_count();
         report_duplicates(joints.iter().copied(), "joints", report);
         if report.error_count() == before {
@@ -39,6 +42,7 @@ impl Identifiers {
             joints: distinct(&joints),
             frames: distinct(&frames),
             drives: drives.iter().map(|name| name.and_then(|_| of_drives.next())).collect(),
+            shared_drives: of_drives.collect(),
         }
     }
 

@@ -36,7 +36,7 @@ use super::rotor;
 use crate::dynamics::matrix::Matrix;
 use crate::dynamics::search::formulation::Formulation;
 use crate::graph::Scalar;
-use crate::kinematics::{Body, Mechanism};
+use crate::kinematics::{Body, Followed, Mechanism};
 use crate::spatial::Force;
 
 /// Inverse dynamics of bodies and rotors with their derivatives.
@@ -72,7 +72,7 @@ pub fn inverse_dynamics_derivatives<'g>(
     // Wrenches are read at every body, so none may be led past it.
     let formulation = &formulation.without_shortcuts();
     let parts = inverse_dynamics_parts(mechanism, formulation, input);
-    let zeros = vec![vec![mechanism.graph.constant(0.0); mechanism.len()]; mechanism.len()];
+    let zeros = vec![vec![mechanism.graph.constant(0.0); mechanism.coordinates]; mechanism.coordinates];
     let mut result = ForceDerivatives {
         forces: parts.generalized,
         by_coordinates: zeros.clone(),
@@ -91,46 +91,73 @@ pub fn inverse_dynamics_derivatives<'g>(
         PairFrame::Root => Tree { base: tree.base_bodies(), ..tree },
     };
     let flows = tree.flows(formulation, input);
-    for index in 0..mechanism.len() {
+    for index in 0..mechanism.bodies.len() {
         let column = tree.column(index, &flows[index], &parts.wrenches[index]);
-        tree.read_own(index, &column, &mut result);
-        tree.walk(index, index, tree.depart(index, column), &mut result);
+        let coordinates = tree.coordinates_of(index);
+        tree.read_own(index, &coordinates, &column, &mut result);
+        let source = Source { joint: Some(index), coordinates };
+        tree.walk(index, &source, tree.depart(index, column), &mut result);
     }
     rotor::add_inertia(mechanism, &mut result.mass_matrix);
     for rotor in &mechanism.rotors {
-        let Some(carrier) = rotor.carrier.filter(|&carrier| !tree.passes(rotor.driven, carrier)) else {
+        let passed = |carrier| rotor.driven.is_some_and(|driven| tree.passes(driven, carrier));
+        let Some(carrier) = rotor.carrier.filter(|&carrier| !passed(carrier)) else {
             continue;
         };
         let mut column = Column::zero(mechanism);
-        tree.add_rotor_coupling(carrier, rotor.driven, &mut column);
-        tree.read_off(carrier, rotor.driven, &column, &mut result);
-        tree.walk(carrier, rotor.driven, column, &mut result);
+        tree.add_rotor_coupling(carrier, rotor, &mut column);
+        let source = Source { joint: None, coordinates: rotor.transmission.terms.clone() };
+        tree.read_off(carrier, &source, &column, &mut result);
+        tree.walk(carrier, &source, column, &mut result);
     }
     result
 }
 
+/// What the columns of a walk to the base belong to.
+struct Source<'g> {
+    /// The body whose joint it is; `None` for a rotor by itself.
+    joint: Option<usize>,
+    /// The coordinates that the column stands for, each with the share of a unit of its motion.
+    coordinates: Vec<Followed<Scalar<'g>>>,
+}
+
 impl<'g> Tree<'_, 'g> {
-    /// Carries the column of a joint from a body to the base and reads off the entries at every joint that it
-    /// passes.
-    fn walk(&self, start: usize, joint: usize, mut column: Column<'g>, result: &mut ForceDerivatives<'g>) {
+    /// Carries a column from a body to the base and reads off the entries at every joint that it passes.
+    fn walk(
+        &self,
+        start: usize,
+        source: &Source<'g>,
+        mut column: Column<'g>,
+        result: &mut ForceDerivatives<'g>,
+    ) {
         let mut index = start;
         while let Some(parent) = self.mechanism.bodies[index].parent {
             if self.base.is_empty() {
                 column = self.pass_on(index, &column);
             }
             index = parent;
-            self.add_rotor_coupling(index, joint, &mut column);
-            self.read_off(index, joint, &column, result);
+            if let Some(joint) = source.joint {
+                self.add_rotor_couplings(index, joint, &mut column);
+            }
+            self.read_off(index, source, &column, result);
         }
     }
 
     /// The entries of the column's own joint.
-    fn read_own(&self, index: usize, values: &Column<'g>, result: &mut ForceDerivatives<'g>) {
+    fn read_own(
+        &self,
+        index: usize,
+        coordinates: &[Followed<Scalar<'g>>],
+        values: &Column<'g>,
+        result: &mut ForceDerivatives<'g>,
+    ) {
         let Body { axis, transmission, .. } = &self.mechanism.bodies[index];
-        let add = |f, matrix| transmission.add_row_entry(transmission.coordinate, axis.force(f), matrix);
-        add(values.inertial, &mut result.mass_matrix);
-        add(values.damping, &mut result.by_velocities);
-        add(values.stiffness, &mut result.by_coordinates);
+        for &Followed { coordinate, ratio } in coordinates {
+            let add = |f, matrix| transmission.add_row_entry(coordinate, axis.force(f) * ratio, matrix);
+            add(values.inertial, &mut result.mass_matrix);
+            add(values.damping, &mut result.by_velocities);
+            add(values.stiffness, &mut result.by_coordinates);
+        }
     }
 
     /// What a force on its way exerts along the joint of a body.
@@ -141,13 +168,21 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// The entries that couple the column's joint with another one.
-    fn read_off(&self, index: usize, joint: usize, values: &Column<'g>, result: &mut ForceDerivatives<'g>) {
+    /// The entries that couple what the column stands for with the joint of a body.
+    fn read_off(
+        &self,
+        index: usize,
+        source: &Source<'g>,
+        values: &Column<'g>,
+        result: &mut ForceDerivatives<'g>,
+    ) {
         let row = &self.mechanism.bodies[index].transmission;
-        let column = self.mechanism.bodies[joint].transmission.coordinate;
-        row.add_coupling(column, self.met_by(index, values.inertial), &mut result.mass_matrix);
-        row.add_row_entry(column, self.met_by(index, values.damping), &mut result.by_velocities);
-        row.add_row_entry(column, self.met_by(index, values.stiffness), &mut result.by_coordinates);
+        for &Followed { coordinate, ratio } in &source.coordinates {
+            let met = |f| self.met_by(index, f) * ratio;
+            row.add_coupling(coordinate, met(values.inertial), &mut result.mass_matrix);
+            row.add_row_entry(coordinate, met(values.damping), &mut result.by_velocities);
+            row.add_row_entry(coordinate, met(values.stiffness), &mut result.by_coordinates);
+        }
         let disturbance =
             self.base.get(index).map_or_else(|| self.disturbance(index), |body| body.disturbance);
         let gain = |disturbed: Disturbed<'g>| {
@@ -155,7 +190,10 @@ impl<'g> Tree<'_, 'g> {
             let by_motion = moment.dot(disturbed.beta) + force.dot(disturbed.acceleration);
             values.by_omega.dot(disturbed.omega) + by_motion
         };
-        row.add_column_entry(column, gain(disturbance.by_coordinate), &mut result.by_coordinates);
-        row.add_column_entry(column, gain(disturbance.by_velocity), &mut result.by_velocities);
+        for &Followed { coordinate, ratio } in &source.coordinates {
+            let gained = |disturbed| gain(disturbed) * ratio;
+            row.add_column_entry(coordinate, gained(disturbance.by_coordinate), &mut result.by_coordinates);
+            row.add_column_entry(coordinate, gained(disturbance.by_velocity), &mut result.by_velocities);
+        }
     }
 }

@@ -9,7 +9,7 @@ use crate::dynamics::recursion::placement::Placement;
 use crate::dynamics::recursion::rotor::Gyrostat;
 use crate::dynamics::search::formulation::Formulation;
 use crate::graph::Scalar;
-use crate::kinematics::{JointAxis, Mechanism};
+use crate::kinematics::{Followed, JointAxis, Mechanism, Rotor};
 use crate::spatial::{Force, Matrix3, Vector3};
 
 /// The mechanism in motion.
@@ -69,13 +69,14 @@ impl<'g> Tree<'_, 'g> {
             let Some(carrier) = rotor.carrier else {
                 continue;
             };
-            let rate = input.v[rotor.transmission.coordinate];
+            let rate = rotor.transmission.motion(input.v);
             let spin = Gyrostat::new(rotor, &self.placements[carrier]).spin(rate);
             flows[carrier].spin = flows[carrier].spin + spin;
         }
     }
 
-    /// What body `index` needs for a unit of its joint's acceleration, velocity and position.
+    /// What body `index` needs for a unit of acceleration, velocity and position: of its coordinate, or of its
+    /// joint where that follows several coordinates.
     pub(super) fn column(&self, index: usize, flow: &Flow<'g>, needed: &Force<'g>) -> Column<'g> {
         let zero = needed.force[0].constant(0.0);
         let axis = self.mechanism.bodies[index].axis;
@@ -100,7 +101,8 @@ impl<'g> Tree<'_, 'g> {
             // What it needs does not change with its angle; the sums above would only leave their rounding.
             stiffness = Force::zero(zero);
         }
-        let ratio = self.mechanism.bodies[index].transmission.ratio;
+        let single = self.mechanism.bodies[index].transmission.single();
+        let ratio = single.map_or(zero.constant(1.0), |followed| followed.ratio);
         Column {
             inertial: inertial.map(|x| x * ratio),
             damping: flow.response(&disturbance.by_velocity).map(|x| x * ratio),
@@ -169,7 +171,7 @@ impl<'g> Tree<'_, 'g> {
 
     /// Every body as seen from the base.
     pub(super) fn base_bodies(&self) -> Vec<BaseBody<'g>> {
-        let mut bodies: Vec<BaseBody<'g>> = Vec::with_capacity(self.mechanism.len());
+        let mut bodies: Vec<BaseBody<'g>> = Vec::with_capacity(self.mechanism.bodies.len());
         for (index, body) in self.mechanism.bodies.iter().enumerate() {
             let (placement, lever) = (&self.placements[index], &self.levers[index]);
             let zero = lever.along.constant(0.0);
@@ -227,19 +229,41 @@ impl<'g> Tree<'_, 'g> {
         false
     }
 
-    /// Adds the rotors on a body whose drives move the column's joint.
-    pub(super) fn add_rotor_coupling(&self, index: usize, joint: usize, column: &mut Column<'g>) {
-        let rotors = self.mechanism.rotors.iter();
-        for rotor in rotors.filter(|r| r.carrier == Some(index) && r.driven == joint) {
-            let momentum = Gyrostat::new(rotor, &self.placements[index]).momentum();
-            let swept = self.motions[index].omega.cross(momentum);
-            let (momentum, swept) = match self.base.get(index) {
-                Some(body) => (body.direction(momentum), body.direction(swept)),
-                None => (momentum, swept),
-            };
-            column.inertial.moment = column.inertial.moment + momentum;
-            column.damping.moment = column.damping.moment + swept;
-            column.by_omega = column.by_omega + swept;
+    /// The coordinates that a column stands for, each with the share of a unit of its motion.
+    pub(super) fn coordinates_of(&self, index: usize) -> Vec<Followed<Scalar<'g>>> {
+        let transmission = &self.mechanism.bodies[index].transmission;
+        match transmission.single() {
+            // The column itself is that of the coordinate.
+            Some(Followed { coordinate, ratio }) => {
+                vec![Followed { coordinate, ratio: ratio.constant(1.0) }]
+            }
+            None => transmission.terms.clone(),
         }
+    }
+
+    /// Adds the rotors on a body whose drives move the column's joint.
+    pub(super) fn add_rotor_couplings(&self, index: usize, joint: usize, column: &mut Column<'g>) {
+        let rotors = self.mechanism.rotors.iter();
+        for rotor in rotors.filter(|r| r.carrier == Some(index) && r.driven == Some(joint)) {
+            self.add_rotor_coupling(index, rotor, column);
+        }
+    }
+
+    /// Adds a rotor on a body to the column of what the rotor follows.
+    pub(super) fn add_rotor_coupling(
+        &self,
+        index: usize,
+        rotor: &Rotor<Scalar<'g>>,
+        column: &mut Column<'g>,
+    ) {
+        let momentum = Gyrostat::new(rotor, &self.placements[index]).momentum();
+        let swept = self.motions[index].omega.cross(momentum);
+        let (momentum, swept) = match self.base.get(index) {
+            Some(body) => (body.direction(momentum), body.direction(swept)),
+            None => (momentum, swept),
+        };
+        column.inertial.moment = column.inertial.moment + momentum;
+        column.damping.moment = column.damping.moment + swept;
+        column.by_omega = column.by_omega + swept;
     }
 }

@@ -1,0 +1,55 @@
+//! What follows joints: other joints, and drives that stand apart from them.
+
+use super::description::{DriveDescription, FollowsDescription, SharedDriveDescription};
+use super::table::{Item, Table};
+use super::toml_file::required_name;
+use super::toml_forces::{DRIVE, motor};
+use super::toml_values::Reader;
+use crate::diagnostic::At;
+
+/// `{ shoulder = 1, elbow = -1 }`: names of joints, each with its ratio.
+pub(super) fn followed_joints(
+    reader: &mut Reader,
+    item: Item<'_>,
+    owner: &str,
+) -> Option<Vec<FollowsDescription>> {
+    let Some(table) = item.value.as_table() else {
+        item.expected("a table of joints with their ratios", &mut reader.report);
+        return None;
+    };
+    let terms = Table::open(table, item.span, "joints that are followed").items().to_vec();
+    if terms.is_empty() {
+        reader.report.error(item.span, "follows-nothing", format!("`{}` names no joint", item.key));
+        reader.report.help(format!("`{} = {{ shoulder = 1 }}` names a joint and its ratio", item.key));
+        return None;
+    }
+    let term = |term: Item<'_>| {
+        let ratio = reader.formula(term, &format!("{owner}_{}", term.key))?;
+        let joint = At::new(term.key.to_owned(), term.key_span);
+        Some(FollowsDescription { joint, ratio: At::new(ratio, term.span) })
+    };
+    Some(terms.into_iter().filter_map(term).collect())
+}
+
+/// The drives that stand apart from joints.
+pub(super) fn read_drives(reader: &mut Reader, top: &Table<'_>) -> Vec<SharedDriveDescription> {
+    let Some(item) = top.get("drives") else {
+        return Vec::new();
+    };
+    let keys = [&DRIVE[..], &["on"]].concat();
+    let tables = item.tables("a drive", &keys, &mut reader.report);
+    tables.iter().filter_map(|table| read_drive(reader, table)).collect()
+}
+
+fn read_drive(reader: &mut Reader, table: &Table<'_>) -> Option<SharedDriveDescription> {
+    let name = required_name(reader, table, "name")?;
+    let Some(on) = table.get("on") else {
+        let message = format!("drive `{}` has no `on`", name.value);
+        reader.report.error(table.span, "missing-key", message);
+        reader.report.help("`on = { wrist_pitch = 1, wrist_roll = 1 }` names the joints that it acts on");
+        return None;
+    };
+    let on = followed_joints(reader, on, &name.value)?;
+    let motor: DriveDescription = motor(reader, table, &name.value);
+    Some(SharedDriveDescription { name, on, motor })
+}

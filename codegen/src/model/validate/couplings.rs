@@ -1,0 +1,271 @@
+//! Joints that follow others, and drives that act on several: the rows of `y_joint = G y + g₀`.
+
+use super::super::description::{FollowsDescription, JointDescription, Name, RobotDescription};
+use super::super::tree::Tree;
+use super::super::{FollowedCoordinate, Follower};
+use crate::diagnostic::{Report, nearest};
+use crate::formula::Formula;
+use crate::wording::as_written;
+
+/// A row of G, and its offset.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Row {
+    pub(super) terms: Vec<FollowedCoordinate>,
+    pub(super) offset: f64,
+}
+
+/// The rows of all joints and drives, by their order in the description.
+pub(super) struct Couplings {
+    /// `None` for joints that are fixed, and where the description has an error.
+    joints: Vec<Option<Row>>,
+    /// Of the drives that stand apart from joints; `None` where the description has an error.
+    pub(super) drives: Vec<Option<Row>>,
+    followers: Vec<usize>,
+}
+
+impl Couplings {
+    /// Resolves what joints and drives follow, along chains of followers, to coordinates.
+    pub(super) fn resolve(
+        robot: &RobotDescription,
+        tree: &Tree,
+        coordinates: &[usize],
+        defaults: &[f64],
+        report: &mut Report,
+    ) -> Self {
+        let mut resolver =
+            Resolver { robot, defaults, report, rows: vec![Progress::Open; robot.joints.len()] };
+        for (coordinate, &link) in coordinates.iter().enumerate() {
+            if let Some(joint) = tree.joints[link] {
+                let terms = vec![FollowedCoordinate::itself(coordinate)];
+                resolver.rows[joint] = Progress::Done(Some(Row { terms, offset: 0.0 }));
+            }
+        }
+        let followers: Vec<usize> =
+            (0..robot.joints.len()).filter(|&joint| robot.joints[joint].is_follower()).collect();
+        for &joint in &followers {
+            resolver.joint(joint);
+        }
+        let drives = robot.drives.iter().map(|drive| {
+            let row = resolver.combined(&drive.on)?;
+            resolver.moves(&drive.name, "drive", "acts on", &row).then_some(row)
+        });
+        let drives = drives.collect();
+        let joints: Vec<Option<Row>> = resolver.rows.into_iter().map(Progress::done).collect();
+        for &joint in &followers {
+            if let Some(row) = &joints[joint] {
+                check_limits(robot, tree, coordinates, &robot.joints[joint], row, defaults, report);
+            }
+        }
+        Self { joints, drives, followers }
+    }
+
+    /// The joints that follow coordinates, as they are described.
+    pub(super) fn followers(&self, tree: &Tree) -> Vec<Follower> {
+        let follower = |&joint: &usize| {
+            let row = self.joints[joint].clone()?;
+            let link = tree.joints.iter().position(|other| *other == Some(joint))?;
+            Some(Follower { link, follows: row.terms, offset: row.offset })
+        };
+        self.followers.iter().filter_map(follower).collect()
+    }
+}
+
+#[derive(Debug, Clone)]
+enum Progress {
+    Open,
+    /// What it follows is being resolved: a second visit closes a circle.
+    Begun,
+    Done(Option<Row>),
+}
+
+impl Progress {
+    fn done(self) -> Option<Row> {
+        match self {
+            Self::Done(row) => row,
+            Self::Open | Self::Begun => None,
+        }
+    }
+}
+
+struct Resolver<'d, 'r> {
+    robot: &'d RobotDescription,
+    defaults: &'d [f64],
+    report: &'r mut Report,
+    rows: Vec<Progress>,
+}
+
+impl Resolver<'_, '_> {
+    /// The row of a joint; its chain is as long as the description, so that it is followed by a stack.
+    fn joint(&mut self, start: usize) {
+        let mut stack = vec![start];
+        while let Some(&joint) = stack.last() {
+            if matches!(self.rows[joint], Progress::Done(_)) {
+                stack.pop();
+                continue;
+            }
+            let open = self.open_targets(joint);
+            let begun = matches!(self.rows[joint], Progress::Begun);
+            self.rows[joint] = Progress::Begun;
+            match open {
+                Some(next) if matches!(self.rows[next], Progress::Begun) => {
+                    self.report_circle(&stack, next);
+                    for joint in stack.drain(..) {
+                        self.rows[joint] = Progress::Done(None);
+                    }
+                }
+                Some(next) => stack.push(next),
+                None => {
+                    debug_assert!(begun || self.robot.joints[joint].follows.is_some());
+                    let row = self.follower(joint);
+                    self.rows[joint] = Progress::Done(row);
+                }
+            }
+        }
+    }
+
+    /// The first joint that this one follows and that is not resolved.
+    fn open_targets(&self, joint: usize) -> Option<usize> {
+        let follows = self.robot.joints[joint].follows.iter().flat_map(|follows| &follows.value);
+        let mut targets = follows.filter_map(|term| self.find(&term.joint));
+        targets.find(|&target| {
+            self.robot.joints[target].is_follower() && !matches!(self.rows[target], Progress::Done(_))
+        })
+    }
+
+    fn find(&self, name: &Name) -> Option<usize> {
+        self.robot.joints.iter().position(|joint| joint.name.value == name.value)
+    }
+
+    fn follower(&mut self, joint: usize) -> Option<Row> {
+        let described = &self.robot.joints[joint];
+        let follows = described.follows.as_ref()?;
+        let mut row = self.combined(&follows.value)?;
+        row.offset += described.offset.as_ref().map_or(0.0, |offset| offset.value);
+        self.moves(&described.name, "joint", "follows", &row).then_some(row)
+    }
+
+    fn report_circle(&mut self, stack: &[usize], closing: usize) {
+        let from = stack.iter().position(|&joint| joint == closing).unwrap_or(0);
+        let names = stack[from..].iter().chain([&closing]);
+        let names: Vec<String> = names.map(|&joint| self.robot.joints[joint].name.quoted()).collect();
+        let message = format!("the joints {} follow each other in a circle", names.join(" → "));
+        self.report.error(self.robot.joints[closing].name.span, "follows-circle", message);
+        self.report.help("one of them has to be a coordinate: remove its `follows` or `<mimic>`");
+    }
+
+    /// Tells whether a row has a coordinate, and complains otherwise.
+    fn moves(&mut self, name: &Name, what: &str, verb: &str, row: &Row) -> bool {
+        if row.terms.is_empty() {
+            let message = format!("{what} `{}` {verb} nothing that moves", name.value);
+            self.report.error(name.span, "follows-nothing", message);
+            self.report.help("hold the joint (`held = …`), or name joints that move");
+        }
+        !row.terms.is_empty()
+    }
+
+    /// `Σ ratio · row`
+    fn combined(&mut self, follows: &[FollowsDescription]) -> Option<Row> {
+        let mut sum = Row::default();
+        let mut is_known = true;
+        for term in follows {
+            match self.scaled(term) {
+                Some(row) => add(&mut sum, row),
+                None => is_known = false,
+            }
+        }
+        sum.terms.retain(|term| !term.ratio.is_zero());
+        sum.terms.sort_by_key(|term| term.coordinate);
+        is_known.then_some(sum)
+    }
+
+    /// `ratio · row`
+    fn scaled(&mut self, term: &FollowsDescription) -> Option<Row> {
+        let row = self.target(&term.joint)?;
+        let (ratio, value) = (&term.ratio.value, term.ratio.value.evaluate(self.defaults, 0.0, 0.0));
+        if value == 0.0 || !value.is_finite() {
+            let message = format!("the ratio to joint `{}` is {}", term.joint.value, as_written(value));
+            self.report.error(term.ratio.span, "follows-ratio", message);
+            self.report.help("motion for a unit of that joint's motion: finite and not 0");
+            return None;
+        }
+        if row.offset != 0.0 && ratio.as_number().is_none() {
+            let message =
+                format!("a free ratio to joint `{}`, which has an offset or is held", term.joint.value);
+            self.report.error(term.ratio.span, "free-offset", message);
+            self.report.help("offsets are constants of the generated code: give the ratio as a number");
+            return None;
+        }
+        let terms = row.terms.iter().map(|other| FollowedCoordinate {
+            coordinate: other.coordinate,
+            ratio: Formula::product(ratio.clone(), other.ratio.clone()),
+        });
+        Some(Row { terms: terms.collect(), offset: value * row.offset })
+    }
+
+    /// The row of a joint by its name.
+    fn target(&mut self, name: &Name) -> Option<Row> {
+        let Some(index) = self.find(name) else {
+            self.report.error(name.span, "unknown-joint", format!("unknown joint `{}`", name.value));
+            let joints = self.robot.joints.iter().filter(|joint| joint.moves());
+            if let Some(help) = nearest(&name.value, joints.map(|joint| joint.name.value.as_str())) {
+                self.report.help(help);
+            }
+            return None;
+        };
+        let joint = &self.robot.joints[index];
+        match (&self.rows[index], joint.held) {
+            (Progress::Done(row), _) => row.clone(),
+            (_, Some(position)) => Some(Row { terms: Vec::new(), offset: position }),
+            _ => {
+                let message = format!("joint `{}` is fixed: nothing can follow it", name.value);
+                self.report.error(name.span, "follows-fixed", message);
+                None
+            }
+        }
+    }
+}
+
+fn add(sum: &mut Row, row: Row) {
+    sum.offset += row.offset;
+    for term in row.terms {
+        match sum.terms.iter_mut().find(|known| known.coordinate == term.coordinate) {
+            Some(known) => known.ratio = Formula::sum(known.ratio.clone(), term.ratio),
+            None => sum.terms.push(term),
+        }
+    }
+}
+
+/// Complains where no position of the coordinates within their limits puts a joint within its own.
+fn check_limits(
+    robot: &RobotDescription,
+    tree: &Tree,
+    coordinates: &[usize],
+    joint: &JointDescription,
+    row: &Row,
+    defaults: &[f64],
+    report: &mut Report,
+) {
+    let Some(limits) = &joint.limits.position else { return };
+    let mut reach = [row.offset; 2];
+    for term in &row.terms {
+        let followed = tree.joints[coordinates[term.coordinate]].and_then(|joint| robot.joints.get(joint));
+        let own = followed.and_then(|joint| joint.limits.position.as_ref());
+        let [low, high] = own.map_or([f64::NEG_INFINITY, f64::INFINITY], |limits| limits.value);
+        let ratio = term.ratio.evaluate(defaults, 0.0, 0.0);
+        let ends = [ratio * low, ratio * high];
+        reach = [reach[0] + ends[0].min(ends[1]), reach[1] + ends[0].max(ends[1])];
+    }
+    let [low, high] = limits.value;
+    if low <= high && (reach[1] < low || reach[0] > high) {
+        let message = format!(
+            "joint `{}` moves from {} to {} with the joints that it follows, outside of its limits {} … {}",
+            joint.name.value,
+            as_written(reach[0]),
+            as_written(reach[1]),
+            as_written(low),
+            as_written(high)
+        );
+        report.error(limits.span, "limits-exclude", message);
+        report.help("mend the limits, the ratios or the `offset`: no position satisfies them all");
+    }
+}
