@@ -5,7 +5,9 @@
 //! expression graph. Only the [`Model`] is shared with the generator.
 
 use gelenk_codegen::formula::{Formula, Function};
-use gelenk_codegen::model::{Drive, Frame, Joint, JointKind, Model, Motion, Pose, RotorCoupling};
+use gelenk_codegen::model::{
+    Drive, FollowedCoordinate, Frame, FrictionTerm, Joint, JointKind, Model, Motion, Pose, RotorCoupling,
+};
 use num_dual::{Dual64, DualNum, HyperDual64};
 
 /// Numbers that carry derivatives, or plain ones.
@@ -71,12 +73,23 @@ impl Oracle<'_> {
         states
     }
 
+    /// `Σ ratio · x[coordinate]`
+    fn sum<T: Number>(&self, terms: &[FollowedCoordinate], x: &[T]) -> T {
+        let terms = terms.iter().map(|term| x[term.coordinate] * self.number(&term.ratio));
+        terms.fold(T::from(0.0), |sum, term| sum + term)
+    }
+
     /// State of the link behind a joint.
     fn carried<T: Number>(&self, parent: &LinkState<T>, joint: &Joint, y: &[T], v: &[T]) -> LinkState<T> {
         let (position, speed, moves) = match joint.motion {
             Motion::Fixed => (T::from(0.0), T::from(0.0), parent.moves),
             Motion::Held(position) => (T::from(position), T::from(0.0), parent.moves),
             Motion::Coordinate(index) => (y[index], v[index], true),
+            Motion::Follower(index) => {
+                let follower = &self.model.followers[index - self.model.coordinates.len()];
+                let position = self.sum(&follower.follows, y) + follower.offset;
+                (position, self.sum(&follower.follows, v), true)
+            }
         };
         let (arm, rotation) = self.placed(parent, &joint.origin);
         let axis = times(&rotation, &constant(joint.axis));
@@ -130,7 +143,7 @@ impl Oracle<'_> {
     }
 
     fn rotor_energy<T: Number>(&self, drive: &Drive, carrier: &LinkState<T>, v: &[T]) -> T {
-        let own = drive.coordinate.map_or(T::from(0.0), |index| v[index] * self.number(&drive.gear_ratio));
+        let own = self.sum(&drive.acts_on, v) * self.number(&drive.gear_ratio);
         let axis = times(&carrier.rotation, &constant(drive.axis));
         let spin = match drive.coupling {
             RotorCoupling::Body => dot(&axis, &carrier.spin) + own,
@@ -185,28 +198,40 @@ impl Oracle<'_> {
 
     /// Forces of springs and dampers.
     pub fn spring_forces(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
-        let force = |(i, joint): (usize, &Joint)| {
-            let laws = joint.springs.iter();
-            laws.map(|law| value(law, self.parameters, y[i], v[i])).sum()
-        };
-        self.joints().enumerate().map(force).collect()
+        self.joint_forces(y, v, |joint, y, v| {
+            joint.springs.iter().map(|law| value(law, self.parameters, y, v)).sum()
+        })
     }
 
     /// `τ = Σ coefficient · basis`
     pub fn friction_torques(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
-        let torque = |(i, joint): (usize, &Joint)| {
+        self.joint_forces(y, v, |joint, y, v| {
             let terms = joint.friction.iter();
-            terms
-                .map(|term| self.number(&term.coefficient) * value(&term.basis, self.parameters, y[i], v[i]))
-                .sum()
-        };
-        self.joints().enumerate().map(torque).collect()
+            let torque = |term: &FrictionTerm| {
+                self.number(&term.coefficient) * value(&term.basis, self.parameters, y, v)
+            };
+            terms.map(torque).sum()
+        })
     }
 
-    /// The joint of each coordinate.
-    fn joints(&self) -> impl Iterator<Item = &Joint> {
-        let links = self.model.coordinates.iter();
-        links.filter_map(|&link| self.model.links[link].joint.as_ref())
+    /// Forces along joints, at their positions and speeds, as forces on the coordinates: by virtual work.
+    fn joint_forces(&self, y: &[f64], v: &[f64], force: impl Fn(&Joint, f64, f64) -> f64) -> Vec<f64> {
+        let mut forces = vec![0.0; y.len()];
+        for joint in self.model.links.iter().filter_map(|link| link.joint.as_ref()) {
+            match joint.motion {
+                Motion::Fixed | Motion::Held(_) => {}
+                Motion::Coordinate(index) => forces[index] += force(joint, y[index], v[index]),
+                Motion::Follower(index) => {
+                    let follower = &self.model.followers[index - y.len()];
+                    let position = self.sum(&follower.follows, y) + follower.offset;
+                    let force = force(joint, position, self.sum(&follower.follows, v));
+                    for term in &follower.follows {
+                        forces[term.coordinate] += self.number(&term.ratio) * force;
+                    }
+                }
+            }
+        }
+        forces
     }
 
     /// Origin and rotation of a named frame.

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use fastrand::Rng;
 use gelenk_codegen::formula::{Formula, Function};
 use gelenk_codegen::model::{
-    Body, Drive, Frame, FrictionTerm, Input, Joint, JointKind, Limits, Link, Model, Motion, MotorTorque,
-    Options, Parameter, Pose, RotorCoupling,
+    Body, Drive, FollowedCoordinate, Follower, Frame, FrictionTerm, Input, Joint, JointKind, Limits, Link,
+    Model, Motion, MotorTorque, Options, Parameter, Pose, RotorCoupling,
 };
 use nalgebra::DMatrix;
 
@@ -43,11 +43,82 @@ pub fn random_model_with_near_rotors(seed: u64, longest: usize) -> Model {
     let mut rng = Rng::with_seed(seed);
     let mut model = tree(&mut rng, longest);
     for drive in &mut model.drives {
-        let driven = drive.coordinate.map(|index| model.coordinates[index]);
+        let driven = drive.coordinate().map(|index| model.coordinates[index]);
         let joint = driven.and_then(|link| model.links[link].joint.as_ref());
         drive.carrier = joint.map_or(drive.carrier, |joint| joint.parent);
     }
     made_regular(rng, model)
+}
+
+/// As [`random_model`], with joints that follow others and drives that act on several coordinates.
+pub fn random_coupled_model(seed: u64, longest: usize) -> Model {
+    let mut rng = Rng::with_seed(seed);
+    let mut model = loop {
+        let model = tree(&mut rng, longest);
+        if model.coordinates.len() > 1 {
+            break model;
+        }
+    };
+    couple(&mut rng, &mut model);
+    made_regular(rng, model)
+}
+
+/// Makes about a third of the coordinates followers, and lets drives act on several.
+fn couple(rng: &mut Rng, model: &mut Model) {
+    let moving = std::mem::take(&mut model.coordinates);
+    let (own, followers): (Vec<usize>, Vec<usize>) = moving
+        .iter()
+        .enumerate()
+        .map(|(k, link)| (k > 0 && chance(rng, 0.35), *link))
+        .fold((vec![], vec![]), |(mut own, mut followers), (follows, link)| {
+            if follows {
+                followers.push(link)
+            } else {
+                own.push(link)
+            }
+            (own, followers)
+        });
+    let n = own.len();
+    let free = !model.parameters.is_empty();
+    for (index, &link) in followers.iter().enumerate() {
+        let follows = followed(rng, n, free);
+        let offset = if chance(rng, 0.5) { 0.0 } else { within(rng, 1.0) };
+        model.followers.push(Follower { link, follows, offset });
+        set_motion(model, link, Motion::Follower(n + index));
+    }
+    for (index, &link) in own.iter().enumerate() {
+        set_motion(model, link, Motion::Coordinate(index));
+    }
+    model.coordinates = own;
+    let links = model.links.clone();
+    model.drives = drives(rng, &links);
+    for drive in &mut model.drives {
+        if n > 1 && !drive.acts_on.is_empty() && chance(rng, 0.4) {
+            drive.acts_on = followed(rng, n, free);
+        }
+    }
+}
+
+fn set_motion(model: &mut Model, link: usize, motion: Motion) {
+    if let Some(joint) = &mut model.links[link].joint {
+        joint.motion = motion;
+    }
+}
+
+/// One to three coordinates with ratios.
+fn followed(rng: &mut Rng, coordinates: usize, free: bool) -> Vec<FollowedCoordinate> {
+    let mut all: Vec<usize> = (0..coordinates).collect();
+    rng.shuffle(&mut all);
+    all.truncate(rng.usize(1..=3));
+    let ratio = |rng: &mut Rng| {
+        let ratio = match rng.u8(0..4) {
+            0 => 1.0,
+            1 => -1.0,
+            _ => within(rng, 2.0) + 0.1,
+        };
+        if free && chance(rng, 0.3) { product(Formula::Parameter(1), number(ratio)) } else { number(ratio) }
+    };
+    all.into_iter().map(|coordinate| FollowedCoordinate { coordinate, ratio: ratio(rng) }).collect()
 }
 
 fn made_regular(mut rng: Rng, mut model: Model) -> Model {
@@ -83,8 +154,7 @@ pub fn condition_of(matrix: &[f64]) -> f64 {
 /// A state within a turn, velocities of a few rad/s, parameters near their defaults.
 pub fn random_sample(rng: &mut Rng, model: &Model) -> Sample {
     let n = model.coordinates.len();
-    let inputs = model.drives.iter().filter(|drive| drive.coordinate.is_some());
-    let m = inputs.count();
+    let m = model.inputs().count();
     let mut array = |len: usize, size: f64| (0..len).map(|_| within(rng, size)).collect();
     let (y, v, a, u) = (array(n, PI), array(n, 2.0), array(n, 3.0), array(m, 5.0));
     let parameters = model.parameters.iter();
@@ -94,7 +164,7 @@ pub fn random_sample(rng: &mut Rng, model: &Model) -> Sample {
 
 fn moves(link: &Link) -> bool {
     let motion = link.joint.as_ref().map(|joint| joint.motion);
-    matches!(motion, Some(Motion::Coordinate(_)))
+    matches!(motion, Some(Motion::Coordinate(_) | Motion::Follower(_)))
 }
 
 fn chance(rng: &mut Rng, probability: f64) -> bool {
@@ -150,6 +220,7 @@ fn tree(rng: &mut Rng, longest: usize) -> Model {
         parameters,
         frames,
         coordinates: moving,
+        followers: vec![],
         links,
         drives,
         options: Options::default(),
@@ -348,25 +419,25 @@ fn drives(rng: &mut Rng, links: &[Link]) -> Vec<Drive> {
     let mut drives = Vec::new();
     for link in &links[1..] {
         let Some(joint) = &link.joint else { continue };
-        let coordinate = match joint.motion {
-            Motion::Coordinate(index) => Some(index),
-            Motion::Held(_) => None,
-            Motion::Fixed => continue,
+        let acts_on = match joint.motion {
+            Motion::Coordinate(index) => vec![FollowedCoordinate::itself(index)],
+            Motion::Held(_) => vec![],
+            Motion::Fixed | Motion::Follower(_) => continue,
         };
         if chance(rng, 0.8) {
-            drives.push(drive(rng, joint, coordinate, links.len()));
+            drives.push(drive(rng, joint, acts_on, links.len()));
         }
     }
     drives
 }
 
-fn drive(rng: &mut Rng, joint: &Joint, coordinate: Option<usize>, links: usize) -> Drive {
+fn drive(rng: &mut Rng, joint: &Joint, acts_on: Vec<FollowedCoordinate>, links: usize) -> Drive {
     let has_rotor = chance(rng, 0.6);
     let sign = if chance(rng, 0.2) { -1.0 } else { 1.0 };
     Drive {
         name: format!("{} drive", joint.name),
         identifier: format!("{}_drive", joint.identifier),
-        coordinate,
+        acts_on,
         gear_ratio: number(sign * (1.0 + 60.0 * rng.f64())),
         rotor_inertia: number(if has_rotor { 1e-3 * rng.f64() } else { 0.0 }),
         carrier: match rng.u8(0..4) {

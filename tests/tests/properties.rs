@@ -14,7 +14,7 @@ use gelenk_tests::Robot;
 use gelenk_tests::dual::evaluate;
 use gelenk_tests::oracle::{Oracle, value};
 use gelenk_tests::random_model::{
-    Sample, condition_of, random_model, random_model_with_near_rotors, random_sample,
+    Sample, condition_of, random_coupled_model, random_model, random_model_with_near_rotors, random_sample,
 };
 use num_dual::{Dual64, HyperDual64};
 
@@ -23,6 +23,9 @@ const TOLERANCE: f64 = 1e-12;
 
 /// Robots of each test; every seed is another robot.
 const SEEDS: std::ops::Range<u64> = 0..60;
+
+/// Robots with joints that follow others.
+const COUPLED_SEEDS: std::ops::Range<u64> = 1000..1030;
 
 /// Largest number of coordinates.
 const LONGEST: usize = 12;
@@ -82,14 +85,14 @@ impl Scales {
 fn joint_forces(oracle: &Oracle, u: &[f64]) -> Vec<f64> {
     let number = |formula| value(formula, oracle.parameters, 0.0, 0.0);
     let mut forces = vec![0.0; oracle.model.coordinates.len()];
-    let drives = oracle.model.drives.iter();
-    let driven = drives.filter_map(|drive| Some((drive, drive.coordinate?)));
-    for ((drive, coordinate), u) in driven.zip(u) {
+    for (drive, u) in oracle.model.inputs().zip(u) {
         let constant = match &drive.input {
             Input::Torque => 1.0,
             Input::Current(constant) => number(constant),
         };
-        forces[coordinate] += number(&drive.gear_ratio) * constant * u;
+        for term in &drive.acts_on {
+            forces[term.coordinate] += number(&drive.gear_ratio) * number(&term.ratio) * constant * u;
+        }
     }
     forces
 }
@@ -164,11 +167,13 @@ static ROBOTS: LazyLock<Vec<(u64, Robot)>> = LazyLock::new(|| {
         |seed| Robot::in_form(random_model_with_near_rotors(seed, LONGEST), &selection, Form::Arrays);
     let robots: Vec<(u64, Robot)> =
         SEEDS.flat_map(|seed| [(seed, straight(seed)), (seed, looped(seed))]).collect();
+    let coupled = |seed| Robot::in_form(random_coupled_model(seed, LONGEST), &selection, Form::Straight);
+    let coupled: Vec<(u64, Robot)> = COUPLED_SEEDS.map(|seed| (seed, coupled(seed))).collect();
     let has_loops = |name| move |(_, robot): &&(u64, Robot)| robot.function(name).arrays.is_some();
     for name in ["inverse_dynamics_derivatives", "linearize"] {
         assert!(robots.iter().filter(has_loops(name)).count() > robots.len() / 3, "{name}");
     }
-    robots
+    robots.into_iter().chain(coupled).collect()
 });
 
 /// Runs a check on all random robots, in several states.
@@ -303,7 +308,7 @@ fn forward_dynamics_inverts_inverse_dynamics() {
         let largest = accelerations.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let residual = size + case.scales.mass * largest * y.len() as f64;
         case.close("M ÿ + k − q − B u", &forces, &inputs, residual);
-        if u.len() == y.len() {
+        if u.len() == y.len() && !case.oracle.model.is_coupled() {
             // Every coordinate is driven, B is diagonal up to the order of the drives.
             let forces = case.call("inverse_dynamics", &[y, v, a]);
             let column = |j: usize| (0..y.len()).find(|i| input_matrix[i * u.len() + j] != 0.0);

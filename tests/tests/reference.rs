@@ -239,3 +239,30 @@ fn every_model_is_there() {
         assert!(Path::exists(&folder.join(format!("{name}.toml"))), "{name}");
     }
 }
+
+/// The Panda's second finger follows the first one: `<mimic>` of its URDF.
+#[test]
+fn coupled_fingers_agree_with_pinocchio() {
+    let Some(reference) = reference("mechanisms/panda_mimic.json") else {
+        return;
+    };
+    let Some(folder) = shared() else { return };
+    let urdf = folder.join("reference/mechanisms/urdf/panda_mimic.urdf");
+    let options = GenerateOptions { no_friction: true, ..GenerateOptions::default() };
+    let robot = Robot::derive(&urdf, &options);
+    assert_eq!(robot.model.coordinates.len(), 8);
+    for sample in samples(&reference) {
+        let get = |key: &str| numbers(&sample[key]);
+        let (y, v, a, tau) = (get("y"), get("v"), get("a"), get("tau"));
+        const TOLERANCE: f64 = 1e-11;
+        check("M", &robot.first("mass_matrix", &[&y]), &get("M"), TOLERANCE);
+        check("nle", &robot.first("bias_forces", &[&y, &v]), &get("nle"), TOLERANCE);
+        check("g", &robot.first("gravity_forces", &[&y]), &negative(&get("g")), TOLERANCE);
+        check("id", &robot.first("inverse_dynamics", &[&y, &v, &a]), &get("id"), TOLERANCE);
+        check("fd", &robot.first("forward_dynamics", &[&y, &v, &tau]), &get("fd"), TOLERANCE);
+        let inverse = robot.call("inverse_dynamics_derivatives_and_mass_matrix", &[&y, &v, &a]);
+        for (found, key) in inverse.iter().zip(["id", "did_dy", "did_dv", "M"]) {
+            check(key, found, &get(key), 1e-10);
+        }
+    }
+}

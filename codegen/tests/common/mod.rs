@@ -67,6 +67,7 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
         gravity: [number(0.0), number(0.0), number(-9.81)],
         parameters: vec![],
         links,
+        followers: vec![],
         coordinates: (1..=joints.len()).collect(),
         drives,
         frames: vec![],

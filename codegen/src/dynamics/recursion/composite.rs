@@ -29,7 +29,21 @@ pub fn mass_matrix<'g>(
     }
     rotor::add_inertia(mechanism, &mut matrix);
     rotor::add_coupling(mechanism, &placements, &mut matrix);
+    mirror(mechanism, &mut matrix);
     matrix
+}
+
+/// One triangle of M serves both where joints follow others: sums of the same terms in two orders would differ in
+/// their last bits.
+pub(super) fn mirror<'g>(mechanism: &Mechanism<Scalar<'g>>, matrix: &mut [Vec<Scalar<'g>>]) {
+    if !mechanism.is_coupled() {
+        return;
+    }
+    for row in 0..matrix.len() {
+        for column in 0..row {
+            matrix[row][column] = matrix[column][row];
+        }
+    }
 }
 
 /// A body together with all that it carries.

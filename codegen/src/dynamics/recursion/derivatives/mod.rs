@@ -31,6 +31,7 @@ mod tree;
 use self::column::{Column, Disturbed};
 use self::flow::levers;
 use self::tree::Tree;
+use super::composite::mirror;
 use super::newton_euler::{MotionInput, inverse_dynamics_parts};
 use super::rotor;
 use crate::dynamics::matrix::Matrix;
@@ -110,6 +111,7 @@ pub fn inverse_dynamics_derivatives<'g>(
         tree.read_off(carrier, &source, &column, &mut result);
         tree.walk(carrier, &source, column, &mut result);
     }
+    mirror(mechanism, &mut result.mass_matrix);
     result
 }
 
