@@ -34,7 +34,7 @@ fn every_model_loads() {
         let inputs: Vec<&str> = model
             .drives
             .iter()
-            .filter(|drive| drive.coordinate.is_some())
+            .filter(|drive| drive.coordinate().is_some())
             .map(|drive| drive.name.as_str())
             .collect();
         let frames: Vec<&str> = model.frames.iter().map(|frame| frame.name.as_str()).collect();

@@ -42,6 +42,7 @@ fn position(joint: &Joint, y: &[f64]) -> f64 {
     match joint.motion {
         Motion::Fixed => 0.0,
         Motion::Held(position) => position,
+        Motion::Follower(_) => unreachable!("no robot here has joints that follow others"),
         Motion::Coordinate(index) => y[index],
     }
 }
@@ -137,7 +138,7 @@ fn add_rotors(model: &Model, placed: &[Placed], p: &[f64], mass: &mut [Vec<f64>]
         if drive.coupling == RotorCoupling::Diagonal {
             spin.fill(0.0);
         }
-        if let Some(coordinate) = drive.coordinate {
+        if let Some(coordinate) = drive.coordinate() {
             spin[coordinate] += ratio;
         }
         for i in 0..spin.len() {

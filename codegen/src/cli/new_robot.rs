@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::Failure;
-use crate::model::{DescriptionFiles, Joint, Loaded, Model, ReadOptions};
+use crate::model::{DescriptionFiles, Model, ReadOptions};
 use crate::wording::toml_text;
 
 const BUILD: &str = include_str!("template/build.rs");
@@ -37,7 +37,7 @@ pub(super) fn robot(urdf: Option<&Path>) -> Result<Robot, Failure> {
 fn from_urdf(path: &Path) -> Result<Robot, Failure> {
     let wrong = |why| Failure::Descriptions(vec![why]);
     let mut files = DescriptionFiles::of(path);
-    let reading = Reading::of(&mut files)?;
+    let loaded = files.load(&ReadOptions::default()).map_err(wrong)?;
     if !files.is_xml().map_err(wrong)? {
         return Err(Failure::Usage(format!(
             "{} is no URDF\n  = help: make the crate without --urdf, and put your description in the place of its robot.toml",
@@ -45,33 +45,16 @@ fn from_urdf(path: &Path) -> Result<Robot, Failure> {
         )));
     }
     Ok(Robot {
-        build: match reading.loaded.model.joints().any(Joint::jumps) {
+        build: match loaded.model.moving_joints().iter().any(|moving| moving.joint.jumps()) {
             true => BUILD_BOTH,
             false => BUILD,
         },
-        description: description(path, &reading.loaded.model, reading.ignores_mimic),
+        description: description(path, &loaded.model),
         urdf: Some(files.content().map_err(wrong)?.to_vec()),
     })
 }
 
-/// A URDF as it can be read.
-struct Reading {
-    loaded: Loaded,
-    /// Whether its joints with `<mimic>` had to become coordinates of their own.
-    ignores_mimic: bool,
-}
-
-impl Reading {
-    fn of(files: &mut DescriptionFiles) -> Result<Self, Failure> {
-        let mut read = |ignore_mimic: bool| {
-            let options = ReadOptions { ignore_mimic, ..ReadOptions::default() };
-            files.load(&options).map(|loaded| Self { loaded, ignores_mimic: ignore_mimic })
-        };
-        read(false).or_else(|why| read(true).map_err(|_| Failure::Descriptions(vec![why])))
-    }
-}
-
-fn description(path: &Path, model: &Model, ignores_mimic: bool) -> String {
+fn description(path: &Path, model: &Model) -> String {
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     let mut text = format!(
         "# The robot of robot.urdf, which is a copy of {}.\n\
@@ -80,10 +63,9 @@ fn description(path: &Path, model: &Model, ignores_mimic: bool) -> String {
          urdf = \"robot.urdf\"\n",
         file.replace(char::is_control, " ")
     );
-    if ignores_mimic {
+    if !model.followers.is_empty() {
         text.push_str(
-            "# The URDF couples joints by <mimic>. Here each is a coordinate of its own; `held = 0` in an entry below takes one out.\n\
-             ignore_mimic = true\n",
+            "# Joints with <mimic> move with the joints that they follow. With `ignore_mimic = true` each is a coordinate of its own.\n",
         );
     }
     text.push_str(

@@ -72,6 +72,8 @@ pub enum ConstantValue {
     Numbers(Dimension, Vec<f64>),
     /// `[[f64; 2]; n]`: lowest and highest value.
     Ranges(Dimension, Vec<[f64; 2]>),
+    /// `[[f64; columns]; n]`
+    Rows(Dimension, Vec<Vec<f64>>),
     /// `[(usize, usize, f64); n]`: row, column and value of the entries that are not zero.
     Sparse(Vec<(usize, usize, f64)>),
     /// `[[bool; columns]; rows]`

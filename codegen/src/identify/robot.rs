@@ -109,7 +109,7 @@ impl Robot for InterpretedRobot {
     }
 
     fn bodies(&self) -> usize {
-        self.model.coordinates.len()
+        self.model.moving_joints().len()
     }
 
     fn input_matrix(&self) -> Vec<f64> {

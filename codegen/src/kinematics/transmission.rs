@@ -50,6 +50,27 @@ impl<S: Copy> Transmission<S> {
 }
 
 impl<'g> Transmission<Scalar<'g>> {
+    /// `Σ` of the motions of several joints. Where some of them follow others the ratios are added before: what
+    /// cancels, as in a parallelogram, takes no operation.
+    pub fn sum_of_motions<'a>(
+        chain: impl Iterator<Item = &'a Self> + Clone,
+        zero: Scalar<'g>,
+        x: &[Scalar<'g>],
+    ) -> Scalar<'g>
+    where
+        'g: 'a,
+    {
+        if chain.clone().all(|joint| joint.single().is_some()) {
+            return chain.fold(zero, |sum, joint| sum + joint.motion(x));
+        }
+        let mut ratios = vec![zero; x.len()];
+        for term in chain.flat_map(|joint| &joint.terms) {
+            ratios[term.coordinate] = ratios[term.coordinate] + term.ratio;
+        }
+        let moving = ratios.iter().zip(x).filter(|(ratio, _)| !ratio.is_zero());
+        moving.fold(zero, |sum, (&ratio, &x)| sum + x * ratio)
+    }
+
     /// `Σ ratio · x[coordinate]`: the position, velocity or acceleration for those of all coordinates.
     pub fn motion(&self, x: &[Scalar<'g>]) -> Scalar<'g> {
         let terms = self.terms.iter().map(|term| x[term.coordinate] * term.ratio);

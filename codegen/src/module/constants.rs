@@ -2,10 +2,10 @@
 
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::Dimension;
-use crate::model::{Drive, Input, Joint, Model};
+use crate::model::{Drive, Input, Joint, Model, MovingJoint};
 
 /// Names of all constants that a module can have beside those of its functions.
-pub const NAMES: [&str; 17] = [
+pub const NAMES: [&str; 22] = [
     "JOINT_NAMES",
     "JOINT_UNITS",
     "INPUT_NAMES",
@@ -16,6 +16,11 @@ pub const NAMES: [&str; 17] = [
     "VELOCITY_LIMITS",
     "EFFORT_LIMITS",
     "PEAK_EFFORT_LIMITS",
+    "DEPENDENT_JOINT_NAMES",
+    "DEPENDENT_JOINT_RATIOS",
+    "DEPENDENT_JOINT_OFFSETS",
+    "DEPENDENT_POSITION_LIMITS",
+    "DEPENDENT_VELOCITY_LIMITS",
     "INPUT_LIMITS",
     "PEAK_INPUT_LIMITS",
     "GEAR_RATIOS",
@@ -31,6 +36,7 @@ pub(super) fn all(model: &Model) -> Vec<Constant> {
     let inputs: Vec<&Drive> = model.inputs().collect();
     let mut constants = names(model, &joints, &inputs);
     constants.extend(joint_limits(&joints));
+    constants.extend(followers(model));
     constants.extend(drives(model, &inputs));
     constants.extend(gravity(model));
     constants
@@ -59,7 +65,11 @@ fn strings<'a>(dimension: Dimension, names: impl Iterator<Item = &'a str>) -> Co
 
 fn names(model: &Model, joints: &[&Joint], inputs: &[&Drive]) -> Vec<Constant> {
     use Dimension::{Coordinates, Fixed, Inputs};
-    let acted_on = inputs.iter().filter_map(|drive| drive.coordinate());
+    let acted_on: Option<Vec<usize>> = inputs.iter().map(|drive| drive.coordinate()).collect();
+    let acted_on = acted_on.map(|acted_on| {
+        let value = ConstantValue::Indices(Inputs, acted_on);
+        constant("INPUT_JOINTS", "The coordinate that each input acts on.", value)
+    });
     let frames = (!model.frames.is_empty()).then(|| {
         let names = model.frames.iter().map(|frame| frame.name.as_str());
         constant("FRAME_NAMES", "Names of the frames.", strings(Fixed, names))
@@ -85,13 +95,59 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[&Drive]) -> Vec<Constant> {
             "Units of the inputs: `N m` or `N` for ideal drives and motor torques, `A` for motor currents.",
             strings(Inputs, inputs.iter().map(|drive| model.input_unit(drive))),
         ),
+    ];
+    constants.into_iter().chain(acted_on).chain(frames).collect()
+}
+
+/// The joints that follow coordinates. Ratios that depend on free parameters are left out.
+fn followers(model: &Model) -> Vec<Constant> {
+    if model.followers.is_empty() {
+        return vec![];
+    }
+    let moving = model.moving_joints();
+    let followers = &moving[model.coordinates.len()..];
+    let row = |follower: &MovingJoint<'_>| {
+        let mut row = vec![0.0; model.coordinates.len()];
+        for term in &follower.follows {
+            row[term.coordinate] = term.ratio.value(&[])?;
+        }
+        Some(row)
+    };
+    let rows: Option<Vec<Vec<f64>>> = followers.iter().map(row).collect();
+    let ratios = rows.map(|rows| {
+        let summary = "G in `G y + g₀`, the positions of the joints that follow: a row for each of them.";
+        constant("DEPENDENT_JOINT_RATIOS", summary, ConstantValue::Rows(Dimension::Coordinates, rows))
+    });
+    let numbers = |name, summary, value: fn(&MovingJoint<'_>) -> f64| {
+        let values = followers.iter().map(value).collect();
+        constant(name, summary, ConstantValue::Numbers(Dimension::Fixed, values))
+    };
+    let names = followers.iter().map(|follower| follower.joint.name.as_str());
+    let unlimited = [f64::NEG_INFINITY, f64::INFINITY];
+    let positions = followers.iter().map(|follower| follower.joint.limits.position.unwrap_or(unlimited));
+    let names = constant(
+        "DEPENDENT_JOINT_NAMES",
+        "Names of the joints that follow others.",
+        strings(Dimension::Fixed, names),
+    );
+    let limits = [
+        numbers(
+            "DEPENDENT_JOINT_OFFSETS",
+            "g₀: position of each joint that follows where all coordinates are 0 (rad or m).",
+            |follower| follower.offset,
+        ),
         constant(
-            "INPUT_JOINTS",
-            "The coordinate that each input acts on.",
-            ConstantValue::Indices(Inputs, acted_on.collect()),
+            "DEPENDENT_POSITION_LIMITS",
+            "Lowest and highest position of each joint that follows (rad or m); infinite where not described.",
+            ConstantValue::Ranges(Dimension::Fixed, positions.collect()),
+        ),
+        numbers(
+            "DEPENDENT_VELOCITY_LIMITS",
+            "Highest speed of each joint that follows (rad/s or m/s); infinite where not described.",
+            |follower| follower.joint.limits.velocity.unwrap_or(f64::INFINITY),
         ),
     ];
-    constants.into_iter().chain(frames).collect()
+    [names].into_iter().chain(ratios).chain(limits).collect()
 }
 
 fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {

@@ -51,7 +51,7 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
         drives.push(Drive {
             name: (*joint).into(),
             identifier: (*joint).into(),
-            coordinate: Some(i),
+            acts_on: vec![gelenk_codegen::model::FollowedCoordinate::itself(i)],
             gear_ratio: number(1.0),
             rotor_inertia: number(0.0),
             carrier: i,

@@ -14,7 +14,7 @@ use crate::dynamics::recursion::placement::{Placement, place};
 use crate::dynamics::recursion::rotor::Gyrostat;
 use crate::dynamics::search::formulation::{AngularRoute, BodyChoices, Formulation, RunLink};
 use crate::graph::Scalar;
-use crate::kinematics::{Body, JointAxis, Mechanism};
+use crate::kinematics::{Body, JointAxis, Mechanism, Transmission};
 use crate::spatial::{Force, Matrix3, Symmetric3, Twist, Vector3};
 
 /// BodyMotion of a body in its working frame.
@@ -190,10 +190,6 @@ impl<'g> RevoluteStep<'_, 'g> {
 
     /// Rate and acceleration of the turn relative to the source.
     fn rates(&self, input: MotionInput<'_, 'g>) -> (Scalar<'g>, Scalar<'g>) {
-        let signed = |values: &[Scalar<'g>], k: usize| {
-            let body = &self.mechanism.bodies[k];
-            body.transmission.motion(values)
-        };
         let mut chain = vec![self.index];
         if self.choices.source == RunLink::RunBase {
             let mut k = self.index;
@@ -206,7 +202,8 @@ impl<'g> RevoluteStep<'_, 'g> {
             }
         }
         let zero = self.mechanism.graph.constant(0.0);
-        let sum = |values: &[Scalar<'g>]| chain.iter().rev().fold(zero, |sum, &k| sum + signed(values, k));
+        let joints = chain.iter().rev().map(|&k| &self.mechanism.bodies[k].transmission);
+        let sum = |values: &[Scalar<'g>]| Transmission::sum_of_motions(joints.clone(), zero, values);
         (sum(input.v), sum(input.a))
     }
 

@@ -3,7 +3,7 @@
 use crate::dynamics::search::formulation::{Formulation, WorkingFrame};
 use crate::formula::Function;
 use crate::graph::Scalar;
-use crate::kinematics::{JointAxis, Mechanism};
+use crate::kinematics::{JointAxis, Mechanism, Transmission};
 use crate::spatial::{Angle, MassMoments, Motion, Twist, Vector3};
 
 /// Sine and cosine of an angle.
@@ -106,16 +106,26 @@ fn turn_between<'g>(
         |end: Option<usize>| end.and_then(|body| chain.iter().position(|&k| k == body)).map_or(0, |k| k + 1);
     let joints = &chain[position(from)..position(to)];
     let zero = mechanism.graph.constant(0.0);
-    let mut angle = zero;
     let mut offset = Angle::default();
     let mut name = String::new();
     for &joint in joints {
         let body = &mechanism.bodies[joint];
         name = format!("{name}_{}", body.identifier);
-        angle = angle + body.transmission.motion(y);
         offset = offset + body.offset;
     }
+    let transmissions = joints.iter().map(|&joint| &mechanism.bodies[joint].transmission);
+    let angle = Transmission::sum_of_motions(transmissions, zero, y);
+    if angle.is_zero() && mechanism.is_coupled() {
+        // The joints of a parallelogram turn each other back.
+        return offset.constant_turn(mechanism.graph);
+    }
     let angle = angle.named(|| format!("angle{name}")) + zero.constant(offset.remainder);
+    let transmissions = joints.iter().map(|&joint| &mechanism.bodies[joint].transmission);
+    let angle = Transmission::sum_of_motions(transmissions, zero, y);
+    if angle.is_zero() && mechanism.is_coupled() {
+        // The joints of a parallelogram turn each other back.
+        return offset.constant_turn(mechanism.graph);
+    }
     let angle = angle.named(|| format!("angle{name}_offset"));
     let sine = angle.call(Function::Sin).named(|| format!("sin{name}"));
     let cosine = angle.call(Function::Cos).named(|| format!("cos{name}"));

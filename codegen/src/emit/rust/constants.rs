@@ -69,6 +69,14 @@ fn value(context: &Context<'_>, value: &ConstantValue) -> (TokenStream, TokenStr
             });
             array(*dimension, &quote!([#ty; 2]), ranges)
         }
+        ConstantValue::Rows(columns, rows) => {
+            let width = length(Extent::new(*columns, rows.first().map_or(0, Vec::len)));
+            let rows = rows.iter().map(|row| {
+                let entries = row.iter().map(|&x| scalar.literal(x));
+                quote!([#(#entries),*])
+            });
+            array(Dimension::Fixed, &quote!([#ty; #width]), rows)
+        }
         ConstantValue::Sparse(entries) => {
             let entries = entries.iter().map(|&(row, column, value)| {
                 let (row, column, value) = (count(row), count(column), scalar.literal(value));
@@ -97,6 +105,7 @@ fn numbers(value: &ConstantValue) -> Vec<f64> {
     match value {
         ConstantValue::Numbers(_, numbers) => numbers.clone(),
         ConstantValue::Ranges(_, ranges) => ranges.concat(),
+        ConstantValue::Rows(_, rows) => rows.concat(),
         ConstantValue::Sparse(entries) => entries.iter().map(|entry| entry.2).collect(),
         ConstantValue::Count(_)
         | ConstantValue::Names(..)

@@ -4,7 +4,7 @@ use super::super::description::{FollowsDescription, JointDescription, Name, Robo
 use super::super::tree::Tree;
 use super::super::{FollowedCoordinate, Follower};
 use crate::diagnostic::{Report, nearest};
-use crate::formula::Formula;
+use crate::formula::{Formula, Function};
 use crate::wording::as_written;
 
 /// A row of G, and its offset.
@@ -53,6 +53,7 @@ impl Couplings {
         let joints: Vec<Option<Row>> = resolver.rows.into_iter().map(Progress::done).collect();
         for &joint in &followers {
             if let Some(row) = &joints[joint] {
+                note_dry_friction(&robot.joints[joint], row, report);
                 check_limits(robot, tree, coordinates, &robot.joints[joint], row, defaults, report);
             }
         }
@@ -139,6 +140,10 @@ impl Resolver<'_, '_> {
     fn follower(&mut self, joint: usize) -> Option<Row> {
         let described = &self.robot.joints[joint];
         let follows = described.follows.as_ref()?;
+        if follows.value.is_empty() {
+            // What could not be read was reported.
+            return None;
+        }
         let mut row = self.combined(&follows.value)?;
         row.offset += described.offset.as_ref().map_or(0.0, |offset| offset.value);
         self.moves(&described.name, "joint", "follows", &row).then_some(row)
@@ -232,6 +237,19 @@ fn add(sum: &mut Row, row: Row) {
             Some(known) => known.ratio = Formula::sum(known.ratio.clone(), term.ratio),
             None => sum.terms.push(term),
         }
+    }
+}
+
+/// Dry friction between several coordinates holds their sum, which a simulation of sticking joints does not know.
+fn note_dry_friction(joint: &JointDescription, row: &Row, report: &mut Report) {
+    let Some(friction) = joint.friction.as_ref().filter(|_| row.terms.len() > 1) else { return };
+    if friction.value.iter().any(|term| term.basis.calls(Function::Sign)) {
+        let message =
+            format!("joint `{}` follows several coordinates and has dry friction", joint.name.value);
+        report.note(Some(friction.span), "dry-follower", message);
+        report.help(
+            "the simulation lets single coordinates stick, not their sum: give the friction a `slope`, or use `--smooth-sign`",
+        );
     }
 }
 
