@@ -9,11 +9,39 @@
 #[rustfmt::skip]
 pub mod cart_pole;
 
+/// The robot `differential_wrist`.
+///
+/// An arm with two pitching joints and a wrist behind a differential gear.
+///
+/// The motors of the wrist sit side by side in the forearm. Where both turn alike the hand pitches, where they turn against each
+/// other it rolls. All numbers are estimated.
+#[rustfmt::skip]
+pub mod differential_wrist;
+
 /// The robot `double_pendulum`.
 ///
 /// Planar double pendulum of two slender rods, hanging at y = 0.
 #[rustfmt::skip]
 pub mod double_pendulum;
+
+/// The robot `gripper`.
+///
+/// A gripper with parallel fingers on a turning wrist.
+///
+/// One motor turns the left knuckle; the five other joints of the fingers follow it, so that the finger tips stay parallel. All
+/// numbers are estimated.
+#[rustfmt::skip]
+pub mod gripper;
+
+/// The robot `palletizer`.
+///
+/// A palletizing robot with a parallelogram.
+///
+/// Lower arm and crank turn on the turret. A rod parallel to the lower arm connects the crank with the forearm, which keeps the
+/// crank's direction; the wrist stays level. The joints of rod, forearm and wrist follow those of lower arm and crank. All
+/// numbers are estimated.
+#[rustfmt::skip]
+pub mod palletizer;
 
 /// The robot `panda`.
 ///

@@ -120,12 +120,6 @@ fn turn_between<'g>(
         return offset.constant_turn(mechanism.graph);
     }
     let angle = angle.named(|| format!("angle{name}")) + zero.constant(offset.remainder);
-    let transmissions = joints.iter().map(|&joint| &mechanism.bodies[joint].transmission);
-    let angle = Transmission::sum_of_motions(transmissions, zero, y);
-    if angle.is_zero() && mechanism.is_coupled() {
-        // The joints of a parallelogram turn each other back.
-        return offset.constant_turn(mechanism.graph);
-    }
     let angle = angle.named(|| format!("angle{name}_offset"));
     let sine = angle.call(Function::Sin).named(|| format!("sin{name}"));
     let cosine = angle.call(Function::Cos).named(|| format!("cos{name}"));
