@@ -193,7 +193,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
     }
 
     /// Moves states and inputs along the rows, each row by itself, the shortest way that changes its value as
-    /// `step` says; the values of `step` become 0.
+    /// `step` says, at most as far as its value; the values of `step` become 0.
     #[inline(always)]
     pub(super) fn move_along(&self, step: &mut Trajectory<V>) {
         for k in 0..self.d.len() {
@@ -201,9 +201,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
                 let change = core::mem::take(&mut flat_mut(&mut step.x[self.of_node(k)])[r]);
                 let c = self.state_row(k, r);
                 let square = dot(c, c) + self.d[k][r].iter().map(|d| d * d).sum::<f64>();
-                if square > 0.0 {
-                    self.add(k, r, change / square, step);
-                }
+                // What is left of a row at the given state may be short: no leaps along that.
+                self.add(k, r, change / square.max(1.0), step);
             }
         }
     }

@@ -143,7 +143,10 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.state_bounds.clip(&mut self.step.x);
         self.equalities.place(&mut self.step.x);
         self.step.advance(&self.iterate, -1.0);
-        self.rows.move_along(&mut self.step);
+        if NR > 0 {
+            self.rows.move_along(&mut self.step);
+            self.fixed.hold(&mut self.step.u);
+        }
         self.rhs.clear();
         let (quadratic, _) = self.riccati.gradient(&self.step, &self.rhs, &mut self.gradient);
         0.5 * quadratic + self.riccati.input_energy(&self.step)
