@@ -49,7 +49,7 @@ struct Shown {
 
 /// Runs a controller for twice the motion's duration, pushed by `disturbance` [N m at the motors].
 fn run<const NR: usize>(
-    controller: &mut impl Controller<2, 2>,
+    controller: &mut (impl Controller<2, 2> + ?Sized),
     rows: &[MpcRow<2, 2>; NR],
     disturbance: [f64; 2],
 ) -> Shown {
@@ -103,6 +103,27 @@ fn a_torque_speed_line_is_kept() {
         // The estimate of the speed is not the speed.
         assert!(limited.true_one < 0.01 * PEAK, "{limited:?}");
         assert!(limited.final_error < 1e-3 && plain.final_error < 1e-3, "{limited:?}");
+    }
+}
+
+/// What the motors give counts, not what acts on the joints: a disturbance that is estimated has no part in
+/// the row.
+#[test]
+fn a_torque_speed_line_is_kept_beside_an_estimated_disturbance() {
+    let rows = lines(1.0);
+    let mut limited = options().with_rows(rows);
+    limited.observer.disturbance_noise = [1e-3; 2];
+    for push in [0.04, -0.04] {
+        let mut linear = LtvMpc::new(PowerCube, motion(), limited.clone()).unwrap();
+        let mut nonlinear = Nmpc::new(PowerCube, motion(), limited.clone()).unwrap();
+        let controllers = [&mut linear as &mut dyn Controller<2, 2>, &mut nonlinear];
+        for (i, controller) in controllers.into_iter().enumerate() {
+            let shown = run(controller, &rows, [push; 2]);
+            println!("{i} {push}: {shown:?}");
+            assert!(shown.estimated > -1e-6, "the line is reached: {shown:?}");
+            assert!(shown.estimated < 1e-9 && shown.true_one < 0.01 * PEAK, "{shown:?}");
+            assert!(shown.final_error < 1e-3, "{shown:?}");
+        }
     }
 }
 
