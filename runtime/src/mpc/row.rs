@@ -18,6 +18,7 @@ use std::fmt;
 /// has no reserve, let the limit leave room for that.
 ///
 /// ```
+/// use gelenk_runtime::control_loop::{Controller, Cycle};
 /// use gelenk_runtime::mpc::{LtvMpc, MpcOptions, MpcRow};
 /// use gelenk_runtime::trajectory::RestToRest;
 ///
@@ -33,8 +34,13 @@ use std::fmt;
 /// ];
 /// let motion = RestToRest::new([0.0, 0.0], [0.3, 0.4], 2.0)?;
 /// let options = MpcOptions::new(&PowerCube, 0.02, 20).with_rows(rows);
-/// let mpc = LtvMpc::new(PowerCube, motion, options)?;
-/// # Ok::<(), gelenk_runtime::mpc::MpcError>(())
+/// let mut mpc = LtvMpc::new(PowerCube, motion, options)?;
+/// mpc.reset(&[0.0; 2], &[0.0; 2]);
+/// let inputs = mpc.step(&Cycle { positions: Some([0.0; 2]), ..Cycle::default() })?.inputs;
+/// let estimate = mpc.estimate().ok_or("it has an observer")?;
+/// let value = rows[0].value(&estimate.positions, &estimate.velocities, &inputs);
+/// assert!(value.abs() <= 0.5 + 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MpcRow<const N: usize, const M: usize> {

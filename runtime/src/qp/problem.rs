@@ -20,6 +20,29 @@ pub struct Penalty {
 /// A row counts as divided by its largest coefficient: [`QpSettings::feasibility`](super::QpSettings) and
 /// [`KktResiduals::primal`](super::KktResiduals) do not depend on its units. Equal sides of a hard row make it
 /// an equality. A row whose coefficients are zero holds or is violated whatever the solution.
+///
+/// ```
+/// use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStatus};
+///
+/// // A mass under at most 1 N, of which its motor loses 2 N per m/s: |u + 2 v| ≤ 1.
+/// let mut problem = QpProblem::<2, 1, 1>::new(20);
+/// problem.initial_state = [1.0, 0.0];
+/// problem.state_weight = [[1.0, 0.0], [0.0, 0.1]];
+/// problem.input_weight = [[0.01]];
+/// problem.terminal_weight = [[10.0, 0.0], [0.0, 1.0]];
+/// for stage in &mut problem.stages {
+///     stage.state_matrix = [[1.0, 0.1], [0.0, 1.0]];
+///     stage.input_matrix = [[0.005], [0.1]];
+///     stage.rows.state_matrix = [[0.0, 2.0]];
+///     stage.rows.input_matrix = [[1.0]];
+///     (stage.rows.lower, stage.rows.upper) = ([-1.0], [1.0]);
+/// }
+/// let mut solver = QpSolver::new(20, QpSettings::default())?;
+/// assert_eq!(solver.solve(&problem).status, QpStatus::Solved);
+/// assert!((solver.input(0)[0] + 1.0).abs() < 1e-6, "all of its force from rest");
+/// assert!((solver.input(3)[0] + 2.0 * solver.state(3)[1] + 1.0).abs() < 1e-6, "less of it at speed");
+/// # Ok::<(), gelenk_runtime::qp::QpError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct QpRows<const NX: usize, const NU: usize, const NR: usize> {
     /// `C`, rows first.
