@@ -14,7 +14,7 @@ use gelenk_runtime::qp::Penalty;
 use gelenk_runtime::trajectory::{RestToRest, Trajectory};
 use tracking::{PEAK, PERIOD, PowerCube, exact};
 
-const HORIZON: usize = 20;
+const HORIZON: usize = 12;
 const START: [f64; 2] = [0.1, -0.3];
 const GOAL: [f64; 2] = [0.7, 0.4];
 
@@ -47,7 +47,7 @@ struct Shown {
     final_error: f64,
 }
 
-/// Runs a controller for twice the motion's duration, pushed by `disturbance` [N m at the motors].
+/// Runs a controller for one and a half times the motion's duration, pushed by `disturbance` [N m at the motors].
 fn run<const NR: usize>(
     controller: &mut (impl Controller<2, 2> + ?Sized),
     rows: &[MpcRow<2, 2>; NR],
@@ -58,7 +58,7 @@ fn run<const NR: usize>(
     controller.reset(&START, &[0.0; 2]);
     let mut shown = Shown { estimated: f64::NEG_INFINITY, true_one: f64::NEG_INFINITY, final_error: 0.0 };
     let mut last_inputs = [0.0; 2];
-    for k in 0..(2.0 * motion().duration() / PERIOD) as u32 {
+    for k in 0..(1.5 * motion().duration() / PERIOD) as u32 {
         let cycle = Cycle {
             time: PERIOD * f64::from(k),
             periods: u32::from(k > 0),
