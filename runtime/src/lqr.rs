@@ -4,6 +4,8 @@
 //!     P = Q + AᵀPA − AᵀPB (R + BᵀPB)⁻¹ BᵀPA        K = −(R + BᵀPB)⁻¹ BᵀPA        u = K x
 //! ```
 //!
+//! A regulator knows no limits, of inputs or others: rows and bounds belong to [`crate::mpc`].
+//!
 //! The structure-preserving doubling algorithm, which converges quadratically, gives a first gain; where
 //! weights far apart have cost it too many digits, the Riccati recursion of the QP ([`crate::qp`]) does.
 //! Policy iteration refines it, quadratically too: the cost of the gain as a sum of semidefinite terms,

@@ -9,21 +9,21 @@ mod tracking;
 
 use gelenk_runtime::control_loop::{Controller, Cycle};
 use gelenk_runtime::lqr::{Lqr, TimeVaryingLqr};
-use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, Nmpc};
+use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, MpcRow, Nmpc};
 use gelenk_runtime::trajectory::RestToRest;
 use tracking::{PERIOD, PowerCube, options};
 
 const STEPS: u32 = 10_000;
 
-/// Ten thousand steps with measurements that wander about the trajectory, are missing at times, and once are
+/// Steps with measurements that wander about the trajectory, are missing at times, and once are
 /// not numbers.
-fn drive(controller: &mut impl Controller<2, 2>, motion: &RestToRest<2>) {
+fn drive(steps: u32, controller: &mut impl Controller<2, 2>, motion: &RestToRest<2>) {
     use gelenk_runtime::trajectory::Trajectory;
     let mut last = [0.0; 2];
     controller.reset(&motion.sample(0.0).positions, &last);
     let (mut solved, mut iterated, mut faults) = (0, 0, 0);
     let before = allocations::count();
-    for k in 0..STEPS {
+    for k in 0..steps {
         let time = f64::from(k % 150) * PERIOD;
         if k % 150 == 0 {
             controller.reset(&motion.sample(0.0).positions, &last);
@@ -51,7 +51,7 @@ fn drive(controller: &mut impl Controller<2, 2>, motion: &RestToRest<2>) {
         std::hint::black_box((controller.planned(1), controller.estimate()));
     }
     assert_eq!(allocations::count(), before);
-    assert!(solved > STEPS - 200 && iterated > 100 && faults > 0, "{solved} {iterated} {faults}");
+    assert!(solved > steps - 200 && iterated > 100 && faults > 0, "{solved} {iterated} {faults}");
 }
 
 fn motion() -> RestToRest<2> {
@@ -67,7 +67,7 @@ fn linear_predictive_control_allocates_nothing() {
         options.linearization = point;
         options.delay = point == LinearizationPoint::Plan;
         let mut mpc = LtvMpc::new(PowerCube, motion(), options.clone()).unwrap();
-        drive(&mut mpc, &motion());
+        drive(STEPS, &mut mpc, &motion());
     }
 }
 
@@ -76,7 +76,17 @@ fn nonlinear_predictive_control_allocates_nothing() {
     let mut options = options(&PowerCube, PERIOD, 3);
     options.observer.disturbance_noise = [1e-3; 2];
     let mut mpc = Nmpc::new(PowerCube, motion(), options).unwrap();
-    drive(&mut mpc, &motion());
+    drive(STEPS, &mut mpc, &motion());
+}
+
+#[test]
+fn rows_allocate_nothing() {
+    let rows = [
+        MpcRow::torque_speed_line("motor", [1.0, 0.0], [0.2, 0.0], 0.5),
+        MpcRow::dependent_joint("rod", [1.0, 1.0], 0.1, [-0.1, 0.8]),
+    ];
+    let options = options(&PowerCube, PERIOD, 5).with_rows(rows);
+    drive(1000, &mut LtvMpc::new(PowerCube, motion(), options).unwrap(), &motion());
 }
 
 #[test]

@@ -6,16 +6,13 @@
 mod support;
 
 use gelenk_runtime::qp::{Penalty, QpError, QpProblem, QpSettings, QpSolver, QpStatus};
+use support::kkt::kkt;
 use support::{oracle, random_qp};
 
 const SETTINGS: QpSettings = QpSettings { tolerance: 1e-10, feasibility: 1e-10, max_iterations: 50 };
 
 fn problem(seed: u64) -> QpProblem<4, 2> {
     random_qp::random_qp(seed, random_qp::Kind { horizon: 10, ..random_qp::kind_of(seed) })
-}
-
-fn times<const R: usize, const C: usize>(m: &[[f64; C]; R], v: &[f64; C]) -> [f64; R] {
-    m.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
 }
 
 /// Bit patterns of all inputs, states and multipliers.
@@ -28,75 +25,6 @@ fn bits<const NX: usize, const NU: usize>(solver: &QpSolver<NX, NU>) -> Vec<u64>
         all.extend(solver.state_multipliers(k + 1).as_flattened());
     }
     all.into_iter().map(f64::to_bits).collect()
-}
-
-/// Multipliers `λ ≥ 0` times slacks, and violations, of one bound, hard or soft.
-fn complementarity(z: f64, lower: f64, upper: f64, multipliers: [f64; 2], penalty: Option<Penalty>) -> f64 {
-    let mut worst = 0.0_f64;
-    for (slack, multiplier) in [(z - lower, multipliers[0]), (upper - z, multipliers[1])] {
-        assert!(multiplier >= 0.0);
-        if slack.is_infinite() {
-            assert_eq!(multiplier, 0.0);
-            continue;
-        }
-        let violation = (-slack).max(0.0);
-        match penalty {
-            None => worst = worst.max(violation).max(multiplier * slack.abs()),
-            // λ ≤ w₁ + w₂ v, with equality where v > 0.
-            Some(p) => {
-                let limit = p.linear + p.quadratic * violation;
-                worst = worst
-                    .max(multiplier - limit)
-                    .max(violation * (limit - multiplier))
-                    .max(multiplier * slack.max(0.0));
-            }
-        }
-    }
-    worst
-}
-
-/// Largest residual of the KKT conditions, from the problem's own data and nothing of the solver's.
-fn kkt<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>, solver: &QpSolver<NX, NU>) -> f64 {
-    let n = p.stages.len();
-    let mut worst = 0.0_f64;
-    let mut costate = [0.0; NX];
-    for k in (0..n).rev() {
-        let stage = &p.stages[k];
-        let (u, x) = (solver.input(k), solver.state(k + 1));
-        let last = if k == 0 { p.initial_state } else { solver.state(k) };
-        let (ax, bu) = (times(&stage.state_matrix, &last), times(&stage.input_matrix, &u));
-        let weight = if k + 1 == n { &p.terminal_weight } else { &p.state_weight };
-        let qx = times(weight, &x);
-        let forces = solver.state_multipliers(k + 1);
-        let next = costate;
-        for i in 0..NX {
-            worst = worst.max((ax[i] + bu[i] + stage.affine[i] - x[i]).abs());
-            worst = worst.max(complementarity(
-                x[i],
-                stage.state_lower[i],
-                stage.state_upper[i],
-                forces[i],
-                p.state_penalty[i],
-            ));
-            let pull: f64 = if k + 1 < n {
-                (0..NX).map(|j| p.stages[k + 1].state_matrix[j][i] * next[j]).sum()
-            } else {
-                0.0
-            };
-            costate[i] = qx[i] + stage.state_gradient[i] - forces[i][0] + forces[i][1] + pull;
-        }
-        let before = if k == 0 { p.previous_input } else { solver.input(k - 1) };
-        let after = if k + 1 < n { solver.input(k + 1) } else { u };
-        let bend: [f64; NU] = core::array::from_fn(|i| 2.0 * u[i] - before[i] - after[i]);
-        let bend = if k + 1 < n { bend } else { core::array::from_fn(|i| u[i] - before[i]) };
-        let (ru, wu) = (times(&p.input_weight, &u), times(&p.input_rate_weight, &bend));
-        for (i, force) in solver.input_multipliers(k).into_iter().enumerate() {
-            let pull: f64 = (0..NX).map(|j| stage.input_matrix[j][i] * costate[j]).sum();
-            worst = worst.max((ru[i] + wu[i] + stage.input_gradient[i] - force[0] + force[1] + pull).abs());
-            worst = worst.max(complementarity(u[i], stage.input_lower[i], stage.input_upper[i], force, None));
-        }
-    }
-    worst
 }
 
 #[test]

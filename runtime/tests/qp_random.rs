@@ -13,7 +13,7 @@
 mod support;
 
 use clarabel::solver::SolverStatus;
-use gelenk_runtime::qp::{QpProblem, QpReport, QpSettings, QpSolver, QpStatus};
+use gelenk_runtime::qp::{Penalty, QpProblem, QpReport, QpRows, QpSettings, QpSolver, QpStatus};
 use support::oracle::{self, Solution};
 use support::wide_qp::{self, Wide};
 
@@ -44,8 +44,8 @@ fn excess(z: f64, lower: f64, upper: f64) -> f64 {
     (lower - z).max(z - upper).max(0.0)
 }
 
-fn value<const NX: usize, const NU: usize>(
-    p: &QpProblem<NX, NU>,
+fn value<const NX: usize, const NU: usize, const NR: usize>(
+    p: &QpProblem<NX, NU, NR>,
     inputs: &[[f64; NU]],
     states: &[[f64; NX]],
 ) -> Value {
@@ -72,9 +72,33 @@ fn value<const NX: usize, const NU: usize>(
             let e = excess(u[i], s.input_lower[i], s.input_upper[i]);
             v.violation = v.violation.max(e);
         }
+        add_rows(&mut v, (&s.rows, &x, &u), &p.row_penalty);
         (last, x) = (u, next);
     }
+    add_rows(&mut v, (&p.terminal_rows, &x, &[]), &p.row_penalty);
     v
+}
+
+/// Violation of hard rows, in units of their largest coefficient, and cost of soft ones.
+fn add_rows<const NX: usize, const NU: usize, const NR: usize>(
+    v: &mut Value,
+    (rows, x, u): (&QpRows<NX, NU, NR>, &[f64; NX], &[f64; NU]),
+    penalties: &[Option<Penalty>; NR],
+) {
+    for (r, penalty) in penalties.iter().enumerate() {
+        let value = wide_qp::row_value(rows, r, x, u);
+        let e = excess(value, rows.lower[r], rows.upper[r]);
+        let coefficients = rows.state_matrix[r].iter().chain(&rows.input_matrix[r]);
+        let unit = coefficients.fold(0.0_f64, |max, c| c.abs().max(max));
+        match penalty {
+            _ if e == 0.0 => {}
+            None => {
+                let side = if value < rows.lower[r] { rows.lower[r] } else { rows.upper[r] };
+                v.violation = v.violation.max(e / unit.max(side.abs()));
+            }
+            Some(w) => v.cost += w.linear * e + 0.5 * w.quadratic * e * e,
+        }
+    }
 }
 
 /// Counts and failures of one kind of solve.
@@ -90,12 +114,12 @@ struct Tally {
 }
 
 impl Tally {
-    fn judge<const NX: usize, const NU: usize>(
+    fn judge<const NX: usize, const NU: usize, const NR: usize>(
         &mut self,
         seed: u64,
-        p: &QpProblem<NX, NU>,
+        p: &QpProblem<NX, NU, NR>,
         truth: &Solution<NX, NU>,
-        solver: &QpSolver<NX, NU>,
+        solver: &QpSolver<NX, NU, NR>,
         report: &QpReport,
     ) {
         self.iterations.push(report.iterations);
@@ -152,8 +176,8 @@ struct Tallies {
 }
 
 impl Tallies {
-    fn solve<const NX: usize, const NU: usize>(&mut self, seed: u64) {
-        let wide: Wide<NX, NU> = wide_qp::wide_qp(seed);
+    fn solve<const NX: usize, const NU: usize, const NR: usize>(&mut self, seed: u64) {
+        let wide: Wide<NX, NU, NR> = wide_qp::wide_qp(seed);
         let first = wide.first();
         let mut base = QpSolver::new(wide.horizon, QpSettings::default()).unwrap();
         let report = base.solve(&first);
@@ -187,16 +211,33 @@ impl Tallies {
     }
 }
 
-#[test]
-fn random_problems_are_solved_cold_and_warm() {
+fn seeds() -> core::ops::Range<u64> {
     let count: u64 = std::env::var("QP_PROBLEMS").map_or(24, |n| n.parse().unwrap());
     let first: u64 = std::env::var("QP_FIRST").map_or(0, |n| n.parse().unwrap());
+    first..first + count
+}
+
+#[test]
+fn random_problems_are_solved_cold_and_warm() {
     let mut tallies = Tallies::default();
-    for seed in first..first + count {
+    for seed in seeds() {
         match seed % 3 {
-            0 => tallies.solve::<2, 1>(seed),
-            1 => tallies.solve::<3, 4>(seed),
-            _ => tallies.solve::<6, 3>(seed),
+            0 => tallies.solve::<2, 1, 0>(seed),
+            1 => tallies.solve::<3, 4, 0>(seed),
+            _ => tallies.solve::<6, 3, 0>(seed),
+        }
+    }
+    tallies.finish();
+}
+
+#[test]
+fn random_problems_with_rows_are_solved_cold_and_warm() {
+    let mut tallies = Tallies::default();
+    for seed in seeds() {
+        match seed % 3 {
+            0 => tallies.solve::<2, 1, 1>(seed),
+            1 => tallies.solve::<3, 4, 3>(seed),
+            _ => tallies.solve::<6, 3, 5>(seed),
         }
     }
     tallies.finish();

@@ -1,9 +1,10 @@
 //! What the predictive controllers share: estimate, reference over the horizon, QP, plan.
 
 use super::integrate::{discretize, flat_input, flat_state, integrate, join, split, substeps};
-use super::note::{MpcNote, beyond_limits, dry_friction};
+use super::note::{MpcNote, beyond_limits, beyond_rows, dry_friction};
 use super::observer::DisturbanceObserver;
 use super::options::{MpcError, MpcOptions};
+use super::row;
 use crate::control_loop::{Command, ControllerFault, Cycle, Estimate};
 use crate::dynamics::Discretizable;
 use crate::feed_forward::{FeedForward, FeedForwardError};
@@ -44,15 +45,15 @@ impl<const M: usize, const NX: usize> Plan<M, NX> {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Horizon<D, T, const N: usize, const M: usize, const NX: usize> {
+pub(super) struct Horizon<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize> {
     feed_forward: FeedForward<D, N, M>,
     trajectory: T,
-    pub options: MpcOptions<N, M>,
+    pub options: MpcOptions<N, M, NR>,
     pub observer: DisturbanceObserver<N, M>,
     /// Runge–Kutta steps in a period.
     pub substeps: usize,
-    problem: QpProblem<NX, M>,
-    solver: QpSolver<NX, M>,
+    problem: QpProblem<NX, M, NR>,
+    solver: QpSolver<NX, M, NR>,
     /// P at `TERMINAL_INTERVALS + 1` times evenly over the trajectory.
     terminal: Vec<[[f64; NX]; NX]>,
     /// x_ref at the K + 1 nodes and u_ff in the middle of the K periods.
@@ -64,12 +65,12 @@ pub(super) struct Horizon<D, T, const N: usize, const M: usize, const NX: usize>
     pub notes: Vec<MpcNote>,
 }
 
-impl<D, T, const N: usize, const M: usize, const NX: usize> Horizon<D, T, N, M, NX>
+impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize> Horizon<D, T, N, M, NX, NR>
 where
     D: Discretizable<N, M>,
     T: Trajectory<N>,
 {
-    pub fn new(model: D, trajectory: T, options: MpcOptions<N, M>) -> Result<Self, MpcError> {
+    pub fn new(model: D, trajectory: T, options: MpcOptions<N, M, NR>) -> Result<Self, MpcError> {
         const { assert!(NX == 2 * N, "NX must be 2 N") };
         options.check()?;
         let stages = options.horizon;
@@ -97,6 +98,9 @@ where
         horizon.look_along()?;
         let joints = horizon.model().joint_names();
         let notes = beyond_limits(&horizon.trajectory, &horizon.options, &joints);
+        horizon.notes.extend(notes);
+        let inputs = |sample: &Sample<N>| horizon.feed_forward.at(sample).inputs;
+        let notes = beyond_rows(&horizon.trajectory, &horizon.options.rows, inputs);
         horizon.notes.extend(notes);
         let start = horizon.trajectory.sample(0.0).positions;
         let notes = dry_friction(horizon.model(), &start);
@@ -132,6 +136,7 @@ where
             problem.input_weight[i][i] = options.input_weight[i];
             problem.input_rate_weight[i][i] = options.input_rate_weight[i] / square;
         }
+        row::set_matrices(problem, options);
     }
 
     /// Terminal weights and Runge–Kutta steps along the trajectory.
@@ -321,6 +326,8 @@ where
             self.problem.previous_input[i] = self.under_way[i] + disturbance[i] - self.inputs[0][i];
         }
         self.set_bounds(&disturbance);
+        let at = (&self.reference[..], &self.inputs[..], &disturbance);
+        row::set_sides(&mut self.problem, &self.options.rows, at);
         self.set_terminal(start);
         let report = self.solver.solve(&self.problem);
         let iterations = report.iterations as u32;

@@ -31,11 +31,11 @@ use crate::trajectory::Trajectory;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct LtvMpc<D, T, const N: usize, const M: usize, const NX: usize> {
-    horizon: Horizon<D, T, N, M, NX>,
+pub struct LtvMpc<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize = 0> {
+    horizon: Horizon<D, T, N, M, NX, NR>,
 }
 
-impl<D, T, const N: usize, const M: usize, const NX: usize> LtvMpc<D, T, N, M, NX>
+impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize> LtvMpc<D, T, N, M, NX, NR>
 where
     D: Discretizable<N, M>,
     T: Trajectory<N>,
@@ -45,7 +45,7 @@ where
     ///
     /// # Errors
     /// [`MpcError`].
-    pub fn new(model: D, trajectory: T, options: MpcOptions<N, M>) -> Result<Self, MpcError>
+    pub fn new(model: D, trajectory: T, options: MpcOptions<N, M, NR>) -> Result<Self, MpcError>
     where
         D: PhaseSpace<NX>,
     {
@@ -68,7 +68,7 @@ where
     }
 
     /// Findings from when the controller was made, which should be read before it drives: a trajectory beyond
-    /// the soft limits, terminal weights of few digits. Empty where all is well.
+    /// the soft limits or a row, terminal weights of few digits. Empty where all is well.
     pub fn notes(&self) -> &[MpcNote] {
         &self.horizon.notes
     }
@@ -126,7 +126,8 @@ where
     }
 }
 
-impl<D, T, const N: usize, const M: usize, const NX: usize> Controller<N, M> for LtvMpc<D, T, N, M, NX>
+impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize> Controller<N, M>
+    for LtvMpc<D, T, N, M, NX, NR>
 where
     D: Discretizable<N, M>,
     T: Trajectory<N>,

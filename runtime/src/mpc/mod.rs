@@ -14,10 +14,14 @@
 //! desired trajectory or the previous plan, or the exact sensitivities of the integrated nonlinear robot
 //! around the plan, one Gauss–Newton step a period.
 //!
+//! Sums of positions, velocities and inputs have limits too, hard or soft ([`MpcRow`]): a motor's torque–speed
+//! line `|u + c ẏ| ≤ U`, a joint that follows others. [`MpcOptions::with_rows`] adds them; without rows nothing
+//! is computed for them.
+//!
 //! A computed input that acts one period late is compensated ([`MpcOptions::delay`]): the horizon then begins
 //! where the input under way will have led.
 //!
-//! Where the trajectory is beyond the soft limits, friction jumps at rest, or a terminal weight has few
+//! Where the trajectory is beyond the soft limits or a row, friction jumps at rest, or a terminal weight has few
 //! digits, the controller says so when it is made ([`LtvMpc::notes`]): print its notes before the first
 //! motion. [`tune`] is the guide to weights and limits.
 //!
@@ -37,6 +41,7 @@ mod nonlinear;
 mod note;
 mod observer;
 mod options;
+mod row;
 #[doc = include_str!("tune.md")]
 pub mod tune {}
 
@@ -45,3 +50,4 @@ pub use nonlinear::Nmpc;
 pub use note::MpcNote;
 pub use observer::{DisturbanceObserver, ObserverOptions};
 pub use options::{LinearizationPoint, MpcError, MpcOptions};
+pub use row::{MpcRow, RowFault, RowKind};

@@ -18,13 +18,13 @@ use crate::trajectory::Trajectory;
 /// this lies between measurement and input. [`Controller::step`] does both, the first only where it has not
 /// been done.
 #[derive(Debug, Clone)]
-pub struct Nmpc<D, T, const N: usize, const M: usize, const NX: usize> {
-    horizon: Horizon<D, T, N, M, NX>,
+pub struct Nmpc<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize = 0> {
+    horizon: Horizon<D, T, N, M, NX, NR>,
     /// Start of the prepared horizon (s); NaN if none is.
     prepared: f64,
 }
 
-impl<D, T, const N: usize, const M: usize, const NX: usize> Nmpc<D, T, N, M, NX>
+impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize> Nmpc<D, T, N, M, NX, NR>
 where
     D: Discretizable<N, M>,
     T: Trajectory<N>,
@@ -34,7 +34,7 @@ where
     ///
     /// # Errors
     /// [`MpcError`].
-    pub fn new(model: D, trajectory: T, options: MpcOptions<N, M>) -> Result<Self, MpcError>
+    pub fn new(model: D, trajectory: T, options: MpcOptions<N, M, NR>) -> Result<Self, MpcError>
     where
         D: PhaseSpace<NX>,
     {
@@ -58,7 +58,7 @@ where
     }
 
     /// Findings from when the controller was made, which should be read before it drives: a trajectory beyond
-    /// the soft limits, terminal weights of few digits. Empty where all is well.
+    /// the soft limits or a row, terminal weights of few digits. Empty where all is well.
     pub fn notes(&self) -> &[MpcNote] {
         &self.horizon.notes
     }
@@ -114,7 +114,8 @@ where
     }
 }
 
-impl<D, T, const N: usize, const M: usize, const NX: usize> Controller<N, M> for Nmpc<D, T, N, M, NX>
+impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize> Controller<N, M>
+    for Nmpc<D, T, N, M, NX, NR>
 where
     D: Discretizable<N, M>,
     T: Trajectory<N>,

@@ -1,6 +1,7 @@
 //! What a predictive controller says about its task before it begins.
 
 use super::options::MpcOptions;
+use super::row::MpcRow;
 use crate::dynamics::{Dynamics, Named, jumps};
 use crate::trajectory::{Sample, Trajectory};
 use std::fmt;
@@ -33,6 +34,17 @@ pub enum MpcNote {
         /// Its position then [rad or m].
         position: f64,
         /// [`MpcOptions::position_limits`].
+        limits: [f64; 2],
+    },
+    /// The trajectory, or the feed-forward along it, is beyond a row: the controller will lag or stay behind.
+    Row {
+        /// Name of the row.
+        row: &'static str,
+        /// When it is furthest beyond (s).
+        time: f64,
+        /// What the row gives then, in its unit.
+        value: f64,
+        /// Its sides.
         limits: [f64; 2],
     },
     /// Friction of a joint jumps at rest, as an exact `sign` does. Its slope is taken as 0 on either side, so
@@ -69,6 +81,12 @@ impl fmt::Display for MpcNote {
                  will stay behind; change the trajectory, or `position_limits`",
                 Named(joint)
             ),
+            Self::Row { row, time, value, limits: [low, high] } => write!(
+                f,
+                "at {time:.3} s the trajectory and its feed-forward give {value:.4} to row {}, outside its limits of {low:.4} to {high:.4}: \
+                 the controller will lag or stay behind; slow the trajectory down or change it",
+                Named(row)
+            ),
             Self::DryFriction { joint, jump } => write!(
                 f,
                 "friction of joint {} jumps by {jump:.3} N m (or N) at rest, which linear predictions do not see: the joint may stop short of \
@@ -86,15 +104,12 @@ impl fmt::Display for MpcNote {
 
 /// Where the trajectory is beyond the soft limits: one note for each joint and limit. Samples that are not
 /// finite are reported elsewhere.
-pub(super) fn beyond_limits<const N: usize, const M: usize>(
+pub(super) fn beyond_limits<const N: usize, const M: usize, const NR: usize>(
     trajectory: &impl Trajectory<N>,
-    options: &MpcOptions<N, M>,
+    options: &MpcOptions<N, M, NR>,
     joints: &[&'static str; N],
 ) -> Vec<MpcNote> {
-    let samples: Vec<(f64, Sample<N>)> = (0..=INTERVALS)
-        .map(|k| trajectory.duration() * k as f64 / INTERVALS as f64)
-        .map(|time| (time, trajectory.sample(time)))
-        .collect();
+    let samples = samples(trajectory);
     let mut notes = Vec::new();
     for (i, &joint) in joints.iter().enumerate() {
         let limit = options.velocity_limits[i];
@@ -113,6 +128,32 @@ pub(super) fn beyond_limits<const N: usize, const M: usize>(
         }
     }
     notes
+}
+
+/// Samples over the whole trajectory, with their times.
+fn samples<const N: usize>(trajectory: &impl Trajectory<N>) -> Vec<(f64, Sample<N>)> {
+    (0..=INTERVALS)
+        .map(|k| trajectory.duration() * k as f64 / INTERVALS as f64)
+        .map(|time| (time, trajectory.sample(time)))
+        .collect()
+}
+
+/// Where the trajectory with its feed-forward `inputs` is beyond a row: one note for each row.
+pub(super) fn beyond_rows<const N: usize, const M: usize, const NR: usize>(
+    trajectory: &impl Trajectory<N>,
+    rows: &[MpcRow<N, M>; NR],
+    inputs: impl Fn(&Sample<N>) -> [f64; M],
+) -> Vec<MpcNote> {
+    if NR == 0 {
+        return Vec::new();
+    }
+    let samples = samples(trajectory);
+    let of_row = |row: &MpcRow<N, M>| {
+        let (time, sample) = worst(&samples, |sample| row.excess(sample, &inputs(sample)))?;
+        let value = row.value(&sample.positions, &sample.velocities, &inputs(sample));
+        Some(MpcNote::Row { row: row.name, time, value, limits: [row.lower, row.upper] })
+    };
+    rows.iter().filter_map(of_row).collect()
 }
 
 /// Joints whose friction jumps at rest at `positions`.

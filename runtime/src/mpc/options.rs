@@ -1,6 +1,7 @@
 //! What a predictive controller is told, and why it may refuse.
 
 use super::observer::ObserverOptions;
+use super::row::{self, MpcRow, RowFault};
 use crate::control_loop::TooFast;
 use crate::dynamics::Dynamics;
 use crate::feed_forward::FeedForwardError;
@@ -21,9 +22,10 @@ pub enum LinearizationPoint {
     Plan,
 }
 
-/// Weights, bounds and structure of a predictive controller of a robot with `N` coordinates and `M` inputs.
+/// Weights, bounds and structure of a predictive controller of a robot with `N` coordinates and `M` inputs,
+/// and, if there are any, with `NR` rows.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MpcOptions<const N: usize, const M: usize> {
+pub struct MpcOptions<const N: usize, const M: usize, const NR: usize = 0> {
     /// Sample time T (s).
     pub period: f64,
     /// Stages of the horizon, 1..=100.
@@ -43,7 +45,9 @@ pub struct MpcOptions<const N: usize, const M: usize> {
     pub position_limits: [[f64; 2]; N],
     /// Soft bounds of the speeds; infinite where there is none.
     pub velocity_limits: [f64; N],
-    /// Penalty of a violated soft bound, per rad, m, rad/s or m/s.
+    /// Limits of sums of positions, velocities and inputs, see [`Self::with_rows`].
+    pub rows: [MpcRow<N, M>; NR],
+    /// Penalty of a violated soft bound, per rad, m, rad/s or m/s; of a soft row per its unit.
     pub limit_penalty: Penalty,
     /// Where [`LtvMpc`](super::LtvMpc) linearizes.
     pub linearization: LinearizationPoint,
@@ -74,6 +78,7 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
             input_limits: inputs.map(|u| [-u, u]),
             position_limits: limits.position,
             velocity_limits: limits.velocity,
+            rows: [],
             limit_penalty: Penalty { linear: 1e4, quadratic: 1e5 },
             linearization: LinearizationPoint::Plan,
             delay: false,
@@ -82,8 +87,33 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
         }
     }
 
+    /// The same options with rows: torque–speed lines of motors, limits of dependent joints, any others.
+    #[must_use]
+    pub fn with_rows<const NR: usize>(self, rows: [MpcRow<N, M>; NR]) -> MpcOptions<N, M, NR> {
+        MpcOptions {
+            rows,
+            period: self.period,
+            horizon: self.horizon,
+            position_weight: self.position_weight,
+            velocity_weight: self.velocity_weight,
+            input_weight: self.input_weight,
+            input_rate_weight: self.input_rate_weight,
+            input_limits: self.input_limits,
+            position_limits: self.position_limits,
+            velocity_limits: self.velocity_limits,
+            limit_penalty: self.limit_penalty,
+            linearization: self.linearization,
+            delay: self.delay,
+            observer: self.observer,
+            qp: self.qp,
+        }
+    }
+}
+
+impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
     /// # Errors
-    /// [`MpcError::Option`] for the first value out of its range.
+    /// [`MpcError::Option`] for the first value out of its range, [`MpcError::Row`] for the first row that
+    /// cannot be used.
     pub(super) fn check(&self) -> Result<(), MpcError> {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let weight = |x: f64| x.is_finite() && x >= 0.0;
@@ -100,6 +130,9 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
             })?;
         }
         require("velocity_limits", &self.velocity_limits, "positive", |x| x > 0.0)?;
+        require("limit_penalty.linear", &[self.limit_penalty.linear], "positive and finite", positive)?;
+        require("limit_penalty.quadratic", &[self.limit_penalty.quadratic], NOT_NEGATIVE, weight)?;
+        row::check(self)?;
         self.observer.check()
     }
 }
@@ -132,6 +165,14 @@ pub enum MpcError {
         value: f64,
         /// The range that is allowed.
         range: &'static str,
+    },
+    /// A row cannot be used.
+    #[error("row {row}: {fault}")]
+    Row {
+        /// Its name.
+        row: String,
+        /// What is wrong with it.
+        fault: RowFault,
     },
     /// Horizon or sizes do not suit the QP.
     #[error(transparent)]

@@ -3,7 +3,7 @@
 //!
 //! The method's own quantities tell when to look; whether a problem counts as solved is decided here. With
 //! inputs in their bounds and states rolled out from them, the cost is at most `Σ gap + ½ ‖g‖²` above the
-//! optimum: the gaps of the bounds by Fenchel's inequality, and what a Newton step would gain from the
+//! optimum: the gaps of bounds and rows by Fenchel's inequality, and what a Newton step would gain from the
 //! gradient g of the Lagrangian that is left (Boyd, Vandenberghe, *Convex Optimization*, 2004, sections 5.5
 //! and 9.5).
 
@@ -58,24 +58,26 @@ impl Certificate {
     }
 }
 
-impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
+impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
     /// Makes the iterate the solution, with the multipliers in memory: inputs into their bounds, states from
     /// the dynamics. Needs a factorization; overwrites `gradient`, `rhs` and `step`. `least` is a scale of
     /// the cost below which nothing counts.
     #[inline(always)]
-    pub(super) fn certify(&mut self, problem: &QpProblem<NX, NU>, least: f64) -> Certificate {
+    pub(super) fn certify(&mut self, problem: &QpProblem<NX, NU, NR>, least: f64) -> Certificate {
         self.solution.copy_from(&self.iterate);
         self.riccati.project(&mut self.solution, &self.affine, |k, u| {
             let stage = &problem.stages[k];
             // Not by max and min, which would make NaN a bound.
             core::array::from_fn(|i| u[i].clamp(stage.input_lower[i], stage.input_upper[i]))
         });
+        self.rows.evaluate(&mut self.solution);
         let z = &self.solution;
         let (quadratic, linear) = self.riccati.gradient(z, &self.linear, &mut self.gradient);
         let cost = 0.5 * quadratic + linear + self.constant;
         let [of_inputs, of_states] = &mut self.multipliers;
         of_inputs.subtract_from(&mut self.gradient.u);
         of_states.subtract_from(&mut self.gradient.x);
+        self.rows.fold(&mut self.gradient);
         let decrease = self.riccati.decrease(&self.gradient, &mut self.rhs);
         self.riccati.reduce(&mut self.gradient);
         self.fixed.absorb(&mut self.gradient.u, of_inputs);

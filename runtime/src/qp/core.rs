@@ -8,6 +8,7 @@ use super::ldl::NotPositive;
 use super::multipliers::Multipliers;
 use super::problem::{QpProblem, QpStage};
 use super::riccati::Riccati;
+use super::rows::{Limits, Rows};
 use super::status::{KktResiduals, QpReport, QpSettings, QpStatus};
 use super::trajectory::Trajectory;
 
@@ -16,16 +17,18 @@ use super::trajectory::Trajectory;
 const LEAST_WIDTH: f64 = 1e-10;
 
 #[derive(Debug, Clone)]
-pub(super) struct Core<V, const NX: usize, const NU: usize> {
+pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) horizon: usize,
     pub(super) settings: QpSettings,
     pub(super) riccati: Riccati<V, NX, NU>,
+    pub(super) rows: Rows<V, NX, NU, NR>,
+    /// Bounds of inputs, and of states and the values of rows behind them.
     pub(super) input_bounds: Bounds<V>,
     pub(super) state_bounds: Bounds<V>,
-    /// Inputs and hard states whose bounds are equal.
+    /// Inputs, and hard states and rows, whose bounds are equal.
     pub(super) fixed: Fixed<V>,
     pub(super) equalities: Equalities<V>,
-    /// True if hard bounds were replaced by penalties.
+    /// True if hard bounds and rows were replaced by penalties.
     pub(super) softened: bool,
     /// `c_k`, with `A_0 x_0` in c_0.
     pub(super) affine: Vec<V>,
@@ -52,24 +55,26 @@ pub(super) struct Core<V, const NX: usize, const NU: usize> {
     solved: bool,
 }
 
-impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
+impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
     const RX: usize = lanes(NX);
 
     /// Memory for `horizon` stages.
     pub(super) fn new(horizon: usize, settings: QpSettings) -> Self {
-        let (nu, nx) = (lanes(horizon * NU), horizon * Self::RX);
-        let trajectory = Trajectory::new(horizon, NX, NU);
+        let rows = Rows::<V, NX, NU, NR>::lanes(horizon);
+        let (nu, nx) = (lanes(horizon * NU), horizon * Self::RX + rows);
+        let trajectory = Trajectory::new(horizon, NX, NU, rows);
         let multipliers = [Multipliers::new(nu), Multipliers::new(nx)];
         Self {
             horizon,
             settings,
             riccati: Riccati::new(horizon),
+            rows: Rows::new(horizon),
             input_bounds: Bounds::new(nu),
             state_bounds: Bounds::new(nx),
             fixed: Fixed::new(nu),
             equalities: Equalities::new(nx),
             softened: false,
-            affine: zeros(nx),
+            affine: zeros(horizon * Self::RX),
             linear: trajectory.clone(),
             constant: 0.0,
             iterate: trajectory.clone(),
@@ -94,8 +99,14 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         let padded = Self::RX * WIDTH;
         let u = flat_mut(&mut self.solution.u);
         u.copy_within(NU..self.horizon * NU, 0);
-        self.multipliers[0].shift(NU, self.horizon * NU);
-        self.multipliers[1].shift(padded, self.horizon * padded);
+        self.multipliers[0].shift(0, NU, self.horizon * NU);
+        let states = self.horizon * padded;
+        self.multipliers[1].shift(0, padded, states);
+        if NR > 0 {
+            // The rows of the end stay what they are.
+            let padded = lanes(NR) * WIDTH;
+            self.multipliers[1].shift(states, padded, self.horizon * padded);
+        }
     }
 
     /// `u_k` of the solution; zeros for `k ≥ N`.
@@ -133,9 +144,22 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         )
     }
 
+    /// Multipliers `[lower, upper]` of the rows of node `k`, `0 ≤ k ≤ N`, all ≥ 0.
+    #[inline(always)]
+    pub(super) fn row_multipliers(&self, k: usize) -> [[f64; 2]; NR] {
+        let place = (self.horizon * Self::RX + k * lanes(NR)) * WIDTH;
+        core::array::from_fn(|r| {
+            if k <= self.horizon {
+                self.multipliers[1].get(place + r).map(|l| l / self.rows.unit(k, r))
+            } else {
+                [0.0; 2]
+            }
+        })
+    }
+
     /// Solves from the start asked for; from a cold one if there is no solution in memory.
     #[inline(always)]
-    pub(super) fn solve_from(&mut self, problem: &QpProblem<NX, NU>, start: Start) -> QpReport {
+    pub(super) fn solve_from(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
         let start = if self.solved { start } else { Start::Cold };
         let valid = problem.stages.len() == self.horizon && problem.is_valid();
         if !valid {
@@ -180,9 +204,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         }
     }
 
-    /// Takes over the data. Returns whether there are soft bounds.
+    /// Takes over the data. Returns whether there are soft bounds or rows.
     #[inline(always)]
-    fn load(&mut self, problem: &QpProblem<NX, NU>) -> bool {
+    fn load(&mut self, problem: &QpProblem<NX, NU, NR>) -> bool {
         let p = problem;
         self.riccati.set_weights(&p.state_weight, &p.input_weight, &p.terminal_weight, &p.input_rate_weight);
         let penalty = p.state_penalty.map(|p| p.map(|p| (p.linear, p.quadratic)));
@@ -193,6 +217,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         for (k, stage) in p.stages.iter().enumerate() {
             self.load_stage(k, stage, &penalty);
         }
+        self.load_rows(p);
         let first = &p.stages[0];
         let mut c = first.affine;
         let mut r = first.input_gradient;
@@ -211,11 +236,20 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         }
         flat_mut(&mut self.affine[..Self::RX])[..NX].copy_from_slice(&c);
         self.linear.set_input(0, &r);
-        penalty.iter().any(Option::is_some)
+        penalty.iter().any(Option::is_some) || p.row_penalty.iter().any(Option::is_some)
     }
 
     #[inline(always)]
-    fn load_stage(&mut self, k: usize, stage: &QpStage<NX, NU>, penalty: &[Option<(f64, f64)>; NX]) {
+    fn load_rows(&mut self, problem: &QpProblem<NX, NU, NR>) {
+        let behind = self.horizon * Self::RX * WIDTH;
+        let Self { rows, equalities, state_bounds, .. } = self;
+        rows.load(problem, |Limits { place, sides: [lower, upper], penalty }| {
+            set_bounds(equalities, state_bounds, behind + place, [lower, upper], penalty);
+        });
+    }
+
+    #[inline(always)]
+    fn load_stage(&mut self, k: usize, stage: &QpStage<NX, NU, NR>, penalty: &[Option<(f64, f64)>; NX]) {
         let padded = Self::RX * WIDTH;
         self.riccati.set_stage(k, &stage.state_matrix, &stage.input_matrix);
         self.linear.set_input(k, &stage.input_gradient);
@@ -232,19 +266,13 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         }
         for i in 0..NX {
             let (place, [lower, upper]) = (k * padded + i, [stage.state_lower[i], stage.state_upper[i]]);
-            match single_value(lower, upper) {
-                Some(value) if penalty[i].is_none() => {
-                    self.equalities.set(place, value);
-                    self.state_bounds.set(place, -f64::INFINITY, f64::INFINITY, None);
-                }
-                _ => self.state_bounds.set(place, lower, upper, penalty[i]),
-            }
+            set_bounds(&mut self.equalities, &mut self.state_bounds, place, [lower, upper], penalty[i]);
         }
     }
 
     /// The answer where there is no QP to solve: inputs nearest zero within those bounds that make sense.
     #[inline(always)]
-    fn invalid(&mut self, problem: &QpProblem<NX, NU>) -> QpReport {
+    fn invalid(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
         self.solved = false;
         self.solution.clear();
         self.multipliers[0].clear();
@@ -260,6 +288,24 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             cost: nan,
             residuals: KktResiduals { stationarity: nan, primal: nan, gap: nan },
         }
+    }
+}
+
+/// Bounds of number `i` of the padded states and rows: an equality where hard ones leave one value only.
+#[inline(always)]
+fn set_bounds<V: Vector>(
+    equalities: &mut Equalities<V>,
+    bounds: &mut Bounds<V>,
+    i: usize,
+    [lower, upper]: [f64; 2],
+    penalty: Option<(f64, f64)>,
+) {
+    match single_value(lower, upper) {
+        Some(value) if penalty.is_none() => {
+            equalities.set(i, value);
+            bounds.set(i, -f64::INFINITY, f64::INFINITY, None);
+        }
+        _ => bounds.set(i, lower, upper, penalty),
     }
 }
 

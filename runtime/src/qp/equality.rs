@@ -88,6 +88,16 @@ impl<V: Vector> Fixed<V> {
         self.0.place(u);
     }
 
+    /// Leaves the fixed inputs out of a step.
+    #[inline(always)]
+    pub(super) fn hold(&self, step: &mut [V]) {
+        if self.0.any {
+            for (step, active) in step.iter_mut().zip(&self.0.active) {
+                *step = (V::one() - *active) * *step;
+            }
+        }
+    }
+
     /// Adds the diagonal term that keeps the inputs where they are.
     #[inline(always)]
     pub(super) fn weigh(&self, weight: &mut [V]) {

@@ -9,13 +9,14 @@
 //! | `certificate` | cost and residuals of the point returned, from which the status follows |
 //! | `barrier`, `multipliers` | bounds, hard and soft: slacks, multipliers, their Newton steps |
 //! | `equality` | bounds that are equal: fixed inputs, states that must pass through a point |
+//! | `rows` | rows `lo ≤ C x + D u ≤ hi`: values that follow from x and u, bounded as states are |
 //! | `core`, `solver` | memory and loading of a problem; the public face, which chooses the lanes |
 //! | `riccati`, `sweeps` | the factorization of the Newton system stage by stage, and its solutions |
 //! | `kernels`, `ldl` | matrix products in registers, small factorizations |
 //! | `trajectory`, `lanes`, `avx2` | memory layout, and vectors of four numbers |
 //!
 //! Every iterate satisfies the dynamics, and inputs returned satisfy their bounds exactly. Hard state bounds
-//! out of reach are found out within a bounded number of iterations, and replaced by exact penalties
+//! and rows out of reach are found out within a bounded number of iterations, and replaced by exact penalties
 //! ([`QpStatus::Relaxed`]).
 
 #[cfg(target_arch = "x86_64")]
@@ -31,11 +32,12 @@ mod ldl;
 mod multipliers;
 mod problem;
 pub(crate) mod riccati;
+mod rows;
 mod solver;
 mod status;
 mod sweeps;
 pub(crate) mod trajectory;
 
-pub use problem::{Penalty, QpProblem, QpStage};
+pub use problem::{Penalty, QpProblem, QpRows, QpStage};
 pub use solver::{MAX_HORIZON, MAX_SIZE, QpSolver};
 pub use status::{KktResiduals, QpError, QpReport, QpSettings, QpStatus};

@@ -48,10 +48,11 @@ impl<V: Vector> Multipliers<V> {
         [flat(core::slice::from_ref(lower))[i % WIDTH], flat(core::slice::from_ref(upper))[i % WIDTH]]
     }
 
-    /// Moves stage `k + 1` to stage `k`, `stride` numbers each; the last stage stays.
+    /// Moves stage `k + 1` to stage `k`, `stride` numbers each, of the `count` numbers from `start` on; the
+    /// last stage stays.
     #[inline(always)]
-    pub(super) fn shift(&mut self, stride: usize, count: usize) {
-        for i in 0..count.saturating_sub(stride) {
+    pub(super) fn shift(&mut self, start: usize, stride: usize, count: usize) {
+        for i in start..(start + count).saturating_sub(stride) {
             let next = self.get(i + stride);
             for side in 0..2 {
                 flat_mut(core::slice::from_mut(&mut self.0[i / WIDTH][side]))[i % WIDTH] = next[side];

@@ -1,5 +1,7 @@
 //! The optimal-control QP, as plain data.
 
+use super::rows::unit;
+
 /// Penalty of a soft bound: `linear · v + ½ quadratic · v²` for a violation `v ≥ 0`.
 ///
 /// The linear term makes it exact: if it exceeds the multiplier that the hard bound would have, the bound is
@@ -13,9 +15,78 @@ pub struct Penalty {
     pub quadratic: f64,
 }
 
-/// One stage `k`: dynamics `x_{k+1} = A x_k + B u_k + c`, and cost and bounds of `u_k` and `x_{k+1}`.
+/// Rows `lo ≤ C x + D u ≤ hi` of one node of the horizon, hard or soft by [`QpProblem::row_penalty`].
+///
+/// A row counts as divided by its largest coefficient: [`QpSettings::feasibility`](super::QpSettings) and
+/// [`KktResiduals::primal`](super::KktResiduals) do not depend on its units. Equal sides of a hard row make it
+/// an equality. A row whose coefficients are zero holds or is violated whatever the solution.
+///
+/// ```
+/// use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStatus};
+///
+/// // A mass under at most 1 N, of which its motor loses 2 N per m/s: |u + 2 v| ≤ 1.
+/// let mut problem = QpProblem::<2, 1, 1>::new(20);
+/// problem.initial_state = [1.0, 0.0];
+/// problem.state_weight = [[1.0, 0.0], [0.0, 0.1]];
+/// problem.input_weight = [[0.01]];
+/// problem.terminal_weight = [[10.0, 0.0], [0.0, 1.0]];
+/// for stage in &mut problem.stages {
+///     stage.state_matrix = [[1.0, 0.1], [0.0, 1.0]];
+///     stage.input_matrix = [[0.005], [0.1]];
+///     stage.rows.state_matrix = [[0.0, 2.0]];
+///     stage.rows.input_matrix = [[1.0]];
+///     (stage.rows.lower, stage.rows.upper) = ([-1.0], [1.0]);
+/// }
+/// let mut solver = QpSolver::new(20, QpSettings::default())?;
+/// assert_eq!(solver.solve(&problem).status, QpStatus::Solved);
+/// assert!((solver.input(0)[0] + 1.0).abs() < 1e-6, "all of its force from rest");
+/// assert!((solver.input(3)[0] + 2.0 * solver.state(3)[1] + 1.0).abs() < 1e-6, "less of it at speed");
+/// # Ok::<(), gelenk_runtime::qp::QpError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct QpStage<const NX: usize, const NU: usize> {
+pub struct QpRows<const NX: usize, const NU: usize, const NR: usize> {
+    /// `C`, rows first.
+    pub state_matrix: [[f64; NX]; NR],
+    /// `D`, rows first.
+    pub input_matrix: [[f64; NU]; NR],
+    /// Lower sides; −∞ where there is none.
+    pub lower: [f64; NR],
+    /// Upper sides; +∞ where there is none.
+    pub upper: [f64; NR],
+}
+
+impl<const NX: usize, const NU: usize, const NR: usize> Default for QpRows<NX, NU, NR> {
+    /// Rows that limit nothing.
+    fn default() -> Self {
+        Self {
+            state_matrix: [[0.0; NX]; NR],
+            input_matrix: [[0.0; NU]; NR],
+            lower: [f64::NEG_INFINITY; NR],
+            upper: [f64::INFINITY; NR],
+        }
+    }
+}
+
+impl<const NX: usize, const NU: usize, const NR: usize> QpRows<NX, NU, NR> {
+    /// True if all coefficients are finite, sides are ordered, and finite sides stay finite in units of the
+    /// row's largest coefficient.
+    fn is_valid(&self) -> bool {
+        let coefficients = self.state_matrix.iter().flatten().chain(self.input_matrix.iter().flatten());
+        let mut valid = finite(coefficients) & ordered(&self.lower, &self.upper);
+        for r in 0..NR {
+            let unit = unit(&self.state_matrix[r], &self.input_matrix[r]);
+            for side in [self.lower[r], self.upper[r]] {
+                valid &= side.is_infinite() | (side / unit).is_finite();
+            }
+        }
+        valid
+    }
+}
+
+/// One stage `k`: dynamics `x_{k+1} = A x_k + B u_k + c`, cost and bounds of `u_k` and `x_{k+1}`, and rows of
+/// `x_k` and `u_k`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct QpStage<const NX: usize, const NU: usize, const NR: usize = 0> {
     /// `A_k`, rows first.
     pub state_matrix: [[f64; NX]; NX],
     /// `B_k`, rows first.
@@ -34,20 +105,24 @@ pub struct QpStage<const NX: usize, const NU: usize> {
     pub state_lower: [f64; NX],
     /// Upper bounds of `x_{k+1}`, hard or soft by [`QpProblem::state_penalty`]; +∞ where there is none.
     pub state_upper: [f64; NX],
+    /// `lo ≤ C x_k + D u_k ≤ hi`.
+    pub rows: QpRows<NX, NU, NR>,
 }
 
-/// The optimal-control QP over a horizon of `N` stages, `NX` states and `NU` inputs.
+/// The optimal-control QP over a horizon of `N` stages, `NX` states, `NU` inputs and, if there are any, `NR`
+/// rows per stage.
 ///
 /// ```text
 ///     min  Σ_{k=0}^{N−1} ½ u_kᵀ R u_k + r_kᵀ u_k + ½ (u_k − u_{k−1})ᵀ W (u_k − u_{k−1})
 ///        + Σ_{k=1}^{N} ½ x_kᵀ Q_k x_k + q_kᵀ x_k      Q_k = Q for k < N, Q_N = P
 ///     s.t. x_{k+1} = A_k x_k + B_k u_k + c_k,  x_0 given,  u_min ≤ u_k ≤ u_max,  x_min ≤ x_k ≤ x_max (hard or soft)
+///          lo_k ≤ C_k x_k + D_k u_k ≤ hi_k for k < N,  lo_N ≤ C_N x_N ≤ hi_N  (hard or soft)
 /// ```
 ///
 /// The constant weights must be symmetric, Q and P positive semidefinite, R positive definite on what BᵀPB
 /// leaves free.
 #[derive(Debug, Clone, PartialEq)]
-pub struct QpProblem<const NX: usize, const NU: usize> {
+pub struct QpProblem<const NX: usize, const NU: usize, const NR: usize = 0> {
     /// `x_0`.
     pub initial_state: [f64; NX],
     /// `Q`, of x_1 … x_{N−1}.
@@ -63,12 +138,16 @@ pub struct QpProblem<const NX: usize, const NU: usize> {
     pub previous_input: [f64; NU],
     /// Penalty of each state's bounds; `None` makes them hard.
     pub state_penalty: [Option<Penalty>; NX],
+    /// Penalty of each row; `None` makes it hard.
+    pub row_penalty: [Option<Penalty>; NR],
+    /// Rows of `x_N`, which has no input beside it.
+    pub terminal_rows: QpRows<NX, 0, NR>,
     /// Stages 0 … N−1.
-    pub stages: Vec<QpStage<NX, NU>>,
+    pub stages: Vec<QpStage<NX, NU, NR>>,
 }
 
-impl<const NX: usize, const NU: usize> Default for QpStage<NX, NU> {
-    /// No dynamics, no linear cost, no bounds.
+impl<const NX: usize, const NU: usize, const NR: usize> Default for QpStage<NX, NU, NR> {
+    /// No dynamics, no linear cost, no bounds, no limits of rows.
     fn default() -> Self {
         Self {
             state_matrix: [[0.0; NX]; NX],
@@ -80,17 +159,19 @@ impl<const NX: usize, const NU: usize> Default for QpStage<NX, NU> {
             input_upper: [f64::INFINITY; NU],
             state_lower: [f64::NEG_INFINITY; NX],
             state_upper: [f64::INFINITY; NX],
+            rows: QpRows::default(),
         }
     }
 }
 
-impl<const NX: usize, const NU: usize> QpStage<NX, NU> {
+impl<const NX: usize, const NU: usize, const NR: usize> QpStage<NX, NU, NR> {
     fn is_valid(&self) -> bool {
         let matrices = self.state_matrix.iter().flatten().chain(self.input_matrix.iter().flatten());
         let vectors = self.affine.iter().chain(&self.input_gradient).chain(&self.state_gradient);
         finite(matrices.chain(vectors))
             & ordered(&self.input_lower, &self.input_upper)
             & ordered(&self.state_lower, &self.state_upper)
+            & (NR == 0 || self.rows.is_valid())
     }
 }
 
@@ -110,20 +191,21 @@ fn ordered(lower: &[f64], upper: &[f64]) -> bool {
         .fold(true, |ok, (l, h)| ok & (l <= h) & (*l < f64::INFINITY) & (*h > f64::NEG_INFINITY))
 }
 
-impl<const NX: usize, const NU: usize> QpProblem<NX, NU> {
+impl<const NX: usize, const NU: usize, const NR: usize> QpProblem<NX, NU, NR> {
     /// True if all numbers are finite (bounds may be infinite outwards), bounds ordered, penalties positive.
     pub(super) fn is_valid(&self) -> bool {
         let weights = self.state_weight.iter().chain(&self.terminal_weight).flatten();
         let input_weights = self.input_weight.iter().chain(&self.input_rate_weight).flatten();
-        let penalties = self.state_penalty.iter().flatten();
+        let penalties = self.state_penalty.iter().chain(&self.row_penalty).flatten();
         finite(weights.chain(input_weights).chain(&self.initial_state).chain(&self.previous_input))
             && penalties.fold(true, |ok, p| {
                 ok & (p.linear > 0.0) & (p.quadratic >= 0.0) & finite([p.linear, p.quadratic].iter())
             })
+            && (NR == 0 || self.terminal_rows.is_valid())
             && self.stages.iter().all(QpStage::is_valid)
     }
 
-    /// A problem over `horizon` stages without dynamics, cost or bounds, to be filled in.
+    /// A problem over `horizon` stages without dynamics, cost, bounds or rows, to be filled in.
     pub fn new(horizon: usize) -> Self {
         Self {
             initial_state: [0.0; NX],
@@ -133,6 +215,8 @@ impl<const NX: usize, const NU: usize> QpProblem<NX, NU> {
             input_rate_weight: [[0.0; NU]; NU],
             previous_input: [0.0; NU],
             state_penalty: [None; NX],
+            row_penalty: [None; NR],
+            terminal_rows: QpRows::default(),
             stages: vec![QpStage::default(); horizon],
         }
     }

@@ -19,7 +19,9 @@
 //!     K_v = −Λ⁻ᵀ D⁻¹ Y_v    S = −YᵀD⁻¹Y_v    V = W − Y_vᵀD⁻¹Y_v    e = h + p_v⁺    p = g + Kᵀe + Φᵀp⁺    p_v = K_vᵀ(e + Bᵀp⁺)
 //! ```
 //!
-//! which adds O(n m²) to a factorization where a general state of n + m numbers would cost about twice as
+//! Rows `C x + D u` of a stage add to R̃, Q̃ and `BᵀP⁺A` what [`super::rows`] says.
+//!
+//! The weight W adds O(n m²) to a factorization where a general state of n + m numbers would cost about twice as
 //! much. The cost is linear in the horizon, O((n + m)³) per factorization and O((n + m)²) per further
 //! right-hand side. The closed-loop matrix Φ is formed once per factorization, because it leaves one
 //! matrix-vector product in the chain of dependent operations of both sweeps.
@@ -32,6 +34,7 @@
 use super::kernels::{Right, Term, add_combination, product};
 use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, zeros};
 use super::ldl::{NotPositive, factor_ldl, solve_ldl};
+use super::rows::Rows;
 use super::trajectory::Trajectory;
 
 /// Lanes of the largest vector of states or inputs.
@@ -174,26 +177,32 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Factorizes with the diagonal terms of inputs and states in `weight`. With `affine`, the terms c_k of
+    /// Factorizes with the diagonal terms of inputs, states and rows in `weight`. With `affine`, the terms c_k of
     /// `x⁺ = A x + B u + c` (`A_0 x_0` included in c_0), prepares a solution with them too.
     #[inline(always)]
-    pub(crate) fn factorize(
+    pub(crate) fn factorize<const NR: usize>(
         &mut self,
         weight: &Trajectory<V>,
         affine: Option<&[V]>,
+        rows: &Rows<V, NX, NU, NR>,
     ) -> Result<(), NotPositive> {
         let x = Self::RX;
         let rho = flat(&weight.u);
         self.begin(&weight.x[(self.horizon - 1) * x..][..x]);
+        if NR > 0 {
+            rows.add_to_cost(self.horizon, weight, &mut self.p);
+            mirror::<V, NX>(&mut self.p, x);
+        }
         for k in (0..self.horizon).rev() {
             if let Some(c) = affine {
                 self.stage_affine(k, &c[k * x..][..x]);
             }
-            self.stage_pivot(k, &rho[k * NU..][..NU])?;
+            let with_rows = |h: &mut _| rows.add_to_pivot(k, weight, h);
+            self.stage_pivot(k, &rho[k * NU..][..NU], with_rows)?;
             if k > 0 {
-                self.stage_gain(k);
+                self.stage_gain(k, |y| rows.add_to_coupling(k, weight, y));
                 self.stage_closed_loop(k);
-                self.stage_cost_to_go(k);
+                self.stage_cost_to_go(k, |p| rows.add_to_cost(k, weight, p));
                 Self::add_diagonal(&mut self.p, &weight.x[(k - 1) * x..][..x]);
             }
         }
@@ -206,10 +215,10 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
     pub(crate) fn regulate(&mut self) -> Result<(), NotPositive> {
         self.begin(&[V::zero(); MAX_LANES][..Self::RX]);
         for k in (0..self.horizon).rev() {
-            self.stage_pivot(k, &[0.0; NU])?;
-            self.stage_gain(k);
+            self.stage_pivot(k, &[0.0; NU], |_| {})?;
+            self.stage_gain(k, |_| {});
             self.stage_closed_loop(k);
-            self.stage_cost_to_go(k);
+            self.stage_cost_to_go(k, |_| {});
         }
         Ok(())
     }
@@ -263,7 +272,12 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
 
     /// `T = P⁺B (+ S⁺)` and `Λ D Λᵀ = R̃ + BᵀP⁺B (+ …)`.
     #[inline(always)]
-    fn stage_pivot(&mut self, k: usize, rho: &[f64]) -> Result<(), NotPositive> {
+    fn stage_pivot(
+        &mut self,
+        k: usize,
+        rho: &[f64],
+        add_rows: impl FnOnce(&mut [[f64; NU]; NU]),
+    ) -> Result<(), NotPositive> {
         let x = Self::RX;
         let b = &self.b[k * NU * x..][..NU * x];
         let b_rows = &self.b_rows[k * NX * Self::RU..][..NX * Self::RU];
@@ -285,6 +299,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
             }
             h[j][j] += rho[j];
         }
+        add_rows(&mut h);
         if let Some(w) = &self.rate {
             for i in 0..NU {
                 for j in 0..=i {
@@ -298,7 +313,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
 
     /// `Y`, `−D⁻¹Y` and `K`; `S`, `V` and `K_v` where the change of the input has a weight.
     #[inline(always)]
-    fn stage_gain(&mut self, k: usize) {
+    fn stage_gain(&mut self, k: usize, add_rows: impl FnOnce(&mut [V])) {
         let x = Self::RX;
         let a = &self.a[k * NX * x..][..NX * x];
         product::<V, NX, NU, false, 1>(
@@ -306,6 +321,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
             None,
             [Term { left: a, right: Right::columns(flat(&self.pb), x * WIDTH), depth: NX }],
         );
+        add_rows(&mut self.y);
         let l = &self.ldl[k];
         let gain = &mut self.k[k * NU * x..][..NU * x];
         for r in 0..x {
@@ -377,7 +393,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
 
     /// `P = Q + AᵀP⁺A − YᵀD⁻¹Y`: the lower blocks by product, the upper ones by symmetry.
     #[inline(always)]
-    fn stage_cost_to_go(&mut self, k: usize) {
+    fn stage_cost_to_go(&mut self, k: usize, add_rows: impl FnOnce(&mut [V])) {
         let x = Self::RX;
         let a = &self.a[k * NX * x..][..NX * x];
         product::<V, NX, NX, false, 1>(
@@ -393,6 +409,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
                 Term { left: &self.y, right: Right::rows(flat(&self.z), x * WIDTH), depth: NU },
             ],
         );
+        add_rows(&mut self.p);
         mirror::<V, NX>(&mut self.p, x);
     }
 }

@@ -10,7 +10,7 @@ use super::status::{QpError, QpReport, QpSettings};
 
 /// Longest horizon.
 pub const MAX_HORIZON: usize = 100;
-/// Largest number of states and of inputs.
+/// Largest number of states, of inputs, and of rows per stage.
 pub const MAX_SIZE: usize = 32;
 
 /// Interior-point solver for optimal-control QPs of one size. All memory is allocated at construction; a
@@ -40,14 +40,14 @@ pub const MAX_SIZE: usize = 32;
 /// # Ok::<(), gelenk_runtime::qp::QpError>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct QpSolver<const NX: usize, const NU: usize>(Engine<NX, NU>);
+pub struct QpSolver<const NX: usize, const NU: usize, const NR: usize = 0>(Engine<NX, NU, NR>);
 
 /// The method compiled for the lanes of this processor.
 #[derive(Debug, Clone)]
-enum Engine<const NX: usize, const NU: usize> {
-    Portable(Core<Portable, NX, NU>),
+enum Engine<const NX: usize, const NU: usize, const NR: usize> {
+    Portable(Core<Portable, NX, NU, NR>),
     #[cfg(target_arch = "x86_64")]
-    Avx2(Core<Avx2, NX, NU>),
+    Avx2(Core<Avx2, NX, NU, NR>),
 }
 
 /// Calls a function of the core, whichever it is.
@@ -61,16 +61,17 @@ macro_rules! core {
     };
 }
 
-impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
+impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
     /// A solver for horizons of `horizon` stages.
     ///
     /// # Errors
-    /// [`QpError`] if the horizon is not 1..=[`MAX_HORIZON`], or `NX` or `NU` not 1..=[`MAX_SIZE`].
+    /// [`QpError`] if the horizon is not 1..=[`MAX_HORIZON`], `NX` or `NU` not 1..=[`MAX_SIZE`], or `NR`
+    /// larger than that.
     pub fn new(horizon: usize, settings: QpSettings) -> Result<Self, QpError> {
         if !(1..=MAX_HORIZON).contains(&horizon) {
             return Err(QpError::Horizon(horizon));
         }
-        if !(1..=MAX_SIZE).contains(&NX) || !(1..=MAX_SIZE).contains(&NU) {
+        if !(1..=MAX_SIZE).contains(&NX) || !(1..=MAX_SIZE).contains(&NU) || NR > MAX_SIZE {
             return Err(QpError::Size);
         }
         #[cfg(target_arch = "x86_64")]
@@ -86,17 +87,17 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
     }
 
     /// Solves from a cold start: nothing of an earlier solve has any influence.
-    pub fn solve(&mut self, problem: &QpProblem<NX, NU>) -> QpReport {
+    pub fn solve(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
         self.solve_from(problem, Start::Cold)
     }
 
     /// Solves from the solution of the last solve, which may have been moved by [`Self::shift`]; cold, if
-    /// there is none, if no variable is bounded, or if that start leads nowhere.
-    pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU>) -> QpReport {
+    /// there is none, if nothing is bounded, or if that start leads nowhere.
+    pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
         self.solve_from(problem, Start::Warm)
     }
 
-    fn solve_from(&mut self, problem: &QpProblem<NX, NU>, start: Start) -> QpReport {
+    fn solve_from(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
         match &mut self.0 {
             Engine::Portable(core) => core.solve_from(problem, start),
             #[cfg(target_arch = "x86_64")]
@@ -131,14 +132,19 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
     pub fn state_multipliers(&self, k: usize) -> [[f64; 2]; NX] {
         core!(&self.0, core => core.state_multipliers(k))
     }
+
+    /// Multipliers `[lower, upper]` of the rows of node `k`, `0 ≤ k ≤ N`, all ≥ 0; zeros for other `k`.
+    pub fn row_multipliers(&self, k: usize) -> [[f64; 2]; NR] {
+        core!(&self.0, core => core.row_multipliers(k))
+    }
 }
 
 /// The method in a function compiled for these features, into which everything below is inlined.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn solve_avx2<const NX: usize, const NU: usize>(
-    core: &mut Core<Avx2, NX, NU>,
-    problem: &QpProblem<NX, NU>,
+fn solve_avx2<const NX: usize, const NU: usize, const NR: usize>(
+    core: &mut Core<Avx2, NX, NU, NR>,
+    problem: &QpProblem<NX, NU, NR>,
     start: Start,
 ) -> QpReport {
     core.solve_from(problem, start)

@@ -10,7 +10,7 @@ pub enum QpStatus {
     /// The optimum, to the tolerances of [`QpSettings`]: hard bounds are kept, and the cost is proven to lie
     /// no further above the least one.
     Solved,
-    /// The hard state bounds cannot be kept (or no point that keeps them was found within the cap): the
+    /// The hard state bounds or rows cannot be kept (or no point that keeps them was found within the cap): the
     /// inputs returned minimize the violation by an exact penalty and keep their own bounds.
     Relaxed,
     /// The cap on iterations was reached, or rounding allows no further step; of the points that the starts
@@ -29,10 +29,11 @@ pub struct KktResiduals {
     /// Stationarity: the gradient of the Lagrangian with respect to the inputs, the costates eliminated by
     /// their own recursion.
     pub stationarity: f64,
-    /// Violation of the hard bounds by the states rolled out through the dynamics, relative to the bound
-    /// where that exceeds 1; the inputs keep theirs.
+    /// Violation of the hard bounds and rows by the states rolled out through the dynamics, relative to the
+    /// bound where that exceeds 1; a row counts as divided by its largest coefficient. The inputs keep their
+    /// bounds.
     pub primal: f64,
-    /// How far the cost may lie above the optimum: the duality gap of the bounds, and what a Newton step
+    /// How far the cost may lie above the optimum: the duality gap of bounds and rows, and what a Newton step
     /// would still gain. In units of the cost.
     pub gap: f64,
 }
@@ -45,7 +46,7 @@ pub struct QpReport {
     /// Interior-point iterations, each one factorization, of all starts together; 0 if the unconstrained
     /// optimum keeps all bounds.
     pub iterations: usize,
-    /// Cost of the iterate returned, penalties of soft bounds included, the constant cost of x_0 not.
+    /// Cost of the iterate returned, penalties of soft bounds and rows included, the constant cost of x_0 not.
     pub cost: f64,
     /// Residuals at the iterate returned.
     pub residuals: KktResiduals,
@@ -57,7 +58,7 @@ pub struct QpSettings {
     /// Duality gap relative to the cost at which the iteration stops.
     pub tolerance: f64,
     /// Largest violation of a hard bound, in units of the variable; relative to the bound where that exceeds
-    /// 1.
+    /// 1. A row counts as divided by its largest coefficient.
     pub feasibility: f64,
     /// Cap on interior-point iterations of each start. Where a start leads nowhere, others follow: a solve
     /// takes at most twice as many iterations from a cold start, and three times as many from a warm one.
@@ -76,7 +77,7 @@ impl Default for QpSettings {
 pub enum QpError {
     /// The horizon must be 1..=100.
     Horizon(usize),
-    /// `NX` must be 1..=32 and `NU` 1..=32.
+    /// `NX` must be 1..=32, `NU` 1..=32 and `NR` 0..=32.
     Size,
 }
 
@@ -84,7 +85,9 @@ impl fmt::Display for QpError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Horizon(n) => write!(f, "a horizon of {n} stages; choose 1 to 100"),
-            Self::Size => write!(f, "a QP needs 1 to 32 states and 1 to 32 inputs"),
+            Self::Size => {
+                write!(f, "a QP needs 1 to 32 states, 1 to 32 inputs and at most 32 rows per stage")
+            }
         }
     }
 }

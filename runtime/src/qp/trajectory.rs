@@ -3,7 +3,7 @@
 use super::lanes::{Vector, flat, flat_mut, lanes, largest, zeros};
 
 /// Numbers for u_0 … u_{N−1}, contiguous without padding between stages, and for x_1 … x_N, each stage padded
-/// to whole lanes.
+/// to whole lanes, and behind them, if there are any, for the rows of nodes 0 … N likewise ([`super::rows`]).
 #[derive(Debug, Clone)]
 pub(crate) struct Trajectory<V> {
     pub(crate) u: Vec<V>,
@@ -11,8 +11,9 @@ pub(crate) struct Trajectory<V> {
 }
 
 impl<V: Vector> Trajectory<V> {
-    pub(crate) fn new(horizon: usize, nx: usize, nu: usize) -> Self {
-        Self { u: zeros(lanes(horizon * nu)), x: zeros(horizon * lanes(nx)) }
+    /// `rows`: lanes of the rows.
+    pub(crate) fn new(horizon: usize, nx: usize, nu: usize, rows: usize) -> Self {
+        Self { u: zeros(lanes(horizon * nu)), x: zeros(horizon * lanes(nx) + rows) }
     }
 
     /// Takes the numbers of another trajectory of the same shape.

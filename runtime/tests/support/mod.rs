@@ -1,11 +1,13 @@
-//! What test binaries share: random optimal-control QPs with Clarabel as their oracle, a robot with its loop,
+//! What test binaries share: random optimal-control QPs with Clarabel as their oracle, their KKT conditions, a robot with its loop,
 //! its plant process, programs of examples.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 #![allow(clippy::unwrap_used, reason = "test code: a problem that cannot be set up ends the test")]
 
 pub mod example;
+pub mod kkt;
 pub mod oracle;
 pub mod plant_process;
 pub mod random_qp;
+pub mod random_rows;
 pub mod robot;
 pub mod wide_qp;

@@ -53,13 +53,19 @@ impl Builder {
             self.h.add(i, j, v);
         }
     }
-    /// `sign·z_i ≤ bound (+ violation)`.
+    /// `sign·z_i ≤ sign·bound (+ violation)`.
     fn bound(&mut self, i: usize, sign: f64, bound: f64, penalty: Option<Penalty>) {
+        self.limit(&[(i, 1.0)], sign, bound, penalty);
+    }
+    /// `sign·Σ g_i z_i ≤ sign·bound (+ violation)`.
+    fn limit(&mut self, terms: &[(usize, f64)], sign: f64, bound: f64, penalty: Option<Penalty>) {
         if !bound.is_finite() {
             return;
         }
         let row = self.b.len();
-        self.g.add(row, i, sign);
+        for (i, factor) in terms {
+            self.g.add(row, *i, sign * factor);
+        }
         self.b.push(sign * bound);
         if let Some(penalty) = penalty {
             let t = self.q.len();
@@ -74,14 +80,17 @@ impl Builder {
 
 /// What the input before the horizon adds to the cost, whatever the solution: a term that a quadratic form in
 /// z does not hold.
-fn constant_cost<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>) -> f64 {
+fn constant_cost<const NX: usize, const NU: usize, const NR: usize>(p: &QpProblem<NX, NU, NR>) -> f64 {
     let (w, u) = (&p.input_rate_weight, &p.previous_input);
     let terms = (0..NU).flat_map(|i| (0..NU).map(move |j| 0.5 * u[i] * w[i][j] * u[j]));
     terms.sum()
 }
 
 /// Clarabel's problem for a QP, with `tolerance` for gap and feasibility.
-pub fn sparse<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>, tolerance: f64) -> Sparse {
+pub fn sparse<const NX: usize, const NU: usize, const NR: usize>(
+    p: &QpProblem<NX, NU, NR>,
+    tolerance: f64,
+) -> Sparse {
     let n = p.stages.len();
     let (u, x) = (|k: usize, i: usize| k * NU + i, |k: usize, i: usize| n * NU + (k - 1) * NX + i);
     let mut s =
@@ -133,6 +142,7 @@ pub fn sparse<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>, tolerance
             s.bound(x(k + 1, i), -1.0, stage.state_lower[i], p.state_penalty[i]);
         }
     }
+    limit_rows(&mut s, p);
     let (variables, rows) = (s.q.len(), s.b.len());
     let settings = DefaultSettingsBuilder::default()
         .verbose(false)
@@ -147,8 +157,38 @@ pub fn sparse<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>, tolerance
     Sparse { solver: DefaultSolver::new(&h, &s.q, &g, &s.b, &cones, settings).unwrap() }
 }
 
+/// The rows of all nodes. What x_0 adds to those of the first stage is a number.
+fn limit_rows<const NX: usize, const NU: usize, const NR: usize>(s: &mut Builder, p: &QpProblem<NX, NU, NR>) {
+    let n = p.stages.len();
+    for r in 0..NR {
+        for k in 0..=n {
+            let stage = p.stages.get(k);
+            let end = &p.terminal_rows;
+            let (c, lower, upper) = stage.map_or((end.state_matrix[r], end.lower[r], end.upper[r]), |s| {
+                (s.rows.state_matrix[r], s.rows.lower[r], s.rows.upper[r])
+            });
+            let (mut terms, mut constant) = (vec![], 0.0);
+            for j in 0..NX {
+                if k == 0 {
+                    constant += c[j] * p.initial_state[j];
+                } else {
+                    terms.push((n * NU + (k - 1) * NX + j, c[j]));
+                }
+            }
+            if let Some(stage) = stage {
+                terms.extend((0..NU).map(|j| (k * NU + j, stage.rows.input_matrix[r][j])));
+            }
+            s.limit(&terms, 1.0, upper - constant, p.row_penalty[r]);
+            s.limit(&terms, -1.0, lower - constant, p.row_penalty[r]);
+        }
+    }
+}
+
 /// Solves by Clarabel.
-pub fn solve<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>, tolerance: f64) -> Solution<NX, NU> {
+pub fn solve<const NX: usize, const NU: usize, const NR: usize>(
+    p: &QpProblem<NX, NU, NR>,
+    tolerance: f64,
+) -> Solution<NX, NU> {
     let n = p.stages.len();
     let mut solver = sparse(p, tolerance).solver;
     solver.solve();

@@ -6,7 +6,7 @@
 
 use super::random_qp::{Random, spectral_radius};
 use gelenk_runtime::lqr::TimeVaryingLqr;
-use gelenk_runtime::qp::{Penalty, QpProblem, QpSolver, QpStage};
+use gelenk_runtime::qp::{Penalty, QpProblem, QpRows, QpSolver, QpStage};
 
 /// Horizons that come up.
 const HORIZONS: [usize; 12] = [1, 2, 3, 4, 6, 9, 13, 20, 30, 45, 70, 100];
@@ -16,25 +16,28 @@ const GROWTH: f64 = 1e5;
 
 /// A problem of one stage more than the horizon, of which any window can be solved.
 #[derive(Debug, Clone)]
-pub struct Wide<const NX: usize, const NU: usize> {
+pub struct Wide<const NX: usize, const NU: usize, const NR: usize = 0> {
     pub horizon: usize,
     /// `horizon + 1` stages.
-    pub long: QpProblem<NX, NU>,
+    pub long: QpProblem<NX, NU, NR>,
     /// x_1 of the reference.
     pub reference: [f64; NX],
 }
 
-impl<const NX: usize, const NU: usize> Wide<NX, NU> {
+impl<const NX: usize, const NU: usize, const NR: usize> Wide<NX, NU, NR> {
     /// The first problem.
-    pub fn first(&self) -> QpProblem<NX, NU> {
+    pub fn first(&self) -> QpProblem<NX, NU, NR> {
         let mut p = self.long.clone();
         p.stages.truncate(self.horizon);
+        if let Some(next) = self.long.stages.last() {
+            p.terminal_rows = without_inputs(&next.rows);
+        }
         p
     }
 
     /// The problem one stage on from that of `plan`, from `state`. The bounds of its last stage hold what
     /// repeating the last input leads to, so that the plan, moved on, is feasible.
-    pub fn next(&self, plan: &QpSolver<NX, NU>, state: [f64; NX]) -> QpProblem<NX, NU> {
+    pub fn next(&self, plan: &QpSolver<NX, NU, NR>, state: [f64; NX]) -> QpProblem<NX, NU, NR> {
         let mut p = self.long.clone();
         p.stages.remove(0);
         p.initial_state = state;
@@ -51,6 +54,8 @@ impl<const NX: usize, const NU: usize> Wide<NX, NU> {
                 }
             }
             let end = advance(stage, &x, &u);
+            include_rows(&mut stage.rows, &x, &u);
+            include_rows(&mut p.terminal_rows, &end, &[]);
             for i in 0..NX {
                 let [low, high] = [&mut stage.state_lower[i], &mut stage.state_upper[i]];
                 if low == high {
@@ -62,6 +67,47 @@ impl<const NX: usize, const NU: usize> Wide<NX, NU> {
         }
         p
     }
+}
+
+/// The rows of the states alone, where nothing but states is limited.
+fn without_inputs<const NX: usize, const NU: usize, const NR: usize>(
+    rows: &QpRows<NX, NU, NR>,
+) -> QpRows<NX, 0, NR> {
+    let mut alone = QpRows { state_matrix: rows.state_matrix, ..QpRows::default() };
+    for r in 0..NR {
+        if rows.input_matrix[r] == [0.0; NU] {
+            (alone.lower[r], alone.upper[r]) = (rows.lower[r], rows.upper[r]);
+        }
+    }
+    alone
+}
+
+/// Moves the sides that exclude a point beyond it; equalities are dropped.
+fn include_rows<const NX: usize, const NU: usize, const NR: usize>(
+    rows: &mut QpRows<NX, NU, NR>,
+    x: &[f64; NX],
+    u: &[f64; NU],
+) {
+    for r in 0..NR {
+        let value = row_value(rows, r, x, u);
+        let [low, high] = [&mut rows.lower[r], &mut rows.upper[r]];
+        if low == high {
+            (*low, *high) = (f64::NEG_INFINITY, f64::INFINITY);
+        } else {
+            include(value, low, high);
+        }
+    }
+}
+
+/// `C x + D u` of row `r`.
+pub fn row_value<const NX: usize, const NU: usize, const NR: usize>(
+    rows: &QpRows<NX, NU, NR>,
+    r: usize,
+    x: &[f64; NX],
+    u: &[f64; NU],
+) -> f64 {
+    let cx: f64 = (0..NX).map(|j| rows.state_matrix[r][j] * x[j]).sum();
+    cx + (0..NU).map(|j| rows.input_matrix[r][j] * u[j]).sum::<f64>()
 }
 
 /// Moves the bound that excludes `value` beyond it.
@@ -107,22 +153,26 @@ impl Bounded {
 }
 
 /// A random problem.
-pub fn wide_qp<const NX: usize, const NU: usize>(seed: u64) -> Wide<NX, NU> {
+pub fn wide_qp<const NX: usize, const NU: usize, const NR: usize>(seed: u64) -> Wide<NX, NU, NR> {
     let mut r = Random::new(seed);
     let horizon = HORIZONS[r.below(HORIZONS.len())];
-    let mut p = QpProblem::<NX, NU>::new(horizon + 1);
+    let mut p = QpProblem::<NX, NU, NR>::new(horizon + 1);
     p.initial_state = r.vector();
     set_costs(&mut r, &mut p);
     set_dynamics(&mut r, &mut p);
     let (inputs, states) = reference(&mut r, &p);
     set_bounds(&mut r, &mut p, &inputs, &states);
+    set_rows(&mut r, &mut p, &inputs, &states);
     let reference = states[0];
     let mut wide = Wide { horizon, long: p, reference };
     rescale(&mut r, &mut wide);
     wide
 }
 
-fn set_costs<const NX: usize, const NU: usize>(r: &mut Random, p: &mut QpProblem<NX, NU>) {
+fn set_costs<const NX: usize, const NU: usize, const NR: usize>(
+    r: &mut Random,
+    p: &mut QpProblem<NX, NU, NR>,
+) {
     p.state_weight = match r.below(4) {
         0 => [[0.0; NX]; NX],
         1 => r.positive(0.0),
@@ -153,7 +203,10 @@ fn set_costs<const NX: usize, const NU: usize>(r: &mut Random, p: &mut QpProblem
     }
 }
 
-fn set_dynamics<const NX: usize, const NU: usize>(r: &mut Random, p: &mut QpProblem<NX, NU>) {
+fn set_dynamics<const NX: usize, const NU: usize, const NR: usize>(
+    r: &mut Random,
+    p: &mut QpProblem<NX, NU, NR>,
+) {
     let horizon = p.stages.len();
     let robot = NX == 2 * NU && r.one_of(2);
     let period = r.power(-3.0, -1.0);
@@ -195,7 +248,7 @@ fn set_dynamics<const NX: usize, const NU: usize>(r: &mut Random, p: &mut QpProb
 }
 
 /// Largest entry of the products `A_k … A_0`.
-fn growth<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>) -> f64 {
+fn growth<const NX: usize, const NU: usize, const NR: usize>(p: &QpProblem<NX, NU, NR>) -> f64 {
     let mut product: [[f64; NX]; NX] =
         core::array::from_fn(|i| core::array::from_fn(|j| f64::from(u8::from(i == j))));
     let mut largest = 0.0_f64;
@@ -210,9 +263,9 @@ fn growth<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>) -> f64 {
 }
 
 /// Inputs u_k and states x_{k+1} that a regulator makes from random pushes.
-fn reference<const NX: usize, const NU: usize>(
+fn reference<const NX: usize, const NU: usize, const NR: usize>(
     r: &mut Random,
-    p: &QpProblem<NX, NU>,
+    p: &QpProblem<NX, NU, NR>,
 ) -> (Vec<[f64; NU]>, Vec<[f64; NX]>) {
     let identity = core::array::from_fn(|i| core::array::from_fn(|j| f64::from(u8::from(i == j))));
     let weight = core::array::from_fn(|i| core::array::from_fn(|j| f64::from(u8::from(i == j))));
@@ -237,8 +290,8 @@ fn reference<const NX: usize, const NU: usize>(
 }
 
 /// x⁺.
-pub fn advance<const NX: usize, const NU: usize>(
-    stage: &QpStage<NX, NU>,
+pub fn advance<const NX: usize, const NU: usize, const NR: usize>(
+    stage: &QpStage<NX, NU, NR>,
     x: &[f64; NX],
     u: &[f64; NU],
 ) -> [f64; NX] {
@@ -249,9 +302,9 @@ pub fn advance<const NX: usize, const NU: usize>(
     })
 }
 
-fn set_bounds<const NX: usize, const NU: usize>(
+fn set_bounds<const NX: usize, const NU: usize, const NR: usize>(
     r: &mut Random,
-    p: &mut QpProblem<NX, NU>,
+    p: &mut QpProblem<NX, NU, NR>,
     inputs: &[[f64; NU]],
     states: &[[f64; NX]],
 ) {
@@ -286,8 +339,53 @@ fn set_bounds<const NX: usize, const NU: usize>(
     }
 }
 
+/// Rows of states, of inputs and of both, around the reference; some twice, some in other units.
+fn set_rows<const NX: usize, const NU: usize, const NR: usize>(
+    r: &mut Random,
+    p: &mut QpProblem<NX, NU, NR>,
+    inputs: &[[f64; NU]],
+    states: &[[f64; NX]],
+) {
+    for row in 0..NR {
+        let of_values = Bounded::pick(r);
+        let (sort, unit) = (r.below(3), if r.one_of(3) { r.power(-3.0, 3.0) } else { 1.0 });
+        let (c, d) = (r.vector::<NX>(), r.vector::<NU>());
+        if r.one_of(3) {
+            let quadratic = if r.one_of(2) { 0.0 } else { r.power(-1.0, 5.0) / (unit * unit) };
+            p.row_penalty[row] = Some(Penalty { linear: r.power(-1.0, 4.0) / unit, quadratic });
+        }
+        let twice =
+            row > 0 && r.one_of(6) && p.row_penalty[row].is_some() == p.row_penalty[row - 1].is_some();
+        let mut x = p.initial_state;
+        for (k, stage) in p.stages.iter_mut().enumerate() {
+            let rows = &mut stage.rows;
+            let (with_states, with_inputs) = (f64::from(u8::from(sort != 1)), f64::from(u8::from(sort != 2)));
+            rows.state_matrix[row] = c.map(|v| (v + 0.1 * r.sym()) * unit * with_states);
+            rows.input_matrix[row] = d.map(|v| (v + 0.1 * r.sym()) * unit * with_inputs);
+            let value = row_value(rows, row, &x, &inputs[k]);
+            let width = 0.1 * unit + 0.7 * value.abs();
+            let shift = if p.row_penalty[row].is_some() { width * r.sym() } else { 0.0 };
+            [rows.lower[row], rows.upper[row]] = of_values.around(r, value + shift, width);
+            if twice {
+                rows.state_matrix[row] = rows.state_matrix[row - 1];
+                rows.input_matrix[row] = rows.input_matrix[row - 1];
+                (rows.lower[row], rows.upper[row]) = (rows.lower[row - 1], rows.upper[row - 1]);
+            }
+            x = states[k];
+        }
+    }
+    if let Some(last) = p.stages.last() {
+        let end = without_inputs(&last.rows);
+        p.terminal_rows = end;
+        for row in 0..NR {
+            let value = row_value(&p.terminal_rows, row, &states[states.len() - 1], &[]);
+            include(value, &mut p.terminal_rows.lower[row], &mut p.terminal_rows.upper[row]);
+        }
+    }
+}
+
 /// Other units for states, inputs and cost.
-fn rescale<const NX: usize, const NU: usize>(r: &mut Random, wide: &mut Wide<NX, NU>) {
+fn rescale<const NX: usize, const NU: usize, const NR: usize>(r: &mut Random, wide: &mut Wide<NX, NU, NR>) {
     let p = &mut wide.long;
     let mut scale = |of: usize| {
         if r.one_of(of) { r.power(-2.0, 2.0) } else { 1.0 }
@@ -334,5 +432,22 @@ fn rescale<const NX: usize, const NU: usize>(r: &mut Random, wide: &mut Wide<NX,
             stage.input_lower[i] *= u[i];
             stage.input_upper[i] *= u[i];
         }
+        for row in 0..NR {
+            for i in 0..NX {
+                stage.rows.state_matrix[row][i] /= x[i];
+            }
+            for i in 0..NU {
+                stage.rows.input_matrix[row][i] /= u[i];
+            }
+        }
+    }
+    for row in &mut p.terminal_rows.state_matrix {
+        for i in 0..NX {
+            row[i] /= x[i];
+        }
+    }
+    for penalty in p.row_penalty.iter_mut().flatten() {
+        penalty.linear *= cost;
+        penalty.quadratic *= cost;
     }
 }

@@ -20,7 +20,7 @@ pub(super) const LATE: usize = 12;
 /// Iterations between two looks at whether the residual still falls.
 const STALL_PERIOD: usize = 6;
 
-impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
+impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
     /// True if the run has had its iterations; beyond the cap, a second start goes on only where the bounds
     /// are about to be kept.
     #[inline(always)]

@@ -48,14 +48,14 @@ enum Candidate {
     Last,
 }
 
-impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
-    /// Solves the problem in memory, `soft` if it has soft bounds; from a cold start where a warm one leads
-    /// nowhere. Where its hard state bounds prove out of reach, solves it again with exact penalties in their
+impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
+    /// Solves the problem in memory, `soft` if it has soft bounds or rows; from a cold start where a warm one leads
+    /// nowhere. Where its hard state bounds or rows prove out of reach, solves it again with exact penalties in their
     /// place.
     #[inline(always)]
     pub(super) fn optimize(
         &mut self,
-        problem: &QpProblem<NX, NU>,
+        problem: &QpProblem<NX, NU, NR>,
         soft: bool,
         start: Start,
     ) -> Result<QpReport, NotPositive> {
@@ -112,6 +112,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             self.input_bounds.clip(&mut self.iterate.u);
             self.fixed.place(&mut self.iterate.u);
             self.riccati.roll_out(&mut self.iterate, &self.affine);
+            self.rows.evaluate(&mut self.iterate);
             return Ok(());
         }
         self.unconstrained()?;
@@ -134,13 +135,13 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         }
     }
 
-    /// True if there is a bound that may become active.
+    /// True if there is a bound or row that may become active.
     #[inline(always)]
     fn is_bounded(&self) -> bool {
         self.equalities.any() || self.input_bounds.count() + self.state_bounds.count() > 0.0
     }
 
-    /// True if the iterate keeps all bounds.
+    /// True if the iterate keeps all bounds and rows.
     #[inline(always)]
     fn keeps_bounds(&self) -> bool {
         let inputs = self.input_bounds.violation(&self.iterate.u, false);
@@ -150,7 +151,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
 
     /// Runs the method from the iterate in memory.
     #[inline(always)]
-    fn run(&mut self, problem: &QpProblem<NX, NU>, soft: bool, start: Start, budget: usize) -> Outcome {
+    fn run(&mut self, problem: &QpProblem<NX, NU, NR>, soft: bool, start: Start, budget: usize) -> Outcome {
         let mut run = Run::new(start, soft, self.settings.max_iterations, budget);
         let mut candidate = None;
         if start != Start::Warm && self.keeps_bounds() {

@@ -23,7 +23,7 @@ pub(in crate::qp) enum Start {
     /// A point deep inside the bounds, with the steps that are safest: where the others have not led to a
     /// solution.
     Deep,
-    /// The unconstrained optimum, hard state bounds replaced by penalties.
+    /// The unconstrained optimum, hard state bounds and rows replaced by penalties.
     Relaxed,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct State {
     /// `zᵀHz` and the cost.
     pub(super) quadratic: f64,
     pub(super) cost: f64,
-    /// `Σ sλ`, and the largest residual of a bound.
+    /// `Σ sλ`, and the largest residual of a bound or row.
     pub(super) gap: f64,
     pub(super) residual: f64,
     /// Largest multiplier.
@@ -51,7 +51,7 @@ pub(super) struct Run {
     pub(super) begun: usize,
     /// Steps in a row shorter than `CRAWL`.
     pub(super) crawl: usize,
-    /// True if there are soft bounds.
+    /// True if there are soft bounds or rows.
     pub(super) soft: bool,
     /// Complementarity pairs.
     pub(super) count: f64,

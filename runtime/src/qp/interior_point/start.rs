@@ -19,17 +19,18 @@ const WEIGHT_CAP: f64 = 1e10;
 /// Penalty of a violated bound in a relaxed problem, relative to the largest gradient or weight of the cost.
 const RELAXATION: f64 = 1e5;
 
-impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
+impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
     /// The optimum without bounds, by one factorization.
     #[inline(always)]
     pub(super) fn unconstrained(&mut self) -> Result<(), NotPositive> {
         self.weight.clear();
         self.fixed.weigh(&mut self.weight.u);
-        self.riccati.factorize(&self.weight, Some(&self.affine))?;
+        self.riccati.factorize(&self.weight, Some(&self.affine), &self.rows)?;
         self.rhs.copy_from(&self.linear);
         self.fixed.attract(&mut self.rhs.u);
         self.riccati.solve(&self.rhs, &mut self.iterate, Some(&self.affine));
         self.fixed.place(&mut self.iterate.u);
+        self.rows.evaluate(&mut self.iterate);
         Ok(())
     }
 
@@ -86,6 +87,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             if self.centre(size).is_ok() {
                 self.riccati.solve(&self.rhs, &mut self.iterate, Some(&self.affine));
                 self.fixed.place(&mut self.iterate.u);
+                self.rows.evaluate(&mut self.iterate);
                 level = self.scale();
                 if level <= most {
                     break;
@@ -114,7 +116,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         self.equalities.attract(&mut w.x, &mut h.x);
         self.fixed.weigh(&mut w.u);
         self.fixed.attract(&mut h.u);
-        self.riccati.factorize(&self.weight, Some(&self.affine))
+        self.rows.attract(w, h);
+        self.rows.fold(h);
+        self.riccati.factorize(&self.weight, Some(&self.affine), &self.rows)
     }
 
     #[inline(always)]
@@ -130,7 +134,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         0.5 * quadratic + linear + self.constant
     }
 
-    /// What moving the iterate into its bounds, number by number, would cost if it were the optimum without
+    /// What moving the iterate into its bounds and rows, number by number, would cost if it were the optimum without
     /// them: the scale of the multipliers.
     #[inline(always)]
     fn excess_energy(&mut self) -> f64 {
@@ -139,18 +143,25 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         self.state_bounds.clip(&mut self.step.x);
         self.equalities.place(&mut self.step.x);
         self.step.advance(&self.iterate, -1.0);
+        if NR > 0 {
+            self.rows.move_along(&mut self.step);
+            self.fixed.hold(&mut self.step.u);
+        }
         self.rhs.clear();
         let (quadratic, _) = self.riccati.gradient(&self.step, &self.rhs, &mut self.gradient);
         0.5 * quadratic + self.riccati.input_energy(&self.step)
     }
 
-    /// Exact penalties in place of all hard state bounds, from the unconstrained optimum in memory.
+    /// Exact penalties in place of all hard state bounds and rows, from the unconstrained optimum in memory.
     #[inline(always)]
     pub(super) fn soften(&mut self) {
         self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
         let mut slope = 0.0_f64;
         for g in &self.gradient.x {
             slope = slope.max(largest(g.abs()));
+        }
+        if NR > 0 {
+            slope = slope.max(self.gradient.largest_input());
         }
         let weight = RELAXATION * slope.max(self.riccati.largest_weight());
         let bounds = &mut self.state_bounds;

@@ -16,10 +16,11 @@ const SETTLED: usize = 8;
 /// The centring after [`PATIENCE`] iterations without progress.
 const SAFE_CENTRING: f64 = 0.3;
 
-impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
+impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
     /// Gradient of the cost, barrier terms and right-hand side of the affine step.
     #[inline(always)]
     pub(super) fn linearize(&mut self, soft: bool) -> State {
+        self.rows.evaluate(&mut self.iterate);
         let (quadratic, linear) = self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
         let (z, g, w, h) = (&self.iterate, &self.gradient, &mut self.weight, &mut self.rhs);
         let inputs = self.input_bounds.linearize(false, &z.u, &g.u, &mut w.u, &mut h.u);
@@ -27,6 +28,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
         self.fixed.weigh(&mut w.u);
         self.equalities.weigh(&mut w.x);
         self.equalities.pull(&z.x, &mut h.x);
+        self.rows.fold(h);
         let unmet = self.equalities.violation(&z.x);
         State {
             quadratic,
@@ -40,18 +42,19 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
     /// One iteration. Returns false if the arithmetic broke down, the iterate then being unchanged.
     #[inline(always)]
     pub(super) fn advance(&mut self, state: &State, run: &mut Run) -> bool {
-        if self.riccati.factorize(&self.weight, None).is_err() {
+        if self.riccati.factorize(&self.weight, None, &self.rows).is_err() {
             // Rounding beside the largest terms.
             run.cap *= CAP_CUT;
             run.stiffness *= CAP_CUT;
             return run.cap > 0.0;
         }
-        self.riccati.solve(&self.rhs, &mut self.step, None);
+        self.solve_step();
         let (target, correction) = self.centring(state, run);
         self.input_bounds.centre(false, &self.gradient.u, target, correction, &mut self.rhs.u);
         self.state_bounds.centre(run.soft, &self.gradient.x, target, correction, &mut self.rhs.x);
         self.equalities.pull(&self.iterate.x, &mut self.rhs.x);
-        self.riccati.solve(&self.rhs, &mut self.step, None);
+        self.rows.fold(&mut self.rhs);
+        self.solve_step();
         let inputs = self.input_bounds.corrector(false, &self.step.u, target, correction);
         let states = self.state_bounds.corrector(run.soft, &self.step.x, target, correction);
         let boundary = inverse_step(&inputs, &states);
@@ -76,6 +79,13 @@ impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
             self.state_bounds.recentre(least);
         }
         true
+    }
+
+    /// The step for the right-hand side in memory.
+    #[inline(always)]
+    fn solve_step(&mut self) {
+        self.riccati.solve(&self.rhs, &mut self.step, None);
+        self.rows.follow(&mut self.step);
     }
 
     /// Complementarity `σμ` to aim at, from the affine step: `σ = (μ_affine/μ)³` (Mehrotra 1992).

@@ -1,0 +1,332 @@
+//! Rows: limits of sums of positions, velocities and inputs.
+
+use super::options::{MpcError, MpcOptions};
+use crate::dynamics::Named;
+use crate::qp::{Penalty, QpProblem};
+use crate::trajectory::Sample;
+use std::fmt;
+
+/// A limit of a sum of positions, velocities and inputs,
+///
+/// ```text
+///     lower ≤ G_y y + G_v ẏ + G_u u ≤ upper
+/// ```
+///
+/// at the sample times of the horizon. Rows with inputs hold from now on, with the velocity with which their
+/// period begins; rows of positions and velocities alone hold from the next sample time on, since nothing
+/// changes the present state. An input acts for a whole period, over which the velocity changes: where a drive
+/// has no reserve, let the limit leave room for that.
+///
+/// ```
+/// use gelenk_runtime::control_loop::{Controller, Cycle};
+/// use gelenk_runtime::mpc::{LtvMpc, MpcOptions, MpcRow};
+/// use gelenk_runtime::trajectory::RestToRest;
+///
+/// gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
+///
+/// // Each motor has 0.5 N·m at rest and none at 300 rad/s; its gear ratio is 161.
+/// let slope = 161.0 * 0.5 / 300.0;
+/// let rows = [
+///     MpcRow::torque_speed_line("motor of joint 1", [1.0, 0.0], [slope, 0.0], 0.5),
+///     MpcRow::torque_speed_line("motor of joint 2", [0.0, 1.0], [0.0, slope], 0.5),
+///     // A parallelogram's third joint follows the other two and stops at ±1.2 rad.
+///     MpcRow::dependent_joint("elbow rod", [1.0, 1.0], 0.1, [-1.2, 1.2]),
+/// ];
+/// let motion = RestToRest::new([0.0, 0.0], [0.3, 0.4], 2.0)?;
+/// let options = MpcOptions::new(&PowerCube, 0.02, 20).with_rows(rows);
+/// let mut mpc = LtvMpc::new(PowerCube, motion, options)?;
+/// mpc.reset(&[0.0; 2], &[0.0; 2]);
+/// let inputs = mpc.step(&Cycle { positions: Some([0.0; 2]), ..Cycle::default() })?.inputs;
+/// let estimate = mpc.estimate().ok_or("it has an observer")?;
+/// let value = rows[0].value(&estimate.positions, &estimate.velocities, &inputs);
+/// assert!(value.abs() <= 0.5 + 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MpcRow<const N: usize, const M: usize> {
+    /// What it is called in errors and notes.
+    pub name: &'static str,
+    /// G_y, per rad or m.
+    pub positions: [f64; N],
+    /// G_v, per rad/s or m/s.
+    pub velocities: [f64; N],
+    /// G_u, per N m, N or A.
+    pub inputs: [f64; M],
+    /// Lower side; −∞ where there is none.
+    pub lower: f64,
+    /// Upper side; +∞ where there is none.
+    pub upper: f64,
+    /// What happens where it cannot be kept.
+    pub kind: RowKind,
+}
+
+/// How strictly a row is kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RowKind {
+    /// Exactly, to [`QpSettings::feasibility`](crate::qp::QpSettings). Where hard rows contradict each other or
+    /// the limits of the inputs, the sum of their violations is as small as it can be.
+    Hard,
+    /// Softly, with [`MpcOptions::limit_penalty`] per unit of the row.
+    Soft,
+    /// Softly, with a penalty of its own.
+    Penalized(Penalty),
+}
+
+impl<const N: usize, const M: usize> MpcRow<N, M> {
+    /// `lower ≤ G_y y + G_v ẏ + G_u u ≤ upper`; hard where it has inputs, which can always be chosen, and soft
+    /// where it has none, since a disturbance may leave no way to keep it.
+    pub const fn new(
+        name: &'static str,
+        positions: [f64; N],
+        velocities: [f64; N],
+        inputs: [f64; M],
+        [lower, upper]: [f64; 2],
+    ) -> Self {
+        let row = Self { name, positions, velocities, inputs, lower, upper, kind: RowKind::Soft };
+        if row.has_inputs() { row.hard() } else { row }
+    }
+
+    /// The torque–speed line of a motor, `|G_u u + c ẏ| ≤ limit`; hard. With the usual sign, `c > 0` for a
+    /// motor that turns with the joint, torque is short where it drives and plentiful where it brakes.
+    ///
+    /// A DC motor of torque constant k (N m/A), speed constant k (V s/rad), resistance R (Ω) at the voltage U
+    /// (V) has limit = k U/R and, at the gear ratio i, c = i k²/R: with speed ω, |R I + k ω| ≤ U. From a data
+    /// sheet: the stall torque, and i times stall torque over no-load speed.
+    pub const fn torque_speed_line(
+        name: &'static str,
+        inputs: [f64; M],
+        slopes: [f64; N],
+        limit: f64,
+    ) -> Self {
+        Self::new(name, [0.0; N], slopes, inputs, [-limit, limit]).hard()
+    }
+
+    /// The limits of a joint that follows the coordinates, `lower ≤ G y + g₀ ≤ upper`; soft.
+    pub const fn dependent_joint(
+        name: &'static str,
+        ratios: [f64; N],
+        offset: f64,
+        [lower, upper]: [f64; 2],
+    ) -> Self {
+        Self::new(name, ratios, [0.0; N], [0.0; M], [lower - offset, upper - offset])
+    }
+
+    /// The same row, kept exactly.
+    #[must_use]
+    pub const fn hard(self) -> Self {
+        Self { kind: RowKind::Hard, ..self }
+    }
+
+    /// The same row, kept softly.
+    #[must_use]
+    pub const fn soft(self) -> Self {
+        Self { kind: RowKind::Soft, ..self }
+    }
+
+    /// The same row, kept softly with a penalty of its own.
+    #[must_use]
+    pub const fn penalized(self, penalty: Penalty) -> Self {
+        Self { kind: RowKind::Penalized(penalty), ..self }
+    }
+
+    const fn has_inputs(&self) -> bool {
+        let mut i = 0;
+        while i < M {
+            if self.inputs[i] != 0.0 {
+                return true;
+            }
+            i += 1;
+        }
+        false
+    }
+
+    /// `G_y y + G_v ẏ + G_u u`.
+    #[must_use]
+    pub fn value(&self, positions: &[f64; N], velocities: &[f64; N], inputs: &[f64; M]) -> f64 {
+        dot(&self.positions, positions) + dot(&self.velocities, velocities) + dot(&self.inputs, inputs)
+    }
+
+    /// How far it is beyond its limits; not positive where it is kept.
+    pub(super) fn excess(&self, sample: &Sample<N>, inputs: &[f64; M]) -> f64 {
+        let value = self.value(&sample.positions, &sample.velocities, inputs);
+        (self.lower - value).max(value - self.upper)
+    }
+
+    fn check(&self, input_limits: &[[f64; 2]; M]) -> Result<(), RowFault> {
+        let coefficients = || self.positions.iter().chain(&self.velocities).chain(&self.inputs);
+        if let Some(&value) = coefficients().find(|c| !c.is_finite()) {
+            return Err(RowFault::NotFinite { value });
+        }
+        let (lower, upper) = (self.lower, self.upper);
+        let unit = coefficients().fold(0.0_f64, |max, c| c.abs().max(max));
+        let lost = |side: f64| unit > 0.0 && side.is_finite() && !(side / unit).is_finite();
+        // Negated, so that NaN is refused.
+        let ordered = lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY;
+        if !ordered || lost(lower) || lost(upper) {
+            return Err(RowFault::Sides { lower, upper });
+        }
+        if unit == 0.0 && !(lower <= 0.0 && 0.0 <= upper) {
+            return Err(RowFault::Zero { lower, upper });
+        }
+        let of_inputs = self.positions.iter().chain(&self.velocities).all(|c| *c == 0.0);
+        if of_inputs && self.kind == RowKind::Hard {
+            let [least, most] = range(&self.inputs, input_limits);
+            if least > upper || most < lower {
+                return Err(RowFault::OutOfReach { lower, upper, least, most });
+            }
+        }
+        match self.kind {
+            RowKind::Penalized(p) if !is_penalty(&p) => {
+                Err(RowFault::Penalty { linear: p.linear, quadratic: p.quadratic })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Tells whether the QP takes a penalty.
+pub(super) fn is_penalty(p: &Penalty) -> bool {
+    p.linear > 0.0 && p.linear.is_finite() && p.quadratic >= 0.0 && p.quadratic.is_finite()
+}
+
+/// Least and largest `G_u u` of inputs within their limits.
+fn range<const M: usize>(factors: &[f64; M], limits: &[[f64; 2]; M]) -> [f64; 2] {
+    let mut range = [0.0; 2];
+    for (factor, [low, high]) in factors.iter().zip(limits) {
+        if *factor != 0.0 {
+            let ends = [factor * low, factor * high];
+            range[0] += ends[0].min(ends[1]);
+            range[1] += ends[0].max(ends[1]);
+        }
+    }
+    range
+}
+
+/// What is wrong with a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RowFault {
+    /// A coefficient is infinite or NaN.
+    NotFinite {
+        /// The coefficient.
+        value: f64,
+    },
+    /// The sides are no interval: NaN, lower above upper, infinite inwards, or beyond all numbers in units of
+    /// the largest coefficient.
+    Sides {
+        /// Lower side.
+        lower: f64,
+        /// Upper side.
+        upper: f64,
+    },
+    /// All coefficients are zero, and zero lies outside the sides.
+    Zero {
+        /// Lower side.
+        lower: f64,
+        /// Upper side.
+        upper: f64,
+    },
+    /// A hard row of inputs alone that no inputs within their limits keep.
+    OutOfReach {
+        /// Lower side.
+        lower: f64,
+        /// Upper side.
+        upper: f64,
+        /// The least value that inputs within their limits give.
+        least: f64,
+        /// The largest one.
+        most: f64,
+    },
+    /// The penalty is not positive and finite.
+    Penalty {
+        /// [`Penalty::linear`].
+        linear: f64,
+        /// [`Penalty::quadratic`].
+        quadratic: f64,
+    },
+}
+
+impl fmt::Display for RowFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFinite { value } => write!(f, "it has the coefficient {value}; all must be finite"),
+            Self::Sides { lower, upper } => write!(
+                f,
+                "its sides are {lower} and {upper}; they must be numbers, lower before upper, infinite only where there is no limit"
+            ),
+            Self::Zero { lower, upper } => {
+                write!(
+                    f,
+                    "all its coefficients are zero, and zero is not between its sides {lower} and {upper}"
+                )
+            }
+            Self::OutOfReach { lower, upper, least, most } => write!(
+                f,
+                "it must lie between {lower} and {upper}, but inputs within their limits give {least} to {most}"
+            ),
+            Self::Penalty { linear, quadratic } => write!(
+                f,
+                "its penalty is {linear} linear and {quadratic} quadratic; the first must be positive, the second not negative, both finite"
+            ),
+        }
+    }
+}
+
+/// # Errors
+/// [`MpcError::Row`] for the first row that cannot be used.
+pub(super) fn check<const N: usize, const M: usize, const NR: usize>(
+    options: &MpcOptions<N, M, NR>,
+) -> Result<(), MpcError> {
+    for row in &options.rows {
+        let checked = row.check(&options.input_limits);
+        checked.map_err(|fault| MpcError::Row { row: Named(row.name).to_string(), fault })?;
+    }
+    Ok(())
+}
+
+/// Matrices and penalties of the rows, which stay.
+pub(super) fn set_matrices<const N: usize, const M: usize, const NX: usize, const NR: usize>(
+    problem: &mut QpProblem<NX, M, NR>,
+    options: &MpcOptions<N, M, NR>,
+) {
+    for (r, row) in options.rows.iter().enumerate() {
+        problem.row_penalty[r] = match row.kind {
+            RowKind::Hard => None,
+            RowKind::Soft => Some(options.limit_penalty),
+            RowKind::Penalized(penalty) => Some(penalty),
+        };
+        let mut of_state = [0.0; NX];
+        of_state[..N].copy_from_slice(&row.positions);
+        of_state[N..].copy_from_slice(&row.velocities);
+        for stage in &mut problem.stages {
+            stage.rows.state_matrix[r] = of_state;
+            stage.rows.input_matrix[r] = row.inputs;
+        }
+        problem.terminal_rows.state_matrix[r] = of_state;
+    }
+}
+
+/// Sides of the rows in deviations from the reference: of `u + d − u_ff` where a row has inputs.
+pub(super) fn set_sides<const N: usize, const M: usize, const NX: usize, const NR: usize>(
+    problem: &mut QpProblem<NX, M, NR>,
+    rows: &[MpcRow<N, M>; NR],
+    (reference, inputs, disturbance): (&[[f64; NX]], &[[f64; M]], &[f64; M]),
+) {
+    let free = [f64::NEG_INFINITY, f64::INFINITY];
+    for (r, row) in rows.iter().enumerate() {
+        let by_state = |x: &[f64; NX]| dot(&row.positions, &x[..N]) + dot(&row.velocities, &x[N..]);
+        for (k, stage) in problem.stages.iter_mut().enumerate() {
+            let by_inputs: f64 = (0..M).map(|i| row.inputs[i] * (inputs[k][i] - disturbance[i])).sum();
+            let at = by_state(&reference[k]) + by_inputs;
+            let given = k == 0 && !row.has_inputs();
+            [stage.rows.lower[r], stage.rows.upper[r]] =
+                if given { free } else { [row.lower - at, row.upper - at] };
+        }
+        let at = by_state(&reference[problem.stages.len()]);
+        let end = &mut problem.terminal_rows;
+        [end.lower[r], end.upper[r]] = if row.has_inputs() { free } else { [row.lower - at, row.upper - at] };
+    }
+}

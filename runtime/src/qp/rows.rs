@@ -1,0 +1,263 @@
+//! Rows `w = C x + D u` with limits `lo ≤ w ≤ hi`.
+//!
+//! To bounds, barrier and certificate the values w are further states: they stand behind x_1 … x_N in each
+//! [`Trajectory`], node by node, and what holds for a bound of a state holds for them, hard, soft or equal.
+//! They differ in that they follow from x and u: a linear cost e of w is the cost `Cᵀe` of x and `Dᵀe` of u,
+//! and diagonal terms ω add
+//!
+//! ```text
+//!     CᵀωC to Q̃     DᵀωC to BᵀP⁺A     DᵀωD to R̃
+//! ```
+//!
+//! to the factorization, whose gains and sweeps then know of them (Frison, Diehl, *HPIPM*, IFAC 2020, section
+//! 3). A row is stored in units of its largest coefficient, rounded to a power of two so that scaling is
+//! exact. Without rows (`NR = 0`) every function is empty.
+
+use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, zeros};
+use super::problem::QpProblem;
+use super::trajectory::Trajectory;
+
+/// The unit of a row: the power of two at or below its largest coefficient; 1 where all are zero.
+#[inline(always)]
+pub(super) fn unit(c: &[f64], d: &[f64]) -> f64 {
+    let largest = c.iter().chain(d).fold(0.0_f64, |max, v| v.abs().max(max));
+    let power = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
+    if power > 0.0 && power.is_finite() { power } else { 1.0 }
+}
+
+/// Limits of a row in its unit.
+pub(super) struct Limits {
+    /// Position of its value behind the states.
+    pub(super) place: usize,
+    pub(super) sides: [f64; 2],
+    pub(super) penalty: Option<(f64, f64)>,
+}
+
+/// Matrices of the rows over nodes 0 … N.
+#[derive(Debug, Clone)]
+pub(crate) struct Rows<V, const NX: usize, const NU: usize, const NR: usize> {
+    /// Rows of `C_k`, `NR` padded rows per node; zero for node 0, whose state is given.
+    c: Vec<V>,
+    /// `D_k`; zero for node N.
+    d: Vec<[[f64; NU]; NR]>,
+    unit: Vec<[f64; NR]>,
+    /// What x_0 adds to the values of node 0.
+    offset: [f64; NR],
+}
+
+impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, NU, NR> {
+    const RX: usize = lanes(NX);
+    /// Lanes of the values of a node.
+    const RR: usize = lanes(NR);
+
+    /// Lanes of the values over a horizon.
+    pub(super) const fn lanes(horizon: usize) -> usize {
+        (horizon + 1) * Self::RR
+    }
+
+    /// Memory for `horizon` stages and the end.
+    pub(crate) fn new(horizon: usize) -> Self {
+        let nodes = if NR > 0 { horizon + 1 } else { 0 };
+        Self {
+            c: zeros(nodes * NR * Self::RX),
+            d: vec![[[0.0; NU]; NR]; nodes],
+            unit: vec![[1.0; NR]; nodes],
+            offset: [0.0; NR],
+        }
+    }
+
+    /// Takes over the matrices of a problem, and hands each row's limits to `limit`.
+    #[inline(always)]
+    pub(super) fn load(&mut self, problem: &QpProblem<NX, NU, NR>, mut limit: impl FnMut(Limits)) {
+        for r in 0..NR {
+            for (k, stage) in problem.stages.iter().enumerate() {
+                let rows = &stage.rows;
+                let (c, d) = (&rows.state_matrix[r], &rows.input_matrix[r]);
+                if k == 0 {
+                    let unit = unit(c, d);
+                    self.offset[r] = c.iter().zip(&problem.initial_state).map(|(c, x)| c / unit * x).sum();
+                }
+                self.set(k, r, (c, d));
+                limit(self.limits(k, r, [rows.lower[r], rows.upper[r]], problem));
+            }
+            let (k, end) = (problem.stages.len(), &problem.terminal_rows);
+            self.set(k, r, (&end.state_matrix[r], &[0.0; NU]));
+            limit(self.limits(k, r, [end.lower[r], end.upper[r]], problem));
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, k: usize, r: usize, (c, d): (&[f64; NX], &[f64; NU])) {
+        let unit = unit(c, d);
+        let c = if k > 0 { c.map(|v| v / unit) } else { [0.0; NX] };
+        pack(&mut self.c[(k * NR + r) * Self::RX..][..Self::RX], &c);
+        self.d[k][r] = d.map(|v| v / unit);
+        self.unit[k][r] = unit;
+    }
+
+    #[inline(always)]
+    fn limits(&self, k: usize, r: usize, sides: [f64; 2], problem: &QpProblem<NX, NU, NR>) -> Limits {
+        let unit = self.unit[k][r];
+        let mut sides = sides.map(|side| side / unit);
+        let constant = if k == 0 { self.offset[r] } else { 0.0 };
+        // A row that no variable moves leaves no interior where it is met; where it is not, it stays, and
+        // cannot be kept.
+        if self.is_constant(k, r) && sides[0] <= constant && constant <= sides[1] {
+            sides = [f64::NEG_INFINITY, f64::INFINITY];
+        }
+        let penalty = problem.row_penalty[r].map(|p| (p.linear * unit, p.quadratic * unit * unit));
+        Limits { place: k * Self::RR * WIDTH + r, sides, penalty }
+    }
+
+    /// True if no variable moves row `r` of node `k`.
+    #[inline(always)]
+    fn is_constant(&self, k: usize, r: usize) -> bool {
+        self.d[k][r] == [0.0; NU] && flat(self.state_row(k, r)).iter().all(|c| *c == 0.0)
+    }
+
+    /// Unit of row `r` of node `k`.
+    #[inline(always)]
+    pub(super) fn unit(&self, k: usize, r: usize) -> f64 {
+        self.unit[k][r]
+    }
+
+    #[inline(always)]
+    fn state_row(&self, k: usize, r: usize) -> &[V] {
+        &self.c[(k * NR + r) * Self::RX..][..Self::RX]
+    }
+
+    /// The numbers of node `k` among those of all rows, which stand behind the states.
+    #[inline(always)]
+    fn of_node(&self, k: usize) -> core::ops::Range<usize> {
+        let start = (self.d.len() - 1) * Self::RX + k * Self::RR;
+        start..start + Self::RR
+    }
+
+    /// Sets the values of a point: `w = C x + D u`, and what x_0 adds.
+    #[inline(always)]
+    pub(super) fn evaluate(&self, z: &mut Trajectory<V>) {
+        if NR > 0 {
+            self.follow(z);
+            let first = self.of_node(0);
+            for (value, offset) in flat_mut(&mut z.x[first]).iter_mut().zip(&self.offset) {
+                *value += offset;
+            }
+        }
+    }
+
+    /// Sets the values of a step: `dw = C dx + D du`.
+    #[inline(always)]
+    pub(super) fn follow(&self, z: &mut Trajectory<V>) {
+        for k in 0..self.d.len() {
+            for r in 0..NR {
+                let mut sum = 0.0;
+                if k > 0 {
+                    sum = dot(self.state_row(k, r), &z.x[(k - 1) * Self::RX..][..Self::RX]);
+                }
+                if k + 1 < self.d.len() {
+                    for j in 0..NU {
+                        sum += self.d[k][r][j] * flat(&z.u)[k * NU + j];
+                    }
+                }
+                flat_mut(&mut z.x[self.of_node(k)])[r] = sum;
+            }
+        }
+    }
+
+    /// Turns the linear cost e of the values into that of states and inputs, `Cᵀe` and `Dᵀe`; e becomes 0.
+    #[inline(always)]
+    pub(super) fn fold(&self, gradient: &mut Trajectory<V>) {
+        for k in 0..self.d.len() {
+            for r in 0..NR {
+                let cost = core::mem::take(&mut flat_mut(&mut gradient.x[self.of_node(k)])[r]);
+                self.add(k, r, cost, gradient);
+            }
+        }
+    }
+
+    /// `(x, u) += (cᵀ, dᵀ) factor` for row `r` of node `k`.
+    #[inline(always)]
+    fn add(&self, k: usize, r: usize, factor: f64, z: &mut Trajectory<V>) {
+        if k > 0 {
+            let x = &mut z.x[(k - 1) * Self::RX..][..Self::RX];
+            for (x, c) in x.iter_mut().zip(self.state_row(k, r)) {
+                *x = c.mul_add(V::splat(factor), *x);
+            }
+        }
+        if k + 1 < self.d.len() {
+            let u = &mut flat_mut(&mut z.u)[k * NU..][..NU];
+            for j in 0..NU {
+                u[j] += self.d[k][r][j] * factor;
+            }
+        }
+    }
+
+    /// Moves states and inputs along the rows, each row by itself, the shortest way that changes its value as
+    /// `step` says, at most as far as its value; the values of `step` become 0.
+    #[inline(always)]
+    pub(super) fn move_along(&self, step: &mut Trajectory<V>) {
+        for k in 0..self.d.len() {
+            for r in 0..NR {
+                let change = core::mem::take(&mut flat_mut(&mut step.x[self.of_node(k)])[r]);
+                let c = self.state_row(k, r);
+                let square = dot(c, c) + self.d[k][r].iter().map(|d| d * d).sum::<f64>();
+                // What is left of a row at the given state may be short: no leaps along that.
+                self.add(k, r, change / square.max(1.0), step);
+            }
+        }
+    }
+
+    /// What x_0 adds to the gradient of quadratic terms `½ ω w²`.
+    #[inline(always)]
+    pub(super) fn attract(&self, weight: &Trajectory<V>, gradient: &mut Trajectory<V>) {
+        if NR > 0 {
+            let first = self.of_node(0);
+            let weight = flat(&weight.x[first.clone()]);
+            let gradient = flat_mut(&mut gradient.x[first]);
+            for r in 0..NR {
+                gradient[r] += weight[r] * self.offset[r];
+            }
+        }
+    }
+
+    /// `P += CᵀωC` of node `k`, P by its padded columns.
+    #[inline(always)]
+    pub(super) fn add_to_cost(&self, k: usize, weight: &Trajectory<V>, p: &mut [V]) {
+        for r in 0..NR {
+            let (c, weight) = (self.state_row(k, r), at(&weight.x[self.of_node(k)], r));
+            for j in 0..NX {
+                let factor = V::splat(weight * at(c, j));
+                for (entry, c) in p[j * Self::RX..][..Self::RX].iter_mut().zip(c) {
+                    *entry = c.mul_add(factor, *entry);
+                }
+            }
+        }
+    }
+
+    /// `H += DᵀωD` of node `k`, the lower triangle.
+    #[inline(always)]
+    pub(super) fn add_to_pivot(&self, k: usize, weight: &Trajectory<V>, h: &mut [[f64; NU]; NU]) {
+        for r in 0..NR {
+            let (d, weight) = (&self.d[k][r], at(&weight.x[self.of_node(k)], r));
+            for i in 0..NU {
+                for j in 0..=i {
+                    h[i][j] += weight * d[i] * d[j];
+                }
+            }
+        }
+    }
+
+    /// `Y += DᵀωC` of node `k`, Y by its padded rows.
+    #[inline(always)]
+    pub(super) fn add_to_coupling(&self, k: usize, weight: &Trajectory<V>, y: &mut [V]) {
+        for r in 0..NR {
+            let (c, weight) = (self.state_row(k, r), at(&weight.x[self.of_node(k)], r));
+            for i in 0..NU {
+                let factor = V::splat(weight * self.d[k][r][i]);
+                for (entry, c) in y[i * Self::RX..][..Self::RX].iter_mut().zip(c) {
+                    *entry = c.mul_add(factor, *entry);
+                }
+            }
+        }
+    }
+}
