@@ -15,6 +15,12 @@ pub mod cart_pole;
 #[rustfmt::skip]
 pub mod double_pendulum;
 
+/// The robot `geared_arm`.
+///
+/// Planar arm of two links; the friction of its gears grows with what they transmit. y = 0 is upright.
+#[rustfmt::skip]
+pub mod geared_arm;
+
 /// The robot `panda`.
 ///
 /// Franka Emika Panda with ideal drives, its fingers held closed.

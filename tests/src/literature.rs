@@ -86,6 +86,7 @@ fn link(k: usize, (alpha, d, r): Row) -> Link {
             limits: Limits::default(),
             springs: Vec::new(),
             friction: Vec::new(),
+            load_friction: Vec::new(),
         }),
         bodies: vec![body(k)],
     }

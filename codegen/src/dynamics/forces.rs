@@ -36,14 +36,21 @@ pub fn friction_torques<'g>(
     y: &[Scalar<'g>],
     v: &[Scalar<'g>],
 ) -> Vec<Scalar<'g>> {
-    let mut torques = vec![graph.constant(0.0); model.coordinates.len()];
-    for (index, joint) in model.joints().enumerate() {
-        for term in &joint.friction {
-            let basis = friction_basis(graph, term, y.get(index), v[index]);
-            torques[index] = torques[index] + lower(graph, &term.coefficient) * basis;
-        }
-    }
-    torques
+    let joints = model.joints().enumerate();
+    joints.map(|(index, joint)| friction_sum(graph, &joint.friction, y.get(index), v[index])).collect()
+}
+
+/// The sum of friction terms of one joint.
+pub(super) fn friction_sum<'g>(
+    graph: &'g Graph,
+    terms: &[FrictionTerm],
+    y: Option<&Scalar<'g>>,
+    v: Scalar<'g>,
+) -> Scalar<'g> {
+    terms.iter().fold(graph.constant(0.0), |sum, term| {
+        let basis = friction_basis(graph, term, y, v);
+        sum + lower(graph, &term.coefficient) * basis
+    })
 }
 
 fn friction_basis<'g>(

@@ -1,11 +1,13 @@
 //! From a description whose parts are checked to the model.
 
-use super::super::description::{DriveChoice, DriveDescription, FrameDescription, Name, RobotDescription};
+use super::super::description::{
+    DriveChoice, DriveDescription, FrameDescription, JointDescription, Name, RobotDescription,
+};
 use super::super::pose::{rotate_inertia, rotate_numbers};
 use super::super::tree::Tree;
 use super::super::{
-    Body, Drive, Frame, Input, Joint, JointKind, Limits, Link, Model, Motion, MotorTorque, Pose,
-    RotorCoupling,
+    Body, Drive, Frame, FrictionTerm, Input, Joint, JointKind, Limits, Link, Model, Motion, MotorTorque,
+    Pose, RotorCoupling,
 };
 use super::names::{Identifiers, report_duplicates};
 use crate::diagnostic::{At, Report, nearest};
@@ -116,8 +118,9 @@ impl Builder<'_, '_> {
         links
     }
 
-    fn joint(&self, index: usize, parent: usize, coordinate: Option<usize>) -> Joint {
-        let described = &self.robot.joints[index];
+    fn joint(&mut self, index: usize, parent: usize, coordinate: Option<usize>) -> Joint {
+        let robot = self.robot;
+        let described = &robot.joints[index];
         let origin = described.origin.clone().unwrap_or_else(Pose::identity);
         let motion = match (coordinate, described.held) {
             (Some(coordinate), _) => Motion::Coordinate(coordinate),
@@ -125,6 +128,7 @@ impl Builder<'_, '_> {
             (None, None) => Motion::Fixed,
         };
         let limits = &described.limits;
+        let friction = described.friction.as_ref().map(|friction| &friction.value);
         let value = |limit: &Option<At<f64>>| limit.as_ref().map(|limit| limit.value);
         Joint {
             name: described.name.value.clone(),
@@ -141,8 +145,25 @@ impl Builder<'_, '_> {
                 peak_effort: value(&limits.peak_effort),
             },
             springs: laws(&described.springs),
-            friction: laws(&described.friction),
+            friction: friction.map_or(Vec::new(), |friction| friction.terms.clone()),
+            load_friction: self.load_friction(described, coordinate),
         }
+    }
+
+    /// Terms of friction that grow with the load. A joint without an input of its own is refused.
+    fn load_friction(&mut self, joint: &JointDescription, coordinate: Option<usize>) -> Vec<FrictionTerm> {
+        let Some(load) = joint.friction.as_ref().and_then(|friction| friction.value.load.as_ref()) else {
+            return Vec::new();
+        };
+        if coordinate.is_some() && matches!(self.robot.drive_of(joint), DriveChoice::Passive) {
+            let message =
+                format!("joint `{}` has friction that grows with its load, and no drive", joint.name.value);
+            self.report.error(load.span, "load-without-input", message);
+            self.report.help(
+                "`load` is for joints with an input of their own: describe a drive, or leave `load` out",
+            );
+        }
+        load.value.clone()
     }
 
     fn find_link(&mut self, name: &Name) -> Option<usize> {
