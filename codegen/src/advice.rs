@@ -87,17 +87,22 @@ fn stiff(model: &Model) -> Option<Diagnostic> {
     )))
 }
 
-/// Largest dτ/dv at v = 0 for positions over the seeded range; exact signs have none.
+/// Largest dτ/dv at v = 0 for positions over the seeded range, under the load of the effort limit; exact signs
+/// have none.
 fn slope_at_standstill(joint: &Joint, described: &[f64]) -> f64 {
     let [low, high] = joint.seeded_range();
     let positions = (0..=10).map(|k| low + (high - low) * f64::from(k) / 10.0);
+    // The largest load that a description tells of.
+    let load = joint.limits.peak_effort.or(joint.limits.effort).unwrap_or(0.0);
     let torque = |position: f64, velocity: f64| -> f64 {
         let smooth = joint.friction.iter();
         let smooth = smooth.filter(|term| !term.basis.calls(Call::Sign));
         let value = |formula: &Formula| formula.evaluate(described, position, velocity);
         let friction = smooth.map(|term| value(&term.coefficient) * value(&term.basis));
+        let under_load = joint.load_friction.iter().filter(|term| !term.basis.calls(Call::Sign));
+        let under_load = under_load.map(|term| value(&term.coefficient) * value(&term.basis));
         let dampers = joint.springs.iter().filter(|law| !law.calls(Call::Sign));
-        friction.sum::<f64>() - dampers.map(value).sum::<f64>()
+        friction.sum::<f64>() + load * under_load.sum::<f64>() - dampers.map(value).sum::<f64>()
     };
     // Steep laws have a width of 1e-3 and more.
     const STEP: f64 = 1e-7;

@@ -24,6 +24,12 @@ pub mod differential_wrist;
 #[rustfmt::skip]
 pub mod double_pendulum;
 
+/// The robot `geared_arm`.
+///
+/// Planar arm of two links; the friction of its gears grows with what they transmit. y = 0 is upright.
+#[rustfmt::skip]
+pub mod geared_arm;
+
 /// The robot `gripper`.
 ///
 /// A gripper with parallel fingers on a turning wrist.

@@ -188,6 +188,77 @@ fn dry_friction_of_the_position_stops_and_holds_by_it() {
     assert!(plant.state().1[0] > 0.0);
 }
 
+/// A mass that a geared drive lifts: the load rubs in the gear beside the dry friction, `u = τ_l + (c + s |τ_l|)
+/// sign ẏ` with `τ_l = m ÿ + W`.
+struct Lift;
+
+const LIFT: [f64; 4] = [2.0, 4.0, 0.5, 0.25];
+
+impl Dynamics<1, 1> for Lift {
+    fn limits(&self) -> Limits<1, 1> {
+        SLIDER.limits()
+    }
+    fn mass_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {
+        [[LIFT[0]]]
+    }
+    fn coriolis_forces(&self, _: &[f64; 1], _: &[f64; 1]) -> [f64; 1] {
+        [0.0]
+    }
+    fn gravity_forces(&self, _: &[f64; 1]) -> [f64; 1] {
+        [-LIFT[1]]
+    }
+    fn spring_forces(&self, _: &[f64; 1], _: &[f64; 1]) -> [f64; 1] {
+        [0.0]
+    }
+    fn friction_torques(&self, _: &[f64; 1], v: &[f64; 1]) -> [f64; 1] {
+        [if v[0] == 0.0 { 0.0 } else { LIFT[2] * v[0].signum() }]
+    }
+    fn load_friction(&self, _: &[f64; 1], v: &[f64; 1]) -> [f64; 1] {
+        [if v[0] == 0.0 { 0.0 } else { LIFT[3] * v[0].signum() }]
+    }
+    fn input_matrix(&self) -> [[f64; 1]; 1] {
+        [[1.0]]
+    }
+}
+
+/// Rising, the load is (u − c)/(1 + s), falling (u + c)/(1 − s); at rest the drive may exert W ± (c + s W).
+#[test]
+fn friction_under_load_brakes_and_holds_by_the_load() {
+    let [m, w, c, s] = LIFT;
+    let rising = |u: f64| ((u - c) / (1.0 + s) - w) / m;
+    let falling = |u: f64| ((u + c) / (1.0 - s) - w) / m;
+    let mut plant = ideal(Lift);
+    plant.reset([0.0], [1.0]).unwrap();
+    plant.apply(&[4.0], 1.0).unwrap();
+    close(plant.state().1[0], 1.0 + rising(4.0), 1e-9);
+    plant.apply(&[4.0], 1.0).unwrap();
+    assert_eq!(plant.state().1, [0.0]);
+    close(plant.state().0[0], 0.5 / -rising(4.0), 1e-9);
+    let at = plant.state();
+    let range = [w - c - s * w, w + c + s * w];
+    for u in [range[0] + 0.01, w, range[1] - 0.01] {
+        plant.apply(&[u], 0.5).unwrap();
+        assert_eq!(plant.state(), at, "held by {u} N");
+    }
+    for (u, acceleration) in
+        [(range[0] - 0.01, falling(range[0] - 0.01)), (7.0, rising(7.0)), (1.0, falling(1.0))]
+    {
+        plant.reset([0.0], [0.0]).unwrap();
+        plant.apply(&[u], 0.5).unwrap();
+        close(plant.state().1[0], 0.5 * acceleration, 1e-9);
+    }
+    // Up, to a stop within the period, and down.
+    plant.reset([0.0], [0.9]).unwrap();
+    plant.apply(&[1.0], 1.0).unwrap();
+    let stop = 0.9 / -rising(1.0);
+    close(plant.state().1[0], falling(1.0) * (1.0 - stop), 1e-9);
+    // Brakes are friction beside the load.
+    plant.reset([0.0], [0.5]).unwrap();
+    plant.brake();
+    plant.apply(&[0.0], 0.01).unwrap();
+    assert!(plant.state().1[0] < 0.5);
+}
+
 #[test]
 fn a_reversal_within_a_period_is_located() {
     let mut plant = ideal(Slider { coulomb: 1.0, ..SLIDER });

@@ -87,6 +87,7 @@ fn link(k: usize, (alpha, d, r): Row) -> Link {
             limits: Limits::default(),
             springs: Vec::new(),
             friction: Vec::new(),
+            load_friction: Vec::new(),
         }),
         bodies: vec![body(k)],
     }

@@ -269,6 +269,7 @@ fn link(rng: &mut Rng, index: usize, motion: Motion, free: bool) -> Link {
         limits: Limits::default(),
         springs: springs(rng),
         friction: friction(rng, free),
+        load_friction: Vec::new(),
     };
     Link { name: format!("link{index}"), joint: Some(joint), bodies: bodies(rng, free) }
 }

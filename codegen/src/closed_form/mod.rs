@@ -32,6 +32,7 @@ pub use terms::{ClosedForms, Factor, Monomial, Number, Sum, Term, Values, Wave};
 use symbolica::atom::{Atom, AtomCore};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::dynamics::load_friction;
 use crate::model::Model;
 use algebra::Variables;
 use bodies::Bodies;
@@ -52,8 +53,9 @@ pub const MAXIMUM_ANGLES: usize = 4;
 /// - `instance`: the right to use Symbolica
 ///
 /// # Errors
-/// `coupled-joints` where a joint or drive follows several coordinates, or another's; `too-many-joints` where more than [`MAXIMUM_JOINTS`] coordinates move, `too-many-angles` beyond
-/// [`MAXIMUM_ANGLES`].
+/// `coupled-joints` where a joint or drive follows several coordinates, or another's; `load-friction` where
+/// friction grows with the load; `too-many-joints` where more than [`MAXIMUM_JOINTS`] coordinates move,
+/// `too-many-angles` beyond [`MAXIMUM_ANGLES`].
 pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnostics> {
     check_size(model)?;
     let variables = Variables::new(instance);
@@ -95,7 +97,7 @@ pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnos
     })
 }
 
-/// Checks that a model is small enough for closed forms. No instance of Symbolica is needed.
+/// Checks that a model is small enough for closed forms, and that M, k, q and B are its whole equations. No instance of Symbolica is needed.
 ///
 /// # Errors
 /// As [`derive`].
@@ -106,6 +108,17 @@ pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
         let problem = Diagnostic::error("coupled-joints", message)
             .help("`gelenk inspect program` shows the equations of coupled joints with their abbreviations");
         return Err(Diagnostics::new(vec![problem]));
+    }
+    if load_friction::is_there(model) {
+        let message = format!(
+            "there are no closed forms where friction grows with the load, as that of `{}` does: M, k, q and B are not its \
+             whole equations",
+            model.name
+        );
+        let problem = Diagnostic::error("load-friction", message);
+        return Err(problem
+            .help("`gelenk inspect program` shows the equations with their abbreviations")
+            .into());
     }
     let n = model.coordinates.len();
     if n > MAXIMUM_JOINTS {

@@ -1,6 +1,7 @@
 //! The equations of motion of one robot over a graph: every quantity once, from the cheapest formulation.
 
 use super::forces;
+use super::load_friction;
 use super::matrix::{FREE, Matrix, dot, subtract};
 use super::parameters::regressor;
 use super::recursion::composite;
@@ -10,6 +11,7 @@ use super::recursion::frame_motion::BasePoses;
 use super::recursion::newton_euler::{self, MotionInput};
 use super::search::formulation::Formulation;
 use super::search::routes::Formulations;
+use crate::formula::Function;
 use crate::graph::{Cost, Edge, Graph, Scalar, differentiate};
 use crate::kinematics::{Mechanism, RegroupChoice};
 use crate::model::Model;
@@ -136,19 +138,65 @@ impl<'g> Equations<'_, 'g> {
         self.gravity_forces(y).iter().zip(&joint).map(|(&gravity, &joint)| gravity + joint).collect()
     }
 
-    /// `M ÿ + k − q`
-    pub fn inverse_dynamics(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], a: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
-        let bodies = self.recursive(self.formulations.inverse_dynamics(), MotionInput { y, v, a }, true);
-        subtract(&bodies, &self.joint_forces(y, v))
+    /// s₁: what friction gains for each unit of load, by coordinate; `None` where it gains nothing.
+    fn load_shares(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Option<Vec<Scalar<'g>>> {
+        load_friction::is_there(self.model).then(|| load_friction::shares(self.graph, self.model, y, v))
     }
 
-    /// `M ÿ + k − q` with its derivatives by y and ẏ, and M.
+    /// s₁
+    pub fn load_friction(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
+        load_friction::shares(self.graph, self.model, y, v)
+    }
+
+    /// `M ÿ + k − q`, and what friction gains with the load.
+    pub fn inverse_dynamics(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], a: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
+        let bodies = self.recursive(self.formulations.inverse_dynamics(), MotionInput { y, v, a }, true);
+        let Some(shares) = self.load_shares(y, v) else {
+            return subtract(&bodies, &self.joint_forces(y, v));
+        };
+        let loads = subtract(&bodies, &self.spring_forces(y, v));
+        let friction = self.friction_torques(y, v);
+        let exerted = loads.iter().zip(&friction).map(|(&load, &friction)| load + friction);
+        let more = loads.iter().zip(&shares).map(|(&load, &share)| load_friction::friction(load, share));
+        exerted.zip(more).map(|(exerted, more)| exerted + more).collect()
+    }
+
+    /// `M ÿ + k − q`, and what friction gains with the load, with derivatives by y and ẏ, and M.
     pub fn inverse_dynamics_derivatives(&self, input: MotionInput<'_, 'g>) -> ForceDerivatives<'g> {
+        let Some(shares) = self.load_shares(input.y, input.v) else {
+            return self.remaining_derivatives(input, || self.joint_forces(input.y, input.v));
+        };
+        let mut result = self.remaining_derivatives(input, || self.spring_forces(input.y, input.v));
+        let friction = self.friction_torques(input.y, input.v);
+        for (row, (&share, &friction)) in shares.iter().zip(&friction).enumerate() {
+            let load = result.forces[row];
+            let (gain, magnitude) = (load_friction::gain(load, share), load.call(Function::Abs));
+            // At a given load, friction depends on the motion of its own joint.
+            let by = |variable| {
+                let by = differentiate(self.graph, &[friction, share], variable);
+                by[0] + magnitude * by[1]
+            };
+            let (y, v) = (by(input.y[row]), by(input.v[row]));
+            for (matrix, own) in [(&mut result.by_coordinates, y), (&mut result.by_velocities, v)] {
+                matrix[row] = matrix[row].iter().map(|&by_load| gain * by_load).collect();
+                matrix[row][row] = matrix[row][row] + own;
+            }
+            result.forces[row] = load + friction + magnitude * share;
+        }
+        result
+    }
+
+    /// `M ÿ + k − q_gravity` less what acts on single joints, with derivatives by y and ẏ, and M.
+    fn remaining_derivatives(
+        &self,
+        input: MotionInput<'_, 'g>,
+        joint_forces: impl FnOnce() -> Vec<Scalar<'g>>,
+    ) -> ForceDerivatives<'g> {
         let (derivatives, inverse_dynamics) =
             (self.formulations.derivatives(), self.formulations.inverse_dynamics());
         let mut result =
             derivatives.derive(self.graph, self.formulations.mechanism(), inverse_dynamics, input);
-        let joint = self.joint_forces(input.y, input.v);
+        let joint = joint_forces();
         for (row, &force) in joint.iter().enumerate() {
             // What acts on single joints has diagonal derivatives, unless joints follow several coordinates.
             let columns = if self.model.followers.is_empty() { row..row + 1 } else { 0..joint.len() };
@@ -187,7 +235,8 @@ impl<'g> Equations<'_, 'g> {
             (0..y.len()).map(|i| columns.iter().map(|column| column[i]).collect()).collect()
         };
         let accelerations = solve(&accelerating);
-        let forces = self.inverse_dynamics_derivatives(MotionInput { y, v, a: &accelerations });
+        let input = MotionInput { y, v, a: &accelerations };
+        let forces = self.remaining_derivatives(input, || self.driving_forces_by_motion(y, v, u));
         AccelerationDerivatives {
             by_coordinates: solve_negative(&forces.by_coordinates),
             by_velocities: solve_negative(&forces.by_velocities),
@@ -212,7 +261,7 @@ impl<'g> Equations<'_, 'g> {
     /// `ÿ = A_y y + A_v ẏ + B_x u + c` at a state and input.
     pub fn linearize(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], u: &[Scalar<'g>]) -> AffineAccelerations<'g> {
         let derivatives = self.forward_dynamics_derivatives(y, v, u);
-        let input_matrix = forces::input_matrix(self.graph, self.model);
+        let input_matrix = self.loads_by_inputs(y, v, u);
         let zero = self.graph.constant(0.0);
         let by_inputs: Matrix<'g> = derivatives
             .inverse
@@ -247,14 +296,49 @@ impl<'g> Equations<'_, 'g> {
         route.accelerations(self.graph, self.formulations, y, v, || self.driving_forces(y, v, u))
     }
 
-    /// `B u`, springs and friction.
+    /// `B u`, springs and friction: the springs and the loads that are left of `B u`.
     pub(super) fn driving_forces(
         &self,
         y: &[Scalar<'g>],
         v: &[Scalar<'g>],
         u: &[Scalar<'g>],
     ) -> Vec<Scalar<'g>> {
-        self.input_forces(u).into_iter().zip(self.joint_forces(y, v)).map(|(a, b)| a + b).collect()
+        let Some(shares) = self.load_shares(y, v) else {
+            return self
+                .input_forces(u)
+                .into_iter()
+                .zip(self.joint_forces(y, v))
+                .map(|(a, b)| a + b)
+                .collect();
+        };
+        let exerted = subtract(&self.input_forces(u), &self.friction_torques(y, v));
+        let loads = exerted.iter().zip(&shares).map(|(&exerted, &share)| load_friction::load(exerted, share));
+        loads.zip(self.spring_forces(y, v)).map(|(load, spring)| load + spring).collect()
+    }
+
+    /// The part of [`Self::driving_forces`] that depends on the motion.
+    fn driving_forces_by_motion(
+        &self,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+        u: &[Scalar<'g>],
+    ) -> Vec<Scalar<'g>> {
+        match load_friction::is_there(self.model) {
+            true => self.driving_forces(y, v, u),
+            false => self.joint_forces(y, v),
+        }
+    }
+
+    /// Derivatives of the driving forces by the inputs: B, its rows divided by the gains of loads.
+    fn loads_by_inputs(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], u: &[Scalar<'g>]) -> Matrix<'g> {
+        let matrix = forces::input_matrix(self.graph, self.model);
+        let Some(shares) = self.load_shares(y, v) else {
+            return matrix;
+        };
+        let exerted = subtract(&self.input_forces(u), &self.friction_torques(y, v));
+        let gains = exerted.iter().zip(&shares).map(|(&exerted, &share)| load_friction::gain(exerted, share));
+        let rows = matrix.into_iter().zip(gains);
+        rows.map(|(row, gain)| row.into_iter().map(|entry| entry.divided_by(gain)).collect()).collect()
     }
 
     /// W with `W π = M ÿ + k − q_gravity`

@@ -88,16 +88,38 @@ pub fn friction_torques<'g>(
     torques
 }
 
+/// The sum of friction terms of one joint at its own position and velocity.
+pub(super) fn friction_sum<'g>(
+    graph: &'g Graph,
+    terms: &[FrictionTerm],
+    y: Option<&Scalar<'g>>,
+    v: Scalar<'g>,
+) -> Scalar<'g> {
+    terms.iter().fold(graph.constant(0.0), |sum, term| {
+        sum + lower(graph, &term.coefficient) * friction_basis(graph, term, y, v)
+    })
+}
+
+fn friction_basis<'g>(
+    graph: &'g Graph,
+    term: &FrictionTerm,
+    y: Option<&Scalar<'g>>,
+    v: Scalar<'g>,
+) -> Scalar<'g> {
+    let y = match (y, term.basis.depends_on_position()) {
+        (Some(&y), _) => y,
+        // Never read.
+        (None, false) => graph.constant(0.0),
+        (None, true) => unreachable!("friction that depends on y is asked for with y"),
+    };
+    lower_with(graph, &term.basis, y, v)
+}
+
 impl<'g> Moving<'_, 'g> {
     fn friction_basis(&self, term: &FrictionTerm, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
+        let position = (!y.is_empty()).then(|| self.position(y));
         let velocity = self.velocity(v);
-        let position = match (y.is_empty(), term.basis.depends_on_position()) {
-            (false, _) => self.position(y),
-            // Never read.
-            (true, false) => velocity.constant(0.0),
-            (true, true) => unreachable!("friction that depends on y is asked for with y"),
-        };
-        lower_with(velocity.graph(), &term.basis, position, velocity)
+        friction_basis(velocity.graph(), term, position.as_ref(), velocity)
     }
 }
 

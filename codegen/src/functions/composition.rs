@@ -1,5 +1,6 @@
 //! Functions that call other generated ones: the robot in discrete time.
 
+use crate::dynamics::load_friction;
 use crate::functions::function::Function;
 use crate::layout::{Dimension, Extent};
 use crate::model::Model;
@@ -71,8 +72,11 @@ impl Composition {
     }
 
     /// The equation in Unicode.
-    pub(crate) fn equation(self) -> &'static str {
+    pub(crate) fn equation(self, model: &Model) -> &'static str {
         match self {
+            Self::Step if load_friction::is_there(model) => {
+                "x⁺ ≈ x + ∫ f(x, u) dt with x = (y, ẏ), f = (ẏ, forward_dynamics(y, ẏ, u)) and u held"
+            }
             Self::Discretize => {
                 "x⁺ = A_d x + B_d u + c_d with x = (y, ẏ), solves ẋ = A x + B_x u + c with u held"
             }

@@ -1,7 +1,7 @@
 //! From a row of the catalogue to a function.
 
 use super::assemble::assemble;
-use super::catalogue::{Argument, FrameQuantity, Quantity, QuantityResult, frame_name};
+use super::catalogue::{self, Argument, FrameQuantity, Quantity, QuantityResult, frame_name};
 use super::form::{self, Derived, Forms};
 use super::function::Function;
 use crate::dynamics::forces;
@@ -29,6 +29,7 @@ pub(super) fn derive_quantity(
         quantity.equation,
         notes,
     );
+    catalogue::describe_load_friction(model, &mut function);
     function.arrays = arrays;
     function.notes.extend(forces::jump_note(model, &function.program));
     function.constants = (quantity.constants)(model, formulations, &function.program);

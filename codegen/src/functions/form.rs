@@ -8,6 +8,7 @@ use super::assemble::{arguments_of, straight_program};
 use super::catalogue::{self, BuildLoops, Estimate, Loops, Quantity};
 use crate::dynamics::equations::Equations;
 use crate::dynamics::forces;
+use crate::dynamics::load_friction;
 use crate::dynamics::per_joint;
 use crate::dynamics::search::routes::Formulations;
 use crate::graph::{Graph, Node};
@@ -201,6 +202,8 @@ impl<'m> Forms<'m> {
     fn may_loop(&self, quantity: &Quantity) -> bool {
         matches!(quantity.loops, Some(Loops::PerJoint { .. }))
             && !self.is_straight(quantity)
+            // The loops know nothing of loads.
+            && !load_friction::is_there(self.model)
             && per_joint::is_possible(self.mechanism())
     }
 

@@ -5,6 +5,7 @@
 
 use super::derive;
 use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::dynamics::load_friction;
 use crate::dynamics::search::routes::Formulations;
 use crate::functions::catalogue::{self, FrameQuantity, Quantity};
 use crate::functions::composition::Composition;
@@ -55,6 +56,7 @@ pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnos
     let wanted = Wanted::new(request, &forms);
     let mut left_out = LeftOut::default();
     let rows = left_out.many_frames(model, &wanted, rows(model));
+    let rows = left_out.without_load(model, &wanted, rows)?;
     let rows = left_out.without_inverse(model, &wanted, rows)?;
     let rows = left_out.too_large_before(model, &wanted, rows, &forms)?;
     let definiteness = model.definiteness();
@@ -199,6 +201,7 @@ impl<'a> Wanted<'a> {
 #[derive(Default)]
 struct LeftOut {
     need_inverse: Vec<String>,
+    ignore_load: Vec<String>,
     too_large: Vec<TooLarge>,
     /// Functions of frames, where there are very many.
     of_frames: usize,
@@ -221,6 +224,31 @@ impl LeftOut {
             !is_left_out && wanted.includes(&row.name())
         };
         rows.filter(is_kept).collect()
+    }
+
+    /// The rows that hold where friction grows with the load, where it does.
+    fn without_load<'m>(
+        &mut self,
+        model: &Model,
+        wanted: &Wanted<'_>,
+        rows: Vec<Row<'m>>,
+    ) -> Result<Vec<Row<'m>>, Diagnostics> {
+        if !load_friction::is_there(model) {
+            return Ok(rows);
+        }
+        let (impossible, possible): (Vec<_>, Vec<_>) =
+            rows.into_iter().partition(|row| matches!(row, Row::Quantity(quantity) if quantity.ignores_load));
+        let names = impossible.iter().map(Row::name);
+        let (asked, others): (Vec<_>, Vec<_>) = names.partition(|name| wanted.is_asked_for(name));
+        self.ignore_load = others;
+        let problem = |name: &String| {
+            let message = format!(
+                "there is no {} where friction grows with the load: {IGNORES}",
+                wanted.with_caller(name)
+            );
+            Diagnostic::error("load-friction", message).help(INSTEAD)
+        };
+        or_problems(possible, asked.iter().map(problem).collect())
     }
 
     /// The rows that can do with a singular mass matrix, where it is one.
@@ -296,6 +324,11 @@ impl LeftOut {
             );
             notes.push(Diagnostic::note("left-out", message));
         }
+        if !self.ignore_load.is_empty() {
+            let message =
+                format!("left out, because friction grows with the load: {}", quoted(&self.ignore_load));
+            notes.push(Diagnostic::note("left-out", format!("{message}; {IGNORES}")).help(INSTEAD));
+        }
         if self.of_frames > 0 {
             let message =
                 format!("left out: the {} functions of {} frames", self.of_frames, model.frames.len());
@@ -312,6 +345,10 @@ impl LeftOut {
         notes
     }
 }
+
+/// Why functions are left out where friction grows with the load.
+const IGNORES: &str = "M and M⁻¹ would be taken for derivatives that have another factor there";
+const INSTEAD: &str = "`inverse_dynamics_derivatives` and `linearize` hold; by the accelerations the former has D M, see its documentation";
 
 fn quoted(names: &[String]) -> String {
     let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();

@@ -33,6 +33,7 @@ impl InterpretedRobot {
         let mut model = model.clone();
         for joint in model.links.iter_mut().filter_map(|link| link.joint.as_mut()) {
             joint.friction.clear();
+            joint.load_friction.clear();
         }
         let names = ["inertial_regressor", "inverse_dynamics", "inertial_parameters", "input_matrix"];
         let names = names.map(str::to_owned);

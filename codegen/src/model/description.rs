@@ -122,7 +122,7 @@ pub(super) struct JointDescription {
     pub held: Option<f64>,
     pub limits: LimitsDescription,
     pub springs: Option<At<Vec<Formula>>>,
-    pub friction: Option<At<Vec<FrictionTerm>>>,
+    pub friction: Option<At<FrictionDescription>>,
     pub drive: Option<At<DriveChoice>>,
     /// The joints that this one follows.
     pub follows: Option<At<Vec<FollowsDescription>>>,
@@ -166,6 +166,22 @@ impl JointDescription {
     pub fn complete(&mut self) {
         self.kind.get_or_insert(JointKind::Revolute);
         self.child.get_or_insert_with(|| self.name.clone());
+    }
+}
+
+/// Friction of a joint.
+#[derive(Debug, Clone, Default)]
+pub(super) struct FrictionDescription {
+    /// Friction by velocity and position.
+    pub terms: Vec<FrictionTerm>,
+    /// What it gains for each unit of load.
+    pub load: Option<At<Vec<FrictionTerm>>>,
+}
+
+impl FrictionDescription {
+    /// Tells whether there is no friction.
+    pub fn is_empty(&self) -> bool {
+        self.terms.is_empty() && self.load.is_none()
     }
 }
 

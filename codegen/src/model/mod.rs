@@ -162,6 +162,10 @@ pub struct Joint {
     pub springs: Vec<Formula>,
     /// Friction torque τ(v) = Σ coefficient · basis, positive for positive velocity; it is subtracted from q.
     pub friction: Vec<FrictionTerm>,
+    /// Friction s₁(v) = Σ coefficient · basis for each unit of the load τ_l: the joint feels |τ_l| s₁ beside
+    /// the friction above. Empty where friction does not grow with the load; else the joint has an input of
+    /// its own, and |s₁| < 1.
+    pub load_friction: Vec<FrictionTerm>,
 }
 
 /// Signs of the eigenvalues of a mass matrix.
@@ -186,7 +190,7 @@ impl Joint {
     /// Tells whether friction or a spring jumps, because it has an exact `sign`.
     #[must_use]
     pub fn jumps(&self) -> bool {
-        let friction = self.friction.iter();
+        let friction = self.friction.iter().chain(&self.load_friction);
         let friction = friction.filter(|term| !term.coefficient.is_zero());
         let mut laws = friction.map(|term| &term.basis).chain(&self.springs);
         laws.any(|law| law.calls(crate::formula::Function::Sign))

@@ -2,7 +2,7 @@
 
 /// Names that `[generate] functions` may list: the functions of every robot, and `frames` for all of those of
 /// named frames.
-pub const FUNCTIONS: [&str; 28] = [
+pub const FUNCTIONS: [&str; 29] = [
     "mass_matrix",
     "coriolis_forces",
     "gravity_forces",
@@ -29,6 +29,7 @@ pub const FUNCTIONS: [&str; 28] = [
     "base_regressor",
     "friction_parameters",
     "friction_regressor",
+    "load_friction",
     "inverse_dynamics_hessian",
     "frames",
 ];

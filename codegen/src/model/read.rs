@@ -96,9 +96,10 @@ fn apply(options: &ReadOptions, model: &mut Model) {
     for joint in joints {
         if options.no_friction {
             joint.friction.clear();
+            joint.load_friction.clear();
         }
         let Some(slope) = slope else { continue };
-        for term in &mut joint.friction {
+        for term in joint.friction.iter_mut().chain(&mut joint.load_friction) {
             term.basis = term.basis.with_smooth_sign(slope);
         }
         for spring in &mut joint.springs {

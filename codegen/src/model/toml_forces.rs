@@ -1,6 +1,6 @@
 //! Friction, springs and drives of a joint as TOML values.
 
-use super::description::{DriveChoice, DriveDescription};
+use super::description::{DriveChoice, DriveDescription, FrictionDescription};
 use super::table::{Item, Table};
 use super::toml_values::Reader;
 use super::{FrictionTerm, Input, MotorTorque, RotorCoupling};
@@ -8,15 +8,15 @@ use crate::diagnostic::At;
 use crate::formula::{Formula, Function};
 use toml::de::DeValue;
 
-const FRICTION: [&str; 5] = ["viscous", "coulomb", "stribeck", "terms", "law"];
+const FRICTION: [&str; 6] = ["viscous", "coulomb", "stribeck", "terms", "law", "load"];
 
 /// Friction of a joint: a force law as text, or a table of named laws, which add up.
-pub(super) fn friction(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Vec<FrictionTerm>> {
+pub(super) fn friction(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<FrictionDescription> {
     if item.value.is_str() {
-        return Some(law(reader, item));
+        return Some(FrictionDescription { terms: law(reader, item), load: None });
     }
     let table = item.table("a friction law", &FRICTION, &mut reader.report)?;
-    let mut terms = Vec::new();
+    let (mut terms, mut load) = (Vec::new(), None);
     for item in table.items() {
         match item.key {
             "viscous" => terms.extend(viscous(reader, *item, owner)),
@@ -24,10 +24,19 @@ pub(super) fn friction(reader: &mut Reader, item: Item<'_>, owner: &str) -> Opti
             "stribeck" => terms.extend(stribeck(reader, *item, owner).unwrap_or_default()),
             "terms" => terms.extend(weighted(reader, *item, owner)),
             "law" => terms.extend(law(reader, *item)),
+            "load" => load = Some(At::new(load_share(reader, *item, owner), item.span)),
             _ => {} // complained about already
         }
     }
-    Some(terms)
+    Some(FrictionDescription { terms, load })
+}
+
+/// What friction gains for each unit of load: a formula, or a weighted sum as identification writes it.
+fn load_share(reader: &mut Reader, item: Item<'_>, owner: &str) -> Vec<FrictionTerm> {
+    match item.value {
+        DeValue::Array(_) => weighted(reader, item, owner),
+        _ => law(reader, item),
+    }
 }
 
 fn law(reader: &mut Reader, item: Item<'_>) -> Vec<FrictionTerm> {

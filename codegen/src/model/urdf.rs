@@ -5,8 +5,8 @@
 
 use super::angles::Angles;
 use super::description::{
-    BodyDescription, DriveChoice, FollowsDescription, FrameDescription, JointDescription, Name,
-    RobotDescription,
+    BodyDescription, DriveChoice, FollowsDescription, FrameDescription, FrictionDescription,
+    JointDescription, Name, RobotDescription,
 };
 use super::pose::{IDENTITY, norm};
 use super::toml_values::join;
@@ -237,7 +237,10 @@ impl Reader<'_> {
         let friction = self
             .single(node, "dynamics", &name.quoted())
             .filter(|_| moves)
-            .map(|node| At::new(self.friction(node, &name), self.span(node)));
+            .map(|node| {
+                (FrictionDescription { terms: self.friction(node, &name), load: None }, self.span(node))
+            })
+            .map(|(friction, span)| At::new(friction, span));
         let mimic =
             self.single(node, "mimic", &name.quoted()).filter(|_| moves && !self.options.ignore_mimic);
         Some(JointDescription {

@@ -44,6 +44,8 @@ pub struct Module {
 pub struct ComposedFunction {
     /// Which one.
     pub composition: Composition,
+    /// The equation in Unicode.
+    pub equation: &'static str,
     /// The results of the function.
     pub results: Vec<ComposedResult>,
     /// Its operations; none where the function that it calls is not in the module.
@@ -108,6 +110,7 @@ impl ComposedFunction {
         };
         Self {
             composition,
+            equation: composition.equation(model),
             results: composition.results(model.coordinates.len(), model.inputs().count()),
             cost,
             cost_text,

@@ -43,8 +43,8 @@ const LETTERS: usize = 85;
 const CURVES: usize = 6;
 
 /// The equations of motion and what their letters are.
-pub(super) fn legend() -> Result<Vec<Block>, ReportError> {
-    let equation = Equation::new(r"M(y)\,\ddot{y} + k(y,\dot{y}) = q(y,\dot{y}) + B\,u")?;
+pub(super) fn legend(robot: &Robot<'_>) -> Result<Vec<Block>, ReportError> {
+    let equation = Equation::new(&motion(robot))?;
     Ok(vec![
         Block::Equations(vec![equation]),
         text("with coordinates $y_i$ and inputs $u_j$ in the order of the tables above, in SI units."),
@@ -53,6 +53,15 @@ pub(super) fn legend() -> Result<Vec<Block>, ReportError> {
              twice. The generated code holds these lines in this order.",
         ),
     ])
+}
+
+/// The equations of motion.
+pub(super) fn motion(robot: &Robot<'_>) -> String {
+    let motion = r"M(y)\,\ddot{y} + k(y,\dot{y}) = q(y,\dot{y}) + B\,u";
+    match robot.has_load_friction() {
+        false => motion.to_owned(),
+        true => format!(r"{motion} - |\tau_l| \, \sigma(y,\dot{{y}})"),
+    }
 }
 
 /// A function with its abbreviations.
@@ -117,10 +126,17 @@ pub(super) fn set(latex: &[String]) -> Block {
 pub(super) fn friction_laws(robot: &Robot<'_>) -> Vec<String> {
     let joints = robot.joints().into_iter().enumerate();
     let rubbing = joints.filter(|(_, joint)| !joint.friction.is_empty());
-    rubbing.map(|(index, joint)| law(robot, index + 1, joint)).collect()
+    rubbing.map(|(index, joint)| law(robot, index + 1, ("\\tau", &joint.friction))).collect()
 }
 
-fn law(robot: &Robot<'_>, number: usize, joint: &Joint) -> String {
+/// Friction over load of the joints that have such friction.
+pub(super) fn load_friction_laws(robot: &Robot<'_>) -> Vec<String> {
+    let joints = robot.joints().into_iter().enumerate();
+    let loaded = joints.filter(|(_, joint)| !joint.load_friction.is_empty());
+    loaded.map(|(index, joint)| law(robot, index + 1, ("\\sigma", &joint.load_friction))).collect()
+}
+
+fn law(robot: &Robot<'_>, number: usize, (letter, terms): (&str, &[FrictionTerm])) -> String {
     let print = |part: &Formula| formula::latex(part, &robot.parameter_names, number);
     let bracketed = |part: &Formula| formula::factor(part, &robot.parameter_names, number);
     let term = |term: &FrictionTerm| match (term.coefficient.as_number(), term.basis.as_number()) {
@@ -128,8 +144,8 @@ fn law(robot: &Robot<'_>, number: usize, joint: &Joint) -> String {
         (_, Some(1.0)) => print(&term.coefficient),
         _ => format!("{} \\, {}", bracketed(&term.coefficient), bracketed(&term.basis)),
     };
-    let terms: Vec<String> = joint.friction.iter().map(term).collect();
-    format!("\\tau_{{{number}}} = {}", terms.join(" + "))
+    let terms: Vec<String> = terms.iter().map(term).collect();
+    format!("{letter}_{{{number}}} = {}", terms.join(" + "))
 }
 
 /// Forces of springs and dampers on the joints that have some.
@@ -143,15 +159,18 @@ pub(super) fn spring_laws(robot: &Robot<'_>) -> Vec<String> {
     sprung.map(law).collect()
 }
 
+const CAPTION: &str = "Friction over velocity, up to the velocity limit (1 where there is none), with the other joints at rest. \
+    Friction that depends on the position is drawn at both limits and in the middle.";
+
 /// Friction over velocity, as the generated function computes it.
 pub(super) fn friction_figure(robot: &Robot<'_>) -> Option<Figure> {
     let joints = robot.joints().into_iter().enumerate();
     let rubbing: Vec<(usize, &Joint)> = joints.filter(|(_, joint)| !joint.friction.is_empty()).collect();
-    let mut figure = Figure::new(
-        "friction-curves",
-        "Friction over velocity, up to the velocity limit (1 where there is none), with the other joints at rest. Friction \
-         that depends on the position is drawn at both limits and in the middle.",
-    );
+    let caption = match robot.has_load_friction() {
+        false => CAPTION.to_owned(),
+        true => format!("{CAPTION} What the load adds is left out."),
+    };
+    let mut figure = Figure::new("friction-curves", &caption);
     for prismatic in [false, true] {
         let of_kind: Vec<&(usize, &Joint)> =
             rubbing.iter().filter(|(_, joint)| (joint.kind == JointKind::Prismatic) == prismatic).collect();

@@ -69,7 +69,10 @@ pub fn report(contents: &Contents<'_>) -> Result<Report, ReportError> {
 fn head(robot: &Robot<'_>) -> Report {
     let model = robot.model;
     let mut report = Report::new(format!("The robot {}", model.name))
-        .lead("Equations of motion $M(y)\\,\\ddot y + k(y,\\dot y) = q(y,\\dot y) + B\\,u$, as the generated code computes them.")
+        .lead(&format!(
+            "Equations of motion ${}$, as the generated code computes them.",
+            equations::motion(robot)
+        ))
         .fact("coordinates", robot.n().to_string())
         .fact("inputs", robot.inputs().len().to_string())
         .fact("bodies", robot.bodies().len().to_string());
@@ -115,7 +118,7 @@ fn equations_section(
     robot: &Robot<'_>,
     closed_form: Result<&ClosedForm, &str>,
 ) -> Result<Section, ReportError> {
-    let mut section = Section::new("equations", "Equations of motion").blocks(equations::legend()?);
+    let mut section = Section::new("equations", "Equations of motion").blocks(equations::legend(robot)?);
     for function in ["mass_matrix", "coriolis_forces", "applied_forces", "input_matrix"] {
         if let Some(function) = robot.function(function) {
             section = section.blocks(equations::program(robot, function));
@@ -131,13 +134,23 @@ fn equations_section(
 
 fn friction_section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError> {
     let laws = equations::friction_laws(robot);
-    if laws.is_empty() {
+    if laws.is_empty() && !robot.has_load_friction() {
         return Ok(None);
     }
     let mut section = Section::new("friction", "Friction").block(text(
         "Friction torque (or force) at the joint, positive for positive velocity; it is subtracted from the applied forces.",
     ));
-    section = section.block(equations::set(&laws));
+    if !laws.is_empty() {
+        section = section.block(equations::set(&laws));
+    }
+    if robot.has_load_friction() {
+        section = section
+            .block(text(
+                "Beside these, friction grows with the load $\\tau_l$, which is what a drive would exert without friction: it gains \
+                 $|\\tau_l| \\, \\sigma(y, \\dot y)$ by (Hamon, Gautier and Garrec 2010)",
+            ))
+            .block(equations::set(&equations::load_friction_laws(robot)));
+    }
     if let Some(figure) = equations::friction_figure(robot) {
         section = section.block(Block::Figure(figure));
     }
@@ -145,11 +158,14 @@ fn friction_section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError> {
 }
 
 fn structure_section(robot: &Robot<'_>) -> Section {
+    let forces = match robot.has_load_friction() {
+        false => "$f = M \\ddot y + k - q$ are the forces of the inverse dynamics.",
+        true => "$f$ are the forces of the inverse dynamics.",
+    };
+    let words =
+        format!("Entries that are 0 for every state are not computed. Filled are the others; {forces}");
     Section::new("structure", "Sparsity and cost")
-        .block(text(
-            "Entries that are 0 for every state are not computed. Filled are the others; $f = M \\ddot y + k - q$ are the forces of \
-             the inverse dynamics.",
-        ))
+        .block(text(&words))
         .block(Block::Patterns(sparsity::patterns(robot)))
         .block(Block::Table(tables::counts(robot.functions)))
 }

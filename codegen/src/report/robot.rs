@@ -1,5 +1,6 @@
 //! A robot with its functions, evaluated by the interpreter.
 
+use crate::dynamics::load_friction;
 use crate::formula::Formula;
 use crate::functions::function::Function;
 use crate::model::{Body, Drive, FollowedCoordinate, Joint, Link, Model};
@@ -82,6 +83,11 @@ impl<'a> Robot<'a> {
     /// A function by name.
     pub fn function(&self, name: &str) -> Option<&'a Function> {
         self.functions.iter().find(|function| function.name == name)
+    }
+
+    /// Tells whether friction grows with the load.
+    pub fn has_load_friction(&self) -> bool {
+        load_friction::is_there(self.model)
     }
 
     /// Friction torques at positions and velocities.

@@ -98,11 +98,22 @@ pub(super) fn claims(robot: &Robot<'_>) -> Vec<Claim> {
         let measured: Option<Vec<f64>> = states.iter().map(|state| (check.measure)(robot, state)).collect();
         if let Some(measured) = measured {
             let criterion = Criterion::at_most(check.name, worst(&measured), check.bound, "");
-            let claim = Claim::new(check.id, check.statement).criterion(criterion);
+            let claim = Claim::new(check.id, statement(robot, check)).criterion(criterion);
             claims.push(claim.flipped_by(check.flipped_by));
         }
     }
     claims
+}
+
+/// The statement of a check, which has friction under load where there is some.
+fn statement(robot: &Robot<'_>, check: &Check) -> String {
+    match robot.has_load_friction() {
+        false => check.statement.to_owned(),
+        true => check
+            .statement
+            .replace("M \\ddot y + k - q$", "M \\ddot y + k - q + |\\tau_l| \\, \\sigma$")
+            .replace("(q + B u)$", "(q + B u - |\\tau_l| \\, \\sigma)$"),
+    }
 }
 
 fn worst(measured: &[f64]) -> f64 {
@@ -241,8 +252,22 @@ fn parts(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let inertial = matrix_times(&robot.first("mass_matrix", &[y])?, a);
     let coriolis = robot.first("coriolis_forces", &[y, v])?;
     let applied = robot.first("applied_forces", &[y, v])?;
-    let expected: Vec<f64> = (0..robot.n()).map(|i| inertial[i] + coriolis[i] - applied[i]).collect();
+    let forces_without: Vec<f64> = (0..robot.n()).map(|i| inertial[i] + coriolis[i] - applied[i]).collect();
+    let more = load_friction(robot, state, &forces_without)?;
+    let expected: Vec<f64> = forces_without.iter().zip(&more).map(|(force, more)| force + more).collect();
     weighted_difference(robot, state, a, [&forces, &expected])
+}
+
+/// `|τ_l| s₁` for the forces M ÿ + k − q, which hold friction without load: zero where friction does not grow
+/// with the load.
+fn load_friction(robot: &Robot<'_>, state: &State, forces: &[f64]) -> Option<Vec<f64>> {
+    if !robot.has_load_friction() {
+        return Some(vec![0.0; forces.len()]);
+    }
+    let friction = robot.friction_torques(&state.y, &state.v)?;
+    let shares = robot.first("load_friction", &[&state.y, &state.v])?;
+    let loads = forces.iter().zip(&friction).map(|(force, friction)| (force - friction).abs());
+    Some(loads.zip(&shares).map(|(load, share)| load * share).collect())
 }
 
 fn power(robot: &Robot<'_>, state: &State) -> Option<f64> {
@@ -255,7 +280,11 @@ fn power(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let rate = derivative(energy)?[0];
     let applied = robot.first("applied_forces", &[y, v])?;
     let forces = joint_forces(robot, &state.u)?;
-    let expected = product(v, &applied) + product(v, &forces);
+    let inertial = matrix_times(&robot.first("mass_matrix", &[y])?, &a);
+    let coriolis = robot.first("coriolis_forces", &[y, v])?;
+    let forces_without: Vec<f64> = (0..robot.n()).map(|i| inertial[i] + coriolis[i] - applied[i]).collect();
+    let more = load_friction(robot, state, &forces_without)?;
+    let expected = product(v, &applied) + product(v, &forces) - product(v, &more);
     let size = size_of_forces(robot, state, &a)? * v.iter().map(|v| v.abs()).sum::<f64>();
     Some((rate - expected).abs() / size)
 }

@@ -45,6 +45,7 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
                 limits: Limits::default(),
                 springs: vec![],
                 friction: vec![],
+                load_friction: vec![],
             }),
             bodies: vec![],
         });

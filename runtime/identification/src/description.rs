@@ -154,28 +154,38 @@ fn friction_value(result: &FrictionResult) -> Result<String> {
     }
     match &result.law {
         FrictionLaw::Terms(terms) => {
-            let values = terms.iter().map(|t| t.coefficient);
-            require_finite(&result.joint, values, |i| terms[i].basis.clone())?;
-            let pair = |t: &&FrictionTerm| {
-                Ok(format!("[{}, {}]", quoted(&basis(&t.basis)?), literal(t.coefficient, t.written_error())))
-            };
-            let kept = terms.iter().filter(|t| !vanishes(t.coefficient, t.written_error()));
-            let pairs: Vec<String> = kept.collect::<Vec<_>>().iter().map(pair).collect::<Result<_>>()?;
+            let pairs = pairs(&result.joint, terms)?;
             if pairs.is_empty() {
                 return Err(IdentificationError::Empty {
                     what: format!("the friction law of {}", result.joint),
                 });
             }
-            Ok(format!("{{ terms = [{}] }}", pairs.join(", ")))
+            Ok(format!("{{ terms = [{}]{} }}", pairs.join(", "), load_key(result)?))
         }
         FrictionLaw::Stribeck { parameters, resolutions, .. } => {
             let name = |i: usize| super::stribeck::NAMES[i].to_string();
             require_finite(&result.joint, parameters.iter().copied(), name)?;
             let pair = |i: usize| format!("{} = {}", name(i), literal(parameters[i], resolutions[i]));
             let pairs: Vec<String> = (0..5).map(pair).collect();
-            Ok(format!("{{ stribeck = {{ {} }} }}", pairs.join(", ")))
+            Ok(format!("{{ stribeck = {{ {} }}{} }}", pairs.join(", "), load_key(result)?))
         }
     }
+}
+
+/// `, load = […]`, or nothing where friction does not grow with the load.
+fn load_key(result: &FrictionResult) -> Result<String> {
+    let pairs = pairs(&result.joint, &result.load)?;
+    Ok(if pairs.is_empty() { String::new() } else { format!(", load = [{}]", pairs.join(", ")) })
+}
+
+/// Terms as pairs of basis and coefficient, without those of which nothing is left.
+fn pairs(joint: &str, terms: &[FrictionTerm]) -> Result<Vec<String>> {
+    require_finite(joint, terms.iter().map(|t| t.coefficient), |i| terms[i].basis.clone())?;
+    let kept = terms.iter().filter(|t| !vanishes(t.coefficient, t.written_error()));
+    kept.map(|t| {
+        Ok(format!("[{}, {}]", quoted(&basis(&t.basis)?), literal(t.coefficient, t.written_error())))
+    })
+    .collect()
 }
 
 fn require_finite(

@@ -7,6 +7,7 @@ use super::friction::Drift;
 use super::library::Library;
 use super::stribeck::{StribeckWords, stribeck_gradient, stribeck_torque};
 use nalgebra::DMatrix;
+use std::borrow::Cow;
 use std::fmt::Write;
 use std::ops::Range;
 
@@ -117,7 +118,7 @@ impl FrictionLaw {
             Self::Terms(terms) => terms.iter().map(Row::of_term).collect(),
             Self::Stribeck { parameters, standard_errors, .. } => (0..5)
                 .map(|i| Row {
-                    name: super::stribeck::NAMES[i],
+                    name: Cow::Borrowed(super::stribeck::NAMES[i]),
                     value: parameters[i],
                     error: standard_errors[i],
                     inclusion: None,
@@ -142,7 +143,7 @@ fn matrix(terms: &[FrictionTerm], velocities: &[f64]) -> Result<DMatrix<f64>> {
 
 /// A line of the table.
 struct Row<'a> {
-    name: &'a str,
+    name: Cow<'a, str>,
     value: f64,
     error: Option<f64>,
     inclusion: Option<f64>,
@@ -152,7 +153,7 @@ struct Row<'a> {
 impl<'a> Row<'a> {
     fn of_term(term: &'a FrictionTerm) -> Self {
         Self {
-            name: &term.basis,
+            name: Cow::Borrowed(&term.basis),
             value: term.coefficient,
             error: term.standard_error,
             inclusion: term.inclusion,
@@ -202,6 +203,8 @@ pub struct FrictionResult {
     pub velocity_unit: String,
     /// The law.
     pub law: FrictionLaw,
+    /// Terms of s₁: friction gains |τ_l| s₁ with the load τ_l. Empty where it does not grow with the load.
+    pub load: Vec<FrictionTerm>,
     /// A Stribeck law in physical words.
     pub stribeck: Option<StribeckWords>,
     /// The constant torque of each run; none where it belongs to the law.
@@ -252,7 +255,16 @@ impl FrictionResult {
                 .map_or_else(String::new, |i| format!(", {:.0} % interval {i}", 100.0 * CONFIDENCE));
             format!("{}: {}{range}", row.name, with_error(row.value, row.error))
         };
-        self.law.rows().iter().map(line).collect()
+        self.rows().iter().map(line).collect()
+    }
+
+    /// The law's coefficients, then those of the load.
+    fn rows(&self) -> Vec<Row<'_>> {
+        let under_load = self
+            .load
+            .iter()
+            .map(|term| Row { name: Cow::Owned(format!("load: {}", term.basis)), ..Row::of_term(term) });
+        self.law.rows().into_iter().chain(under_load).collect()
     }
 
     /// Lines on offsets, Stribeck's words and quality of the fit.
@@ -296,7 +308,7 @@ impl FrictionResult {
     /// A table for people.
     pub fn table(&self) -> String {
         let mut text = String::new();
-        let rows = self.law.rows();
+        let rows = self.rows();
         let width = rows.iter().map(|r| r.name.chars().count()).max();
         let width = width.unwrap_or(0).max(4);
         let [slowest, fastest] = self.velocity_range;

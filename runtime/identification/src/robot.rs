@@ -1,6 +1,6 @@
 //! What identification asks of a robot, whether its functions are compiled or interpreted.
 
-use gelenk_dynamics::dynamics::{Dynamics, Limits};
+use gelenk_dynamics::dynamics::{Dynamics, Limits, load};
 
 /// A robot whose equations of motion are linear in its inertial parameters, `W(y, ẏ, ÿ) π = M ÿ + k − q_g`.
 ///
@@ -132,9 +132,9 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize, const P: usize> Robot fo
     fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]) {
         let [y, v, a] = [y, v, a].map(columns::<N>);
         let all = self.model.inverse_dynamics(&y, &v, &a);
-        let friction = self.model.friction_torques(&y, &v);
+        let (friction, shares) = (self.model.friction_torques(&y, &v), self.model.load_friction(&y, &v));
         for (j, force) in forces.iter_mut().enumerate() {
-            *force = all[j] - friction[j];
+            *force = load(all[j] - friction[j], shares[j]);
         }
     }
 }

@@ -4,7 +4,7 @@ use super::error::{IdentificationError, Result, require_finite, require_length, 
 use super::least_squares::{Reduced, Solution};
 use super::library::Library;
 use super::moments::Samples;
-use gelenk_dynamics::dynamics::{Dynamics, Named};
+use gelenk_dynamics::dynamics::{Dynamics, Named, load};
 
 /// A recorded motion: one column of samples per joint and input.
 #[derive(Debug, Clone)]
@@ -21,7 +21,8 @@ pub struct Motion<'a, const N: usize, const M: usize> {
 
 /// Forces `M ÿ + k − q_s` at the joints: what the motion needs without friction, one column per joint.
 ///
-/// Whatever friction the model has is taken out again: `inverse_dynamics(y, ẏ, ÿ) − friction_torques(y, ẏ)`.
+/// Whatever friction the model has is taken out again: `inverse_dynamics(y, ẏ, ÿ) − friction_torques(y, ẏ)`, and
+/// of that the load where friction grows with it.
 ///
 /// # Errors
 /// Columns of different length, no samples, or values that are not finite.
@@ -47,9 +48,9 @@ pub fn rigid_forces<const N: usize, const M: usize>(
         let y = motion.positions.map(|c| c[i]);
         let v = motion.velocities.map(|c| c[i]);
         let all = model.inverse_dynamics(&y, &v, &motion.accelerations.map(|c| c[i]));
-        let friction = model.friction_torques(&y, &v);
+        let (friction, shares) = (model.friction_torques(&y, &v), model.load_friction(&y, &v));
         for (joint, force) in forces.iter_mut().enumerate() {
-            force.push(all[joint] - friction[joint]);
+            force.push(load(all[joint] - friction[joint], shares[joint]));
         }
     }
     Ok(forces)

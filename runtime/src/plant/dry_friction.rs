@@ -10,13 +10,17 @@
 //!     M ÿ + k = q + B u − σ        ẏ_i = ÿ_i = 0 and τ_i(0−) ≤ σ_i + τ_i(0) ≤ τ_i(0+) for joints that stick,  σ_i = 0 for others
 //! ```
 //!
+//! Where friction grows with the load τ_l of a joint (what its drive would exert without friction, here
+//! `B u` less all friction), the range of a joint that sticks does too: `|τ_l| s₁(0−)` and `|τ_l| s₁(0+)` are
+//! added to its ends.
+//!
 //! An engaged brake is more of the same friction. Which joints at rest stick is a linear complementarity
 //! problem, solved by exchanging the worst violation (Pfeiffer, Glocker, *Multibody Dynamics with Unilateral
 //! Contacts*, 1996, section 5; Filippov, *Differential Equations with Discontinuous Righthand Sides*, 1988,
 //! chapter 2).
 
 use super::integrator::{Flow, Motion};
-use crate::dynamics::{Dynamics, JUST_MOVING, jumps};
+use crate::dynamics::{Dynamics, JUST_MOVING, jumps, load, under_load};
 use nalgebra::{SMatrix, SVector};
 
 /// Part of the friction's range by which a sticking joint must be overloaded to break loose.
@@ -56,11 +60,13 @@ pub(super) struct Joints<'d, D, const N: usize, const M: usize> {
 
 impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
     /// Friction just before and just after rest, brakes included.
-    fn friction_range(&self, y: &[f64; N]) -> [[f64; 2]; N] {
+    fn friction_range(&self, y: &[f64; N]) -> [Range; N] {
         let at_rest = self.model.friction_at_rest(y);
+        let backward = self.model.load_friction(y, &[-JUST_MOVING; N]);
+        let forward = self.model.load_friction(y, &[JUST_MOVING; N]);
         core::array::from_fn(|i| {
-            let ([backward, forward], brake) = (at_rest[i], self.brakes[i]);
-            [backward - brake, forward + brake]
+            let ([low, high], brake) = (at_rest[i], self.brakes[i]);
+            Range { unloaded: [low - brake, high + brake], shares: [backward[i], forward[i]] }
         })
     }
 
@@ -69,7 +75,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
         let range = self.friction_range(&motion.positions);
         let mut at_rest = [false; N];
         for i in 0..N {
-            let ([_, high], jumps) = (range[i], jumps(range[i]));
+            let ([_, high], jumps) = (range[i].unloaded, range[i].jumps());
             at_rest[i] = jumps && (motion.velocities[i].abs() <= 2.0 * self.rest || high == f64::INFINITY);
             self.modes[i] = match (jumps, at_rest[i]) {
                 (false, _) => Mode::Smooth,
@@ -92,15 +98,16 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
     }
 
     /// The resting joint that violates its mode most, and the mode that it should have.
-    fn worst(&self, motion: &Motion<N>, range: &[[f64; 2]; N], at_rest: &[bool; N]) -> Option<(usize, Mode)> {
-        let (accelerations, friction) = self.solve(motion);
+    fn worst(&self, motion: &Motion<N>, range: &[Range; N], at_rest: &[bool; N]) -> Option<(usize, Mode)> {
+        let Solution { accelerations, friction, loads } = self.solve(motion);
         let mut worst = None;
         let mut largest = 0.0;
         for i in (0..N).filter(|i| at_rest[*i]) {
+            let range = range[i].under(loads[i]);
             let violation = match self.modes[i] {
-                Mode::Stuck => overload(friction[i], range[i]).abs(),
+                Mode::Stuck => overload(friction[i], range).abs(),
                 mode => {
-                    let [low, high] = range[i];
+                    let [low, high] = range;
                     let against = -mode.direction() * accelerations[i];
                     // In torques, to compare with overloads: the joint alone, as if all others stood.
                     against * self.model.mass_matrix(&motion.positions)[i][i] - BREAK_LOOSE * (high - low)
@@ -109,7 +116,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
             if violation > largest {
                 largest = violation;
                 let next = match self.modes[i] {
-                    Mode::Stuck if friction[i] > range[i][1] => Mode::Forward,
+                    Mode::Stuck if friction[i] > range[1] => Mode::Forward,
                     Mode::Stuck => Mode::Backward,
                     _ => Mode::Stuck,
                 };
@@ -119,12 +126,15 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
         worst
     }
 
-    /// Accelerations, and the friction torques of joints that stick.
-    fn solve(&self, motion: &Motion<N>) -> ([f64; N], [f64; N]) {
+    /// Accelerations, the friction torques of joints that stick, and the loads of all.
+    fn solve(&self, motion: &Motion<N>) -> Solution<N> {
         let y = &motion.positions;
         let v = self.directed(&motion.velocities);
         let (mass, coriolis, applied) = self.model.equations_of_motion(y, &v);
+        let (friction, shares) = (self.model.friction_torques(y, &v), self.model.load_friction(y, &v));
         let input_matrix = self.model.input_matrix();
+        let stuck = |i: usize| self.modes[i] == Mode::Stuck;
+        let mut loads = [0.0; N];
         let forces: [f64; N] = core::array::from_fn(|i| {
             let input: f64 = input_matrix[i].iter().zip(self.inputs).map(|(b, u)| b * u).sum();
             // A sticking brake holds as part of the friction that is solved for.
@@ -132,9 +142,14 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
                 0.0 => 0.0,
                 direction => direction * self.brakes[i],
             };
-            applied[i] + input - coriolis[i] - brake
+            let rest = applied[i] + input - coriolis[i] - brake;
+            if stuck(i) {
+                loads[i] = input;
+                return rest;
+            }
+            loads[i] = load(input - friction[i] - brake, shares[i]);
+            rest - under_load(loads[i], shares[i])
         });
-        let stuck = |i: usize| self.modes[i] == Mode::Stuck;
         let reduced = SMatrix::<f64, N, N>::from_fn(|i, j| match (stuck(i) || stuck(j), i == j) {
             (true, true) => 1.0,
             (true, false) => 0.0,
@@ -142,16 +157,18 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
         });
         let right = SVector::<f64, N>::from_fn(|i, _| if stuck(i) { 0.0 } else { forces[i] });
         let Some(cholesky) = reduced.cholesky() else {
-            return ([f64::NAN; N], [f64::NAN; N]);
+            return Solution { accelerations: [f64::NAN; N], friction: [f64::NAN; N], loads };
         };
         let solution = cholesky.solve(&right);
-        let a: [f64; N] = core::array::from_fn(|i| solution[i]);
-        let at_rest = self.model.friction_torques(y, &v);
+        let accelerations: [f64; N] = core::array::from_fn(|i| solution[i]);
         let friction = core::array::from_fn(|i| {
-            let inertial: f64 = mass[i].iter().zip(&a).map(|(m, a)| m * a).sum();
-            forces[i] - inertial + at_rest[i]
+            let inertial: f64 = mass[i].iter().zip(&accelerations).map(|(m, a)| m * a).sum();
+            forces[i] - inertial + friction[i]
         });
-        (a, friction)
+        for i in (0..N).filter(|i| stuck(*i)) {
+            loads[i] -= friction[i];
+        }
+        Solution { accelerations, friction, loads }
     }
 
     /// Velocities as friction laws should see them: joints that slide never leave their direction.
@@ -162,6 +179,34 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
             Mode::Forward => v[i].max(JUST_MOVING),
             Mode::Backward => v[i].min(-JUST_MOVING),
         })
+    }
+}
+
+/// What the equations of motion give for the modes of the joints.
+struct Solution<const N: usize> {
+    accelerations: [f64; N],
+    /// Friction torques of the joints that stick.
+    friction: [f64; N],
+    /// What the drives exert, less friction.
+    loads: [f64; N],
+}
+
+/// Friction of a joint just before and just after rest.
+#[derive(Debug, Clone, Copy)]
+struct Range {
+    /// Without load.
+    unloaded: [f64; 2],
+    /// What each unit of load adds.
+    shares: [f64; 2],
+}
+
+impl Range {
+    fn jumps(self) -> bool {
+        jumps(self.unloaded) || jumps(self.shares)
+    }
+
+    fn under(self, load: f64) -> [f64; 2] {
+        core::array::from_fn(|k| self.unloaded[k] + under_load(load, self.shares[k]))
     }
 }
 
@@ -181,7 +226,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Flow<N> for Joints<'_, D
     fn accelerations(&self, motion: &Motion<N>) -> [f64; N] {
         let braked = self.brakes.iter().any(|b| *b > 0.0);
         if braked || self.modes.contains(&Mode::Stuck) {
-            return self.solve(motion).0;
+            return self.solve(motion).accelerations;
         }
         let v = self.directed(&motion.velocities);
         self.model.forward_dynamics(&motion.positions, &v, self.inputs)
@@ -195,8 +240,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Flow<N> for Joints<'_, D
         if !self.modes.contains(&Mode::Stuck) {
             return false;
         }
-        let (_, friction) = self.solve(motion);
+        let Solution { friction, loads, .. } = self.solve(motion);
         let range = self.friction_range(&motion.positions);
-        (0..N).any(|i| self.modes[i] == Mode::Stuck && overload(friction[i], range[i]) != 0.0)
+        (0..N).any(|i| self.modes[i] == Mode::Stuck && overload(friction[i], range[i].under(loads[i])) != 0.0)
     }
 }

@@ -51,7 +51,7 @@ pub(super) fn function(context: &Context<'_>, composed: &ComposedFunction) -> To
 fn documentation(context: &Context<'_>, composed: &ComposedFunction) -> DocComment {
     let function = composed.composition;
     let mut doc = DocComment::new(function.summary());
-    doc.paragraph(&code(function.equation()));
+    doc.paragraph(&code(composed.equation));
     doc.gap();
     doc.item("`y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module");
     doc.item("`period`: sample time in s, over which u is held");

@@ -18,6 +18,7 @@ use crate::graph::{Cost, Edge, Scalar, differentiate, gradient};
 pub const QUANTITY: Quantity = Quantity {
     name: "inverse_dynamics_hessian",
     differentiates_friction: true,
+    ignores_load: true,
     summary: "Hessian of `λᵀ (M ÿ + k − q)`, for sequential quadratic programs with exact Hessians.",
     equation: "with (y, ẏ, ÿ): [[H_yy, H_yv, H_ya], [H_yvᵀ, H_vv, 0], [H_yaᵀ, 0, 0]]",
     arguments: &[Coordinates, Velocities, Accelerations, Multipliers],

@@ -4,11 +4,13 @@
 
 mod frames;
 mod hessian;
+mod load_friction;
 mod motion;
 mod quantity;
 mod regressors;
 
 pub(super) use frames::{FRAME_QUANTITIES, frame_name};
+pub(super) use load_friction::describe as describe_load_friction;
 pub use quantity::{Argument, Quantity, Value};
 pub(super) use quantity::{BuildLoops, Estimate, FrameQuantity, Loops, QuantityResult};
 
@@ -30,10 +32,15 @@ fn quantities_of(model: &Model) -> impl Iterator<Item = &'static Quantity> {
         true => FRICTION_BY_POSITION,
         false => &[],
     };
-    quantities().map(move |quantity| {
+    let of_the_load: &[Quantity] = match load_friction::is_in(model) {
+        true => load_friction::QUANTITIES,
+        false => &[],
+    };
+    let quantities = quantities().map(move |quantity| {
         let replacement = by_position.iter().find(|row| row.name == quantity.name);
         replacement.unwrap_or(quantity)
-    })
+    });
+    quantities.chain(of_the_load)
 }
 
 /// The quantities of a model, and those that are derived where they are asked for by name.
@@ -49,10 +56,14 @@ pub(super) fn is_on_request(name: &str) -> bool {
 /// Functions that are derived where they are asked for by name: they are large, and few need them.
 const ON_REQUEST: &[Quantity] = &[hessian::QUANTITY];
 
-/// The row of a function that every robot has.
+/// The row of a function of whatever robot.
 pub(super) fn row(name: &str) -> Option<&'static Quantity> {
-    let mut rows = quantities().chain(ON_REQUEST);
-    rows.find(|row| row.name == name)
+    all().find(|row| row.name == name)
+}
+
+/// The rows of every function of whatever robot.
+fn all() -> impl Iterator<Item = &'static Quantity> {
+    quantities().chain(ON_REQUEST).chain(load_friction::QUANTITIES)
 }
 
 /// Tells whether other functions may call a function.
@@ -102,7 +113,7 @@ mod tests {
 
     #[test]
     fn descriptions_may_ask_for_every_function() {
-        let names = quantities().chain(ON_REQUEST).map(|quantity| quantity.name);
+        let names = all().map(|quantity| quantity.name);
         let composed = Composition::ALL.map(Composition::name);
         let mut names: Vec<&str> = names.chain(composed).chain(["frames"]).collect();
         let mut known = FUNCTIONS.to_vec();

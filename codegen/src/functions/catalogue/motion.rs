@@ -189,6 +189,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: "inverse_dynamics_derivatives_and_mass_matrix",
         differentiates_friction: true,
+        ignores_load: true,
         summary: "Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.",
         equation: "δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ",
         arguments: &[Coordinates, Velocities, Accelerations],
@@ -215,6 +216,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: "forward_dynamics_derivatives",
         differentiates_friction: true,
+        ignores_load: true,
         summary: "Forward dynamics with its Jacobians.",
         equation: "∂ÿ = −M⁻¹ ∂(M ÿ + k − q), ∂ÿ/∂(B u) = M⁻¹",
         arguments: &[Coordinates, Velocities, Inputs],
@@ -267,6 +269,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         },
         straight_size: Some(Estimate::MassMatrix),
         loops: Some(Loops::Affine { called: "forward_dynamics_derivatives" }),
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "kinetic_energy",

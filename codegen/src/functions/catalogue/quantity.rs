@@ -155,6 +155,9 @@ pub struct Quantity {
     pub(in crate::functions) needs_inverse: bool,
     /// It is true if the function differentiates friction by the velocity. Jumps of a law do not show in it.
     pub(in crate::functions) differentiates_friction: bool,
+    /// It is true if a result is taken for a derivative that has another factor where friction grows with the
+    /// load. Such robots do not have the function.
+    pub(in crate::functions) ignores_load: bool,
     /// Operations that straight-line code takes at least, for robots that make it very large.
     pub(in crate::functions) straight_size: Option<Estimate>,
     /// How it is written as loops over joints, where it can be.
@@ -188,6 +191,7 @@ impl Quantity {
         constants: |_, _, _| Vec::new(),
         needs_inverse: false,
         differentiates_friction: false,
+        ignores_load: false,
         straight_size: None,
         loops: None,
     };

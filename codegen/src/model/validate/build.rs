@@ -1,13 +1,14 @@
 //! From a description whose parts are checked to the model.
 
 use super::super::description::{
-    DriveChoice, DriveDescription, FrameDescription, Name, RobotDescription, SharedDriveDescription,
+    DriveChoice, DriveDescription, FrameDescription, JointDescription, Name, RobotDescription,
+    SharedDriveDescription,
 };
 use super::super::pose::{rotate_inertia, rotate_numbers};
 use super::super::tree::Tree;
 use super::super::{
-    Body, Drive, FollowedCoordinate, Follower, Frame, Input, Joint, JointKind, Limits, Link, Model, Motion,
-    MotorTorque, Pose, RotorCoupling,
+    Body, Drive, FollowedCoordinate, Follower, Frame, FrictionTerm, Input, Joint, JointKind, Limits, Link,
+    Model, Motion, MotorTorque, Pose, RotorCoupling,
 };
 use super::couplings::Couplings;
 use super::names::{Identifiers, report_duplicates};
@@ -132,8 +133,9 @@ impl Builder<'_, '_> {
         links
     }
 
-    fn joint(&self, index: usize, parent: usize, motion: Option<Motion>) -> Joint {
-        let described = &self.robot.joints[index];
+    fn joint(&mut self, index: usize, parent: usize, motion: Option<Motion>) -> Joint {
+        let robot = self.robot;
+        let described = &robot.joints[index];
         let origin = described.origin.clone().unwrap_or_else(Pose::identity);
         let motion = match (motion, described.held) {
             (Some(motion), _) => motion,
@@ -141,6 +143,7 @@ impl Builder<'_, '_> {
             (None, None) => Motion::Fixed,
         };
         let limits = &described.limits;
+        let friction = described.friction.as_ref().map(|friction| &friction.value);
         let value = |limit: &Option<At<f64>>| limit.as_ref().map(|limit| limit.value);
         Joint {
             name: described.name.value.clone(),
@@ -157,8 +160,37 @@ impl Builder<'_, '_> {
                 peak_effort: value(&limits.peak_effort),
             },
             springs: laws(&described.springs),
-            friction: laws(&described.friction),
+            friction: friction.map_or(Vec::new(), |friction| friction.terms.clone()),
+            load_friction: self.load_friction(described, motion),
         }
+    }
+
+    /// Terms of friction that grow with the load. A joint without an input of its own is refused.
+    fn load_friction(&mut self, joint: &JointDescription, motion: Motion) -> Vec<FrictionTerm> {
+        let Some(load) = joint.friction.as_ref().and_then(|friction| friction.value.load.as_ref()) else {
+            return Vec::new();
+        };
+        let is_coupled =
+            self.robot.joints.iter().any(JointDescription::is_follower) || !self.robot.drives.is_empty();
+        if is_coupled {
+            let message = format!(
+                "joint `{}` has friction that grows with its load, in a robot whose joints or drives are coupled",
+                joint.name.value
+            );
+            self.report.error(load.span, "load-in-couplings", message);
+            self.report
+                .help("a joint's load is known where every joint has an input of its own: leave `load` out");
+        } else if matches!(motion, Motion::Coordinate(_))
+            && matches!(self.robot.drive_of(joint), DriveChoice::Passive)
+        {
+            let message =
+                format!("joint `{}` has friction that grows with its load, and no drive", joint.name.value);
+            self.report.error(load.span, "load-without-input", message);
+            self.report.help(
+                "`load` is for joints with an input of their own: describe a drive, or leave `load` out",
+            );
+        }
+        load.value.clone()
     }
 
     fn find_link(&mut self, name: &Name) -> Option<usize> {

@@ -87,7 +87,7 @@ fn fixed(joint: &JointDescription, report: &mut Report) {
         "a drive"
     } else if joint.springs.is_some() {
         "a spring"
-    } else if joint.friction.as_ref().is_some_and(|terms| !terms.value.is_empty()) {
+    } else if joint.friction.as_ref().is_some_and(|friction| !friction.value.is_empty()) {
         "friction"
     } else {
         return;

@@ -243,7 +243,7 @@ fn add(sum: &mut Row, row: Row) {
 /// Dry friction between several coordinates holds their sum, which a simulation of sticking joints does not know.
 fn note_dry_friction(joint: &JointDescription, row: &Row, report: &mut Report) {
     let Some(friction) = joint.friction.as_ref().filter(|_| row.terms.len() > 1) else { return };
-    if friction.value.iter().any(|term| term.basis.calls(Function::Sign)) {
+    if friction.value.terms.iter().any(|term| term.basis.calls(Function::Sign)) {
         let message =
             format!("joint `{}` follows several coordinates and has dry friction", joint.name.value);
         report.note(Some(friction.span), "dry-follower", message);

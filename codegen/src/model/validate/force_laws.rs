@@ -1,10 +1,12 @@
-//! Do the force laws of a joint have finite values, and does its friction brake?
+//! Do the force laws of a joint have finite values, does its friction brake, and does what the load adds to it
+//! stay below the load?
 //!
-//! Both are looked at on a grid: positions within the joint's limits, speeds up to its limit, at the
+//! All are looked at on a grid: positions within the joint's limits, speeds up to its limit, at the
 //! described values of free parameters.
 
-use super::super::JointKind;
 use super::super::description::JointDescription;
+use super::super::{FrictionTerm, JointKind};
+use super::range::Range;
 use crate::diagnostic::{Report, Span};
 use crate::formula::Formula;
 use crate::numeric;
@@ -30,13 +32,49 @@ pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Rep
         is_finite(&law, &grid, springs.span, report);
     }
     if let Some(friction) = &joint.friction {
-        let terms = friction.value.iter();
-        let summands = terms.map(|term| (&term.coefficient, &term.basis)).collect();
-        let law = Law { what: "friction", summands, defaults };
+        let law = Law::of("friction", &friction.value.terms, defaults);
         if is_finite(&law, &grid, friction.span, report) {
             brakes(&law, &grid, friction.span, report);
         }
+        if let Some(load) = &friction.value.load {
+            let law = Law::of(OF_THE_LOAD, &load.value, defaults);
+            if is_finite(&law, &grid, load.span, report) && is_below_one(&law, &grid, load.span, report) {
+                brakes(&law, &grid, load.span, report);
+            }
+        }
     }
+}
+
+/// Names the friction of a joint for each unit of its load.
+const OF_THE_LOAD: &str = "friction under load";
+
+/// |s₁| < 1 everywhere: on the grid up to the velocity limit, beyond it or without one by bounds of the
+/// formula.
+fn is_below_one(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) -> bool {
+    let positions = grid.positions();
+    let velocities = [0.0].into_iter().chain(grid.velocities());
+    let mut states = velocities.flat_map(|v| positions.iter().map(move |y| [*y, v]));
+    let (name, unit) = (&grid.joint.name.value, grid.unit);
+    if let Some([y, v]) = states.find(|[y, v]| law.value(*y, *v).abs() >= 1.0) {
+        let message = format!(
+            "the load of joint `{name}` makes {} times its own size in friction at v = {} {unit}/s",
+            three_digits(law.value(y, v).abs()),
+            three_digits(v)
+        );
+        report.error(span, "load-friction-too-large", message);
+        report.help("`load` is friction over load, a number without unit: below 1, otherwise no torque moves the joint");
+        return false;
+    }
+    if grid.holds_all(law) || law.largest() < 1.0 {
+        return true;
+    }
+    let message = format!(
+        "the friction under load of joint `{name}` is not known to stay below the load at every speed and position: no limits \
+         bound them"
+    );
+    report.error(span, "load-friction-too-large", message);
+    report.help("give the joint limits, up to which it is checked, or a law that saturates: 0.1*tanh(50*v)");
+    false
 }
 
 fn is_finite(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) -> bool {
@@ -64,10 +102,10 @@ fn is_finite(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) ->
 }
 
 fn brakes(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) {
-    let name = &grid.joint.name.value;
+    let (name, what) = (&grid.joint.name.value, law.what);
     let driven = driven(law, grid);
     if driven.iter().all(|(_, is_driven)| *is_driven) {
-        let message = format!("the friction of joint `{name}` drives it at every speed");
+        let message = format!("the {what} of joint `{name}` drives it at every speed");
         report.error(span, "friction-drives", message);
         report.help("friction is positive for positive velocity: change the sign");
     } else if driven.iter().any(|(_, is_driven)| *is_driven) {
@@ -79,7 +117,7 @@ fn brakes(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) {
         };
         let ranges: Vec<String> = ranges.map(text).collect();
         let message =
-            format!("the friction of joint `{name}` drives it at velocities {}", ranges.join(" and "));
+            format!("the {what} of joint `{name}` drives it at velocities {}", ranges.join(" and "));
         report.note(Some(span), "friction-drives", message);
         report.help(
             "friction with the sign of the velocity brakes; with the other sign it gives the joint energy",
@@ -105,7 +143,22 @@ struct Law<'a> {
     defaults: &'a [f64],
 }
 
-impl Law<'_> {
+impl<'a> Law<'a> {
+    fn of(what: &'static str, terms: &'a [FrictionTerm], defaults: &'a [f64]) -> Self {
+        let summands = terms.iter().map(|term| (&term.coefficient, &term.basis));
+        Self { what, summands: summands.collect(), defaults }
+    }
+
+    /// A bound of the law's magnitude over all positions and velocities; infinite where none is known.
+    fn largest(&self) -> f64 {
+        let products = self.summands.iter();
+        let magnitudes = products.map(|(coefficient, basis)| {
+            let factor = coefficient.evaluate(self.defaults, 0.0, 0.0).abs();
+            factor * Range::of(basis, self.defaults).magnitude()
+        });
+        magnitudes.sum()
+    }
+
     fn value(&self, position: f64, velocity: f64) -> f64 {
         let value = |formula: &Formula| formula.evaluate(self.defaults, position, velocity);
         let summands = self.summands.iter();
@@ -132,6 +185,12 @@ impl<'a> Grid<'a> {
             _ => ("rad", std::f64::consts::PI),
         };
         Self { joint, unit, widest }
+    }
+
+    /// Tells whether limits keep the joint where the grid is.
+    fn holds_all(&self, law: &Law<'_>) -> bool {
+        let limits = &self.joint.limits;
+        limits.velocity.is_some() && (limits.position.is_some() || !law.depends_on_position())
     }
 
     /// Ascending but for 0, which stands last where the limits contain it.

@@ -8,6 +8,7 @@ mod hints;
 mod inertias;
 mod mass_matrix;
 mod names;
+mod range;
 
 use super::Model;
 use super::description::RobotDescription;

@@ -1,5 +1,6 @@
 //! What takes the place of functions that a module does not have.
 
+use super::load_friction::{load, under_load};
 use super::solve::{product, solve_positive_definite};
 use super::traits::{Differentiable, Discretizable, Dynamics};
 use super::types::{Discretization, Step};
@@ -15,6 +16,16 @@ pub fn applied_forces<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize
     let (gravity, springs) = (robot.gravity_forces(y), robot.spring_forces(y, v));
     let friction = robot.friction_torques(y, v);
     core::array::from_fn(|i| gravity[i] + springs[i] - friction[i])
+}
+
+/// [`Dynamics::load_friction`] of a robot whose friction does not grow with the load.
+#[inline]
+pub fn load_friction<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
+    _: &D,
+    _: &[f64; N],
+    _: &[f64; N],
+) -> [f64; N] {
+    [0.0; N]
 }
 
 /// [`Dynamics::bias_forces`] by the other methods.
@@ -47,7 +58,11 @@ pub fn inverse_dynamics<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usi
     a: &[f64; N],
 ) -> [f64; N] {
     let (mass, coriolis, applied) = robot.equations_of_motion(y, v);
-    core::array::from_fn(|i| product(&mass[i], a) + coriolis[i] - applied[i])
+    let (friction, shares) = (robot.friction_torques(y, v), robot.load_friction(y, v));
+    core::array::from_fn(|i| {
+        let force = product(&mass[i], a) + coriolis[i] - applied[i];
+        force + under_load(force - friction[i], shares[i])
+    })
 }
 
 /// [`Dynamics::forward_dynamics`] by the other methods.
@@ -60,7 +75,12 @@ pub fn forward_dynamics<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usi
 ) -> [f64; N] {
     let (mass, coriolis, applied) = robot.equations_of_motion(y, v);
     let input_matrix = robot.input_matrix();
-    let forces = core::array::from_fn(|i| applied[i] + product(&input_matrix[i], u) - coriolis[i]);
+    let (friction, shares) = (robot.friction_torques(y, v), robot.load_friction(y, v));
+    let forces = core::array::from_fn(|i| {
+        let input = product(&input_matrix[i], u);
+        let load = load(input - friction[i], shares[i]);
+        applied[i] + input - coriolis[i] - under_load(load, shares[i])
+    });
     solve_positive_definite(mass, forces)
 }
 

@@ -119,6 +119,7 @@ macro_rules! dynamics {
             $crate::dynamics!(@required spring_forces, [$($module)::+], $p, (y: N, v: N), vector);
             $crate::dynamics!(@required input_matrix, [$($module)::+], $p, (), input_matrix);
             $crate::dynamics!(@friction [$($module)::+], $p);
+            $crate::dynamics!(@provided load_friction, [$($module)::+], $p, (y: N, v: N), vector);
             $crate::dynamics!(@provided applied_forces, [$($module)::+], $p, (y: N, v: N), vector);
             $crate::dynamics!(@provided bias_forces, [$($module)::+], $p, (y: N, v: N), vector);
             $crate::dynamics!(@provided equations_of_motion, [$($module)::+], $p, (y: N, v: N), equations);

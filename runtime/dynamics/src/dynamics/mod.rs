@@ -9,6 +9,7 @@
 pub mod defaults;
 mod friction_law;
 mod functions;
+mod load_friction;
 mod macros;
 mod names;
 mod parameters;
@@ -22,6 +23,7 @@ mod types;
 pub use friction_law::{FrictionLaw, FrictionLawWithParameters};
 #[doc(hidden)]
 pub use functions::{HasDerivatives, Missing, NO_SUBSTEPS, OrElse, Required, Yes, has};
+pub use load_friction::{load, under_load};
 pub use names::{Named, numbered};
 pub use parameters::{NoFreeParameters, without_parameters};
 pub use traits::{Differentiable, Discretizable, Dynamics, JUST_MOVING, PhaseSpace, jumps};

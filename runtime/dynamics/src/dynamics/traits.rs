@@ -19,7 +19,8 @@ pub fn jumps([backward, forward]: [f64; 2]) -> bool {
 }
 
 /// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs,
-/// with `q = gravity + springs − friction`.
+/// with `q = gravity + springs − friction`; where friction grows with the load, there is one more term
+/// ([`Dynamics::load_friction`]).
 ///
 /// Arrays are indexed by coordinate or input in the order of the module's `JOINT_NAMES` and `INPUT_NAMES`,
 /// matrices rows first; units are rad or m, s, N m or N. `y`, `v`, `a`, `u` are the coordinates, velocities,
@@ -58,6 +59,14 @@ pub trait Dynamics<const N: usize, const M: usize> {
     /// velocities alone.
     fn friction_torques(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N];
 
+    /// Friction under load `s₁(y, ẏ)`, without unit: what friction gains for each unit of the load τ_l. The load
+    /// is what the drive of a joint would exert without friction, `M ÿ + k − gravity − springs`; the whole
+    /// friction is `τ + |τ_l| s₁`, see [`load`](super::load) and [`under_load`](super::under_load). Zero for most
+    /// robots. Where it is not, `M ÿ + k = q + B u − |τ_l| s₁`.
+    fn load_friction(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
+        defaults::load_friction(self, y, v)
+    }
+
     /// Joint friction just before and just after rest, `[τ(y, 0−), τ(y, 0+)]` of each joint, by
     /// [`JUST_MOVING`] in either direction. The two differ where friction is dry, as with an exact `sign`;
     /// see [`jumps`].
@@ -76,7 +85,7 @@ pub trait Dynamics<const N: usize, const M: usize> {
         self.limits().at_inputs(&self.input_matrix())
     }
 
-    /// Applied forces `q(y, ẏ) = gravity + springs − τ`.
+    /// Applied forces `q(y, ẏ) = gravity + springs − τ`, without what a load adds to friction.
     fn applied_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
         defaults::applied_forces(self, y, v)
     }
@@ -91,12 +100,13 @@ pub trait Dynamics<const N: usize, const M: usize> {
         defaults::equations_of_motion(self, y, v)
     }
 
-    /// Forces `M ÿ + k − q` that the inputs must make at the joints.
+    /// Forces `M ÿ + k − q` that the inputs must make at the joints, what a load adds to friction included.
     fn inverse_dynamics(&self, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
         defaults::inverse_dynamics(self, y, v, a)
     }
 
-    /// Accelerations `ÿ = M⁻¹ (q + B u − k)`; NaN where M is not positive definite.
+    /// Accelerations `ÿ = M⁻¹ (q + B u − k)`, what a load adds to friction subtracted from q; NaN where M is not
+    /// positive definite.
     fn forward_dynamics(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
         defaults::forward_dynamics(self, y, v, u)
     }
@@ -110,7 +120,8 @@ pub trait Dynamics<const N: usize, const M: usize> {
 /// Analytic derivatives of the equations of motion.
 pub trait Differentiable<const N: usize, const M: usize>: Dynamics<N, M> {
     /// Inverse dynamics with its derivatives by coordinates and by velocities; row i belongs to force i. The
-    /// third, by accelerations, is the mass matrix.
+    /// third, by accelerations, is the mass matrix; where friction grows with the load, its rows times
+    /// `1 + s₁ sign τ_l`.
     fn inverse_dynamics_derivatives(&self, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> ForceDerivatives<N>;
 
     /// Linearization of the forward dynamics about a state and an input.

@@ -75,6 +75,7 @@ impl<'a> Findings<'a> {
             unit: data.unit.into(),
             velocity_unit: data.velocity_unit.into(),
             law: judged.law,
+            load: Vec::new(),
             stribeck: judged.stribeck,
             offsets: judged.offsets,
             samples: judged.residuals.len(),

@@ -1,15 +1,11 @@
 //! Friction that grows with the load of the gear, `τ = s₀(v) + |τ_l| s₁(v)` (Hamon, Gautier, Garrec 2010). It is
 //! linear in its coefficients, so choice of terms, offsets and standard errors are those of friction in the
-//! velocity.
-//!
-//! Written into a description it would need a law that knows the joint's load: with an input of its own, inverse
-//! dynamics gives τ_l before friction is added, and forward dynamics solves the joint's equation with its sign of
-//! the load, which is unique where |s₁| < 1.
+//! velocity. [`LoadFriction::result`] is what a description gets: its key `load` holds s₁.
 
 use super::super::error::Result;
 use super::super::least_squares::Reduced;
 use super::super::library::Library;
-use super::super::result::{FrictionTerm, Offset};
+use super::super::result::{FrictionLaw, FrictionResult, FrictionTerm, Offset};
 use super::design::{Design, seen};
 use super::errors::Errors;
 use super::held_out::{Unseen, by_folds, variation};
@@ -28,6 +24,10 @@ pub struct LoadFriction {
     pub offsets: Vec<Offset>,
     /// Residual rms.
     pub residual: f64,
+    /// R² of the fit, centred by run where offsets are separate.
+    pub r_squared: f64,
+    /// Degrees of freedom of the standard errors, for Student's distribution.
+    pub freedom: f64,
     /// R² on left-out data, centred; `None` where the samples are too few.
     pub held_out: Option<f64>,
     /// The same for terms of the speed alone.
@@ -36,7 +36,8 @@ pub struct LoadFriction {
     pub largest_share: f64,
     /// Doubts.
     pub warnings: Vec<String>,
-    /// Why the law must not be used: |s₁| ≥ 1, with which forward dynamics has no unique solution.
+    /// Why the law must not be used: |s₁| ≥ 1, with which forward dynamics has no unique solution; or data that
+    /// were left out are predicted no better with the load than without.
     pub refusal: Option<String>,
 }
 
@@ -49,6 +50,34 @@ impl LoadFriction {
         super::super::error::require_length("loads", velocities.len(), loads.len())?;
         let (speed, load) = (sum(&self.speed, velocities)?, sum(&self.load, velocities)?);
         Ok((0..loads.len()).map(|i| speed[i] + loads[i].abs() * load[i]).collect())
+    }
+
+    /// The law as a result, which [`description_toml`](crate::description::description_toml) writes unless it is
+    /// refused.
+    ///
+    /// - `data`: those that the law was found in
+    #[must_use]
+    pub fn result(&self, data: &FrictionData) -> FrictionResult {
+        let bound = |fold: fn(f64, f64) -> f64| data.velocities.iter().copied().fold(f64::NAN, fold);
+        FrictionResult {
+            joint: data.joint.into(),
+            unit: data.unit.into(),
+            velocity_unit: data.velocity_unit.into(),
+            law: FrictionLaw::Terms(self.speed.clone()),
+            load: self.load.clone(),
+            offsets: self.offsets.clone(),
+            samples: data.velocities.len(),
+            freedom: self.freedom,
+            velocity_range: [bound(f64::min), bound(f64::max)],
+            residual: self.residual,
+            r_squared: self.r_squared,
+            held_out: self.held_out,
+            data: data.data.into(),
+            settings: data.settings.to_vec(),
+            warnings: self.warnings.clone(),
+            refusal: self.refusal.clone(),
+            ..FrictionResult::default()
+        }
     }
 }
 
@@ -87,6 +116,8 @@ pub(super) fn identify(
         load: terms(count..all.end, load.terms()),
         offsets: Vec::new(),
         residual: (residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len() as f64).sqrt(),
+        r_squared: r_squared(&design, &residuals),
+        freedom: errors.freedom,
         held_out: held_out(settings, &design),
         held_out_without_load: Design::over(speed, &[data.velocities], separate, data)
             .ok()
@@ -95,7 +126,14 @@ pub(super) fn identify(
         warnings: notes,
         refusal: None,
     };
-    judged(law, &design, loads, &residuals)
+    judged(settings, law, &design, loads, &residuals)
+}
+
+fn r_squared(design: &Design, residuals: &[f64]) -> f64 {
+    let weight = |i: usize| design.data.weights.map_or(1.0, |w| w[i]);
+    let rss: f64 = residuals.iter().enumerate().map(|(i, r)| weight(i) * r * r).sum();
+    let whole = 0..residuals.len();
+    1.0 - rss / variation(design.data, design.separate, &[whole])
 }
 
 /// R² on left-out folds of least squares on all terms: the same for both libraries, whatever the method.
@@ -108,7 +146,13 @@ fn held_out(settings: &FrictionIdentification, design: &Design) -> Option<f64> {
 }
 
 /// The law with its offsets, and with what is wrong with it.
-fn judged(mut law: LoadFriction, design: &Design, loads: &[f64], residuals: &[f64]) -> Result<LoadFriction> {
+fn judged(
+    settings: &FrictionIdentification,
+    mut law: LoadFriction,
+    design: &Design,
+    loads: &[f64],
+    residuals: &[f64],
+) -> Result<LoadFriction> {
     let velocities = design.data.velocities;
     let torques = law.torques(velocities, loads)?;
     law.offsets = design.offsets(&torques, residuals);
@@ -119,14 +163,30 @@ fn judged(mut law: LoadFriction, design: &Design, loads: &[f64], residuals: &[f6
         let share = 100.0 * driving as f64 / loads.len() as f64;
         law.warnings.push(format!("the law drives the joint in {share:.1} % of the samples"));
     }
+    law.refusal = refusal(settings, &law);
+    Ok(law)
+}
+
+fn refusal(settings: &FrictionIdentification, law: &LoadFriction) -> Option<String> {
     if law.largest_share >= 1.0 {
-        law.refusal = Some(format!(
+        return Some(format!(
             "|s₁| reaches {:.3}: friction would exceed the load itself, and forward dynamics would have no unique \
              solution",
             law.largest_share
         ));
     }
-    Ok(law)
+    if law.speed.is_empty() || law.load.is_empty() {
+        return Some("friction does not depend on both velocity and load".into());
+    }
+    let with = law.held_out?;
+    let least = settings.least_r_squared;
+    if with < least {
+        return Some(format!("the law explains nothing: R² {with:.4} on left-out data, below {least}"));
+    }
+    let without = law.held_out_without_load.filter(|without| with <= *without)?;
+    Some(format!(
+        "the load does not help to predict data that were left out: R² {with:.4} with it, {without:.4} without"
+    ))
 }
 
 fn sum(terms: &[FrictionTerm], velocities: &[f64]) -> Result<Vec<f64>> {
@@ -160,15 +220,19 @@ mod tests {
         [v, torque, load]
     }
 
-    fn identify(share: f64) -> LoadFriction {
-        let [v, torque, load] = swinging(share);
+    fn settings() -> (FrictionIdentification, Library) {
         let settings = FrictionIdentification {
             library: Library::new(&["v", "tanh(20*v)"], &["v"]).unwrap(),
             method: FrictionMethod::LeastSquares,
             ..FrictionIdentification::new().unwrap()
         };
+        (settings, Library::new(&["tanh(20*v)"], &["v"]).unwrap())
+    }
+
+    fn identify(share: f64) -> LoadFriction {
+        let [v, torque, load] = swinging(share);
+        let (settings, library) = settings();
         let data = FrictionData { velocities: &v, torques: &torque, ..FrictionData::default() };
-        let library = Library::new(&["tanh(20*v)"], &["v"]).unwrap();
         settings.identify_with_load(&library, &data, &load).unwrap()
     }
 
@@ -184,6 +248,40 @@ mod tests {
         assert!((law.largest_share - 0.1).abs() < 0.01 && law.refusal.is_none(), "{law:?}");
         let torques = law.torques(&[0.5, -0.5], &[-10.0, 10.0]).unwrap();
         assert!((torques[0] - 3.7).abs() < 0.05 && (torques[1] + 3.7).abs() < 0.05, "{torques:?}");
+    }
+
+    #[test]
+    fn the_law_is_written_as_a_description_has_it() {
+        let [v, torque, load] = swinging(0.1);
+        let (settings, library) = settings();
+        let data =
+            FrictionData { joint: "elbow", velocities: &v, torques: &torque, ..FrictionData::default() };
+        let law = settings.identify_with_load(&library, &data, &load).unwrap();
+        let result = law.result(&data);
+        let text = crate::description::description_toml("a", "arm.toml", &[result.clone()]).unwrap();
+        let table: toml::Table = toml::from_str(&text).unwrap();
+        let friction = &table["joints"][0]["friction"];
+        assert_eq!(friction["load"][0][0].as_str(), Some("tanh(20*v)"));
+        let share = friction["load"][0][1].as_float().unwrap();
+        assert!((share - 0.1).abs() < 0.01 && friction["terms"][0][0].as_str() == Some("v"), "{text}");
+        assert!(
+            text.contains("# load: tanh(20*v): 0.1") && result.table().contains("load: tanh(20*v)"),
+            "{text}"
+        );
+        assert!(result.r_squared > 0.99 && result.velocity_range[0] < -1.0, "{result:?}");
+    }
+
+    #[test]
+    fn a_load_that_does_not_help_is_refused() {
+        let law = identify(0.0);
+        let reason = law.refusal.clone().unwrap();
+        assert!(
+            reason.starts_with("the load does not help to predict")
+                || reason.starts_with("friction does not"),
+            "{reason}"
+        );
+        let data = FrictionData { joint: "elbow", velocities: &[0.0, 1.0], ..FrictionData::default() };
+        assert!(crate::description::description_toml("a", "arm.toml", &[law.result(&data)]).is_err());
     }
 
     #[test]
