@@ -95,7 +95,7 @@ fn inverse_gram(design: &Design, active: &[usize], binding: &DMatrix<f64>) -> Re
 }
 
 /// Orthonormal columns that span what the rows map to zero.
-fn null_space(rows: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
+pub(super) fn null_space(rows: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
     if rows.nrows() == 0 {
         return DMatrix::identity(count, count);
     }
