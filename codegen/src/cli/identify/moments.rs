@@ -90,7 +90,7 @@ fn as_json(moments: &LogMoments, path: &Path) -> Value {
         "logs": logs.collect::<Value>(),
         "samples": moments.samples(),
         "shares": moments.shares(),
-        "warnings": moments.doubts().collect::<Value>(),
+        "warnings": moments.doubts(),
     })
 }
 

@@ -4,7 +4,7 @@ use super::super::error::{IdentificationError, Result};
 use super::super::run::Effort;
 use super::exact::Exact;
 use super::logs::{
-    About, Doubt, Hash, JointFacts, JointSums, KEPT_DOUBTS, LogMoments, ReducedLog, SHARES, Share, hexadecimal,
+    About, Doubt, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share, hexadecimal,
 };
 use gelenk_files::write_whole;
 use sha2::{Digest, Sha256};
@@ -56,7 +56,6 @@ impl LogMoments {
         self.about.write(&mut bytes);
         count(self.logs.len(), &mut bytes);
         self.logs.iter().for_each(|log| log.write(&mut bytes));
-        bytes.extend(self.doubts_found.to_le_bytes());
         count(self.doubts.len(), &mut bytes);
         self.doubts.iter().for_each(|doubt| doubt.write(&mut bytes));
         self.joints.iter().for_each(|joint| joint.write(&mut bytes));
@@ -97,23 +96,21 @@ impl LogMoments {
     fn parse(reader: &mut Reader) -> Option<Self> {
         let about = About::parse(reader)?;
         let logs = reader.list(ReducedLog::parse)?;
-        let doubts_found = reader.u64()?;
         let doubts = reader.list(Doubt::parse)?;
         let joints: Option<Vec<_>> = about.widths.iter().map(|_| JointFacts::parse(reader)).collect();
         let shares: Option<Vec<_>> = (0..SHARES).map(|_| Share::parse(reader, &about.widths)).collect();
-        let found = Self { about, logs, doubts, doubts_found, joints: joints?, shares: shares? };
+        let found = Self { about, logs, doubts, joints: joints?, shares: shares? };
         found.is_consistent().then_some(found)
     }
 
     fn is_consistent(&self) -> bool {
         let logs_ascend = self.logs.windows(2).all(|pair| pair[0].hash < pair[1].hash);
-        let doubts_ascend = self.doubts.windows(2).all(|pair| pair[0] < pair[1]);
+        let doubts_ascend = self.doubts.windows(2).all(|pair| pair[0].place() < pair[1].place());
         let add = |sum: u64, n: u64| sum.checked_add(n);
         let samples = self.logs.iter().map(|log| log.samples).try_fold(0, add);
         let in_shares = self.shares.iter().map(|share| share.samples).try_fold(0, add);
-        let few = self.doubts.len() <= KEPT_DOUBTS && self.doubts.len() as u64 <= self.doubts_found;
         let same = samples.is_some() && samples == in_shares;
-        logs_ascend && doubts_ascend && few && same && !self.logs.is_empty()
+        logs_ascend && doubts_ascend && same && !self.logs.is_empty()
     }
 }
 
@@ -273,16 +270,22 @@ impl ReducedLog {
 
 impl Doubt {
     fn write(&self, bytes: &mut Vec<u8>) {
-        bytes.extend(self.log);
-        bytes.extend(self.number.to_le_bytes());
-        text(&self.text, bytes);
+        // 0 is none.
+        bytes.extend(self.joint.map_or(0, |joint| joint + 1).to_le_bytes());
+        text(&self.kind, bytes);
+        bytes.extend(self.logs.to_le_bytes());
+        let (hash, name, sentence) = &self.first;
+        bytes.extend(hash);
+        text(name, bytes);
+        text(sentence, bytes);
     }
 
     fn parse(reader: &mut Reader) -> Option<Self> {
         Some(Self {
-            log: reader.array()?,
-            number: reader.array().map(u32::from_le_bytes)?,
-            text: reader.text()?,
+            joint: reader.array().map(u32::from_le_bytes)?.checked_sub(1),
+            kind: reader.text()?,
+            logs: reader.u64()?,
+            first: (reader.array()?, reader.text()?, reader.text()?),
         })
     }
 }

@@ -76,7 +76,7 @@ pub fn identify_moments(
     });
     let friction = friction.collect();
     let mut estimate = found.estimate;
-    estimate.warnings.extend(moments.doubts_in_words());
+    estimate.warnings.extend(moments.differences().into_iter().chain(moments.doubts()));
     Ok(Identification {
         recording: moments.recording(),
         preparation: moments.preparation(notes)?,
@@ -116,31 +116,32 @@ impl LogMoments {
         }
     }
 
-    /// How many logs there are, and how far their filters and delays differ.
+    /// How many logs there are, and their filters.
     fn notes(&self) -> Vec<String> {
         let seconds: f64 = self.logs.iter().map(|log| log.seconds).sum();
         let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
+        let filters = if narrow < wide { format!("{narrow:.3} to {wide:.3} Hz") } else { format!("{wide:.3} Hz") };
+        let (logs, samples, shares) = (self.logs.len(), self.samples(), self.shares());
+        let plural = if logs == 1 { "log" } else { "logs" };
+        vec![format!(
+            "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} shares; filter of {filters}"
+        )]
+    }
+
+    /// How far filters and delays differ, where they do.
+    fn differences(&self) -> Vec<String> {
+        let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
         let [early, late] = self.range(&|log| log.delays);
-        let mut notes = vec![format!(
-            "moments of {} logs, {} samples, {seconds:.1} s, in {} shares; filters of {narrow:.3} to {wide:.3} Hz",
-            self.logs.len(),
-            self.samples(),
-            self.shares()
-        )];
-        if wide > OTHER_FILTER * narrow {
-            notes.push(format!(
-                "the logs passed different filters ({narrow:.3} to {wide:.3} Hz): --bandwidth for each --reduce makes \
-                 them alike"
-            ));
-        }
-        if late - early > OTHER_DELAY {
-            notes.push(format!(
-                "delays of {:.1} to {:.1} ms were removed from the efforts: --delay for each --reduce makes them alike",
-                1e3 * early,
-                1e3 * late
-            ));
-        }
-        notes
+        let filters = (wide > OTHER_FILTER * narrow).then(|| {
+            format!(
+                "The logs passed different filters ({narrow:.3} to {wide:.3} Hz): take one --bandwidth for each --reduce."
+            )
+        });
+        let delays = (late - early > OTHER_DELAY).then(|| {
+            let [early, late] = [early, late].map(|delay| 1e3 * delay);
+            format!("Delays of {early:.1} to {late:.1} ms were removed from the efforts: take one --delay for each --reduce.")
+        });
+        filters.into_iter().chain(delays).collect()
     }
 
     fn range(&self, of: &dyn Fn(&ReducedLog) -> [f64; 2]) -> [f64; 2] {
@@ -164,13 +165,6 @@ impl LogMoments {
         }
     }
 
-    fn doubts_in_words(&self) -> Vec<String> {
-        let rest = self.doubts_found - self.doubts.len() as u64;
-        let rest = (rest > 0).then(|| {
-            format!("Single logs gave {rest} more doubts: `--reduce` says them for each log.")
-        });
-        self.doubts.iter().map(|doubt| format!("The log {}", doubt.text)).chain(rest).collect()
-    }
 }
 
 impl Share {

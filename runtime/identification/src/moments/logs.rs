@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 
 /// Shares that pieces of logs belong to: folds of the held-out error, and blocks of intervals and bootstrap.
 pub(super) const SHARES: usize = 16;
-/// Doubts about single logs that a sum keeps as sentences; the others are counted.
-pub(super) const KEPT_DOUBTS: usize = 32;
+/// Share of the logs below which a doubt about single ones is only counted.
+const RARE: f64 = 0.1;
 
 /// A SHA-256.
 pub(super) type Hash = [u8; 32];
@@ -20,9 +20,8 @@ pub struct LogMoments {
     pub(super) about: About,
     /// Ascending by hash.
     pub(super) logs: Vec<ReducedLog>,
-    /// Those with the smallest hashes and numbers.
+    /// Ascending.
     pub(super) doubts: Vec<Doubt>,
-    pub(super) doubts_found: u64,
     pub(super) joints: Vec<JointFacts>,
     /// [`SHARES`] of them.
     pub(super) shares: Vec<Share>,
@@ -62,12 +61,17 @@ pub struct ReducedLog {
     pub correlation: f64,
 }
 
-/// A doubt about one log, from the fit to it alone.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+/// A doubt that the fits to single logs gave: as many kinds as joints and sentences, not as logs.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Doubt {
-    pub(super) log: Hash,
-    pub(super) number: u32,
-    pub(super) text: String,
+    /// None where all joints are meant.
+    pub(super) joint: Option<u32>,
+    /// The sentence without its numbers.
+    pub(super) kind: String,
+    /// How many logs gave it.
+    pub(super) logs: u64,
+    /// The one with the smallest hash, its name, and its sentence.
+    pub(super) first: (Hash, String, String),
 }
 
 /// What is known about a joint beside its sums of products.
@@ -121,9 +125,22 @@ impl LogMoments {
         self.logs.iter().map(|log| log.samples).sum()
     }
 
-    /// Doubts about single logs.
-    pub fn doubts(&self) -> impl Iterator<Item = &str> {
-        self.doubts.iter().map(|doubt| doubt.text.as_str())
+    /// Doubts that the fits to single logs gave: what at least a tenth of them gave, as sentences, the others counted.
+    pub fn doubts(&self) -> Vec<String> {
+        let logs = self.logs.len();
+        let is_rare = |doubt: &&Doubt| (doubt.logs as f64) < RARE * logs as f64;
+        let sentence = |doubt: &Doubt| {
+            let (_, name, text) = &doubt.first;
+            match logs {
+                1 => format!("{name}: {text}"),
+                _ => format!("In {} of {logs} logs, as in {name}: {text}", doubt.logs),
+            }
+        };
+        let rare = self.doubts.iter().filter(is_rare).count();
+        let rare = (rare > 0).then(|| {
+            format!("{rare} more doubts were had in less than a tenth of the logs each: --reduce says them for each log")
+        });
+        self.doubts.iter().filter(|doubt| !is_rare(doubt)).map(sentence).chain(rare).collect()
     }
 
     /// Shares with samples.
@@ -135,10 +152,7 @@ impl LogMoments {
     fn add(&mut self, other: Self) -> Result<()> {
         self.logs.extend(other.logs);
         self.logs.sort_by_key(|log| log.hash);
-        self.doubts.extend(other.doubts);
-        self.doubts.sort();
-        self.doubts.truncate(KEPT_DOUBTS);
-        self.doubts_found = self.doubts_found.saturating_add(other.doubts_found);
+        other.doubts.into_iter().for_each(|doubt| self.add_doubt(doubt));
         for (joint, other) in self.joints.iter_mut().zip(&other.joints) {
             joint.add(other)?;
         }
@@ -146,6 +160,28 @@ impl LogMoments {
             share.add(other)?;
         }
         Ok(())
+    }
+}
+
+impl LogMoments {
+    fn add_doubt(&mut self, doubt: Doubt) {
+        match self.doubts.binary_search_by(|known| known.place().cmp(&doubt.place())) {
+            Err(place) => self.doubts.insert(place, doubt),
+            Ok(place) => {
+                let known = &mut self.doubts[place];
+                known.logs = known.logs.saturating_add(doubt.logs);
+                if doubt.first.0 < known.first.0 {
+                    known.first = doubt.first;
+                }
+            }
+        }
+    }
+}
+
+impl Doubt {
+    /// What tells doubts apart.
+    pub(super) fn place(&self) -> (Option<u32>, &str) {
+        (self.joint, &self.kind)
     }
 }
 

@@ -12,7 +12,7 @@ use super::contiguous_blocks;
 use super::exact::Exact;
 use super::file::hash_of;
 use super::logs::{
-    About, Doubt, Hash, JointFacts, JointSums, KEPT_DOUBTS, LogMoments, ReducedLog, SHARES, Share,
+    About, Doubt, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share,
 };
 use std::path::Path;
 
@@ -26,7 +26,8 @@ const FROM_MEDIAN: f64 = 1.4826;
 /// The log is fitted by itself first, as [`super::super::identify::identify`] does, for the weights of its outliers,
 /// the correlation time of its residuals, and its doubts; a fit that explains little is no error here.
 ///
-/// - `description`: the contents of all files of the description and how they are read, [`description_hash`]
+/// - `description`: what the robot was made from, e.g. the contents of its files and how they are read; moments are
+///   known by the hash of it and belong to no other
 /// - `progress`: takes a sentence at each step, and what is said about the log
 ///
 /// # Errors
@@ -71,8 +72,7 @@ pub fn reduce(
             widths: columns.widths(),
         },
         shares: shares(&sums, &reduced.hash)?,
-        doubts: doubts(&estimate.warnings, &reduced),
-        doubts_found: estimate.warnings.len() as u64,
+        doubts: doubts(&estimate.warnings, robot, &reduced),
         logs: vec![reduced],
         joints: facts,
     })
@@ -84,13 +84,39 @@ fn delays(preparation: &PreparationReport) -> [f64; 2] {
     [removed().fold(f64::INFINITY, f64::min), removed().fold(f64::NEG_INFINITY, f64::max)].map(extreme)
 }
 
-fn doubts(warnings: &[String], log: &ReducedLog) -> Vec<Doubt> {
-    let doubt = |(number, text): (usize, &String)| Doubt {
-        log: log.hash,
-        number: number as u32,
-        text: format!("{}: {text}", log.name),
+/// Doubts by joint and kind, ascending.
+fn doubts(warnings: &[String], robot: &dyn Robot, log: &ReducedLog) -> Vec<Doubt> {
+    let names = robot.joint_names();
+    let doubt = |text: &String| {
+        let of = |(joint, name): (usize, &String)| {
+            let rest = text.strip_prefix("Joint ")?.strip_prefix(name.as_str())?;
+            rest.starts_with([':', ' ']).then_some((joint as u32, rest))
+        };
+        // The longest name, where one begins with another.
+        let joint = names.iter().enumerate().filter_map(of).min_by_key(|(_, rest)| rest.len());
+        Doubt {
+            joint: joint.map(|(joint, _)| joint),
+            kind: without_numbers(joint.map_or(text.as_str(), |(_, rest)| rest)),
+            logs: 1,
+            first: (log.hash, log.name.clone(), text.clone()),
+        }
     };
-    warnings.iter().enumerate().take(KEPT_DOUBTS).map(doubt).collect()
+    let mut doubts: Vec<Doubt> = warnings.iter().map(doubt).collect();
+    doubts.sort_by(|a, b| a.place().cmp(&b.place()));
+    doubts.dedup_by(|a, b| a.place() == b.place());
+    doubts
+}
+
+fn without_numbers(text: &str) -> String {
+    let mut kind = String::new();
+    for c in text.chars() {
+        match c {
+            '0'..='9' | '+' | '-' | '.' if kind.ends_with('#') => {}
+            '0'..='9' => kind.push('#'),
+            c => kind.push(c),
+        }
+    }
+    kind
 }
 
 /// The fit to the log alone, as far as its moments need it.
