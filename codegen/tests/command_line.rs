@@ -607,7 +607,8 @@ fn logs_reduce_to_moments_and_moments_to_a_description() {
     assert_eq!(bytes("tree.moments"), bytes("one.moments"));
     let merge = |files: &[&str], output: &str| {
         let arguments = ["identify", "arm.toml", "--merge"].iter().chain(files).copied();
-        let all: Vec<&str> = arguments.chain(["--output", output, "--report", "page", "--format", "json"]).collect();
+        let all: Vec<&str> =
+            arguments.chain(["--output", output, "--report", "page", "--format", "json"]).collect();
         serde_json::from_slice::<serde_json::Value>(&succeeds(&all).stdout).unwrap()
     };
     let result = merge(&["1.moments", "2.moments", "3.moments"], "arm_identified.toml");
@@ -638,10 +639,14 @@ fn logs_reduce_to_moments_and_moments_to_a_description() {
     assert!(before > 2.0 && after < 0.3);
     // What does not fit is refused.
     fs::write(at("copy.csv"), bytes("1.csv")).unwrap();
-    let twice = refused(1, &["identify", "arm.toml", "--reduce", "1.csv", "copy.csv", "--output", "x.moments"]);
+    let twice =
+        refused(1, &["identify", "arm.toml", "--reduce", "1.csv", "copy.csv", "--output", "x.moments"]);
     assert!(twice.contains("1.csv") && twice.contains("copy.csv"), "{twice}");
     let twice = refused(1, &["identify", "arm.toml", "--merge", "1.moments", "two.moments"]);
-    assert!(twice.contains("1.moments") && twice.contains("two.moments") && twice.contains("1.csv"), "{twice}");
+    assert!(
+        twice.contains("1.moments") && twice.contains("two.moments") && twice.contains("1.csv"),
+        "{twice}"
+    );
     let other = refused(1, &["identify", "truth.toml", "--merge", "1.moments", "--output", "x.toml"]);
     assert!(other.contains("another description"), "{other}");
     let log = refused(1, &["identify", "arm.toml", "--merge", "1.csv", "--output", "x.toml"]);

@@ -99,7 +99,9 @@ fn friction(found: &Identification, units: &[&str]) -> Section {
         true => {
             "The laws that are written. Points, efforts and residuals over time need samples, and these are moments."
         }
-        false => "Points: measured effort minus the rigid body's and the offset. Line: the law that is written.",
+        false => {
+            "Points: measured effort minus the rigid body's and the offset. Line: the law that is written."
+        }
     };
     let mut section = Section::new("friction", "Friction").block(text(words));
     for joint in &found.friction {

@@ -22,7 +22,9 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
     let (loaded, robot) = super::read(arguments)?;
     let path = output(arguments, &loaded)?;
     if !is_moments(&path) {
-        return Err(Failure::Usage(format!("--reduce writes moments: name a file *.{MOMENTS} with --output")));
+        return Err(Failure::Usage(format!(
+            "--reduce writes moments: name a file *.{MOMENTS} with --output"
+        )));
     }
     let settings = settings(arguments)?;
     let description = Description::of(arguments, &loaded)?;
@@ -52,7 +54,8 @@ pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitC
         moments.require_description(&description.parts())?;
         return write(&moments, &path, format);
     }
-    let found = identify_moments(&robot, &description.parts(), &moments, &settings(arguments)?, &mut super::say)?;
+    let found =
+        identify_moments(&robot, &description.parts(), &moments, &settings(arguments)?, &mut super::say)?;
     finish(arguments, format, (&loaded, &robot), &found, &[], &command(arguments), &path)
 }
 

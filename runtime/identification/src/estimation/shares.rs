@@ -8,12 +8,12 @@ use super::super::kernel::{BLOCK, add_products};
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use super::alternatives::signs;
-use super::checks::first_gains;
+use super::checks::{acceleration_doubt_of, first_gains, unit_doubt};
 use super::choice::{Chosen, Freedom, choose};
 use super::fit::{HeldOut, Solved, fit};
 use super::intervals::{Covariance, Fitted, Scores, covariance};
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
-use super::normal::{Offsets, Values, residual_vector};
+use super::normal::{Offsets, Values, force_vector, residual_vector};
 use super::prior::Prior;
 use super::report::chosen_in_words;
 use super::result::{Estimate, EstimatedTerm, JointEstimate, Uncertain};
@@ -154,7 +154,8 @@ impl Columns {
                 add_products(&columns.iter().map(Vec::as_slice).collect::<Vec<_>>(), products);
             }
         }
-        let square = |(sums, q): (&Vec<f64>, &usize)| DMatrix::from_fn(*q, *q, |i, j| sums[i.max(j) * q + i.min(j)]);
+        let square =
+            |(sums, q): (&Vec<f64>, &usize)| DMatrix::from_fn(*q, *q, |i, j| sums[i.max(j) * q + i.min(j)]);
         ShareSums {
             samples: piece.len(),
             weights: weights.iter().map(|weights| weights[piece.clone()].iter().sum()).collect(),
@@ -233,7 +234,14 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     let chosen = choose(layout, &sums, &prior, &start, freedom, gains)?;
     let Chosen { centred, model, weighting, values, .. } = &chosen;
     let solved = fit(centred, &centred.all, model, &prior, weighting, values)?;
-    let fitted = Fitted { centred, solved: &solved, weighting, values: &solved.values, offsets: &Vec::new(), outlier: &[] };
+    let fitted = Fitted {
+        centred,
+        solved: &solved,
+        weighting,
+        values: &solved.values,
+        offsets: &Vec::new(),
+        outlier: &[],
+    };
     let scores = Scores::of_folds(&fitted, data.correlation_time);
     let held_out = chosen.held_out(&prior)?;
     let found = Found {
@@ -246,7 +254,10 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
         held_out,
     };
     found.require_explained()?;
-    Ok(SharedEstimate { estimate: found.estimate(), friction: (0..layout.joints).map(|j| found.friction(j)).collect() })
+    Ok(SharedEstimate {
+        estimate: found.estimate(),
+        friction: (0..layout.joints).map(|j| found.friction(j)).collect(),
+    })
 }
 
 /// Sums as the fit takes them: their columns have no mean left.
@@ -290,7 +301,8 @@ impl Found<'_> {
     /// Refuses a fit that explains too little, or another sign better.
     fn require_explained(&self) -> Result<()> {
         let least = self.data.settings.least_r_squared;
-        let held_out: Vec<f64> = (0..self.layout().joints).map(|j| self.r_squared(j, self.held_out.rss[j])).collect();
+        let held_out: Vec<f64> =
+            (0..self.layout().joints).map(|j| self.r_squared(j, self.held_out.rss[j])).collect();
         let poor = |j: &usize| {
             let wrong = held_out[*j] < least || held_out[*j].is_nan() || self.doubts[*j].is_some();
             self.layout().moves[*j] && wrong
@@ -329,11 +341,18 @@ impl Found<'_> {
         let described = self.data.robot.parameters();
         let parameters = described.iter().enumerate().map(|(i, base)| self.uncertain(i, *base));
         let names = self.data.robot.joint_names();
-        let doubts = names.iter().zip(&self.doubts);
-        let doubts = doubts.filter_map(|(name, doubt)| Some(format!("Joint {name}: {}", doubt.as_ref()?)));
-        let warnings = doubts.collect();
+        let warnings = names.iter().enumerate().flat_map(|(joint, name)| {
+            self.doubts_of(joint).into_iter().map(move |doubt| format!("Joint {name}: {doubt}"))
+        });
+        let warnings = warnings.collect();
         let mut choices = vec!["Each joint's force has an offset in each run.".to_owned()];
-        choices.extend(chosen_in_words(self.data.robot, self.chosen, self.prior, self.solved, &self.covariance));
+        choices.extend(chosen_in_words(
+            self.data.robot,
+            self.chosen,
+            self.prior,
+            self.solved,
+            &self.covariance,
+        ));
         let values = &self.solved.values.unknowns;
         Estimate {
             parameters: parameters.collect(),
@@ -353,8 +372,34 @@ impl Found<'_> {
         }
     }
 
+    /// Doubts about a moving joint: its sign, its unit, and a residual that follows the acceleration.
+    fn doubts_of(&self, joint: usize) -> Vec<String> {
+        let layout = self.layout();
+        if !layout.moves[joint] {
+            return Vec::new();
+        }
+        let products = &self.chosen.centred.all[joint];
+        let width = products.nrows();
+        let residual = residual_vector(layout, &self.solved.values, joint);
+        let force = force_vector(layout, &self.solved.values, joint);
+        let column = |place: usize| DVector::from_fn(width, |i, _| if i == place { 1.0 } else { 0.0 });
+        let sum = |a: &DVector<f64>, b: &DVector<f64>| (products * a).dot(b);
+        let acceleration = column(layout.local[joint].len() - TERMS + ARMATURE);
+        let [described, measured] = [column(width - 2), column(width - 1) * self.gain(joint)];
+        let sizes = [&force, &described, &measured].map(|of| sum(of, of).max(0.0).sqrt());
+        let sums =
+            [sum(&acceleration, &acceleration), sum(&acceleration, &residual), sum(&residual, &residual)];
+        let (time, samples) = (self.data.correlation_time, self.chosen.centred.sums.samples);
+        let doubts =
+            [self.doubts[joint].clone(), unit_doubt(sizes), acceleration_doubt_of(sums, time, samples)];
+        doubts.into_iter().flatten().collect()
+    }
+
     fn uncertain(&self, global: usize, base: f64) -> Uncertain {
-        self.with_interval(base + self.solved.values.unknowns[global], self.covariance.deviation(self.solved, global))
+        self.with_interval(
+            base + self.solved.values.unknowns[global],
+            self.covariance.deviation(self.solved, global),
+        )
     }
 
     /// Student's interval: the shares' scores have a variance of their own.

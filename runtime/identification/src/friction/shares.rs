@@ -3,7 +3,7 @@
 use super::super::constrained::{nonnegative_rows, passivity_rows};
 use super::super::ensemble::{Ensemble, bootstrap};
 use super::super::error::Result;
-use super::super::least_squares::Reduced;
+use super::super::least_squares::{Reduced, Solution};
 use super::super::library::Library;
 use super::super::moments::Moments;
 use super::super::result::{FrictionLaw, FrictionResult, FrictionTerm};
@@ -46,7 +46,8 @@ impl FrictionIdentification {
         let library = Library::new(&terms, &["v"])?;
         let mut findings = Findings::new(&data.about);
         let (text, condition) = (terms.join(", "), reduced.condition());
-        findings.note(format!("library [{text}] beside the offset of each run, condition number {condition:.1}"));
+        findings
+            .note(format!("library [{text}] beside the offset of each run, condition number {condition:.1}"));
         let chosen = choose(&self.method, &reduced, || Ok(data.shares.clone()))?;
         findings.note(chosen.note.clone());
         let ensemble = self.draw_shares(data, &chosen.selection, &mut findings);
@@ -65,37 +66,10 @@ impl FrictionIdentification {
         let held_out = unseen.and_then(|unseen| unseen.r_squared());
         findings.judge(held_out, self.least_r_squared);
         data.require_limits(&mut findings);
-        let term = |(k, &i): (usize, &usize)| FrictionTerm {
-            basis: terms[i].clone(),
-            coefficient: solution.coefficients[i],
-            standard_error: Some(errors.covariance[(k, k)].max(0.0).sqrt()),
-            resolution: Some(errors.resolution[k]),
-            inclusion: ensemble.as_ref().map(|ensemble| ensemble.inclusion[i]),
-            probability: Some(average.inclusion[i]),
-        };
-        let law = FrictionLaw::Terms(solution.active.iter().enumerate().map(term).collect());
-        let rss = reduced.moments().residual(0, &solution.coefficients) + data.lost[0];
-        let total = reduced.moments().energy(0) + data.lost[1];
-        let (settings, warnings, refusal) = findings.texts();
-        let result = FrictionResult {
-            joint: data.about.joint.into(),
-            unit: data.about.unit.into(),
-            velocity_unit: data.about.velocity_unit.into(),
-            law,
-            samples,
-            freedom: errors.freedom,
-            velocity_range: data.velocity_range,
-            residual: (rss / samples.max(1) as f64).sqrt(),
-            r_squared: if total > 0.0 { 1.0 - rss / total } else { 1.0 },
-            held_out,
-            data: data.about.data.into(),
-            settings,
-            warnings,
-            refusal,
-            ..FrictionResult::default()
-        };
+        let law = law(&terms, &solution, &errors, &average, ensemble.as_ref());
+        let result = data.result(law, reduced.moments(), &solution.coefficients, held_out, findings);
         Ok(FrictionReport {
-            result,
+            result: FrictionResult { freedom: errors.freedom, ..result },
             correlation: reduced.moments().correlation(),
             condition,
             terms,
@@ -149,6 +123,36 @@ impl SharedFriction<'_> {
         }
     }
 
+    fn result(
+        &self,
+        law: FrictionLaw,
+        moments: &Moments,
+        coefficients: &DVector<f64>,
+        held_out: Option<f64>,
+        findings: Findings,
+    ) -> FrictionResult {
+        let samples = moments.samples();
+        let rss = moments.residual(0, coefficients) + self.lost[0];
+        let total = moments.energy(0) + self.lost[1];
+        let (settings, warnings, refusal) = findings.texts();
+        FrictionResult {
+            joint: self.about.joint.into(),
+            unit: self.about.unit.into(),
+            velocity_unit: self.about.velocity_unit.into(),
+            law,
+            samples,
+            velocity_range: self.velocity_range,
+            residual: (rss / samples.max(1) as f64).sqrt(),
+            r_squared: if total > 0.0 { 1.0 - rss / total } else { 1.0 },
+            held_out,
+            data: self.about.data.into(),
+            settings,
+            warnings,
+            refusal,
+            ..FrictionResult::default()
+        }
+    }
+
     fn require_limits(&self, findings: &mut Findings) {
         let Some(limits) = self.about.limits else { return };
         let samples: usize = self.shares.iter().map(Moments::samples).sum();
@@ -161,6 +165,24 @@ impl SharedFriction<'_> {
             findings.judge_limit(what, count as f64 / samples.max(1) as f64, [limit, largest], unit);
         }
     }
+}
+
+fn law(
+    terms: &[String],
+    solution: &Solution,
+    errors: &Errors,
+    average: &ModelAverage,
+    ensemble: Option<&Ensemble>,
+) -> FrictionLaw {
+    let term = |(k, &i): (usize, &usize)| FrictionTerm {
+        basis: terms[i].clone(),
+        coefficient: solution.coefficients[i],
+        standard_error: Some(errors.covariance[(k, k)].max(0.0).sqrt()),
+        resolution: Some(errors.resolution[k]),
+        inclusion: ensemble.map(|ensemble| ensemble.inclusion[i]),
+        probability: Some(average.inclusion[i]),
+    };
+    FrictionLaw::Terms(solution.active.iter().enumerate().map(term).collect())
 }
 
 /// Rows of `A ξ ≥ 0`: the law dissipates over the speeds in the data, and viscous friction is not negative.

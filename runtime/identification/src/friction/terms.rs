@@ -38,7 +38,8 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
         None => Vec::new(),
     };
     let ensemble = draw(settings, &samples, &chosen.selection, &mut findings)?;
-    let rows = settings.passive.then(|| passive(&design.library, velocity_range(data.velocities))).transpose()?;
+    let rows =
+        settings.passive.then(|| passive(&design.library, velocity_range(data.velocities))).transpose()?;
     let free = chosen.solution.clone();
     let (solution, binding) = restrict(&reduced, free, rows.as_ref(), samples.len(), &mut findings)?;
     doubt(&reduced, &solution.active, &mut findings);

@@ -48,7 +48,8 @@ impl Exact {
         let odd = (self.0 >> zeros).to_le_bytes();
         let sign = if self.0 < 0 { 0xff } else { 0 };
         // The last byte kept has to hold the sign.
-        let kept = (1..16).rev().find(|&i| odd[i] != sign || (odd[i - 1] ^ sign) & 0x80 != 0).unwrap_or(0) + 1;
+        let kept =
+            (1..16).rev().find(|&i| odd[i] != sign || (odd[i - 1] ^ sign) & 0x80 != 0).unwrap_or(0) + 1;
         bytes.extend([zeros as u8, kept as u8]);
         bytes.extend(&odd[..kept]);
     }

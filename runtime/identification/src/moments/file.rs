@@ -73,9 +73,12 @@ impl LogMoments {
     /// # Errors
     /// Bytes that are no moments, of another version, cut off or changed.
     pub fn from_bytes(bytes: &[u8], place: &str) -> Result<Self> {
-        let fault = |message: &str| IdentificationError::File { place: place.into(), message: message.into() };
+        let fault =
+            |message: &str| IdentificationError::File { place: place.into(), message: message.into() };
         if !bytes.starts_with(MAGIC) {
-            return Err(fault("it holds no moments: make them with `gelenk identify DESCRIPTION --reduce LOG.csv`"));
+            return Err(fault(
+                "it holds no moments: make them with `gelenk identify DESCRIPTION --reduce LOG.csv`",
+            ));
         }
         if !bytes.starts_with(FIRST_LINE) {
             return Err(fault(
@@ -83,8 +86,11 @@ impl LogMoments {
                  with this gelenk",
             ));
         }
-        let altered = || fault("it was cut off or changed after it was written: copy it again, or reduce its logs again");
-        let (content, hash) = bytes.split_at_checked(bytes.len() - HASH.min(bytes.len())).ok_or_else(altered)?;
+        let altered = || {
+            fault("it was cut off or changed after it was written: copy it again, or reduce its logs again")
+        };
+        let (content, hash) =
+            bytes.split_at_checked(bytes.len() - HASH.min(bytes.len())).ok_or_else(altered)?;
         if content.len() < FIRST_LINE.len() || Sha256::digest(content).as_slice() != hash {
             return Err(altered());
         }
@@ -337,7 +343,11 @@ impl JointSums {
                 products.push(product);
             }
         }
-        (weight.value() > 0.0 && lost.iter().all(|x| x.value() >= 0.0)).then_some(Self { weight, lost, products })
+        (weight.value() > 0.0 && lost.iter().all(|x| x.value() >= 0.0)).then_some(Self {
+            weight,
+            lost,
+            products,
+        })
     }
 }
 

@@ -44,7 +44,8 @@ pub fn identify_moments(
     if columns.widths() != moments.about.widths {
         return Err(fault("they were made by another gelenk: reduce the logs again with this one"));
     }
-    let shares: Vec<ShareSums> = moments.shares.iter().filter(|s| s.samples > 0).map(|s| s.sums(&columns)).collect();
+    let shares: Vec<ShareSums> =
+        moments.shares.iter().filter(|s| s.samples > 0).map(|s| s.sums(&columns)).collect();
     if shares.len() < FEWEST_SHARES {
         return Err(fault(&format!(
             "they lie in {} of 16 shares, and at least {FEWEST_SHARES} are needed, so that a part can be held out: add \
@@ -63,17 +64,18 @@ pub fn identify_moments(
     let found = estimate_shares(&data)?;
     progress("choosing the terms of friction");
     let notes = moments.notes();
-    let friction = (0..found.friction.len()).filter(|joint| found.estimate.joints[*joint].moves).map(|joint| {
-        let of_joint = JointMoments {
-            joint,
-            facts: &moments.joints[joint],
-            shares: &shares,
-            library: columns.library(joint),
-            factors: &found.friction[joint],
-            gain: found.estimate.joints[joint].gain.map_or(1.0, |gain| gain.value),
-        };
-        of_joint.friction(robot, settings, &found.estimate, &moments.source(), &notes)
-    });
+    let friction =
+        (0..found.friction.len()).filter(|joint| found.estimate.joints[*joint].moves).map(|joint| {
+            let of_joint = JointMoments {
+                joint,
+                facts: &moments.joints[joint],
+                shares: &shares,
+                library: columns.library(joint),
+                factors: &found.friction[joint],
+                gain: found.estimate.joints[joint].gain.map_or(1.0, |gain| gain.value),
+            };
+            of_joint.friction(robot, settings, &found.estimate, &moments.source(), &notes)
+        });
     let friction = friction.collect();
     let mut estimate = found.estimate;
     estimate.warnings.extend(moments.differences().into_iter().chain(moments.doubts()));
@@ -120,7 +122,8 @@ impl LogMoments {
     fn notes(&self) -> Vec<String> {
         let seconds: f64 = self.logs.iter().map(|log| log.seconds).sum();
         let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
-        let filters = if narrow < wide { format!("{narrow:.3} to {wide:.3} Hz") } else { format!("{wide:.3} Hz") };
+        let filters =
+            if narrow < wide { format!("{narrow:.3} to {wide:.3} Hz") } else { format!("{wide:.3} Hz") };
         let (logs, samples, shares) = (self.logs.len(), self.samples(), self.shares());
         let plural = if logs == 1 { "log" } else { "logs" };
         vec![format!(
@@ -164,7 +167,6 @@ impl LogMoments {
             several => format!("{} logs", several.len()),
         }
     }
-
 }
 
 impl Share {
@@ -176,7 +178,13 @@ impl Share {
         ShareSums {
             samples: self.samples as usize,
             weights: self.joints.iter().map(|joint| joint.weight.value()).collect(),
-            products: self.joints.iter().map(|joint| &joint.products).zip(columns.widths()).map(square).collect(),
+            products: self
+                .joints
+                .iter()
+                .map(|joint| &joint.products)
+                .zip(columns.widths())
+                .map(square)
+                .collect(),
             lost: self.joints.iter().map(|joint| joint.lost.map(Exact::value)).collect(),
         }
     }
@@ -213,7 +221,9 @@ impl JointMoments<'_> {
             settings: &notes.iter().cloned().chain(left_out).collect::<Vec<_>>(),
             ..FrictionData::default()
         };
-        let sum = |which: usize| self.gain.powi(2) * self.shares.iter().map(|s| s.lost[self.joint][which]).sum::<f64>();
+        let sum = |which: usize| {
+            self.gain.powi(2) * self.shares.iter().map(|s| s.lost[self.joint][which]).sum::<f64>()
+        };
         let shared = SharedFriction {
             about,
             shares: self.shares.iter().map(|share| self.moments(share, &library)).collect(),
@@ -252,8 +262,9 @@ impl JointMoments<'_> {
         let out: Vec<usize> = requirements(&names).iter().filter(|r| unseen(r)).map(|r| r.term).collect();
         let kept = self.library.iter().enumerate().filter(|(i, _)| !out.contains(i)).map(|(_, term)| *term);
         let texts: Vec<&str> = out.iter().map(|i| names[*i].as_str()).collect();
-        let note = (!out.is_empty())
-            .then(|| format!("{} left out: the joint hardly moves in one of its directions", texts.join(", ")));
+        let note = (!out.is_empty()).then(|| {
+            format!("{} left out: the joint hardly moves in one of its directions", texts.join(", "))
+        });
         (kept.collect(), note)
     }
 

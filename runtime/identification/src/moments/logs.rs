@@ -270,7 +270,9 @@ fn twice(place: &str, name: &str, before: &str, other: &str) -> IdentificationEr
     let message = if place == name && before == other {
         format!("it holds the same bytes as {before}: give a log once")
     } else {
-        format!("the log {name} in it is the log {other} in {before}, byte by byte: leave out one of the two files")
+        format!(
+            "the log {name} in it is the log {other} in {before}, byte by byte: leave out one of the two files"
+        )
     };
     IdentificationError::File { place: place.into(), message }
 }
@@ -311,7 +313,9 @@ fn require_same(first: &About, other: &About, before: &str, place: &str) -> Resu
         }
     }
     if first.widths != other.widths {
-        return fault(format!("its joints have other columns than those of {before}: reduce both with one gelenk"));
+        return fault(format!(
+            "its joints have other columns than those of {before}: reduce both with one gelenk"
+        ));
     }
     Ok(())
 }

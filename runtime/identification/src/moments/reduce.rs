@@ -2,7 +2,8 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::estimation::{
-    Columns, Estimate, RunPiece, STANDSTILL, ShareSums, Weighted, correlation_time, estimate, huber,
+    Columns, Estimate, JointEstimate, RunPiece, STANDSTILL, ShareSums, Weighted, correlation_time, estimate,
+    huber,
 };
 use super::super::identify::{IdentificationSettings, read_and_prepare};
 use super::super::preparation::PreparationReport;
@@ -11,9 +12,7 @@ use super::super::run::PreparedRun;
 use super::contiguous_blocks;
 use super::exact::Exact;
 use super::file::hash_of;
-use super::logs::{
-    About, Doubt, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share,
-};
+use super::logs::{About, Doubt, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share};
 use std::path::Path;
 
 /// Least length of a piece, in correlation times of the residuals: pieces are nearly independent then.
@@ -49,7 +48,8 @@ pub fn reduce(
     let hash = recording.hashes.first().and_then(|(_, hash)| from_hexadecimal(hash));
     let fitted = Fitted::new(&runs, &estimate, settings.estimation.robust_passes > 0);
     let facts = fitted.facts(robot)?;
-    let columns = Columns::new(robot, recording.effort, facts.iter().map(|joint| joint.span > STANDSTILL).collect())?;
+    let columns =
+        Columns::new(robot, recording.effort, facts.iter().map(|joint| joint.span > STANDSTILL).collect())?;
     let reduced = ReducedLog {
         name: log.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         hash: hash.ok_or_else(|| IdentificationError::Empty { what: "the log's hash".into() })?,
@@ -72,7 +72,7 @@ pub fn reduce(
             widths: columns.widths(),
         },
         shares: shares(&sums, &reduced.hash)?,
-        doubts: doubts(&estimate.warnings, robot, &reduced),
+        doubts: doubts(&estimate, &reduced),
         logs: vec![reduced],
         joints: facts,
     })
@@ -84,24 +84,25 @@ fn delays(preparation: &PreparationReport) -> [f64; 2] {
     [removed().fold(f64::INFINITY, f64::min), removed().fold(f64::NEG_INFINITY, f64::max)].map(extreme)
 }
 
-/// Doubts by joint and kind, ascending.
-fn doubts(warnings: &[String], robot: &dyn Robot, log: &ReducedLog) -> Vec<Doubt> {
-    let names = robot.joint_names();
+/// Doubts by joint and kind, ascending. That a joint stands still is none here: others may move it.
+fn doubts(estimate: &Estimate, log: &ReducedLog) -> Vec<Doubt> {
+    let joints = &estimate.joints;
     let doubt = |text: &String| {
-        let of = |(joint, name): (usize, &String)| {
-            let rest = text.strip_prefix("Joint ")?.strip_prefix(name.as_str())?;
-            rest.starts_with([':', ' ']).then_some((joint as u32, rest))
+        let of = |(joint, estimate): (usize, &JointEstimate)| {
+            let rest = text.strip_prefix("Joint ")?.strip_prefix(estimate.name.as_str())?;
+            rest.starts_with([':', ' ']).then_some((joint, rest))
         };
         // The longest name, where one begins with another.
-        let joint = names.iter().enumerate().filter_map(of).min_by_key(|(_, rest)| rest.len());
+        let joint = joints.iter().enumerate().filter_map(of).min_by_key(|(_, rest)| rest.len());
         Doubt {
-            joint: joint.map(|(joint, _)| joint),
+            joint: joint.map(|(joint, _)| joint as u32),
             kind: without_numbers(joint.map_or(text.as_str(), |(_, rest)| rest)),
             logs: 1,
             first: (log.hash, log.name.clone(), text.clone()),
         }
     };
-    let mut doubts: Vec<Doubt> = warnings.iter().map(doubt).collect();
+    let moves = |doubt: &Doubt| doubt.joint.is_none_or(|joint| joints[joint as usize].moves);
+    let mut doubts: Vec<Doubt> = estimate.warnings.iter().map(doubt).filter(moves).collect();
     doubts.sort_by(|a, b| a.place().cmp(&b.place()));
     doubts.dedup_by(|a, b| a.place() == b.place());
     doubts
@@ -165,7 +166,8 @@ impl<'a> Fitted<'a> {
             };
             for (run, friction) in self.runs.iter().zip(&self.estimate.friction) {
                 let (y, v, torque) = (&run.positions[joint], &run.velocities[joint], &friction[joint]);
-                let beyond = |values: &[f64], limit: f64| values.iter().filter(|x| x.abs() > limit).count() as u64;
+                let beyond =
+                    |values: &[f64], limit: f64| values.iter().filter(|x| x.abs() > limit).count() as u64;
                 facts.add(&JointFacts {
                     span: extreme(y)[1] - extreme(y)[0],
                     velocities: extreme(v),
@@ -234,7 +236,8 @@ fn shares(sums: &[ShareSums], hash: &Hash) -> Result<Vec<Share>> {
 fn share(sums: &ShareSums) -> Result<Share> {
     let joint = |joint: usize| -> Result<JointSums> {
         let products = &sums.products[joint];
-        let triangle = (0..products.nrows()).flat_map(|row| (0..=row).map(move |column| products[(row, column)]));
+        let triangle =
+            (0..products.nrows()).flat_map(|row| (0..=row).map(move |column| products[(row, column)]));
         let [residual, total] = sums.lost[joint].map(Exact::new);
         Ok(JointSums {
             weight: Exact::new(sums.weights[joint])?,

@@ -70,7 +70,8 @@ fn log(seed: u64, spikes: bool) -> String {
         let (y, v, a) = (sum(&|_, x| x.sin()), sum(&|w, x| w * x.cos()), sum(&|w, x| -w * w * x.sin()));
         noise = 0.8 * noise + 0.03 * random.normal();
         let [mc, j, viscous, coulomb] = TRUTH;
-        let torque = mc * GRAVITY * y.cos() + j * a + viscous * v + coulomb * (20.0 * v).tanh() + offset + noise;
+        let torque =
+            mc * GRAVITY * y.cos() + j * a + viscous * v + coulomb * (20.0 * v).tanh() + offset + noise;
         let spike = if spikes && i % 83 < 4 { 6.0 } else { 0.0 };
         text.push_str(&format!("{t:.4},{y:.6},{:.5}\n", torque + spike));
     }
@@ -154,7 +155,10 @@ fn the_sum_finds_what_the_arm_is_and_what_the_logs_themselves_give() {
     let [mc, j, viscous, coulomb] = TRUTH;
     for (place, truth) in [(1, mc), (2, 0.0), (9, j)] {
         let [value, other] = [&found, &from_logs].map(|found| found.estimate.parameters[place]);
-        println!("p{place} {truth}: {:.4} ± {:.4}, {:.4} from the logs", value.value, value.standard_error, other.value);
+        println!(
+            "p{place} {truth}: {:.4} ± {:.4}, {:.4} from the logs",
+            value.value, value.standard_error, other.value
+        );
         assert!((value.value - truth).abs() < 4.0 * value.standard_error.max(1e-3));
         assert!((value.value - other.value).abs() < 4.0 * other.standard_error.max(1e-3));
     }
@@ -232,8 +236,8 @@ fn outliers_lose_weight_and_count_in_what_is_said() {
     let spiky: Vec<LogMoments> = (1..=6)
         .map(|seed| reduced(folder.path(), &format!("s{seed}.csv"), &log(seed, true), &settings()).unwrap())
         .collect();
-    let [clean, robust] =
-        [all, &spiky].map(|logs| merged(&sum(&logs.iter().collect::<Vec<_>>()).unwrap(), &settings()).unwrap());
+    let [clean, robust] = [all, &spiky]
+        .map(|logs| merged(&sum(&logs.iter().collect::<Vec<_>>()).unwrap(), &settings()).unwrap());
     let mut plain = settings();
     plain.estimation.robust_passes = 0;
     let logs: Vec<LogMoments> = (1..=6)
@@ -269,7 +273,10 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
         (changed(&|about| about.widths[0] += 1), "other columns", "reduce both with one gelenk"),
     ];
     for (message, what, remedy) in cases {
-        assert!(message.starts_with("1.moments: ") && message.contains(what) && message.contains(remedy), "{message}");
+        assert!(
+            message.starts_with("1.moments: ") && message.contains(what) && message.contains(remedy),
+            "{message}"
+        );
     }
     let copy = reduced(folder.path(), "copy.csv", &log(1, false), &settings()).unwrap();
     let message = sum(&[&all[0], &all[1], &copy]).unwrap_err().to_string();
@@ -279,13 +286,17 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
     );
     let both = sum(&[&all[0], &all[1]]).unwrap();
     assert!(sum(&[&both, &all[1]]).unwrap_err().to_string().contains("2.csv"));
-    let other = identify_moments(&Arm, &[b"another"], &both, &settings(), &mut |_| ()).unwrap_err().to_string();
+    let other =
+        identify_moments(&Arm, &[b"another"], &both, &settings(), &mut |_| ()).unwrap_err().to_string();
     assert!(other.contains("another description"), "{other}");
     let mut few = all[0].clone();
     few.shares.iter_mut().skip(3).for_each(|share| *share = super::logs::Share::default());
     let few = merged(&few, &settings()).unwrap_err().to_string();
     assert!(few.contains("of 16 shares") && few.contains("add more logs"), "{few}");
-    assert_eq!(Sum::default().total().unwrap_err().to_string(), "the list of moments is empty: there is nothing to identify from");
+    assert_eq!(
+        Sum::default().total().unwrap_err().to_string(),
+        "the list of moments is empty: there is nothing to identify from"
+    );
 }
 
 #[test]
