@@ -242,6 +242,10 @@ impl Errors {
 /// The inverse of a Gram matrix, on the face where constraints bind.
 fn inverse_on_face(gram: &DMatrix<f64>, binding: &DMatrix<f64>) -> DMatrix<f64> {
     let z = null_space(binding, gram.nrows());
+    if z.ncols() == 0 {
+        // Constraints fix all coefficients.
+        return DMatrix::zeros(gram.nrows(), gram.nrows());
+    }
     let inner = (z.transpose() * gram * &z).pseudo_inverse(1e-14 * gram.amax());
     inner.map_or_else(|_| DMatrix::zeros(gram.nrows(), gram.nrows()), |inner| &z * inner * z.transpose())
 }
