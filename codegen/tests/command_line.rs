@@ -558,3 +558,113 @@ fn a_planned_motion_identifies_what_a_simulated_arm_is() {
     }
     assert_eq!(fs::read_to_string(at("arm.toml")).unwrap(), ARM);
 }
+
+/// A motion as a plan has it: sines with phases of their own.
+fn motion(number: u32) -> String {
+    let mut plan = String::from("t,q_shoulder,q_elbow,dq_shoulder,dq_elbow,ddq_shoulder,ddq_elbow\n");
+    for i in 0..800 {
+        let t = 0.01 * f64::from(i);
+        let at = |shape: &dyn Fn(f64, f64) -> f64| {
+            [[0.6, 1.3, 0.3, 3.7], [0.7, 1.9, 0.25, 4.3]].map(|[a, w, b, u]| {
+                let phase = f64::from(number);
+                a * shape(w, w * t + phase) + b * shape(u, u * t + 2.0 * phase)
+            })
+        };
+        let [y, v, a] = [at(&|_, x| x.sin()), at(&|w, x| w * x.cos()), at(&|w, x| -w * w * x.sin())];
+        plan.push_str(&format!("{t},{},{},{},{},{},{}\n", y[0], y[1], v[0], v[1], a[0], a[1]));
+    }
+    plan
+}
+
+#[test]
+fn logs_reduce_to_moments_and_moments_to_a_description() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let succeeds = |arguments: &[&str]| {
+        let output = gelenk(folder.path(), arguments);
+        assert!(output.status.success(), "{}", shown(&output));
+        output
+    };
+    let refused = |code: i32, arguments: &[&str]| {
+        let output = gelenk(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(code), "{}", shown(&output));
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    fs::write(at("arm.toml"), ARM).unwrap();
+    fs::write(at("truth.toml"), TRUTH).unwrap();
+    for number in 1..=3 {
+        fs::write(at(&format!("{number}.csv")), simulated_log(folder.path(), &motion(number))).unwrap();
+        let (log, moments) = (format!("{number}.csv"), format!("{number}.moments"));
+        let output = succeeds(&["identify", "arm.toml", "--reduce", &log, "--output", &moments]);
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(text.starts_with(&format!("wrote {moments}: 1 log, ")), "{text}");
+    }
+    // In any order, by a tree, and in one process: the same bytes.
+    let bytes = |name: &str| fs::read(at(name)).unwrap();
+    succeeds(&["identify", "arm.toml", "--merge", "3.moments", "1.moments", "--output", "two.moments"]);
+    succeeds(&["identify", "arm.toml", "--merge", "2.moments", "two.moments", "--output", "tree.moments"]);
+    succeeds(&["identify", "arm.toml", "--reduce", "1.csv", "2.csv", "3.csv", "--output", "one.moments"]);
+    assert_eq!(bytes("tree.moments"), bytes("one.moments"));
+    let merge = |files: &[&str], output: &str| {
+        let arguments = ["identify", "arm.toml", "--merge"].iter().chain(files).copied();
+        let all: Vec<&str> =
+            arguments.chain(["--output", output, "--report", "page", "--format", "json"]).collect();
+        serde_json::from_slice::<serde_json::Value>(&succeeds(&all).stdout).unwrap()
+    };
+    let result = merge(&["1.moments", "2.moments", "3.moments"], "arm_identified.toml");
+    let first = bytes("arm_identified.toml");
+    merge(&["tree.moments"], "arm_identified.toml");
+    assert_eq!(bytes("arm_identified.toml"), first);
+    for joint in result["joints"].as_array().unwrap() {
+        assert!(joint["r_squared_held_out"].as_f64().unwrap() > 0.99, "{result:#}");
+    }
+    let page = String::from_utf8(bytes("page/index.html")).unwrap();
+    assert!(page.contains("these are moments") && !page.contains("NaN"));
+    // The description is one: it reads, and says what the arm is.
+    let (arm, truth, found) = (
+        described(folder.path(), "arm.toml"),
+        described(folder.path(), "truth.toml"),
+        described(folder.path(), "arm_identified.toml"),
+    );
+    let mut noise = Noise(7);
+    let [mut before, mut after] = [0.0; 2];
+    for _ in 0..200 {
+        let [y, v, a] = [1.0, 1.5, 3.0].map(|size| vec![size * noise.next(), size * noise.next()]);
+        let [described, true_, found] = [&arm, &truth, &found].map(|robot| robot.torques(&y, &v, &a));
+        before += described.iter().zip(&true_).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+        after += found.iter().zip(&true_).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+    }
+    let [before, after] = [before, after].map(|sum| (sum / 400.0_f64).sqrt());
+    println!("torques of the description are off by {before} N m rms, of the identified one by {after}");
+    assert!(before > 2.0 && after < 0.3);
+    // What does not fit is refused.
+    fs::write(at("copy.csv"), bytes("1.csv")).unwrap();
+    let twice =
+        refused(1, &["identify", "arm.toml", "--reduce", "1.csv", "copy.csv", "--output", "x.moments"]);
+    assert!(twice.contains("1.csv") && twice.contains("copy.csv"), "{twice}");
+    let twice = refused(1, &["identify", "arm.toml", "--merge", "1.moments", "two.moments"]);
+    assert!(
+        twice.contains("1.moments") && twice.contains("two.moments") && twice.contains("1.csv"),
+        "{twice}"
+    );
+    let other = refused(1, &["identify", "truth.toml", "--merge", "1.moments", "--output", "x.toml"]);
+    assert!(other.contains("another description"), "{other}");
+    let log = refused(1, &["identify", "arm.toml", "--merge", "1.csv", "--output", "x.toml"]);
+    assert!(log.contains("holds no moments"), "{log}");
+    let kept = refused(1, &["identify", "arm.toml", "--merge", "1.moments", "--output", "1.moments"]);
+    assert!(kept.contains("not written over"), "{kept}");
+    fs::write(at("arm.toml"), ARM.replace("mass = 5", "mass = 5.5")).unwrap();
+    let changed = refused(1, &["identify", "arm.toml", "--merge", "1.moments", "--output", "x.toml"]);
+    assert!(changed.contains("another state of its files"), "{changed}");
+    // Usage.
+    for arguments in [
+        vec!["identify", "arm.toml", "--reduce", "1.csv"],
+        vec!["identify", "arm.toml", "--reduce", "1.csv", "--output", "x.toml"],
+        vec!["identify", "arm.toml", "--merge", "1.moments", "--delay", "0"],
+        vec!["identify", "arm.toml", "--merge", "1.moments", "--output", "x.moments", "--report", "page"],
+        vec!["identify", "arm.toml", "--merge", "--reduce", "1.moments", "--output", "x.moments"],
+    ] {
+        refused(2, &arguments);
+    }
+    assert!(!at("x.moments").exists() && !at("x.toml").exists());
+}

@@ -69,6 +69,9 @@ Examples:
   gelenk identify arm.toml log.csv                        writes arm_identified.toml
   gelenk identify ur10.urdf monday.csv tuesday.csv --report page
   gelenk identify arm.toml log.csv --columns 'time=t,position=pos_{},torque=i_{} [N m]'
+  gelenk identify arm.toml --reduce log.csv --output log.moments       one task for each log of a fleet
+  gelenk identify arm.toml --merge *.moments --output arm_identified.toml
+  gelenk identify arm.toml --merge *.moments --output all.moments      their sum, to be merged again
 
 In --columns, {} is a joint's number and {name} its name.
 
@@ -182,11 +185,11 @@ pub(super) struct Report {
 pub(super) struct Identify {
     /// TOML or URDF
     pub(super) description: PathBuf,
-    /// Recorded motions, CSV with time, positions and efforts
+    /// Recorded motions, CSV with time, positions and efforts; with --merge, files of moments
     #[arg(required_unless_present = "plan", value_name = "LOG.csv")]
     pub(super) logs: Vec<PathBuf>,
-    /// Where the description with the results goes [default: <NAME>_identified.toml], or the plan
-    /// [default: plan.csv]
+    /// Where the description with the results goes [default: <NAME>_identified.toml], the plan
+    /// [default: plan.csv], or moments (*.moments)
     #[arg(long, short, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     /// Folder for a page with figures (index.html) and its numbers
@@ -217,6 +220,21 @@ pub(super) struct Identify {
     /// Write results although they explain little
     #[arg(long, conflicts_with = "plan")]
     pub(super) accept_poor: bool,
+    /// Reduce logs to their moments, which --merge adds up: a small file, whatever the length of the logs
+    #[arg(
+        long,
+        requires = "output",
+        conflicts_with_all = ["plan", "merge", "report", "validate", "accept_poor"]
+    )]
+    pub(super) reduce: bool,
+    /// Identify from moments instead of logs, or add them up where --output is *.moments
+    #[arg(
+        long,
+        conflicts_with_all = [
+            "plan", "columns", "separator", "effort", "gravity_compensated", "bandwidth", "delay", "validate"
+        ]
+    )]
+    pub(super) merge: bool,
     /// Plan a motion to record, within the limits of the description
     #[arg(long, conflicts_with = "logs")]
     pub(super) plan: bool,

@@ -24,23 +24,24 @@ pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str
             "Efforts at the joints are $\\tau = W(y,\\dot y,\\ddot y)\\,\\pi + \\tau_F(\\dot y) + c$: inertial parameters $\\pi$, \
              friction $\\tau_F$ and offsets $c$ in one weighted fit.",
         )
-        .fact("joints", estimate.joints.len().to_string())
-        .fact("runs", found.runs.len().to_string())
-        .fact("samples", samples.to_string());
+        .fact("joints", estimate.joints.len().to_string());
+    report = match found.runs.len() {
+        0 => report.fact("logs", found.recording.hashes.len().to_string()),
+        runs => report.fact("runs", runs.to_string()).fact("samples", samples.to_string()),
+    };
     report.made_by = command.to_owned();
     let units = robot.position_units();
-    let mut report = report.section(summary(found));
+    report = report.section(summary(found));
     let warnings = warnings(found);
     if !warnings.is_empty() {
         let blocks = warnings.into_iter().map(plain);
         report = report.section(Section::new("warnings", "Doubts").blocks(blocks));
     }
-    report
-        .section(friction(found, &units))
-        .section(efforts(found))
-        .section(residuals(found, &units))
-        .section(parameters(robot, found))
-        .section(data(found))
+    report = report.section(friction(found, &units));
+    if !found.runs.is_empty() {
+        report = report.section(efforts(found)).section(residuals(found, &units));
+    }
+    report.section(parameters(robot, found)).section(data(found))
 }
 
 /// Warnings of the estimate, and joints without a friction law.
@@ -94,9 +95,15 @@ fn summary(found: &Identification) -> Section {
 }
 
 fn friction(found: &Identification, units: &[&str]) -> Section {
-    let mut section = Section::new("friction", "Friction").block(text(
-        "Points: measured effort minus the rigid body's and the offset. Line: the law that is written.",
-    ));
+    let words = match found.runs.is_empty() {
+        true => {
+            "The laws that are written. Points, efforts and residuals over time need samples, and these are moments."
+        }
+        false => {
+            "Points: measured effort minus the rigid body's and the offset. Line: the law that is written."
+        }
+    };
+    let mut section = Section::new("friction", "Friction").block(text(words));
     for joint in &found.friction {
         section = section.block(Block::Figure(friction_figure(joint, units[joint.joint])));
     }
@@ -110,11 +117,10 @@ fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
     let offsets = law.map_or(&[][..], |report| &report.result.offsets);
     let offset = offsets.iter().map(|offset| offset.value).sum::<f64>() / offsets.len().max(1) as f64;
     let points = joint.velocities.iter().zip(&joint.torques).map(|(v, torque)| [*v, torque - offset]);
-    let mut plot = Plot::new(joint.name.clone(), velocity, Axis::new("friction", force)).series(
-        "measured",
-        Marks::Points,
-        thinned(points.collect()),
-    );
+    let mut plot = Plot::new(joint.name.clone(), velocity, Axis::new("friction", force));
+    if !joint.velocities.is_empty() {
+        plot = plot.series("measured", Marks::Points, thinned(points.collect()));
+    }
     let mut figure = Figure::new(format!("friction_{}", joint.joint + 1), "");
     if let Some(report) = law {
         let [low, high] = report.result.velocity_range;
@@ -236,7 +242,7 @@ fn data(found: &Identification) -> Section {
         .blocks(unused)
         .blocks(findings)
         .blocks(notes)
-        .block(Block::Table(preparation(found)))
+        .blocks((!found.preparation.joints.is_empty()).then(|| Block::Table(preparation(found))))
 }
 
 fn preparation(found: &Identification) -> Table {

@@ -51,7 +51,7 @@ pub struct Identification {
     pub recording: Recording,
     /// What was done to their signals.
     pub preparation: PreparationReport,
-    /// The signals that the estimate was made of.
+    /// The signals that the estimate was made of; none where it was made of moments.
     pub runs: Vec<PreparedRun>,
     /// Inertia, friction, offsets and gains.
     pub estimate: Estimate,
@@ -87,12 +87,7 @@ pub fn identify(
     settings: &IdentificationSettings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Identification> {
-    progress("reading the logs");
-    let recording = runs(logs, robot, &settings.columns)?;
-    require_sides(&recording, &settings.columns)?;
-    progress("smoothing");
-    let (prepared, preparation) = prepare_all(&recording.runs, Some(robot), &settings.preparation)?;
-    require_efforts(&preparation)?;
+    let (recording, prepared, preparation) = read_and_prepare(robot, logs, settings, progress)?;
     let estimate = estimate(robot, &prepared, &settings.estimation, progress)?;
     progress("choosing the terms of friction");
     let data = source(&recording);
@@ -104,6 +99,22 @@ pub fn identify(
     });
     let friction = friction.collect();
     Ok(Identification { recording, preparation, runs: prepared, estimate, friction })
+}
+
+/// The logs, and their signals on one grid through one filter.
+pub(crate) fn read_and_prepare(
+    robot: &dyn Robot,
+    logs: &[PathBuf],
+    settings: &IdentificationSettings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<(Recording, Vec<PreparedRun>, PreparationReport)> {
+    progress("reading the logs");
+    let recording = runs(logs, robot, &settings.columns)?;
+    require_sides(&recording, &settings.columns)?;
+    progress("smoothing");
+    let (prepared, preparation) = prepare_all(&recording.runs, Some(robot), &settings.preparation)?;
+    require_efforts(&preparation)?;
+    Ok((recording, prepared, preparation))
 }
 
 /// Efforts on the other side of the gears than their names say would make every result wrong by the gear's ratio:

@@ -4,7 +4,8 @@
 //! ([`differentiation`]), rows are selected by expressions ([`expression`]), a library of terms is evaluated
 //! and reduced to moments in one pass ([`library`], [`moments`]), and sparse or nonlinear models are fitted
 //! to them. Whole recorded runs ([`run`]) become equidistant and smoothed by one filter, without the delay of the
-//! efforts, in [`preparation`].
+//! efforts, in [`preparation`]. Logs that are too many for one machine become sums of products that add up
+//! ([`moments`]).
 
 pub mod confidence;
 pub mod constrained;

@@ -33,22 +33,32 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
         [] => Vec::new(),
         logs => validate(&robot, &found, logs, &settings)?,
     };
-    let command = command(arguments);
-    describe(arguments, &robot, &found, &command, &output)?;
+    finish(arguments, format, (&loaded, &robot), &found, &validation, &command(arguments), &output)
+}
+
+/// Writes what was found: the description, the page, and a table on standard output.
+pub(super) fn finish(
+    arguments: &Identify,
+    format: Format,
+    (loaded, robot): (&Loaded, &InterpretedRobot),
+    found: &Identification,
+    validation: &[JointValidation],
+    command: &str,
+    output: &Path,
+) -> Result<ExitCode, Failure> {
+    describe(arguments, robot, found, command, output)?;
     let name = &loaded.model.name;
     let files = match &arguments.report {
-        Some(folder) => report::written(&page::page(name, &robot, &found, &command), folder, "--report")?,
+        Some(folder) => report::written(&page::page(name, robot, found, command), folder, "--report")?,
         None => Vec::new(),
     };
     match format {
-        Format::Json => print::json(&as_json(&found, &validation, &output, &files)),
-        Format::Text => {
-            print::out(&as_text(&found, &validation, &output, &files)).map(|()| ExitCode::SUCCESS)
-        }
+        Format::Json => print::json(&as_json(found, validation, output, &files)),
+        Format::Text => print::out(&as_text(found, validation, output, &files)).map(|()| ExitCode::SUCCESS),
     }
 }
 
-fn settings(arguments: &Identify) -> Result<IdentificationSettings, Failure> {
+pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, Failure> {
     let effort = arguments.effort.map(|name| match name {
         EffortName::Joint => Effort::Joint,
         EffortName::Input => Effort::Input,
@@ -66,7 +76,7 @@ fn settings(arguments: &Identify) -> Result<IdentificationSettings, Failure> {
 }
 
 /// Where the description goes.
-fn output(arguments: &Identify, loaded: &Loaded) -> Result<PathBuf, Failure> {
+pub(super) fn output(arguments: &Identify, loaded: &Loaded) -> Result<PathBuf, Failure> {
     let default = || PathBuf::from(format!("{}_identified.toml", loaded.model.name));
     let output = arguments.output.clone().unwrap_or_else(default);
     place::require_writable(&output, loaded.files.iter().chain(&arguments.logs).chain(&arguments.validate))?;

@@ -1,6 +1,7 @@
 //! `gelenk identify`.
 
 mod logs;
+mod moments;
 mod plan;
 
 use std::process::ExitCode;
@@ -11,11 +12,13 @@ use super::print;
 use crate::identify::InterpretedRobot;
 use crate::model::{self, Loaded};
 
-/// Identifies a robot from its logs, or plans a motion to record.
+/// Identifies a robot from its logs or their moments, reduces logs to moments, or plans a motion to record.
 pub(super) fn identify(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
-    match arguments.plan {
-        true => plan::write(arguments, format),
-        false => logs::write(arguments, format),
+    match arguments {
+        Identify { plan: true, .. } => plan::write(arguments, format),
+        Identify { reduce: true, .. } => moments::write_reduced(arguments, format),
+        Identify { merge: true, .. } => moments::write_merged(arguments, format),
+        _ => logs::write(arguments, format),
     }
 }
 

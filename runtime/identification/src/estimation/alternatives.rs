@@ -41,18 +41,24 @@ impl Doubts {
 /// whose friction drives them.
 pub(super) fn other_explanations(task: &Task, chosen: &Chosen, own: &HeldOut) -> Result<Doubts> {
     let of_all = gravity(task, chosen)?.into_iter().collect();
+    Ok(Doubts { of_all, of_joints: signs(chosen, own, task.prior)? })
+}
+
+/// Doubts about the sign of each joint's effort.
+pub(super) fn signs(chosen: &Chosen, own: &HeldOut, prior: &Prior) -> Result<Vec<Option<String>>> {
+    let layout = chosen.centred.layout;
     let r_squared = chosen.centred_r_squared(&own.rss);
-    let mut of_joints = vec![None; task.layout.joints];
-    for joint in (0..task.layout.joints).filter(|&j| task.layout.moves[j]) {
-        if drives(chosen, joint) || (r_squared[joint] < POOR && has_other_sign(task, chosen, own, joint)?) {
-            of_joints[joint] = Some(
+    let mut doubts = vec![None; layout.joints];
+    for joint in (0..layout.joints).filter(|&j| layout.moves[j]) {
+        if drives(chosen, joint) || (r_squared[joint] < POOR && has_other_sign(prior, chosen, own, joint)?) {
+            doubts[joint] = Some(
                 "the data are explained better with the other sign of its effort, with which friction brakes. \
                  Check the signs of effort and position."
                     .into(),
             );
         }
     }
-    Ok(Doubts { of_all, of_joints })
+    Ok(doubts)
 }
 
 fn gravity(task: &Task, chosen: &Chosen) -> Result<Option<String>> {
@@ -87,10 +93,10 @@ fn as_described(mut chosen: Chosen, prior: &Prior) -> Result<HeldOut> {
 }
 
 /// Whether the rigid body fits better with the other sign of a joint's effort.
-fn has_other_sign(task: &Task, chosen: &Chosen, own: &HeldOut, joint: usize) -> Result<bool> {
+fn has_other_sign(prior: &Prior, chosen: &Chosen, own: &HeldOut, joint: usize) -> Result<bool> {
     let mut start = chosen.values.clone();
     start.gains[joint] = -start.gains[joint];
-    let other = held_out(&chosen.centred, &chosen.model, task.prior, &chosen.weighting, &start)?;
+    let other = held_out(&chosen.centred, &chosen.model, prior, &chosen.weighting, &start)?;
     let (excess, deviation) = other.excess(own);
     Ok(excess < -CLEARLY * own.total() && excess < -2.0 * deviation)
 }

@@ -71,14 +71,7 @@ impl Checked<'_> {
         };
         let [rigid, described, measured] =
             [&self.forces.rigid, &self.forces.described, &self.forces.measured].map(|of| rms(of));
-        let ratio = rigid / described;
-        let matters = described > 0.1 * measured;
-        (matters && !(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio)).then(|| {
-            format!(
-                "the rigid body needs {ratio:.2} times the described force. Check the efforts' unit and the gear \
-                 ratio, or whether the efforts are currents."
-            )
-        })
+        unit_doubt([rigid, described, measured])
     }
 
     /// A torque that comes late by d is `τ(t − d) ≈ τ − d τ̇`.
@@ -106,13 +99,7 @@ impl Checked<'_> {
 
     fn acceleration(&self, joint: usize) -> Option<String> {
         let (factor, share) = self.explained(joint, &|run, i| self.runs[run].accelerations[joint][i])?;
-        self.is_suspicious(share).then(|| {
-            format!(
-                "{:.0} % of the residual's variance follows the acceleration ({factor:+.3} per unit). The rigid body \
-                 is wrong: describe the rotor's inertia, or look for a delay or an elastic gear.",
-                100.0 * share
-            )
-        })
+        self.is_suspicious(share).then(|| acceleration_doubt(factor, share))
     }
 
     fn position(&self, joint: usize) -> Option<String> {
@@ -168,7 +155,7 @@ impl Checked<'_> {
 
     fn is_beyond_chance(&self, share: f64) -> bool {
         let total: usize = self.runs.iter().map(|r| r.times.len()).sum();
-        share > BY_CHANCE * self.correlation_time / total as f64
+        is_beyond_chance(share, self.correlation_time, total)
     }
 
     /// Factor of a quantity in a joint's residual, and the share of the variance that it explains.
@@ -187,4 +174,39 @@ impl Checked<'_> {
         let usable = variance > 1e-12 * xx && energy > 0.0;
         usable.then(|| (covariance / variance, covariance * covariance / (variance * energy)))
     }
+}
+
+fn is_beyond_chance(share: f64, correlation_time: f64, samples: usize) -> bool {
+    share > BY_CHANCE * correlation_time / samples as f64
+}
+
+/// A doubt about the efforts' unit, from the sizes of the rigid force as estimated, as described, and of the effort.
+pub(super) fn unit_doubt([rigid, described, measured]: [f64; 3]) -> Option<String> {
+    let ratio = rigid / described;
+    let matters = described > 0.1 * measured;
+    (matters && !(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio)).then(|| {
+        format!(
+            "the rigid body needs {ratio:.2} times the described force. Check the efforts' unit and the gear \
+             ratio, or whether the efforts are currents."
+        )
+    })
+}
+
+fn acceleration_doubt(factor: f64, share: f64) -> String {
+    format!(
+        "{:.0} % of the residual's variance follows the acceleration ({factor:+.3} per unit). The rigid body \
+         is wrong: describe the rotor's inertia, or look for a delay or an elastic gear.",
+        100.0 * share
+    )
+}
+
+/// The same doubt from sums of products: Σ a², Σ a r and Σ r², each without its mean.
+pub(super) fn acceleration_doubt_of(
+    [aa, ar, rr]: [f64; 3],
+    correlation_time: f64,
+    samples: usize,
+) -> Option<String> {
+    let share = ar * ar / (aa * rr);
+    let doubtful = share > SUSPICIOUS && is_beyond_chance(share, correlation_time, samples);
+    doubtful.then(|| acceleration_doubt(ar / aa, share))
 }

@@ -42,7 +42,7 @@ pub(super) struct Fitted<'a> {
 }
 
 /// Integrated autocorrelation time of a series in samples, `1 + 2 Σ ρ`, window of five times itself (Sokal 1997).
-pub(super) fn correlation_time(series: &[&[f64]]) -> f64 {
+pub(crate) fn correlation_time(series: &[&[f64]]) -> f64 {
     let count: usize = series.iter().map(|s| s.len()).sum();
     let mean = series.iter().flat_map(|s| s.iter()).sum::<f64>() / count.max(1) as f64;
     let lagged = |lag: usize| -> f64 {
@@ -149,6 +149,27 @@ fn column_means(centred: &Centred, joint: usize) -> Vec<DVector<f64>> {
 }
 
 impl Scores {
+    /// The folds' scores where the samples are gone: groups of blocks far apart, each independent of the others (the
+    /// random groups of Wolter 2007, chapter 2). That their sum is nearly zero costs one of them.
+    pub(super) fn of_folds(of: &Fitted, time: f64) -> Self {
+        let layout = of.centred.layout;
+        let folds = &of.centred.sums.folds;
+        let weights = force_weights(of.weighting, &of.values.gains);
+        let mut place = vec![None; layout.len()];
+        of.solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
+        let share = (folds.len() as f64 / (folds.len() as f64 - 1.0).max(1.0)).sqrt();
+        let score = |fold: &Vec<DMatrix<f64>>| {
+            let mut score = DVector::zeros(of.solved.active.len());
+            for joint in 0..layout.joints {
+                let products = &fold[joint] * residual_vector(layout, of.values, joint);
+                add(&mut score, layout, of.values, joint, &place, &(products * (share * weights[joint])));
+            }
+            vec![score]
+        };
+        let length = (BANDWIDTH * time).ceil().max(1.0) as usize;
+        Self { runs: folds.iter().map(score).collect(), length, correlation_time: time }
+    }
+
     /// Variance of the total score.
     fn variance(&self, size: usize) -> DMatrix<f64> {
         let lags = (BANDWIDTH * self.correlation_time / self.length as f64).ceil() as usize;

@@ -15,7 +15,7 @@ pub(super) const ASYMMETRY: usize = TERMS - 2;
 pub(super) const ARMATURE: usize = TERMS - 1;
 
 /// A joint that moves less than this [rad or m] stands still.
-const STANDSTILL: f64 = 1e-3;
+pub(crate) const STANDSTILL: f64 = 1e-3;
 /// States at which the structure of W is looked up. One generic state shows it; more guard against chance.
 const PROBES: usize = 4;
 
@@ -50,20 +50,37 @@ impl Layout {
             require_length("factors of the Coulomb terms", joints, given.len())?;
         }
         let parameters = robot.parameters().len();
-        let structure = structure(robot, joints, parameters);
-        let local = structure.iter().enumerate().map(|(joint, columns)| {
-            let start = parameters + joint * TERMS;
-            columns.iter().copied().chain(start..start + TERMS).collect()
-        });
         Ok(Self {
             joints,
             parameters,
-            local: local.collect(),
+            local: local(robot, joints, parameters),
             steepness: (0..joints)
                 .map(|j| given.map_or_else(|| steepness(runs, j), |k| [k[j]; WIDTHS.len()]))
                 .collect(),
             moves: (0..joints).map(|j| span(runs, j) > STANDSTILL).collect(),
             effort: first.effort,
+            input_matrix: robot.input_matrix(),
+        })
+    }
+
+    /// The layout before there are data: with given factors of the Coulomb terms, the same for all joints.
+    pub(super) fn without_data(
+        robot: &dyn Robot,
+        effort: Effort,
+        steepness: [f64; WIDTHS.len()],
+        moves: Vec<bool>,
+    ) -> Result<Self> {
+        if effort == Effort::Current {
+            require_own_inputs(robot)?;
+        }
+        let (joints, parameters) = (robot.joint_names().len(), robot.parameters().len());
+        Ok(Self {
+            joints,
+            parameters,
+            local: local(robot, joints, parameters),
+            steepness: vec![steepness; joints],
+            moves,
+            effort,
             input_matrix: robot.input_matrix(),
         })
     }
@@ -133,6 +150,16 @@ fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
                   forces of the inputs first"
                 .into(),
     })
+}
+
+/// Global columns of each joint's equation.
+fn local(robot: &dyn Robot, joints: usize, parameters: usize) -> Vec<Vec<usize>> {
+    let structure = structure(robot, joints, parameters);
+    let local = structure.iter().enumerate().map(|(joint, columns)| {
+        let start = parameters + joint * TERMS;
+        columns.iter().copied().chain(start..start + TERMS).collect()
+    });
+    local.collect()
 }
 
 /// Columns of W with entries in each joint's row, at generic states.

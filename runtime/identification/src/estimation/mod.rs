@@ -15,6 +15,7 @@ mod residuals;
 mod result;
 mod rows;
 mod settings;
+mod shares;
 mod sums;
 #[cfg(test)]
 mod tests;
@@ -24,3 +25,9 @@ pub use estimate::estimate;
 pub use normal::Offsets;
 pub use result::{Estimate, EstimatedTerm, JointEstimate, Uncertain};
 pub use settings::EstimationSettings;
+pub(crate) use {
+    intervals::correlation_time,
+    layout::STANDSTILL,
+    residuals::huber,
+    shares::{Columns, RunPiece, ShareSums, SharedData, Weighted, estimate_shares},
+};

@@ -4,8 +4,8 @@
 //! (Lee, Wensing, Park 2020: the affine-invariant metric at P₀). A change of one means a mass or an inertia
 //! that is wrong by about itself. For a rotor it is (ΔJ / J)².
 
-use super::super::inertial::{PER_BODY, from_pseudo_inertia, pseudo_inertia};
-use nalgebra::{Cholesky, Const, DMatrix, Matrix4};
+use super::super::inertial::{PER_BODY, from_pseudo_inertia, margin, pseudo_inertia};
+use nalgebra::{Cholesky, Const, DMatrix, DVector, Matrix4};
 
 /// Share of the body's own radius of gyration, squared, below which a description's inertia is not believed:
 /// exporters write point masses and thin bodies.
@@ -56,6 +56,12 @@ impl Prior {
             prior.metric[(i, i)] = if prior.held[i] { 0.0 } else { described[i].powi(-2) };
         }
         prior
+    }
+
+    /// Whether all bodies with mass can exist when the parameters differ by `changes` from the described ones.
+    pub(super) fn can_exist(&self, changes: &DVector<f64>) -> bool {
+        let value = |i: usize| self.described[i] + changes[i];
+        self.bodies.iter().all(|body| margin(&std::array::from_fn(|k| value(body * PER_BODY + k))) > 0.0)
     }
 
     /// Coordinates in which the believed bodies have the pseudo-inertia one: `π(L S Lᵀ)` of the parameters of S,

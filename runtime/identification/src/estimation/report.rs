@@ -1,6 +1,7 @@
 //! The estimate as it is returned.
 
-use super::super::inertial::{PER_BODY, margin};
+use super::super::inertial::PER_BODY;
+use super::super::robot::Robot;
 use super::choice::Chosen;
 use super::estimate::Task;
 use super::fit::Solved;
@@ -56,9 +57,7 @@ impl Report<'_> {
     }
 
     fn is_consistent(&self) -> bool {
-        let Prior { described, bodies, .. } = self.task.prior;
-        let value = |i: usize| described[i] + self.solved.values.unknowns[i];
-        bodies.iter().all(|body| margin(&std::array::from_fn(|k| value(body * PER_BODY + k))) > 0.0)
+        self.task.prior.can_exist(&self.solved.values.unknowns)
     }
 
     /// What was chosen, in sentences.
@@ -68,22 +67,9 @@ impl Report<'_> {
             Offsets::Common => "Each joint's force has one offset.",
             Offsets::ByRun => "Each joint's force has an offset in each run.",
         };
-        let all = self.solved.active.iter().filter(|&&global| global < self.task.layout.parameters).count();
-        let weight = format!(
-            "The description weighs {:.3e}: the data decide {:.1} of {all} combinations of inertial parameters, \
-             the description decides the rest.",
-            self.chosen.weighting.description, self.covariance.decided
-        );
-        let names = self.task.robot.parameter_names();
-        let doubted =
-            self.task.prior.bodies.iter().filter(|b| self.chosen.weighting.trust[*b * PER_BODY] < 1.0);
-        let doubted = doubted.map(|b| {
-            format!(
-                "The data contradict the described body of {}.",
-                names[b * PER_BODY].trim_start_matches("m_")
-            )
-        });
-        [offsets.to_string(), weight].into_iter().chain(doubted).collect()
+        let words =
+            chosen_in_words(self.task.robot, self.chosen, self.task.prior, self.solved, self.covariance);
+        [offsets.to_string()].into_iter().chain(words).collect()
     }
 
     fn uncertain(&self, global: usize, base: f64) -> Uncertain {
@@ -154,4 +140,26 @@ impl Report<'_> {
             quantile,
         )
     }
+}
+
+/// How much the description weighs, and which of its bodies the data contradict.
+pub(super) fn chosen_in_words(
+    robot: &dyn Robot,
+    chosen: &Chosen,
+    prior: &Prior,
+    solved: &Solved,
+    covariance: &Covariance,
+) -> Vec<String> {
+    let names = robot.parameter_names();
+    let all = solved.active.iter().filter(|&&global| global < names.len()).count();
+    let weight = format!(
+        "The description weighs {:.3e}: the data decide {:.1} of {all} combinations of inertial parameters, \
+         the description decides the rest.",
+        chosen.weighting.description, covariance.decided
+    );
+    let doubted = prior.bodies.iter().filter(|b| chosen.weighting.trust[*b * PER_BODY] < 1.0);
+    let doubted = doubted.map(|b| {
+        format!("The data contradict the described body of {}.", names[b * PER_BODY].trim_start_matches("m_"))
+    });
+    [weight].into_iter().chain(doubted).collect()
 }

@@ -72,7 +72,7 @@ fn rigid(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64
 }
 
 /// Weights of a joint's samples: 1, or the bound over the residual beyond it.
-pub(super) fn huber(residual: &[f64], deviation: f64) -> Vec<f64> {
+pub(crate) fn huber(residual: &[f64], deviation: f64) -> Vec<f64> {
     let bound = HUBER * deviation;
     residual.iter().map(|r| if r.abs() > bound { bound / r.abs() } else { 1.0 }).collect()
 }

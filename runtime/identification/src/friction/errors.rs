@@ -86,6 +86,10 @@ fn inverse_gram(design: &Design, active: &[usize], binding: &DMatrix<f64>) -> Re
     let (p, samples) = (active.len(), design.samples_of(active)?);
     let r = triangular_factor(&samples).view((0, 0), (p, p)).into_owned();
     let z = null_space(&binding.select_columns(active), p);
+    if z.ncols() == 0 {
+        // Constraints fix all coefficients.
+        return Ok(DMatrix::zeros(p, p));
+    }
     let svd = (r * &z).svd(false, true);
     let limit = 1e-12 * svd.singular_values.amax();
     let Some(v_t) = svd.v_t else { return Ok(DMatrix::zeros(p, p)) };
@@ -95,7 +99,7 @@ fn inverse_gram(design: &Design, active: &[usize], binding: &DMatrix<f64>) -> Re
 }
 
 /// Orthonormal columns that span what the rows map to zero.
-fn null_space(rows: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
+pub(super) fn null_space(rows: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
     if rows.nrows() == 0 {
         return DMatrix::identity(count, count);
     }

@@ -93,7 +93,7 @@ impl<'a> Findings<'a> {
         Ok(alone(result, judged.residuals))
     }
 
-    fn judge(&mut self, held_out: Option<f64>, least: f64) {
+    pub(super) fn judge(&mut self, held_out: Option<f64>, least: f64) {
         let Some(r) = held_out.filter(|r| *r < least) else { return };
         self.refuse(format!(
             "the law explains nothing: R² on left-out data is {r:.3}, and at least {least} is asked for. Record \
@@ -110,15 +110,26 @@ impl<'a> Findings<'a> {
         ];
         for (what, values, limit, unit) in quantities {
             let share = values.iter().filter(|x| x.abs() > limit).count() as f64 / values.len() as f64;
-            if share > BEYOND_LIMITS {
-                let largest = values.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
-                self.refuse(format!(
-                    "{:.1} % of the {what} exceed the described limit of {limit} {unit}, up to {largest:.4}: the \
-                     log's columns or units are not this joint's, or the description's limits are wrong",
-                    100.0 * share
-                ));
-            }
+            let largest = values.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+            self.judge_limit(what, share, [limit, largest], unit);
         }
+    }
+
+    /// Refuses a law whose data lie beyond a described limit.
+    pub(super) fn judge_limit(&mut self, what: &str, share: f64, [limit, largest]: [f64; 2], unit: &str) {
+        if share > BEYOND_LIMITS {
+            self.refuse(format!(
+                "{:.1} % of the {what} exceed the described limit of {limit} {unit}, up to {largest:.4}: the \
+                 log's columns or units are not this joint's, or the description's limits are wrong",
+                100.0 * share
+            ));
+        }
+    }
+
+    /// Notes, warnings, and the reason to refuse the law.
+    pub(super) fn texts(self) -> (Vec<String>, Vec<String>, Option<String>) {
+        let refusal = (!self.refusals.is_empty()).then(|| self.refusals.join("; "));
+        (self.notes, self.warnings, refusal)
     }
 }
 
@@ -147,6 +158,6 @@ fn rms_of(x: &[f64]) -> f64 {
     (x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64).sqrt()
 }
 
-fn velocity_range(velocities: &[f64]) -> [f64; 2] {
+pub(super) fn velocity_range(velocities: &[f64]) -> [f64; 2] {
     velocities.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)])
 }

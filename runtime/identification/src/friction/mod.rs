@@ -15,6 +15,7 @@ mod held_out;
 mod judgement;
 mod load;
 mod selection;
+mod shares;
 mod stribeck;
 mod terms;
 #[cfg(test)]
@@ -23,6 +24,7 @@ mod tests;
 pub(crate) use design::centre;
 pub use drift::{Drift, Trend};
 pub use load::LoadFriction;
+pub(crate) use shares::SharedFriction;
 
 use super::cross_validation::{CrossValidation, ParetoPoint};
 use super::ensemble::Ensemble;

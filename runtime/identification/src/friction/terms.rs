@@ -1,6 +1,6 @@
 //! Laws that are sums of terms: choice, least squares, passivity, standard errors.
 
-use super::super::constrained::{constrained_fit, face, nonnegative_rows, passivity_rows};
+use super::super::constrained::{constrained_fit, face};
 use super::super::cross_validation::pareto_front;
 use super::super::ensemble::{Ensemble, bootstrap};
 use super::super::error::Result;
@@ -11,8 +11,9 @@ use super::super::subset::{MOST_TERMS, ModelAverage, requirements};
 use super::design::Design;
 use super::errors::Errors;
 use super::held_out::held_out;
-use super::judgement::{Findings, Judged};
+use super::judgement::{Findings, Judged, velocity_range};
 use super::selection::{Selection, choose};
+use super::shares::passive;
 use super::{FrictionData, FrictionIdentification, FrictionReport};
 use nalgebra::{DMatrix, DVector};
 
@@ -37,9 +38,10 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
         None => Vec::new(),
     };
     let ensemble = draw(settings, &samples, &chosen.selection, &mut findings)?;
-    let rows = settings.passive.then(|| constraints(&design)).transpose()?;
+    let rows =
+        settings.passive.then(|| passive(&design.library, velocity_range(data.velocities))).transpose()?;
     let free = chosen.solution.clone();
-    let (solution, binding) = restrict(&reduced, free, rows.as_ref(), &samples, &mut findings)?;
+    let (solution, binding) = restrict(&reduced, free, rows.as_ref(), samples.len(), &mut findings)?;
     doubt(&reduced, &solution.active, &mut findings);
     let residuals = design.residuals(&solution.coefficients);
     let errors = Errors::new(&design, &solution.active, &binding, &residuals)?;
@@ -73,7 +75,7 @@ fn describe_library(design: &Design, reduced: &Reduced, findings: &mut Findings)
 }
 
 /// Doubts coefficients of chosen terms that resemble each other.
-fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings) {
+pub(super) fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings) {
     let chosen = reduced.moments().correlation().select_rows(active).select_columns(active);
     let eigenvalues = chosen.symmetric_eigenvalues();
     let condition = (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt();
@@ -117,23 +119,12 @@ fn draw(
     }
 }
 
-/// Rows of `A ξ ≥ 0`: the law dissipates over the speeds in the data, and viscous friction is not negative.
-fn constraints(design: &Design) -> Result<DMatrix<f64>> {
-    let library = &design.library;
-    let fastest = design.data.velocities.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
-    let grid: Vec<f64> = (-200..=200).map(|i| fastest * f64::from(i) / 200.0).collect();
-    let viscous: Vec<usize> = (0..library.len()).filter(|&i| library.terms()[i] == "v").collect();
-    let (signs, slope) = (passivity_rows(library, &grid)?, nonnegative_rows(&viscous, library.len()));
-    let all: Vec<_> = signs.row_iter().chain(slope.row_iter()).collect();
-    Ok(DMatrix::from_rows(&all))
-}
-
 /// Least squares under the constraints, where the free solution breaks them, and the rows that bind.
-fn restrict(
+pub(super) fn restrict(
     reduced: &Reduced,
     free: Solution,
     rows: Option<&DMatrix<f64>>,
-    samples: &Samples,
+    samples: usize,
     findings: &mut Findings,
 ) -> Result<(Solution, DMatrix<f64>)> {
     let none = DMatrix::zeros(0, free.coefficients.len());
@@ -148,7 +139,7 @@ fn restrict(
         -worst, findings.unit
     ));
     let mut coefficients = constrained_fit(reduced, 0, &free.active, rows)?;
-    remove_rounding(&mut coefficients, reduced.moments(), samples.len());
+    remove_rounding(&mut coefficients, reduced.moments(), samples);
     let binding = face(rows, &coefficients);
     Ok((Solution { coefficients, ..free }, binding))
 }

@@ -5,9 +5,9 @@
 //! [`super::least_squares`] watches it and goes back to the data with an orthogonal factorization where it
 //! matters.
 
-use super::error::{IdentificationError, Result, require_finite, require_length, require_samples};
-use super::kernel::{BLOCK, add_products};
-use super::library::Library;
+use super::super::error::{IdentificationError, Result, require_finite, require_length, require_samples};
+use super::super::kernel::{BLOCK, add_products};
+use super::super::library::Library;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -229,6 +229,11 @@ impl Moments {
         Self { names: samples.names.clone(), samples: count, products }
     }
 
+    /// Moments from a matrix of products of the terms' columns and one target's.
+    pub(crate) fn of_products(names: Vec<String>, samples: usize, products: DMatrix<f64>) -> Self {
+        Self { names, samples, products }
+    }
+
     /// Sum of several moments of the same columns.
     ///
     /// # Errors
@@ -332,7 +337,7 @@ pub(crate) fn contiguous_blocks(samples: usize, count: usize) -> impl Iterator<I
 
 #[cfg(test)]
 mod tests {
-    use super::super::random::SplitMix64;
+    use super::super::super::random::SplitMix64;
     use super::*;
 
     #[test]

@@ -1,0 +1,128 @@
+//! `gelenk identify --reduce` and `--merge`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use gelenk_identification::moments::{LogMoments, Sum, identify_moments, reduce};
+use serde_json::{Value, json};
+
+use super::super::Failure;
+use super::super::arguments::{Format, Identify};
+use super::super::{place, print};
+use super::logs::{finish, output, settings};
+use crate::model::Loaded;
+use crate::wording::quoted;
+
+/// End of the names of files of moments.
+const MOMENTS: &str = "moments";
+
+/// Reduces logs to one file of moments.
+pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
+    let (loaded, robot) = super::read(arguments)?;
+    let path = output(arguments, &loaded)?;
+    if !is_moments(&path) {
+        return Err(Failure::Usage(format!(
+            "--reduce writes moments: name a file *.{MOMENTS} with --output"
+        )));
+    }
+    let settings = settings(arguments)?;
+    let description = Description::of(arguments, &loaded)?;
+    let mut sum = Sum::default();
+    for log in &arguments.logs {
+        let name = log.display().to_string();
+        let moments = reduce(&robot, &description.parts(), log, &settings, &mut super::say)?;
+        sum.add(moments, &name)?;
+    }
+    write(&sum.total()?, &path, format)
+}
+
+/// Identifies the robot from files of moments, or adds them up to one file.
+pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
+    let (loaded, robot) = super::read(arguments)?;
+    let path = output(arguments, &loaded)?;
+    if is_moments(&path) && arguments.report.is_some() {
+        return Err(Failure::Usage("--report needs a result: name a description with --output".to_owned()));
+    }
+    let description = Description::of(arguments, &loaded)?;
+    let mut sum = Sum::default();
+    for file in &arguments.logs {
+        sum.add(LogMoments::read(file)?, &file.display().to_string())?;
+    }
+    let moments = sum.total()?;
+    if is_moments(&path) {
+        moments.require_description(&description.parts())?;
+        return write(&moments, &path, format);
+    }
+    let found =
+        identify_moments(&robot, &description.parts(), &moments, &settings(arguments)?, &mut super::say)?;
+    finish(arguments, format, (&loaded, &robot), &found, &[], &command(arguments), &path)
+}
+
+fn is_moments(path: &Path) -> bool {
+    path.extension().is_some_and(|end| end == MOMENTS)
+}
+
+fn write(moments: &LogMoments, path: &Path, format: Format) -> Result<ExitCode, Failure> {
+    moments.write(path)?;
+    match format {
+        Format::Json => print::json(&as_json(moments, path)),
+        Format::Text => print::out(&as_text(moments, path)).map(|()| ExitCode::SUCCESS),
+    }
+}
+
+fn as_text(moments: &LogMoments, path: &Path) -> String {
+    let (logs, samples, shares) = (moments.logs().len(), moments.samples(), moments.shares());
+    let plural = if logs == 1 { "log" } else { "logs" };
+    format!("wrote {}: {logs} {plural}, {samples} samples in {shares} of 16 shares\n", path.display())
+}
+
+fn as_json(moments: &LogMoments, path: &Path) -> Value {
+    let logs = moments.logs().iter().map(|log| {
+        json!({
+            "name": log.name,
+            "sha256": log.hash(),
+            "samples": log.samples,
+            "seconds": log.seconds,
+            "bandwidth": log.bandwidth,
+            "delays": log.delays,
+        })
+    });
+    json!({
+        "moments": path.display().to_string(),
+        "logs": logs.collect::<Value>(),
+        "samples": moments.samples(),
+        "shares": moments.shares(),
+        "warnings": moments.doubts(),
+    })
+}
+
+/// What moments know their description by: the bytes of all its files, and how they are read.
+struct Description {
+    files: Vec<Vec<u8>>,
+    reading: String,
+}
+
+impl Description {
+    fn of(arguments: &Identify, loaded: &Loaded) -> Result<Self, Failure> {
+        let read = |path: &PathBuf| {
+            fs::read(path).map_err(|error| Failure::Problem(format!("{}: {error}", path.display())))
+        };
+        let files = loaded.files.iter().map(read).collect::<Result<_, _>>()?;
+        Ok(Self { files, reading: arguments.reading.keys().join("\n") })
+    }
+
+    fn parts(&self) -> Vec<&[u8]> {
+        self.files.iter().map(Vec::as_slice).chain([self.reading.as_bytes()]).collect()
+    }
+}
+
+/// The command for the file and the page: the same in whatever order the files were named, and by whatever tree they
+/// were added up. The logs stand below it.
+fn command(arguments: &Identify) -> String {
+    let workspace = place::Workspace::find();
+    let description = quoted(&place::shown(&arguments.description, workspace.as_ref()));
+    let poor = arguments.accept_poor.then(|| "--accept-poor".to_owned());
+    let words = ["gelenk identify".to_owned(), description, format!("--merge *.{MOMENTS}")];
+    words.into_iter().chain(poor).chain(arguments.reading.words()).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,121 @@
+//! Sums that do not depend on their order: integers of 2⁻⁷² in 128 bits.
+
+use super::super::error::{IdentificationError, Result};
+
+/// Numbers count in 2⁻⁷² ≈ 2.1e-22. A number of SI units that is smaller than 2⁻²⁰ loses digits beyond that.
+const BITS: i32 = 72;
+/// Sums stay below 2⁵⁴ ≈ 1.8e16.
+const LARGEST: u128 = 1 << 126;
+
+/// A multiple of 2⁻⁷².
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Exact(i128);
+
+impl Exact {
+    /// The nearest multiple.
+    ///
+    /// # Errors
+    /// A number that is not finite or too large: the log's units are not SI.
+    pub(super) fn new(x: f64) -> Result<Self> {
+        let scaled = (x * 2.0_f64.powi(BITS)).round_ties_even();
+        if scaled.is_finite() && scaled.abs() < LARGEST as f64 {
+            return Ok(Self(scaled as i128));
+        }
+        Err(too_large(x))
+    }
+
+    /// The sum, exactly.
+    ///
+    /// # Errors
+    /// A sum that is too large.
+    pub(super) fn plus(self, other: Self) -> Result<Self> {
+        let sum = self.0.checked_add(other.0).filter(|sum| sum.unsigned_abs() < LARGEST);
+        sum.map(Self).ok_or_else(|| too_large(self.value() + other.value()))
+    }
+
+    /// The nearest floating-point number.
+    pub(super) fn value(self) -> f64 {
+        self.0 as f64 * 2.0_f64.powi(-BITS)
+    }
+
+    /// Number of trailing zeros, number of bytes, and these bytes of the rest: nine bytes for a number that was
+    /// a floating-point one.
+    pub(super) fn write(self, bytes: &mut Vec<u8>) {
+        if self.0 == 0 {
+            return bytes.extend([0, 0]);
+        }
+        let zeros = self.0.trailing_zeros();
+        let odd = (self.0 >> zeros).to_le_bytes();
+        let sign = if self.0 < 0 { 0xff } else { 0 };
+        // The last byte kept has to hold the sign.
+        let kept =
+            (1..16).rev().find(|&i| odd[i] != sign || (odd[i - 1] ^ sign) & 0x80 != 0).unwrap_or(0) + 1;
+        bytes.extend([zeros as u8, kept as u8]);
+        bytes.extend(&odd[..kept]);
+    }
+
+    /// A number from its trailing zeros and bytes; `None` where there is none.
+    pub(super) fn read(zeros: u8, odd: &[u8]) -> Option<Self> {
+        let negative = odd.last().is_some_and(|byte| byte & 0x80 != 0);
+        let mut all = [if negative { 0xff } else { 0 }; 16];
+        all.get_mut(..odd.len())?.copy_from_slice(odd);
+        let rest = i128::from_le_bytes(all);
+        let shifted = rest.checked_shl(u32::from(zeros))?;
+        let whole = shifted >> zeros == rest && shifted.unsigned_abs() < LARGEST;
+        whole.then_some(Self(shifted))
+    }
+}
+
+fn too_large(x: f64) -> IdentificationError {
+    IdentificationError::Overflow { what: "a sum of products of the log".into(), largest: x.abs() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::random::SplitMix64;
+    use super::*;
+
+    fn numbers() -> Vec<f64> {
+        let mut random = SplitMix64::new(3);
+        let mut all: Vec<f64> =
+            (0..500).map(|_| random.normal() * 10_f64.powf(20.0 * random.uniform() - 10.0)).collect();
+        all.extend([0.0, 1.0, -1.0, 127.0, 128.0, -128.0, -129.0, 1e16, -1e16, 2e-22]);
+        all
+    }
+
+    #[test]
+    fn any_order_gives_the_same_sum() {
+        let all: Vec<Exact> = numbers().iter().map(|x| Exact::new(*x).unwrap()).collect();
+        let sum = |parts: &[Exact]| parts.iter().try_fold(Exact::default(), |a, b| a.plus(*b)).unwrap();
+        let mut backwards = all.clone();
+        backwards.reverse();
+        let (left, right) = all.split_at(77);
+        assert_eq!(sum(&all), sum(&backwards));
+        assert_eq!(sum(&all), sum(right).plus(sum(left)).unwrap());
+    }
+
+    #[test]
+    fn numbers_survive_their_bytes_and_keep_their_digits() {
+        for x in numbers() {
+            let exact = Exact::new(x).unwrap();
+            assert!((exact.value() - x).abs() <= 1.1e-22, "{x}");
+            let mut bytes = Vec::new();
+            exact.write(&mut bytes);
+            assert_eq!(bytes.len(), 2 + usize::from(bytes[1]));
+            assert!(bytes.len() <= 9, "{x}: {bytes:?}");
+            assert_eq!(Exact::read(bytes[0], &bytes[2..]), Some(exact), "{x}: {bytes:?}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        for x in [f64::NAN, f64::INFINITY, 2e16, -1e300] {
+            assert!(Exact::new(x).unwrap_err().to_string().contains("overflow"), "{x}");
+        }
+        let large = Exact::new(1.5e16).unwrap();
+        assert!(large.plus(large).is_err());
+        assert_eq!(Exact::read(127, &[3]), None);
+        assert_eq!(Exact::read(200, &[1]), None);
+        assert_eq!(Exact::read(0, &[1; 17]), None);
+    }
+}

@@ -1,0 +1,282 @@
+//! A robot from moments.
+
+use super::super::error::{IdentificationError, Result};
+use super::super::estimation::{Columns, Estimate, STANDSTILL, ShareSums, SharedData, estimate_shares};
+use super::super::friction::{FrictionData, SharedFriction};
+use super::super::identify::{Identification, IdentificationSettings, JointFriction};
+use super::super::log::Recording;
+use super::super::preparation::{Filter, PreparationReport};
+use super::super::robot::Robot;
+use super::super::subset::{Requirement, requirements};
+use super::exact::Exact;
+use super::file::hash_of;
+use super::logs::{JointFacts, LogMoments, ReducedLog, Share, hexadecimal};
+use super::products::Moments;
+use nalgebra::{DMatrix, DVector};
+
+/// Fewest shares with samples: folds of the held-out error.
+const FEWEST_SHARES: usize = 4;
+/// Ratio between bandwidths of logs beyond which it is said.
+const OTHER_FILTER: f64 = 1.5;
+/// Difference between delays of logs beyond which it is said [s].
+const OTHER_DELAY: f64 = 2e-3;
+/// Share of a term's energy that the rarer direction must have for an asymmetry to be told.
+const LEAST_OF_A_DIRECTION: f64 = 0.01;
+
+/// Identifies a robot from moments of its logs, as [`super::super::identify::identify`] does from the logs. What
+/// needs samples is empty: runs, efforts, predictions, offsets.
+///
+/// - `description`: as for [`super::reduce()`]
+/// - `progress`: takes a sentence at each step
+///
+/// # Errors
+/// Moments of another description, of too few logs, and estimates that explain nothing.
+pub fn identify_moments(
+    robot: &dyn Robot,
+    description: &[&[u8]],
+    moments: &LogMoments,
+    settings: &IdentificationSettings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Identification> {
+    moments.require_description(description)?;
+    let moving = moments.joints.iter().map(|joint| joint.span > STANDSTILL).collect();
+    let columns = Columns::new(robot, moments.about.effort, moving)?;
+    if columns.widths() != moments.about.widths {
+        return Err(fault("they were made by another gelenk: reduce the logs again with this one"));
+    }
+    let shares: Vec<ShareSums> =
+        moments.shares.iter().filter(|s| s.samples > 0).map(|s| s.sums(&columns)).collect();
+    if shares.len() < FEWEST_SHARES {
+        return Err(fault(&format!(
+            "they lie in {} of 16 shares, and at least {FEWEST_SHARES} are needed, so that a part can be held out: add \
+             more logs, or longer ones",
+            shares.len()
+        )));
+    }
+    progress("Terms and the weight of the description are chosen by the held-out error.");
+    let data = SharedData {
+        robot,
+        settings: &settings.estimation,
+        columns: &columns,
+        shares: &shares,
+        correlation_time: moments.logs.iter().map(|log| log.correlation).fold(1.0, f64::max),
+    };
+    let found = estimate_shares(&data)?;
+    progress("choosing the terms of friction");
+    let notes = moments.notes();
+    let friction =
+        (0..found.friction.len()).filter(|joint| found.estimate.joints[*joint].moves).map(|joint| {
+            let of_joint = JointMoments {
+                joint,
+                facts: &moments.joints[joint],
+                shares: &shares,
+                library: columns.library(joint),
+                factors: &found.friction[joint],
+                gain: found.estimate.joints[joint].gain.map_or(1.0, |gain| gain.value),
+            };
+            of_joint.friction(robot, settings, &found.estimate, &moments.source(), &notes)
+        });
+    let friction = friction.collect();
+    let mut estimate = found.estimate;
+    estimate.warnings.extend(moments.differences().into_iter().chain(moments.doubts()));
+    Ok(Identification {
+        recording: moments.recording(),
+        preparation: moments.preparation(notes)?,
+        runs: Vec::new(),
+        estimate,
+        friction,
+    })
+}
+
+fn fault(message: &str) -> IdentificationError {
+    IdentificationError::File { place: "the moments".into(), message: message.into() }
+}
+
+impl LogMoments {
+    /// Fails unless the moments belong to a description.
+    ///
+    /// # Errors
+    /// Another description.
+    pub fn require_description(&self, description: &[&[u8]]) -> Result<()> {
+        if hexadecimal(&self.about.description) == hash_of(description) {
+            return Ok(());
+        }
+        Err(fault(
+            "they belong to another description, to another state of its files, or to other options of reading: name \
+             the description that the logs were reduced with, or reduce them again",
+        ))
+    }
+
+    fn recording(&self) -> Recording {
+        Recording {
+            runs: Vec::new(),
+            effort: self.about.effort,
+            findings: Vec::new(),
+            mapping: Vec::new(),
+            unused: Vec::new(),
+            hashes: self.logs.iter().map(|log| (log.name.clone(), log.hash())).collect(),
+        }
+    }
+
+    /// How many logs there are, and their filters.
+    fn notes(&self) -> Vec<String> {
+        let seconds: f64 = self.logs.iter().map(|log| log.seconds).sum();
+        let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
+        let filters =
+            if narrow < wide { format!("{narrow:.3} to {wide:.3} Hz") } else { format!("{wide:.3} Hz") };
+        let (logs, samples, shares) = (self.logs.len(), self.samples(), self.shares());
+        let plural = if logs == 1 { "log" } else { "logs" };
+        vec![format!(
+            "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} shares; filter of {filters}"
+        )]
+    }
+
+    /// How far filters and delays differ, where they do.
+    fn differences(&self) -> Vec<String> {
+        let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
+        let [early, late] = self.range(&|log| log.delays);
+        let filters = (wide > OTHER_FILTER * narrow).then(|| {
+            format!(
+                "The logs passed different filters ({narrow:.3} to {wide:.3} Hz): take one --bandwidth for each --reduce."
+            )
+        });
+        let delays = (late - early > OTHER_DELAY).then(|| {
+            let [early, late] = [early, late].map(|delay| 1e3 * delay);
+            format!("Delays of {early:.1} to {late:.1} ms were removed from the efforts: take one --delay for each --reduce.")
+        });
+        filters.into_iter().chain(delays).collect()
+    }
+
+    fn range(&self, of: &dyn Fn(&ReducedLog) -> [f64; 2]) -> [f64; 2] {
+        let all = self.logs.iter().map(of);
+        all.fold([f64::MAX, f64::MIN], |[a, b], [x, y]| [a.min(x), b.max(y)])
+    }
+
+    fn preparation(&self, notes: Vec<String>) -> Result<PreparationReport> {
+        let bandwidth = self.range(&|log| [log.bandwidth; 2])[1];
+        // Nothing passes this filter any more.
+        let sample_rate = 10.0 * bandwidth;
+        let filter = Filter::new(bandwidth, 1.0 / sample_rate)?;
+        Ok(PreparationReport { joints: Vec::new(), delays: Vec::new(), filter, sample_rate, notes })
+    }
+
+    /// The logs for the comments of a law: all of them stand at the head of the description.
+    fn source(&self) -> String {
+        match self.logs.as_slice() {
+            [only] => format!("{} (sha256 {})", only.name, &only.hash()[..16]),
+            several => format!("{} logs", several.len()),
+        }
+    }
+}
+
+impl Share {
+    fn sums(&self, columns: &Columns) -> ShareSums {
+        let square = |(products, width): (&Vec<Exact>, usize)| {
+            let place = |i: usize, j: usize| i * (i + 1) / 2 + j;
+            DMatrix::from_fn(width, width, |i, j| products[place(i.max(j), i.min(j))].value())
+        };
+        ShareSums {
+            samples: self.samples as usize,
+            weights: self.joints.iter().map(|joint| joint.weight.value()).collect(),
+            products: self
+                .joints
+                .iter()
+                .map(|joint| &joint.products)
+                .zip(columns.widths())
+                .map(square)
+                .collect(),
+            lost: self.joints.iter().map(|joint| joint.lost.map(Exact::value)).collect(),
+        }
+    }
+}
+
+/// Friction of one joint: its terms against what the rigid body leaves of the effort.
+struct JointMoments<'a> {
+    joint: usize,
+    facts: &'a JointFacts,
+    shares: &'a [ShareSums],
+    library: Vec<(&'static str, usize)>,
+    /// Factors of the columns in the friction torque.
+    factors: &'a DVector<f64>,
+    gain: f64,
+}
+
+impl JointMoments<'_> {
+    fn friction(
+        &self,
+        robot: &dyn Robot,
+        settings: &IdentificationSettings,
+        estimate: &Estimate,
+        data: &str,
+        notes: &[String],
+    ) -> JointFriction {
+        let of_joint = &estimate.joints[self.joint];
+        let (library, left_out) = self.seen();
+        let about = FrictionData {
+            joint: &of_joint.name,
+            unit: of_joint.unit,
+            velocity_unit: if of_joint.unit == "N" { "m/s" } else { "rad/s" },
+            limits: robot.limits().get(self.joint).copied(),
+            data,
+            settings: &notes.iter().cloned().chain(left_out).collect::<Vec<_>>(),
+            ..FrictionData::default()
+        };
+        let sum = |which: usize| {
+            self.gain.powi(2) * self.shares.iter().map(|s| s.lost[self.joint][which]).sum::<f64>()
+        };
+        let shared = SharedFriction {
+            about,
+            shares: self.shares.iter().map(|share| self.moments(share, &library)).collect(),
+            lost: [0, 1].map(sum),
+            velocity_range: self.facts.velocities,
+            largest_torque: self.facts.largest_friction,
+            beyond: self.facts.beyond,
+        };
+        let report = settings.friction.identify_shares(&shared).map_err(|error| error.to_string());
+        let report = report.and_then(|mut report| {
+            if settings.accept_poor {
+                report.result.accept();
+            }
+            match report.result.refusal.clone() {
+                Some(reason) => Err(reason),
+                None => Ok(report),
+            }
+        });
+        JointFriction {
+            joint: self.joint,
+            name: of_joint.name.clone(),
+            velocities: Vec::new(),
+            torques: Vec::new(),
+            report,
+        }
+    }
+
+    /// The library without asymmetries of motion that is nearly all in one direction.
+    fn seen(&self) -> (Vec<(&'static str, usize)>, Option<String>) {
+        let names: Vec<String> = self.library.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let [vv, v, tt, t] = self.facts.directions.map(Exact::value);
+        let unseen = |requirement: &Requirement| {
+            let [all, signed] = if names[requirement.needs] == "v" { [vv, v] } else { [tt, t] };
+            0.5 * (all - signed.abs()) < LEAST_OF_A_DIRECTION * all
+        };
+        let out: Vec<usize> = requirements(&names).iter().filter(|r| unseen(r)).map(|r| r.term).collect();
+        let kept = self.library.iter().enumerate().filter(|(i, _)| !out.contains(i)).map(|(_, term)| *term);
+        let texts: Vec<&str> = out.iter().map(|i| names[*i].as_str()).collect();
+        let note = (!out.is_empty()).then(|| {
+            format!("{} left out: the joint hardly moves in one of its directions", texts.join(", "))
+        });
+        (kept.collect(), note)
+    }
+
+    /// Products of the terms' columns and of the friction torque's.
+    fn moments(&self, share: &ShareSums, library: &[(&'static str, usize)]) -> Moments {
+        let products = &share.products[self.joint];
+        let mut map = DMatrix::zeros(products.nrows(), library.len() + 1);
+        for (column, (_, place)) in library.iter().enumerate() {
+            map[(*place, column)] = 1.0;
+        }
+        map.set_column(library.len(), self.factors);
+        let names = library.iter().map(|(name, _)| (*name).to_owned()).collect();
+        Moments::of_products(names, share.samples, map.transpose() * products * map)
+    }
+}

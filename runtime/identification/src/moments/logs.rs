@@ -1,0 +1,337 @@
+//! Moments of logs, and their sum.
+
+use super::super::error::{IdentificationError, Result};
+use super::super::run::Effort;
+use super::exact::Exact;
+use std::collections::BTreeMap;
+
+/// Shares that pieces of logs belong to: folds of the held-out error, and blocks of intervals and bootstrap.
+pub(super) const SHARES: usize = 16;
+/// Share of the logs below which a doubt about single ones is only counted.
+const RARE: f64 = 0.1;
+
+/// A SHA-256.
+pub(super) type Hash = [u8; 32];
+
+/// What logs say about a robot, in a size that does not grow with their length: sums of products of the columns of
+/// each joint's equation, offsets of the runs taken out, in 16 shares.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LogMoments {
+    pub(super) about: About,
+    /// Ascending by hash.
+    pub(super) logs: Vec<ReducedLog>,
+    /// Ascending.
+    pub(super) doubts: Vec<Doubt>,
+    pub(super) joints: Vec<JointFacts>,
+    /// [`SHARES`] of them.
+    pub(super) shares: Vec<Share>,
+}
+
+/// What has to agree between moments that add up.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct About {
+    /// SHA-256 of the description and of how it is read.
+    pub(super) description: Hash,
+    pub(super) effort: Effort,
+    pub(super) gravity_compensated: bool,
+    /// As asked for; `None` where each log decides \[Hz\].
+    pub(super) bandwidth: Option<f64>,
+    /// As asked for; `None` where each log decides \[s\].
+    pub(super) delay: Option<f64>,
+    /// Columns of each joint.
+    pub(super) widths: Vec<usize>,
+}
+
+/// A log that was reduced.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReducedLog {
+    /// File name.
+    pub name: String,
+    /// SHA-256 of its bytes.
+    pub(super) hash: Hash,
+    /// Samples on the even grid, after smoothing.
+    pub samples: u64,
+    /// Their duration \[s\].
+    pub seconds: f64,
+    /// Half-amplitude frequency of the filter \[Hz\].
+    pub bandwidth: f64,
+    /// Least and largest delay that was removed from an effort \[s\].
+    pub delays: [f64; 2],
+    /// Samples after which residuals of the fit to this log forget, the largest of all joints.
+    pub correlation: f64,
+}
+
+/// A doubt that the fits to single logs gave: as many kinds as joints and sentences, not as logs.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Doubt {
+    /// None where all joints are meant.
+    pub(super) joint: Option<u32>,
+    /// The sentence without its numbers.
+    pub(super) kind: String,
+    /// How many logs gave it.
+    pub(super) logs: u64,
+    /// The one with the smallest hash, its name, and its sentence.
+    pub(super) first: (Hash, String, String),
+}
+
+/// What is known about a joint beside its sums of products.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct JointFacts {
+    /// Largest range of positions in a run [rad or m].
+    pub(super) span: f64,
+    pub(super) velocities: [f64; 2],
+    /// Largest friction torque by the fit to its log.
+    pub(super) largest_friction: f64,
+    /// Samples whose speed, and whose friction, is beyond the described limit.
+    pub(super) beyond: [u64; 2],
+    /// Σ v², Σ v |v|, Σ t², Σ t |t| with t = tanh 20 v, not centred.
+    pub(super) directions: [Exact; 4],
+}
+
+/// Sums over the pieces of a share.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Share {
+    pub(super) samples: u64,
+    /// Of each joint; empty in a share without samples.
+    pub(super) joints: Vec<JointSums>,
+}
+
+/// A joint's sums.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct JointSums {
+    /// Σ w.
+    pub(super) weight: Exact,
+    /// What outliers lost with their weight: Σ (1 − w) r² and Σ (1 − w)(z − z̄)², in units of the effort.
+    pub(super) lost: [Exact; 2],
+    /// Σ w (x − x̄)(x − x̄)ᵀ, rows of the lower triangle.
+    pub(super) products: Vec<Exact>,
+}
+
+impl ReducedLog {
+    /// SHA-256 of the log's bytes, in hexadecimal.
+    pub fn hash(&self) -> String {
+        hexadecimal(&self.hash)
+    }
+}
+
+impl LogMoments {
+    /// The logs, ascending by their hashes.
+    pub fn logs(&self) -> &[ReducedLog] {
+        &self.logs
+    }
+
+    /// Samples of all logs.
+    pub fn samples(&self) -> u64 {
+        self.logs.iter().map(|log| log.samples).sum()
+    }
+
+    /// Doubts that the fits to single logs gave: what at least a tenth of them gave, as sentences, the others counted.
+    pub fn doubts(&self) -> Vec<String> {
+        let logs = self.logs.len();
+        let is_rare = |doubt: &&Doubt| (doubt.logs as f64) < RARE * logs as f64;
+        let sentence = |doubt: &Doubt| {
+            let (_, name, text) = &doubt.first;
+            match logs {
+                1 => format!("{name}: {text}"),
+                _ => format!("In {} of {logs} logs, as in {name}: {text}", doubt.logs),
+            }
+        };
+        let rare = self.doubts.iter().filter(is_rare).count();
+        let rare = (rare > 0).then(|| {
+            format!("{rare} more doubts were had in less than a tenth of the logs each: --reduce says them for each log")
+        });
+        self.doubts.iter().filter(|doubt| !is_rare(doubt)).map(sentence).chain(rare).collect()
+    }
+
+    /// Shares with samples.
+    pub fn shares(&self) -> usize {
+        self.shares.iter().filter(|share| share.samples > 0).count()
+    }
+
+    /// Adds moments that belong to the same robot and options.
+    fn add(&mut self, other: Self) -> Result<()> {
+        self.logs.extend(other.logs);
+        self.logs.sort_by_key(|log| log.hash);
+        other.doubts.into_iter().for_each(|doubt| self.add_doubt(doubt));
+        for (joint, other) in self.joints.iter_mut().zip(&other.joints) {
+            joint.add(other)?;
+        }
+        for (share, other) in self.shares.iter_mut().zip(other.shares) {
+            share.add(other)?;
+        }
+        Ok(())
+    }
+}
+
+impl LogMoments {
+    fn add_doubt(&mut self, doubt: Doubt) {
+        match self.doubts.binary_search_by(|known| known.place().cmp(&doubt.place())) {
+            Err(place) => self.doubts.insert(place, doubt),
+            Ok(place) => {
+                let known = &mut self.doubts[place];
+                known.logs = known.logs.saturating_add(doubt.logs);
+                if doubt.first.0 < known.first.0 {
+                    known.first = doubt.first;
+                }
+            }
+        }
+    }
+}
+
+impl Doubt {
+    /// What tells doubts apart.
+    pub(super) fn place(&self) -> (Option<u32>, &str) {
+        (self.joint, &self.kind)
+    }
+}
+
+impl JointFacts {
+    pub(super) fn add(&mut self, other: &Self) -> Result<()> {
+        self.span = self.span.max(other.span);
+        self.velocities =
+            [self.velocities[0].min(other.velocities[0]), self.velocities[1].max(other.velocities[1])];
+        self.largest_friction = self.largest_friction.max(other.largest_friction);
+        for (count, other) in self.beyond.iter_mut().zip(other.beyond) {
+            *count = count.saturating_add(other);
+        }
+        add_all(&mut self.directions, &other.directions)
+    }
+}
+
+impl Share {
+    pub(super) fn add(&mut self, other: Self) -> Result<()> {
+        self.samples = self.samples.saturating_add(other.samples);
+        if self.joints.is_empty() {
+            self.joints = other.joints;
+            return Ok(());
+        }
+        for (joint, other) in self.joints.iter_mut().zip(&other.joints) {
+            joint.weight = joint.weight.plus(other.weight)?;
+            add_all(&mut joint.lost, &other.lost)?;
+            add_all(&mut joint.products, &other.products)?;
+        }
+        Ok(())
+    }
+}
+
+fn add_all(sums: &mut [Exact], others: &[Exact]) -> Result<()> {
+    sums.iter_mut().zip(others).try_for_each(|(sum, other)| {
+        *sum = sum.plus(*other)?;
+        Ok(())
+    })
+}
+
+/// A sum of moments in the making: whatever the order, it ends as the same bytes.
+#[derive(Debug, Default)]
+pub struct Sum {
+    total: Option<LogMoments>,
+    /// Where the first moments came from.
+    first: String,
+    /// Where each log came from, by its hash: the file of moments, and the log's name in it.
+    places: BTreeMap<Hash, (String, String)>,
+}
+
+impl Sum {
+    /// Adds moments that come from `place`.
+    ///
+    /// # Errors
+    /// Moments of another description, of other options, and a log that is there already.
+    pub fn add(&mut self, moments: LogMoments, place: &str) -> Result<()> {
+        if let Some(total) = &self.total {
+            require_same(&total.about, &moments.about, &self.first, place)?;
+        } else {
+            place.clone_into(&mut self.first);
+        }
+        for log in &moments.logs {
+            let known = self.places.insert(log.hash, (place.to_owned(), log.name.clone()));
+            if let Some((before, name)) = known {
+                return Err(twice(place, &log.name, &before, &name));
+            }
+        }
+        match &mut self.total {
+            Some(total) => total.add(moments),
+            None => {
+                self.total = Some(moments);
+                Ok(())
+            }
+        }
+    }
+
+    /// The sum.
+    ///
+    /// # Errors
+    /// Nothing was added.
+    pub fn total(self) -> Result<LogMoments> {
+        self.total.ok_or_else(|| IdentificationError::Empty { what: "the list of moments".into() })
+    }
+}
+
+fn twice(place: &str, name: &str, before: &str, other: &str) -> IdentificationError {
+    let message = if place == name && before == other {
+        format!("it holds the same bytes as {before}: give a log once")
+    } else {
+        format!(
+            "the log {name} in it is the log {other} in {before}, byte by byte: leave out one of the two files"
+        )
+    };
+    IdentificationError::File { place: place.into(), message }
+}
+
+/// Moments add up where everything that they were made with is the same.
+fn require_same(first: &About, other: &About, before: &str, place: &str) -> Result<()> {
+    let fault = |message: String| Err(IdentificationError::File { place: place.into(), message });
+    if first.description != other.description {
+        return fault(format!(
+            "its moments belong to another description than those of {before}: reduce its logs again with the one \
+             that is meant, and the same options of reading"
+        ));
+    }
+    if first.effort != other.effort {
+        return fault(format!(
+            "its efforts are {}, those of {before} are {}: reduce the logs with one --effort",
+            words(other.effort),
+            words(first.effort)
+        ));
+    }
+    if first.gravity_compensated != other.gravity_compensated {
+        let with = |is: bool| if is { "with" } else { "without" };
+        return fault(format!(
+            "it was reduced {} --gravity-compensated, and {before} {} it: reduce the logs alike",
+            with(other.gravity_compensated),
+            with(first.gravity_compensated)
+        ));
+    }
+    for (option, mine, theirs) in
+        [("--bandwidth", first.bandwidth, other.bandwidth), ("--delay", first.delay, other.delay)]
+    {
+        if mine.map(f64::to_bits) != theirs.map(f64::to_bits) {
+            return fault(format!(
+                "it was reduced {}, and {before} {}: reduce the logs with the same one",
+                said(option, theirs),
+                said(option, mine)
+            ));
+        }
+    }
+    if first.widths != other.widths {
+        return fault(format!(
+            "its joints have other columns than those of {before}: reduce both with one gelenk"
+        ));
+    }
+    Ok(())
+}
+
+fn said(option: &str, value: Option<f64>) -> String {
+    value.map_or_else(|| format!("without {option}"), |value| format!("with {option} {value:?}"))
+}
+
+fn words(effort: Effort) -> &'static str {
+    match effort {
+        Effort::Joint => "forces at the joints",
+        Effort::Input => "inputs",
+        Effort::Current => "currents",
+    }
+}
+
+pub(super) fn hexadecimal(hash: &Hash) -> String {
+    hash.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,258 @@
+//! A log as moments.
+
+use super::super::error::{IdentificationError, Result};
+use super::super::estimation::{
+    Columns, Estimate, JointEstimate, RunPiece, STANDSTILL, ShareSums, Weighted, correlation_time, estimate,
+    huber,
+};
+use super::super::identify::{IdentificationSettings, read_and_prepare};
+use super::super::preparation::PreparationReport;
+use super::super::robot::Robot;
+use super::super::run::PreparedRun;
+use super::contiguous_blocks;
+use super::exact::Exact;
+use super::file::hash_of;
+use super::logs::{About, Doubt, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share};
+use std::path::Path;
+
+/// Least length of a piece, in correlation times of the residuals: pieces are nearly independent then.
+const PIECE: f64 = 10.0;
+/// Bounds a median by the standard deviation of a normal distribution.
+const FROM_MEDIAN: f64 = 1.4826;
+
+/// Reduces one log to its moments.
+///
+/// The log is fitted by itself first, as [`super::super::identify::identify`] does, for the weights of its outliers,
+/// the correlation time of its residuals, and its doubts; a fit that explains little is no error here.
+///
+/// - `description`: what the robot was made from, e.g. the contents of its files and how they are read; moments are
+///   known by the hash of it and belong to no other
+/// - `progress`: takes a sentence at each step, and what is said about the log
+///
+/// # Errors
+/// As [`super::super::identify::identify`], and numbers that are too large to be SI units.
+pub fn reduce(
+    robot: &dyn Robot,
+    description: &[&[u8]],
+    log: &Path,
+    settings: &IdentificationSettings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<LogMoments> {
+    let logs = [log.to_owned()];
+    let (recording, runs, preparation) = read_and_prepare(robot, &logs, settings, progress)?;
+    recording.findings.iter().for_each(|finding| progress(&finding.to_string()));
+    let mut alone = settings.estimation.clone();
+    alone.accept_poor = true;
+    let estimate = estimate(robot, &runs, &alone, &mut |_| ())?;
+    estimate.warnings.iter().for_each(|warning| progress(warning));
+    let hash = recording.hashes.first().and_then(|(_, hash)| from_hexadecimal(hash));
+    let fitted = Fitted::new(&runs, &estimate, settings.estimation.robust_passes > 0);
+    let facts = fitted.facts(robot)?;
+    let columns =
+        Columns::new(robot, recording.effort, facts.iter().map(|joint| joint.span > STANDSTILL).collect())?;
+    let reduced = ReducedLog {
+        name: log.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        hash: hash.ok_or_else(|| IdentificationError::Empty { what: "the log's hash".into() })?,
+        samples: runs.iter().map(|run| run.times.len() as u64).sum(),
+        seconds: runs.iter().map(|run| run.times.len() as f64).sum::<f64>() / preparation.sample_rate,
+        bandwidth: preparation.filter.bandwidth(),
+        delays: delays(&preparation),
+        correlation: fitted.correlation,
+    };
+    let pieces = pieces(&runs, fitted.correlation);
+    let weighted = Weighted { weights: &fitted.weights, residuals: &fitted.residuals };
+    let sums = columns.sums(robot, &runs, settings.estimation.gravity_compensated, &weighted, &pieces);
+    Ok(LogMoments {
+        about: About {
+            description: from_hexadecimal(&hash_of(description)).unwrap_or_default(),
+            effort: recording.effort,
+            gravity_compensated: settings.estimation.gravity_compensated,
+            bandwidth: settings.preparation.bandwidth,
+            delay: settings.preparation.delay,
+            widths: columns.widths(),
+        },
+        shares: shares(&sums, &reduced.hash)?,
+        doubts: doubts(&estimate, &reduced),
+        logs: vec![reduced],
+        joints: facts,
+    })
+}
+
+fn delays(preparation: &PreparationReport) -> [f64; 2] {
+    let removed = || preparation.delays.iter().map(|delay| delay.removed);
+    let extreme = |of: f64| if of.is_finite() { of } else { 0.0 };
+    [removed().fold(f64::INFINITY, f64::min), removed().fold(f64::NEG_INFINITY, f64::max)].map(extreme)
+}
+
+/// Doubts by joint and kind, ascending. That a joint stands still is none here: others may move it.
+fn doubts(estimate: &Estimate, log: &ReducedLog) -> Vec<Doubt> {
+    let joints = &estimate.joints;
+    let doubt = |text: &String| {
+        let of = |(joint, estimate): (usize, &JointEstimate)| {
+            let rest = text.strip_prefix("Joint ")?.strip_prefix(estimate.name.as_str())?;
+            rest.starts_with([':', ' ']).then_some((joint, rest))
+        };
+        // The longest name, where one begins with another.
+        let joint = joints.iter().enumerate().filter_map(of).min_by_key(|(_, rest)| rest.len());
+        Doubt {
+            joint: joint.map(|(joint, _)| joint as u32),
+            kind: without_numbers(joint.map_or(text.as_str(), |(_, rest)| rest)),
+            logs: 1,
+            first: (log.hash, log.name.clone(), text.clone()),
+        }
+    };
+    let moves = |doubt: &Doubt| doubt.joint.is_none_or(|joint| joints[joint as usize].moves);
+    let mut doubts: Vec<Doubt> = estimate.warnings.iter().map(doubt).filter(moves).collect();
+    doubts.sort_by(|a, b| a.place().cmp(&b.place()));
+    doubts.dedup_by(|a, b| a.place() == b.place());
+    doubts
+}
+
+fn without_numbers(text: &str) -> String {
+    let mut kind = String::new();
+    for c in text.chars() {
+        match c {
+            '0'..='9' | '+' | '-' | '.' if kind.ends_with('#') => {}
+            '0'..='9' => kind.push('#'),
+            c => kind.push(c),
+        }
+    }
+    kind
+}
+
+/// The fit to the log alone, as far as its moments need it.
+struct Fitted<'a> {
+    runs: &'a [PreparedRun],
+    estimate: &'a Estimate,
+    /// Units of the effort times B, as the weights' deviations, `[run][joint][sample]`.
+    residuals: Vec<Vec<Vec<f64>>>,
+    weights: Vec<Vec<Vec<f64>>>,
+    correlation: f64,
+}
+
+impl<'a> Fitted<'a> {
+    fn new(runs: &'a [PreparedRun], estimate: &'a Estimate, robust: bool) -> Self {
+        let gain = |joint: usize| estimate.joints[joint].gain.map_or(1.0, |gain| gain.value);
+        let residual = |(joint, (measured, predicted)): (usize, (&Vec<f64>, &Vec<f64>))| -> Vec<f64> {
+            measured.iter().zip(predicted).map(|(m, p)| (m - p) / gain(joint)).collect()
+        };
+        let of_run = |(measured, predicted): (&Vec<Vec<f64>>, &Vec<Vec<f64>>)| -> Vec<Vec<f64>> {
+            measured.iter().zip(predicted).enumerate().map(residual).collect()
+        };
+        let residuals: Vec<Vec<Vec<f64>>> =
+            estimate.measured.iter().zip(&estimate.predicted).map(of_run).collect();
+        let joints = estimate.joints.len();
+        let deviations: Vec<f64> =
+            (0..joints).map(|j| if robust { deviation(&residuals, j) } else { f64::INFINITY }).collect();
+        let weigh = |run: &Vec<Vec<f64>>| run.iter().zip(&deviations).map(|(r, d)| huber(r, *d)).collect();
+        let time = |joint: usize| {
+            let series: Vec<&[f64]> = residuals.iter().map(|run| run[joint].as_slice()).collect();
+            correlation_time(&series)
+        };
+        let correlation = (0..joints).map(time).filter(|time| time.is_finite()).fold(1.0, f64::max);
+        Self { weights: residuals.iter().map(weigh).collect(), residuals, correlation, runs, estimate }
+    }
+
+    fn facts(&self, robot: &dyn Robot) -> Result<Vec<JointFacts>> {
+        let limits = robot.limits();
+        let fact = |joint: usize| -> Result<JointFacts> {
+            let limits = limits[joint];
+            let mut facts = JointFacts {
+                span: 0.0,
+                velocities: [f64::MAX, f64::MIN],
+                largest_friction: 0.0,
+                beyond: [0, 0],
+                directions: [Exact::default(); 4],
+            };
+            for (run, friction) in self.runs.iter().zip(&self.estimate.friction) {
+                let (y, v, torque) = (&run.positions[joint], &run.velocities[joint], &friction[joint]);
+                let beyond =
+                    |values: &[f64], limit: f64| values.iter().filter(|x| x.abs() > limit).count() as u64;
+                facts.add(&JointFacts {
+                    span: extreme(y)[1] - extreme(y)[0],
+                    velocities: extreme(v),
+                    largest_friction: torque.iter().fold(0.0, |a, x| a.max(x.abs())),
+                    beyond: [beyond(v, limits.velocity), beyond(torque, limits.effort)],
+                    directions: directions(v)?,
+                })?;
+            }
+            Ok(facts)
+        };
+        (0..self.estimate.joints.len()).map(fact).collect()
+    }
+}
+
+fn extreme(x: &[f64]) -> [f64; 2] {
+    x.iter().fold([f64::MAX, f64::MIN], |[a, b], x| [a.min(*x), b.max(*x)])
+}
+
+/// Σ v², Σ v |v|, Σ t², Σ t |t| with t = tanh 20 v.
+fn directions(velocities: &[f64]) -> Result<[Exact; 4]> {
+    let mut sums = [0.0; 4];
+    for v in velocities {
+        let t = (20.0 * v).tanh();
+        sums.iter_mut().zip([v * v, v * v.abs(), t * t, t * t.abs()]).for_each(|(sum, x)| *sum += x);
+    }
+    let [a, b, c, d] = sums.map(Exact::new);
+    Ok([a?, b?, c?, d?])
+}
+
+/// Standard deviation of a joint's residuals by their median, which outliers do not move.
+fn deviation(residuals: &[Vec<Vec<f64>>], joint: usize) -> f64 {
+    let mut sizes: Vec<f64> = residuals.iter().flat_map(|run| run[joint].iter().map(|r| r.abs())).collect();
+    let middle = sizes.len() / 2;
+    if sizes.is_empty() {
+        return f64::INFINITY;
+    }
+    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
+    (FROM_MEDIAN * *median).max(f64::MIN_POSITIVE)
+}
+
+/// Contiguous pieces of the runs: as many as there are shares, or fewer that are long enough, but one for each run.
+fn pieces(runs: &[PreparedRun], correlation: f64) -> Vec<RunPiece> {
+    let total: usize = runs.iter().map(|run| run.times.len()).sum();
+    let length = (PIECE * correlation).max(total as f64 / SHARES as f64).max(1.0);
+    let of_run = |(run, samples): (usize, &PreparedRun)| {
+        let count = ((samples.times.len() as f64 / length).round() as usize).clamp(1, SHARES);
+        let blocks = contiguous_blocks(samples.times.len(), count);
+        blocks.filter(|rows| !rows.is_empty()).map(move |rows| RunPiece { run, rows }).collect::<Vec<_>>()
+    };
+    runs.iter().enumerate().flat_map(of_run).collect()
+}
+
+/// Pieces in their shares. The log's hash decides which share comes first, so that short logs fill all of them;
+/// neighbouring pieces lie in neighbouring shares.
+fn shares(sums: &[ShareSums], hash: &Hash) -> Result<Vec<Share>> {
+    let first = usize::from(hash[0]);
+    let most = sums.len().max(SHARES);
+    let mut shares = vec![Share::default(); SHARES];
+    for (piece, sums) in sums.iter().enumerate() {
+        let place = (first + piece * SHARES / most) % SHARES;
+        shares[place].add(share(sums)?)?;
+    }
+    Ok(shares)
+}
+
+fn share(sums: &ShareSums) -> Result<Share> {
+    let joint = |joint: usize| -> Result<JointSums> {
+        let products = &sums.products[joint];
+        let triangle =
+            (0..products.nrows()).flat_map(|row| (0..=row).map(move |column| products[(row, column)]));
+        let [residual, total] = sums.lost[joint].map(Exact::new);
+        Ok(JointSums {
+            weight: Exact::new(sums.weights[joint])?,
+            lost: [residual?, total?],
+            products: triangle.map(Exact::new).collect::<Result<_>>()?,
+        })
+    };
+    let joints = (0..sums.products.len()).map(joint).collect::<Result<_>>()?;
+    Ok(Share { samples: sums.samples as u64, joints })
+}
+
+fn from_hexadecimal(text: &str) -> Option<Hash> {
+    let mut hash = Hash::default();
+    for (i, byte) in hash.iter_mut().enumerate() {
+        *byte = u8::from_str_radix(text.get(2 * i..2 * i + 2)?, 16).ok()?;
+    }
+    (text.len() == 2 * hash.len()).then_some(hash)
+}
