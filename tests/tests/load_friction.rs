@@ -9,7 +9,7 @@ use gelenk_codegen::pipeline::GenerateOptions;
 use gelenk_runtime::dynamics::{Differentiable, Discretizable, Dynamics};
 use gelenk_tests::oracle::Number;
 use gelenk_tests::{Robot, workspace};
-use num_dual::{Dual64, DualNum};
+use num_dual::Dual64;
 
 gelenk_runtime::dynamics!(pub struct Arm = gelenk_generated::geared_arm);
 

@@ -88,13 +88,13 @@ fn patterns_show_branches_and_upright_axes() {
 }
 
 /// The accelerations by articulated bodies as a program of y, v and the joint forces; `None` where rotors
-/// forbid it.
+/// or couplings forbid it.
 fn by_articulated_bodies(model: &Model) -> Option<Program> {
     let graph = Graph::new();
     let n = model.coordinates.len();
     let [y, v, f] = [0, 1, 2].map(|array| (0..n).map(|k| graph.input(array, k)).collect::<Vec<_>>());
     let mechanism = Mechanism::new(model);
-    if !mechanism.rotors_are_neighbours() {
+    if mechanism.is_coupled() || !mechanism.rotors_are_neighbours() {
         return None;
     }
     let mechanism = Formulation::plain(n).mechanism(&graph, &mechanism);
