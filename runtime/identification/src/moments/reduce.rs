@@ -15,7 +15,7 @@ use super::file::hash_of;
 use super::logs::{About, Doubt, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share};
 use std::path::Path;
 
-/// Least length of a piece, in correlation times of the residuals: pieces are nearly independent then.
+/// Length of a piece, in correlation times of the residuals: pieces are nearly independent then.
 const PIECE: f64 = 10.0;
 /// Bounds a median by the standard deviation of a normal distribution.
 const FROM_MEDIAN: f64 = 1.4826;
