@@ -87,10 +87,13 @@ fn inertial_regressor_times_parameters_is_the_inverse_dynamics() {
             let friction = first("friction_torques", &arguments);
             let springs = first("spring_forces", &[&y, &v]);
             let forces = first("inverse_dynamics", &[&y, &v, &a]);
+            let grows = robot.functions().iter().any(|function| function.name == "load_friction");
+            let shares = if grows { first("load_friction", &[&y, &v]) } else { vec![0.0; forces.len()] };
             for (i, &(sum, size)) in bodies.iter().enumerate() {
-                let found = sum + friction[i] - springs[i];
+                let load = sum - springs[i];
+                let found = load + friction[i] + load.abs() * shares[i];
                 let size = size + friction[i].abs() + springs[i].abs() + largest(&forces);
-                close("W π + τ − springs", name, found, forces[i], size, TOLERANCE);
+                close("W π + τ − springs + |τ_l| s₁", name, found, forces[i], size, TOLERANCE);
             }
         }
     }
