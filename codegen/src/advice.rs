@@ -67,9 +67,10 @@ fn stiff(model: &Model) -> Option<Diagnostic> {
         JointKind::Fixed | JointKind::Revolute | JointKind::Continuous => "N m s/rad",
     };
     let message = format!(
-        "friction of `{}` rises by {} {unit} at standstill and slows down at a rate of {} 1/s: with {substeps} substep{} \
+        "friction of `{}`{} rises by {} {unit} at standstill and slows down at a rate of {} 1/s: with {substeps} substep{} \
          `step` is unstable for periods beyond {} ms",
         joint.name,
+        if joint.load_friction.is_empty() { "" } else { ", under the load of its effort limit," },
         three_digits(slope),
         three_digits(rate),
         if substeps == 1 { "" } else { "s" },

@@ -3,11 +3,11 @@
 
 use fastrand::Rng;
 use gelenk_codegen::functions::function::ConstantValue;
-use gelenk_codegen::model::{ReadOptions, read};
+use gelenk_codegen::model::{Joint, ReadOptions, read};
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use gelenk_identification::inertial::{InertialRegression, PER_BODY, is_physically_consistent};
 use gelenk_tests::random_model::{Sample, random_model, random_sample};
-use gelenk_tests::{Robot, descriptions};
+use gelenk_tests::{Robot, descriptions, oracle};
 use nalgebra::DMatrix;
 
 const FUNCTIONS: [&str; 8] = [
@@ -87,10 +87,17 @@ fn inertial_regressor_times_parameters_is_the_inverse_dynamics() {
             let friction = first("friction_torques", &arguments);
             let springs = first("spring_forces", &[&y, &v]);
             let forces = first("inverse_dynamics", &[&y, &v, &a]);
+            let share = |i: usize, joint: &Joint| -> f64 {
+                let value = |formula| oracle::value(formula, &parameters, y[i], v[i]);
+                joint.load_friction.iter().map(|term| value(&term.coefficient) * value(&term.basis)).sum()
+            };
+            let shares = robot.model.joints().enumerate().map(|(i, joint)| share(i, joint));
+            let shares: Vec<f64> = shares.collect();
             for (i, &(sum, size)) in bodies.iter().enumerate() {
-                let found = sum + friction[i] - springs[i];
+                let load = sum - springs[i];
+                let found = load + friction[i] + load.abs() * shares[i];
                 let size = size + friction[i].abs() + springs[i].abs() + largest(&forces);
-                close("W π + τ − springs", name, found, forces[i], size, TOLERANCE);
+                close("W π + τ − springs + |τ_l| s₁", name, found, forces[i], size, TOLERANCE);
             }
         }
     }

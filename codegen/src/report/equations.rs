@@ -44,7 +44,7 @@ const CURVES: usize = 6;
 
 /// The equations of motion and what their letters are.
 pub(super) fn legend(robot: &Robot<'_>) -> Result<Vec<Block>, ReportError> {
-    let equation = Equation::new(&motion(robot))?;
+    let equation = Equation::new(motion(robot))?;
     Ok(vec![
         Block::Equations(vec![equation]),
         text("with coordinates $y_i$ and inputs $u_j$ in the order of the tables above, in SI units."),

@@ -147,7 +147,7 @@ fn friction_section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError> {
         section = section
             .block(text(
                 "Beside these, friction grows with the load $\\tau_l$, which is what a drive would exert without friction: it gains \
-                 $|\\tau_l| \\, \\sigma(y, \\dot y)$ by (Hamon, Gautier and Garrec 2010)",
+                 $|\\tau_l| \\, \\sigma(y, \\dot y)$ (Hamon, Gautier and Garrec 2010).",
             ))
             .block(equations::set(&equations::load_friction_laws(robot)));
     }

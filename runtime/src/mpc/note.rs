@@ -2,7 +2,7 @@
 
 use super::options::MpcOptions;
 use super::row::MpcRow;
-use crate::dynamics::{Dynamics, Named, jumps};
+use crate::dynamics::{Dynamics, Named, jumps, under_load};
 use crate::trajectory::{Sample, Trajectory};
 use std::fmt;
 
@@ -156,15 +156,21 @@ pub(super) fn beyond_rows<const N: usize, const M: usize, const NR: usize>(
     rows.iter().filter_map(of_row).collect()
 }
 
-/// Joints whose friction jumps at rest at `positions`.
+/// Joints whose friction jumps at rest at `positions`, under the load of gravity and springs there.
 pub(super) fn dry_friction<const N: usize, const M: usize>(
     model: &impl Dynamics<N, M>,
     positions: &[f64; N],
 ) -> Vec<MpcNote> {
     let (joints, at_rest) = (model.joint_names(), model.friction_at_rest(positions));
+    let shares = model.load_friction_at_rest(positions);
+    let (gravity, springs) = (model.gravity_forces(positions), model.spring_forces(positions, &[0.0; N]));
     (0..N)
-        .filter(|&i| jumps(at_rest[i]))
-        .map(|i| MpcNote::DryFriction { joint: joints[i], jump: at_rest[i][1] - at_rest[i][0] })
+        .filter(|&i| jumps(at_rest[i]) || jumps(shares[i]))
+        .map(|i| {
+            let [[before, after], load] =
+                [at_rest[i], shares[i].map(|share| under_load(gravity[i] + springs[i], share))];
+            MpcNote::DryFriction { joint: joints[i], jump: after - before + load[1] - load[0] }
+        })
         .collect()
 }
 
@@ -179,4 +185,53 @@ fn worst<const N: usize>(
         .filter(|(_, _, excess)| *excess > 1e-9)
         .max_by(|a, b| a.2.total_cmp(&b.2))
         .map(|(time, sample, _)| (time, sample))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::Limits;
+
+    /// A weight of 4 N on a gear whose dry friction is a quarter of the load.
+    struct Lift;
+
+    impl Dynamics<1, 1> for Lift {
+        fn limits(&self) -> Limits<1, 1> {
+            Limits {
+                position: [[f64::NEG_INFINITY, f64::INFINITY]],
+                velocity: [f64::INFINITY],
+                effort: [5.0],
+                peak_effort: [10.0],
+                input: [5.0],
+                peak_input: [10.0],
+            }
+        }
+        fn mass_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {
+            [[2.0]]
+        }
+        fn coriolis_forces(&self, _: &[f64; 1], _: &[f64; 1]) -> [f64; 1] {
+            [0.0]
+        }
+        fn gravity_forces(&self, _: &[f64; 1]) -> [f64; 1] {
+            [-4.0]
+        }
+        fn spring_forces(&self, _: &[f64; 1], _: &[f64; 1]) -> [f64; 1] {
+            [0.0]
+        }
+        fn friction_torques(&self, _: &[f64; 1], v: &[f64; 1]) -> [f64; 1] {
+            [3.0 * v[0]]
+        }
+        fn load_friction(&self, _: &[f64; 1], v: &[f64; 1]) -> [f64; 1] {
+            [0.25 * v[0].signum()]
+        }
+        fn input_matrix(&self) -> [[f64; 1]; 1] {
+            [[1.0]]
+        }
+    }
+
+    #[test]
+    fn friction_that_jumps_with_the_load_alone_is_noted() {
+        let notes = dry_friction(&Lift, &[0.0]);
+        assert_eq!(notes, [MpcNote::DryFriction { joint: "1", jump: 2.0 }]);
+    }
 }

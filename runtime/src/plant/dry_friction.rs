@@ -61,12 +61,10 @@ pub(super) struct Joints<'d, D, const N: usize, const M: usize> {
 impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
     /// Friction just before and just after rest, brakes included.
     fn friction_range(&self, y: &[f64; N]) -> [Range; N] {
-        let at_rest = self.model.friction_at_rest(y);
-        let backward = self.model.load_friction(y, &[-JUST_MOVING; N]);
-        let forward = self.model.load_friction(y, &[JUST_MOVING; N]);
+        let (at_rest, shares) = (self.model.friction_at_rest(y), self.model.load_friction_at_rest(y));
         core::array::from_fn(|i| {
             let ([low, high], brake) = (at_rest[i], self.brakes[i]);
-            Range { unloaded: [low - brake, high + brake], shares: [backward[i], forward[i]] }
+            Range { unloaded: [low - brake, high + brake], shares: shares[i] }
         })
     }
 

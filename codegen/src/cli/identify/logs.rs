@@ -20,8 +20,8 @@ use super::super::place::{self, Workspace, shown};
 use super::super::{print, report};
 use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::identify::{BodyValues, IdentifiedDrive, InterpretedRobot, bodies, drives, page, rotors};
-use crate::model::Loaded;
-use crate::wording::quoted;
+use crate::model::{Loaded, Model};
+use crate::wording::{list, quoted};
 
 /// Estimates, writes the description and the page.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
@@ -46,7 +46,9 @@ pub(super) fn finish(
     command: &str,
     output: &Path,
 ) -> Result<ExitCode, Failure> {
-    describe(arguments, robot, found, command, output)?;
+    let replaced = replaced_load(&loaded.model);
+    replaced.iter().for_each(|words| super::say(words));
+    describe(arguments, robot, found, (command, replaced), output)?;
     let name = &loaded.model.name;
     let files = match &arguments.report {
         Some(folder) => report::written(&page::page(name, robot, found, command), folder, "--report")?,
@@ -73,6 +75,18 @@ pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, F
     settings.estimation.accept_poor = arguments.accept_poor;
     settings.accept_poor = arguments.accept_poor;
     Ok(settings)
+}
+
+/// What becomes of friction that grows with the load: the command's laws are of the velocity alone.
+fn replaced_load(model: &Model) -> Option<String> {
+    let joints: Vec<&str> =
+        model.joints().filter(|j| !j.load_friction.is_empty()).map(|j| j.name.as_str()).collect();
+    (!joints.is_empty()).then(|| {
+        format!(
+            "friction under load of {} is not estimated: laws of the velocity alone replace it",
+            list(joints.into_iter())
+        )
+    })
 }
 
 /// Where the description goes.
@@ -109,7 +123,7 @@ fn describe(
     arguments: &Identify,
     robot: &InterpretedRobot,
     found: &Identification,
-    command: &str,
+    (command, remark): (&str, Option<String>),
     output: &Path,
 ) -> Result<(), Failure> {
     let values: Vec<f64> = found.estimate.parameters.iter().map(|parameter| parameter.value).collect();
@@ -128,7 +142,7 @@ fn describe(
         });
     let identified: Vec<IdentifiedDrive> = identified.collect();
     let friction: Vec<FrictionResult> = laws(found).map(|report| report.result.clone()).collect();
-    let provenance: Vec<String> = provenance(found, command);
+    let provenance: Vec<String> = provenance(found, command).into_iter().chain(remark).collect();
     let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     Ok(write_identified(
         output,

@@ -76,6 +76,14 @@ pub trait Dynamics<const N: usize, const M: usize> {
         core::array::from_fn(|i| [backward[i], forward[i]])
     }
 
+    /// Friction under load just before and just after rest, `[s₁(y, 0−), s₁(y, 0+)]` of each joint; as
+    /// [`Self::friction_at_rest`].
+    fn load_friction_at_rest(&self, y: &[f64; N]) -> [[f64; 2]; N] {
+        let backward = self.load_friction(y, &[-JUST_MOVING; N]);
+        let forward = self.load_friction(y, &[JUST_MOVING; N]);
+        core::array::from_fn(|i| [backward[i], forward[i]])
+    }
+
     /// Input matrix `B`, constant; holds the gear ratios.
     fn input_matrix(&self) -> [[f64; M]; N];
 
