@@ -6,6 +6,7 @@ use super::super::run::{Effort, PreparedRun};
 use super::alternatives::{Doubts, other_explanations};
 use super::checks::{Checked, first_gains};
 use super::choice::{Chosen, Freedom, choose};
+use super::endogeneity::endogeneity;
 use super::fit::fit;
 use super::intervals::{Fitted, correlation_time, covariance, scores};
 use super::layout::Layout;
@@ -139,6 +140,7 @@ impl Task<'_> {
         };
         let scores = scores(&mut self.rows(), self.layout, self.runs, &fitted, time);
         let covariance = covariance(&fitted, self.prior, &scores)?;
+        let endogeneity = endogeneity(self, &fitted, covariance.spread, time)?;
         let judged = last.with_sums(plain, self.prior)?;
         let errors = judged.held_out(self.prior)?;
         let held_out = judged.centred_r_squared(&errors.rss);
@@ -161,6 +163,7 @@ impl Task<'_> {
             offsets: &offsets,
             covariance: &covariance,
             held_out: &held_out,
+            endogeneity: endogeneity.as_ref(),
             warnings: doubts.sentences(self.robot),
         };
         Ok(report.estimate())

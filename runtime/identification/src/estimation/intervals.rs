@@ -17,7 +17,7 @@ use super::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 
 /// Blocks over all runs, at most: more would cost time and change nothing.
-const MOST_BLOCKS: usize = 600;
+pub(super) const MOST_BLOCKS: usize = 600;
 /// Bandwidth of Bartlett's weights, in correlation times.
 const BANDWIDTH: f64 = 10.0;
 
@@ -136,7 +136,7 @@ fn add(
 }
 
 /// Means of a joint's columns over what shares an offset, for each run.
-fn column_means(centred: &Centred, joint: usize) -> Vec<DVector<f64>> {
+pub(super) fn column_means(centred: &Centred, joint: usize) -> Vec<DVector<f64>> {
     let runs = centred.sums.by_run(joint, None);
     let zero = DVector::zeros(runs.first().map_or(0, |r| r.1.len()));
     let all = runs.iter().fold((0.0, zero.clone()), |a, b| (a.0 + b.0, a.1 + &b.1));
@@ -173,6 +173,8 @@ pub(super) struct Covariance {
     pub(super) matrix: DMatrix<f64>,
     /// Number of combinations of inertial parameters that the data decide: `tr(A⁻¹ H)` over them.
     pub(super) decided: f64,
+    /// ω², how far descriptions are from robots.
+    pub(super) spread: f64,
 }
 
 impl Covariance {
@@ -197,5 +199,5 @@ pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<
     let unknowns = decided + (n - bodies) as f64;
     let spent = unknowns * scores.correlation_time / equations.max(1) as f64;
     let middle = scores.variance(n) / (1.0 - spent).max(0.25) + metric * spread;
-    Ok(Covariance { matrix: &inverse * middle * &inverse, decided })
+    Ok(Covariance { matrix: &inverse * middle * &inverse, decided, spread })
 }

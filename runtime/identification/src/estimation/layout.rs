@@ -100,12 +100,17 @@ fn check_run(robot: &dyn Robot, run: &PreparedRun, effort: Effort) -> Result<()>
         });
     }
     let columns = if effort == Effort::Joint { joints } else { inputs };
-    let kinds = [
+    let mut kinds = vec![
         ("positions", &run.positions, joints),
         ("velocities", &run.velocities, joints),
         ("accelerations", &run.accelerations, joints),
         ("efforts", &run.efforts, columns),
     ];
+    if let Some(desired) = &run.desired {
+        kinds.push(("commanded positions", &desired.positions, joints));
+        kinds.push(("commanded velocities", &desired.velocities, joints));
+        kinds.push(("commanded accelerations", &desired.accelerations, joints));
+    }
     for (kind, found, expected) in kinds {
         require_length(&of_run(kind), expected, found.len())?;
         for column in found {

@@ -1,7 +1,9 @@
 //! The estimate as it is returned.
 
+use super::super::confidence::quantile;
 use super::super::inertial::{PER_BODY, margin};
 use super::choice::Chosen;
+use super::endogeneity::{Endogeneity, Test};
 use super::estimate::Task;
 use super::fit::Solved;
 use super::intervals::Covariance;
@@ -9,8 +11,11 @@ use super::layout::{ARMATURE, ASYMMETRY, COULOMB, VISCOUS};
 use super::normal::Offsets;
 use super::prior::Prior;
 use super::residuals::{Forces, RunOffsets};
-use super::result::{Estimate, EstimatedTerm, JointEstimate, Uncertain};
+use super::result::{Estimate, EstimatedTerm, InstrumentalEstimate, JointEstimate, Uncertain};
 use statrs::distribution::{ContinuousCDF, Normal};
+
+/// Level of the test of least squares against instrumental variables.
+const LEVEL: f64 = 0.05;
 
 /// Everything that the printed estimate is made of.
 pub(super) struct Report<'a> {
@@ -21,6 +26,7 @@ pub(super) struct Report<'a> {
     pub(super) offsets: &'a RunOffsets,
     pub(super) covariance: &'a Covariance,
     pub(super) held_out: &'a [f64],
+    pub(super) endogeneity: Option<&'a Endogeneity>,
     pub(super) warnings: Vec<String>,
 }
 
@@ -50,6 +56,7 @@ impl Report<'_> {
             friction: each(&|r, j| add(&measured[r][j], &rigid[r][j], -1.0)),
             measured: measured.clone(),
             confidence: settings.confidence,
+            instrumental: self.endogeneity.map(|found| self.instrumental(found)),
             choices: self.choices(),
             warnings: self.warnings.clone(),
         }
@@ -83,7 +90,55 @@ impl Report<'_> {
                 names[b * PER_BODY].trim_start_matches("m_")
             )
         });
-        [offsets.to_string(), weight].into_iter().chain(doubted).collect()
+        [offsets.to_string(), weight].into_iter().chain(doubted).chain([self.endogeneity_said()]).collect()
+    }
+
+    /// Whether noise of the motion biases least squares.
+    fn endogeneity_said(&self) -> String {
+        let Some(Endogeneity { source, test: Test { statistic, freedoms: [q, rest], p_value }, .. }) =
+            self.endogeneity
+        else {
+            return "The logs hold no instruments (commanded positions, or repeats of a motion), or are too short for \
+                    them: whether noise of the positions biases the estimate in closed loop is not known."
+                .into();
+        };
+        let numbers = format!("F({q}, {rest}) = {statistic:.2}, p = {p_value:.2e}, instruments are {source}");
+        if *p_value < LEVEL {
+            format!(
+                "Least squares differs from instrumental variables by more than chance ({numbers}): noise of the \
+                 positions biases it in closed loop, or what the model lacks follows the control error."
+            )
+        } else {
+            format!("Least squares is not biased in closed loop as far as the data tell ({numbers}).")
+        }
+    }
+
+    fn instrumental(&self, found: &Endogeneity) -> InstrumentalEstimate {
+        let layout = self.task.layout;
+        let described = self.task.robot.parameters();
+        let level = self.task.settings.confidence;
+        let freedom = found.freedom as f64;
+        let quantile = quantile(level, freedom).unwrap_or(f64::NAN);
+        let uncertain = |global: usize, base: f64| {
+            let place = self.solved.active.iter().position(|&active| active == global);
+            let error = place.map_or(0.0, |i| found.covariance[(i, i)].max(0.0).sqrt());
+            Uncertain::new(base + found.values.unknowns[global], error, quantile)
+        };
+        let terms = |joint: usize| {
+            let terms = self.basis(joint).into_iter().map(|(basis, term)| EstimatedTerm {
+                basis,
+                coefficient: uncertain(layout.term(joint, term), 0.0),
+            });
+            terms.collect()
+        };
+        InstrumentalEstimate {
+            source: found.source,
+            parameters: (0..layout.parameters).map(|i| uncertain(i, described[i])).collect(),
+            terms: (0..layout.joints).map(terms).collect(),
+            statistic: found.test.statistic,
+            degrees_of_freedom: found.test.freedoms,
+            p_value: found.test.p_value,
+        }
     }
 
     fn uncertain(&self, global: usize, base: f64) -> Uncertain {
@@ -127,6 +182,15 @@ impl Report<'_> {
     }
 
     fn terms(&self, joint: usize) -> Vec<EstimatedTerm> {
+        let term = |(basis, term)| EstimatedTerm {
+            basis,
+            coefficient: self.uncertain(self.task.layout.term(joint, term), 0.0),
+        };
+        self.basis(joint).into_iter().map(term).collect()
+    }
+
+    /// Friction terms that were chosen, as expressions and by their numbers.
+    fn basis(&self, joint: usize) -> Vec<(String, usize)> {
         let layout = self.task.layout;
         if !layout.moves[joint] {
             return Vec::new();
@@ -137,11 +201,7 @@ impl Report<'_> {
         if self.chosen.model.asymmetry[joint] {
             terms.push(("abs(v)".to_string(), ASYMMETRY));
         }
-        let term = |(basis, term)| EstimatedTerm {
-            basis,
-            coefficient: self.uncertain(layout.term(joint, term), 0.0),
-        };
-        terms.into_iter().map(term).collect()
+        terms
     }
 
     /// K_M: its relative error is that of the rigid force.

@@ -22,7 +22,7 @@ pub(super) struct Samples {
     labels: Vec<usize>,
     names: Vec<String>,
     numbers: BTreeMap<String, usize>,
-    /// Positions, velocities (NaN where there is no column) and efforts, one column each.
+    /// Positions, velocities (NaN where there is no column), efforts, and commanded positions, one column each.
     values: Vec<Vec<f64>>,
 }
 
@@ -81,7 +81,8 @@ impl Samples {
         findings: &mut Vec<RunFinding>,
     ) -> Result<Self> {
         let sources = sources(mapping);
-        let needed = |i: usize| i < mapping.positions.len() || i >= 2 * mapping.positions.len();
+        let (n, m) = (mapping.positions.len(), mapping.efforts.len());
+        let needed = |i: usize| i < n || (2 * n..2 * n + m).contains(&i);
         let mut samples = Self { values: vec![Vec::new(); sources.len()], ..Self::default() };
         let mut gaps = vec![Gaps::default(); sources.len() + 1];
         let mut row = vec![f64::NAN; sources.len()];
@@ -168,7 +169,8 @@ impl Samples {
 fn sources(mapping: &Mapping) -> Vec<Option<&Source>> {
     let positions = mapping.positions.iter().map(Some);
     let velocities = mapping.velocities.iter().map(Option::as_ref);
-    positions.chain(velocities).chain(mapping.efforts.iter().map(Some)).collect()
+    let desired = mapping.desired.iter().flatten().map(Some);
+    positions.chain(velocities).chain(mapping.efforts.iter().map(Some)).chain(desired).collect()
 }
 
 fn value(record: &csv::ByteRecord, source: &Source, sheet: &Sheet, line: usize, gaps: &mut Gaps) -> f64 {
@@ -383,6 +385,7 @@ fn names(samples: &Samples, parts: &[Vec<usize>], source: &str) -> Vec<String> {
 impl Samples {
     fn run(&self, part: &[usize], name: String, clock: &Clock, mapping: &Mapping) -> Run {
         let n = mapping.positions.len();
+        let behind = 2 * n + mapping.efforts.len();
         let column = |i: usize| -> Vec<f64> { part.iter().map(|s| self.values[i][*s]).collect() };
         let velocity = |joint: usize| {
             let values = column(n + joint);
@@ -394,8 +397,9 @@ impl Samples {
             rows: part.iter().map(|s| self.lines[*s]).collect(),
             positions: (0..n).map(column).collect(),
             velocities: (0..n).map(velocity).collect(),
-            efforts: (2 * n..self.values.len()).map(column).collect(),
+            efforts: (2 * n..behind).map(column).collect(),
             effort: mapping.effort,
+            desired: mapping.desired.is_some().then(|| (behind..behind + n).map(column).collect()),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Whole estimates: simulated robots with known parameters, and measured ones.
 
 mod chain;
+mod closed_loop;
 mod data;
 mod measured;
 mod pendulum;

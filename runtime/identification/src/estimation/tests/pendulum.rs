@@ -133,6 +133,8 @@ pub(super) struct Experiment {
     pub(super) offsets: [f64; 2],
     /// Gains of a controller that acts on the measured positions.
     pub(super) stiffness: f64,
+    /// Phases of the reference's sines; drawn where there are none.
+    pub(super) phases: Option<[f64; 6]>,
     /// Window of the filter, samples.
     pub(super) window: usize,
 }
@@ -146,6 +148,7 @@ impl Default for Experiment {
             force_noise: 0.15,
             offsets: [0.4, -0.2],
             stiffness: 60.0,
+            phases: None,
             window: 21,
         }
     }
@@ -172,7 +175,8 @@ pub(super) fn simulate(
     random: &mut SplitMix64,
 ) -> (PreparedRun, PreparedRun) {
     let (h, inner) = (1.0 / of.rate, 4);
-    let phases: [f64; 6] = std::array::from_fn(|_| std::f64::consts::TAU * random.uniform());
+    let drawn = std::array::from_fn(|_| std::f64::consts::TAU * random.uniform());
+    let phases = of.phases.unwrap_or(drawn);
     let start = reference(0.0, &phases);
     let (mut y, mut v) = ([start[0][0], start[1][0]], [start[0][1], start[1][1]]);
     let model = Pendulum::described();
