@@ -1,6 +1,6 @@
 //! The page of an identification.
 
-use gelenk_identification::estimation::{InstrumentalEstimate, Uncertain};
+use gelenk_identification::estimation::{InstrumentalEstimate, JointEstimate, Uncertain};
 use gelenk_identification::identify::{Identification, JointFriction};
 use gelenk_identification::robot::Robot;
 use gelenk_identification::run::PreparedRun;
@@ -54,7 +54,7 @@ pub fn warnings(found: &Identification) -> Vec<String> {
         let result = &report.result;
         result.warnings.iter().map(|doubt| format!("joint {}: {doubt}", result.joint))
     });
-    let resting = found.estimate.joints.iter().filter(|joint| !joint.moves);
+    let resting = found.estimate.joints.iter().filter(|joint| !joint.moves && joint.measured);
     let resting =
         resting.map(|joint| format!("joint {} does not move: nothing of it is estimated", joint.name));
     found.estimate.warnings.iter().cloned().chain(resting).chain(laws).chain(doubts).collect()
@@ -84,7 +84,7 @@ fn summary(found: &Identification) -> Section {
             Cell::text(joint.name.clone()),
             if joint.moves { Cell::Rounded(joint.held_out_r_squared, 4) } else { Cell::Empty },
             if joint.moves { Cell::Rounded(joint.r_squared, 4) } else { Cell::Empty },
-            Cell::Rounded(joint.sigma, 3),
+            if joint.measured { Cell::Rounded(joint.sigma, 3) } else { Cell::Empty },
             Cell::text(joint.unit),
             Cell::Code(law(found, index)),
         ]);
@@ -138,13 +138,18 @@ fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
     figure.plot(plot)
 }
 
+/// Joints whose efforts were measured.
+fn measured(found: &Identification) -> impl Iterator<Item = (usize, &JointEstimate)> {
+    found.estimate.joints.iter().enumerate().filter(|(_, joint)| joint.measured)
+}
+
 fn efforts(found: &Identification) -> Section {
     let times = times(&found.runs);
     let mut figure = Figure::new(
         "effort",
         "Efforts at the joints, behind the gears, as measured and as the estimate predicts them; runs follow each other.",
     );
-    for (index, joint) in found.estimate.joints.iter().enumerate() {
+    for (index, joint) in measured(found) {
         let curve = |runs: &[Vec<Vec<f64>>]| {
             let values = runs.iter().flat_map(|run| run[index].iter().copied().chain([f64::NAN]));
             thinned(times.iter().copied().zip(values).map(|(t, value)| [t, value]).collect())
@@ -174,7 +179,7 @@ fn times(runs: &[PreparedRun]) -> Vec<f64> {
 fn residuals(found: &Identification, units: &[&str]) -> Section {
     let mut section = Section::new("residuals", "Residuals")
         .block(text("Measured minus predicted effort. What is left should depend on nothing."));
-    for (index, joint) in found.estimate.joints.iter().enumerate() {
+    for (index, joint) in measured(found) {
         let unit = units[index];
         let over = |label: &str, axis: &str, signal: &dyn Fn(&PreparedRun) -> &[f64]| {
             let points = found.runs.iter().enumerate().flat_map(|(run, prepared)| {

@@ -93,7 +93,8 @@ pub fn identify(
     progress("smoothing");
     let (prepared, preparation) = prepare_all(&recording.runs, Some(robot), &settings.preparation)?;
     require_efforts(&preparation)?;
-    let estimate = estimate(robot, &prepared, &settings.estimation, progress)?;
+    let mut estimate = estimate(robot, &prepared, &settings.estimation, progress)?;
+    estimate.warnings.splice(0..0, faults(&preparation));
     progress("choosing the terms of friction");
     let data = source(&recording);
     let preparations = sentences(&preparation);
@@ -123,17 +124,21 @@ fn require_sides(recording: &Recording, columns: &ColumnOptions) -> Result<()> {
     }
 }
 
-/// Joints whose efforts cannot be used would make the whole estimate fail without their names.
+/// A joint whose efforts cannot be used keeps what is described; where no joint has others, nothing is left to do.
 fn require_efforts(preparation: &PreparationReport) -> Result<()> {
-    let faults = preparation.joints.iter().filter_map(|joint| {
-        let fault = joint.fault.as_ref()?;
-        Some(format!("joint {}: {fault}", joint.name))
-    });
-    let faults: Vec<String> = faults.collect();
-    match faults.is_empty() {
-        true => Ok(()),
-        false => Err(IdentificationError::File { place: "the logs".into(), message: faults.join("; ") }),
+    if preparation.joints.iter().any(|joint| joint.fault.is_none()) {
+        return Ok(());
     }
+    let faults: Vec<String> = faults(preparation).collect();
+    Err(IdentificationError::File { place: "the logs".into(), message: faults.join("; ") })
+}
+
+/// What is wrong with efforts that cannot be used, with the knob that names others.
+fn faults(preparation: &PreparationReport) -> impl Iterator<Item = String> + '_ {
+    preparation.joints.iter().filter_map(|joint| {
+        let fault = joint.fault.as_ref()?;
+        Some(format!("joint {}: {fault}; name other columns with --columns 'torque=…'", joint.name))
+    })
 }
 
 /// Logs with the first digits of their hashes.

@@ -185,7 +185,7 @@ fn as_text(
             joint.name.clone(),
             number(joint.held_out_r_squared),
             number(joint.r_squared),
-            format!("{:.3} {}", joint.sigma, joint.unit),
+            if joint.measured { format!("{:.3} {}", joint.sigma, joint.unit) } else { "–".to_owned() },
             page::law(found, index),
         ]
     });
@@ -238,6 +238,7 @@ fn as_json(
         json!({
             "name": joint.name,
             "moves": joint.moves,
+            "measured": joint.measured,
             "r_squared_held_out": joint.held_out_r_squared,
             "r_squared": joint.r_squared,
             "residual": joint.sigma,

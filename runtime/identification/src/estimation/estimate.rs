@@ -44,7 +44,8 @@ pub(super) struct Task<'a> {
 /// `progress` gets a sentence at each stage.
 ///
 /// # Errors
-/// Data of the wrong shape or not finite, settings out of range, and a fit that explains less of a moving joint
+/// Data of the wrong shape or not finite (efforts that are NaN throughout were not measured: their joints keep what is
+/// described), no measured efforts at all, settings out of range, and a fit that explains less of a moving joint
 /// than [`EstimationSettings::least_r_squared`] on held-out data.
 pub fn estimate(
     robot: &dyn Robot,
@@ -200,7 +201,7 @@ impl Task<'_> {
             let series: Vec<&[f64]> = forces.residual.iter().map(|run| run[j].as_slice()).collect();
             correlation_time(&series)
         };
-        (0..self.layout.joints).map(time).fold(1.0, f64::max)
+        (0..self.layout.joints).filter(|&j| self.layout.measured[j]).map(time).fold(1.0, f64::max)
     }
 }
 

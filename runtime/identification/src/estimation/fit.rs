@@ -171,6 +171,9 @@ pub(super) fn deviations(centred: &Centred, values: &Values) -> Vec<f64> {
     };
     // A perfect fit would make its joint infinitely heavy: nothing is known better than 1e-6 of the effort.
     let deviation = |j: usize| {
+        if !centred.layout.measured[j] {
+            return 1.0;
+        }
         let floor = 1e-12 * energy(j) + f64::MIN_POSITIVE;
         ((rss[j] / values.gains[j].powi(2)).max(floor) / count(j).max(1.0)).sqrt()
     };

@@ -61,7 +61,7 @@ impl Model {
             }
         }
         if self.gains {
-            active.extend((0..layout.joints).map(|j| layout.gain(j)));
+            active.extend((0..layout.joints).filter(|&j| layout.measured[j]).map(|j| layout.gain(j)));
         }
         active
     }

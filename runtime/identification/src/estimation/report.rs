@@ -39,8 +39,9 @@ impl Report<'_> {
             a.iter().zip(b).map(|(a, b)| a + sign * b).collect::<Vec<f64>>()
         };
         let each = |of: &dyn Fn(usize, usize) -> Vec<f64>| -> Vec<Vec<Vec<f64>>> {
+            let known = |r, j| if layout.measured[j] { of(r, j) } else { vec![f64::NAN; of(r, j).len()] };
             let runs = 0..self.forces.measured.len();
-            runs.map(|r| (0..layout.joints).map(|j| of(r, j)).collect()).collect()
+            runs.map(|r| (0..layout.joints).map(|j| known(r, j)).collect()).collect()
         };
         let Forces { measured, residual, rigid, .. } = self.forces;
         Estimate {
@@ -54,7 +55,7 @@ impl Report<'_> {
             effective_parameters: self.covariance.decided,
             predicted: each(&|r, j| add(&measured[r][j], &residual[r][j], -1.0)),
             friction: each(&|r, j| add(&measured[r][j], &rigid[r][j], -1.0)),
-            measured: measured.clone(),
+            measured: each(&|r, j| measured[r][j].clone()),
             confidence: settings.confidence,
             instrumental: self.endogeneity.map(|found| self.instrumental(found)),
             choices: self.choices(),
@@ -167,17 +168,19 @@ impl Report<'_> {
         let model = &self.chosen.model;
         let count: usize = self.forces.residual.iter().map(|run| run[joint].len()).sum();
         let armature = model.armature[joint] && layout.moves[joint];
+        let measured = layout.measured[joint];
         JointEstimate {
             name,
             unit: if robot.position_units()[joint] == "m" { "N" } else { "N·m" },
             terms: self.terms(joint),
             armature: armature.then(|| self.uncertain(layout.term(joint, ARMATURE), 0.0)),
-            gain: model.gains.then(|| self.gain(joint)),
+            gain: (model.gains && measured).then(|| self.gain(joint)),
             offsets: self.offsets[joint].clone(),
-            sigma: (self.squares(joint) / count.max(1) as f64).sqrt(),
+            sigma: if measured { (self.squares(joint) / count.max(1) as f64).sqrt() } else { f64::NAN },
             r_squared,
             held_out_r_squared: self.held_out[joint],
             moves: layout.moves[joint],
+            measured,
         }
     }
 

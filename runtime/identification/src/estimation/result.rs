@@ -101,6 +101,9 @@ pub struct JointEstimate {
     pub held_out_r_squared: f64,
     /// Whether the joint moves in the data.
     pub moves: bool,
+    /// Whether its effort was measured. Where not, it has no terms, gain or armature, its numbers are NaN, and so are
+    /// its measured and predicted forces.
+    pub measured: bool,
 }
 
 /// A friction term with its coefficient.

@@ -6,7 +6,8 @@ use super::super::run::PreparedRun;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
 use std::ops::Range;
 
-/// Evaluates the columns of up to [`BLOCK`] samples. Nothing is stored beyond the block.
+/// Evaluates the columns of up to [`BLOCK`] samples. Nothing is stored beyond the block. Columns of joints whose force
+/// was not measured are zero.
 pub(super) struct Rows<'a> {
     robot: &'a dyn Robot,
     layout: &'a Layout,
@@ -52,7 +53,7 @@ impl<'a> Rows<'a> {
                 a[j] = run.accelerations[j][sample];
             }
             self.rigid_body(&y, &v, &a, &mut rigid);
-            for j in 0..n {
+            for j in (0..n).filter(|&j| self.layout.measured[j]) {
                 self.write(j, place, [v[j], a[j]], [rigid[j], self.force(run, j, sample)]);
             }
         }
@@ -105,6 +106,7 @@ impl<'a> Rows<'a> {
         }
         let inputs = run.efforts.len();
         let row = &self.layout.input_matrix[joint * inputs..(joint + 1) * inputs];
-        row.iter().zip(&run.efforts).map(|(b, u)| b * u[sample]).sum()
+        let driven = row.iter().zip(&run.efforts).filter(|(b, _)| **b != 0.0);
+        driven.map(|(b, u)| b * u[sample]).sum()
     }
 }

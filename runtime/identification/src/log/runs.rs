@@ -10,6 +10,7 @@ use super::recording::RunFinding;
 use super::sheet::{Sheet, shortened};
 use super::time::assumed_unit;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Complete rows of a log.
 #[derive(Debug, Default)]
@@ -81,8 +82,7 @@ impl Samples {
         findings: &mut Vec<RunFinding>,
     ) -> Result<Self> {
         let sources = sources(mapping);
-        let (n, m) = (mapping.positions.len(), mapping.efforts.len());
-        let needed = |i: usize| i < n || (2 * n..2 * n + m).contains(&i);
+        let needed = |i: usize| i < mapping.positions.len();
         let mut samples = Self { values: vec![Vec::new(); sources.len()], ..Self::default() };
         let mut gaps = vec![Gaps::default(); sources.len() + 1];
         let mut row = vec![f64::NAN; sources.len()];
@@ -111,7 +111,9 @@ impl Samples {
             }
             Ok(())
         })?;
-        require_alive(sheet, &sources, &gaps, source)?;
+        let efforts = 2 * mapping.positions.len()..2 * mapping.positions.len() + mapping.efforts.len();
+        require_alive(sheet, &sources, &gaps, &efforts, source)?;
+        samples.leave_out_gaps(efforts);
         let long_rows = long.count;
         findings.extend(long.finding(source, FindingKind::LeftOut, |n| {
             format!(
@@ -137,6 +139,24 @@ impl Samples {
         for (column, value) in self.values.iter_mut().zip(row) {
             column.push(*value);
         }
+    }
+
+    /// Leaves out rows without an effort that most rows have. Efforts that most rows lack are no reason to leave out the
+    /// others, unless that is so for all of them.
+    fn leave_out_gaps(&mut self, efforts: Range<usize>) {
+        let known = |i: &usize| self.values[*i].iter().filter(|u| u.is_finite()).count();
+        let usual = efforts.clone().filter(|i| 2 * known(i) >= self.lines.len());
+        let mut needed: Vec<usize> = usual.collect();
+        if needed.is_empty() {
+            needed = efforts.collect();
+        }
+        let kept: Vec<bool> = (0..self.lines.len())
+            .map(|row| needed.iter().all(|i| self.values[*i][row].is_finite()))
+            .collect();
+        retain(&mut self.times, &kept);
+        retain(&mut self.lines, &kept);
+        retain(&mut self.labels, &kept);
+        self.values.iter_mut().for_each(|column| retain(column, &kept));
     }
 
     fn require_some(&self, robot: &RobotColumns, gaps: &[Gaps], total: usize, source: &str) -> Result<()> {
@@ -165,6 +185,11 @@ impl Samples {
     }
 }
 
+fn retain<T>(values: &mut Vec<T>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    values.retain(|_| kept.next().copied().unwrap_or(true));
+}
+
 /// The columns of a mapping in the order of [`Samples::values`].
 fn sources(mapping: &Mapping) -> Vec<Option<&Source>> {
     let positions = mapping.positions.iter().map(Some);
@@ -188,10 +213,19 @@ fn label(sheet: &Sheet, column: usize) -> String {
     sheet.headers.get(column).map_or_else(|| format!("column {}", column + 1), |h| format!("column `{h}`"))
 }
 
-fn require_alive(sheet: &Sheet, sources: &[Option<&Source>], gaps: &[Gaps], place: &str) -> Result<()> {
-    for (source, gaps) in sources.iter().zip(gaps) {
+/// An effort without any number is its joint's loss alone, where other efforts have numbers.
+fn require_alive(
+    sheet: &Sheet,
+    sources: &[Option<&Source>],
+    gaps: &[Gaps],
+    efforts: &Range<usize>,
+    place: &str,
+) -> Result<()> {
+    let some_effort = gaps[efforts.clone()].iter().any(|gaps| gaps.alive);
+    for (i, (source, gaps)) in sources.iter().zip(gaps).enumerate() {
         if let Some(source) = source
             && !gaps.alive
+            && !(some_effort && efforts.contains(&i))
             && gaps.count > 0
         {
             let example =

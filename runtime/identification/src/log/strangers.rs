@@ -333,6 +333,21 @@ fn what_was_measured_goes_before_what_was_commanded() {
 }
 
 #[test]
+fn an_effort_that_is_missing_leaves_the_other_joints_their_rows() {
+    let text = |effort: &str| {
+        let row = |i: u32| format!("{i},0.{i},0.2{i},1.{i},{effort}\n");
+        "t,q1,q2,u1,u2\n".to_owned() + &(1..30).map(row).collect::<String>()
+    };
+    for (missing, rows) in [("", 29), ("nan", 29), ("broken", 29)] {
+        let run = read(&text(missing), &ColumnOptions::default()).runs.remove(0);
+        assert_eq!(run.times.len(), rows, "{missing}");
+        assert!(run.efforts[1].iter().all(|u| u.is_nan()) && run.efforts[0].iter().all(|u| u.is_finite()));
+    }
+    let none = text("").replace(",1.", ",x1.");
+    assert!(message(&none, "").contains("has no finite number"), "{}", message(&none, ""));
+}
+
+#[test]
 fn commanded_positions_are_found_told_and_optional() {
     let of = |style: &str, columns: Option<&str>| {
         let (_, header, row, ..) = styles().into_iter().find(|s| s.0 == style).unwrap();
