@@ -7,7 +7,6 @@ use super::estimate::Task;
 use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, TERMS};
 use super::prior::Prior;
-use super::rows::Rows;
 use super::sums::sum;
 
 /// An explanation counts as better where it lowers the held-out error by this share, and by two standard errors.
@@ -17,6 +16,9 @@ const CLEARLY: f64 = 0.1;
 const POOR: f64 = 0.5;
 /// Power of driving friction, as a share of the power of a force as large as the measured one.
 const NOTICEABLE: f64 = 0.05;
+
+/// Samples below which friction that drives a joint is no sign of a wrong sign: ten periods of the usual filter.
+const FEWEST_SAMPLES: usize = 100;
 
 /// Weight of the description with which nothing changes its bodies.
 const AS_DESCRIBED: f64 = 1e12;
@@ -45,6 +47,10 @@ pub(super) fn other_explanations(task: &Task, chosen: &Chosen, own: &HeldOut) ->
     let mut of_joints = vec![None; task.layout.joints];
     for joint in (0..task.layout.joints).filter(|&j| task.layout.moves[j]) {
         if drives(chosen, joint) || (r_squared[joint] < POOR && has_other_sign(task, chosen, own, joint)?) {
+            if let Some(short) = too_short(task) {
+                of_joints[joint] = Some(short);
+                continue;
+            }
             of_joints[joint] = Some(
                 "the data are explained better with the other sign of its effort, with which friction brakes. \
                  Check the signs of effort and position."
@@ -55,9 +61,21 @@ pub(super) fn other_explanations(task: &Task, chosen: &Chosen, own: &HeldOut) ->
     Ok(Doubts { of_all, of_joints })
 }
 
+/// What is said instead of a sign where friction cannot be told from chance. The residuals' correlation is no measure:
+/// a wrong sign makes it long.
+fn too_short(task: &Task) -> Option<String> {
+    let samples: usize = task.runs.iter().map(|run| run.times.len()).sum();
+    (samples < FEWEST_SAMPLES).then(|| {
+        format!(
+            "the log is too short: {samples} samples are left after the filter, and friction cannot be told from \
+             chance. Record a motion of 10 s or more."
+        )
+    })
+}
+
 fn gravity(task: &Task, chosen: &Chosen) -> Result<Option<String>> {
     let compensated = task.settings.gravity_compensated;
-    let mut rows = Rows::new(task.robot, task.layout, !compensated);
+    let mut rows = task.rows_where(!compensated);
     let every = |_: usize, _: usize, columns: &[&[f64]]| vec![1.0; columns.first().map_or(0, |c| c.len())];
     let sums = sum(&mut rows, task.layout, task.runs, &task.pieces, &every);
     let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;

@@ -83,7 +83,11 @@ type Robust<'a> = (&'a Values, &'a RunOffsets, &'a [f64]);
 
 impl Task<'_> {
     pub(super) fn rows(&self) -> Rows<'_> {
-        Rows::new(self.robot, self.layout, self.settings.gravity_compensated)
+        self.rows_where(self.settings.gravity_compensated)
+    }
+
+    pub(super) fn rows_where(&self, gravity_compensated: bool) -> Rows<'_> {
+        Rows::new(self.robot, self.layout, gravity_compensated, self.settings.filter.as_ref())
     }
 
     fn sums(&self, robust: Option<Robust>) -> Sums {

@@ -12,7 +12,6 @@ use super::normal::Offsets;
 use super::prior::Prior;
 use super::residuals::{Forces, RunOffsets};
 use super::result::{Estimate, EstimatedTerm, InstrumentalEstimate, JointEstimate, Uncertain};
-use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Level of the test of least squares against instrumental variables.
 const LEVEL: f64 = 0.05;
@@ -91,7 +90,23 @@ impl Report<'_> {
                 names[b * PER_BODY].trim_start_matches("m_")
             )
         });
-        [offsets.to_string(), weight].into_iter().chain(doubted).chain([self.endogeneity_said()]).collect()
+        [offsets.to_string(), weight]
+            .into_iter()
+            .chain(doubted)
+            .chain(self.pull_said())
+            .chain([self.endogeneity_said()])
+            .collect()
+    }
+
+    /// What was done where the program over bodies that can exist did not converge by itself.
+    fn pull_said(&self) -> Option<String> {
+        let pull = self.solved.pull;
+        (pull > 0.0).then(|| {
+            format!(
+                "The fit over bodies that can exist converged with a pull towards the description of {pull:.0e} of the \
+                 largest curvature, which is below what the sums resolve."
+            )
+        })
     }
 
     /// Whether noise of the motion biases least squares.
@@ -117,9 +132,7 @@ impl Report<'_> {
     fn instrumental(&self, found: &Endogeneity) -> InstrumentalEstimate {
         let layout = self.task.layout;
         let described = self.task.robot.parameters();
-        let level = self.task.settings.confidence;
-        let freedom = found.freedom as f64;
-        let quantile = quantile(level, freedom).unwrap_or(f64::NAN);
+        let quantile = self.quantile(found.freedom);
         let uncertain = |global: usize, base: f64| {
             let place = self.solved.active.iter().position(|&active| active == global);
             let error = place.map_or(0.0, |i| found.covariance[(i, i)].max(0.0).sqrt());
@@ -142,13 +155,16 @@ impl Report<'_> {
         }
     }
 
+    /// Student's quantile at the level of the intervals. The settings are checked, and there is one degree of freedom.
+    fn quantile(&self, freedom: usize) -> f64 {
+        quantile(self.task.settings.confidence, freedom.max(1) as f64).unwrap_or(f64::INFINITY)
+    }
+
     fn uncertain(&self, global: usize, base: f64) -> Uncertain {
-        let level = self.task.settings.confidence;
-        let quantile = Normal::standard().inverse_cdf(0.5 + 0.5 * level);
         Uncertain::new(
             base + self.solved.values.unknowns[global],
             self.covariance.deviation(self.solved, global),
-            quantile,
+            self.quantile(self.covariance.freedom),
         )
     }
 
@@ -210,11 +226,7 @@ impl Report<'_> {
     /// K_M: its relative error is that of the rigid force.
     fn gain(&self, joint: usize) -> Uncertain {
         let value = self.solved.values.gains[joint];
-        let quantile = Normal::standard().inverse_cdf(0.5 + 0.5 * self.task.settings.confidence);
-        Uncertain::new(
-            value,
-            value * self.covariance.deviation(self.solved, self.task.layout.gain(joint)),
-            quantile,
-        )
+        let error = value * self.covariance.deviation(self.solved, self.task.layout.gain(joint));
+        Uncertain::new(value, error, self.quantile(self.covariance.freedom))
     }
 }

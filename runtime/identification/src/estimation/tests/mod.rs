@@ -2,6 +2,7 @@
 
 mod chain;
 mod closed_loop;
+mod coverage;
 mod data;
 mod measured;
 mod pendulum;

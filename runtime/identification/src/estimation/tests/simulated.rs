@@ -113,6 +113,11 @@ fn a_wrong_sign_and_forces_that_are_noise_are_refused() {
     turned.efforts[1].iter_mut().for_each(|u| *u = -*u);
     let message = refused(turned);
     assert!(message.contains("joint elbow") && message.contains("other sign"), "{message}");
+    // Where the log is short, its length is the reason that is named.
+    let mut short = super::data::part(&run, 0..40);
+    short.efforts[1].iter_mut().for_each(|u| *u = -*u);
+    let message = refused(short);
+    assert!(message.contains("too short: 40 samples") && !message.contains("sign of"), "{message}");
     let mut noise = run;
     noise.efforts[0].iter_mut().for_each(|u| *u = random.normal());
     let message = refused(noise);
