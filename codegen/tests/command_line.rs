@@ -550,6 +550,23 @@ fn a_planned_motion_identifies_what_a_simulated_arm_is() {
     let [before, after] = [before, after].map(|sum| (sum / 400.0).sqrt());
     println!("torques of the description are off by {before} N m rms, of the identified one by {after}");
     assert!(before > 2.0 && after < 0.1);
+    // A joint whose efforts cannot be used is named with its row, the other goes on, and the file says so.
+    let log = fs::read_to_string(at("log.csv")).unwrap();
+    let without = log.lines().enumerate().map(|(i, line)| match (i, line.rsplit_once(',')) {
+        (1.., Some((rest, _))) => format!("{rest},0\n"),
+        _ => format!("{line}\n"),
+    });
+    fs::write(at("without.csv"), without.collect::<String>()).unwrap();
+    let arguments = ["identify", "arm.toml", "without.csv", "--output", "half.toml", "--report", "half"];
+    let half = gelenk(folder.path(), &arguments);
+    assert!(half.status.success(), "{}", shown(&half));
+    for text in [fs::read_to_string(at("half.toml")).unwrap(), String::from_utf8(half.stdout).unwrap()] {
+        assert!(text.contains("its effort is 0 in every row from row 2 on; name other columns"), "{text}");
+        assert!(
+            text.contains("has no measured effort: its friction, drive and offset stay as described"),
+            "{text}"
+        );
+    }
     // Once more over its own output, never over what was read.
     assert!(gelenk(folder.path(), &["identify", "arm.toml", "log.csv"]).status.success());
     for kept in ["arm.toml", "log.csv"] {

@@ -1,6 +1,6 @@
 //! The page of an identification.
 
-use gelenk_identification::estimation::Uncertain;
+use gelenk_identification::estimation::{InstrumentalEstimate, JointEstimate, Uncertain};
 use gelenk_identification::identify::{Identification, JointFriction};
 use gelenk_identification::robot::Robot;
 use gelenk_identification::run::PreparedRun;
@@ -55,7 +55,7 @@ pub fn warnings(found: &Identification) -> Vec<String> {
         let result = &report.result;
         result.warnings.iter().map(|doubt| format!("joint {}: {doubt}", result.joint))
     });
-    let resting = found.estimate.joints.iter().filter(|joint| !joint.moves);
+    let resting = found.estimate.joints.iter().filter(|joint| !joint.moves && joint.measured);
     let resting =
         resting.map(|joint| format!("joint {} does not move: nothing of it is estimated", joint.name));
     found.estimate.warnings.iter().cloned().chain(resting).chain(laws).chain(doubts).collect()
@@ -85,7 +85,7 @@ fn summary(found: &Identification) -> Section {
             Cell::text(joint.name.clone()),
             if joint.moves { Cell::Rounded(joint.held_out_r_squared, 4) } else { Cell::Empty },
             if joint.moves { Cell::Rounded(joint.r_squared, 4) } else { Cell::Empty },
-            Cell::Rounded(joint.sigma, 3),
+            if joint.measured { Cell::Rounded(joint.sigma, 3) } else { Cell::Empty },
             Cell::text(joint.unit),
             Cell::Code(law(found, index)),
         ]);
@@ -144,13 +144,18 @@ fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
     figure.plot(plot)
 }
 
+/// Joints whose efforts were measured.
+fn measured(found: &Identification) -> impl Iterator<Item = (usize, &JointEstimate)> {
+    found.estimate.joints.iter().enumerate().filter(|(_, joint)| joint.measured)
+}
+
 fn efforts(found: &Identification) -> Section {
     let times = times(&found.runs);
     let mut figure = Figure::new(
         "effort",
         "Efforts at the joints, behind the gears, as measured and as the estimate predicts them; runs follow each other.",
     );
-    for (index, joint) in found.estimate.joints.iter().enumerate() {
+    for (index, joint) in measured(found) {
         let curve = |runs: &[Vec<Vec<f64>>]| {
             let values = runs.iter().flat_map(|run| run[index].iter().copied().chain([f64::NAN]));
             thinned(times.iter().copied().zip(values).map(|(t, value)| [t, value]).collect())
@@ -180,7 +185,7 @@ fn times(runs: &[PreparedRun]) -> Vec<f64> {
 fn residuals(found: &Identification, units: &[&str]) -> Section {
     let mut section = Section::new("residuals", "Residuals")
         .block(text("Measured minus predicted effort. What is left should depend on nothing."));
-    for (index, joint) in found.estimate.joints.iter().enumerate() {
+    for (index, joint) in measured(found) {
         let unit = units[index];
         let over = |label: &str, axis: &str, signal: &dyn Fn(&PreparedRun) -> &[f64]| {
             let points = found.runs.iter().enumerate().flat_map(|(run, prepared)| {
@@ -225,7 +230,40 @@ fn parameters(robot: &dyn Robot, found: &Identification) -> Section {
         let cells = [described, *value, low, high].map(|x| Cell::Rounded(x, 4));
         table = table.row([Cell::Code(name)].into_iter().chain(cells));
     }
-    Section::new("parameters", "Inertial parameters").block(Block::Table(table))
+    let instrumental = found.estimate.instrumental.as_ref().map(|other| instrumental(robot, found, other));
+    Section::new("parameters", "Inertial parameters").block(Block::Table(table)).blocks(instrumental)
+}
+
+/// The same by instrumental variables, and friction beside it.
+fn instrumental(robot: &dyn Robot, found: &Identification, other: &InstrumentalEstimate) -> Block {
+    let [tested, left] = other.degrees_of_freedom;
+    let mut table = Table::new(
+        "instrumental_variables",
+        &format!(
+            "Least squares beside instrumental variables, which noise of the positions does not bias; the instruments are \
+             {}. Durbin–Wu–Hausman: $F({tested}, {left})$ = {:.2}, p = {:.2e} where least squares is not biased.",
+            other.source, other.statistic, other.p_value
+        ),
+    )
+    .column("value", "value", "")
+    .column("least squares", "least_squares", "")
+    .column("instruments", "instruments", "")
+    .column("lowest", "lowest", "")
+    .column("highest", "highest", "");
+    let parameters =
+        robot.parameter_names().into_iter().zip(&found.estimate.parameters).zip(&other.parameters);
+    let parameters = parameters.map(|((name, least), other)| (name, least.value, *other));
+    let terms = found.estimate.joints.iter().zip(&other.terms).flat_map(|(joint, terms)| {
+        let pairs = joint.terms.iter().zip(terms);
+        pairs.map(|(least, other)| {
+            (format!("{}: {}", joint.name, least.basis), least.coefficient.value, other.coefficient)
+        })
+    });
+    for (name, least, Uncertain { value, interval: [low, high], .. }) in parameters.chain(terms) {
+        let cells = [least, value, low, high].map(|x| Cell::Rounded(x, 4));
+        table = table.row([Cell::Code(name)].into_iter().chain(cells));
+    }
+    Block::Table(table)
 }
 
 fn data(found: &Identification) -> Section {

@@ -88,16 +88,19 @@ pub fn identify(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Identification> {
     let (recording, prepared, preparation) = read_and_prepare(robot, logs, settings, progress)?;
-    let estimate = estimate(robot, &prepared, &settings.estimation, progress)?;
+    let estimation =
+        EstimationSettings { filter: Some(preparation.filter.clone()), ..settings.estimation.clone() };
+    let mut estimate = estimate(robot, &prepared, &estimation, progress)?;
+    estimate.warnings.splice(0..0, faults(&preparation));
     progress("choosing the terms of friction");
     let data = source(&recording);
-    let preparations = sentences(&preparation);
     let moving = (0..estimate.joints.len()).filter(|joint| estimate.joints[*joint].moves);
     let friction = moving.map(|joint| {
         let samples = JointSamples::new(joint, &prepared, &estimate);
-        samples.friction(robot, settings, &data, &preparations)
+        samples.friction(robot, settings, &data, &preparation)
     });
-    let friction = friction.collect();
+    let friction: Vec<JointFriction> = friction.collect();
+    estimate.warnings.retain(|warning| !is_said(warning, &friction));
     Ok(Identification { recording, preparation, runs: prepared, estimate, friction })
 }
 
@@ -117,6 +120,22 @@ pub(crate) fn read_and_prepare(
     Ok((recording, prepared, preparation))
 }
 
+/// What the estimate and a friction law say of the same residuals, each by its words.
+const SAID_TWICE: [[&str; 2]; 4] = [
+    ["follows the joint's position", "depends on the position"],
+    ["follows the acceleration", "depends on the acceleration"],
+    ["its offset drifts", "the constant torque drifts"],
+    ["its friction changes by", "friction changes by"],
+];
+
+/// Whether the friction law of a joint says what a warning of the estimate says.
+fn is_said(warning: &str, friction: &[JointFriction]) -> bool {
+    let of_joint = friction.iter().find(|joint| warning.starts_with(&format!("Joint {}:", joint.name)));
+    let Some(report) = of_joint.and_then(|joint| joint.report.as_ref().ok()) else { return false };
+    let said = |words: &str| report.result.warnings.iter().any(|other| other.contains(words));
+    SAID_TWICE.iter().any(|[own, other]| warning.contains(own) && said(other))
+}
+
 /// Efforts on the other side of the gears than their names say would make every result wrong by the gear's ratio:
 /// somebody has to say what they are.
 fn require_sides(recording: &Recording, columns: &ColumnOptions) -> Result<()> {
@@ -134,17 +153,21 @@ fn require_sides(recording: &Recording, columns: &ColumnOptions) -> Result<()> {
     }
 }
 
-/// Joints whose efforts cannot be used would make the whole estimate fail without their names.
+/// A joint whose efforts cannot be used keeps what is described; where no joint has others, nothing is left to do.
 fn require_efforts(preparation: &PreparationReport) -> Result<()> {
-    let faults = preparation.joints.iter().filter_map(|joint| {
-        let fault = joint.fault.as_ref()?;
-        Some(format!("joint {}: {fault}", joint.name))
-    });
-    let faults: Vec<String> = faults.collect();
-    match faults.is_empty() {
-        true => Ok(()),
-        false => Err(IdentificationError::File { place: "the logs".into(), message: faults.join("; ") }),
+    if preparation.joints.iter().any(|joint| joint.fault.is_none()) {
+        return Ok(());
     }
+    let faults: Vec<String> = faults(preparation).collect();
+    Err(IdentificationError::File { place: "the logs".into(), message: faults.join("; ") })
+}
+
+/// What is wrong with efforts that cannot be used, with the knob that names others.
+pub(crate) fn faults(preparation: &PreparationReport) -> impl Iterator<Item = String> + '_ {
+    preparation.joints.iter().filter_map(|joint| {
+        let fault = joint.fault.as_ref()?;
+        Some(format!("joint {}: {fault}; name other columns with --columns 'torque=…'", joint.name))
+    })
 }
 
 /// Logs with the first digits of their hashes.
@@ -217,8 +240,10 @@ impl<'a> JointSamples<'a> {
         robot: &dyn Robot,
         settings: &IdentificationSettings,
         data: &str,
-        preparations: &[String],
+        preparation: &PreparationReport,
     ) -> JointFriction {
+        let preparations = sentences(preparation);
+        let filter = Some(&preparation.filter);
         let limits: Option<JointLimits> = robot.limits().get(self.joint).copied();
         let report = settings.friction.identify(&FrictionData {
             joint: self.name,
@@ -231,9 +256,10 @@ impl<'a> JointSamples<'a> {
             runs: Some(&self.runs),
             positions: Some(&self.positions),
             accelerations: Some(&self.accelerations),
+            filter,
             limits,
             data,
-            settings: preparations,
+            settings: &preparations,
         });
         let report = report.map_err(|error| error.to_string()).and_then(|mut report| {
             if settings.accept_poor {

@@ -17,6 +17,8 @@ pub struct Run {
     pub efforts: Vec<Vec<f64>>,
     /// What the efforts are.
     pub effort: Effort,
+    /// Commanded positions [rad or m], for each joint, where the log has them for all joints.
+    pub desired: Option<Vec<Vec<f64>>>,
 }
 
 /// What a log's efforts are.
@@ -49,4 +51,17 @@ pub struct PreparedRun {
     pub efforts: Vec<Vec<f64>>,
     /// What the efforts are.
     pub effort: Effort,
+    /// The commanded motion at the same times, through the same filter, where the log has it.
+    pub desired: Option<DesiredMotion>,
+}
+
+/// A motion that was asked for. Noise of the measurement is not in it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesiredMotion {
+    /// Positions [rad or m], for each joint.
+    pub positions: Vec<Vec<f64>>,
+    /// Their first derivatives.
+    pub velocities: Vec<Vec<f64>>,
+    /// Their second derivatives.
+    pub accelerations: Vec<Vec<f64>>,
 }

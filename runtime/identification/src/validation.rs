@@ -13,7 +13,8 @@ use std::path::PathBuf;
 pub struct JointValidation {
     /// Name of the joint.
     pub name: String,
-    /// `1 − Σ (τ − τ̂)² / Σ (τ − τ̄)²`; NaN where the effort is constant.
+    /// `1 − Σ (τ − τ̂)² / Σ (τ − τ̄)²`; NaN where the effort is constant, or was not
+    /// measured in the logs of the identification.
     pub r_squared: f64,
     /// Root mean square of τ − τ̂ [N·m or N].
     pub residual: f64,
@@ -125,11 +126,13 @@ impl<'a> Prediction<'a> {
         let at = |columns: &[Vec<f64>]| columns.iter().map(|column| column[sample]).collect::<Vec<f64>>();
         let (y, v, a) = (at(&run.positions), at(&run.velocities), at(&run.accelerations));
         self.rigid(&y, &v, &a);
-        for (joint, sums) in sums.iter_mut().enumerate() {
+        // What was not measured in the logs of the identification has no identified law.
+        let known = |joint: &usize| self.found.estimate.joints[*joint].measured;
+        for joint in (0..sums.len()).filter(known) {
             let measured = self.measured(run, joint, sample);
             let predicted = self.forces[joint] + self.at_joint(joint, v[joint], a[joint]);
             if measured.is_finite() && predicted.is_finite() {
-                sums.add(measured, predicted);
+                sums[joint].add(measured, predicted);
             }
         }
     }
@@ -169,7 +172,12 @@ impl<'a> Prediction<'a> {
             return run.efforts[joint][sample];
         }
         let row = self.input_matrix.chunks_exact(run.efforts.len().max(1)).nth(joint).unwrap_or_default();
-        let force: f64 = row.iter().zip(&run.efforts).map(|(b, effort)| b * effort[sample]).sum();
+        let force: f64 = row
+            .iter()
+            .zip(&run.efforts)
+            .filter(|(b, _)| **b != 0.0)
+            .map(|(b, effort)| b * effort[sample])
+            .sum();
         force * self.found.estimate.joints[joint].gain.map_or(1.0, |gain| gain.value)
     }
 }

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use gelenk_identification::description::{Identified, write_identified};
+use gelenk_identification::estimation::{InstrumentalEstimate, Uncertain};
 use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::{Identification, IdentificationSettings, identify};
 use gelenk_identification::log::ColumnOptions;
@@ -208,7 +209,7 @@ fn as_text(
             joint.name.clone(),
             number(joint.held_out_r_squared),
             number(joint.r_squared),
-            format!("{:.3} {}", joint.sigma, joint.unit),
+            if joint.measured { format!("{:.3} {}", joint.sigma, joint.unit) } else { "–".to_owned() },
             page::law(found, index),
         ]
     });
@@ -233,6 +234,24 @@ fn validated(validation: &[JointValidation]) -> String {
     format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))
 }
 
+/// The estimate by instrumental variables and its test; friction terms of each joint.
+fn instrumental(found: &InstrumentalEstimate) -> Value {
+    let uncertain =
+        |p: &Uncertain| json!({"value": p.value, "standard_error": p.standard_error, "interval": p.interval});
+    let terms = found.terms.iter().map(|terms| {
+        let terms = terms.iter();
+        terms.map(|t| json!({"term": t.basis, "coefficient": uncertain(&t.coefficient)})).collect::<Value>()
+    });
+    json!({
+        "instruments": found.source.to_string(),
+        "statistic": found.statistic,
+        "degrees_of_freedom": found.degrees_of_freedom,
+        "p_value": found.p_value,
+        "inertial_parameters": found.parameters.iter().map(uncertain).collect::<Value>(),
+        "friction": terms.collect::<Value>(),
+    })
+}
+
 fn as_json(
     found: &Identification,
     validation: &[JointValidation],
@@ -243,6 +262,7 @@ fn as_json(
         json!({
             "name": joint.name,
             "moves": joint.moves,
+            "measured": joint.measured,
             "r_squared_held_out": joint.held_out_r_squared,
             "r_squared": joint.r_squared,
             "residual": joint.sigma,
@@ -265,6 +285,7 @@ fn as_json(
         "mapping": found.recording.mapping,
         "unused_columns": found.recording.unused,
         "findings": found.recording.findings.iter().map(ToString::to_string).collect::<Value>(),
+        "instrumental_variables": found.estimate.instrumental.as_ref().map(instrumental),
         "choices": found.estimate.choices,
         "warnings": page::warnings(found),
     })

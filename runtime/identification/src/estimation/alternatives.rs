@@ -7,7 +7,6 @@ use super::estimate::Task;
 use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, TERMS};
 use super::prior::Prior;
-use super::rows::Rows;
 use super::sums::sum;
 
 /// An explanation counts as better where it lowers the held-out error by this share, and by two standard errors.
@@ -17,6 +16,9 @@ const CLEARLY: f64 = 0.1;
 const POOR: f64 = 0.5;
 /// Power of driving friction, as a share of the power of a force as large as the measured one.
 const NOTICEABLE: f64 = 0.05;
+
+/// Samples below which friction that drives a joint is no sign of a wrong sign: ten periods of the usual filter.
+const FEWEST_SAMPLES: usize = 100;
 
 /// Weight of the description with which nothing changes its bodies.
 const AS_DESCRIBED: f64 = 1e12;
@@ -41,7 +43,11 @@ impl Doubts {
 /// whose friction drives them.
 pub(super) fn other_explanations(task: &Task, chosen: &Chosen, own: &HeldOut) -> Result<Doubts> {
     let of_all = gravity(task, chosen)?.into_iter().collect();
-    Ok(Doubts { of_all, of_joints: signs(chosen, own, task.prior)? })
+    let mut of_joints = signs(chosen, own, task.prior)?;
+    if let Some(short) = too_short(task) {
+        of_joints.iter_mut().flatten().for_each(|doubt| doubt.clone_from(&short));
+    }
+    Ok(Doubts { of_all, of_joints })
 }
 
 /// Doubts about the sign of each joint's effort.
@@ -61,9 +67,21 @@ pub(super) fn signs(chosen: &Chosen, own: &HeldOut, prior: &Prior) -> Result<Vec
     Ok(doubts)
 }
 
+/// What is said instead of a sign where friction cannot be told from chance. The residuals' correlation is no measure:
+/// a wrong sign makes it long.
+fn too_short(task: &Task) -> Option<String> {
+    let samples: usize = task.runs.iter().map(|run| run.times.len()).sum();
+    (samples < FEWEST_SAMPLES).then(|| {
+        format!(
+            "the log is too short: {samples} samples are left after the filter, and friction cannot be told from \
+             chance. Record a motion of 10 s or more."
+        )
+    })
+}
+
 fn gravity(task: &Task, chosen: &Chosen) -> Result<Option<String>> {
     let compensated = task.settings.gravity_compensated;
-    let mut rows = Rows::new(task.robot, task.layout, !compensated);
+    let mut rows = task.rows_where(!compensated);
     let every = |_: usize, _: usize, columns: &[&[f64]]| vec![1.0; columns.first().map_or(0, |c| c.len())];
     let sums = sum(&mut rows, task.layout, task.runs, &task.pieces, &every);
     let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;

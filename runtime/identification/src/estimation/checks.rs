@@ -40,6 +40,13 @@ impl Checked<'_> {
         let names = self.robot.joint_names();
         let mut warnings = Vec::new();
         for (joint, name) in names.iter().enumerate() {
+            if !self.layout.measured[joint] {
+                warnings.push(format!(
+                    "Joint {name} has no measured effort: its friction, drive and offset stay as described, and its \
+                     body is known from the efforts of other joints alone."
+                ));
+                continue;
+            }
             if !self.layout.moves[joint] {
                 warnings.push(format!(
                     "Joint {name} stands still in these data: its friction is not estimated. Move it."

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 const PULLS: [f64; 4] = [0.0, 1e-13, 1e-12, 1e-11];
 
 /// The minimum of `½ xᵀ A x − gᵀ x` where the description plus x has positive pseudo-inertias, and rotor and
-/// reflected inertias that are not negative. `free` is the minimum without these bounds.
+/// reflected inertias that are not negative, and the pull that was needed. `free` is the minimum without these bounds.
 pub(super) fn bounded(
     layout: &Layout,
     prior: &Prior,
@@ -20,13 +20,13 @@ pub(super) fn bounded(
     regularized: &DMatrix<f64>,
     linear: &DVector<f64>,
     free: &DVector<f64>,
-) -> Result<DVector<f64>> {
+) -> Result<(DVector<f64>, f64)> {
     let described =
         DVector::from_fn(active.len(), |i, _| prior.described.get(active[i]).copied().unwrap_or(0.0));
     let nonnegative = nonnegative(layout, prior, active);
     let absolute = &described + free;
     if can_exist(&absolute, prior.bodies.len(), &nonnegative) {
-        return Ok(free.clone());
+        return Ok((free.clone(), 0.0));
     }
     let map = prior.unit_bodies(active.len());
     let origin = map.clone().lu().solve(&described).unwrap_or_else(|| described.clone());
@@ -47,7 +47,7 @@ pub(super) fn bounded(
             nonnegative: nonnegative.clone(),
         };
         match solve(&problem) {
-            Ok(solution) => return Ok(map * solution.parameters - described),
+            Ok(solution) => return Ok((map * solution.parameters - described, pull)),
             Err(error) => fault = Some(error),
         }
     }

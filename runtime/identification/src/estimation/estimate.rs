@@ -6,6 +6,7 @@ use super::super::run::{Effort, PreparedRun};
 use super::alternatives::{Doubts, other_explanations};
 use super::checks::{Checked, first_gains};
 use super::choice::{Chosen, Freedom, choose};
+use super::endogeneity::endogeneity;
 use super::fit::fit;
 use super::intervals::{Fitted, correlation_time, covariance, scores};
 use super::layout::Layout;
@@ -43,7 +44,8 @@ pub(super) struct Task<'a> {
 /// `progress` gets a sentence at each stage.
 ///
 /// # Errors
-/// Data of the wrong shape or not finite, settings out of range, and a fit that explains less of a moving joint
+/// Data of the wrong shape or not finite (efforts that are NaN throughout were not measured: their joints keep what is
+/// described), no measured efforts at all, settings out of range, and a fit that explains less of a moving joint
 /// than [`EstimationSettings::least_r_squared`] on held-out data.
 pub fn estimate(
     robot: &dyn Robot,
@@ -81,7 +83,11 @@ type Robust<'a> = (&'a Values, &'a RunOffsets, &'a [f64]);
 
 impl Task<'_> {
     pub(super) fn rows(&self) -> Rows<'_> {
-        Rows::new(self.robot, self.layout, self.settings.gravity_compensated)
+        self.rows_where(self.settings.gravity_compensated)
+    }
+
+    pub(super) fn rows_where(&self, gravity_compensated: bool) -> Rows<'_> {
+        Rows::new(self.robot, self.layout, gravity_compensated, self.settings.filter.as_ref())
     }
 
     fn sums(&self, robust: Option<Robust>) -> Sums {
@@ -139,6 +145,7 @@ impl Task<'_> {
         };
         let scores = scores(&mut self.rows(), self.layout, self.runs, &fitted, time);
         let covariance = covariance(&fitted, self.prior, &scores)?;
+        let endogeneity = endogeneity(self, &fitted, covariance.spread, time)?;
         let judged = last.with_sums(plain, self.prior)?;
         let errors = judged.held_out(self.prior)?;
         let held_out = judged.centred_r_squared(&errors.rss);
@@ -161,6 +168,7 @@ impl Task<'_> {
             offsets: &offsets,
             covariance: &covariance,
             held_out: &held_out,
+            endogeneity: endogeneity.as_ref(),
             warnings: doubts.sentences(self.robot),
         };
         Ok(report.estimate())
@@ -197,7 +205,7 @@ impl Task<'_> {
             let series: Vec<&[f64]> = forces.residual.iter().map(|run| run[j].as_slice()).collect();
             correlation_time(&series)
         };
-        (0..self.layout.joints).map(time).fold(1.0, f64::max)
+        (0..self.layout.joints).filter(|&j| self.layout.measured[j]).map(time).fold(1.0, f64::max)
     }
 }
 

@@ -64,6 +64,9 @@ pub(super) struct Solved {
     pub(super) active: Vec<usize>,
     /// `H + Λ`.
     pub(super) regularized: DMatrix<f64>,
+    /// Pull towards the description without which the program over bodies that can exist did not converge, as a share
+    /// of the largest curvature.
+    pub(super) pull: f64,
 }
 
 /// Weights 1/σ² of the joints' equations in units of force.
@@ -84,7 +87,7 @@ pub(super) fn fit(
     let active = model.active(layout, prior);
     let mut values = start.clone();
     let rounds = if model.gains { ROUNDS } else { 1 };
-    let mut round = 0;
+    let (mut round, mut pull) = (0, 0.0);
     loop {
         let weights = force_weights(weighting, &values.gains);
         let normal = assemble(layout, products, &active, &weights, &values);
@@ -92,14 +95,14 @@ pub(super) fn fit(
         let right = DMatrix::from_column_slice(active.len(), 1, normal.linear.as_slice());
         let mut x = solve(&regularized, &right)?.column(0).into_owned();
         if model.consistent {
-            x = bounded(layout, prior, &active, &regularized, &normal.linear, &x)?;
+            (x, pull) = bounded(layout, prior, &active, &regularized, &normal.linear, &x)?;
         }
         values.unknowns = DVector::zeros(layout.len());
         active.iter().zip(x.iter()).for_each(|(&global, x)| values.unknowns[global] = *x);
         let change = if model.gains { take_gains(centred, &mut values) } else { 0.0 };
         round += 1;
         if round >= rounds || change < 1e-6 {
-            return Ok(Solved { values, active, regularized });
+            return Ok(Solved { values, active, regularized, pull });
         }
     }
 }
@@ -171,6 +174,9 @@ pub(super) fn deviations(centred: &Centred, values: &Values) -> Vec<f64> {
     };
     // A perfect fit would make its joint infinitely heavy: nothing is known better than 1e-6 of the effort.
     let deviation = |j: usize| {
+        if !centred.layout.measured[j] {
+            return 1.0;
+        }
         let floor = 1e-12 * energy(j) + f64::MIN_POSITIVE;
         ((rss[j] / values.gains[j].powi(2)).max(floor) / count(j).max(1.0)).sqrt()
     };

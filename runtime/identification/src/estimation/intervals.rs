@@ -1,33 +1,33 @@
 //! Covariance of the estimate under correlated residuals, and of what the description contributes.
 //!
 //! With the normal matrix H, the description's metric Λ (its weight included), and `A = H + Λ`, it is
-//! `A⁻¹ (S + ω² Λ) A⁻¹`. S is the variance of the score, from its sums over short blocks with Bartlett's
-//! weights over neighbouring blocks of the same run (Newey, West 1987). `ω² Λ⁻¹` is how far descriptions are
+//! `A⁻¹ (S + ω² Λ) A⁻¹`. S is the variance of the score, from its sums over short blocks ([`super::cosines`]): it has
+//! as many degrees of freedom as there are cosines. `ω² Λ⁻¹` is how far descriptions are
 //! from robots: ω² = δᵀ Λ δ / γ, with γ the number of combinations that the data decide (MacKay 1992).
 
 use super::super::error::Result;
 use super::super::kernel::BLOCK;
 use super::super::run::PreparedRun;
+use super::cosines;
 use super::fit::{Solved, Weighting, force_weights};
 use super::layout::Layout;
-use super::normal::{Centred, Offsets, Values, residual_vector, solve};
+use super::normal::{Centred, Factor, Offsets, Values, residual_vector};
 use super::prior::Prior;
 use super::residuals::{RunOffsets, huber, residual};
 use super::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 
 /// Blocks over all runs, at most: more would cost time and change nothing.
-const MOST_BLOCKS: usize = 600;
-/// Bandwidth of Bartlett's weights, in correlation times.
-const BANDWIDTH: f64 = 10.0;
+pub(super) const MOST_BLOCKS: usize = 600;
 
-/// Scores of the blocks in the order of time, for each run.
+/// Scores of the blocks in the order of time, run after run.
 pub(super) struct Scores {
-    runs: Vec<Vec<DVector<f64>>>,
-    /// Samples of a block.
-    length: usize,
+    blocks: Vec<DVector<f64>>,
+    samples: usize,
     /// Samples after which residuals forget, the largest of all joints.
     pub(super) correlation_time: f64,
+    /// The blocks are independent groups of samples, and no series.
+    are_groups: bool,
 }
 
 /// What the scores are made with.
@@ -77,9 +77,8 @@ pub(super) fn scores(
     let means: Vec<_> = (0..layout.joints).map(|j| column_means(of.centred, j)).collect();
     let mut place = vec![None; layout.len()];
     of.solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
-    let mut found = Scores { runs: Vec::new(), length, correlation_time: time };
+    let mut found = Scores { blocks: Vec::new(), samples: total, correlation_time: time, are_groups: false };
     for (run, samples) in runs.iter().enumerate() {
-        let mut blocks = Vec::new();
         for start in (0..samples.times.len()).step_by(length) {
             rows.evaluate(samples, start..samples.times.len().min(start + length));
             let mut score = DVector::zeros(of.solved.active.len());
@@ -94,9 +93,8 @@ pub(super) fn scores(
                 );
                 add(&mut score, layout, of.values, joint, &place, &(products * weights[joint]));
             }
-            blocks.push(score);
+            found.blocks.push(score);
         }
-        found.runs.push(blocks);
     }
     found
 }
@@ -136,7 +134,7 @@ fn add(
 }
 
 /// Means of a joint's columns over what shares an offset, for each run.
-fn column_means(centred: &Centred, joint: usize) -> Vec<DVector<f64>> {
+pub(super) fn column_means(centred: &Centred, joint: usize) -> Vec<DVector<f64>> {
     let runs = centred.sums.by_run(joint, None);
     let zero = DVector::zeros(runs.first().map_or(0, |r| r.1.len()));
     let all = runs.iter().fold((0.0, zero.clone()), |a, b| (a.0 + b.0, a.1 + &b.1));
@@ -164,28 +162,31 @@ impl Scores {
                 let products = &fold[joint] * residual_vector(layout, of.values, joint);
                 add(&mut score, layout, of.values, joint, &place, &(products * (share * weights[joint])));
             }
-            vec![score]
+            score
         };
-        let length = (BANDWIDTH * time).ceil().max(1.0) as usize;
-        Self { runs: folds.iter().map(score).collect(), length, correlation_time: time }
+        Self {
+            blocks: folds.iter().map(score).collect(),
+            samples: of.centred.sums.samples,
+            correlation_time: time,
+            are_groups: true,
+        }
     }
 
-    /// Variance of the total score.
-    fn variance(&self, size: usize) -> DMatrix<f64> {
-        let lags = (BANDWIDTH * self.correlation_time / self.length as f64).ceil() as usize;
-        let mut variance = DMatrix::zeros(size, size);
-        for run in &self.runs {
-            // Bartlett's weights are the correlation of a box with itself: sums over moving windows of blocks.
-            let window = lags + 1;
-            for end in 0..run.len() + window - 1 {
-                let from = (end + 1).saturating_sub(window);
-                let moving =
-                    run[from..(end + 1).min(run.len())].iter().fold(DVector::zeros(size), |s, b| s + b);
-                variance.syger(1.0 / window as f64, &moving, &moving, 1.0);
-            }
+    /// Degrees of freedom of the variance.
+    fn freedom(&self) -> usize {
+        if self.are_groups {
+            return self.blocks.len().saturating_sub(1).max(1);
         }
-        variance.fill_upper_triangle_with_lower_triangle();
-        variance
+        let wanted = cosines::count(self.samples as f64 / self.correlation_time, self.blocks.len());
+        wanted.max(cosines::FEWEST.min(self.blocks.len()))
+    }
+
+    /// Columns whose mean square is the variance of the total score.
+    fn projected(&self) -> DMatrix<f64> {
+        if self.are_groups {
+            return DMatrix::from_columns(&self.blocks) * (self.freedom() as f64).sqrt();
+        }
+        cosines::projections(&DMatrix::from_columns(&self.blocks), self.freedom())
     }
 }
 
@@ -194,6 +195,10 @@ pub(super) struct Covariance {
     pub(super) matrix: DMatrix<f64>,
     /// Number of combinations of inertial parameters that the data decide: `tr(A⁻¹ H)` over them.
     pub(super) decided: f64,
+    /// ω², how far descriptions are from robots.
+    pub(super) spread: f64,
+    /// Degrees of freedom of the matrix.
+    pub(super) freedom: usize,
 }
 
 impl Covariance {
@@ -208,7 +213,8 @@ impl Covariance {
 pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<Covariance> {
     let solved = of.solved;
     let (n, p) = (solved.active.len(), prior.held.len());
-    let inverse = solve(&solved.regularized, &DMatrix::identity(n, n))?;
+    let factor = Factor::new(&solved.regularized)?;
+    let inverse = factor.solve(&DMatrix::identity(n, n));
     let bodies = solved.active.iter().take_while(|&&global| global < p).count();
     let metric = of.weighting.metric(prior, &solved.active);
     let decided = bodies as f64 - inverse.component_mul(&metric).sum();
@@ -217,6 +223,9 @@ pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<
     let equations = of.centred.sums.samples * of.centred.layout.joints;
     let unknowns = decided + (n - bodies) as f64;
     let spent = unknowns * scores.correlation_time / equations.max(1) as f64;
-    let middle = scores.variance(n) / (1.0 - spent).max(0.25) + metric * spread;
-    Ok(Covariance { matrix: &inverse * middle * &inverse, decided })
+    // Both parts as products with their transposes: rounding makes no variance negative.
+    let projected = factor.solve(&scores.projected()) / (1.0 - spent).max(0.25).sqrt();
+    let described = factor.solve(&(&metric * &inverse)) * spread;
+    let matrix = &projected * projected.transpose() / scores.freedom() as f64 + described;
+    Ok(Covariance { matrix, decided, spread, freedom: scores.freedom() })
 }

@@ -32,8 +32,10 @@ pub(super) struct Layout {
     pub(super) local: Vec<Vec<usize>>,
     /// Factors k of the terms tanh(k v), for each joint.
     pub(super) steepness: Vec<[f64; WIDTHS.len()]>,
-    /// Whether the joint moves.
+    /// Whether the joint moves and its force was measured.
     pub(super) moves: Vec<bool>,
+    /// Whether the joint's force was measured: its equations have entries.
+    pub(super) measured: Vec<bool>,
     pub(super) effort: Effort,
     /// B, rows first.
     pub(super) input_matrix: Vec<f64>,
@@ -49,6 +51,12 @@ impl Layout {
         if let Some(given) = given {
             require_length("factors of the Coulomb terms", joints, given.len())?;
         }
+        let measured = measured(robot, runs);
+        if !measured.contains(&true) {
+            return Err(IdentificationError::Empty {
+                what: "the list of joints with measured efforts".into(),
+            });
+        }
         let parameters = robot.parameters().len();
         Ok(Self {
             joints,
@@ -57,7 +65,8 @@ impl Layout {
             steepness: (0..joints)
                 .map(|j| given.map_or_else(|| steepness(runs, j), |k| [k[j]; WIDTHS.len()]))
                 .collect(),
-            moves: (0..joints).map(|j| span(runs, j) > STANDSTILL).collect(),
+            moves: (0..joints).map(|j| span(runs, j) > STANDSTILL && measured[j]).collect(),
+            measured,
             effort: first.effort,
             input_matrix: robot.input_matrix(),
         })
@@ -80,6 +89,7 @@ impl Layout {
             local: local(robot, joints, parameters),
             steepness: vec![steepness; joints],
             moves,
+            measured: vec![true; joints],
             effort,
             input_matrix: robot.input_matrix(),
         })
@@ -117,12 +127,16 @@ fn check_run(robot: &dyn Robot, run: &PreparedRun, effort: Effort) -> Result<()>
         });
     }
     let columns = if effort == Effort::Joint { joints } else { inputs };
-    let kinds = [
+    let mut kinds = vec![
         ("positions", &run.positions, joints),
         ("velocities", &run.velocities, joints),
         ("accelerations", &run.accelerations, joints),
-        ("efforts", &run.efforts, columns),
     ];
+    if let Some(desired) = &run.desired {
+        kinds.push(("commanded positions", &desired.positions, joints));
+        kinds.push(("commanded velocities", &desired.velocities, joints));
+        kinds.push(("commanded accelerations", &desired.accelerations, joints));
+    }
     for (kind, found, expected) in kinds {
         require_length(&of_run(kind), expected, found.len())?;
         for column in found {
@@ -130,7 +144,27 @@ fn check_run(robot: &dyn Robot, run: &PreparedRun, effort: Effort) -> Result<()>
             super::super::error::require_finite(&of_run(kind), column)?;
         }
     }
+    require_length(&of_run("efforts"), columns, run.efforts.len())?;
+    for column in &run.efforts {
+        require_length(&of_run("efforts"), run.times.len(), column.len())?;
+        // A column of NaN says that nothing was measured.
+        if !column.iter().all(|u| u.is_nan()) {
+            super::super::error::require_finite(&of_run("efforts"), column)?;
+        }
+    }
     if effort == Effort::Current { require_own_inputs(robot) } else { Ok(()) }
+}
+
+/// Joints all of whose efforts were measured in all runs.
+fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
+    let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
+    let b = robot.input_matrix();
+    let known = |column: &Vec<f64>| column.iter().all(|u| u.is_finite());
+    let of_run = |joint: usize, run: &PreparedRun| match run.effort {
+        Effort::Joint => known(&run.efforts[joint]),
+        _ => (0..inputs).all(|input| b[joint * inputs + input] == 0.0 || known(&run.efforts[input])),
+    };
+    (0..joints).map(|joint| runs.iter().all(|run| of_run(joint, run))).collect()
 }
 
 /// A current's gain can be told from the joint's force only where each joint has one input of its own.

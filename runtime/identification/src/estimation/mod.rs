@@ -4,8 +4,11 @@ mod alternatives;
 mod checks;
 mod choice;
 mod consistent;
+mod cosines;
+mod endogeneity;
 mod estimate;
 mod fit;
+mod instruments;
 mod intervals;
 mod layout;
 mod normal;
@@ -22,8 +25,9 @@ mod tests;
 
 pub use choice::WeightTried;
 pub use estimate::estimate;
+pub use instruments::InstrumentSource;
 pub use normal::Offsets;
-pub use result::{Estimate, EstimatedTerm, JointEstimate, Uncertain};
+pub use result::{Estimate, EstimatedTerm, InstrumentalEstimate, JointEstimate, Uncertain};
 pub use settings::EstimationSettings;
 pub(crate) use {
     intervals::correlation_time,

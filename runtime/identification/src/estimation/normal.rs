@@ -4,7 +4,7 @@ use super::super::error::{IdentificationError, Result};
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, VISCOUS};
 use super::prior::Prior;
 use super::sums::Sums;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// How offsets of the measured forces are estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +61,7 @@ impl Model {
             }
         }
         if self.gains {
-            active.extend((0..layout.joints).map(|j| layout.gain(j)));
+            active.extend((0..layout.joints).filter(|&j| layout.measured[j]).map(|j| layout.gain(j)));
         }
         active
     }
@@ -245,19 +245,54 @@ pub(super) fn regularized(normal: &Normal, metric: &DMatrix<f64>) -> DMatrix<f64
 /// Solves `A x = b` for symmetric positive definite A, scaled to a unit diagonal.
 ///
 /// # Errors
-/// A matrix that is not finite, as where squares of the data overflow.
+/// As [`Factor::new`].
 pub(super) fn solve(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>> {
-    let scale = DVector::from_fn(a.nrows(), |i, _| 1.0 / a[(i, i)].sqrt());
-    let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, k| a[(i, k)] * scale[i] * scale[k]);
-    let right = DMatrix::from_fn(b.nrows(), b.ncols(), |i, k| b[(i, k)] * scale[i]);
-    // Where rounding made it indefinite, the directions concerned are below what the sums resolve.
-    for ridge in [0.0, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8] {
-        let mut shifted = scaled.clone();
-        shifted.fill_diagonal(1.0 + ridge);
-        if let Some(factor) = shifted.cholesky() {
-            let solution = factor.solve(&right);
-            return Ok(DMatrix::from_fn(b.nrows(), b.ncols(), |i, k| solution[(i, k)] * scale[i]));
+    Ok(Factor::new(a)?.solve(b))
+}
+
+/// `A = D L Lᵀ D` of a symmetric positive definite matrix, with a unit diagonal of `L Lᵀ`.
+pub(super) struct Factor {
+    /// Diagonal of D⁻¹.
+    scale: DVector<f64>,
+    factor: Cholesky<f64, Dyn>,
+}
+
+impl Factor {
+    /// # Errors
+    /// A matrix that is not finite, as where squares of the data overflow.
+    pub(super) fn new(a: &DMatrix<f64>) -> Result<Self> {
+        let scale = DVector::from_fn(a.nrows(), |i, _| 1.0 / a[(i, i)].sqrt());
+        let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, k| a[(i, k)] * scale[i] * scale[k]);
+        // Where rounding made it indefinite, the directions concerned are below what the sums resolve.
+        for ridge in [0.0, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8] {
+            let mut shifted = scaled.clone();
+            shifted.fill_diagonal(1.0 + ridge);
+            if let Some(factor) = shifted.cholesky() {
+                return Ok(Self { scale, factor });
+            }
         }
+        Err(IdentificationError::Overflow { what: "the sum of products".into(), largest: a.amax() })
     }
-    Err(IdentificationError::Overflow { what: "the sum of products".into(), largest: a.amax() })
+
+    pub(super) fn solve(&self, b: &DMatrix<f64>) -> DMatrix<f64> {
+        self.scaled(self.factor.solve(&self.scaled(b.clone())))
+    }
+
+    /// `D⁻¹ B`.
+    pub(super) fn scaled(&self, mut b: DMatrix<f64>) -> DMatrix<f64> {
+        b.row_iter_mut().zip(self.scale.iter()).for_each(|(mut row, scale)| row *= *scale);
+        b
+    }
+
+    /// `D⁻¹ B D⁻¹`.
+    pub(super) fn both_sides(&self, b: DMatrix<f64>) -> DMatrix<f64> {
+        self.scaled(self.scaled(b).transpose()).transpose()
+    }
+
+    /// `L⁻¹ D⁻¹ B`: coordinates in which A is the identity.
+    pub(super) fn whitened(&self, b: DMatrix<f64>) -> DMatrix<f64> {
+        let mut whitened = self.scaled(b);
+        self.factor.l().solve_lower_triangular_mut(&mut whitened);
+        whitened
+    }
 }

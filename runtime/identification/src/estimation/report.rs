@@ -1,8 +1,10 @@
 //! The estimate as it is returned.
 
+use super::super::confidence::quantile;
 use super::super::inertial::PER_BODY;
 use super::super::robot::Robot;
 use super::choice::Chosen;
+use super::endogeneity::{Endogeneity, Test};
 use super::estimate::Task;
 use super::fit::Solved;
 use super::intervals::Covariance;
@@ -10,8 +12,10 @@ use super::layout::{ARMATURE, ASYMMETRY, COULOMB, VISCOUS};
 use super::normal::Offsets;
 use super::prior::Prior;
 use super::residuals::{Forces, RunOffsets};
-use super::result::{Estimate, EstimatedTerm, JointEstimate, Uncertain};
-use statrs::distribution::{ContinuousCDF, Normal};
+use super::result::{Estimate, EstimatedTerm, InstrumentalEstimate, JointEstimate, Uncertain};
+
+/// Level of the test of least squares against instrumental variables.
+const LEVEL: f64 = 0.05;
 
 /// Everything that the printed estimate is made of.
 pub(super) struct Report<'a> {
@@ -22,6 +26,7 @@ pub(super) struct Report<'a> {
     pub(super) offsets: &'a RunOffsets,
     pub(super) covariance: &'a Covariance,
     pub(super) held_out: &'a [f64],
+    pub(super) endogeneity: Option<&'a Endogeneity>,
     pub(super) warnings: Vec<String>,
 }
 
@@ -34,8 +39,9 @@ impl Report<'_> {
             a.iter().zip(b).map(|(a, b)| a + sign * b).collect::<Vec<f64>>()
         };
         let each = |of: &dyn Fn(usize, usize) -> Vec<f64>| -> Vec<Vec<Vec<f64>>> {
+            let known = |r, j| if layout.measured[j] { of(r, j) } else { vec![f64::NAN; of(r, j).len()] };
             let runs = 0..self.forces.measured.len();
-            runs.map(|r| (0..layout.joints).map(|j| of(r, j)).collect()).collect()
+            runs.map(|r| (0..layout.joints).map(|j| known(r, j)).collect()).collect()
         };
         let Forces { measured, residual, rigid, .. } = self.forces;
         Estimate {
@@ -49,8 +55,9 @@ impl Report<'_> {
             effective_parameters: self.covariance.decided,
             predicted: each(&|r, j| add(&measured[r][j], &residual[r][j], -1.0)),
             friction: each(&|r, j| add(&measured[r][j], &rigid[r][j], -1.0)),
-            measured: measured.clone(),
+            measured: each(&|r, j| measured[r][j].clone()),
             confidence: settings.confidence,
+            instrumental: self.endogeneity.map(|found| self.instrumental(found)),
             choices: self.choices(),
             warnings: self.warnings.clone(),
         }
@@ -69,16 +76,81 @@ impl Report<'_> {
         };
         let words =
             chosen_in_words(self.task.robot, self.chosen, self.task.prior, self.solved, self.covariance);
-        [offsets.to_string()].into_iter().chain(words).collect()
+        [offsets.to_string()]
+            .into_iter()
+            .chain(words)
+            .chain(self.pull_said())
+            .chain([self.endogeneity_said()])
+            .collect()
+    }
+
+    /// What was done where the program over bodies that can exist did not converge by itself.
+    fn pull_said(&self) -> Option<String> {
+        let pull = self.solved.pull;
+        (pull > 0.0).then(|| {
+            format!(
+                "The fit over bodies that can exist converged with a pull towards the description of {pull:.0e} of the \
+                 largest curvature, which is below what the sums resolve."
+            )
+        })
+    }
+
+    /// Whether noise of the motion biases least squares.
+    fn endogeneity_said(&self) -> String {
+        let Some(Endogeneity { source, test: Test { statistic, freedoms: [q, rest], p_value }, .. }) =
+            self.endogeneity
+        else {
+            return "The logs hold no instruments (commanded positions, or repeats of a motion), or are too short for \
+                    them: whether noise of the positions biases the estimate in closed loop is not known."
+                .into();
+        };
+        let numbers = format!("F({q}, {rest}) = {statistic:.2}, p = {p_value:.2e}, instruments are {source}");
+        if *p_value < LEVEL {
+            format!(
+                "Least squares differs from instrumental variables by more than chance ({numbers}): noise of the \
+                 positions biases it in closed loop, or what the model lacks follows the control error."
+            )
+        } else {
+            format!("Least squares is not biased in closed loop as far as the data tell ({numbers}).")
+        }
+    }
+
+    fn instrumental(&self, found: &Endogeneity) -> InstrumentalEstimate {
+        let layout = self.task.layout;
+        let described = self.task.robot.parameters();
+        let quantile = self.quantile(found.freedom);
+        let uncertain = |global: usize, base: f64| {
+            let place = self.solved.active.iter().position(|&active| active == global);
+            let error = place.map_or(0.0, |i| found.covariance[(i, i)].max(0.0).sqrt());
+            Uncertain::new(base + found.values.unknowns[global], error, quantile)
+        };
+        let terms = |joint: usize| {
+            let terms = self.basis(joint).into_iter().map(|(basis, term)| EstimatedTerm {
+                basis,
+                coefficient: uncertain(layout.term(joint, term), 0.0),
+            });
+            terms.collect()
+        };
+        InstrumentalEstimate {
+            source: found.source,
+            parameters: (0..layout.parameters).map(|i| uncertain(i, described[i])).collect(),
+            terms: (0..layout.joints).map(terms).collect(),
+            statistic: found.test.statistic,
+            degrees_of_freedom: found.test.freedoms,
+            p_value: found.test.p_value,
+        }
+    }
+
+    /// Student's quantile at the level of the intervals. The settings are checked, and there is one degree of freedom.
+    fn quantile(&self, freedom: usize) -> f64 {
+        quantile(self.task.settings.confidence, freedom.max(1) as f64).unwrap_or(f64::INFINITY)
     }
 
     fn uncertain(&self, global: usize, base: f64) -> Uncertain {
-        let level = self.task.settings.confidence;
-        let quantile = Normal::standard().inverse_cdf(0.5 + 0.5 * level);
         Uncertain::new(
             base + self.solved.values.unknowns[global],
             self.covariance.deviation(self.solved, global),
-            quantile,
+            self.quantile(self.covariance.freedom),
         )
     }
 
@@ -98,21 +170,32 @@ impl Report<'_> {
         let model = &self.chosen.model;
         let count: usize = self.forces.residual.iter().map(|run| run[joint].len()).sum();
         let armature = model.armature[joint] && layout.moves[joint];
+        let measured = layout.measured[joint];
         JointEstimate {
             name,
             unit: if robot.position_units()[joint] == "m" { "N" } else { "N·m" },
             terms: self.terms(joint),
             armature: armature.then(|| self.uncertain(layout.term(joint, ARMATURE), 0.0)),
-            gain: model.gains.then(|| self.gain(joint)),
+            gain: (model.gains && measured).then(|| self.gain(joint)),
             offsets: self.offsets[joint].clone(),
-            sigma: (self.squares(joint) / count.max(1) as f64).sqrt(),
+            sigma: if measured { (self.squares(joint) / count.max(1) as f64).sqrt() } else { f64::NAN },
             r_squared,
             held_out_r_squared: self.held_out[joint],
             moves: layout.moves[joint],
+            measured,
         }
     }
 
     fn terms(&self, joint: usize) -> Vec<EstimatedTerm> {
+        let term = |(basis, term)| EstimatedTerm {
+            basis,
+            coefficient: self.uncertain(self.task.layout.term(joint, term), 0.0),
+        };
+        self.basis(joint).into_iter().map(term).collect()
+    }
+
+    /// Friction terms that were chosen, as expressions and by their numbers.
+    fn basis(&self, joint: usize) -> Vec<(String, usize)> {
         let layout = self.task.layout;
         if !layout.moves[joint] {
             return Vec::new();
@@ -123,22 +206,14 @@ impl Report<'_> {
         if self.chosen.model.asymmetry[joint] {
             terms.push(("abs(v)".to_string(), ASYMMETRY));
         }
-        let term = |(basis, term)| EstimatedTerm {
-            basis,
-            coefficient: self.uncertain(layout.term(joint, term), 0.0),
-        };
-        terms.into_iter().map(term).collect()
+        terms
     }
 
     /// K_M: its relative error is that of the rigid force.
     fn gain(&self, joint: usize) -> Uncertain {
         let value = self.solved.values.gains[joint];
-        let quantile = Normal::standard().inverse_cdf(0.5 + 0.5 * self.task.settings.confidence);
-        Uncertain::new(
-            value,
-            value * self.covariance.deviation(self.solved, self.task.layout.gain(joint)),
-            quantile,
-        )
+        let error = value * self.covariance.deviation(self.solved, self.task.layout.gain(joint));
+        Uncertain::new(value, error, self.quantile(self.covariance.freedom))
     }
 }
 

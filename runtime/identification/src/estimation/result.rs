@@ -2,6 +2,7 @@
 
 use super::super::run::Effort;
 use super::choice::WeightTried;
+use super::instruments::InstrumentSource;
 use super::normal::Offsets;
 
 /// Inertia, friction, offsets and gains of a robot, with intervals.
@@ -31,10 +32,39 @@ pub struct Estimate {
     pub friction: Vec<Vec<Vec<f64>>>,
     /// Level of all intervals.
     pub confidence: f64,
+    /// The estimate by instrumental variables and the test of this one against it, where the logs hold instruments.
+    pub instrumental: Option<InstrumentalEstimate>,
     /// What was chosen, as sentences.
     pub choices: Vec<String>,
     /// Doubts, as sentences with remedies.
     pub warnings: Vec<String>,
+}
+
+/// An estimate that noise of the measured motion does not bias, and the Durbin–Wu–Hausman test of least squares.
+///
+/// The terms are those of [`Estimate`]. Its intervals are wider where instruments are weak: it is a check, and the
+/// estimate to take where the test rejects and noise is the reason.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InstrumentalEstimate {
+    /// Where the instruments come from.
+    pub source: InstrumentSource,
+    /// The P inertial parameters, in the robot's order. Bodies need not be able to exist.
+    pub parameters: Vec<Uncertain>,
+    /// Friction terms of each joint, as in [`JointEstimate::terms`].
+    pub terms: Vec<Vec<EstimatedTerm>>,
+    /// The test's statistic, which has Fisher's F distribution where least squares is not biased.
+    pub statistic: f64,
+    /// Its degrees of freedom: tested directions, and what is left for their variance under correlated residuals.
+    pub degrees_of_freedom: [f64; 2],
+    /// Probability of a statistic at least as large where least squares is not biased.
+    pub p_value: f64,
+}
+
+impl InstrumentalEstimate {
+    /// Whether the test rejects that least squares is not biased, at a level of e.g. 0.05.
+    pub fn rejects(&self, level: f64) -> bool {
+        self.p_value < level
+    }
 }
 
 /// A value with its interval, which holds under correlated residuals.
@@ -71,6 +101,9 @@ pub struct JointEstimate {
     pub held_out_r_squared: f64,
     /// Whether the joint moves in the data.
     pub moves: bool,
+    /// Whether its effort was measured. Where not, it has no terms, gain or armature, its numbers are NaN, and so are
+    /// its measured and predicted forces.
+    pub measured: bool,
 }
 
 /// A friction term with its coefficient.

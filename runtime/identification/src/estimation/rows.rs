@@ -1,17 +1,20 @@
 //! The equations of all joints, evaluated block by block along the runs.
 
 use super::super::kernel::BLOCK;
+use super::super::preparation::Filter;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
 use std::ops::Range;
 
-/// Evaluates the columns of up to [`BLOCK`] samples. Nothing is stored beyond the block.
+/// Evaluates the columns of up to [`BLOCK`] samples. Nothing is stored beyond the block. Columns of joints whose force
+/// was not measured are zero.
 pub(super) struct Rows<'a> {
     robot: &'a dyn Robot,
     layout: &'a Layout,
     described: Vec<f64>,
     gravity_compensated: bool,
+    filter: Option<&'a Filter>,
     regressor: Vec<f64>,
     at_rest: Vec<f64>,
     /// Columns of each joint, [`BLOCK`] apart.
@@ -20,13 +23,19 @@ pub(super) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    pub(super) fn new(robot: &'a dyn Robot, layout: &'a Layout, gravity_compensated: bool) -> Self {
+    pub(super) fn new(
+        robot: &'a dyn Robot,
+        layout: &'a Layout,
+        gravity_compensated: bool,
+        filter: Option<&'a Filter>,
+    ) -> Self {
         let size = layout.joints * layout.parameters;
         Self {
             robot,
             layout,
             described: robot.parameters(),
             gravity_compensated,
+            filter,
             regressor: vec![0.0; size],
             at_rest: vec![0.0; size],
             columns: (0..layout.joints).map(|j| vec![0.0; layout.width(j) * BLOCK]).collect(),
@@ -45,6 +54,7 @@ impl<'a> Rows<'a> {
         let n = self.layout.joints;
         self.count = rows.len();
         let (mut y, mut v, mut a, mut rigid) = (vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        self.friction(run, &rows);
         for (place, sample) in rows.enumerate() {
             for j in 0..n {
                 y[j] = run.positions[j][sample];
@@ -52,7 +62,7 @@ impl<'a> Rows<'a> {
                 a[j] = run.accelerations[j][sample];
             }
             self.rigid_body(&y, &v, &a, &mut rigid);
-            for j in 0..n {
+            for j in (0..n).filter(|&j| self.layout.measured[j]) {
                 self.write(j, place, [v[j], a[j]], [rigid[j], self.force(run, j, sample)]);
             }
         }
@@ -79,6 +89,31 @@ impl<'a> Rows<'a> {
         }
     }
 
+    /// Columns of friction that are no multiples of v, through the filter where there is one.
+    fn friction(&mut self, run: &PreparedRun, rows: &Range<usize>) {
+        let layout = self.layout;
+        let half = self.filter.map_or(0, Filter::half_length);
+        for joint in (0..layout.joints).filter(|&j| layout.measured[j]) {
+            let velocities = &run.velocities[joint];
+            let around = rows.start.saturating_sub(half)..(rows.end + half).min(velocities.len());
+            let inner = rows.start - around.start..rows.end - around.start;
+            let first = layout.local[joint].len() - TERMS;
+            let mut set = |term: usize, of: &dyn Fn(f64) -> f64| {
+                let sharp: Vec<f64> = velocities[around.clone()].iter().map(|v| of(*v)).collect();
+                let values = match self.filter {
+                    Some(filter) => filter.apply_within(&sharp, inner.clone()),
+                    None => sharp,
+                };
+                let start = (first + term) * BLOCK;
+                self.columns[joint][start..start + values.len()].copy_from_slice(&values);
+            };
+            for (term, steepness) in COULOMB.zip(&layout.steepness[joint]) {
+                set(term, &|v| (steepness * v).tanh());
+            }
+            set(ASYMMETRY, &f64::abs);
+        }
+    }
+
     fn write(&mut self, joint: usize, place: usize, [v, a]: [f64; 2], last: [f64; 2]) {
         let p = self.layout.parameters;
         let local = &self.layout.local[joint];
@@ -89,10 +124,6 @@ impl<'a> Rows<'a> {
         }
         let mut set = |term: usize, value: f64| column[(parameters + term) * BLOCK + place] = value;
         set(VISCOUS, v);
-        for (term, steepness) in COULOMB.zip(&self.layout.steepness[joint]) {
-            set(term, (steepness * v).tanh());
-        }
-        set(ASYMMETRY, v.abs());
         set(ARMATURE, a);
         set(TERMS, last[0]);
         set(TERMS + 1, last[1]);
@@ -105,6 +136,7 @@ impl<'a> Rows<'a> {
         }
         let inputs = run.efforts.len();
         let row = &self.layout.input_matrix[joint * inputs..(joint + 1) * inputs];
-        row.iter().zip(&run.efforts).map(|(b, u)| b * u[sample]).sum()
+        let driven = row.iter().zip(&run.efforts).filter(|(b, _)| **b != 0.0);
+        driven.map(|(b, u)| b * u[sample]).sum()
     }
 }

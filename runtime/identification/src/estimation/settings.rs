@@ -1,6 +1,7 @@
 //! What a user may decide about the estimate.
 
 use super::super::error::{Result, require_setting};
+use super::super::preparation::Filter;
 use super::normal::Offsets;
 
 /// Settings of [`super::estimate`]. The defaults suit a log about which nothing is known.
@@ -22,6 +23,9 @@ pub struct EstimationSettings {
     pub robust_passes: usize,
     /// Whether the inertial parameters must be those of bodies that can exist.
     pub consistent: bool,
+    /// The filter that the runs passed. Friction jumps where a joint reverses, and the filter has rounded that in the
+    /// efforts: the columns of friction pass it too. `None` leaves them as they are.
+    pub filter: Option<Filter>,
     /// Level of the intervals, e.g. 0.9.
     pub confidence: f64,
     /// Least R² on held-out data, centred, that a moving joint's fit must have.
@@ -40,6 +44,7 @@ impl Default for EstimationSettings {
             folds: 10,
             robust_passes: 1,
             consistent: true,
+            filter: None,
             confidence: 0.9,
             least_r_squared: 0.3,
             accept_poor: false,

@@ -5,6 +5,7 @@
 
 use super::super::error::{IdentificationError, Result, require_finite};
 use super::super::kernel::{BLOCK, add_products};
+use super::super::preparation::Filter;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use super::alternatives::signs;
@@ -91,15 +92,17 @@ impl Columns {
     }
 
     /// Sums over each piece, the means of its run's columns taken off.
+    ///
+    /// - `filter`: what the efforts passed; friction passes it too
     pub(crate) fn sums(
         &self,
         robot: &dyn Robot,
         runs: &[PreparedRun],
-        gravity_compensated: bool,
+        (gravity_compensated, filter): (bool, Option<&Filter>),
         of: &Weighted,
         pieces: &[RunPiece],
     ) -> Vec<ShareSums> {
-        let mut rows = Rows::new(robot, &self.layout, gravity_compensated);
+        let mut rows = Rows::new(robot, &self.layout, gravity_compensated, filter);
         let means: Vec<Vec<Vec<f64>>> =
             runs.iter().zip(of.weights).map(|(run, weights)| self.means(&mut rows, run, weights)).collect();
         let sums = |piece: &RunPiece| {
@@ -367,6 +370,7 @@ impl Found<'_> {
             predicted: Vec::new(),
             friction: Vec::new(),
             confidence: self.data.settings.confidence,
+            instrumental: None,
             choices,
             warnings,
         }
@@ -429,6 +433,7 @@ impl Found<'_> {
             r_squared: self.r_squared(joint, rss),
             held_out_r_squared: self.r_squared(joint, self.held_out.rss[joint]),
             moves: layout.moves[joint],
+            measured: true,
         }
     }
 

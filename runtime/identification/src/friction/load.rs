@@ -258,7 +258,8 @@ mod tests {
             FrictionData { joint: "elbow", velocities: &v, torques: &torque, ..FrictionData::default() };
         let law = settings.identify_with_load(&library, &data, &load).unwrap();
         let result = law.result(&data);
-        let text = crate::description::description_toml("a", "arm.toml", &[result.clone()]).unwrap();
+        let text =
+            crate::description::description_toml("a", "arm.toml", std::slice::from_ref(&result)).unwrap();
         let table: toml::Table = toml::from_str(&text).unwrap();
         let friction = &table["joints"][0]["friction"];
         assert_eq!(friction["load"][0][0].as_str(), Some("tanh(20*v)"));

@@ -25,6 +25,8 @@ pub(super) struct Mapping {
     pub run: Option<usize>,
     pub positions: Vec<Source>,
     pub velocities: Vec<Option<Source>>,
+    /// Commanded positions, where there are columns of all joints.
+    pub desired: Option<Vec<Source>>,
     pub efforts: Vec<Source>,
     pub effort: Effort,
     /// One sentence for each column, then what was assumed.
@@ -164,6 +166,8 @@ impl Finder<'_> {
         let (kind, targets) = self.of_effort(effort);
         used.extend(&efforts.columns);
         let efforts_sources = self.sources(&efforts, kind, targets, &mut sentences)?;
+        let desired = self.desired(&position, &mut sentences)?;
+        used.extend(desired.iter().flatten().map(|source| source.column));
         sentences.extend(run.map(|r| format!("Column {} is the number of the run.", self.label(r))));
         sentences
             .extend([Some(position), velocity, Some(efforts)].into_iter().flatten().flat_map(|f| f.remarks));
@@ -173,6 +177,7 @@ impl Finder<'_> {
             run,
             positions,
             velocities,
+            desired,
             efforts: efforts_sources,
             effort: if self.robot.direct && effort == Effort::Input { Effort::Joint } else { effort },
             sentences,
@@ -252,6 +257,41 @@ impl Finder<'_> {
             return Ok(found);
         }
         Ok(found.filter(|f| self.sources(f, Kind::Velocity, joints, &mut Vec::new()).is_ok()))
+    }
+
+    /// Commanded positions are no must either. They are looked for beside measured ones only.
+    fn desired(&self, position: &Found, sentences: &mut Vec<String>) -> Result<Option<Vec<Source>>> {
+        let joints = &self.robot.joints;
+        let given = self.pattern(|n| n == Named::Desired).map(|p| self.by_pattern(p, joints)).transpose()?;
+        let is_given = given.is_some();
+        let Some(found) = given.or_else(|| self.commanded(position)) else { return Ok(None) };
+        let sources = match self.sources(&found, Kind::Position, joints, &mut Vec::new()) {
+            Err(fault) if is_given => return Err(fault),
+            Err(_) => return Ok(None),
+            Ok(sources) => sources,
+        };
+        sentences.push(format!(
+            "Columns {} are the commanded positions: instruments that tell whether noise of the measurement biases the \
+             estimate.",
+            self.pattern_of(&found.columns, joints)
+        ));
+        Ok(Some(sources))
+    }
+
+    /// The only best family of commanded positions beside measured ones.
+    fn commanded(&self, position: &Found) -> Option<Found> {
+        if self.is_commanded(&position.columns) {
+            return None;
+        }
+        let mut families = self.families(&[Kind::Position], &self.robot.joints);
+        families.retain(|f| f.meaning.origin == Origin::Commanded && f.meaning.doubt < 2);
+        let complete = families.iter().filter_map(|f| Some((f.rank(), f.complete()?)));
+        let complete: Vec<_> = complete.filter(|(_, columns)| *columns != position.columns).collect();
+        let Some((rank, columns)) = complete.first() else {
+            return self.by_pattern(&Pattern::of_control_loop(), &self.robot.joints).ok();
+        };
+        let is_only = complete.iter().all(|(other, others)| other != rank || others == columns);
+        is_only.then(|| Found { columns: columns.clone(), unit: None, remarks: Vec::new() })
     }
 
     fn by_pattern(&self, pattern: &Pattern, targets: &Targets) -> Result<Found> {

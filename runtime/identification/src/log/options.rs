@@ -12,7 +12,7 @@ use super::vocabulary::{Header, words};
 pub struct ColumnOptions {
     /// `QUANTITY=COLUMNS,…`; quantities that are not named are looked for.
     ///
-    /// - quantities: `time`, `position`, `velocity`, one of `torque` (at the joints), `input` (of the motors) and
+    /// - quantities: `time`, `position`, `desired` (the commanded position), `velocity`, one of `torque` (at the joints), `input` (of the motors) and
     ///   `current`, and `run`;
     /// - columns: a header with `{}` where the joint's number stands or `{name}` where its name does; headers with
     ///   `|` between them, in the robot's order; or numbers, counted from 1: `2..7`;
@@ -29,6 +29,7 @@ pub struct ColumnOptions {
 pub(super) enum Named {
     Time,
     Position,
+    Desired,
     Velocity,
     Torque,
     Input,
@@ -36,9 +37,10 @@ pub(super) enum Named {
     Run,
 }
 
-const KEYS: [(&str, Named); 9] = [
+const KEYS: [(&str, Named); 10] = [
     ("time", Named::Time),
     ("position", Named::Position),
+    ("desired", Named::Desired),
     ("velocity", Named::Velocity),
     ("torque", Named::Torque),
     ("effort", Named::Torque),
@@ -117,6 +119,11 @@ fn fault(text: &str, message: String) -> IdentificationError {
 }
 
 impl Pattern {
+    /// Commanded positions in the log of the runtime's control loop.
+    pub(super) fn of_control_loop() -> Self {
+        Self { named: Named::Desired, text: "desired_{name}".into() }
+    }
+
     /// The columns for each of `targets`.
     ///
     /// - `width`: fields of a row, for numbers of columns

@@ -10,6 +10,7 @@ use super::recording::RunFinding;
 use super::sheet::{Sheet, shortened};
 use super::time::assumed_unit;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Complete rows of a log.
 #[derive(Debug, Default)]
@@ -22,7 +23,7 @@ pub(super) struct Samples {
     labels: Vec<usize>,
     names: Vec<String>,
     numbers: BTreeMap<String, usize>,
-    /// Positions, velocities (NaN where there is no column) and efforts, one column each.
+    /// Positions, velocities (NaN where there is no column), efforts, and commanded positions, one column each.
     values: Vec<Vec<f64>>,
 }
 
@@ -81,7 +82,7 @@ impl Samples {
         findings: &mut Vec<RunFinding>,
     ) -> Result<Self> {
         let sources = sources(mapping);
-        let needed = |i: usize| i < mapping.positions.len() || i >= 2 * mapping.positions.len();
+        let needed = |i: usize| i < mapping.positions.len();
         let mut samples = Self { values: vec![Vec::new(); sources.len()], ..Self::default() };
         let mut gaps = vec![Gaps::default(); sources.len() + 1];
         let mut row = vec![f64::NAN; sources.len()];
@@ -110,7 +111,9 @@ impl Samples {
             }
             Ok(())
         })?;
-        require_alive(sheet, &sources, &gaps, source)?;
+        let efforts = 2 * mapping.positions.len()..2 * mapping.positions.len() + mapping.efforts.len();
+        require_alive(sheet, &sources, &gaps, &efforts, source)?;
+        samples.leave_out_gaps(efforts);
         let long_rows = long.count;
         findings.extend(long.finding(source, FindingKind::LeftOut, |n| {
             format!(
@@ -136,6 +139,24 @@ impl Samples {
         for (column, value) in self.values.iter_mut().zip(row) {
             column.push(*value);
         }
+    }
+
+    /// Leaves out rows without an effort that most rows have. Efforts that most rows lack are no reason to leave out the
+    /// others, unless that is so for all of them.
+    fn leave_out_gaps(&mut self, efforts: Range<usize>) {
+        let known = |i: &usize| self.values[*i].iter().filter(|u| u.is_finite()).count();
+        let usual = efforts.clone().filter(|i| 2 * known(i) >= self.lines.len());
+        let mut needed: Vec<usize> = usual.collect();
+        if needed.is_empty() {
+            needed = efforts.collect();
+        }
+        let kept: Vec<bool> = (0..self.lines.len())
+            .map(|row| needed.iter().all(|i| self.values[*i][row].is_finite()))
+            .collect();
+        retain(&mut self.times, &kept);
+        retain(&mut self.lines, &kept);
+        retain(&mut self.labels, &kept);
+        self.values.iter_mut().for_each(|column| retain(column, &kept));
     }
 
     fn require_some(&self, robot: &RobotColumns, gaps: &[Gaps], total: usize, source: &str) -> Result<()> {
@@ -164,11 +185,17 @@ impl Samples {
     }
 }
 
+fn retain<T>(values: &mut Vec<T>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    values.retain(|_| kept.next().copied().unwrap_or(true));
+}
+
 /// The columns of a mapping in the order of [`Samples::values`].
 fn sources(mapping: &Mapping) -> Vec<Option<&Source>> {
     let positions = mapping.positions.iter().map(Some);
     let velocities = mapping.velocities.iter().map(Option::as_ref);
-    positions.chain(velocities).chain(mapping.efforts.iter().map(Some)).collect()
+    let desired = mapping.desired.iter().flatten().map(Some);
+    positions.chain(velocities).chain(mapping.efforts.iter().map(Some)).chain(desired).collect()
 }
 
 fn value(record: &csv::ByteRecord, source: &Source, sheet: &Sheet, line: usize, gaps: &mut Gaps) -> f64 {
@@ -186,10 +213,19 @@ fn label(sheet: &Sheet, column: usize) -> String {
     sheet.headers.get(column).map_or_else(|| format!("column {}", column + 1), |h| format!("column `{h}`"))
 }
 
-fn require_alive(sheet: &Sheet, sources: &[Option<&Source>], gaps: &[Gaps], place: &str) -> Result<()> {
-    for (source, gaps) in sources.iter().zip(gaps) {
+/// An effort without any number is its joint's loss alone, where other efforts have numbers.
+fn require_alive(
+    sheet: &Sheet,
+    sources: &[Option<&Source>],
+    gaps: &[Gaps],
+    efforts: &Range<usize>,
+    place: &str,
+) -> Result<()> {
+    let some_effort = gaps[efforts.clone()].iter().any(|gaps| gaps.alive);
+    for (i, (source, gaps)) in sources.iter().zip(gaps).enumerate() {
         if let Some(source) = source
             && !gaps.alive
+            && !(some_effort && efforts.contains(&i))
             && gaps.count > 0
         {
             let example =
@@ -383,6 +419,7 @@ fn names(samples: &Samples, parts: &[Vec<usize>], source: &str) -> Vec<String> {
 impl Samples {
     fn run(&self, part: &[usize], name: String, clock: &Clock, mapping: &Mapping) -> Run {
         let n = mapping.positions.len();
+        let behind = 2 * n + mapping.efforts.len();
         let column = |i: usize| -> Vec<f64> { part.iter().map(|s| self.values[i][*s]).collect() };
         let velocity = |joint: usize| {
             let values = column(n + joint);
@@ -394,8 +431,9 @@ impl Samples {
             rows: part.iter().map(|s| self.lines[*s]).collect(),
             positions: (0..n).map(column).collect(),
             velocities: (0..n).map(velocity).collect(),
-            efforts: (2 * n..self.values.len()).map(column).collect(),
+            efforts: (2 * n..behind).map(column).collect(),
             effort: mapping.effort,
+            desired: mapping.desired.is_some().then(|| (behind..behind + n).map(column).collect()),
         }
     }
 }

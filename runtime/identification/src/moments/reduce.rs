@@ -5,7 +5,7 @@ use super::super::estimation::{
     Columns, Estimate, JointEstimate, RunPiece, STANDSTILL, ShareSums, Weighted, correlation_time, estimate,
     huber,
 };
-use super::super::identify::{IdentificationSettings, read_and_prepare};
+use super::super::identify::{IdentificationSettings, faults, read_and_prepare};
 use super::super::preparation::PreparationReport;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
@@ -19,6 +19,14 @@ use std::path::Path;
 const PIECE: f64 = 10.0;
 /// Bounds a median by the standard deviation of a normal distribution.
 const FROM_MEDIAN: f64 = 1.4826;
+
+/// Moments hold every joint: a log without the efforts of one cannot be added to others.
+fn require_all_efforts(preparation: &PreparationReport) -> Result<()> {
+    match faults(preparation).next() {
+        None => Ok(()),
+        Some(message) => Err(IdentificationError::File { place: "the log".into(), message }),
+    }
+}
 
 /// Reduces one log to its moments.
 ///
@@ -41,7 +49,9 @@ pub fn reduce(
     let logs = [log.to_owned()];
     let (recording, runs, preparation) = read_and_prepare(robot, &logs, settings, progress)?;
     recording.findings.iter().for_each(|finding| progress(&finding.to_string()));
+    require_all_efforts(&preparation)?;
     let mut alone = settings.estimation.clone();
+    alone.filter = Some(preparation.filter.clone());
     alone.accept_poor = true;
     let estimate = estimate(robot, &runs, &alone, &mut |_| ())?;
     estimate.warnings.iter().for_each(|warning| progress(warning));
@@ -61,7 +71,8 @@ pub fn reduce(
     };
     let pieces = pieces(&runs, fitted.correlation);
     let weighted = Weighted { weights: &fitted.weights, residuals: &fitted.residuals };
-    let sums = columns.sums(robot, &runs, settings.estimation.gravity_compensated, &weighted, &pieces);
+    let reading = (settings.estimation.gravity_compensated, Some(&preparation.filter));
+    let sums = columns.sums(robot, &runs, reading, &weighted, &pieces);
     Ok(LogMoments {
         about: About {
             description: from_hexadecimal(&hash_of(description)).unwrap_or_default(),

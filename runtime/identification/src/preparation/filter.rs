@@ -3,6 +3,7 @@
 use super::super::error::{IdentificationError, Result, require_setting};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// Width s of the Gaussian that rounds the edge of the transfer function, as a share of the bandwidth.
 const EDGE: f64 = 0.25;
@@ -74,12 +75,26 @@ impl Filter {
     /// Beyond its ends the signal is continued by point reflection; within [`Self::reach`] of them results
     /// depend on this continuation.
     pub fn apply(&self, signal: &[f64]) -> Vec<f64> {
+        self.apply_within(signal, 0..signal.len())
+    }
+
+    /// The filtered samples `rows` of a signal.
+    pub(crate) fn apply_within(&self, signal: &[f64], rows: Range<usize>) -> Vec<f64> {
         let half = self.taps.len() / 2;
         let at = |i: usize| -> f64 {
+            if i >= half && i + half < signal.len() {
+                let window = &signal[i - half..=i + half];
+                return window.iter().zip(self.taps.iter().rev()).map(|(x, h)| x * h).sum();
+            }
             let sample = |k: usize| self.taps[k] * continued(signal, (i + half) as isize - k as isize);
             (0..self.taps.len()).map(sample).sum()
         };
-        (0..signal.len()).map(at).collect()
+        rows.map(at).collect()
+    }
+
+    /// Samples on either side that a filtered one depends on.
+    pub(crate) fn half_length(&self) -> usize {
+        self.taps.len() / 2
     }
 }
 

@@ -1,7 +1,7 @@
 //! A run as channels of informative samples, and its pieces smoothed onto an even grid.
 
 use super::super::error::Result;
-use super::super::run::{Effort, PreparedRun, Run};
+use super::super::run::{DesiredMotion, Effort, PreparedRun, Run};
 use super::channel::{Channel, median_step};
 use super::filter::{continued, kernel};
 use super::grid::{Piece, interpolate};
@@ -16,6 +16,8 @@ pub(super) struct Signals {
     pub velocities: Vec<Option<Channel>>,
     pub efforts: Vec<Channel>,
     pub effort: Effort,
+    /// Commanded positions.
+    pub desired: Option<Vec<Channel>>,
     /// Median step of the log [s].
     pub step: f64,
 }
@@ -32,6 +34,7 @@ impl Signals {
             velocities: run.velocities.iter().map(|v| v.as_ref().map(|v| channel(v, false))).collect(),
             efforts: run.efforts.iter().map(|u| channel(u, false)).collect(),
             effort: run.effort,
+            desired: desired(run),
             step: median_step(&run.times),
         }
     }
@@ -43,6 +46,14 @@ impl Signals {
         let nearer = if time - self.times[before] < self.times[after] - time { before } else { after };
         self.rows[nearer]
     }
+}
+
+/// Commanded positions as channels; none where a joint's are missing for a while.
+fn desired(run: &Run) -> Option<Vec<Channel>> {
+    let columns = run.desired.as_ref()?;
+    let known = |column: &Vec<f64>| column.len() == run.times.len() && column.iter().all(|y| y.is_finite());
+    let channel = |values: &Vec<f64>| Channel::new(&run.times, values, true);
+    columns.iter().all(known).then(|| columns.iter().map(channel).collect())
 }
 
 /// How a piece is smoothed.
@@ -102,7 +113,12 @@ pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Resul
     for channel in &signals.velocities {
         velocities.push(channel.as_ref().map(|c| through(c, 0, 0.0)).transpose()?);
     }
+    let desired = signals.desired.as_ref().map(|channels| {
+        let all = |order: usize| channels.iter().map(|c| through(c, order, 0.0)).collect::<Result<Vec<_>>>();
+        Ok(DesiredMotion { positions: all(0)?, velocities: all(1)?, accelerations: all(2)? })
+    });
     let run = PreparedRun {
+        desired: desired.transpose()?,
         name: signals.name.clone(),
         rows: times.iter().map(|t| signals.row(*t)).collect(),
         positions: all(0)?,

@@ -1,7 +1,7 @@
 //! Runs prepared by a plain filter: the same Savitzky–Golay window over positions and torques.
 
 use super::super::super::differentiation::SavitzkyGolay;
-use super::super::super::run::{Effort, PreparedRun};
+use super::super::super::run::{DesiredMotion, Effort, PreparedRun};
 use std::path::PathBuf;
 
 /// A file of the data folder beside the checkout, or `None` with a printed note.
@@ -38,12 +38,13 @@ pub(super) fn prepare(
         accelerations: moved.iter().map(|d| cut(&d.second)).collect(),
         efforts: efforts.iter().map(|e| cut(&smooth(e).value)).collect(),
         effort: Effort::Joint,
+        desired: None,
     }
 }
 
 /// Part of a run.
 pub(super) fn part(run: &PreparedRun, rows: std::ops::Range<usize>) -> PreparedRun {
-    let cut = |columns: &[Vec<f64>]| columns.iter().map(|c| c[rows.clone()].to_vec()).collect();
+    let cut = |columns: &[Vec<f64>]| columns.iter().map(|c| c[rows.clone()].to_vec()).collect::<Vec<_>>();
     PreparedRun {
         name: run.name.clone(),
         times: run.times[rows.clone()].to_vec(),
@@ -53,5 +54,10 @@ pub(super) fn part(run: &PreparedRun, rows: std::ops::Range<usize>) -> PreparedR
         accelerations: cut(&run.accelerations),
         efforts: cut(&run.efforts),
         effort: run.effort,
+        desired: run.desired.as_ref().map(|desired| DesiredMotion {
+            positions: cut(&desired.positions),
+            velocities: cut(&desired.velocities),
+            accelerations: cut(&desired.accelerations),
+        }),
     }
 }

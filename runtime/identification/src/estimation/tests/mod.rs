@@ -1,6 +1,8 @@
 //! Whole estimates: simulated robots with known parameters, and measured ones.
 
 mod chain;
+mod closed_loop;
+mod coverage;
 mod data;
 mod measured;
 mod pendulum;

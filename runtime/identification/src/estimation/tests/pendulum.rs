@@ -4,7 +4,7 @@
 use super::super::super::inertial::{PER_BODY, from_pseudo_inertia, pseudo_inertia};
 use super::super::super::random::SplitMix64;
 use super::super::super::robot::{JointLimits, Robot};
-use super::super::super::run::{Effort, PreparedRun};
+use super::super::super::run::{Effort, PreparedRun, Run};
 use super::data::prepare;
 use nalgebra::Matrix4;
 
@@ -129,10 +129,16 @@ pub(super) struct Experiment {
     pub(super) rate: f64,
     /// Noise of the encoders [rad] and of the force measurement [N m].
     pub(super) position_noise: f64,
+    /// Resolution of the encoders [rad]; 0 where they do not round.
+    pub(super) resolution: f64,
     pub(super) force_noise: f64,
     pub(super) offsets: [f64; 2],
     /// Gains of a controller that acts on the measured positions.
     pub(super) stiffness: f64,
+    /// Time constant of the controller's filter over velocities [s].
+    pub(super) slope_time: f64,
+    /// Phases of the reference's sines; drawn where there are none.
+    pub(super) phases: Option<[f64; 6]>,
     /// Window of the filter, samples.
     pub(super) window: usize,
 }
@@ -143,9 +149,12 @@ impl Default for Experiment {
             seconds: 12.0,
             rate: 500.0,
             position_noise: 2e-5,
+            resolution: 0.0,
+            slope_time: 0.0,
             force_noise: 0.15,
             offsets: [0.4, -0.2],
             stiffness: 60.0,
+            phases: None,
             window: 21,
         }
     }
@@ -171,21 +180,51 @@ pub(super) fn simulate(
     of: &Experiment,
     random: &mut SplitMix64,
 ) -> (PreparedRun, PreparedRun) {
-    let (h, inner) = (1.0 / of.rate, 4);
-    let phases: [f64; 6] = std::array::from_fn(|_| std::f64::consts::TAU * random.uniform());
+    let (times, columns) = recorded(robot, of, random);
+    let run = |from: usize| PreparedRun {
+        effort: Effort::Input,
+        ..prepare("simulated", &times, &columns[from..from + 2], &columns[2..4], of.window)
+    };
+    (run(0), run(4))
+}
+
+/// The same as a log, with the reference as the commanded motion.
+pub(super) fn log(robot: &Pendulum, of: &Experiment, random: &mut SplitMix64) -> Run {
+    let (times, columns) = recorded(robot, of, random);
+    Run {
+        name: "simulated".into(),
+        rows: (2..times.len() + 2).collect(),
+        times,
+        positions: columns[..2].to_vec(),
+        velocities: vec![None; 2],
+        efforts: columns[2..4].to_vec(),
+        effort: Effort::Input,
+        desired: Some(columns[4..].to_vec()),
+    }
+}
+
+/// Times, and columns of positions, inputs and references.
+fn recorded(robot: &Pendulum, of: &Experiment, random: &mut SplitMix64) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let h = 1.0 / of.rate;
+    let inner = (h / 5e-4).round().max(4.0) as usize;
+    let drawn = std::array::from_fn(|_| std::f64::consts::TAU * random.uniform());
+    let phases = of.phases.unwrap_or(drawn);
     let start = reference(0.0, &phases);
     let (mut y, mut v) = ([start[0][0], start[1][0]], [start[0][1], start[1][1]]);
     let model = Pendulum::described();
     let (mut times, mut columns) = (Vec::new(), vec![Vec::new(); 6]);
     let mut before: Option<[f64; 2]> = None;
     let mut held: Option<[f64; 2]> = None;
+    let (mut slopes, share) = ([0.0; 2], h / (h + of.slope_time));
     for i in 0..(of.seconds * of.rate) as usize {
         let wanted = reference(i as f64 * h, &phases);
-        let seen: [f64; 2] = std::array::from_fn(|j| y[j] + of.position_noise * random.normal());
+        let seen: [f64; 2] =
+            std::array::from_fn(|j| rounded(y[j] + of.position_noise * random.normal(), of.resolution));
         let last = before.unwrap_or(seen);
         let a: [f64; 2] = std::array::from_fn(|j| {
-            let slope = (seen[j] - last[j]) / h;
-            let slope = if before.is_some() { slope } else { wanted[j][1] };
+            let new = if before.is_some() { (seen[j] - last[j]) / h } else { wanted[j][1] };
+            slopes[j] = if i == 0 { new } else { slopes[j] + share * (new - slopes[j]) };
+            let slope = slopes[j];
             wanted[j][2]
                 + of.stiffness * (wanted[j][0] - seen[j])
                 + 2.0 * of.stiffness.sqrt() * (wanted[j][1] - slope)
@@ -205,9 +244,9 @@ pub(super) fn simulate(
         }
         (before, held) = (Some(seen), Some(feed));
     }
-    let run = |from: usize| PreparedRun {
-        effort: Effort::Input,
-        ..prepare("simulated", &times, &columns[from..from + 2], &columns[2..4], of.window)
-    };
-    (run(0), run(4))
+    (times, columns)
+}
+
+fn rounded(y: f64, resolution: f64) -> f64 {
+    if resolution > 0.0 { (y / resolution).round() * resolution } else { y }
 }

@@ -57,6 +57,36 @@ fn currents_give_the_motor_constants_in_proportion_to_the_description() {
 }
 
 #[test]
+fn a_joint_without_efforts_stays_as_described_and_the_other_goes_on() {
+    let mut random = SplitMix64::new(7);
+    let truth = Pendulum::described().other(0.1, &mut random);
+    let (mut run, _) = simulate(&truth, &Experiment::default(), &mut random);
+    run.efforts[1].fill(f64::NAN);
+    let settings =
+        EstimationSettings { steepness: Some(vec![STEEPNESS; 2]), folds: 5, ..EstimationSettings::default() };
+    for effort in [Effort::Input, Effort::Current] {
+        run.effort = effort;
+        let found = quietly(&Pendulum::described(), std::slice::from_ref(&run), &settings);
+        let [shoulder, elbow] = &found.joints[..] else { panic!() };
+        assert!(shoulder.measured && shoulder.held_out_r_squared > 0.99, "{shoulder:?}");
+        assert!(!elbow.measured && elbow.terms.is_empty() && elbow.gain.is_none() && elbow.sigma.is_nan());
+        assert!(found.predicted[0][1].iter().all(|x| x.is_nan()) && found.consistent);
+        let said = found.warnings.join(" ");
+        assert!(said.contains("Joint elbow has no measured effort") && !said.contains("shoulder"), "{said}");
+        assert!(found.parameters.iter().all(|p| p.value.is_finite() && p.standard_error.is_finite()));
+        if effort == Effort::Input {
+            for (term, truth) in shoulder.terms.iter().zip(FRICTION[0]) {
+                assert!((term.coefficient.value / truth - 1.0).abs() < 0.05, "{term:?} {truth}");
+            }
+            assert!((found.parameters[11].value / truth.parameters[11] - 1.0).abs() < 0.03);
+        }
+    }
+    run.efforts[0].fill(f64::NAN);
+    let fault = estimate(&Pendulum::described(), &[run], &settings, &mut |_| ()).unwrap_err().to_string();
+    assert!(fault.contains("joints with measured efforts"), "{fault}");
+}
+
+#[test]
 fn offsets_that_change_between_runs_are_found() {
     let mut random = SplitMix64::new(5);
     let truth = Pendulum::described();
@@ -83,6 +113,11 @@ fn a_wrong_sign_and_forces_that_are_noise_are_refused() {
     turned.efforts[1].iter_mut().for_each(|u| *u = -*u);
     let message = refused(turned);
     assert!(message.contains("joint elbow") && message.contains("other sign"), "{message}");
+    // Where the log is short, its length is the reason that is named.
+    let mut short = super::data::part(&run, 0..40);
+    short.efforts[1].iter_mut().for_each(|u| *u = -*u);
+    let message = refused(short);
+    assert!(message.contains("too short: 40 samples") && !message.contains("sign of"), "{message}");
     let mut noise = run;
     noise.efforts[0].iter_mut().for_each(|u| *u = random.normal());
     let message = refused(noise);

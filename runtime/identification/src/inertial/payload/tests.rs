@@ -106,6 +106,7 @@ impl Simulation {
             accelerations: a,
             efforts,
             effort: Effort::Joint,
+            desired: None,
         }
     }
 }

@@ -100,6 +100,7 @@ pub fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (Run, Pr
         accelerations: vec![Vec::new(); n],
         efforts: vec![Vec::new(); n],
         effort: Effort::Joint,
+        desired: None,
     };
     for (i, t) in times.iter().enumerate() {
         let state = motion.at(*t);
@@ -126,6 +127,7 @@ pub fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (Run, Pr
         velocities: vec![None; n],
         efforts,
         effort: Effort::Joint,
+        desired: None,
     };
     (run, truth)
 }

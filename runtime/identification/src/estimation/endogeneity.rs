@@ -1,0 +1,328 @@
+//! The estimate by instrumental variables, and the Durbin–Wu–Hausman test of least squares against it.
+//!
+//! X: columns at the measured motion, Z: the same columns at the instruments' motion, both with offsets taken out, r:
+//! residuals of least squares, Ω: weights, Λ: the description's metric. From least squares x with `A = XᵀΩX + Λ`,
+//!
+//! `x_IV = x + (ZᵀΩX + Λ)⁻¹ (ZᵀΩr − Λδ)`.
+//!
+//! The test looks at the moments that least squares does not make zero, `g = ZᵀΩr − (ZᵀΩX) A⁻¹ XᵀΩr`. Their
+//! expectation is zero unless noise stands in X and r (Durbin 1954, Wu 1973, Hausman 1978; the form with moments is
+//! robust: Wooldridge 1995). Their variance holds under correlated residuals, and the statistic is compared with
+//! Fisher's F ([`super::cosines`]). Only the directions in which X and Z differ most count, so that there are several
+//! cosines for each.
+
+use super::super::error::Result;
+use super::super::kernel::BLOCK;
+use super::cosines::{FEWEST, count, projections};
+use super::estimate::Task;
+use super::fit::force_weights;
+use super::instruments::{InstrumentSource, Instruments};
+use super::intervals::{Fitted, MOST_BLOCKS, column_means};
+use super::layout::Layout;
+use super::normal::{Factor, Offsets, Values, force_vector, residual_vector};
+use super::residuals::{huber, residual};
+use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+/// Cosines for each tested direction.
+const COSINES_FOR_EACH: usize = 3;
+/// Share of the largest difference between X and Z below which a direction is not tested.
+const NEGLIGIBLE: f64 = 1e-6;
+
+/// The estimate by instrumental variables, over all unknowns, and the test.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Endogeneity {
+    pub(super) source: InstrumentSource,
+    pub(super) values: Values,
+    /// Covariance over the active unknowns.
+    pub(super) covariance: DMatrix<f64>,
+    /// Degrees of freedom of the covariance.
+    pub(super) freedom: usize,
+    pub(super) test: Test,
+}
+
+/// A statistic with its distribution where least squares is not biased.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Test {
+    pub(super) statistic: f64,
+    pub(super) freedoms: [f64; 2],
+    pub(super) p_value: f64,
+}
+
+/// Sums of a block of a run, for one joint: weighted residuals, and their products with the columns.
+struct Block {
+    run: usize,
+    joint: usize,
+    total: f64,
+    x: DVector<f64>,
+    z: DVector<f64>,
+    /// Sum of weighted residuals where there are instruments.
+    known: f64,
+}
+
+/// Sums over a run and joint where there are instruments.
+#[derive(Clone)]
+struct Products {
+    weight: f64,
+    x: DVector<f64>,
+    z: DVector<f64>,
+    zx: DMatrix<f64>,
+    zz: DMatrix<f64>,
+}
+
+/// Compares least squares with instrumental variables; `None` where there are no instruments, or too few
+/// independent residuals for a test.
+///
+/// # Errors
+/// None in fact: those of linear algebra that overflows.
+pub(super) fn endogeneity(
+    task: &Task,
+    of: &Fitted,
+    spread: f64,
+    correlation_time: f64,
+) -> Result<Option<Endogeneity>> {
+    let layout = task.layout;
+    let Some(instruments) = Instruments::find(task.runs, &layout.moves, correlation_time) else {
+        return Ok(None);
+    };
+    let pass = Pass::new(task, of, &instruments, correlation_time);
+    let samples: usize = task.runs.iter().map(|run| run.times.len()).sum();
+    let cosines = count(samples as f64 / correlation_time, pass.blocks.len() / layout.joints.max(1));
+    if cosines < FEWEST {
+        return Ok(None);
+    }
+    let equations = pass.equations(layout, of);
+    let metric = of.weighting.metric(task.prior, &of.solved.active);
+    Ok(equations.compare(of, &metric, spread, cosines, instruments.source))
+}
+
+/// One pass along the runs.
+struct Pass {
+    blocks: Vec<Block>,
+    /// By run, then joint.
+    products: Vec<Vec<Products>>,
+}
+
+impl Pass {
+    fn new(task: &Task, of: &Fitted, instruments: &Instruments, time: f64) -> Self {
+        let layout = task.layout;
+        let (mut measured, mut other) = (task.rows(), task.rows());
+        let total: usize = task.runs.iter().map(|run| run.times.len()).sum();
+        let length = total.div_ceil(MOST_BLOCKS).max((0.5 * time) as usize).clamp(1, BLOCK);
+        let factors: Vec<_> = (0..layout.joints).map(|j| residual_vector(layout, of.values, j)).collect();
+        let empty = |j: usize| Products::empty(layout.width(j));
+        let mut pass = Self {
+            blocks: Vec::new(),
+            products: vec![(0..layout.joints).map(empty).collect(); task.runs.len()],
+        };
+        for (run, samples) in task.runs.iter().enumerate() {
+            for start in (0..samples.times.len()).step_by(length) {
+                let rows = start..samples.times.len().min(start + length);
+                measured.evaluate(samples, rows.clone());
+                other.evaluate(&instruments.runs[run], rows.clone());
+                let known = &instruments.known[run][rows];
+                for joint in 0..layout.joints {
+                    let (x, z) = (measured.joint(joint), other.joint(joint));
+                    let r = residual(&factors[joint], of.offsets[joint][run], &x);
+                    let weights = huber(&r, of.outlier[joint]);
+                    pass.add(run, joint, &Columns { x, z, r, weights, known });
+                }
+            }
+        }
+        pass
+    }
+
+    fn add(&mut self, run: usize, joint: usize, of: &Columns) {
+        let weighted: Vec<f64> = of.r.iter().zip(&of.weights).map(|(r, w)| r * w).collect();
+        let masked: Vec<f64> =
+            weighted.iter().zip(of.known).map(|(r, known)| if *known { *r } else { 0.0 }).collect();
+        self.blocks.push(Block {
+            run,
+            joint,
+            total: weighted.iter().sum(),
+            x: dots(&of.x, &weighted),
+            z: dots(&of.z, &masked),
+            known: masked.iter().sum(),
+        });
+        let weights: Vec<f64> =
+            of.weights.iter().zip(of.known).map(|(w, known)| if *known { *w } else { 0.0 }).collect();
+        self.products[run][joint].add(of, &weights);
+    }
+
+    /// What a joint's offsets take out of its columns, for each run: means of x and z.
+    fn means(&self, of: &Fitted, joint: usize) -> Vec<[DVector<f64>; 2]> {
+        let q = self.products[0][joint].x.len();
+        let mean = |products: &[&Products]| {
+            let weight: f64 = products.iter().map(|p| p.weight).sum();
+            let sum = |part: &dyn Fn(&Products) -> &DVector<f64>| {
+                let sum = products.iter().fold(DVector::zeros(q), |sum, p| sum + part(p));
+                if weight > 0.0 { sum / weight } else { DVector::zeros(q) }
+            };
+            [sum(&|p| &p.x), sum(&|p| &p.z)]
+        };
+        let of_joint: Vec<&Products> = self.products.iter().map(|joints| &joints[joint]).collect();
+        match of.centred.offsets {
+            Offsets::None => vec![[DVector::zeros(q), DVector::zeros(q)]; of_joint.len()],
+            Offsets::Common => vec![mean(&of_joint); of_joint.len()],
+            Offsets::ByRun => of_joint.iter().map(|p| mean(&[*p])).collect(),
+        }
+    }
+
+    /// Products and moments over the active unknowns.
+    fn equations(&self, layout: &Layout, of: &Fitted) -> Equations {
+        let n = of.solved.active.len();
+        let weights = force_weights(of.weighting, &of.values.gains);
+        let all = (0..layout.joints).map(|j| column_means(of.centred, j)).collect::<Vec<_>>();
+        let blocks = self.blocks.len() / layout.joints.max(1);
+        let mut sums = Equations {
+            zx: DMatrix::zeros(n, n),
+            zz: DMatrix::zeros(n, n),
+            x: DMatrix::zeros(n, blocks),
+            z: DMatrix::zeros(n, blocks),
+        };
+        for joint in 0..layout.joints {
+            let selection = selection(layout, of.values, joint, &of.solved.active);
+            let means = self.means(of, joint);
+            for (products, [x, z]) in self.products.iter().map(|p| &p[joint]).zip(&means) {
+                let [zx, zz] = products.centred(x, z);
+                sums.zx += selection.tr_mul(&zx) * &selection * weights[joint];
+                sums.zz += selection.tr_mul(&zz) * &selection * weights[joint];
+            }
+            let of_joint = self.blocks.iter().filter(|block| block.joint == joint).enumerate();
+            for (place, block) in of_joint {
+                let x = &block.x - &all[joint][block.run] * block.total;
+                let z = &block.z - &means[block.run][1] * block.known;
+                sums.x.column_mut(place).gemv_tr(weights[joint], &selection, &x, 1.0);
+                sums.z.column_mut(place).gemv_tr(weights[joint], &selection, &z, 1.0);
+            }
+        }
+        sums
+    }
+}
+
+/// Columns of a joint over a block.
+struct Columns<'a> {
+    x: Vec<&'a [f64]>,
+    z: Vec<&'a [f64]>,
+    r: Vec<f64>,
+    weights: Vec<f64>,
+    known: &'a [bool],
+}
+
+fn dots(columns: &[&[f64]], factors: &[f64]) -> DVector<f64> {
+    let dot = |column: &&[f64]| -> f64 { column.iter().zip(factors).map(|(x, f)| x * f).sum() };
+    DVector::from_iterator(columns.len(), columns.iter().map(dot))
+}
+
+impl Products {
+    fn empty(q: usize) -> Self {
+        let (vector, matrix) = (DVector::zeros(q), DMatrix::zeros(q, q));
+        Self { weight: 0.0, x: vector.clone(), z: vector, zx: matrix.clone(), zz: matrix }
+    }
+
+    fn add(&mut self, of: &Columns, weights: &[f64]) {
+        let matrix = |columns: &[&[f64]]| {
+            DMatrix::from_fn(weights.len(), columns.len(), |i, k| columns[k][i] * weights[i].sqrt())
+        };
+        let (x, z) = (matrix(&of.x), matrix(&of.z));
+        self.weight += weights.iter().sum::<f64>();
+        self.x += dots(&of.x, weights);
+        self.z += dots(&of.z, weights);
+        self.zx += z.tr_mul(&x);
+        self.zz += z.tr_mul(&z);
+    }
+
+    /// `Σ w (z − z̄)(x − x̄)ᵀ` and `Σ w (z − z̄)(z − z̄)ᵀ`.
+    fn centred(&self, x: &DVector<f64>, z: &DVector<f64>) -> [DMatrix<f64>; 2] {
+        let centre = |products: &DMatrix<f64>, sum: &DVector<f64>, mean: &DVector<f64>| {
+            products - &self.z * mean.transpose() - z * sum.transpose() + z * mean.transpose() * self.weight
+        };
+        [centre(&self.zx, &self.x, x), centre(&self.zz, &self.z, z)]
+    }
+}
+
+/// Which of a joint's columns make which active unknown's.
+fn selection(layout: &Layout, values: &Values, joint: usize, active: &[usize]) -> DMatrix<f64> {
+    let mut selection = DMatrix::zeros(layout.width(joint), active.len());
+    for (i, &global) in active.iter().enumerate() {
+        if let Some(k) = layout.local[joint].iter().position(|local| *local == global) {
+            selection[(k, i)] = 1.0;
+        }
+        if global == layout.gain(joint) {
+            selection.set_column(i, &force_vector(layout, values, joint));
+        }
+    }
+    selection
+}
+
+/// `ZᵀΩX`, `ZᵀΩZ`, and the moments `XᵀΩr` and `ZᵀΩr` of the blocks, as columns.
+struct Equations {
+    zx: DMatrix<f64>,
+    zz: DMatrix<f64>,
+    x: DMatrix<f64>,
+    z: DMatrix<f64>,
+}
+
+impl Equations {
+    fn compare(
+        &self,
+        of: &Fitted,
+        metric: &DMatrix<f64>,
+        spread: f64,
+        cosines: usize,
+        source: InstrumentSource,
+    ) -> Option<Endogeneity> {
+        let solved = of.solved;
+        let factor = Factor::new(&solved.regularized).ok()?;
+        let change = DVector::from_iterator(
+            solved.active.len(),
+            solved.active.iter().map(|&global| of.values.unknowns[global]),
+        );
+        // (ZᵀΩX) A⁻¹
+        let projection = factor.solve(&self.zx.transpose()).transpose();
+        let moments = &self.z - &projection * &self.x;
+        let left = &self.zz - &projection * self.zx.transpose();
+        let test = test(&factor, &left, moments, cosines)?;
+        let total = self.z.column_sum();
+        let system = factor.both_sides(&self.zx + metric).lu();
+        let invert = |right: DMatrix<f64>| Some(factor.scaled(system.solve(&factor.scaled(right))?));
+        let right = total - metric * &change;
+        let step = invert(DMatrix::from_column_slice(right.len(), 1, right.as_slice()))?;
+        let mut values = of.values.clone();
+        solved.active.iter().zip(step.iter()).for_each(|(&global, step)| values.unknowns[global] += step);
+        let projected = projections(&self.z, cosines);
+        let deviations = invert(projected)?;
+        // How far descriptions are from robots is in the estimate too.
+        let of_description = invert(metric.clone())?;
+        let described = invert(of_description.transpose())?.transpose() * spread;
+        let covariance = &deviations * deviations.transpose() / cosines as f64 + described;
+        Some(Endogeneity { source, values, covariance, freedom: cosines, test })
+    }
+}
+
+/// The test in the directions in which regressor and instruments differ most, relative to what the data tell.
+fn test(factor: &Factor, difference: &DMatrix<f64>, moments: DMatrix<f64>, cosines: usize) -> Option<Test> {
+    let white = factor.whitened(factor.whitened(difference.clone()).transpose());
+    let eigen = (0.5 * (&white + white.transpose())).symmetric_eigen();
+    let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    let largest = *order.first().map(|i| &eigen.eigenvalues[*i])?;
+    let tested: Vec<usize> = order
+        .into_iter()
+        .take((cosines / COSINES_FOR_EACH).max(1))
+        .filter(|i| eigen.eigenvalues[*i] > NEGLIGIBLE * largest)
+        .collect();
+    let q = tested.len();
+    let directions = DMatrix::from_columns(
+        &tested.iter().map(|i| eigen.eigenvectors.column(*i).into_owned()).collect::<Vec<_>>(),
+    );
+    let series = directions.tr_mul(&factor.whitened(moments));
+    let sum = series.column_sum();
+    let projected = projections(&series, cosines);
+    let variance = &projected * projected.transpose() / cosines as f64;
+    let wald = sum.dot(&variance.cholesky()?.solve(&sum));
+    let freedoms = [q as f64, (cosines + 1 - q) as f64];
+    let statistic = wald * freedoms[1] / (freedoms[0] * cosines as f64);
+    let fisher = FisherSnedecor::new(freedoms[0], freedoms[1]).ok()?;
+    statistic.is_finite().then(|| Test { statistic, freedoms, p_value: 1.0 - fisher.cdf(statistic) })
+}
