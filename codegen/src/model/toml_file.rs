@@ -400,8 +400,9 @@ fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Option<JointDescription
             .get("friction")
             .and_then(|item| Some(At::new(friction(reader, item, &owner)?, item.span))),
         drive: table.get("drive").and_then(|item| drive(reader, item, &owner)),
-        follows: table.get("follows").and_then(|item| {
-            Some(At::new(followed_joints(reader, item, &owner).unwrap_or_default(), item.key_span))
+        follows: table.get("follows").map(|item| {
+            // What could not be read was reported, and the joint stays one that follows.
+            At::new(followed_joints(reader, item, &owner).unwrap_or_default(), item.key_span)
         }),
         offset: table.get("offset").and_then(|item| reader.number(item)),
         name,

@@ -110,7 +110,7 @@ fn add_rotors(model: &Model, described: &[f64], mass: &mut [Vec<f64>], sizes: &m
             for column in &drive.acts_on {
                 mass[row.coordinate][column.coordinate] += value(&row.ratio) * value(&column.ratio) * inertia;
             }
-            sizes[row.coordinate] += value(&row.ratio).powi(2) * inertia;
+            sizes[row.coordinate] += value(&row.ratio) * value(&row.ratio) * inertia;
         }
     }
 }
