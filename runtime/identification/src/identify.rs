@@ -243,7 +243,6 @@ impl<'a> JointSamples<'a> {
         preparation: &PreparationReport,
     ) -> JointFriction {
         let preparations = sentences(preparation);
-        let filter = Some(&preparation.filter);
         let limits: Option<JointLimits> = robot.limits().get(self.joint).copied();
         let report = settings.friction.identify(&FrictionData {
             joint: self.name,
@@ -256,7 +255,6 @@ impl<'a> JointSamples<'a> {
             runs: Some(&self.runs),
             positions: Some(&self.positions),
             accelerations: Some(&self.accelerations),
-            filter,
             limits,
             data,
             settings: &preparations,

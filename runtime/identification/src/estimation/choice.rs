@@ -17,9 +17,6 @@ const WEIGHTS: usize = 23;
 const LESS_TRUST: f64 = 0.01;
 const LESS_TRUST_STEPS: usize = 2;
 
-/// Standard errors by which a term has to lower the error.
-const SURELY: f64 = 2.0;
-
 /// Cosine between v and |v| beyond which they are not told apart.
 const MOST_ALIKE: f64 = 0.8;
 
@@ -171,8 +168,7 @@ impl Chosen<'_> {
         Ok(())
     }
 
-    /// A term is taken where it lowers the error by more than two standard errors: one would take every sixth term of
-    /// none, and intervals know nothing of that choice.
+    /// A term is taken where it lowers the error by more than a standard error.
     fn choose_terms(&mut self, prior: &Prior) -> Result<()> {
         let mut best = self.held_out(prior)?;
         for joint in (0..self.model.coulomb.len()).filter(|&j| self.centred.layout.moves[j]) {
@@ -185,7 +181,7 @@ impl Chosen<'_> {
                 chosen[joint] = true;
                 let error = self.error(&model, prior)?;
                 let (excess, deviation) = error.excess(&best);
-                if excess < -SURELY * deviation && self.can_exist(&model, joint, prior)? {
+                if excess < -deviation && self.can_exist(&model, joint, prior)? {
                     (best, self.model) = (error, model);
                 }
             }

@@ -9,7 +9,6 @@ use super::super::error::{IdentificationError, Result};
 use super::super::least_squares::Reduced;
 use super::super::library::Library;
 use super::super::moments::{Moments, Samples, contiguous_blocks};
-use super::super::preparation::Filter;
 use super::super::result::Offset;
 use super::super::subset::{Requirement, requirements};
 use super::{FrictionData, FrictionIdentification, Offsets};
@@ -54,11 +53,6 @@ impl<'a> Design<'a> {
         let mut columns: Vec<Vec<f64>> = matrix.column_iter().map(|c| c.iter().copied().collect()).collect();
         let mut torque = data.torques.to_vec();
         let runs = runs(data);
-        if let Some(filter) = data.filter {
-            // What is linear in the velocity has passed it already.
-            let rounded = library.terms().iter().zip(&mut columns).filter(|(term, _)| term.as_str() != "v");
-            rounded.for_each(|(_, column)| pass(filter, column, &runs));
-        }
         require_independent(&library, &columns, data, separate)?;
         if separate {
             for (term, column) in library.terms().iter().zip(&mut columns) {
@@ -116,14 +110,6 @@ impl<'a> Design<'a> {
             return Vec::new();
         }
         offsets(self.data, &self.runs, law, residuals)
-    }
-}
-
-/// The column through the filter, run by run.
-fn pass(filter: &Filter, column: &mut [f64], runs: &[Range<usize>]) {
-    for run in runs {
-        let filtered = filter.apply(&column[run.clone()]);
-        column[run.clone()].copy_from_slice(&filtered);
     }
 }
 

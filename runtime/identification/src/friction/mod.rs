@@ -33,7 +33,6 @@ use super::error::{
 };
 use super::lasso::Lasso;
 use super::library::Library;
-use super::preparation::Filter;
 use super::result::FrictionResult;
 use super::robot::JointLimits;
 use super::stribeck::StribeckRegression;
@@ -72,8 +71,6 @@ pub struct FrictionData<'a> {
     pub positions: Option<&'a [f64]>,
     /// ÿ, where residuals that depend on it are to be noticed.
     pub accelerations: Option<&'a [f64]>,
-    /// The filter that τ and ẏ passed, at samples of its step: terms that are not linear in ẏ pass it too.
-    pub filter: Option<&'a Filter>,
     /// Limits of the joint, where samples beyond them are to be noticed.
     pub limits: Option<JointLimits>,
     /// Source and hash of the log.
