@@ -6,10 +6,11 @@
 mod tracking;
 
 use gelenk_runtime::control_loop::{Controller, Cycle};
+use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::mpc::{
     LinearizationPoint, LtvMpc, MpcError, MpcNote, MpcOptions, MpcRow, Nmpc, RowFault,
 };
-use gelenk_runtime::plant::Plant;
+use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::qp::Penalty;
 use gelenk_runtime::trajectory::{RestToRest, Trajectory};
 use tracking::{PEAK, PERIOD, PowerCube, exact};
@@ -248,4 +249,79 @@ fn a_trajectory_beyond_a_row_is_noted() {
     let slow = RestToRest::new(START, GOAL, 4.0).unwrap();
     let slow = LtvMpc::new(PowerCube, slow, options().with_rows(lines(1.0))).unwrap();
     assert!(!slow.notes().iter().any(|note| matches!(note, MpcNote::Row { .. })));
+}
+
+gelenk_runtime::dynamics!(pub struct Wrist = gelenk_generated::differential_wrist);
+gelenk_runtime::dynamics!(pub struct Palletizer = gelenk_generated::palletizer);
+
+/// Runs a controller on its own robot's plant; the largest error of position at the end [rad], and the largest value
+/// of `shown` at the start of a period.
+fn follow<D: Dynamics<4, 4> + Copy>(
+    model: D,
+    controller: &mut impl Controller<4, 4>,
+    [start, goal]: [[f64; 4]; 2],
+    seconds: f64,
+    shown: impl Fn(&[f64; 4], &[f64; 4]) -> f64,
+) -> [f64; 2] {
+    let period = 0.01;
+    let mut plant = Plant::new(model, PlantOptions::default()).unwrap();
+    plant.reset(start, [0.0; 4]).unwrap();
+    controller.reset(&start, &[0.0; 4]);
+    let (mut last_inputs, mut largest) = ([0.0; 4], f64::NEG_INFINITY);
+    for k in 0..(seconds / period) as u32 {
+        let cycle = Cycle {
+            time: period * f64::from(k),
+            periods: u32::from(k > 0),
+            positions: Some(plant.measure().positions),
+            last_inputs,
+            ..Cycle::default()
+        };
+        let (y, _) = plant.state();
+        let u = controller.step(&cycle).unwrap().inputs;
+        largest = largest.max(shown(&y, &u));
+        last_inputs = u;
+        plant.apply(&u, period).unwrap();
+    }
+    let (y, _) = plant.state();
+    [(0..4).map(|i| (y[i] - goal[i]).abs()).fold(0.0, f64::max), largest]
+}
+
+/// Two motors move pitch and roll together: B is full, and each keeps its own limit.
+#[test]
+fn a_differential_wrist_is_controlled_in_its_motors_torques() {
+    let [start, goal] = [[0.2, 0.6, -0.4, 0.0], [-0.2, 1.0, 0.5, 1.0]];
+    let motion = RestToRest::new(start, goal, 1.5).unwrap();
+    let mut controller = LtvMpc::new(Wrist, motion, MpcOptions::new(&Wrist, 0.01, 15)).unwrap();
+    let peak = gelenk_generated::differential_wrist::PEAK_INPUT_LIMITS;
+    let beyond =
+        |_: &[f64; 4], u: &[f64; 4]| (0..4).map(|j| u[j].abs() - peak[j]).fold(f64::NEG_INFINITY, f64::max);
+    let [error, beyond] = follow(Wrist, &mut controller, [start, goal], 2.5, beyond);
+    assert!(error < 5e-3 && beyond <= 1e-9, "{error} {beyond}");
+}
+
+/// The forearm of a parallelogram follows two coordinates: the module's constants make the row that keeps its limits.
+#[test]
+fn the_forearm_of_a_palletizer_keeps_its_limits() {
+    use gelenk_generated::palletizer::{
+        DEPENDENT_JOINT_NAMES, DEPENDENT_JOINT_OFFSETS, DEPENDENT_JOINT_RATIOS, DEPENDENT_POSITION_LIMITS,
+    };
+    let forearm = DEPENDENT_JOINT_NAMES.iter().position(|name| *name == "forearm").unwrap();
+    let limits = DEPENDENT_POSITION_LIMITS[forearm];
+    let row = MpcRow::dependent_joint(
+        "forearm",
+        DEPENDENT_JOINT_RATIOS[forearm],
+        DEPENDENT_JOINT_OFFSETS[forearm],
+        limits,
+    );
+    // Both coordinates stay within their limits, the forearm would end at 1.7 rad.
+    let [start, goal] = [[0.0, 0.3, 0.8, 0.0], [0.4, -0.1, 1.6, 0.5]];
+    let motion = RestToRest::new(start, goal, 2.0).unwrap();
+    let angle = |y: &[f64; 4], u: &[f64; 4]| row.value(y, &[0.0; 4], u) + DEPENDENT_JOINT_OFFSETS[forearm];
+    let plain = MpcOptions::new(&Palletizer, 0.01, 15);
+    let mut without = LtvMpc::new(Palletizer, motion, plain).unwrap();
+    let [error, largest] = follow(Palletizer, &mut without, [start, goal], 3.0, angle);
+    assert!(error < 5e-3 && largest > limits[1] + 0.15, "{error} {largest}");
+    let mut with = LtvMpc::new(Palletizer, motion, plain.with_rows([row])).unwrap();
+    let [_, largest] = follow(Palletizer, &mut with, [start, goal], 3.0, angle);
+    assert!(largest < limits[1] + 5e-3, "{largest}");
 }

@@ -25,7 +25,7 @@ const TOLERANCE: f64 = 1e-12;
 const SEEDS: std::ops::Range<u64> = 0..60;
 
 /// Robots with joints that follow others.
-const COUPLED_SEEDS: std::ops::Range<u64> = 1000..1030;
+const COUPLED_SEEDS: std::ops::Range<u64> = 1000..1015;
 
 /// Largest number of coordinates.
 const LONGEST: usize = 12;

@@ -96,7 +96,8 @@ pub(super) fn friction_sum<'g>(
     v: Scalar<'g>,
 ) -> Scalar<'g> {
     terms.iter().fold(graph.constant(0.0), |sum, term| {
-        sum + lower(graph, &term.coefficient) * friction_basis(graph, term, y, v)
+        let basis = friction_basis(graph, term, y, v);
+        sum + lower(graph, &term.coefficient) * basis
     })
 }
 

@@ -188,11 +188,11 @@
         if (joint.slides && joint.moves) {
           joined(origin, state.links[k].p);
           const half = times(1.6 * thick, axis);
-          const colour = joint.coordinate === null ? palette.body : joint.coordinate === active ? palette.link : palette.accent;
+          const colour = joint.terms.length === 0 ? palette.body : joint.terms.some(([k]) => k === active) ? palette.link : palette.accent;
           prism(faces, subtract(state.links[k].p, half), add(state.links[k].p, half), 1.5 * thick, 1.5 * thick, 4, colour, true);
         } else if (joint.moves) {
           const half = times(1.35 * thick, axis);
-          const colour = joint.coordinate === null ? palette.body : joint.coordinate === active ? palette.link : palette.accent;
+          const colour = joint.terms.length === 0 ? palette.body : joint.terms.some(([k]) => k === active) ? palette.link : palette.accent;
           prism(faces, subtract(origin, half), add(origin, half), 1.15 * thick, 1.15 * thick, 20, colour, true);
         }
       });

@@ -6,6 +6,7 @@ use super::super::{FollowedCoordinate, Follower};
 use crate::diagnostic::{Report, nearest};
 use crate::formula::{Formula, Function};
 use crate::wording::as_written;
+use std::collections::BTreeMap;
 
 /// A row of G, and its offset.
 #[derive(Debug, Clone, Default)]
@@ -32,8 +33,8 @@ impl Couplings {
         defaults: &[f64],
         report: &mut Report,
     ) -> Self {
-        let mut resolver =
-            Resolver { robot, defaults, report, rows: vec![Progress::Open; robot.joints.len()] };
+        let rows = vec![Progress::Open; robot.joints.len()];
+        let mut resolver = Resolver { robot, by_name: by_name(robot), defaults, report, rows };
         for (coordinate, &link) in coordinates.iter().enumerate() {
             if let Some(joint) = tree.joints[link] {
                 let terms = vec![FollowedCoordinate::itself(coordinate)];
@@ -90,6 +91,7 @@ impl Progress {
 
 struct Resolver<'d, 'r> {
     robot: &'d RobotDescription,
+    by_name: BTreeMap<&'d str, usize>,
     defaults: &'d [f64],
     report: &'r mut Report,
     rows: Vec<Progress>,
@@ -105,7 +107,6 @@ impl Resolver<'_, '_> {
                 continue;
             }
             let open = self.open_targets(joint);
-            let begun = matches!(self.rows[joint], Progress::Begun);
             self.rows[joint] = Progress::Begun;
             match open {
                 Some(next) if matches!(self.rows[next], Progress::Begun) => {
@@ -116,7 +117,6 @@ impl Resolver<'_, '_> {
                 }
                 Some(next) => stack.push(next),
                 None => {
-                    debug_assert!(begun || self.robot.joints[joint].follows.is_some());
                     let row = self.follower(joint);
                     self.rows[joint] = Progress::Done(row);
                 }
@@ -134,7 +134,7 @@ impl Resolver<'_, '_> {
     }
 
     fn find(&self, name: &Name) -> Option<usize> {
-        self.robot.joints.iter().position(|joint| joint.name.value == name.value)
+        self.by_name.get(name.value.as_str()).copied()
     }
 
     fn follower(&mut self, joint: usize) -> Option<Row> {
@@ -230,6 +230,11 @@ impl Resolver<'_, '_> {
     }
 }
 
+/// The joints by their names; two of one name are reported elsewhere.
+fn by_name(robot: &RobotDescription) -> BTreeMap<&str, usize> {
+    robot.joints.iter().enumerate().map(|(index, joint)| (joint.name.value.as_str(), index)).collect()
+}
+
 fn add(sum: &mut Row, row: Row) {
     sum.offset += row.offset;
     for term in row.terms {
@@ -285,5 +290,15 @@ fn check_limits(
         );
         report.error(limits.span, "limits-exclude", message);
         report.help("mend the limits, the ratios or the `offset`: no position satisfies them all");
+    } else if reach[0] < low || reach[1] > high {
+        let message = format!(
+            "joint `{}` can leave its limits while the joints that it follows keep theirs",
+            joint.name.value
+        );
+        report.note(Some(limits.span), "dependent-limits", message);
+        report.help(
+            "the loop and planned motions know the limits of coordinates alone; `MpcRow::dependent_joint` keeps those of others \
+             in predictive controllers, from the constants `DEPENDENT_…`",
+        );
     }
 }
