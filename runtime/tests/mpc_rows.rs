@@ -251,8 +251,8 @@ fn a_trajectory_beyond_a_row_is_noted() {
     assert!(!slow.notes().iter().any(|note| matches!(note, MpcNote::Row { .. })));
 }
 
-gelenk_runtime::dynamics!(pub struct Wrist = gelenk_generated::differential_wrist);
-gelenk_runtime::dynamics!(pub struct Palletizer = gelenk_generated::palletizer);
+gelenk_runtime::dynamics!(struct Wrist = gelenk_generated::differential_wrist);
+gelenk_runtime::dynamics!(struct Palletizer = gelenk_generated::palletizer);
 
 /// Runs a controller on its own robot's plant; the largest error of position at the end [rad], and the largest value
 /// of `shown` at the start of a period.
@@ -318,7 +318,7 @@ fn the_forearm_of_a_palletizer_keeps_its_limits() {
     let motion = RestToRest::new(start, goal, 2.0).unwrap();
     let angle = |y: &[f64; 4], u: &[f64; 4]| row.value(y, &[0.0; 4], u) + DEPENDENT_JOINT_OFFSETS[forearm];
     let plain = MpcOptions::new(&Palletizer, 0.01, 15);
-    let mut without = LtvMpc::new(Palletizer, motion, plain).unwrap();
+    let mut without = LtvMpc::new(Palletizer, motion, plain.clone()).unwrap();
     let [error, largest] = follow(Palletizer, &mut without, [start, goal], 3.0, angle);
     assert!(error < 5e-3 && largest > limits[1] + 0.15, "{error} {largest}");
     let mut with = LtvMpc::new(Palletizer, motion, plain.with_rows([row])).unwrap();

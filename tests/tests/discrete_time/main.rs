@@ -9,12 +9,17 @@ mod sensitivities;
 mod zero_order_hold;
 
 use fastrand::Rng;
+use gelenk_runtime::dynamics::Dynamics;
 use gelenk_tests::workspace;
 
 /// One type per robot.
 mod robots {
     gelenk_runtime::dynamics!(pub struct CartPole = gelenk_generated::cart_pole);
+    gelenk_runtime::dynamics!(pub struct DifferentialWrist = gelenk_generated::differential_wrist);
     gelenk_runtime::dynamics!(pub struct DoublePendulum { parameters } = gelenk_generated::double_pendulum);
+    gelenk_runtime::dynamics!(pub struct GearedArm = gelenk_generated::geared_arm);
+    gelenk_runtime::dynamics!(pub struct Gripper = gelenk_generated::gripper);
+    gelenk_runtime::dynamics!(pub struct Palletizer = gelenk_generated::palletizer);
     gelenk_runtime::dynamics!(pub struct Panda = gelenk_generated::panda);
     gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
     gelenk_runtime::dynamics!(pub struct PowerCubeAlpha = gelenk_generated::powercube_alpha);
@@ -31,7 +36,11 @@ mod robots {
 macro_rules! for_each_robot {
     ($check:path) => {
         $check("cart_pole", &robots::CartPole);
+        $check("differential_wrist", &robots::DifferentialWrist);
         $check("double_pendulum", &robots::DoublePendulum::default());
+        $check("geared_arm", &robots::GearedArm);
+        $check("gripper", &robots::Gripper);
+        $check("palletizer", &robots::Palletizer);
         $check("panda", &robots::Panda);
         $check("powercube", &robots::PowerCube);
         $check("powercube_alpha", &robots::PowerCubeAlpha);
@@ -55,6 +64,25 @@ fn random_state<const N: usize, const M: usize>(rng: &mut Rng) -> ([f64; N], [f6
     let y = core::array::from_fn(|_| signed(0.0, 2.0));
     let v = core::array::from_fn(|_| signed(0.3, 1.0));
     (y, v, core::array::from_fn(|_| signed(0.0, 0.2)))
+}
+
+/// A random state of a robot whose loads, where friction grows with them, are so large that no input nearby turns
+/// their sign: accelerations have a kink there.
+fn smooth_state<const N: usize, const M: usize>(
+    robot: &impl Dynamics<N, M>,
+    rng: &mut Rng,
+) -> ([f64; N], [f64; N], [f64; M]) {
+    const FAR: f64 = 8.0;
+    let input_matrix = robot.input_matrix();
+    loop {
+        let (y, v, u) = random_state::<N, M>(rng);
+        let (share, friction) = (robot.load_friction(&y, &v), robot.friction_torques(&y, &v));
+        let exerted =
+            |i: usize| input_matrix[i].iter().zip(&u).map(|(b, u)| b * u).sum::<f64>() - friction[i];
+        if (0..N).all(|i| share[i] == 0.0 || exerted(i).abs() > FAR) {
+            return (y, v, u);
+        }
+    }
 }
 
 /// Derivatives of a step as one matrix, rows (y⁺, ẏ⁺), columns (y, ẏ, u).

@@ -4,7 +4,7 @@ use fastrand::Rng;
 use gelenk_runtime::dynamics::Discretizable;
 
 use super::integrator::{integrated, time_without_turning};
-use super::{for_each_robot, random_state, robots, rows};
+use super::{for_each_robot, robots, rows, smooth_state};
 
 /// Central differences of order 6 of a function of x = (y, ẏ) and u, row by row.
 fn differences<const N: usize, const M: usize>(
@@ -51,7 +51,7 @@ fn error(found: &[Vec<f64>], expected: &[Vec<f64>], n: usize) -> f64 {
 fn check<const N: usize, const M: usize>(name: &str, robot: &impl Discretizable<N, M>) {
     let mut rng = Rng::with_seed(3);
     for _ in 0..3 {
-        let (y, v, u) = random_state::<N, M>(&mut rng);
+        let (y, v, u) = smooth_state(robot, &mut rng);
         let state = [y, v].concat();
         let halves = |state: &[f64]| {
             let half = |from: usize| -> [f64; N] { core::array::from_fn(|i| state[from + i]) };
