@@ -259,15 +259,8 @@ impl<'a> JointSamples<'a> {
             data,
             settings: &preparations,
         });
-        let report = report.map_err(|error| error.to_string()).and_then(|mut report| {
-            if settings.accept_poor {
-                report.result.accept();
-            }
-            match report.result.refusal.clone() {
-                Some(reason) => Err(reason),
-                None => Ok(report),
-            }
-        });
+        let report = report.map_err(|error| error.to_string());
+        let report = report.and_then(|report| unless_refused(report, settings.accept_poor));
         JointFriction {
             joint: self.joint,
             name: self.name.to_owned(),
@@ -276,4 +269,17 @@ impl<'a> JointSamples<'a> {
             report,
         }
     }
+}
+
+/// The law, or the reason for which it is refused.
+///
+/// - `accept_poor`: the reason becomes a warning of the law
+pub(crate) fn unless_refused(
+    mut report: FrictionReport,
+    accept_poor: bool,
+) -> std::result::Result<FrictionReport, String> {
+    if accept_poor {
+        report.result.accept();
+    }
+    report.result.refusal.clone().map_or(Ok(report), Err)
 }

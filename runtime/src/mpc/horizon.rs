@@ -136,7 +136,7 @@ where
             problem.input_weight[i][i] = options.input_weight[i];
             problem.input_rate_weight[i][i] = options.input_rate_weight[i] / square;
         }
-        row::set_matrices(problem, options);
+        row::set_matrices(problem, &options.rows, options.limit_penalty);
     }
 
     /// Terminal weights and Runge–Kutta steps along the trajectory.

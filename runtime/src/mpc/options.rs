@@ -1,9 +1,9 @@
 //! What a predictive controller is told, and why it may refuse.
 
 use super::observer::ObserverOptions;
-use super::row::{self, MpcRow, RowFault};
+use super::row::{MpcRow, RowFault};
 use crate::control_loop::TooFast;
-use crate::dynamics::Dynamics;
+use crate::dynamics::{Dynamics, Named};
 use crate::feed_forward::FeedForwardError;
 use crate::lqr::LqrError;
 use crate::qp::{Penalty, QpError, QpSettings};
@@ -132,7 +132,10 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         require("velocity_limits", &self.velocity_limits, "positive", |x| x > 0.0)?;
         require("limit_penalty.linear", &[self.limit_penalty.linear], "positive and finite", positive)?;
         require("limit_penalty.quadratic", &[self.limit_penalty.quadratic], NOT_NEGATIVE, weight)?;
-        row::check(self)?;
+        for row in &self.rows {
+            let checked = row.check(&self.input_limits);
+            checked.map_err(|fault| MpcError::Row { row: Named(row.name).to_string(), fault })?;
+        }
         self.observer.check()
     }
 }

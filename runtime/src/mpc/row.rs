@@ -1,7 +1,5 @@
 //! Rows: limits of sums of positions, velocities and inputs.
 
-use super::options::{MpcError, MpcOptions};
-use crate::dynamics::Named;
 use crate::qp::{Penalty, QpProblem};
 use crate::trajectory::Sample;
 use std::fmt;
@@ -152,7 +150,7 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         (self.lower - value).max(value - self.upper)
     }
 
-    fn check(&self, input_limits: &[[f64; 2]; M]) -> Result<(), RowFault> {
+    pub(super) fn check(&self, input_limits: &[[f64; 2]; M]) -> Result<(), RowFault> {
         let coefficients = || self.positions.iter().chain(&self.velocities).chain(&self.inputs);
         if let Some(&value) = coefficients().find(|c| !c.is_finite()) {
             return Err(RowFault::NotFinite { value });
@@ -275,27 +273,18 @@ impl fmt::Display for RowFault {
     }
 }
 
-/// # Errors
-/// [`MpcError::Row`] for the first row that cannot be used.
-pub(super) fn check<const N: usize, const M: usize, const NR: usize>(
-    options: &MpcOptions<N, M, NR>,
-) -> Result<(), MpcError> {
-    for row in &options.rows {
-        let checked = row.check(&options.input_limits);
-        checked.map_err(|fault| MpcError::Row { row: Named(row.name).to_string(), fault })?;
-    }
-    Ok(())
-}
-
 /// Matrices and penalties of the rows, which stay.
+///
+/// - `soft`: the penalty of soft rows that have none of their own
 pub(super) fn set_matrices<const N: usize, const M: usize, const NX: usize, const NR: usize>(
     problem: &mut QpProblem<NX, M, NR>,
-    options: &MpcOptions<N, M, NR>,
+    rows: &[MpcRow<N, M>; NR],
+    soft: Penalty,
 ) {
-    for (r, row) in options.rows.iter().enumerate() {
+    for (r, row) in rows.iter().enumerate() {
         problem.row_penalty[r] = match row.kind {
             RowKind::Hard => None,
-            RowKind::Soft => Some(options.limit_penalty),
+            RowKind::Soft => Some(soft),
             RowKind::Penalized(penalty) => Some(penalty),
         };
         let mut of_state = [0.0; NX];

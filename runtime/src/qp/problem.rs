@@ -1,7 +1,5 @@
 //! The optimal-control QP, as plain data.
 
-use super::rows::unit;
-
 /// Penalty of a soft bound: `linear · v + ½ quadratic · v²` for a violation `v ≥ 0`.
 ///
 /// The linear term makes it exact: if it exceeds the multiplier that the hard bound would have, the bound is
@@ -220,4 +218,12 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpProblem<NX, NU, NR> {
             stages: vec![QpStage::default(); horizon],
         }
     }
+}
+
+/// The unit of a row: the power of two at or below its largest coefficient; 1 where all are zero.
+#[inline(always)]
+pub(super) fn unit(c: &[f64], d: &[f64]) -> f64 {
+    let largest = c.iter().chain(d).fold(0.0_f64, |max, v| v.abs().max(max));
+    let power = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
+    if power > 0.0 && power.is_finite() { power } else { 1.0 }
 }

@@ -14,16 +14,8 @@
 //! exact. Without rows (`NR = 0`) every function is empty.
 
 use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, zeros};
-use super::problem::QpProblem;
+use super::problem::{QpProblem, unit};
 use super::trajectory::Trajectory;
-
-/// The unit of a row: the power of two at or below its largest coefficient; 1 where all are zero.
-#[inline(always)]
-pub(super) fn unit(c: &[f64], d: &[f64]) -> f64 {
-    let largest = c.iter().chain(d).fold(0.0_f64, |max, v| v.abs().max(max));
-    let power = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
-    if power > 0.0 && power.is_finite() { power } else { 1.0 }
-}
 
 /// Limits of a row in its unit.
 pub(super) struct Limits {

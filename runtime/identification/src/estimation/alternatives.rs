@@ -3,11 +3,11 @@
 use super::super::error::Result;
 use super::super::robot::Robot;
 use super::choice::Chosen;
-use super::estimate::Task;
 use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, TERMS};
 use super::prior::Prior;
 use super::sums::sum;
+use super::task::Task;
 
 /// An explanation counts as better where it lowers the held-out error by this share, and by two standard errors.
 const CLEARLY: f64 = 0.1;

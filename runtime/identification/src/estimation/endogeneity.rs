@@ -14,13 +14,13 @@
 use super::super::error::Result;
 use super::super::kernel::BLOCK;
 use super::cosines::{FEWEST, count, projections};
-use super::estimate::Task;
 use super::fit::force_weights;
 use super::instruments::{InstrumentSource, Instruments};
 use super::intervals::{Fitted, MOST_BLOCKS, column_means};
 use super::layout::Layout;
 use super::normal::{Factor, Offsets, Values, force_vector, residual_vector};
 use super::residuals::{huber, residual};
+use super::task::Task;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 

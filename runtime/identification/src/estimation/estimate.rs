@@ -13,22 +13,12 @@ use super::layout::Layout;
 use super::normal::{Centred, Values, residual_vector};
 use super::prior::Prior;
 use super::report::Report;
-use super::residuals::{Forces, RunOffsets, forces, huber, residual, robust_deviations};
+use super::residuals::{Forces, RunOffsets, huber, residual, robust_deviations};
 use super::result::Estimate;
-use super::rows::Rows;
 use super::settings::EstimationSettings;
-use super::sums::{Piece, Sums, cut, sum};
+use super::sums::{Sums, cut, sum};
+use super::task::Task;
 use nalgebra::DVector;
-
-/// The robot, the data and the settings, as the stages need them.
-pub(super) struct Task<'a> {
-    pub(super) robot: &'a dyn Robot,
-    pub(super) runs: &'a [PreparedRun],
-    pub(super) settings: &'a EstimationSettings,
-    pub(super) layout: &'a Layout,
-    pub(super) prior: &'a Prior,
-    pub(super) pieces: Vec<Piece>,
-}
 
 /// Inertial parameters, friction, offsets and gains of a robot from its runs.
 ///
@@ -82,14 +72,6 @@ pub fn estimate(
 type Robust<'a> = (&'a Values, &'a RunOffsets, &'a [f64]);
 
 impl Task<'_> {
-    pub(super) fn rows(&self) -> Rows<'_> {
-        self.rows_where(self.settings.gravity_compensated)
-    }
-
-    pub(super) fn rows_where(&self, gravity_compensated: bool) -> Rows<'_> {
-        Rows::new(self.robot, self.layout, gravity_compensated, self.settings.filter.as_ref())
-    }
-
     fn sums(&self, robust: Option<Robust>) -> Sums {
         let factors: Vec<DVector<f64>> = robust.map_or(Vec::new(), |(values, ..)| {
             (0..self.layout.joints).map(|j| residual_vector(self.layout, values, j)).collect()
@@ -101,10 +83,6 @@ impl Task<'_> {
             }
         };
         sum(&mut self.rows(), self.layout, self.runs, &self.pieces, &weights)
-    }
-
-    pub(super) fn forces(&self, values: &Values, offsets: &RunOffsets) -> Forces {
-        forces(&mut self.rows(), self.layout, self.runs, values, offsets)
     }
 
     fn choose<'s>(&'s self, sums: &'s Sums) -> Result<Chosen<'s>> {

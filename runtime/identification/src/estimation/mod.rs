@@ -20,6 +20,7 @@ mod rows;
 mod settings;
 mod shares;
 mod sums;
+mod task;
 #[cfg(test)]
 mod tests;
 

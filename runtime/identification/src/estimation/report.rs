@@ -5,7 +5,6 @@ use super::super::inertial::PER_BODY;
 use super::super::robot::Robot;
 use super::choice::Chosen;
 use super::endogeneity::{Endogeneity, Test};
-use super::estimate::Task;
 use super::fit::Solved;
 use super::intervals::Covariance;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, VISCOUS};
@@ -13,6 +12,7 @@ use super::normal::Offsets;
 use super::prior::Prior;
 use super::residuals::{Forces, RunOffsets};
 use super::result::{Estimate, EstimatedTerm, InstrumentalEstimate, JointEstimate, Uncertain};
+use super::task::Task;
 
 /// Level of the test of least squares against instrumental variables.
 const LEVEL: f64 = 0.05;

@@ -3,7 +3,7 @@
 use super::super::error::{IdentificationError, Result};
 use super::super::estimation::{Columns, Estimate, STANDSTILL, ShareSums, SharedData, estimate_shares};
 use super::super::friction::{FrictionData, SharedFriction};
-use super::super::identify::{Identification, IdentificationSettings, JointFriction};
+use super::super::identify::{Identification, IdentificationSettings, JointFriction, unless_refused};
 use super::super::log::Recording;
 use super::super::preparation::{Filter, PreparationReport};
 use super::super::robot::Robot;
@@ -233,15 +233,7 @@ impl JointMoments<'_> {
             beyond: self.facts.beyond,
         };
         let report = settings.friction.identify_shares(&shared).map_err(|error| error.to_string());
-        let report = report.and_then(|mut report| {
-            if settings.accept_poor {
-                report.result.accept();
-            }
-            match report.result.refusal.clone() {
-                Some(reason) => Err(reason),
-                None => Ok(report),
-            }
-        });
+        let report = report.and_then(|report| unless_refused(report, settings.accept_poor));
         JointFriction {
             joint: self.joint,
             name: of_joint.name.clone(),

@@ -1,0 +1,35 @@
+//! What the stages of an estimate have in common.
+
+use super::super::robot::Robot;
+use super::super::run::PreparedRun;
+use super::layout::Layout;
+use super::normal::Values;
+use super::prior::Prior;
+use super::residuals::{Forces, RunOffsets, forces};
+use super::rows::Rows;
+use super::settings::EstimationSettings;
+use super::sums::Piece;
+
+/// The robot, the data and the settings, as the stages need them.
+pub(super) struct Task<'a> {
+    pub(super) robot: &'a dyn Robot,
+    pub(super) runs: &'a [PreparedRun],
+    pub(super) settings: &'a EstimationSettings,
+    pub(super) layout: &'a Layout,
+    pub(super) prior: &'a Prior,
+    pub(super) pieces: Vec<Piece>,
+}
+
+impl Task<'_> {
+    pub(super) fn rows(&self) -> Rows<'_> {
+        self.rows_where(self.settings.gravity_compensated)
+    }
+
+    pub(super) fn rows_where(&self, gravity_compensated: bool) -> Rows<'_> {
+        Rows::new(self.robot, self.layout, gravity_compensated, self.settings.filter.as_ref())
+    }
+
+    pub(super) fn forces(&self, values: &Values, offsets: &RunOffsets) -> Forces {
+        forces(&mut self.rows(), self.layout, self.runs, values, offsets)
+    }
+}
