@@ -61,6 +61,8 @@ pub enum Function {
     Abs,
     /// −1, 0 or 1; exact in the value, derivative zero.
     Sign,
+    /// Square root; NaN of negative numbers.
+    Sqrt,
 }
 
 impl Formula {

@@ -11,6 +11,8 @@ pub enum Dimension {
     Inputs,
     /// Parameters of a regressor.
     Parameters,
+    /// Wrenches, six entries each: force, then moment.
+    Wrenches,
     /// A number that does not depend on the robot, e.g. of axes in space.
     Fixed,
 }
@@ -29,6 +31,15 @@ impl Extent {
     #[must_use]
     pub const fn new(dimension: Dimension, len: usize) -> Self {
         Self { dimension, len }
+    }
+
+    /// The length of its rows, where its entries come in rows.
+    #[must_use]
+    pub const fn row(&self) -> Option<usize> {
+        match self.dimension {
+            Dimension::Wrenches => Some(6),
+            _ => None,
+        }
     }
 
     /// A length without a name.

@@ -54,8 +54,9 @@ fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64>
             velocities.collect()
         }
         Dimension::Inputs => model.inputs().map(|_| random.either_side(0.1, 1.0)).collect(),
+        Dimension::Wrenches => (0..6 * model.wrenches.len()).map(|_| random.either_side(0.1, 1.0)).collect(),
         Dimension::Parameters | Dimension::Fixed => {
-            unreachable!("arguments belong to coordinates, velocities and inputs")
+            unreachable!("arguments belong to coordinates, velocities, inputs and wrenches")
         }
     }
 }

@@ -49,6 +49,9 @@ pub fn chain(rows: &[Row], gravity: [f64; 3]) -> Model {
         coordinates: (1..=rows.len()).collect(),
         followers: Vec::new(),
         drives: Vec::new(),
+        point_forces: Vec::new(),
+        force_inputs: Vec::new(),
+        wrenches: Vec::new(),
         frames: Vec::new(),
         options: Options::default(),
     }

@@ -223,6 +223,28 @@ fn lanes_have_the_bits_of_the_scalar_functions() {
     }
 }
 
+/// The processor's square root is correctly rounded (IEEE 754).
+#[test]
+fn square_roots_are_those_of_the_processor() {
+    let mut random = Random(11);
+    let special = [0.0, -0.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, -1.0, f64::MIN_POSITIVE, 5e-324];
+    let largest = [f64::MAX, 1.0, 2.0, 4.0, 1.0 - f64::EPSILON / 2.0, 1.0 + f64::EPSILON];
+    let any: Vec<f64> = (0..200_000).map(|_| f64::from_bits(random.bits())).collect();
+    // Squares of numbers with few digits and of the middles between two numbers, and their neighbours.
+    let squares = (0..50_000).flat_map(|_| {
+        let root = random.uniform(1.0, 2.0);
+        let middle = root * root + root * f64::EPSILON;
+        [root * root, middle, middle.next_up(), middle.next_down(), f64::from(root as f32).powi(2)]
+    });
+    let squares: Vec<f64> = squares.collect();
+    for x in special.into_iter().chain(largest).chain(any).chain(squares) {
+        let (own, reference) = (math::sqrt(x), x.sqrt());
+        assert!(own.to_bits() == reference.to_bits() || own.is_nan() && reference.is_nan(), "{x:e}: {own:e}");
+        let (x, own) = (x as f32, math::sqrt_f32(x as f32));
+        assert!(own.to_bits() == x.sqrt().to_bits() || own.is_nan() && x.sqrt().is_nan(), "{x:e}: {own:e}");
+    }
+}
+
 #[test]
 fn signed_zeros_infinities_and_saturation() {
     assert_eq!(math::sin_cos(-0.0).0.to_bits(), (-0.0_f64).to_bits());

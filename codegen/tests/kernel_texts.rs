@@ -6,7 +6,7 @@ use std::process::Command;
 use gelenk_kernels::math::Kernel;
 
 /// All but those that only others use.
-const ALL: [Kernel; 16] = [
+const ALL: [Kernel; 18] = [
     Kernel::SinCos,
     Kernel::SinCosArray,
     Kernel::SinCosF32,
@@ -23,6 +23,8 @@ const ALL: [Kernel; 16] = [
     Kernel::ExpF32,
     Kernel::Tanh,
     Kernel::TanhF32,
+    Kernel::Sqrt,
+    Kernel::SqrtF32,
 ];
 
 fn text(kernel: Kernel) -> String {

@@ -119,7 +119,7 @@ where
         warm_up,
         hold_periods: 1000,
         following_error: [10.0; N],
-        input_limit: [1e6; M],
+        input_limits: [[-1e6, 1e6]; M],
         ..LoopSettings::for_robot(RATE, &model)
     };
     let start = motion.sample(0.0).positions;

@@ -165,7 +165,7 @@ fn excitation(short: bool) -> Outcome<FourierMotion> {
 /// What encoders and torque sensors would record of the published arm along the excitation.
 fn simulated_log(folder: &Path, short: bool) -> Outcome<PathBuf> {
     let motion = excitation(short)?;
-    let gear = PowerCube.input_matrix()[0][0];
+    let gear = PowerCube.input_matrix(&[0.0; 2])[0][0];
     let mut random = SplitMix64::new(1);
     let mut text = String::from("t [s],q1 [rad],q2 [rad],u1 [N*m],u2 [N*m]\n");
     for i in 0..SAMPLES {

@@ -46,8 +46,11 @@ fn run() -> Outcome<()> {
     let period = settings.period();
     let controller = FeedForwardPd::new(law.clone(), motion, period.as_secs_f64(), 0.01)?;
 
-    let options =
-        PlantOptions { encoder_resolution: [1e-4; 2], input_limit: [0.5; 2], ..PlantOptions::default() };
+    let options = PlantOptions {
+        encoder_resolution: [1e-4; 2],
+        input_limits: [[-0.5, 0.5]; 2],
+        ..PlantOptions::default()
+    };
     let mut plant = Plant::new(PowerCube, options)?;
     plant.reset(start, [0.0; 2])?;
     let robot = InProcess::new(plant, MonotonicClock, period);

@@ -50,8 +50,11 @@ fn run() -> Outcome<()> {
     if std::env::var_os("GELENK_EXAMPLE_SHORT").is_some() {
         arguments.idle = 0.2;
     }
-    let options =
-        PlantOptions { encoder_resolution: [1e-4; 2], input_limit: [0.5; 2], ..PlantOptions::default() };
+    let options = PlantOptions {
+        encoder_resolution: [1e-4; 2],
+        input_limits: [[-0.5, 0.5]; 2],
+        ..PlantOptions::default()
+    };
     let mut plant = Plant::new(PowerCube, options)?;
     plant.reset(arguments.start, [0.0; 2])?;
     let mut server = PlantServer::bind(plant, ("127.0.0.1", arguments.port), arguments.server)?;

@@ -63,7 +63,7 @@ fn run(
     controller: &mut impl Controller<2, 2>,
 ) -> Outcome<Run> {
     let (reference_name, reference) = reference;
-    let options = PlantOptions { input_limit: [PEAK; 2], ..PlantOptions::default() };
+    let options = PlantOptions { input_limits: [[-PEAK, PEAK]; 2], ..PlantOptions::default() };
     let mut plant = Plant::new(PowerCube, options)?;
     let start = reference.sample(0.0);
     plant.reset(start.positions, start.velocities)?;

@@ -10,12 +10,9 @@
 //! not feasible for the passive coordinates.
 
 use crate::dynamics::{Dynamics, Named};
+use crate::pseudo_inverse::pseudo_inverse;
 use crate::trajectory::{MAX_SAMPLES, Sample, Trajectory, whole_periods};
-use nalgebra::DMatrix;
 use thiserror::Error;
-
-/// Singular values of B below this part of the largest count as zero.
-const RANK_TOLERANCE: f64 = 1e-12;
 
 /// Inputs for a state, and what they cannot make.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,20 +86,27 @@ pub enum FeedForwardError {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeedForward<D, const N: usize, const M: usize> {
     model: D,
+    /// B and B⁺, where B is constant: all inputs are drives.
+    constant: Option<Inverted<N, M>>,
+}
+
+/// B with its pseudo-inverse B⁺.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Inverted<const N: usize, const M: usize> {
     input_matrix: [[f64; M]; N],
-    /// B⁺.
     inverse: [[f64; N]; M],
 }
 
 impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
-    /// Inverts the input matrix of `model`, once: it is constant.
+    /// Inverts the input matrix of `model`: once where it is constant, else at each call, without allocation.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`].
+    /// [`FeedForwardError::InputMatrix`], judged at `y = 0` where B depends on y.
     pub fn new(model: D) -> Result<Self, FeedForwardError> {
-        let input_matrix = model.input_matrix();
+        let input_matrix = model.input_matrix(&[0.0; N]);
         let inverse = pseudo_inverse(&input_matrix).ok_or(FeedForwardError::InputMatrix)?;
-        Ok(Self { model, input_matrix, inverse })
+        let constant = (model.drives() == M).then_some(Inverted { input_matrix, inverse });
+        Ok(Self { model, constant })
     }
 
     /// The model.
@@ -116,7 +120,9 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
     /// # Errors
     /// [`FeedForwardError::InputMatrix`]; the model then stays.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
-        if model.input_matrix() == self.input_matrix {
+        let is_same =
+            |known: Inverted<N, M>| model.drives() == M && model.drive_matrix() == known.input_matrix;
+        if self.constant.is_some_and(is_same) {
             self.model = model;
         } else {
             *self = Self::new(model)?;
@@ -129,24 +135,30 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
     pub fn at(&self, sample: &Sample<N>) -> FeedForwardInput<N, M> {
         let forces =
             self.model.inverse_dynamics(&sample.positions, &sample.velocities, &sample.accelerations);
-        let inputs = self.inputs_for(&forces);
-        FeedForwardInput { inputs, residual: self.residual(&forces, &inputs) }
+        let inverted = self.inverted(&sample.positions);
+        let inputs = inverted.inputs(&forces);
+        FeedForwardInput { inputs, residual: inverted.missed(&forces, &inputs) }
     }
 
-    /// B⁺ f: inputs that make generalized forces f [N m or N], or come closest to them.
+    /// B(y)⁺ f: inputs that make generalized forces f [N m or N] at positions y, or come closest to them; NaN
+    /// where B is not finite, or zero.
     #[must_use]
-    pub fn inputs_for(&self, forces: &[f64; N]) -> [f64; M] {
-        self.inverse.map(|row| product(&row, forces))
+    pub fn inputs_for(&self, positions: &[f64; N], forces: &[f64; N]) -> [f64; M] {
+        self.inverted(positions).inputs(forces)
     }
 
-    /// The part of generalized forces f that no inputs can make: `f − B B⁺ f` [N m or N].
+    /// The part of generalized forces f that no inputs can make at positions y: `f − B B⁺ f` [N m or N].
     #[must_use]
-    pub fn missed(&self, forces: &[f64; N]) -> [f64; N] {
-        self.residual(forces, &self.inputs_for(forces))
+    pub fn missed(&self, positions: &[f64; N], forces: &[f64; N]) -> [f64; N] {
+        let inverted = self.inverted(positions);
+        inverted.missed(forces, &inverted.inputs(forces))
     }
 
-    fn residual(&self, forces: &[f64; N], inputs: &[f64; M]) -> [f64; N] {
-        core::array::from_fn(|i| forces[i] - product(&self.input_matrix[i], inputs))
+    fn inverted(&self, positions: &[f64; N]) -> Inverted<N, M> {
+        self.constant.unwrap_or_else(|| {
+            let input_matrix = self.model.input_matrix(positions);
+            Inverted { input_matrix, inverse: pseudo_inverse(&input_matrix).unwrap_or([[f64::NAN; N]; M]) }
+        })
     }
 
     /// Inputs at times 0, `period`, 2 `period`, … up to the end of `trajectory`, to be held over the period
@@ -203,32 +215,12 @@ fn product<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// None for matrices that are empty, zero or not finite.
-fn pseudo_inverse<const N: usize, const M: usize>(matrix: &[[f64; M]; N]) -> Option<[[f64; N]; M]> {
-    // A robot without drives has no singular values either.
-    if N * M == 0 || !matrix.iter().flatten().all(|x| x.is_finite()) {
-        return None;
+impl<const N: usize, const M: usize> Inverted<N, M> {
+    fn inputs(&self, forces: &[f64; N]) -> [f64; M] {
+        self.inverse.map(|row| product(&row, forces))
     }
-    let svd = DMatrix::from_fn(N, M, |i, j| matrix[i][j]).svd(true, true);
-    let largest = svd.singular_values.iter().copied().fold(0.0, f64::max);
-    if largest == 0.0 {
-        return None;
-    }
-    let inverse = svd.pseudo_inverse(RANK_TOLERANCE * largest).ok()?;
-    Some(core::array::from_fn(|j| core::array::from_fn(|i| inverse[(j, i)])))
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn robots_without_drives_have_no_feed_forward() {
-        assert_eq!(pseudo_inverse::<2, 0>(&[[], []]), None);
-        assert_eq!(pseudo_inverse::<0, 2>(&[]), None);
-        assert_eq!(pseudo_inverse(&[[0.0, 0.0]]), None);
-        assert_eq!(pseudo_inverse(&[[f64::NAN]]), None);
-        let inverse = pseudo_inverse(&[[0.0, 4.0]]).unwrap();
-        assert!(inverse[0][0].abs() < 1e-15 && (inverse[1][0] - 0.25).abs() < 1e-15);
+    fn missed(&self, forces: &[f64; N], inputs: &[f64; M]) -> [f64; N] {
+        core::array::from_fn(|i| forces[i] - product(&self.input_matrix[i], inputs))
     }
 }

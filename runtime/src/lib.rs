@@ -104,6 +104,7 @@ pub mod lanes;
 pub mod lqr;
 pub mod mpc;
 pub mod plant;
+mod pseudo_inverse;
 pub mod qp;
 pub mod trajectory;
 pub mod transport;

@@ -87,7 +87,7 @@ fn the_law_is_its_equation() {
     let (y, v) = ([0.15, 0.3], [0.5, 0.1]);
     let inputs = law.inputs(&desired, &y, &v).unwrap();
     let (mass, coriolis) = (PowerCube.mass_matrix(&y), PowerCube.coriolis_forces(&y, &v));
-    let (applied, gears) = (PowerCube.applied_forces(&y, &v), PowerCube.input_matrix());
+    let (applied, gears) = (PowerCube.applied_forces(&y, &v), PowerCube.input_matrix(&y));
     let a = [1.0 + 11.0 * (0.4 - 0.5) + 90.0 * (0.2 - 0.15), 2.0 + 7.0 * (-0.3 - 0.1) + 40.0 * (0.1 - 0.3)];
     for i in 0..2 {
         let forces = mass[i][0] * a[0] + mass[i][1] * a[1] + coriolis[i] - applied[i];

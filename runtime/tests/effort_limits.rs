@@ -19,7 +19,7 @@ const EFFORTS: [f64; 6] = [150.0, 150.0, 150.0, 28.0, 28.0, 28.0];
 
 #[test]
 fn efforts_without_motors_bound_the_inputs() {
-    assert_eq!(LoopSettings::for_robot(200.0, &Ur5).input_limit, EFFORTS);
+    assert_eq!(LoopSettings::for_robot(200.0, &Ur5).input_limits, EFFORTS.map(|effort| [-effort, effort]));
     let options = MpcOptions::new(&Ur5, 0.01, 10);
     assert_eq!(options.input_limits, EFFORTS.map(|u| [-u, u]));
     assert_eq!(options.input_weight, EFFORTS.map(|u| 1e-3 / (u * u)));
@@ -28,7 +28,7 @@ fn efforts_without_motors_bound_the_inputs() {
 /// 80.5 N m behind gears of 161, and 0.5 N m of the motor: the peak, not the nominal 44.8 N m.
 #[test]
 fn peaks_of_motor_and_joint_that_agree_are_the_bound() {
-    assert_eq!(LoopSettings::for_robot(50.0, &PowerCube).input_limit, [0.5; 2]);
+    assert_eq!(LoopSettings::for_robot(50.0, &PowerCube).input_limits, [[-0.5, 0.5]; 2]);
 }
 
 /// Asks for more than any joint bears.

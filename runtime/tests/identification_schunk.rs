@@ -59,7 +59,7 @@ impl Dynamics<6, 6> for Recorded<'_> {
     fn friction_torques(&self, _: &[f64; 6], v: &[f64; 6]) -> [f64; 6] {
         std::array::from_fn(|i| (self.friction)(i, v[i]))
     }
-    fn input_matrix(&self) -> [[f64; 6]; 6] {
+    fn input_matrix(&self, _: &[f64; 6]) -> [[f64; 6]; 6] {
         std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))))
     }
 }

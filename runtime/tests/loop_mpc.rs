@@ -158,10 +158,10 @@ fn late_readings_are_survived() {
 fn saturated_inputs_are_survived() {
     for kind in BOTH {
         for (drives, of_loop) in [(0.33, 0.5), (0.5, 0.33)] {
-            let weak = PlantOptions { input_limit: [drives; 2], ..plant_options() };
+            let weak = PlantOptions { input_limits: [[-drives, drives]; 2], ..plant_options() };
             let mut robot = Watched::new(RATE, plant_at(START, weak));
             let settings = LoopSettings {
-                input_limit: [of_loop; 2],
+                input_limits: [[-of_loop, of_loop]; 2],
                 following_error: [0.3; 2],
                 settling_time: 1.0,
                 ..settings(RATE)

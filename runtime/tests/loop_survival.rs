@@ -228,7 +228,10 @@ fn an_infeasible_start_is_refused_with_brakes_engaged() {
     assert!(matches!(end, End::Refused(Refusal::Limit(LimitFault::Position { joint: 0, .. }))), "{end}");
     let end = start([-0.6, 0.3], settings(RATE));
     assert!(matches!(end, End::Refused(Refusal::Start { joint: 1, .. })), "{end}");
-    let end = start([f64::from(-0.6_f32), 0.4], LoopSettings { input_limit: [0.05, 0.5], ..settings(RATE) });
+    let end = start(
+        [f64::from(-0.6_f32), 0.4],
+        LoopSettings { input_limits: [[-0.05, 0.05], [-0.5, 0.5]], ..settings(RATE) },
+    );
     assert!(matches!(end, End::Refused(Refusal::Torque { input: 0, .. })), "{end}");
 }
 

@@ -370,7 +370,7 @@ fn a_robot_that_breaks_down_stops_the_loop() {
     let serving = std::thread::spawn(move || server.serve(Duration::from_secs(1)));
     let mut link = connect(address);
     // Limits that do not stop it before.
-    let settings = LoopSettings { input_limit: [f64::INFINITY; 2], ..settings(RATE) };
+    let settings = LoopSettings { input_limits: [[f64::NEG_INFINITY, f64::INFINITY]; 2], ..settings(RATE) };
     let mut control =
         ControlLoop::new(settings, law(), motion(), Wild(pd(RATE)), &mut link, VirtualClock::new()).unwrap();
     let report = control.run();

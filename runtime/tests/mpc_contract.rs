@@ -350,8 +350,8 @@ impl Dynamics<2, 2> for LightWrist {
             velocity: [2.0; 2],
             effort: [f64::INFINITY; 2],
             peak_effort: [f64::INFINITY; 2],
-            input: [1e6; 2],
-            peak_input: [1e6; 2],
+            input: [[-1e6, 1e6]; 2],
+            peak_input: [[-1e6, 1e6]; 2],
         }
     }
     fn mass_matrix(&self, _: &[f64; 2]) -> [[f64; 2]; 2] {
@@ -369,7 +369,7 @@ impl Dynamics<2, 2> for LightWrist {
     fn friction_torques(&self, _: &[f64; 2], v: &[f64; 2]) -> [f64; 2] {
         [self.viscous[0] * v[0], self.viscous[1] * v[1]]
     }
-    fn input_matrix(&self) -> [[f64; 2]; 2] {
+    fn input_matrix(&self, _: &[f64; 2]) -> [[f64; 2]; 2] {
         diagonal([1.0; 2])
     }
 }

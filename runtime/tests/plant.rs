@@ -25,8 +25,8 @@ impl Dynamics<1, 1> for Slider {
             velocity: [f64::INFINITY],
             effort: [5.0],
             peak_effort: [10.0],
-            input: [5.0],
-            peak_input: [10.0],
+            input: [[-5.0, 5.0]],
+            peak_input: [[-10.0, 10.0]],
         }
     }
     fn mass_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {
@@ -45,7 +45,7 @@ impl Dynamics<1, 1> for Slider {
         let sign = if v[0] == 0.0 { 0.0 } else { v[0].signum() };
         [self.viscous * v[0] + self.coulomb * (1.0 + self.tightening * y[0]) * sign]
     }
-    fn input_matrix(&self) -> [[f64; 1]; 1] {
+    fn input_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {
         [[1.0]]
     }
 }
@@ -74,8 +74,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Dynamics<N, M> for Frict
     fn friction_torques(&self, _: &[f64; N], _: &[f64; N]) -> [f64; N] {
         [0.0; N]
     }
-    fn input_matrix(&self) -> [[f64; M]; N] {
-        self.0.input_matrix()
+    fn input_matrix(&self, y: &[f64; N]) -> [[f64; M]; N] {
+        self.0.input_matrix(y)
     }
 }
 
@@ -216,7 +216,7 @@ impl Dynamics<1, 1> for Lift {
     fn load_friction(&self, _: &[f64; 1], v: &[f64; 1]) -> [f64; 1] {
         [if v[0] == 0.0 { 0.0 } else { LIFT[3] * v[0].signum() }]
     }
-    fn input_matrix(&self) -> [[f64; 1]; 1] {
+    fn input_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {
         [[1.0]]
     }
 }
@@ -337,7 +337,7 @@ fn encoders_round_and_inputs_are_rounded_and_limited() {
     let options = PlantOptions {
         encoder_resolution: [1e-3],
         input_resolution: [0.25],
-        input_limit: [1.1],
+        input_limits: [[-1.1, 1.1]],
         ..PlantOptions::default()
     };
     let mut plant = Plant::new(SLIDER, options).unwrap();

@@ -49,7 +49,7 @@ fn reference(t: f64) -> [Pair; 3] {
 
 /// Rms position error [rad] over ten seconds, both joints.
 fn track(feed_forward: &dyn Fn(&Pair, &Pair, &Pair) -> Pair) -> f64 {
-    let gear = Published.input_matrix()[0][0];
+    let gear = Published.drive_matrix()[0][0];
     let (mut y, mut v) = ([0.0; 2], [0.0; 2]);
     let mut squares = 0.0;
     let periods = 500;

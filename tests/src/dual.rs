@@ -46,6 +46,7 @@ fn call<T: Number>(function: Function, x: T) -> T {
         Function::Tanh => x.tanh(),
         Function::Exp => x.exp(),
         Function::Abs => x.abs(),
+        Function::Sqrt => x.sqrt(),
         Function::Sign if x.re() == 0.0 => T::from(0.0),
         Function::Sign => T::from(x.re().signum()),
     }

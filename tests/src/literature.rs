@@ -64,6 +64,9 @@ pub fn chain(rows: &[Row], gravity: [f64; 3]) -> Model {
         coordinates: (1..=rows.len()).collect(),
         followers: vec![],
         drives: Vec::new(),
+        point_forces: Vec::new(),
+        force_inputs: Vec::new(),
+        wrenches: Vec::new(),
         frames: Vec::new(),
         options: Options::default(),
     }

@@ -6,7 +6,8 @@
 
 use gelenk_codegen::formula::{Formula, Function};
 use gelenk_codegen::model::{
-    Drive, FollowedCoordinate, Frame, FrictionTerm, Joint, JointKind, Model, Motion, Pose, RotorCoupling,
+    Actuator, Attachment, Drive, FollowedCoordinate, ForceEffect, Frame, FrictionTerm, Input, Joint,
+    JointKind, Model, Motion, Pose, RotorCoupling, WrenchAxes,
 };
 use num_dual::{Dual64, DualNum, HyperDual64};
 
@@ -196,11 +197,85 @@ impl Oracle<'_> {
         (0..n * n).map(|at| entry(at / n, at % n)).collect()
     }
 
-    /// Forces of springs and dampers.
+    /// Forces of springs and dampers: of joints, and between frames.
     pub fn spring_forces(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
-        self.joint_forces(y, v, |joint, y, v| {
+        let mut forces = self.joint_forces(y, v, |joint, y, v| {
             joint.springs.iter().map(|law| value(law, self.parameters, y, v)).sum()
-        })
+        });
+        for force in &self.model.point_forces {
+            let (length, slope) = self.distance(&force.between, y);
+            let rate: f64 = slope.iter().zip(v).map(|(slope, v)| slope * v).sum();
+            let pull = value(&force.law, self.parameters, length, rate);
+            for (force, slope) in forces.iter_mut().zip(&slope) {
+                *force -= pull * slope;
+            }
+        }
+        forces
+    }
+
+    /// Distance of two frames' origins, and its derivatives by y.
+    fn distance(&self, between: &[Attachment; 2], y: &[f64]) -> (f64, Vec<f64>) {
+        let by = |j: usize| {
+            let [a, b] = between.each_ref().map(|at| self.attached(at.link, &at.pose, &seeded(y, j)).0);
+            let across = subtract(&b, &a);
+            dot(&across, &across).sqrt()
+        };
+        let distances: Vec<Dual64> = (0..y.len()).map(by).collect();
+        (distances[0].re, distances.iter().map(|distance| distance.eps).collect())
+    }
+
+    /// B by columns: what the power of a unit of each input is for a unit of each velocity.
+    pub fn input_columns(&self, y: &[f64]) -> Vec<Vec<f64>> {
+        let column = |input: Actuator<'_>| match input {
+            Actuator::Drive(drive) => {
+                let constant = match &drive.input {
+                    Input::Torque => 1.0,
+                    Input::Current(constant) => self.number(constant),
+                };
+                let mut column = vec![0.0; y.len()];
+                for term in &drive.acts_on {
+                    column[term.coordinate] +=
+                        self.number(&drive.gear_ratio) * self.number(&term.ratio) * constant;
+                }
+                column
+            }
+            Actuator::Force(force) => match &force.effect {
+                ForceEffect::Pull(between) => {
+                    self.distance(between, y).1.iter().map(|slope| -slope).collect()
+                }
+                ForceEffect::Wrench { at, wrench } => {
+                    let wrench = wrench.each_ref().map(|entry| self.number(entry));
+                    self.wrench_forces_at(at, WrenchAxes::Frame, &wrench, y)
+                }
+            },
+        };
+        self.model.inputs().map(column).collect()
+    }
+
+    /// Forces of the wrenches, six entries each.
+    pub fn wrench_forces(&self, y: &[f64], w: &[f64]) -> Vec<f64> {
+        let mut forces = vec![0.0; y.len()];
+        for (described, w) in self.model.wrenches.iter().zip(w.chunks(6)) {
+            let w: [f64; 6] = w.try_into().expect("six entries");
+            let own = self.wrench_forces_at(&described.at, described.axes, &w, y);
+            forces.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        }
+        forces
+    }
+
+    fn wrench_forces_at(&self, at: &Attachment, axes: WrenchAxes, w: &[f64; 6], y: &[f64]) -> Vec<f64> {
+        let (_, rotation) = self.attached(at.link, &at.pose, y);
+        let in_base = |part: [f64; 3]| match axes {
+            WrenchAxes::Frame => times(&rotation, &part),
+            WrenchAxes::Base => part,
+        };
+        let (force, moment) = (in_base([w[0], w[1], w[2]]), in_base([w[3], w[4], w[5]]));
+        let wrench = stacked(force, moment);
+        let work = |j: usize| {
+            let column = self.column_of(at.link, &at.pose, y, j);
+            column.iter().zip(&wrench).map(|(column, wrench)| column * wrench).sum()
+        };
+        (0..y.len()).map(work).collect()
     }
 
     /// `τ = Σ coefficient · basis`
@@ -236,15 +311,23 @@ impl Oracle<'_> {
 
     /// Origin and rotation of a named frame.
     pub fn frame<T: Number>(&self, frame: &Frame, y: &[T]) -> (Vector<T>, Matrix<T>) {
+        self.attached(frame.link, &frame.pose, y)
+    }
+
+    fn attached<T: Number>(&self, link: usize, pose: &Pose, y: &[T]) -> (Vector<T>, Matrix<T>) {
         let still = vec![T::from(0.0); y.len()];
-        let link = self.links(y, &still)[frame.link];
-        let (arm, rotation) = self.placed(&link, &frame.pose);
+        let link = self.links(y, &still)[link];
+        let (arm, rotation) = self.placed(&link, pose);
         (add(&link.origin, &arm), rotation)
     }
 
     /// Column `j` of a frame's Jacobian: `∂p/∂y`, then the vector of `∂R/∂y Rᵀ`.
     pub fn jacobian_column(&self, frame: &Frame, y: &[f64], j: usize) -> [f64; 6] {
-        let (origin, rotation) = self.frame(frame, &seeded(y, j));
+        self.column_of(frame.link, &frame.pose, y, j)
+    }
+
+    fn column_of(&self, link: usize, pose: &Pose, y: &[f64], j: usize) -> [f64; 6] {
+        let (origin, rotation) = self.attached(link, pose, &seeded(y, j));
         let rate = rotation.map(|row| row.map(|x| x.eps));
         let turned = product(&rate, &transposed(&rotation.map(|row| row.map(|x| x.re))));
         stacked(origin.map(|x| x.eps), axial(&turned))
@@ -283,6 +366,7 @@ pub fn value(formula: &Formula, parameters: &[f64], y: f64, v: f64) -> f64 {
                 Function::Tanh => x.tanh(),
                 Function::Exp => x.exp(),
                 Function::Abs => x.abs(),
+                Function::Sqrt => x.sqrt(),
                 Function::Sign if x == 0.0 => 0.0,
                 Function::Sign => x.signum(),
             }

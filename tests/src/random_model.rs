@@ -5,8 +5,9 @@ use std::f64::consts::PI;
 use fastrand::Rng;
 use gelenk_codegen::formula::{Formula, Function};
 use gelenk_codegen::model::{
-    Body, Drive, FollowedCoordinate, Follower, Frame, FrictionTerm, Input, Joint, JointKind, Limits, Link,
-    Model, Motion, MotorTorque, Options, Parameter, Pose, RotorCoupling,
+    Attachment, Body, Drive, FollowedCoordinate, Follower, ForceEffect, ForceInput, Frame, FrictionTerm,
+    Input, Joint, JointKind, Limits, Link, Model, Motion, MotorTorque, Options, Parameter, PointForce, Pose,
+    RotorCoupling, Wrench, WrenchAxes,
 };
 use nalgebra::DMatrix;
 
@@ -61,6 +62,82 @@ pub fn random_coupled_model(seed: u64, longest: usize) -> Model {
     };
     couple(&mut rng, &mut model);
     made_regular(rng, model)
+}
+
+/// As [`random_model`] or [`random_coupled_model`], with forces between frames, inputs at frames and wrenches.
+pub fn random_model_with_frame_forces(seed: u64, longest: usize) -> Model {
+    let mut model = match seed % 3 {
+        0 => random_coupled_model(seed, longest),
+        _ => random_model(seed, longest),
+    };
+    let mut rng = Rng::with_seed(seed ^ 0xf0c5);
+    for index in 0..rng.usize(1..=3) {
+        let between = separated(&mut rng, &model);
+        let law = pull(&mut rng, !model.parameters.is_empty());
+        model.point_forces.push(PointForce { name: format!("spring {index}"), between, law });
+    }
+    for index in 0..rng.usize(1..=3) {
+        let effect = match rng.bool() {
+            true => ForceEffect::Pull(separated(&mut rng, &model)),
+            false => {
+                let wrench = [0; 6].map(|_| number(if rng.bool() { within(&mut rng, 1.0) } else { 0.0 }));
+                ForceEffect::Wrench { at: moving(&mut rng, &model), wrench }
+            }
+        };
+        model.force_inputs.push(ForceInput { name: format!("input {index}"), limits: None, effect });
+    }
+    for index in 0..rng.usize(1..=2) {
+        let axes = if rng.bool() { WrenchAxes::Frame } else { WrenchAxes::Base };
+        model.wrenches.push(Wrench { name: format!("wrench {index}"), at: moving(&mut rng, &model), axes });
+    }
+    model
+}
+
+fn attachment(rng: &mut Rng, model: &Model) -> Attachment {
+    let link = rng.usize(0..model.links.len());
+    let translation = direction(rng).map(|x| number(0.3 + x));
+    Attachment { name: format!("on {link}"), link, pose: Pose { translation, rotation: rotation(rng) } }
+}
+
+/// The first link on the way to the base whose own joint moves; the base for what does not move.
+fn carrier(model: &Model, mut link: usize) -> usize {
+    while let Some(joint) = &model.links[link].joint {
+        if moves(&model.links[link]) {
+            break;
+        }
+        link = joint.parent;
+    }
+    link
+}
+
+fn moving(rng: &mut Rng, model: &Model) -> Attachment {
+    loop {
+        let at = attachment(rng, model);
+        if carrier(model, at.link) != 0 {
+            return at;
+        }
+    }
+}
+
+/// Two frames that move relative to each other.
+fn separated(rng: &mut Rng, model: &Model) -> [Attachment; 2] {
+    loop {
+        let between = [attachment(rng, model), attachment(rng, model)];
+        if carrier(model, between[0].link) != carrier(model, between[1].link) {
+            return between;
+        }
+    }
+}
+
+/// A spring with a damper, or a smooth law.
+fn pull(rng: &mut Rng, free: bool) -> Formula {
+    let stretch = Formula::Subtract(Box::new(Formula::Position), Box::new(number(rng.f64())));
+    let stiffness = number(30.0 * rng.f64());
+    let stiffness = if free { product(Formula::Parameter(0), stiffness) } else { stiffness };
+    let spring = product(stiffness, if rng.bool() { stretch } else { Formula::Power(Box::new(stretch), 3) });
+    let damper = Formula::Call(Function::Tanh, Box::new(product(number(3.0), Formula::Velocity)));
+    let damper = if rng.bool() { damper } else { Formula::Velocity };
+    Formula::sum(spring, product(number(2.0 * rng.f64()), damper))
 }
 
 /// Makes about a third of the coordinates followers, and lets drives act on several.
@@ -223,6 +300,9 @@ fn tree(rng: &mut Rng, longest: usize) -> Model {
         followers: vec![],
         links,
         drives,
+        point_forces: vec![],
+        force_inputs: vec![],
+        wrenches: vec![],
         options: Options::default(),
     }
 }

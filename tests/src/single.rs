@@ -65,6 +65,7 @@ impl Arithmetic for Plain {
             Function::Abs => x.abs(),
             Function::Sign if x == 0.0 => 0.0,
             Function::Sign => x.signum(),
+            Function::Sqrt => math::sqrt_f32(x),
         }
     }
 }
@@ -119,6 +120,12 @@ impl Arithmetic for Bounded {
             Function::Tanh => Self::rounded(x.tanh(), a.error, LIBRARY),
             Function::Exp => Self::rounded(x.exp(), x.exp() * a.error.exp_m1(), LIBRARY),
             Function::Abs => Self { value: x.abs(), error: a.error },
+            // The slope is largest at the lower end.
+            Function::Sqrt => {
+                let low = x - a.error;
+                let error = if low > 0.0 { 0.5 * a.error / low.sqrt() } else { f64::INFINITY };
+                Self::rounded(x.sqrt(), error, 1.0)
+            }
             Function::Sign => Self {
                 value: if x == 0.0 { 0.0 } else { x.signum() },
                 error: if a.error < x.abs() || a.error == 0.0 { 0.0 } else { 2.0 },

@@ -9,12 +9,13 @@ use std::sync::LazyLock;
 use fastrand::Rng;
 use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::functions::function::Function;
-use gelenk_codegen::model::{Input, Model};
+use gelenk_codegen::model::Model;
 use gelenk_tests::Robot;
 use gelenk_tests::dual::evaluate;
-use gelenk_tests::oracle::{Oracle, value};
+use gelenk_tests::oracle::Oracle;
 use gelenk_tests::random_model::{
-    Sample, condition_of, random_coupled_model, random_model, random_model_with_near_rotors, random_sample,
+    Sample, condition_of, random_coupled_model, random_model, random_model_with_frame_forces,
+    random_model_with_near_rotors, random_sample,
 };
 use num_dual::{Dual64, HyperDual64};
 
@@ -22,10 +23,13 @@ use num_dual::{Dual64, HyperDual64};
 const TOLERANCE: f64 = 1e-12;
 
 /// Robots of each test; every seed is another robot.
-const SEEDS: std::ops::Range<u64> = 0..60;
+const SEEDS: std::ops::Range<u64> = 0..45;
 
 /// Robots with joints that follow others.
 const COUPLED_SEEDS: std::ops::Range<u64> = 1000..1015;
+
+/// Robots with forces, inputs and wrenches at frames.
+const FORCE_SEEDS: std::ops::Range<u64> = 2000..2015;
 
 /// Largest number of coordinates.
 const LONGEST: usize = 12;
@@ -66,7 +70,7 @@ impl Scales {
         let coriolis = largest(&oracle.inertial_forces(&state.y, &state.v, &still));
         let springs = largest(&oracle.spring_forces(&state.y, &state.v));
         let friction = largest(&oracle.friction_torques(&state.y, &state.v));
-        let inputs = largest(&joint_forces(oracle, &state.u));
+        let inputs = largest(&joint_forces(oracle, &state.y, &state.u));
         Self {
             mass,
             inertial: mass * sum(&state.a),
@@ -82,19 +86,9 @@ impl Scales {
 }
 
 /// `B u`
-fn joint_forces(oracle: &Oracle, u: &[f64]) -> Vec<f64> {
-    let number = |formula| value(formula, oracle.parameters, 0.0, 0.0);
-    let mut forces = vec![0.0; oracle.model.coordinates.len()];
-    for (drive, u) in oracle.model.inputs().zip(u) {
-        let constant = match &drive.input {
-            Input::Torque => 1.0,
-            Input::Current(constant) => number(constant),
-        };
-        for term in &drive.acts_on {
-            forces[term.coordinate] += number(&drive.gear_ratio) * number(&term.ratio) * constant * u;
-        }
-    }
-    forces
+fn joint_forces(oracle: &Oracle, y: &[f64], u: &[f64]) -> Vec<f64> {
+    let columns = oracle.input_columns(y);
+    (0..y.len()).map(|i| columns.iter().zip(u).map(|(column, u)| column[i] * u).sum()).collect()
 }
 
 impl Case<'_> {
@@ -104,6 +98,14 @@ impl Case<'_> {
 
     fn call(&self, name: &str, inputs: &[&[f64]]) -> Vec<f64> {
         self.call_all(name, inputs).swap_remove(0)
+    }
+
+    /// B, rows first.
+    fn input_matrix(&self) -> Vec<f64> {
+        match self.oracle.model.inputs_depend_on_position() {
+            true => self.call("input_matrix", &[&self.state.y]),
+            false => self.call("input_matrix", &[]),
+        }
     }
 
     /// Friction torques at the state.
@@ -158,6 +160,16 @@ const FUNCTIONS: [&str; 17] = [
     "linearize",
 ];
 
+/// What robots with wrenches have besides.
+const WITH_WRENCHES: [&str; 6] = [
+    "wrench_forces",
+    "wrench_forces_derivatives",
+    "inverse_dynamics_with_wrenches",
+    "forward_dynamics_with_wrenches",
+    "inverse_dynamics_derivatives_with_wrenches",
+    "forward_dynamics_derivatives_with_wrenches",
+];
+
 /// All random robots with their seeds, derived once for all tests.
 static ROBOTS: LazyLock<Vec<(u64, Robot)>> = LazyLock::new(|| {
     let selection = [&FUNCTIONS[..], &["frames"]].concat();
@@ -173,7 +185,11 @@ static ROBOTS: LazyLock<Vec<(u64, Robot)>> = LazyLock::new(|| {
     for name in ["inverse_dynamics_derivatives", "linearize"] {
         assert!(robots.iter().filter(has_loops(name)).count() > robots.len() / 3, "{name}");
     }
-    robots.into_iter().chain(coupled).collect()
+    let with_wrenches = [&selection[..], &WITH_WRENCHES].concat();
+    let with_forces =
+        |seed| Robot::in_form(random_model_with_frame_forces(seed, LONGEST), &with_wrenches, Form::Cheapest);
+    let with_forces: Vec<(u64, Robot)> = FORCE_SEEDS.map(|seed| (seed, with_forces(seed))).collect();
+    robots.into_iter().chain(coupled).chain(with_forces).collect()
 });
 
 /// Runs a check on all random robots, in several states.
@@ -299,16 +315,17 @@ fn equations_of_motion_are_their_parts() {
 fn forward_dynamics_inverts_inverse_dynamics() {
     on_all(|case| {
         let Sample { y, v, a, u, .. } = case.state;
-        let input_matrix = case.call("input_matrix", &[]);
+        let input_matrix = case.input_matrix();
         let inputs = if u.is_empty() { vec![0.0; y.len()] } else { times(&input_matrix, u) };
         let size = case.scales.forces();
-        case.close("B u", &inputs, &joint_forces(&case.oracle, u), size);
+        case.close("B u", &inputs, &joint_forces(&case.oracle, y, u), size);
         let accelerations = case.call("forward_dynamics", &[y, v, u]);
         let forces = case.call("inverse_dynamics", &[y, v, &accelerations]);
         let largest = accelerations.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let residual = size + case.scales.mass * largest * y.len() as f64;
         case.close("M ÿ + k − q − B u", &forces, &inputs, residual);
-        if u.len() == y.len() && !case.oracle.model.is_coupled() {
+        if u.len() == y.len() && !case.oracle.model.is_coupled() && case.oracle.model.force_inputs.is_empty()
+        {
             // Every coordinate is driven, B is diagonal up to the order of the drives.
             let forces = case.call("inverse_dynamics", &[y, v, a]);
             let column = |j: usize| (0..y.len()).find(|i| input_matrix[i * u.len() + j] != 0.0);
@@ -336,7 +353,7 @@ fn power_balance() {
         let potential = case.rate("potential_energy", &[&y_path])[0];
         let springs = case.call("spring_forces", &[y, v]);
         let friction = case.friction();
-        let forces = plus(&joint_forces(&case.oracle, u), &minus(&springs, &friction));
+        let forces = plus(&joint_forces(&case.oracle, y, u), &minus(&springs, &friction));
         let speed: f64 = v.iter().map(|v| v.abs()).sum();
         let inertial = accelerations.iter().map(|a| a.abs()).sum::<f64>() * case.scales.mass;
         let size = speed * (case.scales.forces() + inertial);
@@ -496,4 +513,59 @@ fn derivatives_of_forward_dynamics_are_its_slopes() {
         }
         case.close("A x + B u + c", &model, &accelerations, scale);
     });
+}
+
+/// The functions with wrenches, against `Jᵀ w` with the Jacobian of the frames by dual numbers, and against the
+/// functions without them.
+#[test]
+fn wrenches_act_by_the_jacobians_of_their_frames() {
+    let robots = ROBOTS.iter().filter(|(_, robot)| !robot.model.wrenches.is_empty());
+    let mut tried = 0;
+    for &(seed, ref robot) in robots {
+        let mut rng = Rng::with_seed(seed ^ 0x77);
+        let state = random_sample(&mut rng, &robot.model);
+        let w: Vec<f64> = (0..6 * robot.model.wrenches.len()).map(|_| 4.0 * rng.f64() - 2.0).collect();
+        let oracle = Oracle { model: &robot.model, parameters: &state.parameters };
+        let case = Case { seed, robot, state: &state, scales: Scales::of(&oracle, &state), oracle };
+        check_wrenches(&case, &w);
+        tried += 1;
+    }
+    assert!(tried >= FORCE_SEEDS.count());
+}
+
+fn check_wrenches(case: &Case, w: &[f64]) {
+    let Sample { y, v, a, u, .. } = case.state;
+    let forces = case.call("wrench_forces", &[y, w]);
+    let expected = case.oracle.wrench_forces(y, w);
+    let own = size(&expected).max(1.0);
+    case.close("Jᵀ w", &forces, &expected, own);
+    let scale = case.scales.forces() + own;
+    let slopes = case.call_all("wrench_forces_derivatives", &[y, w]);
+    let by_y = derivative(case, "wrench_forces", &[y, w], 0);
+    case.close("Jᵀ w", &slopes[0], &forces, own);
+    case.close("∂(Jᵀ w)/∂y", &slopes[1], &by_y, own + size(&by_y));
+
+    let held = case.call("inverse_dynamics_with_wrenches", &[y, v, a, w]);
+    case.close("f", &held, &minus(&case.call("inverse_dynamics", &[y, v, a]), &forces), scale);
+    let inputs: [&[f64]; 4] = [y, v, a, w];
+    let found = case.call_all("inverse_dynamics_derivatives_with_wrenches", &inputs);
+    case.close("f", &found[0], &held, scale);
+    for by in [0, 1] {
+        let slope = derivative(case, "inverse_dynamics_with_wrenches", &inputs, by);
+        case.close("∂f", &found[1 + by], &slope, scale + size(&slope));
+    }
+
+    let inputs: [&[f64]; 4] = [y, v, u, w];
+    let accelerations = case.call("forward_dynamics_with_wrenches", &inputs);
+    let made = case.call("inverse_dynamics_with_wrenches", &[y, v, &accelerations, w]);
+    let residual = scale + case.scales.mass * size(&accelerations) * y.len() as f64;
+    case.close("f − B u", &made, &joint_forces(&case.oracle, y, u), residual);
+    let found = case.call_all("forward_dynamics_derivatives_with_wrenches", &inputs);
+    let growth = condition_of(&case.oracle.mass_matrix(y));
+    let of = |matrix: &[f64]| growth * (size(matrix) + size(&accelerations));
+    case.close("ÿ", &found[0], &accelerations, of(&accelerations));
+    for by in [0, 1] {
+        let slope = derivative(case, "forward_dynamics_with_wrenches", &inputs, by);
+        case.close("∂ÿ", &found[1 + by], &slope, of(&slope));
+    }
 }

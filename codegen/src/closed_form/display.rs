@@ -325,6 +325,9 @@ impl Printer<'_> {
             Formula::Call(Function::Sign, a) if self.style == Style::Latex => {
                 format!("\\operatorname{{sign}}{}", self.bracket(&go(a)))
             }
+            Formula::Call(Function::Sqrt, a) if self.style == Style::Latex => {
+                format!("\\sqrt{{{}}}", go(a))
+            }
             Formula::Call(function, a) => self.call(function.name(), &go(a)),
         }
     }

@@ -54,7 +54,7 @@ pub const MAXIMUM_ANGLES: usize = 4;
 ///
 /// # Errors
 /// `coupled-joints` where a joint or drive follows several coordinates, or another's; `load-friction` where
-/// friction grows with the load; `too-many-joints` where more than [`MAXIMUM_JOINTS`] coordinates move,
+/// friction grows with the load; `frame-forces` where springs or inputs act at frames; `too-many-joints` where more than [`MAXIMUM_JOINTS`] coordinates move,
 /// `too-many-angles` beyond [`MAXIMUM_ANGLES`].
 pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnostics> {
     check_size(model)?;
@@ -120,6 +120,13 @@ pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
             .help("`gelenk inspect program` shows the equations with their abbreviations")
             .into());
     }
+    if !model.point_forces.is_empty() || !model.force_inputs.is_empty() {
+        let message = format!("there are no closed forms where forces act at frames, as in `{}`", model.name);
+        let problem = Diagnostic::error("frame-forces", message);
+        return Err(problem
+            .help("`gelenk inspect program` shows the equations with their abbreviations")
+            .into());
+    }
     let n = model.coordinates.len();
     if n > MAXIMUM_JOINTS {
         let message = format!(
@@ -152,7 +159,7 @@ pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
 fn coupled_joint(model: &Model) -> Option<String> {
     let joint = model.followers.first().and_then(|follower| model.links[follower.link].joint.as_ref());
     let joint = joint.map(|joint| format!("joint `{}` follows others", joint.name));
-    let drive = model.inputs().find(|drive| drive.coordinate().is_none());
+    let drive = model.input_drives().find(|drive| drive.coordinate().is_none());
     joint.or_else(|| drive.map(|drive| format!("drive `{}` acts on several", drive.name)))
 }
 
@@ -204,5 +211,5 @@ fn names_of_coordinates(model: &Model) -> Vec<String> {
 }
 
 fn names_of_inputs(model: &Model) -> Vec<String> {
-    model.inputs().map(|drive| drive.name.clone()).collect()
+    model.inputs().map(|input| input.name().to_owned()).collect()
 }

@@ -1,8 +1,10 @@
 //! The equations of motion of one robot over a graph: every quantity once, from the cheapest formulation.
 
+use super::arguments::WrenchArgument;
 use super::forces;
+use super::frame_forces::FrameForces;
 use super::load_friction;
-use super::matrix::{FREE, Matrix, dot, subtract};
+use super::matrix::{FREE, Matrix, dot, subtract, sum};
 use super::parameters::regressor;
 use super::recursion::composite;
 use super::recursion::derivatives::ForceDerivatives;
@@ -117,9 +119,38 @@ impl<'g> Equations<'_, 'g> {
         self.bias_by(self.formulations.bias_forces(), y, v)
     }
 
-    /// Springs' and dampers' share of q.
+    /// Springs' and dampers' share of q: those of joints and those between frames.
     pub fn spring_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
-        forces::spring_forces(self.graph, self.model, y, v)
+        let at_joints = forces::spring_forces(self.graph, self.model, y, v);
+        if self.model.point_forces.is_empty() {
+            return at_joints;
+        }
+        let between_frames = self.frame_forces(y).law_forces(v);
+        at_joints.into_iter().zip(between_frames).map(|(a, b)| a + b).collect()
+    }
+
+    fn frame_forces<'y>(&'y self, y: &'y [Scalar<'g>]) -> FrameForces<'y, 'g> {
+        FrameForces::new(self.model, self.mechanism(), y)
+    }
+
+    /// B(y), rows first.
+    ///
+    /// - `y`: may be empty where B is constant
+    pub fn input_matrix(&self, y: &[Scalar<'g>]) -> Matrix<'g> {
+        let mut matrix = forces::drive_matrix(self.graph, self.model);
+        if self.model.inputs_depend_on_position() {
+            for column in self.frame_forces(y).input_columns() {
+                for (row, entry) in matrix.iter_mut().zip(column) {
+                    row.push(entry);
+                }
+            }
+        }
+        matrix
+    }
+
+    /// Generalized forces of the wrenches.
+    pub fn wrench_forces(&self, y: &[Scalar<'g>], w: &[WrenchArgument<'g>]) -> Vec<Scalar<'g>> {
+        self.frame_forces(y).wrench_forces(w)
     }
 
     /// τ(ẏ), or τ(y, ẏ) where a law depends on the position; `y` may be empty where none does.
@@ -198,8 +229,8 @@ impl<'g> Equations<'_, 'g> {
             derivatives.derive(self.graph, self.formulations.mechanism(), inverse_dynamics, input);
         let joint = joint_forces();
         for (row, &force) in joint.iter().enumerate() {
-            // What acts on single joints has diagonal derivatives, unless joints follow several coordinates.
-            let columns = if self.model.followers.is_empty() { row..row + 1 } else { 0..joint.len() };
+            // What acts on single joints has diagonal derivatives.
+            let columns = if self.forces_are_local() { row..row + 1 } else { 0..joint.len() };
             for column in columns {
                 let by = |variable| differentiate(self.graph, &[force], variable)[0];
                 let y = &mut result.by_coordinates[row][column];
@@ -212,6 +243,73 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
+    /// Generalized forces of the wrenches with their derivatives by y.
+    pub fn wrench_forces_derivatives(
+        &self,
+        y: &[Scalar<'g>],
+        w: &[WrenchArgument<'g>],
+    ) -> (Vec<Scalar<'g>>, Matrix<'g>) {
+        let forces = self.wrench_forces(y, w);
+        let columns: Vec<Vec<_>> = y.iter().map(|&y| differentiate(self.graph, &forces, y)).collect();
+        let rows = (0..forces.len()).map(|row| columns.iter().map(|column| column[row]).collect());
+        let rows = rows.collect();
+        (forces, rows)
+    }
+
+    /// `M ÿ + k − q − Σ Jᵀ w`
+    pub fn inverse_dynamics_with_wrenches(
+        &self,
+        MotionInput { y, v, a }: MotionInput<'_, 'g>,
+        w: &[WrenchArgument<'g>],
+    ) -> Vec<Scalar<'g>> {
+        subtract(&self.inverse_dynamics(y, v, a), &self.wrench_forces(y, w))
+    }
+
+    /// `M ÿ + k − q − Σ Jᵀ w` with derivatives by y and ẏ, and M.
+    pub fn inverse_dynamics_derivatives_with_wrenches(
+        &self,
+        input: MotionInput<'_, 'g>,
+        w: &[WrenchArgument<'g>],
+    ) -> ForceDerivatives<'g> {
+        let mut result = self.inverse_dynamics_derivatives(input);
+        let (forces, by_coordinates) = self.wrench_forces_derivatives(input.y, w);
+        result.forces = subtract(&result.forces, &forces);
+        for (row, more) in result.by_coordinates.iter_mut().zip(&by_coordinates) {
+            *row = subtract(row, more);
+        }
+        result
+    }
+
+    /// `M⁻¹ (q + B u + Σ Jᵀ w − k)`
+    pub fn forward_dynamics_with_wrenches(
+        &self,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+        u: &[Scalar<'g>],
+        w: &[WrenchArgument<'g>],
+    ) -> Vec<Scalar<'g>> {
+        let route = self.formulations.forward_dynamics();
+        let driving = || sum(&self.driving_forces(y, v, u), &self.wrench_forces(y, w));
+        route.accelerations(self.graph, self.formulations, y, v, driving)
+    }
+
+    /// Accelerations under wrenches with their derivatives by y, ẏ and the joint forces (M⁻¹).
+    pub fn forward_dynamics_derivatives_with_wrenches(
+        &self,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+        u: &[Scalar<'g>],
+        w: &[WrenchArgument<'g>],
+    ) -> AccelerationDerivatives<'g> {
+        self.acceleration_derivatives(y, v, u, Some(w))
+    }
+
+    /// Tells whether each force depends on the motion of its own coordinate alone.
+    fn forces_are_local(&self) -> bool {
+        let model = self.model;
+        model.followers.is_empty() && model.point_forces.is_empty() && model.force_inputs.is_empty()
+    }
+
     /// Accelerations with their derivatives by y, ẏ and the joint forces (M⁻¹).
     pub fn forward_dynamics_derivatives(
         &self,
@@ -219,11 +317,26 @@ impl<'g> Equations<'_, 'g> {
         v: &[Scalar<'g>],
         u: &[Scalar<'g>],
     ) -> AccelerationDerivatives<'g> {
+        self.acceleration_derivatives(y, v, u, None)
+    }
+
+    fn acceleration_derivatives(
+        &self,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+        u: &[Scalar<'g>],
+        w: Option<&[WrenchArgument<'g>]>,
+    ) -> AccelerationDerivatives<'g> {
         let (mass, bias) = self.formulations.mass_and_bias_beside_derivatives();
         let matrix = self.mass_matrix_by(mass, y);
         let factorization = Factorization::new(self.formulations.mechanism(), &matrix);
         let inverse = factorization.inverse(self.graph);
-        let accelerating = subtract(&self.driving_forces(y, v, u), &self.bias_by(bias, y, v));
+        let wrenches = w.map(|w| self.wrench_forces_derivatives(y, w));
+        let mut driving = self.driving_forces(y, v, u);
+        if let Some((forces, _)) = &wrenches {
+            driving = sum(&driving, forces);
+        }
+        let accelerating = subtract(&driving, &self.bias_by(bias, y, v));
         let by_inverse = self.weighs_less_by_inverse(&factorization, &inverse);
         let solve = |right: &[Scalar<'g>]| match by_inverse {
             true => inverse.iter().map(|row| dot(self.graph, row, right)).collect(),
@@ -236,7 +349,10 @@ impl<'g> Equations<'_, 'g> {
         };
         let accelerations = solve(&accelerating);
         let input = MotionInput { y, v, a: &accelerations };
-        let forces = self.remaining_derivatives(input, || self.driving_forces_by_motion(y, v, u));
+        let mut forces = self.remaining_derivatives(input, || self.driving_forces_by_motion(y, v, u));
+        for (row, more) in forces.by_coordinates.iter_mut().zip(wrenches.iter().flat_map(|(_, by)| by)) {
+            *row = subtract(row, more);
+        }
         AccelerationDerivatives {
             by_coordinates: solve_negative(&forces.by_coordinates),
             by_velocities: solve_negative(&forces.by_velocities),
@@ -284,8 +400,8 @@ impl<'g> Equations<'_, 'g> {
     }
 
     /// `B u`
-    pub fn input_forces(&self, u: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
-        let matrix = forces::input_matrix(self.graph, self.model);
+    pub fn input_forces(&self, y: &[Scalar<'g>], u: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
+        let matrix = self.input_matrix(y);
         let zero = self.graph.constant(0.0);
         matrix.iter().map(|row| row.iter().zip(u).fold(zero, |sum, (&b, &u)| sum + b * u)).collect()
     }
@@ -305,13 +421,13 @@ impl<'g> Equations<'_, 'g> {
     ) -> Vec<Scalar<'g>> {
         let Some(shares) = self.load_shares(y, v) else {
             return self
-                .input_forces(u)
+                .input_forces(y, u)
                 .into_iter()
                 .zip(self.joint_forces(y, v))
                 .map(|(a, b)| a + b)
                 .collect();
         };
-        let exerted = subtract(&self.input_forces(u), &self.friction_torques(y, v));
+        let exerted = subtract(&self.input_forces(y, u), &self.friction_torques(y, v));
         let loads = exerted.iter().zip(&shares).map(|(&exerted, &share)| load_friction::load(exerted, share));
         loads.zip(self.spring_forces(y, v)).map(|(load, spring)| load + spring).collect()
     }
@@ -323,7 +439,7 @@ impl<'g> Equations<'_, 'g> {
         v: &[Scalar<'g>],
         u: &[Scalar<'g>],
     ) -> Vec<Scalar<'g>> {
-        match load_friction::is_there(self.model) {
+        match load_friction::is_there(self.model) || self.model.inputs_depend_on_position() {
             true => self.driving_forces(y, v, u),
             false => self.joint_forces(y, v),
         }
@@ -331,11 +447,11 @@ impl<'g> Equations<'_, 'g> {
 
     /// Derivatives of the driving forces by the inputs: B, its rows divided by the gains of loads.
     fn loads_by_inputs(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], u: &[Scalar<'g>]) -> Matrix<'g> {
-        let matrix = forces::input_matrix(self.graph, self.model);
+        let matrix = self.input_matrix(y);
         let Some(shares) = self.load_shares(y, v) else {
             return matrix;
         };
-        let exerted = subtract(&self.input_forces(u), &self.friction_torques(y, v));
+        let exerted = subtract(&self.input_forces(y, u), &self.friction_torques(y, v));
         let gains = exerted.iter().zip(&shares).map(|(&exerted, &share)| load_friction::gain(exerted, share));
         let rows = matrix.into_iter().zip(gains);
         rows.map(|(row, gain)| row.into_iter().map(|entry| entry.divided_by(gain)).collect()).collect()

@@ -186,11 +186,11 @@ fn terms_by_basis(joint: &Joint) -> Vec<(&Formula, Vec<&FrictionTerm>)> {
     groups
 }
 
-/// Input matrix B, rows first: gear ratio, times the motor constant where the input is a current, times the
-/// weights of the coordinates that the drive acts on.
-pub fn input_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>> {
+/// The columns of B that belong to drives, rows first: gear ratio, times the motor constant where the input is a
+/// current, times the weights of the coordinates that the drive acts on.
+pub fn drive_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>> {
     let zero = graph.constant(0.0);
-    let drives: Vec<_> = model.inputs().collect();
+    let drives: Vec<_> = model.input_drives().collect();
     let mut matrix = vec![vec![zero; drives.len()]; model.coordinates.len()];
     for (column, drive) in drives.iter().enumerate() {
         let ratio = lower(graph, &drive.gear_ratio);
@@ -206,7 +206,8 @@ pub fn input_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>>
 /// The note in a function's documentation where a force law jumps.
 pub fn jump_note(model: &Model, program: &Program) -> Option<String> {
     let is_sign = |step: &Instruction| matches!(step.operation, Operation::Call(Function::Sign, _));
-    let jumps = model.moving_joints().iter().any(|moving| moving.joint.jumps());
+    let at_frames = model.point_forces.iter().any(|force| force.law.calls(Function::Sign));
+    let jumps = at_frames || model.moving_joints().iter().any(|moving| moving.joint.jumps());
     (jumps && program.instructions.iter().any(is_sign)).then(|| {
         "`sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or \
          `smooth_sign` in the description, makes it `tanh(SLOPE v)`."

@@ -14,6 +14,11 @@ pub fn jacobian<'g>(graph: &'g Graph, results: &[Scalar<'g>], variables: &[Scala
     (0..results.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect()
 }
 
+/// `a + b`
+pub fn sum<'g>(a: &[Scalar<'g>], b: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
+    a.iter().zip(b).map(|(&a, &b)| a + b).collect()
+}
+
 /// `a − b`
 pub fn subtract<'g>(a: &[Scalar<'g>], b: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
     a.iter().zip(b).map(|(&a, &b)| a - b).collect()

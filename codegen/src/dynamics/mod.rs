@@ -7,6 +7,7 @@
 pub mod arguments;
 pub mod equations;
 pub mod forces;
+pub mod frame_forces;
 pub mod load_friction;
 pub mod matrix;
 pub mod parameters;

@@ -185,7 +185,8 @@ fn power(base: f64, exponent: u32) -> f64 {
 
 impl Function {
     /// All functions, in the order of their declaration.
-    pub const ALL: [Self; 6] = [Self::Sin, Self::Cos, Self::Tanh, Self::Exp, Self::Abs, Self::Sign];
+    pub const ALL: [Self; 7] =
+        [Self::Sin, Self::Cos, Self::Tanh, Self::Exp, Self::Abs, Self::Sign, Self::Sqrt];
 
     /// The name in formulas.
     pub fn name(self) -> &'static str {
@@ -196,6 +197,7 @@ impl Function {
             Self::Exp => "exp",
             Self::Abs => "abs",
             Self::Sign => "sign",
+            Self::Sqrt => "sqrt",
         }
     }
 
@@ -210,6 +212,7 @@ impl Function {
             Self::Sign if x > 0.0 => 1.0,
             Self::Sign if x < 0.0 => -1.0,
             Self::Sign => x * 0.0,
+            Self::Sqrt => x.sqrt(),
         }
     }
 }

@@ -30,6 +30,28 @@ pub(crate) enum Allowed {
     Parameters,
     /// Also `y` and `v` of the joint.
     Motion,
+    /// Also the distance `l` of two frames and its rate `dl`: position and velocity.
+    Distance,
+}
+
+impl Allowed {
+    /// The name of the position.
+    fn position(self) -> Option<&'static str> {
+        match self {
+            Self::Constants | Self::Parameters => None,
+            Self::Motion => Some("y"),
+            Self::Distance => Some("l"),
+        }
+    }
+
+    /// The name of the velocity.
+    fn velocity(self) -> Option<&'static str> {
+        match self {
+            Self::Constants | Self::Parameters => None,
+            Self::Motion => Some("v"),
+            Self::Distance => Some("dl"),
+        }
+    }
 }
 
 type Parsed = Result<Formula, FormulaError>;
@@ -154,11 +176,10 @@ impl Scope<'_> {
         let Some(name) = path.path.get_ident().map(ToString::to_string) else {
             return Err(self.refuse(path));
         };
-        let motion = self.allowed == Allowed::Motion;
         match name.as_str() {
             "pi" => return Ok(Formula::Number(std::f64::consts::PI)),
-            "v" if motion => return Ok(Formula::Velocity),
-            "y" if motion => return Ok(Formula::Position),
+            own if self.allowed.velocity() == Some(own) => return Ok(Formula::Velocity),
+            own if self.allowed.position() == Some(own) => return Ok(Formula::Position),
             _ => {}
         }
         match self.parameters.get(&name) {
@@ -174,10 +195,10 @@ impl Scope<'_> {
     }
 
     fn unknown(&self, name: &str, node: &impl Spanned) -> FormulaError {
-        let own: &[&str] = if self.allowed == Allowed::Motion { &["v", "y", "pi"] } else { &["pi"] };
+        let own = [self.allowed.velocity(), self.allowed.position(), Some("pi")].into_iter().flatten();
         let visible = self.allowed != Allowed::Constants;
         let parameters = self.parameters.keys().map(String::as_str).filter(|_| visible);
-        let known = own.iter().copied().chain(parameters);
+        let known = own.chain(parameters);
         let help = nearest(name, known);
         FormulaError { help, ..error("unknown-name", format!("unknown name `{name}`"), self.range(node)) }
     }

@@ -1,8 +1,10 @@
 //! From a row of the catalogue to a program.
 
-use super::catalogue::Argument::{self, Accelerations, Coordinates, Inputs, Multipliers, Velocities};
+use super::catalogue::Argument::{
+    self, Accelerations, Coordinates, Inputs, Multipliers, Velocities, Wrenches,
+};
 use super::catalogue::{Quantity, QuantityResult, Value};
-use crate::dynamics::arguments::Arguments;
+use crate::dynamics::arguments::{Arguments, WrenchArgument};
 use crate::dynamics::equations::Equations;
 use crate::dynamics::search::routes::Formulations;
 use crate::graph::Graph;
@@ -29,6 +31,7 @@ pub(super) fn arguments_of<'g>(
         a: scalars(Accelerations),
         u: scalars(Inputs),
         lambda: scalars(Multipliers),
+        w: scalars(Wrenches).chunks_exact(6).map(WrenchArgument::of).collect(),
     };
     (arguments, inputs)
 }

@@ -29,7 +29,7 @@ pub(super) fn derive_quantity(
         quantity.equation,
         notes,
     );
-    catalogue::describe_load_friction(model, &mut function);
+    catalogue::describe(model, &mut function);
     function.arrays = arrays;
     function.notes.extend(forces::jump_note(model, &function.program));
     function.constants = (quantity.constants)(model, formulations, &function.program);

@@ -202,8 +202,10 @@ impl<'m> Forms<'m> {
     fn may_loop(&self, quantity: &Quantity) -> bool {
         matches!(quantity.loops, Some(Loops::PerJoint { .. }))
             && !self.is_straight(quantity)
-            // The loops know nothing of loads.
+            // The loops know neither loads nor forces at frames.
             && !load_friction::is_there(self.model)
+            && self.model.point_forces.is_empty()
+            && !self.model.inputs_depend_on_position()
             && per_joint::is_possible(self.mechanism())
     }
 
@@ -231,8 +233,11 @@ fn is_large(operations: usize) -> bool {
 /// For each input its coordinate and gain; `None` where a gain has to be computed, or an input acts on several
 /// coordinates.
 fn gains(model: &Model) -> Option<Vec<(usize, Operand)>> {
+    if model.inputs_depend_on_position() {
+        return None;
+    }
     let graph = Graph::new();
-    let matrix = forces::input_matrix(&graph, model);
+    let matrix = forces::drive_matrix(&graph, model);
     let columns = matrix.first().map_or(0, Vec::len);
     let gain = |column: usize| {
         let mut rows = (0..matrix.len()).filter(|&row| !matrix[row][column].is_zero());

@@ -210,7 +210,7 @@ impl Graph {
                 self.intern(Node::Call(function, a.abs())).negate_if(a.is_negative())
             }
             Function::Cos | Function::Abs => self.intern(Node::Call(function, a.abs())),
-            Function::Exp => self.intern(Node::Call(function, a)),
+            Function::Exp | Function::Sqrt => self.intern(Node::Call(function, a)),
         }
     }
 }

@@ -84,6 +84,7 @@ fn outer<'g>(function: Function, x: Scalar<'g>, value: Scalar<'g>) -> Scalar<'g>
         Function::Exp => value,
         Function::Abs => x.call(Function::Sign),
         Function::Sign => value.constant(0.0),
+        Function::Sqrt => value.constant(0.5).divided_by(value),
     }
 }
 

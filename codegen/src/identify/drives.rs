@@ -22,7 +22,7 @@ pub struct IdentifiedDrive {
 /// - `identified`: by coordinate
 #[must_use]
 pub fn drives(model: &Model, identified: &[IdentifiedDrive]) -> Vec<(String, String)> {
-    let written = model.inputs().filter_map(|drive| {
+    let written = model.input_drives().filter_map(|drive| {
         let coordinate = drive.coordinate()?;
         let found = identified.get(coordinate).filter(|found| **found != IdentifiedDrive::default())?;
         let joint = model.joints().nth(coordinate)?;

@@ -35,6 +35,8 @@ impl InterpretedRobot {
             joint.friction.clear();
             joint.load_friction.clear();
         }
+        // Their forces depend on the positions.
+        let frame_inputs = std::mem::take(&mut model.force_inputs);
         let names = ["inertial_regressor", "inverse_dynamics", "inertial_parameters", "input_matrix"];
         let names = names.map(str::to_owned);
         let functions = derive_in_form(&model, &names, MOST_OPERATIONS, Form::Straight, &names)?;
@@ -47,8 +49,8 @@ impl InterpretedRobot {
             names.each_ref().map(|name| function(name));
         Ok(Self {
             parameters: result(&parameters, &[], &free),
-            input_matrix: result(&input_matrix, &[], &free),
-            model,
+            input_matrix: with_zero_columns(&result(&input_matrix, &[], &free), frame_inputs.len(), &model),
+            model: Model { force_inputs: frame_inputs, ..model },
             regressor,
             inverse_dynamics,
             free,
@@ -60,6 +62,13 @@ impl InterpretedRobot {
     pub fn model(&self) -> &Model {
         &self.model
     }
+}
+
+/// B with zeros for so many more inputs.
+fn with_zero_columns(drives: &[f64], more: usize, model: &Model) -> Vec<f64> {
+    let (n, m) = (model.coordinates.len(), model.inputs().count());
+    let row = |i: usize| drives[i * m..(i + 1) * m].iter().copied().chain(std::iter::repeat_n(0.0, more));
+    (0..n).flat_map(row).collect()
 }
 
 /// Described values of a model's inertial parameters.
@@ -85,7 +94,7 @@ impl Robot for InterpretedRobot {
     }
 
     fn input_names(&self) -> Vec<String> {
-        self.model.inputs().map(|drive| drive.name.clone()).collect()
+        self.model.inputs().map(|input| input.name().to_owned()).collect()
     }
 
     fn position_units(&self) -> Vec<&'static str> {
@@ -115,6 +124,10 @@ impl Robot for InterpretedRobot {
 
     fn input_matrix(&self) -> Vec<f64> {
         self.input_matrix.clone()
+    }
+
+    fn has_inputs_at_frames(&self) -> bool {
+        self.model.inputs_depend_on_position()
     }
 
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {

@@ -5,7 +5,9 @@
 //! second complaint.
 
 use super::pose::rotate_inertia;
-use super::{FrictionTerm, Input, JointKind, MotorTorque, Options, Parameter, Pose, RotorCoupling};
+use super::{
+    FrictionTerm, Input, JointKind, MotorTorque, Options, Parameter, Pose, RotorCoupling, WrenchAxes,
+};
 use crate::diagnostic::{At, Span};
 use crate::formula::Formula;
 
@@ -42,6 +44,12 @@ pub(super) struct RobotDescription {
     pub sort_joints: bool,
     /// Drives that stand apart from joints.
     pub drives: Vec<SharedDriveDescription>,
+    /// Forces between two frames.
+    pub point_forces: Vec<PointForceDescription>,
+    /// Inputs that are wrenches.
+    pub wrench_inputs: Vec<WrenchInputDescription>,
+    /// Wrenches that are arguments.
+    pub wrenches: Vec<WrenchDescription>,
     /// Drive of joints that describe none.
     pub default_drive: DriveChoice,
     /// A mass matrix that is not positive definite is a warning, no error.
@@ -217,6 +225,44 @@ pub(super) struct DriveDescription {
     pub coupling: RotorCoupling,
     pub input: Input,
     pub torque: MotorTorque,
+}
+
+/// A force between the origins of two frames, positive where it pulls them together.
+#[derive(Debug, Clone)]
+pub(super) struct PointForceDescription {
+    pub name: Name,
+    /// Frames or links.
+    pub between: [Name; 2],
+    /// Over the distance and its rate.
+    pub law: Option<At<Formula>>,
+    pub input: Option<PullDescription>,
+}
+
+/// An input that pulls two frames together.
+#[derive(Debug, Clone)]
+pub(super) struct PullDescription {
+    pub name: Name,
+    pub limits: Option<At<[f64; 2]>>,
+}
+
+/// An input that is a wrench, fixed in a frame.
+#[derive(Debug, Clone)]
+pub(super) struct WrenchInputDescription {
+    pub name: Name,
+    /// A frame or link.
+    pub frame: Name,
+    /// Force and moment about the frame's origin for a unit of the input.
+    pub wrench: At<[Formula; 6]>,
+    pub limits: Option<At<[f64; 2]>>,
+}
+
+/// A wrench that is an argument.
+#[derive(Debug, Clone)]
+pub(super) struct WrenchDescription {
+    pub name: Name,
+    /// A frame or link.
+    pub frame: Name,
+    pub axes: WrenchAxes,
 }
 
 /// A named frame.

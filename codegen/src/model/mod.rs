@@ -7,6 +7,7 @@
 mod angles;
 mod description;
 mod description_files;
+mod distances;
 mod file_kind;
 mod inertia;
 mod name;
@@ -18,6 +19,7 @@ mod table;
 mod toml_couplings;
 mod toml_file;
 mod toml_forces;
+mod toml_frame_forces;
 mod toml_values;
 mod tree;
 mod urdf;
@@ -55,6 +57,12 @@ pub struct Model {
     pub followers: Vec<Follower>,
     /// The inputs u in their order.
     pub drives: Vec<Drive>,
+    /// Forces between two frames.
+    pub point_forces: Vec<PointForce>,
+    /// The inputs that are forces at frames; they come after those of the drives.
+    pub force_inputs: Vec<ForceInput>,
+    /// Wrenches that are arguments of functions.
+    pub wrenches: Vec<Wrench>,
     /// Named frames.
     pub frames: Vec<Frame>,
     /// Options that the description sets for the generator.
@@ -249,7 +257,7 @@ impl Model {
     /// Tells whether a joint follows others, or a drive acts on several coordinates.
     #[must_use]
     pub fn is_coupled(&self) -> bool {
-        !self.followers.is_empty() || self.inputs().any(|drive| drive.coordinate().is_none())
+        !self.followers.is_empty() || self.input_drives().any(|drive| drive.coordinate().is_none())
     }
 
     /// All joints that move: those of the coordinates in their order, then those that follow them.
@@ -274,15 +282,33 @@ impl Model {
         own.chain(followers).collect()
     }
 
+    /// The inputs: the drives that move coordinates, then the forces at frames.
+    pub fn inputs(&self) -> impl Iterator<Item = Actuator<'_>> {
+        self.input_drives().map(Actuator::Drive).chain(self.force_inputs.iter().map(Actuator::Force))
+    }
+
     /// The drives that move coordinates, in the order of the inputs.
-    pub fn inputs(&self) -> impl Iterator<Item = &Drive> {
+    pub fn input_drives(&self) -> impl Iterator<Item = &Drive> {
         let drives = self.drives.iter();
         drives.filter(|drive| !drive.acts_on.is_empty())
     }
 
+    /// Tells whether B depends on the coordinates.
+    #[must_use]
+    pub fn inputs_depend_on_position(&self) -> bool {
+        !self.force_inputs.is_empty()
+    }
+
     /// Unit of an input: that of a motor's torque or current; a drive without gear on a prismatic joint is a
     /// force.
-    pub fn input_unit(&self, drive: &Drive) -> &'static str {
+    pub fn input_unit(&self, input: Actuator<'_>) -> &'static str {
+        match input {
+            Actuator::Drive(drive) => self.drive_unit(drive),
+            Actuator::Force(force) => force.unit(),
+        }
+    }
+
+    fn drive_unit(&self, drive: &Drive) -> &'static str {
         let joint = drive.coordinate().and_then(|moved| self.joints().nth(moved));
         let is_force = joint.is_some_and(|joint| joint.kind == JointKind::Prismatic);
         let is_direct =
@@ -423,6 +449,122 @@ pub enum Input {
     Torque,
     /// Motor current (A); the input matrix holds gear ratio times motor constant K_M (N m/A).
     Current(Formula),
+}
+
+/// Where a force acts: a frame fixed to a link.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attachment {
+    /// Name of the frame or link in the description.
+    pub name: String,
+    /// Link that carries it.
+    pub link: usize,
+    /// Its pose in that link's frame.
+    pub pose: Pose,
+}
+
+/// A force between the origins of two frames, as of a spring.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointForce {
+    /// Name in the description, or the names of the two frames.
+    pub name: String,
+    /// The frames.
+    pub between: [Attachment; 2],
+    /// The force (N), positive where it pulls together, over the distance of the origins (m) as position and its
+    /// rate (m/s) as velocity.
+    pub law: Formula,
+}
+
+/// An input that is a force at frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForceInput {
+    /// Name in the description.
+    pub name: String,
+    /// Lowest and highest value; `None` where not described.
+    pub limits: Option<[f64; 2]>,
+    /// What a unit of the input does.
+    pub effect: ForceEffect,
+}
+
+impl ForceInput {
+    /// N where a unit of the input makes a force, else N m.
+    fn unit(&self) -> &'static str {
+        match &self.effect {
+            ForceEffect::Wrench { wrench, .. } if wrench[..3].iter().all(Formula::is_zero) => "N m",
+            ForceEffect::Wrench { .. } | ForceEffect::Pull(_) => "N",
+        }
+    }
+}
+
+/// What a unit of an input does.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ForceEffect {
+    /// A wrench, fixed in a frame: force (N), then moment about its origin (N m).
+    Wrench {
+        /// The frame.
+        at: Attachment,
+        /// Force and moment for a unit of the input.
+        wrench: [Formula; 6],
+    },
+    /// A force (N) that pulls the origins of two frames together.
+    Pull([Attachment; 2]),
+}
+
+/// A wrench that is an argument of functions: force (N), then moment about its frame's origin (N m).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wrench {
+    /// Name in the description.
+    pub name: String,
+    /// The frame.
+    pub at: Attachment,
+    /// The axes of force and moment.
+    pub axes: WrenchAxes,
+}
+
+/// Axes in which a wrench is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WrenchAxes {
+    /// Those of its frame.
+    Frame,
+    /// Those of the base.
+    Base,
+}
+
+/// What makes an input act.
+#[derive(Debug, Clone, Copy)]
+pub enum Actuator<'m> {
+    /// A drive of joints.
+    Drive(&'m Drive),
+    /// A force at frames.
+    Force(&'m ForceInput),
+}
+
+impl<'m> Actuator<'m> {
+    /// Name of the input.
+    #[must_use]
+    pub fn name(self) -> &'m str {
+        match self {
+            Self::Drive(drive) => &drive.name,
+            Self::Force(force) => &force.name,
+        }
+    }
+
+    /// The coordinate that it moves, where it moves that one alone.
+    #[must_use]
+    pub fn coordinate(self) -> Option<usize> {
+        match self {
+            Self::Drive(drive) => drive.coordinate(),
+            Self::Force(_) => None,
+        }
+    }
+
+    /// The drive, where it is one.
+    #[must_use]
+    pub fn drive(self) -> Option<&'m Drive> {
+        match self {
+            Self::Drive(drive) => Some(drive),
+            Self::Force(_) => None,
+        }
+    }
 }
 
 /// A named frame fixed to a link.

@@ -2,7 +2,7 @@
 
 /// Names that `[generate] functions` may list: the functions of every robot, and `frames` for all of those of
 /// named frames.
-pub const FUNCTIONS: [&str; 29] = [
+pub const FUNCTIONS: [&str; 35] = [
     "mass_matrix",
     "coriolis_forces",
     "gravity_forces",
@@ -30,6 +30,12 @@ pub const FUNCTIONS: [&str; 29] = [
     "friction_parameters",
     "friction_regressor",
     "load_friction",
+    "wrench_forces",
+    "wrench_forces_derivatives",
+    "inverse_dynamics_with_wrenches",
+    "forward_dynamics_with_wrenches",
+    "inverse_dynamics_derivatives_with_wrenches",
+    "forward_dynamics_derivatives_with_wrenches",
     "inverse_dynamics_hessian",
     "frames",
 ];

@@ -92,6 +92,11 @@ fn apply(options: &ReadOptions, model: &mut Model) {
         false => options.smooth_sign.or(model.options.smooth_sign),
     };
     let slope = model.options.smooth_sign;
+    if let Some(slope) = slope {
+        for force in &mut model.point_forces {
+            force.law = force.law.with_smooth_sign(slope);
+        }
+    }
     let joints = model.links.iter_mut().filter_map(|link| link.joint.as_mut());
     for joint in joints {
         if options.no_friction {
@@ -252,12 +257,10 @@ fn extend(mut base: RobotDescription, extension: RobotDescription, report: &mut 
             None => base.bodies.push(body),
         }
     }
-    for drive in extension.drives {
-        match base.drives.iter_mut().find(|known| known.name.value == drive.name.value) {
-            Some(known) => *known = drive,
-            None => base.drives.push(drive),
-        }
-    }
+    replace_or_add(&mut base.drives, extension.drives, |drive| &drive.name);
+    replace_or_add(&mut base.point_forces, extension.point_forces, |force| &force.name);
+    replace_or_add(&mut base.wrench_inputs, extension.wrench_inputs, |input| &input.name);
+    replace_or_add(&mut base.wrenches, extension.wrenches, |wrench| &wrench.name);
     if !extension.frames.is_empty() {
         base.frames = extension.frames;
     }
@@ -272,6 +275,16 @@ fn extend(mut base: RobotDescription, extension: RobotDescription, report: &mut 
         options: extension.options.or(base.options),
         accept_unphysical: extension.accept_unphysical || base.accept_unphysical,
         ..base
+    }
+}
+
+/// Entries of an extension take the place of those of the same name.
+fn replace_or_add<T>(base: &mut Vec<T>, extension: Vec<T>, name: fn(&T) -> &Name) {
+    for entry in extension {
+        match base.iter_mut().find(|known| name(known).value == name(&entry).value) {
+            Some(known) => *known = entry,
+            None => base.push(entry),
+        }
     }
 }
 

@@ -47,7 +47,11 @@ impl Pivots {
         let mut least = vec![f64::INFINITY; model.links.len()];
         let mut indefinite_states = 0;
         for state in 0..STATES {
-            let positions = positions(model, &described, state, &mut random);
+            let positions = positions(model, &described, |index, [low, high]| match state {
+                // An irrational stride keeps angles of different joints in general position.
+                0 => 0.4 + (index as f64 * 0.618_033_988_75).fract(),
+                _ => random.between(low, high),
+            });
             let pivots = match model.is_coupled() {
                 true => coupled::pivots(model, &described, &positions),
                 false => pivots(model, &described, &positions),
@@ -70,16 +74,17 @@ impl Pivots {
     }
 }
 
-/// Positions of the links' joints.
-fn positions(model: &Model, described: &[f64], state: usize, random: &mut Random) -> Vec<f64> {
+/// Positions of the links' joints; those of joints that follow others are computed.
+///
+/// - `choose`: takes the index of a link and the range of its joint
+pub(super) fn positions(
+    model: &Model,
+    described: &[f64],
+    mut choose: impl FnMut(usize, [f64; 2]) -> f64,
+) -> Vec<f64> {
     let position = |(index, link): (usize, &Link)| match &link.joint {
         None => 0.0,
-        // An irrational stride keeps angles of different joints in general position.
-        Some(_) if state == 0 => 0.4 + (index as f64 * 0.618_033_988_75).fract(),
-        Some(joint) => {
-            let [low, high] = joint.seeded_range();
-            random.between(low, high)
-        }
+        Some(joint) => choose(index, joint.seeded_range()),
     };
     let mut positions: Vec<f64> = model.links.iter().enumerate().map(position).collect();
     for follower in &model.followers {
@@ -187,7 +192,7 @@ fn motion_axis(joint: &Joint) -> [f64; 6] {
 /// Motion transform from the parent link's frame to this link's frame.
 ///
 /// - `position`: of the joint, where it is a coordinate
-fn child_from_parent(joint: &Joint, position: f64, defaults: &[f64]) -> Matrix {
+pub(super) fn child_from_parent(joint: &Joint, position: f64, defaults: &[f64]) -> Matrix {
     let position = match joint.motion {
         Motion::Fixed => 0.0,
         Motion::Held(position) => position,
@@ -228,6 +233,11 @@ fn about_axis(a: &[f64; 3], angle: f64) -> [[f64; 3]; 3] {
     std::array::from_fn(|i| {
         std::array::from_fn(|j| (if i == j { c } else { 0.0 }) + s * cross[i][j] + (1.0 - c) * a[i] * a[j])
     })
+}
+
+/// `R p + r`
+pub(super) fn product_and_sum(rotation: &[[f64; 3]; 3], p: &[f64; 3], r: &[f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| (0..3).map(|k| rotation[i][k] * p[k]).sum::<f64>() + r[i])
 }
 
 fn add(sum: &mut Matrix, other: &Matrix) {

@@ -2,7 +2,6 @@
 
 use super::description::{DriveDescription, FollowsDescription, SharedDriveDescription};
 use super::table::{Item, Table};
-use super::toml_file::required_name;
 use super::toml_forces::{DRIVE, motor};
 use super::toml_values::Reader;
 use crate::diagnostic::At;
@@ -42,7 +41,7 @@ pub(super) fn read_drives(reader: &mut Reader, top: &Table<'_>) -> Vec<SharedDri
 }
 
 fn read_drive(reader: &mut Reader, table: &Table<'_>) -> Option<SharedDriveDescription> {
-    let name = required_name(reader, table, "name")?;
+    let name = reader.required_name(table, "name")?;
     let Some(on) = table.get("on") else {
         let message = format!("drive `{}` has no `on`", name.value);
         reader.report.error(table.span, "missing-key", message);

@@ -9,6 +9,7 @@ use super::pose::{about_z, modified_dh, standard_dh};
 use super::table::{Item, Table};
 use super::toml_couplings::{followed_joints, read_drives};
 use super::toml_forces::{drive, friction, springs};
+use super::toml_frame_forces::{read_point_forces, read_wrench_inputs, read_wrenches};
 use super::toml_values::Reader;
 use super::{JointKind, Options, Pose};
 use crate::diagnostic::{At, Span, nearest};
@@ -17,7 +18,7 @@ use crate::formula::parse::{self, Allowed};
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
-const ROBOT: [&str; 17] = [
+const ROBOT: [&str; 20] = [
     "name",
     "description",
     "urdf",
@@ -34,6 +35,9 @@ const ROBOT: [&str; 17] = [
     "bodies",
     "joints",
     "drives",
+    "forces",
+    "inputs",
+    "wrenches",
     "frames",
 ];
 const BODY: [&str; 7] = ["name", "link", "mass", "center_of_mass", "inertia", "origin", "accept_unphysical"];
@@ -170,6 +174,9 @@ pub(super) fn description(
         parameters: Vec::new(), // of all files together, in the reader
         joints,
         drives: read_drives(reader, top),
+        point_forces: read_point_forces(reader, top),
+        wrench_inputs: read_wrench_inputs(reader, top),
+        wrenches: read_wrenches(reader, top),
         default_drive: DriveChoice::Passive,
         accept_unphysical: top
             .get("accept_unphysical")
@@ -335,19 +342,11 @@ fn read_frames(reader: &mut Reader, top: &Table<'_>) -> Vec<FrameDescription> {
 }
 
 fn read_frame(reader: &mut Reader, table: &Table<'_>) -> Option<FrameDescription> {
-    let name = required_name(reader, table, "name");
-    let link = required_name(reader, table, "link");
+    let name = reader.required_name(table, "name");
+    let link = reader.required_name(table, "link");
     let owner = name.as_ref().map_or("frame", |name| &name.value).to_owned();
     let pose = table.get("origin").and_then(|item| reader.pose(item, &owner)).unwrap_or_else(Pose::identity);
     Some(FrameDescription { name: name?, link: link?, pose })
-}
-
-pub(super) fn required_name(reader: &mut Reader, table: &Table<'_>, key: &'static str) -> Option<Name> {
-    let Some(item) = table.get(key) else {
-        reader.report.error(table.span, "missing-key", format!("{} needs `{key}`", table.what));
-        return None;
-    };
-    reader.name(item)
 }
 
 fn read_joints(
@@ -383,7 +382,7 @@ fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: 
 }
 
 fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Option<JointDescription> {
-    let name = required_name(reader, table, "name")?;
+    let name = reader.required_name(table, "name")?;
     let owner = name.value.clone();
     let (origin, link_frame) = placement(reader, table, &owner);
     Some(JointDescription {

@@ -69,6 +69,12 @@ impl Reader {
         self.scalar(item, Allowed::Motion)
     }
 
+    /// A force between two frames over parameters, their distance `l` and its rate `dl`. These stand for
+    /// position and velocity in the formula.
+    pub fn force_between_law(&mut self, item: Item<'_>) -> Option<Formula> {
+        self.scalar(item, Allowed::Distance)
+    }
+
     fn scalar(&mut self, item: Item<'_>, allowed: Allowed) -> Option<Formula> {
         match item.value {
             DeValue::Integer(_) | DeValue::Float(_) => self.literal(item).map(Formula::Number),
@@ -193,6 +199,21 @@ impl Reader {
             return None;
         }
         Some(At::new(text.to_owned(), item.span))
+    }
+
+    /// The entry of a table that has to be there.
+    pub fn required<'t>(&mut self, table: &Table<'t>, key: &'static str) -> Option<Item<'t>> {
+        let item = table.get(key);
+        if item.is_none() {
+            self.report.error(table.span, "missing-key", format!("{} needs `{key}`", table.what));
+        }
+        item
+    }
+
+    /// A name that has to be there.
+    pub fn required_name(&mut self, table: &Table<'_>, key: &'static str) -> Option<Name> {
+        let item = self.required(table, key)?;
+        self.name(item)
     }
 
     /// A list of `N` formulas.

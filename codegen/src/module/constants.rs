@@ -2,10 +2,10 @@
 
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::Dimension;
-use crate::model::{Drive, Input, Joint, Model, MovingJoint};
+use crate::model::{Actuator, Drive, ForceInput, Input, Joint, Model, MovingJoint};
 
 /// Names of all constants that a module can have beside those of its functions.
-pub const NAMES: [&str; 22] = [
+pub const NAMES: [&str; 26] = [
     "JOINT_NAMES",
     "JOINT_UNITS",
     "INPUT_NAMES",
@@ -23,6 +23,10 @@ pub const NAMES: [&str; 22] = [
     "DEPENDENT_VELOCITY_LIMITS",
     "INPUT_LIMITS",
     "PEAK_INPUT_LIMITS",
+    "INPUT_RANGES",
+    "WRENCHES",
+    "WRENCH_NAMES",
+    "DRIVES",
     "GEAR_RATIOS",
     "ROTOR_INERTIAS",
     "GRAVITY",
@@ -33,7 +37,7 @@ pub const NAMES: [&str; 22] = [
 /// All constants, in the order in which a reader asks for them.
 pub(super) fn all(model: &Model) -> Vec<Constant> {
     let joints: Vec<&Joint> = model.joints().collect();
-    let inputs: Vec<&Drive> = model.inputs().collect();
+    let inputs: Vec<Actuator<'_>> = model.inputs().collect();
     let mut constants = names(model, &joints, &inputs);
     constants.extend(joint_limits(&joints));
     constants.extend(followers(model));
@@ -63,9 +67,9 @@ fn strings<'a>(dimension: Dimension, names: impl Iterator<Item = &'a str>) -> Co
     ConstantValue::Names(dimension, names.map(str::to_owned).collect())
 }
 
-fn names(model: &Model, joints: &[&Joint], inputs: &[&Drive]) -> Vec<Constant> {
+fn names(model: &Model, joints: &[&Joint], inputs: &[Actuator<'_>]) -> Vec<Constant> {
     use Dimension::{Coordinates, Fixed, Inputs};
-    let acted_on: Option<Vec<usize>> = inputs.iter().map(|drive| drive.coordinate()).collect();
+    let acted_on: Option<Vec<usize>> = inputs.iter().map(|input| input.coordinate()).collect();
     let acted_on = acted_on.map(|acted_on| {
         let value = ConstantValue::Indices(Inputs, acted_on);
         constant("INPUT_JOINTS", "The coordinate that each input acts on.", value)
@@ -88,15 +92,23 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[&Drive]) -> Vec<Constant> {
         constant(
             "INPUT_NAMES",
             "Names of the inputs.",
-            strings(Inputs, inputs.iter().map(|drive| drive.name.as_str())),
+            strings(Inputs, inputs.iter().map(|input| input.name())),
         ),
         constant(
             "INPUT_UNITS",
             "Units of the inputs: `N m` or `N` for ideal drives and motor torques, `A` for motor currents.",
-            strings(Inputs, inputs.iter().map(|drive| model.input_unit(drive))),
+            strings(Inputs, inputs.iter().map(|input| model.input_unit(*input))),
         ),
     ];
-    constants.into_iter().chain(acted_on).chain(frames).collect()
+    let wrenches = (!model.wrenches.is_empty()).then(|| {
+        let names = model.wrenches.iter().map(|wrench| wrench.name.as_str());
+        [
+            constant("WRENCHES", "Number of wrenches.", ConstantValue::Count(model.wrenches.len())),
+            constant("WRENCH_NAMES", "Names of the wrenches.", strings(Fixed, names)),
+        ]
+    });
+    let constants = constants.into_iter().chain(acted_on).chain(frames);
+    constants.chain(wrenches.into_iter().flatten()).collect()
 }
 
 /// The joints that follow coordinates. Ratios that depend on free parameters are left out.
@@ -186,42 +198,80 @@ fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {
 
 /// Constants of the drives. Gear ratios and rotor inertias that depend on free parameters are left out;
 /// limits of currents take the described motor constant.
-fn drives(model: &Model, inputs: &[&Drive]) -> Vec<Constant> {
+fn drives(model: &Model, inputs: &[Actuator<'_>]) -> Vec<Constant> {
     let described = model.parameters.iter().map(|parameter| parameter.default);
     let described: Vec<f64> = described.collect();
-    let limit = |drive: &Drive, torque: Option<f64>| {
-        let torque = torque.unwrap_or(f64::INFINITY);
-        Some(torque / torque_per_input(drive, &described)?)
+    let limit = |input: &Actuator<'_>, torque: fn(&Drive) -> Option<f64>| match input {
+        Actuator::Drive(drive) => {
+            let torque = torque(drive).unwrap_or(f64::INFINITY);
+            Some(torque / torque_per_input(drive, &described)?)
+        }
+        Actuator::Force(force) => Some(magnitude(force)),
     };
-    let of_inputs = |name, summary, value: &dyn Fn(&Drive) -> Option<f64>| {
-        let values = inputs.iter().map(|drive| value(drive));
-        let values: Option<Vec<f64>> = values.collect();
-        let value = ConstantValue::Numbers(Dimension::Inputs, values?);
-        Some(constant(name, summary, value))
+    let of_inputs = |name, summary, torque: fn(&Drive) -> Option<f64>| {
+        let values: Option<Vec<f64>> = inputs.iter().map(|input| limit(input, torque)).collect();
+        Some(constant(name, summary, ConstantValue::Numbers(Dimension::Inputs, values?)))
     };
+    // Where all inputs are drives, there is a value for each input.
+    let dimension = match model.force_inputs.is_empty() {
+        true => Dimension::Inputs,
+        false => Dimension::Fixed,
+    };
+    let of_drives = |name, summary, value: fn(&Drive) -> Option<f64>| {
+        let drives = inputs.iter().filter_map(|input| input.drive());
+        let values: Vec<f64> = drives.map(value).collect::<Option<_>>()?;
+        let is_told = dimension == Dimension::Inputs || !values.is_empty();
+        is_told.then(|| constant(name, summary, ConstantValue::Numbers(dimension, values)))
+    };
+    let peak = |drive: &Drive| drive.torque.peak.or(drive.torque.nominal);
+    let at_frames = (!model.force_inputs.is_empty()).then(|| {
+        let range = |input: &Actuator<'_>| match input {
+            Actuator::Force(force) => Some(force.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY])),
+            Actuator::Drive(_) => limit(input, peak).map(|limit| [-limit, limit]),
+        };
+        let ranges: Option<Vec<[f64; 2]>> = inputs.iter().map(range).collect();
+        let count = inputs.iter().filter(|input| input.drive().is_some()).count();
+        let summary = "Lowest and highest value of each input, in its unit; infinite where not described.";
+        let ranges = ranges.map(|ranges| {
+            constant("INPUT_RANGES", summary, ConstantValue::Ranges(Dimension::Inputs, ranges))
+        });
+        let summary = "So many of the inputs, the first ones, are drives. The others act at frames.";
+        ranges
+            .into_iter()
+            .chain([constant("DRIVES", summary, ConstantValue::Count(count))])
+            .collect::<Vec<_>>()
+    });
     let constants = [
         of_inputs(
             "INPUT_LIMITS",
             "Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite \
              where not described. `EFFORT_LIMITS` at the joint holds beside it.",
-            &|drive| limit(drive, drive.torque.nominal),
+            |drive| drive.torque.nominal,
         ),
         of_inputs(
             "PEAK_INPUT_LIMITS",
             "Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the \
              nominal one where no peak is described.",
-            &|drive| limit(drive, drive.torque.peak.or(drive.torque.nominal)),
-        ),
-        of_inputs("GEAR_RATIOS", "Gear ratio of each drive: motor angle over joint angle.", &|drive| {
-            drive.gear_ratio.value(&[])
-        }),
-        of_inputs(
-            "ROTOR_INERTIAS",
-            "Axial inertia of each rotor, on its own side of the gear [kg m²].",
-            &|drive| drive.rotor_inertia.value(&[]),
+            peak,
         ),
     ];
-    constants.into_iter().flatten().collect()
+    let of_drives = [
+        of_drives("GEAR_RATIOS", "Gear ratio of each drive: motor angle over joint angle.", |drive| {
+            drive.gear_ratio.value(&[])
+        }),
+        of_drives(
+            "ROTOR_INERTIAS",
+            "Axial inertia of each rotor, on its own side of the gear [kg m²].",
+            |drive| drive.rotor_inertia.value(&[]),
+        ),
+    ];
+    let of_inputs = constants.into_iter().flatten().chain(at_frames.into_iter().flatten());
+    of_inputs.chain(of_drives.into_iter().flatten()).collect()
+}
+
+/// Largest magnitude of an input at frames.
+fn magnitude(force: &ForceInput) -> f64 {
+    force.limits.map_or(f64::INFINITY, |[low, high]| low.abs().max(high.abs()))
 }
 
 /// Motor torque per unit of input: 1, or the magnitude of the motor constant.

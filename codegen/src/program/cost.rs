@@ -20,7 +20,7 @@ pub struct Cost {
     pub divisions: usize,
     /// Calls that make sine and cosine of one angle together.
     pub sin_cos: usize,
-    /// Calls of other functions: a sine or a cosine alone, tanh, exp.
+    /// Calls of other functions: a sine or a cosine alone, tanh, exp, square roots.
     pub other_calls: usize,
     /// Selections: absolute values and signs.
     pub selections: usize,

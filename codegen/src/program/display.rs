@@ -133,6 +133,7 @@ impl Printer<'_> {
             Function::Exp => "exp",
             Function::Sign => "sign",
             Function::Abs => "abs",
+            Function::Sqrt => "sqrt",
         };
         match (self.style, function) {
             (_, Function::Abs) => format!("|{argument}|"),
@@ -140,6 +141,7 @@ impl Printer<'_> {
             (Style::Latex, Function::Sign) => {
                 format!("\\operatorname{{sign}}\\left({argument}\\right)")
             }
+            (Style::Latex, Function::Sqrt) => format!("\\sqrt{{{argument}}}"),
             (Style::Latex, _) => format!("\\{name}\\left({argument}\\right)"),
         }
     }

@@ -144,6 +144,7 @@ fn call(function: Function, x: f64, functions: &Functions) -> f64 {
         Function::Exp => (functions.exp)(x),
         Function::Abs => x.abs(),
         Function::Sign => sign(x),
+        Function::Sqrt => x.sqrt(),
     }
 }
 

@@ -68,6 +68,7 @@ impl Printer<'_> {
             Formula::Call(Function::Sign, a) => {
                 format!("\\operatorname{{sign}}\\left({}\\right)", sum(a))
             }
+            Formula::Call(Function::Sqrt, a) => format!("\\sqrt{{{}}}", sum(a)),
             Formula::Call(function, a) => format!("\\{}\\left({}\\right)", function.name(), sum(a)),
         }
     }

@@ -3,7 +3,7 @@
 use crate::dynamics::load_friction;
 use crate::formula::Formula;
 use crate::functions::function::Function;
-use crate::model::{Body, Drive, FollowedCoordinate, Joint, Link, Model};
+use crate::model::{Actuator, Body, FollowedCoordinate, Joint, Link, Model};
 use crate::program::interpret::{Functions, interpret};
 
 /// A robot with its functions, at the described values of its parameters.
@@ -59,8 +59,8 @@ impl<'a> Robot<'a> {
         self.model.joints().collect()
     }
 
-    /// Drives that are inputs, in their order.
-    pub fn inputs(&self) -> Vec<&'a Drive> {
+    /// The inputs in their order.
+    pub fn inputs(&self) -> Vec<Actuator<'a>> {
         self.model.inputs().collect()
     }
 

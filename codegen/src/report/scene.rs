@@ -60,7 +60,7 @@ fn scene_joint(robot: &Robot<'_>, link: &Link, joint: &Joint) -> SceneJoint {
         _ => false,
     };
     let drives: Vec<String> =
-        robot.inputs().into_iter().filter(acts).map(|drive| drive.name.clone()).collect();
+        robot.model.input_drives().filter(acts).map(|drive| drive.name.clone()).collect();
     SceneJoint {
         name: joint.name.clone(),
         link: link.name.clone(),

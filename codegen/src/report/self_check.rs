@@ -196,11 +196,14 @@ fn times(values: &[f64], weights: &[f64]) -> Vec<f64> {
 }
 
 /// `B u`
-fn joint_forces(robot: &Robot<'_>, u: &[f64]) -> Option<Vec<f64>> {
+fn joint_forces(robot: &Robot<'_>, y: &[f64], u: &[f64]) -> Option<Vec<f64>> {
     if u.is_empty() {
         return Some(vec![0.0; robot.n()]);
     }
-    let input_matrix = robot.first("input_matrix", &[])?;
+    let input_matrix = match robot.model.inputs_depend_on_position() {
+        true => robot.first("input_matrix", &[y])?,
+        false => robot.first("input_matrix", &[])?,
+    };
     let rows = input_matrix.chunks(u.len());
     Some(rows.map(|row| product(row, u)).collect())
 }
@@ -214,7 +217,7 @@ fn forces(robot: &Robot<'_>, state: &State, a: &[f64]) -> Option<[Vec<f64>; 4]> 
         matrix_times(&magnitudes(&robot.first("mass_matrix", &[y])?), &magnitudes(a)),
         robot.first("coriolis_forces", &[y, v])?,
         robot.first("applied_forces", &[y, v])?,
-        joint_forces(robot, &state.u)?,
+        joint_forces(robot, &state.y, &state.u)?,
     ])
 }
 
@@ -242,7 +245,7 @@ fn inverse_of_forward(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let (y, v) = (&state.y, &state.v);
     let a = robot.first("forward_dynamics", &[y, v, &state.u])?;
     let forces = robot.first("inverse_dynamics", &[y, v, &a])?;
-    let expected = joint_forces(robot, &state.u)?;
+    let expected = joint_forces(robot, &state.y, &state.u)?;
     weighted_difference(robot, state, &a, [&forces, &expected])
 }
 
@@ -279,7 +282,7 @@ fn power(robot: &Robot<'_>, state: &State) -> Option<f64> {
     };
     let rate = derivative(energy)?[0];
     let applied = robot.first("applied_forces", &[y, v])?;
-    let forces = joint_forces(robot, &state.u)?;
+    let forces = joint_forces(robot, &state.y, &state.u)?;
     let inertial = matrix_times(&robot.first("mass_matrix", &[y])?, &a);
     let coriolis = robot.first("coriolis_forces", &[y, v])?;
     let forces_without: Vec<f64> = (0..robot.n()).map(|i| inertial[i] + coriolis[i] - applied[i]).collect();

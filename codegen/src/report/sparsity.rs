@@ -19,7 +19,7 @@ const MATRICES: &[(&str, usize, &str, &str)] = &[
 /// Patterns of all matrices that have entries.
 pub(super) fn patterns(robot: &Robot<'_>) -> Vec<Pattern> {
     let joints: Vec<String> = robot.joints().iter().map(|joint| joint.name.clone()).collect();
-    let drives: Vec<String> = robot.inputs().iter().map(|drive| drive.name.clone()).collect();
+    let drives: Vec<String> = robot.inputs().iter().map(|input| input.name().to_owned()).collect();
     let pattern = |&(function, result, id, title): &(&str, usize, &str, &str)| {
         let program = &robot.function(function)?.program;
         let entries = entries(program, result)?;

@@ -1,6 +1,7 @@
 //! Seeded states within the limits of a robot.
 
 use super::robot::Robot;
+use crate::model::Actuator;
 use crate::random::Random;
 
 /// A state with accelerations and inputs.
@@ -28,10 +29,16 @@ impl State {
         let v = v.collect();
         let a = joints.iter().map(|_| random.either_side(0.1, 2.0)).collect();
         let inputs = robot.inputs();
-        let u = inputs.iter().map(|drive| {
-            let ratio = robot.value(&drive.gear_ratio).abs().max(1e-3);
-            let most = drive.torque.nominal.unwrap_or(10.0 / ratio);
-            random.either_side(0.1 * most, most)
+        let u = inputs.iter().map(|input| match input {
+            Actuator::Drive(drive) => {
+                let ratio = robot.value(&drive.gear_ratio).abs().max(1e-3);
+                let most = drive.torque.nominal.unwrap_or(10.0 / ratio);
+                random.either_side(0.1 * most, most)
+            }
+            Actuator::Force(force) => {
+                let [low, high] = force.limits.unwrap_or([-10.0, 10.0]);
+                random.between(low, high)
+            }
         });
         let u = u.collect();
         Self { y, v, a, u }

@@ -7,7 +7,7 @@ use super::robot::Robot;
 use crate::diagnostic::Diagnostics;
 use crate::formula::Formula;
 use crate::functions::function::Function;
-use crate::model::{Drive, Input, Joint, JointKind, Motion, Pose, RotorCoupling};
+use crate::model::{Actuator, Drive, Input, Joint, JointKind, Motion, Pose, RotorCoupling};
 use crate::numeric::{atan2, length};
 use crate::program::cost;
 
@@ -90,7 +90,7 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
         .column("peak torque", "peak torque", "N m");
     let rows = drives.iter().map(|drive| {
         let mut inputs = robot.inputs().into_iter();
-        let index = match inputs.position(|input| input.name == drive.name) {
+        let index = match inputs.position(|input| input.name() == drive.name) {
             Some(index) => Cell::Line(vec![Inline::Math(format!("u_{{{}}}", index + 1))]),
             None => Cell::Empty,
         };
@@ -111,7 +111,7 @@ fn drive_row(robot: &Robot<'_>, drive: &Drive) -> Vec<Cell> {
     };
     let input = match (&drive.input, drive.acts_on.first()) {
         (_, None) => Cell::text("none: the joint is held"),
-        (Input::Torque, _) if robot.model.input_unit(drive) == "N" => Cell::text("force"),
+        (Input::Torque, _) if robot.model.input_unit(Actuator::Drive(drive)) == "N" => Cell::text("force"),
         (Input::Torque, _) => Cell::text("torque"),
         (Input::Current(constant), _) => match constant.as_number() {
             Some(value) => Cell::text(format!("current, {value} N m/A")),

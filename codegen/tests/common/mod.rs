@@ -71,6 +71,9 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
         followers: vec![],
         coordinates: (1..=joints.len()).collect(),
         drives,
+        point_forces: Vec::new(),
+        force_inputs: Vec::new(),
+        wrenches: Vec::new(),
         frames: vec![],
         options: Options::default(),
     }

@@ -140,7 +140,7 @@ impl Regime {
             encoder_resolution: [self.encoder_step; 2],
             encoder_noise: [self.encoder_noise; 2],
             input_resolution: [self.torque_step; 2],
-            input_limit: [PEAK; 2],
+            input_limits: [[-PEAK, PEAK]; 2],
             input_noise: [self.torque_noise; 2],
             delay: self.delay,
             seed,

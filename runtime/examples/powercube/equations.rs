@@ -84,7 +84,7 @@ mod tests {
             for i in 0..2 {
                 for j in 0..2 {
                     close(model.mass_matrix(&y)[i][j], mass[i][j]);
-                    close(model.input_matrix()[i][j], if i == j { p.gear } else { 0.0 });
+                    close(model.input_matrix(&y)[i][j], if i == j { p.gear } else { 0.0 });
                 }
                 close(model.coriolis_forces(&y, &v)[i], coriolis[i]);
                 close(rigid.applied_forces(&y, &v)[i], gravity[i]);

@@ -29,8 +29,14 @@ pub trait Robot {
     /// Number of bodies: the first `10 · bodies` parameters are theirs.
     fn bodies(&self) -> usize;
 
-    /// B, `N × M`, rows first: joint forces of unit inputs.
+    /// B, `N × M`, rows first: joint forces of unit inputs; columns of inputs that act at frames are zero.
     fn input_matrix(&self) -> Vec<f64>;
+
+    /// Tells whether inputs act at frames: B depends on the positions then, and efforts must be forces at the
+    /// joints.
+    fn has_inputs_at_frames(&self) -> bool {
+        false
+    }
 
     /// `W`, `N × P`, rows first, at positions y [rad or m], velocities ẏ and accelerations ÿ.
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]);
@@ -119,7 +125,11 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize, const P: usize> Robot fo
     }
 
     fn input_matrix(&self) -> Vec<f64> {
-        self.model.input_matrix().concat()
+        self.model.drive_matrix().concat()
+    }
+
+    fn has_inputs_at_frames(&self) -> bool {
+        self.model.drives() < M
     }
 
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {

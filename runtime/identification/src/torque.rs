@@ -70,11 +70,11 @@ pub fn friction_torques<const N: usize, const M: usize>(
     for (name, column) in names.iter().zip(&motion.inputs) {
         require_column(&format!("input {}", Named(name)), m, column)?;
     }
-    let input_matrix = model.input_matrix();
-    for (torque, gears) in torques.iter_mut().zip(&input_matrix) {
-        for (i, torque) in torque.iter_mut().enumerate() {
+    for i in 0..m {
+        let input_matrix = model.input_matrix(&motion.positions.map(|c| c[i]));
+        for (torque, gears) in torques.iter_mut().zip(&input_matrix) {
             let drive: f64 = gears.iter().zip(&motion.inputs).map(|(b, u)| b * u[i]).sum();
-            *torque = drive - *torque;
+            torque[i] = drive - torque[i];
         }
     }
     Ok(torques)

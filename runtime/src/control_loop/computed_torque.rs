@@ -102,7 +102,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> ComputedTorque<D, N, M> 
         for joint in 0..N {
             let mut force = [0.0; N];
             force[joint] = 1.0;
-            let missed = feed_forward.missed(&force).map(f64::abs);
+            let missed = feed_forward.missed(&[0.0; N], &force).map(f64::abs);
             if missed.iter().any(|r| *r > MISSED) {
                 let name = names[joint];
                 return Err(ComputedTorqueError::Underactuated { joint, name });
@@ -125,7 +125,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointLaw<N, M> for Compu
                 + self.gains.position[i] * (desired.positions[i] - positions[i])
         });
         let forces = self.feed_forward.model().inverse_dynamics(positions, velocities, &accelerations);
-        finite(self.feed_forward.inputs_for(&forces))
+        finite(self.feed_forward.inputs_for(positions, &forces))
     }
 
     fn joint_names(&self) -> [&'static str; N] {

@@ -182,7 +182,7 @@ where
 
     /// Limits the inputs, and brakes where the state is outside its limits, or at the end of the motion.
     pub(super) fn check(&mut self, desired: &[f64; N], mut inputs: [f64; M]) -> [f64; M] {
-        self.state.counts.limited_inputs += limit_inputs(&mut inputs, &self.settings.input_limit);
+        self.state.counts.limited_inputs += limit_inputs(&mut inputs, &self.settings.input_limits);
         let (positions, age) = self.state.guard.believed();
         let velocities = self.state.filter.velocities();
         let situation = Situation { positions: &positions, velocities, age, desired };

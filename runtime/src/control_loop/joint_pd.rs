@@ -96,10 +96,13 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointLaw<N, M> for Joint
         positions: &[f64; N],
         velocities: &[f64; N],
     ) -> Result<[f64; M], ControllerFault> {
-        let correction = self.feed_forward.inputs_for(&core::array::from_fn(|i| {
-            self.gains.position[i] * (desired.positions[i] - positions[i])
-                + self.gains.velocity[i] * (desired.velocities[i] - velocities[i])
-        }));
+        let correction = self.feed_forward.inputs_for(
+            positions,
+            &core::array::from_fn(|i| {
+                self.gains.position[i] * (desired.positions[i] - positions[i])
+                    + self.gains.velocity[i] * (desired.velocities[i] - velocities[i])
+            }),
+        );
         let mut inputs = self.feed_forward.at(desired).inputs;
         for (u, du) in inputs.iter_mut().zip(correction) {
             *u += du;

@@ -67,11 +67,11 @@ impl fmt::Display for LimitFault {
 }
 
 /// Cuts inputs off at their limits; returns how many were. The inputs must be finite.
-pub(super) fn limit_inputs<const M: usize>(inputs: &mut [f64; M], limit: &[f64; M]) -> u64 {
+pub(super) fn limit_inputs<const M: usize>(inputs: &mut [f64; M], limits: &[[f64; 2]; M]) -> u64 {
     let mut limited = 0;
-    for (u, limit) in inputs.iter_mut().zip(limit) {
-        if u.abs() > *limit {
-            *u = u.clamp(-limit, *limit);
+    for (u, [low, high]) in inputs.iter_mut().zip(limits) {
+        if *u < *low || *u > *high {
+            *u = u.clamp(*low, *high);
             limited += 1;
         }
     }

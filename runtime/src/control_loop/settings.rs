@@ -35,8 +35,9 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     pub following_error: [f64; N],
     /// Distance from the start of the trajectory at which the loop refuses to start [rad or m].
     pub start_tolerance: [f64; N],
-    /// Largest magnitude of each input, in its unit; more is cut off, whatever the controller says.
-    pub input_limit: [f64; M],
+    /// Lowest and highest value of each input, in its unit; what is beyond is cut off, whatever the controller
+    /// says. 0 is between the two.
+    pub input_limits: [[f64; 2]; M],
     /// The guard's tolerances for encoders.
     pub guard: GuardSettings<N>,
     /// Time constant of the velocity estimate from positions, for speed check, fallback and log (s). Without
@@ -81,7 +82,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
         Self::within(rate, &model.limits(), model.input_limits().peak)
     }
 
-    pub(super) fn within(rate: f64, limits: &Limits<N, M>, input_limit: [f64; M]) -> Self {
+    pub(super) fn within(rate: f64, limits: &Limits<N, M>, input_limits: [[f64; 2]; M]) -> Self {
         // A rate out of range is refused when the loop is made, not here.
         let period = 1.0 / if RATES.contains(&rate) { rate } else { *RATES.start() };
         let share = |part: f64| Duration::from_secs_f64(part * period);
@@ -98,7 +99,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
             braking_deceleration: limits.velocity.map(|v| v / 0.2),
             following_error: [0.1; N],
             start_tolerance: [0.05; N],
-            input_limit,
+            input_limits,
             guard: GuardSettings {
                 jump_speed: limits.velocity.map(|v| 2.0 * v),
                 jump_margin: [1e-3; N],
@@ -148,7 +149,11 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
         for (name, values) in positive {
             require_each(name, joints, values, "positive", |x| x > 0.0)?;
         }
-        require_each("input_limit", inputs, &self.input_limit, "positive", |x| x > 0.0)?;
+        let [lowest, highest] = [0, 1].map(|side| self.input_limits.map(|limits| limits[side]));
+        require_each("input_limits (lowest)", inputs, &lowest, "not positive", |x| x <= 0.0)?;
+        require_each("input_limits (highest)", inputs, &highest, "not negative", |x| x >= 0.0)?;
+        let ranges = self.input_limits.map(|[low, high]| high - low);
+        require_each("input_limits (highest minus lowest)", inputs, &ranges, "positive", |x| x > 0.0)?;
         require_each("guard.jump_margin", joints, &self.guard.jump_margin, "not negative", |x| x >= 0.0)?;
         let times = [
             ("velocity_time_constant", self.velocity_time_constant),

@@ -91,9 +91,10 @@ where
     fn holding_inputs(&self, positions: &[f64; N]) -> Result<[f64; M], Refusal> {
         let rest = Sample::at_rest(*positions);
         let inputs = self.fallback.inputs(&rest, positions, &[0.0; N]).unwrap_or([f64::NAN; M]);
-        for (input, (needed, limit)) in inputs.iter().zip(self.settings.input_limit).enumerate() {
-            let possible = needed.abs() <= limit;
+        for (input, (needed, [low, high])) in inputs.iter().zip(self.settings.input_limits).enumerate() {
+            let possible = *needed >= low && *needed <= high;
             if !possible {
+                let limit = if *needed < low { low } else { high };
                 return Err(Refusal::Torque { input, name: self.inputs[input], needed: *needed, limit });
             }
         }

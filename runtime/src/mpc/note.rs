@@ -202,8 +202,8 @@ mod tests {
                 velocity: [f64::INFINITY],
                 effort: [5.0],
                 peak_effort: [10.0],
-                input: [5.0],
-                peak_input: [10.0],
+                input: [[-5.0, 5.0]],
+                peak_input: [[-10.0, 10.0]],
             }
         }
         fn mass_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {
@@ -224,7 +224,7 @@ mod tests {
         fn load_friction(&self, _: &[f64; 1], v: &[f64; 1]) -> [f64; 1] {
             [0.25 * v[0].signum()]
         }
-        fn input_matrix(&self) -> [[f64; 1]; 1] {
+        fn input_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {
             [[1.0]]
         }
     }

@@ -67,7 +67,10 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
     pub fn new(model: &impl Dynamics<N, M>, period: f64, horizon: usize) -> Self {
         let limits = model.limits();
         let inputs = model.input_limits().peak;
-        let scale = inputs.map(|u| if u.is_finite() && u > 0.0 { u } else { 1.0 });
+        let scale = inputs.map(|[low, high]| {
+            let largest = high.max(-low);
+            if largest.is_finite() && largest > 0.0 { largest } else { 1.0 }
+        });
         Self {
             period,
             horizon,
@@ -75,7 +78,7 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
             velocity_weight: [1e2; N],
             input_weight: scale.map(|u| 1e-3 / (u * u)),
             input_rate_weight: [0.0; M],
-            input_limits: inputs.map(|u| [-u, u]),
+            input_limits: inputs,
             position_limits: limits.position,
             velocity_limits: limits.velocity,
             rows: [],

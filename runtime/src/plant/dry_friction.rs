@@ -130,7 +130,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
         let v = self.directed(&motion.velocities);
         let (mass, coriolis, applied) = self.model.equations_of_motion(y, &v);
         let (friction, shares) = (self.model.friction_torques(y, &v), self.model.load_friction(y, &v));
-        let input_matrix = self.model.input_matrix();
+        let input_matrix = self.model.input_matrix(y);
         let stuck = |i: usize| self.modes[i] == Mode::Stuck;
         let mut loads = [0.0; N];
         let forces: [f64; N] = core::array::from_fn(|i| {

@@ -252,9 +252,9 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
         }
         core::array::from_fn(|i| {
             let noisy = self.received[i] + self.options.input_noise[i] * noise[i];
-            let limit = self.options.input_limit[i];
+            let [low, high] = self.options.input_limits[i];
             // The limit last: rounding must not exceed it.
-            quantized(noisy, self.options.input_resolution[i]).clamp(-limit, limit)
+            quantized(noisy, self.options.input_resolution[i]).clamp(low, high)
         })
     }
 
@@ -269,7 +269,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
             core::array::from_fn(|i| self.motion.velocities[i] + deviation[i] * noise[i])
         });
         let torques = self.options.torque_noise.map(|deviation| {
-            let (noise, gears) = (normals::<N>(&mut self.torque_noise), self.model.input_matrix());
+            let (noise, gears) =
+                (normals::<N>(&mut self.torque_noise), self.model.input_matrix(&self.motion.positions));
             core::array::from_fn(|i| {
                 let force: f64 = gears[i].iter().zip(&self.applied).map(|(b, u)| b * u).sum();
                 force + deviation[i] * noise[i]
@@ -307,7 +308,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
 }
 
 fn default_brakes<const N: usize, const M: usize>(model: &impl Dynamics<N, M>) -> [f64; N] {
-    let (limits, input_matrix) = (model.limits(), model.input_matrix());
+    let (limits, input_matrix) = (model.limits(), model.drive_matrix());
     core::array::from_fn(|i| {
         if input_matrix[i].iter().all(|b| *b == 0.0) { 0.0 } else { BRAKE_RESERVE * limits.peak_effort[i] }
     })

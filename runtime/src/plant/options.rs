@@ -20,8 +20,9 @@ pub struct PlantOptions<const N: usize, const M: usize> {
     pub torque_noise: Option<[f64; N]>,
     /// Step of each input, in its unit; what is applied is rounded to its multiples. 0: exact.
     pub input_resolution: [f64; M],
-    /// Largest magnitude of each input, in its unit; more is cut off. Infinite: no limit.
-    pub input_limit: [f64; M],
+    /// Lowest and highest value of each input, in its unit; what is beyond is cut off. 0 is between the two. Infinite:
+    /// no limit.
+    pub input_limits: [[f64; 2]; M],
     /// Standard deviation of the normal noise on each input, drawn once a period, before the limit.
     pub input_noise: [f64; M],
     /// Periods between [`Plant::apply`](super::Plant::apply) and the effect of its input.
@@ -51,7 +52,7 @@ impl<const N: usize, const M: usize> Default for PlantOptions<N, M> {
             velocity_noise: None,
             torque_noise: None,
             input_resolution: [0.0; M],
-            input_limit: [f64::INFINITY; M],
+            input_limits: [[f64::NEG_INFINITY, f64::INFINITY]; M],
             input_noise: [0.0; M],
             delay: 0,
             input_loss: 0.0,
@@ -93,7 +94,11 @@ impl<const N: usize, const M: usize> PlantOptions<N, M> {
         for (option, values) in drives {
             require(option, inputs, values, SIZE, size)?;
         }
-        require("input_limit", inputs, &self.input_limit, "positive", |x| x > 0.0)?;
+        let [lowest, highest] = [0, 1].map(|side| self.input_limits.map(|limits| limits[side]));
+        require("input_limits (lowest)", inputs, &lowest, "not positive", |x| x <= 0.0)?;
+        require("input_limits (highest)", inputs, &highest, "not negative", |x| x >= 0.0)?;
+        let ranges = self.input_limits.map(|[low, high]| high - low);
+        require("input_limits (highest minus lowest)", inputs, &ranges, "positive", |x| x > 0.0)?;
         let brakes = self.brake_torque.as_ref().map_or(&[][..], |b| b);
         require("brake_torque", joints, brakes, "not negative", |x| x >= 0.0)?;
         let losses = [("input_loss", self.input_loss), ("measurement_loss", self.measurement_loss)];

@@ -108,7 +108,7 @@ pub fn violations<D: Dynamics<N, M>, const N: usize, const M: usize>(
 ) -> Result<Vec<Violation>, CheckError> {
     require_positive("period", period)?;
     let limits = model.limits();
-    let input_matrix = model.input_matrix();
+    let input_matrix = model.drive_matrix();
     let (effort, input) = match rating {
         Rating::Nominal => (limits.effort, limits.input),
         Rating::Peak => (limits.peak_effort, limits.peak_input),
@@ -134,8 +134,7 @@ pub fn violations<D: Dynamics<N, M>, const N: usize, const M: usize>(
             watch.see(Quantity::Unreachable, place, command.residual[i], bound(FEASIBLE));
         }
         for j in 0..M {
-            let limits = [-input[j], input[j]];
-            watch.see(Quantity::Input, (j, inputs[j]), command.inputs[j], limits);
+            watch.see(Quantity::Input, (j, inputs[j]), command.inputs[j], input[j]);
         }
     }
     Ok(watch.finish())

@@ -43,7 +43,7 @@ pub fn pd(rate: f64) -> Pd {
 }
 
 pub fn plant_options() -> PlantOptions<2, 2> {
-    PlantOptions { encoder_resolution: [1e-4; 2], input_limit: [0.5; 2], ..PlantOptions::default() }
+    PlantOptions { encoder_resolution: [1e-4; 2], input_limits: [[-0.5, 0.5]; 2], ..PlantOptions::default() }
 }
 
 /// One in five measurements and one in five inputs are lost.

@@ -113,7 +113,7 @@ pub fn run(
 
 /// A plant like the model, but for the motors' peak torque.
 pub fn exact() -> PlantOptions<2, 2> {
-    PlantOptions { input_limit: [PEAK; 2], ..PlantOptions::default() }
+    PlantOptions { input_limits: [[-PEAK, PEAK]; 2], ..PlantOptions::default() }
 }
 
 /// Feed-forward of `model` along `reference`.

@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn the_slewing_drive_turns_with_its_gear() {
-        let input_matrix = Crane::default().input_matrix();
+        let input_matrix = Crane::default().drive_matrix();
         assert_eq!(input_matrix, [[160.0, 0.0], [0.0, 1.0]]);
         assert_eq!(Crane::default().friction_torques(&[0.0; 2], &[2.0, 0.0]), [6.0, 0.0]);
     }

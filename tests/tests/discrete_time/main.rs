@@ -73,7 +73,7 @@ fn smooth_state<const N: usize, const M: usize>(
     rng: &mut Rng,
 ) -> ([f64; N], [f64; N], [f64; M]) {
     const FAR: f64 = 8.0;
-    let input_matrix = robot.input_matrix();
+    let input_matrix = robot.drive_matrix();
     loop {
         let (y, v, u) = random_state::<N, M>(rng);
         let (share, friction) = (robot.load_friction(&y, &v), robot.friction_torques(&y, &v));

@@ -22,6 +22,8 @@ include!("exp_direct_f32.rs");
 include!("exp_f32.rs");
 include!("tanh.rs");
 include!("tanh_f32.rs");
+include!("sqrt.rs");
+include!("sqrt_f32.rs");
 
 /// Text of one elementary function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -62,6 +64,10 @@ pub enum Kernel {
     Tanh,
     /// [`tanh_f32`]
     TanhF32,
+    /// [`sqrt`]
+    Sqrt,
+    /// [`sqrt_f32`]
+    SqrtF32,
 }
 
 impl Kernel {
@@ -86,6 +92,8 @@ impl Kernel {
             Self::ExpF32 => "exp_f32",
             Self::Tanh => "tanh",
             Self::TanhF32 => "tanh_f32",
+            Self::Sqrt => "sqrt",
+            Self::SqrtF32 => "sqrt_f32",
         }
     }
 
@@ -110,6 +118,8 @@ impl Kernel {
             Self::ExpF32 => include_str!("exp_f32.rs"),
             Self::Tanh => include_str!("tanh.rs"),
             Self::TanhF32 => include_str!("tanh_f32.rs"),
+            Self::Sqrt => include_str!("sqrt.rs"),
+            Self::SqrtF32 => include_str!("sqrt_f32.rs"),
         }
     }
 
@@ -122,7 +132,8 @@ impl Kernel {
             Self::SinCosArrayF32 | Self::SinCosLanesF32 => Some(Self::SinCosF32),
             Self::Exp | Self::Tanh => Some(Self::ExpReduced),
             Self::ExpF32 | Self::TanhF32 => Some(Self::ExpDirectF32),
-            Self::SinCos | Self::ExpReduced | Self::ExpDirectF32 => None,
+            Self::SqrtF32 => Some(Self::Sqrt),
+            Self::SinCos | Self::ExpReduced | Self::ExpDirectF32 | Self::Sqrt => None,
         }
     }
 }

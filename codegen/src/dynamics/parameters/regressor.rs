@@ -31,7 +31,7 @@ pub const SYMBOLS: [&str; PER_LINK] = ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "
 
 /// Drives with a rotor, in the order of the inputs: all but ideal ones.
 pub fn drives_with_rotor(model: &Model) -> impl Iterator<Item = &Drive> {
-    model.inputs().filter(|drive| !is_ideal(drive))
+    model.input_drives().filter(|drive| !is_ideal(drive))
 }
 
 fn is_ideal(drive: &Drive) -> bool {

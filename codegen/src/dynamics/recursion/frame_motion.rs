@@ -2,6 +2,7 @@
 
 use nalgebra::Matrix3;
 
+use crate::dynamics::arguments::WrenchArgument;
 use crate::dynamics::recursion::newton_euler::{MotionInput, frame_acceleration};
 use crate::dynamics::recursion::placement::{Placement, place};
 use crate::dynamics::search::formulation::Formulation;
@@ -81,6 +82,29 @@ impl<'g> BasePoses<'g> {
             next = body.parent;
         }
         rows
+    }
+
+    /// Adds `Jᵀ` times force and moment at the origin of a frame, in the axes of the base.
+    pub fn add_wrench(
+        &self,
+        link: usize,
+        frame: &Pose<Scalar<'g>>,
+        wrench: WrenchArgument<'g>,
+        forces: &mut [Scalar<'g>],
+    ) {
+        let WrenchArgument { force, moment } = wrench;
+        let about_base = moment + self.pose(link, frame).origin.cross(force);
+        let mut next = self.in_body(link, frame).0;
+        while let Some(index) = next {
+            let body = &self.mechanism.bodies[index];
+            let FramePose { axes, origin } = self.bodies[index];
+            let along = match body.axis {
+                JointAxis::Revolute => axes[2].dot(about_base - origin.cross(force)),
+                JointAxis::Prismatic => axes[2].dot(force),
+            };
+            body.transmission.add_force(along, forces);
+            next = body.parent;
+        }
     }
 
     /// `J̇ ẏ`: acceleration of a frame at ÿ = 0, linear part first.

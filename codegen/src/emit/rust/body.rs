@@ -116,9 +116,18 @@ impl<'a> Body<'a> {
                 quote!(#name)
             }
             Operand::Input(array, index) => {
-                let (name, index) = (&self.arguments[array], Literal::usize_unsuffixed(index));
-                let column = &self.column;
-                quote!(#name[#index]#column)
+                let (name, column) = (&self.arguments[array], &self.column);
+                let number = Literal::usize_unsuffixed;
+                match self.program.inputs[array].extent.row() {
+                    Some(row) => {
+                        let (row, entry) = (number(index / row), number(index % row));
+                        quote!(#name[#row][#entry]#column)
+                    }
+                    None => {
+                        let index = number(index);
+                        quote!(#name[#index]#column)
+                    }
+                }
             }
             Operand::Parameter(index) => {
                 let field = &self.context.parameters[index];

@@ -40,6 +40,7 @@ pub(super) fn call(
         }
         Call::Tanh if is_own => own(context, [Kernel::Tanh, Kernel::TanhF32], argument),
         Call::Exp if is_own => own(context, [Kernel::Exp, Kernel::ExpF32], argument),
+        Call::Sqrt if is_own => own(context, [Kernel::Sqrt, Kernel::SqrtF32], argument),
         _ => {
             let method = method(function);
             quote!(#receiver.#method())
@@ -93,6 +94,7 @@ fn method(function: Call) -> Ident {
         Call::Exp => "exp",
         Call::Abs => "abs",
         Call::Sign => "signum",
+        Call::Sqrt => "sqrt",
     };
     Ident::new(name, Span::call_site())
 }

@@ -108,7 +108,8 @@ fn documentation(function: &Function, body: &Body<'_>) -> DocComment {
         let told = function.arguments.get(i);
         let meaning = told.map_or("", |argument| argument.meaning.as_str());
         let entries = told.map_or(String::new(), |argument| list(&argument.entries));
-        let head = format!("`{name}: [{}]`", length_text(input.extent));
+        let row = input.extent.row().map_or(String::new(), |row| format!(" × {row}"));
+        let head = format!("`{name}: [{}{row}]`", length_text(input.extent));
         doc.item(&sentence([&head, meaning, &entries]));
     }
     if body.context.has_parameters() {

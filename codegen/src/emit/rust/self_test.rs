@@ -5,6 +5,7 @@ use quote::{format_ident, quote};
 
 use super::context::Context;
 use super::lints;
+use super::signature::in_rows;
 use crate::emit::options::Scalar;
 use crate::functions::function::Function;
 use crate::program::Shape;
@@ -63,9 +64,10 @@ fn test(context: &Context<'_>, function: &Function, calls: &[&SelfTest]) -> Toke
     let numbers = calls.iter().flat_map(|call| call.arguments.iter().chain(&call.results));
     let allowed = lints::for_numbers(numbers.flatten().copied());
     let calls = calls.iter().map(|call| {
-        let arguments = call.arguments.iter().map(|entries| {
-            let entries = entries.iter().map(literal);
-            quote!(&[#(#entries),*])
+        let inputs = function.program.inputs.iter();
+        let arguments = call.arguments.iter().zip(inputs).map(|(entries, input)| {
+            let entries = in_rows(input.extent, entries.iter().map(literal).collect());
+            quote!(&#entries)
         });
         let arguments = arguments.chain(parameters.clone());
         let found: Vec<_> = (0..shapes.len()).map(|k| format_ident!("r{k}")).collect();

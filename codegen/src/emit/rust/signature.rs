@@ -37,9 +37,21 @@ impl Signature {
 pub(super) fn inputs(body: &Body<'_>, entry: &TokenStream) -> impl Iterator<Item = TokenStream> {
     let inputs = body.program.inputs.iter().zip(&body.arguments);
     inputs.map(move |(input, name)| {
-        let ty = nested(entry.clone(), [length(input.extent)].into_iter());
+        let row = input.extent.row().map(number);
+        let ty = nested(entry.clone(), [length(input.extent)].into_iter().chain(row));
         quote!(#name: &#ty)
     })
+}
+
+/// The entries of an array, nested where they come in rows.
+pub(super) fn in_rows(extent: Extent, entries: Vec<TokenStream>) -> TokenStream {
+    match extent.row() {
+        Some(row) => {
+            let rows = entries.chunks(row).map(|row| quote!([#(#row),*]));
+            quote!([#(#rows),*])
+        }
+        None => quote!([#(#entries),*]),
+    }
 }
 
 /// The type of a result, of entries of a type.
@@ -83,6 +95,7 @@ fn name(extent: Extent) -> Option<&'static str> {
     match extent.dimension {
         Dimension::Coordinates | Dimension::Velocities => Some("N"),
         Dimension::Inputs => Some("M"),
+        Dimension::Wrenches => Some("WRENCHES"),
         Dimension::Parameters | Dimension::Fixed => None,
     }
 }

@@ -2,23 +2,31 @@
 //!
 //! `quantity` is the vocabulary, `motion`, `frames`, `regressors` and `hessian` hold the rows.
 
+mod frame_inputs;
 mod frames;
 mod hessian;
 mod load_friction;
 mod motion;
 mod quantity;
 mod regressors;
+mod wrenches;
 
 pub(super) use frames::{FRAME_QUANTITIES, frame_name};
-pub(super) use load_friction::describe as describe_load_friction;
 pub use quantity::{Argument, Quantity, Value};
 pub(super) use quantity::{BuildLoops, Estimate, FrameQuantity, Loops, QuantityResult};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::forces;
 use crate::functions::composition::Composition;
+use crate::functions::function::Function;
 use crate::model::Model;
 use motion::{FRICTION_BY_POSITION, QUANTITIES};
+
+/// Says what is otherwise of a function in a robot where the rows of the catalogue are not the whole truth.
+pub(super) fn describe(model: &Model, function: &mut Function) {
+    load_friction::describe(model, function);
+    frame_inputs::describe(model, function);
+}
 
 /// Every function but those of named frames, in the order of the generated module.
 pub fn quantities() -> impl Iterator<Item = &'static Quantity> {
@@ -26,7 +34,7 @@ pub fn quantities() -> impl Iterator<Item = &'static Quantity> {
 }
 
 /// [`quantities()`] with the rows of friction that a model needs: where a friction law depends on the
-/// position of its joint, they take y too.
+/// position of its joint, or inputs act at frames, they take y too.
 fn quantities_of(model: &Model) -> impl Iterator<Item = &'static Quantity> {
     let by_position: &[Quantity] = match forces::friction_depends_on_position(model) {
         true => FRICTION_BY_POSITION,
@@ -37,10 +45,15 @@ fn quantities_of(model: &Model) -> impl Iterator<Item = &'static Quantity> {
         false => &[],
     };
     let quantities = quantities().map(move |quantity| {
-        let replacement = by_position.iter().find(|row| row.name == quantity.name);
+        let mut rows = by_position.iter().chain(frame_inputs::rows(model));
+        let replacement = rows.find(|row| row.name == quantity.name);
         replacement.unwrap_or(quantity)
     });
-    quantities.chain(of_the_load)
+    let of_wrenches: &[Quantity] = match model.wrenches.is_empty() {
+        true => &[],
+        false => wrenches::QUANTITIES,
+    };
+    quantities.chain(of_the_load).chain(of_wrenches)
 }
 
 /// The quantities of a model, and those that are derived where they are asked for by name.
@@ -63,7 +76,7 @@ pub(super) fn row(name: &str) -> Option<&'static Quantity> {
 
 /// The rows of every function of whatever robot.
 fn all() -> impl Iterator<Item = &'static Quantity> {
-    quantities().chain(ON_REQUEST).chain(load_friction::QUANTITIES)
+    quantities().chain(ON_REQUEST).chain(load_friction::QUANTITIES).chain(wrenches::QUANTITIES)
 }
 
 /// Tells whether other functions may call a function.
@@ -108,7 +121,6 @@ pub(crate) fn check_names(model: &Model, selection: &[String]) -> Result<(), Dia
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::functions::composition::Composition;
     use crate::model::FUNCTIONS;
 
     #[test]

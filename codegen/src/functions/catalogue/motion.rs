@@ -7,8 +7,8 @@ use super::quantity::{
 use super::regressors;
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
+use crate::dynamics::per_joint;
 use crate::dynamics::recursion::newton_euler::MotionInput;
-use crate::dynamics::{forces, per_joint};
 use crate::functions::module_constants;
 
 /// The equations of motion and what follows from them.
@@ -92,7 +92,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[],
         results: &[("B", BY_INPUTS, "gear ratios, times motor constants where inputs are currents")],
         notes: &[],
-        build: |equations, _| vec![matrix(forces::input_matrix(equations.graph, equations.model))],
+        build: |equations, _| vec![matrix(equations.input_matrix(&[]))],
         ..Quantity::PLAIN
     },
     Quantity {
@@ -296,6 +296,23 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
 ];
+
+/// The row that replaces that of the same name where inputs act at frames.
+pub(super) const INPUT_MATRIX_BY_POSITION: &[Quantity] = &[Quantity {
+    name: "input_matrix",
+    summary: "Input matrix `B(y)`.",
+    equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B(y) u",
+    arguments: &[Coordinates],
+    results: &[(
+        "B",
+        BY_INPUTS,
+        "generalized forces of a unit of each input: for drives gear ratios, times motor constants where inputs are \
+         currents; for inputs at frames `Jᵀ` times the wrench, or `−∂l/∂y` of the distance that they pull together",
+    )],
+    notes: &[],
+    build: |equations, arguments| vec![matrix(equations.input_matrix(&arguments.y))],
+    ..Quantity::PLAIN
+}];
 
 /// Rows that replace those of the same name where a friction law depends on the position.
 pub(super) const FRICTION_BY_POSITION: &[Quantity] = &[

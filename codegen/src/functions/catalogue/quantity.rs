@@ -7,7 +7,7 @@ use crate::dynamics::search::routes::Formulations;
 use crate::functions::function::{ArgumentText, Constant};
 use crate::graph::Scalar;
 use crate::layout::{Dimension, Extent};
-use crate::model::{Drive, Joint, JointKind, Model};
+use crate::model::{Actuator, Joint, JointKind, Model, Wrench, WrenchAxes};
 use crate::program::arrays::Arrays;
 use crate::program::{InputArray, Program};
 use crate::spatial::Pose;
@@ -25,9 +25,11 @@ pub enum Argument {
     Inputs,
     /// λ
     Multipliers,
+    /// w
+    Wrenches,
 }
 
-use Argument::{Accelerations, Coordinates, Inputs, Multipliers, Velocities};
+use Argument::{Accelerations, Coordinates, Inputs, Multipliers, Velocities, Wrenches};
 
 impl Argument {
     pub(in crate::functions) fn name(self) -> &'static str {
@@ -37,6 +39,7 @@ impl Argument {
             Accelerations => "a",
             Inputs => "u",
             Multipliers => "lambda",
+            Wrenches => "w",
         }
     }
 
@@ -47,6 +50,7 @@ impl Argument {
             Accelerations => "accelerations ÿ",
             Inputs => "inputs",
             Multipliers => "multipliers λ, one for each force",
+            Wrenches => "wrenches, each force [N], then moment about the origin of its frame [N m]",
         }
     }
 
@@ -64,10 +68,17 @@ impl Argument {
             Velocities => by_joint(["rad/s", "m/s"]),
             Accelerations => by_joint(["rad/s²", "m/s²"]),
             Inputs => {
-                let entry = |drive: &Drive| (drive.name.clone(), model.input_unit(drive));
+                let entry = |input: Actuator<'_>| (input.name().to_owned(), model.input_unit(input));
                 model.inputs().map(entry).collect()
             }
             Multipliers => Vec::new(),
+            Wrenches => {
+                let axes = |wrench: &Wrench| match wrench.axes {
+                    WrenchAxes::Frame => "the axes of its frame",
+                    WrenchAxes::Base => "the axes of the base",
+                };
+                model.wrenches.iter().map(|wrench| (wrench.name.clone(), axes(wrench))).collect()
+            }
         };
         ArgumentText { meaning: self.meaning().to_owned(), entries }
     }
@@ -76,6 +87,7 @@ impl Argument {
         let velocities = Extent::new(Dimension::Velocities, model.coordinates.len());
         match self {
             Inputs => Extent::new(Dimension::Inputs, model.inputs().count()),
+            Wrenches => Extent::new(Dimension::Wrenches, 6 * model.wrenches.len()),
             Coordinates => Extent::new(Dimension::Coordinates, model.coordinates.len()),
             Velocities | Accelerations | Multipliers => velocities,
         }

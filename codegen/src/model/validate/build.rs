@@ -11,6 +11,7 @@ use super::super::{
     Model, Motion, MotorTorque, Pose, RotorCoupling,
 };
 use super::couplings::Couplings;
+use super::frame_forces::{FrameForces, Resolver};
 use super::names::{Identifiers, report_duplicates};
 use crate::diagnostic::{At, Report, nearest};
 use crate::formula::Formula;
@@ -39,6 +40,9 @@ impl Builder<'_, '_> {
         self.attach_bodies(&mut links);
         let drives = self.drives(&links, &couplings);
         let frames = self.frames();
+        let at_frames =
+            Resolver { robot: self.robot, tree: &self.tree, offsets: &self.offsets, report: self.report };
+        let FrameForces { point_forces, inputs: force_inputs, wrenches } = at_frames.resolve();
         let gravity = self.robot.gravity.clone().unwrap_or(GRAVITY.map(Formula::Number));
         Some(Model {
             name: self.identifiers.module.clone(),
@@ -49,6 +53,9 @@ impl Builder<'_, '_> {
             coordinates,
             followers,
             drives,
+            point_forces,
+            force_inputs,
+            wrenches,
             frames,
             options: self.robot.options.clone().unwrap_or_default(),
         })

@@ -4,6 +4,7 @@ mod build;
 mod checks;
 mod couplings;
 mod force_laws;
+mod frame_forces;
 mod hints;
 mod inertias;
 mod mass_matrix;
@@ -40,6 +41,9 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
         let mut builder = Builder { robot, report, identifiers, defaults, tree, offsets: Vec::new() };
         builder.build()
     });
+    if let Some(model) = &model {
+        frame_forces::check(robot, model, report);
+    }
     let model = model.filter(|_| !report.has_errors());
     let pivots = model.as_ref().map(Pivots::of);
     published.report(pivots.as_ref(), report);

@@ -29,12 +29,19 @@ impl Identifiers {
         let drives: Vec<Option<&Name>> = robot.joints.iter().map(|joint| drive_name(robot, joint)).collect();
         let shared = robot.drives.iter().map(|drive| &drive.name);
         let driven: Vec<&Name> = drives.iter().copied().flatten().chain(shared).collect();
+        let pulls = robot.point_forces.iter().filter_map(|force| force.input.as_ref());
+        let at_frames =
+            pulls.map(|input| &input.name).chain(robot.wrench_inputs.iter().map(|input| &input.name));
         let before = report.error_count();
         report_duplicates(joints.iter().copied(), "joints", report);
         if report.error_count() == before {
             // A drive without a name is called like its joint.
             report_duplicates(driven.iter().copied(), "drives", report);
         }
+        if report.error_count() == before {
+            report_duplicates(driven.iter().copied().chain(at_frames), "inputs", report);
+        }
+        report_duplicates(robot.wrenches.iter().map(|wrench| &wrench.name), "wrenches", report);
         report_duplicates(frames.iter().copied(), "frames", report);
         let mut of_drives = distinct(&driven).into_iter();
         Self {

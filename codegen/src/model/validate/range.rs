@@ -84,6 +84,8 @@ impl Range {
             Function::Tanh | Function::Exp | Function::Sign => {
                 Self::between(function.evaluate(self.low), function.evaluate(self.high))
             }
+            Function::Sqrt if self.low < 0.0 => Self::ALL,
+            Function::Sqrt => Self::between(self.low.sqrt(), self.high.sqrt()),
             Function::Abs if self.low >= 0.0 => self,
             Function::Abs => Self { low: self.high.min(0.0).abs(), high: self.magnitude() },
         }

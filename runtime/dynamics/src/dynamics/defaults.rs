@@ -74,7 +74,7 @@ pub fn forward_dynamics<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usi
     u: &[f64; M],
 ) -> [f64; N] {
     let (mass, coriolis, applied) = robot.equations_of_motion(y, v);
-    let input_matrix = robot.input_matrix();
+    let input_matrix = robot.input_matrix(y);
     let (friction, shares) = (robot.friction_torques(y, v), robot.load_friction(y, v));
     let forces = core::array::from_fn(|i| {
         let input = product(&input_matrix[i], u);

@@ -108,8 +108,17 @@ macro_rules! dynamics {
                     velocity: $($module)::+::VELOCITY_LIMITS,
                     effort: $($module)::+::EFFORT_LIMITS,
                     peak_effort: $($module)::+::PEAK_EFFORT_LIMITS,
-                    input: $($module)::+::INPUT_LIMITS,
-                    peak_input: $($module)::+::PEAK_INPUT_LIMITS,
+                    input: $crate::dynamics!(@ranges [$($module)::+], INPUT_LIMITS),
+                    peak_input: $crate::dynamics!(@ranges [$($module)::+], PEAK_INPUT_LIMITS),
+                }
+            }
+
+            fn drives(&self) -> usize {
+                #[allow(unused_imports, reason = "only modules whose inputs all are drives need it")]
+                use $crate::dynamics::ALL_DRIVES as DRIVES;
+                {
+                    $crate::dynamics!(@import [$($module)::+]);
+                    if DRIVES < $($module)::+::M { DRIVES } else { $($module)::+::M }
                 }
             }
 
@@ -117,7 +126,7 @@ macro_rules! dynamics {
             $crate::dynamics!(@required coriolis_forces, [$($module)::+], $p, (y: N, v: N), vector);
             $crate::dynamics!(@required gravity_forces, [$($module)::+], $p, (y: N), vector);
             $crate::dynamics!(@required spring_forces, [$($module)::+], $p, (y: N, v: N), vector);
-            $crate::dynamics!(@required input_matrix, [$($module)::+], $p, (), input_matrix);
+            $crate::dynamics!(@input_matrix [$($module)::+], $p);
             $crate::dynamics!(@friction [$($module)::+], $p);
             $crate::dynamics!(@provided load_friction, [$($module)::+], $p, (y: N, v: N), vector);
             $crate::dynamics!(@provided applied_forces, [$($module)::+], $p, (y: N, v: N), vector);
@@ -181,6 +190,35 @@ macro_rules! dynamics {
             $crate::dynamics::has(&$($module)::+::FUNCTIONS, "inverse_dynamics_derivatives")
                 && $crate::dynamics::has(&$($module)::+::FUNCTIONS, "linearize")
         }>
+    };
+
+    // Magnitudes, and the ranges of inputs that are not symmetric.
+    (@ranges [$($module:ident)::+], $magnitudes:ident) => {{
+        #[allow(unused_imports, reason = "only modules whose inputs all are drives need it")]
+        use $crate::dynamics::Missing as INPUT_RANGES;
+        {
+            $crate::dynamics!(@import [$($module)::+]);
+            $crate::dynamics::InputRanges::within(&INPUT_RANGES, $($module)::+::$magnitudes)
+        }
+    }};
+    // A module's function takes y only where inputs act at frames.
+    (@input_matrix [$($module:ident)::+], [$($p:ident)?]) => {
+        #[inline]
+        fn input_matrix(
+            &self,
+            y: &[f64; $($module)::+::N],
+        ) -> $crate::dynamics!(@type input_matrix, [$($module)::+]) {
+            #[allow(unused_imports, reason = "only modules without this function need it")]
+            use $crate::dynamics::Missing as input_matrix;
+            {
+                $crate::dynamics!(@import [$($module)::+]);
+                $crate::dynamics!(@matrix input_matrix, y $(, &self.$p)?)
+            }
+        }
+    };
+    (@matrix $function:ident, $y:ident) => { $crate::dynamics::InputMatrix::at(&$function, $y) };
+    (@matrix $function:ident, $y:ident, $p:expr) => {
+        $crate::dynamics::InputMatrixWithParameters::at(&$function, $y, $p)
     };
 
     // A module's function takes y only where a law depends on it.

@@ -9,6 +9,7 @@
 pub mod defaults;
 mod friction_law;
 mod functions;
+mod input_matrix;
 mod load_friction;
 mod macros;
 mod names;
@@ -23,6 +24,8 @@ mod types;
 pub use friction_law::{FrictionLaw, FrictionLawWithParameters};
 #[doc(hidden)]
 pub use functions::{HasDerivatives, Missing, NO_SUBSTEPS, OrElse, Required, Yes, has};
+#[doc(hidden)]
+pub use input_matrix::{ALL_DRIVES, InputMatrix, InputMatrixWithParameters, InputRanges};
 pub use load_friction::{load, under_load};
 pub use names::{Named, numbered};
 pub use parameters::{NoFreeParameters, without_parameters};

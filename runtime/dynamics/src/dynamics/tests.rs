@@ -191,7 +191,7 @@ fn parameters_and_blocks_are_passed_on() {
     let linear = robot.linearize(&Y, &V, &[0.0]);
     assert_eq!(linear.accelerations(&[1.0, 1.0], &[1.0, 1.0], &[1.0]), [2.0 + 4.0 + 3.0 + 7.0; 2]);
     assert_eq!(robot.inverse_dynamics_derivatives(&Y, &V, &V).by_velocities, [[3.0; 2]; 2]);
-    assert_eq!(robot.limits().peak_input, [20.0]);
+    assert_eq!(robot.limits().peak_input, [[-20.0, 20.0]]);
 }
 
 #[test]
@@ -388,9 +388,27 @@ fn limits<const N: usize, const M: usize>(motors: [f64; M], efforts: [f64; N]) -
         velocity: [f64::INFINITY; N],
         effort: efforts.map(|e| 0.5 * e),
         peak_effort: efforts,
-        input: motors.map(|u| 0.1 * u),
-        peak_input: motors,
+        input: motors.map(|u| [-0.1 * u, 0.1 * u]),
+        peak_input: motors.map(|u| [-u, u]),
     }
+}
+
+/// The highest inputs; the lowest ones are their negatives.
+fn upper<const M: usize>(ranges: [[f64; 2]; M]) -> [f64; M] {
+    ranges.map(|[low, high]| {
+        assert_eq!(low, -high);
+        high
+    })
+}
+
+/// A propeller pushes one way; an effort cuts off what is beyond it.
+#[test]
+fn ranges_that_are_not_symmetric_stay_so() {
+    let mut robot = limits([f64::INFINITY], [10.0]);
+    robot.peak_input = [[-1.0, 8.0]];
+    assert_eq!(robot.at_inputs(&[[0.0]]).peak, [[-1.0, 8.0]]);
+    assert_eq!(robot.at_inputs(&[[2.0]]).peak, [[-1.0, 5.0]]);
+    assert_eq!(robot.at_inputs(&[[20.0]]).peak, [[-0.5, 0.5]]);
 }
 
 /// The smaller of what motor and joint bear, over each ratio and each sign; a joint without an input limits
@@ -400,11 +418,11 @@ fn inputs_keep_the_efforts_of_their_joints() {
     let gears = [[-100.0, 0.0], [0.0, 0.5], [0.0, 0.0]];
     let robot = limits([1.0, f64::INFINITY], [60.0, 10.0, 1e-3]);
     let inputs = robot.at_inputs(&gears);
-    assert_eq!(inputs.peak, [0.6, 20.0]);
-    assert_eq!(inputs.nominal, [0.1, 10.0]);
+    assert_eq!(inputs.peak, [[-0.6, 0.6], [-20.0, 20.0]]);
+    assert_eq!(inputs.nominal, [[-0.1, 0.1], [-10.0, 10.0]]);
     let unlimited = limits([f64::INFINITY, 3.0], [f64::INFINITY; 3]);
-    assert_eq!(unlimited.at_inputs(&gears).peak, [f64::INFINITY, 3.0]);
-    assert_eq!(Dynamics::input_limits(&Free::default()).peak, [20.0]);
+    assert_eq!(upper(unlimited.at_inputs(&gears).peak), [f64::INFINITY, 3.0]);
+    assert_eq!(Dynamics::input_limits(&Free::default()).peak, [[-20.0, 20.0]]);
 }
 
 /// A differential: both motors turn the first joint, their difference the second.
@@ -412,13 +430,13 @@ fn inputs_keep_the_efforts_of_their_joints() {
 fn inputs_that_share_a_joint_keep_its_effort_whatever_their_signs() {
     let differential = [[2.0, 2.0], [2.0, -2.0]];
     let of_joints = limits([f64::INFINITY; 2], [12.0, 8.0]);
-    assert_eq!(of_joints.at_inputs(&differential).peak, [2.0; 2]);
+    assert_eq!(upper(of_joints.at_inputs(&differential).peak), [2.0; 2]);
     // Weak motors need no share: together they stay below both efforts.
     let of_motors = limits([1.0, 0.5], [12.0, 8.0]);
-    assert_eq!(of_motors.at_inputs(&differential).peak, [1.0, 0.5]);
+    assert_eq!(upper(of_motors.at_inputs(&differential).peak), [1.0, 0.5]);
     // The first leaves less than half of the effort to the second, and the whole is used up.
     let mixed = limits([1.0, f64::INFINITY], [12.0, f64::INFINITY]);
-    let [first, second] = mixed.at_inputs(&differential).peak;
+    let [first, second] = upper(mixed.at_inputs(&differential).peak);
     assert!(first <= 1.0 && (2.0 * (first + second) - 12.0).abs() < 1e-14);
 }
 
@@ -460,7 +478,7 @@ fn no_corner_of_the_input_limits_exceeds_an_effort() {
         });
         let motors = core::array::from_fn(|_| if uniform() < 0.5 { f64::INFINITY } else { uniform() });
         let efforts = core::array::from_fn(|_| if uniform() < 0.3 { f64::INFINITY } else { uniform() });
-        let bounds = limits(motors, efforts).at_inputs(&matrix).peak;
+        let bounds = upper(limits(motors, efforts).at_inputs(&matrix).peak);
         for j in 0..3 {
             assert!(bounds[j] >= 0.0 && bounds[j] <= motors[j], "{bounds:?}");
         }
@@ -478,5 +496,6 @@ fn no_corner_of_the_input_limits_exceeds_an_effort() {
 #[test]
 fn limits_that_are_no_numbers_are_not_dropped() {
     let of = |motor, effort| limits([motor], [effort]).at_inputs(&[[2.0]]).peak[0];
-    assert!(of(f64::NAN, 1.0).is_nan() && of(1.0, f64::NAN).is_nan());
+    let are_nan = |[low, high]: [f64; 2]| low.is_nan() && high.is_nan();
+    assert!(are_nan(of(f64::NAN, 1.0)) && are_nan(of(1.0, f64::NAN)));
 }

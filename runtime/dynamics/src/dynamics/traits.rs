@@ -84,13 +84,29 @@ pub trait Dynamics<const N: usize, const M: usize> {
         core::array::from_fn(|i| [backward[i], forward[i]])
     }
 
-    /// Input matrix `B`, constant; holds the gear ratios.
-    fn input_matrix(&self) -> [[f64; M]; N];
+    /// Input matrix `B(y)`. The columns of the drives, the first [`Self::drives`] ones, are constant and hold the
+    /// gear ratios; the others belong to inputs at frames: cylinders, propellers.
+    fn input_matrix(&self, y: &[f64; N]) -> [[f64; M]; N];
+
+    /// So many of the inputs, the first ones, are drives of joints: mostly all.
+    fn drives(&self) -> usize {
+        M
+    }
+
+    /// The columns of B that belong to drives, which are constant; those of other inputs are zero here.
+    fn drive_matrix(&self) -> [[f64; M]; N] {
+        let mut matrix = self.input_matrix(&[0.0; N]);
+        for row in &mut matrix {
+            row.iter_mut().skip(self.drives()).for_each(|entry| *entry = 0.0);
+        }
+        matrix
+    }
 
     /// Bounds of the inputs that keep the limits of motors and joints: what the loop and the predictive
-    /// controllers use, see [`Limits::at_inputs`].
+    /// controllers use, see [`Limits::at_inputs`]. The effort of a joint limits its drives; inputs at frames have
+    /// their own limits alone.
     fn input_limits(&self) -> InputLimits<M> {
-        self.limits().at_inputs(&self.input_matrix())
+        self.limits().at_inputs(&self.drive_matrix())
     }
 
     /// Applied forces `q(y, ẏ) = gravity + springs − τ`, without what a load adds to friction.

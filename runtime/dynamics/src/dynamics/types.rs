@@ -111,23 +111,23 @@ pub struct Limits<const N: usize, const M: usize> {
     pub effort: [f64; N],
     /// Peak force at the joint [N m or N].
     pub peak_effort: [f64; N],
-    /// Magnitude of the input that its motor bears continuously; the efforts hold beside it, see
-    /// [`Self::at_inputs`].
-    pub input: [f64; M],
-    /// Magnitude of the input that its motor bears for a short time; the peak efforts hold beside it.
-    pub peak_input: [f64; M],
+    /// Lowest and highest input that its motor bears continuously; the efforts hold beside it, see
+    /// [`Self::at_inputs`]. 0 is between the two.
+    pub input: [[f64; 2]; M],
+    /// Lowest and highest input that its motor bears for a short time; the peak efforts hold beside it.
+    pub peak_input: [[f64; 2]; M],
 }
 
 impl<const N: usize, const M: usize> Limits<N, M> {
     /// Bounds of the inputs that keep both the limits of the motors and the efforts of the joints, given B
-    /// (rows first):
+    /// (rows first). With motor_j the larger magnitude of input j's limits:
     ///
     /// ```text
     ///     c_j = min(motor_j, min_i effort_i / |B_ij|)          input j alone
     ///     ū_j = c_j · min(1, min_i effort_i / Σ_l |B_il| c_l)    over the joints i that input j acts on together with others
     /// ```
     ///
-    /// so that `|u_j| ≤ ū_j` for all j implies `|(B u)_i| ≤ effort_i` for all i, whatever the signs. Where
+    /// and the limits of input j, cut off at ±ū_j, so that `|u_j| ≤ ū_j` for all j implies `|(B u)_i| ≤ effort_i` for all i, whatever the signs. Where
     /// every joint has an input of its own, as behind gears, `ū_j = min(motor_j, effort_i / |ratio|)`. Where
     /// several inputs act on one joint this is conservative: inputs that oppose each other could be larger.
     ///
@@ -141,21 +141,21 @@ impl<const N: usize, const M: usize> Limits<N, M> {
     }
 }
 
-/// Magnitudes up to which inputs keep the limits of motors and joints; infinite where neither is described.
+/// Lowest and highest inputs that keep the limits of motors and joints; infinite where neither is described.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputLimits<const M: usize> {
     /// Limits that motors and joints bear continuously, in the units of the inputs.
-    pub nominal: [f64; M],
+    pub nominal: [[f64; 2]; M],
     /// Limits that they bear for a short time.
-    pub peak: [f64; M],
+    pub peak: [[f64; 2]; M],
 }
 
 fn within_efforts<const N: usize, const M: usize>(
-    motors: [f64; M],
+    motors: [[f64; 2]; M],
     efforts: &[f64; N],
     input_matrix: &[[f64; M]; N],
-) -> [f64; M] {
-    let mut alone = motors;
+) -> [[f64; 2]; M] {
+    let mut alone = motors.map(|[low, high]| larger(low.abs(), high.abs()));
     for (row, effort) in input_matrix.iter().zip(efforts) {
         for (bound, b) in alone.iter_mut().zip(row).filter(|(_, b)| **b != 0.0) {
             *bound = smaller(*bound, effort / b.abs());
@@ -175,7 +175,15 @@ fn within_efforts<const N: usize, const M: usize>(
             *share = smaller(*share, effort / together);
         }
     }
-    core::array::from_fn(|j| alone[j] * share[j])
+    core::array::from_fn(|j| {
+        let ([low, high], bound) = (motors[j], alone[j] * share[j]);
+        [larger(low, -bound), smaller(high, bound)]
+    })
+}
+
+/// The larger number; NaN where either is none.
+fn larger(a: f64, b: f64) -> f64 {
+    -smaller(-a, -b)
 }
 
 /// The smaller number; NaN where either is none.

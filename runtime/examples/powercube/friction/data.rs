@@ -106,7 +106,7 @@ pub fn record<const N: usize>(
 ) -> Outcome<Record<N>> {
     let samples = (seconds / PERIOD).round() as usize;
     let gains = regulators(model)?;
-    let gear = model.input_matrix();
+    let gear = model.drive_matrix();
     let mut plant = Plant::new(plant, options(regime, seed))?;
     let [start, speed, _] = motion.at(0.0);
     plant.reset(start, speed)?;
@@ -149,7 +149,7 @@ fn options<const N: usize>(regime: &Regime, seed: u64) -> PlantOptions<N, N> {
         encoder_noise: [regime.encoder_noise; N],
         input_resolution: [regime.torque_step; N],
         input_noise: [regime.torque_noise; N],
-        input_limit: [PEAK; N],
+        input_limits: [[-PEAK, PEAK]; N],
         relative_tolerance: 1e-8,
         absolute_tolerance: 1e-8,
         seed,

@@ -63,8 +63,8 @@ impl Dynamics<2, 2> for MoreFriction {
         std::array::from_fn(|i| friction[i] + self.stribeck(i, v[i]))
     }
 
-    fn input_matrix(&self) -> [[f64; 2]; 2] {
-        self.robot.input_matrix()
+    fn input_matrix(&self, y: &[f64; 2]) -> [[f64; 2]; 2] {
+        self.robot.input_matrix(y)
     }
 
     fn applied_forces(&self, y: &[f64; 2], v: &[f64; 2]) -> [f64; 2] {

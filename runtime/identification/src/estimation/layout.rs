@@ -79,9 +79,7 @@ impl Layout {
         steepness: [f64; WIDTHS.len()],
         moves: Vec<bool>,
     ) -> Result<Self> {
-        if effort == Effort::Current {
-            require_own_inputs(robot)?;
-        }
+        require_known_inputs(robot, effort)?;
         let (joints, parameters) = (robot.joint_names().len(), robot.parameters().len());
         Ok(Self {
             joints,
@@ -152,7 +150,7 @@ fn check_run(robot: &dyn Robot, run: &PreparedRun, effort: Effort) -> Result<()>
             super::super::error::require_finite(&of_run("efforts"), column)?;
         }
     }
-    if effort == Effort::Current { require_own_inputs(robot) } else { Ok(()) }
+    require_known_inputs(robot, effort)
 }
 
 /// Joints all of whose efforts were measured in all runs.
@@ -165,6 +163,19 @@ fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
         _ => (0..inputs).all(|input| b[joint * inputs + input] == 0.0 || known(&run.efforts[input])),
     };
     (0..joints).map(|joint| runs.iter().all(|run| of_run(joint, run))).collect()
+}
+
+/// Efforts at inputs are those at the joints only through a known B.
+fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
+    if effort != Effort::Joint && robot.has_inputs_at_frames() {
+        return Err(IdentificationError::File {
+            place: "efforts".into(),
+            message: "inputs act at frames, so that their forces at the joints depend on the positions; convert the efforts to \
+                      forces at the joints first, and say so (`--effort joint`)"
+                .into(),
+        });
+    }
+    if effort == Effort::Current { require_own_inputs(robot) } else { Ok(()) }
 }
 
 /// A current's gain can be told from the joint's force only where each joint has one input of its own.

@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 use super::super::body::{Body, place, result_names, tuple};
 use super::super::context::Context;
 use super::super::doc_comment::DocComment;
-use super::super::signature::{inputs, item, result, zeros};
+use super::super::signature::{in_rows, inputs, item, result, zeros};
 use super::super::{lints, math};
 use super::{LANES, body_name};
 use crate::emit::options::Scalar;
@@ -186,9 +186,10 @@ impl<'a> Form<'a> {
         let takes = part.takes.iter().map(|&value| self.taken(value));
         let takes = (!part.takes.is_empty()).then(|| quote!([#(#takes),*],));
         let inputs = part.inputs.iter().map(|&input| {
-            let entries = 0..self.body.program.inputs[input].extent.len;
-            let entries = entries.map(|entry| self.body.operand(Operand::Input(input, entry)));
-            quote!(&[#(#entries),*])
+            let extent = self.body.program.inputs[input].extent;
+            let entries = (0..extent.len).map(|entry| self.body.operand(Operand::Input(input, entry)));
+            let nested = in_rows(extent, entries.collect());
+            quote!(&#nested)
         });
         let parameters = self.context.passed_parameters();
         let parameters = parameters.filter(|_| part.reads_parameters).into_iter();

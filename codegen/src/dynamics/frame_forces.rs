@@ -1,0 +1,213 @@
+//! Forces at frames: between two of them, and wrenches.
+//!
+//! A force F that pulls the origins of two frames together does the work −F l̇ with their distance l, so that it
+//! adds −F ∂l/∂y to the generalized forces. A wrench adds Jᵀ times force and moment.
+
+use super::arguments::WrenchArgument;
+use super::recursion::frame_motion::BasePoses;
+use super::recursion::placement::{Placement, place};
+use super::search::formulation::Formulation;
+use crate::formula::{Formula, Function};
+use crate::graph::{Graph, Scalar, gradient};
+use crate::kinematics::{JointAxis, Mechanism, lower, lower_pose, lower_with};
+use crate::model::{Attachment, ForceEffect, Model, WrenchAxes};
+use crate::spatial::{Pose, Vector3, rotate};
+
+/// The bodies of a mechanism at some coordinates.
+pub struct FrameForces<'a, 'g> {
+    model: &'a Model,
+    mechanism: Mechanism<Scalar<'g>>,
+    placements: Vec<Placement<'g>>,
+    y: &'a [Scalar<'g>],
+}
+
+/// The distance of two frames' origins.
+struct Distance<'g> {
+    /// l
+    length: Scalar<'g>,
+    /// ∂l/∂y
+    gradient: Vec<Scalar<'g>>,
+}
+
+/// A point or direction, in the frame of a body; `None` stands for the base.
+#[derive(Clone, Copy)]
+struct Place<'g> {
+    body: Option<usize>,
+    point: Vector3<Scalar<'g>>,
+}
+
+impl<'a, 'g> FrameForces<'a, 'g> {
+    /// - `mechanism`: in metres, its working frames the bodies' own
+    pub fn new(model: &'a Model, mechanism: Mechanism<Scalar<'g>>, y: &'a [Scalar<'g>]) -> Self {
+        let placements = place(&mechanism, &Formulation::plain(mechanism.bodies.len()), y);
+        Self { model, mechanism, placements, y }
+    }
+
+    fn graph(&self) -> &'g Graph {
+        self.mechanism.graph
+    }
+
+    /// Generalized forces of the described laws; they add to q.
+    pub fn law_forces(&self, v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
+        let mut forces = vec![self.graph().constant(0.0); self.y.len()];
+        for force in &self.model.point_forces {
+            let distance = self.distance(&force.between);
+            let rate = distance.rate(v);
+            let pull = lower_with(self.graph(), &force.law, distance.length, rate);
+            distance.add_pull(pull, &mut forces);
+        }
+        forces
+    }
+
+    /// The columns of B for the inputs at frames.
+    pub fn input_columns(&self) -> Vec<Vec<Scalar<'g>>> {
+        let zero = self.graph().constant(0.0);
+        let column = |effect: &ForceEffect| {
+            let mut column = vec![zero; self.y.len()];
+            match effect {
+                ForceEffect::Pull(between) => {
+                    self.distance(between).add_pull(zero.constant(1.0), &mut column);
+                }
+                ForceEffect::Wrench { at, wrench } => self.add_wrench(at, self.lowered(wrench), &mut column),
+            }
+            column
+        };
+        self.model.force_inputs.iter().map(|input| column(&input.effect)).collect()
+    }
+
+    /// Generalized forces of wrenches that are arguments.
+    pub fn wrench_forces(&self, wrenches: &[WrenchArgument<'g>]) -> Vec<Scalar<'g>> {
+        let mut forces = vec![self.graph().constant(0.0); self.y.len()];
+        let described = self.model.wrenches.iter().zip(wrenches);
+        let in_base = described.clone().any(|(described, _)| described.axes == WrenchAxes::Base);
+        let poses = in_base.then(|| BasePoses::new(self.mechanism.clone(), self.y));
+        for (described, wrench) in described {
+            match (described.axes, &poses) {
+                (WrenchAxes::Base, Some(poses)) => {
+                    let frame = lower_pose(self.graph(), &described.at.pose);
+                    poses.add_wrench(described.at.link, &frame, *wrench, &mut forces);
+                }
+                _ => self.add_wrench(&described.at, *wrench, &mut forces),
+            }
+        }
+        forces
+    }
+
+    fn lowered(&self, wrench: &[Formula; 6]) -> WrenchArgument<'g> {
+        WrenchArgument::of(&wrench.each_ref().map(|entry| lower(self.graph(), entry)))
+    }
+
+    /// Adds the generalized forces of force and moment at the origin of a frame, in its axes: from body to body
+    /// towards the base.
+    fn add_wrench(&self, at: &Attachment, wrench: WrenchArgument<'g>, forces: &mut [Scalar<'g>]) {
+        let (mut next, frame) = self.in_body(at);
+        let mut force = rotate(&frame.rotation, wrench.force);
+        let mut moment = rotate(&frame.rotation, wrench.moment) + frame.translation.cross(force);
+        while let Some(index) = next {
+            let (body, placement) = (&self.mechanism.bodies[index], &self.placements[index]);
+            let along = match body.axis {
+                JointAxis::Revolute => moment[2],
+                JointAxis::Prismatic => force[2],
+            };
+            body.transmission.add_force(along, forces);
+            let lift = self.lift(index);
+            moment = placement.to_parent(&body.twist, moment + lift.cross(force));
+            force = placement.to_parent(&body.twist, force);
+            moment = moment + placement.translation.cross(force);
+            next = body.parent;
+        }
+    }
+
+    /// From the joint's axis to the origin of a body, in its own frame.
+    fn lift(&self, body: usize) -> Vector3<Scalar<'g>> {
+        let zero = self.graph().constant(0.0);
+        Vector3([zero, zero, self.placements[body].extension])
+    }
+
+    fn in_body(&self, at: &Attachment) -> (Option<usize>, Pose<Scalar<'g>>) {
+        let (body, pose) = self.mechanism.links[at.link];
+        (body, pose.then(lower_pose(self.graph(), &at.pose)))
+    }
+
+    fn place(&self, at: &Attachment) -> Place<'g> {
+        let (body, pose) = self.in_body(at);
+        Place { body, point: pose.translation }
+    }
+
+    /// The bodies from one to the base.
+    fn chain(&self, body: Option<usize>) -> Vec<usize> {
+        std::iter::successors(body, |&body| self.mechanism.bodies[body].parent).collect()
+    }
+
+    /// A point in the frame of a body's parent.
+    fn in_parent(&self, body: usize, point: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
+        let placement = &self.placements[body];
+        placement.translation
+            + placement.to_parent(&self.mechanism.bodies[body].twist, point + self.lift(body))
+    }
+
+    /// A point in the frame of the body before `end` on the way to the base.
+    fn ahead_of(&self, end: Option<usize>, from: Place<'g>) -> Vector3<Scalar<'g>> {
+        let (mut body, mut point) = (from.body, from.point);
+        while let Some(index) = body.filter(|_| body != end) {
+            point = self.in_parent(index, point);
+            body = self.mechanism.bodies[index].parent;
+        }
+        point
+    }
+
+    fn distance(&self, between: &[Attachment; 2]) -> Distance<'g> {
+        let squared = self.squared_distance(between.each_ref().map(|at| self.place(at)));
+        let length = squared.call(Function::Sqrt);
+        let half_inverse = self.graph().constant(0.5).divided_by(length);
+        let by_square = gradient(self.graph(), squared, self.y);
+        Distance { length, gradient: by_square.into_iter().map(|x| x * half_inverse).collect() }
+    }
+
+    /// l², across the joint next to the body that both frames' bodies share on their ways to the base. With α
+    /// and β the two points as seen from a revolute joint's axis, before and after its turn R:
+    /// l² = |α|² + |β|² − 2 α · R β.
+    fn squared_distance(&self, [a, b]: [Place<'g>; 2]) -> Scalar<'g> {
+        let (of_a, of_b) = (self.chain(a.body), self.chain(b.body));
+        let top = |chain: &[usize], other: &[usize]| {
+            chain.iter().copied().take_while(|body| !other.contains(body)).last()
+        };
+        let (joint, moved, fixed) = match (top(&of_b, &of_a), top(&of_a, &of_b)) {
+            (Some(joint), _) => (joint, b, a),
+            (None, Some(joint)) => (joint, a, b),
+            (None, None) => unreachable!("validation asks for a joint between two frames"),
+        };
+        let (body, placement) = (&self.mechanism.bodies[joint], &self.placements[joint]);
+        let moved = self.ahead_of(Some(joint), moved) + self.lift(joint);
+        let fixed = body.twist.to_child(self.ahead_of(body.parent, fixed) - placement.translation);
+        match placement.turn {
+            Some((s, c)) if body.axis == JointAxis::Revolute => {
+                let along = fixed[2] - moved[2];
+                let lateral = |p: Vector3<Scalar<'g>>| p[0].squared() + p[1].squared();
+                let together = fixed[0] * moved[0] + fixed[1] * moved[1];
+                let across = fixed[1] * moved[0] - fixed[0] * moved[1];
+                lateral(fixed) + lateral(moved) + along.squared() - (c * together + s * across) * 2.0
+            }
+            turn => {
+                let moved = turn.map_or(moved, |turn| moved.turned(turn));
+                let difference = fixed - moved;
+                difference.dot(difference)
+            }
+        }
+    }
+}
+
+impl<'g> Distance<'g> {
+    /// `∂l/∂y ẏ`
+    fn rate(&self, v: &[Scalar<'g>]) -> Scalar<'g> {
+        let zero = self.length.constant(0.0);
+        self.gradient.iter().zip(v).fold(zero, |sum, (&by, &v)| sum + by * v)
+    }
+
+    /// Adds the generalized forces of a force that pulls together.
+    fn add_pull(&self, pull: Scalar<'g>, forces: &mut [Scalar<'g>]) {
+        for (force, &by) in forces.iter_mut().zip(&self.gradient) {
+            *force = *force - pull * by;
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Rows of robots with wrenches: the functions that take them as an argument.
+
+use super::quantity::Argument::{Accelerations, Coordinates, Inputs, Velocities, Wrenches};
+use super::quantity::{Estimate, Quantity, SQUARE, VECTOR, matrix, vector};
+use crate::dynamics::arguments::Arguments;
+use crate::dynamics::recursion::newton_euler::MotionInput;
+
+const MOTION: &str = "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u + wrench_forces(y, w)";
+
+/// The functions that only robots with wrenches have.
+pub const QUANTITIES: &[Quantity] = &[
+    Quantity {
+        name: "wrench_forces",
+        summary: "Generalized forces of the wrenches.",
+        equation: "Σ Jᵀ w over the wrenches, J the Jacobian of each one's frame",
+        arguments: &[Coordinates, Wrenches],
+        results: &[("q_w", VECTOR, "positive where the wrenches drive the joint forwards")],
+        notes: &[],
+        build: |equations, Arguments { y, w, .. }| vec![vector(equations.wrench_forces(y, w))],
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "wrench_forces_derivatives",
+        summary: "Generalized forces of the wrenches with their Jacobian.",
+        equation: "δ(Σ Jᵀ w) = ∂/∂y δy + Σ Jᵀ δw",
+        arguments: &[Coordinates, Wrenches],
+        results: &[
+            ("q_w", VECTOR, "positive where the wrenches drive the joint forwards"),
+            ("∂/∂y", SQUARE, "row i = force i; a wrench in the axes of its frame turns with it"),
+        ],
+        notes: &[],
+        build: |equations, Arguments { y, w, .. }| {
+            let (forces, by_coordinates) = equations.wrench_forces_derivatives(y, w);
+            vec![vector(forces), matrix(by_coordinates)]
+        },
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "inverse_dynamics_with_wrenches",
+        summary: "Inverse dynamics: the joint forces of a motion on which wrenches act.",
+        equation: "M(y) ÿ + k(y, ẏ) − q(y, ẏ) − wrench_forces(y, w)",
+        arguments: &[Coordinates, Velocities, Accelerations, Wrenches],
+        results: &[("B u", VECTOR, "what the drives exert at the joints")],
+        notes: &[],
+        build: |equations, Arguments { y, v, a, w, .. }| {
+            vec![vector(equations.inverse_dynamics_with_wrenches(MotionInput { y, v, a }, w))]
+        },
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "forward_dynamics_with_wrenches",
+        summary: "Forward dynamics: the accelerations that inputs and wrenches cause.",
+        equation: MOTION,
+        arguments: &[Coordinates, Velocities, Inputs, Wrenches],
+        results: &[("ÿ", VECTOR, "accelerations")],
+        notes: &[],
+        build: |equations, Arguments { y, v, u, w, .. }| {
+            vec![vector(equations.forward_dynamics_with_wrenches(y, v, u, w))]
+        },
+        route: |formulations| Some(formulations.forward_dynamics().description()),
+        needs_inverse: true,
+        straight_size: Some(Estimate::MassMatrix),
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "inverse_dynamics_derivatives_with_wrenches",
+        differentiates_friction: true,
+        summary: "Inverse dynamics under wrenches with its Jacobians.",
+        equation: "δ(M ÿ + k − q − Σ Jᵀ w) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ − Σ Jᵀ δw",
+        arguments: &[Coordinates, Velocities, Accelerations, Wrenches],
+        results: &[
+            ("B u", VECTOR, "the forces M ÿ + k − q − Σ Jᵀ w, on the joint side"),
+            ("∂/∂y", SQUARE, "row i = force i; a wrench in the axes of its frame turns with it"),
+            ("∂/∂ẏ", SQUARE, "row i = force i, friction included"),
+        ],
+        notes: &[],
+        build: |equations, Arguments { y, v, a, w, .. }| {
+            let result = equations.inverse_dynamics_derivatives_with_wrenches(MotionInput { y, v, a }, w);
+            vec![vector(result.forces), matrix(result.by_coordinates), matrix(result.by_velocities)]
+        },
+        route: |formulations| Some(formulations.derivatives().description()),
+        straight_size: Some(Estimate::MassMatrix),
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "forward_dynamics_derivatives_with_wrenches",
+        differentiates_friction: true,
+        ignores_load: true,
+        summary: "Forward dynamics under wrenches with its Jacobians.",
+        equation: "∂ÿ = −M⁻¹ ∂(M ÿ + k − q − B u − Σ Jᵀ w), ∂ÿ/∂(B u) = M⁻¹",
+        arguments: &[Coordinates, Velocities, Inputs, Wrenches],
+        results: &[
+            ("ÿ", VECTOR, "accelerations"),
+            ("∂ÿ/∂y", SQUARE, "row i = acceleration i"),
+            ("∂ÿ/∂ẏ", SQUARE, "row i = acceleration i"),
+            ("M⁻¹", SQUARE, "symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B"),
+        ],
+        notes: &[],
+        build: |equations, Arguments { y, v, u, w, .. }| {
+            let result = equations.forward_dynamics_derivatives_with_wrenches(y, v, u, w);
+            let jacobians = [result.by_coordinates, result.by_velocities, result.inverse].map(matrix);
+            std::iter::once(vector(result.accelerations)).chain(jacobians).collect()
+        },
+        route: |formulations| Some(formulations.derivatives().description()),
+        needs_inverse: true,
+        straight_size: Some(Estimate::MassMatrix),
+        ..Quantity::PLAIN
+    },
+];

@@ -1,0 +1,110 @@
+//! What acts at frames: forces between two of them, wrenches, and inputs that are wrenches.
+
+use super::WrenchAxes;
+use super::description::{
+    Name, PointForceDescription, PullDescription, WrenchDescription, WrenchInputDescription,
+};
+use super::table::{Item, Table};
+use super::toml_values::Reader;
+use crate::diagnostic::At;
+use crate::formula::Formula;
+
+const FORCE: [&str; 5] = ["name", "between", "law", "input", "limits"];
+const INPUT: [&str; 4] = ["name", "frame", "wrench", "limits"];
+const WRENCH: [&str; 3] = ["name", "frame", "in"];
+
+fn read_all<T>(
+    reader: &mut Reader,
+    top: &Table<'_>,
+    key: &str,
+    (what, keys): (&'static str, &[&'static str]),
+    read: fn(&mut Reader, &Table<'_>) -> Option<T>,
+) -> Vec<T> {
+    let Some(item) = top.get(key) else {
+        return Vec::new();
+    };
+    let tables = item.tables(what, keys, &mut reader.report);
+    tables.iter().filter_map(|table| read(reader, table)).collect()
+}
+
+/// The forces between two frames: `[[forces]]`.
+pub(super) fn read_point_forces(reader: &mut Reader, top: &Table<'_>) -> Vec<PointForceDescription> {
+    read_all(reader, top, "forces", ("a force", &FORCE), read_point_force)
+}
+
+fn read_point_force(reader: &mut Reader, table: &Table<'_>) -> Option<PointForceDescription> {
+    let between = reader.required(table, "between").and_then(|item| two_names(reader, item));
+    let law = table.get("law").map(|item| {
+        let formula = reader.force_between_law(item).unwrap_or(Formula::ZERO);
+        At::new(formula, item.span)
+    });
+    let input = table.get("input").and_then(|item| reader.name(item));
+    let limits = table.get("limits").map(|item| (item.key_span, reader.numbers::<2>(item)));
+    if table.get("law").is_none() && table.get("input").is_none() {
+        reader.report.error(table.span, "missing-key", "a force needs `law` or `input`");
+        reader.report.help(
+            "`law = \"1200*(l - 0.3) + 40*dl\"` is a spring and damper over the distance l and its rate dl, \
+             `input = \"cylinder\"` an input; positive pulls together",
+        );
+        return None;
+    }
+    if let (Some((span, _)), None) = (&limits, table.get("input")) {
+        reader.report.error(*span, "limits-without-input", "`limits` of a force that is no input");
+        reader.report.help("name the input with `input = …`, or leave `limits` out");
+    }
+    let between = between?;
+    let name = table.get("name").and_then(|item| reader.name(item)).or_else(|| input.clone());
+    let name =
+        name.unwrap_or_else(|| At::new(format!("{} – {}", between[0].value, between[1].value), table.span));
+    let input = input.map(|name| PullDescription { name, limits: limits.and_then(|(_, limits)| limits) });
+    Some(PointForceDescription { name, between, law, input })
+}
+
+fn two_names(reader: &mut Reader, item: Item<'_>) -> Option<[Name; 2]> {
+    let entries = item.array("a list of two frames or links", &mut reader.report)?;
+    let [first, second] = entries[..] else {
+        let message = format!("`{}` must name two frames or links, not {}", item.key, entries.len());
+        reader.report.error(item.span, "wrong-length", message);
+        reader.report.help("for example between = [\"boom_pin\", \"rod_pin\"]");
+        return None;
+    };
+    Some([reader.name(first)?, reader.name(second)?])
+}
+
+/// The inputs that are wrenches: `[[inputs]]`.
+pub(super) fn read_wrench_inputs(reader: &mut Reader, top: &Table<'_>) -> Vec<WrenchInputDescription> {
+    read_all(reader, top, "inputs", ("an input", &INPUT), read_wrench_input)
+}
+
+fn read_wrench_input(reader: &mut Reader, table: &Table<'_>) -> Option<WrenchInputDescription> {
+    let name = reader.required_name(table, "name")?;
+    let frame = reader.required_name(table, "frame");
+    let wrench = reader.required(table, "wrench");
+    let wrench = wrench.and_then(|item| Some(At::new(reader.formulas::<6>(item, &name.value)?, item.span)));
+    let limits = table.get("limits").and_then(|item| reader.numbers::<2>(item));
+    Some(WrenchInputDescription { name, frame: frame?, wrench: wrench?, limits })
+}
+
+/// The wrenches that are arguments: `[[wrenches]]`.
+pub(super) fn read_wrenches(reader: &mut Reader, top: &Table<'_>) -> Vec<WrenchDescription> {
+    read_all(reader, top, "wrenches", ("a wrench", &WRENCH), read_wrench)
+}
+
+fn read_wrench(reader: &mut Reader, table: &Table<'_>) -> Option<WrenchDescription> {
+    let name = reader.required_name(table, "name")?;
+    let frame = reader.required_name(table, "frame");
+    let axes = table.get("in").map_or(Some(WrenchAxes::Frame), |item| wrench_axes(reader, item));
+    Some(WrenchDescription { name, frame: frame?, axes: axes? })
+}
+
+fn wrench_axes(reader: &mut Reader, item: Item<'_>) -> Option<WrenchAxes> {
+    match item.text(&mut reader.report)? {
+        "frame" => Some(WrenchAxes::Frame),
+        "base" => Some(WrenchAxes::Base),
+        other => {
+            reader.report.error(item.span, "unknown-value", format!("unknown axes {other:?} of a wrench"));
+            reader.report.help("\"frame\" (axes of the frame, the default) or \"base\" (axes of the base)");
+            None
+        }
+    }
+}

@@ -1,0 +1,271 @@
+//! Forces between frames, wrenches, and inputs that are either.
+
+use super::super::description::{Name, PointForceDescription, RobotDescription};
+use super::super::distances::distances;
+use super::super::tree::Tree;
+use super::super::{Actuator, Attachment, ForceEffect, ForceInput, Model, PointForce, Pose, Wrench};
+use crate::diagnostic::{At, Report, nearest};
+use crate::formula::{Formula, Function};
+use crate::wording::{as_written, three_digits};
+
+/// Shorter distances are none [m].
+const SHORTEST: f64 = 1e-9;
+/// Distances whose ends differ by less of the largest stay as they are.
+const CONSTANT: f64 = 1e-9;
+/// Rates of a distance at which laws are looked at [m/s], both signs and 0 too.
+const RATES: [f64; 5] = [1e-3, 1e-2, 0.1, 1.0, 10.0];
+/// Distances at which laws are looked at, both ends included.
+const LENGTHS: i32 = 21;
+
+/// What acts at frames, in the model's terms.
+#[derive(Debug, Default)]
+pub(super) struct FrameForces {
+    pub(super) point_forces: Vec<PointForce>,
+    pub(super) inputs: Vec<ForceInput>,
+    pub(super) wrenches: Vec<Wrench>,
+}
+
+/// Finds frames and links by name.
+pub(super) struct Resolver<'a> {
+    pub(super) robot: &'a RobotDescription,
+    pub(super) tree: &'a Tree,
+    /// For each link its described frame in the frame of the model's link.
+    pub(super) offsets: &'a [Pose],
+    pub(super) report: &'a mut Report,
+}
+
+impl Resolver<'_> {
+    /// Everything that acts at frames; what has an error is left out.
+    pub(super) fn resolve(mut self) -> FrameForces {
+        let robot = self.robot;
+        let mut found = FrameForces::default();
+        for force in &robot.point_forces {
+            let Some(between) = self.between(force) else { continue };
+            if let Some(law) = &force.law {
+                let name = force.name.value.clone();
+                found.point_forces.push(PointForce {
+                    name,
+                    between: between.clone(),
+                    law: law.value.clone(),
+                });
+            }
+            if let Some(input) = &force.input {
+                let limits = self.limits(&input.name, input.limits.as_ref());
+                let name = input.name.value.clone();
+                found.inputs.push(ForceInput { name, limits, effect: ForceEffect::Pull(between) });
+            }
+        }
+        for input in &robot.wrench_inputs {
+            let limits = self.limits(&input.name, input.limits.as_ref());
+            if input.wrench.value.iter().all(Formula::is_zero) {
+                let message = format!("the wrench of input `{}` is zero", input.name.value);
+                self.report.error(input.wrench.span, "wrench-zero", message);
+                self.report
+                    .help("force (N), then moment (N m), for a unit of the input: [0, 0, 1, 0, 0, 0.016]");
+            }
+            let Some(at) = self.moving(&input.frame) else { continue };
+            let effect = ForceEffect::Wrench { at, wrench: input.wrench.value.clone() };
+            found.inputs.push(ForceInput { name: input.name.value.clone(), limits, effect });
+        }
+        for wrench in &robot.wrenches {
+            let Some(at) = self.moving(&wrench.frame) else { continue };
+            found.wrenches.push(Wrench { name: wrench.name.value.clone(), at, axes: wrench.axes });
+        }
+        found
+    }
+
+    /// The frame or link of a name.
+    fn attachment(&mut self, name: &Name) -> Option<Attachment> {
+        let frame = self.robot.frames.iter().find(|frame| frame.name.value == name.value);
+        let (link, pose) = match frame {
+            // A frame on an unknown link has its own message.
+            Some(frame) => (self.tree.index.get(&frame.link.value).copied()?, frame.pose.clone()),
+            None => (self.link(name)?, Pose::identity()),
+        };
+        Some(Attachment { name: name.value.clone(), link, pose: self.offsets[link].then(&pose) })
+    }
+
+    fn link(&mut self, name: &Name) -> Option<usize> {
+        let found = self.tree.index.get(&name.value).copied();
+        if found.is_none() {
+            let message = format!("there is no frame or link `{}`", name.value);
+            self.report.error(name.span, "unknown-frame", message);
+            let frames = self.robot.frames.iter().map(|frame| frame.name.value.as_str());
+            let links = self.tree.links.iter().map(|link| link.value.as_str());
+            if let Some(help) = nearest(&name.value, frames.chain(links)) {
+                self.report.help(help);
+            }
+        }
+        found
+    }
+
+    /// A frame or link that moves.
+    fn moving(&mut self, name: &Name) -> Option<Attachment> {
+        let at = self.attachment(name)?;
+        if self.tree.carriers(self.robot)[at.link] == 0 {
+            let message = format!("`{}` is fixed to the base: what acts there moves nothing", name.value);
+            self.report.error(name.span, "force-on-base", message);
+            return None;
+        }
+        Some(at)
+    }
+
+    fn between(&mut self, force: &PointForceDescription) -> Option<[Attachment; 2]> {
+        let [a, b] = &force.between;
+        let (first, second) = (self.attachment(a), self.attachment(b));
+        let (first, second) = (first?, second?);
+        let carriers = self.tree.carriers(self.robot);
+        if carriers[first.link] == carriers[second.link] {
+            let message = format!("`{}` and `{}` do not move relative to each other", a.value, b.value);
+            self.report.error(b.span, "force-within-body", message);
+            self.report.help("a force acts between two bodies: name frames or links that a joint separates");
+            return None;
+        }
+        Some([first, second])
+    }
+
+    /// Limits of an input; 0 is among them.
+    fn limits(&mut self, name: &Name, limits: Option<&At<[f64; 2]>>) -> Option<[f64; 2]> {
+        let At { value: [low, high], span } = limits?;
+        if low >= high {
+            let message = format!(
+                "the limits of input `{}` are [{}, {}]: no range",
+                name.value,
+                as_written(*low),
+                as_written(*high)
+            );
+            self.report.error(*span, "limits-reversed", message);
+            self.report.help("lowest, then highest value: limits = [0, 8]");
+        } else if *low > 0.0 || *high < 0.0 {
+            let message = format!("the limits of input `{}` exclude 0", name.value);
+            self.report.error(*span, "limits-exclude", message);
+            self.report.help("guards command 0 where they stop a robot: give limits that contain it");
+        }
+        Some([*low, *high])
+    }
+}
+
+/// What the geometry of a whole model makes of its forces.
+pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report) {
+    for force in &robot.point_forces {
+        let name = |other: &str| other == force.name.value;
+        let law = model.point_forces.iter().find(|known| name(&known.name));
+        let pull = model.force_inputs.iter().find_map(|known| match &known.effect {
+            ForceEffect::Pull(between)
+                if Some(&known.name) == force.input.as_ref().map(|input| &input.name.value) =>
+            {
+                Some(between)
+            }
+            _ => None,
+        });
+        let Some(between) = law.map(|law| &law.between).or(pull) else { continue };
+        let found = distances(model, between);
+        if has_direction(force, &found, report)
+            && let Some(law) = &force.law
+        {
+            check_law(force, law, &found, model, report);
+        }
+        if pull.is_some() {
+            note_drive_beside(force, between, model, report);
+        }
+    }
+    refuse_load(robot, model, report);
+}
+
+fn has_direction(force: &PointForceDescription, found: &[f64], report: &mut Report) -> bool {
+    let [a, b] = force.between.each_ref().map(|name| &name.value);
+    let (shortest, longest) = ends(found);
+    if shortest < SHORTEST {
+        let message = format!("`{a}` and `{b}` coincide: a force between them has no direction there");
+        report.error(force.between[1].span, "zero-length", message);
+        report.help("the distance has to stay above 0 at every position within the joints' limits");
+    } else if longest - shortest <= CONSTANT * longest {
+        let message = format!(
+            "`{a}` and `{b}` stay {} m apart: a force between them moves nothing",
+            three_digits(longest)
+        );
+        report.error(force.between[1].span, "constant-length", message);
+    }
+    shortest >= SHORTEST
+}
+
+fn ends(found: &[f64]) -> (f64, f64) {
+    let shortest = found.iter().fold(f64::INFINITY, |least, length| least.min(*length));
+    (shortest, found.iter().fold(0.0, |most: f64, length| most.max(*length)))
+}
+
+fn check_law(
+    force: &PointForceDescription,
+    law: &At<Formula>,
+    found: &[f64],
+    model: &Model,
+    report: &mut Report,
+) {
+    let defaults: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+    let (shortest, longest) = ends(found);
+    let part = |k: i32| f64::from(k) / f64::from(LENGTHS - 1);
+    let lengths: Vec<f64> = (0..LENGTHS).map(|k| shortest + (longest - shortest) * part(k)).collect();
+    let rates = RATES.iter().flat_map(|rate| [*rate, -rate]);
+    let mut states = [0.0].into_iter().chain(rates).flat_map(|rate| lengths.iter().map(move |l| [*l, rate]));
+    if let Some([l, rate]) = states.find(|[l, rate]| !law.value.evaluate(&defaults, *l, *rate).is_finite()) {
+        let message = format!(
+            "the force `{}` is not finite at l = {} m, dl = {} m/s",
+            force.name.value,
+            three_digits(l),
+            three_digits(rate)
+        );
+        report.error(law.span, "force-not-finite", message);
+        report.help("a force law needs a finite value at every distance that the joints' limits allow, standstill included");
+    }
+    if law.value.calls(Function::Sign) {
+        let message = format!("the force `{}` jumps with the sign of its distance's rate", force.name.value);
+        report.note(Some(law.span), "dry-force", message);
+        report.help(
+            "the simulation lets joints stick, not distances: write `tanh(100*dl)`, or use `--smooth-sign`",
+        );
+    }
+}
+
+/// A cylinder beside a drive on the only joint between its ends is usually a joint whose drive was forgotten.
+fn note_drive_beside(
+    force: &PointForceDescription,
+    between: &[Attachment; 2],
+    model: &Model,
+    report: &mut Report,
+) {
+    let path = |at: &Attachment| {
+        let parent = |link: &usize| model.links[*link].joint.as_ref().map(|joint| joint.parent);
+        std::iter::successors(Some(at.link), parent).collect::<Vec<usize>>()
+    };
+    let [a, b] = between.each_ref().map(path);
+    let between = a.iter().filter(|link| !b.contains(link)).chain(b.iter().filter(|link| !a.contains(link)));
+    let driven = |link: &&usize| {
+        model.inputs().any(|input| {
+            let coordinate = matches!(input, Actuator::Drive(_)).then(|| input.coordinate()).flatten();
+            coordinate.is_some_and(|coordinate| model.coordinates[coordinate] == **link)
+        })
+    };
+    for link in between.filter(driven) {
+        let joint = model.links[*link].joint.as_ref().map_or("", |joint| &joint.name);
+        let message = format!("joint `{joint}` has a drive beside the input `{}`", force.name.value);
+        report.note(Some(force.name.span), "drive-beside-input", message);
+        report.help("`drive = \"none\"` at the joint leaves the input alone");
+    }
+}
+
+/// A joint's load is what its drive exerts: other inputs and wrenches do not pass through its gear.
+fn refuse_load(robot: &RobotDescription, model: &Model, report: &mut Report) {
+    if model.force_inputs.is_empty() && model.wrenches.is_empty() {
+        return;
+    }
+    let frictions = robot.joints.iter().filter_map(|joint| Some((joint, joint.friction.as_ref()?)));
+    for (joint, friction) in frictions {
+        let Some(load) = &friction.value.load else { continue };
+        let message = format!(
+            "joint `{}` has friction that grows with its load, in a robot with wrenches or inputs at frames",
+            joint.name.value
+        );
+        report.error(load.span, "load-with-forces", message);
+        report.help("a joint's load is known where drives at the joints are all that acts: leave `load` out");
+    }
+}

@@ -1,0 +1,91 @@
+//! Generated input matrices, with or without the coordinates among their arguments, and the ranges of inputs.
+//!
+//! A module has `input_matrix()`, and `input_matrix(y)` where inputs act at frames. The macro
+//! [`dynamics!`](crate::dynamics!) cannot see which; the compiler finds the implementation that fits the function.
+
+use super::functions::Missing;
+
+/// A generated `input_matrix`. `Arguments` tells the implementations apart and is inferred.
+#[diagnostic::on_unimplemented(
+    message = "the module has no `input_matrix`",
+    label = "generate it with input_matrix",
+    note = "a type of a module with free parameters is written `struct Name {{ parameters }} = module`, one without them `struct Name = module`"
+)]
+pub trait InputMatrix<Arguments, const N: usize, const M: usize> {
+    /// B at positions `y`.
+    fn at(&self, y: &[f64; N]) -> [[f64; M]; N];
+}
+
+impl<F: Fn() -> [[f64; M]; N], const N: usize, const M: usize> InputMatrix<(), N, M> for F {
+    #[inline]
+    fn at(&self, _: &[f64; N]) -> [[f64; M]; N] {
+        self()
+    }
+}
+
+impl<F: Fn(&[f64; N]) -> [[f64; M]; N], const N: usize, const M: usize> InputMatrix<(Coordinates,), N, M>
+    for F
+{
+    #[inline]
+    fn at(&self, y: &[f64; N]) -> [[f64; M]; N] {
+        self(y)
+    }
+}
+
+/// A generated `input_matrix` of a module with free parameters `P`.
+#[diagnostic::on_unimplemented(
+    message = "the module has no `input_matrix`",
+    label = "generate it with input_matrix",
+    note = "a type of a module with free parameters is written `struct Name {{ parameters }} = module`, one without them `struct Name = module`"
+)]
+pub trait InputMatrixWithParameters<Arguments, P, const N: usize, const M: usize> {
+    /// B at positions `y`.
+    fn at(&self, y: &[f64; N], p: &P) -> [[f64; M]; N];
+}
+
+impl<F: Fn(&P) -> [[f64; M]; N], P, const N: usize, const M: usize> InputMatrixWithParameters<(), P, N, M>
+    for F
+{
+    #[inline]
+    fn at(&self, _: &[f64; N], p: &P) -> [[f64; M]; N] {
+        self(p)
+    }
+}
+
+impl<F, P, const N: usize, const M: usize> InputMatrixWithParameters<(Coordinates,), P, N, M> for F
+where
+    F: Fn(&[f64; N], &P) -> [[f64; M]; N],
+{
+    #[inline]
+    fn at(&self, y: &[f64; N], p: &P) -> [[f64; M]; N] {
+        self(y, p)
+    }
+}
+
+/// Stands for the argument y in the list of a function's arguments.
+#[derive(Debug, Clone, Copy)]
+pub struct Coordinates;
+
+/// The module's `INPUT_RANGES`, or [`Missing`] where its limits are magnitudes alone.
+pub trait InputRanges<const M: usize> {
+    /// Ranges within these magnitudes.
+    fn within(&self, magnitudes: [f64; M]) -> [[f64; 2]; M];
+}
+
+impl<const M: usize> InputRanges<M> for [[f64; 2]; M] {
+    fn within(&self, magnitudes: [f64; M]) -> [[f64; 2]; M] {
+        core::array::from_fn(|j| {
+            let [low, high] = self[j];
+            [low.max(-magnitudes[j]), high.min(magnitudes[j])]
+        })
+    }
+}
+
+impl<const M: usize> InputRanges<M> for Missing {
+    fn within(&self, magnitudes: [f64; M]) -> [[f64; 2]; M] {
+        magnitudes.map(|limit| [-limit, limit])
+    }
+}
+
+/// The number of drives where a module does not say it: all inputs are drives.
+pub const ALL_DRIVES: usize = usize::MAX;
