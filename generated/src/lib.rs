@@ -3,6 +3,14 @@
 //! `gelenk generate` writes this crate; `gelenk check` tells whether it is fresh.
 #![no_std]
 
+/// The robot `balanced_arm`.
+///
+/// A planar arm of two links; a gas spring carries most of the weight at the shoulder.
+///
+/// y = 0 is upright. The gas spring pushes its ends apart, with a force that grows as it is pressed together. All numbers are estimated.
+#[rustfmt::skip]
+pub mod balanced_arm;
+
 /// The robot `cart_pole`.
 ///
 /// Inverted pendulum on a cart; the input is the force on the cart, the pole is passive.
@@ -23,6 +31,15 @@ pub mod differential_wrist;
 /// Planar double pendulum of two slender rods, hanging at y = 0.
 #[rustfmt::skip]
 pub mod double_pendulum;
+
+/// The robot `excavator`.
+///
+/// A hydraulic excavator whose boom, stick and bucket are moved by cylinders.
+///
+/// The inputs are the swing motor's torque and the forces of the cylinders, positive where a cylinder pulls its ends together.
+/// Cylinders have no mass here. All numbers are estimated.
+#[rustfmt::skip]
+pub mod excavator;
 
 /// The robot `geared_arm`.
 ///

@@ -34,13 +34,40 @@ impl Scalar for f32 {
     }
 }
 
+/// An entry of an argument: a number or a row of numbers.
+pub trait Entry {
+    /// So many numbers.
+    const NUMBERS: usize;
+    /// From so many numbers.
+    fn from_numbers(x: &[f64]) -> Self;
+}
+
+macro_rules! number_entries {
+    ($($number:ty),*) => {$(
+        impl Entry for $number {
+            const NUMBERS: usize = 1;
+            fn from_numbers(x: &[f64]) -> Self {
+                Self::from_f64(x[0])
+            }
+        }
+    )*};
+}
+number_entries!(f64, f32);
+
+impl<T: Scalar, const L: usize> Entry for [T; L] {
+    const NUMBERS: usize = L;
+    fn from_numbers(x: &[f64]) -> Self {
+        core::array::from_fn(|i| T::from_f64(x[i]))
+    }
+}
+
 /// An argument of `N` entries.
 ///
 /// # Panics
 /// Where the slice is shorter.
-pub fn array<T: Scalar, const N: usize>(x: &[f64]) -> [T; N] {
-    assert_eq!(x.len(), N, "entries of an argument");
-    core::array::from_fn(|i| T::from_f64(x[i]))
+pub fn array<E: Entry, const N: usize>(x: &[f64]) -> [E; N] {
+    assert_eq!(x.len(), N * E::NUMBERS, "numbers of an argument");
+    core::array::from_fn(|i| E::from_numbers(&x[i * E::NUMBERS..(i + 1) * E::NUMBERS]))
 }
 
 /// A value of a free parameter.

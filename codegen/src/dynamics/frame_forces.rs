@@ -10,7 +10,7 @@ use super::search::formulation::Formulation;
 use crate::formula::{Formula, Function};
 use crate::graph::{Graph, Scalar, gradient};
 use crate::kinematics::{JointAxis, Mechanism, lower, lower_pose, lower_with};
-use crate::model::{Attachment, ForceEffect, Model, WrenchAxes};
+use crate::model::{Attachment, ForceEffect, ForceInput, Model, WrenchAxes, identifier};
 use crate::spatial::{Pose, Vector3, rotate};
 
 /// The bodies of a mechanism at some coordinates.
@@ -51,10 +51,11 @@ impl<'a, 'g> FrameForces<'a, 'g> {
     pub fn law_forces(&self, v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let mut forces = vec![self.graph().constant(0.0); self.y.len()];
         for force in &self.model.point_forces {
-            let distance = self.distance(&force.between);
-            let rate = distance.rate(v);
+            let name = identifier(&force.name);
+            let distance = self.distance(&force.between, &name);
+            let rate = named(distance.rate(v), || format!("rate_{name}"));
             let pull = lower_with(self.graph(), &force.law, distance.length, rate);
-            distance.add_pull(pull, &mut forces);
+            distance.add_pull(named(pull, || format!("pull_{name}")), &mut forces);
         }
         forces
     }
@@ -62,17 +63,18 @@ impl<'a, 'g> FrameForces<'a, 'g> {
     /// The columns of B for the inputs at frames.
     pub fn input_columns(&self) -> Vec<Vec<Scalar<'g>>> {
         let zero = self.graph().constant(0.0);
-        let column = |effect: &ForceEffect| {
+        let column = |input: &ForceInput| {
             let mut column = vec![zero; self.y.len()];
-            match effect {
+            match &input.effect {
                 ForceEffect::Pull(between) => {
-                    self.distance(between).add_pull(zero.constant(1.0), &mut column);
+                    self.distance(between, &identifier(&input.name))
+                        .add_pull(zero.constant(1.0), &mut column);
                 }
                 ForceEffect::Wrench { at, wrench } => self.add_wrench(at, self.lowered(wrench), &mut column),
             }
             column
         };
-        self.model.force_inputs.iter().map(|input| column(&input.effect)).collect()
+        self.model.force_inputs.iter().map(column).collect()
     }
 
     /// Generalized forces of wrenches that are arguments.
@@ -156,12 +158,18 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         point
     }
 
-    fn distance(&self, between: &[Attachment; 2]) -> Distance<'g> {
+    fn distance(&self, between: &[Attachment; 2], name: &str) -> Distance<'g> {
         let squared = self.squared_distance(between.each_ref().map(|at| self.place(at)));
         let length = squared.call(Function::Sqrt);
+        let length = length.named(|| format!("length_{name}"));
         let half_inverse = self.graph().constant(0.5).divided_by(length);
+        let half_inverse = half_inverse.named(|| format!("half_inverse_{name}"));
         let by_square = gradient(self.graph(), squared, self.y);
-        Distance { length, gradient: by_square.into_iter().map(|x| x * half_inverse).collect() }
+        let gradient = by_square.into_iter().zip(&self.model.coordinates).map(|(by_square, &link)| {
+            let joint = self.model.links[link].joint.as_ref().map_or("", |joint| &joint.identifier);
+            named(by_square * half_inverse, || format!("lever_{name}_{joint}"))
+        });
+        Distance { length, gradient: gradient.collect() }
     }
 
     /// l², across the joint next to the body that both frames' bodies share on their ways to the base. With α
@@ -186,7 +194,12 @@ impl<'a, 'g> FrameForces<'a, 'g> {
                 let lateral = |p: Vector3<Scalar<'g>>| p[0].squared() + p[1].squared();
                 let together = fixed[0] * moved[0] + fixed[1] * moved[1];
                 let across = fixed[1] * moved[0] - fixed[0] * moved[1];
-                lateral(fixed) + lateral(moved) + along.squared() - (c * together + s * across) * 2.0
+                let apart = match (together.value(), across.value()) {
+                    // Constants take the factor in.
+                    (Some(_), Some(_)) => c * (together * 2.0) + s * (across * 2.0),
+                    _ => (c * together + s * across) * 2.0,
+                };
+                lateral(fixed) + lateral(moved) + along.squared() - apart
             }
             turn => {
                 let moved = turn.map_or(moved, |turn| moved.turned(turn));
@@ -210,4 +223,9 @@ impl<'g> Distance<'g> {
             *force = *force - pull * by;
         }
     }
+}
+
+/// Names a value, unless it stands in the graph with the other sign.
+fn named(x: Scalar<'_>, name: impl FnOnce() -> String) -> Scalar<'_> {
+    if x.edge().is_negative() { x } else { x.named(name) }
 }

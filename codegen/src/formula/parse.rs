@@ -178,6 +178,9 @@ impl Scope<'_> {
         };
         match name.as_str() {
             "pi" => return Ok(Formula::Number(std::f64::consts::PI)),
+            own if self.own().contains(&own) && self.parameters.contains_key(own) => {
+                return Err(self.has_two_meanings(own, path));
+            }
             own if self.allowed.velocity() == Some(own) => return Ok(Formula::Velocity),
             own if self.allowed.position() == Some(own) => return Ok(Formula::Position),
             _ => {}
@@ -194,8 +197,20 @@ impl Scope<'_> {
         }
     }
 
+    /// Names of the motion.
+    fn own(&self) -> Vec<&'static str> {
+        [self.allowed.velocity(), self.allowed.position()].into_iter().flatten().collect()
+    }
+
+    fn has_two_meanings(&self, name: &str, node: &impl Spanned) -> FormulaError {
+        let help =
+            Some("give the parameter another name: here `l` is the distance and `dl` its rate".to_owned());
+        let message = format!("`{name}` is a parameter, and has a meaning of its own in this law");
+        FormulaError { help, ..error("ambiguous-name", message, self.range(node)) }
+    }
+
     fn unknown(&self, name: &str, node: &impl Spanned) -> FormulaError {
-        let own = [self.allowed.velocity(), self.allowed.position(), Some("pi")].into_iter().flatten();
+        let own = self.own().into_iter().chain(["pi"]);
         let visible = self.allowed != Allowed::Constants;
         let parameters = self.parameters.keys().map(String::as_str).filter(|_| visible);
         let known = own.chain(parameters);

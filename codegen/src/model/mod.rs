@@ -31,6 +31,7 @@ mod xacro;
 
 pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
 pub use description_files::{DescriptionFiles, read};
+pub(crate) use name::identifier;
 pub use options::{FUNCTIONS, is_known_function};
 pub use read::{Load, Loaded, ReadOptions, from_toml, from_urdf};
 

@@ -10,7 +10,8 @@ const KEYWORDS: [&str; 54] = [
 ];
 
 /// Names with a meaning of their own in formulas.
-const IN_FORMULAS: [&str; 11] = ["y", "v", "pi", "sin", "cos", "tanh", "exp", "abs", "sign", "pow", "powi"];
+const IN_FORMULAS: [&str; 12] =
+    ["y", "v", "pi", "sin", "cos", "tanh", "exp", "abs", "sign", "sqrt", "pow", "powi"];
 
 /// Tells whether the name is a word of Rust.
 pub(super) fn is_keyword(name: &str) -> bool {
@@ -29,7 +30,7 @@ const LONGEST: usize = 200;
 ///
 /// `ShoulderPan` becomes `shoulder_pan`, `β` `beta`, `a-b` `a_b`, `2nd` `_2nd`, `type` `type_`; where no
 /// letter or digit remains, the code points stand for the name: `腕` becomes `u8155`.
-pub(super) fn identifier(name: &str) -> String {
+pub(crate) fn identifier(name: &str) -> String {
     let result = snake_case(name);
     if result.chars().any(|c| c.is_ascii_alphanumeric()) { finish(result) } else { code_points(name) }
 }

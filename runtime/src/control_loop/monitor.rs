@@ -167,17 +167,17 @@ mod tests {
                 velocity: [2.0],
                 effort: [10.0],
                 peak_effort: [20.0],
-                input: [1.0],
-                peak_input: [2.0],
+                input: [[-1.0, 1.0]],
+                peak_input: [[-2.0, 2.0]],
             },
-            [2.0],
+            [[-2.0, 2.0]],
         )
     }
 
     #[test]
     fn inputs_are_cut_off() {
         let mut inputs = [3.0, -4.0, 0.5];
-        assert_eq!(limit_inputs(&mut inputs, &[2.0, 3.0, 1.0]), 2);
+        assert_eq!(limit_inputs(&mut inputs, &[[-2.0, 2.0], [-3.0, 3.0], [-1.0, 1.0]]), 2);
         assert_eq!(inputs, [2.0, -3.0, 0.5]);
     }
 

@@ -14,8 +14,10 @@ use gelenk_tests::workspace;
 
 /// One type per robot.
 mod robots {
+    gelenk_runtime::dynamics!(pub struct BalancedArm = gelenk_generated::balanced_arm);
     gelenk_runtime::dynamics!(pub struct CartPole = gelenk_generated::cart_pole);
     gelenk_runtime::dynamics!(pub struct DifferentialWrist = gelenk_generated::differential_wrist);
+    gelenk_runtime::dynamics!(pub struct Excavator = gelenk_generated::excavator);
     gelenk_runtime::dynamics!(pub struct DoublePendulum { parameters } = gelenk_generated::double_pendulum);
     gelenk_runtime::dynamics!(pub struct GearedArm = gelenk_generated::geared_arm);
     gelenk_runtime::dynamics!(pub struct Gripper = gelenk_generated::gripper);
@@ -35,9 +37,11 @@ mod robots {
 /// Calls a generic function for each robot, with its name.
 macro_rules! for_each_robot {
     ($check:path) => {
+        $check("balanced_arm", &robots::BalancedArm);
         $check("cart_pole", &robots::CartPole);
         $check("differential_wrist", &robots::DifferentialWrist);
         $check("double_pendulum", &robots::DoublePendulum::default());
+        $check("excavator", &robots::Excavator);
         $check("geared_arm", &robots::GearedArm);
         $check("gripper", &robots::Gripper);
         $check("palletizer", &robots::Palletizer);
