@@ -31,12 +31,7 @@ fn every_model_loads() {
         let loaded = read(&file, &ReadOptions::default()).unwrap_or_else(|wrong| panic!("{wrong}"));
         let model = &loaded.model;
         assert_eq!(file.file_stem().unwrap().to_str().unwrap(), model.name);
-        let inputs: Vec<&str> = model
-            .drives
-            .iter()
-            .filter(|drive| drive.coordinate().is_some())
-            .map(|drive| drive.name.as_str())
-            .collect();
+        let inputs: Vec<&str> = model.inputs().map(|input| input.name()).collect();
         let frames: Vec<&str> = model.frames.iter().map(|frame| frame.name.as_str()).collect();
         let parameters: Vec<&str> =
             model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
@@ -54,7 +49,7 @@ fn every_example_of_the_readme_loads() {
     let readme = std::fs::read_to_string(folder().join("README.md")).unwrap();
     let examples: Vec<&str> =
         readme.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
-    assert_eq!(examples.len(), 7);
+    assert_eq!(examples.len(), 8);
     for (index, example) in examples.iter().enumerate() {
         let mut load =
             |file: &str| Ok((file.to_owned(), std::fs::read_to_string(folder().join(file)).unwrap()));

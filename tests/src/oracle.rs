@@ -280,13 +280,22 @@ impl Oracle<'_> {
 
     /// `τ = Σ coefficient · basis`
     pub fn friction_torques(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
-        self.joint_forces(y, v, |joint, y, v| {
-            let terms = joint.friction.iter();
+        let sum = |terms: &[FrictionTerm], y: f64, v: f64| -> f64 {
             let torque = |term: &FrictionTerm| {
                 self.number(&term.coefficient) * value(&term.basis, self.parameters, y, v)
             };
-            terms.map(torque).sum()
-        })
+            terms.iter().map(torque).sum()
+        };
+        let mut torques = self.joint_forces(y, v, |joint, y, v| sum(&joint.friction, y, v));
+        for drive in &self.model.drives {
+            let ratio = self.number(&drive.gear_ratio);
+            let at_shaft = |x: &[f64]| ratio * self.sum(&drive.acts_on, x);
+            let torque = sum(&drive.friction, at_shaft(y), at_shaft(v));
+            for term in &drive.acts_on {
+                torques[term.coordinate] += ratio * self.number(&term.ratio) * torque;
+            }
+        }
+        torques
     }
 
     /// Forces along joints, at their positions and speeds, as forces on the coordinates: by virtual work.

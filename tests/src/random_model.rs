@@ -172,6 +172,7 @@ fn couple(rng: &mut Rng, model: &mut Model) {
     for drive in &mut model.drives {
         if n > 1 && !drive.acts_on.is_empty() && chance(rng, 0.4) {
             drive.acts_on = followed(rng, n, free);
+            drive.friction = shaft_friction(rng);
         }
     }
 }
@@ -496,6 +497,19 @@ fn friction(rng: &mut Rng, free: bool) -> Vec<FrictionTerm> {
     terms
 }
 
+/// Friction of a shaft that turns sixty times as fast as its joint: dual numbers know no steeper tanh there.
+fn shaft_friction(rng: &mut Rng) -> Vec<FrictionTerm> {
+    let smooth = Formula::Call(Function::Tanh, Box::new(product(number(0.2), Formula::Velocity)));
+    let toothed = product(
+        Formula::sum(number(1.0), product(number(0.3), Formula::call(Function::Sin, Formula::Position))),
+        smooth.clone(),
+    );
+    let bases =
+        [Formula::Velocity, smooth, toothed].into_iter().filter(|_| chance(rng, 0.5)).collect::<Vec<_>>();
+    let term = |basis| FrictionTerm { coefficient: number(0.02 * rng.f64()), basis };
+    bases.into_iter().map(term).collect()
+}
+
 fn drives(rng: &mut Rng, links: &[Link]) -> Vec<Drive> {
     let mut drives = Vec::new();
     for link in &links[1..] {
@@ -530,6 +544,7 @@ fn drive(rng: &mut Rng, joint: &Joint, acts_on: Vec<FollowedCoordinate>, links: 
         coupling: if chance(rng, 0.75) { RotorCoupling::Body } else { RotorCoupling::Diagonal },
         input: if chance(rng, 0.7) { Input::Torque } else { Input::Current(number(0.05)) },
         torque: MotorTorque::default(),
+        friction: Vec::new(),
     }
 }
 

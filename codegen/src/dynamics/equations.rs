@@ -307,7 +307,10 @@ impl<'g> Equations<'_, 'g> {
     /// Tells whether each force depends on the motion of its own coordinate alone.
     fn forces_are_local(&self) -> bool {
         let model = self.model;
-        model.followers.is_empty() && model.point_forces.is_empty() && model.force_inputs.is_empty()
+        model.followers.is_empty()
+            && model.rubbing_drives().next().is_none()
+            && model.point_forces.is_empty()
+            && model.force_inputs.is_empty()
     }
 
     /// Accelerations with their derivatives by y, ẏ and the joint forces (M⁻¹).

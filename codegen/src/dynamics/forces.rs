@@ -3,7 +3,7 @@
 use crate::formula::{Formula, Function};
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Followed, Transmission, lower, lower_with};
-use crate::model::{FollowedCoordinate, FrictionTerm, Input, Joint, Model, MovingJoint};
+use crate::model::{Drive, FollowedCoordinate, FrictionTerm, Input, Joint, Model, MovingJoint};
 use crate::program::{Instruction, Operation, Program};
 
 /// Forces of springs and dampers by coordinate; they add to q.
@@ -41,15 +41,46 @@ impl<'m, 'g> Moving<'m, 'g> {
         model.moving_joints().into_iter().map(moving).collect()
     }
 
-    /// `G y + g₀`
     fn position(&self, y: &[Scalar<'g>]) -> Scalar<'g> {
-        let position = self.transmission.motion(y);
-        if self.offset == 0.0 { position } else { position + position.constant(self.offset) }
+        position(&self.transmission, self.offset, y)
     }
 
     /// `G ẏ`
     fn velocity(&self, v: &[Scalar<'g>]) -> Scalar<'g> {
         self.transmission.motion(v)
+    }
+}
+
+/// `G y + g₀`
+fn position<'g>(transmission: &Transmission<Scalar<'g>>, offset: f64, y: &[Scalar<'g>]) -> Scalar<'g> {
+    let position = transmission.motion(y);
+    if offset == 0.0 { position } else { position + position.constant(offset) }
+}
+
+/// What rubs: a joint, or the shaft of a drive on several coordinates.
+struct Rubbing<'m, 'g> {
+    name: &'m str,
+    terms: &'m [FrictionTerm],
+    transmission: Transmission<Scalar<'g>>,
+    offset: f64,
+}
+
+impl<'m, 'g> Rubbing<'m, 'g> {
+    fn of(graph: &'g Graph, model: &'m Model) -> Vec<Self> {
+        let joint = |moving: Moving<'m, 'g>| Self {
+            name: &moving.joint.name,
+            terms: &moving.joint.friction,
+            transmission: moving.transmission,
+            offset: moving.offset,
+        };
+        let shaft = |drive: &'m Drive| Self {
+            name: &drive.name,
+            terms: &drive.friction,
+            transmission: followed(graph, &drive.acts_on).scaled(lower(graph, &drive.gear_ratio)),
+            offset: 0.0,
+        };
+        let joints = Moving::of(graph, model).into_iter().map(joint);
+        joints.chain(model.rubbing_drives().map(shaft)).collect()
     }
 }
 
@@ -65,7 +96,8 @@ pub fn followed<'g>(graph: &'g Graph, terms: &[FollowedCoordinate]) -> Transmiss
 /// Tells whether a friction law depends on the position of its joint. Friction is τ(y, ẏ) then, else τ(ẏ).
 pub fn friction_depends_on_position(model: &Model) -> bool {
     let moving = model.moving_joints();
-    let mut terms = moving.iter().flat_map(|moving| &moving.joint.friction);
+    let shafts = model.rubbing_drives().flat_map(|drive| &drive.friction);
+    let mut terms = moving.iter().flat_map(|moving| &moving.joint.friction).chain(shafts);
     terms.any(|term| term.basis.depends_on_position())
 }
 
@@ -79,10 +111,10 @@ pub fn friction_torques<'g>(
     v: &[Scalar<'g>],
 ) -> Vec<Scalar<'g>> {
     let mut torques = vec![graph.constant(0.0); model.coordinates.len()];
-    for moving in Moving::of(graph, model) {
-        for term in &moving.joint.friction {
-            let basis = moving.friction_basis(term, y, v);
-            moving.transmission.add_force(lower(graph, &term.coefficient) * basis, &mut torques);
+    for rubbing in Rubbing::of(graph, model) {
+        for term in rubbing.terms {
+            let basis = rubbing.friction_basis(term, y, v);
+            rubbing.transmission.add_force(lower(graph, &term.coefficient) * basis, &mut torques);
         }
     }
     torques
@@ -116,10 +148,10 @@ fn friction_basis<'g>(
     lower_with(graph, &term.basis, y, v)
 }
 
-impl<'g> Moving<'_, 'g> {
+impl<'g> Rubbing<'_, 'g> {
     fn friction_basis(&self, term: &FrictionTerm, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
-        let position = (!y.is_empty()).then(|| self.position(y));
-        let velocity = self.velocity(v);
+        let position = (!y.is_empty()).then(|| position(&self.transmission, self.offset, y));
+        let velocity = self.transmission.motion(v);
         friction_basis(velocity.graph(), term, position.as_ref(), velocity)
     }
 }
@@ -142,15 +174,15 @@ pub fn friction_columns<'g>(
     y: &[Scalar<'g>],
     v: &[Scalar<'g>],
 ) -> Vec<FrictionColumn<'g>> {
-    let columns = |moving: &Moving<'_, 'g>| {
-        let groups = terms_by_basis(moving.joint).into_iter();
+    let columns = |rubbing: &Rubbing<'_, 'g>| {
+        let groups = terms_by_basis(rubbing.terms).into_iter();
         let column = |(_, terms): (_, Vec<&FrictionTerm>)| FrictionColumn {
-            transmission: moving.transmission.clone(),
-            basis: moving.friction_basis(terms[0], y, v),
+            transmission: rubbing.transmission.clone(),
+            basis: rubbing.friction_basis(terms[0], y, v),
         };
         groups.map(column).collect::<Vec<_>>()
     };
-    Moving::of(graph, model).iter().flat_map(columns).collect()
+    Rubbing::of(graph, model).iter().flat_map(columns).collect()
 }
 
 /// Coefficients of the friction regressor's columns as described, those of one basis function added up.
@@ -159,25 +191,27 @@ pub fn friction_coefficients<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<
         let coefficients = terms.iter().map(|term| lower(graph, &term.coefficient));
         coefficients.fold(graph.constant(0.0), |sum, c| sum + c)
     };
-    let moving = model.moving_joints();
-    moving.iter().flat_map(|moving| terms_by_basis(moving.joint).into_iter().map(sum)).collect()
+    Rubbing::of(graph, model)
+        .iter()
+        .flat_map(|rubbing| terms_by_basis(rubbing.terms).into_iter().map(sum))
+        .collect()
 }
 
 /// Names of the columns: `joint: tanh(10*v)`.
 pub fn friction_names(model: &Model) -> Vec<String> {
     let parameters: Vec<&str> = model.parameters.iter().map(|p| p.name.as_str()).collect();
-    let names = |joint: &Joint| {
-        let bases = terms_by_basis(joint).into_iter();
-        let name = |(basis, _): (&Formula, _)| format!("{}: {}", joint.name, basis.text(&parameters));
+    let names = |rubbing: &Rubbing<'_, '_>| {
+        let bases = terms_by_basis(rubbing.terms).into_iter();
+        let name = |(basis, _): (&Formula, _)| format!("{}: {}", rubbing.name, basis.text(&parameters));
         bases.map(name).collect::<Vec<_>>()
     };
-    model.moving_joints().iter().flat_map(|moving| names(moving.joint)).collect()
+    Rubbing::of(&Graph::new(), model).iter().flat_map(names).collect()
 }
 
-/// Basis functions of a joint in their order, each with its terms.
-fn terms_by_basis(joint: &Joint) -> Vec<(&Formula, Vec<&FrictionTerm>)> {
+/// Basis functions in their order, each with its terms.
+fn terms_by_basis(terms: &[FrictionTerm]) -> Vec<(&Formula, Vec<&FrictionTerm>)> {
     let mut groups: Vec<(&Formula, Vec<&FrictionTerm>)> = Vec::new();
-    for term in &joint.friction {
+    for term in terms {
         match groups.iter_mut().find(|(basis, _)| **basis == term.basis) {
             Some((_, terms)) => terms.push(term),
             None => groups.push((&term.basis, vec![term])),
@@ -207,7 +241,8 @@ pub fn drive_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>>
 pub fn jump_note(model: &Model, program: &Program) -> Option<String> {
     let is_sign = |step: &Instruction| matches!(step.operation, Operation::Call(Function::Sign, _));
     let at_frames = model.point_forces.iter().any(|force| force.law.calls(Function::Sign));
-    let jumps = at_frames || model.moving_joints().iter().any(|moving| moving.joint.jumps());
+    let shafts = model.rubbing_drives().any(Drive::jumps);
+    let jumps = at_frames || shafts || model.moving_joints().iter().any(|moving| moving.joint.jumps());
     (jumps && program.instructions.iter().any(is_sign)).then(|| {
         "`sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or \
          `smooth_sign` in the description, makes it `tanh(SLOPE v)`."

@@ -170,6 +170,22 @@ impl Formula {
         }
     }
 
+    /// The formula with `ratio` times position and velocity in their place.
+    pub fn geared(&self, ratio: &Self) -> Self {
+        let go = |part: &Self| part.geared(ratio);
+        match self {
+            Self::Number(_) | Self::Parameter(_) => self.clone(),
+            Self::Position | Self::Velocity => Self::product(ratio.clone(), self.clone()),
+            Self::Negate(a) => Self::negation(go(a)),
+            Self::Add(a, b) => Self::sum(go(a), go(b)),
+            Self::Subtract(a, b) => Self::difference(go(a), go(b)),
+            Self::Multiply(a, b) => Self::product(go(a), go(b)),
+            Self::Divide(a, b) => Self::quotient(go(a), go(b)),
+            Self::Power(a, exponent) => Self::power(go(a), *exponent),
+            Self::Call(function, a) => Self::call(*function, go(a)),
+        }
+    }
+
     /// `f(a)`
     pub fn call(function: Function, a: Self) -> Self {
         match a {

@@ -14,12 +14,19 @@ enum Binding {
 impl Formula {
     /// The formula as a description would write it; `parameters` are the names of the free parameters.
     pub fn text(&self, parameters: &[&str]) -> String {
-        self.bound(parameters).0
+        self.bound(parameters, ["y", "v"]).0
     }
 
-    fn bound(&self, parameters: &[&str]) -> (String, Binding) {
+    /// The text of a force between two frames, whose position is their distance `l`.
+    pub fn distance_text(&self, parameters: &[&str]) -> String {
+        self.bound(parameters, ["l", "dl"]).0
+    }
+
+    /// - `motion`: names of position and velocity
+    fn bound(&self, parameters: &[&str], motion: [&str; 2]) -> (String, Binding) {
         use Binding::{Atom, Product, Sign, Sum};
-        let at_least = |part: &Self, binding: Binding| match part.bound(parameters) {
+        let inner = |part: &Self| part.bound(parameters, motion).0;
+        let at_least = |part: &Self, binding: Binding| match part.bound(parameters, motion) {
             (text, found) if found >= binding => text,
             (text, _) => format!("({text})"),
         };
@@ -30,15 +37,15 @@ impl Formula {
                 let name = parameters.get(*index).copied().unwrap_or("?");
                 (name.to_owned(), Atom)
             }
-            Self::Position => ("y".to_owned(), Atom),
-            Self::Velocity => ("v".to_owned(), Atom),
+            Self::Position => (motion[0].to_owned(), Atom),
+            Self::Velocity => (motion[1].to_owned(), Atom),
             Self::Negate(a) => (format!("-{}", at_least(a, Atom)), Sign),
             Self::Add(a, b) => (format!("{} + {}", at_least(a, Sum), at_least(b, Product)), Sum),
             Self::Subtract(a, b) => (format!("{} - {}", at_least(a, Sum), at_least(b, Product)), Sum),
             Self::Multiply(a, b) => (format!("{}*{}", at_least(a, Product), at_least(b, Sign)), Product),
             Self::Divide(a, b) => (format!("{}/{}", at_least(a, Product), at_least(b, Atom)), Product),
-            Self::Power(a, exponent) => (format!("pow({}, {exponent})", a.text(parameters)), Atom),
-            Self::Call(function, a) => (format!("{}({})", function.name(), a.text(parameters)), Atom),
+            Self::Power(a, exponent) => (format!("pow({}, {exponent})", inner(a)), Atom),
+            Self::Call(function, a) => (format!("{}({})", function.name(), inner(a)), Atom),
         }
     }
 }

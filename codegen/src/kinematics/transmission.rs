@@ -50,6 +50,12 @@ impl<S: Copy> Transmission<S> {
 }
 
 impl<'g> Transmission<Scalar<'g>> {
+    /// So many times the motion.
+    pub fn scaled(self, ratio: Scalar<'g>) -> Self {
+        let term = |term: Followed<Scalar<'g>>| Followed { ratio: term.ratio * ratio, ..term };
+        Self { terms: self.terms.into_iter().map(term).collect() }
+    }
+
     /// `Σ` of the motions of several joints. Where some of them follow others the ratios are added before: what
     /// cancels, as in a parallelogram, takes no operation.
     pub fn sum_of_motions<'a>(

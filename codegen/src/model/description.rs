@@ -225,6 +225,8 @@ pub(super) struct DriveDescription {
     pub coupling: RotorCoupling,
     pub input: Input,
     pub torque: MotorTorque,
+    /// Friction of the shaft, over the motor's angle and speed.
+    pub friction: Option<At<Vec<FrictionTerm>>>,
 }
 
 /// A force between the origins of two frames, positive where it pulls them together.

@@ -294,6 +294,11 @@ impl Model {
         drives.filter(|drive| !drive.acts_on.is_empty())
     }
 
+    /// The drives whose shafts have friction of their own.
+    pub fn rubbing_drives(&self) -> impl Iterator<Item = &Drive> {
+        self.drives.iter().filter(|drive| !drive.friction.is_empty())
+    }
+
     /// Tells whether B depends on the coordinates.
     #[must_use]
     pub fn inputs_depend_on_position(&self) -> bool {
@@ -412,9 +417,19 @@ pub struct Drive {
     pub input: Input,
     /// Limits of the input's torque at the motor (N m).
     pub torque: MotorTorque,
+    /// Friction of the shaft over its angle `y` and speed `v`, where the drive acts on several coordinates; that of a
+    /// drive on one coordinate is part of its joint's.
+    pub friction: Vec<FrictionTerm>,
 }
 
 impl Drive {
+    /// Tells whether friction of its shaft jumps.
+    #[must_use]
+    pub fn jumps(&self) -> bool {
+        let mut terms = self.friction.iter().filter(|term| !term.coefficient.is_zero());
+        terms.any(|term| term.basis.calls(crate::formula::Function::Sign))
+    }
+
     /// The coordinate that it moves, where it moves that one alone.
     #[must_use]
     pub fn coordinate(&self) -> Option<usize> {

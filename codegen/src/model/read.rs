@@ -92,7 +92,15 @@ fn apply(options: &ReadOptions, model: &mut Model) {
         false => options.smooth_sign.or(model.options.smooth_sign),
     };
     let slope = model.options.smooth_sign;
+    for drive in &mut model.drives {
+        if options.no_friction {
+            drive.friction.clear();
+        }
+    }
     if let Some(slope) = slope {
+        for term in model.drives.iter_mut().flat_map(|drive| &mut drive.friction) {
+            term.basis = term.basis.with_smooth_sign(slope);
+        }
         for force in &mut model.point_forces {
             force.law = force.law.with_smooth_sign(slope);
         }

@@ -383,6 +383,11 @@ fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: 
 
 fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Option<JointDescription> {
     let name = reader.required_name(table, "name")?;
+    if let (Some(held), Some(_)) = (table.get("held"), table.get("follows")) {
+        let message = format!("joint `{}` is held and follows others", name.value);
+        reader.report.error(held.key_span, "conflicting-keys", message);
+        reader.report.help("keep one of `held` and `follows`");
+    }
     let owner = name.value.clone();
     let (origin, link_frame) = placement(reader, table, &owner);
     Some(JointDescription {

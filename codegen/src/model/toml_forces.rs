@@ -181,8 +181,17 @@ fn spring(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Formula> {
     Some(Formula::difference(Formula::negation(elastic), damping))
 }
 
-pub(super) const DRIVE: [&str; 8] =
-    ["name", "gear_ratio", "rotor_inertia", "carrier", "axis", "coupling", "torque", "motor_constant"];
+pub(super) const DRIVE: [&str; 9] = [
+    "name",
+    "gear_ratio",
+    "rotor_inertia",
+    "carrier",
+    "axis",
+    "coupling",
+    "torque",
+    "motor_constant",
+    "friction",
+];
 
 /// The drive of a joint: `"ideal"`, `"none"` or a motor.
 pub(super) fn drive(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<At<DriveChoice>> {
@@ -209,6 +218,7 @@ pub(super) fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> Driv
         None => At::new(Formula::Number(default), table.span),
     };
     let (gear_ratio, rotor_inertia) = (value("gear_ratio", 1.0), value("rotor_inertia", 0.0));
+    let shaft = table.get("friction").and_then(|item| shaft_friction(reader, item, owner));
     let current = table.get("motor_constant").and_then(|item| reader.formula(item, owner));
     DriveDescription {
         name: table.get("name").and_then(|item| reader.name(item)),
@@ -219,7 +229,22 @@ pub(super) fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> Driv
         coupling: table.get("coupling").map_or(RotorCoupling::Body, |item| coupling(reader, item)),
         input: current.map_or(Input::Torque, Input::Current),
         torque: table.get("torque").and_then(|item| torque(reader, item)).unwrap_or_default(),
+        friction: shaft,
     }
+}
+
+/// Friction of a motor's shaft, over its angle and speed.
+fn shaft_friction(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<At<Vec<FrictionTerm>>> {
+    let described = friction(reader, item, &format!("{owner}_shaft"))?;
+    if let Some(load) = &described.load {
+        reader.report.error(
+            load.span,
+            "load-at-drive",
+            "friction of a drive's shaft does not grow with a load",
+        );
+        reader.report.help("`load` stands at the joint: `friction = { load = … }` there");
+    }
+    Some(At::new(described.terms, item.span))
 }
 
 fn coupling(reader: &mut Reader, item: Item<'_>) -> RotorCoupling {

@@ -100,6 +100,7 @@ fn parameters_section(robot: &Robot<'_>) -> Section {
     section = section.block(Block::Table(tables::coordinates(robot)));
     for table in [
         tables::drives(robot),
+        tables::forces_at_frames(robot),
         tables::bodies(robot),
         tables::inertias(robot),
         tables::geometry(robot),

@@ -1,9 +1,9 @@
 //! The robot as the page's view of it needs it.
 
-use gelenk_report::{Scene, SceneBody, SceneFrame, SceneJoint, SceneMotion};
+use gelenk_report::{Scene, SceneBody, SceneFrame, SceneJoint, SceneMotion, SceneRod};
 
 use super::robot::Robot;
-use crate::model::{Joint, JointKind, Link, Motion};
+use crate::model::{Attachment, ForceEffect, Joint, JointKind, Link, Motion};
 
 pub(super) fn scene(robot: &Robot<'_>) -> Scene {
     let model = robot.model;
@@ -33,7 +33,23 @@ pub(super) fn scene(robot: &Robot<'_>) -> Scene {
                 rotation: frame.pose.rotation,
             })
             .collect(),
+        rods: rods(robot),
     }
+}
+
+/// What acts between two frames; a cylinder with a law of its own is drawn once.
+fn rods(robot: &Robot<'_>) -> Vec<SceneRod> {
+    let model = robot.model;
+    let pulls = model.force_inputs.iter().filter_map(|input| match &input.effect {
+        ForceEffect::Pull(between) => Some(between),
+        ForceEffect::Wrench { .. } => None,
+    });
+    let pulls: Vec<&[Attachment; 2]> = pulls.collect();
+    let springs =
+        model.point_forces.iter().map(|force| &force.between).filter(|between| !pulls.contains(between));
+    let end = |at: &Attachment| (joint_of(at.link), robot.vector(&at.pose.translation));
+    let rod = |between: &[Attachment; 2], is_input| SceneRod { ends: between.each_ref().map(end), is_input };
+    springs.map(|between| rod(between, false)).chain(pulls.iter().map(|between| rod(between, true))).collect()
 }
 
 /// Every link but the base has one joint, so that joints are counted from the second link.

@@ -7,7 +7,10 @@ use super::robot::Robot;
 use crate::diagnostic::Diagnostics;
 use crate::formula::Formula;
 use crate::functions::function::Function;
-use crate::model::{Actuator, Drive, Input, Joint, JointKind, Motion, Pose, RotorCoupling};
+use crate::model::{
+    Actuator, Attachment, Drive, ForceEffect, Input, Joint, JointKind, Motion, Pose, RotorCoupling,
+    WrenchAxes,
+};
 use crate::numeric::{atan2, length};
 use crate::program::cost;
 
@@ -97,6 +100,50 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
         std::iter::once(index).chain(drive_row(robot, drive)).collect()
     });
     Some(table.rows(rows))
+}
+
+/// Forces between frames, inputs and wrenches at frames.
+pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
+    let model = robot.model;
+    let parameters: Vec<&str> = robot.parameter_names.iter().map(String::as_str).collect();
+    let between = |[a, b]: &[Attachment; 2]| format!("{} – {}", a.name, b.name);
+    let laws = model.point_forces.iter().map(|force| {
+        let law = format!("pulls with {} N", force.law.distance_text(&parameters));
+        [String::new(), force.name.clone(), between(&force.between), law, String::new()]
+    });
+    let drives = model.input_drives().count();
+    let inputs = model.force_inputs.iter().enumerate().map(|(index, input)| {
+        let (place, effect) = match &input.effect {
+            ForceEffect::Pull(frames) => (between(frames), "pulls with u".to_owned()),
+            ForceEffect::Wrench { at, wrench } => {
+                let entries: Vec<String> = wrench.iter().map(|entry| entry.text(&parameters)).collect();
+                (at.name.clone(), format!("u · ({})", entries.join(", ")))
+            }
+        };
+        let limits = input.limits.map_or(String::new(), |[low, high]| format!("{low} … {high}"));
+        [format!("u{}", drives + index + 1), input.name.clone(), place, effect, limits]
+    });
+    let wrenches = model.wrenches.iter().map(|wrench| {
+        let axes = match wrench.axes {
+            WrenchAxes::Frame => "an argument, in the frame's axes",
+            WrenchAxes::Base => "an argument, in the base's axes",
+        };
+        [String::new(), wrench.name.clone(), wrench.at.name.clone(), axes.to_owned(), String::new()]
+    });
+    let rows: Vec<[String; 5]> = laws.chain(inputs).chain(wrenches).collect();
+    if rows.is_empty() {
+        return None;
+    }
+    let table = Table::new(
+        "frame-forces",
+        "Forces at frames; l is the distance of two frames [m], dl its rate. Wrenches are force, then moment.",
+    )
+    .column("", "index", "")
+    .column("name", "name", "")
+    .column("acts at", "place", "")
+    .column("force", "force", "")
+    .column("limits", "limits", "");
+    Some(table.rows(rows.into_iter().map(|row| row.into_iter().map(Cell::Text).collect())))
 }
 
 fn drive_row(robot: &Robot<'_>, drive: &Drive) -> Vec<Cell> {

@@ -60,6 +60,7 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
             coupling: RotorCoupling::Body,
             input: Input::Torque,
             torque: MotorTorque::default(),
+            friction: Vec::new(),
         });
     }
     Model {

@@ -207,6 +207,16 @@
         joined(state.links[k].p, point(state.links[k], farthest));
       });
 
+      // Cylinders are a barrel and a rod, springs a thin bar.
+      for (const rod of robot.rods) {
+        const [a, b] = rod.ends.map((end) => point(poseOf(state, end.joint), end.point));
+        const middle = times(0.5, add(a, b));
+        const [barrel, bar] = rod.input ? [0.5, 0.22] : [0.2, 0.2];
+        const colour = rod.input ? palette.accent : palette.link;
+        prism(faces, a, middle, barrel * thick, barrel * thick, 10, colour, true);
+        prism(faces, middle, b, bar * thick, bar * thick, 10, rod.input ? palette.body : colour, true);
+      }
+
       for (const face of faces) {
         const normal = unit(cross(subtract(face.points[1], face.points[0]), subtract(face.points[2], face.points[0])));
         const shown = face.points.map(project);

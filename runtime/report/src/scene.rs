@@ -17,6 +17,18 @@ pub struct Scene {
     pub bodies: Vec<SceneBody>,
     /// Named frames.
     pub frames: Vec<SceneFrame>,
+    /// Springs and cylinders between two points.
+    pub rods: Vec<SceneRod>,
+}
+
+/// A force between two points, drawn as a line between them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneRod {
+    /// Its ends: the index of the joint whose link carries it (`None` for the base), and the point in the link's
+    /// frame (m).
+    pub ends: [(Option<usize>, [f64; 3]); 2],
+    /// Whether an input acts in it, as in a cylinder.
+    pub is_input: bool,
 }
 
 /// A joint and its link.
@@ -165,11 +177,16 @@ impl Scene {
                 "rotation": frame.rotation,
             })
         };
+        let rod = |rod: &SceneRod| {
+            let end = |(joint, point): &(Option<usize>, [f64; 3])| json!({ "joint": joint, "point": point });
+            json!({ "ends": rod.ends.each_ref().map(end), "input": rod.is_input })
+        };
         json!({
             "gravity": self.gravity,
             "joints": self.joints.iter().map(joint).collect::<Value>(),
             "bodies": self.bodies.iter().map(body).collect::<Value>(),
             "frames": self.frames.iter().map(frame).collect::<Value>(),
+            "rods": self.rods.iter().map(rod).collect::<Value>(),
         })
     }
 }

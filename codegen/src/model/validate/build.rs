@@ -11,6 +11,7 @@ use super::super::{
     Model, Motion, MotorTorque, Pose, RotorCoupling,
 };
 use super::couplings::Couplings;
+use super::force_laws::check_shaft;
 use super::frame_forces::{FrameForces, Resolver};
 use super::names::{Identifiers, report_duplicates};
 use crate::diagnostic::{At, Report, nearest};
@@ -39,6 +40,7 @@ impl Builder<'_, '_> {
         let mut links = self.links(&coordinates, &followers);
         self.attach_bodies(&mut links);
         let drives = self.drives(&links, &couplings);
+        self.add_shaft_friction(&mut links, &couplings);
         let frames = self.frames();
         let at_frames =
             Resolver { robot: self.robot, tree: &self.tree, offsets: &self.offsets, report: self.report };
@@ -241,6 +243,30 @@ impl Builder<'_, '_> {
         described.into_iter().filter_map(frame).collect()
     }
 
+    /// Friction of the shaft of a drive on one coordinate is friction of its joint: with the gear ratio i,
+    /// `i τ(i y, i ẏ)`.
+    fn add_shaft_friction(&mut self, links: &mut [Link], couplings: &Couplings) {
+        let robot = self.robot;
+        for (index, drive) in robot.drives.iter().enumerate() {
+            let row = couplings.drives.get(index).and_then(Option::as_ref);
+            if let Some(row) = row.filter(|row| row.terms.len() == 1) {
+                let ratio =
+                    Formula::product(drive.motor.gear_ratio.value.clone(), row.terms[0].ratio.clone());
+                let moves = |joint: &Joint| joint.motion == Motion::Coordinate(row.terms[0].coordinate);
+                let joint =
+                    links.iter_mut().filter_map(|link| link.joint.as_mut()).find(|joint| moves(joint));
+                add_shaft(joint, &drive.motor, &ratio);
+            }
+        }
+        for (link, index) in self.tree.joints.iter().enumerate() {
+            let Some(DriveChoice::Motor(motor)) = index.map(|index| robot.drive_of(&robot.joints[index]))
+            else {
+                continue;
+            };
+            add_shaft(links[link].joint.as_mut(), motor, &motor.gear_ratio.value);
+        }
+    }
+
     /// The drives of joints in the order of their coordinates, then those that stand apart as they are
     /// described, then the motors of held joints.
     fn drives(&mut self, links: &[Link], couplings: &Couplings) -> Vec<Drive> {
@@ -259,7 +285,7 @@ impl Builder<'_, '_> {
     fn shared_drive(&mut self, index: usize, links: &[Link], couplings: &Couplings) -> Option<Drive> {
         let described = &self.robot.drives[index];
         let row = couplings.drives.get(index)?.as_ref()?;
-        self.check_motor(&described.motor);
+        self.check_motor(&described.name.value, &described.motor, None);
         let (acts_on, gear_ratio) = match &row.terms[..] {
             // One number says what gear and weight do together.
             [only] => (
@@ -272,11 +298,15 @@ impl Builder<'_, '_> {
         Some(Drive {
             name: described.name.value.clone(),
             identifier: self.identifiers.shared_drives[index].clone(),
-            acts_on,
             gear_ratio,
             rotor_inertia: described.motor.rotor_inertia.value.clone(),
             carrier,
             axis,
+            friction: match acts_on.len() {
+                1 => Vec::new(), // part of the joint's
+                _ => described.motor.friction.as_ref().map_or(Vec::new(), |friction| friction.value.clone()),
+            },
+            acts_on,
             coupling: described.motor.coupling,
             input: described.motor.input.clone(),
             torque: described.motor.torque,
@@ -358,7 +388,7 @@ impl Builder<'_, '_> {
         joint: &Joint,
         acts_on: Vec<FollowedCoordinate>,
     ) -> Option<Drive> {
-        self.check_motor(motor);
+        self.check_motor(&joint.name, motor, joint.limits.velocity);
         let carrier = match &motor.carrier {
             Some(name) => self.find_link(name)?,
             None => joint.parent,
@@ -388,10 +418,11 @@ impl Builder<'_, '_> {
             coupling: motor.coupling,
             input: motor.input.clone(),
             torque: motor.torque,
+            friction: Vec::new(), // part of the joint's
         })
     }
 
-    fn check_motor(&mut self, motor: &DriveDescription) {
+    fn check_motor(&mut self, name: &str, motor: &DriveDescription, speed: Option<f64>) {
         let value = |formula: &Formula| formula.evaluate(&self.defaults, 0.0, 0.0);
         let ratio = value(&motor.gear_ratio.value);
         if ratio == 0.0 || !ratio.is_finite() {
@@ -401,6 +432,11 @@ impl Builder<'_, '_> {
                 format!("the gear ratio is {}", as_written(ratio)),
             );
             self.report.help("motor angle over joint angle: finite and not 0");
+        }
+        if let Some(friction) = &motor.friction {
+            let speed =
+                speed.map(|speed| speed * ratio.abs()).filter(|speed| *speed > 0.0 && speed.is_finite());
+            check_shaft(name, friction, speed, &self.defaults, self.report);
         }
         let rotor = value(&motor.rotor_inertia.value);
         if !rotor.is_finite() || rotor < 0.0 {
@@ -429,12 +465,22 @@ impl Builder<'_, '_> {
             coupling: RotorCoupling::Diagonal,
             input: Input::Torque,
             torque: MotorTorque::default(),
+            friction: Vec::new(),
         }
     }
 
     fn drive_identifier(&self, joint: usize) -> String {
         self.identifiers.drives[joint].clone().unwrap_or_default()
     }
+}
+
+fn add_shaft(joint: Option<&mut Joint>, motor: &DriveDescription, ratio: &Formula) {
+    let (Some(joint), Some(friction)) = (joint, &motor.friction) else { return };
+    let term = |term: &FrictionTerm| FrictionTerm {
+        coefficient: Formula::product(ratio.clone(), term.coefficient.clone()),
+        basis: term.basis.geared(ratio),
+    };
+    joint.friction.extend(friction.value.iter().map(term));
 }
 
 fn laws<T: Clone>(described: &Option<At<Vec<T>>>) -> Vec<T> {

@@ -2,10 +2,10 @@
 
 use super::super::description::{FollowsDescription, JointDescription, Name, RobotDescription};
 use super::super::tree::Tree;
-use super::super::{FollowedCoordinate, Follower};
-use crate::diagnostic::{Report, nearest};
+use super::super::{FollowedCoordinate, Follower, FrictionTerm};
+use crate::diagnostic::{At, Report, nearest};
 use crate::formula::{Formula, Function};
-use crate::wording::as_written;
+use crate::wording::{as_written, list};
 use std::collections::BTreeMap;
 
 /// A row of G, and its offset.
@@ -50,14 +50,27 @@ impl Couplings {
             let row = resolver.combined(&drive.on)?;
             resolver.moves(&drive.name, "drive", "acts on", &row).then_some(row)
         });
-        let drives = drives.collect();
+        let drives: Vec<Option<Row>> = drives.collect();
         let joints: Vec<Option<Row>> = resolver.rows.into_iter().map(Progress::done).collect();
-        for &joint in &followers {
-            if let Some(row) = &joints[joint] {
-                note_dry_friction(&robot.joints[joint], row, report);
-                check_limits(robot, tree, coordinates, &robot.joints[joint], row, defaults, report);
+        for (drive, row) in robot.drives.iter().zip(&drives) {
+            let friction = drive.motor.friction.as_ref().zip(row.as_ref());
+            if let Some((friction, row)) = friction {
+                let terms = At::new(friction.value.as_slice(), friction.span);
+                note_dry_friction(("drive", "acts on"), &drive.name, &terms, row, report);
             }
         }
+        for &joint in &followers {
+            if let Some(row) = &joints[joint] {
+                let described = &robot.joints[joint];
+                if let Some(friction) = &described.friction {
+                    let terms = At::new(friction.value.terms.as_slice(), friction.span);
+                    note_dry_friction(("joint", "follows"), &described.name, &terms, row, report);
+                }
+                check_limits(robot, tree, coordinates, &robot.joints[joint], row, defaults, report);
+                note_speed(robot, tree, coordinates, &robot.joints[joint], row, defaults, report);
+            }
+        }
+        note_efforts(robot, &followers, report);
         Self { joints, drives, followers }
     }
 
@@ -246,16 +259,71 @@ fn add(sum: &mut Row, row: Row) {
 }
 
 /// Dry friction between several coordinates holds their sum, which a simulation of sticking joints does not know.
-fn note_dry_friction(joint: &JointDescription, row: &Row, report: &mut Report) {
-    let Some(friction) = joint.friction.as_ref().filter(|_| row.terms.len() > 1) else { return };
-    if friction.value.terms.iter().any(|term| term.basis.calls(Function::Sign)) {
-        let message =
-            format!("joint `{}` follows several coordinates and has dry friction", joint.name.value);
+fn note_dry_friction(
+    (what, verb): (&str, &str),
+    name: &Name,
+    friction: &At<&[FrictionTerm]>,
+    row: &Row,
+    report: &mut Report,
+) {
+    if row.terms.len() > 1 && friction.value.iter().any(|term| term.basis.calls(Function::Sign)) {
+        let message = format!("{what} `{}` {verb} several coordinates and has dry friction", name.value);
         report.note(Some(friction.span), "dry-follower", message);
         report.help(
             "the simulation lets single coordinates stick, not their sum: give the friction a `slope`, or use `--smooth-sign`",
         );
     }
+}
+
+/// The joint of a coordinate.
+fn followed<'d>(
+    robot: &'d RobotDescription,
+    tree: &Tree,
+    coordinates: &[usize],
+    term: &FollowedCoordinate,
+) -> Option<&'d JointDescription> {
+    tree.joints[coordinates[term.coordinate]].and_then(|joint| robot.joints.get(joint))
+}
+
+/// Says where a joint can be faster than it may, with the joints that it follows at their speeds.
+fn note_speed(
+    robot: &RobotDescription,
+    tree: &Tree,
+    coordinates: &[usize],
+    joint: &JointDescription,
+    row: &Row,
+    defaults: &[f64],
+    report: &mut Report,
+) {
+    let Some(limit) = &joint.limits.velocity else { return };
+    let fastest = row.terms.iter().map(|term| {
+        let own = followed(robot, tree, coordinates, term).and_then(|joint| joint.limits.velocity.as_ref());
+        let speed = own.map_or(f64::INFINITY, |limit| limit.value);
+        term.ratio.evaluate(defaults, 0.0, 0.0).abs() * speed
+    });
+    // A product of two written numbers is rounded.
+    if fastest.sum::<f64>() > limit.value * (1.0 + 1e-12) {
+        let message = format!(
+            "joint `{}` can be faster than its limit while the joints that it follows keep theirs",
+            joint.name.value
+        );
+        report.note(Some(limit.span), "dependent-limits", message);
+        report.help(
+            "limits of speed hold for coordinates alone: lower theirs, or give a predictive controller an `MpcRow` with \
+             `DEPENDENT_VELOCITY_LIMITS`",
+        );
+    }
+}
+
+/// Says that the efforts of joints that follow others limit nothing.
+fn note_efforts(robot: &RobotDescription, followers: &[usize], report: &mut Report) {
+    let limited = followers.iter().map(|&joint| &robot.joints[joint]);
+    let limited: Vec<&JointDescription> = limited.filter(|joint| joint.limits.effort.is_some()).collect();
+    let Some(first) = limited.first().and_then(|joint| joint.limits.effort.as_ref()) else { return };
+    let names = list(limited.iter().map(|joint| joint.name.value.as_str()));
+    let message = format!("the efforts of joints that follow others limit nothing: {names}");
+    report.note(Some(first.span), "dependent-limits", message);
+    report.help("what such a joint transmits is no input: limit the drives, or the joints that are followed");
 }
 
 /// Complains where no position of the coordinates within their limits puts a joint within its own.
@@ -271,7 +339,7 @@ fn check_limits(
     let Some(limits) = &joint.limits.position else { return };
     let mut reach = [row.offset; 2];
     for term in &row.terms {
-        let followed = tree.joints[coordinates[term.coordinate]].and_then(|joint| robot.joints.get(joint));
+        let followed = followed(robot, tree, coordinates, term);
         let own = followed.and_then(|joint| joint.limits.position.as_ref());
         let [low, high] = own.map_or([f64::NEG_INFINITY, f64::INFINITY], |limits| limits.value);
         let ratio = term.ratio.evaluate(defaults, 0.0, 0.0);

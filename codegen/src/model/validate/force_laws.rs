@@ -7,13 +7,15 @@
 use super::super::description::JointDescription;
 use super::super::{FrictionTerm, JointKind};
 use super::range::Range;
-use crate::diagnostic::{Report, Span};
+use crate::diagnostic::{At, Report, Span};
 use crate::formula::Formula;
 use crate::numeric;
 use crate::wording::three_digits;
 
 /// Largest speed [rad/s or m/s] looked at where a joint has no limit.
 const SPEED: f64 = 10.0;
+/// Largest speed [rad/s] looked at of a motor whose joint has no limit.
+const MOTOR_SPEED: f64 = 1000.0;
 /// Speeds in each direction. They are spaced by equal factors, since laws are steep near standstill.
 const SPEEDS: i32 = 61;
 /// Ratio of neighbours: 10^(−1/15), so that the smallest is 1e-4 of the largest.
@@ -25,7 +27,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// Reports laws without a finite value, and friction that drives.
 pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Report) {
-    let grid = Grid::new(joint);
+    let grid = Grid::of_joint(joint);
     if let Some(springs) = &joint.springs {
         let summands = springs.value.iter().map(|spring| (&Formula::ONE, spring));
         let law = Law { what: "spring", summands: summands.collect(), defaults };
@@ -45,19 +47,42 @@ pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Rep
     }
 }
 
+/// The same for friction of a drive's shaft.
+///
+/// - `speed`: of the motor at the limit of the joint that it moves, where there is one [rad/s]
+pub(super) fn check_shaft(
+    drive: &str,
+    friction: &At<Vec<FrictionTerm>>,
+    speed: Option<f64>,
+    defaults: &[f64],
+    report: &mut Report,
+) {
+    let grid = Grid {
+        owner: format!("drive `{drive}`"),
+        unit: "rad",
+        widest: std::f64::consts::PI,
+        position: None,
+        velocity: Some(speed.unwrap_or(MOTOR_SPEED)),
+    };
+    let law = Law::of("friction", &friction.value, defaults);
+    if is_finite(&law, &grid, friction.span, report) {
+        brakes(&law, &grid, friction.span, report);
+    }
+}
+
 /// Names the friction of a joint for each unit of its load.
 const OF_THE_LOAD: &str = "friction under load";
 
 /// |s₁| < 1 everywhere: on the grid up to the velocity limit, beyond it or without one by bounds of the
 /// formula.
-fn is_below_one(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) -> bool {
+fn is_below_one(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) -> bool {
     let positions = grid.positions();
     let velocities = [0.0].into_iter().chain(grid.velocities());
     let mut states = velocities.flat_map(|v| positions.iter().map(move |y| [*y, v]));
-    let (name, unit) = (&grid.joint.name.value, grid.unit);
+    let (name, unit) = (&grid.owner, grid.unit);
     if let Some([y, v]) = states.find(|[y, v]| law.value(*y, *v).abs() >= 1.0) {
         let message = format!(
-            "the load of joint `{name}` makes {} times its own size in friction at v = {} {unit}/s",
+            "the load of {name} makes {} times its own size in friction at v = {} {unit}/s",
             three_digits(law.value(y, v).abs()),
             three_digits(v)
         );
@@ -69,7 +94,7 @@ fn is_below_one(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report)
         return true;
     }
     let message = format!(
-        "the friction under load of joint `{name}` is not known to stay below the load at every speed and position: no limits \
+        "the friction under load of {name} is not known to stay below the load at every speed and position: no limits \
          bound them"
     );
     report.error(span, "load-friction-too-large", message);
@@ -77,7 +102,7 @@ fn is_below_one(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report)
     false
 }
 
-fn is_finite(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) -> bool {
+fn is_finite(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) -> bool {
     let positions = grid.positions();
     // Standstill comes first: a message should name it where it is at fault.
     let velocities = [0.0].into_iter().chain(grid.velocities());
@@ -89,8 +114,8 @@ fn is_finite(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) ->
         true => "undefined",
         false => "infinite",
     };
-    let (unit, what, name) = (grid.unit, law.what, &grid.joint.name.value);
-    let mut message = format!("the {what} of joint `{name}` is {value} at v = {} {unit}/s", three_digits(v));
+    let (unit, what, name) = (grid.unit, law.what, &grid.owner);
+    let mut message = format!("the {what} of {name} is {value} at v = {} {unit}/s", three_digits(v));
     if law.depends_on_position() {
         message.push_str(&format!(", y = {} {unit}", three_digits(y)));
     }
@@ -101,11 +126,11 @@ fn is_finite(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) ->
     false
 }
 
-fn brakes(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) {
-    let (name, what) = (&grid.joint.name.value, law.what);
+fn brakes(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) {
+    let (name, what) = (&grid.owner, law.what);
     let driven = driven(law, grid);
     if driven.iter().all(|(_, is_driven)| *is_driven) {
-        let message = format!("the {what} of joint `{name}` drives it at every speed");
+        let message = format!("the {what} of {name} drives it at every speed");
         report.error(span, "friction-drives", message);
         report.help("friction is positive for positive velocity: change the sign");
     } else if driven.iter().any(|(_, is_driven)| *is_driven) {
@@ -116,8 +141,7 @@ fn brakes(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) {
             format!("from {low} to {high} {}/s", grid.unit)
         };
         let ranges: Vec<String> = ranges.map(text).collect();
-        let message =
-            format!("the {what} of joint `{name}` drives it at velocities {}", ranges.join(" and "));
+        let message = format!("the {what} of {name} drives it at velocities {}", ranges.join(" and "));
         report.note(Some(span), "friction-drives", message);
         report.help(
             "friction with the sign of the velocity brakes; with the other sign it gives the joint energy",
@@ -126,7 +150,7 @@ fn brakes(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) {
 }
 
 /// The velocities of the grid but 0, each with whether friction drives the joint there at some position.
-fn driven(law: &Law<'_>, grid: &Grid<'_>) -> Vec<(f64, bool)> {
+fn driven(law: &Law<'_>, grid: &Grid) -> Vec<(f64, bool)> {
     let positions = grid.positions();
     let velocities: Vec<f64> = grid.velocities().collect();
     let torques = |v: f64| positions.iter().map(move |y| law.value(*y, v));
@@ -170,33 +194,43 @@ impl<'a> Law<'a> {
     }
 }
 
-/// Where the laws of a joint are looked at.
-struct Grid<'a> {
-    joint: &'a JointDescription,
+/// Where the laws of a joint or shaft are looked at.
+struct Grid {
+    /// Its kind and name.
+    owner: String,
     unit: &'static str,
-    /// Largest position looked at where the joint has no limits.
+    /// Largest position looked at where there are no limits.
     widest: f64,
+    /// Limits of the position.
+    position: Option<[f64; 2]>,
+    /// Limit of the speed.
+    velocity: Option<f64>,
 }
 
-impl<'a> Grid<'a> {
-    fn new(joint: &'a JointDescription) -> Self {
+impl Grid {
+    fn of_joint(joint: &JointDescription) -> Self {
         let (unit, widest) = match joint.kind {
             Some(JointKind::Prismatic) => ("m", 1.0),
             _ => ("rad", std::f64::consts::PI),
         };
-        Self { joint, unit, widest }
+        let limits = &joint.limits;
+        Self {
+            owner: format!("joint `{}`", joint.name.value),
+            unit,
+            widest,
+            position: limits.position.as_ref().map(|limits| limits.value),
+            velocity: limits.velocity.as_ref().map(|limit| limit.value),
+        }
     }
 
     /// Tells whether limits keep the joint where the grid is.
     fn holds_all(&self, law: &Law<'_>) -> bool {
-        let limits = &self.joint.limits;
-        limits.velocity.is_some() && (limits.position.is_some() || !law.depends_on_position())
+        self.velocity.is_some() && (self.position.is_some() || !law.depends_on_position())
     }
 
     /// Ascending but for 0, which stands last where the limits contain it.
     fn positions(&self) -> Vec<f64> {
-        let limits = self.joint.limits.position.as_ref();
-        let [low, high] = limits.map_or([-self.widest, self.widest], |limits| limits.value);
+        let [low, high] = self.position.unwrap_or([-self.widest, self.widest]);
         let part = |k: i32| f64::from(k) / f64::from(POSITIONS - 1);
         let zero = (low <= 0.0 && high >= 0.0).then_some(0.0);
         let positions = (0..POSITIONS).map(|k| low + (high - low) * part(k));
@@ -205,8 +239,7 @@ impl<'a> Grid<'a> {
 
     /// Ascending, without 0.
     fn velocities(&self) -> impl Iterator<Item = f64> + use<> {
-        let limit = self.joint.limits.velocity.as_ref();
-        let most = limit.map_or(SPEED, |limit| limit.value);
+        let most = self.velocity.unwrap_or(SPEED);
         // A limit that is not positive has its own message.
         let most = if most > 0.0 { most } else { SPEED };
         let backward = (0..SPEEDS).map(move |k| -most * numeric::power(FACTOR, k));
