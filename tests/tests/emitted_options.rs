@@ -107,7 +107,7 @@ fn functions(description: &Path) -> Vec<String> {
 }
 
 /// Functions that are asked for by name alone.
-const ON_REQUEST: &str = "inverse_dynamics_hessian";
+const ON_REQUEST: [&str; 2] = ["inverse_dynamics_hessian", "joint_wrenches"];
 
 struct Robots(tempfile::TempDir);
 
@@ -134,7 +134,7 @@ fn single_functions_over_lanes_compile_without_a_warning() {
     {
         let description = robots.chain(kinds, is_free);
         let mut names = functions(&description);
-        names.push(ON_REQUEST.to_owned());
+        names.extend(ON_REQUEST.map(str::to_owned));
         for name in names {
             let name = [name];
             modules.add(&description, &options(&name, &name, scalar));
@@ -152,7 +152,7 @@ fn random_modules(count: usize, is_fused: bool) -> Crate {
         let kinds = ["p", "r", "pp", "rp", "pr", "rr", "prp"][rng.usize(..7)];
         let description = robots.chain(kinds, rng.bool());
         let mut names = functions(&description);
-        names.push(ON_REQUEST.to_owned());
+        names.extend(ON_REQUEST.map(str::to_owned));
         rng.shuffle(&mut names);
         names.truncate(1 + rng.usize(..6));
         let lanes = names[..rng.usize(..=names.len())].to_vec();

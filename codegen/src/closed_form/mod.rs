@@ -109,6 +109,12 @@ pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
             .help("`gelenk inspect program` shows the equations of coupled joints with their abbreviations");
         return Err(Diagnostics::new(vec![problem]));
     }
+    if let Some(joint) = model.joints().find(|joint| matches!(joint.kind, JointKind::Helical { .. })) {
+        let message = format!("there are no closed forms of helical joints; `{}` is one", joint.name);
+        let problem = Diagnostic::error("helical-joint", message)
+            .help("`gelenk inspect program` shows the equations of helical joints with their abbreviations");
+        return Err(Diagnostics::new(vec![problem]));
+    }
     if load_friction::is_there(model) {
         let message = format!(
             "there are no closed forms where friction grows with the load, as that of `{}` does: M, k, q and B are not its \

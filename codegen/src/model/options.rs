@@ -2,7 +2,7 @@
 
 /// Names that `[generate] functions` may list: the functions of every robot, and `frames` for all of those of
 /// named frames.
-pub const FUNCTIONS: [&str; 29] = [
+pub const FUNCTIONS: [&str; 30] = [
     "mass_matrix",
     "coriolis_forces",
     "gravity_forces",
@@ -31,6 +31,7 @@ pub const FUNCTIONS: [&str; 29] = [
     "friction_regressor",
     "load_friction",
     "inverse_dynamics_hessian",
+    "joint_wrenches",
     "frames",
 ];
 

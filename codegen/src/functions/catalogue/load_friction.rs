@@ -141,9 +141,15 @@ mod tests {
                 said.flat_map(|text| words.into_iter().filter(move |word| text.contains(word))).collect();
             about.dedup();
             let is_told = TEXTS.iter().any(|text| text.name == row.name);
-            let is_true =
-                ["gravity_forces", "spring_forces", "bias_forces", "base_regressor", "inertial_parameters"]
-                    .contains(&row.name);
+            let true_rows = [
+                "gravity_forces",
+                "spring_forces",
+                "bias_forces",
+                "base_regressor",
+                "inertial_parameters",
+                "joint_wrenches",
+            ];
+            let is_true = true_rows.contains(&row.name);
             let is_own = QUANTITIES.iter().any(|own| own.name == row.name);
             assert!(
                 about.is_empty() || is_told || is_true || is_own || row.ignores_load,
