@@ -13,7 +13,7 @@ pub const QUANTITY: Quantity = Quantity {
     equation: "(F_i, n_i) = Σ (m (c̈ − g), r × m (c̈ − g) + I ω̇ + ω × I ω) over the bodies beyond joint i",
     arguments: &[Coordinates, Velocities, Accelerations],
     results: &[(
-        "(F, n)",
+        "wrenches",
         &[Dimension::Fixed, Dimension::Fixed],
         "row i = moving joint i: those of the coordinates in their order, then those that follow others \
          (`DEPENDENT_JOINT_NAMES`); force (N), then moment about the joint's origin (N m), in the joint's frame after \
