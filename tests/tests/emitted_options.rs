@@ -30,12 +30,13 @@ link = "j#"
 origin = { xyz = [0, 0, 0.5] }
 "#;
 
-/// A chain of joints, `p`rismatic or `r`evolute.
+/// A chain of joints, `p`rismatic, `r`evolute or `h`elical.
 fn chain(kinds: &str, is_free: bool) -> String {
     let mut text = String::from("description = \"A chain.\"\n");
     for (index, kind) in kinds.chars().enumerate() {
         let (kind, axis) = match kind {
             'p' => ("prismatic", "[0, 0, 1]"),
+            'h' => ("helical\"\npitch = \"0.02", "[0, 1, 0]"),
             _ => ("revolute", "[0, 1, 0]"),
         };
         let (mass, friction, inertia) = match is_free {
@@ -149,7 +150,7 @@ fn random_modules(count: usize, is_fused: bool) -> Crate {
     let mut rng = Rng::with_seed(11);
     let mut modules = Crate::default();
     for _ in 0..count {
-        let kinds = ["p", "r", "pp", "rp", "pr", "rr", "prp"][rng.usize(..7)];
+        let kinds = ["p", "r", "pp", "rp", "pr", "rr", "prp", "h", "rh"][rng.usize(..9)];
         let description = robots.chain(kinds, rng.bool());
         let mut names = functions(&description);
         names.extend(ON_REQUEST.map(str::to_owned));

@@ -21,11 +21,11 @@ pub const QUANTITY: Quantity = Quantity {
     )],
     notes: &[
         "A row is all that the bodies beyond the joint receive from outside but gravity: bearing, gear, drive, spring, \
-         friction and belt together, whatever way their forces take. Its power at a unit of the joint's velocity, F_a \
-         along the axis a of a sliding joint, n_a about that of a turning one and n_a + pitch F_a of a helical one, is therefore the sum of the \
-         torques of drive, spring and friction (and of couplings) at the joint, as the motion needs it; the bearing \
-         itself bears the other components. Friction and drives do not appear as arguments: they change the sum by \
-         changing ÿ alone.",
+         friction and belt together, whatever way their forces take. Its component along the joint, F_a on the axis a of \
+         a sliding joint, n_a about that of a turning one and n_a + pitch F_a of a helical one, is therefore the sum of \
+         what the drive's gear (behind the inertia of its rotor), springs, friction and couplings exert at the joint in \
+         this motion; the bearing bears the other components. Friction and drives are no arguments: they change the row \
+         by changing ÿ alone.",
         "The masses are those described, not base parameters, which have the same generalized forces and other reactions. \
          Rotors with `coupling = \"body\"` count where they are carried, with the moment that turns their spin; the \
          inertia of `coupling = \"diagonal\"` has no place and bears on no joint. The bodies on fixed and held joints \
