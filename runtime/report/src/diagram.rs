@@ -131,7 +131,7 @@ fn edge(joint: &SceneJoint, from: Place, to: Place) -> Markup {
     }
 }
 
-/// A circle turns, a square slides, a circle on a square is a screw, a bar is fixed; filled where driven.
+/// A circle turns, a square slides, a circle in a square does both, a bar is fixed; filled where driven.
 fn symbol(joint: &SceneJoint, x: f64, y: f64) -> Markup {
     let is_driven = joint.input.is_some();
     let moves = matches!(joint.motion, SceneMotion::Coordinate(_) | SceneMotion::Follows { .. });
@@ -139,13 +139,17 @@ fn symbol(joint: &SceneJoint, x: f64, y: f64) -> Markup {
         @if !moves {
             rect.held x=(x - 7.0) y=(y - 2.5) width="14" height="5" {}
         } @else {
-            @if joint.kind != SceneKind::Turns {
-                rect.joint.driven[is_driven] x=(x - 6.5) y=(y - 6.5) width="13" height="13" {}
-            }
             @match joint.kind {
-                SceneKind::Slides => {}
-                SceneKind::Turns => circle.joint.driven[is_driven] cx=(x) cy=(y) r="7" {},
-                SceneKind::Screws { .. } => circle.joint.driven[is_driven] cx=(x) cy=(y) r="4" {},
+                SceneKind::Slides => {
+                    rect.joint.driven[is_driven] x=(x - 6.5) y=(y - 6.5) width="13" height="13" {}
+                }
+                SceneKind::Turns => {
+                    circle.joint.driven[is_driven] cx=(x) cy=(y) r="7" {}
+                }
+                SceneKind::Screws { .. } => {
+                    rect.joint x=(x - 6.5) y=(y - 6.5) width="13" height="13" {}
+                    circle.joint.driven[is_driven] cx=(x) cy=(y) r="4" {}
+                }
             }
         }
     }
