@@ -24,6 +24,7 @@ fn main() {
         ("the_program_writes_files", the_program_writes_files),
         ("more_than_three_joints_are_refused", more_than_three_joints_are_refused),
         ("slanted_robots_are_refused", slanted_robots_are_refused),
+        ("helical_joints_are_refused_unless_they_are_held", helical_joints_are_refused_unless_they_are_held),
         ("pages_hold_closed_forms", pages_hold_closed_forms),
         ("pages_say_why_they_hold_none", pages_say_why_they_hold_none),
         ("powercube_reads_as_published", powercube_reads_as_published),
@@ -108,6 +109,41 @@ fn slanted_robots_are_refused() {
     assert!(output.stdout.is_empty());
     let message = String::from_utf8(output.stderr).unwrap();
     insta::assert_snapshot!("too_many_angles", message);
+}
+
+const SCREW: &str = r#"
+[[joints]]
+name = "hinge"
+axis = [0, 1, 0]
+drive = "ideal"
+[[joints]]
+name = "screw"
+type = "helical"
+pitch = 0.2
+origin = { xyz = [0.1, 0, 0.3] }
+HELD
+[[joints]]
+name = "tip"
+axis = [1, 0, 0]
+origin = { xyz = [0, 0.2, 0.1] }
+[[bodies]]
+link = "hinge"
+mass = 2
+center_of_mass = [0.1, 0, 0.2]
+inertia = 0.1
+[[bodies]]
+link = "tip"
+mass = 1
+center_of_mass = [0.1, 0.1, 0]
+inertia = 0.05
+"#;
+
+fn helical_joints_are_refused_unless_they_are_held() {
+    let problems = closed_form::check_size(&described(&SCREW.replace("HELD", ""))).unwrap_err().to_string();
+    assert!(problems.starts_with("error[helical-joint]: there are no closed forms"), "{problems}");
+    assert!(problems.contains("`screw` is one"), "{problems}");
+    let worst = disagreement(&described(&SCREW.replace("HELD", "held = \"pi/2\"")), 5, 1.0);
+    assert!(worst < 1e-10, "{worst:e}");
 }
 
 fn general_arm() -> String {

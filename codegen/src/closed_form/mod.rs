@@ -33,7 +33,7 @@ use symbolica::atom::{Atom, AtomCore};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::load_friction;
-use crate::model::Model;
+use crate::model::{JointKind, Model};
 use algebra::Variables;
 use bodies::Bodies;
 use fourier::Part;
