@@ -17,7 +17,7 @@ pub const QUANTITY: Quantity = Quantity {
         &[Dimension::Fixed, Dimension::Fixed],
         "row i = moving joint i: those of the coordinates in their order, then those that follow others \
          (`DEPENDENT_JOINT_NAMES`); force (N), then moment about the joint's origin (N m), in the joint's frame after \
-         its motion, which is that of the link that it carries",
+         its motion: that of the link that it carries, or for a standard DH row the one before d, a and α",
     )],
     notes: &[
         "A row is all that the bodies beyond the joint receive from outside but gravity: bearing, gear, drive, spring, \
