@@ -64,7 +64,9 @@ fn stiff(model: &Model) -> Option<Diagnostic> {
     }
     let unit = match joint.kind {
         JointKind::Prismatic => "N s/m",
-        JointKind::Fixed | JointKind::Revolute | JointKind::Continuous => "N m s/rad",
+        JointKind::Fixed | JointKind::Revolute | JointKind::Continuous | JointKind::Helical { .. } => {
+            "N m s/rad"
+        }
     };
     let message = format!(
         "friction of `{}`{} rises by {} {unit} at standstill and slows down at a rate of {} 1/s: with {substeps} substep{} \

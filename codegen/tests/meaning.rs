@@ -5,7 +5,8 @@
 
 use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics};
 use gelenk_codegen::model::{
-    FollowedCoordinate, Input, Joint, Model, Motion, ReadOptions, RotorCoupling, from_toml, from_urdf, read,
+    Definiteness, FollowedCoordinate, Input, Joint, JointKind, Model, Motion, ReadOptions, RotorCoupling,
+    from_toml, from_urdf, read,
 };
 
 fn load(text: &str) -> (Model, Diagnostics) {
@@ -174,4 +175,56 @@ inertia = 1
     assert!(notes.contains(expected), "{notes}");
     let (_, notes) = load(&text.replace("-3", "3"));
     assert!(notes.is_empty(), "{notes}");
+}
+
+/// A planar joint of a URDF, and a TOML file that says more about its parts.
+const CART: &str = r#"<robot name="cart">
+  <link name="floor"/>
+  <link name="cart"><inertial><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+  <joint name="base" type="planar"><parent link="floor"/><child link="cart"/><origin xyz="0 0 1"/><axis xyz="0 0 -1"/></joint>
+</robot>"#;
+
+#[test]
+fn a_planar_joint_of_a_urdf_is_a_chain() {
+    let (model, _) = from_urdf(CART, "cart.urdf", &ReadOptions::default()).unwrap();
+    let names: Vec<&str> = model.joints().map(|joint| joint.name.as_str()).collect();
+    assert_eq!(names, ["base_x", "base_y", "base_theta"]);
+    let axes: Vec<[f64; 3]> = model.joints().map(|joint| joint.axis).collect();
+    assert_eq!(axes, [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]]);
+    let links: Vec<&str> = model.links.iter().map(|link| link.name.as_str()).collect();
+    assert_eq!(links, ["floor", "base_x", "base_y", "cart"]);
+    assert_eq!(joint(&model, 0).origin.translation[2].as_number(), Some(1.0));
+    assert_eq!(joint(&model, 2).origin.translation[2].as_number(), Some(0.0));
+    assert_eq!(model.inputs().count(), 3, "drives of a URDF are ideal");
+}
+
+#[test]
+fn parts_of_joints_are_told_one_by_one() {
+    let text = "[[joints]]\nname = \"quill\"\ntype = \"cylindrical\"\naxis = [0, 1, 0]\n\
+                limits = { slide = { position = [-1, 0] } }\ndrive = \"ideal\"\nfriction = { turn = { viscous = { free = 0.1 } } }\n\
+                [[joints]]\nname = \"gimbal\"\ntype = \"universal\"\nchild = \"plate\"\nheld = { y = 0.2 }\n\
+                [[bodies]]\nlink = \"quill\"\nmass = 1\ninertia = 1\n[[bodies]]\nlink = \"plate\"\nmass = 1\ninertia = 1\n";
+    let (model, _) = load(text);
+    let names: Vec<&str> = model.joints().map(|joint| joint.name.as_str()).collect();
+    assert_eq!(names, ["quill_turn", "quill_slide", "gimbal_x"]);
+    assert_eq!(joint(&model, 1).limits.position, Some([-1.0, 0.0]));
+    assert_eq!(joint(&model, 0).limits.position, None);
+    assert_eq!(model.parameters[0].name, "quill_turn_viscous");
+    assert_eq!(model.inputs().map(|input| input.name()).collect::<Vec<_>>(), ["quill_turn", "quill_slide"]);
+    let plate = model.links.last().unwrap();
+    assert_eq!((plate.name.as_str(), plate.joint.as_ref().unwrap().motion), ("plate", Motion::Held(0.2)));
+}
+
+#[test]
+fn a_helical_joint_is_an_angle() {
+    let text = "[[joints]]\nname = \"lift\"\ntype = \"helical\"\npitch = \"-0.02/(2*pi)\"\nlimits = { position = [-50, 50] }\ndrive = \"ideal\"\n\
+                [[bodies]]\nlink = \"lift\"\nmass = 1\n";
+    let (model, notes) = load(text);
+    assert_eq!(joint(&model, 0).kind, JointKind::Helical { pitch: -0.02 / std::f64::consts::TAU });
+    assert_eq!(
+        (joint(&model, 0).kind.unit(), model.input_unit(model.inputs().next().unwrap())),
+        ("rad", "N m")
+    );
+    assert_eq!(model.definiteness(), Definiteness::Positive, "a point mass resists the slide of its screw");
+    assert!(!notes.to_string().contains("degrees"), "screws turn often: {notes}");
 }

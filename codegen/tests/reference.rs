@@ -63,7 +63,7 @@ fn place(model: &Model, y: &[f64]) -> Vec<Placed> {
         let axis = apply(&axes, &joint.axis);
         let q = position(joint, y);
         let [x, y, z] = joint.axis;
-        let (turn, along) = if joint.kind == JointKind::Prismatic { (0.0, q) } else { (q, 0.0) };
+        let [turn, along] = joint.kind.turn_and_slide().map(|share| share * q);
         let (s, c) = f64::sin_cos(turn);
         let t = 1.0 - c;
         let spin = [

@@ -19,6 +19,7 @@ use gelenk_codegen::model::{Model, ReadOptions, from_toml, read};
 use gelenk_codegen::program::interpret::{Functions, interpret};
 
 fn main() {
+    // What derives in this process stands last: it keeps the one instance that the program would wait for.
     let tests: &[(&str, fn())] = &[
         ("the_program_prints_results_alone", the_program_prints_results_alone),
         ("the_program_writes_files", the_program_writes_files),
@@ -35,6 +36,7 @@ fn main() {
         ),
         ("the_comparison_sees_a_wrong_parameter", the_comparison_sees_a_wrong_parameter),
         ("small_robots_read_well", small_robots_read_well),
+        ("helical_joints_are_refused_unless_they_are_held", helical_joints_are_refused_unless_they_are_held),
     ];
     for (name, test) in tests {
         test();
@@ -108,6 +110,41 @@ fn slanted_robots_are_refused() {
     assert!(output.stdout.is_empty());
     let message = String::from_utf8(output.stderr).unwrap();
     insta::assert_snapshot!("too_many_angles", message);
+}
+
+const SCREW: &str = r#"
+[[joints]]
+name = "hinge"
+axis = [0, 1, 0]
+drive = "ideal"
+[[joints]]
+name = "screw"
+type = "helical"
+pitch = 0.2
+origin = { xyz = [0.1, 0, 0.3] }
+HELD
+[[joints]]
+name = "tip"
+axis = [1, 0, 0]
+origin = { xyz = [0, 0.2, 0.1] }
+[[bodies]]
+link = "hinge"
+mass = 2
+center_of_mass = [0.1, 0, 0.2]
+inertia = 0.1
+[[bodies]]
+link = "tip"
+mass = 1
+center_of_mass = [0.1, 0.1, 0]
+inertia = 0.05
+"#;
+
+fn helical_joints_are_refused_unless_they_are_held() {
+    let problems = closed_form::check_size(&described(&SCREW.replace("HELD", ""))).unwrap_err().to_string();
+    assert!(problems.starts_with("error[helical-joint]: there are no closed forms"), "{problems}");
+    assert!(problems.contains("`screw` is one"), "{problems}");
+    let worst = disagreement(&described(&SCREW.replace("HELD", "held = \"pi/2\"")), 5, 1.0);
+    assert!(worst < 1e-10, "{worst:e}");
 }
 
 fn general_arm() -> String {

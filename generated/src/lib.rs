@@ -113,6 +113,15 @@ pub mod powercube_six_axis;
 #[rustfmt::skip]
 pub mod puma560;
 
+/// The robot `scara`.
+///
+/// A SCARA with a screw-spline quill that carries a tapping unit.
+///
+/// Two nuts in the forearm move the quill: the spline nut turns it, and the screw nut lifts it by 20 mm for each turn against the
+/// quill. The tap turns in a master thread of 1 mm, so that its feed is that of the thread it cuts. All numbers are estimated.
+#[rustfmt::skip]
+pub mod scara;
+
 /// The robot `schunk_lwa4p`.
 ///
 /// Schunk LWA 4P arm with six axes; y = 0 is stretched upwards.

@@ -253,21 +253,22 @@ fn a_trajectory_beyond_a_row_is_noted() {
 
 gelenk_runtime::dynamics!(struct Wrist = gelenk_generated::differential_wrist);
 gelenk_runtime::dynamics!(struct Palletizer = gelenk_generated::palletizer);
+gelenk_runtime::dynamics!(struct Scara = gelenk_generated::scara);
 
 /// Runs a controller on its own robot's plant; the largest error of position at the end [rad], and the largest value
 /// of `shown` at the start of a period.
-fn follow<D: Dynamics<4, 4> + Copy>(
+fn follow<const N: usize, D: Dynamics<N, N> + Copy>(
     model: D,
-    controller: &mut impl Controller<4, 4>,
-    [start, goal]: [[f64; 4]; 2],
+    controller: &mut impl Controller<N, N>,
+    [start, goal]: [[f64; N]; 2],
     seconds: f64,
-    shown: impl Fn(&[f64; 4], &[f64; 4]) -> f64,
+    shown: impl Fn(&[f64; N], &[f64; N]) -> f64,
 ) -> [f64; 2] {
     let period = 0.01;
     let mut plant = Plant::new(model, PlantOptions::default()).unwrap();
-    plant.reset(start, [0.0; 4]).unwrap();
-    controller.reset(&start, &[0.0; 4]);
-    let (mut last_inputs, mut largest) = ([0.0; 4], f64::NEG_INFINITY);
+    plant.reset(start, [0.0; N]).unwrap();
+    controller.reset(&start, &[0.0; N]);
+    let (mut last_inputs, mut largest) = ([0.0; N], f64::NEG_INFINITY);
     for k in 0..(seconds / period) as u32 {
         let cycle = Cycle {
             time: period * f64::from(k),
@@ -283,7 +284,7 @@ fn follow<D: Dynamics<4, 4> + Copy>(
         plant.apply(&u, period).unwrap();
     }
     let (y, _) = plant.state();
-    [(0..4).map(|i| (y[i] - goal[i]).abs()).fold(0.0, f64::max), largest]
+    [(0..N).map(|i| (y[i] - goal[i]).abs()).fold(0.0, f64::max), largest]
 }
 
 /// Two motors move pitch and roll together: B is full, and each keeps its own limit.
@@ -296,6 +297,19 @@ fn a_differential_wrist_is_controlled_in_its_motors_torques() {
     let beyond =
         |_: &[f64; 4], u: &[f64; 4]| (0..4).map(|j| u[j].abs() - peak[j]).fold(f64::NEG_INFINITY, f64::max);
     let [error, beyond] = follow(Wrist, &mut controller, [start, goal], 2.5, beyond);
+    assert!(error < 5e-3 && beyond <= 1e-9, "{error} {beyond}");
+}
+
+/// A screw spline moves the quill by two nuts, and the tap slides while it turns: lengths and angles in one controller.
+#[test]
+fn a_scara_taps_in_its_motors_torques() {
+    let [start, goal] = [[0.2, 0.4, 0.0, -0.02, 0.0], [-0.2, 0.9, 1.0, -0.1, -60.0]];
+    let motion = RestToRest::new(start, goal, 1.5).unwrap();
+    let mut controller = LtvMpc::new(Scara, motion, MpcOptions::new(&Scara, 0.01, 15)).unwrap();
+    let peak = gelenk_generated::scara::PEAK_INPUT_LIMITS;
+    let beyond =
+        |_: &[f64; 5], u: &[f64; 5]| (0..5).map(|j| u[j].abs() - peak[j]).fold(f64::NEG_INFINITY, f64::max);
+    let [error, beyond] = follow(Scara, &mut controller, [start, goal], 2.5, beyond);
     assert!(error < 5e-3 && beyond <= 1e-9, "{error} {beyond}");
 }
 

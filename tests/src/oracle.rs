@@ -111,6 +111,12 @@ impl Oracle<'_> {
                 state.origin = add(&state.origin, &scale(&axis, position));
                 state.velocity = add(&state.velocity, &scale(&axis, speed));
             }
+            JointKind::Helical { pitch } => {
+                state.rotation = product(&rotation, &turn(joint.axis, position));
+                state.spin = add(&parent.spin, &scale(&axis, speed));
+                state.origin = add(&state.origin, &scale(&axis, position * pitch));
+                state.velocity = add(&state.velocity, &scale(&axis, speed * pitch));
+            }
         }
         let lever = subtract(&state.origin, &parent.origin);
         state.velocity = add(&state.velocity, &cross(&parent.spin, &lever));

@@ -140,6 +140,28 @@ fn pull(rng: &mut Rng, free: bool) -> Formula {
     Formula::sum(spring, product(number(2.0 * rng.f64()), damper))
 }
 
+/// As [`random_model`], with about half of the joints that move or are held helical; every other one is
+/// [coupled](random_coupled_model) besides.
+pub fn random_helical_model(seed: u64, longest: usize) -> Model {
+    let mut rng = Rng::with_seed(seed);
+    let mut model = loop {
+        let model = tree(&mut rng, longest);
+        if model.coordinates.len() > 1 {
+            break model;
+        }
+    };
+    let joints = model.links.iter_mut().filter_map(|link| link.joint.as_mut());
+    for (k, joint) in joints.filter(|joint| joint.motion != Motion::Fixed).enumerate() {
+        if k == 0 || chance(&mut rng, 0.5) {
+            joint.kind = JointKind::Helical { pitch: within(&mut rng, 0.4) };
+        }
+    }
+    if seed.is_multiple_of(2) {
+        couple(&mut rng, &mut model);
+    }
+    made_regular(rng, model)
+}
+
 /// Makes about a third of the coordinates followers, and lets drives act on several.
 fn couple(rng: &mut Rng, model: &mut Model) {
     let moving = std::mem::take(&mut model.coordinates);

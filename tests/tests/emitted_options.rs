@@ -30,12 +30,13 @@ link = "j#"
 origin = { xyz = [0, 0, 0.5] }
 "#;
 
-/// A chain of joints, `p`rismatic or `r`evolute.
+/// A chain of joints, `p`rismatic, `r`evolute or `h`elical.
 fn chain(kinds: &str, is_free: bool) -> String {
     let mut text = String::from("description = \"A chain.\"\n");
     for (index, kind) in kinds.chars().enumerate() {
         let (kind, axis) = match kind {
             'p' => ("prismatic", "[0, 0, 1]"),
+            'h' => ("helical\"\npitch = \"0.02", "[0, 1, 0]"),
             _ => ("revolute", "[0, 1, 0]"),
         };
         let (mass, friction, inertia) = match is_free {
@@ -107,7 +108,7 @@ fn functions(description: &Path) -> Vec<String> {
 }
 
 /// Functions that are asked for by name alone.
-const ON_REQUEST: &str = "inverse_dynamics_hessian";
+const ON_REQUEST: [&str; 2] = ["inverse_dynamics_hessian", "joint_wrenches"];
 
 struct Robots(tempfile::TempDir);
 
@@ -134,7 +135,7 @@ fn single_functions_over_lanes_compile_without_a_warning() {
     {
         let description = robots.chain(kinds, is_free);
         let mut names = functions(&description);
-        names.push(ON_REQUEST.to_owned());
+        names.extend(ON_REQUEST.map(str::to_owned));
         for name in names {
             let name = [name];
             modules.add(&description, &options(&name, &name, scalar));
@@ -149,10 +150,10 @@ fn random_modules(count: usize, is_fused: bool) -> Crate {
     let mut rng = Rng::with_seed(11);
     let mut modules = Crate::default();
     for _ in 0..count {
-        let kinds = ["p", "r", "pp", "rp", "pr", "rr", "prp"][rng.usize(..7)];
+        let kinds = ["p", "r", "pp", "rp", "pr", "rr", "prp", "h", "rh"][rng.usize(..9)];
         let description = robots.chain(kinds, rng.bool());
         let mut names = functions(&description);
-        names.push(ON_REQUEST.to_owned());
+        names.extend(ON_REQUEST.map(str::to_owned));
         rng.shuffle(&mut names);
         names.truncate(1 + rng.usize(..6));
         let lanes = names[..rng.usize(..=names.len())].to_vec();

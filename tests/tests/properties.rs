@@ -4,6 +4,7 @@
 //! Tolerances are relative to the size of what is summed, see [`Scales`]: rounding errors of a recursion over
 //! 12 joints are some hundred units of 1.1e-16 of it.
 
+use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
 use fastrand::Rng;
@@ -14,8 +15,8 @@ use gelenk_tests::Robot;
 use gelenk_tests::dual::evaluate;
 use gelenk_tests::oracle::Oracle;
 use gelenk_tests::random_model::{
-    Sample, condition_of, random_coupled_model, random_model, random_model_with_frame_forces,
-    random_model_with_near_rotors, random_sample,
+    Sample, condition_of, random_coupled_model, random_helical_model, random_model,
+    random_model_with_frame_forces, random_model_with_near_rotors, random_sample,
 };
 use num_dual::{Dual64, HyperDual64};
 
@@ -29,7 +30,10 @@ const SEEDS: std::ops::Range<u64> = 0..45;
 const COUPLED_SEEDS: std::ops::Range<u64> = 1000..1015;
 
 /// Robots with forces, inputs and wrenches at frames.
-const FORCE_SEEDS: std::ops::Range<u64> = 2000..2015;
+const FORCE_SEEDS: std::ops::Range<u64> = 3000..3015;
+
+/// Robots with helical joints, some of which follow others.
+const HELICAL_SEEDS: std::ops::Range<u64> = 2000..2012;
 
 /// Largest number of coordinates.
 const LONGEST: usize = 12;
@@ -181,6 +185,8 @@ static ROBOTS: LazyLock<Vec<(u64, Robot)>> = LazyLock::new(|| {
         SEEDS.flat_map(|seed| [(seed, straight(seed)), (seed, looped(seed))]).collect();
     let coupled = |seed| Robot::in_form(random_coupled_model(seed, LONGEST), &selection, Form::Straight);
     let coupled: Vec<(u64, Robot)> = COUPLED_SEEDS.map(|seed| (seed, coupled(seed))).collect();
+    let helical = |seed| Robot::in_form(random_helical_model(seed, LONGEST), &selection, Form::Straight);
+    let helical: Vec<(u64, Robot)> = HELICAL_SEEDS.map(|seed| (seed, helical(seed))).collect();
     let has_loops = |name| move |(_, robot): &&(u64, Robot)| robot.function(name).arrays.is_some();
     for name in ["inverse_dynamics_derivatives", "linearize"] {
         assert!(robots.iter().filter(has_loops(name)).count() > robots.len() / 3, "{name}");
@@ -189,7 +195,7 @@ static ROBOTS: LazyLock<Vec<(u64, Robot)>> = LazyLock::new(|| {
     let with_forces =
         |seed| Robot::in_form(random_model_with_frame_forces(seed, LONGEST), &with_wrenches, Form::Cheapest);
     let with_forces: Vec<(u64, Robot)> = FORCE_SEEDS.map(|seed| (seed, with_forces(seed))).collect();
-    robots.into_iter().chain(coupled).chain(with_forces).collect()
+    robots.into_iter().chain(coupled).chain(helical).chain(with_forces).collect()
 });
 
 /// Runs a check on all random robots, in several states.
@@ -324,11 +330,12 @@ fn forward_dynamics_inverts_inverse_dynamics() {
         let largest = accelerations.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let residual = size + case.scales.mass * largest * y.len() as f64;
         case.close("M ÿ + k − q − B u", &forces, &inputs, residual);
-        if u.len() == y.len() && !case.oracle.model.is_coupled() && case.oracle.model.force_inputs.is_empty()
-        {
+        let column = |j: usize| (0..y.len()).find(|i| input_matrix[i * u.len() + j] != 0.0);
+        let driven: BTreeSet<usize> = (0..u.len()).filter_map(column).collect();
+        let are_drives = case.oracle.model.force_inputs.is_empty() && !case.oracle.model.is_coupled();
+        if u.len() == y.len() && driven.len() == y.len() && are_drives {
             // Every coordinate is driven, B is diagonal up to the order of the drives.
             let forces = case.call("inverse_dynamics", &[y, v, a]);
-            let column = |j: usize| (0..y.len()).find(|i| input_matrix[i * u.len() + j] != 0.0);
             let input = |j: usize| {
                 let i = column(j).expect("a drive moves a coordinate");
                 forces[i] / input_matrix[i * u.len() + j]

@@ -266,3 +266,61 @@ fn coupled_fingers_agree_with_pinocchio() {
         }
     }
 }
+
+/// Helical, cylindrical, universal and planar joints, joints that follow screws, rotors in general directions:
+/// `tests/reference/make_joints.py` made the values.
+fn joints_agree_with_pinocchio(name: &str) {
+    const TOLERANCE: f64 = 1e-11;
+    const OF_JACOBIANS: f64 = 1e-10;
+    let folder = workspace().join("tests/reference");
+    let text = std::fs::read_to_string(folder.join(format!("{name}.json"))).expect("committed values");
+    let reference: Value = serde_json::from_str(&text).expect("JSON");
+    let robot = Robot::derive(&folder.join(format!("{name}.toml")), &GenerateOptions::default());
+    let wrenches = Robot::of_model(robot.model.clone(), &["joint_wrenches"]);
+    let names: Vec<&str> = robot.model.joints().map(|joint| joint.name.as_str()).collect();
+    assert_eq!(reference["joints"], serde_json::json!(names));
+    for sample in samples(&reference) {
+        let get = |key: &str| numbers(&sample[key]);
+        let (y, v, a) = (get("y"), get("v"), get("a"));
+        check("M", &robot.first("mass_matrix", &[&y]), &get("M"), TOLERANCE);
+        check("nle", &robot.first("bias_forces", &[&y, &v]), &get("nle"), TOLERANCE);
+        check("g", &robot.first("gravity_forces", &[&y]), &negative(&get("g")), TOLERANCE);
+        check("id", &robot.first("inverse_dynamics", &[&y, &v, &a]), &get("id"), TOLERANCE);
+        check("T", &robot.first("kinetic_energy", &[&y, &v]), &get("kinetic"), TOLERANCE);
+        let found = wrenches.first("joint_wrenches", &[&y, &v, &a]);
+        check("reactions", &found, &get("reactions"), TOLERANCE);
+        let inverse = robot.call("inverse_dynamics_derivatives_and_mass_matrix", &[&y, &v, &a]);
+        for (found, key) in inverse.iter().zip(["id", "did_dy", "did_dv", "M"]) {
+            check(key, found, &get(key), OF_JACOBIANS);
+        }
+        let pose = robot.call("frame_last_pose", &[&y]);
+        check("p", &pose[0], &get("p"), TOLERANCE);
+        check("R", &pose[1], &get("R"), TOLERANCE);
+        check("J", &robot.first("frame_last_jacobian", &[&y]), &get("J"), TOLERANCE);
+        forward_agrees(&robot, sample);
+    }
+}
+
+/// Forward dynamics under inputs, its derivatives by the state, and what `linearize` makes of them.
+fn forward_agrees(robot: &Robot, sample: &Value) {
+    let get = |key: &str| numbers(&sample[key]);
+    let (y, v, u) = (get("y"), get("v"), get("u"));
+    check("fd", &robot.first("forward_dynamics", &[&y, &v, &u]), &get("fd"), 1e-11);
+    let derivatives = robot.call("forward_dynamics_derivatives", &[&y, &v, &u]);
+    for (found, key) in derivatives.iter().zip(["fd", "dfd_dy", "dfd_dv"]) {
+        check(key, found, &get(key), 1e-10);
+    }
+    let affine = robot.call("linearize", &[&y, &v, &u]);
+    check("A_y", &affine[0], &get("dfd_dy"), 1e-10);
+    check("A_v", &affine[1], &get("dfd_dv"), 1e-10);
+}
+
+#[test]
+fn every_type_of_joint_agrees_with_pinocchio() {
+    joints_agree_with_pinocchio("joints");
+}
+
+#[test]
+fn coupled_screws_agree_with_pinocchio() {
+    joints_agree_with_pinocchio("coupled_joints");
+}

@@ -6,7 +6,7 @@ use gelenk_codegen::functions::function::ConstantValue;
 use gelenk_codegen::model::{Joint, ReadOptions, read};
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use gelenk_identification::inertial::{InertialRegression, PER_BODY, is_physically_consistent};
-use gelenk_tests::random_model::{Sample, random_model, random_sample};
+use gelenk_tests::random_model::{Sample, random_helical_model, random_model, random_sample};
 use gelenk_tests::{Robot, descriptions, oracle};
 use nalgebra::DMatrix;
 
@@ -34,7 +34,8 @@ fn robots() -> Vec<Robot> {
         loaded.unwrap_or_else(|problems| panic!("{problems}")).model
     });
     let random = (100..140).map(|seed| random_model(seed, 12));
-    described.chain(random).map(|model| Robot::of_model(model, &FUNCTIONS)).collect()
+    let helical = (2100..2104).map(|seed| random_helical_model(seed, 6));
+    described.chain(random).chain(helical).map(|model| Robot::of_model(model, &FUNCTIONS)).collect()
 }
 
 fn names<'r>(robot: &'r Robot, function: &str) -> &'r [String] {

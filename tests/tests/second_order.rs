@@ -4,7 +4,7 @@
 use fastrand::Rng;
 use gelenk_tests::Robot;
 use gelenk_tests::dual::evaluate;
-use gelenk_tests::random_model::{Sample, random_model, random_sample};
+use gelenk_tests::random_model::{Sample, random_helical_model, random_model, random_sample};
 use num_dual::HyperDual64;
 
 const HESSIAN: &str = "inverse_dynamics_hessian";
@@ -24,8 +24,10 @@ fn second_derivative(robot: &Robot, state: &Sample, lambda: &[f64], i: usize, j:
 
 #[test]
 fn hessian_has_the_second_derivatives_of_the_inverse_dynamics() {
-    for seed in 0..25 {
-        let robot = Robot::of_model(random_model(seed, 5), &["inverse_dynamics", HESSIAN]);
+    let models = (0..25).map(|seed| (seed, random_model(seed, 5)));
+    let helical = (0..4).map(|seed| (seed, random_helical_model(seed, 4)));
+    for (seed, model) in models.chain(helical) {
+        let robot = Robot::of_model(model, &["inverse_dynamics", HESSIAN]);
         let n = robot.model.coordinates.len();
         let mut rng = Rng::with_seed(seed);
         let state = random_sample(&mut rng, &robot.model);

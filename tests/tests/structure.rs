@@ -11,7 +11,7 @@ use gelenk_codegen::model::{Model, ReadOptions, read};
 use gelenk_codegen::program::interpret::interpret;
 use gelenk_codegen::program::{GraphOutput, InputArray, Program, Shape, lower};
 use gelenk_tests::literature::{chain, right_angles};
-use gelenk_tests::random_model::{Sample, condition_of, random_model, random_sample};
+use gelenk_tests::random_model::{Sample, condition_of, random_helical_model, random_model, random_sample};
 use gelenk_tests::{FUNCTIONS, Robot, descriptions};
 
 fn models() -> Vec<Model> {
@@ -20,7 +20,8 @@ fn models() -> Vec<Model> {
         loaded.unwrap_or_else(|problems| panic!("{problems}")).model
     });
     let random = (200..240).map(|seed| random_model(seed, 10));
-    described.chain(random).collect()
+    let helical = (2200..2204).map(|seed| random_helical_model(seed, 6));
+    described.chain(random).chain(helical).collect()
 }
 
 fn patterns(function: &Function) -> Vec<(&'static str, Vec<bool>)> {

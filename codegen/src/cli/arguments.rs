@@ -336,7 +336,7 @@ pub(super) struct Modules {
 #[derive(Debug, Args)]
 pub(super) struct Choices {
     /// Functions to generate, separated by commas [default: those of the description, else all but
-    /// inverse_dynamics_hessian]
+    /// inverse_dynamics_hessian and joint_wrenches]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = function)]
     pub(super) functions: Vec<String>,
     /// Number type of the module

@@ -133,7 +133,7 @@ fn model_text(model: &Model) -> String {
             link.name.clone(),
             parent.map_or("", |parent| parent.name.as_str()).to_owned(),
             link.joint.as_ref().map_or("", |joint| joint.name.as_str()).to_owned(),
-            link.joint.as_ref().map_or("", |joint| kind(joint.kind)).to_owned(),
+            link.joint.as_ref().map_or("", |joint| joint.kind.name()).to_owned(),
             link.joint.as_ref().map_or(String::new(), |joint| motion(model, joint.motion)),
             link.bodies.len().to_string(),
         ]
@@ -152,12 +152,11 @@ fn parameters_text(model: &Model) -> String {
     print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
 }
 
-fn kind(kind: JointKind) -> &'static str {
+/// m/rad, where the joint is helical.
+fn pitch(kind: JointKind) -> Option<f64> {
     match kind {
-        JointKind::Fixed => "fixed",
-        JointKind::Revolute => "revolute",
-        JointKind::Continuous => "continuous",
-        JointKind::Prismatic => "prismatic",
+        JointKind::Helical { pitch } => Some(pitch),
+        JointKind::Fixed | JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic => None,
     }
 }
 
@@ -187,7 +186,8 @@ fn model_json(model: &Model) -> Value {
             "joint": link.joint.as_ref().map(|joint| json!({
                 "name": joint.name,
                 "parent": model.links.get(joint.parent).map(|parent| &parent.name),
-                "kind": kind(joint.kind),
+                "kind": joint.kind.name(),
+                "pitch": pitch(joint.kind),
                 "motion": motion(model, joint.motion),
                 "position_limits": joint.limits.position,
                 "velocity_limit": joint.limits.velocity,

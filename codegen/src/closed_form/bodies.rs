@@ -133,14 +133,12 @@ fn attached(
 /// What a joint at `position` does to its link.
 fn displacement(joint: &Joint, position: f64) -> Pose {
     let mut pose = Pose::identity();
-    match joint.kind {
-        JointKind::Fixed => {}
-        JointKind::Prismatic => {
-            pose.translation = joint.axis.map(|x| Formula::Number(x * position));
-        }
-        JointKind::Revolute | JointKind::Continuous => {
-            pose.rotation = about(joint.axis, position);
-        }
+    let [turn, slide] = joint.kind.turn_and_slide();
+    if turn != 0.0 {
+        pose.rotation = about(joint.axis, turn * position);
+    }
+    if slide != 0.0 {
+        pose.translation = joint.axis.map(|x| Formula::Number(x * slide * position));
     }
     pose
 }

@@ -33,7 +33,7 @@ use symbolica::atom::{Atom, AtomCore};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::load_friction;
-use crate::model::Model;
+use crate::model::{JointKind, Model};
 use algebra::Variables;
 use bodies::Bodies;
 use fourier::Part;
@@ -107,6 +107,12 @@ pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
             format!("closed forms are offered where every joint and drive has one coordinate; {coupled}");
         let problem = Diagnostic::error("coupled-joints", message)
             .help("`gelenk inspect program` shows the equations of coupled joints with their abbreviations");
+        return Err(Diagnostics::new(vec![problem]));
+    }
+    if let Some(joint) = model.joints().find(|joint| matches!(joint.kind, JointKind::Helical { .. })) {
+        let message = format!("there are no closed forms of helical joints; `{}` is one", joint.name);
+        let problem = Diagnostic::error("helical-joint", message)
+            .help("`gelenk inspect program` shows the equations of helical joints with their abbreviations");
         return Err(Diagnostics::new(vec![problem]));
     }
     if load_friction::is_there(model) {

@@ -17,7 +17,7 @@ use crate::formula::Function;
 use crate::graph::{Cost, Edge, Graph, Scalar, differentiate};
 use crate::kinematics::{Mechanism, RegroupChoice};
 use crate::model::Model;
-use crate::spatial::Vector3;
+use crate::spatial::{Force, Vector3, rotate};
 
 /// Accelerations and their derivatives.
 #[derive(Debug, Clone)]
@@ -458,6 +458,23 @@ impl<'g> Equations<'_, 'g> {
         let gains = exerted.iter().zip(&shares).map(|(&exerted, &share)| load_friction::gain(exerted, share));
         let rows = matrix.into_iter().zip(gains);
         rows.map(|(row, gain)| row.into_iter().map(|entry| entry.divided_by(gain)).collect()).collect()
+    }
+
+    /// Force and moment that pass through each moving joint to the body that it carries, about the origin of its
+    /// link and in its axes.
+    pub fn joint_wrenches(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
+        let mechanism = self.mechanism();
+        let plain = Formulation::plain(mechanism.bodies.len());
+        let wrenches = newton_euler::wrenches(&mechanism, &plain, input);
+        let wrench = |link: usize| {
+            let (body, pose) = mechanism.links[link];
+            let body = body.unwrap_or_else(|| unreachable!("a moving joint carries its link"));
+            let Force { moment, force } = wrenches[body];
+            let moment = moment - pose.translation.cross(force);
+            let axes = pose.rotation.transpose();
+            [rotate(&axes, force).0, rotate(&axes, moment).0].concat()
+        };
+        self.model.moving_joints().into_iter().map(|moving| wrench(moving.link)).collect()
     }
 
     /// W with `W π = M ÿ + k − q_gravity`

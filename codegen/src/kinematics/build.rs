@@ -60,6 +60,7 @@ impl<S: Copy> Body<S> {
             name: self.name.clone(),
             identifier: self.identifier.clone(),
             joint: self.joint,
+            is_screw_slide: self.is_screw_slide,
             transmission: self.transmission.with(&to),
             parent: self.parent,
             axis: self.axis,

@@ -44,8 +44,9 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
     let mut bodies = Vec::new();
     for (index, described) in tree.bodies.iter().enumerate() {
         let parent = described.parent.map_or(Pose::identity(graph), |parent| placed[parent]);
-        let (axis, moving) = (joint_axis(model, described), &moving_joints[described.joint]);
-        let shift = moving.offset * directions[index];
+        let (axis, moving) = (described.motion, &moving_joints[described.joint]);
+        let rate = described.rate * directions[index];
+        let shift = moving.offset * rate;
         let frame = complete(&drafts[index], described, &parent, axis);
         let relative = parent.inverse().then(described.pose).then(frame);
         let (twist, angle) = decompose(&relative.rotation);
@@ -55,10 +56,11 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
         let (turn, slide) = if axis.turns() { (shift, 0.0) } else { (0.0, shift) };
         let lateral = relative.translation - Vector3([0, 1, 2].map(|k| lift * z[k]));
         bodies.push(Body {
-            name: joint(model, described).name.clone(),
-            identifier: joint(model, described).identifier.clone(),
+            name: name(model, described),
+            identifier: identifier(model, described),
             joint: described.joint,
-            transmission: transmission(graph, moving, directions[index]),
+            is_screw_slide: described.is_screw_slide,
+            transmission: transmission(graph, moving, rate),
             parent: described.parent,
             axis,
             twist,
@@ -88,13 +90,13 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
     mechanism
 }
 
-/// The row of a moving joint in G; its axis may have been turned around.
-fn transmission<'g>(graph: &'g Graph, moving: &MovingJoint<'_>, direction: f64) -> Transmission<Scalar<'g>> {
-    let direction = graph.constant(direction);
+/// The row of a moving joint in G, times the rate of its turn or slide; its axis may have been turned around.
+fn transmission<'g>(graph: &'g Graph, moving: &MovingJoint<'_>, rate: f64) -> Transmission<Scalar<'g>> {
+    let rate = graph.constant(rate);
     let terms = moving
         .follows
         .iter()
-        .map(|term| Followed { coordinate: term.coordinate, ratio: lower(graph, &term.ratio) * direction });
+        .map(|term| Followed { coordinate: term.coordinate, ratio: lower(graph, &term.ratio) * rate });
     Transmission { terms: terms.collect() }
 }
 
@@ -103,11 +105,22 @@ fn joint<'m>(model: &'m Model, described: &DescribedBody<'_>) -> &'m model::Join
     model.links[described.link].joint.as_ref().expect("a moving body has a joint")
 }
 
-fn joint_axis(model: &Model, described: &DescribedBody<'_>) -> JointAxis {
-    let Some(axis) = JointAxis::of(joint(model, described).kind) else {
-        unreachable!("a fixed joint moves no body");
-    };
-    axis
+/// The name of a body's joint; its slide is told apart.
+fn name(model: &Model, described: &DescribedBody<'_>) -> String {
+    let name = &joint(model, described).name;
+    match described.is_screw_slide {
+        true => format!("{name} (slide)"),
+        false => name.clone(),
+    }
+}
+
+/// What labels the values of a body.
+fn identifier(model: &Model, described: &DescribedBody<'_>) -> String {
+    let identifier = &joint(model, described).identifier;
+    match described.is_screw_slide {
+        true => format!("{identifier}_slide"),
+        false => identifier.clone(),
+    }
 }
 
 /// Axes that are antiparallel to their parent's are turned around, and so is the coordinate's sign.
@@ -150,10 +163,10 @@ fn common_normals<'g>(model: &Model, tree: &DescribedTree<'g>, directions: &[f64
         let (x, along) = normal_to_line(drafts[index].z, point, z);
         // A prismatic joint has no angle about its axis: its x follows from the parent, and the child's twist
         // has a γ.
-        if joint_axis(model, &tree.bodies[index]) == JointAxis::Revolute {
+        if tree.bodies[index].motion == JointAxis::Revolute {
             drafts[index].x = x;
         }
-        if joint_axis(model, described) == JointAxis::Revolute {
+        if described.motion == JointAxis::Revolute {
             let origin = along.map(|t| Vector3([0, 1, 2].map(|k| t * drafts[index].z[k])));
             drafts[index].origin = origin.map(|origin| origin.map(|x| x.cleaned(ROUNDING)));
         }
@@ -306,10 +319,7 @@ fn add_rotors(model: &Model, mechanism: &mut Mechanism<Scalar<'_>>) {
             .acts_on
             .iter()
             .map(|term| Followed { coordinate: term.coordinate, ratio: lower(mechanism.graph, &term.ratio) });
-        let driven = drive.coordinate().and_then(|coordinate| {
-            let mut bodies = mechanism.bodies.iter();
-            bodies.position(|body| body.joint == coordinate)
-        });
+        let driven = drive.coordinate().and_then(|coordinate| mechanism.carried_by(coordinate));
         mechanism.rotors.push(Rotor {
             transmission: Transmission { terms: terms.collect() },
             ratio,

@@ -15,12 +15,15 @@ pub enum JointAxis {
 }
 
 impl JointAxis {
-    /// The motion that joints of a described kind allow; `None` for those that allow none.
-    pub fn of(kind: JointKind) -> Option<Self> {
+    /// The motions that joints of a described kind consist of, from the base outwards, each with its rate for a
+    /// unit of the joint's velocity.
+    pub fn of(kind: JointKind) -> Vec<(Self, f64)> {
         match kind {
-            JointKind::Revolute | JointKind::Continuous => Some(Self::Revolute),
-            JointKind::Prismatic => Some(Self::Prismatic),
-            JointKind::Fixed => None,
+            JointKind::Revolute | JointKind::Continuous => vec![(Self::Revolute, 1.0)],
+            JointKind::Prismatic => vec![(Self::Prismatic, 1.0)],
+            // The turn stands last: what lies on its axis then moves to the slide, which only slides.
+            JointKind::Helical { pitch } => vec![(Self::Prismatic, pitch), (Self::Revolute, 1.0)],
+            JointKind::Fixed => vec![],
         }
     }
 

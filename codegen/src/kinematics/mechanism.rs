@@ -30,12 +30,15 @@ pub struct Mechanism<S: Numbers> {
 /// A moving body in its own frame: z along the joint's axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body<S> {
-    /// Name of the joint, as described.
+    /// Name of the joint, as described; with "(slide)" for that of a helical one.
     pub name: String,
     /// The joint's identifier, which labels values.
     pub identifier: String,
     /// Index of its joint among the moving joints: those of the coordinates first, then those that follow.
     pub joint: usize,
+    /// It is true for the slide of a helical joint: a body without mass of its own between the joint's parent
+    /// and the body that the joint turns.
+    pub is_screw_slide: bool,
     /// How its joint follows the coordinates.
     pub transmission: Transmission<S>,
     /// Parent body; `None` where the base carries the joint.
@@ -89,15 +92,20 @@ impl<'g> Rotor<Scalar<'g>> {
 }
 
 impl<S: Numbers> Mechanism<S> {
-    /// Tells whether bodies follow others: then a coordinate moves several joints, or a joint or rotor
-    /// follows several coordinates.
+    /// Tells whether bodies follow others: then a coordinate moves several joints, or slides and turns one, or a
+    /// joint or rotor follows several coordinates.
     pub fn is_coupled(&self) -> bool {
         self.bodies.len() > self.coordinates || self.rotors.iter().any(|rotor| rotor.driven.is_none())
     }
 
-    /// The bodies whose joints are coordinates, as such: parents first.
+    /// The bodies whose joints are coordinates, each once: parents first.
     pub fn independent(&self) -> impl Iterator<Item = &Body<S>> {
-        self.bodies.iter().filter(|body| body.joint < self.coordinates)
+        self.bodies.iter().filter(|body| body.joint < self.coordinates && !body.is_screw_slide)
+    }
+
+    /// The body that a moving joint carries.
+    pub fn carried_by(&self, joint: usize) -> Option<usize> {
+        self.bodies.iter().position(|body| body.joint == joint && !body.is_screw_slide)
     }
 
     /// Tells whether every rotor sits on the parent of the body that it drives, or on the base: the coupling

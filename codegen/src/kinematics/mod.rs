@@ -1,4 +1,4 @@
-//! Stage 2: a model becomes a [`Mechanism`], a plain value: moving bodies only, each with one coordinate, in
+//! Stage 2: a model becomes a [`Mechanism`], a plain value: moving bodies only, which follow coordinates, in
 //! frames that make the equations short. Each function takes it [onto its graph](Mechanism::on).
 //!
 //! What is fixed or held is lumped into the body that carries it; link frames follow the modified

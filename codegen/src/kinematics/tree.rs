@@ -2,9 +2,10 @@
 //! them.
 
 use super::inertia::moments_of_body;
+use super::joint::JointAxis;
 use super::lower::{lower, lower_pose};
 use crate::graph::{Graph, Scalar};
-use crate::model::{Joint, JointKind, Model, Motion, RotorCoupling};
+use crate::model::{Joint, Model, Motion, RotorCoupling};
 use crate::spatial::{MassMoments, Pose, Vector3, rotate, rotation_about};
 
 /// The tree of moving bodies as described.
@@ -21,6 +22,12 @@ pub struct DescribedBody<'g> {
     pub link: usize,
     /// Index of its joint among the moving joints of the model.
     pub joint: usize,
+    /// The motion that its joint gives it relative to its parent.
+    pub motion: JointAxis,
+    /// Rate of that motion for a unit of the joint's velocity.
+    pub rate: f64,
+    /// It is true for the slide of a helical joint.
+    pub is_screw_slide: bool,
     /// Parent body; `None` for the base.
     pub parent: Option<usize>,
     /// Pose of the joint's frame in the parent body's frame.
@@ -52,8 +59,8 @@ pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
 /// included.
 pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments<Scalar<'g>>> {
     let tree = moving_bodies(graph, model);
-    let mut moments = vec![MassMoments::zero(graph); tree.bodies.len()];
-    for body in &tree.bodies {
+    let mut moments = vec![MassMoments::zero(graph); model.moving_joints().len()];
+    for body in tree.bodies.iter().filter(|body| !body.is_screw_slide) {
         moments[body.joint] = body.moments;
     }
     let held =
@@ -77,25 +84,54 @@ impl<'g> DescribedTree<'g> {
         let pose = parent_pose.then(lower_pose(graph, &joint.origin));
         let position = match joint.motion {
             Motion::Coordinate(index) | Motion::Follower(index) => {
-                let moments = MassMoments::zero(graph);
-                self.bodies.push(DescribedBody { link, joint: index, parent: carrier, pose, moments });
-                self.links.push((Some(self.bodies.len() - 1), Pose::identity(graph)));
-                return;
+                return self.attach_moving(graph, link, joint, index, (carrier, pose));
             }
             Motion::Fixed => 0.0,
             Motion::Held(position) => position,
         };
         self.links.push((carrier, pose.then(displacement(graph, joint, position))));
     }
+
+    /// Adds the body of a joint that moves, and before it a body that slides where the joint is helical.
+    fn attach_moving(
+        &mut self,
+        graph: &'g Graph,
+        link: usize,
+        joint: &Joint,
+        index: usize,
+        (mut parent, mut pose): (Option<usize>, Pose<Scalar<'g>>),
+    ) {
+        let motions = JointAxis::of(joint.kind);
+        for (at, &(motion, rate)) in motions.iter().enumerate() {
+            let is_screw_slide = at + 1 < motions.len();
+            let moments = MassMoments::zero(graph);
+            self.bodies.push(DescribedBody {
+                link,
+                joint: index,
+                motion,
+                rate,
+                is_screw_slide,
+                parent,
+                pose,
+                moments,
+            });
+            (parent, pose) = (Some(self.bodies.len() - 1), Pose::identity(graph));
+        }
+        self.links.push((parent, pose));
+    }
 }
 
 /// What a joint at `position` does to its link.
 fn displacement<'g>(graph: &'g Graph, joint: &Joint, position: f64) -> Pose<Scalar<'g>> {
     let mut pose = Pose::identity(graph);
-    match joint.kind {
-        JointKind::Fixed => {}
-        JointKind::Revolute | JointKind::Continuous => pose.rotation = rotation_about(joint.axis, position),
-        JointKind::Prismatic => pose.translation = Vector3(joint.axis.map(|x| graph.constant(x * position))),
+    for (motion, rate) in JointAxis::of(joint.kind) {
+        let amount = rate * position;
+        match motion {
+            JointAxis::Revolute => pose.rotation = rotation_about(joint.axis, amount),
+            JointAxis::Prismatic => {
+                pose.translation = Vector3(joint.axis.map(|x| graph.constant(x * amount)))
+            }
+        }
     }
     pose
 }

@@ -155,6 +155,26 @@ pub(super) struct SharedDriveDescription {
 }
 
 impl JointDescription {
+    /// A joint of which nothing but the name is said.
+    pub fn named(name: Name) -> Self {
+        Self {
+            name,
+            kind: None,
+            parent: None,
+            child: None,
+            origin: None,
+            link_frame: None,
+            axis: None,
+            held: None,
+            limits: LimitsDescription::default(),
+            springs: None,
+            friction: None,
+            drive: None,
+            follows: None,
+            offset: None,
+        }
+    }
+
     /// Tells whether the joint moves.
     pub fn moves(&self) -> bool {
         self.held.is_none() && self.kind.is_some_and(|kind| kind != JointKind::Fixed)

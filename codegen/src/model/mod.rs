@@ -5,6 +5,7 @@
 //! finite. Later stages need no checks.
 
 mod angles;
+mod composite;
 mod description;
 mod description_files;
 mod distances;
@@ -20,6 +21,7 @@ mod toml_couplings;
 mod toml_file;
 mod toml_forces;
 mod toml_frame_forces;
+mod toml_joints;
 mod toml_values;
 mod tree;
 mod urdf;
@@ -334,7 +336,7 @@ impl Model {
 }
 
 /// Type of a joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointKind {
     /// No motion.
     Fixed,
@@ -344,6 +346,11 @@ pub enum JointKind {
     Continuous,
     /// Translation along the axis.
     Prismatic,
+    /// Rotation about the axis by the position, and translation along it by pitch · position.
+    Helical {
+        /// Translation for each radian (m/rad): finite, not 0, negative for a left-handed screw.
+        pitch: f64,
+    },
 }
 
 impl JointKind {
@@ -352,7 +359,30 @@ impl JointKind {
     pub fn unit(self) -> &'static str {
         match self {
             Self::Prismatic => "m",
-            Self::Fixed | Self::Revolute | Self::Continuous => "rad",
+            Self::Fixed | Self::Revolute | Self::Continuous | Self::Helical { .. } => "rad",
+        }
+    }
+
+    /// Rotation about the axis (rad) and translation along it (m) for a unit of the position.
+    #[must_use]
+    pub fn turn_and_slide(self) -> [f64; 2] {
+        match self {
+            Self::Fixed => [0.0, 0.0],
+            Self::Revolute | Self::Continuous => [1.0, 0.0],
+            Self::Prismatic => [0.0, 1.0],
+            Self::Helical { pitch } => [1.0, pitch],
+        }
+    }
+
+    /// The type as the format calls it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::Revolute => "revolute",
+            Self::Continuous => "continuous",
+            Self::Prismatic => "prismatic",
+            Self::Helical { .. } => "helical",
         }
     }
 }

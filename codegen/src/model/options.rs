@@ -2,7 +2,7 @@
 
 /// Names that `[generate] functions` may list: the functions of every robot, and `frames` for all of those of
 /// named frames.
-pub const FUNCTIONS: [&str; 35] = [
+pub const FUNCTIONS: [&str; 36] = [
     "mass_matrix",
     "coriolis_forces",
     "gravity_forces",
@@ -37,6 +37,7 @@ pub const FUNCTIONS: [&str; 35] = [
     "inverse_dynamics_derivatives_with_wrenches",
     "forward_dynamics_derivatives_with_wrenches",
     "inverse_dynamics_hessian",
+    "joint_wrenches",
     "frames",
 ];
 

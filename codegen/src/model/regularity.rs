@@ -6,7 +6,7 @@
 
 mod coupled;
 
-use super::{Joint, JointKind, Link, Model, Motion, Pose};
+use super::{Joint, Link, Model, Motion, Pose};
 use crate::random::Random;
 
 type Matrix = [[f64; 6]; 6];
@@ -183,10 +183,8 @@ fn link_inertia(link: &Link, defaults: &[f64]) -> Matrix {
 
 fn motion_axis(joint: &Joint) -> [f64; 6] {
     let [x, y, z] = joint.axis;
-    match joint.kind {
-        JointKind::Prismatic => [0.0, 0.0, 0.0, x, y, z],
-        _ => [x, y, z, 0.0, 0.0, 0.0],
-    }
+    let [turn, slide] = joint.kind.turn_and_slide();
+    [x * turn, y * turn, z * turn, x * slide, y * slide, z * slide]
 }
 
 /// Motion transform from the parent link's frame to this link's frame.
@@ -198,11 +196,7 @@ pub(super) fn child_from_parent(joint: &Joint, position: f64, defaults: &[f64]) 
         Motion::Held(position) => position,
         Motion::Coordinate(_) | Motion::Follower(_) => position,
     };
-    let (turn, shift) = match joint.kind {
-        JointKind::Fixed => (0.0, 0.0),
-        JointKind::Prismatic => (0.0, position),
-        JointKind::Revolute | JointKind::Continuous => (position, 0.0),
-    };
+    let [turn, shift] = joint.kind.turn_and_slide().map(|share| share * position);
     let Pose { translation, rotation } = &joint.origin;
     let inner = about_axis(&joint.axis, turn);
     let r: [f64; 3] = std::array::from_fn(|i| {

@@ -1,17 +1,13 @@
 //! A TOML description as a [`RobotDescription`]; the format is documented in models/README.md.
 
-use super::description::{
-    BodyDescription, DriveChoice, FrameDescription, JointDescription, LimitsDescription, Name,
-    RobotDescription,
-};
+use super::description::{BodyDescription, DriveChoice, FrameDescription, Name, RobotDescription};
 use super::options::{FUNCTIONS, is_known_function};
-use super::pose::{about_z, modified_dh, standard_dh};
 use super::table::{Item, Table};
-use super::toml_couplings::{followed_joints, read_drives};
-use super::toml_forces::{drive, friction, springs};
+use super::toml_couplings::read_drives;
 use super::toml_frame_forces::{read_point_forces, read_wrench_inputs, read_wrenches};
+use super::toml_joints::read_joints;
 use super::toml_values::Reader;
-use super::{JointKind, Options, Pose};
+use super::{Options, Pose};
 use crate::diagnostic::{At, Span, nearest};
 use crate::formula::Formula;
 use crate::formula::parse::{self, Allowed};
@@ -41,25 +37,6 @@ const ROBOT: [&str; 20] = [
     "frames",
 ];
 const BODY: [&str; 7] = ["name", "link", "mass", "center_of_mass", "inertia", "origin", "accept_unphysical"];
-const JOINT: [&str; 15] = [
-    "name",
-    "type",
-    "parent",
-    "child",
-    "origin",
-    "dh",
-    "modified_dh",
-    "axis",
-    "held",
-    "follows",
-    "offset",
-    "limits",
-    "spring",
-    "friction",
-    "drive",
-];
-const LIMITS: [&str; 4] = ["position", "velocity", "effort", "peak_effort"];
-const DH: [&str; 4] = ["a", "alpha", "d", "theta"];
 
 /// Keys at the top of the file that say how to read the rest and its base.
 #[derive(Debug, Default)]
@@ -347,127 +324,4 @@ fn read_frame(reader: &mut Reader, table: &Table<'_>) -> Option<FrameDescription
     let owner = name.as_ref().map_or("frame", |name| &name.value).to_owned();
     let pose = table.get("origin").and_then(|item| reader.pose(item, &owner)).unwrap_or_else(Pose::identity);
     Some(FrameDescription { name: name?, link: link?, pose })
-}
-
-fn read_joints(
-    reader: &mut Reader,
-    top: &Table<'_>,
-    base: Option<&Name>,
-    extends: bool,
-) -> Vec<JointDescription> {
-    let Some(item) = top.get("joints") else {
-        return Vec::new();
-    };
-    let tables = item.tables("a joint", &JOINT, &mut reader.report);
-    let mut joints: Vec<JointDescription> = Vec::new();
-    for table in &tables {
-        let Some(mut joint) = read_joint(reader, table) else {
-            continue;
-        };
-        if !extends {
-            chain(&mut joint, joints.last(), base);
-        }
-        joints.push(joint);
-    }
-    joints
-}
-
-/// The defaults of a chain: each joint moves a link of its own name, carried by the link of the joint before.
-fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: Option<&Name>) {
-    let at = joint.name.span;
-    let previous = before.and_then(|joint| joint.child.clone()).map(|link| At::new(link.value, at));
-    let first = || base.cloned().unwrap_or_else(|| At::new("base".to_owned(), at));
-    joint.parent.get_or_insert_with(|| previous.unwrap_or_else(first));
-    joint.complete();
-}
-
-fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Option<JointDescription> {
-    let name = reader.required_name(table, "name")?;
-    if let (Some(held), Some(_)) = (table.get("held"), table.get("follows")) {
-        let message = format!("joint `{}` is held and follows others", name.value);
-        reader.report.error(held.key_span, "conflicting-keys", message);
-        reader.report.help("keep one of `held` and `follows`");
-    }
-    let owner = name.value.clone();
-    let (origin, link_frame) = placement(reader, table, &owner);
-    Some(JointDescription {
-        kind: table.get("type").and_then(|item| read_kind(reader, item)),
-        parent: table.get("parent").and_then(|item| reader.name(item)),
-        child: table.get("child").and_then(|item| reader.name(item)),
-        origin,
-        link_frame,
-        axis: table.get("axis").and_then(|item| reader.axis(item)),
-        held: table.get("held").and_then(|item| reader.number(item)).map(|number| number.value),
-        limits: table.get("limits").and_then(|item| read_limits(reader, item)).unwrap_or_default(),
-        springs: table.get("spring").map(|item| At::new(springs(reader, item, &owner), item.span)),
-        friction: table
-            .get("friction")
-            .and_then(|item| Some(At::new(friction(reader, item, &owner)?, item.span))),
-        drive: table.get("drive").and_then(|item| drive(reader, item, &owner)),
-        follows: table.get("follows").map(|item| {
-            // What could not be read was reported, and the joint stays one that follows.
-            At::new(followed_joints(reader, item, &owner).unwrap_or_default(), item.key_span)
-        }),
-        offset: table.get("offset").and_then(|item| reader.number(item)),
-        name,
-    })
-}
-
-fn read_kind(reader: &mut Reader, item: Item<'_>) -> Option<JointKind> {
-    match item.text(&mut reader.report)? {
-        "fixed" => Some(JointKind::Fixed),
-        "revolute" => Some(JointKind::Revolute),
-        "continuous" => Some(JointKind::Continuous),
-        "prismatic" => Some(JointKind::Prismatic),
-        other => {
-            reader.report.error(item.span, "joint-type", format!("unsupported joint type {other:?}"));
-            reader.report.help("supported are \"fixed\", \"revolute\", \"continuous\" and \"prismatic\"");
-            // Reported; taken as moving, so that it causes no second complaint.
-            Some(JointKind::Revolute)
-        }
-    }
-}
-
-/// Joint origin and, for standard DH rows, the described link frame behind the joint.
-fn placement(reader: &mut Reader, table: &Table<'_>, owner: &str) -> (Option<Pose>, Option<Pose>) {
-    let given: Vec<Item<'_>> =
-        ["origin", "dh", "modified_dh"].iter().filter_map(|key| table.get(key)).collect();
-    if let [first, second, ..] = given.as_slice() {
-        let message = format!("both `{}` and `{}` place the joint", first.key, second.key);
-        reader.report.error(second.key_span, "conflicting-keys", message);
-    }
-    if let (Some(row), Some(axis)) = (given.iter().find(|item| item.key != "origin"), table.get("axis")) {
-        let message = format!("`axis` beside `{}`: the axis of a Denavit–Hartenberg row is z", row.key);
-        reader.report.error(axis.key_span, "conflicting-keys", message);
-    }
-    match given.first() {
-        Some(item) if item.key == "origin" => (reader.pose(*item, owner), None),
-        Some(item) => dh_row(reader, *item, owner).unwrap_or((None, None)),
-        None => (None, None),
-    }
-}
-
-fn dh_row(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<(Option<Pose>, Option<Pose>)> {
-    let table = item.table("a Denavit–Hartenberg row", &DH, &mut reader.report)?;
-    let mut length =
-        |key| table.get(key).and_then(|item| reader.formula(item, owner)).unwrap_or(Formula::ZERO);
-    let (a, d) = (length("a"), length("d"));
-    let mut angle = |key| match table.get(key).and_then(|item| reader.number(item)) {
-        Some(angle) => reader.angles.angle(&angle, owner),
-        None => 0.0,
-    };
-    let (alpha, theta) = (angle("alpha"), angle("theta"));
-    if item.key == "modified_dh" {
-        return Some((Some(modified_dh(d, a, alpha, theta)), None));
-    }
-    let turned = Pose { rotation: about_z(theta), ..Pose::identity() };
-    Some((Some(turned), Some(standard_dh(d, a, alpha))))
-}
-
-fn read_limits(reader: &mut Reader, item: Item<'_>) -> Option<LimitsDescription> {
-    let table = item.table("limits", &LIMITS, &mut reader.report)?;
-    let position = table.get("position").and_then(|item| reader.numbers::<2>(item));
-    let mut positive = |key| table.get(key).and_then(|item| reader.positive(item));
-    let (velocity, effort, peak_effort) = (positive("velocity"), positive("effort"), positive("peak_effort"));
-    Some(LimitsDescription { position, velocity, effort, peak_effort })
 }

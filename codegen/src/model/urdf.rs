@@ -4,6 +4,7 @@
 //! note.
 
 use super::angles::Angles;
+use super::composite::{self, Composite, Place};
 use super::description::{
     BodyDescription, DriveChoice, FollowsDescription, FrameDescription, FrictionDescription,
     JointDescription, Name, RobotDescription,
@@ -130,6 +131,7 @@ impl Reader<'_> {
         for node in robot.children().filter(Node::is_element) {
             match node.tag_name().name() {
                 "link" => self.link(node, &mut result),
+                "joint" if is_planar(node) => self.planar(node, &mut result),
                 "joint" => result.joints.extend(self.joint(node)),
                 "transmission" | "ros2_control" => self.transmission(node),
                 other => self.notes.skip(format!("<{other}>"), self.span(node)),
@@ -261,6 +263,55 @@ impl Reader<'_> {
         })
     }
 
+    /// The joints that a planar one stands for, with their links.
+    fn planar(&mut self, node: XmlNode<'_>, result: &mut RobotDescription) {
+        let Some(name) = self.required_name(node, "name") else {
+            return;
+        };
+        self.known_children(node, &["origin", "parent", "child", "axis", "limit", "dynamics", "mimic"]);
+        self.refuse_in_planar(node, &name);
+        let place = Place {
+            parent: self.end(node, "parent", &name),
+            child: self.end(node, "child", &name),
+            origin: Some(self.origin(node, &format!("joint `{}`", name.value))),
+            axis: self.axis(node, &name).unwrap_or([0.0, 0.0, 1.0]),
+        };
+        let joints =
+            composite::expand(Composite::Planar, &name, place, |_, name| JointDescription::named(name));
+        let between = joints.iter().rev().skip(1).filter_map(|joint| joint.child.clone());
+        result.links.extend(between);
+        result.joints.extend(joints);
+    }
+
+    /// Complains about what says nothing, or too little, of a planar joint.
+    fn refuse_in_planar(&mut self, node: XmlNode<'_>, name: &Name) {
+        let owner = name.quoted();
+        if !node.children().any(|inner| inner.has_tag_name("axis")) {
+            let message = format!("planar joint {owner} has no <axis>, the normal of its plane");
+            self.report.error(self.span(node), "missing-element", message);
+            self.report.help(
+                "URDF's default is x, while many tools take z: `<axis xyz=\"0 0 1\"/>` says that the joint moves in the x-y plane",
+            );
+        }
+        if let Some(limit) = self.single(node, "limit", &owner) {
+            self.notes.remark(Remark::PlanarLimits, self.span(limit), owner.clone());
+        }
+        let dynamics = self
+            .single(node, "dynamics", &owner)
+            .filter(|dynamics| !self.friction(*dynamics, name).is_empty());
+        let mimic = self.single(node, "mimic", &owner).filter(|_| !self.options.ignore_mimic);
+        let unclear = [dynamics, mimic];
+        for inner in unclear.into_iter().flatten() {
+            let message = format!("planar joint {owner} has <{}>", inner.tag_name().name());
+            self.report.error(self.span(inner), "planar-joint", message);
+            self.report.help(format!(
+                "it does not say of which motion: describe it in a TOML file at the joints `{0}_x`, `{0}_y` and `{0}_theta`, \
+                 which the planar joint becomes",
+                name.value
+            ));
+        }
+    }
+
     /// The joint that `<mimic>` names, with its multiplier.
     fn mimicked(&mut self, node: XmlNode<'_>) -> Option<At<Vec<FollowsDescription>>> {
         let joint = self.required_name(node, "joint")?;
@@ -284,8 +335,8 @@ impl Reader<'_> {
                 let message = format!("joint `{}` has type {other}, which is not supported", name.value);
                 self.report.error(span, "joint-type", message);
                 self.report.help(
-                    "supported are fixed, revolute, continuous and prismatic; write a floating or planar joint as a \
-                     chain of prismatic and revolute joints, or fix it",
+                    "supported are fixed, revolute, continuous, prismatic and planar; write a floating joint as a chain of \
+                     prismatic and revolute joints, or fix it",
                 );
                 // Reported; taken as moving, so that it causes no second complaint.
                 Some(JointKind::Revolute)
@@ -446,6 +497,10 @@ impl Reader<'_> {
         }
         Some(At::new(result, span))
     }
+}
+
+fn is_planar(joint: XmlNode<'_>) -> bool {
+    joint.attribute("type") == Some("planar")
 }
 
 /// Links without mass on fixed joints are frames: tool0 and the like.

@@ -32,6 +32,7 @@ pub(super) enum Remark {
     LimitMissing,
     LimitUnset,
     LimitUnusable,
+    PlanarLimits,
     ReductionIgnored,
 }
 
@@ -45,6 +46,7 @@ impl Remark {
             Self::LimitMissing => "limit-missing",
             Self::LimitUnset => "limit-unset",
             Self::LimitUnusable => "limit-unusable",
+            Self::PlanarLimits => "planar-limits",
             Self::ReductionIgnored => "transmission-ignored",
         }
     }
@@ -69,6 +71,9 @@ impl Remark {
             }
             Self::LimitUnset => "limits that are 0, equal or infinite were taken as not given",
             Self::LimitUnusable => "limits that are reversed or negative were taken as not given",
+            Self::PlanarLimits => {
+                "limits of planar joints say not of which motion and were not taken; a TOML file gives them to the parts"
+            }
             Self::ReductionIgnored => "mechanical reductions were ignored, drives are ideal",
         }
     }

@@ -91,7 +91,7 @@ fn robot_section(robot: &Robot<'_>) -> Section {
     let scene = scene::scene(robot);
     section
         .block(Block::Scene(scene.clone()))
-        .block(text("The kinematic tree: circles turn, squares slide, bars are fixed or held; what a drive moves is filled."))
+        .block(text("The kinematic tree: circles turn, squares slide, a circle in a square does both, bars are fixed or held; what a drive moves is filled."))
         .block(Block::Tree(scene))
 }
 

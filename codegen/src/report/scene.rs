@@ -1,6 +1,6 @@
 //! The robot as the page's view of it needs it.
 
-use gelenk_report::{Scene, SceneBody, SceneFrame, SceneJoint, SceneMotion, SceneRod};
+use gelenk_report::{Scene, SceneBody, SceneFrame, SceneJoint, SceneKind, SceneMotion, SceneRod};
 
 use super::robot::Robot;
 use crate::model::{Attachment, ForceEffect, Joint, JointKind, Link, Motion};
@@ -64,6 +64,14 @@ fn follower(robot: &Robot<'_>, index: usize) -> SceneMotion {
     SceneMotion::Follows { terms: terms.collect(), offset: moving[index].offset }
 }
 
+fn kind(kind: JointKind) -> SceneKind {
+    match kind {
+        JointKind::Fixed | JointKind::Revolute | JointKind::Continuous => SceneKind::Turns,
+        JointKind::Prismatic => SceneKind::Slides,
+        JointKind::Helical { pitch } => SceneKind::Screws { pitch },
+    }
+}
+
 fn scene_joint(robot: &Robot<'_>, link: &Link, joint: &Joint) -> SceneJoint {
     let motion = match joint.motion {
         Motion::Follower(index) => follower(robot, index),
@@ -84,7 +92,7 @@ fn scene_joint(robot: &Robot<'_>, link: &Link, joint: &Joint) -> SceneJoint {
         translation: robot.vector(&joint.origin.translation),
         rotation: joint.origin.rotation,
         axis: joint.axis,
-        is_prismatic: joint.kind == JointKind::Prismatic,
+        kind: kind(joint.kind),
         motion,
         limits: joint.limits.position,
         input: (!drives.is_empty()).then(|| drives.join(", ")),

@@ -35,7 +35,7 @@ pub(super) fn coordinates(robot: &Robot<'_>) -> Table {
         vec![
             Cell::Line(vec![Inline::Math(format!("y_{{{}}}", index + 1))]),
             Cell::Text(joint.name.clone()),
-            Cell::Text(kind(joint.kind).to_owned()),
+            Cell::Text(kind(joint.kind)),
             Cell::exact_or_empty(position.map(|[low, _]| low)),
             Cell::exact_or_empty(position.map(|[_, high]| high)),
             Cell::exact_or_empty(limits.velocity),
@@ -45,12 +45,11 @@ pub(super) fn coordinates(robot: &Robot<'_>) -> Table {
     }))
 }
 
-fn kind(kind: JointKind) -> &'static str {
+/// The type, with what it needs beyond an axis.
+fn kind(kind: JointKind) -> String {
     match kind {
-        JointKind::Fixed => "fixed",
-        JointKind::Revolute => "revolute",
-        JointKind::Continuous => "continuous",
-        JointKind::Prismatic => "prismatic",
+        JointKind::Helical { pitch } => format!("{}, {pitch:?} m/rad", kind.name()),
+        _ => kind.name().to_owned(),
     }
 }
 

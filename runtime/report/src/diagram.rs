@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::number::rounded;
-use super::scene::{Scene, SceneJoint, SceneMotion};
+use super::scene::{Scene, SceneJoint, SceneKind, SceneMotion};
 
 const BOX: (f64, f64) = (156.0, 34.0);
 const ROW: f64 = 78.0;
@@ -131,23 +131,36 @@ fn edge(joint: &SceneJoint, from: Place, to: Place) -> Markup {
     }
 }
 
-/// A circle turns, a square slides, a bar is fixed; filled where driven.
+/// A circle turns, a square slides, a circle in a square does both, a bar is fixed; filled where driven.
 fn symbol(joint: &SceneJoint, x: f64, y: f64) -> Markup {
     let is_driven = joint.input.is_some();
     let moves = matches!(joint.motion, SceneMotion::Coordinate(_) | SceneMotion::Follows { .. });
     html! {
         @if !moves {
             rect.held x=(x - 7.0) y=(y - 2.5) width="14" height="5" {}
-        } @else if joint.is_prismatic {
-            rect.joint.driven[is_driven] x=(x - 6.5) y=(y - 6.5) width="13" height="13" {}
         } @else {
-            circle.joint.driven[is_driven] cx=(x) cy=(y) r="7" {}
+            @match joint.kind {
+                SceneKind::Slides => {
+                    rect.joint.driven[is_driven] x=(x - 6.5) y=(y - 6.5) width="13" height="13" {}
+                }
+                SceneKind::Turns => {
+                    circle.joint.driven[is_driven] cx=(x) cy=(y) r="7" {}
+                }
+                SceneKind::Screws { .. } => {
+                    rect.joint x=(x - 6.5) y=(y - 6.5) width="13" height="13" {}
+                    circle.joint.driven[is_driven] cx=(x) cy=(y) r="4" {}
+                }
+            }
         }
     }
 }
 
 fn words(joint: &SceneJoint) -> String {
-    let kind = if joint.is_prismatic { "slides" } else { "turns" };
+    let kind = match joint.kind {
+        SceneKind::Turns => "turns",
+        SceneKind::Slides => "slides",
+        SceneKind::Screws { .. } => "turns and slides",
+    };
     match &joint.motion {
         SceneMotion::Fixed => "fixed".to_owned(),
         SceneMotion::Held(position) => format!("held at {} {}", rounded(*position, 4), joint.unit()),

@@ -40,7 +40,7 @@ pub use claim::{Bound, Claim, Criterion, Verdict};
 pub use equation::Equation;
 pub use pattern::Pattern;
 pub use plot::{Axis, Figure, Marks, Plot, Series};
-pub use scene::{Scene, SceneBody, SceneFrame, SceneJoint, SceneMotion, SceneRod};
+pub use scene::{Scene, SceneBody, SceneFrame, SceneJoint, SceneKind, SceneMotion, SceneRod};
 pub use table::{Cell, Column, Table};
 
 use std::io;

@@ -32,9 +32,7 @@
       const parent = joint.parent === null ? IDENTITY : links[joint.parent];
       const before = then(parent, { p: joint.translation, R: joint.rotation });
       const q = joint.terms.reduce((sum, [k, ratio]) => sum + ratio * y[k], joint.position);
-      const motion = joint.slides
-        ? { p: times(q, joint.axis), R: IDENTITY.R }
-        : { p: [0, 0, 0], R: about(joint.axis, q) };
+      const motion = { p: times(joint.slide * q, joint.axis), R: about(joint.axis, joint.turn * q) };
       carried.push(before);
       links.push(then(before, motion));
     }
@@ -185,8 +183,8 @@
         const origin = state.carried[k].p;
         joined(from, origin);
         const axis = turn(state.carried[k].R, joint.axis);
-        if (joint.slides && joint.moves) {
-          joined(origin, state.links[k].p);
+        if (joint.slide && joint.moves) joined(origin, state.links[k].p);
+        if (!joint.turn && joint.moves) {
           const half = times(1.6 * thick, axis);
           const colour = joint.terms.length === 0 ? palette.body : joint.terms.some(([k]) => k === active) ? palette.link : palette.accent;
           prism(faces, subtract(state.links[k].p, half), add(state.links[k].p, half), 1.5 * thick, 1.5 * thick, 4, colour, true);

@@ -46,14 +46,28 @@ pub struct SceneJoint {
     pub rotation: [[f64; 3]; 3],
     /// Axis in the joint frame, unit length.
     pub axis: [f64; 3],
-    /// Whether it slides along the axis instead of turning about it.
-    pub is_prismatic: bool,
+    /// What it does where it moves.
+    pub kind: SceneKind,
     /// Whether it moves.
     pub motion: SceneMotion,
     /// Lowest and highest position (rad or m).
     pub limits: Option<[f64; 2]>,
     /// Name of the input that drives it.
     pub input: Option<String>,
+}
+
+/// What a joint does along its axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SceneKind {
+    /// It turns about the axis.
+    Turns,
+    /// It slides along the axis.
+    Slides,
+    /// It turns about the axis, and slides along it while it turns.
+    Screws {
+        /// Translation for each radian (m/rad).
+        pitch: f64,
+    },
 }
 
 /// Whether a joint moves.
@@ -107,12 +121,12 @@ const SLIDE: f64 = 0.5;
 impl SceneJoint {
     /// `rad` or `m`.
     pub(super) fn unit(&self) -> &'static str {
-        if self.is_prismatic { "m" } else { "rad" }
+        if self.kind == SceneKind::Slides { "m" } else { "rad" }
     }
 
     /// Lowest and highest position of its slider.
     pub(super) fn range(&self) -> [f64; 2] {
-        let free = if self.is_prismatic { SLIDE } else { TURN };
+        let free = if self.kind == SceneKind::Slides { SLIDE } else { TURN };
         match self.limits {
             Some([low, high]) if low.is_finite() && high.is_finite() && low < high => [low, high],
             _ => [-free, free],
@@ -154,13 +168,19 @@ impl Scene {
                 SceneMotion::Coordinate(index) => Some(index),
                 _ => None,
             };
+            let (turn, slide) = match joint.kind {
+                SceneKind::Turns => (1.0, 0.0),
+                SceneKind::Slides => (0.0, 1.0),
+                SceneKind::Screws { pitch } => (1.0, pitch),
+            };
             json!({
                 "name": joint.name,
                 "parent": joint.parent,
                 "translation": joint.translation,
                 "rotation": joint.rotation,
                 "axis": joint.axis,
-                "slides": joint.is_prismatic,
+                "turn": turn,
+                "slide": slide,
                 "moves": joint.motion != SceneMotion::Fixed,
                 "coordinate": coordinate,
                 "terms": terms,

@@ -29,6 +29,7 @@ mod robots {
     gelenk_runtime::dynamics!(pub struct FreePowerCube { parameters } = gelenk_generated::powercube_parameters);
     gelenk_runtime::dynamics!(pub struct PowerCubeSixAxis = gelenk_generated::powercube_six_axis);
     gelenk_runtime::dynamics!(pub struct Puma560 = gelenk_generated::puma560);
+    gelenk_runtime::dynamics!(pub struct Scara = gelenk_generated::scara);
     gelenk_runtime::dynamics!(pub struct SchunkLwa4p = gelenk_generated::schunk_lwa4p);
     gelenk_runtime::dynamics!(pub struct TwoArm = gelenk_generated::two_arm);
     gelenk_runtime::dynamics!(pub struct Ur5 = gelenk_generated::ur5);
@@ -52,6 +53,7 @@ macro_rules! for_each_robot {
         $check("powercube_parameters", &robots::FreePowerCube::default());
         $check("powercube_six_axis", &robots::PowerCubeSixAxis);
         $check("puma560", &robots::Puma560);
+        $check("scara", &robots::Scara);
         $check("schunk_lwa4p", &robots::SchunkLwa4p);
         $check("two_arm", &robots::TwoArm);
         $check("ur5", &robots::Ur5);

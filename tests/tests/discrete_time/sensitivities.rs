@@ -6,11 +6,26 @@ use gelenk_runtime::dynamics::Discretizable;
 use super::integrator::{integrated, time_without_turning};
 use super::{for_each_robot, robots, rows, smooth_state};
 
+/// Inputs are moved by so much at most, and velocities with them: friction bends within a few hundredths of rad/s.
+const INPUT: f64 = 0.02;
+const VELOCITY: f64 = 2e-3;
+
+/// How far each input is moved: as far as velocities allow, since rounding then matters less.
+///
+/// - `by_inputs`: ∂ẏ⁺/∂u, which need not be right for that
+fn widths<const N: usize, const M: usize>(by_inputs: &[[f64; M]; N]) -> [f64; M] {
+    core::array::from_fn(|input| {
+        let fastest = by_inputs.iter().map(|row| row[input].abs()).fold(0.0, f64::max);
+        INPUT.min(VELOCITY / fastest)
+    })
+}
+
 /// Central differences of order 6 of a function of x = (y, ẏ) and u, row by row.
 fn differences<const N: usize, const M: usize>(
     function: impl Fn(&[f64], &[f64; M]) -> Vec<f64>,
     state: &[f64],
     u: &[f64; M],
+    widths: [f64; M],
 ) -> Vec<Vec<f64>> {
     const WEIGHTS: [(f64, f64); 3] = [(1.0, 0.75), (2.0, -0.15), (3.0, 1.0 / 60.0)];
     let mut rows = vec![vec![0.0; 2 * N + M]; 2 * N];
@@ -18,10 +33,9 @@ fn differences<const N: usize, const M: usize>(
         for (distance, weight) in WEIGHTS {
             for sign in [-1.0, 1.0] {
                 let (mut state, mut u) = (state.to_vec(), *u);
-                // Accelerations are affine in u: far apart, rounding matters less.
                 let (moved, width) = match column.checked_sub(2 * N) {
                     None => (&mut state[column], 2e-4),
-                    Some(input) => (&mut u[input], 0.02),
+                    Some(input) => (&mut u[input], widths[input]),
                 };
                 *moved += sign * distance * width;
                 let values = function(&state, &u);
@@ -74,7 +88,8 @@ fn check<const N: usize, const M: usize>(name: &str, robot: &impl Discretizable<
             [y, v].concat()
         };
         let found = rows(&step.state, &step.input);
-        let exactness = error(&found, &differences::<N, M>(of_steps, &state, &u), N);
+        let exactness =
+            error(&found, &differences::<N, M>(of_steps, &state, &u, widths::<N, M>(&step.input[1])), N);
 
         // A short time, so that the steps' own error stays small; the integrator's 13 digits leave seven of
         // differences by inputs, which move coordinates by millionths in it.
@@ -82,7 +97,8 @@ fn check<const N: usize, const M: usize>(name: &str, robot: &impl Discretizable<
         let step = robot.step_derivatives(&y, &v, &u, period);
         let of_flow = |state: &[f64], u: &[f64; M]| integrated(robot, state, u, period);
         let found = rows(&step.state, &step.input);
-        let agreement = error(&found, &differences::<N, M>(of_flow, &state, &u), N);
+        let agreement =
+            error(&found, &differences::<N, M>(of_flow, &state, &u, widths::<N, M>(&step.input[1])), N);
         println!("{name}: of steps {exactness:.1e}, of the flow {agreement:.1e}");
         assert!(exactness <= 1e-7, "{name}: {exactness:e}");
         assert!(agreement <= 1e-5, "{name}: {agreement:e}");

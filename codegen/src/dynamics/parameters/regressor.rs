@@ -70,9 +70,12 @@ pub fn inertial_regressor<'g>(
     let screws = joint_screws(mechanism, &placements);
     let zero = mechanism.graph.constant(0.0);
     let rotors: Vec<&Drive> = drives_with_rotor(model).collect();
-    let columns = PER_LINK * mechanism.bodies.len() + rotors.len();
+    let of_links = PER_LINK * mechanism.bodies.iter().filter(|body| !body.is_screw_slide).count();
+    let columns = of_links + rotors.len();
     let mut matrix = vec![vec![zero; columns]; mechanism.coordinates];
-    for (index, body) in mechanism.bodies.iter().enumerate() {
+    // The slide of a helical joint has no link.
+    let links = mechanism.bodies.iter().enumerate().filter(|(_, body)| !body.is_screw_slide);
+    for (index, body) in links {
         let link = LinkMotion::new(mechanism, model, index, &motions[index]);
         for screw in &screws[index] {
             let joint = &mechanism.bodies[screw.joint];
@@ -86,7 +89,7 @@ pub fn inertial_regressor<'g>(
     for (k, drive) in rotors.into_iter().enumerate() {
         let column = rotor_column(mechanism, drive, &motions, &screws, input);
         for (row, entry) in matrix.iter_mut().zip(column) {
-            row[PER_LINK * mechanism.bodies.len() + k] = entry;
+            row[of_links + k] = entry;
         }
     }
     matrix

@@ -62,6 +62,17 @@ pub fn inverse_dynamics<'g>(
     inverse_dynamics_parts(mechanism, formulation, input).generalized
 }
 
+/// For each body the force that moves it and all beyond it, gravity balanced, about its origin and in its working
+/// frame. The mechanism is in metres and not regrouped, and the formulation without shortcuts: base parameters have
+/// other forces.
+pub fn wrenches<'g>(
+    mechanism: &Mechanism<Scalar<'g>>,
+    formulation: &Formulation,
+    input: MotionInput<'_, 'g>,
+) -> Vec<Force<'g>> {
+    inverse_dynamics_parts(mechanism, formulation, input).wrenches
+}
+
 /// The inverse dynamics with what they were made from.
 pub(super) fn inverse_dynamics_parts<'g>(
     mechanism: &Mechanism<Scalar<'g>>,

@@ -1,4 +1,5 @@
-//! What the catalogue says of robots whose inputs act at frames: B depends on the coordinates there.
+//! What the catalogue says of robots with forces at frames. Where inputs are such forces, B depends on the
+//! coordinates.
 
 use super::motion::INPUT_MATRIX_BY_POSITION;
 use super::quantity::Quantity;
@@ -15,6 +16,12 @@ pub fn rows(model: &Model) -> &'static [Quantity] {
 
 /// Says what is otherwise.
 pub fn describe(model: &Model, function: &mut Function) {
+    let has_frame_forces = !model.point_forces.is_empty() || !model.wrenches.is_empty();
+    if function.name == "joint_wrenches" && (has_frame_forces || model.inputs_depend_on_position()) {
+        let note = "Forces at frames beyond a joint, those of springs, inputs and wrenches there, are part of its row: what the \
+                    joint itself transmits is the row less these.";
+        function.notes.push(note.to_owned());
+    }
     if !model.inputs_depend_on_position() {
         return;
     }

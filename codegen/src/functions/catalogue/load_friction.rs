@@ -141,9 +141,15 @@ mod tests {
                 said.flat_map(|text| words.into_iter().filter(move |word| text.contains(word))).collect();
             about.dedup();
             let is_told = TEXTS.iter().any(|text| text.name == row.name);
-            let is_true =
-                ["gravity_forces", "spring_forces", "bias_forces", "base_regressor", "inertial_parameters"]
-                    .contains(&row.name);
+            let true_rows = [
+                "gravity_forces",
+                "spring_forces",
+                "bias_forces",
+                "base_regressor",
+                "inertial_parameters",
+                "joint_wrenches",
+            ];
+            let is_true = true_rows.contains(&row.name);
             // A robot with wrenches has no friction under load.
             let mut apart = QUANTITIES.iter().chain(super::super::wrenches::QUANTITIES);
             let is_own = apart.any(|own| own.name == row.name);

@@ -1,6 +1,6 @@
 //! The functions that can be generated: one row each, with what their documentation says.
 //!
-//! `quantity` is the vocabulary, `motion`, `frames`, `regressors` and `hessian` hold the rows.
+//! `quantity` is the vocabulary, `motion`, `frames`, `regressors`, `hessian` and `reactions` hold the rows.
 
 mod frame_inputs;
 mod frames;
@@ -8,6 +8,7 @@ mod hessian;
 mod load_friction;
 mod motion;
 mod quantity;
+mod reactions;
 mod regressors;
 mod wrenches;
 
@@ -66,8 +67,8 @@ pub(super) fn is_on_request(name: &str) -> bool {
     ON_REQUEST.iter().any(|quantity| quantity.name == name)
 }
 
-/// Functions that are derived where they are asked for by name: they are large, and few need them.
-const ON_REQUEST: &[Quantity] = &[hessian::QUANTITY];
+/// Functions that are derived where they are asked for by name: few need them.
+const ON_REQUEST: &[Quantity] = &[hessian::QUANTITY, reactions::QUANTITY];
 
 /// The row of a function of whatever robot.
 pub(super) fn row(name: &str) -> Option<&'static Quantity> {

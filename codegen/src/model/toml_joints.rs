@@ -1,0 +1,309 @@
+//! The joints of a TOML description.
+
+use super::composite::{self, Composite, Place};
+use super::description::{JointDescription, LimitsDescription, Name};
+use super::pose::{about_z, modified_dh, standard_dh};
+use super::table::{Item, Table};
+use super::toml_couplings::followed_joints;
+use super::toml_forces::{drive, friction, springs};
+use super::toml_values::Reader;
+use super::{JointKind, Pose};
+use crate::diagnostic::At;
+use crate::formula::Formula;
+
+const JOINT: [&str; 16] = [
+    "name",
+    "type",
+    "parent",
+    "child",
+    "origin",
+    "dh",
+    "modified_dh",
+    "axis",
+    "pitch",
+    "held",
+    "follows",
+    "offset",
+    "limits",
+    "spring",
+    "friction",
+    "drive",
+];
+const LIMITS: [&str; 4] = ["position", "velocity", "effort", "peak_effort"];
+const DH: [&str; 4] = ["a", "alpha", "d", "theta"];
+
+pub(super) fn read_joints(
+    reader: &mut Reader,
+    top: &Table<'_>,
+    base: Option<&Name>,
+    extends: bool,
+) -> Vec<JointDescription> {
+    let Some(item) = top.get("joints") else {
+        return Vec::new();
+    };
+    let tables = item.tables("a joint", &JOINT, &mut reader.report);
+    let mut joints: Vec<JointDescription> = Vec::new();
+    for table in &tables {
+        for mut joint in read_joint(reader, table) {
+            if !extends {
+                chain(&mut joint, joints.last(), base);
+            }
+            joints.push(joint);
+        }
+    }
+    joints
+}
+
+/// The defaults of a chain: each joint moves a link of its own name, carried by the link of the joint before.
+fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: Option<&Name>) {
+    let at = joint.name.span;
+    let previous = before.and_then(|joint| joint.child.clone()).map(|link| At::new(link.value, at));
+    let first = || base.cloned().unwrap_or_else(|| At::new("base".to_owned(), at));
+    joint.parent.get_or_insert_with(|| previous.unwrap_or_else(first));
+    joint.complete();
+}
+
+/// The type of a described joint.
+enum JointType {
+    Single(JointKind),
+    Composite(Composite),
+}
+
+/// The joint of a table, or those that it stands for.
+fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Vec<JointDescription> {
+    let Some(name) = reader.required_name(table, "name") else {
+        return Vec::new();
+    };
+    let kind = match table.get("type").and_then(|item| read_type(reader, table, item, &name)) {
+        Some(JointType::Composite(composite)) => return read_composite(reader, table, name, composite),
+        Some(JointType::Single(kind)) => Some(kind),
+        None => None,
+    };
+    refuse_pitch(reader, table, kind);
+    vec![single_joint(reader, table, name, kind)]
+}
+
+fn single_joint(
+    reader: &mut Reader,
+    table: &Table<'_>,
+    name: Name,
+    kind: Option<JointKind>,
+) -> JointDescription {
+    if let (Some(held), Some(_)) = (table.get("held"), table.get("follows")) {
+        let message = format!("joint `{}` is held and follows others", name.value);
+        reader.report.error(held.key_span, "conflicting-keys", message);
+        reader.report.help("keep one of `held` and `follows`");
+    }
+    let owner = name.value.clone();
+    let (origin, link_frame) = placement(reader, table, &owner);
+    JointDescription {
+        kind,
+        parent: table.get("parent").and_then(|item| reader.name(item)),
+        child: table.get("child").and_then(|item| reader.name(item)),
+        origin,
+        link_frame,
+        axis: table.get("axis").and_then(|item| reader.axis(item)),
+        follows: table.get("follows").map(|item| {
+            // What could not be read was reported, and the joint stays one that follows.
+            At::new(followed_joints(reader, item, &owner).unwrap_or_default(), item.key_span)
+        }),
+        offset: table.get("offset").and_then(|item| reader.number(item)),
+        ..forces(reader, &|key| table.get(key), name)
+    }
+}
+
+/// A joint with its limits, and what holds it or acts on it; without a place.
+///
+/// - `value`: that of a key
+fn forces<'t>(
+    reader: &mut Reader,
+    value: &impl Fn(&str) -> Option<Item<'t>>,
+    name: Name,
+) -> JointDescription {
+    let owner = name.value.clone();
+    JointDescription {
+        held: value("held").and_then(|item| reader.number(item)).map(|number| number.value),
+        limits: value("limits").and_then(|item| read_limits(reader, item)).unwrap_or_default(),
+        springs: value("spring").map(|item| At::new(springs(reader, item, &owner), item.span)),
+        friction: value("friction")
+            .and_then(|item| Some(At::new(friction(reader, item, &owner)?, item.span))),
+        drive: value("drive").and_then(|item| drive(reader, item, &owner)),
+        ..JointDescription::named(name)
+    }
+}
+
+const TYPES: &str = "supported are \"fixed\", \"revolute\", \"continuous\", \"prismatic\", \"helical\", \"cylindrical\", \"universal\" \
+    and \"planar\"";
+
+fn read_type(reader: &mut Reader, table: &Table<'_>, item: Item<'_>, name: &Name) -> Option<JointType> {
+    let text = item.text(&mut reader.report)?;
+    if let Some(composite) = Composite::named(text) {
+        return Some(JointType::Composite(composite));
+    }
+    let kind = match text {
+        "fixed" => JointKind::Fixed,
+        "revolute" => JointKind::Revolute,
+        "continuous" => JointKind::Continuous,
+        "prismatic" => JointKind::Prismatic,
+        "helical" => JointKind::Helical { pitch: pitch(reader, table, name) },
+        other => {
+            reader.report.error(item.span, "joint-type", format!("unsupported joint type {other:?}"));
+            reader.report.help(TYPES);
+            // Reported; taken as moving, so that it causes no second complaint.
+            JointKind::Revolute
+        }
+    };
+    Some(JointType::Single(kind))
+}
+
+/// The pitch of a helical joint (m/rad); what is wrong with it is reported, and it is 1 then.
+fn pitch(reader: &mut Reader, table: &Table<'_>, name: &Name) -> f64 {
+    const HELP: &str = "it slides by `pitch` metres for each radian: `pitch = \"0.02/(2*pi)\"` is 20 mm a turn, a negative one \
+        a left-handed screw";
+    let Some(item) = table.get("pitch") else {
+        let message = format!("helical joint `{}` has no `pitch`", name.value);
+        reader.report.error(name.span, "missing-key", message);
+        reader.report.help(HELP);
+        return 1.0;
+    };
+    match reader.number(item) {
+        Some(pitch) if pitch.value == 0.0 => {
+            let message = format!("the pitch of joint `{}` is 0", name.value);
+            reader.report.error(item.span, "pitch", message);
+            reader.report.help(format!("{HELP}; a joint that does not slide is \"revolute\""));
+            1.0
+        }
+        Some(pitch) => pitch.value,
+        None => 1.0,
+    }
+}
+
+fn refuse_pitch(reader: &mut Reader, table: &Table<'_>, kind: Option<JointKind>) {
+    let Some(item) = table.get("pitch").filter(|_| !matches!(kind, Some(JointKind::Helical { .. }))) else {
+        return;
+    };
+    reader.report.error(item.key_span, "conflicting-keys", "`pitch` without `type = \"helical\"`");
+    reader.report.help("only a helical joint has a pitch: give the joint that type, or remove `pitch`");
+}
+
+/// Keys whose values are told part by part.
+const BY_PART: [&str; 5] = ["held", "limits", "spring", "friction", "drive"];
+
+/// The joints that a composite one stands for.
+fn read_composite(
+    reader: &mut Reader,
+    table: &Table<'_>,
+    name: Name,
+    composite: Composite,
+) -> Vec<JointDescription> {
+    refuse_pitch(reader, table, None);
+    refuse_in_composites(reader, table, composite);
+    for item in BY_PART.iter().filter_map(|key| table.get(key)) {
+        check_parts(reader, item, &name, composite);
+    }
+    let place = Place {
+        parent: table.get("parent").and_then(|item| reader.name(item)),
+        child: table.get("child").and_then(|item| reader.name(item)),
+        origin: table.get("origin").and_then(|item| reader.pose(item, &name.value)),
+        axis: table.get("axis").and_then(|item| reader.axis(item)).unwrap_or([0.0, 0.0, 1.0]),
+    };
+    composite::expand(composite, &name, place, |part, name| {
+        let value = |key: &str| match table.get(key)? {
+            // One word for all parts.
+            item if key == "drive" && item.value.is_str() => Some(item),
+            item => Table::open(item.value.as_table()?, item.span, "the parts of a joint").get(part.name),
+        };
+        forces(reader, &value, name)
+    })
+}
+
+/// Complains about a value that is not told part by part.
+fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Composite) {
+    let kind = composite.name();
+    let help = || {
+        format!(
+            "its parts are {}: `{} = {{ {} = … }}`",
+            composite.listed(),
+            item.key,
+            composite.parts()[0].name
+        )
+    };
+    let Some(table) = item.value.as_table() else {
+        if item.key != "drive" || !item.value.is_str() {
+            let message =
+                format!("`{}` of {kind} joint `{}` says nothing of its parts", item.key, name.value);
+            reader.report.error(item.span, "wrong-type", message);
+            reader.report.help(help());
+        }
+        return;
+    };
+    for entry in Table::open(table, item.span, "the parts of a joint").items() {
+        if composite.parts().iter().all(|part| part.name != entry.key) {
+            let message = format!("{kind} joint `{}` has no part `{}`", name.value, entry.key);
+            reader.report.error(entry.key_span, "unknown-key", message);
+            reader.report.help(help());
+        }
+    }
+}
+
+/// Complains about keys that say something of one degree of freedom.
+fn refuse_in_composites(reader: &mut Reader, table: &Table<'_>, composite: Composite) {
+    let kind = composite.name();
+    for item in ["dh", "modified_dh", "follows", "offset"].iter().filter_map(|key| table.get(key)) {
+        reader.report.error(item.key_span, "conflicting-keys", format!("`{}` at a {kind} joint", item.key));
+        reader.report.help(match item.key {
+            "dh" | "modified_dh" => "place the joint by `origin`",
+            _ => "a part that follows others is described as a joint of its own",
+        });
+    }
+    if let Some(item) = table.get("axis").filter(|_| composite == Composite::Universal) {
+        reader.report.error(item.key_span, "conflicting-keys", "`axis` at a universal joint");
+        reader
+            .report
+            .help("it turns about the x axis of its frame, then about the y axis: `origin` turns the frame");
+    }
+}
+
+/// Joint origin and, for standard DH rows, the described link frame behind the joint.
+fn placement(reader: &mut Reader, table: &Table<'_>, owner: &str) -> (Option<Pose>, Option<Pose>) {
+    let given: Vec<Item<'_>> =
+        ["origin", "dh", "modified_dh"].iter().filter_map(|key| table.get(key)).collect();
+    if let [first, second, ..] = given.as_slice() {
+        let message = format!("both `{}` and `{}` place the joint", first.key, second.key);
+        reader.report.error(second.key_span, "conflicting-keys", message);
+    }
+    if let (Some(row), Some(axis)) = (given.iter().find(|item| item.key != "origin"), table.get("axis")) {
+        let message = format!("`axis` beside `{}`: the axis of a Denavit–Hartenberg row is z", row.key);
+        reader.report.error(axis.key_span, "conflicting-keys", message);
+    }
+    match given.first() {
+        Some(item) if item.key == "origin" => (reader.pose(*item, owner), None),
+        Some(item) => dh_row(reader, *item, owner).unwrap_or((None, None)),
+        None => (None, None),
+    }
+}
+
+fn dh_row(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<(Option<Pose>, Option<Pose>)> {
+    let table = item.table("a Denavit–Hartenberg row", &DH, &mut reader.report)?;
+    let mut length =
+        |key| table.get(key).and_then(|item| reader.formula(item, owner)).unwrap_or(Formula::ZERO);
+    let (a, d) = (length("a"), length("d"));
+    let mut angle = |key| match table.get(key).and_then(|item| reader.number(item)) {
+        Some(angle) => reader.angles.angle(&angle, owner),
+        None => 0.0,
+    };
+    let (alpha, theta) = (angle("alpha"), angle("theta"));
+    if item.key == "modified_dh" {
+        return Some((Some(modified_dh(d, a, alpha, theta)), None));
+    }
+    let turned = Pose { rotation: about_z(theta), ..Pose::identity() };
+    Some((Some(turned), Some(standard_dh(d, a, alpha))))
+}
+
+fn read_limits(reader: &mut Reader, item: Item<'_>) -> Option<LimitsDescription> {
+    let table = item.table("limits", &LIMITS, &mut reader.report)?;
+    let position = table.get("position").and_then(|item| reader.numbers::<2>(item));
+    let mut positive = |key| table.get(key).and_then(|item| reader.positive(item));
+    let (velocity, effort, peak_effort) = (positive("velocity"), positive("effort"), positive("peak_effort"));
+    Some(LimitsDescription { position, velocity, effort, peak_effort })
+}
