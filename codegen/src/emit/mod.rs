@@ -4,8 +4,16 @@
 //! [`Program`](crate::program::Program) of each function. It guards what must hold for any description: names
 //! reach the text as checked identifiers, text only as escaped literals and escaped documentation.
 
+mod arrays;
+mod documentation;
+mod header;
+mod kernels;
+mod names;
 mod options;
 pub mod rust;
+mod sequence;
+mod text;
 
 pub use options::{EmitOptions, Math, Scalar, SourceFile};
-pub use rust::{FIRST_LINE, documentation, module};
+pub use header::FIRST_LINE;
+pub use rust::{documentation, module};

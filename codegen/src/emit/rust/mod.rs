@@ -32,7 +32,7 @@ mod signature;
 mod statements;
 mod straight;
 
-pub use header::{FIRST_LINE, documentation};
+pub use header::documentation;
 
 use proc_macro2::TokenStream;
 
