@@ -2,6 +2,7 @@
 
 use super::text::code;
 use crate::functions::function::{Constant, Function};
+use crate::layout::{Dimension, Extent};
 use crate::model::Parameter;
 use crate::module::ComposedFunction;
 
@@ -24,6 +25,26 @@ pub(super) struct Labels {
     pub(super) has_parameters: bool,
     /// ``returns `M: [N × N]` ``
     pub(super) results: Vec<String>,
+}
+
+/// A length by name, where it follows from the robot. Coordinates and velocities are as many.
+pub(super) fn length_name(extent: Extent) -> Option<&'static str> {
+    match extent.dimension {
+        Dimension::Coordinates | Dimension::Velocities => Some("N"),
+        Dimension::Inputs => Some("M"),
+        Dimension::Parameters | Dimension::Fixed => None,
+    }
+}
+
+/// A length in documentation.
+pub(super) fn length_text(extent: Extent) -> String {
+    length_name(extent).map_or_else(|| extent.len.to_string(), str::to_owned)
+}
+
+/// Lengths in documentation, `N × N`.
+pub(super) fn shape_text(extents: &[Extent]) -> String {
+    let lengths = extents.iter().map(|&extent| length_text(extent));
+    lengths.collect::<Vec<_>>().join(" × ")
 }
 
 /// The documentation of a function.

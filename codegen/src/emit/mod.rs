@@ -5,6 +5,7 @@
 //! reach the text as checked identifiers, text only as escaped literals and escaped documentation.
 
 mod arrays;
+mod c;
 mod documentation;
 mod header;
 mod kernels;
@@ -14,6 +15,17 @@ pub mod rust;
 mod sequence;
 mod text;
 
-pub use options::{EmitOptions, Math, Scalar, SourceFile};
 pub use header::FIRST_LINE;
-pub use rust::{documentation, module};
+pub use options::{EmitOptions, Language, Math, Scalar, SourceFile};
+pub use rust::documentation;
+
+use crate::module::Module;
+
+/// Writes a module in the language of the options. The text depends on the arguments alone.
+#[must_use]
+pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
+    match options.language {
+        Language::Rust => rust::module(module, options),
+        Language::C => c::module(module, options),
+    }
+}

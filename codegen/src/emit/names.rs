@@ -13,6 +13,8 @@ pub(super) struct Spelling {
     pub(super) keywords: &'static [&'static str],
     /// Whether `_x` and `a__b` are names that anyone may use.
     pub(super) has_free_underscores: bool,
+    /// What no name may begin with.
+    pub(super) prefixes: Vec<String>,
 }
 
 impl Spelling {
@@ -31,10 +33,14 @@ impl Spelling {
                 text = text.replace("__", "_");
             }
         }
-        let is_first = |first: char| first.is_ascii_alphabetic() || (first == '_' && self.has_free_underscores);
+        let is_first =
+            |first: char| first.is_ascii_alphabetic() || (first == '_' && self.has_free_underscores);
         let says_something = text.contains(|letter: char| letter.is_ascii_alphabetic());
         if !text.starts_with(is_first) || !says_something {
             text.insert(0, 'x');
+        }
+        if self.prefixes.iter().any(|prefix| text.starts_with(prefix.as_str())) {
+            text.insert_str(0, "x_");
         }
         if self.keywords.binary_search(&text.as_str()).is_ok() {
             text.push('_');
@@ -94,7 +100,7 @@ pub(super) struct ProgramNames {
 /// The symbol of a result with the letters of formulas spelled out.
 pub(super) fn spelled(symbol: &str) -> String {
     let name = symbol.replace("⁻¹", "_inverse").replace('ẏ', "v");
-    let name = name.replace('ÿ', "a").replace('∂', "d");
+    let name = name.replace('⁺', "_next").replace('ÿ', "a").replace('∂', "d");
     name.replace(['/', ' '], "_").to_lowercase()
 }
 

@@ -9,9 +9,9 @@ use quote::quote;
 use super::context::Context;
 use super::doc_comment::DocComment;
 use super::names::identifier;
-use super::signature::{item, length, length_text, nested};
+use super::signature::{item, length, nested};
 use super::{lints, pasted};
-use crate::emit::documentation::{self, Labels};
+use crate::emit::documentation::{self, Labels, shape_text};
 use crate::emit::options::Scalar;
 use crate::functions::composition::Composition;
 use crate::module::ComposedFunction;
@@ -50,10 +50,10 @@ pub(super) fn function(context: &Context<'_>, composed: &ComposedFunction) -> To
 }
 
 fn documentation(context: &Context<'_>, composed: &ComposedFunction) -> DocComment {
-    let results = composed.results.iter().map(|result| {
-        let lengths = result.extents.iter().copied().map(length_text);
-        format!("returns `{}: [{}]`", result.name, lengths.collect::<Vec<_>>().join(" × "))
-    });
+    let results = composed
+        .results
+        .iter()
+        .map(|result| format!("returns `{}: [{}]`", result.name, shape_text(&result.extents)));
     DocComment::of(&documentation::of_composition(
         composed,
         &Labels {

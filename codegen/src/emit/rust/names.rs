@@ -14,7 +14,8 @@ const KEYWORDS: [&str; 53] = [
 ];
 
 /// Rust's identifiers.
-pub(super) const SPELLING: Spelling = Spelling { keywords: &KEYWORDS, has_free_underscores: true };
+pub(super) const SPELLING: Spelling =
+    Spelling { keywords: &KEYWORDS, has_free_underscores: true, prefixes: vec![] };
 
 /// The nearest ASCII identifier to `name`; `name` itself where it is one.
 pub(super) fn identifier(name: &str) -> Ident {

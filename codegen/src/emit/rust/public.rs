@@ -7,8 +7,8 @@ use quote::{format_ident, quote};
 use super::body::{Body, tuple};
 use super::doc_comment::DocComment;
 use super::lints;
-use super::signature::{Signature, item, length_text, zeros};
-use crate::emit::documentation::{self, Labels};
+use super::signature::{Signature, item, zeros};
+use crate::emit::documentation::{self, Labels, length_text, shape_text};
 use crate::emit::text::code;
 use crate::functions::function::Function;
 
@@ -104,8 +104,7 @@ fn documentation(function: &Function, body: &Body<'_>) -> DocComment {
     let inputs = body.program.inputs.iter().zip(&body.arguments);
     let outputs = body.program.outputs.iter();
     let results = outputs.map(|output| {
-        let extents = output.shape.extents().into_iter();
-        let shape = match extents.map(length_text).collect::<Vec<_>>().join(" × ") {
+        let shape = match shape_text(&output.shape.extents()) {
             lengths if lengths.is_empty() => lengths,
             lengths => format!(": [{lengths}]"),
         };
