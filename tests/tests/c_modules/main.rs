@@ -7,7 +7,8 @@
 //! cargo test -p gelenk-tests --test c_modules -- --ignored --nocapture
 //! ```
 //!
-//! `GELENK_CC` names further compilers, separated by semicolons: `GELENK_CC='clang;python3 -m ziglang cc'`.
+//! `GELENK_CC` names further compilers, separated by semicolons: `GELENK_CC='clang;python3 -m ziglang cc'`. `GELENK_ROBOTS`
+//! limits the comparison to robots whose names are in it: `GELENK_ROBOTS=ur5,panda`.
 
 mod compilers;
 mod drivers;
@@ -142,7 +143,12 @@ fn three_robots_compute_the_same_bits_in_every_variant() {
 #[ignore = "compiles every robot some dozen times; see the head of this file"]
 fn all_robots_compute_the_same_bits_in_every_variant() {
     let compilers = c_compilers();
-    for description in descriptions() {
+    let wanted = std::env::var("GELENK_ROBOTS").ok();
+    let is_wanted = |path: &PathBuf| {
+        let name = path.file_stem().unwrap_or_default();
+        wanted.as_ref().is_none_or(|wanted| wanted.split(',').any(|wanted| name == wanted))
+    };
+    for description in descriptions().into_iter().filter(is_wanted) {
         for form in [Form::Cheapest, Form::Arrays] {
             for is_fused in variants() {
                 let module = derive(&description, form, is_fused);

@@ -54,7 +54,6 @@ fn conventions(context: &Context<'_>) -> String {
         "- Results must not overlap each other or an argument.".to_owned(),
         "- No function allocates, keeps a state or calls a library; each may be called from several threads at once.".to_owned(),
         format!("- In the documentation names stand without their beginning, `{function}` of functions and `{capitals}` of constants."),
-        "- NaN and infinite arguments give NaN or infinite results.".to_owned(),
     ];
     lines.iter().map(|line| format!("{}\n", format!("// {line}").trim_end())).collect()
 }

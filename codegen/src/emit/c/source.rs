@@ -61,8 +61,9 @@ const CHECKS: &str = "
 #if FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16
 #error \"this compiler computes in another precision than that of the operands: on x86 use -msse2 -mfpmath=sse\"
 #endif
-#if defined(__FAST_MATH__)
-#error \"-ffast-math changes the results: compile this file without it\"
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \\
+    || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error \"-ffast-math and its parts change the results: compile this file without them\"
 #endif
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize (\"fp-contract=off\")
