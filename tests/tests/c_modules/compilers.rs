@@ -51,8 +51,20 @@ impl Compiler {
     /// # Errors
     /// What the compiler said.
     pub fn compile(&self, folder: &Path, is_fused: bool) -> Result<(), String> {
+        self.run(folder, is_fused, &["-O2", "main.c", "robot.c", "-o", "c_main"])
+    }
+
+    /// Looks for warnings only.
+    ///
+    /// # Errors
+    /// What the compiler said.
+    pub fn check(&self, folder: &Path, is_fused: bool) -> Result<(), String> {
+        self.run(folder, is_fused, &["-fsyntax-only", "main.c", "robot.c"])
+    }
+
+    fn run(&self, folder: &Path, is_fused: bool, arguments: &[&str]) -> Result<(), String> {
         let mut command = self.command();
-        command.current_dir(folder).args(WARNINGS).args(["-O2", "main.c", "robot.c", "-o", "c_main"]);
+        command.current_dir(folder).args(WARNINGS).args(arguments);
         if is_fused {
             command.arg("-mfma");
         }

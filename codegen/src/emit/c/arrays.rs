@@ -88,7 +88,8 @@ impl<'a> Emission<'a> {
             .chunks(self.form.joints())
             .flat_map(|row| row.iter().copied().chain(std::iter::repeat_n(0.0, padding)));
         let entries: Vec<String> = entries.map(|entry| self.context.literal(entry)).collect();
-        let head = format!("static const {} {}[{}]", self.context.ty(), self.names[array], entries.len());
+        let (aligned, ty) = (self.context.constant("ALIGNED"), self.context.ty());
+        let head = format!("{aligned} static const {ty} {}[{}]", self.names[array], entries.len());
         format!("{head} = {};", layout::braces(4, &entries))
     }
 
