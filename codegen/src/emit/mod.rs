@@ -1,4 +1,4 @@
-//! Stage 5: a [`Module`](crate::module::Module) becomes text, one folder for each language.
+//! Stage 5: a [`Module`] becomes text, one folder for each language.
 //!
 //! A printer decides nothing about numbers: order, names, signs and fused operations come from the
 //! [`Program`](crate::program::Program) of each function. It guards what must hold for any description: names
