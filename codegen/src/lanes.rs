@@ -43,6 +43,17 @@ impl Lanes {
         all
     }
 
+    /// The note that a description asks for lanes, which only Rust has.
+    pub(crate) fn left_to_rust(&self) -> Option<Diagnostic> {
+        let names: Vec<String> = self.0.iter().map(|name| format!("`{name}`")).collect();
+        (!names.is_empty()).then(|| {
+            let message =
+                format!("the functions over lanes of {} are left out: C has none", names.join(", "));
+            Diagnostic::note("no-lanes", message)
+                .help("generate Rust for them; the functions of one state are there")
+        })
+    }
+
     /// The functions that have a form over lanes, and notes on why others have none.
     pub(crate) fn possible(&self, functions: &[Function], math: Math) -> (Vec<String>, Vec<Diagnostic>) {
         let (mut possible, mut notes) = (Vec::new(), Vec::new());

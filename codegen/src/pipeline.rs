@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::advice;
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
-use crate::emit::{self, EmitOptions, SourceFile};
+use crate::emit::{self, EmitOptions, Language, Math, SourceFile};
 use crate::functions::form::Form;
 use crate::functions::module_constants;
 use crate::functions::selection::{self, Request, Selection};
@@ -69,7 +69,7 @@ pub struct Generated {
     pub files: Vec<PathBuf>,
 }
 
-/// From a description to the text of a Rust module. Reads files, writes none.
+/// From a description to the text of a module. Reads files, writes none.
 ///
 /// # Errors
 /// All [`Diagnostics`] of the first stage that found the description at fault.
@@ -82,6 +82,7 @@ fn generate_from(
     options: &GenerateOptions,
 ) -> Result<Generated, Diagnostics> {
     check_slope(options.smooth_sign)?;
+    check_language(options)?;
     let read_options = ReadOptions {
         ignore_mimic: options.ignore_mimic,
         snap_angles: options.snap_angles,
@@ -97,7 +98,10 @@ fn generate_from(
     let selected = selected.map_err(|problems| with_warnings(problems, &notes))?;
     let Selection { functions, compositions, notes: left_out } = selected;
     let notes = snapping::priced(notes, description, &read_options, &functions);
-    let (lanes, obstacles) = lanes.possible(&functions, options.emit.math);
+    let (lanes, obstacles) = match options.emit.language {
+        Language::Rust => lanes.possible(&functions, options.emit.math),
+        Language::C => (vec![], Vec::from_iter(lanes.left_to_rust())),
+    };
     let incomplete = Vec::from_iter(module_constants::notes(&functions));
     let advice = advice::notes(&model, &functions, &compositions);
     let others = [left_out, advice, obstacles, incomplete].concat();
@@ -137,19 +141,17 @@ pub fn generate_pair(
     slope: f64,
 ) -> Result<[Generated; 2], Diagnostics> {
     let mut description = DescriptionFiles::of(description);
-    let mut with = |smooth_sign: Option<f64>, remark: String| {
+    let mut with = |smooth_sign: Option<f64>, name: Option<String>, remark: String| {
         let mut options =
             GenerateOptions { smooth_sign, exact_sign: smooth_sign.is_none(), ..options.clone() };
         options.remarks.push(remark);
+        options.emit.name = name;
         generate_from(&mut description, &options)
     };
-    let exact = with(None, "The exact model, for plants.".to_owned())?;
+    let exact = with(None, options.emit.name.clone(), "The exact model, for plants.".to_owned())?;
     let name = &exact.source.name;
-    let mut smooth = with(
-        Some(slope),
-        format!("The model for controllers: tanh({slope} v) stands for the sign(v) of {name}."),
-    )?;
-    smooth.source.name.push_str(CONTROL);
+    let remark = format!("The model for controllers: tanh({slope} v) stands for the sign(v) of {name}.");
+    let mut smooth = with(Some(slope), Some(format!("{name}{CONTROL}")), remark)?;
     smooth.is_control_model = true;
     Ok([exact, smooth])
 }
@@ -162,6 +164,34 @@ fn check_slope(slope: Option<f64>) -> Result<(), Diagnostics> {
             Err(problem.help("a positive number, e.g. 100").into())
         }
         _ => Ok(()),
+    }
+}
+
+/// C has functions over one state, and no tests beside them.
+fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
+    if options.emit.language == Language::Rust {
+        return Ok(());
+    }
+    let refuse = |what: &str, help: &str| {
+        let problem = Diagnostic::error("not-in-c", format!("modules in C have no {what}"));
+        problem.help(help)
+    };
+    let refusals = [
+        (!options.lanes.is_empty()).then(|| {
+            refuse("functions over several states at once", "leave out the lanes, or generate Rust")
+        }),
+        options.self_test.then(|| {
+            refuse(
+                "tests at their end",
+                "leave out the self-test, or generate Rust: both compute the same bits",
+            )
+        }),
+        (options.emit.math == Math::Std)
+            .then(|| refuse("functions of another library", "take the embedded ones, or generate Rust")),
+    ];
+    match Vec::from_iter(refusals.into_iter().flatten()) {
+        refusals if refusals.is_empty() => Ok(()),
+        refusals => Err(Diagnostics::new(refusals)),
     }
 }
 

@@ -14,7 +14,7 @@ use std::fmt::Write;
 pub fn entry(name: &str, path: &str, text: &str) -> String {
     let file = syn::parse_file(text).unwrap_or_else(|error| panic!("{name}: {error}"));
     let mut entry = format!("({name:?}, &[\n");
-    let parameters = parameters(&file);
+    let parameters = fields(&file);
     for item in &file.items {
         let syn::Item::Fn(function) = item else {
             continue;
@@ -56,8 +56,16 @@ fn is_number(argument: &syn::FnArg) -> bool {
     matches!(argument, syn::FnArg::Typed(argument) if matches!(*argument.ty, syn::Type::Path(_)))
 }
 
+/// Fields of a module's `Parameters`, in order.
+///
+/// # Panics
+/// Where the source is no Rust.
+pub fn parameters(text: &str) -> Vec<String> {
+    fields(&syn::parse_file(text).unwrap_or_else(|error| panic!("{error}")))
+}
+
 /// Fields of `Parameters`, in order.
-fn parameters(file: &syn::File) -> Vec<String> {
+fn fields(file: &syn::File) -> Vec<String> {
     let structs = file.items.iter().filter_map(|item| match item {
         syn::Item::Struct(item) if item.ident == "Parameters" => Some(item),
         _ => None,

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::diagnostic::nearest;
-use crate::emit::Scalar;
+use crate::emit::{Language, Scalar};
 use crate::model::{FUNCTIONS, ReadOptions, is_known_function};
 
-/// Robot dynamics as plain Rust: reads a kinematic description, derives the equations of motion, writes one
-/// module.
+/// Robot dynamics as plain Rust or C: reads a kinematic description, derives the equations of motion, writes
+/// one module.
 #[derive(Debug, Parser)]
 #[command(name = "gelenk", version, max_term_width = 100, after_help = EXAMPLES)]
 pub(super) struct Arguments {
@@ -38,7 +38,8 @@ Examples:
   gelenk generate models/powercube.toml
   gelenk generate arm.urdf --output - --functions mass_matrix,bias_forces
   gelenk generate arm.urdf --snap-angles 1e-4 --scalar f32 --output firmware/src/arm.rs
-  gelenk generate arm.toml --control-model 50    for the plant and for the controller";
+  gelenk generate arm.toml --control-model 50    for the plant and for the controller
+  gelenk generate arm.toml --language c --output firmware/    writes firmware/arm.h and firmware/arm.c";
 
 const INSPECT_EXAMPLES: &str = "\
 Examples:
@@ -79,7 +80,7 @@ Exit codes: 0 success, 1 a file is at fault or the data explain nothing, 2 wrong
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    /// Write the Rust module of a description, or of everything in models/
+    /// Write the module of a description, in Rust or C, or of everything in models/
     #[command(after_help = GENERATE_EXAMPLES)]
     Generate(Generate),
     /// Is the committed output fresh? Compares without writing
@@ -104,7 +105,8 @@ pub(super) struct Generate {
     /// TOML or URDF; without it everything in models/ goes to generated/src/
     pub(super) description: Option<PathBuf>,
     /// Where the module goes; `-` is standard output. Default: generated/src/<NAME>.rs for a description in
-    /// the workspace's models/, else <NAME>.rs in this folder
+    /// the workspace's models/, else <NAME>.rs in this folder. In C a folder, or a file FILE.c beside which
+    /// FILE.h goes and whose name the functions begin with; default: <NAME>.h and <NAME>.c in this folder
     #[arg(long, short, value_name = "FILE.rs", requires = "description")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
@@ -324,6 +326,10 @@ impl Reading {
 /// What is made of a description: one module, or two.
 #[derive(Debug, Args)]
 pub(super) struct Modules {
+    /// Language of the module: NAME.rs, or NAME.h and NAME.c (C99, also C++), whose functions compute the same
+    /// bits
+    #[arg(long, value_enum, default_value_t = LanguageName::Rust)]
+    pub(super) language: LanguageName,
     #[command(flatten)]
     pub(super) choices: Choices,
     /// Write two modules: the exact model for plants, and beside it <NAME>_control for controllers, with
@@ -378,6 +384,21 @@ impl From<ScalarName> for Scalar {
         match name {
             ScalarName::F64 => Self::F64,
             ScalarName::F32 => Self::F32,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum LanguageName {
+    Rust,
+    C,
+}
+
+impl From<LanguageName> for Language {
+    fn from(name: LanguageName) -> Self {
+        match name {
+            LanguageName::Rust => Self::Rust,
+            LanguageName::C => Self::C,
         }
     }
 }

@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::arguments::{Check, Choices, Format, Generate, Modules, ScalarName};
-use super::place::{Workspace, shown};
+use super::arguments::{Check, Choices, Format, Generate, LanguageName, Modules, ScalarName};
+use super::place::{Output, Target, Workspace, shown};
 use super::print;
 use super::progress::Progress;
 use crate::diagnostic::Diagnostics;
@@ -31,16 +31,17 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
             "--control-model makes two modules, which standard output cannot hold apart".to_owned(),
         ));
     }
+    let target = Target::new(output, modules.language)?;
     let command = modules_command(description, modules, output, workspace.as_ref());
-    let robots = derive_modules(description, modules, command).map_err(problem)?;
+    let robots = derive_modules(description, modules, command, &target).map_err(problem)?;
     say_notes(&robots, format);
     if is_piped {
         let texts = robots.iter().map(|robot| robot.source.text.as_str());
         print::out(&texts.collect::<String>())?;
         return Ok(ExitCode::SUCCESS);
     }
-    let home = workspace.filter(|workspace| output.is_none() && workspace.contains(description));
-    let paths: Vec<PathBuf> = robots.iter().map(|robot| place(robot, output, home.as_ref())).collect();
+    let home = workspace.filter(|workspace| target.may_be_home() && workspace.contains(description));
+    let paths: Vec<PathBuf> = robots.iter().map(|robot| place(robot, &target, home.as_ref())).collect();
     let root = match &home {
         Some(home) => Some(root_with(home, &robots)?),
         None => None,
@@ -70,27 +71,38 @@ fn write(
     root: Option<(&Workspace, &str)>,
 ) -> Result<Vec<Outcome>, Failure> {
     let read: Vec<PathBuf> = robots.iter().flat_map(|robot| robot.files.clone()).collect();
-    let modules = robots
-        .iter()
-        .zip(paths)
-        .map(|(robot, path)| Planned::new(path, &robot.source.text, Replaces::Module, &read));
+    let modules = robots.iter().zip(paths).map(|(robot, path)| {
+        let files = files(robot, path).into_iter();
+        let planned = files.map(|(path, text)| Planned::new(&path, text, Replaces::Module, &read));
+        planned.collect::<Result<Vec<_>, _>>()
+    });
     let modules = modules.collect::<Result<Vec<_>, _>>()?;
     let root = root.map(|(workspace, text)| {
         Planned::new(&workspace.modules().join("lib.rs"), text, Replaces::Root, &read)
     });
     let root = root.transpose()?;
-    let outcomes = modules.iter().map(Planned::write).collect::<Result<_, _>>()?;
+    let outcomes = modules.iter().map(|files| write_files(files)).collect::<Result<_, _>>()?;
     if let Some(root) = root {
         root.write()?;
     }
     Ok(outcomes)
 }
 
+/// Writes the files of one module.
+fn write_files(files: &[Planned<'_>]) -> Result<Outcome, Failure> {
+    let outcomes = files.iter().map(Planned::write).collect::<Result<Vec<_>, _>>()?;
+    Ok(match outcomes.contains(&Outcome::Written) {
+        true => Outcome::Written,
+        false => Outcome::Unchanged,
+    })
+}
+
 /// Everything in models/. Nothing is written unless all descriptions are right.
 fn generate_all(workspace: &Workspace, modules: &Modules, format: Format) -> Result<ExitCode, Failure> {
     let robots = derive_all(workspace, modules)?;
     say_notes(&robots, format);
-    let paths: Vec<PathBuf> = robots.iter().map(|robot| place(robot, None, Some(workspace))).collect();
+    let paths: Vec<PathBuf> =
+        robots.iter().map(|robot| place(robot, &Target::default(), Some(workspace))).collect();
     let root = output::root_text(&documented(&robots));
     let outcomes = write(&robots, &paths, Some((workspace, &root)))?;
     let (mut lines, mut results) = (String::new(), Vec::new());
@@ -115,16 +127,14 @@ pub(super) fn check(arguments: &Check, format: Format) -> Result<ExitCode, Failu
     let stale = match (&arguments.description, &workspace) {
         (Some(description), _) => {
             let output = arguments.output.as_deref();
+            let target = Target::new(output, modules.language)?;
             let command = modules_command(description, modules, output, workspace.as_ref());
-            let robots = derive_modules(description, modules, command.clone()).map_err(problem)?;
-            let is_home = |place: &&Workspace| output.is_none() && place.contains(description);
+            let robots = derive_modules(description, modules, command.clone(), &target).map_err(problem)?;
+            let is_home = |place: &&Workspace| target.may_be_home() && place.contains(description);
             let home = workspace.as_ref().filter(is_home);
-            let stale = robots.iter().filter_map(|robot| {
-                let path = place(robot, output, home);
-                let is_fresh = output::check(&path, &robot.source.text);
-                (!is_fresh).then(|| (path, command.clone()))
-            });
-            stale.collect()
+            let files = robots.iter().flat_map(|robot| files(robot, &place(robot, &target, home)));
+            let stale = files.filter(|(path, text)| !output::check(path, text));
+            stale.map(|(path, _)| (path, command.clone())).collect()
         }
         (None, Some(workspace)) => stale(workspace, modules)?,
         (None, None) => return Err(no_workspace()),
@@ -135,7 +145,8 @@ pub(super) fn check(arguments: &Check, format: Format) -> Result<ExitCode, Failu
 fn stale(workspace: &Workspace, modules: &Modules) -> Result<Vec<(PathBuf, String)>, Failure> {
     let robots = derive_all(workspace, modules)?;
     let root = output::root_text(&documented(&robots));
-    let modules = robots.iter().map(|robot| (place(robot, None, Some(workspace)), &robot.source.text));
+    let target = Target::default();
+    let modules = robots.iter().map(|robot| (place(robot, &target, Some(workspace)), &robot.source.text));
     let expected = modules.chain([(workspace.modules().join("lib.rs"), &root)]);
     let mut stale: Vec<PathBuf> =
         expected.filter(|(path, text)| !output::check(path, text)).map(|(path, _)| path).collect();
@@ -162,10 +173,17 @@ fn report_stale(stale: &[(PathBuf, String)], format: Format) -> Result<ExitCode,
 
 /// Derives all robots of the workspace; a failure holds the problems of all descriptions.
 fn derive_all(workspace: &Workspace, modules: &Modules) -> Result<Vec<Generated>, Failure> {
+    if modules.language != LanguageName::Rust {
+        return Err(Failure::Usage(
+            "everything in models/ goes to the crate generated/, which is Rust: name one description"
+                .to_owned(),
+        ));
+    }
+    let target = Target::default();
     let (mut robots, mut problems) = (Vec::new(), Vec::new());
     for description in workspace.descriptions()? {
         let command = modules_command(&description, modules, None, Some(workspace));
-        match derive_modules(Path::new(&relative(&description)), modules, command) {
+        match derive_modules(Path::new(&relative(&description)), modules, command, &target) {
             Ok(derived) => robots.extend(derived),
             Err(diagnostics) => problems.push(diagnostics),
         }
@@ -216,9 +234,12 @@ fn derive_modules(
     description: &Path,
     modules: &Modules,
     command: String,
+    target: &Target,
 ) -> Result<Vec<Generated>, Diagnostics> {
     let _progress = Progress::start(description.display().to_string());
-    let options = options(&modules.choices, command);
+    let mut options = options(&modules.choices, command);
+    options.emit.language = modules.language.into();
+    options.emit.name = target.name.clone();
     match modules.control_model {
         Some(slope) => pipeline::generate_pair(description, &options, slope).map(Vec::from),
         None => pipeline::generate(description, &options).map(|robot| vec![robot]),
@@ -295,18 +316,22 @@ fn modules_command(
     workspace: Option<&Workspace>,
 ) -> String {
     let mut command = command(description, &modules.choices, output, workspace);
+    if modules.language == LanguageName::C {
+        command.push_str(" --language c");
+    }
     if let Some(slope) = modules.control_model {
         command.push_str(&format!(" --control-model {slope:?}"));
     }
     command
 }
 
-/// Where a module goes: to `output`, else to the crate of its `home`, else into the current folder. The
-/// smooth one of a pair goes beside the exact one.
-fn place(robot: &Generated, output: Option<&Path>, home: Option<&Workspace>) -> PathBuf {
+/// Where a module goes: where the `target` says, else to the crate of its `home`, else into the current folder.
+/// The smooth one of a pair goes beside the exact one.
+fn place(robot: &Generated, target: &Target, home: Option<&Workspace>) -> PathBuf {
     let name = &robot.source.name;
-    match (output, home) {
-        (Some(output), _) if robot.is_control_model => {
+    match (&target.output, home) {
+        (Output::Folder(folder), _) => folder.join(format!("{name}.c")),
+        (Output::File(output), _) if robot.is_control_model => {
             let stem = output.file_stem().unwrap_or_default();
             let mut file = stem.to_owned();
             file.push(CONTROL);
@@ -316,9 +341,20 @@ fn place(robot: &Generated, output: Option<&Path>, home: Option<&Workspace>) -> 
             }
             output.with_file_name(file)
         }
-        (Some(output), _) => output.to_owned(),
-        (None, Some(home)) => home.modules().join(format!("{name}.rs")),
-        (None, None) => PathBuf::from(format!("{name}.rs")),
+        (Output::File(output), _) => output.to_owned(),
+        (Output::Default, Some(home)) => home.modules().join(format!("{name}.rs")),
+        (Output::Default, None) => PathBuf::from(format!("{name}.rs")),
+    }
+}
+
+/// The files of a module and their texts, from the path of its source.
+fn files<'r>(robot: &'r Generated, path: &Path) -> Vec<(PathBuf, &'r str)> {
+    match robot.source.header {
+        None => vec![(path.to_owned(), &robot.source.text)],
+        Some(_) => {
+            let files = robot.source.files().into_iter();
+            files.map(|(extension, text)| (path.with_extension(extension), text)).collect()
+        }
     }
 }
 
@@ -336,14 +372,16 @@ fn line(robot: &Generated, path: &Path, outcome: Outcome) -> String {
         Outcome::Unchanged => "unchanged",
     };
     let (n, m) = (robot.model.coordinates.len(), inputs(robot));
+    let (paths, texts) = (files(robot, path).into_iter(), files(robot, path).into_iter());
+    let paths = paths.map(|(path, _)| relative(&path));
     let plural = |count: usize, noun: &str| format!("{count} {noun}{}", if count == 1 { "" } else { "s" });
     format!(
         "{outcome} {}: {}, {}, {}, {} lines",
-        relative(path),
+        paths.collect::<Vec<_>>().join(", "),
         plural(n, "coordinate"),
         plural(m, "input"),
         plural(robot.module.functions.len() + robot.module.compositions.len(), "function"),
-        robot.source.text.lines().count(),
+        texts.map(|(_, text)| text.lines().count()).sum::<usize>(),
     )
 }
 
@@ -355,6 +393,7 @@ fn result(robot: &Generated, path: &Path, outcome: Outcome) -> Value {
     json!({
         "robot": robot.source.name,
         "file": relative(path),
+        "files": files(robot, path).iter().map(|(path, _)| relative(path)).collect::<Vec<_>>(),
         "written": outcome == Outcome::Written,
         "coordinates": robot.model.coordinates.len(),
         "inputs": inputs(robot),

@@ -8,6 +8,7 @@ use std::path::{Component, Path, PathBuf};
 use gelenk_files::is_same_file;
 
 use super::Failure;
+use super::arguments::LanguageName;
 
 /// A folder with `models/` and `generated/src/`: this project's workspace, or one like it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -49,6 +50,75 @@ impl Workspace {
     pub(super) fn contains(&self, description: &Path) -> bool {
         let folder = fs::canonicalize(description).ok().and_then(|path| path.parent().map(Path::to_owned));
         folder.is_some() && folder == fs::canonicalize(self.root.join("models")).ok()
+    }
+}
+
+/// Where a module goes, and how it is called.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct Target {
+    pub(super) output: Output,
+    /// The name of the module, where the file has one of its own.
+    pub(super) name: Option<String>,
+}
+
+/// Where a module goes.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) enum Output {
+    /// Where modules in Rust go without a word.
+    #[default]
+    Default,
+    /// This file, in C with a header beside it.
+    File(PathBuf),
+    /// Files of a module in C, in this folder.
+    Folder(PathBuf),
+}
+
+impl Target {
+    pub(super) fn new(output: Option<&Path>, language: LanguageName) -> Result<Self, Failure> {
+        match (language, output) {
+            (LanguageName::Rust, None) => Ok(Self::default()),
+            (LanguageName::Rust, Some(file)) => {
+                Ok(Self { output: Output::File(file.to_owned()), name: None })
+            }
+            (LanguageName::C, None) => Ok(Self::folder(Path::new(""))),
+            (LanguageName::C, Some(output)) => Self::of_c(output),
+        }
+    }
+
+    /// Tells whether the module may go to the crate of the workspace.
+    pub(super) fn may_be_home(&self) -> bool {
+        self.output == Output::Default
+    }
+
+    fn folder(folder: &Path) -> Self {
+        Self { output: Output::Folder(folder.to_owned()), name: None }
+    }
+
+    fn of_c(output: &Path) -> Result<Self, Failure> {
+        let usage = |message: String| Err(Failure::Usage(message));
+        if output == Path::new("-") {
+            return usage("a module in C is two files, which standard output cannot hold apart".to_owned());
+        }
+        let extension = output.extension().and_then(|extension| extension.to_str());
+        match extension {
+            _ if output.is_dir() => Ok(Self::folder(output)),
+            None => Ok(Self::folder(output)),
+            Some("c" | "h") => {
+                let name = output.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+                let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "_-.".contains(letter);
+                if name.is_empty() || !name.chars().all(is_plain) {
+                    return usage(format!(
+                        "{}: the files of a module in C name each other; take letters, digits, `_` and `-`",
+                        output.display()
+                    ));
+                }
+                Ok(Self { output: Output::File(output.with_extension("c")), name: Some(name.to_owned()) })
+            }
+            Some(_) => usage(format!(
+                "{}: a module in C goes to a folder, or to a file that ends with .c and one beside it that ends with .h",
+                output.display()
+            )),
+        }
     }
 }
 

@@ -9,6 +9,10 @@ const LONGEST_FUNCTION: usize = 2_000;
 /// How a module is printed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EmitOptions {
+    /// The language of the module.
+    pub language: Language,
+    /// Name of the module, where it is not the robot's: that of its files, and in C the beginning of its names.
+    pub name: Option<String>,
     /// Number type of all functions and constants.
     pub scalar: Scalar,
     /// Where sine, cosine, tanh and exp come from.
@@ -22,6 +26,8 @@ pub struct EmitOptions {
 impl Default for EmitOptions {
     fn default() -> Self {
         Self {
+            language: Language::Rust,
+            name: None,
             scalar: Scalar::F64,
             math: Math::Embedded,
             command: "gelenk generate".to_owned(),
@@ -30,13 +36,36 @@ impl Default for EmitOptions {
     }
 }
 
-/// The text of a generated file.
+/// The text of a generated module.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceFile {
-    /// Name of the module; the file is `<name>.rs`.
+    /// Name of the module; the file is `<name>.rs` or `<name>.c`.
     pub name: String,
     /// Its whole text.
     pub text: String,
+    /// The text of `<name>.h`, for a module in C.
+    pub header: Option<String>,
+}
+
+impl SourceFile {
+    /// The files of the module: the extension and the text of each.
+    #[must_use]
+    pub fn files(&self) -> Vec<(&'static str, &str)> {
+        match &self.header {
+            None => vec![("rs", &self.text)],
+            Some(header) => vec![("h", header), ("c", &self.text)],
+        }
+    }
+}
+
+/// The language of a generated module.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Language {
+    /// One file, `<name>.rs`.
+    #[default]
+    Rust,
+    /// C99 that is C++ too: `<name>.h` and `<name>.c`. Functions over lanes and tests are left to Rust.
+    C,
 }
 
 /// Number type of a generated module.

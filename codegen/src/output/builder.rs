@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::out_dir::OutDir;
 use super::write::{Planned, Replaces, WriteError};
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::emit::Scalar;
+use crate::emit::{Language, Scalar};
 use crate::pipeline::{self, GenerateOptions, Generated};
 use gelenk_files::is_same_file;
 
@@ -91,6 +91,14 @@ impl Builder {
     #[must_use]
     pub fn functions<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
         self.options.functions = names.into_iter().map(Into::into).collect();
+        self
+    }
+
+    /// Language of the modules. In C each becomes `<name>.h` and `<name>.c`, which a build script can hand to the
+    /// crate `cc`; `include_model!` takes modules in Rust.
+    #[must_use]
+    pub fn language(mut self, language: Language) -> Self {
+        self.options.emit.language = language;
         self
     }
 
@@ -220,7 +228,8 @@ impl Builder {
         self.options.emit.command = command();
         let robots = self.derive_all()?;
         refuse_same_names(&robots)?;
-        if out_dir.is_some_and(|out_dir| is_same_file(&out_dir, &folder)) {
+        let is_rust = self.options.emit.language == Language::Rust;
+        if is_rust && out_dir.is_some_and(|out_dir| is_same_file(&out_dir, &folder)) {
             return OutDir::new(folder).write(&robots, self.hides_notes);
         }
         let notes = robots.iter().flat_map(|robot| robot.generated.notes.entries());
@@ -282,11 +291,12 @@ fn refuse_same_names(robots: &[Robot]) -> Result<(), BuildError> {
 pub(super) fn write(folder: &Path, robots: &[Robot]) -> Result<Vec<PathBuf>, BuildError> {
     let read = robots.iter().flat_map(|robot| robot.generated.files.clone());
     let read: Vec<PathBuf> = read.collect();
-    let planned = robots.iter().map(|robot| {
+    let files = robots.iter().flat_map(|robot| {
         let source = &robot.generated.source;
-        let path = folder.join(format!("{}.rs", source.name));
-        Planned::new(&path, &source.text, Replaces::Module, &read)
+        let files = source.files().into_iter();
+        files.map(|(extension, text)| (folder.join(format!("{}.{extension}", source.name)), text))
     });
+    let planned = files.map(|(path, text)| Planned::new(&path, text, Replaces::Module, &read));
     let planned = planned.collect::<Result<Vec<_>, _>>().map_err(BuildError::Write)?;
     let paths = planned.iter().map(|file| {
         file.write()?;

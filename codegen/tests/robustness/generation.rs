@@ -4,7 +4,7 @@
 //! is the long form; it takes an hour or two.
 
 use super::mutation::{Random, rewritten};
-use gelenk_codegen::emit::{EmitOptions, Scalar};
+use gelenk_codegen::emit::{self, EmitOptions, Language, Scalar};
 use gelenk_codegen::model::FUNCTIONS;
 use gelenk_codegen::output::{Planned, Replaces};
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate, generate_pair};
@@ -134,6 +134,14 @@ fn work_of_thread() -> Duration {
     nanoseconds.map_or_else(|| START.get_or_init(Instant::now).elapsed(), Duration::from_nanos)
 }
 
+/// The same modules for the other printer.
+fn print_in_c(found: &Result<Vec<Generated>, String>) {
+    for robot in found.iter().flatten() {
+        let options = EmitOptions { language: Language::C, ..EmitOptions::default() };
+        assert!(emit::module(&robot.module, &options).header.is_some());
+    }
+}
+
 /// Runs the cases one after the other; who waits sees a hang.
 fn work(cases: impl Iterator<Item = usize>, folder: &Path, to: &mpsc::Sender<Option<Finished>>) {
     for index in cases {
@@ -143,6 +151,8 @@ fn work(cases: impl Iterator<Item = usize>, folder: &Path, to: &mpsc::Sender<Opt
         let start = work_of_thread();
         let result = catch_unwind(AssertUnwindSafe(|| case.run(&path)));
         let took = work_of_thread().saturating_sub(start);
+        let result =
+            result.and_then(|found| catch_unwind(AssertUnwindSafe(|| print_in_c(&found))).map(|()| found));
         let result = result.map_err(|panic| {
             let text = panic.downcast_ref::<String>().cloned();
             text.unwrap_or_else(|| "a panic".to_owned())

@@ -38,4 +38,26 @@ impl Text {
             Self::Sensitivities => include_str!("sensitivities.rs"),
         }
     }
+
+    /// The same operations as C99, with `gelenk_` before every name.
+    pub fn c_source(self) -> &'static str {
+        match self {
+            // They stand among the halves, where C needs them.
+            Self::Sums => "",
+            Self::Halves => include_str!("halves.c"),
+            Self::ZeroOrderHold => include_str!("zero_order_hold.c"),
+            Self::RungeKutta => include_str!("runge_kutta.c"),
+            Self::Sensitivities => include_str!("sensitivities.c"),
+        }
+    }
+}
+
+/// The bodies of the functions over a sample time in C99, as [`Text::c_source`].
+pub mod c_bodies {
+    /// Zero-order hold of the linearization.
+    pub const DISCRETIZE: &str = include_str!("discretize.c");
+    /// Runge–Kutta steps.
+    pub const STEP: &str = include_str!("step.c");
+    /// Runge–Kutta steps with their sensitivities.
+    pub const STEP_DERIVATIVES: &str = include_str!("step_derivatives.c");
 }

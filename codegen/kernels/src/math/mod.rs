@@ -25,6 +25,9 @@ include!("tanh_f32.rs");
 include!("sqrt.rs");
 include!("sqrt_f32.rs");
 
+/// The bits of numbers in C99, which [`Kernel::c_source`] reads.
+pub const C_BITS: &str = include_str!("bits.c");
+
 /// Text of one elementary function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kernel {
@@ -121,6 +124,31 @@ impl Kernel {
             Self::Sqrt => include_str!("sqrt.rs"),
             Self::SqrtF32 => include_str!("sqrt_f32.rs"),
         }
+    }
+
+    /// The same operations as C99, with `gelenk_` before every name, after [`C_BITS`]; none for functions over several
+    /// states.
+    pub fn c_source(self) -> Option<&'static str> {
+        Some(match self {
+            Self::SinCos => include_str!("sin_cos.c"),
+            Self::SinCosArray => include_str!("sin_cos_array.c"),
+            Self::SinCos2 => include_str!("sin_cos_2.c"),
+            Self::SinCos4 => include_str!("sin_cos_4.c"),
+            Self::SinCos8 => include_str!("sin_cos_8.c"),
+            Self::SinCosF32 => include_str!("sin_cos_f32.c"),
+            Self::SinCosArrayF32 => include_str!("sin_cos_array_f32.c"),
+            Self::SinCos2F32 => include_str!("sin_cos_2_f32.c"),
+            Self::SinCos4F32 => include_str!("sin_cos_4_f32.c"),
+            Self::SinCos8F32 => include_str!("sin_cos_8_f32.c"),
+            Self::ExpReduced => include_str!("exp_reduced.c"),
+            Self::Exp => include_str!("exp.c"),
+            Self::ExpDirectF32 => include_str!("exp_direct_f32.c"),
+            Self::ExpF32 => include_str!("exp_f32.c"),
+            Self::Tanh => include_str!("tanh.c"),
+            Self::TanhF32 => include_str!("tanh_f32.c"),
+            // C names the instruction.
+            Self::Sqrt | Self::SqrtF32 | Self::SinCosLanes | Self::SinCosLanesF32 => return None,
+        })
     }
 
     /// The kernel whose items this one calls; take them transitively.

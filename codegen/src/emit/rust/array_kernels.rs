@@ -1,40 +1,10 @@
 //! The loops of array forms, pasted into modules that need them.
 
 use super::pasted;
+use crate::emit::arrays::Row;
 use crate::emit::options::Scalar;
 use crate::functions::function::Function;
-use crate::program::arrays::{ArrayForm, Arrays, Step};
-
-/// How the entries of a row are padded, one per joint: to whole blocks, and these to what a processor adds at once.
-#[derive(Clone, Copy)]
-pub(super) struct Row {
-    /// Entries, padding included.
-    pub(super) len: usize,
-    block: usize,
-    is_chain: bool,
-}
-
-impl Row {
-    pub(super) fn new(form: &Arrays) -> Self {
-        let joints = form.joints();
-        let block = match joints {
-            0..=4 | 9..=12 => 4,
-            _ => 8,
-        };
-        Self { len: joints.next_multiple_of(block), block, is_chain: form.is_chain() }
-    }
-
-    /// The constant that loops over blocks read.
-    fn block_size(self) -> String {
-        format!("/// Entries of a block of a row.\nconst K: usize = {};", self.block)
-    }
-
-    /// Tells whether the loops are those for chains in one block: what other loops leave to choices, and to
-    /// the compiler, is written out there.
-    pub(super) fn is_one_block(self) -> bool {
-        self.is_chain && self.len == self.block
-    }
-}
+use crate::program::arrays::{ArrayForm, Step};
 
 /// The module of loops that the functions call.
 pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
@@ -43,7 +13,7 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
         return String::new();
     };
     let row = Row::new(first);
-    let block = row.block_size();
+    let block = format!("/// Entries of a block of a row.\nconst K: usize = {};", row.block);
     let mut texts = vec![
         include_str!("array_kernels/rows.rs"),
         match first.is_fused {

@@ -3,12 +3,12 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::array_kernels::Row;
 use super::body::Body;
 use super::context::Context;
 use super::doc_comment::DocComment;
 use super::signature::{Signature, item};
 use super::{lints, names, parts, public};
+use crate::emit::arrays::{self, Row, is_only_result, table};
 use crate::functions::function::Function;
 use crate::program::arrays::{Arrays, Map, Pairs, Step};
 use crate::program::split::{self, Part};
@@ -249,12 +249,7 @@ impl<'a> Emission<'a> {
             return;
         }
         let (joints, lanes) = (self.form.joints(), self.row.len);
-        let entry = |i: usize, j: usize| match () {
-            () if j >= joints => 0,
-            () if self.form.is_before(j, i) => -1,
-            () if i == j || self.form.is_before(i, j) => 1,
-            () => 0,
-        };
+        let entry = |i, j| arrays::relation(self.form, i, j);
         let rows = (0..joints).map(|i| {
             let row = (0..lanes).map(|j| Literal::i8_unsuffixed(entry(i, j)));
             quote!([#(#row),*])
@@ -416,24 +411,4 @@ impl<'a> Emission<'a> {
             &quote!(#(let _ = #unused;)* #statements),
         )
     }
-}
-
-/// The entries of an array that is constant.
-fn table(form: &Arrays, array: usize) -> Option<Vec<f64>> {
-    let output = form.setup.outputs.get(array)?;
-    let constant = |entry: &Operand| match entry {
-        Operand::Constant(number) => Some(*number),
-        _ => None,
-    };
-    output.entries.iter().map(constant).collect()
-}
-
-/// Whether an array is a matrix that is made for the result alone, so that it can be written in place.
-fn is_only_result(form: &Arrays, array: usize) -> bool {
-    let is_made = |step: &Step| match step {
-        Step::Pairs(pairs) => pairs.to == array,
-        Step::NegativeProduct { to, .. } => *to == array,
-        _ => false,
-    };
-    form.steps.iter().any(is_made) && !form.steps.iter().any(|step| step.reads(array))
 }

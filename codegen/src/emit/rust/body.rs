@@ -40,26 +40,15 @@ impl<'a> Body<'a> {
     }
 
     fn with_results(context: &'a Context<'a>, program: &'a Program, in_place: bool) -> Self {
-        let mut taken = context.reserved.clone();
-        taken.push("p".to_owned());
-        let inputs = program.inputs.iter().map(|input| input.name.as_str());
-        let arguments = names::distinct(inputs, &taken);
-        taken.extend(arguments.iter().map(ToString::to_string));
-        let results = match in_place {
-            true => result_names(program, &taken),
-            false => vec![],
-        };
-        taken.extend(results.iter().map(ToString::to_string));
-        let instructions = program.instructions.iter();
-        let names = names::distinct(instructions.map(|each| each.name.as_str()), &taken);
+        let names = names::SPELLING.of_program(program, &context.reserved, in_place);
         let mut body = Self {
             context,
             program,
             flow: Flow::new(program),
-            arguments,
-            results,
-            stored: vec![false; names.len()],
-            names,
+            arguments: names::idents(&names.arguments),
+            results: names::idents(&names.results),
+            stored: vec![false; names.values.len()],
+            names: names::idents(&names.values),
             column: None,
         };
         for entry in program.entries().filter(|_| in_place) {
@@ -215,13 +204,7 @@ pub(super) fn tuple(values: impl ExactSizeIterator<Item = TokenStream>) -> Token
 
 /// Argument names for the results, letters of formulas spelled out.
 pub(super) fn result_names(program: &Program, taken: &[String]) -> Vec<Ident> {
-    let spelled = program.outputs.iter().map(|output| {
-        let name = output.name.replace("⁻¹", "_inverse").replace('ẏ', "v");
-        let name = name.replace('ÿ', "a").replace('∂', "d");
-        name.replace(['/', ' '], "_").to_lowercase()
-    });
-    let spelled: Vec<String> = spelled.collect();
-    names::distinct(spelled.iter().map(String::as_str), taken)
+    names::idents(&names::SPELLING.results(program, taken))
 }
 
 /// An entry of a result.

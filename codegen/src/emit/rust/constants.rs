@@ -7,6 +7,7 @@ use super::context::Context;
 use super::doc_comment::DocComment;
 use super::lints;
 use super::signature::length;
+use crate::emit::documentation::of_constant;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::{Dimension, Extent};
 
@@ -31,11 +32,7 @@ pub(super) fn sizes(context: &Context<'_>) -> [TokenStream; 2] {
 
 /// A constant with its documentation.
 pub(super) fn item(context: &Context<'_>, constant: &Constant) -> TokenStream {
-    let mut doc = DocComment::new(&constant.summary);
-    if !constant.items.is_empty() {
-        doc.gap();
-        constant.items.iter().for_each(|item| doc.item(item));
-    }
+    let doc = DocComment::of(&of_constant(constant));
     let allowed = lints::for_numbers(numbers(&constant.value));
     let (name, doc) = (format_ident!("{}", constant.name), doc.tokens());
     let (ty, value) = value(context, &constant.value);

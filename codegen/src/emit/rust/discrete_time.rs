@@ -7,10 +7,11 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::context::Context;
-use super::doc_comment::{DocComment, code};
+use super::doc_comment::DocComment;
 use super::names::identifier;
-use super::signature::{item, length, length_text, nested};
+use super::signature::{item, length, nested};
 use super::{lints, pasted};
+use crate::emit::documentation::{self, Labels, shape_text};
 use crate::emit::options::Scalar;
 use crate::functions::composition::Composition;
 use crate::module::ComposedFunction;
@@ -49,25 +50,18 @@ pub(super) fn function(context: &Context<'_>, composed: &ComposedFunction) -> To
 }
 
 fn documentation(context: &Context<'_>, composed: &ComposedFunction) -> DocComment {
-    let function = composed.composition;
-    let mut doc = DocComment::new(function.summary());
-    doc.paragraph(&code(composed.equation));
-    doc.gap();
-    doc.item("`y: [N]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module");
-    doc.item("`period`: sample time in s, over which u is held");
-    if context.has_parameters() {
-        doc.item("`p`: free parameters");
-    }
-    for result in &composed.results {
-        let lengths = result.extents.iter().copied().map(length_text);
-        let (name, shape) = (result.name, lengths.collect::<Vec<_>>().join(" × "));
-        doc.item(&format!("returns `{name}: [{shape}]`: {}", result.meaning));
-    }
-    doc.paragraph(&composed.cost_text);
-    for note in function.notes() {
-        doc.paragraph(note);
-    }
-    doc
+    let results = composed
+        .results
+        .iter()
+        .map(|result| format!("returns `{}: [{}]`", result.name, shape_text(&result.extents)));
+    DocComment::of(&documentation::of_composition(
+        composed,
+        &Labels {
+            arguments: vec!["`y: [N]`, `v: [N]`, `u: [M]`".to_owned()],
+            has_parameters: context.has_parameters(),
+            results: results.collect(),
+        },
+    ))
 }
 
 /// The pasted texts in a module of their own.

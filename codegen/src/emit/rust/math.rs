@@ -7,10 +7,10 @@ use quote::quote;
 
 use super::context::Context;
 use super::pasted;
+use crate::emit::kernels;
 use crate::emit::options::{Math, Scalar};
 use crate::formula::Function as Call;
 use crate::functions::function::Function;
-use crate::program::Operation;
 use gelenk_kernels::math::Kernel;
 
 /// Names of the module's own functions: nothing else may be named like them.
@@ -58,11 +58,7 @@ pub(super) fn sin_cos(context: &Context<'_>, receiver: &TokenStream, argument: &
 
 /// Sines and cosines of several angles, padded to `lanes`: 2, 4 or 8.
 pub(super) fn sin_cos_of(context: &Context<'_>, lanes: usize, angles: &[TokenStream]) -> TokenStream {
-    let kernels = match lanes {
-        2 => [Kernel::SinCos2, Kernel::SinCos2F32],
-        4 => [Kernel::SinCos4, Kernel::SinCos4F32],
-        _ => [Kernel::SinCos8, Kernel::SinCos8F32],
-    };
+    let kernels = kernels::sin_cos_of(lanes);
     let zero = context.options.scalar.literal(0.0);
     let padding = std::iter::repeat_n(&zero, lanes.saturating_sub(angles.len()));
     let arguments = angles.iter().chain(padding);
@@ -77,10 +73,7 @@ pub(super) fn sin_cos_lanes(context: &Context<'_>, arguments: &TokenStream) -> T
 
 /// A call of a pasted function; of its text for f64 and for f32.
 fn own(context: &Context<'_>, kernels: [Kernel; 2], arguments: &TokenStream) -> TokenStream {
-    let kernel = match context.options.scalar {
-        Scalar::F64 => kernels[0],
-        Scalar::F32 => kernels[1],
-    };
+    let kernel = kernels::of_scalar(kernels, context.options.scalar);
     context.calls.kernels.borrow_mut().insert(kernel);
     let name = Ident::new(kernel.name(), Span::call_site());
     quote!(math::#name(#arguments))
@@ -105,17 +98,13 @@ pub(super) fn text(context: &Context<'_>) -> String {
     if context.calls.sign.get() {
         super::push_items(&mut text, [sign(context.options.scalar)]);
     }
-    text.push_str(&module(&needed(&context.calls.kernels.borrow())));
+    text.push_str(&module(&kernels::needed(&context.calls.kernels.borrow())));
     text
 }
 
 /// Where a processor has no fused multiply-add, `mul_add` is a library call as slow as thirty operations.
 pub(super) fn guard(functions: &[Function]) -> &'static str {
-    let is_fused = functions
-        .iter()
-        .flat_map(|function| &function.program.instructions)
-        .any(|instruction| matches!(instruction.operation, Operation::MultiplyAdd(..)));
-    match is_fused {
+    match kernels::are_fused(functions) {
         false => "",
         true => {
             r#"
@@ -142,15 +131,6 @@ fn module(kernels: &BTreeSet<Kernel>) -> String {
     )
 }
 
-/// The called functions and those that they call, these first.
-fn needed(called: &BTreeSet<Kernel>) -> BTreeSet<Kernel> {
-    let mut needed = BTreeSet::new();
-    for &kernel in called {
-        needed.extend(std::iter::successors(Some(kernel), |kernel| kernel.requires()));
-    }
-    needed
-}
-
 /// `signum` of std is ±1 at ±0; the sign of a force law is 0 there.
 fn sign(scalar: Scalar) -> TokenStream {
     let ty = scalar.ty();
@@ -160,21 +140,5 @@ fn sign(scalar: Scalar) -> TokenStream {
         fn sign(x: #ty) -> #ty {
             if x == 0.0 { 0.0 } else { x.signum() }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_what_is_needed_is_pasted_in_the_order_of_the_calls() {
-        let names = |called: &[Kernel]| -> Vec<_> {
-            let called = called.iter().copied().collect();
-            needed(&called).iter().map(|kernel| kernel.name()).collect()
-        };
-        assert_eq!(names(&[Kernel::SinCos4]), ["sin_cos", "sin_cos_array", "sin_cos_4"]);
-        assert_eq!(names(&[Kernel::TanhF32]), ["exp_direct_f32", "tanh_f32"]);
-        assert!(names(&[]).is_empty());
     }
 }

@@ -32,7 +32,7 @@ mod signature;
 mod statements;
 mod straight;
 
-pub use header::{FIRST_LINE, documentation};
+pub use header::documentation;
 
 use proc_macro2::TokenStream;
 
@@ -71,7 +71,8 @@ pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     text.push_str(&discrete_time::text(options.scalar, &module.compositions));
     text.push_str(math::guard(&module.functions));
     push_items(&mut text, self_test::item(&context));
-    SourceFile { name: names::identifier(&module.name).to_string(), text }
+    let name = options.name.clone().unwrap_or_else(|| names::identifier(&module.name).to_string());
+    SourceFile { name, text, header: None }
 }
 
 /// Names that the module takes for itself.

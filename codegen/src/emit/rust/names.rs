@@ -1,14 +1,8 @@
 //! Names of a description and of a program as Rust identifiers.
-//!
-//! The model has checked its names already; this is the last guard, so that no string becomes code.
-//! Identifiers are ASCII: other letters would trip rustc's lints on confusable names, which only the
-//! including crate could allow.
-
-use std::collections::BTreeSet;
 
 use proc_macro2::{Ident, Span};
 
-use crate::program::letters;
+use crate::emit::names::Spelling;
 
 /// Words that are no identifiers in edition 2024, reserved ones included.
 const KEYWORDS: [&str; 53] = [
@@ -19,46 +13,28 @@ const KEYWORDS: [&str; 53] = [
     "virtual", "where", "while", "yield",
 ];
 
+/// Rust's identifiers.
+pub(super) const SPELLING: Spelling =
+    Spelling { keywords: &KEYWORDS, has_free_underscores: true, prefixes: vec![] };
+
 /// The nearest ASCII identifier to `name`; `name` itself where it is one.
 pub(super) fn identifier(name: &str) -> Ident {
-    Ident::new(&spelling(name), Span::call_site())
-}
-
-fn spelling(name: &str) -> String {
-    let mut text = String::with_capacity(name.len());
-    for letter in name.chars() {
-        match letters::greek_name(letter) {
-            Some(word) => text.push_str(word),
-            None if letter.is_ascii_alphanumeric() => text.push(letter),
-            None => text.push('_'),
-        }
-    }
-    let starts_well = text.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_');
-    let says_something = text.contains(|letter: char| letter.is_ascii_alphabetic());
-    if !starts_well || !says_something {
-        text.insert(0, 'x');
-    }
-    if KEYWORDS.binary_search(&text.as_str()).is_ok() {
-        text.push('_');
-    }
-    text
+    ident(&SPELLING.identifier(name))
 }
 
 /// Identifiers for `names`, different from each other and from `taken`; a name already taken gets `_` and a
 /// number.
 pub(super) fn distinct<'a>(names: impl IntoIterator<Item = &'a str>, taken: &[String]) -> Vec<Ident> {
-    let mut used: BTreeSet<String> = taken.iter().cloned().collect();
-    names.into_iter().map(|name| unused(spelling(name), &mut used)).collect()
+    idents(&SPELLING.distinct(names, taken))
 }
 
-fn unused(spelling: String, used: &mut BTreeSet<String>) -> Ident {
-    let mut candidate = spelling.clone();
-    let mut number = 1;
-    while !used.insert(candidate.clone()) {
-        number += 1;
-        candidate = format!("{}_{number}", spelling.trim_end_matches('_'));
-    }
-    Ident::new(&candidate, Span::call_site())
+/// Spelled names as identifiers.
+pub(super) fn idents(names: &[String]) -> Vec<Ident> {
+    names.iter().map(|name| ident(name)).collect()
+}
+
+fn ident(spelled: &str) -> Ident {
+    Ident::new(spelled, Span::call_site())
 }
 
 /// Tells whether rustc accepts the spelling of a variable, field or function.

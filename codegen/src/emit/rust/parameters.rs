@@ -4,8 +4,9 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::context::Context;
-use super::doc_comment::{DocComment, code, plain};
+use super::doc_comment::{DocComment, plain};
 use super::lints;
+use crate::emit::documentation::of_parameter;
 use crate::model::Parameter;
 
 /// The struct, its described values, and `Default`; nothing for a model without free parameters.
@@ -44,15 +45,5 @@ pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
 }
 
 fn documentation(parameter: &Parameter) -> TokenStream {
-    let meaning = match parameter.description.trim() {
-        "" => format!("Parameter {}", code(&parameter.name)),
-        text => plain(text),
-    };
-    let unit = if parameter.unit.trim().is_empty() {
-        String::new()
-    } else {
-        format!(" ({})", plain(&parameter.unit))
-    };
-    let value = format!("; described as {:?}.", parameter.default);
-    DocComment::escaped(&format!("{}{unit}{value}", meaning.trim_end_matches('.'))).tokens()
+    DocComment::escaped(&of_parameter(parameter, plain)).tokens()
 }

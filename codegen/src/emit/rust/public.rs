@@ -5,9 +5,11 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::body::{Body, tuple};
-use super::doc_comment::{DocComment, code};
+use super::doc_comment::DocComment;
 use super::lints;
-use super::signature::{Signature, item, length_text, zeros};
+use super::signature::{Signature, item, zeros};
+use crate::emit::documentation::{self, Labels, argument_shape, shape_text};
+use crate::emit::text::code;
 use crate::functions::function::Function;
 
 /// Up to so many instructions a function is offered to inlining in other crates: a call costs as much as they
@@ -99,51 +101,23 @@ fn call(body: &Body<'_>, name: &Ident) -> TokenStream {
 }
 
 fn documentation(function: &Function, body: &Body<'_>) -> DocComment {
-    let mut doc = DocComment::new(&function.summary);
-    if !function.equation.trim().is_empty() {
-        doc.paragraph(&code(&function.equation));
-    }
-    doc.gap();
-    for (i, (input, name)) in body.program.inputs.iter().zip(&body.arguments).enumerate() {
-        let told = function.arguments.get(i);
-        let meaning = told.map_or("", |argument| argument.meaning.as_str());
-        let entries = told.map_or(String::new(), |argument| list(&argument.entries));
-        let row = input.extent.row().map_or(String::new(), |row| format!(" × {row}"));
-        let head = format!("`{name}: [{}{row}]`", length_text(input.extent));
-        doc.item(&sentence([&head, meaning, &entries]));
-    }
-    if body.context.has_parameters() {
-        doc.item("`p`: free parameters");
-    }
-    for (i, output) in body.program.outputs.iter().enumerate() {
-        let meaning = function.results.get(i).map_or("", String::as_str);
-        let extents = output.shape.extents().into_iter();
-        let shape = match extents.map(length_text).collect::<Vec<_>>().join(" × ") {
+    let inputs = body.program.inputs.iter().zip(&body.arguments);
+    let outputs = body.program.outputs.iter();
+    let results = outputs.map(|output| {
+        let shape = match shape_text(&output.shape.extents()) {
             lengths if lengths.is_empty() => lengths,
             lengths => format!(": [{lengths}]"),
         };
-        let head = format!("returns {}", code(&format!("{}{shape}", output.name)));
-        doc.item(&sentence([&head, meaning, ""]));
-    }
-    doc.paragraph(&format!("Cost: {}.", function.cost()));
-    function.notes.iter().for_each(|note| doc.paragraph(note));
-    doc
-}
-
-fn sentence(parts: [&str; 3]) -> String {
-    let parts = parts.map(str::trim).into_iter();
-    let parts = parts.filter(|part| !part.is_empty());
-    parts.collect::<Vec<_>>().join(": ")
-}
-
-/// `a, b (rad), c (m)`: neighbours with one unit share it.
-fn list(entries: &[(String, &'static str)]) -> String {
-    let shown = entries.iter().enumerate().map(|(i, (name, unit))| {
-        let is_last_of_unit = entries.get(i + 1).is_none_or(|(_, next)| next != unit);
-        match is_last_of_unit {
-            true => format!("{} in {unit}", code(name)),
-            false => code(name),
-        }
+        format!("returns {}", code(&format!("{}{shape}", output.name)))
     });
-    shown.collect::<Vec<_>>().join(", ")
+    DocComment::of(&documentation::of_function(
+        function,
+        &Labels {
+            arguments: inputs
+                .map(|(input, name)| format!("`{name}: [{}]`", argument_shape(input.extent)))
+                .collect(),
+            has_parameters: body.context.has_parameters(),
+            results: results.collect(),
+        },
+    ))
 }

@@ -5,7 +5,8 @@ use quote::quote;
 
 use super::body::{Body, tuple};
 use super::doc_comment::DocComment;
-use crate::layout::{Dimension, Extent};
+use crate::emit::documentation::length_name;
+use crate::layout::Extent;
 use crate::program::{Output, Shape};
 
 /// Arguments and result of a function as text.
@@ -76,27 +77,12 @@ pub(super) fn nested(
 
 /// A length by name where it follows from the robot, else as a number.
 pub(super) fn length(extent: Extent) -> TokenStream {
-    match name(extent) {
+    match length_name(extent) {
         Some(name) => {
             let name = super::names::identifier(name);
             quote!(#name)
         }
         None => number(extent.len),
-    }
-}
-
-/// A length in documentation.
-pub(super) fn length_text(extent: Extent) -> String {
-    name(extent).map_or_else(|| extent.len.to_string(), str::to_owned)
-}
-
-/// Coordinates and velocities are as many.
-fn name(extent: Extent) -> Option<&'static str> {
-    match extent.dimension {
-        Dimension::Coordinates | Dimension::Velocities => Some("N"),
-        Dimension::Inputs => Some("M"),
-        Dimension::Wrenches => Some("WRENCHES"),
-        Dimension::Parameters | Dimension::Fixed => None,
     }
 }
 

@@ -8,6 +8,7 @@ use quote::quote;
 use super::body::Body;
 use super::math;
 use crate::emit::options::Math;
+use crate::emit::sequence::{self, Run};
 use crate::program::split;
 use crate::program::{Operand, Operation};
 
@@ -81,62 +82,17 @@ impl Body<'_> {
     ) -> Vec<TokenStream> {
         let is_made = |index: &usize| self.flow.is_made(*index) && is_wanted(*index);
         let made: Vec<usize> = range.filter(is_made).collect();
+        let are_batched = self.context.options.math == Math::Embedded;
+        let groups = sequence::groups(self.program, &self.flow, &made, are_batched);
         let mut statements = Vec::with_capacity(made.len());
-        let mut rest = made.as_slice();
-        while let Some((&first, others)) = rest.split_first() {
-            let (angles, after) = rest.split_at(self.leading_angles(rest));
-            if angles.len() > 1 {
-                statements.extend(self.angles(angles));
-                statements.extend(angles.iter().flat_map(|&angle| self.stores_of(angle)));
-                rest = after;
-            } else {
-                statements.extend(self.statement(first));
-                statements.extend(self.stores_of(first));
-                rest = others;
+        for group in groups {
+            for run in &group.runs {
+                statements.extend(match run {
+                    Run::One(index) => self.statement(*index),
+                    Run::Angles { batch, lanes } => Some(self.batch(batch, *lanes)),
+                });
             }
-        }
-        statements
-    }
-
-    /// How many of the first instructions make sine and cosine of angles that are known before all of them.
-    fn leading_angles(&self, instructions: &[usize]) -> usize {
-        let start = instructions.first().copied().unwrap_or(0);
-        let is_early = |&&index: &&usize| match self.program.instructions[index].operation {
-            Operation::SinCos(Operand::Value(angle)) => self.flow.made_at[angle] < start,
-            Operation::SinCos(_) => true,
-            Operation::CosineOf(_) => true,
-            _ => false,
-        };
-        match self.context.options.math {
-            Math::Embedded => instructions.iter().take_while(is_early).count(),
-            Math::Std => 0,
-        }
-    }
-
-    /// One call for up to eight angles: they become lanes, and angles in registers avoid the way through
-    /// memory. Seven angles took 22 ns as one padded call of eight, 31 ns as calls of 4, 2 and 1, 54 ns one
-    /// by one (AVX2).
-    fn angles(&self, instructions: &[usize]) -> Vec<TokenStream> {
-        let angle = |&index: &usize| match self.program.instructions[index].operation {
-            Operation::SinCos(angle) => Some((index, angle)),
-            _ => None,
-        };
-        let angles: Vec<(usize, Operand)> = instructions.iter().filter_map(angle).collect();
-        let mut rest = angles.as_slice();
-        let mut statements = Vec::new();
-        while !rest.is_empty() {
-            let lanes = match rest.len() {
-                1 => 1,
-                2 => 2,
-                3..=6 => 4,
-                _ => 8,
-            };
-            let (batch, others) = rest.split_at(lanes.min(rest.len()));
-            match batch {
-                [(index, _)] => statements.extend(self.statement(*index)),
-                batch => statements.push(self.batch(batch, lanes)),
-            }
-            rest = others;
+            statements.extend(group.instructions.iter().flat_map(|&index| self.stores_of(index)));
         }
         statements
     }

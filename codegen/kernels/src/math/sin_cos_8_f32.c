@@ -1,0 +1,17 @@
+// Sines and cosines of 8 angles that arrive in registers. Never inlined: among scalar code the compiler would undo the
+// lanes.
+GELENK_NOINLINE static void gelenk_sin_cos_8_f32(
+    float a, float b, float c, float d, float e, float f, float g, float h, float *sines_cosines)
+{
+    const float angles[8] = {a, b, c, d, e, f, g, h};
+    if (!gelenk_sin_cos_array_f32(8, angles, sines_cosines)) {
+        gelenk_sin_cos_called_f32(8, a, &sines_cosines[0]);
+        gelenk_sin_cos_called_f32(8, b, &sines_cosines[1]);
+        gelenk_sin_cos_called_f32(8, c, &sines_cosines[2]);
+        gelenk_sin_cos_called_f32(8, d, &sines_cosines[3]);
+        gelenk_sin_cos_called_f32(8, e, &sines_cosines[4]);
+        gelenk_sin_cos_called_f32(8, f, &sines_cosines[5]);
+        gelenk_sin_cos_called_f32(8, g, &sines_cosines[6]);
+        gelenk_sin_cos_called_f32(8, h, &sines_cosines[7]);
+    }
+}

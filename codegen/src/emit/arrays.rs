@@ -1,0 +1,63 @@
+//! What functions in array form have in common in all languages.
+
+use crate::program::Operand;
+use crate::program::arrays::{Arrays, Step};
+
+/// How the entries of a row are padded, one per joint: to whole blocks, and these to what a processor adds at once.
+#[derive(Clone, Copy)]
+pub(super) struct Row {
+    /// Entries, padding included.
+    pub(super) len: usize,
+    /// Entries of a block.
+    pub(super) block: usize,
+    /// It is true if each joint but the first follows the one before it.
+    pub(super) is_chain: bool,
+}
+
+impl Row {
+    pub(super) fn new(form: &Arrays) -> Self {
+        let joints = form.joints();
+        let block = match joints {
+            0..=4 | 9..=12 => 4,
+            _ => 8,
+        };
+        Self { len: joints.next_multiple_of(block), block, is_chain: form.is_chain() }
+    }
+
+    /// Tells whether the loops are those for chains in one block: what other loops leave to choices, and to
+    /// the compiler, is written out there.
+    pub(super) fn is_one_block(self) -> bool {
+        self.is_chain && self.len == self.block
+    }
+}
+
+/// The entries of an array that is constant.
+pub(super) fn table(form: &Arrays, array: usize) -> Option<Vec<f64>> {
+    let output = form.setup.outputs.get(array)?;
+    let constant = |entry: &Operand| match entry {
+        Operand::Constant(number) => Some(*number),
+        _ => None,
+    };
+    output.entries.iter().map(constant).collect()
+}
+
+/// Whether an array is a matrix that is made for the result alone, so that it can be written in place.
+pub(super) fn is_only_result(form: &Arrays, array: usize) -> bool {
+    let is_made = |step: &Step| match step {
+        Step::Pairs(pairs) => pairs.to == array,
+        Step::NegativeProduct { to, .. } => *to == array,
+        _ => false,
+    };
+    form.steps.iter().any(is_made) && !form.steps.iter().any(|step| step.reads(array))
+}
+
+/// Where joint j stands seen from joint i: −1 before it on its path to the base, 1 beyond it or the same, else
+/// 0; beyond the last joint of a row 0.
+pub(super) fn relation(form: &Arrays, i: usize, j: usize) -> i8 {
+    match () {
+        () if j >= form.joints() => 0,
+        () if form.is_before(j, i) => -1,
+        () if i == j || form.is_before(i, j) => 1,
+        () => 0,
+    }
+}

@@ -1,0 +1,47 @@
+//! `linearize` in array form: a call, and what follows from its results.
+
+use super::body::Body;
+use super::context::Context;
+use super::{layout, public};
+use crate::functions::function::Function;
+use crate::program::Operand;
+use crate::program::arrays::Affine;
+
+/// The public function.
+pub(super) fn items(context: &Context<'_>, function: &Function, form: &Affine, name: &str) -> Vec<String> {
+    let face = function.program.face();
+    let body = Body::new(context, &face);
+    vec![layout::function(&public::head(&body, name), &statements(&body, form))]
+}
+
+fn statements(body: &Body<'_>, form: &Affine) -> Vec<String> {
+    let ([y, v, u], [by_y, by_v, by_u, remainder]) =
+        (body.names.arguments.as_slice(), body.names.results.as_slice())
+    else {
+        unreachable!("`Affine::unrolled` has three arguments and four results");
+    };
+    let (n, m) = (form.called.joints(), form.inputs.len());
+    let (context, ty) = (body.context, body.context.ty());
+    let dot = context.function("dot");
+    let arguments = [y, v, u].map(Clone::clone).into_iter().chain(context.passed_parameters());
+    let results = ["accelerations".to_owned(), by_y.clone(), by_v.clone(), "inverse".to_owned()];
+    let arguments: Vec<String> = arguments.chain(results).collect();
+    let columns = form.inputs.iter().enumerate().map(|(column, &(coordinate, gain))| {
+        let factor = match gain {
+            Operand::Constant(1.0) => String::new(),
+            gain => format!(" * {}", body.operand(gain)),
+        };
+        format!("    {by_u}[{m} * i + {column}] = inverse[{n} * i + {coordinate}]{factor};\n")
+    });
+    let by_inputs = format!("for (int i = 0; i < {n}; ++i) {{\n{}}}", columns.collect::<String>());
+    let product = |rows: &str, by: &str, len: usize| format!("{dot}({len}, &{rows}[{len} * i], {by})");
+    let affine = format!(
+        "for (int i = 0; i < {n}; ++i) {{\n    const {ty} of_state = {} + {};\n    {remainder}[i] = accelerations[i] - (of_state + {});\n}}",
+        product(by_y, y, n),
+        product(by_v, v, n),
+        product(by_u, u, m),
+    );
+    let declaration = format!("{ty} accelerations[{n}], inverse[{}];", n * n);
+    let call = layout::call(4, &context.function(form.name), &arguments, ";");
+    [declaration, call].into_iter().chain((m > 0).then_some(by_inputs)).chain([affine]).collect()
+}

@@ -1,0 +1,307 @@
+//! Functions in array form: straight-line code for the setup, then calls of loops.
+
+use super::body::{Body, JOINT};
+use super::context::Context;
+use super::{layout, parts, public, signature};
+use crate::emit::arrays::{self, Row, is_only_result, table};
+use crate::functions::function::Function;
+use crate::program::arrays::{Arrays, Map, Pairs, Step};
+use crate::program::split;
+use crate::program::{Operand, Program, Shape};
+
+/// The setup and the loops, then the public function.
+pub(super) fn items(context: &Context<'_>, function: &Function, form: &Arrays, name: &str) -> Vec<String> {
+    let face = function.program.face();
+    let body = Body::new(context, &face);
+    let emission = Emission::new(form, &body, name);
+    let mut items = emission.setup_items();
+    items.push(layout::function(&public::head(&body, name), &emission.statements()));
+    items
+}
+
+/// Where an array stands.
+enum Place {
+    /// A constant.
+    Table,
+    /// A local variable.
+    Local,
+    /// A result of the function.
+    Result(String),
+}
+
+struct Emission<'a> {
+    context: &'a Context<'a>,
+    form: &'a Arrays,
+    body: &'a Body<'a>,
+    name: &'a str,
+    row: Row,
+    names: Vec<String>,
+    places: Vec<Place>,
+}
+
+impl<'a> Emission<'a> {
+    fn new(form: &'a Arrays, body: &'a Body<'a>, name: &'a str) -> Self {
+        let place = |index: usize| {
+            let output = form.outputs.iter().position(|output| output.array == index);
+            match output {
+                _ if table(form, index).is_some() => Place::Table,
+                Some(output) if is_only_result(form, index) => {
+                    Place::Result(body.names.results[output].clone())
+                }
+                _ => Place::Local,
+            }
+        };
+        Self {
+            context: body.context,
+            form,
+            body,
+            name,
+            row: Row::new(form),
+            names: body.fresh(form.arrays.iter().map(|array| array.name.as_str())),
+            places: (0..form.arrays.len()).map(place).collect(),
+        }
+    }
+
+    /// All statements of the function.
+    fn statements(&self) -> Vec<String> {
+        let arrays = 0..self.form.setup.outputs.len();
+        let mut statements: Vec<String> = arrays.filter_map(|array| self.setup_array(array)).collect();
+        statements.push(self.setup_call());
+        statements.extend(self.form.steps.iter().flat_map(|step| self.step(step)));
+        let outputs = self.form.outputs.iter().zip(&self.body.names.results);
+        statements
+            .extend(outputs.filter_map(|(output, result)| self.copy(output.array, output.shape, result)));
+        statements
+    }
+
+    /// The declaration of an array that the setup fills, or that is constant.
+    fn setup_array(&self, array: usize) -> Option<String> {
+        match table(self.form, array) {
+            Some(entries) => Some(self.table(array, &entries)),
+            None => self.declaration(array, " = {0}"),
+        }
+    }
+
+    fn table(&self, array: usize, entries: &[f64]) -> String {
+        let padding = self.row.len - self.form.joints();
+        let entries = entries
+            .chunks(self.form.joints())
+            .flat_map(|row| row.iter().copied().chain(std::iter::repeat_n(0.0, padding)));
+        let entries: Vec<String> = entries.map(|entry| self.context.literal(entry)).collect();
+        let (aligned, ty) = (self.context.constant("ALIGNED"), self.context.ty());
+        let head = format!("{aligned} static const {ty} {}[{}]", self.names[array], entries.len());
+        format!("{head} = {};", layout::braces(4, &entries))
+    }
+
+    /// A new variable, for arrays that are one.
+    fn declaration(&self, array: usize, value: &str) -> Option<String> {
+        let len = self.form.arrays[array].rows * self.row.len;
+        let (aligned, ty) = (self.context.constant("ALIGNED"), self.context.ty());
+        match self.places[array] {
+            Place::Local => Some(format!("{aligned} {ty} {}[{len}]{value};", self.names[array])),
+            Place::Table | Place::Result(_) => None,
+        }
+    }
+
+    fn array(&self, array: usize) -> String {
+        match &self.places[array] {
+            Place::Table | Place::Local => self.names[array].clone(),
+            Place::Result(name) => name.clone(),
+        }
+    }
+
+    /// Entries from one row of an array to the next.
+    fn width(&self, array: usize) -> usize {
+        match self.places[array] {
+            Place::Table | Place::Local => self.row.len,
+            Place::Result(_) => self.form.joints(),
+        }
+    }
+
+    /// A result from the array that it is left in.
+    fn copy(&self, array: usize, shape: Shape, result: &str) -> Option<String> {
+        let Place::Local = self.places[array] else {
+            return None;
+        };
+        let (name, joints, len) = (&self.names[array], self.form.joints(), self.row.len);
+        let size = format!("{joints} * sizeof *{result}");
+        Some(match shape {
+            Shape::Matrix(..) => format!(
+                "for (int i = 0; i < {joints}; ++i) {{\n    memcpy(&{result}[{joints} * i], &{name}[{len} * i], {size});\n}}"
+            ),
+            _ => format!("memcpy({result}, {name}, {size});"),
+        })
+    }
+
+    fn step(&self, step: &Step) -> Vec<String> {
+        match step {
+            Step::Map(map) => self.map(map),
+            Step::SumAncestors { from, to } => self.sums(&self.sum_ancestors(), *from, *to),
+            Step::SumSubtrees { from, to } => self.sums(&self.sum_subtrees(), *from, *to),
+            Step::Pairs(pairs) => self.pairs(pairs),
+            Step::Invert { from, to } => self.invert(*from, *to),
+            Step::NegativeProduct { left, right, to } => {
+                let (left, right, width) = (self.array(*left), self.array(*right), self.width(*to));
+                self.call("negative_product", &[left, right, width.to_string()], *to)
+            }
+            Step::Apply { matrix, vector, to } => {
+                self.call("apply", &[self.array(*matrix), self.array(*vector)], *to)
+            }
+        }
+    }
+
+    fn call(&self, callee: &str, from: &[String], to: usize) -> Vec<String> {
+        let arguments = [from, &[self.array(to)]].concat();
+        let call = layout::call(4, &self.context.function(callee), &arguments, ";");
+        self.declaration(to, "").into_iter().chain([call]).collect()
+    }
+
+    /// Inverts a copy of the matrix, which may be read again.
+    fn invert(&self, from: usize, to: usize) -> Vec<String> {
+        self.add_relations();
+        let (from, name) = (self.array(from), self.array(to));
+        let copy = format!("memcpy({name}, {from}, sizeof {name});");
+        let call = format!("{}({name});", self.context.function("invert"));
+        self.declaration(to, "").into_iter().chain([copy, call]).collect()
+    }
+
+    fn pairs(&self, pairs: &Pairs) -> Vec<String> {
+        self.add_relations();
+        let rows = |array: usize| self.form.arrays[array].rows.to_string();
+        let (before, beyond) = (pairs.before, pairs.beyond);
+        let arguments = [
+            rows(before.0),
+            self.array(before.0),
+            self.array(before.1),
+            rows(beyond.0),
+            self.array(beyond.0),
+            self.array(beyond.1),
+            self.array(pairs.diagonal),
+            self.width(pairs.to).to_string(),
+        ];
+        self.call("pairs", &arguments, pairs.to)
+    }
+
+    /// Which joints of a tree stand before and beyond each other.
+    fn add_relations(&self) {
+        if self.form.is_chain() {
+            return;
+        }
+        let (joints, len) = (self.form.joints(), self.row.len);
+        let row = |i: usize| {
+            let entries: Vec<String> =
+                (0..len).map(|j| arrays::relation(self.form, i, j).to_string()).collect();
+            format!("    {{{}}},\n", entries.join(", "))
+        };
+        let rows: String = (0..joints).map(row).collect();
+        self.context.tables.add(&self.context.function("relations"), |name| {
+            format!(
+                "// Where joint j stands seen from joint i: -1 before it on its path to the base, 1 beyond it or the same, else 0.\n\
+                 static const signed char {name}[{joints}][{len}] = {{\n{rows}}};\n"
+            )
+        });
+    }
+
+    fn sum_ancestors(&self) -> String {
+        let sums = self.form.order.iter().map(|&joint| match self.form.parents[joint] {
+            Some(parent) => format!("to[{joint}] = from[{joint}] + to[{parent}];"),
+            None => format!("to[{joint}] = from[{joint}];"),
+        });
+        let sums: Vec<String> = sums.collect();
+        self.sum_function(
+            "sum_ancestors",
+            "Adds to each joint those before it on its path to the base.",
+            &sums,
+        )
+    }
+
+    fn sum_subtrees(&self) -> String {
+        let sums = self.form.order.iter().rev().filter_map(|&joint| {
+            let parent = self.form.parents[joint]?;
+            Some(format!("to[{parent}] += to[{joint}];"))
+        });
+        let copy = format!("memcpy(to, from, {} * sizeof *to);", self.row.len);
+        let sums: Vec<String> = std::iter::once(copy).chain(sums).collect();
+        self.sum_function("sum_subtrees", "Adds to each joint all beyond it.", &sums)
+    }
+
+    fn sum_function(&self, stem: &str, about: &str, sums: &[String]) -> String {
+        let (context, len) = (self.context, self.row.len);
+        self.context.shared.add(&self.context.function(stem), |name| {
+            let arguments =
+                ["int rows".to_owned(), signature::read(context, "from"), signature::written(context, "to")];
+            let head =
+                layout::call(0, &format!("{} void {name}", context.constant("INLINE")), &arguments, "");
+            let sums: String = sums.iter().map(|sum| layout::indented(sum)).collect();
+            let each = format!("for (; rows > 0; --rows, from += {len}, to += {len}) {{\n{sums}}}");
+            format!("// {about}\n{}", layout::function(&head, &[each]))
+        })
+    }
+
+    fn sums(&self, callee: &str, from: usize, to: usize) -> Vec<String> {
+        let arguments = [self.form.arrays[from].rows.to_string(), self.array(from), self.array(to)];
+        let call = layout::call(4, callee, &arguments, ";");
+        self.declaration(to, "").into_iter().chain([call]).collect()
+    }
+
+    /// The loop of a map, as a function of its own.
+    fn map(&self, map: &Map) -> Vec<String> {
+        let callee = self.map_function(map);
+        let arrays = map.reads.iter().chain(&map.writes);
+        let arguments: Vec<String> = arrays.map(|&array| self.array(array)).collect();
+        let declarations = map.writes.iter().filter_map(|&array| self.declaration(array, ""));
+        declarations.chain([layout::call(4, &callee, &arguments, ";")]).collect()
+    }
+
+    fn map_function(&self, map: &Map) -> String {
+        let mut body = Body::new(self.context, &map.body);
+        body.row = Some(self.row.len);
+        let reads = body.names.arguments.iter().map(|name| signature::read(self.context, name));
+        let writes = body.names.results.iter().map(|name| signature::written(self.context, name));
+        let arguments: Vec<String> = reads.chain(writes).collect();
+        let statements: String = body.all_statements().iter().map(|each| layout::indented(each)).collect();
+        let each = format!("for (int {JOINT} = 0; {JOINT} < {}; ++{JOINT}) {{\n{statements}}}", self.row.len);
+        self.context.shared.add(&self.context.function(&map.name), |name| {
+            let head = layout::call(0, &format!("static void {name}"), &arguments, "");
+            format!("// {}\n{}", map.about, layout::function(&head, std::slice::from_ref(&each)))
+        })
+    }
+
+    fn setup_name(&self) -> String {
+        format!("{}_setup", self.name)
+    }
+
+    /// The arrays that the setup fills.
+    fn filled(&self) -> impl Iterator<Item = usize> {
+        (0..self.form.setup.outputs.len()).filter(|&array| matches!(self.places[array], Place::Local))
+    }
+
+    fn setup_call(&self) -> String {
+        let arguments = self.body.names.arguments.iter().cloned();
+        let arguments = arguments.chain(self.context.passed_parameters());
+        let arguments: Vec<String> = arguments.chain(self.filled().map(|array| self.array(array))).collect();
+        layout::call(4, &self.setup_name(), &arguments, ";")
+    }
+
+    /// The setup as a function, split where it is long.
+    fn setup_items(&self) -> Vec<String> {
+        let outputs = self.filled().map(|array| self.form.setup.outputs[array].clone()).collect();
+        let program = Program { outputs, ..self.form.setup.clone() };
+        let (name, mut body) = (self.setup_name(), Body::new(self.context, &program));
+        body.stride = Some(self.row.len);
+        let split = split::parts(&program, &body.flow, self.context.options.longest_function);
+        let (mut items, statements) = match split.as_slice() {
+            [_] => {
+                // Zeros are there already.
+                let is_known = |entry| !matches!(entry, Operand::Value(_) | Operand::Constant(0.0));
+                (vec![], [body.stores(is_known), body.statements(0..program.instructions.len())].concat())
+            }
+            _ => (parts::items(self.context, &program, &name, &split), parts::calls(&body, &name, &split)),
+        };
+        let head = layout::call(0, &format!("static void {name}"), &signature::arguments(&body), "");
+        let function = layout::function(&head, &[body.unused(), statements].concat());
+        let about = format!("// Poses and single joints of {}; the arrays hold zeros before.\n", self.name);
+        items.push(about + &function);
+        items
+    }
+}

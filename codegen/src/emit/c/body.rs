@@ -1,0 +1,172 @@
+//! The values of a function: their names, and how operands and results are written.
+
+use super::context::Context;
+use crate::emit::names::ProgramNames;
+use crate::program::flow::Flow;
+use crate::program::{Operand, Operation, Output, Program, Shape};
+
+/// One function's program with the names of its values.
+pub(super) struct Body<'a> {
+    pub(super) context: &'a Context<'a>,
+    pub(super) program: &'a Program,
+    pub(super) flow: Flow,
+    pub(super) names: ProgramNames,
+    /// Where inputs and results are rows of a loop over joints: how long these are.
+    pub(super) row: Option<usize>,
+    /// Where results are matrices over rows that are padded: how long these are.
+    pub(super) stride: Option<usize>,
+    /// The entries of results that each value is stored into: result, entry.
+    stored: Vec<Vec<(usize, usize)>>,
+}
+
+/// The index of a loop over joints.
+pub(super) const JOINT: &str = "joint";
+
+impl<'a> Body<'a> {
+    /// With its results as arguments, but for one number alone, which is returned.
+    pub(super) fn new(context: &'a Context<'a>, program: &'a Program) -> Self {
+        let in_place = !returns_number(program);
+        let names = context.spelling.of_program(program, &[JOINT.to_owned()], in_place);
+        let mut body = Self {
+            context,
+            program,
+            flow: Flow::new(program),
+            stored: vec![vec![]; names.values.len()],
+            names,
+            row: None,
+            stride: None,
+        };
+        if in_place {
+            for (result, output) in program.outputs.iter().enumerate() {
+                for (entry, &operand) in output.entries.iter().enumerate() {
+                    if let Some(made) = body.made(operand) {
+                        body.stored[made].push((result, entry));
+                    }
+                }
+            }
+        }
+        body
+    }
+
+    /// The same body, whose statements do not store into the results.
+    pub(super) fn without_stores(mut self) -> Self {
+        self.stored = vec![];
+        self
+    }
+
+    /// Name of a value.
+    pub(super) fn name(&self, index: usize) -> &str {
+        &self.names.values[self.flow.canonical(index)]
+    }
+
+    /// Names that are different from all others in the function.
+    pub(super) fn fresh<'n>(&self, names: impl IntoIterator<Item = &'n str>) -> Vec<String> {
+        let ProgramNames { arguments, results, values } = &self.names;
+        let mut taken: Vec<String> = [arguments.as_slice(), results, values].concat();
+        taken.extend([JOINT.to_owned(), "p".to_owned()]);
+        self.context.spelling.distinct(names, &taken)
+    }
+
+    /// An operand of an operator, an argument or an entry of a result.
+    pub(super) fn operand(&self, operand: Operand) -> String {
+        match operand {
+            Operand::Value(index) => self.name(index).to_owned(),
+            Operand::Input(array, index) => {
+                let name = &self.names.arguments[array];
+                match self.row {
+                    Some(len) => in_row(name, index, len),
+                    None => format!("{name}[{index}]"),
+                }
+            }
+            Operand::Parameter(index) => format!("p->{}", self.context.parameters[index]),
+            Operand::Constant(number) => self.context.literal(number),
+        }
+    }
+
+    /// The value that an entry is, where it is one.
+    pub(super) fn made(&self, entry: Operand) -> Option<usize> {
+        match entry {
+            Operand::Value(made) => Some(self.flow.canonical(made)),
+            _ => None,
+        }
+    }
+
+    /// The stores of those entries that are wanted.
+    pub(super) fn stores(&self, is_wanted: impl Fn(Operand) -> bool) -> Vec<String> {
+        let outputs = self.program.outputs.iter().enumerate();
+        let entries = outputs.flat_map(|(result, output)| {
+            let entries = output.entries.iter().enumerate();
+            entries.map(move |(entry, &operand)| (result, entry, operand))
+        });
+        let wanted = entries.filter(|&(_, _, operand)| is_wanted(operand));
+        wanted.map(|(result, entry, operand)| self.store(result, entry, &self.operand(operand))).collect()
+    }
+
+    /// The assignments of a new value to the results.
+    pub(super) fn stores_of(&self, index: usize) -> Vec<String> {
+        let places = self.stored.get(index).into_iter().flatten();
+        places.map(|&(result, entry)| self.store(result, entry, &self.names.values[index])).collect()
+    }
+
+    fn store(&self, result: usize, entry: usize, value: &str) -> String {
+        format!("{} = {value};", self.place(result, entry))
+    }
+
+    fn place(&self, result: usize, entry: usize) -> String {
+        let (output, name) = (&self.program.outputs[result], &self.names.results[result]);
+        match (self.row, self.stride, output.shape) {
+            (Some(len), _, _) => in_row(name, entry, len),
+            (None, _, Shape::Scalar) => format!("*{name}"),
+            (None, Some(stride), Shape::Matrix(_, columns)) => {
+                format!("{name}[{}]", entry / columns.len * stride + entry % columns.len)
+            }
+            (None, _, _) => format!("{name}[{entry}]"),
+        }
+    }
+
+    /// The statement that returns a number alone, where the function does.
+    pub(super) fn return_statement(&self) -> Option<String> {
+        let number = self.program.outputs.first().filter(|_| returns_number(self.program))?;
+        let entry = number.entries.first().map(|&entry| self.operand(entry));
+        Some(format!("return {};", entry.unwrap_or_else(|| self.context.literal(0.0))))
+    }
+
+    /// Arguments that no statement reads.
+    pub(super) fn unused(&self) -> Vec<String> {
+        let made = self.program.instructions.iter().enumerate();
+        let made = made.filter(|(index, _)| self.flow.is_made(*index));
+        let read = made.flat_map(|(_, each)| crate::program::flow::operands(each.operation));
+        let read: Vec<Operand> = read.chain(self.program.entries()).collect();
+        let reads = |wanted: &dyn Fn(&Operand) -> bool| read.iter().any(wanted);
+        let arguments = self.names.arguments.iter().enumerate();
+        let arguments = arguments
+            .filter(|(array, _)| !reads(&|each| matches!(each, Operand::Input(read, _) if read == array)));
+        let parameters = self.context.passed_parameters();
+        let parameters = parameters.filter(|_| !reads(&|each| matches!(each, Operand::Parameter(_))));
+        let results = self.program.outputs.iter().zip(&self.names.results);
+        let results = results.filter(|(output, _)| output.entries.is_empty());
+        arguments
+            .map(|(_, name)| name.clone())
+            .chain(parameters)
+            .chain(results.map(|(_, name)| name.clone()))
+            .map(|name| format!("(void){name};"))
+            .collect()
+    }
+
+    pub(super) fn operation(&self, index: usize) -> Operation {
+        self.program.instructions[index].operation
+    }
+}
+
+/// Tells whether a program has one number as its only result.
+pub(super) fn returns_number(program: &Program) -> bool {
+    matches!(program.outputs.as_slice(), [Output { shape: Shape::Scalar, .. }])
+}
+
+/// An entry of a row in a loop over joints.
+fn in_row(name: &str, row: usize, len: usize) -> String {
+    match row {
+        0 => format!("{name}[{JOINT}]"),
+        _ => format!("{name}[{} + {JOINT}]", row * len),
+    }
+}

@@ -1,0 +1,59 @@
+//! Comments: plain text behind `//`, from which no text of a description can escape.
+
+use crate::emit::documentation::Block;
+use crate::emit::text::{visible, wrap};
+
+/// Documentation of an item.
+pub(super) fn documentation(blocks: &[Block]) -> String {
+    let mut lines: Vec<String> = vec![];
+    let gap = |lines: &mut Vec<String>| {
+        if lines.last().is_some_and(|line| !line.is_empty()) {
+            lines.push(String::new());
+        }
+    };
+    for block in blocks {
+        match block {
+            Block::Paragraph(text) => {
+                gap(&mut lines);
+                lines.extend(wrap(&one_line(text), ""));
+            }
+            Block::Item(text) => lines.extend(wrap(&format!("- {}", one_line(text)), "  ")),
+            Block::Gap => gap(&mut lines),
+        }
+    }
+    lines.iter().map(|line| comment("///", line)).collect()
+}
+
+/// One paragraph of documentation.
+pub(super) fn paragraph(text: &str) -> String {
+    documentation(&[Block::Paragraph(text.to_owned())])
+}
+
+/// A line that is a comment already, safely ended.
+pub(super) fn ended(line: &str) -> String {
+    let line = line.replace("??", "? ?");
+    // A backslash would take the next line into the comment.
+    let end = if line.ends_with('\\') { "." } else { "" };
+    format!("{line}{end}\n")
+}
+
+fn comment(slashes: &str, line: &str) -> String {
+    ended(format!("{slashes} {line}").trim_end())
+}
+
+fn one_line(text: &str) -> String {
+    visible(&text.replace('\n', " "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_comment_ends_with_its_line() {
+        assert_eq!(paragraph("one\ntwo"), "/// one two\n");
+        assert_eq!(paragraph("up to here \\"), "/// up to here \\.\n");
+        assert_eq!(paragraph("what??/"), "/// what? ?/\n");
+        assert_eq!(paragraph("a\u{202e}b"), "/// a\\u{202e}b\n");
+    }
+}

@@ -1,0 +1,150 @@
+//! What all parts of a module have in common while it is printed.
+
+use std::cell::{Cell, RefCell};
+use std::collections::{BTreeMap, BTreeSet};
+
+use gelenk_kernels::math::Kernel;
+
+use super::literal::in_scalar;
+use super::names;
+use crate::emit::names::Spelling;
+use crate::emit::options::EmitOptions;
+use crate::module::Module;
+
+/// A module while it is printed.
+pub(super) struct Context<'a> {
+    pub(super) module: &'a Module,
+    pub(super) options: &'a EmitOptions,
+    /// Name of the files.
+    pub(super) name: String,
+    /// What the names of functions and types begin with, e.g. `ur5`.
+    prefix: String,
+    /// How names inside functions are spelled.
+    pub(super) spelling: Spelling,
+    /// Field names of the free parameters.
+    pub(super) parameters: Vec<String>,
+    /// Names of the functions.
+    pub(super) functions: Vec<String>,
+    /// Elementary functions that were called so far.
+    pub(super) kernels: RefCell<BTreeSet<Kernel>>,
+    /// It is true if the sign of a number was called.
+    pub(super) sign: Cell<bool>,
+    /// It is true if a fused sum was negated.
+    pub(super) negation: Cell<bool>,
+    /// Private functions of array forms, which several functions call.
+    pub(super) shared: Shared,
+    /// Private constants of array forms, which the loops read.
+    pub(super) tables: Shared,
+}
+
+impl<'a> Context<'a> {
+    pub(super) fn new(module: &'a Module, options: &'a EmitOptions) -> Self {
+        let own = names::spelling(vec![]);
+        let name = options.name.clone().unwrap_or_else(|| names::prefix(&module.name));
+        let prefix = names::prefix(&name);
+        let functions = module.functions.iter().map(|function| function.name.as_str());
+        let functions = own.distinct(functions, &[]);
+        let parameters = module.parameters.iter().map(|each| each.name.as_str());
+        let spelling = names::spelling(vec![format!("{prefix}_"), format!("{}_", prefix.to_uppercase())]);
+        Self {
+            module,
+            options,
+            functions: functions.iter().map(|name| format!("{prefix}_{name}")).collect(),
+            parameters: spelling.distinct(parameters, &[]),
+            spelling,
+            name,
+            prefix,
+            kernels: RefCell::default(),
+            sign: Cell::default(),
+            negation: Cell::default(),
+            shared: Shared::default(),
+            tables: Shared::default(),
+        }
+    }
+
+    /// A function or a type of the module.
+    pub(super) fn function(&self, name: &str) -> String {
+        format!("{}_{name}", self.prefix)
+    }
+
+    /// A constant or a macro of the module.
+    pub(super) fn constant(&self, name: &str) -> String {
+        format!("{}_{name}", self.prefix.to_uppercase())
+    }
+
+    /// The type of a number.
+    pub(super) fn ty(&self) -> &'static str {
+        self.options.scalar.c_type()
+    }
+
+    /// A number.
+    pub(super) fn literal(&self, number: f64) -> String {
+        self.options.scalar.c_literal(number)
+    }
+
+    pub(super) fn has_parameters(&self) -> bool {
+        !self.parameters.is_empty()
+    }
+
+    /// The free parameters as an argument of a call.
+    pub(super) fn passed_parameters(&self) -> Option<String> {
+        self.has_parameters().then(|| "p".to_owned())
+    }
+
+    /// The free parameters as an argument of a signature.
+    pub(super) fn declared_parameters(&self) -> Option<String> {
+        self.has_parameters()
+            .then(|| format!("const {} *{} p", self.function("parameters"), self.constant("RESTRICT")))
+    }
+
+    /// A text that is pasted, with the names of this module.
+    pub(super) fn pasted(&self, text: &str) -> String {
+        let text = match self.has_parameters() {
+            true => text.to_owned(),
+            false => text.replace(", p,", ",").replace("const gelenk_parameters *p, ", ""),
+        };
+        let text = text.replace("gelenk_", &format!("{}_", self.prefix));
+        text.replace("GELENK_", &format!("{}_", self.prefix.to_uppercase()))
+    }
+
+    /// A text of loops that is pasted, in the number type of the module.
+    pub(super) fn pasted_loops(&self, text: &str) -> String {
+        self.pasted(&in_scalar(text, self.options.scalar))
+    }
+}
+
+/// Private items that several functions use, by name, in the order in which they came.
+#[derive(Debug, Default)]
+pub(super) struct Shared {
+    names: RefCell<BTreeMap<String, String>>,
+    items: RefCell<Vec<String>>,
+}
+
+impl Shared {
+    /// The text of all of them.
+    pub(super) fn text(&self) -> String {
+        self.items.borrow().iter().map(|item| format!("\n{item}")).collect()
+    }
+
+    /// Adds an item, unless it is there already; its name, another one where that is taken by something else.
+    pub(super) fn add(&self, stem: &str, item: impl Fn(&str) -> String) -> String {
+        let mut names = self.names.borrow_mut();
+        let mut number = 1;
+        let mut name = stem.to_owned();
+        loop {
+            let text = item(&name);
+            match names.get(&name) {
+                Some(other) if *other != text => {
+                    number += 1;
+                    name = format!("{stem}_{number}");
+                }
+                Some(_) => return name,
+                None => {
+                    names.insert(name.clone(), text.clone());
+                    self.items.borrow_mut().push(text);
+                    return name;
+                }
+            }
+        }
+    }
+}

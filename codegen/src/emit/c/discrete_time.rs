@@ -1,0 +1,56 @@
+//! Functions over a sample time: pasted texts, which call the module's own functions.
+
+use std::collections::BTreeSet;
+
+use gelenk_kernels::discrete_time::{Text, c_bodies};
+
+use super::context::Context;
+use super::{comment, layout, signature};
+use crate::emit::documentation::{self, Labels, shape_text};
+use crate::emit::names::spelled;
+use crate::functions::composition::Composition;
+use crate::module::ComposedFunction;
+
+/// The declaration of a function with its documentation.
+pub(super) fn declaration(context: &Context<'_>, composed: &ComposedFunction) -> String {
+    let results = composed.results.iter().map(|result| {
+        signature::result_label(&spelled(result.name), result.name, &shape_text(&result.extents))
+    });
+    let labels = Labels {
+        arguments: vec!["`y: [N]`, `v: [N]`, `u: [M]`".to_owned()],
+        has_parameters: context.has_parameters(),
+        results: results.collect(),
+    };
+    let documentation = comment::documentation(&documentation::of_composition(composed, &labels));
+    format!("{documentation}{}\n", head(context, composed, ";"))
+}
+
+fn head(context: &Context<'_>, composed: &ComposedFunction, tail: &str) -> String {
+    let inputs = ["y", "v", "u"].map(|name| signature::read(context, name)).into_iter();
+    let results = composed.results.iter().map(|result| signature::written(context, &spelled(result.name)));
+    let period = format!("{} period", context.ty());
+    let arguments: Vec<String> =
+        inputs.chain([period]).chain(context.declared_parameters()).chain(results).collect();
+    let name = context.function(composed.composition.name());
+    layout::call(0, &format!("void {name}"), &arguments, tail)
+}
+
+/// The functions, after the texts that they share.
+pub(super) fn text(context: &Context<'_>) -> String {
+    let compositions = &context.module.compositions;
+    let texts: BTreeSet<Text> =
+        compositions.iter().flat_map(|each| each.composition.texts()).copied().collect();
+    let has_matrices = texts.contains(&Text::Halves);
+    let texts = texts.iter().filter(|text| has_matrices || **text != Text::Sums);
+    let texts = texts.map(|text| text.c_source()).filter(|text| !text.is_empty());
+    let texts = texts.map(|text| context.pasted_loops(&format!("\n{text}")));
+    let functions = compositions.iter().map(|composed| {
+        let body = match composed.composition {
+            Composition::Discretize => c_bodies::DISCRETIZE,
+            Composition::Step => c_bodies::STEP,
+            Composition::StepDerivatives => c_bodies::STEP_DERIVATIVES,
+        };
+        format!("\n{}\n{}", head(context, composed, ""), context.pasted_loops(body))
+    });
+    texts.chain(functions).collect()
+}

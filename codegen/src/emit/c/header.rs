@@ -1,0 +1,59 @@
+//! The header of a module: what its users see.
+
+use super::context::Context;
+use super::{comment, constants, discrete_time, parameters, public};
+use crate::emit::header;
+
+/// The text of `<name>.h`.
+pub(super) fn text(context: &Context<'_>) -> String {
+    let module = context.module;
+    let mut items = constants::sizes(context);
+    items.extend(module.constants.iter().map(|constant| constants::declaration(context, constant)));
+    items.extend(parameters::declarations(context));
+    items.extend(constants::entry_type(context));
+    for (function, name) in module.functions.iter().zip(&context.functions) {
+        items.extend(function.constants.iter().map(|constant| constants::declaration(context, constant)));
+        items.push(public::declaration(context, function, name));
+    }
+    items.extend(module.substeps.iter().map(|constant| constants::declaration(context, constant)));
+    items.extend(module.compositions.iter().map(|each| discrete_time::declaration(context, each)));
+    let items: String = items.iter().map(|item| format!("\n{item}")).collect();
+    let (guard, restrict) = (context.constant("H"), context.constant("RESTRICT"));
+    format!(
+        "{}{}\n#ifndef {guard}\n#define {guard}\n\n\
+         // No two pointers to results lead to the same numbers, and none to those of an argument.\n\
+         #if defined(__GNUC__)\n#define {restrict} __restrict__\n\
+         #elif defined(__cplusplus)\n#define {restrict}\n\
+         #else\n#define {restrict} restrict\n#endif\n\n\
+         #ifdef __cplusplus\nextern \"C\" {{\n#endif\n\
+         {items}\n\
+         #ifdef __cplusplus\n}}\n#endif\n\n#endif\n",
+        top(context),
+        conventions(context),
+    )
+}
+
+/// The comment at the top of both files.
+pub(super) fn top(context: &Context<'_>) -> String {
+    let lines = header::lines(context.module, &context.options.command);
+    lines.iter().map(|line| comment::ended(line)).collect()
+}
+
+/// How functions are called.
+fn conventions(context: &Context<'_>) -> String {
+    let (n, function) = (context.constant("N"), context.function(""));
+    let (capitals, ty) = (context.constant(""), context.ty());
+    let lines = [
+        String::new(),
+        "How the functions are called:".to_owned(),
+        String::new(),
+        format!("- Numbers are `{ty}`. An argument or result `x: [N]` is an array of {n} numbers."),
+        format!("- A matrix `m: [N × N]` stands row by row: m[i * {n} + j] is the entry of row i and column j."),
+        "- Results are written through the last arguments, every entry of them, and nothing of what stood there is read. A".to_owned(),
+        "  function whose only result is one number returns it.".to_owned(),
+        "- Results must not overlap each other or an argument.".to_owned(),
+        "- No function allocates, keeps a state or calls a library; each may be called from several threads at once.".to_owned(),
+        format!("- In the documentation names stand without their beginning, `{function}` of functions and `{capitals}` of constants."),
+    ];
+    lines.iter().map(|line| format!("{}\n", format!("// {line}").trim_end())).collect()
+}

@@ -1,0 +1,58 @@
+//! Statements and signatures in lines of limited length.
+
+/// Longest line of code.
+const WIDTH: usize = 118;
+
+/// What further lines begin with, seen from the first one.
+const FURTHER: &str = "    ";
+
+/// `head(arguments)tail`, with the arguments on further lines where one does not hold them.
+///
+/// - `indent`: how deep the statement will stand
+pub(super) fn call(indent: usize, head: &str, arguments: &[String], tail: &str) -> String {
+    let line = format!("{head}({}){tail}", arguments.join(", "));
+    if indent + line.chars().count() <= WIDTH {
+        return line;
+    }
+    format!("{head}(\n{}){tail}", filled(indent, arguments))
+}
+
+/// A list in braces.
+///
+/// - `indent`: how deep the statement will stand
+pub(super) fn braces(indent: usize, entries: &[String]) -> String {
+    let line = format!("{{{}}}", entries.join(", "));
+    if indent + line.chars().count() <= WIDTH {
+        return line;
+    }
+    format!("{{\n{}\n}}", filled(indent, entries))
+}
+
+/// Entries on as many further lines as they need.
+fn filled(indent: usize, entries: &[String]) -> String {
+    let mut lines = vec![FURTHER.to_owned()];
+    for (index, entry) in entries.iter().enumerate() {
+        let comma = if index + 1 < entries.len() { "," } else { "" };
+        let last = lines.last().map_or(0, |line| indent + line.chars().count());
+        if last > indent + FURTHER.len() && last + 1 + entry.chars().count() + 1 > WIDTH {
+            lines.push(FURTHER.to_owned());
+        }
+        if let Some(line) = lines.last_mut() {
+            let space = if line.len() > FURTHER.len() { " " } else { "" };
+            line.push_str(&format!("{space}{entry}{comma}"));
+        }
+    }
+    lines.join("\n")
+}
+
+/// A function, its statements indented.
+pub(super) fn function(head: &str, statements: &[String]) -> String {
+    let body: String = statements.iter().map(|statement| indented(statement)).collect();
+    format!("{head}\n{{\n{body}}}\n")
+}
+
+/// A statement one level deeper.
+pub(super) fn indented(statement: &str) -> String {
+    let lines = statement.lines().map(|line| format!("    {line}\n"));
+    lines.collect()
+}

@@ -1,0 +1,137 @@
+//! Where functions of one number come from: our own texts, and instructions that C names.
+
+use gelenk_kernels::math::{C_BITS, Kernel};
+
+use super::context::Context;
+use crate::emit::kernels;
+use crate::emit::options::Scalar;
+use crate::formula::Function as Call;
+
+/// A call of a function of one argument. Sines and cosines are made in pairs.
+pub(super) fn call(context: &Context<'_>, function: Call, argument: &str) -> String {
+    let callee = match function {
+        Call::Sign => {
+            context.sign.set(true);
+            context.function("sign")
+        }
+        Call::Abs => of_scalar(context, "fabs"),
+        // The instruction of the processor, whose result is correctly rounded as that of our own text in Rust.
+        Call::Sqrt => of_scalar(context, "sqrt"),
+        Call::Tanh => own(context, [Kernel::Tanh, Kernel::TanhF32]),
+        Call::Exp => own(context, [Kernel::Exp, Kernel::ExpF32]),
+        Call::Sin | Call::Cos => unreachable!("`statement` writes sines and cosines as pairs"),
+    };
+    format!("{callee}({argument})")
+}
+
+/// `a b + c`, rounded once.
+pub(super) fn multiply_add(context: &Context<'_>, operands: &[String; 3]) -> String {
+    format!("{}({})", of_scalar(context, "fma"), operands.join(", "))
+}
+
+/// `−x` of a fused sum. gcc 12 takes the minus into the sum, `−a b − c`, whose zero has another sign than that of
+/// `−(a b + c)`.
+pub(super) fn negate_fused(context: &Context<'_>, value: &str) -> String {
+    context.negation.set(true);
+    format!("{}({value})", context.function("negated"))
+}
+
+/// The function that gives sine and cosine of one angle.
+pub(super) fn sin_cos(context: &Context<'_>) -> String {
+    own(context, [Kernel::SinCos, Kernel::SinCosF32])
+}
+
+/// The function that gives sines and cosines of 2, 4 or 8 angles.
+pub(super) fn sin_cos_of(context: &Context<'_>, lanes: usize) -> String {
+    own(context, kernels::sin_cos_of(lanes))
+}
+
+fn own(context: &Context<'_>, kernels: [Kernel; 2]) -> String {
+    let kernel = kernels::of_scalar(kernels, context.options.scalar);
+    context.kernels.borrow_mut().insert(kernel);
+    context.function(kernel.name())
+}
+
+fn of_scalar(context: &Context<'_>, name: &str) -> String {
+    match context.options.scalar {
+        Scalar::F64 => name.to_owned(),
+        Scalar::F32 => format!("{name}f"),
+    }
+}
+
+/// The functions that were called, and those that they call.
+pub(super) fn text(context: &Context<'_>) -> String {
+    let needed = kernels::needed(&context.kernels.borrow());
+    let texts = needed.iter().map(|&kernel| source(kernel));
+    let bits = (!needed.is_empty()).then_some(C_BITS);
+    let mut text: String = bits.into_iter().chain(texts).map(|text| format!("\n{text}")).collect();
+    text = context.pasted(&text);
+    if context.sign.get() {
+        text.push_str(&context.pasted_loops(SIGN));
+    }
+    if context.negation.get() {
+        text.push_str(&context.pasted(match context.options.scalar {
+            Scalar::F64 => NEGATED,
+            Scalar::F32 => NEGATED_F32,
+        }));
+    }
+    text
+}
+
+fn source(kernel: Kernel) -> &'static str {
+    let source = kernel.c_source();
+    source.unwrap_or_else(|| unreachable!("nothing in C calls functions over several states"))
+}
+
+const SIGN: &str = "
+// Sign of x: -1, 0 or 1; NaN for NaN.
+static inline double gelenk_sign(double x)
+{
+    return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : x == 0.0 ? 0.0 : x;
+}
+";
+
+const NEGATED: &str = "
+// -x of a fused sum, by its bit: gcc takes a minus into the sum, whose zero then has another sign.
+static inline double gelenk_negated(double x)
+{
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    bits ^= UINT64_C(1) << 63;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+";
+
+const NEGATED_F32: &str = "
+// -x of a fused sum, by its bit: gcc takes a minus into the sum, whose zero then has another sign.
+static inline float gelenk_negated(float x)
+{
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    bits ^= UINT32_C(1) << 31;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+";
+
+/// Where a processor has no fused multiply-add, `fma` is a library call as slow as thirty operations.
+pub(super) fn guard(context: &Context<'_>) -> &'static str {
+    match (kernels::are_fused(&context.module.functions), context.options.scalar) {
+        (false, _) => "",
+        (true, Scalar::F64) => GUARD_F64,
+        (true, Scalar::F32) => GUARD_F32,
+    }
+}
+
+const GUARD_F64: &str = "
+#if !defined(__FP_FAST_FMA) && !defined(__FMA__) && !defined(__aarch64__)
+#error \"these functions hold fused multiply-adds: compile them for a processor that has these (-mfma), or generate them without\"
+#endif
+";
+
+const GUARD_F32: &str = "
+#if !defined(__FP_FAST_FMAF) && !defined(__FMA__) && !defined(__aarch64__) && !defined(__ARM_FEATURE_FMA)
+#error \"these functions hold fused multiply-adds: compile them for a processor that has these (-mfma), or generate them without\"
+#endif
+";

@@ -1,0 +1,28 @@
+//! The public face of a function.
+
+use super::body::Body;
+use super::context::Context;
+use super::{comment, signature};
+use crate::emit::documentation::{self, Labels, argument_shape};
+use crate::functions::function::Function;
+
+/// The declaration of a function with its documentation.
+pub(super) fn declaration(context: &Context<'_>, function: &Function, name: &str) -> String {
+    let face = function.program.face();
+    let body = Body::new(context, &face);
+    let inputs = face.inputs.iter().zip(&body.names.arguments);
+    let labels = Labels {
+        arguments: inputs
+            .map(|(input, name)| format!("`{name}: [{}]`", argument_shape(input.extent)))
+            .collect(),
+        has_parameters: context.has_parameters(),
+        results: signature::result_labels(&body),
+    };
+    let documentation = comment::documentation(&documentation::of_function(function, &labels));
+    format!("{documentation}{}\n", signature::head(&body, name, ";"))
+}
+
+/// What stands before the body of the function.
+pub(super) fn head(body: &Body<'_>, name: &str) -> String {
+    signature::head(body, name, "")
+}

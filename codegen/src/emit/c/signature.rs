@@ -1,0 +1,55 @@
+//! Arguments and results of a function.
+
+use super::body::{Body, returns_number};
+use super::context::Context;
+use super::layout;
+use crate::emit::documentation::shape_text;
+use crate::emit::text::code;
+
+/// A pointer to numbers that are read.
+pub(super) fn read(context: &Context<'_>, name: &str) -> String {
+    format!("const {} *{} {name}", context.ty(), context.constant("RESTRICT"))
+}
+
+/// A pointer to numbers that are written.
+pub(super) fn written(context: &Context<'_>, name: &str) -> String {
+    format!("{} *{} {name}", context.ty(), context.constant("RESTRICT"))
+}
+
+/// All arguments of a function: inputs, free parameters, results.
+pub(super) fn arguments(body: &Body<'_>) -> Vec<String> {
+    let inputs = inputs(body);
+    let results = body.names.results.iter().map(|name| written(body.context, name));
+    inputs.into_iter().chain(results).collect()
+}
+
+/// The arguments that are read.
+pub(super) fn inputs(body: &Body<'_>) -> Vec<String> {
+    let inputs = body.names.arguments.iter().map(|name| read(body.context, name));
+    inputs.chain(body.context.declared_parameters()).collect()
+}
+
+/// What stands before the body of a public function, or before the semicolon.
+pub(super) fn head(body: &Body<'_>, name: &str, tail: &str) -> String {
+    let ty = if returns_number(body.program) { body.context.ty() } else { "void" };
+    layout::call(0, &format!("{ty} {name}"), &arguments(body), tail)
+}
+
+/// How the documentation calls the results.
+pub(super) fn result_labels(body: &Body<'_>) -> Vec<String> {
+    let outputs = body.program.outputs.iter();
+    if body.names.results.is_empty() {
+        return outputs.map(|output| format!("returns {}", code(&output.name))).collect();
+    }
+    let named = outputs.zip(&body.names.results);
+    named
+        .map(|(output, name)| result_label(name, &output.name, &shape_text(&output.shape.extents())))
+        .collect()
+}
+
+/// A result that is an argument.
+pub(super) fn result_label(name: &str, symbol: &str, shape: &str) -> String {
+    let shape = if shape.is_empty() { "1" } else { shape };
+    let symbol = if symbol == name { String::new() } else { format!(", {}", code(symbol)) };
+    format!("result `{name}: [{shape}]`{symbol}")
+}

@@ -1,0 +1,92 @@
+//! The source of a module: constants, private functions, public functions.
+
+use super::context::Context;
+use super::{array_kernels, constants, discrete_time, function, header, math, parameters};
+
+/// The text of `<name>.c`.
+pub(super) fn text(context: &Context<'_>) -> String {
+    let module = context.module;
+    let mut functions = String::new();
+    for (each, name) in module.functions.iter().zip(&context.functions) {
+        // One function at a time: large ones take much memory.
+        let items = function::items(context, each, name);
+        functions.extend(items.iter().map(|item| format!("\n{item}")));
+    }
+    let constants = module.functions.iter().flat_map(|function| &function.constants);
+    let constants = module.constants.iter().chain(constants);
+    let constants = constants.filter_map(|constant| constants::definition(context, constant));
+    let constants = constants.chain(parameters::definition(context));
+    let body = [
+        constants.map(|item| format!("\n{item}")).collect(),
+        math::text(context),
+        context.tables.text(),
+        array_kernels::text(context),
+        context.shared.text(),
+        functions,
+        discrete_time::text(context),
+    ];
+    let body = body.concat();
+    let guard = math::guard(context);
+    [
+        header::top(context),
+        includes(context, &body),
+        CHECKS.to_owned(),
+        guard.to_owned(),
+        macros(context, &body),
+        body,
+    ]
+    .concat()
+}
+
+/// The headers of the standard library that the text needs: types, macros, and names of instructions.
+fn includes(context: &Context<'_>, body: &str) -> String {
+    let needed = |header: &str, words: &[&str]| {
+        let is_needed = words.iter().any(|word| body.contains(word));
+        is_needed.then(|| format!("#include <{header}>\n"))
+    };
+    let headers = [
+        Some("#include <float.h>\n".to_owned()),
+        needed("math.h", &["INFINITY", "NAN", "fabs", "fma", "copysign", "sqrt"]),
+        needed("stdint.h", &["uint64_t", "uint32_t"]),
+        needed("string.h", &["memcpy", "size_t"]),
+    ];
+    let headers: String = headers.into_iter().flatten().collect();
+    format!("\n#include \"{}.h\"\n\n{headers}", context.name)
+}
+
+/// What would change the results without a word.
+const CHECKS: &str = "
+// Every operation is rounded once, to the type of its operands: no other precision, no contraction to fused
+// multiply-adds, no algebra. Elementary functions rely on it.
+#if FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16
+#error \"this compiler computes in another precision than that of the operands: on x86 use -msse2 -mfpmath=sse\"
+#endif
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \\
+    || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error \"-ffast-math and its parts change the results: compile this file without them\"
+#endif
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize (\"fp-contract=off\")
+#else
+#pragma STDC FP_CONTRACT OFF
+#endif
+";
+
+/// What C99 has no words for, as far as the text needs it.
+fn macros(context: &Context<'_>, body: &str) -> String {
+    let with = [
+        ("INLINE", "static inline __attribute__((always_inline))", "static inline"),
+        ("NOINLINE", "__attribute__((noinline))", ""),
+        ("ALIGNED", "__attribute__((aligned(64)))", ""),
+    ];
+    let needed = with.map(|(name, gnu, other)| (context.constant(name), gnu, other));
+    let needed = needed.iter().filter(|(name, ..)| body.contains(name.as_str()));
+    let needed: Vec<_> = needed.collect();
+    if needed.is_empty() {
+        return String::new();
+    }
+    let define = |name: &str, value: &str| format!("{}\n", format!("#define {name} {value}").trim_end());
+    let gnu: String = needed.iter().map(|(name, gnu, _)| define(name, gnu)).collect();
+    let other: String = needed.iter().map(|(name, _, other)| define(name, other)).collect();
+    format!("\n#if defined(__GNUC__)\n{gnu}#else\n{other}#endif\n")
+}

@@ -1,0 +1,122 @@
+//! The statements of a function: one declaration per instruction.
+
+use std::ops::Range;
+
+use super::body::Body;
+use super::{layout, math};
+use crate::emit::sequence::{self, Run};
+use crate::formula::Function as Call;
+use crate::program::{Operand, Operation};
+
+impl Body<'_> {
+    /// All statements, each entry of the results stored as soon as it is known, or the result returned.
+    pub(super) fn all_statements(&self) -> Vec<String> {
+        let constants = match self.return_statement() {
+            None => self.stores(|entry| self.made(entry).is_none()),
+            Some(_) => vec![],
+        };
+        let statements = self.statements(0..self.program.instructions.len());
+        constants.into_iter().chain(statements).chain(self.return_statement()).collect()
+    }
+
+    /// The statements of a run of instructions.
+    pub(super) fn statements(&self, range: Range<usize>) -> Vec<String> {
+        let made: Vec<usize> = range.filter(|&index| self.flow.is_made(index)).collect();
+        let groups = sequence::groups(self.program, &self.flow, &made, true);
+        let runs = || groups.iter().flat_map(|group| &group.runs);
+        let mut helpers = self.fresh(runs().map(helper)).into_iter();
+        let mut statements = Vec::with_capacity(made.len());
+        for group in &groups {
+            for (run, helper) in group.runs.iter().zip(&mut helpers) {
+                match run {
+                    Run::One(index) => statements.extend(self.statement(*index, &helper)),
+                    Run::Angles { batch, lanes } => statements.extend(self.batch(batch, *lanes, &helper)),
+                }
+            }
+            statements.extend(group.instructions.iter().flat_map(|&index| self.stores_of(index)));
+        }
+        statements
+    }
+
+    /// The statements of an instruction.
+    ///
+    /// - `helper`: a name for what nothing reads
+    fn statement(&self, index: usize, helper: &str) -> Vec<String> {
+        let (ty, name) = (self.context.ty(), &self.names.values[index]);
+        let pair = |angle: Operand, sine: &str, cosine: &str| {
+            let callee = math::sin_cos(self.context);
+            vec![
+                format!("{ty} {sine}, {cosine};"),
+                format!("{callee}({}, &{sine}, &{cosine});", self.operand(angle)),
+            ]
+        };
+        match self.operation(index) {
+            Operation::CosineOf(_) => vec![],
+            Operation::SinCos(angle) => {
+                let cosine = self.flow.cosine[index].map(|cosine| self.names.values[cosine].as_str());
+                pair(angle, name, cosine.unwrap_or(helper))
+            }
+            Operation::Call(Call::Sin, angle) => pair(angle, name, helper),
+            Operation::Call(Call::Cos, angle) => pair(angle, helper, name),
+            operation => vec![format!("const {ty} {name} = {};", self.expression(operation))],
+        }
+    }
+
+    /// One call for the sines and cosines of several angles.
+    fn batch(&self, batch: &[(usize, Operand)], lanes: usize, helper: &str) -> Vec<String> {
+        let ty = self.context.ty();
+        let zero = self.context.literal(0.0);
+        let angles = batch.iter().map(|&(_, angle)| self.operand(angle));
+        let padding = std::iter::repeat_n(zero, lanes.saturating_sub(batch.len()));
+        let arguments: Vec<String> = angles.chain(padding).chain([helper.to_owned()]).collect();
+        let callee = math::sin_cos_of(self.context, lanes);
+        let mut statements =
+            vec![format!("{ty} {helper}[{}];", 2 * lanes), layout::call(4, &callee, &arguments, ";")];
+        for (lane, &(index, _)) in batch.iter().enumerate() {
+            if self.flow.is_read[index] {
+                let name = &self.names.values[index];
+                statements.push(format!("const {ty} {name} = {helper}[{lane}];"));
+            }
+            if let Some(cosine) = self.flow.cosine[index] {
+                let name = &self.names.values[cosine];
+                statements.push(format!("const {ty} {name} = {helper}[{}];", lanes + lane));
+            }
+        }
+        statements
+    }
+
+    fn is_fused(&self, value: usize) -> bool {
+        matches!(self.operation(value), Operation::MultiplyAdd(..))
+    }
+
+    /// The right-hand side of an instruction with one value.
+    fn expression(&self, operation: Operation) -> String {
+        let binary = |a, operator, b| format!("{} {operator} {}", self.operand(a), self.operand(b));
+        match operation {
+            Operation::Add(a, b) => binary(a, "+", b),
+            Operation::Subtract(a, b) => binary(a, "-", b),
+            Operation::Multiply(a, b) => binary(a, "*", b),
+            Operation::Divide(a, b) => binary(a, "/", b),
+            Operation::Negate(Operand::Constant(number)) => self.context.literal(-number),
+            Operation::Negate(Operand::Value(value)) if self.is_fused(value) => {
+                math::negate_fused(self.context, self.name(value))
+            }
+            Operation::Negate(a) => format!("-{}", self.operand(a)),
+            Operation::MultiplyAdd(a, b, c) => {
+                math::multiply_add(self.context, &[self.operand(a), self.operand(b), self.operand(c)])
+            }
+            Operation::Call(function, a) => math::call(self.context, function, &self.operand(a)),
+            Operation::SinCos(_) | Operation::CosineOf(_) => {
+                unreachable!("`statement` writes sines and cosines as pairs")
+            }
+        }
+    }
+}
+
+/// What the name of a helper begins with.
+fn helper(run: &Run) -> &'static str {
+    match run {
+        Run::One(_) => "unused",
+        Run::Angles { .. } => "sines_cosines",
+    }
+}

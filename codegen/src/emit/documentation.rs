@@ -1,0 +1,147 @@
+//! What the documentation of generated items says, in any language: blocks of Markdown.
+
+use super::text::code;
+use crate::functions::function::{Constant, Function};
+use crate::layout::{Dimension, Extent};
+use crate::model::Parameter;
+use crate::module::ComposedFunction;
+
+/// A block of documentation: Markdown by our own stages.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Block {
+    /// A paragraph, apart from what stands above.
+    Paragraph(String),
+    /// An item of a list.
+    Item(String),
+    /// An empty line.
+    Gap,
+}
+
+/// Arguments and results as a language calls them, with their shapes.
+pub(super) struct Labels {
+    /// `` `y: [N]` ``
+    pub(super) arguments: Vec<String>,
+    /// It is true if free parameters are an argument.
+    pub(super) has_parameters: bool,
+    /// ``returns `M: [N × N]` ``
+    pub(super) results: Vec<String>,
+}
+
+/// A length by name, where it follows from the robot. Coordinates and velocities are as many.
+pub(super) fn length_name(extent: Extent) -> Option<&'static str> {
+    match extent.dimension {
+        Dimension::Coordinates | Dimension::Velocities => Some("N"),
+        Dimension::Inputs => Some("M"),
+        Dimension::Wrenches => Some("WRENCHES"),
+        Dimension::Parameters | Dimension::Fixed => None,
+    }
+}
+
+/// A length in documentation.
+fn length_text(extent: Extent) -> String {
+    length_name(extent).map_or_else(|| extent.len.to_string(), str::to_owned)
+}
+
+/// The shape of an argument in documentation: `N`, or `WRENCHES × 6` where its entries come in rows.
+pub(super) fn argument_shape(extent: Extent) -> String {
+    let row = extent.row().map_or(String::new(), |row| format!(" × {row}"));
+    format!("{}{row}", length_text(extent))
+}
+
+/// Lengths in documentation, `N × N`.
+pub(super) fn shape_text(extents: &[Extent]) -> String {
+    let lengths = extents.iter().map(|&extent| length_text(extent));
+    lengths.collect::<Vec<_>>().join(" × ")
+}
+
+/// The documentation of a function.
+pub(super) fn of_function(function: &Function, labels: &Labels) -> Vec<Block> {
+    let mut blocks = vec![Block::Paragraph(function.summary.clone())];
+    if !function.equation.trim().is_empty() {
+        blocks.push(Block::Paragraph(code(&function.equation)));
+    }
+    blocks.push(Block::Gap);
+    for (i, label) in labels.arguments.iter().enumerate() {
+        let told = function.arguments.get(i);
+        let meaning = told.map_or("", |argument| argument.meaning.as_str());
+        let entries = told.map_or(String::new(), |argument| list(&argument.entries));
+        blocks.push(Block::Item(sentence([label, meaning, &entries])));
+    }
+    blocks.extend(parameters(labels));
+    for (i, label) in labels.results.iter().enumerate() {
+        let meaning = function.results.get(i).map_or("", String::as_str);
+        blocks.push(Block::Item(sentence([label, meaning, ""])));
+    }
+    blocks.push(Block::Paragraph(format!("Cost: {}.", function.cost())));
+    blocks.extend(function.notes.iter().cloned().map(Block::Paragraph));
+    blocks
+}
+
+/// The documentation of a function over a sample time; all its arguments but the last have one label.
+pub(super) fn of_composition(composed: &ComposedFunction, labels: &Labels) -> Vec<Block> {
+    let function = composed.composition;
+    let mut blocks = vec![
+        Block::Paragraph(function.summary().to_owned()),
+        Block::Paragraph(code(composed.equation)),
+        Block::Gap,
+    ];
+    for label in &labels.arguments {
+        let meaning = "coordinates, velocities and inputs, as elsewhere in this module";
+        blocks.push(Block::Item(sentence([label, meaning, ""])));
+    }
+    blocks.push(Block::Item("`period`: sample time in s, over which u is held".to_owned()));
+    blocks.extend(parameters(labels));
+    for (result, label) in composed.results.iter().zip(&labels.results) {
+        blocks.push(Block::Item(sentence([label, result.meaning, ""])));
+    }
+    blocks.push(Block::Paragraph(composed.cost_text.clone()));
+    blocks.extend(function.notes().iter().map(|&note| Block::Paragraph(note.to_owned())));
+    blocks
+}
+
+/// The documentation of a constant.
+pub(super) fn of_constant(constant: &Constant) -> Vec<Block> {
+    let mut blocks = vec![Block::Paragraph(constant.summary.clone())];
+    if !constant.items.is_empty() {
+        blocks.push(Block::Gap);
+        blocks.extend(constant.items.iter().cloned().map(Block::Item));
+    }
+    blocks
+}
+
+/// The line about a free parameter.
+///
+/// - `plain`: takes the markup from foreign text
+pub(super) fn of_parameter(parameter: &Parameter, plain: impl Fn(&str) -> String) -> String {
+    let meaning = match parameter.description.trim() {
+        "" => format!("Parameter {}", code(&parameter.name)),
+        text => plain(text),
+    };
+    let unit = match parameter.unit.trim() {
+        "" => String::new(),
+        _ => format!(" ({})", plain(&parameter.unit)),
+    };
+    format!("{}{unit}; described as {:?}.", meaning.trim_end_matches('.'), parameter.default)
+}
+
+fn parameters(labels: &Labels) -> Option<Block> {
+    labels.has_parameters.then(|| Block::Item("`p`: free parameters".to_owned()))
+}
+
+fn sentence(parts: [&str; 3]) -> String {
+    let parts = parts.map(str::trim).into_iter();
+    let parts = parts.filter(|part| !part.is_empty());
+    parts.collect::<Vec<_>>().join(": ")
+}
+
+/// `a, b (rad), c (m)`: neighbours with one unit share it.
+fn list(entries: &[(String, &'static str)]) -> String {
+    let shown = entries.iter().enumerate().map(|(i, (name, unit))| {
+        let is_last_of_unit = entries.get(i + 1).is_none_or(|(_, next)| next != unit);
+        match is_last_of_unit {
+            true => format!("{} in {unit}", code(name)),
+            false => code(name),
+        }
+    });
+    shown.collect::<Vec<_>>().join(", ")
+}

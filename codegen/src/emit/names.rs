@@ -1,0 +1,115 @@
+//! Names of a description and of a program as identifiers of a language.
+//!
+//! The model has checked its names already; this is the last guard, so that no string becomes code.
+//! Identifiers are ASCII: other letters would trip lints on confusable names, and are no identifiers of C99.
+
+use std::collections::BTreeSet;
+
+use crate::program::{Program, letters};
+
+/// What a language takes for an identifier.
+pub(super) struct Spelling {
+    /// Words that are no identifiers, sorted.
+    pub(super) keywords: &'static [&'static str],
+    /// Whether `_x` and `a__b` are names that anyone may use.
+    pub(super) has_free_underscores: bool,
+    /// What no name may begin with.
+    pub(super) prefixes: Vec<String>,
+}
+
+impl Spelling {
+    /// The nearest identifier to `name`; `name` itself where it is one.
+    pub(super) fn identifier(&self, name: &str) -> String {
+        let mut text = String::with_capacity(name.len());
+        for letter in name.chars() {
+            match letters::greek_name(letter) {
+                Some(word) => text.push_str(word),
+                None if letter.is_ascii_alphanumeric() => text.push(letter),
+                None => text.push('_'),
+            }
+        }
+        if !self.has_free_underscores {
+            while text.contains("__") {
+                text = text.replace("__", "_");
+            }
+        }
+        let is_first =
+            |first: char| first.is_ascii_alphabetic() || (first == '_' && self.has_free_underscores);
+        let says_something = text.contains(|letter: char| letter.is_ascii_alphabetic());
+        if !text.starts_with(is_first) || !says_something {
+            text.insert(0, 'x');
+        }
+        if self.prefixes.iter().any(|prefix| text.starts_with(prefix.as_str())) {
+            text.insert_str(0, "x_");
+        }
+        if self.keywords.binary_search(&text.as_str()).is_ok() {
+            text.push('_');
+        }
+        text
+    }
+
+    /// Identifiers for `names`, different from each other and from `taken`; a name already taken gets `_` and a
+    /// number.
+    pub(super) fn distinct<'a>(
+        &self,
+        names: impl IntoIterator<Item = &'a str>,
+        taken: &[String],
+    ) -> Vec<String> {
+        let mut used: BTreeSet<String> = taken.iter().cloned().collect();
+        names.into_iter().map(|name| unused(self.identifier(name), &mut used)).collect()
+    }
+
+    /// The names in a function's body.
+    ///
+    /// - `reserved`: names that none of them may take
+    /// - `in_place`: whether the results are arguments
+    pub(super) fn of_program(&self, program: &Program, reserved: &[String], in_place: bool) -> ProgramNames {
+        let mut taken = reserved.to_vec();
+        taken.push("p".to_owned());
+        let inputs = program.inputs.iter().map(|input| input.name.as_str());
+        let arguments = self.distinct(inputs, &taken);
+        taken.extend(arguments.iter().cloned());
+        let results = match in_place {
+            true => self.results(program, &taken),
+            false => vec![],
+        };
+        taken.extend(results.iter().cloned());
+        let instructions = program.instructions.iter();
+        let values = self.distinct(instructions.map(|each| each.name.as_str()), &taken);
+        ProgramNames { arguments, results, values }
+    }
+
+    /// Argument names for the results of a program.
+    pub(super) fn results(&self, program: &Program, taken: &[String]) -> Vec<String> {
+        let spelled = program.outputs.iter().map(|output| spelled(&output.name));
+        let spelled: Vec<String> = spelled.collect();
+        self.distinct(spelled.iter().map(String::as_str), taken)
+    }
+}
+
+/// The names in a function's body.
+pub(super) struct ProgramNames {
+    /// Input arrays.
+    pub(super) arguments: Vec<String>,
+    /// Results, where these are arguments.
+    pub(super) results: Vec<String>,
+    /// The value of each instruction.
+    pub(super) values: Vec<String>,
+}
+
+/// The symbol of a result with the letters of formulas spelled out.
+pub(super) fn spelled(symbol: &str) -> String {
+    let name = symbol.replace("⁻¹", "_inverse").replace('ẏ', "v");
+    let name = name.replace('⁺', "_next").replace('ÿ', "a").replace('∂', "d");
+    name.replace(['/', ' '], "_").to_lowercase()
+}
+
+fn unused(spelling: String, used: &mut BTreeSet<String>) -> String {
+    let mut candidate = spelling.clone();
+    let mut number = 1;
+    while !used.insert(candidate.clone()) {
+        number += 1;
+        candidate = format!("{}_{number}", spelling.trim_end_matches('_'));
+    }
+    candidate
+}

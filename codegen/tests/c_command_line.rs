@@ -1,0 +1,164 @@
+//! `gelenk generate --language c` and `gelenk check --language c` from outside: where files go, what they replace, and
+//! what is refused.
+#![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use gelenk_codegen::Builder;
+use gelenk_codegen::emit::Language;
+
+/// A folder with a description.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["cart_pole.toml", "powercube.toml"] {
+        let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+        fs::copy(from.join(name), folder.path().join(name)).unwrap();
+    }
+    folder
+}
+
+/// Exit code and all that was printed.
+fn gelenk(folder: &Path, line: &str) -> (i32, String) {
+    let words = line.split(' ');
+    let output = Command::new(env!("CARGO_BIN_EXE_gelenk")).args(words).current_dir(folder).output().unwrap();
+    let text = [output.stdout, output.stderr].concat();
+    (output.status.code().unwrap(), String::from_utf8(text).unwrap())
+}
+
+fn written(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
+    let mut names: Vec<String> = entries.map(|name| name.into_string().unwrap()).collect();
+    names.retain(|name| Path::new(name).extension().is_none_or(|extension| extension != "toml"));
+    names.sort();
+    names
+}
+
+fn read(folder: &Path, name: &str) -> String {
+    fs::read_to_string(folder.join(name)).unwrap()
+}
+
+#[test]
+fn a_module_goes_to_two_files_of_one_name() {
+    let folder = folder();
+    let folder = folder.path();
+    for (line, place, names) in [
+        ("", "", ["cart_pole.c", "cart_pole.h"]),
+        (" --output firmware", "firmware", ["cart_pole.c", "cart_pole.h"]),
+        (" --output firmware/", "firmware", ["cart_pole.c", "cart_pole.h"]),
+        (" --output src/pole.c", "src", ["pole.c", "pole.h"]),
+        (" --output include/pole.h", "include", ["pole.c", "pole.h"]),
+    ] {
+        let (code, text) = gelenk(folder, &format!("generate cart_pole.toml --language c{line}"));
+        assert_eq!(code, 0, "{text}");
+        let mut found = written(&folder.join(place));
+        found.retain(|name| name.contains('.'));
+        assert_eq!(found, names, "{line}");
+    }
+    assert!(read(folder, "src/pole.h").contains("\nvoid pole_mass_matrix("), "the files name the functions");
+    assert!(read(folder, "src/pole.c").contains("#include \"pole.h\"\n"));
+    assert!(
+        read(folder, "src/pole.c")
+            .contains("gelenk generate cart_pole.toml --output src/pole.c --language c")
+    );
+    let (_, again) = gelenk(folder, "generate cart_pole.toml --language c --output src/pole.c");
+    assert!(again.starts_with("unchanged src/pole.h, src/pole.c: 2 coordinates, 1 input"), "{again}");
+}
+
+#[test]
+fn a_plant_and_a_controller_can_be_linked_together() {
+    let folder = folder();
+    let folder = folder.path();
+    let (code, text) =
+        gelenk(folder, "generate powercube.toml --language c --control-model 50 --functions step");
+    assert_eq!(code, 0, "{text}");
+    assert_eq!(written(folder), ["powercube.c", "powercube.h", "powercube_control.c", "powercube_control.h"]);
+    assert!(read(folder, "powercube_control.h").contains("void powercube_control_step("));
+    assert!(read(folder, "powercube_control.c").contains("#include \"powercube_control.h\"\n"));
+}
+
+#[test]
+fn what_gelenk_has_not_generated_is_kept() {
+    let folder = folder();
+    let folder = folder.path();
+    for foreign in ["cart_pole.h", "cart_pole.c"] {
+        fs::write(folder.join(foreign), "int main(void) { return 0; }\n").unwrap();
+        let (code, text) = gelenk(folder, "generate cart_pole.toml --language c");
+        assert!(code == 1 && text.contains("it holds what gelenk has not generated"), "{text}");
+        assert_eq!(written(folder), [foreign], "none of both is written");
+        fs::remove_file(folder.join(foreign)).unwrap();
+    }
+    // A file that was read, under the name of a file to be written.
+    fs::rename(folder.join("cart_pole.toml"), folder.join("pole.toml.h")).unwrap();
+    let before = read(folder, "pole.toml.h");
+    let (code, _) = gelenk(folder, "generate pole.toml.h --language c --output pole.toml.h");
+    assert_ne!(code, 0);
+    assert_eq!(read(folder, "pole.toml.h"), before);
+}
+
+#[test]
+fn both_files_are_checked() {
+    let folder = folder();
+    let folder = folder.path();
+    let line = "cart_pole.toml --language c --output src --functions mass_matrix";
+    assert_eq!(gelenk(folder, &format!("generate {line}")).0, 0);
+    assert_eq!(gelenk(folder, &format!("check {line}")), (0, "fresh\n".to_owned()));
+    for name in ["src/cart_pole.h", "src/cart_pole.c"] {
+        let text = read(folder, name);
+        fs::write(folder.join(name), text.clone() + "\n").unwrap();
+        let (code, said) = gelenk(folder, &format!("check {line}"));
+        assert_eq!(code, 1);
+        assert!(said.starts_with(&format!("stale: {name}\nrun: gelenk generate cart_pole.toml")), "{said}");
+        fs::write(folder.join(name), text).unwrap();
+    }
+}
+
+#[test]
+fn what_c_does_not_have_is_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    for (line, expected, reason) in [
+        ("--lanes linearize", 1, "modules in C have no functions over several states at once"),
+        ("--self-test", 1, "modules in C have no tests at their end"),
+        ("--output -", 2, "a module in C is two files"),
+        ("--output pole.rs", 2, "a module in C goes to a folder, or to a file that ends with .c"),
+        ("--output a\"b.c", 2, "the files of a module in C name each other"),
+    ] {
+        let (code, text) = gelenk(folder, &format!("generate cart_pole.toml --language c {line}"));
+        assert_eq!(code, expected, "{text}");
+        assert!(text.contains(reason), "{text}");
+    }
+    assert!(written(folder).is_empty());
+    fs::create_dir_all(folder.join("models")).unwrap();
+    fs::create_dir_all(folder.join("generated/src")).unwrap();
+    for command in ["generate", "check"] {
+        let (code, text) = gelenk(folder, &format!("{command} --language c"));
+        assert_eq!(code, 2);
+        assert!(text.contains("goes to the crate generated/, which is Rust"), "{text}");
+    }
+}
+
+/// A description that asks for lanes keeps its functions of one state; the note says what is left to Rust.
+#[test]
+fn lanes_of_a_description_are_noted() {
+    let folder = folder();
+    let (code, text) = gelenk(folder.path(), "generate powercube.toml --language c");
+    assert_eq!(code, 0, "{text}");
+    assert!(text.contains("the functions over lanes of `linearize` are left out: C has none"), "{text}");
+}
+
+#[test]
+fn build_scripts_write_c_as_well() {
+    let folder = folder();
+    let folder = folder.path();
+    let paths = Builder::new()
+        .description(folder.join("cart_pole.toml"))
+        .language(Language::C)
+        .output_folder(folder)
+        .try_generate()
+        .unwrap();
+    assert_eq!(paths, [folder.join("cart_pole.h"), folder.join("cart_pole.c")]);
+    assert_eq!(written(folder), ["cart_pole.c", "cart_pole.h"]);
+}

@@ -1,0 +1,77 @@
+//! The C and C++ compilers at hand.
+
+use std::path::Path;
+use std::process::Command;
+
+/// What a module has to pass without a word.
+const WARNINGS: [&str; 4] = ["-Wall", "-Wextra", "-Werror", "-pedantic"];
+
+/// A compiler with the words that choose its language.
+pub struct Compiler {
+    words: Vec<String>,
+}
+
+/// `cc` and `c++` where they are, and those that `GELENK_CC` names; a note where there is none.
+pub fn c_compilers() -> Vec<Compiler> {
+    let mut commands = vec!["cc -std=c99".to_owned(), "c++ -x c++".to_owned()];
+    for other in std::env::var("GELENK_CC").unwrap_or_default().split(';').filter(|each| !each.is_empty()) {
+        commands.extend([format!("{other} -std=c99"), format!("{other} -x c++")]);
+    }
+    let compilers = commands.iter().map(|command| Compiler::new(command));
+    compilers.filter(Compiler::is_there).collect()
+}
+
+impl Compiler {
+    fn new(command: &str) -> Self {
+        Self { words: command.split_whitespace().map(str::to_owned).collect() }
+    }
+
+    fn is_there(&self) -> bool {
+        let is_there = self.command().arg("--version").output().is_ok_and(|output| output.status.success());
+        if !is_there {
+            println!("skipped: no compiler {}", self.name());
+        }
+        is_there
+    }
+
+    /// The command line.
+    pub fn name(&self) -> String {
+        self.words.join(" ")
+    }
+
+    fn command(&self) -> Command {
+        let mut command = Command::new(&self.words[0]);
+        command.args(&self.words[1..]);
+        command
+    }
+
+    /// Makes `c_main` of `main.c` and `robot.c`. It is linked without the mathematical library: a call would not be
+    /// found.
+    ///
+    /// # Errors
+    /// What the compiler said.
+    pub fn compile(&self, folder: &Path, is_fused: bool) -> Result<(), String> {
+        self.run(folder, is_fused, &["-O2", "main.c", "robot.c", "-o", "c_main"])
+    }
+
+    /// Looks for warnings only.
+    ///
+    /// # Errors
+    /// What the compiler said.
+    pub fn check(&self, folder: &Path, is_fused: bool) -> Result<(), String> {
+        self.run(folder, is_fused, &["-fsyntax-only", "main.c", "robot.c"])
+    }
+
+    fn run(&self, folder: &Path, is_fused: bool, arguments: &[&str]) -> Result<(), String> {
+        let mut command = self.command();
+        command.current_dir(folder).args(WARNINGS).args(arguments);
+        if is_fused {
+            command.arg("-mfma");
+        }
+        let output = command.output().map_err(|error| error.to_string())?;
+        match output.status.success() {
+            true => Ok(()),
+            false => Err(String::from_utf8_lossy(&output.stderr).into_owned()),
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! Programs that call the functions of a module as standard input asks for, in Rust and in C.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use gelenk_codegen::emit::{Scalar, SourceFile};
+use gelenk_codegen::module::Module;
+use gelenk_codegen::program::Shape;
+use gelenk_tests::table;
+
+/// How a function is called: its name, the lengths of its inputs, and those of its results.
+pub struct Face {
+    name: String,
+    /// The number by value among the inputs, a sample time.
+    inputs: Vec<Input>,
+    /// Entries of each result; none for one number, which is returned.
+    results: Option<Vec<usize>>,
+}
+
+#[derive(Clone, Copy)]
+enum Input {
+    Array(usize),
+    Period,
+}
+
+/// All functions of a module, in its order.
+fn faces(module: &Module) -> Vec<Face> {
+    let (n, m) = (module.coordinates, module.inputs);
+    let functions = module.functions.iter().map(|function| {
+        let outputs = &function.program.outputs;
+        let is_number = matches!(outputs.as_slice(), [output] if output.shape == Shape::Scalar);
+        let inputs = function.program.inputs.iter();
+        Face {
+            name: function.name.clone(),
+            inputs: inputs.map(|input| Input::Array(input.extent.len)).collect(),
+            results: (!is_number).then(|| outputs.iter().map(|output| output.entries.len()).collect()),
+        }
+    });
+    let compositions = module.compositions.iter().map(|each| {
+        let results = each.results.iter();
+        let entries = results.map(|result| result.extents.iter().map(|extent| extent.len).product());
+        Face {
+            name: each.composition.name().to_owned(),
+            inputs: vec![Input::Array(n), Input::Array(n), Input::Array(m), Input::Period],
+            results: Some(entries.collect()),
+        }
+    });
+    functions.chain(compositions).collect()
+}
+
+/// What the programs are asked for: in each line a function, parameters, and inputs; numbers as bits of their f64.
+pub struct Requests {
+    faces: Vec<Face>,
+    defaults: Vec<f64>,
+    text: String,
+    functions: Vec<usize>,
+}
+
+impl Requests {
+    pub fn new(module: &Module) -> Self {
+        let defaults = module.parameters.iter().map(|parameter| parameter.default);
+        Self { faces: faces(module), defaults: defaults.collect(), text: String::new(), functions: vec![] }
+    }
+
+    /// How many functions there are.
+    pub fn functions(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// The function of a request.
+    pub fn name(&self, request: usize) -> &str {
+        &self.faces[self.functions[request]].name
+    }
+
+    /// Asks for a function once more.
+    pub fn add(&mut self, function: usize, number: &mut impl FnMut() -> f64) {
+        self.functions.push(function);
+        let _ = write!(self.text, "{function}");
+        let parameters = self.defaults.iter().map(|default| default + 0.1 * number());
+        let parameters: Vec<f64> = parameters.map(|x| f64::from(x as f32)).collect();
+        let inputs = self.faces[function].inputs.iter().map(|input| match input {
+            Input::Array(len) => (0..*len).map(|_| number()).collect(),
+            Input::Period => vec![0.125 * (1.0 + number().abs())],
+        });
+        let mut numbers = parameters;
+        numbers.extend(inputs.collect::<Vec<Vec<f64>>>().concat());
+        for x in numbers {
+            let _ = write!(self.text, " {}", x.to_bits());
+        }
+        self.text.push('\n');
+    }
+}
+
+/// The program in Rust.
+pub fn rust(module: &Module, text: &str) -> String {
+    let fields = table::parameters(text);
+    let count = fields.len();
+    let fields = fields.iter().enumerate().map(|(index, field)| format!("{field}: number(x[{index}])"));
+    let fields = fields.collect::<Vec<_>>().join(", ");
+    let mut arms = String::new();
+    for (index, face) in faces(module).iter().enumerate() {
+        let mut at = count;
+        let mut arguments: Vec<String> = vec![];
+        for input in &face.inputs {
+            arguments.push(match input {
+                Input::Array(len) => format!("&array(&x[{at}..{}])", at + len),
+                Input::Period => format!("number(x[{at}])"),
+            });
+            at += match input {
+                Input::Array(len) => *len,
+                Input::Period => 1,
+            };
+        }
+        arguments.extend((count > 0).then(|| format!("&robot::Parameters {{ {fields} }}")));
+        let _ = writeln!(arms, "{index} => flat(&robot::{}({})),", face.name, arguments.join(", "));
+    }
+    format!(
+        r#"
+mod flat;
+mod robot {{ include!("robot.rs"); }}
+use flat::*;
+fn call(function: usize, x: &[f64]) -> Vec<f64> {{
+    match function {{ {arms} _ => panic!() }}
+}}
+fn main() {{
+    for line in std::io::stdin().lines() {{
+        let line = line.unwrap();
+        let mut words = line.split(' ').map(|word| word.parse::<u64>().unwrap());
+        let function = words.next().unwrap() as usize;
+        let x: Vec<f64> = words.map(f64::from_bits).collect();
+        let bits = call(function, &x).iter().map(|x| x.to_bits().to_string()).collect::<Vec<_>>();
+        println!("{{}}", bits.join(" "));
+    }}
+}}
+"#
+    )
+}
+
+/// The program in C99, also C++. Results hold NaN before a call, so that an entry which is not written shows.
+pub fn c(module: &Module, source: &SourceFile, scalar: Scalar) -> String {
+    let ty = match scalar {
+        Scalar::F64 => "double",
+        Scalar::F32 => "float",
+    };
+    let (prefix, count) = (&source.name, module.parameters.len());
+    let mut cases = String::new();
+    for (index, face) in faces(module).iter().enumerate() {
+        let (mut at, mut arguments) = (count, vec![]);
+        for input in &face.inputs {
+            match input {
+                Input::Array(len) => {
+                    arguments.push(format!("&x[{at}]"));
+                    at += len;
+                }
+                Input::Period => {
+                    arguments.push(format!("x[{at}]"));
+                    at += 1;
+                }
+            }
+        }
+        arguments.extend((count > 0).then(|| "&p".to_owned()));
+        let function = format!("{prefix}_{}", face.name);
+        let call = match &face.results {
+            None => format!("r[0] = {function}({}); print(r, 1);", arguments.join(", ")),
+            Some(results) => {
+                let total: usize = results.iter().sum();
+                let mut start = 0;
+                for len in results {
+                    arguments.push(format!("&r[{start}]"));
+                    start += len;
+                }
+                format!("{function}({}); print(r, {total});", arguments.join(", "))
+            }
+        };
+        let _ = writeln!(cases, "    case {index}: {call} break;");
+    }
+    let largest = faces(module).iter().map(|face| face.results.iter().flatten().sum::<usize>()).max();
+    let parameters = match count {
+        0 => String::new(),
+        _ => format!("{prefix}_parameters p;\n        memcpy(&p, x, sizeof p);"),
+    };
+    format!(
+        r#"#include "robot.h"
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+static void print(const {ty} *r, int count)
+{{
+    for (int i = 0; i < count; ++i) {{
+        double x = (double)r[i];
+        uint64_t bits;
+        memcpy(&bits, &x, sizeof bits);
+        printf("%s%lu", i ? " " : "", (unsigned long)bits);
+    }}
+    printf("\n");
+}}
+int main(void)
+{{
+    static char line[1 << 20];
+    static {ty} x[4096], r[{}];
+    while (fgets(line, sizeof line, stdin)) {{
+        char *next = line;
+        int function = (int)strtoul(next, &next, 10);
+        for (int i = 0; *next == ' '; ++i) {{
+            uint64_t bits = strtoul(next, &next, 10);
+            double number;
+            memcpy(&number, &bits, sizeof number);
+            x[i] = ({ty})number;
+        }}
+        memset(r, 0xff, sizeof r);
+        {parameters}
+        switch (function) {{
+{cases}        default: return 1;
+        }}
+    }}
+    return 0;
+}}
+"#,
+        largest.unwrap_or(0).max(1)
+    )
+}
+
+/// The results of each request.
+pub fn run(program: &Path, requests: &Requests) -> Vec<Vec<f64>> {
+    let mut child =
+        Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("it starts");
+    let mut stdin = child.stdin.take().expect("standard input");
+    let text = requests.text.clone();
+    // In a thread of its own: both pipes may be full.
+    let writer = std::thread::spawn(move || stdin.write_all(text.as_bytes()));
+    let output = child.wait_with_output().expect("the program ends");
+    writer.join().expect("no panic").expect("all is read");
+    assert!(output.status.success(), "{}", program.display());
+    let text = String::from_utf8(output.stdout).expect("numbers");
+    let number = |bits: &str| f64::from_bits(bits.parse().expect("bits"));
+    text.lines().map(|line| line.split(' ').filter(|word| !word.is_empty()).map(number).collect()).collect()
+}
+
+/// IEEE 754 leaves sign and payload of a NaN open; all other values must agree in every bit.
+pub fn assert_same_bits(what: &str, found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len(), "{what}");
+    for (index, (a, b)) in found.iter().zip(expected).enumerate() {
+        let same = a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
+        assert!(same, "{what}[{index}]: C {a:?}, Rust {b:?}");
+    }
+}

@@ -1,0 +1,178 @@
+//! Modules in C beside the Rust modules of the same value: they compile as C99 and as C++ without a warning, call no
+//! library, and compute the same bits.
+//!
+//! The short form compares three robots in every variant. All robots, with every compiler at hand:
+//!
+//! ```text
+//! cargo test -p gelenk-tests --test c_modules -- --ignored --nocapture
+//! ```
+//!
+//! `GELENK_CC` names further compilers, separated by semicolons: `GELENK_CC='clang;python3 -m ziglang cc'`. `GELENK_ROBOTS`
+//! limits the comparison to robots whose names are in it: `GELENK_ROBOTS=ur5,panda`.
+
+mod compilers;
+mod drivers;
+
+use std::path::{Path, PathBuf};
+
+use compilers::{Compiler, c_compilers};
+use drivers::Requests;
+use fastrand::Rng;
+use gelenk_codegen::emit::{self, EmitOptions, Language, Scalar, SourceFile};
+use gelenk_codegen::functions::form::Form;
+use gelenk_codegen::module::Module;
+use gelenk_codegen::pipeline::{GenerateOptions, generate};
+use gelenk_tests::compiler::rustc;
+use gelenk_tests::{descriptions, workspace};
+
+/// Ordinary states of each function.
+const SAMPLES: usize = 4;
+
+/// Numbers at the ends of what a function may be given.
+const SPECIAL: [f64; 10] =
+    [0.0, -0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 5e-324, -1e-310, 1e300, -123_456.789, 3e-39];
+
+/// A module in one form, which both printers print.
+///
+/// - `functions`: all where there are none
+fn derive(description: &Path, functions: &[&str], form: Form, fused: bool) -> Module {
+    let functions = functions.iter().map(|name| (*name).to_owned()).collect();
+    let options =
+        GenerateOptions { functions, form, fused_multiply_add: fused, ..GenerateOptions::default() };
+    let robot = generate(description, &options).unwrap_or_else(|problems| panic!("{problems}"));
+    robot.module
+}
+
+fn print(module: &Module, language: Language, scalar: Scalar) -> SourceFile {
+    emit::module(module, &EmitOptions { language, scalar, ..EmitOptions::default() })
+}
+
+/// Compares a module in C with the one in Rust, compiled by some compilers; others only look for warnings.
+fn compare(module: &Module, scalar: Scalar, is_fused: bool, compilers: &[Compiler], others: &[Compiler]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let requests = requests(module, scalar);
+    let expected = run_rust(folder.path(), module, scalar, is_fused, &requests);
+    let source = print(module, Language::C, scalar);
+    for (extension, text) in source.files() {
+        std::fs::write(folder.path().join(format!("robot.{extension}")), text).expect("a file");
+    }
+    let text = source.text.replace(&format!("#include \"{}.h\"", source.name), "#include \"robot.h\"");
+    std::fs::write(folder.path().join("robot.c"), text).expect("a file");
+    std::fs::write(folder.path().join("main.c"), drivers::c(module, &source, scalar)).expect("a file");
+    let what =
+        |compiler: &Compiler| format!("{} {scalar:?} fused {is_fused} {}", module.name, compiler.name());
+    for compiler in others {
+        let result = compiler.check(folder.path(), is_fused);
+        result.unwrap_or_else(|message| panic!("{}: {message}", what(compiler)));
+    }
+    for compiler in compilers {
+        let what = what(compiler);
+        compiler.compile(folder.path(), is_fused).unwrap_or_else(|message| panic!("{what}: {message}"));
+        let found = drivers::run(&folder.path().join("c_main"), &requests);
+        assert_eq!(found.len(), expected.len(), "{what}");
+        for (request, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            drivers::assert_same_bits(&format!("{what}: {}", requests.name(request)), found, expected);
+        }
+    }
+}
+
+fn run_rust(
+    folder: &Path,
+    module: &Module,
+    scalar: Scalar,
+    is_fused: bool,
+    requests: &Requests,
+) -> Vec<Vec<f64>> {
+    let source = print(module, Language::Rust, scalar);
+    std::fs::write(folder.join("robot.rs"), &source.text).expect("a file");
+    std::fs::write(folder.join("flat.rs"), include_str!("../../src/flat.rs")).expect("a file");
+    let mut flags = vec!["-C", "opt-level=0", "-A", "warnings"];
+    if is_fused {
+        flags.extend(["-C", "target-feature=+fma"]);
+    }
+    let main = drivers::rust(module, &source.text);
+    rustc(folder, "main", &main, &flags).unwrap_or_else(|message| panic!("{}: {message}", module.name));
+    drivers::run(&folder.join("main"), requests)
+}
+
+/// Ordinary states, and some that hold a number of [`SPECIAL`].
+fn requests(module: &Module, scalar: Scalar) -> Requests {
+    let mut rng = Rng::with_seed(16);
+    let mut requests = Requests::new(module);
+    let short = |x: f64| match scalar {
+        Scalar::F64 => x,
+        Scalar::F32 => f64::from(x as f32),
+    };
+    for function in 0..requests.functions() {
+        for sample in 0..SAMPLES + SPECIAL.len() {
+            let special = sample.checked_sub(SAMPLES).map(|index| SPECIAL[index]);
+            let mut number = || match (special, rng.u8(0..10)) {
+                (Some(special), 0..3) => short(special),
+                (_, 3) => 0.0,
+                (_, 4) => short(30.0 * (rng.f64() - 0.5)),
+                _ => short(6.0 * (rng.f64() - 0.5)),
+            };
+            requests.add(function, &mut number);
+        }
+    }
+    requests
+}
+
+fn model(name: &str) -> PathBuf {
+    workspace().join("models").join(name)
+}
+
+fn variants() -> impl Iterator<Item = bool> {
+    let has_fma = std::arch::is_x86_feature_detected!("fma");
+    if !has_fma {
+        println!("skipped: no fused multiply-add here");
+    }
+    [false, true].into_iter().filter(move |fused| has_fma || !fused)
+}
+
+/// What has loops in array form, and discrete time over it.
+const LOOPS: [&str; 4] =
+    ["inverse_dynamics_derivatives_and_mass_matrix", "linearize", "discretize", "step_derivatives"];
+
+/// All functions as straight-line code with free parameters, then loops over a chain and over a tree; each of them with
+/// discrete time. The first compiler runs them, the others look for warnings.
+#[test]
+fn three_robots_compute_the_same_bits_in_every_variant() {
+    let mut compilers = c_compilers();
+    let others = compilers.split_off(compilers.len().min(1));
+    for (name, functions, form) in [
+        ("powercube_parameters.toml", &[][..], Form::Cheapest),
+        ("geared_arm.toml", &[], Form::Arrays),
+        ("gripper.toml", &LOOPS, Form::Arrays),
+    ] {
+        for is_fused in variants() {
+            let module = derive(&model(name), functions, form, is_fused);
+            for scalar in [Scalar::F64, Scalar::F32] {
+                compare(&module, scalar, is_fused, &compilers, &others);
+            }
+        }
+    }
+}
+
+/// All robots, in every variant and form.
+#[test]
+#[ignore = "compiles every robot some dozen times; see the head of this file"]
+fn all_robots_compute_the_same_bits_in_every_variant() {
+    let compilers = c_compilers();
+    let wanted = std::env::var("GELENK_ROBOTS").ok();
+    let is_wanted = |path: &PathBuf| {
+        let name = path.file_stem().unwrap_or_default();
+        wanted.as_ref().is_none_or(|wanted| wanted.split(',').any(|wanted| name == wanted))
+    };
+    for description in descriptions().into_iter().filter(is_wanted) {
+        for form in [Form::Cheapest, Form::Arrays] {
+            for is_fused in variants() {
+                let module = derive(&description, &[], form, is_fused);
+                for scalar in [Scalar::F64, Scalar::F32] {
+                    compare(&module, scalar, is_fused, &compilers, &[]);
+                    println!("{} {form:?} {scalar:?} fused {is_fused}", module.name);
+                }
+            }
+        }
+    }
+}
