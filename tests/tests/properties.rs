@@ -5,7 +5,8 @@
 //! 12 joints are some hundred units of 1.1e-16 of it.
 
 use std::collections::BTreeSet;
-use std::sync::LazyLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{LazyLock, OnceLock};
 
 use fastrand::Rng;
 use gelenk_codegen::functions::form::Form;
@@ -174,28 +175,60 @@ const WITH_WRENCHES: [&str; 6] = [
     "forward_dynamics_derivatives_with_wrenches",
 ];
 
-/// All random robots with their seeds, derived once for all tests.
-static ROBOTS: LazyLock<Vec<(u64, Robot)>> = LazyLock::new(|| {
+/// Kinds of random robots.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Straight,
+    /// The array form knows no rotors that sit further from their joint than on its parent.
+    Looped,
+    Coupled,
+    Helical,
+    WithForces,
+}
+
+fn derived(kind: Kind, seed: u64) -> Robot {
     let selection = [&FUNCTIONS[..], &["frames"]].concat();
-    let straight = |seed| Robot::in_form(random_model(seed, LONGEST), &selection, Form::Straight);
-    // The array form knows no rotors that sit further from their joint than on its parent.
-    let looped =
-        |seed| Robot::in_form(random_model_with_near_rotors(seed, LONGEST), &selection, Form::Arrays);
-    let robots: Vec<(u64, Robot)> =
-        SEEDS.flat_map(|seed| [(seed, straight(seed)), (seed, looped(seed))]).collect();
-    let coupled = |seed| Robot::in_form(random_coupled_model(seed, LONGEST), &selection, Form::Straight);
-    let coupled: Vec<(u64, Robot)> = COUPLED_SEEDS.map(|seed| (seed, coupled(seed))).collect();
-    let helical = |seed| Robot::in_form(random_helical_model(seed, LONGEST), &selection, Form::Straight);
-    let helical: Vec<(u64, Robot)> = HELICAL_SEEDS.map(|seed| (seed, helical(seed))).collect();
-    let has_loops = |name| move |(_, robot): &&(u64, Robot)| robot.function(name).arrays.is_some();
-    for name in ["inverse_dynamics_derivatives", "linearize"] {
-        assert!(robots.iter().filter(has_loops(name)).count() > robots.len() / 3, "{name}");
-    }
     let with_wrenches = [&selection[..], &WITH_WRENCHES].concat();
-    let with_forces =
-        |seed| Robot::in_form(random_model_with_frame_forces(seed, LONGEST), &with_wrenches, Form::Cheapest);
-    let with_forces: Vec<(u64, Robot)> = FORCE_SEEDS.map(|seed| (seed, with_forces(seed))).collect();
-    robots.into_iter().chain(coupled).chain(helical).chain(with_forces).collect()
+    let of = |model, form| Robot::in_form(model, &selection, form);
+    match kind {
+        Kind::Straight => of(random_model(seed, LONGEST), Form::Straight),
+        Kind::Looped => of(random_model_with_near_rotors(seed, LONGEST), Form::Arrays),
+        Kind::Coupled => of(random_coupled_model(seed, LONGEST), Form::Straight),
+        Kind::Helical => of(random_helical_model(seed, LONGEST), Form::Straight),
+        Kind::WithForces => {
+            let model = random_model_with_frame_forces(seed, LONGEST);
+            Robot::in_form(model, &with_wrenches, Form::Cheapest)
+        }
+    }
+}
+
+/// All random robots with their seeds, derived once for all tests, by as many threads as there are processors.
+static ROBOTS: LazyLock<Vec<(u64, Robot)>> = LazyLock::new(|| {
+    let plain = SEEDS.flat_map(|seed| [(Kind::Straight, seed), (Kind::Looped, seed)]);
+    let coupled = COUPLED_SEEDS.map(|seed| (Kind::Coupled, seed));
+    let helical = HELICAL_SEEDS.map(|seed| (Kind::Helical, seed));
+    let with_forces = FORCE_SEEDS.map(|seed| (Kind::WithForces, seed));
+    let all: Vec<(Kind, u64)> = plain.chain(coupled).chain(helical).chain(with_forces).collect();
+    let robots: Vec<OnceLock<Robot>> = all.iter().map(|_| OnceLock::new()).collect();
+    let next = AtomicUsize::new(0);
+    let work = || {
+        while let Some((&(kind, seed), robot)) = {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            all.get(index).zip(robots.get(index))
+        } {
+            robot.get_or_init(|| derived(kind, seed));
+        }
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| (0..threads).for_each(|_| _ = scope.spawn(work)));
+    let robots = robots.into_iter().map(|robot| robot.into_inner().expect("each robot was derived"));
+    let robots: Vec<Robot> = robots.collect();
+    let looped = || all.iter().zip(&robots).filter(|((kind, _), _)| *kind == Kind::Looped);
+    for name in ["inverse_dynamics_derivatives", "linearize"] {
+        let has_loops = looped().filter(|(_, robot)| robot.function(name).arrays.is_some());
+        assert!(has_loops.count() > 2 * SEEDS.count() / 3, "{name}");
+    }
+    all.iter().map(|&(_, seed)| seed).zip(robots).collect()
 });
 
 /// Runs a check on all random robots, in several states.
