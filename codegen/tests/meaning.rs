@@ -228,3 +228,22 @@ fn a_helical_joint_is_an_angle() {
     assert_eq!(model.definiteness(), Definiteness::Positive, "a point mass resists the slide of its screw");
     assert!(!notes.to_string().contains("degrees"), "screws turn often: {notes}");
 }
+
+/// A shaft that turns −50 times as fast brakes with −50 times its own friction.
+#[test]
+fn friction_of_a_shaft_counts_at_its_joint_through_the_gear() {
+    let text = "[[joints]]\nname = \"lift\"\nfriction = { viscous = 2 }\n\
+                drive = { gear_ratio = -50, friction = { viscous = 1e-3, terms = [[\"tanh(0.3*v)\", 0.02], [\"cos(y)*v\", 1e-4]] } }\n\
+                [[bodies]]\nlink = \"lift\"\nmass = 1\ninertia = 1\n";
+    let (model, _) = load(text);
+    let at = |y: f64, v: f64| -> f64 {
+        let terms = joint(&model, 0).friction.iter();
+        terms.map(|term| term.coefficient.evaluate(&[], y, v) * term.basis.evaluate(&[], y, v)).sum()
+    };
+    for (y, v) in [(0.3_f64, 0.2_f64), (-1.0, -0.05)] {
+        let (angle, speed) = (-50.0 * y, -50.0 * v);
+        let shaft = 1e-3 * speed + 0.02 * (0.3 * speed).tanh() + 1e-4 * angle.cos() * speed;
+        let expected = 2.0 * v - 50.0 * shaft;
+        assert!((at(y, v) - expected).abs() < 1e-12 && at(y, v) * v > 0.0, "{} {expected}", at(y, v));
+    }
+}

@@ -46,12 +46,12 @@ impl Compiler {
     }
 
     /// Makes `c_main` of `main.c` and `robot.c`. It is linked without the mathematical library: a call would not be
-    /// found.
+    /// found. Square roots are the processor's instruction where they need not set `errno`.
     ///
     /// # Errors
     /// What the compiler said.
     pub fn compile(&self, folder: &Path, is_fused: bool) -> Result<(), String> {
-        self.run(folder, is_fused, &["-O2", "main.c", "robot.c", "-o", "c_main"])
+        self.run(folder, is_fused, &["-O2", "-fno-math-errno", "main.c", "robot.c", "-o", "c_main"])
     }
 
     /// Looks for warnings only.
