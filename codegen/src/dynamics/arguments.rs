@@ -22,9 +22,9 @@ pub struct Arguments<'g> {
 /// A wrench at the origin of its frame.
 #[derive(Debug, Clone, Copy)]
 pub struct WrenchArgument<'g> {
-    /// Force [N].
+    /// Force (N).
     pub force: Vector3<Scalar<'g>>,
-    /// Moment about the origin [N m].
+    /// Moment about the origin (N m).
     pub moment: Vector3<Scalar<'g>>,
 }
 

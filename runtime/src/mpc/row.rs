@@ -64,7 +64,7 @@ pub enum RowKind {
     /// Exactly, to [`QpSettings::feasibility`](crate::qp::QpSettings). Where hard rows contradict each other or
     /// the limits of the inputs, the sum of their violations is as small as it can be.
     Hard,
-    /// Softly, with [`MpcOptions::limit_penalty`] per unit of the row.
+    /// Softly, with [`MpcOptions::limit_penalty`](super::MpcOptions::limit_penalty) per unit of the row.
     Soft,
     /// Softly, with a penalty of its own.
     Penalized(Penalty),
