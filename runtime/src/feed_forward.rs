@@ -101,9 +101,10 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
     /// Inverts the input matrix of `model`: once where it is constant, else at each call, without allocation.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`], judged at `y = 0` where B depends on y.
+    /// [`FeedForwardError::InputMatrix`]. Where B depends on y, it is judged at the positions within the limits that
+    /// are closest to 0.
     pub fn new(model: D) -> Result<Self, FeedForwardError> {
-        let input_matrix = model.input_matrix(&[0.0; N]);
+        let input_matrix = model.input_matrix(&closest_to_zero(&model.limits().position));
         let inverse = pseudo_inverse(&input_matrix).ok_or(FeedForwardError::InputMatrix)?;
         let constant = (model.drives() == M).then_some(Inverted { input_matrix, inverse });
         Ok(Self { model, constant })
@@ -213,6 +214,11 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
 
 fn product<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The positions closest to 0 within the limits: beyond them, inputs at frames may have no direction.
+pub(crate) fn closest_to_zero<const N: usize>(limits: &[[f64; 2]; N]) -> [f64; N] {
+    limits.map(|[low, high]| 0.0_f64.max(low).min(high))
 }
 
 impl<const N: usize, const M: usize> Inverted<N, M> {

@@ -6,7 +6,7 @@ use gelenk_generated::excavator::{DRIVES, INPUT_RANGES};
 use gelenk_runtime::control_loop::{
     AccelerationGains, ComputedTorque, Controller, Cycle, LawController, LoopSettings,
 };
-use gelenk_runtime::dynamics::Dynamics;
+use gelenk_runtime::dynamics::{Dynamics, Limits};
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions, Nmpc};
 use gelenk_runtime::plant::{Plant, PlantOptions};
@@ -123,4 +123,50 @@ fn a_gas_spring_unloads_the_shoulder() {
     for y in [0.6, 1.0, 1.4] {
         assert!(load(true, y).abs() < 0.6 * load(false, y).abs(), "{} {}", load(true, y), load(false, y));
     }
+}
+
+/// A rod that has no direction at y = 0, which its limits exclude.
+struct Rod;
+
+impl Dynamics<1, 1> for Rod {
+    fn limits(&self) -> Limits<1, 1> {
+        Limits {
+            position: [[0.5, 1.5]],
+            velocity: [1.0],
+            effort: [f64::INFINITY],
+            peak_effort: [f64::INFINITY],
+            input: [[-1.0, 1.0]],
+            peak_input: [[-1.0, 1.0]],
+        }
+    }
+    fn mass_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {
+        [[1.0]]
+    }
+    fn coriolis_forces(&self, _: &[f64; 1], _: &[f64; 1]) -> [f64; 1] {
+        [0.0]
+    }
+    fn gravity_forces(&self, _: &[f64; 1]) -> [f64; 1] {
+        [0.0]
+    }
+    fn spring_forces(&self, _: &[f64; 1], _: &[f64; 1]) -> [f64; 1] {
+        [0.0]
+    }
+    fn friction_torques(&self, _: &[f64; 1], _: &[f64; 1]) -> [f64; 1] {
+        [0.0]
+    }
+    fn input_matrix(&self, y: &[f64; 1]) -> [[f64; 1]; 1] {
+        [[1.0 / y[0]]]
+    }
+    fn drives(&self) -> usize {
+        0
+    }
+}
+
+#[test]
+fn inputs_are_judged_within_the_limits() {
+    let feed_forward = FeedForward::new(Rod).unwrap();
+    assert_eq!(feed_forward.inputs_for(&[0.5], &[3.0]), [1.5]);
+    assert!(feed_forward.inputs_for(&[0.0], &[3.0])[0].is_nan());
+    assert!(ComputedTorque::new(Rod, AccelerationGains::from_bandwidth(1.0, 1.0)).is_ok());
+    assert_eq!(Rod.input_limits().peak, [[-1.0, 1.0]]);
 }

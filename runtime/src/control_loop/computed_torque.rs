@@ -5,7 +5,7 @@ use super::joint_pd::require_gains;
 use super::law::{JointLaw, finite};
 use super::settings::SettingError;
 use crate::dynamics::{Dynamics, Named};
-use crate::feed_forward::{FeedForward, FeedForwardError};
+use crate::feed_forward::{FeedForward, FeedForwardError, closest_to_zero};
 use crate::trajectory::Sample;
 use thiserror::Error;
 
@@ -99,10 +99,11 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> ComputedTorque<D, N, M> 
         require_gains("gains.position", &names, &gains.position)?;
         require_gains("gains.velocity", &names, &gains.velocity)?;
         let feed_forward = FeedForward::new(model)?;
+        let positions = closest_to_zero(&feed_forward.model().limits().position);
         for joint in 0..N {
             let mut force = [0.0; N];
             force[joint] = 1.0;
-            let missed = feed_forward.missed(&[0.0; N], &force).map(f64::abs);
+            let missed = feed_forward.missed(&positions, &force).map(f64::abs);
             if missed.iter().any(|r| *r > MISSED) {
                 let name = names[joint];
                 return Err(ComputedTorqueError::Underactuated { joint, name });
