@@ -38,7 +38,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     }
     let texts: String = texts.iter().map(|text| format!("\n{text}")).collect();
     let meetings = if inverts { meetings(first) } else { String::new() };
-    context.pasted(&(sizes(first) + &meetings)) + &context.pasted_loops(&texts)
+    [context.pasted(&[sizes(first), meetings].concat()), context.pasted_loops(&texts)].concat()
 }
 
 /// Lengths of rows.

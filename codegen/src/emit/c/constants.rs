@@ -30,7 +30,7 @@ pub(super) fn declaration(context: &Context<'_>, constant: &Constant) -> String 
         }
         Object::Array { ty, lengths, .. } => format!("extern const {ty}{name}{lengths};\n"),
     };
-    comment::documentation(&blocks) + &text
+    [comment::documentation(&blocks), text].concat()
 }
 
 /// The definition of a constant; none where its declaration is all.
