@@ -2882,7 +2882,11 @@ mod math {
             return if x < 0.0 { f64::NAN } else { x };
         }
         // Subnormal numbers are scaled by 2^54.
-        let (x, scale) = if x < f64::MIN_POSITIVE { (x * 18_014_398_509_481_984.0, 7.450_580_596_923_828e-9) } else { (x, 1.0) };
+        let (x, scale) = if x < f64::MIN_POSITIVE {
+            (x * 18_014_398_509_481_984.0, 7.450_580_596_923_828e-9)
+        } else {
+            (x, 1.0)
+        };
         let (exponent, fraction) = (x.to_bits() >> 52, x.to_bits() & 0x000F_FFFF_FFFF_FFFF);
         // x = v 4^e with 1 ≤ v < 4, and v = mantissa / 2^52.
         let odd = (exponent & 1) ^ 1;
@@ -2896,7 +2900,11 @@ mod math {
         let y = y * (1.5 - half * y * y);
         let y = y * (1.5 - half * y * y);
         // The root as a whole number of 2^-52. Its remainder is so small that 64 bits hold it.
-        let remainder = |root: u64| (mantissa << 52).wrapping_sub(root.wrapping_mul(root)).cast_signed();
+        let remainder = |root: u64| {
+            (mantissa << 52)
+                .wrapping_sub(root.wrapping_mul(root))
+                .cast_signed()
+        };
         let near = (v * y * 4_503_599_627_370_496.0) as u64;
         let correction = remainder(near) as f64 * (y * 1.110_223_024_625_156_5e-16);
         let root = near.wrapping_sub(8).wrapping_add((correction + 8.0) as u64);
