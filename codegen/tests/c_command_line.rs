@@ -130,6 +130,11 @@ fn what_c_does_not_have_is_refused() {
         assert_eq!(code, expected, "{text}");
         assert!(text.contains(reason), "{text}");
     }
+    for file in ["pole.c", "pole.h"] {
+        let (code, text) = gelenk(folder, &format!("generate cart_pole.toml --output {file}"));
+        assert_eq!(code, 2, "a module in Rust is not called like one in C: {text}");
+        assert!(text.contains("add `--language c`"), "{text}");
+    }
     assert!(written(folder).is_empty());
     fs::create_dir_all(folder.join("models")).unwrap();
     fs::create_dir_all(folder.join("generated/src")).unwrap();

@@ -97,6 +97,7 @@ pub use gelenk_dynamics::{dynamics, include_model};
 
 pub mod control_loop;
 pub mod feed_forward;
+mod input_limits;
 #[doc = include_str!("from_urdf.md")]
 pub mod from_urdf {}
 pub mod kinematics;

@@ -77,6 +77,10 @@ impl Target {
     pub(super) fn new(output: Option<&Path>, language: LanguageName) -> Result<Self, Failure> {
         match (language, output) {
             (LanguageName::Rust, None) => Ok(Self::default()),
+            (LanguageName::Rust, Some(file)) if is_of_c(file) => Err(Failure::Usage(format!(
+                "{}: that is a name for a module in C: add `--language c`",
+                file.display()
+            ))),
             (LanguageName::Rust, Some(file)) => {
                 Ok(Self { output: Output::File(file.to_owned()), name: None })
             }
@@ -99,11 +103,10 @@ impl Target {
         if output == Path::new("-") {
             return usage("a module in C is two files, which standard output cannot hold apart".to_owned());
         }
-        let extension = output.extension().and_then(|extension| extension.to_str());
-        match extension {
+        match output.extension() {
             _ if output.is_dir() => Ok(Self::folder(output)),
             None => Ok(Self::folder(output)),
-            Some("c" | "h") => {
+            Some(_) if is_of_c(output) => {
                 let name = output.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
                 let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "_-.".contains(letter);
                 if name.is_empty() || !name.chars().all(is_plain) {
@@ -120,6 +123,11 @@ impl Target {
             )),
         }
     }
+}
+
+/// Tells whether a file is called as sources and headers in C are.
+fn is_of_c(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension == "c" || extension == "h")
 }
 
 /// Fails where a file that is to be written was read, or has no folder.

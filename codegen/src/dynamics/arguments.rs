@@ -1,7 +1,7 @@
 //! What the equations are written in.
 
 use crate::graph::Scalar;
-use crate::spatial::Vector3;
+use crate::spatial::Force;
 
 /// Scalars of the arguments of a function; those that it does not have are empty.
 pub struct Arguments<'g> {
@@ -15,23 +15,6 @@ pub struct Arguments<'g> {
     pub u: Vec<Scalar<'g>>,
     /// λ
     pub lambda: Vec<Scalar<'g>>,
-    /// w
-    pub w: Vec<WrenchArgument<'g>>,
-}
-
-/// A wrench at the origin of its frame.
-#[derive(Debug, Clone, Copy)]
-pub struct WrenchArgument<'g> {
-    /// Force (N).
-    pub force: Vector3<Scalar<'g>>,
-    /// Moment about the origin (N m).
-    pub moment: Vector3<Scalar<'g>>,
-}
-
-impl<'g> WrenchArgument<'g> {
-    /// Force, then moment.
-    pub fn of(entries: &[Scalar<'g>]) -> Self {
-        let part = |start: usize| Vector3(std::array::from_fn(|k| entries[start + k]));
-        Self { force: part(0), moment: part(3) }
-    }
+    /// w, each about the origin of its frame.
+    pub w: Vec<Force<'g>>,
 }

@@ -1,6 +1,5 @@
 //! The equations of motion of one robot over a graph: every quantity once, from the cheapest formulation.
 
-use super::arguments::WrenchArgument;
 use super::forces;
 use super::frame_forces::FrameForces;
 use super::load_friction;
@@ -125,8 +124,7 @@ impl<'g> Equations<'_, 'g> {
         if self.model.point_forces.is_empty() {
             return at_joints;
         }
-        let between_frames = self.frame_forces(y).law_forces(v);
-        at_joints.into_iter().zip(between_frames).map(|(a, b)| a + b).collect()
+        sum(&at_joints, &self.frame_forces(y).law_forces(v))
     }
 
     fn frame_forces<'y>(&'y self, y: &'y [Scalar<'g>]) -> FrameForces<'y, 'g> {
@@ -149,7 +147,7 @@ impl<'g> Equations<'_, 'g> {
     }
 
     /// Generalized forces of the wrenches.
-    pub fn wrench_forces(&self, y: &[Scalar<'g>], w: &[WrenchArgument<'g>]) -> Vec<Scalar<'g>> {
+    pub fn wrench_forces(&self, y: &[Scalar<'g>], w: &[Force<'g>]) -> Vec<Scalar<'g>> {
         self.frame_forces(y).wrench_forces(w)
     }
 
@@ -166,7 +164,7 @@ impl<'g> Equations<'_, 'g> {
     /// `q = q_gravity + q_springs − τ`
     pub fn applied_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let joint = self.joint_forces(y, v);
-        self.gravity_forces(y).iter().zip(&joint).map(|(&gravity, &joint)| gravity + joint).collect()
+        sum(&self.gravity_forces(y), &joint)
     }
 
     /// s₁: what friction gains for each unit of load, by coordinate; `None` where it gains nothing.
@@ -247,7 +245,7 @@ impl<'g> Equations<'_, 'g> {
     pub fn wrench_forces_derivatives(
         &self,
         y: &[Scalar<'g>],
-        w: &[WrenchArgument<'g>],
+        w: &[Force<'g>],
     ) -> (Vec<Scalar<'g>>, Matrix<'g>) {
         let forces = self.wrench_forces(y, w);
         let columns: Vec<Vec<_>> = y.iter().map(|&y| differentiate(self.graph, &forces, y)).collect();
@@ -260,7 +258,7 @@ impl<'g> Equations<'_, 'g> {
     pub fn inverse_dynamics_with_wrenches(
         &self,
         MotionInput { y, v, a }: MotionInput<'_, 'g>,
-        w: &[WrenchArgument<'g>],
+        w: &[Force<'g>],
     ) -> Vec<Scalar<'g>> {
         subtract(&self.inverse_dynamics(y, v, a), &self.wrench_forces(y, w))
     }
@@ -269,7 +267,7 @@ impl<'g> Equations<'_, 'g> {
     pub fn inverse_dynamics_derivatives_with_wrenches(
         &self,
         input: MotionInput<'_, 'g>,
-        w: &[WrenchArgument<'g>],
+        w: &[Force<'g>],
     ) -> ForceDerivatives<'g> {
         let mut result = self.inverse_dynamics_derivatives(input);
         let (forces, by_coordinates) = self.wrench_forces_derivatives(input.y, w);
@@ -286,7 +284,7 @@ impl<'g> Equations<'_, 'g> {
         y: &[Scalar<'g>],
         v: &[Scalar<'g>],
         u: &[Scalar<'g>],
-        w: &[WrenchArgument<'g>],
+        w: &[Force<'g>],
     ) -> Vec<Scalar<'g>> {
         let route = self.formulations.forward_dynamics();
         let driving = || sum(&self.driving_forces(y, v, u), &self.wrench_forces(y, w));
@@ -299,7 +297,7 @@ impl<'g> Equations<'_, 'g> {
         y: &[Scalar<'g>],
         v: &[Scalar<'g>],
         u: &[Scalar<'g>],
-        w: &[WrenchArgument<'g>],
+        w: &[Force<'g>],
     ) -> AccelerationDerivatives<'g> {
         self.acceleration_derivatives(y, v, u, Some(w))
     }
@@ -328,7 +326,7 @@ impl<'g> Equations<'_, 'g> {
         y: &[Scalar<'g>],
         v: &[Scalar<'g>],
         u: &[Scalar<'g>],
-        w: Option<&[WrenchArgument<'g>]>,
+        w: Option<&[Force<'g>]>,
     ) -> AccelerationDerivatives<'g> {
         let (mass, bias) = self.formulations.mass_and_bias_beside_derivatives();
         let matrix = self.mass_matrix_by(mass, y);
@@ -423,12 +421,7 @@ impl<'g> Equations<'_, 'g> {
         u: &[Scalar<'g>],
     ) -> Vec<Scalar<'g>> {
         let Some(shares) = self.load_shares(y, v) else {
-            return self
-                .input_forces(y, u)
-                .into_iter()
-                .zip(self.joint_forces(y, v))
-                .map(|(a, b)| a + b)
-                .collect();
+            return sum(&self.input_forces(y, u), &self.joint_forces(y, v));
         };
         let exerted = subtract(&self.input_forces(y, u), &self.friction_torques(y, v));
         let loads = exerted.iter().zip(&shares).map(|(&exerted, &share)| load_friction::load(exerted, share));

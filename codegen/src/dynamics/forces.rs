@@ -2,8 +2,8 @@
 
 use crate::formula::{Formula, Function};
 use crate::graph::{Graph, Scalar};
-use crate::kinematics::{Followed, Transmission, lower, lower_with};
-use crate::model::{Drive, FollowedCoordinate, FrictionTerm, Input, Joint, Model, MovingJoint};
+use crate::kinematics::{Transmission, lower, lower_followed, lower_with};
+use crate::model::{Drive, FrictionTerm, Input, Joint, Model, MovingJoint};
 use crate::program::{Instruction, Operation, Program};
 
 /// Forces of springs and dampers by coordinate; they add to q.
@@ -15,7 +15,8 @@ pub fn spring_forces<'g>(
 ) -> Vec<Scalar<'g>> {
     let mut forces = vec![graph.constant(0.0); model.coordinates.len()];
     for moving in Moving::of(graph, model) {
-        let (position, velocity) = (moving.position(y), moving.velocity(v));
+        let position = position(&moving.transmission, moving.offset, y);
+        let velocity = moving.transmission.motion(v);
         for spring in &moving.joint.springs {
             let force = lower_with(graph, spring, position, velocity);
             moving.transmission.add_force(force, &mut forces);
@@ -35,19 +36,10 @@ impl<'m, 'g> Moving<'m, 'g> {
     fn of(graph: &'g Graph, model: &'m Model) -> Vec<Self> {
         let moving = |moving: MovingJoint<'m>| Self {
             joint: moving.joint,
-            transmission: followed(graph, &moving.follows),
+            transmission: lower_followed(graph, &moving.follows),
             offset: moving.offset,
         };
         model.moving_joints().into_iter().map(moving).collect()
-    }
-
-    fn position(&self, y: &[Scalar<'g>]) -> Scalar<'g> {
-        position(&self.transmission, self.offset, y)
-    }
-
-    /// `G ẏ`
-    fn velocity(&self, v: &[Scalar<'g>]) -> Scalar<'g> {
-        self.transmission.motion(v)
     }
 }
 
@@ -76,21 +68,12 @@ impl<'m, 'g> Rubbing<'m, 'g> {
         let shaft = |drive: &'m Drive| Self {
             name: &drive.name,
             terms: &drive.friction,
-            transmission: followed(graph, &drive.acts_on).scaled(lower(graph, &drive.gear_ratio)),
+            transmission: lower_followed(graph, &drive.acts_on).scaled(lower(graph, &drive.gear_ratio)),
             offset: 0.0,
         };
         let joints = Moving::of(graph, model).into_iter().map(joint);
         joints.chain(model.rubbing_drives().map(shaft)).collect()
     }
-}
-
-/// The coordinates that a joint or a drive follows, on a graph.
-pub fn followed<'g>(graph: &'g Graph, terms: &[FollowedCoordinate]) -> Transmission<Scalar<'g>> {
-    let term = |term: &FollowedCoordinate| Followed {
-        coordinate: term.coordinate,
-        ratio: lower(graph, &term.ratio),
-    };
-    Transmission { terms: terms.iter().map(term).collect() }
 }
 
 /// Tells whether a friction law depends on the position of its joint. Friction is τ(y, ẏ) then, else τ(ẏ).
@@ -232,7 +215,7 @@ pub fn drive_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>>
             Input::Torque => ratio,
             Input::Current(constant) => ratio * lower(graph, constant),
         };
-        followed(graph, &drive.acts_on).add_row_entry(column, gain, &mut matrix);
+        lower_followed(graph, &drive.acts_on).add_row_entry(column, gain, &mut matrix);
     }
     matrix
 }

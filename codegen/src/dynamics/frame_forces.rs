@@ -3,7 +3,8 @@
 //! A force F that pulls the origins of two frames together does the work −F l̇ with their distance l, so that it
 //! adds −F ∂l/∂y to the generalized forces. A wrench adds Jᵀ times force and moment.
 
-use super::arguments::WrenchArgument;
+use std::cell::LazyCell;
+
 use super::recursion::frame_motion::BasePoses;
 use super::recursion::placement::{Placement, place};
 use super::search::formulation::Formulation;
@@ -11,7 +12,7 @@ use crate::formula::{Formula, Function};
 use crate::graph::{Graph, Scalar, gradient};
 use crate::kinematics::{JointAxis, Mechanism, lower, lower_pose, lower_with};
 use crate::model::{Attachment, ForceEffect, ForceInput, Model, WrenchAxes, identifier};
-use crate::spatial::{Pose, Vector3, rotate};
+use crate::spatial::{Force, Pose, Vector3, rotate};
 
 /// The bodies of a mechanism at some coordinates.
 pub struct FrameForces<'a, 'g> {
@@ -78,30 +79,29 @@ impl<'a, 'g> FrameForces<'a, 'g> {
     }
 
     /// Generalized forces of wrenches that are arguments.
-    pub fn wrench_forces(&self, wrenches: &[WrenchArgument<'g>]) -> Vec<Scalar<'g>> {
+    pub fn wrench_forces(&self, wrenches: &[Force<'g>]) -> Vec<Scalar<'g>> {
         let mut forces = vec![self.graph().constant(0.0); self.y.len()];
         let described = self.model.wrenches.iter().zip(wrenches);
-        let in_base = described.clone().any(|(described, _)| described.axes == WrenchAxes::Base);
-        let poses = in_base.then(|| BasePoses::new(self.mechanism.clone(), self.y));
+        let poses = LazyCell::new(|| BasePoses::new(self.mechanism.clone(), self.y));
         for (described, wrench) in described {
-            match (described.axes, &poses) {
-                (WrenchAxes::Base, Some(poses)) => {
+            match described.axes {
+                WrenchAxes::Base => {
                     let frame = lower_pose(self.graph(), &described.at.pose);
                     poses.add_wrench(described.at.link, &frame, *wrench, &mut forces);
                 }
-                _ => self.add_wrench(&described.at, *wrench, &mut forces),
+                WrenchAxes::Frame => self.add_wrench(&described.at, *wrench, &mut forces),
             }
         }
         forces
     }
 
-    fn lowered(&self, wrench: &[Formula; 6]) -> WrenchArgument<'g> {
-        WrenchArgument::of(&wrench.each_ref().map(|entry| lower(self.graph(), entry)))
+    fn lowered(&self, wrench: &[Formula; 6]) -> Force<'g> {
+        Force::of_wrench(&wrench.each_ref().map(|entry| lower(self.graph(), entry)))
     }
 
     /// Adds the generalized forces of force and moment at the origin of a frame, in its axes: from body to body
     /// towards the base.
-    fn add_wrench(&self, at: &Attachment, wrench: WrenchArgument<'g>, forces: &mut [Scalar<'g>]) {
+    fn add_wrench(&self, at: &Attachment, wrench: Force<'g>, forces: &mut [Scalar<'g>]) {
         let (mut next, frame) = self.in_body(at);
         let mut force = rotate(&frame.rotation, wrench.force);
         let mut moment = rotate(&frame.rotation, wrench.moment) + frame.translation.cross(force);

@@ -4,12 +4,13 @@ use super::catalogue::Argument::{
     self, Accelerations, Coordinates, Inputs, Multipliers, Velocities, Wrenches,
 };
 use super::catalogue::{Quantity, QuantityResult, Value};
-use crate::dynamics::arguments::{Arguments, WrenchArgument};
+use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::search::routes::Formulations;
 use crate::graph::Graph;
 use crate::model::Model;
 use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
+use crate::spatial::Force;
 
 /// Inputs of a graph for the arguments of a function.
 pub(super) fn arguments_of<'g>(
@@ -31,7 +32,7 @@ pub(super) fn arguments_of<'g>(
         a: scalars(Accelerations),
         u: scalars(Inputs),
         lambda: scalars(Multipliers),
-        w: scalars(Wrenches).chunks_exact(6).map(WrenchArgument::of).collect(),
+        w: scalars(Wrenches).chunks_exact(6).map(Force::of_wrench).collect(),
     };
     (arguments, inputs)
 }

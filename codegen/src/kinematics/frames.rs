@@ -8,12 +8,11 @@
 use nalgebra::{Matrix3, Vector3 as Numeric3};
 
 use super::joint::JointAxis;
-use super::lower::lower;
+use super::lower::{lower, lower_followed};
 use super::mechanism::{Body, Mechanism, Rotor};
-use super::transmission::{Followed, Transmission};
 use super::tree::{DescribedBody, DescribedTree};
 use crate::graph::{Graph, Scalar};
-use crate::model::{self, Model, MovingJoint, RotorCoupling};
+use crate::model::{self, Model, RotorCoupling};
 use crate::numeric;
 use crate::spatial::{Angle, MassMoments, Pose, Twist, Vector3, cleaned, rotate};
 
@@ -60,7 +59,7 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
             identifier: identifier(model, described),
             joint: described.joint,
             is_screw_slide: described.is_screw_slide,
-            transmission: transmission(graph, moving, rate),
+            transmission: lower_followed(graph, &moving.follows).scaled(graph.constant(rate)),
             parent: described.parent,
             axis,
             twist,
@@ -88,16 +87,6 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
     };
     add_rotors(model, &mut mechanism);
     mechanism
-}
-
-/// The row of a moving joint in G, times the rate of its turn or slide; its axis may have been turned around.
-fn transmission<'g>(graph: &'g Graph, moving: &MovingJoint<'_>, rate: f64) -> Transmission<Scalar<'g>> {
-    let rate = graph.constant(rate);
-    let terms = moving
-        .follows
-        .iter()
-        .map(|term| Followed { coordinate: term.coordinate, ratio: lower(graph, &term.ratio) * rate });
-    Transmission { terms: terms.collect() }
 }
 
 fn joint<'m>(model: &'m Model, described: &DescribedBody<'_>) -> &'m model::Joint {
@@ -315,18 +304,8 @@ fn add_rotors(model: &Model, mechanism: &mut Mechanism<Scalar<'_>>) {
             continue;
         }
         let ratio = lower(mechanism.graph, &drive.gear_ratio);
-        let terms = drive
-            .acts_on
-            .iter()
-            .map(|term| Followed { coordinate: term.coordinate, ratio: lower(mechanism.graph, &term.ratio) });
+        let transmission = lower_followed(mechanism.graph, &drive.acts_on);
         let driven = drive.coordinate().and_then(|coordinate| mechanism.carried_by(coordinate));
-        mechanism.rotors.push(Rotor {
-            transmission: Transmission { terms: terms.collect() },
-            ratio,
-            driven,
-            carrier,
-            axis,
-            inertia,
-        });
+        mechanism.rotors.push(Rotor { transmission, ratio, driven, carrier, axis, inertia });
     }
 }

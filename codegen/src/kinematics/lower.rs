@@ -2,9 +2,10 @@
 
 use nalgebra::Matrix3;
 
+use super::transmission::{Followed, Transmission};
 use crate::formula::{Formula, Function};
 use crate::graph::{Graph, Scalar};
-use crate::model;
+use crate::model::{self, FollowedCoordinate};
 use crate::spatial::{Pose, Vector3};
 
 /// A described pose.
@@ -13,6 +14,15 @@ pub fn lower_pose<'g>(graph: &'g Graph, pose: &model::Pose) -> Pose<Scalar<'g>> 
         rotation: Matrix3::from_fn(|row, column| pose.rotation[row][column]),
         translation: Vector3(pose.translation.each_ref().map(|formula| lower(graph, formula))),
     }
+}
+
+/// The coordinates that a joint or a drive follows.
+pub fn lower_followed<'g>(graph: &'g Graph, terms: &[FollowedCoordinate]) -> Transmission<Scalar<'g>> {
+    let term = |term: &FollowedCoordinate| Followed {
+        coordinate: term.coordinate,
+        ratio: lower(graph, &term.ratio),
+    };
+    Transmission { terms: terms.iter().map(term).collect() }
 }
 
 /// A formula without joint variables as a scalar of the graph.

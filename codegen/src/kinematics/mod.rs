@@ -17,7 +17,7 @@ mod tree;
 
 pub use inertia::{RegroupChoice, SHORTEST_LEVER};
 pub use joint::JointAxis;
-pub use lower::{lower, lower_pose, lower_with};
+pub use lower::{lower, lower_followed, lower_pose, lower_with};
 pub use mechanism::{Body, Mechanism, Rotor};
 pub use number::{Number, Numbers};
 pub use transmission::{Followed, Transmission};

@@ -32,12 +32,7 @@ pub(super) fn followed_joints(
 
 /// The drives that stand apart from joints.
 pub(super) fn read_drives(reader: &mut Reader, top: &Table<'_>) -> Vec<SharedDriveDescription> {
-    let Some(item) = top.get("drives") else {
-        return Vec::new();
-    };
-    let keys = [&DRIVE[..], &["on"]].concat();
-    let tables = item.tables("a drive", &keys, &mut reader.report);
-    tables.iter().filter_map(|table| read_drive(reader, table)).collect()
+    reader.all(top, "drives", ("a drive", &[&DRIVE[..], &["on"]].concat()), read_drive)
 }
 
 fn read_drive(reader: &mut Reader, table: &Table<'_>) -> Option<SharedDriveDescription> {

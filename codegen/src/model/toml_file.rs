@@ -253,11 +253,7 @@ fn substeps(reader: &mut Reader, item: Item<'_>) -> Option<usize> {
 }
 
 fn read_bodies(reader: &mut Reader, top: &Table<'_>) -> Vec<BodyDescription> {
-    let Some(item) = top.get("bodies") else {
-        return Vec::new();
-    };
-    let tables = item.tables("a body", &BODY, &mut reader.report);
-    tables.iter().filter_map(|table| read_body(reader, table)).collect()
+    reader.all(top, "bodies", ("a body", &BODY), read_body)
 }
 
 fn read_body(reader: &mut Reader, table: &Table<'_>) -> Option<BodyDescription> {
@@ -311,11 +307,7 @@ fn read_inertia(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<[For
 }
 
 fn read_frames(reader: &mut Reader, top: &Table<'_>) -> Vec<FrameDescription> {
-    let Some(item) = top.get("frames") else {
-        return Vec::new();
-    };
-    let tables = item.tables("a frame", &["name", "link", "origin"], &mut reader.report);
-    tables.iter().filter_map(|table| read_frame(reader, table)).collect()
+    reader.all(top, "frames", ("a frame", &["name", "link", "origin"]), read_frame)
 }
 
 fn read_frame(reader: &mut Reader, table: &Table<'_>) -> Option<FrameDescription> {

@@ -13,23 +13,9 @@ const FORCE: [&str; 5] = ["name", "between", "law", "input", "limits"];
 const INPUT: [&str; 4] = ["name", "frame", "wrench", "limits"];
 const WRENCH: [&str; 3] = ["name", "frame", "in"];
 
-fn read_all<T>(
-    reader: &mut Reader,
-    top: &Table<'_>,
-    key: &str,
-    (what, keys): (&'static str, &[&'static str]),
-    read: fn(&mut Reader, &Table<'_>) -> Option<T>,
-) -> Vec<T> {
-    let Some(item) = top.get(key) else {
-        return Vec::new();
-    };
-    let tables = item.tables(what, keys, &mut reader.report);
-    tables.iter().filter_map(|table| read(reader, table)).collect()
-}
-
 /// The forces between two frames: `[[forces]]`.
 pub(super) fn read_point_forces(reader: &mut Reader, top: &Table<'_>) -> Vec<PointForceDescription> {
-    read_all(reader, top, "forces", ("a force", &FORCE), read_point_force)
+    reader.all(top, "forces", ("a force", &FORCE), read_point_force)
 }
 
 fn read_point_force(reader: &mut Reader, table: &Table<'_>) -> Option<PointForceDescription> {
@@ -73,7 +59,7 @@ fn two_names(reader: &mut Reader, item: Item<'_>) -> Option<[Name; 2]> {
 
 /// The inputs that are wrenches: `[[inputs]]`.
 pub(super) fn read_wrench_inputs(reader: &mut Reader, top: &Table<'_>) -> Vec<WrenchInputDescription> {
-    read_all(reader, top, "inputs", ("an input", &INPUT), read_wrench_input)
+    reader.all(top, "inputs", ("an input", &INPUT), read_wrench_input)
 }
 
 fn read_wrench_input(reader: &mut Reader, table: &Table<'_>) -> Option<WrenchInputDescription> {
@@ -87,7 +73,7 @@ fn read_wrench_input(reader: &mut Reader, table: &Table<'_>) -> Option<WrenchInp
 
 /// The wrenches that are arguments: `[[wrenches]]`.
 pub(super) fn read_wrenches(reader: &mut Reader, top: &Table<'_>) -> Vec<WrenchDescription> {
-    read_all(reader, top, "wrenches", ("a wrench", &WRENCH), read_wrench)
+    reader.all(top, "wrenches", ("a wrench", &WRENCH), read_wrench)
 }
 
 fn read_wrench(reader: &mut Reader, table: &Table<'_>) -> Option<WrenchDescription> {

@@ -201,6 +201,21 @@ impl Reader {
         Some(At::new(text.to_owned(), item.span))
     }
 
+    /// The entries of a list of tables at the top, where there is one; what cannot be read is left out.
+    pub fn all<T>(
+        &mut self,
+        top: &Table<'_>,
+        key: &str,
+        (what, keys): (&'static str, &[&'static str]),
+        read: fn(&mut Self, &Table<'_>) -> Option<T>,
+    ) -> Vec<T> {
+        let Some(item) = top.get(key) else {
+            return Vec::new();
+        };
+        let tables = item.tables(what, keys, &mut self.report);
+        tables.iter().filter_map(|table| read(self, table)).collect()
+    }
+
     /// The entry of a table that has to be there.
     pub fn required<'t>(&mut self, table: &Table<'t>, key: &'static str) -> Option<Item<'t>> {
         let item = table.get(key);

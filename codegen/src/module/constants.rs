@@ -1,5 +1,6 @@
 //! Constants of a robot: names, limits, drives.
 
+use crate::formula::Formula;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::Dimension;
 use crate::model::{Actuator, Drive, ForceInput, Input, Joint, Model, MovingJoint};
@@ -41,7 +42,8 @@ pub(super) fn all(model: &Model) -> Vec<Constant> {
     let mut constants = names(model, &joints, &inputs);
     constants.extend(joint_limits(&joints));
     constants.extend(followers(model));
-    constants.extend(drives(model, &inputs));
+    constants.extend(input_limits(model, &inputs));
+    constants.extend(drives(model));
     constants.extend(gravity(model));
     constants
 }
@@ -196,77 +198,82 @@ fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {
     ]
 }
 
-/// Constants of the drives. Gear ratios and rotor inertias that depend on free parameters are left out;
-/// limits of currents take the described motor constant.
-fn drives(model: &Model, inputs: &[Actuator<'_>]) -> Vec<Constant> {
-    let described = model.parameters.iter().map(|parameter| parameter.default);
-    let described: Vec<f64> = described.collect();
-    let limit = |input: &Actuator<'_>, torque: fn(&Drive) -> Option<f64>| match input {
-        Actuator::Drive(drive) => {
-            let torque = torque(drive).unwrap_or(f64::INFINITY);
-            Some(torque / torque_per_input(drive, &described)?)
-        }
-        Actuator::Force(force) => Some(magnitude(force)),
-    };
-    let of_inputs = |name, summary, torque: fn(&Drive) -> Option<f64>| {
-        let values: Option<Vec<f64>> = inputs.iter().map(|input| limit(input, torque)).collect();
-        Some(constant(name, summary, ConstantValue::Numbers(Dimension::Inputs, values?)))
-    };
-    // Where all inputs are drives, there is a value for each input.
-    let dimension = match model.force_inputs.is_empty() {
-        true => Dimension::Inputs,
-        false => Dimension::Fixed,
-    };
-    let of_drives = |name, summary, value: fn(&Drive) -> Option<f64>| {
-        let drives = inputs.iter().filter_map(|input| input.drive());
-        let values: Vec<f64> = drives.map(value).collect::<Option<_>>()?;
-        let is_told = dimension == Dimension::Inputs || !values.is_empty();
-        is_told.then(|| constant(name, summary, ConstantValue::Numbers(dimension, values)))
-    };
-    let peak = |drive: &Drive| drive.torque.peak.or(drive.torque.nominal);
-    let at_frames = (!model.force_inputs.is_empty()).then(|| {
-        let range = |input: &Actuator<'_>| match input {
-            Actuator::Force(force) => Some(force.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY])),
-            Actuator::Drive(_) => limit(input, peak).map(|limit| [-limit, limit]),
+/// Limits of the inputs; those of currents take the described motor constant.
+fn input_limits(model: &Model, inputs: &[Actuator<'_>]) -> Vec<Constant> {
+    let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+    let limits = |torque: fn(&Drive) -> Option<f64>| -> Option<Vec<f64>> {
+        let limit = |input: &Actuator<'_>| match input {
+            Actuator::Drive(drive) => {
+                Some(torque(drive).unwrap_or(f64::INFINITY) / torque_per_input(drive, &described)?)
+            }
+            Actuator::Force(force) => Some(magnitude(force)),
         };
-        let ranges: Option<Vec<[f64; 2]>> = inputs.iter().map(range).collect();
-        let count = inputs.iter().filter(|input| input.drive().is_some()).count();
-        let summary = "Lowest and highest value of each input, in its unit; infinite where not described.";
-        let ranges = ranges.map(|ranges| {
-            constant("INPUT_RANGES", summary, ConstantValue::Ranges(Dimension::Inputs, ranges))
-        });
-        let summary = "So many of the inputs, the first ones, are drives. The others act at frames.";
-        ranges
-            .into_iter()
-            .chain([constant("DRIVES", summary, ConstantValue::Count(count))])
-            .collect::<Vec<_>>()
-    });
-    let constants = [
-        of_inputs(
+        inputs.iter().map(limit).collect()
+    };
+    let nominal = limits(|drive| drive.torque.nominal);
+    let peak = limits(|drive| drive.torque.peak.or(drive.torque.nominal));
+    let numbers =
+        |name, summary, values| constant(name, summary, ConstantValue::Numbers(Dimension::Inputs, values));
+    let nominal = nominal.map(|values| {
+        numbers(
             "INPUT_LIMITS",
             "Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite \
              where not described. `EFFORT_LIMITS` at the joint holds beside it.",
-            |drive| drive.torque.nominal,
-        ),
-        of_inputs(
+            values,
+        )
+    });
+    let ranges = peak.as_ref().and_then(|peak| ranges(model, inputs, peak));
+    let peak = peak.map(|values| {
+        numbers(
             "PEAK_INPUT_LIMITS",
             "Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the \
              nominal one where no peak is described.",
-            peak,
-        ),
-    ];
-    let of_drives = [
+            values,
+        )
+    });
+    nominal.into_iter().chain(peak).chain(ranges).collect()
+}
+
+/// What magnitudes do not say, where inputs act at frames.
+fn ranges(model: &Model, inputs: &[Actuator<'_>], peak: &[f64]) -> Option<Constant> {
+    if model.force_inputs.is_empty() {
+        return None;
+    }
+    let range = |(input, &peak): (&Actuator<'_>, &f64)| match input {
+        Actuator::Force(force) => force.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
+        Actuator::Drive(_) => [-peak, peak],
+    };
+    let ranges = inputs.iter().zip(peak).map(range).collect();
+    let summary = "Lowest and highest value of each input, in its unit; infinite where not described.";
+    Some(constant("INPUT_RANGES", summary, ConstantValue::Ranges(Dimension::Inputs, ranges)))
+}
+
+/// Constants of the drives. Those that depend on free parameters are left out.
+fn drives(model: &Model) -> Vec<Constant> {
+    let count = model.input_drives().count();
+    let are_all = model.force_inputs.is_empty();
+    // Where all inputs are drives, there is a value for each input.
+    let dimension = if are_all { Dimension::Inputs } else { Dimension::Fixed };
+    let number = (!are_all).then(|| {
+        let summary = "So many of the inputs, the first ones, are drives. The others act at frames.";
+        constant("DRIVES", summary, ConstantValue::Count(count))
+    });
+    let of_drives = |name, summary, value: fn(&Drive) -> &Formula| {
+        let values: Option<Vec<f64>> = model.input_drives().map(|drive| value(drive).value(&[])).collect();
+        let values = values.filter(|values| are_all || !values.is_empty())?;
+        Some(constant(name, summary, ConstantValue::Numbers(dimension, values)))
+    };
+    let constants = [
         of_drives("GEAR_RATIOS", "Gear ratio of each drive: motor angle over joint angle.", |drive| {
-            drive.gear_ratio.value(&[])
+            &drive.gear_ratio
         }),
         of_drives(
             "ROTOR_INERTIAS",
             "Axial inertia of each rotor, on its own side of the gear [kg m²].",
-            |drive| drive.rotor_inertia.value(&[]),
+            |drive| &drive.rotor_inertia,
         ),
     ];
-    let of_inputs = constants.into_iter().flatten().chain(at_frames.into_iter().flatten());
-    of_inputs.chain(of_drives.into_iter().flatten()).collect()
+    number.into_iter().chain(constants.into_iter().flatten()).collect()
 }
 
 /// Largest magnitude of an input at frames.

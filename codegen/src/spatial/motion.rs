@@ -65,6 +65,12 @@ impl<'g> Motion<'g> {
 }
 
 impl<'g> Force<'g> {
+    /// From six entries: the force, then the moment.
+    pub fn of_wrench(entries: &[Scalar<'g>]) -> Self {
+        let part = |start: usize| Vector3(std::array::from_fn(|k| entries[start + k]));
+        Self { force: part(0), moment: part(3) }
+    }
+
     /// The zero force of a scalar's graph.
     pub fn zero(any: Scalar<'g>) -> Self {
         Self { moment: Vector3::zero(any), force: Vector3::zero(any) }

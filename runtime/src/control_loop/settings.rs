@@ -3,6 +3,7 @@
 use super::guard::GuardSettings;
 use super::stage::{STAGES, Stage};
 use crate::dynamics::{Dynamics, Limits, Named};
+use crate::input_limits;
 use std::fmt;
 use std::time::Duration;
 
@@ -149,11 +150,9 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
         for (name, values) in positive {
             require_each(name, joints, values, "positive", |x| x > 0.0)?;
         }
-        let [lowest, highest] = [0, 1].map(|side| self.input_limits.map(|limits| limits[side]));
-        require_each("input_limits (lowest)", inputs, &lowest, "not positive", |x| x <= 0.0)?;
-        require_each("input_limits (highest)", inputs, &highest, "not negative", |x| x >= 0.0)?;
-        let ranges = self.input_limits.map(|[low, high]| high - low);
-        require_each("input_limits (highest minus lowest)", inputs, &ranges, "positive", |x| x > 0.0)?;
+        for (name, values, range, holds) in input_limits::requirements(&self.input_limits) {
+            require_each(name, inputs, &values, range, holds)?;
+        }
         require_each("guard.jump_margin", joints, &self.guard.jump_margin, "not negative", |x| x >= 0.0)?;
         let times = [
             ("velocity_time_constant", self.velocity_time_constant),

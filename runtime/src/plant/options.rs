@@ -1,6 +1,7 @@
 //! What a plant does to inputs and measurements, and what can go wrong.
 
 use crate::dynamics::Named;
+use crate::input_limits;
 use thiserror::Error;
 
 /// Imperfections of a [`Plant`](super::Plant). The default has none: exact encoders, exact and unlimited
@@ -94,11 +95,9 @@ impl<const N: usize, const M: usize> PlantOptions<N, M> {
         for (option, values) in drives {
             require(option, inputs, values, SIZE, size)?;
         }
-        let [lowest, highest] = [0, 1].map(|side| self.input_limits.map(|limits| limits[side]));
-        require("input_limits (lowest)", inputs, &lowest, "not positive", |x| x <= 0.0)?;
-        require("input_limits (highest)", inputs, &highest, "not negative", |x| x >= 0.0)?;
-        let ranges = self.input_limits.map(|[low, high]| high - low);
-        require("input_limits (highest minus lowest)", inputs, &ranges, "positive", |x| x > 0.0)?;
+        for (option, values, range, holds) in input_limits::requirements(&self.input_limits) {
+            require(option, inputs, &values, range, holds)?;
+        }
         let brakes = self.brake_torque.as_ref().map_or(&[][..], |b| b);
         require("brake_torque", joints, brakes, "not negative", |x| x >= 0.0)?;
         let losses = [("input_loss", self.input_loss), ("measurement_loss", self.measurement_loss)];

@@ -12,14 +12,13 @@
 //! 1986). The row of a joint is their power at a unit of its velocity, so that no wrench is carried towards
 //! the base: the screws of the joints are carried outwards instead. Rotors add one column each.
 
-use crate::dynamics::forces::followed;
 use crate::dynamics::matrix::Matrix;
 use crate::dynamics::recursion::newton_euler::{BodyMotion, MotionInput, motions, spread_of};
 use crate::dynamics::recursion::placement::{Placement, place};
 use crate::dynamics::search::formulation::Formulation;
 use crate::formula::Formula;
 use crate::graph::{Graph, Scalar};
-use crate::kinematics::{Mechanism, described_moments, lower};
+use crate::kinematics::{Mechanism, described_moments, lower, lower_followed};
 use crate::model::{Drive, Model, RotorCoupling};
 use crate::spatial::{Matrix3, Motion, Vector3, rotate};
 
@@ -199,7 +198,7 @@ fn rotor_column<'g>(
     input: MotionInput<'_, 'g>,
 ) -> Vec<Scalar<'g>> {
     let mut column = vec![mechanism.graph.constant(0.0); mechanism.coordinates];
-    let moved = followed(mechanism.graph, &drive.acts_on);
+    let moved = lower_followed(mechanism.graph, &drive.acts_on);
     let ratio = lower(mechanism.graph, &drive.gear_ratio);
     let (mut spin, mut spin_rate) = (ratio * moved.motion(input.v), ratio * moved.motion(input.a));
     let (body, pose) = mechanism.links[drive.carrier];

@@ -2,13 +2,12 @@
 
 use nalgebra::Matrix3;
 
-use crate::dynamics::arguments::WrenchArgument;
 use crate::dynamics::recursion::newton_euler::{MotionInput, frame_acceleration};
 use crate::dynamics::recursion::placement::{Placement, place};
 use crate::dynamics::search::formulation::Formulation;
 use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism};
-use crate::spatial::{Pose, Vector3, rotate};
+use crate::spatial::{Force, Pose, Vector3, rotate};
 
 /// A pose over the graph: origin, and the frame's axes as columns.
 #[derive(Debug, Clone, Copy)]
@@ -89,10 +88,10 @@ impl<'g> BasePoses<'g> {
         &self,
         link: usize,
         frame: &Pose<Scalar<'g>>,
-        wrench: WrenchArgument<'g>,
+        wrench: Force<'g>,
         forces: &mut [Scalar<'g>],
     ) {
-        let WrenchArgument { force, moment } = wrench;
+        let Force { force, moment } = wrench;
         let about_base = moment + self.pose(link, frame).origin.cross(force);
         let mut next = self.in_body(link, frame).0;
         while let Some(index) = next {

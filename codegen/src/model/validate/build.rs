@@ -11,6 +11,7 @@ use super::super::{
     Model, Motion, MotorTorque, Pose, RotorCoupling,
 };
 use super::couplings::Couplings;
+use super::dependent_limits::Limited;
 use super::force_laws::check_shaft;
 use super::frame_forces::{FrameForces, Resolver};
 use super::names::{Identifiers, report_duplicates};
@@ -37,6 +38,13 @@ impl Builder<'_, '_> {
         let coordinates = self.coordinates()?;
         let couplings = Couplings::resolve(self.robot, &self.tree, &coordinates, &self.defaults, self.report);
         let followers = couplings.followers(&self.tree);
+        let limited = Limited {
+            robot: self.robot,
+            tree: &self.tree,
+            coordinates: &coordinates,
+            defaults: &self.defaults,
+        };
+        limited.check(&followers, self.report);
         let mut links = self.links(&coordinates, &followers);
         self.attach_bodies(&mut links);
         let drives = self.drives(&links, &couplings);

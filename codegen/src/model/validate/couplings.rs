@@ -1,11 +1,11 @@
 //! Joints that follow others, and drives that act on several: the rows of `y_joint = G y + g₀`.
 
-use super::super::description::{FollowsDescription, JointDescription, Name, RobotDescription};
+use super::super::description::{FollowsDescription, Name, RobotDescription};
 use super::super::tree::Tree;
 use super::super::{FollowedCoordinate, Follower, FrictionTerm};
 use crate::diagnostic::{At, Report, nearest};
 use crate::formula::{Formula, Function};
-use crate::wording::{as_written, list};
+use crate::wording::as_written;
 use std::collections::BTreeMap;
 
 /// A row of G, and its offset.
@@ -66,11 +66,8 @@ impl Couplings {
                     let terms = At::new(friction.value.terms.as_slice(), friction.span);
                     note_dry_friction(("joint", "follows"), &described.name, &terms, row, report);
                 }
-                check_limits(robot, tree, coordinates, &robot.joints[joint], row, defaults, report);
-                note_speed(robot, tree, coordinates, &robot.joints[joint], row, defaults, report);
             }
         }
-        note_efforts(robot, &followers, report);
         Self { joints, drives, followers }
     }
 
@@ -271,102 +268,6 @@ fn note_dry_friction(
         report.note(Some(friction.span), "dry-follower", message);
         report.help(
             "the simulation lets single coordinates stick, not their sum: give the friction a `slope`, or use `--smooth-sign`",
-        );
-    }
-}
-
-/// The joint of a coordinate.
-fn followed<'d>(
-    robot: &'d RobotDescription,
-    tree: &Tree,
-    coordinates: &[usize],
-    term: &FollowedCoordinate,
-) -> Option<&'d JointDescription> {
-    tree.joints[coordinates[term.coordinate]].and_then(|joint| robot.joints.get(joint))
-}
-
-/// Says where a joint can be faster than it may, with the joints that it follows at their speeds.
-fn note_speed(
-    robot: &RobotDescription,
-    tree: &Tree,
-    coordinates: &[usize],
-    joint: &JointDescription,
-    row: &Row,
-    defaults: &[f64],
-    report: &mut Report,
-) {
-    let Some(limit) = &joint.limits.velocity else { return };
-    let fastest = row.terms.iter().map(|term| {
-        let own = followed(robot, tree, coordinates, term).and_then(|joint| joint.limits.velocity.as_ref());
-        let speed = own.map_or(f64::INFINITY, |limit| limit.value);
-        term.ratio.evaluate(defaults, 0.0, 0.0).abs() * speed
-    });
-    // A product of two written numbers is rounded.
-    if fastest.sum::<f64>() > limit.value * (1.0 + 1e-12) {
-        let message = format!(
-            "joint `{}` can be faster than its limit while the joints that it follows keep theirs",
-            joint.name.value
-        );
-        report.note(Some(limit.span), "dependent-limits", message);
-        report.help(
-            "limits of speed hold for coordinates alone: lower theirs, or give a predictive controller an `MpcRow` with \
-             `DEPENDENT_VELOCITY_LIMITS`",
-        );
-    }
-}
-
-/// Says that the efforts of joints that follow others limit nothing.
-fn note_efforts(robot: &RobotDescription, followers: &[usize], report: &mut Report) {
-    let limited = followers.iter().map(|&joint| &robot.joints[joint]);
-    let limited: Vec<&JointDescription> = limited.filter(|joint| joint.limits.effort.is_some()).collect();
-    let Some(first) = limited.first().and_then(|joint| joint.limits.effort.as_ref()) else { return };
-    let names = list(limited.iter().map(|joint| joint.name.value.as_str()));
-    let message = format!("the efforts of joints that follow others limit nothing: {names}");
-    report.note(Some(first.span), "dependent-limits", message);
-    report.help("what such a joint transmits is no input: limit the drives, or the joints that are followed");
-}
-
-/// Complains where no position of the coordinates within their limits puts a joint within its own.
-fn check_limits(
-    robot: &RobotDescription,
-    tree: &Tree,
-    coordinates: &[usize],
-    joint: &JointDescription,
-    row: &Row,
-    defaults: &[f64],
-    report: &mut Report,
-) {
-    let Some(limits) = &joint.limits.position else { return };
-    let mut reach = [row.offset; 2];
-    for term in &row.terms {
-        let followed = followed(robot, tree, coordinates, term);
-        let own = followed.and_then(|joint| joint.limits.position.as_ref());
-        let [low, high] = own.map_or([f64::NEG_INFINITY, f64::INFINITY], |limits| limits.value);
-        let ratio = term.ratio.evaluate(defaults, 0.0, 0.0);
-        let ends = [ratio * low, ratio * high];
-        reach = [reach[0] + ends[0].min(ends[1]), reach[1] + ends[0].max(ends[1])];
-    }
-    let [low, high] = limits.value;
-    if low <= high && (reach[1] < low || reach[0] > high) {
-        let message = format!(
-            "joint `{}` moves from {} to {} with the joints that it follows, outside of its limits {} … {}",
-            joint.name.value,
-            as_written(reach[0]),
-            as_written(reach[1]),
-            as_written(low),
-            as_written(high)
-        );
-        report.error(limits.span, "limits-exclude", message);
-        report.help("mend the limits, the ratios or the `offset`: no position satisfies them all");
-    } else if reach[0] < low || reach[1] > high {
-        let message = format!(
-            "joint `{}` can leave its limits while the joints that it follows keep theirs",
-            joint.name.value
-        );
-        report.note(Some(limits.span), "dependent-limits", message);
-        report.help(
-            "the loop and planned motions know the limits of coordinates alone; `MpcRow::dependent_joint` keeps those of others \
-             in predictive controllers, from the constants `DEPENDENT_…`",
         );
     }
 }

@@ -3,7 +3,7 @@
 use super::super::description::{Name, PointForceDescription, RobotDescription};
 use super::super::distances::distances;
 use super::super::tree::Tree;
-use super::super::{Actuator, Attachment, ForceEffect, ForceInput, Model, PointForce, Pose, Wrench};
+use super::super::{Attachment, Drive, ForceEffect, ForceInput, Model, PointForce, Pose, Wrench};
 use crate::diagnostic::{At, Report, nearest};
 use crate::formula::{Formula, Function};
 use crate::wording::{as_written, three_digits};
@@ -148,28 +148,31 @@ impl Resolver<'_> {
 /// What the geometry of a whole model makes of its forces.
 pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report) {
     for force in &robot.point_forces {
-        let name = |other: &str| other == force.name.value;
-        let law = model.point_forces.iter().find(|known| name(&known.name));
-        let pull = model.force_inputs.iter().find_map(|known| match &known.effect {
-            ForceEffect::Pull(between)
-                if Some(&known.name) == force.input.as_ref().map(|input| &input.name.value) =>
-            {
-                Some(between)
-            }
-            _ => None,
-        });
-        let Some(between) = law.map(|law| &law.between).or(pull) else { continue };
+        let frames = force.between.each_ref().map(|name| &name.value);
+        let Some(between) = pairs(model).find(|between| between.each_ref().map(|at| &at.name) == frames)
+        else {
+            continue;
+        };
         let found = distances(model, between);
         if has_direction(force, &found, report)
             && let Some(law) = &force.law
         {
             check_law(force, law, &found, model, report);
         }
-        if pull.is_some() {
+        if force.input.is_some() {
             note_drive_beside(force, between, model, report);
         }
     }
     refuse_load(robot, model, report);
+}
+
+/// The frames of all forces between two.
+fn pairs(model: &Model) -> impl Iterator<Item = &[Attachment; 2]> {
+    let pulls = model.force_inputs.iter().filter_map(|input| match &input.effect {
+        ForceEffect::Pull(between) => Some(between),
+        ForceEffect::Wrench { .. } => None,
+    });
+    model.point_forces.iter().map(|force| &force.between).chain(pulls)
 }
 
 fn has_direction(force: &PointForceDescription, found: &[f64], report: &mut Report) -> bool {
@@ -239,12 +242,8 @@ fn note_drive_beside(
     };
     let [a, b] = between.each_ref().map(path);
     let between = a.iter().filter(|link| !b.contains(link)).chain(b.iter().filter(|link| !a.contains(link)));
-    let driven = |link: &&usize| {
-        model.inputs().any(|input| {
-            let coordinate = matches!(input, Actuator::Drive(_)).then(|| input.coordinate()).flatten();
-            coordinate.is_some_and(|coordinate| model.coordinates[coordinate] == **link)
-        })
-    };
+    let driven: Vec<usize> = model.input_drives().filter_map(Drive::coordinate).collect();
+    let driven = |link: &&usize| driven.iter().any(|&coordinate| model.coordinates[coordinate] == **link);
     for link in between.filter(driven) {
         let joint = model.links[*link].joint.as_ref().map_or("", |joint| &joint.name);
         let message = format!("joint `{joint}` has a drive beside the input `{}`", force.name.value);

@@ -3,6 +3,7 @@
 mod build;
 mod checks;
 mod couplings;
+mod dependent_limits;
 mod force_laws;
 mod frame_forces;
 mod hints;
@@ -41,10 +42,10 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
         let mut builder = Builder { robot, report, identifiers, defaults, tree, offsets: Vec::new() };
         builder.build()
     });
+    let model = model.filter(|_| !report.has_errors());
     if let Some(model) = &model {
         frame_forces::check(robot, model, report);
     }
-    let model = model.filter(|_| !report.has_errors());
     let pivots = model.as_ref().map(Pivots::of);
     published.report(pivots.as_ref(), report);
     if let (Some(model), Some(pivots)) = (&model, &pivots) {

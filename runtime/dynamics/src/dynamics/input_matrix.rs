@@ -3,6 +3,7 @@
 //! A module has `input_matrix()`, and `input_matrix(y)` where inputs act at frames. The macro
 //! [`dynamics!`](crate::dynamics!) cannot see which; the compiler finds the implementation that fits the function.
 
+use super::friction_law::Coordinates;
 use super::functions::Missing;
 
 /// A generated `input_matrix`. `Arguments` tells the implementations apart and is inferred.
@@ -61,10 +62,6 @@ where
         self(y, p)
     }
 }
-
-/// Stands for the argument y in the list of a function's arguments.
-#[derive(Debug, Clone, Copy)]
-pub struct Coordinates;
 
 /// The module's `INPUT_RANGES`, or [`Missing`] where its limits are magnitudes alone.
 pub trait InputRanges<const M: usize> {

@@ -1,0 +1,110 @@
+//! Limits of joints that follow others: what those of the coordinates leave to them.
+
+use super::super::Follower;
+use super::super::description::{JointDescription, LimitsDescription, RobotDescription};
+use super::super::tree::Tree;
+use crate::diagnostic::Report;
+use crate::wording::{as_written, list};
+
+/// A robot whose coordinates have limits.
+pub(super) struct Limited<'d> {
+    pub(super) robot: &'d RobotDescription,
+    pub(super) tree: &'d Tree,
+    /// The links of the coordinates.
+    pub(super) coordinates: &'d [usize],
+    /// Described values of the free parameters.
+    pub(super) defaults: &'d [f64],
+}
+
+impl<'d> Limited<'d> {
+    /// Complains where joints that follow others cannot keep their limits, and says where nothing makes them.
+    pub(super) fn check(&self, followers: &[Follower], report: &mut Report) {
+        for follower in followers {
+            let joint = self.joint(follower.link);
+            self.check_positions(joint, follower, report);
+            self.note_speed(joint, follower, report);
+        }
+        let joints: Vec<&JointDescription> =
+            followers.iter().map(|follower| self.joint(follower.link)).collect();
+        note_efforts(&joints, report);
+    }
+
+    /// The joint that carries a link which moves.
+    fn joint(&self, link: usize) -> &'d JointDescription {
+        let joint = self.tree.joints[link];
+        &self.robot.joints[joint.unwrap_or_else(|| unreachable!("what moves has a joint"))]
+    }
+
+    /// What a joint follows: each ratio with the limits of the joint that is followed.
+    fn terms(&self, follower: &Follower) -> impl Iterator<Item = (f64, &'d LimitsDescription)> {
+        follower.follows.iter().map(|term| {
+            let followed = self.joint(self.coordinates[term.coordinate]);
+            (term.ratio.evaluate(self.defaults, 0.0, 0.0), &followed.limits)
+        })
+    }
+
+    /// Complains where no position of the coordinates within their limits puts a joint within its own.
+    fn check_positions(&self, joint: &JointDescription, follower: &Follower, report: &mut Report) {
+        let Some(limits) = &joint.limits.position else { return };
+        let mut reach = [follower.offset; 2];
+        for (ratio, followed) in self.terms(follower) {
+            let own = followed.position.as_ref();
+            let [low, high] = own.map_or([f64::NEG_INFINITY, f64::INFINITY], |limits| limits.value);
+            let ends = [ratio * low, ratio * high];
+            reach = [reach[0] + ends[0].min(ends[1]), reach[1] + ends[0].max(ends[1])];
+        }
+        let [low, high] = limits.value;
+        if low <= high && (reach[1] < low || reach[0] > high) {
+            let message = format!(
+                "joint `{}` moves from {} to {} with the joints that it follows, outside of its limits {} … {}",
+                joint.name.value,
+                as_written(reach[0]),
+                as_written(reach[1]),
+                as_written(low),
+                as_written(high)
+            );
+            report.error(limits.span, "limits-exclude", message);
+            report.help("mend the limits, the ratios or the `offset`: no position satisfies them all");
+        } else if reach[0] < low || reach[1] > high {
+            let message = format!(
+                "joint `{}` can leave its limits while the joints that it follows keep theirs",
+                joint.name.value
+            );
+            report.note(Some(limits.span), "dependent-limits", message);
+            report.help(
+                "the loop and planned motions know the limits of coordinates alone; `MpcRow::dependent_joint` keeps those of others \
+                 in predictive controllers, from the constants `DEPENDENT_…`",
+            );
+        }
+    }
+
+    /// Says where a joint can be faster than it may, with the joints that it follows at their speeds.
+    fn note_speed(&self, joint: &JointDescription, follower: &Follower, report: &mut Report) {
+        let Some(limit) = &joint.limits.velocity else { return };
+        let fastest = self.terms(follower).map(|(ratio, followed)| {
+            ratio.abs() * followed.velocity.as_ref().map_or(f64::INFINITY, |limit| limit.value)
+        });
+        // A product of two written numbers is rounded.
+        if fastest.sum::<f64>() > limit.value * (1.0 + 1e-12) {
+            let message = format!(
+                "joint `{}` can be faster than its limit while the joints that it follows keep theirs",
+                joint.name.value
+            );
+            report.note(Some(limit.span), "dependent-limits", message);
+            report.help(
+                "limits of speed hold for coordinates alone: lower theirs, or give a predictive controller an `MpcRow` with \
+                 `DEPENDENT_VELOCITY_LIMITS`",
+            );
+        }
+    }
+}
+
+/// Says that the efforts of joints that follow others limit nothing.
+fn note_efforts(followers: &[&JointDescription], report: &mut Report) {
+    let limited: Vec<_> = followers.iter().filter(|joint| joint.limits.effort.is_some()).collect();
+    let Some(first) = limited.first().and_then(|joint| joint.limits.effort.as_ref()) else { return };
+    let names = list(limited.iter().map(|joint| joint.name.value.as_str()));
+    let message = format!("the efforts of joints that follow others limit nothing: {names}");
+    report.note(Some(first.span), "dependent-limits", message);
+    report.help("what such a joint transmits is no input: limit the drives, or the joints that are followed");
+}
