@@ -35,6 +35,8 @@ pub struct GenerateOptions {
     pub accept_unphysical: bool,
     /// Keeps `sign` where the description has it replaced.
     pub exact_sign: bool,
+    /// The base moves freely: a floating joint stands between the world and it.
+    pub floating_base: bool,
     /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them,
     /// and compiled only there.
     pub fused_multiply_add: bool,
@@ -90,6 +92,7 @@ fn generate_from(
         smooth_sign: options.smooth_sign,
         accept_unphysical: options.accept_unphysical,
         exact_sign: options.exact_sign,
+        floating_base: options.floating_base,
     };
     let Loaded { model, notes, files } = description.load(&read_options)?;
     let lanes = Lanes::new(&model, &options.lanes)?;

@@ -47,7 +47,8 @@ fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64>
     match dimension {
         Dimension::Coordinates => {
             let ranges = model.joints().map(|joint| joint.seeded_range());
-            ranges.map(|[low, high]| random.between(low, high)).collect()
+            let values: Vec<f64> = ranges.map(|[low, high]| random.between(low, high)).collect();
+            model.positions_by(&values)
         }
         Dimension::Velocities => {
             let velocities = model.joints().map(|_| random.either_side(0.1, 1.0));

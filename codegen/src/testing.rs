@@ -47,6 +47,7 @@ pub fn chain(rows: &[Row], gravity: [f64; 3]) -> Model {
         parameters: Vec::new(),
         links: std::iter::once(base).chain(links).collect(),
         coordinates: (1..=rows.len()).collect(),
+        quaternion_joints: Vec::new(),
         followers: Vec::new(),
         drives: Vec::new(),
         point_forces: Vec::new(),

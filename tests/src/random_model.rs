@@ -320,6 +320,7 @@ fn tree(rng: &mut Rng, longest: usize) -> Model {
         parameters,
         frames,
         coordinates: moving,
+        quaternion_joints: Vec::new(),
         followers: vec![],
         links,
         drives,

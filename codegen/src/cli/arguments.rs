@@ -283,6 +283,16 @@ pub(super) struct Reading {
     /// Take a robot whose mass matrix is not positive definite
     #[arg(long)]
     pub(super) accept_unphysical: bool,
+    /// Fix the base to the world, or let it move freely [default: as described]
+    #[arg(long, value_enum)]
+    pub(super) base: Option<BaseName>,
+}
+
+/// How the base is carried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum BaseName {
+    /// It moves freely: a floating joint carries it
+    Floating,
 }
 
 impl Reading {
@@ -294,7 +304,13 @@ impl Reading {
             smooth_sign: self.smooth_sign,
             accept_unphysical: self.accept_unphysical,
             exact_sign: false,
+            floating_base: self.floats(),
         }
+    }
+
+    /// Tells whether the base moves freely.
+    pub(super) fn floats(&self) -> bool {
+        self.base == Some(BaseName::Floating)
     }
 
     /// The keys of a description that make these choices, one line of TOML each. Left out are those of friction,
@@ -303,7 +319,8 @@ impl Reading {
         let snap = self.snap_angles.map(|angle| format!("snap_angles = {angle:?}"));
         let mimic = self.ignore_mimic.then(|| "ignore_mimic = true".to_owned());
         let unphysical = self.accept_unphysical.then(|| "accept_unphysical = true".to_owned());
-        snap.into_iter().chain(mimic).chain(unphysical).collect()
+        let base = self.floats().then(|| "base = { type = \"floating\" }".to_owned());
+        snap.into_iter().chain(mimic).chain(unphysical).chain(base).collect()
     }
 
     /// The words of the command line that make these choices.
@@ -319,6 +336,7 @@ impl Reading {
             .chain(flag("--no-friction", self.no_friction))
             .chain(flag("--ignore-mimic", self.ignore_mimic))
             .chain(flag("--accept-unphysical", self.accept_unphysical))
+            .chain(self.floats().then(|| ["--base", "floating"].map(str::to_owned)).into_iter().flatten())
             .collect()
     }
 }

@@ -12,6 +12,7 @@ use super::recursion::frame_motion::BasePoses;
 use super::recursion::newton_euler::{self, MotionInput};
 use super::search::formulation::Formulation;
 use super::search::routes::Formulations;
+use super::tangent::{differentiate_along, drift};
 use crate::formula::Function;
 use crate::graph::{Cost, Edge, Graph, Scalar, differentiate};
 use crate::kinematics::{Mechanism, RegroupChoice};
@@ -201,11 +202,9 @@ impl<'g> Equations<'_, 'g> {
             let load = result.forces[row];
             let (gain, magnitude) = (load_friction::gain(load, share), load.call(Function::Abs));
             // At a given load, friction depends on the motion of its own joint.
-            let by = |variable| {
-                let by = differentiate(self.graph, &[friction, share], variable);
-                by[0] + magnitude * by[1]
-            };
-            let (y, v) = (by(input.y[row]), by(input.v[row]));
+            let whole = |by: Vec<Scalar<'g>>| by[0] + magnitude * by[1];
+            let y = whole(self.along(&[friction, share], input.y, row));
+            let v = whole(differentiate(self.graph, &[friction, share], input.v[row]));
             for (matrix, own) in [(&mut result.by_coordinates, y), (&mut result.by_velocities, v)] {
                 matrix[row] = matrix[row].iter().map(|&by_load| gain * by_load).collect();
                 matrix[row][row] = matrix[row][row] + own;
@@ -230,11 +229,11 @@ impl<'g> Equations<'_, 'g> {
             // What acts on single joints has diagonal derivatives.
             let columns = if self.forces_are_local() { row..row + 1 } else { 0..joint.len() };
             for column in columns {
-                let by = |variable| differentiate(self.graph, &[force], variable)[0];
+                let by_position = self.along(&[force], input.y, column)[0];
                 let y = &mut result.by_coordinates[row][column];
-                *y = *y - by(input.y[column]);
+                *y = *y - by_position;
                 let v = &mut result.by_velocities[row][column];
-                *v = *v - by(input.v[column]);
+                *v = *v - differentiate(self.graph, &[force], input.v[column])[0];
             }
         }
         result.forces = subtract(&result.forces, &joint);
@@ -248,10 +247,16 @@ impl<'g> Equations<'_, 'g> {
         w: &[Force<'g>],
     ) -> (Vec<Scalar<'g>>, Matrix<'g>) {
         let forces = self.wrench_forces(y, w);
-        let columns: Vec<Vec<_>> = y.iter().map(|&y| differentiate(self.graph, &forces, y)).collect();
+        let columns: Vec<Vec<_>> =
+            (0..y.len()).map(|coordinate| self.along(&forces, y, coordinate)).collect();
         let rows = (0..forces.len()).map(|row| columns.iter().map(|column| column[row]).collect());
         let rows = rows.collect();
         (forces, rows)
+    }
+
+    /// Derivatives along a coordinate.
+    fn along(&self, results: &[Scalar<'g>], y: &[Scalar<'g>], coordinate: usize) -> Vec<Scalar<'g>> {
+        differentiate_along(self.graph, self.model, results, y, coordinate)
     }
 
     /// `M ÿ + k − q − Σ Jᵀ w`
@@ -389,8 +394,10 @@ impl<'g> Equations<'_, 'g> {
                     .collect()
             })
             .collect();
+        // Positions with a quaternion are told by the small motion from them, which is 0 here.
+        let counted = if self.model.quaternion_joints.is_empty() { y } else { &[] };
         let remainder = (0..y.len()).map(|i| {
-            let known = dot(self.graph, &derivatives.by_coordinates[i], y)
+            let known = dot(self.graph, &derivatives.by_coordinates[i], counted)
                 + dot(self.graph, &derivatives.by_velocities[i], v)
                 + dot(self.graph, &by_inputs[i], u);
             derivatives.accelerations[i] - known
@@ -398,6 +405,11 @@ impl<'g> Equations<'_, 'g> {
         let remainder = remainder.collect();
         let AccelerationDerivatives { by_coordinates, by_velocities, .. } = derivatives;
         AffineAccelerations { by_coordinates, by_velocities, by_inputs, remainder }
+    }
+
+    /// D of `δ̇ = D δ + ẏ − v̄`, the kinematics of small motions.
+    pub fn drift(&self, v: &[Scalar<'g>]) -> Matrix<'g> {
+        drift(self.graph, self.model, v)
     }
 
     /// `B u`
@@ -467,7 +479,7 @@ impl<'g> Equations<'_, 'g> {
             let axes = pose.rotation.transpose();
             [rotate(&axes, force).0, rotate(&axes, moment).0].concat()
         };
-        self.model.moving_joints().into_iter().map(|moving| wrench(moving.link)).collect()
+        self.model.carrying_joints().into_iter().map(|joint| wrench(joint.moving.link)).collect()
     }
 
     /// W with `W π = M ÿ + k − q_gravity`

@@ -14,3 +14,4 @@ pub mod parameters;
 pub mod per_joint;
 pub mod recursion;
 pub mod search;
+pub mod tangent;

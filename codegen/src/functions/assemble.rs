@@ -7,7 +7,7 @@ use super::catalogue::{Quantity, QuantityResult, Value};
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::search::routes::Formulations;
-use crate::graph::Graph;
+use crate::graph::{Graph, Scalar};
 use crate::model::Model;
 use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
 use crate::spatial::Force;
@@ -27,7 +27,7 @@ pub(super) fn arguments_of<'g>(
         .map(|argument| InputArray { name: argument.name().to_owned(), extent: argument.extent(model) });
     let inputs = inputs.collect();
     let arguments = Arguments {
-        y: scalars(Coordinates),
+        y: positions(graph, model, scalars(Coordinates)),
         v: scalars(Velocities),
         a: scalars(Accelerations),
         u: scalars(Inputs),
@@ -35,6 +35,15 @@ pub(super) fn arguments_of<'g>(
         w: scalars(Wrenches).chunks_exact(6).map(Force::of_wrench).collect(),
     };
     (arguments, inputs)
+}
+
+/// Positions by coordinate: entries of y, and 0 where the position is a quaternion's.
+fn positions<'g>(graph: &'g Graph, model: &Model, entries: Vec<Scalar<'g>>) -> Vec<Scalar<'g>> {
+    if entries.is_empty() || model.quaternion_joints.is_empty() {
+        return entries;
+    }
+    let position = |coordinate| model.position_of(coordinate).map_or(graph.constant(0.0), |k| entries[k]);
+    (0..model.coordinates.len()).map(position).collect()
 }
 
 /// A function as straight-line code.

@@ -194,7 +194,7 @@ fn rounded_up(operations: usize) -> usize {
 /// large.
 fn mass_matrix_operations(mechanism: &Mechanism<Number>) -> usize {
     let graph = Graph::new();
-    let y: Vec<_> = (0..mechanism.coordinates).map(|k| graph.input(0, k)).collect();
+    let y = mechanism.positions_on(&graph);
     let formulation = Formulation::plain(mechanism.bodies.len());
     let mechanism = formulation.mechanism(&graph, mechanism);
     let matrix = composite::mass_matrix(&mechanism, &formulation, &y).concat();

@@ -45,6 +45,7 @@ impl<S: Numbers> Mechanism<S> {
         Mechanism {
             graph,
             coordinates: self.coordinates,
+            positions: self.positions.clone(),
             bodies: self.bodies.iter().map(|body| body.with(&to)).collect(),
             gravity: self.gravity.map(&to),
             rotors: self.rotors.iter().map(|rotor| rotor.with(&to)).collect(),
@@ -62,6 +63,8 @@ impl<S: Copy> Body<S> {
             joint: self.joint,
             is_screw_slide: self.is_screw_slide,
             transmission: self.transmission.with(&to),
+            chain: self.chain,
+            attitude: self.attitude.map(|attitude| attitude.map(&to)),
             parent: self.parent,
             axis: self.axis,
             twist: self.twist,

@@ -10,6 +10,7 @@ use nalgebra::{Matrix3, Vector3 as Numeric3};
 use super::joint::JointAxis;
 use super::lower::{lower, lower_followed};
 use super::mechanism::{Body, Mechanism, Rotor};
+use super::quaternion::{self, ChainPlace, Displaced};
 use super::tree::{DescribedBody, DescribedTree};
 use crate::graph::{Graph, Scalar};
 use crate::model::{self, Model, RotorCoupling};
@@ -42,28 +43,45 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
     let mut placed: Vec<Pose<Scalar<'g>>> = Vec::new();
     let mut bodies = Vec::new();
     for (index, described) in tree.bodies.iter().enumerate() {
+        let chain = chain_place(model, described, index);
         let parent = described.parent.map_or(Pose::identity(graph), |parent| placed[parent]);
         let (axis, moving) = (described.motion, &moving_joints[described.joint]);
         let rate = described.rate * directions[index];
         let shift = moving.offset * rate;
-        let frame = complete(&drafts[index], described, &parent, axis);
+        let frame = match chain {
+            Some(place) => quaternion::frame(graph, place),
+            None => complete(&drafts[index], described, &parent, axis),
+        };
         let relative = parent.inverse().then(described.pose).then(frame);
         let (twist, angle) = decompose(&relative.rotation);
         let z = twist.matrix().column(2).into_owned();
-        let lift =
-            (0..3).fold(graph.constant(0.0), |sum, k| sum + relative.translation[k] * z[k]).cleaned(ROUNDING);
+        let lift = match chain {
+            // What lies before a rotation by a quaternion is not along the axis behind it.
+            Some(_) => graph.constant(0.0),
+            None => (0..3)
+                .fold(graph.constant(0.0), |sum, k| sum + relative.translation[k] * z[k])
+                .cleaned(ROUNDING),
+        };
         let (turn, slide) = if axis.turns() { (shift, 0.0) } else { (0.0, shift) };
         let lateral = relative.translation - Vector3([0, 1, 2].map(|k| lift * z[k]));
+        let mut translation = lateral.map(|x| x.cleaned(ROUNDING));
+        let displaced = displaced(graph, model, described, chain, index);
+        if let Some(origin) = displaced.as_ref().and_then(|displaced| displaced.origin) {
+            let axes = parent.inverse().then(described.pose).rotation;
+            translation = translation + rotate(&axes, origin);
+        }
         bodies.push(Body {
             name: name(model, described),
             identifier: identifier(model, described),
             joint: described.joint,
             is_screw_slide: described.is_screw_slide,
             transmission: lower_followed(graph, &moving.follows).scaled(graph.constant(rate)),
+            chain,
+            attitude: displaced.map(|displaced| displaced.attitude),
             parent: described.parent,
             axis,
             twist,
-            translation: lateral.map(|x| x.cleaned(ROUNDING)),
+            translation,
             lift: if slide == 0.0 { lift } else { lift + graph.constant(slide) },
             offset: if turn == 0.0 { angle } else { angle + Angle::new(turn) },
             moments: described.moments.moved(&frame.inverse()),
@@ -79,6 +97,7 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
     let mut mechanism = Mechanism {
         graph,
         coordinates: model.coordinates.len(),
+        positions: (0..model.coordinates.len()).map(|coordinate| model.position_of(coordinate)).collect(),
         bodies,
         gravity: Vector3(model.gravity.each_ref().map(|formula| lower(graph, formula))),
         rotors: Vec::new(),
@@ -87,6 +106,23 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
     };
     add_rotors(model, &mut mechanism);
     mechanism
+}
+
+/// The place of a body in the chain of a joint with a quaternion.
+fn chain_place(model: &Model, described: &DescribedBody<'_>, index: usize) -> Option<ChainPlace> {
+    quaternion::chain_place(model, described.joint, index)
+}
+
+/// What positions with a quaternion do before a body: the first of its chain.
+fn displaced<'g>(
+    graph: &'g Graph,
+    model: &Model,
+    described: &DescribedBody<'_>,
+    chain: Option<ChainPlace>,
+    index: usize,
+) -> Option<Displaced<'g>> {
+    let joint = model.quaternion_joint_of(described.joint)?;
+    chain.filter(|place| place.first == index).map(|_| quaternion::displaced(graph, model, joint))
 }
 
 fn joint<'m>(model: &'m Model, described: &DescribedBody<'_>) -> &'m model::Joint {
@@ -119,6 +155,10 @@ fn directions(model: &Model, tree: &DescribedTree<'_>) -> Vec<f64> {
         let Some(parent) = described.parent else {
             continue;
         };
+        if model.quaternion_joint_of(described.joint).is_some() {
+            // Its velocities are those of the described frame.
+            continue;
+        }
         let z = described.pose.rotation * Numeric3::from(joint(model, described).axis);
         let parent_z = Numeric3::from(joint(model, &tree.bodies[parent]).axis) * directions[parent];
         if z.cross(&parent_z).norm() < PARALLEL && z.dot(&parent_z) < 0.0 {
@@ -144,6 +184,10 @@ fn common_normals<'g>(model: &Model, tree: &DescribedTree<'g>, directions: &[f64
     for index in (0..drafts.len()).rev() {
         let Some(child) = main[index] else { continue };
         let described = &tree.bodies[child];
+        if model.quaternion_joint_of(described.joint).is_some() {
+            // Where its axes point is not known.
+            continue;
+        }
         let z = described.pose.rotation * drafts[child].z;
         let point = match drafts[child].origin {
             Some(origin) => described.pose.translation + rotate(&described.pose.rotation, origin),

@@ -35,6 +35,10 @@ pub fn regroup<'g>(
     choices: &[RegroupChoice],
 ) {
     for index in (0..bodies.len()).rev() {
+        if bodies[index].chain.is_some() {
+            // Only the last body of the chain moves as the joint does.
+            continue;
+        }
         let given = match bodies[index].axis {
             JointAxis::Revolute => on_axis(bodies[index].moments),
             JointAxis::Prismatic => second_only(bodies[index].moments),

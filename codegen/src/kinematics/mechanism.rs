@@ -2,10 +2,11 @@
 
 use super::joint::JointAxis;
 use super::number::{Number, Numbers};
+use super::quaternion::{ChainPlace, POSITIONS};
 use super::transmission::Transmission;
-use crate::graph::Scalar;
+use crate::graph::{Graph, Scalar};
 use crate::numeric;
-use crate::spatial::{Angle, MassMoments, Pose, Twist, Vector3, rotation_about};
+use crate::spatial::{Angle, Attitude, MassMoments, Pose, Twist, Vector3, rotation_about};
 
 /// The moving bodies of a model, parents before their children. Each follows one coordinate or several.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +15,8 @@ pub struct Mechanism<S: Numbers> {
     pub graph: S::Graph,
     /// The number of coordinates.
     pub coordinates: usize,
+    /// For each coordinate its entry among the positions; `None` where it belongs to a quaternion.
+    pub positions: Vec<Option<usize>>,
     /// Bodies, parents first.
     pub bodies: Vec<Body<S>>,
     /// Gravitational acceleration in the base frame [m/s²].
@@ -41,6 +44,10 @@ pub struct Body<S> {
     pub is_screw_slide: bool,
     /// How its joint follows the coordinates.
     pub transmission: Transmission<S>,
+    /// Its place in the chain of a joint with a quaternion.
+    pub chain: Option<ChainPlace>,
+    /// Rotation by the quaternion, between the twist with its offset and the body's motion.
+    pub attitude: Option<Attitude<S>>,
     /// Parent body; `None` where the base carries the joint.
     pub parent: Option<usize>,
     /// Type of the joint.
@@ -96,6 +103,11 @@ impl<S: Numbers> Mechanism<S> {
     /// joint or rotor follows several coordinates.
     pub fn is_coupled(&self) -> bool {
         self.bodies.len() > self.coordinates || self.rotors.iter().any(|rotor| rotor.driven.is_none())
+    }
+
+    /// Tells whether there are joints with quaternions.
+    pub fn has_quaternions(&self) -> bool {
+        self.bodies.iter().any(|body| body.chain.is_some())
     }
 
     /// The bodies whose joints are coordinates, each once: parents first.
@@ -155,6 +167,17 @@ impl Body<Number> {
         let share = self.twist.matrix()[(0, 2)];
         let lifted = if share == 0.0 { 0.0 } else { share * self.lift.value()? };
         Some(self.translation[0].value()? + lifted)
+    }
+}
+
+impl<S: Numbers> Mechanism<S> {
+    /// Positions on a graph, by coordinate: inputs, and 0 where the position is a quaternion's.
+    pub fn positions_on<'g>(&self, graph: &'g Graph) -> Vec<Scalar<'g>> {
+        let position = |entry: &Option<usize>| match entry {
+            Some(entry) => graph.input(POSITIONS, *entry),
+            None => graph.constant(0.0),
+        };
+        self.positions.iter().map(position).collect()
     }
 }
 

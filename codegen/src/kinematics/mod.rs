@@ -12,6 +12,7 @@ mod joint;
 mod lower;
 mod mechanism;
 mod number;
+mod quaternion;
 mod transmission;
 mod tree;
 
@@ -20,5 +21,6 @@ pub use joint::JointAxis;
 pub use lower::{lower, lower_followed, lower_pose, lower_with};
 pub use mechanism::{Body, Mechanism, Rotor};
 pub use number::{Number, Numbers};
+pub use quaternion::{ChainPlace, POSITIONS, PositionEntries, position_entries};
 pub use transmission::{Followed, Transmission};
 pub use tree::described_moments;

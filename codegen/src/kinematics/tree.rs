@@ -55,7 +55,7 @@ pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
     tree
 }
 
-/// Moments of each moving body in the described frame of its link, by moving joint; rotors of held joints
+/// Moments of each moving body in the described frame of its link, by joint that carries one; rotors of held joints
 /// included.
 pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments<Scalar<'g>>> {
     let tree = moving_bodies(graph, model);
@@ -75,7 +75,7 @@ pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments
         let joint = tree.bodies[index].joint;
         moments[joint] = moments[joint] + own;
     }
-    moments
+    model.carrying_joints().into_iter().map(|joint| moments[joint.index]).collect()
 }
 
 impl<'g> DescribedTree<'g> {

@@ -1,8 +1,8 @@
 //! Joints with several degrees of freedom: each stands for a chain of joints with links of their own between them, which
 //! have no mass.
 
-use super::description::{JointDescription, Name};
-use super::{JointKind, Pose};
+use super::description::{DriveChoice, JointDescription, Name, PartOf};
+use super::{JointKind, Pose, QuaternionKind};
 use crate::diagnostic::At;
 
 /// A joint that is read as several.
@@ -14,6 +14,8 @@ pub(super) enum Composite {
     Universal,
     /// It slides along two directions of a plane, then turns about its normal.
     Planar,
+    /// Its attitude is a quaternion; its parts are the velocities in the body's own frame.
+    Quaternion(QuaternionKind),
 }
 
 /// One of the joints.
@@ -46,11 +48,32 @@ const PLANAR: &[Part] = &[
     Part { name: "y", kind: JointKind::Prismatic, axis: PartAxis::Y },
     Part { name: "theta", kind: JointKind::Revolute, axis: PartAxis::Z },
 ];
+const FLOATING: &[Part] = &[
+    Part { name: "x", kind: JointKind::Prismatic, axis: PartAxis::X },
+    Part { name: "y", kind: JointKind::Prismatic, axis: PartAxis::Y },
+    Part { name: "z", kind: JointKind::Prismatic, axis: PartAxis::Z },
+    Part { name: "rx", kind: JointKind::Continuous, axis: PartAxis::X },
+    Part { name: "ry", kind: JointKind::Continuous, axis: PartAxis::Y },
+    Part { name: "rz", kind: JointKind::Continuous, axis: PartAxis::Z },
+];
 
 impl Composite {
+    /// A floating joint.
+    pub const FLOATING: Self = Self::Quaternion(QuaternionKind::Floating);
+
+    /// The type of the joint with a quaternion, where it is one.
+    pub fn quaternion(self) -> Option<QuaternionKind> {
+        match self {
+            Self::Quaternion(kind) => Some(kind),
+            _ => None,
+        }
+    }
+
     /// The composite joint of a type's name.
     pub fn named(name: &str) -> Option<Self> {
-        let all = [Self::Cylindrical, Self::Universal, Self::Planar];
+        let quaternions = [QuaternionKind::Spherical, QuaternionKind::Floating].map(Self::Quaternion);
+        let [spherical, floating] = quaternions;
+        let all = [Self::Cylindrical, Self::Universal, Self::Planar, spherical, floating];
         all.into_iter().find(|composite| composite.name() == name)
     }
 
@@ -59,6 +82,7 @@ impl Composite {
             Self::Cylindrical => "cylindrical",
             Self::Universal => "universal",
             Self::Planar => "planar",
+            Self::Quaternion(kind) => kind.name(),
         }
     }
 
@@ -68,6 +92,8 @@ impl Composite {
             Self::Cylindrical => CYLINDRICAL,
             Self::Universal => UNIVERSAL,
             Self::Planar => PLANAR,
+            Self::Quaternion(QuaternionKind::Floating) => FLOATING,
+            Self::Quaternion(QuaternionKind::Spherical) => &FLOATING[3..],
         }
     }
 
@@ -102,15 +128,20 @@ pub(super) fn expand(
     let parts = composite.parts();
     let mut joints = Vec::with_capacity(parts.len());
     for (index, part) in parts.iter().enumerate() {
+        // A velocity of a joint with a quaternion has a drive only where one is described.
+        let passive = || composite.quaternion().map(|_| At::new(DriveChoice::Passive, name.span));
         let own = At::new(format!("{}_{}", name.value, part.name), name.span);
         let link = if index + 1 == parts.len() { last.clone() } else { own.clone() };
+        let values = values(part, own);
         joints.push(JointDescription {
             kind: Some(part.kind),
             parent: carrier.replace(link.clone()),
             child: Some(link),
             origin: origin.take(),
             axis: Some(part.axis.along(place.axis)),
-            ..values(part, own)
+            part_of: composite.quaternion().map(|kind| PartOf { joint: name.clone(), kind, index }),
+            drive: values.drive.or_else(passive),
+            ..values
         });
     }
     joints

@@ -6,7 +6,8 @@
 
 use super::pose::rotate_inertia;
 use super::{
-    FrictionTerm, Input, JointKind, MotorTorque, Options, Parameter, Pose, RotorCoupling, WrenchAxes,
+    FrictionTerm, Input, JointKind, MotorTorque, Options, Parameter, Pose, QuaternionKind, RotorCoupling,
+    WrenchAxes,
 };
 use crate::diagnostic::{At, Span};
 use crate::formula::Formula;
@@ -30,6 +31,8 @@ pub(super) struct RobotDescription {
     pub parameters: Vec<At<Parameter>>,
     /// Name of the base link, where said.
     pub base: Option<Name>,
+    /// Where it is said that the base moves freely.
+    pub floating_base: Option<Span>,
     /// Links that exist even where no joint names them.
     pub links: Vec<Name>,
     /// Links with a shape and without a body.
@@ -136,6 +139,17 @@ pub(super) struct JointDescription {
     pub follows: Option<At<Vec<FollowsDescription>>>,
     /// Its position where all of these are at 0.
     pub offset: Option<At<f64>>,
+    /// The spherical or floating joint of which it is a velocity.
+    pub part_of: Option<PartOf>,
+}
+
+/// The place of a velocity in a joint with a quaternion.
+#[derive(Debug, Clone)]
+pub(super) struct PartOf {
+    pub joint: Name,
+    pub kind: QuaternionKind,
+    /// Its index among the velocities of the joint.
+    pub index: usize,
 }
 
 /// A joint that another one, or a drive, follows.
@@ -172,6 +186,7 @@ impl JointDescription {
             drive: None,
             follows: None,
             offset: None,
+            part_of: None,
         }
     }
 

@@ -10,10 +10,12 @@ mod description;
 mod description_files;
 mod distances;
 mod file_kind;
+mod floating_base;
 mod inertia;
 mod name;
 mod options;
 mod pose;
+mod quaternion_joint;
 mod read;
 mod regularity;
 mod table;
@@ -35,6 +37,7 @@ pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
 pub use description_files::{DescriptionFiles, read};
 pub(crate) use name::identifier;
 pub use options::{FUNCTIONS, is_known_function};
+pub use quaternion_joint::{CarryingJoint, JointPosition, QuaternionJoint, QuaternionKind};
 pub use read::{Load, Loaded, ReadOptions, from_toml, from_urdf};
 
 use crate::formula::Formula;
@@ -55,6 +58,8 @@ pub struct Model {
     /// Link indices of the moving joints, in the order of the coordinates: coordinate `i` moves
     /// `links[coordinates[i]]`.
     pub coordinates: Vec<usize>,
+    /// The spherical and floating joints, in the order of their coordinates: each stands for several of them.
+    pub quaternion_joints: Vec<QuaternionJoint>,
     /// The joints that follow coordinates. They come after those of the coordinates in the order of the
     /// moving joints.
     pub followers: Vec<Follower>,

@@ -2,7 +2,7 @@
 
 use super::description::{BodyDescription, DriveChoice, JointDescription, Name, RobotDescription};
 use super::toml_values::Reader;
-use super::{JointKind, Model, toml_file, urdf, validate};
+use super::{JointKind, Model, floating_base, toml_file, urdf, validate};
 use crate::diagnostic::{At, Diagnostics, Report, nearest};
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
@@ -22,6 +22,8 @@ pub struct ReadOptions {
     pub accept_unphysical: bool,
     /// `sign` stays, whatever the description says of `tanh` in its place.
     pub exact_sign: bool,
+    /// The base moves freely.
+    pub floating_base: bool,
 }
 
 /// A description that was read.
@@ -129,6 +131,10 @@ fn finish(
     let mut model = robot.and_then(|mut robot| {
         robot.parameters = std::mem::take(&mut reader.parameters);
         robot.accept_unphysical |= options.accept_unphysical;
+        if options.floating_base {
+            robot.floating_base.get_or_insert(robot.name.span);
+        }
+        floating_base::free(&mut robot, &mut reader.report);
         validate::model(&robot, &mut reader.report)
     });
     reader.angles.report(&mut reader.report);
@@ -279,6 +285,7 @@ fn extend(mut base: RobotDescription, extension: RobotDescription, report: &mut 
         name: extension.name,
         gravity: extension.gravity.or(base.gravity),
         base: extension.base.or(base.base),
+        floating_base: extension.floating_base.or(base.floating_base),
         coordinates: extension.coordinates.or(base.coordinates),
         options: extension.options.or(base.options),
         accept_unphysical: extension.accept_unphysical || base.accept_unphysical,

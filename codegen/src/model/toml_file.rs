@@ -133,7 +133,7 @@ pub(super) fn description(
         read_parameters(reader, parameters);
     }
     let fallback = At::new(name.to_owned(), top.span);
-    let base = top.get("base").and_then(|item| reader.name(item));
+    let (base, floating_base) = top.get("base").map_or((None, None), |item| read_base(reader, item));
     let joints = read_joints(reader, top, base.as_ref(), extends);
     RobotDescription {
         name: top.get("name").and_then(|item| reader.name(item)).unwrap_or(fallback),
@@ -144,6 +144,7 @@ pub(super) fn description(
             .unwrap_or_default(),
         gravity: top.get("gravity").and_then(|item| reader.formulas::<3>(item, "gravity")),
         base,
+        floating_base,
         bodies: read_bodies(reader, top),
         frames: read_frames(reader, top),
         coordinates: top.get("coordinates").and_then(|item| names(reader, item, "a list of joint names")),
@@ -163,6 +164,30 @@ pub(super) fn description(
         links: Vec::new(),
         weightless_shapes: Vec::new(),
     }
+}
+
+/// The base link, and where it is said that it moves freely.
+fn read_base(reader: &mut Reader, item: Item<'_>) -> (Option<Name>, Option<Span>) {
+    if item.value.is_str() {
+        return (reader.name(item), None);
+    }
+    let Some(table) = item.table("the base", &["link", "type"], &mut reader.report) else {
+        return (None, None);
+    };
+    let link = table.get("link").and_then(|item| reader.name(item));
+    let kind = table.get("type").and_then(|kind| Some((kind.text(&mut reader.report)?, kind.span)));
+    let floats = match kind {
+        None | Some(("fixed", _)) => None,
+        Some(("floating", span)) => Some(span),
+        Some((other, span)) => {
+            reader.report.error(span, "base-type", format!("unsupported type of a base {other:?}"));
+            reader
+                .report
+                .help("a base is \"fixed\" or \"floating\"; one that slides on a rail is a prismatic joint");
+            None
+        }
+    };
+    (link, floats)
 }
 
 fn lines(text: &str) -> Vec<String> {

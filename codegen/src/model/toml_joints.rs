@@ -132,8 +132,8 @@ fn forces<'t>(
     }
 }
 
-const TYPES: &str = "supported are \"fixed\", \"revolute\", \"continuous\", \"prismatic\", \"helical\", \"cylindrical\", \"universal\" \
-    and \"planar\"";
+const TYPES: &str = "supported are \"fixed\", \"revolute\", \"continuous\", \"prismatic\", \"helical\", \"cylindrical\", \"universal\", \
+    \"planar\", \"spherical\" and \"floating\"";
 
 fn read_type(reader: &mut Reader, table: &Table<'_>, item: Item<'_>, name: &Name) -> Option<JointType> {
     let text = item.text(&mut reader.report)?;
@@ -256,11 +256,18 @@ fn refuse_in_composites(reader: &mut Reader, table: &Table<'_>, composite: Compo
             _ => "a part that follows others is described as a joint of its own",
         });
     }
-    if let Some(item) = table.get("axis").filter(|_| composite == Composite::Universal) {
-        reader.report.error(item.key_span, "conflicting-keys", "`axis` at a universal joint");
-        reader
-            .report
-            .help("it turns about the x axis of its frame, then about the y axis: `origin` turns the frame");
+    let help = match composite {
+        Composite::Universal => {
+            "it turns about the x axis of its frame, then about the y axis: `origin` turns the frame"
+        }
+        Composite::Quaternion(_) => {
+            "it turns about every axis: `origin` turns the frame in which its position counts"
+        }
+        Composite::Cylindrical | Composite::Planar => return,
+    };
+    if let Some(item) = table.get("axis") {
+        reader.report.error(item.key_span, "conflicting-keys", format!("`axis` at a {kind} joint"));
+        reader.report.help(help);
     }
 }
 

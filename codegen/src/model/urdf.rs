@@ -13,10 +13,10 @@ use super::pose::{IDENTITY, norm};
 use super::toml_values::join;
 use super::urdf_notes::{Remark, UrdfNotes};
 use super::urdf_text::UrdfText;
-use super::{FrictionTerm, JointKind, Pose, ReadOptions, xacro};
+use super::{FrictionTerm, JointKind, Pose, QuaternionKind, ReadOptions, xacro};
 use crate::diagnostic::{At, Report, Span};
 use crate::formula::{Formula, Function, LARGEST_NUMBER, too_large};
-use crate::wording::{as_written, three_digits};
+use crate::wording::{as_written, listed, three_digits};
 use roxmltree::{Attribute, Document, Node};
 use std::path::Path;
 
@@ -131,8 +131,10 @@ impl Reader<'_> {
         for node in robot.children().filter(Node::is_element) {
             match node.tag_name().name() {
                 "link" => self.link(node, &mut result),
-                "joint" if is_planar(node) => self.planar(node, &mut result),
-                "joint" => result.joints.extend(self.joint(node)),
+                "joint" => match composite_of(node) {
+                    Some(composite) => self.composite(node, composite, &mut result),
+                    None => result.joints.extend(self.joint(node)),
+                },
                 "transmission" | "ros2_control" => self.transmission(node),
                 other => self.notes.skip(format!("<{other}>"), self.span(node)),
             }
@@ -255,6 +257,7 @@ impl Reader<'_> {
             offset: mimic.and_then(|node| self.number(node, "offset")),
             follows: mimic.and_then(|node| self.mimicked(node)),
             kind,
+            part_of: None,
             link_frame: None,
             held: None,
             springs: None,
@@ -263,30 +266,30 @@ impl Reader<'_> {
         })
     }
 
-    /// The joints that a planar one stands for, with their links.
-    fn planar(&mut self, node: XmlNode<'_>, result: &mut RobotDescription) {
+    /// The joints that a planar, spherical or floating one stands for, with their links.
+    fn composite(&mut self, node: XmlNode<'_>, composite: Composite, result: &mut RobotDescription) {
         let Some(name) = self.required_name(node, "name") else {
             return;
         };
         self.known_children(node, &["origin", "parent", "child", "axis", "limit", "dynamics", "mimic"]);
-        self.refuse_in_planar(node, &name);
+        self.refuse_in_composite(node, &name, composite);
+        let has_axis = composite == Composite::Planar;
         let place = Place {
             parent: self.end(node, "parent", &name),
             child: self.end(node, "child", &name),
             origin: Some(self.origin(node, &format!("joint `{}`", name.value))),
-            axis: self.axis(node, &name).unwrap_or([0.0, 0.0, 1.0]),
+            axis: has_axis.then(|| self.axis(node, &name)).flatten().unwrap_or([0.0, 0.0, 1.0]),
         };
-        let joints =
-            composite::expand(Composite::Planar, &name, place, |_, name| JointDescription::named(name));
+        let joints = composite::expand(composite, &name, place, |_, name| JointDescription::named(name));
         let between = joints.iter().rev().skip(1).filter_map(|joint| joint.child.clone());
         result.links.extend(between);
         result.joints.extend(joints);
     }
 
-    /// Complains about what says nothing, or too little, of a planar joint.
-    fn refuse_in_planar(&mut self, node: XmlNode<'_>, name: &Name) {
-        let owner = name.quoted();
-        if !node.children().any(|inner| inner.has_tag_name("axis")) {
+    /// Complains about what says nothing, or too little, of a joint with several degrees of freedom.
+    fn refuse_in_composite(&mut self, node: XmlNode<'_>, name: &Name, composite: Composite) {
+        let (owner, kind) = (name.quoted(), composite.name());
+        if composite == Composite::Planar && !node.children().any(|inner| inner.has_tag_name("axis")) {
             let message = format!("planar joint {owner} has no <axis>, the normal of its plane");
             self.report.error(self.span(node), "missing-element", message);
             self.report.help(
@@ -302,12 +305,13 @@ impl Reader<'_> {
         let mimic = self.single(node, "mimic", &owner).filter(|_| !self.options.ignore_mimic);
         let unclear = [dynamics, mimic];
         for inner in unclear.into_iter().flatten() {
-            let message = format!("planar joint {owner} has <{}>", inner.tag_name().name());
-            self.report.error(self.span(inner), "planar-joint", message);
+            let message = format!("{kind} joint {owner} has <{}>", inner.tag_name().name());
+            let code = if composite == Composite::Planar { "planar-joint" } else { "quaternion-joint" };
+            self.report.error(self.span(inner), code, message);
+            let parts = composite.parts().iter().map(|part| format!("`{}_{}`", name.value, part.name));
             self.report.help(format!(
-                "it does not say of which motion: describe it in a TOML file at the joints `{0}_x`, `{0}_y` and `{0}_theta`, \
-                 which the planar joint becomes",
-                name.value
+                "it does not say of which motion: describe it in a TOML file at the joints {}, which the {kind} joint becomes",
+                listed(parts)
             ));
         }
     }
@@ -335,8 +339,7 @@ impl Reader<'_> {
                 let message = format!("joint `{}` has type {other}, which is not supported", name.value);
                 self.report.error(span, "joint-type", message);
                 self.report.help(
-                    "supported are fixed, revolute, continuous, prismatic and planar; write a floating joint as a chain of \
-                     prismatic and revolute joints, or fix it",
+                    "supported are fixed, revolute, continuous, prismatic, planar, floating and spherical",
                 );
                 // Reported; taken as moving, so that it causes no second complaint.
                 Some(JointKind::Revolute)
@@ -499,8 +502,14 @@ impl Reader<'_> {
     }
 }
 
-fn is_planar(joint: XmlNode<'_>) -> bool {
-    joint.attribute("type") == Some("planar")
+/// The type of a joint with several degrees of freedom.
+fn composite_of(joint: XmlNode<'_>) -> Option<Composite> {
+    match joint.attribute("type") {
+        Some("planar") => Some(Composite::Planar),
+        Some("spherical") => Some(Composite::Quaternion(QuaternionKind::Spherical)),
+        Some("floating") => Some(Composite::FLOATING),
+        _ => None,
+    }
 }
 
 /// Links without mass on fixed joints are frames: tool0 and the like.

@@ -72,7 +72,8 @@ impl Remark {
             Self::LimitUnset => "limits that are 0, equal or infinite were taken as not given",
             Self::LimitUnusable => "limits that are reversed or negative were taken as not given",
             Self::PlanarLimits => {
-                "limits of planar joints say not of which motion and were not taken; a TOML file gives them to the parts"
+                "limits of joints with several degrees of freedom say not of which motion and were not taken; a TOML file gives them \
+                 to the parts"
             }
             Self::ReductionIgnored => "mechanical reductions were ignored, drives are ideal",
         }

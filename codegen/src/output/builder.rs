@@ -137,6 +137,13 @@ impl Builder {
         self
     }
 
+    /// Lets the base move freely: a floating joint stands between the world and it.
+    #[must_use]
+    pub fn floating_base(mut self) -> Self {
+        self.options.floating_base = true;
+        self
+    }
+
     /// `tanh(slope · v)` for `sign(v)` in friction and springs; the slope is positive.
     #[must_use]
     pub fn smooth_sign(mut self, slope: f64) -> Self {

@@ -21,7 +21,8 @@ impl State {
             let [low, high] = joint.seeded_range();
             random.between(low, high)
         });
-        let y = y.collect();
+        let y: Vec<f64> = y.collect();
+        let y = robot.model.positions_by(&y);
         let v = joints.iter().map(|joint| {
             let most = joint.limits.velocity.unwrap_or(1.0).min(10.0);
             random.either_side(0.1 * most, most)

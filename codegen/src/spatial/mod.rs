@@ -4,6 +4,7 @@
 //! A motion is an angular and a linear part, a force a moment and a force: the angular part stands first
 //! everywhere.
 
+mod attitude;
 mod matrix;
 mod moments;
 mod motion;
@@ -11,6 +12,7 @@ mod pose;
 mod twist;
 mod vector;
 
+pub use attitude::Attitude;
 pub use matrix::Matrix3;
 pub use moments::MassMoments;
 pub use motion::{Force, Motion};

@@ -165,7 +165,8 @@ fn reads_parameters(program: &Program) -> bool {
 fn regressor_program(model: &Model, mechanism: &Mechanism<Number>) -> Program {
     let graph = Graph::new();
     let n = model.coordinates.len();
-    let [y, v, a] = [0, 1, 2].map(|array| (0..n).map(|k| graph.input(array, k)).collect::<Vec<_>>());
+    let y = mechanism.positions_on(&graph);
+    let [v, a] = [1, 2].map(|array| (0..n).map(|k| graph.input(array, k)).collect::<Vec<_>>());
     let input = MotionInput { y: &y, v: &v, a: &a };
     let matrix = inertial_regressor(&mechanism.on(&graph), model, input);
     let columns = matrix.first().map_or(0, Vec::len);
@@ -174,7 +175,8 @@ fn regressor_program(model: &Model, mechanism: &Mechanism<Number>) -> Program {
         shape: Shape::Matrix(Extent::fixed(n), Extent::fixed(columns)),
         entries: matrix.concat().iter().map(|x| x.edge()).collect(),
     };
-    let inputs = ["y", "v", "a"].map(|name| InputArray { name: name.to_owned(), extent: Extent::fixed(n) });
+    let lengths = [("y", model.position_count()), ("v", n), ("a", n)];
+    let inputs = lengths.map(|(name, n)| InputArray { name: name.to_owned(), extent: Extent::fixed(n) });
     lower(&graph, inputs.into(), &[output])
 }
 
@@ -187,6 +189,7 @@ fn stacked_columns(model: &Model, program: &Program, parameters: &[f64]) -> Vec<
     let mut random = SplitMix64(0x6765_6c65_6e6b);
     for _ in 0..STATES {
         let y: Vec<f64> = ranges.iter().map(|range| random.within(*range)).collect();
+        let y = model.positions_by(&y);
         let v: Vec<f64> = ranges.iter().map(|_| random.within(2.0)).collect();
         let a: Vec<f64> = ranges.iter().map(|_| random.within(5.0)).collect();
         let values = interpret(program, &[&y, &v, &a], parameters, &Functions::EMBEDDED);

@@ -39,7 +39,7 @@ fn is_ideal(drive: &Drive) -> bool {
 
 /// Names of all parameters: those of the links by moving joint, then those of the rotors.
 pub fn parameter_names(model: &Model) -> Vec<String> {
-    let joints = model.moving_joints().into_iter().map(|moving| moving.joint);
+    let joints = model.carrying_joints().into_iter();
     let links = joints.flat_map(|joint| SYMBOLS.map(|symbol| format!("{symbol}_{}", joint.name)));
     let rotors = drives_with_rotor(model).map(|drive| format!("J_{}", drive.name));
     links.chain(rotors).collect()
@@ -69,18 +69,18 @@ pub fn inertial_regressor<'g>(
     let screws = joint_screws(mechanism, &placements);
     let zero = mechanism.graph.constant(0.0);
     let rotors: Vec<&Drive> = drives_with_rotor(model).collect();
-    let of_links = PER_LINK * mechanism.bodies.iter().filter(|body| !body.is_screw_slide).count();
+    let carrying = model.carrying_joints();
+    let of_links = PER_LINK * carrying.len();
     let columns = of_links + rotors.len();
     let mut matrix = vec![vec![zero; columns]; mechanism.coordinates];
-    // The slide of a helical joint has no link.
-    let links = mechanism.bodies.iter().enumerate().filter(|(_, body)| !body.is_screw_slide);
-    for (index, body) in links {
-        let link = LinkMotion::new(mechanism, model, index, &motions[index]);
+    for (block, joint) in carrying.iter().enumerate() {
+        let Some(index) = mechanism.carried_by(joint.index) else { continue };
+        let link = LinkMotion::new(mechanism, joint.moving.link, &motions[index]);
         for screw in &screws[index] {
             let joint = &mechanism.bodies[screw.joint];
             let entries = link.powers(link.motion(screw.motion));
             for (k, entry) in entries.into_iter().enumerate() {
-                let column = PER_LINK * body.joint + k;
+                let column = PER_LINK * block + k;
                 joint.transmission.add_row_entry(column, entry, &mut matrix);
             }
         }
@@ -139,8 +139,7 @@ struct LinkMotion<'g> {
 }
 
 impl<'g> LinkMotion<'g> {
-    fn new(mechanism: &Mechanism<Scalar<'g>>, model: &Model, index: usize, motion: &BodyMotion<'g>) -> Self {
-        let link = model.moving_joints()[mechanism.bodies[index].joint].link;
+    fn new(mechanism: &Mechanism<Scalar<'g>>, link: usize, motion: &BodyMotion<'g>) -> Self {
         let pose = mechanism.links[link].1;
         let rotation = pose.rotation.transpose();
         let origin = pose.translation;

@@ -36,7 +36,10 @@ use crate::program::{InputArray, Shape};
 /// Tells whether there are loops over joints for a mechanism: each joint is a coordinate, and no rotor sits
 /// further from its joint than on the joint's parent.
 pub fn is_possible(mechanism: &Mechanism<Number>) -> bool {
-    !mechanism.bodies.is_empty() && !mechanism.is_coupled() && mechanism.rotors_are_neighbours()
+    !mechanism.bodies.is_empty()
+        && !mechanism.is_coupled()
+        && !mechanism.has_quaternions()
+        && mechanism.rotors_are_neighbours()
 }
 
 /// `inverse_dynamics_derivatives`

@@ -104,7 +104,7 @@ pub(super) fn before_joint<'g>(
     MassMoments {
         mass: moments.mass * (placement.unit_ratio * placement.unit_ratio),
         first: placement.before_joint_unit(moments.first),
-        second: placement.turn.map_or(moments.second, |turn| moments.second.turned(turn)),
+        second: placement.second_before_joint(moments.second),
     }
 }
 
@@ -187,7 +187,7 @@ impl<'g> Column<'_, 'g> {
             transverse = transverse + placement.turn_from_run.map_or(across, |turn| across.turned(turn));
             moment = Vector3([zero, zero, moment[2]]);
         }
-        let mut turned = placement.turn.map_or(moment, |turn| moment.turned(turn));
+        let mut turned = placement.before_joint(moment);
         if placement.run == index {
             turned = turned + transverse;
             transverse = Vector3::zero(zero);

@@ -39,7 +39,7 @@ impl<'g> BasePoses<'g> {
                 false => before_run[placement.run],
             };
             before_run.push(run_start);
-            let mut pose = run_start.turned(placement);
+            let mut pose = run_start.turned(placement).with_attitude(placement);
             pose.origin = parent.point(body.translation) + pose.axes[2].scaled(placement.extension);
             bodies.push(pose.named(&body.identifier));
         }
@@ -156,6 +156,14 @@ impl<'g> FramePose<'g> {
         let [x, y, z] = self.axes;
         let axes = [x.scaled(c) + y.scaled(s), y.scaled(c) - x.scaled(s), z];
         Self { origin: self.origin, axes }
+    }
+
+    /// The axes after the rotation by a quaternion.
+    fn with_attitude(&self, placement: &Placement<'g>) -> Self {
+        let Some(attitude) = placement.attitude else {
+            return *self;
+        };
+        Self { origin: self.origin, axes: attitude.0.map(|axis| self.direction(axis)) }
     }
 
     /// A point of the frame in the base frame.

@@ -7,4 +7,5 @@ pub mod factorization;
 pub mod frame_motion;
 pub mod newton_euler;
 pub mod placement;
+pub mod quaternion;
 pub(super) mod rotor;

@@ -11,6 +11,7 @@
 //! 9, for the frames.)
 
 use crate::dynamics::recursion::placement::{Placement, place};
+use crate::dynamics::recursion::quaternion::{ChainMotion, Passage};
 use crate::dynamics::recursion::rotor::Gyrostat;
 use crate::dynamics::search::formulation::{AngularRoute, BodyChoices, Formulation, RunLink};
 use crate::graph::Scalar;
@@ -28,6 +29,8 @@ pub(in crate::dynamics) struct BodyMotion<'g> {
     pub spread: Matrix3<'g>,
     /// Acceleration of the origin, minus gravity.
     pub acceleration: Vector3<Scalar<'g>>,
+    /// What it comes from, for bodies of joints with quaternions.
+    pub chain: Option<ChainMotion<'g>>,
 }
 
 /// The motion that the inverse dynamics are evaluated for.
@@ -115,6 +118,14 @@ pub(in crate::dynamics) fn motions<'g>(
         let base = BodyMotion::at_rest(-mechanism.gravity_for(index));
         let placement = &placements[index];
         let parent = body.parent.map_or(base, |parent| motions[parent]);
+        if let Some(place) = body.chain {
+            let whole = match place.first == index {
+                true => Passage { mechanism, placements, place }.motion(&parent, input).named(body),
+                false => parent,
+            };
+            motions.push(whole);
+            continue;
+        }
         let (rate, acceleration) = (body.transmission.motion(input.v), body.transmission.motion(input.a));
         let carried = parent.acceleration + parent.spread.times(placement.translation);
         let carried = placement.to_child_unit(&body.twist, carried);
@@ -135,9 +146,7 @@ pub(in crate::dynamics) fn motions<'g>(
         };
         let lift = motion.spread.column(2).scaled(placement.extension);
         motion.acceleration = motion.acceleration + lift;
-        motion.omega.named(&format!("omega_{}", body.identifier));
-        motion.acceleration.named(&format!("acceleration_{}", body.identifier));
-        motions.push(motion);
+        motions.push(motion.named(body));
     }
     motions
 }
@@ -150,7 +159,25 @@ impl<'g> BodyMotion<'g> {
             angular: [Some(zero); 3],
             spread: Matrix3::zero(zero),
             acceleration,
+            chain: None,
         }
+    }
+
+    /// That of a joint with a quaternion.
+    pub(super) fn of_chain(
+        omega: Vector3<Scalar<'g>>,
+        angular: Vector3<Scalar<'g>>,
+        acceleration: Vector3<Scalar<'g>>,
+        chain: ChainMotion<'g>,
+    ) -> Self {
+        let (spread, angular) = (spread_of(omega, angular), angular.0.map(Some));
+        Self { omega, angular, spread, acceleration, chain: Some(chain) }
+    }
+
+    fn named(self, body: &Body<Scalar<'g>>) -> Self {
+        self.omega.named(&format!("omega_{}", body.identifier));
+        self.acceleration.named(&format!("acceleration_{}", body.identifier));
+        self
     }
 
     /// Angular acceleration ω̇, where it is not known from the antisymmetric part of U.
@@ -196,7 +223,7 @@ impl<'g> RevoluteStep<'_, 'g> {
                 ([None, None, Some(axial)], spread_from_axis(omega, points, axial))
             }
         };
-        BodyMotion { omega, angular, spread, acceleration: origin }
+        BodyMotion { omega, angular, spread, acceleration: origin, chain: None }
     }
 
     /// Rate and acceleration of the turn relative to the source.
@@ -257,7 +284,7 @@ fn extend<'g>(
     let spread = spread_of(omega, angular);
     let twice = rate * 2.0;
     let coriolis = Vector3([omega[1] * twice, -(omega[0] * twice), acceleration]);
-    BodyMotion { omega, angular: angular.0.map(Some), spread, acceleration: carried + coriolis }
+    BodyMotion { omega, angular: angular.0.map(Some), spread, acceleration: carried + coriolis, chain: None }
 }
 
 fn unit_z(any: Scalar<'_>) -> Vector3<Scalar<'_>> {
@@ -364,7 +391,7 @@ fn gather<'g>(
         }
         let Some(parent) = body.parent else { continue };
         let force = body.twist.to_parent(placement.before_joint_unit(force));
-        let turned = placement.turn.map_or(moment, |turn| moment.turned(turn)) + transverse[index];
+        let turned = placement.before_joint(moment) + transverse[index];
         let moment = body.twist.to_parent(turned) + placement.translation.cross(force);
         forces[parent] =
             Force { force: forces[parent].force + force, moment: forces[parent].moment + moment };

@@ -4,7 +4,7 @@ use crate::dynamics::search::formulation::{Formulation, WorkingFrame};
 use crate::formula::Function;
 use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism, Transmission};
-use crate::spatial::{Angle, MassMoments, Motion, Twist, Vector3};
+use crate::spatial::{Angle, Attitude, MassMoments, Matrix3, Motion, Symmetric3, Twist, Vector3};
 
 /// Sine and cosine of an angle.
 pub type Turn<'g> = (Scalar<'g>, Scalar<'g>);
@@ -14,6 +14,8 @@ pub type Turn<'g> = (Scalar<'g>, Scalar<'g>);
 pub struct Placement<'g> {
     /// Turn about z from the parent's working frame, after the twist; `None` where the frames coincide.
     pub turn: Option<Turn<'g>>,
+    /// Rotation by a quaternion after that turn.
+    pub attitude: Option<Attitude<Scalar<'g>>>,
     /// Origin in the parent's working frame (m).
     pub translation: Vector3<Scalar<'g>>,
     /// Displacement along z: constant for revolute joints, with the coordinate for prismatic ones.
@@ -54,16 +56,14 @@ fn place_body<'g>(
 ) -> Placement<'g> {
     let body = &mechanism.bodies[index];
     let revolute = body.axis == JointAxis::Revolute;
-    let previous = body
-        .parent
-        .filter(|&p| revolute && body.twist.is_none() && mechanism.bodies[p].axis == JointAxis::Revolute);
+    let previous = body.parent.filter(|&p| revolute && body.twist.is_none() && may_lead_a_run(mechanism, p));
     let before = previous.and_then(|p| placed[p].aligned);
     let aligned = match formulation.bodies[index].frame {
         WorkingFrame::BeforeJoint if revolute => before,
         WorkingFrame::Body | WorkingFrame::BeforeJoint => Some(index),
     };
     let turn = |from, to| {
-        if revolute {
+        if revolute && body.chain.is_none() {
             turn_between(mechanism, y, from, to, index)
         } else if from == to {
             None
@@ -78,6 +78,7 @@ fn place_body<'g>(
     };
     Placement {
         turn: turn(before, aligned),
+        attitude: body.attitude,
         translation,
         extension: if revolute { body.lift } else { body.lift + body.transmission.motion(y) },
         run: previous.map_or(index, |p| placed[p].run),
@@ -135,13 +136,19 @@ pub fn ends_at_root(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
         && root.is_some_and(|root| root.parent.is_none() && root.axis == JointAxis::Revolute)
 }
 
+/// Tells whether a joint with a parallel axis can form a run with that of a body: the angles of both may then be added.
+fn may_lead_a_run(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
+    let body = &mechanism.bodies[body];
+    body.axis == JointAxis::Revolute && body.chain.is_none()
+}
+
 /// The bodies of the run that ends with `member`, from its first body on.
 fn run_chain(mechanism: &Mechanism<Scalar<'_>>, member: usize) -> Vec<usize> {
     let mut chain = vec![member];
     let mut body = &mechanism.bodies[member];
     while let Some(parent) = body.parent.filter(|_| body.twist.is_none() && body.axis == JointAxis::Revolute)
     {
-        if mechanism.bodies[parent].axis != JointAxis::Revolute {
+        if !may_lead_a_run(mechanism, parent) {
             break;
         }
         chain.push(parent);
@@ -155,23 +162,47 @@ impl<'g> Placement<'g> {
     /// An angular velocity, angular acceleration or moment from the parent's working frame to this one.
     pub fn to_child(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let v = twist.to_child(v);
-        self.turn.map_or(v, |turn| v.turned_back(turn))
+        let v = self.turn.map_or(v, |turn| v.turned_back(turn));
+        self.attitude.map_or(v, |attitude| attitude.to_child(v))
     }
 
     /// An angular velocity, angular acceleration or moment from this working frame to the parent's.
     pub fn to_parent(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
-        twist.to_parent(self.turn.map_or(v, |turn| v.turned(turn)))
+        twist.to_parent(self.before_joint(v))
+    }
+
+    /// The same from this working frame to the frame before the joint.
+    pub fn before_joint(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
+        let v = self.before_attitude(v);
+        self.turn.map_or(v, |turn| v.turned(turn))
+    }
+
+    fn before_attitude(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
+        self.attitude.map_or(v, |attitude| attitude.to_parent(v))
+    }
+
+    /// A matrix `R A Rᵀ` in the frame before the joint.
+    pub fn matrix_before_joint(&self, a: &Matrix3<'g>) -> Matrix3<'g> {
+        let a = self.attitude.map_or(*a, |attitude| attitude.matrix_to_parent(a));
+        self.turn.map_or(a, |turn| a.turned(turn))
+    }
+
+    /// A second moment in the frame before the joint.
+    pub fn second_before_joint(&self, second: Symmetric3<Scalar<'g>>) -> Symmetric3<Scalar<'g>> {
+        let second = self.attitude.map_or(second, |attitude| attitude.symmetric_to_parent(second));
+        self.turn.map_or(second, |turn| second.turned(turn))
     }
 
     /// An acceleration from the parent's working frame and unit to this one's.
     pub fn to_child_unit(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
-        self.scaled_turn(twist.to_child(v), |v, turn| v.turned_back(turn))
+        let v = self.scaled_turn(twist.to_child(v), |v, turn| v.turned_back(turn));
+        self.attitude.map_or(v, |attitude| attitude.to_child(v))
     }
 
     /// A force or first moment from this working frame and unit to the frame before the joint and the
     /// parent's unit.
     pub fn before_joint_unit(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
-        self.scaled_turn(v, |v, turn| v.turned(turn))
+        self.scaled_turn(self.before_attitude(v), |v, turn| v.turned(turn))
     }
 
     /// The motion of this body at a unit of the parent's angular velocity about its z axis: angular velocity,

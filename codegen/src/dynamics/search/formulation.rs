@@ -1,7 +1,7 @@
 //! The ways in which the same equations can be written, and the search for the cheapest.
 
 use crate::graph::{Graph, Scalar};
-use crate::kinematics::{JointAxis, Mechanism, Number, RegroupChoice, SHORTEST_LEVER};
+use crate::kinematics::{Body, JointAxis, Mechanism, Number, RegroupChoice, SHORTEST_LEVER};
 
 /// How the acceleration of the points of a body is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -214,12 +214,11 @@ impl SearchSpace {
         let children = mechanism.children();
         let parallel = |index: usize| {
             let body = &mechanism.bodies[index];
-            body.axis == JointAxis::Revolute && body.twist.is_none()
+            is_single_turn(body) && body.twist.is_none()
         };
         let bodies = mechanism.bodies.iter().enumerate().map(|(index, body)| {
-            let revolute = body.axis == JointAxis::Revolute;
-            let parent_revolute =
-                body.parent.is_some_and(|p| mechanism.bodies[p].axis == JointAxis::Revolute);
+            let revolute = is_single_turn(body);
+            let parent_revolute = body.parent.is_some_and(|p| is_single_turn(&mechanism.bodies[p]));
             BodyOptions {
                 revolute,
                 right_angle: body.parent.is_some() && body.twist.alpha.1 == 0.0,
@@ -241,9 +240,14 @@ impl SearchSpace {
     }
 }
 
-/// With prismatic joints forces are results, and their unit is not free.
+/// Tells whether a body has a revolute joint of its own; in the chain of a joint with a quaternion there is no choice.
+fn is_single_turn(body: &Body<Number>) -> bool {
+    body.axis == JointAxis::Revolute && body.chain.is_none()
+}
+
+/// With prismatic joints or quaternions forces are results, and their unit is not free.
 fn all_revolute(mechanism: &Mechanism<Number>) -> bool {
-    mechanism.bodies.iter().all(|body| body.axis == JointAxis::Revolute)
+    mechanism.bodies.iter().all(is_single_turn)
 }
 
 /// Lengths that would become 1 in a unit for the whole mechanism.

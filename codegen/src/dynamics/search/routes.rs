@@ -114,13 +114,15 @@ impl<'m> Formulations<'m> {
     pub fn forward_dynamics(&self) -> ForwardRoute {
         *self.forward_dynamics.get_or_init(|| {
             let weight = |route: ForwardRoute| {
-                let weighed = weigh(self.mechanism.coordinates, |graph, MotionInput { y, v, a }| {
+                let weighed = weigh(self.mechanism, |graph, MotionInput { y, v, a }| {
                     route.accelerations(graph, self, y, v, || a.to_vec())
                 });
                 weighed.0
             };
             let routes = [ForwardRoute::ArticulatedBodies, ForwardRoute::Factorization];
-            let is_tree = !self.mechanism.is_coupled() && self.mechanism.rotors_are_neighbours();
+            let is_tree = !self.mechanism.is_coupled()
+                && !self.mechanism.has_quaternions()
+                && self.mechanism.rotors_are_neighbours();
             match is_tree && weight(routes[0]) < weight(routes[1]) {
                 true => routes[0],
                 false => routes[1],
@@ -156,7 +158,7 @@ impl<'m> Formulations<'m> {
     pub fn mass_matrix(&self) -> &Formulation {
         self.mass_matrix.get_or_init(|| {
             cheapest(&self.space, |formulation| {
-                weigh(self.mechanism.coordinates, |graph, input| {
+                weigh(self.mechanism, |graph, input| {
                     let mechanism = formulation.mechanism(graph, self.mechanism);
                     composite::mass_matrix(&mechanism, formulation, input.y).concat()
                 })
@@ -220,7 +222,7 @@ impl<'m> Formulations<'m> {
         beside: impl for<'g> Fn(&'g Graph, MotionInput<'_, 'g>) -> Vec<Scalar<'g>>,
     ) -> (Formulation, Formulation) {
         let weight = |mass: &Formulation, bias: &Formulation| {
-            let (weight, _) = weigh(self.mechanism.coordinates, |graph, input| {
+            let (weight, _) = weigh(self.mechanism, |graph, input| {
                 let (matrix, forces) = self.mass_matrix_and_bias_by(mass, bias, graph, input.y, input.v);
                 [matrix.concat(), forces, beside(graph, input)].concat()
             });
@@ -242,23 +244,23 @@ impl<'m> Formulations<'m> {
     fn cheapest_derivatives(&self) -> DerivativeRoute {
         let (mechanism, inverse) = (self.mechanism, self.inverse_dynamics());
         let weight = |route: &DerivativeRoute| {
-            weigh(mechanism.coordinates, |graph, input| {
+            weigh(mechanism, |graph, input| {
                 let result = route.derive(graph, mechanism, inverse, input);
                 [result.forces, result.by_coordinates.concat(), result.by_velocities.concat()].concat()
             })
         };
         let composite =
             |formulation: &Formulation, pairs| DerivativeRoute::Composite(formulation.clone(), pairs);
-        let mut routes = vec![
-            composite(&inverse.massless(), PairFrame::Links),
-            composite(&inverse.massless().in_metres(), PairFrame::Root),
-        ];
+        let mut routes = vec![composite(&inverse.massless(), PairFrame::Links)];
+        if !mechanism.has_quaternions() {
+            routes.push(composite(&inverse.massless().in_metres(), PairFrame::Root));
+        }
         if mechanism.bodies.len() <= LARGEST_SEARCHED {
             let links =
                 cheapest(&self.space, |formulation| weight(&composite(formulation, PairFrame::Links)));
             routes.push(composite(&links, PairFrame::Links));
         }
-        if mechanism.bodies.len() <= LARGEST_FORWARD {
+        if mechanism.bodies.len() <= LARGEST_FORWARD && !mechanism.has_quaternions() {
             routes.push(DerivativeRoute::Forward);
         }
         let best =
@@ -344,7 +346,7 @@ enum Moving {
 
 /// Weight of the recursive equations.
 fn recursion(mechanism: &Mechanism<Number>, formulation: &Formulation, moving: Moving) -> (u64, usize) {
-    weigh(mechanism.coordinates, |graph, MotionInput { y, v, a }| {
+    weigh(mechanism, |graph, MotionInput { y, v, a }| {
         let still = vec![graph.constant(0.0); y.len()];
         let input = match moving {
             Moving::Accelerated => MotionInput { y, v, a },
@@ -355,13 +357,15 @@ fn recursion(mechanism: &Mechanism<Number>, formulation: &Formulation, moving: M
     })
 }
 
-/// Weight of a computation over `count` coordinates, and the nodes that it took.
-fn weigh<F>(count: usize, build: F) -> (u64, usize)
+/// Weight of a computation over a mechanism, and the nodes that it took.
+fn weigh<F>(mechanism: &Mechanism<Number>, build: F) -> (u64, usize)
 where
     F: for<'a> FnOnce(&'a Graph, MotionInput<'_, 'a>) -> Vec<Scalar<'a>>,
 {
     let graph = Graph::new();
-    let [y, v, a]: [Vec<_>; 3] = [0, 1, 2].map(|array| (0..count).map(|k| graph.input(array, k)).collect());
+    let y = mechanism.positions_on(&graph);
+    let [v, a]: [Vec<_>; 2] =
+        [1, 2].map(|array| (0..mechanism.coordinates).map(|k| graph.input(array, k)).collect());
     let input = MotionInput { y: &y, v: &v, a: &a };
     let results: Vec<Edge> = build(&graph, input).iter().map(|x| x.edge()).collect();
     (Cost::of(&graph, &results).weight(), graph.len())

@@ -88,7 +88,7 @@ impl Argument {
         match self {
             Inputs => Extent::new(Dimension::Inputs, model.inputs().count()),
             Wrenches => Extent::new(Dimension::Wrenches, 6 * model.wrenches.len()),
-            Coordinates => Extent::new(Dimension::Coordinates, model.coordinates.len()),
+            Coordinates => Extent::new(Dimension::Coordinates, model.position_count()),
             Velocities | Accelerations | Multipliers => velocities,
         }
     }

@@ -15,6 +15,7 @@ use super::dependent_limits::Limited;
 use super::force_laws::check_shaft;
 use super::frame_forces::{FrameForces, Resolver};
 use super::names::{Identifiers, report_duplicates};
+use super::quaternion_joints;
 use crate::diagnostic::{At, Report, nearest};
 use crate::formula::Formula;
 use crate::wording::as_written;
@@ -36,6 +37,7 @@ pub(super) struct Builder<'d, 'r> {
 impl Builder<'_, '_> {
     pub(super) fn build(&mut self) -> Option<Model> {
         let coordinates = self.coordinates()?;
+        let quaternion_joints = quaternion_joints::find(self.robot, &self.tree, &coordinates, self.report);
         let couplings = Couplings::resolve(self.robot, &self.tree, &coordinates, &self.defaults, self.report);
         let followers = couplings.followers(&self.tree);
         let limited = Limited {
@@ -61,6 +63,7 @@ impl Builder<'_, '_> {
             parameters: self.robot.parameters.iter().map(|parameter| parameter.value.clone()).collect(),
             links,
             coordinates,
+            quaternion_joints,
             followers,
             drives,
             point_forces,

@@ -10,6 +10,7 @@ mod hints;
 mod inertias;
 mod mass_matrix;
 mod names;
+mod quaternion_joints;
 mod range;
 
 use super::Model;
@@ -28,6 +29,7 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
         checks::joint(joint, report);
         force_laws::check(joint, &defaults, report);
     }
+    quaternion_joints::check(robot, report);
     for body in &robot.bodies {
         checks::body(body, &defaults, report);
     }

@@ -39,3 +39,10 @@ pub(super) struct Disturbed<'g> {
     pub(super) beta: Vector3<Scalar<'g>>,
     pub(super) acceleration: Vector3<Scalar<'g>>,
 }
+
+impl<'g> Disturbed<'g> {
+    /// From δω, β and δa.
+    pub(super) fn of([omega, beta, acceleration]: [Vector3<Scalar<'g>>; 3]) -> Self {
+        Self { omega, beta, acceleration }
+    }
+}

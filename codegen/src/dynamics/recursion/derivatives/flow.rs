@@ -4,6 +4,7 @@ use super::column::Disturbed;
 use crate::dynamics::recursion::composite::Composite;
 use crate::dynamics::recursion::newton_euler::{BodyMotion, MotionInput};
 use crate::dynamics::recursion::placement::Placement;
+use crate::dynamics::recursion::quaternion::{Passage, own_motion};
 use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism};
 use crate::spatial::{Force, MassMoments, Matrix3, Vector3};
@@ -33,6 +34,8 @@ pub(super) fn levers<'g>(
     let zero = mechanism.graph.constant(0.0);
     let lever = |(index, body): (usize, &Body<Scalar<'g>>)| {
         let rate = match body.axis {
+            // The bodies of a chain all move as the last one.
+            _ if body.chain.is_some() => zero,
             JointAxis::Revolute => zero,
             JointAxis::Prismatic => body.transmission.motion(input.v),
         };
@@ -41,9 +44,17 @@ pub(super) fn levers<'g>(
         let mut along_velocity = twice.scaled(along);
         along_velocity.0[2] = rate * 2.0;
         let across_velocity = match body.parent {
-            Some(parent) => motions[parent].omega.cross(placements[index].translation).map(|x| x * 2.0),
+            Some(parent) => motions[parent].omega.cross(placements[index].translation),
             None => Vector3::zero(zero),
         };
+        let slid = match body.chain.filter(|place| place.first == index) {
+            Some(place) => {
+                let passage = Passage { mechanism, placements, place };
+                passage.to_parent(own_motion(mechanism, place, input.v).linear)
+            }
+            None => Vector3::zero(zero),
+        };
+        let across_velocity = (across_velocity + slid).map(|x| x * 2.0);
         Lever { along, along_velocity, across_velocity }
     };
     mechanism.bodies.iter().enumerate().map(lever).collect()

@@ -33,11 +33,12 @@ use self::flow::levers;
 use self::tree::Tree;
 use super::composite::mirror;
 use super::newton_euler::{MotionInput, inverse_dynamics_parts};
+use super::quaternion::{force_along, unit_motion};
 use super::rotor;
 use crate::dynamics::matrix::Matrix;
 use crate::dynamics::search::formulation::Formulation;
 use crate::graph::Scalar;
-use crate::kinematics::{Body, Followed, Mechanism};
+use crate::kinematics::{Body, ChainPlace, Followed, Mechanism};
 use crate::spatial::Force;
 
 /// Inverse dynamics of bodies and rotors with their derivatives.
@@ -93,11 +94,17 @@ pub fn inverse_dynamics_derivatives<'g>(
     };
     let flows = tree.flows(formulation, input);
     for index in 0..mechanism.bodies.len() {
-        let column = tree.column(index, &flows[index], &parts.wrenches[index]);
+        let moving = mechanism.bodies[index].chain.map_or(index, |place| place.last);
+        let column = tree.column(index, &flows[moving], &parts.wrenches[index]);
         let coordinates = tree.coordinates_of(index);
         tree.read_own(index, &coordinates, &column, &mut result);
         let source = Source { joint: Some(index), coordinates };
-        tree.walk(index, &source, tree.depart(index, column), &mut result);
+        match mechanism.bodies[index].chain {
+            None => tree.walk(index, &source, tree.depart(index, column), &mut result),
+            Some(place) => {
+                tree.leave_chain(index, place, &source, column, parts.wrenches[place.last], &mut result)
+            }
+        }
     }
     rotor::add_inertia(mechanism, &mut result.mass_matrix);
     for rotor in &mechanism.rotors {
@@ -141,8 +148,57 @@ impl<'g> Tree<'_, 'g> {
             if let Some(joint) = source.joint {
                 self.add_rotor_couplings(index, joint, &mut column);
             }
-            self.read_off(index, source, &column, result);
+            match self.mechanism.bodies[index].chain {
+                None => self.read_off(index, source, &column, result),
+                Some(place) => {
+                    self.read_chain(place, place.last + 1, source, &column, result);
+                    column = self.pass_chain(place, column);
+                    index = place.first;
+                }
+            }
         }
+    }
+
+    /// Reads off the entries at the velocities of a joint with a quaternion: those before `end` in its chain. The
+    /// column has arrived at the last body of the chain.
+    fn read_chain(
+        &self,
+        place: ChainPlace,
+        end: usize,
+        source: &Source<'g>,
+        column: &Column<'g>,
+        result: &mut ForceDerivatives<'g>,
+    ) {
+        for velocity in place.first..end {
+            self.read_off(velocity, source, column, result);
+        }
+    }
+
+    /// From the last body of a chain to its first: the columns only change their axes.
+    fn pass_chain(&self, place: ChainPlace, mut column: Column<'g>) -> Column<'g> {
+        for index in (place.first + 1..=place.last).rev() {
+            column = self.pass_on(index, &column);
+        }
+        column
+    }
+
+    /// Carries the column of a velocity of a joint with a quaternion on. Its forces are those in the frame of the
+    /// moved body; only the joints before it see them turned.
+    fn leave_chain(
+        &self,
+        index: usize,
+        place: ChainPlace,
+        source: &Source<'g>,
+        mut column: Column<'g>,
+        needed: Force<'g>,
+        result: &mut ForceDerivatives<'g>,
+    ) {
+        self.read_chain(place, index, source, &column, result);
+        let turns = self.mechanism.bodies[index].axis.turns();
+        let screw = unit_motion(turns, place, needed.force[0]);
+        column.stiffness = column.stiffness + screw.cross_force(needed);
+        let column = self.pass_chain(place, column);
+        self.walk(place.first, source, column, result);
     }
 
     /// The entries of the column's own joint.
@@ -153,9 +209,10 @@ impl<'g> Tree<'_, 'g> {
         values: &Column<'g>,
         result: &mut ForceDerivatives<'g>,
     ) {
-        let Body { axis, transmission, .. } = &self.mechanism.bodies[index];
+        let transmission = &self.mechanism.bodies[index].transmission;
         for &Followed { coordinate, ratio } in coordinates {
-            let add = |f, matrix| transmission.add_row_entry(coordinate, axis.force(f) * ratio, matrix);
+            let along = |f| self.own_force(index, f) * ratio;
+            let add = |f, matrix| transmission.add_row_entry(coordinate, along(f), matrix);
             add(values.inertial, &mut result.mass_matrix);
             add(values.damping, &mut result.by_velocities);
             add(values.stiffness, &mut result.by_coordinates);
@@ -165,8 +222,17 @@ impl<'g> Tree<'_, 'g> {
     /// What a force on its way exerts along the joint of a body.
     fn met_by(&self, index: usize, f: Force<'g>) -> Scalar<'g> {
         match self.base.get(index) {
-            None => self.mechanism.bodies[index].axis.force(f),
+            None => self.own_force(index, f),
             Some(body) => body.screw.dot(f),
+        }
+    }
+
+    /// What a force exerts along the joint of its body.
+    fn own_force(&self, index: usize, f: Force<'g>) -> Scalar<'g> {
+        let Body { axis, chain, .. } = &self.mechanism.bodies[index];
+        match chain {
+            None => axis.force(f),
+            Some(place) => force_along(axis.turns(), *place, f),
         }
     }
 

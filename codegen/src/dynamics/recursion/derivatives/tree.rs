@@ -6,11 +6,12 @@ use super::flow::{Flow, Lever, shift_flow, twice_across};
 use crate::dynamics::recursion::composite::{before_joint, composites};
 use crate::dynamics::recursion::newton_euler::{BodyMotion, MotionInput};
 use crate::dynamics::recursion::placement::Placement;
+use crate::dynamics::recursion::quaternion::{ChainDisturbance, unit_motion};
 use crate::dynamics::recursion::rotor::Gyrostat;
 use crate::dynamics::search::formulation::Formulation;
 use crate::graph::Scalar;
-use crate::kinematics::{Followed, JointAxis, Mechanism, Rotor};
-use crate::spatial::{Force, Matrix3, Vector3};
+use crate::kinematics::{ChainPlace, Followed, JointAxis, Mechanism, Rotor};
+use crate::spatial::{Force, Matrix3, Motion, Vector3};
 
 /// The mechanism in motion.
 pub(super) struct Tree<'a, 'g> {
@@ -58,7 +59,7 @@ impl<'g> Tree<'_, 'g> {
         let moments = before_joint(moments.lifted(lever.along), placement);
         let moments = moments.to_parent(&body.twist, Vector3::zero(zero));
         let momentum = body.twist.to_parent(placement.before_joint_unit(momentum));
-        let spin = placement.turn.map_or(spin, |turn| spin.turned(turn));
+        let spin = placement.matrix_before_joint(&spin);
         let spin = spin.twisted(&body.twist);
         shift_flow(moments, momentum, &spin, placement.translation, lever.across_velocity)
     }
@@ -80,6 +81,9 @@ impl<'g> Tree<'_, 'g> {
     pub(super) fn column(&self, index: usize, flow: &Flow<'g>, needed: &Force<'g>) -> Column<'g> {
         let zero = needed.force[0].constant(0.0);
         let axis = self.mechanism.bodies[index].axis;
+        if let Some(place) = self.mechanism.bodies[index].chain {
+            return self.chain_column(index, unit_motion(axis.turns(), place, zero), place, flow);
+        }
         let screw = axis.unit_motion(zero);
         let disturbance = self.disturbance(index);
         let mut inertial = flow.response(&Disturbed {
@@ -111,6 +115,33 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
+    /// What the last body of a chain needs for a unit of acceleration, velocity and position along one velocity of its
+    /// joint; in the frame of that body, which moves along.
+    fn chain_column(
+        &self,
+        index: usize,
+        screw: Motion<'g>,
+        place: ChainPlace,
+        flow: &Flow<'g>,
+    ) -> Column<'g> {
+        let nothing = Vector3::zero(screw.linear[0]);
+        let accelerated = Disturbed { omega: nothing, beta: screw.angular, acceleration: screw.linear };
+        let disturbance = self.disturbance(index);
+        let spin = &flow.spin;
+        let trace = spin[0][0] + spin[1][1] + spin[2][2];
+        // Row `axis` of tr 2K − 2K, or what a sliding body's momentum does.
+        let by_omega = match self.mechanism.bodies[index].axis {
+            JointAxis::Revolute => screw.angular.scaled(trace) - Vector3(spin[place.axis]),
+            JointAxis::Prismatic => flow.momentum.cross(screw.linear),
+        };
+        Column {
+            inertial: flow.response(&accelerated),
+            damping: flow.response(&disturbance.by_velocity),
+            stiffness: flow.response(&disturbance.by_coordinate),
+            by_omega,
+        }
+    }
+
     /// Whether a body that carries nothing has its masses around the axis of its revolute joint evenly.
     fn looks_the_same_turned(&self, index: usize) -> bool {
         let moments = self.placements[index].moments;
@@ -126,6 +157,17 @@ impl<'g> Tree<'_, 'g> {
 
     pub(super) fn disturbance(&self, index: usize) -> Disturbance<'g> {
         let motion = &self.motions[index];
+        let body = &self.mechanism.bodies[index];
+        if let (Some(place), Some(chain)) = (body.chain, &motion.chain) {
+            let turns = body.axis.turns();
+            let screw = unit_motion(turns, place, motion.omega[0]);
+            let e = if turns { screw.angular } else { screw.linear };
+            let ChainDisturbance { by_position, by_velocity } = chain.disturbance(motion.omega, turns, e);
+            return Disturbance {
+                by_coordinate: Disturbed::of(by_position),
+                by_velocity: Disturbed::of(by_velocity),
+            };
+        }
         let (w, u, a) = (motion.omega, &motion.spread, motion.acceleration);
         let zero = w[0].constant(0.0);
         let nothing = Vector3::zero(zero);

@@ -1,0 +1,82 @@
+//! Derivatives by small motions of the joints, where positions are no vector space.
+//!
+//! The derivative of a function of the positions along coordinate i is that of `δ ↦ f(y ⊕ δ e_i)` at 0. For a quaternion
+//! `q̇ = ½ q ⊗ (ν, 0)`, for the origin of a floating body `ṗ = R l`, with the velocities l and ν in the body's own frame.
+
+use crate::graph::{Graph, Scalar, differentiate};
+use crate::kinematics::{PositionEntries, position_entries};
+use crate::model::{Model, QuaternionJoint, QuaternionKind};
+use crate::spatial::{Attitude, Vector3};
+
+/// Derivatives of `results` along a coordinate.
+///
+/// - `y`: positions by coordinate
+pub fn differentiate_along<'g>(
+    graph: &'g Graph,
+    model: &Model,
+    results: &[Scalar<'g>],
+    y: &[Scalar<'g>],
+    coordinate: usize,
+) -> Vec<Scalar<'g>> {
+    let Some(joint) = model.quaternion_joint_of(coordinate) else {
+        return differentiate(graph, results, y[coordinate]);
+    };
+    let zero = graph.constant(0.0);
+    let mut sum = vec![zero; results.len()];
+    for (entry, rate) in rates(graph, model, joint, coordinate - joint.first) {
+        if rate.is_zero() {
+            continue;
+        }
+        for (sum, by) in sum.iter_mut().zip(differentiate(graph, results, entry)) {
+            *sum = *sum + by * rate;
+        }
+    }
+    sum
+}
+
+/// The position entries of a joint with their rates at a unit of one of its velocities.
+fn rates<'g>(
+    graph: &'g Graph,
+    model: &Model,
+    joint: &QuaternionJoint,
+    velocity: usize,
+) -> Vec<(Scalar<'g>, Scalar<'g>)> {
+    let PositionEntries { origin, quaternion } = position_entries(graph, model, joint);
+    let [x, y, z, w] = quaternion;
+    let axis = velocity % 3;
+    let slides = joint.kind == QuaternionKind::Floating && velocity < 3;
+    if let (true, Some(origin)) = (slides, origin) {
+        let direction = Attitude::of_quaternion(quaternion).0[axis];
+        return origin.0.into_iter().zip(direction.0).collect();
+    }
+    let mut e = Vector3::zero(w);
+    e.0[axis] = graph.constant(1.0);
+    let vector = Vector3([x, y, z]);
+    let turned = e.scaled(w) + vector.cross(e);
+    let rates = turned.0.into_iter().chain([-vector.dot(e)]).map(|rate| rate * 0.5);
+    quaternion.into_iter().zip(rates).collect()
+}
+
+/// D of `δ̇ = D δ + δv`, the linearization on the tangent: `−ad_v` in the rows of a joint with a quaternion, else 0.
+pub fn drift<'g>(graph: &'g Graph, model: &Model, v: &[Scalar<'g>]) -> Vec<Vec<Scalar<'g>>> {
+    let n = v.len();
+    let mut matrix = vec![vec![graph.constant(0.0); n]; n];
+    for joint in &model.quaternion_joints {
+        let turning = joint.first + joint.kind.velocities() - 3;
+        subtract_cross(&mut matrix, [turning, turning], &v[turning..turning + 3]);
+        if joint.kind == QuaternionKind::Floating {
+            subtract_cross(&mut matrix, [joint.first, joint.first], &v[turning..turning + 3]);
+            subtract_cross(&mut matrix, [joint.first, turning], &v[joint.first..turning]);
+        }
+    }
+    matrix
+}
+
+/// Subtracts the matrix of a cross product from a block.
+fn subtract_cross<'g>(matrix: &mut [Vec<Scalar<'g>>], [row, column]: [usize; 2], v: &[Scalar<'g>]) {
+    for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+        // v× has −v_k in (i, j) and v_k in (j, i).
+        matrix[row + i][column + j] = matrix[row + i][column + j] + v[k];
+        matrix[row + j][column + i] = matrix[row + j][column + i] - v[k];
+    }
+}

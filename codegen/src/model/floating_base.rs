@@ -1,0 +1,70 @@
+//! A base that moves freely: a floating joint between the world and the link that was the base.
+
+use super::composite::{self, Composite, Place};
+use super::description::{JointDescription, RobotDescription};
+use crate::diagnostic::{At, Report, Span};
+use std::collections::BTreeSet;
+
+/// Name of the floating joint, which the names of its velocities begin with.
+const JOINT: &str = "base";
+
+/// The link before it.
+const WORLD: &str = "world";
+
+/// Links with these names stand for the ground: what is fixed to them is bolted down.
+const GROUND: [&str; 4] = ["world", "map", "odom", "ground"];
+
+/// Frees the base where the description asks for it.
+pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
+    let Some(span) = robot.floating_base else { return };
+    // Without a single root the links are no tree, which is reported elsewhere.
+    let Some(root) = root(robot) else { return };
+    if GROUND.contains(&root.as_str()) {
+        return report_bolted(robot, &root, span, report);
+    }
+    let place = Place {
+        parent: Some(At::new(WORLD.to_owned(), span)),
+        child: Some(At::new(root, span)),
+        origin: None,
+        axis: [0.0, 0.0, 1.0],
+    };
+    let name = At::new(JOINT.to_owned(), span);
+    let joints =
+        composite::expand(Composite::FLOATING, &name, place, |_, name| JointDescription::named(name));
+    if !robot.links.is_empty() {
+        let between = joints.iter().filter_map(|joint| joint.parent.clone());
+        robot.links.extend(between);
+    }
+    robot.base = None;
+    let described = std::mem::take(&mut robot.joints);
+    robot.joints = joints.into_iter().chain(described).collect();
+}
+
+/// The only link that no joint carries.
+fn root(robot: &RobotDescription) -> Option<String> {
+    let joints = || robot.joints.iter();
+    let children: BTreeSet<&str> =
+        joints().filter_map(|joint| joint.child.as_ref()).map(|name| name.value.as_str()).collect();
+    let parents = joints().filter_map(|joint| joint.parent.as_ref());
+    let all =
+        robot.links.iter().chain(&robot.base).chain(parents).chain(robot.bodies.iter().map(|b| &b.link));
+    let roots: BTreeSet<&str> =
+        all.map(|name| name.value.as_str()).filter(|name| !children.contains(name)).collect();
+    let mut roots = roots.into_iter();
+    let (root, None) = (roots.next()?, roots.next()) else { return None };
+    Some(root.to_owned())
+}
+
+fn report_bolted(robot: &RobotDescription, root: &str, span: Span, report: &mut Report) {
+    let held = robot.joints.iter().find(|joint| joint.parent.as_ref().is_some_and(|link| link.value == root));
+    let by = held.map_or(String::new(), |joint| format!(" by joint `{}`", joint.name.value));
+    let message = format!("the base is to float, and the robot is bolted to `{root}`{by}");
+    report.error(span, "bolted-base", message);
+    report.help(match held.and_then(|joint| joint.child.as_ref()) {
+        Some(child) => format!(
+            "remove that joint and the link `{root}`, then `{}` is the link that floats; or leave the base fixed",
+            child.value
+        ),
+        None => format!("give the link another name than `{root}`, or leave the base fixed"),
+    });
+}
