@@ -5,6 +5,10 @@
 pub enum Dimension {
     /// Coordinates y.
     Coordinates,
+    /// Entries of the positions y of a robot with quaternions, which has more of them than velocities.
+    Positions,
+    /// Joints of such a robot.
+    Joints,
     /// Velocities ẏ, and what belongs to one of them: accelerations, forces, derivatives by small motions.
     Velocities,
     /// Inputs u.

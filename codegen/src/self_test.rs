@@ -45,7 +45,7 @@ fn self_test(model: &Model, function: &Function, seed: u64, parameters: &[f64]) 
 /// jump.
 fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64> {
     match dimension {
-        Dimension::Coordinates => {
+        Dimension::Coordinates | Dimension::Positions => {
             let ranges = model.joints().map(|joint| joint.seeded_range());
             let values: Vec<f64> = ranges.map(|[low, high]| random.between(low, high)).collect();
             model.positions_by(&values)
@@ -56,7 +56,7 @@ fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64>
         }
         Dimension::Inputs => model.inputs().map(|_| random.either_side(0.1, 1.0)).collect(),
         Dimension::Wrenches => (0..6 * model.wrenches.len()).map(|_| random.either_side(0.1, 1.0)).collect(),
-        Dimension::Parameters | Dimension::Fixed => {
+        Dimension::Joints | Dimension::Parameters | Dimension::Fixed => {
             unreachable!("arguments belong to coordinates, velocities, inputs and wrenches")
         }
     }

@@ -51,7 +51,8 @@ fn kind(joint: &Value) -> String {
 
 /// The description of a reference file.
 fn description(name: &str, joints: &[Value]) -> String {
-    let mut text_of = format!("name = \"{name}\"\ngravity = [0, 0, -9.81]\n[generate]\nfunctions = {FUNCTIONS}\n");
+    let mut text_of =
+        format!("name = \"{name}\"\ngravity = [0, 0, -9.81]\n[generate]\nfunctions = {FUNCTIONS}\n");
     let link = |parent: &Value| match parent.as_i64() {
         Some(-1) => "base".to_owned(),
         _ => text(&joints[index(parent)]["name"]).to_owned(),
@@ -102,7 +103,8 @@ const FUNCTIONS: &str = "[\"mass_matrix\", \"coriolis_forces\", \"gravity_forces
 
 fn reference(name: &str) -> Option<Reference> {
     let path = shared()?.join("reference/mechanisms").join(format!("{name}.json"));
-    let text_of = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let text_of =
+        std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let reference: Value = serde_json::from_str(&text_of).expect("reference files are JSON");
     let joints = reference["joints"].as_array().expect("joints").clone();
     let folder = tempfile::tempdir().expect("a folder");

@@ -4,6 +4,7 @@ use super::forces;
 use super::frame_forces::FrameForces;
 use super::load_friction;
 use super::matrix::{FREE, Matrix, dot, subtract, sum};
+use super::momentum::Masses;
 use super::parameters::regressor;
 use super::recursion::composite;
 use super::recursion::derivatives::ForceDerivatives;
@@ -12,7 +13,7 @@ use super::recursion::frame_motion::BasePoses;
 use super::recursion::newton_euler::{self, MotionInput};
 use super::search::formulation::Formulation;
 use super::search::routes::Formulations;
-use super::tangent::{differentiate_along, drift};
+use super::tangent::{differentiate_along, drift, gradient_along};
 use crate::formula::Function;
 use crate::graph::{Cost, Edge, Graph, Scalar, differentiate};
 use crate::kinematics::{Mechanism, RegroupChoice};
@@ -255,8 +256,36 @@ impl<'g> Equations<'_, 'g> {
     }
 
     /// Derivatives along a coordinate.
-    fn along(&self, results: &[Scalar<'g>], y: &[Scalar<'g>], coordinate: usize) -> Vec<Scalar<'g>> {
+    pub fn along(&self, results: &[Scalar<'g>], y: &[Scalar<'g>], coordinate: usize) -> Vec<Scalar<'g>> {
         differentiate_along(self.graph, self.model, results, y, coordinate)
+    }
+
+    /// Derivatives of one result along all coordinates and by all velocities, in reverse.
+    pub fn gradient_along(
+        &self,
+        result: Scalar<'g>,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+    ) -> (Vec<Scalar<'g>>, Vec<Scalar<'g>>) {
+        gradient_along(self.graph, self.model, result, y, v)
+    }
+
+    /// Small motions of a joint with a quaternion do not commute: the Hessian of `δ ↦ f(y ⊕ δ)` at 0 is the mean of
+    /// both orders of the derivatives of the gradient. Sets the entries of row and column `j` so.
+    pub fn symmetrize_along(
+        &self,
+        hessian: &mut Matrix<'g>,
+        gradient: &[Scalar<'g>],
+        y: &[Scalar<'g>],
+        j: usize,
+    ) {
+        let Some(joint) = self.model.quaternion_joint_of(j) else { return };
+        for i in (j + 1..).take_while(|i| joint.coordinates().contains(i)) {
+            let other = self.along(&gradient[j..=j], y, i)[0];
+            let mean = (hessian[i][j] + other) * 0.5;
+            hessian[i][j] = mean;
+            hessian[j][i] = mean;
+        }
     }
 
     /// `M ÿ + k − q − Σ Jᵀ w`
@@ -507,6 +536,16 @@ impl<'g> Equations<'_, 'g> {
         let choices = vec![RegroupChoice::Massless; plain.bodies.len()];
         let mechanism = self.mechanism().regrouped(&choices);
         -mechanism.gravity.dot(composite::first_moment(&mechanism, &plain, y))
+    }
+
+    /// The masses at the positions `y`.
+    pub fn masses(&self, y: &[Scalar<'g>]) -> Masses<'g> {
+        Masses::new(self.mechanism(), y)
+    }
+
+    /// A row of a matrix times the velocities.
+    pub fn along_velocities(&self, row: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
+        dot(self.graph, row, v)
     }
 
     /// The bodies as seen from the base.

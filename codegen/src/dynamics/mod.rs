@@ -10,6 +10,7 @@ pub mod forces;
 pub mod frame_forces;
 pub mod load_friction;
 pub mod matrix;
+pub mod momentum;
 pub mod parameters;
 pub mod per_joint;
 pub mod recursion;

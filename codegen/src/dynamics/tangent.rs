@@ -3,7 +3,7 @@
 //! The derivative of a function of the positions along coordinate i is that of `δ ↦ f(y ⊕ δ e_i)` at 0. For a quaternion
 //! `q̇ = ½ q ⊗ (ν, 0)`, for the origin of a floating body `ṗ = R l`, with the velocities l and ν in the body's own frame.
 
-use crate::graph::{Graph, Scalar, differentiate};
+use crate::graph::{Graph, Scalar, differentiate, gradient};
 use crate::kinematics::{PositionEntries, position_entries};
 use crate::model::{Model, QuaternionJoint, QuaternionKind};
 use crate::spatial::{Attitude, Vector3};
@@ -32,6 +32,39 @@ pub fn differentiate_along<'g>(
         }
     }
     sum
+}
+
+/// Derivatives of one result along all coordinates and by all velocities, by reverse differentiation.
+pub fn gradient_along<'g>(
+    graph: &'g Graph,
+    model: &Model,
+    result: Scalar<'g>,
+    y: &[Scalar<'g>],
+    v: &[Scalar<'g>],
+) -> (Vec<Scalar<'g>>, Vec<Scalar<'g>>) {
+    let mut entries = y.to_vec();
+    for joint in &model.quaternion_joints {
+        let PositionEntries { origin, quaternion } = position_entries(graph, model, joint);
+        entries.extend(origin.into_iter().flat_map(|origin| origin.0).chain(quaternion));
+    }
+    let mut adjoints = gradient(graph, result, &[entries.as_slice(), v].concat());
+    let by_velocities = adjoints.split_off(entries.len());
+    let by_entries = adjoints.split_off(y.len());
+    let mut along = adjoints;
+    let mut first = 0;
+    for joint in &model.quaternion_joints {
+        let own = &by_entries[first..first + joint.kind.positions()];
+        first += joint.kind.positions();
+        for coordinate in joint.coordinates() {
+            let velocity = coordinate - joint.first;
+            let slides = joint.kind.velocities() == 6 && velocity < 3;
+            let own = if slides { &own[..3] } else { &own[joint.kind.quaternion()..] };
+            let rates = rates(graph, model, joint, velocity);
+            let zero = graph.constant(0.0);
+            along[coordinate] = rates.iter().zip(own).fold(zero, |sum, ((_, rate), &by)| sum + by * *rate);
+        }
+    }
+    (along, by_velocities)
 }
 
 /// The position entries of a joint with their rates at a unit of one of its velocities.

@@ -27,10 +27,12 @@ pub(super) struct Labels {
     pub(super) results: Vec<String>,
 }
 
-/// A length by name, where it follows from the robot. Coordinates and velocities are as many.
+/// A length by name, where it follows from the robot. Coordinates and velocities are as many without quaternions.
 pub(super) fn length_name(extent: Extent) -> Option<&'static str> {
     match extent.dimension {
         Dimension::Coordinates | Dimension::Velocities => Some("N"),
+        Dimension::Positions => Some("NY"),
+        Dimension::Joints => Some("JOINTS"),
         Dimension::Inputs => Some("M"),
         Dimension::Wrenches => Some("WRENCHES"),
         Dimension::Parameters | Dimension::Fixed => None,

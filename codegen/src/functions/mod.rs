@@ -11,5 +11,6 @@ mod derive;
 pub mod form;
 pub mod function;
 pub mod module_constants;
+pub mod positions;
 pub mod selection;
 pub mod size;

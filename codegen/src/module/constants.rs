@@ -1,12 +1,25 @@
 //! Constants of a robot: names, limits, drives.
 
+mod quaternions;
+
 use crate::formula::Formula;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::Dimension;
 use crate::model::{Actuator, Drive, ForceInput, Input, Joint, Model, MovingJoint};
 
 /// Names of all constants that a module can have beside those of its functions.
-pub const NAMES: [&str; 26] = [
+pub const NAMES: [&str; 37] = [
+    "NY",
+    "JOINTS",
+    "JOINT_KINDS",
+    "JOINT_POSITIONS",
+    "FIRST_POSITIONS",
+    "FIRST_VELOCITIES",
+    "POSITION_NAMES",
+    "POSITION_UNITS",
+    "VELOCITY_NAMES",
+    "VELOCITY_UNITS",
+    "NEUTRAL",
     "JOINT_NAMES",
     "JOINT_UNITS",
     "INPUT_NAMES",
@@ -39,7 +52,8 @@ pub const NAMES: [&str; 26] = [
 pub(super) fn all(model: &Model) -> Vec<Constant> {
     let joints: Vec<&Joint> = model.joints().collect();
     let inputs: Vec<Actuator<'_>> = model.inputs().collect();
-    let mut constants = names(model, &joints, &inputs);
+    let mut constants = quaternions::sizes(model);
+    constants.extend(names(model, &joints, &inputs));
     constants.extend(joint_limits(&joints));
     constants.extend(followers(model));
     constants.extend(input_limits(model, &inputs));
@@ -80,17 +94,22 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[Actuator<'_>]) -> Vec<Const
         let names = model.frames.iter().map(|frame| frame.name.as_str());
         constant("FRAME_NAMES", "Names of the frames.", strings(Fixed, names))
     });
-    let constants = [
-        constant(
-            "JOINT_NAMES",
-            "Names of the joints, in the order of the coordinates.",
-            strings(Coordinates, joints.iter().map(|joint| joint.name.as_str())),
-        ),
-        constant(
-            "JOINT_UNITS",
-            "Units of the coordinates: `rad` or `m`.",
-            strings(Coordinates, joints.iter().map(|joint| joint.kind.unit())),
-        ),
+    let of_joints = match model.quaternion_joints.is_empty() {
+        false => quaternions::names(model),
+        true => vec![
+            constant(
+                "JOINT_NAMES",
+                "Names of the joints, in the order of the coordinates.",
+                strings(Coordinates, joints.iter().map(|joint| joint.name.as_str())),
+            ),
+            constant(
+                "JOINT_UNITS",
+                "Units of the coordinates: `rad` or `m`.",
+                strings(Coordinates, joints.iter().map(|joint| joint.kind.unit())),
+            ),
+        ],
+    };
+    let of_inputs = [
         constant(
             "INPUT_NAMES",
             "Names of the inputs.",
@@ -109,7 +128,7 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[Actuator<'_>]) -> Vec<Const
             constant("WRENCH_NAMES", "Names of the wrenches.", strings(Fixed, names)),
         ]
     });
-    let constants = constants.into_iter().chain(acted_on).chain(frames);
+    let constants = of_joints.into_iter().chain(of_inputs).chain(acted_on).chain(frames);
     constants.chain(wrenches.into_iter().flatten()).collect()
 }
 

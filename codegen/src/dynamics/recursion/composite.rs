@@ -48,7 +48,7 @@ pub(super) fn mirror<'g>(mechanism: &Mechanism<Scalar<'g>>, matrix: &mut [Vec<Sc
 
 /// A body together with all that it carries.
 #[derive(Clone, Copy)]
-pub(super) struct Composite<'g> {
+pub(in crate::dynamics) struct Composite<'g> {
     /// Moments in the body's working frame.
     pub moments: MassMoments<Scalar<'g>>,
     /// Σ_xx + Σ_yy, which turning about z leaves alone.
@@ -56,7 +56,7 @@ pub(super) struct Composite<'g> {
 }
 
 /// Each body together with all that it carries.
-pub(super) fn composites<'g>(
+pub(in crate::dynamics) fn composites<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
     placements: &[Placement<'g>],

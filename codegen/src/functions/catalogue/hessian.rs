@@ -12,7 +12,7 @@ use crate::dynamics::equations::Equations;
 use crate::dynamics::matrix::Matrix;
 use crate::dynamics::matrix::dot;
 use crate::dynamics::recursion::newton_euler::MotionInput;
-use crate::graph::{Cost, Edge, Scalar, differentiate, gradient};
+use crate::graph::{Cost, Edge, Scalar, differentiate};
 
 /// Its row of the catalogue.
 pub const QUANTITY: Quantity = Quantity {
@@ -87,9 +87,7 @@ fn reverse_gradient<'g>(
 ) -> Gradient<'g> {
     let forces = equations.inverse_dynamics(y, v, a);
     let work = dot(equations.graph, &forces, multipliers);
-    let mut both = gradient(equations.graph, work, &[y, v].concat());
-    let by_velocities = both.split_off(y.len());
-    (both, by_velocities)
+    equations.gradient_along(work, y, v)
 }
 
 fn analytic_gradient<'g>(
@@ -124,12 +122,13 @@ fn second<'g>(
     for j in 0..y.len() {
         // Symmetric: the entries from the diagonal on serve both triangles.
         let later: Vec<_> = by_y[j..].iter().chain(&by_v).copied().collect();
-        let column = differentiate(graph, &later, y[j]);
+        let column = equations.along(&later, y, j);
         let (own, mixed) = column.split_at(by_y.len() - j);
         for (i, &entry) in (j..).zip(own) {
             hessian.by_coordinates[i][j] = entry;
             hessian.by_coordinates[j][i] = entry;
         }
+        equations.symmetrize_along(&mut hessian.by_coordinates, &by_y, y, j);
         hessian.mixed[j] = mixed.to_vec();
         for (i, entry) in (j..).zip(differentiate(graph, &by_v[j..], v[j])) {
             hessian.by_velocities[i][j] = entry;

@@ -6,8 +6,10 @@ mod frame_inputs;
 mod frames;
 mod hessian;
 mod load_friction;
+mod momentum;
 mod motion;
 mod quantity;
+mod quaternions;
 mod reactions;
 mod regressors;
 mod wrenches;
@@ -27,6 +29,7 @@ use motion::{FRICTION_BY_POSITION, QUANTITIES};
 pub(super) fn describe(model: &Model, function: &mut Function) {
     load_friction::describe(model, function);
     frame_inputs::describe(model, function);
+    quaternions::describe(model, function);
 }
 
 /// Every function but those of named frames, in the order of the generated module.
@@ -46,7 +49,7 @@ fn quantities_of(model: &Model) -> impl Iterator<Item = &'static Quantity> {
         false => &[],
     };
     let quantities = quantities().map(move |quantity| {
-        let mut rows = by_position.iter().chain(frame_inputs::rows(model));
+        let mut rows = by_position.iter().chain(frame_inputs::rows(model)).chain(quaternions::rows(model));
         let replacement = rows.find(|row| row.name == quantity.name);
         replacement.unwrap_or(quantity)
     });
@@ -68,7 +71,10 @@ pub(super) fn is_on_request(name: &str) -> bool {
 }
 
 /// Functions that are derived where they are asked for by name: few need them.
-const ON_REQUEST: &[Quantity] = &[hessian::QUANTITY, reactions::QUANTITY];
+const ON_REQUEST: &[Quantity] = {
+    let [center, jacobian, matrix, momentum] = momentum::QUANTITIES;
+    &[hessian::QUANTITY, reactions::QUANTITY, center, jacobian, matrix, momentum]
+};
 
 /// The row of a function of whatever robot.
 pub(super) fn row(name: &str) -> Option<&'static Quantity> {

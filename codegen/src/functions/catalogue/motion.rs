@@ -297,6 +297,43 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     },
 ];
 
+/// The row that replaces that of the same name where joints have quaternions.
+pub(super) const LINEARIZE_ON_TANGENT: &[Quantity] = &[Quantity {
+    name: "linearize",
+    differentiates_friction: true,
+    summary: "Linearization of the accelerations in continuous time, on the tangent.",
+    equation: "with δ from y: δ̇ ≈ D δ + ẏ − v and ÿ ≈ A_y δ + A_v ẏ + B_x u + c",
+    arguments: &[Coordinates, Velocities, Inputs],
+    results: &[
+        ("A_y", SQUARE, "∂ÿ/∂δ, row i = acceleration i"),
+        ("A_v", SQUARE, "∂ÿ/∂ẏ, row i = acceleration i"),
+        ("B_x", BY_INPUTS, "∂ÿ/∂u, row i = acceleration i"),
+        ("c", VECTOR, "affine remainder ÿ − A_v ẏ − B_x u: y itself counts as δ = 0"),
+        ("D", SQUARE, "−ad_v in the rows of a spherical or floating joint, else 0"),
+    ],
+    notes: &[
+        DERIVATIVE_NOTES[0],
+        "δ is a small motion: the positions are `integrate(y, δ)`, and v are the velocities of the linearization. Where the \
+         positions are one for each velocity, δ is the difference of the positions.",
+    ],
+    build: |equations, Arguments { y, v, u, .. }| {
+        let result = equations.linearize(y, v, u);
+        let jacobians = [result.by_coordinates, result.by_velocities, result.by_inputs].map(matrix);
+        let rest = [vector(result.remainder), matrix(equations.drift(v))];
+        jacobians.into_iter().chain(rest).collect()
+    },
+    route: |formulations| Some(formulations.derivatives().description()),
+    needs_inverse: true,
+    constants: |_, _, program| {
+        module_constants::patterns(
+            program,
+            &[("A_Y_NONZERO", "A_y"), ("A_V_NONZERO", "A_v"), ("B_X_NONZERO", "B_x")],
+        )
+    },
+    straight_size: Some(Estimate::MassMatrix),
+    ..Quantity::PLAIN
+}];
+
 /// The row that replaces that of the same name where inputs act at frames.
 pub(super) const INPUT_MATRIX_BY_POSITION: &[Quantity] = &[Quantity {
     name: "input_matrix",

@@ -5,6 +5,7 @@ use crate::dynamics::equations::Equations;
 use crate::dynamics::matrix::Matrix;
 use crate::dynamics::search::routes::Formulations;
 use crate::functions::function::{ArgumentText, Constant};
+use crate::functions::positions;
 use crate::graph::Scalar;
 use crate::layout::{Dimension, Extent};
 use crate::model::{Actuator, Joint, JointKind, Model, Wrench, WrenchAxes};
@@ -64,7 +65,7 @@ impl Argument {
             model.joints().map(entry).collect()
         };
         let entries = match self {
-            Coordinates => by_joint(["rad", "m"]),
+            Coordinates => position_entries(model),
             Velocities => by_joint(["rad/s", "m/s"]),
             Accelerations => by_joint(["rad/s²", "m/s²"]),
             Inputs => {
@@ -80,7 +81,16 @@ impl Argument {
                 model.wrenches.iter().map(|wrench| (wrench.name.clone(), axes(wrench))).collect()
             }
         };
-        ArgumentText { meaning: self.meaning().to_owned(), entries }
+        let meaning = match self {
+            Coordinates if !model.quaternion_joints.is_empty() => {
+                "positions; quaternions are x y z w and of unit length"
+            }
+            Velocities if !model.quaternion_joints.is_empty() => {
+                "velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own frame"
+            }
+            _ => self.meaning(),
+        };
+        ArgumentText { meaning: meaning.to_owned(), entries }
     }
 
     pub(in crate::functions) fn extent(self, model: &Model) -> Extent {
@@ -88,10 +98,22 @@ impl Argument {
         match self {
             Inputs => Extent::new(Dimension::Inputs, model.inputs().count()),
             Wrenches => Extent::new(Dimension::Wrenches, 6 * model.wrenches.len()),
-            Coordinates => Extent::new(Dimension::Coordinates, model.position_count()),
+            Coordinates => {
+                let dimension = match model.quaternion_joints.is_empty() {
+                    true => Dimension::Coordinates,
+                    false => Dimension::Positions,
+                };
+                Extent::new(dimension, model.position_count())
+            }
             Velocities | Accelerations | Multipliers => velocities,
         }
     }
+}
+
+/// Names and units of the positions.
+fn position_entries(model: &Model) -> Vec<(String, &'static str)> {
+    let entries = positions::names(model).into_iter().zip(positions::units(model));
+    entries.collect()
 }
 
 /// A result in the making.

@@ -1,0 +1,85 @@
+//! Centre of mass and momentum about it, in the axes of the base (Orin, Goswami and Lee 2013).
+//!
+//! Column j of the centroidal momentum matrix is the momentum of all that joint j moves, at a unit of its velocity: with
+//! the moments m, h, Σ of that composite body about a point o of the joint and the unit motion (ω, v) there
+//!
+//! ```text
+//! p = m v + ω × h          L = (tr Σ − Σ) ω + h × v + (o − c) × p
+//! ```
+
+use super::recursion::composite;
+use super::recursion::frame_motion::BasePoses;
+use super::recursion::placement::place;
+use super::search::formulation::Formulation;
+use crate::dynamics::matrix::Matrix;
+use crate::graph::Scalar;
+use crate::kinematics::Mechanism;
+use crate::spatial::{Force, Vector3};
+
+/// The masses of a mechanism at given positions.
+pub struct Masses<'g> {
+    mechanism: Mechanism<Scalar<'g>>,
+    plain: Formulation,
+    y: Vec<Scalar<'g>>,
+}
+
+impl<'g> Masses<'g> {
+    /// - `mechanism`: in metres and not regrouped
+    pub fn new(mechanism: Mechanism<Scalar<'g>>, y: &[Scalar<'g>]) -> Self {
+        let plain = Formulation::plain(mechanism.bodies.len());
+        Self { mechanism, plain, y: y.to_vec() }
+    }
+
+    /// Mass of the moving bodies.
+    fn total(&self) -> Scalar<'g> {
+        let zero = self.mechanism.graph.constant(0.0);
+        self.mechanism.bodies.iter().fold(zero, |sum, body| sum + body.moments.mass)
+    }
+
+    /// c: centre of mass in the base frame (m).
+    pub fn center(&self) -> Vector3<Scalar<'g>> {
+        let first = composite::first_moment(&self.mechanism, &self.plain, &self.y);
+        let total = self.total();
+        first.map(|x| x.divided_by(total)).named("center_of_mass")
+    }
+
+    /// Momentum about c at a unit of each velocity, by column: linear, then angular.
+    fn columns(&self) -> Vec<Vec<Scalar<'g>>> {
+        let mechanism = &self.mechanism;
+        let placements = place(mechanism, &self.plain, &self.y);
+        let composites = composite::composites(mechanism, &self.plain, &placements);
+        let poses = BasePoses::new(mechanism.clone(), &self.y);
+        let (center, zero) = (self.center(), mechanism.graph.constant(0.0));
+        let mut rows = vec![vec![zero; mechanism.coordinates]; 6];
+        for (index, body) in mechanism.bodies.iter().enumerate() {
+            let unit = body.axis.unit_motion(zero);
+            let Force { force, moment } = composites[index].moments.times(unit);
+            let pose = poses.body(index);
+            let (force, moment) = (pose.direction(force), pose.direction(moment));
+            let moment = moment + (pose.origin - center).cross(force);
+            for (row, entry) in rows.iter_mut().zip(force.0.into_iter().chain(moment.0)) {
+                body.transmission.add_force(entry, row);
+            }
+        }
+        for rotor in &mechanism.rotors {
+            let Some(carrier) = rotor.carrier else { continue };
+            let spin = poses.body(carrier).direction(rotor.axis.scaled(rotor.coupling_inertia()));
+            for (row, entry) in rows[3..].iter_mut().zip(spin.0) {
+                rotor.transmission.add_force(entry, row);
+            }
+        }
+        rows
+    }
+
+    /// Centroidal momentum matrix: linear rows first.
+    pub fn momentum_matrix(&self) -> Matrix<'g> {
+        self.columns()
+    }
+
+    /// ∂c/∂y along small motions.
+    pub fn center_jacobian(&self) -> Matrix<'g> {
+        let total = self.total();
+        let rows = self.columns().into_iter().take(3);
+        rows.map(|row| row.into_iter().map(|x| x.divided_by(total)).collect()).collect()
+    }
+}

@@ -1,0 +1,65 @@
+//! Centre of mass and centroidal momentum.
+
+use super::quantity::Argument::{Coordinates, Velocities};
+use super::quantity::{FRAME_JACOBIAN, IN_SPACE, Quantity, matrix, vector};
+use crate::dynamics::arguments::Arguments;
+
+const NOTES: &[&str] = &[
+    "The moving bodies count, in the axes of the base frame; what is fixed to a base that is bolted down does not. \
+     Rotors with `coupling = \"body\"` spin with their gear ratio.",
+];
+
+/// The rows, which are derived where they are asked for by name.
+pub const QUANTITIES: [Quantity; 4] = [
+    Quantity {
+        name: "center_of_mass",
+        summary: "Centre of mass of the moving bodies.",
+        equation: "c = Σ m_i c_i / Σ m_i",
+        arguments: &[Coordinates],
+        results: &[("c", IN_SPACE, "in the base frame (m)")],
+        notes: NOTES,
+        build: |equations, Arguments { y, .. }| vec![vector(equations.masses(y).center().0.into())],
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "center_of_mass_jacobian",
+        summary: "Jacobian of the centre of mass.",
+        equation: "ċ = J_c ẏ",
+        arguments: &[Coordinates],
+        results: &[("J_c", FRAME_JACOBIAN, "rows x, y, z of the base frame")],
+        notes: NOTES,
+        build: |equations, Arguments { y, .. }| vec![matrix(equations.masses(y).center_jacobian())],
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "centroidal_momentum_matrix",
+        summary: "Centroidal momentum matrix.",
+        equation: "(p, L) = A ẏ",
+        arguments: &[Coordinates],
+        results: &[(
+            "A",
+            FRAME_JACOBIAN,
+            "rows: linear momentum, then angular momentum about the centre of mass, in the axes of the base",
+        )],
+        notes: NOTES,
+        build: |equations, Arguments { y, .. }| vec![matrix(equations.masses(y).momentum_matrix())],
+        ..Quantity::PLAIN
+    },
+    Quantity {
+        name: "centroidal_momentum",
+        summary: "Momentum of the moving bodies about their centre of mass.",
+        equation: "(p, L) = (Σ m ċ_i, Σ (c_i − c) × m ċ_i + I ω)",
+        arguments: &[Coordinates, Velocities],
+        results: &[(
+            "h",
+            IN_SPACE,
+            "linear momentum [N s], then angular momentum about the centre of mass [N m s], in the axes of the base",
+        )],
+        notes: NOTES,
+        build: |equations, Arguments { y, v, .. }| {
+            let rows = equations.masses(y).momentum_matrix();
+            vec![vector(rows.iter().map(|row| equations.along_velocities(row, v)).collect())]
+        },
+        ..Quantity::PLAIN
+    },
+];

@@ -1,0 +1,93 @@
+//! Constants of robots with spherical and floating joints: how positions and velocities belong to the joints.
+
+use super::{constant, strings};
+use crate::functions::function::{Constant, ConstantValue};
+use crate::functions::positions;
+use crate::layout::Dimension::{Coordinates, Joints, Positions};
+use crate::model::{Joint, JointPosition, Model};
+
+/// The lengths that only such robots have.
+pub(super) fn sizes(model: &Model) -> Vec<Constant> {
+    if model.quaternion_joints.is_empty() {
+        return vec![];
+    }
+    let count = |name, summary, count| constant(name, summary, ConstantValue::Count(count));
+    vec![
+        count("NY", "Number of position entries.", model.position_count()),
+        count("JOINTS", "Number of joints.", model.joint_positions().count()),
+    ]
+}
+
+/// Names, types, places and units of joints, positions and velocities.
+pub(super) fn names(model: &Model) -> Vec<Constant> {
+    let velocities: Vec<&Joint> = model.joints().collect();
+    let joints: Vec<JointPosition<'_>> = model.joint_positions().collect();
+    let name = |joint: &JointPosition<'_>| match joint {
+        JointPosition::Coordinate(coordinate) => velocities[*coordinate].name.clone(),
+        JointPosition::Quaternion(joint) => joint.name.clone(),
+    };
+    let kind = |joint: &JointPosition<'_>| match joint {
+        JointPosition::Coordinate(coordinate) => velocities[*coordinate].kind.name(),
+        JointPosition::Quaternion(joint) => joint.kind.name(),
+    };
+    let names: Vec<String> = joints.iter().map(name).collect();
+    let indices = |name, summary, of: &dyn Fn(&JointPosition<'_>) -> usize| {
+        constant(name, summary, ConstantValue::Indices(Joints, joints.iter().map(of).collect()))
+    };
+    let position_names = positions::names(model);
+    let rates = velocities.iter().map(|joint| if joint.kind.unit() == "m" { "m/s" } else { "rad/s" });
+    vec![
+        constant(
+            "JOINT_NAMES",
+            "Names of the joints, in the order of their positions and velocities.",
+            strings(Joints, names.iter().map(String::as_str)),
+        ),
+        constant("JOINT_KINDS", "Types of the joints.", strings(Joints, joints.iter().map(kind))),
+        indices(
+            "JOINT_POSITIONS",
+            "Number of position entries of each joint: 1; 4 for a spherical joint, a quaternion x y z w; 7 for a floating \
+             one, the position of its body's origin in the parent's frame, then the quaternion. They have 1, 3 and 6 \
+             velocities.",
+            &|joint| match joint {
+                JointPosition::Coordinate(_) => 1,
+                JointPosition::Quaternion(joint) => joint.kind.positions(),
+            },
+        ),
+        indices("FIRST_POSITIONS", "The first position entry of each joint.", &|joint| {
+            model.first_position(first_velocity(joint))
+        }),
+        indices("FIRST_VELOCITIES", "The first velocity of each joint.", &first_velocity),
+        constant(
+            "POSITION_NAMES",
+            "Names of the position entries.",
+            strings(Positions, position_names.iter().map(String::as_str)),
+        ),
+        constant(
+            "POSITION_UNITS",
+            "Units of the position entries: `rad`, `m`, `1` for quaternions.",
+            strings(Positions, positions::units(model).into_iter()),
+        ),
+        constant(
+            "VELOCITY_NAMES",
+            "Names of the velocities. Those of a floating joint are linear (x, y, z), then angular (rx, ry, rz), those of a \
+             spherical joint angular, in the axes of the body that the joint carries.",
+            strings(Coordinates, velocities.iter().map(|joint| joint.name.as_str())),
+        ),
+        constant("VELOCITY_UNITS", "Units of the velocities: `rad/s` or `m/s`.", strings(Coordinates, rates)),
+        neutral(model),
+    ]
+}
+
+fn first_velocity(joint: &JointPosition<'_>) -> usize {
+    match joint {
+        JointPosition::Coordinate(coordinate) => *coordinate,
+        JointPosition::Quaternion(joint) => joint.first,
+    }
+}
+
+/// The positions at which nothing is turned or displaced.
+fn neutral(model: &Model) -> Constant {
+    let positions = model.positions_by(&vec![0.0; model.coordinates.len()]);
+    let summary = "Positions at which no joint is turned or displaced: 0, and the quaternion 0 0 0 1.";
+    constant("NEUTRAL", summary, ConstantValue::Numbers(Positions, positions))
+}
