@@ -4,6 +4,8 @@
 //! replaced. Constraints on it: `core` alone, no allocation, no panic, loops over N and M or constants only, no inner
 //! attributes or inner doc comments.
 //!
+//! Robots whose positions are not all velocities take the functions `…_on_manifold`, see [`crate::manifold`].
+//!
 //! `gelenk-runtime` calls it for modules that were generated without these functions.
 
 include!("sums.rs");
@@ -11,6 +13,13 @@ include!("halves.rs");
 include!("zero_order_hold.rs");
 include!("runge_kutta.rs");
 include!("sensitivities.rs");
+
+use crate::manifold::{
+    cross, integrate, places, pose_bracket, pose_tangents, read, rotation_tangents, write,
+};
+include!("../manifold/runge_kutta.rs");
+include!("../manifold/sensitivities.rs");
+include!("../manifold/zero_order_hold.rs");
 
 /// A text, in the order in which they are pasted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
