@@ -33,6 +33,8 @@ struct Reference {
     /// angle is given by cosine and sine.
     planar: Vec<[usize; 2]>,
     samples: Vec<Value>,
+    /// Names of the joints.
+    joints: Vec<String>,
 }
 
 /// A joint's type and what goes with it, as a line of the description.
@@ -99,7 +101,8 @@ const FUNCTIONS: &str = "[\"mass_matrix\", \"coriolis_forces\", \"gravity_forces
     \"inverse_dynamics_derivatives\", \"inverse_dynamics_derivatives_and_mass_matrix\", \"forward_dynamics_derivatives\", \
     \"linearize\", \"kinetic_energy\", \"potential_energy\", \"inertial_parameters\", \"inertial_regressor\", \
     \"base_regressor\", \"wrench_forces\", \"inverse_dynamics_with_wrenches\", \
-    \"inverse_dynamics_derivatives_with_wrenches\", \"joint_wrenches\", \"frames\"]";
+    \"inverse_dynamics_derivatives_with_wrenches\", \"joint_wrenches\", \"center_of_mass\", \
+    \"center_of_mass_jacobian\", \"centroidal_momentum\", \"centroidal_momentum_matrix\", \"frames\"]";
 
 fn reference(name: &str) -> Option<Reference> {
     let path = shared()?.join("reference/mechanisms").join(format!("{name}.json"));
@@ -115,6 +118,7 @@ fn reference(name: &str) -> Option<Reference> {
     Some(Reference {
         robot: Robot::derive(&path, &options),
         planar: planar.map(|joint| [index(&joint["idx_q"]), index(&joint["idx_v"])]).collect(),
+        joints: joints.iter().map(|joint| text(&joint["name"]).to_owned()).collect(),
         samples: reference["samples"].as_array().expect("samples").clone(),
     })
 }
@@ -266,7 +270,19 @@ fn agrees_with_pinocchio(name: &str) {
         check(&what("p"), &robot.call("frame_last_pose", &[y])[0], &get("p"), VALUES);
         check(&what("R"), &robot.call("frame_last_pose", &[y])[1], &get("R"), VALUES);
         let jacobian = DMatrix::from_row_slice(6, v.len(), &robot.first("frame_last_jacobian", &[y]));
-        check(&what("J"), &rows(&(jacobian * p)), &get("J"), VALUES);
+        check(&what("J"), &rows(&(&jacobian * p)), &get("J"), VALUES);
+        let rate = robot.first("frame_last_jacobian_rate_times_velocity", &[y, v]);
+        let swept = &jacobian * DVector::from_column_slice(&steady) + DVector::from_vec(rate);
+        check(&what("Jdot_v"), swept.as_slice(), &get("Jdot_v"), VALUES);
+        reactions_agree(&reference, &state, sample, &what);
+        forward_dynamics_agree(&reference, &state, sample, &steady, &what);
+        check(&what("com"), &robot.first("center_of_mass", &[y]), &get("com"), VALUES);
+        let jacobian = DMatrix::from_row_slice(3, v.len(), &robot.first("center_of_mass_jacobian", &[y]));
+        check(&what("Jcom"), &rows(&(jacobian * p)), &get("Jcom"), VALUES);
+        check(&what("momentum"), &robot.first("centroidal_momentum", &[y, v]), &get("momentum"), VALUES);
+        let matrix = DMatrix::from_row_slice(6, v.len(), &robot.first("centroidal_momentum_matrix", &[y]));
+        let momentum = matrix * DVector::from_column_slice(v);
+        check(&what("A v"), momentum.as_slice(), &get("momentum"), VALUES);
         let bias = robot.call("mass_matrix_and_bias_forces", &[y, v]);
         check(&what("M of both"), &square(&bias[0]), &get("M"), VALUES);
         let regressor = robot.first("inertial_regressor", &[y, v, a]);
@@ -275,6 +291,49 @@ fn agrees_with_pinocchio(name: &str) {
         check(&what("W π"), &forces(of_parameters.as_slice()), &get("id"), VALUES);
         jacobians_agree(&reference, &state, sample, &what);
     }
+}
+
+/// What passes through each joint; a planar one passes it on to its last part.
+fn reactions_agree(reference: &Reference, state: &State, sample: &Value, what: &dyn Fn(&str) -> String) {
+    let model = &reference.robot.model;
+    let ours = reference.robot.first("joint_wrenches", &[&state.y, &state.v, &state.a]);
+    let names: Vec<&str> = model.carrying_joints().iter().map(|joint| joint.name).collect();
+    assert_eq!(ours.len(), 6 * names.len());
+    let theirs = sample["reactions"].as_array().expect("one for each joint");
+    for (name, theirs) in reference.joints.iter().zip(theirs) {
+        let last = format!("{name}_theta");
+        let row = names.iter().position(|ours| ours == name || **ours == last).expect("the joint");
+        check(&what(&format!("reaction at {name}")), &ours[6 * row..6 * row + 6], &numbers(theirs), VALUES);
+    }
+}
+
+fn forward_dynamics_agree(
+    reference: &Reference,
+    state: &State,
+    sample: &Value,
+    steady: &[f64],
+    what: &dyn Fn(&str) -> String,
+) {
+    let get = |key: &str| numbers(&sample[key]);
+    let u = &state.p * DVector::from_vec(get("tau"));
+    let inputs: [&[f64]; 3] = [&state.y, &state.v, u.as_slice()];
+    let ours = DVector::from_vec(reference.robot.first("forward_dynamics", &inputs));
+    let theirs = state.p.transpose() * (&ours - DVector::from_column_slice(steady));
+    check(&what("fd"), theirs.as_slice(), &get("fd"), VALUES);
+    if !reference.planar.is_empty() {
+        return;
+    }
+    let all = reference.robot.call("forward_dynamics_derivatives", &inputs);
+    check(&what("fd of all"), &all[0], &get("fd"), VALUES);
+    check(&what("dfd_dq"), &all[1], &get("dfd_dq"), JACOBIANS);
+    check(&what("dfd_dv"), &all[2], &get("dfd_dv"), JACOBIANS);
+    let linear = reference.robot.call("linearize", &inputs);
+    check(&what("A_y"), &linear[0], &get("dfd_dq"), JACOBIANS);
+    check(&what("A_v"), &linear[1], &get("dfd_dv"), JACOBIANS);
+    let known = state.matrix(&linear[1]) * DVector::from_column_slice(&state.v)
+        + state.matrix(&linear[2]) * &u
+        + DVector::from_column_slice(&linear[3]);
+    check(&what("A_v v + B u + c"), known.as_slice(), &get("fd"), 1e-8);
 }
 
 fn jacobians_agree(reference: &Reference, state: &State, sample: &Value, what: &dyn Fn(&str) -> String) {

@@ -2,9 +2,10 @@
 
 use super::text::code;
 use crate::functions::function::{Constant, Function};
+use crate::functions::position_functions::PositionFunction;
 use crate::layout::{Dimension, Extent};
 use crate::model::Parameter;
-use crate::module::ComposedFunction;
+use crate::module::{ComposedFunction, Module};
 
 /// A block of documentation: Markdown by our own stages.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -97,6 +98,26 @@ pub(super) fn of_composition(composed: &ComposedFunction, labels: &Labels) -> Ve
         blocks.push(Block::Item(sentence([label, result.meaning, ""])));
     }
     blocks.push(Block::Paragraph(composed.cost_text.clone()));
+    blocks.extend(
+        function.notes(composed.has_quaternions).iter().map(|&note| Block::Paragraph(note.to_owned())),
+    );
+    blocks
+}
+
+/// The arguments of a function over a sample time.
+pub(super) fn state_label(module: &Module) -> String {
+    let y = if module.has_quaternions() { "NY" } else { "N" };
+    format!("`y: [{y}]`, `v: [N]`, `u: [M]`")
+}
+
+/// The documentation of a function of positions, whose labels say everything.
+pub(super) fn of_position_function(function: PositionFunction, labels: &Labels) -> Vec<Block> {
+    let mut blocks = vec![
+        Block::Paragraph(function.summary().to_owned()),
+        Block::Paragraph(code(function.equation())),
+        Block::Gap,
+    ];
+    blocks.extend(labels.arguments.iter().chain(&labels.results).cloned().map(Block::Item));
     blocks.extend(function.notes().iter().map(|&note| Block::Paragraph(note.to_owned())));
     blocks
 }
@@ -141,6 +162,7 @@ fn list(entries: &[(String, &'static str)]) -> String {
     let shown = entries.iter().enumerate().map(|(i, (name, unit))| {
         let is_last_of_unit = entries.get(i + 1).is_none_or(|(_, next)| next != unit);
         match is_last_of_unit {
+            true if *unit == "1" => format!("{} without unit", code(name)),
             true => format!("{} in {unit}", code(name)),
             false => code(name),
         }

@@ -6,6 +6,7 @@ use crate::layout::{Dimension, Extent};
 use crate::model::Model;
 use crate::program::cost::{Cost, count};
 use gelenk_kernels::discrete_time::Text;
+use gelenk_kernels::manifold;
 
 /// Halvings of the period before `discretize` takes it on: at most so many. The number stands in its text
 /// too.
@@ -73,7 +74,17 @@ impl Composition {
 
     /// The equation in Unicode.
     pub(crate) fn equation(self, model: &Model) -> &'static str {
+        let has_quaternions = !model.quaternion_joints.is_empty();
         match self {
+            Self::Discretize if has_quaternions => {
+                "x⁺ = A_d x + B_d u + c_d with x = (δ, ẏ), solves δ̇ = D δ + ẏ − v, ÿ = A_y δ + A_v ẏ + B_x u + c with u held"
+            }
+            Self::Step if has_quaternions => {
+                "(y⁺, ẏ⁺) ≈ the motion with ÿ = forward_dynamics(y, ẏ, u) after the period, u held"
+            }
+            Self::StepDerivatives if has_quaternions => {
+                "(y⁺ ⊕ δy⁺, ẏ⁺ + δẏ⁺) = step(y ⊕ δy, ẏ + δẏ, u + δu) to first order"
+            }
             Self::Step if load_friction::is_there(model) => {
                 "x⁺ ≈ x + ∫ f(x, u) dt with x = (y, ẏ), f = (ẏ, forward_dynamics(y, ẏ, u)) and u held"
             }
@@ -85,14 +96,19 @@ impl Composition {
         }
     }
 
-    /// The results for so many coordinates and inputs.
-    pub(crate) fn results(self, coordinates: usize, inputs: usize) -> Vec<ComposedResult> {
-        let n = Extent::new(Dimension::Coordinates, coordinates);
+    /// The results for a robot.
+    pub(crate) fn results(self, model: &Model) -> Vec<ComposedResult> {
+        let n = Extent::new(Dimension::Coordinates, model.coordinates.len());
+        let positions = match model.quaternion_joints.is_empty() {
+            true => n,
+            false => Extent::new(Dimension::Positions, model.position_count()),
+        };
+        let inputs = input_count(model);
         let (m, two) = (Extent::new(Dimension::Inputs, inputs), Extent::fixed(2));
         let result =
             |name, extents: &[Extent], meaning| ComposedResult { name, extents: extents.to_vec(), meaning };
         let motion = [
-            result("y⁺", &[n], "coordinates after the period"),
+            result("y⁺", &[positions], "coordinates after the period"),
             result("ẏ⁺", &[n], "velocities after the period"),
         ];
         let by_state = |name| {
@@ -114,8 +130,19 @@ impl Composition {
     }
 
     /// Method, error and limits.
-    pub(crate) fn notes(self) -> &'static [&'static str] {
+    pub(crate) fn notes(self, has_quaternions: bool) -> &'static [&'static str] {
         match self {
+            Self::Discretize if has_quaternions => &[
+                "δ is the small motion from a reference that moves with the velocities v: it is at y before the period, and δ \
+                 = 0 at ẏ = v stays 0 where no acceleration changes v.",
+                "With w = D δ + ẏ − v this is the zero-order hold of w = δ̇, computed by scaling and squaring (Higham 2008, \
+                 section 10.3) with the limits that the robots without quaternions have: +∞ where the robot is too fast for \
+                 the period.",
+            ],
+            Self::Step if has_quaternions => &[
+                "`SUBSTEPS` Runge–Kutta–Munthe-Kaas steps of order 4 (Munthe-Kaas 1999): the classical method for δ in y ⊕ δ, \
+                 so that quaternions keep their unit length. The error falls with the fourth power of the steps' length.",
+            ],
             Self::Discretize => &[
                 "Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor \
                  polynomial of degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part.",
@@ -193,6 +220,16 @@ impl Composition {
                 let common = 4 * chain_rule + 14 * motion;
                 cost(common, common + 12 * n, 12) * substeps + cost(0, 0, 1)
             }
+        }
+    }
+
+    /// The texts that stand behind these where joints have quaternions.
+    pub(crate) fn manifold_texts(self) -> &'static [manifold::Text] {
+        use manifold::Text::{RungeKutta, Sensitivities, ZeroOrderHold};
+        match self {
+            Self::Discretize => &[ZeroOrderHold],
+            Self::Step => &[RungeKutta],
+            Self::StepDerivatives => &[RungeKutta, Sensitivities],
         }
     }
 

@@ -11,6 +11,7 @@ mod derive;
 pub mod form;
 pub mod function;
 pub mod module_constants;
+pub mod position_functions;
 pub mod positions;
 pub mod selection;
 pub mod size;

@@ -6,6 +6,7 @@ pub mod constants;
 
 use crate::functions::composition::{ComposedResult, Composition};
 use crate::functions::function::{Constant, Function};
+use crate::functions::position_functions::PositionFunction;
 use crate::model::{Model, Parameter};
 use crate::program::cost::Cost;
 use crate::self_test::SelfTest;
@@ -21,6 +22,8 @@ pub struct Module {
     pub remarks: Vec<String>,
     /// Number of coordinates and of velocities.
     pub coordinates: usize,
+    /// Number of position entries: more than coordinates where joints have quaternions.
+    pub positions: usize,
     /// Number of inputs.
     pub inputs: usize,
     /// Names, units, limits, drives, gravity.
@@ -46,6 +49,8 @@ pub struct ComposedFunction {
     pub composition: Composition,
     /// The equation in Unicode.
     pub equation: &'static str,
+    /// It is true where joints have quaternions.
+    pub has_quaternions: bool,
     /// The results of the function.
     pub results: Vec<ComposedResult>,
     /// Its operations; none where the function that it calls is not in the module.
@@ -61,7 +66,9 @@ impl Module {
         let has_substeps = compositions.iter().any(|each| each.has_substeps());
         let composed = compositions.iter().map(|each| each.name());
         let names = functions.iter().map(|function| function.name.as_str());
-        let list = constants::functions(names.chain(composed));
+        let of_positions = PositionFunction::ALL.map(PositionFunction::name).into_iter();
+        let of_positions = of_positions.filter(|_| !model.quaternion_joints.is_empty());
+        let list = constants::functions(names.chain(composed).chain(of_positions));
         let compositions = compositions.iter();
         let compositions = compositions.map(|&each| ComposedFunction::new(model, &functions, each));
         Self {
@@ -69,6 +76,7 @@ impl Module {
             description: model.description.clone(),
             remarks: vec![],
             coordinates: model.coordinates.len(),
+            positions: model.position_count(),
             inputs: model.inputs().count(),
             constants: [constants::all(model), vec![list]].concat(),
             parameters: model.parameters.clone(),
@@ -78,6 +86,12 @@ impl Module {
             lanes: vec![],
             self_tests: vec![],
         }
+    }
+
+    /// Tells whether there are joints with quaternions.
+    #[must_use]
+    pub fn has_quaternions(&self) -> bool {
+        self.positions != self.coordinates
     }
 
     /// Names and operations of all functions, in their order.
@@ -111,7 +125,8 @@ impl ComposedFunction {
         Self {
             composition,
             equation: composition.equation(model),
-            results: composition.results(model.coordinates.len(), model.inputs().count()),
+            has_quaternions: !model.quaternion_joints.is_empty(),
+            results: composition.results(model),
             cost,
             cost_text,
         }

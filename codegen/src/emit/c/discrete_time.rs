@@ -17,7 +17,7 @@ pub(super) fn declaration(context: &Context<'_>, composed: &ComposedFunction) ->
         signature::result_label(&spelled(result.name), result.name, &shape_text(&result.extents))
     });
     let labels = Labels {
-        arguments: vec!["`y: [N]`, `v: [N]`, `u: [M]`".to_owned()],
+        arguments: vec![documentation::state_label(context.module)],
         has_parameters: context.has_parameters(),
         results: results.collect(),
     };

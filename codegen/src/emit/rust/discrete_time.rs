@@ -14,8 +14,9 @@ use super::{lints, pasted};
 use crate::emit::documentation::{self, Labels, shape_text};
 use crate::emit::options::Scalar;
 use crate::functions::composition::Composition;
-use crate::module::ComposedFunction;
+use crate::module::{ComposedFunction, Module};
 use gelenk_kernels::discrete_time::Text;
+use gelenk_kernels::manifold;
 
 /// A function.
 pub(super) fn function(context: &Context<'_>, composed: &ComposedFunction) -> TokenStream {
@@ -24,7 +25,27 @@ pub(super) fn function(context: &Context<'_>, composed: &ComposedFunction) -> To
     let (name, callee) = (identifier(function.name()), identifier(function.calls()));
     let parameters = context.declared_parameters().map(|p| quote!(, #p));
     let p = context.passed_parameters().map(|p| quote!(, #p));
+    let y_type = match context.module.has_quaternions() {
+        true => quote!(&[#ty; NY]),
+        false => quote!(&[#ty; N]),
+    };
     let call = match function {
+        Composition::Discretize if context.module.has_quaternions() => {
+            quote!(discrete_time::zero_order_hold_about(&#callee(y, v, u #p), v, period))
+        }
+        Composition::Step if context.module.has_quaternions() => quote! {
+            discrete_time::runge_kutta_on_manifold(
+                &JOINT_POSITIONS, y, v, period, SUBSTEPS, |y, v| #callee(y, v, u #p),
+            )
+        },
+        Composition::StepDerivatives if context.module.has_quaternions() => quote! {
+            discrete_time::runge_kutta_on_manifold_derivatives(
+                &JOINT_POSITIONS, y, v, u, period, SUBSTEPS, |y, v| {
+                    let (by_y, by_v, by_u, remainder, _) = #callee(y, v, u #p);
+                    (by_y, by_v, by_u, remainder)
+                },
+            )
+        },
         Composition::Discretize => {
             quote!(discrete_time::zero_order_hold(&#callee(y, v, u #p), period))
         }
@@ -43,7 +64,7 @@ pub(super) fn function(context: &Context<'_>, composed: &ComposedFunction) -> To
         &documentation(context, composed),
         [Some(quote!(#[must_use])), lints::for_result(&dimensions)],
         &quote! {
-            pub fn #name(y: &[#ty; N], v: &[#ty; N], u: &[#ty; M], period: #ty #parameters) -> (#(#results),*)
+            pub fn #name(y: #y_type, v: &[#ty; N], u: &[#ty; M], period: #ty #parameters) -> (#(#results),*)
         },
         &call,
     )
@@ -57,7 +78,7 @@ fn documentation(context: &Context<'_>, composed: &ComposedFunction) -> DocComme
     DocComment::of(&documentation::of_composition(
         composed,
         &Labels {
-            arguments: vec!["`y: [N]`, `v: [N]`, `u: [M]`".to_owned()],
+            arguments: vec![documentation::state_label(context.module)],
             has_parameters: context.has_parameters(),
             results: results.collect(),
         },
@@ -65,17 +86,41 @@ fn documentation(context: &Context<'_>, composed: &ComposedFunction) -> DocComme
 }
 
 /// The pasted texts in a module of their own.
-pub(super) fn text(scalar: Scalar, compositions: &[ComposedFunction]) -> String {
+pub(super) fn text(scalar: Scalar, module: &Module) -> String {
+    let compositions = &module.compositions;
     let texts: BTreeSet<Text> =
         compositions.iter().flat_map(|each| each.composition.texts()).copied().collect();
     if texts.is_empty() {
         return String::new();
     }
-    let sources: Vec<&str> = texts.iter().map(|text| text.source()).collect();
-    pasted::loops(
+    let mut sources: Vec<String> = texts.iter().map(|text| text.source().to_owned()).collect();
+    if module.has_quaternions() {
+        sources = on_manifold(sources, compositions);
+    }
+    let sources: Vec<&str> = sources.iter().map(String::as_str).collect();
+    let loops = match module.has_quaternions() {
+        true => pasted::partly_called_loops,
+        false => pasted::loops,
+    };
+    loops(
         scalar,
         "Discrete time: functions over N coordinates and M inputs.",
         "discrete_time",
         &sources,
     )
 }
+
+/// The texts with those for positions with quaternions behind them, and what these take from the module `manifold`.
+fn on_manifold(sources: Vec<String>, compositions: &[ComposedFunction]) -> Vec<String> {
+    let texts: BTreeSet<manifold::Text> =
+        compositions.iter().flat_map(|each| each.composition.manifold_texts()).copied().collect();
+    let added: Vec<String> = texts.iter().map(|text| text.source().to_owned()).collect();
+    let is_called = |name: &&str| added.iter().any(|source| source.contains(&format!("{name}")));
+    let names: Vec<&str> = USED.iter().copied().filter(is_called).collect();
+    let imports = (!names.is_empty()).then(|| format!("use super::manifold::{{{}}};", names.join(", ")));
+    imports.into_iter().chain(sources).chain(added).collect()
+}
+
+/// What the texts take from the module `manifold`.
+const USED: [&str; 8] =
+    ["cross", "integrate", "places", "pose_bracket", "pose_tangents", "read", "rotation_tangents", "write"];

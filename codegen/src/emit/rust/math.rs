@@ -71,6 +71,13 @@ pub(super) fn sin_cos_lanes(context: &Context<'_>, arguments: &TokenStream) -> T
     own(context, kernels, arguments)
 }
 
+/// The functions that the texts for quaternions call.
+pub(super) fn need_for_rotations(context: &Context<'_>) {
+    let kernels = [[Kernel::SinCos, Kernel::SinCosF32], [Kernel::Sqrt, Kernel::SqrtF32]];
+    let kernels = kernels.map(|kernels| kernels::of_scalar(kernels, context.options.scalar));
+    context.calls.kernels.borrow_mut().extend(kernels);
+}
+
 /// A call of a pasted function; of its text for f64 and for f32.
 fn own(context: &Context<'_>, kernels: [Kernel; 2], arguments: &TokenStream) -> TokenStream {
     let kernel = kernels::of_scalar(kernels, context.options.scalar);

@@ -26,6 +26,7 @@ mod names;
 mod parameters;
 mod parts;
 mod pasted;
+mod positions;
 mod public;
 mod self_test;
 mod signature;
@@ -40,6 +41,7 @@ use self::context::Context;
 use crate::emit::options::{EmitOptions, SourceFile};
 use crate::functions::composition::Composition;
 use crate::functions::module_constants;
+use crate::functions::position_functions::PositionFunction;
 use crate::module::{self, Module};
 
 /// Writes a module as Rust.
@@ -65,10 +67,12 @@ pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     push_items(&mut text, module.substeps.iter().map(constant));
     let composed = module.compositions.iter();
     push_items(&mut text, composed.map(|each| discrete_time::function(&context, each)));
+    push_items(&mut text, positions::items(&context));
     push_items(&mut text, context.shared.take());
     text.push_str(&array_kernels::text(options.scalar, &module.functions));
     text.push_str(&math::text(&context));
-    text.push_str(&discrete_time::text(options.scalar, &module.compositions));
+    text.push_str(&positions::text(&context));
+    text.push_str(&discrete_time::text(options.scalar, module));
     text.push_str(math::guard(&module.functions));
     push_items(&mut text, self_test::item(&context));
     let name = options.name.clone().unwrap_or_else(|| names::identifier(&module.name).to_string());
@@ -78,7 +82,9 @@ pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
 /// Names that the module takes for itself.
 fn reserved() -> Vec<String> {
     let compositions = Composition::ALL.map(Composition::name);
-    let names: [&[&str]; 7] = [
+    let positions = PositionFunction::ALL.map(PositionFunction::name);
+    let names: [&[&str]; 8] = [
+        &positions,
         &math::RESERVED,
         &constants::RESERVED,
         &module::constants::NAMES,

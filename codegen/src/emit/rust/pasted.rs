@@ -13,6 +13,23 @@ pub(super) fn module(documentation: &str, attribute: &str, name: &str, texts: &[
 pub(super) fn loops(scalar: Scalar, documentation: &str, name: &str, texts: &[&str]) -> String {
     let attribute =
         "#[allow(clippy::needless_range_loop, reason = \"index notation reads like the formulas\")]";
+    loops_with(scalar, documentation, attribute, name, texts)
+}
+
+/// A module of loops, of which those who call it need a part.
+pub(super) fn partly_called_loops(scalar: Scalar, documentation: &str, name: &str, texts: &[&str]) -> String {
+    let attribute = "#[allow(\n    dead_code,\n    clippy::needless_range_loop,\n    reason = \"only some of it is called, and index notation reads like the formulas\"\n)]";
+    loops_with(scalar, documentation, attribute, name, texts)
+}
+
+/// The same with another attribute.
+fn loops_with(
+    scalar: Scalar,
+    documentation: &str,
+    attribute: &str,
+    name: &str,
+    texts: &[&str],
+) -> String {
     let module = module(documentation, attribute, name, texts);
     match scalar {
         Scalar::F64 => module,

@@ -97,6 +97,10 @@ fn note_lengths(
 
 /// Two legs at least: a leg alone is tested on a stand.
 fn note_legs(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
+    if robot.joints.iter().any(|joint| joint.part_of.is_some()) {
+        // It is not fixed, or somebody knows what floats.
+        return;
+    }
     let mut legs: Vec<usize> = Vec::new();
     for link in tree.moved_links(robot) {
         let joint = tree.joints[link].and_then(|joint| robot.joints.get(joint));
@@ -118,6 +122,7 @@ fn note_legs(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
         base.quoted(),
     );
     report.note(Some(tree.links[first].span), "legs-on-fixed-base", message);
+    report.help("`--base floating` on the command line, or `base = { type = \"floating\" }` in a description, frees it");
 }
 
 fn names_a_leg(name: &str) -> bool {

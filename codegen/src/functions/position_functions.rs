@@ -1,0 +1,131 @@
+//! Functions of positions that are no vector space: ⊕, ⊖ and the unit length of quaternions.
+
+use crate::layout::{Dimension, Extent};
+
+/// A function of the positions of a robot with quaternions; its text is the same for every such robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PositionFunction {
+    /// y ⊕ d
+    Integrate,
+    /// ⊖
+    Difference,
+    /// Derivatives of y ⊕ d.
+    IntegrateDerivatives,
+    /// Unit length for every quaternion.
+    Normalize,
+}
+
+/// An argument or result of such a function.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PositionValue {
+    /// Its name.
+    pub name: &'static str,
+    /// What its dimensions are, outermost first.
+    pub dimensions: &'static [Dimension],
+    /// Its meaning.
+    pub meaning: &'static str,
+}
+
+const POSITIONS: &[Dimension] = &[Dimension::Positions];
+const VELOCITIES: &[Dimension] = &[Dimension::Velocities];
+const SQUARE: &[Dimension] = &[Dimension::Velocities, Dimension::Velocities];
+
+const fn value(name: &'static str, dimensions: &'static [Dimension], meaning: &'static str) -> PositionValue {
+    PositionValue { name, dimensions, meaning }
+}
+
+impl PositionFunction {
+    /// All, in the order of the generated module.
+    pub const ALL: [Self; 4] =
+        [Self::Integrate, Self::Difference, Self::IntegrateDerivatives, Self::Normalize];
+
+    /// Name of the generated function.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Integrate => "integrate",
+            Self::Difference => "difference",
+            Self::IntegrateDerivatives => "integrate_derivatives",
+            Self::Normalize => "normalize",
+        }
+    }
+
+    /// First line of the documentation.
+    pub(crate) fn summary(self) -> &'static str {
+        match self {
+            Self::Integrate => "The positions `y ⊕ d` that the velocities d reach within one second.",
+            Self::Difference => {
+                "The velocities `to ⊖ from` that lead from one position to another within one second."
+            }
+            Self::IntegrateDerivatives => "Derivatives of `integrate` along small motions.",
+            Self::Normalize => "Brings every quaternion to unit length.",
+        }
+    }
+
+    /// The equation in Unicode.
+    pub(crate) fn equation(self) -> &'static str {
+        match self {
+            Self::Integrate => {
+                "y ⊕ d: y + d, q ⊗ exp(d/2) for a quaternion, X exp(d) on SE(3) for a floating body"
+            }
+            Self::Difference => "from ⊕ (to ⊖ from) = to",
+            Self::IntegrateDerivatives => "(y ⊕ δy) ⊕ (d + δd) ≈ (y ⊕ d) ⊕ (∂/∂y δy + ∂/∂d δd)",
+            Self::Normalize => "q / |q|",
+        }
+    }
+
+    /// The arguments.
+    #[must_use]
+    pub fn arguments(self) -> Vec<PositionValue> {
+        const Y: PositionValue = value("y", POSITIONS, "positions, their quaternions of unit length");
+        const D: PositionValue =
+            value("d", VELOCITIES, "velocities times a second, in the bodies' own frames");
+        match self {
+            Self::Integrate | Self::IntegrateDerivatives => vec![Y, D],
+            Self::Difference => {
+                vec![value("from", POSITIONS, "positions"), value("to", POSITIONS, "positions to reach")]
+            }
+            Self::Normalize => vec![value("y", POSITIONS, "positions, changed in place")],
+        }
+    }
+
+    /// The results; none for what changes its argument.
+    #[must_use]
+    pub fn results(self) -> Vec<PositionValue> {
+        match self {
+            Self::Integrate => vec![value("y ⊕ d", POSITIONS, "positions, their quaternions of unit length")],
+            Self::Difference => {
+                vec![value("d", VELOCITIES, "the shortest such motion, each rotation at most π")]
+            }
+            Self::IntegrateDerivatives => vec![
+                value("∂/∂y", SQUARE, "the adjoint matrix of exp(−d)"),
+                value("∂/∂d", SQUARE, "the right Jacobian of exp at d"),
+            ],
+            Self::Normalize => vec![],
+        }
+    }
+
+    /// Method and limits.
+    pub(crate) fn notes(self) -> &'static [&'static str] {
+        match self {
+            Self::Integrate => &["The result stays of unit length however often it is integrated on."],
+            Self::Difference => &["The quaternions q and −q are the same attitude."],
+            Self::IntegrateDerivatives => {
+                &["Both depend on d alone (Solà, Deray and Atchuthan 2018, sections III and IV)."]
+            }
+            Self::Normalize => &[
+                "Returns `false` where a quaternion was zero or not finite: the identity stands in its place then.",
+            ],
+        }
+    }
+}
+
+/// The lengths of a value in a robot with so many positions and velocities.
+#[must_use]
+pub fn extents(value: &PositionValue, positions: usize, velocities: usize) -> Vec<Extent> {
+    let length = |dimension: &Dimension| match dimension {
+        Dimension::Positions => positions,
+        _ => velocities,
+    };
+    value.dimensions.iter().map(|dimension| Extent::new(*dimension, length(dimension))).collect()
+}
