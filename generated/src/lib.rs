@@ -113,6 +113,21 @@ pub mod powercube_six_axis;
 #[rustfmt::skip]
 pub mod puma560;
 
+/// The robot `quadrotor`.
+///
+/// Quadrotor with the masses and the geometry of the 3DR Iris (PX4, sdf\_models). Its propellers are held:
+/// each is a thrust along z with its drag moment about z. Thrust limits and the ratio of moment to thrust are
+/// estimated.
+#[rustfmt::skip]
+pub mod quadrotor;
+
+/// The robot `satellite`.
+///
+/// A satellite that turns by three reaction wheels, and a boom on a ball joint with a damper. All values are
+/// estimated.
+#[rustfmt::skip]
+pub mod satellite;
+
 /// The robot `scara`.
 ///
 /// A SCARA with a screw-spline quill that carries a tapping unit.

@@ -8508,10 +8508,11 @@ pub fn inertial_regressor_into(
     let t559 = acceleration_forearm_x - t558;
     w[1][53] = t559;
     let t560 = sin_lower_arm_forearm * acceleration_level_x;
-    let t561 = t489 - t560;
+    let t561 = t560 - t489;
+    w[2][60] = t561;
     let t562 = acceleration_level_x * t476;
-    let t563 = t482 + t562;
-    let t564 = t563 - t561;
+    let t563 = t562 + t482;
+    let t564 = t563 + t561;
     let t565 = cos_lower_arm_forearm * t443;
     let t566 = sin_lower_arm_forearm * t439;
     let t567 = t566 - t565;
@@ -8684,12 +8685,10 @@ pub fn inertial_regressor_into(
     w[2][58] = t670;
     let t671 = -t134;
     w[2][59] = t671;
-    let t672 = -t561;
-    w[2][60] = t672;
-    let t673 = -t273;
-    w[3][35] = t673;
-    let t674 = -t219;
-    w[3][36] = t674;
+    let t672 = -t273;
+    w[3][35] = t672;
+    let t673 = -t219;
+    w[3][36] = t673;
 }
 
 /// Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its

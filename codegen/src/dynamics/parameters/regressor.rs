@@ -73,8 +73,11 @@ pub fn inertial_regressor<'g>(
     let of_links = PER_LINK * carrying.len();
     let columns = of_links + rotors.len();
     let mut matrix = vec![vec![zero; columns]; mechanism.coordinates];
-    for (block, joint) in carrying.iter().enumerate() {
-        let Some(index) = mechanism.carried_by(joint.index) else { continue };
+    // Slides of helical joints, and velocities of a quaternion before the last, carry no link.
+    let bodies = mechanism.bodies.iter().enumerate().filter(|(_, body)| !body.is_screw_slide);
+    for (index, body) in bodies {
+        let Some(block) = carrying.iter().position(|joint| joint.index == body.joint) else { continue };
+        let joint = &carrying[block];
         let link = LinkMotion::new(mechanism, joint.moving.link, &motions[index]);
         for screw in &screws[index] {
             let joint = &mechanism.bodies[screw.joint];

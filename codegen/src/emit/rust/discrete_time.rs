@@ -102,12 +102,7 @@ pub(super) fn text(scalar: Scalar, module: &Module) -> String {
         true => pasted::partly_called_loops,
         false => pasted::loops,
     };
-    loops(
-        scalar,
-        "Discrete time: functions over N coordinates and M inputs.",
-        "discrete_time",
-        &sources,
-    )
+    loops(scalar, "Discrete time: functions over N coordinates and M inputs.", "discrete_time", &sources)
 }
 
 /// The texts with those for positions with quaternions behind them, and what these take from the module `manifold`.

@@ -23,13 +23,7 @@ pub(super) fn partly_called_loops(scalar: Scalar, documentation: &str, name: &st
 }
 
 /// The same with another attribute.
-fn loops_with(
-    scalar: Scalar,
-    documentation: &str,
-    attribute: &str,
-    name: &str,
-    texts: &[&str],
-) -> String {
+fn loops_with(scalar: Scalar, documentation: &str, attribute: &str, name: &str, texts: &[&str]) -> String {
     let module = module(documentation, attribute, name, texts);
     match scalar {
         Scalar::F64 => module,
