@@ -901,7 +901,7 @@ pub fn spring_forces(y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
 pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
     let t0 = v[9] * 0.5;
     let t1 = v[10] * 0.5;
-    let t2 = v[11] * 0.5;
+    let t2 = v[11] * 0.005;
     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, t0, t1, t2]
 }
 
@@ -924,7 +924,7 @@ pub fn applied_forces(y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
     let _ = y;
     let t0 = v[9] * 0.5;
     let t1 = v[10] * 0.5;
-    let t2 = v[11] * 0.5;
+    let t2 = v[11] * 0.005;
     let t3 = -t0;
     let t4 = -t1;
     let t5 = -t2;
@@ -1773,7 +1773,7 @@ pub fn equations_of_motion_into(
     let moment_base_rz_z = t322 - t321;
     let t324 = v[9] * 0.5;
     let t325 = v[10] * 0.5;
-    let t326 = v[11] * 0.5;
+    let t326 = v[11] * 0.005;
     let t327 = -t11;
     m[0][5] = t327;
     m[5][0] = t327;
@@ -2138,7 +2138,7 @@ pub fn inverse_dynamics(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
     let t301 = t300 + moment_boom_rz_x;
     let t302 = v[10] * 0.5;
     let t303 = t302 + moment_boom_rz_y;
-    let t304 = v[11] * 0.5;
+    let t304 = v[11] * 0.005;
     let t305 = t304 + moment_boom_rz_z;
     let minus_force_base_rz_x = -force_base_rz_x;
     let minus_force_base_rz_y = -force_base_rz_y;
@@ -2505,7 +2505,7 @@ pub fn forward_dynamics(y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t323 = t320 + t317;
     let t324 = 0.0005000000000000004 * t323;
     let moment_boom_rz_z = t324 + t322;
-    let t326 = v[11] * 0.5;
+    let t326 = v[11] * 0.005;
     let t327 = t326 + moment_boom_rz_z;
     let t328 = t18 * t327;
     let t329 = u[2] - t328;
@@ -3608,7 +3608,7 @@ pub fn inverse_dynamics_derivatives_into(
     d_dv[11][6] = 0.0;
     d_dv[11][7] = 0.0;
     d_dv[11][8] = 0.0;
-    d_dv[11][11] = 0.5;
+    d_dv[11][11] = 0.005;
     let [t2, t3, t7, t8, t15, t22, t26, t27, t29, t30, t33, t36, t37, t39, t40, t45, t47,
     omega_boom_rx_z, omega_boom_rx_x, t92, omega_boom_rx_y, force_base_rz_x,
     force_base_rz_y, force_base_rz_z, omega_wheel_z_z, omega_wheel_y_z, omega_wheel_x_z,
@@ -3924,7 +3924,7 @@ pub fn inverse_dynamics_derivatives_into(
         let t302 = v[10] * 0.5;
         let t303 = t302 + moment_boom_rz_y;
         b_u[10] = t303;
-        let t304 = v[11] * 0.5;
+        let t304 = v[11] * 0.005;
         let t305 = t304 + moment_boom_rz_z;
         b_u[11] = t305;
         let t306 = 1.44 * omega_boom_rx_y;
@@ -5121,7 +5121,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
     d_dv[11][6] = 0.0;
     d_dv[11][7] = 0.0;
     d_dv[11][8] = 0.0;
-    d_dv[11][11] = 0.5;
+    d_dv[11][11] = 0.005;
     m[0][0] = 47.2;
     m[0][1] = 0.0;
     m[0][2] = 0.0;
@@ -5530,7 +5530,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
         let t302 = v[10] * 0.5;
         let t303 = t302 + moment_boom_rz_y;
         b_u[10] = t303;
-        let t304 = v[11] * 0.5;
+        let t304 = v[11] * 0.005;
         let t305 = t304 + moment_boom_rz_z;
         b_u[11] = t305;
         let t306 = 1.44 * omega_boom_rx_y;
@@ -6558,7 +6558,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 2028 multiplications, 1709 additions, 6 divisions, 0 function calls.
+/// Cost: 2030 multiplications, 1709 additions, 6 divisions, 0 function calls.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -6618,11 +6618,11 @@ pub fn forward_dynamics_derivatives_into(
     let [t1313, t1317, t1321, t1377, t1380, t1384, t1388, t1442, t1445, t1451, t1453,
     t1505, t1519, t1533, t1542, t1569, t1701, t1714, t1722, t1736, t1782, t1861, t1876,
     t1884, t1900, t1907, t1924, t2006, t2007, t2034, t2061, t2079, t2082, t2086, t2091,
-    t2107, t2164, t2176, t2183, t2185, t2242, t2244, t2247, t2267, t2269, t2326, t2329,
-    t2332, t2335, t2338, t2341, t2344, t2347, t2350, t2353, t2356, t2359, t2362, t2367,
-    t2372, t2377, t2382, t2387, t2392, t2397, t2402, t2407, t2412, t2417, t2422, t2429,
-    t2436, t2443, t2450, t2457, t2464, t2471, t2478, t2485, t2492, t2499, t2506, t2515,
-    t2524, t2533, t2542, t2551, t2560, t2569, t2578] = forward_dynamics_derivatives_part_2(
+    t2107, t2164, t2176, t2183, t2185, t2242, t2244, t2247, t2268, t2270, t2328, t2331,
+    t2334, t2337, t2340, t2343, t2346, t2349, t2352, t2355, t2358, t2361, t2364, t2369,
+    t2374, t2379, t2384, t2389, t2394, t2399, t2404, t2409, t2414, t2419, t2424, t2431,
+    t2438, t2445, t2452, t2459, t2466, t2473, t2480, t2487, t2494, t2501, t2508, t2517,
+    t2526, t2535, t2544, t2553, t2562, t2571, t2580] = forward_dynamics_derivatives_part_2(
         v,
         [
             t2,
@@ -6715,24 +6715,24 @@ pub fn forward_dynamics_derivatives_into(
             t869,
         ],
     );
-    let [t2587, t2596, t2605, t2614, t2625, t2636, t2647, t2658, t2669, t2680, t2691,
-    t2702, t2711, t2722, t2733, t2744, t2757, t2770, t2833, t2844, t2855, t2893, t2906,
-    t2919, t2982, t2993, t3004, t3041, t3046, t3051, t3082, t3087, t3092, t3112, t3113,
-    t3121, t3128, t3137, t3148, t3159, t3164, t3166, t3174, t3181, t3190, t3201, t3212,
-    t3217, t3227, t3232, t3239, t3248, t3296, t3303, t3312, t3323, t3334, t3339, t3375,
-    t3384, t3395, t3406, t3411, t3456, t3466, t3477, t3488, t3493, t3494, t3495, t3496,
-    t3574, t3585, t3590, t3668, t3673, t3742, t3743, t3744, t3745, t3746, t3747, t3748,
-    t3749, t3750, t3751, t3752, t3753, t3754, t3755, t3756, t3757, t3758, t3759, t3760,
-    t3761, t3762, t3763, t3764, t3765, t3766, t3767, t3768, t3769, t3770, t3771, t3772,
-    t3773, t3774, t3775, t3776, t3777, t3778, t3779, t3780, t3781, t3782, t3783, t3784,
-    t3785, t3786, t3787, t3788, t3789, t3790, t3791, t3792, t3793, t3794, t3795, t3796,
-    t3797, t3798, t3799, t3800, t3801, t3802, t3803, t3804, t3805, t3806, t3807, t3808,
-    t3809, t3810, t3811, t3812, t3813, t3814, t3815, t3816, t3817, t3818, t3819, t3820,
-    t3821, t3822, t3823, t3824, t3825, t3826, t3827, t3828, t3829, t3830, t3831, t3832,
-    t3833, t3834, t3835, t3836, minus_inverse_d_base_x, t3838, t3839, t3840, t3841,
-    t3842, t3843, t3844, t3845, t3846, t3847, t3848, t3849, t3850, t3851, t3852, t3853,
-    t3854, t3855, t3856, t3857, t3858, t3859, t3860, t3861, t3862, t3863, t3864, t3865,
-    t3866, t3867, t3868] = forward_dynamics_derivatives_part_3([
+    let [t2589, t2598, t2607, t2616, t2627, t2638, t2649, t2660, t2671, t2682, t2693,
+    t2704, t2713, t2724, t2735, t2746, t2759, t2772, t2835, t2846, t2857, t2895, t2908,
+    t2921, t2984, t2995, t3006, t3043, t3048, t3053, t3084, t3089, t3094, t3114, t3115,
+    t3123, t3130, t3139, t3150, t3161, t3166, t3168, t3176, t3183, t3192, t3203, t3214,
+    t3219, t3229, t3234, t3241, t3250, t3298, t3305, t3314, t3325, t3336, t3341, t3377,
+    t3386, t3397, t3408, t3413, t3458, t3468, t3479, t3490, t3495, t3496, t3497, t3498,
+    t3576, t3587, t3592, t3670, t3675, t3744, t3745, t3746, t3747, t3748, t3749, t3750,
+    t3751, t3752, t3753, t3754, t3755, t3756, t3757, t3758, t3759, t3760, t3761, t3762,
+    t3763, t3764, t3765, t3766, t3767, t3768, t3769, t3770, t3771, t3772, t3773, t3774,
+    t3775, t3776, t3777, t3778, t3779, t3780, t3781, t3782, t3783, t3784, t3785, t3786,
+    t3787, t3788, t3789, t3790, t3791, t3792, t3793, t3794, t3795, t3796, t3797, t3798,
+    t3799, t3800, t3801, t3802, t3803, t3804, t3805, t3806, t3807, t3808, t3809, t3810,
+    t3811, t3812, t3813, t3814, t3815, t3816, t3817, t3818, t3819, t3820, t3821, t3822,
+    t3823, t3824, t3825, t3826, t3827, t3828, t3829, t3830, t3831, t3832, t3833, t3834,
+    t3835, t3836, t3837, t3838, minus_inverse_d_base_x, t3840, t3841, t3842, t3843,
+    t3844, t3845, t3846, t3847, t3848, t3849, t3850, t3851, t3852, t3853, t3854, t3855,
+    t3856, t3857, t3858, t3859, t3860, t3861, t3862, t3863, t3864, t3865, t3866, t3867,
+    t3868, t3869, t3870] = forward_dynamics_derivatives_part_3([
         t11,
         t26,
         t44,
@@ -6834,66 +6834,66 @@ pub fn forward_dynamics_derivatives_into(
         t2242,
         t2244,
         t2247,
-        t2267,
-        t2269,
-        t2326,
-        t2329,
-        t2332,
-        t2335,
-        t2338,
-        t2341,
-        t2344,
-        t2347,
-        t2350,
-        t2353,
-        t2356,
-        t2359,
-        t2362,
-        t2367,
-        t2372,
-        t2377,
-        t2382,
-        t2387,
-        t2392,
-        t2397,
-        t2402,
-        t2407,
-        t2412,
-        t2417,
-        t2422,
-        t2429,
-        t2436,
-        t2443,
-        t2450,
-        t2457,
-        t2464,
-        t2471,
-        t2478,
-        t2485,
-        t2492,
-        t2499,
-        t2506,
-        t2515,
-        t2524,
-        t2533,
-        t2542,
-        t2551,
-        t2560,
-        t2569,
-        t2578,
+        t2268,
+        t2270,
+        t2328,
+        t2331,
+        t2334,
+        t2337,
+        t2340,
+        t2343,
+        t2346,
+        t2349,
+        t2352,
+        t2355,
+        t2358,
+        t2361,
+        t2364,
+        t2369,
+        t2374,
+        t2379,
+        t2384,
+        t2389,
+        t2394,
+        t2399,
+        t2404,
+        t2409,
+        t2414,
+        t2419,
+        t2424,
+        t2431,
+        t2438,
+        t2445,
+        t2452,
+        t2459,
+        t2466,
+        t2473,
+        t2480,
+        t2487,
+        t2494,
+        t2501,
+        t2508,
+        t2517,
+        t2526,
+        t2535,
+        t2544,
+        t2553,
+        t2562,
+        t2571,
+        t2580,
     ]);
-    a[0] = t3743;
-    a[1] = t3744;
+    a[0] = t3745;
+    a[1] = t3746;
     a[2] = t595;
-    a[3] = t3745;
+    a[3] = t3747;
     a[4] = t611;
     a[5] = t622;
     a[6] = t624;
     a[7] = t626;
     a[8] = t628;
-    a[9] = t3746;
-    a[10] = t3747;
-    a[11] = t3748;
+    a[9] = t3748;
+    a[10] = t3749;
+    a[11] = t3750;
     da_dy[0][0] = 0.0;
     da_dy[0][1] = 0.0;
     da_dy[0][2] = 0.0;
@@ -6904,7 +6904,7 @@ pub fn forward_dynamics_derivatives_into(
     da_dy[0][7] = 0.0;
     da_dy[0][8] = 0.0;
     da_dy[0][9] = t856;
-    da_dy[0][10] = t3749;
+    da_dy[0][10] = t3751;
     da_dy[0][11] = t1098;
     da_dy[1][0] = 0.0;
     da_dy[1][1] = 0.0;
@@ -6916,7 +6916,7 @@ pub fn forward_dynamics_derivatives_into(
     da_dy[1][7] = 0.0;
     da_dy[1][8] = 0.0;
     da_dy[1][9] = t1101;
-    da_dy[1][10] = t3750;
+    da_dy[1][10] = t3752;
     da_dy[1][11] = t1107;
     da_dy[2][0] = 0.0;
     da_dy[2][1] = 0.0;
@@ -6927,9 +6927,9 @@ pub fn forward_dynamics_derivatives_into(
     da_dy[2][6] = 0.0;
     da_dy[2][7] = 0.0;
     da_dy[2][8] = 0.0;
-    da_dy[2][9] = t3751;
+    da_dy[2][9] = t3753;
     da_dy[2][10] = t1117;
-    da_dy[2][11] = t3752;
+    da_dy[2][11] = t3754;
     da_dy[3][0] = 0.0;
     da_dy[3][1] = 0.0;
     da_dy[3][2] = 0.0;
@@ -6940,7 +6940,7 @@ pub fn forward_dynamics_derivatives_into(
     da_dy[3][7] = 0.0;
     da_dy[3][8] = 0.0;
     da_dy[3][9] = t1129;
-    da_dy[3][10] = t3753;
+    da_dy[3][10] = t3755;
     da_dy[3][11] = t1143;
     da_dy[4][0] = 0.0;
     da_dy[4][1] = 0.0;
@@ -6951,9 +6951,9 @@ pub fn forward_dynamics_derivatives_into(
     da_dy[4][6] = 0.0;
     da_dy[4][7] = 0.0;
     da_dy[4][8] = 0.0;
-    da_dy[4][9] = t3754;
+    da_dy[4][9] = t3756;
     da_dy[4][10] = t1161;
-    da_dy[4][11] = t3755;
+    da_dy[4][11] = t3757;
     da_dy[5][0] = 0.0;
     da_dy[5][1] = 0.0;
     da_dy[5][2] = 0.0;
@@ -6963,9 +6963,9 @@ pub fn forward_dynamics_derivatives_into(
     da_dy[5][6] = 0.0;
     da_dy[5][7] = 0.0;
     da_dy[5][8] = 0.0;
-    da_dy[5][9] = t3756;
+    da_dy[5][9] = t3758;
     da_dy[5][10] = t1192;
-    da_dy[5][11] = t3757;
+    da_dy[5][11] = t3759;
     da_dy[6][0] = 0.0;
     da_dy[6][1] = 0.0;
     da_dy[6][2] = 0.0;
@@ -6975,9 +6975,9 @@ pub fn forward_dynamics_derivatives_into(
     da_dy[6][6] = 0.0;
     da_dy[6][7] = 0.0;
     da_dy[6][8] = 0.0;
-    da_dy[6][9] = t3758;
+    da_dy[6][9] = t3760;
     da_dy[6][10] = t1136;
-    da_dy[6][11] = t3759;
+    da_dy[6][11] = t3761;
     da_dy[7][0] = 0.0;
     da_dy[7][1] = 0.0;
     da_dy[7][2] = 0.0;
@@ -6988,7 +6988,7 @@ pub fn forward_dynamics_derivatives_into(
     da_dy[7][7] = 0.0;
     da_dy[7][8] = 0.0;
     da_dy[7][9] = t1152;
-    da_dy[7][10] = t3760;
+    da_dy[7][10] = t3762;
     da_dy[7][11] = t1170;
     da_dy[8][0] = 0.0;
     da_dy[8][1] = 0.0;
@@ -7000,7 +7000,7 @@ pub fn forward_dynamics_derivatives_into(
     da_dy[8][7] = 0.0;
     da_dy[8][8] = 0.0;
     da_dy[8][9] = t1181;
-    da_dy[8][10] = t3761;
+    da_dy[8][10] = t3763;
     da_dy[8][11] = t1203;
     da_dy[9][0] = 0.0;
     da_dy[9][1] = 0.0;
@@ -7012,7 +7012,7 @@ pub fn forward_dynamics_derivatives_into(
     da_dy[9][7] = 0.0;
     da_dy[9][8] = 0.0;
     da_dy[9][9] = t1216;
-    da_dy[9][10] = t3762;
+    da_dy[9][10] = t3764;
     da_dy[9][11] = t1242;
     da_dy[10][0] = 0.0;
     da_dy[10][1] = 0.0;
@@ -7024,7 +7024,7 @@ pub fn forward_dynamics_derivatives_into(
     da_dy[10][7] = 0.0;
     da_dy[10][8] = 0.0;
     da_dy[10][9] = t1255;
-    da_dy[10][10] = t3763;
+    da_dy[10][10] = t3765;
     da_dy[10][11] = t1281;
     da_dy[11][0] = 0.0;
     da_dy[11][1] = 0.0;
@@ -7036,296 +7036,296 @@ pub fn forward_dynamics_derivatives_into(
     da_dy[11][7] = 0.0;
     da_dy[11][8] = 0.0;
     da_dy[11][9] = t1288;
-    da_dy[11][10] = t3764;
+    da_dy[11][10] = t3766;
     da_dy[11][11] = t1310;
     da_dv[0][0] = t1377;
     da_dv[0][1] = t1442;
-    da_dv[0][2] = t3765;
-    da_dv[0][3] = t3766;
-    da_dv[0][4] = t3767;
-    da_dv[0][5] = t3768;
+    da_dv[0][2] = t3767;
+    da_dv[0][3] = t3768;
+    da_dv[0][4] = t3769;
+    da_dv[0][5] = t3770;
     da_dv[0][6] = t2034;
     da_dv[0][7] = t2061;
     da_dv[0][8] = t2079;
-    da_dv[0][9] = t3769;
-    da_dv[0][10] = t3770;
-    da_dv[0][11] = t2326;
-    da_dv[1][0] = t2329;
-    da_dv[1][1] = t2332;
-    da_dv[1][2] = t3771;
-    da_dv[1][3] = t3772;
-    da_dv[1][4] = t3773;
-    da_dv[1][5] = t3774;
-    da_dv[1][6] = t2347;
-    da_dv[1][7] = t2350;
-    da_dv[1][8] = t2353;
-    da_dv[1][9] = t3775;
-    da_dv[1][10] = t3776;
-    da_dv[1][11] = t2362;
-    da_dv[2][0] = t3777;
-    da_dv[2][1] = t3778;
-    da_dv[2][2] = t2377;
-    da_dv[2][3] = t2382;
-    da_dv[2][4] = t2387;
-    da_dv[2][5] = t2392;
-    da_dv[2][6] = t3779;
-    da_dv[2][7] = t3780;
-    da_dv[2][8] = t3781;
-    da_dv[2][9] = t2412;
-    da_dv[2][10] = t2417;
-    da_dv[2][11] = t3782;
-    da_dv[3][0] = t2429;
-    da_dv[3][1] = t2436;
-    da_dv[3][2] = t3783;
-    da_dv[3][3] = t3784;
-    da_dv[3][4] = t3785;
-    da_dv[3][5] = t3786;
-    da_dv[3][6] = t2471;
-    da_dv[3][7] = t2478;
-    da_dv[3][8] = t2485;
-    da_dv[3][9] = t3787;
-    da_dv[3][10] = t3788;
-    da_dv[3][11] = t2506;
-    da_dv[4][0] = t3789;
-    da_dv[4][1] = t3790;
-    da_dv[4][2] = t2533;
-    da_dv[4][3] = t2542;
-    da_dv[4][4] = t2551;
-    da_dv[4][5] = t2560;
-    da_dv[4][6] = t3791;
-    da_dv[4][7] = t3792;
-    da_dv[4][8] = t3793;
-    da_dv[4][9] = t2596;
-    da_dv[4][10] = t2605;
-    da_dv[4][11] = t3794;
-    da_dv[5][0] = t3795;
-    da_dv[5][1] = t3796;
-    da_dv[5][2] = t2647;
-    da_dv[5][3] = t2658;
-    da_dv[5][4] = t2669;
-    da_dv[5][5] = t2680;
-    da_dv[5][6] = t3797;
-    da_dv[5][7] = t3798;
-    da_dv[5][8] = t3799;
-    da_dv[5][9] = t2722;
-    da_dv[5][10] = t2733;
-    da_dv[5][11] = t3800;
-    da_dv[6][0] = t3801;
-    da_dv[6][1] = t3802;
-    da_dv[6][2] = t2443;
-    da_dv[6][3] = t2450;
-    da_dv[6][4] = t2457;
-    da_dv[6][5] = t2464;
-    da_dv[6][6] = t3803;
-    da_dv[6][7] = t3804;
-    da_dv[6][8] = t3805;
-    da_dv[6][9] = t2492;
-    da_dv[6][10] = t2499;
-    da_dv[6][11] = t3806;
-    da_dv[7][0] = t2515;
-    da_dv[7][1] = t2524;
-    da_dv[7][2] = t3807;
-    da_dv[7][3] = t3808;
-    da_dv[7][4] = t3809;
-    da_dv[7][5] = t3810;
-    da_dv[7][6] = t2569;
-    da_dv[7][7] = t2578;
-    da_dv[7][8] = t2587;
-    da_dv[7][9] = t3811;
-    da_dv[7][10] = t3812;
-    da_dv[7][11] = t2614;
-    da_dv[8][0] = t2625;
-    da_dv[8][1] = t2636;
-    da_dv[8][2] = t3813;
-    da_dv[8][3] = t3814;
-    da_dv[8][4] = t3815;
-    da_dv[8][5] = t3816;
-    da_dv[8][6] = t2691;
-    da_dv[8][7] = t2702;
-    da_dv[8][8] = t2711;
-    da_dv[8][9] = t3817;
-    da_dv[8][10] = t3818;
-    da_dv[8][11] = t2744;
-    da_dv[9][0] = t2757;
-    da_dv[9][1] = t2770;
-    da_dv[9][2] = t3819;
-    da_dv[9][3] = t3820;
-    da_dv[9][4] = t3821;
-    da_dv[9][5] = t3822;
-    da_dv[9][6] = t2833;
-    da_dv[9][7] = t2844;
-    da_dv[9][8] = t2855;
-    da_dv[9][9] = t3823;
-    da_dv[9][10] = t3824;
-    da_dv[9][11] = t2893;
-    da_dv[10][0] = t2906;
-    da_dv[10][1] = t2919;
-    da_dv[10][2] = t3825;
-    da_dv[10][3] = t3826;
-    da_dv[10][4] = t3827;
-    da_dv[10][5] = t3828;
-    da_dv[10][6] = t2982;
-    da_dv[10][7] = t2993;
-    da_dv[10][8] = t3004;
-    da_dv[10][9] = t3829;
-    da_dv[10][10] = t3830;
-    da_dv[10][11] = t3041;
-    da_dv[11][0] = t3046;
-    da_dv[11][1] = t3051;
-    da_dv[11][2] = t3831;
-    da_dv[11][3] = t3832;
-    da_dv[11][4] = t3833;
-    da_dv[11][5] = t3834;
-    da_dv[11][6] = t3082;
-    da_dv[11][7] = t3087;
-    da_dv[11][8] = t3092;
-    da_dv[11][9] = t3835;
-    da_dv[11][10] = t3836;
-    da_dv[11][11] = t3112;
+    da_dv[0][9] = t3771;
+    da_dv[0][10] = t3772;
+    da_dv[0][11] = t2328;
+    da_dv[1][0] = t2331;
+    da_dv[1][1] = t2334;
+    da_dv[1][2] = t3773;
+    da_dv[1][3] = t3774;
+    da_dv[1][4] = t3775;
+    da_dv[1][5] = t3776;
+    da_dv[1][6] = t2349;
+    da_dv[1][7] = t2352;
+    da_dv[1][8] = t2355;
+    da_dv[1][9] = t3777;
+    da_dv[1][10] = t3778;
+    da_dv[1][11] = t2364;
+    da_dv[2][0] = t3779;
+    da_dv[2][1] = t3780;
+    da_dv[2][2] = t2379;
+    da_dv[2][3] = t2384;
+    da_dv[2][4] = t2389;
+    da_dv[2][5] = t2394;
+    da_dv[2][6] = t3781;
+    da_dv[2][7] = t3782;
+    da_dv[2][8] = t3783;
+    da_dv[2][9] = t2414;
+    da_dv[2][10] = t2419;
+    da_dv[2][11] = t3784;
+    da_dv[3][0] = t2431;
+    da_dv[3][1] = t2438;
+    da_dv[3][2] = t3785;
+    da_dv[3][3] = t3786;
+    da_dv[3][4] = t3787;
+    da_dv[3][5] = t3788;
+    da_dv[3][6] = t2473;
+    da_dv[3][7] = t2480;
+    da_dv[3][8] = t2487;
+    da_dv[3][9] = t3789;
+    da_dv[3][10] = t3790;
+    da_dv[3][11] = t2508;
+    da_dv[4][0] = t3791;
+    da_dv[4][1] = t3792;
+    da_dv[4][2] = t2535;
+    da_dv[4][3] = t2544;
+    da_dv[4][4] = t2553;
+    da_dv[4][5] = t2562;
+    da_dv[4][6] = t3793;
+    da_dv[4][7] = t3794;
+    da_dv[4][8] = t3795;
+    da_dv[4][9] = t2598;
+    da_dv[4][10] = t2607;
+    da_dv[4][11] = t3796;
+    da_dv[5][0] = t3797;
+    da_dv[5][1] = t3798;
+    da_dv[5][2] = t2649;
+    da_dv[5][3] = t2660;
+    da_dv[5][4] = t2671;
+    da_dv[5][5] = t2682;
+    da_dv[5][6] = t3799;
+    da_dv[5][7] = t3800;
+    da_dv[5][8] = t3801;
+    da_dv[5][9] = t2724;
+    da_dv[5][10] = t2735;
+    da_dv[5][11] = t3802;
+    da_dv[6][0] = t3803;
+    da_dv[6][1] = t3804;
+    da_dv[6][2] = t2445;
+    da_dv[6][3] = t2452;
+    da_dv[6][4] = t2459;
+    da_dv[6][5] = t2466;
+    da_dv[6][6] = t3805;
+    da_dv[6][7] = t3806;
+    da_dv[6][8] = t3807;
+    da_dv[6][9] = t2494;
+    da_dv[6][10] = t2501;
+    da_dv[6][11] = t3808;
+    da_dv[7][0] = t2517;
+    da_dv[7][1] = t2526;
+    da_dv[7][2] = t3809;
+    da_dv[7][3] = t3810;
+    da_dv[7][4] = t3811;
+    da_dv[7][5] = t3812;
+    da_dv[7][6] = t2571;
+    da_dv[7][7] = t2580;
+    da_dv[7][8] = t2589;
+    da_dv[7][9] = t3813;
+    da_dv[7][10] = t3814;
+    da_dv[7][11] = t2616;
+    da_dv[8][0] = t2627;
+    da_dv[8][1] = t2638;
+    da_dv[8][2] = t3815;
+    da_dv[8][3] = t3816;
+    da_dv[8][4] = t3817;
+    da_dv[8][5] = t3818;
+    da_dv[8][6] = t2693;
+    da_dv[8][7] = t2704;
+    da_dv[8][8] = t2713;
+    da_dv[8][9] = t3819;
+    da_dv[8][10] = t3820;
+    da_dv[8][11] = t2746;
+    da_dv[9][0] = t2759;
+    da_dv[9][1] = t2772;
+    da_dv[9][2] = t3821;
+    da_dv[9][3] = t3822;
+    da_dv[9][4] = t3823;
+    da_dv[9][5] = t3824;
+    da_dv[9][6] = t2835;
+    da_dv[9][7] = t2846;
+    da_dv[9][8] = t2857;
+    da_dv[9][9] = t3825;
+    da_dv[9][10] = t3826;
+    da_dv[9][11] = t2895;
+    da_dv[10][0] = t2908;
+    da_dv[10][1] = t2921;
+    da_dv[10][2] = t3827;
+    da_dv[10][3] = t3828;
+    da_dv[10][4] = t3829;
+    da_dv[10][5] = t3830;
+    da_dv[10][6] = t2984;
+    da_dv[10][7] = t2995;
+    da_dv[10][8] = t3006;
+    da_dv[10][9] = t3831;
+    da_dv[10][10] = t3832;
+    da_dv[10][11] = t3043;
+    da_dv[11][0] = t3048;
+    da_dv[11][1] = t3053;
+    da_dv[11][2] = t3833;
+    da_dv[11][3] = t3834;
+    da_dv[11][4] = t3835;
+    da_dv[11][5] = t3836;
+    da_dv[11][6] = t3084;
+    da_dv[11][7] = t3089;
+    da_dv[11][8] = t3094;
+    da_dv[11][9] = t3837;
+    da_dv[11][10] = t3838;
+    da_dv[11][11] = t3114;
     m_inverse[0][0] = minus_inverse_d_base_x;
-    m_inverse[0][1] = t3113;
-    m_inverse[0][2] = t3838;
-    m_inverse[0][3] = t3121;
-    m_inverse[0][4] = t3839;
-    m_inverse[0][5] = t3840;
-    m_inverse[0][6] = t3841;
-    m_inverse[0][7] = t3128;
-    m_inverse[0][8] = t3137;
-    m_inverse[0][9] = t3148;
-    m_inverse[0][10] = t3159;
-    m_inverse[0][11] = t3164;
-    m_inverse[1][0] = t3113;
-    m_inverse[1][1] = t3166;
-    m_inverse[1][2] = t3842;
-    m_inverse[1][3] = t3174;
-    m_inverse[1][4] = t3843;
-    m_inverse[1][5] = t3844;
-    m_inverse[1][6] = t3845;
-    m_inverse[1][7] = t3181;
-    m_inverse[1][8] = t3190;
-    m_inverse[1][9] = t3201;
-    m_inverse[1][10] = t3212;
-    m_inverse[1][11] = t3217;
-    m_inverse[2][0] = t3838;
-    m_inverse[2][1] = t3842;
-    m_inverse[2][2] = t3227;
-    m_inverse[2][3] = t3846;
-    m_inverse[2][4] = t3239;
-    m_inverse[2][5] = t3248;
-    m_inverse[2][6] = t3232;
-    m_inverse[2][7] = t3847;
-    m_inverse[2][8] = t3848;
-    m_inverse[2][9] = t3849;
-    m_inverse[2][10] = t3850;
-    m_inverse[2][11] = t3851;
-    m_inverse[3][0] = t3121;
-    m_inverse[3][1] = t3174;
-    m_inverse[3][2] = t3846;
-    m_inverse[3][3] = t3852;
-    m_inverse[3][4] = t3303;
-    m_inverse[3][5] = t3312;
-    m_inverse[3][6] = t3296;
-    m_inverse[3][7] = t3853;
-    m_inverse[3][8] = t3854;
-    m_inverse[3][9] = t3855;
-    m_inverse[3][10] = t3856;
-    m_inverse[3][11] = t3857;
-    m_inverse[4][0] = t3839;
-    m_inverse[4][1] = t3843;
-    m_inverse[4][2] = t3239;
-    m_inverse[4][3] = t3303;
-    m_inverse[4][4] = t3858;
-    m_inverse[4][5] = t3859;
-    m_inverse[4][6] = t3860;
-    m_inverse[4][7] = t3375;
-    m_inverse[4][8] = t3384;
-    m_inverse[4][9] = t3395;
-    m_inverse[4][10] = t3406;
-    m_inverse[4][11] = t3411;
-    m_inverse[5][0] = t3840;
-    m_inverse[5][1] = t3844;
-    m_inverse[5][2] = t3248;
-    m_inverse[5][3] = t3312;
-    m_inverse[5][4] = t3859;
-    m_inverse[5][5] = t3861;
-    m_inverse[5][6] = t3862;
-    m_inverse[5][7] = t3456;
-    m_inverse[5][8] = t3466;
-    m_inverse[5][9] = t3477;
-    m_inverse[5][10] = t3488;
-    m_inverse[5][11] = t3493;
-    m_inverse[6][0] = t3841;
-    m_inverse[6][1] = t3845;
-    m_inverse[6][2] = t3232;
-    m_inverse[6][3] = t3296;
-    m_inverse[6][4] = t3860;
-    m_inverse[6][5] = t3862;
-    m_inverse[6][6] = t3494;
-    m_inverse[6][7] = t3303;
-    m_inverse[6][8] = t3312;
-    m_inverse[6][9] = t3323;
-    m_inverse[6][10] = t3334;
-    m_inverse[6][11] = t3339;
-    m_inverse[7][0] = t3128;
-    m_inverse[7][1] = t3181;
-    m_inverse[7][2] = t3847;
-    m_inverse[7][3] = t3853;
-    m_inverse[7][4] = t3375;
-    m_inverse[7][5] = t3456;
-    m_inverse[7][6] = t3303;
-    m_inverse[7][7] = t3495;
-    m_inverse[7][8] = t3859;
-    m_inverse[7][9] = t3863;
-    m_inverse[7][10] = t3864;
-    m_inverse[7][11] = t3865;
-    m_inverse[8][0] = t3137;
-    m_inverse[8][1] = t3190;
-    m_inverse[8][2] = t3848;
-    m_inverse[8][3] = t3854;
-    m_inverse[8][4] = t3384;
-    m_inverse[8][5] = t3466;
-    m_inverse[8][6] = t3312;
-    m_inverse[8][7] = t3859;
-    m_inverse[8][8] = t3496;
-    m_inverse[8][9] = t3866;
-    m_inverse[8][10] = t3867;
-    m_inverse[8][11] = t3868;
-    m_inverse[9][0] = t3148;
-    m_inverse[9][1] = t3201;
-    m_inverse[9][2] = t3849;
-    m_inverse[9][3] = t3855;
-    m_inverse[9][4] = t3395;
-    m_inverse[9][5] = t3477;
-    m_inverse[9][6] = t3323;
-    m_inverse[9][7] = t3863;
-    m_inverse[9][8] = t3866;
-    m_inverse[9][9] = t3574;
-    m_inverse[9][10] = t3585;
-    m_inverse[9][11] = t3590;
-    m_inverse[10][0] = t3159;
-    m_inverse[10][1] = t3212;
-    m_inverse[10][2] = t3850;
-    m_inverse[10][3] = t3856;
-    m_inverse[10][4] = t3406;
-    m_inverse[10][5] = t3488;
-    m_inverse[10][6] = t3334;
-    m_inverse[10][7] = t3864;
-    m_inverse[10][8] = t3867;
-    m_inverse[10][9] = t3585;
-    m_inverse[10][10] = t3668;
-    m_inverse[10][11] = t3673;
-    m_inverse[11][0] = t3164;
-    m_inverse[11][1] = t3217;
-    m_inverse[11][2] = t3851;
-    m_inverse[11][3] = t3857;
-    m_inverse[11][4] = t3411;
-    m_inverse[11][5] = t3493;
-    m_inverse[11][6] = t3339;
-    m_inverse[11][7] = t3865;
-    m_inverse[11][8] = t3868;
-    m_inverse[11][9] = t3590;
-    m_inverse[11][10] = t3673;
-    m_inverse[11][11] = t3742;
+    m_inverse[0][1] = t3115;
+    m_inverse[0][2] = t3840;
+    m_inverse[0][3] = t3123;
+    m_inverse[0][4] = t3841;
+    m_inverse[0][5] = t3842;
+    m_inverse[0][6] = t3843;
+    m_inverse[0][7] = t3130;
+    m_inverse[0][8] = t3139;
+    m_inverse[0][9] = t3150;
+    m_inverse[0][10] = t3161;
+    m_inverse[0][11] = t3166;
+    m_inverse[1][0] = t3115;
+    m_inverse[1][1] = t3168;
+    m_inverse[1][2] = t3844;
+    m_inverse[1][3] = t3176;
+    m_inverse[1][4] = t3845;
+    m_inverse[1][5] = t3846;
+    m_inverse[1][6] = t3847;
+    m_inverse[1][7] = t3183;
+    m_inverse[1][8] = t3192;
+    m_inverse[1][9] = t3203;
+    m_inverse[1][10] = t3214;
+    m_inverse[1][11] = t3219;
+    m_inverse[2][0] = t3840;
+    m_inverse[2][1] = t3844;
+    m_inverse[2][2] = t3229;
+    m_inverse[2][3] = t3848;
+    m_inverse[2][4] = t3241;
+    m_inverse[2][5] = t3250;
+    m_inverse[2][6] = t3234;
+    m_inverse[2][7] = t3849;
+    m_inverse[2][8] = t3850;
+    m_inverse[2][9] = t3851;
+    m_inverse[2][10] = t3852;
+    m_inverse[2][11] = t3853;
+    m_inverse[3][0] = t3123;
+    m_inverse[3][1] = t3176;
+    m_inverse[3][2] = t3848;
+    m_inverse[3][3] = t3854;
+    m_inverse[3][4] = t3305;
+    m_inverse[3][5] = t3314;
+    m_inverse[3][6] = t3298;
+    m_inverse[3][7] = t3855;
+    m_inverse[3][8] = t3856;
+    m_inverse[3][9] = t3857;
+    m_inverse[3][10] = t3858;
+    m_inverse[3][11] = t3859;
+    m_inverse[4][0] = t3841;
+    m_inverse[4][1] = t3845;
+    m_inverse[4][2] = t3241;
+    m_inverse[4][3] = t3305;
+    m_inverse[4][4] = t3860;
+    m_inverse[4][5] = t3861;
+    m_inverse[4][6] = t3862;
+    m_inverse[4][7] = t3377;
+    m_inverse[4][8] = t3386;
+    m_inverse[4][9] = t3397;
+    m_inverse[4][10] = t3408;
+    m_inverse[4][11] = t3413;
+    m_inverse[5][0] = t3842;
+    m_inverse[5][1] = t3846;
+    m_inverse[5][2] = t3250;
+    m_inverse[5][3] = t3314;
+    m_inverse[5][4] = t3861;
+    m_inverse[5][5] = t3863;
+    m_inverse[5][6] = t3864;
+    m_inverse[5][7] = t3458;
+    m_inverse[5][8] = t3468;
+    m_inverse[5][9] = t3479;
+    m_inverse[5][10] = t3490;
+    m_inverse[5][11] = t3495;
+    m_inverse[6][0] = t3843;
+    m_inverse[6][1] = t3847;
+    m_inverse[6][2] = t3234;
+    m_inverse[6][3] = t3298;
+    m_inverse[6][4] = t3862;
+    m_inverse[6][5] = t3864;
+    m_inverse[6][6] = t3496;
+    m_inverse[6][7] = t3305;
+    m_inverse[6][8] = t3314;
+    m_inverse[6][9] = t3325;
+    m_inverse[6][10] = t3336;
+    m_inverse[6][11] = t3341;
+    m_inverse[7][0] = t3130;
+    m_inverse[7][1] = t3183;
+    m_inverse[7][2] = t3849;
+    m_inverse[7][3] = t3855;
+    m_inverse[7][4] = t3377;
+    m_inverse[7][5] = t3458;
+    m_inverse[7][6] = t3305;
+    m_inverse[7][7] = t3497;
+    m_inverse[7][8] = t3861;
+    m_inverse[7][9] = t3865;
+    m_inverse[7][10] = t3866;
+    m_inverse[7][11] = t3867;
+    m_inverse[8][0] = t3139;
+    m_inverse[8][1] = t3192;
+    m_inverse[8][2] = t3850;
+    m_inverse[8][3] = t3856;
+    m_inverse[8][4] = t3386;
+    m_inverse[8][5] = t3468;
+    m_inverse[8][6] = t3314;
+    m_inverse[8][7] = t3861;
+    m_inverse[8][8] = t3498;
+    m_inverse[8][9] = t3868;
+    m_inverse[8][10] = t3869;
+    m_inverse[8][11] = t3870;
+    m_inverse[9][0] = t3150;
+    m_inverse[9][1] = t3203;
+    m_inverse[9][2] = t3851;
+    m_inverse[9][3] = t3857;
+    m_inverse[9][4] = t3397;
+    m_inverse[9][5] = t3479;
+    m_inverse[9][6] = t3325;
+    m_inverse[9][7] = t3865;
+    m_inverse[9][8] = t3868;
+    m_inverse[9][9] = t3576;
+    m_inverse[9][10] = t3587;
+    m_inverse[9][11] = t3592;
+    m_inverse[10][0] = t3161;
+    m_inverse[10][1] = t3214;
+    m_inverse[10][2] = t3852;
+    m_inverse[10][3] = t3858;
+    m_inverse[10][4] = t3408;
+    m_inverse[10][5] = t3490;
+    m_inverse[10][6] = t3336;
+    m_inverse[10][7] = t3866;
+    m_inverse[10][8] = t3869;
+    m_inverse[10][9] = t3587;
+    m_inverse[10][10] = t3670;
+    m_inverse[10][11] = t3675;
+    m_inverse[11][0] = t3166;
+    m_inverse[11][1] = t3219;
+    m_inverse[11][2] = t3853;
+    m_inverse[11][3] = t3859;
+    m_inverse[11][4] = t3413;
+    m_inverse[11][5] = t3495;
+    m_inverse[11][6] = t3341;
+    m_inverse[11][7] = t3867;
+    m_inverse[11][8] = t3870;
+    m_inverse[11][9] = t3592;
+    m_inverse[11][10] = t3675;
+    m_inverse[11][11] = t3744;
 }
 
 /// Part 1 of `forward_dynamics_derivatives`: values that later parts read.
@@ -7661,7 +7661,7 @@ fn forward_dynamics_derivatives_part_1(
     let t323 = t320 + t317;
     let t324 = 0.0005000000000000004 * t323;
     let moment_boom_rz_z = t324 + t322;
-    let t326 = v[11] * 0.5;
+    let t326 = v[11] * 0.005;
     let t327 = t326 + moment_boom_rz_z;
     let t328 = t54 * t327;
     let t329 = u[2] - t328;
@@ -9814,332 +9814,334 @@ fn forward_dynamics_derivatives_part_2(
     let t2250 = t18 * t2247;
     let t2251 = t2250 - t2249;
     let t2252 = t84 * t2244;
-    let t2253 = t9 - t2252;
-    let t2254 = t2253 - t2251;
-    let t2255 = 0.72 * t2080;
-    let t2256 = t762 - t2255;
-    let t2257 = t31 * t2256;
-    let t2258 = 0.72 * t2174;
-    let t2259 = t776 - t2258;
-    let t2260 = t37 * t2259;
-    let t2261 = t2260 + t2257;
-    let t2262 = 0.3 * t2261;
-    let t2263 = t2262 - t2254;
-    let t2264 = t44 * t2244;
-    let t2265 = 0.5 * t54;
-    let t2266 = t2265 + t2264;
-    let t2267 = t2264 - t2266;
-    let t2268 = t80 * t2267;
-    let t2269 = t2268 + t2263;
-    let t2270 = t139 * t2269;
-    let t2271 = t37 * t2244;
-    let t2272 = t145 * t2247;
-    let t2273 = t2272 + t2271;
-    let t2274 = t31 * t2247;
-    let t2275 = t2274 - t2273;
-    let t2276 = t143 * t2244;
-    let t2277 = t24 - t2276;
-    let t2278 = t2277 - t2275;
-    let t2279 = t18 * t2256;
-    let t2280 = t4 * t2259;
-    let t2281 = t2280 + t2279;
-    let t2282 = 0.3 * t2281;
-    let t2283 = t2282 + t2278;
-    let t2284 = t141 * t2267;
-    let t2285 = t2284 - t2283;
-    let t2286 = t2270 - t2285;
-    let t2287 = t179 * t2286;
-    let t2288 = t181 * t2269;
-    let t2289 = t183 * t2267;
-    let t2290 = t49 * t2256;
-    let t2291 = t44 * t2259;
-    let t2292 = t2291 + t2290;
-    let t2293 = t185 * t2244;
-    let t2294 = t188 * t2247;
-    let t2295 = t2294 + t2293;
-    let t2296 = t2295 - t2292;
-    let t2297 = t2289 - t2296;
-    let t2298 = t2288 - t2297;
-    let t2299 = t2287 - t2298;
-    let t2300 = t225 * t2299;
-    let t2301 = t227 * t2286;
-    let t2302 = t229 * t2269;
-    let t2303 = t231 * t2267;
-    let t2304 = t233 * t2244;
-    let t2305 = t235 * t2247;
-    let t2306 = t2305 + t2304;
-    let t2307 = t2281 - t2306;
-    let t2308 = t2303 - t2307;
-    let t2309 = t2302 + t2308;
-    let t2310 = t2301 - t2309;
-    let t2311 = t2300 - t2310;
-    let t2312 = t283 * t2311;
-    let t2313 = t285 * t2299;
-    let t2314 = t287 * t2286;
-    let t2315 = t289 * t2269;
-    let t2316 = t291 * t2267;
-    let t2317 = t295 * t2244;
-    let t2318 = t293 * t2247;
-    let t2319 = t2318 + t2317;
-    let t2320 = t2261 - t2319;
-    let t2321 = t2316 + t2320;
-    let t2322 = t2315 - t2321;
-    let t2323 = t2314 - t2322;
-    let t2324 = t2313 - t2323;
-    let t2325 = t2312 - t2324;
-    let t2326 = inverse_d_base_x * t2325;
-    let t2327 = t283 * t1377;
-    let t2328 = inverse_d_base_y * t1363;
-    let t2329 = t2328 - t2327;
-    let t2330 = t283 * t1442;
-    let t2331 = inverse_d_base_y * t1427;
-    let t2332 = t2331 - t2330;
-    let t2333 = t283 * t1505;
-    let t2334 = inverse_d_base_y * t1490;
-    let t2335 = t2334 - t2333;
-    let t2336 = t283 * t1701;
-    let t2337 = inverse_d_base_y * t1686;
-    let t2338 = t2337 - t2336;
-    let t2339 = t283 * t1861;
-    let t2340 = inverse_d_base_y * t1844;
-    let t2341 = t2340 - t2339;
-    let t2342 = t283 * t2006;
-    let t2343 = inverse_d_base_y * t1989;
-    let t2344 = t2343 - t2342;
-    let t2345 = t283 * t2034;
-    let t2346 = inverse_d_base_y * t2024;
-    let t2347 = t2346 - t2345;
-    let t2348 = t283 * t2061;
-    let t2349 = inverse_d_base_y * t2051;
-    let t2350 = t2349 - t2348;
-    let t2351 = t283 * t2079;
-    let t2352 = inverse_d_base_y * t2071;
-    let t2353 = t2352 - t2351;
-    let t2354 = t283 * t2164;
-    let t2355 = inverse_d_base_y * t2149;
-    let t2356 = t2355 - t2354;
-    let t2357 = t283 * t2242;
-    let t2358 = inverse_d_base_y * t2227;
-    let t2359 = t2358 - t2357;
-    let t2360 = t283 * t2326;
-    let t2361 = inverse_d_base_y * t2311;
-    let t2362 = t2361 - t2360;
-    let t2363 = t225 * t2329;
-    let t2364 = t285 * t1377;
-    let t2365 = inverse_d_base_z * t1350;
-    let t2366 = t2365 - t2364;
-    let t2367 = t2363 - t2366;
-    let t2368 = t225 * t2332;
-    let t2369 = t285 * t1442;
-    let t2370 = inverse_d_base_z * t1416;
-    let t2371 = t2370 - t2369;
-    let t2372 = t2368 - t2371;
-    let t2373 = t225 * t2335;
-    let t2374 = t285 * t1505;
-    let t2375 = inverse_d_base_z * t1478;
-    let t2376 = t2375 - t2374;
-    let t2377 = t2373 - t2376;
-    let t2378 = t225 * t2338;
-    let t2379 = t285 * t1701;
-    let t2380 = inverse_d_base_z * t1667;
-    let t2381 = t2380 - t2379;
-    let t2382 = t2378 - t2381;
-    let t2383 = t225 * t2341;
-    let t2384 = t285 * t1861;
-    let t2385 = inverse_d_base_z * t1832;
-    let t2386 = t2385 - t2384;
-    let t2387 = t2383 - t2386;
-    let t2388 = t225 * t2344;
-    let t2389 = t285 * t2006;
-    let t2390 = inverse_d_base_z * t1975;
-    let t2391 = t2390 - t2389;
-    let t2392 = t2388 - t2391;
-    let t2393 = t225 * t2347;
-    let t2394 = t285 * t2034;
-    let t2395 = inverse_d_base_z * t2017;
-    let t2396 = t2395 - t2394;
-    let t2397 = t2393 - t2396;
-    let t2398 = t225 * t2350;
-    let t2399 = t285 * t2061;
-    let t2400 = inverse_d_base_z * t2044;
-    let t2401 = t2400 - t2399;
-    let t2402 = t2398 - t2401;
-    let t2403 = t225 * t2353;
-    let t2404 = t285 * t2079;
-    let t2405 = inverse_d_base_z * t2066;
-    let t2406 = t2405 - t2404;
-    let t2407 = t2403 - t2406;
-    let t2408 = t225 * t2356;
-    let t2409 = t285 * t2164;
-    let t2410 = inverse_d_base_z * t2137;
-    let t2411 = t2410 - t2409;
-    let t2412 = t2408 - t2411;
-    let t2413 = t225 * t2359;
-    let t2414 = t285 * t2242;
-    let t2415 = inverse_d_base_z * t2215;
-    let t2416 = t2415 - t2414;
-    let t2417 = t2413 - t2416;
-    let t2418 = t225 * t2362;
-    let t2419 = t285 * t2326;
-    let t2420 = inverse_d_base_z * t2299;
-    let t2421 = t2420 - t2419;
-    let t2422 = t2418 - t2421;
-    let t2423 = t179 * t2367;
-    let t2424 = t227 * t2329;
-    let t2425 = t287 * t1377;
-    let t2426 = inverse_d_base_rx * t1339;
-    let t2427 = t2426 - t2425;
-    let t2428 = t2424 - t2427;
-    let t2429 = t2423 - t2428;
-    let t2430 = t179 * t2372;
-    let t2431 = t227 * t2332;
-    let t2432 = t287 * t1442;
-    let t2433 = inverse_d_base_rx * t1405;
-    let t2434 = t2433 - t2432;
-    let t2435 = t2431 - t2434;
-    let t2436 = t2430 - t2435;
-    let t2437 = t179 * t2377;
-    let t2438 = t227 * t2335;
-    let t2439 = t287 * t1505;
-    let t2440 = inverse_d_base_rx * t1469;
-    let t2441 = t2440 - t2439;
-    let t2442 = t2438 - t2441;
-    let t2443 = t2437 - t2442;
-    let t2444 = t179 * t2382;
-    let t2445 = t227 * t2338;
-    let t2446 = t287 * t1701;
-    let t2447 = inverse_d_base_rx * t1645;
-    let t2448 = t2447 - t2446;
-    let t2449 = t2445 - t2448;
-    let t2450 = t2444 - t2449;
-    let t2451 = t179 * t2387;
-    let t2452 = t227 * t2341;
-    let t2453 = t287 * t1861;
-    let t2454 = inverse_d_base_rx * t1810;
-    let t2455 = t2454 - t2453;
-    let t2456 = t2452 - t2455;
-    let t2457 = t2451 - t2456;
-    let t2458 = t179 * t2392;
-    let t2459 = t227 * t2344;
-    let t2460 = t287 * t2006;
-    let t2461 = inverse_d_base_rx * t1965;
-    let t2462 = t2461 - t2460;
-    let t2463 = t2459 - t2462;
-    let t2464 = t2458 - t2463;
-    let t2465 = t179 * t2397;
-    let t2466 = t227 * t2347;
-    let t2467 = t287 * t2034;
-    let t2468 = inverse_d_base_rx * t2012;
-    let t2469 = t2468 - t2467;
-    let t2470 = t2466 - t2469;
-    let t2471 = t2465 - t2470;
-    let t2472 = t179 * t2402;
-    let t2473 = t227 * t2350;
-    let t2474 = t287 * t2061;
-    let t2475 = inverse_d_base_rx * t2039;
-    let t2476 = t2475 - t2474;
-    let t2477 = t2473 - t2476;
-    let t2478 = t2472 - t2477;
-    let t2479 = t179 * t2407;
-    let t2480 = t227 * t2353;
-    let t2481 = t287 * t2079;
-    let t2482 = inverse_d_base_rx * t2063;
-    let t2483 = t2482 + t2481;
-    let t2484 = t2480 + t2483;
-    let t2485 = t2479 - t2484;
-    let t2486 = t179 * t2412;
-    let t2487 = t227 * t2356;
-    let t2488 = t287 * t2164;
-    let t2489 = inverse_d_base_rx * t2124;
-    let t2490 = t2489 - t2488;
-    let t2491 = t2487 - t2490;
-    let t2492 = t2486 - t2491;
-    let t2493 = t179 * t2417;
-    let t2494 = t227 * t2359;
-    let t2495 = t287 * t2242;
-    let t2496 = inverse_d_base_rx * t2202;
-    let t2497 = t2496 - t2495;
-    let t2498 = t2494 - t2497;
-    let t2499 = t2493 - t2498;
-    let t2500 = t179 * t2422;
-    let t2501 = t227 * t2362;
-    let t2502 = t287 * t2326;
-    let t2503 = inverse_d_base_rx * t2286;
-    let t2504 = t2503 - t2502;
-    let t2505 = t2501 - t2504;
-    let t2506 = t2500 - t2505;
-    let t2507 = t139 * t2429;
-    let t2508 = t181 * t2367;
-    let t2509 = t229 * t2329;
-    let t2510 = t289 * t1377;
-    let t2511 = inverse_d_base_ry * t1328;
-    let t2512 = t2511 - t2510;
-    let t2513 = t2509 - t2512;
-    let t2514 = t2508 - t2513;
-    let t2515 = t2507 - t2514;
-    let t2516 = t139 * t2436;
-    let t2517 = t181 * t2372;
-    let t2518 = t229 * t2332;
-    let t2519 = t289 * t1442;
-    let t2520 = inverse_d_base_ry * t1396;
-    let t2521 = t2520 - t2519;
-    let t2522 = t2518 - t2521;
-    let t2523 = t2517 - t2522;
-    let t2524 = t2516 - t2523;
-    let t2525 = t139 * t2443;
-    let t2526 = t181 * t2377;
-    let t2527 = t229 * t2335;
-    let t2528 = t289 * t1505;
-    let t2529 = inverse_d_base_ry * t1460;
-    let t2530 = t2529 - t2528;
-    let t2531 = t2527 - t2530;
-    let t2532 = t2526 - t2531;
-    let t2533 = t2525 - t2532;
-    let t2534 = t139 * t2450;
-    let t2535 = t181 * t2382;
-    let t2536 = t229 * t2338;
-    let t2537 = t289 * t1701;
-    let t2538 = inverse_d_base_ry * t1607;
-    let t2539 = t2538 - t2537;
-    let t2540 = t2536 - t2539;
-    let t2541 = t2535 - t2540;
-    let t2542 = t2534 - t2541;
-    let t2543 = t139 * t2457;
-    let t2544 = t181 * t2387;
-    let t2545 = t229 * t2341;
-    let t2546 = t289 * t1861;
-    let t2547 = inverse_d_base_ry * t1784;
-    let t2548 = t2547 - t2546;
-    let t2549 = t2545 - t2548;
-    let t2550 = t2544 - t2549;
-    let t2551 = t2543 - t2550;
-    let t2552 = t139 * t2464;
-    let t2553 = t181 * t2392;
-    let t2554 = t229 * t2344;
-    let t2555 = t289 * t2006;
-    let t2556 = inverse_d_base_ry * t1937;
-    let t2557 = t2556 - t2555;
-    let t2558 = t2554 - t2557;
-    let t2559 = t2553 - t2558;
-    let t2560 = t2552 - t2559;
-    let t2561 = t139 * t2471;
-    let t2562 = t181 * t2397;
-    let t2563 = t229 * t2347;
-    let t2564 = t289 * t2034;
-    let t2565 = inverse_d_base_ry * t2009;
-    let t2566 = t2565 - t2564;
-    let t2567 = t2563 - t2566;
-    let t2568 = t2562 - t2567;
-    let t2569 = t2561 - t2568;
-    let t2570 = t139 * t2478;
-    let t2571 = t181 * t2402;
-    let t2572 = t229 * t2350;
-    let t2573 = t289 * t2061;
-    let t2574 = inverse_d_base_ry * t2035;
-    let t2575 = t2574 - t2573;
-    let t2576 = t2572 - t2575;
-    let t2577 = t2571 - t2576;
-    let t2578 = t2570 - t2577;
+    let t2253 = 0.01 * t9;
+    let t2254 = t2253 - t2252;
+    let t2255 = t2254 - t2251;
+    let t2256 = 0.72 * t2080;
+    let t2257 = t762 - t2256;
+    let t2258 = t31 * t2257;
+    let t2259 = 0.72 * t2174;
+    let t2260 = t776 - t2259;
+    let t2261 = t37 * t2260;
+    let t2262 = t2261 + t2258;
+    let t2263 = 0.3 * t2262;
+    let t2264 = t2263 - t2255;
+    let t2265 = t44 * t2244;
+    let t2266 = t54 * 0.005;
+    let t2267 = t2266 + t2265;
+    let t2268 = t2265 - t2267;
+    let t2269 = t80 * t2268;
+    let t2270 = t2269 + t2264;
+    let t2271 = t139 * t2270;
+    let t2272 = t37 * t2244;
+    let t2273 = t145 * t2247;
+    let t2274 = t2273 + t2272;
+    let t2275 = t31 * t2247;
+    let t2276 = t2275 - t2274;
+    let t2277 = t143 * t2244;
+    let t2278 = 0.01 * t24;
+    let t2279 = t2278 - t2277;
+    let t2280 = t2279 - t2276;
+    let t2281 = t18 * t2257;
+    let t2282 = t4 * t2260;
+    let t2283 = t2282 + t2281;
+    let t2284 = 0.3 * t2283;
+    let t2285 = t2284 + t2280;
+    let t2286 = t141 * t2268;
+    let t2287 = t2286 - t2285;
+    let t2288 = t2271 - t2287;
+    let t2289 = t179 * t2288;
+    let t2290 = t181 * t2270;
+    let t2291 = t183 * t2268;
+    let t2292 = t49 * t2257;
+    let t2293 = t44 * t2260;
+    let t2294 = t2293 + t2292;
+    let t2295 = t185 * t2244;
+    let t2296 = t188 * t2247;
+    let t2297 = t2296 + t2295;
+    let t2298 = t2297 - t2294;
+    let t2299 = t2291 - t2298;
+    let t2300 = t2290 - t2299;
+    let t2301 = t2289 - t2300;
+    let t2302 = t225 * t2301;
+    let t2303 = t227 * t2288;
+    let t2304 = t229 * t2270;
+    let t2305 = t231 * t2268;
+    let t2306 = t233 * t2244;
+    let t2307 = t235 * t2247;
+    let t2308 = t2307 + t2306;
+    let t2309 = t2283 - t2308;
+    let t2310 = t2305 - t2309;
+    let t2311 = t2304 + t2310;
+    let t2312 = t2303 - t2311;
+    let t2313 = t2302 - t2312;
+    let t2314 = t283 * t2313;
+    let t2315 = t285 * t2301;
+    let t2316 = t287 * t2288;
+    let t2317 = t289 * t2270;
+    let t2318 = t291 * t2268;
+    let t2319 = t295 * t2244;
+    let t2320 = t293 * t2247;
+    let t2321 = t2320 + t2319;
+    let t2322 = t2262 - t2321;
+    let t2323 = t2318 + t2322;
+    let t2324 = t2317 - t2323;
+    let t2325 = t2316 - t2324;
+    let t2326 = t2315 - t2325;
+    let t2327 = t2314 - t2326;
+    let t2328 = inverse_d_base_x * t2327;
+    let t2329 = t283 * t1377;
+    let t2330 = inverse_d_base_y * t1363;
+    let t2331 = t2330 - t2329;
+    let t2332 = t283 * t1442;
+    let t2333 = inverse_d_base_y * t1427;
+    let t2334 = t2333 - t2332;
+    let t2335 = t283 * t1505;
+    let t2336 = inverse_d_base_y * t1490;
+    let t2337 = t2336 - t2335;
+    let t2338 = t283 * t1701;
+    let t2339 = inverse_d_base_y * t1686;
+    let t2340 = t2339 - t2338;
+    let t2341 = t283 * t1861;
+    let t2342 = inverse_d_base_y * t1844;
+    let t2343 = t2342 - t2341;
+    let t2344 = t283 * t2006;
+    let t2345 = inverse_d_base_y * t1989;
+    let t2346 = t2345 - t2344;
+    let t2347 = t283 * t2034;
+    let t2348 = inverse_d_base_y * t2024;
+    let t2349 = t2348 - t2347;
+    let t2350 = t283 * t2061;
+    let t2351 = inverse_d_base_y * t2051;
+    let t2352 = t2351 - t2350;
+    let t2353 = t283 * t2079;
+    let t2354 = inverse_d_base_y * t2071;
+    let t2355 = t2354 - t2353;
+    let t2356 = t283 * t2164;
+    let t2357 = inverse_d_base_y * t2149;
+    let t2358 = t2357 - t2356;
+    let t2359 = t283 * t2242;
+    let t2360 = inverse_d_base_y * t2227;
+    let t2361 = t2360 - t2359;
+    let t2362 = t283 * t2328;
+    let t2363 = inverse_d_base_y * t2313;
+    let t2364 = t2363 - t2362;
+    let t2365 = t225 * t2331;
+    let t2366 = t285 * t1377;
+    let t2367 = inverse_d_base_z * t1350;
+    let t2368 = t2367 - t2366;
+    let t2369 = t2365 - t2368;
+    let t2370 = t225 * t2334;
+    let t2371 = t285 * t1442;
+    let t2372 = inverse_d_base_z * t1416;
+    let t2373 = t2372 - t2371;
+    let t2374 = t2370 - t2373;
+    let t2375 = t225 * t2337;
+    let t2376 = t285 * t1505;
+    let t2377 = inverse_d_base_z * t1478;
+    let t2378 = t2377 - t2376;
+    let t2379 = t2375 - t2378;
+    let t2380 = t225 * t2340;
+    let t2381 = t285 * t1701;
+    let t2382 = inverse_d_base_z * t1667;
+    let t2383 = t2382 - t2381;
+    let t2384 = t2380 - t2383;
+    let t2385 = t225 * t2343;
+    let t2386 = t285 * t1861;
+    let t2387 = inverse_d_base_z * t1832;
+    let t2388 = t2387 - t2386;
+    let t2389 = t2385 - t2388;
+    let t2390 = t225 * t2346;
+    let t2391 = t285 * t2006;
+    let t2392 = inverse_d_base_z * t1975;
+    let t2393 = t2392 - t2391;
+    let t2394 = t2390 - t2393;
+    let t2395 = t225 * t2349;
+    let t2396 = t285 * t2034;
+    let t2397 = inverse_d_base_z * t2017;
+    let t2398 = t2397 - t2396;
+    let t2399 = t2395 - t2398;
+    let t2400 = t225 * t2352;
+    let t2401 = t285 * t2061;
+    let t2402 = inverse_d_base_z * t2044;
+    let t2403 = t2402 - t2401;
+    let t2404 = t2400 - t2403;
+    let t2405 = t225 * t2355;
+    let t2406 = t285 * t2079;
+    let t2407 = inverse_d_base_z * t2066;
+    let t2408 = t2407 - t2406;
+    let t2409 = t2405 - t2408;
+    let t2410 = t225 * t2358;
+    let t2411 = t285 * t2164;
+    let t2412 = inverse_d_base_z * t2137;
+    let t2413 = t2412 - t2411;
+    let t2414 = t2410 - t2413;
+    let t2415 = t225 * t2361;
+    let t2416 = t285 * t2242;
+    let t2417 = inverse_d_base_z * t2215;
+    let t2418 = t2417 - t2416;
+    let t2419 = t2415 - t2418;
+    let t2420 = t225 * t2364;
+    let t2421 = t285 * t2328;
+    let t2422 = inverse_d_base_z * t2301;
+    let t2423 = t2422 - t2421;
+    let t2424 = t2420 - t2423;
+    let t2425 = t179 * t2369;
+    let t2426 = t227 * t2331;
+    let t2427 = t287 * t1377;
+    let t2428 = inverse_d_base_rx * t1339;
+    let t2429 = t2428 - t2427;
+    let t2430 = t2426 - t2429;
+    let t2431 = t2425 - t2430;
+    let t2432 = t179 * t2374;
+    let t2433 = t227 * t2334;
+    let t2434 = t287 * t1442;
+    let t2435 = inverse_d_base_rx * t1405;
+    let t2436 = t2435 - t2434;
+    let t2437 = t2433 - t2436;
+    let t2438 = t2432 - t2437;
+    let t2439 = t179 * t2379;
+    let t2440 = t227 * t2337;
+    let t2441 = t287 * t1505;
+    let t2442 = inverse_d_base_rx * t1469;
+    let t2443 = t2442 - t2441;
+    let t2444 = t2440 - t2443;
+    let t2445 = t2439 - t2444;
+    let t2446 = t179 * t2384;
+    let t2447 = t227 * t2340;
+    let t2448 = t287 * t1701;
+    let t2449 = inverse_d_base_rx * t1645;
+    let t2450 = t2449 - t2448;
+    let t2451 = t2447 - t2450;
+    let t2452 = t2446 - t2451;
+    let t2453 = t179 * t2389;
+    let t2454 = t227 * t2343;
+    let t2455 = t287 * t1861;
+    let t2456 = inverse_d_base_rx * t1810;
+    let t2457 = t2456 - t2455;
+    let t2458 = t2454 - t2457;
+    let t2459 = t2453 - t2458;
+    let t2460 = t179 * t2394;
+    let t2461 = t227 * t2346;
+    let t2462 = t287 * t2006;
+    let t2463 = inverse_d_base_rx * t1965;
+    let t2464 = t2463 - t2462;
+    let t2465 = t2461 - t2464;
+    let t2466 = t2460 - t2465;
+    let t2467 = t179 * t2399;
+    let t2468 = t227 * t2349;
+    let t2469 = t287 * t2034;
+    let t2470 = inverse_d_base_rx * t2012;
+    let t2471 = t2470 - t2469;
+    let t2472 = t2468 - t2471;
+    let t2473 = t2467 - t2472;
+    let t2474 = t179 * t2404;
+    let t2475 = t227 * t2352;
+    let t2476 = t287 * t2061;
+    let t2477 = inverse_d_base_rx * t2039;
+    let t2478 = t2477 - t2476;
+    let t2479 = t2475 - t2478;
+    let t2480 = t2474 - t2479;
+    let t2481 = t179 * t2409;
+    let t2482 = t227 * t2355;
+    let t2483 = t287 * t2079;
+    let t2484 = inverse_d_base_rx * t2063;
+    let t2485 = t2484 + t2483;
+    let t2486 = t2482 + t2485;
+    let t2487 = t2481 - t2486;
+    let t2488 = t179 * t2414;
+    let t2489 = t227 * t2358;
+    let t2490 = t287 * t2164;
+    let t2491 = inverse_d_base_rx * t2124;
+    let t2492 = t2491 - t2490;
+    let t2493 = t2489 - t2492;
+    let t2494 = t2488 - t2493;
+    let t2495 = t179 * t2419;
+    let t2496 = t227 * t2361;
+    let t2497 = t287 * t2242;
+    let t2498 = inverse_d_base_rx * t2202;
+    let t2499 = t2498 - t2497;
+    let t2500 = t2496 - t2499;
+    let t2501 = t2495 - t2500;
+    let t2502 = t179 * t2424;
+    let t2503 = t227 * t2364;
+    let t2504 = t287 * t2328;
+    let t2505 = inverse_d_base_rx * t2288;
+    let t2506 = t2505 - t2504;
+    let t2507 = t2503 - t2506;
+    let t2508 = t2502 - t2507;
+    let t2509 = t139 * t2431;
+    let t2510 = t181 * t2369;
+    let t2511 = t229 * t2331;
+    let t2512 = t289 * t1377;
+    let t2513 = inverse_d_base_ry * t1328;
+    let t2514 = t2513 - t2512;
+    let t2515 = t2511 - t2514;
+    let t2516 = t2510 - t2515;
+    let t2517 = t2509 - t2516;
+    let t2518 = t139 * t2438;
+    let t2519 = t181 * t2374;
+    let t2520 = t229 * t2334;
+    let t2521 = t289 * t1442;
+    let t2522 = inverse_d_base_ry * t1396;
+    let t2523 = t2522 - t2521;
+    let t2524 = t2520 - t2523;
+    let t2525 = t2519 - t2524;
+    let t2526 = t2518 - t2525;
+    let t2527 = t139 * t2445;
+    let t2528 = t181 * t2379;
+    let t2529 = t229 * t2337;
+    let t2530 = t289 * t1505;
+    let t2531 = inverse_d_base_ry * t1460;
+    let t2532 = t2531 - t2530;
+    let t2533 = t2529 - t2532;
+    let t2534 = t2528 - t2533;
+    let t2535 = t2527 - t2534;
+    let t2536 = t139 * t2452;
+    let t2537 = t181 * t2384;
+    let t2538 = t229 * t2340;
+    let t2539 = t289 * t1701;
+    let t2540 = inverse_d_base_ry * t1607;
+    let t2541 = t2540 - t2539;
+    let t2542 = t2538 - t2541;
+    let t2543 = t2537 - t2542;
+    let t2544 = t2536 - t2543;
+    let t2545 = t139 * t2459;
+    let t2546 = t181 * t2389;
+    let t2547 = t229 * t2343;
+    let t2548 = t289 * t1861;
+    let t2549 = inverse_d_base_ry * t1784;
+    let t2550 = t2549 - t2548;
+    let t2551 = t2547 - t2550;
+    let t2552 = t2546 - t2551;
+    let t2553 = t2545 - t2552;
+    let t2554 = t139 * t2466;
+    let t2555 = t181 * t2394;
+    let t2556 = t229 * t2346;
+    let t2557 = t289 * t2006;
+    let t2558 = inverse_d_base_ry * t1937;
+    let t2559 = t2558 - t2557;
+    let t2560 = t2556 - t2559;
+    let t2561 = t2555 - t2560;
+    let t2562 = t2554 - t2561;
+    let t2563 = t139 * t2473;
+    let t2564 = t181 * t2399;
+    let t2565 = t229 * t2349;
+    let t2566 = t289 * t2034;
+    let t2567 = inverse_d_base_ry * t2009;
+    let t2568 = t2567 - t2566;
+    let t2569 = t2565 - t2568;
+    let t2570 = t2564 - t2569;
+    let t2571 = t2563 - t2570;
+    let t2572 = t139 * t2480;
+    let t2573 = t181 * t2404;
+    let t2574 = t229 * t2352;
+    let t2575 = t289 * t2061;
+    let t2576 = inverse_d_base_ry * t2035;
+    let t2577 = t2576 - t2575;
+    let t2578 = t2574 - t2577;
+    let t2579 = t2573 - t2578;
+    let t2580 = t2572 - t2579;
     [
         t1313,
         t1317,
@@ -10184,53 +10186,53 @@ fn forward_dynamics_derivatives_part_2(
         t2242,
         t2244,
         t2247,
-        t2267,
-        t2269,
-        t2326,
-        t2329,
-        t2332,
-        t2335,
-        t2338,
-        t2341,
-        t2344,
-        t2347,
-        t2350,
-        t2353,
-        t2356,
-        t2359,
-        t2362,
-        t2367,
-        t2372,
-        t2377,
-        t2382,
-        t2387,
-        t2392,
-        t2397,
-        t2402,
-        t2407,
-        t2412,
-        t2417,
-        t2422,
-        t2429,
-        t2436,
-        t2443,
-        t2450,
-        t2457,
-        t2464,
-        t2471,
-        t2478,
-        t2485,
-        t2492,
-        t2499,
-        t2506,
-        t2515,
-        t2524,
-        t2533,
-        t2542,
-        t2551,
-        t2560,
-        t2569,
-        t2578,
+        t2268,
+        t2270,
+        t2328,
+        t2331,
+        t2334,
+        t2337,
+        t2340,
+        t2343,
+        t2346,
+        t2349,
+        t2352,
+        t2355,
+        t2358,
+        t2361,
+        t2364,
+        t2369,
+        t2374,
+        t2379,
+        t2384,
+        t2389,
+        t2394,
+        t2399,
+        t2404,
+        t2409,
+        t2414,
+        t2419,
+        t2424,
+        t2431,
+        t2438,
+        t2445,
+        t2452,
+        t2459,
+        t2466,
+        t2473,
+        t2480,
+        t2487,
+        t2494,
+        t2501,
+        t2508,
+        t2517,
+        t2526,
+        t2535,
+        t2544,
+        t2553,
+        t2562,
+        t2571,
+        t2580,
     ]
 }
 
@@ -10338,1424 +10340,1422 @@ fn forward_dynamics_derivatives_part_3(
     t2242,
     t2244,
     t2247,
-    t2267,
-    t2269,
-    t2326,
-    t2329,
-    t2332,
-    t2335,
-    t2338,
-    t2341,
-    t2344,
-    t2347,
-    t2350,
-    t2353,
-    t2356,
-    t2359,
-    t2362,
-    t2367,
-    t2372,
-    t2377,
-    t2382,
-    t2387,
-    t2392,
-    t2397,
-    t2402,
-    t2407,
-    t2412,
-    t2417,
-    t2422,
-    t2429,
-    t2436,
-    t2443,
-    t2450,
-    t2457,
-    t2464,
-    t2471,
-    t2478,
-    t2485,
-    t2492,
-    t2499,
-    t2506,
-    t2515,
-    t2524,
-    t2533,
-    t2542,
-    t2551,
-    t2560,
-    t2569,
-    t2578,
+    t2268,
+    t2270,
+    t2328,
+    t2331,
+    t2334,
+    t2337,
+    t2340,
+    t2343,
+    t2346,
+    t2349,
+    t2352,
+    t2355,
+    t2358,
+    t2361,
+    t2364,
+    t2369,
+    t2374,
+    t2379,
+    t2384,
+    t2389,
+    t2394,
+    t2399,
+    t2404,
+    t2409,
+    t2414,
+    t2419,
+    t2424,
+    t2431,
+    t2438,
+    t2445,
+    t2452,
+    t2459,
+    t2466,
+    t2473,
+    t2480,
+    t2487,
+    t2494,
+    t2501,
+    t2508,
+    t2517,
+    t2526,
+    t2535,
+    t2544,
+    t2553,
+    t2562,
+    t2571,
+    t2580,
     ]: [f64; 148],
 ) -> [f64; 203] {
-    let t2579 = t139 * t2485;
-    let t2580 = t181 * t2407;
-    let t2581 = t229 * t2353;
-    let t2582 = t289 * t2079;
-    let t2583 = t1924 * inverse_d_base_ry;
-    let t2584 = t2583 + t2582;
-    let t2585 = t2581 + t2584;
-    let t2586 = t2580 - t2585;
-    let t2587 = t2579 - t2586;
-    let t2588 = t139 * t2492;
-    let t2589 = t181 * t2412;
-    let t2590 = t229 * t2356;
-    let t2591 = t289 * t2164;
-    let t2592 = inverse_d_base_ry * t2107;
-    let t2593 = t2592 - t2591;
-    let t2594 = t2590 - t2593;
-    let t2595 = t2589 - t2594;
-    let t2596 = t2588 - t2595;
-    let t2597 = t139 * t2499;
-    let t2598 = t181 * t2417;
-    let t2599 = t229 * t2359;
-    let t2600 = t289 * t2242;
-    let t2601 = inverse_d_base_ry * t2185;
-    let t2602 = t2601 - t2600;
-    let t2603 = t2599 - t2602;
-    let t2604 = t2598 - t2603;
-    let t2605 = t2597 - t2604;
-    let t2606 = t139 * t2506;
-    let t2607 = t181 * t2422;
-    let t2608 = t229 * t2362;
-    let t2609 = t289 * t2326;
-    let t2610 = inverse_d_base_ry * t2269;
-    let t2611 = t2610 - t2609;
-    let t2612 = t2608 - t2611;
-    let t2613 = t2607 - t2612;
-    let t2614 = t2606 - t2613;
-    let t2615 = t80 * t2515;
-    let t2616 = t141 * t2429;
-    let t2617 = t183 * t2367;
-    let t2618 = t231 * t2329;
-    let t2619 = t291 * t1377;
-    let t2620 = t1321 * inverse_d_base_rz;
-    let t2621 = t2620 - t2619;
-    let t2622 = t2618 + t2621;
-    let t2623 = t2617 + t2622;
-    let t2624 = t2616 - t2623;
-    let t2625 = t2615 - t2624;
-    let t2626 = t80 * t2524;
-    let t2627 = t141 * t2436;
-    let t2628 = t183 * t2372;
-    let t2629 = t231 * t2332;
-    let t2630 = t291 * t1442;
-    let t2631 = inverse_d_base_rz * t1388;
-    let t2632 = t2631 - t2630;
-    let t2633 = t2629 + t2632;
-    let t2634 = t2628 + t2633;
-    let t2635 = t2627 - t2634;
-    let t2636 = t2626 - t2635;
-    let t2637 = t80 * t2533;
-    let t2638 = t141 * t2443;
-    let t2639 = t183 * t2377;
-    let t2640 = t231 * t2335;
-    let t2641 = t291 * t1505;
-    let t2642 = inverse_d_base_rz * t1453;
-    let t2643 = t2642 - t2641;
-    let t2644 = t2640 + t2643;
-    let t2645 = t2639 + t2644;
-    let t2646 = t2638 - t2645;
-    let t2647 = t2637 - t2646;
-    let t2648 = t80 * t2542;
-    let t2649 = t141 * t2450;
-    let t2650 = t183 * t2382;
-    let t2651 = t231 * t2338;
-    let t2652 = t291 * t1701;
-    let t2653 = inverse_d_base_rz * t1569;
-    let t2654 = t2653 - t2652;
-    let t2655 = t2651 + t2654;
-    let t2656 = t2650 + t2655;
-    let t2657 = t2649 - t2656;
-    let t2658 = t2648 - t2657;
-    let t2659 = t80 * t2551;
-    let t2660 = t141 * t2457;
-    let t2661 = t183 * t2387;
-    let t2662 = t231 * t2341;
-    let t2663 = t291 * t1861;
-    let t2664 = inverse_d_base_rz * t1782;
-    let t2665 = t2664 - t2663;
-    let t2666 = t2662 + t2665;
-    let t2667 = t2661 + t2666;
-    let t2668 = t2660 - t2667;
-    let t2669 = t2659 - t2668;
-    let t2670 = t80 * t2560;
-    let t2671 = t141 * t2464;
-    let t2672 = t183 * t2392;
-    let t2673 = t231 * t2344;
-    let t2674 = t291 * t2006;
-    let t2675 = inverse_d_base_rz * t1907;
-    let t2676 = t2675 - t2674;
-    let t2677 = t2673 + t2676;
-    let t2678 = t2672 + t2677;
-    let t2679 = t2671 - t2678;
-    let t2680 = t2670 - t2679;
-    let t2681 = t80 * t2569;
-    let t2682 = t141 * t2471;
-    let t2683 = t183 * t2397;
-    let t2684 = t231 * t2347;
-    let t2685 = t291 * t2034;
-    let t2686 = t2007 * inverse_d_base_rz;
-    let t2687 = t2686 + t2685;
-    let t2688 = t2684 - t2687;
-    let t2689 = t2683 + t2688;
-    let t2690 = t2682 - t2689;
-    let t2691 = t2681 - t2690;
-    let t2692 = t80 * t2578;
-    let t2693 = t141 * t2478;
-    let t2694 = t183 * t2402;
-    let t2695 = t231 * t2350;
-    let t2696 = t291 * t2061;
-    let t2697 = t1924 * inverse_d_base_rz;
-    let t2698 = t2697 - t2696;
-    let t2699 = t2695 + t2698;
-    let t2700 = t2694 + t2699;
-    let t2701 = t2693 - t2700;
-    let t2702 = t2692 - t2701;
-    let t2703 = t80 * t2587;
-    let t2704 = t141 * t2485;
-    let t2705 = t183 * t2407;
-    let t2706 = t231 * t2353;
-    let t2707 = t291 * t2079;
-    let t2708 = t2706 - t2707;
-    let t2709 = t2705 + t2708;
-    let t2710 = t2704 - t2709;
-    let t2711 = t2703 - t2710;
-    let t2712 = t80 * t2596;
-    let t2713 = t141 * t2492;
-    let t2714 = t183 * t2412;
-    let t2715 = t231 * t2356;
-    let t2716 = t291 * t2164;
-    let t2717 = inverse_d_base_rz * t2091;
-    let t2718 = t2717 - t2716;
-    let t2719 = t2715 + t2718;
-    let t2720 = t2714 + t2719;
-    let t2721 = t2713 - t2720;
-    let t2722 = t2712 - t2721;
-    let t2723 = t80 * t2605;
-    let t2724 = t141 * t2499;
-    let t2725 = t183 * t2417;
-    let t2726 = t231 * t2359;
-    let t2727 = t291 * t2242;
-    let t2728 = inverse_d_base_rz * t2183;
-    let t2729 = t2728 - t2727;
-    let t2730 = t2726 + t2729;
-    let t2731 = t2725 + t2730;
-    let t2732 = t2724 - t2731;
-    let t2733 = t2723 - t2732;
-    let t2734 = t80 * t2614;
-    let t2735 = t141 * t2506;
-    let t2736 = t183 * t2422;
-    let t2737 = t231 * t2362;
-    let t2738 = t291 * t2326;
-    let t2739 = inverse_d_base_rz * t2267;
-    let t2740 = t2739 - t2738;
-    let t2741 = t2737 + t2740;
-    let t2742 = t2736 + t2741;
-    let t2743 = t2735 - t2742;
-    let t2744 = t2734 - t2743;
-    let t2745 = t44 * t2625;
-    let t2746 = t84 * t2515;
-    let t2747 = t143 * t2429;
-    let t2748 = t185 * t2367;
-    let t2749 = t233 * t2329;
-    let t2750 = t295 * t1377;
-    let t2751 = 1.7182130584192439 * t1313;
-    let t2752 = t2751 + t2750;
-    let t2753 = t2749 + t2752;
-    let t2754 = t2748 - t2753;
-    let t2755 = t2747 + t2754;
-    let t2756 = t2746 - t2755;
-    let t2757 = t2745 + t2756;
-    let t2758 = t44 * t2636;
-    let t2759 = t84 * t2524;
-    let t2760 = t143 * t2436;
-    let t2761 = t185 * t2372;
-    let t2762 = t233 * t2332;
-    let t2763 = t295 * t1442;
-    let t2764 = 1.7182130584192439 * t1384;
-    let t2765 = t2764 - t2763;
-    let t2766 = t2762 - t2765;
-    let t2767 = t2761 - t2766;
-    let t2768 = t2760 + t2767;
-    let t2769 = t2759 - t2768;
-    let t2770 = t2758 + t2769;
-    let t2771 = t44 * t2647;
-    let t2772 = t84 * t2533;
-    let t2773 = t143 * t2443;
-    let t2774 = t185 * t2377;
-    let t2775 = t233 * t2335;
-    let t2776 = t295 * t1505;
-    let t2777 = 1.7182130584192439 * t1445;
-    let t2778 = t2777 - t2776;
-    let t2779 = t2775 - t2778;
-    let t2780 = t2774 - t2779;
-    let t2781 = t2773 + t2780;
-    let t2782 = t2772 - t2781;
-    let t2783 = t2771 + t2782;
-    let t2784 = t44 * t2658;
-    let t2785 = t84 * t2542;
-    let t2786 = t143 * t2450;
-    let t2787 = t185 * t2382;
-    let t2788 = t233 * t2338;
-    let t2789 = t295 * t1701;
-    let t2790 = 1.7182130584192439 * t1519;
-    let t2791 = t2790 + t2789;
-    let t2792 = t2788 + t2791;
-    let t2793 = t2787 - t2792;
-    let t2794 = t2786 + t2793;
-    let t2795 = t2785 - t2794;
-    let t2796 = t2784 + t2795;
-    let t2797 = t44 * t2669;
-    let t2798 = t84 * t2551;
-    let t2799 = t143 * t2457;
-    let t2800 = t185 * t2387;
-    let t2801 = t233 * t2341;
-    let t2802 = t295 * t1861;
-    let t2803 = 1.7182130584192439 * t1736;
-    let t2804 = t2803 + t2802;
-    let t2805 = t2801 + t2804;
-    let t2806 = t2800 - t2805;
-    let t2807 = t2799 + t2806;
-    let t2808 = t2798 - t2807;
-    let t2809 = t2797 + t2808;
-    let t2810 = t44 * t2680;
-    let t2811 = t84 * t2560;
-    let t2812 = t143 * t2464;
-    let t2813 = t185 * t2392;
-    let t2814 = t233 * t2344;
-    let t2815 = t295 * t2006;
-    let t2816 = 1.7182130584192439 * t1900;
-    let t2817 = t2816 + t2815;
-    let t2818 = t2814 + t2817;
-    let t2819 = t2813 - t2818;
-    let t2820 = t2812 + t2819;
-    let t2821 = t2811 - t2820;
-    let t2822 = t2810 + t2821;
-    let t2823 = t44 * t2691;
-    let t2824 = t84 * t2569;
-    let t2825 = t143 * t2471;
-    let t2826 = t185 * t2397;
-    let t2827 = t233 * t2347;
-    let t2828 = t295 * t2034;
-    let t2829 = t2827 + t2828;
-    let t2830 = t2826 - t2829;
-    let t2831 = t2825 + t2830;
-    let t2832 = t2824 - t2831;
-    let t2833 = t2823 + t2832;
-    let t2834 = t44 * t2702;
-    let t2835 = t84 * t2578;
-    let t2836 = t143 * t2478;
-    let t2837 = t185 * t2402;
-    let t2838 = t233 * t2350;
-    let t2839 = t295 * t2061;
-    let t2840 = t2838 + t2839;
-    let t2841 = t2837 - t2840;
-    let t2842 = t2836 + t2841;
-    let t2843 = t2835 - t2842;
-    let t2844 = t2834 + t2843;
-    let t2845 = t44 * t2711;
-    let t2846 = t84 * t2587;
-    let t2847 = t143 * t2485;
-    let t2848 = t185 * t2407;
-    let t2849 = t233 * t2353;
-    let t2850 = t295 * t2079;
-    let t2851 = t2849 + t2850;
-    let t2852 = t2848 - t2851;
-    let t2853 = t2847 + t2852;
-    let t2854 = t2846 - t2853;
-    let t2855 = t2845 + t2854;
-    let t2856 = t44 * t2722;
-    let t2857 = t84 * t2596;
-    let t2858 = t143 * t2492;
-    let t2859 = t185 * t2412;
-    let t2860 = t233 * t2356;
-    let t2861 = t295 * t2164;
-    let t2862 = 0.8591065292096219 + t2861;
-    let t2863 = t2860 + t2862;
-    let t2864 = t2859 - t2863;
-    let t2865 = t2858 + t2864;
-    let t2866 = t2857 - t2865;
-    let t2867 = t2856 + t2866;
-    let t2868 = t44 * t2733;
-    let t2869 = t84 * t2605;
-    let t2870 = t143 * t2499;
-    let t2871 = t185 * t2417;
-    let t2872 = t233 * t2359;
-    let t2873 = t295 * t2242;
-    let t2874 = 1.7182130584192439 * t2086;
-    let t2875 = t2874 + t2873;
-    let t2876 = t2872 + t2875;
-    let t2877 = t2871 - t2876;
-    let t2878 = t2870 + t2877;
-    let t2879 = t2869 - t2878;
-    let t2880 = t2868 + t2879;
-    let t2881 = t44 * t2744;
-    let t2882 = t84 * t2614;
-    let t2883 = t143 * t2506;
-    let t2884 = t185 * t2422;
-    let t2885 = t233 * t2362;
-    let t2886 = t295 * t2326;
-    let t2887 = 1.7182130584192439 * t2244;
-    let t2888 = t2887 + t2886;
-    let t2889 = t2885 + t2888;
-    let t2890 = t2884 - t2889;
-    let t2891 = t2883 + t2890;
-    let t2892 = t2882 - t2891;
-    let t2893 = t2881 + t2892;
-    let t2894 = t49 * t2625;
-    let t2895 = t82 * t2515;
-    let t2896 = t145 * t2429;
-    let t2897 = t188 * t2367;
-    let t2898 = t235 * t2329;
-    let t2899 = t293 * t1377;
-    let t2900 = 1.7182130584192439 * t1317;
-    let t2901 = t2900 + t2899;
-    let t2902 = t2898 + t2901;
-    let t2903 = t2897 - t2902;
-    let t2904 = t2896 - t2903;
-    let t2905 = t2895 - t2904;
-    let t2906 = t2894 + t2905;
-    let t2907 = t49 * t2636;
-    let t2908 = t82 * t2524;
-    let t2909 = t145 * t2436;
-    let t2910 = t188 * t2372;
-    let t2911 = t235 * t2332;
-    let t2912 = t293 * t1442;
-    let t2913 = 1.7182130584192439 * t1380;
-    let t2914 = t2913 - t2912;
-    let t2915 = t2911 - t2914;
-    let t2916 = t2910 - t2915;
-    let t2917 = t2909 - t2916;
-    let t2918 = t2908 - t2917;
-    let t2919 = t2907 + t2918;
-    let t2920 = t49 * t2647;
-    let t2921 = t82 * t2533;
-    let t2922 = t145 * t2443;
-    let t2923 = t188 * t2377;
-    let t2924 = t235 * t2335;
-    let t2925 = t293 * t1505;
-    let t2926 = 1.7182130584192439 * t1451;
-    let t2927 = t2926 - t2925;
-    let t2928 = t2924 - t2927;
-    let t2929 = t2923 - t2928;
-    let t2930 = t2922 - t2929;
-    let t2931 = t2921 - t2930;
-    let t2932 = t2920 + t2931;
-    let t2933 = t49 * t2658;
-    let t2934 = t82 * t2542;
-    let t2935 = t145 * t2450;
-    let t2936 = t188 * t2382;
-    let t2937 = t235 * t2338;
-    let t2938 = t293 * t1701;
-    let t2939 = 1.7182130584192439 * t1533;
-    let t2940 = t2939 + t2938;
-    let t2941 = t2937 + t2940;
-    let t2942 = t2936 - t2941;
-    let t2943 = t2935 - t2942;
-    let t2944 = t2934 - t2943;
-    let t2945 = t2933 + t2944;
-    let t2946 = t49 * t2669;
-    let t2947 = t82 * t2551;
-    let t2948 = t145 * t2457;
-    let t2949 = t188 * t2387;
-    let t2950 = t235 * t2341;
-    let t2951 = t293 * t1861;
-    let t2952 = 1.7182130584192439 * t1714;
-    let t2953 = t2952 + t2951;
-    let t2954 = t2950 + t2953;
-    let t2955 = t2949 - t2954;
-    let t2956 = t2948 - t2955;
-    let t2957 = t2947 - t2956;
-    let t2958 = t2946 + t2957;
-    let t2959 = t49 * t2680;
-    let t2960 = t82 * t2560;
-    let t2961 = t145 * t2464;
-    let t2962 = t188 * t2392;
-    let t2963 = t235 * t2344;
-    let t2964 = t293 * t2006;
-    let t2965 = 1.7182130584192439 * t1876;
-    let t2966 = t2965 + t2964;
-    let t2967 = t2963 + t2966;
-    let t2968 = t2962 - t2967;
-    let t2969 = t2961 - t2968;
-    let t2970 = t2960 - t2969;
-    let t2971 = t2959 + t2970;
-    let t2972 = t49 * t2691;
-    let t2973 = t82 * t2569;
-    let t2974 = t145 * t2471;
-    let t2975 = t188 * t2397;
-    let t2976 = t235 * t2347;
-    let t2977 = t293 * t2034;
-    let t2978 = t2976 + t2977;
-    let t2979 = t2975 - t2978;
-    let t2980 = t2974 - t2979;
-    let t2981 = t2973 - t2980;
-    let t2982 = t2972 + t2981;
-    let t2983 = t49 * t2702;
-    let t2984 = t82 * t2578;
-    let t2985 = t145 * t2478;
-    let t2986 = t188 * t2402;
-    let t2987 = t235 * t2350;
-    let t2988 = t293 * t2061;
-    let t2989 = t2987 + t2988;
-    let t2990 = t2986 - t2989;
-    let t2991 = t2985 - t2990;
-    let t2992 = t2984 - t2991;
-    let t2993 = t2983 + t2992;
-    let t2994 = t49 * t2711;
-    let t2995 = t82 * t2587;
-    let t2996 = t145 * t2485;
-    let t2997 = t188 * t2407;
-    let t2998 = t235 * t2353;
-    let t2999 = t293 * t2079;
-    let t3000 = t2998 + t2999;
-    let t3001 = t2997 - t3000;
-    let t3002 = t2996 - t3001;
-    let t3003 = t2995 - t3002;
-    let t3004 = t2994 + t3003;
-    let t3005 = t49 * t2722;
-    let t3006 = t82 * t2596;
-    let t3007 = t145 * t2492;
-    let t3008 = t188 * t2412;
-    let t3009 = t235 * t2356;
-    let t3010 = t293 * t2164;
-    let t3011 = t2874 + t3010;
-    let t3012 = t3009 + t3011;
-    let t3013 = t3008 - t3012;
-    let t3014 = t3007 - t3013;
-    let t3015 = t3006 - t3014;
-    let t3016 = t3005 + t3015;
-    let t3017 = t49 * t2733;
-    let t3018 = t82 * t2605;
-    let t3019 = t145 * t2499;
-    let t3020 = t188 * t2417;
-    let t3021 = t235 * t2359;
-    let t3022 = t293 * t2242;
-    let t3023 = 0.8591065292096219 - t3022;
-    let t3024 = t3021 - t3023;
-    let t3025 = t3020 - t3024;
-    let t3026 = t3019 - t3025;
-    let t3027 = t3018 - t3026;
-    let t3028 = t3017 + t3027;
-    let t3029 = t49 * t2744;
-    let t3030 = t82 * t2614;
-    let t3031 = t145 * t2506;
-    let t3032 = t188 * t2422;
-    let t3033 = t235 * t2362;
-    let t3034 = t293 * t2326;
-    let t3035 = 1.7182130584192439 * t2247;
-    let t3036 = t3035 + t3034;
-    let t3037 = t3033 + t3036;
-    let t3038 = t3032 - t3037;
-    let t3039 = t3031 - t3038;
-    let t3040 = t3030 - t3039;
-    let t3041 = t3029 + t3040;
-    let t3042 = t54 * t2625;
-    let t3043 = t11 * t2515;
-    let t3044 = t26 * t2429;
-    let t3045 = t3043 - t3044;
-    let t3046 = t3042 + t3045;
-    let t3047 = t54 * t2636;
-    let t3048 = t11 * t2524;
-    let t3049 = t26 * t2436;
-    let t3050 = t3048 - t3049;
-    let t3051 = t3047 + t3050;
-    let t3052 = t54 * t2647;
-    let t3053 = t11 * t2533;
-    let t3054 = t26 * t2443;
-    let t3055 = t3053 - t3054;
-    let t3056 = t3052 + t3055;
-    let t3057 = t54 * t2658;
-    let t3058 = t11 * t2542;
-    let t3059 = t26 * t2450;
-    let t3060 = 999.9999999999991 * t1542;
-    let t3061 = t3060 + t3059;
-    let t3062 = t3058 - t3061;
-    let t3063 = t3057 + t3062;
-    let t3064 = t54 * t2669;
-    let t3065 = t11 * t2551;
-    let t3066 = t26 * t2457;
-    let t3067 = 999.9999999999991 * t1722;
-    let t3068 = t3067 + t3066;
-    let t3069 = t3065 - t3068;
-    let t3070 = t3064 + t3069;
-    let t3071 = t54 * t2680;
-    let t3072 = t11 * t2560;
-    let t3073 = t26 * t2464;
-    let t3074 = 999.9999999999991 * t1884;
-    let t3075 = t3074 + t3073;
-    let t3076 = t3072 - t3075;
-    let t3077 = t3071 + t3076;
-    let t3078 = t54 * t2691;
-    let t3079 = t11 * t2569;
-    let t3080 = t26 * t2471;
-    let t3081 = t3079 - t3080;
-    let t3082 = t3078 + t3081;
-    let t3083 = t54 * t2702;
-    let t3084 = t11 * t2578;
-    let t3085 = t26 * t2478;
-    let t3086 = t3084 - t3085;
-    let t3087 = t3083 + t3086;
-    let t3088 = t54 * t2711;
-    let t3089 = t11 * t2587;
-    let t3090 = t26 * t2485;
-    let t3091 = t3089 - t3090;
-    let t3092 = t3088 + t3091;
-    let t3093 = t54 * t2722;
-    let t3094 = t11 * t2596;
-    let t3095 = t26 * t2492;
-    let t3096 = 999.9999999999991 * t2082;
-    let t3097 = t3096 - t3095;
-    let t3098 = t3094 + t3097;
-    let t3099 = t3093 + t3098;
-    let t3100 = t54 * t2733;
-    let t3101 = t11 * t2605;
-    let t3102 = t26 * t2499;
-    let t3103 = 999.9999999999991 * t2176;
-    let t3104 = t3103 + t3102;
-    let t3105 = t3101 - t3104;
-    let t3106 = t3100 + t3105;
-    let t3107 = t54 * t2744;
-    let t3108 = t11 * t2614;
-    let t3109 = t26 * t2506;
-    let t3110 = 499.99999999999955 + t3109;
-    let t3111 = t3108 - t3110;
-    let t3112 = t3107 + t3111;
-    let t3113 = t283 * inverse_d_base_x;
-    let t3114 = t225 * t3113;
-    let t3115 = t285 * inverse_d_base_x;
-    let t3116 = t3114 - t3115;
-    let t3117 = t179 * t3116;
-    let t3118 = t227 * t3113;
-    let t3119 = t287 * inverse_d_base_x;
-    let t3120 = t3118 - t3119;
-    let t3121 = t3117 - t3120;
-    let t3122 = t139 * t3121;
-    let t3123 = t181 * t3116;
-    let t3124 = t229 * t3113;
-    let t3125 = t289 * inverse_d_base_x;
-    let t3126 = t3124 - t3125;
-    let t3127 = t3123 - t3126;
-    let t3128 = t3122 - t3127;
-    let t3129 = t80 * t3128;
-    let t3130 = t141 * t3121;
-    let t3131 = t183 * t3116;
-    let t3132 = t231 * t3113;
-    let t3133 = t291 * inverse_d_base_x;
-    let t3134 = t3132 + t3133;
-    let t3135 = t3131 + t3134;
-    let t3136 = t3130 - t3135;
-    let t3137 = t3129 - t3136;
-    let t3138 = t44 * t3137;
-    let t3139 = t84 * t3128;
-    let t3140 = t143 * t3121;
-    let t3141 = t185 * t3116;
-    let t3142 = t233 * t3113;
-    let t3143 = t295 * inverse_d_base_x;
-    let t3144 = t3142 - t3143;
-    let t3145 = t3141 - t3144;
-    let t3146 = t3140 + t3145;
-    let t3147 = t3139 - t3146;
-    let t3148 = t3138 + t3147;
-    let t3149 = t49 * t3137;
-    let t3150 = t82 * t3128;
-    let t3151 = t145 * t3121;
-    let t3152 = t188 * t3116;
-    let t3153 = t235 * t3113;
-    let t3154 = t293 * inverse_d_base_x;
-    let t3155 = t3153 - t3154;
-    let t3156 = t3152 - t3155;
-    let t3157 = t3151 - t3156;
-    let t3158 = t3150 - t3157;
-    let t3159 = t3149 + t3158;
-    let t3160 = t54 * t3137;
-    let t3161 = t11 * t3128;
-    let t3162 = t26 * t3121;
-    let t3163 = t3161 - t3162;
-    let t3164 = t3160 + t3163;
-    let t3165 = t283 * t3113;
-    let t3166 = inverse_d_base_y - t3165;
-    let t3167 = t225 * t3166;
-    let t3168 = t285 * t3113;
-    let t3169 = t3167 + t3168;
-    let t3170 = t179 * t3169;
-    let t3171 = t227 * t3166;
-    let t3172 = t287 * t3113;
-    let t3173 = t3171 + t3172;
-    let t3174 = t3170 - t3173;
-    let t3175 = t139 * t3174;
-    let t3176 = t181 * t3169;
-    let t3177 = t229 * t3166;
-    let t3178 = t289 * t3113;
-    let t3179 = t3177 + t3178;
-    let t3180 = t3176 - t3179;
-    let t3181 = t3175 - t3180;
-    let t3182 = t80 * t3181;
-    let t3183 = t141 * t3174;
-    let t3184 = t183 * t3169;
-    let t3185 = t231 * t3166;
-    let t3186 = t291 * t3113;
-    let t3187 = t3185 - t3186;
-    let t3188 = t3184 + t3187;
-    let t3189 = t3183 - t3188;
-    let t3190 = t3182 - t3189;
-    let t3191 = t44 * t3190;
-    let t3192 = t84 * t3181;
-    let t3193 = t143 * t3174;
-    let t3194 = t185 * t3169;
-    let t3195 = t233 * t3166;
-    let t3196 = t295 * t3113;
-    let t3197 = t3195 + t3196;
-    let t3198 = t3194 - t3197;
-    let t3199 = t3193 + t3198;
-    let t3200 = t3192 - t3199;
-    let t3201 = t3191 + t3200;
-    let t3202 = t49 * t3190;
-    let t3203 = t82 * t3181;
-    let t3204 = t145 * t3174;
-    let t3205 = t188 * t3169;
-    let t3206 = t235 * t3166;
-    let t3207 = t293 * t3113;
-    let t3208 = t3206 + t3207;
-    let t3209 = t3205 - t3208;
-    let t3210 = t3204 - t3209;
-    let t3211 = t3203 - t3210;
-    let t3212 = t3202 + t3211;
-    let t3213 = t54 * t3190;
-    let t3214 = t11 * t3181;
-    let t3215 = t26 * t3174;
-    let t3216 = t3214 - t3215;
-    let t3217 = t3213 + t3216;
-    let t3218 = t225 * t283;
-    let t3219 = t285 - t3218;
-    let t3220 = inverse_d_base_x * t3219;
-    let t3221 = t283 * t3220;
-    let t3222 = t225 * inverse_d_base_y;
-    let t3223 = t3222 + t3221;
-    let t3224 = t225 * t3223;
-    let t3225 = t285 * t3220;
-    let t3226 = inverse_d_base_z + t3225;
-    let t3227 = t3224 - t3226;
-    let t3228 = t179 * t3227;
-    let t3229 = t227 * t3223;
-    let t3230 = t287 * t3220;
-    let t3231 = t3229 - t3230;
-    let t3232 = t3228 - t3231;
-    let t3233 = t139 * t3232;
-    let t3234 = t181 * t3227;
-    let t3235 = t229 * t3223;
-    let t3236 = t289 * t3220;
-    let t3237 = t3235 - t3236;
-    let t3238 = t3234 - t3237;
-    let t3239 = t3233 - t3238;
-    let t3240 = t80 * t3239;
-    let t3241 = t141 * t3232;
-    let t3242 = t183 * t3227;
-    let t3243 = t231 * t3223;
-    let t3244 = t291 * t3220;
-    let t3245 = t3243 + t3244;
-    let t3246 = t3242 + t3245;
-    let t3247 = t3241 - t3246;
-    let t3248 = t3240 - t3247;
-    let t3249 = t44 * t3248;
-    let t3250 = t84 * t3239;
-    let t3251 = t143 * t3232;
-    let t3252 = t185 * t3227;
-    let t3253 = t233 * t3223;
-    let t3254 = t295 * t3220;
-    let t3255 = t3253 - t3254;
-    let t3256 = t3252 - t3255;
-    let t3257 = t3251 + t3256;
-    let t3258 = t3250 - t3257;
-    let t3259 = t3249 + t3258;
-    let t3260 = t49 * t3248;
-    let t3261 = t82 * t3239;
-    let t3262 = t145 * t3232;
-    let t3263 = t188 * t3227;
-    let t3264 = t235 * t3223;
-    let t3265 = t293 * t3220;
-    let t3266 = t3264 - t3265;
-    let t3267 = t3263 - t3266;
-    let t3268 = t3262 - t3267;
-    let t3269 = t3261 - t3268;
-    let t3270 = t3260 + t3269;
-    let t3271 = t54 * t3248;
-    let t3272 = t11 * t3239;
-    let t3273 = t26 * t3232;
-    let t3274 = t3272 - t3273;
-    let t3275 = t3271 + t3274;
-    let t3276 = t179 * t225;
-    let t3277 = t227 - t3276;
-    let t3278 = t283 * t3277;
-    let t3279 = t179 * t285;
-    let t3280 = t287 - t3279;
-    let t3281 = t3278 - t3280;
-    let t3282 = inverse_d_base_x * t3281;
-    let t3283 = t283 * t3282;
-    let t3284 = inverse_d_base_y * t3277;
-    let t3285 = t3284 - t3283;
-    let t3286 = t225 * t3285;
-    let t3287 = t285 * t3282;
-    let t3288 = t179 * inverse_d_base_z;
-    let t3289 = t3288 + t3287;
-    let t3290 = t3286 + t3289;
-    let t3291 = t179 * t3290;
-    let t3292 = t227 * t3285;
-    let t3293 = t287 * t3282;
-    let t3294 = inverse_d_base_rx + t3293;
-    let t3295 = t3292 + t3294;
-    let t3296 = t3291 - t3295;
-    let t3297 = t139 * t3296;
-    let t3298 = t181 * t3290;
-    let t3299 = t229 * t3285;
-    let t3300 = t289 * t3282;
-    let t3301 = t3299 + t3300;
-    let t3302 = t3298 - t3301;
-    let t3303 = t3297 - t3302;
-    let t3304 = t80 * t3303;
-    let t3305 = t141 * t3296;
-    let t3306 = t183 * t3290;
-    let t3307 = t231 * t3285;
-    let t3308 = t291 * t3282;
-    let t3309 = t3307 - t3308;
-    let t3310 = t3306 + t3309;
-    let t3311 = t3305 - t3310;
-    let t3312 = t3304 - t3311;
-    let t3313 = t44 * t3312;
-    let t3314 = t84 * t3303;
-    let t3315 = t143 * t3296;
-    let t3316 = t185 * t3290;
-    let t3317 = t233 * t3285;
-    let t3318 = t295 * t3282;
-    let t3319 = t3317 + t3318;
-    let t3320 = t3316 - t3319;
-    let t3321 = t3315 + t3320;
-    let t3322 = t3314 - t3321;
-    let t3323 = t3313 + t3322;
-    let t3324 = t49 * t3312;
-    let t3325 = t82 * t3303;
-    let t3326 = t145 * t3296;
-    let t3327 = t188 * t3290;
-    let t3328 = t235 * t3285;
-    let t3329 = t293 * t3282;
-    let t3330 = t3328 + t3329;
-    let t3331 = t3327 - t3330;
-    let t3332 = t3326 - t3331;
-    let t3333 = t3325 - t3332;
-    let t3334 = t3324 + t3333;
-    let t3335 = t54 * t3312;
-    let t3336 = t11 * t3303;
-    let t3337 = t26 * t3296;
-    let t3338 = t3336 - t3337;
-    let t3339 = t3335 + t3338;
-    let t3340 = t139 * t179;
-    let t3341 = t181 - t3340;
-    let t3342 = t225 * t3341;
-    let t3343 = t139 * t227;
-    let t3344 = t229 - t3343;
-    let t3345 = t3342 - t3344;
-    let t3346 = t283 * t3345;
-    let t3347 = t285 * t3341;
-    let t3348 = t139 * t287;
-    let t3349 = t289 - t3348;
-    let t3350 = t3347 - t3349;
-    let t3351 = t3346 - t3350;
-    let t3352 = inverse_d_base_x * t3351;
-    let t3353 = t283 * t3352;
-    let t3354 = inverse_d_base_y * t3345;
-    let t3355 = t3354 - t3353;
-    let t3356 = t225 * t3355;
-    let t3357 = t285 * t3352;
-    let t3358 = inverse_d_base_z * t3341;
-    let t3359 = t3358 - t3357;
-    let t3360 = t3356 - t3359;
-    let t3361 = t179 * t3360;
-    let t3362 = t227 * t3355;
-    let t3363 = t287 * t3352;
-    let t3364 = t139 * inverse_d_base_rx;
-    let t3365 = t3364 + t3363;
-    let t3366 = t3362 + t3365;
-    let t3367 = t3361 - t3366;
-    let t3368 = t139 * t3367;
-    let t3369 = t181 * t3360;
-    let t3370 = t229 * t3355;
-    let t3371 = t289 * t3352;
-    let t3372 = inverse_d_base_ry + t3371;
-    let t3373 = t3370 + t3372;
-    let t3374 = t3369 - t3373;
-    let t3375 = t3368 - t3374;
-    let t3376 = t80 * t3375;
-    let t3377 = t141 * t3367;
-    let t3378 = t183 * t3360;
-    let t3379 = t231 * t3355;
-    let t3380 = t291 * t3352;
-    let t3381 = t3379 - t3380;
-    let t3382 = t3378 + t3381;
-    let t3383 = t3377 - t3382;
-    let t3384 = t3376 - t3383;
-    let t3385 = t44 * t3384;
-    let t3386 = t84 * t3375;
-    let t3387 = t143 * t3367;
-    let t3388 = t185 * t3360;
-    let t3389 = t233 * t3355;
-    let t3390 = t295 * t3352;
-    let t3391 = t3389 + t3390;
-    let t3392 = t3388 - t3391;
-    let t3393 = t3387 + t3392;
-    let t3394 = t3386 - t3393;
-    let t3395 = t3385 + t3394;
-    let t3396 = t49 * t3384;
-    let t3397 = t82 * t3375;
-    let t3398 = t145 * t3367;
-    let t3399 = t188 * t3360;
-    let t3400 = t235 * t3355;
-    let t3401 = t293 * t3352;
-    let t3402 = t3400 + t3401;
-    let t3403 = t3399 - t3402;
-    let t3404 = t3398 - t3403;
-    let t3405 = t3397 - t3404;
-    let t3406 = t3396 + t3405;
-    let t3407 = t54 * t3384;
-    let t3408 = t11 * t3375;
-    let t3409 = t26 * t3367;
-    let t3410 = t3408 - t3409;
-    let t3411 = t3407 + t3410;
-    let t3412 = t80 * t139;
-    let t3413 = t141 - t3412;
-    let t3414 = t179 * t3413;
-    let t3415 = t80 * t181;
-    let t3416 = t183 - t3415;
-    let t3417 = t3414 - t3416;
-    let t3418 = t225 * t3417;
-    let t3419 = t227 * t3413;
-    let t3420 = t80 * t229;
-    let t3421 = t231 + t3420;
-    let t3422 = t3419 + t3421;
-    let t3423 = t3418 - t3422;
-    let t3424 = t283 * t3423;
-    let t3425 = t285 * t3417;
-    let t3426 = t287 * t3413;
-    let t3427 = t80 * t289;
-    let t3428 = t291 - t3427;
-    let t3429 = t3426 - t3428;
-    let t3430 = t3425 - t3429;
-    let t3431 = t3424 - t3430;
-    let t3432 = inverse_d_base_x * t3431;
-    let t3433 = t283 * t3432;
-    let t3434 = inverse_d_base_y * t3423;
-    let t3435 = t3434 - t3433;
-    let t3436 = t225 * t3435;
-    let t3437 = t285 * t3432;
-    let t3438 = inverse_d_base_z * t3417;
-    let t3439 = t3438 - t3437;
-    let t3440 = t3436 - t3439;
-    let t3441 = t179 * t3440;
-    let t3442 = t227 * t3435;
-    let t3443 = t287 * t3432;
-    let t3444 = inverse_d_base_rx * t3413;
-    let t3445 = t3444 - t3443;
-    let t3446 = t3442 - t3445;
-    let t3447 = t3441 - t3446;
-    let t3448 = t139 * t3447;
-    let t3449 = t181 * t3440;
-    let t3450 = t229 * t3435;
-    let t3451 = t289 * t3432;
-    let t3452 = t80 * inverse_d_base_ry;
-    let t3453 = t3452 + t3451;
-    let t3454 = t3450 + t3453;
-    let t3455 = t3449 - t3454;
-    let t3456 = t3448 - t3455;
-    let t3457 = t80 * t3456;
-    let t3458 = t141 * t3447;
-    let t3459 = t183 * t3440;
-    let t3460 = t231 * t3435;
-    let t3461 = t291 * t3432;
-    let t3462 = inverse_d_base_rz + t3461;
-    let t3463 = t3460 - t3462;
-    let t3464 = t3459 + t3463;
-    let t3465 = t3458 - t3464;
-    let t3466 = t3457 - t3465;
-    let t3467 = t44 * t3466;
-    let t3468 = t84 * t3456;
-    let t3469 = t143 * t3447;
-    let t3470 = t185 * t3440;
-    let t3471 = t233 * t3435;
-    let t3472 = t295 * t3432;
-    let t3473 = t3471 + t3472;
-    let t3474 = t3470 - t3473;
-    let t3475 = t3469 + t3474;
-    let t3476 = t3468 - t3475;
-    let t3477 = t3467 + t3476;
-    let t3478 = t49 * t3466;
-    let t3479 = t82 * t3456;
-    let t3480 = t145 * t3447;
-    let t3481 = t188 * t3440;
-    let t3482 = t235 * t3435;
-    let t3483 = t293 * t3432;
-    let t3484 = t3482 + t3483;
-    let t3485 = t3481 - t3484;
-    let t3486 = t3480 - t3485;
-    let t3487 = t3479 - t3486;
-    let t3488 = t3478 + t3487;
-    let t3489 = t54 * t3466;
-    let t3490 = t11 * t3456;
-    let t3491 = t26 * t3447;
-    let t3492 = t3490 - t3491;
-    let t3493 = t3489 + t3492;
-    let t3494 = 250.0 - t3296;
-    let t3495 = 250.0 - t3375;
-    let t3496 = 250.0 - t3466;
-    let t3497 = t44 * t80;
-    let t3498 = t84 + t3497;
-    let t3499 = t139 * t3498;
-    let t3500 = t44 * t141;
-    let t3501 = t143 + t3500;
-    let t3502 = t3499 - t3501;
-    let t3503 = t179 * t3502;
-    let t3504 = t181 * t3498;
-    let t3505 = t44 * t183;
-    let t3506 = t185 - t3505;
-    let t3507 = t3504 + t3506;
-    let t3508 = t3503 - t3507;
-    let t3509 = t225 * t3508;
-    let t3510 = t227 * t3502;
-    let t3511 = t229 * t3498;
-    let t3512 = t44 * t231;
-    let t3513 = t233 + t3512;
-    let t3514 = t3511 + t3513;
-    let t3515 = t3510 - t3514;
-    let t3516 = t3509 - t3515;
-    let t3517 = t283 * t3516;
-    let t3518 = t285 * t3508;
-    let t3519 = t287 * t3502;
-    let t3520 = t289 * t3498;
-    let t3521 = t44 * t291;
-    let t3522 = t295 - t3521;
-    let t3523 = t3520 + t3522;
-    let t3524 = t3519 - t3523;
-    let t3525 = t3518 - t3524;
-    let t3526 = t3517 - t3525;
-    let t3527 = inverse_d_base_x * t3526;
-    let t3528 = t283 * t3527;
-    let t3529 = inverse_d_base_y * t3516;
-    let t3530 = t3529 - t3528;
-    let t3531 = t225 * t3530;
-    let t3532 = t285 * t3527;
-    let t3533 = inverse_d_base_z * t3508;
-    let t3534 = t3533 - t3532;
-    let t3535 = t3531 - t3534;
-    let t3536 = t179 * t3535;
-    let t3537 = t227 * t3530;
-    let t3538 = t287 * t3527;
-    let t3539 = inverse_d_base_rx * t3502;
-    let t3540 = t3539 - t3538;
-    let t3541 = t3537 - t3540;
-    let t3542 = t3536 - t3541;
-    let t3543 = t139 * t3542;
-    let t3544 = t181 * t3535;
-    let t3545 = t229 * t3530;
-    let t3546 = t289 * t3527;
-    let t3547 = inverse_d_base_ry * t3498;
-    let t3548 = t3547 - t3546;
-    let t3549 = t3545 - t3548;
-    let t3550 = t3544 - t3549;
-    let t3551 = t3543 - t3550;
-    let t3552 = t80 * t3551;
-    let t3553 = t141 * t3542;
-    let t3554 = t183 * t3535;
-    let t3555 = t231 * t3530;
-    let t3556 = t291 * t3527;
-    let t3557 = t44 * inverse_d_base_rz;
-    let t3558 = t3557 - t3556;
-    let t3559 = t3555 + t3558;
-    let t3560 = t3554 + t3559;
-    let t3561 = t3553 - t3560;
-    let t3562 = t3552 - t3561;
-    let t3563 = t44 * t3562;
-    let t3564 = t84 * t3551;
-    let t3565 = t143 * t3542;
-    let t3566 = t185 * t3535;
-    let t3567 = t233 * t3530;
-    let t3568 = t295 * t3527;
-    let t3569 = 1.7182130584192439 + t3568;
-    let t3570 = t3567 + t3569;
-    let t3571 = t3566 - t3570;
-    let t3572 = t3565 + t3571;
-    let t3573 = t3564 - t3572;
-    let t3574 = t3563 + t3573;
-    let t3575 = t49 * t3562;
-    let t3576 = t82 * t3551;
-    let t3577 = t145 * t3542;
-    let t3578 = t188 * t3535;
-    let t3579 = t235 * t3530;
-    let t3580 = t293 * t3527;
-    let t3581 = t3579 + t3580;
-    let t3582 = t3578 - t3581;
-    let t3583 = t3577 - t3582;
-    let t3584 = t3576 - t3583;
-    let t3585 = t3575 + t3584;
-    let t3586 = t54 * t3562;
-    let t3587 = t11 * t3551;
-    let t3588 = t26 * t3542;
-    let t3589 = t3587 - t3588;
-    let t3590 = t3586 + t3589;
-    let t3591 = t49 * t80;
-    let t3592 = t82 + t3591;
-    let t3593 = t139 * t3592;
-    let t3594 = t49 * t141;
-    let t3595 = t145 + t3594;
-    let t3596 = t3593 - t3595;
-    let t3597 = t179 * t3596;
-    let t3598 = t181 * t3592;
-    let t3599 = t49 * t183;
-    let t3600 = t188 + t3599;
-    let t3601 = t3598 - t3600;
-    let t3602 = t3597 - t3601;
-    let t3603 = t225 * t3602;
-    let t3604 = t227 * t3596;
-    let t3605 = t229 * t3592;
-    let t3606 = t49 * t231;
-    let t3607 = t235 - t3606;
-    let t3608 = t3605 - t3607;
-    let t3609 = t3604 - t3608;
-    let t3610 = t3603 - t3609;
-    let t3611 = t283 * t3610;
-    let t3612 = t285 * t3602;
-    let t3613 = t287 * t3596;
-    let t3614 = t289 * t3592;
-    let t3615 = t49 * t291;
-    let t3616 = t293 + t3615;
-    let t3617 = t3614 - t3616;
-    let t3618 = t3613 - t3617;
-    let t3619 = t3612 - t3618;
-    let t3620 = t3611 - t3619;
-    let t3621 = inverse_d_base_x * t3620;
-    let t3622 = t283 * t3621;
-    let t3623 = inverse_d_base_y * t3610;
-    let t3624 = t3623 - t3622;
-    let t3625 = t225 * t3624;
-    let t3626 = t285 * t3621;
-    let t3627 = inverse_d_base_z * t3602;
-    let t3628 = t3627 - t3626;
-    let t3629 = t3625 - t3628;
-    let t3630 = t179 * t3629;
-    let t3631 = t227 * t3624;
-    let t3632 = t287 * t3621;
-    let t3633 = inverse_d_base_rx * t3596;
-    let t3634 = t3633 - t3632;
-    let t3635 = t3631 - t3634;
-    let t3636 = t3630 - t3635;
-    let t3637 = t139 * t3636;
-    let t3638 = t181 * t3629;
-    let t3639 = t229 * t3624;
-    let t3640 = t289 * t3621;
-    let t3641 = inverse_d_base_ry * t3592;
-    let t3642 = t3641 - t3640;
-    let t3643 = t3639 - t3642;
-    let t3644 = t3638 - t3643;
-    let t3645 = t3637 - t3644;
-    let t3646 = t80 * t3645;
-    let t3647 = t141 * t3636;
-    let t3648 = t183 * t3629;
-    let t3649 = t231 * t3624;
-    let t3650 = t291 * t3621;
-    let t3651 = t49 * inverse_d_base_rz;
-    let t3652 = t3651 - t3650;
-    let t3653 = t3649 + t3652;
-    let t3654 = t3648 + t3653;
-    let t3655 = t3647 - t3654;
-    let t3656 = t3646 - t3655;
-    let t3657 = t49 * t3656;
-    let t3658 = t82 * t3645;
-    let t3659 = t145 * t3636;
-    let t3660 = t188 * t3629;
-    let t3661 = t235 * t3624;
-    let t3662 = t293 * t3621;
-    let t3663 = 1.7182130584192439 - t3662;
-    let t3664 = t3661 - t3663;
-    let t3665 = t3660 - t3664;
-    let t3666 = t3659 - t3665;
-    let t3667 = t3658 - t3666;
-    let t3668 = t3657 + t3667;
-    let t3669 = t54 * t3656;
-    let t3670 = t11 * t3645;
-    let t3671 = t26 * t3636;
-    let t3672 = t3670 - t3671;
-    let t3673 = t3669 + t3672;
-    let t3674 = t54 * t80;
-    let t3675 = t11 + t3674;
-    let t3676 = t139 * t3675;
-    let t3677 = t54 * t141;
-    let t3678 = t26 + t3677;
-    let t3679 = t3676 - t3678;
-    let t3680 = t179 * t3679;
-    let t3681 = t181 * t3675;
-    let t3682 = t54 * t183;
-    let t3683 = t3682 - t3681;
-    let t3684 = t3680 + t3683;
-    let t3685 = t225 * t3684;
-    let t3686 = t227 * t3679;
-    let t3687 = t229 * t3675;
-    let t3688 = t54 * t231;
-    let t3689 = t3688 + t3687;
-    let t3690 = t3686 - t3689;
-    let t3691 = t3685 - t3690;
-    let t3692 = t283 * t3691;
-    let t3693 = t285 * t3684;
-    let t3694 = t287 * t3679;
-    let t3695 = t289 * t3675;
-    let t3696 = t54 * t291;
-    let t3697 = t3696 - t3695;
-    let t3698 = t3694 + t3697;
-    let t3699 = t3693 - t3698;
-    let t3700 = t3692 - t3699;
-    let t3701 = inverse_d_base_x * t3700;
-    let t3702 = t283 * t3701;
-    let t3703 = inverse_d_base_y * t3691;
-    let t3704 = t3703 - t3702;
-    let t3705 = t225 * t3704;
-    let t3706 = t285 * t3701;
-    let t3707 = inverse_d_base_z * t3684;
-    let t3708 = t3707 - t3706;
-    let t3709 = t3705 - t3708;
-    let t3710 = t179 * t3709;
-    let t3711 = t227 * t3704;
-    let t3712 = t287 * t3701;
-    let t3713 = inverse_d_base_rx * t3679;
-    let t3714 = t3713 - t3712;
-    let t3715 = t3711 - t3714;
-    let t3716 = t3710 - t3715;
-    let t3717 = t139 * t3716;
-    let t3718 = t181 * t3709;
-    let t3719 = t229 * t3704;
-    let t3720 = t289 * t3701;
-    let t3721 = inverse_d_base_ry * t3675;
-    let t3722 = t3721 - t3720;
-    let t3723 = t3719 - t3722;
-    let t3724 = t3718 - t3723;
-    let t3725 = t3717 - t3724;
-    let t3726 = t80 * t3725;
-    let t3727 = t141 * t3716;
-    let t3728 = t183 * t3709;
-    let t3729 = t231 * t3704;
-    let t3730 = t291 * t3701;
-    let t3731 = t54 * inverse_d_base_rz;
-    let t3732 = t3731 - t3730;
-    let t3733 = t3729 + t3732;
-    let t3734 = t3728 + t3733;
-    let t3735 = t3727 - t3734;
-    let t3736 = t3726 - t3735;
-    let t3737 = t54 * t3736;
-    let t3738 = t11 * t3725;
-    let t3739 = t26 * t3716;
-    let t3740 = 999.9999999999991 - t3739;
-    let t3741 = t3738 + t3740;
-    let t3742 = t3737 + t3741;
-    let t3743 = -t587;
-    let t3744 = -t590;
-    let t3745 = -t602;
-    let t3746 = -t641;
-    let t3747 = -t654;
-    let t3748 = -t661;
-    let t3749 = -t992;
-    let t3750 = -t1104;
-    let t3751 = -t1112;
-    let t3752 = -t1122;
-    let t3753 = -t1136;
-    let t3754 = -t1152;
-    let t3755 = -t1170;
-    let t3756 = -t1181;
-    let t3757 = -t1203;
-    let t3758 = -t1129;
-    let t3759 = -t1143;
-    let t3760 = -t1161;
-    let t3761 = -t1192;
-    let t3762 = -t1229;
-    let t3763 = -t1268;
-    let t3764 = -t1295;
-    let t3765 = -t1505;
-    let t3766 = -t1701;
-    let t3767 = -t1861;
-    let t3768 = -t2006;
-    let t3769 = -t2164;
-    let t3770 = -t2242;
-    let t3771 = -t2335;
-    let t3772 = -t2338;
-    let t3773 = -t2341;
-    let t3774 = -t2344;
-    let t3775 = -t2356;
-    let t3776 = -t2359;
-    let t3777 = -t2367;
-    let t3778 = -t2372;
-    let t3779 = -t2397;
-    let t3780 = -t2402;
-    let t3781 = -t2407;
-    let t3782 = -t2422;
-    let t3783 = -t2443;
-    let t3784 = -t2450;
-    let t3785 = -t2457;
-    let t3786 = -t2464;
-    let t3787 = -t2492;
-    let t3788 = -t2499;
-    let t3789 = -t2515;
-    let t3790 = -t2524;
-    let t3791 = -t2569;
-    let t3792 = -t2578;
-    let t3793 = -t2587;
-    let t3794 = -t2614;
-    let t3795 = -t2625;
-    let t3796 = -t2636;
-    let t3797 = -t2691;
-    let t3798 = -t2702;
-    let t3799 = -t2711;
-    let t3800 = -t2744;
-    let t3801 = -t2429;
-    let t3802 = -t2436;
-    let t3803 = -t2471;
-    let t3804 = -t2478;
-    let t3805 = -t2485;
-    let t3806 = -t2506;
-    let t3807 = -t2533;
-    let t3808 = -t2542;
-    let t3809 = -t2551;
-    let t3810 = -t2560;
-    let t3811 = -t2596;
-    let t3812 = -t2605;
-    let t3813 = -t2647;
-    let t3814 = -t2658;
-    let t3815 = -t2669;
-    let t3816 = -t2680;
-    let t3817 = -t2722;
-    let t3818 = -t2733;
-    let t3819 = -t2783;
-    let t3820 = -t2796;
-    let t3821 = -t2809;
-    let t3822 = -t2822;
-    let t3823 = -t2867;
-    let t3824 = -t2880;
-    let t3825 = -t2932;
-    let t3826 = -t2945;
-    let t3827 = -t2958;
-    let t3828 = -t2971;
-    let t3829 = -t3016;
-    let t3830 = -t3028;
-    let t3831 = -t3056;
-    let t3832 = -t3063;
-    let t3833 = -t3070;
-    let t3834 = -t3077;
-    let t3835 = -t3099;
-    let t3836 = -t3106;
+    let t2581 = t139 * t2487;
+    let t2582 = t181 * t2409;
+    let t2583 = t229 * t2355;
+    let t2584 = t289 * t2079;
+    let t2585 = t1924 * inverse_d_base_ry;
+    let t2586 = t2585 + t2584;
+    let t2587 = t2583 + t2586;
+    let t2588 = t2582 - t2587;
+    let t2589 = t2581 - t2588;
+    let t2590 = t139 * t2494;
+    let t2591 = t181 * t2414;
+    let t2592 = t229 * t2358;
+    let t2593 = t289 * t2164;
+    let t2594 = inverse_d_base_ry * t2107;
+    let t2595 = t2594 - t2593;
+    let t2596 = t2592 - t2595;
+    let t2597 = t2591 - t2596;
+    let t2598 = t2590 - t2597;
+    let t2599 = t139 * t2501;
+    let t2600 = t181 * t2419;
+    let t2601 = t229 * t2361;
+    let t2602 = t289 * t2242;
+    let t2603 = inverse_d_base_ry * t2185;
+    let t2604 = t2603 - t2602;
+    let t2605 = t2601 - t2604;
+    let t2606 = t2600 - t2605;
+    let t2607 = t2599 - t2606;
+    let t2608 = t139 * t2508;
+    let t2609 = t181 * t2424;
+    let t2610 = t229 * t2364;
+    let t2611 = t289 * t2328;
+    let t2612 = inverse_d_base_ry * t2270;
+    let t2613 = t2612 - t2611;
+    let t2614 = t2610 - t2613;
+    let t2615 = t2609 - t2614;
+    let t2616 = t2608 - t2615;
+    let t2617 = t80 * t2517;
+    let t2618 = t141 * t2431;
+    let t2619 = t183 * t2369;
+    let t2620 = t231 * t2331;
+    let t2621 = t291 * t1377;
+    let t2622 = t1321 * inverse_d_base_rz;
+    let t2623 = t2622 - t2621;
+    let t2624 = t2620 + t2623;
+    let t2625 = t2619 + t2624;
+    let t2626 = t2618 - t2625;
+    let t2627 = t2617 - t2626;
+    let t2628 = t80 * t2526;
+    let t2629 = t141 * t2438;
+    let t2630 = t183 * t2374;
+    let t2631 = t231 * t2334;
+    let t2632 = t291 * t1442;
+    let t2633 = inverse_d_base_rz * t1388;
+    let t2634 = t2633 - t2632;
+    let t2635 = t2631 + t2634;
+    let t2636 = t2630 + t2635;
+    let t2637 = t2629 - t2636;
+    let t2638 = t2628 - t2637;
+    let t2639 = t80 * t2535;
+    let t2640 = t141 * t2445;
+    let t2641 = t183 * t2379;
+    let t2642 = t231 * t2337;
+    let t2643 = t291 * t1505;
+    let t2644 = inverse_d_base_rz * t1453;
+    let t2645 = t2644 - t2643;
+    let t2646 = t2642 + t2645;
+    let t2647 = t2641 + t2646;
+    let t2648 = t2640 - t2647;
+    let t2649 = t2639 - t2648;
+    let t2650 = t80 * t2544;
+    let t2651 = t141 * t2452;
+    let t2652 = t183 * t2384;
+    let t2653 = t231 * t2340;
+    let t2654 = t291 * t1701;
+    let t2655 = inverse_d_base_rz * t1569;
+    let t2656 = t2655 - t2654;
+    let t2657 = t2653 + t2656;
+    let t2658 = t2652 + t2657;
+    let t2659 = t2651 - t2658;
+    let t2660 = t2650 - t2659;
+    let t2661 = t80 * t2553;
+    let t2662 = t141 * t2459;
+    let t2663 = t183 * t2389;
+    let t2664 = t231 * t2343;
+    let t2665 = t291 * t1861;
+    let t2666 = inverse_d_base_rz * t1782;
+    let t2667 = t2666 - t2665;
+    let t2668 = t2664 + t2667;
+    let t2669 = t2663 + t2668;
+    let t2670 = t2662 - t2669;
+    let t2671 = t2661 - t2670;
+    let t2672 = t80 * t2562;
+    let t2673 = t141 * t2466;
+    let t2674 = t183 * t2394;
+    let t2675 = t231 * t2346;
+    let t2676 = t291 * t2006;
+    let t2677 = inverse_d_base_rz * t1907;
+    let t2678 = t2677 - t2676;
+    let t2679 = t2675 + t2678;
+    let t2680 = t2674 + t2679;
+    let t2681 = t2673 - t2680;
+    let t2682 = t2672 - t2681;
+    let t2683 = t80 * t2571;
+    let t2684 = t141 * t2473;
+    let t2685 = t183 * t2399;
+    let t2686 = t231 * t2349;
+    let t2687 = t291 * t2034;
+    let t2688 = t2007 * inverse_d_base_rz;
+    let t2689 = t2688 + t2687;
+    let t2690 = t2686 - t2689;
+    let t2691 = t2685 + t2690;
+    let t2692 = t2684 - t2691;
+    let t2693 = t2683 - t2692;
+    let t2694 = t80 * t2580;
+    let t2695 = t141 * t2480;
+    let t2696 = t183 * t2404;
+    let t2697 = t231 * t2352;
+    let t2698 = t291 * t2061;
+    let t2699 = t1924 * inverse_d_base_rz;
+    let t2700 = t2699 - t2698;
+    let t2701 = t2697 + t2700;
+    let t2702 = t2696 + t2701;
+    let t2703 = t2695 - t2702;
+    let t2704 = t2694 - t2703;
+    let t2705 = t80 * t2589;
+    let t2706 = t141 * t2487;
+    let t2707 = t183 * t2409;
+    let t2708 = t231 * t2355;
+    let t2709 = t291 * t2079;
+    let t2710 = t2708 - t2709;
+    let t2711 = t2707 + t2710;
+    let t2712 = t2706 - t2711;
+    let t2713 = t2705 - t2712;
+    let t2714 = t80 * t2598;
+    let t2715 = t141 * t2494;
+    let t2716 = t183 * t2414;
+    let t2717 = t231 * t2358;
+    let t2718 = t291 * t2164;
+    let t2719 = inverse_d_base_rz * t2091;
+    let t2720 = t2719 - t2718;
+    let t2721 = t2717 + t2720;
+    let t2722 = t2716 + t2721;
+    let t2723 = t2715 - t2722;
+    let t2724 = t2714 - t2723;
+    let t2725 = t80 * t2607;
+    let t2726 = t141 * t2501;
+    let t2727 = t183 * t2419;
+    let t2728 = t231 * t2361;
+    let t2729 = t291 * t2242;
+    let t2730 = inverse_d_base_rz * t2183;
+    let t2731 = t2730 - t2729;
+    let t2732 = t2728 + t2731;
+    let t2733 = t2727 + t2732;
+    let t2734 = t2726 - t2733;
+    let t2735 = t2725 - t2734;
+    let t2736 = t80 * t2616;
+    let t2737 = t141 * t2508;
+    let t2738 = t183 * t2424;
+    let t2739 = t231 * t2364;
+    let t2740 = t291 * t2328;
+    let t2741 = inverse_d_base_rz * t2268;
+    let t2742 = t2741 - t2740;
+    let t2743 = t2739 + t2742;
+    let t2744 = t2738 + t2743;
+    let t2745 = t2737 - t2744;
+    let t2746 = t2736 - t2745;
+    let t2747 = t44 * t2627;
+    let t2748 = t84 * t2517;
+    let t2749 = t143 * t2431;
+    let t2750 = t185 * t2369;
+    let t2751 = t233 * t2331;
+    let t2752 = t295 * t1377;
+    let t2753 = 1.7182130584192439 * t1313;
+    let t2754 = t2753 + t2752;
+    let t2755 = t2751 + t2754;
+    let t2756 = t2750 - t2755;
+    let t2757 = t2749 + t2756;
+    let t2758 = t2748 - t2757;
+    let t2759 = t2747 + t2758;
+    let t2760 = t44 * t2638;
+    let t2761 = t84 * t2526;
+    let t2762 = t143 * t2438;
+    let t2763 = t185 * t2374;
+    let t2764 = t233 * t2334;
+    let t2765 = t295 * t1442;
+    let t2766 = 1.7182130584192439 * t1384;
+    let t2767 = t2766 - t2765;
+    let t2768 = t2764 - t2767;
+    let t2769 = t2763 - t2768;
+    let t2770 = t2762 + t2769;
+    let t2771 = t2761 - t2770;
+    let t2772 = t2760 + t2771;
+    let t2773 = t44 * t2649;
+    let t2774 = t84 * t2535;
+    let t2775 = t143 * t2445;
+    let t2776 = t185 * t2379;
+    let t2777 = t233 * t2337;
+    let t2778 = t295 * t1505;
+    let t2779 = 1.7182130584192439 * t1445;
+    let t2780 = t2779 - t2778;
+    let t2781 = t2777 - t2780;
+    let t2782 = t2776 - t2781;
+    let t2783 = t2775 + t2782;
+    let t2784 = t2774 - t2783;
+    let t2785 = t2773 + t2784;
+    let t2786 = t44 * t2660;
+    let t2787 = t84 * t2544;
+    let t2788 = t143 * t2452;
+    let t2789 = t185 * t2384;
+    let t2790 = t233 * t2340;
+    let t2791 = t295 * t1701;
+    let t2792 = 1.7182130584192439 * t1519;
+    let t2793 = t2792 + t2791;
+    let t2794 = t2790 + t2793;
+    let t2795 = t2789 - t2794;
+    let t2796 = t2788 + t2795;
+    let t2797 = t2787 - t2796;
+    let t2798 = t2786 + t2797;
+    let t2799 = t44 * t2671;
+    let t2800 = t84 * t2553;
+    let t2801 = t143 * t2459;
+    let t2802 = t185 * t2389;
+    let t2803 = t233 * t2343;
+    let t2804 = t295 * t1861;
+    let t2805 = 1.7182130584192439 * t1736;
+    let t2806 = t2805 + t2804;
+    let t2807 = t2803 + t2806;
+    let t2808 = t2802 - t2807;
+    let t2809 = t2801 + t2808;
+    let t2810 = t2800 - t2809;
+    let t2811 = t2799 + t2810;
+    let t2812 = t44 * t2682;
+    let t2813 = t84 * t2562;
+    let t2814 = t143 * t2466;
+    let t2815 = t185 * t2394;
+    let t2816 = t233 * t2346;
+    let t2817 = t295 * t2006;
+    let t2818 = 1.7182130584192439 * t1900;
+    let t2819 = t2818 + t2817;
+    let t2820 = t2816 + t2819;
+    let t2821 = t2815 - t2820;
+    let t2822 = t2814 + t2821;
+    let t2823 = t2813 - t2822;
+    let t2824 = t2812 + t2823;
+    let t2825 = t44 * t2693;
+    let t2826 = t84 * t2571;
+    let t2827 = t143 * t2473;
+    let t2828 = t185 * t2399;
+    let t2829 = t233 * t2349;
+    let t2830 = t295 * t2034;
+    let t2831 = t2829 + t2830;
+    let t2832 = t2828 - t2831;
+    let t2833 = t2827 + t2832;
+    let t2834 = t2826 - t2833;
+    let t2835 = t2825 + t2834;
+    let t2836 = t44 * t2704;
+    let t2837 = t84 * t2580;
+    let t2838 = t143 * t2480;
+    let t2839 = t185 * t2404;
+    let t2840 = t233 * t2352;
+    let t2841 = t295 * t2061;
+    let t2842 = t2840 + t2841;
+    let t2843 = t2839 - t2842;
+    let t2844 = t2838 + t2843;
+    let t2845 = t2837 - t2844;
+    let t2846 = t2836 + t2845;
+    let t2847 = t44 * t2713;
+    let t2848 = t84 * t2589;
+    let t2849 = t143 * t2487;
+    let t2850 = t185 * t2409;
+    let t2851 = t233 * t2355;
+    let t2852 = t295 * t2079;
+    let t2853 = t2851 + t2852;
+    let t2854 = t2850 - t2853;
+    let t2855 = t2849 + t2854;
+    let t2856 = t2848 - t2855;
+    let t2857 = t2847 + t2856;
+    let t2858 = t44 * t2724;
+    let t2859 = t84 * t2598;
+    let t2860 = t143 * t2494;
+    let t2861 = t185 * t2414;
+    let t2862 = t233 * t2358;
+    let t2863 = t295 * t2164;
+    let t2864 = 0.8591065292096219 + t2863;
+    let t2865 = t2862 + t2864;
+    let t2866 = t2861 - t2865;
+    let t2867 = t2860 + t2866;
+    let t2868 = t2859 - t2867;
+    let t2869 = t2858 + t2868;
+    let t2870 = t44 * t2735;
+    let t2871 = t84 * t2607;
+    let t2872 = t143 * t2501;
+    let t2873 = t185 * t2419;
+    let t2874 = t233 * t2361;
+    let t2875 = t295 * t2242;
+    let t2876 = 1.7182130584192439 * t2086;
+    let t2877 = t2876 + t2875;
+    let t2878 = t2874 + t2877;
+    let t2879 = t2873 - t2878;
+    let t2880 = t2872 + t2879;
+    let t2881 = t2871 - t2880;
+    let t2882 = t2870 + t2881;
+    let t2883 = t44 * t2746;
+    let t2884 = t84 * t2616;
+    let t2885 = t143 * t2508;
+    let t2886 = t185 * t2424;
+    let t2887 = t233 * t2364;
+    let t2888 = t295 * t2328;
+    let t2889 = 1.7182130584192439 * t2244;
+    let t2890 = t2889 + t2888;
+    let t2891 = t2887 + t2890;
+    let t2892 = t2886 - t2891;
+    let t2893 = t2885 + t2892;
+    let t2894 = t2884 - t2893;
+    let t2895 = t2883 + t2894;
+    let t2896 = t49 * t2627;
+    let t2897 = t82 * t2517;
+    let t2898 = t145 * t2431;
+    let t2899 = t188 * t2369;
+    let t2900 = t235 * t2331;
+    let t2901 = t293 * t1377;
+    let t2902 = 1.7182130584192439 * t1317;
+    let t2903 = t2902 + t2901;
+    let t2904 = t2900 + t2903;
+    let t2905 = t2899 - t2904;
+    let t2906 = t2898 - t2905;
+    let t2907 = t2897 - t2906;
+    let t2908 = t2896 + t2907;
+    let t2909 = t49 * t2638;
+    let t2910 = t82 * t2526;
+    let t2911 = t145 * t2438;
+    let t2912 = t188 * t2374;
+    let t2913 = t235 * t2334;
+    let t2914 = t293 * t1442;
+    let t2915 = 1.7182130584192439 * t1380;
+    let t2916 = t2915 - t2914;
+    let t2917 = t2913 - t2916;
+    let t2918 = t2912 - t2917;
+    let t2919 = t2911 - t2918;
+    let t2920 = t2910 - t2919;
+    let t2921 = t2909 + t2920;
+    let t2922 = t49 * t2649;
+    let t2923 = t82 * t2535;
+    let t2924 = t145 * t2445;
+    let t2925 = t188 * t2379;
+    let t2926 = t235 * t2337;
+    let t2927 = t293 * t1505;
+    let t2928 = 1.7182130584192439 * t1451;
+    let t2929 = t2928 - t2927;
+    let t2930 = t2926 - t2929;
+    let t2931 = t2925 - t2930;
+    let t2932 = t2924 - t2931;
+    let t2933 = t2923 - t2932;
+    let t2934 = t2922 + t2933;
+    let t2935 = t49 * t2660;
+    let t2936 = t82 * t2544;
+    let t2937 = t145 * t2452;
+    let t2938 = t188 * t2384;
+    let t2939 = t235 * t2340;
+    let t2940 = t293 * t1701;
+    let t2941 = 1.7182130584192439 * t1533;
+    let t2942 = t2941 + t2940;
+    let t2943 = t2939 + t2942;
+    let t2944 = t2938 - t2943;
+    let t2945 = t2937 - t2944;
+    let t2946 = t2936 - t2945;
+    let t2947 = t2935 + t2946;
+    let t2948 = t49 * t2671;
+    let t2949 = t82 * t2553;
+    let t2950 = t145 * t2459;
+    let t2951 = t188 * t2389;
+    let t2952 = t235 * t2343;
+    let t2953 = t293 * t1861;
+    let t2954 = 1.7182130584192439 * t1714;
+    let t2955 = t2954 + t2953;
+    let t2956 = t2952 + t2955;
+    let t2957 = t2951 - t2956;
+    let t2958 = t2950 - t2957;
+    let t2959 = t2949 - t2958;
+    let t2960 = t2948 + t2959;
+    let t2961 = t49 * t2682;
+    let t2962 = t82 * t2562;
+    let t2963 = t145 * t2466;
+    let t2964 = t188 * t2394;
+    let t2965 = t235 * t2346;
+    let t2966 = t293 * t2006;
+    let t2967 = 1.7182130584192439 * t1876;
+    let t2968 = t2967 + t2966;
+    let t2969 = t2965 + t2968;
+    let t2970 = t2964 - t2969;
+    let t2971 = t2963 - t2970;
+    let t2972 = t2962 - t2971;
+    let t2973 = t2961 + t2972;
+    let t2974 = t49 * t2693;
+    let t2975 = t82 * t2571;
+    let t2976 = t145 * t2473;
+    let t2977 = t188 * t2399;
+    let t2978 = t235 * t2349;
+    let t2979 = t293 * t2034;
+    let t2980 = t2978 + t2979;
+    let t2981 = t2977 - t2980;
+    let t2982 = t2976 - t2981;
+    let t2983 = t2975 - t2982;
+    let t2984 = t2974 + t2983;
+    let t2985 = t49 * t2704;
+    let t2986 = t82 * t2580;
+    let t2987 = t145 * t2480;
+    let t2988 = t188 * t2404;
+    let t2989 = t235 * t2352;
+    let t2990 = t293 * t2061;
+    let t2991 = t2989 + t2990;
+    let t2992 = t2988 - t2991;
+    let t2993 = t2987 - t2992;
+    let t2994 = t2986 - t2993;
+    let t2995 = t2985 + t2994;
+    let t2996 = t49 * t2713;
+    let t2997 = t82 * t2589;
+    let t2998 = t145 * t2487;
+    let t2999 = t188 * t2409;
+    let t3000 = t235 * t2355;
+    let t3001 = t293 * t2079;
+    let t3002 = t3000 + t3001;
+    let t3003 = t2999 - t3002;
+    let t3004 = t2998 - t3003;
+    let t3005 = t2997 - t3004;
+    let t3006 = t2996 + t3005;
+    let t3007 = t49 * t2724;
+    let t3008 = t82 * t2598;
+    let t3009 = t145 * t2494;
+    let t3010 = t188 * t2414;
+    let t3011 = t235 * t2358;
+    let t3012 = t293 * t2164;
+    let t3013 = t2876 + t3012;
+    let t3014 = t3011 + t3013;
+    let t3015 = t3010 - t3014;
+    let t3016 = t3009 - t3015;
+    let t3017 = t3008 - t3016;
+    let t3018 = t3007 + t3017;
+    let t3019 = t49 * t2735;
+    let t3020 = t82 * t2607;
+    let t3021 = t145 * t2501;
+    let t3022 = t188 * t2419;
+    let t3023 = t235 * t2361;
+    let t3024 = t293 * t2242;
+    let t3025 = 0.8591065292096219 - t3024;
+    let t3026 = t3023 - t3025;
+    let t3027 = t3022 - t3026;
+    let t3028 = t3021 - t3027;
+    let t3029 = t3020 - t3028;
+    let t3030 = t3019 + t3029;
+    let t3031 = t49 * t2746;
+    let t3032 = t82 * t2616;
+    let t3033 = t145 * t2508;
+    let t3034 = t188 * t2424;
+    let t3035 = t235 * t2364;
+    let t3036 = t293 * t2328;
+    let t3037 = 1.7182130584192439 * t2247;
+    let t3038 = t3037 + t3036;
+    let t3039 = t3035 + t3038;
+    let t3040 = t3034 - t3039;
+    let t3041 = t3033 - t3040;
+    let t3042 = t3032 - t3041;
+    let t3043 = t3031 + t3042;
+    let t3044 = t54 * t2627;
+    let t3045 = t11 * t2517;
+    let t3046 = t26 * t2431;
+    let t3047 = t3045 - t3046;
+    let t3048 = t3044 + t3047;
+    let t3049 = t54 * t2638;
+    let t3050 = t11 * t2526;
+    let t3051 = t26 * t2438;
+    let t3052 = t3050 - t3051;
+    let t3053 = t3049 + t3052;
+    let t3054 = t54 * t2649;
+    let t3055 = t11 * t2535;
+    let t3056 = t26 * t2445;
+    let t3057 = t3055 - t3056;
+    let t3058 = t3054 + t3057;
+    let t3059 = t54 * t2660;
+    let t3060 = t11 * t2544;
+    let t3061 = t26 * t2452;
+    let t3062 = 999.9999999999991 * t1542;
+    let t3063 = t3062 + t3061;
+    let t3064 = t3060 - t3063;
+    let t3065 = t3059 + t3064;
+    let t3066 = t54 * t2671;
+    let t3067 = t11 * t2553;
+    let t3068 = t26 * t2459;
+    let t3069 = 999.9999999999991 * t1722;
+    let t3070 = t3069 + t3068;
+    let t3071 = t3067 - t3070;
+    let t3072 = t3066 + t3071;
+    let t3073 = t54 * t2682;
+    let t3074 = t11 * t2562;
+    let t3075 = t26 * t2466;
+    let t3076 = 999.9999999999991 * t1884;
+    let t3077 = t3076 + t3075;
+    let t3078 = t3074 - t3077;
+    let t3079 = t3073 + t3078;
+    let t3080 = t54 * t2693;
+    let t3081 = t11 * t2571;
+    let t3082 = t26 * t2473;
+    let t3083 = t3081 - t3082;
+    let t3084 = t3080 + t3083;
+    let t3085 = t54 * t2704;
+    let t3086 = t11 * t2580;
+    let t3087 = t26 * t2480;
+    let t3088 = t3086 - t3087;
+    let t3089 = t3085 + t3088;
+    let t3090 = t54 * t2713;
+    let t3091 = t11 * t2589;
+    let t3092 = t26 * t2487;
+    let t3093 = t3091 - t3092;
+    let t3094 = t3090 + t3093;
+    let t3095 = t54 * t2724;
+    let t3096 = t11 * t2598;
+    let t3097 = t26 * t2494;
+    let t3098 = 999.9999999999991 * t2082;
+    let t3099 = t3098 - t3097;
+    let t3100 = t3096 + t3099;
+    let t3101 = t3095 + t3100;
+    let t3102 = t54 * t2735;
+    let t3103 = t11 * t2607;
+    let t3104 = t26 * t2501;
+    let t3105 = 999.9999999999991 * t2176;
+    let t3106 = t3105 + t3104;
+    let t3107 = t3103 - t3106;
+    let t3108 = t3102 + t3107;
+    let t3109 = t54 * t2746;
+    let t3110 = t11 * t2616;
+    let t3111 = t26 * t2508;
+    let t3112 = 4.999999999999996 + t3111;
+    let t3113 = t3110 - t3112;
+    let t3114 = t3109 + t3113;
+    let t3115 = t283 * inverse_d_base_x;
+    let t3116 = t225 * t3115;
+    let t3117 = t285 * inverse_d_base_x;
+    let t3118 = t3116 - t3117;
+    let t3119 = t179 * t3118;
+    let t3120 = t227 * t3115;
+    let t3121 = t287 * inverse_d_base_x;
+    let t3122 = t3120 - t3121;
+    let t3123 = t3119 - t3122;
+    let t3124 = t139 * t3123;
+    let t3125 = t181 * t3118;
+    let t3126 = t229 * t3115;
+    let t3127 = t289 * inverse_d_base_x;
+    let t3128 = t3126 - t3127;
+    let t3129 = t3125 - t3128;
+    let t3130 = t3124 - t3129;
+    let t3131 = t80 * t3130;
+    let t3132 = t141 * t3123;
+    let t3133 = t183 * t3118;
+    let t3134 = t231 * t3115;
+    let t3135 = t291 * inverse_d_base_x;
+    let t3136 = t3134 + t3135;
+    let t3137 = t3133 + t3136;
+    let t3138 = t3132 - t3137;
+    let t3139 = t3131 - t3138;
+    let t3140 = t44 * t3139;
+    let t3141 = t84 * t3130;
+    let t3142 = t143 * t3123;
+    let t3143 = t185 * t3118;
+    let t3144 = t233 * t3115;
+    let t3145 = t295 * inverse_d_base_x;
+    let t3146 = t3144 - t3145;
+    let t3147 = t3143 - t3146;
+    let t3148 = t3142 + t3147;
+    let t3149 = t3141 - t3148;
+    let t3150 = t3140 + t3149;
+    let t3151 = t49 * t3139;
+    let t3152 = t82 * t3130;
+    let t3153 = t145 * t3123;
+    let t3154 = t188 * t3118;
+    let t3155 = t235 * t3115;
+    let t3156 = t293 * inverse_d_base_x;
+    let t3157 = t3155 - t3156;
+    let t3158 = t3154 - t3157;
+    let t3159 = t3153 - t3158;
+    let t3160 = t3152 - t3159;
+    let t3161 = t3151 + t3160;
+    let t3162 = t54 * t3139;
+    let t3163 = t11 * t3130;
+    let t3164 = t26 * t3123;
+    let t3165 = t3163 - t3164;
+    let t3166 = t3162 + t3165;
+    let t3167 = t283 * t3115;
+    let t3168 = inverse_d_base_y - t3167;
+    let t3169 = t225 * t3168;
+    let t3170 = t285 * t3115;
+    let t3171 = t3169 + t3170;
+    let t3172 = t179 * t3171;
+    let t3173 = t227 * t3168;
+    let t3174 = t287 * t3115;
+    let t3175 = t3173 + t3174;
+    let t3176 = t3172 - t3175;
+    let t3177 = t139 * t3176;
+    let t3178 = t181 * t3171;
+    let t3179 = t229 * t3168;
+    let t3180 = t289 * t3115;
+    let t3181 = t3179 + t3180;
+    let t3182 = t3178 - t3181;
+    let t3183 = t3177 - t3182;
+    let t3184 = t80 * t3183;
+    let t3185 = t141 * t3176;
+    let t3186 = t183 * t3171;
+    let t3187 = t231 * t3168;
+    let t3188 = t291 * t3115;
+    let t3189 = t3187 - t3188;
+    let t3190 = t3186 + t3189;
+    let t3191 = t3185 - t3190;
+    let t3192 = t3184 - t3191;
+    let t3193 = t44 * t3192;
+    let t3194 = t84 * t3183;
+    let t3195 = t143 * t3176;
+    let t3196 = t185 * t3171;
+    let t3197 = t233 * t3168;
+    let t3198 = t295 * t3115;
+    let t3199 = t3197 + t3198;
+    let t3200 = t3196 - t3199;
+    let t3201 = t3195 + t3200;
+    let t3202 = t3194 - t3201;
+    let t3203 = t3193 + t3202;
+    let t3204 = t49 * t3192;
+    let t3205 = t82 * t3183;
+    let t3206 = t145 * t3176;
+    let t3207 = t188 * t3171;
+    let t3208 = t235 * t3168;
+    let t3209 = t293 * t3115;
+    let t3210 = t3208 + t3209;
+    let t3211 = t3207 - t3210;
+    let t3212 = t3206 - t3211;
+    let t3213 = t3205 - t3212;
+    let t3214 = t3204 + t3213;
+    let t3215 = t54 * t3192;
+    let t3216 = t11 * t3183;
+    let t3217 = t26 * t3176;
+    let t3218 = t3216 - t3217;
+    let t3219 = t3215 + t3218;
+    let t3220 = t225 * t283;
+    let t3221 = t285 - t3220;
+    let t3222 = inverse_d_base_x * t3221;
+    let t3223 = t283 * t3222;
+    let t3224 = t225 * inverse_d_base_y;
+    let t3225 = t3224 + t3223;
+    let t3226 = t225 * t3225;
+    let t3227 = t285 * t3222;
+    let t3228 = inverse_d_base_z + t3227;
+    let t3229 = t3226 - t3228;
+    let t3230 = t179 * t3229;
+    let t3231 = t227 * t3225;
+    let t3232 = t287 * t3222;
+    let t3233 = t3231 - t3232;
+    let t3234 = t3230 - t3233;
+    let t3235 = t139 * t3234;
+    let t3236 = t181 * t3229;
+    let t3237 = t229 * t3225;
+    let t3238 = t289 * t3222;
+    let t3239 = t3237 - t3238;
+    let t3240 = t3236 - t3239;
+    let t3241 = t3235 - t3240;
+    let t3242 = t80 * t3241;
+    let t3243 = t141 * t3234;
+    let t3244 = t183 * t3229;
+    let t3245 = t231 * t3225;
+    let t3246 = t291 * t3222;
+    let t3247 = t3245 + t3246;
+    let t3248 = t3244 + t3247;
+    let t3249 = t3243 - t3248;
+    let t3250 = t3242 - t3249;
+    let t3251 = t44 * t3250;
+    let t3252 = t84 * t3241;
+    let t3253 = t143 * t3234;
+    let t3254 = t185 * t3229;
+    let t3255 = t233 * t3225;
+    let t3256 = t295 * t3222;
+    let t3257 = t3255 - t3256;
+    let t3258 = t3254 - t3257;
+    let t3259 = t3253 + t3258;
+    let t3260 = t3252 - t3259;
+    let t3261 = t3251 + t3260;
+    let t3262 = t49 * t3250;
+    let t3263 = t82 * t3241;
+    let t3264 = t145 * t3234;
+    let t3265 = t188 * t3229;
+    let t3266 = t235 * t3225;
+    let t3267 = t293 * t3222;
+    let t3268 = t3266 - t3267;
+    let t3269 = t3265 - t3268;
+    let t3270 = t3264 - t3269;
+    let t3271 = t3263 - t3270;
+    let t3272 = t3262 + t3271;
+    let t3273 = t54 * t3250;
+    let t3274 = t11 * t3241;
+    let t3275 = t26 * t3234;
+    let t3276 = t3274 - t3275;
+    let t3277 = t3273 + t3276;
+    let t3278 = t179 * t225;
+    let t3279 = t227 - t3278;
+    let t3280 = t283 * t3279;
+    let t3281 = t179 * t285;
+    let t3282 = t287 - t3281;
+    let t3283 = t3280 - t3282;
+    let t3284 = inverse_d_base_x * t3283;
+    let t3285 = t283 * t3284;
+    let t3286 = inverse_d_base_y * t3279;
+    let t3287 = t3286 - t3285;
+    let t3288 = t225 * t3287;
+    let t3289 = t285 * t3284;
+    let t3290 = t179 * inverse_d_base_z;
+    let t3291 = t3290 + t3289;
+    let t3292 = t3288 + t3291;
+    let t3293 = t179 * t3292;
+    let t3294 = t227 * t3287;
+    let t3295 = t287 * t3284;
+    let t3296 = inverse_d_base_rx + t3295;
+    let t3297 = t3294 + t3296;
+    let t3298 = t3293 - t3297;
+    let t3299 = t139 * t3298;
+    let t3300 = t181 * t3292;
+    let t3301 = t229 * t3287;
+    let t3302 = t289 * t3284;
+    let t3303 = t3301 + t3302;
+    let t3304 = t3300 - t3303;
+    let t3305 = t3299 - t3304;
+    let t3306 = t80 * t3305;
+    let t3307 = t141 * t3298;
+    let t3308 = t183 * t3292;
+    let t3309 = t231 * t3287;
+    let t3310 = t291 * t3284;
+    let t3311 = t3309 - t3310;
+    let t3312 = t3308 + t3311;
+    let t3313 = t3307 - t3312;
+    let t3314 = t3306 - t3313;
+    let t3315 = t44 * t3314;
+    let t3316 = t84 * t3305;
+    let t3317 = t143 * t3298;
+    let t3318 = t185 * t3292;
+    let t3319 = t233 * t3287;
+    let t3320 = t295 * t3284;
+    let t3321 = t3319 + t3320;
+    let t3322 = t3318 - t3321;
+    let t3323 = t3317 + t3322;
+    let t3324 = t3316 - t3323;
+    let t3325 = t3315 + t3324;
+    let t3326 = t49 * t3314;
+    let t3327 = t82 * t3305;
+    let t3328 = t145 * t3298;
+    let t3329 = t188 * t3292;
+    let t3330 = t235 * t3287;
+    let t3331 = t293 * t3284;
+    let t3332 = t3330 + t3331;
+    let t3333 = t3329 - t3332;
+    let t3334 = t3328 - t3333;
+    let t3335 = t3327 - t3334;
+    let t3336 = t3326 + t3335;
+    let t3337 = t54 * t3314;
+    let t3338 = t11 * t3305;
+    let t3339 = t26 * t3298;
+    let t3340 = t3338 - t3339;
+    let t3341 = t3337 + t3340;
+    let t3342 = t139 * t179;
+    let t3343 = t181 - t3342;
+    let t3344 = t225 * t3343;
+    let t3345 = t139 * t227;
+    let t3346 = t229 - t3345;
+    let t3347 = t3344 - t3346;
+    let t3348 = t283 * t3347;
+    let t3349 = t285 * t3343;
+    let t3350 = t139 * t287;
+    let t3351 = t289 - t3350;
+    let t3352 = t3349 - t3351;
+    let t3353 = t3348 - t3352;
+    let t3354 = inverse_d_base_x * t3353;
+    let t3355 = t283 * t3354;
+    let t3356 = inverse_d_base_y * t3347;
+    let t3357 = t3356 - t3355;
+    let t3358 = t225 * t3357;
+    let t3359 = t285 * t3354;
+    let t3360 = inverse_d_base_z * t3343;
+    let t3361 = t3360 - t3359;
+    let t3362 = t3358 - t3361;
+    let t3363 = t179 * t3362;
+    let t3364 = t227 * t3357;
+    let t3365 = t287 * t3354;
+    let t3366 = t139 * inverse_d_base_rx;
+    let t3367 = t3366 + t3365;
+    let t3368 = t3364 + t3367;
+    let t3369 = t3363 - t3368;
+    let t3370 = t139 * t3369;
+    let t3371 = t181 * t3362;
+    let t3372 = t229 * t3357;
+    let t3373 = t289 * t3354;
+    let t3374 = inverse_d_base_ry + t3373;
+    let t3375 = t3372 + t3374;
+    let t3376 = t3371 - t3375;
+    let t3377 = t3370 - t3376;
+    let t3378 = t80 * t3377;
+    let t3379 = t141 * t3369;
+    let t3380 = t183 * t3362;
+    let t3381 = t231 * t3357;
+    let t3382 = t291 * t3354;
+    let t3383 = t3381 - t3382;
+    let t3384 = t3380 + t3383;
+    let t3385 = t3379 - t3384;
+    let t3386 = t3378 - t3385;
+    let t3387 = t44 * t3386;
+    let t3388 = t84 * t3377;
+    let t3389 = t143 * t3369;
+    let t3390 = t185 * t3362;
+    let t3391 = t233 * t3357;
+    let t3392 = t295 * t3354;
+    let t3393 = t3391 + t3392;
+    let t3394 = t3390 - t3393;
+    let t3395 = t3389 + t3394;
+    let t3396 = t3388 - t3395;
+    let t3397 = t3387 + t3396;
+    let t3398 = t49 * t3386;
+    let t3399 = t82 * t3377;
+    let t3400 = t145 * t3369;
+    let t3401 = t188 * t3362;
+    let t3402 = t235 * t3357;
+    let t3403 = t293 * t3354;
+    let t3404 = t3402 + t3403;
+    let t3405 = t3401 - t3404;
+    let t3406 = t3400 - t3405;
+    let t3407 = t3399 - t3406;
+    let t3408 = t3398 + t3407;
+    let t3409 = t54 * t3386;
+    let t3410 = t11 * t3377;
+    let t3411 = t26 * t3369;
+    let t3412 = t3410 - t3411;
+    let t3413 = t3409 + t3412;
+    let t3414 = t80 * t139;
+    let t3415 = t141 - t3414;
+    let t3416 = t179 * t3415;
+    let t3417 = t80 * t181;
+    let t3418 = t183 - t3417;
+    let t3419 = t3416 - t3418;
+    let t3420 = t225 * t3419;
+    let t3421 = t227 * t3415;
+    let t3422 = t80 * t229;
+    let t3423 = t231 + t3422;
+    let t3424 = t3421 + t3423;
+    let t3425 = t3420 - t3424;
+    let t3426 = t283 * t3425;
+    let t3427 = t285 * t3419;
+    let t3428 = t287 * t3415;
+    let t3429 = t80 * t289;
+    let t3430 = t291 - t3429;
+    let t3431 = t3428 - t3430;
+    let t3432 = t3427 - t3431;
+    let t3433 = t3426 - t3432;
+    let t3434 = inverse_d_base_x * t3433;
+    let t3435 = t283 * t3434;
+    let t3436 = inverse_d_base_y * t3425;
+    let t3437 = t3436 - t3435;
+    let t3438 = t225 * t3437;
+    let t3439 = t285 * t3434;
+    let t3440 = inverse_d_base_z * t3419;
+    let t3441 = t3440 - t3439;
+    let t3442 = t3438 - t3441;
+    let t3443 = t179 * t3442;
+    let t3444 = t227 * t3437;
+    let t3445 = t287 * t3434;
+    let t3446 = inverse_d_base_rx * t3415;
+    let t3447 = t3446 - t3445;
+    let t3448 = t3444 - t3447;
+    let t3449 = t3443 - t3448;
+    let t3450 = t139 * t3449;
+    let t3451 = t181 * t3442;
+    let t3452 = t229 * t3437;
+    let t3453 = t289 * t3434;
+    let t3454 = t80 * inverse_d_base_ry;
+    let t3455 = t3454 + t3453;
+    let t3456 = t3452 + t3455;
+    let t3457 = t3451 - t3456;
+    let t3458 = t3450 - t3457;
+    let t3459 = t80 * t3458;
+    let t3460 = t141 * t3449;
+    let t3461 = t183 * t3442;
+    let t3462 = t231 * t3437;
+    let t3463 = t291 * t3434;
+    let t3464 = inverse_d_base_rz + t3463;
+    let t3465 = t3462 - t3464;
+    let t3466 = t3461 + t3465;
+    let t3467 = t3460 - t3466;
+    let t3468 = t3459 - t3467;
+    let t3469 = t44 * t3468;
+    let t3470 = t84 * t3458;
+    let t3471 = t143 * t3449;
+    let t3472 = t185 * t3442;
+    let t3473 = t233 * t3437;
+    let t3474 = t295 * t3434;
+    let t3475 = t3473 + t3474;
+    let t3476 = t3472 - t3475;
+    let t3477 = t3471 + t3476;
+    let t3478 = t3470 - t3477;
+    let t3479 = t3469 + t3478;
+    let t3480 = t49 * t3468;
+    let t3481 = t82 * t3458;
+    let t3482 = t145 * t3449;
+    let t3483 = t188 * t3442;
+    let t3484 = t235 * t3437;
+    let t3485 = t293 * t3434;
+    let t3486 = t3484 + t3485;
+    let t3487 = t3483 - t3486;
+    let t3488 = t3482 - t3487;
+    let t3489 = t3481 - t3488;
+    let t3490 = t3480 + t3489;
+    let t3491 = t54 * t3468;
+    let t3492 = t11 * t3458;
+    let t3493 = t26 * t3449;
+    let t3494 = t3492 - t3493;
+    let t3495 = t3491 + t3494;
+    let t3496 = 250.0 - t3298;
+    let t3497 = 250.0 - t3377;
+    let t3498 = 250.0 - t3468;
+    let t3499 = t44 * t80;
+    let t3500 = t84 + t3499;
+    let t3501 = t139 * t3500;
+    let t3502 = t44 * t141;
+    let t3503 = t143 + t3502;
+    let t3504 = t3501 - t3503;
+    let t3505 = t179 * t3504;
+    let t3506 = t181 * t3500;
+    let t3507 = t44 * t183;
+    let t3508 = t185 - t3507;
+    let t3509 = t3506 + t3508;
+    let t3510 = t3505 - t3509;
+    let t3511 = t225 * t3510;
+    let t3512 = t227 * t3504;
+    let t3513 = t229 * t3500;
+    let t3514 = t44 * t231;
+    let t3515 = t233 + t3514;
+    let t3516 = t3513 + t3515;
+    let t3517 = t3512 - t3516;
+    let t3518 = t3511 - t3517;
+    let t3519 = t283 * t3518;
+    let t3520 = t285 * t3510;
+    let t3521 = t287 * t3504;
+    let t3522 = t289 * t3500;
+    let t3523 = t44 * t291;
+    let t3524 = t295 - t3523;
+    let t3525 = t3522 + t3524;
+    let t3526 = t3521 - t3525;
+    let t3527 = t3520 - t3526;
+    let t3528 = t3519 - t3527;
+    let t3529 = inverse_d_base_x * t3528;
+    let t3530 = t283 * t3529;
+    let t3531 = inverse_d_base_y * t3518;
+    let t3532 = t3531 - t3530;
+    let t3533 = t225 * t3532;
+    let t3534 = t285 * t3529;
+    let t3535 = inverse_d_base_z * t3510;
+    let t3536 = t3535 - t3534;
+    let t3537 = t3533 - t3536;
+    let t3538 = t179 * t3537;
+    let t3539 = t227 * t3532;
+    let t3540 = t287 * t3529;
+    let t3541 = inverse_d_base_rx * t3504;
+    let t3542 = t3541 - t3540;
+    let t3543 = t3539 - t3542;
+    let t3544 = t3538 - t3543;
+    let t3545 = t139 * t3544;
+    let t3546 = t181 * t3537;
+    let t3547 = t229 * t3532;
+    let t3548 = t289 * t3529;
+    let t3549 = inverse_d_base_ry * t3500;
+    let t3550 = t3549 - t3548;
+    let t3551 = t3547 - t3550;
+    let t3552 = t3546 - t3551;
+    let t3553 = t3545 - t3552;
+    let t3554 = t80 * t3553;
+    let t3555 = t141 * t3544;
+    let t3556 = t183 * t3537;
+    let t3557 = t231 * t3532;
+    let t3558 = t291 * t3529;
+    let t3559 = t44 * inverse_d_base_rz;
+    let t3560 = t3559 - t3558;
+    let t3561 = t3557 + t3560;
+    let t3562 = t3556 + t3561;
+    let t3563 = t3555 - t3562;
+    let t3564 = t3554 - t3563;
+    let t3565 = t44 * t3564;
+    let t3566 = t84 * t3553;
+    let t3567 = t143 * t3544;
+    let t3568 = t185 * t3537;
+    let t3569 = t233 * t3532;
+    let t3570 = t295 * t3529;
+    let t3571 = 1.7182130584192439 + t3570;
+    let t3572 = t3569 + t3571;
+    let t3573 = t3568 - t3572;
+    let t3574 = t3567 + t3573;
+    let t3575 = t3566 - t3574;
+    let t3576 = t3565 + t3575;
+    let t3577 = t49 * t3564;
+    let t3578 = t82 * t3553;
+    let t3579 = t145 * t3544;
+    let t3580 = t188 * t3537;
+    let t3581 = t235 * t3532;
+    let t3582 = t293 * t3529;
+    let t3583 = t3581 + t3582;
+    let t3584 = t3580 - t3583;
+    let t3585 = t3579 - t3584;
+    let t3586 = t3578 - t3585;
+    let t3587 = t3577 + t3586;
+    let t3588 = t54 * t3564;
+    let t3589 = t11 * t3553;
+    let t3590 = t26 * t3544;
+    let t3591 = t3589 - t3590;
+    let t3592 = t3588 + t3591;
+    let t3593 = t49 * t80;
+    let t3594 = t82 + t3593;
+    let t3595 = t139 * t3594;
+    let t3596 = t49 * t141;
+    let t3597 = t145 + t3596;
+    let t3598 = t3595 - t3597;
+    let t3599 = t179 * t3598;
+    let t3600 = t181 * t3594;
+    let t3601 = t49 * t183;
+    let t3602 = t188 + t3601;
+    let t3603 = t3600 - t3602;
+    let t3604 = t3599 - t3603;
+    let t3605 = t225 * t3604;
+    let t3606 = t227 * t3598;
+    let t3607 = t229 * t3594;
+    let t3608 = t49 * t231;
+    let t3609 = t235 - t3608;
+    let t3610 = t3607 - t3609;
+    let t3611 = t3606 - t3610;
+    let t3612 = t3605 - t3611;
+    let t3613 = t283 * t3612;
+    let t3614 = t285 * t3604;
+    let t3615 = t287 * t3598;
+    let t3616 = t289 * t3594;
+    let t3617 = t49 * t291;
+    let t3618 = t293 + t3617;
+    let t3619 = t3616 - t3618;
+    let t3620 = t3615 - t3619;
+    let t3621 = t3614 - t3620;
+    let t3622 = t3613 - t3621;
+    let t3623 = inverse_d_base_x * t3622;
+    let t3624 = t283 * t3623;
+    let t3625 = inverse_d_base_y * t3612;
+    let t3626 = t3625 - t3624;
+    let t3627 = t225 * t3626;
+    let t3628 = t285 * t3623;
+    let t3629 = inverse_d_base_z * t3604;
+    let t3630 = t3629 - t3628;
+    let t3631 = t3627 - t3630;
+    let t3632 = t179 * t3631;
+    let t3633 = t227 * t3626;
+    let t3634 = t287 * t3623;
+    let t3635 = inverse_d_base_rx * t3598;
+    let t3636 = t3635 - t3634;
+    let t3637 = t3633 - t3636;
+    let t3638 = t3632 - t3637;
+    let t3639 = t139 * t3638;
+    let t3640 = t181 * t3631;
+    let t3641 = t229 * t3626;
+    let t3642 = t289 * t3623;
+    let t3643 = inverse_d_base_ry * t3594;
+    let t3644 = t3643 - t3642;
+    let t3645 = t3641 - t3644;
+    let t3646 = t3640 - t3645;
+    let t3647 = t3639 - t3646;
+    let t3648 = t80 * t3647;
+    let t3649 = t141 * t3638;
+    let t3650 = t183 * t3631;
+    let t3651 = t231 * t3626;
+    let t3652 = t291 * t3623;
+    let t3653 = t49 * inverse_d_base_rz;
+    let t3654 = t3653 - t3652;
+    let t3655 = t3651 + t3654;
+    let t3656 = t3650 + t3655;
+    let t3657 = t3649 - t3656;
+    let t3658 = t3648 - t3657;
+    let t3659 = t49 * t3658;
+    let t3660 = t82 * t3647;
+    let t3661 = t145 * t3638;
+    let t3662 = t188 * t3631;
+    let t3663 = t235 * t3626;
+    let t3664 = t293 * t3623;
+    let t3665 = 1.7182130584192439 - t3664;
+    let t3666 = t3663 - t3665;
+    let t3667 = t3662 - t3666;
+    let t3668 = t3661 - t3667;
+    let t3669 = t3660 - t3668;
+    let t3670 = t3659 + t3669;
+    let t3671 = t54 * t3658;
+    let t3672 = t11 * t3647;
+    let t3673 = t26 * t3638;
+    let t3674 = t3672 - t3673;
+    let t3675 = t3671 + t3674;
+    let t3676 = t54 * t80;
+    let t3677 = t11 + t3676;
+    let t3678 = t139 * t3677;
+    let t3679 = t54 * t141;
+    let t3680 = t26 + t3679;
+    let t3681 = t3678 - t3680;
+    let t3682 = t179 * t3681;
+    let t3683 = t181 * t3677;
+    let t3684 = t54 * t183;
+    let t3685 = t3684 - t3683;
+    let t3686 = t3682 + t3685;
+    let t3687 = t225 * t3686;
+    let t3688 = t227 * t3681;
+    let t3689 = t229 * t3677;
+    let t3690 = t54 * t231;
+    let t3691 = t3690 + t3689;
+    let t3692 = t3688 - t3691;
+    let t3693 = t3687 - t3692;
+    let t3694 = t283 * t3693;
+    let t3695 = t285 * t3686;
+    let t3696 = t287 * t3681;
+    let t3697 = t289 * t3677;
+    let t3698 = t54 * t291;
+    let t3699 = t3698 - t3697;
+    let t3700 = t3696 + t3699;
+    let t3701 = t3695 - t3700;
+    let t3702 = t3694 - t3701;
+    let t3703 = inverse_d_base_x * t3702;
+    let t3704 = t283 * t3703;
+    let t3705 = inverse_d_base_y * t3693;
+    let t3706 = t3705 - t3704;
+    let t3707 = t225 * t3706;
+    let t3708 = t285 * t3703;
+    let t3709 = inverse_d_base_z * t3686;
+    let t3710 = t3709 - t3708;
+    let t3711 = t3707 - t3710;
+    let t3712 = t179 * t3711;
+    let t3713 = t227 * t3706;
+    let t3714 = t287 * t3703;
+    let t3715 = inverse_d_base_rx * t3681;
+    let t3716 = t3715 - t3714;
+    let t3717 = t3713 - t3716;
+    let t3718 = t3712 - t3717;
+    let t3719 = t139 * t3718;
+    let t3720 = t181 * t3711;
+    let t3721 = t229 * t3706;
+    let t3722 = t289 * t3703;
+    let t3723 = inverse_d_base_ry * t3677;
+    let t3724 = t3723 - t3722;
+    let t3725 = t3721 - t3724;
+    let t3726 = t3720 - t3725;
+    let t3727 = t3719 - t3726;
+    let t3728 = t80 * t3727;
+    let t3729 = t141 * t3718;
+    let t3730 = t183 * t3711;
+    let t3731 = t231 * t3706;
+    let t3732 = t291 * t3703;
+    let t3733 = t54 * inverse_d_base_rz;
+    let t3734 = t3733 - t3732;
+    let t3735 = t3731 + t3734;
+    let t3736 = t3730 + t3735;
+    let t3737 = t3729 - t3736;
+    let t3738 = t3728 - t3737;
+    let t3739 = t54 * t3738;
+    let t3740 = t11 * t3727;
+    let t3741 = t26 * t3718;
+    let t3742 = 999.9999999999991 - t3741;
+    let t3743 = t3740 + t3742;
+    let t3744 = t3739 + t3743;
+    let t3745 = -t587;
+    let t3746 = -t590;
+    let t3747 = -t602;
+    let t3748 = -t641;
+    let t3749 = -t654;
+    let t3750 = -t661;
+    let t3751 = -t992;
+    let t3752 = -t1104;
+    let t3753 = -t1112;
+    let t3754 = -t1122;
+    let t3755 = -t1136;
+    let t3756 = -t1152;
+    let t3757 = -t1170;
+    let t3758 = -t1181;
+    let t3759 = -t1203;
+    let t3760 = -t1129;
+    let t3761 = -t1143;
+    let t3762 = -t1161;
+    let t3763 = -t1192;
+    let t3764 = -t1229;
+    let t3765 = -t1268;
+    let t3766 = -t1295;
+    let t3767 = -t1505;
+    let t3768 = -t1701;
+    let t3769 = -t1861;
+    let t3770 = -t2006;
+    let t3771 = -t2164;
+    let t3772 = -t2242;
+    let t3773 = -t2337;
+    let t3774 = -t2340;
+    let t3775 = -t2343;
+    let t3776 = -t2346;
+    let t3777 = -t2358;
+    let t3778 = -t2361;
+    let t3779 = -t2369;
+    let t3780 = -t2374;
+    let t3781 = -t2399;
+    let t3782 = -t2404;
+    let t3783 = -t2409;
+    let t3784 = -t2424;
+    let t3785 = -t2445;
+    let t3786 = -t2452;
+    let t3787 = -t2459;
+    let t3788 = -t2466;
+    let t3789 = -t2494;
+    let t3790 = -t2501;
+    let t3791 = -t2517;
+    let t3792 = -t2526;
+    let t3793 = -t2571;
+    let t3794 = -t2580;
+    let t3795 = -t2589;
+    let t3796 = -t2616;
+    let t3797 = -t2627;
+    let t3798 = -t2638;
+    let t3799 = -t2693;
+    let t3800 = -t2704;
+    let t3801 = -t2713;
+    let t3802 = -t2746;
+    let t3803 = -t2431;
+    let t3804 = -t2438;
+    let t3805 = -t2473;
+    let t3806 = -t2480;
+    let t3807 = -t2487;
+    let t3808 = -t2508;
+    let t3809 = -t2535;
+    let t3810 = -t2544;
+    let t3811 = -t2553;
+    let t3812 = -t2562;
+    let t3813 = -t2598;
+    let t3814 = -t2607;
+    let t3815 = -t2649;
+    let t3816 = -t2660;
+    let t3817 = -t2671;
+    let t3818 = -t2682;
+    let t3819 = -t2724;
+    let t3820 = -t2735;
+    let t3821 = -t2785;
+    let t3822 = -t2798;
+    let t3823 = -t2811;
+    let t3824 = -t2824;
+    let t3825 = -t2869;
+    let t3826 = -t2882;
+    let t3827 = -t2934;
+    let t3828 = -t2947;
+    let t3829 = -t2960;
+    let t3830 = -t2973;
+    let t3831 = -t3018;
+    let t3832 = -t3030;
+    let t3833 = -t3058;
+    let t3834 = -t3065;
+    let t3835 = -t3072;
+    let t3836 = -t3079;
+    let t3837 = -t3101;
+    let t3838 = -t3108;
     let minus_inverse_d_base_x = -inverse_d_base_x;
-    let t3838 = -t3116;
-    let t3839 = -t3128;
-    let t3840 = -t3137;
-    let t3841 = -t3121;
-    let t3842 = -t3169;
-    let t3843 = -t3181;
-    let t3844 = -t3190;
-    let t3845 = -t3174;
-    let t3846 = -t3232;
-    let t3847 = -t3239;
-    let t3848 = -t3248;
-    let t3849 = -t3259;
-    let t3850 = -t3270;
-    let t3851 = -t3275;
-    let t3852 = -t3296;
-    let t3853 = -t3303;
-    let t3854 = -t3312;
-    let t3855 = -t3323;
-    let t3856 = -t3334;
-    let t3857 = -t3339;
-    let t3858 = -t3375;
-    let t3859 = -t3384;
-    let t3860 = -t3367;
-    let t3861 = -t3466;
-    let t3862 = -t3447;
-    let t3863 = -t3395;
-    let t3864 = -t3406;
-    let t3865 = -t3411;
-    let t3866 = -t3477;
-    let t3867 = -t3488;
-    let t3868 = -t3493;
+    let t3840 = -t3118;
+    let t3841 = -t3130;
+    let t3842 = -t3139;
+    let t3843 = -t3123;
+    let t3844 = -t3171;
+    let t3845 = -t3183;
+    let t3846 = -t3192;
+    let t3847 = -t3176;
+    let t3848 = -t3234;
+    let t3849 = -t3241;
+    let t3850 = -t3250;
+    let t3851 = -t3261;
+    let t3852 = -t3272;
+    let t3853 = -t3277;
+    let t3854 = -t3298;
+    let t3855 = -t3305;
+    let t3856 = -t3314;
+    let t3857 = -t3325;
+    let t3858 = -t3336;
+    let t3859 = -t3341;
+    let t3860 = -t3377;
+    let t3861 = -t3386;
+    let t3862 = -t3369;
+    let t3863 = -t3468;
+    let t3864 = -t3449;
+    let t3865 = -t3397;
+    let t3866 = -t3408;
+    let t3867 = -t3413;
+    let t3868 = -t3479;
+    let t3869 = -t3490;
+    let t3870 = -t3495;
     [
-        t2587,
-        t2596,
-        t2605,
-        t2614,
-        t2625,
-        t2636,
-        t2647,
-        t2658,
-        t2669,
-        t2680,
-        t2691,
-        t2702,
-        t2711,
-        t2722,
-        t2733,
-        t2744,
-        t2757,
-        t2770,
-        t2833,
-        t2844,
-        t2855,
-        t2893,
-        t2906,
-        t2919,
-        t2982,
-        t2993,
-        t3004,
-        t3041,
-        t3046,
-        t3051,
-        t3082,
-        t3087,
-        t3092,
-        t3112,
-        t3113,
-        t3121,
-        t3128,
-        t3137,
-        t3148,
-        t3159,
-        t3164,
+        t2589,
+        t2598,
+        t2607,
+        t2616,
+        t2627,
+        t2638,
+        t2649,
+        t2660,
+        t2671,
+        t2682,
+        t2693,
+        t2704,
+        t2713,
+        t2724,
+        t2735,
+        t2746,
+        t2759,
+        t2772,
+        t2835,
+        t2846,
+        t2857,
+        t2895,
+        t2908,
+        t2921,
+        t2984,
+        t2995,
+        t3006,
+        t3043,
+        t3048,
+        t3053,
+        t3084,
+        t3089,
+        t3094,
+        t3114,
+        t3115,
+        t3123,
+        t3130,
+        t3139,
+        t3150,
+        t3161,
         t3166,
-        t3174,
-        t3181,
-        t3190,
-        t3201,
-        t3212,
-        t3217,
-        t3227,
-        t3232,
-        t3239,
-        t3248,
-        t3296,
-        t3303,
-        t3312,
-        t3323,
-        t3334,
-        t3339,
-        t3375,
-        t3384,
-        t3395,
-        t3406,
-        t3411,
-        t3456,
-        t3466,
-        t3477,
-        t3488,
-        t3493,
-        t3494,
+        t3168,
+        t3176,
+        t3183,
+        t3192,
+        t3203,
+        t3214,
+        t3219,
+        t3229,
+        t3234,
+        t3241,
+        t3250,
+        t3298,
+        t3305,
+        t3314,
+        t3325,
+        t3336,
+        t3341,
+        t3377,
+        t3386,
+        t3397,
+        t3408,
+        t3413,
+        t3458,
+        t3468,
+        t3479,
+        t3490,
         t3495,
         t3496,
-        t3574,
-        t3585,
-        t3590,
-        t3668,
-        t3673,
-        t3742,
-        t3743,
+        t3497,
+        t3498,
+        t3576,
+        t3587,
+        t3592,
+        t3670,
+        t3675,
         t3744,
         t3745,
         t3746,
@@ -11849,9 +11849,9 @@ fn forward_dynamics_derivatives_part_3(
         t3834,
         t3835,
         t3836,
-        minus_inverse_d_base_x,
+        t3837,
         t3838,
-        t3839,
+        minus_inverse_d_base_x,
         t3840,
         t3841,
         t3842,
@@ -11881,6 +11881,8 @@ fn forward_dynamics_derivatives_part_3(
         t3866,
         t3867,
         t3868,
+        t3869,
+        t3870,
     ]
 }
 
@@ -11949,7 +11951,7 @@ pub const B_X_NONZERO: [[bool; 3]; 12] = [
 /// - returns `c: [N]`: affine remainder ÿ − A\_v ẏ − B\_x u: y itself counts as δ = 0
 /// - returns `D: [N × N]`: −ad\_v in the rows of a spherical or floating joint, else 0
 ///
-/// Cost: 1989 multiplications, 1709 additions, 6 divisions, 0 function calls.
+/// Cost: 1991 multiplications, 1709 additions, 6 divisions, 0 function calls.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -12007,11 +12009,11 @@ pub fn linearize_into(
     let [t1307, t1311, t1315, t1371, t1374, t1378, t1382, t1436, t1439, t1445, t1447,
     t1499, t1513, t1527, t1536, t1563, t1695, t1708, t1716, t1730, t1776, t1855, t1870,
     t1878, t1894, t1901, t1918, t2000, t2001, t2028, t2055, t2073, t2076, t2080, t2085,
-    t2101, t2158, t2170, t2177, t2179, t2236, t2238, t2241, t2261, t2263, t2320, t2323,
-    t2326, t2329, t2332, t2335, t2338, t2341, t2344, t2347, t2350, t2353, t2356, t2361,
-    t2366, t2371, t2376, t2381, t2386, t2391, t2396, t2401, t2406, t2411, t2416, t2423,
-    t2430, t2437, t2444, t2451, t2458, t2465, t2472, t2479, t2486, t2493, t2500, t2509,
-    t2518, t2527, t2536, t2545, t2554, t2563, t2572] = linearize_part_2(
+    t2101, t2158, t2170, t2177, t2179, t2236, t2238, t2241, t2262, t2264, t2322, t2325,
+    t2328, t2331, t2334, t2337, t2340, t2343, t2346, t2349, t2352, t2355, t2358, t2363,
+    t2368, t2373, t2378, t2383, t2388, t2393, t2398, t2403, t2408, t2413, t2418, t2425,
+    t2432, t2439, t2446, t2453, t2460, t2467, t2474, t2481, t2488, t2495, t2502, t2511,
+    t2520, t2529, t2538, t2547, t2556, t2565, t2574] = linearize_part_2(
         v,
         [
             t2,
@@ -12104,21 +12106,21 @@ pub fn linearize_into(
             t863,
         ],
     );
-    let [t2581, t2590, t2599, t2608, t2619, t2630, t2641, t2652, t2663, t2674, t2685,
-    t2696, t2705, t2716, t2727, t2738, t2751, t2764, t2827, t2838, t2849, t2887, t2900,
-    t2913, t2976, t2987, t2998, t3035, t3040, t3045, t3076, t3081, t3086, t3106, t3122,
-    t3131, t3148, t3157, t3172, t3209, t3216, t3225, t3261, t3270, t3315, t3325, t3326,
-    t3327, t3328, t3339, t3372, t3399, t3499, t3529, t3604, t3613, t3643, t3673, t3703,
-    t3704, t3705, t3706, t3707, t3708, t3709, t3710, t3711, t3712, t3713, t3714, t3715,
-    t3716, t3717, t3718, t3719, t3720, t3721, t3722, t3723, t3724, t3725, t3726, t3727,
-    t3728, t3729, t3730, t3731, t3732, t3733, t3734, t3735, t3736, t3737, t3738, t3739,
-    t3740, t3741, t3742, t3743, t3744, t3745, t3746, t3747, t3748, t3749, t3750, t3751,
-    t3752, t3753, t3754, t3755, t3756, t3757, t3758, t3759, t3760, t3761, t3762, t3763,
-    t3764, t3765, t3766, t3767, t3768, t3769, t3770, t3771, t3772, t3773, t3774, t3775,
-    t3776, t3777, t3778, t3779, t3780, t3781, t3782, t3783, t3784, t3785, t3786, t3787,
-    t3788, t3789, t3790, t3791, t3792, t3793, t3794, t3795, t3796, t3797, t3798, t3799,
-    t3800, t3801, t3802, t3803, t3804, t3805, t3806, t3807, t3808, t3809, t3810, t3811,
-    t3812, t3813, t3814, t3815, t3816, t3817, t3818, t3819, t3820] = linearize_part_3(
+    let [t2583, t2592, t2601, t2610, t2621, t2632, t2643, t2654, t2665, t2676, t2687,
+    t2698, t2707, t2718, t2729, t2740, t2753, t2766, t2829, t2840, t2851, t2889, t2902,
+    t2915, t2978, t2989, t3000, t3037, t3042, t3047, t3078, t3083, t3088, t3108, t3124,
+    t3133, t3150, t3159, t3174, t3211, t3218, t3227, t3263, t3272, t3317, t3327, t3328,
+    t3329, t3330, t3341, t3374, t3401, t3501, t3531, t3606, t3615, t3645, t3675, t3705,
+    t3706, t3707, t3708, t3709, t3710, t3711, t3712, t3713, t3714, t3715, t3716, t3717,
+    t3718, t3719, t3720, t3721, t3722, t3723, t3724, t3725, t3726, t3727, t3728, t3729,
+    t3730, t3731, t3732, t3733, t3734, t3735, t3736, t3737, t3738, t3739, t3740, t3741,
+    t3742, t3743, t3744, t3745, t3746, t3747, t3748, t3749, t3750, t3751, t3752, t3753,
+    t3754, t3755, t3756, t3757, t3758, t3759, t3760, t3761, t3762, t3763, t3764, t3765,
+    t3766, t3767, t3768, t3769, t3770, t3771, t3772, t3773, t3774, t3775, t3776, t3777,
+    t3778, t3779, t3780, t3781, t3782, t3783, t3784, t3785, t3786, t3787, t3788, t3789,
+    t3790, t3791, t3792, t3793, t3794, t3795, t3796, t3797, t3798, t3799, t3800, t3801,
+    t3802, t3803, t3804, t3805, t3806, t3807, t3808, t3809, t3810, t3811, t3812, t3813,
+    t3814, t3815, t3816, t3817, t3818, t3819, t3820, t3821, t3822] = linearize_part_3(
         v,
         u,
         [
@@ -12226,53 +12228,53 @@ pub fn linearize_into(
             t2236,
             t2238,
             t2241,
-            t2261,
-            t2263,
-            t2320,
-            t2323,
-            t2326,
-            t2329,
-            t2332,
-            t2335,
-            t2338,
-            t2341,
-            t2344,
-            t2347,
-            t2350,
-            t2353,
-            t2356,
-            t2361,
-            t2366,
-            t2371,
-            t2376,
-            t2381,
-            t2386,
-            t2391,
-            t2396,
-            t2401,
-            t2406,
-            t2411,
-            t2416,
-            t2423,
-            t2430,
-            t2437,
-            t2444,
-            t2451,
-            t2458,
-            t2465,
-            t2472,
-            t2479,
-            t2486,
-            t2493,
-            t2500,
-            t2509,
-            t2518,
-            t2527,
-            t2536,
-            t2545,
-            t2554,
-            t2563,
-            t2572,
+            t2262,
+            t2264,
+            t2322,
+            t2325,
+            t2328,
+            t2331,
+            t2334,
+            t2337,
+            t2340,
+            t2343,
+            t2346,
+            t2349,
+            t2352,
+            t2355,
+            t2358,
+            t2363,
+            t2368,
+            t2373,
+            t2378,
+            t2383,
+            t2388,
+            t2393,
+            t2398,
+            t2403,
+            t2408,
+            t2413,
+            t2418,
+            t2425,
+            t2432,
+            t2439,
+            t2446,
+            t2453,
+            t2460,
+            t2467,
+            t2474,
+            t2481,
+            t2488,
+            t2495,
+            t2502,
+            t2511,
+            t2520,
+            t2529,
+            t2538,
+            t2547,
+            t2556,
+            t2565,
+            t2574,
         ],
     );
     a_y[0][0] = 0.0;
@@ -12285,7 +12287,7 @@ pub fn linearize_into(
     a_y[0][7] = 0.0;
     a_y[0][8] = 0.0;
     a_y[0][9] = t850;
-    a_y[0][10] = t3704;
+    a_y[0][10] = t3706;
     a_y[0][11] = t1092;
     a_y[1][0] = 0.0;
     a_y[1][1] = 0.0;
@@ -12297,7 +12299,7 @@ pub fn linearize_into(
     a_y[1][7] = 0.0;
     a_y[1][8] = 0.0;
     a_y[1][9] = t1095;
-    a_y[1][10] = t3705;
+    a_y[1][10] = t3707;
     a_y[1][11] = t1101;
     a_y[2][0] = 0.0;
     a_y[2][1] = 0.0;
@@ -12308,9 +12310,9 @@ pub fn linearize_into(
     a_y[2][6] = 0.0;
     a_y[2][7] = 0.0;
     a_y[2][8] = 0.0;
-    a_y[2][9] = t3706;
+    a_y[2][9] = t3708;
     a_y[2][10] = t1111;
-    a_y[2][11] = t3707;
+    a_y[2][11] = t3709;
     a_y[3][0] = 0.0;
     a_y[3][1] = 0.0;
     a_y[3][2] = 0.0;
@@ -12321,7 +12323,7 @@ pub fn linearize_into(
     a_y[3][7] = 0.0;
     a_y[3][8] = 0.0;
     a_y[3][9] = t1123;
-    a_y[3][10] = t3708;
+    a_y[3][10] = t3710;
     a_y[3][11] = t1137;
     a_y[4][0] = 0.0;
     a_y[4][1] = 0.0;
@@ -12332,9 +12334,9 @@ pub fn linearize_into(
     a_y[4][6] = 0.0;
     a_y[4][7] = 0.0;
     a_y[4][8] = 0.0;
-    a_y[4][9] = t3709;
+    a_y[4][9] = t3711;
     a_y[4][10] = t1155;
-    a_y[4][11] = t3710;
+    a_y[4][11] = t3712;
     a_y[5][0] = 0.0;
     a_y[5][1] = 0.0;
     a_y[5][2] = 0.0;
@@ -12344,9 +12346,9 @@ pub fn linearize_into(
     a_y[5][6] = 0.0;
     a_y[5][7] = 0.0;
     a_y[5][8] = 0.0;
-    a_y[5][9] = t3711;
+    a_y[5][9] = t3713;
     a_y[5][10] = t1186;
-    a_y[5][11] = t3712;
+    a_y[5][11] = t3714;
     a_y[6][0] = 0.0;
     a_y[6][1] = 0.0;
     a_y[6][2] = 0.0;
@@ -12356,9 +12358,9 @@ pub fn linearize_into(
     a_y[6][6] = 0.0;
     a_y[6][7] = 0.0;
     a_y[6][8] = 0.0;
-    a_y[6][9] = t3713;
+    a_y[6][9] = t3715;
     a_y[6][10] = t1130;
-    a_y[6][11] = t3714;
+    a_y[6][11] = t3716;
     a_y[7][0] = 0.0;
     a_y[7][1] = 0.0;
     a_y[7][2] = 0.0;
@@ -12369,7 +12371,7 @@ pub fn linearize_into(
     a_y[7][7] = 0.0;
     a_y[7][8] = 0.0;
     a_y[7][9] = t1146;
-    a_y[7][10] = t3715;
+    a_y[7][10] = t3717;
     a_y[7][11] = t1164;
     a_y[8][0] = 0.0;
     a_y[8][1] = 0.0;
@@ -12381,7 +12383,7 @@ pub fn linearize_into(
     a_y[8][7] = 0.0;
     a_y[8][8] = 0.0;
     a_y[8][9] = t1175;
-    a_y[8][10] = t3716;
+    a_y[8][10] = t3718;
     a_y[8][11] = t1197;
     a_y[9][0] = 0.0;
     a_y[9][1] = 0.0;
@@ -12393,7 +12395,7 @@ pub fn linearize_into(
     a_y[9][7] = 0.0;
     a_y[9][8] = 0.0;
     a_y[9][9] = t1210;
-    a_y[9][10] = t3717;
+    a_y[9][10] = t3719;
     a_y[9][11] = t1236;
     a_y[10][0] = 0.0;
     a_y[10][1] = 0.0;
@@ -12405,7 +12407,7 @@ pub fn linearize_into(
     a_y[10][7] = 0.0;
     a_y[10][8] = 0.0;
     a_y[10][9] = t1249;
-    a_y[10][10] = t3718;
+    a_y[10][10] = t3720;
     a_y[10][11] = t1275;
     a_y[11][0] = 0.0;
     a_y[11][1] = 0.0;
@@ -12417,216 +12419,216 @@ pub fn linearize_into(
     a_y[11][7] = 0.0;
     a_y[11][8] = 0.0;
     a_y[11][9] = t1282;
-    a_y[11][10] = t3719;
+    a_y[11][10] = t3721;
     a_y[11][11] = t1304;
     a_v[0][0] = t1371;
     a_v[0][1] = t1436;
-    a_v[0][2] = t3720;
-    a_v[0][3] = t3721;
-    a_v[0][4] = t3722;
-    a_v[0][5] = t3723;
+    a_v[0][2] = t3722;
+    a_v[0][3] = t3723;
+    a_v[0][4] = t3724;
+    a_v[0][5] = t3725;
     a_v[0][6] = t2028;
     a_v[0][7] = t2055;
     a_v[0][8] = t2073;
-    a_v[0][9] = t3724;
-    a_v[0][10] = t3725;
-    a_v[0][11] = t2320;
-    a_v[1][0] = t2323;
-    a_v[1][1] = t2326;
-    a_v[1][2] = t3726;
-    a_v[1][3] = t3727;
-    a_v[1][4] = t3728;
-    a_v[1][5] = t3729;
-    a_v[1][6] = t2341;
-    a_v[1][7] = t2344;
-    a_v[1][8] = t2347;
-    a_v[1][9] = t3730;
-    a_v[1][10] = t3731;
-    a_v[1][11] = t2356;
-    a_v[2][0] = t3732;
-    a_v[2][1] = t3733;
-    a_v[2][2] = t2371;
-    a_v[2][3] = t2376;
-    a_v[2][4] = t2381;
-    a_v[2][5] = t2386;
-    a_v[2][6] = t3734;
-    a_v[2][7] = t3735;
-    a_v[2][8] = t3736;
-    a_v[2][9] = t2406;
-    a_v[2][10] = t2411;
-    a_v[2][11] = t3737;
-    a_v[3][0] = t2423;
-    a_v[3][1] = t2430;
-    a_v[3][2] = t3738;
-    a_v[3][3] = t3739;
-    a_v[3][4] = t3740;
-    a_v[3][5] = t3741;
-    a_v[3][6] = t2465;
-    a_v[3][7] = t2472;
-    a_v[3][8] = t2479;
-    a_v[3][9] = t3742;
-    a_v[3][10] = t3743;
-    a_v[3][11] = t2500;
-    a_v[4][0] = t3744;
-    a_v[4][1] = t3745;
-    a_v[4][2] = t2527;
-    a_v[4][3] = t2536;
-    a_v[4][4] = t2545;
-    a_v[4][5] = t2554;
-    a_v[4][6] = t3746;
-    a_v[4][7] = t3747;
-    a_v[4][8] = t3748;
-    a_v[4][9] = t2590;
-    a_v[4][10] = t2599;
-    a_v[4][11] = t3749;
-    a_v[5][0] = t3750;
-    a_v[5][1] = t3751;
-    a_v[5][2] = t2641;
-    a_v[5][3] = t2652;
-    a_v[5][4] = t2663;
-    a_v[5][5] = t2674;
-    a_v[5][6] = t3752;
-    a_v[5][7] = t3753;
-    a_v[5][8] = t3754;
-    a_v[5][9] = t2716;
-    a_v[5][10] = t2727;
-    a_v[5][11] = t3755;
-    a_v[6][0] = t3756;
-    a_v[6][1] = t3757;
-    a_v[6][2] = t2437;
-    a_v[6][3] = t2444;
-    a_v[6][4] = t2451;
-    a_v[6][5] = t2458;
-    a_v[6][6] = t3758;
-    a_v[6][7] = t3759;
-    a_v[6][8] = t3760;
-    a_v[6][9] = t2486;
-    a_v[6][10] = t2493;
-    a_v[6][11] = t3761;
-    a_v[7][0] = t2509;
-    a_v[7][1] = t2518;
-    a_v[7][2] = t3762;
-    a_v[7][3] = t3763;
-    a_v[7][4] = t3764;
-    a_v[7][5] = t3765;
-    a_v[7][6] = t2563;
-    a_v[7][7] = t2572;
-    a_v[7][8] = t2581;
-    a_v[7][9] = t3766;
-    a_v[7][10] = t3767;
-    a_v[7][11] = t2608;
-    a_v[8][0] = t2619;
-    a_v[8][1] = t2630;
-    a_v[8][2] = t3768;
-    a_v[8][3] = t3769;
-    a_v[8][4] = t3770;
-    a_v[8][5] = t3771;
-    a_v[8][6] = t2685;
-    a_v[8][7] = t2696;
-    a_v[8][8] = t2705;
-    a_v[8][9] = t3772;
-    a_v[8][10] = t3773;
-    a_v[8][11] = t2738;
-    a_v[9][0] = t2751;
-    a_v[9][1] = t2764;
-    a_v[9][2] = t3774;
-    a_v[9][3] = t3775;
-    a_v[9][4] = t3776;
-    a_v[9][5] = t3777;
-    a_v[9][6] = t2827;
-    a_v[9][7] = t2838;
-    a_v[9][8] = t2849;
-    a_v[9][9] = t3778;
-    a_v[9][10] = t3779;
-    a_v[9][11] = t2887;
-    a_v[10][0] = t2900;
-    a_v[10][1] = t2913;
-    a_v[10][2] = t3780;
-    a_v[10][3] = t3781;
-    a_v[10][4] = t3782;
-    a_v[10][5] = t3783;
-    a_v[10][6] = t2976;
-    a_v[10][7] = t2987;
-    a_v[10][8] = t2998;
-    a_v[10][9] = t3784;
-    a_v[10][10] = t3785;
-    a_v[10][11] = t3035;
-    a_v[11][0] = t3040;
-    a_v[11][1] = t3045;
-    a_v[11][2] = t3786;
-    a_v[11][3] = t3787;
-    a_v[11][4] = t3788;
-    a_v[11][5] = t3789;
-    a_v[11][6] = t3076;
-    a_v[11][7] = t3081;
-    a_v[11][8] = t3086;
-    a_v[11][9] = t3790;
-    a_v[11][10] = t3791;
-    a_v[11][11] = t3106;
-    b_x[0][0] = t3792;
-    b_x[0][1] = t3122;
-    b_x[0][2] = t3131;
-    b_x[1][0] = t3793;
-    b_x[1][1] = t3148;
-    b_x[1][2] = t3157;
-    b_x[2][0] = t3172;
-    b_x[2][1] = t3794;
-    b_x[2][2] = t3795;
-    b_x[3][0] = t3209;
-    b_x[3][1] = t3796;
-    b_x[3][2] = t3797;
-    b_x[4][0] = t3798;
-    b_x[4][1] = t3261;
-    b_x[4][2] = t3270;
-    b_x[5][0] = t3799;
-    b_x[5][1] = t3315;
-    b_x[5][2] = t3325;
-    b_x[6][0] = t3326;
-    b_x[6][1] = t3216;
-    b_x[6][2] = t3225;
-    b_x[7][0] = t3216;
-    b_x[7][1] = t3327;
-    b_x[7][2] = t3800;
-    b_x[8][0] = t3225;
-    b_x[8][1] = t3800;
-    b_x[8][2] = t3328;
-    b_x[9][0] = t3339;
-    b_x[9][1] = t3801;
-    b_x[9][2] = t3802;
-    b_x[10][0] = t3372;
-    b_x[10][1] = t3803;
-    b_x[10][2] = t3804;
-    b_x[11][0] = t3399;
-    b_x[11][1] = t3805;
-    b_x[11][2] = t3806;
-    c[0] = t3807;
-    c[1] = t3808;
-    c[2] = t3499;
-    c[3] = t3529;
-    c[4] = t3809;
-    c[5] = t3810;
-    c[6] = t3811;
-    c[7] = t3604;
-    c[8] = t3613;
-    c[9] = t3643;
-    c[10] = t3673;
-    c[11] = t3703;
+    a_v[0][9] = t3726;
+    a_v[0][10] = t3727;
+    a_v[0][11] = t2322;
+    a_v[1][0] = t2325;
+    a_v[1][1] = t2328;
+    a_v[1][2] = t3728;
+    a_v[1][3] = t3729;
+    a_v[1][4] = t3730;
+    a_v[1][5] = t3731;
+    a_v[1][6] = t2343;
+    a_v[1][7] = t2346;
+    a_v[1][8] = t2349;
+    a_v[1][9] = t3732;
+    a_v[1][10] = t3733;
+    a_v[1][11] = t2358;
+    a_v[2][0] = t3734;
+    a_v[2][1] = t3735;
+    a_v[2][2] = t2373;
+    a_v[2][3] = t2378;
+    a_v[2][4] = t2383;
+    a_v[2][5] = t2388;
+    a_v[2][6] = t3736;
+    a_v[2][7] = t3737;
+    a_v[2][8] = t3738;
+    a_v[2][9] = t2408;
+    a_v[2][10] = t2413;
+    a_v[2][11] = t3739;
+    a_v[3][0] = t2425;
+    a_v[3][1] = t2432;
+    a_v[3][2] = t3740;
+    a_v[3][3] = t3741;
+    a_v[3][4] = t3742;
+    a_v[3][5] = t3743;
+    a_v[3][6] = t2467;
+    a_v[3][7] = t2474;
+    a_v[3][8] = t2481;
+    a_v[3][9] = t3744;
+    a_v[3][10] = t3745;
+    a_v[3][11] = t2502;
+    a_v[4][0] = t3746;
+    a_v[4][1] = t3747;
+    a_v[4][2] = t2529;
+    a_v[4][3] = t2538;
+    a_v[4][4] = t2547;
+    a_v[4][5] = t2556;
+    a_v[4][6] = t3748;
+    a_v[4][7] = t3749;
+    a_v[4][8] = t3750;
+    a_v[4][9] = t2592;
+    a_v[4][10] = t2601;
+    a_v[4][11] = t3751;
+    a_v[5][0] = t3752;
+    a_v[5][1] = t3753;
+    a_v[5][2] = t2643;
+    a_v[5][3] = t2654;
+    a_v[5][4] = t2665;
+    a_v[5][5] = t2676;
+    a_v[5][6] = t3754;
+    a_v[5][7] = t3755;
+    a_v[5][8] = t3756;
+    a_v[5][9] = t2718;
+    a_v[5][10] = t2729;
+    a_v[5][11] = t3757;
+    a_v[6][0] = t3758;
+    a_v[6][1] = t3759;
+    a_v[6][2] = t2439;
+    a_v[6][3] = t2446;
+    a_v[6][4] = t2453;
+    a_v[6][5] = t2460;
+    a_v[6][6] = t3760;
+    a_v[6][7] = t3761;
+    a_v[6][8] = t3762;
+    a_v[6][9] = t2488;
+    a_v[6][10] = t2495;
+    a_v[6][11] = t3763;
+    a_v[7][0] = t2511;
+    a_v[7][1] = t2520;
+    a_v[7][2] = t3764;
+    a_v[7][3] = t3765;
+    a_v[7][4] = t3766;
+    a_v[7][5] = t3767;
+    a_v[7][6] = t2565;
+    a_v[7][7] = t2574;
+    a_v[7][8] = t2583;
+    a_v[7][9] = t3768;
+    a_v[7][10] = t3769;
+    a_v[7][11] = t2610;
+    a_v[8][0] = t2621;
+    a_v[8][1] = t2632;
+    a_v[8][2] = t3770;
+    a_v[8][3] = t3771;
+    a_v[8][4] = t3772;
+    a_v[8][5] = t3773;
+    a_v[8][6] = t2687;
+    a_v[8][7] = t2698;
+    a_v[8][8] = t2707;
+    a_v[8][9] = t3774;
+    a_v[8][10] = t3775;
+    a_v[8][11] = t2740;
+    a_v[9][0] = t2753;
+    a_v[9][1] = t2766;
+    a_v[9][2] = t3776;
+    a_v[9][3] = t3777;
+    a_v[9][4] = t3778;
+    a_v[9][5] = t3779;
+    a_v[9][6] = t2829;
+    a_v[9][7] = t2840;
+    a_v[9][8] = t2851;
+    a_v[9][9] = t3780;
+    a_v[9][10] = t3781;
+    a_v[9][11] = t2889;
+    a_v[10][0] = t2902;
+    a_v[10][1] = t2915;
+    a_v[10][2] = t3782;
+    a_v[10][3] = t3783;
+    a_v[10][4] = t3784;
+    a_v[10][5] = t3785;
+    a_v[10][6] = t2978;
+    a_v[10][7] = t2989;
+    a_v[10][8] = t3000;
+    a_v[10][9] = t3786;
+    a_v[10][10] = t3787;
+    a_v[10][11] = t3037;
+    a_v[11][0] = t3042;
+    a_v[11][1] = t3047;
+    a_v[11][2] = t3788;
+    a_v[11][3] = t3789;
+    a_v[11][4] = t3790;
+    a_v[11][5] = t3791;
+    a_v[11][6] = t3078;
+    a_v[11][7] = t3083;
+    a_v[11][8] = t3088;
+    a_v[11][9] = t3792;
+    a_v[11][10] = t3793;
+    a_v[11][11] = t3108;
+    b_x[0][0] = t3794;
+    b_x[0][1] = t3124;
+    b_x[0][2] = t3133;
+    b_x[1][0] = t3795;
+    b_x[1][1] = t3150;
+    b_x[1][2] = t3159;
+    b_x[2][0] = t3174;
+    b_x[2][1] = t3796;
+    b_x[2][2] = t3797;
+    b_x[3][0] = t3211;
+    b_x[3][1] = t3798;
+    b_x[3][2] = t3799;
+    b_x[4][0] = t3800;
+    b_x[4][1] = t3263;
+    b_x[4][2] = t3272;
+    b_x[5][0] = t3801;
+    b_x[5][1] = t3317;
+    b_x[5][2] = t3327;
+    b_x[6][0] = t3328;
+    b_x[6][1] = t3218;
+    b_x[6][2] = t3227;
+    b_x[7][0] = t3218;
+    b_x[7][1] = t3329;
+    b_x[7][2] = t3802;
+    b_x[8][0] = t3227;
+    b_x[8][1] = t3802;
+    b_x[8][2] = t3330;
+    b_x[9][0] = t3341;
+    b_x[9][1] = t3803;
+    b_x[9][2] = t3804;
+    b_x[10][0] = t3374;
+    b_x[10][1] = t3805;
+    b_x[10][2] = t3806;
+    b_x[11][0] = t3401;
+    b_x[11][1] = t3807;
+    b_x[11][2] = t3808;
+    c[0] = t3809;
+    c[1] = t3810;
+    c[2] = t3501;
+    c[3] = t3531;
+    c[4] = t3811;
+    c[5] = t3812;
+    c[6] = t3813;
+    c[7] = t3606;
+    c[8] = t3615;
+    c[9] = t3645;
+    c[10] = t3675;
+    c[11] = t3705;
     d[0][0] = 0.0;
     d[0][1] = v[5];
-    d[0][2] = t3812;
+    d[0][2] = t3814;
     d[0][3] = 0.0;
     d[0][4] = v[2];
-    d[0][5] = t3813;
+    d[0][5] = t3815;
     d[0][6] = 0.0;
     d[0][7] = 0.0;
     d[0][8] = 0.0;
     d[0][9] = 0.0;
     d[0][10] = 0.0;
     d[0][11] = 0.0;
-    d[1][0] = t3814;
+    d[1][0] = t3816;
     d[1][1] = 0.0;
     d[1][2] = v[3];
-    d[1][3] = t3815;
+    d[1][3] = t3817;
     d[1][4] = 0.0;
     d[1][5] = v[0];
     d[1][6] = 0.0;
@@ -12636,10 +12638,10 @@ pub fn linearize_into(
     d[1][10] = 0.0;
     d[1][11] = 0.0;
     d[2][0] = v[4];
-    d[2][1] = t3816;
+    d[2][1] = t3818;
     d[2][2] = 0.0;
     d[2][3] = v[1];
-    d[2][4] = t3817;
+    d[2][4] = t3819;
     d[2][5] = 0.0;
     d[2][6] = 0.0;
     d[2][7] = 0.0;
@@ -12652,7 +12654,7 @@ pub fn linearize_into(
     d[3][2] = 0.0;
     d[3][3] = 0.0;
     d[3][4] = v[5];
-    d[3][5] = t3812;
+    d[3][5] = t3814;
     d[3][6] = 0.0;
     d[3][7] = 0.0;
     d[3][8] = 0.0;
@@ -12662,7 +12664,7 @@ pub fn linearize_into(
     d[4][0] = 0.0;
     d[4][1] = 0.0;
     d[4][2] = 0.0;
-    d[4][3] = t3814;
+    d[4][3] = t3816;
     d[4][4] = 0.0;
     d[4][5] = v[3];
     d[4][6] = 0.0;
@@ -12675,7 +12677,7 @@ pub fn linearize_into(
     d[5][1] = 0.0;
     d[5][2] = 0.0;
     d[5][3] = v[4];
-    d[5][4] = t3816;
+    d[5][4] = t3818;
     d[5][5] = 0.0;
     d[5][6] = 0.0;
     d[5][7] = 0.0;
@@ -12730,7 +12732,7 @@ pub fn linearize_into(
     d[9][8] = 0.0;
     d[9][9] = 0.0;
     d[9][10] = v[11];
-    d[9][11] = t3818;
+    d[9][11] = t3820;
     d[10][0] = 0.0;
     d[10][1] = 0.0;
     d[10][2] = 0.0;
@@ -12740,7 +12742,7 @@ pub fn linearize_into(
     d[10][6] = 0.0;
     d[10][7] = 0.0;
     d[10][8] = 0.0;
-    d[10][9] = t3819;
+    d[10][9] = t3821;
     d[10][10] = 0.0;
     d[10][11] = v[9];
     d[11][0] = 0.0;
@@ -12753,7 +12755,7 @@ pub fn linearize_into(
     d[11][7] = 0.0;
     d[11][8] = 0.0;
     d[11][9] = v[10];
-    d[11][10] = t3820;
+    d[11][10] = t3822;
     d[11][11] = 0.0;
 }
 
@@ -13086,7 +13088,7 @@ fn linearize_part_1(y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> [f64; 125] {
     let t323 = t320 + t317;
     let t324 = 0.0005000000000000004 * t323;
     let moment_boom_rz_z = t324 + t322;
-    let t326 = v[11] * 0.5;
+    let t326 = v[11] * 0.005;
     let t327 = t326 + moment_boom_rz_z;
     let t328 = t54 * t327;
     let t329 = u[2] - t328;
@@ -15230,332 +15232,334 @@ fn linearize_part_2(
     let t2244 = t18 * t2241;
     let t2245 = t2244 - t2243;
     let t2246 = t84 * t2238;
-    let t2247 = t9 - t2246;
-    let t2248 = t2247 - t2245;
-    let t2249 = 0.72 * t2074;
-    let t2250 = t756 - t2249;
-    let t2251 = t31 * t2250;
-    let t2252 = 0.72 * t2168;
-    let t2253 = t770 - t2252;
-    let t2254 = t37 * t2253;
-    let t2255 = t2254 + t2251;
-    let t2256 = 0.3 * t2255;
-    let t2257 = t2256 - t2248;
-    let t2258 = t44 * t2238;
-    let t2259 = 0.5 * t54;
-    let t2260 = t2259 + t2258;
-    let t2261 = t2258 - t2260;
-    let t2262 = t80 * t2261;
-    let t2263 = t2262 + t2257;
-    let t2264 = t139 * t2263;
-    let t2265 = t37 * t2238;
-    let t2266 = t145 * t2241;
-    let t2267 = t2266 + t2265;
-    let t2268 = t31 * t2241;
-    let t2269 = t2268 - t2267;
-    let t2270 = t143 * t2238;
-    let t2271 = t24 - t2270;
-    let t2272 = t2271 - t2269;
-    let t2273 = t18 * t2250;
-    let t2274 = t4 * t2253;
-    let t2275 = t2274 + t2273;
-    let t2276 = 0.3 * t2275;
-    let t2277 = t2276 + t2272;
-    let t2278 = t141 * t2261;
-    let t2279 = t2278 - t2277;
-    let t2280 = t2264 - t2279;
-    let t2281 = t179 * t2280;
-    let t2282 = t181 * t2263;
-    let t2283 = t183 * t2261;
-    let t2284 = t49 * t2250;
-    let t2285 = t44 * t2253;
-    let t2286 = t2285 + t2284;
-    let t2287 = t185 * t2238;
-    let t2288 = t188 * t2241;
-    let t2289 = t2288 + t2287;
-    let t2290 = t2289 - t2286;
-    let t2291 = t2283 - t2290;
-    let t2292 = t2282 - t2291;
-    let t2293 = t2281 - t2292;
-    let t2294 = t225 * t2293;
-    let t2295 = t227 * t2280;
-    let t2296 = t229 * t2263;
-    let t2297 = t231 * t2261;
-    let t2298 = t233 * t2238;
-    let t2299 = t235 * t2241;
-    let t2300 = t2299 + t2298;
-    let t2301 = t2275 - t2300;
-    let t2302 = t2297 - t2301;
-    let t2303 = t2296 + t2302;
-    let t2304 = t2295 - t2303;
-    let t2305 = t2294 - t2304;
-    let t2306 = t283 * t2305;
-    let t2307 = t285 * t2293;
-    let t2308 = t287 * t2280;
-    let t2309 = t289 * t2263;
-    let t2310 = t291 * t2261;
-    let t2311 = t295 * t2238;
-    let t2312 = t293 * t2241;
-    let t2313 = t2312 + t2311;
-    let t2314 = t2255 - t2313;
-    let t2315 = t2310 + t2314;
-    let t2316 = t2309 - t2315;
-    let t2317 = t2308 - t2316;
-    let t2318 = t2307 - t2317;
-    let t2319 = t2306 - t2318;
-    let t2320 = inverse_d_base_x * t2319;
-    let t2321 = t283 * t1371;
-    let t2322 = inverse_d_base_y * t1357;
-    let t2323 = t2322 - t2321;
-    let t2324 = t283 * t1436;
-    let t2325 = inverse_d_base_y * t1421;
-    let t2326 = t2325 - t2324;
-    let t2327 = t283 * t1499;
-    let t2328 = inverse_d_base_y * t1484;
-    let t2329 = t2328 - t2327;
-    let t2330 = t283 * t1695;
-    let t2331 = inverse_d_base_y * t1680;
-    let t2332 = t2331 - t2330;
-    let t2333 = t283 * t1855;
-    let t2334 = inverse_d_base_y * t1838;
-    let t2335 = t2334 - t2333;
-    let t2336 = t283 * t2000;
-    let t2337 = inverse_d_base_y * t1983;
-    let t2338 = t2337 - t2336;
-    let t2339 = t283 * t2028;
-    let t2340 = inverse_d_base_y * t2018;
-    let t2341 = t2340 - t2339;
-    let t2342 = t283 * t2055;
-    let t2343 = inverse_d_base_y * t2045;
-    let t2344 = t2343 - t2342;
-    let t2345 = t283 * t2073;
-    let t2346 = inverse_d_base_y * t2065;
-    let t2347 = t2346 - t2345;
-    let t2348 = t283 * t2158;
-    let t2349 = inverse_d_base_y * t2143;
-    let t2350 = t2349 - t2348;
-    let t2351 = t283 * t2236;
-    let t2352 = inverse_d_base_y * t2221;
-    let t2353 = t2352 - t2351;
-    let t2354 = t283 * t2320;
-    let t2355 = inverse_d_base_y * t2305;
-    let t2356 = t2355 - t2354;
-    let t2357 = t225 * t2323;
-    let t2358 = t285 * t1371;
-    let t2359 = inverse_d_base_z * t1344;
-    let t2360 = t2359 - t2358;
-    let t2361 = t2357 - t2360;
-    let t2362 = t225 * t2326;
-    let t2363 = t285 * t1436;
-    let t2364 = inverse_d_base_z * t1410;
-    let t2365 = t2364 - t2363;
-    let t2366 = t2362 - t2365;
-    let t2367 = t225 * t2329;
-    let t2368 = t285 * t1499;
-    let t2369 = inverse_d_base_z * t1472;
-    let t2370 = t2369 - t2368;
-    let t2371 = t2367 - t2370;
-    let t2372 = t225 * t2332;
-    let t2373 = t285 * t1695;
-    let t2374 = inverse_d_base_z * t1661;
-    let t2375 = t2374 - t2373;
-    let t2376 = t2372 - t2375;
-    let t2377 = t225 * t2335;
-    let t2378 = t285 * t1855;
-    let t2379 = inverse_d_base_z * t1826;
-    let t2380 = t2379 - t2378;
-    let t2381 = t2377 - t2380;
-    let t2382 = t225 * t2338;
-    let t2383 = t285 * t2000;
-    let t2384 = inverse_d_base_z * t1969;
-    let t2385 = t2384 - t2383;
-    let t2386 = t2382 - t2385;
-    let t2387 = t225 * t2341;
-    let t2388 = t285 * t2028;
-    let t2389 = inverse_d_base_z * t2011;
-    let t2390 = t2389 - t2388;
-    let t2391 = t2387 - t2390;
-    let t2392 = t225 * t2344;
-    let t2393 = t285 * t2055;
-    let t2394 = inverse_d_base_z * t2038;
-    let t2395 = t2394 - t2393;
-    let t2396 = t2392 - t2395;
-    let t2397 = t225 * t2347;
-    let t2398 = t285 * t2073;
-    let t2399 = inverse_d_base_z * t2060;
-    let t2400 = t2399 - t2398;
-    let t2401 = t2397 - t2400;
-    let t2402 = t225 * t2350;
-    let t2403 = t285 * t2158;
-    let t2404 = inverse_d_base_z * t2131;
-    let t2405 = t2404 - t2403;
-    let t2406 = t2402 - t2405;
-    let t2407 = t225 * t2353;
-    let t2408 = t285 * t2236;
-    let t2409 = inverse_d_base_z * t2209;
-    let t2410 = t2409 - t2408;
-    let t2411 = t2407 - t2410;
-    let t2412 = t225 * t2356;
-    let t2413 = t285 * t2320;
-    let t2414 = inverse_d_base_z * t2293;
-    let t2415 = t2414 - t2413;
-    let t2416 = t2412 - t2415;
-    let t2417 = t179 * t2361;
-    let t2418 = t227 * t2323;
-    let t2419 = t287 * t1371;
-    let t2420 = inverse_d_base_rx * t1333;
-    let t2421 = t2420 - t2419;
-    let t2422 = t2418 - t2421;
-    let t2423 = t2417 - t2422;
-    let t2424 = t179 * t2366;
-    let t2425 = t227 * t2326;
-    let t2426 = t287 * t1436;
-    let t2427 = inverse_d_base_rx * t1399;
-    let t2428 = t2427 - t2426;
-    let t2429 = t2425 - t2428;
-    let t2430 = t2424 - t2429;
-    let t2431 = t179 * t2371;
-    let t2432 = t227 * t2329;
-    let t2433 = t287 * t1499;
-    let t2434 = inverse_d_base_rx * t1463;
-    let t2435 = t2434 - t2433;
-    let t2436 = t2432 - t2435;
-    let t2437 = t2431 - t2436;
-    let t2438 = t179 * t2376;
-    let t2439 = t227 * t2332;
-    let t2440 = t287 * t1695;
-    let t2441 = inverse_d_base_rx * t1639;
-    let t2442 = t2441 - t2440;
-    let t2443 = t2439 - t2442;
-    let t2444 = t2438 - t2443;
-    let t2445 = t179 * t2381;
-    let t2446 = t227 * t2335;
-    let t2447 = t287 * t1855;
-    let t2448 = inverse_d_base_rx * t1804;
-    let t2449 = t2448 - t2447;
-    let t2450 = t2446 - t2449;
-    let t2451 = t2445 - t2450;
-    let t2452 = t179 * t2386;
-    let t2453 = t227 * t2338;
-    let t2454 = t287 * t2000;
-    let t2455 = inverse_d_base_rx * t1959;
-    let t2456 = t2455 - t2454;
-    let t2457 = t2453 - t2456;
-    let t2458 = t2452 - t2457;
-    let t2459 = t179 * t2391;
-    let t2460 = t227 * t2341;
-    let t2461 = t287 * t2028;
-    let t2462 = inverse_d_base_rx * t2006;
-    let t2463 = t2462 - t2461;
-    let t2464 = t2460 - t2463;
-    let t2465 = t2459 - t2464;
-    let t2466 = t179 * t2396;
-    let t2467 = t227 * t2344;
-    let t2468 = t287 * t2055;
-    let t2469 = inverse_d_base_rx * t2033;
-    let t2470 = t2469 - t2468;
-    let t2471 = t2467 - t2470;
-    let t2472 = t2466 - t2471;
-    let t2473 = t179 * t2401;
-    let t2474 = t227 * t2347;
-    let t2475 = t287 * t2073;
-    let t2476 = inverse_d_base_rx * t2057;
-    let t2477 = t2476 + t2475;
-    let t2478 = t2474 + t2477;
-    let t2479 = t2473 - t2478;
-    let t2480 = t179 * t2406;
-    let t2481 = t227 * t2350;
-    let t2482 = t287 * t2158;
-    let t2483 = inverse_d_base_rx * t2118;
-    let t2484 = t2483 - t2482;
-    let t2485 = t2481 - t2484;
-    let t2486 = t2480 - t2485;
-    let t2487 = t179 * t2411;
-    let t2488 = t227 * t2353;
-    let t2489 = t287 * t2236;
-    let t2490 = inverse_d_base_rx * t2196;
-    let t2491 = t2490 - t2489;
-    let t2492 = t2488 - t2491;
-    let t2493 = t2487 - t2492;
-    let t2494 = t179 * t2416;
-    let t2495 = t227 * t2356;
-    let t2496 = t287 * t2320;
-    let t2497 = inverse_d_base_rx * t2280;
-    let t2498 = t2497 - t2496;
-    let t2499 = t2495 - t2498;
-    let t2500 = t2494 - t2499;
-    let t2501 = t139 * t2423;
-    let t2502 = t181 * t2361;
-    let t2503 = t229 * t2323;
-    let t2504 = t289 * t1371;
-    let t2505 = inverse_d_base_ry * t1322;
-    let t2506 = t2505 - t2504;
-    let t2507 = t2503 - t2506;
-    let t2508 = t2502 - t2507;
-    let t2509 = t2501 - t2508;
-    let t2510 = t139 * t2430;
-    let t2511 = t181 * t2366;
-    let t2512 = t229 * t2326;
-    let t2513 = t289 * t1436;
-    let t2514 = inverse_d_base_ry * t1390;
-    let t2515 = t2514 - t2513;
-    let t2516 = t2512 - t2515;
-    let t2517 = t2511 - t2516;
-    let t2518 = t2510 - t2517;
-    let t2519 = t139 * t2437;
-    let t2520 = t181 * t2371;
-    let t2521 = t229 * t2329;
-    let t2522 = t289 * t1499;
-    let t2523 = inverse_d_base_ry * t1454;
-    let t2524 = t2523 - t2522;
-    let t2525 = t2521 - t2524;
-    let t2526 = t2520 - t2525;
-    let t2527 = t2519 - t2526;
-    let t2528 = t139 * t2444;
-    let t2529 = t181 * t2376;
-    let t2530 = t229 * t2332;
-    let t2531 = t289 * t1695;
-    let t2532 = inverse_d_base_ry * t1601;
-    let t2533 = t2532 - t2531;
-    let t2534 = t2530 - t2533;
-    let t2535 = t2529 - t2534;
-    let t2536 = t2528 - t2535;
-    let t2537 = t139 * t2451;
-    let t2538 = t181 * t2381;
-    let t2539 = t229 * t2335;
-    let t2540 = t289 * t1855;
-    let t2541 = inverse_d_base_ry * t1778;
-    let t2542 = t2541 - t2540;
-    let t2543 = t2539 - t2542;
-    let t2544 = t2538 - t2543;
-    let t2545 = t2537 - t2544;
-    let t2546 = t139 * t2458;
-    let t2547 = t181 * t2386;
-    let t2548 = t229 * t2338;
-    let t2549 = t289 * t2000;
-    let t2550 = inverse_d_base_ry * t1931;
-    let t2551 = t2550 - t2549;
-    let t2552 = t2548 - t2551;
-    let t2553 = t2547 - t2552;
-    let t2554 = t2546 - t2553;
-    let t2555 = t139 * t2465;
-    let t2556 = t181 * t2391;
-    let t2557 = t229 * t2341;
-    let t2558 = t289 * t2028;
-    let t2559 = inverse_d_base_ry * t2003;
-    let t2560 = t2559 - t2558;
-    let t2561 = t2557 - t2560;
-    let t2562 = t2556 - t2561;
-    let t2563 = t2555 - t2562;
-    let t2564 = t139 * t2472;
-    let t2565 = t181 * t2396;
-    let t2566 = t229 * t2344;
-    let t2567 = t289 * t2055;
-    let t2568 = inverse_d_base_ry * t2029;
-    let t2569 = t2568 - t2567;
-    let t2570 = t2566 - t2569;
-    let t2571 = t2565 - t2570;
-    let t2572 = t2564 - t2571;
+    let t2247 = 0.01 * t9;
+    let t2248 = t2247 - t2246;
+    let t2249 = t2248 - t2245;
+    let t2250 = 0.72 * t2074;
+    let t2251 = t756 - t2250;
+    let t2252 = t31 * t2251;
+    let t2253 = 0.72 * t2168;
+    let t2254 = t770 - t2253;
+    let t2255 = t37 * t2254;
+    let t2256 = t2255 + t2252;
+    let t2257 = 0.3 * t2256;
+    let t2258 = t2257 - t2249;
+    let t2259 = t44 * t2238;
+    let t2260 = t54 * 0.005;
+    let t2261 = t2260 + t2259;
+    let t2262 = t2259 - t2261;
+    let t2263 = t80 * t2262;
+    let t2264 = t2263 + t2258;
+    let t2265 = t139 * t2264;
+    let t2266 = t37 * t2238;
+    let t2267 = t145 * t2241;
+    let t2268 = t2267 + t2266;
+    let t2269 = t31 * t2241;
+    let t2270 = t2269 - t2268;
+    let t2271 = t143 * t2238;
+    let t2272 = 0.01 * t24;
+    let t2273 = t2272 - t2271;
+    let t2274 = t2273 - t2270;
+    let t2275 = t18 * t2251;
+    let t2276 = t4 * t2254;
+    let t2277 = t2276 + t2275;
+    let t2278 = 0.3 * t2277;
+    let t2279 = t2278 + t2274;
+    let t2280 = t141 * t2262;
+    let t2281 = t2280 - t2279;
+    let t2282 = t2265 - t2281;
+    let t2283 = t179 * t2282;
+    let t2284 = t181 * t2264;
+    let t2285 = t183 * t2262;
+    let t2286 = t49 * t2251;
+    let t2287 = t44 * t2254;
+    let t2288 = t2287 + t2286;
+    let t2289 = t185 * t2238;
+    let t2290 = t188 * t2241;
+    let t2291 = t2290 + t2289;
+    let t2292 = t2291 - t2288;
+    let t2293 = t2285 - t2292;
+    let t2294 = t2284 - t2293;
+    let t2295 = t2283 - t2294;
+    let t2296 = t225 * t2295;
+    let t2297 = t227 * t2282;
+    let t2298 = t229 * t2264;
+    let t2299 = t231 * t2262;
+    let t2300 = t233 * t2238;
+    let t2301 = t235 * t2241;
+    let t2302 = t2301 + t2300;
+    let t2303 = t2277 - t2302;
+    let t2304 = t2299 - t2303;
+    let t2305 = t2298 + t2304;
+    let t2306 = t2297 - t2305;
+    let t2307 = t2296 - t2306;
+    let t2308 = t283 * t2307;
+    let t2309 = t285 * t2295;
+    let t2310 = t287 * t2282;
+    let t2311 = t289 * t2264;
+    let t2312 = t291 * t2262;
+    let t2313 = t295 * t2238;
+    let t2314 = t293 * t2241;
+    let t2315 = t2314 + t2313;
+    let t2316 = t2256 - t2315;
+    let t2317 = t2312 + t2316;
+    let t2318 = t2311 - t2317;
+    let t2319 = t2310 - t2318;
+    let t2320 = t2309 - t2319;
+    let t2321 = t2308 - t2320;
+    let t2322 = inverse_d_base_x * t2321;
+    let t2323 = t283 * t1371;
+    let t2324 = inverse_d_base_y * t1357;
+    let t2325 = t2324 - t2323;
+    let t2326 = t283 * t1436;
+    let t2327 = inverse_d_base_y * t1421;
+    let t2328 = t2327 - t2326;
+    let t2329 = t283 * t1499;
+    let t2330 = inverse_d_base_y * t1484;
+    let t2331 = t2330 - t2329;
+    let t2332 = t283 * t1695;
+    let t2333 = inverse_d_base_y * t1680;
+    let t2334 = t2333 - t2332;
+    let t2335 = t283 * t1855;
+    let t2336 = inverse_d_base_y * t1838;
+    let t2337 = t2336 - t2335;
+    let t2338 = t283 * t2000;
+    let t2339 = inverse_d_base_y * t1983;
+    let t2340 = t2339 - t2338;
+    let t2341 = t283 * t2028;
+    let t2342 = inverse_d_base_y * t2018;
+    let t2343 = t2342 - t2341;
+    let t2344 = t283 * t2055;
+    let t2345 = inverse_d_base_y * t2045;
+    let t2346 = t2345 - t2344;
+    let t2347 = t283 * t2073;
+    let t2348 = inverse_d_base_y * t2065;
+    let t2349 = t2348 - t2347;
+    let t2350 = t283 * t2158;
+    let t2351 = inverse_d_base_y * t2143;
+    let t2352 = t2351 - t2350;
+    let t2353 = t283 * t2236;
+    let t2354 = inverse_d_base_y * t2221;
+    let t2355 = t2354 - t2353;
+    let t2356 = t283 * t2322;
+    let t2357 = inverse_d_base_y * t2307;
+    let t2358 = t2357 - t2356;
+    let t2359 = t225 * t2325;
+    let t2360 = t285 * t1371;
+    let t2361 = inverse_d_base_z * t1344;
+    let t2362 = t2361 - t2360;
+    let t2363 = t2359 - t2362;
+    let t2364 = t225 * t2328;
+    let t2365 = t285 * t1436;
+    let t2366 = inverse_d_base_z * t1410;
+    let t2367 = t2366 - t2365;
+    let t2368 = t2364 - t2367;
+    let t2369 = t225 * t2331;
+    let t2370 = t285 * t1499;
+    let t2371 = inverse_d_base_z * t1472;
+    let t2372 = t2371 - t2370;
+    let t2373 = t2369 - t2372;
+    let t2374 = t225 * t2334;
+    let t2375 = t285 * t1695;
+    let t2376 = inverse_d_base_z * t1661;
+    let t2377 = t2376 - t2375;
+    let t2378 = t2374 - t2377;
+    let t2379 = t225 * t2337;
+    let t2380 = t285 * t1855;
+    let t2381 = inverse_d_base_z * t1826;
+    let t2382 = t2381 - t2380;
+    let t2383 = t2379 - t2382;
+    let t2384 = t225 * t2340;
+    let t2385 = t285 * t2000;
+    let t2386 = inverse_d_base_z * t1969;
+    let t2387 = t2386 - t2385;
+    let t2388 = t2384 - t2387;
+    let t2389 = t225 * t2343;
+    let t2390 = t285 * t2028;
+    let t2391 = inverse_d_base_z * t2011;
+    let t2392 = t2391 - t2390;
+    let t2393 = t2389 - t2392;
+    let t2394 = t225 * t2346;
+    let t2395 = t285 * t2055;
+    let t2396 = inverse_d_base_z * t2038;
+    let t2397 = t2396 - t2395;
+    let t2398 = t2394 - t2397;
+    let t2399 = t225 * t2349;
+    let t2400 = t285 * t2073;
+    let t2401 = inverse_d_base_z * t2060;
+    let t2402 = t2401 - t2400;
+    let t2403 = t2399 - t2402;
+    let t2404 = t225 * t2352;
+    let t2405 = t285 * t2158;
+    let t2406 = inverse_d_base_z * t2131;
+    let t2407 = t2406 - t2405;
+    let t2408 = t2404 - t2407;
+    let t2409 = t225 * t2355;
+    let t2410 = t285 * t2236;
+    let t2411 = inverse_d_base_z * t2209;
+    let t2412 = t2411 - t2410;
+    let t2413 = t2409 - t2412;
+    let t2414 = t225 * t2358;
+    let t2415 = t285 * t2322;
+    let t2416 = inverse_d_base_z * t2295;
+    let t2417 = t2416 - t2415;
+    let t2418 = t2414 - t2417;
+    let t2419 = t179 * t2363;
+    let t2420 = t227 * t2325;
+    let t2421 = t287 * t1371;
+    let t2422 = inverse_d_base_rx * t1333;
+    let t2423 = t2422 - t2421;
+    let t2424 = t2420 - t2423;
+    let t2425 = t2419 - t2424;
+    let t2426 = t179 * t2368;
+    let t2427 = t227 * t2328;
+    let t2428 = t287 * t1436;
+    let t2429 = inverse_d_base_rx * t1399;
+    let t2430 = t2429 - t2428;
+    let t2431 = t2427 - t2430;
+    let t2432 = t2426 - t2431;
+    let t2433 = t179 * t2373;
+    let t2434 = t227 * t2331;
+    let t2435 = t287 * t1499;
+    let t2436 = inverse_d_base_rx * t1463;
+    let t2437 = t2436 - t2435;
+    let t2438 = t2434 - t2437;
+    let t2439 = t2433 - t2438;
+    let t2440 = t179 * t2378;
+    let t2441 = t227 * t2334;
+    let t2442 = t287 * t1695;
+    let t2443 = inverse_d_base_rx * t1639;
+    let t2444 = t2443 - t2442;
+    let t2445 = t2441 - t2444;
+    let t2446 = t2440 - t2445;
+    let t2447 = t179 * t2383;
+    let t2448 = t227 * t2337;
+    let t2449 = t287 * t1855;
+    let t2450 = inverse_d_base_rx * t1804;
+    let t2451 = t2450 - t2449;
+    let t2452 = t2448 - t2451;
+    let t2453 = t2447 - t2452;
+    let t2454 = t179 * t2388;
+    let t2455 = t227 * t2340;
+    let t2456 = t287 * t2000;
+    let t2457 = inverse_d_base_rx * t1959;
+    let t2458 = t2457 - t2456;
+    let t2459 = t2455 - t2458;
+    let t2460 = t2454 - t2459;
+    let t2461 = t179 * t2393;
+    let t2462 = t227 * t2343;
+    let t2463 = t287 * t2028;
+    let t2464 = inverse_d_base_rx * t2006;
+    let t2465 = t2464 - t2463;
+    let t2466 = t2462 - t2465;
+    let t2467 = t2461 - t2466;
+    let t2468 = t179 * t2398;
+    let t2469 = t227 * t2346;
+    let t2470 = t287 * t2055;
+    let t2471 = inverse_d_base_rx * t2033;
+    let t2472 = t2471 - t2470;
+    let t2473 = t2469 - t2472;
+    let t2474 = t2468 - t2473;
+    let t2475 = t179 * t2403;
+    let t2476 = t227 * t2349;
+    let t2477 = t287 * t2073;
+    let t2478 = inverse_d_base_rx * t2057;
+    let t2479 = t2478 + t2477;
+    let t2480 = t2476 + t2479;
+    let t2481 = t2475 - t2480;
+    let t2482 = t179 * t2408;
+    let t2483 = t227 * t2352;
+    let t2484 = t287 * t2158;
+    let t2485 = inverse_d_base_rx * t2118;
+    let t2486 = t2485 - t2484;
+    let t2487 = t2483 - t2486;
+    let t2488 = t2482 - t2487;
+    let t2489 = t179 * t2413;
+    let t2490 = t227 * t2355;
+    let t2491 = t287 * t2236;
+    let t2492 = inverse_d_base_rx * t2196;
+    let t2493 = t2492 - t2491;
+    let t2494 = t2490 - t2493;
+    let t2495 = t2489 - t2494;
+    let t2496 = t179 * t2418;
+    let t2497 = t227 * t2358;
+    let t2498 = t287 * t2322;
+    let t2499 = inverse_d_base_rx * t2282;
+    let t2500 = t2499 - t2498;
+    let t2501 = t2497 - t2500;
+    let t2502 = t2496 - t2501;
+    let t2503 = t139 * t2425;
+    let t2504 = t181 * t2363;
+    let t2505 = t229 * t2325;
+    let t2506 = t289 * t1371;
+    let t2507 = inverse_d_base_ry * t1322;
+    let t2508 = t2507 - t2506;
+    let t2509 = t2505 - t2508;
+    let t2510 = t2504 - t2509;
+    let t2511 = t2503 - t2510;
+    let t2512 = t139 * t2432;
+    let t2513 = t181 * t2368;
+    let t2514 = t229 * t2328;
+    let t2515 = t289 * t1436;
+    let t2516 = inverse_d_base_ry * t1390;
+    let t2517 = t2516 - t2515;
+    let t2518 = t2514 - t2517;
+    let t2519 = t2513 - t2518;
+    let t2520 = t2512 - t2519;
+    let t2521 = t139 * t2439;
+    let t2522 = t181 * t2373;
+    let t2523 = t229 * t2331;
+    let t2524 = t289 * t1499;
+    let t2525 = inverse_d_base_ry * t1454;
+    let t2526 = t2525 - t2524;
+    let t2527 = t2523 - t2526;
+    let t2528 = t2522 - t2527;
+    let t2529 = t2521 - t2528;
+    let t2530 = t139 * t2446;
+    let t2531 = t181 * t2378;
+    let t2532 = t229 * t2334;
+    let t2533 = t289 * t1695;
+    let t2534 = inverse_d_base_ry * t1601;
+    let t2535 = t2534 - t2533;
+    let t2536 = t2532 - t2535;
+    let t2537 = t2531 - t2536;
+    let t2538 = t2530 - t2537;
+    let t2539 = t139 * t2453;
+    let t2540 = t181 * t2383;
+    let t2541 = t229 * t2337;
+    let t2542 = t289 * t1855;
+    let t2543 = inverse_d_base_ry * t1778;
+    let t2544 = t2543 - t2542;
+    let t2545 = t2541 - t2544;
+    let t2546 = t2540 - t2545;
+    let t2547 = t2539 - t2546;
+    let t2548 = t139 * t2460;
+    let t2549 = t181 * t2388;
+    let t2550 = t229 * t2340;
+    let t2551 = t289 * t2000;
+    let t2552 = inverse_d_base_ry * t1931;
+    let t2553 = t2552 - t2551;
+    let t2554 = t2550 - t2553;
+    let t2555 = t2549 - t2554;
+    let t2556 = t2548 - t2555;
+    let t2557 = t139 * t2467;
+    let t2558 = t181 * t2393;
+    let t2559 = t229 * t2343;
+    let t2560 = t289 * t2028;
+    let t2561 = inverse_d_base_ry * t2003;
+    let t2562 = t2561 - t2560;
+    let t2563 = t2559 - t2562;
+    let t2564 = t2558 - t2563;
+    let t2565 = t2557 - t2564;
+    let t2566 = t139 * t2474;
+    let t2567 = t181 * t2398;
+    let t2568 = t229 * t2346;
+    let t2569 = t289 * t2055;
+    let t2570 = inverse_d_base_ry * t2029;
+    let t2571 = t2570 - t2569;
+    let t2572 = t2568 - t2571;
+    let t2573 = t2567 - t2572;
+    let t2574 = t2566 - t2573;
     [
         t1307,
         t1311,
@@ -15600,53 +15604,53 @@ fn linearize_part_2(
         t2236,
         t2238,
         t2241,
-        t2261,
-        t2263,
-        t2320,
-        t2323,
-        t2326,
-        t2329,
-        t2332,
-        t2335,
-        t2338,
-        t2341,
-        t2344,
-        t2347,
-        t2350,
-        t2353,
-        t2356,
-        t2361,
-        t2366,
-        t2371,
-        t2376,
-        t2381,
-        t2386,
-        t2391,
-        t2396,
-        t2401,
-        t2406,
-        t2411,
-        t2416,
-        t2423,
-        t2430,
-        t2437,
-        t2444,
-        t2451,
-        t2458,
-        t2465,
-        t2472,
-        t2479,
-        t2486,
-        t2493,
-        t2500,
-        t2509,
-        t2518,
-        t2527,
-        t2536,
-        t2545,
-        t2554,
-        t2563,
-        t2572,
+        t2262,
+        t2264,
+        t2322,
+        t2325,
+        t2328,
+        t2331,
+        t2334,
+        t2337,
+        t2340,
+        t2343,
+        t2346,
+        t2349,
+        t2352,
+        t2355,
+        t2358,
+        t2363,
+        t2368,
+        t2373,
+        t2378,
+        t2383,
+        t2388,
+        t2393,
+        t2398,
+        t2403,
+        t2408,
+        t2413,
+        t2418,
+        t2425,
+        t2432,
+        t2439,
+        t2446,
+        t2453,
+        t2460,
+        t2467,
+        t2474,
+        t2481,
+        t2488,
+        t2495,
+        t2502,
+        t2511,
+        t2520,
+        t2529,
+        t2538,
+        t2547,
+        t2556,
+        t2565,
+        t2574,
     ]
 }
 
@@ -15759,1364 +15763,1362 @@ fn linearize_part_3(
     t2236,
     t2238,
     t2241,
-    t2261,
-    t2263,
-    t2320,
-    t2323,
-    t2326,
-    t2329,
-    t2332,
-    t2335,
-    t2338,
-    t2341,
-    t2344,
-    t2347,
-    t2350,
-    t2353,
-    t2356,
-    t2361,
-    t2366,
-    t2371,
-    t2376,
-    t2381,
-    t2386,
-    t2391,
-    t2396,
-    t2401,
-    t2406,
-    t2411,
-    t2416,
-    t2423,
-    t2430,
-    t2437,
-    t2444,
-    t2451,
-    t2458,
-    t2465,
-    t2472,
-    t2479,
-    t2486,
-    t2493,
-    t2500,
-    t2509,
-    t2518,
-    t2527,
-    t2536,
-    t2545,
-    t2554,
-    t2563,
-    t2572,
+    t2262,
+    t2264,
+    t2322,
+    t2325,
+    t2328,
+    t2331,
+    t2334,
+    t2337,
+    t2340,
+    t2343,
+    t2346,
+    t2349,
+    t2352,
+    t2355,
+    t2358,
+    t2363,
+    t2368,
+    t2373,
+    t2378,
+    t2383,
+    t2388,
+    t2393,
+    t2398,
+    t2403,
+    t2408,
+    t2413,
+    t2418,
+    t2425,
+    t2432,
+    t2439,
+    t2446,
+    t2453,
+    t2460,
+    t2467,
+    t2474,
+    t2481,
+    t2488,
+    t2495,
+    t2502,
+    t2511,
+    t2520,
+    t2529,
+    t2538,
+    t2547,
+    t2556,
+    t2565,
+    t2574,
     ]: [f64; 151],
 ) -> [f64; 176] {
-    let t2573 = t139 * t2479;
-    let t2574 = t181 * t2401;
-    let t2575 = t229 * t2347;
-    let t2576 = t289 * t2073;
-    let t2577 = t1918 * inverse_d_base_ry;
-    let t2578 = t2577 + t2576;
-    let t2579 = t2575 + t2578;
-    let t2580 = t2574 - t2579;
-    let t2581 = t2573 - t2580;
-    let t2582 = t139 * t2486;
-    let t2583 = t181 * t2406;
-    let t2584 = t229 * t2350;
-    let t2585 = t289 * t2158;
-    let t2586 = inverse_d_base_ry * t2101;
-    let t2587 = t2586 - t2585;
-    let t2588 = t2584 - t2587;
-    let t2589 = t2583 - t2588;
-    let t2590 = t2582 - t2589;
-    let t2591 = t139 * t2493;
-    let t2592 = t181 * t2411;
-    let t2593 = t229 * t2353;
-    let t2594 = t289 * t2236;
-    let t2595 = inverse_d_base_ry * t2179;
-    let t2596 = t2595 - t2594;
-    let t2597 = t2593 - t2596;
-    let t2598 = t2592 - t2597;
-    let t2599 = t2591 - t2598;
-    let t2600 = t139 * t2500;
-    let t2601 = t181 * t2416;
-    let t2602 = t229 * t2356;
-    let t2603 = t289 * t2320;
-    let t2604 = inverse_d_base_ry * t2263;
-    let t2605 = t2604 - t2603;
-    let t2606 = t2602 - t2605;
-    let t2607 = t2601 - t2606;
-    let t2608 = t2600 - t2607;
-    let t2609 = t80 * t2509;
-    let t2610 = t141 * t2423;
-    let t2611 = t183 * t2361;
-    let t2612 = t231 * t2323;
-    let t2613 = t291 * t1371;
-    let t2614 = t1315 * inverse_d_base_rz;
-    let t2615 = t2614 - t2613;
-    let t2616 = t2612 + t2615;
-    let t2617 = t2611 + t2616;
-    let t2618 = t2610 - t2617;
-    let t2619 = t2609 - t2618;
-    let t2620 = t80 * t2518;
-    let t2621 = t141 * t2430;
-    let t2622 = t183 * t2366;
-    let t2623 = t231 * t2326;
-    let t2624 = t291 * t1436;
-    let t2625 = inverse_d_base_rz * t1382;
-    let t2626 = t2625 - t2624;
-    let t2627 = t2623 + t2626;
-    let t2628 = t2622 + t2627;
-    let t2629 = t2621 - t2628;
-    let t2630 = t2620 - t2629;
-    let t2631 = t80 * t2527;
-    let t2632 = t141 * t2437;
-    let t2633 = t183 * t2371;
-    let t2634 = t231 * t2329;
-    let t2635 = t291 * t1499;
-    let t2636 = inverse_d_base_rz * t1447;
-    let t2637 = t2636 - t2635;
-    let t2638 = t2634 + t2637;
-    let t2639 = t2633 + t2638;
-    let t2640 = t2632 - t2639;
-    let t2641 = t2631 - t2640;
-    let t2642 = t80 * t2536;
-    let t2643 = t141 * t2444;
-    let t2644 = t183 * t2376;
-    let t2645 = t231 * t2332;
-    let t2646 = t291 * t1695;
-    let t2647 = inverse_d_base_rz * t1563;
-    let t2648 = t2647 - t2646;
-    let t2649 = t2645 + t2648;
-    let t2650 = t2644 + t2649;
-    let t2651 = t2643 - t2650;
-    let t2652 = t2642 - t2651;
-    let t2653 = t80 * t2545;
-    let t2654 = t141 * t2451;
-    let t2655 = t183 * t2381;
-    let t2656 = t231 * t2335;
-    let t2657 = t291 * t1855;
-    let t2658 = inverse_d_base_rz * t1776;
-    let t2659 = t2658 - t2657;
-    let t2660 = t2656 + t2659;
-    let t2661 = t2655 + t2660;
-    let t2662 = t2654 - t2661;
-    let t2663 = t2653 - t2662;
-    let t2664 = t80 * t2554;
-    let t2665 = t141 * t2458;
-    let t2666 = t183 * t2386;
-    let t2667 = t231 * t2338;
-    let t2668 = t291 * t2000;
-    let t2669 = inverse_d_base_rz * t1901;
-    let t2670 = t2669 - t2668;
-    let t2671 = t2667 + t2670;
-    let t2672 = t2666 + t2671;
-    let t2673 = t2665 - t2672;
-    let t2674 = t2664 - t2673;
-    let t2675 = t80 * t2563;
-    let t2676 = t141 * t2465;
-    let t2677 = t183 * t2391;
-    let t2678 = t231 * t2341;
-    let t2679 = t291 * t2028;
-    let t2680 = t2001 * inverse_d_base_rz;
-    let t2681 = t2680 + t2679;
-    let t2682 = t2678 - t2681;
-    let t2683 = t2677 + t2682;
-    let t2684 = t2676 - t2683;
-    let t2685 = t2675 - t2684;
-    let t2686 = t80 * t2572;
-    let t2687 = t141 * t2472;
-    let t2688 = t183 * t2396;
-    let t2689 = t231 * t2344;
-    let t2690 = t291 * t2055;
-    let t2691 = t1918 * inverse_d_base_rz;
-    let t2692 = t2691 - t2690;
-    let t2693 = t2689 + t2692;
-    let t2694 = t2688 + t2693;
-    let t2695 = t2687 - t2694;
-    let t2696 = t2686 - t2695;
-    let t2697 = t80 * t2581;
-    let t2698 = t141 * t2479;
-    let t2699 = t183 * t2401;
-    let t2700 = t231 * t2347;
-    let t2701 = t291 * t2073;
-    let t2702 = t2700 - t2701;
-    let t2703 = t2699 + t2702;
-    let t2704 = t2698 - t2703;
-    let t2705 = t2697 - t2704;
-    let t2706 = t80 * t2590;
-    let t2707 = t141 * t2486;
-    let t2708 = t183 * t2406;
-    let t2709 = t231 * t2350;
-    let t2710 = t291 * t2158;
-    let t2711 = inverse_d_base_rz * t2085;
-    let t2712 = t2711 - t2710;
-    let t2713 = t2709 + t2712;
-    let t2714 = t2708 + t2713;
-    let t2715 = t2707 - t2714;
-    let t2716 = t2706 - t2715;
-    let t2717 = t80 * t2599;
-    let t2718 = t141 * t2493;
-    let t2719 = t183 * t2411;
-    let t2720 = t231 * t2353;
-    let t2721 = t291 * t2236;
-    let t2722 = inverse_d_base_rz * t2177;
-    let t2723 = t2722 - t2721;
-    let t2724 = t2720 + t2723;
-    let t2725 = t2719 + t2724;
-    let t2726 = t2718 - t2725;
-    let t2727 = t2717 - t2726;
-    let t2728 = t80 * t2608;
-    let t2729 = t141 * t2500;
-    let t2730 = t183 * t2416;
-    let t2731 = t231 * t2356;
-    let t2732 = t291 * t2320;
-    let t2733 = inverse_d_base_rz * t2261;
-    let t2734 = t2733 - t2732;
-    let t2735 = t2731 + t2734;
-    let t2736 = t2730 + t2735;
-    let t2737 = t2729 - t2736;
-    let t2738 = t2728 - t2737;
-    let t2739 = t44 * t2619;
-    let t2740 = t84 * t2509;
-    let t2741 = t143 * t2423;
-    let t2742 = t185 * t2361;
-    let t2743 = t233 * t2323;
-    let t2744 = t295 * t1371;
-    let t2745 = 1.7182130584192439 * t1307;
-    let t2746 = t2745 + t2744;
-    let t2747 = t2743 + t2746;
-    let t2748 = t2742 - t2747;
-    let t2749 = t2741 + t2748;
-    let t2750 = t2740 - t2749;
-    let t2751 = t2739 + t2750;
-    let t2752 = t44 * t2630;
-    let t2753 = t84 * t2518;
-    let t2754 = t143 * t2430;
-    let t2755 = t185 * t2366;
-    let t2756 = t233 * t2326;
-    let t2757 = t295 * t1436;
-    let t2758 = 1.7182130584192439 * t1378;
-    let t2759 = t2758 - t2757;
-    let t2760 = t2756 - t2759;
-    let t2761 = t2755 - t2760;
-    let t2762 = t2754 + t2761;
-    let t2763 = t2753 - t2762;
-    let t2764 = t2752 + t2763;
-    let t2765 = t44 * t2641;
-    let t2766 = t84 * t2527;
-    let t2767 = t143 * t2437;
-    let t2768 = t185 * t2371;
-    let t2769 = t233 * t2329;
-    let t2770 = t295 * t1499;
-    let t2771 = 1.7182130584192439 * t1439;
-    let t2772 = t2771 - t2770;
-    let t2773 = t2769 - t2772;
-    let t2774 = t2768 - t2773;
-    let t2775 = t2767 + t2774;
-    let t2776 = t2766 - t2775;
-    let t2777 = t2765 + t2776;
-    let t2778 = t44 * t2652;
-    let t2779 = t84 * t2536;
-    let t2780 = t143 * t2444;
-    let t2781 = t185 * t2376;
-    let t2782 = t233 * t2332;
-    let t2783 = t295 * t1695;
-    let t2784 = 1.7182130584192439 * t1513;
-    let t2785 = t2784 + t2783;
-    let t2786 = t2782 + t2785;
-    let t2787 = t2781 - t2786;
-    let t2788 = t2780 + t2787;
-    let t2789 = t2779 - t2788;
-    let t2790 = t2778 + t2789;
-    let t2791 = t44 * t2663;
-    let t2792 = t84 * t2545;
-    let t2793 = t143 * t2451;
-    let t2794 = t185 * t2381;
-    let t2795 = t233 * t2335;
-    let t2796 = t295 * t1855;
-    let t2797 = 1.7182130584192439 * t1730;
-    let t2798 = t2797 + t2796;
-    let t2799 = t2795 + t2798;
-    let t2800 = t2794 - t2799;
-    let t2801 = t2793 + t2800;
-    let t2802 = t2792 - t2801;
-    let t2803 = t2791 + t2802;
-    let t2804 = t44 * t2674;
-    let t2805 = t84 * t2554;
-    let t2806 = t143 * t2458;
-    let t2807 = t185 * t2386;
-    let t2808 = t233 * t2338;
-    let t2809 = t295 * t2000;
-    let t2810 = 1.7182130584192439 * t1894;
-    let t2811 = t2810 + t2809;
-    let t2812 = t2808 + t2811;
-    let t2813 = t2807 - t2812;
-    let t2814 = t2806 + t2813;
-    let t2815 = t2805 - t2814;
-    let t2816 = t2804 + t2815;
-    let t2817 = t44 * t2685;
-    let t2818 = t84 * t2563;
-    let t2819 = t143 * t2465;
-    let t2820 = t185 * t2391;
-    let t2821 = t233 * t2341;
-    let t2822 = t295 * t2028;
-    let t2823 = t2821 + t2822;
-    let t2824 = t2820 - t2823;
-    let t2825 = t2819 + t2824;
-    let t2826 = t2818 - t2825;
-    let t2827 = t2817 + t2826;
-    let t2828 = t44 * t2696;
-    let t2829 = t84 * t2572;
-    let t2830 = t143 * t2472;
-    let t2831 = t185 * t2396;
-    let t2832 = t233 * t2344;
-    let t2833 = t295 * t2055;
-    let t2834 = t2832 + t2833;
-    let t2835 = t2831 - t2834;
-    let t2836 = t2830 + t2835;
-    let t2837 = t2829 - t2836;
-    let t2838 = t2828 + t2837;
-    let t2839 = t44 * t2705;
-    let t2840 = t84 * t2581;
-    let t2841 = t143 * t2479;
-    let t2842 = t185 * t2401;
-    let t2843 = t233 * t2347;
-    let t2844 = t295 * t2073;
-    let t2845 = t2843 + t2844;
-    let t2846 = t2842 - t2845;
-    let t2847 = t2841 + t2846;
-    let t2848 = t2840 - t2847;
-    let t2849 = t2839 + t2848;
-    let t2850 = t44 * t2716;
-    let t2851 = t84 * t2590;
-    let t2852 = t143 * t2486;
-    let t2853 = t185 * t2406;
-    let t2854 = t233 * t2350;
-    let t2855 = t295 * t2158;
-    let t2856 = 0.8591065292096219 + t2855;
-    let t2857 = t2854 + t2856;
-    let t2858 = t2853 - t2857;
-    let t2859 = t2852 + t2858;
-    let t2860 = t2851 - t2859;
-    let t2861 = t2850 + t2860;
-    let t2862 = t44 * t2727;
-    let t2863 = t84 * t2599;
-    let t2864 = t143 * t2493;
-    let t2865 = t185 * t2411;
-    let t2866 = t233 * t2353;
-    let t2867 = t295 * t2236;
-    let t2868 = 1.7182130584192439 * t2080;
-    let t2869 = t2868 + t2867;
-    let t2870 = t2866 + t2869;
-    let t2871 = t2865 - t2870;
-    let t2872 = t2864 + t2871;
-    let t2873 = t2863 - t2872;
-    let t2874 = t2862 + t2873;
-    let t2875 = t44 * t2738;
-    let t2876 = t84 * t2608;
-    let t2877 = t143 * t2500;
-    let t2878 = t185 * t2416;
-    let t2879 = t233 * t2356;
-    let t2880 = t295 * t2320;
-    let t2881 = 1.7182130584192439 * t2238;
-    let t2882 = t2881 + t2880;
-    let t2883 = t2879 + t2882;
-    let t2884 = t2878 - t2883;
-    let t2885 = t2877 + t2884;
-    let t2886 = t2876 - t2885;
-    let t2887 = t2875 + t2886;
-    let t2888 = t49 * t2619;
-    let t2889 = t82 * t2509;
-    let t2890 = t145 * t2423;
-    let t2891 = t188 * t2361;
-    let t2892 = t235 * t2323;
-    let t2893 = t293 * t1371;
-    let t2894 = 1.7182130584192439 * t1311;
-    let t2895 = t2894 + t2893;
-    let t2896 = t2892 + t2895;
-    let t2897 = t2891 - t2896;
-    let t2898 = t2890 - t2897;
-    let t2899 = t2889 - t2898;
-    let t2900 = t2888 + t2899;
-    let t2901 = t49 * t2630;
-    let t2902 = t82 * t2518;
-    let t2903 = t145 * t2430;
-    let t2904 = t188 * t2366;
-    let t2905 = t235 * t2326;
-    let t2906 = t293 * t1436;
-    let t2907 = 1.7182130584192439 * t1374;
-    let t2908 = t2907 - t2906;
-    let t2909 = t2905 - t2908;
-    let t2910 = t2904 - t2909;
-    let t2911 = t2903 - t2910;
-    let t2912 = t2902 - t2911;
-    let t2913 = t2901 + t2912;
-    let t2914 = t49 * t2641;
-    let t2915 = t82 * t2527;
-    let t2916 = t145 * t2437;
-    let t2917 = t188 * t2371;
-    let t2918 = t235 * t2329;
-    let t2919 = t293 * t1499;
-    let t2920 = 1.7182130584192439 * t1445;
-    let t2921 = t2920 - t2919;
-    let t2922 = t2918 - t2921;
-    let t2923 = t2917 - t2922;
-    let t2924 = t2916 - t2923;
-    let t2925 = t2915 - t2924;
-    let t2926 = t2914 + t2925;
-    let t2927 = t49 * t2652;
-    let t2928 = t82 * t2536;
-    let t2929 = t145 * t2444;
-    let t2930 = t188 * t2376;
-    let t2931 = t235 * t2332;
-    let t2932 = t293 * t1695;
-    let t2933 = 1.7182130584192439 * t1527;
-    let t2934 = t2933 + t2932;
-    let t2935 = t2931 + t2934;
-    let t2936 = t2930 - t2935;
-    let t2937 = t2929 - t2936;
-    let t2938 = t2928 - t2937;
-    let t2939 = t2927 + t2938;
-    let t2940 = t49 * t2663;
-    let t2941 = t82 * t2545;
-    let t2942 = t145 * t2451;
-    let t2943 = t188 * t2381;
-    let t2944 = t235 * t2335;
-    let t2945 = t293 * t1855;
-    let t2946 = 1.7182130584192439 * t1708;
-    let t2947 = t2946 + t2945;
-    let t2948 = t2944 + t2947;
-    let t2949 = t2943 - t2948;
-    let t2950 = t2942 - t2949;
-    let t2951 = t2941 - t2950;
-    let t2952 = t2940 + t2951;
-    let t2953 = t49 * t2674;
-    let t2954 = t82 * t2554;
-    let t2955 = t145 * t2458;
-    let t2956 = t188 * t2386;
-    let t2957 = t235 * t2338;
-    let t2958 = t293 * t2000;
-    let t2959 = 1.7182130584192439 * t1870;
-    let t2960 = t2959 + t2958;
-    let t2961 = t2957 + t2960;
-    let t2962 = t2956 - t2961;
-    let t2963 = t2955 - t2962;
-    let t2964 = t2954 - t2963;
-    let t2965 = t2953 + t2964;
-    let t2966 = t49 * t2685;
-    let t2967 = t82 * t2563;
-    let t2968 = t145 * t2465;
-    let t2969 = t188 * t2391;
-    let t2970 = t235 * t2341;
-    let t2971 = t293 * t2028;
-    let t2972 = t2970 + t2971;
-    let t2973 = t2969 - t2972;
-    let t2974 = t2968 - t2973;
-    let t2975 = t2967 - t2974;
-    let t2976 = t2966 + t2975;
-    let t2977 = t49 * t2696;
-    let t2978 = t82 * t2572;
-    let t2979 = t145 * t2472;
-    let t2980 = t188 * t2396;
-    let t2981 = t235 * t2344;
-    let t2982 = t293 * t2055;
-    let t2983 = t2981 + t2982;
-    let t2984 = t2980 - t2983;
-    let t2985 = t2979 - t2984;
-    let t2986 = t2978 - t2985;
-    let t2987 = t2977 + t2986;
-    let t2988 = t49 * t2705;
-    let t2989 = t82 * t2581;
-    let t2990 = t145 * t2479;
-    let t2991 = t188 * t2401;
-    let t2992 = t235 * t2347;
-    let t2993 = t293 * t2073;
-    let t2994 = t2992 + t2993;
-    let t2995 = t2991 - t2994;
-    let t2996 = t2990 - t2995;
-    let t2997 = t2989 - t2996;
-    let t2998 = t2988 + t2997;
-    let t2999 = t49 * t2716;
-    let t3000 = t82 * t2590;
-    let t3001 = t145 * t2486;
-    let t3002 = t188 * t2406;
-    let t3003 = t235 * t2350;
-    let t3004 = t293 * t2158;
-    let t3005 = t2868 + t3004;
-    let t3006 = t3003 + t3005;
-    let t3007 = t3002 - t3006;
-    let t3008 = t3001 - t3007;
-    let t3009 = t3000 - t3008;
-    let t3010 = t2999 + t3009;
-    let t3011 = t49 * t2727;
-    let t3012 = t82 * t2599;
-    let t3013 = t145 * t2493;
-    let t3014 = t188 * t2411;
-    let t3015 = t235 * t2353;
-    let t3016 = t293 * t2236;
-    let t3017 = 0.8591065292096219 - t3016;
-    let t3018 = t3015 - t3017;
-    let t3019 = t3014 - t3018;
-    let t3020 = t3013 - t3019;
-    let t3021 = t3012 - t3020;
-    let t3022 = t3011 + t3021;
-    let t3023 = t49 * t2738;
-    let t3024 = t82 * t2608;
-    let t3025 = t145 * t2500;
-    let t3026 = t188 * t2416;
-    let t3027 = t235 * t2356;
-    let t3028 = t293 * t2320;
-    let t3029 = 1.7182130584192439 * t2241;
-    let t3030 = t3029 + t3028;
-    let t3031 = t3027 + t3030;
-    let t3032 = t3026 - t3031;
-    let t3033 = t3025 - t3032;
-    let t3034 = t3024 - t3033;
-    let t3035 = t3023 + t3034;
-    let t3036 = t54 * t2619;
-    let t3037 = t11 * t2509;
-    let t3038 = t26 * t2423;
-    let t3039 = t3037 - t3038;
-    let t3040 = t3036 + t3039;
-    let t3041 = t54 * t2630;
-    let t3042 = t11 * t2518;
-    let t3043 = t26 * t2430;
-    let t3044 = t3042 - t3043;
-    let t3045 = t3041 + t3044;
-    let t3046 = t54 * t2641;
-    let t3047 = t11 * t2527;
-    let t3048 = t26 * t2437;
-    let t3049 = t3047 - t3048;
-    let t3050 = t3046 + t3049;
-    let t3051 = t54 * t2652;
-    let t3052 = t11 * t2536;
-    let t3053 = t26 * t2444;
-    let t3054 = 999.9999999999991 * t1536;
-    let t3055 = t3054 + t3053;
-    let t3056 = t3052 - t3055;
-    let t3057 = t3051 + t3056;
-    let t3058 = t54 * t2663;
-    let t3059 = t11 * t2545;
-    let t3060 = t26 * t2451;
-    let t3061 = 999.9999999999991 * t1716;
-    let t3062 = t3061 + t3060;
-    let t3063 = t3059 - t3062;
-    let t3064 = t3058 + t3063;
-    let t3065 = t54 * t2674;
-    let t3066 = t11 * t2554;
-    let t3067 = t26 * t2458;
-    let t3068 = 999.9999999999991 * t1878;
-    let t3069 = t3068 + t3067;
-    let t3070 = t3066 - t3069;
-    let t3071 = t3065 + t3070;
-    let t3072 = t54 * t2685;
-    let t3073 = t11 * t2563;
-    let t3074 = t26 * t2465;
-    let t3075 = t3073 - t3074;
-    let t3076 = t3072 + t3075;
-    let t3077 = t54 * t2696;
-    let t3078 = t11 * t2572;
-    let t3079 = t26 * t2472;
-    let t3080 = t3078 - t3079;
-    let t3081 = t3077 + t3080;
-    let t3082 = t54 * t2705;
-    let t3083 = t11 * t2581;
-    let t3084 = t26 * t2479;
-    let t3085 = t3083 - t3084;
-    let t3086 = t3082 + t3085;
-    let t3087 = t54 * t2716;
-    let t3088 = t11 * t2590;
-    let t3089 = t26 * t2486;
-    let t3090 = 999.9999999999991 * t2076;
-    let t3091 = t3090 - t3089;
-    let t3092 = t3088 + t3091;
-    let t3093 = t3087 + t3092;
-    let t3094 = t54 * t2727;
-    let t3095 = t11 * t2599;
-    let t3096 = t26 * t2493;
-    let t3097 = 999.9999999999991 * t2170;
-    let t3098 = t3097 + t3096;
-    let t3099 = t3095 - t3098;
-    let t3100 = t3094 + t3099;
-    let t3101 = t54 * t2738;
-    let t3102 = t11 * t2608;
-    let t3103 = t26 * t2500;
-    let t3104 = 499.99999999999955 + t3103;
-    let t3105 = t3102 - t3104;
-    let t3106 = t3101 + t3105;
-    let t3107 = t283 * inverse_d_base_x;
-    let t3108 = t225 * t3107;
-    let t3109 = t285 * inverse_d_base_x;
-    let t3110 = t3108 - t3109;
-    let t3111 = t179 * t3110;
-    let t3112 = t227 * t3107;
-    let t3113 = t287 * inverse_d_base_x;
-    let t3114 = t3112 - t3113;
-    let t3115 = t3111 - t3114;
-    let t3116 = t139 * t3115;
-    let t3117 = t181 * t3110;
-    let t3118 = t229 * t3107;
-    let t3119 = t289 * inverse_d_base_x;
-    let t3120 = t3118 - t3119;
-    let t3121 = t3117 - t3120;
-    let t3122 = t3116 - t3121;
-    let t3123 = t80 * t3122;
-    let t3124 = t141 * t3115;
-    let t3125 = t183 * t3110;
-    let t3126 = t231 * t3107;
-    let t3127 = t291 * inverse_d_base_x;
-    let t3128 = t3126 + t3127;
-    let t3129 = t3125 + t3128;
-    let t3130 = t3124 - t3129;
-    let t3131 = t3123 - t3130;
-    let t3132 = t283 * t3107;
-    let t3133 = inverse_d_base_y - t3132;
-    let t3134 = t225 * t3133;
-    let t3135 = t285 * t3107;
-    let t3136 = t3134 + t3135;
-    let t3137 = t179 * t3136;
-    let t3138 = t227 * t3133;
-    let t3139 = t287 * t3107;
-    let t3140 = t3138 + t3139;
-    let t3141 = t3137 - t3140;
-    let t3142 = t139 * t3141;
-    let t3143 = t181 * t3136;
-    let t3144 = t229 * t3133;
-    let t3145 = t289 * t3107;
-    let t3146 = t3144 + t3145;
-    let t3147 = t3143 - t3146;
-    let t3148 = t3142 - t3147;
-    let t3149 = t80 * t3148;
-    let t3150 = t141 * t3141;
-    let t3151 = t183 * t3136;
-    let t3152 = t231 * t3133;
-    let t3153 = t291 * t3107;
-    let t3154 = t3152 - t3153;
-    let t3155 = t3151 + t3154;
-    let t3156 = t3150 - t3155;
-    let t3157 = t3149 - t3156;
-    let t3158 = t225 * t283;
-    let t3159 = t285 - t3158;
-    let t3160 = inverse_d_base_x * t3159;
-    let t3161 = t283 * t3160;
-    let t3162 = t225 * inverse_d_base_y;
-    let t3163 = t3162 + t3161;
-    let t3164 = t225 * t3163;
-    let t3165 = t285 * t3160;
-    let t3166 = inverse_d_base_z + t3165;
-    let t3167 = t3164 - t3166;
-    let t3168 = t179 * t3167;
-    let t3169 = t227 * t3163;
-    let t3170 = t287 * t3160;
-    let t3171 = t3169 - t3170;
-    let t3172 = t3168 - t3171;
-    let t3173 = t139 * t3172;
-    let t3174 = t181 * t3167;
-    let t3175 = t229 * t3163;
-    let t3176 = t289 * t3160;
-    let t3177 = t3175 - t3176;
-    let t3178 = t3174 - t3177;
-    let t3179 = t3173 - t3178;
-    let t3180 = t80 * t3179;
-    let t3181 = t141 * t3172;
-    let t3182 = t183 * t3167;
-    let t3183 = t231 * t3163;
-    let t3184 = t291 * t3160;
-    let t3185 = t3183 + t3184;
-    let t3186 = t3182 + t3185;
-    let t3187 = t3181 - t3186;
-    let t3188 = t3180 - t3187;
-    let t3189 = t179 * t225;
-    let t3190 = t227 - t3189;
-    let t3191 = t283 * t3190;
-    let t3192 = t179 * t285;
-    let t3193 = t287 - t3192;
-    let t3194 = t3191 - t3193;
-    let t3195 = inverse_d_base_x * t3194;
-    let t3196 = t283 * t3195;
-    let t3197 = inverse_d_base_y * t3190;
-    let t3198 = t3197 - t3196;
-    let t3199 = t225 * t3198;
-    let t3200 = t285 * t3195;
-    let t3201 = t179 * inverse_d_base_z;
-    let t3202 = t3201 + t3200;
-    let t3203 = t3199 + t3202;
-    let t3204 = t179 * t3203;
-    let t3205 = t227 * t3198;
-    let t3206 = t287 * t3195;
-    let t3207 = inverse_d_base_rx + t3206;
-    let t3208 = t3205 + t3207;
-    let t3209 = t3204 - t3208;
-    let t3210 = t139 * t3209;
-    let t3211 = t181 * t3203;
-    let t3212 = t229 * t3198;
-    let t3213 = t289 * t3195;
-    let t3214 = t3212 + t3213;
-    let t3215 = t3211 - t3214;
-    let t3216 = t3210 - t3215;
-    let t3217 = t80 * t3216;
-    let t3218 = t141 * t3209;
-    let t3219 = t183 * t3203;
-    let t3220 = t231 * t3198;
-    let t3221 = t291 * t3195;
-    let t3222 = t3220 - t3221;
-    let t3223 = t3219 + t3222;
-    let t3224 = t3218 - t3223;
-    let t3225 = t3217 - t3224;
-    let t3226 = t139 * t179;
-    let t3227 = t181 - t3226;
-    let t3228 = t225 * t3227;
-    let t3229 = t139 * t227;
-    let t3230 = t229 - t3229;
-    let t3231 = t3228 - t3230;
-    let t3232 = t283 * t3231;
-    let t3233 = t285 * t3227;
-    let t3234 = t139 * t287;
-    let t3235 = t289 - t3234;
-    let t3236 = t3233 - t3235;
-    let t3237 = t3232 - t3236;
-    let t3238 = inverse_d_base_x * t3237;
-    let t3239 = t283 * t3238;
-    let t3240 = inverse_d_base_y * t3231;
-    let t3241 = t3240 - t3239;
-    let t3242 = t225 * t3241;
-    let t3243 = t285 * t3238;
-    let t3244 = inverse_d_base_z * t3227;
-    let t3245 = t3244 - t3243;
-    let t3246 = t3242 - t3245;
-    let t3247 = t179 * t3246;
-    let t3248 = t227 * t3241;
-    let t3249 = t287 * t3238;
-    let t3250 = t139 * inverse_d_base_rx;
-    let t3251 = t3250 + t3249;
-    let t3252 = t3248 + t3251;
-    let t3253 = t3247 - t3252;
-    let t3254 = t139 * t3253;
-    let t3255 = t181 * t3246;
-    let t3256 = t229 * t3241;
-    let t3257 = t289 * t3238;
-    let t3258 = inverse_d_base_ry + t3257;
-    let t3259 = t3256 + t3258;
-    let t3260 = t3255 - t3259;
-    let t3261 = t3254 - t3260;
-    let t3262 = t80 * t3261;
-    let t3263 = t141 * t3253;
-    let t3264 = t183 * t3246;
-    let t3265 = t231 * t3241;
-    let t3266 = t291 * t3238;
-    let t3267 = t3265 - t3266;
-    let t3268 = t3264 + t3267;
-    let t3269 = t3263 - t3268;
-    let t3270 = t3262 - t3269;
-    let t3271 = t80 * t139;
-    let t3272 = t141 - t3271;
-    let t3273 = t179 * t3272;
-    let t3274 = t80 * t181;
-    let t3275 = t183 - t3274;
-    let t3276 = t3273 - t3275;
-    let t3277 = t225 * t3276;
-    let t3278 = t227 * t3272;
-    let t3279 = t80 * t229;
-    let t3280 = t231 + t3279;
-    let t3281 = t3278 + t3280;
-    let t3282 = t3277 - t3281;
-    let t3283 = t283 * t3282;
-    let t3284 = t285 * t3276;
-    let t3285 = t287 * t3272;
-    let t3286 = t80 * t289;
-    let t3287 = t291 - t3286;
-    let t3288 = t3285 - t3287;
-    let t3289 = t3284 - t3288;
-    let t3290 = t3283 - t3289;
-    let t3291 = inverse_d_base_x * t3290;
-    let t3292 = t283 * t3291;
-    let t3293 = inverse_d_base_y * t3282;
-    let t3294 = t3293 - t3292;
-    let t3295 = t225 * t3294;
-    let t3296 = t285 * t3291;
-    let t3297 = inverse_d_base_z * t3276;
-    let t3298 = t3297 - t3296;
-    let t3299 = t3295 - t3298;
-    let t3300 = t179 * t3299;
-    let t3301 = t227 * t3294;
-    let t3302 = t287 * t3291;
-    let t3303 = inverse_d_base_rx * t3272;
-    let t3304 = t3303 - t3302;
-    let t3305 = t3301 - t3304;
-    let t3306 = t3300 - t3305;
-    let t3307 = t139 * t3306;
-    let t3308 = t181 * t3299;
-    let t3309 = t229 * t3294;
-    let t3310 = t289 * t3291;
-    let t3311 = t80 * inverse_d_base_ry;
-    let t3312 = t3311 + t3310;
-    let t3313 = t3309 + t3312;
-    let t3314 = t3308 - t3313;
-    let t3315 = t3307 - t3314;
-    let t3316 = t80 * t3315;
-    let t3317 = t141 * t3306;
-    let t3318 = t183 * t3299;
-    let t3319 = t231 * t3294;
-    let t3320 = t291 * t3291;
-    let t3321 = inverse_d_base_rz + t3320;
-    let t3322 = t3319 - t3321;
-    let t3323 = t3318 + t3322;
-    let t3324 = t3317 - t3323;
-    let t3325 = t3316 - t3324;
-    let t3326 = 250.0 - t3209;
-    let t3327 = 250.0 - t3261;
-    let t3328 = 250.0 - t3325;
-    let t3329 = t44 * t3225;
-    let t3330 = t84 * t3216;
-    let t3331 = t143 * t3209;
-    let t3332 = t185 * t3203;
-    let t3333 = t233 * t3198;
-    let t3334 = t295 * t3195;
-    let t3335 = t3333 + t3334;
-    let t3336 = t3332 - t3335;
-    let t3337 = t3331 + t3336;
-    let t3338 = t3330 - t3337;
-    let t3339 = t3329 + t3338;
-    let t3340 = t44 * t3270;
-    let t3341 = t84 * t3261;
-    let t3342 = t143 * t3253;
-    let t3343 = t185 * t3246;
-    let t3344 = t233 * t3241;
-    let t3345 = t295 * t3238;
-    let t3346 = t3344 + t3345;
-    let t3347 = t3343 - t3346;
-    let t3348 = t3342 + t3347;
-    let t3349 = t3341 - t3348;
-    let t3350 = t3340 + t3349;
-    let t3351 = t44 * t3325;
-    let t3352 = t84 * t3315;
-    let t3353 = t143 * t3306;
-    let t3354 = t185 * t3299;
-    let t3355 = t233 * t3294;
-    let t3356 = t295 * t3291;
-    let t3357 = t3355 + t3356;
-    let t3358 = t3354 - t3357;
-    let t3359 = t3353 + t3358;
-    let t3360 = t3352 - t3359;
-    let t3361 = t3351 + t3360;
-    let t3362 = t49 * t3225;
-    let t3363 = t82 * t3216;
-    let t3364 = t145 * t3209;
-    let t3365 = t188 * t3203;
-    let t3366 = t235 * t3198;
-    let t3367 = t293 * t3195;
-    let t3368 = t3366 + t3367;
-    let t3369 = t3365 - t3368;
-    let t3370 = t3364 - t3369;
-    let t3371 = t3363 - t3370;
-    let t3372 = t3362 + t3371;
-    let t3373 = t49 * t3270;
-    let t3374 = t82 * t3261;
-    let t3375 = t145 * t3253;
-    let t3376 = t188 * t3246;
-    let t3377 = t235 * t3241;
-    let t3378 = t293 * t3238;
-    let t3379 = t3377 + t3378;
-    let t3380 = t3376 - t3379;
-    let t3381 = t3375 - t3380;
-    let t3382 = t3374 - t3381;
-    let t3383 = t3373 + t3382;
-    let t3384 = t49 * t3325;
-    let t3385 = t82 * t3315;
-    let t3386 = t145 * t3306;
-    let t3387 = t188 * t3299;
-    let t3388 = t235 * t3294;
-    let t3389 = t293 * t3291;
-    let t3390 = t3388 + t3389;
-    let t3391 = t3387 - t3390;
-    let t3392 = t3386 - t3391;
-    let t3393 = t3385 - t3392;
-    let t3394 = t3384 + t3393;
-    let t3395 = t54 * t3225;
-    let t3396 = t11 * t3216;
-    let t3397 = t26 * t3209;
-    let t3398 = t3396 - t3397;
-    let t3399 = t3395 + t3398;
-    let t3400 = t54 * t3270;
-    let t3401 = t11 * t3261;
-    let t3402 = t26 * t3253;
-    let t3403 = t3401 - t3402;
-    let t3404 = t3400 + t3403;
-    let t3405 = t54 * t3325;
-    let t3406 = t11 * t3315;
-    let t3407 = t26 * t3306;
-    let t3408 = t3406 - t3407;
-    let t3409 = t3405 + t3408;
-    let t3410 = u[2] * t3131;
-    let t3411 = u[1] * t3122;
-    let t3412 = v[4] * t1855;
-    let t3413 = v[3] * t1695;
-    let t3414 = t3413 + t3412;
-    let t3415 = v[6] * t2028;
-    let t3416 = v[5] * t2000;
-    let t3417 = t3416 - t3415;
-    let t3418 = t3417 + t3414;
-    let t3419 = v[2] * t1499;
-    let t3420 = v[1] * t1436;
-    let t3421 = t3420 - t3419;
-    let t3422 = v[0] * t1371;
-    let t3423 = t3422 + t3421;
-    let t3424 = t3423 - t3418;
-    let t3425 = v[8] * t2073;
-    let t3426 = v[7] * t2055;
-    let t3427 = t3426 + t3425;
-    let t3428 = v[10] * t2236;
-    let t3429 = v[9] * t2158;
-    let t3430 = t3429 + t3428;
-    let t3431 = t3430 - t3427;
-    let t3432 = v[11] * t2320;
-    let t3433 = t587 + t3432;
-    let t3434 = t3433 - t3431;
-    let t3435 = t3434 + t3424;
-    let t3436 = u[0] * t3115;
-    let t3437 = t3436 - t3435;
-    let t3438 = t3411 - t3437;
-    let t3439 = t3410 + t3438;
-    let t3440 = u[2] * t3157;
-    let t3441 = u[1] * t3148;
-    let t3442 = v[4] * t2335;
-    let t3443 = v[3] * t2332;
-    let t3444 = t3443 + t3442;
-    let t3445 = v[6] * t2341;
-    let t3446 = v[5] * t2338;
-    let t3447 = t3446 - t3445;
-    let t3448 = t3447 + t3444;
-    let t3449 = v[2] * t2329;
-    let t3450 = v[1] * t2326;
-    let t3451 = t3450 - t3449;
-    let t3452 = v[0] * t2323;
-    let t3453 = t3452 + t3451;
-    let t3454 = t3453 - t3448;
-    let t3455 = v[8] * t2347;
-    let t3456 = v[7] * t2344;
-    let t3457 = t3456 + t3455;
-    let t3458 = v[10] * t2353;
-    let t3459 = v[9] * t2350;
-    let t3460 = t3459 + t3458;
-    let t3461 = t3460 - t3457;
-    let t3462 = v[11] * t2356;
-    let t3463 = t590 + t3462;
-    let t3464 = t3463 - t3461;
-    let t3465 = t3464 + t3454;
-    let t3466 = u[0] * t3141;
-    let t3467 = t3466 - t3465;
-    let t3468 = t3441 - t3467;
-    let t3469 = t3440 + t3468;
-    let t3470 = v[4] * t2381;
-    let t3471 = v[3] * t2376;
-    let t3472 = t3471 + t3470;
-    let t3473 = v[6] * t2391;
-    let t3474 = v[5] * t2386;
-    let t3475 = t3474 - t3473;
-    let t3476 = t3475 + t3472;
-    let t3477 = v[2] * t2371;
-    let t3478 = v[1] * t2366;
-    let t3479 = t3478 - t3477;
-    let t3480 = v[0] * t2361;
-    let t3481 = t3480 + t3479;
-    let t3482 = t3481 - t3476;
-    let t3483 = u[0] * t3172;
-    let t3484 = t3483 - t3482;
-    let t3485 = v[8] * t2401;
-    let t3486 = v[7] * t2396;
-    let t3487 = t3486 + t3485;
-    let t3488 = v[10] * t2411;
-    let t3489 = v[9] * t2406;
-    let t3490 = t3489 + t3488;
-    let t3491 = t3490 - t3487;
-    let t3492 = v[11] * t2416;
-    let t3493 = t595 + t3492;
-    let t3494 = t3493 - t3491;
-    let t3495 = t3494 - t3484;
-    let t3496 = u[1] * t3179;
-    let t3497 = t3496 + t3495;
-    let t3498 = u[2] * t3188;
+    let t2575 = t139 * t2481;
+    let t2576 = t181 * t2403;
+    let t2577 = t229 * t2349;
+    let t2578 = t289 * t2073;
+    let t2579 = t1918 * inverse_d_base_ry;
+    let t2580 = t2579 + t2578;
+    let t2581 = t2577 + t2580;
+    let t2582 = t2576 - t2581;
+    let t2583 = t2575 - t2582;
+    let t2584 = t139 * t2488;
+    let t2585 = t181 * t2408;
+    let t2586 = t229 * t2352;
+    let t2587 = t289 * t2158;
+    let t2588 = inverse_d_base_ry * t2101;
+    let t2589 = t2588 - t2587;
+    let t2590 = t2586 - t2589;
+    let t2591 = t2585 - t2590;
+    let t2592 = t2584 - t2591;
+    let t2593 = t139 * t2495;
+    let t2594 = t181 * t2413;
+    let t2595 = t229 * t2355;
+    let t2596 = t289 * t2236;
+    let t2597 = inverse_d_base_ry * t2179;
+    let t2598 = t2597 - t2596;
+    let t2599 = t2595 - t2598;
+    let t2600 = t2594 - t2599;
+    let t2601 = t2593 - t2600;
+    let t2602 = t139 * t2502;
+    let t2603 = t181 * t2418;
+    let t2604 = t229 * t2358;
+    let t2605 = t289 * t2322;
+    let t2606 = inverse_d_base_ry * t2264;
+    let t2607 = t2606 - t2605;
+    let t2608 = t2604 - t2607;
+    let t2609 = t2603 - t2608;
+    let t2610 = t2602 - t2609;
+    let t2611 = t80 * t2511;
+    let t2612 = t141 * t2425;
+    let t2613 = t183 * t2363;
+    let t2614 = t231 * t2325;
+    let t2615 = t291 * t1371;
+    let t2616 = t1315 * inverse_d_base_rz;
+    let t2617 = t2616 - t2615;
+    let t2618 = t2614 + t2617;
+    let t2619 = t2613 + t2618;
+    let t2620 = t2612 - t2619;
+    let t2621 = t2611 - t2620;
+    let t2622 = t80 * t2520;
+    let t2623 = t141 * t2432;
+    let t2624 = t183 * t2368;
+    let t2625 = t231 * t2328;
+    let t2626 = t291 * t1436;
+    let t2627 = inverse_d_base_rz * t1382;
+    let t2628 = t2627 - t2626;
+    let t2629 = t2625 + t2628;
+    let t2630 = t2624 + t2629;
+    let t2631 = t2623 - t2630;
+    let t2632 = t2622 - t2631;
+    let t2633 = t80 * t2529;
+    let t2634 = t141 * t2439;
+    let t2635 = t183 * t2373;
+    let t2636 = t231 * t2331;
+    let t2637 = t291 * t1499;
+    let t2638 = inverse_d_base_rz * t1447;
+    let t2639 = t2638 - t2637;
+    let t2640 = t2636 + t2639;
+    let t2641 = t2635 + t2640;
+    let t2642 = t2634 - t2641;
+    let t2643 = t2633 - t2642;
+    let t2644 = t80 * t2538;
+    let t2645 = t141 * t2446;
+    let t2646 = t183 * t2378;
+    let t2647 = t231 * t2334;
+    let t2648 = t291 * t1695;
+    let t2649 = inverse_d_base_rz * t1563;
+    let t2650 = t2649 - t2648;
+    let t2651 = t2647 + t2650;
+    let t2652 = t2646 + t2651;
+    let t2653 = t2645 - t2652;
+    let t2654 = t2644 - t2653;
+    let t2655 = t80 * t2547;
+    let t2656 = t141 * t2453;
+    let t2657 = t183 * t2383;
+    let t2658 = t231 * t2337;
+    let t2659 = t291 * t1855;
+    let t2660 = inverse_d_base_rz * t1776;
+    let t2661 = t2660 - t2659;
+    let t2662 = t2658 + t2661;
+    let t2663 = t2657 + t2662;
+    let t2664 = t2656 - t2663;
+    let t2665 = t2655 - t2664;
+    let t2666 = t80 * t2556;
+    let t2667 = t141 * t2460;
+    let t2668 = t183 * t2388;
+    let t2669 = t231 * t2340;
+    let t2670 = t291 * t2000;
+    let t2671 = inverse_d_base_rz * t1901;
+    let t2672 = t2671 - t2670;
+    let t2673 = t2669 + t2672;
+    let t2674 = t2668 + t2673;
+    let t2675 = t2667 - t2674;
+    let t2676 = t2666 - t2675;
+    let t2677 = t80 * t2565;
+    let t2678 = t141 * t2467;
+    let t2679 = t183 * t2393;
+    let t2680 = t231 * t2343;
+    let t2681 = t291 * t2028;
+    let t2682 = t2001 * inverse_d_base_rz;
+    let t2683 = t2682 + t2681;
+    let t2684 = t2680 - t2683;
+    let t2685 = t2679 + t2684;
+    let t2686 = t2678 - t2685;
+    let t2687 = t2677 - t2686;
+    let t2688 = t80 * t2574;
+    let t2689 = t141 * t2474;
+    let t2690 = t183 * t2398;
+    let t2691 = t231 * t2346;
+    let t2692 = t291 * t2055;
+    let t2693 = t1918 * inverse_d_base_rz;
+    let t2694 = t2693 - t2692;
+    let t2695 = t2691 + t2694;
+    let t2696 = t2690 + t2695;
+    let t2697 = t2689 - t2696;
+    let t2698 = t2688 - t2697;
+    let t2699 = t80 * t2583;
+    let t2700 = t141 * t2481;
+    let t2701 = t183 * t2403;
+    let t2702 = t231 * t2349;
+    let t2703 = t291 * t2073;
+    let t2704 = t2702 - t2703;
+    let t2705 = t2701 + t2704;
+    let t2706 = t2700 - t2705;
+    let t2707 = t2699 - t2706;
+    let t2708 = t80 * t2592;
+    let t2709 = t141 * t2488;
+    let t2710 = t183 * t2408;
+    let t2711 = t231 * t2352;
+    let t2712 = t291 * t2158;
+    let t2713 = inverse_d_base_rz * t2085;
+    let t2714 = t2713 - t2712;
+    let t2715 = t2711 + t2714;
+    let t2716 = t2710 + t2715;
+    let t2717 = t2709 - t2716;
+    let t2718 = t2708 - t2717;
+    let t2719 = t80 * t2601;
+    let t2720 = t141 * t2495;
+    let t2721 = t183 * t2413;
+    let t2722 = t231 * t2355;
+    let t2723 = t291 * t2236;
+    let t2724 = inverse_d_base_rz * t2177;
+    let t2725 = t2724 - t2723;
+    let t2726 = t2722 + t2725;
+    let t2727 = t2721 + t2726;
+    let t2728 = t2720 - t2727;
+    let t2729 = t2719 - t2728;
+    let t2730 = t80 * t2610;
+    let t2731 = t141 * t2502;
+    let t2732 = t183 * t2418;
+    let t2733 = t231 * t2358;
+    let t2734 = t291 * t2322;
+    let t2735 = inverse_d_base_rz * t2262;
+    let t2736 = t2735 - t2734;
+    let t2737 = t2733 + t2736;
+    let t2738 = t2732 + t2737;
+    let t2739 = t2731 - t2738;
+    let t2740 = t2730 - t2739;
+    let t2741 = t44 * t2621;
+    let t2742 = t84 * t2511;
+    let t2743 = t143 * t2425;
+    let t2744 = t185 * t2363;
+    let t2745 = t233 * t2325;
+    let t2746 = t295 * t1371;
+    let t2747 = 1.7182130584192439 * t1307;
+    let t2748 = t2747 + t2746;
+    let t2749 = t2745 + t2748;
+    let t2750 = t2744 - t2749;
+    let t2751 = t2743 + t2750;
+    let t2752 = t2742 - t2751;
+    let t2753 = t2741 + t2752;
+    let t2754 = t44 * t2632;
+    let t2755 = t84 * t2520;
+    let t2756 = t143 * t2432;
+    let t2757 = t185 * t2368;
+    let t2758 = t233 * t2328;
+    let t2759 = t295 * t1436;
+    let t2760 = 1.7182130584192439 * t1378;
+    let t2761 = t2760 - t2759;
+    let t2762 = t2758 - t2761;
+    let t2763 = t2757 - t2762;
+    let t2764 = t2756 + t2763;
+    let t2765 = t2755 - t2764;
+    let t2766 = t2754 + t2765;
+    let t2767 = t44 * t2643;
+    let t2768 = t84 * t2529;
+    let t2769 = t143 * t2439;
+    let t2770 = t185 * t2373;
+    let t2771 = t233 * t2331;
+    let t2772 = t295 * t1499;
+    let t2773 = 1.7182130584192439 * t1439;
+    let t2774 = t2773 - t2772;
+    let t2775 = t2771 - t2774;
+    let t2776 = t2770 - t2775;
+    let t2777 = t2769 + t2776;
+    let t2778 = t2768 - t2777;
+    let t2779 = t2767 + t2778;
+    let t2780 = t44 * t2654;
+    let t2781 = t84 * t2538;
+    let t2782 = t143 * t2446;
+    let t2783 = t185 * t2378;
+    let t2784 = t233 * t2334;
+    let t2785 = t295 * t1695;
+    let t2786 = 1.7182130584192439 * t1513;
+    let t2787 = t2786 + t2785;
+    let t2788 = t2784 + t2787;
+    let t2789 = t2783 - t2788;
+    let t2790 = t2782 + t2789;
+    let t2791 = t2781 - t2790;
+    let t2792 = t2780 + t2791;
+    let t2793 = t44 * t2665;
+    let t2794 = t84 * t2547;
+    let t2795 = t143 * t2453;
+    let t2796 = t185 * t2383;
+    let t2797 = t233 * t2337;
+    let t2798 = t295 * t1855;
+    let t2799 = 1.7182130584192439 * t1730;
+    let t2800 = t2799 + t2798;
+    let t2801 = t2797 + t2800;
+    let t2802 = t2796 - t2801;
+    let t2803 = t2795 + t2802;
+    let t2804 = t2794 - t2803;
+    let t2805 = t2793 + t2804;
+    let t2806 = t44 * t2676;
+    let t2807 = t84 * t2556;
+    let t2808 = t143 * t2460;
+    let t2809 = t185 * t2388;
+    let t2810 = t233 * t2340;
+    let t2811 = t295 * t2000;
+    let t2812 = 1.7182130584192439 * t1894;
+    let t2813 = t2812 + t2811;
+    let t2814 = t2810 + t2813;
+    let t2815 = t2809 - t2814;
+    let t2816 = t2808 + t2815;
+    let t2817 = t2807 - t2816;
+    let t2818 = t2806 + t2817;
+    let t2819 = t44 * t2687;
+    let t2820 = t84 * t2565;
+    let t2821 = t143 * t2467;
+    let t2822 = t185 * t2393;
+    let t2823 = t233 * t2343;
+    let t2824 = t295 * t2028;
+    let t2825 = t2823 + t2824;
+    let t2826 = t2822 - t2825;
+    let t2827 = t2821 + t2826;
+    let t2828 = t2820 - t2827;
+    let t2829 = t2819 + t2828;
+    let t2830 = t44 * t2698;
+    let t2831 = t84 * t2574;
+    let t2832 = t143 * t2474;
+    let t2833 = t185 * t2398;
+    let t2834 = t233 * t2346;
+    let t2835 = t295 * t2055;
+    let t2836 = t2834 + t2835;
+    let t2837 = t2833 - t2836;
+    let t2838 = t2832 + t2837;
+    let t2839 = t2831 - t2838;
+    let t2840 = t2830 + t2839;
+    let t2841 = t44 * t2707;
+    let t2842 = t84 * t2583;
+    let t2843 = t143 * t2481;
+    let t2844 = t185 * t2403;
+    let t2845 = t233 * t2349;
+    let t2846 = t295 * t2073;
+    let t2847 = t2845 + t2846;
+    let t2848 = t2844 - t2847;
+    let t2849 = t2843 + t2848;
+    let t2850 = t2842 - t2849;
+    let t2851 = t2841 + t2850;
+    let t2852 = t44 * t2718;
+    let t2853 = t84 * t2592;
+    let t2854 = t143 * t2488;
+    let t2855 = t185 * t2408;
+    let t2856 = t233 * t2352;
+    let t2857 = t295 * t2158;
+    let t2858 = 0.8591065292096219 + t2857;
+    let t2859 = t2856 + t2858;
+    let t2860 = t2855 - t2859;
+    let t2861 = t2854 + t2860;
+    let t2862 = t2853 - t2861;
+    let t2863 = t2852 + t2862;
+    let t2864 = t44 * t2729;
+    let t2865 = t84 * t2601;
+    let t2866 = t143 * t2495;
+    let t2867 = t185 * t2413;
+    let t2868 = t233 * t2355;
+    let t2869 = t295 * t2236;
+    let t2870 = 1.7182130584192439 * t2080;
+    let t2871 = t2870 + t2869;
+    let t2872 = t2868 + t2871;
+    let t2873 = t2867 - t2872;
+    let t2874 = t2866 + t2873;
+    let t2875 = t2865 - t2874;
+    let t2876 = t2864 + t2875;
+    let t2877 = t44 * t2740;
+    let t2878 = t84 * t2610;
+    let t2879 = t143 * t2502;
+    let t2880 = t185 * t2418;
+    let t2881 = t233 * t2358;
+    let t2882 = t295 * t2322;
+    let t2883 = 1.7182130584192439 * t2238;
+    let t2884 = t2883 + t2882;
+    let t2885 = t2881 + t2884;
+    let t2886 = t2880 - t2885;
+    let t2887 = t2879 + t2886;
+    let t2888 = t2878 - t2887;
+    let t2889 = t2877 + t2888;
+    let t2890 = t49 * t2621;
+    let t2891 = t82 * t2511;
+    let t2892 = t145 * t2425;
+    let t2893 = t188 * t2363;
+    let t2894 = t235 * t2325;
+    let t2895 = t293 * t1371;
+    let t2896 = 1.7182130584192439 * t1311;
+    let t2897 = t2896 + t2895;
+    let t2898 = t2894 + t2897;
+    let t2899 = t2893 - t2898;
+    let t2900 = t2892 - t2899;
+    let t2901 = t2891 - t2900;
+    let t2902 = t2890 + t2901;
+    let t2903 = t49 * t2632;
+    let t2904 = t82 * t2520;
+    let t2905 = t145 * t2432;
+    let t2906 = t188 * t2368;
+    let t2907 = t235 * t2328;
+    let t2908 = t293 * t1436;
+    let t2909 = 1.7182130584192439 * t1374;
+    let t2910 = t2909 - t2908;
+    let t2911 = t2907 - t2910;
+    let t2912 = t2906 - t2911;
+    let t2913 = t2905 - t2912;
+    let t2914 = t2904 - t2913;
+    let t2915 = t2903 + t2914;
+    let t2916 = t49 * t2643;
+    let t2917 = t82 * t2529;
+    let t2918 = t145 * t2439;
+    let t2919 = t188 * t2373;
+    let t2920 = t235 * t2331;
+    let t2921 = t293 * t1499;
+    let t2922 = 1.7182130584192439 * t1445;
+    let t2923 = t2922 - t2921;
+    let t2924 = t2920 - t2923;
+    let t2925 = t2919 - t2924;
+    let t2926 = t2918 - t2925;
+    let t2927 = t2917 - t2926;
+    let t2928 = t2916 + t2927;
+    let t2929 = t49 * t2654;
+    let t2930 = t82 * t2538;
+    let t2931 = t145 * t2446;
+    let t2932 = t188 * t2378;
+    let t2933 = t235 * t2334;
+    let t2934 = t293 * t1695;
+    let t2935 = 1.7182130584192439 * t1527;
+    let t2936 = t2935 + t2934;
+    let t2937 = t2933 + t2936;
+    let t2938 = t2932 - t2937;
+    let t2939 = t2931 - t2938;
+    let t2940 = t2930 - t2939;
+    let t2941 = t2929 + t2940;
+    let t2942 = t49 * t2665;
+    let t2943 = t82 * t2547;
+    let t2944 = t145 * t2453;
+    let t2945 = t188 * t2383;
+    let t2946 = t235 * t2337;
+    let t2947 = t293 * t1855;
+    let t2948 = 1.7182130584192439 * t1708;
+    let t2949 = t2948 + t2947;
+    let t2950 = t2946 + t2949;
+    let t2951 = t2945 - t2950;
+    let t2952 = t2944 - t2951;
+    let t2953 = t2943 - t2952;
+    let t2954 = t2942 + t2953;
+    let t2955 = t49 * t2676;
+    let t2956 = t82 * t2556;
+    let t2957 = t145 * t2460;
+    let t2958 = t188 * t2388;
+    let t2959 = t235 * t2340;
+    let t2960 = t293 * t2000;
+    let t2961 = 1.7182130584192439 * t1870;
+    let t2962 = t2961 + t2960;
+    let t2963 = t2959 + t2962;
+    let t2964 = t2958 - t2963;
+    let t2965 = t2957 - t2964;
+    let t2966 = t2956 - t2965;
+    let t2967 = t2955 + t2966;
+    let t2968 = t49 * t2687;
+    let t2969 = t82 * t2565;
+    let t2970 = t145 * t2467;
+    let t2971 = t188 * t2393;
+    let t2972 = t235 * t2343;
+    let t2973 = t293 * t2028;
+    let t2974 = t2972 + t2973;
+    let t2975 = t2971 - t2974;
+    let t2976 = t2970 - t2975;
+    let t2977 = t2969 - t2976;
+    let t2978 = t2968 + t2977;
+    let t2979 = t49 * t2698;
+    let t2980 = t82 * t2574;
+    let t2981 = t145 * t2474;
+    let t2982 = t188 * t2398;
+    let t2983 = t235 * t2346;
+    let t2984 = t293 * t2055;
+    let t2985 = t2983 + t2984;
+    let t2986 = t2982 - t2985;
+    let t2987 = t2981 - t2986;
+    let t2988 = t2980 - t2987;
+    let t2989 = t2979 + t2988;
+    let t2990 = t49 * t2707;
+    let t2991 = t82 * t2583;
+    let t2992 = t145 * t2481;
+    let t2993 = t188 * t2403;
+    let t2994 = t235 * t2349;
+    let t2995 = t293 * t2073;
+    let t2996 = t2994 + t2995;
+    let t2997 = t2993 - t2996;
+    let t2998 = t2992 - t2997;
+    let t2999 = t2991 - t2998;
+    let t3000 = t2990 + t2999;
+    let t3001 = t49 * t2718;
+    let t3002 = t82 * t2592;
+    let t3003 = t145 * t2488;
+    let t3004 = t188 * t2408;
+    let t3005 = t235 * t2352;
+    let t3006 = t293 * t2158;
+    let t3007 = t2870 + t3006;
+    let t3008 = t3005 + t3007;
+    let t3009 = t3004 - t3008;
+    let t3010 = t3003 - t3009;
+    let t3011 = t3002 - t3010;
+    let t3012 = t3001 + t3011;
+    let t3013 = t49 * t2729;
+    let t3014 = t82 * t2601;
+    let t3015 = t145 * t2495;
+    let t3016 = t188 * t2413;
+    let t3017 = t235 * t2355;
+    let t3018 = t293 * t2236;
+    let t3019 = 0.8591065292096219 - t3018;
+    let t3020 = t3017 - t3019;
+    let t3021 = t3016 - t3020;
+    let t3022 = t3015 - t3021;
+    let t3023 = t3014 - t3022;
+    let t3024 = t3013 + t3023;
+    let t3025 = t49 * t2740;
+    let t3026 = t82 * t2610;
+    let t3027 = t145 * t2502;
+    let t3028 = t188 * t2418;
+    let t3029 = t235 * t2358;
+    let t3030 = t293 * t2322;
+    let t3031 = 1.7182130584192439 * t2241;
+    let t3032 = t3031 + t3030;
+    let t3033 = t3029 + t3032;
+    let t3034 = t3028 - t3033;
+    let t3035 = t3027 - t3034;
+    let t3036 = t3026 - t3035;
+    let t3037 = t3025 + t3036;
+    let t3038 = t54 * t2621;
+    let t3039 = t11 * t2511;
+    let t3040 = t26 * t2425;
+    let t3041 = t3039 - t3040;
+    let t3042 = t3038 + t3041;
+    let t3043 = t54 * t2632;
+    let t3044 = t11 * t2520;
+    let t3045 = t26 * t2432;
+    let t3046 = t3044 - t3045;
+    let t3047 = t3043 + t3046;
+    let t3048 = t54 * t2643;
+    let t3049 = t11 * t2529;
+    let t3050 = t26 * t2439;
+    let t3051 = t3049 - t3050;
+    let t3052 = t3048 + t3051;
+    let t3053 = t54 * t2654;
+    let t3054 = t11 * t2538;
+    let t3055 = t26 * t2446;
+    let t3056 = 999.9999999999991 * t1536;
+    let t3057 = t3056 + t3055;
+    let t3058 = t3054 - t3057;
+    let t3059 = t3053 + t3058;
+    let t3060 = t54 * t2665;
+    let t3061 = t11 * t2547;
+    let t3062 = t26 * t2453;
+    let t3063 = 999.9999999999991 * t1716;
+    let t3064 = t3063 + t3062;
+    let t3065 = t3061 - t3064;
+    let t3066 = t3060 + t3065;
+    let t3067 = t54 * t2676;
+    let t3068 = t11 * t2556;
+    let t3069 = t26 * t2460;
+    let t3070 = 999.9999999999991 * t1878;
+    let t3071 = t3070 + t3069;
+    let t3072 = t3068 - t3071;
+    let t3073 = t3067 + t3072;
+    let t3074 = t54 * t2687;
+    let t3075 = t11 * t2565;
+    let t3076 = t26 * t2467;
+    let t3077 = t3075 - t3076;
+    let t3078 = t3074 + t3077;
+    let t3079 = t54 * t2698;
+    let t3080 = t11 * t2574;
+    let t3081 = t26 * t2474;
+    let t3082 = t3080 - t3081;
+    let t3083 = t3079 + t3082;
+    let t3084 = t54 * t2707;
+    let t3085 = t11 * t2583;
+    let t3086 = t26 * t2481;
+    let t3087 = t3085 - t3086;
+    let t3088 = t3084 + t3087;
+    let t3089 = t54 * t2718;
+    let t3090 = t11 * t2592;
+    let t3091 = t26 * t2488;
+    let t3092 = 999.9999999999991 * t2076;
+    let t3093 = t3092 - t3091;
+    let t3094 = t3090 + t3093;
+    let t3095 = t3089 + t3094;
+    let t3096 = t54 * t2729;
+    let t3097 = t11 * t2601;
+    let t3098 = t26 * t2495;
+    let t3099 = 999.9999999999991 * t2170;
+    let t3100 = t3099 + t3098;
+    let t3101 = t3097 - t3100;
+    let t3102 = t3096 + t3101;
+    let t3103 = t54 * t2740;
+    let t3104 = t11 * t2610;
+    let t3105 = t26 * t2502;
+    let t3106 = 4.999999999999996 + t3105;
+    let t3107 = t3104 - t3106;
+    let t3108 = t3103 + t3107;
+    let t3109 = t283 * inverse_d_base_x;
+    let t3110 = t225 * t3109;
+    let t3111 = t285 * inverse_d_base_x;
+    let t3112 = t3110 - t3111;
+    let t3113 = t179 * t3112;
+    let t3114 = t227 * t3109;
+    let t3115 = t287 * inverse_d_base_x;
+    let t3116 = t3114 - t3115;
+    let t3117 = t3113 - t3116;
+    let t3118 = t139 * t3117;
+    let t3119 = t181 * t3112;
+    let t3120 = t229 * t3109;
+    let t3121 = t289 * inverse_d_base_x;
+    let t3122 = t3120 - t3121;
+    let t3123 = t3119 - t3122;
+    let t3124 = t3118 - t3123;
+    let t3125 = t80 * t3124;
+    let t3126 = t141 * t3117;
+    let t3127 = t183 * t3112;
+    let t3128 = t231 * t3109;
+    let t3129 = t291 * inverse_d_base_x;
+    let t3130 = t3128 + t3129;
+    let t3131 = t3127 + t3130;
+    let t3132 = t3126 - t3131;
+    let t3133 = t3125 - t3132;
+    let t3134 = t283 * t3109;
+    let t3135 = inverse_d_base_y - t3134;
+    let t3136 = t225 * t3135;
+    let t3137 = t285 * t3109;
+    let t3138 = t3136 + t3137;
+    let t3139 = t179 * t3138;
+    let t3140 = t227 * t3135;
+    let t3141 = t287 * t3109;
+    let t3142 = t3140 + t3141;
+    let t3143 = t3139 - t3142;
+    let t3144 = t139 * t3143;
+    let t3145 = t181 * t3138;
+    let t3146 = t229 * t3135;
+    let t3147 = t289 * t3109;
+    let t3148 = t3146 + t3147;
+    let t3149 = t3145 - t3148;
+    let t3150 = t3144 - t3149;
+    let t3151 = t80 * t3150;
+    let t3152 = t141 * t3143;
+    let t3153 = t183 * t3138;
+    let t3154 = t231 * t3135;
+    let t3155 = t291 * t3109;
+    let t3156 = t3154 - t3155;
+    let t3157 = t3153 + t3156;
+    let t3158 = t3152 - t3157;
+    let t3159 = t3151 - t3158;
+    let t3160 = t225 * t283;
+    let t3161 = t285 - t3160;
+    let t3162 = inverse_d_base_x * t3161;
+    let t3163 = t283 * t3162;
+    let t3164 = t225 * inverse_d_base_y;
+    let t3165 = t3164 + t3163;
+    let t3166 = t225 * t3165;
+    let t3167 = t285 * t3162;
+    let t3168 = inverse_d_base_z + t3167;
+    let t3169 = t3166 - t3168;
+    let t3170 = t179 * t3169;
+    let t3171 = t227 * t3165;
+    let t3172 = t287 * t3162;
+    let t3173 = t3171 - t3172;
+    let t3174 = t3170 - t3173;
+    let t3175 = t139 * t3174;
+    let t3176 = t181 * t3169;
+    let t3177 = t229 * t3165;
+    let t3178 = t289 * t3162;
+    let t3179 = t3177 - t3178;
+    let t3180 = t3176 - t3179;
+    let t3181 = t3175 - t3180;
+    let t3182 = t80 * t3181;
+    let t3183 = t141 * t3174;
+    let t3184 = t183 * t3169;
+    let t3185 = t231 * t3165;
+    let t3186 = t291 * t3162;
+    let t3187 = t3185 + t3186;
+    let t3188 = t3184 + t3187;
+    let t3189 = t3183 - t3188;
+    let t3190 = t3182 - t3189;
+    let t3191 = t179 * t225;
+    let t3192 = t227 - t3191;
+    let t3193 = t283 * t3192;
+    let t3194 = t179 * t285;
+    let t3195 = t287 - t3194;
+    let t3196 = t3193 - t3195;
+    let t3197 = inverse_d_base_x * t3196;
+    let t3198 = t283 * t3197;
+    let t3199 = inverse_d_base_y * t3192;
+    let t3200 = t3199 - t3198;
+    let t3201 = t225 * t3200;
+    let t3202 = t285 * t3197;
+    let t3203 = t179 * inverse_d_base_z;
+    let t3204 = t3203 + t3202;
+    let t3205 = t3201 + t3204;
+    let t3206 = t179 * t3205;
+    let t3207 = t227 * t3200;
+    let t3208 = t287 * t3197;
+    let t3209 = inverse_d_base_rx + t3208;
+    let t3210 = t3207 + t3209;
+    let t3211 = t3206 - t3210;
+    let t3212 = t139 * t3211;
+    let t3213 = t181 * t3205;
+    let t3214 = t229 * t3200;
+    let t3215 = t289 * t3197;
+    let t3216 = t3214 + t3215;
+    let t3217 = t3213 - t3216;
+    let t3218 = t3212 - t3217;
+    let t3219 = t80 * t3218;
+    let t3220 = t141 * t3211;
+    let t3221 = t183 * t3205;
+    let t3222 = t231 * t3200;
+    let t3223 = t291 * t3197;
+    let t3224 = t3222 - t3223;
+    let t3225 = t3221 + t3224;
+    let t3226 = t3220 - t3225;
+    let t3227 = t3219 - t3226;
+    let t3228 = t139 * t179;
+    let t3229 = t181 - t3228;
+    let t3230 = t225 * t3229;
+    let t3231 = t139 * t227;
+    let t3232 = t229 - t3231;
+    let t3233 = t3230 - t3232;
+    let t3234 = t283 * t3233;
+    let t3235 = t285 * t3229;
+    let t3236 = t139 * t287;
+    let t3237 = t289 - t3236;
+    let t3238 = t3235 - t3237;
+    let t3239 = t3234 - t3238;
+    let t3240 = inverse_d_base_x * t3239;
+    let t3241 = t283 * t3240;
+    let t3242 = inverse_d_base_y * t3233;
+    let t3243 = t3242 - t3241;
+    let t3244 = t225 * t3243;
+    let t3245 = t285 * t3240;
+    let t3246 = inverse_d_base_z * t3229;
+    let t3247 = t3246 - t3245;
+    let t3248 = t3244 - t3247;
+    let t3249 = t179 * t3248;
+    let t3250 = t227 * t3243;
+    let t3251 = t287 * t3240;
+    let t3252 = t139 * inverse_d_base_rx;
+    let t3253 = t3252 + t3251;
+    let t3254 = t3250 + t3253;
+    let t3255 = t3249 - t3254;
+    let t3256 = t139 * t3255;
+    let t3257 = t181 * t3248;
+    let t3258 = t229 * t3243;
+    let t3259 = t289 * t3240;
+    let t3260 = inverse_d_base_ry + t3259;
+    let t3261 = t3258 + t3260;
+    let t3262 = t3257 - t3261;
+    let t3263 = t3256 - t3262;
+    let t3264 = t80 * t3263;
+    let t3265 = t141 * t3255;
+    let t3266 = t183 * t3248;
+    let t3267 = t231 * t3243;
+    let t3268 = t291 * t3240;
+    let t3269 = t3267 - t3268;
+    let t3270 = t3266 + t3269;
+    let t3271 = t3265 - t3270;
+    let t3272 = t3264 - t3271;
+    let t3273 = t80 * t139;
+    let t3274 = t141 - t3273;
+    let t3275 = t179 * t3274;
+    let t3276 = t80 * t181;
+    let t3277 = t183 - t3276;
+    let t3278 = t3275 - t3277;
+    let t3279 = t225 * t3278;
+    let t3280 = t227 * t3274;
+    let t3281 = t80 * t229;
+    let t3282 = t231 + t3281;
+    let t3283 = t3280 + t3282;
+    let t3284 = t3279 - t3283;
+    let t3285 = t283 * t3284;
+    let t3286 = t285 * t3278;
+    let t3287 = t287 * t3274;
+    let t3288 = t80 * t289;
+    let t3289 = t291 - t3288;
+    let t3290 = t3287 - t3289;
+    let t3291 = t3286 - t3290;
+    let t3292 = t3285 - t3291;
+    let t3293 = inverse_d_base_x * t3292;
+    let t3294 = t283 * t3293;
+    let t3295 = inverse_d_base_y * t3284;
+    let t3296 = t3295 - t3294;
+    let t3297 = t225 * t3296;
+    let t3298 = t285 * t3293;
+    let t3299 = inverse_d_base_z * t3278;
+    let t3300 = t3299 - t3298;
+    let t3301 = t3297 - t3300;
+    let t3302 = t179 * t3301;
+    let t3303 = t227 * t3296;
+    let t3304 = t287 * t3293;
+    let t3305 = inverse_d_base_rx * t3274;
+    let t3306 = t3305 - t3304;
+    let t3307 = t3303 - t3306;
+    let t3308 = t3302 - t3307;
+    let t3309 = t139 * t3308;
+    let t3310 = t181 * t3301;
+    let t3311 = t229 * t3296;
+    let t3312 = t289 * t3293;
+    let t3313 = t80 * inverse_d_base_ry;
+    let t3314 = t3313 + t3312;
+    let t3315 = t3311 + t3314;
+    let t3316 = t3310 - t3315;
+    let t3317 = t3309 - t3316;
+    let t3318 = t80 * t3317;
+    let t3319 = t141 * t3308;
+    let t3320 = t183 * t3301;
+    let t3321 = t231 * t3296;
+    let t3322 = t291 * t3293;
+    let t3323 = inverse_d_base_rz + t3322;
+    let t3324 = t3321 - t3323;
+    let t3325 = t3320 + t3324;
+    let t3326 = t3319 - t3325;
+    let t3327 = t3318 - t3326;
+    let t3328 = 250.0 - t3211;
+    let t3329 = 250.0 - t3263;
+    let t3330 = 250.0 - t3327;
+    let t3331 = t44 * t3227;
+    let t3332 = t84 * t3218;
+    let t3333 = t143 * t3211;
+    let t3334 = t185 * t3205;
+    let t3335 = t233 * t3200;
+    let t3336 = t295 * t3197;
+    let t3337 = t3335 + t3336;
+    let t3338 = t3334 - t3337;
+    let t3339 = t3333 + t3338;
+    let t3340 = t3332 - t3339;
+    let t3341 = t3331 + t3340;
+    let t3342 = t44 * t3272;
+    let t3343 = t84 * t3263;
+    let t3344 = t143 * t3255;
+    let t3345 = t185 * t3248;
+    let t3346 = t233 * t3243;
+    let t3347 = t295 * t3240;
+    let t3348 = t3346 + t3347;
+    let t3349 = t3345 - t3348;
+    let t3350 = t3344 + t3349;
+    let t3351 = t3343 - t3350;
+    let t3352 = t3342 + t3351;
+    let t3353 = t44 * t3327;
+    let t3354 = t84 * t3317;
+    let t3355 = t143 * t3308;
+    let t3356 = t185 * t3301;
+    let t3357 = t233 * t3296;
+    let t3358 = t295 * t3293;
+    let t3359 = t3357 + t3358;
+    let t3360 = t3356 - t3359;
+    let t3361 = t3355 + t3360;
+    let t3362 = t3354 - t3361;
+    let t3363 = t3353 + t3362;
+    let t3364 = t49 * t3227;
+    let t3365 = t82 * t3218;
+    let t3366 = t145 * t3211;
+    let t3367 = t188 * t3205;
+    let t3368 = t235 * t3200;
+    let t3369 = t293 * t3197;
+    let t3370 = t3368 + t3369;
+    let t3371 = t3367 - t3370;
+    let t3372 = t3366 - t3371;
+    let t3373 = t3365 - t3372;
+    let t3374 = t3364 + t3373;
+    let t3375 = t49 * t3272;
+    let t3376 = t82 * t3263;
+    let t3377 = t145 * t3255;
+    let t3378 = t188 * t3248;
+    let t3379 = t235 * t3243;
+    let t3380 = t293 * t3240;
+    let t3381 = t3379 + t3380;
+    let t3382 = t3378 - t3381;
+    let t3383 = t3377 - t3382;
+    let t3384 = t3376 - t3383;
+    let t3385 = t3375 + t3384;
+    let t3386 = t49 * t3327;
+    let t3387 = t82 * t3317;
+    let t3388 = t145 * t3308;
+    let t3389 = t188 * t3301;
+    let t3390 = t235 * t3296;
+    let t3391 = t293 * t3293;
+    let t3392 = t3390 + t3391;
+    let t3393 = t3389 - t3392;
+    let t3394 = t3388 - t3393;
+    let t3395 = t3387 - t3394;
+    let t3396 = t3386 + t3395;
+    let t3397 = t54 * t3227;
+    let t3398 = t11 * t3218;
+    let t3399 = t26 * t3211;
+    let t3400 = t3398 - t3399;
+    let t3401 = t3397 + t3400;
+    let t3402 = t54 * t3272;
+    let t3403 = t11 * t3263;
+    let t3404 = t26 * t3255;
+    let t3405 = t3403 - t3404;
+    let t3406 = t3402 + t3405;
+    let t3407 = t54 * t3327;
+    let t3408 = t11 * t3317;
+    let t3409 = t26 * t3308;
+    let t3410 = t3408 - t3409;
+    let t3411 = t3407 + t3410;
+    let t3412 = u[2] * t3133;
+    let t3413 = u[1] * t3124;
+    let t3414 = v[4] * t1855;
+    let t3415 = v[3] * t1695;
+    let t3416 = t3415 + t3414;
+    let t3417 = v[6] * t2028;
+    let t3418 = v[5] * t2000;
+    let t3419 = t3418 - t3417;
+    let t3420 = t3419 + t3416;
+    let t3421 = v[2] * t1499;
+    let t3422 = v[1] * t1436;
+    let t3423 = t3422 - t3421;
+    let t3424 = v[0] * t1371;
+    let t3425 = t3424 + t3423;
+    let t3426 = t3425 - t3420;
+    let t3427 = v[8] * t2073;
+    let t3428 = v[7] * t2055;
+    let t3429 = t3428 + t3427;
+    let t3430 = v[10] * t2236;
+    let t3431 = v[9] * t2158;
+    let t3432 = t3431 + t3430;
+    let t3433 = t3432 - t3429;
+    let t3434 = v[11] * t2322;
+    let t3435 = t587 + t3434;
+    let t3436 = t3435 - t3433;
+    let t3437 = t3436 + t3426;
+    let t3438 = u[0] * t3117;
+    let t3439 = t3438 - t3437;
+    let t3440 = t3413 - t3439;
+    let t3441 = t3412 + t3440;
+    let t3442 = u[2] * t3159;
+    let t3443 = u[1] * t3150;
+    let t3444 = v[4] * t2337;
+    let t3445 = v[3] * t2334;
+    let t3446 = t3445 + t3444;
+    let t3447 = v[6] * t2343;
+    let t3448 = v[5] * t2340;
+    let t3449 = t3448 - t3447;
+    let t3450 = t3449 + t3446;
+    let t3451 = v[2] * t2331;
+    let t3452 = v[1] * t2328;
+    let t3453 = t3452 - t3451;
+    let t3454 = v[0] * t2325;
+    let t3455 = t3454 + t3453;
+    let t3456 = t3455 - t3450;
+    let t3457 = v[8] * t2349;
+    let t3458 = v[7] * t2346;
+    let t3459 = t3458 + t3457;
+    let t3460 = v[10] * t2355;
+    let t3461 = v[9] * t2352;
+    let t3462 = t3461 + t3460;
+    let t3463 = t3462 - t3459;
+    let t3464 = v[11] * t2358;
+    let t3465 = t590 + t3464;
+    let t3466 = t3465 - t3463;
+    let t3467 = t3466 + t3456;
+    let t3468 = u[0] * t3143;
+    let t3469 = t3468 - t3467;
+    let t3470 = t3443 - t3469;
+    let t3471 = t3442 + t3470;
+    let t3472 = v[4] * t2383;
+    let t3473 = v[3] * t2378;
+    let t3474 = t3473 + t3472;
+    let t3475 = v[6] * t2393;
+    let t3476 = v[5] * t2388;
+    let t3477 = t3476 - t3475;
+    let t3478 = t3477 + t3474;
+    let t3479 = v[2] * t2373;
+    let t3480 = v[1] * t2368;
+    let t3481 = t3480 - t3479;
+    let t3482 = v[0] * t2363;
+    let t3483 = t3482 + t3481;
+    let t3484 = t3483 - t3478;
+    let t3485 = u[0] * t3174;
+    let t3486 = t3485 - t3484;
+    let t3487 = v[8] * t2403;
+    let t3488 = v[7] * t2398;
+    let t3489 = t3488 + t3487;
+    let t3490 = v[10] * t2413;
+    let t3491 = v[9] * t2408;
+    let t3492 = t3491 + t3490;
+    let t3493 = t3492 - t3489;
+    let t3494 = v[11] * t2418;
+    let t3495 = t595 + t3494;
+    let t3496 = t3495 - t3493;
+    let t3497 = t3496 - t3486;
+    let t3498 = u[1] * t3181;
     let t3499 = t3498 + t3497;
-    let t3500 = u[2] * t3225;
-    let t3501 = u[1] * t3216;
-    let t3502 = u[0] * t3209;
-    let t3503 = t602 + t3502;
-    let t3504 = t3501 - t3503;
-    let t3505 = t3500 + t3504;
-    let t3506 = v[9] * t2486;
-    let t3507 = v[8] * t2479;
-    let t3508 = t3507 - t3506;
-    let t3509 = v[11] * t2500;
-    let t3510 = v[10] * t2493;
-    let t3511 = t3510 - t3509;
-    let t3512 = t3511 - t3508;
-    let t3513 = v[5] * t2458;
-    let t3514 = v[4] * t2451;
-    let t3515 = t3514 + t3513;
-    let t3516 = v[7] * t2472;
-    let t3517 = v[6] * t2465;
-    let t3518 = t3517 + t3516;
-    let t3519 = t3518 - t3515;
-    let t3520 = t3519 - t3512;
-    let t3521 = v[1] * t2430;
-    let t3522 = v[0] * t2423;
-    let t3523 = t3522 + t3521;
-    let t3524 = v[3] * t2444;
-    let t3525 = v[2] * t2437;
-    let t3526 = t3525 + t3524;
-    let t3527 = t3526 - t3523;
-    let t3528 = t3527 - t3520;
-    let t3529 = t3528 + t3505;
-    let t3530 = v[9] * t2590;
-    let t3531 = v[8] * t2581;
-    let t3532 = t3531 - t3530;
-    let t3533 = v[11] * t2608;
-    let t3534 = v[10] * t2599;
-    let t3535 = t3534 - t3533;
-    let t3536 = t3535 - t3532;
-    let t3537 = v[5] * t2554;
-    let t3538 = v[4] * t2545;
-    let t3539 = t3538 + t3537;
-    let t3540 = v[7] * t2572;
-    let t3541 = v[6] * t2563;
-    let t3542 = t3541 + t3540;
-    let t3543 = t3542 - t3539;
-    let t3544 = t3543 - t3536;
-    let t3545 = v[1] * t2518;
-    let t3546 = v[0] * t2509;
-    let t3547 = t3546 + t3545;
-    let t3548 = v[3] * t2536;
-    let t3549 = v[2] * t2527;
-    let t3550 = t3549 + t3548;
-    let t3551 = t3550 - t3547;
-    let t3552 = t3551 - t3544;
-    let t3553 = u[2] * t3270;
-    let t3554 = u[0] * t3253;
-    let t3555 = t611 + t3554;
-    let t3556 = u[1] * t3261;
-    let t3557 = t3556 - t3555;
-    let t3558 = t3553 + t3557;
-    let t3559 = t3552 + t3558;
-    let t3560 = v[9] * t2716;
-    let t3561 = v[8] * t2705;
-    let t3562 = t3561 - t3560;
-    let t3563 = v[11] * t2738;
-    let t3564 = v[10] * t2727;
-    let t3565 = t3564 - t3563;
-    let t3566 = t3565 - t3562;
-    let t3567 = v[5] * t2674;
-    let t3568 = v[4] * t2663;
-    let t3569 = t3568 + t3567;
-    let t3570 = v[7] * t2696;
-    let t3571 = v[6] * t2685;
-    let t3572 = t3571 + t3570;
-    let t3573 = t3572 - t3569;
-    let t3574 = t3573 - t3566;
-    let t3575 = v[1] * t2630;
-    let t3576 = v[0] * t2619;
-    let t3577 = t3576 + t3575;
-    let t3578 = v[3] * t2652;
-    let t3579 = v[2] * t2641;
-    let t3580 = t3579 + t3578;
-    let t3581 = t3580 - t3577;
-    let t3582 = t3581 - t3574;
-    let t3583 = u[1] * t3315;
-    let t3584 = u[0] * t3306;
-    let t3585 = t3584 - t3583;
-    let t3586 = t622 + t3585;
-    let t3587 = u[2] * t3325;
-    let t3588 = t3587 - t3586;
-    let t3589 = t3582 + t3588;
-    let t3590 = u[0] * t3326;
-    let t3591 = u[0] * 250.0;
-    let t3592 = t3591 + t602;
-    let t3593 = t3590 - t3592;
-    let t3594 = t3501 + t3593;
-    let t3595 = t3500 + t3594;
-    let t3596 = t3528 + t3595;
-    let t3597 = u[1] * 250.0;
-    let t3598 = t3597 - t611;
-    let t3599 = u[0] * t3216;
-    let t3600 = t3599 - t3598;
-    let t3601 = u[1] * t3327;
-    let t3602 = t3601 + t3600;
-    let t3603 = t3553 - t3602;
-    let t3604 = t3552 + t3603;
-    let t3605 = u[2] * 250.0;
-    let t3606 = t3605 - t622;
-    let t3607 = u[1] * t3270;
-    let t3608 = t3607 + t3606;
-    let t3609 = u[0] * t3225;
-    let t3610 = t3609 - t3608;
-    let t3611 = u[2] * t3328;
-    let t3612 = t3611 + t3610;
-    let t3613 = t3582 - t3612;
-    let t3614 = v[5] * t2816;
-    let t3615 = v[4] * t2803;
-    let t3616 = t3615 + t3614;
-    let t3617 = v[7] * t2838;
-    let t3618 = v[6] * t2827;
-    let t3619 = t3618 + t3617;
-    let t3620 = t3619 - t3616;
-    let t3621 = v[1] * t2764;
-    let t3622 = v[0] * t2751;
-    let t3623 = t3622 + t3621;
-    let t3624 = v[3] * t2790;
-    let t3625 = v[2] * t2777;
-    let t3626 = t3625 + t3624;
-    let t3627 = t3626 - t3623;
-    let t3628 = t3627 - t3620;
-    let t3629 = u[1] * t3350;
-    let t3630 = u[0] * t3339;
-    let t3631 = t3630 - t3629;
-    let t3632 = u[2] * t3361;
-    let t3633 = t745 - t3632;
-    let t3634 = t3633 + t3631;
-    let t3635 = v[9] * t2861;
-    let t3636 = v[8] * t2849;
-    let t3637 = t3636 - t3635;
-    let t3638 = v[11] * t2887;
-    let t3639 = v[10] * t2874;
-    let t3640 = t3639 - t3638;
-    let t3641 = t3640 - t3637;
-    let t3642 = t3641 - t3634;
-    let t3643 = t3642 + t3628;
-    let t3644 = v[5] * t2965;
-    let t3645 = v[4] * t2952;
-    let t3646 = t3645 + t3644;
-    let t3647 = v[7] * t2987;
-    let t3648 = v[6] * t2976;
-    let t3649 = t3648 + t3647;
-    let t3650 = t3649 - t3646;
-    let t3651 = v[1] * t2913;
-    let t3652 = v[0] * t2900;
-    let t3653 = t3652 + t3651;
-    let t3654 = v[3] * t2939;
-    let t3655 = v[2] * t2926;
-    let t3656 = t3655 + t3654;
-    let t3657 = t3656 - t3653;
-    let t3658 = t3657 - t3650;
-    let t3659 = u[1] * t3383;
-    let t3660 = u[0] * t3372;
-    let t3661 = t3660 - t3659;
-    let t3662 = u[2] * t3394;
-    let t3663 = t711 - t3662;
-    let t3664 = t3663 + t3661;
-    let t3665 = v[9] * t3010;
-    let t3666 = v[8] * t2998;
-    let t3667 = t3666 - t3665;
-    let t3668 = v[11] * t3035;
-    let t3669 = v[10] * t3022;
-    let t3670 = t3669 - t3668;
-    let t3671 = t3670 - t3667;
-    let t3672 = t3671 - t3664;
-    let t3673 = t3672 + t3658;
-    let t3674 = v[5] * t3071;
-    let t3675 = v[4] * t3064;
-    let t3676 = t3675 + t3674;
-    let t3677 = v[7] * t3081;
-    let t3678 = v[6] * t3076;
-    let t3679 = t3678 + t3677;
-    let t3680 = t3679 - t3676;
-    let t3681 = v[1] * t3045;
-    let t3682 = v[0] * t3040;
-    let t3683 = t3682 + t3681;
-    let t3684 = v[3] * t3057;
-    let t3685 = v[2] * t3050;
-    let t3686 = t3685 + t3684;
-    let t3687 = t3686 - t3683;
-    let t3688 = t3687 - t3680;
-    let t3689 = u[1] * t3404;
-    let t3690 = u[0] * t3399;
-    let t3691 = t3690 - t3689;
-    let t3692 = u[2] * t3409;
-    let t3693 = t632 - t3692;
-    let t3694 = t3693 + t3691;
-    let t3695 = v[9] * t3093;
-    let t3696 = v[8] * t3086;
-    let t3697 = t3696 - t3695;
-    let t3698 = v[11] * t3106;
-    let t3699 = v[10] * t3100;
-    let t3700 = t3699 - t3698;
-    let t3701 = t3700 - t3697;
-    let t3702 = t3701 - t3694;
-    let t3703 = t3702 + t3688;
-    let t3704 = -t986;
-    let t3705 = -t1098;
-    let t3706 = -t1106;
-    let t3707 = -t1116;
-    let t3708 = -t1130;
-    let t3709 = -t1146;
-    let t3710 = -t1164;
-    let t3711 = -t1175;
-    let t3712 = -t1197;
-    let t3713 = -t1123;
-    let t3714 = -t1137;
-    let t3715 = -t1155;
-    let t3716 = -t1186;
-    let t3717 = -t1223;
-    let t3718 = -t1262;
-    let t3719 = -t1289;
-    let t3720 = -t1499;
-    let t3721 = -t1695;
-    let t3722 = -t1855;
-    let t3723 = -t2000;
-    let t3724 = -t2158;
-    let t3725 = -t2236;
-    let t3726 = -t2329;
-    let t3727 = -t2332;
-    let t3728 = -t2335;
-    let t3729 = -t2338;
-    let t3730 = -t2350;
-    let t3731 = -t2353;
-    let t3732 = -t2361;
-    let t3733 = -t2366;
-    let t3734 = -t2391;
-    let t3735 = -t2396;
-    let t3736 = -t2401;
-    let t3737 = -t2416;
-    let t3738 = -t2437;
-    let t3739 = -t2444;
-    let t3740 = -t2451;
-    let t3741 = -t2458;
-    let t3742 = -t2486;
-    let t3743 = -t2493;
-    let t3744 = -t2509;
-    let t3745 = -t2518;
-    let t3746 = -t2563;
-    let t3747 = -t2572;
-    let t3748 = -t2581;
-    let t3749 = -t2608;
-    let t3750 = -t2619;
-    let t3751 = -t2630;
-    let t3752 = -t2685;
-    let t3753 = -t2696;
-    let t3754 = -t2705;
-    let t3755 = -t2738;
-    let t3756 = -t2423;
-    let t3757 = -t2430;
-    let t3758 = -t2465;
-    let t3759 = -t2472;
-    let t3760 = -t2479;
-    let t3761 = -t2500;
-    let t3762 = -t2527;
-    let t3763 = -t2536;
-    let t3764 = -t2545;
-    let t3765 = -t2554;
-    let t3766 = -t2590;
-    let t3767 = -t2599;
-    let t3768 = -t2641;
-    let t3769 = -t2652;
-    let t3770 = -t2663;
-    let t3771 = -t2674;
-    let t3772 = -t2716;
-    let t3773 = -t2727;
-    let t3774 = -t2777;
-    let t3775 = -t2790;
-    let t3776 = -t2803;
-    let t3777 = -t2816;
-    let t3778 = -t2861;
-    let t3779 = -t2874;
-    let t3780 = -t2926;
-    let t3781 = -t2939;
-    let t3782 = -t2952;
-    let t3783 = -t2965;
-    let t3784 = -t3010;
-    let t3785 = -t3022;
-    let t3786 = -t3050;
-    let t3787 = -t3057;
-    let t3788 = -t3064;
-    let t3789 = -t3071;
-    let t3790 = -t3093;
-    let t3791 = -t3100;
-    let t3792 = -t3115;
-    let t3793 = -t3141;
-    let t3794 = -t3179;
-    let t3795 = -t3188;
-    let t3796 = -t3216;
-    let t3797 = -t3225;
-    let t3798 = -t3253;
-    let t3799 = -t3306;
-    let t3800 = -t3270;
-    let t3801 = -t3350;
-    let t3802 = -t3361;
-    let t3803 = -t3383;
-    let t3804 = -t3394;
-    let t3805 = -t3404;
-    let t3806 = -t3409;
-    let t3807 = -t3439;
-    let t3808 = -t3469;
-    let t3809 = -t3559;
-    let t3810 = -t3589;
-    let t3811 = -t3596;
-    let t3812 = -v[4];
-    let t3813 = -v[1];
-    let t3814 = -v[5];
-    let t3815 = -v[2];
-    let t3816 = -v[3];
-    let t3817 = -v[0];
-    let t3818 = -v[10];
-    let t3819 = -v[11];
-    let t3820 = -v[9];
+    let t3500 = u[2] * t3190;
+    let t3501 = t3500 + t3499;
+    let t3502 = u[2] * t3227;
+    let t3503 = u[1] * t3218;
+    let t3504 = u[0] * t3211;
+    let t3505 = t602 + t3504;
+    let t3506 = t3503 - t3505;
+    let t3507 = t3502 + t3506;
+    let t3508 = v[9] * t2488;
+    let t3509 = v[8] * t2481;
+    let t3510 = t3509 - t3508;
+    let t3511 = v[11] * t2502;
+    let t3512 = v[10] * t2495;
+    let t3513 = t3512 - t3511;
+    let t3514 = t3513 - t3510;
+    let t3515 = v[5] * t2460;
+    let t3516 = v[4] * t2453;
+    let t3517 = t3516 + t3515;
+    let t3518 = v[7] * t2474;
+    let t3519 = v[6] * t2467;
+    let t3520 = t3519 + t3518;
+    let t3521 = t3520 - t3517;
+    let t3522 = t3521 - t3514;
+    let t3523 = v[1] * t2432;
+    let t3524 = v[0] * t2425;
+    let t3525 = t3524 + t3523;
+    let t3526 = v[3] * t2446;
+    let t3527 = v[2] * t2439;
+    let t3528 = t3527 + t3526;
+    let t3529 = t3528 - t3525;
+    let t3530 = t3529 - t3522;
+    let t3531 = t3530 + t3507;
+    let t3532 = v[9] * t2592;
+    let t3533 = v[8] * t2583;
+    let t3534 = t3533 - t3532;
+    let t3535 = v[11] * t2610;
+    let t3536 = v[10] * t2601;
+    let t3537 = t3536 - t3535;
+    let t3538 = t3537 - t3534;
+    let t3539 = v[5] * t2556;
+    let t3540 = v[4] * t2547;
+    let t3541 = t3540 + t3539;
+    let t3542 = v[7] * t2574;
+    let t3543 = v[6] * t2565;
+    let t3544 = t3543 + t3542;
+    let t3545 = t3544 - t3541;
+    let t3546 = t3545 - t3538;
+    let t3547 = v[1] * t2520;
+    let t3548 = v[0] * t2511;
+    let t3549 = t3548 + t3547;
+    let t3550 = v[3] * t2538;
+    let t3551 = v[2] * t2529;
+    let t3552 = t3551 + t3550;
+    let t3553 = t3552 - t3549;
+    let t3554 = t3553 - t3546;
+    let t3555 = u[2] * t3272;
+    let t3556 = u[0] * t3255;
+    let t3557 = t611 + t3556;
+    let t3558 = u[1] * t3263;
+    let t3559 = t3558 - t3557;
+    let t3560 = t3555 + t3559;
+    let t3561 = t3554 + t3560;
+    let t3562 = v[9] * t2718;
+    let t3563 = v[8] * t2707;
+    let t3564 = t3563 - t3562;
+    let t3565 = v[11] * t2740;
+    let t3566 = v[10] * t2729;
+    let t3567 = t3566 - t3565;
+    let t3568 = t3567 - t3564;
+    let t3569 = v[5] * t2676;
+    let t3570 = v[4] * t2665;
+    let t3571 = t3570 + t3569;
+    let t3572 = v[7] * t2698;
+    let t3573 = v[6] * t2687;
+    let t3574 = t3573 + t3572;
+    let t3575 = t3574 - t3571;
+    let t3576 = t3575 - t3568;
+    let t3577 = v[1] * t2632;
+    let t3578 = v[0] * t2621;
+    let t3579 = t3578 + t3577;
+    let t3580 = v[3] * t2654;
+    let t3581 = v[2] * t2643;
+    let t3582 = t3581 + t3580;
+    let t3583 = t3582 - t3579;
+    let t3584 = t3583 - t3576;
+    let t3585 = u[1] * t3317;
+    let t3586 = u[0] * t3308;
+    let t3587 = t3586 - t3585;
+    let t3588 = t622 + t3587;
+    let t3589 = u[2] * t3327;
+    let t3590 = t3589 - t3588;
+    let t3591 = t3584 + t3590;
+    let t3592 = u[0] * t3328;
+    let t3593 = u[0] * 250.0;
+    let t3594 = t3593 + t602;
+    let t3595 = t3592 - t3594;
+    let t3596 = t3503 + t3595;
+    let t3597 = t3502 + t3596;
+    let t3598 = t3530 + t3597;
+    let t3599 = u[1] * 250.0;
+    let t3600 = t3599 - t611;
+    let t3601 = u[0] * t3218;
+    let t3602 = t3601 - t3600;
+    let t3603 = u[1] * t3329;
+    let t3604 = t3603 + t3602;
+    let t3605 = t3555 - t3604;
+    let t3606 = t3554 + t3605;
+    let t3607 = u[2] * 250.0;
+    let t3608 = t3607 - t622;
+    let t3609 = u[1] * t3272;
+    let t3610 = t3609 + t3608;
+    let t3611 = u[0] * t3227;
+    let t3612 = t3611 - t3610;
+    let t3613 = u[2] * t3330;
+    let t3614 = t3613 + t3612;
+    let t3615 = t3584 - t3614;
+    let t3616 = v[5] * t2818;
+    let t3617 = v[4] * t2805;
+    let t3618 = t3617 + t3616;
+    let t3619 = v[7] * t2840;
+    let t3620 = v[6] * t2829;
+    let t3621 = t3620 + t3619;
+    let t3622 = t3621 - t3618;
+    let t3623 = v[1] * t2766;
+    let t3624 = v[0] * t2753;
+    let t3625 = t3624 + t3623;
+    let t3626 = v[3] * t2792;
+    let t3627 = v[2] * t2779;
+    let t3628 = t3627 + t3626;
+    let t3629 = t3628 - t3625;
+    let t3630 = t3629 - t3622;
+    let t3631 = u[1] * t3352;
+    let t3632 = u[0] * t3341;
+    let t3633 = t3632 - t3631;
+    let t3634 = u[2] * t3363;
+    let t3635 = t745 - t3634;
+    let t3636 = t3635 + t3633;
+    let t3637 = v[9] * t2863;
+    let t3638 = v[8] * t2851;
+    let t3639 = t3638 - t3637;
+    let t3640 = v[11] * t2889;
+    let t3641 = v[10] * t2876;
+    let t3642 = t3641 - t3640;
+    let t3643 = t3642 - t3639;
+    let t3644 = t3643 - t3636;
+    let t3645 = t3644 + t3630;
+    let t3646 = v[5] * t2967;
+    let t3647 = v[4] * t2954;
+    let t3648 = t3647 + t3646;
+    let t3649 = v[7] * t2989;
+    let t3650 = v[6] * t2978;
+    let t3651 = t3650 + t3649;
+    let t3652 = t3651 - t3648;
+    let t3653 = v[1] * t2915;
+    let t3654 = v[0] * t2902;
+    let t3655 = t3654 + t3653;
+    let t3656 = v[3] * t2941;
+    let t3657 = v[2] * t2928;
+    let t3658 = t3657 + t3656;
+    let t3659 = t3658 - t3655;
+    let t3660 = t3659 - t3652;
+    let t3661 = u[1] * t3385;
+    let t3662 = u[0] * t3374;
+    let t3663 = t3662 - t3661;
+    let t3664 = u[2] * t3396;
+    let t3665 = t711 - t3664;
+    let t3666 = t3665 + t3663;
+    let t3667 = v[9] * t3012;
+    let t3668 = v[8] * t3000;
+    let t3669 = t3668 - t3667;
+    let t3670 = v[11] * t3037;
+    let t3671 = v[10] * t3024;
+    let t3672 = t3671 - t3670;
+    let t3673 = t3672 - t3669;
+    let t3674 = t3673 - t3666;
+    let t3675 = t3674 + t3660;
+    let t3676 = v[5] * t3073;
+    let t3677 = v[4] * t3066;
+    let t3678 = t3677 + t3676;
+    let t3679 = v[7] * t3083;
+    let t3680 = v[6] * t3078;
+    let t3681 = t3680 + t3679;
+    let t3682 = t3681 - t3678;
+    let t3683 = v[1] * t3047;
+    let t3684 = v[0] * t3042;
+    let t3685 = t3684 + t3683;
+    let t3686 = v[3] * t3059;
+    let t3687 = v[2] * t3052;
+    let t3688 = t3687 + t3686;
+    let t3689 = t3688 - t3685;
+    let t3690 = t3689 - t3682;
+    let t3691 = u[1] * t3406;
+    let t3692 = u[0] * t3401;
+    let t3693 = t3692 - t3691;
+    let t3694 = u[2] * t3411;
+    let t3695 = t632 - t3694;
+    let t3696 = t3695 + t3693;
+    let t3697 = v[9] * t3095;
+    let t3698 = v[8] * t3088;
+    let t3699 = t3698 - t3697;
+    let t3700 = v[11] * t3108;
+    let t3701 = v[10] * t3102;
+    let t3702 = t3701 - t3700;
+    let t3703 = t3702 - t3699;
+    let t3704 = t3703 - t3696;
+    let t3705 = t3704 + t3690;
+    let t3706 = -t986;
+    let t3707 = -t1098;
+    let t3708 = -t1106;
+    let t3709 = -t1116;
+    let t3710 = -t1130;
+    let t3711 = -t1146;
+    let t3712 = -t1164;
+    let t3713 = -t1175;
+    let t3714 = -t1197;
+    let t3715 = -t1123;
+    let t3716 = -t1137;
+    let t3717 = -t1155;
+    let t3718 = -t1186;
+    let t3719 = -t1223;
+    let t3720 = -t1262;
+    let t3721 = -t1289;
+    let t3722 = -t1499;
+    let t3723 = -t1695;
+    let t3724 = -t1855;
+    let t3725 = -t2000;
+    let t3726 = -t2158;
+    let t3727 = -t2236;
+    let t3728 = -t2331;
+    let t3729 = -t2334;
+    let t3730 = -t2337;
+    let t3731 = -t2340;
+    let t3732 = -t2352;
+    let t3733 = -t2355;
+    let t3734 = -t2363;
+    let t3735 = -t2368;
+    let t3736 = -t2393;
+    let t3737 = -t2398;
+    let t3738 = -t2403;
+    let t3739 = -t2418;
+    let t3740 = -t2439;
+    let t3741 = -t2446;
+    let t3742 = -t2453;
+    let t3743 = -t2460;
+    let t3744 = -t2488;
+    let t3745 = -t2495;
+    let t3746 = -t2511;
+    let t3747 = -t2520;
+    let t3748 = -t2565;
+    let t3749 = -t2574;
+    let t3750 = -t2583;
+    let t3751 = -t2610;
+    let t3752 = -t2621;
+    let t3753 = -t2632;
+    let t3754 = -t2687;
+    let t3755 = -t2698;
+    let t3756 = -t2707;
+    let t3757 = -t2740;
+    let t3758 = -t2425;
+    let t3759 = -t2432;
+    let t3760 = -t2467;
+    let t3761 = -t2474;
+    let t3762 = -t2481;
+    let t3763 = -t2502;
+    let t3764 = -t2529;
+    let t3765 = -t2538;
+    let t3766 = -t2547;
+    let t3767 = -t2556;
+    let t3768 = -t2592;
+    let t3769 = -t2601;
+    let t3770 = -t2643;
+    let t3771 = -t2654;
+    let t3772 = -t2665;
+    let t3773 = -t2676;
+    let t3774 = -t2718;
+    let t3775 = -t2729;
+    let t3776 = -t2779;
+    let t3777 = -t2792;
+    let t3778 = -t2805;
+    let t3779 = -t2818;
+    let t3780 = -t2863;
+    let t3781 = -t2876;
+    let t3782 = -t2928;
+    let t3783 = -t2941;
+    let t3784 = -t2954;
+    let t3785 = -t2967;
+    let t3786 = -t3012;
+    let t3787 = -t3024;
+    let t3788 = -t3052;
+    let t3789 = -t3059;
+    let t3790 = -t3066;
+    let t3791 = -t3073;
+    let t3792 = -t3095;
+    let t3793 = -t3102;
+    let t3794 = -t3117;
+    let t3795 = -t3143;
+    let t3796 = -t3181;
+    let t3797 = -t3190;
+    let t3798 = -t3218;
+    let t3799 = -t3227;
+    let t3800 = -t3255;
+    let t3801 = -t3308;
+    let t3802 = -t3272;
+    let t3803 = -t3352;
+    let t3804 = -t3363;
+    let t3805 = -t3385;
+    let t3806 = -t3396;
+    let t3807 = -t3406;
+    let t3808 = -t3411;
+    let t3809 = -t3441;
+    let t3810 = -t3471;
+    let t3811 = -t3561;
+    let t3812 = -t3591;
+    let t3813 = -t3598;
+    let t3814 = -v[4];
+    let t3815 = -v[1];
+    let t3816 = -v[5];
+    let t3817 = -v[2];
+    let t3818 = -v[3];
+    let t3819 = -v[0];
+    let t3820 = -v[10];
+    let t3821 = -v[11];
+    let t3822 = -v[9];
     [
-        t2581,
-        t2590,
-        t2599,
-        t2608,
-        t2619,
-        t2630,
-        t2641,
-        t2652,
-        t2663,
-        t2674,
-        t2685,
-        t2696,
-        t2705,
-        t2716,
-        t2727,
-        t2738,
-        t2751,
-        t2764,
-        t2827,
-        t2838,
-        t2849,
-        t2887,
-        t2900,
-        t2913,
-        t2976,
-        t2987,
-        t2998,
-        t3035,
-        t3040,
-        t3045,
-        t3076,
-        t3081,
-        t3086,
-        t3106,
-        t3122,
-        t3131,
-        t3148,
-        t3157,
-        t3172,
-        t3209,
-        t3216,
-        t3225,
-        t3261,
-        t3270,
-        t3315,
-        t3325,
-        t3326,
+        t2583,
+        t2592,
+        t2601,
+        t2610,
+        t2621,
+        t2632,
+        t2643,
+        t2654,
+        t2665,
+        t2676,
+        t2687,
+        t2698,
+        t2707,
+        t2718,
+        t2729,
+        t2740,
+        t2753,
+        t2766,
+        t2829,
+        t2840,
+        t2851,
+        t2889,
+        t2902,
+        t2915,
+        t2978,
+        t2989,
+        t3000,
+        t3037,
+        t3042,
+        t3047,
+        t3078,
+        t3083,
+        t3088,
+        t3108,
+        t3124,
+        t3133,
+        t3150,
+        t3159,
+        t3174,
+        t3211,
+        t3218,
+        t3227,
+        t3263,
+        t3272,
+        t3317,
         t3327,
         t3328,
-        t3339,
-        t3372,
-        t3399,
-        t3499,
-        t3529,
-        t3604,
-        t3613,
-        t3643,
-        t3673,
-        t3703,
-        t3704,
+        t3329,
+        t3330,
+        t3341,
+        t3374,
+        t3401,
+        t3501,
+        t3531,
+        t3606,
+        t3615,
+        t3645,
+        t3675,
         t3705,
         t3706,
         t3707,
@@ -17233,6 +17235,8 @@ fn linearize_part_3(
         t3818,
         t3819,
         t3820,
+        t3821,
+        t3822,
     ]
 }
 
@@ -20541,7 +20545,7 @@ pub const FRICTION_PARAMETER_NAMES: [&str; 3] = [
 #[inline]
 #[must_use]
 pub fn friction_parameters() -> [f64; 3] {
-    [0.5, 0.5, 0.5]
+    [0.5, 0.5, 0.005]
 }
 
 /// Regressor of the friction parameters.
@@ -21275,8 +21279,8 @@ pub const SUBSTEPS: usize = 1;
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
-/// Cost: 413610 multiplications, 413592 additions, 9 divisions, 0 function calls, one call of `linearize`
-/// included. That is with 18 halvings of the period; without any it is 111156 multiplications and 110310
+/// Cost: 413612 multiplications, 413592 additions, 9 divisions, 0 function calls, one call of `linearize`
+/// included. That is with 18 halvings of the period; without any it is 111158 multiplications and 110310
 /// additions.
 ///
 /// δ is the small motion from a reference that moves with the velocities v: it is at y before the period, and δ = 0
@@ -21341,7 +21345,7 @@ pub fn step(
 /// - returns `∂x⁺/∂x: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
 /// - returns `∂x⁺/∂u: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 ///
-/// Cost: 45060 multiplications, 44084 additions, 37 divisions, 0 function calls, 4 calls of `linearize` included.
+/// Cost: 45068 multiplications, 44084 additions, 37 divisions, 0 function calls, 4 calls of `linearize` included.
 ///
 /// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.
 #[must_use]

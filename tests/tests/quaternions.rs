@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use gelenk_codegen::pipeline::GenerateOptions;
-use gelenk_tests::{Robot, relative_error, shared};
+use gelenk_kernels::manifold;
+use gelenk_tests::{Robot, relative_error, shared, workspace};
 use nalgebra::{DMatrix, DVector, Matrix3, UnitQuaternion};
 use serde_json::Value;
 
@@ -366,5 +367,40 @@ fn a_quadrotor_agrees_with_pinocchio() {
 fn joints_of_every_type_agree_with_pinocchio() {
     for name in ["zoo_1", "zoo_2", "zoo_3", "zoo_4"] {
         agrees_with_pinocchio(name);
+    }
+}
+
+/// The Hessian of `δ ↦ λᵀ f(y ⊕ δ)`: the chart's gradient is the right Jacobian of ⊕, transposed, times that along small
+/// motions.
+#[test]
+fn hessians_are_those_of_the_chart() {
+    const J: usize = 5;
+    const N: usize = 12;
+    const NY: usize = 14;
+    const H: f64 = 1e-5;
+    let path = workspace().join("models/satellite.toml");
+    let options = GenerateOptions {
+        functions: ["inverse_dynamics_hessian", "inverse_dynamics_derivatives"].map(str::to_owned).into(),
+        ..GenerateOptions::default()
+    };
+    let robot = Robot::derive(&path, &options);
+    let widths: [usize; J] = [7, 1, 1, 1, 4];
+    let numbers = |scale: f64| -> [f64; N] { std::array::from_fn(|k| scale * (1.0 + k as f64).sin()) };
+    let (v, a, multipliers) = (numbers(0.8), numbers(-1.3), numbers(0.6));
+    let y: [f64; NY] = manifold::integrate(&widths, &manifold::neutral(&widths), &numbers(1.1));
+    let hessian = robot.first("inverse_dynamics_hessian", &[&y, &v, &a, &multipliers]);
+    let gradient = |d: &[f64; N]| {
+        let moved: [f64; NY] = manifold::integrate(&widths, &y, d);
+        let by_y = &robot.call("inverse_dynamics_derivatives", &[&moved, &v, &a])[1];
+        let (_, tangent) = manifold::integrate_derivatives(&widths, d);
+        let along = DMatrix::from_row_slice(N, N, by_y).transpose() * DVector::from_row_slice(&multipliers);
+        let tangent = DMatrix::from_row_slice(N, N, tangent.as_flattened());
+        tangent.transpose() * along
+    };
+    for k in 0..N {
+        let at = |size: f64| gradient(&std::array::from_fn(|i| if i == k { size } else { 0.0 }));
+        let expected = (at(H) - at(-H)) / (2.0 * H);
+        let found: Vec<f64> = (0..N).map(|i| hessian[i * N + k]).collect();
+        check(&format!("H_yy {k}"), &found, expected.as_slice(), 1e-7);
     }
 }

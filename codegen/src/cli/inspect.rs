@@ -119,9 +119,13 @@ fn model_text(model: &Model) -> String {
     let mut text = format!("robot {}\n", model.name);
     text.extend(model.description.iter().map(|line| format!("  {line}\n")));
     text.push_str(&format!(
-        "\n{} links, {} coordinates, {} drives, {} frames, {} free parameters\n\n",
+        "\n{} links, {} coordinates{}, {} drives, {} frames, {} free parameters\n\n",
         model.links.len(),
         model.coordinates.len(),
+        match model.quaternion_joints.len() {
+            0 => String::new(),
+            _ => format!(" with {} positions", model.position_count()),
+        },
         model.drives.len(),
         model.frames.len(),
         model.parameters.len(),
@@ -166,15 +170,18 @@ fn motion(model: &Model, motion: Motion) -> String {
             let moving = model.moving_joints();
             let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
             let terms = moving[index].follows.iter().map(|term| match term.ratio.as_number() {
-                Some(1.0) => format!("y{}", term.coordinate + 1),
-                _ => format!("({}) y{}", term.ratio.text(&names), term.coordinate + 1),
+                Some(1.0) => format!("y{}", model.first_position(term.coordinate) + 1),
+                _ => format!("({}) y{}", term.ratio.text(&names), model.first_position(term.coordinate) + 1),
             });
             let offset = (moving[index].offset != 0.0).then(|| format!("{:?}", moving[index].offset));
             terms.chain(offset).collect::<Vec<_>>().join(" + ")
         }
         Motion::Fixed => "fixed".to_owned(),
         Motion::Held(position) => format!("held at {position:?}"),
-        Motion::Coordinate(index) => format!("y{}", index + 1),
+        Motion::Coordinate(index) => match model.quaternion_joint_of(index) {
+            None => format!("y{}", model.first_position(index) + 1),
+            Some(joint) => format!("velocity v{} of {} joint {}", index + 1, joint.kind.name(), joint.name),
+        },
     }
 }
 

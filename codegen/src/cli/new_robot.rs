@@ -38,6 +38,14 @@ fn from_urdf(path: &Path) -> Result<Robot, Failure> {
     let wrong = |why| Failure::Descriptions(vec![why]);
     let mut files = DescriptionFiles::of(path);
     let loaded = files.load(&ReadOptions::default()).map_err(wrong)?;
+    if let Some(joint) = loaded.model.quaternion_joints.first() {
+        return Err(Failure::Usage(format!(
+            "joint `{}` of {} is {}; the program of a new crate is one for arms\n  = help: `gelenk generate` writes the module of such a robot",
+            joint.name,
+            path.display(),
+            joint.kind.name()
+        )));
+    }
     if !files.is_xml().map_err(wrong)? {
         return Err(Failure::Usage(format!(
             "{} is no URDF\n  = help: make the crate without --urdf, and put your description in the place of its robot.toml",

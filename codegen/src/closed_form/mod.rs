@@ -109,6 +109,13 @@ pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
             .help("`gelenk inspect program` shows the equations of coupled joints with their abbreviations");
         return Err(Diagnostics::new(vec![problem]));
     }
+    if let Some(joint) = model.quaternion_joints.first() {
+        let message =
+            format!("there are no closed forms of {} joints; `{}` is one", joint.kind.name(), joint.name);
+        let problem = Diagnostic::error("quaternion-joint", message)
+            .help("`gelenk inspect program` shows the equations with their abbreviations");
+        return Err(Diagnostics::new(vec![problem]));
+    }
     if let Some(joint) = model.joints().find(|joint| matches!(joint.kind, JointKind::Helical { .. })) {
         let message = format!("there are no closed forms of helical joints; `{}` is one", joint.name);
         let problem = Diagnostic::error("helical-joint", message)

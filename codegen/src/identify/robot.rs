@@ -2,7 +2,7 @@
 
 use gelenk_identification::robot::{JointLimits, Robot};
 
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::parameters::regressor::parameter_names;
 use crate::functions::form::Form;
 use crate::functions::function::Function;
@@ -28,8 +28,20 @@ impl InterpretedRobot {
     /// Derives the functions of a model; its friction is left out.
     ///
     /// # Errors
-    /// As [`derive_in_form`]: a robot whose functions cannot be generated.
+    /// As [`derive_in_form`]: a robot whose functions cannot be generated. `quaternion-joint` for robots with spherical or
+    /// floating joints, whose logs have more positions than velocities.
     pub fn new(model: &Model) -> Result<Self, Diagnostics> {
+        if let Some(joint) = model.quaternion_joints.first() {
+            let message = format!(
+                "joint `{}` is {}: logs with quaternions are not read yet",
+                joint.name,
+                joint.kind.name()
+            );
+            let problem = Diagnostic::error("quaternion-joint", message).help(
+                "the generated `base_regressor` holds for such robots: its first six rows identify a floating one without torques",
+            );
+            return Err(Diagnostics::new(vec![problem]));
+        }
         let mut model = model.clone();
         for joint in model.links.iter_mut().filter_map(|link| link.joint.as_mut()) {
             joint.friction.clear();

@@ -16,9 +16,10 @@ use gelenk_report::{Block, Inline, Report, ReportError, Section, plain, text};
 
 use crate::diagnostic::Diagnostics;
 use crate::functions::function::Function;
-use crate::model::Model;
+use crate::model::{Model, QuaternionJoint};
 use equations::ClosedFormText;
 use robot::Robot;
+use std::ops::Range;
 
 pub use equations::{ClosedForm, Symbol};
 
@@ -91,6 +92,7 @@ fn robot_section(robot: &Robot<'_>) -> Section {
     let scene = scene::scene(robot);
     section
         .block(Block::Scene(scene.clone()))
+        .blocks(quaternions(robot).iter().map(|sentence| text(sentence)))
         .block(text("The kinematic tree: circles turn, squares slide, a circle in a square does both, bars are fixed or held; what a drive moves is filled."))
         .block(Block::Tree(scene))
 }
@@ -312,4 +314,23 @@ mod tests {
         // The data and the view's script, nothing else.
         assert_eq!(page.matches("<script").count(), 2);
     }
+}
+
+/// What the rows and sliders of a joint with a quaternion mean.
+fn quaternions(robot: &Robot<'_>) -> Vec<String> {
+    let joint = |joint: &QuaternionJoint| {
+        let Range { start, end } = joint.coordinates();
+        let origin = if joint.kind.quaternion() > 0 { "the position of its body and " } else { "" };
+        format!(
+            "Joint {} is {}: its positions are {origin}a quaternion, {} numbers, and its velocities $\\dot{{y}}_{{{}}}$ to \
+             $\\dot{{y}}_{{{}}}$ are those of its body in the body's own axes. Here its sliders displace and turn the body along x, \
+             y and z, one after the other.",
+            joint.name,
+            joint.kind.name(),
+            joint.kind.positions(),
+            start + 1,
+            end
+        )
+    };
+    robot.model.quaternion_joints.iter().map(joint).collect()
 }

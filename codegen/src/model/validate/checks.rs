@@ -10,7 +10,7 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
     let name = &joint.name;
     if let Some(position) = &joint.limits.position {
         let [low, high] = position.value;
-        if joint.kind == Some(JointKind::Continuous) {
+        if joint.kind == Some(JointKind::Continuous) && joint.part_of.is_none() {
             let message = format!("joint `{}` is continuous and has position limits", name.value);
             report.error(position.span, "conflicting-keys", message);
             report.help("a joint with position limits is \"revolute\"");

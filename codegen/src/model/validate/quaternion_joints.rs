@@ -128,6 +128,10 @@ pub(super) fn find(
             part(next + k).is_some_and(|other| other.index == k && other.joint.value == first.joint.value)
         };
         if !(0..count).all(stands) {
+            if report.has_errors() && robot.coordinates.is_none() {
+                // One of them is held, which was reported.
+                return joints;
+            }
             let span = robot.coordinates.as_ref().and_then(|listed| listed.get(next));
             let span = span.map_or(first.joint.span, |name| name.span);
             let message = format!("the velocities of `{}` do not stand together", first.joint.value);

@@ -1,0 +1,189 @@
+//! Robots with quaternions in motion: what their generated functions promise, against differences along ⊕, finer steps,
+//! conserved quantities and the matrix exponential.
+
+use gelenk_generated::{quadrotor, satellite};
+use gelenk_tests::relative_error;
+use nalgebra::DMatrix;
+
+const PERIOD: f64 = 0.02;
+
+/// A satellite that tumbles while its boom swings.
+fn tumbling() -> ([f64; satellite::NY], [f64; satellite::N]) {
+    let v = [0.1, -0.3, 0.2, 0.7, -0.5, 0.9, 20.0, -15.0, 30.0, 0.4, 0.6, -0.8];
+    let y = satellite::integrate(
+        &satellite::NEUTRAL,
+        &[0.4, 0.1, -0.2, 0.9, 1.4, -0.3, 0.2, 0.5, 0.1, 0.5, -0.7, 0.3],
+    );
+    (y, v)
+}
+
+/// A quadrotor on its back, in a turn.
+fn upside_down() -> ([f64; quadrotor::NY], [f64; quadrotor::N], [f64; quadrotor::M]) {
+    let y = quadrotor::integrate(&quadrotor::NEUTRAL, &[1.0, 2.0, 0.5, 2.9, 0.3, -0.4]);
+    (y, [1.0, -0.5, 2.0, 3.0, -4.0, 1.5], [3.0, 4.5, 2.0, 5.0])
+}
+
+fn close(what: &str, found: &[f64], expected: &[f64], tolerance: f64) {
+    let error = relative_error(found, expected);
+    assert!(error <= tolerance, "{what}: {error:e}");
+}
+
+fn unit<const N: usize>(k: usize, size: f64) -> [f64; N] {
+    std::array::from_fn(|i| if i == k { size } else { 0.0 })
+}
+
+fn plus<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
+    std::array::from_fn(|i| a[i] + b[i])
+}
+
+fn advanced(steps: usize, seconds: f64) -> ([f64; satellite::NY], [f64; satellite::N]) {
+    let (mut y, mut v) = tumbling();
+    let u = [0.05, -0.1, 0.02];
+    for _ in 0..steps {
+        (y, v) = satellite::step(&y, &v, &u, seconds / steps as f64);
+    }
+    (y, v)
+}
+
+#[test]
+fn steps_have_order_four() {
+    let exact = advanced(2048, 0.5);
+    let errors = [16, 32, 64].map(|steps| {
+        let (y, v) = advanced(steps, 0.5);
+        let apart = satellite::difference(&exact.0, &y);
+        let faster = (0..satellite::N).map(|k| v[k] - exact.1[k]);
+        apart.into_iter().chain(faster).map(|x| x * x).sum::<f64>().sqrt()
+    });
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((3.6..4.6).contains(&order), "order {order} of {errors:?}");
+    }
+}
+
+#[test]
+fn quaternions_keep_their_length() {
+    let (y, _) = advanced(2000, 20.0);
+    for quaternion in [&y[3..7], &y[10..14]] {
+        let length: f64 = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert!((length - 1.0).abs() <= 1e-15, "{length}");
+    }
+}
+
+/// Linear momentum in the axes of the world: nothing outside acts on the satellite. M's first three rows are that of the
+/// hull's axes.
+#[test]
+fn momentum_stays() {
+    let momentum = |y: &[f64; satellite::NY], v: &[f64; satellite::N]| {
+        let mass = satellite::mass_matrix(y);
+        let body: [f64; 6] =
+            std::array::from_fn(|i| (0..satellite::N).map(|j| mass[i][j] * v[j]).sum::<f64>());
+        let [x, yy, z, w] = [y[3], y[4], y[5], y[6]];
+        let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, yy, z));
+        let linear = turn * nalgebra::Vector3::new(body[0], body[1], body[2]);
+        let about_hull = turn * nalgebra::Vector3::new(body[3], body[4], body[5]);
+        let angular = about_hull + nalgebra::Vector3::new(y[0], y[1], y[2]).cross(&linear);
+        [linear.as_slice(), angular.as_slice()].concat()
+    };
+    let (y, v) = tumbling();
+    let before = momentum(&y, &v);
+    let (y, v) = advanced(1000, 1.0);
+    close("momentum", &momentum(&y, &v), &before, 1e-10);
+}
+
+#[test]
+fn derivatives_of_a_step_are_those_along_small_motions() {
+    const H: f64 = 1e-6;
+    let (y, v, u) = upside_down();
+    let (next, _, by_state, by_input) = quadrotor::step_derivatives(&y, &v, &u, PERIOD);
+    let change = |ahead: ([f64; 7], [f64; 6]), behind: ([f64; 7], [f64; 6])| {
+        let [from, to] = [quadrotor::difference(&next, &behind.0), quadrotor::difference(&next, &ahead.0)];
+        let half = 0.5 / H;
+        let motion: [f64; 6] = std::array::from_fn(|i| (to[i] - from[i]) * half);
+        let rates: [f64; 6] = std::array::from_fn(|i| (ahead.1[i] - behind.1[i]) * half);
+        [motion, rates]
+    };
+    let step = |y: &[f64; 7], v: &[f64; 6], u: &[f64; 4]| quadrotor::step(y, v, u, PERIOD);
+    for k in 0..6 {
+        let moved = |size| step(&quadrotor::integrate(&y, &unit(k, size)), &v, &u);
+        let faster = |size| step(&y, &plus(&v, &unit(k, size)), &u);
+        let changes = [change(moved(H), moved(-H)), change(faster(H), faster(-H))];
+        for (block, expected) in changes.iter().enumerate() {
+            for half in 0..2 {
+                let found: [f64; 6] = std::array::from_fn(|i| by_state[half][block][i][k]);
+                close(&format!("{half} {block} {k}"), &found, &expected[half], 2e-8);
+            }
+        }
+    }
+    for k in 0..4 {
+        let driven = |size| step(&y, &v, &plus(&u, &unit(k, size)));
+        let expected = change(driven(H), driven(-H));
+        for half in 0..2 {
+            let found: [f64; 6] = std::array::from_fn(|i| by_input[half][i][k]);
+            close(&format!("{half} input {k}"), &found, &expected[half], 1e-6);
+        }
+    }
+}
+
+/// The exponential of the linearization about a moving reference, with a column for what is constant.
+#[test]
+fn the_hold_is_the_exponential() {
+    let (y, v, u) = upside_down();
+    let (by_y, by_v, by_u, remainder, drift) = quadrotor::linearize(&y, &v, &u);
+    let mut system = DMatrix::<f64>::zeros(17, 17);
+    for i in 0..6 {
+        for j in 0..6 {
+            system[(i, j)] = drift[i][j];
+            system[(i + 6, j)] = by_y[i][j];
+            system[(i + 6, j + 6)] = by_v[i][j];
+        }
+        for j in 0..4 {
+            system[(i + 6, j + 12)] = by_u[i][j];
+        }
+        system[(i, i + 6)] = 1.0;
+        system[(i, 16)] = -v[i];
+        system[(i + 6, 16)] = remainder[i];
+    }
+    let exact = (system * PERIOD).exp();
+    let (state, input, affine) = quadrotor::discretize(&y, &v, &u, PERIOD);
+    let (mut found, mut expected) = (vec![], vec![]);
+    for half in 0..2 {
+        for i in 0..6 {
+            found.extend(state[half][0][i].iter().chain(&state[half][1][i]).chain(&input[half][i]));
+            found.push(affine[half][i]);
+            expected.extend((0..17).map(|j| exact[(6 * half + i, j)]));
+        }
+    }
+    close("hold", &found, &expected, 1e-12);
+}
+
+/// D, A_y and A_v predict how two motions drift apart.
+#[test]
+fn the_linearization_predicts_neighbours() {
+    const H: f64 = 1e-5;
+    let (y, v, u) = upside_down();
+    let (state, _, _) = quadrotor::discretize(&y, &v, &u, 1e-3);
+    let (next, faster) = quadrotor::step(&y, &v, &u, 1e-3);
+    for k in 0..6 {
+        let (moved, rates) = quadrotor::step(&quadrotor::integrate(&y, &unit(k, H)), &v, &u, 1e-3);
+        let motion = quadrotor::difference(&next, &moved).map(|x| x / H);
+        let rates: [f64; 6] = std::array::from_fn(|i| (rates[i] - faster[i]) / H);
+        let found: [[f64; 6]; 2] = [0, 1].map(|half| std::array::from_fn(|i| state[half][0][i][k]));
+        // Both differ by what changes during the period.
+        close("motion", &found[0], &motion, 1e-4);
+        close("rates", &found[1], &rates, 5e-2);
+    }
+}
+
+#[test]
+fn quaternions_without_length_become_the_identity() {
+    let mut y = satellite::NEUTRAL;
+    y[3..7].copy_from_slice(&[0.0, 3.0, 0.0, 4.0]);
+    assert!(satellite::normalize(&mut y));
+    close("unit", &y[3..7], &[0.0, 0.6, 0.0, 0.8], 1e-15);
+    y[10..14].copy_from_slice(&[f64::NAN, 0.0, 0.0, 1.0]);
+    assert!(!satellite::normalize(&mut y));
+    assert_eq!(y[10..14], [0.0, 0.0, 0.0, 1.0]);
+    y[3..7].fill(0.0);
+    assert!(!satellite::normalize(&mut y));
+    assert_eq!(y[3..7], [0.0, 0.0, 0.0, 1.0]);
+}
