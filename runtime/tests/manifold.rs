@@ -4,6 +4,8 @@
 
 #[path = "manifold/dynamics.rs"]
 mod dynamics;
+#[path = "manifold/plant.rs"]
+mod plant;
 #[path = "support/quadrotor.rs"]
 #[allow(dead_code, reason = "it has the face of a generated module")]
 mod quadrotor;

@@ -44,6 +44,69 @@ impl QuaternionJoint {
     }
 }
 
+/// For each velocity entry in `0..n` of a joint without quaternion it, and the position entry that it changes.
+///
+/// - `joints`: those with a quaternion, in their order
+pub fn plain_entries(joints: &[QuaternionJoint], n: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..n).filter_map(move |velocity| {
+        let before = joints.iter().take_while(|joint| joint.velocity <= velocity).count();
+        let last = before.checked_sub(1).and_then(|k| joints.get(k));
+        let is_plain = last.is_none_or(|joint| joint.angular_velocity() + 3 <= velocity);
+        is_plain.then_some((velocity, velocity + before))
+    })
+}
+
+/// ẏ = T(y) v: that of a position is turned into the parent's frame, `q̇ = ½ q (ω, 0)`.
+///
+/// - `joints`: those with a quaternion, in their order
+pub fn position_rates<const N: usize, const NY: usize>(
+    joints: &[QuaternionJoint],
+    y: &[f64; NY],
+    v: &[f64; N],
+) -> [f64; NY] {
+    let mut rates = [0.0; NY];
+    for (velocity, position) in plain_entries(joints, N) {
+        if let Some(rate) = rates.get_mut(position) {
+            *rate = v[velocity];
+        }
+    }
+    for joint in joints {
+        let q = entries(y, joint.quaternion());
+        let w = entries(v, joint.angular_velocity());
+        set(&mut rates, joint.quaternion(), &quaternion_rate(&q, &w));
+        if joint.is_floating {
+            set(&mut rates, joint.position, &turned(&q, &entries(v, joint.velocity)));
+        }
+    }
+    rates
+}
+
+fn quaternion_rate([x, y, z, w]: &[f64; 4], [a, b, c]: &[f64; 3]) -> [f64; 4] {
+    [
+        0.5 * (w * a + y * c - z * b),
+        0.5 * (w * b + z * a - x * c),
+        0.5 * (w * c + x * b - y * a),
+        -0.5 * (x * a + y * b + z * c),
+    ]
+}
+
+/// The vector in the parent's axes.
+fn turned([x, y, z, w]: &[f64; 4], [a, b, c]: &[f64; 3]) -> [f64; 3] {
+    let [d, e, f] = [2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)];
+    [a + w * d + (y * f - z * e), b + w * e + (z * d - x * f), c + w * f + (x * e - y * d)]
+}
+
+fn entries<const K: usize>(all: &[f64], first: usize) -> [f64; K] {
+    let chunk = all.get(first..).and_then(|rest| rest.first_chunk());
+    *chunk.unwrap_or(&[f64::NAN; K])
+}
+
+fn set<const K: usize>(all: &mut [f64], first: usize, values: &[f64; K]) {
+    if let Some(chunk) = all.get_mut(first..).and_then(|rest| rest.first_chunk_mut()) {
+        *chunk = *values;
+    }
+}
+
 /// How many joints have a quaternion.
 #[must_use]
 pub const fn count_quaternions(widths: &[usize]) -> usize {
@@ -112,8 +175,7 @@ fn length(q: &[f64; 4]) -> f64 {
 /// Tells which quaternion is zero, not finite or not of unit length to [`UNIT_LENGTH`].
 pub(super) fn check(joints: &[QuaternionJoint], y: &[f64]) -> Result<(), AttitudeError> {
     for joint in joints {
-        let entries = y.get(joint.quaternion()..).and_then(|rest| rest.first_chunk());
-        let quaternion = *entries.unwrap_or(&[f64::NAN; 4]);
+        let quaternion = entries(y, joint.quaternion());
         // Written so that NaN is refused.
         let is_attitude = (length(&quaternion) - 1.0).abs() <= UNIT_LENGTH;
         if !is_attitude {
