@@ -20,7 +20,7 @@
 //! chapter 2).
 
 use super::integrator::{Flow, Motion};
-use crate::dynamics::{Dynamics, JUST_MOVING, jumps, load, under_load};
+use crate::dynamics::{Dynamics, JUST_MOVING, jumps, load, position_rates, under_load};
 use nalgebra::{SMatrix, SVector};
 
 /// Part of the friction's range by which a sticking joint must be overloaded to break loose.
@@ -58,9 +58,12 @@ pub(super) struct Joints<'d, D, const N: usize, const M: usize> {
     pub rest: f64,
 }
 
-impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
+impl<D, const N: usize, const M: usize> Joints<'_, D, N, M> {
     /// Friction just before and just after rest, brakes included.
-    fn friction_range(&self, y: &[f64; N]) -> [Range; N] {
+    fn friction_range<const NY: usize>(&self, y: &[f64; NY]) -> [Range; N]
+    where
+        D: Dynamics<N, M, NY>,
+    {
         let (at_rest, shares) = (self.model.friction_at_rest(y), self.model.load_friction_at_rest(y));
         core::array::from_fn(|i| {
             let ([low, high], brake) = (at_rest[i], self.brakes[i]);
@@ -69,7 +72,10 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
     }
 
     /// Sets the modes for a motion, and speeds of joints at rest to zero.
-    pub fn settle(&mut self, motion: &mut Motion<N>) {
+    pub fn settle<const NY: usize>(&mut self, motion: &mut Motion<N, NY>)
+    where
+        D: Dynamics<N, M, NY>,
+    {
         let range = self.friction_range(&motion.positions);
         let mut at_rest = [false; N];
         for i in 0..N {
@@ -96,7 +102,15 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
     }
 
     /// The resting joint that violates its mode most, and the mode that it should have.
-    fn worst(&self, motion: &Motion<N>, range: &[Range; N], at_rest: &[bool; N]) -> Option<(usize, Mode)> {
+    fn worst<const NY: usize>(
+        &self,
+        motion: &Motion<N, NY>,
+        range: &[Range; N],
+        at_rest: &[bool; N],
+    ) -> Option<(usize, Mode)>
+    where
+        D: Dynamics<N, M, NY>,
+    {
         let Solution { accelerations, friction, loads } = self.solve(motion);
         let mut worst = None;
         let mut largest = 0.0;
@@ -125,7 +139,10 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
     }
 
     /// Accelerations, the friction torques of joints that stick, and the loads of all.
-    fn solve(&self, motion: &Motion<N>) -> Solution<N> {
+    fn solve<const NY: usize>(&self, motion: &Motion<N, NY>) -> Solution<N>
+    where
+        D: Dynamics<N, M, NY>,
+    {
         let y = &motion.positions;
         let v = self.directed(&motion.velocities);
         let (mass, coriolis, applied) = self.model.equations_of_motion(y, &v);
@@ -220,8 +237,14 @@ fn overload(friction: f64, [low, high]: [f64; 2]) -> f64 {
     }
 }
 
-impl<D: Dynamics<N, M>, const N: usize, const M: usize> Flow<N> for Joints<'_, D, N, M> {
-    fn accelerations(&self, motion: &Motion<N>) -> [f64; N] {
+impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Flow<N, NY>
+    for Joints<'_, D, N, M>
+{
+    fn rates(&self, motion: &Motion<N, NY>) -> [f64; NY] {
+        position_rates(self.model.quaternion_joints(), &motion.positions, &motion.velocities)
+    }
+
+    fn accelerations(&self, motion: &Motion<N, NY>) -> [f64; N] {
         let braked = self.brakes.iter().any(|b| *b > 0.0);
         if braked || self.modes.contains(&Mode::Stuck) {
             return self.solve(motion).accelerations;
@@ -230,7 +253,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Flow<N> for Joints<'_, D
         self.model.forward_dynamics(&motion.positions, &v, self.inputs)
     }
 
-    fn has_ended(&self, motion: &Motion<N>) -> bool {
+    fn has_ended(&self, motion: &Motion<N, NY>) -> bool {
         let turned = |i: usize| self.modes[i].direction() * motion.velocities[i] < -self.rest;
         if (0..N).any(turned) {
             return true;

@@ -22,32 +22,32 @@ const BISECTIONS: usize = 60;
 
 /// Positions and velocities; also their derivatives, in the same places.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Motion<const N: usize> {
-    pub positions: [f64; N],
+pub(super) struct Motion<const N: usize, const NY: usize = N> {
+    pub positions: [f64; NY],
     pub velocities: [f64; N],
 }
 
-impl<const N: usize> Motion<N> {
+impl<const N: usize, const NY: usize> Motion<N, NY> {
     pub fn is_finite(&self) -> bool {
         let all = self.positions.iter().chain(&self.velocities);
         all.into_iter().all(|x| x.is_finite())
     }
 }
 
-impl<const N: usize> State<f64> for Motion<N> {
+impl<const N: usize, const NY: usize> State<f64> for Motion<N, NY> {
     fn len(&self) -> usize {
-        2 * N
+        NY + N
     }
 
     fn get_component(&self, index: usize) -> f64 {
-        if index < N { self.positions[index] } else { self.velocities[index - N] }
+        if index < NY { self.positions[index] } else { self.velocities[index - NY] }
     }
 
     fn set_component(&mut self, index: usize, value: f64) {
-        if index < N {
+        if index < NY {
             self.positions[index] = value;
         } else {
-            self.velocities[index - N] = value;
+            self.velocities[index - NY] = value;
         }
     }
 
@@ -63,7 +63,7 @@ impl<const N: usize> State<f64> for Motion<N> {
     }
 
     fn zeros() -> Self {
-        Self { positions: [0.0; N], velocities: [0.0; N] }
+        Self { positions: [0.0; NY], velocities: [0.0; N] }
     }
 
     fn mul_add_assign(&mut self, alpha: f64, other: &Self) {
@@ -76,44 +76,48 @@ impl<const N: usize> State<f64> for Motion<N> {
 }
 
 /// A motion that is smooth until an event.
-pub(super) trait Flow<const N: usize> {
-    /// ÿ.
-    fn accelerations(&self, motion: &Motion<N>) -> [f64; N];
+pub(super) trait Flow<const N: usize, const NY: usize> {
+    /// ẏ.
+    fn rates(&self, motion: &Motion<N, NY>) -> [f64; NY];
+
+    /// v̇.
+    fn accelerations(&self, motion: &Motion<N, NY>) -> [f64; N];
 
     /// True once an event has happened.
-    fn has_ended(&self, motion: &Motion<N>) -> bool;
+    fn has_ended(&self, motion: &Motion<N, NY>) -> bool;
 }
 
 struct Equations<'f, F>(&'f F);
 
-impl<const N: usize, F: Flow<N>> ODE<f64, Motion<N>> for Equations<'_, F> {
-    fn diff(&self, _: f64, motion: &Motion<N>, derivative: &mut Motion<N>) {
-        derivative.positions = motion.velocities;
+impl<const N: usize, const NY: usize, F: Flow<N, NY>> ODE<f64, Motion<N, NY>> for Equations<'_, F> {
+    fn diff(&self, _: f64, motion: &Motion<N, NY>, derivative: &mut Motion<N, NY>) {
+        derivative.positions = self.0.rates(motion);
         derivative.velocities = self.0.accelerations(motion);
     }
 }
 
 /// Where an integration ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Arrival<const N: usize> {
+pub(super) struct Arrival<const N: usize, const NY: usize> {
     pub time: f64,
-    pub motion: Motion<N>,
+    pub motion: Motion<N, NY>,
     pub by_event: bool,
 }
 
 /// First step of a new integration (s).
 const FIRST_STEP: f64 = 1e-3;
 
-type Method<const N: usize> = ExplicitRungeKutta<Ordinary, DormandPrince, f64, Motion<N>, 8, 12, 16>;
+type Method<const N: usize, const NY: usize> =
+    ExplicitRungeKutta<Ordinary, DormandPrince, f64, Motion<N, NY>, 8, 12, 16>;
 
 #[derive(Clone)]
-pub(super) struct Integrator<const N: usize> {
-    method: Method<N>,
+pub(super) struct Integrator<const N: usize, const NY: usize> {
+    method: Method<N, NY>,
     /// Step that the error control proposed last; the first guess for the next call.
     step: f64,
 }
 
-impl<const N: usize> Integrator<N> {
+impl<const N: usize, const NY: usize> Integrator<N, NY> {
     pub fn new(relative_tolerance: f64, absolute_tolerance: f64) -> Self {
         let method = Method::dop853()
             .rtol(relative_tolerance)
@@ -130,12 +134,12 @@ impl<const N: usize> Integrator<N> {
     /// Why it cannot go on.
     pub fn advance(
         &mut self,
-        flow: &impl Flow<N>,
-        motion: &Motion<N>,
+        flow: &impl Flow<N, NY>,
+        motion: &Motion<N, NY>,
         start: f64,
         end: f64,
         budget: &mut usize,
-    ) -> Result<Arrival<N>, &'static str> {
+    ) -> Result<Arrival<N, NY>, &'static str> {
         let arrival = self.try_advance(flow, motion, start, end, budget);
         if arrival.is_err() {
             // What failed with ever smaller steps says nothing of the next call, whose first step must not be
@@ -147,12 +151,12 @@ impl<const N: usize> Integrator<N> {
 
     fn try_advance(
         &mut self,
-        flow: &impl Flow<N>,
-        motion: &Motion<N>,
+        flow: &impl Flow<N, NY>,
+        motion: &Motion<N, NY>,
         start: f64,
         end: f64,
         budget: &mut usize,
-    ) -> Result<Arrival<N>, &'static str> {
+    ) -> Result<Arrival<N, NY>, &'static str> {
         let equations = Equations(flow);
         let negligible = 4.0 * f64::EPSILON * end.abs();
         if end - start <= negligible {
@@ -191,7 +195,7 @@ impl<const N: usize> Integrator<N> {
     }
 
     /// The event in the last step, by bisection on the dense output.
-    fn locate(&mut self, flow: &impl Flow<N>) -> Arrival<N> {
+    fn locate(&mut self, flow: &impl Flow<N, NY>) -> Arrival<N, NY> {
         let (mut before, mut after) = (self.method.t_prev(), self.method.t());
         let mut motion = *self.method.y();
         for _ in 0..BISECTIONS {

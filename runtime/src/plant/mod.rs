@@ -4,6 +4,9 @@
 //!     M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u_applied        u_applied constant over a period
 //! ```
 //!
+//! Positions of robots with quaternions are integrated as `ẏ = T(y) v` with the same error control; after every
+//! period their quaternions regain unit length.
+//!
 //! The model of the plant is its own: any [`Dynamics`], with other masses or friction than the controller's,
 //! with exact `sign` where the controller's is smooth. See [`PlantOptions`] for what happens to inputs and
 //! measurements.
@@ -14,7 +17,7 @@ mod options;
 
 pub use options::{PlantError, PlantOptions};
 
-use crate::dynamics::Dynamics;
+use crate::dynamics::{Dynamics, plain_entries};
 use dry_friction::{Joints, Mode};
 use integrator::{Integrator, MAX_PERIOD_STEPS, Motion};
 use rand::RngExt;
@@ -30,11 +33,12 @@ const BRAKE_RESERVE: f64 = 2.0;
 
 /// The last measurement of the encoders.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Measurement<const N: usize> {
+pub struct Measurement<const N: usize, const NY: usize = N> {
     /// When it was measured (s). Older than the plant's time where a measurement was lost.
     pub time: f64,
-    /// Positions of the joints [rad or m], rounded and noisy as the encoders make them.
-    pub positions: [f64; N],
+    /// Positions of the joints [rad or m], rounded and noisy as the encoders make them; attitudes as
+    /// quaternions.
+    pub positions: [f64; NY],
     /// Velocities of the joints [rad/s or m/s], where [`PlantOptions::velocity_noise`] makes them measured.
     pub velocities: Option<[f64; N]>,
     /// Forces of the drives at their joints over the last period, B u_applied [N m or N], where
@@ -57,16 +61,16 @@ pub struct Measurement<const N: usize> {
 /// # Ok::<(), gelenk_runtime::plant::PlantError>(())
 /// ```
 #[derive(Clone)]
-pub struct Plant<D, const N: usize, const M: usize> {
+pub struct Plant<D, const N: usize, const M: usize, const NY: usize = N> {
     model: D,
     options: PlantOptions<N, M>,
     brake_torque: [f64; N],
     brakes_engaged: bool,
-    integrator: Integrator<N>,
+    integrator: Integrator<N, NY>,
     /// Since the last reset (s).
     time: f64,
-    motion: Motion<N>,
-    measurement: Measurement<N>,
+    motion: Motion<N, NY>,
+    measurement: Measurement<N, NY>,
     /// Inputs under way, the oldest first; always `delay` many between calls.
     queue: VecDeque<[f64; M]>,
     /// What last arrived, before noise, rounding and limit.
@@ -79,13 +83,15 @@ pub struct Plant<D, const N: usize, const M: usize> {
     torque_noise: ChaCha8Rng,
 }
 
-impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
-    /// A plant at y = 0, at rest, its brakes released. All memory is allocated here.
+impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Plant<D, N, M, NY> {
+    /// A plant at y = 0 (attitudes at the identity), at rest, its brakes released. All memory is allocated here.
     ///
     /// # Errors
     /// [`PlantError::Option`].
     pub fn new(model: D, options: PlantOptions<N, M>) -> Result<Self, PlantError> {
         options.check(&model.joint_names(), &model.input_names())?;
+        options.check_quaternions(&model.joint_names(), model.quaternion_joints())?;
+        let start = model.neutral();
         let brake_torque = options.brake_torque.unwrap_or_else(|| default_brakes(&model));
         // Separate streams: an option that draws more does not change what the others see.
         let stream = |number| {
@@ -99,8 +105,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
             brakes_engaged: false,
             integrator: Integrator::new(options.relative_tolerance, options.absolute_tolerance),
             time: 0.0,
-            motion: Motion { positions: [0.0; N], velocities: [0.0; N] },
-            measurement: Measurement { time: 0.0, positions: [0.0; N], velocities: None, torques: None },
+            motion: Motion { positions: start, velocities: [0.0; N] },
+            measurement: Measurement { time: 0.0, positions: start, velocities: None, torques: None },
             queue: VecDeque::with_capacity(options.delay + 1),
             received: [0.0; M],
             applied: [0.0; M],
@@ -111,7 +117,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
             torque_noise: stream(4),
             options,
         };
-        plant.reset([0.0; N], [0.0; N])?;
+        plant.reset(start, [0.0; N])?;
         Ok(plant)
     }
 
@@ -119,18 +125,24 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
     /// measures there. The random streams go on.
     ///
     /// # Errors
-    /// [`PlantError::Start`] for values that are not finite.
-    pub fn reset(&mut self, positions: [f64; N], velocities: [f64; N]) -> Result<(), PlantError> {
-        for i in 0..N {
-            if !(positions[i].is_finite() && velocities[i].is_finite()) {
+    /// [`PlantError::Start`] and [`PlantError::StartEntry`] for values that are not finite,
+    /// [`PlantError::Attitude`] for a quaternion that is no attitude.
+    pub fn reset(&mut self, mut positions: [f64; NY], velocities: [f64; N]) -> Result<(), PlantError> {
+        for (i, position) in plain_entries(self.model.quaternion_joints(), N) {
+            if !(positions[position].is_finite() && velocities[i].is_finite()) {
                 return Err(PlantError::Start {
                     coordinate: i,
                     name: self.model.joint_names()[i],
-                    position: positions[i],
+                    position: positions[position],
                     velocity: velocities[i],
                 });
             }
         }
+        self.model.check_attitudes(&positions)?;
+        self.require_finite(self.model.position_names(), &positions)?;
+        self.require_finite(self.model.joint_names(), &velocities)?;
+        // They have unit length to the digits that they were written with, now to the last.
+        let _ = self.model.normalize(&mut positions);
         self.motion = Motion { positions, velocities };
         self.time = 0.0;
         self.brakes_engaged = false;
@@ -138,6 +150,17 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
         self.preload([0.0; M]);
         self.measurement = self.read_encoders();
         Ok(())
+    }
+
+    fn require_finite<const L: usize>(
+        &self,
+        names: [&'static str; L],
+        values: &[f64; L],
+    ) -> Result<(), PlantError> {
+        match values.iter().position(|x| !x.is_finite()) {
+            None => Ok(()),
+            Some(i) => Err(PlantError::StartEntry { name: names[i], value: values[i] }),
+        }
     }
 
     /// Makes `inputs` what is under way and what was received last, for a start in the middle of a motion.
@@ -149,7 +172,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
 
     /// The last measurement that arrived. Calling twice in a period gives the same.
     #[must_use]
-    pub fn measure(&self) -> Measurement<N> {
+    pub fn measure(&self) -> Measurement<N, NY> {
         self.measurement
     }
 
@@ -204,7 +227,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
 
     /// True positions and velocities, which no controller sees.
     #[must_use]
-    pub fn state(&self) -> ([f64; N], [f64; N]) {
+    pub fn state(&self) -> ([f64; NY], [f64; N]) {
         (self.motion.positions, self.motion.velocities)
     }
 
@@ -258,12 +281,13 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
         })
     }
 
-    fn read_encoders(&mut self) -> Measurement<N> {
+    fn read_encoders(&mut self) -> Measurement<N, NY> {
         let noise = normals::<N>(&mut self.encoder_noise);
-        let positions = core::array::from_fn(|i| {
-            let noisy = self.motion.positions[i] + self.options.encoder_noise[i] * noise[i];
-            quantized(noisy, self.options.encoder_resolution[i])
-        });
+        let moved = core::array::from_fn(|i| self.options.encoder_noise[i] * noise[i]);
+        let mut positions = self.model.integrate(&self.motion.positions, &moved);
+        for (i, position) in plain_entries(self.model.quaternion_joints(), N) {
+            positions[position] = quantized(positions[position], self.options.encoder_resolution[i]);
+        }
         let velocities = self.options.velocity_noise.map(|deviation| {
             let noise = normals::<N>(&mut self.velocity_noise);
             core::array::from_fn(|i| self.motion.velocities[i] + deviation[i] * noise[i])
@@ -279,7 +303,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
         Measurement { time: self.time, positions, velocities, torques }
     }
 
-    fn integrate(&mut self, inputs: &[f64; M], period: f64) -> Result<Motion<N>, PlantError> {
+    fn integrate(&mut self, inputs: &[f64; M], period: f64) -> Result<Motion<N, NY>, PlantError> {
         let brakes = if self.brakes_engaged { self.brake_torque } else { [0.0; N] };
         let mut joints = Joints {
             model: &self.model,
@@ -297,7 +321,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
                 .map_err(|reason| PlantError::Integration { time: self.time + time, reason })?;
             (time, motion) = (arrival.time, arrival.motion);
             if !arrival.by_event {
-                return Ok(motion);
+                return self.with_attitudes(motion, self.time + time);
             }
         }
         Err(PlantError::Integration {
@@ -305,9 +329,19 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
             reason: "joints changed between sticking and sliding more than 1000 times",
         })
     }
+
+    /// Integration keeps the length of quaternions to its tolerance; here they regain it.
+    fn with_attitudes(&self, mut motion: Motion<N, NY>, time: f64) -> Result<Motion<N, NY>, PlantError> {
+        match self.model.normalize(&mut motion.positions) {
+            true => Ok(motion),
+            false => Err(PlantError::Integration { time, reason: "a quaternion is zero or not finite" }),
+        }
+    }
 }
 
-fn default_brakes<const N: usize, const M: usize>(model: &impl Dynamics<N, M>) -> [f64; N] {
+fn default_brakes<const N: usize, const M: usize, const NY: usize>(
+    model: &impl Dynamics<N, M, NY>,
+) -> [f64; N] {
     let (limits, input_matrix) = (model.limits(), model.drive_matrix());
     core::array::from_fn(|i| {
         if input_matrix[i].iter().all(|b| *b == 0.0) { 0.0 } else { BRAKE_RESERVE * limits.peak_effort[i] }

@@ -1,6 +1,6 @@
 //! What a plant does to inputs and measurements, and what can go wrong.
 
-use crate::dynamics::Named;
+use crate::dynamics::{AttitudeError, Named, QuaternionJoint, plain_entries};
 use crate::input_limits;
 use thiserror::Error;
 
@@ -9,9 +9,10 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantOptions<const N: usize, const M: usize> {
     /// Step of each encoder at its joint [rad or m]; measured positions are rounded to its multiples. 0:
-    /// exact.
+    /// exact, and all that joints with a quaternion may have.
     pub encoder_resolution: [f64; N],
-    /// Standard deviation of the normal noise on each position, before rounding [rad or m].
+    /// Standard deviation of the normal noise on each position, before rounding [rad or m]; of joints with a
+    /// quaternion by velocity entry, the noise moves them by ⊕.
     pub encoder_noise: [f64; N],
     /// Standard deviation of the normal noise on each measured velocity [rad/s or m/s]. None: the drives do
     /// not measure velocities.
@@ -116,6 +117,28 @@ impl<const N: usize, const M: usize> PlantOptions<N, M> {
     }
 }
 
+impl<const N: usize, const M: usize> PlantOptions<N, M> {
+    /// - `quaternions`: the joints with one, for which nothing has steps and no brake holds
+    ///
+    /// # Errors
+    /// [`PlantError::Option`] for steps of an encoder, and for brakes, of such a joint.
+    pub(super) fn check_quaternions(
+        &self,
+        joints: &[&'static str; N],
+        quaternions: &[QuaternionJoint],
+    ) -> Result<(), PlantError> {
+        let plain: Vec<usize> = plain_entries(quaternions, N).map(|(velocity, _)| velocity).collect();
+        let of_quaternions = |values: &[f64; N]| -> [f64; N] {
+            core::array::from_fn(|i| if plain.contains(&i) { 0.0 } else { values[i] })
+        };
+        let zero = |x: f64| x == 0.0;
+        let range = "0 for joints with a quaternion";
+        require("encoder_resolution", joints, &of_quaternions(&self.encoder_resolution), range, zero)?;
+        let brakes = self.brake_torque.as_ref().map(of_quaternions);
+        require("brake_torque", joints, brakes.as_ref().map_or(&[][..], |b| b), range, zero)
+    }
+}
+
 /// `names` are those of the joints or inputs that `values` belong to; empty for scalars.
 fn require(
     option: &'static str,
@@ -161,6 +184,17 @@ pub enum PlantError {
         /// Its speed [rad/s or m/s].
         velocity: f64,
     },
+    /// A start position of a robot with quaternions is NaN or infinite.
+    #[error("position {} cannot start at {value}: it must be finite", Named(.name))]
+    StartEntry {
+        /// Name of the position entry.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A start attitude is none.
+    #[error("the plant cannot start there: {0}")]
+    Attitude(#[from] AttitudeError),
     /// An input is NaN or infinite.
     #[error("input {} is {value}; only finite inputs can be applied", Named(.name))]
     Input {

@@ -1,6 +1,7 @@
 //! What takes the place of functions that a module does not have.
 
 use super::load_friction::{load, under_load};
+use super::manifold::same;
 use super::solve::{product, solve_positive_definite};
 use super::traits::{Differentiable, Discretizable, Dynamics};
 use super::types::{Discretization, Step};
@@ -8,9 +9,9 @@ use gelenk_kernels::discrete_time;
 
 /// [`Dynamics::applied_forces`] by the other methods.
 #[inline]
-pub fn applied_forces<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
+pub fn applied_forces<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
-    y: &[f64; N],
+    y: &[f64; NY],
     v: &[f64; N],
 ) -> [f64; N] {
     let (gravity, springs) = (robot.gravity_forces(y), robot.spring_forces(y, v));
@@ -20,9 +21,9 @@ pub fn applied_forces<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize
 
 /// [`Dynamics::load_friction`] of a robot whose friction does not grow with the load.
 #[inline]
-pub fn load_friction<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
+pub fn load_friction<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     _: &D,
-    _: &[f64; N],
+    _: &[f64; NY],
     _: &[f64; N],
 ) -> [f64; N] {
     [0.0; N]
@@ -30,9 +31,9 @@ pub fn load_friction<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>
 
 /// [`Dynamics::bias_forces`] by the other methods.
 #[inline]
-pub fn bias_forces<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
+pub fn bias_forces<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
-    y: &[f64; N],
+    y: &[f64; NY],
     v: &[f64; N],
 ) -> [f64; N] {
     let (coriolis, gravity) = (robot.coriolis_forces(y, v), robot.gravity_forces(y));
@@ -41,9 +42,14 @@ pub fn bias_forces<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
 
 /// [`Dynamics::equations_of_motion`] by the other methods.
 #[inline]
-pub fn equations_of_motion<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
+pub fn equations_of_motion<
+    D: Dynamics<N, M, NY> + ?Sized,
+    const N: usize,
+    const M: usize,
+    const NY: usize,
+>(
     robot: &D,
-    y: &[f64; N],
+    y: &[f64; NY],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
     (robot.mass_matrix(y), robot.coriolis_forces(y, v), robot.applied_forces(y, v))
@@ -51,9 +57,9 @@ pub fn equations_of_motion<D: Dynamics<N, M> + ?Sized, const N: usize, const M: 
 
 /// [`Dynamics::inverse_dynamics`] by the other methods.
 #[inline]
-pub fn inverse_dynamics<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
+pub fn inverse_dynamics<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
-    y: &[f64; N],
+    y: &[f64; NY],
     v: &[f64; N],
     a: &[f64; N],
 ) -> [f64; N] {
@@ -67,9 +73,9 @@ pub fn inverse_dynamics<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usi
 
 /// [`Dynamics::forward_dynamics`] by the other methods.
 #[inline]
-pub fn forward_dynamics<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
+pub fn forward_dynamics<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
-    y: &[f64; N],
+    y: &[f64; NY],
     v: &[f64; N],
     u: &[f64; M],
 ) -> [f64; N] {
@@ -86,9 +92,9 @@ pub fn forward_dynamics<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usi
 
 /// [`Dynamics::kinetic_energy`] by the other methods.
 #[inline]
-pub fn kinetic_energy<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize>(
+pub fn kinetic_energy<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
-    y: &[f64; N],
+    y: &[f64; NY],
     v: &[f64; N],
 ) -> f64 {
     let mass = robot.mass_matrix(y);
@@ -98,42 +104,51 @@ pub fn kinetic_energy<D: Dynamics<N, M> + ?Sized, const N: usize, const M: usize
 
 /// [`Discretizable::discretize`] by the other methods.
 #[inline]
-pub fn discretize<D: Differentiable<N, M> + ?Sized, const N: usize, const M: usize>(
+pub fn discretize<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
-    y: &[f64; N],
+    y: &[f64; NY],
     v: &[f64; N],
     u: &[f64; M],
     period: f64,
-) -> Discretization<N, M> {
-    robot.linearize(y, v, u).discretize(period)
+) -> Discretization<N, M, NY> {
+    let linear = robot.linearize(y, v, u);
+    // Known to the compiler: arms take the one, robots with quaternions the other.
+    if NY == N { linear.held(period) } else { linear.discretize_with(&robot.drift(v), period) }
 }
 
-/// [`Discretizable::step`] by the other methods.
+/// [`Discretizable::step`] by the other methods; it does not compile for robots with quaternions.
 #[inline]
-pub fn step<D: Discretizable<N, M> + ?Sized, const N: usize, const M: usize>(
+pub fn step<D: Discretizable<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
-    y: &[f64; N],
+    y: &[f64; NY],
     v: &[f64; N],
     u: &[f64; M],
     period: f64,
-) -> ([f64; N], [f64; N]) {
-    discrete_time::runge_kutta(*y, *v, period, D::SUBSTEPS, |y, v| robot.forward_dynamics(y, v, u))
+) -> ([f64; NY], [f64; N]) {
+    let acceleration = |y: &[f64; N], v: &[f64; N]| robot.forward_dynamics(same(y), v, u);
+    let (y, v) = discrete_time::runge_kutta(*same(y), *v, period, D::SUBSTEPS, acceleration);
+    (*same(&y), v)
 }
 
-/// [`Discretizable::step_derivatives`] by the other methods.
+/// [`Discretizable::step_derivatives`] by the other methods; it does not compile for robots with quaternions.
 #[inline]
-pub fn step_derivatives<D: Discretizable<N, M> + ?Sized, const N: usize, const M: usize>(
+pub fn step_derivatives<
+    D: Discretizable<N, M, NY> + ?Sized,
+    const N: usize,
+    const M: usize,
+    const NY: usize,
+>(
     robot: &D,
-    y: &[f64; N],
+    y: &[f64; NY],
     v: &[f64; N],
     u: &[f64; M],
     period: f64,
-) -> Step<N, M> {
+) -> Step<N, M, NY> {
     let linearize = |y: &[f64; N], v: &[f64; N]| {
-        let linear = robot.linearize(y, v, u);
+        let linear = robot.linearize(same(y), v, u);
         (linear.by_coordinates, linear.by_velocities, linear.by_inputs, linear.affine)
     };
     let (coordinates, velocities, state, input) =
-        discrete_time::runge_kutta_derivatives(y, v, u, period, D::SUBSTEPS, linearize);
-    Step { coordinates, velocities, state, input }
+        discrete_time::runge_kutta_derivatives(same(y), v, u, period, D::SUBSTEPS, linearize);
+    Step { coordinates: *same(&coordinates), velocities, state, input }
 }

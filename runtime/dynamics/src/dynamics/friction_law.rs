@@ -10,24 +10,24 @@
     label = "generate it with friction_torques",
     note = "a type of a module with free parameters is written `struct Name {{ parameters }} = module`, one without them `struct Name = module`"
 )]
-pub trait FrictionLaw<Arguments, const N: usize> {
+pub trait FrictionLaw<Arguments, const N: usize, const NY: usize> {
     /// Friction torques [N m or N] at positions `y` and velocities `v`.
-    fn torques(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N];
+    fn torques(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N];
 }
 
-impl<F: Fn(&[f64; N]) -> [f64; N], const N: usize> FrictionLaw<(Velocities,), N> for F {
+impl<F: Fn(&[f64; N]) -> [f64; N], const N: usize, const NY: usize> FrictionLaw<(Velocities,), N, NY> for F {
     #[inline]
-    fn torques(&self, _: &[f64; N], v: &[f64; N]) -> [f64; N] {
+    fn torques(&self, _: &[f64; NY], v: &[f64; N]) -> [f64; N] {
         self(v)
     }
 }
 
-impl<F, const N: usize> FrictionLaw<(Coordinates, Velocities), N> for F
+impl<F, const N: usize, const NY: usize> FrictionLaw<(Coordinates, Velocities), N, NY> for F
 where
-    F: Fn(&[f64; N], &[f64; N]) -> [f64; N],
+    F: Fn(&[f64; NY], &[f64; N]) -> [f64; N],
 {
     #[inline]
-    fn torques(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
+    fn torques(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
         self(y, v)
     }
 }
@@ -38,27 +38,28 @@ where
     label = "generate it with friction_torques",
     note = "a type of a module with free parameters is written `struct Name {{ parameters }} = module`, one without them `struct Name = module`"
 )]
-pub trait FrictionLawWithParameters<Arguments, P, const N: usize> {
+pub trait FrictionLawWithParameters<Arguments, P, const N: usize, const NY: usize> {
     /// Friction torques [N m or N] at positions `y` and velocities `v`.
-    fn torques(&self, y: &[f64; N], v: &[f64; N], p: &P) -> [f64; N];
+    fn torques(&self, y: &[f64; NY], v: &[f64; N], p: &P) -> [f64; N];
 }
 
-impl<F, P, const N: usize> FrictionLawWithParameters<(Velocities,), P, N> for F
+impl<F, P, const N: usize, const NY: usize> FrictionLawWithParameters<(Velocities,), P, N, NY> for F
 where
     F: Fn(&[f64; N], &P) -> [f64; N],
 {
     #[inline]
-    fn torques(&self, _: &[f64; N], v: &[f64; N], p: &P) -> [f64; N] {
+    fn torques(&self, _: &[f64; NY], v: &[f64; N], p: &P) -> [f64; N] {
         self(v, p)
     }
 }
 
-impl<F, P, const N: usize> FrictionLawWithParameters<(Coordinates, Velocities), P, N> for F
+impl<F, P, const N: usize, const NY: usize> FrictionLawWithParameters<(Coordinates, Velocities), P, N, NY>
+    for F
 where
-    F: Fn(&[f64; N], &[f64; N], &P) -> [f64; N],
+    F: Fn(&[f64; NY], &[f64; N], &P) -> [f64; N],
 {
     #[inline]
-    fn torques(&self, y: &[f64; N], v: &[f64; N], p: &P) -> [f64; N] {
+    fn torques(&self, y: &[f64; NY], v: &[f64; N], p: &P) -> [f64; N] {
         self(y, v, p)
     }
 }

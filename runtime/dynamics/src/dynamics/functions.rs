@@ -4,6 +4,8 @@
 //! imports from the module, and else to what the block around it imports: there [`Missing`] stands under the
 //! function's name. [`OrElse`] then calls the function, or what takes its place.
 
+use super::types::OfResults;
+
 /// Stands for a function that a module does not have.
 #[derive(Debug, Clone, Copy)]
 pub struct Missing;
@@ -11,16 +13,28 @@ pub struct Missing;
 /// Runge–Kutta steps in a period where a module does not say it.
 pub const NO_SUBSTEPS: usize = 1;
 
-/// A function of a module, or [`Missing`]: `A` are its arguments, `T` is its result, `R` what is made of
-/// that.
-pub trait OrElse<A, T, R> {
-    /// `made` of the function's result, or `otherwise`.
-    fn or_else(&self, arguments: A, made: impl FnOnce(T) -> R, otherwise: impl FnOnce() -> R) -> R;
+/// A function of a module, or [`Missing`]: `A` are its arguments, `R` is its result or what is made of that.
+pub trait OrElse<A, R> {
+    /// The function's result, or `otherwise`.
+    fn or_else(&self, arguments: A, otherwise: impl FnOnce() -> R) -> R;
 }
 
-impl<A, T, R> OrElse<A, T, R> for Missing {
+/// The same for results that become a type of the runtime.
+pub trait MadeOrElse<A, R> {
+    /// What is made of the function's results, or `otherwise`.
+    fn made_or_else(&self, arguments: A, otherwise: impl FnOnce() -> R) -> R;
+}
+
+impl<A, R> OrElse<A, R> for Missing {
     #[inline]
-    fn or_else(&self, _: A, _: impl FnOnce(T) -> R, otherwise: impl FnOnce() -> R) -> R {
+    fn or_else(&self, _: A, otherwise: impl FnOnce() -> R) -> R {
+        otherwise()
+    }
+}
+
+impl<A, R> MadeOrElse<A, R> for Missing {
+    #[inline]
+    fn made_or_else(&self, _: A, otherwise: impl FnOnce() -> R) -> R {
         otherwise()
     }
 }
@@ -51,10 +65,17 @@ pub trait Required<A, T> {
 /// The traits for functions of so many arguments.
 macro_rules! functions {
     ($($argument:ident: $type:ident),*) => {
-        impl<F: Fn($($type),*) -> T, $($type,)* T, R> OrElse<($($type,)*), T, R> for F {
+        impl<F: Fn($($type),*) -> R, $($type,)* R> OrElse<($($type,)*), R> for F {
             #[inline]
-            fn or_else(&self, ($($argument,)*): ($($type,)*), made: impl FnOnce(T) -> R, _: impl FnOnce() -> R) -> R {
-                made(self($($argument),*))
+            fn or_else(&self, ($($argument,)*): ($($type,)*), _: impl FnOnce() -> R) -> R {
+                self($($argument),*)
+            }
+        }
+
+        impl<F: Fn($($type),*) -> T, $($type,)* T, R: OfResults<T>> MadeOrElse<($($type,)*), R> for F {
+            #[inline]
+            fn made_or_else(&self, ($($argument,)*): ($($type,)*), _: impl FnOnce() -> R) -> R {
+                R::of(self($($argument),*))
             }
         }
 

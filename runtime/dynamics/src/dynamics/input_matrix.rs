@@ -12,23 +12,25 @@ use super::functions::Missing;
     label = "generate it with input_matrix",
     note = "a type of a module with free parameters is written `struct Name {{ parameters }} = module`, one without them `struct Name = module`"
 )]
-pub trait InputMatrix<Arguments, const N: usize, const M: usize> {
+pub trait InputMatrix<Arguments, const N: usize, const M: usize, const NY: usize> {
     /// B at positions `y`.
-    fn at(&self, y: &[f64; N]) -> [[f64; M]; N];
+    fn at(&self, y: &[f64; NY]) -> [[f64; M]; N];
 }
 
-impl<F: Fn() -> [[f64; M]; N], const N: usize, const M: usize> InputMatrix<(), N, M> for F {
+impl<F: Fn() -> [[f64; M]; N], const N: usize, const M: usize, const NY: usize> InputMatrix<(), N, M, NY>
+    for F
+{
     #[inline]
-    fn at(&self, _: &[f64; N]) -> [[f64; M]; N] {
+    fn at(&self, _: &[f64; NY]) -> [[f64; M]; N] {
         self()
     }
 }
 
-impl<F: Fn(&[f64; N]) -> [[f64; M]; N], const N: usize, const M: usize> InputMatrix<(Coordinates,), N, M>
-    for F
+impl<F: Fn(&[f64; NY]) -> [[f64; M]; N], const N: usize, const M: usize, const NY: usize>
+    InputMatrix<(Coordinates,), N, M, NY> for F
 {
     #[inline]
-    fn at(&self, y: &[f64; N]) -> [[f64; M]; N] {
+    fn at(&self, y: &[f64; NY]) -> [[f64; M]; N] {
         self(y)
     }
 }
@@ -39,26 +41,27 @@ impl<F: Fn(&[f64; N]) -> [[f64; M]; N], const N: usize, const M: usize> InputMat
     label = "generate it with input_matrix",
     note = "a type of a module with free parameters is written `struct Name {{ parameters }} = module`, one without them `struct Name = module`"
 )]
-pub trait InputMatrixWithParameters<Arguments, P, const N: usize, const M: usize> {
+pub trait InputMatrixWithParameters<Arguments, P, const N: usize, const M: usize, const NY: usize> {
     /// B at positions `y`.
-    fn at(&self, y: &[f64; N], p: &P) -> [[f64; M]; N];
+    fn at(&self, y: &[f64; NY], p: &P) -> [[f64; M]; N];
 }
 
-impl<F: Fn(&P) -> [[f64; M]; N], P, const N: usize, const M: usize> InputMatrixWithParameters<(), P, N, M>
-    for F
+impl<F: Fn(&P) -> [[f64; M]; N], P, const N: usize, const M: usize, const NY: usize>
+    InputMatrixWithParameters<(), P, N, M, NY> for F
 {
     #[inline]
-    fn at(&self, _: &[f64; N], p: &P) -> [[f64; M]; N] {
+    fn at(&self, _: &[f64; NY], p: &P) -> [[f64; M]; N] {
         self(p)
     }
 }
 
-impl<F, P, const N: usize, const M: usize> InputMatrixWithParameters<(Coordinates,), P, N, M> for F
+impl<F, P, const N: usize, const M: usize, const NY: usize>
+    InputMatrixWithParameters<(Coordinates,), P, N, M, NY> for F
 where
-    F: Fn(&[f64; N], &P) -> [[f64; M]; N],
+    F: Fn(&[f64; NY], &P) -> [[f64; M]; N],
 {
     #[inline]
-    fn at(&self, y: &[f64; N], p: &P) -> [[f64; M]; N] {
+    fn at(&self, y: &[f64; NY], p: &P) -> [[f64; M]; N] {
         self(y, p)
     }
 }

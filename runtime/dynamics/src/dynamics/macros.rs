@@ -87,16 +87,27 @@ macro_rules! dynamics {
     };
     (@check $trait:ident, $name:ident, [$($module:ident)::+]) => {
         const _: fn() = || {
-            const fn is_implemented<T: $crate::dynamics::$trait<{ $($module)::+::N }, { $($module)::+::M }>>() {}
+            const fn is_implemented<T: $crate::dynamics::$trait<{ $($module)::+::N }, { $($module)::+::M }, { $crate::dynamics!(@positions [$($module)::+]) }>>() {}
             is_implemented::<$name>();
         };
     };
 
     (@dynamics $name:ident, [$($module:ident)::+], $p:tt) => {
-        impl $crate::dynamics::Dynamics<{ $($module)::+::N }, { $($module)::+::M }> for $name {
+        impl $crate::dynamics::Dynamics<
+            { $($module)::+::N },
+            { $($module)::+::M },
+            { $crate::dynamics!(@positions [$($module)::+]) },
+        > for $name {
             fn joint_names(&self) -> [&'static str; $($module)::+::N] {
-                $($module)::+::JOINT_NAMES
+                #[allow(unused_imports, reason = "only modules without quaternions need it")]
+                use $($module)::+::JOINT_NAMES as VELOCITY_NAMES;
+                {
+                    $crate::dynamics!(@import [$($module)::+]);
+                    VELOCITY_NAMES
+                }
             }
+
+            $crate::dynamics!(@manifold [$($module)::+]);
 
             fn input_names(&self) -> [&'static str; $($module)::+::M] {
                 $($module)::+::INPUT_NAMES
@@ -122,47 +133,59 @@ macro_rules! dynamics {
                 }
             }
 
-            $crate::dynamics!(@required mass_matrix, [$($module)::+], $p, (y: N), matrix);
-            $crate::dynamics!(@required coriolis_forces, [$($module)::+], $p, (y: N, v: N), vector);
-            $crate::dynamics!(@required gravity_forces, [$($module)::+], $p, (y: N), vector);
-            $crate::dynamics!(@required spring_forces, [$($module)::+], $p, (y: N, v: N), vector);
+            $crate::dynamics!(@required mass_matrix, [$($module)::+], $p, (y: NY), matrix);
+            $crate::dynamics!(@required coriolis_forces, [$($module)::+], $p, (y: NY, v: N), vector);
+            $crate::dynamics!(@required gravity_forces, [$($module)::+], $p, (y: NY), vector);
+            $crate::dynamics!(@required spring_forces, [$($module)::+], $p, (y: NY, v: N), vector);
             $crate::dynamics!(@input_matrix [$($module)::+], $p);
             $crate::dynamics!(@friction [$($module)::+], $p);
-            $crate::dynamics!(@provided load_friction, [$($module)::+], $p, (y: N, v: N), vector);
-            $crate::dynamics!(@provided applied_forces, [$($module)::+], $p, (y: N, v: N), vector);
-            $crate::dynamics!(@provided bias_forces, [$($module)::+], $p, (y: N, v: N), vector);
-            $crate::dynamics!(@provided equations_of_motion, [$($module)::+], $p, (y: N, v: N), equations);
-            $crate::dynamics!(@provided inverse_dynamics, [$($module)::+], $p, (y: N, v: N, a: N), vector);
-            $crate::dynamics!(@provided forward_dynamics, [$($module)::+], $p, (y: N, v: N, u: M), vector);
-            $crate::dynamics!(@provided kinetic_energy, [$($module)::+], $p, (y: N, v: N), scalar);
+            $crate::dynamics!(@provided load_friction, [$($module)::+], $p, (y: NY, v: N), vector);
+            $crate::dynamics!(@provided applied_forces, [$($module)::+], $p, (y: NY, v: N), vector);
+            $crate::dynamics!(@provided bias_forces, [$($module)::+], $p, (y: NY, v: N), vector);
+            $crate::dynamics!(@provided equations_of_motion, [$($module)::+], $p, (y: NY, v: N), equations);
+            $crate::dynamics!(@provided inverse_dynamics, [$($module)::+], $p, (y: NY, v: N, a: N), vector);
+            $crate::dynamics!(@provided forward_dynamics, [$($module)::+], $p, (y: NY, v: N, u: M), vector);
+            $crate::dynamics!(@provided kinetic_energy, [$($module)::+], $p, (y: NY, v: N), scalar);
         }
         impl $crate::dynamics::PhaseSpace<{ 2 * $($module)::+::N }> for $name {}
     };
     (@differentiable $name:ident, [$($module:ident)::+], $p:tt) => {
-        impl $crate::dynamics::Differentiable<{ $($module)::+::N }, { $($module)::+::M }> for $name
+        impl $crate::dynamics::Differentiable<
+            { $($module)::+::N },
+            { $($module)::+::M },
+            { $crate::dynamics!(@positions [$($module)::+]) },
+        > for $name
         where
             $crate::dynamics!(@has_derivatives [$($module)::+]): for<'a> $crate::dynamics::Yes<'a>,
         {
             $crate::dynamics!(
-                @made inverse_dynamics_derivatives, [$($module)::+], $p, (y: N, v: N, a: N),
-                ForceDerivatives<N>, (forces, by_coordinates, by_velocities)
+                @made inverse_dynamics_derivatives, [$($module)::+], $p, (y: NY, v: N, a: N),
+                ForceDerivatives<N>
             );
             $crate::dynamics!(
-                @made linearize, [$($module)::+], $p, (y: N, v: N, u: M),
-                Linearization<N, M>, (by_coordinates, by_velocities, by_inputs, affine)
+                @made linearize, [$($module)::+], $p, (y: NY, v: N, u: M),
+                Linearization<N, M, NY>
             );
         }
     };
     // What the trait makes of the module's derivatives.
     (@discretizable $name:ident, [$($module:ident)::+], $p:tt, [[]]) => {
-        impl $crate::dynamics::Discretizable<{ $($module)::+::N }, { $($module)::+::M }> for $name
+        impl $crate::dynamics::Discretizable<
+            { $($module)::+::N },
+            { $($module)::+::M },
+            { $crate::dynamics!(@positions [$($module)::+]) },
+        > for $name
         where
             $crate::dynamics!(@has_derivatives [$($module)::+]): for<'a> $crate::dynamics::Yes<'a>,
         {
         }
     };
     (@discretizable $name:ident, [$($module:ident)::+], $p:tt, []) => {
-        impl $crate::dynamics::Discretizable<{ $($module)::+::N }, { $($module)::+::M }> for $name
+        impl $crate::dynamics::Discretizable<
+            { $($module)::+::N },
+            { $($module)::+::M },
+            { $crate::dynamics!(@positions [$($module)::+]) },
+        > for $name
         where
             $crate::dynamics!(@has_derivatives [$($module)::+]): for<'a> $crate::dynamics::Yes<'a>,
         {
@@ -175,13 +198,13 @@ macro_rules! dynamics {
                 }
             };
             $crate::dynamics!(
-                @made discretize, [$($module)::+], $p, (y: N, v: N, u: M, period: T),
-                Discretization<N, M>, (state, input, affine), by_default
+                @made discretize, [$($module)::+], $p, (y: NY, v: N, u: M, period: T),
+                Discretization<N, M, NY>, by_default
             );
-            $crate::dynamics!(@provided step, [$($module)::+], $p, (y: N, v: N, u: M, period: T), state);
+            $crate::dynamics!(@provided step, [$($module)::+], $p, (y: NY, v: N, u: M, period: T), state);
             $crate::dynamics!(
-                @made step_derivatives, [$($module)::+], $p, (y: N, v: N, u: M, period: T),
-                Step<N, M>, (coordinates, velocities, state, input), by_default
+                @made step_derivatives, [$($module)::+], $p, (y: NY, v: N, u: M, period: T),
+                Step<N, M, NY>, by_default
             );
         }
     };
@@ -191,6 +214,102 @@ macro_rules! dynamics {
                 && $crate::dynamics::has(&$($module)::+::FUNCTIONS, "linearize")
         }>
     };
+
+    // The number of positions, which modules without quaternions do not have.
+    (@positions [$($module:ident)::+]) => {{
+        #[allow(unused_imports, reason = "only modules without quaternions need it")]
+        use $crate::dynamics::NO_POSITIONS as NY;
+        {
+            $crate::dynamics!(@import [$($module)::+]);
+            $crate::dynamics::positions_of(NY, $($module)::+::N)
+        }
+    }};
+    // The numbers of positions of the joints, which these do not have either.
+    (@widths [$($module:ident)::+]) => {{
+        #[allow(unused_imports, reason = "only modules without quaternions need it")]
+        use $crate::dynamics::NO_WIDTHS as JOINT_POSITIONS;
+        {
+            $crate::dynamics!(@import [$($module)::+]);
+            &JOINT_POSITIONS
+        }
+    }};
+    // Methods about positions, by the functions that modules with quaternions hold as text.
+    (@manifold $module:tt) => {
+        fn position_names(&self) -> [&'static str; $crate::dynamics!(@positions $module)] {
+            $crate::dynamics!(@position_names $module)
+        }
+
+        fn quaternion_joints(&self) -> &'static [$crate::dynamics::QuaternionJoint] {
+            const WIDTHS: &[usize] = $crate::dynamics!(@widths $module);
+            const COUNT: usize = $crate::dynamics::count_quaternions(WIDTHS);
+            const JOINTS: [$crate::dynamics::QuaternionJoint; COUNT] =
+                $crate::dynamics::quaternion_joints(&$crate::dynamics!(@joint_names $module), WIDTHS);
+            &JOINTS
+        }
+
+        #[inline]
+        fn neutral(&self) -> $crate::dynamics!(@type NY, $module) {
+            $crate::dynamics::neutral($crate::dynamics!(@widths $module))
+        }
+
+        #[inline]
+        fn integrate(
+            &self,
+            y: $crate::dynamics!(@argument NY, $module),
+            d: $crate::dynamics!(@argument N, $module),
+        ) -> $crate::dynamics!(@type NY, $module) {
+            $crate::dynamics::integrate($crate::dynamics!(@widths $module), y, d)
+        }
+
+        #[inline]
+        fn difference(
+            &self,
+            from: $crate::dynamics!(@argument NY, $module),
+            to: $crate::dynamics!(@argument NY, $module),
+        ) -> $crate::dynamics!(@type N, $module) {
+            $crate::dynamics::difference($crate::dynamics!(@widths $module), from, to)
+        }
+
+        #[inline]
+        fn integrate_derivatives(
+            &self,
+            _: $crate::dynamics!(@argument NY, $module),
+            d: $crate::dynamics!(@argument N, $module),
+        ) -> ($crate::dynamics!(@type matrix, $module), $crate::dynamics!(@type matrix, $module)) {
+            $crate::dynamics::integrate_derivatives($crate::dynamics!(@widths $module), d)
+        }
+
+        #[inline]
+        fn difference_derivatives(
+            &self,
+            d: $crate::dynamics!(@argument N, $module),
+        ) -> ($crate::dynamics!(@type matrix, $module), $crate::dynamics!(@type matrix, $module)) {
+            $crate::dynamics::difference_derivatives($crate::dynamics!(@widths $module), d)
+        }
+
+        #[inline]
+        fn bracket(
+            &self,
+            a: $crate::dynamics!(@argument N, $module),
+            b: $crate::dynamics!(@argument N, $module),
+        ) -> $crate::dynamics!(@type N, $module) {
+            $crate::dynamics::bracket($crate::dynamics!(@widths $module), a, b)
+        }
+
+        #[inline]
+        fn normalize(&self, y: &mut $crate::dynamics!(@type NY, $module)) -> bool {
+            $crate::dynamics::normalize($crate::dynamics!(@widths $module), y)
+        }
+    };
+    (@joint_names [$($module:ident)::+]) => { $($module)::+::JOINT_NAMES };
+    (@position_names [$($module:ident)::+]) => {{
+        #[allow(unused_imports, reason = "only modules without quaternions need it")]
+        use $($module)::+::JOINT_NAMES as POSITION_NAMES;
+        {
+            $crate::dynamics!(@import [$($module)::+]);
+            POSITION_NAMES
+        }
+    }};
 
     // Magnitudes, and the ranges of inputs that are not symmetric.
     (@ranges [$($module:ident)::+], $magnitudes:ident) => {{
@@ -206,7 +325,7 @@ macro_rules! dynamics {
         #[inline]
         fn input_matrix(
             &self,
-            y: &[f64; $($module)::+::N],
+            y: $crate::dynamics!(@argument NY, [$($module)::+]),
         ) -> $crate::dynamics!(@type input_matrix, [$($module)::+]) {
             #[allow(unused_imports, reason = "only modules without this function need it")]
             use $crate::dynamics::Missing as input_matrix;
@@ -226,7 +345,7 @@ macro_rules! dynamics {
         #[inline]
         fn friction_torques(
             &self,
-            y: &[f64; $($module)::+::N],
+            y: $crate::dynamics!(@argument NY, [$($module)::+]),
             v: &[f64; $($module)::+::N],
         ) -> [f64; $($module)::+::N] {
             #[allow(unused_imports, reason = "only modules without this function need it")]
@@ -265,7 +384,6 @@ macro_rules! dynamics {
                 $crate::dynamics::OrElse::or_else(
                     &$function,
                     ($($argument,)* $(&self.$p,)?),
-                    |result| result,
                     || $crate::dynamics::defaults::$function(self, $($argument),*),
                 )
             }
@@ -274,7 +392,7 @@ macro_rules! dynamics {
     // The same with the results as a type of the runtime.
     (
         @made $function:ident, $module:tt, [$($p:ident)?], ($($argument:ident: $len:ident),*),
-        $made:ident<$($size:ident),*>, ($($value:ident),*) $(, $by_default:ident)?
+        $made:ident<$($size:ident),*> $(, $by_default:ident)?
     ) => {
         #[inline]
         fn $function(&self, $($argument: $crate::dynamics!(@argument $len, $module)),*) -> $crate::dynamics!(@made $made<$($size),*>, $module) {
@@ -282,18 +400,21 @@ macro_rules! dynamics {
             use $crate::dynamics::Missing as $function;
             {
                 $crate::dynamics!(@import $module);
-                $crate::dynamics::OrElse::or_else(
+                $crate::dynamics::MadeOrElse::made_or_else(
                     &$function,
                     ($($argument,)* $(&self.$p,)?),
-                    |($($value),*)| $crate::dynamics::$made { $($value),* },
                     || $crate::dynamics!(@otherwise $function, (self, $($argument),*) $(, $by_default)?),
                 )
             }
         }
     };
     (@made $made:ident<N>, [$($module:ident)::+]) => { $crate::dynamics::$made<{ $($module)::+::N }> };
-    (@made $made:ident<N, M>, [$($module:ident)::+]) => {
-        $crate::dynamics::$made<{ $($module)::+::N }, { $($module)::+::M }>
+    (@made $made:ident<N, M, NY>, [$($module:ident)::+]) => {
+        $crate::dynamics::$made<
+            { $($module)::+::N },
+            { $($module)::+::M },
+            { $crate::dynamics!(@positions [$($module)::+]) },
+        >
     };
     (@otherwise $function:ident, $arguments:tt, by_default) => { $crate::dynamics::defaults::$function $arguments };
     (@otherwise $function:ident, $arguments:tt) => {
@@ -308,9 +429,10 @@ macro_rules! dynamics {
     (@argument $len:ident, $module:tt) => { &$crate::dynamics!(@type $len, $module) };
     (@type scalar, [$($module:ident)::+]) => { f64 };
     (@type N, [$($module:ident)::+]) => { [f64; $($module)::+::N] };
+    (@type NY, [$($module:ident)::+]) => { [f64; { $crate::dynamics!(@positions [$($module)::+]) }] };
     (@type M, [$($module:ident)::+]) => { [f64; $($module)::+::M] };
     (@type vector, $module:tt) => { $crate::dynamics!(@type N, $module) };
-    (@type state, $module:tt) => { ($crate::dynamics!(@type N, $module), $crate::dynamics!(@type N, $module)) };
+    (@type state, $module:tt) => { ($crate::dynamics!(@type NY, $module), $crate::dynamics!(@type N, $module)) };
     (@type matrix, [$($module:ident)::+]) => { [[f64; $($module)::+::N]; $($module)::+::N] };
     (@type input_matrix, [$($module:ident)::+]) => { [[f64; $($module)::+::M]; $($module)::+::N] };
     (@type equations, $module:tt) => {

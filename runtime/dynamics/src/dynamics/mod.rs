@@ -12,6 +12,7 @@ mod functions;
 mod input_matrix;
 mod load_friction;
 mod macros;
+mod manifold;
 mod names;
 mod parameters;
 mod solve;
@@ -23,11 +24,19 @@ mod types;
 #[doc(hidden)]
 pub use friction_law::{FrictionLaw, FrictionLawWithParameters};
 #[doc(hidden)]
-pub use functions::{HasDerivatives, Missing, NO_SUBSTEPS, OrElse, Required, Yes, has};
+pub use functions::{HasDerivatives, MadeOrElse, Missing, NO_SUBSTEPS, OrElse, Required, Yes, has};
 #[doc(hidden)]
 pub use input_matrix::{ALL_DRIVES, InputMatrix, InputMatrixWithParameters, InputRanges};
 pub use load_friction::{load, under_load};
+pub use manifold::{AttitudeError, QuaternionJoint, UNIT_LENGTH, plain_entries, position_rates};
+#[doc(hidden)]
+pub use manifold::{
+    NO_POSITIONS, NO_WIDTHS, bracket, count_quaternions, difference, difference_derivatives, integrate,
+    integrate_derivatives, neutral, normalize, positions_of, quaternion_joints,
+};
 pub use names::{Named, numbered};
 pub use parameters::{NoFreeParameters, without_parameters};
 pub use traits::{Differentiable, Discretizable, Dynamics, JUST_MOVING, PhaseSpace, jumps};
+#[doc(hidden)]
+pub use types::OfResults;
 pub use types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};

@@ -48,6 +48,14 @@ pub fn numbered<const L: usize>() -> [&'static str; L] {
     Numbers::<L>::NAMES
 }
 
+/// The names of velocities as those of positions; it does not compile for robots with quaternions.
+pub(super) fn names_of_arms<'a, const N: usize, const NY: usize>(
+    names: &'a [&'static str; N],
+) -> &'a [&'static str; NY] {
+    const { assert!(N == NY, "a robot with quaternions has names of its positions") }
+    names.first_chunk().unwrap_or(const { &[""; NY] })
+}
+
 /// A name in a message: as it is where it is one word, in quotation marks and escaped where it is not. Names
 /// come from descriptions and may hold anything.
 pub struct Named<'a>(pub &'a str);

@@ -1,7 +1,8 @@
 //! Traits that generic code asks of a robot.
 
 use super::defaults;
-use super::names::numbered;
+use super::manifold::{self, AttitudeError, NO_WIDTHS, QuaternionJoint};
+use super::names::{names_of_arms, numbered};
 use super::types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};
 
 /// Speed [rad/s or m/s] that stands for "just moving": friction laws see their direction, all else sees rest.
@@ -28,11 +29,92 @@ pub fn jumps([backward, forward]: [f64; 2]) -> bool {
 ///
 /// The methods with a body combine the others, for modules that were generated without these functions. What
 /// a module has is faster, because it shares work.
-pub trait Dynamics<const N: usize, const M: usize> {
+///
+/// # Robots with quaternions
+///
+/// A floating or spherical joint has a quaternion x, y, z, w among its positions: `NY` position entries, `N`
+/// velocities, `ẏ = T(y) v`. Where NY = N, which is the default, v is ẏ. Else:
+///
+/// - y is an array of NY, everything else has N entries; v stands in place of ẏ, v̇ in place of ÿ. A floating
+///   joint has the velocities (linear, angular), a spherical one its angular velocity, in the body's own frame.
+/// - `y ⊕ d` ([`Self::integrate`]) and `y₂ ⊖ y₁` ([`Self::difference`]) stand in place of sums and differences,
+///   and every derivative by y has N columns: those along ⊕.
+/// - Quaternions are taken to be of unit length, see [`Self::check_attitudes`].
+/// - [`Self::joint_names`] names velocities, [`Self::position_names`] positions; limits belong to velocity entries
+///   and are infinite for positions of joints with a quaternion.
+///
+/// The bodies of methods about positions serve arms, `y + d` and so on. For other robots they do not compile:
+/// whoever implements the trait by hand for a robot with quaternions writes these methods too, or calls
+/// [`dynamics!`](crate::dynamics!).
+pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
     /// Names of the coordinates, for messages and logs: the module's `JOINT_NAMES`; "1", "2", … where there
-    /// are none.
+    /// are none. Of a robot with quaternions the names of the velocities.
     fn joint_names(&self) -> [&'static str; N] {
         numbered()
+    }
+
+    /// Names of the position entries: those of [`Self::joint_names`] but for robots with quaternions.
+    fn position_names(&self) -> [&'static str; NY] {
+        *names_of_arms(&self.joint_names())
+    }
+
+    /// The joints with a quaternion, in their order; none for arms.
+    fn quaternion_joints(&self) -> &'static [QuaternionJoint] {
+        const { assert!(NY == N, "a robot with quaternions says which joints have them") }
+        &[]
+    }
+
+    /// Tells whether the quaternions of positions are attitudes.
+    ///
+    /// # Errors
+    /// The first one that is zero, not finite, or whose length differs from 1 by more than
+    /// [`UNIT_LENGTH`](super::UNIT_LENGTH).
+    fn check_attitudes(&self, y: &[f64; NY]) -> Result<(), AttitudeError> {
+        manifold::check(self.quaternion_joints(), y)
+    }
+
+    /// Positions 0, and the identity for quaternions.
+    fn neutral(&self) -> [f64; NY] {
+        const { assert!(NY == N, "zero is no attitude") }
+        [0.0; NY]
+    }
+
+    /// `y ⊕ d`: the positions that are reached by moving with the velocities d for one second; `X exp(d)` on SE(3)
+    /// for a floating joint. Quaternions of the result have unit length to 1e-15.
+    fn integrate(&self, y: &[f64; NY], d: &[f64; N]) -> [f64; NY] {
+        manifold::integrate(&NO_WIDTHS, y, d)
+    }
+
+    /// `to ⊖ from`: the velocities that lead from one to the other within one second, by the shortest rotation.
+    /// Both signs of a quaternion are the same attitude.
+    fn difference(&self, from: &[f64; NY], to: &[f64; NY]) -> [f64; N] {
+        manifold::difference(&NO_WIDTHS, from, to)
+    }
+
+    /// The derivatives of `y ⊕ d` by y and by d, both along ⊕ at the result.
+    fn integrate_derivatives(&self, _: &[f64; NY], d: &[f64; N]) -> ([[f64; N]; N], [[f64; N]; N]) {
+        const { assert!(NY == N, "only for arms they are the identity") }
+        manifold::integrate_derivatives(&NO_WIDTHS, d)
+    }
+
+    /// The derivatives of `d = to ⊖ from` by `to` and by `from`, both along ⊕.
+    fn difference_derivatives(&self, d: &[f64; N]) -> ([[f64; N]; N], [[f64; N]; N]) {
+        const { assert!(NY == N, "only for arms they are the identity") }
+        manifold::difference_derivatives(&NO_WIDTHS, d)
+    }
+
+    /// The Lie bracket `ad_a b` of each joint; zero for arms.
+    fn bracket(&self, a: &[f64; N], b: &[f64; N]) -> [f64; N] {
+        const { assert!(NY == N, "only for arms it is zero") }
+        manifold::bracket(&NO_WIDTHS, a, b)
+    }
+
+    /// Gives all quaternions unit length. The result is false where one is zero or not finite, which then is the
+    /// identity.
+    #[must_use]
+    fn normalize(&self, y: &mut [f64; NY]) -> bool {
+        const { assert!(NY == N, "only arms have no quaternions") }
+        manifold::normalize(&NO_WIDTHS, y)
     }
 
     /// Names of the inputs: the module's `INPUT_NAMES`; "1", "2", … where there are none.
@@ -44,33 +126,33 @@ pub trait Dynamics<const N: usize, const M: usize> {
     fn limits(&self) -> Limits<N, M>;
 
     /// Mass matrix `M(y)`, symmetric and positive definite.
-    fn mass_matrix(&self, y: &[f64; N]) -> [[f64; N]; N];
+    fn mass_matrix(&self, y: &[f64; NY]) -> [[f64; N]; N];
 
     /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`, on the left-hand side.
-    fn coriolis_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N];
+    fn coriolis_forces(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N];
 
     /// Generalized forces of gravity, a part of q.
-    fn gravity_forces(&self, y: &[f64; N]) -> [f64; N];
+    fn gravity_forces(&self, y: &[f64; NY]) -> [f64; N];
 
     /// Generalized forces of springs and dampers, a part of q.
-    fn spring_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N];
+    fn spring_forces(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N];
 
     /// Joint friction `τ(y, ẏ)`, positive for positive velocity; q holds −τ. Most laws depend on the
     /// velocities alone.
-    fn friction_torques(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N];
+    fn friction_torques(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N];
 
     /// Friction under load `s₁(y, ẏ)`, without unit: what friction gains for each unit of the load τ_l. The load
     /// is what the drive of a joint would exert without friction, `M ÿ + k − gravity − springs`; the whole
     /// friction is `τ + |τ_l| s₁`, see [`load`](super::load) and [`under_load`](super::under_load). Zero for most
     /// robots. Where it is not, `M ÿ + k = q + B u − |τ_l| s₁`.
-    fn load_friction(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
+    fn load_friction(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
         defaults::load_friction(self, y, v)
     }
 
     /// Joint friction just before and just after rest, `[τ(y, 0−), τ(y, 0+)]` of each joint, by
     /// [`JUST_MOVING`] in either direction. The two differ where friction is dry, as with an exact `sign`;
     /// see [`jumps`].
-    fn friction_at_rest(&self, y: &[f64; N]) -> [[f64; 2]; N] {
+    fn friction_at_rest(&self, y: &[f64; NY]) -> [[f64; 2]; N] {
         let backward = self.friction_torques(y, &[-JUST_MOVING; N]);
         let forward = self.friction_torques(y, &[JUST_MOVING; N]);
         core::array::from_fn(|i| [backward[i], forward[i]])
@@ -78,7 +160,7 @@ pub trait Dynamics<const N: usize, const M: usize> {
 
     /// Friction under load just before and just after rest, `[s₁(y, 0−), s₁(y, 0+)]` of each joint; as
     /// [`Self::friction_at_rest`].
-    fn load_friction_at_rest(&self, y: &[f64; N]) -> [[f64; 2]; N] {
+    fn load_friction_at_rest(&self, y: &[f64; NY]) -> [[f64; 2]; N] {
         let backward = self.load_friction(y, &[-JUST_MOVING; N]);
         let forward = self.load_friction(y, &[JUST_MOVING; N]);
         core::array::from_fn(|i| [backward[i], forward[i]])
@@ -86,7 +168,7 @@ pub trait Dynamics<const N: usize, const M: usize> {
 
     /// Input matrix `B(y)`. The columns of the drives, the first [`Self::drives`] ones, are constant and hold the
     /// gear ratios; the others belong to inputs at frames: cylinders, propellers.
-    fn input_matrix(&self, y: &[f64; N]) -> [[f64; M]; N];
+    fn input_matrix(&self, y: &[f64; NY]) -> [[f64; M]; N];
 
     /// So many of the inputs, the first ones, are drives of joints: mostly all.
     fn drives(&self) -> usize {
@@ -95,7 +177,7 @@ pub trait Dynamics<const N: usize, const M: usize> {
 
     /// The columns of B that belong to drives, which are constant; those of other inputs are zero here.
     fn drive_matrix(&self) -> [[f64; M]; N] {
-        let mut matrix = self.input_matrix(&[0.0; N]);
+        let mut matrix = self.input_matrix(&self.neutral());
         for row in &mut matrix {
             row.iter_mut().skip(self.drives()).for_each(|entry| *entry = 0.0);
         }
@@ -110,46 +192,52 @@ pub trait Dynamics<const N: usize, const M: usize> {
     }
 
     /// Applied forces `q(y, ẏ) = gravity + springs − τ`, without what a load adds to friction.
-    fn applied_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
+    fn applied_forces(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
         defaults::applied_forces(self, y, v)
     }
 
     /// Bias forces `k − gravity`, what other libraries call `nle`.
-    fn bias_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
+    fn bias_forces(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
         defaults::bias_forces(self, y, v)
     }
 
     /// M, k and q at once.
-    fn equations_of_motion(&self, y: &[f64; N], v: &[f64; N]) -> ([[f64; N]; N], [f64; N], [f64; N]) {
+    fn equations_of_motion(&self, y: &[f64; NY], v: &[f64; N]) -> ([[f64; N]; N], [f64; N], [f64; N]) {
         defaults::equations_of_motion(self, y, v)
     }
 
     /// Forces `M ÿ + k − q` that the inputs must make at the joints, what a load adds to friction included.
-    fn inverse_dynamics(&self, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
+    fn inverse_dynamics(&self, y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
         defaults::inverse_dynamics(self, y, v, a)
     }
 
     /// Accelerations `ÿ = M⁻¹ (q + B u − k)`, what a load adds to friction subtracted from q; NaN where M is not
     /// positive definite.
-    fn forward_dynamics(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
+    fn forward_dynamics(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
         defaults::forward_dynamics(self, y, v, u)
     }
 
     /// Kinetic energy `½ ẏᵀ M ẏ` in J.
-    fn kinetic_energy(&self, y: &[f64; N], v: &[f64; N]) -> f64 {
+    fn kinetic_energy(&self, y: &[f64; NY], v: &[f64; N]) -> f64 {
         defaults::kinetic_energy(self, y, v)
     }
 }
 
 /// Analytic derivatives of the equations of motion.
-pub trait Differentiable<const N: usize, const M: usize>: Dynamics<N, M> {
+pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: Dynamics<N, M, NY> {
     /// Inverse dynamics with its derivatives by coordinates and by velocities; row i belongs to force i. The
     /// third, by accelerations, is the mass matrix; where friction grows with the load, its rows times
     /// `1 + s₁ sign τ_l`.
-    fn inverse_dynamics_derivatives(&self, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> ForceDerivatives<N>;
+    fn inverse_dynamics_derivatives(&self, y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> ForceDerivatives<N>;
 
     /// Linearization of the forward dynamics about a state and an input.
-    fn linearize(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> Linearization<N, M>;
+    fn linearize(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> Linearization<N, M, NY>;
+
+    /// `D = −ad_v` in `δ̇ = D δ + v − v̄`: how small deviations δ from a motion with the velocities v̄ turn, see
+    /// [`Linearization`]. Zero for arms.
+    fn drift(&self, v: &[f64; N]) -> [[f64; N]; N] {
+        if NY == N { [[0.0; N]; N] } else { manifold::drift(|a, b| self.bracket(a, b), v) }
+    }
 }
 
 /// The length of a state `x = (y, ẏ)`: `NX = 2 N`, which is no type on stable Rust.
@@ -161,13 +249,16 @@ pub trait PhaseSpace<const NX: usize> {}
 ///
 /// All methods have a body, built from [`Differentiable::linearize`] and [`Dynamics::forward_dynamics`];
 /// generated modules have the same functions.
-pub trait Discretizable<const N: usize, const M: usize>: Differentiable<N, M> {
+pub trait Discretizable<const N: usize, const M: usize, const NY: usize = N>:
+    Differentiable<N, M, NY>
+{
     /// Runge–Kutta steps in one period of [`Self::step`]. The method is stable while `period / SUBSTEPS`
     /// times the fastest rate of the robot [1/s] stays below 2.7; steep friction at standstill makes this
     /// rate large.
     const SUBSTEPS: usize = 1;
 
-    /// Exact zero-order hold of the linearization at `(y, ẏ, u)`: `x⁺ = A_d x + B_d u + c_d`.
+    /// Exact zero-order hold of the linearization at `(y, ẏ, u)`: `x⁺ = A_d x + B_d u + c_d`. For robots with
+    /// quaternions x is (δ, v), see [`Linearization::discretize_with`].
     ///
     /// Scaling and squaring (Higham, *Functions of Matrices*, 2008, section 10.3): a Taylor polynomial of
     /// degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part. The part is
@@ -178,18 +269,18 @@ pub trait Discretizable<const N: usize, const M: usize>: Differentiable<N, M> {
     ///
     /// The terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest
     /// entry of each block, the diagonal ones counted as at least 1.
-    fn discretize(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M], period: f64) -> Discretization<N, M> {
+    fn discretize(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M], period: f64) -> Discretization<N, M, NY> {
         defaults::discretize(self, y, v, u, period)
     }
 
     /// State after a period of the nonlinear robot: [`Self::SUBSTEPS`] steps of the classical Runge–Kutta
-    /// method of order 4.
-    fn step(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M], period: f64) -> ([f64; N], [f64; N]) {
+    /// method of order 4; for robots with quaternions of its form on manifolds (Runge–Kutta–Munthe-Kaas).
+    fn step(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M], period: f64) -> ([f64; NY], [f64; N]) {
         defaults::step(self, y, v, u, period)
     }
 
     /// [`Self::step`] with the exact derivatives of its result, by the chain rule over the stages.
-    fn step_derivatives(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M], period: f64) -> Step<N, M> {
+    fn step_derivatives(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M], period: f64) -> Step<N, M, NY> {
         defaults::step_derivatives(self, y, v, u, period)
     }
 }

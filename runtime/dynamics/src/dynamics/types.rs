@@ -16,8 +16,14 @@ pub struct ForceDerivatives<const N: usize> {
 
 /// Accelerations as an affine function of state and input: the lower halves of A, B_x and c of
 /// `ẋ = A x + B_x u + c`. The upper halves are `[0 I]`, 0 and 0.
+///
+/// Of a robot with quaternions (NY ≠ N) these are the derivatives along ⊕ at the positions ȳ and velocities v̄
+/// of the linearization: `v̇ = A_y δ + A_v v + B_x u + c` for `y = ȳ ⊕ δ`, where ȳ counts as δ = 0, so that
+/// `c = v̇ − A_v v̄ − B_x ū`. Small deviations δ from the motion with the velocities v̄ follow
+/// `δ̇ = D δ + v − v̄` with `D = −ad_v̄` ([`Differentiable::drift`](super::Differentiable::drift)), so that A is
+/// `[D I; A_y A_v]`. For arms D is zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Linearization<const N: usize, const M: usize> {
+pub struct Linearization<const N: usize, const M: usize, const NY: usize = N> {
     /// ∂ÿ/∂y.
     pub by_coordinates: [[f64; N]; N],
     /// ∂ÿ/∂ẏ.
@@ -44,15 +50,35 @@ impl<const N: usize, const M: usize> Linearization<N, M> {
     /// [`Discretizable::discretize`](super::Discretizable::discretize) says of its error holds here.
     #[must_use]
     pub fn discretize(&self, period: f64) -> Discretization<N, M> {
+        self.held(period)
+    }
+}
+
+impl<const N: usize, const M: usize, const NY: usize> Linearization<N, M, NY> {
+    /// Exact solution of `δ̇ = D δ + v`, `v̇ = A_y δ + A_v v + B_x u + c` over a period (s) in which the inputs
+    /// are held, for `x = (δ, v)` and the drift D = −ad_v̄ of a robot with quaternions.
+    ///
+    /// δ is the displacement from ȳ at the beginning. Since `D v̄ = 0`, `δ − v̄ t` is the deviation from the
+    /// motion with the velocities v̄. Derivatives of δ⁺ are taken along ⊕ where the linear robot arrives.
+    #[must_use]
+    pub fn discretize_with(&self, drift: &[[f64; N]; N], period: f64) -> Discretization<N, M, NY> {
+        let linear = (self.by_coordinates, self.by_velocities, self.by_inputs, self.affine, *drift);
+        let (state, input, affine) = discrete_time::zero_order_hold_on_manifold(&linear, period);
+        Discretization { state, input, affine }
+    }
+
+    #[inline]
+    pub(super) fn held(&self, period: f64) -> Discretization<N, M, NY> {
         let linear = (self.by_coordinates, self.by_velocities, self.by_inputs, self.affine);
         let (state, input, affine) = discrete_time::zero_order_hold(&linear, period);
         Discretization { state, input, affine }
     }
 }
 
-/// Blocks of `x⁺ = A_d x + B_d u + c_d` over a sample time, with `x = (y, ẏ)` and the inputs held.
+/// Blocks of `x⁺ = A_d x + B_d u + c_d` over a sample time, with `x = (y, ẏ)` and the inputs held; for a robot
+/// with quaternions (NY ≠ N) with `x = (δ, v)`, see [`Linearization::discretize_with`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Discretization<const N: usize, const M: usize> {
+pub struct Discretization<const N: usize, const M: usize, const NY: usize = N> {
     /// A_d by blocks: `[[∂y⁺/∂y, ∂y⁺/∂ẏ], [∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ]]`.
     pub state: [[[[f64; N]; N]; 2]; 2],
     /// B_d by blocks: `[∂y⁺/∂u, ∂ẏ⁺/∂u]`.
@@ -61,7 +87,7 @@ pub struct Discretization<const N: usize, const M: usize> {
     pub affine: [[f64; N]; 2],
 }
 
-impl<const N: usize, const M: usize> Discretization<N, M> {
+impl<const N: usize, const M: usize, const NY: usize> Discretization<N, M, NY> {
     /// Tells whether every entry is finite. Infinite ones stand where the robot is too fast for the period,
     /// NaN where its linearization was not finite.
     #[must_use]
@@ -72,12 +98,13 @@ impl<const N: usize, const M: usize> Discretization<N, M> {
         state.iter().chain(input).chain(affine).all(|entry| entry.is_finite())
     }
 
-    /// Coordinates and velocities a sample time later.
+    /// Displacement from ȳ and velocities a sample time later, from the displacement d; of arms, coordinates
+    /// and velocities.
     #[must_use]
-    pub fn step(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> ([f64; N], [f64; N]) {
+    pub fn displaced(&self, d: &[f64; N], v: &[f64; N], u: &[f64; M]) -> ([f64; N], [f64; N]) {
         let half = |h: usize| {
             core::array::from_fn(|i| {
-                product(&self.state[h][0][i], y)
+                product(&self.state[h][0][i], d)
                     + product(&self.state[h][1][i], v)
                     + product(&self.input[h][i], u)
                     + self.affine[h][i]
@@ -87,11 +114,19 @@ impl<const N: usize, const M: usize> Discretization<N, M> {
     }
 }
 
-/// A step of the nonlinear robot with its sensitivities.
+impl<const N: usize, const M: usize> Discretization<N, M> {
+    /// Coordinates and velocities a sample time later.
+    #[must_use]
+    pub fn step(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> ([f64; N], [f64; N]) {
+        self.displaced(y, v, u)
+    }
+}
+
+/// A step of the nonlinear robot with its sensitivities, those of and by positions along ⊕.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Step<const N: usize, const M: usize> {
+pub struct Step<const N: usize, const M: usize, const NY: usize = N> {
     /// y⁺.
-    pub coordinates: [f64; N],
+    pub coordinates: [f64; NY],
     /// ẏ⁺.
     pub velocities: [f64; N],
     /// Derivatives by the state: `[[∂y⁺/∂y, ∂y⁺/∂ẏ], [∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ]]`.
@@ -189,4 +224,54 @@ fn larger(a: f64, b: f64) -> f64 {
 /// The smaller number; NaN where either is none.
 fn smaller(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.min(b) }
+}
+
+/// What the macro makes of the results `T` of a module's function.
+pub trait OfResults<T> {
+    /// The results by their names.
+    fn of(results: T) -> Self;
+}
+
+impl<const N: usize> OfResults<([f64; N], [[f64; N]; N], [[f64; N]; N])> for ForceDerivatives<N> {
+    #[inline]
+    fn of((forces, by_coordinates, by_velocities): ([f64; N], [[f64; N]; N], [[f64; N]; N])) -> Self {
+        Self { forces, by_coordinates, by_velocities }
+    }
+}
+
+impl<const N: usize, const M: usize> OfResults<discrete_time::Linear<N, M>> for Linearization<N, M> {
+    #[inline]
+    fn of((by_coordinates, by_velocities, by_inputs, affine): discrete_time::Linear<N, M>) -> Self {
+        Self { by_coordinates, by_velocities, by_inputs, affine }
+    }
+}
+
+/// D is left out: it is what `drift` makes of the velocities.
+impl<const N: usize, const M: usize, const NY: usize> OfResults<discrete_time::LinearOnManifold<N, M>>
+    for Linearization<N, M, NY>
+{
+    #[inline]
+    fn of(results: discrete_time::LinearOnManifold<N, M>) -> Self {
+        let (by_coordinates, by_velocities, by_inputs, affine, _) = results;
+        Self { by_coordinates, by_velocities, by_inputs, affine }
+    }
+}
+
+impl<const N: usize, const M: usize, const NY: usize> OfResults<discrete_time::Discrete<N, M>>
+    for Discretization<N, M, NY>
+{
+    #[inline]
+    fn of((state, input, affine): discrete_time::Discrete<N, M>) -> Self {
+        Self { state, input, affine }
+    }
+}
+
+impl<const N: usize, const M: usize, const NY: usize> OfResults<discrete_time::SteppedOnManifold<N, M, NY>>
+    for Step<N, M, NY>
+{
+    #[inline]
+    fn of(results: discrete_time::SteppedOnManifold<N, M, NY>) -> Self {
+        let (coordinates, velocities, state, input) = results;
+        Self { coordinates, velocities, state, input }
+    }
 }

@@ -1,0 +1,284 @@
+//! Robots whose positions are not all velocities: joints with a quaternion.
+
+use super::names::Named;
+use gelenk_kernels::manifold;
+use std::fmt;
+
+/// The module's `NY`, or this where it has none: every position entry then has its velocity.
+pub const NO_POSITIONS: usize = usize::MAX;
+
+/// The module's `JOINT_POSITIONS`, or this where it has none.
+pub const NO_WIDTHS: [usize; 0] = [];
+
+/// The number of position entries of a robot with `n` velocities.
+#[must_use]
+pub const fn positions_of(positions: usize, n: usize) -> usize {
+    if positions == NO_POSITIONS { n } else { positions }
+}
+
+/// A joint whose attitude is a quaternion x, y, z, w.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct QuaternionJoint {
+    /// Its name.
+    pub name: &'static str,
+    /// Its first position entry.
+    pub position: usize,
+    /// Its first velocity entry.
+    pub velocity: usize,
+    /// True for a floating joint, whose position in the parent's frame stands before the quaternion and whose
+    /// linear velocity stands before the angular one; false for a spherical joint.
+    pub is_floating: bool,
+}
+
+impl QuaternionJoint {
+    /// The first entry of the quaternion.
+    #[must_use]
+    pub const fn quaternion(&self) -> usize {
+        if self.is_floating { self.position + 3 } else { self.position }
+    }
+
+    /// The first entry of the angular velocity.
+    #[must_use]
+    pub const fn angular_velocity(&self) -> usize {
+        if self.is_floating { self.velocity + 3 } else { self.velocity }
+    }
+}
+
+/// For each velocity entry in `0..n` of a joint without quaternion it, and the position entry that it changes.
+///
+/// - `joints`: those with a quaternion, in their order
+pub fn plain_entries(joints: &[QuaternionJoint], n: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..n).filter_map(move |velocity| {
+        let before = joints.iter().take_while(|joint| joint.velocity <= velocity).count();
+        let last = before.checked_sub(1).and_then(|k| joints.get(k));
+        let is_plain = last.is_none_or(|joint| joint.angular_velocity() + 3 <= velocity);
+        is_plain.then_some((velocity, velocity + before))
+    })
+}
+
+/// ẏ = T(y) v: that of a position is turned into the parent's frame, `q̇ = ½ q (ω, 0)`.
+///
+/// - `joints`: those with a quaternion, in their order
+pub fn position_rates<const N: usize, const NY: usize>(
+    joints: &[QuaternionJoint],
+    y: &[f64; NY],
+    v: &[f64; N],
+) -> [f64; NY] {
+    let mut rates = [0.0; NY];
+    for (velocity, position) in plain_entries(joints, N) {
+        if let Some(rate) = rates.get_mut(position) {
+            *rate = v[velocity];
+        }
+    }
+    for joint in joints {
+        let q = entries(y, joint.quaternion());
+        let w = entries(v, joint.angular_velocity());
+        set(&mut rates, joint.quaternion(), &quaternion_rate(&q, &w));
+        if joint.is_floating {
+            set(&mut rates, joint.position, &turned(&q, &entries(v, joint.velocity)));
+        }
+    }
+    rates
+}
+
+fn quaternion_rate([x, y, z, w]: &[f64; 4], [a, b, c]: &[f64; 3]) -> [f64; 4] {
+    [
+        0.5 * (w * a + y * c - z * b),
+        0.5 * (w * b + z * a - x * c),
+        0.5 * (w * c + x * b - y * a),
+        -0.5 * (x * a + y * b + z * c),
+    ]
+}
+
+/// The vector in the parent's axes.
+fn turned([x, y, z, w]: &[f64; 4], [a, b, c]: &[f64; 3]) -> [f64; 3] {
+    let [d, e, f] = [2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)];
+    [a + w * d + (y * f - z * e), b + w * e + (z * d - x * f), c + w * f + (x * e - y * d)]
+}
+
+fn entries<const K: usize>(all: &[f64], first: usize) -> [f64; K] {
+    let chunk = all.get(first..).and_then(|rest| rest.first_chunk());
+    *chunk.unwrap_or(&[f64::NAN; K])
+}
+
+fn set<const K: usize>(all: &mut [f64], first: usize, values: &[f64; K]) {
+    if let Some(chunk) = all.get_mut(first..).and_then(|rest| rest.first_chunk_mut()) {
+        *chunk = *values;
+    }
+}
+
+/// How many joints have a quaternion.
+#[must_use]
+pub const fn count_quaternions(widths: &[usize]) -> usize {
+    let (mut count, mut joint) = (0, 0);
+    while joint < widths.len() {
+        count += (widths[joint] > 1) as usize;
+        joint += 1;
+    }
+    count
+}
+
+/// The joints with a quaternion. Evaluated by the compiler, where panics are errors.
+#[must_use]
+pub const fn quaternion_joints<const C: usize>(
+    names: &[&'static str],
+    widths: &[usize],
+) -> [QuaternionJoint; C] {
+    let none = QuaternionJoint { name: "", position: 0, velocity: 0, is_floating: false };
+    let mut joints = [none; C];
+    let (mut found, mut joint, mut position, mut velocity) = (0, 0, 0, 0);
+    while joint < widths.len() {
+        let width = widths[joint];
+        assert!(width == 1 || width == 4 || width == 7, "a joint has 1, 4 or 7 positions");
+        if width > 1 {
+            let is_floating = width == 7;
+            joints[found] = QuaternionJoint { name: names[joint], position, velocity, is_floating };
+            found += 1;
+        }
+        position += width;
+        velocity += if width > 1 { width - 1 } else { 1 };
+        joint += 1;
+    }
+    joints
+}
+
+/// A quaternion in a state that is no attitude.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AttitudeError {
+    /// The joint.
+    pub joint: &'static str,
+    /// Its quaternion x, y, z, w.
+    pub quaternion: [f64; 4],
+}
+
+/// A quaternion's length may differ from 1 by so much: states are written with digits enough for that.
+pub const UNIT_LENGTH: f64 = 1e-6;
+
+impl fmt::Display for AttitudeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (joint, [x, y, z, w]) = (Named(self.joint), self.quaternion);
+        write!(f, "the quaternion of joint {joint}, x {x} y {y} z {z} w {w}, ")?;
+        match length(&self.quaternion) {
+            length if !length.is_finite() => write!(f, "is not finite"),
+            0.0 => write!(f, "is zero, which is no attitude"),
+            length => write!(f, "has the length {length}; an attitude has length 1: normalize it"),
+        }
+    }
+}
+
+impl std::error::Error for AttitudeError {}
+
+fn length(q: &[f64; 4]) -> f64 {
+    q.iter().map(|q| q * q).sum::<f64>().sqrt()
+}
+
+/// Tells which quaternion is zero, not finite or not of unit length to [`UNIT_LENGTH`].
+pub(super) fn check(joints: &[QuaternionJoint], y: &[f64]) -> Result<(), AttitudeError> {
+    for joint in joints {
+        let quaternion = entries(y, joint.quaternion());
+        // Written so that NaN is refused.
+        let is_attitude = (length(&quaternion) - 1.0).abs() <= UNIT_LENGTH;
+        if !is_attitude {
+            return Err(AttitudeError { joint: joint.name, quaternion });
+        }
+    }
+    Ok(())
+}
+
+/// The same array. It does not compile for a robot whose positions are not its velocities: then the body of a
+/// method was asked for that serves arms alone.
+#[inline]
+pub(super) fn same<const A: usize, const B: usize>(entries: &[f64; A]) -> &[f64; B] {
+    const {
+        assert!(A == B, "this robot has quaternions: the method's own body serves robots without them alone");
+    }
+    entries.first_chunk().unwrap_or(const { &[f64::NAN; B] })
+}
+
+/// `y + d` without `widths`, else `y ⊕ d`; the others likewise.
+#[inline]
+pub fn integrate<const J: usize, const N: usize, const NY: usize>(
+    widths: &[usize; J],
+    y: &[f64; NY],
+    d: &[f64; N],
+) -> [f64; NY] {
+    if J == 0 {
+        require_widths::<J, N, NY>();
+        return core::array::from_fn(|i| y[i] + d[i]);
+    }
+    manifold::integrate(widths, y, d)
+}
+
+/// `to ⊖ from`.
+#[inline]
+pub fn difference<const J: usize, const N: usize, const NY: usize>(
+    widths: &[usize; J],
+    from: &[f64; NY],
+    to: &[f64; NY],
+) -> [f64; N] {
+    if J == 0 {
+        require_widths::<J, N, NY>();
+        return core::array::from_fn(|i| to[i] - from[i]);
+    }
+    manifold::difference(widths, from, to)
+}
+
+/// The derivatives of `y ⊕ d`.
+#[inline]
+pub fn integrate_derivatives<const J: usize, const N: usize>(
+    widths: &[usize; J],
+    d: &[f64; N],
+) -> ([[f64; N]; N], [[f64; N]; N]) {
+    if J == 0 { (diagonal(1.0), diagonal(1.0)) } else { manifold::integrate_derivatives(widths, d) }
+}
+
+/// The derivatives of `to ⊖ from`.
+#[inline]
+pub fn difference_derivatives<const J: usize, const N: usize>(
+    widths: &[usize; J],
+    d: &[f64; N],
+) -> ([[f64; N]; N], [[f64; N]; N]) {
+    if J == 0 { (diagonal(1.0), diagonal(-1.0)) } else { manifold::difference_derivatives(widths, d) }
+}
+
+/// `ad_a b`.
+#[inline]
+pub fn bracket<const J: usize, const N: usize>(widths: &[usize; J], a: &[f64; N], b: &[f64; N]) -> [f64; N] {
+    if J == 0 { [0.0; N] } else { manifold::bracket(widths, a, b) }
+}
+
+/// Unit length for all quaternions.
+#[inline]
+pub fn normalize<const J: usize, const NY: usize>(widths: &[usize; J], y: &mut [f64; NY]) -> bool {
+    manifold::normalize(widths, y)
+}
+
+/// Zero, and the identity for quaternions.
+#[inline]
+pub fn neutral<const J: usize, const NY: usize>(widths: &[usize; J]) -> [f64; NY] {
+    manifold::neutral(widths)
+}
+
+/// The rates `D = −ad_v` with which small displacements turn.
+pub(super) fn drift<const N: usize>(
+    bracket: impl Fn(&[f64; N], &[f64; N]) -> [f64; N],
+    v: &[f64; N],
+) -> [[f64; N]; N] {
+    let mut drift = [[0.0; N]; N];
+    for j in 0..N {
+        let mut unit = [0.0; N];
+        unit[j] = 1.0;
+        let column = bracket(v, &unit);
+        (0..N).for_each(|i| drift[i][j] = 0.0 - column[i]);
+    }
+    drift
+}
+
+#[inline]
+fn diagonal<const N: usize>(entry: f64) -> [[f64; N]; N] {
+    core::array::from_fn(|i| core::array::from_fn(|j| if i == j { entry } else { 0.0 }))
+}
+
+const fn require_widths<const J: usize, const N: usize, const NY: usize>() {
+    const { assert!(J > 0 || N == NY, "a robot with quaternions says which joints have them") }
+}

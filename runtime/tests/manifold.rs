@@ -1,0 +1,13 @@
+//! Robots whose positions are not velocities, by a quadrotor that is written by hand.
+
+#![allow(clippy::unwrap_used, reason = "test code: a problem that cannot be set up ends the test")]
+
+#[path = "manifold/dynamics.rs"]
+mod dynamics;
+#[path = "manifold/plant.rs"]
+mod plant;
+#[path = "support/quadrotor.rs"]
+#[allow(dead_code, reason = "it has the face of a generated module")]
+mod quadrotor;
+
+gelenk_runtime::dynamics!(struct Quadrotor = quadrotor: Differentiable + Discretizable);
