@@ -21271,7 +21271,7 @@ pub const SUBSTEPS: usize = 1;
 
 /// Exact zero-order hold of the linearization, over one period.
 ///
-/// `x⁺ = A_d x + B_d u + c_d with x = (δ, ẏ), solves δ̇ = D δ + ẏ − v, ÿ = A_y δ + A_v ẏ + B_x u + c with u held`
+/// `x⁺ = A_d x + B_d u + c_d with x = (δ, ẏ), solves δ̇ = D δ + ẏ, ÿ = A_y δ + A_v ẏ + B_x u + c with u held`
 ///
 /// - `y: [NY]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module
 /// - `period`: sample time in s, over which u is held
@@ -21283,12 +21283,12 @@ pub const SUBSTEPS: usize = 1;
 /// included. That is with 18 halvings of the period; without any it is 111158 multiplications and 110310
 /// additions.
 ///
-/// δ is the small motion from a reference that moves with the velocities v: it is at y before the period, and δ = 0
-/// at ẏ = v stays 0 where no acceleration changes v.
+/// δ is the displacement from y, 0 before the period. Since D v = 0, δ − v t is the deviation from the motion
+/// with the velocities v, which follows δ̇ = D δ + ẏ − v. Derivatives of δ⁺ are taken along ⊕ where the robot
+/// arrives.
 ///
-/// With w = D δ + ẏ − v this is the zero-order hold of w = δ̇, computed by scaling and squaring (Higham 2008,
-/// section 10.3) with the limits that the robots without quaternions have: +∞ where the robot is too fast for the
-/// period.
+/// With w = D δ + ẏ this is the zero-order hold of w = δ̇, computed by scaling and squaring (Higham 2008, section 10.3)
+/// with the limits that the robots without quaternions have: +∞ where the robot is too fast for the period.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -21300,7 +21300,7 @@ pub fn discretize(
     u: &[f64; M],
     period: f64,
 ) -> ([[[[f64; N]; N]; 2]; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]) {
-    discrete_time::zero_order_hold_about(&linearize(y, v, u), v, period)
+    discrete_time::zero_order_hold_on_manifold(&linearize(y, v, u), period)
 }
 
 /// State after one period, by Runge–Kutta steps of order 4 of the nonlinear robot.
@@ -22970,26 +22970,6 @@ mod discrete_time {
             }
             add_combination(&mut input_lower[i], &row, input_upper);
             affine[1][i] += dot(&row, &affine[0]);
-        }
-        (state, input, affine)
-    }
-
-    /// The same about a reference that moves with the velocities `v`: `δ̇ = D δ + ẏ − v`, with δ from where the reference is. The
-    /// affine remainders are those of `x⁺ = A_d x + B_d u + c_d` with x = (δ, ẏ).
-    pub fn zero_order_hold_about<const N: usize, const M: usize>(
-        (by_y, by_v, by_u, remainder, drift): &LinearOnManifold<N, M>,
-        v: &[f64; N],
-        period: f64,
-    ) -> Discrete<N, M> {
-        let mut about = *remainder;
-        for i in 0..N {
-            about[i] += dot(&by_v[i], v);
-        }
-        let linear = (*by_y, *by_v, *by_u, about, *drift);
-        let (state, input, mut affine) = zero_order_hold_on_manifold(&linear, period);
-        for i in 0..N {
-            affine[0][i] -= dot(&state[0][1][i], v);
-            affine[1][i] += v[i] - dot(&state[1][1][i], v);
         }
         (state, input, affine)
     }
