@@ -115,8 +115,7 @@ pub fn inverse_dynamics_derivatives<'g>(
         let mut column = Column::zero(mechanism);
         tree.add_rotor_coupling(carrier, rotor, &mut column);
         let source = Source { joint: None, coordinates: rotor.transmission.terms.clone() };
-        tree.read_off(carrier, &source, &column, &mut result);
-        tree.walk(carrier, &source, column, &mut result);
+        tree.arrive(carrier, &source, column, &mut result);
     }
     mirror(mechanism, &mut result.mass_matrix);
     result
@@ -148,13 +147,38 @@ impl<'g> Tree<'_, 'g> {
             if let Some(joint) = source.joint {
                 self.add_rotor_couplings(index, joint, &mut column);
             }
-            match self.mechanism.bodies[index].chain {
-                None => self.read_off(index, source, &column, result),
-                Some(place) => {
-                    self.read_chain(place, place.last + 1, source, &column, result);
-                    column = self.pass_chain(place, column);
-                    index = place.first;
-                }
+            (index, column) = self.read_joint(index, source, column, result);
+        }
+    }
+
+    /// Reads off the entries at the joint of a body, and at those before it.
+    fn arrive(
+        &self,
+        index: usize,
+        source: &Source<'g>,
+        column: Column<'g>,
+        result: &mut ForceDerivatives<'g>,
+    ) {
+        let (index, column) = self.read_joint(index, source, column, result);
+        self.walk(index, source, column, result);
+    }
+
+    /// Reads off the entries at the joint of a body; the body from which the column then goes on.
+    fn read_joint(
+        &self,
+        index: usize,
+        source: &Source<'g>,
+        column: Column<'g>,
+        result: &mut ForceDerivatives<'g>,
+    ) -> (usize, Column<'g>) {
+        match self.mechanism.bodies[index].chain {
+            None => {
+                self.read_off(index, source, &column, result);
+                (index, column)
+            }
+            Some(place) => {
+                self.read_chain(place, place.last + 1, source, &column, result);
+                (place.first, self.pass_chain(place, column))
             }
         }
     }

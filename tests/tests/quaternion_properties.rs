@@ -1,0 +1,163 @@
+//! Random robots with spherical and floating joints, with rotors, springs, friction, couplings and forces at frames: against
+//! Lagrange's equations in the angles of a chain of joints, and derivatives along ⊕ against dual numbers.
+
+use fastrand::Rng;
+use gelenk_codegen::model::Model;
+use gelenk_tests::Robot;
+use gelenk_tests::dual::evaluate;
+use gelenk_tests::oracle::Oracle;
+use gelenk_tests::quaternion_model::{positions, rates, velocities, with_quaternions};
+use gelenk_tests::random_model::{
+    Sample, random_coupled_model, random_helical_model, random_model, random_model_with_frame_forces,
+    random_sample,
+};
+use num_dual::Dual64;
+
+/// Of rounding, relative to the largest of what is compared.
+const TOLERANCE: f64 = 1e-10;
+
+const FUNCTIONS: [&str; 9] = [
+    "mass_matrix",
+    "inverse_dynamics",
+    "friction_torques",
+    "inverse_dynamics_derivatives_and_mass_matrix",
+    "forward_dynamics",
+    "forward_dynamics_derivatives",
+    "inertial_parameters",
+    "inertial_regressor",
+    "linearize",
+];
+
+fn models() -> impl Iterator<Item = (u64, Model)> {
+    let kinds: [fn(u64, usize) -> Model; 4] =
+        [random_model, random_coupled_model, random_helical_model, random_model_with_frame_forces];
+    (0..16).map(move |seed| {
+        let kind = kinds[usize::try_from(seed % 4).expect("small")];
+        (seed, with_quaternions(kind(seed, 5), seed))
+    })
+}
+
+fn close(what: &str, found: &[f64], expected: &[f64], size: f64) {
+    assert_eq!(found.len(), expected.len(), "{what}");
+    for (k, (found, expected)) in found.iter().zip(expected).enumerate() {
+        let error = (found - expected).abs();
+        assert!(error <= TOLERANCE * size, "{what}, {k}: {found} is not {expected}, of {size}");
+    }
+}
+
+fn largest<'a>(all: impl IntoIterator<Item = &'a f64>) -> f64 {
+    all.into_iter().fold(1e-3, |most: f64, x| most.max(x.abs()))
+}
+
+/// `Jᵀ f` for the velocities `J v` of the chain's ones.
+fn to_chain(model: &Model, y: &[f64], forces: &[f64]) -> Vec<f64> {
+    let unit = |k: usize| (0..y.len()).map(|i| f64::from(u8::from(i == k))).collect::<Vec<f64>>();
+    let column = |k: usize| velocities(model, y, &unit(k));
+    (0..y.len()).map(|k| column(k).iter().zip(forces).map(|(j, f)| j * f).sum()).collect()
+}
+
+fn check(seed: u64, model: Model) {
+    let robot = Robot::of_model(model, &FUNCTIONS);
+    let model = &robot.model;
+    let mut rng = Rng::with_seed(seed);
+    for state in 0..2 {
+        let Sample { y: angles, v: rates_of_angles, a, u, parameters } = random_sample(&mut rng, model);
+        let oracle = Oracle { model, parameters: &parameters };
+        let y = positions(model, &angles);
+        let dual = |x: &[f64], rate: &[f64]| -> Vec<Dual64> {
+            x.iter().zip(rate).map(|(&x, &rate)| Dual64::new(x, rate)).collect()
+        };
+        let moving = velocities(model, &dual(&angles, &rates_of_angles), &dual(&rates_of_angles, &a));
+        let v: Vec<f64> = moving.iter().map(|x| x.re).collect();
+        let accelerations: Vec<f64> = moving.iter().map(|x| x.eps).collect();
+        let what = |name: &str| format!("seed {seed}, state {state}, {name}");
+        let inputs: [&[f64]; 3] = [&y, &v, &accelerations];
+        let forces = robot.call_with("inverse_dynamics", &inputs, &parameters).swap_remove(0);
+        let inertial = oracle.inertial_forces(&angles, &rates_of_angles, &a);
+        let gravity = oracle.gravity_forces(&angles);
+        let springs = oracle.spring_forces(&angles, &rates_of_angles);
+        let friction = oracle.friction_torques(&angles, &rates_of_angles);
+        let expected: Vec<f64> =
+            (0..angles.len()).map(|k| inertial[k] - gravity[k] - springs[k] + friction[k]).collect();
+        let size = largest(inertial.iter().chain(&gravity).chain(&springs).chain(&friction));
+        close(&what("inverse dynamics"), &to_chain(model, &angles, &forces), &expected, size);
+        let arguments = [y.as_slice(), &v, &accelerations];
+        by_dual_numbers(
+            &robot,
+            &what("inverse_dynamics"),
+            arguments,
+            &parameters,
+            ["inverse_dynamics", "inverse_dynamics_derivatives_and_mass_matrix"],
+        );
+        by_dual_numbers(
+            &robot,
+            &what("forward_dynamics"),
+            [&y, &v, &u],
+            &parameters,
+            ["forward_dynamics", "forward_dynamics_derivatives"],
+        );
+        linearization_agrees(&robot, &what("linearize"), [&y, &v, &u], &parameters);
+    }
+}
+
+/// Derivatives of a function by positions along ⊕ and by velocities, of one that has them as its second and third result.
+fn by_dual_numbers(
+    robot: &Robot,
+    what: &str,
+    [y, v, third]: [&[f64]; 3],
+    parameters: &[f64],
+    [plain, derived]: [&str; 2],
+) {
+    let n = v.len();
+    let program = &robot.function(plain).program;
+    let found = robot.call_with(derived, &[y, v, third], parameters);
+    let still = |x: &[f64]| -> Vec<Dual64> { x.iter().map(|&x| Dual64::new(x, 0.0)).collect() };
+    let column = |position: Option<usize>, velocity: Option<usize>| -> Vec<f64> {
+        let rate = position.map_or(vec![0.0; y.len()], |k| rates(&robot.model, y, k));
+        let y: Vec<Dual64> = y.iter().zip(&rate).map(|(&x, &rate)| Dual64::new(x, rate)).collect();
+        let mut v = still(v);
+        if let Some(k) = velocity {
+            v[k].eps = 1.0;
+        }
+        let results = evaluate(program, &[&y, &v, &still(third)], parameters);
+        results[0].iter().map(|x| x.eps).collect()
+    };
+    for (result, of_position) in [(1, true), (2, false)] {
+        let size = largest(&found[result]);
+        for k in 0..n {
+            let expected = if of_position { column(Some(k), None) } else { column(None, Some(k)) };
+            let column: Vec<f64> = (0..n).map(|i| found[result][i * n + k]).collect();
+            close(&format!("{what} result {result} column {k}"), &column, &expected, size);
+        }
+    }
+}
+
+fn linearization_agrees(robot: &Robot, what: &str, inputs: [&[f64]; 3], parameters: &[f64]) {
+    let linear = robot.call_with("linearize", &inputs, parameters);
+    let derived = robot.call_with("forward_dynamics_derivatives", &inputs, parameters);
+    close(&format!("{what} A_v"), &linear[1], &derived[2], largest(&derived[2]));
+    let [_, v, u] = inputs;
+    let (n, m) = (v.len(), u.len());
+    let at = |i: usize| {
+        let by_v: f64 = (0..n).map(|j| linear[1][i * n + j] * v[j]).sum();
+        let by_u: f64 = (0..m).map(|j| linear[2][i * m + j] * u[j]).sum();
+        by_v + by_u + linear[3][i]
+    };
+    let whole: Vec<f64> = (0..n).map(at).collect();
+    let size = largest(linear[1].iter().chain(&linear[2]).chain(&derived[0]));
+    close(&format!("{what} c"), &whole, &derived[0], 10.0 * size);
+}
+
+#[test]
+fn chains_of_joints_move_alike() {
+    let mut floating = 0;
+    let mut spherical = 0;
+    for (seed, model) in models() {
+        for joint in &model.quaternion_joints {
+            let count = if joint.kind.velocities() == 6 { &mut floating } else { &mut spherical };
+            *count += 1;
+        }
+        check(seed, model);
+    }
+    assert!(floating >= 8 && spherical >= 8, "{floating} floating, {spherical} spherical");
+}
