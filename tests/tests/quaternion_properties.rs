@@ -31,7 +31,7 @@ const FUNCTIONS: [&str; 9] = [
 fn models() -> impl Iterator<Item = (u64, Model)> {
     let kinds: [fn(u64, usize) -> Model; 4] =
         [random_model, random_coupled_model, random_helical_model, random_model_with_frame_forces];
-    (0..16).map(move |seed| {
+    (0..20).map(move |seed| {
         let kind = kinds[usize::try_from(seed % 4).expect("small")];
         (seed, with_quaternions(kind(seed, 5), seed))
     })

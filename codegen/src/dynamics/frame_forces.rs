@@ -8,8 +8,9 @@ use std::cell::LazyCell;
 use super::recursion::frame_motion::BasePoses;
 use super::recursion::placement::{Placement, place};
 use super::search::formulation::Formulation;
+use super::tangent::gradient_along;
 use crate::formula::{Formula, Function};
-use crate::graph::{Graph, Scalar, gradient};
+use crate::graph::{Graph, Scalar};
 use crate::kinematics::{JointAxis, Mechanism, lower, lower_pose, lower_with};
 use crate::model::{Attachment, ForceEffect, ForceInput, Model, WrenchAxes, identifier};
 use crate::spatial::{Force, Pose, Vector3, rotate};
@@ -164,7 +165,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         let length = length.named(|| format!("length_{name}"));
         let half_inverse = self.graph().constant(0.5).divided_by(length);
         let half_inverse = half_inverse.named(|| format!("half_inverse_{name}"));
-        let by_square = gradient(self.graph(), squared, self.y);
+        let (by_square, _) = gradient_along(self.graph(), self.model, squared, self.y, &[]);
         let gradient = by_square.into_iter().zip(&self.model.coordinates).map(|(by_square, &link)| {
             let joint = self.model.links[link].joint.as_ref().map_or("", |joint| &joint.identifier);
             named(by_square * half_inverse, || format!("lever_{name}_{joint}"))
@@ -189,7 +190,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         let moved = self.ahead_of(Some(joint), moved) + self.lift(joint);
         let fixed = body.twist.to_child(self.ahead_of(body.parent, fixed) - placement.translation);
         match placement.turn {
-            Some((s, c)) if body.axis == JointAxis::Revolute => {
+            Some((s, c)) if body.axis == JointAxis::Revolute && body.chain.is_none() => {
                 let along = fixed[2] - moved[2];
                 let lateral = |p: Vector3<Scalar<'g>>| p[0].squared() + p[1].squared();
                 let together = fixed[0] * moved[0] + fixed[1] * moved[1];
@@ -201,9 +202,8 @@ impl<'a, 'g> FrameForces<'a, 'g> {
                 };
                 lateral(fixed) + lateral(moved) + along.squared() - apart
             }
-            turn => {
-                let moved = turn.map_or(moved, |turn| moved.turned(turn));
-                let difference = fixed - moved;
+            _ => {
+                let difference = fixed - placement.before_joint(moved);
                 difference.dot(difference)
             }
         }

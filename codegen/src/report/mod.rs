@@ -184,6 +184,25 @@ fn self_check_section(robot: &Robot<'_>) -> Section {
         .block(Block::Claims(self_check::claims(robot)))
 }
 
+/// What the rows and sliders of a joint with a quaternion mean.
+fn quaternions(robot: &Robot<'_>) -> Vec<String> {
+    let joint = |joint: &QuaternionJoint| {
+        let Range { start, end } = joint.coordinates();
+        let origin = if joint.kind.quaternion() > 0 { "the position of its body and " } else { "" };
+        format!(
+            "Joint {} is {}: its positions are {origin}a quaternion, {} numbers, and its velocities $\\dot{{y}}_{{{}}}$ to \
+             $\\dot{{y}}_{{{}}}$ are those of its body in the body's own axes. Here its sliders displace and turn the body along x, \
+             y and z, one after the other.",
+            joint.name,
+            joint.kind.name(),
+            joint.kind.positions(),
+            start + 1,
+            end
+        )
+    };
+    robot.model.quaternion_joints.iter().map(joint).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -314,23 +333,4 @@ mod tests {
         // The data and the view's script, nothing else.
         assert_eq!(page.matches("<script").count(), 2);
     }
-}
-
-/// What the rows and sliders of a joint with a quaternion mean.
-fn quaternions(robot: &Robot<'_>) -> Vec<String> {
-    let joint = |joint: &QuaternionJoint| {
-        let Range { start, end } = joint.coordinates();
-        let origin = if joint.kind.quaternion() > 0 { "the position of its body and " } else { "" };
-        format!(
-            "Joint {} is {}: its positions are {origin}a quaternion, {} numbers, and its velocities $\\dot{{y}}_{{{}}}$ to \
-             $\\dot{{y}}_{{{}}}$ are those of its body in the body's own axes. Here its sliders displace and turn the body along x, \
-             y and z, one after the other.",
-            joint.name,
-            joint.kind.name(),
-            joint.kind.positions(),
-            start + 1,
-            end
-        )
-    };
-    robot.model.quaternion_joints.iter().map(joint).collect()
 }

@@ -69,6 +69,7 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
         gravity: [number(0.0), number(0.0), number(-9.81)],
         parameters: vec![],
         links,
+        quaternion_joints: Vec::new(),
         followers: vec![],
         coordinates: (1..=joints.len()).collect(),
         drives,

@@ -110,7 +110,7 @@ fn on_manifold(sources: Vec<String>, compositions: &[ComposedFunction]) -> Vec<S
     let texts: BTreeSet<manifold::Text> =
         compositions.iter().flat_map(|each| each.composition.manifold_texts()).copied().collect();
     let added: Vec<String> = texts.iter().map(|text| text.source().to_owned()).collect();
-    let is_called = |name: &&str| added.iter().any(|source| source.contains(&format!("{name}")));
+    let is_called = |name: &&str| added.iter().any(|source| source.contains(*name));
     let names: Vec<&str> = USED.iter().copied().filter(is_called).collect();
     let imports = (!names.is_empty()).then(|| format!("use super::manifold::{{{}}};", names.join(", ")));
     imports.into_iter().chain(sources).chain(added).collect()
