@@ -4,6 +4,8 @@
 
 #[path = "manifold/dynamics.rs"]
 mod dynamics;
+#[path = "manifold/geodesic.rs"]
+mod geodesic;
 #[path = "manifold/plant.rs"]
 mod plant;
 #[path = "support/quadrotor.rs"]
