@@ -6,6 +6,8 @@
 mod dynamics;
 #[path = "manifold/geodesic.rs"]
 mod geodesic;
+#[path = "manifold/mpc.rs"]
+mod mpc;
 #[path = "manifold/plant.rs"]
 mod plant;
 #[path = "support/quadrotor.rs"]
