@@ -9,7 +9,7 @@ use gelenk_runtime::trajectory::{GeodesicMotion, Trajectory};
 
 type Motion = GeodesicMotion<Quadrotor, 6, 4, 7>;
 
-const PERIOD: f64 = 0.02;
+const PERIOD: f64 = 0.03;
 const HOVER: [f64; 7] = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 /// m g in equal parts, but for the propellers' unequal arms.
 const INPUTS: [f64; 4] = [3.7; 4];
@@ -23,7 +23,7 @@ fn options() -> MpcOptions<6, 4> {
         position_weight: [100.0, 100.0, 100.0, 10.0, 10.0, 10.0],
         velocity_weight: [10.0, 10.0, 10.0, 1.0, 1.0, 1.0],
         input_weight: [0.1; 4],
-        ..MpcOptions::new(&Quadrotor, PERIOD, 30)
+        ..MpcOptions::new(&Quadrotor, PERIOD, 20)
     }
 }
 
@@ -91,11 +91,11 @@ fn thrown_upside_down_it_recovers() {
     let start = ([0.0, 0.0, 1.0, x, y, 0.0, angle.cos()], [0.5, -0.5, 1.0, 0.5, -1.0, 0.3]);
     let motion = hover(1.0);
     let mut ltv = LtvMpc::new(Quadrotor, motion.clone(), observed(options())).unwrap();
-    let flight = fly(&mut ltv, &motion, start, 6.0);
+    let flight = fly(&mut ltv, &motion, start, 4.5);
     assert!(flight.lowest_axis < -0.9);
     assert_arrived(&flight, 1e-3);
     let mut nonlinear = Nmpc::new(Quadrotor, motion.clone(), observed(options())).unwrap();
-    assert_arrived(&fly(&mut nonlinear, &motion, start, 6.0), 1e-3);
+    assert_arrived(&fly(&mut nonlinear, &motion, start, 4.5), 1e-3);
 }
 
 /// A flight by 1.5 m with a turn about the vertical axis: no offset is left, and the way is not far from the reference.
@@ -106,13 +106,13 @@ fn it_follows_a_motion_of_position_and_heading() {
     let mut ltv = LtvMpc::new(Quadrotor, motion.clone(), observed(options())).unwrap();
     let mut nonlinear = Nmpc::new(Quadrotor, motion.clone(), observed(options())).unwrap();
     let flights = [
-        fly(&mut ltv, &motion, (HOVER, [0.0; 6]), 6.0),
-        fly(&mut nonlinear, &motion, (HOVER, [0.0; 6]), 6.0),
+        fly(&mut ltv, &motion, (HOVER, [0.0; 6]), 4.5),
+        fly(&mut nonlinear, &motion, (HOVER, [0.0; 6]), 4.5),
     ];
     for flight in &flights {
         let worst = flight.deviations.iter().map(|[position, _]| *position).fold(0.0, f64::max);
         assert!(worst <= 0.1, "{worst} m");
-        assert_arrived(flight, 1e-4);
+        assert_arrived(flight, 5e-4);
     }
 }
 
@@ -128,11 +128,12 @@ fn it_flips_through_half_a_turn() {
     let mut nonlinear = Nmpc::new(Quadrotor, motion.clone(), observed(weights.clone())).unwrap();
     let mut ltv = LtvMpc::new(Quadrotor, motion.clone(), observed(weights)).unwrap();
     let flights = [
-        fly(&mut nonlinear, &motion, (HOVER, [0.0; 6]), 8.0),
-        fly(&mut ltv, &motion, (HOVER, [0.0; 6]), 8.0),
+        fly(&mut nonlinear, &motion, (HOVER, [0.0; 6]), 4.0),
+        fly(&mut ltv, &motion, (HOVER, [0.0; 6]), 4.0),
     ];
     for flight in &flights {
-        assert!(flight.lowest_axis < -0.99, "{}", flight.lowest_axis);
+        // Between two samples it turns by up to 0.3 rad.
+        assert!(flight.lowest_axis < -0.95, "{}", flight.lowest_axis);
         let attitude = flight.deviations.iter().map(|[_, attitude]| *attitude).fold(0.0, f64::max);
         assert!(attitude <= 0.6, "{attitude} rad");
         assert_arrived(flight, 1e-2);
