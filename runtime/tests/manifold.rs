@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "test code: a problem that cannot be set up ends the test")]
 
+#[path = "manifold/control_loop.rs"]
+mod control_loop;
 #[path = "manifold/dynamics.rs"]
 mod dynamics;
 #[path = "manifold/geodesic.rs"]
