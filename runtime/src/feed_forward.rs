@@ -7,9 +7,9 @@
 //! Inverse dynamics, also called computed torque (Craig, *Introduction to Robotics*, 2005, section 10.4).
 //! Where B is not square and regular u_ff = B⁺ (M ÿ + k − q), the least-squares solution with the smallest
 //! inputs, and the residual r = (M ÿ + k − q) − B u_ff is what no input can make: a trajectory with r ≠ 0 is
-//! not feasible for the passive coordinates.
+//! not feasible for the passive coordinates. Of robots with quaternions v and v̇ stand in place of ẏ and ÿ.
 
-use crate::dynamics::{Dynamics, Named};
+use crate::dynamics::{Dynamics, Named, plain_entries};
 use crate::pseudo_inverse::pseudo_inverse;
 use crate::trajectory::{MAX_SAMPLES, Sample, Trajectory, whole_periods};
 use thiserror::Error;
@@ -84,7 +84,7 @@ pub enum FeedForwardError {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FeedForward<D, const N: usize, const M: usize> {
+pub struct FeedForward<D, const N: usize, const M: usize, const NY: usize = N> {
     model: D,
     /// B and B⁺, where B is constant: all inputs are drives.
     constant: Option<Inverted<N, M>>,
@@ -97,14 +97,14 @@ struct Inverted<const N: usize, const M: usize> {
     inverse: [[f64; N]; M],
 }
 
-impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
+impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> FeedForward<D, N, M, NY> {
     /// Inverts the input matrix of `model`: once where it is constant, else at each call, without allocation.
     ///
     /// # Errors
     /// [`FeedForwardError::InputMatrix`]. Where B depends on y, it is judged at the positions within the limits that
     /// are closest to 0.
     pub fn new(model: D) -> Result<Self, FeedForwardError> {
-        let input_matrix = model.input_matrix(&closest_to_zero(&model.limits().position));
+        let input_matrix = model.input_matrix(&closest_to_neutral(&model));
         let inverse = pseudo_inverse(&input_matrix).ok_or(FeedForwardError::InputMatrix)?;
         let constant = (model.drives() == M).then_some(Inverted { input_matrix, inverse });
         Ok(Self { model, constant })
@@ -133,7 +133,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
 
     /// Inputs for one sample. Allocates nothing.
     #[must_use]
-    pub fn at(&self, sample: &Sample<N>) -> FeedForwardInput<N, M> {
+    pub fn at(&self, sample: &Sample<N, NY>) -> FeedForwardInput<N, M> {
         let forces =
             self.model.inverse_dynamics(&sample.positions, &sample.velocities, &sample.accelerations);
         let inverted = self.inverted(&sample.positions);
@@ -144,18 +144,18 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
     /// B(y)⁺ f: inputs that make generalized forces f [N m or N] at positions y, or come closest to them; NaN
     /// where B is not finite, or zero.
     #[must_use]
-    pub fn inputs_for(&self, positions: &[f64; N], forces: &[f64; N]) -> [f64; M] {
+    pub fn inputs_for(&self, positions: &[f64; NY], forces: &[f64; N]) -> [f64; M] {
         self.inverted(positions).inputs(forces)
     }
 
     /// The part of generalized forces f that no inputs can make at positions y: `f − B B⁺ f` [N m or N].
     #[must_use]
-    pub fn missed(&self, positions: &[f64; N], forces: &[f64; N]) -> [f64; N] {
+    pub fn missed(&self, positions: &[f64; NY], forces: &[f64; N]) -> [f64; N] {
         let inverted = self.inverted(positions);
         inverted.missed(forces, &inverted.inputs(forces))
     }
 
-    fn inverted(&self, positions: &[f64; N]) -> Inverted<N, M> {
+    fn inverted(&self, positions: &[f64; NY]) -> Inverted<N, M> {
         self.constant.unwrap_or_else(|| {
             let input_matrix = self.model.input_matrix(positions);
             Inverted { input_matrix, inverse: pseudo_inverse(&input_matrix).unwrap_or([[f64::NAN; N]; M]) }
@@ -171,7 +171,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
     /// trajectory of more than [`MAX_SAMPLES`] periods.
     pub fn along(
         &self,
-        trajectory: &impl Trajectory<N>,
+        trajectory: &impl Trajectory<N, NY>,
         period: f64,
         tolerance: f64,
     ) -> Result<Vec<[f64; M]>, FeedForwardError> {
@@ -214,6 +214,17 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
 
 fn product<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The positions closest to 0 within the limits, attitudes at the identity.
+fn closest_to_neutral<const N: usize, const M: usize, const NY: usize>(
+    model: &impl Dynamics<N, M, NY>,
+) -> [f64; NY] {
+    let (mut positions, closest) = (model.neutral(), closest_to_zero(&model.limits().position));
+    for (velocity, position) in plain_entries(model.quaternion_joints(), N) {
+        positions[position] = closest[velocity];
+    }
+    positions
 }
 
 /// The positions closest to 0 within the limits: beyond them, inputs at frames may have no direction.

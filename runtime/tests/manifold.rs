@@ -2,8 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "test code: a problem that cannot be set up ends the test")]
 
+#[path = "manifold/control_loop.rs"]
+mod control_loop;
 #[path = "manifold/dynamics.rs"]
 mod dynamics;
+#[path = "manifold/geodesic.rs"]
+mod geodesic;
+#[path = "manifold/mpc.rs"]
+mod mpc;
 #[path = "manifold/plant.rs"]
 mod plant;
 #[path = "support/quadrotor.rs"]

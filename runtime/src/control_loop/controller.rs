@@ -1,11 +1,11 @@
 //! What the loop asks of a controller.
 
-use crate::dynamics::Named;
+use crate::dynamics::{AttitudeError, Named};
 use std::fmt;
 
 /// The state of the loop at the start of a period, as a controller learns it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cycle<const N: usize, const M: usize> {
+pub struct Cycle<const N: usize, const M: usize, const NY: usize = N> {
     /// Time on the trajectory at the start of this period (s); 0 at its start.
     pub time: f64,
     /// Periods since the previous call; 1 unless the loop was stalled. The input stayed the same over all of
@@ -13,7 +13,7 @@ pub struct Cycle<const N: usize, const M: usize> {
     pub periods: u32,
     /// Positions measured at `time` [rad or m], finite and plausible; `None` where nothing arrived, or
     /// nothing believable.
-    pub positions: Option<[f64; N]>,
+    pub positions: Option<[f64; NY]>,
     /// Velocities measured with these positions, finite and consistent with them [rad/s or m/s]; `None` where
     /// the robot does not measure them, and where there are no positions.
     pub velocities: Option<[f64; N]>,
@@ -24,7 +24,7 @@ pub struct Cycle<const N: usize, const M: usize> {
     pub last_inputs: [f64; M],
 }
 
-impl<const N: usize, const M: usize> Default for Cycle<N, M> {
+impl<const N: usize, const M: usize, const NY: usize> Default for Cycle<N, M, NY> {
     /// Time 0, one period after the last, nothing measured, no inputs before: the rest of a literal that
     /// names what it has.
     fn default() -> Self {
@@ -62,6 +62,8 @@ pub enum ControllerFault {
     NotFinite,
     /// A joint of the model is too fast to be predicted over a period.
     TooFast(TooFast),
+    /// A measured quaternion is no attitude.
+    Attitude(AttitudeError),
     /// So many periods went by since the last step that a prediction over them is worth nothing.
     Stalled {
         /// How many.
@@ -78,6 +80,7 @@ impl fmt::Display for ControllerFault {
             }
             Self::NotFinite => write!(f, "state or equations of motion are not finite"),
             Self::TooFast(joint) => joint.fmt(f),
+            Self::Attitude(joint) => write!(f, "a measurement cannot be: {joint}"),
             Self::Stalled { periods } => {
                 write!(f, "{periods} periods went by since the last step, too many to predict over")
             }
@@ -119,9 +122,9 @@ impl fmt::Display for TooFast {
 
 /// A state as a controller estimates it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate<const N: usize> {
+pub struct Estimate<const N: usize, const NY: usize = N> {
     /// y [rad or m].
-    pub positions: [f64; N],
+    pub positions: [f64; NY],
     /// ẏ [rad/s or m/s].
     pub velocities: [f64; N],
 }
@@ -130,10 +133,10 @@ pub struct Estimate<const N: usize> {
 /// loop knows clock, transport, limits and faults.
 ///
 /// No method may allocate, block, or run for longer than its budget: a real-time thread calls them.
-pub trait Controller<const N: usize, const M: usize> {
+pub trait Controller<const N: usize, const M: usize, const NY: usize = N> {
     /// Begins at rest at `positions`, at time 0 of the trajectory, with nothing carried over. `inputs` is
     /// what the loop writes until the first step.
-    fn reset(&mut self, positions: &[f64; N], inputs: &[f64; M]);
+    fn reset(&mut self, positions: &[f64; NY], inputs: &[f64; M]);
 
     /// Takes in what happened since the last call and proposes the input of this period. Called once for
     /// every period that the loop sees, also where the measurement is missing or an earlier proposal was not
@@ -142,7 +145,7 @@ pub trait Controller<const N: usize, const M: usize> {
     /// # Errors
     /// [`ControllerFault`] where there is no input to propose. The controller must remain able to go on with
     /// the next period.
-    fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault>;
+    fn step(&mut self, cycle: &Cycle<N, M, NY>) -> Result<Command<M>, ControllerFault>;
 
     /// Input that the plan of the last successful step holds for `periods` ≥ 1 periods after that step;
     /// `None` beyond its end, and for controllers without a plan.
@@ -152,7 +155,7 @@ pub trait Controller<const N: usize, const M: usize> {
     }
 
     /// Estimate of the state after the last step, for the log; `None` for controllers without one.
-    fn estimate(&self) -> Option<Estimate<N>> {
+    fn estimate(&self) -> Option<Estimate<N, NY>> {
         None
     }
 
@@ -164,17 +167,19 @@ pub trait Controller<const N: usize, const M: usize> {
     /// What any later call returns must be the same to the last bit, whether this was called or not: change
     /// scratch memory alone. A test that drives the controller with and without these calls and compares is
     /// short. The default does nothing.
-    fn warm_up(&mut self, next: &Cycle<N, M>) {
+    fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         let _ = next;
     }
 }
 
-impl<const N: usize, const M: usize, C: Controller<N, M> + ?Sized> Controller<N, M> for &mut C {
-    fn reset(&mut self, positions: &[f64; N], inputs: &[f64; M]) {
+impl<const N: usize, const M: usize, const NY: usize, C: Controller<N, M, NY> + ?Sized> Controller<N, M, NY>
+    for &mut C
+{
+    fn reset(&mut self, positions: &[f64; NY], inputs: &[f64; M]) {
         (**self).reset(positions, inputs);
     }
 
-    fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
+    fn step(&mut self, cycle: &Cycle<N, M, NY>) -> Result<Command<M>, ControllerFault> {
         (**self).step(cycle)
     }
 
@@ -182,11 +187,11 @@ impl<const N: usize, const M: usize, C: Controller<N, M> + ?Sized> Controller<N,
         (**self).planned(periods)
     }
 
-    fn estimate(&self) -> Option<Estimate<N>> {
+    fn estimate(&self) -> Option<Estimate<N, NY>> {
         (**self).estimate()
     }
 
-    fn warm_up(&mut self, next: &Cycle<N, M>) {
+    fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         (**self).warm_up(next);
     }
 }

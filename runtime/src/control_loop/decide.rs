@@ -8,22 +8,23 @@ use super::monitor::{Situation, check_state, limit_inputs};
 use super::report::{Counts, End, Source, StopReason};
 use super::run::{ControlLoop, Phase};
 use super::stage::STAGES;
+use super::unrolled::Unrolled;
 use crate::trajectory::{Sample, Trajectory};
 use crate::transport::{Brakes, Reading, Transport, TransportError};
 use std::time::Duration;
 
 /// A reading and what the guard thinks of it.
-pub(super) struct Judged<const N: usize> {
+pub(super) struct Judged<const N: usize, const NY: usize> {
     /// As read; positions are NaN where nothing arrived.
-    pub reading: Reading<N>,
+    pub reading: Reading<N, NY>,
     /// The same, if it is believed.
-    pub believed: Option<Measured<N>>,
+    pub believed: Option<Measured<N, NY>>,
 }
 
 /// The part of a reading that is believed.
 #[derive(Clone, Copy)]
-pub(super) struct Measured<const N: usize> {
-    pub positions: [f64; N],
+pub(super) struct Measured<const N: usize, const NY: usize> {
+    pub positions: [f64; NY],
     pub velocities: Option<[f64; N]>,
     /// None too where one is not finite: nothing here depends on them.
     pub torques: Option<[f64; N]>,
@@ -36,17 +37,17 @@ pub(super) struct Proposal<const M: usize> {
     pub iterations: u32,
 }
 
-impl<L, R, C, T, K, const N: usize, const M: usize> ControlLoop<L, R, C, T, K, N, M>
+impl<L, R, C, T, K, const N: usize, const M: usize, const NY: usize> ControlLoop<L, R, C, T, K, N, M, NY>
 where
-    L: JointLaw<N, M>,
-    R: Trajectory<N>,
-    C: Controller<N, M>,
-    T: Transport<N, M>,
+    L: JointLaw<N, M, NY>,
+    R: Trajectory<N, NY>,
+    C: Controller<N, M, NY>,
+    T: Transport<N, M, NY>,
     K: Clock,
 {
     /// Reads and judges a measurement. Too long without a believable one, and it brakes.
-    pub(super) fn read(&mut self, desired: &[f64; N], periods: u32) -> Judged<N> {
-        let missing = Judged { reading: Reading::of([f64::NAN; N], Brakes::Unknown), believed: None };
+    pub(super) fn read(&mut self, periods: u32) -> Judged<N, NY> {
+        let missing = Judged { reading: Reading::of([f64::NAN; NY], Brakes::Unknown), believed: None };
         let reading = match self.transport.read() {
             Ok(Some(reading)) => reading,
             Ok(None) => {
@@ -70,10 +71,10 @@ where
             self.engage(End::Stopped(StopReason::BrakedByRobot));
         }
         let (_, age) = self.state.guard.believed();
-        let (positions, velocities) = (&reading.positions, reading.velocities.as_ref());
-        let believed = match self.state.guard.check(positions, velocities, desired) {
-            Ok(()) => {
+        let believed = match self.judge(&reading) {
+            Ok(moved) => {
                 self.state.unmeasured = 0;
+                self.state.believed = moved;
                 self.estimate_velocities(&reading, age);
                 Some(Measured {
                     positions: reading.positions,
@@ -90,13 +91,22 @@ where
         Judged { reading, believed }
     }
 
+    /// The reading, if the guard believes it.
+    fn judge(&mut self, reading: &Reading<N, NY>) -> Result<Unrolled<N, NY>, EncoderFault> {
+        let moved = self.state.believed.moved_to(&reading.positions, &self.fallback);
+        self.fallback.check_attitudes(&reading.positions).map_err(EncoderFault::Attitude)?;
+        let desired = &self.state.desired.coordinates;
+        self.state.guard.check(&moved.coordinates, reading.velocities.as_ref(), desired)?;
+        Ok(moved)
+    }
+
     /// As measured, where they are; else from the positions, `age` seconds after the last.
-    fn estimate_velocities(&mut self, reading: &Reading<N>, age: f64) {
-        let filter = &mut self.state.filter;
+    fn estimate_velocities(&mut self, reading: &Reading<N, NY>, age: f64) {
+        let (filter, coordinates) = (&mut self.state.filter, &self.state.believed.coordinates);
         // Both take what the guard believes: finite numbers, and differences that do not overflow.
         let _ = match &reading.velocities {
-            Some(velocities) => filter.update_measured(&reading.positions, velocities),
-            None => filter.update(&reading.positions, age),
+            Some(velocities) => filter.update_measured(coordinates, velocities),
+            None => filter.update(coordinates, age),
         };
     }
 
@@ -110,8 +120,8 @@ where
     /// Inputs from the controller, or from what stands in for it. Always finite.
     pub(super) fn propose(
         &mut self,
-        desired: &Sample<N>,
-        measured: Option<Measured<N>>,
+        desired: &Sample<N, NY>,
+        measured: Option<Measured<N, NY>>,
         periods: u32,
     ) -> Proposal<M> {
         match self.state.phase {
@@ -123,8 +133,8 @@ where
 
     fn follow_controller(
         &mut self,
-        desired: &Sample<N>,
-        measured: Option<Measured<N>>,
+        desired: &Sample<N, NY>,
+        measured: Option<Measured<N, NY>>,
         periods: u32,
     ) -> Proposal<M> {
         let cycle = Cycle {
@@ -164,7 +174,7 @@ where
         is_finite(&inputs).then_some(Proposal { inputs, source: Source::Plan, iterations: 0 })
     }
 
-    fn fall_back(&self, desired: &Sample<N>, measured: Option<Measured<N>>) -> Proposal<M> {
+    fn fall_back(&self, desired: &Sample<N, NY>, measured: Option<Measured<N, NY>>) -> Proposal<M> {
         let velocities = self.state.filter.velocities();
         let inputs = measured.and_then(|m| {
             let inputs = self.fallback.inputs(desired, &m.positions, velocities);
@@ -181,11 +191,13 @@ where
     }
 
     /// Limits the inputs, and brakes where the state is outside its limits, or at the end of the motion.
-    pub(super) fn check(&mut self, desired: &[f64; N], mut inputs: [f64; M]) -> [f64; M] {
+    pub(super) fn check(&mut self, mut inputs: [f64; M]) -> [f64; M] {
         self.state.counts.limited_inputs += limit_inputs(&mut inputs, &self.settings.input_limits);
         let (positions, age) = self.state.guard.believed();
         let velocities = self.state.filter.velocities();
-        let situation = Situation { positions: &positions, velocities, age, desired };
+        let (believed, desired) = (&self.state.believed.positions, &self.state.desired.positions);
+        let error = self.fallback.difference(desired, believed);
+        let situation = Situation { positions: &positions, velocities, age, error: &error };
         if let Err(fault) = check_state(&self.settings, &self.joints, &situation) {
             self.engage(End::Stopped(StopReason::Limit(fault)));
         } else if let Some(end) = self.end_of_motion() {
@@ -226,7 +238,7 @@ where
 impl Counts {
     pub(super) fn take_encoder_fault(&mut self, fault: &EncoderFault) {
         match fault {
-            EncoderFault::NotFinite { .. } => self.not_finite += 1,
+            EncoderFault::NotFinite { .. } | EncoderFault::Attitude(_) => self.not_finite += 1,
             EncoderFault::Jump { .. } => self.jumps += 1,
             EncoderFault::Frozen { .. } => self.frozen += 1,
             EncoderFault::Velocity { .. } => self.velocity_faults += 1,

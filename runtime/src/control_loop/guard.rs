@@ -1,6 +1,6 @@
 //! Is a measurement believable?
 
-use crate::dynamics::{Named, numbered};
+use crate::dynamics::{AttitudeError, Named, numbered};
 use std::fmt;
 
 /// A fault of a measured position.
@@ -13,6 +13,8 @@ pub enum EncoderFault {
         /// Its name.
         name: &'static str,
     },
+    /// The quaternion of a joint is no attitude.
+    Attitude(AttitudeError),
     /// Further from the last believed position than the joint can have moved.
     Jump {
         /// Index of the coordinate.
@@ -56,6 +58,7 @@ impl fmt::Display for EncoderFault {
             Self::NotFinite { name, .. } => {
                 write!(f, "encoder of joint {} is not finite", Named(name))
             }
+            Self::Attitude(joint) => write!(f, "a reading cannot be: {joint}"),
             Self::Jump { name, distance, possible, .. } => write!(
                 f,
                 "encoder of joint {} jumped by {distance:.4}; the joint can move {possible:.4} in that time",

@@ -3,7 +3,7 @@
 use super::controller::ControllerFault;
 use super::law::{JointLaw, finite};
 use super::settings::{SettingError, require_each};
-use crate::dynamics::Dynamics;
+use crate::dynamics::{AttitudeError, Dynamics, QuaternionJoint};
 use crate::feed_forward::{FeedForward, FeedForwardError};
 use crate::trajectory::Sample;
 use thiserror::Error;
@@ -23,9 +23,9 @@ impl<const N: usize> JointGains<N> {
     /// `positions` (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009, section 8.3). Friction of the
     /// joint damps in addition.
     #[must_use]
-    pub fn from_bandwidth<const M: usize>(
-        model: &impl Dynamics<N, M>,
-        positions: &[f64; N],
+    pub fn from_bandwidth<const M: usize, const NY: usize>(
+        model: &impl Dynamics<N, M, NY>,
+        positions: &[f64; NY],
         omega: f64,
         damping: f64,
     ) -> Self {
@@ -56,14 +56,14 @@ pub enum JointPdError {
 ///
 /// with the [`FeedForward`] u_ff and its B⁺. What the model says is taken along the desired motion, so that
 /// noise of the measurement reaches the inputs through the gains alone. Beside it stands
-/// [`ComputedTorque`](super::ComputedTorque).
+/// [`ComputedTorque`](super::ComputedTorque). Of robots with quaternions y_d − y is `y_d ⊖ y`, and v stands for ẏ.
 #[derive(Debug, Clone)]
-pub struct JointPd<D, const N: usize, const M: usize> {
-    feed_forward: FeedForward<D, N, M>,
+pub struct JointPd<D, const N: usize, const M: usize, const NY: usize = N> {
+    feed_forward: FeedForward<D, N, M, NY>,
     gains: JointGains<N>,
 }
 
-impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointPd<D, N, M> {
+impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> JointPd<D, N, M, NY> {
     /// The law for a model.
     ///
     /// # Errors
@@ -89,17 +89,20 @@ pub(super) fn require_gains<const N: usize>(
     require_each(setting, joints, gains, range, |x| x.is_finite() && x >= 0.0)
 }
 
-impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointLaw<N, M> for JointPd<D, N, M> {
+impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> JointLaw<N, M, NY>
+    for JointPd<D, N, M, NY>
+{
     fn inputs(
         &self,
-        desired: &Sample<N>,
-        positions: &[f64; N],
+        desired: &Sample<N, NY>,
+        positions: &[f64; NY],
         velocities: &[f64; N],
     ) -> Result<[f64; M], ControllerFault> {
+        let error = self.feed_forward.model().difference(positions, &desired.positions);
         let correction = self.feed_forward.inputs_for(
             positions,
             &core::array::from_fn(|i| {
-                self.gains.position[i] * (desired.positions[i] - positions[i])
+                self.gains.position[i] * error[i]
                     + self.gains.velocity[i] * (desired.velocities[i] - velocities[i])
             }),
         );
@@ -116,6 +119,18 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointLaw<N, M> for Joint
 
     fn input_names(&self) -> [&'static str; M] {
         self.feed_forward.model().input_names()
+    }
+
+    fn quaternion_joints(&self) -> &'static [QuaternionJoint] {
+        self.feed_forward.model().quaternion_joints()
+    }
+
+    fn difference(&self, from: &[f64; NY], to: &[f64; NY]) -> [f64; N] {
+        self.feed_forward.model().difference(from, to)
+    }
+
+    fn check_attitudes(&self, positions: &[f64; NY]) -> Result<(), AttitudeError> {
+        self.feed_forward.model().check_attitudes(positions)
     }
 }
 

@@ -3,8 +3,9 @@
 use super::controller::{Command, Controller, ControllerFault, Cycle, Estimate};
 use super::joint_pd::JointPd;
 use super::settings::{SettingError, require};
+use super::unrolled::Unrolled;
 use super::velocity_filter::VelocityFilter;
-use crate::dynamics::numbered;
+use crate::dynamics::{AttitudeError, QuaternionJoint, numbered};
 use crate::trajectory::{Sample, Trajectory};
 use std::hint::black_box;
 
@@ -14,7 +15,7 @@ use std::hint::black_box;
 ///
 /// [`JointPd`] takes the model along the desired motion, [`ComputedTorque`](super::ComputedTorque) at the
 /// measured state.
-pub trait JointLaw<const N: usize, const M: usize> {
+pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
     /// Inputs [the model's units] for a desired state, given the measured positions [rad or m] and velocities
     /// [rad/s or m/s].
     ///
@@ -22,8 +23,8 @@ pub trait JointLaw<const N: usize, const M: usize> {
     /// [`ControllerFault::NotFinite`].
     fn inputs(
         &self,
-        desired: &Sample<N>,
-        positions: &[f64; N],
+        desired: &Sample<N, NY>,
+        positions: &[f64; NY],
         velocities: &[f64; N],
     ) -> Result<[f64; M], ControllerFault>;
 
@@ -36,6 +37,29 @@ pub trait JointLaw<const N: usize, const M: usize> {
     fn input_names(&self) -> [&'static str; M] {
         numbered()
     }
+
+    /// The joints with a quaternion: those of the model, none for arms. For other robots this, [`Self::difference`]
+    /// and [`Self::check_attitudes`] do not compile without bodies of their own.
+    fn quaternion_joints(&self) -> &'static [QuaternionJoint] {
+        const { assert!(NY == N, "a law for a robot with quaternions says which joints have them") }
+        &[]
+    }
+
+    /// `to ⊖ from`: that of the model, by which the loop measures distances.
+    fn difference(&self, from: &[f64; NY], to: &[f64; NY]) -> [f64; N] {
+        const { assert!(NY == N, "a law for a robot with quaternions knows their differences") }
+        core::array::from_fn(|i| to[i] - from[i])
+    }
+
+    /// Tells whether the quaternions of positions are attitudes, as the model does.
+    ///
+    /// # Errors
+    /// The first one that is none.
+    fn check_attitudes(&self, positions: &[f64; NY]) -> Result<(), AttitudeError> {
+        const { assert!(NY == N, "a law for a robot with quaternions checks them") }
+        let _ = positions;
+        Ok(())
+    }
 }
 
 /// The inputs, if they are numbers.
@@ -46,20 +70,27 @@ pub(super) fn finite<const M: usize>(inputs: [f64; M]) -> Result<[f64; M], Contr
 /// A [`JointLaw`] along a trajectory, with velocities as the robot measures them, or else from differences of
 /// positions ([`VelocityFilter`]). Fails in periods without a measurement.
 #[derive(Debug, Clone)]
-pub struct LawController<L, R, const N: usize, const M: usize> {
+pub struct LawController<L, R, const N: usize, const M: usize, const NY: usize = N> {
     law: L,
     trajectory: R,
     period: f64,
     time_constant: f64,
     filter: VelocityFilter<N>,
+    /// Where the filter is.
+    last: Unrolled<N, NY>,
     /// Periods since the last measurement.
     age: u32,
 }
 
 /// [`JointPd`] along a trajectory.
-pub type FeedForwardPd<D, R, const N: usize, const M: usize> = LawController<JointPd<D, N, M>, R, N, M>;
+pub type FeedForwardPd<D, R, const N: usize, const M: usize, const NY: usize = N> =
+    LawController<JointPd<D, N, M, NY>, R, N, M, NY>;
 
-impl<L: JointLaw<N, M>, R: Trajectory<N>, const N: usize, const M: usize> LawController<L, R, N, M> {
+impl<L, R, const N: usize, const M: usize, const NY: usize> LawController<L, R, N, M, NY>
+where
+    L: JointLaw<N, M, NY>,
+    R: Trajectory<N, NY>,
+{
     /// The controller for periods of `period` seconds; velocities that are not measured are smoothed with
     /// `time_constant` (s).
     ///
@@ -68,50 +99,58 @@ impl<L: JointLaw<N, M>, R: Trajectory<N>, const N: usize, const M: usize> LawCon
     pub fn new(law: L, trajectory: R, period: f64, time_constant: f64) -> Result<Self, SettingError> {
         require("period", period, "positive and finite", |x| x.is_finite() && x > 0.0)?;
         require("time_constant", time_constant, "0 to 60 s", |x| (0.0..=60.0).contains(&x))?;
-        let start = trajectory.sample(0.0).positions;
+        let start = Unrolled::at(trajectory.sample(0.0).positions, &law);
         Ok(Self {
             law,
             trajectory,
             period,
             time_constant,
-            filter: VelocityFilter::new(time_constant, start),
+            filter: VelocityFilter::new(time_constant, start.coordinates),
+            last: start,
             age: 0,
         })
     }
 }
 
-impl<L: JointLaw<N, M>, R: Trajectory<N>, const N: usize, const M: usize> Controller<N, M>
-    for LawController<L, R, N, M>
+impl<L, R, const N: usize, const M: usize, const NY: usize> Controller<N, M, NY>
+    for LawController<L, R, N, M, NY>
+where
+    L: JointLaw<N, M, NY>,
+    R: Trajectory<N, NY>,
 {
-    fn reset(&mut self, positions: &[f64; N], _: &[f64; M]) {
-        self.filter = VelocityFilter::new(self.time_constant, *positions);
+    fn reset(&mut self, positions: &[f64; NY], _: &[f64; M]) {
+        self.last = Unrolled::at(*positions, &self.law);
+        self.filter = VelocityFilter::new(self.time_constant, self.last.coordinates);
         self.age = 0;
     }
 
-    fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
+    fn step(&mut self, cycle: &Cycle<N, M, NY>) -> Result<Command<M>, ControllerFault> {
         self.age = self.age.saturating_add(cycle.periods);
         let positions = cycle.positions.ok_or(ControllerFault::NoMeasurement)?;
+        self.law.check_attitudes(&positions).map_err(ControllerFault::Attitude)?;
         let span = f64::from(self.age.max(1)) * self.period;
+        let moved = self.last.moved_to(&positions, &self.law);
         let taken = match &cycle.velocities {
-            Some(velocities) => self.filter.update_measured(&positions, velocities),
-            None => self.filter.update(&positions, span),
+            Some(velocities) => self.filter.update_measured(&moved.coordinates, velocities),
+            None => self.filter.update(&moved.coordinates, span),
         };
         if !taken {
             return Err(ControllerFault::NotFinite);
         }
+        self.last = moved;
         self.age = 0;
         let desired = self.trajectory.sample(cycle.time);
         let inputs = self.law.inputs(&desired, &positions, self.filter.velocities())?;
         Ok(Command { inputs, iterations: 0 })
     }
 
-    fn estimate(&self) -> Option<Estimate<N>> {
-        Some(Estimate { positions: *self.filter.positions(), velocities: *self.filter.velocities() })
+    fn estimate(&self) -> Option<Estimate<N, NY>> {
+        Some(Estimate { positions: self.last.positions, velocities: *self.filter.velocities() })
     }
 
-    fn warm_up(&mut self, next: &Cycle<N, M>) {
+    fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         let desired = self.trajectory.sample(next.time);
-        let (y, v) = (self.filter.positions(), self.filter.velocities());
+        let (y, v) = (&self.last.positions, self.filter.velocities());
         let _ = black_box(self.law.inputs(&desired, y, v));
     }
 }

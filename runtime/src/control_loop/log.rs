@@ -17,12 +17,12 @@ const IDLE: Duration = Duration::from_millis(5);
 
 /// One period.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LogRecord<const N: usize, const M: usize> {
+pub struct LogRecord<const N: usize, const M: usize, const NY: usize = N> {
     /// Time since the trajectory began, by the clock, which goes on while a stop slows the trajectory down
     /// (s).
     pub time: f64,
     /// Positions as read, also where they were not believed [rad or m]; NaN where nothing arrived.
-    pub positions: [f64; N],
+    pub positions: [f64; NY],
     /// Estimated velocities: the controller's, or else the loop's [rad/s or m/s].
     pub velocities: [f64; N],
     /// Velocities as read [rad/s or m/s], NaN where nothing arrived; None in all records of a robot that does
@@ -31,7 +31,7 @@ pub struct LogRecord<const N: usize, const M: usize> {
     /// Forces of the drives at the joints as read [N m or N]; NaN and None as above.
     pub measured_torques: Option<[f64; N]>,
     /// Desired positions [rad or m].
-    pub desired: [f64; N],
+    pub desired: [f64; NY],
     /// Inputs that the robot has from now on, in their units.
     pub inputs: [f64; M],
     /// Where they came from.
@@ -48,14 +48,14 @@ pub struct LogRecord<const N: usize, const M: usize> {
 
 /// The loop's end of the log.
 #[derive(Debug)]
-pub struct LogSink<const N: usize, const M: usize> {
-    producer: Producer<LogRecord<N, M>>,
+pub struct LogSink<const N: usize, const M: usize, const NY: usize = N> {
+    producer: Producer<LogRecord<N, M, NY>>,
     dropped: Arc<AtomicU64>,
 }
 
-impl<const N: usize, const M: usize> LogSink<N, M> {
+impl<const N: usize, const M: usize, const NY: usize> LogSink<N, M, NY> {
     /// Hands a record over; never waits. Where the queue is full, the record is dropped and counted.
-    pub fn push(&mut self, record: LogRecord<N, M>) {
+    pub fn push(&mut self, record: LogRecord<N, M, NY>) {
         if self.producer.push(record).is_err() {
             self.dropped.fetch_add(1, Ordering::Relaxed);
         }
@@ -98,17 +98,18 @@ pub const MAX_LOG_CAPACITY: usize = 1 << 20;
 /// Columns, where `NAME` is that of the joint or input in `model`: `time`, `q_NAME` … (positions as read, NaN
 /// where nothing arrived), `dq_NAME` … (estimated velocities), `measured_dq_NAME` … and `measured_tau_NAME` …
 /// (velocities and forces of the drives as read, of robots that measure them), `desired_NAME` …, `u_NAME` …,
+/// where `q` and `desired` have the names of positions, of which robots with quaternions have more than velocities,
 /// `source`, `believed`, `iterations`, `lateness_ns`, `read_ns`, `control_ns`, `check_ns`, `write_ns`. Names
 /// with commas or quotation marks are quoted.
 ///
 /// # Errors
 /// [`io::Error`] where the file cannot be made or no thread can be started, and for a capacity that is 0 or
 /// above [`MAX_LOG_CAPACITY`].
-pub fn log_to_file<const N: usize, const M: usize>(
+pub fn log_to_file<const N: usize, const M: usize, const NY: usize>(
     path: &Path,
-    model: &impl Dynamics<N, M>,
+    model: &impl Dynamics<N, M, NY>,
     capacity: usize,
-) -> io::Result<(LogSink<N, M>, LogWriter)> {
+) -> io::Result<(LogSink<N, M, NY>, LogWriter)> {
     check_capacity(capacity)?;
     log_to(BufWriter::new(File::create(path)?), model, capacity)
 }
@@ -117,19 +118,19 @@ pub fn log_to_file<const N: usize, const M: usize>(
 ///
 /// # Errors
 /// As [`log_to_file`].
-pub fn log_to<const N: usize, const M: usize>(
+pub fn log_to<const N: usize, const M: usize, const NY: usize>(
     output: impl Write + Send + 'static,
-    model: &impl Dynamics<N, M>,
+    model: &impl Dynamics<N, M, NY>,
     capacity: usize,
-) -> io::Result<(LogSink<N, M>, LogWriter)> {
-    start(output, (model.joint_names(), model.input_names()), capacity)
+) -> io::Result<(LogSink<N, M, NY>, LogWriter)> {
+    start(output, (model.position_names(), model.joint_names(), model.input_names()), capacity)
 }
 
-fn start<const N: usize, const M: usize>(
+fn start<const N: usize, const M: usize, const NY: usize>(
     output: impl Write + Send + 'static,
-    names: Names<N, M>,
+    names: Names<N, M, NY>,
     capacity: usize,
-) -> io::Result<(LogSink<N, M>, LogWriter)> {
+) -> io::Result<(LogSink<N, M, NY>, LogWriter)> {
     check_capacity(capacity)?;
     let (producer, consumer) = RingBuffer::new(capacity);
     let dropped = Arc::new(AtomicU64::new(0));
@@ -150,12 +151,13 @@ fn check_capacity(capacity: usize) -> io::Result<()> {
     ))
 }
 
-/// Names of joints and inputs.
-type Names<const N: usize, const M: usize> = ([&'static str; N], [&'static str; M]);
+/// Names of positions, joints and inputs.
+type Names<const N: usize, const M: usize, const NY: usize> =
+    ([&'static str; NY], [&'static str; N], [&'static str; M]);
 
-fn write_all<const N: usize, const M: usize>(
-    mut records: Consumer<LogRecord<N, M>>,
-    names: &Names<N, M>,
+fn write_all<const N: usize, const M: usize, const NY: usize>(
+    mut records: Consumer<LogRecord<N, M, NY>>,
+    names: &Names<N, M, NY>,
     mut output: csv::Writer<impl Write>,
 ) -> io::Result<u64> {
     let mut written = 0;
@@ -192,19 +194,22 @@ struct Measures {
 }
 
 impl Measures {
-    fn of<const N: usize, const M: usize>(record: &LogRecord<N, M>) -> Self {
+    fn of<const N: usize, const M: usize, const NY: usize>(record: &LogRecord<N, M, NY>) -> Self {
         Self { velocities: record.measured_velocities.is_some(), torques: record.measured_torques.is_some() }
     }
 }
 
-fn header<const N: usize, const M: usize>((joints, inputs): &Names<N, M>, measures: Measures) -> Vec<String> {
+fn header<const N: usize, const M: usize, const NY: usize>(
+    (positions, joints, inputs): &Names<N, M, NY>,
+    measures: Measures,
+) -> Vec<String> {
     let rest =
         ["source", "believed", "iterations", "lateness_ns", "read_ns", "control_ns", "check_ns", "write_ns"];
     let mut header = vec!["time".to_owned()];
     let mut add = |prefix: &str, names: &[&str]| {
         header.extend(names.iter().map(|name| format!("{prefix}_{name}")));
     };
-    add("q", joints);
+    add("q", positions);
     add("dq", joints);
     if measures.velocities {
         add("measured_dq", joints);
@@ -212,14 +217,14 @@ fn header<const N: usize, const M: usize>((joints, inputs): &Names<N, M>, measur
     if measures.torques {
         add("measured_tau", joints);
     }
-    add("desired", joints);
+    add("desired", positions);
     add("u", inputs);
     header.extend(rest.map(str::to_owned));
     header
 }
 
-fn fields<const N: usize, const M: usize>(
-    record: &LogRecord<N, M>,
+fn fields<const N: usize, const M: usize, const NY: usize>(
+    record: &LogRecord<N, M, NY>,
     measures: Measures,
 ) -> impl Iterator<Item = String> {
     // As many fields as the header has, whatever the record holds.
@@ -264,7 +269,7 @@ mod tests {
     }
 
     /// Two joints, one with a name that no description forbids, and one input.
-    const NAMES: Names<2, 1> = (["beta", "left \"arm\", upper"], ["1"]);
+    const NAMES: Names<2, 1, 2> = (["beta", "left \"arm\", upper"], ["beta", "left \"arm\", upper"], ["1"]);
 
     fn record(time: f64) -> LogRecord<2, 1> {
         LogRecord {

@@ -68,6 +68,7 @@ mod settings;
 mod stage;
 mod start;
 mod stop_request;
+mod unrolled;
 mod velocity_filter;
 mod warm_up;
 #[doc = include_str!("write_a_controller.md")]

@@ -90,13 +90,14 @@ pub(super) fn check_positions<const N: usize, const M: usize>(
     check_stop(settings, names, positions, positions)
 }
 
-/// Where and how fast the robot is, and where it should be.
+/// Where and how fast the robot is, and how far from where it should be.
 pub(super) struct Situation<'a, const N: usize> {
     pub positions: &'a [f64; N],
     pub velocities: &'a [f64; N],
     /// Time since the positions were measured (s).
     pub age: f64,
-    pub desired: &'a [f64; N],
+    /// Distance from where it should be, y ⊖ y_d.
+    pub error: &'a [f64; N],
 }
 
 /// All limits of the state. Comparisons are written so that NaN is beyond each limit.
@@ -123,7 +124,7 @@ pub(super) fn check_state<const N: usize, const M: usize>(
     }
     // An old position is no measure of the error.
     for joint in (0..N).filter(|_| situation.age == 0.0) {
-        let (error, limit) = (positions[joint] - situation.desired[joint], settings.following_error[joint]);
+        let (error, limit) = (situation.error[joint], settings.following_error[joint]);
         let within = error.abs() <= limit;
         if !within {
             return Err(LimitFault::FollowingError { joint, name: names[joint], error, limit });
@@ -182,7 +183,7 @@ mod tests {
     }
 
     fn check(y: f64, v: f64, age: f64, desired: f64) -> Result<(), LimitFault> {
-        let situation = Situation { positions: &[y], velocities: &[v], age, desired: &[desired] };
+        let situation = Situation { positions: &[y], velocities: &[v], age, error: &[y - desired] };
         check_state(&settings(), &["upper arm"], &situation)
     }
 
@@ -227,7 +228,7 @@ mod tests {
             ..settings()
         };
         let check = |y: f64, v: f64, desired: f64| {
-            let situation = Situation { positions: &[y], velocities: &[v], age: 0.0, desired: &[desired] };
+            let situation = Situation { positions: &[y], velocities: &[v], age: 0.0, error: &[y - desired] };
             check_state(&unlimited, &["1"], &situation)
         };
         assert_eq!(check(0.0, 1e100, 0.0), Ok(()));

@@ -56,7 +56,10 @@ impl Reference {
     }
 
     /// Desired state.
-    pub fn sample<const N: usize>(&self, trajectory: &impl Trajectory<N>) -> Sample<N> {
+    pub fn sample<const N: usize, const NY: usize>(
+        &self,
+        trajectory: &impl Trajectory<N, NY>,
+    ) -> Sample<N, NY> {
         let sample = trajectory.sample(self.time());
         let (rate, slope) = match *self {
             Self::Running { .. } => return sample,

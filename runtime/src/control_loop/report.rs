@@ -4,7 +4,7 @@ use super::controller::ControllerFault;
 use super::guard::EncoderFault;
 use super::monitor::LimitFault;
 use super::stage::STAGES;
-use crate::dynamics::Named;
+use crate::dynamics::{AttitudeError, Named};
 use crate::transport::{Brakes, TransportError};
 use std::fmt;
 use std::time::Duration;
@@ -97,6 +97,8 @@ pub enum Refusal {
         /// Position at which the trajectory begins [rad or m].
         start: f64,
     },
+    /// A measured quaternion is no attitude.
+    Attitude(AttitudeError),
     /// The inputs cannot hold the robot where it is.
     Torque {
         /// Index of the input.
@@ -123,6 +125,7 @@ impl fmt::Display for Refusal {
                 "joint {} is at {position:.4}, but the trajectory begins at {start:.4}: move the robot there first",
                 Named(name)
             ),
+            Self::Attitude(joint) => write!(f, "a reading cannot be: {joint}"),
             Self::Torque { name, needed, limit, .. } => write!(
                 f,
                 "input {} would need {needed:.4} to hold the robot, more than its limit {limit:.4}",

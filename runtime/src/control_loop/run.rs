@@ -10,6 +10,7 @@ use super::report::{Counts, End, LoopReport, Source, StopReason};
 use super::settings::{LoopSettings, SettingError, require};
 use super::stage::{STAGES, Stage};
 use super::stop_request::StopRequest;
+use super::unrolled::Unrolled;
 use super::velocity_filter::VelocityFilter;
 use crate::trajectory::Trajectory;
 use crate::transport::{Brakes, Reading, Transport};
@@ -32,7 +33,7 @@ pub(super) enum Phase {
 
 /// The state that changes while the loop runs.
 #[derive(Debug, Clone)]
-pub(super) struct State<const N: usize, const M: usize> {
+pub(super) struct State<const N: usize, const M: usize, const NY: usize> {
     pub phase: Phase,
     /// Clock at the start of period 0.
     pub origin: Duration,
@@ -40,6 +41,9 @@ pub(super) struct State<const N: usize, const M: usize> {
     pub index: u64,
     pub reference: Reference,
     pub guard: EncoderGuard<N>,
+    /// The last positions that the guard believed, and the last desired ones.
+    pub believed: Unrolled<N, NY>,
+    pub desired: Unrolled<N, NY>,
     pub filter: VelocityFilter<N>,
     /// The inputs that the robot holds.
     pub inputs: [f64; M],
@@ -60,12 +64,12 @@ pub(super) struct State<const N: usize, const M: usize> {
 /// Drives a robot along a trajectory at a fixed rate; see the [module](super) for what it does in which case.
 ///
 /// It owns its parts; a transport or controller that is needed afterwards is passed as `&mut`.
-pub struct ControlLoop<L, R, C, T, K, const N: usize, const M: usize>
+pub struct ControlLoop<L, R, C, T, K, const N: usize, const M: usize, const NY: usize = N>
 where
-    L: JointLaw<N, M>,
-    R: Trajectory<N>,
-    C: Controller<N, M>,
-    T: Transport<N, M>,
+    L: JointLaw<N, M, NY>,
+    R: Trajectory<N, NY>,
+    C: Controller<N, M, NY>,
+    T: Transport<N, M, NY>,
     K: Clock,
 {
     pub(super) settings: LoopSettings<N, M>,
@@ -80,17 +84,17 @@ where
     pub(super) controller: C,
     pub(super) transport: T,
     pub(super) clock: K,
-    log: Option<LogSink<N, M>>,
+    log: Option<LogSink<N, M, NY>>,
     pub(super) stop: StopRequest,
-    pub(super) state: State<N, M>,
+    pub(super) state: State<N, M, NY>,
 }
 
-impl<L, R, C, T, K, const N: usize, const M: usize> ControlLoop<L, R, C, T, K, N, M>
+impl<L, R, C, T, K, const N: usize, const M: usize, const NY: usize> ControlLoop<L, R, C, T, K, N, M, NY>
 where
-    L: JointLaw<N, M>,
-    R: Trajectory<N>,
-    C: Controller<N, M>,
-    T: Transport<N, M>,
+    L: JointLaw<N, M, NY>,
+    R: Trajectory<N, NY>,
+    C: Controller<N, M, NY>,
+    T: Transport<N, M, NY>,
     K: Clock,
 {
     /// A loop that has not touched the robot yet. `fallback` takes over where the controller fails, and makes
@@ -109,16 +113,20 @@ where
     ) -> Result<Self, SettingError> {
         let (joints, inputs) = (fallback.joint_names(), fallback.input_names());
         settings.check(&joints, &inputs)?;
+        settings.check_quaternions(fallback.quaternion_joints())?;
         require("trajectory.duration", trajectory.duration(), "a number (s)", |x| !x.is_nan())?;
         let period = settings.period();
-        let start = trajectory.sample(0.0).positions;
+        let start = Unrolled::at(trajectory.sample(0.0).positions, &fallback);
+        let coordinates = start.coordinates;
         let state = State {
             phase: Phase::Idle,
             origin: Duration::ZERO,
             index: 0,
             reference: Reference::Running { time: 0.0 },
-            guard: EncoderGuard::new(settings.guard, start, start).with_names(joints),
-            filter: VelocityFilter::new(settings.velocity_time_constant, start),
+            guard: EncoderGuard::new(settings.guard, coordinates, coordinates).with_names(joints),
+            believed: start,
+            desired: start,
+            filter: VelocityFilter::new(settings.velocity_time_constant, coordinates),
             inputs: [0.0; M],
             unmeasured: 0,
             failures: 0,
@@ -147,7 +155,7 @@ where
 
     /// Writes a record of every period to this log.
     #[must_use]
-    pub fn with_log(mut self, log: LogSink<N, M>) -> Self {
+    pub fn with_log(mut self, log: LogSink<N, M, NY>) -> Self {
         self.log = Some(log);
         self
     }
@@ -222,7 +230,7 @@ where
     }
 
     /// One period of control. The deadline is the beginning of the next.
-    fn drive(&mut self, skipped: u64, watch: &mut Stopwatch) -> LogRecord<N, M> {
+    fn drive(&mut self, skipped: u64, watch: &mut Stopwatch) -> LogRecord<N, M, NY> {
         let deadline = self.beginning_of(self.state.index + 1);
         let periods = u32::try_from(skipped).unwrap_or(u32::MAX).saturating_add(1);
         self.miss(skipped);
@@ -238,11 +246,12 @@ where
             self.trajectory.begin_period(self.state.reference.time());
         }
         let desired = self.state.reference.sample(&self.trajectory);
-        let reading = self.read(&desired.positions, periods);
+        self.state.desired = self.state.desired.moved_to(&desired.positions, &self.fallback);
+        let reading = self.read(periods);
         watch.lap(Stage::Read, self.clock.now());
         let proposal = self.propose(&desired, reading.believed, periods);
         watch.lap(Stage::Control, self.clock.now());
-        let inputs = self.check(&desired.positions, proposal.inputs);
+        let inputs = self.check(proposal.inputs);
         watch.lap(Stage::Check, self.clock.now());
         let mut source = proposal.source;
         if self.is_driving() {
@@ -322,9 +331,9 @@ where
         }
     }
 
-    fn brake_again(&mut self, end: End, left: u32) -> LogRecord<N, M> {
+    fn brake_again(&mut self, end: End, left: u32) -> LogRecord<N, M, NY> {
         self.brake();
-        let mut reading = Reading::of([f64::NAN; N], self.state.brakes);
+        let mut reading = Reading::of([f64::NAN; NY], self.state.brakes);
         if let Ok(Some(arrived)) = self.transport.read() {
             reading = arrived;
             self.state.brakes = arrived.brakes;
@@ -378,12 +387,13 @@ where
 }
 
 /// Whatever ends the loop early, a panic included: the robot does not stay without brakes.
-impl<L, R, C, T, K, const N: usize, const M: usize> Drop for ControlLoop<L, R, C, T, K, N, M>
+impl<L, R, C, T, K, const N: usize, const M: usize, const NY: usize> Drop
+    for ControlLoop<L, R, C, T, K, N, M, NY>
 where
-    L: JointLaw<N, M>,
-    R: Trajectory<N>,
-    C: Controller<N, M>,
-    T: Transport<N, M>,
+    L: JointLaw<N, M, NY>,
+    R: Trajectory<N, NY>,
+    C: Controller<N, M, NY>,
+    T: Transport<N, M, NY>,
     K: Clock,
 {
     fn drop(&mut self) {

@@ -2,7 +2,7 @@
 
 use super::guard::GuardSettings;
 use super::stage::{STAGES, Stage};
-use crate::dynamics::{Dynamics, Limits, Named};
+use crate::dynamics::{Dynamics, Limits, Named, QuaternionJoint};
 use crate::input_limits;
 use std::fmt;
 use std::time::Duration;
@@ -79,7 +79,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
     /// stop the highest speed within 0.2 s; slows down within 0.5 s. For joints in metres, and for robots
     /// without speed limits, set your own.
     #[must_use]
-    pub fn for_robot(rate: f64, model: &impl Dynamics<N, M>) -> Self {
+    pub fn for_robot<const NY: usize>(rate: f64, model: &impl Dynamics<N, M, NY>) -> Self {
         Self::within(rate, &model.limits(), model.input_limits().peak)
     }
 
@@ -123,6 +123,28 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
     #[must_use]
     pub fn period(&self) -> Duration {
         Duration::from_nanos((1e9 / self.rate).round() as u64)
+    }
+
+    /// - `joints`: those with a quaternion
+    ///
+    /// # Errors
+    /// [`SettingError`] for limits of their positions.
+    pub(super) fn check_quaternions(&self, joints: &[QuaternionJoint]) -> Result<(), SettingError> {
+        for joint in joints {
+            let entries = joint.velocity..joint.angular_velocity() + 3;
+            for value in self.position_limits[entries].as_flattened() {
+                if value.is_finite() {
+                    let range = "infinite for a joint whose attitude is a quaternion";
+                    return Err(SettingError {
+                        name: "position_limits",
+                        of: Some(joint.name),
+                        value: *value,
+                        range,
+                    });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// - `joints`, `inputs`: their names, for messages

@@ -8,16 +8,17 @@ use super::monitor::check_positions;
 use super::reference::Reference;
 use super::report::{End, Refusal};
 use super::run::{ControlLoop, Phase};
+use super::unrolled::Unrolled;
 use super::velocity_filter::VelocityFilter;
 use crate::trajectory::{Sample, Trajectory};
 use crate::transport::Transport;
 
-impl<L, R, C, T, K, const N: usize, const M: usize> ControlLoop<L, R, C, T, K, N, M>
+impl<L, R, C, T, K, const N: usize, const M: usize, const NY: usize> ControlLoop<L, R, C, T, K, N, M, NY>
 where
-    L: JointLaw<N, M>,
-    R: Trajectory<N>,
-    C: Controller<N, M>,
-    T: Transport<N, M>,
+    L: JointLaw<N, M, NY>,
+    R: Trajectory<N, NY>,
+    C: Controller<N, M, NY>,
+    T: Transport<N, M, NY>,
     K: Clock,
 {
     /// Reads where the robot is, checks that it may start there, writes the inputs that hold it, and releases
@@ -37,18 +38,22 @@ where
     fn try_start(&mut self) -> Result<(), Refusal> {
         self.transport.brake().map_err(Refusal::Transport)?;
         let positions = self.first_reading()?;
-        check_positions(&self.settings, &self.joints, &positions).map_err(Refusal::Limit)?;
-        let start = self.trajectory.sample(0.0).positions;
+        let measured = Unrolled::at(positions, &self.fallback);
+        check_positions(&self.settings, &self.joints, &measured.coordinates).map_err(Refusal::Limit)?;
+        let start = Unrolled::at(self.trajectory.sample(0.0).positions, &self.fallback);
+        let way = self.fallback.difference(&start.positions, &positions);
+        // What is told of a joint with a quaternion is how far it is from the start.
+        let told = start.moved_to(&positions, &self.fallback).coordinates;
         for joint in 0..N {
-            let distance = (positions[joint] - start[joint]).abs();
+            let distance = way[joint].abs();
             // Written so that a trajectory of NaN is refused.
             let near = distance <= self.settings.start_tolerance[joint];
             if !near {
                 return Err(Refusal::Start {
                     joint,
                     name: self.joints[joint],
-                    position: positions[joint],
-                    start: start[joint],
+                    position: told[joint],
+                    start: start.coordinates[joint],
                 });
             }
         }
@@ -60,8 +65,10 @@ where
         self.transport.release().map_err(Refusal::Transport)?;
         let time = -self.release_time();
         let (settings, state) = (&self.settings, &mut self.state);
-        state.guard = EncoderGuard::new(settings.guard, positions, start).with_names(self.joints);
-        state.filter = VelocityFilter::new(settings.velocity_time_constant, positions);
+        state.guard = EncoderGuard::new(settings.guard, measured.coordinates, start.coordinates)
+            .with_names(self.joints);
+        state.filter = VelocityFilter::new(settings.velocity_time_constant, measured.coordinates);
+        (state.believed, state.desired) = (measured, start);
         state.reference = Reference::Running { time };
         (state.unmeasured, state.failures, state.unwritten) = (0, 0, 0);
         (state.origin, state.index) = (self.clock.now().saturating_add(self.period), 0);
@@ -69,7 +76,7 @@ where
         Ok(())
     }
 
-    fn first_reading(&mut self) -> Result<[f64; N], Refusal> {
+    fn first_reading(&mut self) -> Result<[f64; NY], Refusal> {
         for _ in 0..=self.settings.start_periods {
             if self.stop.is_raised() {
                 return Err(Refusal::Requested);
@@ -79,6 +86,7 @@ where
                 self.state.brakes = reading.brakes;
                 self.state.measures = [reading.velocities.is_some(), reading.torques.is_some()];
                 if reading.positions.iter().all(|y| y.is_finite()) {
+                    self.fallback.check_attitudes(&reading.positions).map_err(Refusal::Attitude)?;
                     return Ok(reading.positions);
                 }
             }
@@ -88,7 +96,7 @@ where
         Err(Refusal::NoMeasurement)
     }
 
-    fn holding_inputs(&self, positions: &[f64; N]) -> Result<[f64; M], Refusal> {
+    fn holding_inputs(&self, positions: &[f64; NY]) -> Result<[f64; M], Refusal> {
         let rest = Sample::at_rest(*positions);
         let inputs = self.fallback.inputs(&rest, positions, &[0.0; N]).unwrap_or([f64::NAN; M]);
         for (input, (needed, [low, high])) in inputs.iter().zip(self.settings.input_limits).enumerate() {

@@ -9,17 +9,17 @@ use crate::transport::Transport;
 use std::hint::black_box;
 use std::time::Duration;
 
-impl<L, R, C, T, K, const N: usize, const M: usize> ControlLoop<L, R, C, T, K, N, M>
+impl<L, R, C, T, K, const N: usize, const M: usize, const NY: usize> ControlLoop<L, R, C, T, K, N, M, NY>
 where
-    L: JointLaw<N, M>,
-    R: Trajectory<N>,
-    C: Controller<N, M>,
-    T: Transport<N, M>,
+    L: JointLaw<N, M, NY>,
+    R: Trajectory<N, NY>,
+    C: Controller<N, M, NY>,
+    T: Transport<N, M, NY>,
     K: Clock,
 {
     /// Computes the first step for the caches while the brakes are engaged, where its time costs nothing: if
     /// it takes longer than it may later, there will be none later.
-    pub(super) fn first_warm_up(&mut self, positions: &[f64; N]) {
+    pub(super) fn first_warm_up(&mut self, positions: &[f64; NY]) {
         if self.state.warms_up {
             let begin = self.clock.now();
             self.warm_up(-self.release_time(), positions, None);
@@ -43,13 +43,13 @@ where
         if woken.saturating_sub(begin) > wake.saturating_sub(begin) / 2 {
             return;
         }
-        let (positions, _) = self.state.guard.believed();
+        let positions = self.state.believed.positions;
         let velocities = self.state.measures[0].then(|| *self.state.filter.velocities());
         self.warm_up(self.time(), &positions, velocities);
         self.take_warm_up(begin);
     }
 
-    fn warm_up(&mut self, time: f64, positions: &[f64; N], velocities: Option<[f64; N]>) {
+    fn warm_up(&mut self, time: f64, positions: &[f64; NY], velocities: Option<[f64; N]>) {
         let desired = self.state.reference.sample(&self.trajectory);
         let _ = black_box(self.fallback.inputs(&desired, positions, self.state.filter.velocities()));
         if !matches!(self.state.phase, Phase::Stopping(_)) {

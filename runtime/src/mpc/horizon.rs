@@ -1,6 +1,7 @@
 //! What the predictive controllers share: estimate, reference over the horizon, QP, plan.
 
-use super::integrate::{discretize, flat_input, flat_state, integrate, join, split, substeps};
+use super::integrate::{discretize, flat_input, flat_state, integrate, substeps};
+use super::node::{Node, Prediction, in_deviations};
 use super::note::{MpcNote, beyond_limits, beyond_rows, dry_friction};
 use super::observer::DisturbanceObserver;
 use super::options::{MpcError, MpcOptions};
@@ -19,37 +20,36 @@ const MAX_BRIDGED: u32 = 100;
 /// Intervals of the trajectory at whose ends terminal weights are computed.
 const TERMINAL_INTERVALS: usize = 32;
 
-/// Linear prediction of one period, `x⁺ = A x + B (u + d) + c`.
-pub(super) struct Prediction<'a, const N: usize, const M: usize> {
-    pub state: &'a [[[[f64; N]; N]; 2]; 2],
-    pub input: &'a [[[f64; M]; N]; 2],
-    /// x⁺ for the state and the input `at`.
-    pub next: ([f64; N], [f64; N]),
-    pub at: ([f64; N], [f64; N], [f64; M]),
-}
-
 /// The plan of the last solved problem: states x_0 … x_K and inputs `u + d` of K periods.
 #[derive(Debug, Clone)]
-pub(super) struct Plan<const M: usize, const NX: usize> {
-    pub states: Vec<[f64; NX]>,
+pub(super) struct Plan<const N: usize, const M: usize, const NY: usize> {
+    pub states: Vec<Node<N, NY>>,
     pub inputs: Vec<[f64; M]>,
     disturbance: [f64; M],
     /// When it begins on the trajectory (s); NaN while there is none.
     pub start: f64,
 }
 
-impl<const M: usize, const NX: usize> Plan<M, NX> {
+impl<const N: usize, const M: usize, const NY: usize> Plan<N, M, NY> {
     fn is_finite(&self) -> bool {
-        finite(self.states.as_flattened()) && finite(self.inputs.as_flattened())
+        self.states.iter().all(Node::is_finite) && finite(self.inputs.as_flattened())
     }
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Horizon<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize> {
-    feed_forward: FeedForward<D, N, M>,
+pub(super) struct Horizon<
+    D,
+    T,
+    const N: usize,
+    const M: usize,
+    const NX: usize,
+    const NR: usize,
+    const NY: usize,
+> {
+    feed_forward: FeedForward<D, N, M, NY>,
     trajectory: T,
     pub options: MpcOptions<N, M, NR>,
-    pub observer: DisturbanceObserver<N, M>,
+    pub observer: DisturbanceObserver<N, M, NY>,
     /// Runge–Kutta steps in a period.
     pub substeps: usize,
     problem: QpProblem<NX, M, NR>,
@@ -57,34 +57,37 @@ pub(super) struct Horizon<D, T, const N: usize, const M: usize, const NX: usize,
     /// P at `TERMINAL_INTERVALS + 1` times evenly over the trajectory.
     terminal: Vec<[[f64; NX]; NX]>,
     /// x_ref at the K + 1 nodes and u_ff in the middle of the K periods.
-    pub reference: Vec<[f64; NX]>,
+    pub reference: Vec<Node<N, NY>>,
     pub inputs: Vec<[f64; M]>,
-    pub plan: Plan<M, NX>,
+    pub plan: Plan<N, M, NY>,
     /// The input that acts from now on, if it acts one period late.
     under_way: [f64; M],
     pub notes: Vec<MpcNote>,
 }
 
-impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize> Horizon<D, T, N, M, NX, NR>
+impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize, const NY: usize>
+    Horizon<D, T, N, M, NX, NR, NY>
 where
-    D: Discretizable<N, M>,
-    T: Trajectory<N>,
+    D: Discretizable<N, M, NY>,
+    T: Trajectory<N, NY>,
 {
     pub fn new(model: D, trajectory: T, options: MpcOptions<N, M, NR>) -> Result<Self, MpcError> {
         const { assert!(NX == 2 * N, "NX must be 2 N") };
         options.check()?;
+        options.check_quaternions(model.quaternion_joints())?;
         let stages = options.horizon;
+        let neutral = Node { positions: model.neutral(), velocities: [0.0; N] };
         let mut horizon = Self {
             feed_forward: FeedForward::new(model)?,
-            observer: DisturbanceObserver::new(options.observer)?,
+            observer: DisturbanceObserver::starting_at(&neutral.positions, options.observer)?,
             substeps: 1,
             problem: QpProblem::new(stages),
             solver: QpSolver::new(stages, options.qp)?,
             terminal: Vec::with_capacity(TERMINAL_INTERVALS + 1),
-            reference: vec![[0.0; NX]; stages + 1],
+            reference: vec![neutral; stages + 1],
             inputs: vec![[0.0; M]; stages],
             plan: Plan {
-                states: vec![[0.0; NX]; stages + 1],
+                states: vec![neutral; stages + 1],
                 inputs: vec![[0.0; M]; stages],
                 disturbance: [0.0; M],
                 start: f64::NAN,
@@ -96,11 +99,10 @@ where
         };
         horizon.set_weights();
         horizon.look_along()?;
-        let joints = horizon.model().joint_names();
-        let notes = beyond_limits(&horizon.trajectory, &horizon.options, &joints);
+        let notes = beyond_limits(horizon.model(), &horizon.trajectory, &horizon.options);
         horizon.notes.extend(notes);
-        let inputs = |sample: &Sample<N>| horizon.feed_forward.at(sample).inputs;
-        let notes = beyond_rows(&horizon.trajectory, &horizon.options.rows, inputs);
+        let inputs = |sample: &Sample<N, NY>| horizon.feed_forward.at(sample).inputs;
+        let notes = beyond_rows(horizon.model(), &horizon.trajectory, &horizon.options.rows, inputs);
         horizon.notes.extend(notes);
         let start = horizon.trajectory.sample(0.0).positions;
         let notes = dry_friction(horizon.model(), &start);
@@ -155,6 +157,7 @@ where
                 return Err(MpcError::NotFinite { time });
             }
             let (y, v) = (&sample.positions, &sample.velocities);
+            self.model().check_attitudes(y).map_err(|error| MpcError::Attitude { time, error })?;
             let linear = self.model().linearize(y, v, &inputs);
             // At rest friction is steepest: the robot must be integrated there too, wherever it comes to
             // stand.
@@ -185,7 +188,7 @@ where
         Ok(())
     }
 
-    pub fn reset(&mut self, positions: &[f64; N], inputs: &[f64; M]) {
+    pub fn reset(&mut self, positions: &[f64; NY], inputs: &[f64; M]) {
         self.observer.reset(positions, &[0.0; N]);
         self.under_way = *inputs;
         self.plan.start = f64::NAN;
@@ -196,7 +199,7 @@ where
     /// # Errors
     /// [`ControllerFault::Stalled`] after more than `MAX_BRIDGED` periods; the next step goes on from this
     /// measurement. [`ControllerFault::NotFinite`] for a time that is no number.
-    pub fn observe(&mut self, cycle: &Cycle<N, M>) -> Result<(f64, [f64; NX]), ControllerFault> {
+    pub fn observe(&mut self, cycle: &Cycle<N, M, NY>) -> Result<(f64, Node<N, NY>), ControllerFault> {
         self.take_in(cycle)?;
         let start = self.start_at(cycle.time);
         if !start.is_finite() {
@@ -204,7 +207,7 @@ where
         }
         let (y, v) = (*self.observer.positions(), *self.observer.velocities());
         if !self.options.delay {
-            return Ok((start, join(&y, &v)));
+            return Ok((start, Node { positions: y, velocities: v }));
         }
         let mut ahead = (y, v);
         let disturbance = self.observer.disturbance();
@@ -213,12 +216,15 @@ where
         for _ in 0..self.substeps {
             ahead = self.model().step(&ahead.0, &ahead.1, &total, length);
         }
-        Ok((start, join(&ahead.0, &ahead.1)))
+        Ok((start, Node { positions: ahead.0, velocities: ahead.1 }))
     }
 
     /// Moves the estimate on and corrects it. One that a wild reading has made infinite begins anew from this
     /// measurement.
-    fn take_in(&mut self, cycle: &Cycle<N, M>) -> Result<(), ControllerFault> {
+    fn take_in(&mut self, cycle: &Cycle<N, M, NY>) -> Result<(), ControllerFault> {
+        if let Some(positions) = &cycle.positions {
+            self.model().check_attitudes(positions).map_err(ControllerFault::Attitude)?;
+        }
         let (period, substeps) = (self.options.period, self.substeps);
         if let (false, Some(positions)) = (self.observer.is_finite(), &cycle.positions) {
             let velocities = cycle.velocities.unwrap_or([0.0; N]);
@@ -232,10 +238,10 @@ where
             self.observer.predict(model, &acted, period, substeps);
         }
         if let Some(positions) = &cycle.positions {
-            self.observer.correct(positions);
+            self.observer.correct_by(model, positions);
         }
         if let Some(velocities) = &cycle.velocities {
-            self.observer.correct_velocities(velocities);
+            self.observer.correct_velocities_by(model, velocities);
         }
         self.under_way = cycle.last_inputs;
         if cycle.periods > MAX_BRIDGED {
@@ -252,7 +258,7 @@ where
 
     /// Computes for the caches alone what [`observe`](Self::observe) and [`solve`](Self::solve) will: neither
     /// estimate nor plan change, and the solution of the QP is no state, because each solve is a cold start.
-    pub fn rehearse(&mut self, next: &Cycle<N, M>) {
+    pub fn rehearse(&mut self, next: &Cycle<N, M, NY>) {
         let (period, substeps) = (self.options.period, self.substeps);
         let (y, v) = (self.observer.positions(), self.observer.velocities());
         let _ = black_box(integrate(self.model(), y, v, &next.last_inputs, period, substeps));
@@ -264,7 +270,7 @@ where
         let period = self.options.period;
         for k in 0..=self.options.horizon {
             let sample = self.trajectory.sample(start + k as f64 * period);
-            self.reference[k] = join(&sample.positions, &sample.velocities);
+            self.reference[k] = Node { positions: sample.positions, velocities: sample.velocities };
         }
         for k in 0..self.options.horizon {
             self.inputs[k] = self.feed_forward.at(&self.middle(start, k)).inputs;
@@ -272,7 +278,7 @@ where
     }
 
     /// The desired state in the middle of period `k`.
-    pub fn middle(&self, start: f64, k: usize) -> Sample<N> {
+    pub fn middle(&self, start: f64, k: usize) -> Sample<N, NY> {
         self.trajectory.sample(start + (k as f64 + 0.5) * self.options.period)
     }
 
@@ -297,36 +303,47 @@ where
     }
 
     /// Stage `k` of the QP, in deviations from the reference.
-    pub fn set_stage(&mut self, k: usize, prediction: &Prediction<'_, N, M>) {
+    pub fn set_stage(&mut self, k: usize, prediction: &Prediction<'_, N, M, NY>) {
+        let (at, u) = &prediction.at;
+        let model = self.feed_forward.model();
+        let (reference, end) = (&self.reference[k], &self.reference[k + 1]);
+        let mut affine: [f64; NX] = prediction.next.from(end, model);
+        let back: [f64; NX] = reference.from(at, model);
         let stage = &mut self.problem.stages[k];
-        flat_state(prediction.state, &mut stage.state_matrix);
-        flat_input(prediction.input, &mut stage.input_matrix);
-        let (y, v, u) = &prediction.at;
-        let at: [f64; NX] = join(y, v);
-        let next: [f64; NX] = join(&prediction.next.0, &prediction.next.1);
+        if N == NY {
+            flat_state(prediction.state, &mut stage.state_matrix);
+            flat_input(prediction.input, &mut stage.input_matrix);
+        } else {
+            // The logarithm of the inverse is the negative one.
+            let deviations = (&core::array::from_fn(|i| -back[i]), &core::array::from_fn(|i| affine[i]));
+            let (state, input) = in_deviations(prediction, deviations, (&reference.positions, model));
+            flat_state(&state, &mut stage.state_matrix);
+            flat_input(&input, &mut stage.input_matrix);
+        }
         for i in 0..NX {
-            let mut sum = next[i] - self.reference[k + 1][i];
+            let mut sum = affine[i];
             for j in 0..NX {
-                sum += stage.state_matrix[i][j] * (self.reference[k][j] - at[j]);
+                sum += stage.state_matrix[i][j] * back[j];
             }
             for j in 0..M {
                 sum += stage.input_matrix[i][j] * (self.inputs[k][j] - u[j]);
             }
-            stage.affine[i] = sum;
+            affine[i] = sum;
         }
+        stage.affine = affine;
     }
 
     /// Solves from `state` at `start` (s) on; the stages are set.
-    pub fn solve(&mut self, start: f64, state: &[f64; NX]) -> Result<Command<M>, ControllerFault> {
+    pub fn solve(&mut self, start: f64, state: &Node<N, NY>) -> Result<Command<M>, ControllerFault> {
         let disturbance = *self.observer.disturbance();
-        for i in 0..NX {
-            self.problem.initial_state[i] = state[i] - self.reference[0][i];
-        }
+        self.problem.initial_state = state.from(&self.reference[0], self.feed_forward.model());
         for i in 0..M {
             self.problem.previous_input[i] = self.under_way[i] + disturbance[i] - self.inputs[0][i];
         }
         self.set_bounds(&disturbance);
-        let at = (&self.reference[..], &self.inputs[..], &disturbance);
+        let model = self.feed_forward.model();
+        let coordinates = |k: usize| self.reference[k].coordinates(model);
+        let at = (coordinates, &self.inputs[..], &disturbance);
         row::set_sides(&mut self.problem, &self.options.rows, at);
         self.set_terminal(start);
         let report = self.solver.solve(&self.problem);
@@ -363,7 +380,7 @@ where
     }
 
     fn set_bounds(&mut self, disturbance: &[f64; M]) {
-        let options = &self.options;
+        let (options, model) = (&self.options, self.feed_forward.model());
         let rate = self.problem.input_rate_weight;
         let change = |k: usize, i: usize| {
             if (1..options.horizon).contains(&k) {
@@ -379,7 +396,7 @@ where
                 [input_lower[i], input_upper[i]] = options.input_limits[i].map(|b| b + offset);
                 input_gradient[i] = change(k, i) - change(k + 1, i);
             }
-            let reference = &self.reference[k + 1];
+            let reference: [f64; NX] = self.reference[k + 1].coordinates(model);
             for i in 0..N {
                 let [low, high] = options.position_limits[i];
                 (state_lower[i], state_upper[i]) = (low - reference[i], high - reference[i]);
@@ -399,14 +416,14 @@ where
         self.problem.terminal_weight = self.terminal[index.min(TERMINAL_INTERVALS)];
     }
 
-    fn keep_plan(&mut self, start: f64, state: &[f64; NX], disturbance: &[f64; M]) {
+    fn keep_plan(&mut self, start: f64, state: &Node<N, NY>, disturbance: &[f64; M]) {
         self.plan.start = start;
         self.plan.disturbance = *disturbance;
         self.plan.states[0] = *state;
         for k in 0..self.options.horizon {
             let (input, next) = (self.solver.input(k), self.solver.state(k + 1));
             self.plan.inputs[k] = core::array::from_fn(|i| self.inputs[k][i] + input[i]);
-            self.plan.states[k + 1] = core::array::from_fn(|i| self.reference[k + 1][i] + next[i]);
+            self.plan.states[k + 1] = self.reference[k + 1].moved(&next, self.feed_forward.model());
         }
     }
 
@@ -424,14 +441,13 @@ where
         exists.then(|| self.input(k))
     }
 
-    pub fn estimate(&self) -> Estimate<N> {
+    pub fn estimate(&self) -> Estimate<N, NY> {
         Estimate { positions: *self.observer.positions(), velocities: *self.observer.velocities() }
     }
 
     /// State `k` and input `u + d` of the plan.
-    pub fn planned_point(&self, k: usize) -> ([f64; N], [f64; N], [f64; M]) {
-        let (y, v) = split(&self.plan.states[k]);
-        (y, v, self.plan.inputs[k])
+    pub fn planned_point(&self, k: usize) -> (Node<N, NY>, [f64; M]) {
+        (self.plan.states[k], self.plan.inputs[k])
     }
 }
 

@@ -11,7 +11,10 @@ const STABLE: f64 = 2.5;
 const MAX_SUBSTEPS: usize = 1000;
 
 /// Steps that a period needs: no part of the robot is faster than ν = (b + √(b² + 4a))/2 with a = ‖∂ÿ/∂y‖, b = ‖∂ÿ/∂ẏ‖.
-pub(super) fn substeps<const N: usize, const M: usize>(linear: &Linearization<N, M>, period: f64) -> usize {
+pub(super) fn substeps<const N: usize, const M: usize, const NY: usize>(
+    linear: &Linearization<N, M, NY>,
+    period: f64,
+) -> usize {
     let rate = rate(norm(&linear.by_coordinates), norm(&linear.by_velocities));
     ((period * rate / STABLE).ceil().max(1.0) as usize).min(MAX_SUBSTEPS)
 }
@@ -34,20 +37,20 @@ fn magnitude<const N: usize>(row: &[f64; N]) -> f64 {
 /// # Errors
 /// [`ControllerFault::TooFast`] names the joint where it does not exist; [`ControllerFault::NotFinite`] if
 /// state or model are not finite.
-pub(super) fn discretize<const N: usize, const M: usize>(
-    model: &impl Discretizable<N, M>,
-    y: &[f64; N],
+pub(super) fn discretize<const N: usize, const M: usize, const NY: usize>(
+    model: &impl Discretizable<N, M, NY>,
+    y: &[f64; NY],
     v: &[f64; N],
     u: &[f64; M],
     period: f64,
-) -> Result<Discretization<N, M>, ControllerFault> {
+) -> Result<Discretization<N, M, NY>, ControllerFault> {
     let discrete = model.discretize(y, v, u, period);
     if discrete.is_finite() { Ok(discrete) } else { Err(too_fast(model, y, v, u, period)) }
 }
 
-fn too_fast<const N: usize, const M: usize>(
-    model: &impl Discretizable<N, M>,
-    y: &[f64; N],
+fn too_fast<const N: usize, const M: usize, const NY: usize>(
+    model: &impl Discretizable<N, M, NY>,
+    y: &[f64; NY],
     v: &[f64; N],
     u: &[f64; M],
     period: f64,
@@ -71,14 +74,14 @@ fn too_fast<const N: usize, const M: usize>(
 }
 
 /// State after a period, and its derivatives by the chain rule over the steps.
-pub(super) fn integrate<const N: usize, const M: usize>(
-    model: &impl Discretizable<N, M>,
-    y: &[f64; N],
+pub(super) fn integrate<const N: usize, const M: usize, const NY: usize>(
+    model: &impl Discretizable<N, M, NY>,
+    y: &[f64; NY],
     v: &[f64; N],
     u: &[f64; M],
     period: f64,
     substeps: usize,
-) -> Step<N, M> {
+) -> Step<N, M, NY> {
     let length = period / substeps as f64;
     let mut whole = model.step_derivatives(y, v, u, length);
     for _ in 1..substeps {
@@ -99,7 +102,7 @@ pub(super) fn integrate<const N: usize, const M: usize>(
     whole
 }
 
-fn add_product<const N: usize, const C: usize>(
+pub(super) fn add_product<const N: usize, const C: usize>(
     sum: &mut [[f64; C]; N],
     a: &[[f64; N]; N],
     b: &[[f64; C]; N],
@@ -142,12 +145,4 @@ pub(super) fn join<const N: usize, const NX: usize>(y: &[f64; N], v: &[f64; N]) 
     state[..N].copy_from_slice(y);
     state[N..].copy_from_slice(v);
     state
-}
-
-/// Positions and velocities.
-pub(super) fn split<const N: usize, const NX: usize>(state: &[f64; NX]) -> ([f64; N], [f64; N]) {
-    let (mut y, mut v) = ([0.0; N], [0.0; N]);
-    y.copy_from_slice(&state[..N]);
-    v.copy_from_slice(&state[N..]);
-    (y, v)
 }

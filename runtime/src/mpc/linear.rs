@@ -1,14 +1,15 @@
 //! Linear time-varying model predictive control.
 
 use super::DisturbanceObserver;
-use super::horizon::{Horizon, Prediction};
+use super::horizon::Horizon;
 use super::integrate::discretize;
+use super::node::{Node, Prediction};
 use super::note::MpcNote;
 use super::options::{LinearizationPoint, MpcError, MpcOptions};
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
 use crate::dynamics::{Discretizable, PhaseSpace};
 use crate::feed_forward::FeedForwardError;
-use crate::trajectory::Trajectory;
+use crate::trajectory::{Sample, Trajectory};
 
 /// Linear time-varying MPC: predictions by the exact zero-order hold of the affine linearization in the
 /// middle of each period, of the desired trajectory with its feed-forward or of the previous plan. See the
@@ -31,14 +32,23 @@ use crate::trajectory::Trajectory;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct LtvMpc<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize = 0> {
-    horizon: Horizon<D, T, N, M, NX, NR>,
+pub struct LtvMpc<
+    D,
+    T,
+    const N: usize,
+    const M: usize,
+    const NX: usize,
+    const NR: usize = 0,
+    const NY: usize = N,
+> {
+    horizon: Horizon<D, T, N, M, NX, NR, NY>,
 }
 
-impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize> LtvMpc<D, T, N, M, NX, NR>
+impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize, const NY: usize>
+    LtvMpc<D, T, N, M, NX, NR, NY>
 where
-    D: Discretizable<N, M>,
-    T: Trajectory<N>,
+    D: Discretizable<N, M, NY>,
+    T: Trajectory<N, NY>,
 {
     /// A controller of `model` along `trajectory`. All memory is allocated here, and all terminal weights are
     /// computed.
@@ -74,7 +84,7 @@ where
     }
 
     /// The observer with its estimates.
-    pub fn observer(&self) -> &DisturbanceObserver<N, M> {
+    pub fn observer(&self) -> &DisturbanceObserver<N, M, NY> {
         &self.horizon.observer
     }
 
@@ -94,49 +104,43 @@ where
         let period = self.horizon.options.period;
         let around_plan = self.horizon.options.linearization == LinearizationPoint::Plan;
         for k in 0..self.horizon.options.horizon {
-            let (y, v, u) = if around_plan {
+            let (at, u) = if around_plan {
                 self.middle_of_plan(k)
             } else {
-                let sample = self.horizon.middle(start, k);
-                (sample.positions, sample.velocities, self.horizon.inputs[k])
+                let Sample { positions, velocities, .. } = self.horizon.middle(start, k);
+                (Node { positions, velocities }, self.horizon.inputs[k])
             };
-            let discrete = discretize(self.horizon.model(), &y, &v, &u, period)?;
+            let model = self.horizon.model();
+            let discrete = discretize(model, &at.positions, &at.velocities, &u, period)?;
             let prediction = Prediction {
                 state: &discrete.state,
                 input: &discrete.input,
-                next: discrete.step(&y, &v, &u),
-                at: (y, v, u),
+                next: at.predicted(&discrete, &u, model),
+                at: (at, u),
             };
             self.horizon.set_stage(k, &prediction);
         }
         Ok(())
     }
 
-    fn middle_of_plan(&self, k: usize) -> ([f64; N], [f64; N], [f64; M]) {
-        let (y, v, u) = self.horizon.planned_point(k);
-        let (next_y, next_v) = {
-            let states = &self.horizon.plan.states[k + 1];
-            super::integrate::split::<N, NX>(states)
-        };
-        (
-            core::array::from_fn(|i| 0.5 * (y[i] + next_y[i])),
-            core::array::from_fn(|i| 0.5 * (v[i] + next_v[i])),
-            u,
-        )
+    fn middle_of_plan(&self, k: usize) -> (Node<N, NY>, [f64; M]) {
+        let (at, u) = self.horizon.planned_point(k);
+        let next = &self.horizon.plan.states[k + 1];
+        (at.middle(next, self.horizon.model()), u)
     }
 }
 
-impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize> Controller<N, M>
-    for LtvMpc<D, T, N, M, NX, NR>
+impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize, const NY: usize>
+    Controller<N, M, NY> for LtvMpc<D, T, N, M, NX, NR, NY>
 where
-    D: Discretizable<N, M>,
-    T: Trajectory<N>,
+    D: Discretizable<N, M, NY>,
+    T: Trajectory<N, NY>,
 {
-    fn reset(&mut self, positions: &[f64; N], inputs: &[f64; M]) {
+    fn reset(&mut self, positions: &[f64; NY], inputs: &[f64; M]) {
         self.horizon.reset(positions, inputs);
     }
 
-    fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
+    fn step(&mut self, cycle: &Cycle<N, M, NY>) -> Result<Command<M>, ControllerFault> {
         let (start, state) = self.horizon.observe(cycle)?;
         self.horizon.look_ahead(start);
         self.predict(start)?;
@@ -147,12 +151,12 @@ where
         self.horizon.planned(periods)
     }
 
-    fn estimate(&self) -> Option<Estimate<N>> {
+    fn estimate(&self) -> Option<Estimate<N, NY>> {
         Some(self.horizon.estimate())
     }
 
     /// All that this writes, the step writes anew: reference, stages, solution. Estimate and plan stay.
-    fn warm_up(&mut self, next: &Cycle<N, M>) {
+    fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         let start = self.horizon.start_at(next.time);
         self.horizon.look_ahead(start);
         // What fails here fails in the step too, which says so.

@@ -25,6 +25,10 @@
 //! digits, the controller says so when it is made ([`LtvMpc::notes`]): print its notes before the first
 //! motion. [`tune`] is the guide to weights and limits.
 //!
+//! Of robots with quaternions δx is the error state (y ⊖ y_ref, v − v_ref), `2 N` numbers, and the predictions are
+//! derivatives of `y⁺ ⊖ y_ref⁺` by `y ⊖ y_ref`. Positions of joints with a quaternion have neither limits nor rows.
+//! The reference must stay within half a turn of the robot: beyond, the shortest way turns round.
+//!
 //! Nothing is allocated after construction. A state has `NX = 2 N` numbers, positions before velocities; `NX`
 //! is a parameter of its own because `2 N` is not a type on stable Rust; `dynamics!` supplies it
 //! ([`PhaseSpace`](crate::dynamics::PhaseSpace)).
@@ -37,6 +41,7 @@
 mod horizon;
 mod integrate;
 mod linear;
+mod node;
 mod nonlinear;
 mod note;
 mod observer;

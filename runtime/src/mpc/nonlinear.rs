@@ -1,8 +1,9 @@
 //! Nonlinear model predictive control.
 
 use super::DisturbanceObserver;
-use super::horizon::{Horizon, Prediction};
+use super::horizon::Horizon;
 use super::integrate::integrate;
+use super::node::{Node, Prediction};
 use super::note::MpcNote;
 use super::options::{MpcError, MpcOptions};
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
@@ -18,16 +19,25 @@ use crate::trajectory::Trajectory;
 /// this lies between measurement and input. [`Controller::step`] does both, the first only where it has not
 /// been done.
 #[derive(Debug, Clone)]
-pub struct Nmpc<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize = 0> {
-    horizon: Horizon<D, T, N, M, NX, NR>,
+pub struct Nmpc<
+    D,
+    T,
+    const N: usize,
+    const M: usize,
+    const NX: usize,
+    const NR: usize = 0,
+    const NY: usize = N,
+> {
+    horizon: Horizon<D, T, N, M, NX, NR, NY>,
     /// Start of the prepared horizon (s); NaN if none is.
     prepared: f64,
 }
 
-impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize> Nmpc<D, T, N, M, NX, NR>
+impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize, const NY: usize>
+    Nmpc<D, T, N, M, NX, NR, NY>
 where
-    D: Discretizable<N, M>,
-    T: Trajectory<N>,
+    D: Discretizable<N, M, NY>,
+    T: Trajectory<N, NY>,
 {
     /// A controller of `model` along `trajectory`. All memory is allocated here, and all terminal weights are
     /// computed. [`MpcOptions::linearization`] has no influence.
@@ -64,7 +74,7 @@ where
     }
 
     /// The observer with its estimates.
-    pub fn observer(&self) -> &DisturbanceObserver<N, M> {
+    pub fn observer(&self) -> &DisturbanceObserver<N, M, NY> {
         &self.horizon.observer
     }
 
@@ -86,14 +96,14 @@ where
     fn set_stages(&mut self) {
         let horizon = &mut self.horizon;
         for k in 0..horizon.options.horizon {
-            let (y, v, u) = horizon.planned_point(k);
+            let (at, u) = horizon.planned_point(k);
             let (period, substeps) = (horizon.options.period, horizon.substeps);
-            let step = integrate(horizon.model(), &y, &v, &u, period, substeps);
+            let step = integrate(horizon.model(), &at.positions, &at.velocities, &u, period, substeps);
             let prediction = Prediction {
                 state: &step.state,
                 input: &step.input,
-                next: (step.coordinates, step.velocities),
-                at: (y, v, u),
+                next: Node { positions: step.coordinates, velocities: step.velocities },
+                at: (at, u),
             };
             horizon.set_stage(k, &prediction);
         }
@@ -103,7 +113,7 @@ where
     ///
     /// # Errors
     /// As [`Controller::step`].
-    pub fn feedback(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
+    pub fn feedback(&mut self, cycle: &Cycle<N, M, NY>) -> Result<Command<M>, ControllerFault> {
         let (start, state) = self.horizon.observe(cycle)?;
         let late = (start - self.prepared).abs() > 1e-6 * self.horizon.options.period;
         if late || self.prepared.is_nan() {
@@ -114,18 +124,18 @@ where
     }
 }
 
-impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize> Controller<N, M>
-    for Nmpc<D, T, N, M, NX, NR>
+impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize, const NY: usize>
+    Controller<N, M, NY> for Nmpc<D, T, N, M, NX, NR, NY>
 where
-    D: Discretizable<N, M>,
-    T: Trajectory<N>,
+    D: Discretizable<N, M, NY>,
+    T: Trajectory<N, NY>,
 {
-    fn reset(&mut self, positions: &[f64; N], inputs: &[f64; M]) {
+    fn reset(&mut self, positions: &[f64; NY], inputs: &[f64; M]) {
         self.horizon.reset(positions, inputs);
         self.prepared = f64::NAN;
     }
 
-    fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
+    fn step(&mut self, cycle: &Cycle<N, M, NY>) -> Result<Command<M>, ControllerFault> {
         self.feedback(cycle)
     }
 
@@ -133,13 +143,13 @@ where
         self.horizon.planned(periods)
     }
 
-    fn estimate(&self) -> Option<Estimate<N>> {
+    fn estimate(&self) -> Option<Estimate<N, NY>> {
         Some(self.horizon.estimate())
     }
 
     /// All that this writes, the step writes anew: reference, stages, solution. Estimate and plan stay, and
     /// stages that [`prepare`](Nmpc::prepare) has set.
-    fn warm_up(&mut self, next: &Cycle<N, M>) {
+    fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         if self.prepared.is_nan() {
             let start = self.horizon.start_at(next.time);
             self.horizon.look_ahead(start);

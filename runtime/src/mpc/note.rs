@@ -2,7 +2,7 @@
 
 use super::options::MpcOptions;
 use super::row::MpcRow;
-use crate::dynamics::{Dynamics, Named, jumps, under_load};
+use crate::dynamics::{Dynamics, Named, jumps, plain_positions, under_load};
 use crate::trajectory::{Sample, Trajectory};
 use std::fmt;
 
@@ -104,62 +104,77 @@ impl fmt::Display for MpcNote {
 
 /// Where the trajectory is beyond the soft limits: one note for each joint and limit. Samples that are not
 /// finite are reported elsewhere.
-pub(super) fn beyond_limits<const N: usize, const M: usize, const NR: usize>(
-    trajectory: &impl Trajectory<N>,
+pub(super) fn beyond_limits<const N: usize, const M: usize, const NR: usize, const NY: usize>(
+    model: &impl Dynamics<N, M, NY>,
+    trajectory: &impl Trajectory<N, NY>,
     options: &MpcOptions<N, M, NR>,
-    joints: &[&'static str; N],
 ) -> Vec<MpcNote> {
     let samples = samples(trajectory);
     let mut notes = Vec::new();
-    for (i, &joint) in joints.iter().enumerate() {
+    for (i, joint) in model.joint_names().into_iter().enumerate() {
         let limit = options.velocity_limits[i];
-        let speed = |sample: &Sample<N>| sample.velocities[i].abs();
+        let speed = |sample: &Sample<N, NY>| sample.velocities[i].abs();
         if let Some((time, sample)) = worst(&samples, |sample| speed(sample) - limit) {
             let speed = speed(sample);
             notes.push(MpcNote::Speed { joint, time, speed, limit });
         }
         let limits @ [low, high] = options.position_limits[i];
-        let outside = |sample: &Sample<N>| {
-            let position = sample.positions[i];
-            (low - position).max(position - high)
-        };
+        let position = |sample: &Sample<N, NY>| coordinates(model, sample).positions[i];
+        let outside = |sample: &Sample<N, NY>| (low - position(sample)).max(position(sample) - high);
         if let Some((time, sample)) = worst(&samples, outside) {
-            notes.push(MpcNote::Position { joint, time, position: sample.positions[i], limits });
+            notes.push(MpcNote::Position { joint, time, position: position(sample), limits });
         }
     }
     notes
 }
 
 /// Samples over the whole trajectory, with their times.
-fn samples<const N: usize>(trajectory: &impl Trajectory<N>) -> Vec<(f64, Sample<N>)> {
+fn samples<const N: usize, const NY: usize>(
+    trajectory: &impl Trajectory<N, NY>,
+) -> Vec<(f64, Sample<N, NY>)> {
     (0..=INTERVALS)
         .map(|k| trajectory.duration() * k as f64 / INTERVALS as f64)
         .map(|time| (time, trajectory.sample(time)))
         .collect()
 }
 
+/// With positions by velocity entry: 0 for joints with a quaternion, which have neither limits nor rows.
+fn coordinates<const N: usize, const M: usize, const NY: usize>(
+    model: &impl Dynamics<N, M, NY>,
+    sample: &Sample<N, NY>,
+) -> Sample<N> {
+    Sample {
+        positions: plain_positions(model.quaternion_joints(), &sample.positions),
+        velocities: sample.velocities,
+        accelerations: sample.accelerations,
+    }
+}
+
 /// Where the trajectory with its feed-forward `inputs` is beyond a row: one note for each row.
-pub(super) fn beyond_rows<const N: usize, const M: usize, const NR: usize>(
-    trajectory: &impl Trajectory<N>,
+pub(super) fn beyond_rows<const N: usize, const M: usize, const NR: usize, const NY: usize>(
+    model: &impl Dynamics<N, M, NY>,
+    trajectory: &impl Trajectory<N, NY>,
     rows: &[MpcRow<N, M>; NR],
-    inputs: impl Fn(&Sample<N>) -> [f64; M],
+    inputs: impl Fn(&Sample<N, NY>) -> [f64; M],
 ) -> Vec<MpcNote> {
     if NR == 0 {
         return Vec::new();
     }
     let samples = samples(trajectory);
     let of_row = |row: &MpcRow<N, M>| {
-        let (time, sample) = worst(&samples, |sample| row.excess(sample, &inputs(sample)))?;
-        let value = row.value(&sample.positions, &sample.velocities, &inputs(sample));
+        let excess = |sample: &Sample<N, NY>| row.excess(&coordinates(model, sample), &inputs(sample));
+        let (time, sample) = worst(&samples, excess)?;
+        let positions = coordinates(model, sample).positions;
+        let value = row.value(&positions, &sample.velocities, &inputs(sample));
         Some(MpcNote::Row { row: row.name, time, value, limits: [row.lower, row.upper] })
     };
     rows.iter().filter_map(of_row).collect()
 }
 
 /// Joints whose friction jumps at rest at `positions`, under the load of gravity and springs there.
-pub(super) fn dry_friction<const N: usize, const M: usize>(
-    model: &impl Dynamics<N, M>,
-    positions: &[f64; N],
+pub(super) fn dry_friction<const N: usize, const M: usize, const NY: usize>(
+    model: &impl Dynamics<N, M, NY>,
+    positions: &[f64; NY],
 ) -> Vec<MpcNote> {
     let (joints, at_rest) = (model.joint_names(), model.friction_at_rest(positions));
     let shares = model.load_friction_at_rest(positions);
@@ -175,10 +190,10 @@ pub(super) fn dry_friction<const N: usize, const M: usize>(
 }
 
 /// The sample furthest beyond, if one is; rounding at a limit that is just touched is not.
-fn worst<const N: usize>(
-    samples: &[(f64, Sample<N>)],
-    excess: impl Fn(&Sample<N>) -> f64,
-) -> Option<(f64, &Sample<N>)> {
+fn worst<const N: usize, const NY: usize>(
+    samples: &[(f64, Sample<N, NY>)],
+    excess: impl Fn(&Sample<N, NY>) -> f64,
+) -> Option<(f64, &Sample<N, NY>)> {
     samples
         .iter()
         .map(|(time, sample)| (*time, sample, excess(sample)))

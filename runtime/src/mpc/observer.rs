@@ -2,7 +2,7 @@
 
 use super::integrate::integrate;
 use super::options::{MpcError, require};
-use crate::dynamics::Discretizable;
+use crate::dynamics::{Discretizable, Dynamics};
 
 /// Noise that the filter reckons with: standard deviations, random per period.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,41 +54,66 @@ impl<const N: usize, const M: usize> ObserverOptions<N, M> {
 /// Extended: prediction by the nonlinear robot, covariance by its exact sensitivities (Anderson, Moore,
 /// *Optimal Filtering*, 1979, section 8.2); the disturbance model for offset-free control as in Pannocchia,
 /// Rawlings, *AIChE J.* 49 (2003). Positions are taken one after another, which is the same as all at once,
-/// their noise being independent.
+/// their noise being independent. Of robots with quaternions it is the filter of the error state `(y ⊖ ŷ, v − v̂,
+/// d − d̂)`, with the sensitivities along ⊕ (Solà, *Quaternion kinematics for the error-state Kalman filter*, 2017,
+/// section 6).
 #[derive(Debug, Clone)]
-pub struct DisturbanceObserver<const N: usize, const M: usize> {
+pub struct DisturbanceObserver<const N: usize, const M: usize, const NY: usize = N> {
     options: ObserverOptions<N, M>,
-    positions: [f64; N],
+    positions: [f64; NY],
     velocities: [f64; N],
     disturbance: [f64; M],
     /// Covariance, rows of 2 N + M numbers, and memory for its prediction.
     covariance: Vec<f64>,
     work: Vec<f64>,
+    /// What measurements say of the augmented state, before it is moved.
+    correction: Vec<f64>,
 }
 
 impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
-    const SIZE: usize = 2 * N + M;
-
     /// At rest at y = 0, with memory allocated.
     ///
     /// # Errors
     /// [`MpcError::Option`].
     pub fn new(options: ObserverOptions<N, M>) -> Result<Self, MpcError> {
+        Self::starting_at(&[0.0; N], options)
+    }
+
+    /// Takes in measured positions.
+    pub fn correct(&mut self, measured: &[f64; N]) {
+        self.correct_sums(measured);
+    }
+
+    /// Takes in measured velocities, if [`ObserverOptions::velocity_sensor_noise`] says how good they are.
+    pub fn correct_velocities(&mut self, measured: &[f64; N]) {
+        self.correct_velocity_sums(measured);
+    }
+}
+
+impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, NY> {
+    const SIZE: usize = 2 * N + M;
+
+    /// At rest at these positions, with memory allocated.
+    ///
+    /// # Errors
+    /// [`MpcError::Option`].
+    pub fn starting_at(positions: &[f64; NY], options: ObserverOptions<N, M>) -> Result<Self, MpcError> {
         options.check()?;
         let mut observer = Self {
             options,
-            positions: [0.0; N],
+            positions: *positions,
             velocities: [0.0; N],
             disturbance: [0.0; M],
             covariance: vec![0.0; Self::SIZE * Self::SIZE],
             work: vec![0.0; Self::SIZE * Self::SIZE],
+            correction: vec![0.0; Self::SIZE],
         };
-        observer.reset(&[0.0; N], &[0.0; N]);
+        observer.reset(positions, &[0.0; N]);
         Ok(observer)
     }
 
     /// Begins at a known state without disturbance; uncertain by one period's noise.
-    pub fn reset(&mut self, positions: &[f64; N], velocities: &[f64; N]) {
+    pub fn reset(&mut self, positions: &[f64; NY], velocities: &[f64; N]) {
         (self.positions, self.velocities) = (*positions, *velocities);
         self.disturbance = [0.0; M];
         self.covariance.fill(0.0);
@@ -113,7 +138,7 @@ impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
     /// Moves on by `period` (s), over which `inputs` acted, in `substeps` Runge–Kutta steps.
     pub fn predict(
         &mut self,
-        model: &impl Discretizable<N, M>,
+        model: &impl Discretizable<N, M, NY>,
         inputs: &[f64; M],
         period: f64,
         substeps: usize,
@@ -152,33 +177,79 @@ impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
         }
     }
 
-    /// Takes in measured positions.
-    pub fn correct(&mut self, measured: &[f64; N]) {
-        for m in 0..N {
-            let innovation = measured[m] - self.positions[m];
-            self.take(m, innovation, self.options.encoder_noise[m]);
+    /// Takes in measured positions: their difference `y ⊖ ŷ` from the estimate, by velocity entry. Attitudes are
+    /// measured as quaternions, with errors in the body's own frame.
+    pub fn correct_by(&mut self, model: &impl Dynamics<N, M, NY>, measured: &[f64; NY]) {
+        if N == NY {
+            return self.correct_sums(measured);
         }
+        let (difference, noise) = (model.difference(&self.positions, measured), self.options.encoder_noise);
+        self.correct_entries(model, 0, &difference, &noise);
     }
 
     /// Takes in measured velocities, if [`ObserverOptions::velocity_sensor_noise`] says how good they are.
-    pub fn correct_velocities(&mut self, measured: &[f64; N]) {
+    pub fn correct_velocities_by(&mut self, model: &impl Dynamics<N, M, NY>, measured: &[f64; N]) {
+        if N == NY {
+            return self.correct_velocity_sums(measured);
+        }
+        if let Some(noise) = self.options.velocity_sensor_noise {
+            let difference = core::array::from_fn(|i| measured[i] - self.velocities[i]);
+            self.correct_entries(model, N, &difference, &noise);
+        }
+    }
+
+    /// For robots whose positions are sums: N = NY.
+    fn correct_sums(&mut self, measured: &[f64; NY]) {
+        for m in 0..N {
+            let innovation = measured[m] - self.positions[m];
+            self.take(m, innovation, self.options.encoder_noise[m], Self::add);
+        }
+    }
+
+    /// For robots whose positions are sums: N = NY.
+    fn correct_velocity_sums(&mut self, measured: &[f64; N]) {
         let Some(noise) = self.options.velocity_sensor_noise else {
             return;
         };
         for m in 0..N {
             let innovation = measured[m] - self.velocities[m];
-            self.take(N + m, innovation, noise[m]);
+            self.take(N + m, innovation, noise[m], Self::add);
+        }
+    }
+
+    /// Corrects by measured entries from `first` on, one after another, and moves the state at the end.
+    fn correct_entries(
+        &mut self,
+        model: &impl Dynamics<N, M, NY>,
+        first: usize,
+        difference: &[f64; N],
+        noise: &[f64; N],
+    ) {
+        self.correction.fill(0.0);
+        for m in 0..N {
+            let innovation = difference[m] - self.correction[first + m];
+            self.take(first + m, innovation, noise[m], |observer, i, change| {
+                observer.correction[i] += change;
+            });
+        }
+        let way = core::array::from_fn(|i| self.correction[i]);
+        self.positions = model.integrate(&self.positions, &way);
+        for i in 0..N {
+            self.velocities[i] += self.correction[N + i];
+        }
+        for i in 0..M {
+            self.disturbance[i] += self.correction[2 * N + i];
         }
     }
 
     /// Corrects by one measurement of number `m` of the augmented state.
-    fn take(&mut self, m: usize, innovation: f64, noise: f64) {
+    fn take(&mut self, m: usize, innovation: f64, noise: f64, mut add: impl FnMut(&mut Self, usize, f64)) {
         let n = Self::SIZE;
         let variance = self.covariance[m * n + m] + noise * noise;
         self.work[..n].copy_from_slice(&self.covariance[m * n..][..n]);
         for i in 0..n {
             let gain = self.work[i] / variance;
-            self.add(i, gain * innovation);
+            add(self, i, gain * innovation);
             for j in 0..=i {
                 let value = self.covariance[i * n + j] - gain * self.work[j];
                 self.covariance[i * n + j] = value;
@@ -205,7 +276,7 @@ impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
     }
 
     /// Estimated y [rad or m].
-    pub fn positions(&self) -> &[f64; N] {
+    pub fn positions(&self) -> &[f64; NY] {
         &self.positions
     }
 

@@ -3,7 +3,7 @@
 use super::observer::ObserverOptions;
 use super::row::{MpcRow, RowFault};
 use crate::control_loop::TooFast;
-use crate::dynamics::{Dynamics, Named};
+use crate::dynamics::{AttitudeError, Dynamics, Named, QuaternionJoint};
 use crate::feed_forward::FeedForwardError;
 use crate::lqr::LqrError;
 use crate::qp::{Penalty, QpError, QpSettings};
@@ -30,7 +30,7 @@ pub struct MpcOptions<const N: usize, const M: usize, const NR: usize = 0> {
     pub period: f64,
     /// Stages of the horizon, 1..=100.
     pub horizon: usize,
-    /// Weights of position errors [1/rad² or 1/m²], ≥ 0.
+    /// Weights of position errors [1/rad² or 1/m²], ≥ 0: of `y ⊖ y_ref` where y has quaternions.
     pub position_weight: [f64; N],
     /// Weights of velocity errors [s²/rad² or s²/m²], ≥ 0.
     pub velocity_weight: [f64; N],
@@ -64,7 +64,7 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
     /// positions; speeds) and weights for a robot in SI units: position errors 1e4, velocity errors 1e2
     /// (errors vanish with a time constant of 0.1 s), deviations of the input 1e-3 beside a full input. QP to
     /// a millionth of its cost. No delay, linearization around the plan.
-    pub fn new(model: &impl Dynamics<N, M>, period: f64, horizon: usize) -> Self {
+    pub fn new<const NY: usize>(model: &impl Dynamics<N, M, NY>, period: f64, horizon: usize) -> Self {
         let limits = model.limits();
         let inputs = model.input_limits().peak;
         let scale = inputs.map(|[low, high]| {
@@ -141,6 +141,27 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         }
         self.observer.check()
     }
+
+    /// - `joints`: those with a quaternion
+    ///
+    /// # Errors
+    /// [`MpcError::Limit`] and [`MpcError::Row`] for limits of their positions.
+    pub(super) fn check_quaternions(&self, joints: &[QuaternionJoint]) -> Result<(), MpcError> {
+        for joint in joints {
+            let entries = joint.velocity..joint.angular_velocity() + 3;
+            let limits = self.position_limits.iter().take(entries.end).skip(entries.start);
+            if limits.flatten().any(|limit| limit.is_finite()) {
+                return Err(MpcError::Limit { joint: joint.name });
+            }
+            for row in &self.rows {
+                if row.positions.iter().take(entries.end).skip(entries.start).any(|c| *c != 0.0) {
+                    let fault = RowFault::Attitude { joint: joint.name };
+                    return Err(MpcError::Row { row: Named(row.name).to_string(), fault });
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
 const NOT_NEGATIVE: &str = "finite and not negative";
@@ -179,6 +200,22 @@ pub enum MpcError {
         row: String,
         /// What is wrong with it.
         fault: RowFault,
+    },
+    /// Positions of a joint with a quaternion have no limits.
+    #[error(
+        "position_limits has a limit of joint {}, whose attitude is a quaternion: leave them infinite there", Named(.joint)
+    )]
+    Limit {
+        /// The joint.
+        joint: &'static str,
+    },
+    /// A quaternion of the trajectory is no attitude.
+    #[error("at {time} s of the trajectory {error}")]
+    Attitude {
+        /// Where on the trajectory (s).
+        time: f64,
+        /// Its joint, and its fault.
+        error: AttitudeError,
     },
     /// Horizon or sizes do not suit the QP.
     #[error(transparent)]

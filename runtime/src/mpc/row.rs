@@ -1,5 +1,6 @@
 //! Rows: limits of sums of positions, velocities and inputs.
 
+use crate::dynamics::Named;
 use crate::qp::{Penalty, QpProblem};
 use crate::trajectory::Sample;
 use std::fmt;
@@ -227,6 +228,11 @@ pub enum RowFault {
         /// Upper side.
         upper: f64,
     },
+    /// The row has a position of a joint with a quaternion, whose entries of y are no coordinates.
+    Attitude {
+        /// The joint.
+        joint: &'static str,
+    },
     /// A hard row of inputs alone that no inputs within their limits keep.
     OutOfReach {
         /// Lower side.
@@ -261,6 +267,11 @@ impl fmt::Display for RowFault {
                     "all its coefficients are zero, and zero is not between its sides {lower} and {upper}"
                 )
             }
+            Self::Attitude { joint } => write!(
+                f,
+                "it has a position of joint {}, whose attitude is a quaternion; only its velocities can stand in a row",
+                Named(joint)
+            ),
             Self::OutOfReach { lower, upper, least, most } => write!(
                 f,
                 "it must lie between {lower} and {upper}, but inputs within their limits give {least} to {most}"
@@ -302,19 +313,19 @@ pub(super) fn set_matrices<const N: usize, const M: usize, const NX: usize, cons
 pub(super) fn set_sides<const N: usize, const M: usize, const NX: usize, const NR: usize>(
     problem: &mut QpProblem<NX, M, NR>,
     rows: &[MpcRow<N, M>; NR],
-    (reference, inputs, disturbance): (&[[f64; NX]], &[[f64; M]], &[f64; M]),
+    (reference, inputs, disturbance): (impl Fn(usize) -> [f64; NX], &[[f64; M]], &[f64; M]),
 ) {
     let free = [f64::NEG_INFINITY, f64::INFINITY];
     for (r, row) in rows.iter().enumerate() {
         let by_state = |x: &[f64; NX]| dot(&row.positions, &x[..N]) + dot(&row.velocities, &x[N..]);
         for (k, stage) in problem.stages.iter_mut().enumerate() {
             let by_inputs: f64 = (0..M).map(|i| row.inputs[i] * (inputs[k][i] - disturbance[i])).sum();
-            let at = by_state(&reference[k]) + by_inputs;
+            let at = by_state(&reference(k)) + by_inputs;
             let given = k == 0 && !row.has_inputs();
             [stage.rows.lower[r], stage.rows.upper[r]] =
                 if given { free } else { [row.lower - at, row.upper - at] };
         }
-        let at = by_state(&reference[problem.stages.len()]);
+        let at = by_state(&reference(problem.stages.len()));
         let end = &mut problem.terminal_rows;
         [end.lower[r], end.upper[r]] = if row.has_inputs() { free } else { [row.lower - at, row.upper - at] };
     }

@@ -5,6 +5,7 @@
 
 mod along;
 mod cartesian;
+mod geodesic;
 mod limits;
 #[cfg(feature = "online-targets")]
 mod online;
@@ -19,6 +20,7 @@ mod via_points;
 
 pub use along::Along;
 pub use cartesian::{CartesianError, joint_points, pose_sequence, straight_ways};
+pub use geodesic::GeodesicMotion;
 pub use limits::{CheckError, Quantity, Rating, Violation, violations};
 #[cfg(feature = "online-targets")]
 pub use online::{OnlineTarget, TargetStatus};
@@ -30,32 +32,32 @@ pub use sine::{IdentificationMotion, IdentificationSine};
 pub use smoothing::{Smoothed, Smoothing};
 pub use via_points::ViaPoints;
 
-use crate::dynamics::Limits;
+use crate::dynamics::{AttitudeError, Limits, Named};
 use thiserror::Error;
 
-/// A desired state with its accelerations.
+/// A desired state with its accelerations; of a robot with quaternions with NY position entries.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample<const N: usize> {
+pub struct Sample<const N: usize, const NY: usize = N> {
     /// y [rad or m].
-    pub positions: [f64; N],
-    /// ẏ [rad/s or m/s].
+    pub positions: [f64; NY],
+    /// ẏ [rad/s or m/s], or v where they are not the same.
     pub velocities: [f64; N],
-    /// ÿ [rad/s² or m/s²].
+    /// ÿ [rad/s² or m/s²], or v̇.
     pub accelerations: [f64; N],
 }
 
-impl<const N: usize> Sample<N> {
+impl<const N: usize, const NY: usize> Sample<N, NY> {
     /// At rest at `positions`.
     #[must_use]
-    pub fn at_rest(positions: [f64; N]) -> Self {
+    pub fn at_rest(positions: [f64; NY]) -> Self {
         Self { positions, velocities: [0.0; N], accelerations: [0.0; N] }
     }
 
     /// True if no number is NaN or infinite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        let all = [&self.positions, &self.velocities, &self.accelerations];
-        all.iter().all(|x| x.iter().all(|x| x.is_finite()))
+        let mut all = self.positions.iter().chain(&self.velocities).chain(&self.accelerations);
+        all.all(|x| x.is_finite())
     }
 }
 
@@ -141,13 +143,16 @@ impl<const N: usize> MotionLimits<N> {
 }
 
 /// A motion from time 0 to [`duration`](Self::duration).
-pub trait Trajectory<const N: usize> {
+///
+/// Of a robot with quaternions (NY ≠ N) velocities are v, and accelerations are v̇: positions move by
+/// `ẏ = T(y) v`. [`GeodesicMotion`] makes such motions.
+pub trait Trajectory<const N: usize, const NY: usize = N> {
     /// Its length (s).
     fn duration(&self) -> f64;
 
     /// Desired state at `t` (s). Before the start and after the end the robot rests at the first or last
     /// position; a time that is NaN counts as before the start.
-    fn sample(&self, t: f64) -> Sample<N>;
+    fn sample(&self, t: f64) -> Sample<N, NY>;
 
     /// The loop begins a period at `time` (s): what is earlier will not be asked for again. A motion that
     /// changes while it runs takes its changes over here, and nowhere else, so that a period sees one motion.
@@ -157,12 +162,12 @@ pub trait Trajectory<const N: usize> {
     }
 }
 
-impl<const N: usize, T: Trajectory<N> + ?Sized> Trajectory<N> for &T {
+impl<const N: usize, const NY: usize, T: Trajectory<N, NY> + ?Sized> Trajectory<N, NY> for &T {
     fn duration(&self) -> f64 {
         (**self).duration()
     }
 
-    fn sample(&self, t: f64) -> Sample<N> {
+    fn sample(&self, t: f64) -> Sample<N, NY> {
         (**self).sample(t)
     }
 
@@ -171,12 +176,12 @@ impl<const N: usize, T: Trajectory<N> + ?Sized> Trajectory<N> for &T {
     }
 }
 
-impl<const N: usize, T: Trajectory<N> + ?Sized> Trajectory<N> for Box<T> {
+impl<const N: usize, const NY: usize, T: Trajectory<N, NY> + ?Sized> Trajectory<N, NY> for Box<T> {
     fn duration(&self) -> f64 {
         (**self).duration()
     }
 
-    fn sample(&self, t: f64) -> Sample<N> {
+    fn sample(&self, t: f64) -> Sample<N, NY> {
         (**self).sample(t)
     }
 
@@ -246,6 +251,27 @@ pub enum TrajectoryError {
     RepeatedPoint {
         /// Index of the second one; messages count from 1.
         point: usize,
+    },
+    /// A quaternion of a point is no attitude.
+    #[error("point {}: {error}", .point + 1)]
+    Attitude {
+        /// Index of the point; messages count from 1.
+        point: usize,
+        /// Its joint, and its fault.
+        error: AttitudeError,
+    },
+    /// Between two points a joint turns by half a turn, which has no shortest way.
+    #[error(
+        "joint {} turns by {angle} rad between points {} and {}: from half a turn on it is not clear which way is the \
+         shortest; put a point between", Named(.joint), .point, .point + 1
+    )]
+    HalfTurn {
+        /// Name of the joint.
+        joint: &'static str,
+        /// Index of the second point; messages count from 1.
+        point: usize,
+        /// The angle (rad).
+        angle: f64,
     },
     /// Nothing limits how fast a joint moves.
     #[error("joint {} moves, but neither its speed nor its acceleration has a limit", .joint + 1)]

@@ -12,8 +12,8 @@ use std::time::Duration;
 ///
 /// Inputs act from the end of the period of the plant in which they are written. A measurement that the
 /// plant's options lose does not arrive.
-pub struct InProcess<D, K, const N: usize, const M: usize> {
-    plant: Plant<D, N, M>,
+pub struct InProcess<D, K, const N: usize, const M: usize, const NY: usize = N> {
+    plant: Plant<D, N, M, NY>,
     clock: K,
     period: Duration,
     /// Clock time that the plant has reached.
@@ -24,11 +24,15 @@ pub struct InProcess<D, K, const N: usize, const M: usize> {
     last: Option<f64>,
 }
 
-impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> InProcess<D, K, N, M> {
+impl<D, K, const N: usize, const M: usize, const NY: usize> InProcess<D, K, N, M, NY>
+where
+    D: Dynamics<N, M, NY>,
+    K: Clock,
+{
     /// A plant that moves in steps of `period` from now on; less than a microsecond counts as one. Give it
     /// the period of the loop.
     #[must_use]
-    pub fn new(plant: Plant<D, N, M>, clock: K, period: Duration) -> Self {
+    pub fn new(plant: Plant<D, N, M, NY>, clock: K, period: Duration) -> Self {
         Self {
             plant,
             reached: clock.now(),
@@ -40,7 +44,7 @@ impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> InProcess<D, K
     }
 
     /// The plant, as far as it has moved.
-    pub fn plant(&self) -> &Plant<D, N, M> {
+    pub fn plant(&self) -> &Plant<D, N, M, NY> {
         &self.plant
     }
 
@@ -60,8 +64,12 @@ impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> InProcess<D, K
     }
 }
 
-impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> Transport<N, M> for InProcess<D, K, N, M> {
-    fn read(&mut self) -> Result<Option<Reading<N>>, TransportError> {
+impl<D, K, const N: usize, const M: usize, const NY: usize> Transport<N, M, NY> for InProcess<D, K, N, M, NY>
+where
+    D: Dynamics<N, M, NY>,
+    K: Clock,
+{
+    fn read(&mut self) -> Result<Option<Reading<N, NY>>, TransportError> {
         self.catch_up()?;
         let measurement = self.plant.measure();
         if self.last == Some(measurement.time) {

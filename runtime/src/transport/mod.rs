@@ -34,10 +34,10 @@ pub enum Brakes {
 
 /// A measurement that arrived from the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reading<const N: usize> {
+pub struct Reading<const N: usize, const NY: usize = N> {
     /// Positions in the order, units and sense of the model's coordinates [rad or m]; not yet checked in any
     /// way.
-    pub positions: [f64; N],
+    pub positions: [f64; NY],
     /// Velocities of the coordinates at the same instant, where the drives measure them [rad/s or m/s]. The
     /// loop compares them with the positions, and then uses them instead of differences.
     pub velocities: Option<[f64; N]>,
@@ -48,10 +48,10 @@ pub struct Reading<const N: usize> {
     pub brakes: Brakes,
 }
 
-impl<const N: usize> Reading<N> {
+impl<const N: usize, const NY: usize> Reading<N, NY> {
     /// The reading of a robot that measures positions alone.
     #[must_use]
-    pub fn of(positions: [f64; N], brakes: Brakes) -> Self {
+    pub fn of(positions: [f64; NY], brakes: Brakes) -> Self {
         Self { positions, velocities: None, torques: None, brakes }
     }
 }
@@ -92,17 +92,18 @@ impl From<io::Error> for TransportError {
     }
 }
 
-/// Connection to a robot with `N` measured coordinates and `M` inputs.
+/// Connection to a robot with `N` measured coordinates and `M` inputs; of one with quaternions with `NY` measured
+/// positions.
 ///
 /// No method may allocate, or block for longer than a fraction of the period: a real-time thread calls them.
-pub trait Transport<const N: usize, const M: usize> {
+pub trait Transport<const N: usize, const M: usize, const NY: usize = N> {
     /// Positions now. `None` where nothing arrived in time, or nothing new; a reading is never returned
     /// twice.
     ///
     /// # Errors
     /// [`TransportError::Restarted`] once after each restart of the robot's side; others where the connection
     /// fails. The loop treats those like a missing reading and goes on asking.
-    fn read(&mut self) -> Result<Option<Reading<N>>, TransportError>;
+    fn read(&mut self) -> Result<Option<Reading<N, NY>>, TransportError>;
 
     /// Sends inputs; the robot holds them until the next ones. Never releases a brake.
     ///
@@ -125,8 +126,10 @@ pub trait Transport<const N: usize, const M: usize> {
     fn brake(&mut self) -> Result<(), TransportError>;
 }
 
-impl<const N: usize, const M: usize, T: Transport<N, M> + ?Sized> Transport<N, M> for &mut T {
-    fn read(&mut self) -> Result<Option<Reading<N>>, TransportError> {
+impl<const N: usize, const M: usize, const NY: usize, T: Transport<N, M, NY> + ?Sized> Transport<N, M, NY>
+    for &mut T
+{
+    fn read(&mut self) -> Result<Option<Reading<N, NY>>, TransportError> {
         (**self).read()
     }
 

@@ -56,6 +56,24 @@ pub fn plain_entries(joints: &[QuaternionJoint], n: usize) -> impl Iterator<Item
     })
 }
 
+/// Positions by velocity entry: that of a joint without quaternion, 0 for the others.
+///
+/// - `joints`: those with a quaternion, in their order
+#[inline]
+pub fn plain_positions<const N: usize, const NY: usize>(
+    joints: &[QuaternionJoint],
+    y: &[f64; NY],
+) -> [f64; N] {
+    if N == NY {
+        return core::array::from_fn(|i| y[i]);
+    }
+    let mut positions = [0.0; N];
+    for (velocity, position) in plain_entries(joints, N) {
+        positions[velocity] = y.get(position).copied().unwrap_or(f64::NAN);
+    }
+    positions
+}
+
 /// ẏ = T(y) v: that of a position is turned into the parent's frame, `q̇ = ½ q (ω, 0)`.
 ///
 /// - `joints`: those with a quaternion, in their order

@@ -28,7 +28,9 @@ pub use functions::{HasDerivatives, MadeOrElse, Missing, NO_SUBSTEPS, OrElse, Re
 #[doc(hidden)]
 pub use input_matrix::{ALL_DRIVES, InputMatrix, InputMatrixWithParameters, InputRanges};
 pub use load_friction::{load, under_load};
-pub use manifold::{AttitudeError, QuaternionJoint, UNIT_LENGTH, plain_entries, position_rates};
+pub use manifold::{
+    AttitudeError, QuaternionJoint, UNIT_LENGTH, plain_entries, plain_positions, position_rates,
+};
 #[doc(hidden)]
 pub use manifold::{
     NO_POSITIONS, NO_WIDTHS, bracket, count_quaternions, difference, difference_derivatives, integrate,

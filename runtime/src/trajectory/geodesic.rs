@@ -1,0 +1,200 @@
+//! Motions of robots with quaternions: smooth ways through poses.
+
+use super::{Sample, Trajectory, TrajectoryError};
+use crate::dynamics::{Dynamics, Named};
+
+/// Turns this close to half a turn have no shortest way (rad).
+const HALF_TURN: f64 = std::f64::consts::PI - 1e-6;
+
+/// A motion through positions at given times, attitudes turning on the shortest way; C².
+///
+/// Between two points y_k, y_{k+1} it is a Bézier curve on the manifold (Kim, Kim and Shin, *A general construction
+/// scheme for unit quaternion curves with simple high order derivatives*, SIGGRAPH 1995) with the velocities v_k,
+/// v_{k+1} and without accelerations at its ends:
+///
+/// ```text
+///     y(t) = y_k ⊕ β₁(s) d₁ ⊕ β₂(s) d₂ ⊕ β₃(s) d₃,    s = (t − t_k)/T_k,    d₁ = 2 v_k T_k/5,    d₃ = 2 v_{k+1} T_k/5
+/// ```
+///
+/// with sums β of Bernstein polynomials of degree 5 that go from 0 to 1, and d₂ such that it ends in y_{k+1}.
+/// Velocities v and accelerations v̇ are the exact derivatives along ⊕. Coordinates of joints without quaternions
+/// follow polynomials of degree 5. Two points make a motion from rest to rest along a geodesic,
+/// `y_0 ⊕ β₂ (y_1 ⊖ y_0)`: a screw for a floating joint.
+///
+/// Before its start and after its end it rests.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GeodesicMotion<D, const N: usize, const M: usize, const NY: usize = N> {
+    robot: D,
+    pieces: Vec<Piece<N, NY>>,
+    end: [f64; NY],
+    duration: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Piece<const N: usize, const NY: usize> {
+    begin: f64,
+    length: f64,
+    start: [f64; NY],
+    ways: [[f64; N]; 3],
+}
+
+impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> GeodesicMotion<D, N, M, NY> {
+    /// From rest to rest in `duration` (s).
+    ///
+    /// # Errors
+    /// As [`Self::through`].
+    pub fn between(
+        robot: D,
+        start: [f64; NY],
+        end: [f64; NY],
+        duration: f64,
+    ) -> Result<Self, TrajectoryError> {
+        Self::through(robot, &[(0.0, start), (duration, end)])
+    }
+
+    /// Through points at their times (s), the first at 0; at rest at both ends. Velocities between are the means of
+    /// those of the neighbouring ways, weighted so that a parabola keeps its own.
+    ///
+    /// # Errors
+    /// [`TrajectoryError`]: fewer than two points, times that do not grow from 0, numbers that are not finite, a
+    /// quaternion that is no attitude, a turn of half a turn or more between two points.
+    pub fn through(robot: D, points: &[(f64, [f64; NY])]) -> Result<Self, TrajectoryError> {
+        let (times, positions) = checked(&robot, points)?;
+        let ways: Vec<[f64; N]> =
+            positions.windows(2).map(|pair| robot.difference(&pair[0], &pair[1])).collect();
+        check_turns(&robot, &ways)?;
+        let lengths: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let velocities = velocities(&ways, &lengths);
+        let piece = |k: usize| {
+            let [first, last] = [velocities[k], velocities[k + 1]].map(|v| v.map(|v| 0.4 * v * lengths[k]));
+            // The middle way leads from where the first ends to where the last begins.
+            let from = robot.integrate(&positions[k], &first);
+            let to = robot.integrate(&positions[k + 1], &last.map(|d| -d));
+            let ways = [first, robot.difference(&from, &to), last];
+            Piece { begin: times[k], length: lengths[k], start: positions[k], ways }
+        };
+        let pieces: Vec<Piece<N, NY>> = (0..lengths.len()).map(piece).collect();
+        let middles: Vec<[f64; N]> = pieces.iter().map(|piece| piece.ways[1]).collect();
+        check_turns(&robot, &middles)?;
+        let duration = times.iter().copied().fold(0.0, f64::max);
+        let end = positions.last().copied().unwrap_or_else(|| robot.neutral());
+        Ok(Self { robot, pieces, end, duration })
+    }
+
+    fn inside(&self, piece: &Piece<N, NY>, t: f64) -> Sample<N, NY> {
+        let mut sample = Sample::at_rest(piece.start);
+        for (way, [value, rate, change]) in piece.ways.iter().zip(blends((t - piece.begin) / piece.length)) {
+            let (rate, change) = (rate / piece.length, change / (piece.length * piece.length));
+            self.add(&mut sample, way, [value, rate, change]);
+        }
+        sample
+    }
+
+    /// `y ⊕ β d`: `v ← Ad(exp(−β d)) v + β̇ d`, `v̇ ← Ad(exp(−β d)) v̇ − β̇ [d, Ad(exp(−β d)) v] + β̈ d`.
+    fn add(&self, sample: &mut Sample<N, NY>, way: &[f64; N], [value, rate, change]: [f64; 3]) {
+        let d = way.map(|d| value * d);
+        let (by_y, _) = self.robot.integrate_derivatives(&sample.positions, &d);
+        let turned = |a: &[f64; N]| -> [f64; N] {
+            core::array::from_fn(|i| by_y[i].iter().zip(a).map(|(m, a)| m * a).sum())
+        };
+        let (v, a) = (turned(&sample.velocities), turned(&sample.accelerations));
+        let bracket = self.robot.bracket(way, &v);
+        sample.positions = self.robot.integrate(&sample.positions, &d);
+        sample.velocities = core::array::from_fn(|i| v[i] + rate * way[i]);
+        sample.accelerations = core::array::from_fn(|i| a[i] - rate * bracket[i] + change * way[i]);
+    }
+}
+
+/// The three sums of Bernstein polynomials with their first and second derivatives: the first grows with 5 s/2, the
+/// last ends so, the middle one begins and ends flat.
+fn blends(s: f64) -> [[f64; 3]; 3] {
+    let r = 1.0 - s;
+    // β₁ is half of 2 − (1 − s)⁵ − (1 − s)⁴ (1 + 4 s), and β₃(s) = 1 − β₁(1 − s).
+    let outer = |s: f64, r: f64| {
+        let (r2, r3) = (r * r, r * r * r);
+        [1.0 - 0.5 * r2 * r2 * (r + 1.0 + 4.0 * s), 0.5 * r3 * (5.0 + 15.0 * s), -30.0 * s * r2]
+    };
+    let [value, rate, change] = outer(r, s);
+    let last = [1.0 - value, rate, -change];
+    let middle = [s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * s * s * r * r, 60.0 * s * r * (r - s)];
+    [outer(s, r), middle, last]
+}
+
+type Points<const NY: usize> = (Vec<f64>, Vec<[f64; NY]>);
+
+fn checked<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>(
+    robot: &D,
+    points: &[(f64, [f64; NY])],
+) -> Result<Points<NY>, TrajectoryError> {
+    if points.len() < 2 {
+        return Err(TrajectoryError::TooFew { what: "points", needed: 2, given: points.len() });
+    }
+    let mut last = None;
+    let mut positions = Vec::with_capacity(points.len());
+    for (point, (time, y)) in points.iter().enumerate() {
+        if let Some(i) = y.iter().position(|entry| !entry.is_finite()) {
+            let what = format!("point {}, {},", point + 1, Named(robot.position_names()[i]));
+            return Err(TrajectoryError::NotFinite { what, value: y[i] });
+        }
+        robot.check_attitudes(y).map_err(|error| TrajectoryError::Attitude { point, error })?;
+        let grows = last.map_or(*time == 0.0, |last| time.is_finite() && *time > last);
+        if !grows {
+            let range = "0 for the first point, then growing";
+            return Err(TrajectoryError::OutOfRange { what: "the time of a point", value: *time, range });
+        }
+        last = Some(*time);
+        let mut exact = *y;
+        let _ = robot.normalize(&mut exact);
+        positions.push(exact);
+    }
+    Ok((points.iter().map(|(time, _)| *time).collect(), positions))
+}
+
+/// Half a turn has no shortest way.
+fn check_turns<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>(
+    robot: &D,
+    ways: &[[f64; N]],
+) -> Result<(), TrajectoryError> {
+    for (k, way) in ways.iter().enumerate() {
+        for joint in robot.quaternion_joints() {
+            let turn = way.iter().skip(joint.angular_velocity()).take(3);
+            let angle = turn.map(|w| w * w).sum::<f64>().sqrt();
+            // Written so that NaN is refused.
+            let is_short = angle < HALF_TURN;
+            if !is_short {
+                return Err(TrajectoryError::HalfTurn { joint: joint.name, point: k + 1, angle });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// At the points, in the frames that bodies have there: rest at both ends, between the weighted means of both ways.
+fn velocities<const N: usize>(ways: &[[f64; N]], lengths: &[f64]) -> Vec<[f64; N]> {
+    let mean = |k: usize| {
+        let [before, after] = [lengths[k - 1], lengths[k]];
+        core::array::from_fn(|i| {
+            let [slow, fast] = [ways[k - 1][i] / before, ways[k][i] / after];
+            (slow * after + fast * before) / (before + after)
+        })
+    };
+    (0..=ways.len()).map(|k| if k == 0 || k == ways.len() { [0.0; N] } else { mean(k) }).collect()
+}
+
+impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Trajectory<N, NY>
+    for GeodesicMotion<D, N, M, NY>
+{
+    fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    fn sample(&self, t: f64) -> Sample<N, NY> {
+        let after = self.pieces.partition_point(|piece| piece.begin <= t);
+        match after.checked_sub(1).and_then(|k| self.pieces.get(k)) {
+            Some(piece) if t < self.duration => self.inside(piece, t),
+            Some(_) => Sample::at_rest(self.end),
+            // Before the start, and NaN.
+            None => Sample::at_rest(self.pieces.first().map_or(self.end, |piece| piece.start)),
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! Motions through poses.
+
+use crate::Quadrotor;
+use gelenk_runtime::dynamics::Dynamics;
+use gelenk_runtime::trajectory::{GeodesicMotion, Trajectory};
+
+type Motion = GeodesicMotion<Quadrotor, 6, 4, 7>;
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// A turn by `angle` about an axis that is none of the body's.
+fn pose(position: [f64; 3], angle: f64) -> [f64; 7] {
+    let axis = [0.48, -0.6, 0.64];
+    let [x, y, z] = axis.map(|a| a * (angle / 2.0).sin());
+    let [a, b, c] = position;
+    [a, b, c, x, y, z, (angle / 2.0).cos()]
+}
+
+/// A roll by a whole turn while it flies, with a turn about another axis at the end.
+fn points() -> Vec<(f64, [f64; 7])> {
+    let mut last = pose([2.0, 0.3, 1.2], 0.0);
+    last[3..].copy_from_slice(&[0.0, 0.0, 0.5_f64.sqrt(), 0.5_f64.sqrt()]);
+    vec![
+        (0.0, pose([0.0, 0.0, 1.0], 0.0)),
+        (0.8, pose([0.5, 0.1, 1.5], 1.9)),
+        (1.3, pose([1.0, 0.4, 1.7], 4.0)),
+        (2.0, pose([1.5, 0.2, 1.4], 6.0)),
+        (3.0, last),
+    ]
+}
+
+#[test]
+fn it_passes_its_points_at_their_times() {
+    let motion = Motion::through(Quadrotor, &points()).unwrap();
+    assert_eq!(motion.duration(), 3.0);
+    for (time, point) in points() {
+        for t in [time, time - 1e-9] {
+            let d = Quadrotor.difference(&point, &motion.sample(t).positions);
+            assert!(distance(&d, &[0.0; 6]) <= 1e-7, "{t}: {d:?}");
+        }
+    }
+    for t in [-1.0, f64::NAN, 3.0, 9.0] {
+        let sample = motion.sample(t);
+        assert_eq!((sample.velocities, sample.accelerations), ([0.0; 6], [0.0; 6]));
+        assert!(sample.is_finite());
+    }
+}
+
+/// Velocities are the derivatives of positions along ⊕, accelerations those of velocities, and nothing jumps.
+#[test]
+fn velocities_and_accelerations_are_consistent() {
+    let motion = Motion::through(Quadrotor, &points()).unwrap();
+    let h = 1e-5;
+    let mut fastest = 0.0_f64;
+    for k in 1..600 {
+        let t = 3.0 * f64::from(k) / 600.0;
+        let [before, at, after] = [t - h, t, t + h].map(|t| motion.sample(t));
+        let length: f64 = at.positions[3..].iter().map(|q| q * q).sum();
+        assert!((length - 1.0).abs() <= 1e-15);
+        let v = Quadrotor.difference(&before.positions, &after.positions).map(|d| d / (2.0 * h));
+        assert!(distance(&v, &at.velocities) <= 1e-6, "{t}: {v:?} is not {:?}", at.velocities);
+        let a: [f64; 6] = core::array::from_fn(|i| (after.velocities[i] - before.velocities[i]) / (2.0 * h));
+        // At a point the third derivative jumps: there the quotient is off by half its jump times h.
+        let bound = if [0.8, 1.3, 2.0].iter().any(|point| (t - point).abs() < 2.0 * h) { 2e-2 } else { 1e-5 };
+        assert!(distance(&a, &at.accelerations) <= bound, "{t}: {a:?} is not {:?}", at.accelerations);
+        fastest = fastest.max(at.velocities[3].abs());
+    }
+    assert!(fastest > 1.0);
+}
+
+/// Between two points it is a screw about one axis, halfway at half the time.
+#[test]
+fn two_points_are_joined_by_a_geodesic() {
+    let (start, end) = (pose([0.0, 0.0, 1.0], 0.3), pose([1.0, -0.5, 1.2], 2.9));
+    let motion = Motion::between(Quadrotor, start, end, 2.0).unwrap();
+    let way = Quadrotor.difference(&start, &end);
+    let middle = Quadrotor.integrate(&start, &way.map(|d| 0.5 * d));
+    assert!(distance(&Quadrotor.difference(&middle, &motion.sample(1.0).positions), &[0.0; 6]) <= 1e-14);
+    let rate = motion.sample(1.0).velocities;
+    assert!(distance(&rate, &way.map(|d| d * 1.875 / 2.0)) <= 1e-13);
+}
+
+#[test]
+fn what_is_no_motion_is_refused() {
+    let refused = |points: &[(f64, [f64; 7])]| Motion::through(Quadrotor, points).unwrap_err().to_string();
+    let [(_, start), (_, next), ..] = points()[..] else { unreachable!() };
+    assert!(refused(&[(0.0, start)]).contains("at least 2"));
+    assert!(refused(&[(0.0, start), (0.0, next)]).contains("time"));
+    assert!(refused(&[(0.1, start), (0.2, next)]).contains("time"));
+    assert!(refused(&[(0.0, start), (f64::NAN, next)]).contains("time"));
+    let zero = refused(&[(0.0, start), (1.0, [0.0; 7])]);
+    assert!(zero.contains("point 2") && zero.contains("joint base"), "{zero}");
+    let nan = refused(&[(0.0, start), (1.0, [f64::NAN; 7])]);
+    assert!(nan.contains("point 2") && nan.contains("base x"), "{nan}");
+    let half = refused(&[(0.0, pose([0.0; 3], 0.0)), (1.0, pose([0.0; 3], std::f64::consts::PI))]);
+    assert!(half.contains("joint base") && half.contains("points 1 and 2"), "{half}");
+}
