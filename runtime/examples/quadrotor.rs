@@ -1,0 +1,196 @@
+//! A quadrotor by predictive control: it rolls once over its own axis on the way through a figure, and it recovers after it
+//! was thrown upside down. Positions hold a quaternion; errors are `y ⊖ y_d`.
+//!
+//! ```sh
+//! cargo run --release -p gelenk-runtime --example quadrotor [FOLDER]
+//! ```
+//!
+//! Prints a table and writes plots into FOLDER (the folder for temporary files). `GELENK_EXAMPLE_SHORT=1` flies the recovery
+//! alone.
+
+use gelenk_runtime::control_loop::{Controller, Cycle};
+use gelenk_runtime::dynamics::Dynamics;
+use gelenk_runtime::mpc::{LtvMpc, MpcOptions, Nmpc, ObserverOptions};
+use gelenk_runtime::plant::{Plant, PlantOptions};
+use gelenk_runtime::trajectory::{GeodesicMotion, Trajectory};
+use outcome::Outcome;
+use std::process::ExitCode;
+use support::{Folder, Line};
+
+#[path = "support/outcome.rs"]
+mod outcome;
+#[path = "support/motion_plot.rs"]
+mod support;
+
+gelenk_runtime::dynamics!(struct Quadrotor = gelenk_generated::quadrotor);
+
+type Motion = GeodesicMotion<Quadrotor, 6, 4, 7>;
+
+const PERIOD: f64 = 0.03;
+const HORIZON: usize = 20;
+
+/// x, y, z in m, then the quaternion x y z w of a roll and a heading.
+fn pose([x, y, z]: [f64; 3], roll: f64, heading: f64) -> [f64; 7] {
+    let ((a, b), (c, d)) = ((roll / 2.0).sin_cos(), (heading / 2.0).sin_cos());
+    // The heading turns about the vertical axis, then the body rolls about its own x axis.
+    [x, y, z, d * a, c * a, c * b, d * b]
+}
+
+/// Through an eight, with a whole roll in its middle.
+fn figure() -> Outcome<Motion> {
+    let middle = [0.0, 0.0, 1.5];
+    let hover = pose(middle, 0.0, 0.0);
+    let mut points = vec![(0.0, hover)];
+    let eight = [([1.0, 0.6, 1.5], 0.4), ([2.0, 0.0, 1.8], 0.0), ([1.0, -0.6, 1.5], -0.4), (middle, 0.0)];
+    points.extend(
+        (1..).zip(eight).map(|(k, (place, heading))| (1.1 * f64::from(k), pose(place, 0.0, heading))),
+    );
+    let roll = [(0.4, 0.3), (0.6, 1.8), (0.75, 3.3), (0.9, 4.8), (1.1, 6.0), (1.35, std::f64::consts::TAU)];
+    points.extend(roll.map(|(after, angle)| (4.4 + after, pose(middle, angle, 0.0))));
+    points.push((7.0, hover));
+    Ok(Motion::through(Quadrotor, &points)?)
+}
+
+/// Thrown, turned by 170° about a tilted axis and spinning.
+fn thrown() -> ([f64; 7], [f64; 6]) {
+    let (sine, cosine) = (170.0_f64.to_radians() / 2.0).sin_cos();
+    ([0.0, 0.0, 1.0, 0.8 * sine, 0.6 * sine, 0.0, cosine], [0.5, -0.5, 1.0, 0.5, -1.0, 0.3])
+}
+
+struct Flight {
+    controller: &'static str,
+    time: Vec<f64>,
+    positions: Vec<[f64; 7]>,
+    /// Distance [m] and angle [rad] from where it should be.
+    errors: Vec<[f64; 2]>,
+    inputs: Vec<[f64; 4]>,
+}
+
+fn fly(
+    name: &'static str,
+    controller: &mut impl Controller<6, 4, 7>,
+    motion: &Motion,
+    (y, v): ([f64; 7], [f64; 6]),
+    duration: f64,
+) -> Outcome<Flight> {
+    let limits = Quadrotor.input_limits().nominal;
+    let mut plant = Plant::new(Quadrotor, PlantOptions { input_limits: limits, ..PlantOptions::default() })?;
+    plant.reset(y, v)?;
+    let mut last_inputs = [1.52 * 9.81 / 4.0; 4];
+    controller.reset(&y, &last_inputs);
+    let mut flight =
+        Flight { controller: name, time: vec![], positions: vec![], errors: vec![], inputs: vec![] };
+    for k in 0..(duration / PERIOD).ceil() as u32 {
+        let time = PERIOD * f64::from(k);
+        let command = controller.step(&Cycle {
+            time,
+            periods: u32::from(k > 0),
+            positions: Some(plant.measure().positions),
+            velocities: Some(plant.state().1),
+            last_inputs,
+            ..Cycle::default()
+        })?;
+        last_inputs = command.inputs;
+        plant.apply(&last_inputs, PERIOD)?;
+        let (y, _) = plant.state();
+        let d = Quadrotor.difference(&motion.sample(time + PERIOD).positions, &y);
+        let length = |part: &[f64]| part.iter().map(|d| d * d).sum::<f64>().sqrt();
+        flight.time.push(time + PERIOD);
+        flight.positions.push(y);
+        flight.errors.push([length(&d[..3]), length(&d[3..])]);
+        flight.inputs.push(last_inputs);
+    }
+    Ok(flight)
+}
+
+/// Height of the body's own vertical axis: 1 level, −1 upside down.
+fn upright(y: &[f64; 7]) -> f64 {
+    1.0 - 2.0 * (y[3] * y[3] + y[4] * y[4])
+}
+
+fn both(
+    motion: &Motion,
+    start: ([f64; 7], [f64; 6]),
+    duration: f64,
+    weights: [f64; 2],
+) -> Outcome<[Flight; 2]> {
+    let [position, attitude] = weights;
+    let observer = ObserverOptions { velocity_sensor_noise: Some([1e-5; 6]), ..ObserverOptions::default() };
+    let options = MpcOptions {
+        position_weight: [position, position, position, attitude, attitude, attitude],
+        velocity_weight: [10.0, 10.0, 10.0, 1.0, 1.0, 1.0],
+        input_weight: [0.1; 4],
+        observer,
+        ..MpcOptions::new(&Quadrotor, PERIOD, HORIZON)
+    };
+    let mut ltv = LtvMpc::new(Quadrotor, motion.clone(), options.clone())?;
+    let mut nonlinear = Nmpc::new(Quadrotor, motion.clone(), options)?;
+    Ok([
+        fly("LTV-MPC", &mut ltv, motion, start, duration)?,
+        fly("NMPC", &mut nonlinear, motion, start, duration)?,
+    ])
+}
+
+fn print_row(what: &str, flight: &Flight) {
+    let worst = |k: usize| flight.errors.iter().fold(0.0_f64, |most, errors| most.max(errors[k]));
+    let last = flight.errors.last().copied().unwrap_or_default();
+    let lowest = flight.positions.iter().map(upright).fold(1.0, f64::min);
+    println!(
+        "{what:<10} {:<10} {:>8.3} {:>8.3}   {:>9.1e} {:>9.1e}   {lowest:>6.2}",
+        flight.controller,
+        worst(0),
+        worst(1),
+        last[0],
+        last[1]
+    );
+}
+
+fn plot(folder: &Folder, file: &str, title: &str, flights: &[Flight]) -> Outcome<()> {
+    let line = |name: String, flight: &Flight, value: &dyn Fn(usize) -> f64| Line {
+        name,
+        points: flight.time.iter().enumerate().map(|(k, &time)| (time, value(k))).collect(),
+    };
+    let each = |value: fn(&Flight, usize) -> f64| -> Vec<Line> {
+        flights
+            .iter()
+            .map(|flight| line(flight.controller.to_owned(), flight, &|k| value(flight, k)))
+            .collect()
+    };
+    let thrusts = flights.iter().take(1).flat_map(|flight| {
+        let names = Quadrotor.input_names();
+        (0..4).map(move |j| line(names[j].to_owned(), flight, &|k| flight.inputs[k][j])).collect::<Vec<_>>()
+    });
+    folder.lines(
+        file,
+        title,
+        &[
+            ("distance [m]", each(|flight, k| flight.errors[k][0])),
+            ("upright [1]", each(|flight, k| upright(&flight.positions[k]))),
+            ("height [m]", each(|flight, k| flight.positions[k][2])),
+            ("thrust [N]", thrusts.collect()),
+        ],
+    )
+}
+
+fn main() -> ExitCode {
+    outcome::end(run())
+}
+
+fn run() -> Outcome<()> {
+    let folder = Folder::from_arguments()?;
+    let short = std::env::var_os("GELENK_EXAMPLE_SHORT").is_some();
+    println!("                      largest error         error at the end     lowest");
+    println!("flight     controller      [m]    [rad]         [m]     [rad]    axis z");
+    let hover = pose([0.0, 0.0, 1.0], 0.0, 0.0);
+    let still = Motion::between(Quadrotor, hover, hover, 1.0)?;
+    let recovery = both(&still, thrown(), if short { 0.6 } else { 4.5 }, [100.0, 10.0])?;
+    recovery.iter().for_each(|flight| print_row("thrown", flight));
+    if short {
+        return Ok(());
+    }
+    let motion = figure()?;
+    let figure = both(&motion, (motion.sample(0.0).positions, [0.0; 6]), 8.0, [10.0, 10.0])?;
+    figure.iter().for_each(|flight| print_row("figure", flight));
+    plot(&folder, "quadrotor_thrown.svg", "Thrown upside down; thrusts of LTV-MPC", &recovery)?;
+    plot(&folder, "quadrotor_figure.svg", "A figure, then a roll; thrusts of LTV-MPC", &figure)
+}
