@@ -133,7 +133,7 @@ fn bench<D: Discretizable<N, M> + PhaseSpace<NX> + Copy, const N: usize, const M
     let mut options = MpcOptions::new(&model, period, HORIZON);
     options.input_limits = torque.map(|u| [-u, u]);
     options.observer.disturbance_noise = torque.map(|u| 1e-3 * u);
-    let (mut log, writer) = log_to::<N, M>(std::io::sink(), &model, 100_000)?;
+    let (mut log, writer) = log_to::<N, M, N>(std::io::sink(), &model, 100_000)?;
     let new = || -> Result<LtvMpc<D, _, N, M, NX>, MpcError> { LtvMpc::new(model, motion, options.clone()) };
     let linear = drive(&model, &motion, period, substeps, &mut log, &mut new()?)?;
     let mut nmpc = Nmpc::new(model, motion, options.clone())?;

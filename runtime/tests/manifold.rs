@@ -1,4 +1,4 @@
-//! Robots whose positions are not velocities, by a quadrotor that is written by hand.
+//! Robots whose positions are not velocities, by a quadrotor and a robot of several joints that are written by hand.
 
 #![allow(clippy::unwrap_used, reason = "test code: a problem that cannot be set up ends the test")]
 
@@ -8,6 +8,11 @@ mod control_loop;
 mod dynamics;
 #[path = "manifold/geodesic.rs"]
 mod geodesic;
+#[path = "support/mixed.rs"]
+#[allow(dead_code, reason = "it has the face of a generated module")]
+mod mixed;
+#[path = "manifold/mixed.rs"]
+mod mixed_robot;
 #[path = "manifold/mpc.rs"]
 mod mpc;
 #[path = "manifold/plant.rs"]
@@ -17,3 +22,4 @@ mod plant;
 mod quadrotor;
 
 gelenk_runtime::dynamics!(struct Quadrotor = quadrotor: Differentiable + Discretizable);
+gelenk_runtime::dynamics!(struct Mixed = mixed: Differentiable + Discretizable);

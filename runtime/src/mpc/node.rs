@@ -84,6 +84,9 @@ pub(super) struct Prediction<'a, const N: usize, const M: usize, const NY: usize
     pub at: (Node<N, NY>, [f64; M]),
 }
 
+/// Blocks of derivatives by state and by input.
+type Blocks<const N: usize, const M: usize> = ([[[[f64; N]; N]; 2]; 2], [[[f64; M]; N]; 2]);
+
 /// The blocks of a prediction as derivatives of deviations from a reference by deviations from it.
 ///
 /// With `y = y_ref ⊕ e` and `e⁺ = y⁺ ⊖ y_ref⁺`, `∂e⁺/∂e = J_r⁻¹(e⁺) A J_r(e)` in the rows and columns of positions.
@@ -93,7 +96,7 @@ pub(super) fn in_deviations<const N: usize, const M: usize, const NY: usize>(
     prediction: &Prediction<'_, N, M, NY>,
     (before, after): (&[f64; N], &[f64; N]),
     (reference, model): (&[f64; NY], &impl Dynamics<N, M, NY>),
-) -> ([[[[f64; N]; N]; 2]; 2], [[[f64; M]; N]; 2]) {
+) -> Blocks<N, M> {
     let (_, by_before) = model.integrate_derivatives(reference, before);
     let (by_after, _) = model.difference_derivatives(after);
     let (mut state, mut input) = (*prediction.state, *prediction.input);

@@ -300,3 +300,52 @@ fn diagonal<const N: usize>(entry: f64) -> [[f64; N]; N] {
 const fn require_widths<const J: usize, const N: usize, const NY: usize>() {
     const { assert!(J > 0 || N == NY, "a robot with quaternions says which joints have them") }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plain joint, a spherical one, a floating one, a plain one.
+    const WIDTHS: [usize; 4] = [1, 4, 7, 1];
+    const JOINTS: [QuaternionJoint; 2] = quaternion_joints(&["slide", "ball", "body", "hinge"], &WIDTHS);
+
+    #[test]
+    fn joints_stand_where_the_widths_say() {
+        let [ball, body] = JOINTS;
+        assert_eq!((ball.name, ball.quaternion(), ball.angular_velocity()), ("ball", 1, 1));
+        assert_eq!((body.name, body.quaternion(), body.angular_velocity()), ("body", 8, 7));
+        assert_eq!(count_quaternions(&WIDTHS), 2);
+        let plain: Vec<(usize, usize)> = plain_entries(&JOINTS, 11).collect();
+        assert_eq!(plain, [(0, 0), (10, 12)]);
+        let arm: Vec<(usize, usize)> = plain_entries(&[], 3).collect();
+        assert_eq!(arm, [(0, 0), (1, 1), (2, 2)]);
+        let y: [f64; 13] = core::array::from_fn(|i| i as f64);
+        let mut expected = [0.0; 11];
+        expected[10] = 12.0;
+        assert_eq!(plain_positions::<11, 13>(&JOINTS, &y), expected);
+    }
+
+    /// ẏ = T(y) v is the derivative of `y ⊕ v t`.
+    #[test]
+    fn rates_are_those_of_moving() {
+        let y = [0.3, 0.5, -0.5, 0.5, 0.5, 1.0, 2.0, 3.0, 0.1, 0.7, -0.5, 0.5, 0.4];
+        let v: [f64; 11] = [0.4, 1.0, -2.0, 0.5, 0.3, -0.7, 0.9, -1.2, 0.8, 0.6, 2.0];
+        let rates = position_rates(&JOINTS, &y, &v);
+        let [before, after] = [-1e-6, 1e-6].map(|h| integrate::<4, 11, 13>(&WIDTHS, &y, &v.map(|v| h * v)));
+        for i in 0..13 {
+            let quotient = (after[i] - before[i]) / 2e-6;
+            assert!((rates[i] - quotient).abs() < 1e-9, "{i}: {} is not {quotient}", rates[i]);
+        }
+    }
+
+    #[test]
+    fn the_second_attitude_is_checked_too() {
+        let mut y = [0.0; 13];
+        (y[4], y[11]) = (1.0, 1.0);
+        assert_eq!(check(&JOINTS, &y), Ok(()));
+        y[11] = 0.0;
+        assert_eq!(check(&JOINTS, &y).map_err(|error| error.joint), Err("body"));
+        y[1] = f64::NAN;
+        assert_eq!(check(&JOINTS, &y).map_err(|error| error.joint), Err("ball"));
+    }
+}
