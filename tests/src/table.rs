@@ -50,7 +50,11 @@ fn is_listed(function: &syn::ItemFn) -> bool {
     matches!(function.vis, syn::Visibility::Public(_))
         && matches!(function.sig.output, syn::ReturnType::Type(..))
         && !function.sig.inputs.iter().any(is_number)
+        && !OF_POSITIONS.iter().any(|name| function.sig.ident == name)
 }
+
+/// Functions of positions with quaternions: texts that are the same for every robot, and no programs.
+const OF_POSITIONS: [&str; 4] = ["integrate", "difference", "integrate_derivatives", "normalize"];
 
 fn is_number(argument: &syn::FnArg) -> bool {
     matches!(argument, syn::FnArg::Typed(argument) if matches!(*argument.ty, syn::Type::Path(_)))

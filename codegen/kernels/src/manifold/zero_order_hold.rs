@@ -35,26 +35,6 @@ pub fn zero_order_hold_on_manifold<const N: usize, const M: usize>(
     (state, input, affine)
 }
 
-/// The same about a reference that moves with the velocities `v`: `δ̇ = D δ + ẏ − v`, with δ from where the reference is. The
-/// affine remainders are those of `x⁺ = A_d x + B_d u + c_d` with x = (δ, ẏ).
-pub fn zero_order_hold_about<const N: usize, const M: usize>(
-    (by_y, by_v, by_u, remainder, drift): &LinearOnManifold<N, M>,
-    v: &[f64; N],
-    period: f64,
-) -> Discrete<N, M> {
-    let mut about = *remainder;
-    for i in 0..N {
-        about[i] += dot(&by_v[i], v);
-    }
-    let linear = (*by_y, *by_v, *by_u, about, *drift);
-    let (state, input, mut affine) = zero_order_hold_on_manifold(&linear, period);
-    for i in 0..N {
-        affine[0][i] -= dot(&state[0][1][i], v);
-        affine[1][i] += v[i] - dot(&state[1][1][i], v);
-    }
-    (state, input, affine)
-}
-
 #[inline]
 fn negative<const N: usize>(row: &[f64; N]) -> [f64; N] {
     row.map(|entry| -entry)

@@ -31,7 +31,7 @@ pub(super) fn function(context: &Context<'_>, composed: &ComposedFunction) -> To
     };
     let call = match function {
         Composition::Discretize if context.module.has_quaternions() => {
-            quote!(discrete_time::zero_order_hold_about(&#callee(y, v, u #p), v, period))
+            quote!(discrete_time::zero_order_hold_on_manifold(&#callee(y, v, u #p), period))
         }
         Composition::Step if context.module.has_quaternions() => quote! {
             discrete_time::runge_kutta_on_manifold(
