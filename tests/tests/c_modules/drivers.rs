@@ -6,6 +6,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use gelenk_codegen::emit::{Scalar, SourceFile};
+use gelenk_codegen::functions::function::ConstantValue;
+use gelenk_codegen::functions::position_functions::{PositionFunction, extents};
+use gelenk_codegen::layout::{Dimension, Extent};
 use gelenk_codegen::module::Module;
 use gelenk_codegen::program::Shape;
 use gelenk_tests::table;
@@ -15,14 +18,56 @@ pub struct Face {
     name: String,
     /// The number by value among the inputs, a sample time.
     inputs: Vec<Input>,
-    /// Entries of each result; none for one number, which is returned.
-    results: Option<Vec<usize>>,
+    results: Results,
 }
 
 #[derive(Clone, Copy)]
 enum Input {
     Array(usize),
+    /// Position entries, which may hold quaternions.
+    Positions(usize),
     Period,
+}
+
+enum Results {
+    /// One number, which is returned.
+    Number,
+    /// Entries of each result.
+    Arrays(Vec<usize>),
+    /// The only argument is changed, so many entries; a truth value is returned.
+    InPlace(usize),
+}
+
+impl Results {
+    fn entries(&self) -> usize {
+        match self {
+            Self::Number => 1,
+            Self::Arrays(results) => results.iter().sum(),
+            Self::InPlace(entries) => entries + 1,
+        }
+    }
+}
+
+impl Face {
+    fn is_of_positions(&self) -> bool {
+        PositionFunction::ALL.iter().any(|function| function.name() == self.name)
+    }
+}
+
+impl Input {
+    fn new(extent: &Extent) -> Self {
+        match extent.dimension {
+            Dimension::Positions => Self::Positions(extent.len),
+            _ => Self::Array(extent.len),
+        }
+    }
+
+    fn len(self) -> usize {
+        match self {
+            Self::Array(len) | Self::Positions(len) => len,
+            Self::Period => 1,
+        }
+    }
 }
 
 /// All functions of a module, in its order.
@@ -34,8 +79,11 @@ fn faces(module: &Module) -> Vec<Face> {
         let inputs = function.program.inputs.iter();
         Face {
             name: function.name.clone(),
-            inputs: inputs.map(|input| Input::Array(input.extent.len)).collect(),
-            results: (!is_number).then(|| outputs.iter().map(|output| output.entries.len()).collect()),
+            inputs: inputs.map(|input| Input::new(&input.extent)).collect(),
+            results: match is_number {
+                true => Results::Number,
+                false => Results::Arrays(outputs.iter().map(|output| output.entries.len()).collect()),
+            },
         }
     });
     let compositions = module.compositions.iter().map(|each| {
@@ -43,16 +91,51 @@ fn faces(module: &Module) -> Vec<Face> {
         let entries = results.map(|result| result.extents.iter().map(|extent| extent.len).product());
         Face {
             name: each.composition.name().to_owned(),
-            inputs: vec![Input::Array(n), Input::Array(n), Input::Array(m), Input::Period],
-            results: Some(entries.collect()),
+            inputs: vec![Input::Positions(module.positions), Input::Array(n), Input::Array(m), Input::Period],
+            results: Results::Arrays(entries.collect()),
         }
     });
-    functions.chain(compositions).collect()
+    functions.chain(compositions).chain(position_faces(module)).collect()
+}
+
+/// The functions of positions, of robots with quaternions.
+fn position_faces(module: &Module) -> Vec<Face> {
+    if !module.has_quaternions() {
+        return vec![];
+    }
+    let face = |function: PositionFunction| {
+        let (arguments, results) = (function.arguments(), function.results());
+        let lengths = |value| extents(value, module.positions, module.coordinates);
+        let entries = |value| lengths(value).iter().map(|extent| extent.len).product();
+        Face {
+            name: function.name().to_owned(),
+            inputs: arguments.iter().flat_map(lengths).map(|extent| Input::new(&extent)).collect(),
+            results: match function {
+                PositionFunction::Normalize => Results::InPlace(module.positions),
+                _ => Results::Arrays(results.iter().map(entries).collect()),
+            },
+        }
+    };
+    PositionFunction::ALL.map(face).into()
+}
+
+/// The first entry of each quaternion among the positions.
+fn quaternions(module: &Module) -> Vec<usize> {
+    let indices = |name| {
+        let constant = module.constants.iter().find(|constant| constant.name == name);
+        match constant.map(|constant| &constant.value) {
+            Some(ConstantValue::Indices(_, indices)) => indices.clone(),
+            _ => vec![],
+        }
+    };
+    let joints = indices("FIRST_POSITIONS").into_iter().zip(indices("JOINT_POSITIONS"));
+    joints.filter(|(_, entries)| *entries > 1).map(|(first, entries)| first + entries - 4).collect()
 }
 
 /// What the programs are asked for: in each line a function, parameters, and inputs; numbers as bits of their f64.
 pub struct Requests {
     faces: Vec<Face>,
+    quaternions: Vec<usize>,
     defaults: Vec<f64>,
     text: String,
     functions: Vec<usize>,
@@ -61,7 +144,13 @@ pub struct Requests {
 impl Requests {
     pub fn new(module: &Module) -> Self {
         let defaults = module.parameters.iter().map(|parameter| parameter.default);
-        Self { faces: faces(module), defaults: defaults.collect(), text: String::new(), functions: vec![] }
+        Self {
+            faces: faces(module),
+            quaternions: quaternions(module),
+            defaults: defaults.collect(),
+            text: String::new(),
+            functions: vec![],
+        }
     }
 
     /// How many functions there are.
@@ -74,22 +163,47 @@ impl Requests {
         &self.faces[self.functions[request]].name
     }
 
-    /// Asks for a function once more.
+    /// Tells whether a function is one of positions alone, which costs next to nothing.
+    pub fn is_of_positions(&self, function: usize) -> bool {
+        self.faces[function].is_of_positions()
+    }
+
+    /// Asks for a function once more. Quaternions are of unit length in every second request, and attitudes that are
+    /// compared lie near each other in every third one.
     pub fn add(&mut self, function: usize, number: &mut impl FnMut() -> f64) {
+        let count = self.functions.len();
         self.functions.push(function);
         let _ = write!(self.text, "{function}");
         let parameters = self.defaults.iter().map(|default| default + 0.1 * number());
         let parameters: Vec<f64> = parameters.map(|x| f64::from(x as f32)).collect();
-        let inputs = self.faces[function].inputs.iter().map(|input| match input {
-            Input::Array(len) => (0..*len).map(|_| number()).collect(),
+        let face = &self.faces[function];
+        let inputs = face.inputs.iter().map(|input| match input {
+            Input::Array(len) | Input::Positions(len) => (0..*len).map(|_| number()).collect(),
             Input::Period => vec![0.125 * (1.0 + number().abs())],
         });
+        let mut inputs: Vec<Vec<f64>> = inputs.collect();
+        if face.name == PositionFunction::Difference.name() && count.is_multiple_of(3) {
+            inputs[1] = inputs[0].iter().map(|x| x + 0.01 * number()).collect();
+        }
+        let positions = inputs.iter_mut().zip(&face.inputs);
+        let positions = positions.filter(|(_, input)| matches!(input, Input::Positions(_)));
+        for (positions, _) in positions.filter(|_| count.is_multiple_of(2)) {
+            self.quaternions.iter().for_each(|&first| to_unit_length(&mut positions[first..first + 4]));
+        }
         let mut numbers = parameters;
-        numbers.extend(inputs.collect::<Vec<Vec<f64>>>().concat());
+        numbers.extend(inputs.concat());
         for x in numbers {
             let _ = write!(self.text, " {}", x.to_bits());
         }
         self.text.push('\n');
+    }
+}
+
+/// Gives a quaternion unit length, where it has one.
+fn to_unit_length(quaternion: &mut [f64]) {
+    let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if length.is_normal() {
+        quaternion.iter_mut().for_each(|x| *x /= length);
     }
 }
 
@@ -105,16 +219,24 @@ pub fn rust(module: &Module, text: &str) -> String {
         let mut arguments: Vec<String> = vec![];
         for input in &face.inputs {
             arguments.push(match input {
-                Input::Array(len) => format!("&array(&x[{at}..{}])", at + len),
                 Input::Period => format!("number(x[{at}])"),
+                _ => format!("&array(&x[{at}..{}])", at + input.len()),
             });
-            at += match input {
-                Input::Array(len) => *len,
-                Input::Period => 1,
-            };
+            at += input.len();
         }
-        arguments.extend((count > 0).then(|| format!("&robot::Parameters {{ {fields} }}")));
-        let _ = writeln!(arms, "{index} => flat(&robot::{}({})),", face.name, arguments.join(", "));
+        let _ = match face.results {
+            Results::InPlace(entries) => writeln!(
+                arms,
+                "{index} => {{ let mut r = array(&x[{count}..{}]); let is = robot::{}(&mut r); flat(&(r, f64::from(is))) }}",
+                count + entries,
+                face.name
+            ),
+            _ => {
+                let has_parameters = count > 0 && !face.is_of_positions();
+                arguments.extend(has_parameters.then(|| format!("&robot::Parameters {{ {fields} }}")));
+                writeln!(arms, "{index} => flat(&robot::{}({})),", face.name, arguments.join(", "))
+            }
+        };
     }
     format!(
         r#"
@@ -150,22 +272,21 @@ pub fn c(module: &Module, source: &SourceFile, scalar: Scalar) -> String {
         let (mut at, mut arguments) = (count, vec![]);
         for input in &face.inputs {
             match input {
-                Input::Array(len) => {
-                    arguments.push(format!("&x[{at}]"));
-                    at += len;
-                }
-                Input::Period => {
-                    arguments.push(format!("x[{at}]"));
-                    at += 1;
-                }
+                Input::Period => arguments.push(format!("x[{at}]")),
+                _ => arguments.push(format!("&x[{at}]")),
             }
+            at += input.len();
         }
-        arguments.extend((count > 0).then(|| "&p".to_owned()));
+        arguments.extend((count > 0 && !face.is_of_positions()).then(|| "&p".to_owned()));
         let function = format!("{prefix}_{}", face.name);
         let call = match &face.results {
-            None => format!("r[0] = {function}({}); print(r, 1);", arguments.join(", ")),
-            Some(results) => {
-                let total: usize = results.iter().sum();
+            Results::Number => format!("r[0] = {function}({}); print(r, 1);", arguments.join(", ")),
+            Results::InPlace(entries) => format!(
+                "memcpy(r, &x[{count}], {entries} * sizeof *r); r[{entries}] = {function}(r) ? 1 : 0; print(r, {});",
+                entries + 1
+            ),
+            Results::Arrays(results) => {
+                let total = face.results.entries();
                 let mut start = 0;
                 for len in results {
                     arguments.push(format!("&r[{start}]"));
@@ -176,7 +297,7 @@ pub fn c(module: &Module, source: &SourceFile, scalar: Scalar) -> String {
         };
         let _ = writeln!(cases, "    case {index}: {call} break;");
     }
-    let largest = faces(module).iter().map(|face| face.results.iter().flatten().sum::<usize>()).max();
+    let largest = faces(module).iter().map(|face| face.results.entries()).max();
     let parameters = match count {
         0 => String::new(),
         _ => format!("{prefix}_parameters p;\n        memcpy(&p, x, sizeof p);"),

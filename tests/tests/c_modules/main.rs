@@ -52,12 +52,7 @@ fn compare(module: &Module, scalar: Scalar, is_fused: bool, compilers: &[Compile
     let folder = tempfile::tempdir().expect("a folder");
     let requests = requests(module, scalar);
     let expected = run_rust(folder.path(), module, scalar, is_fused, &requests);
-    let source = print(module, Language::C, scalar);
-    for (extension, text) in source.files() {
-        std::fs::write(folder.path().join(format!("robot.{extension}")), text).expect("a file");
-    }
-    let text = source.text.replace(&format!("#include \"{}.h\"", source.name), "#include \"robot.h\"");
-    std::fs::write(folder.path().join("robot.c"), text).expect("a file");
+    let source = put(folder.path(), module, scalar);
     std::fs::write(folder.path().join("main.c"), drivers::c(module, &source, scalar)).expect("a file");
     let what =
         |compiler: &Compiler| format!("{} {scalar:?} fused {is_fused} {}", module.name, compiler.name());
@@ -74,6 +69,17 @@ fn compare(module: &Module, scalar: Scalar, is_fused: bool, compilers: &[Compile
             drivers::assert_same_bits(&format!("{what}: {}", requests.name(request)), found, expected);
         }
     }
+}
+
+/// Writes `robot.c` and `robot.h`.
+fn put(folder: &Path, module: &Module, scalar: Scalar) -> SourceFile {
+    let source = print(module, Language::C, scalar);
+    for (extension, text) in source.files() {
+        std::fs::write(folder.join(format!("robot.{extension}")), text).expect("a file");
+    }
+    let text = source.text.replace(&format!("#include \"{}.h\"", source.name), "#include \"robot.h\"");
+    std::fs::write(folder.join("robot.c"), text).expect("a file");
+    source
 }
 
 fn run_rust(
@@ -104,7 +110,8 @@ fn requests(module: &Module, scalar: Scalar) -> Requests {
         Scalar::F32 => f64::from(x as f32),
     };
     for function in 0..requests.functions() {
-        for sample in 0..SAMPLES + SPECIAL.len() {
+        let rounds = if requests.is_of_positions(function) { 8 } else { 1 };
+        for sample in (0..rounds).flat_map(|_| 0..SAMPLES + SPECIAL.len()) {
             let special = sample.checked_sub(SAMPLES).map(|index| SPECIAL[index]);
             let mut number = || match (special, rng.u8(0..10)) {
                 (Some(special), 0..3) => short(special),
@@ -134,6 +141,9 @@ fn variants() -> impl Iterator<Item = bool> {
 const LOOPS: [&str; 4] =
     ["inverse_dynamics_derivatives_and_mass_matrix", "linearize", "discretize", "step_derivatives"];
 
+/// The functions over a sample time, and what they call.
+const DISCRETE_TIME: [&str; 5] = ["forward_dynamics", "linearize", "discretize", "step", "step_derivatives"];
+
 /// All functions as straight-line code with free parameters, then loops over a chain and over a tree; each of them with
 /// discrete time. The first compiler runs them, the others look for warnings.
 #[test]
@@ -150,6 +160,39 @@ fn three_robots_compute_the_same_bits_in_every_variant() {
             for scalar in [Scalar::F64, Scalar::F32] {
                 compare(&module, scalar, is_fused, &compilers, &others);
             }
+        }
+    }
+}
+
+/// Discrete time and functions of positions of a tree with a floating base and a ball joint: positions with quaternions.
+/// Their texts hold no fused operations.
+#[test]
+fn a_robot_with_quaternions_computes_the_same_bits() {
+    let mut compilers = c_compilers();
+    let others = compilers.split_off(compilers.len().min(1));
+    let module = derive(&model("satellite.toml"), &DISCRETE_TIME, Form::Cheapest, false);
+    for scalar in [Scalar::F64, Scalar::F32] {
+        compare(&module, scalar, false, &compilers, &others);
+    }
+}
+
+/// Texts that nothing calls are warnings: each function over a sample time brings no more than it needs.
+#[test]
+fn each_function_over_a_sample_time_compiles_alone() {
+    let functions: [&[&str]; 4] = [
+        &["linearize", "discretize"],
+        &["forward_dynamics", "step"],
+        &["linearize", "step_derivatives"],
+        &["mass_matrix"],
+    ];
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, functions) in
+        ["cart_pole.toml", "quadrotor.toml"].map(|name| functions.map(|each| (name, each))).concat()
+    {
+        put(folder.path(), &derive(&model(name), functions, Form::Cheapest, false), Scalar::F64);
+        for compiler in c_compilers() {
+            let result = compiler.compile_alone(folder.path());
+            result.unwrap_or_else(|message| panic!("{name} {functions:?} {}: {message}", compiler.name()));
         }
     }
 }

@@ -61,7 +61,13 @@ impl Text {
     }
 }
 
+/// The acceleration with its derivatives in C99: behind [`Text::Sensitivities`] for robots whose positions are all
+/// velocities. Others have one of their own, [`crate::manifold::Text::Sensitivities`].
+pub const C_ACCELERATION: &str = include_str!("acceleration.c");
+
 /// The bodies of the functions over a sample time in C99, as [`Text::c_source`].
+///
+/// [`crate::manifold::c_bodies`] are those of robots whose positions are not all velocities.
 pub mod c_bodies {
     /// Zero-order hold of the linearization.
     pub const DISCRETIZE: &str = include_str!("discretize.c");

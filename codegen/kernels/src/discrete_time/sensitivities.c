@@ -33,12 +33,10 @@ static void gelenk_add_motion_rates(gelenk_motion *y, double h, const gelenk_mot
         GELENK_N * GELENK_M, y->by_inputs, h, k1->by_inputs, k2->by_inputs, k3->by_inputs, k4->by_inputs);
 }
 
-// The acceleration, by the chain rule.
-static void gelenk_acceleration_motion(const gelenk_motion *y, const gelenk_motion *v, const double *u,
-    const gelenk_parameters *p, gelenk_motion *a)
+// Makes an affine remainder and the derivatives by the inputs, which stand in a, the acceleration: by the chain rule.
+static void gelenk_add_chain_rule(const double *by_y, const double *by_v, const gelenk_motion *y,
+    const gelenk_motion *v, const double *u, gelenk_motion *a)
 {
-    double by_y[GELENK_N * GELENK_N], by_v[GELENK_N * GELENK_N];
-    gelenk_linearize(y->value, v->value, u, p, by_y, by_v, a->by_inputs, a->value);
     double by_u[GELENK_BY_INPUTS];
     memcpy(by_u, a->by_inputs, sizeof by_u);
     for (int i = 0; i < GELENK_HALF; ++i) {

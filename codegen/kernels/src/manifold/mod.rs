@@ -63,4 +63,39 @@ impl Text {
             Self::ZeroOrderHold => include_str!("zero_order_hold.rs"),
         }
     }
+
+    /// The same operations as C99, with `gelenk_` before every name; empty where C has no need of a text.
+    ///
+    /// They read the module's constants JOINT_POSITIONS, FIRST_POSITIONS and FIRST_VELOCITIES instead of `widths`, and hold
+    /// nothing that the functions of a generated module do not call: compilers warn of it.
+    pub fn c_source(self) -> &'static str {
+        match self {
+            // The constants of the module say where the entries stand; the bracket stands among the steps, its only callers.
+            Self::Joints | Self::Bracket => "",
+            Self::Rotation => include_str!("rotation.c"),
+            Self::Positions => include_str!("positions.c"),
+            Self::Tangents => include_str!("tangents.c"),
+            Self::RungeKutta => include_str!("runge_kutta.c"),
+            Self::Sensitivities => include_str!("sensitivities.c"),
+            Self::ZeroOrderHold => include_str!("zero_order_hold.c"),
+        }
+    }
+}
+
+/// The bodies of functions in C99, as [`Text::c_source`].
+pub mod c_bodies {
+    /// [`super::integrate`]
+    pub const INTEGRATE: &str = include_str!("integrate.c");
+    /// [`super::difference`]
+    pub const DIFFERENCE: &str = include_str!("difference.c");
+    /// [`super::integrate_derivatives`]
+    pub const INTEGRATE_DERIVATIVES: &str = include_str!("integrate_derivatives.c");
+    /// [`super::normalize`]
+    pub const NORMALIZE: &str = include_str!("normalize.c");
+    /// Zero-order hold of the linearization.
+    pub const DISCRETIZE: &str = include_str!("discretize.c");
+    /// Runge–Kutta steps.
+    pub const STEP: &str = include_str!("step.c");
+    /// Runge–Kutta steps with their sensitivities.
+    pub const STEP_DERIVATIVES: &str = include_str!("step_derivatives.c");
 }

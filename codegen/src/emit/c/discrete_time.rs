@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use gelenk_kernels::discrete_time::{Text, c_bodies};
+use gelenk_kernels::discrete_time::{C_ACCELERATION, Text, c_bodies};
+use gelenk_kernels::manifold;
 
 use super::context::Context;
 use super::{comment, layout, signature};
@@ -37,20 +38,43 @@ fn head(context: &Context<'_>, composed: &ComposedFunction, tail: &str) -> Strin
 
 /// The functions, after the texts that they share.
 pub(super) fn text(context: &Context<'_>) -> String {
-    let compositions = &context.module.compositions;
-    let texts: BTreeSet<Text> =
-        compositions.iter().flat_map(|each| each.composition.texts()).copied().collect();
-    let has_matrices = texts.contains(&Text::Halves);
-    let texts = texts.iter().filter(|text| has_matrices || **text != Text::Sums);
-    let texts = texts.map(|text| text.c_source()).filter(|text| !text.is_empty());
+    let compositions = context.module.compositions.iter();
+    let texts = [shared(context), own(context)].concat().into_iter().filter(|text| !text.is_empty());
     let texts = texts.map(|text| context.pasted_loops(&format!("\n{text}")));
-    let functions = compositions.iter().map(|composed| {
-        let body = match composed.composition {
-            Composition::Discretize => c_bodies::DISCRETIZE,
-            Composition::Step => c_bodies::STEP,
-            Composition::StepDerivatives => c_bodies::STEP_DERIVATIVES,
-        };
-        format!("\n{}\n{}", head(context, composed, ""), context.pasted_loops(body))
+    let functions = compositions.map(|composed| {
+        format!("\n{}\n{}", head(context, composed, ""), context.pasted_loops(body(composed)))
     });
     texts.chain(functions).collect()
+}
+
+/// The texts for positions of every kind.
+fn shared(context: &Context<'_>) -> Vec<&'static str> {
+    let compositions = context.module.compositions.iter();
+    let texts: BTreeSet<Text> = compositions.flat_map(|each| each.composition.texts()).copied().collect();
+    let has_matrices = texts.contains(&Text::Halves);
+    let texts = texts.into_iter().filter(|text| has_matrices || *text != Text::Sums);
+    texts.map(Text::c_source).collect()
+}
+
+/// The texts for positions on a manifold, or for those that are no such.
+fn own(context: &Context<'_>) -> Vec<&'static str> {
+    let compositions = context.module.compositions.iter().map(|each| each.composition);
+    if context.module.has_quaternions() {
+        let texts: BTreeSet<manifold::Text> =
+            compositions.flat_map(Composition::manifold_texts).copied().collect();
+        return texts.into_iter().map(manifold::Text::c_source).collect();
+    }
+    let differentiated = compositions.filter(|composition| *composition == Composition::StepDerivatives);
+    differentiated.map(|_| C_ACCELERATION).collect()
+}
+
+fn body(composed: &ComposedFunction) -> &'static str {
+    match (composed.composition, composed.has_quaternions) {
+        (Composition::Discretize, false) => c_bodies::DISCRETIZE,
+        (Composition::Step, false) => c_bodies::STEP,
+        (Composition::StepDerivatives, false) => c_bodies::STEP_DERIVATIVES,
+        (Composition::Discretize, true) => manifold::c_bodies::DISCRETIZE,
+        (Composition::Step, true) => manifold::c_bodies::STEP,
+        (Composition::StepDerivatives, true) => manifold::c_bodies::STEP_DERIVATIVES,
+    }
 }

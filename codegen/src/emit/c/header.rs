@@ -1,7 +1,7 @@
 //! The header of a module: what its users see.
 
 use super::context::Context;
-use super::{comment, constants, discrete_time, parameters, public};
+use super::{comment, constants, discrete_time, parameters, positions, public};
 use crate::emit::header;
 
 /// The text of `<name>.h`.
@@ -17,6 +17,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     }
     items.extend(module.substeps.iter().map(|constant| constants::declaration(context, constant)));
     items.extend(module.compositions.iter().map(|each| discrete_time::declaration(context, each)));
+    items.extend(positions::declarations(context));
     let items: String = items.iter().map(|item| format!("\n{item}")).collect();
     let (guard, restrict) = (context.constant("H"), context.constant("RESTRICT"));
     format!(
@@ -25,11 +26,12 @@ pub(super) fn text(context: &Context<'_>) -> String {
          #if defined(__GNUC__)\n#define {restrict} __restrict__\n\
          #elif defined(__cplusplus)\n#define {restrict}\n\
          #else\n#define {restrict} restrict\n#endif\n\n\
-         #ifdef __cplusplus\nextern \"C\" {{\n#endif\n\
+         {}#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\
          {items}\n\
          #ifdef __cplusplus\n}}\n#endif\n\n#endif\n",
         top(context),
         conventions(context),
+        positions::include(context),
     )
 }
 

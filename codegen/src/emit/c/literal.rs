@@ -50,7 +50,10 @@ pub(super) fn in_scalar(text: &str, scalar: Scalar) -> String {
     match scalar {
         Scalar::F64 => text.to_owned(),
         Scalar::F32 => {
-            let text = text.replace("double", "float").replace("fabs(", "fabsf(").replace("fma(", "fmaf(");
+            let functions = ["fabs", "fma", "sqrt"].into_iter();
+            let text = functions.fold(text.replace("double", "float"), |text, name| {
+                text.replace(&format!("{name}("), &format!("{name}f("))
+            });
             with_suffixes(&text)
         }
     }
@@ -100,8 +103,8 @@ mod tests {
 
     #[test]
     fn numbers_of_loops_get_the_suffix_of_their_type() {
-        let text = "double x[4] = {0.0}; a1 = 12.5 / 2.0; i < 4; // |x| <= 10.";
-        let expected = "float x[4] = {0.0f}; a1 = 12.5f / 2.0f; i < 4; // |x| <= 10.";
+        let text = "double x[4] = {0.0}; a1 = 12.5 / sqrt(2.0); i < 4; // |x| <= 10.";
+        let expected = "float x[4] = {0.0f}; a1 = 12.5f / sqrtf(2.0f); i < 4; // |x| <= 10.";
         assert_eq!(in_scalar(text, Scalar::F32), expected);
     }
 }

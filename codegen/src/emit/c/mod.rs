@@ -25,6 +25,7 @@ mod math;
 mod names;
 mod parameters;
 mod parts;
+mod positions;
 mod public;
 mod signature;
 mod source;

@@ -1,7 +1,7 @@
 //! The source of a module: constants, private functions, public functions.
 
 use super::context::Context;
-use super::{array_kernels, constants, discrete_time, function, header, math, parameters};
+use super::{array_kernels, constants, discrete_time, function, header, math, parameters, positions};
 
 /// The text of `<name>.c`.
 pub(super) fn text(context: &Context<'_>) -> String {
@@ -16,6 +16,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     let constants = module.constants.iter().chain(constants);
     let constants = constants.filter_map(|constant| constants::definition(context, constant));
     let constants = constants.chain(parameters::definition(context));
+    let positions = positions::text(context);
     let body = [
         constants.map(|item| format!("\n{item}")).collect(),
         math::text(context),
@@ -23,6 +24,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
         array_kernels::text(context),
         context.shared.text(),
         functions,
+        positions,
         discrete_time::text(context),
     ];
     let body = body.concat();
