@@ -53,8 +53,8 @@ fn compare(module: &Module, scalar: Scalar, is_fused: bool, compilers: &[Compile
     let requests = requests(module, scalar);
     let expected = run_rust(folder.path(), module, scalar, is_fused, &requests);
     let source = print(module, Language::C, scalar);
-    for (extension, text) in source.files() {
-        std::fs::write(folder.path().join(format!("robot.{extension}")), text).expect("a file");
+    for (ending, text) in source.files() {
+        std::fs::write(folder.path().join(format!("robot{ending}")), text).expect("a file");
     }
     let text = source.text.replace(&format!("#include \"{}.h\"", source.name), "#include \"robot.h\"");
     std::fs::write(folder.path().join("robot.c"), text).expect("a file");

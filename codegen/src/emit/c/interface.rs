@@ -1,0 +1,97 @@
+//! The interface of a module as a plain value.
+
+use super::body::{Body, returns_number};
+use super::context::Context;
+use crate::emit::interface::{Argument, Callable, Interface, Written};
+use crate::emit::names::spelled;
+use crate::functions::function::Function;
+use crate::layout::{Dimension, Extent};
+use crate::module::ComposedFunction;
+
+/// All that a caller has to know.
+pub(super) fn of(context: &Context<'_>) -> Interface {
+    let functions = context.module.functions.iter().zip(&context.functions);
+    let functions = functions.map(|(each, name)| function(context, each, name));
+    let compositions = context.module.compositions.iter().map(|each| composition(context, each));
+    Interface {
+        prefix: context.function("").trim_end_matches('_').to_owned(),
+        parameters: context.parameters.clone(),
+        functions: functions.chain(compositions).collect(),
+    }
+}
+
+fn function(context: &Context<'_>, function: &Function, name: &str) -> Callable {
+    let face = function.program.face();
+    let body = Body::new(context, &face);
+    let inputs = face.inputs.iter().zip(&body.names.arguments).enumerate();
+    let arguments = inputs.map(|(index, (input, name))| {
+        let told = function.arguments.get(index);
+        let entries = told.map(|told| told.entries.as_slice()).unwrap_or_default();
+        Argument {
+            name: name.clone(),
+            extents: rows(input.extent),
+            meaning: told.map_or(String::new(), |told| told.meaning.clone()),
+            entries: entries.iter().map(|(name, unit)| (name.clone(), (*unit).to_owned())).collect(),
+        }
+    });
+    let results = face.outputs.iter().enumerate().map(|(index, output)| Written {
+        name: body.names.results.get(index).cloned().unwrap_or_else(|| spelled(&output.name)),
+        symbol: output.name.clone(),
+        extents: output.shape.extents(),
+        meaning: function.results.get(index).cloned().unwrap_or_default(),
+    });
+    Callable {
+        name: unprefixed(context, name),
+        summary: function.summary.clone(),
+        equation: function.equation.clone(),
+        arguments: arguments.collect(),
+        results: results.collect(),
+        returns_number: returns_number(&face),
+        cost: format!("Cost: {}.", function.cost()),
+        notes: function.notes.clone(),
+    }
+}
+
+fn composition(context: &Context<'_>, composed: &ComposedFunction) -> Callable {
+    let (n, m) = (context.module.coordinates, context.module.inputs);
+    let argument = |name: &str, extents: Vec<Extent>, meaning: &str| Argument {
+        name: name.to_owned(),
+        extents,
+        meaning: meaning.to_owned(),
+        entries: vec![],
+    };
+    let results = composed.results.iter().map(|result| Written {
+        name: spelled(result.name),
+        symbol: result.name.to_owned(),
+        extents: result.extents.clone(),
+        meaning: result.meaning.to_owned(),
+    });
+    Callable {
+        name: composed.composition.name().to_owned(),
+        summary: composed.composition.summary().to_owned(),
+        equation: composed.equation.to_owned(),
+        arguments: vec![
+            argument("y", vec![Extent::new(Dimension::Coordinates, n)], "coordinates"),
+            argument("v", vec![Extent::new(Dimension::Velocities, n)], "velocities ẏ"),
+            argument("u", vec![Extent::new(Dimension::Inputs, m)], "inputs"),
+            argument("period", vec![], "sample time in s, over which u is held"),
+        ],
+        results: results.collect(),
+        returns_number: false,
+        cost: composed.cost_text.clone(),
+        notes: composed.composition.notes().iter().map(|&note| note.to_owned()).collect(),
+    }
+}
+
+/// The lengths of an argument; its entries may come in rows.
+fn rows(extent: Extent) -> Vec<Extent> {
+    match extent.row() {
+        Some(row) => vec![Extent::new(extent.dimension, extent.len / row), Extent::fixed(row)],
+        None => vec![extent],
+    }
+}
+
+fn unprefixed(context: &Context<'_>, name: &str) -> String {
+    let prefix = context.function("");
+    name.strip_prefix(&prefix).unwrap_or(name).to_owned()
+}
