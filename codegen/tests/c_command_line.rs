@@ -80,6 +80,109 @@ fn a_plant_and_a_controller_can_be_linked_together() {
 }
 
 #[test]
+fn tools_get_files_of_their_own() {
+    let folder = folder();
+    let folder = folder.path();
+    let line = "powercube.toml --language c --for python --output src/arm.c --functions mass_matrix";
+    assert_eq!(gelenk(folder, &format!("generate {line}")).0, 0);
+    assert_eq!(written(&folder.join("src")), ["arm.c", "arm.h", "arm_python.c"]);
+    let text = read(folder, "src/arm_python.c");
+    assert!(text.contains("--functions mass_matrix --language c --for python\n"), "{text}");
+    assert!(text.contains("\nvoid arm_python_mass_matrix(char **args"), "{text}");
+    assert_eq!(gelenk(folder, &format!("check {line}")), (0, "fresh\n".to_owned()));
+    fs::write(folder.join("src/arm_python.c"), "\n").unwrap();
+    let (code, said) = gelenk(folder, &format!("check {line}"));
+    assert!(code == 1 && said.starts_with("stale: src/arm_python.c\n"), "{said}");
+    for (words, reason) in [
+        ("--for casadi --scalar f32", "modules in C have no functions for CasADi in single precision"),
+        ("--for matlab", "invalid value 'matlab' for '--for <TOOLS>'"),
+    ] {
+        let (code, said) = gelenk(folder, &format!("generate powercube.toml --language c {words}"));
+        assert!(code != 0 && said.contains(reason), "{said}");
+    }
+    // Nobody calls Rust that way.
+    let (code, said) = gelenk(folder, "generate powercube.toml --for python");
+    assert!(code == 1 && said.contains("stand beside modules in C alone"), "{said}");
+}
+
+/// Free parameters, frames, several steps in a period, a robot without inputs, one whose functions are loops.
+#[test]
+fn files_for_tools_compile_without_a_word() {
+    let folder = folder();
+    let folder = folder.path();
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    for name in ["powercube_parameters.toml", "gripper.toml"] {
+        fs::copy(models.join(name), folder.join(name)).unwrap();
+    }
+    let pendulum = "name = \"pendulum\"\njoints = [{ name = \"swing\", axis = [0, 1, 0] }]\n\
+        bodies = [{ link = \"swing\", mass = \"m\", center_of_mass = [0, 0, -1], inertia = 0.1 }]\n\
+        frames = [{ name = \"tip\", link = \"swing\" }]\ngenerate = { substeps = 3 }\nparameters = { m = 1 }\n";
+    fs::write(folder.join("pendulum.toml"), pendulum).unwrap();
+    for robot in ["powercube_parameters", "gripper", "pendulum", "cart_pole"] {
+        let line = format!("generate {robot}.toml --language c --output c --for casadi,python");
+        let (code, text) = gelenk(folder, &line);
+        assert_eq!(code, 0, "{text}");
+        for compiler in [&["cc", "-std=c99"][..], &["c++", "-x", "c++"]] {
+            for tool in ["casadi", "python"] {
+                let output = Command::new(compiler[0])
+                    .args(&compiler[1..])
+                    .args(["-Wall", "-Wextra", "-Werror", "-pedantic", "-fsyntax-only"])
+                    .arg(format!("{robot}_{tool}.c"))
+                    .current_dir(folder.join("c"))
+                    .output();
+                let Ok(output) = output else {
+                    println!("skipped: no {}", compiler[0]);
+                    continue;
+                };
+                let said = String::from_utf8(output.stderr).unwrap();
+                assert!(output.status.success() && said.is_empty(), "{robot} {tool}: {said}");
+            }
+        }
+    }
+    let names = |text: &str| -> Vec<String> {
+        let lines = text.lines().filter_map(|line| line.strip_prefix("PENDULUM_SYMBOL int "));
+        lines
+            .filter(|line| !line.contains("_work("))
+            .map(|line| line[..line.find('(').unwrap()].to_owned())
+            .collect()
+    };
+    let functions = ["dynamics", "inverse_dynamics", "step", "frame_tip"];
+    let expected: Vec<String> = functions
+        .iter()
+        .flat_map(|name| [format!("pendulum_casadi_{name}"), format!("jac_pendulum_casadi_{name}")])
+        .collect();
+    assert_eq!(names(&read(&folder.join("c"), "pendulum_casadi.c")), expected);
+    assert!(read(&folder.join("c"), "pendulum.h").contains(" pendulum_forward_dynamics_by_parameters("));
+}
+
+/// What tools that write bindings read.
+#[test]
+fn json_says_how_functions_are_called() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::create_dir(folder.join("c")).unwrap();
+    let line = "generate cart_pole.toml --language c --output c --functions linearize,step --format json";
+    let (code, text) = gelenk(folder, line);
+    assert_eq!(code, 0, "{text}");
+    let printed: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let [module] = printed.as_array().unwrap().as_slice() else { panic!("{text}") };
+    assert_eq!(module["read"], serde_json::json!(["cart_pole.toml"]));
+    let interface = &module["interface"];
+    assert_eq!(interface["prefix"], "cart_pole");
+    let names = interface["functions"].as_array().unwrap().iter().map(|each| &each["name"]);
+    assert_eq!(names.collect::<Vec<_>>(), ["forward_dynamics", "linearize", "step"]);
+    let [linearize, step] = [1, 2].map(|index| &interface["functions"][index]);
+    let b = &linearize["results"][2];
+    assert_eq!([&b["name"], &b["symbol"]], ["b_x", "B_x"]);
+    assert_eq!([&b["shape"], &b["dimensions"]], [&serde_json::json!([2, 1]), &serde_json::json!(["N", "M"])]);
+    assert_eq!(linearize["arguments"][1]["entries"][1], serde_json::json!({"name": "pole", "unit": "rad/s"}));
+    assert_eq!(step["arguments"][3]["shape"], serde_json::json!([]), "a number by value");
+    let constants = interface["constants"].as_array().unwrap();
+    let limits = constants.iter().find(|each| each["name"] == "VELOCITY_LIMITS").unwrap();
+    assert_eq!(limits["value"][1], "inf", "JSON has no infinity");
+}
+
+#[test]
 fn what_gelenk_has_not_generated_is_kept() {
     let folder = folder();
     let folder = folder.path();

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use common::{chain, every_operation, mass_matrix, parameter, powercube, synthetic};
-use gelenk_codegen::emit::{self, EmitOptions, Language, Scalar, SourceFile};
+use gelenk_codegen::emit::{self, Companion, EmitOptions, Language, Scalar, SourceFile};
 use gelenk_codegen::formula::Function as Call;
 use gelenk_codegen::functions::function::Function;
 use gelenk_codegen::layout::Extent;
@@ -34,12 +34,12 @@ fn emit_with(model: &Model, functions: &[Function], change: impl FnOnce(&mut Emi
 
 fn both(source: &SourceFile) -> String {
     let files = source.files().into_iter();
-    files.map(|(extension, text)| format!("=== {}.{extension}\n{text}\n", source.name)).collect()
+    files.map(|(ending, text)| format!("=== {}{ending}\n{text}\n", source.name)).collect()
 }
 
 fn put(folder: &Path, source: &SourceFile) {
-    for (extension, text) in source.files() {
-        fs::write(folder.join(format!("{}.{extension}", source.name)), text).unwrap();
+    for (ending, text) in source.files() {
+        fs::write(folder.join(format!("{}{ending}", source.name)), text).unwrap();
     }
 }
 
@@ -67,10 +67,13 @@ fn compile(folder: &Path, compiler: [&str; 3], arguments: &[&str]) -> Option<Res
 fn assert_compiles(source: &SourceFile, flags: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     put(folder.path(), source);
-    let file = format!("{}.c", source.name);
+    let sources = source.files().into_iter().filter(|(ending, _)| ending.ends_with(".c"));
+    let sources: Vec<String> = sources.map(|(ending, _)| format!("{}{ending}", source.name)).collect();
     for compiler in COMPILERS {
-        let arguments = [flags, &["-fsyntax-only", &file]].concat();
-        compile(folder.path(), compiler, &arguments).unwrap_or(Ok(())).unwrap();
+        for file in &sources {
+            let arguments = [flags, &["-fsyntax-only", file]].concat();
+            compile(folder.path(), compiler, &arguments).unwrap_or(Ok(())).unwrap();
+        }
     }
 }
 
@@ -334,8 +337,30 @@ fn no_text_of_a_description_becomes_code() {
         instruction.name = name.into();
     }
     function.program.outputs[0].name = evil.into();
-    let source = emit_with(&model, &[function], |options| options.command = evil.into());
+    let source = emit_with(&model, &[function], |options| {
+        options.command = evil.into();
+        options.companions = vec![Companion::Python];
+    });
     insta::assert_snapshot!(both(&source));
+    assert_compiles(&source, &[]);
+}
+
+#[test]
+fn loops_for_python() {
+    let mut model = powercube();
+    model.parameters = vec![parameter("g", 9.80665, "m/s²", "Gravity.")];
+    let source = emit_with(&model, &[mass_matrix()], |options| options.companions = vec![Companion::Python]);
+    let (_, text) = source.companions.first().unwrap();
+    insta::assert_snapshot!(text);
+    assert_compiles(&source, &[]);
+    // In single precision, without inputs, and by another name.
+    model.drives.clear();
+    let source = emit_with(&model, &[mass_matrix()], |options| {
+        options.companions = vec![Companion::Python];
+        options.scalar = Scalar::F32;
+        options.name = Some("my-arm.v2".into());
+    });
+    assert!(!source.companions[0].1.contains("double"));
     assert_compiles(&source, &[]);
 }
 

@@ -10,6 +10,7 @@ pub mod generated;
 pub mod literature;
 pub mod oracle;
 pub mod packages;
+pub mod python;
 pub mod quaternion_model;
 pub mod random_model;
 pub mod single;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::diagnostic::nearest;
-use crate::emit::{Language, Scalar};
+use crate::emit::{Companion, Language, Scalar};
 use crate::model::{FUNCTIONS, ReadOptions, is_known_function};
 
 /// Robot dynamics as plain Rust or C: reads a kinematic description, derives the equations of motion, writes
@@ -39,7 +39,8 @@ Examples:
   gelenk generate arm.urdf --output - --functions mass_matrix,bias_forces
   gelenk generate arm.urdf --snap-angles 1e-4 --scalar f32 --output firmware/src/arm.rs
   gelenk generate arm.toml --control-model 50    for the plant and for the controller
-  gelenk generate arm.toml --language c --output firmware/    writes firmware/arm.h and firmware/arm.c";
+  gelenk generate arm.toml --language c --output firmware/    writes firmware/arm.h and firmware/arm.c
+  gelenk generate arm.toml --language c --format json         also says how the functions are called";
 
 const INSPECT_EXAMPLES: &str = "\
 Examples:
@@ -348,12 +349,30 @@ pub(super) struct Modules {
     /// bits
     #[arg(long, value_enum, default_value_t = LanguageName::Rust)]
     pub(super) language: LanguageName,
+    /// Further files beside a module in C, for tools that call it, separated by commas: external functions with
+    /// their Jacobians for CasADi (NAME_casadi.c), loops over many states for Python (NAME_python.c)
+    #[arg(long = "for", value_name = "TOOLS", value_enum, value_delimiter = ',')]
+    pub(super) tools: Vec<ToolName>,
     #[command(flatten)]
     pub(super) choices: Choices,
     /// Write two modules: the exact model for plants, and beside it <NAME>_control for controllers, with
     /// tanh(SLOPE · v) for sign(v) in friction and springs
     #[arg(long, value_name = "SLOPE", value_parser = positive, conflicts_with = "smooth_sign")]
     pub(super) control_model: Option<f64>,
+}
+
+impl Modules {
+    /// The tools, each once, in the order of their files.
+    pub(super) fn tools(&self) -> Vec<ToolName> {
+        let mut tools = self.tools.clone();
+        tools.sort_unstable();
+        tools.dedup();
+        tools
+    }
+
+    pub(super) fn companions(&self) -> Vec<Companion> {
+        self.tools().into_iter().map(Companion::from).collect()
+    }
 }
 
 /// Choices that change what is generated; the header of the file names them.
@@ -417,6 +436,32 @@ impl From<LanguageName> for Language {
         match name {
             LanguageName::Rust => Self::Rust,
             LanguageName::C => Self::C,
+        }
+    }
+}
+
+/// A tool that calls modules in C.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub(super) enum ToolName {
+    Casadi,
+    Python,
+}
+
+impl ToolName {
+    /// Its name in a command line.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Casadi => "casadi",
+            Self::Python => "python",
+        }
+    }
+}
+
+impl From<ToolName> for Companion {
+    fn from(name: ToolName) -> Self {
+        match name {
+            ToolName::Casadi => Self::Casadi,
+            ToolName::Python => Self::Python,
         }
     }
 }

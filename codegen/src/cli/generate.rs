@@ -6,10 +6,10 @@ use std::process::ExitCode;
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::arguments::{Check, Choices, Format, Generate, LanguageName, Modules, ScalarName};
+use super::arguments::{Check, Choices, Format, Generate, LanguageName, Modules, ScalarName, ToolName};
 use super::place::{Output, Target, Workspace, shown};
-use super::print;
 use super::progress::Progress;
+use super::{interface, print};
 use crate::diagnostic::Diagnostics;
 use crate::emit::{EmitOptions, documentation};
 use crate::functions::form::Form;
@@ -239,6 +239,7 @@ fn derive_modules(
     let _progress = Progress::start(description.display().to_string());
     let mut options = options(&modules.choices, command);
     options.emit.language = modules.language.into();
+    options.emit.companions = modules.companions();
     options.emit.name = target.name.clone();
     match modules.control_model {
         Some(slope) => pipeline::generate_pair(description, &options, slope).map(Vec::from),
@@ -320,6 +321,10 @@ fn modules_command(
     if modules.language == LanguageName::C {
         command.push_str(" --language c");
     }
+    let tools: Vec<&str> = modules.tools().into_iter().map(ToolName::name).collect();
+    if !tools.is_empty() {
+        command.push_str(&format!(" --for {}", tools.join(",")));
+    }
     if let Some(slope) = modules.control_model {
         command.push_str(&format!(" --control-model {slope:?}"));
     }
@@ -354,9 +359,16 @@ fn files<'r>(robot: &'r Generated, path: &Path) -> Vec<(PathBuf, &'r str)> {
         None => vec![(path.to_owned(), &robot.source.text)],
         Some(_) => {
             let files = robot.source.files().into_iter();
-            files.map(|(extension, text)| (path.with_extension(extension), text)).collect()
+            files.map(|(ending, text)| (with_ending(path, ending), text)).collect()
         }
     }
+}
+
+/// The path with another end behind the name of the module.
+fn with_ending(path: &Path, ending: &str) -> PathBuf {
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(ending);
+    path.with_file_name(name)
 }
 
 /// The root of the crate `generated` with these modules beside those that are there.
@@ -391,7 +403,7 @@ fn inputs(robot: &Generated) -> usize {
 }
 
 fn result(robot: &Generated, path: &Path, outcome: Outcome) -> Value {
-    json!({
+    let mut result = json!({
         "robot": robot.source.name,
         "file": relative(path),
         "files": files(robot, path).iter().map(|(path, _)| relative(path)).collect::<Vec<_>>(),
@@ -400,7 +412,12 @@ fn result(robot: &Generated, path: &Path, outcome: Outcome) -> Value {
         "inputs": inputs(robot),
         "functions": print::counts(&robot.module.costs(), &[]),
         "notes": print::diagnostics(&robot.notes),
-    })
+        "read": robot.files.iter().map(|file| relative(file)).collect::<Vec<_>>(),
+    });
+    if let Some(interface) = &robot.source.interface {
+        result["interface"] = interface::json(interface, &robot.module);
+    }
+    result
 }
 
 /// The path from the current folder where it lies below.

@@ -7,6 +7,7 @@ mod closed_form;
 mod generate;
 mod identify;
 mod inspect;
+mod interface;
 mod mechanism;
 mod new;
 mod new_robot;

@@ -61,6 +61,7 @@ fn diagnostic(entry: &Diagnostic) -> Value {
         "line": entry.location.as_ref().map(|at| at.line),
         "column": entry.location.as_ref().map(|at| at.column),
         "help": entry.help,
+        "text": entry.to_string(),
     })
 }
 

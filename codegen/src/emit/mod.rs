@@ -8,6 +8,7 @@ mod arrays;
 mod c;
 mod documentation;
 mod header;
+pub mod interface;
 mod kernels;
 mod names;
 mod options;
@@ -16,7 +17,7 @@ mod sequence;
 mod text;
 
 pub use header::FIRST_LINE;
-pub use options::{EmitOptions, Language, Math, Scalar, SourceFile};
+pub use options::{Companion, EmitOptions, Language, Math, Scalar, SourceFile};
 pub use rust::documentation;
 
 use crate::module::Module;

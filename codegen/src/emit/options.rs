@@ -1,5 +1,7 @@
 //! How a module is printed.
 
+use super::interface::Interface;
+
 /// So many statements stay one function. With debug information, as in Cargo's dev profile, rustc 1.95 nests
 /// one scope for each `let`, and LLVM recurses over them: 2 800 statements compile, 3 200 overflow the 2 MB
 /// of its thread's stack and end rustc. Without it, at opt-level 3, 9 000 statements need 0.9 s and 200 MB,
@@ -11,6 +13,8 @@ const LONGEST_FUNCTION: usize = 2_000;
 pub struct EmitOptions {
     /// The language of the module.
     pub language: Language,
+    /// Further files for tools that call modules in C.
+    pub companions: Vec<Companion>,
     /// Name of the module, where it is not the robot's: that of its files, and in C the beginning of its names.
     pub name: Option<String>,
     /// Number type of all functions and constants.
@@ -27,6 +31,7 @@ impl Default for EmitOptions {
     fn default() -> Self {
         Self {
             language: Language::Rust,
+            companions: vec![],
             name: None,
             scalar: Scalar::F64,
             math: Math::Embedded,
@@ -45,16 +50,22 @@ pub struct SourceFile {
     pub text: String,
     /// The text of `<name>.h`, for a module in C.
     pub header: Option<String>,
+    /// The texts of the further files.
+    pub companions: Vec<(Companion, String)>,
+    /// How a module in C is called.
+    pub interface: Option<Interface>,
 }
 
 impl SourceFile {
-    /// The files of the module: the extension and the text of each.
+    /// The files of the module: what follows its name in theirs, and the text of each.
     #[must_use]
     pub fn files(&self) -> Vec<(&'static str, &str)> {
-        match &self.header {
-            None => vec![("rs", &self.text)],
-            Some(header) => vec![("h", header), ("c", &self.text)],
-        }
+        let mut files = match &self.header {
+            None => vec![(".rs", self.text.as_str())],
+            Some(header) => vec![(".h", header.as_str()), (".c", &self.text)],
+        };
+        files.extend(self.companions.iter().map(|(companion, text)| (companion.ending(), text.as_str())));
+        files
     }
 }
 
@@ -66,6 +77,26 @@ pub enum Language {
     Rust,
     /// C99 that is C++ too: `<name>.h` and `<name>.c`. Functions over lanes and tests are left to Rust.
     C,
+}
+
+/// A file beside a module in C, for a tool that calls it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Companion {
+    /// `<name>_casadi.c`: external functions with their Jacobians, in double precision.
+    Casadi,
+    /// `<name>_python.c`: loops over many states, as NumPy calls them.
+    Python,
+}
+
+impl Companion {
+    /// What follows the name of the module in that of the file.
+    #[must_use]
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Casadi => "_casadi.c",
+            Self::Python => "_python.c",
+        }
+    }
 }
 
 /// Number type of a generated module.

@@ -301,7 +301,7 @@ pub(super) fn write(folder: &Path, robots: &[Robot]) -> Result<Vec<PathBuf>, Bui
     let files = robots.iter().flat_map(|robot| {
         let source = &robot.generated.source;
         let files = source.files().into_iter();
-        files.map(|(extension, text)| (folder.join(format!("{}.{extension}", source.name)), text))
+        files.map(|(ending, text)| (folder.join(format!("{}{ending}", source.name)), text))
     });
     let planned = files.map(|(path, text)| Planned::new(&path, text, Replaces::Module, &read));
     let planned = planned.collect::<Result<Vec<_>, _>>().map_err(BuildError::Write)?;

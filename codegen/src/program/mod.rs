@@ -16,11 +16,13 @@ use crate::formula::Function;
 use crate::layout::{Dimension, Extent};
 
 mod angles;
+mod by_parameters;
 mod doubling;
 mod fuse;
 mod lower;
 mod zeros;
 
+pub use by_parameters::by_parameters;
 pub use fuse::fuse_multiply_adds;
 pub use lower::{GraphOutput, lower};
 pub use zeros::nonzero_entries;

@@ -74,8 +74,8 @@ fn compare(module: &Module, scalar: Scalar, is_fused: bool, compilers: &[Compile
 /// Writes `robot.c` and `robot.h`.
 fn put(folder: &Path, module: &Module, scalar: Scalar) -> SourceFile {
     let source = print(module, Language::C, scalar);
-    for (extension, text) in source.files() {
-        std::fs::write(folder.join(format!("robot.{extension}")), text).expect("a file");
+    for (ending, text) in source.files() {
+        std::fs::write(folder.join(format!("robot{ending}")), text).expect("a file");
     }
     let text = source.text.replace(&format!("#include \"{}.h\"", source.name), "#include \"robot.h\"");
     std::fs::write(folder.join("robot.c"), text).expect("a file");

@@ -103,6 +103,11 @@ impl<'a> Context<'a> {
             true => text.to_owned(),
             false => text.replace(", p,", ",").replace("const gelenk_parameters *p, ", ""),
         };
+        self.pasted_names(&text)
+    }
+
+    /// A text that is pasted, which has no free parameters, with the names of this module.
+    pub(super) fn pasted_names(&self, text: &str) -> String {
         let text = text.replace("gelenk_", &format!("{}_", self.prefix));
         text.replace("GELENK_", &format!("{}_", self.prefix.to_uppercase()))
     }

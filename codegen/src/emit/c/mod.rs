@@ -13,12 +13,14 @@ mod affine;
 mod array_kernels;
 mod arrays;
 mod body;
+mod casadi;
 mod comment;
 mod constants;
 mod context;
 mod discrete_time;
 mod function;
 mod header;
+mod interface;
 mod layout;
 mod literal;
 mod math;
@@ -27,13 +29,14 @@ mod parameters;
 mod parts;
 mod positions;
 mod public;
+mod python;
 mod signature;
 mod source;
 mod statements;
 mod straight;
 
 use self::context::Context;
-use crate::emit::options::{EmitOptions, SourceFile};
+use crate::emit::options::{Companion, EmitOptions, SourceFile};
 use crate::module::Module;
 
 /// Writes a module as C99: `<name>.h` and `<name>.c`.
@@ -44,5 +47,18 @@ pub(super) fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     let context = Context::new(module, options);
     let text = source::text(&context);
     let header = header::text(&context);
-    SourceFile { name: context.name, text, header: Some(header) }
+    let companions = options.companions.iter().map(|&companion| {
+        let text = match companion {
+            Companion::Casadi => casadi::text(&context),
+            Companion::Python => python::text(&context),
+        };
+        (companion, text)
+    });
+    SourceFile {
+        text,
+        header: Some(header),
+        companions: companions.collect(),
+        interface: Some(interface::of(&context)),
+        name: context.name,
+    }
 }

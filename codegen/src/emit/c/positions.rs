@@ -35,7 +35,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     text.replace(&format!("{}(", context.function("sin_cos")), &format!("{}(", math::sin_cos(context)))
 }
 
-fn functions(context: &Context<'_>) -> &'static [PositionFunction] {
+pub(super) fn functions(context: &Context<'_>) -> &'static [PositionFunction] {
     match context.module.has_quaternions() {
         true => &PositionFunction::ALL,
         false => &[],
@@ -73,7 +73,7 @@ fn head(context: &Context<'_>, function: PositionFunction, tail: &str) -> String
 }
 
 /// The names that the bodies have for the results.
-fn results_of(function: PositionFunction) -> &'static [&'static str] {
+pub(super) fn results_of(function: PositionFunction) -> &'static [&'static str] {
     match function {
         PositionFunction::Integrate => &["y_next"],
         PositionFunction::Difference => &["d"],

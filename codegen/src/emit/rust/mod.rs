@@ -76,7 +76,7 @@ pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     text.push_str(math::guard(&module.functions));
     push_items(&mut text, self_test::item(&context));
     let name = options.name.clone().unwrap_or_else(|| names::identifier(&module.name).to_string());
-    SourceFile { name, text, header: None }
+    SourceFile { name, text, header: None, companions: vec![], interface: None }
 }
 
 /// Names that the module takes for itself.

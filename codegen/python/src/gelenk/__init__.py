@@ -1,0 +1,42 @@
+"""Robot dynamics from a description, over NumPy arrays.
+
+    import gelenk
+    import numpy as np
+
+    robot = gelenk.load("ur5.toml")
+    y = np.zeros((1000, robot.N))
+    torques = robot.inverse_dynamics(y, 0 * y, 0 * y)
+
+`load` generates C with the program `gelenk`, compiles it with the compiler at hand, and keeps both in a cache.
+`generate`, `report`, `identify` and `plan` are the program's commands.
+"""
+
+from ._casadi import CasadiFunctions, casadi
+from ._commands import Identified, generate, identify, plan, report
+from ._robot import Robot, load
+from .errors import (
+    CompilerError,
+    DescriptionError,
+    DescriptionWarning,
+    Diagnostic,
+    GelenkError,
+    ProgramError,
+)
+
+__all__ = [
+    "CasadiFunctions",
+    "CompilerError",
+    "DescriptionError",
+    "DescriptionWarning",
+    "Diagnostic",
+    "GelenkError",
+    "Identified",
+    "ProgramError",
+    "Robot",
+    "casadi",
+    "generate",
+    "identify",
+    "load",
+    "plan",
+    "report",
+]

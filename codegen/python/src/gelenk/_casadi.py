@@ -1,0 +1,83 @@
+"""A robot's functions for CasADi."""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+import json
+import os
+from pathlib import Path
+from typing import Any, Iterable, Iterator
+
+from . import _program
+from ._robot import compiled, generated, warn
+
+
+class CasadiFunctions:
+    """External functions of CasADi, with their derivatives, as attributes: `robot.dynamics(x, u)`.
+
+    - `dynamics`: x = (y, ẏ), u gives xdot
+    - `inverse_dynamics`: y, v, a gives b_u, the forces of the drives at the joints
+    - `step`: x, u, period gives x_next
+    - `frame_<name>`: y gives position, rotation
+
+    Each takes `p` last where the robot has free parameters: all of them, in the order of `parameters`. First derivatives by all
+    inputs are analytic. Second ones are not there: with IPOPT take `{"ipopt.hessian_approximation": "limited-memory"}`.
+    """
+
+    def __init__(self, library: Path, functions: dict[str, Any], parameters: dict[str, float]):
+        self.library = library
+        """The shared library, for `casadi.external` elsewhere."""
+        self.parameters = parameters
+        """The free parameters by name, with their described values."""
+        self._functions = functions
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self.__dict__["_functions"][name]
+        except KeyError:
+            known = ", ".join(self.__dict__.get("_functions", {}))
+            raise AttributeError(f"there is no function `{name}` for CasADi; there are {known}") from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._functions)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._functions]
+
+
+def casadi(
+    description: str | os.PathLike[str],
+    *,
+    functions: Iterable[str] | None = None,
+    snap_angles: float | None = None,
+    no_friction: bool = False,
+    ignore_mimic: bool = False,
+    smooth_sign: float | None = None,
+    accept_unphysical: bool = False,
+    fused_multiply_add: bool = False,
+    max_operations: int | None = None,
+) -> CasadiFunctions:
+    """The robot of a description as external functions of CasADi, which has to be installed.
+
+    Dry friction needs `smooth_sign`: solvers follow derivatives, and that of the exact sign is zero. All arguments are those of
+    `load`. The functions of a module that derivatives need have to be among `functions` where these are named.
+    """
+    tool = importlib.import_module("casadi")
+    options = _program.switches({
+        "functions": [functions] if isinstance(functions, str) else functions, "snap_angles": snap_angles,
+        "no_friction": no_friction, "ignore_mimic": ignore_mimic, "smooth_sign": smooth_sign,
+        "accept_unphysical": accept_unphysical, "fused_multiply_add": fused_multiply_add, "max_operations": max_operations,
+    })
+    module = generated(Path(description).absolute(), options, "casadi")
+    told = json.loads((module / "module.json").read_text("utf-8"))
+    warn(_program.diagnostics(told["notes"]))
+    library = compiled(module, told["files"])
+    symbols = ctypes.CDLL(str(library))
+    interface = told["interface"]
+    poses = [each["name"] for each in interface["functions"] if each["name"].endswith("_pose")]
+    names = ["dynamics", "inverse_dynamics", "step", *(pose.removesuffix("_pose") for pose in poses)]
+    prefix = f"{interface['prefix']}_casadi_"
+    found = {name: tool.external(prefix + name, str(library)) for name in names if hasattr(symbols, prefix + name)}
+    parameters = {each["name"]: each["default"] for each in interface["parameters"]}
+    return CasadiFunctions(library, found, parameters)

@@ -1,0 +1,153 @@
+"""The program's commands as functions."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Iterable, Mapping
+
+from . import _program
+from .errors import GelenkError
+
+PathLike = str | os.PathLike[str]
+
+
+def generate(
+    description: PathLike,
+    output: PathLike | None = None,
+    *,
+    language: str = "rust",
+    tools: Iterable[str] = (),
+    functions: Iterable[str] | None = None,
+    lanes: Iterable[str] | None = None,
+    scalar: str = "f64",
+    control_model: float | None = None,
+    self_test: bool = False,
+    snap_angles: float | None = None,
+    no_friction: bool = False,
+    ignore_mimic: bool = False,
+    smooth_sign: float | None = None,
+    accept_unphysical: bool = False,
+    fused_multiply_add: bool = False,
+    max_operations: int | None = None,
+) -> list[Path]:
+    """Writes the module of a description, as `gelenk generate` does; the files.
+
+    - `output`: a file, or in C a folder
+    - `tools`: further files beside a module in C, the program's `--for`
+    - all others: as `gelenk generate --help` says
+    """
+    options = {
+        "output": output, "language": language, "for": list(tools), "functions": functions, "lanes": lanes,
+        "scalar": scalar, "control_model": control_model, "self_test": self_test, "snap_angles": snap_angles,
+        "no_friction": no_friction, "ignore_mimic": ignore_mimic, "smooth_sign": smooth_sign,
+        "accept_unphysical": accept_unphysical, "fused_multiply_add": fused_multiply_add,
+        "max_operations": max_operations,
+    }
+    written = _program.run(["generate", description, *_program.switches(options)])
+    return [Path(file) for module in written for file in module["files"]]
+
+
+def report(
+    description: PathLike,
+    output: PathLike | None = None,
+    *,
+    snap_angles: float | None = None,
+    no_friction: bool = False,
+    ignore_mimic: bool = False,
+    smooth_sign: float | None = None,
+    accept_unphysical: bool = False,
+    max_operations: int | None = None,
+) -> Path:
+    """Writes a page about a robot, as `gelenk report` does; its `index.html`.
+
+    Raises `GelenkError` where the functions of the robot disagree with each other, after the page is written.
+    """
+    options = {
+        "output": output, "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic,
+        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "max_operations": max_operations,
+    }
+    result = _program.run(["report", description, *_program.switches(options)], may_fail=True)
+    page = next(Path(file) for file in result["files"] if Path(file).name == "index.html")
+    failed = [check["id"] for check in result["self_check"] if check["verdict"] != "holds"]
+    if failed:
+        raise GelenkError(f"the functions of {result['robot']} disagree with each other: {', '.join(failed)}; see {page}")
+    return page
+
+
+@dataclass(frozen=True)
+class Identified:
+    """What `identify` wrote and found."""
+
+    description: Path
+    """The description with the results, which `load` reads."""
+    files: tuple[Path, ...]
+    """The page and its files, where a page was asked for."""
+    found: Mapping[str, Any]
+    """All results: joints, parameters with their uncertainties, warnings."""
+
+
+def identify(
+    description: PathLike,
+    logs: PathLike | Iterable[PathLike],
+    output: PathLike | None = None,
+    *,
+    report: PathLike | None = None,
+    validate: PathLike | Iterable[PathLike] = (),
+    columns: str | Mapping[str, str] | None = None,
+    separator: str | None = None,
+    effort: str | None = None,
+    gravity_compensated: bool = False,
+    bandwidth: float | None = None,
+    delay: float | None = None,
+    accept_poor: bool = False,
+    merge: bool = False,
+    snap_angles: float | None = None,
+    no_friction: bool = False,
+    ignore_mimic: bool = False,
+    smooth_sign: float | None = None,
+    accept_unphysical: bool = False,
+) -> Identified:
+    """Finds friction, inertias and drive gains in logs, as `gelenk identify` does, and writes a description with them.
+
+    - `output`: where the description goes; by default <name>_identified.toml in the current folder
+    - `columns`: which columns are what, `{"position": "pos_{}", "torque": "tau_{}"}`
+    - all others: as `gelenk identify --help` says
+    """
+    if isinstance(columns, Mapping):
+        columns = ",".join(f"{what}={pattern}" for what, pattern in columns.items())
+    options = {
+        "output": output, "report": report, "columns": columns, "separator": separator, "effort": effort,
+        "gravity_compensated": gravity_compensated, "bandwidth": bandwidth, "delay": delay,
+        "accept_poor": accept_poor, "merge": merge, "snap_angles": snap_angles, "no_friction": no_friction,
+        "ignore_mimic": ignore_mimic, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
+    }
+    held_out = [f"--validate={os.fspath(log)}" for log in _paths(validate)]
+    found = _program.run(["identify", description, *_paths(logs), *held_out, *_program.switches(options)])
+    return Identified(Path(found["description"]), tuple(map(Path, found["files"])), found)
+
+
+def plan(
+    description: PathLike,
+    output: PathLike | None = None,
+    *,
+    seconds: float | None = None,
+    rate: float | None = None,
+    acceleration: float | None = None,
+    ignore_mimic: bool = False,
+    accept_unphysical: bool = False,
+) -> Path:
+    """Plans a motion that shows the parameters, as `gelenk identify --plan` does; the CSV file."""
+    options = {
+        "output": output, "seconds": seconds, "rate": rate, "acceleration": acceleration,
+        "ignore_mimic": ignore_mimic, "accept_unphysical": accept_unphysical,
+    }
+    found = _program.run(["identify", "--plan", description, *_program.switches(options)])
+    return Path(found["file"])
+
+
+def _paths(one_or_several: PathLike | Iterable[PathLike]) -> list[PathLike]:
+    if isinstance(one_or_several, (str, os.PathLike)):
+        return [one_or_several]
+    return list(one_or_several)

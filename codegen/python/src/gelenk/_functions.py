@@ -1,0 +1,245 @@
+"""Python functions over the loops of a module: signatures, documentation, and errors that say what is expected."""
+
+from __future__ import annotations
+
+import keyword
+from collections import namedtuple
+from typing import Any, Callable, Mapping, Sequence
+
+import numpy as np
+
+PARAMETERS = "parameters"
+"""The keyword for all free parameters at once."""
+
+
+def identifier(name: str, taken: Sequence[str] = ()) -> str:
+    """A name of C as one of Python."""
+    if not name.isidentifier():
+        raise ValueError(f"the module has a function or argument of the name {name!r}")
+    while keyword.iskeyword(name) or name in taken or name.startswith("_"):
+        name = name.lstrip("_") + "_"
+    return name
+
+
+class Function:
+    """One function of a module: what its interface says, and the text of the Python function over it."""
+
+    def __init__(self, told: Mapping[str, Any], parameters: "Parameters", dtype: np.dtype[Any]):
+        self.name = identifier(told["name"])
+        self.told = told
+        self.parameters = parameters
+        self.dtype = dtype
+        self.arguments = [identifier(each["name"]) for each in told["arguments"]]
+        self.shapes = [tuple(each["shape"]) for each in told["arguments"]]
+        self.results = [identifier(each["name"]) for each in told["results"]]
+        self.result_shapes = [tuple(each["shape"]) for each in told["results"]]
+
+    @property
+    def result_name(self) -> str:
+        """Name of the type of several results."""
+        return "".join(word.capitalize() for word in self.name.split("_"))
+
+    def operands(self) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
+        """Shapes of those inputs and results that have entries."""
+        inputs = self.shapes + ([(len(self.parameters.fields),)] if self.parameters.fields else [])
+        has_entries = lambda shape: 0 not in shape  # noqa: E731
+        return list(filter(has_entries, inputs)), list(filter(has_entries, self.result_shapes))
+
+    def signature(self) -> str:
+        """Arguments as they stand in a definition."""
+        words = list(self.arguments)
+        if self.parameters.fields:
+            words += ["*", f"{PARAMETERS}=None", *(f"{field}=None" for field in self.parameters.fields)]
+        return ", ".join(words)
+
+    def define(self, call: Callable[..., Any] | None) -> Callable[..., Any]:
+        """The function, over the loop that NumPy calls; none where no result has entries."""
+        has_empty = any(0 in shape for shape in self.shapes + self.result_shapes)
+        names: dict[str, Any] = {
+            "_call": with_empty(self, call) if has_empty else call,
+            "_new": tuple.__new__,
+            "_explain": lambda error, values: explain(self, error, values),
+            "_defaults": self.parameters.defaults,
+            "_pack": self.parameters.pack,
+        }
+        passed = list(self.arguments)
+        lines = [f"def {self.name}({self.signature()}):"]
+        if self.parameters.fields:
+            fields = self.parameters.fields
+            are_none = " and ".join(f"{field} is None" for field in fields)
+            given = ", ".join(f"{field}={field}" for field in fields)
+            lines += [
+                f"    if {are_none}:",
+                f"        _p = _defaults if {PARAMETERS} is None else {PARAMETERS}",
+                "    else:",
+                f"        _p = _pack({PARAMETERS}, {given})",
+            ]
+            passed.append("_p")
+        call_text = f"_call({', '.join(passed)})"
+        if len(self.results) > 1:
+            names["_Result"] = self.result_type()
+            call_text = f"_new(_Result, {call_text})"
+        values = "".join(f"{name}, " for name in passed)
+        lines += [
+            "    try:",
+            f"        return {call_text}",
+            "    except (TypeError, ValueError) as _error:",
+            f"        _reason = _explain(_error, ({values}))",
+            "    raise _reason",
+        ]
+        exec("\n".join(lines), names)  # noqa: S102  names are identifiers
+        function: Callable[..., Any] = names[self.name]
+        function.__doc__ = self.documentation()
+        return function
+
+    def result_type(self) -> type:
+        """The type of several results."""
+        made = namedtuple(self.result_name, self.results)  # type: ignore[misc]
+        made.__doc__ = f"Results of `{self.name}`: {self.told['summary']}"
+        for name, told in zip(self.results, self.told["results"]):
+            getattr(made, name).__doc__ = f"{told['symbol']}: {told['meaning']}"
+        return made
+
+    def documentation(self) -> str:
+        told = self.told
+        lines = [told["summary"], ""]
+        if told["equation"]:
+            lines += [f"    {told['equation']}", ""]
+        lines += ["Arguments", "---------"]
+        for name, each in zip(self.arguments, told["arguments"]):
+            lines += [f"{name} : {shape_text(each['shape'])}", f"    {meaning(each)}"]
+        if self.parameters.fields:
+            for name, each in zip(self.parameters.fields, self.parameters.told):
+                unit = f" ({each['unit']})" if each["unit"] else ""
+                about = each["description"].strip() or f"parameter {each['name']}"
+                lines += [f"{name} : (...)", f"    {about}{unit}; described as {each['default']!r}"]
+            lines += [f"{PARAMETERS} : (..., {len(self.parameters.fields)})"]
+            lines += ["    all free parameters at once, from `pack_parameters`"]
+        lines += ["", "Returns", "-------"]
+        for name, each in zip(self.results, told["results"]):
+            symbol = each["symbol"] if each["symbol"] == name else f"{name}, {each['symbol']}"
+            lines += [f"{symbol} : {shape_text(each['shape'])}", f"    {each['meaning']}"]
+        lines += ["", "Axes in front count states; those of all arguments are broadcast.", told["cost"]]
+        for note in told["notes"]:
+            lines += ["", note]
+        return "\n".join(lines) + "\n"
+
+
+class Parameters:
+    """The free parameters of a module as keywords."""
+
+    def __init__(self, told: Sequence[Mapping[str, Any]], taken: Sequence[str], dtype: np.dtype[Any]):
+        self.told = told
+        self.fields: list[str] = []
+        for each in told:
+            self.fields.append(identifier(each["field"], [*taken, PARAMETERS, *self.fields]))
+        self.defaults = np.array([each["default"] for each in told], dtype)
+        self.defaults.flags.writeable = False
+
+    def pack(self, parameters: Any = None, **values: Any) -> np.ndarray:
+        """All parameters in one array, those of the description where no value is given."""
+        base = self.defaults if parameters is None else np.asarray(parameters)
+        if base.ndim == 0 or base.shape[-1] != len(self.fields):
+            raise ValueError(
+                f"`{PARAMETERS}` has the shape {base.shape}, expected (..., {len(self.fields)}): "
+                + ", ".join(self.fields)
+            )
+        given = {name: np.asarray(value) for name, value in values.items() if value is not None}
+        for name, value in given.items():
+            check_dtype(f"parameter `{name}`", value, self.defaults.dtype)
+        check_dtype(f"`{PARAMETERS}`", base, self.defaults.dtype)
+        try:
+            batch = np.broadcast_shapes(base.shape[:-1], *(value.shape for value in given.values()))
+        except ValueError:
+            shapes = ", ".join(f"`{name}` {value.shape}" for name, value in given.items())
+            raise ValueError(f"the shapes of the parameters do not broadcast: {shapes}") from None
+        packed = np.array(np.broadcast_to(base, (*batch, len(self.fields))), self.defaults.dtype)
+        for name, value in given.items():
+            packed[..., self.fields.index(name)] = value
+        return packed
+
+
+def shape_text(shape: Sequence[int]) -> str:
+    return "(..., " + ", ".join(map(str, shape)) + ")" if shape else "(...)"
+
+
+def meaning(told: Mapping[str, Any]) -> str:
+    """What an argument is, with the unit of each entry."""
+    parts: list[str] = []
+    for index, entry in enumerate(told["entries"]):
+        following = told["entries"][index + 1 : index + 2]
+        is_last = not following or following[0]["unit"] != entry["unit"]
+        parts.append(f"{entry['name']} in {entry['unit']}" if is_last else entry["name"])
+    entries = ", ".join(parts)
+    return f"{told['meaning']}: {entries}" if entries else told["meaning"]
+
+
+def check_dtype(what: str, value: np.ndarray, dtype: np.dtype[Any]) -> None:
+    """Numbers are taken where none of them changes for its type."""
+    if not np.can_cast(value.dtype, dtype, "safe"):
+        hint = ""
+        if value.dtype.kind in "fiu":
+            hint = f"; round them yourself with numpy.asarray(…, numpy.{dtype}) if that is meant"
+        raise TypeError(f"{what} holds {value.dtype}, which {dtype} does not hold exactly{hint}")
+
+
+def explain(function: Function, error: Exception, values: Sequence[Any]) -> Exception:
+    """The error of a call that NumPy refused, in the words of the robot."""
+    batches: list[tuple[str, tuple[int, ...]]] = []
+    names, shapes = list(function.arguments), list(function.shapes)
+    told = list(function.told["arguments"])
+    if function.parameters.fields:
+        names.append(PARAMETERS)
+        shapes.append((len(function.parameters.fields),))
+        told.append({"meaning": ", ".join(function.parameters.fields), "entries": []})
+    for name, shape, about, value in zip(names, shapes, told, values):
+        try:
+            array = np.asarray(value)
+        except (TypeError, ValueError) as reason:
+            return TypeError(f"{function.name}: `{name}` is no array of numbers: {reason}")
+        try:
+            check_dtype(f"{function.name}: `{name}`", array, function.dtype)
+        except TypeError as reason:
+            return reason
+        rank = len(shape)
+        if array.ndim < rank or array.shape[array.ndim - rank :] != shape:
+            expected = f"expected {shape_text(shape)}: {meaning(about)}"
+            return ValueError(f"{function.name}: `{name}` has the shape {array.shape}, {expected}")
+        batches.append((name, array.shape[: array.ndim - rank]))
+    try:
+        np.broadcast_shapes(*(batch for _, batch in batches))
+    except ValueError:
+        axes = ", ".join(f"{batch} of `{name}`" for name, batch in batches)
+        return ValueError(f"{function.name}: the axes in front do not broadcast: {axes}")
+    return error
+
+
+def with_empty(function: Function, call: Callable[..., Any] | None) -> Callable[..., Any]:
+    """A call with arguments or results without entries, which NumPy's loops do not have."""
+    has_entries = [0 not in shape for shape in function.shapes]
+    has_entries += [True] * bool(function.parameters.fields)
+    shapes = function.shapes + [(len(function.parameters.fields),)] * bool(function.parameters.fields)
+
+    def run(*values: Any) -> Any:
+        arrays = [np.asarray(value) for value in values]
+        for array, shape in zip(arrays, shapes):
+            if array.ndim < len(shape) or array.shape[array.ndim - len(shape) :] != shape:
+                raise ValueError("a wrong shape")
+        batch = np.broadcast_shapes(*(a.shape[: a.ndim - len(s)] for a, s in zip(arrays, shapes)))
+        passed = [
+            np.broadcast_to(array, batch + shape)
+            for array, shape, is_passed in zip(arrays, shapes, has_entries) if is_passed
+        ]
+        made: Any = ()
+        if call is not None:
+            made = call(*passed)
+            made = made if isinstance(made, tuple) else (made,)
+            # Without arguments there was no batch to follow.
+            made = tuple(np.broadcast_to(each, batch + np.shape(each)) if not passed else each for each in made)
+        full = iter(made)
+        results = tuple(
+            np.zeros(batch + shape, function.dtype) if 0 in shape else next(full) for shape in function.result_shapes
+        )
+        return results if len(results) > 1 else results[0]
+
+    return run

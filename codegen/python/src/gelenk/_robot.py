@@ -1,0 +1,283 @@
+"""From a description to an object with its functions."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import re
+import shutil
+import tempfile
+import time
+import warnings
+from pathlib import Path
+from typing import Any, Iterable, Mapping
+
+import numpy as np
+
+from . import _cache, _compiler, _program
+from ._functions import Function, Parameters, identifier
+from ._numpy import gufunc
+from .errors import DescriptionWarning, Diagnostic
+
+FORMAT = 1
+"""Changes with what entries of the cache hold."""
+
+CLOCK = 0.05
+"""Seconds by which the times of files may be late: systems take them from a coarse clock."""
+
+
+class Robot:
+    """A robot's functions over NumPy arrays, as `gelenk.load` makes them.
+
+    Functions and constants are those of the generated module: `robot.inverse_dynamics(y, v, a)`, `robot.N`,
+    `robot.JOINT_NAMES`. `help(robot.inverse_dynamics)` says what a function takes and returns. Axes in front count states,
+    and the loop over them is compiled.
+    """
+
+    name: str
+    """Name of the robot."""
+    description: tuple[str, ...]
+    """What its description says about it."""
+    dtype: np.dtype[Any]
+    """Type of all numbers."""
+    notes: tuple[Diagnostic, ...]
+    """What the program noted about the description."""
+    default_parameters: dict[str, float]
+    """The described values of the free parameters."""
+    folder: Path
+    """Where the module in C and its library lie."""
+    N: int
+    """Number of coordinates."""
+    M: int
+    """Number of inputs."""
+
+    def pack_parameters(self, **values: Any) -> np.ndarray:
+        """All free parameters in one array, for the keyword `parameters` of every function.
+
+        Those without a value are as described. Calls in a loop are faster with it than with single keywords.
+        """
+        unknown = [name for name in values if name not in self._parameters.fields]
+        if unknown:
+            known = ", ".join(self._parameters.fields) or "none"
+            raise TypeError(f"{self.name} has no parameter `{unknown[0]}`; it has {known}")
+        return self._parameters.pack(None, **values)
+
+    def stub(self) -> str:
+        """The text of a type stub: a class with the functions and constants of this robot.
+
+        Written to `ur5.pyi`, and imported where `TYPE_CHECKING`, it tells editors and type checkers what
+        `robot: "Ur5" = gelenk.load("ur5.toml")` has.
+        """
+        return stub(self)
+
+    def __repr__(self) -> str:
+        return f"<gelenk robot {self.name}: {self.N} coordinates, {self.M} inputs, {len(self._functions)} functions>"
+
+    _parameters: Parameters
+    _functions: list[Function]
+
+
+def load(
+    description: str | os.PathLike[str],
+    *,
+    functions: Iterable[str] | None = None,
+    scalar: str = "f64",
+    snap_angles: float | None = None,
+    no_friction: bool = False,
+    ignore_mimic: bool = False,
+    smooth_sign: float | None = None,
+    accept_unphysical: bool = False,
+    fused_multiply_add: bool = False,
+    max_operations: int | None = None,
+) -> Any:
+    """The robot of a description, TOML or URDF, as an object with its functions.
+
+    The program generates C, and the compiler at hand compiles it: `CC` where that is set, else cc, gcc, clang or
+    zig cc. Both are kept in a cache by their content, so that the next call only reads the description.
+
+    - `functions`: their names; by default those of the description, else all
+    - `scalar`: `f64`, or `f32` for functions in single precision
+    - all others: as `gelenk generate --help` says
+
+    Raises `DescriptionError`, `CompilerError`, `ProgramError`, and `ValueError` for an option that the program refuses.
+    """
+    options = _program.switches({
+        "functions": [functions] if isinstance(functions, str) else functions,
+        "scalar": scalar,
+        "snap_angles": snap_angles,
+        "no_friction": no_friction,
+        "ignore_mimic": ignore_mimic,
+        "smooth_sign": smooth_sign,
+        "accept_unphysical": accept_unphysical,
+        "fused_multiply_add": fused_multiply_add,
+        "max_operations": max_operations,
+    })
+    module = generated(Path(description).absolute(), options, "python")
+    told = json.loads((module / "module.json").read_text("utf-8"))
+    notes = _program.diagnostics(told["notes"])
+    warn(notes)
+    library = compiled(module, told["files"])
+    return robot(told, notes, library, np.dtype(np.float32 if scalar == "f32" else np.float64))
+
+
+def warn(notes: Iterable[Diagnostic]) -> None:
+    """Warnings of the program as those of Python, in the name of whoever loads a robot."""
+    for note in notes:
+        if note.severity == "warning":
+            warnings.warn(str(note), DescriptionWarning, stacklevel=3)
+
+
+def generated(description: Path, options: list[str], tool: str) -> Path:
+    """The folder with the module in C and what the program said about it.
+
+    - `tool`: for whom there is a file beside the module, `python` or `casadi`
+
+    What was read is known after the first time alone: the cache remembers it for each description and choice of
+    options, and a module is fresh as long as all these files have the same content.
+    """
+    program = _program.find()
+    asked = _cache.key(FORMAT, str(description), options, tool, _program.identity(program))
+    known = _cache.read_json("asked", asked)
+    if known is not None and all(_cache.fingerprint(path) == content for path, content in known["read"].items()):
+        place: Path = _cache.folder() / "modules" / known["module"]
+        if place.is_dir():
+            return place
+    return _generate(description, options, tool, asked)
+
+
+def _generate(description: Path, options: list[str], tool: str, asked: str) -> Path:
+    folder = _cache.folder() / "modules"
+    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    scratch = Path(tempfile.mkdtemp(prefix=".new-", dir=folder))
+    try:
+        start = time.time()
+        words = ["generate", str(description), "--language=c", f"--for={tool}", f"--output={scratch}{os.sep}", *options]
+        [told] = _program.run(words)
+        told["files"] = [Path(file).name for file in told["files"]]
+        texts = {name: (scratch / name).read_text("utf-8") for name in told["files"]}
+        kept = {key: told[key] for key in ("robot", "files", "notes", "interface")}
+        name = _cache.key(FORMAT, kept, texts)
+
+        def fill(place: Path) -> None:
+            for file in told["files"]:
+                shutil.copy(scratch / file, place / file)
+            (place / "module.json").write_text(json.dumps(kept), "utf-8")
+
+        place = _cache.entry("modules", name, fill)
+        read = [Path(file).absolute() for file in told["read"]]
+        # A file that was written while the program read may have another content than it read: the next call asks again.
+        if all(file.stat().st_mtime < start - CLOCK for file in read):
+            contents = {str(file): _cache.fingerprint(file) for file in read}
+            _cache.write_json("asked", asked, {"read": contents, "module": name})
+        return place
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+def compiled(module: Path, files: Iterable[str]) -> Path:
+    """The shared library of a module with these files."""
+    sources = [name for name in files if name.endswith(".c")]
+
+    def fill(place: Path) -> None:
+        for file in module.iterdir():
+            shutil.copy(file, place / file.name)
+        _compiler.compile(place, sources)
+
+    name = _cache.key(FORMAT, module.name, sources, _compiler.identity())
+    return _cache.entry("libraries", name, fill) / _compiler.LIBRARY
+
+
+def robot(told: Mapping[str, Any], notes: tuple[Diagnostic, ...], path: Path, dtype: np.dtype[Any]) -> Robot:
+    """The object over a compiled module."""
+    interface = told["interface"]
+    library = ctypes.CDLL(str(path))
+    arguments = {each["name"] for function in interface["functions"] for each in function["arguments"]}
+    parameters = Parameters(interface["parameters"], sorted(arguments), dtype)
+    functions = [Function(each, parameters, dtype) for each in interface["functions"]]
+    names: dict[str, Any] = {each["name"]: constant(each, dtype) for each in interface["constants"]}
+    names |= {
+        "__doc__": "\n\n".join([f"The robot {told['robot']}.", *interface["description"]]),
+        "N": interface["coordinates"],
+        "M": interface["inputs"],
+        "name": told["robot"],
+        "description": tuple(interface["description"]),
+        "dtype": dtype,
+        "notes": notes,
+        "folder": path.parent,
+        "default_parameters": dict(zip(parameters.fields, parameters.defaults.tolist())),
+        "_parameters": parameters,
+        "_functions": functions,
+    }
+    for function in functions:
+        if hasattr(Robot, function.name) or function.name in names:
+            raise ValueError(f"the module has a function `{function.name}`, which is the name of something else")
+        inputs, results = function.operands()
+        symbol = f"{interface['prefix']}_python_{function.told['name']}"
+        call = gufunc(library, symbol, function.name, inputs, results, dtype) if results else None
+        names[function.name] = staticmethod(function.define(call))
+    made: Robot = type(class_name(told["robot"]), (Robot,), names)()
+    return made
+
+
+def constant(told: Mapping[str, Any], dtype: np.dtype[Any]) -> Any:
+    """A constant of the module: numbers as arrays that cannot be written, names as tuples."""
+    kind, value = told["kind"], told["value"]
+    if kind == "count":
+        return value
+    if kind == "names":
+        return tuple(value)
+    if kind == "sparse":
+        return tuple((row, column, dtype.type(float(number))) for row, column, number in value)
+    types = {"indices": np.dtype(int), "numbers": dtype, "pattern": np.dtype(bool)}
+    # Infinity is a text in JSON, which float understands.
+    array = np.array(value, np.float64 if kind == "numbers" else types[kind]).astype(types[kind])
+    array.flags.writeable = False
+    return array
+
+
+def class_name(name: str) -> str:
+    """The name of a robot as that of a class."""
+    words = [word for word in re.split(r"[^0-9A-Za-z]+", name) if word]
+    joined = "".join(word[0].upper() + word[1:] for word in words)
+    return identifier(joined if joined[:1].isalpha() else f"Robot{joined}")
+
+
+def stub(robot: Robot) -> str:
+    """The text of a type stub."""
+    cls = type(robot)
+    lines = [
+        "from typing import NamedTuple", "", "import numpy as np", "from numpy.typing import ArrayLike, NDArray", "",
+        "import gelenk", "",
+    ]
+    array = f"NDArray[np.{robot.dtype}]"
+    for function in robot._functions:
+        if len(function.results) > 1:
+            lines += ["", f"class {function.result_name}(NamedTuple):"]
+            for name, each in zip(function.results, function.told["results"]):
+                lines += [f"    {name}: {array}", f"    {_quoted(each['meaning'])}"]
+    lines += ["", "", f"class {cls.__name__}(gelenk.Robot):"]
+    for name, value in vars(cls).items():
+        if name.isupper():
+            lines.append(f"    {name}: {_type_name(value)}")
+    for function in robot._functions:
+        words = [f"{name}: ArrayLike" for name in function.arguments]
+        if function.parameters.fields:
+            words.append("*")
+            words += [f"{name}: ArrayLike | None = None" for name in ["parameters", *function.parameters.fields]]
+        result = function.result_name if len(function.results) > 1 else array
+        lines += ["", "    @staticmethod", f"    def {function.name}({', '.join(words)}) -> {result}:"]
+        lines += [f"        {_quoted(function.documentation())}", "        ..."]
+    return "\n".join(lines) + "\n"
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _type_name(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        return f"NDArray[np.{'bool' if value.dtype == bool else value.dtype}]"
+    if isinstance(value, tuple):
+        return "tuple[str, ...]" if all(isinstance(each, str) for each in value) else "tuple[tuple[int, int, float], ...]"
+    return type(value).__name__

@@ -1,0 +1,99 @@
+"""The cache: what is used again, what makes it stale, and two processes at once."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import gelenk
+import numpy as np
+import pytest
+
+from conftest import ARM, write
+
+FEW = ["gravity_forces"]
+
+
+@pytest.fixture
+def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("GELENK_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+@pytest.fixture
+def runs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What was run since."""
+    seen: list[str] = []
+    program, compiler = gelenk._program.run, gelenk._robot._compiler.compile
+    monkeypatch.setattr("gelenk._program.run", lambda words: (seen.append("program"), program(words))[1])
+    monkeypatch.setattr(
+        "gelenk._compiler.compile", lambda folder, sources: (seen.append("compiler"), compiler(folder, sources))[1]
+    )
+    return seen
+
+
+def entries(folder: Path) -> int:
+    return len(list(folder.iterdir()))
+
+
+def test_a_robot_is_made_once(empty: Path, runs: list[str], tmp_path: Path) -> None:
+    base, file = tmp_path / "base.toml", tmp_path / "arm.toml"
+    write(base, ARM)
+    write(file, 'extends = "base.toml"\nname = "arm"\n')
+    y = np.ones(2)
+    first = gelenk.load(file, functions=FEW).gravity_forces(y)
+    assert runs == ["program", "compiler"]
+    gelenk.load(str(file), functions=FEW)
+    assert runs == ["program", "compiler"]
+    # Another option is another module.
+    gelenk.load(file, functions=FEW, fused_multiply_add=True)
+    assert runs == ["program", "compiler"] * 2
+    # A file that the description reads.
+    write(base, ARM.replace("mass = 2.0", "mass = 4.0"))
+    second = gelenk.load(file, functions=FEW).gravity_forces(y)
+    assert runs == ["program", "compiler"] * 3 and not np.array_equal(first, second)
+    # A comment makes no other module, and the old content finds the old one.
+    write(base, ARM + "# a comment\n")
+    assert np.array_equal(gelenk.load(file, functions=FEW).gravity_forces(y), first)
+    assert runs == [*["program", "compiler"] * 3, "program"]
+    # Another build of the program.
+    monkey = pytest.MonkeyPatch()
+    monkey.setattr("gelenk._program.identity", lambda program: ["another"])
+    gelenk.load(file, functions=FEW)
+    monkey.undo()
+    assert runs == [*["program", "compiler"] * 3, *["program"] * 2]
+    # Another compiler.
+    monkey.setattr("gelenk._compiler.identity", lambda: ["another"])
+    gelenk.load(file, functions=FEW)
+    monkey.undo()
+    assert runs[-1] == "compiler"
+
+
+def test_what_is_written_meanwhile_is_read_again(empty: Path, runs: list[str], tmp_path: Path) -> None:
+    """The program may have read another content than that which is found afterwards."""
+    file = write(tmp_path / "arm.toml", ARM)
+    file.touch()
+    gelenk.load(file, functions=FEW)
+    gelenk.load(file, functions=FEW)
+    assert runs == ["program", "compiler", "program"]
+
+
+def test_what_was_removed_is_made_again(empty: Path, arm_file: Path) -> None:
+    import shutil
+
+    gelenk.load(arm_file, functions=FEW)
+    for kind in ("libraries", "modules", "asked"):
+        shutil.rmtree(empty / kind)
+        assert gelenk.load(arm_file, functions=FEW).N == 2
+    for index in (empty / "asked").iterdir():
+        index.write_text("{")
+    assert gelenk.load(arm_file, functions=FEW).N == 2
+
+
+def test_two_processes_make_the_same_robot_at_once(empty: Path, arm_file: Path) -> None:
+    code = f"import gelenk; print(gelenk.load({str(arm_file)!r}).gravity_forces([0.5, 0.5]))"
+    processes = [subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) for _ in range(3)]
+    said = {process.communicate()[0] for process in processes}
+    assert [process.returncode for process in processes] == [0, 0, 0] and len(said) == 1
+    assert entries(empty / "modules") == 1 and entries(empty / "libraries") == 1, "nothing is left over"

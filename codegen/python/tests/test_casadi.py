@@ -1,0 +1,193 @@
+"""External functions of CasADi: values and derivatives against Pinocchio's, and an optimal control problem."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import gelenk
+import numpy as np
+import pytest
+
+from conftest import MODELS
+
+ca = pytest.importorskip("casadi", reason="casadi is not installed")
+
+TOLERANCE = 1e-12
+
+
+def assert_close(found: Any, expected: np.ndarray) -> None:
+    found = np.asarray(found)
+    assert found.shape == expected.shape
+    assert np.abs(found - expected).max() <= TOLERANCE * np.abs(expected).max()
+
+
+def jacobian(function: Any, *arguments: Any) -> list[np.ndarray]:
+    """All blocks, outputs first."""
+    blocks = function.jacobian()(*arguments, *[0] * function.n_out())
+    return [block.full() for block in (blocks if isinstance(blocks, (tuple, list)) else [blocks])]
+
+
+def test_values_and_jacobians_agree_with_pinocchio(reference: Path, tmp_path: Path) -> None:
+    file = tmp_path / "ur5.toml"
+    urdf = reference / "urdf" / "ur5.urdf"
+    file.write_text(f'name = "ur5"\nurdf = "{urdf}"\n[[frames]]\nname = "last"\nlink = "wrist_3_link"\n', "utf-8")
+    functions = ["inverse_dynamics_derivatives_and_mass_matrix", "inverse_dynamics", "linearize", "forward_dynamics", "frames"]
+    robot = gelenk.casadi(file, no_friction=True, functions=functions)
+    assert list(robot) == ["dynamics", "inverse_dynamics", "frame_last"]
+    told = json.loads((reference / "ur5.json").read_text())
+    assert told["frame"] == "wrist_3_joint"
+    for sample in told["samples"]:
+        sample = {key: np.array(value) for key, value in sample.items() if key != "regressor"}
+        y, v, a, u = (sample[key] for key in ("y", "v", "a", "tau"))
+        x, n = np.concatenate([y, v]), y.size
+        assert_close(robot.dynamics(x, u).full().ravel(), np.concatenate([v, sample["fd"]]))
+        by_x, by_u = jacobian(robot.dynamics, x, u)
+        assert_close(by_x[n:], np.hstack([sample["dfd_dy"], sample["dfd_dv"]]))
+        assert np.array_equal(by_x[:n], np.eye(n, 2 * n, n)) and not by_u[:n].any()
+        assert_close(by_u[n:], sample["dfd_dtau"])
+        assert_close(robot.inverse_dynamics(y, v, a).full().ravel(), sample["id"])
+        for block, key in zip(jacobian(robot.inverse_dynamics, y, v, a), ["did_dy", "did_dv", "M"]):
+            assert_close(block, sample[key])
+        position, rotation = robot.frame_last(y)
+        assert_close(position.full().ravel(), sample["p"])
+        assert_close(rotation.full(), sample["R"])
+        by_position, by_rotation = jacobian(robot.frame_last, y)
+        assert_close(by_position, sample["J"][:3])
+        # Columns of ω × R, entries of R column by column.
+        turned = np.cross(sample["J"][3:].T[:, None, :], sample["R"].T[None]).reshape(n, 9).T
+        assert_close(by_rotation, turned)
+
+
+def test_entries_that_are_always_zero_are_not_there(arm: Any) -> None:
+    """Where the cart stands matters to nothing; the hand moves in a plane by its first joint."""
+    functions = ["linearize", "forward_dynamics"]
+    robot = gelenk.casadi(MODELS / "cart_pole.toml", functions=functions, smooth_sign=50)
+    module = gelenk.load(MODELS / "cart_pole.toml", functions=functions, smooth_sign=50)
+    by_x = np.array(ca.DM(robot.dynamics.jacobian().sparsity_out(0), 1).full(), bool)
+    lower = np.hstack([module.A_Y_NONZERO, module.A_V_NONZERO])
+    assert np.array_equal(by_x, np.vstack([np.eye(2, 4, 2, dtype=bool), lower])) and not lower[:, 0].any()
+    by_y = np.array(ca.DM(arm[0].frame_hand.jacobian().sparsity_out(0), 1).full(), bool)
+    assert np.array_equal(by_y, [[1, 1], [0, 1], [1, 1]])
+
+
+def differences(function: Any, arguments: list[np.ndarray], index: int) -> np.ndarray:
+    columns, step = [], 1e-6
+    for entry in range(arguments[index].size):
+        both = []
+        for sign in (1, -1):
+            moved = [np.array(each, float) for each in arguments]
+            moved[index].flat[entry] += sign * step
+            results = function(*moved)
+            results = results if isinstance(results, tuple) else (results,)
+            both.append(np.concatenate([each.full().ravel("F") for each in results]))
+        columns.append((both[0] - both[1]) / (2 * step))
+    return np.stack(columns, axis=1)
+
+
+ARM = """\
+name = "arm"
+gravity = [0, 0, "-g"]
+joints = [
+    { name = "a", axis = [0, 1, 0], drive = "ideal", friction = { viscous = 0.3, coulomb = { free = 0.5, name = "dry" } } },
+    { name = "b", axis = [0.6, 0.8, 0], origin = { xyz = [0.1, 0, "length"] }, drive = "ideal" },
+]
+bodies = [
+    { link = "a", mass = 3.0, center_of_mass = [0, 0, 0.2], inertia = 0.04 },
+    { link = "b", mass = "load", center_of_mass = [0, 0.05, 0.15], inertia = 0.02 },
+]
+frames = [{ name = "hand", link = "b", origin = { xyz = [0, 0, "length"] } }]
+
+[generate]
+substeps = 3
+
+[parameters]
+g = 9.81
+load = 2.0
+length = 0.4
+"""
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory: pytest.TempPathFactory, cache: Path) -> Any:
+    file = tmp_path_factory.mktemp("arm") / "arm.toml"
+    file.write_text(ARM, "utf-8")
+    return gelenk.casadi(file, smooth_sign=20), gelenk.load(file, smooth_sign=20)
+
+
+def test_all_inputs_have_their_derivatives(arm: Any) -> None:
+    robot, _ = arm
+    rng = np.random.default_rng(16)
+    assert list(robot.parameters) == ["g", "load", "length", "dry"]
+    p = np.array(list(robot.parameters.values()))
+    for name in robot:
+        function = getattr(robot, name)
+        sizes = [function.numel_in(index) for index in range(function.n_in())]
+        arguments = [rng.uniform(-1, 1, size) for size in sizes]
+        arguments[-1] = p
+        if name == "step":
+            arguments[2] = np.array([0.05])
+        blocks = jacobian(function, *arguments)
+        count = function.n_in()
+        for index in range(count):
+            found = np.concatenate([blocks[output * count + index] for output in range(function.n_out())])
+            expected = differences(function, arguments, index)
+            assert np.abs(found - expected).max() <= 1e-8 * max(1, np.abs(expected).max()), (name, function.name_in(index))
+
+
+def test_the_functions_are_those_of_the_module(arm: Any) -> None:
+    robot, module = arm
+    y, v, u = np.random.default_rng(17).uniform(-1, 1, (3, 2))
+    p = [9.0, 1.0, 0.3, 0.1]
+    packed = dict(zip(robot.parameters, p))
+    x = np.concatenate([y, v])
+    after = module.step(y, v, u, 0.02, **packed)
+    assert np.array_equal(robot.step(x, u, 0.02, p).full().ravel(), np.concatenate(after))
+    assert np.array_equal(robot.inverse_dynamics(y, v, u, p).full().ravel(), module.inverse_dynamics(y, v, u, **packed))
+    position, rotation = module.frame_hand_pose(y, **packed)
+    found = robot.frame_hand(y, p)
+    assert np.array_equal(found[0].full().ravel(), position) and np.array_equal(found[1].full(), rotation)
+    # An argument that CasADi leaves out is zero.
+    assert np.array_equal(robot.dynamics(x=x, p=p)["xdot"].full().ravel()[2:], module.forward_dynamics(y, v, 0 * u, **packed))
+    with pytest.raises(AttributeError, match="there is no function `frame_foot` for CasADi; there are dynamics, inverse_dynamics"):
+        robot.frame_foot
+
+
+def test_what_the_module_lacks_is_not_differentiated(tmp_path: Path) -> None:
+    file = tmp_path / "arm.toml"
+    file.write_text(ARM, "utf-8")
+    robot = gelenk.casadi(file, functions=["forward_dynamics"])
+    assert list(robot) == ["dynamics"]
+    x = ca.MX.sym("x", 4)
+    with pytest.raises(RuntimeError):
+        ca.Function("f", [x], [ca.jacobian(robot.dynamics(x, [0, 0], [9.81, 2, 0.4, 0]), x)])
+
+
+def test_ipopt_solves_an_optimal_control_problem(arm: Any) -> None:
+    """From rest to rest in a second with the least torque, multiple shooting; the load is a parameter of the problem."""
+    robot, module = arm
+    count, period, most = 40, 0.025, 40.0
+    x, u, p = ca.MX.sym("x", 4, count + 1), ca.MX.sym("u", 2, count), ca.MX.sym("p", 4)
+    steps = robot.step.map(count)(x[:, :-1], u, period, ca.repmat(p, 1, count))
+    start, end = np.array([0.0, 0.0, 0, 0]), np.array([1.0, -0.8, 0, 0])
+    constraints = ca.vertcat(ca.vec(x[:, 1:] - steps), x[:, 0] - start, x[:, -1] - end)
+    problem = {"x": ca.veccat(x, u), "p": p, "f": period * ca.sumsqr(u), "g": constraints}
+    options = {"ipopt.hessian_approximation": "limited-memory", "ipopt.print_level": 0, "print_time": False, "ipopt.sb": "yes"}
+    solver = ca.nlpsol("swing", "ipopt", problem, options)
+    limits = np.concatenate([np.full(4 * (count + 1), np.inf), np.full(2 * count, most)])
+    parameters = [9.81, 2.5, 0.4, 0.5]
+    found = solver(x0=0, p=parameters, lbx=-limits, ubx=limits, lbg=0, ubg=0)
+    assert solver.stats()["return_status"] == "Solve_Succeeded"
+    inputs = found["x"].full().ravel()[4 * (count + 1) :].reshape(count, 2)
+    assert np.abs(inputs).max() <= most + 1e-6
+    # The module by itself ends where the solution says.
+    y, v = start[:2], start[2:]
+    for each in inputs:
+        y, v = module.step(y, v, each, period, parameters=module.pack_parameters(**dict(zip(robot.parameters, parameters))))
+    assert np.abs(np.concatenate([y, v]) - end).max() < 1e-6
+    # CasADi's multiplier of a parameter is the negative slope of the optimum, which a second solution shows.
+    more = [9.81, 2.51, 0.4, 0.5]
+    again = solver(x0=found["x"], p=more, lbx=-limits, ubx=limits, lbg=0, ubg=0)
+    slope = float(again["f"] - found["f"]) / 0.01
+    assert -float(found["lam_p"][1]) == pytest.approx(slope, rel=0.01)

@@ -1,0 +1,64 @@
+//! A Python of the tests' own: an environment in the target folder, made once for each list of packages.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use crate::cargo::{cargo, success, target};
+use crate::workspace;
+
+/// The interpreter of an environment with the packages of `tests/python/requirements.txt`; none, with a note, where there
+/// is no Python, or where its packages cannot be had.
+pub fn python() -> Option<PathBuf> {
+    let requirements = workspace().join("tests/python/requirements.txt");
+    let wanted = fs::read_to_string(&requirements).expect("the list of packages");
+    let folder = target().join("python");
+    let python = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    let installed = folder.join("installed.txt");
+    if fs::read_to_string(&installed).is_ok_and(|found| found == wanted) {
+        return Some(python);
+    }
+    let named = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let path = |path: &Path| path.display().to_string();
+    let pip =
+        ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:", "-r"];
+    let steps = [
+        (named, vec!["-m".to_owned(), "venv".to_owned(), "--clear".to_owned(), path(&folder)]),
+        (path(&python), pip.iter().map(|&word| word.to_owned()).chain([path(&requirements)]).collect()),
+    ];
+    for (program, arguments) in steps {
+        let done = Command::new(&program).args(&arguments).output();
+        if let Some(reason) = refusal(done) {
+            println!("skipped: `{program} {}`: {reason}", arguments.join(" "));
+            return None;
+        }
+    }
+    fs::write(&installed, wanted).expect("the list of what is installed");
+    Some(python)
+}
+
+fn refusal(done: std::io::Result<Output>) -> Option<String> {
+    match done {
+        Err(error) => Some(error.to_string()),
+        Ok(output) if output.status.success() => None,
+        Ok(output) => Some(String::from_utf8_lossy(&output.stderr).trim().to_owned()),
+    }
+}
+
+/// The program `gelenk`, built.
+///
+/// # Panics
+/// Where it does not compile.
+pub fn program() -> PathBuf {
+    success(&cargo(&workspace(), &["build", "-p", "gelenk-codegen", "--bin", "gelenk"]));
+    target().join("debug").join(if cfg!(windows) { "gelenk.exe" } else { "gelenk" })
+}
+
+/// Tells whether there is a C compiler by the name of `cc`; a note where there is none.
+pub fn has_c_compiler() -> bool {
+    let is_there = Command::new("cc").arg("--version").output().is_ok_and(|output| output.status.success());
+    if !is_there {
+        println!("skipped: no C compiler `cc`");
+    }
+    is_there
+}
