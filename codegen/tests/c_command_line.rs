@@ -155,6 +155,15 @@ fn files_for_tools_compile_without_a_word() {
     assert!(read(&folder.join("c"), "pendulum.h").contains(" pendulum_forward_dynamics_by_parameters("));
 }
 
+#[test]
+fn functions_for_casadi_of_a_cart_pole() {
+    let folder = folder();
+    let line = "generate cart_pole.toml --language c --for casadi --functions forward_dynamics,linearize";
+    let (code, text) = gelenk(folder.path(), line);
+    assert_eq!(code, 0, "{text}");
+    insta::assert_snapshot!(read(folder.path(), "cart_pole_casadi.c"));
+}
+
 /// What tools that write bindings read.
 #[test]
 fn json_says_how_functions_are_called() {

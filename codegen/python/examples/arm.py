@@ -80,6 +80,7 @@ def draw(robot: gelenk.Robot, file: str) -> None:
         errors = tracking(robot, with_model, 2000)
         right.plot(PERIOD * np.arange(errors.size), 1000 * errors, label=label)
     right.set(xlabel="time [s]", ylabel="error of the shoulder [mrad]", title="Tracking, 20 % more load than modelled")
+    right.set_ylim(-16, 12)
     right.legend(loc="lower left")
 
     figure.savefig(file, dpi=110)
