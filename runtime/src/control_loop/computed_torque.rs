@@ -68,6 +68,18 @@ pub enum ComputedTorqueError {
 /// (take a model with smooth friction, and measured velocities where there are any). As fallback of a loop,
 /// `JointPd` is the quieter choice.
 ///
+/// For robots without quaternions: with others `ë + K_d ė + K_p e = 0` is not what e = y_d ⊖ y obeys, and this does not
+/// compile.
+///
+/// ```compile_fail,E0277
+/// use gelenk_runtime::control_loop::{AccelerationGains, ComputedTorque};
+/// use gelenk_runtime::dynamics::Dynamics;
+///
+/// fn law(body: impl Dynamics<6, 6, 7>) {
+///     let _ = ComputedTorque::<_, 6, 6>::new(body, AccelerationGains::from_bandwidth(9.0, 1.0));
+/// }
+/// ```
+///
 /// ```
 /// use gelenk_runtime::control_loop::{AccelerationGains, ComputedTorque, JointLaw};
 /// use gelenk_runtime::trajectory::Sample;

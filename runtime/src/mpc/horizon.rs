@@ -222,13 +222,16 @@ where
     /// Moves the estimate on and corrects it. One that a wild reading has made infinite begins anew from this
     /// measurement.
     fn take_in(&mut self, cycle: &Cycle<N, M, NY>) -> Result<(), ControllerFault> {
-        if let Some(positions) = &cycle.positions {
-            self.model().check_attitudes(positions).map_err(ControllerFault::Attitude)?;
-        }
+        let check = |positions| self.model().check_attitudes(positions);
+        let attitudes = cycle.positions.as_ref().map_or(Ok(()), check);
+        // What cannot be was not measured: time goes on without it.
+        let (measured, velocities) = match attitudes {
+            Ok(()) => (cycle.positions.as_ref(), cycle.velocities.as_ref()),
+            Err(_) => (None, None),
+        };
         let (period, substeps) = (self.options.period, self.substeps);
-        if let (false, Some(positions)) = (self.observer.is_finite(), &cycle.positions) {
-            let velocities = cycle.velocities.unwrap_or([0.0; N]);
-            self.observer.reset(positions, &velocities);
+        if let (false, Some(positions)) = (self.observer.is_finite(), measured) {
+            self.observer.reset(positions, velocities.unwrap_or(&[0.0; N]));
             self.under_way = cycle.last_inputs;
             return Ok(());
         }
@@ -237,10 +240,10 @@ where
         for _ in 0..cycle.periods.min(MAX_BRIDGED) {
             self.observer.predict(model, &acted, period, substeps);
         }
-        if let Some(positions) = &cycle.positions {
+        if let Some(positions) = measured {
             self.observer.correct_by(model, positions);
         }
-        if let Some(velocities) = &cycle.velocities {
+        if let Some(velocities) = velocities {
             self.observer.correct_velocities_by(model, velocities);
         }
         self.under_way = cycle.last_inputs;
@@ -248,7 +251,7 @@ where
             let periods = cycle.periods;
             return Err(ControllerFault::Stalled { periods });
         }
-        Ok(())
+        attitudes.map_err(ControllerFault::Attitude)
     }
 
     /// When the horizon of a step at `time` begins (s).

@@ -3,7 +3,9 @@
 use crate::Quadrotor;
 use gelenk_runtime::control_loop::{Controller, ControllerFault, Cycle};
 use gelenk_runtime::dynamics::Dynamics;
-use gelenk_runtime::mpc::{DisturbanceObserver, LtvMpc, MpcError, MpcOptions, MpcRow, Nmpc, ObserverOptions};
+use gelenk_runtime::mpc::{
+    DisturbanceObserver, LinearizationPoint, LtvMpc, MpcError, MpcOptions, MpcRow, Nmpc, ObserverOptions,
+};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{GeodesicMotion, Trajectory};
 
@@ -103,7 +105,8 @@ fn thrown_upside_down_it_recovers() {
 fn it_follows_a_motion_of_position_and_heading() {
     let goal = [1.5, -0.5, 1.4, 0.0, 0.0, 0.6, 0.8];
     let motion = Motion::between(Quadrotor, HOVER, goal, 3.0).unwrap();
-    let mut ltv = LtvMpc::new(Quadrotor, motion.clone(), observed(options())).unwrap();
+    let along = MpcOptions { linearization: LinearizationPoint::Reference, ..observed(options()) };
+    let mut ltv = LtvMpc::new(Quadrotor, motion.clone(), along).unwrap();
     let mut nonlinear = Nmpc::new(Quadrotor, motion.clone(), observed(options())).unwrap();
     let flights = [
         fly(&mut ltv, &motion, (HOVER, [0.0; 6]), 4.5),
@@ -165,7 +168,14 @@ fn measured_quaternions_that_are_no_attitudes_are_faults() {
         assert!(matches!(fault, ControllerFault::Attitude(error) if error.joint == "base"), "{fault}");
         assert!(fault.to_string().contains("joint base"), "{fault}");
     }
-    assert!(mpc.step(&Cycle { positions: Some(HOVER), ..Cycle::default() }).is_ok());
+    // Time went on as if nothing had been measured: it falls.
+    let mut other = LtvMpc::new(Quadrotor, hover(1.0), options()).unwrap();
+    other.reset(&HOVER, &INPUTS);
+    for _ in 0..3 {
+        assert_ne!(mpc.estimate(), other.estimate());
+        other.step(&Cycle { positions: None, ..Cycle::default() }).unwrap();
+    }
+    assert_eq!(mpc.estimate(), other.estimate());
 }
 
 #[test]

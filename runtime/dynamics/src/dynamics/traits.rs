@@ -46,6 +46,25 @@ pub fn jumps([backward, forward]: [f64; 2]) -> bool {
 /// The bodies of methods about positions serve arms, `y + d` and so on. For other robots they do not compile:
 /// whoever implements the trait by hand for a robot with quaternions writes these methods too, or calls
 /// [`dynamics!`](crate::dynamics!).
+///
+/// ```compile_fail,E0080
+/// use gelenk_dynamics::dynamics::{Dynamics, Limits};
+///
+/// struct Body;
+///
+/// impl Dynamics<6, 4, 7> for Body {
+///     fn limits(&self) -> Limits<6, 4> { todo!() }
+///     fn mass_matrix(&self, _: &[f64; 7]) -> [[f64; 6]; 6] { todo!() }
+///     fn coriolis_forces(&self, _: &[f64; 7], _: &[f64; 6]) -> [f64; 6] { todo!() }
+///     fn gravity_forces(&self, _: &[f64; 7]) -> [f64; 6] { todo!() }
+///     fn spring_forces(&self, _: &[f64; 7], _: &[f64; 6]) -> [f64; 6] { todo!() }
+///     fn friction_torques(&self, _: &[f64; 7], _: &[f64; 6]) -> [f64; 6] { todo!() }
+///     fn input_matrix(&self, _: &[f64; 7]) -> [[f64; 4]; 6] { todo!() }
+/// }
+///
+/// // It would add quaternions.
+/// let _ = Body.integrate(&[0.0; 7], &[0.0; 6]);
+/// ```
 pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
     /// Names of the coordinates, for messages and logs: the module's `JOINT_NAMES`; "1", "2", … where there
     /// are none. Of a robot with quaternions the names of the velocities.
