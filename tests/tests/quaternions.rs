@@ -355,7 +355,6 @@ fn jacobians_agree(reference: &Reference, state: &State, sample: &Value, what: &
 #[test]
 fn a_quadruped_agrees_with_pinocchio() {
     agrees_with_pinocchio("go2_floating");
-    agrees_with_pinocchio("solo12_floating");
 }
 
 #[test]
@@ -365,7 +364,15 @@ fn a_quadrotor_agrees_with_pinocchio() {
 
 #[test]
 fn joints_of_every_type_agree_with_pinocchio() {
-    for name in ["zoo_1", "zoo_2", "zoo_3", "zoo_4"] {
+    agrees_with_pinocchio("zoo_1");
+    agrees_with_pinocchio("zoo_2");
+}
+
+/// `cargo test -p gelenk-tests --test quaternions -- --ignored`
+#[test]
+#[ignore = "the same for more robots takes some twenty seconds more"]
+fn more_robots_agree_with_pinocchio() {
+    for name in ["solo12_floating", "zoo_3", "zoo_4"] {
         agrees_with_pinocchio(name);
     }
 }
