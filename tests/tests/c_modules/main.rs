@@ -176,23 +176,39 @@ fn a_robot_with_quaternions_computes_the_same_bits() {
     }
 }
 
-/// Texts that nothing calls are warnings: each function over a sample time brings no more than it needs.
+/// A floating body with a wheel and a boom on a ball joint: joints of every number of position entries.
+const FLOATING: &str = r#"
+name = "floating"
+base = { link = "hull", type = "floating" }
+bodies = [
+    { name = "hull", link = "hull", mass = 4, inertia = [0.2, 0.3, 0.4] },
+    { name = "wheel", link = "wheel", mass = 1, inertia = [0.01, 0.02, 0.02] },
+    { name = "boom", link = "boom", mass = 1, center_of_mass = [0, 0, 0.5], inertia = [0.1, 0.1, 0.01] },
+]
+joints = [
+    { name = "wheel", parent = "hull", type = "continuous", axis = [1, 0, 0], drive = "ideal" },
+    { name = "boom", parent = "hull", type = "spherical" },
+]
+"#;
+
+/// What nothing calls is a warning: each function over a sample time brings no more than it needs.
 #[test]
 fn each_function_over_a_sample_time_compiles_alone() {
-    let functions: [&[&str]; 4] = [
-        &["linearize", "discretize"],
-        &["forward_dynamics", "step"],
-        &["linearize", "step_derivatives"],
-        &["mass_matrix"],
-    ];
     let folder = tempfile::tempdir().expect("a folder");
-    for (name, functions) in
-        ["cart_pole.toml", "quadrotor.toml"].map(|name| functions.map(|each| (name, each))).concat()
-    {
-        put(folder.path(), &derive(&model(name), functions, Form::Cheapest, false), Scalar::F64);
-        for compiler in c_compilers() {
-            let result = compiler.compile_alone(folder.path());
-            result.unwrap_or_else(|message| panic!("{name} {functions:?} {}: {message}", compiler.name()));
+    let floating = folder.path().join("floating.toml");
+    std::fs::write(&floating, FLOATING).expect("a file");
+    let compilers = c_compilers();
+    for description in [model("cart_pole.toml"), floating] {
+        for functions in
+            [&["linearize", "discretize"], &["forward_dynamics", "step"], &["linearize", "step_derivatives"]]
+        {
+            let module = derive(&description, functions, Form::Cheapest, false);
+            put(folder.path(), &module, Scalar::F64);
+            for compiler in &compilers {
+                let result = compiler.compile_alone(folder.path());
+                let what = |message| panic!("{} {functions:?} {}: {message}", module.name, compiler.name());
+                result.unwrap_or_else(what);
+            }
         }
     }
 }
