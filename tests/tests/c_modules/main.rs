@@ -1,7 +1,8 @@
 //! Modules in C beside the Rust modules of the same value: they compile as C99 and as C++ without a warning, call no
 //! library, and compute the same bits.
 //!
-//! The short form compares three robots in every variant. All robots, with every compiler at hand:
+//! The short form compares three robots in every variant, and one with quaternions in both number types. All robots, with
+//! every compiler at hand:
 //!
 //! ```text
 //! cargo test -p gelenk-tests --test c_modules -- --ignored --nocapture
@@ -197,7 +198,8 @@ fn each_function_over_a_sample_time_compiles_alone() {
     let folder = tempfile::tempdir().expect("a folder");
     let floating = folder.path().join("floating.toml");
     std::fs::write(&floating, FLOATING).expect("a file");
-    let compilers = c_compilers();
+    // The first compiler, for time; the others see the same texts in the long form.
+    let compilers: Vec<Compiler> = c_compilers().into_iter().take(1).collect();
     for description in [model("cart_pole.toml"), floating] {
         for functions in
             [&["linearize", "discretize"], &["forward_dynamics", "step"], &["linearize", "step_derivatives"]]
