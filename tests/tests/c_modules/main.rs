@@ -1,8 +1,8 @@
 //! Modules in C beside the Rust modules of the same value: they compile as C99 and as C++ without a warning, call no
 //! library, and compute the same bits.
 //!
-//! The short form compares three robots in every variant, and one with quaternions in both number types. All robots, with
-//! every compiler at hand:
+//! The short form compares three robots in every variant, and one with quaternions in each number type. All robots,
+//! with every compiler at hand:
 //!
 //! ```text
 //! cargo test -p gelenk-tests --test c_modules -- --ignored --nocapture
@@ -165,26 +165,15 @@ fn three_robots_compute_the_same_bits_in_every_variant() {
     }
 }
 
-/// Discrete time and functions of positions of a tree with a floating base and a ball joint: positions with quaternions.
-/// Their texts hold no fused operations.
-#[test]
-fn a_robot_with_quaternions_computes_the_same_bits() {
-    let mut compilers = c_compilers();
-    let others = compilers.split_off(compilers.len().min(1));
-    let module = derive(&model("satellite.toml"), &DISCRETE_TIME, Form::Cheapest, false);
-    for scalar in [Scalar::F64, Scalar::F32] {
-        compare(&module, scalar, false, &compilers, &others);
-    }
-}
-
-/// A floating body with a wheel and a boom on a ball joint: joints of every number of position entries.
+/// A floating body with a wheel and a boom on a ball joint: joints of every number of position entries, and a free parameter.
 const FLOATING: &str = r#"
 name = "floating"
+parameters = { load = 1.5 }
 base = { link = "hull", type = "floating" }
 bodies = [
     { name = "hull", link = "hull", mass = 4, inertia = [0.2, 0.3, 0.4] },
     { name = "wheel", link = "wheel", mass = 1, inertia = [0.01, 0.02, 0.02] },
-    { name = "boom", link = "boom", mass = 1, center_of_mass = [0, 0, 0.5], inertia = [0.1, 0.1, 0.01] },
+    { name = "boom", link = "boom", mass = "load", center_of_mass = [0, 0, 0.5], inertia = [0.1, 0.1, 0.01] },
 ]
 joints = [
     { name = "wheel", parent = "hull", type = "continuous", axis = [1, 0, 0], drive = "ideal" },
@@ -192,15 +181,35 @@ joints = [
 ]
 "#;
 
+/// Discrete time and functions of positions of trees with a floating base and a ball joint: positions with quaternions.
+/// Their texts hold no fused operations.
+#[test]
+fn robots_with_quaternions_compute_the_same_bits() {
+    let mut compilers = c_compilers();
+    let others = compilers.split_off(compilers.len().min(1));
+    let folder = tempfile::tempdir().expect("a folder");
+    for (description, scalar) in
+        [(model("satellite.toml"), Scalar::F64), (floating_in(folder.path()), Scalar::F32)]
+    {
+        let module = derive(&description, &DISCRETE_TIME, Form::Cheapest, false);
+        compare(&module, scalar, false, &compilers, &others);
+    }
+}
+
+/// Writes [`FLOATING`].
+fn floating_in(folder: &Path) -> PathBuf {
+    let path = folder.join("floating.toml");
+    std::fs::write(&path, FLOATING).expect("a file");
+    path
+}
+
 /// What nothing calls is a warning: each function over a sample time brings no more than it needs.
 #[test]
 fn each_function_over_a_sample_time_compiles_alone() {
     let folder = tempfile::tempdir().expect("a folder");
-    let floating = folder.path().join("floating.toml");
-    std::fs::write(&floating, FLOATING).expect("a file");
     // The first compiler, for time; the others see the same texts in the long form.
     let compilers: Vec<Compiler> = c_compilers().into_iter().take(1).collect();
-    for description in [model("cart_pole.toml"), floating] {
+    for description in [model("cart_pole.toml"), floating_in(folder.path())] {
         for functions in
             [&["linearize", "discretize"], &["forward_dynamics", "step"], &["linearize", "step_derivatives"]]
         {
