@@ -54,12 +54,13 @@ impl Compiler {
         self.run(folder, is_fused, &["-O2", "-fno-math-errno", "main.c", "robot.c", "-o", "c_main"])
     }
 
-    /// Makes an object of `robot.c`. Unlike [`Self::check`] gcc then warns of functions that nothing calls.
+    /// Makes an object of `robot.c`. Unlike [`Self::check`] gcc then warns of functions that nothing calls, and of numbers
+    /// that it takes for unset where it inlines much.
     ///
     /// # Errors
     /// What the compiler said.
     pub fn compile_alone(&self, folder: &Path) -> Result<(), String> {
-        self.run(folder, false, &["-c", "robot.c", "-o", "robot.o"])
+        self.run(folder, false, &["-O3", "-c", "robot.c", "-o", "robot.o"])
     }
 
     /// Looks for warnings only.

@@ -7,7 +7,7 @@
     }
     for (int joint = 0; joint < GELENK_JOINTS; ++joint) {
         const int first = GELENK_FIRST_VELOCITIES[joint];
-        double by_y[36], by_d[36];
+        double by_y[36] = {0.0}, by_d[36] = {0.0};
         const int size = gelenk_joint_tangents(joint, d, by_y, by_d);
         for (int i = 0; i < size; ++i) {
             for (int j = 0; j < size; ++j) {

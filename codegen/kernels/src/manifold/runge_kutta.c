@@ -17,7 +17,7 @@ static inline void gelenk_bracket(int size, const double *a, const double *b, do
 // v + 1/2 [d, v] + 1/12 [d, [d, v]]
 static inline void gelenk_chart_rate(int size, const double *d, const double *v, double *rate)
 {
-    double once[6], twice[6];
+    double once[6] = {0.0}, twice[6] = {0.0};
     gelenk_bracket(size, d, v, once);
     gelenk_bracket(size, d, once, twice);
     for (int i = 0; i < size; ++i) {

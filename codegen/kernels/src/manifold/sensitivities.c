@@ -18,7 +18,7 @@ static void gelenk_moved_on(const gelenk_motion *y, const gelenk_motion *d, gele
     *sum = zero;
     for (int joint = 0; joint < GELENK_JOINTS; ++joint) {
         const int first = GELENK_FIRST_VELOCITIES[joint];
-        double by_y[36], by_d[36];
+        double by_y[36] = {0.0}, by_d[36] = {0.0};
         const int size = gelenk_joint_tangents(joint, d->value, by_y, by_d);
         gelenk_add_block(size, by_y, y, first, sum);
         gelenk_add_block(size, by_d, d, first, sum);
@@ -28,10 +28,10 @@ static void gelenk_moved_on(const gelenk_motion *y, const gelenk_motion *d, gele
 // The derivatives of v + 1/2 [d, v] + 1/12 [d, [d, v]] by d and by v.
 static void gelenk_chart_rates(int size, const double *d, const double *v, double *by_d, double *by_v)
 {
-    double once[6];
+    double once[6] = {0.0};
     gelenk_bracket(size, d, v, once);
     for (int j = 0; j < size; ++j) {
-        double unit[6] = {0.0}, changed[6], outer[6], deeper[6], column[6];
+        double unit[6] = {0.0}, changed[6] = {0.0}, outer[6] = {0.0}, deeper[6] = {0.0}, column[6] = {0.0};
         unit[j] = 1.0;
         gelenk_bracket(size, unit, v, changed);
         gelenk_bracket(size, unit, once, outer);
