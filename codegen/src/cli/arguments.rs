@@ -284,7 +284,7 @@ pub(super) struct Reading {
     /// Take a robot whose mass matrix is not positive definite
     #[arg(long)]
     pub(super) accept_unphysical: bool,
-    /// Fix the base to the world, or let it move freely [default: as described]
+    /// Let the base move freely: a floating joint carries it [default: as described]
     #[arg(long, value_enum)]
     pub(super) base: Option<BaseName>,
 }
@@ -292,7 +292,7 @@ pub(super) struct Reading {
 /// How the base is carried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum BaseName {
-    /// It moves freely: a floating joint carries it
+    // A floating joint carries it. (With documentation here all of the help would be in its long form.)
     Floating,
 }
 
@@ -378,8 +378,8 @@ impl Modules {
 /// Choices that change what is generated; the header of the file names them.
 #[derive(Debug, Args)]
 pub(super) struct Choices {
-    /// Functions to generate, separated by commas [default: those of the description, else all but
-    /// inverse_dynamics_hessian and joint_wrenches]
+    /// Functions to generate, separated by commas [default: those of the description, else all
+    /// but those on request, as models/README.md lists them]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = function)]
     pub(super) functions: Vec<String>,
     /// Number type of the module
