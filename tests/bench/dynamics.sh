@@ -4,6 +4,8 @@
 #
 #     sh tests/bench/dynamics.sh [arguments of the comparison, e.g. --fn rnea,crba]
 #
+# ROBOTS chooses among ur5, panda and the floating go2, solo12 and iris of the comparison's folder, by default ur5 and panda.
+#
 # GELENK_SHARED is the folder whose bench/run.sh makes the others; by default the folder `shared` beside the workspace.
 # LAB is where it keeps what it builds. Further options of the generator, if any, stand in GELENK_OPTIONS.
 set -eu
@@ -15,23 +17,39 @@ mkdir -p "$work"
 (cd "$root" && cargo build --quiet --release -p gelenk-codegen)
 gelenk=${CARGO_TARGET_DIR:-$root/target}/release/gelenk
 
+# The description of a robot. A floating base has forces here, as in the comparison.
+description() {
+  urdf=$shared/reference/mechanisms/urdf/$1.urdf
+  if [ ! -e "$urdf" ]; then
+    echo "$root/models/$1.toml"
+    return
+  fi
+  {
+    printf 'name = "%s"\nurdf = "%s"\nbase = { type = "floating" }\n' "$1" "$urdf"
+    for part in x y z rx ry rz; do printf '[[joints]]\nname = "base_%s"\ndrive = "ideal"\n' "$part"; done
+  } >"$work/$1.toml"
+  echo "$work/$1.toml"
+}
+
 # One robot as a shared object: name of the variant, robot, options of the generator.
 build() {
   module=$work/$2_$1
   # The others know no friction.
   # shellcheck disable=SC2086
-  "$gelenk" generate "$root/models/$2.toml" --no-friction ${GELENK_OPTIONS:-} $3 --output "$module.rs" >"$module.txt" 2>&1
+  "$gelenk" generate "$(description "$2")" --no-friction ${GELENK_OPTIONS:-} $3 --output "$module.rs" >"$module.txt" 2>&1
   has=
   for function in mass_matrix_and_bias_forces inverse_dynamics_derivatives_and_mass_matrix forward_dynamics_derivatives; do
     if grep -q "^pub fn $function(" "$module.rs"; then has="$has --cfg has_$function"; fi
   done
+  if grep -q "^pub const NY:" "$module.rs"; then has="$has --cfg has_quaternions"; fi
   # shellcheck disable=SC2086
   GELENK_MODULE="$module.rs" rustc --edition 2024 --crate-type cdylib -C opt-level=3 -C target-cpu=native -C panic=abort \
     -A unexpected_cfgs $has -o "$module.so" "$root/tests/bench/plugin.rs"
 }
 
-for robot in ur5 panda; do
+for robot in ${ROBOTS:=ur5 panda}; do
   build gelenk "$robot" ""
   build gelenk_fma "$robot" --fused-multiply-add
 done
+export ROBOTS
 sh "$shared/bench/run.sh" dynamics gelenk="$work/{robot}_gelenk.so" gelenk_fma="$work/{robot}_gelenk_fma.so" "$@"

@@ -14,8 +14,13 @@ use robot::N;
 type Vector = [f64; N];
 type Matrix = [[f64; N]; N];
 
+#[cfg(not(has_quaternions))]
+type Positions = Vector;
+#[cfg(has_quaternions)]
+type Positions = [f64; robot::NY];
+
 /// The number of coordinates; −1 for a model file of another robot, whose first number is its count of
-/// joints.
+/// velocities, behind the word `floating` where its base floats.
 ///
 /// # Safety
 /// `path` is a C string.
@@ -27,7 +32,10 @@ pub unsafe extern "C" fn rbd_init(path: *const std::ffi::c_char) -> i32 {
         .to_str()
         .ok()
         .and_then(|path| std::fs::read_to_string(path).ok());
-    let count = text.and_then(|text| text.split_whitespace().next()?.parse::<usize>().ok());
+    let count = text.and_then(|text| {
+        let mut words = text.split_whitespace().skip_while(|word| *word == "floating");
+        words.next()?.parse::<usize>().ok()
+    });
     if count == Some(N) { N as i32 } else { -1 }
 }
 
@@ -43,30 +51,30 @@ fn leave(matrix: &Matrix, to: &mut Matrix) {
 }
 
 #[unsafe(no_mangle)]
-pub extern "C" fn rbd_rnea(y: &Vector, v: &Vector, a: &Vector, forces: &mut Vector) {
+pub extern "C" fn rbd_rnea(y: &Positions, v: &Vector, a: &Vector, forces: &mut Vector) {
     *forces = robot::inverse_dynamics(y, v, a);
 }
 
 #[unsafe(no_mangle)]
-pub extern "C" fn rbd_bias(y: &Vector, v: &Vector, forces: &mut Vector) {
+pub extern "C" fn rbd_bias(y: &Positions, v: &Vector, forces: &mut Vector) {
     *forces = robot::bias_forces(y, v);
 }
 
 #[unsafe(no_mangle)]
-pub extern "C" fn rbd_crba(y: &Vector, mass: &mut Matrix) {
+pub extern "C" fn rbd_crba(y: &Positions, mass: &mut Matrix) {
     robot::mass_matrix_into(y, mass);
 }
 
 #[cfg(has_mass_matrix_and_bias_forces)]
 #[unsafe(no_mangle)]
-pub extern "C" fn rbd_mk(y: &Vector, v: &Vector, mass: &mut Matrix, forces: &mut Vector) {
+pub extern "C" fn rbd_mk(y: &Positions, v: &Vector, mass: &mut Matrix, forces: &mut Vector) {
     robot::mass_matrix_and_bias_forces_into(y, v, mass, forces);
 }
 
 /// Without friction and springs q is gravity alone.
 #[cfg(not(has_mass_matrix_and_bias_forces))]
 #[unsafe(no_mangle)]
-pub extern "C" fn rbd_mk(y: &Vector, v: &Vector, mass: &mut Matrix, forces: &mut Vector) {
+pub extern "C" fn rbd_mk(y: &Positions, v: &Vector, mass: &mut Matrix, forces: &mut Vector) {
     let (matrix, coriolis, applied) = robot::equations_of_motion(y, v);
     *mass = matrix;
     for i in 0..N {
@@ -75,14 +83,14 @@ pub extern "C" fn rbd_mk(y: &Vector, v: &Vector, mass: &mut Matrix, forces: &mut
 }
 
 #[unsafe(no_mangle)]
-pub extern "C" fn rbd_fd(y: &Vector, v: &Vector, u: &Vector, accelerations: &mut Vector) {
+pub extern "C" fn rbd_fd(y: &Positions, v: &Vector, u: &Vector, accelerations: &mut Vector) {
     *accelerations = robot::forward_dynamics(y, v, u);
 }
 
 #[cfg(has_inverse_dynamics_derivatives_and_mass_matrix)]
 #[unsafe(no_mangle)]
 pub extern "C" fn rbd_rnea_der(
-    y: &Vector,
+    y: &Positions,
     v: &Vector,
     a: &Vector,
     by_coordinates: &mut Matrix,
@@ -107,7 +115,7 @@ pub extern "C" fn rbd_rnea_der(
 #[cfg(has_forward_dynamics_derivatives)]
 #[unsafe(no_mangle)]
 pub extern "C" fn rbd_fd_der(
-    y: &Vector,
+    y: &Positions,
     v: &Vector,
     u: &Vector,
     by_coordinates: &mut Matrix,

@@ -33,6 +33,8 @@ pub(super) struct RobotDescription {
     pub base: Option<Name>,
     /// Where it is said that the base moves freely.
     pub floating_base: Option<Span>,
+    /// It is true once the base moves freely.
+    pub is_freed: bool,
     /// Links that exist even where no joint names them.
     pub links: Vec<Name>,
     /// Links with a shape and without a body.

@@ -16,15 +16,16 @@ const GROUND: [&str; 4] = ["world", "map", "odom", "ground"];
 
 /// Frees the base where the description asks for it.
 pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
-    let Some(span) = robot.floating_base else { return };
+    let Some(span) = robot.floating_base.filter(|_| !robot.is_freed) else { return };
     // Without a single root the links are no tree, which is reported elsewhere.
     let Some(root) = root(robot) else { return };
+    robot.is_freed = true;
     if GROUND.contains(&root.as_str()) {
         return report_bolted(robot, &root, span, report);
     }
     let place = Place {
         parent: Some(At::new(WORLD.to_owned(), span)),
-        child: Some(At::new(root, span)),
+        child: Some(At::new(root.clone(), span)),
         origin: None,
         axis: [0.0, 0.0, 1.0],
     };
@@ -35,7 +36,9 @@ pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
         let between = joints.iter().filter_map(|joint| joint.parent.clone());
         robot.links.extend(between);
     }
-    robot.base = None;
+    if robot.base.as_ref().is_some_and(|base| base.value == root) {
+        robot.base = None;
+    }
     let described = std::mem::take(&mut robot.joints);
     robot.joints = joints.into_iter().chain(described).collect();
 }
@@ -67,4 +70,42 @@ fn report_bolted(robot: &RobotDescription, root: &str, span: Span, report: &mut 
         ),
         None => format!("give the link another name than `{root}`, or leave the base fixed"),
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Model, QuaternionKind, ReadOptions, from_toml};
+    use crate::diagnostic::Diagnostics;
+
+    const URDF: &str = r#"<robot name="drone"><link name="frame"><inertial><mass value="2"/>
+        <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
+
+    fn read(text: &str, options: &ReadOptions) -> Result<Model, Diagnostics> {
+        let mut load = |name: &str| Ok((name.to_owned(), URDF.to_owned()));
+        from_toml(text, "robot.toml", options, &mut load).map(|(model, _)| model)
+    }
+
+    #[test]
+    fn a_description_on_top_of_a_urdf_speaks_of_its_freed_base() {
+        const DRIVEN: &str = "[[joints]]\nname = \"base_z\"\ndrive = \"ideal\"\n";
+        let asked = ReadOptions { floating_base: true, ..ReadOptions::default() };
+        for (top, options) in [
+            ("urdf = \"drone.urdf\"\nbase = { type = \"floating\" }\n", ReadOptions::default()),
+            ("urdf = \"drone.urdf\"\nbase = { link = \"frame\", type = \"floating\" }\n", asked),
+            ("urdf = \"drone.urdf\"\n", asked),
+        ] {
+            let model = read(&format!("{top}{DRIVEN}"), &options).unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!(model.quaternion_joints[0].kind, QuaternionKind::Floating);
+            assert_eq!((model.coordinates.len(), model.position_count()), (6, 7));
+            let drives: Vec<&str> = model.drives.iter().map(|drive| drive.name.as_str()).collect();
+            assert_eq!(drives, ["base_z"]);
+        }
+    }
+
+    #[test]
+    fn a_base_that_is_another_link_than_the_root_is_an_error() {
+        let text = "urdf = \"drone.urdf\"\nbase = { link = \"other\", type = \"floating\" }\n";
+        let problems = read(text, &ReadOptions::default()).map(|_| ()).unwrap_err().to_string();
+        assert!(problems.contains("other"), "{problems}");
+    }
 }

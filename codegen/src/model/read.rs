@@ -3,7 +3,7 @@
 use super::description::{BodyDescription, DriveChoice, JointDescription, Name, RobotDescription};
 use super::toml_values::Reader;
 use super::{JointKind, Model, floating_base, toml_file, urdf, validate};
-use crate::diagnostic::{At, Diagnostics, Report, nearest};
+use crate::diagnostic::{At, Diagnostics, Report, Span, nearest};
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
@@ -223,7 +223,8 @@ fn read_toml(
     };
     let base = read_base(reader, &file, &options, chain);
     let extension = toml_file::description(reader, &top, stem(name), true);
-    base.map(|base| extend(base, extension, &mut reader.report))
+    let asked = options.floating_base.then_some(file.span);
+    base.map(|base| extend_freed(base, extension, asked, &mut reader.report))
 }
 
 fn read_base(
@@ -285,12 +286,26 @@ fn extend(mut base: RobotDescription, extension: RobotDescription, report: &mut 
         name: extension.name,
         gravity: extension.gravity.or(base.gravity),
         base: extension.base.or(base.base),
-        floating_base: extension.floating_base.or(base.floating_base),
         coordinates: extension.coordinates.or(base.coordinates),
         options: extension.options.or(base.options),
         accept_unphysical: extension.accept_unphysical || base.accept_unphysical,
         ..base
     }
+}
+
+/// A base that the extension frees has its joint before, so that the extension can speak of it.
+fn extend_freed(
+    mut base: RobotDescription,
+    mut extension: RobotDescription,
+    asked: Option<Span>,
+    report: &mut Report,
+) -> RobotDescription {
+    if let Some(span) = extension.floating_base.take().or(asked) {
+        base.floating_base.get_or_insert(span);
+        base.base = extension.base.take().or(base.base);
+        floating_base::free(&mut base, report);
+    }
+    extend(base, extension, report)
 }
 
 /// Entries of an extension take the place of those of the same name.

@@ -145,6 +145,7 @@ pub(super) fn description(
         gravity: top.get("gravity").and_then(|item| reader.formulas::<3>(item, "gravity")),
         base,
         floating_base,
+        is_freed: false,
         bodies: read_bodies(reader, top),
         frames: read_frames(reader, top),
         coordinates: top.get("coordinates").and_then(|item| names(reader, item, "a list of joint names")),
