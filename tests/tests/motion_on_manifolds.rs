@@ -186,3 +186,27 @@ fn quaternions_without_length_become_the_identity() {
     assert!(!satellite::normalize(&mut y));
     assert_eq!(y[3..7], [0.0, 0.0, 0.0, 1.0]);
 }
+
+/// Without torque sensors: the six rows of a floating base hold what acts from outside, here nothing but a thrust that is
+/// known, and its inertial parameters follow from motions alone (Ayusawa, Venture and Nakamura 2014).
+#[test]
+fn base_rows_identify_a_floating_robot() {
+    const P: usize = quadrotor::BASE_PARAMETER_NAMES.len();
+    let (mut y, mut v, _) = upside_down();
+    let (mut rows, mut thrusts) = (vec![], vec![]);
+    for k in 0..40 {
+        let phase = f64::from(k);
+        let u: [f64; 4] = std::array::from_fn(|j| 4.0 + 3.0 * (0.7 * phase * (1.0 + j as f64)).sin());
+        let a = quadrotor::forward_dynamics(&y, &v, &u);
+        rows.extend(quadrotor::base_regressor(&y, &v, &a).into_iter().flatten());
+        let input_matrix = quadrotor::input_matrix(&y);
+        thrusts.extend(input_matrix.map(|row| row.iter().zip(&u).map(|(b, u)| b * u).sum::<f64>()));
+        (y, v) = quadrotor::step(&y, &v, &u, 0.05);
+    }
+    let regressor = DMatrix::from_row_slice(thrusts.len(), P, &rows);
+    let solved = regressor.svd(true, true).solve(&nalgebra::DVector::from_vec(thrusts), 1e-12);
+    let found = solved.expect("both factors were asked for");
+    let described = quadrotor::inertial_parameters();
+    assert_eq!(quadrotor::BASE_PARAMETER_NAMES, quadrotor::INERTIAL_PARAMETER_NAMES);
+    close("parameters", found.as_slice(), &described, 1e-9);
+}
