@@ -24,6 +24,9 @@ pub fn cargo(folder: &Path, arguments: &[&str]) -> Output {
     aloud(folder, &[&["--quiet"], arguments].concat())
 }
 
+/// The workspace's optimization of dependencies: with another one all of them would be compiled again.
+const OPTIMIZATION: [&str; 2] = ["--config", "profile.dev.package.\"*\".opt-level=1"];
+
 /// As [`cargo`], with what Cargo says by itself: warnings of build scripts among it.
 ///
 /// # Panics
@@ -31,6 +34,7 @@ pub fn cargo(folder: &Path, arguments: &[&str]) -> Output {
 pub fn aloud(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO"))
         .arg("--offline")
+        .args(OPTIMIZATION)
         .args(arguments)
         .env("CARGO_TARGET_DIR", target())
         .env("CARGO_TERM_COLOR", "never")
