@@ -152,6 +152,14 @@ impl<S: Numbers> Mechanism<S> {
     }
 }
 
+impl<S> Body<S> {
+    /// What labels its motion and forces: the joint; that of a joint with a quaternion without the velocity.
+    pub fn label(&self) -> &str {
+        let whole = self.chain.and(self.identifier.rsplit_once('_'));
+        whole.map_or(self.identifier.as_str(), |(joint, _)| joint)
+    }
+}
+
 impl<'g> Body<Scalar<'g>> {
     /// Origin in the parent's frame, at coordinate 0 where the joint is prismatic. With γ in the twist the
     /// lift along the axis has a component along the parent's x.

@@ -41,7 +41,7 @@ impl<'g> BasePoses<'g> {
             before_run.push(run_start);
             let mut pose = run_start.turned(placement).with_attitude(placement);
             pose.origin = parent.point(body.translation) + pose.axes[2].scaled(placement.extension);
-            bodies.push(pose.named(&body.identifier));
+            bodies.push(pose.named(body.label()));
         }
         Self { mechanism, bodies }
     }

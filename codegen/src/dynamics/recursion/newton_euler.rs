@@ -175,8 +175,8 @@ impl<'g> BodyMotion<'g> {
     }
 
     fn named(self, body: &Body<Scalar<'g>>) -> Self {
-        self.omega.named(&format!("omega_{}", body.identifier));
-        self.acceleration.named(&format!("acceleration_{}", body.identifier));
+        self.omega.named(&format!("omega_{}", body.label()));
+        self.acceleration.named(&format!("acceleration_{}", body.label()));
         self
     }
 
@@ -378,8 +378,8 @@ fn gather<'g>(
     for index in (0..mechanism.bodies.len()).rev() {
         let (body, placement) = (&mechanism.bodies[index], &placements[index]);
         let Force { force, mut moment } = forces[index];
-        force.named(&format!("force_{}", body.identifier));
-        moment.named(&format!("moment_{}", body.identifier));
+        force.named(&format!("force_{}", body.label()));
+        moment.named(&format!("moment_{}", body.label()));
         body.transmission.add_force(body.axis.force(forces[index]), generalized);
         let length = placement.extension;
         moment = moment + Vector3([-(length * force[1]), length * force[0], zero]);
