@@ -12,14 +12,18 @@ use crate::oracle::Number;
 
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// The model with one of its turning joints made spherical, where one stands by itself, and mostly with a floating base.
+/// The model with one of its turning joints made spherical, where one stands by itself, and mostly with a floating base; where
+/// the base stays fixed, that joint floats.
 pub fn with_quaternions(mut model: Model, seed: u64) -> Model {
     let mut rng = Rng::with_seed(seed ^ 0x5bd1);
     let free: Vec<usize> = (0..model.coordinates.len()).filter(|&k| stands_alone(&model, k)).collect();
-    if let Some(&coordinate) = free.get(rng.usize(0..free.len().max(1))) {
-        make_spherical(&mut model, coordinate);
+    let chosen = free.get(rng.usize(0..free.len().max(1))).copied();
+    let is_base_free = chosen.is_none() || rng.u8(0..4) > 0;
+    if let Some(coordinate) = chosen {
+        let kind = if is_base_free { QuaternionKind::Spherical } else { QuaternionKind::Floating };
+        make_free(&mut model, coordinate, kind);
     }
-    if model.quaternion_joints.is_empty() || rng.u8(0..4) > 0 {
+    if is_base_free {
         free_base(&mut model);
     }
     model
@@ -103,21 +107,33 @@ fn ballast(name: &str) -> Body {
     }
 }
 
-fn make_spherical(model: &mut Model, coordinate: usize) {
+fn make_free(model: &mut Model, coordinate: usize, joint: QuaternionKind) {
+    const NAMES: [&str; 6] = ["ball_x", "ball_y", "ball_z", "ball_rx", "ball_ry", "ball_rz"];
     let link = model.coordinates[coordinate];
     model.drives.retain(|drive| drive.acts_on.iter().all(|term| term.coordinate != coordinate));
     let old = model.links[link].joint.clone().expect("its joint moves");
-    renumber(model, [link, 2], [coordinate, 2]);
-    let kind = JointKind::Continuous;
-    let first = part("ball_rx", old.parent, old.origin, kind, 0, coordinate);
-    let second = part("ball_ry", link, identity(), kind, 1, coordinate + 1);
-    model.links[link].joint = Some(part("ball_rz", link + 1, identity(), kind, 2, coordinate + 2));
-    let parts = [("ball_rx", first), ("ball_ry", second)];
-    let parts = parts.map(|(name, joint)| Link { name: name.into(), joint: Some(joint), bodies: vec![] });
-    model.links[link].bodies.push(ballast("ball"));
-    model.links.splice(link..link, parts);
-    model.coordinates.splice(coordinate..coordinate, [link, link + 1]);
-    let joint = QuaternionJoint { name: "ball".into(), kind: QuaternionKind::Spherical, first: coordinate };
+    let count = joint.velocities();
+    renumber(model, [link, count - 1], [coordinate, count - 1]);
+    let chain = |k: usize| {
+        let (parent, origin) = match k {
+            0 => (old.parent, old.origin.clone()),
+            _ => (link + k - 1, identity()),
+        };
+        let place = 6 - count + k;
+        let kind = if place < 3 { JointKind::Prismatic } else { JointKind::Continuous };
+        part(NAMES[place], parent, origin, kind, place % 3, coordinate + k)
+    };
+    let last = &mut model.links[link];
+    last.joint = Some(chain(count - 1));
+    last.bodies.push(ballast("ball"));
+    let before = (0..count - 1).map(|k| {
+        let joint = chain(k);
+        Link { name: joint.name.clone(), joint: Some(joint), bodies: vec![] }
+    });
+    let before: Vec<Link> = before.collect();
+    model.links.splice(link..link, before);
+    model.coordinates.splice(coordinate..coordinate, link..link + count - 1);
+    let joint = QuaternionJoint { name: "ball".into(), kind: joint, first: coordinate };
     model.quaternion_joints.push(joint);
 }
 

@@ -152,12 +152,15 @@ fn linearization_agrees(robot: &Robot, what: &str, inputs: [&[f64]; 3], paramete
 fn chains_of_joints_move_alike() {
     let mut floating = 0;
     let mut spherical = 0;
+    let mut carried = 0;
     for (seed, model) in models() {
         for joint in &model.quaternion_joints {
             let count = if joint.kind.velocities() == 6 { &mut floating } else { &mut spherical };
             *count += 1;
+            carried += usize::from(joint.kind.velocities() == 6 && joint.name == "ball");
         }
         check(seed, model);
     }
     assert!(floating >= 8 && spherical >= 8, "{floating} floating, {spherical} spherical");
+    assert!(carried >= 2, "{carried} floating joints on arms");
 }
