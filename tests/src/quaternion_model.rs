@@ -214,6 +214,20 @@ pub fn positions(model: &Model, y: &[f64]) -> Vec<f64> {
     entries.collect()
 }
 
+/// Brings the quaternions of positions to unit length; the identity takes the place of zero.
+pub fn normalize(model: &Model, y: &mut [f64]) {
+    for joint in &model.quaternion_joints {
+        let first = model.first_position(joint.first) + joint.kind.quaternion();
+        let quaternion = &mut y[first..first + 4];
+        let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if length == 0.0 {
+            quaternion[3] = 1.0;
+        } else {
+            quaternion.iter_mut().for_each(|x| *x /= length);
+        }
+    }
+}
+
 /// Rates of the positions along one velocity.
 pub fn rates(model: &Model, y: &[f64], coordinate: usize) -> Vec<f64> {
     let mut rates = vec![0.0; y.len()];

@@ -9,12 +9,14 @@ use std::process::{Command, Stdio};
 use fastrand::Rng;
 use gelenk_codegen::emit::Scalar;
 use gelenk_codegen::functions::function::Function;
+use gelenk_codegen::layout::Dimension;
 use gelenk_codegen::model::Model;
 use gelenk_codegen::pipeline::Generated;
 use gelenk_codegen::program::interpret::interpret;
 use gelenk_tests::compiler::{clippy, rustc};
 use gelenk_tests::flat::Call;
 use gelenk_tests::generated::ROBOTS;
+use gelenk_tests::quaternion_model::normalize;
 use gelenk_tests::single::{self, Bounded};
 use gelenk_tests::{FUNCTIONS, descriptions, generate_model, table};
 
@@ -22,14 +24,21 @@ use gelenk_tests::{FUNCTIONS, descriptions, generate_model, table};
 const SAMPLES: usize = 20;
 
 /// Input arrays of a function: mostly of ordinary size, some exact zeros.
-fn random_inputs(rng: &mut Rng, function: &Function) -> Vec<Vec<f64>> {
+fn random_inputs(rng: &mut Rng, model: &Model, function: &Function) -> Vec<Vec<f64>> {
     let mut entry = || match rng.u8(0..10) {
         0 => 0.0,
         1 => 30.0 * (rng.f64() - 0.5),
         _ => 6.0 * (rng.f64() - 0.5),
     };
     let inputs = function.program.inputs.iter();
-    inputs.map(|array| (0..array.extent.len).map(|_| entry()).collect()).collect()
+    let arrays = inputs.map(|array| {
+        let mut entries: Vec<f64> = (0..array.extent.len).map(|_| entry()).collect();
+        if array.extent.dimension == Dimension::Positions {
+            normalize(model, &mut entries);
+        }
+        entries
+    });
+    arrays.collect()
 }
 
 /// Near the described values.
@@ -72,7 +81,7 @@ fn interpreter_and_compiled_code_agree_in_every_bit() {
         for (name, call) in calls {
             let function = derived_function(&robot, name);
             for _ in 0..SAMPLES {
-                let inputs = random_inputs(&mut rng, function);
+                let inputs = random_inputs(&mut rng, &robot.model, function);
                 let parameters = random_parameters(&mut rng, &robot.model);
                 let expected = interpret(&function.program, &slices(&inputs), &parameters, &FUNCTIONS)
                     .expect("inputs fit")
@@ -192,7 +201,7 @@ fn f32_modules_agree_within_their_rounding() {
             let function = derived_function(robot, name);
             // Numbers that f32 holds exactly.
             let short = |x: f64| f64::from(x as f32);
-            let inputs: Vec<Vec<f64>> = random_inputs(&mut rng, function)
+            let inputs: Vec<Vec<f64>> = random_inputs(&mut rng, &robot.model, function)
                 .iter()
                 .map(|array| array.iter().copied().map(short).collect())
                 .collect();

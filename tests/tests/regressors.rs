@@ -3,9 +3,11 @@
 
 use fastrand::Rng;
 use gelenk_codegen::functions::function::ConstantValue;
+use gelenk_codegen::model::Model;
 use gelenk_codegen::model::{Joint, ReadOptions, read};
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use gelenk_identification::inertial::{InertialRegression, PER_BODY, is_physically_consistent};
+use gelenk_tests::quaternion_model::positions;
 use gelenk_tests::random_model::{Sample, random_helical_model, random_model, random_sample};
 use gelenk_tests::{Robot, descriptions, oracle};
 use nalgebra::DMatrix;
@@ -26,6 +28,12 @@ const TOLERANCE: f64 = 1e-12;
 
 /// Base parameters are rounded to 1e-12 for each parameter.
 const BASE_TOLERANCE: f64 = 1e-10;
+
+/// A random state, its positions with quaternions where joints have them.
+fn sample_of(rng: &mut Rng, model: &Model) -> Sample {
+    let sample = random_sample(rng, model);
+    Sample { y: positions(model, &sample.y), ..sample }
+}
 
 /// Robots of models/ and random trees of up to 12 joints of every kind.
 fn robots() -> Vec<Robot> {
@@ -79,7 +87,7 @@ fn inertial_regressor_times_parameters_is_the_inverse_dynamics() {
         let name = &robot.model.name;
         let mut rng = Rng::with_seed(7);
         for _ in 0..5 {
-            let Sample { y, v, a, parameters, .. } = random_sample(&mut rng, &robot.model);
+            let Sample { y, v, a, parameters, .. } = sample_of(&mut rng, &robot.model);
             let first = |name, inputs: &[&[f64]]| robot.call_with(name, inputs, &parameters).swap_remove(0);
             let pi = first("inertial_parameters", &[]);
             assert_eq!(pi.len(), names(&robot, "inertial_parameters").len());
@@ -113,7 +121,7 @@ fn friction_regressor_times_parameters_is_the_friction() {
     let mut columns = 0;
     for robot in robots() {
         let mut rng = Rng::with_seed(8);
-        let sample = random_sample(&mut rng, &robot.model);
+        let sample = sample_of(&mut rng, &robot.model);
         let first =
             |name, inputs: &[&[f64]]| robot.call_with(name, inputs, &sample.parameters).swap_remove(0);
         let coefficients = first("friction_parameters", &[]);
@@ -137,7 +145,7 @@ fn stacked(robot: &Robot, function: &str, rng: &mut Rng) -> DMatrix<f64> {
     let mut rows = Vec::new();
     let parameters = random_sample(rng, model).parameters;
     for _ in 0..40 {
-        let Sample { y, v, a, .. } = random_sample(rng, model);
+        let Sample { y, v, a, .. } = sample_of(rng, model);
         let result = robot.call_with(function, &[&y, &v, &a], &parameters);
         rows.extend(result.into_iter().next().unwrap_or_default());
     }
@@ -197,7 +205,7 @@ fn base_regressor_times_base_parameters_is_all_that_moves() {
         let mut rng = Rng::with_seed(10);
         for _ in 0..5 {
             // The map holds for any values of the free parameters.
-            let sample = random_sample(&mut rng, &robot.model);
+            let sample = sample_of(&mut rng, &robot.model);
             let Sample { y, v, a, parameters, .. } = &sample;
             let first = |name, inputs: &[&[f64]]| robot.call_with(name, inputs, parameters).swap_remove(0);
             let pi = first("inertial_parameters", &[]);

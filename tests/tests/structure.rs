@@ -11,6 +11,7 @@ use gelenk_codegen::model::{Model, ReadOptions, read};
 use gelenk_codegen::program::interpret::interpret;
 use gelenk_codegen::program::{GraphOutput, InputArray, Program, Shape, lower};
 use gelenk_tests::literature::{chain, right_angles};
+use gelenk_tests::quaternion_model::positions;
 use gelenk_tests::random_model::{Sample, condition_of, random_helical_model, random_model, random_sample};
 use gelenk_tests::{FUNCTIONS, Robot, descriptions};
 
@@ -48,6 +49,7 @@ fn entries_that_patterns_exclude_are_zero_in_every_state() {
             }
             for _ in 0..8 {
                 let Sample { y, v, u, parameters, .. } = random_sample(&mut rng, &robot.model);
+                let y = positions(&robot.model, &y);
                 let inputs: [&[f64]; 3] = [&y, &v, &u];
                 let found = robot.call_with(name, &inputs[..takes], &parameters);
                 for (found, (what, pattern)) in found.iter().zip(&patterns) {
@@ -95,7 +97,7 @@ fn by_articulated_bodies(model: &Model) -> Option<Program> {
     let n = model.coordinates.len();
     let [y, v, f] = [0, 1, 2].map(|array| (0..n).map(|k| graph.input(array, k)).collect::<Vec<_>>());
     let mechanism = Mechanism::new(model);
-    if mechanism.is_coupled() || !mechanism.rotors_are_neighbours() {
+    if mechanism.is_coupled() || mechanism.has_quaternions() || !mechanism.rotors_are_neighbours() {
         return None;
     }
     let mechanism = Formulation::plain(n).mechanism(&graph, &mechanism);

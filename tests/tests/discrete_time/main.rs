@@ -115,6 +115,8 @@ fn no_robot_is_forgotten() {
         let name = path.file_stem().and_then(|name| name.to_str()).expect("a name");
         let listed = text.contains(&format!("gelenk_generated::{name})"));
         let checked = text.contains(&format!("$check(\"{name}\""));
-        assert!(name == "lib" || (listed && checked), "{name}");
+        // Their positions are no vectors: tests/motion_on_manifolds.rs has them.
+        let has_quaternions = ["quadrotor", "satellite"].contains(&name);
+        assert!(name == "lib" || has_quaternions || (listed && checked), "{name}");
     }
 }

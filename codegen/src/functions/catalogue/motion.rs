@@ -241,36 +241,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         }),
         ..Quantity::PLAIN
     },
-    Quantity {
-        name: "linearize",
-        differentiates_friction: true,
-        summary: "Linearization of the accelerations in continuous time.",
-        equation: "ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0",
-        arguments: &[Coordinates, Velocities, Inputs],
-        results: &[
-            ("A_y", SQUARE, "∂ÿ/∂y, row i = acceleration i"),
-            ("A_v", SQUARE, "∂ÿ/∂ẏ, row i = acceleration i"),
-            ("B_x", BY_INPUTS, "∂ÿ/∂u, row i = acceleration i"),
-            ("c", VECTOR, "affine remainder ÿ − A_y y − A_v ẏ − B_x u"),
-        ],
-        notes: DERIVATIVE_NOTES,
-        build: |equations, Arguments { y, v, u, .. }| {
-            let result = equations.linearize(y, v, u);
-            let jacobians = [result.by_coordinates, result.by_velocities, result.by_inputs].map(matrix);
-            jacobians.into_iter().chain([vector(result.remainder)]).collect()
-        },
-        route: |formulations| Some(formulations.derivatives().description()),
-        needs_inverse: true,
-        constants: |_, _, program| {
-            module_constants::patterns(
-                program,
-                &[("A_Y_NONZERO", "A_y"), ("A_V_NONZERO", "A_v"), ("B_X_NONZERO", "B_x")],
-            )
-        },
-        straight_size: Some(Estimate::MassMatrix),
-        loops: Some(Loops::Affine { called: "forward_dynamics_derivatives" }),
-        ..Quantity::PLAIN
-    },
+    LINEARIZE,
     Quantity {
         name: "kinetic_energy",
         summary: "Kinetic energy, rotors included.",
@@ -297,13 +268,42 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     },
 ];
 
-/// The row that replaces that of the same name where joints have quaternions.
-pub(super) const LINEARIZE_ON_TANGENT: &[Quantity] = &[Quantity {
+/// The linearization where the positions are one for each velocity.
+const LINEARIZE: Quantity = Quantity {
     name: "linearize",
     differentiates_friction: true,
+    summary: "Linearization of the accelerations in continuous time.",
+    equation: "ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0",
+    arguments: &[Coordinates, Velocities, Inputs],
+    results: &[
+        ("A_y", SQUARE, "∂ÿ/∂y, row i = acceleration i"),
+        ("A_v", SQUARE, "∂ÿ/∂ẏ, row i = acceleration i"),
+        ("B_x", BY_INPUTS, "∂ÿ/∂u, row i = acceleration i"),
+        ("c", VECTOR, "affine remainder ÿ − A_y y − A_v ẏ − B_x u"),
+    ],
+    notes: DERIVATIVE_NOTES,
+    build: |equations, Arguments { y, v, u, .. }| {
+        let result = equations.linearize(y, v, u);
+        let jacobians = [result.by_coordinates, result.by_velocities, result.by_inputs].map(matrix);
+        jacobians.into_iter().chain([vector(result.remainder)]).collect()
+    },
+    route: |formulations| Some(formulations.derivatives().description()),
+    needs_inverse: true,
+    constants: |_, _, program| {
+        module_constants::patterns(
+            program,
+            &[("A_Y_NONZERO", "A_y"), ("A_V_NONZERO", "A_v"), ("B_X_NONZERO", "B_x")],
+        )
+    },
+    straight_size: Some(Estimate::MassMatrix),
+    loops: Some(Loops::Affine { called: "forward_dynamics_derivatives" }),
+    ..Quantity::PLAIN
+};
+
+/// The row that replaces that of the same name where joints have quaternions.
+pub(super) const LINEARIZE_ON_TANGENT: &[Quantity] = &[Quantity {
     summary: "Linearization of the accelerations in continuous time, on the tangent.",
     equation: "with δ from y: δ̇ ≈ D δ + ẏ − v and ÿ ≈ A_y δ + A_v ẏ + B_x u + c",
-    arguments: &[Coordinates, Velocities, Inputs],
     results: &[
         ("A_y", SQUARE, "∂ÿ/∂δ, row i = acceleration i"),
         ("A_v", SQUARE, "∂ÿ/∂ẏ, row i = acceleration i"),
@@ -322,16 +322,8 @@ pub(super) const LINEARIZE_ON_TANGENT: &[Quantity] = &[Quantity {
         let rest = [vector(result.remainder), matrix(equations.drift(v))];
         jacobians.into_iter().chain(rest).collect()
     },
-    route: |formulations| Some(formulations.derivatives().description()),
-    needs_inverse: true,
-    constants: |_, _, program| {
-        module_constants::patterns(
-            program,
-            &[("A_Y_NONZERO", "A_y"), ("A_V_NONZERO", "A_v"), ("B_X_NONZERO", "B_x")],
-        )
-    },
-    straight_size: Some(Estimate::MassMatrix),
-    ..Quantity::PLAIN
+    loops: None,
+    ..LINEARIZE
 }];
 
 /// The row that replaces that of the same name where inputs act at frames.
