@@ -54,6 +54,14 @@ def test_a_urdf_agrees_with_pinocchio_in_one_call_for_all_states(reference: Path
     assert_close(linearization.b_x, samples["dfd_dtau"])
 
 
+def test_a_base_is_freed_by_a_keyword(arm_file: Path) -> None:
+    robot = gelenk.load(arm_file, base="floating", functions=["mass_matrix"])
+    mass = robot.mass_matrix(robot.NEUTRAL)
+    assert mass.shape == (8, 8)
+    # The base comes first, with its linear velocity: all masses are along it.
+    assert_close(mass[:3, :3], 5.0 * np.eye(3))
+
+
 def test_the_bits_are_those_of_rust(ur5: gelenk.Robot, powercube: gelenk.Robot) -> None:
     file = os.environ.get("GELENK_RUST_VALUES")
     if file is None:

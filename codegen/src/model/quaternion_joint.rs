@@ -71,6 +71,14 @@ impl QuaternionKind {
 }
 
 impl QuaternionJoint {
+    /// The unit quaternion x y z w of a rotation vector.
+    pub(crate) fn attitude(turn: [f64; 3]) -> [f64; 4] {
+        let angle = turn.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let (sine, cosine) = crate::numeric::sin_cos(angle / 2.0);
+        let share = if angle == 0.0 { 0.5 } else { sine / angle };
+        [turn[0] * share, turn[1] * share, turn[2] * share, cosine]
+    }
+
     /// The coordinates of its velocities.
     #[must_use]
     pub fn coordinates(&self) -> std::ops::Range<usize> {
@@ -158,18 +166,10 @@ impl Model {
                     let values = &values[joint.coordinates()];
                     let (linear, turn) = values.split_at(joint.kind.quaternion());
                     positions.extend(linear);
-                    positions.extend(quaternion([turn[0], turn[1], turn[2]]));
+                    positions.extend(QuaternionJoint::attitude([turn[0], turn[1], turn[2]]));
                 }
             }
         }
         positions
     }
-}
-
-/// The unit quaternion x y z w of a rotation vector.
-fn quaternion(turn: [f64; 3]) -> [f64; 4] {
-    let angle = turn.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let (sine, cosine) = crate::numeric::sin_cos(angle / 2.0);
-    let share = if angle == 0.0 { 0.5 } else { sine / angle };
-    [turn[0] * share, turn[1] * share, turn[2] * share, cosine]
 }

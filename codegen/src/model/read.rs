@@ -293,14 +293,14 @@ fn extend(mut base: RobotDescription, extension: RobotDescription, report: &mut 
     }
 }
 
-/// A base that the extension frees has its joint before, so that the extension can speak of it.
+/// A base that moves freely has its joint before the rest of the extension, so that this can speak of it.
 fn extend_freed(
     mut base: RobotDescription,
     mut extension: RobotDescription,
     asked: Option<Span>,
     report: &mut Report,
 ) -> RobotDescription {
-    if let Some(span) = extension.floating_base.take().or(asked) {
+    if let Some(span) = extension.floating_base.take().or(base.floating_base).or(asked) {
         base.floating_base.get_or_insert(span);
         base.base = extension.base.take().or(base.base);
         floating_base::free(&mut base, report);

@@ -5,6 +5,7 @@
 
 mod equations;
 mod formula;
+mod motion;
 mod robot;
 mod scene;
 mod self_check;
@@ -254,6 +255,22 @@ mod tests {
         let (model, functions) = arm(ARM);
         let verdicts = verdicts(&model, &functions);
         assert_eq!(verdicts.len(), 8);
+        for (id, verdict) in verdicts {
+            assert_eq!(verdict, Verdict::Holds, "{id}");
+        }
+    }
+
+    /// Differences go along motions of quaternions: no check falls away.
+    #[test]
+    fn a_free_robot_passes_the_same_self_check() {
+        let base = "base = { link = \"base\", type = \"floating\" }\n";
+        let ball = "[[joints]]\nname = \"ball\"\nparent = \"swing\"\ntype = \"spherical\"\ndrive = \"ideal\"\n\
+            [[bodies]]\nlink = \"ball\"\nmass = 1\ncenter_of_mass = [0.2, 0.1, -0.3]\ninertia = 0.1\n\
+            [[bodies]]\nlink = \"base\"\nmass = 5\ninertia = 0.3\n";
+        let (model, functions) = arm(&format!("{base}{ARM}{ball}"));
+        assert_eq!(model.quaternion_joints.len(), 2);
+        let verdicts = verdicts(&model, &functions);
+        assert_eq!(verdicts.len(), 8, "{verdicts:?}");
         for (id, verdict) in verdicts {
             assert_eq!(verdict, Verdict::Holds, "{id}");
         }

@@ -3,6 +3,7 @@
 use gelenk_report::{Claim, Criterion};
 use nalgebra::{DMatrix, SymmetricEigen};
 
+use super::motion;
 use super::robot::Robot;
 use super::states::State;
 use crate::model::Definiteness;
@@ -277,7 +278,7 @@ fn power(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let (y, v) = (&state.y, &state.v);
     let a = robot.first("forward_dynamics", &[y, v, &state.u])?;
     let energy = |t: f64| {
-        let (y, v) = (moved(y, t, v), moved(v, t, &a));
+        let (y, v) = (motion::moved(robot.model, y, t, v), moved(v, t, &a));
         robot.first("kinetic_energy", &[&y, &v])
     };
     let rate = derivative(energy)?[0];
@@ -294,7 +295,9 @@ fn power(robot: &Robot<'_>, state: &State) -> Option<f64> {
 
 fn gravity(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let along = &state.v;
-    let rate = derivative(|t| robot.first("potential_energy", &[&moved(&state.y, t, along)]))?[0];
+    let rate =
+        derivative(|t| robot.first("potential_energy", &[&motion::moved(robot.model, &state.y, t, along)]))?
+            [0];
     let forces = robot.first("gravity_forces", &[&state.y])?;
     let energy = robot.first("potential_energy", &[&state.y])?[0].abs();
     let size = (largest(&forces) * largest(along)).max(energy);
@@ -307,22 +310,22 @@ fn gravity(robot: &Robot<'_>, state: &State) -> Option<f64> {
 fn linearization(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let State { y, v, a, u } = state;
     let blocks = robot.call("linearize", &[y, v, u])?;
-    let [by_y, by_v, by_u, _] = <[Vec<f64>; 4]>::try_from(blocks).ok()?;
+    let [by_y, by_v, by_u, ..] = blocks.as_slice() else { return None };
     let along = |t: f64| {
-        let (y, v, u) = (moved(y, t, v), moved(v, t, a), moved(u, t, u));
+        let (y, v, u) = (motion::moved(robot.model, y, t, v), moved(v, t, a), moved(u, t, u));
         robot.first("forward_dynamics", &[&y, &v, &u])
     };
     let found = derivative(along)?;
     let parts = [
-        matrix_times(&by_y, v),
-        matrix_times(&by_v, a),
+        matrix_times(by_y, v),
+        matrix_times(by_v, a),
         if u.is_empty() {
-            vec![0.0; y.len()]
+            vec![0.0; v.len()]
         } else {
             by_u.chunks(u.len()).map(|row| product(row, u)).collect()
         },
     ];
-    let expected: Vec<f64> = (0..y.len()).map(|i| parts.iter().map(|part| part[i]).sum()).collect();
+    let expected: Vec<f64> = (0..v.len()).map(|i| parts.iter().map(|part| part[i]).sum()).collect();
     let weights = weights(robot, state)?;
     let weighted = |part: &[f64]| largest(&times(part, &weights));
     let size = parts.iter().map(|part| weighted(part)).fold(0.0, f64::max);
@@ -344,7 +347,8 @@ fn frames(robot: &Robot<'_>, state: &State) -> Option<f64> {
 fn frame_error(robot: &Robot<'_>, state: &State, name: &str) -> Option<f64> {
     let (pose, jacobian) = (format!("frame_{name}_pose"), format!("frame_{name}_jacobian"));
     let along = |t: f64| {
-        let mut results = robot.call(&pose, &[&moved(&state.y, t, &state.v)])?.into_iter();
+        let mut results =
+            robot.call(&pose, &[&motion::moved(robot.model, &state.y, t, &state.v)])?.into_iter();
         let (mut origin, rotation) = (results.next()?, results.next()?);
         origin.extend(rotation);
         Some(origin)

@@ -27,6 +27,7 @@ def generate(
     snap_angles: float | None = None,
     no_friction: bool = False,
     ignore_mimic: bool = False,
+    base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
     fused_multiply_add: bool = False,
@@ -41,8 +42,8 @@ def generate(
     options = {
         "output": output, "language": language, "for": list(tools), "functions": functions, "lanes": lanes,
         "scalar": scalar, "control_model": control_model, "self_test": self_test, "snap_angles": snap_angles,
-        "no_friction": no_friction, "ignore_mimic": ignore_mimic, "smooth_sign": smooth_sign,
-        "accept_unphysical": accept_unphysical, "fused_multiply_add": fused_multiply_add,
+        "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,
+        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "fused_multiply_add": fused_multiply_add,
         "max_operations": max_operations,
     }
     written = _program.run(["generate", description, *_program.switches(options)])
@@ -56,6 +57,7 @@ def report(
     snap_angles: float | None = None,
     no_friction: bool = False,
     ignore_mimic: bool = False,
+    base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
     max_operations: int | None = None,
@@ -66,7 +68,7 @@ def report(
     """
     options = {
         "output": output, "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic,
-        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "max_operations": max_operations,
+        "base": base, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "max_operations": max_operations,
     }
     result = _program.run(["report", description, *_program.switches(options)], may_fail=True)
     page = next(Path(file) for file in result["files"] if Path(file).name == "index.html")

@@ -86,6 +86,7 @@ def load(
     snap_angles: float | None = None,
     no_friction: bool = False,
     ignore_mimic: bool = False,
+    base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
     fused_multiply_add: bool = False,
@@ -98,6 +99,7 @@ def load(
 
     - `functions`: their names; by default those of the description, else all
     - `scalar`: `f64`, or `f32` for functions in single precision
+    - `base`: `"floating"` for a robot whose first link moves freely
     - all others: as `gelenk generate --help` says
 
     Raises `DescriptionError`, `CompilerError`, `ProgramError`, and `ValueError` for an option that the program refuses.
@@ -108,6 +110,7 @@ def load(
         "snap_angles": snap_angles,
         "no_friction": no_friction,
         "ignore_mimic": ignore_mimic,
+        "base": base,
         "smooth_sign": smooth_sign,
         "accept_unphysical": accept_unphysical,
         "fused_multiply_add": fused_multiply_add,

@@ -8,6 +8,7 @@ mod force_laws;
 mod frame_forces;
 mod hints;
 mod inertias;
+mod inner_links;
 mod mass_matrix;
 mod names;
 mod quaternion_joints;

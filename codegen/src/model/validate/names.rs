@@ -33,7 +33,10 @@ impl Identifiers {
         let at_frames =
             pulls.map(|input| &input.name).chain(robot.wrench_inputs.iter().map(|input| &input.name));
         let before = report.error_count();
-        report_duplicates(joints.iter().copied(), "joints", report);
+        // A spherical or floating joint is a name beside those of its velocities.
+        let parts = robot.joints.iter().filter_map(|joint| joint.part_of.as_ref());
+        let whole = parts.filter(|part| part.index == 0).map(|part| &part.joint);
+        report_duplicates(whole.chain(joints.iter().copied()), "joints", report);
         if report.error_count() == before {
             // A drive without a name is called like its joint.
             report_duplicates(driven.iter().copied(), "drives", report);

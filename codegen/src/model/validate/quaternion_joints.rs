@@ -4,6 +4,7 @@ use super::super::QuaternionJoint;
 use super::super::QuaternionKind;
 use super::super::description::{DriveChoice, JointDescription, Name, PartOf, RobotDescription};
 use super::super::tree::Tree;
+use super::inner_links;
 use crate::diagnostic::{Report, Span};
 use crate::formula::Formula;
 
@@ -25,6 +26,7 @@ pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
         }
     }
     refuse_second_floating(robot, report);
+    inner_links::refuse(robot, report);
 }
 
 /// One velocity of a joint with a quaternion.
