@@ -1,9 +1,11 @@
 //! `gelenk new` as a new user meets it: from an empty folder to a simulation that runs.
 
 use std::fs;
+use std::process::Command;
 
 use gelenk_tests::cargo::{aloud, cargo, lock_like_here, success, text};
 use gelenk_tests::packages::use_published;
+use gelenk_tests::python::{has_c_compiler, program, python};
 use gelenk_tests::workspace;
 
 /// Lines of numbers: time, joints, energy.
@@ -61,6 +63,51 @@ fn a_new_crate_builds_and_simulates() {
     let renamed = build_with("name = \"robot\"", "name = \"walker\"");
     let says = "generates no robot `robot`, but `walker` from robot.toml. A module is named after its robot: the key `name`";
     assert!(renamed.contains(says), "{renamed}");
+}
+
+/// The simulations of projects in C and Python print the same motion, digit by digit.
+#[test]
+fn new_projects_in_c_and_python_simulate() {
+    if !has_c_compiler() || Command::new("make").arg("--version").output().is_err() {
+        println!("skipped: no `make`");
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let gelenk = program();
+    let new = |name: &str, language: &str| {
+        success(
+            &Command::new(&gelenk)
+                .args(["new", name, language])
+                .current_dir(&folder)
+                .output()
+                .expect("gelenk"),
+        );
+        folder.path().join(name)
+    };
+    let made = new("arm in c", "--c");
+    let mut make = Command::new("make");
+    make.args(["-s", "run", "CFLAGS=-O2 -Wall -Wextra -Werror -pedantic"])
+        .env("GELENK", &gelenk)
+        .current_dir(&made);
+    let printed = success(&make.output().expect("make"));
+    let motion = &printed[printed.find("   t [s]").expect("a table")..];
+    let swings = rows(motion);
+    assert_eq!(swings.len(), 21);
+    for pair in swings.windows(2) {
+        assert!(pair[1][3] < pair[0][3], "energy grows: {pair:?}");
+    }
+    let again = success(&make.output().expect("make"));
+    assert_eq!(again, motion, "what is fresh is not generated again");
+
+    let made = new("arm in python", "--python");
+    let package = workspace().join("codegen/python");
+    let requirements = fs::read_to_string(made.join("requirements.txt")).expect("the requirements");
+    assert!(requirements.ends_with(&format!("\n{}\n", package.display())), "{requirements}");
+    let Some(python) = python() else { return };
+    let mut simulate = Command::new(python);
+    simulate.arg(made.join("main.py")).env("PYTHONPATH", package.join("src")).env("GELENK_PROGRAM", &gelenk);
+    simulate.env("GELENK_CACHE", folder.path().join("cache")).env("PYTHONDONTWRITEBYTECODE", "1");
+    assert_eq!(success(&simulate.output().expect("Python")), motion);
 }
 
 /// Without options it depends on the checkout that the program was built from.

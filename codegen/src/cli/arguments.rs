@@ -55,6 +55,7 @@ Examples:
   gelenk new my_arm                              on this program's own checkout
   gelenk new my_arm --urdf arm.urdf              the robot of a URDF, which is copied
   gelenk new my_arm --git https://example.org/gelenk.git
+  gelenk new my_arm --c                          a project in C; --python: in Python
 
 Exit codes: 0 success, 1 the folder exists or cannot be made, or the URDF is at fault, 2 wrong command line.";
 
@@ -155,6 +156,12 @@ pub(super) struct New {
     /// Folder to make; its last part names the crate
     #[arg(value_name = "NAME")]
     pub(super) folder: PathBuf,
+    /// Make a project in C instead: a Makefile and a simulation
+    #[arg(long, conflicts_with_all = ["python", "checkout", "git", "version"])]
+    pub(super) c: bool,
+    /// Make a project in Python instead: a simulation over NumPy arrays
+    #[arg(long)]
+    pub(super) python: bool,
     /// Describe the robot of this URDF [default: an arm of two joints]
     #[arg(long, value_name = "FILE")]
     pub(super) urdf: Option<PathBuf>,

@@ -462,4 +462,11 @@ mod tests {
              --scalar f32 --snap-angles 0.0001 --smooth-sign 100.0 --no-friction --accept-unphysical"
         );
     }
+
+    #[test]
+    fn the_current_folder_has_a_name() {
+        for folder in [".", "./"] {
+            assert_eq!(shown(Path::new(folder), None), ".");
+        }
+    }
 }

@@ -10,6 +10,7 @@ mod inspect;
 mod interface;
 mod mechanism;
 mod new;
+mod new_project;
 mod new_robot;
 mod place;
 mod print;

@@ -1,4 +1,4 @@
-//! `gelenk new`: a small crate with a robot, a build script and a simulation.
+//! `gelenk new`: a small project with a robot and a simulation, in Rust, C or Python.
 
 use std::fs;
 use std::io;
@@ -9,13 +9,10 @@ use serde_json::{Value, json};
 
 use super::Failure;
 use super::arguments::{Format, New};
+use super::new_project::Project;
 use super::new_robot::robot;
 use super::print;
 use crate::wording::{quoted, toml_text};
-
-/// The files of every new crate besides its manifest.
-const FILES: [(&str, &str); 2] =
-    [("src/main.rs", include_str!("template/main.rs")), (".gitignore", "/target\n/report\n")];
 
 /// Names that Cargo or the compiler keep for themselves, and those of the dependencies.
 const TAKEN: [&str; 13] = [
@@ -34,45 +31,59 @@ const TAKEN: [&str; 13] = [
     "test",
 ];
 
-/// Makes the crate.
+/// Makes the project.
 pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> {
     let folder = &arguments.folder;
-    let name = name(folder)?;
-    let manifest = manifest(&name, &source(arguments)?);
     let robot = robot(arguments.urdf.as_deref())?;
-    let texts = FILES.map(|(name, text)| (name, text.as_bytes()));
-    let files: Vec<(&str, &[u8])> = [
-        ("Cargo.toml", manifest.as_bytes()),
-        ("robot.toml", robot.description.as_bytes()),
-        ("build.rs", robot.build.as_bytes()),
-    ]
-    .into_iter()
-    .chain(robot.urdf.as_deref().map(|urdf| ("robot.urdf", urdf)))
-    .chain(texts)
-    .collect();
+    let (project, package) = project(arguments, robot.build)?;
+    let description = ("robot.toml", robot.description.as_bytes());
+    let urdf = robot.urdf.as_deref().map(|urdf| ("robot.urdf", urdf));
+    let texts = project.files.iter().map(|(name, text)| (*name, text.as_bytes()));
+    let files: Vec<(&str, &[u8])> = [description].into_iter().chain(urdf).chain(texts).collect();
     make(folder)?;
     if let Err(error) = write(folder, &files) {
-        // Half a crate helps nobody; whether it could be removed changes nothing about the message.
+        // Half a project helps nobody; whether it could be removed changes nothing about the message.
         let _ = fs::remove_dir_all(folder);
         return Err(cannot_make(folder, &error));
     }
     match format {
         Format::Json => {
             let names: Value = files.iter().map(|(name, _)| *name).collect();
-            print::json(&json!({ "package": name, "folder": folder.display().to_string(), "files": names }))
+            let mut made = json!({ "folder": folder.display().to_string(), "files": names });
+            if let Some(package) = package {
+                made["package"] = package.into();
+            }
+            print::json(&made)
         }
         Format::Text => {
             print::out(&format!(
-                "made {0}: robot.toml describes the robot, build.rs generates its equations, src/main.rs simulates it\n\
-                 next: cd {0} && cargo run\n\
-                 a page about the robot: {1} report {2}\n",
+                "made {0}: robot.toml describes the robot, {1}\n\
+                 next: cd {0} && {2}\n\
+                 a page about the robot: {3} report {4}\n",
                 quoted(&folder.to_string_lossy()),
+                project.made,
+                project.next,
                 quoted(&this_program()),
                 quoted(&folder.join("robot.toml").to_string_lossy())
             ))?;
             Ok(ExitCode::SUCCESS)
         }
     }
+}
+
+/// The project in the language that is asked for, and the name of its package, where it is a crate.
+///
+/// - `build`: the build script of a crate
+fn project(arguments: &New, build: &str) -> Result<(Project, Option<String>), Failure> {
+    if arguments.c {
+        return Ok((Project::c(), None));
+    }
+    let source = source(arguments)?;
+    if arguments.python {
+        return Ok((Project::python(&source.requirement()?), None));
+    }
+    let name = name(&arguments.folder)?;
+    Ok((Project::rust(manifest(&name, &source), build), Some(name)))
 }
 
 /// Makes the folder, which must not exist: only then may it be removed again.
@@ -215,6 +226,24 @@ fn registry(version: &str) -> Result<Source, Failure> {
 }
 
 impl Source {
+    /// The Python package as a line of requirements.
+    fn requirement(&self) -> Result<String, Failure> {
+        match self {
+            Self::Path(folder) => {
+                let package = folder.join("codegen/python");
+                match package.join("pyproject.toml").is_file() {
+                    true => Ok(package.to_string_lossy().into_owned()),
+                    false => Err(Failure::Problem(format!(
+                        "no Python package at {}\n  = help: name another checkout with --checkout FOLDER",
+                        package.display()
+                    ))),
+                }
+            }
+            Self::Git(url) => Ok(format!("gelenk @ git+{url}#subdirectory=codegen/python")),
+            Self::Version(version) => Ok(format!("gelenk=={}", version.trim_start_matches(['^', '=', '~']))),
+        }
+    }
+
     /// The entry of a dependency, without the closing brace.
     fn entry(&self, part: &str) -> String {
         match self {
@@ -243,9 +272,10 @@ fn manifest(name: &str, source: &Source) -> String {
 }
 
 fn write(folder: &Path, files: &[(&str, &[u8])]) -> io::Result<()> {
-    fs::create_dir_all(folder.join("src"))?;
     for (name, text) in files {
-        fs::write(folder.join(name), text)?;
+        let file = folder.join(name);
+        file.parent().map_or(Ok(()), fs::create_dir_all)?;
+        fs::write(file, text)?;
     }
     Ok(())
 }

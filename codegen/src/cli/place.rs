@@ -164,7 +164,8 @@ pub(super) fn shown(path: &Path, workspace: Option<&Workspace>) -> String {
         return name;
     }
     let parts = path.components().filter(|part| *part != Component::CurDir);
-    parts.map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
+    let shown = parts.map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/");
+    if shown.is_empty() { ".".to_owned() } else { shown }
 }
 
 #[cfg(test)]
