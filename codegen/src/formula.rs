@@ -6,6 +6,7 @@
 
 mod arithmetic;
 mod display;
+mod energy;
 pub(crate) mod error;
 mod habits;
 pub(crate) mod parse;

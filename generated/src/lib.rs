@@ -149,6 +149,15 @@ pub mod schunk_lwa4p;
 #[rustfmt::skip]
 pub mod two_arm;
 
+/// The robot `tx40_like`.
+///
+/// A six-axis arm like the Stäubli TX40: the motor of the last joint turns with joints 5 and 6 together.
+///
+/// y = 0 is upright. Motor 6 sits in front of joint 5, so that its shaft turns by 32 (y5 + y6), and its friction and its rotor act
+/// on both joints. All masses, inertias and frictions are estimated.
+#[rustfmt::skip]
+pub mod tx40_like;
+
 /// The robot `ur5`.
 ///
 /// Universal Robots UR5 with ideal drives.

@@ -208,6 +208,19 @@ impl Oracle<'_> {
         let mut forces = self.joint_forces(y, v, |joint, y, v| {
             joint.springs.iter().map(|law| value(law, self.parameters, y, v)).sum()
         });
+        for (force, of_law) in forces.iter_mut().zip(self.law_forces(y, v)) {
+            *force += of_law;
+        }
+        forces
+    }
+
+    /// Forces of the laws between frames, where nothing moves.
+    pub fn law_forces_at_rest(&self, y: &[f64]) -> Vec<f64> {
+        self.law_forces(y, &vec![0.0; y.len()])
+    }
+
+    fn law_forces(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
+        let mut forces = vec![0.0; y.len()];
         for force in &self.model.point_forces {
             let (length, slope) = self.distance(&force.between, y);
             let rate: f64 = slope.iter().zip(v).map(|(slope, v)| slope * v).sum();

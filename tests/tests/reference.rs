@@ -324,3 +324,38 @@ fn every_type_of_joint_agrees_with_pinocchio() {
 fn coupled_screws_agree_with_pinocchio() {
     joints_agree_with_pinocchio("coupled_joints");
 }
+
+/// A robot beside this test, with the values that a script of `tests/reference` made of it.
+fn committed(name: &str) -> (Robot, Value) {
+    let folder = workspace().join("tests/reference");
+    let text = std::fs::read_to_string(folder.join(format!("{name}.json"))).expect("committed values");
+    let robot = Robot::derive(&folder.join(format!("{name}.toml")), &GenerateOptions::default());
+    (robot, serde_json::from_str(&text).expect("JSON"))
+}
+
+/// `tests/reference/make_springs.py` made the values.
+#[test]
+fn springs_between_points_agree_with_drake() {
+    const TOLERANCE: f64 = 1e-10;
+    let (robot, reference) = committed("springs");
+    for sample in samples(&reference) {
+        let get = |key: &str| numbers(&sample[key]);
+        let (y, v, a, u) = (get("y"), get("v"), get("a"), get("u"));
+        check("springs", &robot.first("spring_forces", &[&y, &v]), &get("springs"), TOLERANCE);
+        check("id", &robot.first("inverse_dynamics", &[&y, &v, &a]), &get("id"), TOLERANCE);
+        check("fd", &robot.first("forward_dynamics", &[&y, &v, &u]), &get("fd"), TOLERANCE);
+        check("V", &robot.first("potential_energy", &[&y]), &get("V"), TOLERANCE);
+    }
+}
+
+/// The parallelogram by `follows` is the one whose loops Pinocchio's proximal solver closes:
+/// `tests/reference/make_palletizer.py` made the values.
+#[test]
+fn the_palletizer_agrees_with_closed_loops() {
+    let (robot, reference) = committed("palletizer");
+    for sample in samples(&reference) {
+        let get = |key: &str| numbers(&sample[key]);
+        let found = robot.first("forward_dynamics", &[&get("y"), &get("v"), &get("u")]);
+        check("fd", &found, &get("fd"), 1e-9);
+    }
+}

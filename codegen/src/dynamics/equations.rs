@@ -530,12 +530,16 @@ impl<'g> Equations<'_, 'g> {
         dot(self.graph, &momentum, v) * 0.5
     }
 
-    /// `−g · Σ m c` over the moving bodies.
+    /// `−g · Σ m c` over the moving bodies, and the energies of forces between frames.
     pub fn potential_energy(&self, y: &[Scalar<'g>]) -> Scalar<'g> {
         let plain = Formulation::plain(self.formulations.mechanism().bodies.len());
         let choices = vec![RegroupChoice::Massless; plain.bodies.len()];
         let mechanism = self.mechanism().regrouped(&choices);
-        -mechanism.gravity.dot(composite::first_moment(&mechanism, &plain, y))
+        let of_gravity = -mechanism.gravity.dot(composite::first_moment(&mechanism, &plain, y));
+        if self.model.point_forces.is_empty() {
+            return of_gravity;
+        }
+        self.frame_forces(y).law_energies().into_iter().fold(of_gravity, |sum, energy| sum + energy)
     }
 
     /// The masses at the positions `y`.

@@ -12,7 +12,7 @@ use super::tangent::gradient_along;
 use crate::formula::{Formula, Function};
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{JointAxis, Mechanism, lower, lower_pose, lower_with};
-use crate::model::{Attachment, ForceEffect, ForceInput, Model, WrenchAxes, identifier};
+use crate::model::{Attachment, ForceEffect, ForceInput, Model, PointForce, WrenchAxes, identifier};
 use crate::spatial::{Force, Pose, Vector3, rotate};
 
 /// The bodies of a mechanism at some coordinates.
@@ -60,6 +60,16 @@ impl<'a, 'g> FrameForces<'a, 'g> {
             distance.add_pull(named(pull, || format!("pull_{name}")), &mut forces);
         }
         forces
+    }
+
+    /// Potential energies of the laws that have one: a force F that pulls together stores ∫ F dl.
+    pub fn law_energies(&self) -> Vec<Scalar<'g>> {
+        let energy = |force: &PointForce| {
+            let law = force.law.energy()?;
+            let length = self.length(&force.between, &identifier(&force.name)).1;
+            Some(lower_with(self.graph(), &law, length, length.constant(0.0)))
+        };
+        self.model.point_forces.iter().filter_map(energy).collect()
     }
 
     /// The columns of B for the inputs at frames.
@@ -159,10 +169,14 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         point
     }
 
-    fn distance(&self, between: &[Attachment; 2], name: &str) -> Distance<'g> {
+    /// l² and l.
+    fn length(&self, between: &[Attachment; 2], name: &str) -> (Scalar<'g>, Scalar<'g>) {
         let squared = self.squared_distance(between.each_ref().map(|at| self.place(at)));
-        let length = squared.call(Function::Sqrt);
-        let length = length.named(|| format!("length_{name}"));
+        (squared, squared.call(Function::Sqrt).named(|| format!("length_{name}")))
+    }
+
+    fn distance(&self, between: &[Attachment; 2], name: &str) -> Distance<'g> {
+        let (squared, length) = self.length(between, name);
         let half_inverse = self.graph().constant(0.5).divided_by(length);
         let half_inverse = half_inverse.named(|| format!("half_inverse_{name}"));
         let (by_square, _) = gradient_along(self.graph(), self.model, squared, self.y, &[]);

@@ -3,7 +3,9 @@
 use crate::dynamics::load_friction;
 use crate::formula::Formula;
 use crate::functions::function::Function;
-use crate::model::{Actuator, Body, FollowedCoordinate, Joint, Link, Model};
+use crate::functions::selection::derive_functions;
+use crate::functions::size::MOST_OPERATIONS;
+use crate::model::{Actuator, Body, FollowedCoordinate, Joint, Link, Model, PointForce};
 use crate::program::interpret::{Functions, interpret};
 
 /// A robot with its functions, at the described values of its parameters.
@@ -88,6 +90,25 @@ impl<'a> Robot<'a> {
     /// Tells whether friction grows with the load.
     pub fn has_load_friction(&self) -> bool {
         load_friction::is_there(self.model)
+    }
+
+    /// The forces between frames whose laws have a potential energy.
+    pub fn laws_with_energy(&self) -> Vec<PointForce> {
+        let has_energy = |force: &&PointForce| force.law.energy().is_some_and(|energy| !energy.is_zero());
+        self.model.point_forces.iter().filter(has_energy).cloned().collect()
+    }
+
+    /// Generalized forces of these laws at standstill, by the springs of a robot that has no others.
+    pub fn law_forces(&self, positions: &[f64]) -> Option<Vec<f64>> {
+        let still = vec![0.0; self.n()];
+        let point_forces = self.laws_with_energy();
+        if point_forces.is_empty() {
+            return Some(still);
+        }
+        let mut model = Model { point_forces, ..self.model.clone() };
+        model.links.iter_mut().filter_map(|link| link.joint.as_mut()).for_each(|joint| joint.springs.clear());
+        let springs = derive_functions(&model, &["spring_forces".to_owned()], MOST_OPERATIONS).ok()?;
+        Robot::new(&model, &springs).first("spring_forces", &[positions, &still])
     }
 
     /// Friction torques at positions and velocities.

@@ -108,9 +108,14 @@ pub(super) fn claims(robot: &Robot<'_>) -> Vec<Claim> {
 
 /// The statement of a check, which has friction under load where there is some.
 fn statement(robot: &Robot<'_>, check: &Check) -> String {
-    match robot.has_load_friction() {
-        false => check.statement.to_owned(),
-        true => check
+    match (check.id, robot.has_load_friction()) {
+        ("check-gravity", _) if !robot.laws_with_energy().is_empty() => {
+            "Gravity and the forces between frames, as far as they have an energy, are the gradient of the potential energy: \
+             $q_\\text{gravity} + q_\\text{laws} = -\\partial V/\\partial y$ at standstill."
+                .to_owned()
+        }
+        (_, false) => check.statement.to_owned(),
+        (_, true) => check
             .statement
             .replace("M \\ddot y + k - q$", "M \\ddot y + k - q + |\\tau_l| \\, \\sigma$")
             .replace("(q + B u)$", "(q + B u - |\\tau_l| \\, \\sigma)$"),
@@ -295,10 +300,9 @@ fn power(robot: &Robot<'_>, state: &State) -> Option<f64> {
 
 fn gravity(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let along = &state.v;
-    let rate =
-        derivative(|t| robot.first("potential_energy", &[&motion::moved(robot.model, &state.y, t, along)]))?
-            [0];
-    let forces = robot.first("gravity_forces", &[&state.y])?;
+    let energy_at = |t: f64| robot.first("potential_energy", &[&motion::moved(robot.model, &state.y, t, along)]);
+    let rate = derivative(energy_at)?[0];
+    let forces = moved(&robot.first("gravity_forces", &[&state.y])?, 1.0, &robot.law_forces(&state.y)?);
     let energy = robot.first("potential_energy", &[&state.y])?[0].abs();
     let size = (largest(&forces) * largest(along)).max(energy);
     let error = (rate + product(along, &forces)).abs();

@@ -32,6 +32,7 @@ mod robots {
     gelenk_runtime::dynamics!(pub struct Scara = gelenk_generated::scara);
     gelenk_runtime::dynamics!(pub struct SchunkLwa4p = gelenk_generated::schunk_lwa4p);
     gelenk_runtime::dynamics!(pub struct TwoArm = gelenk_generated::two_arm);
+    gelenk_runtime::dynamics!(pub struct Tx40Like = gelenk_generated::tx40_like);
     gelenk_runtime::dynamics!(pub struct Ur5 = gelenk_generated::ur5);
 }
 
@@ -56,6 +57,7 @@ macro_rules! for_each_robot {
         $check("scara", &robots::Scara);
         $check("schunk_lwa4p", &robots::SchunkLwa4p);
         $check("two_arm", &robots::TwoArm);
+        $check("tx40_like", &robots::Tx40Like);
         $check("ur5", &robots::Ur5);
     };
 }
