@@ -1,4 +1,6 @@
 //! A robot whose wrist is a differential gear, identified in its motors' torques: B is full there.
+#![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
 use std::fmt::Write as _;
 use std::fs;
