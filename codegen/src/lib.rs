@@ -21,6 +21,7 @@ pub mod closed_form;
 pub mod diagnostic;
 pub mod dynamics;
 pub mod emit;
+pub mod export;
 pub mod formula;
 pub mod functions;
 pub mod graph;

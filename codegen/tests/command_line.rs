@@ -35,6 +35,7 @@ fn help_of_all_commands() {
         ("help_new", vec!["new", "--help"]),
         ("help_report", vec!["report", "--help"]),
         ("help_identify", vec!["identify", "--help"]),
+        ("help_export", vec!["export", "--help"]),
     ] {
         insta::assert_snapshot!(name, shown(&gelenk(folder.path(), &arguments)));
     }
@@ -684,4 +685,34 @@ fn logs_reduce_to_moments_and_moments_to_a_description() {
         refused(2, &arguments);
     }
     assert!(!at("x.moments").exists() && !at("x.toml").exists());
+}
+
+/// The file is written anew over one of its own, and over nothing else.
+#[test]
+fn an_export_writes_over_exports_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("arm.toml"), include_str!("../src/cli/template/robot.toml")).unwrap();
+    fs::write(path("mine.xml"), "<mujoco/>\n").unwrap();
+    let export = |words: &[&str]| gelenk(folder.path(), &[&["export", "arm.toml"], words].concat());
+    for format in ["--mjcf", "--urdf"] {
+        let output = ["out", &format[2..]].join(".");
+        for said in ["wrote", "unchanged"] {
+            let done = export(&[format, "--output", &output]);
+            assert_eq!(done.status.code(), Some(0), "{}", shown(&done));
+            assert!(shown(&done).contains(said), "{}", shown(&done));
+        }
+        fs::write(path(&output), fs::read_to_string(path(&output)).unwrap() + "<!-- older -->").unwrap();
+        assert!(shown(&export(&[format, "--output", &output])).contains("wrote"));
+        for (file, why) in [("mine.xml", "has not generated"), ("arm.toml", "was read from it")] {
+            let before = fs::read(path(file)).unwrap();
+            let refused = export(&[format, "--output", file]);
+            assert_eq!(refused.status.code(), Some(1), "{}", shown(&refused));
+            assert!(shown(&refused).contains(why), "{}", shown(&refused));
+            assert_eq!(fs::read(path(file)).unwrap(), before);
+        }
+    }
+    for words in [&[][..], &["--mjcf", "--urdf"]] {
+        assert_eq!(export(words).status.code(), Some(2));
+    }
 }

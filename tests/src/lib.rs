@@ -8,6 +8,7 @@ pub mod dual;
 pub mod flat;
 pub mod generated;
 pub mod literature;
+pub mod mujoco;
 pub mod oracle;
 pub mod packages;
 pub mod python;

@@ -1,4 +1,4 @@
-//! A Python of the tests' own: an environment in the target folder, made once for each list of packages.
+//! Pythons of the tests' own: environments in the target folder, each made once for its list of packages.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,9 +10,23 @@ use crate::workspace;
 /// The interpreter of an environment with the packages of `tests/python/requirements.txt`; none, with a note, where there
 /// is no Python, or where its packages cannot be had.
 pub fn python() -> Option<PathBuf> {
-    let requirements = workspace().join("tests/python/requirements.txt");
+    environment("requirements.txt", "python")
+}
+
+/// As [`python()`], with MuJoCo. `GELENK_MUJOCO_PYTHON` names another one, which may have more packages.
+pub fn python_with_mujoco() -> Option<PathBuf> {
+    if let Some(named) = std::env::var_os("GELENK_MUJOCO_PYTHON") {
+        return Some(named.into());
+    }
+    environment("mujoco.txt", "python-mujoco")
+}
+
+/// - `list`: a file of `tests/python/` with packages
+/// - `folder`: where they go in the target folder
+fn environment(list: &str, folder: &str) -> Option<PathBuf> {
+    let requirements = workspace().join("tests/python").join(list);
     let wanted = fs::read_to_string(&requirements).expect("the list of packages");
-    let folder = target().join("python");
+    let folder = target().join(folder);
     let python = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     let installed = folder.join("installed.txt");
     if fs::read_to_string(&installed).is_ok_and(|found| found == wanted) {

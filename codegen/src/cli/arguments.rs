@@ -28,6 +28,7 @@ Examples:
   gelenk check                                 is generated/ fresh?
   gelenk inspect counts models/ur5.toml        operation counts of all functions
   gelenk report models/ur5.toml                a page about the robot
+  gelenk export arm.toml --mjcf                the robot for MuJoCo
   gelenk identify arm.toml log.csv             friction and inertias from a recorded motion
   gelenk new my_arm                            a crate to begin with
 
@@ -41,6 +42,15 @@ Examples:
   gelenk generate arm.toml --control-model 50    for the plant and for the controller
   gelenk generate arm.toml --language c --output firmware/    writes firmware/arm.h and firmware/arm.c
   gelenk generate arm.toml --language c --format json         also says how the functions are called";
+
+const EXPORT_EXAMPLES: &str = "\
+Examples:
+  gelenk export arm.toml --mjcf                  writes arm.xml, for MuJoCo
+  gelenk export arm.toml --urdf --output robots/arm.urdf
+
+Notes name what the format does not hold. A file that gelenk has not written is not written over.
+
+Exit codes: 0 success, 1 the description is at fault or the file cannot be written, 2 wrong command line.";
 
 const INSPECT_EXAMPLES: &str = "\
 Examples:
@@ -87,6 +97,9 @@ pub(super) enum Command {
     Generate(Generate),
     /// Is the committed output fresh? Compares without writing
     Check(Check),
+    /// Write the robot of a description as MJCF (MuJoCo) or as URDF
+    #[command(after_help = EXPORT_EXAMPLES)]
+    Export(Export),
     /// Show the model, the operation counts, the program or the Rust text
     #[command(after_help = INSPECT_EXAMPLES)]
     Inspect(Inspect),
@@ -124,6 +137,24 @@ pub(super) struct Check {
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
     pub(super) modules: Modules,
+}
+
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("to").required(true))]
+pub(super) struct Export {
+    /// TOML or URDF
+    pub(super) description: PathBuf,
+    /// Write MJCF: bodies, joints, springs, friction, armature, actuators, equalities, sites
+    #[arg(long, group = "to")]
+    pub(super) mjcf: bool,
+    /// Write a URDF: links, joints, limits, friction, mimic joints
+    #[arg(long, group = "to")]
+    pub(super) urdf: bool,
+    /// Where the file goes; `-` is standard output [default: <NAME>.xml or <NAME>.urdf in this folder]
+    #[arg(long, short, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) reading: Reading,
 }
 
 #[derive(Debug, Args)]

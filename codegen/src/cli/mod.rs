@@ -4,6 +4,7 @@ mod arguments;
 mod bytes;
 #[cfg(feature = "symbolica")]
 mod closed_form;
+mod export;
 mod generate;
 mod identify;
 mod inspect;
@@ -33,6 +34,7 @@ pub fn run() -> ExitCode {
     let result = match &arguments.command {
         Command::Generate(what) => generate::generate(what, arguments.format),
         Command::Check(what) => generate::check(what, arguments.format),
+        Command::Export(what) => export::export(what, arguments.format),
         Command::Inspect(what) => inspect::inspect(what, arguments.format),
         Command::Identify(what) => identify::identify(what, arguments.format),
         Command::New(what) => new::new(what, arguments.format),

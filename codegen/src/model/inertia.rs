@@ -77,22 +77,28 @@ pub(super) fn check(mass: f64, center: [f64; 3], inertia: [f64; 6]) -> Option<Fl
     (high > low + middle + room).then_some(Flaw::Triangle(moments))
 }
 
-/// Eigenvalues of a symmetric 3 × 3 matrix, ascending, by Jacobi rotations.
-///
-/// Golub and Van Loan, Matrix Computations, section 8.5.
-fn principal_moments([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> [f64; 3] {
-    let mut a = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-    for sweep in 0..60 {
-        let (p, q) = [(0, 1), (0, 2), (1, 2)][sweep % 3];
-        rotate_away(&mut a, p, q);
-    }
-    let mut moments = [a[0][0], a[1][1], a[2][2]];
+/// Eigenvalues of a symmetric 3 × 3 matrix, ascending.
+fn principal_moments(inertia: [f64; 6]) -> [f64; 3] {
+    let (mut moments, _) = principal_axes(inertia);
     moments.sort_by(f64::total_cmp);
     moments
 }
 
-/// One rotation in the plane p, q that makes `a[p][q]` zero.
-fn rotate_away(a: &mut [[f64; 3]; 3], p: usize, q: usize) {
+/// Eigenvalues of a symmetric 3 × 3 matrix and the rotation whose columns are its eigenvectors, by Jacobi rotations.
+///
+/// Golub and Van Loan, Matrix Computations, section 8.5.
+pub(crate) fn principal_axes([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> ([f64; 3], [[f64; 3]; 3]) {
+    let mut a = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    let mut axes = super::pose::IDENTITY;
+    for sweep in 0..60 {
+        let (p, q) = [(0, 1), (0, 2), (1, 2)][sweep % 3];
+        rotate_away(&mut a, &mut axes, p, q);
+    }
+    ([a[0][0], a[1][1], a[2][2]], axes)
+}
+
+/// One rotation in the plane p, q that makes `a[p][q]` zero; the columns of `axes` turn with it.
+fn rotate_away(a: &mut [[f64; 3]; 3], axes: &mut [[f64; 3]; 3], p: usize, q: usize) {
     if a[p][q] == 0.0 {
         return;
     }
@@ -100,9 +106,9 @@ fn rotate_away(a: &mut [[f64; 3]; 3], p: usize, q: usize) {
     let t = ratio.signum() / (ratio.abs() + length([ratio, 1.0]));
     let c = 1.0 / length([t, 1.0]);
     let s = t * c;
-    for k in 0..3 {
-        let (x, y) = (a[k][p], a[k][q]);
-        (a[k][p], a[k][q]) = (c * x - s * y, s * x + c * y);
+    for row in a.iter_mut().chain(axes) {
+        let (x, y) = (row[p], row[q]);
+        (row[p], row[q]) = (c * x - s * y, s * x + c * y);
     }
     for k in 0..3 {
         let (x, y) = (a[p][k], a[q][k]);

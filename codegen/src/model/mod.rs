@@ -35,6 +35,7 @@ mod xacro;
 
 pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
 pub use description_files::{DescriptionFiles, read};
+pub(crate) use inertia::principal_axes;
 pub(crate) use name::identifier;
 pub use options::{FUNCTIONS, is_known_function};
 pub use quaternion_joint::{CarryingJoint, JointPosition, QuaternionJoint, QuaternionKind};

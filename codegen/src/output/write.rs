@@ -5,7 +5,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::crate_root::{is_generated, is_root};
+use super::crate_root::{begins_with, is_generated, is_root};
 use gelenk_files::{Prepared, is_same_file, target};
 
 /// The outcome of writing a file.
@@ -24,6 +24,8 @@ pub enum Replaces {
     Module,
     /// The root of a crate of generated modules.
     Root,
+    /// A robot in another format, as `gelenk export` writes it.
+    Export,
     /// Anything: the name of the file is one that only build scripts of ours write, in the folder of their
     /// output.
     Helper,
@@ -155,6 +157,7 @@ impl Replaces {
             Ok(_) => match self {
                 Self::Module => is_generated(path),
                 Self::Root => is_root(path),
+                Self::Export => begins_with(path, crate::export::FIRST_LINE),
                 Self::Helper => true,
                 Self::Nothing => false,
             },
@@ -216,7 +219,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("main.rs");
         fs::write(&path, "fn main() {}\n").unwrap();
-        for replaces in [Replaces::Module, Replaces::Root, Replaces::Nothing] {
+        for replaces in [Replaces::Module, Replaces::Root, Replaces::Export, Replaces::Nothing] {
             let error = Planned::new(&path, "new", replaces, &[]).unwrap_err();
             assert!(error.to_string().contains("has not generated"), "{error}");
         }

@@ -1,0 +1,192 @@
+//! Inputs of a model as motors of MJCF, on joints, tendons and sites.
+
+use super::{Attributes, Writer, distinct, numbers};
+use crate::export::numbers::{Placed, Values};
+use crate::export::xml::Xml;
+use crate::model::{Attachment, Drive, ForceEffect, Input, Model, RotorCoupling};
+
+const ROTOR: &str =
+    "has rotors as `armature` alone; what those on moving bodies do to these bodies was left out at";
+const TORQUES: &str = "has one range of an input; the nominal torque was left out beside the peak at";
+const POINT_FORCE: &str = "has linear springs and dampers between sites, and no other laws; left out";
+const SHAFT: &str =
+    "has viscous and dry friction of tendons, and no other laws; left out in part at the drive";
+
+/// A length: a weighted sum of positions, or the distance of two sites.
+pub(super) struct Tendon {
+    tag: &'static str,
+    attributes: Attributes,
+    parts: Vec<(&'static str, Attributes)>,
+}
+
+impl Tendon {
+    pub(super) fn fixed(name: String, joints: Vec<(String, f64)>, further: Attributes) -> Self {
+        let part = |(joint, weight)| ("joint", vec![("joint", joint), ("coef", numbers(&[weight]))]);
+        let attributes = [vec![("name", name)], further].concat();
+        Self { tag: "fixed", attributes, parts: joints.into_iter().map(part).collect() }
+    }
+
+    fn spatial(name: String, sites: [String; 2], further: Attributes) -> Self {
+        let parts = sites.map(|site| ("site", vec![("site", site)])).into();
+        Self { tag: "spatial", attributes: [vec![("name", name)], further].concat(), parts }
+    }
+
+    pub(super) fn write(self, xml: &mut Xml) {
+        xml.open(self.tag, self.attributes);
+        for (tag, attributes) in self.parts {
+            xml.element(tag, attributes);
+        }
+        xml.close();
+    }
+}
+
+impl Writer<'_> {
+    /// Motors in the order of the inputs.
+    pub(super) fn actuators(&mut self) {
+        let model = self.model;
+        for drive in &model.drives {
+            self.note_rotor(drive);
+        }
+        for drive in model.input_drives() {
+            let (key, target, gear) = self.transmission(drive);
+            let mut attributes = vec![("name", drive.name.clone()), (key, target), ("gear", gear)];
+            attributes.extend(self.torque_range(drive));
+            self.actuators.push(attributes);
+        }
+        for input in &model.force_inputs {
+            let (key, target, gear) = match &input.effect {
+                ForceEffect::Wrench { at, wrench } => {
+                    ("site", self.site(at), numbers(&self.values.numbers(wrench)))
+                }
+                ForceEffect::Pull(between) => {
+                    ("tendon", self.distance(&input.name, between, vec![]), numbers(&[-1.0]))
+                }
+            };
+            let mut attributes = vec![("name", input.name.clone()), (key, target), ("gear", gear)];
+            attributes.extend(input.limits.map(|range| ("ctrlrange", numbers(&range))));
+            self.actuators.push(attributes);
+        }
+    }
+
+    fn note_rotor(&mut self, drive: &Drive) {
+        let is_body = drive.coupling == RotorCoupling::Body && !drive.acts_on.is_empty();
+        let spins = self.values.number(&drive.rotor_inertia) != 0.0;
+        if is_body && spins && is_moving(self.model, drive.carrier) {
+            self.losses.add(ROTOR, &drive.name);
+        }
+    }
+
+    /// What a motor acts on, with the key of its kind, and its gear.
+    fn transmission(&mut self, drive: &Drive) -> (&'static str, String, String) {
+        let factor = match &drive.input {
+            Input::Torque => 1.0,
+            Input::Current(constant) => self.values.number(constant),
+        };
+        let gear = self.values.number(&drive.gear_ratio) * factor;
+        let quaternion = drive.coordinate().and_then(|coordinate| {
+            let joint = self.model.quaternion_joint_of(coordinate)?;
+            Some((joint, coordinate - joint.first))
+        });
+        if let Some((joint, index)) = quaternion {
+            // Velocities count in the body's frame, as forces at a site do; a motor on a free joint pushes in the world's.
+            let link = self.model.coordinates[joint.coordinates().end - 1];
+            let site = self.site_at(link, &joint.name, Placed::IDENTITY);
+            let mut wrench = [0.0; 6];
+            wrench[index + 6 - joint.coordinates().len()] = gear;
+            return ("site", site, numbers(&wrench));
+        }
+        match (drive.coordinate(), &drive.acts_on[..]) {
+            (Some(_), [only]) => ("joint", self.joint_name(only), numbers(&[gear])),
+            _ => ("tendon", self.weighted_sum(drive), numbers(&[gear])),
+        }
+    }
+
+    /// The tendon of a drive on several coordinates, with its rotor and friction.
+    fn weighted_sum(&mut self, drive: &Drive) -> String {
+        let ratio = self.values.number(&drive.gear_ratio);
+        let friction = self.values.friction(&drive.friction);
+        if friction.has_others {
+            self.losses.add(SHAFT, &drive.name);
+        }
+        let further = [
+            ("armature", ratio * ratio * self.values.number(&drive.rotor_inertia)),
+            ("damping", ratio * ratio * friction.viscous),
+            ("frictionloss", ratio.abs() * friction.dry),
+        ];
+        let further = further.into_iter().filter(|(_, value)| *value != 0.0);
+        let further = further.map(|(key, value)| (key, numbers(&[value]))).collect();
+        let joints = drive.acts_on.iter();
+        let joints = joints.map(|term| (self.joint_name(term), self.values.number(&term.ratio))).collect();
+        let name = self.tendon_name(&drive.name);
+        self.tendons.push(Tendon::fixed(name.clone(), joints, further));
+        name
+    }
+
+    fn torque_range(&mut self, drive: &Drive) -> Option<(&'static str, String)> {
+        if drive.torque.nominal.is_some() && drive.torque.peak.is_some() {
+            self.losses.add(TORQUES, &drive.name);
+        }
+        let torque = drive.torque.peak.or(drive.torque.nominal)?;
+        let most = match &drive.input {
+            Input::Torque => torque,
+            Input::Current(constant) => (torque / self.values.number(constant)).abs(),
+        };
+        Some(("ctrlrange", numbers(&[-most, most])))
+    }
+
+    /// Forces between frames.
+    pub(super) fn point_forces(&mut self) {
+        let model = self.model;
+        for force in &model.point_forces {
+            match spring(&self.values, &force.law) {
+                Some(further) if further.is_empty() => {}
+                Some(further) => {
+                    self.distance(&force.name, &force.between, further);
+                }
+                None => self.losses.add(POINT_FORCE, &force.name),
+            }
+        }
+    }
+
+    /// The tendon between two frames.
+    fn distance(&mut self, name: &str, between: &[Attachment; 2], further: Attributes) -> String {
+        let sites = between.each_ref().map(|at| self.site(at));
+        let name = self.tendon_name(name);
+        self.tendons.push(Tendon::spatial(name.clone(), sites, further));
+        name
+    }
+
+    pub(super) fn tendon_name(&self, name: &str) -> String {
+        let is_name = |tendon: &Tendon, name: &str| tendon.attributes.iter().any(|(_, value)| value == name);
+        distinct(name, |name| self.tendons.iter().any(|tendon| is_name(tendon, name)))
+    }
+}
+
+/// A linear law over distance and rate; `None` for others. The force pulls: `k (l − l₀) + c dl`.
+fn spring(values: &Values, law: &crate::formula::Formula) -> Option<Attributes> {
+    let law = values.affine(law)?;
+    let rest = if law.position == 0.0 { 0.0 } else { -law.constant / law.position };
+    let fits = law.position >= 0.0 && law.velocity >= 0.0 && rest >= 0.0;
+    let is_pull = law.position == 0.0 && law.constant != 0.0;
+    if !fits || is_pull {
+        return None;
+    }
+    let mut attributes = Vec::new();
+    if law.position > 0.0 {
+        attributes.push(("stiffness", numbers(&[law.position])));
+        attributes.push(("springlength", numbers(&[rest])));
+    }
+    attributes.extend((law.velocity > 0.0).then(|| ("damping", numbers(&[law.velocity]))));
+    Some(attributes)
+}
+
+/// Tells whether a link moves.
+fn is_moving(model: &Model, mut link: usize) -> bool {
+    while let Some(joint) = &model.links[link].joint {
+        if matches!(joint.motion, crate::model::Motion::Coordinate(_) | crate::model::Motion::Follower(_)) {
+            return true;
+        }
+        link = joint.parent;
+    }
+    false
+}

@@ -1,0 +1,205 @@
+//! Joints of MJCF, and the equalities between them.
+
+use super::actuators::Tendon;
+use super::{Attributes, Writer, distinct, numbers};
+use crate::export::numbers::{Affine, Friction};
+use crate::model::{FollowedCoordinate, Follower, Joint, JointKind, Model, Motion, QuaternionJoint};
+
+/// Damping and springs are linear, dry friction is a bound.
+const OTHER_FRICTION: &str =
+    "has viscous and dry friction, and no other laws (Stribeck, tanh, by position); left out in part at";
+const OTHER_SPRINGS: &str = "has linear springs and dampers, and no other laws; left out at";
+const LOAD: &str = "has no friction that grows with the load; left out at";
+const SPEED: &str = "has no limits of speed; left out at";
+const EFFORT: &str = "has one limit of force at a joint; the nominal one was left out beside the peak at";
+const RANGE: &str = "has no range of a single position; left out at";
+const QUATERNION_FRICTION: &str =
+    "has one damping for all velocities of a joint with a quaternion; friction that differs was left out at";
+
+/// The name of the joint of a screw's slide.
+pub(in crate::export) fn slide_name(model: &Model, joint: &str) -> String {
+    distinct(&format!("{joint}_slide"), |name| {
+        let mut links = model.links.iter();
+        links.any(|link| link.name == name || link.joint.as_ref().is_some_and(|joint| joint.name == name))
+    })
+}
+
+impl Writer<'_> {
+    /// The joint that carries a link; tells whether it moves.
+    pub(super) fn joint(&mut self, link: usize) -> bool {
+        let Some(joint) = &self.model.links[link].joint else { return false };
+        let coordinate = match joint.motion {
+            Motion::Coordinate(coordinate) => Some(coordinate),
+            Motion::Follower(_) => None,
+            Motion::Fixed | Motion::Held(_) => return false,
+        };
+        let axis = numbers(&joint.axis);
+        if let JointKind::Helical { pitch } = joint.kind {
+            let slide = slide_name(self.model, &joint.name);
+            let attributes = vec![("name", slide.clone()), ("type", "slide".into()), ("axis", axis.clone())];
+            self.xml.element("joint", attributes);
+            self.equal(slide, &joint.name, 0.0, pitch);
+        }
+        let mut attributes = vec![("name", joint.name.clone())];
+        attributes.extend(joint.slides().then(|| ("type", "slide".into())));
+        attributes.push(("axis", axis));
+        attributes.extend(self.range(joint));
+        attributes.extend(self.effort(joint));
+        attributes.extend(self.forces(joint));
+        let armature = coordinate.map_or(0.0, |coordinate| self.armature(coordinate));
+        attributes.extend((armature != 0.0).then(|| ("armature", numbers(&[armature]))));
+        self.xml.element("joint", attributes);
+        true
+    }
+
+    fn range(&mut self, joint: &Joint) -> Option<(&'static str, String)> {
+        if joint.limits.velocity.is_some() {
+            self.losses.add(SPEED, &joint.name);
+        }
+        let [low, high] = joint.limits.position?;
+        if low >= high {
+            self.losses.add(RANGE, &joint.name);
+            return None;
+        }
+        Some(("range", numbers(&[low, high])))
+    }
+
+    fn effort(&mut self, joint: &Joint) -> Option<(&'static str, String)> {
+        let limits = &joint.limits;
+        if limits.effort.is_some() && limits.peak_effort.is_some() {
+            self.losses.add(EFFORT, &joint.name);
+        }
+        let most = limits.peak_effort.or(limits.effort)?;
+        Some(("actuatorfrcrange", numbers(&[-most, most])))
+    }
+
+    /// Friction and springs.
+    fn forces(&mut self, joint: &Joint) -> Attributes {
+        let friction = self.values.friction(&joint.friction);
+        if friction.has_others {
+            self.losses.add(OTHER_FRICTION, &joint.name);
+        }
+        if !joint.load_friction.is_empty() {
+            self.losses.add(LOAD, &joint.name);
+        }
+        let spring = self.spring(joint);
+        let stiffness = -spring.position;
+        let damping = friction.viscous - spring.velocity;
+        let mut attributes = Vec::new();
+        if stiffness != 0.0 {
+            attributes.push(("stiffness", numbers(&[stiffness])));
+            attributes.push(("springref", numbers(&[spring.constant / stiffness])));
+        }
+        attributes.extend((damping != 0.0).then(|| ("damping", numbers(&[damping]))));
+        attributes.extend((friction.dry != 0.0).then(|| ("frictionloss", numbers(&[friction.dry]))));
+        attributes
+    }
+
+    /// The sum of the springs that are linear and hold back.
+    fn spring(&mut self, joint: &Joint) -> Affine {
+        let mut sum = Affine::default();
+        for law in &joint.springs {
+            let fits = |law: &Affine| {
+                let is_pull = law.position == 0.0 && law.constant != 0.0;
+                law.position <= 0.0 && law.velocity <= 0.0 && !is_pull
+            };
+            match self.values.affine(law).filter(fits) {
+                Some(law) => {
+                    sum.constant += law.constant;
+                    sum.position += law.position;
+                    sum.velocity += law.velocity;
+                }
+                None => self.losses.add(OTHER_SPRINGS, &joint.name),
+            }
+        }
+        sum
+    }
+
+    /// `Σ i² J_R` of the drives on one coordinate.
+    fn armature(&self, coordinate: usize) -> f64 {
+        let drives = self.model.drives.iter().filter(|drive| drive.coordinate() == Some(coordinate));
+        let armatures = drives.map(|drive| {
+            let ratio = self.values.number(&drive.gear_ratio);
+            ratio * ratio * self.values.number(&drive.rotor_inertia)
+        });
+        armatures.sum()
+    }
+
+    /// A ball or free joint.
+    pub(super) fn quaternion_joint(&mut self, joint: &QuaternionJoint) -> bool {
+        let parts: Vec<&Joint> = self.model.joints().collect();
+        let parts = &parts[joint.coordinates()];
+        let frictions: Vec<Friction> = parts.iter().map(|part| self.damping(part)).collect();
+        let first = frictions[0];
+        let is_alike = frictions.iter().all(|friction| *friction == first) && first.dry == 0.0;
+        if !is_alike || first.has_others {
+            self.losses.add(QUATERNION_FRICTION, &joint.name);
+        }
+        let kind = if parts.len() == 6 { "free" } else { "ball" };
+        let mut attributes = vec![("name", joint.name.clone()), ("type", kind.into())];
+        attributes.extend((is_alike && first.viscous > 0.0).then(|| ("damping", numbers(&[first.viscous]))));
+        self.xml.element("joint", attributes);
+        for part in parts {
+            if part.limits.velocity.is_some() {
+                self.losses.add(SPEED, &part.name);
+            }
+            if part.limits.effort.or(part.limits.peak_effort).is_some() {
+                self.losses.add(
+                    "has no limits of force for each velocity of a joint with a quaternion; left out at",
+                    &part.name,
+                );
+            }
+        }
+        true
+    }
+
+    /// Friction and dampers of a velocity.
+    fn damping(&self, part: &Joint) -> Friction {
+        let mut friction = self.values.friction(&part.friction);
+        for law in &part.springs {
+            match self.values.affine(law).filter(|law| law.constant == 0.0 && law.velocity <= 0.0) {
+                Some(law) => friction.viscous -= law.velocity,
+                None => friction.has_others = true,
+            }
+        }
+        friction
+    }
+
+    pub(super) fn followers(&mut self) {
+        let model = self.model;
+        for follower in &model.followers {
+            let Some(joint) = &model.links[follower.link].joint else { continue };
+            match &follower.follows[..] {
+                [only] => {
+                    let leader = self.joint_name(only);
+                    let ratio = self.values.number(&only.ratio);
+                    self.equal(joint.name.clone(), &leader, follower.offset, ratio);
+                }
+                _ => self.follow_several(&joint.name, follower),
+            }
+        }
+    }
+
+    /// `joint = offset + ratio · leader`
+    fn equal(&mut self, joint: String, leader: &str, offset: f64, ratio: f64) {
+        let polynomial = numbers(&[offset, ratio, 0.0, 0.0, 0.0]);
+        let attributes = vec![("joint1", joint), ("joint2", leader.to_owned()), ("polycoef", polynomial)];
+        self.equalities.push(("joint", attributes));
+    }
+
+    /// An equality has two joints: a tendon stands for `joint − Σ ratio · leader`, whose length is the offset.
+    fn follow_several(&mut self, joint: &str, follower: &Follower) {
+        let terms = follower.follows.iter();
+        let terms = terms.map(|term| (self.joint_name(term), -self.values.number(&term.ratio)));
+        let joints = [(joint.to_owned(), 1.0)].into_iter().chain(terms).collect();
+        let name = self.tendon_name(joint);
+        self.tendons.push(Tendon::fixed(name.clone(), joints, vec![]));
+        let polynomial = numbers(&[follower.offset, 0.0, 0.0, 0.0, 0.0]);
+        self.equalities.push(("tendon", vec![("tendon1", name), ("polycoef", polynomial)]));
+    }
+
+    pub(super) fn joint_name(&self, followed: &FollowedCoordinate) -> String {
+        let link = &self.model.links[self.model.coordinates[followed.coordinate]];
+        link.joint.as_ref().map_or(String::new(), |joint| joint.name.clone())
+    }
+}

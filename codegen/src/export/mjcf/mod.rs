@@ -1,0 +1,257 @@
+//! A model as MuJoCo's MJCF.
+//!
+//! A link becomes a body, a frame a site. Joints that follow others are joints of their own with an equality between
+//! them, so that MuJoCo's mass matrix is that of all joints: `M = Gᵀ M_mujoco G`.
+
+mod actuators;
+mod joints;
+
+use super::losses::Losses;
+use super::numbers::{Lump, Placed, Values, quaternion};
+use super::xml::{Attributes, Xml, numbers};
+use super::{Exported, Format};
+use crate::model::{Attachment, Link, Model, QuaternionJoint, principal_axes};
+use actuators::Tendon;
+pub(super) use joints::slide_name;
+
+/// MuJoCo refuses moving bodies whose mass, or one of whose principal moments, is 1e-15 or less.
+const LEAST: f64 = 2e-15;
+
+const LEAST_INERTIA: &str =
+    "has no moving bodies without mass or inertia; these got 2e-15 kg or kg m², the least that MuJoCo takes";
+
+const TRIANGLE: &str =
+    "has no bodies whose largest principal moment exceeds the sum of the others; MuJoCo refuses";
+
+/// A site and the link that carries it.
+struct Site {
+    link: usize,
+    name: String,
+    placed: Placed,
+}
+
+struct Writer<'m> {
+    model: &'m Model,
+    values: Values,
+    xml: Xml,
+    losses: Losses,
+    sites: Vec<Site>,
+    tendons: Vec<Tendon>,
+    equalities: Vec<(&'static str, Attributes)>,
+    actuators: Vec<Attributes>,
+}
+
+pub(super) fn export(model: &Model, source: &str) -> Exported {
+    let mut writer = Writer {
+        model,
+        values: Values::of(model),
+        xml: Xml::new(source),
+        losses: Losses::new(Format::Mjcf),
+        sites: Vec::new(),
+        tendons: Vec::new(),
+        equalities: Vec::new(),
+        actuators: Vec::new(),
+    };
+    writer.frames();
+    writer.actuators();
+    writer.point_forces();
+    writer.followers();
+    writer.lost();
+    writer.file();
+    Exported { text: writer.xml.finish(), notes: writer.losses.notes() }
+}
+
+impl Writer<'_> {
+    fn frames(&mut self) {
+        let frames = self.model.frames.iter().map(|frame| Site {
+            link: frame.link,
+            name: frame.name.clone(),
+            placed: self.values.placed(&frame.pose),
+        });
+        self.sites = frames.collect();
+    }
+
+    /// The name of a site at a frame of a force: that of the frame, or of a new one.
+    fn site(&mut self, at: &Attachment) -> String {
+        let placed = self.values.placed(&at.pose);
+        self.site_at(at.link, &at.name, placed)
+    }
+
+    fn site_at(&mut self, link: usize, name: &str, placed: Placed) -> String {
+        let known = self.sites.iter().find(|site| site.link == link && site.placed == placed);
+        if let Some(site) = known {
+            return site.name.clone();
+        }
+        let name = distinct(name, |name| self.sites.iter().any(|site| site.name == name));
+        self.sites.push(Site { link, name: name.clone(), placed });
+        name
+    }
+
+    fn file(&mut self) {
+        let model = self.model;
+        self.xml.open("mujoco", vec![("model", model.name.clone())]);
+        self.xml.element("compiler", vec![("angle", "radian".into()), ("autolimits", "true".into())]);
+        let gravity = self.values.numbers(&model.gravity);
+        self.xml.element("option", vec![("gravity", numbers(&gravity))]);
+        self.xml.open("worldbody", vec![]);
+        self.base(&model.links[0]);
+        self.bodies();
+        self.xml.close();
+        self.sections();
+    }
+
+    /// What the base link has: the world has no mass in MuJoCo.
+    fn base(&mut self, base: &Link) {
+        self.link_sites(0);
+        if !base.bodies.is_empty() {
+            let taken = |name: &str| name == "world" || self.model.links[1..].iter().any(|l| l.name == name);
+            self.xml.open("body", vec![("name", distinct(&base.name, taken))]);
+            let lump = self.values.lump(&base.bodies);
+            if lump.mass > 0.0 {
+                self.inertial(lump, &base.name, false);
+            }
+            self.xml.close();
+        }
+    }
+
+    /// All links but the base, each inside its parent.
+    fn bodies(&mut self) {
+        let mut children = vec![Vec::new(); self.model.links.len()];
+        for (link, joint) in self.model.links.iter().enumerate() {
+            if let Some(joint) = &joint.joint {
+                children[joint.parent].push(link);
+            }
+        }
+        let mut stack: Vec<Option<usize>> = children[0].iter().rev().map(|&link| Some(link)).collect();
+        while let Some(step) = stack.pop() {
+            match step {
+                None => self.xml.close(),
+                Some(link) => {
+                    let link = self.body(link);
+                    stack.push(None);
+                    stack.extend(children[link].iter().rev().map(|&link| Some(link)));
+                }
+            }
+        }
+    }
+
+    /// Opens the body of a link, or of the last link of a chain that stands for one joint; that link.
+    fn body(&mut self, first: usize) -> usize {
+        let model = self.model;
+        let chain = model.quaternion_joints.iter().find(|joint| model.coordinates[joint.first] == first);
+        let last = chain.map_or(first, |joint| model.coordinates[joint.coordinates().end - 1]);
+        let Some(joint) = &model.links[first].joint else { return last };
+        let mut attributes = vec![("name", model.links[last].name.clone())];
+        attributes.extend(place(&self.values.resting(joint)));
+        self.xml.open("body", attributes);
+        let moves = match chain {
+            Some(chain) => self.quaternion_joint(chain),
+            None => self.joint(first),
+        };
+        let lump = self.values.lump(&model.links[last].bodies);
+        if moves || lump.mass > 0.0 {
+            self.inertial(lump, &model.links[last].name, moves);
+        }
+        self.link_sites(last);
+        last
+    }
+
+    fn link_sites(&mut self, link: usize) {
+        for site in self.sites.iter().filter(|site| site.link == link) {
+            let mut attributes = vec![("name", site.name.clone())];
+            attributes.extend(place(&site.placed));
+            self.xml.element("site", attributes);
+        }
+    }
+
+    /// The inertia of a body, raised to what MuJoCo takes where the body moves.
+    ///
+    fn inertial(&mut self, mut lump: Lump, name: &str, moves: bool) {
+        if moves && lump.mass < LEAST {
+            lump.mass = LEAST;
+            self.losses.add(LEAST_INERTIA, name);
+        }
+        let (mut moments, axes) = principal_axes(lump.inertia);
+        if moves && moments.iter().any(|moment| *moment < LEAST) {
+            moments = moments.map(|moment| moment.max(LEAST));
+            self.losses.add(LEAST_INERTIA, name);
+        }
+        let largest = moments.iter().fold(0.0, |most: f64, moment| most.max(*moment));
+        if largest > moments.iter().sum::<f64>() - largest {
+            self.losses.add(TRIANGLE, name);
+        }
+        self.xml.element("inertial", inertial(&lump, moments, &axes));
+    }
+
+    fn sections(&mut self) {
+        let tendons = std::mem::take(&mut self.tendons);
+        self.section("tendon", tendons, |writer, tendon| tendon.write(&mut writer.xml));
+        let equalities = std::mem::take(&mut self.equalities);
+        self.section("equality", equalities, |writer, (tag, attributes)| writer.xml.element(tag, attributes));
+        let actuators = std::mem::take(&mut self.actuators);
+        self.section("actuator", actuators, |writer, attributes| writer.xml.element("motor", attributes));
+    }
+
+    fn section<T>(&mut self, tag: &'static str, entries: Vec<T>, write: impl Fn(&mut Self, T)) {
+        if !entries.is_empty() {
+            self.xml.open(tag, vec![]);
+            entries.into_iter().for_each(|entry| write(self, entry));
+            self.xml.close();
+        }
+    }
+
+    /// What no element of the format stands for.
+    fn lost(&mut self) {
+        for wrench in &self.model.wrenches {
+            self.losses
+                .add("names no wrenches that are arguments; `xfrc_applied` takes their values", &wrench.name);
+        }
+        for parameter in &self.model.parameters {
+            self.losses.add("has no free parameters; they have their described values", &parameter.name);
+        }
+        for joint in &self.model.quaternion_joints {
+            self.check_floating(joint);
+        }
+    }
+
+    /// Free joints stand in the world alone, and their positions count there.
+    fn check_floating(&mut self, joint: &QuaternionJoint) {
+        let first = &self.model.links[self.model.coordinates[joint.first]];
+        let is_free = joint.coordinates().len() == 6;
+        if let Some(carrier) = first.joint.as_ref().filter(|_| is_free) {
+            if carrier.parent != 0 {
+                self.losses.add("has floating joints on the base alone; MuJoCo refuses others", &joint.name);
+            } else if self.values.placed(&carrier.origin) != Placed::IDENTITY {
+                self.losses.add("counts the positions of floating joints in the base frame", &joint.name);
+            }
+        }
+    }
+}
+
+/// Position and attitude, where they are not those of the parent.
+fn place(placed: &Placed) -> Attributes {
+    let position = (placed.origin != [0.0; 3]).then(|| ("pos", numbers(&placed.origin)));
+    let attitude = placed.is_turned().then(|| ("quat", numbers(&placed.quaternion())));
+    position.into_iter().chain(attitude).collect()
+}
+
+/// Principal moments, since MuJoCo finds them itself with fewer digits.
+fn inertial(lump: &Lump, moments: [f64; 3], axes: &[[f64; 3]; 3]) -> Attributes {
+    let mut attributes = vec![("pos", numbers(&lump.center))];
+    if *axes != Placed::IDENTITY.rotation {
+        attributes.push(("quat", numbers(&quaternion(axes))));
+    }
+    attributes.push(("mass", numbers(&[lump.mass])));
+    attributes.push(("diaginertia", numbers(&moments)));
+    attributes
+}
+
+/// The name, with a number behind it where it is taken.
+pub(super) fn distinct(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    if !is_taken(name) {
+        return name.to_owned();
+    }
+    let numbered = (2..).map(|count| format!("{name}_{count}"));
+    let mut free = numbered.filter(|name| !is_taken(name));
+    free.next().unwrap_or_else(|| unreachable!("there are more numbers than names"))
+}

@@ -1,0 +1,13 @@
+#!/bin/sh
+# Robots of this repository, exported, beside MuJoCo and Pinocchio.
+#
+#     sh tests/mujoco/compare.sh
+#
+# PYTHON is a Python with the packages `mujoco`, `pin` and `numpy`; without `pin` the comparison with Pinocchio is skipped.
+set -eu
+root=$(cd "$(dirname "$0")/../.." && pwd)
+python=${PYTHON:-python3}
+command -v "$python" >/dev/null 2>&1 || { echo "skipped: no $python"; exit 0; }
+"$python" -c 'import numpy, mujoco' 2>/dev/null || { echo "skipped: $python lacks mujoco or numpy"; exit 0; }
+cd "$root"
+GELENK_MUJOCO_PYTHON=$python exec cargo test -p gelenk-tests --test mujoco -- --nocapture

@@ -1,0 +1,171 @@
+//! Robots in the formats of other programs: MuJoCo computes the same of them, and gelenk of what it reads again.
+//!
+//! MuJoCo is a package of Python (`tests/python/mujoco.txt`); where it cannot be had, the comparisons with it are skipped and
+//! say so.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use gelenk_codegen::export::{Exported, Format, export};
+use gelenk_codegen::formula::Formula;
+use gelenk_codegen::model::{JointPosition, Model, ReadOptions, RotorCoupling, from_urdf, read};
+use gelenk_tests::mujoco::{Compared, values};
+use gelenk_tests::python::python_with_mujoco;
+use gelenk_tests::{Robot, descriptions, relative_error, workspace};
+use serde_json::Value;
+
+/// The models of this repository with their names.
+fn models() -> Vec<(String, Model)> {
+    let load = |path: PathBuf| {
+        let loaded = read(&path, &ReadOptions { exact_sign: true, ..ReadOptions::default() });
+        let model = loaded.unwrap_or_else(|problems| panic!("{problems}")).model;
+        (path.file_stem().expect("a name").to_string_lossy().into_owned(), model)
+    };
+    descriptions().into_iter().map(load).collect()
+}
+
+/// The robot with the part of its rotors that the formats hold.
+fn with_armatures(model: &Model) -> Model {
+    let mut model = model.clone();
+    for drive in &mut model.drives {
+        drive.coupling = RotorCoupling::Diagonal;
+    }
+    model
+}
+
+fn says(exported: &Exported, part: &str) -> bool {
+    exported.notes.entries().iter().any(|note| note.message.contains(part))
+}
+
+/// Compares values with MuJoCo; what it prints, or nothing where it cannot be had.
+fn compare(values: &[Value], folder: &Path) -> Option<String> {
+    let python = python_with_mujoco()?;
+    let file = folder.join("values.json");
+    std::fs::write(&file, Value::from(values).to_string()).expect("a file");
+    let script = workspace().join("tests/mujoco/compare.py");
+    let output = Command::new(python).arg(script).arg(file).output().expect("Python starts");
+    let text = [output.stdout, output.stderr].concat();
+    let text = String::from_utf8_lossy(&text).into_owned();
+    println!("{text}");
+    assert!(output.status.success(), "{text}");
+    Some(text)
+}
+
+/// M, k, B, springs and dampers of all models.
+#[test]
+fn mujoco_computes_the_same_of_exported_robots() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut compared = Vec::new();
+    for (name, model) in models() {
+        let exported = export(&model, Format::Mjcf, &name);
+        if says(&exported, "MuJoCo refuses") {
+            println!("{name}: {}", exported.notes);
+            assert_eq!(name, "puma560");
+            continue;
+        }
+        let file = folder.path().join(format!("{name}.xml"));
+        std::fs::write(&file, &exported.text).expect("a file");
+        let what = Compared {
+            by_name: true,
+            passive: !says(&exported, "linear springs") && !says(&exported, "one damping"),
+            inputs: true,
+            couples: true,
+        };
+        compared.push(values(&name, &file, &with_armatures(&model), what));
+    }
+    assert!(compared.len() >= 20);
+    compare(&compared, folder.path());
+}
+
+/// Without the rotors, which a URDF does not have.
+fn without_rotors(model: &Model) -> Model {
+    let mut model = model.clone();
+    model.drives.clear();
+    model
+}
+
+/// M and k of what is read again, joint by joint; those of Pinocchio where it is installed.
+#[test]
+fn exported_urdfs_are_the_same_robots() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut compared = Vec::new();
+    for (name, model) in models() {
+        let exported = export(&model, Format::Urdf, &name);
+        if says(&exported, "move by themselves") {
+            println!("{name}: {}", exported.notes);
+            continue;
+        }
+        let options = ReadOptions { accept_unphysical: true, ..ReadOptions::default() };
+        let read = from_urdf(&exported.text, "robot.urdf", &options);
+        let (mut read, _) = read.unwrap_or_else(|problems| panic!("{name}: {problems}\n{}", exported.text));
+        read.gravity =
+            model.gravity.clone().map(|g| Formula::Number(g.value(&described(&model)).expect("a number")));
+        let [ours, theirs] = [&model, &read].map(|model| robot(&without_rotors(model)));
+        assert_same(&name, &ours, &theirs);
+        let file = folder.path().join(format!("{name}.urdf"));
+        std::fs::write(&file, &exported.text).expect("a file");
+        if read.followers.is_empty()
+            && model.quaternion_joints.iter().all(|joint| joint.kind.velocities() == 6)
+        {
+            let what = Compared { by_name: true, ..Compared::default() };
+            compared.push(values(&name, &file, &without_rotors(&read), what));
+        }
+    }
+    assert!(compared.len() >= 14, "{}", compared.len());
+    compare(&compared, folder.path());
+}
+
+fn described(model: &Model) -> Vec<f64> {
+    model.parameters.iter().map(|parameter| parameter.default).collect()
+}
+
+fn robot(model: &Model) -> Robot {
+    Robot::of_model(model.clone(), &["mass_matrix", "bias_forces"])
+}
+
+/// Compares M and k; the joints may stand in another order.
+fn assert_same(name: &str, ours: &Robot, theirs: &Robot) {
+    let names =
+        |robot: &Robot| -> Vec<String> { robot.model.joints().map(|joint| joint.name.clone()).collect() };
+    let velocities = order(&names(ours), &names(theirs));
+    let positions = order(&position_names(&ours.model), &position_names(&theirs.model));
+    let n = velocities.len();
+    for seed in 1..4 {
+        let (y, v) = (numbers(seed, positions.len()), numbers(seed + 5, n));
+        let (other_y, other_v) = (ordered(&y, &positions), ordered(&v, &velocities));
+        let bias = ordered(&ours.first("bias_forces", &[&y, &v]), &velocities);
+        let error = relative_error(&theirs.first("bias_forces", &[&other_y, &other_v]), &bias);
+        assert!(error < 1e-12, "{name}: bias {error:e}");
+        let mass = ours.first("mass_matrix", &[&y]);
+        let rows = velocities.iter().flat_map(|&row| velocities.iter().map(move |column| row * n + column));
+        let expected: Vec<f64> = rows.map(|entry| mass[entry]).collect();
+        let error = relative_error(&theirs.first("mass_matrix", &[&other_y]), &expected);
+        assert!(error < 1e-12, "{name}: mass matrix {error:e}");
+    }
+}
+
+/// Numbers between −0.7 and 0.9. Quaternions of them are no unit ones, which changes both robots alike.
+fn numbers(seed: usize, count: usize) -> Vec<f64> {
+    (0..count).map(|k| ((7 * k + 3 * seed) % 11) as f64 / 7.0 - 0.7).collect()
+}
+
+/// For each of the second names its place among the first.
+fn order(first: &[String], second: &[String]) -> Vec<usize> {
+    assert_eq!(first.len(), second.len());
+    second.iter().map(|name| first.iter().position(|other| other == name).expect(name)).collect()
+}
+
+fn ordered(values: &[f64], order: &[usize]) -> Vec<f64> {
+    order.iter().map(|&at| values[at]).collect()
+}
+
+fn position_names(model: &Model) -> Vec<String> {
+    let joints: Vec<_> = model.joints().collect();
+    let names = model.joint_positions().flat_map(|joint| match joint {
+        JointPosition::Coordinate(coordinate) => vec![joints[coordinate].name.clone()],
+        JointPosition::Quaternion(joint) => {
+            joint.kind.position_names().iter().map(|name| format!("{}_{name}", joint.name)).collect()
+        }
+    });
+    names.collect()
+}
