@@ -75,6 +75,10 @@ fn compare(module: &Module, scalar: Scalar, is_fused: bool, compilers: &[Compile
 /// Writes `robot.c` and `robot.h`.
 fn put(folder: &Path, module: &Module, scalar: Scalar) -> SourceFile {
     let source = print(module, Language::C, scalar);
+    // Small processors compute `double` in software.
+    let mut code = source.text.lines().filter(|line| !line.trim_start().starts_with("//"));
+    let is_single = code.all(|line| !line.contains("double "));
+    assert!(scalar == Scalar::F64 || is_single, "{} holds `double`", module.name);
     for (ending, text) in source.files() {
         std::fs::write(folder.join(format!("robot{ending}")), text).expect("a file");
     }

@@ -1,8 +1,14 @@
-// exp x with an error of at most 0.51 ulp of float, in the subnormal range too; infinite from 88.73 on, 0 below -103.98,
-// NaN for NaN.
+// exp x in float with an error below 1 ulp of float (0.79 seen, of all), subnormal results included; infinite from 88.73 on,
+// 0 below -103.98, NaN for NaN.
 GELENK_INLINE float gelenk_exp_f32(float x)
 {
+    float hi, low;
     x = x > 90.0f ? 90.0f : x;
-    x = x < -110.0f ? -110.0f : x;
-    return (float)gelenk_exp_direct_f32((double)x);
+    x = x < -105.0f ? -105.0f : x;
+    const uint32_t k = gelenk_exp_reduced_f32(x, &hi, &low);
+    // 2^k in two factors, since k reaches from -151 to 130.
+    const uint32_t biased = k + 256;
+    const uint32_t first = biased >> 1;
+    const uint32_t second = biased - first;
+    return (hi + low) * gelenk_from_bits((first - 1) << 23) * gelenk_from_bits((second - 1) << 23);
 }

@@ -3,8 +3,10 @@
 usage: python3 minimax.py        (needs mpmath)
 
 Each polynomial P minimizes the largest |weight(t) (P(t) - target(t))| on its interval; from the leading coefficient on,
-each one is rounded to f64 before the rest is fitted again, so that rounding costs nothing.
+each one is rounded to f64 or f32 before the rest is fitted again, so that rounding costs nothing.
 """
+import struct
+
 from mpmath import mp, mpf, matrix, lu_solve, sin, cos, exp, sqrt, pi, log, chebyt, taylor
 
 mp.dps = 60
@@ -51,15 +53,20 @@ def extrema(error, low, high, count):
     return [t for t, _ in groups], max(abs(e) for _, e in groups)
 
 
-def print_polynomial(name, target, weight, low, high, degree):
+def single(value):
+    """The nearest f32."""
+    return struct.unpack("f", struct.pack("f", float(value)))[0]
+
+
+def print_polynomial(name, target, weight, low, high, degree, rounded=float):
     fixed, (found, worst) = [], fit(target, weight, low, high, degree)
     while len(fixed) < degree and low == 0:  # the powers left after a fixed one are no Chebyshev system across zero
-        fixed.append(mpf(float(found[0])))
+        fixed.append(mpf(rounded(found[0])))
         found, worst = fit(target, weight, low, high, degree, fixed)
     fixed += found
     print(f"{name}: weighted error 2^{mp.nstr(log(worst, 2), 5)} on [{mp.nstr(low, 6)}, {mp.nstr(high, 6)}]")
     for c in fixed:
-        print(f"    {float(c)!r},")
+        print(f"    {mp.nstr(mpf(rounded(c)), 9) if rounded is single else repr(float(c))},")
 
 
 def alternating(first, count):
@@ -74,23 +81,27 @@ near_square = lambda r: r * r + mpf("0.02")  # r^2 counts; a weight must not van
 print_polynomial("sin", series(alternating(3, 20)), lambda z: z, mpf(0), quarter, 5)
 print_polynomial("cos", series(alternating(4, 20)), lambda z: z * z, mpf(0), quarter, 5)
 print_polynomial("exp", series([1 / mp.factorial(k + 2) for k in range(40)]), near_square, -half_log, half_log, 9)
-print_polynomial("sin f32", series(alternating(3, 20)), lambda z: z, mpf(0), quarter, 3)
-print_polynomial("cos f32", series(alternating(4, 20)), lambda z: z * z, mpf(0), quarter, 2)
-print_polynomial("exp f32", series([1 / mp.factorial(k + 2) for k in range(40)]), near_square, -half_log, half_log, 5)
+# The quotient x 2/pi of 400 has an error of 2^-16 quarters in f32.
+quarter = (pi / 4 * (1 + mpf(2) ** -14)) ** 2
+print_polynomial("sin f32", series(alternating(3, 20)), lambda z: z, mpf(0), quarter, 2, single)
+print_polynomial("cos f32", series(alternating(4, 20)), lambda z: z * z, mpf(0), quarter, 2, single)
+print_polynomial("exp f32", series([1 / mp.factorial(k + 2) for k in range(40)]), near_square, -half_log, half_log, 4, single)
 
 
-def parts(name, value, bits, count):
-    """Cody-Waite parts: truncated to `bits` bits each, the last rounded to f64."""
+def parts(name, value, bits, count, rounded=float):
+    """Cody-Waite parts: truncated to `bits` bits each, the last rounded to f64 or f32."""
     out = []
     for k in range(count):
         left = value - sum(out)
         step = mpf(2) ** (mp.floor(log(left, 2)) + 1 - bits)
-        out.append(mp.floor(left / step) * step if k + 1 < count else mpf(float(left)))
+        out.append(mp.floor(left / step) * step if k + 1 < count else mpf(rounded(left)))
     print(name, [float(p).hex() for p in out], [repr(float(p)) for p in out], "left", mp.nstr(value - sum(out), 5))
 
 
 parts("pi/2", pi / 2, 37, 3)
 parts("ln 2", log(2), 42, 2)
+parts("pi/2 f32", pi / 2, 16, 3, single)
+parts("ln 2 f32", log(2), 16, 2, single)
 mp.prec = 1400
 words = int(mp.floor(2 / pi * mpf(2) ** (64 * 20)))
 print("2/pi", [f"0x{(words >> 64 * (19 - k)) & (2**64 - 1):016x}" for k in range(20)])

@@ -2,7 +2,8 @@
 //!
 //! The text of each file is compiled here, for the interpreter, and pasted into generated modules by the emitter
 //! ([`Kernel`]), so interpreter and generated code agree bit for bit. Constraints on it: `core` paths only, no
-//! branches on the usual path, no tables, no fused operations, no panic, no inner attributes or inner doc comments.
+//! branches on the usual path, no tables, no fused operations, no panic, no inner attributes or inner doc comments. The texts
+//! for f32 compute in f32 throughout: small processors have no f64.
 
 include!("sin_cos.rs");
 include!("sin_cos_array.rs");
@@ -18,15 +19,18 @@ include!("sin_cos_4_f32.rs");
 include!("sin_cos_8_f32.rs");
 include!("exp_reduced.rs");
 include!("exp.rs");
-include!("exp_direct_f32.rs");
+include!("exp_reduced_f32.rs");
 include!("exp_f32.rs");
 include!("tanh.rs");
 include!("tanh_f32.rs");
 include!("sqrt.rs");
 include!("sqrt_f32.rs");
 
-/// The bits of numbers in C99, which [`Kernel::c_source`] reads.
+/// The bits of numbers of type `double` in C99, which [`Kernel::c_source`] reads.
 pub const C_BITS: &str = include_str!("bits.c");
+
+/// The bits of numbers of type `float`, for the texts whose names end in `_f32`.
+pub const C_BITS_F32: &str = include_str!("bits_f32.c");
 
 /// Text of one elementary function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -60,7 +64,7 @@ pub enum Kernel {
     /// [`exp`]
     Exp,
     /// What [`exp_f32`] and [`tanh_f32`] share.
-    ExpDirectF32,
+    ExpReducedF32,
     /// [`exp_f32`]
     ExpF32,
     /// [`tanh`]
@@ -91,7 +95,7 @@ impl Kernel {
             Self::SinCos8F32 => "sin_cos_8_f32",
             Self::ExpReduced => "exp_reduced",
             Self::Exp => "exp",
-            Self::ExpDirectF32 => "exp_direct_f32",
+            Self::ExpReducedF32 => "exp_reduced_f32",
             Self::ExpF32 => "exp_f32",
             Self::Tanh => "tanh",
             Self::TanhF32 => "tanh_f32",
@@ -117,7 +121,7 @@ impl Kernel {
             Self::SinCos8F32 => include_str!("sin_cos_8_f32.rs"),
             Self::ExpReduced => include_str!("exp_reduced.rs"),
             Self::Exp => include_str!("exp.rs"),
-            Self::ExpDirectF32 => include_str!("exp_direct_f32.rs"),
+            Self::ExpReducedF32 => include_str!("exp_reduced_f32.rs"),
             Self::ExpF32 => include_str!("exp_f32.rs"),
             Self::Tanh => include_str!("tanh.rs"),
             Self::TanhF32 => include_str!("tanh_f32.rs"),
@@ -126,8 +130,8 @@ impl Kernel {
         }
     }
 
-    /// The same operations as C99, with `gelenk_` before every name, after [`C_BITS`]; none for functions over several
-    /// states.
+    /// The same operations as C99, with `gelenk_` before every name, after [`C_BITS`] or [`C_BITS_F32`]; none for
+    /// functions over several states.
     pub fn c_source(self) -> Option<&'static str> {
         Some(match self {
             Self::SinCos => include_str!("sin_cos.c"),
@@ -142,7 +146,7 @@ impl Kernel {
             Self::SinCos8F32 => include_str!("sin_cos_8_f32.c"),
             Self::ExpReduced => include_str!("exp_reduced.c"),
             Self::Exp => include_str!("exp.c"),
-            Self::ExpDirectF32 => include_str!("exp_direct_f32.c"),
+            Self::ExpReducedF32 => include_str!("exp_reduced_f32.c"),
             Self::ExpF32 => include_str!("exp_f32.c"),
             Self::Tanh => include_str!("tanh.c"),
             Self::TanhF32 => include_str!("tanh_f32.c"),
@@ -154,14 +158,18 @@ impl Kernel {
     /// The kernel whose items this one calls; take them transitively.
     pub fn requires(self) -> Option<Self> {
         match self {
-            Self::SinCosArray | Self::SinCosLanes | Self::SinCosF32 => Some(Self::SinCos),
+            Self::SinCosArray | Self::SinCosLanes => Some(Self::SinCos),
             Self::SinCos2 | Self::SinCos4 | Self::SinCos8 => Some(Self::SinCosArray),
             Self::SinCos2F32 | Self::SinCos4F32 | Self::SinCos8F32 => Some(Self::SinCosArrayF32),
             Self::SinCosArrayF32 | Self::SinCosLanesF32 => Some(Self::SinCosF32),
             Self::Exp | Self::Tanh => Some(Self::ExpReduced),
-            Self::ExpF32 | Self::TanhF32 => Some(Self::ExpDirectF32),
-            Self::SqrtF32 => Some(Self::Sqrt),
-            Self::SinCos | Self::ExpReduced | Self::ExpDirectF32 | Self::Sqrt => None,
+            Self::ExpF32 | Self::TanhF32 => Some(Self::ExpReducedF32),
+            Self::SinCos
+            | Self::SinCosF32
+            | Self::ExpReduced
+            | Self::ExpReducedF32
+            | Self::Sqrt
+            | Self::SqrtF32 => None,
         }
     }
 }

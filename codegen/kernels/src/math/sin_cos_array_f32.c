@@ -7,7 +7,7 @@ GELENK_INLINE int gelenk_sin_cos_array_f32(int count, const float *x, float *sin
         gelenk_sin_cos_direct_f32(x[i], &sines_cosines[i], &sines_cosines[count + i]);
     }
     for (int i = 0; i < count; ++i) {
-        all_direct &= fabsf(x[i]) <= 1.0e5f;
+        all_direct &= fabsf(x[i]) <= GELENK_LARGEST_DIRECT_ANGLE;
     }
     return all_direct;
 }

@@ -6,7 +6,7 @@ pub fn sin_cos_array_f32<const L: usize>(x: [f32; L]) -> ([f32; L], [f32; L]) {
     let (mut sin, mut cos, mut all_direct) = ([0.0; L], [0.0; L], true);
     for i in 0..L {
         (sin[i], cos[i]) = sin_cos_direct_f32(x[i]);
-        all_direct &= x[i].abs() <= 1.0e5;
+        all_direct &= x[i].abs() <= LARGEST_DIRECT_ANGLE_F32;
     }
     if all_direct {
         (sin, cos)

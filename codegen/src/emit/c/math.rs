@@ -1,6 +1,6 @@
 //! Where functions of one number come from: our own texts, and instructions that C names.
 
-use gelenk_kernels::math::{C_BITS, Kernel};
+use gelenk_kernels::math::{C_BITS, C_BITS_F32, Kernel};
 
 use super::context::Context;
 use crate::emit::kernels;
@@ -63,7 +63,11 @@ fn of_scalar(context: &Context<'_>, name: &str) -> String {
 pub(super) fn text(context: &Context<'_>) -> String {
     let needed = kernels::needed(&context.kernels.borrow());
     let texts = needed.iter().map(|&kernel| source(kernel));
-    let bits = (!needed.is_empty()).then_some(C_BITS);
+    let bits = match context.options.scalar {
+        Scalar::F64 => C_BITS,
+        Scalar::F32 => C_BITS_F32,
+    };
+    let bits = (!needed.is_empty()).then_some(bits);
     let mut text: String = bits.into_iter().chain(texts).map(|text| format!("\n{text}")).collect();
     text = context.pasted(&text);
     if context.sign.get() {
