@@ -174,6 +174,9 @@ where
             let (mut a, mut b) = ([[0.0; NX]; NX], [[0.0; M]; NX]);
             flat_state(&discrete.state, &mut a);
             flat_input(&discrete.input, &mut b);
+            let discount = self.options.terminal_weight.discount(period);
+            let entries = a.as_flattened_mut().iter_mut().chain(b.as_flattened_mut());
+            entries.for_each(|entry| *entry *= discount);
             let regulator = Lqr::stabilizing(&a, &b, &self.problem.state_weight, &input_weight)
                 .map_err(|reason| MpcError::Terminal { time, reason })?;
             if !regulator.is_accurate() && regulator.residual > inaccurate.1 {

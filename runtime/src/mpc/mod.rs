@@ -8,7 +8,8 @@
 //!     s.t. x_{k+1} = A_k x_k + B_k (u_k + d) + c_k,   u_min ≤ u_k ≤ u_max (hard),   y and ẏ within their limits (soft, exact penalty)
 //! ```
 //!
-//! with P from the discrete Riccati equation, and d the input disturbance that a Kalman filter estimates from
+//! with P from the discrete Riccati equation, with a discount where no input reaches a part of the robot
+//! ([`TerminalWeight`]), and d the input disturbance that a Kalman filter estimates from
 //! the encoders ([`DisturbanceObserver`]), so that constant errors of the model leave no steady offset. The
 //! two differ in where `A_k, B_k, c_k` come from: the exact zero-order hold of the linearization around the
 //! desired trajectory or the previous plan, or the exact sensitivities of the integrated nonlinear robot
@@ -54,5 +55,5 @@ pub use linear::LtvMpc;
 pub use nonlinear::Nmpc;
 pub use note::MpcNote;
 pub use observer::{DisturbanceObserver, ObserverOptions};
-pub use options::{LinearizationPoint, MpcError, MpcOptions};
+pub use options::{LinearizationPoint, MpcError, MpcOptions, TerminalWeight};
 pub use row::{MpcRow, RowFault, RowKind};

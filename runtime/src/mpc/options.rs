@@ -22,6 +22,37 @@ pub enum LinearizationPoint {
     Plan,
 }
 
+/// The weight P of the state at the end of the horizon: the cost of what comes after, by an optimal regulator
+/// without limits.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum TerminalWeight {
+    /// P solves the discrete Riccati equation. It exists where the inputs can bring all errors to rest.
+    #[default]
+    Riccati,
+    /// Costs at the time t beyond the horizon count e^(−t/τ) of their value: P solves the Riccati equation of
+    /// √γ A and √γ B with γ = e^(−T/τ). For robots a part of which no input reaches, as the momentum of a
+    /// body that floats freely: its errors stay, and without discount they would cost infinitely much. Give
+    /// this part the weights 0, and τ several time constants of the part that is controlled: then P is close to
+    /// the cost without discount there. It exists where errors that no input reaches grow slower than e^(t/2τ).
+    ///
+    /// Source: Postoyan, Buşoniu, Nešić, Daafouz, *Stability analysis of discrete-time infinite-horizon optimal
+    /// control with discounted cost*, IEEE Trans. Automatic Control 62 (2017).
+    Discounted {
+        /// τ (s), positive.
+        time_constant: f64,
+    },
+}
+
+impl TerminalWeight {
+    /// √γ for the period (s).
+    pub(super) fn discount(self, period: f64) -> f64 {
+        match self {
+            Self::Riccati => 1.0,
+            Self::Discounted { time_constant } => (-0.5 * period / time_constant).exp(),
+        }
+    }
+}
+
 /// Weights, bounds and structure of a predictive controller of a robot with `N` coordinates and `M` inputs,
 /// and, if there are any, with `NR` rows.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +70,8 @@ pub struct MpcOptions<const N: usize, const M: usize, const NR: usize = 0> {
     pub input_weight: [f64; M],
     /// Weights of the input's rate of change [s²/(N m)² …], ≥ 0.
     pub input_rate_weight: [f64; M],
+    /// The weight of the state at the end of the horizon.
+    pub terminal_weight: TerminalWeight,
     /// Hard lower and upper bounds of the inputs.
     pub input_limits: [[f64; 2]; M],
     /// Soft lower and upper bounds of the positions; infinite where there is none.
@@ -78,6 +111,7 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
             velocity_weight: [1e2; N],
             input_weight: scale.map(|u| 1e-3 / (u * u)),
             input_rate_weight: [0.0; M],
+            terminal_weight: TerminalWeight::Riccati,
             input_limits: inputs,
             position_limits: limits.position,
             velocity_limits: limits.velocity,
@@ -101,6 +135,7 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
             velocity_weight: self.velocity_weight,
             input_weight: self.input_weight,
             input_rate_weight: self.input_rate_weight,
+            terminal_weight: self.terminal_weight,
             input_limits: self.input_limits,
             position_limits: self.position_limits,
             velocity_limits: self.velocity_limits,
@@ -127,6 +162,9 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         require("input_rate_weight", &self.input_rate_weight, NOT_NEGATIVE, weight)?;
         let both: [f64; M] = core::array::from_fn(|i| self.input_weight[i] + self.input_rate_weight[i]);
         require("input_weight plus input_rate_weight", &both, "positive", positive)?;
+        if let TerminalWeight::Discounted { time_constant } = self.terminal_weight {
+            require("terminal_weight.time_constant", &[time_constant], "positive and finite", positive)?;
+        }
         for limits in self.input_limits.iter().chain(&self.position_limits) {
             require("a bound", limits, "a number, lower before upper", |x| {
                 !x.is_nan() && limits[0] <= limits[1]
@@ -178,6 +216,17 @@ pub(super) fn require(
     }
 }
 
+/// What to do where the Riccati equation of the terminal weight has no solution.
+fn remedy(reason: &LqrError) -> &'static str {
+    match reason {
+        LqrError::NotStabilizable(_) => {
+            "; where no input reaches a part of the robot, as the momentum of a satellite, set its weights to 0 and terminal_weight \
+             to TerminalWeight::Discounted"
+        }
+        _ => "",
+    }
+}
+
 /// Why there is no controller.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MpcError {
@@ -224,7 +273,7 @@ pub enum MpcError {
     #[error(transparent)]
     FeedForward(#[from] FeedForwardError),
     /// The Riccati equation of the terminal weight has no solution.
-    #[error("no terminal weight at {time} s of the trajectory: {reason}")]
+    #[error("no terminal weight at {time} s of the trajectory: {reason}{}", remedy(.reason))]
     Terminal {
         /// Where on the trajectory (s).
         time: f64,
