@@ -121,6 +121,15 @@ pub mod puma560;
 #[rustfmt::skip]
 pub mod quadrotor;
 
+/// The robot `quadruped`.
+///
+/// A quadruped with twelve joints whose feet have given wrenches. All values are estimated.
+///
+/// A leg turns about x at the hip, then about y at thigh and calf; it hangs straight down at 0. The wrenches of the feet
+/// are in the axes of the world.
+#[rustfmt::skip]
+pub mod quadruped;
+
 /// The robot `satellite`.
 ///
 /// A satellite that turns by three reaction wheels, and a boom on a ball joint with a damper. All values are

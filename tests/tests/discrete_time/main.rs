@@ -118,7 +118,7 @@ fn no_robot_is_forgotten() {
         let listed = text.contains(&format!("gelenk_generated::{name})"));
         let checked = text.contains(&format!("$check(\"{name}\""));
         // Their positions are no vectors: tests/motion_on_manifolds.rs has them.
-        let has_quaternions = ["quadrotor", "satellite"].contains(&name);
+        let has_quaternions = ["quadrotor", "quadruped", "satellite"].contains(&name);
         assert!(name == "lib" || has_quaternions || (listed && checked), "{name}");
     }
 }

@@ -1,0 +1,290 @@
+//! A quadruped's trunk follows a motion while its feet stand, by inverse dynamics with given wrenches at the feet.
+//!
+//! ```sh
+//! cargo run --release -p gelenk-runtime --example trunk [FOLDER]
+//! ```
+//!
+//! There is no ground here: at each period the controller chooses the forces at the feet, and the simulated robot gets
+//! these, as if the ground had answered so. It holds while they press and lie within the friction cones, which is
+//! checked. In each period:
+//!
+//! 1. The trunk's acceleration is the desired one plus feedback of `y_d ⊖ y` and of the velocities; those of the legs
+//!    keep the feet where they are, `J v̇ + J̇ v = −k_p (p − p_0) − k_d ṗ`.
+//! 2. The base's six rows of the inverse dynamics are what the feet must exert: least norm over the twelve forces.
+//! 3. The other rows, with these wrenches, are the joint torques.
+//!
+//! Prints a table and writes a plot into FOLDER (the folder for temporary files).
+
+use gelenk_generated::quadruped::{self as robot, M, N, NY, WRENCHES};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use outcome::Outcome;
+use std::process::ExitCode;
+use support::{Folder, Line};
+
+#[path = "support/outcome.rs"]
+mod outcome;
+#[path = "support/motion_plot.rs"]
+mod support;
+
+const PERIOD: f64 = 0.001;
+/// Steps of the simulation in a period.
+const STEPS: u32 = 2;
+const DURATION: f64 = 6.0;
+/// Feedback of the trunk [1/s², 1/s].
+const GAINS: [f64; 2] = [100.0, 20.0];
+/// Feedback of the feet, likewise: legs are light.
+const STIFF: [f64; 2] = [1e4, 200.0];
+/// What pushes the trunk to the side [N], when [s]; the controller does not know.
+const PUSH: f64 = 15.0;
+const PUSHED: std::ops::Range<f64> = 4.0..4.2;
+/// Coefficient of friction that the feet may use.
+const FRICTION: f64 = 0.6;
+
+/// Origin and axes of a frame.
+type Pose = ([f64; 3], [[f64; 3]; 3]);
+type Jacobian = [[f64; N]; 6];
+
+struct Foot {
+    pose: fn(&[f64; NY]) -> Pose,
+    jacobian: fn(&[f64; NY]) -> Jacobian,
+    rate: fn(&[f64; NY], &[f64; N]) -> [f64; 6],
+}
+
+macro_rules! foot {
+    ($pose:ident, $jacobian:ident, $rate:ident) => {
+        Foot { pose: robot::$pose, jacobian: robot::$jacobian, rate: robot::$rate }
+    };
+}
+
+/// In the order of the legs' joints and of the wrenches.
+const FEET: [Foot; 4] = [
+    foot!(frame_front_left_pose, frame_front_left_jacobian, frame_front_left_jacobian_rate_times_velocity),
+    foot!(frame_front_right_pose, frame_front_right_jacobian, frame_front_right_jacobian_rate_times_velocity),
+    foot!(frame_rear_left_pose, frame_rear_left_jacobian, frame_rear_left_jacobian_rate_times_velocity),
+    foot!(frame_rear_right_pose, frame_rear_right_jacobian, frame_rear_right_jacobian_rate_times_velocity),
+];
+
+type Wrenches = [[f64; 6]; WRENCHES];
+
+#[derive(Debug, Clone, Copy)]
+struct State {
+    y: [f64; NY],
+    v: [f64; N],
+}
+
+/// Standing, the feet at height 0 below the hips.
+fn standing() -> [f64; NY] {
+    let (mut y, bend) = (robot::NEUTRAL, 0.7_f64);
+    y[2] = 2.0 * 0.2 * bend.cos();
+    for leg in y[7..].chunks_exact_mut(3) {
+        leg.copy_from_slice(&[0.0, bend, -2.0 * bend]);
+    }
+    y
+}
+
+/// The desired pose of the trunk: it sways, dips, rolls, pitches and turns.
+fn desired(time: f64) -> [f64; NY] {
+    let s = time.clamp(0.0, 1.0);
+    let grown = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+    let wave = |period: f64| grown * (std::f64::consts::TAU * time / period).sin();
+    let mut d = [0.0; N];
+    d[..6].copy_from_slice(&[
+        0.02 * wave(1.5),
+        0.04 * wave(2.0),
+        0.02 * wave(1.0),
+        0.2 * wave(2.0),
+        0.1 * wave(1.5),
+        0.15 * wave(3.0),
+    ]);
+    robot::integrate(&standing(), &d)
+}
+
+/// Desired velocity and acceleration, by differences along ⊕ over a millisecond.
+fn desired_rates(time: f64) -> [[f64; 6]; 2] {
+    let h = 1e-3;
+    let at = desired(time);
+    let [ahead, back] = [h, -h].map(|h| robot::difference(&at, &desired(time + h)));
+    [
+        std::array::from_fn(|i| (ahead[i] - back[i]) / (2.0 * h)),
+        std::array::from_fn(|i| (ahead[i] + back[i]) / (h * h)),
+    ]
+}
+
+/// The accelerations of trunk and legs, and the Jacobians of the feet's positions.
+fn accelerations(
+    time: f64,
+    State { y, v }: &State,
+    places: &[[f64; 3]; 4],
+) -> Outcome<([f64; N], [Jacobian; 4])> {
+    let error = robot::difference(y, &desired(time));
+    let [velocity, acceleration] = desired_rates(time);
+    let mut a = [0.0; N];
+    for i in 0..6 {
+        a[i] = acceleration[i] + GAINS[0] * error[i] + GAINS[1] * (velocity[i] - v[i]);
+    }
+    let jacobians = FEET.map(|foot| (foot.jacobian)(y));
+    for (k, (foot, j)) in FEET.iter().zip(&jacobians).enumerate() {
+        let (place, rate) = ((foot.pose)(y).0, (foot.rate)(y, v));
+        let wanted = Vector3::from_fn(|i, _| {
+            let moved = j[i].iter().zip(v).map(|(j, v)| j * v).sum::<f64>();
+            let trunk = (0..6).map(|c| j[i][c] * a[c]).sum::<f64>();
+            -STIFF[0] * (place[i] - places[k][i]) - STIFF[1] * moved - rate[i] - trunk
+        });
+        let leg = Matrix3::from_fn(|i, c| j[i][6 + 3 * k + c]);
+        let joints = leg.lu().solve(&wanted).ok_or("a leg is stretched")?;
+        a[6 + 3 * k..9 + 3 * k].copy_from_slice(joints.as_slice());
+    }
+    Ok((a, jacobians))
+}
+
+/// Forces at the feet that make the base's six rows, of the least norm.
+fn at_feet(rows: &[f64; N], jacobians: &[Jacobian; 4]) -> Outcome<Wrenches> {
+    let g = SMatrix::<f64, 6, 12>::from_fn(|i, c| jacobians[c / 3][c % 3][i]);
+    let rows = SVector::<f64, 6>::from_fn(|i, _| rows[i]);
+    let forces = (g * g.transpose()).cholesky().ok_or("the feet cannot carry the trunk")?.solve(&rows);
+    let forces = g.transpose() * forces;
+    let mut wrenches = [[0.0; 6]; WRENCHES];
+    for (c, force) in forces.iter().enumerate() {
+        wrenches[c / 3][c % 3] = *force;
+    }
+    Ok(wrenches)
+}
+
+/// Joint torques and wrenches of a period.
+fn control(time: f64, state: &State, places: &[[f64; 3]; 4]) -> Outcome<([f64; M], Wrenches)> {
+    let (a, jacobians) = accelerations(time, state, places)?;
+    let inverse = |w| robot::inverse_dynamics_with_wrenches(&state.y, &state.v, &a, w);
+    let wrenches = at_feet(&inverse(&[[0.0; 6]; WRENCHES]), &jacobians)?;
+    let rows = inverse(&wrenches);
+    // Nothing else moves the base.
+    if rows[..6].iter().any(|row| row.abs() > 1e-9) {
+        return Err("the wrenches at the feet do not move the trunk as wanted".into());
+    }
+    Ok((std::array::from_fn(|i| rows[6 + i]), wrenches))
+}
+
+/// The robot over a period with given torques and wrenches, by the midpoint rule along ⊕.
+fn advance(State { mut y, mut v }: State, u: &[f64; M], w: &Wrenches) -> State {
+    let h = PERIOD / f64::from(STEPS);
+    let add = |v: &[f64; N], a: &[f64; N], h: f64| std::array::from_fn(|i| v[i] + h * a[i]);
+    for _ in 0..STEPS {
+        let a = robot::forward_dynamics_with_wrenches(&y, &v, u, w);
+        let middle = robot::integrate(&y, &v.map(|v| 0.5 * h * v));
+        let velocity: [f64; N] = add(&v, &a, 0.5 * h);
+        let a = robot::forward_dynamics_with_wrenches(&middle, &velocity, u, w);
+        y = robot::integrate(&y, &velocity.map(|v| h * v));
+        v = add(&v, &a, h);
+    }
+    State { y, v }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Record {
+    time: f64,
+    /// Distance [m] and angle [rad] of the trunk from where it should be.
+    errors: [f64; 2],
+    /// Largest distance of a foot from its place [m].
+    slip: f64,
+    /// Vertical forces at the feet [N].
+    pressing: [f64; 4],
+    /// Largest share of a foot's friction that is used.
+    friction: f64,
+    torques: [f64; M],
+}
+
+fn length(of: &[f64]) -> f64 {
+    of.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn record(time: f64, y: &[f64; NY], u: &[f64; M], w: &Wrenches, places: &[[f64; 3]; 4]) -> Record {
+    let error = robot::difference(&desired(time), y);
+    let slip = FEET.iter().zip(places).map(|(foot, place)| {
+        let at = (foot.pose)(y).0;
+        length(&[at[0] - place[0], at[1] - place[1], at[2] - place[2]])
+    });
+    let friction = w[..4].iter().map(|force| length(&force[..2]) / (FRICTION * force[2]));
+    Record {
+        time,
+        errors: [length(&error[..3]), length(&error[3..6])],
+        slip: slip.fold(0.0, f64::max),
+        pressing: std::array::from_fn(|k| w[k][2]),
+        friction: friction.fold(0.0, f64::max),
+        torques: *u,
+    }
+}
+
+fn run() -> Outcome<Vec<Record>> {
+    let mut state = State { y: standing(), v: [0.0; N] };
+    let places = FEET.map(|foot| (foot.pose)(&state.y).0);
+    let mut records = Vec::new();
+    for k in 0..(DURATION / PERIOD).round() as u32 {
+        let time = PERIOD * f64::from(k);
+        let (u, mut w) = control(time, &state, &places)?;
+        if PUSHED.contains(&time) {
+            w[4][1] = PUSH;
+        }
+        state = advance(state, &u, &w);
+        records.push(record(time + PERIOD, &state.y, &u, &w, &places));
+    }
+    Ok(records)
+}
+
+/// Prints a row of the table.
+///
+/// # Errors
+/// Where the trunk is further off than `bound` [m and rad], or a foot would lift or slide.
+fn report(what: &str, records: &[Record], bound: f64) -> Outcome<()> {
+    let most = |value: &dyn Fn(&Record) -> f64| records.iter().map(value).fold(0.0, f64::max);
+    let [distance, angle] = [0, 1].map(|k| most(&|record| record.errors[k]));
+    let least = records.iter().flat_map(|record| record.pressing).fold(f64::INFINITY, f64::min);
+    let friction = most(&|record| record.friction);
+    let slip = most(&|record| record.slip);
+    println!(
+        "{what:<12} {distance:>9.1e} {angle:>9.1e} {slip:>11.1e} {least:>12.1} {friction:>12.2} {:>9.1}",
+        most(&|record| record.torques.iter().fold(0.0, |most, u| most.max(u.abs())))
+    );
+    if distance.max(angle).max(slip) > bound {
+        return Err(format!("{what}: the trunk is further off than {bound:e}").into());
+    }
+    if least <= 0.0 || friction > 1.0 {
+        return Err(format!("{what}: a foot would not stand").into());
+    }
+    Ok(())
+}
+
+fn plot(folder: &Folder, records: &[Record]) -> Outcome<()> {
+    let line = |name: &str, value: &dyn Fn(&Record) -> f64| Line {
+        name: name.to_owned(),
+        points: records.iter().map(|record| (record.time, value(record))).collect(),
+    };
+    let feet = &robot::WRENCH_NAMES[..4];
+    let pressing = feet.iter().enumerate().map(|(k, name)| line(name, &|record| record.pressing[k]));
+    let calves = feet.iter().enumerate().map(|(k, name)| line(name, &|record| record.torques[3 * k + 2]));
+    folder.lines(
+        "trunk.svg",
+        "The trunk of a quadruped; it is pushed at 4 s",
+        &[
+            ("distance [mm]", vec![line("error", &|record| 1e3 * record.errors[0])]),
+            ("angle [mrad]", vec![line("error", &|record| 1e3 * record.errors[1])]),
+            ("pressing [N]", pressing.collect()),
+            ("calf [N m]", calves.collect()),
+        ],
+    )
+}
+
+fn main() -> ExitCode {
+    outcome::end(program())
+}
+
+fn program() -> Outcome<()> {
+    let folder = Folder::from_arguments()?;
+    let records = run()?;
+    println!("                largest error of the        feet: [m]     pressing   used friction   torque");
+    println!("             trunk [m]     [rad]        from place    least [N]    of {FRICTION} [1]    [N m]");
+    let (undisturbed, pushed) =
+        records.split_at(records.partition_point(|record| record.time < PUSHED.start));
+    report("motion", undisturbed, 1e-3)?;
+    report("with a push", pushed, 5e-2)?;
+    report("at the end", &records[records.len() - 10..], 1e-3)?;
+    plot(&folder, &records)
+}
