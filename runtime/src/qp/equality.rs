@@ -251,6 +251,20 @@ impl<V: Vector> Equalities<V> {
         }
     }
 
+    /// Derivative of the augmented terms along `dx` at `x + length · dx`.
+    #[inline(always)]
+    pub(super) fn slope(&self, x: &[V], dx: &[V], length: f64) -> f64 {
+        if !self.any() {
+            return 0.0;
+        }
+        let mut sum = V::zero();
+        for i in 0..dx.len() {
+            let left = (self.targets.active[i] * dx[i]).mul_add(V::splat(length), self.residual(x, i));
+            sum += (self.weight * left - self.force[i]) * dx[i];
+        }
+        sum.reduce_add()
+    }
+
     /// Takes in the step `dx`.
     #[inline(always)]
     pub(super) fn corrector(&mut self, x: &[V], dx: &[V]) {

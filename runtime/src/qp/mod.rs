@@ -6,6 +6,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `interior_point` | Mehrotra's predictor–corrector iteration, starts, safeguards, the relaxed problem |
+//! | `interior_point::augmented` | the method of multipliers, for what the iteration has not solved |
 //! | `certificate` | cost and residuals of the point returned, from which the status follows |
 //! | `barrier`, `multipliers` | bounds, hard and soft: slacks, multipliers, their Newton steps |
 //! | `equality` | bounds that are equal: fixed inputs, states that must pass through a point |

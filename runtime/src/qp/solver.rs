@@ -14,7 +14,7 @@ pub const MAX_HORIZON: usize = 100;
 pub const MAX_SIZE: usize = 32;
 
 /// Interior-point solver for optimal-control QPs of one size. All memory is allocated at construction; a
-/// solve allocates nothing, takes at most twice [`QpSettings::max_iterations`] iterations (three times from a
+/// solve allocates nothing, takes at most three times [`QpSettings::max_iterations`] iterations (four times from a
 /// warm start), never panics, and depends on the problem alone: a solve of changed data equals, bit for bit,
 /// a solve by a new solver. Processors with fused multiply-add round differently from those without.
 ///

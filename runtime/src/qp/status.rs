@@ -13,7 +13,7 @@ pub enum QpStatus {
     /// The hard state bounds or rows cannot be kept (or no point that keeps them was found within the cap): the
     /// inputs returned minimize the violation by an exact penalty and keep their own bounds.
     Relaxed,
-    /// The cap on iterations was reached, or rounding allows no further step; of the points that the starts
+    /// The cap on iterations was reached, or rounding allows no further step; of the points that all starts
     /// led to, the cheapest one that keeps the bounds is returned, or else the one with the smallest
     /// residuals. The inputs keep their bounds, the KKT residuals tell how far they are from the optimum.
     IterationLimit,
@@ -43,8 +43,8 @@ pub struct KktResiduals {
 pub struct QpReport {
     /// How it ended.
     pub status: QpStatus,
-    /// Interior-point iterations, each one factorization, of all starts together; 0 if the unconstrained
-    /// optimum keeps all bounds.
+    /// Iterations, each one factorization, of all starts and of the method of multipliers together; 0 if the
+    /// unconstrained optimum keeps all bounds.
     pub iterations: usize,
     /// Cost of the iterate returned, penalties of soft bounds and rows included, the constant cost of x_0 not.
     pub cost: f64,
@@ -60,8 +60,9 @@ pub struct QpSettings {
     /// Largest violation of a hard bound, in units of the variable; relative to the bound where that exceeds
     /// 1. A row counts as divided by its largest coefficient.
     pub feasibility: f64,
-    /// Cap on interior-point iterations of each start. Where a start leads nowhere, others follow: a solve
-    /// takes at most twice as many iterations from a cold start, and three times as many from a warm one.
+    /// Cap on interior-point iterations of each start. Where a start leads nowhere, others follow, and the
+    /// method of multipliers last, with as many again: a solve takes at most three times as many iterations
+    /// from a cold start, and four times as many from a warm one.
     pub max_iterations: usize,
 }
 

@@ -42,6 +42,16 @@ impl<V: Vector> Trajectory<V> {
         }
     }
 
+    /// `selfᵀ other`.
+    #[inline(always)]
+    pub(super) fn inner(&self, other: &Self) -> f64 {
+        let mut sum = V::zero();
+        for (a, b) in self.u.iter().zip(&other.u).chain(self.x.iter().zip(&other.x)) {
+            sum = a.mul_add(*b, sum);
+        }
+        sum.reduce_add()
+    }
+
     /// Largest magnitude of an input.
     #[inline(always)]
     pub(super) fn largest_input(&self) -> f64 {

@@ -14,6 +14,7 @@
 //! Source: Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapters 1 and 10; the elimination of
 //! soft bounds as in Frison, Diehl, *HPIPM*, IFAC 2020, section 3.
 
+mod augmented;
 mod measure;
 mod side;
 mod start;

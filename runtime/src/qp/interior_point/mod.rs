@@ -9,6 +9,7 @@
 //! (1992); Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapter 10; Rao, Wright, Rawlings, JOTA
 //! 99 (1998), for the structure of the problem.
 
+mod augmented;
 mod judge;
 mod run;
 mod start;
@@ -78,10 +79,22 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
                 Start::Cold if !certificate.holds() && certificate.is_finite() && iterations < most => {
                     Start::Deep
                 }
-                _ => return Ok(certificate.report(self.status(&certificate), iterations)),
+                _ => {
+                    let (certificate, further) = self.finish(problem, certificate);
+                    return Ok(certificate.report(self.status(&certificate), iterations + further));
+                }
             };
             kept = (start == Start::Deep).then_some(certificate);
         }
+    }
+
+    /// What the starts have led to, and what the method of multipliers makes of it where that is no solution.
+    #[inline(always)]
+    fn finish(&mut self, problem: &QpProblem<NX, NU, NR>, certificate: Certificate) -> (Certificate, usize) {
+        if certificate.holds() || !certificate.is_finite() {
+            return (certificate, 0);
+        }
+        self.multiply(problem, certificate)
     }
 
     /// Makes the better one of two points the solution: the one kept in memory, if there is one, or the

@@ -83,7 +83,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// The step for the right-hand side in memory.
     #[inline(always)]
-    fn solve_step(&mut self) {
+    pub(super) fn solve_step(&mut self) {
         self.riccati.solve(&self.rhs, &mut self.step, None);
         self.rows.follow(&mut self.step);
     }

@@ -1,0 +1,68 @@
+//! Bounds inside the method of multipliers (`interior_point::augmented`): forces that need neither slacks nor
+//! an interior.
+
+use super::super::lanes::Vector;
+use super::Bounds;
+use super::side::{Side, Softening};
+
+impl<V: Vector> Bounds<V> {
+    /// Starts without multipliers.
+    #[inline(always)]
+    pub(in crate::qp) fn start_augmented(&mut self) {
+        for side in self.sides.iter_mut().flatten() {
+            side.multiplier = V::zero();
+        }
+    }
+
+    /// `weight` becomes the second derivative of the terms, `rhs` the gradient with their forces.
+    #[inline(always)]
+    pub(in crate::qp) fn augment(&self, w: f64, z: &[V], gradient: &[V], weight: &mut [V], rhs: &mut [V]) {
+        let w = V::splat(w);
+        for (i, (sides, soft)) in self.sides.iter().zip(&self.soft).enumerate() {
+            let [lower, of_lower] = sides[0].augmented(&soft[0], w, z[i] - sides[0].bound);
+            let [upper, of_upper] = sides[1].augmented(&soft[1], w, sides[1].bound - z[i]);
+            weight[i] = of_lower + of_upper;
+            rhs[i] = gradient[i] - lower + upper;
+        }
+    }
+
+    /// Derivative of the terms along `dz` at `z + length · dz`.
+    #[inline(always)]
+    pub(in crate::qp) fn slope(&self, w: f64, z: &[V], dz: &[V], length: f64) -> f64 {
+        let (w, length, mut sum) = (V::splat(w), V::splat(length), V::zero());
+        for (i, (sides, soft)) in self.sides.iter().zip(&self.soft).enumerate() {
+            let z = dz[i].mul_add(length, z[i]);
+            let [lower, _] = sides[0].augmented(&soft[0], w, z - sides[0].bound);
+            let [upper, _] = sides[1].augmented(&soft[1], w, sides[1].bound - z);
+            sum += (upper - lower) * dz[i];
+        }
+        sum.reduce_add()
+    }
+
+    /// Takes the forces at `z` for the multipliers.
+    #[inline(always)]
+    pub(in crate::qp) fn take_forces(&mut self, w: f64, z: &[V]) {
+        let w = V::splat(w);
+        for (i, (sides, soft)) in self.sides.iter_mut().zip(&self.soft).enumerate() {
+            let distances = [z[i] - sides[0].bound, sides[1].bound - z[i]];
+            for ((side, soft), d) in sides.iter_mut().zip(soft).zip(distances) {
+                side.multiplier = side.augmented(soft, w, d)[0];
+            }
+        }
+    }
+}
+
+impl<V: Vector> Side<V> {
+    /// The force at the distance `d` into the bound, and by how much a unit of violation raises it: of
+    /// `y = λ − W d` what is positive, and beyond w₁ the share that the violation v = (y − w₁)/(w₂ + W) of a
+    /// soft bound leaves, `w₁ + w₂ v`.
+    #[inline(always)]
+    fn augmented(&self, soft: &Softening<V>, w: V, d: V) -> [V; 2] {
+        let y = d.mul_neg_add(w, self.multiplier);
+        let beyond = soft.active * (y - soft.w1);
+        let share = soft.w2 / (soft.w2 + w);
+        let force = V::select_positive(beyond, beyond.mul_add(share, soft.w1), y.fast_max(V::zero()));
+        let stiffness = V::select_positive(beyond, share * w, V::select_positive(y, w, V::zero()));
+        [self.active * force, self.active * stiffness]
+    }
+}

@@ -1,0 +1,142 @@
+//! The method of multipliers, for what the interior-point method has not solved.
+//!
+//! Every bound and row is a term of the cost, by the distance `d` into it, its multiplier λ and, where it is
+//! soft, its penalty φ:
+//!
+//! ```text
+//!     ψ(d) = min_{v ≥ 0} φ(v) + (max(λ − W (d + v), 0)² − λ²) / 2W        v = 0 if it is hard
+//! ```
+//!
+//! Newton's method minimizes the sum, by steps that end where the cost has ceased to fall along them. After a
+//! whole step the forces `−ψ′` become the multipliers. No interior is needed, and multipliers start from zero:
+//! where the bounds hardly leave one, those of the interior-point method grow without limit, until rounding
+//! beside them stops it. Each gradient is that of the problem's own data, so that a step also corrects what
+//! rounding has left of the one before.
+//!
+//! Sources: Rockafellar, *Augmented Lagrangians and applications of the proximal point algorithm in convex
+//! programming*, Math. Oper. Res. 1 (1976); Hermans, Themelis, Patrinos, *QPALM*, Math. Program. Comput. 14
+//! (2022), for the steps.
+
+use super::super::certificate::Certificate;
+use super::super::core::Core;
+use super::super::lanes::Vector;
+use super::super::ldl::NotPositive;
+use super::super::problem::QpProblem;
+use super::run::CAP_CUT;
+
+/// The first weight W and the largest one, relative to the largest weight of the cost. It is multiplied by
+/// `RAISE` where a change of the multipliers leaves more than `FALL` of the violation.
+const FIRST_WEIGHT: f64 = 1e2;
+const MOST_WEIGHT: f64 = 1e16;
+const RAISE: f64 = 10.0;
+const FALL: f64 = 0.25;
+/// A step is long enough where this share of the slope at its beginning is left.
+const SLOPE_LEFT: f64 = 0.1;
+/// Halvings in the search for this length.
+const HALVINGS: usize = 20;
+
+impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
+    /// Goes on from the solution in memory, which `first` has found not to be one. Returns the certificate of
+    /// the better point, which it makes the solution, and the number of its factorizations.
+    #[inline(always)]
+    pub(super) fn multiply(
+        &mut self,
+        problem: &QpProblem<NX, NU, NR>,
+        first: Certificate,
+    ) -> (Certificate, usize) {
+        let largest = self.riccati.largest_weight();
+        let (mut w, mut violation) = (FIRST_WEIGHT * largest, f64::INFINITY);
+        let mut kept = self.better_of(None, first);
+        self.iterate.copy_from(&self.solution);
+        self.input_bounds.start_augmented();
+        self.state_bounds.start_augmented();
+        self.equalities.start(None);
+        for iteration in 1..=self.settings.max_iterations {
+            if self.augmented_step(w).is_err() {
+                w *= CAP_CUT;
+                continue;
+            }
+            let length = self.augmented_length(w);
+            self.iterate.advance(&self.step, length);
+            self.rows.evaluate(&mut self.iterate);
+            if length < 1.0 {
+                continue;
+            }
+            let left = self.take_forces(w);
+            let certificate = self.certify(problem, 0.0);
+            if certificate.holds() {
+                return (certificate, iteration);
+            }
+            kept = self.better_of(Some(kept), certificate);
+            if left > FALL * violation {
+                w = (RAISE * w).min(MOST_WEIGHT * largest);
+            }
+            violation = left;
+        }
+        (kept, self.settings.max_iterations)
+    }
+
+    /// The Newton step from the iterate; the gradient there stays in memory.
+    #[inline(always)]
+    fn augmented_step(&mut self, w: f64) -> Result<(), NotPositive> {
+        self.rows.evaluate(&mut self.iterate);
+        self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
+        let (z, g, weight, h) = (&self.iterate, &self.gradient, &mut self.weight, &mut self.rhs);
+        self.input_bounds.augment(w, &z.u, &g.u, &mut weight.u, &mut h.u);
+        self.state_bounds.augment(w, &z.x, &g.x, &mut weight.x, &mut h.x);
+        self.fixed.weigh(&mut weight.u);
+        self.equalities.cap_weights(w);
+        self.equalities.weigh(&mut weight.x);
+        self.equalities.pull(&z.x, &mut h.x);
+        self.rows.fold(h);
+        self.riccati.factorize(&self.weight, None, &self.rows)?;
+        self.solve_step();
+        self.fixed.hold(&mut self.step.u);
+        Ok(())
+    }
+
+    /// Length of the step: 1, or less where the cost would rise again before.
+    #[inline(always)]
+    fn augmented_length(&mut self, w: f64) -> f64 {
+        let linear = self.gradient.inner(&self.step);
+        self.rhs.clear();
+        let (quadratic, _) = self.riccati.gradient(&self.step, &self.rhs, &mut self.gradient);
+        let (z, dz) = (&self.iterate, &self.step);
+        let slope = |length: f64| {
+            linear
+                + length * quadratic
+                + self.input_bounds.slope(w, &z.u, &dz.u, length)
+                + self.state_bounds.slope(w, &z.x, &dz.x, length)
+                + self.equalities.slope(&z.x, &dz.x, length)
+        };
+        let left = SLOPE_LEFT * slope(0.0).abs();
+        let (mut low, mut high) = (0.0, 2.0);
+        for _ in 0..HALVINGS {
+            let (length, here) = (0.5 * (low + high), slope(0.5 * (low + high)));
+            if here > left {
+                high = length;
+            } else if here < -left && length < 1.0 {
+                low = length;
+            } else {
+                return length;
+            }
+        }
+        0.5 * (low + high)
+    }
+
+    /// The forces at the iterate as multipliers of it and of the solution. Returns the largest violation of a
+    /// hard bound or row.
+    #[inline(always)]
+    fn take_forces(&mut self, w: f64) -> f64 {
+        let z = &self.iterate;
+        self.input_bounds.take_forces(w, &z.u);
+        self.state_bounds.take_forces(w, &z.x);
+        self.rhs.clear();
+        self.equalities.corrector(&z.x, &self.rhs.x);
+        self.equalities.advance(1.0);
+        let hard = self.state_bounds.violation(&z.x, true).max(self.equalities.violation(&z.x));
+        let violation = hard.max(self.input_bounds.violation(&z.u, true));
+        self.take_multipliers(false);
+        violation
+    }
+}
