@@ -17,6 +17,8 @@ pub enum Dimension {
     Parameters,
     /// Wrenches, six entries each: force, then moment.
     Wrenches,
+    /// Driven coordinates, three entries each: position, velocity, acceleration.
+    Driven,
     /// A number that does not depend on the robot, e.g. of axes in space.
     Fixed,
 }
@@ -42,6 +44,7 @@ impl Extent {
     pub const fn row(&self) -> Option<usize> {
         match self.dimension {
             Dimension::Wrenches => Some(6),
+            Dimension::Driven => Some(3),
             _ => None,
         }
     }

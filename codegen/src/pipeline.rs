@@ -219,8 +219,13 @@ fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
 
 /// CasADi's Jacobians are those by the entries of vectors, which quaternions are not.
 fn check_casadi(model: &Model, options: &GenerateOptions) -> Result<(), Diagnostics> {
+    let is_wanted = options.emit.companions.contains(&Companion::Casadi);
+    if is_wanted {
+        let help = "the module itself holds for such robots: leave out `--for casadi`";
+        model.refuse_driven("there are no functions for CasADi", help)?;
+    }
     match model.quaternion_joints.first() {
-        Some(joint) if options.emit.companions.contains(&Companion::Casadi) => {
+        Some(joint) if is_wanted => {
             let message = format!(
                 "there are no functions for CasADi where joints have quaternions, as the {} joint `{}` has",
                 joint.kind.name(),

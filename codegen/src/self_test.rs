@@ -56,8 +56,17 @@ fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64>
         }
         Dimension::Inputs => model.inputs().map(|_| random.either_side(0.1, 1.0)).collect(),
         Dimension::Wrenches => (0..6 * model.wrenches.len()).map(|_| random.either_side(0.1, 1.0)).collect(),
+        Dimension::Driven => {
+            let joints = model.driven_joints().map(|joint| joint.seeded_range());
+            let mut entries = |[low, high]: [f64; 2]| {
+                [random.between(low, high), random.either_side(0.1, 1.0), random.either_side(0.1, 1.0)]
+            };
+            joints.flat_map(&mut entries).collect()
+        }
         Dimension::Joints | Dimension::Parameters | Dimension::Fixed => {
-            unreachable!("arguments belong to coordinates, velocities, inputs and wrenches")
+            unreachable!(
+                "arguments belong to coordinates, velocities, inputs, wrenches and driven coordinates"
+            )
         }
     }
 }

@@ -52,6 +52,7 @@ pub fn chain(rows: &[Row], gravity: [f64; 3]) -> Model {
         drives: Vec::new(),
         point_forces: Vec::new(),
         force_inputs: Vec::new(),
+        driven: Vec::new(),
         wrenches: Vec::new(),
         frames: Vec::new(),
         options: Options::default(),

@@ -87,7 +87,7 @@ impl Oracle<'_> {
             Motion::Held(position) => (T::from(position), T::from(0.0), parent.moves),
             Motion::Coordinate(index) => (y[index], v[index], true),
             Motion::Follower(index) => {
-                let follower = &self.model.followers[index - self.model.coordinates.len()];
+                let follower = &self.model.followers[index - self.model.motion_count()];
                 let position = self.sum(&follower.follows, y) + follower.offset;
                 (position, self.sum(&follower.follows, v), true)
             }

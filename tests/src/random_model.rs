@@ -93,6 +93,36 @@ pub fn random_model_with_frame_forces(seed: u64, longest: usize) -> Model {
     model
 }
 
+/// As [`random_model_with_frame_forces`], with about a third of the coordinates driven: at least one, and not all.
+pub fn random_driven_model(seed: u64, longest: usize) -> Model {
+    let seeds = (0..).map(|k| seed + 100_000 * k);
+    let mut models = seeds.map(|seed| random_model_with_frame_forces(seed, longest));
+    let mut model = models.find(|model| model.coordinates.len() > 1).expect("seeds do not end");
+    let mut rng = Rng::with_seed(seed ^ 0xd217e);
+    let n = model.coordinates.len();
+    let mut order: Vec<usize> = (0..n).collect();
+    rng.shuffle(&mut order);
+    let driven = rng.usize(1..=(n / 3).max(1));
+    let (driven, free) = order.split_at_mut(driven);
+    free.sort_unstable();
+    let order = [&free[..], driven].concat();
+    let place = |coordinate: usize| order.iter().position(|&other| other == coordinate).expect("every one");
+    for joint in model.links.iter_mut().filter_map(|link| link.joint.as_mut()) {
+        if let Motion::Coordinate(coordinate) = &mut joint.motion {
+            *coordinate = place(*coordinate);
+        }
+    }
+    let of_followers = model.followers.iter_mut().flat_map(|follower| &mut follower.follows);
+    for term in of_followers.chain(model.drives.iter_mut().flat_map(|drive| &mut drive.acts_on)) {
+        term.coordinate = place(term.coordinate);
+    }
+    let links: Vec<usize> = order.iter().map(|&coordinate| model.coordinates[coordinate]).collect();
+    (model.coordinates, model.driven) = (links[..free.len()].to_vec(), links[free.len()..].to_vec());
+    let acts = |drive: &Drive| drive.acts_on.iter().any(|term| term.coordinate < free.len());
+    model.drives.retain(|drive| drive.acts_on.is_empty() || acts(drive));
+    model
+}
+
 fn attachment(rng: &mut Rng, model: &Model) -> Attachment {
     let link = rng.usize(0..model.links.len());
     let translation = direction(rng).map(|x| number(0.3 + x));
@@ -326,6 +356,7 @@ fn tree(rng: &mut Rng, longest: usize) -> Model {
         drives,
         point_forces: vec![],
         force_inputs: vec![],
+        driven: vec![],
         wrenches: vec![],
         options: Options::default(),
     }

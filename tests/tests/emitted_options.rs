@@ -144,6 +144,24 @@ fn single_functions_over_lanes_compile_without_a_warning() {
     modules.check(&[]);
 }
 
+/// All functions of a robot with driven joints, over lanes and in single precision.
+#[test]
+fn modules_of_driven_joints_compile_without_a_warning() {
+    const RAIL: &str = "[[joints]]\nname = \"rail\"\ntype = \"prismatic\"\nmotion = \"driven\"\n\
+                        [[bodies]]\nlink = \"rail\"\nmass = 3\n";
+    let robots = Robots::new();
+    let path = robots.chain("rr", true);
+    std::fs::write(&path, chain("rr", true).replacen("[[joints]]", &format!("{RAIL}[[joints]]"), 1))
+        .expect("a description");
+    let mut names = functions(&path);
+    names.extend(ON_REQUEST.map(str::to_owned));
+    names.push("driving_forces".to_owned());
+    let mut modules = Crate::default();
+    modules.add(&path, &GenerateOptions { self_test: true, ..options(&names, &names, Scalar::F64) });
+    modules.add(&path, &options(&names, &[], Scalar::F32));
+    modules.check(&[]);
+}
+
 /// Seeded choices: robots, subsets of functions, some of them over lanes, scalars, the length of functions.
 fn random_modules(count: usize, is_fused: bool) -> Crate {
     let robots = Robots::new();

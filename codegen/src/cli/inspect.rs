@@ -125,6 +125,9 @@ fn model_text(model: &Model) -> String {
         match model.quaternion_joints.len() {
             0 => String::new(),
             _ => format!(" with {} positions", model.position_count()),
+        } + &match model.driven.len() {
+            0 => String::new(),
+            driven => format!(", {driven} driven"),
         },
         model.drives.len(),
         model.frames.len(),
@@ -164,14 +167,22 @@ fn pitch(kind: JointKind) -> Option<f64> {
     }
 }
 
+/// `y2`, or `d1` where it is driven.
+fn position(model: &Model, coordinate: usize) -> String {
+    match coordinate.checked_sub(model.coordinates.len()) {
+        None => format!("y{}", model.first_position(coordinate) + 1),
+        Some(driven) => format!("d{}", driven + 1),
+    }
+}
+
 fn motion(model: &Model, motion: Motion) -> String {
     match motion {
         Motion::Follower(index) => {
             let moving = model.moving_joints();
             let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
             let terms = moving[index].follows.iter().map(|term| match term.ratio.as_number() {
-                Some(1.0) => format!("y{}", model.first_position(term.coordinate) + 1),
-                _ => format!("({}) y{}", term.ratio.text(&names), model.first_position(term.coordinate) + 1),
+                Some(1.0) => position(model, term.coordinate),
+                _ => format!("({}) {}", term.ratio.text(&names), position(model, term.coordinate)),
             });
             let offset = (moving[index].offset != 0.0).then(|| format!("{:?}", moving[index].offset));
             terms.chain(offset).collect::<Vec<_>>().join(" + ")
@@ -179,7 +190,7 @@ fn motion(model: &Model, motion: Motion) -> String {
         Motion::Fixed => "fixed".to_owned(),
         Motion::Held(position) => format!("held at {position:?}"),
         Motion::Coordinate(index) => match model.quaternion_joint_of(index) {
-            None => format!("y{}", model.first_position(index) + 1),
+            None => position(model, index),
             Some(joint) => format!("velocity v{} of {} joint {}", index + 1, joint.kind.name(), joint.name),
         },
     }

@@ -80,6 +80,7 @@ fn dimensions(extents: &[Extent]) -> Vec<Option<&'static str>> {
         Dimension::Joints => Some("JOINTS"),
         Dimension::Inputs => Some("M"),
         Dimension::Wrenches => Some("WRENCHES"),
+        Dimension::Driven => Some("DRIVEN"),
         Dimension::Parameters | Dimension::Fixed => None,
     };
     extents.iter().map(name).collect()

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::print;
 use crate::dynamics::search::formulation::Formulation;
 use crate::graph::Graph;
-use crate::kinematics::{Body, Mechanism, Number};
+use crate::kinematics::{Body, Followed, Mechanism, Number};
 use crate::model::Model;
 use crate::numeric;
 
@@ -28,7 +28,7 @@ pub(super) fn as_json(model: &Model) -> Value {
             "joint": body.name,
             "parent": parent(&mechanism, body),
             "kind": body.axis.name(),
-            "follows": follows(body),
+            "follows": follows(&mechanism, body),
             "gamma": degrees(body.twist.gamma),
             "alpha": degrees(body.twist.alpha),
             "translation": numbers(&body.translation.0),
@@ -42,15 +42,22 @@ pub(super) fn as_json(model: &Model) -> Value {
     mechanism.bodies.iter().map(body).collect()
 }
 
-/// The coordinates that a joint follows with its axis, each with its ratio; `null` where that depends on
-/// parameters.
-fn follows(body: &Body<Number>) -> Vec<Value> {
+/// The coordinates, or driven ones, that a joint follows with its axis, each with its ratio; `null` where that depends
+/// on parameters.
+fn follows(mechanism: &Mechanism<Number>, body: &Body<Number>) -> Vec<Value> {
     let terms = body.transmission.terms.iter();
-    terms.map(|term| json!({ "coordinate": term.coordinate + 1, "ratio": term.ratio.value() })).collect()
+    let entry = |term: &Followed<Number>| {
+        let ratio = term.ratio.value();
+        match term.coordinate.checked_sub(mechanism.free()) {
+            None => json!({ "coordinate": term.coordinate + 1, "ratio": ratio }),
+            Some(driven) => json!({ "driven": driven + 1, "ratio": ratio }),
+        }
+    };
+    terms.map(entry).collect()
 }
 
-/// `y1`, `-y2`, `2 y1 + y3`
-fn followed(body: &Body<Number>) -> String {
+/// `y1`, `-y2`, `2 y1 + y3`, `d1` of a driven joint
+fn followed(mechanism: &Mechanism<Number>, body: &Body<Number>) -> String {
     let mut text = String::new();
     for term in &body.transmission.terms {
         let ratio = term.ratio.value();
@@ -69,7 +76,10 @@ fn followed(body: &Body<Number>) -> String {
             Some(size) => format!("{} ", number(size)),
             None => "free ".to_owned(),
         };
-        text += &format!("y{}", term.coordinate + 1);
+        text += &match term.coordinate.checked_sub(mechanism.free()) {
+            None => format!("y{}", term.coordinate + 1),
+            Some(driven) => format!("d{}", driven + 1),
+        };
     }
     text
 }
@@ -88,7 +98,7 @@ fn frames(mechanism: &Mechanism<Number>) -> Vec<Vec<String>> {
             body.name.clone(),
             parent(mechanism, body).to_owned(),
             body.axis.name().to_owned(),
-            followed(body),
+            followed(mechanism, body),
             number(degrees(body.twist.gamma)),
             number(degrees(body.twist.alpha)),
             x,

@@ -109,6 +109,8 @@ pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
             .help("`gelenk inspect program` shows the equations of coupled joints with their abbreviations");
         return Err(Diagnostics::new(vec![problem]));
     }
+    let help = "`gelenk inspect program` shows the equations of driven joints with their abbreviations";
+    model.refuse_driven("there are no closed forms", help)?;
     if let Some(joint) = model.quaternion_joints.first() {
         let message =
             format!("there are no closed forms of {} joints; `{}` is one", joint.kind.name(), joint.name);

@@ -55,6 +55,9 @@ pub struct Equations<'a, 'g> {
     pub model: &'a Model,
     /// How each quantity is derived.
     pub formulations: &'a Formulations<'a>,
+    /// Accelerations of the driven coordinates. Vectors by coordinate have the entries of driven ones last, and rows of
+    /// forces are those that such a robot would have if these coordinates were free.
+    pub driven: &'a [Scalar<'g>],
 }
 
 impl<'g> Equations<'_, 'g> {
@@ -64,7 +67,18 @@ impl<'g> Equations<'_, 'g> {
     }
 
     fn zeros(&self) -> Vec<Scalar<'g>> {
-        vec![self.graph.constant(0.0); self.model.coordinates.len()]
+        vec![self.graph.constant(0.0); self.model.motion_count()]
+    }
+
+    /// ÿ = 0: what is driven is accelerated all the same.
+    pub fn unaccelerated(&self) -> Vec<Scalar<'g>> {
+        self.with_driven(&self.zeros())
+    }
+
+    /// Accelerations with those of the driven coordinates.
+    fn with_driven(&self, accelerations: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
+        let own = &accelerations[..self.model.coordinates.len()];
+        [own, self.driven].concat()
     }
 
     fn recursive(
@@ -95,16 +109,17 @@ impl<'g> Equations<'_, 'g> {
 
     /// `M(y)` and `k − q_gravity` in the formulations that cost least together.
     pub fn mass_matrix_and_bias(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> (Matrix<'g>, Vec<Scalar<'g>>) {
-        self.formulations.mass_matrix_and_bias(self.graph, y, v)
+        self.formulations.mass_matrix_and_bias(self.graph, MotionInput { y, v, a: &self.unaccelerated() })
     }
 
     fn bias_by(&self, formulation: &Formulation, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
-        self.recursive(formulation, MotionInput { y, v, a: &self.zeros() }, true)
+        self.recursive(formulation, MotionInput { y, v, a: &self.unaccelerated() }, true)
     }
 
     /// `k(y, ẏ)`
     pub fn coriolis_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
-        self.recursive(self.formulations.bias_forces(), MotionInput { y, v, a: &self.zeros() }, false)
+        let input = MotionInput { y, v, a: &self.unaccelerated() };
+        self.recursive(self.formulations.bias_forces(), input, false)
     }
 
     /// Gravity's share of q.
@@ -322,7 +337,8 @@ impl<'g> Equations<'_, 'g> {
     ) -> Vec<Scalar<'g>> {
         let route = self.formulations.forward_dynamics();
         let driving = || sum(&self.driving_forces(y, v, u), &self.wrench_forces(y, w));
-        route.accelerations(self.graph, self.formulations, y, v, driving)
+        let input = MotionInput { y, v, a: &self.unaccelerated() };
+        route.accelerations(self.graph, self.formulations, input, driving)
     }
 
     /// Accelerations under wrenches with their derivatives by y, ẏ and the joint forces (M⁻¹).
@@ -377,12 +393,13 @@ impl<'g> Equations<'_, 'g> {
             true => inverse.iter().map(|row| dot(self.graph, row, right)).collect(),
             false => factorization.solve(right),
         };
+        let n = self.model.coordinates.len();
         let solve_negative = |right: &Matrix<'g>| {
             let columns: Vec<Vec<_>> =
-                (0..y.len()).map(|j| solve(&right.iter().map(|row| -row[j]).collect::<Vec<_>>())).collect();
-            (0..y.len()).map(|i| columns.iter().map(|column| column[i]).collect()).collect()
+                (0..n).map(|j| solve(&right.iter().map(|row| -row[j]).collect::<Vec<_>>())).collect();
+            (0..n).map(|i| columns.iter().map(|column| column[i]).collect()).collect()
         };
-        let accelerations = solve(&accelerating);
+        let accelerations = self.with_driven(&solve(&accelerating));
         let input = MotionInput { y, v, a: &accelerations };
         let mut forces = self.remaining_derivatives(input, || self.driving_forces_by_motion(y, v, u));
         for (row, more) in forces.by_coordinates.iter_mut().zip(wrenches.iter().flat_map(|(_, by)| by)) {
@@ -425,7 +442,7 @@ impl<'g> Equations<'_, 'g> {
             .collect();
         // Positions with a quaternion are told by the small motion from them, which is 0 here.
         let counted = if self.model.quaternion_joints.is_empty() { y } else { &[] };
-        let remainder = (0..y.len()).map(|i| {
+        let remainder = (0..by_inputs.len()).map(|i| {
             let known = dot(self.graph, &derivatives.by_coordinates[i], counted)
                 + dot(self.graph, &derivatives.by_velocities[i], v)
                 + dot(self.graph, &by_inputs[i], u);
@@ -451,7 +468,8 @@ impl<'g> Equations<'_, 'g> {
     /// `M⁻¹ (q + B u − k)`
     pub fn forward_dynamics(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], u: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let route = self.formulations.forward_dynamics();
-        route.accelerations(self.graph, self.formulations, y, v, || self.driving_forces(y, v, u))
+        let input = MotionInput { y, v, a: &self.unaccelerated() };
+        route.accelerations(self.graph, self.formulations, input, || self.driving_forces(y, v, u))
     }
 
     /// `B u`, springs and friction: the springs and the loads that are left of `B u`.

@@ -13,7 +13,7 @@ pub fn spring_forces<'g>(
     y: &[Scalar<'g>],
     v: &[Scalar<'g>],
 ) -> Vec<Scalar<'g>> {
-    let mut forces = vec![graph.constant(0.0); model.coordinates.len()];
+    let mut forces = vec![graph.constant(0.0); model.motion_count()];
     for moving in Moving::of(graph, model) {
         let position = position(&moving.transmission, moving.offset, y);
         let velocity = moving.transmission.motion(v);
@@ -93,7 +93,7 @@ pub fn friction_torques<'g>(
     y: &[Scalar<'g>],
     v: &[Scalar<'g>],
 ) -> Vec<Scalar<'g>> {
-    let mut torques = vec![graph.constant(0.0); model.coordinates.len()];
+    let mut torques = vec![graph.constant(0.0); model.motion_count()];
     for rubbing in Rubbing::of(graph, model) {
         for term in rubbing.terms {
             let basis = rubbing.friction_basis(term, y, v);
@@ -208,7 +208,7 @@ fn terms_by_basis(terms: &[FrictionTerm]) -> Vec<(&Formula, Vec<&FrictionTerm>)>
 pub fn drive_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>> {
     let zero = graph.constant(0.0);
     let drives: Vec<_> = model.input_drives().collect();
-    let mut matrix = vec![vec![zero; drives.len()]; model.coordinates.len()];
+    let mut matrix = vec![vec![zero; drives.len()]; model.motion_count()];
     for (column, drive) in drives.iter().enumerate() {
         let ratio = lower(graph, &drive.gear_ratio);
         let gain = match &drive.input {

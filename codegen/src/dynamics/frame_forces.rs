@@ -180,7 +180,8 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         let half_inverse = self.graph().constant(0.5).divided_by(length);
         let half_inverse = half_inverse.named(|| format!("half_inverse_{name}"));
         let (by_square, _) = gradient_along(self.graph(), self.model, squared, self.y, &[]);
-        let gradient = by_square.into_iter().zip(&self.model.coordinates).map(|(by_square, &link)| {
+        let links = self.model.coordinates.iter().chain(&self.model.driven);
+        let gradient = by_square.into_iter().zip(links).map(|(by_square, &link)| {
             let joint = self.model.links[link].joint.as_ref().map_or("", |joint| &joint.identifier);
             named(by_square * half_inverse, || format!("lever_{name}_{joint}"))
         });

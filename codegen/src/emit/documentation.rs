@@ -36,6 +36,7 @@ pub(super) fn length_name(extent: Extent) -> Option<&'static str> {
         Dimension::Joints => Some("JOINTS"),
         Dimension::Inputs => Some("M"),
         Dimension::Wrenches => Some("WRENCHES"),
+        Dimension::Driven => Some("DRIVEN"),
         Dimension::Parameters | Dimension::Fixed => None,
     }
 }

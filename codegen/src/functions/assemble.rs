@@ -1,16 +1,24 @@
 //! From a row of the catalogue to a program.
 
 use super::catalogue::Argument::{
-    self, Accelerations, Coordinates, Inputs, Multipliers, Velocities, Wrenches,
+    self, Accelerations, Coordinates, Driven, Inputs, Multipliers, Velocities, Wrenches,
 };
-use super::catalogue::{Quantity, QuantityResult, Value};
+use super::catalogue::{Quantity, QuantityResult, Value, vector};
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::search::routes::Formulations;
 use crate::graph::{Graph, Scalar};
+use crate::layout::Dimension;
 use crate::model::Model;
 use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
 use crate::spatial::Force;
+
+/// The arguments of a function in a robot: where joints are driven, what depends on the motion takes theirs too.
+pub(super) fn arguments_in(model: &Model, arguments: &[Argument]) -> Vec<Argument> {
+    let depends = arguments.iter().any(|each| matches!(each, Coordinates | Velocities | Accelerations));
+    let driven = (depends && !model.driven.is_empty()).then_some(Driven);
+    arguments.iter().copied().chain(driven).collect()
+}
 
 /// Inputs of a graph for the arguments of a function.
 pub(super) fn arguments_of<'g>(
@@ -18,6 +26,7 @@ pub(super) fn arguments_of<'g>(
     model: &Model,
     arguments: &[Argument],
 ) -> (Arguments<'g>, Vec<InputArray>) {
+    let arguments = arguments_in(model, arguments);
     let scalars = |argument: Argument| match arguments.iter().position(|&other| other == argument) {
         Some(array) => (0..argument.extent(model).len).map(|index| graph.input(array, index)).collect(),
         None => Vec::new(),
@@ -26,10 +35,19 @@ pub(super) fn arguments_of<'g>(
         .iter()
         .map(|argument| InputArray { name: argument.name().to_owned(), extent: argument.extent(model) });
     let inputs = inputs.collect();
+    let driven = scalars(Driven);
+    // Behind those of the coordinates; an argument that the function does not have stays empty.
+    let with_driven = |mut own: Vec<Scalar<'g>>, part: usize| {
+        if !own.is_empty() {
+            own.extend(driven.iter().skip(part).step_by(3));
+        }
+        own
+    };
     let arguments = Arguments {
-        y: positions(graph, model, scalars(Coordinates)),
-        v: scalars(Velocities),
-        a: scalars(Accelerations),
+        y: with_driven(positions(graph, model, scalars(Coordinates)), 0),
+        v: with_driven(scalars(Velocities), 1),
+        a: with_driven(scalars(Accelerations), 2),
+        driven: driven.iter().skip(2).step_by(3).copied().collect(),
         u: scalars(Inputs),
         lambda: scalars(Multipliers),
         w: scalars(Wrenches).chunks_exact(6).map(Force::of_wrench).collect(),
@@ -67,15 +85,44 @@ pub(super) fn assemble(
 ) -> Program {
     let graph = Graph::new();
     let (inputs_of_graph, inputs) = arguments_of(&graph, model, arguments);
-    let values = build(&Equations { graph: &graph, model, formulations }, &inputs_of_graph);
+    let driven = &inputs_of_graph.driven;
+    let values = build(&Equations { graph: &graph, model, formulations, driven }, &inputs_of_graph);
     let outputs: Vec<_> = values
-        .iter()
+        .into_iter()
         .zip(results)
-        .map(|(value, (symbol, dimensions, _))| GraphOutput {
-            name: (*symbol).to_owned(),
-            shape: Shape::new(dimensions, &value.lengths),
-            entries: value.entries.iter().map(|x| x.edge()).collect(),
+        .map(|(value, (symbol, dimensions, _))| {
+            let (value, dimensions) = without_driven(model, value, dimensions);
+            GraphOutput {
+                name: (*symbol).to_owned(),
+                shape: Shape::new(&dimensions, &value.lengths),
+                entries: value.entries.iter().map(|x| x.edge()).collect(),
+            }
         })
         .collect();
     lower(&graph, inputs, &outputs)
+}
+
+/// A result without the rows and columns of driven coordinates. A Jacobian of space keeps their columns: it gives
+/// velocities that they cause too.
+fn without_driven<'g>(
+    model: &Model,
+    value: Value<'g>,
+    dimensions: &[Dimension],
+) -> (Value<'g>, Vec<Dimension>) {
+    let n = model.coordinates.len();
+    if model.driven.is_empty() {
+        return (value, dimensions.to_vec());
+    }
+    match *dimensions {
+        [Dimension::Fixed, Dimension::Velocities] => (value, vec![Dimension::Fixed; 2]),
+        [Dimension::Velocities] => (vector(value.entries.into_iter().take(n).collect()), dimensions.to_vec()),
+        [Dimension::Velocities, by] => {
+            let columns = value.lengths[1];
+            let kept = if by == Dimension::Velocities { n } else { columns };
+            let rows = value.entries.chunks(columns.max(1)).take(n);
+            let entries: Vec<_> = rows.flat_map(|row| &row[..kept.min(row.len())]).copied().collect();
+            (Value { lengths: vec![n, kept], entries }, dimensions.to_vec())
+        }
+        _ => (value, dimensions.to_vec()),
+    }
 }

@@ -1,6 +1,6 @@
 //! From a row of the catalogue to a function.
 
-use super::assemble::assemble;
+use super::assemble::{arguments_in, assemble};
 use super::catalogue::{self, Argument, FrameQuantity, Quantity, QuantityResult, frame_name};
 use super::form::{self, Derived, Forms};
 use super::function::Function;
@@ -61,12 +61,14 @@ pub(super) fn derive_frame(
             let pose = lower_pose(equations.graph, &frame.pose);
             (quantity.build)(equations, arguments, frame.link, &pose)
         });
-    described(model, quantity.arguments, quantity.results, program).named(
+    let mut function = described(model, quantity.arguments, quantity.results, program).named(
         frame_name(frame, quantity),
         summary,
         quantity.equation,
         Vec::new(),
-    )
+    );
+    catalogue::describe(model, &mut function);
+    function
 }
 
 /// A function without a name.
@@ -80,7 +82,7 @@ fn described(
         name: String::new(),
         summary: String::new(),
         equation: String::new(),
-        arguments: arguments.iter().map(|argument| argument.text(model)).collect(),
+        arguments: arguments_in(model, arguments).iter().map(|argument| argument.text(model)).collect(),
         results: results.iter().map(|(.., meaning)| (*meaning).to_owned()).collect(),
         notes: Vec::new(),
         constants: Vec::new(),

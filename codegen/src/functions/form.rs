@@ -220,8 +220,13 @@ impl<'m> Forms<'m> {
 
     fn with_loops(&self, quantity: &Quantity, build: BuildLoops) -> Derived {
         let graph = Graph::new();
-        let equations = Equations { graph: &graph, model: self.model, formulations: self.formulations };
         let (arguments, inputs) = arguments_of(&graph, self.model, quantity.arguments);
+        let equations = Equations {
+            graph: &graph,
+            model: self.model,
+            formulations: self.formulations,
+            driven: &arguments.driven,
+        };
         Derived::with_loops(ArrayForm::Steps(build(&equations, &arguments, inputs)))
     }
 }

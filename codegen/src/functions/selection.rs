@@ -74,8 +74,10 @@ pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnos
         }
     }
     let is_generated = |each: &Composition| functions.iter().any(|f| f.name == each.calls());
-    let (compositions, missing): (Vec<_>, Vec<_>) =
-        wanted.compositions.iter().copied().partition(is_generated);
+    let (of_driven, compositions): (Vec<_>, Vec<_>) =
+        wanted.compositions.iter().copied().partition(|_| !model.driven.is_empty());
+    left_out.of_driven(&wanted, &of_driven)?;
+    let (compositions, missing): (Vec<_>, Vec<_>) = compositions.into_iter().partition(is_generated);
     let missing = missing.iter().map(|each| each.name().to_owned());
     left_out.callers.extend(missing);
     Ok(Selection { notes: left_out.notes(model, request.most), functions, compositions })
@@ -203,6 +205,8 @@ struct LeftOut {
     need_inverse: Vec<String>,
     ignore_load: Vec<String>,
     too_large: Vec<TooLarge>,
+    /// Functions over a sample time, where joints are driven.
+    over_time: Vec<String>,
     /// Functions of frames, where there are very many.
     of_frames: usize,
     /// Functions that call others which are left out.
@@ -279,6 +283,18 @@ impl LeftOut {
         or_problems(possible, asked.iter().map(problem).collect())
     }
 
+    /// Functions over a sample time need the driven motion within it.
+    fn of_driven(&mut self, wanted: &Wanted<'_>, functions: &[Composition]) -> Result<(), Diagnostics> {
+        let names = functions.iter().map(|each| each.name().to_owned());
+        let (asked, others): (Vec<_>, Vec<_>) = names.partition(|name| wanted.is_named(name));
+        self.over_time = others;
+        let problem = |name: &String| {
+            let message = format!("there is no `{name}` where joints are driven: {NEEDS_MOTION}");
+            Diagnostic::error("driven-joint", message).help(INTEGRATE)
+        };
+        or_problems((), asked.iter().map(problem).collect())
+    }
+
     /// The rows that are not known to be too large before they are derived.
     fn too_large_before<'m>(
         &mut self,
@@ -329,6 +345,10 @@ impl LeftOut {
                 format!("left out, because friction grows with the load: {}", quoted(&self.ignore_load));
             notes.push(Diagnostic::note("left-out", format!("{message}; {IGNORES}")).help(INSTEAD));
         }
+        if !self.over_time.is_empty() {
+            let message = format!("left out, because joints are driven: {}", quoted(&self.over_time));
+            notes.push(Diagnostic::note("left-out", format!("{message}; {NEEDS_MOTION}")).help(INTEGRATE));
+        }
         if self.of_frames > 0 {
             let message =
                 format!("left out: the {} functions of {} frames", self.of_frames, model.frames.len());
@@ -345,6 +365,11 @@ impl LeftOut {
         notes
     }
 }
+
+/// Why functions over a sample time are left out where joints are driven.
+const NEEDS_MOTION: &str = "it would need their motion all through the sample time";
+const INTEGRATE: &str =
+    "`forward_dynamics` and `linearize` take the driven motion at one time: integrate with it";
 
 /// Why functions are left out where friction grows with the load.
 const IGNORES: &str = "M and M⁻¹ would be taken for derivatives that have another factor there";

@@ -29,7 +29,7 @@ impl InterpretedRobot {
     ///
     /// # Errors
     /// As [`derive_in_form`]: a robot whose functions cannot be generated. `quaternion-joint` for robots with spherical or
-    /// floating joints, whose logs have more positions than velocities.
+    /// floating joints, whose logs have more positions than velocities. `driven-joint` where joints are driven.
     pub fn new(model: &Model) -> Result<Self, Diagnostics> {
         if let Some(joint) = model.quaternion_joints.first() {
             let message = format!(
@@ -42,6 +42,8 @@ impl InterpretedRobot {
             );
             return Err(Diagnostics::new(vec![problem]));
         }
+        let help = "logs have no prescribed motion: `motion = \"free\"` at these joints makes the robot that a log of all joints is of";
+        model.refuse_driven("robots are not identified", help)?;
         let mut model = model.clone();
         for joint in model.links.iter_mut().filter_map(|link| link.joint.as_mut()) {
             joint.friction.clear();

@@ -45,6 +45,7 @@ impl<S: Numbers> Mechanism<S> {
         Mechanism {
             graph,
             coordinates: self.coordinates,
+            driven: self.driven,
             positions: self.positions.clone(),
             bodies: self.bodies.iter().map(|body| body.with(&to)).collect(),
             gravity: self.gravity.map(&to),

@@ -96,8 +96,9 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
     });
     let mut mechanism = Mechanism {
         graph,
-        coordinates: model.coordinates.len(),
-        positions: (0..model.coordinates.len()).map(|coordinate| model.position_of(coordinate)).collect(),
+        coordinates: model.motion_count(),
+        driven: model.driven.len(),
+        positions: (0..model.motion_count()).map(|coordinate| model.position_of(coordinate)).collect(),
         bodies,
         gravity: Vector3(model.gravity.each_ref().map(|formula| lower(graph, formula))),
         rotors: Vec::new(),

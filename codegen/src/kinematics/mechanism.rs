@@ -13,8 +13,10 @@ use crate::spatial::{Angle, Attitude, MassMoments, Pose, Twist, Vector3, rotatio
 pub struct Mechanism<S: Numbers> {
     /// The graph of all scalars, or the nodes of those that stand by themselves.
     pub graph: S::Graph,
-    /// The number of coordinates.
+    /// The number of coordinates, driven ones included.
     pub coordinates: usize,
+    /// How many of them are driven: these stand last.
+    pub driven: usize,
     /// For each coordinate its entry among the positions; `None` where it belongs to a quaternion.
     pub positions: Vec<Option<usize>>,
     /// Bodies, parents first.
@@ -110,9 +112,14 @@ impl<S: Numbers> Mechanism<S> {
         self.bodies.iter().any(|body| body.chain.is_some())
     }
 
-    /// The bodies whose joints are coordinates, each once: parents first.
+    /// The number of coordinates whose motion forces cause.
+    pub fn free(&self) -> usize {
+        self.coordinates - self.driven
+    }
+
+    /// The bodies whose joints are coordinates that are not driven, each once: parents first.
     pub fn independent(&self) -> impl Iterator<Item = &Body<S>> {
-        self.bodies.iter().filter(|body| body.joint < self.coordinates && !body.is_screw_slide)
+        self.bodies.iter().filter(|body| body.joint < self.free() && !body.is_screw_slide)
     }
 
     /// The body that a moving joint carries.

@@ -133,6 +133,8 @@ pub(super) struct JointDescription {
     pub link_frame: Option<Pose>,
     pub axis: Option<[f64; 3]>,
     pub held: Option<f64>,
+    /// Whether its motion is prescribed; `None` where the description does not say how it moves.
+    pub driven: Option<At<bool>>,
     pub limits: LimitsDescription,
     pub springs: Option<At<Vec<Formula>>>,
     pub friction: Option<At<FrictionDescription>>,
@@ -182,6 +184,7 @@ impl JointDescription {
             link_frame: None,
             axis: None,
             held: None,
+            driven: None,
             limits: LimitsDescription::default(),
             springs: None,
             friction: None,
@@ -204,7 +207,12 @@ impl JointDescription {
 
     /// Tells whether the joint is a coordinate.
     pub fn is_coordinate(&self) -> bool {
-        self.moves() && self.follows.is_none()
+        self.moves() && self.follows.is_none() && !self.is_driven()
+    }
+
+    /// Tells whether the joint is a coordinate whose motion is prescribed.
+    pub fn is_driven(&self) -> bool {
+        self.moves() && self.follows.is_none() && self.driven.as_ref().is_some_and(|driven| driven.value)
     }
 
     /// Fills in the defaults of a new joint: it is revolute and moves a link of its own name.

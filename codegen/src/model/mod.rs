@@ -41,6 +41,7 @@ pub use options::{FUNCTIONS, is_known_function};
 pub use quaternion_joint::{CarryingJoint, JointPosition, QuaternionJoint, QuaternionKind};
 pub use read::{Load, Loaded, ReadOptions, from_toml, from_urdf};
 
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::formula::Formula;
 
 /// A robot: one tree of links, its drives, force laws and named frames.
@@ -59,6 +60,9 @@ pub struct Model {
     /// Link indices of the moving joints, in the order of the coordinates: coordinate `i` moves
     /// `links[coordinates[i]]`.
     pub coordinates: Vec<usize>,
+    /// Link indices of the driven joints, whose motion is prescribed. They stand behind the coordinates where all
+    /// that moves is counted: driven joint `k` is `Motion::Coordinate(coordinates.len() + k)`.
+    pub driven: Vec<usize>,
     /// The spherical and floating joints, in the order of their coordinates: each stands for several of them.
     pub quaternion_joints: Vec<QuaternionJoint>,
     /// The joints that follow coordinates. They come after those of the coordinates in the order of the
@@ -257,10 +261,7 @@ impl Model {
 
     /// The moving joints in the order of the coordinates.
     pub fn joints(&self) -> impl ExactSizeIterator<Item = &Joint> {
-        self.coordinates.iter().map(|&link| {
-            let joint = self.links.get(link).and_then(|link| link.joint.as_ref());
-            joint.unwrap_or_else(|| unreachable!("validation gives every coordinate its joint"))
-        })
+        self.coordinates.iter().map(|&link| self.joint_of(link))
     }
 
     /// Tells whether a joint follows others, or a drive acts on several coordinates.
@@ -269,21 +270,47 @@ impl Model {
         !self.followers.is_empty() || self.input_drives().any(|drive| drive.coordinate().is_none())
     }
 
-    /// All joints that move: those of the coordinates in their order, then those that follow them.
+    /// Number of coordinates, driven ones included.
+    #[must_use]
+    pub fn motion_count(&self) -> usize {
+        self.coordinates.len() + self.driven.len()
+    }
+
+    /// The driven joints in their order.
+    pub fn driven_joints(&self) -> impl ExactSizeIterator<Item = &Joint> {
+        self.driven.iter().map(|&link| self.joint_of(link))
+    }
+
+    /// The error of what is not offered where joints are driven; none where no joint is.
+    pub(crate) fn refuse_driven(&self, what: &str, help: &str) -> Result<(), Diagnostics> {
+        let Some(joint) = self.driven_joints().next() else { return Ok(()) };
+        let message = format!("{what} where joints are driven, as `{}` is", joint.name);
+        Err(Diagnostic::error("driven-joint", message).help(help).into())
+    }
+
+    fn joint_of(&self, link: usize) -> &Joint {
+        let joint = self.links.get(link).and_then(|link| link.joint.as_ref());
+        joint.unwrap_or_else(|| unreachable!("validation gives every moving link its joint"))
+    }
+
+    /// The link that a coordinate moves, a driven one included.
+    #[must_use]
+    pub fn link_of(&self, coordinate: usize) -> Option<usize> {
+        self.coordinates.iter().chain(&self.driven).nth(coordinate).copied()
+    }
+
+    /// All joints that move: those of the coordinates in their order, the driven ones, then those that follow them.
     #[must_use]
     pub fn moving_joints(&self) -> Vec<MovingJoint<'_>> {
-        let joint_of = |link: usize| {
-            let joint = self.links.get(link).and_then(|link| link.joint.as_ref());
-            joint.unwrap_or_else(|| unreachable!("validation gives every moving link its joint"))
-        };
-        let own = self.coordinates.iter().enumerate().map(|(coordinate, &link)| MovingJoint {
-            joint: joint_of(link),
+        let links = self.coordinates.iter().chain(&self.driven);
+        let own = links.enumerate().map(|(coordinate, &link)| MovingJoint {
+            joint: self.joint_of(link),
             link,
             follows: vec![FollowedCoordinate::itself(coordinate)],
             offset: 0.0,
         });
         let followers = self.followers.iter().map(|follower| MovingJoint {
-            joint: joint_of(follower.link),
+            joint: self.joint_of(follower.link),
             link: follower.link,
             follows: follower.follows.clone(),
             offset: follower.offset,
@@ -400,10 +427,10 @@ pub enum Motion {
     Fixed,
     /// Held at this position (rad or m).
     Held(f64),
-    /// Coordinate with this index.
+    /// Coordinate with this index; the indices of driven ones come after those of the others.
     Coordinate(usize),
     /// It follows coordinates; the index is that among the moving joints, and so not below the number of
-    /// coordinates.
+    /// coordinates, driven ones included.
     Follower(usize),
 }
 

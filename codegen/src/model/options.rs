@@ -2,7 +2,7 @@
 
 /// Names that `[generate] functions` may list: the functions of every robot, and `frames` for all of those of
 /// named frames.
-pub const FUNCTIONS: [&str; 40] = [
+pub const FUNCTIONS: [&str; 41] = [
     "mass_matrix",
     "coriolis_forces",
     "gravity_forces",
@@ -38,6 +38,7 @@ pub const FUNCTIONS: [&str; 40] = [
     "forward_dynamics_derivatives_with_wrenches",
     "inverse_dynamics_hessian",
     "joint_wrenches",
+    "driving_forces",
     "center_of_mass",
     "center_of_mass_jacobian",
     "centroidal_momentum",

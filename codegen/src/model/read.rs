@@ -368,6 +368,7 @@ fn extend_joint(
         known.held = None;
     }
     known.held = joint.held.or(known.held);
+    known.driven = joint.driven.or(known.driven.take());
     if joint.follows.is_some() {
         (known.follows, known.offset) = (joint.follows, None);
     }

@@ -89,7 +89,8 @@ pub(super) fn positions(
     let mut positions: Vec<f64> = model.links.iter().enumerate().map(position).collect();
     for follower in &model.followers {
         let terms = follower.follows.iter().map(|term| {
-            term.ratio.evaluate(described, 0.0, 0.0) * positions[model.coordinates[term.coordinate]]
+            term.ratio.evaluate(described, 0.0, 0.0)
+                * model.link_of(term.coordinate).map_or(0.0, |link| positions[link])
         });
         positions[follower.link] = terms.sum::<f64>() + follower.offset;
     }
@@ -125,7 +126,7 @@ fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Piv
         let transform = child_from_parent(joint, positions[index], described);
         let whole = composite[index];
         let mut rest = articulated[index];
-        if matches!(joint.motion, Motion::Coordinate(_)) {
+        if matches!(joint.motion, Motion::Coordinate(coordinate) if coordinate < model.coordinates.len()) {
             let axis = motion_axis(joint);
             let pivot = quadratic(&rest, &axis) + armature[index];
             let rounding = ROUNDING * (quadratic(&whole, &axis).abs() + armature[index]);

@@ -11,7 +11,7 @@ use super::{JointKind, Pose};
 use crate::diagnostic::At;
 use crate::formula::Formula;
 
-const JOINT: [&str; 16] = [
+const JOINT: [&str; 17] = [
     "name",
     "type",
     "parent",
@@ -22,6 +22,7 @@ const JOINT: [&str; 16] = [
     "axis",
     "pitch",
     "held",
+    "motion",
     "follows",
     "offset",
     "limits",
@@ -123,6 +124,7 @@ fn forces<'t>(
     let owner = name.value.clone();
     JointDescription {
         held: value("held").and_then(|item| reader.number(item)).map(|number| number.value),
+        driven: value("motion").and_then(|item| read_motion(reader, item)),
         limits: value("limits").and_then(|item| read_limits(reader, item)).unwrap_or_default(),
         springs: value("spring").map(|item| At::new(springs(reader, item, &owner), item.span)),
         friction: value("friction")
@@ -130,6 +132,22 @@ fn forces<'t>(
         drive: value("drive").and_then(|item| drive(reader, item, &owner)),
         ..JointDescription::named(name)
     }
+}
+
+/// Whether a joint's motion is prescribed.
+fn read_motion(reader: &mut Reader, item: Item<'_>) -> Option<At<bool>> {
+    let driven = match item.text(&mut reader.report)? {
+        "driven" => true,
+        "free" => false,
+        other => {
+            reader.report.error(item.span, "motion", format!("unknown motion {other:?}"));
+            reader.report.help(
+                "\"driven\" is a motion that is prescribed from outside, \"free\" one that forces cause",
+            );
+            return None;
+        }
+    };
+    Some(At::new(driven, item.span))
 }
 
 const TYPES: &str = "supported are \"fixed\", \"revolute\", \"continuous\", \"prismatic\", \"helical\", \"cylindrical\", \"universal\", \
@@ -187,7 +205,10 @@ fn refuse_pitch(reader: &mut Reader, table: &Table<'_>, kind: Option<JointKind>)
 }
 
 /// Keys whose values are told part by part.
-const BY_PART: [&str; 5] = ["held", "limits", "spring", "friction", "drive"];
+const BY_PART: [&str; 6] = ["held", "motion", "limits", "spring", "friction", "drive"];
+
+/// Those that may be one word for all parts.
+const FOR_ALL_PARTS: [&str; 2] = ["motion", "drive"];
 
 /// The joints that a composite one stands for.
 fn read_composite(
@@ -210,7 +231,7 @@ fn read_composite(
     composite::expand(composite, &name, place, |part, name| {
         let value = |key: &str| match table.get(key)? {
             // One word for all parts.
-            item if key == "drive" && item.value.is_str() => Some(item),
+            item if FOR_ALL_PARTS.contains(&key) && item.value.is_str() => Some(item),
             item => Table::open(item.value.as_table()?, item.span, "the parts of a joint").get(part.name),
         };
         forces(reader, &value, name)
@@ -229,7 +250,7 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
         )
     };
     let Some(table) = item.value.as_table() else {
-        if item.key != "drive" || !item.value.is_str() {
+        if !FOR_ALL_PARTS.contains(&item.key) || !item.value.is_str() {
             let message =
                 format!("`{}` of {kind} joint `{}` says nothing of its parts", item.key, name.value);
             reader.report.error(item.span, "wrong-type", message);

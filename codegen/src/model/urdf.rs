@@ -259,6 +259,7 @@ impl Reader<'_> {
             kind,
             part_of: None,
             link_frame: None,
+            driven: None,
             held: None,
             springs: None,
             drive: None,

@@ -8,7 +8,7 @@ use crate::layout::Dimension;
 use crate::model::{Actuator, Drive, ForceInput, Input, Joint, Model, MovingJoint};
 
 /// Names of all constants that a module can have beside those of its functions.
-pub const NAMES: [&str; 37] = [
+pub const NAMES: [&str; 39] = [
     "NY",
     "JOINTS",
     "JOINT_KINDS",
@@ -40,6 +40,8 @@ pub const NAMES: [&str; 37] = [
     "INPUT_RANGES",
     "WRENCHES",
     "WRENCH_NAMES",
+    "DRIVEN",
+    "DRIVEN_NAMES",
     "DRIVES",
     "GEAR_RATIOS",
     "ROTOR_INERTIAS",
@@ -129,20 +131,28 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[Actuator<'_>]) -> Vec<Const
         ]
     });
     let constants = of_joints.into_iter().chain(of_inputs).chain(acted_on).chain(frames);
-    constants.chain(wrenches.into_iter().flatten()).collect()
+    let driven = (!model.driven.is_empty()).then(|| {
+        let names = model.driven_joints().map(|joint| joint.name.as_str());
+        [
+            constant("DRIVEN", "Number of driven coordinates.", ConstantValue::Count(model.driven.len())),
+            constant("DRIVEN_NAMES", "Names of the driven joints.", strings(Fixed, names)),
+        ]
+    });
+    constants.chain(wrenches.into_iter().flatten()).chain(driven.into_iter().flatten()).collect()
 }
 
-/// The joints that follow coordinates. Ratios that depend on free parameters are left out.
+/// The joints that follow coordinates. Ratios that depend on free parameters, or concern driven joints, are left out.
 fn followers(model: &Model) -> Vec<Constant> {
     if model.followers.is_empty() {
         return vec![];
     }
     let moving = model.moving_joints();
-    let followers = &moving[model.coordinates.len()..];
+    let followers = &moving[model.motion_count()..];
     let row = |follower: &MovingJoint<'_>| {
         let mut row = vec![0.0; model.coordinates.len()];
         for term in &follower.follows {
-            row[term.coordinate] = term.ratio.value(&[])?;
+            // A joint that follows a driven one is no constant function of the coordinates.
+            *row.get_mut(term.coordinate)? = term.ratio.value(&[])?;
         }
         Some(row)
     };

@@ -75,6 +75,7 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
         drives,
         point_forces: Vec::new(),
         force_inputs: Vec::new(),
+        driven: Vec::new(),
         wrenches: Vec::new(),
         frames: vec![],
         options: Options::default(),

@@ -200,6 +200,35 @@ fn robots_with_quaternions_compute_the_same_bits() {
     }
 }
 
+/// An arm on a rail that is driven, whose gripper follows both.
+const DRIVEN: &str = r#"
+name = "driven"
+joints = [
+    { name = "rail", type = "prismatic", axis = [1, 0, 0], motion = "driven" },
+    { name = "arm", axis = [0, 1, 0], drive = "ideal" },
+    { name = "finger", axis = [0, 0, 1], follows = { arm = 0.5, rail = 2 }, friction = { viscous = 0.2 } },
+]
+bodies = [
+    { link = "rail", mass = 4 },
+    { link = "arm", mass = 1.5, center_of_mass = [0.1, 0, 0.3], inertia = 0.05 },
+    { link = "finger", mass = 0.3, center_of_mass = [0.05, 0, 0], inertia = 0.001 },
+]
+frames = [{ name = "tip", link = "finger", origin = { xyz = [0, 0, 0.2] } }]
+"#;
+
+/// Functions that take the driven coordinates.
+#[test]
+fn robots_with_driven_joints_compute_the_same_bits() {
+    let mut compilers = c_compilers();
+    let others = compilers.split_off(compilers.len().min(1));
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("driven.toml");
+    std::fs::write(&path, DRIVEN).expect("a description");
+    let functions = ["linearize", "inverse_dynamics", "driving_forces", "friction_torques", "frames"];
+    let module = derive(&path, &functions, Form::Cheapest, false);
+    compare(&module, Scalar::F64, false, &compilers, &others);
+}
+
 /// Writes [`FLOATING`].
 fn floating_in(folder: &Path) -> PathBuf {
     let path = folder.join("floating.toml");

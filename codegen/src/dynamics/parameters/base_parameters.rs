@@ -164,18 +164,20 @@ fn reads_parameters(program: &Program) -> bool {
 /// The regressor as a program of y, v, a.
 fn regressor_program(model: &Model, mechanism: &Mechanism<Number>) -> Program {
     let graph = Graph::new();
-    let n = model.coordinates.len();
+    let (free, n) = (model.coordinates.len(), model.motion_count());
     let y = mechanism.positions_on(&graph);
     let [v, a] = [1, 2].map(|array| (0..n).map(|k| graph.input(array, k)).collect::<Vec<_>>());
     let input = MotionInput { y: &y, v: &v, a: &a };
-    let matrix = inertial_regressor(&mechanism.on(&graph), model, input);
+    let mut matrix = inertial_regressor(&mechanism.on(&graph), model, input);
+    // No force is measured where the motion is prescribed.
+    matrix.truncate(free);
     let columns = matrix.first().map_or(0, Vec::len);
     let output = GraphOutput {
         name: "W".to_owned(),
-        shape: Shape::Matrix(Extent::fixed(n), Extent::fixed(columns)),
+        shape: Shape::Matrix(Extent::fixed(free), Extent::fixed(columns)),
         entries: matrix.concat().iter().map(|x| x.edge()).collect(),
     };
-    let lengths = [("y", model.position_count()), ("v", n), ("a", n)];
+    let lengths = [("y", model.position_count() + model.driven.len()), ("v", n), ("a", n)];
     let inputs = lengths.map(|(name, n)| InputArray { name: name.to_owned(), extent: Extent::fixed(n) });
     lower(&graph, inputs.into(), &[output])
 }
@@ -189,7 +191,7 @@ fn stacked_columns(model: &Model, program: &Program, parameters: &[f64]) -> Vec<
     let mut random = SplitMix64(0x6765_6c65_6e6b);
     for _ in 0..STATES {
         let y: Vec<f64> = ranges.iter().map(|range| random.within(*range)).collect();
-        let y = model.positions_by(&y);
+        let y = [model.positions_by(&y), y[rows..].to_vec()].concat();
         let v: Vec<f64> = ranges.iter().map(|_| random.within(2.0)).collect();
         let a: Vec<f64> = ranges.iter().map(|_| random.within(5.0)).collect();
         let values = interpret(program, &[&y, &v, &a], parameters, &Functions::EMBEDDED);
@@ -206,7 +208,7 @@ fn stacked_columns(model: &Model, program: &Program, parameters: &[f64]) -> Vec<
 
 /// How far from zero each coordinate may go: every angle, one metre.
 fn position_ranges(model: &Model) -> Vec<f64> {
-    let joints = model.joints();
+    let joints = model.joints().chain(model.driven_joints());
     joints
         .map(|joint| match joint.kind {
             JointKind::Prismatic => 1.0,

@@ -39,6 +39,7 @@ pub fn is_possible(mechanism: &Mechanism<Number>) -> bool {
     !mechanism.bodies.is_empty()
         && !mechanism.is_coupled()
         && !mechanism.has_quaternions()
+        && mechanism.driven == 0
         && mechanism.rotors_are_neighbours()
 }
 

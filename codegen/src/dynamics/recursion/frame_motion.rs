@@ -106,21 +106,18 @@ impl<'g> BasePoses<'g> {
         }
     }
 
-    /// `J̇ ẏ`: acceleration of a frame at ÿ = 0, linear part first.
-    pub fn jacobian_rate(
+    /// Acceleration of a frame, linear part first: `J̇ ẏ` where nothing is accelerated.
+    pub fn acceleration(
         &self,
         link: usize,
         frame: &Pose<Scalar<'g>>,
-        y: &[Scalar<'g>],
-        v: &[Scalar<'g>],
+        input: MotionInput<'_, 'g>,
     ) -> Vec<Scalar<'g>> {
         let zero = self.mechanism.graph.constant(0.0);
         let (body, pose) = self.in_body(link, frame);
         let Some(index) = body else {
             return vec![zero; 6];
         };
-        let still = vec![zero; v.len()];
-        let input = MotionInput { y, v, a: &still };
         let (linear, angular) = frame_acceleration(&self.mechanism, input, index, pose.translation);
         let base = &self.bodies[index];
         base.direction(linear).0.into_iter().chain(base.direction(angular).0).collect()

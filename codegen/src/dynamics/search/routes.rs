@@ -42,24 +42,25 @@ pub enum ForwardRoute {
 
 impl ForwardRoute {
     /// The accelerations under joint forces and gravity, in motion.
+    ///
+    /// - `input`: with the accelerations that are known, those of driven coordinates, and 0 for the others
     pub fn accelerations<'g>(
         self,
         graph: &'g Graph,
         formulations: &Formulations<'_>,
-        y: &[Scalar<'g>],
-        v: &[Scalar<'g>],
+        input: MotionInput<'_, 'g>,
         forces: impl FnOnce() -> Vec<Scalar<'g>>,
     ) -> Vec<Scalar<'g>> {
         match self {
             Self::Factorization => {
-                let (matrix, bias) = formulations.mass_matrix_and_bias(graph, y, v);
+                let (matrix, bias) = formulations.mass_matrix_and_bias(graph, input);
                 let factorization = Factorization::new(formulations.mechanism, &matrix);
                 factorization.solve(&subtract(&forces(), &bias))
             }
             Self::ArticulatedBodies => {
                 let mechanism = Formulation::plain(formulations.mechanism.bodies.len())
                     .mechanism(graph, formulations.mechanism);
-                articulated::forward_dynamics(&mechanism, y, v, &forces())
+                articulated::forward_dynamics(&mechanism, input.y, input.v, &forces())
             }
         }
     }
@@ -115,13 +116,15 @@ impl<'m> Formulations<'m> {
         *self.forward_dynamics.get_or_init(|| {
             let weight = |route: ForwardRoute| {
                 let weighed = weigh(self.mechanism, |graph, MotionInput { y, v, a }| {
-                    route.accelerations(graph, self, y, v, || a.to_vec())
+                    let still = vec![graph.constant(0.0); y.len()];
+                    route.accelerations(graph, self, MotionInput { y, v, a: &still }, || a.to_vec())
                 });
                 weighed.0
             };
             let routes = [ForwardRoute::ArticulatedBodies, ForwardRoute::Factorization];
             let is_tree = !self.mechanism.is_coupled()
                 && !self.mechanism.has_quaternions()
+                && self.mechanism.driven == 0
                 && self.mechanism.rotors_are_neighbours();
             match is_tree && weight(routes[0]) < weight(routes[1]) {
                 true => routes[0],
@@ -176,11 +179,10 @@ impl<'m> Formulations<'m> {
     pub fn mass_matrix_and_bias<'g>(
         &self,
         graph: &'g Graph,
-        y: &[Scalar<'g>],
-        v: &[Scalar<'g>],
+        input: MotionInput<'_, 'g>,
     ) -> (Matrix<'g>, Vec<Scalar<'g>>) {
         let (mass, bias) = self.mass_and_bias();
-        self.mass_matrix_and_bias_by(mass, bias, graph, y, v)
+        self.mass_matrix_and_bias_by(mass, bias, graph, input)
     }
 
     fn mass_matrix_and_bias_by<'g>(
@@ -188,13 +190,10 @@ impl<'m> Formulations<'m> {
         mass: &Formulation,
         bias: &Formulation,
         graph: &'g Graph,
-        y: &[Scalar<'g>],
-        v: &[Scalar<'g>],
+        input: MotionInput<'_, 'g>,
     ) -> (Matrix<'g>, Vec<Scalar<'g>>) {
-        let matrix = composite::mass_matrix(&mass.mechanism(graph, self.mechanism), mass, y);
-        let still = vec![graph.constant(0.0); y.len()];
-        let steady = MotionInput { y, v, a: &still };
-        (matrix, newton_euler::inverse_dynamics(&bias.mechanism(graph, self.mechanism), bias, steady))
+        let matrix = composite::mass_matrix(&mass.mechanism(graph, self.mechanism), mass, input.y);
+        (matrix, newton_euler::inverse_dynamics(&bias.mechanism(graph, self.mechanism), bias, input))
     }
 
     /// The formulations of M and the bias forces that are cheapest beside the derivatives of the inverse
@@ -223,7 +222,9 @@ impl<'m> Formulations<'m> {
     ) -> (Formulation, Formulation) {
         let weight = |mass: &Formulation, bias: &Formulation| {
             let (weight, _) = weigh(self.mechanism, |graph, input| {
-                let (matrix, forces) = self.mass_matrix_and_bias_by(mass, bias, graph, input.y, input.v);
+                let still = vec![graph.constant(0.0); input.y.len()];
+                let steady = MotionInput { a: &still, ..input };
+                let (matrix, forces) = self.mass_matrix_and_bias_by(mass, bias, graph, steady);
                 [matrix.concat(), forces, beside(graph, input)].concat()
             });
             weight

@@ -11,8 +11,8 @@ use crate::emit::documentation::of_constant;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::{Dimension, Extent};
 
-/// Names of the lengths.
-pub(super) const RESERVED: [&str; 2] = ["N", "M"];
+/// Names of the lengths, and of the type of driven coordinates.
+pub(super) const RESERVED: [&str; 3] = ["N", "M", "Driven"];
 
 /// How long the arrays of a robot are.
 pub(super) fn sizes(context: &Context<'_>) -> [TokenStream; 2] {
@@ -28,6 +28,16 @@ pub(super) fn sizes(context: &Context<'_>) -> [TokenStream; 2] {
             pub const M: usize = #m;
         },
     ]
+}
+
+/// The type of the argument that has the driven coordinates, where there are some.
+pub(super) fn driven(context: &Context<'_>) -> Option<TokenStream> {
+    let ty = context.ty();
+    context.module.constants.iter().find(|constant| constant.name == "DRIVEN")?;
+    Some(quote! {
+        #[doc = " Driven coordinates: position, velocity and acceleration of each, in the order of `DRIVEN_NAMES`."]
+        pub type Driven = [[#ty; 3]; DRIVEN];
+    })
 }
 
 /// A constant with its documentation.

@@ -55,6 +55,7 @@ pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     let mut text = header::comment(module, &options.command);
     push_items(&mut text, constants::sizes(&context));
     push_items(&mut text, module.constants.iter().map(constant));
+    push_items(&mut text, constants::driven(&context));
     push_items(&mut text, parameters::items(&context));
     let mut functions = String::new();
     for (function, name) in module.functions.iter().zip(&context.functions) {

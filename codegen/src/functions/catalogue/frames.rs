@@ -2,6 +2,7 @@
 
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{FRAME_JACOBIAN, FrameQuantity, IN_SPACE, ROTATION, matrix, vector};
+use crate::dynamics::recursion::newton_euler::MotionInput;
 use crate::model::Frame;
 
 pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
@@ -46,7 +47,8 @@ pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
         )],
         build: |equations, arguments, link, pose| {
             let (y, v) = (&arguments.y, &arguments.v);
-            vec![vector(equations.base_poses(y).jacobian_rate(link, pose, y, v))]
+            let input = MotionInput { y, v, a: &equations.unaccelerated() };
+            vec![vector(equations.base_poses(y).acceleration(link, pose, input))]
         },
     },
 ];

@@ -109,17 +109,20 @@ fn analytic_gradient<'g>(
 fn second<'g>(
     equations: &Equations<'_, 'g>,
     MotionInput { y, v, a }: MotionInput<'_, 'g>,
-    (by_y, by_v): Gradient<'g>,
+    (mut by_y, mut by_v): Gradient<'g>,
 ) -> Hessian<'g> {
-    let graph = equations.graph;
-    let zeros = vec![vec![graph.constant(0.0); y.len()]; y.len()];
+    let (graph, n) = (equations.graph, equations.model.coordinates.len());
+    // Nothing is differentiated by the motion of driven joints.
+    by_y.truncate(n);
+    by_v.truncate(n);
+    let zeros = vec![vec![graph.constant(0.0); n]; n];
     let mut hessian = Hessian {
         by_coordinates: zeros.clone(),
         mixed: zeros.clone(),
         by_velocities: zeros.clone(),
         by_accelerations: zeros,
     };
-    for j in 0..y.len() {
+    for j in 0..n {
         // Symmetric: the entries from the diagonal on serve both triangles.
         let later: Vec<_> = by_y[j..].iter().chain(&by_v).copied().collect();
         let column = equations.along(&later, y, j);

@@ -150,8 +150,9 @@ mod tests {
                 "joint_wrenches",
             ];
             let is_true = true_rows.contains(&row.name);
-            // A robot with wrenches has no friction under load.
-            let mut apart = QUANTITIES.iter().chain(super::super::wrenches::QUANTITIES);
+            // A robot with wrenches or driven joints has no friction under load.
+            let others = super::super::wrenches::QUANTITIES.iter().chain(super::super::driven::QUANTITIES);
+            let mut apart = QUANTITIES.iter().chain(others);
             let is_own = apart.any(|own| own.name == row.name);
             assert!(
                 about.is_empty() || is_told || is_true || is_own || row.ignores_load,

@@ -2,6 +2,7 @@
 //!
 //! `quantity` is the vocabulary, `motion`, `frames`, `regressors`, `hessian` and `reactions` hold the rows.
 
+mod driven;
 mod frame_inputs;
 mod frames;
 mod hessian;
@@ -15,6 +16,7 @@ mod regressors;
 mod wrenches;
 
 pub(super) use frames::{FRAME_QUANTITIES, frame_name};
+pub(super) use quantity::vector;
 pub use quantity::{Argument, Quantity, Value};
 pub(super) use quantity::{BuildLoops, Estimate, FrameQuantity, Loops, QuantityResult};
 
@@ -27,6 +29,7 @@ use motion::{FRICTION_BY_POSITION, QUANTITIES};
 
 /// Says what is otherwise of a function in a robot where the rows of the catalogue are not the whole truth.
 pub(super) fn describe(model: &Model, function: &mut Function) {
+    driven::describe(model, function);
     load_friction::describe(model, function);
     frame_inputs::describe(model, function);
     quaternions::describe(model, function);
@@ -62,12 +65,12 @@ fn quantities_of(model: &Model) -> impl Iterator<Item = &'static Quantity> {
 
 /// The quantities of a model, and those that are derived where they are asked for by name.
 pub(super) fn all_quantities(model: &Model) -> impl Iterator<Item = &'static Quantity> {
-    quantities_of(model).chain(ON_REQUEST)
+    quantities_of(model).chain(ON_REQUEST).chain(driven::rows(model))
 }
 
 /// Tells whether a function is derived only where it is asked for by name.
 pub(super) fn is_on_request(name: &str) -> bool {
-    ON_REQUEST.iter().any(|quantity| quantity.name == name)
+    ON_REQUEST.iter().chain(driven::QUANTITIES).any(|quantity| quantity.name == name)
 }
 
 /// Functions that are derived where they are asked for by name: few need them.
@@ -83,7 +86,8 @@ pub(super) fn row(name: &str) -> Option<&'static Quantity> {
 
 /// The rows of every function of whatever robot.
 fn all() -> impl Iterator<Item = &'static Quantity> {
-    quantities().chain(ON_REQUEST).chain(load_friction::QUANTITIES).chain(wrenches::QUANTITIES)
+    let of_some = load_friction::QUANTITIES.iter().chain(wrenches::QUANTITIES).chain(driven::QUANTITIES);
+    quantities().chain(ON_REQUEST).chain(of_some)
 }
 
 /// Tells whether other functions may call a function.

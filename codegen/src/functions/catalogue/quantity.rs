@@ -28,9 +28,11 @@ pub enum Argument {
     Multipliers,
     /// w
     Wrenches,
+    /// d
+    Driven,
 }
 
-use Argument::{Accelerations, Coordinates, Inputs, Multipliers, Velocities, Wrenches};
+use Argument::{Accelerations, Coordinates, Driven, Inputs, Multipliers, Velocities, Wrenches};
 
 impl Argument {
     pub(in crate::functions) fn name(self) -> &'static str {
@@ -41,6 +43,7 @@ impl Argument {
             Inputs => "u",
             Multipliers => "lambda",
             Wrenches => "w",
+            Driven => "d",
         }
     }
 
@@ -52,6 +55,7 @@ impl Argument {
             Inputs => "inputs",
             Multipliers => "multipliers λ, one for each force",
             Wrenches => "wrenches, each force [N], then moment about the origin of its frame [N m]",
+            Driven => "driven coordinates, each its position, velocity and acceleration",
         }
     }
 
@@ -73,6 +77,13 @@ impl Argument {
                 model.inputs().map(entry).collect()
             }
             Multipliers => Vec::new(),
+            Driven => {
+                let unit = |joint: &Joint| match joint.kind {
+                    JointKind::Prismatic => "m, m/s, m/s²",
+                    _ => "rad, rad/s, rad/s²",
+                };
+                model.driven_joints().map(|joint| (joint.name.clone(), unit(joint))).collect()
+            }
             Wrenches => {
                 let axes = |wrench: &Wrench| match wrench.axes {
                     WrenchAxes::Frame => "the axes of its frame",
@@ -98,6 +109,7 @@ impl Argument {
         match self {
             Inputs => Extent::new(Dimension::Inputs, model.inputs().count()),
             Wrenches => Extent::new(Dimension::Wrenches, 6 * model.wrenches.len()),
+            Driven => Extent::new(Dimension::Driven, 3 * model.driven.len()),
             Coordinates => {
                 let dimension = match model.quaternion_joints.is_empty() {
                     true => Dimension::Coordinates,

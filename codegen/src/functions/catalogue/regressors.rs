@@ -133,7 +133,7 @@ fn friction_regressor<'g>(
 ) -> Vec<Value<'g>> {
     let columns = forces::friction_columns(equations.graph, equations.model, y, v);
     let zero = equations.graph.constant(0.0);
-    let mut rows = vec![vec![zero; columns.len()]; equations.model.coordinates.len()];
+    let mut rows = vec![vec![zero; columns.len()]; equations.model.motion_count()];
     for (index, column) in columns.iter().enumerate() {
         column.transmission.add_row_entry(index, column.basis, &mut rows);
     }

@@ -8,10 +8,10 @@ use super::{
 
 /// Pivots by link, of the links whose joints are coordinates.
 pub(super) fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Pivot>> {
-    let n = model.coordinates.len();
-    let mut mass = vec![vec![0.0; n]; n];
+    let (n, all) = (model.coordinates.len(), model.motion_count());
+    let mut mass = vec![vec![0.0; all]; all];
     // Sums of magnitudes: what may be left of them is rounding.
-    let mut sizes = vec![0.0; n];
+    let mut sizes = vec![0.0; all];
     add_bodies(model, described, positions, &mut mass, &mut sizes);
     add_rotors(model, described, &mut mass, &mut sizes);
     let mut pivots = vec![None; model.links.len()];

@@ -12,6 +12,7 @@ use super::super::{
 };
 use super::couplings::Couplings;
 use super::dependent_limits::Limited;
+use super::driven_joints;
 use super::force_laws::check_shaft;
 use super::frame_forces::{FrameForces, Resolver};
 use super::names::{Identifiers, report_duplicates};
@@ -38,16 +39,14 @@ impl Builder<'_, '_> {
     pub(super) fn build(&mut self) -> Option<Model> {
         let coordinates = self.coordinates()?;
         let quaternion_joints = quaternion_joints::find(self.robot, &self.tree, &coordinates, self.report);
-        let couplings = Couplings::resolve(self.robot, &self.tree, &coordinates, &self.defaults, self.report);
+        let driven = driven_joints::links(self.robot, &self.tree);
+        let all = [&coordinates[..], &driven].concat();
+        let couplings = Couplings::resolve(self.robot, &self.tree, &all, &self.defaults, self.report);
         let followers = couplings.followers(&self.tree);
-        let limited = Limited {
-            robot: self.robot,
-            tree: &self.tree,
-            coordinates: &coordinates,
-            defaults: &self.defaults,
-        };
+        let limited =
+            Limited { robot: self.robot, tree: &self.tree, coordinates: &all, defaults: &self.defaults };
         limited.check(&followers, self.report);
-        let mut links = self.links(&coordinates, &followers);
+        let mut links = self.links(&all, &followers);
         self.attach_bodies(&mut links);
         let drives = self.drives(&links, &couplings);
         self.add_shaft_friction(&mut links, &couplings);
@@ -63,6 +62,7 @@ impl Builder<'_, '_> {
             parameters: self.robot.parameters.iter().map(|parameter| parameter.value.clone()).collect(),
             links,
             coordinates,
+            driven,
             quaternion_joints,
             followers,
             drives,
@@ -85,7 +85,7 @@ impl Builder<'_, '_> {
         if moving.is_empty() {
             self.report.error(self.robot.name.span, "no-moving-joint", "no joint of the robot moves");
             self.report
-                .help("a model needs at least one revolute, continuous or prismatic joint that is not held and follows no other");
+                .help("a model needs at least one revolute, continuous or prismatic joint that is not held, not driven and follows no other");
             return None;
         }
         if !self.robot.sort_joints {
@@ -110,9 +110,14 @@ impl Builder<'_, '_> {
                 None => {
                     let follows =
                         joints.iter().any(|joint| joint.name.value == name.value && joint.is_follower());
-                    let message = match follows {
-                        true => format!("`{}` follows other joints, it is no coordinate", name.value),
-                        false => format!("`{}` is no moving joint", name.value),
+                    let is_driven =
+                        joints.iter().any(|joint| joint.name.value == name.value && joint.is_driven());
+                    let message = match (follows, is_driven) {
+                        (true, _) => format!("`{}` follows other joints, it is no coordinate", name.value),
+                        (_, true) => {
+                            format!("`{}` is driven: its motion is an argument of its own", name.value)
+                        }
+                        (false, false) => format!("`{}` is no moving joint", name.value),
                     };
                     self.report.error(name.span, "unknown-joint", message);
                     if let Some(help) = nearest(&name.value, by_name.keys().copied()) {
@@ -296,6 +301,7 @@ impl Builder<'_, '_> {
     fn shared_drive(&mut self, index: usize, links: &[Link], couplings: &Couplings) -> Option<Drive> {
         let described = &self.robot.drives[index];
         let row = couplings.drives.get(index)?.as_ref()?;
+        driven_joints::check_shared_drive(self.robot, &self.tree, &described.name, row, links, self.report);
         self.check_motor(&described.name.value, &described.motor, None);
         let (acts_on, gear_ratio) = match &row.terms[..] {
             // One number says what gear and weight do together.
@@ -380,6 +386,10 @@ impl Builder<'_, '_> {
             return None;
         }
         let robot = self.robot;
+        if robot.joints[index].is_driven() {
+            // A described drive was refused; the ideal ones of a URDF are no inputs there.
+            return None;
+        }
         let choice = robot.drive_of(&robot.joints[index]);
         let acts_on = match joint.motion {
             Motion::Coordinate(coordinate) => vec![FollowedCoordinate::itself(coordinate)],

@@ -243,7 +243,8 @@ fn note_drive_beside(
     let [a, b] = between.each_ref().map(path);
     let between = a.iter().filter(|link| !b.contains(link)).chain(b.iter().filter(|link| !a.contains(link)));
     let driven: Vec<usize> = model.input_drives().filter_map(Drive::coordinate).collect();
-    let driven = |link: &&usize| driven.iter().any(|&coordinate| model.coordinates[coordinate] == **link);
+    let driven =
+        |link: &&usize| driven.iter().any(|&coordinate| model.coordinates.get(coordinate) == Some(*link));
     for link in between.filter(driven) {
         let joint = model.links[*link].joint.as_ref().map_or("", |joint| &joint.name);
         let message = format!("joint `{joint}` has a drive beside the input `{}`", force.name.value);

@@ -4,6 +4,7 @@ mod build;
 mod checks;
 mod couplings;
 mod dependent_limits;
+mod driven_joints;
 mod force_laws;
 mod frame_forces;
 mod hints;
@@ -31,6 +32,7 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
         force_laws::check(joint, &defaults, report);
     }
     quaternion_joints::check(robot, report);
+    driven_joints::check(robot, report);
     for body in &robot.bodies {
         checks::body(body, &defaults, report);
     }
