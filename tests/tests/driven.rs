@@ -385,6 +385,7 @@ fn driven_joints_agree_with_rows_of_pinocchio() {
         "forward_dynamics",
         "bias_forces",
         "inverse_dynamics_derivatives",
+        "joint_wrenches",
     ];
     let robot = Robot::of_model(model, &names);
     let all: Vec<&str> =
@@ -415,6 +416,10 @@ fn driven_joints_agree_with_rows_of_pinocchio() {
         let id = get("id");
         check("id", &robot.first("inverse_dynamics", &[&y, &v, &a, &d]), &pick(&id, &free), 1e-11);
         check("f_d", &robot.first("driving_forces", &[&y, &v, &a, &d]), &pick(&id, &driven), 1e-11);
+        let reactions = get("reactions");
+        let rows = free.iter().chain(&driven).flat_map(|&k| &reactions[6 * k..6 * (k + 1)]).copied();
+        let rows: Vec<f64> = rows.collect();
+        check("reactions", &robot.first("joint_wrenches", &[&y, &v, &a, &d]), &rows, 1e-11);
         let coupled = times(&chosen(&mass, &driven), &d_accelerations);
         let bias = plus(&pick(&get("nle"), &free), &coupled);
         check("nle", &robot.first("bias_forces", &[&y, &v, &d]), &bias, 1e-11);

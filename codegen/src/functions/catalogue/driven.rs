@@ -51,6 +51,7 @@ pub fn describe(model: &Model, function: &mut Function) {
             "½ (ẏ, ḋ)ᵀ M (ẏ, ḋ)".clone_into(&mut function.equation);
             "With the mass matrix of all joints, the driven ones included."
         }
+        "joint_wrenches" => "The rows of the driven joints stand behind those of the coordinates.",
         "center_of_mass_jacobian" | "centroidal_momentum_matrix" => COLUMNS,
         name if name.starts_with("frame_") && name.ends_with("_jacobian") => COLUMNS,
         name if name.starts_with("frame_") && name.ends_with("_times_velocity") => {
