@@ -29,7 +29,7 @@ def relative(found, wanted):
     return difference if size < 1e-12 else difference / size if np.isfinite(size) else np.inf
 
 
-def followers(mujoco, model):
+def followers(mujoco, model, with_tendons):
     """For each joint that follows: its address, and its row `offset + Σ factor · q[address]`."""
     rows = {}
     address = model.jnt_qposadr
@@ -45,7 +45,7 @@ def followers(mujoco, model):
                 terms = [(address[second], data[1])]
                 offset -= data[1] * model.qpos0[address[second]]
             rows[one] = (offset, terms)
-        if model.eq_type[k] == mujoco.mjtEq.mjEQ_TENDON and second < 0:
+        if with_tendons and model.eq_type[k] == mujoco.mjtEq.mjEQ_TENDON and second < 0:
             begin = model.tendon_adr[first]
             parts = range(begin, begin + model.tendon_num[first])
             joints = [(address[model.wrap_objid[part]], model.wrap_prm[part]) for part in parts]
@@ -61,7 +61,7 @@ class Robot:
         self.mujoco, self.told = mujoco, told
         self.model = mujoco.MjModel.from_xml_path(told["file"])
         self.data = mujoco.MjData(self.model)
-        self.rows = followers(mujoco, self.model) if told["couples"] else {}
+        self.rows = followers(mujoco, self.model, told["by_name"]) if told["couples"] else {}
         self.count = told["velocities"]
         joints = [self.model.joint(k) for k in range(self.model.njnt) if self.model.jnt_qposadr[k] not in self.rows]
         if told["by_name"]:
@@ -135,7 +135,8 @@ class Robot:
         if "input_matrix" in state:
             moment = np.zeros((model.nu, model.nv))
             mujoco.mju_sparse2dense(moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind)
-            found["input_matrix"] = g.T @ moment.T
+            order = [model.actuator(name).id for name in self.told["inputs"]]
+            found["input_matrix"] = g.T @ moment[order].T
         return found
 
 

@@ -35,6 +35,9 @@ pub fn values(name: &str, file: &Path, model: &Model, compared: Compared) -> Val
         joint.friction.retain(|term| term.basis == Formula::Velocity);
         joint.load_friction.clear();
     }
+    for drive in &mut model.drives {
+        drive.friction.retain(|term| term.basis == Formula::Velocity);
+    }
     let mut functions = vec!["mass_matrix", "bias_forces", "gravity_forces"];
     functions.extend(compared.passive.then_some("applied_forces"));
     functions.extend((compared.inputs && model.inputs().count() > 0).then_some("input_matrix"));
@@ -48,6 +51,7 @@ pub fn values(name: &str, file: &Path, model: &Model, compared: Compared) -> Val
         "velocities": robot.model.coordinates.len(),
         "gravity": robot.model.gravity.each_ref().map(|g| g.evaluate(&parameters, 0.0, 0.0)),
         "joints": joints(&robot.model),
+        "inputs": robot.model.inputs().map(|input| input.name().to_owned()).collect::<Vec<_>>(),
         "by_name": compared.by_name,
         "couples": compared.couples,
         "states": states,

@@ -248,7 +248,7 @@ impl Oracle<'_> {
         let column = |input: Actuator<'_>| match input {
             Actuator::Drive(drive) => {
                 let constant = match &drive.input {
-                    Input::Torque => 1.0,
+                    Input::Torque | Input::None => 1.0,
                     Input::Current(constant) => self.number(constant),
                 };
                 let mut column = vec![0.0; y.len()];

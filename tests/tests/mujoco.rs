@@ -6,6 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use gelenk_codegen::diagnostic::Severity;
 use gelenk_codegen::export::{Exported, Format, export};
 use gelenk_codegen::formula::Formula;
 use gelenk_codegen::model::{JointPosition, Model, ReadOptions, RotorCoupling, from_urdf, read};
@@ -37,8 +38,15 @@ fn says(exported: &Exported, part: &str) -> bool {
     exported.notes.entries().iter().any(|note| note.message.contains(part))
 }
 
-/// Compares values with MuJoCo; what it prints, or nothing where it cannot be had.
-fn compare(values: &[Value], folder: &Path) -> Option<String> {
+/// Compares values with MuJoCo, where it can be had.
+fn compare(values: &[Value], folder: &Path) {
+    if let Some((text, agrees)) = compared(values, folder) {
+        assert!(agrees, "{text}");
+    }
+}
+
+/// What the comparison prints, and whether all robots agree.
+fn compared(values: &[Value], folder: &Path) -> Option<(String, bool)> {
     let python = python_with_mujoco()?;
     let file = folder.join("values.json");
     std::fs::write(&file, Value::from(values).to_string()).expect("a file");
@@ -47,8 +55,7 @@ fn compare(values: &[Value], folder: &Path) -> Option<String> {
     let text = [output.stdout, output.stderr].concat();
     let text = String::from_utf8_lossy(&text).into_owned();
     println!("{text}");
-    assert!(output.status.success(), "{text}");
-    Some(text)
+    Some((text, output.status.success()))
 }
 
 /// M, k, B, springs and dampers of all models.
@@ -75,6 +82,72 @@ fn mujoco_computes_the_same_of_exported_robots() {
     }
     assert!(compared.len() >= 20);
     compare(&compared, folder.path());
+}
+
+/// Hinges, slides, balls and free bodies, classes, frames, includes, shapes, tendons and equalities, as MuJoCo reads them.
+#[test]
+fn mujoco_computes_the_same_of_what_it_is_read_from() {
+    let folder = workspace().join("tests/mujoco/robots");
+    let mut compared = Vec::new();
+    for name in ["arm", "cart", "walker"] {
+        let file = folder.join(format!("{name}.xml"));
+        let loaded = read(&file, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}"));
+        let what = Compared { by_name: false, passive: true, inputs: true, couples: true };
+        compared.push(values(name, &file, &loaded.model, what));
+        // What is written again is the same robot, too.
+        let again = tempfile::NamedTempFile::with_suffix(".xml").expect("a file");
+        std::fs::write(again.path(), export(&loaded.model, Format::Mjcf, name).text).expect("a file");
+        let loaded =
+            read(again.path(), &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}"));
+        compared.push(values(&format!("{name}, again"), &file, &loaded.model, what));
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    compare(&compared, folder.path());
+}
+
+/// Published files of installed packages, against the outcomes in `tests/mujoco/robots.txt`: which are read, which agree, and
+/// why others do not.
+#[test]
+#[ignore = "takes packages with robots in MJCF, and minutes"]
+fn published_robots_in_mjcf() {
+    let Some(python) = python_with_mujoco() else { return };
+    let script = workspace().join("tests/mujoco/compare.py");
+    let output = Command::new(&python).arg(script).arg("--list").output().expect("Python starts");
+    let (mut values, mut outcomes) = (Vec::new(), Vec::new());
+    for line in String::from_utf8_lossy(&output.stdout).lines() {
+        let [package, file, path] = line.split('\t').collect::<Vec<_>>()[..] else { continue };
+        let (name, path) = (format!("{package}/{file}"), Path::new(path));
+        let options = ReadOptions { no_friction: true, accept_unphysical: true, ..ReadOptions::default() };
+        match read(path, &options) {
+            Ok(loaded) => {
+                let has_meshes = loaded.notes.entries().iter().any(|note| note.code == "mesh-inertia");
+                outcomes.push((name.clone(), if has_meshes { "meshes" } else { "differs" }));
+                let what = Compared { couples: true, ..Compared::default() };
+                values.push(gelenk_tests::mujoco::values(&name, path, &loaded.model, what));
+            }
+            Err(problems) => {
+                let mut entries = problems.entries().iter();
+                let first = entries.find(|entry| entry.severity == Severity::Error);
+                outcomes.push((name, first.map_or("", |entry| entry.code)));
+            }
+        }
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let (text, _) = compared(&values, folder.path()).expect("MuJoCo");
+    let lines = outcomes.into_iter().map(|(name, outcome)| {
+        let line = text.lines().find(|line| line.split(' ').next() == Some(&name));
+        let outcome = match line {
+            Some(line) if !line.ends_with("DIFFERS") => "agrees",
+            Some(line) if line.contains("Error:") => "refused by MuJoCo",
+            _ => outcome,
+        };
+        format!("{outcome}: {name}")
+    });
+    let found: Vec<String> = lines.collect();
+    println!("{}", found.join("\n"));
+    let known = std::fs::read_to_string(workspace().join("tests/mujoco/robots.txt")).expect("robots.txt");
+    let new: Vec<&String> = found.iter().filter(|line| !known.lines().any(|known| known == **line)).collect();
+    assert!(new.is_empty(), "not in robots.txt: {new:#?}");
 }
 
 /// Without the rotors, which a URDF does not have.

@@ -117,7 +117,7 @@ pub(super) enum Command {
 
 #[derive(Debug, Args)]
 pub(super) struct Generate {
-    /// TOML or URDF; without it everything in models/ goes to generated/src/
+    /// TOML, URDF or MJCF; without it everything in models/ goes to generated/src/
     pub(super) description: Option<PathBuf>,
     /// Where the module goes; `-` is standard output. Default: generated/src/<NAME>.rs for a description in
     /// the workspace's models/, else <NAME>.rs in this folder. In C a folder, or a file FILE.c beside which
@@ -130,7 +130,7 @@ pub(super) struct Generate {
 
 #[derive(Debug, Args)]
 pub(super) struct Check {
-    /// TOML or URDF; without it everything in models/
+    /// TOML, URDF or MJCF; without it everything in models/
     pub(super) description: Option<PathBuf>,
     /// The file to compare; by default where `generate` would write
     #[arg(long, short, value_name = "FILE.rs", requires = "description")]
@@ -142,7 +142,7 @@ pub(super) struct Check {
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("to").required(true))]
 pub(super) struct Export {
-    /// TOML or URDF
+    /// TOML, URDF or MJCF
     pub(super) description: PathBuf,
     /// Write MJCF: bodies, joints, springs, friction, armature, actuators, equalities, sites
     #[arg(long, group = "to")]
@@ -163,7 +163,7 @@ pub(super) struct Inspect {
     /// What to show; not needed with --closed-form
     #[arg(value_enum, required_unless_present = "closed_form")]
     pub(super) what: Option<Stage>,
-    /// TOML or URDF
+    /// TOML, URDF or MJCF
     pub(super) description: PathBuf,
     /// Beside the counts, the bytes of machine code that rustc makes at opt-level 3 (counts only)
     #[arg(long)]
@@ -210,7 +210,7 @@ pub(super) struct New {
 
 #[derive(Debug, Args)]
 pub(super) struct Report {
-    /// TOML or URDF
+    /// TOML, URDF or MJCF
     pub(super) description: PathBuf,
     /// Folder for the page (index.html) and its numbers (report.json, CSV files) [default: report/<NAME>]
     #[arg(long, short, value_name = "FOLDER")]
@@ -224,7 +224,7 @@ pub(super) struct Report {
 
 #[derive(Debug, Args)]
 pub(super) struct Identify {
-    /// TOML or URDF
+    /// TOML, URDF or MJCF
     pub(super) description: PathBuf,
     /// Recorded motions, CSV with time, positions and efforts; with --merge, files of moments
     #[arg(required_unless_present = "plan", value_name = "LOG.csv")]

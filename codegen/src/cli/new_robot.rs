@@ -46,6 +46,13 @@ fn from_urdf(path: &Path) -> Result<Robot, Failure> {
             joint.kind.name()
         )));
     }
+    if files.is_mjcf().map_err(wrong)? {
+        return Err(Failure::Usage(format!(
+            "{} is an MJCF, whose joints need not have motors; the program of a new crate moves each joint\n  = help: \
+             make the crate without --urdf, and write `extends = \"FILE.xml\"` and the joints' drives into its robot.toml",
+            path.display()
+        )));
+    }
     if !files.is_xml().map_err(wrong)? {
         return Err(Failure::Usage(format!(
             "{} is no URDF\n  = help: make the crate without --urdf, and put your description in the place of its robot.toml",

@@ -212,7 +212,7 @@ pub fn drive_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>>
     for (column, drive) in drives.iter().enumerate() {
         let ratio = lower(graph, &drive.gear_ratio);
         let gain = match &drive.input {
-            Input::Torque => ratio,
+            Input::Torque | Input::None => ratio,
             Input::Current(constant) => ratio * lower(graph, constant),
         };
         lower_followed(graph, &drive.acts_on).add_row_entry(column, gain, &mut matrix);

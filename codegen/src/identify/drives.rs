@@ -55,7 +55,7 @@ fn toml(model: &Model, drive: &Drive, found: &IdentifiedDrive) -> String {
     }
     entries.extend(torques(drive));
     let described = match &drive.input {
-        Input::Torque => None,
+        Input::Torque | Input::None => None,
         Input::Current(constant) => Some(formula(constant)),
     };
     let constant = found.motor_constant.map(number).or(described);

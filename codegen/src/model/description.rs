@@ -1,4 +1,4 @@
-//! What a file says, before it is known to make sense: the common form of TOML and URDF descriptions.
+//! What a file says, before it is known to make sense: the common form of TOML, URDF and MJCF descriptions.
 //!
 //! Names are texts as described, references between entries are by name, and every entry knows its place. A
 //! value that could not be read was reported and stands here as something harmless, so that it causes no

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::file_kind;
-use super::read::{Loaded, ReadOptions, from_toml, from_urdf, is_xml};
+use super::read::{Loaded, ReadOptions, from_toml, from_xml, is_xml};
 use crate::diagnostic::{Diagnostic, Diagnostics, Report, Span};
 
 /// Larger files are refused [bytes].
@@ -44,7 +44,17 @@ impl DescriptionFiles {
         Ok(is_xml(&name, &text))
     }
 
-    /// Interprets the description, TOML or URDF by its file name extension, else by its content.
+    /// Tells whether the description is a model of MuJoCo.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is no description.
+    pub fn is_mjcf(&mut self) -> Result<bool, Diagnostics> {
+        let path = self.description.clone();
+        let (name, text) = self.text(&path)?;
+        Ok(is_xml(&name, &text) && file_kind::is_mjcf(&text))
+    }
+
+    /// Interprets the description, TOML, URDF or MJCF by its file name extension, else by its content.
     ///
     /// # Errors
     /// All problems of the description, or that a file cannot be read.
@@ -53,7 +63,7 @@ impl DescriptionFiles {
         let (name, text) = self.text(&path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let (model, notes) = match is_xml(&name, &text) {
-            true => from_urdf(&text, &name, options),
+            true => from_xml(&text, &name, options, &mut |file| self.text(&folder.join(file))),
             false => from_toml(&text, &name, options, &mut |file| self.text(&folder.join(file))),
         }?;
         let files = self.files.iter().map(|(path, _)| path.clone()).collect();
@@ -84,7 +94,7 @@ impl DescriptionFiles {
     }
 }
 
-/// Reads a description, TOML or URDF by its file name extension, else by its content.
+/// Reads a description, TOML, URDF or MJCF by its file name extension, else by its content.
 ///
 /// # Errors
 /// All problems of the description, or that a file cannot be read.
@@ -96,7 +106,7 @@ fn read_file(path: &Path) -> Result<Vec<u8>, Diagnostics> {
     let name = path.display().to_string();
     let unreadable = |why: String| {
         let problem = Diagnostic::error("file-unreadable", format!("cannot read {name}: {why}"));
-        Diagnostics::from(problem.help("give the path of a TOML or URDF file that you may read"))
+        Diagnostics::from(problem.help("give the path of a TOML, URDF or MJCF file that you may read"))
     };
     let file = std::fs::File::open(path).map_err(|why| unreadable(why.to_string()))?;
     let mut bytes = Vec::new();

@@ -6,7 +6,7 @@ use std::path::Path;
 pub(super) type Foreign = (String, &'static str);
 
 const MESH: &str = "a mesh says nothing of masses and joints: give the URDF that names it, or write a TOML";
-const IMAGE: &str = "give a TOML or URDF file";
+const IMAGE: &str = "give a TOML, URDF or MJCF file";
 const CONVERT: &str = "convert it to URDF first, or describe the robot in TOML";
 const UTF_8: &str = "descriptions are UTF-8 text: save it as that";
 
@@ -25,9 +25,8 @@ const BEGINNINGS: [(&[u8], &str, &str); 10] = [
 ];
 
 /// Roots of XML files that are often at hand beside a URDF.
-const ROOTS: [(&str, &str, &str); 4] = [
+const ROOTS: [(&str, &str, &str); 3] = [
     ("sdf", "a robot or world in SDF", CONVERT),
-    ("mujoco", "a model of MuJoCo (MJCF)", CONVERT),
     ("COLLADA", "a mesh (COLLADA)", MESH),
     ("launch", "a launch file of ROS", "give the URDF that it loads"),
 ];
@@ -75,6 +74,11 @@ pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
     }
 }
 
+/// Tells whether an XML text is a model of MuJoCo.
+pub(super) fn is_mjcf(text: &str) -> bool {
+    root(text.trim_start_matches('\u{feff}').trim_start()) == Some("mujoco")
+}
+
 /// Whether some bytes occur near the beginning.
 fn holds(bytes: &[u8], expected: &[u8]) -> bool {
     let near = &bytes[..bytes.len().min(1000)];
@@ -118,6 +122,7 @@ mod tests {
             ("robot.urdf", "\u{feff}<?xml version=\"1.0\"?><!-- <sdf> --><robot name=\"a\"/>"),
             ("robot.urdf", "<robot"),
             ("solid.toml", "solid = 1\n"),
+            ("arm.xml", "<mujoco/>"),
         ] {
             assert_eq!(foreign(name, text.as_bytes()), None, "{name} {text}");
         }
@@ -134,7 +139,6 @@ mod tests {
             ("a.toml", b"a = 1\0", "no text"),
             ("a.toml", b"\xff\xfea\0", "UTF-16"),
             ("a.sdf", b"<?xml version=\"1.0\"?>\n<!-- a -->\n<sdf version=\"1.7\">", "SDF"),
-            ("a.xml", b"<mujoco>", "MuJoCo"),
             ("a.json", b" {\"a\": 1}", "JSON"),
             ("a.yaml", b"a:\n  b", "YAML"),
             ("a.toml", b"<robot>", "XML under a name"),

@@ -12,6 +12,7 @@ mod distances;
 mod file_kind;
 mod floating_base;
 mod inertia;
+mod mjcf;
 mod name;
 mod options;
 mod pose;
@@ -39,7 +40,7 @@ pub(crate) use inertia::principal_axes;
 pub(crate) use name::identifier;
 pub use options::{FUNCTIONS, is_known_function};
 pub use quaternion_joint::{CarryingJoint, JointPosition, QuaternionJoint, QuaternionKind};
-pub use read::{Load, Loaded, ReadOptions, from_toml, from_urdf};
+pub use read::{Load, Loaded, ReadOptions, from_mjcf, from_toml, from_urdf};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::formula::Formula;
@@ -267,7 +268,7 @@ impl Model {
     /// Tells whether a joint follows others, or a drive acts on several coordinates.
     #[must_use]
     pub fn is_coupled(&self) -> bool {
-        !self.followers.is_empty() || self.input_drives().any(|drive| drive.coordinate().is_none())
+        !self.followers.is_empty() || self.moving_drives().any(|drive| drive.coordinate().is_none())
     }
 
     /// Number of coordinates, driven ones included.
@@ -326,7 +327,12 @@ impl Model {
     /// The drives that move coordinates, in the order of the inputs.
     pub fn input_drives(&self) -> impl Iterator<Item = &Drive> {
         let drives = self.drives.iter();
-        drives.filter(|drive| !drive.acts_on.is_empty())
+        drives.filter(|drive| !drive.acts_on.is_empty() && drive.input != Input::None)
+    }
+
+    /// The drives whose rotors move with coordinates, with an input or without.
+    pub fn moving_drives(&self) -> impl Iterator<Item = &Drive> {
+        self.drives.iter().filter(|drive| !drive.acts_on.is_empty())
     }
 
     /// The drives whose shafts have friction of their own.
@@ -357,7 +363,7 @@ impl Model {
         match drive.input {
             Input::Current(_) => "A",
             Input::Torque if is_direct && is_force => "N",
-            Input::Torque => "N m",
+            Input::Torque | Input::None => "N m",
         }
     }
 
@@ -526,6 +532,8 @@ pub enum RotorCoupling {
 pub enum Input {
     /// Motor torque (N m); the input matrix holds the gear ratio.
     Torque,
+    /// None: a rotor that moves with joints by itself, or friction of a transmission.
+    None,
     /// Motor current (A); the input matrix holds gear ratio times motor constant K_M (N m/A).
     Current(Formula),
 }

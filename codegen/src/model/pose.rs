@@ -80,7 +80,8 @@ pub(super) fn about_x(angle: f64) -> Rotation {
     [[1.0, 0.0, 0.0], [0.0, c, 0.0 - s], [0.0, s, c]]
 }
 
-fn about_y(angle: f64) -> Rotation {
+/// Rotation about y by an angle.
+pub(super) fn about_y(angle: f64) -> Rotation {
     let (s, c) = sin_cos(angle);
     [[c, 0.0, s], [0.0, 1.0, 0.0], [0.0 - s, 0.0, c]]
 }

@@ -2,7 +2,7 @@
 
 use super::description::{BodyDescription, DriveChoice, JointDescription, Name, RobotDescription};
 use super::toml_values::Reader;
-use super::{JointKind, Model, floating_base, toml_file, urdf, validate};
+use super::{JointKind, Model, file_kind, floating_base, mjcf, toml_file, urdf, validate};
 use crate::diagnostic::{At, Diagnostics, Report, Span, nearest};
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
@@ -87,6 +87,38 @@ pub fn from_urdf(text: &str, name: &str, options: &ReadOptions) -> Result<(Model
     finish(reader, robot, options)
 }
 
+/// Reads an MJCF.
+///
+/// - `load`: fetches the files that it includes
+///
+/// # Errors
+/// All problems of the description.
+pub fn from_mjcf(
+    text: &str,
+    name: &str,
+    options: &ReadOptions,
+    load: &mut Load<'_>,
+) -> Result<(Model, Diagnostics), Diagnostics> {
+    let mut reader = Reader::default();
+    reader.angles.snap = options.snap_angles;
+    let file = Path::new(name).file_name().map(PathBuf::from).unwrap_or_default();
+    let robot = read_mjcf(&mut reader, (text, name), &file, options, load);
+    finish(reader, robot, options)
+}
+
+/// Reads XML: an MJCF where its root says so, else a URDF.
+pub(super) fn from_xml(
+    text: &str,
+    name: &str,
+    options: &ReadOptions,
+    load: &mut Load<'_>,
+) -> Result<(Model, Diagnostics), Diagnostics> {
+    match file_kind::is_mjcf(text) {
+        true => from_mjcf(text, name, options, load),
+        false => from_urdf(text, name, options),
+    }
+}
+
 /// What the caller asks for beyond the description.
 fn apply(options: &ReadOptions, model: &mut Model) {
     model.options.smooth_sign = match options.exact_sign {
@@ -159,6 +191,20 @@ fn read_urdf(reader: &mut Reader, text: &str, name: &str, options: &ReadOptions)
     let source = reader.report.add_source(name, text);
     let Reader { report, angles, .. } = reader;
     urdf::description(report, angles, text, source, name, options)
+}
+
+/// - `path`: from which those of included files begin
+fn read_mjcf(
+    reader: &mut Reader,
+    (text, name): (&str, &str),
+    path: &Path,
+    options: &ReadOptions,
+    load: &mut Load<'_>,
+) -> Option<RobotDescription> {
+    let text = without_mark(text);
+    let source = reader.report.add_source(name, text);
+    let Reader { report, angles, .. } = reader;
+    mjcf::description((report, angles), (text, source), path, options, load)
 }
 
 /// A description may extend one that extends another; more than this is hardly meant.
@@ -247,6 +293,9 @@ fn read_base(
         return None;
     }
     match (chain.load)(&path.to_string_lossy()) {
+        Ok((name, text)) if is_xml(&name, &text) && file_kind::is_mjcf(&text) => {
+            read_mjcf(reader, (&text, &name), &path, options, chain.load)
+        }
         Ok((name, text)) if is_xml(&name, &text) => read_urdf(reader, &text, &name, options),
         Ok((name, text)) => read_toml(reader, &text, &name, options, chain),
         Err(wrong) => {

@@ -37,8 +37,7 @@ pub(super) fn description(
     let document = match Document::parse(lax.as_str()) {
         Ok(document) => document,
         Err(wrong) => {
-            let at = byte_offset(text, wrong.pos());
-            report.error(Span::new(source, at..at + 1), "xml-syntax", without_position(&wrong.to_string()));
+            report_syntax(&wrong, text, source, report);
             return None;
         }
     };
@@ -57,6 +56,12 @@ pub(super) fn description(
     let description = reader.robot(robot, stem);
     reader.notes.report(reader.report);
     Some(description)
+}
+
+/// Reports what the parser of XML says.
+pub(super) fn report_syntax(wrong: &roxmltree::Error, text: &str, source: usize, report: &mut Report) {
+    let at = byte_offset(text, wrong.pos());
+    report.error(Span::new(source, at..at + 1), "xml-syntax", without_position(&wrong.to_string()));
 }
 
 fn stem(file: &str) -> &str {

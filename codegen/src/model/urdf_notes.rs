@@ -113,7 +113,7 @@ impl UrdfNotes {
     }
 }
 
-fn note_skipped(harmless: Vec<(String, (Span, usize))>, report: &mut Report) {
+pub(super) fn note_skipped(harmless: Vec<(String, (Span, usize))>, report: &mut Report) {
     let spans = harmless.iter().map(|(_, (span, _))| *span);
     let Some(first) = spans.min_by_key(|span| span.start) else {
         return;

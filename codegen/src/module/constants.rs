@@ -313,7 +313,7 @@ fn magnitude(force: &ForceInput) -> f64 {
 /// Motor torque per unit of input: 1, or the magnitude of the motor constant.
 fn torque_per_input(drive: &Drive, described: &[f64]) -> Option<f64> {
     match &drive.input {
-        Input::Torque => Some(1.0),
+        Input::Torque | Input::None => Some(1.0),
         Input::Current(motor_constant) => motor_constant.value(described).map(f64::abs),
     }
 }

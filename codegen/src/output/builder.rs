@@ -80,7 +80,7 @@ impl Builder {
         Self::default()
     }
 
-    /// Adds a description, TOML or URDF; its path is relative to the package.
+    /// Adds a description, TOML, URDF or MJCF; its path is relative to the package.
     #[must_use]
     pub fn description(mut self, path: impl AsRef<Path>) -> Self {
         self.descriptions.push(path.as_ref().to_owned());

@@ -157,6 +157,7 @@ fn drive_row(robot: &Robot<'_>, drive: &Drive) -> Vec<Cell> {
     };
     let input = match (&drive.input, drive.acts_on.first()) {
         (_, None) => Cell::text("none: the joint is held"),
+        (Input::None, _) => Cell::text("none"),
         (Input::Torque, _) if robot.model.input_unit(Actuator::Drive(drive)) == "N" => Cell::text("force"),
         (Input::Torque, _) => Cell::text("torque"),
         (Input::Current(constant), _) => match constant.as_number() {

@@ -92,7 +92,7 @@ def load(
     fused_multiply_add: bool = False,
     max_operations: int | None = None,
 ) -> Any:
-    """The robot of a description, TOML or URDF, as an object with its functions.
+    """The robot of a description, TOML, URDF or MJCF, as an object with its functions.
 
     The program generates C, and the compiler at hand compiles it: `CC` where that is set, else cc, gcc, clang or
     zig cc. Both are kept in a cache by their content, so that the next call only reads the description.

@@ -19,7 +19,7 @@ use crate::dynamics::search::formulation::Formulation;
 use crate::formula::Formula;
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Mechanism, described_moments, lower, lower_followed};
-use crate::model::{Drive, Model, RotorCoupling};
+use crate::model::{Drive, Input, Model, RotorCoupling};
 use crate::spatial::{Matrix3, Motion, Vector3, rotate};
 
 /// Parameters of a link.
@@ -28,9 +28,10 @@ pub const PER_LINK: usize = 10;
 /// Their symbols.
 pub const SYMBOLS: [&str; PER_LINK] = ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
-/// Drives with a rotor, in the order of the inputs: all but ideal ones.
+/// Drives with a rotor, in the order of the inputs, then those without an input: all but ideal ones.
 pub fn drives_with_rotor(model: &Model) -> impl Iterator<Item = &Drive> {
-    model.input_drives().filter(|drive| !is_ideal(drive))
+    let inputless = model.moving_drives().filter(|drive| drive.input == Input::None);
+    model.input_drives().chain(inputless).filter(|drive| !is_ideal(drive))
 }
 
 fn is_ideal(drive: &Drive) -> bool {

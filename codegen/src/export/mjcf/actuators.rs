@@ -53,6 +53,10 @@ impl Writer<'_> {
             attributes.extend(self.torque_range(drive));
             self.actuators.push(attributes);
         }
+        let inputless = model.moving_drives().filter(|drive| drive.input == Input::None);
+        for drive in inputless.filter(|drive| drive.coordinate().is_none()) {
+            self.weighted_sum(drive);
+        }
         for input in &model.force_inputs {
             let (key, target, gear) = match &input.effect {
                 ForceEffect::Wrench { at, wrench } => {
@@ -79,7 +83,7 @@ impl Writer<'_> {
     /// What a motor acts on, with the key of its kind, and its gear.
     fn transmission(&mut self, drive: &Drive) -> (&'static str, String, String) {
         let factor = match &drive.input {
-            Input::Torque => 1.0,
+            Input::Torque | Input::None => 1.0,
             Input::Current(constant) => self.values.number(constant),
         };
         let gear = self.values.number(&drive.gear_ratio) * factor;
@@ -128,7 +132,7 @@ impl Writer<'_> {
         }
         let torque = drive.torque.peak.or(drive.torque.nominal)?;
         let most = match &drive.input {
-            Input::Torque => torque,
+            Input::Torque | Input::None => torque,
             Input::Current(constant) => (torque / self.values.number(constant)).abs(),
         };
         Some(("ctrlrange", numbers(&[-most, most])))

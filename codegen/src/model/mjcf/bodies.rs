@@ -1,0 +1,135 @@
+//! Bodies, one inside the other.
+
+use super::super::description::FrameDescription;
+use super::super::description::{JointDescription, Name};
+use super::super::{JointKind, Pose};
+use super::files::Element;
+use super::{Placed, Reader, Remark, WORLD};
+use crate::diagnostic::At;
+
+/// Elements that make several bodies of one.
+const GENERATORS: [&str; 4] = ["replicate", "composite", "flexcomp", "attach"];
+
+/// A body that waits for being read.
+struct Waiting<'a> {
+    body: Placed<'a>,
+    parent: Name,
+}
+
+impl<'a> Reader<'_, 'a> {
+    /// All bodies, parents first, as MuJoCo numbers them.
+    pub(super) fn bodies(&mut self, worlds: &[Element<'a>]) {
+        let mut waiting = Vec::new();
+        for &world in worlds {
+            let name = At::new(WORLD.to_owned(), world.span());
+            let class = self.class(world, "childclass", 0);
+            let contents = self.contents(world, class);
+            for placed in &contents {
+                match placed.element.tag() {
+                    "site" => self.site(placed, &name),
+                    "geom" | "body" | "light" | "camera" => {}
+                    _ => self.unread(placed),
+                }
+            }
+            let bodies = contents.into_iter().filter(|placed| placed.element.tag() == "body");
+            waiting.extend(bodies.map(|body| Waiting { body, parent: name.clone() }));
+        }
+        waiting.reverse();
+        while let Some(Waiting { body, parent }) = waiting.pop() {
+            let (name, contents) = self.body(body, parent);
+            let inner = contents.into_iter().rev().filter(|placed| placed.element.tag() == "body");
+            waiting.extend(inner.map(|body| Waiting { body, parent: name.clone() }));
+        }
+        self.scale_masses();
+    }
+
+    /// Reads one body without those inside it; its name, and all that stands in it.
+    fn body(&mut self, body: Placed<'a>, parent: Name) -> (Name, Vec<Placed<'a>>) {
+        let element = body.element;
+        let named = self.name(element, "name");
+        let wanted = named.as_ref().map_or_else(|| "body".to_owned(), |name| name.value.clone());
+        let own = Self::distinct(&mut self.link_names, wanted.clone());
+        let name = At::new(own, named.as_ref().map_or(element.span(), |name| name.span));
+        if named.is_some() && name.value != wanted {
+            let message = format!("there are two bodies `{wanted}`");
+            self.report.error(name.span, "duplicate-name", message);
+        }
+        self.robot.links.push(name.clone());
+        let pose = body.pose.then(&self.pose(element, &format!("body `{}`", name.value)));
+        let class = self.class(element, "childclass", body.class);
+        let contents = self.contents(element, class);
+        let joints: Vec<&Placed<'a>> =
+            contents.iter().filter(|placed| ["joint", "freejoint"].contains(&placed.element.tag())).collect();
+        if let Some(given) = element.attribute("gravcomp").filter(|given| given.text.trim() != "0") {
+            self.notes.remark(Remark::GravityCompensation, given.span, name.quoted());
+        }
+        match joints.is_empty() {
+            true => self.fix(&name, parent, pose),
+            false => self.joints(&name, parent, pose, &joints),
+        }
+        self.inertia(&name, element, &contents);
+        for placed in &contents {
+            match placed.element.tag() {
+                "site" => self.site(placed, &name),
+                "geom" | "body" | "light" | "camera" | "joint" | "freejoint" | "inertial" => {}
+                _ => self.unread(placed),
+            }
+        }
+        (name, contents)
+    }
+
+    fn fix(&mut self, name: &Name, parent: Name, pose: Pose) {
+        let own = Self::distinct(&mut self.joint_names, format!("{}_fixed", name.value));
+        self.robot.joints.push(JointDescription {
+            kind: Some(JointKind::Fixed),
+            parent: Some(parent),
+            child: Some(name.clone()),
+            origin: Some(pose),
+            ..JointDescription::named(At::new(own, name.span))
+        });
+    }
+
+    fn unread(&mut self, placed: &Placed<'a>) {
+        match GENERATORS.contains(&placed.element.tag()) {
+            true => self.refuse(placed.element),
+            false => self.notes.skip(placed.element.tag(), placed.element.span()),
+        }
+    }
+
+    fn site(&mut self, placed: &Placed<'a>, link: &Name) {
+        let Some(name) = self.name(placed.element, "name") else { return };
+        let class = self.class(placed.element, "class", placed.class);
+        let placed = Placed { class, ..placed.clone() };
+        let pose = self.pose_of(&placed, &format!("site `{}`", name.value));
+        self.sites.insert(name.value.clone());
+        let pose = placed.pose.then(&pose);
+        self.robot.frames.push(FrameDescription { name, link: link.clone(), pose });
+    }
+
+    /// The pose that an element, or its class, says.
+    pub(super) fn pose_of(&mut self, placed: &Placed<'a>, owner: &str) -> Pose {
+        let keys = ["pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"];
+        let found = keys.map(|key| self.find(placed, key));
+        let at = |wanted: &str| keys.iter().position(|key| *key == wanted).and_then(|index| found[index]);
+        self.pose_by(&at, owner)
+    }
+
+    /// What stands in a body; frames are dissolved.
+    fn contents(&mut self, element: Element<'a>, class: usize) -> Vec<Placed<'a>> {
+        let place = |element| Placed { element, pose: Pose::identity(), class };
+        let files = self.files;
+        let mut stack: Vec<Placed<'a>> = files.children(element).into_iter().rev().map(place).collect();
+        let mut contents = Vec::new();
+        while let Some(next) = stack.pop() {
+            if next.element.tag() != "frame" {
+                contents.push(next);
+                continue;
+            }
+            let pose = next.pose.then(&self.pose(next.element, "a frame"));
+            let class = self.class(next.element, "childclass", next.class);
+            let inner = files.children(next.element).into_iter().rev();
+            stack.extend(inner.map(|element| Placed { element, pose: pose.clone(), class }));
+        }
+        contents
+    }
+}

@@ -1,0 +1,133 @@
+//! What `<compiler>` and `<option>` say of all other elements.
+
+use super::Reader;
+use super::files::Element;
+
+/// Settings with MuJoCo's defaults.
+pub(super) struct Compiler {
+    /// Radians in the unit of angles.
+    pub(super) angle: f64,
+    /// Axes of the three angles of `euler`; in capitals they do not turn with the frame.
+    pub(super) eulerseq: [char; 3],
+    /// A range is a limit without being called one.
+    pub(super) autolimits: bool,
+    pub(super) inertia_from_geoms: FromGeoms,
+    /// Groups of geoms that have mass, lowest and highest.
+    pub(super) groups: [f64; 2],
+    pub(super) least_mass: f64,
+    pub(super) least_inertia: f64,
+    pub(super) balances: bool,
+    pub(super) total_mass: Option<f64>,
+}
+
+/// When the inertia of a body is that of its geoms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum FromGeoms {
+    Never,
+    WithoutInertial,
+    Always,
+}
+
+impl Default for Compiler {
+    fn default() -> Self {
+        Self {
+            angle: std::f64::consts::PI / 180.0,
+            eulerseq: ['x', 'y', 'z'],
+            autolimits: true,
+            inertia_from_geoms: FromGeoms::WithoutInertial,
+            groups: [0.0, 5.0],
+            least_mass: 0.0,
+            least_inertia: 0.0,
+            balances: false,
+            total_mass: None,
+        }
+    }
+}
+
+impl<'a> Reader<'_, 'a> {
+    /// Takes the settings of one `<compiler>`.
+    pub(super) fn compiler(&mut self, element: Element<'a>) {
+        if let Some(unit) = self.word(element, "angle", &["degree", "radian"]) {
+            self.compiler.angle = if unit == "degree" { std::f64::consts::PI / 180.0 } else { 1.0 };
+        }
+        if let Some(given) = element.attribute("eulerseq") {
+            let letters: Vec<char> = given.text.chars().collect();
+            match <[char; 3]>::try_from(letters) {
+                Ok(letters) if letters.iter().all(|letter| "xyzXYZ".contains(*letter)) => {
+                    self.compiler.eulerseq = letters;
+                }
+                _ => {
+                    let message = format!(
+                        "`eulerseq` must be three of the letters x, y, z, X, Y, Z, not {:?}",
+                        given.text
+                    );
+                    self.report.error(given.span, "not-a-word", message);
+                }
+            }
+        }
+        const SWITCH: [&str; 2] = ["false", "true"];
+        if let Some(word) = self.word(element, "autolimits", &SWITCH) {
+            self.compiler.autolimits = word == "true";
+        }
+        if let Some(word) = self.word(element, "inertiafromgeom", &["false", "true", "auto"]) {
+            self.compiler.inertia_from_geoms = match word {
+                "false" => FromGeoms::Never,
+                "true" => FromGeoms::Always,
+                _ => FromGeoms::WithoutInertial,
+            };
+        }
+        if let Some(word) = self.word(element, "balanceinertia", &SWITCH) {
+            self.compiler.balances = word == "true";
+        }
+        if let Some(groups) = self.vector(element.attribute("inertiagrouprange"), "inertiagrouprange") {
+            self.compiler.groups = groups.value;
+        }
+        if let Some(least) = self.number(element.attribute("boundmass"), "boundmass") {
+            self.compiler.least_mass = least.value;
+        }
+        if let Some(least) = self.number(element.attribute("boundinertia"), "boundinertia") {
+            self.compiler.least_inertia = least.value;
+        }
+        if let Some(total) = self.number(element.attribute("settotalmass"), "settotalmass") {
+            self.compiler.total_mass = (total.value > 0.0).then_some(total.value);
+        }
+        if let Some(global) = element.attribute("coordinate").filter(|given| given.text == "global") {
+            self.report.error(
+                global.span,
+                "global-coordinates",
+                "global coordinates are none of today's MuJoCo",
+            );
+            self.report.help("MuJoCo 2.3.3 and older convert such files: load and save them there");
+        }
+    }
+
+    /// Gravity, and what acts besides it.
+    pub(super) fn option(&mut self, element: Element<'a>) {
+        if let Some(gravity) = self.vector(element.attribute("gravity"), "gravity") {
+            self.gravity = gravity.value;
+        }
+        for key in ["density", "viscosity"] {
+            if let Some(given) = element.attribute(key)
+                && given.text.trim().parse::<f64>() != Ok(0.0)
+            {
+                self.notes.remark(super::Remark::Medium, given.span, format!("`{key}`"));
+            }
+        }
+        for flag in self.files.children(element).into_iter().filter(|inner| inner.tag() == "flag") {
+            if flag.node.attribute("gravity") == Some("disable") {
+                self.gravity = [0.0; 3];
+            }
+        }
+    }
+
+    /// One of several words.
+    pub(super) fn word(
+        &mut self,
+        element: Element<'a>,
+        key: &str,
+        known: &[&'static str],
+    ) -> Option<&'static str> {
+        let given = element.attribute(key)?;
+        self.one_of(given, key, known)
+    }
+}

@@ -1,0 +1,165 @@
+//! The files of an MJCF: the model, and what it includes.
+
+use std::path::Path;
+
+use roxmltree::{Attribute, Document, Node};
+
+use super::super::read::Load;
+use super::super::urdf_text::UrdfText;
+use crate::diagnostic::{At, Report, Span};
+
+/// So many files may include each other.
+const MOST_FILES: usize = 100;
+
+/// One file.
+pub(super) struct Text {
+    /// As `<include>` names it; empty for the model itself.
+    included_as: String,
+    source: usize,
+    text: UrdfText,
+}
+
+/// Reads the model's text and all that it includes; `None` where something is wrong with them, which was reported.
+///
+/// - `path`: that of the model, from which the paths of included files begin
+pub(super) fn gather(
+    (text, source): (&str, usize),
+    path: &Path,
+    load: &mut Load<'_>,
+    report: &mut Report,
+) -> Option<Vec<Text>> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut texts = vec![Text { included_as: String::new(), source, text: UrdfText::new(text) }];
+    let mut next = 0;
+    while next < texts.len() {
+        for file in includes(&texts[next], report)? {
+            if texts.iter().any(|known| known.included_as == file.value) || texts.len() >= MOST_FILES {
+                let message =
+                    format!("`{}` is included a second time, or after {MOST_FILES} other files", file.value);
+                report.error(file.span, "included-twice", message);
+                report.help("MuJoCo takes each file once");
+                return None;
+            }
+            let path = folder.join(&file.value);
+            match load(&path.to_string_lossy()) {
+                Ok((name, text)) => {
+                    let source = report.add_source(&name, &text);
+                    texts.push(Text { included_as: file.value, source, text: UrdfText::new(&text) });
+                }
+                Err(wrong) => {
+                    for entry in wrong.into_entries() {
+                        let here = entry.location.is_none().then_some(file.span);
+                        report.push(here, entry);
+                    }
+                    return None;
+                }
+            }
+        }
+        next += 1;
+    }
+    Some(texts)
+}
+
+/// The files that a text includes.
+fn includes(text: &Text, report: &mut Report) -> Option<Vec<At<String>>> {
+    let document = match Document::parse(text.text.as_str()) {
+        Ok(document) => document,
+        Err(wrong) => {
+            super::super::urdf::report_syntax(&wrong, text.text.as_str(), text.source, report);
+            return None;
+        }
+    };
+    let includes = document.descendants().filter(|node| node.has_tag_name("include"));
+    let file = |node: Node<'_, '_>| {
+        let attribute = node.attribute_node("file")?;
+        Some(At::new(attribute.value().to_owned(), Span::new(text.source, attribute.range_value())))
+    };
+    Some(includes.filter_map(file).collect())
+}
+
+/// The parsed texts.
+pub(super) struct Files<'t> {
+    files: Vec<(&'t str, usize, Document<'t>)>,
+}
+
+/// An element and the file that it stands in.
+#[derive(Clone, Copy)]
+pub(super) struct Element<'a> {
+    pub(super) node: Node<'a, 'a>,
+    source: usize,
+}
+
+impl<'t> Files<'t> {
+    /// Parses texts that [`gather`] has found to be XML.
+    pub(super) fn parse(texts: &'t [Text]) -> Self {
+        let parsed = texts.iter().filter_map(|text| {
+            let document = Document::parse(text.text.as_str()).ok()?;
+            Some((text.included_as.as_str(), text.source, document))
+        });
+        Self { files: parsed.collect() }
+    }
+
+    /// The element around the whole model.
+    pub(super) fn root(&'t self) -> Option<Element<'t>> {
+        self.files
+            .first()
+            .map(|(_, source, document)| Element { node: document.root_element(), source: *source })
+    }
+
+    /// The elements inside one, with those of included files in the places of `<include>`.
+    pub(super) fn children(&'t self, element: Element<'t>) -> Vec<Element<'t>> {
+        let inside = |element: Element<'t>| {
+            let nodes = element.node.children().filter(Node::is_element);
+            nodes.map(move |node| Element { node, source: element.source })
+        };
+        let mut result = Vec::new();
+        let mut stack: Vec<Element<'t>> = inside(element).collect();
+        stack.reverse();
+        while let Some(next) = stack.pop() {
+            if next.tag() != "include" {
+                result.push(next);
+                continue;
+            }
+            let file = next.node.attribute("file").unwrap_or("");
+            let found = self.files.iter().skip(1).find(|(name, ..)| *name == file);
+            if let Some((_, source, document)) = found {
+                let root = Element { node: document.root_element(), source: *source };
+                let included: Vec<_> = inside(root).collect();
+                stack.extend(included.into_iter().rev());
+            }
+        }
+        result
+    }
+}
+
+impl<'a> Element<'a> {
+    pub(super) fn tag(self) -> &'a str {
+        self.node.tag_name().name()
+    }
+
+    pub(super) fn attribute(self, key: &str) -> Option<Given<'a>> {
+        let attribute = self.node.attribute_node(key)?;
+        Some(Given::of(attribute, self.source))
+    }
+
+    /// The opening tag.
+    pub(super) fn span(self) -> Span {
+        let range = self.node.range();
+        let text = self.node.document().input_text().get(range.clone()).unwrap_or("");
+        let length = text.find(['>', '\n']).map_or(text.len(), |at| at + 1);
+        Span::new(self.source, range.start..range.start + length)
+    }
+}
+
+/// The value of an attribute, and its place.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Given<'a> {
+    pub(super) text: &'a str,
+    pub(super) span: Span,
+}
+
+impl<'a> Given<'a> {
+    fn of(attribute: Attribute<'a, 'a>, source: usize) -> Self {
+        Self { text: attribute.value(), span: Span::new(source, attribute.range_value()) }
+    }
+}

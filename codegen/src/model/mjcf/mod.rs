@@ -1,0 +1,276 @@
+//! An MJCF, the format of MuJoCo, as a [`RobotDescription`].
+//!
+//! What enters M, k and q is read as MuJoCo's compiler reads it; what does not is skipped with a note.
+
+mod actuators;
+mod bodies;
+mod classes;
+mod compiler;
+mod equalities;
+mod files;
+mod inertia;
+mod joints;
+mod notes;
+mod place;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use super::angles::Angles;
+use super::description::{DriveChoice, Name, RobotDescription};
+use super::read::Load;
+use super::{Pose, ReadOptions};
+use crate::diagnostic::{At, Report, Span, nearest};
+use crate::formula::{Formula, LARGEST_NUMBER, too_large};
+use classes::Classes;
+use compiler::Compiler;
+use files::{Element, Files, Given};
+use notes::{Notes, Remark};
+
+/// The link of all that does not move.
+const WORLD: &str = "world";
+
+/// Sections that say nothing of the equations.
+const HARMLESS: [&str; 10] = [
+    "size",
+    "visual",
+    "statistic",
+    "asset",
+    "contact",
+    "sensor",
+    "keyframe",
+    "custom",
+    "extension",
+    "deformable",
+];
+
+/// A joint as other sections speak of it.
+struct KnownJoint {
+    name: Name,
+    /// Its position where the description shows it.
+    reference: f64,
+    has_quaternion: bool,
+    /// What it adds to M by itself.
+    armature: f64,
+}
+
+pub(super) struct Reader<'r, 'a> {
+    report: &'r mut Report,
+    angles: &'r mut Angles,
+    options: ReadOptions,
+    files: &'a Files<'a>,
+    classes: Classes<'a>,
+    compiler: Compiler,
+    gravity: [f64; 3],
+    notes: Notes,
+    robot: RobotDescription,
+    /// By their names in the file.
+    joints: BTreeMap<String, KnownJoint>,
+    sites: BTreeSet<String>,
+    link_names: BTreeSet<String>,
+    joint_names: BTreeSet<String>,
+    drive_names: BTreeSet<String>,
+}
+
+/// An element in its body: with the pose of the frames around it, and the class that it has without a word.
+#[derive(Clone)]
+struct Placed<'a> {
+    element: Element<'a>,
+    pose: Pose,
+    class: usize,
+}
+
+/// Reads an MJCF; `None` where it is no XML or has no model in it.
+///
+/// - `text`: the text and its index
+/// - `path`: its path, from which those of included files begin
+pub(super) fn description(
+    (report, angles): (&mut Report, &mut Angles),
+    text: (&str, usize),
+    path: &Path,
+    options: &ReadOptions,
+    load: &mut Load<'_>,
+) -> Option<RobotDescription> {
+    let texts = files::gather(text, path, load, report)?;
+    let files = Files::parse(&texts);
+    let root = files.root()?;
+    if root.tag() != "mujoco" {
+        let message = format!("the file holds a `{}`, not a `robot` or `mujoco`", root.tag());
+        report.error(root.span(), "not-a-robot", message);
+        return None;
+    }
+    let sections = files.children(root);
+    let defaults: Vec<Element<'_>> =
+        sections.iter().copied().filter(|section| section.tag() == "default").collect();
+    let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("robot");
+    let mut reader = Reader {
+        report,
+        angles,
+        options: *options,
+        classes: Classes::of(&defaults, &files),
+        files: &files,
+        compiler: Compiler::default(),
+        gravity: [0.0, 0.0, -9.81],
+        notes: Notes::default(),
+        robot: RobotDescription {
+            name: At::new(stem.to_owned(), root.span()),
+            default_drive: DriveChoice::Passive,
+            links: vec![At::new(WORLD.to_owned(), root.span())],
+            ..RobotDescription::default()
+        },
+        joints: BTreeMap::new(),
+        sites: BTreeSet::new(),
+        link_names: BTreeSet::from([WORLD.to_owned()]),
+        joint_names: BTreeSet::new(),
+        drive_names: BTreeSet::new(),
+    };
+    reader.model(root, &sections);
+    reader.notes.report(reader.report);
+    Some(reader.robot)
+}
+
+impl<'a> Reader<'_, 'a> {
+    fn model(&mut self, root: Element<'a>, sections: &[Element<'a>]) {
+        if let Some(name) = self.name(root, "model") {
+            self.robot.name = name;
+        }
+        let with = |tag: &'static str| sections.iter().copied().filter(move |section| section.tag() == tag);
+        with("compiler").for_each(|section| self.compiler(section));
+        with("option").for_each(|section| self.option(section));
+        self.robot.gravity = Some(self.gravity.map(Formula::Number));
+        self.bodies(&with("worldbody").collect::<Vec<_>>());
+        let actuators: Vec<_> = with("actuator").collect();
+        let tendons: Vec<_> = with("tendon").collect();
+        with("equality").for_each(|section| self.equalities(section));
+        self.actuators(&actuators, &tendons);
+        self.armatures();
+        const READ: [&str; 7] =
+            ["compiler", "option", "default", "worldbody", "actuator", "tendon", "equality"];
+        for section in sections.iter().filter(|section| !READ.contains(&section.tag())) {
+            if !HARMLESS.contains(&section.tag()) {
+                self.refuse(*section);
+            } else {
+                self.notes.skip(section.tag(), section.span());
+            }
+        }
+    }
+
+    /// An element that would make bodies or forces of its own.
+    fn refuse(&mut self, element: Element<'a>) {
+        let message = format!("<{}> is not supported", element.tag());
+        self.report.error(element.span(), "unsupported-element", message);
+        self.report.help(
+            "`mujoco.mj_saveLastXML` writes a loaded model as plain bodies, joints and geoms: give that file",
+        );
+    }
+
+    /// A name that is free, with a number behind it where another one has it.
+    fn distinct(names: &mut BTreeSet<String>, wanted: String) -> String {
+        let mut name = wanted.clone();
+        let mut count = 1;
+        while !names.insert(name.clone()) {
+            count += 1;
+            name = format!("{wanted}_{count}");
+        }
+        name
+    }
+
+    /// What an element says, or its class.
+    fn find(&self, placed: &Placed<'a>, key: &str) -> Option<Given<'a>> {
+        let own = placed.element.attribute(key);
+        own.or_else(|| self.classes.attribute(placed.class, placed.element.tag(), key))
+    }
+
+    /// The class that an element names, else the one around it.
+    fn class(&mut self, element: Element<'a>, key: &str, around: usize) -> usize {
+        let Some(given) = element.attribute(key) else { return around };
+        match self.classes.find(given.text) {
+            Some(class) => class,
+            None => {
+                let message = format!("unknown default class `{}`", given.text);
+                self.report.error(given.span, "unknown-class", message);
+                if let Some(help) = nearest(given.text, self.classes.names()) {
+                    self.report.help(help);
+                }
+                around
+            }
+        }
+    }
+
+    fn name(&mut self, element: Element<'a>, key: &str) -> Option<Name> {
+        let given = element.attribute(key).filter(|given| !given.text.is_empty())?;
+        if given.text.chars().any(char::is_control) {
+            let message = format!("`{key}` must be one line of text, not {:?}", given.text);
+            self.report.error(given.span, "unusable-name", message);
+            return None;
+        }
+        Some(At::new(given.text.to_owned(), given.span))
+    }
+
+    fn one_of(&mut self, given: Given<'a>, key: &str, known: &[&'static str]) -> Option<&'static str> {
+        let found = known.iter().find(|word| **word == given.text);
+        if found.is_none() {
+            let message = format!("`{key}` is {:?}", given.text);
+            self.report.error(given.span, "unknown-word", message);
+            self.report.help(nearest(given.text, known.iter().copied()).unwrap_or_default());
+        }
+        found.copied()
+    }
+
+    fn number(&mut self, given: Option<Given<'a>>, key: &str) -> Option<At<f64>> {
+        self.vector::<1>(given, key).map(|found| At::new(found.value[0], found.span))
+    }
+
+    fn vector<const N: usize>(&mut self, given: Option<Given<'a>>, key: &str) -> Option<At<[f64; N]>> {
+        let numbers = self.numbers(given?, key)?;
+        match <[f64; N]>::try_from(numbers.value) {
+            Ok(value) => Some(At::new(value, numbers.span)),
+            Err(found) => {
+                let wanted = if N == 1 { "a number".to_owned() } else { format!("{N} numbers") };
+                let message = format!("`{key}` must be {wanted}, not {}", found.len());
+                self.report.error(numbers.span, "not-a-number", message);
+                None
+            }
+        }
+    }
+
+    /// As many numbers as there are.
+    fn numbers(&mut self, given: Given<'a>, key: &str) -> Option<At<Vec<f64>>> {
+        let words = given.text.split_whitespace().map(|word| word.parse::<f64>().map(|number| number + 0.0));
+        let numbers: Result<Vec<f64>, _> = words.collect();
+        let fault = match &numbers {
+            Err(_) => {
+                Some(("not-a-number", format!("`{key}` must be numbers, not {:?}", shortened(given.text))))
+            }
+            Ok(numbers) if numbers.iter().any(|number| !number.is_finite()) => {
+                Some(("number-not-finite", format!("`{key}` must be finite, not {}", shortened(given.text))))
+            }
+            Ok(numbers) if numbers.iter().any(|number| number.abs() > LARGEST_NUMBER) => {
+                Some(("number-too-large", too_large(&format!("`{key}`"))))
+            }
+            Ok(_) => None,
+        };
+        match (fault, numbers) {
+            (None, Ok(numbers)) => Some(At::new(numbers, given.span)),
+            (fault, _) => {
+                let (code, message) = fault.unwrap_or_default();
+                self.report.error(given.span, code, message);
+                None
+            }
+        }
+    }
+}
+
+fn shortened(text: &str) -> String {
+    text.chars().take(60).collect()
+}
+
+/// A number where a file says none.
+fn or(given: Option<At<f64>>, default: f64) -> f64 {
+    given.map_or(default, |given| given.value)
+}
+
+/// The place of a number, or of what it belongs to.
+fn span_of<T>(given: Option<&At<T>>, otherwise: Span) -> Span {
+    given.map_or(otherwise, |given| given.span)
+}
