@@ -10,6 +10,8 @@
 //! not feasible for the passive coordinates. Of robots with quaternions v and v̇ stand in place of ẏ and ÿ.
 
 use crate::dynamics::{Dynamics, Named, plain_entries};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 use crate::pseudo_inverse::pseudo_inverse;
 use crate::trajectory::{MAX_SAMPLES, Sample, Trajectory, whole_periods};
 use thiserror::Error;

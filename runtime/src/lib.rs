@@ -92,6 +92,21 @@
 //!
 //! `socketcan` adds the transport over a CAN bus (Linux), `online-targets` targets that change while the
 //! robot moves.
+//!
+//! Without the feature `std`, which is on by default, the crate needs an allocator alone and compiles for microcontrollers:
+//! [`feed_forward`] (with a model's friction it compensates it), [`lqr`] and [`qp`], the laws of [`control_loop`]
+//! ([`JointPd`](control_loop::JointPd), [`ComputedTorque`](control_loop::ComputedTorque),
+//! [`LawController`](control_loop::LawController)), and [`trajectory`] but for recordings, poses and online targets. Numbers are
+//! f64 there too; modules in f32 stand alone.
+
+#![cfg_attr(not(feature = "std"), no_std)]
+#![cfg_attr(
+    not(feature = "std"),
+    allow(dead_code, unused_imports, reason = "the loop and the predictive controllers call it")
+)]
+
+#[cfg(not(feature = "std"))]
+extern crate alloc;
 
 pub use gelenk_dynamics::{dynamics, include_model};
 
@@ -100,12 +115,18 @@ pub mod feed_forward;
 mod input_limits;
 #[doc = include_str!("from_urdf.md")]
 pub mod from_urdf {}
+#[cfg(feature = "std")]
 pub mod kinematics;
 pub mod lanes;
 pub mod lqr;
+#[cfg(feature = "std")]
 pub mod mpc;
+#[cfg(not(feature = "std"))]
+mod no_std;
+#[cfg(feature = "std")]
 pub mod plant;
 mod pseudo_inverse;
 pub mod qp;
 pub mod trajectory;
+#[cfg(feature = "std")]
 pub mod transport;

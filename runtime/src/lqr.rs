@@ -21,8 +21,8 @@
 use crate::qp::lanes::Portable;
 use crate::qp::riccati::Riccati;
 use crate::qp::{MAX_HORIZON, MAX_SIZE};
+use core::fmt;
 use nalgebra::SMatrix;
-use std::fmt;
 
 /// Doublings after which a Riccati equation without a stabilizing solution is given up; each squares the
 /// closed loop.
@@ -74,7 +74,7 @@ impl fmt::Display for LqrError {
     }
 }
 
-impl std::error::Error for LqrError {}
+impl core::error::Error for LqrError {}
 
 /// Infinite-horizon regulator `u = K x` of `x⁺ = A x + B u` with the cost `Σ xᵀQx + uᵀRu`.
 #[derive(Debug, Clone, PartialEq)]

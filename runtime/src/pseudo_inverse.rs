@@ -1,5 +1,7 @@
 //! The pseudo-inverse of a small matrix, without allocation.
 
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 /// Singular values below this share of the largest count as zero.
 const RANK_TOLERANCE: f64 = 1e-12;
 

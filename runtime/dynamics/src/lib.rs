@@ -3,4 +3,6 @@
 //!
 //! `gelenk-runtime` has the same module and macros under the same names.
 
+#![cfg_attr(not(test), no_std)]
+
 pub mod dynamics;

@@ -1,7 +1,7 @@
 //! What the loop asks of a controller.
 
 use crate::dynamics::{AttitudeError, Named};
-use std::fmt;
+use core::fmt;
 
 /// The state of the loop at the start of a period, as a controller learns it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,7 +88,7 @@ impl fmt::Display for ControllerFault {
     }
 }
 
-impl std::error::Error for ControllerFault {}
+impl core::error::Error for ControllerFault {}
 
 /// A joint that is too fast for the zero-order hold over a period: its rate times the period exceeds 2e7, see
 /// [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize).

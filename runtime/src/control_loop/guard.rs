@@ -1,7 +1,7 @@
 //! Is a measurement believable?
 
 use crate::dynamics::{AttitudeError, Named, numbered};
-use std::fmt;
+use core::fmt;
 
 /// A fault of a measured position.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,7 +7,7 @@ use super::unrolled::Unrolled;
 use super::velocity_filter::VelocityFilter;
 use crate::dynamics::{AttitudeError, QuaternionJoint, numbered};
 use crate::trajectory::{Sample, Trajectory};
-use std::hint::black_box;
+use core::hint::black_box;
 
 /// A feedback law without memory: inputs from a desired state and the measured one. The loop falls back on
 /// one where its controller fails, and makes the controlled stop with it; [`LawController`] follows a

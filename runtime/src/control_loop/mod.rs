@@ -51,41 +51,59 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(feature = "std")]
 mod clock;
 mod computed_torque;
 mod controller;
+#[cfg(feature = "std")]
 mod decide;
 mod guard;
 mod joint_pd;
 mod law;
+#[cfg(feature = "std")]
 mod log;
+#[cfg(feature = "std")]
 mod monitor;
+#[cfg(feature = "std")]
 mod realtime;
+#[cfg(feature = "std")]
 mod reference;
+#[cfg(feature = "std")]
 mod report;
+#[cfg(feature = "std")]
 mod run;
 mod settings;
 mod stage;
+#[cfg(feature = "std")]
 mod start;
+#[cfg(feature = "std")]
 mod stop_request;
 mod unrolled;
 mod velocity_filter;
+#[cfg(feature = "std")]
 mod warm_up;
 #[doc = include_str!("write_a_controller.md")]
 pub mod write_a_controller {}
 
+#[cfg(feature = "std")]
 pub use clock::{Clock, MonotonicClock, VirtualClock};
 pub use computed_torque::{AccelerationGains, ComputedTorque, ComputedTorqueError};
 pub use controller::{Command, Controller, ControllerFault, Cycle, Estimate, TooFast};
 pub use guard::{EncoderFault, EncoderGuard, GuardSettings};
 pub use joint_pd::{JointGains, JointPd, JointPdError};
 pub use law::{FeedForwardPd, JointLaw, LawController};
+#[cfg(feature = "std")]
 pub use log::{LogRecord, LogSink, LogSummary, LogWriter, MAX_LOG_CAPACITY, log_to, log_to_file};
+#[cfg(feature = "std")]
 pub use monitor::LimitFault;
+#[cfg(feature = "std")]
 pub use realtime::{Grant, RealtimeReport, RealtimeRequest};
+#[cfg(feature = "std")]
 pub use report::{Counts, End, LoopReport, Refusal, Source, StopReason};
+#[cfg(feature = "std")]
 pub use run::ControlLoop;
 pub use settings::{LoopSettings, RATES, SettingError};
 pub use stage::{STAGES, Stage};
+#[cfg(feature = "std")]
 pub use stop_request::StopRequest;
 pub use velocity_filter::VelocityFilter;

@@ -4,11 +4,13 @@ use super::guard::GuardSettings;
 use super::stage::{STAGES, Stage};
 use crate::dynamics::{Dynamics, Limits, Named, QuaternionJoint};
 use crate::input_limits;
-use std::fmt;
-use std::time::Duration;
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
+use core::fmt;
+use core::time::Duration;
 
 /// Rates that the loop accepts (Hz).
-pub const RATES: std::ops::RangeInclusive<f64> = 50.0..=1000.0;
+pub const RATES: core::ops::RangeInclusive<f64> = 50.0..=1000.0;
 
 /// Settings of a [`ControlLoop`](super::ControlLoop). Start from [`for_robot`](Self::for_robot) and change
 /// what differs.
@@ -213,7 +215,7 @@ impl fmt::Display for SettingError {
     }
 }
 
-impl std::error::Error for SettingError {}
+impl core::error::Error for SettingError {}
 
 pub(super) fn require(
     name: &'static str,

@@ -11,6 +11,8 @@ use super::riccati::Riccati;
 use super::rows::{Limits, Rows};
 use super::status::{KktResiduals, QpReport, QpSettings, QpStatus};
 use super::trajectory::Trajectory;
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// Bounds that are closer (relative to their size if that exceeds 1) count as equal, at their middle:
 /// rounding would leave no interior between them.

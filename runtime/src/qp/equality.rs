@@ -16,6 +16,8 @@
 
 use super::lanes::{Vector, WIDTH, flat_mut, largest};
 use super::multipliers::Multipliers;
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// Diagonal term of a fixed input. Far beyond any weight, and far from overflow.
 const FIXING: f64 = 1e100;

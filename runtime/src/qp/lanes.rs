@@ -6,6 +6,8 @@
 //! vector unit that the compiler may use anyway, [`Avx2`](super::avx2::Avx2) to that of newer x86-64
 //! processors, chosen when a solver is made.
 
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 /// Numbers per lane.

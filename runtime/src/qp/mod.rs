@@ -20,7 +20,7 @@
 //! and rows out of reach are found out within a bounded number of iterations, and replaced by exact penalties
 //! ([`QpStatus::Relaxed`]).
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
 mod avx2;
 mod barrier;
 mod certificate;

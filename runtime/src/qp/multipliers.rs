@@ -1,6 +1,8 @@
 //! Multipliers of bounds, as the solution keeps them.
 
 use super::lanes::{Vector, WIDTH, flat, flat_mut};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// Multipliers of the lower and upper bounds.
 #[derive(Debug, Clone)]

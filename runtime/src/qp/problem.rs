@@ -1,5 +1,7 @@
 //! The optimal-control QP, as plain data.
 
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 /// Penalty of a soft bound: `linear · v + ½ quadratic · v²` for a violation `v ≥ 0`.
 ///
 /// The linear term makes it exact: if it exceeds the multiplier that the hard bound would have, the bound is

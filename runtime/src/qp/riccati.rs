@@ -36,6 +36,8 @@ use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, zeros};
 use super::ldl::{NotPositive, factor_ldl, solve_ldl};
 use super::rows::Rows;
 use super::trajectory::Trajectory;
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// Lanes of the largest vector of states or inputs.
 pub(super) const MAX_LANES: usize = 8;

@@ -16,6 +16,8 @@
 use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, zeros};
 use super::problem::{QpProblem, unit};
 use super::trajectory::Trajectory;
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// Limits of a row in its unit.
 pub(super) struct Limits {

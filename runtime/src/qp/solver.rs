@@ -1,6 +1,6 @@
 //! The solver: sizes checked, lanes chosen, solution read.
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
 use super::avx2::{self, Avx2};
 use super::core::Core;
 use super::interior_point::Start;
@@ -46,7 +46,7 @@ pub struct QpSolver<const NX: usize, const NU: usize, const NR: usize = 0>(Engin
 #[derive(Debug, Clone)]
 enum Engine<const NX: usize, const NU: usize, const NR: usize> {
     Portable(Core<Portable, NX, NU, NR>),
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", feature = "std"))]
     Avx2(Core<Avx2, NX, NU, NR>),
 }
 
@@ -55,7 +55,7 @@ macro_rules! core {
     ($solver:expr, $core:ident => $call:expr) => {
         match $solver {
             Engine::Portable($core) => $call,
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", feature = "std"))]
             Engine::Avx2($core) => $call,
         }
     };
@@ -74,7 +74,7 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
         if !(1..=MAX_SIZE).contains(&NX) || !(1..=MAX_SIZE).contains(&NU) || NR > MAX_SIZE {
             return Err(QpError::Size);
         }
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(target_arch = "x86_64", feature = "std"))]
         if avx2::available() {
             return Ok(Self(Engine::Avx2(Core::new(horizon, settings))));
         }
@@ -100,7 +100,7 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
     fn solve_from(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
         match &mut self.0 {
             Engine::Portable(core) => core.solve_from(problem, start),
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", feature = "std"))]
             // SAFETY: this variant exists only where the processor has the features.
             Engine::Avx2(core) => unsafe { solve_avx2(core, problem, start) },
         }
@@ -140,7 +140,7 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
 }
 
 /// The method in a function compiled for these features, into which everything below is inlined.
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
 #[target_feature(enable = "avx2,fma")]
 fn solve_avx2<const NX: usize, const NU: usize, const NR: usize>(
     core: &mut Core<Avx2, NX, NU, NR>,

@@ -1,6 +1,6 @@
 //! What a solve reports, and how it is told to behave.
 
-use std::fmt;
+use core::fmt;
 
 /// How a solve ended. Decided by the residuals of the point that is returned: inputs within their bounds,
 /// states rolled out from them, cost and gradient from the problem's own data. A number that is not finite
@@ -93,4 +93,4 @@ impl fmt::Display for QpError {
     }
 }
 
-impl std::error::Error for QpError {}
+impl core::error::Error for QpError {}

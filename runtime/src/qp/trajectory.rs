@@ -1,6 +1,8 @@
 //! Inputs and states over the horizon, as lanes.
 
 use super::lanes::{Vector, flat, flat_mut, lanes, largest, zeros};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// Numbers for u_0 … u_{N−1}, contiguous without padding between stages, and for x_1 … x_N, each stage padded
 /// to whole lanes, and behind them, if there are any, for the rows of nodes 0 … N likewise ([`super::rows`]).

@@ -2,9 +2,11 @@
 
 use super::{Sample, Trajectory, TrajectoryError};
 use crate::dynamics::{Dynamics, Named};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// Turns this close to half a turn have no shortest way (rad).
-const HALF_TURN: f64 = std::f64::consts::PI - 1e-6;
+const HALF_TURN: f64 = core::f64::consts::PI - 1e-6;
 
 /// A motion through positions at given times, attitudes turning on the shortest way; C².
 ///

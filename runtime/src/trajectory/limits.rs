@@ -3,7 +3,9 @@
 use super::{MAX_SAMPLES, Trajectory, TrajectoryError, require_positive, whole_periods};
 use crate::dynamics::{Dynamics, Named};
 use crate::feed_forward::{FeedForward, FeedForwardError};
-use std::fmt;
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
+use core::fmt;
 use thiserror::Error;
 
 /// Which of the model's torque limits must hold.

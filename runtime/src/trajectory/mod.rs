@@ -4,6 +4,7 @@
 //! of the one before. Feed-forward and model predictive control rely on it.
 
 mod along;
+#[cfg(feature = "std")]
 mod cartesian;
 mod geodesic;
 mod limits;
@@ -11,14 +12,17 @@ mod limits;
 mod online;
 mod points;
 mod polynomial;
+#[cfg(feature = "std")]
 mod recording;
 mod sampled;
 mod sine;
+#[cfg(feature = "std")]
 mod smoothing;
 mod spline;
 mod via_points;
 
 pub use along::Along;
+#[cfg(feature = "std")]
 pub use cartesian::{CartesianError, joint_points, pose_sequence, straight_ways};
 pub use geodesic::GeodesicMotion;
 pub use limits::{CheckError, Quantity, Rating, Violation, violations};
@@ -26,13 +30,17 @@ pub use limits::{CheckError, Quantity, Rating, Violation, violations};
 pub use online::{OnlineTarget, TargetStatus};
 pub use points::PointSequence;
 pub use polynomial::RestToRest;
+#[cfg(feature = "std")]
 pub use recording::{Columns, Inconsistency, Recording};
 pub use sampled::Sampled;
 pub use sine::{IdentificationMotion, IdentificationSine};
+#[cfg(feature = "std")]
 pub use smoothing::{Smoothed, Smoothing};
 pub use via_points::ViaPoints;
 
 use crate::dynamics::{AttitudeError, Limits, Named};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 use thiserror::Error;
 
 /// A desired state with its accelerations; of a robot with quaternions with NY position entries.

@@ -1,6 +1,8 @@
 //! Point after point, with a stop at each.
 
 use super::{RestToRest, Sample, Trajectory, TrajectoryError, require_positive, require_representable};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// Motions from rest to rest between points in joint space, one after the other.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,6 +2,8 @@
 
 use super::{Sample, Trajectory, TrajectoryError, require_finite, require_positive, require_representable};
 use crate::dynamics::Limits;
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// Position, velocity and acceleration of one coordinate.
 pub(super) type End = [f64; 3];

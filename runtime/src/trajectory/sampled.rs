@@ -5,6 +5,8 @@ use super::{
     Sample, Trajectory, TrajectoryError, require_finite, require_periods, require_positive,
     require_representable,
 };
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// A motion given by samples at times 0, T, 2T, …; between them polynomials of degree five that meet
 /// positions, velocities and accelerations of both neighbours, so that the whole is C².

@@ -2,6 +2,8 @@
 
 use super::polynomial::{End, Quintic};
 use super::{Sample, Trajectory, TrajectoryError, require_finite, require_positive, require_representable};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// A sine of variable frequency with polynomial run-in and run-out, each coordinate with its own:
 ///

@@ -2,6 +2,8 @@
 
 use super::TrajectoryError;
 use super::polynomial::{End, Quintic};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// Polynomials of all joints over one span.
 pub(super) type Piece<const N: usize> = [Quintic; N];

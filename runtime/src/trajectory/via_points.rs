@@ -3,6 +3,8 @@
 use super::polynomial::Quintic;
 use super::spline::{self, Piece};
 use super::{MotionLimits, Sample, Trajectory, TrajectoryError};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// A motion through points in joint space that passes those between the first and the last without a stop,
 /// and keeps within limits of positions, speeds and accelerations. It begins and ends at rest, and positions,

@@ -1,8 +1,8 @@
 //! Robots whose positions are not all velocities: joints with a quaternion.
 
 use super::names::Named;
+use core::fmt;
 use gelenk_kernels::manifold;
-use std::fmt;
 
 /// The module's `NY`, or this where it has none: every position entry then has its velocity.
 pub const NO_POSITIONS: usize = usize::MAX;
@@ -184,10 +184,10 @@ impl fmt::Display for AttitudeError {
     }
 }
 
-impl std::error::Error for AttitudeError {}
+impl core::error::Error for AttitudeError {}
 
 fn length(q: &[f64; 4]) -> f64 {
-    q.iter().map(|q| q * q).sum::<f64>().sqrt()
+    gelenk_kernels::math::sqrt(q.iter().map(|q| q * q).sum())
 }
 
 /// Tells which quaternion is zero, not finite or not of unit length to [`UNIT_LENGTH`].

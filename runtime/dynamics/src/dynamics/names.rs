@@ -1,6 +1,6 @@
 //! Names of joints and inputs in messages.
 
-use std::fmt;
+use core::fmt;
 
 /// Most digits of a number.
 const WIDTH: usize = 20;

@@ -23,6 +23,8 @@ pub(super) use self::side::Tally;
 use self::side::{Side, Softening};
 use super::lanes::Vector;
 use super::multipliers::Multipliers;
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// All bounds of one kind of variable (inputs, or states), and the passes of an interior-point iteration over
 /// them.

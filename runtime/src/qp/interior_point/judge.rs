@@ -4,6 +4,8 @@ use super::super::certificate::cost_scale;
 use super::super::core::Core;
 use super::super::lanes::Vector;
 use super::run::{LEAST_COST, PATIENCE, Run, Start, State};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// A start is a bad one if its first residual exceeds `FAR`, and from the iteration `JUDGED` on if more than
 /// `SLOW` of the residual is left per iteration (looked at in every third one) or if `PATIENCE` steps in a

@@ -5,6 +5,8 @@ use super::super::core::Core;
 use super::super::lanes::Vector;
 use super::judge::CRAWL;
 use super::run::{CAP_CUT, PATIENCE, Run, Start, State};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 
 /// Fraction of the step to the boundary that is taken far from the optimum, and close to it.
 const BOUNDARY_FRACTIONS: [f64; 2] = [0.995, 1.0 - 1e-5];

@@ -1,0 +1,8 @@
+//! What the standard library has in scope everywhere: allocated types, and functions of numbers, by `libm`.
+
+pub(crate) use alloc::borrow::ToOwned;
+pub(crate) use alloc::boxed::Box;
+pub(crate) use alloc::string::String;
+pub(crate) use alloc::vec::Vec;
+pub(crate) use alloc::{format, vec};
+pub(crate) use num_traits::Float as _;
