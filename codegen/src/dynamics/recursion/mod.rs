@@ -5,6 +5,7 @@ pub mod composite;
 pub mod derivatives;
 pub mod factorization;
 pub mod frame_motion;
+mod mirrored;
 pub mod newton_euler;
 pub mod placement;
 pub mod quaternion;

@@ -10,6 +10,7 @@
 //! (Luh, Walker and Paul 1980; Balafoutis and Patel 1989 for the second moments; Khalil and Dombre 2002, ch.
 //! 9, for the frames.)
 
+use crate::dynamics::recursion::mirrored::{Branches, mirrored};
 use crate::dynamics::recursion::placement::{Placement, place};
 use crate::dynamics::recursion::quaternion::{ChainMotion, Passage};
 use crate::dynamics::recursion::rotor::Gyrostat;
@@ -127,7 +128,9 @@ pub(in crate::dynamics) fn motions<'g>(
             continue;
         }
         let (rate, acceleration) = (body.transmission.motion(input.v), body.transmission.motion(input.a));
-        let carried = parent.acceleration + parent.spread.times(placement.translation);
+        let mirrored = mirrored(mechanism, placements, index);
+        let origin = mirrored.unwrap_or(placement.translation);
+        let carried = parent.acceleration + parent.spread.times(origin);
         let carried = placement.to_child_unit(&body.twist, carried);
         let mut motion = match body.axis {
             JointAxis::Prismatic => extend(&parent, body, placement, carried, rate, acceleration),
@@ -144,8 +147,10 @@ pub(in crate::dynamics) fn motions<'g>(
                 joint.turn(input, carried)
             }
         };
-        let lift = motion.spread.column(2).scaled(placement.extension);
-        motion.acceleration = motion.acceleration + lift;
+        if mirrored.is_none() {
+            let lift = motion.spread.column(2).scaled(placement.extension);
+            motion.acceleration = motion.acceleration + lift;
+        }
         motions.push(motion.named(body));
     }
     motions
@@ -375,13 +380,16 @@ fn gather<'g>(
     let zero = mechanism.graph.constant(0.0);
     // Transverse moments that go to the frame before a run directly, without the bodies between.
     let mut transverse = vec![Vector3::zero(zero); mechanism.bodies.len()];
+    let mut branches = vec![Branches::default(); mechanism.bodies.len()];
     for index in (0..mechanism.bodies.len()).rev() {
         let (body, placement) = (&mechanism.bodies[index], &placements[index]);
+        forces[index] = branches[index].added_to(forces[index]);
         let Force { force, mut moment } = forces[index];
         force.named(&format!("force_{}", body.label()));
         moment.named(&format!("moment_{}", body.label()));
         body.transmission.add_force(body.axis.force(forces[index]), generalized);
-        let length = placement.extension;
+        let mirrored = mirrored(mechanism, placements, index);
+        let length = if mirrored.is_some() { zero } else { placement.extension };
         moment = moment + Vector3([-(length * force[1]), length * force[0], zero]);
         if formulation.bodies[index].sink == RunLink::RunBase && placement.run != index {
             let across = Vector3([moment[0], moment[1], zero]);
@@ -392,7 +400,13 @@ fn gather<'g>(
         let Some(parent) = body.parent else { continue };
         let force = body.twist.to_parent(placement.before_joint_unit(force));
         let turned = placement.before_joint(moment) + transverse[index];
-        let moment = body.twist.to_parent(turned) + placement.translation.cross(force);
+        let moment = body.twist.to_parent(turned);
+        if let Some(origin) = mirrored {
+            forces[parent].moment = forces[parent].moment + moment;
+            branches[parent].push(origin, force);
+            continue;
+        }
+        let moment = moment + placement.translation.cross(force);
         forces[parent] =
             Force { force: forces[parent].force + force, moment: forces[parent].moment + moment };
     }
