@@ -4,7 +4,8 @@
 #
 #     sh tests/bench/dynamics.sh [arguments of the comparison, e.g. --fn rnea,crba]
 #
-# ROBOTS chooses among ur5, panda and the floating go2, solo12 and iris of the comparison's folder, by default ur5 and panda.
+# ROBOTS chooses among ur5, panda and the floating go2, solo12 and iris of the comparison's folder, by default ur5 and panda. URDFS is a
+# folder with URDFs of further floating robots that the comparison knows, such as g1.urdf.
 #
 # GELENK_SHARED is the folder whose bench/run.sh makes the others; by default the folder `shared` beside the workspace.
 # LAB is where it keeps what it builds. Further options of the generator, if any, stand in GELENK_OPTIONS.
@@ -20,6 +21,7 @@ gelenk=${CARGO_TARGET_DIR:-$root/target}/release/gelenk
 # The description of a robot. A floating base has forces here, as in the comparison.
 description() {
   urdf=$shared/reference/mechanisms/urdf/$1.urdf
+  [ -e "$urdf" ] || urdf=${URDFS:-}/$1.urdf
   if [ ! -e "$urdf" ]; then
     echo "$root/models/$1.toml"
     return
