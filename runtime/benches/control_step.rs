@@ -4,17 +4,24 @@
 //! step is timed as a whole, per period; the stages once more each by itself: observer (prediction and
 //! correction), horizon (desired states, feed-forward, linearization, discretization), log (one record into
 //! the queue). What is left is the QP with its set-up. Times are CPU times of the thread, medians over the
-//! periods; "bounded" counts only periods whose QP has active bounds.
+//! periods; "bounded" counts only periods whose QP has active bounds, and "per iteration" divides their QP with
+//! its set-up by its iterations.
+//!
+//! The last line compares the quadrotor on its figure (`examples/quadrotor.rs`: 12 states, 4 inputs) with UR5 (12
+//! states, 6 inputs).
 
 use gelenk_runtime::control_loop::{Controller, Cycle, LogRecord, LogSink, Source, log_to};
 use gelenk_runtime::dynamics::{Discretizable, PhaseSpace};
 use gelenk_runtime::feed_forward::FeedForward;
-use gelenk_runtime::mpc::{DisturbanceObserver, LtvMpc, MpcError, MpcOptions, Nmpc};
+use gelenk_runtime::mpc::{DisturbanceObserver, LtvMpc, MpcOptions, Nmpc};
 use gelenk_runtime::trajectory::{RestToRest, Trajectory};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rustix::time::{ClockId, clock_gettime};
 use std::error::Error;
+
+#[path = "../examples/support/flight.rs"]
+mod flight;
 
 const HORIZON: usize = 20;
 const ENCODER_STEP: f64 = 1e-5;
@@ -24,6 +31,9 @@ gelenk_runtime::dynamics!(
 );
 gelenk_runtime::dynamics!(
     struct Panda = gelenk_generated::panda: Discretizable []
+);
+gelenk_runtime::dynamics!(
+    struct Ur5 = gelenk_generated::ur5: Discretizable []
 );
 
 /// CPU time of this thread in microseconds.
@@ -50,23 +60,36 @@ fn time_alone(mut work: impl FnMut(usize)) -> f64 {
     median(batches.collect())
 }
 
-/// Times of all periods, and of those with active bounds.
+/// Times of all periods, and times and iterations of those with active bounds.
 struct Loop {
     all: Vec<f64>,
     bounded: Vec<f64>,
-    iterations: u32,
+    iterations: Vec<f64>,
 }
 
-fn drive<D: Discretizable<N, M>, const N: usize, const M: usize>(
-    model: &D,
-    motion: &RestToRest<N>,
-    period: f64,
+/// A robot, its motion, how it is controlled and sampled.
+struct Case<D, T, const N: usize, const M: usize> {
+    name: &'static str,
+    model: D,
+    motion: T,
+    options: MpcOptions<N, M>,
     substeps: usize,
-    log: &mut LogSink<N, M>,
-    controller: &mut impl Controller<N, M>,
+}
+
+fn drive<
+    D: Discretizable<N, M, NY>,
+    T: Trajectory<N, NY>,
+    const N: usize,
+    const M: usize,
+    const NY: usize,
+>(
+    Case { model, motion, options, substeps, .. }: &Case<D, T, N, M>,
+    log: &mut LogSink<N, M, NY>,
+    controller: &mut impl Controller<N, M, NY>,
 ) -> Result<Loop, Box<dyn Error>> {
+    let period = options.period;
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    let mut record = Loop { all: vec![], bounded: vec![], iterations: 0 };
+    let mut record = Loop { all: vec![], bounded: vec![], iterations: vec![] };
     for _ in 0..3 {
         let start = motion.sample(0.0);
         let mut state = (start.positions, start.velocities);
@@ -74,11 +97,13 @@ fn drive<D: Discretizable<N, M>, const N: usize, const M: usize>(
         controller.reset(&state.0, &last);
         for k in 0..(motion.duration() / period) as usize + 20 {
             let time = k as f64 * period;
-            let positions = state.0.map(|y| y + ENCODER_STEP * random.random_range(-0.5..0.5));
+            let noise = core::array::from_fn(|_| ENCODER_STEP * random.random_range(-0.5..0.5));
+            let positions = model.integrate(&state.0, &noise);
             let cycle = Cycle {
                 time,
                 periods: u32::from(k > 0),
                 positions: Some(positions),
+                velocities: options.observer.velocity_sensor_noise.map(|_| state.1),
                 last_inputs: last,
                 ..Cycle::default()
             };
@@ -89,29 +114,29 @@ fn drive<D: Discretizable<N, M>, const N: usize, const M: usize>(
             record.all.push(spent);
             if command.iterations > 0 {
                 record.bounded.push(spent);
-                record.iterations = record.iterations.max(command.iterations);
+                record.iterations.push(f64::from(command.iterations));
             }
             last = command.inputs;
-            for _ in 0..substeps {
-                state = model.step(&state.0, &state.1, &last, period / substeps as f64);
+            for _ in 0..*substeps {
+                state = model.step(&state.0, &state.1, &last, period / *substeps as f64);
             }
         }
     }
     Ok(record)
 }
 
-fn log_record<const N: usize, const M: usize>(
+fn log_record<const N: usize, const M: usize, const NY: usize>(
     time: f64,
-    positions: &[f64; N],
+    positions: &[f64; NY],
     inputs: &[f64; M],
-) -> LogRecord<N, M> {
+) -> LogRecord<N, M, NY> {
     LogRecord {
         time,
         positions: *positions,
         velocities: [0.0; N],
         measured_velocities: None,
         measured_torques: None,
-        desired: [0.0; N],
+        desired: [0.0; NY],
         inputs: *inputs,
         source: Source::Controller,
         believed: true,
@@ -121,32 +146,31 @@ fn log_record<const N: usize, const M: usize>(
     }
 }
 
-/// One robot: whole steps of both controllers, stages of the linear one.
-fn bench<D: Discretizable<N, M> + PhaseSpace<NX> + Copy, const N: usize, const M: usize, const NX: usize>(
-    name: &str,
-    model: D,
-    motion: RestToRest<N>,
-    period: f64,
-    substeps: usize,
-    torque: [f64; M],
-) -> Result<(), Box<dyn Error>> {
-    let mut options = MpcOptions::new(&model, period, HORIZON);
-    options.input_limits = torque.map(|u| [-u, u]);
-    options.observer.disturbance_noise = torque.map(|u| 1e-3 * u);
-    let (mut log, writer) = log_to::<N, M, N>(std::io::sink(), &model, 100_000)?;
-    let new = || -> Result<LtvMpc<D, _, N, M, NX>, MpcError> { LtvMpc::new(model, motion, options.clone()) };
-    let linear = drive(&model, &motion, period, substeps, &mut log, &mut new()?)?;
-    let mut nmpc = Nmpc::new(model, motion, options.clone())?;
-    let nonlinear = drive(&model, &motion, period, substeps, &mut log, &mut nmpc)?;
+/// Prints whole steps of both controllers and stages of the linear one. Returns the medians of the linear one's
+/// steps: of all, and of those with active bounds.
+fn bench<D, T, const N: usize, const M: usize, const NX: usize, const NY: usize>(
+    case: &Case<D, T, N, M>,
+) -> Result<[f64; 2], Box<dyn Error>>
+where
+    D: Discretizable<N, M, NY> + PhaseSpace<NX> + Copy,
+    T: Trajectory<N, NY> + Clone,
+{
+    let Case { name, model, motion, options, substeps } = case;
+    let period = options.period;
+    let (mut log, writer) = log_to::<N, M, NY>(std::io::sink(), model, 100_000)?;
+    let mut ltv = LtvMpc::<D, _, N, M, NX, 0, NY>::new(*model, motion.clone(), options.clone())?;
+    let linear = drive(case, &mut log, &mut ltv)?;
+    let mut nmpc = Nmpc::<D, _, N, M, NX, 0, NY>::new(*model, motion.clone(), options.clone())?;
+    let nonlinear = drive(case, &mut log, &mut nmpc)?;
 
     let sample = motion.sample(0.5 * motion.duration());
-    let feed_forward = FeedForward::new(model)?;
+    let feed_forward = FeedForward::new(*model)?;
     let inputs = feed_forward.at(&sample).inputs;
-    let mut observer = DisturbanceObserver::<N, M>::new(options.observer)?;
+    let mut observer = DisturbanceObserver::<N, M, NY>::starting_at(&sample.positions, options.observer)?;
     observer.reset(&sample.positions, &sample.velocities);
     let observing = time_alone(|_| {
-        observer.predict(&model, &inputs, period, substeps);
-        observer.correct(&sample.positions);
+        observer.predict(model, &inputs, period, *substeps);
+        observer.correct_by(model, &sample.positions);
         std::hint::black_box(&observer);
     });
     let looking = time_alone(|i| {
@@ -163,18 +187,26 @@ fn bench<D: Discretizable<N, M> + PhaseSpace<NX> + Copy, const N: usize, const M
     drop(log);
     writer.finish()?;
 
-    let whole = median(linear.bounded.clone());
+    let (all, whole) = (median(linear.all.clone()), median(linear.bounded.clone()));
+    let besides = observing + looking + logging;
     let share = |stage: f64| format!("{stage:.1} ({:.0} %)", 100.0 * stage / whole);
+    let sum: f64 = linear.iterations.iter().sum();
+    let in_qp: f64 = linear.bounded.iter().map(|spent| spent - besides).sum();
     println!(
-        "{name:<10} LTV-MPC {:>6.1} us, bounded {whole:>6.1} us in {} of {} periods, at most {} iterations: observer {}, horizon {}, QP {}, log {}",
-        median(linear.all.clone()),
+        "{name:<10} LTV-MPC {all:>6.1} us, bounded {whole:>6.1} us in {} of {} periods: observer {}, horizon {}, QP {}, log {}",
         linear.bounded.len(),
         linear.all.len(),
-        linear.iterations,
         share(observing),
         share(looking),
-        share(whole - observing - looking - logging),
+        share(whole - besides),
         share(logging),
+    );
+    println!(
+        "{:<10} iterations {sum}, median of bounded periods {}, most {}, {:.2} us per iteration",
+        "",
+        median(linear.iterations.clone()),
+        linear.iterations.iter().copied().fold(0.0, f64::max),
+        in_qp / sum
     );
     println!(
         "{:<10} NMPC    {:>6.1} us, bounded {:>6.1} us",
@@ -182,15 +214,38 @@ fn bench<D: Discretizable<N, M> + PhaseSpace<NX> + Copy, const N: usize, const M
         median(nonlinear.all),
         median(nonlinear.bounded)
     );
-    Ok(())
+    Ok([all, whole])
+}
+
+/// Limits of the inputs' magnitudes, and as much noise of the disturbance as they call for.
+fn options<D: Discretizable<N, M>, const N: usize, const M: usize>(
+    model: &D,
+    torque: [f64; M],
+) -> MpcOptions<N, M> {
+    let mut options = MpcOptions::new(model, 0.02, HORIZON);
+    options.input_limits = torque.map(|u| [-u, u]);
+    options.observer.disturbance_noise = torque.map(|u| 1e-3 * u);
+    options
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let swing = RestToRest::new([-0.8, -1.0], [0.6, 0.9], 3.0)?;
-    bench::<_, 2, 2, 4>("PowerCube", PowerCube, swing, 0.02, 12, [0.4; 2])?;
-    let reach =
+    let motion = RestToRest::new([-0.8, -1.0], [0.6, 0.9], 3.0)?;
+    let of_cube = options(&PowerCube, [0.4; 2]);
+    bench(&Case { name: "PowerCube", model: PowerCube, motion, options: of_cube, substeps: 12 })?;
+    let motion =
         RestToRest::new([0.0, -0.8, 0.0, -2.2, 0.0, 1.5, 0.8], [1.0, 0.3, -0.6, -1.2, 0.7, 2.3, -0.4], 1.0)?;
-    let torque = [25.0, 60.0, 20.0, 25.0, 4.0, 3.0, 1.5];
-    bench::<_, 7, 7, 14>("Panda", Panda, reach, 0.02, 1, torque)?;
+    let of_panda = options(&Panda, [25.0, 60.0, 20.0, 25.0, 4.0, 3.0, 1.5]);
+    bench(&Case { name: "Panda", model: Panda, motion, options: of_panda, substeps: 1 })?;
+    let motion = RestToRest::new([0.0, -1.2, 1.0, -0.5, 0.5, 0.0], [1.0, -0.6, 1.6, -1.2, 1.0, 0.8], 0.8)?;
+    let of_arm = options(&Ur5, [35.0, 75.0, 35.0, 6.0, 4.0, 2.0]);
+    let arm = bench(&Case { name: "UR5", model: Ur5, motion, options: of_arm, substeps: 4 })?;
+    let (model, motion) = (flight::Quadrotor, flight::figure()?);
+    let of_flight = flight::options([10.0, 10.0]);
+    let flight = bench(&Case { name: "quadrotor", model, motion, options: of_flight, substeps: 1 })?;
+    println!(
+        "quadrotor beside UR5: {:.2} times, bounded {:.2} times",
+        flight[0] / arm[0],
+        flight[1] / arm[1]
+    );
     Ok(())
 }

@@ -8,48 +8,22 @@
 //! Prints a table and writes plots into FOLDER (the folder for temporary files). `GELENK_EXAMPLE_SHORT=1` flies the recovery
 //! alone.
 
+use flight::{Motion, PERIOD, Quadrotor, figure, options, pose};
 use gelenk_runtime::control_loop::{Controller, Cycle};
 use gelenk_runtime::dynamics::Dynamics;
-use gelenk_runtime::mpc::{LtvMpc, MpcOptions, Nmpc, ObserverOptions};
+use gelenk_runtime::mpc::{LtvMpc, Nmpc};
 use gelenk_runtime::plant::{Plant, PlantOptions};
-use gelenk_runtime::trajectory::{GeodesicMotion, Trajectory};
+use gelenk_runtime::trajectory::Trajectory;
 use outcome::Outcome;
 use std::process::ExitCode;
 use support::{Folder, Line};
 
+#[path = "support/flight.rs"]
+mod flight;
 #[path = "support/outcome.rs"]
 mod outcome;
 #[path = "support/motion_plot.rs"]
 mod support;
-
-gelenk_runtime::dynamics!(struct Quadrotor = gelenk_generated::quadrotor);
-
-type Motion = GeodesicMotion<Quadrotor, 6, 4, 7>;
-
-const PERIOD: f64 = 0.03;
-const HORIZON: usize = 20;
-
-/// x, y, z in m, then the quaternion x y z w of a roll and a heading.
-fn pose([x, y, z]: [f64; 3], roll: f64, heading: f64) -> [f64; 7] {
-    let ((a, b), (c, d)) = ((roll / 2.0).sin_cos(), (heading / 2.0).sin_cos());
-    // The heading turns about the vertical axis, then the body rolls about its own x axis.
-    [x, y, z, d * a, c * a, c * b, d * b]
-}
-
-/// Through an eight, with a whole roll in its middle.
-fn figure() -> Outcome<Motion> {
-    let middle = [0.0, 0.0, 1.5];
-    let hover = pose(middle, 0.0, 0.0);
-    let mut points = vec![(0.0, hover)];
-    let eight = [([1.0, 0.6, 1.5], 0.4), ([2.0, 0.0, 1.8], 0.0), ([1.0, -0.6, 1.5], -0.4), (middle, 0.0)];
-    points.extend(
-        (1..).zip(eight).map(|(k, (place, heading))| (1.1 * f64::from(k), pose(place, 0.0, heading))),
-    );
-    let roll = [(0.4, 0.3), (0.6, 1.8), (0.75, 3.3), (0.9, 4.8), (1.1, 6.0), (1.35, std::f64::consts::TAU)];
-    points.extend(roll.map(|(after, angle)| (4.4 + after, pose(middle, angle, 0.0))));
-    points.push((7.0, hover));
-    Ok(Motion::through(Quadrotor, &points)?)
-}
 
 /// Thrown, turned by 170° about a tilted axis and spinning.
 fn thrown() -> ([f64; 7], [f64; 6]) {
@@ -114,15 +88,7 @@ fn both(
     duration: f64,
     weights: [f64; 2],
 ) -> Outcome<[Flight; 2]> {
-    let [position, attitude] = weights;
-    let observer = ObserverOptions { velocity_sensor_noise: Some([1e-5; 6]), ..ObserverOptions::default() };
-    let options = MpcOptions {
-        position_weight: [position, position, position, attitude, attitude, attitude],
-        velocity_weight: [10.0, 10.0, 10.0, 1.0, 1.0, 1.0],
-        input_weight: [0.1; 4],
-        observer,
-        ..MpcOptions::new(&Quadrotor, PERIOD, HORIZON)
-    };
+    let options = options(weights);
     let mut ltv = LtvMpc::new(Quadrotor, motion.clone(), options.clone())?;
     let mut nonlinear = Nmpc::new(Quadrotor, motion.clone(), options)?;
     Ok([
