@@ -51,7 +51,9 @@ fn compared(values: &[Value], folder: &Path) -> Option<(String, bool)> {
     let file = folder.join("values.json");
     std::fs::write(&file, Value::from(values).to_string()).expect("a file");
     let script = workspace().join("tests/mujoco/compare.py");
-    let output = Command::new(python).arg(script).arg(file).output().expect("Python starts");
+    // MuJoCo leaves a log where it runs.
+    let output =
+        Command::new(python).arg(script).arg(file).current_dir(folder).output().expect("Python starts");
     let text = [output.stdout, output.stderr].concat();
     let text = String::from_utf8_lossy(&text).into_owned();
     println!("{text}");

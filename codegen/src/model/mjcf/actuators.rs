@@ -231,7 +231,12 @@ impl<'a> Reader<'_, 'a> {
         let owner = name.as_ref().map_or_else(|| format!("<{}>", element.tag()), Name::quoted);
         if !self.sites.contains(site.text) {
             self.report.error(site.span, "unknown-frame", format!("unknown site `{}`", site.text));
-            self.report.help(nearest(site.text, self.sites.iter().map(String::as_str)).unwrap_or_default());
+            match self.sites.is_empty() {
+                true => self.report.help("no body has a named site"),
+                false => self
+                    .report
+                    .help(nearest(site.text, self.sites.iter().map(String::as_str)).unwrap_or_default()),
+            }
             return;
         }
         let mut wrench = [0.0; 6];

@@ -40,8 +40,8 @@ impl<'a> Reader<'_, 'a> {
             match self.kind(&joint) {
                 Some("free") => self.free(&joint, name, between, joints.len() == 1),
                 Some("ball") => self.ball(&joint, name, between),
-                Some(kind) => self.single(&joint, name, between, kind == "slide"),
-                None => {}
+                // What is unknown was reported; taken as a hinge it causes no second complaint.
+                kind => self.single(&joint, name, between, kind == Some("slide")),
             }
         }
     }
