@@ -190,7 +190,9 @@ fn commands_name_what_exists() {
         }
         "--bench" => exists(format!("benches/{value}.rs")),
         "--test" => exists(format!("tests/{value}.rs")),
-        "gelenk" => ["generate", "check", "inspect", "identify", "report", "new", "--help"].contains(&value),
+        "gelenk" => {
+            ["generate", "check", "export", "inspect", "identify", "report", "new", "--help"].contains(&value)
+        }
         "sh" => exists(value.to_owned()),
         _ => true,
     };
