@@ -8,7 +8,7 @@
 //! its set-up by its iterations.
 //!
 //! The last line compares the quadrotor on its figure (`examples/quadrotor.rs`: 12 states, 4 inputs) with UR5 (12
-//! states, 6 inputs).
+//! states, 6 inputs). Over all periods the ratio depends on how often the bounds of each motion are active.
 
 use gelenk_runtime::control_loop::{Controller, Cycle, LogRecord, LogSink, Source, log_to};
 use gelenk_runtime::dynamics::{Discretizable, PhaseSpace};
@@ -236,8 +236,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         RestToRest::new([0.0, -0.8, 0.0, -2.2, 0.0, 1.5, 0.8], [1.0, 0.3, -0.6, -1.2, 0.7, 2.3, -0.4], 1.0)?;
     let of_panda = options(&Panda, [25.0, 60.0, 20.0, 25.0, 4.0, 3.0, 1.5]);
     bench(&Case { name: "Panda", model: Panda, motion, options: of_panda, substeps: 1 })?;
-    let motion = RestToRest::new([0.0, -1.2, 1.0, -0.5, 0.5, 0.0], [1.0, -0.6, 1.6, -1.2, 1.0, 0.8], 0.8)?;
-    let of_arm = options(&Ur5, [35.0, 75.0, 35.0, 6.0, 4.0, 2.0]);
+    let motion = RestToRest::new([0.0, -1.2, 1.0, -0.5, 0.5, 0.0], [1.0, -0.6, 1.6, -1.2, 1.0, 0.8], 0.5)?;
+    let of_arm = options(&Ur5, [25.0, 60.0, 25.0, 4.0, 2.0, 1.0]);
     let arm = bench(&Case { name: "UR5", model: Ur5, motion, options: of_arm, substeps: 4 })?;
     let (model, motion) = (flight::Quadrotor, flight::figure()?);
     let of_flight = flight::options([10.0, 10.0]);
