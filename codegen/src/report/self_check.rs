@@ -300,7 +300,8 @@ fn power(robot: &Robot<'_>, state: &State) -> Option<f64> {
 
 fn gravity(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let along = &state.v;
-    let energy_at = |t: f64| robot.first("potential_energy", &[&motion::moved(robot.model, &state.y, t, along)]);
+    let energy_at =
+        |t: f64| robot.first("potential_energy", &[&motion::moved(robot.model, &state.y, t, along)]);
     let rate = derivative(energy_at)?[0];
     let forces = moved(&robot.first("gravity_forces", &[&state.y])?, 1.0, &robot.law_forces(&state.y)?);
     let energy = robot.first("potential_energy", &[&state.y])?[0].abs();
