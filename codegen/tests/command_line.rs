@@ -715,4 +715,17 @@ fn an_export_writes_over_exports_alone() {
     for words in [&[][..], &["--mjcf", "--urdf"]] {
         assert_eq!(export(words).status.code(), Some(2));
     }
+    let described = fs::read_to_string(path("arm.toml")).unwrap();
+    let driven = "name = \"shoulder\"\nmotion = \"driven\"\n";
+    fs::write(
+        path("arm.toml"),
+        described.replacen("name = \"shoulder\"\n", driven, 1).replacen("drive =", "# drive =", 1),
+    )
+    .unwrap();
+    let refused = export(&["--mjcf"]);
+    assert!(
+        shown(&refused).contains("a robot is not exported where joints are driven"),
+        "{}",
+        shown(&refused)
+    );
 }

@@ -21,6 +21,9 @@ pub(super) fn export(arguments: &Export, format: Format) -> Result<ExitCode, Fai
     let options = ReadOptions { exact_sign: reading.smooth_sign.is_none(), ..reading };
     let loaded = model::read(&arguments.description, &options);
     let Loaded { model, notes, files } = loaded.map_err(|why| Failure::Descriptions(vec![why]))?;
+    let help = "neither format prescribes motions: without `motion` the joint is a coordinate";
+    let refused = model.refuse_driven("a robot is not exported", help);
+    refused.map_err(|why| Failure::Descriptions(vec![why]))?;
     let target = if arguments.mjcf { export::Format::Mjcf } else { export::Format::Urdf };
     let source = shown(&arguments.description, Workspace::find().as_ref());
     let Exported { text, notes: losses } = export::export(&model, target, &source);
