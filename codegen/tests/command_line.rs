@@ -716,6 +716,10 @@ fn an_export_writes_over_exports_alone() {
         assert_eq!(export(words).status.code(), Some(2));
     }
     let described = fs::read_to_string(path("arm.toml")).unwrap();
+    // A motor of 0.4 N m behind a gear of 50 gives 20 N m, whatever the joint bears.
+    fs::write(path("arm.toml"), described.replace("effort = 20", "effort = 90")).unwrap();
+    let exported = String::from_utf8(export(&["--urdf", "--output", "-"]).stdout).unwrap();
+    assert!(exported.contains("effort=\"20\""), "{exported}");
     let driven = "name = \"shoulder\"\nmotion = \"driven\"\n";
     fs::write(
         path("arm.toml"),

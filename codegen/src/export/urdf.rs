@@ -121,7 +121,7 @@ impl Writer<'_> {
         let parent = self.model.links[joint.parent].name.clone();
         self.open_named(&name, "prismatic", &self.values.resting(joint), [&parent, &name]);
         self.xml.element("axis", vec![("xyz", numbers(&joint.axis))]);
-        self.limit(&Limits::default(), Some([-UNLIMITED, UNLIMITED]));
+        self.limit(&Limits::default(), UNLIMITED, Some([-UNLIMITED, UNLIMITED]));
         self.xml.element("mimic", vec![("joint", joint.name.clone()), ("multiplier", numbers(&[pitch]))]);
         self.xml.close();
         let child = self.model.links[link].name.clone();
@@ -148,7 +148,7 @@ impl Writer<'_> {
             JointKind::Prismatic => joint.limits.position.or(Some([-UNLIMITED, UNLIMITED])),
             _ => joint.limits.position,
         };
-        self.limit(&joint.limits, range);
+        self.limit(&joint.limits, self.effort(joint), range);
         self.friction(joint);
         if matches!(joint.motion, Motion::Follower(_)) {
             self.mimic(joint, follows);
@@ -156,12 +156,24 @@ impl Writer<'_> {
         self.xml.close();
     }
 
-    fn limit(&mut self, limits: &Limits, range: Option<[f64; 2]>) {
+    /// The smaller one of the joint's limit of force and of what its motor can give.
+    fn effort(&self, joint: &Joint) -> f64 {
+        let drives = self.model.drives.iter().filter(
+            |drive| matches!(joint.motion, Motion::Coordinate(own) if drive.coordinate() == Some(own)),
+        );
+        let motors = drives.filter_map(|drive| {
+            let torque = drive.torque.peak.or(drive.torque.nominal)?;
+            Some(self.values.number(&drive.gear_ratio).abs() * torque)
+        });
+        let described = joint.limits.peak_effort.or(joint.limits.effort);
+        motors.fold(described.unwrap_or(UNLIMITED), f64::min)
+    }
+
+    fn limit(&mut self, limits: &Limits, effort: f64, range: Option<[f64; 2]>) {
         let mut attributes = Attributes::new();
         if let Some([low, high]) = range {
             attributes.extend([("lower", numbers(&[low])), ("upper", numbers(&[high]))]);
         }
-        let effort = limits.peak_effort.or(limits.effort).unwrap_or(UNLIMITED);
         attributes.push(("effort", numbers(&[effort])));
         attributes.push(("velocity", numbers(&[limits.velocity.unwrap_or(UNLIMITED)])));
         self.xml.element("limit", attributes);
