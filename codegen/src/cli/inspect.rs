@@ -115,6 +115,18 @@ fn as_json(robot: &Generated, what: Stage, latex: bool) -> Value {
     }
 }
 
+/// Positions where they are more than the coordinates, and driven joints.
+fn besides(model: &Model) -> String {
+    let mut text = String::new();
+    if !model.quaternion_joints.is_empty() {
+        text.push_str(&format!(" with {} positions", model.position_count()));
+    }
+    if !model.driven.is_empty() {
+        text.push_str(&format!(", {} driven", model.driven.len()));
+    }
+    text
+}
+
 fn model_text(model: &Model) -> String {
     let mut text = format!("robot {}\n", model.name);
     text.extend(model.description.iter().map(|line| format!("  {line}\n")));
@@ -122,13 +134,7 @@ fn model_text(model: &Model) -> String {
         "\n{} links, {} coordinates{}, {} drives, {} frames, {} free parameters\n\n",
         model.links.len(),
         model.coordinates.len(),
-        match model.quaternion_joints.len() {
-            0 => String::new(),
-            _ => format!(" with {} positions", model.position_count()),
-        } + &match model.driven.len() {
-            0 => String::new(),
-            driven => format!(", {driven} driven"),
-        },
+        besides(model),
         model.drives.len(),
         model.frames.len(),
         model.parameters.len(),
