@@ -1,6 +1,7 @@
 //! From texts to a [`Model`].
 
 use super::description::{BodyDescription, DriveChoice, JointDescription, Name, RobotDescription};
+use super::load::Load;
 use super::toml_values::Reader;
 use super::{JointKind, Model, file_kind, floating_base, mjcf, toml_file, urdf, validate};
 use crate::diagnostic::{At, Diagnostics, Report, Span, nearest};
@@ -50,10 +51,6 @@ pub(super) fn is_xml(name: &str, text: &str) -> bool {
 fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
-
-/// Fetches a file that a description names: its name for diagnostics, and its text. The path is relative to
-/// the folder of the first description, also where another one names it.
-pub type Load<'l> = dyn FnMut(&str) -> Result<(String, String), Diagnostics> + 'l;
 
 /// Reads a TOML description.
 ///

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use roxmltree::{Attribute, Document, Node};
 
-use super::super::read::Load;
+use super::super::load::Load;
 use super::super::urdf_text::UrdfText;
 use crate::diagnostic::{At, Report, Span};
 

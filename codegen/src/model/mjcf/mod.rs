@@ -18,7 +18,7 @@ use std::path::Path;
 
 use super::angles::Angles;
 use super::description::{DriveChoice, Name, RobotDescription};
-use super::read::Load;
+use super::load::Load;
 use super::{Pose, ReadOptions};
 use crate::diagnostic::{At, Report, Span, nearest};
 use crate::formula::{Formula, LARGEST_NUMBER, too_large};
