@@ -69,6 +69,10 @@ const CHECKS: &str = "
 #endif
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize (\"fp-contract=off\")
+#if __GNUC__ == 12 && __GNUC_MINOR__ < 3
+/* These versions contract vectors of straight-line code all the same. */
+#pragma GCC optimize (\"no-tree-slp-vectorize\")
+#endif
 #else
 #pragma STDC FP_CONTRACT OFF
 #endif
