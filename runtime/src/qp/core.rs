@@ -1,6 +1,7 @@
 //! The method's memory, generic over the lanes, and the loading of a problem into it.
 
 use super::barrier::Bounds;
+use super::certificate::Certificate;
 use super::equality::{Equalities, Fixed};
 use super::interior_point::Start;
 use super::lanes::{Vector, WIDTH, flat_mut, lanes, zeros};
@@ -54,6 +55,8 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     /// What the starts before the last one have led to, if none of them led to a solution.
     pub(super) kept: Trajectory<V>,
     pub(super) kept_multipliers: [Multipliers<V>; 2],
+    /// What the starts have led to, if that is no solution.
+    pub(super) unsolved: Option<Certificate>,
     solved: bool,
 }
 
@@ -90,6 +93,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             best_multipliers: multipliers.clone(),
             kept: trajectory,
             kept_multipliers: multipliers,
+            unsolved: None,
             solved: false,
         }
     }
@@ -163,6 +167,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     #[inline(always)]
     pub(super) fn solve_from(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
         let start = if self.solved { start } else { Start::Cold };
+        self.unsolved = None;
         let valid = problem.stages.len() == self.horizon && problem.is_valid();
         if !valid {
             return self.invalid(problem);
@@ -171,7 +176,18 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             self.forget();
         }
         let soft = self.load(problem);
-        match self.optimize(problem, soft, start) {
+        let report = self.optimize(problem, soft, start);
+        self.judge(problem, report)
+    }
+
+    /// Remembers whether there is a solution to start from.
+    #[inline(always)]
+    pub(super) fn judge(
+        &mut self,
+        problem: &QpProblem<NX, NU, NR>,
+        report: Result<QpReport, NotPositive>,
+    ) -> QpReport {
+        match report {
             Ok(report) if report.status != QpStatus::Invalid => {
                 self.solved = report.status != QpStatus::IterationLimit;
                 report

@@ -99,10 +99,16 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
 
     fn solve_from(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
         match &mut self.0 {
-            Engine::Portable(core) => core.solve_from(problem, start),
+            Engine::Portable(core) => {
+                let report = core.solve_from(problem, start);
+                go_on(core, problem, report)
+            }
             #[cfg(all(target_arch = "x86_64", feature = "std"))]
             // SAFETY: this variant exists only where the processor has the features.
-            Engine::Avx2(core) => unsafe { solve_avx2(core, problem, start) },
+            Engine::Avx2(core) => unsafe {
+                let report = solve_avx2(core, problem, start);
+                go_on_avx2(core, problem, report)
+            },
         }
     }
 
@@ -137,6 +143,29 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
     pub fn row_multipliers(&self, k: usize) -> [[f64; 2]; NR] {
         core!(&self.0, core => core.row_multipliers(k))
     }
+}
+
+/// The method of multipliers in a function of its own: without optimization, whatever is inlined takes a place of
+/// its own on the stack.
+#[inline(never)]
+fn go_on<const NX: usize, const NU: usize, const NR: usize>(
+    core: &mut Core<Portable, NX, NU, NR>,
+    problem: &QpProblem<NX, NU, NR>,
+    report: QpReport,
+) -> QpReport {
+    core.go_on(problem, report)
+}
+
+/// [`go_on`] compiled for these features.
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+#[target_feature(enable = "avx2,fma")]
+#[inline(never)]
+fn go_on_avx2<const NX: usize, const NU: usize, const NR: usize>(
+    core: &mut Core<Avx2, NX, NU, NR>,
+    problem: &QpProblem<NX, NU, NR>,
+    report: QpReport,
+) -> QpReport {
+    core.go_on(problem, report)
 }
 
 /// The method in a function compiled for these features, into which everything below is inlined.

@@ -80,21 +80,21 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
                     Start::Deep
                 }
                 _ => {
-                    let (certificate, further) = self.finish(problem, certificate);
-                    return Ok(certificate.report(self.status(&certificate), iterations + further));
+                    self.unsolved = (!certificate.holds() && certificate.is_finite()).then_some(certificate);
+                    return Ok(certificate.report(self.status(&certificate), iterations));
                 }
             };
             kept = (start == Start::Deep).then_some(certificate);
         }
     }
 
-    /// What the starts have led to, and what the method of multipliers makes of it where that is no solution.
+    /// What the method of multipliers makes of the point that the starts have led to, where it is no solution.
     #[inline(always)]
-    fn finish(&mut self, problem: &QpProblem<NX, NU, NR>, certificate: Certificate) -> (Certificate, usize) {
-        if certificate.holds() || !certificate.is_finite() {
-            return (certificate, 0);
-        }
-        self.multiply(problem, certificate)
+    pub(super) fn go_on(&mut self, problem: &QpProblem<NX, NU, NR>, report: QpReport) -> QpReport {
+        let Some(first) = self.unsolved.take() else { return report };
+        let (certificate, further) = self.multiply(problem, first);
+        let report = certificate.report(self.status(&certificate), report.iterations + further);
+        self.judge(problem, Ok(report))
     }
 
     /// Makes the better one of two points the solution: the one kept in memory, if there is one, or the
