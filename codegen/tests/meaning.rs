@@ -6,7 +6,7 @@
 use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics};
 use gelenk_codegen::model::{
     Definiteness, FollowedCoordinate, Input, Joint, JointKind, Model, Motion, ReadOptions, RotorCoupling,
-    from_toml, from_urdf, read,
+    from_mjcf, from_toml, from_urdf, read,
 };
 
 fn load(text: &str) -> (Model, Diagnostics) {
@@ -245,5 +245,22 @@ fn friction_of_a_shaft_counts_at_its_joint_through_the_gear() {
         let shaft = 1e-3 * speed + 0.02 * (0.3 * speed).tanh() + 1e-4 * angle.cos() * speed;
         let expected = 2.0 * v - 50.0 * shaft;
         assert!((at(y, v) - expected).abs() < 1e-12 && at(y, v) * v > 0.0, "{} {expected}", at(y, v));
+    }
+}
+
+/// What an MJCF says and a model does not hold is told by name.
+#[test]
+fn an_mjcf_loses_nothing_in_silence() {
+    let text = r#"<mujoco><option><flag frictionloss="disable" gravity="disable"/></option><worldbody><body>
+        <joint name="lift" type="slide" actuatorfrcrange="-2 5"/><geom size="0.1"/></body></worldbody></mujoco>"#;
+    let mut load = |file: &str| Err(Diagnostic::error("file-unreadable", file).into());
+    let read = from_mjcf(text, "lift.xml", &ReadOptions::default(), &mut load);
+    let (model, notes) = read.unwrap_or_else(|wrong| panic!("{wrong}"));
+    assert_eq!(joint(&model, 0).limits.effort, Some(2.0));
+    let notes = notes.to_string();
+    for said in
+        ["became their smaller side; one without 0 inside was left out: `lift`", "left out: `frictionloss`"]
+    {
+        assert!(notes.contains(said), "{notes}");
     }
 }

@@ -1,5 +1,7 @@
 //! A robot with its functions, evaluated by the interpreter.
 
+use std::cell::OnceCell;
+
 use crate::dynamics::load_friction;
 use crate::formula::Formula;
 use crate::functions::function::Function;
@@ -17,6 +19,8 @@ pub(super) struct Robot<'a> {
     pub parameters: Vec<f64>,
     /// Names of the free parameters.
     pub parameter_names: Vec<String>,
+    /// The springs of a robot that has no others than the laws with an energy, once they are asked for.
+    laws: OnceCell<Vec<Function>>,
 }
 
 impl<'a> Robot<'a> {
@@ -27,6 +31,7 @@ impl<'a> Robot<'a> {
             functions,
             parameters: parameters.clone().map(|one| one.default).collect(),
             parameter_names: parameters.map(|one| one.name.clone()).collect(),
+            laws: OnceCell::new(),
         }
     }
 
@@ -98,17 +103,23 @@ impl<'a> Robot<'a> {
         self.model.point_forces.iter().filter(has_energy).cloned().collect()
     }
 
-    /// Generalized forces of these laws at standstill, by the springs of a robot that has no others.
+    /// Generalized forces of these laws at standstill.
     pub fn law_forces(&self, positions: &[f64]) -> Option<Vec<f64>> {
         let still = vec![0.0; self.n()];
-        let point_forces = self.laws_with_energy();
-        if point_forces.is_empty() {
+        if self.laws_with_energy().is_empty() {
             return Some(still);
         }
-        let mut model = Model { point_forces, ..self.model.clone() };
+        let [springs] = self.laws.get_or_init(|| self.laws()).as_slice() else { return None };
+        let results =
+            interpret(&springs.program, &[positions, &still], &self.parameters, &Functions::EMBEDDED);
+        results.ok()?.into_iter().next()
+    }
+
+    /// `spring_forces` of a robot that has no other springs than these laws.
+    fn laws(&self) -> Vec<Function> {
+        let mut model = Model { point_forces: self.laws_with_energy(), ..self.model.clone() };
         model.links.iter_mut().filter_map(|link| link.joint.as_mut()).for_each(|joint| joint.springs.clear());
-        let springs = derive_functions(&model, &["spring_forces".to_owned()], MOST_OPERATIONS).ok()?;
-        Robot::new(&model, &springs).first("spring_forces", &[positions, &still])
+        derive_functions(&model, &["spring_forces".to_owned()], MOST_OPERATIONS).unwrap_or_default()
     }
 
     /// Friction torques at positions and velocities.

@@ -44,6 +44,9 @@ impl Default for Compiler {
     }
 }
 
+/// Flags that take away what is read: forces of springs, dampers and friction, couplings, inputs.
+const DISABLING: [&str; 6] = ["passive", "spring", "damper", "frictionloss", "equality", "actuation"];
+
 impl<'a> Reader<'_, 'a> {
     /// Takes the settings of one `<compiler>`.
     pub(super) fn compiler(&mut self, element: Element<'a>) {
@@ -116,6 +119,11 @@ impl<'a> Reader<'_, 'a> {
         for flag in self.files.children(element).into_iter().filter(|inner| inner.tag() == "flag") {
             if flag.node.attribute("gravity") == Some("disable") {
                 self.gravity = [0.0; 3];
+            }
+            for key in DISABLING {
+                if let Some(given) = flag.attribute(key).filter(|given| given.text == "disable") {
+                    self.notes.remark(super::Remark::Flag, given.span, format!("`{key}`"));
+                }
             }
         }
     }

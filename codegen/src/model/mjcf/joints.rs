@@ -103,7 +103,7 @@ impl<'a> Reader<'_, 'a> {
             origin: Some(between.frame.then(&anchor).then(&displacement)),
             link_frame: Some(Pose { translation: back, ..Pose::identity() }),
             axis: Some(axis),
-            limits: self.limits(joint, unit),
+            limits: self.limits(joint, &name, unit),
             springs: self.spring(joint, unit),
             friction: self.friction(joint, &name, true),
             ..JointDescription::named(name)
@@ -168,10 +168,13 @@ impl<'a> Reader<'_, 'a> {
         self.robot.joints.extend(parts);
     }
 
-    fn limits(&mut self, joint: &Placed<'a>, unit: f64) -> LimitsDescription {
+    fn limits(&mut self, joint: &Placed<'a>, name: &Name, unit: f64) -> LimitsDescription {
         let range = self.range(joint, "range", "limited");
         let position = range.map(|range| At::new(range.value.map(|x| unit * x), range.span));
         let force = self.range(joint, "actuatorfrcrange", "actuatorfrclimited");
+        if let Some(range) = force.as_ref().filter(|range| range.value[0] != -range.value[1]) {
+            self.notes.remark(Remark::EffortRange, range.span, name.quoted());
+        }
         let effort = force.map(|range| At::new(range.value[1].min(-range.value[0]), range.span));
         LimitsDescription {
             position: position.filter(|range| range.value[0] < range.value[1]),

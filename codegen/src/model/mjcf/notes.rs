@@ -11,7 +11,9 @@ use crate::wording::listed;
 pub(super) enum Remark {
     Actuator,
     ActuatorRange,
+    EffortRange,
     Equality,
+    Flag,
     GravityCompensation,
     Loop,
     Medium,
@@ -27,7 +29,9 @@ impl Remark {
         match self {
             Self::Actuator => "actuator-skipped",
             Self::ActuatorRange => "actuator-range",
+            Self::EffortRange => "effort-range",
             Self::Equality => "equality-skipped",
+            Self::Flag => "flag-skipped",
             Self::GravityCompensation => "gravity-compensation",
             Self::Loop => "loop-opened",
             Self::Medium => "medium-skipped",
@@ -53,6 +57,10 @@ impl Remark {
                 "actuators that act neither on joints, nor on fixed tendons, nor on named sites by themselves were left out"
             }
             Self::ActuatorRange => "ranges of forces that are not alike to both sides of 0 were left out",
+            Self::EffortRange => {
+                "ranges of forces at joints that are not alike to both sides of 0 became their smaller side; one without 0 inside was left out"
+            }
+            Self::Flag => "flags of <option> that disable what is read here were left out",
             Self::Equality => {
                 "equalities of joints that are not linear, or of joints with quaternions, were left out"
             }
