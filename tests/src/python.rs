@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use crate::cargo::{cargo, success, target};
+use crate::cargo::target;
 use crate::workspace;
 
 /// The interpreter of an environment with the packages of `tests/python/requirements.txt`; none, with a note, where there
@@ -59,13 +59,16 @@ fn refusal(done: std::io::Result<Output>) -> Option<String> {
     }
 }
 
-/// The program `gelenk`, built.
+/// The program `gelenk`, which Cargo builds beside the tests of this package.
 ///
 /// # Panics
-/// Where it does not compile.
+/// Where it is not beside them.
 pub fn program() -> PathBuf {
-    success(&cargo(&workspace(), &["build", "-p", "gelenk-codegen", "--bin", "gelenk"]));
-    target().join("debug").join(if cfg!(windows) { "gelenk.exe" } else { "gelenk" })
+    let test = std::env::current_exe().expect("this program");
+    let folder = test.ancestors().nth(2).expect("target/debug/deps");
+    let program = folder.join(format!("gelenk_of_tests{}", std::env::consts::EXE_SUFFIX));
+    assert!(program.exists(), "no {}: run a test of this package by `cargo test`", program.display());
+    program
 }
 
 /// Tells whether there is a C compiler by the name of `cc`; a note where there is none.

@@ -22,10 +22,9 @@ fn rows(printed: &str) -> Vec<Vec<f64>> {
 fn a_new_crate_builds_and_simulates() {
     let folder = tempfile::tempdir().expect("a folder");
     let made = folder.path().join("first-arm");
-    let path = made.to_string_lossy();
-    let gelenk = ["run", "-p", "gelenk-codegen", "--", "new", &path];
-    let version = ["--version", env!("CARGO_PKG_VERSION")];
-    let said = success(&cargo(&workspace(), &[&gelenk[..], &version].concat()));
+    let new =
+        Command::new(program()).arg("new").arg(&made).args(["--version", env!("CARGO_PKG_VERSION")]).output();
+    let said = success(&new.expect("the program starts"));
     assert!(said.contains("cargo run"), "{said}");
 
     // From the packages that a registry would have.
@@ -115,9 +114,7 @@ fn new_projects_in_c_and_python_simulate() {
 fn a_new_crate_finds_the_checkout() {
     let folder = tempfile::tempdir().expect("a folder");
     let made = folder.path().join("arm-of-checkout");
-    let path = made.to_string_lossy();
-    let gelenk = ["run", "-p", "gelenk-codegen", "--", "new", &path];
-    success(&cargo(&workspace(), &gelenk));
+    success(&Command::new(program()).arg("new").arg(&made).output().expect("the program starts"));
     lock_like_here(&made);
     let tree = ["tree", "--depth", "1", "--prefix", "none"];
     let resolved = success(&cargo(&made, &tree));

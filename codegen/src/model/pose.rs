@@ -1,6 +1,5 @@
 //! Poses: rotations from angles, exact where the angle is a multiple of 90°, and their products.
 
-use super::Pose;
 use crate::formula::Formula;
 use crate::numeric;
 use std::f64::consts::FRAC_PI_2;
@@ -10,6 +9,15 @@ pub(super) type Rotation = [[f64; 3]; 3];
 
 /// No rotation.
 pub(super) const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// Position and orientation of a frame in another one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pose {
+    /// Origin (m).
+    pub translation: [Formula; 3],
+    /// Rotation matrix, rows first; its columns are the frame's axes.
+    pub rotation: [[f64; 3]; 3],
+}
 
 impl Pose {
     /// The pose of a frame in itself.

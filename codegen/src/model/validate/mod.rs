@@ -5,6 +5,7 @@ mod checks;
 mod couplings;
 mod dependent_limits;
 mod driven_joints;
+mod drives;
 mod force_laws;
 mod frame_forces;
 mod hints;

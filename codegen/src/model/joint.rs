@@ -1,0 +1,195 @@
+//! Joints: their types, limits and friction, and how they follow coordinates.
+
+use super::Pose;
+use crate::formula::{Formula, Function};
+
+/// A joint that follows coordinates: `y_joint = Σ ratio · y[coordinate] + offset`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Follower {
+    /// Link that the joint carries.
+    pub link: usize,
+    /// The coordinates that it follows, each once.
+    pub follows: Vec<FollowedCoordinate>,
+    /// Its position where all of them are 0 (rad or m).
+    pub offset: f64,
+}
+
+/// A coordinate that a joint or a drive follows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FollowedCoordinate {
+    /// The coordinate.
+    pub coordinate: usize,
+    /// Motion for a unit of the coordinate's motion; depends on parameters only.
+    pub ratio: Formula,
+}
+
+impl FollowedCoordinate {
+    /// A coordinate itself.
+    #[must_use]
+    pub fn itself(coordinate: usize) -> Self {
+        Self { coordinate, ratio: Formula::ONE }
+    }
+}
+
+/// A joint that moves, with its row of G in `y_joint = G y + g₀`.
+#[derive(Debug, Clone)]
+pub struct MovingJoint<'m> {
+    /// The joint.
+    pub joint: &'m Joint,
+    /// Link that it carries.
+    pub link: usize,
+    /// The coordinates that it follows: its own, or those of others.
+    pub follows: Vec<FollowedCoordinate>,
+    /// Its position where all of them are 0 (rad or m).
+    pub offset: f64,
+}
+
+/// A joint between a parent link and the link that carries it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Name in the description, to the letter.
+    pub name: String,
+    /// The name as a Rust identifier, distinct among the joints: it labels values in generated functions.
+    pub identifier: String,
+    /// Index of the parent link.
+    pub parent: usize,
+    /// The kind of motion that the joint allows.
+    pub kind: JointKind,
+    /// Pose of the joint frame in the parent link's frame; the link's frame coincides with it at position 0.
+    pub origin: Pose,
+    /// Axis in the joint frame, unit length.
+    pub axis: [f64; 3],
+    /// The coordinate that the joint moves with, if it moves.
+    pub motion: Motion,
+    /// Limits on position, speed and force.
+    pub limits: Limits,
+    /// Forces of springs and dampers on this joint as functions of y and v (N m or N); they add to q.
+    pub springs: Vec<Formula>,
+    /// Friction torque τ(v) = Σ coefficient · basis, positive for positive velocity; it is subtracted from q.
+    pub friction: Vec<FrictionTerm>,
+    /// Friction s₁(v) = Σ coefficient · basis for each unit of the load τ_l: the joint feels |τ_l| s₁ beside
+    /// the friction above. Empty where friction does not grow with the load; else the joint has an input of
+    /// its own, and |s₁| < 1.
+    pub load_friction: Vec<FrictionTerm>,
+}
+
+/// Positions of a joint without limits, for seeded states: a turn to each side, or half a metre.
+const TURN: f64 = std::f64::consts::PI;
+const SLIDE: f64 = 0.5;
+
+/// Farther positions add nothing but rounding: limits of ±1e9 m stand for none.
+const FARTHEST: f64 = 20.0;
+
+impl Joint {
+    /// Tells whether friction or a spring jumps, because it has an exact `sign`.
+    #[must_use]
+    pub fn jumps(&self) -> bool {
+        let friction = self.friction.iter().chain(&self.load_friction);
+        let friction = friction.filter(|term| !term.coefficient.is_zero());
+        let mut laws = friction.map(|term| &term.basis).chain(&self.springs);
+        laws.any(|law| law.calls(Function::Sign))
+    }
+
+    /// Range of positions for seeded states: within the limits, where there are some.
+    pub(crate) fn seeded_range(&self) -> [f64; 2] {
+        let free = match self.kind {
+            JointKind::Prismatic => SLIDE,
+            _ => TURN,
+        };
+        match self.limits.position {
+            None => [-free, free],
+            Some([low, high]) if low < FARTHEST && high > -FARTHEST => {
+                [low.max(-FARTHEST), high.min(FARTHEST)]
+            }
+            Some(limits) => limits,
+        }
+    }
+}
+
+/// Type of a joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum JointKind {
+    /// No motion.
+    Fixed,
+    /// Rotation about the axis.
+    Revolute,
+    /// Rotation about the axis without position limits.
+    Continuous,
+    /// Translation along the axis.
+    Prismatic,
+    /// Rotation about the axis by the position, and translation along it by pitch · position.
+    Helical {
+        /// Translation for each radian (m/rad): finite, not 0, negative for a left-handed screw.
+        pitch: f64,
+    },
+}
+
+impl JointKind {
+    /// Unit of the coordinate.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Prismatic => "m",
+            Self::Fixed | Self::Revolute | Self::Continuous | Self::Helical { .. } => "rad",
+        }
+    }
+
+    /// Rotation about the axis (rad) and translation along it (m) for a unit of the position.
+    #[must_use]
+    pub fn turn_and_slide(self) -> [f64; 2] {
+        match self {
+            Self::Fixed => [0.0, 0.0],
+            Self::Revolute | Self::Continuous => [1.0, 0.0],
+            Self::Prismatic => [0.0, 1.0],
+            Self::Helical { pitch } => [1.0, pitch],
+        }
+    }
+
+    /// The type as the format calls it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::Revolute => "revolute",
+            Self::Continuous => "continuous",
+            Self::Prismatic => "prismatic",
+            Self::Helical { .. } => "helical",
+        }
+    }
+}
+
+/// The way in which a joint moves, or does not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion {
+    /// A fixed joint.
+    Fixed,
+    /// Held at this position (rad or m).
+    Held(f64),
+    /// Coordinate with this index; the indices of driven ones come after those of the others.
+    Coordinate(usize),
+    /// It follows coordinates; the index is that among the moving joints, and so not below the number of
+    /// coordinates, driven ones included.
+    Follower(usize),
+}
+
+/// Limits of a joint; `None` where the description gives none.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Limits {
+    /// Lowest and highest position (rad or m).
+    pub position: Option<[f64; 2]>,
+    /// Highest speed (rad/s or m/s).
+    pub velocity: Option<f64>,
+    /// Nominal force at the joint (N m or N).
+    pub effort: Option<f64>,
+    /// Peak force at the joint (N m or N).
+    pub peak_effort: Option<f64>,
+}
+
+/// One term of a friction law, linear in its coefficient.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrictionTerm {
+    /// Factor; depends on parameters only.
+    pub coefficient: Formula,
+    /// Function of the joint's velocity `v` (and position `y` where described so).
+    pub basis: Formula,
+}

@@ -1,0 +1,114 @@
+//! Names, numbers and elements of a URDF, each with its place.
+
+use super::description::Name;
+use super::urdf::{Reader, XmlNode};
+use super::urdf_notes::Remark;
+use crate::diagnostic::{At, Span};
+use crate::formula::{LARGEST_NUMBER, too_large};
+use roxmltree::{Attribute, Node};
+
+impl Reader<'_> {
+    pub(super) fn span(&self, node: XmlNode<'_>) -> Span {
+        let range = node.range();
+        // The opening tag is enough: an element may be the whole file.
+        let text = node.document().input_text().get(range.clone()).unwrap_or("");
+        let length = text.find(['>', '\n']).map_or(text.len(), |at| at + 1);
+        Span::new(self.source, range.start..range.start + length)
+    }
+
+    pub(super) fn attribute_span(&self, attribute: Attribute<'_, '_>) -> Span {
+        Span::new(self.source, attribute.range_value())
+    }
+
+    /// The first child element of this kind, as ROS takes it.
+    ///
+    /// - `owner`: names the element around it in the warning about others
+    pub(super) fn single<'a>(&mut self, node: XmlNode<'a>, tag: &str, owner: &str) -> Option<XmlNode<'a>> {
+        let mut found = node.children().filter(|inner| inner.is_element() && inner.tag_name().name() == tag);
+        let first = found.next()?;
+        if let Some(second) = found.next() {
+            let span = self.span(second);
+            let owner = format!("<{tag}> of {owner}");
+            self.notes.remark(Remark::DuplicateElement, span, owner);
+        }
+        Some(first)
+    }
+
+    pub(super) fn known_children(&mut self, node: XmlNode<'_>, known: &[&str]) {
+        for inner in node.children().filter(Node::is_element) {
+            if !known.contains(&inner.tag_name().name()) {
+                self.notes.skip(format!("<{}>", inner.tag_name().name()), self.span(inner));
+            }
+        }
+    }
+
+    pub(super) fn name(&mut self, node: XmlNode<'_>, key: &str) -> Option<Name> {
+        let attribute = node.attribute_node(key)?;
+        let (text, span) = (attribute.value(), self.attribute_span(attribute));
+        if text.is_empty() || text.chars().any(char::is_control) {
+            self.report.error(
+                span,
+                "unusable-name",
+                format!("`{key}` must be one line of text, not {text:?}"),
+            );
+            return None;
+        }
+        Some(At::new(text.to_owned(), span))
+    }
+
+    pub(super) fn required_name(&mut self, node: XmlNode<'_>, key: &str) -> Option<Name> {
+        if !node.has_attribute(key) {
+            self.missing(node, key);
+        }
+        self.name(node, key)
+    }
+
+    pub(super) fn missing(&mut self, node: XmlNode<'_>, key: &str) {
+        let message = format!("<{}> has no `{key}`", node.tag_name().name());
+        self.report.error(self.span(node), "missing-attribute", message);
+    }
+
+    pub(super) fn required_number(&mut self, node: XmlNode<'_>, key: &str) -> Option<At<f64>> {
+        if !node.has_attribute(key) {
+            self.missing(node, key);
+        }
+        self.number(node, key)
+    }
+
+    pub(super) fn number(&mut self, node: XmlNode<'_>, key: &str) -> Option<At<f64>> {
+        self.numbers::<1>(node, key).map(|found| At::new(found.value[0], found.span))
+    }
+
+    pub(super) fn vector(&mut self, node: XmlNode<'_>, key: &str) -> Option<At<[f64; 3]>> {
+        self.numbers::<3>(node, key)
+    }
+
+    pub(super) fn numbers<const N: usize>(&mut self, node: XmlNode<'_>, key: &str) -> Option<At<[f64; N]>> {
+        let attribute = node.attribute_node(key)?;
+        let span = self.attribute_span(attribute);
+        let numbers: Vec<Option<f64>> =
+            attribute.value().split_whitespace().map(|word| word.parse().ok()).collect();
+        let mut result = [0.0; N];
+        let readable = numbers.len() == N && numbers.iter().all(Option::is_some);
+        for (into, number) in result.iter_mut().zip(numbers.into_iter().flatten()) {
+            *into = number + 0.0; // −0 becomes 0
+        }
+        if !readable {
+            let wanted = if N == 1 { "a number".to_owned() } else { format!("{N} numbers") };
+            let found: String = attribute.value().chars().take(60).collect();
+            self.report.error(span, "not-a-number", format!("`{key}` must be {wanted}, not {found:?}"));
+            return None;
+        }
+        if result.iter().any(|number| !number.is_finite()) {
+            let message = format!("`{key}` must be finite, not {}", attribute.value());
+            self.report.error(span, "number-not-finite", message);
+            return None;
+        }
+        if result.iter().any(|number| number.abs() > LARGEST_NUMBER) {
+            let message = too_large(&format!("`{key}`"));
+            self.report.error(span, "number-too-large", message);
+            return None;
+        }
+        Some(At::new(result, span))
+    }
+}
