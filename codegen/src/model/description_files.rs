@@ -4,7 +4,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::file_kind;
-use super::read::{Loaded, ReadOptions, from_toml, from_xml, is_xml};
+use super::read::{Loaded, from_toml, from_xml, is_xml};
+use super::read_options::ReadOptions;
 use crate::diagnostic::{Diagnostic, Diagnostics, Report, Span};
 
 /// Larger files are refused [bytes].

@@ -22,6 +22,7 @@ mod options;
 mod pose;
 mod quaternion_joint;
 mod read;
+mod read_options;
 mod regularity;
 mod table;
 mod toml_couplings;
@@ -50,7 +51,8 @@ pub(crate) use name::identifier;
 pub use options::{FUNCTIONS, is_known_function};
 pub use pose::Pose;
 pub use quaternion_joint::{CarryingJoint, JointPosition, QuaternionJoint, QuaternionKind};
-pub use read::{Loaded, ReadOptions, from_mjcf, from_toml, from_urdf};
+pub use read::{Loaded, from_mjcf, from_toml, from_urdf};
+pub use read_options::ReadOptions;
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::formula::Formula;

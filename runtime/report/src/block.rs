@@ -1,5 +1,6 @@
 //! Sections and what stands in them.
 
+use super::inline::{Inline, inlines};
 use super::{Claim, Equation, Figure, Pattern, Scene, Table};
 
 /// A section of the page.
@@ -49,17 +50,6 @@ pub enum Block {
     },
 }
 
-/// A part of a line.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Inline {
-    /// Text, taken literally.
-    Text(String),
-    /// An equation in LaTeX.
-    Math(String),
-    /// A name from code.
-    Code(String),
-}
-
 /// A paragraph of the author's own words: `$…$` is LaTeX, `` `…` `` code. Text from elsewhere goes through
 /// [`plain`].
 #[must_use]
@@ -71,41 +61,6 @@ pub fn text(source: &str) -> Block {
 #[must_use]
 pub fn plain(source: impl Into<String>) -> Block {
     Block::Text(vec![Inline::Text(source.into())])
-}
-
-/// A name from code within a line.
-#[must_use]
-pub fn code(source: impl Into<String>) -> Inline {
-    Inline::Code(source.into())
-}
-
-/// Splits at `$` and backticks; one that is never closed is itself.
-pub(super) fn inlines(source: &str) -> Vec<Inline> {
-    let mut parts = Vec::new();
-    let mut plain = String::new();
-    let mut rest = source;
-    while let Some(sign) = rest.chars().next() {
-        let after = &rest[sign.len_utf8()..];
-        let end = if matches!(sign, '$' | '`') { after.find(sign) } else { None };
-        let Some(end) = end else {
-            plain.push(sign);
-            rest = after;
-            continue;
-        };
-        if !plain.is_empty() {
-            parts.push(Inline::Text(std::mem::take(&mut plain)));
-        }
-        let inner = after[..end].to_owned();
-        parts.push(match sign {
-            '$' => Inline::Math(inner),
-            _ => Inline::Code(inner),
-        });
-        rest = &after[end + sign.len_utf8()..];
-    }
-    if !plain.is_empty() {
-        parts.push(Inline::Text(plain));
-    }
-    parts
 }
 
 impl Section {
@@ -161,23 +116,5 @@ impl Block {
             Self::Claims(claims) => claims.iter().map(|claim| claim.id.as_str()).collect(),
             _ => Vec::new(),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_hold_equations_and_code() {
-        let parts = inlines("M is `mass_matrix`, $M(y)$; costs 3 $ each");
-        let expected = [
-            Inline::Text("M is ".into()),
-            Inline::Code("mass_matrix".into()),
-            Inline::Text(", ".into()),
-            Inline::Math("M(y)".into()),
-            Inline::Text("; costs 3 $ each".into()),
-        ];
-        assert_eq!(parts, expected);
     }
 }

@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::block::{Block, Inline};
+use super::block::Block;
+use super::inline::Inline;
 use super::{Bound, Cell, Claim, Criterion, Figure, Pattern, Plot, Report, ReportError, Table};
 
 /// The whole report as data.

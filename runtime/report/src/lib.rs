@@ -28,6 +28,7 @@ mod data;
 mod diagram;
 mod equation;
 mod files;
+mod inline;
 mod number;
 mod page;
 mod pattern;
@@ -35,9 +36,10 @@ mod plot;
 mod scene;
 mod table;
 
-pub use block::{Block, Inline, Section, code, plain, text};
+pub use block::{Block, Section, plain, text};
 pub use claim::{Bound, Claim, Criterion, Verdict};
 pub use equation::Equation;
+pub use inline::{Inline, code};
 pub use pattern::Pattern;
 pub use plot::{Axis, Figure, Marks, Plot, Series};
 pub use scene::{Scene, SceneBody, SceneFrame, SceneJoint, SceneKind, SceneMotion, SceneRod};
@@ -71,7 +73,7 @@ impl Report {
     /// Sets the sentence below the title; `$…$` is an equation in LaTeX.
     #[must_use]
     pub fn lead(mut self, lead: &str) -> Self {
-        self.lead = block::inlines(lead);
+        self.lead = inline::inlines(lead);
         self
     }
 

@@ -2,7 +2,8 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::block::{Block, Inline, Section};
+use super::block::{Block, Section};
+use super::inline::{Inline, inlines};
 use super::scene::{Scene, SceneJoint};
 use super::{
     Cell, Claim, Criterion, Equation, Figure, Pattern, Plot, Report, ReportError, Table, Verdict, diagram,
@@ -227,8 +228,8 @@ fn claims_markup(claims: &[Claim]) -> Rendered {
 }
 
 fn claim_row(claim: &Claim) -> Rendered {
-    let statement = line(&super::block::inlines(&claim.statement))?;
-    let remark = line(&super::block::inlines(&claim.remark))?;
+    let statement = line(&inlines(&claim.statement))?;
+    let remark = line(&inlines(&claim.remark))?;
     Ok(html! {
         tr id=(claim.id) {
             td {

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::block::{Inline, inlines};
+use super::inline::{Inline, inlines};
 
 /// The pattern of a matrix.
 #[derive(Debug, Clone, PartialEq)]

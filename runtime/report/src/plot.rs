@@ -8,7 +8,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::ReportError;
-use super::block::{Inline, inlines};
+use super::inline::{Inline, inlines};
 
 /// Plots with a common caption.
 #[derive(Debug, Clone, PartialEq)]

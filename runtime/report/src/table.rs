@@ -1,6 +1,6 @@
 //! Tables of values.
 
-use super::block::{Inline, inlines};
+use super::inline::{Inline, inlines};
 use super::number;
 
 /// A table: columns with names and units, rows of cells.

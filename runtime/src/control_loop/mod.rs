@@ -60,6 +60,7 @@ mod decide;
 mod guard;
 mod joint_pd;
 mod law;
+mod law_controller;
 #[cfg(feature = "std")]
 mod log;
 #[cfg(feature = "std")]
@@ -91,7 +92,8 @@ pub use computed_torque::{AccelerationGains, ComputedTorque, ComputedTorqueError
 pub use controller::{Command, Controller, ControllerFault, Cycle, Estimate, TooFast};
 pub use guard::{EncoderFault, EncoderGuard, GuardSettings};
 pub use joint_pd::{JointGains, JointPd, JointPdError};
-pub use law::{FeedForwardPd, JointLaw, LawController};
+pub use law::JointLaw;
+pub use law_controller::{FeedForwardPd, LawController};
 #[cfg(feature = "std")]
 pub use log::{LogRecord, LogSink, LogSummary, LogWriter, MAX_LOG_CAPACITY, log_to, log_to_file};
 #[cfg(feature = "std")]

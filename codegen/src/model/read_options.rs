@@ -1,0 +1,20 @@
+//! Choices at reading.
+
+/// How to read a description; the description's own keys of the same names count too.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ReadOptions {
+    /// Mimic joints of a URDF become independent.
+    pub ignore_mimic: bool,
+    /// Angles within this of a multiple of 90° become that multiple (rad).
+    pub snap_angles: Option<f64>,
+    /// All friction is left out.
+    pub no_friction: bool,
+    /// `tanh` of so many times the argument for `sign`, in friction and springs.
+    pub smooth_sign: Option<f64>,
+    /// Takes a robot whose mass matrix is not positive definite.
+    pub accept_unphysical: bool,
+    /// `sign` stays, whatever the description says of `tanh` in its place.
+    pub exact_sign: bool,
+    /// The base moves freely.
+    pub floating_base: bool,
+}
