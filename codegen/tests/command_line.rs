@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, Model, ReadOptions};
+use gelenk_codegen::model::{self, FrictionTerm, Model, ReadOptions};
 use gelenk_identification::robot::Robot;
 
 fn gelenk(folder: &Path, arguments: &[&str]) -> Output {
@@ -508,10 +508,13 @@ impl Described {
         self.0.rigid_forces(y, v, a, &mut torques);
         let joints = self.1.joints().zip(v).zip(&mut torques);
         joints.for_each(|((joint, v), torque)| {
-            let terms = joint.friction.iter();
-            *torque += terms
-                .map(|term| term.coefficient.evaluate(&[], 0.0, 0.0) * term.basis.evaluate(&[], 0.0, *v))
-                .sum::<f64>();
+            let sum = |terms: &[FrictionTerm]| -> f64 {
+                let term = |term: &FrictionTerm| {
+                    term.coefficient.evaluate(&[], 0.0, 0.0) * term.basis.evaluate(&[], 0.0, *v)
+                };
+                terms.iter().map(term).sum()
+            };
+            *torque += sum(&joint.friction) + torque.abs() * sum(&joint.load_friction);
         });
         torques
     }
@@ -575,6 +578,51 @@ fn a_planned_motion_identifies_what_a_simulated_arm_is() {
         assert_eq!(refused.status.code(), Some(1), "{}", shown(&refused));
     }
     assert_eq!(fs::read_to_string(at("arm.toml")).unwrap(), ARM);
+}
+
+#[test]
+fn friction_under_load_is_identified_where_it_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("arm.toml"), ARM).unwrap();
+    let friction =
+        "friction = { viscous = 1.5, coulomb = { value = 1, slope = 20 }, load = \"0.15*tanh(20*v)\" }";
+    fs::write(at("truth.toml"), TRUTH.replace("friction = { viscous = 1.5 }", friction)).unwrap();
+    fs::write(at("log.csv"), simulated_log(folder.path(), &motion(1))).unwrap();
+    let run = |arguments: &[&str]| {
+        let all: Vec<&str> = ["identify", "arm.toml"].iter().chain(arguments).copied().collect();
+        let output = gelenk(folder.path(), &all);
+        assert!(output.status.success(), "{}", shown(&output));
+        serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()
+    };
+    let plain = run(&["log.csv", "--output", "plain.toml", "--format", "json"]);
+    assert!(plain["warnings"].to_string().contains("Say --load-friction"), "{plain:#}");
+    assert!(plain["joints"][1]["load_friction"].is_null());
+    let found = run(&["log.csv", "--load-friction", "--output", "load.toml", "--format", "json"]);
+    let share = &found["joints"][1]["load_friction"]["coefficient"];
+    let [value, error] = ["value", "standard_error"].map(|key| share[key].as_f64().unwrap());
+    println!("{value} ± {error} of the load is friction, 0.15 is true");
+    assert!((value - 0.15).abs() < 4.0 * error && error < 0.015, "{found:#}");
+    assert!(found["joints"][1]["friction"].as_str().unwrap().contains("abs(load)"), "{found:#}");
+    let text = fs::read_to_string(at("load.toml")).unwrap();
+    assert!(text.contains("--load-friction") && text.contains("load = [[\"tanh("), "{text}");
+    // The written file is read again, and its torques are nearer to the truth's.
+    let truth = described(folder.path(), "truth.toml");
+    let mut errors = ["plain.toml", "load.toml"].map(|file| {
+        let robot = described(folder.path(), file);
+        let mut noise = Noise(7);
+        let errors = (0..300).flat_map(|_| {
+            let [y, v, a] = [1.0, 1.0, 2.0].map(|size| vec![size * noise.next(), size * noise.next()]);
+            let pairs = robot.torques(&y, &v, &a).into_iter().zip(truth.torques(&y, &v, &a));
+            pairs.map(|(found, truth)| (found - truth).powi(2)).collect::<Vec<_>>()
+        });
+        (errors.sum::<f64>() / 600.0).sqrt()
+    });
+    println!("torques are off by {} N m rms without the load's share, by {} with it", errors[0], errors[1]);
+    errors[0] *= 0.5;
+    assert!(errors[1] < errors[0], "{errors:?}");
+    let refused = ["identify", "arm.toml", "--reduce", "log.csv", "--load-friction", "--output", "x.moments"];
+    assert_eq!(gelenk(folder.path(), &refused).status.code(), Some(2));
 }
 
 /// A motion as a plan has it: sines with phases of their own.

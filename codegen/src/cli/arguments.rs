@@ -258,6 +258,9 @@ pub(super) struct Identify {
     /// Logs to predict with the results, which are not made from them; may be given several times
     #[arg(long, value_name = "LOG.csv", conflicts_with = "plan")]
     pub(super) validate: Vec<PathBuf>,
+    /// Let friction grow with the load of the gears too, |τ_l| s₁(v), where data that were left out ask for it
+    #[arg(long, conflicts_with_all = ["plan", "reduce", "merge"])]
+    pub(super) load_friction: bool,
     /// Write results although they explain little
     #[arg(long, conflicts_with = "plan")]
     pub(super) accept_poor: bool,

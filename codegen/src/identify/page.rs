@@ -4,6 +4,7 @@ use gelenk_identification::estimation::{InstrumentalEstimate, JointEstimate, Unc
 use gelenk_identification::identify::{Identification, JointFriction};
 use gelenk_identification::robot::Robot;
 use gelenk_identification::run::PreparedRun;
+use gelenk_identification::subset::{SubsetValidation, ValidatedSubset};
 use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Table, plain, text};
 
 /// Most points of a curve; of longer ones every k-th is drawn.
@@ -66,7 +67,7 @@ pub fn warnings(found: &Identification) -> Vec<String> {
 pub fn law(found: &Identification, joint: usize) -> String {
     let of_joint = found.friction.iter().find(|friction| friction.joint == joint);
     let report = of_joint.and_then(|friction| friction.report.as_ref().ok());
-    report.map_or_else(|| "–".to_owned(), |report| report.result.law.formula())
+    report.map_or_else(|| "–".to_owned(), |report| report.result.formula())
 }
 
 fn summary(found: &Identification) -> Section {
@@ -100,7 +101,8 @@ fn friction(found: &Identification, units: &[&str]) -> Section {
             "The laws that are written. Points, efforts and residuals over time need samples, and these are moments."
         }
         false => {
-            "Points: measured effort minus the rigid body's and the offset. Line: the law that is written."
+            "Points: measured effort minus the rigid body's, the offset, and friction under load where there is some. Line: the \
+             law that is written, at no load."
         }
     };
     let mut section = Section::new("friction", "Friction").block(text(words));
@@ -129,19 +131,20 @@ fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
             plot = plot.series("law", Marks::Line, grid.iter().zip(torques).map(|(v, t)| [*v, t]).collect());
         }
         figure = figure.plot(plot);
-        if !report.front.is_empty() {
-            let points = report
-                .front
-                .iter()
-                .map(|point| [point.active.len() as f64, point.refit_error.sqrt()])
-                .collect();
-            let front =
-                Plot::new("Error by number of terms", Axis::new("terms", ""), Axis::new("rms error", force));
-            figure = figure.plot(front.series("LASSO", Marks::Points, points));
+        if let Some(subsets) = &report.subsets {
+            figure = figure.plot(front(subsets, force));
         }
         return figure;
     }
     figure.plot(plot)
+}
+
+/// Error on left-out data of the best law of each size: more terms than the chosen number gain less than chance.
+fn front(subsets: &SubsetValidation, force: &str) -> Plot {
+    let point = |subset: &ValidatedSubset| [subset.active.len() as f64, subset.mean_error.sqrt()];
+    Plot::new("Error by number of terms", Axis::new("terms", ""), Axis::new("rms error, left out", force))
+        .series("best of its size", Marks::Points, subsets.best.iter().map(point).collect())
+        .series("chosen", Marks::Points, vec![point(&subsets.best[subsets.one_standard_error])])
 }
 
 /// Joints whose efforts were measured.

@@ -144,6 +144,16 @@ impl Robot for InterpretedRobot {
         self.model.inputs_depend_on_position()
     }
 
+    /// As the generator takes friction under load: none in robots with couplings or inputs at frames.
+    fn own_inputs(&self) -> Vec<bool> {
+        let joints = self.model.joints().len();
+        if self.model.is_coupled() || !self.model.force_inputs.is_empty() {
+            return vec![false; joints];
+        }
+        let driven = |joint| self.model.input_drives().any(|drive| drive.coordinate() == Some(joint));
+        (0..joints).map(driven).collect()
+    }
+
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {
         regressor.copy_from_slice(&result(&self.regressor, &[y, v, a], &self.free));
     }

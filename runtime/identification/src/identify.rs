@@ -1,10 +1,11 @@
 //! From logs to an identified robot, in one call.
 
 use super::error::{IdentificationError, Result};
-use super::estimation::{Estimate, EstimationSettings, estimate};
+use super::estimation::{Estimate, EstimationSettings, JointEstimate, estimate};
 use super::friction::{FrictionData, FrictionIdentification, FrictionMethod, FrictionReport};
 use super::log::{ColumnOptions, FindingKind, Recording, runs};
 use super::preparation::{PreparationReport, PreparationSettings, prepare_all};
+use super::result::FrictionTerm;
 use super::robot::{JointLimits, Robot};
 use super::run::PreparedRun;
 use std::ops::Range;
@@ -68,7 +69,7 @@ pub struct JointFriction {
     pub name: String,
     /// ẏ at all samples of all runs.
     pub velocities: Vec<f64>,
-    /// Measured forces without those of the rigid body: friction, offset and error.
+    /// Measured forces without those of the rigid body and without friction under load: friction, offset and error.
     pub torques: Vec<f64>,
     /// The law, or why there is none.
     pub report: std::result::Result<FrictionReport, String>,
@@ -97,11 +98,25 @@ pub fn identify(
     let moving = (0..estimate.joints.len()).filter(|joint| estimate.joints[*joint].moves);
     let friction = moving.map(|joint| {
         let samples = JointSamples::new(joint, &prepared, &estimate);
-        samples.friction(robot, settings, &data, &preparation)
+        let mut found = samples.friction(robot, settings, &data, &preparation);
+        if let Ok(report) = &mut found.report {
+            report.result.load = under_load(&estimate.joints[joint]).into_iter().collect();
+        }
+        found
     });
     let friction: Vec<JointFriction> = friction.collect();
     estimate.warnings.retain(|warning| !is_said(warning, &friction));
     Ok(Identification { recording, preparation, runs: prepared, estimate, friction })
+}
+
+/// The term of a joint's friction that grows with the load, as a law has it.
+fn under_load(joint: &JointEstimate) -> Option<FrictionTerm> {
+    joint.load.as_ref().map(|term| FrictionTerm {
+        basis: term.basis.clone(),
+        coefficient: term.coefficient.value,
+        standard_error: Some(term.coefficient.standard_error),
+        ..FrictionTerm::default()
+    })
 }
 
 /// The logs, and their signals on one grid through one filter.
@@ -214,8 +229,14 @@ impl<'a> JointSamples<'a> {
             accelerations: Vec::new(),
             torques: Vec::new(),
         };
-        for (run, torques) in prepared.iter().zip(&estimate.friction) {
-            samples.extend(run, &torques[joint]);
+        for (index, (run, torques)) in prepared.iter().zip(&estimate.friction).enumerate() {
+            match estimate.load_friction.get(index) {
+                Some(load) => {
+                    let torques = torques[joint].iter().zip(&load[joint]);
+                    samples.extend(run, &torques.map(|(all, load)| all - load).collect::<Vec<_>>());
+                }
+                None => samples.extend(run, &torques[joint]),
+            }
         }
         samples
     }

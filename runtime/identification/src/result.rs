@@ -241,6 +241,33 @@ impl FrictionResult {
         }
     }
 
+    /// Friction at a velocity and a load τ_l: the law, and `|τ_l| s₁(v)` where friction grows with the load.
+    ///
+    /// # Errors
+    /// As [`FrictionLaw::torques`].
+    pub fn torque(&self, velocity: f64, load: f64) -> Result<f64> {
+        let first = |torques: Vec<f64>| torques.first().copied().unwrap_or(0.0);
+        let law = first(self.law.torques(&[velocity])?);
+        if self.load.is_empty() {
+            return Ok(law);
+        }
+        let share = (matrix(&self.load, &[velocity])?.row(0).iter().zip(&self.load))
+            .map(|(value, term)| term.coefficient * value)
+            .sum::<f64>();
+        Ok(law + load.abs() * share)
+    }
+
+    /// The law as one line of text, with the digits that a description gets, and with `load` for τ_l where friction
+    /// grows with it.
+    pub fn formula(&self) -> String {
+        let under_load = self.load.iter().map(|term| {
+            let factor = rounded(term.coefficient, term.written_error());
+            format!("{factor}*abs(load)*{}", term.basis)
+        });
+        let terms = std::iter::once(self.law.formula()).chain(under_load);
+        terms.collect::<Vec<_>>().join(" + ").replace("+ -", "- ")
+    }
+
     /// Half the width of the interval at [`CONFIDENCE`] in standard errors.
     pub fn interval_factor(&self) -> f64 {
         let freedom = if self.freedom > 0.0 { self.freedom } else { 1e9 };

@@ -38,12 +38,26 @@ pub trait Robot {
         false
     }
 
+    /// Tells of each joint whether an input drives it and nothing else: where a gear's load is known, so that friction
+    /// can grow with it.
+    fn own_inputs(&self) -> Vec<bool> {
+        own_inputs(&self.input_matrix(), self.joint_names().len(), self.input_names().len())
+    }
+
     /// `W`, `N × P`, rows first, at positions y [rad or m], velocities ẏ and accelerations ÿ.
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]);
 
     /// `M ÿ + k − q` with the described parameters and without friction, one entry for each joint [N·m or N].
     /// Springs and other forces that are no inertia are in here and not in `W π`.
     fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]);
+}
+
+/// Joints whose row of B has one entry, in a column with no other.
+fn own_inputs(b: &[f64], joints: usize, inputs: usize) -> Vec<bool> {
+    let acts = |joint: usize, input: usize| b[joint * inputs + input] != 0.0;
+    let driven_by = |joint: usize| (0..inputs).filter(move |&input| acts(joint, input));
+    let drives_one = |input: usize| (0..joints).filter(|&joint| acts(joint, input)).count() == 1;
+    (0..joints).map(|joint| driven_by(joint).count() == 1 && driven_by(joint).all(drives_one)).collect()
 }
 
 /// Limits of a joint, as described; what is not described is infinite.

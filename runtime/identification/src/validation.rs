@@ -89,6 +89,8 @@ struct Prediction<'a> {
     values: Vec<f64>,
     changes: Vec<f64>,
     offsets: Vec<f64>,
+    /// `M ÿ + k − q` with gravity, whoever holds it: what the gears carry.
+    loads: Vec<f64>,
     input_matrix: Vec<f64>,
     regressor: Vec<f64>,
     forces: Vec<f64>,
@@ -114,6 +116,7 @@ impl<'a> Prediction<'a> {
             is_gravity_compensated,
             joints,
             offsets: (0..joints).map(offset).collect(),
+            loads: vec![0.0; joints],
             input_matrix: robot.input_matrix(),
             regressor: vec![0.0; joints * values.len()],
             forces: vec![0.0; joints],
@@ -141,9 +144,13 @@ impl<'a> Prediction<'a> {
     fn rigid(&mut self, y: &[f64], v: &[f64], a: &[f64]) {
         self.robot.rigid_forces(y, v, a, &mut self.forces);
         self.add_regressor([y, v, a], 1.0, &self.changes.clone());
+        self.loads.copy_from_slice(&self.forces);
         if self.is_gravity_compensated {
             let zero = vec![0.0; v.len()];
             self.add_regressor([y, &zero, &zero], -1.0, &self.values.clone());
+            if let Some(left) = &self.found.estimate.compensation {
+                self.add_regressor([y, &zero, &zero], 1.0, left);
+            }
         }
     }
 
@@ -160,11 +167,10 @@ impl<'a> Prediction<'a> {
     fn at_joint(&self, joint: usize, v: f64, a: f64) -> f64 {
         let law = self.found.friction.iter().find(|friction| friction.joint == joint);
         let report = law.and_then(|law| law.report.as_ref().ok());
-        let friction = report.and_then(|report| report.result.law.torques(&[v]).ok());
         let inertia = self.found.estimate.joints[joint].armature.map_or(0.0, |armature| armature.value);
-        friction.and_then(|torques| torques.first().copied()).unwrap_or(0.0)
-            + inertia * a
-            + self.offsets[joint]
+        let load = self.loads[joint] + inertia * a;
+        let friction = report.and_then(|report| report.result.torque(v, load).ok());
+        friction.unwrap_or(0.0) + inertia * a + self.offsets[joint]
     }
 
     fn measured(&self, run: &PreparedRun, joint: usize, sample: usize) -> f64 {

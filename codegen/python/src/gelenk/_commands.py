@@ -103,6 +103,7 @@ def identify(
     gravity_compensated: bool = False,
     bandwidth: float | None = None,
     delay: float | None = None,
+    load_friction: bool = False,
     accept_poor: bool = False,
     merge: bool = False,
     snap_angles: float | None = None,
@@ -122,8 +123,9 @@ def identify(
     options = {
         "output": output, "report": report, "columns": columns, "separator": separator, "effort": effort,
         "gravity_compensated": gravity_compensated, "bandwidth": bandwidth, "delay": delay,
-        "accept_poor": accept_poor, "merge": merge, "snap_angles": snap_angles, "no_friction": no_friction,
-        "ignore_mimic": ignore_mimic, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
+        "load_friction": load_friction, "accept_poor": accept_poor, "merge": merge, "snap_angles": snap_angles,
+        "no_friction": no_friction, "ignore_mimic": ignore_mimic, "smooth_sign": smooth_sign,
+        "accept_unphysical": accept_unphysical,
     }
     held_out = [f"--validate={os.fspath(log)}" for log in _paths(validate)]
     found = _program.run(["identify", description, *_paths(logs), *held_out, *_program.switches(options)])

@@ -47,7 +47,7 @@ pub(super) fn finish(
     command: &str,
     output: &Path,
 ) -> Result<ExitCode, Failure> {
-    let replaced = replaced_load(&loaded.model);
+    let replaced = replaced_load(&loaded.model, found);
     replaced.iter().for_each(|words| super::say(words));
     describe(arguments, robot, found, (command, replaced), output)?;
     let name = &loaded.model.name;
@@ -73,18 +73,22 @@ pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, F
     settings.preparation.bandwidth = arguments.bandwidth;
     settings.preparation.delay = arguments.delay;
     settings.estimation.gravity_compensated = arguments.gravity_compensated;
+    settings.estimation.load_friction = arguments.load_friction;
     settings.estimation.accept_poor = arguments.accept_poor;
     settings.accept_poor = arguments.accept_poor;
     Ok(settings)
 }
 
-/// What becomes of friction that grows with the load: the command's laws are of the velocity alone.
-fn replaced_load(model: &Model) -> Option<String> {
+/// Which described friction under load is lost: laws of the velocity alone replace it.
+fn replaced_load(model: &Model, found: &Identification) -> Option<String> {
+    let replaced = |name: &str| laws(found).any(|law| law.result.joint == name && law.result.load.is_empty());
+    let described = model.joints().filter(|joint| !joint.load_friction.is_empty());
     let joints: Vec<&str> =
-        model.joints().filter(|j| !j.load_friction.is_empty()).map(|j| j.name.as_str()).collect();
+        described.map(|joint| joint.name.as_str()).filter(|name| replaced(name)).collect();
     (!joints.is_empty()).then(|| {
         format!(
-            "friction under load of {} is not estimated: laws of the velocity alone replace it",
+            "friction under load of {} is described and was not identified: laws of the velocity alone replace it \
+             (--load-friction asks for it)",
             list(joints.into_iter())
         )
     })
@@ -113,6 +117,7 @@ fn command(arguments: &Identify) -> String {
         word("--bandwidth", arguments.bandwidth.map(|hertz| format!("{hertz:?}"))),
         word("--delay", arguments.delay.map(|seconds| format!("{seconds:?}"))),
         arguments.gravity_compensated.then(|| "--gravity-compensated".to_owned()),
+        arguments.load_friction.then(|| "--load-friction".to_owned()),
         arguments.accept_poor.then(|| "--accept-poor".to_owned()),
     ];
     let words =
@@ -234,10 +239,12 @@ fn validated(validation: &[JointValidation]) -> String {
     format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))
 }
 
+fn uncertain(p: &Uncertain) -> Value {
+    json!({"value": p.value, "standard_error": p.standard_error, "interval": p.interval})
+}
+
 /// The estimate by instrumental variables and its test; friction terms of each joint.
 fn instrumental(found: &InstrumentalEstimate) -> Value {
-    let uncertain =
-        |p: &Uncertain| json!({"value": p.value, "standard_error": p.standard_error, "interval": p.interval});
     let terms = found.terms.iter().map(|terms| {
         let terms = terms.iter();
         terms.map(|t| json!({"term": t.basis, "coefficient": uncertain(&t.coefficient)})).collect::<Value>()
@@ -268,6 +275,9 @@ fn as_json(
             "residual": joint.sigma,
             "unit": joint.unit,
             "friction": page::law(found, index),
+            "load_friction": joint.load.as_ref().map(|term| json!({
+                "term": term.basis, "coefficient": uncertain(&term.coefficient),
+            })),
         })
     });
     let parameters = found.estimate.parameters.iter();
@@ -276,9 +286,8 @@ fn as_json(
         "description": output.display().to_string(),
         "files": files.collect::<Value>(),
         "joints": joints.collect::<Value>(),
-        "inertial_parameters": parameters.map(|p| json!({
-            "value": p.value, "standard_error": p.standard_error, "interval": p.interval,
-        })).collect::<Value>(),
+        "inertial_parameters": parameters.map(uncertain).collect::<Value>(),
+        "compensation_error": found.estimate.compensation,
         "validation": validation.iter().map(|joint| json!({
             "name": joint.name, "r_squared": joint.r_squared, "residual": joint.residual,
         })).collect::<Value>(),

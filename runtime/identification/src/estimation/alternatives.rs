@@ -4,7 +4,7 @@ use super::super::error::Result;
 use super::super::robot::Robot;
 use super::choice::Chosen;
 use super::fit::{HeldOut, held_out};
-use super::layout::{ARMATURE, TERMS};
+use super::layout::{ARMATURE, LOAD};
 use super::prior::Prior;
 use super::sums::sum;
 use super::task::Task;
@@ -105,6 +105,8 @@ fn gravity(task: &Task, chosen: &Chosen) -> Result<Option<String>> {
 /// much of a gravity that is not there.
 fn as_described(mut chosen: Chosen, prior: &Prior) -> Result<HeldOut> {
     chosen.model.consistent = false;
+    // It would take up much of a weight that is not there, too.
+    chosen.model.compensation = false;
     chosen.weighting.trust.fill(1.0);
     chosen.weighting.description = AS_DESCRIBED;
     chosen.held_out(prior)
@@ -123,10 +125,10 @@ fn has_other_sign(prior: &Prior, chosen: &Chosen, own: &HeldOut, joint: usize) -
 fn drives(chosen: &Chosen, joint: usize) -> bool {
     let layout = chosen.centred.layout;
     let products = &chosen.centred.all[joint];
-    let first = layout.local[joint].len() - TERMS;
+    let first = layout.first_term(joint);
     let term =
         |term: usize| chosen.values.unknowns[layout.term(joint, term)] * products[(first, first + term)];
-    let power: f64 = (0..ARMATURE).map(term).sum();
+    let power: f64 = (0..ARMATURE).chain(LOAD..layout.terms).map(term).sum();
     let last = products.nrows() - 1;
     let scale = chosen.values.gains[joint].abs() * (products[(first, first)] * products[(last, last)]).sqrt();
     power < -NOTICEABLE * scale

@@ -32,6 +32,8 @@ pub(super) struct Checked<'a> {
     pub(super) runs: &'a [PreparedRun],
     pub(super) forces: &'a Forces,
     pub(super) correlation_time: f64,
+    /// Whether friction under load is part of the fit, or the rigid forces are without gravity and no loads.
+    pub(super) loads_are_known: bool,
 }
 
 impl Checked<'_> {
@@ -67,6 +69,7 @@ impl Checked<'_> {
             self.position(joint),
             self.drift(joint),
             self.friction_drift(joint),
+            self.load(joint),
         ];
         doubts.into_iter().flatten().collect()
     }
@@ -144,6 +147,26 @@ impl Checked<'_> {
             format!(
                 "its friction changes by {factor:+.3} from the first to the last sample ({:.0} % of the residual's \
                  variance). Warm the robot up before the log, and identify it as warm as it works.",
+                100.0 * share
+            )
+        })
+    }
+
+    /// Friction that grows with the load leaves `(|τ_l| − mean) sign(v)`; Coulomb friction has taken the mean.
+    fn load(&self, joint: usize) -> Option<String> {
+        if self.loads_are_known || !self.robot.own_inputs()[joint] {
+            return None;
+        }
+        let rigid = |run: usize, i: usize| self.forces.rigid[run][joint][i].abs();
+        let all = self.forces.rigid.iter().flat_map(|run| &run[joint]);
+        let mean = all.clone().map(|force| force.abs()).sum::<f64>() / all.count().max(1) as f64;
+        let steepness = self.layout.steepness[joint][0];
+        let direction = |run: usize, i: usize| (steepness * self.runs[run].velocities[joint][i]).tanh();
+        let (factor, share) = self.explained(joint, &|run, i| (rigid(run, i) - mean) * direction(run, i))?;
+        (factor > 0.0 && self.is_suspicious(share)).then(|| {
+            format!(
+                "{:.0} % of the residual's variance is friction that grows with the load of the gear, by about \
+                 {factor:.2} of it. Say --load-friction (`load_friction` of the library).",
                 100.0 * share
             )
         })

@@ -4,7 +4,7 @@
 use super::super::error::Result;
 use super::super::inertial::PER_BODY;
 use super::fit::{HeldOut, Weighting, held_out, reweighted};
-use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
+use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::normal::{Centred, Model, Offsets, Values};
 use super::prior::Prior;
 use super::sums::Sums;
@@ -40,10 +40,12 @@ pub(super) struct Chosen<'a> {
 
 /// What is left to the choice.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Freedom {
+pub(super) struct Freedom<'a> {
     pub(super) offsets: Option<Offsets>,
     pub(super) terms: bool,
     pub(super) consistent: bool,
+    /// Joints whose friction may grow with the load.
+    pub(super) loads: &'a [bool],
 }
 
 fn grid() -> impl Iterator<Item = f64> {
@@ -57,13 +59,15 @@ pub(super) fn choose<'a>(
     sums: &'a Sums,
     prior: &Prior,
     start: &Values,
-    freedom: Freedom,
+    freedom: Freedom<'_>,
     gains: bool,
 ) -> Result<Chosen<'a>> {
     let model = Model {
         coulomb: vec![0; layout.joints],
         asymmetry: vec![false; layout.joints],
         armature: vec![false; layout.joints],
+        load: vec![false; layout.joints],
+        compensation: false,
         offsets: freedom.offsets.unwrap_or(Offsets::Common),
         gains,
         consistent: false,
@@ -73,6 +77,7 @@ pub(super) fn choose<'a>(
         sigma: super::fit::deviations(&centred, start),
         description: 1.0,
         trust: vec![1.0; layout.parameters],
+        compensation: 1.0,
     };
     let mut chosen = Chosen { model, weighting, values: start.clone(), centred, tried: Vec::new() };
     chosen.reweight(prior)?;
@@ -82,9 +87,10 @@ pub(super) fn choose<'a>(
     if freedom.offsets.is_none() {
         chosen.choose_offsets(layout, sums, prior)?;
     }
-    if freedom.terms {
-        chosen.choose_terms(prior)?;
-    }
+    let optional: &[usize] = if freedom.terms { &[ARMATURE, ASYMMETRY] } else { &[] };
+    let under_load = (LOAD..layout.terms).collect::<Vec<_>>();
+    chosen.choose_compensation(prior)?;
+    chosen.choose_terms(prior, &[&under_load, optional].concat(), freedom.loads)?;
     chosen.reweight(prior)?;
     chosen.choose_weight(prior, false)?;
     chosen.choose_trust(prior)?;
@@ -129,6 +135,34 @@ impl Chosen<'_> {
         Ok(())
     }
 
+    /// What the robot's own compensation leaves of its weight: with the largest weight λ whose error is not worse by more
+    /// than a standard error than the least, and only where it lowers the error by more than one.
+    fn choose_compensation(&mut self, prior: &Prior) -> Result<()> {
+        if self.centred.layout.compensated.is_empty() {
+            return Ok(());
+        }
+        let without = self.held_out(prior)?;
+        let model = Model { compensation: true, ..self.model.clone() };
+        let mut errors = Vec::with_capacity(WEIGHTS);
+        for compensation in grid() {
+            let weighting = Weighting { compensation, ..self.weighting.clone() };
+            errors.push(held_out(&self.centred, &model, prior, &weighting, &self.values)?);
+        }
+        let best = (0..WEIGHTS).fold(0, |b, i| if errors[i].total() < errors[b].total() { i } else { b });
+        let (excess, deviation) = errors[best].excess(&without);
+        if excess >= -deviation {
+            return Ok(());
+        }
+        let near = |i: &usize| {
+            let (excess, error) = errors[*i].excess(&errors[best]);
+            excess <= error
+        };
+        let index = (best..WEIGHTS).take_while(near).last().unwrap_or(best);
+        self.model = model;
+        self.weighting.compensation = grid().nth(index).unwrap_or(1.0);
+        Ok(())
+    }
+
     /// A body that the data contradict is trusted less, where that lowers the error by more than a standard error:
     /// exporters write dummies, and tools are forgotten.
     pub(super) fn choose_trust(&mut self, prior: &Prior) -> Result<()> {
@@ -169,15 +203,19 @@ impl Chosen<'_> {
     }
 
     /// A term is taken where it lowers the error by more than a standard error.
-    fn choose_terms(&mut self, prior: &Prior) -> Result<()> {
+    fn choose_terms(&mut self, prior: &Prior, terms: &[usize], loads: &[bool]) -> Result<()> {
         let mut best = self.held_out(prior)?;
         for joint in (0..self.model.coulomb.len()).filter(|&j| self.centred.layout.moves[j]) {
-            for term in 0..2 {
+            for term in terms {
                 let mut model = self.model.clone();
-                if term == 1 && !self.both_directions(joint) {
+                let (possible, chosen) = match *term {
+                    LOAD => (loads[joint], &mut model.load),
+                    ASYMMETRY => (self.both_directions(joint), &mut model.asymmetry),
+                    _ => (true, &mut model.armature),
+                };
+                if !possible {
                     continue;
                 }
-                let chosen = if term == 0 { &mut model.armature } else { &mut model.asymmetry };
                 chosen[joint] = true;
                 let error = self.error(&model, prior)?;
                 let (excess, deviation) = error.excess(&best);
@@ -191,8 +229,8 @@ impl Chosen<'_> {
 
     /// Whether the joint moves both ways enough to tell v from |v|.
     fn both_directions(&self, joint: usize) -> bool {
-        let local = self.centred.layout.local[joint].len();
-        let place = |term: usize| local - TERMS + term;
+        let first = self.centred.layout.first_term(joint);
+        let place = |term: usize| first + term;
         let products = self.centred.sums.products(joint, None);
         let entry = |a: usize, b: usize| products[(place(a), place(b))];
         let cosine =
@@ -201,12 +239,14 @@ impl Chosen<'_> {
     }
 
     /// Whether reflected inertia comes out positive: friction that lags behind the speed makes it negative, and
-    /// no robot has that.
+    /// no robot has that. A share of the load is positive too, and less than one.
     fn can_exist(&self, model: &Model, joint: usize, prior: &Prior) -> Result<bool> {
         let all = &self.centred.all;
         let solved = super::fit::fit(&self.centred, all, model, prior, &self.weighting, &self.values)?;
-        let inertia = solved.values.unknowns[self.centred.layout.term(joint, ARMATURE)];
-        Ok(!model.armature[joint] || inertia > 0.0)
+        let value = |term: usize| solved.values.unknowns[self.centred.layout.term(joint, term)];
+        let has_inertia = !model.armature[joint] || value(ARMATURE) > 0.0;
+        let has_share = !model.load[joint] || (value(LOAD) > 0.0 && value(LOAD) < 1.0);
+        Ok(has_inertia && has_share)
     }
 }
 

@@ -11,8 +11,8 @@ use nalgebra::{DMatrix, DVector};
 /// converges. They are below what the sums of products resolve.
 const PULLS: [f64; 4] = [0.0, 1e-13, 1e-12, 1e-11];
 
-/// The minimum of `½ xᵀ A x − gᵀ x` where the description plus x has positive pseudo-inertias, and rotor and
-/// reflected inertias that are not negative, and the pull that was needed. `free` is the minimum without these bounds.
+/// The minimum of `½ xᵀ A x − gᵀ x` where the description plus x has positive pseudo-inertias, and rotor
+/// inertias, reflected inertias and shares of the load that are not negative, and the pull that was needed. `free` is the minimum without these bounds.
 pub(super) fn bounded(
     layout: &Layout,
     prior: &Prior,
@@ -58,12 +58,13 @@ fn symmetric(a: DMatrix<f64>) -> DMatrix<f64> {
     0.5 * (&a + a.transpose())
 }
 
-/// Places of rotor inertias and reflected inertias among the active unknowns.
+/// Places of rotor inertias, reflected inertias and shares of the load among the active unknowns.
 fn nonnegative(layout: &Layout, prior: &Prior, active: &[usize]) -> Vec<usize> {
     let bodies = PER_BODY * prior.bodies.len();
-    let armatures: Vec<usize> = (0..layout.joints).map(|j| layout.term(j, ARMATURE)).collect();
-    let inertia = |i: &usize| active[*i] < layout.parameters || armatures.contains(&active[*i]);
-    (bodies..active.len()).filter(inertia).collect()
+    let of_joint = |j: usize| (ARMATURE..layout.terms).map(move |term| layout.term(j, term));
+    let terms: Vec<usize> = (0..layout.joints).flat_map(of_joint).collect();
+    let bounded = |i: &usize| active[*i] < layout.parameters || terms.contains(&active[*i]);
+    (bodies..active.len()).filter(bounded).collect()
 }
 
 fn can_exist(parameters: &DVector<f64>, bodies: usize, nonnegative: &[usize]) -> bool {

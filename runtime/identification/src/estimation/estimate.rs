@@ -10,6 +10,7 @@ use super::endogeneity::endogeneity;
 use super::fit::fit;
 use super::intervals::{Fitted, correlation_time, covariance, scores};
 use super::layout::Layout;
+use super::loads::{Loads, PASSES, settled};
 use super::normal::{Centred, Values, residual_vector};
 use super::prior::Prior;
 use super::report::Report;
@@ -31,12 +32,16 @@ use nalgebra::DVector;
 /// that the data cannot tell: `λ` times the squared distance from the described bodies is added, with the largest λ
 /// whose held-out error is not worse than the best by more than a standard error.
 ///
+/// With [`EstimationSettings::load_friction`] the friction of a joint may hold `|τ_l| s₁ tanh(k v)` too, with the load
+/// `τ_l = M ÿ + k − q` by the values of the pass before; passes repeat until s₁ settles.
+///
 /// `progress` gets a sentence at each stage.
 ///
 /// # Errors
 /// Data of the wrong shape or not finite (efforts that are NaN throughout were not measured: their joints keep what is
 /// described), no measured efforts at all, settings out of range, and a fit that explains less of a moving joint
-/// than [`EstimationSettings::least_r_squared`] on held-out data.
+/// than [`EstimationSettings::least_r_squared`] on held-out data. Friction under load that is asked for where no joint
+/// has an input of its own.
 pub fn estimate(
     robot: &dyn Robot,
     runs: &[PreparedRun],
@@ -45,10 +50,55 @@ pub fn estimate(
 ) -> Result<Estimate> {
     settings.check()?;
     require_finite("the description's inertial parameters", &robot.parameters())?;
-    let layout = Layout::new(robot, runs, settings.steepness.as_deref())?;
+    if settings.load_friction {
+        return under_load(robot, runs, settings, progress);
+    }
+    let layout =
+        Layout::new(robot, runs, settings.steepness.as_deref(), [false, settings.gravity_compensated])?;
+    pass(robot, runs, settings, (&layout, None), progress).map(|(found, _)| found)
+}
+
+/// The estimate with friction under load.
+fn under_load(
+    robot: &dyn Robot,
+    runs: &[PreparedRun],
+    settings: &EstimationSettings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Estimate> {
+    let layout =
+        Layout::new(robot, runs, settings.steepness.as_deref(), [false, settings.gravity_compensated])?;
+    // What the load adds may be most of the residual.
+    let first = EstimationSettings { accept_poor: true, ..settings.clone() };
+    let (mut found, steepness) = pass(robot, runs, &first, (&layout, None), progress)?;
+    // The load's term changes sign like the Coulomb term.
+    let layout = Layout::new(robot, runs, Some(&steepness), [true, settings.gravity_compensated])?;
+    for number in 1..=PASSES {
+        let loads = Loads::new(robot, &layout, &found)?;
+        progress(&format!("Friction under load, pass {number}."));
+        let (next, _) = pass(robot, runs, settings, (&layout, Some(&loads)), progress)?;
+        let settled = number > 1 && settled(&found, &next);
+        found = next;
+        if settled {
+            return Ok(found);
+        }
+    }
+    found
+        .warnings
+        .push(format!("The shares of the load did not settle within {PASSES} passes: trust them less."));
+    Ok(found)
+}
+
+/// The estimate with given loads, and the factors of its Coulomb terms.
+fn pass(
+    robot: &dyn Robot,
+    runs: &[PreparedRun],
+    settings: &EstimationSettings,
+    (layout, loads): (&Layout, Option<&Loads>),
+    progress: &mut dyn FnMut(&str),
+) -> Result<(Estimate, Vec<f64>)> {
     let prior = Prior::new(&robot.parameters(), robot.bodies());
     let pieces = cut(runs, settings.folds);
-    let task = Task { robot, runs, settings, layout: &layout, prior: &prior, pieces };
+    let task = Task { robot, runs, settings, layout, prior: &prior, pieces, loads };
     let samples: usize = runs.iter().map(|r| r.times.len()).sum();
     progress(&format!("The regressor is evaluated at {samples} samples of {} runs.", runs.len()));
     let first = task.sums(None);
@@ -65,7 +115,9 @@ pub fn estimate(
         robust = sums;
     }
     let chosen = task.choose(&robust)?;
-    task.finish(&first, &chosen, &outlier, progress)
+    let widths = layout.steepness.iter().zip(&chosen.model.coulomb);
+    let steepness = widths.map(|(steepness, width)| steepness[*width]).collect();
+    Ok((task.finish(&first, &chosen, &outlier, progress)?, steepness))
 }
 
 /// Values, offsets and deviations that weights of samples are made of.
@@ -95,6 +147,7 @@ impl Task<'_> {
             offsets: self.settings.offsets,
             terms: self.settings.optional_terms,
             consistent: self.settings.consistent,
+            loads: self.loads.map_or(&[], |loads| &loads.joints),
         };
         choose(self.layout, sums, self.prior, &start, freedom, gains)
     }
@@ -133,6 +186,7 @@ impl Task<'_> {
             runs: self.runs,
             forces: &forces,
             correlation_time: time,
+            loads_are_known: self.loads.is_some() || self.settings.gravity_compensated,
         };
         progress("Other explanations are tried.");
         let mut doubts = other_explanations(self, &judged, &errors)?;

@@ -1,6 +1,7 @@
 //! Which unknown stands in which column, and which columns an equation of a joint has.
 
 use super::super::error::{IdentificationError, Result, require_length, require_samples};
+use super::super::inertial::PER_BODY;
 use super::super::random::SplitMix64;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
@@ -13,22 +14,31 @@ pub(super) const VISCOUS: usize = 0;
 pub(super) const COULOMB: std::ops::Range<usize> = 1..1 + WIDTHS.len();
 pub(super) const ASYMMETRY: usize = TERMS - 2;
 pub(super) const ARMATURE: usize = TERMS - 1;
+/// The term under load, |τ_l| tanh(k v), behind the others where the layout has it.
+pub(super) const LOAD: usize = TERMS;
 
 /// A joint that moves less than this [rad or m] stands still.
 pub(crate) const STANDSTILL: f64 = 1e-3;
+/// Parameters of a body that weigh something: m and m c.
+const WEIGHING: usize = 4;
 /// States at which the structure of W is looked up. One generic state shows it; more guard against chance.
 const PROBES: usize = 4;
 
 /// Columns of the equations, and what is known about the data before the first pass.
 ///
-/// Unknowns count globally: the P inertial parameters (as differences from the description), then [`TERMS`]
-/// candidates of each joint, then a gain for each joint.
+/// Unknowns count globally: the P inertial parameters (as differences from the description), then the candidate
+/// terms of each joint, then a gain for each joint, then what a compensation of the weight leaves.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
     pub(super) joints: usize,
     pub(super) parameters: usize,
-    /// Global columns with entries in the joint's equation, ascending; behind them stand the described rigid
-    /// force and the measured force.
+    /// Candidate terms of each joint: [`TERMS`], or one more with [`LOAD`].
+    pub(super) terms: usize,
+    /// Inertial parameters that weigh something, m and m c of each body, where the robot compensates its weight: each has
+    /// an unknown of its own for what the compensation leaves, behind the gains.
+    pub(super) compensated: Vec<usize>,
+    /// Global columns with entries in the joint's equation: inertial parameters, what the compensation leaves, terms;
+    /// behind them stand the described rigid force and the measured force.
     pub(super) local: Vec<Vec<usize>>,
     /// Factors k of the terms tanh(k v), for each joint.
     pub(super) steepness: Vec<[f64; WIDTHS.len()]>,
@@ -42,7 +52,14 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    pub(super) fn new(robot: &dyn Robot, runs: &[PreparedRun], given: Option<&[f64]>) -> Result<Self> {
+    /// - `given`: factors of the Coulomb terms of each joint
+    /// - `loads`: whether there is a term under load; `compensated`: whether the robot holds its weight itself
+    pub(super) fn new(
+        robot: &dyn Robot,
+        runs: &[PreparedRun],
+        given: Option<&[f64]>,
+        [loads, compensated]: [bool; 2],
+    ) -> Result<Self> {
         let joints = robot.joint_names().len();
         let first = runs.first().ok_or(IdentificationError::Empty { what: "the list of runs".into() })?;
         for run in runs {
@@ -58,10 +75,15 @@ impl Layout {
             });
         }
         let parameters = robot.parameters().len();
+        let terms = TERMS + usize::from(loads);
+        let bodies = if compensated { robot.bodies() } else { 0 };
+        let compensated: Vec<usize> = (0..bodies * PER_BODY).filter(|i| i % PER_BODY < WEIGHING).collect();
         Ok(Self {
             joints,
             parameters,
-            local: local(robot, joints, parameters),
+            terms,
+            local: local(robot, joints, parameters, terms, &compensated),
+            compensated,
             steepness: (0..joints)
                 .map(|j| given.map_or_else(|| steepness(runs, j), |k| [k[j]; WIDTHS.len()]))
                 .collect(),
@@ -84,7 +106,9 @@ impl Layout {
         Ok(Self {
             joints,
             parameters,
-            local: local(robot, joints, parameters),
+            terms: TERMS,
+            local: local(robot, joints, parameters, TERMS, &[]),
+            compensated: Vec::new(),
             steepness: vec![steepness; joints],
             moves,
             measured: vec![true; joints],
@@ -95,17 +119,32 @@ impl Layout {
 
     /// Global number of a candidate term.
     pub(super) fn term(&self, joint: usize, term: usize) -> usize {
-        self.parameters + joint * TERMS + term
+        self.parameters + joint * self.terms + term
     }
 
     /// Global number of a joint's gain.
     pub(super) fn gain(&self, joint: usize) -> usize {
-        self.parameters + self.joints * TERMS + joint
+        self.parameters + self.joints * self.terms + joint
+    }
+
+    /// Global number of the unknown of what the compensation leaves, for an entry of [`Self::compensated`].
+    pub(super) fn compensation(&self, entry: usize) -> usize {
+        self.parameters + self.joints * (self.terms + 1) + entry
+    }
+
+    /// The inertial parameter that a global unknown belongs to, or whose weight it is.
+    pub(super) fn weighing(&self, global: usize) -> Option<usize> {
+        self.compensated.get(global.checked_sub(self.compensation(0))?).copied()
     }
 
     /// Number of global unknowns.
     pub(super) fn len(&self) -> usize {
-        self.parameters + self.joints * (TERMS + 1)
+        self.compensation(self.compensated.len())
+    }
+
+    /// Place of a joint's first candidate term among its columns.
+    pub(super) fn first_term(&self, joint: usize) -> usize {
+        self.local[joint].len() - self.terms
     }
 
     /// Columns of a joint's sums of products: its unknowns, the rigid force, the measured force.
@@ -198,11 +237,20 @@ fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
 }
 
 /// Global columns of each joint's equation.
-fn local(robot: &dyn Robot, joints: usize, parameters: usize) -> Vec<Vec<usize>> {
+fn local(
+    robot: &dyn Robot,
+    joints: usize,
+    parameters: usize,
+    terms: usize,
+    compensated: &[usize],
+) -> Vec<Vec<usize>> {
+    let first = parameters + joints * (terms + 1);
     let structure = structure(robot, joints, parameters);
     let local = structure.iter().enumerate().map(|(joint, columns)| {
-        let start = parameters + joint * TERMS;
-        columns.iter().copied().chain(start..start + TERMS).collect()
+        let start = parameters + joint * terms;
+        let weighs = |entry: &usize| columns.contains(&compensated[*entry]);
+        let left = (0..compensated.len()).filter(weighs).map(|entry| first + entry);
+        columns.iter().copied().chain(left).chain(start..start + terms).collect()
     });
     local.collect()
 }

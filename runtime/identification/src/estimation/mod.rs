@@ -11,6 +11,7 @@ mod fit;
 mod instruments;
 mod intervals;
 mod layout;
+mod loads;
 mod normal;
 mod prior;
 mod report;

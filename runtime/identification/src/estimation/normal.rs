@@ -1,7 +1,7 @@
 //! The weighted normal equations of all joints, made of sums, and their solution.
 
 use super::super::error::{IdentificationError, Result};
-use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, VISCOUS};
+use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::prior::Prior;
 use super::sums::Sums;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -24,6 +24,10 @@ pub(super) struct Model {
     pub(super) coulomb: Vec<usize>,
     pub(super) asymmetry: Vec<bool>,
     pub(super) armature: Vec<bool>,
+    /// Friction under load.
+    pub(super) load: Vec<bool>,
+    /// What a compensation of the weight leaves.
+    pub(super) compensation: bool,
     pub(super) offsets: Offsets,
     pub(super) gains: bool,
     /// Whether bodies must be able to exist.
@@ -56,12 +60,18 @@ impl Model {
         for joint in (0..layout.joints).filter(|&j| layout.moves[j]) {
             active.push(layout.term(joint, VISCOUS));
             active.push(layout.term(joint, COULOMB.start + self.coulomb[joint]));
-            for (term, chosen) in [(ASYMMETRY, &self.asymmetry), (ARMATURE, &self.armature)] {
+            let optional = [(ASYMMETRY, &self.asymmetry), (ARMATURE, &self.armature), (LOAD, &self.load)];
+            for (term, chosen) in optional {
                 active.extend(chosen[joint].then(|| layout.term(joint, term)));
             }
         }
         if self.gains {
             active.extend((0..layout.joints).filter(|&j| layout.measured[j]).map(|j| layout.gain(j)));
+        }
+        if self.compensation {
+            let weighs = |entry: &usize| !prior.held[layout.compensated[*entry]];
+            let entries = (0..layout.compensated.len()).filter(weighs);
+            active.extend(entries.map(|entry| layout.compensation(entry)));
         }
         active
     }

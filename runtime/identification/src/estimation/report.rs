@@ -7,7 +7,7 @@ use super::choice::Chosen;
 use super::endogeneity::{Endogeneity, Test};
 use super::fit::Solved;
 use super::intervals::Covariance;
-use super::layout::{ARMATURE, ASYMMETRY, COULOMB, VISCOUS};
+use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, VISCOUS};
 use super::normal::Offsets;
 use super::prior::Prior;
 use super::residuals::{Forces, RunOffsets};
@@ -43,7 +43,8 @@ impl Report<'_> {
             let runs = 0..self.forces.measured.len();
             runs.map(|r| (0..layout.joints).map(|j| known(r, j)).collect()).collect()
         };
-        let Forces { measured, residual, rigid, .. } = self.forces;
+        let Forces { measured, residual, rigid, load, .. } = self.forces;
+        let has_loads = self.task.loads.is_some();
         Estimate {
             parameters: parameters.collect(),
             consistent: self.is_consistent(),
@@ -56,6 +57,8 @@ impl Report<'_> {
             predicted: each(&|r, j| add(&measured[r][j], &residual[r][j], -1.0)),
             friction: each(&|r, j| add(&measured[r][j], &rigid[r][j], -1.0)),
             measured: each(&|r, j| measured[r][j].clone()),
+            load_friction: if has_loads { each(&|r, j| load[r][j].clone()) } else { Vec::new() },
+            compensation: self.chosen.model.compensation.then(|| self.compensation()),
             confidence: settings.confidence,
             instrumental: self.endogeneity.map(|found| self.instrumental(found)),
             choices: self.choices(),
@@ -79,9 +82,28 @@ impl Report<'_> {
         [offsets.to_string()]
             .into_iter()
             .chain(words)
+            .chain(self.compensation_said())
             .chain(self.pull_said())
             .chain([self.endogeneity_said()])
             .collect()
+    }
+
+    /// ε over all inertial parameters.
+    fn compensation(&self) -> Vec<f64> {
+        let layout = self.task.layout;
+        let mut left = vec![0.0; layout.parameters];
+        for (entry, parameter) in layout.compensated.iter().enumerate() {
+            left[*parameter] = self.solved.values.unknowns[layout.compensation(entry)];
+        }
+        left
+    }
+
+    fn compensation_said(&self) -> Option<String> {
+        self.chosen.model.compensation.then(|| {
+            "The robot's own compensation leaves some of its weight in the efforts, or takes too much: this is part of the \
+             fit beside the offsets, and is not written."
+                .into()
+        })
     }
 
     /// What was done where the program over bodies that can exist did not converge by itself.
@@ -175,6 +197,10 @@ impl Report<'_> {
             name,
             unit: if robot.position_units()[joint] == "m" { "N" } else { "N·m" },
             terms: self.terms(joint),
+            load: (model.load[joint] && layout.moves[joint]).then(|| EstimatedTerm {
+                basis: format!("tanh({}*v)", layout.steepness[joint][model.coulomb[joint]]),
+                coefficient: self.uncertain(layout.term(joint, LOAD), 0.0),
+            }),
             armature: armature.then(|| self.uncertain(layout.term(joint, ARMATURE), 0.0)),
             gain: (model.gains && measured).then(|| self.gain(joint)),
             offsets: self.offsets[joint].clone(),

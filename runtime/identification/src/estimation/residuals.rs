@@ -2,7 +2,7 @@
 
 use super::super::kernel::BLOCK;
 use super::super::run::PreparedRun;
-use super::layout::Layout;
+use super::layout::{ARMATURE, LOAD, Layout};
 use super::normal::{Values, residual_vector};
 use super::rows::Rows;
 use nalgebra::DVector;
@@ -19,6 +19,8 @@ pub(super) struct Forces {
     /// What the rigid body needs, and what it would need as described.
     pub(super) rigid: Vec<Vec<Vec<f64>>>,
     pub(super) described: Vec<Vec<Vec<f64>>>,
+    /// Friction under load; zeros where there is none.
+    pub(super) load: Vec<Vec<Vec<f64>>>,
 }
 
 /// Offsets of each joint and run, `[joint][run]`.
@@ -41,7 +43,8 @@ pub(super) fn forces(
     offsets: &RunOffsets,
 ) -> Forces {
     let empty = || vec![vec![Vec::new(); layout.joints]; runs.len()];
-    let mut found = Forces { measured: empty(), residual: empty(), rigid: empty(), described: empty() };
+    let mut found =
+        Forces { measured: empty(), residual: empty(), rigid: empty(), described: empty(), load: empty() };
     let factors: Vec<_> = (0..layout.joints).map(|j| residual_vector(layout, values, j)).collect();
     for (run, samples) in runs.iter().enumerate() {
         for start in (0..samples.times.len()).step_by(BLOCK) {
@@ -54,21 +57,32 @@ pub(super) fn forces(
                 found.measured[run][joint].extend(measured.iter().map(|z| gain * z));
                 found.described[run][joint].extend(columns[columns.len() - 2]);
                 found.rigid[run][joint].extend(rigid(layout, joint, &factors[joint], &columns));
+                found.load[run][joint].extend(under_load(layout, joint, &factors[joint], &columns));
             }
         }
     }
     found
 }
 
-/// `W π` with all of the description's other forces: the rigid force and its change.
+/// `W π` with all of the description's other forces: the rigid force, its change, and what a compensation of the weight
+/// leaves.
 fn rigid(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64]]) -> Vec<f64> {
     let mut only = factors.map(|_| 0.0);
     for (k, &global) in layout.local[joint].iter().enumerate() {
-        let inertial = global < layout.parameters || global == layout.term(joint, super::layout::ARMATURE);
+        let weight = layout.weighing(global).is_some();
+        let inertial = global < layout.parameters || weight || global == layout.term(joint, ARMATURE);
         only[k] = if inertial { -factors[k] } else { 0.0 };
     }
     only[layout.local[joint].len()] = 1.0;
     residual(&only, 0.0, columns)
+}
+
+/// Friction under load, where the layout has it.
+fn under_load(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64]]) -> Vec<f64> {
+    let place = layout.first_term(joint) + LOAD;
+    let has = layout.terms > LOAD;
+    let columns = columns[place..].iter().take(usize::from(has));
+    columns.flat_map(|column| column.iter().map(|x| -factors[place] * x)).collect()
 }
 
 /// Weights of a joint's samples: 1, or the bound over the residual beyond it.

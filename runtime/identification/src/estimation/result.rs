@@ -30,6 +30,11 @@ pub struct Estimate {
     pub predicted: Vec<Vec<Vec<f64>>>,
     /// Measured forces without the rigid body's: friction, offset and error, in the same shape.
     pub friction: Vec<Vec<Vec<f64>>>,
+    /// The share of these forces that grows with the load, in the same shape; empty where it was not asked for.
+    pub load_friction: Vec<Vec<Vec<f64>>>,
+    /// What the robot's own compensation leaves of its weight, where it has one and the data tell: inertial parameters ε
+    /// with `G(y) ε` in the measured forces, G being W at rest. The description does not hold them.
+    pub compensation: Option<Vec<f64>>,
     /// Level of all intervals.
     pub confidence: f64,
     /// The estimate by instrumental variables and the test of this one against it, where the logs hold instruments.
@@ -87,6 +92,8 @@ pub struct JointEstimate {
     pub unit: &'static str,
     /// Friction and reflected inertia; empty where the joint stands still.
     pub terms: Vec<EstimatedTerm>,
+    /// Friction under load, `|τ_l| s₁(v)` with a share s₁ of the load without unit, where it was asked for and chosen.
+    pub load: Option<EstimatedTerm>,
     /// Reflected inertia that the description does not have [kg m² or kg], where it was chosen.
     pub armature: Option<Uncertain>,
     /// Motor constant K_M [N·m/A or N/A] where efforts are currents.

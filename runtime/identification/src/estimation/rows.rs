@@ -4,7 +4,8 @@ use super::super::kernel::BLOCK;
 use super::super::preparation::Filter;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
-use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
+use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
+use super::loads::Loads;
 use std::ops::Range;
 
 /// Evaluates the columns of up to [`BLOCK`] samples. Nothing is stored beyond the block. Columns of joints whose force
@@ -15,6 +16,9 @@ pub(super) struct Rows<'a> {
     described: Vec<f64>,
     gravity_compensated: bool,
     filter: Option<&'a Filter>,
+    loads: Option<&'a Loads>,
+    /// |τ_l| of each joint at the sample evaluated last.
+    load: Vec<f64>,
     regressor: Vec<f64>,
     at_rest: Vec<f64>,
     /// Columns of each joint, [`BLOCK`] apart.
@@ -28,6 +32,7 @@ impl<'a> Rows<'a> {
         layout: &'a Layout,
         gravity_compensated: bool,
         filter: Option<&'a Filter>,
+        loads: Option<&'a Loads>,
     ) -> Self {
         let size = layout.joints * layout.parameters;
         Self {
@@ -36,6 +41,8 @@ impl<'a> Rows<'a> {
             described: robot.parameters(),
             gravity_compensated,
             filter,
+            loads,
+            load: vec![0.0; layout.joints],
             regressor: vec![0.0; size],
             at_rest: vec![0.0; size],
             columns: (0..layout.joints).map(|j| vec![0.0; layout.width(j) * BLOCK]).collect(),
@@ -73,6 +80,7 @@ impl<'a> Rows<'a> {
         self.regressor.fill(0.0);
         self.robot.inertial_regressor(y, v, a, &mut self.regressor);
         self.robot.rigid_forces(y, v, a, rigid);
+        self.load(a, rigid);
         if !self.gravity_compensated {
             return;
         }
@@ -89,6 +97,15 @@ impl<'a> Rows<'a> {
         }
     }
 
+    /// Loads of the gears, which carry the weight whoever compensates it.
+    fn load(&mut self, a: &[f64], rigid: &[f64]) {
+        let Some(loads) = self.loads else { return };
+        let rows = self.regressor.chunks_exact(self.layout.parameters.max(1));
+        for (joint, row) in rows.enumerate().filter(|(joint, _)| loads.joints[*joint]) {
+            self.load[joint] = loads.magnitude(joint, rigid[joint], row, a[joint]);
+        }
+    }
+
     /// Columns of friction that are no multiples of v, through the filter where there is one.
     fn friction(&mut self, run: &PreparedRun, rows: &Range<usize>) {
         let layout = self.layout;
@@ -97,7 +114,7 @@ impl<'a> Rows<'a> {
             let velocities = &run.velocities[joint];
             let around = rows.start.saturating_sub(half)..(rows.end + half).min(velocities.len());
             let inner = rows.start - around.start..rows.end - around.start;
-            let first = layout.local[joint].len() - TERMS;
+            let first = layout.first_term(joint);
             let mut set = |term: usize, of: &dyn Fn(f64) -> f64| {
                 let sharp: Vec<f64> = velocities[around.clone()].iter().map(|v| of(*v)).collect();
                 let values = match self.filter {
@@ -117,16 +134,24 @@ impl<'a> Rows<'a> {
     fn write(&mut self, joint: usize, place: usize, [v, a]: [f64; 2], last: [f64; 2]) {
         let p = self.layout.parameters;
         let local = &self.layout.local[joint];
-        let parameters = local.len() - TERMS;
+        let parameters = self.layout.first_term(joint);
         let column = &mut self.columns[joint];
         for (k, &i) in local[..parameters].iter().enumerate() {
-            column[k * BLOCK + place] = self.regressor[joint * p + i];
+            column[k * BLOCK + place] = match self.layout.weighing(i) {
+                Some(weighing) => self.at_rest[joint * p + weighing],
+                None => self.regressor[joint * p + i],
+            };
         }
+        let direction = column[(parameters + COULOMB.start) * BLOCK + place];
         let mut set = |term: usize, value: f64| column[(parameters + term) * BLOCK + place] = value;
         set(VISCOUS, v);
         set(ARMATURE, a);
-        set(TERMS, last[0]);
-        set(TERMS + 1, last[1]);
+        if self.loads.is_some() {
+            // Loads change little within the filter's length: the jump of the direction is what it rounds.
+            set(LOAD, self.load[joint] * direction);
+        }
+        set(self.layout.terms, last[0]);
+        set(self.layout.terms + 1, last[1]);
     }
 
     /// Measured force at a joint, for gains of one.

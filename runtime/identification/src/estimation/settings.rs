@@ -14,6 +14,9 @@ pub struct EstimationSettings {
     pub offsets: Option<Offsets>,
     /// Factors k of the Coulomb terms tanh(k v), for each joint; `None` chooses them by the held-out error.
     pub steepness: Option<Vec<f64>>,
+    /// Whether friction of joints with an input of their own may grow with the load of their gears,
+    /// `|τ_l| s₁ tanh(k v)` with 0 < s₁ < 1, where the held-out error asks for it.
+    pub load_friction: bool,
     /// Whether reflected inertia (ÿ) and asymmetric viscous friction (|v|) may be added where the held-out error
     /// asks for them.
     pub optional_terms: bool,
@@ -40,6 +43,7 @@ impl Default for EstimationSettings {
             gravity_compensated: false,
             offsets: None,
             steepness: None,
+            load_friction: false,
             optional_terms: true,
             folds: 10,
             robust_passes: 1,

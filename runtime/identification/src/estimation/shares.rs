@@ -102,7 +102,7 @@ impl Columns {
         of: &Weighted,
         pieces: &[RunPiece],
     ) -> Vec<ShareSums> {
-        let mut rows = Rows::new(robot, &self.layout, gravity_compensated, filter);
+        let mut rows = Rows::new(robot, &self.layout, gravity_compensated, filter, None);
         let means: Vec<Vec<Vec<f64>>> =
             runs.iter().zip(of.weights).map(|(run, weights)| self.means(&mut rows, run, weights)).collect();
         let sums = |piece: &RunPiece| {
@@ -232,6 +232,7 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     let freedom = Freedom {
         offsets: Some(Offsets::None),
         terms: settings.optional_terms,
+        loads: &[],
         consistent: settings.consistent,
     };
     let chosen = choose(layout, &sums, &prior, &start, freedom, gains)?;
@@ -366,6 +367,8 @@ impl Found<'_> {
             description_weight: self.chosen.weighting.description,
             weights_tried: self.chosen.tried.clone(),
             effective_parameters: self.covariance.decided,
+            load_friction: Vec::new(),
+            compensation: None,
             measured: Vec::new(),
             predicted: Vec::new(),
             friction: Vec::new(),
@@ -426,6 +429,7 @@ impl Found<'_> {
             name,
             unit: if self.data.robot.position_units()[joint] == "m" { "N" } else { "N·m" },
             terms: self.terms(joint),
+            load: None,
             armature: armature.then(|| self.uncertain(layout.term(joint, ARMATURE), 0.0)),
             gain: model.gains.then(gain),
             offsets: Vec::new(),

@@ -13,6 +13,13 @@ use super::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
+/// Squared distance of two runs, as a share of one's own way, up to which they are one motion.
+const ALIKE: f64 = 0.01;
+/// Share of the longer run that the shorter one has to cover.
+const COVERED: f64 = 0.8;
+/// Samples by which runs are compared.
+const COMPARED: usize = 400;
+
 /// A contiguous part of a run, all in one fold.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Piece {
@@ -42,12 +49,15 @@ pub(super) struct Sums {
 ///
 /// Few runs are cut into one piece for each fold. Where there are more than half as many runs as folds, each run
 /// is halved, and the halves of neighbouring runs go into different folds: so an offset of the run can be
-/// estimated from its other half.
+/// estimated from its other half. Runs that repeat a motion go into the same folds: the fit to one of them would
+/// know the other's motion, and the error would say nothing about other motions.
 pub(super) fn cut(runs: &[PreparedRun], folds: usize) -> Vec<Piece> {
     let pairs = (folds / 2).max(1);
     if runs.len() > pairs {
+        let (motions, count) = motions(runs);
         let halves = runs.iter().enumerate().flat_map(|(i, run)| {
-            let group = i * pairs / runs.len();
+            let group =
+                if count < 2 { i * pairs / runs.len() } else { motions[i] * pairs.min(count) / count };
             let halves = contiguous_blocks(run.times.len(), 2).enumerate();
             halves.map(move |(half, rows)| Piece { run: i, fold: 2 * group + half, rows })
         });
@@ -67,6 +77,38 @@ pub(super) fn cut(runs: &[PreparedRun], folds: usize) -> Vec<Piece> {
         start = end;
     }
     pieces
+}
+
+/// Number of each run's motion, in the order of their first runs, and how many motions there are.
+fn motions(runs: &[PreparedRun]) -> (Vec<usize>, usize) {
+    let mut first: Vec<usize> = Vec::new();
+    let of_run = |run: usize| {
+        let known = first.iter().position(|other| is_repeat(&runs[*other], &runs[run]));
+        known.unwrap_or_else(|| {
+            first.push(run);
+            first.len() - 1
+        })
+    };
+    let numbers = (0..runs.len()).map(of_run).collect();
+    (numbers, first.len())
+}
+
+/// Whether two runs go the same way at the same pace.
+fn is_repeat(one: &PreparedRun, other: &PreparedRun) -> bool {
+    let counts = [one.times.len(), other.times.len()];
+    let (fewest, most) = (counts[0].min(counts[1]), counts[0].max(counts[1]));
+    if (fewest as f64) < COVERED * most as f64 {
+        return false;
+    }
+    let stride = fewest.div_ceil(COMPARED).max(1);
+    let (mut apart, mut way) = (0.0, 0.0);
+    for (a, b) in one.positions.iter().zip(&other.positions) {
+        for i in (0..fewest).step_by(stride) {
+            apart += (a[i] - b[i]).powi(2);
+            way += (a[i] - a[0]).powi(2);
+        }
+    }
+    apart <= ALIKE * way
 }
 
 /// Weight of each sample in a block: of run, rows, joint and the joint's columns.
@@ -152,5 +194,46 @@ impl Sums {
             *columns += &piece.columns[joint];
         }
         sums
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::run::Effort;
+    use super::*;
+
+    /// A run along a sine, a little off the motion.
+    fn run(frequency: f64, off: f64) -> PreparedRun {
+        let times: Vec<f64> = (0..200).map(|i| 0.01 * f64::from(i)).collect();
+        let positions: Vec<f64> = times.iter().map(|t| (frequency * t + off).sin()).collect();
+        PreparedRun {
+            name: "run".into(),
+            rows: (2..202).collect(),
+            positions: vec![positions],
+            velocities: vec![vec![0.0; 200]],
+            accelerations: vec![vec![0.0; 200]],
+            efforts: vec![vec![0.0; 200]],
+            effort: Effort::Joint,
+            desired: None,
+            times,
+        }
+    }
+
+    #[test]
+    fn runs_that_repeat_a_motion_share_their_folds() {
+        let runs: Vec<PreparedRun> = [(1.0, 0.0), (2.0, 0.0), (1.0, 0.01), (3.0, 0.0), (2.0, 0.01)]
+            .map(|(f, off)| run(f, off))
+            .to_vec();
+        let pieces = cut(&runs, 8);
+        let folds = |run: usize| pieces.iter().filter(|p| p.run == run).map(|p| p.fold).collect::<Vec<_>>();
+        assert_eq!([0, 1, 2, 3, 4].map(folds), [[0, 1], [2, 3], [0, 1], [4, 5], [2, 3]]);
+        // Where all runs are one motion, or none is another's, neighbours share them.
+        let same = vec![run(1.0, 0.0); 6];
+        assert_eq!(
+            cut(&same, 4).iter().map(|p| p.fold).collect::<Vec<_>>(),
+            [0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3]
+        );
+        let other: Vec<PreparedRun> = (1..=6).map(|k| run(f64::from(k), 0.0)).collect();
+        assert_eq!(cut(&other, 4), cut(&same, 4));
     }
 }

@@ -3,6 +3,7 @@
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::Layout;
+use super::loads::Loads;
 use super::normal::Values;
 use super::prior::Prior;
 use super::residuals::{Forces, RunOffsets, forces};
@@ -18,6 +19,7 @@ pub(super) struct Task<'a> {
     pub(super) layout: &'a Layout,
     pub(super) prior: &'a Prior,
     pub(super) pieces: Vec<Piece>,
+    pub(super) loads: Option<&'a Loads>,
 }
 
 impl Task<'_> {
@@ -26,7 +28,7 @@ impl Task<'_> {
     }
 
     pub(super) fn rows_where(&self, gravity_compensated: bool) -> Rows<'_> {
-        Rows::new(self.robot, self.layout, gravity_compensated, self.settings.filter.as_ref())
+        Rows::new(self.robot, self.layout, gravity_compensated, self.settings.filter.as_ref(), self.loads)
     }
 
     pub(super) fn forces(&self, values: &Values, offsets: &RunOffsets) -> Forces {

@@ -38,7 +38,9 @@ pub(super) struct Design<'a> {
 impl<'a> Design<'a> {
     pub(super) fn new(settings: &FrictionIdentification, data: &'a FrictionData<'a>) -> Result<Self> {
         let separate = settings.offsets == Offsets::Separate;
-        let (library, notes) = seen(&settings.library, separate, data.velocities)?;
+        let (library, mut notes) = seen(&settings.library, separate, data.velocities)?;
+        let (library, offsets) = if separate { without_offsets(library, data)? } else { (library, None) };
+        notes.extend(offsets);
         Ok(Self { notes, ..Self::over(library, &[data.velocities], separate, data)? })
     }
 
@@ -231,6 +233,29 @@ fn without_unseen_asymmetries(library: &Library, velocities: &[f64]) -> Result<(
     let note =
         format!("{} left out: the joint hardly moves in one of its directions", texts(&out).join(", "));
     Ok((Library::new(&texts(&kept), library.channels())?, vec![note]))
+}
+
+/// The library without terms that are offsets in these data, as `sign(v)` where each run moves in one direction, and
+/// what was left out. A library of nothing else stays as it is, and is refused where it is used.
+fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Option<String>)> {
+    let (matrix, runs) = (library.matrix(&[data.velocities])?, runs(data));
+    let varies = |term: &usize| {
+        let mut column: Vec<f64> = matrix.column(*term).iter().copied().collect();
+        let all: f64 = column.iter().map(|x| x * x).sum();
+        centre(&mut column, &runs, data.weights);
+        column.iter().map(|x| x * x).sum::<f64>() > LEAST_REMAINDER * LEAST_REMAINDER * all
+    };
+    let (kept, out): (Vec<usize>, Vec<usize>) = (0..library.len()).partition(varies);
+    // Too few samples are said as such.
+    if kept.is_empty() || out.is_empty() || data.velocities.len() <= library.len() {
+        return Ok((library, None));
+    }
+    let texts = |of: &[usize]| of.iter().map(|i| library.terms()[*i].clone()).collect::<Vec<_>>();
+    let note = format!(
+        "{} left out: in these data it does not change within a run, and cannot be told from the offset",
+        texts(&out).join(", ")
+    );
+    Ok((Library::new(&texts(&kept), library.channels())?, Some(note)))
 }
 
 /// The library without terms that are constant at all speeds.

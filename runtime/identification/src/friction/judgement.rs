@@ -143,6 +143,7 @@ fn alone(result: FrictionResult, residuals: Vec<f64>) -> FrictionReport {
         covariance: DMatrix::zeros(0, 0),
         validation: None,
         front: Vec::new(),
+        subsets: None,
         ensemble: None,
         average: None,
         residuals,

@@ -36,7 +36,7 @@ use super::library::Library;
 use super::result::FrictionResult;
 use super::robot::JointLimits;
 use super::stribeck::StribeckRegression;
-use super::subset::ModelAverage;
+use super::subset::{ModelAverage, SubsetValidation};
 use super::thresholding::Thresholding;
 use nalgebra::DMatrix;
 use std::ops::Range;
@@ -219,6 +219,8 @@ pub struct FrictionReport {
     pub validation: Option<CrossValidation>,
     /// Error against number of terms over λ, for the LASSO.
     pub front: Vec<ParetoPoint>,
+    /// The best subset of each size with its error on left-out data, for the best subset.
+    pub subsets: Option<SubsetValidation>,
     /// Bootstrap; none without draws.
     pub ensemble: Option<Ensemble>,
     /// All subsets of the candidate terms, weighed; none for the Stribeck law and for libraries of more than

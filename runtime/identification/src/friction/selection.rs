@@ -22,6 +22,7 @@ pub(super) struct Chosen {
     pub(super) selection: Selection,
     pub(super) solution: Solution,
     pub(super) validation: Option<CrossValidation>,
+    pub(super) subsets: Option<SubsetValidation>,
     pub(super) note: String,
 }
 
@@ -69,6 +70,7 @@ pub(super) fn choose(
             selection: Selection::Thresholding(*settings),
             solution: completed(settings.fit(reduced, 0)?, reduced)?,
             validation: None,
+            subsets: None,
             note: format!(
                 "sequentially thresholded least squares, threshold {}, ridge {}",
                 settings.threshold, settings.ridge
@@ -80,6 +82,7 @@ pub(super) fn choose(
             selection: Selection::All,
             solution: Selection::All.fit(reduced)?,
             validation: None,
+            subsets: None,
             note: "least squares on all terms".into(),
         }),
     }
@@ -94,6 +97,7 @@ fn by_subsets(reduced: &Reduced, folds: &[Moments]) -> Result<Chosen> {
         solution: reduced.fit(0, &best.active)?,
         validation: None,
         note: format!("best subset, {} contiguous folds, choice by one standard error", folds.len()),
+        subsets: Some(subsets),
     })
 }
 
@@ -114,5 +118,5 @@ fn by_lasso(reduced: &Reduced, lasso: &Lasso, choice: LambdaChoice, folds: &[Mom
     );
     let solution = completed(refit(reduced, 0, &validation.path, index)?, reduced)?;
     let selection = Selection::Lasso(lasso.clone(), lambda);
-    Ok(Chosen { selection, solution, validation: Some(validation), note })
+    Ok(Chosen { selection, solution, validation: Some(validation), subsets: None, note })
 }

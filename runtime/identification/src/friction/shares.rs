@@ -76,6 +76,7 @@ impl FrictionIdentification {
             covariance: errors.covariance,
             validation: None,
             front: Vec::new(),
+            subsets: chosen.subsets,
             ensemble,
             average: Some(average),
             residuals: Vec::new(),

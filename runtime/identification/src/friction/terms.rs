@@ -58,6 +58,7 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
     report.covariance = errors.covariance;
     report.validation = chosen.validation;
     report.front = front;
+    report.subsets = chosen.subsets;
     report.ensemble = ensemble;
     report.average = average;
     Ok(report)

@@ -4,6 +4,7 @@ mod chain;
 mod closed_loop;
 mod coverage;
 mod data;
+mod load;
 mod measured;
 mod pendulum;
 mod simulated;

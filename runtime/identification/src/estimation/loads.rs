@@ -1,0 +1,73 @@
+//! Friction that grows with the load of a gear, `|τ_l| s₁(v)` (Hamon, Gautier, Garrec 2010), in the common fit.
+//!
+//! The load `τ_l = M ÿ + k − q` follows from the values that are estimated, so that the term is not linear in them.
+//! Passes take the load by the values of the pass before; the term then is a column like those of friction.
+
+use super::super::error::{IdentificationError, Result};
+use super::super::robot::Robot;
+use super::layout::Layout;
+use super::result::{Estimate, Uncertain};
+
+/// Most passes. Loads are mostly gravity, which the first estimate knows to a few percent: three settle.
+pub(super) const PASSES: usize = 6;
+
+/// Change of a share s₁ between two passes, in standard errors, below which they have settled.
+const SETTLED: f64 = 0.1;
+
+/// What loads are made of.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Loads {
+    /// Estimated minus described inertial parameters.
+    changes: Vec<f64>,
+    /// Estimated reflected inertias that the description does not have.
+    armatures: Vec<f64>,
+    /// Joints with a term under load.
+    pub(super) joints: Vec<bool>,
+}
+
+impl Loads {
+    /// Loads by the values of an estimate.
+    ///
+    /// # Errors
+    /// No moving joint with a measured effort has an input of its own.
+    pub(super) fn new(robot: &dyn Robot, layout: &Layout, found: &Estimate) -> Result<Self> {
+        let own = robot.own_inputs();
+        let joints: Vec<bool> = (0..layout.joints).map(|joint| layout.moves[joint] && own[joint]).collect();
+        if !joints.contains(&true) {
+            return Err(IdentificationError::File {
+                place: "friction under load".into(),
+                message: "no joint that moves has an input of its own, and the load of a gear is known only there; \
+                          leave friction under load out"
+                    .into(),
+            });
+        }
+        let values = found.parameters.iter().zip(robot.parameters());
+        let armature = |value: Option<Uncertain>| value.map_or(0.0, |value| value.value);
+        Ok(Self {
+            changes: values.map(|(found, described)| found.value - described).collect(),
+            armatures: found.joints.iter().map(|joint| armature(joint.armature)).collect(),
+            joints,
+        })
+    }
+
+    /// |τ_l| of a joint.
+    ///
+    /// - `rigid`: the force of the rigid body as described, gravity included
+    /// - `row`: the joint's row of W, gravity included
+    pub(super) fn magnitude(&self, joint: usize, rigid: f64, row: &[f64], acceleration: f64) -> f64 {
+        let change: f64 = row.iter().zip(&self.changes).map(|(w, change)| w * change).sum();
+        (rigid + change + self.armatures[joint] * acceleration).abs()
+    }
+}
+
+/// Whether the shares of two passes are the same as far as the data can tell.
+pub(super) fn settled(before: &Estimate, after: &Estimate) -> bool {
+    before.joints.iter().zip(&after.joints).all(|(before, after)| match (&before.load, &after.load) {
+        (None, None) => true,
+        (Some(before), Some(after)) => {
+            let (old, new) = (before.coefficient, after.coefficient);
+            (new.value - old.value).abs() <= SETTLED * new.standard_error
+        }
+        _ => false,
+    })
+}
