@@ -130,6 +130,15 @@ pub mod quadrotor;
 #[rustfmt::skip]
 pub mod quadruped;
 
+/// The robot `rail_arm`.
+///
+/// An arm of two links on a linear axis, which a controller of its own moves.
+///
+/// y = 0 is upright. The motion of the axis is given: position, velocity and acceleration are an argument. All numbers are
+/// estimated.
+#[rustfmt::skip]
+pub mod rail_arm;
+
 /// The robot `satellite`.
 ///
 /// A satellite that turns by three reaction wheels, and a boom on a ball joint with a damper. All values are

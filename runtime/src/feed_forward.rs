@@ -104,9 +104,9 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
     ///
     /// # Errors
     /// [`FeedForwardError::InputMatrix`]. Where B depends on y, it is judged at the positions within the limits that
-    /// are closest to 0.
+    /// are closest to 0, at time 0.
     pub fn new(model: D) -> Result<Self, FeedForwardError> {
-        let input_matrix = model.input_matrix(&closest_to_neutral(&model));
+        let input_matrix = model.at_time(0.0, |model| model.input_matrix(&closest_to_neutral(model)));
         let inverse = pseudo_inverse(&input_matrix).ok_or(FeedForwardError::InputMatrix)?;
         let constant = (model.drives() == M).then_some(Inverted { input_matrix, inverse });
         Ok(Self { model, constant })
@@ -136,9 +136,19 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
     /// Inputs for one sample. Allocates nothing.
     #[must_use]
     pub fn at(&self, sample: &Sample<N, NY>) -> FeedForwardInput<N, M> {
-        let forces =
-            self.model.inverse_dynamics(&sample.positions, &sample.velocities, &sample.accelerations);
-        let inverted = self.inverted(&sample.positions);
+        self.by(&self.model, sample)
+    }
+
+    /// Inputs for the sample of a trajectory at `time` (s), which robots with driven joints ask for
+    /// ([`Dynamics::at_time`]).
+    #[must_use]
+    pub fn at_time(&self, time: f64, sample: &Sample<N, NY>) -> FeedForwardInput<N, M> {
+        self.model.at_time(time, |model| self.by(model, sample))
+    }
+
+    fn by(&self, model: &D, sample: &Sample<N, NY>) -> FeedForwardInput<N, M> {
+        let forces = model.inverse_dynamics(&sample.positions, &sample.velocities, &sample.accelerations);
+        let inverted = self.inverted(model, &sample.positions);
         let inputs = inverted.inputs(&forces);
         FeedForwardInput { inputs, residual: inverted.missed(&forces, &inputs) }
     }
@@ -147,19 +157,35 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
     /// where B is not finite, or zero.
     #[must_use]
     pub fn inputs_for(&self, positions: &[f64; NY], forces: &[f64; N]) -> [f64; M] {
-        self.inverted(positions).inputs(forces)
+        self.inverted(&self.model, positions).inputs(forces)
+    }
+
+    /// As [`inputs_for`](Self::inputs_for), at `time` (s).
+    #[must_use]
+    pub fn inputs_for_at_time(&self, time: f64, positions: &[f64; NY], forces: &[f64; N]) -> [f64; M] {
+        self.model.at_time(time, |model| self.inverted(model, positions).inputs(forces))
     }
 
     /// The part of generalized forces f that no inputs can make at positions y: `f − B B⁺ f` [N m or N].
     #[must_use]
     pub fn missed(&self, positions: &[f64; NY], forces: &[f64; N]) -> [f64; N] {
-        let inverted = self.inverted(positions);
+        self.missed_by(&self.model, positions, forces)
+    }
+
+    /// As [`missed`](Self::missed), at `time` (s).
+    #[must_use]
+    pub fn missed_at_time(&self, time: f64, positions: &[f64; NY], forces: &[f64; N]) -> [f64; N] {
+        self.model.at_time(time, |model| self.missed_by(model, positions, forces))
+    }
+
+    fn missed_by(&self, model: &D, positions: &[f64; NY], forces: &[f64; N]) -> [f64; N] {
+        let inverted = self.inverted(model, positions);
         inverted.missed(forces, &inverted.inputs(forces))
     }
 
-    fn inverted(&self, positions: &[f64; NY]) -> Inverted<N, M> {
+    fn inverted(&self, model: &D, positions: &[f64; NY]) -> Inverted<N, M> {
         self.constant.unwrap_or_else(|| {
-            let input_matrix = self.model.input_matrix(positions);
+            let input_matrix = model.input_matrix(positions);
             Inverted { input_matrix, inverse: pseudo_inverse(&input_matrix).unwrap_or([[f64::NAN; N]; M]) }
         })
     }
@@ -189,7 +215,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         let mut worst = (0.0, 0, 0.0_f64);
         for k in 0..steps {
             let time = k as f64 * period;
-            let input = self.at(&trajectory.sample(time));
+            let input = self.at_time(time, &trajectory.sample(time));
             if !input.inputs.iter().chain(&input.residual).all(|x| x.is_finite()) {
                 return Err(FeedForwardError::NotFinite { time });
             }

@@ -64,6 +64,7 @@
 //!    identification; whether they keep a model's limits. Targets that change while the robot moves are the
 //!    feature `online-targets`. [`kinematics`]: joint angles for poses of six-axis arms with a spherical
 //!    wrist.
+//!    [`driven`]: robots with driven joints, beside the motion of these.
 //! 3. [`feed_forward`]: the inputs that make the model follow a trajectory.
 //! 4. [`plant`]: a simulated robot with dry friction, brakes, encoders, delays and losses, to try everything
 //!    on.
@@ -111,6 +112,7 @@ extern crate alloc;
 pub use gelenk_dynamics::{dynamics, include_model};
 
 pub mod control_loop;
+pub mod driven;
 pub mod feed_forward;
 mod input_limits;
 #[doc = include_str!("from_urdf.md")]

@@ -78,6 +78,11 @@ fn fields(file: &syn::File) -> Vec<String> {
     fields.filter_map(|field| field.ident.as_ref()).map(ToString::to_string).collect()
 }
 
+/// Of the other types with a name, `Driven` is an array.
+fn is_parameters(ty: &syn::Type) -> bool {
+    matches!(ty, syn::Type::Path(path) if path.path.is_ident("Parameters"))
+}
+
 /// The call of a function with arguments from `x` and parameters from `p`.
 fn call(path: &str, function: &syn::ItemFn, parameters: &[String]) -> String {
     let types = function.sig.inputs.iter().filter_map(|input| match input {
@@ -89,7 +94,7 @@ fn call(path: &str, function: &syn::ItemFn, parameters: &[String]) -> String {
     let arguments: Vec<String> = types
         .enumerate()
         .map(|(index, ty)| match ty {
-            syn::Type::Reference(to) if matches!(*to.elem, syn::Type::Path(_)) => {
+            syn::Type::Reference(to) if is_parameters(&to.elem) => {
                 let fields = parameters.iter().enumerate();
                 let fields: Vec<String> =
                     fields.map(|(index, field)| format!("{field}: number(p[{index}])")).collect();

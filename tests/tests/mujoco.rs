@@ -22,7 +22,8 @@ fn models() -> Vec<(String, Model)> {
         let model = loaded.unwrap_or_else(|problems| panic!("{problems}")).model;
         (path.file_stem().expect("a name").to_string_lossy().into_owned(), model)
     };
-    descriptions().into_iter().map(load).collect()
+    // Those with driven joints are not exported.
+    descriptions().into_iter().map(load).filter(|(_, model)| model.driven.is_empty()).collect()
 }
 
 /// The robot with the part of its rotors that the formats hold.

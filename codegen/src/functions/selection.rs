@@ -368,8 +368,7 @@ impl LeftOut {
 
 /// Why functions over a sample time are left out where joints are driven.
 const NEEDS_MOTION: &str = "it would need their motion all through the sample time";
-const INTEGRATE: &str =
-    "`forward_dynamics` and `linearize` take the driven motion at one time: integrate with it";
+const INTEGRATE: &str = "`forward_dynamics` and `linearize` take the driven motion at one time; `DrivenRobot` of gelenk-runtime makes steps of them, with a motion over time";
 
 /// Why functions are left out where friction grows with the load.
 const IGNORES: &str = "M and M⁻¹ would be taken for derivatives that have another factor there";

@@ -115,13 +115,22 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> ComputedTorque<D, N, M> 
         for joint in 0..N {
             let mut force = [0.0; N];
             force[joint] = 1.0;
-            let missed = feed_forward.missed(&positions, &force).map(f64::abs);
+            let missed = feed_forward.missed_at_time(0.0, &positions, &force).map(f64::abs);
             if missed.iter().any(|r| *r > MISSED) {
                 let name = names[joint];
                 return Err(ComputedTorqueError::Underactuated { joint, name });
             }
         }
         Ok(Self { feed_forward, gains })
+    }
+
+    /// `ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)`
+    fn accelerations(&self, desired: &Sample<N>, positions: &[f64; N], velocities: &[f64; N]) -> [f64; N] {
+        core::array::from_fn(|i| {
+            desired.accelerations[i]
+                + self.gains.velocity[i] * (desired.velocities[i] - velocities[i])
+                + self.gains.position[i] * (desired.positions[i] - positions[i])
+        })
     }
 }
 
@@ -132,13 +141,22 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointLaw<N, M> for Compu
         positions: &[f64; N],
         velocities: &[f64; N],
     ) -> Result<[f64; M], ControllerFault> {
-        let accelerations = core::array::from_fn(|i| {
-            desired.accelerations[i]
-                + self.gains.velocity[i] * (desired.velocities[i] - velocities[i])
-                + self.gains.position[i] * (desired.positions[i] - positions[i])
-        });
+        let accelerations = self.accelerations(desired, positions, velocities);
         let forces = self.feed_forward.model().inverse_dynamics(positions, velocities, &accelerations);
         finite(self.feed_forward.inputs_for(positions, &forces))
+    }
+
+    fn inputs_at_time(
+        &self,
+        time: f64,
+        desired: &Sample<N>,
+        positions: &[f64; N],
+        velocities: &[f64; N],
+    ) -> Result<[f64; M], ControllerFault> {
+        let accelerations = self.accelerations(desired, positions, velocities);
+        let inverse = |model: &D| model.inverse_dynamics(positions, velocities, &accelerations);
+        let forces = self.feed_forward.model().at_time(time, inverse);
+        finite(self.feed_forward.inputs_for_at_time(time, positions, &forces))
     }
 
     fn joint_names(&self) -> [&'static str; N] {

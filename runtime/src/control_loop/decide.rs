@@ -177,7 +177,7 @@ where
     fn fall_back(&self, desired: &Sample<N, NY>, measured: Option<Measured<N, NY>>) -> Proposal<M> {
         let velocities = self.state.filter.velocities();
         let inputs = measured.and_then(|m| {
-            let inputs = self.fallback.inputs(desired, &m.positions, velocities);
+            let inputs = self.fallback.inputs_at_time(self.time(), desired, &m.positions, velocities);
             inputs.ok().filter(is_finite)
         });
         inputs.map_or_else(

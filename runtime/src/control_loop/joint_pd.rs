@@ -20,7 +20,7 @@ pub struct JointGains<const N: usize> {
 impl<const N: usize> JointGains<N> {
     /// Gains that make each joint, with the others at rest, an oscillator of natural frequency `omega`
     /// [rad/s] and damping ratio `damping`: `K_p = M_ii ω²`, `K_d = 2 ζ M_ii ω` with the mass matrix at
-    /// `positions` (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009, section 8.3). Friction of the
+    /// `positions`, at time 0 (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009, section 8.3). Friction of the
     /// joint damps in addition.
     #[must_use]
     pub fn from_bandwidth<const M: usize, const NY: usize>(
@@ -29,7 +29,7 @@ impl<const N: usize> JointGains<N> {
         omega: f64,
         damping: f64,
     ) -> Self {
-        let mass = model.mass_matrix(positions);
+        let mass = model.at_time(0.0, |model| model.mass_matrix(positions));
         Self {
             position: core::array::from_fn(|i| mass[i][i] * omega * omega),
             velocity: core::array::from_fn(|i| 2.0 * damping * mass[i][i] * omega),
@@ -74,6 +74,27 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joi
         require_gains("gains.velocity", &names, &gains.velocity)?;
         Ok(Self { feed_forward: FeedForward::new(model)?, gains })
     }
+
+    /// `K_p (y_d ⊖ y) + K_d (ẏ_d − ẏ)`
+    fn restoring_forces(
+        &self,
+        desired: &Sample<N, NY>,
+        positions: &[f64; NY],
+        velocities: &[f64; N],
+    ) -> [f64; N] {
+        let error = self.feed_forward.model().difference(positions, &desired.positions);
+        core::array::from_fn(|i| {
+            self.gains.position[i] * error[i]
+                + self.gains.velocity[i] * (desired.velocities[i] - velocities[i])
+        })
+    }
+}
+
+fn sum<const M: usize>(mut inputs: [f64; M], correction: [f64; M]) -> Result<[f64; M], ControllerFault> {
+    for (u, du) in inputs.iter_mut().zip(correction) {
+        *u += du;
+    }
+    finite(inputs)
 }
 
 /// Checks that gains are in their range.
@@ -98,19 +119,21 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joi
         positions: &[f64; NY],
         velocities: &[f64; N],
     ) -> Result<[f64; M], ControllerFault> {
-        let error = self.feed_forward.model().difference(positions, &desired.positions);
-        let correction = self.feed_forward.inputs_for(
-            positions,
-            &core::array::from_fn(|i| {
-                self.gains.position[i] * error[i]
-                    + self.gains.velocity[i] * (desired.velocities[i] - velocities[i])
-            }),
-        );
-        let mut inputs = self.feed_forward.at(desired).inputs;
-        for (u, du) in inputs.iter_mut().zip(correction) {
-            *u += du;
-        }
-        finite(inputs)
+        let forces = self.restoring_forces(desired, positions, velocities);
+        let correction = self.feed_forward.inputs_for(positions, &forces);
+        sum(self.feed_forward.at(desired).inputs, correction)
+    }
+
+    fn inputs_at_time(
+        &self,
+        time: f64,
+        desired: &Sample<N, NY>,
+        positions: &[f64; NY],
+        velocities: &[f64; N],
+    ) -> Result<[f64; M], ControllerFault> {
+        let forces = self.restoring_forces(desired, positions, velocities);
+        let correction = self.feed_forward.inputs_for_at_time(time, positions, &forces);
+        sum(self.feed_forward.at_time(time, desired).inputs, correction)
     }
 
     fn joint_names(&self) -> [&'static str; N] {

@@ -23,6 +23,23 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
         velocities: &[f64; N],
     ) -> Result<[f64; M], ControllerFault>;
 
+    /// The same at `time` (s) of the loop, which began the trajectory at 0: the loop asks here. Laws over robots with driven
+    /// joints need it ([`Dynamics::at_time`](crate::dynamics::Dynamics::at_time)); for others time changes nothing, and so
+    /// says this body. While the loop slows down on the path, `desired` is that of an earlier time.
+    ///
+    /// # Errors
+    /// As [`Self::inputs`].
+    fn inputs_at_time(
+        &self,
+        time: f64,
+        desired: &Sample<N, NY>,
+        positions: &[f64; NY],
+        velocities: &[f64; N],
+    ) -> Result<[f64; M], ControllerFault> {
+        let _ = time;
+        self.inputs(desired, positions, velocities)
+    }
+
     /// Names of the joints, for the loop's messages: those of the model.
     fn joint_names(&self) -> [&'static str; N] {
         numbered()

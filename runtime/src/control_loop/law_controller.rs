@@ -82,7 +82,7 @@ where
         self.last = moved;
         self.age = 0;
         let desired = self.trajectory.sample(cycle.time);
-        let inputs = self.law.inputs(&desired, &positions, self.filter.velocities())?;
+        let inputs = self.law.inputs_at_time(cycle.time, &desired, &positions, self.filter.velocities())?;
         Ok(Command { inputs, iterations: 0 })
     }
 
@@ -93,7 +93,7 @@ where
     fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         let desired = self.trajectory.sample(next.time);
         let (y, v) = (&self.last.positions, self.filter.velocities());
-        let _ = black_box(self.law.inputs(&desired, y, v));
+        let _ = black_box(self.law.inputs_at_time(next.time, &desired, y, v));
     }
 }
 

@@ -98,7 +98,8 @@ where
 
     fn holding_inputs(&self, positions: &[f64; NY]) -> Result<[f64; M], Refusal> {
         let rest = Sample::at_rest(*positions);
-        let inputs = self.fallback.inputs(&rest, positions, &[0.0; N]).unwrap_or([f64::NAN; M]);
+        let inputs = self.fallback.inputs_at_time(-self.release_time(), &rest, positions, &[0.0; N]);
+        let inputs = inputs.unwrap_or([f64::NAN; M]);
         for (input, (needed, [low, high])) in inputs.iter().zip(self.settings.input_limits).enumerate() {
             let possible = *needed >= low && *needed <= high;
             if !possible {

@@ -51,7 +51,8 @@ where
 
     fn warm_up(&mut self, time: f64, positions: &[f64; NY], velocities: Option<[f64; N]>) {
         let desired = self.state.reference.sample(&self.trajectory);
-        let _ = black_box(self.fallback.inputs(&desired, positions, self.state.filter.velocities()));
+        let velocities_now = self.state.filter.velocities();
+        let _ = black_box(self.fallback.inputs_at_time(time, &desired, positions, velocities_now));
         if !matches!(self.state.phase, Phase::Stopping(_)) {
             self.controller.warm_up(&Cycle {
                 time,

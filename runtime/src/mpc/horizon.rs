@@ -1,13 +1,13 @@
 //! What the predictive controllers share: estimate, reference over the horizon, QP, plan.
 
-use super::integrate::{discretize, flat_input, flat_state, integrate, substeps};
+use super::integrate::{Span, discretize, flat_input, flat_state, integrate, substeps};
 use super::node::{Node, Prediction, in_deviations};
 use super::note::{MpcNote, beyond_limits, beyond_rows, dry_friction};
 use super::observer::DisturbanceObserver;
 use super::options::{MpcError, MpcOptions};
 use super::row;
 use crate::control_loop::{Command, ControllerFault, Cycle, Estimate};
-use crate::dynamics::Discretizable;
+use crate::dynamics::{Discretizable, Discretization};
 use crate::feed_forward::{FeedForward, FeedForwardError};
 use crate::lqr::Lqr;
 use crate::qp::{QpProblem, QpSolver, QpStage, QpStatus};
@@ -62,6 +62,8 @@ pub(super) struct Horizon<
     pub plan: Plan<N, M, NY>,
     /// The input that acts from now on, if it acts one period late.
     under_way: [f64; M],
+    /// Of the last step on the trajectory (s).
+    time: f64,
     pub notes: Vec<MpcNote>,
 }
 
@@ -93,6 +95,7 @@ where
                 start: f64::NAN,
             },
             under_way: [0.0; M],
+            time: 0.0,
             notes: Vec::new(),
             trajectory,
             options,
@@ -101,11 +104,11 @@ where
         horizon.look_along()?;
         let notes = beyond_limits(horizon.model(), &horizon.trajectory, &horizon.options);
         horizon.notes.extend(notes);
-        let inputs = |sample: &Sample<N, NY>| horizon.feed_forward.at(sample).inputs;
+        let inputs = |time, sample: &Sample<N, NY>| horizon.feed_forward.at_time(time, sample).inputs;
         let notes = beyond_rows(horizon.model(), &horizon.trajectory, &horizon.options.rows, inputs);
         horizon.notes.extend(notes);
         let start = horizon.trajectory.sample(0.0).positions;
-        let notes = dry_friction(horizon.model(), &start);
+        let notes = horizon.model().at_time(0.0, |model| dry_friction(model, &start));
         horizon.notes.extend(notes);
         Ok(horizon)
     }
@@ -119,7 +122,7 @@ where
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         self.feed_forward.set_model(model)?;
         let (y, u) = (*self.observer.positions(), self.under_way);
-        let resting = self.model().linearize(&y, &[0.0; N], &u);
+        let resting = self.model().at_time(self.time, |model| model.linearize(&y, &[0.0; N], &u));
         let needed = substeps(&resting, self.options.period);
         self.substeps = self.substeps.max(needed);
         Ok(())
@@ -152,29 +155,17 @@ where
         for k in 0..=TERMINAL_INTERVALS {
             let time = duration * k as f64 / TERMINAL_INTERVALS as f64;
             let sample = self.trajectory.sample(time);
-            let inputs = self.feed_forward.at(&sample).inputs;
+            let inputs = self.feed_forward.at_time(time, &sample).inputs;
             if !sample.is_finite() || inputs.iter().any(|u| !u.is_finite()) {
                 return Err(MpcError::NotFinite { time });
             }
             let (y, v) = (&sample.positions, &sample.velocities);
             self.model().check_attitudes(y).map_err(|error| MpcError::Attitude { time, error })?;
-            let linear = self.model().linearize(y, v, &inputs);
-            // At rest friction is steepest: the robot must be integrated there too, wherever it comes to
-            // stand.
-            let resting = self.model().linearize(y, &[0.0; N], &inputs);
-            let period = self.options.period;
-            let needed = substeps(&linear, period).max(substeps(&resting, period));
-            self.substeps = self.substeps.max(needed);
-            let of_time = |fault| match fault {
-                ControllerFault::TooFast(what) => MpcError::TooFast { time, what },
-                _ => MpcError::NotFinite { time },
-            };
-            discretize(self.model(), y, &[0.0; N], &inputs, period).map_err(of_time)?;
-            let discrete = discretize(self.model(), y, v, &inputs, period).map_err(of_time)?;
+            let discrete = self.look_at(time, (y, v), &inputs)?;
             let (mut a, mut b) = ([[0.0; NX]; NX], [[0.0; M]; NX]);
             flat_state(&discrete.state, &mut a);
             flat_input(&discrete.input, &mut b);
-            let discount = self.options.terminal_weight.discount(period);
+            let discount = self.options.terminal_weight.discount(self.options.period);
             let entries = a.as_flattened_mut().iter_mut().chain(b.as_flattened_mut());
             entries.for_each(|entry| *entry *= discount);
             let regulator = Lqr::stabilizing(&a, &b, &self.problem.state_weight, &input_weight)
@@ -191,6 +182,30 @@ where
         Ok(())
     }
 
+    /// The zero-order hold at a state of the trajectory, and the Runge–Kutta steps that a period needs there.
+    fn look_at(
+        &mut self,
+        time: f64,
+        (y, v): (&[f64; NY], &[f64; N]),
+        inputs: &[f64; M],
+    ) -> Result<Discretization<N, M, NY>, MpcError> {
+        let (period, rest) = (self.options.period, &[0.0; N]);
+        let of_time = |fault| match fault {
+            ControllerFault::TooFast(what) => MpcError::TooFast { time, what },
+            _ => MpcError::NotFinite { time },
+        };
+        let (needed, discrete) = self.model().at_time(time, |model| {
+            let needed = substeps(&model.linearize(y, v, inputs), period);
+            // At rest friction is steepest: the robot must be integrated there too, wherever it comes to
+            // stand.
+            let resting = substeps(&model.linearize(y, rest, inputs), period);
+            let at_rest = discretize(model, y, rest, inputs, period);
+            (needed.max(resting), at_rest.and_then(|_| discretize(model, y, v, inputs, period)))
+        });
+        self.substeps = self.substeps.max(needed);
+        discrete.map_err(of_time)
+    }
+
     pub fn reset(&mut self, positions: &[f64; NY], inputs: &[f64; M]) {
         self.observer.reset(positions, &[0.0; N]);
         self.under_way = *inputs;
@@ -203,6 +218,7 @@ where
     /// [`ControllerFault::Stalled`] after more than `MAX_BRIDGED` periods; the next step goes on from this
     /// measurement. [`ControllerFault::NotFinite`] for a time that is no number.
     pub fn observe(&mut self, cycle: &Cycle<N, M, NY>) -> Result<(f64, Node<N, NY>), ControllerFault> {
+        self.time = cycle.time;
         self.take_in(cycle)?;
         let start = self.start_at(cycle.time);
         if !start.is_finite() {
@@ -215,9 +231,10 @@ where
         let mut ahead = (y, v);
         let disturbance = self.observer.disturbance();
         let total: [f64; M] = core::array::from_fn(|i| self.under_way[i] + disturbance[i]);
-        let length = self.options.period / self.substeps as f64;
-        for _ in 0..self.substeps {
-            ahead = self.model().step(&ahead.0, &ahead.1, &total, length);
+        let span = self.span(cycle.time);
+        for time in span.steps() {
+            let step = |model: &D| model.step(&ahead.0, &ahead.1, &total, span.length());
+            ahead = self.model().at_time(time, step);
         }
         Ok((start, Node { positions: ahead.0, velocities: ahead.1 }))
     }
@@ -240,8 +257,10 @@ where
         }
         let acted = if self.options.delay { self.under_way } else { cycle.last_inputs };
         let model = self.feed_forward.model();
-        for _ in 0..cycle.periods.min(MAX_BRIDGED) {
-            self.observer.predict(model, &acted, period, substeps);
+        let bridged = cycle.periods.min(MAX_BRIDGED);
+        for k in 0..bridged {
+            let start = cycle.time - f64::from(bridged - k) * period;
+            self.observer.predict_from(start, model, &acted, period, substeps);
         }
         if let Some(positions) = measured {
             self.observer.correct_by(model, positions);
@@ -265,9 +284,9 @@ where
     /// Computes for the caches alone what [`observe`](Self::observe) and [`solve`](Self::solve) will: neither
     /// estimate nor plan change, and the solution of the QP is no state, because each solve is a cold start.
     pub fn rehearse(&mut self, next: &Cycle<N, M, NY>) {
-        let (period, substeps) = (self.options.period, self.substeps);
+        let span = self.span(next.time - self.options.period);
         let (y, v) = (self.observer.positions(), self.observer.velocities());
-        let _ = black_box(integrate(self.model(), y, v, &next.last_inputs, period, substeps));
+        let _ = black_box(integrate(self.model(), y, v, &next.last_inputs, span));
         let _ = black_box(self.solver.solve(&self.problem));
     }
 
@@ -279,13 +298,24 @@ where
             self.reference[k] = Node { positions: sample.positions, velocities: sample.velocities };
         }
         for k in 0..self.options.horizon {
-            self.inputs[k] = self.feed_forward.at(&self.middle(start, k)).inputs;
+            let time = self.middle_time(start, k);
+            self.inputs[k] = self.feed_forward.at_time(time, &self.middle(time)).inputs;
         }
     }
 
-    /// The desired state in the middle of period `k`.
-    pub fn middle(&self, start: f64, k: usize) -> Sample<N, NY> {
-        self.trajectory.sample(start + (k as f64 + 0.5) * self.options.period)
+    /// The middle of period `k` (s).
+    pub fn middle_time(&self, start: f64, k: usize) -> f64 {
+        start + (k as f64 + 0.5) * self.options.period
+    }
+
+    /// The desired state in the middle of a period.
+    pub fn middle(&self, time: f64) -> Sample<N, NY> {
+        self.trajectory.sample(time)
+    }
+
+    /// The period that begins at `start` (s).
+    fn span(&self, start: f64) -> Span {
+        Span { start, period: self.options.period, substeps: self.substeps }
     }
 
     /// Moves the plan to begin at `start` (s): shifted, its end filled with the feed-forward and the

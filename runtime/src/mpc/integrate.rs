@@ -73,19 +73,42 @@ fn too_fast<const N: usize, const M: usize, const NY: usize>(
     })
 }
 
+/// A period of the nonlinear robot.
+#[derive(Clone, Copy)]
+pub(super) struct Span {
+    /// When it begins (s).
+    pub start: f64,
+    /// Its length (s).
+    pub period: f64,
+    /// Runge–Kutta steps in it.
+    pub substeps: usize,
+}
+
+impl Span {
+    /// When the steps begin (s).
+    pub fn steps(self) -> impl Iterator<Item = f64> {
+        (0..self.substeps).map(move |k| self.start + k as f64 * self.length())
+    }
+
+    /// Of a step (s).
+    pub fn length(self) -> f64 {
+        self.period / self.substeps as f64
+    }
+}
+
 /// State after a period, and its derivatives by the chain rule over the steps.
 pub(super) fn integrate<const N: usize, const M: usize, const NY: usize>(
     model: &impl Discretizable<N, M, NY>,
     y: &[f64; NY],
     v: &[f64; N],
     u: &[f64; M],
-    period: f64,
-    substeps: usize,
+    span: Span,
 ) -> Step<N, M, NY> {
-    let length = period / substeps as f64;
-    let mut whole = model.step_derivatives(y, v, u, length);
-    for _ in 1..substeps {
-        let next = model.step_derivatives(&whole.coordinates, &whole.velocities, u, length);
+    let length = span.length();
+    let mut whole = model.at_time(span.start, |model| model.step_derivatives(y, v, u, length));
+    for start in span.steps().skip(1) {
+        let (y, v) = (&whole.coordinates, &whole.velocities);
+        let next = model.at_time(start, |model| model.step_derivatives(y, v, u, length));
         let (state, input) = (whole.state, whole.input);
         whole = next;
         for row in 0..2 {

@@ -104,14 +104,16 @@ where
         let period = self.horizon.options.period;
         let around_plan = self.horizon.options.linearization == LinearizationPoint::Plan;
         for k in 0..self.horizon.options.horizon {
+            let time = self.horizon.middle_time(start, k);
             let (at, u) = if around_plan {
                 self.middle_of_plan(k)
             } else {
-                let Sample { positions, velocities, .. } = self.horizon.middle(start, k);
+                let Sample { positions, velocities, .. } = self.horizon.middle(time);
                 (Node { positions, velocities }, self.horizon.inputs[k])
             };
             let model = self.horizon.model();
-            let discrete = discretize(model, &at.positions, &at.velocities, &u, period)?;
+            let (y, v) = (&at.positions, &at.velocities);
+            let discrete = model.at_time(time, |model| discretize(model, y, v, &u, period))?;
             let prediction = Prediction {
                 state: &discrete.state,
                 input: &discrete.input,

@@ -2,7 +2,7 @@
 
 use super::DisturbanceObserver;
 use super::horizon::Horizon;
-use super::integrate::integrate;
+use super::integrate::{Span, integrate};
 use super::node::{Node, Prediction};
 use super::note::MpcNote;
 use super::options::{MpcError, MpcOptions};
@@ -89,16 +89,17 @@ where
     fn predict(&mut self, start: f64) {
         self.horizon.look_ahead(start);
         self.horizon.shift_plan(start);
-        self.set_stages();
+        self.set_stages(start);
         self.prepared = start;
     }
 
-    fn set_stages(&mut self) {
+    fn set_stages(&mut self, start: f64) {
         let horizon = &mut self.horizon;
         for k in 0..horizon.options.horizon {
             let (at, u) = horizon.planned_point(k);
             let (period, substeps) = (horizon.options.period, horizon.substeps);
-            let step = integrate(horizon.model(), &at.positions, &at.velocities, &u, period, substeps);
+            let span = Span { start: start + k as f64 * period, period, substeps };
+            let step = integrate(horizon.model(), &at.positions, &at.velocities, &u, span);
             let prediction = Prediction {
                 state: &step.state,
                 input: &step.input,
@@ -153,7 +154,7 @@ where
         if self.prepared.is_nan() {
             let start = self.horizon.start_at(next.time);
             self.horizon.look_ahead(start);
-            self.set_stages();
+            self.set_stages(start);
         }
         self.horizon.rehearse(next);
     }

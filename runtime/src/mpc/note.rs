@@ -114,13 +114,13 @@ pub(super) fn beyond_limits<const N: usize, const M: usize, const NR: usize, con
     for (i, joint) in model.joint_names().into_iter().enumerate() {
         let limit = options.velocity_limits[i];
         let speed = |sample: &Sample<N, NY>| sample.velocities[i].abs();
-        if let Some((time, sample)) = worst(&samples, |sample| speed(sample) - limit) {
+        if let Some((time, sample)) = worst(&samples, |_, sample| speed(sample) - limit) {
             let speed = speed(sample);
             notes.push(MpcNote::Speed { joint, time, speed, limit });
         }
         let limits @ [low, high] = options.position_limits[i];
         let position = |sample: &Sample<N, NY>| coordinates(model, sample).positions[i];
-        let outside = |sample: &Sample<N, NY>| (low - position(sample)).max(position(sample) - high);
+        let outside = |_, sample: &_| (low - position(sample)).max(position(sample) - high);
         if let Some((time, sample)) = worst(&samples, outside) {
             notes.push(MpcNote::Position { joint, time, position: position(sample), limits });
         }
@@ -150,22 +150,22 @@ fn coordinates<const N: usize, const M: usize, const NY: usize>(
     }
 }
 
-/// Where the trajectory with its feed-forward `inputs` is beyond a row: one note for each row.
+/// Where the trajectory with its feed-forward `inputs`, by time and sample, is beyond a row: one note for each row.
 pub(super) fn beyond_rows<const N: usize, const M: usize, const NR: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
     trajectory: &impl Trajectory<N, NY>,
     rows: &[MpcRow<N, M>; NR],
-    inputs: impl Fn(&Sample<N, NY>) -> [f64; M],
+    inputs: impl Fn(f64, &Sample<N, NY>) -> [f64; M],
 ) -> Vec<MpcNote> {
     if NR == 0 {
         return Vec::new();
     }
     let samples = samples(trajectory);
     let of_row = |row: &MpcRow<N, M>| {
-        let excess = |sample: &Sample<N, NY>| row.excess(&coordinates(model, sample), &inputs(sample));
+        let excess = |time, sample: &_| row.excess(&coordinates(model, sample), &inputs(time, sample));
         let (time, sample) = worst(&samples, excess)?;
         let positions = coordinates(model, sample).positions;
-        let value = row.value(&positions, &sample.velocities, &inputs(sample));
+        let value = row.value(&positions, &sample.velocities, &inputs(time, sample));
         Some(MpcNote::Row { row: row.name, time, value, limits: [row.lower, row.upper] })
     };
     rows.iter().filter_map(of_row).collect()
@@ -192,11 +192,11 @@ pub(super) fn dry_friction<const N: usize, const M: usize, const NY: usize>(
 /// The sample furthest beyond, if one is; rounding at a limit that is just touched is not.
 fn worst<const N: usize, const NY: usize>(
     samples: &[(f64, Sample<N, NY>)],
-    excess: impl Fn(&Sample<N, NY>) -> f64,
+    excess: impl Fn(f64, &Sample<N, NY>) -> f64,
 ) -> Option<(f64, &Sample<N, NY>)> {
     samples
         .iter()
-        .map(|(time, sample)| (*time, sample, excess(sample)))
+        .map(|(time, sample)| (*time, sample, excess(*time, sample)))
         .filter(|(_, _, excess)| *excess > 1e-9)
         .max_by(|a, b| a.2.total_cmp(&b.2))
         .map(|(time, sample, _)| (time, sample))

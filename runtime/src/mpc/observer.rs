@@ -1,6 +1,6 @@
 //! State and input disturbance from encoder angles.
 
-use super::integrate::integrate;
+use super::integrate::{Span, integrate};
 use super::options::{MpcError, require};
 use crate::dynamics::{Discretizable, Dynamics};
 
@@ -135,7 +135,8 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         deviation * deviation
     }
 
-    /// Moves on by `period` (s), over which `inputs` acted, in `substeps` Runge–Kutta steps.
+    /// Moves on by `period` (s), over which `inputs` acted, in `substeps` Runge–Kutta steps. Robots with driven joints need
+    /// the time too, see [`predict_from`](Self::predict_from): without it the estimate becomes NaN.
     pub fn predict(
         &mut self,
         model: &impl Discretizable<N, M, NY>,
@@ -143,8 +144,21 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         period: f64,
         substeps: usize,
     ) {
+        self.predict_from(f64::NAN, model, inputs, period, substeps);
+    }
+
+    /// Moves on by `period` (s) from the time `start` (s) on, over which `inputs` acted, in `substeps` Runge–Kutta steps.
+    pub fn predict_from(
+        &mut self,
+        start: f64,
+        model: &impl Discretizable<N, M, NY>,
+        inputs: &[f64; M],
+        period: f64,
+        substeps: usize,
+    ) {
         let total: [f64; M] = core::array::from_fn(|i| inputs[i] + self.disturbance[i]);
-        let step = integrate(model, &self.positions, &self.velocities, &total, period, substeps.max(1));
+        let span = Span { start, period, substeps: substeps.max(1) };
+        let step = integrate(model, &self.positions, &self.velocities, &total, span);
         (self.positions, self.velocities) = (step.coordinates, step.velocities);
         // F P, of which only the rows of y and ẏ differ from P, then (F P) Fᵀ likewise.
         let n = Self::SIZE;

@@ -49,6 +49,8 @@ impl Mode {
 /// Equations of motion with the mode of each joint.
 pub(super) struct Joints<'d, D, const N: usize, const M: usize> {
     pub model: &'d D,
+    /// When the integration's time is 0 (s).
+    pub start: f64,
     pub inputs: &'d [f64; M],
     /// Torques of the engaged brakes.
     pub brakes: &'d [f64; N],
@@ -58,7 +60,27 @@ pub(super) struct Joints<'d, D, const N: usize, const M: usize> {
     pub rest: f64,
 }
 
-impl<D, const N: usize, const M: usize> Joints<'_, D, N, M> {
+impl<'d, D, const N: usize, const M: usize> Joints<'d, D, N, M> {
+    /// The same joints of the robot as it is at some time.
+    fn of<'e>(&self, model: &'e D) -> Joints<'e, D, N, M>
+    where
+        'd: 'e,
+    {
+        Joints { model, ..*self }
+    }
+
+    /// Sets the modes for a motion at a time of the integration (s), and speeds of joints at rest to zero.
+    pub fn settle_at<const NY: usize>(&mut self, time: f64, motion: &mut Motion<N, NY>)
+    where
+        D: Dynamics<N, M, NY>,
+    {
+        self.modes = self.model.at_time(self.start + time, |model| {
+            let mut joints = self.of(model);
+            joints.settle(motion);
+            joints.modes
+        });
+    }
+
     /// Friction just before and just after rest, brakes included.
     fn friction_range<const NY: usize>(&self, y: &[f64; NY]) -> [Range; N]
     where
@@ -71,8 +93,7 @@ impl<D, const N: usize, const M: usize> Joints<'_, D, N, M> {
         })
     }
 
-    /// Sets the modes for a motion, and speeds of joints at rest to zero.
-    pub fn settle<const NY: usize>(&mut self, motion: &mut Motion<N, NY>)
+    fn settle<const NY: usize>(&mut self, motion: &mut Motion<N, NY>)
     where
         D: Dynamics<N, M, NY>,
     {
@@ -186,6 +207,16 @@ impl<D, const N: usize, const M: usize> Joints<'_, D, N, M> {
         Solution { accelerations, friction, loads }
     }
 
+    /// True if a joint that sticks is held by more than its friction can.
+    fn is_overloaded<const NY: usize>(&self, motion: &Motion<N, NY>) -> bool
+    where
+        D: Dynamics<N, M, NY>,
+    {
+        let Solution { friction, loads, .. } = self.solve(motion);
+        let range = self.friction_range(&motion.positions);
+        (0..N).any(|i| self.modes[i] == Mode::Stuck && overload(friction[i], range[i].under(loads[i])) != 0.0)
+    }
+
     /// Velocities as friction laws should see them: joints that slide never leave their direction.
     fn directed(&self, v: &[f64; N]) -> [f64; N] {
         core::array::from_fn(|i| match self.modes[i] {
@@ -244,16 +275,19 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Flo
         position_rates(self.model.quaternion_joints(), &motion.positions, &motion.velocities)
     }
 
-    fn accelerations(&self, motion: &Motion<N, NY>) -> [f64; N] {
+    fn accelerations(&self, time: f64, motion: &Motion<N, NY>) -> [f64; N] {
         let braked = self.brakes.iter().any(|b| *b > 0.0);
-        if braked || self.modes.contains(&Mode::Stuck) {
-            return self.solve(motion).accelerations;
-        }
-        let v = self.directed(&motion.velocities);
-        self.model.forward_dynamics(&motion.positions, &v, self.inputs)
+        let sticks = self.modes.contains(&Mode::Stuck);
+        self.model.at_time(self.start + time, |model| {
+            if braked || sticks {
+                return self.of(model).solve(motion).accelerations;
+            }
+            let v = self.directed(&motion.velocities);
+            model.forward_dynamics(&motion.positions, &v, self.inputs)
+        })
     }
 
-    fn has_ended(&self, motion: &Motion<N, NY>) -> bool {
+    fn has_ended(&self, time: f64, motion: &Motion<N, NY>) -> bool {
         let turned = |i: usize| self.modes[i].direction() * motion.velocities[i] < -self.rest;
         if (0..N).any(turned) {
             return true;
@@ -261,8 +295,6 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Flo
         if !self.modes.contains(&Mode::Stuck) {
             return false;
         }
-        let Solution { friction, loads, .. } = self.solve(motion);
-        let range = self.friction_range(&motion.positions);
-        (0..N).any(|i| self.modes[i] == Mode::Stuck && overload(friction[i], range[i].under(loads[i])) != 0.0)
+        self.model.at_time(self.start + time, |model| self.of(model).is_overloaded(motion))
     }
 }

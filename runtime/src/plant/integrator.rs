@@ -75,24 +75,24 @@ impl<const N: usize, const NY: usize> State<f64> for Motion<N, NY> {
     }
 }
 
-/// A motion that is smooth until an event.
+/// A motion that is smooth until an event. Times are those between `start` and `end` of an integration (s).
 pub(super) trait Flow<const N: usize, const NY: usize> {
     /// ẏ.
     fn rates(&self, motion: &Motion<N, NY>) -> [f64; NY];
 
     /// v̇.
-    fn accelerations(&self, motion: &Motion<N, NY>) -> [f64; N];
+    fn accelerations(&self, time: f64, motion: &Motion<N, NY>) -> [f64; N];
 
     /// True once an event has happened.
-    fn has_ended(&self, motion: &Motion<N, NY>) -> bool;
+    fn has_ended(&self, time: f64, motion: &Motion<N, NY>) -> bool;
 }
 
 struct Equations<'f, F>(&'f F);
 
 impl<const N: usize, const NY: usize, F: Flow<N, NY>> ODE<f64, Motion<N, NY>> for Equations<'_, F> {
-    fn diff(&self, _: f64, motion: &Motion<N, NY>, derivative: &mut Motion<N, NY>) {
+    fn diff(&self, time: f64, motion: &Motion<N, NY>, derivative: &mut Motion<N, NY>) {
         derivative.positions = self.0.rates(motion);
-        derivative.velocities = self.0.accelerations(motion);
+        derivative.velocities = self.0.accelerations(time, motion);
     }
 }
 
@@ -187,7 +187,7 @@ impl<const N: usize, const NY: usize> Integrator<N, NY> {
             if !self.method.y().is_finite() {
                 return Err("positions or velocities are no longer finite");
             }
-            if flow.has_ended(self.method.y()) {
+            if flow.has_ended(self.method.t(), self.method.y()) {
                 return Ok(self.locate(flow));
             }
         }
@@ -204,7 +204,7 @@ impl<const N: usize, const NY: usize> Integrator<N, NY> {
             let Ok(there) = self.method.interpolate(middle) else {
                 break;
             };
-            if flow.has_ended(&there) {
+            if flow.has_ended(middle, &there) {
                 (after, motion) = (middle, there);
             } else {
                 before = middle;

@@ -9,7 +9,8 @@
 //!
 //! The model of the plant is its own: any [`Dynamics`], with other masses or friction than the controller's,
 //! with exact `sign` where the controller's is smooth. See [`PlantOptions`] for what happens to inputs and
-//! measurements.
+//! measurements. A robot with driven joints is a [`DrivenRobot`](crate::driven::DrivenRobot) here, beside the motion of these;
+//! its time is that of the plant, 0 at the last [`reset`](Plant::reset).
 
 mod dry_friction;
 mod integrator;
@@ -293,8 +294,9 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
             core::array::from_fn(|i| self.motion.velocities[i] + deviation[i] * noise[i])
         });
         let torques = self.options.torque_noise.map(|deviation| {
-            let (noise, gears) =
-                (normals::<N>(&mut self.torque_noise), self.model.input_matrix(&self.motion.positions));
+            let noise = normals::<N>(&mut self.torque_noise);
+            let at = &self.motion.positions;
+            let gears = self.model.at_time(self.time, |model| model.input_matrix(at));
             core::array::from_fn(|i| {
                 let force: f64 = gears[i].iter().zip(&self.applied).map(|(b, u)| b * u).sum();
                 force + deviation[i] * noise[i]
@@ -307,6 +309,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         let brakes = if self.brakes_engaged { self.brake_torque } else { [0.0; N] };
         let mut joints = Joints {
             model: &self.model,
+            start: self.time,
             inputs,
             brakes: &brakes,
             modes: [Mode::Smooth; N],
@@ -314,7 +317,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         };
         let (mut time, mut motion, mut budget) = (0.0, self.motion, MAX_PERIOD_STEPS);
         for _ in 0..MAX_EVENTS {
-            joints.settle(&mut motion);
+            joints.settle_at(time, &mut motion);
             let arrival = self
                 .integrator
                 .advance(&joints, &motion, time, period, &mut budget)

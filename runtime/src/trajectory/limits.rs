@@ -123,7 +123,7 @@ pub fn violations<D: Dynamics<N, M>, const N: usize, const M: usize>(
     for k in 0..=steps {
         let time = (k as f64 * period).min(trajectory.duration());
         let sample = trajectory.sample(time);
-        let command = feed_forward.at(&sample);
+        let command = feed_forward.at_time(time, &sample);
         watch.time = time;
         for i in 0..N {
             let [low, high] = limits.position[i];

@@ -5,6 +5,7 @@ use super::manifold::same;
 use super::solve::{product, solve_positive_definite};
 use super::traits::{Differentiable, Discretizable, Dynamics};
 use super::types::{Discretization, Step};
+use core::cell::Cell;
 use gelenk_kernels::discrete_time;
 
 /// [`Dynamics::applied_forces`] by the other methods.
@@ -151,4 +152,57 @@ pub fn step_derivatives<
     let (coordinates, velocities, state, input) =
         discrete_time::runge_kutta_derivatives(same(y), v, u, period, D::SUBSTEPS, linearize);
     Step { coordinates: *same(&coordinates), velocities, state, input }
+}
+
+/// [`Discretizable::step`] of a robot whose equations depend on time, from `time` (s) on: each stage of the method sees
+/// the robot at its own time.
+#[inline]
+pub fn step_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
+    robot: &D,
+    time: f64,
+    (y, v, u): (&[f64; N], &[f64; N], &[f64; M]),
+    period: f64,
+) -> ([f64; N], [f64; N]) {
+    let stages = StageTimes::new(time, period / D::SUBSTEPS as f64);
+    let acceleration =
+        |y: &[f64; N], v: &[f64; N]| robot.at_time(stages.next(), |robot| robot.forward_dynamics(y, v, u));
+    discrete_time::runge_kutta(*y, *v, period, D::SUBSTEPS, acceleration)
+}
+
+/// [`Discretizable::step_derivatives`] likewise.
+#[inline]
+pub fn step_derivatives_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
+    robot: &D,
+    time: f64,
+    (y, v, u): (&[f64; N], &[f64; N], &[f64; M]),
+    period: f64,
+) -> Step<N, M> {
+    let stages = StageTimes::new(time, period / D::SUBSTEPS as f64);
+    let linearize = |y: &[f64; N], v: &[f64; N]| {
+        let linear = robot.at_time(stages.next(), |robot| robot.linearize(y, v, u));
+        (linear.by_coordinates, linear.by_velocities, linear.by_inputs, linear.affine)
+    };
+    let (coordinates, velocities, state, input) =
+        discrete_time::runge_kutta_derivatives(y, v, u, period, D::SUBSTEPS, linearize);
+    Step { coordinates, velocities, state, input }
+}
+
+/// The times of the stages of Runge–Kutta steps, in the order in which the method asks for accelerations: at the
+/// beginning of each step, twice in its middle, at its end.
+struct StageTimes {
+    start: f64,
+    step: f64,
+    taken: Cell<usize>,
+}
+
+impl StageTimes {
+    fn new(start: f64, step: f64) -> Self {
+        Self { start, step, taken: Cell::new(0) }
+    }
+
+    fn next(&self) -> f64 {
+        let taken = self.taken.replace(self.taken.get() + 1);
+        let within = [0.0, 0.5, 0.5, 1.0][taken % 4];
+        self.start + ((taken / 4) as f64 + within) * self.step
+    }
 }

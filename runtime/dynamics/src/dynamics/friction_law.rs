@@ -32,7 +32,7 @@ where
     }
 }
 
-/// A generated `friction_torques` of a module with free parameters `P`.
+/// A generated `friction_torques` of a module with free parameters `P`; or with driven joints, whose motion then is `P`.
 #[diagnostic::on_unimplemented(
     message = "the module has no `friction_torques` of velocities, or of positions and velocities",
     label = "generate it with friction_torques",
@@ -61,6 +61,37 @@ where
     #[inline]
     fn torques(&self, y: &[f64; NY], v: &[f64; N], p: &P) -> [f64; N] {
         self(y, v, p)
+    }
+}
+
+/// A generated `friction_torques` of a module with driven joints and free parameters `P`.
+#[diagnostic::on_unimplemented(
+    message = "the module has no `friction_torques` of velocities, or of positions and velocities",
+    label = "generate it with friction_torques"
+)]
+pub trait FrictionLawWithDriven<Arguments, D, P, const N: usize, const NY: usize> {
+    /// Friction torques [N m or N] at positions `y`, velocities `v` and driven joints `d`.
+    fn torques(&self, y: &[f64; NY], v: &[f64; N], d: &D, p: &P) -> [f64; N];
+}
+
+impl<F, D, P, const N: usize, const NY: usize> FrictionLawWithDriven<(Velocities,), D, P, N, NY> for F
+where
+    F: Fn(&[f64; N], &D, &P) -> [f64; N],
+{
+    #[inline]
+    fn torques(&self, _: &[f64; NY], v: &[f64; N], d: &D, p: &P) -> [f64; N] {
+        self(v, d, p)
+    }
+}
+
+impl<F, D, P, const N: usize, const NY: usize> FrictionLawWithDriven<(Coordinates, Velocities), D, P, N, NY>
+    for F
+where
+    F: Fn(&[f64; NY], &[f64; N], &D, &P) -> [f64; N],
+{
+    #[inline]
+    fn torques(&self, y: &[f64; NY], v: &[f64; N], d: &D, p: &P) -> [f64; N] {
+        self(y, v, d, p)
     }
 }
 

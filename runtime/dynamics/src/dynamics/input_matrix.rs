@@ -35,7 +35,7 @@ impl<F: Fn(&[f64; NY]) -> [[f64; M]; N], const N: usize, const M: usize, const N
     }
 }
 
-/// A generated `input_matrix` of a module with free parameters `P`.
+/// A generated `input_matrix` of a module with free parameters `P`; or with driven joints, whose motion then is `P`.
 #[diagnostic::on_unimplemented(
     message = "the module has no `input_matrix`",
     label = "generate it with input_matrix",
@@ -63,6 +63,47 @@ where
     #[inline]
     fn at(&self, y: &[f64; NY], p: &P) -> [[f64; M]; N] {
         self(y, p)
+    }
+}
+
+/// With driven joints and constant gear ratios.
+impl<F: Fn() -> [[f64; M]; N], P, const N: usize, const M: usize, const NY: usize>
+    InputMatrixWithParameters<((),), P, N, M, NY> for F
+{
+    #[inline]
+    fn at(&self, _: &[f64; NY], _: &P) -> [[f64; M]; N] {
+        self()
+    }
+}
+
+/// A generated `input_matrix` of a module with driven joints and free parameters `P`.
+#[diagnostic::on_unimplemented(
+    message = "the module has no `input_matrix`",
+    label = "generate it with input_matrix"
+)]
+pub trait InputMatrixWithDriven<Arguments, D, P, const N: usize, const M: usize, const NY: usize> {
+    /// B at positions `y` and driven joints `d`.
+    fn at(&self, y: &[f64; NY], d: &D, p: &P) -> [[f64; M]; N];
+}
+
+impl<F, D, P, const N: usize, const M: usize, const NY: usize> InputMatrixWithDriven<(), D, P, N, M, NY> for F
+where
+    F: Fn(&P) -> [[f64; M]; N],
+{
+    #[inline]
+    fn at(&self, _: &[f64; NY], _: &D, p: &P) -> [[f64; M]; N] {
+        self(p)
+    }
+}
+
+impl<F, D, P, const N: usize, const M: usize, const NY: usize>
+    InputMatrixWithDriven<(Coordinates,), D, P, N, M, NY> for F
+where
+    F: Fn(&[f64; NY], &D, &P) -> [[f64; M]; N],
+{
+    #[inline]
+    fn at(&self, y: &[f64; NY], d: &D, p: &P) -> [[f64; M]; N] {
+        self(y, d, p)
     }
 }
 

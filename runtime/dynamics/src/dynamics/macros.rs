@@ -49,6 +49,23 @@
 /// let effort = |pendulum: &Pendulum| pendulum.gravity_forces(&[0.3, 0.2])[1].abs();
 /// assert!(effort(&heavier) > effort(&Pendulum::default()));
 /// ```
+///
+/// A module with driven joints is wrapped with their motion at one instant, `{ driven }`, or `{ driven, parameters }`. The
+/// type has a field `driven` with position, velocity and acceleration of each, and is the robot at this instant; its
+/// `Default` has NaN there, because no motion is a default. It is [`Discretizable`](crate::dynamics::Discretizable), and
+/// goes into plants and predictive controllers, with a motion over time: `gelenk-runtime` has `DrivenRobot` for this.
+///
+/// ```
+/// use gelenk_dynamics::dynamics::Dynamics;
+///
+/// gelenk_dynamics::dynamics!(pub struct RailArm { driven } = gelenk_generated::rail_arm);
+///
+/// let braking = RailArm { driven: [[0.2, 0.5, -1.0]] };
+/// let rest = RailArm { driven: [[0.0; 3]] };
+/// let force = |arm: &RailArm| arm.inverse_dynamics(&[0.0, 0.1], &[0.0; 2], &[0.0; 2]);
+/// assert_ne!(force(&braking), force(&rest));
+/// assert!(force(&RailArm::default())[0].is_nan());
+/// ```
 #[macro_export]
 macro_rules! dynamics {
     ($(#[$meta:meta])* $visibility:vis struct $name:ident = $($module:ident)::+ $(: $first:ident $(+ $other:ident)* $([$($own:tt)*])?)?) => {
@@ -59,9 +76,13 @@ macro_rules! dynamics {
             // The module's own `Parameters`, where it has free ones, else this.
             #[allow(dead_code, reason = "only modules without free parameters need it")]
             type Parameters = ();
+            // Likewise what driven joints add.
+            #[allow(dead_code, reason = "only modules without driven joints need it")]
+            type Driven = ();
             {
                 $crate::dynamics!(@import [$($module)::+]);
                 $crate::dynamics::without_parameters::<Parameters>();
+                $crate::dynamics::without_driven_joints::<Driven>();
             }
         };
         $crate::dynamics!(@implement $name, [$($module)::+], [], [$($first $(, $other)*)?], [$($([$($own)*])?)?]);
@@ -76,8 +97,93 @@ macro_rules! dynamics {
             /// Free parameters of the model.
             pub parameters: $($module)::+::Parameters,
         }
+        const _: fn() = || {
+            #[allow(dead_code, reason = "only modules without driven joints need it")]
+            type Driven = ();
+            {
+                $crate::dynamics!(@import [$($module)::+]);
+                $crate::dynamics::without_driven_joints::<Driven>();
+            }
+        };
         $crate::dynamics!(@implement $name, [$($module)::+], [parameters], [$($first $(, $other)*)?], [$($([$($own)*])?)?]);
     };
+    (
+        $(#[$meta:meta])* $visibility:vis struct $name:ident { driven } = $($module:ident)::+
+        $(: $first:ident $(+ $other:ident)*)?
+    ) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        $visibility struct $name {
+            /// Position, velocity and acceleration of each driven joint, in the order of `DRIVEN_NAMES`.
+            pub driven: [[f64; 3]; $($module)::+::DRIVEN],
+        }
+        impl Default for $name {
+            /// Nothing is known of the driven joints: NaN.
+            fn default() -> Self {
+                Self { driven: $crate::dynamics::unknown() }
+            }
+        }
+        const _: fn() = || {
+            #[allow(dead_code, reason = "only modules without free parameters need it")]
+            type Parameters = ();
+            {
+                $crate::dynamics!(@import [$($module)::+]);
+                $crate::dynamics::without_parameters::<Parameters>();
+            }
+        };
+        $crate::dynamics!(@driven $name, [$($module)::+], [driven], [$($first $(, $other)*)?]);
+    };
+    (
+        $(#[$meta:meta])* $visibility:vis struct $name:ident { driven, parameters } = $($module:ident)::+
+        $(: $first:ident $(+ $other:ident)*)?
+    ) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        $visibility struct $name {
+            /// Position, velocity and acceleration of each driven joint, in the order of `DRIVEN_NAMES`.
+            pub driven: [[f64; 3]; $($module)::+::DRIVEN],
+            /// Free parameters of the model.
+            pub parameters: $($module)::+::Parameters,
+        }
+        impl Default for $name {
+            /// Nothing is known of the driven joints: NaN. Parameters as described.
+            fn default() -> Self {
+                Self { driven: $crate::dynamics::unknown(), parameters: Default::default() }
+            }
+        }
+        $crate::dynamics!(@driven $name, [$($module)::+], [driven, parameters], [$($first $(, $other)*)?]);
+    };
+
+    // Over a sample time it needs the motion of the driven joints, which it does not have.
+    (@driven $name:ident, $module:tt, $p:tt, [$($trait:ident),*]) => {
+        $crate::dynamics!(@driven_joints $name, $module);
+        $crate::dynamics!(@dynamics $name, $module, $p);
+        $crate::dynamics!(@differentiable $name, $module, $p);
+        $($crate::dynamics!(@check $trait, $name, $module);)*
+    };
+    (@driven_joints $name:ident, [$($module:ident)::+]) => {
+        impl $crate::dynamics::DrivenJoints<{ $($module)::+::DRIVEN }> for $name {
+            fn driven_names(&self) -> [&'static str; $($module)::+::DRIVEN] {
+                $($module)::+::DRIVEN_NAMES
+            }
+
+            #[inline]
+            fn with_driven(&self, driven: &[[f64; 3]; $($module)::+::DRIVEN]) -> Self {
+                let mut robot = *self;
+                robot.driven = *driven;
+                robot
+            }
+        }
+    };
+    (@at_time [driven $(, $parameters:ident)?]) => {
+        #[inline]
+        fn at_time<R>(&self, _: f64, f: impl FnOnce(&Self) -> R) -> R {
+            let mut robot = *self;
+            robot.driven = $crate::dynamics::at_rest_or_unknown(&self.driven);
+            f(&robot)
+        }
+    };
+    (@at_time $p:tt) => {};
 
     (@implement $name:ident, $module:tt, $p:tt, [$($trait:ident),*], $own:tt) => {
         $crate::dynamics!(@dynamics $name, $module, $p);
@@ -107,7 +213,8 @@ macro_rules! dynamics {
                 }
             }
 
-            $crate::dynamics!(@manifold [$($module)::+]);
+            $crate::dynamics_on_manifold!([$($module)::+]);
+            $crate::dynamics!(@at_time $p);
 
             fn input_names(&self) -> [&'static str; $($module)::+::M] {
                 $($module)::+::INPUT_NAMES
@@ -233,74 +340,6 @@ macro_rules! dynamics {
             &JOINT_POSITIONS
         }
     }};
-    // Methods about positions, by the functions that modules with quaternions hold as text.
-    (@manifold $module:tt) => {
-        fn position_names(&self) -> [&'static str; $crate::dynamics!(@positions $module)] {
-            $crate::dynamics!(@position_names $module)
-        }
-
-        fn quaternion_joints(&self) -> &'static [$crate::dynamics::QuaternionJoint] {
-            const WIDTHS: &[usize] = $crate::dynamics!(@widths $module);
-            const COUNT: usize = $crate::dynamics::count_quaternions(WIDTHS);
-            const JOINTS: [$crate::dynamics::QuaternionJoint; COUNT] =
-                $crate::dynamics::quaternion_joints(&$crate::dynamics!(@joint_names $module), WIDTHS);
-            &JOINTS
-        }
-
-        #[inline]
-        fn neutral(&self) -> $crate::dynamics!(@type NY, $module) {
-            $crate::dynamics::neutral($crate::dynamics!(@widths $module))
-        }
-
-        #[inline]
-        fn integrate(
-            &self,
-            y: $crate::dynamics!(@argument NY, $module),
-            d: $crate::dynamics!(@argument N, $module),
-        ) -> $crate::dynamics!(@type NY, $module) {
-            $crate::dynamics::integrate($crate::dynamics!(@widths $module), y, d)
-        }
-
-        #[inline]
-        fn difference(
-            &self,
-            from: $crate::dynamics!(@argument NY, $module),
-            to: $crate::dynamics!(@argument NY, $module),
-        ) -> $crate::dynamics!(@type N, $module) {
-            $crate::dynamics::difference($crate::dynamics!(@widths $module), from, to)
-        }
-
-        #[inline]
-        fn integrate_derivatives(
-            &self,
-            _: $crate::dynamics!(@argument NY, $module),
-            d: $crate::dynamics!(@argument N, $module),
-        ) -> ($crate::dynamics!(@type matrix, $module), $crate::dynamics!(@type matrix, $module)) {
-            $crate::dynamics::integrate_derivatives($crate::dynamics!(@widths $module), d)
-        }
-
-        #[inline]
-        fn difference_derivatives(
-            &self,
-            d: $crate::dynamics!(@argument N, $module),
-        ) -> ($crate::dynamics!(@type matrix, $module), $crate::dynamics!(@type matrix, $module)) {
-            $crate::dynamics::difference_derivatives($crate::dynamics!(@widths $module), d)
-        }
-
-        #[inline]
-        fn bracket(
-            &self,
-            a: $crate::dynamics!(@argument N, $module),
-            b: $crate::dynamics!(@argument N, $module),
-        ) -> $crate::dynamics!(@type N, $module) {
-            $crate::dynamics::bracket($crate::dynamics!(@widths $module), a, b)
-        }
-
-        #[inline]
-        fn normalize(&self, y: &mut $crate::dynamics!(@type NY, $module)) -> bool {
-            $crate::dynamics::normalize($crate::dynamics!(@widths $module), y)
-        }
-    };
     (@joint_names [$($module:ident)::+]) => { $($module)::+::JOINT_NAMES };
     (@position_names [$($module:ident)::+]) => {{
         #[allow(unused_imports, reason = "only modules without quaternions need it")]
@@ -321,7 +360,7 @@ macro_rules! dynamics {
         }
     }};
     // A module's function takes y only where inputs act at frames.
-    (@input_matrix [$($module:ident)::+], [$($p:ident)?]) => {
+    (@input_matrix [$($module:ident)::+], [$($p:ident),*]) => {
         #[inline]
         fn input_matrix(
             &self,
@@ -331,7 +370,7 @@ macro_rules! dynamics {
             use $crate::dynamics::Missing as input_matrix;
             {
                 $crate::dynamics!(@import [$($module)::+]);
-                $crate::dynamics!(@matrix input_matrix, y $(, &self.$p)?)
+                $crate::dynamics!(@matrix input_matrix, y $(, &self.$p)*)
             }
         }
     };
@@ -339,9 +378,12 @@ macro_rules! dynamics {
     (@matrix $function:ident, $y:ident, $p:expr) => {
         $crate::dynamics::InputMatrixWithParameters::at(&$function, $y, $p)
     };
+    (@matrix $function:ident, $y:ident, $d:expr, $p:expr) => {
+        $crate::dynamics::InputMatrixWithDriven::at(&$function, $y, $d, $p)
+    };
 
     // A module's function takes y only where a law depends on it.
-    (@friction [$($module:ident)::+], [$($p:ident)?]) => {
+    (@friction [$($module:ident)::+], [$($p:ident),*]) => {
         #[inline]
         fn friction_torques(
             &self,
@@ -352,7 +394,7 @@ macro_rules! dynamics {
             use $crate::dynamics::Missing as friction_torques;
             {
                 $crate::dynamics!(@import [$($module)::+]);
-                $crate::dynamics!(@torques friction_torques, y, v $(, &self.$p)?)
+                $crate::dynamics!(@torques friction_torques, y, v $(, &self.$p)*)
             }
         }
     };
@@ -360,21 +402,24 @@ macro_rules! dynamics {
     (@torques $function:ident, $y:ident, $v:ident, $p:expr) => {
         $crate::dynamics::FrictionLawWithParameters::torques(&$function, $y, $v, $p)
     };
+    (@torques $function:ident, $y:ident, $v:ident, $d:expr, $p:expr) => {
+        $crate::dynamics::FrictionLawWithDriven::torques(&$function, $y, $v, $d, $p)
+    };
 
     // The function of the module, which has to have it.
-    (@required $function:ident, $module:tt, [$($p:ident)?], ($($argument:ident: $len:ident),*), $result:ident) => {
+    (@required $function:ident, $module:tt, [$($p:ident),*], ($($argument:ident: $len:ident),*), $result:ident) => {
         #[inline]
         fn $function(&self, $($argument: $crate::dynamics!(@argument $len, $module)),*) -> $crate::dynamics!(@type $result, $module) {
             #[allow(unused_imports, reason = "only modules without this function need it")]
             use $crate::dynamics::Missing as $function;
             {
                 $crate::dynamics!(@import $module);
-                $crate::dynamics::Required::result(&$function, ($($argument,)* $(&self.$p,)?))
+                $crate::dynamics::Required::result(&$function, ($($argument,)* $(&self.$p,)*))
             }
         }
     };
     // The function of the module, else what the trait's other methods make of it.
-    (@provided $function:ident, $module:tt, [$($p:ident)?], ($($argument:ident: $len:ident),*), $result:ident) => {
+    (@provided $function:ident, $module:tt, [$($p:ident),*], ($($argument:ident: $len:ident),*), $result:ident) => {
         #[inline]
         fn $function(&self, $($argument: $crate::dynamics!(@argument $len, $module)),*) -> $crate::dynamics!(@type $result, $module) {
             #[allow(unused_imports, reason = "only modules without this function need it")]
@@ -383,7 +428,7 @@ macro_rules! dynamics {
                 $crate::dynamics!(@import $module);
                 $crate::dynamics::OrElse::or_else(
                     &$function,
-                    ($($argument,)* $(&self.$p,)?),
+                    ($($argument,)* $(&self.$p,)*),
                     || $crate::dynamics::defaults::$function(self, $($argument),*),
                 )
             }
@@ -391,7 +436,7 @@ macro_rules! dynamics {
     };
     // The same with the results as a type of the runtime.
     (
-        @made $function:ident, $module:tt, [$($p:ident)?], ($($argument:ident: $len:ident),*),
+        @made $function:ident, $module:tt, [$($p:ident),*], ($($argument:ident: $len:ident),*),
         $made:ident<$($size:ident),*> $(, $by_default:ident)?
     ) => {
         #[inline]
@@ -402,7 +447,7 @@ macro_rules! dynamics {
                 $crate::dynamics!(@import $module);
                 $crate::dynamics::MadeOrElse::made_or_else(
                     &$function,
-                    ($($argument,)* $(&self.$p,)?),
+                    ($($argument,)* $(&self.$p,)*),
                     || $crate::dynamics!(@otherwise $function, (self, $($argument),*) $(, $by_default)?),
                 )
             }
@@ -441,39 +486,5 @@ macro_rules! dynamics {
             $crate::dynamics!(@type vector, $module),
             $crate::dynamics!(@type vector, $module),
         )
-    };
-}
-
-/// Includes a module that the build script generated: `include_model!(pub mod arm)` reads `$OUT_DIR/arm.rs`,
-/// which is named after the robot (in a URDF: `<robot name="arm">`), not after the file. Where the build
-/// script generates no robot of that name, the compiler's message says which it does. The documentation of
-/// the module is the robot's description.
-///
-/// ```ignore
-/// // Needs a build script: gelenk_codegen::build("arm.toml");
-/// gelenk_dynamics::include_model!(
-///     /// The arm on the bench.
-///     pub mod arm
-/// );
-/// gelenk_dynamics::dynamics!(pub struct Arm = arm);
-/// ```
-#[macro_export]
-macro_rules! include_model {
-    ($(#[$meta:meta])* $visibility:vis mod $name:ident $(;)?) => {
-        $(#[$meta])*
-        // For rustdoc alone: where the module is missing, one error says so. A paragraph of its own.
-        #[cfg_attr(doc, doc = "")]
-        #[cfg_attr(doc, doc = include_str!(concat!(env!("OUT_DIR"), "/gelenk.", stringify!($name), ".md")))]
-        #[allow(dead_code, reason = "a program need not call all functions of its robot")]
-        $visibility mod $name {
-            include!(concat!(
-                env!(
-                    "OUT_DIR",
-                    "include_model! needs a build script, build.rs beside Cargo.toml, that calls `gelenk_codegen::build`"
-                ),
-                "/gelenk.modules.rs"
-            ));
-            gelenk_module!($name);
-        }
     };
 }

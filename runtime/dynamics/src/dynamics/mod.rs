@@ -7,12 +7,15 @@
 
 #[doc(hidden)]
 pub mod defaults;
+mod driven;
 mod friction_law;
 mod functions;
+mod include_model;
 mod input_matrix;
 mod load_friction;
 mod macros;
 mod manifold;
+mod manifold_macro;
 mod names;
 mod parameters;
 mod solve;
@@ -21,12 +24,17 @@ mod tests;
 mod traits;
 mod types;
 
+pub use driven::DrivenJoints;
 #[doc(hidden)]
-pub use friction_law::{FrictionLaw, FrictionLawWithParameters};
+pub use driven::{NoDrivenJoints, at_rest_or_unknown, unknown, without_driven_joints};
+#[doc(hidden)]
+pub use friction_law::{FrictionLaw, FrictionLawWithDriven, FrictionLawWithParameters};
 #[doc(hidden)]
 pub use functions::{HasDerivatives, MadeOrElse, Missing, NO_SUBSTEPS, OrElse, Required, Yes, has};
 #[doc(hidden)]
-pub use input_matrix::{ALL_DRIVES, InputMatrix, InputMatrixWithParameters, InputRanges};
+pub use input_matrix::{
+    ALL_DRIVES, InputMatrix, InputMatrixWithDriven, InputMatrixWithParameters, InputRanges,
+};
 pub use load_friction::{load, under_load};
 pub use manifold::{
     AttitudeError, QuaternionJoint, UNIT_LENGTH, plain_entries, plain_positions, position_rates,

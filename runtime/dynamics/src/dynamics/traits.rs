@@ -136,6 +136,20 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         manifold::normalize(&NO_WIDTHS, y)
     }
 
+    /// Calls `f` with the robot as it is at `time` (s). Most robots are the same at all times, and so says this body.
+    ///
+    /// Of robots with driven joints the equations depend on time: position, velocity and acceleration of these joints
+    /// are given. Whatever knows the time asks through this method: plants, predictive controllers, laws in a loop.
+    /// Whoever wraps a robot passes it on.
+    #[inline]
+    fn at_time<R>(&self, time: f64, f: impl FnOnce(&Self) -> R) -> R
+    where
+        Self: Sized,
+    {
+        let _ = time;
+        f(self)
+    }
+
     /// Names of the inputs: the module's `INPUT_NAMES`; "1", "2", … where there are none.
     fn input_names(&self) -> [&'static str; M] {
         numbered()
@@ -268,6 +282,9 @@ pub trait PhaseSpace<const NX: usize> {}
 ///
 /// All methods have a body, built from [`Differentiable::linearize`] and [`Dynamics::forward_dynamics`];
 /// generated modules have the same functions.
+#[diagnostic::on_unimplemented(
+    note = "a robot with driven joints needs their motion over time: `DrivenRobot::new(robot, motion)` of gelenk-runtime has it"
+)]
 pub trait Discretizable<const N: usize, const M: usize, const NY: usize = N>:
     Differentiable<N, M, NY>
 {

@@ -1,0 +1,177 @@
+//! Robots with driven joints over time: the equations of motion beside the motion that somebody else prescribes.
+//!
+//! A joint with `motion = "driven"` is no coordinate: its position, velocity and acceleration d(t) are given, as those of a
+//! linear axis under a controller of its own, of a ship's deck or of a turntable:
+//!
+//! ```text
+//!     M(y, d) ÿ + k(y, ẏ, d) = q(y, ẏ, d) + B u        k contains M_d d̈
+//! ```
+//!
+//! [`dynamics!`](crate::dynamics!) makes the robot at one instant of a generated module (`struct Arm { driven } = module`).
+//! [`DrivenRobot`] puts it beside d(t). Plants, feed-forward, laws, predictive controllers and their observer then ask for
+//! d at the time for which they compute ([`Dynamics::at_time`]): the stages of an integration, the middles of the periods
+//! of a horizon. At no time, nothing is known of d, and every result that depends on it is NaN, never that of d = 0.
+//!
+//! ```
+//! use gelenk_runtime::driven::DrivenRobot;
+//! use gelenk_runtime::mpc::{LtvMpc, MpcOptions};
+//! use gelenk_runtime::plant::{Plant, PlantOptions};
+//! use gelenk_runtime::trajectory::RestToRest;
+//!
+//! gelenk_runtime::dynamics!(pub struct RailArm { driven } = gelenk_generated::rail_arm);
+//!
+//! // The controller of the rail moves it by a metre within two seconds.
+//! let rail = RestToRest::new([-0.5], [0.5], 2.0)?;
+//! let robot = DrivenRobot::new(RailArm::default(), rail);
+//!
+//! let mut plant = Plant::new(robot, PlantOptions::default())?;
+//! plant.apply(&[0.0; 2], 0.5)?;
+//! assert!(plant.state().0[0] < -0.01, "the rail moves from below the arm, which falls back");
+//!
+//! let motion = RestToRest::new([0.0, 0.3], [0.4, -0.2], 2.0)?;
+//! let options = MpcOptions::new(&robot, 0.01, 20);
+//! let mpc = LtvMpc::new(robot, motion, options)?;
+//! # assert!(mpc.notes().is_empty(), "{:?}", mpc.notes());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Controllers ask with the time of their trajectory, plants with their own. Where the two clocks differ, as in a loop that
+//! begins later than the plant, [`DrivenRobot::beginning_at`] says when on either clock the motion begins.
+
+use crate::dynamics::{
+    self, Differentiable, Discretizable, DrivenJoints, Dynamics, ForceDerivatives, InputLimits, Limits,
+    Linearization, PhaseSpace, Step,
+};
+use crate::trajectory::Trajectory;
+
+/// A robot beside the motion of its `K` driven joints; see the [module](self).
+///
+/// - `R`: the robot at one instant, made by [`dynamics!`](crate::dynamics!)
+/// - `T`: the motion, a [`Trajectory`] of K joints that is [`Copy`]: a short one itself, any other as a reference, so that
+///   a robot at a time costs no allocation
+///
+/// `T`'s [`begin_period`](Trajectory::begin_period) is not called here: a motion that changes while it runs is begun by its
+/// owner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrivenRobot<R, T, const K: usize> {
+    /// At `time`.
+    robot: R,
+    motion: T,
+    /// When the motion begins (s).
+    begins: f64,
+    /// NaN: at no time.
+    time: f64,
+}
+
+impl<R: DrivenJoints<K>, T: Trajectory<K> + Copy, const K: usize> DrivenRobot<R, T, K> {
+    /// The robot with this motion of its driven joints, in the order of the module's `DRIVEN_NAMES` [rad or m, s]. What
+    /// the robot holds as `driven` is not read.
+    pub fn new(robot: R, motion: T) -> Self {
+        Self { robot, motion, begins: 0.0, time: f64::NAN }.at(f64::NAN)
+    }
+
+    /// The motion begins at `time` (s) rather than at 0, on the clock of whoever asks.
+    #[must_use]
+    pub fn beginning_at(self, time: f64) -> Self {
+        Self { begins: time, ..self }.at(self.time)
+    }
+
+    /// The robot as it is at `time` (s); a time that is not finite is none.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, time: f64) -> Self {
+        Self { robot: self.robot.with_driven(&self.driven_at(time)), time, ..*self }
+    }
+
+    /// Position, velocity and acceleration of each driven joint at `time` (s); NaN where this is not finite.
+    #[inline]
+    #[must_use]
+    pub fn driven_at(&self, time: f64) -> [[f64; 3]; K] {
+        let time = time - self.begins;
+        if !time.is_finite() {
+            return [[f64::NAN; 3]; K];
+        }
+        let sample = self.motion.sample(time);
+        core::array::from_fn(|i| [sample.positions[i], sample.velocities[i], sample.accelerations[i]])
+    }
+
+    /// The robot of one instant: at the time of this one, so that it calls functions beyond the traits.
+    #[must_use]
+    pub fn robot(&self) -> &R {
+        &self.robot
+    }
+}
+
+/// Methods that call those of the robot at its time.
+macro_rules! of_the_robot {
+    ($(fn $name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*) => {
+        $(
+            #[inline]
+            fn $name(&self, $($argument: $type),*) -> $result {
+                self.robot.$name($($argument),*)
+            }
+        )*
+    };
+}
+
+impl<R, T, const K: usize, const N: usize, const M: usize> Dynamics<N, M> for DrivenRobot<R, T, K>
+where
+    R: Dynamics<N, M> + DrivenJoints<K>,
+    T: Trajectory<K> + Copy,
+{
+    #[inline]
+    fn at_time<O>(&self, time: f64, f: impl FnOnce(&Self) -> O) -> O {
+        f(&self.at(time))
+    }
+
+    of_the_robot! {
+        fn joint_names() -> [&'static str; N];
+        fn input_names() -> [&'static str; M];
+        fn limits() -> Limits<N, M>;
+        fn drives() -> usize;
+        fn drive_matrix() -> [[f64; M]; N];
+        fn input_limits() -> InputLimits<M>;
+        fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N];
+        fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N];
+        fn gravity_forces(y: &[f64; N]) -> [f64; N];
+        fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N];
+        fn friction_torques(y: &[f64; N], v: &[f64; N]) -> [f64; N];
+        fn load_friction(y: &[f64; N], v: &[f64; N]) -> [f64; N];
+        fn input_matrix(y: &[f64; N]) -> [[f64; M]; N];
+        fn applied_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N];
+        fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N];
+        fn equations_of_motion(y: &[f64; N], v: &[f64; N]) -> ([[f64; N]; N], [f64; N], [f64; N]);
+        fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N];
+        fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N];
+        fn kinetic_energy(y: &[f64; N], v: &[f64; N]) -> f64;
+    }
+}
+
+impl<R, T, const K: usize, const N: usize, const M: usize> Differentiable<N, M> for DrivenRobot<R, T, K>
+where
+    R: Differentiable<N, M> + DrivenJoints<K>,
+    T: Trajectory<K> + Copy,
+{
+    of_the_robot! {
+        fn inverse_dynamics_derivatives(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> ForceDerivatives<N>;
+        fn linearize(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> Linearization<N, M>;
+    }
+}
+
+/// `discretize` holds the linearization at the robot's time, which is best taken in the middle of the period. `step` and
+/// `step_derivatives` begin at the robot's time, and each stage of the Runge–Kutta method has its own.
+impl<R, T, const K: usize, const N: usize, const M: usize> Discretizable<N, M> for DrivenRobot<R, T, K>
+where
+    R: Differentiable<N, M> + DrivenJoints<K>,
+    T: Trajectory<K> + Copy,
+{
+    fn step(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M], period: f64) -> ([f64; N], [f64; N]) {
+        dynamics::defaults::step_from(self, self.time, (y, v, u), period)
+    }
+
+    fn step_derivatives(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M], period: f64) -> Step<N, M> {
+        dynamics::defaults::step_derivatives_from(self, self.time, (y, v, u), period)
+    }
+}
+
+impl<R: PhaseSpace<NX>, T, const K: usize, const NX: usize> PhaseSpace<NX> for DrivenRobot<R, T, K> {}
