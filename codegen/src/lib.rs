@@ -46,6 +46,7 @@ mod snapping;
 pub mod spatial;
 #[cfg(test)]
 mod testing;
+mod tools;
 mod wording;
 
 pub use output::{Builder, build};

@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::advice;
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
-use crate::emit::{self, Companion, EmitOptions, Language, Math, Scalar, SourceFile};
+use crate::emit::{self, Companion, EmitOptions, Language, Math, SourceFile};
 use crate::functions::form::Form;
-use crate::functions::function::Function;
 use crate::functions::module_constants;
 use crate::functions::selection::{self, Request, Selection};
 use crate::functions::size::MOST_OPERATIONS;
@@ -14,9 +13,10 @@ use crate::lanes::Lanes;
 use crate::model::{DescriptionFiles, Loaded, Model, ReadOptions};
 use crate::module::Module;
 use crate::program::arrays::ArrayForm;
-use crate::program::{self, fuse_multiply_adds};
+use crate::program::fuse_multiply_adds;
 use crate::self_test::self_tests;
 use crate::snapping;
+use crate::tools;
 
 /// Choices of the caller, beyond the description.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -96,14 +96,15 @@ fn generate_from(
         floating_base: options.floating_base,
     };
     let Loaded { model, notes, files } = description.load(&read_options)?;
-    check_casadi(&model, options)?;
+    tools::check(&model, &options.emit.companions)?;
     let lanes = Lanes::new(&model, &options.lanes)?;
     let selection = lanes.selected_with(selection(&model, options));
     let selected = derive(&model, options, &selection, &lanes);
     let selected = selected.map_err(|problems| with_warnings(problems, &notes))?;
     let Selection { mut functions, compositions, notes: left_out } = selected;
+    tools::check_functions(&functions, &compositions, &options.emit.companions)?;
     if options.emit.companions.contains(&Companion::Casadi) {
-        functions.extend(by_parameters(&model, &functions));
+        functions.extend(tools::by_parameters(&model, &functions));
     }
     let notes = snapping::priced(notes, description, &read_options, &functions);
     let (lanes, obstacles) = match options.emit.language {
@@ -200,41 +201,15 @@ fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
                 "leave out the self-test, or generate Rust: both compute the same bits",
             )
         }),
-        (options.emit.companions.contains(&Companion::Casadi) && options.emit.scalar == Scalar::F32).then(
-            || {
-                refuse(
-                    "functions for CasADi in single precision",
-                    "CasADi computes in double precision: leave out `f32`",
-                )
-            },
-        ),
+        tools::in_single_precision(&options.emit).map(|[what, computes]| {
+            refuse(&what, &format!("{computes} in double precision: leave out `f32`"))
+        }),
         (options.emit.math == Math::Std)
             .then(|| refuse("functions of another library", "take the embedded ones, or generate Rust")),
     ];
     match Vec::from_iter(refusals.into_iter().flatten()) {
         refusals if refusals.is_empty() => Ok(()),
         refusals => Err(Diagnostics::new(refusals)),
-    }
-}
-
-/// CasADi's Jacobians are those by the entries of vectors, which quaternions are not.
-fn check_casadi(model: &Model, options: &GenerateOptions) -> Result<(), Diagnostics> {
-    let is_wanted = options.emit.companions.contains(&Companion::Casadi);
-    if is_wanted {
-        let help = "the module itself holds for such robots: leave out `--for casadi`";
-        model.refuse_driven("there are no functions for CasADi", help)?;
-    }
-    match model.quaternion_joints.first() {
-        Some(joint) if is_wanted => {
-            let message = format!(
-                "there are no functions for CasADi where joints have quaternions, as the {} joint `{}` has",
-                joint.kind.name(),
-                joint.name
-            );
-            let help = "the module itself holds for such robots: leave out `--for casadi`, or fix the joint";
-            Err(Diagnostic::error("quaternion-joint", message).help(help).into())
-        }
-        _ => Ok(()),
     }
 }
 
@@ -264,34 +239,6 @@ fn derive(
         }
     }
     Ok(selected)
-}
-
-/// What CasADi differentiates by the free parameters.
-fn by_parameters(model: &Model, functions: &[Function]) -> Vec<Function> {
-    let count = model.parameters.len();
-    let is_differentiated = |function: &&Function| {
-        let name = function.name.as_str();
-        let is_pose = name.starts_with("frame_") && name.ends_with("_pose");
-        is_pose || ["inverse_dynamics", "forward_dynamics"].contains(&name)
-    };
-    let wanted = functions.iter().filter(is_differentiated).filter(|_| count > 0);
-    let derivatives = wanted.map(|function| {
-        let program = program::by_parameters(&function.program, count);
-        let meaning =
-            "a row for each entry, rows first, a column for each free parameter in the order of their struct";
-        Function {
-            name: format!("{}_by_parameters", function.name),
-            summary: format!("Derivatives of `{}` by the free parameters.", function.name),
-            equation: String::new(),
-            arguments: function.arguments.clone(),
-            results: vec![meaning.to_owned(); program.outputs.len()],
-            notes: vec!["Forward differentiation of the program.".to_owned()],
-            constants: vec![],
-            arrays: None,
-            program,
-        }
-    });
-    derivatives.collect()
 }
 
 /// Why a function cannot be derived may be what the model's stage warned of.

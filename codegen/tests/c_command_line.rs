@@ -164,6 +164,52 @@ fn functions_for_casadi_of_a_cart_pole() {
     insta::assert_snapshot!(read(folder.path(), "cart_pole_casadi.c"));
 }
 
+/// The whole source, and of the file in Python what differs between robots.
+#[test]
+fn files_for_acados_of_a_cart_pole() {
+    let folder = folder();
+    let folder = folder.path();
+    let line = "cart_pole.toml --language c --for acados --functions step,step_derivatives,input_matrix";
+    let (code, text) = gelenk(folder, &format!("generate {line}"));
+    assert_eq!(code, 0, "{text}");
+    assert_eq!(written(folder), ["cart_pole.c", "cart_pole.h", "cart_pole_acados.c", "cart_pole_acados.py"]);
+    let setup = read(folder, "cart_pole_acados.py");
+    let (constants, _) = setup.split_once("\ndef parameters(").unwrap();
+    insta::assert_snapshot!(format!("{}\n{constants}", read(folder, "cart_pole_acados.c")));
+    assert_eq!(gelenk(folder, &format!("check {line}")), (0, "fresh\n".to_owned()));
+    // A generated file is written over, another one is not.
+    fs::write(folder.join("cart_pole_acados.py"), setup.replace("N = 2", "N = 3")).unwrap();
+    assert_eq!(gelenk(folder, &format!("generate {line}")).0, 0);
+    assert_eq!(read(folder, "cart_pole_acados.py"), setup);
+    fs::write(folder.join("cart_pole_acados.py"), "print()\n").unwrap();
+    let (code, text) = gelenk(folder, &format!("generate {line}"));
+    assert!(code == 1 && text.contains("it holds what gelenk has not generated"), "{text}");
+}
+
+/// Robots and modules that acados cannot be given.
+#[test]
+fn what_acados_cannot_call_is_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    let swinging = "name = \"pendulum\"\njoints = [{ name = \"swing\", axis = [0, 1, 0] }]\n\
+        bodies = [{ link = \"swing\", mass = 1, center_of_mass = [0, 0, -1], inertia = 0.1 }]\n";
+    fs::write(folder.join("pendulum.toml"), swinging).unwrap();
+    let flying = "name = \"ball\"\nbase = { link = \"ball\", type = \"floating\" }\n\
+        bodies = [{ link = \"ball\", mass = 1, inertia = 0.1 }]\n";
+    fs::write(folder.join("ball.toml"), flying).unwrap();
+    for (words, reason) in [
+        ("pendulum.toml", "there is nothing for acados to choose: the robot has no inputs"),
+        ("ball.toml", "there are no functions for acados where joints have quaternions"),
+        ("powercube.toml --scalar f32", "modules in C have no functions for acados in single precision"),
+        ("powercube.toml --functions step", "acados needs the function `step_derivatives`"),
+        ("powercube.toml --functions step_derivatives,step", "acados needs the function `input_matrix`"),
+    ] {
+        let (code, said) = gelenk(folder, &format!("generate {words} --language c --for acados"));
+        assert!(code == 1 && said.contains(reason), "{words}: {said}");
+    }
+    assert!(written(folder).is_empty());
+}
+
 /// What tools that write bindings read.
 #[test]
 fn json_says_how_functions_are_called() {

@@ -4,13 +4,24 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+<<<<<<< HEAD
 use crate::cargo::target;
 use crate::workspace;
+=======
+use crate::cargo::{cargo, success, target};
+use crate::{shared, workspace};
+>>>>>>> 06bed3d (gelenk generate --for acados writes discrete dynamics for acados and a file in Python that sets a problem up)
 
 /// The interpreter of an environment with the packages of `tests/python/requirements.txt`; none, with a note, where there
 /// is no Python, or where its packages cannot be had.
 pub fn python() -> Option<PathBuf> {
-    environment("requirements.txt", "python")
+    environment(&["requirements.txt"], "python")
+}
+
+/// As [`python()`], with acados and its template. The wheel that has them brings parts of CasADi for another version of
+/// Python, over which the whole is installed.
+pub fn python_with_acados() -> Option<PathBuf> {
+    environment(&["acados.txt", "requirements.txt"], "python-acados")
 }
 
 /// As [`python()`], with MuJoCo. `GELENK_MUJOCO_PYTHON` names another one, which may have more packages.
@@ -18,14 +29,15 @@ pub fn python_with_mujoco() -> Option<PathBuf> {
     if let Some(named) = std::env::var_os("GELENK_MUJOCO_PYTHON") {
         return Some(named.into());
     }
-    environment("mujoco.txt", "python-mujoco")
+    environment(&["mujoco.txt"], "python-mujoco")
 }
 
-/// - `list`: a file of `tests/python/` with packages
+/// - `lists`: files of `tests/python/` with packages, installed in this order
 /// - `folder`: where they go in the target folder
-fn environment(list: &str, folder: &str) -> Option<PathBuf> {
-    let requirements = workspace().join("tests/python").join(list);
-    let wanted = fs::read_to_string(&requirements).expect("the list of packages");
+fn environment(lists: &[&str], folder: &str) -> Option<PathBuf> {
+    let lists: Vec<PathBuf> = lists.iter().map(|list| workspace().join("tests/python").join(list)).collect();
+    let wanted = lists.iter().map(|list| fs::read_to_string(list).expect("the list of packages"));
+    let wanted: String = wanted.collect();
     let folder = target().join(folder);
     let python = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     let installed = folder.join("installed.txt");
@@ -36,11 +48,12 @@ fn environment(list: &str, folder: &str) -> Option<PathBuf> {
     let path = |path: &Path| path.display().to_string();
     let pip =
         ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:", "-r"];
-    let steps = [
-        (named, vec!["-m".to_owned(), "venv".to_owned(), "--clear".to_owned(), path(&folder)]),
-        (path(&python), pip.iter().map(|&word| word.to_owned()).chain([path(&requirements)]).collect()),
-    ];
-    for (program, arguments) in steps {
+    let install = |list: &PathBuf| {
+        let words = pip.iter().map(|&word| word.to_owned()).chain([path(list)]);
+        (path(&python), words.collect::<Vec<_>>())
+    };
+    let make = (named, vec!["-m".to_owned(), "venv".to_owned(), "--clear".to_owned(), path(&folder)]);
+    for (program, arguments) in std::iter::once(make).chain(lists.iter().map(install)) {
         let done = Command::new(&program).args(&arguments).output();
         if let Some(reason) = refusal(done) {
             println!("skipped: `{program} {}`: {reason}", arguments.join(" "));
@@ -69,6 +82,32 @@ pub fn program() -> PathBuf {
     let program = folder.join(format!("gelenk_of_tests{}", std::env::consts::EXE_SUFFIX));
     assert!(program.exists(), "no {}: run a test of this package by `cargo test`", program.display());
     program
+}
+
+/// Runs tests of the Python package in a folder of their own, with further environment variables.
+///
+/// # Panics
+/// Where one of them fails.
+pub fn pytest(python: &Path, tests: &Path, folder: &Path, variables: &[(&str, &Path)]) {
+    let mut command = Command::new(python);
+    command
+        .args(["-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider"])
+        .arg(tests)
+        .env("PYTHONPATH", workspace().join("codegen/python/src"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("GELENK_PROGRAM", program())
+        .env("GELENK_CACHE", folder)
+        .envs(variables.iter().copied())
+        .env_remove("CC")
+        .current_dir(folder);
+    if let Some(shared) = shared() {
+        command.env("GELENK_SHARED", shared);
+    }
+    let output = command.output().expect("Python starts");
+    let text = [output.stdout, output.stderr].concat();
+    let text = String::from_utf8_lossy(&text);
+    println!("{text}");
+    assert!(output.status.success(), "{text}");
 }
 
 /// Tells whether there is a C compiler by the name of `cc`; a note where there is none.

@@ -3,17 +3,14 @@
 //! They need Python 3 with its module `venv`, packages from its registry, and a C compiler; without them they are skipped
 //! and say so.
 
-use std::path::Path;
-use std::process::Command;
-
 use fastrand::Rng;
 use gelenk_codegen::emit::{EmitOptions, Language};
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use gelenk_generated::{powercube_parameters, ur5};
 use gelenk_tests::flat::{Call, flat};
 use gelenk_tests::generated::ROBOTS;
-use gelenk_tests::python::{has_c_compiler, program, python};
-use gelenk_tests::{shared, workspace};
+use gelenk_tests::python::{has_c_compiler, pytest, python};
+use gelenk_tests::workspace;
 use serde_json::{Value, json};
 
 /// The functions of the UR5 that the tests in Python load.
@@ -93,30 +90,6 @@ fn number(rng: &mut Rng) -> f64 {
     6.0 * (rng.f64() - 0.5)
 }
 
-/// Runs tests in Python.
-fn pytest(python: &Path, tests: &Path, values: &Path, cache: &Path) {
-    let source = workspace().join("codegen/python/src");
-    let mut command = Command::new(python);
-    command
-        .args(["-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider"])
-        .arg(tests)
-        .env("PYTHONPATH", source)
-        .env("PYTHONDONTWRITEBYTECODE", "1")
-        .env("GELENK_PROGRAM", program())
-        .env("GELENK_RUST_VALUES", values)
-        .env("GELENK_CACHE", cache)
-        .env_remove("CC")
-        .current_dir(cache);
-    if let Some(shared) = shared() {
-        command.env("GELENK_SHARED", shared);
-    }
-    let output = command.output().expect("Python starts");
-    let text = [output.stdout, output.stderr].concat();
-    let text = String::from_utf8_lossy(&text);
-    println!("{text}");
-    assert!(output.status.success(), "{text}");
-}
-
 #[test]
 fn the_package_computes_what_rust_computes_and_passes_its_own_tests() {
     let (Some(python), true) = (python(), has_c_compiler()) else {
@@ -125,5 +98,6 @@ fn the_package_computes_what_rust_computes_and_passes_its_own_tests() {
     let folder = tempfile::tempdir().expect("a folder");
     let values = folder.path().join("values.json");
     std::fs::write(&values, rust_values().to_string()).expect("a file");
-    pytest(&python, &workspace().join("codegen/python/tests"), &values, folder.path());
+    let tests = workspace().join("codegen/python/tests");
+    pytest(&python, &tests, folder.path(), &[("GELENK_RUST_VALUES", &values)]);
 }

@@ -390,8 +390,9 @@ pub(super) struct Modules {
     /// bits
     #[arg(long, value_enum, default_value_t = LanguageName::Rust)]
     pub(super) language: LanguageName,
-    /// Further files beside a module in C, for tools that call it, separated by commas: external functions with
-    /// their Jacobians for CasADi (NAME_casadi.c), loops over many states for Python (NAME_python.c)
+    /// Further files beside a module in C, for tools that call it, separated by commas: discrete dynamics for
+    /// acados and a problem with them (NAME_acados.c, NAME_acados.py), external functions with their Jacobians
+    /// for CasADi (NAME_casadi.c), loops over many states for Python (NAME_python.c)
     #[arg(long = "for", value_name = "TOOLS", value_enum, value_delimiter = ',')]
     pub(super) tools: Vec<ToolName>,
     #[command(flatten)]
@@ -484,6 +485,7 @@ impl From<LanguageName> for Language {
 /// A tool that calls modules in C.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 pub(super) enum ToolName {
+    Acados,
     Casadi,
     Python,
 }
@@ -492,6 +494,7 @@ impl ToolName {
     /// Its name in a command line.
     pub(super) fn name(self) -> &'static str {
         match self {
+            Self::Acados => "acados",
             Self::Casadi => "casadi",
             Self::Python => "python",
         }
@@ -501,6 +504,7 @@ impl ToolName {
 impl From<ToolName> for Companion {
     fn from(name: ToolName) -> Self {
         match name {
+            ToolName::Acados => Self::Acados,
             ToolName::Casadi => Self::Casadi,
             ToolName::Python => Self::Python,
         }

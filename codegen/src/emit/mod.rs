@@ -16,7 +16,7 @@ pub mod rust;
 mod sequence;
 mod text;
 
-pub use header::FIRST_LINE;
+pub use header::{FIRST_LINE, FIRST_LINE_IN_PYTHON};
 pub use options::{Companion, EmitOptions, Language, Math, Scalar, SourceFile};
 pub use rust::documentation;
 

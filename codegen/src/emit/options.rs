@@ -50,8 +50,8 @@ pub struct SourceFile {
     pub text: String,
     /// The text of `<name>.h`, for a module in C.
     pub header: Option<String>,
-    /// The texts of the further files.
-    pub companions: Vec<(Companion, String)>,
+    /// The further files: what follows the name of the module in theirs, and the text of each.
+    pub companions: Vec<(&'static str, String)>,
     /// How a module in C is called.
     pub interface: Option<Interface>,
 }
@@ -64,7 +64,7 @@ impl SourceFile {
             None => vec![(".rs", self.text.as_str())],
             Some(header) => vec![(".h", header.as_str()), (".c", &self.text)],
         };
-        files.extend(self.companions.iter().map(|(companion, text)| (companion.ending(), text.as_str())));
+        files.extend(self.companions.iter().map(|(ending, text)| (*ending, text.as_str())));
         files
     }
 }
@@ -79,24 +79,16 @@ pub enum Language {
     C,
 }
 
-/// A file beside a module in C, for a tool that calls it.
+/// Files beside a module in C, for a tool that calls it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Companion {
+    /// `<name>_acados.c` and `<name>_acados.py`: discrete dynamics in double precision, and an optimal control problem
+    /// with them.
+    Acados,
     /// `<name>_casadi.c`: external functions with their Jacobians, in double precision.
     Casadi,
     /// `<name>_python.c`: loops over many states, as NumPy calls them.
     Python,
-}
-
-impl Companion {
-    /// What follows the name of the module in that of the file.
-    #[must_use]
-    pub fn ending(self) -> &'static str {
-        match self {
-            Self::Casadi => "_casadi.c",
-            Self::Python => "_python.c",
-        }
-    }
 }
 
 /// Number type of a generated module.

@@ -4,12 +4,12 @@ use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use crate::emit::{FIRST_LINE, documentation};
+use crate::emit::{FIRST_LINE, FIRST_LINE_IN_PYTHON, documentation};
 
 /// Tells whether a file was written by this program.
 #[must_use]
 pub fn is_generated(path: &Path) -> bool {
-    begins_with(path, FIRST_LINE)
+    [FIRST_LINE, FIRST_LINE_IN_PYTHON].iter().any(|line| begins_with(path, line))
 }
 
 /// Tells whether a file is the root of a crate of generated modules, as [`root_text`] writes it.

@@ -11,6 +11,7 @@
 `generate`, `report`, `identify` and `plan` are the program's commands.
 """
 
+from ._acados import acados
 from ._casadi import CasadiFunctions, casadi
 from ._commands import Identified, generate, identify, plan, report
 from ._robot import Robot, load
@@ -33,6 +34,7 @@ __all__ = [
     "Identified",
     "ProgramError",
     "Robot",
+    "acados",
     "casadi",
     "generate",
     "identify",

@@ -134,7 +134,7 @@ def warn(notes: Iterable[Diagnostic]) -> None:
 def generated(description: Path, options: list[str], tool: str) -> Path:
     """The folder with the module in C and what the program said about it.
 
-    - `tool`: for whom there is a file beside the module, `python` or `casadi`
+    - `tool`: for whom there are files beside the module: `python`, `casadi` or `acados`
 
     What was read is known after the first time alone: the cache remembers it for each description and choice of
     options, and a module is fresh as long as all these files have the same content.

@@ -9,6 +9,7 @@
 //! `affine.rs`. `function.rs` chooses between them by what the module says. `header.rs` and `source.rs` put the files
 //! together.
 
+mod acados;
 mod affine;
 mod array_kernels;
 mod arrays;
@@ -47,12 +48,12 @@ pub(super) fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     let context = Context::new(module, options);
     let text = source::text(&context);
     let header = header::text(&context);
-    let companions = options.companions.iter().map(|&companion| {
-        let text = match companion {
-            Companion::Casadi => casadi::text(&context),
-            Companion::Python => python::text(&context),
-        };
-        (companion, text)
+    let companions = options.companions.iter().flat_map(|companion| match companion {
+        Companion::Acados => {
+            vec![("_acados.c", acados::dynamics(&context)), ("_acados.py", acados::setup(&context))]
+        }
+        Companion::Casadi => vec![("_casadi.c", casadi::text(&context))],
+        Companion::Python => vec![("_python.c", python::text(&context))],
     });
     SourceFile {
         text,

@@ -1,0 +1,57 @@
+"""A robot's optimal control problem for acados."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from types import ModuleType
+from typing import Iterable
+
+from . import _program
+from ._robot import generated, warn
+
+FUNCTIONS = ("step", "step_derivatives", "input_matrix")
+"""What acados and the file in Python need."""
+
+
+def acados(
+    description: str | os.PathLike[str],
+    *,
+    functions: Iterable[str] = FUNCTIONS,
+    snap_angles: float | None = None,
+    no_friction: bool = False,
+    ignore_mimic: bool = False,
+    smooth_sign: float | None = None,
+    accept_unphysical: bool = False,
+    fused_multiply_add: bool = False,
+    max_operations: int | None = None,
+) -> ModuleType:
+    """The robot of a description for acados, whose `acados_template` has to be installed, as a module of Python.
+
+    - `ocp(intervals, period)`: a problem with the robot's discrete dynamics and limits
+    - `track(ocp, state_weight, input_weight, terminal_weight)`: the cost of following references
+    - `soften(ocp, linear, quadratic)`: soft bounds of the states
+    - `solver(ocp)`: the compiled solver
+    - `parameters(period, values)`: the parameters of a stage
+    - `model()`, and the limits of the description as constants
+
+    It is the file `NAME_acados.py` that `gelenk generate --language c --for acados` writes. acados compiles in the folder
+    `ocp.code_export_directory`, by default `c_generated_code` in the current one. Dry friction needs `smooth_sign`: solvers follow
+    derivatives, and that of the exact sign is zero. All arguments are those of `load`.
+    """
+    options = _program.switches({
+        "functions": [functions] if isinstance(functions, str) else list(functions), "snap_angles": snap_angles,
+        "no_friction": no_friction, "ignore_mimic": ignore_mimic, "smooth_sign": smooth_sign,
+        "accept_unphysical": accept_unphysical, "fused_multiply_add": fused_multiply_add, "max_operations": max_operations,
+    })
+    folder = generated(Path(description).absolute(), options, "acados")
+    told = json.loads((folder / "module.json").read_text("utf-8"))
+    warn(_program.diagnostics(told["notes"]))
+    [file] = [name for name in told["files"] if name.endswith(".py")]
+    module = ModuleType(Path(file).stem)
+    module.__file__ = str(folder / file)
+    # An import would write into the cache, where nothing is ever changed.
+    text = (folder / file).read_text("utf-8")
+    exec(compile(text, module.__file__, "exec"), module.__dict__)
+    return module

@@ -1,0 +1,277 @@
+"""Discrete dynamics for acados: values, Jacobians, limits, and robots that its solver controls."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from pathlib import Path
+from typing import Any
+
+import gelenk
+import numpy as np
+import pytest
+
+import acados_wheel
+from conftest import MODELS
+
+if not acados_wheel.find():
+    pytest.skip("acados is not installed", allow_module_level=True)
+ca = pytest.importorskip("casadi", reason="casadi is not installed")
+
+ARM = """\
+name = "arm"
+gravity = [0, 0, "-g"]
+joints = [
+    { name = "a", axis = [0, 1, 0], drive = "ideal", friction = { viscous = 0.3 } },
+    { name = "b", axis = [0.6, 0.8, 0], origin = { xyz = [0.1, 0, 0.4] }, drive = "ideal" },
+    { name = "c", axis = [1, 0, 0], origin = { xyz = [0, 0, 0.2] } },
+]
+bodies = [
+    { link = "a", mass = 3.0, center_of_mass = [0, 0, 0.2], inertia = 0.04 },
+    { link = "b", mass = "load", center_of_mass = [0, 0.05, 0.15], inertia = 0.02 },
+    { link = "c", mass = 0.5, center_of_mass = [0, 0.05, 0.15], inertia = 0.01 },
+]
+generate = { substeps = 3 }
+parameters = { g = 9.81, load = 2.0 }
+"""
+
+
+@pytest.fixture(scope="module")
+def arm_with_parameters(tmp_path_factory: pytest.TempPathFactory, cache: Path) -> Path:
+    """Three coordinates, two inputs, two parameters."""
+    file = tmp_path_factory.mktemp("arm") / "arm.toml"
+    file.write_text(ARM, "utf-8")
+    return file
+
+
+class Vector(ctypes.Structure):
+    """BLASFEO's vector."""
+
+    _fields_ = [("memory", ctypes.c_void_p), ("entries", ctypes.POINTER(ctypes.c_double)), ("rest", ctypes.c_int * 16)]
+
+
+class Matrix(ctypes.Structure):
+    """BLASFEO's matrix, whose storage its own functions know."""
+
+    _fields_ = [("all", ctypes.c_void_p * 16)]
+
+
+class VectorPart(ctypes.Structure):
+    _fields_ = [("vector", ctypes.POINTER(Vector)), ("start", ctypes.c_int)]
+
+
+class MatrixPart(ctypes.Structure):
+    _fields_ = [("matrix", ctypes.POINTER(Matrix)), ("row", ctypes.c_int), ("column", ctypes.c_int)]
+
+
+def vector(numbers: np.ndarray, start: int) -> VectorPart:
+    """A part of a vector, with other numbers around it."""
+    padded = np.concatenate([np.full(start, np.nan), numbers, np.full(2, np.nan)])
+    made = Vector(None, padded.ctypes.data_as(ctypes.POINTER(ctypes.c_double)))
+    made.keep = padded
+    return VectorPart(ctypes.pointer(made), start)
+
+
+def pointers(*parts: Any) -> Any:
+    return (ctypes.c_void_p * len(parts))(*[ctypes.addressof(part) for part in parts])
+
+
+class Externals:
+    """The functions of a compiled solver, called as acados does."""
+
+    def __init__(self, solver: Any):
+        self.library = ctypes.CDLL(solver.shared_lib_name)
+        self.blasfeo = ctypes.CDLL(str(Path(os.environ["ACADOS_SOURCE_DIR"]) / "lib" / "libblasfeo.so"))
+
+    def call(self, name: str, x: np.ndarray, u: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        nx, nu = x.size, u.size
+        state, inputs, after = vector(x, 3), vector(u, 1), vector(np.zeros(nx), 2)
+        matrix = Matrix()
+        self.blasfeo.blasfeo_allocate_dmat(nu + nx + 5, nx + 3, ctypes.byref(matrix))
+        self.blasfeo.blasfeo_dgese.argtypes = [ctypes.c_int, ctypes.c_int, ctypes.c_double, *[ctypes.c_void_p], *[ctypes.c_int] * 2]
+        self.blasfeo.blasfeo_dgese(nu + nx + 5, nx + 3, 7.0, ctypes.byref(matrix), 0, 0)
+        jacobian = MatrixPart(ctypes.pointer(matrix), 3, 2)
+        parameters = p.ctypes.data_as(ctypes.c_void_p)
+        assert getattr(self.library, name)(pointers(state, inputs), pointers(after, jacobian), parameters) == 0
+        found = np.zeros((nx + 3, nu + nx + 5))
+        self.blasfeo.blasfeo_unpack_dmat(
+            nu + nx + 5, nx + 3, ctypes.byref(matrix), 0, 0, found.ctypes.data_as(ctypes.c_void_p), nu + nx + 5
+        )
+        self.blasfeo.blasfeo_free_dmat(ctypes.byref(matrix))
+        inner = found[2 : 2 + nx, 3 : 3 + nu + nx].copy()
+        found[2 : 2 + nx, 3 : 3 + nu + nx] = 7.0
+        assert (found == 7.0).all(), "nothing is written beside the Jacobian"
+        around = after.vector.contents
+        numbers = np.ctypeslib.as_array(around.entries, (2 + nx + 2,))
+        assert np.isnan(numbers[:2]).all() and np.isnan(numbers[-2:]).all()
+        return numbers[2 : 2 + nx].copy(), inner
+
+
+PERIOD, INTERVALS = 0.02, 15
+
+
+class Problem:
+    """Tracking of a reference, compiled: soft bounds of states, weights for errors that vanish in tenths of a second."""
+
+    def __init__(self, robot: str, description: Path, folder: Path):
+        description = description if robot == "arm" else MODELS / f"{robot}.toml"
+        functions = ["step", "step_derivatives", "inverse_dynamics"]
+        # The module once more, compiled by itself.
+        self.casadi = gelenk.casadi(description, functions=functions, smooth_sign=50)
+        self.module = module = gelenk.acados(description, smooth_sign=50)
+        self.ocp = module.ocp(INTERVALS, PERIOD, compile_flags="-O1")
+        limits = self.ocp.constraints
+        self.most = limits.ubu if limits.ubu.size else np.full(module.M, 100.0)
+        weights = [np.repeat([1e4, 1e2], module.N) / PERIOD, 1e-3 / self.most**2 / PERIOD]
+        module.track(self.ocp, *weights, terminal_weight=10 * weights[0] * PERIOD)
+        module.soften(self.ocp, 1e4 / PERIOD, 1e5 / PERIOD)
+        self.ocp.code_export_directory = str(folder / "generated")
+        self.solver = module.solver(self.ocp, json_file=str(folder / "ocp.json"), verbose=False)
+
+
+@pytest.fixture(scope="module")
+def problem(request: Any, arm_with_parameters: Path, tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    return Problem(request.param, arm_with_parameters, tmp_path_factory.mktemp(request.param))
+
+
+def runge_kutta(dynamics: Any, x: Any, u: Any, period: float, steps: int, p: list[Any]) -> Any:
+    """The classical method in CasADi, which differentiates it by itself."""
+    h = period / steps
+    for _ in range(steps):
+        a = dynamics(x, u, *p)
+        b = dynamics(x + 0.5 * h * a, u, *p)
+        c = dynamics(x + 0.5 * h * b, u, *p)
+        x = x + h / 6 * (a + 2 * b + 2 * c + dynamics(x + h * c, u, *p))
+    return x
+
+
+@pytest.mark.parametrize("problem", ["arm", "powercube", "ur5", "panda"], indirect=True)
+def test_values_have_the_bits_of_step_and_jacobians_are_those_of_casadi(problem: Problem) -> None:
+    """CasADi integrates the accelerations by itself, and differentiates what it does."""
+    module, robot = problem.module, problem.casadi
+    externals, n, m = Externals(problem.solver), module.N, module.M
+    x, u = ca.MX.sym("x", 2 * n), ca.MX.sym("u", m)
+    p = [[9.5, 1.7]] if module.PARAMETERS else []
+    values = dict(zip(module.PARAMETERS, *p)) if p else {}
+    steps = {"arm": 3, "powercube": 8}.get(module.NAME, 1)
+    both = ca.vertcat(u, x)
+    for period in (0.002, 0.02):
+        after, own = runge_kutta(robot.dynamics, x, u, period, steps, p), robot.step(x, u, period, *p)
+        results = [own, ca.jacobian(own, both), after, ca.jacobian(after, both)]
+        reference = ca.Function("reference", [x, u], results)
+        rng = np.random.default_rng(3)
+        for _ in range(3):
+            state, inputs = rng.uniform(-1, 1, 2 * n), rng.uniform(-1, 1, m) * 5
+            parameters = module.parameters(period, values)
+            found, jacobian = externals.call(module.STEP_DERIVATIVES, state, inputs, parameters)
+            alone, _ = externals.call(module.STEP, state, inputs, parameters)
+            expected, derivatives, integrated, differentiated = (each.full() for each in reference(state, inputs))
+            assert np.array_equal(alone, expected.ravel()) and np.array_equal(jacobian, derivatives)
+            for value in (alone, found):
+                assert np.abs(value - integrated.ravel()).max() <= 1e-13 * np.abs(integrated).max()
+            assert np.abs(jacobian - differentiated).max() <= 1e-12 * np.abs(differentiated).max()
+
+
+def wrist(folder: Path) -> Path:
+    """Two motors move both joints of the wrist, one of which bears little."""
+    text = (MODELS / "differential_wrist.toml").read_text("utf-8")
+    without = "limits = { position = [-1.8, 1.8], velocity = 4 }"
+    assert without in text
+    file = folder / "wrist.toml"
+    file.write_text(text.replace(without, without.replace(" }", ", effort = 10 }")), "utf-8")
+    return file
+
+
+def test_limits_of_motors_and_joints_are_bounds_of_inputs(tmp_path: Path) -> None:
+    module = gelenk.acados(wrist(tmp_path))
+    for peak, most in [(True, [1.0, 0.6, 0.2, 0.2]), (False, [0.6, 0.35, 0.1, 0.1])]:
+        limits = module.ocp(5, 0.01, peak=peak).constraints
+        assert np.array_equal(limits.idxbu, range(4))
+        assert np.allclose(limits.ubu, most, rtol=1e-15) and np.array_equal(limits.lbu, -limits.ubu)
+        assert np.array_equal(limits.D, [[0, 0, 80, 80]]) and not limits.C.any()
+        assert np.array_equal(np.stack([limits.lg, limits.ug]), [[-10], [10]])
+        assert limits.lg_e.size == 0
+        states = np.array([2, 2.4, 1.8, 3, 2, 2.5, 4, 4])
+        for lower, upper, which in [("lbx", "ubx", "idxbx"), ("lbx_e", "ubx_e", "idxbx_e")]:
+            assert np.array_equal(getattr(limits, which), range(8))
+            assert np.array_equal(getattr(limits, upper), states) and np.array_equal(getattr(limits, lower), -states)
+    with pytest.raises(ValueError, match="differential_wrist has no parameter `mass`; it has none"):
+        module.parameters(0.01, {"mass": 1.0})
+
+
+def test_limits_of_joints_that_follow_others_are_rows(tmp_path: Path) -> None:
+    module = gelenk.acados(MODELS / "palletizer.toml")
+    robot = gelenk.load(MODELS / "palletizer.toml", functions=["mass_matrix"])
+    limits = module.ocp(5, 0.01).constraints
+    low, high = (robot.DEPENDENT_POSITION_LIMITS - robot.DEPENDENT_JOINT_OFFSETS[:, None]).T
+    limited = np.isfinite(low)
+    assert limited.any() and limits.C_e.shape[1] == 2 * robot.N
+    count = limited.sum()
+    assert np.array_equal(limits.C_e[:count, : robot.N], robot.DEPENDENT_JOINT_RATIOS[limited])
+    assert not limits.C_e[:count, robot.N :].any()
+    assert np.array_equal(limits.lg_e[:count], low[limited]) and np.array_equal(limits.ug_e[:count], high[limited])
+    assert np.array_equal(limits.C[: len(limits.C_e)], limits.C_e)
+
+
+def test_limits_that_are_no_constant_bounds_are_told(tmp_path: Path) -> None:
+    text = (MODELS / "excavator.toml").read_text("utf-8")
+    file = tmp_path / "excavator.toml"
+    file.write_text(text.replace("velocity = 0.9 }", "velocity = 0.9, effort = 9e4 }"), "utf-8")
+    module = gelenk.acados(file)
+    with pytest.warns(UserWarning, match="limits of forces at the joints are not among the bounds"):
+        limits = module.ocp(5, 0.01).constraints
+    # Cylinders push farther than they pull.
+    assert [-60e3, 35e3] in np.stack([limits.lbu, limits.ubu], axis=1).tolist()
+
+
+def test_robots_and_functions_that_there_are_not_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(gelenk.DescriptionError, match="no functions for acados where joints have quaternions"):
+        gelenk.acados(MODELS / "quadrotor.toml")
+    with pytest.raises(gelenk.DescriptionError, match="acados needs the function `step_derivatives`"):
+        gelenk.acados(MODELS / "ur5.toml", functions=["step", "input_matrix"])
+
+
+def rest_to_rest(start: np.ndarray, end: np.ndarray, seconds: float, time: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Positions, velocities and accelerations of a polynomial motion at these times."""
+    s = np.clip(time / seconds, 0, 1)[:, None]
+    way = end - start
+    y = start + way * s**3 * (10 - 15 * s + 6 * s**2)
+    v = way * 30 * s**2 * (1 - s) ** 2 / seconds
+    return y, v, way * 60 * s * (1 - s) * (1 - 2 * s) / seconds**2
+
+
+MOTIONS = {
+    "powercube": ([-0.8, -1.0], [0.6, 0.9], 5.0),
+    "ur5": ([0.0, -1.2, 1.0, -0.5, 0.5, 0.0], [1.0, -0.6, 1.6, -1.2, 1.0, 0.8], 1.0),
+    "panda": ([0.0, -0.8, 0.0, -2.2, 0.0, 1.5, 0.8], [0.6, -0.1, -0.4, -1.6, 0.4, 2.0, 0.2], 1.0),
+}
+
+
+@pytest.mark.parametrize("problem", list(MOTIONS), indirect=True)
+def test_robots_are_tracked_by_real_time_iterations(problem: Problem) -> None:
+    """From 0.02 off the reference; the plant is the model, with shorter steps."""
+    module, solver, most = problem.module, problem.solver, problem.most
+    start, end, seconds = MOTIONS[module.NAME]
+    robot, n = problem.casadi, module.N
+    count = round(seconds / PERIOD)
+    time = PERIOD * np.arange(count + INTERVALS + 1)
+    y, v, _ = rest_to_rest(np.array(start), np.array(end), seconds, time)
+    x = np.concatenate([y, v], axis=1)
+    middle = rest_to_rest(np.array(start), np.array(end), seconds, time + 0.5 * PERIOD)
+    forces = robot.inverse_dynamics(*[each.T for each in middle]).full()
+    u = np.linalg.solve(module.INPUT_MATRIX, forces).T
+    assert (np.abs(u) < most).all()
+    state = x[0] + np.concatenate([np.full(n, 0.02), np.zeros(n)])
+    for stage in range(INTERVALS + 1):
+        solver.set(stage, "x", x[stage])
+    for k in range(count):
+        for stage in range(INTERVALS):
+            solver.set(stage, "yref", np.concatenate([x[k + stage], u[k + stage]]))
+        solver.set(INTERVALS, "yref", x[k + INTERVALS])
+        inputs = solver.solve_for_x0(state)
+        assert solver.status == 0 and (np.abs(inputs) <= most * (1 + 1e-6)).all()
+        for _ in range(4):
+            state = robot.step(state, inputs, PERIOD / 4).full().ravel()
+        if k >= 25:
+            assert np.abs(state - x[k + 1])[:n].max() < 1e-3, k
+    assert np.abs(state - x[count])[:n].max() < 2e-4

@@ -1,0 +1,211 @@
+"""The robot for acados: model, dimensions, limits and sources of an optimal control problem.
+
+    import gelenk_acados as robot
+
+    ocp = robot.ocp(intervals=20, period=0.02)
+    robot.track(ocp, state_weight, input_weight)
+    solver = robot.solver(ocp)
+
+The dynamics are discrete: x = (y, ẏ) after a period over which the inputs u are held. The parameters p are the period in
+s, then the free parameters of the description. `acados_template` and `casadi` have to be installed.
+"""
+
+from __future__ import annotations
+
+import os
+import warnings
+from pathlib import Path
+from typing import Any, Mapping
+
+import casadi
+import numpy as np
+from acados_template import AcadosModel, AcadosOcp, AcadosOcpSolver
+
+FOLDER = Path(__file__).resolve().parent
+"""Where the sources in C lie."""
+# constants
+
+UNLIMITED = 1e9
+"""What acados is given for infinity."""
+
+
+def parameters(period: float, values: Mapping[str, float] | None = None) -> np.ndarray:
+    """The parameters p of a stage: its period in s, then the free parameters, as described where `values` has none."""
+    values = values or {}
+    unknown = [name for name in values if name not in PARAMETERS]
+    if unknown:
+        known = ", ".join(PARAMETERS) or "none"
+        raise ValueError(f"{NAME} has no parameter `{unknown[0]}`; it has {known}")
+    return np.array([period, *(values.get(name, described) for name, described in PARAMETERS.items())], float)
+
+
+def model() -> AcadosModel:
+    """The names of states, inputs and parameters, and where acados finds the dynamics."""
+    made = AcadosModel()
+    made.name = NAME
+    made.x = casadi.SX.sym("x", 2 * N)
+    made.xdot = casadi.SX.sym("xdot", 2 * N)
+    made.u = casadi.SX.sym("u", M)
+    made.p = casadi.SX.sym("p", 1 + len(PARAMETERS))
+    made.dyn_ext_fun_type = "generic"
+    made.dyn_generic_source = SOURCE
+    made.dyn_disc_fun = STEP
+    made.dyn_disc_fun_jac = STEP_DERIVATIVES
+    return made
+
+
+def ocp(
+    intervals: int,
+    period: float,
+    *,
+    values: Mapping[str, float] | None = None,
+    peak: bool = True,
+    compile_flags: str = "-O2",
+) -> AcadosOcp:
+    """A problem over so many periods, with the robot's dynamics and limits, and without a cost.
+
+    - `period`: length of a period in s
+    - `values`: of free parameters; those without one are as described
+    - `peak`: whether the limits of motors and joints are those that they bear for a short time
+    - `compile_flags`: those of the C compiler, e.g. `"-O3 -march=native"`
+
+    It is solved by real-time iterations with Gauss-Newton Hessians, and begins in x = 0 until `solver.set(0, "lbx", x)` and
+    `solver.set(0, "ubx", x)` say otherwise.
+    """
+    made = AcadosOcp()
+    made.model = model()
+    options = made.solver_options
+    if hasattr(options, "N_horizon"):
+        options.N_horizon = intervals
+    else:
+        made.dims.N = intervals
+    options.tf = intervals * period
+    options.integrator_type = "DISCRETE"
+    options.nlp_solver_type = "SQP_RTI"
+    options.hessian_approx = "GAUSS_NEWTON"
+    options.qp_solver = "PARTIAL_CONDENSING_HPIPM"
+    # The source includes the module, which lies beside this file.
+    options.ext_fun_compile_flags = f'{compile_flags} -I"{FOLDER}"'
+    made.parameter_values = parameters(period, values)
+    made.constraints.x0 = np.zeros(2 * N)
+    limit(made, peak=peak)
+    return made
+
+
+def limit(ocp: AcadosOcp, *, peak: bool = True) -> None:
+    """Sets the limits of the description: of inputs, of positions and velocities, of joints that follow others, of forces at joints
+    on which several inputs act. Bounds are hard."""
+    for what in LEFT_OUT:
+        warnings.warn(f"{what} are not among the bounds: they are no constant function of x and u", stacklevel=3)
+    constraints = ocp.constraints
+    bounds, rows = input_limits(peak)
+    constraints.idxbu, constraints.lbu, constraints.ubu = _finite(bounds)
+    speeds = np.stack([-VELOCITY_LIMITS, VELOCITY_LIMITS], axis=1)
+    states = _finite(np.concatenate([POSITION_LIMITS, speeds]))
+    constraints.idxbx, constraints.lbx, constraints.ubx = states
+    constraints.idxbx_e, constraints.lbx_e, constraints.ubx_e = states
+    # Rows lg <= C x + D u <= ug; those of u alone say nothing at the end.
+    of_states, sides = _of_followers()
+    constraints.C = np.concatenate([of_states, np.zeros((len(rows), 2 * N))])
+    constraints.D = np.concatenate([np.zeros((len(sides), M)), rows[:, :M]])
+    constraints.lg, constraints.ug = _within(np.concatenate([sides, rows[:, M:]]))
+    constraints.C_e = of_states
+    constraints.lg_e, constraints.ug_e = _within(sides)
+
+
+def input_limits(peak: bool = True) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest inputs by motors and joints; rows (B, lowest, highest force) of joints on which several inputs act."""
+    motors = PEAK_INPUT_LIMITS if peak else INPUT_LIMITS
+    low, high = np.maximum(-motors, INPUT_RANGES[:, 0]), np.minimum(motors, INPUT_RANGES[:, 1])
+    rows = []
+    for effort, row in zip(PEAK_EFFORT_LIMITS if peak else EFFORT_LIMITS, INPUT_MATRIX):
+        acting = np.flatnonzero(row)
+        if acting.size == 1:
+            most = effort / abs(row[acting])
+            low[acting], high[acting] = np.maximum(low[acting], -most), np.minimum(high[acting], most)
+        elif acting.size > 1 and np.isfinite(effort):
+            rows.append([*row, -effort, effort])
+    return np.stack([low, high], axis=1), np.array(rows).reshape(len(rows), M + 2)
+
+
+def soften(ocp: AcadosOcp, linear: float, quadratic: float) -> None:
+    """Makes the bounds of states soft: a violation s costs linear s + quadratic s² / 2 for each second, at the end for one period."""
+    constraints, cost, steps = ocp.constraints, ocp.cost, _intervals(ocp)
+    constraints.idxsbx, constraints.idxsbx_e = np.arange(constraints.idxbx.size), np.arange(constraints.idxbx_e.size)
+    followers = np.flatnonzero(np.any(constraints.C, axis=1))
+    constraints.idxsg, constraints.idxsg_e = followers, np.arange(constraints.lg_e.size)
+    count, count_e = constraints.idxbx.size + followers.size, constraints.idxbx_e.size + constraints.lg_e.size
+    cost.zl = cost.zu = np.full(count, linear)
+    cost.Zl = cost.Zu = np.full(count, quadratic)
+    last = ocp.solver_options.tf / steps
+    cost.zl_e = cost.zu_e = np.full(count_e, linear * last)
+    cost.Zl_e = cost.Zu_e = np.full(count_e, quadratic * last)
+
+
+def track(ocp: AcadosOcp, state_weight: Any, input_weight: Any, terminal_weight: Any = None) -> None:
+    """Sets the cost of following references, (x − x_d)ᵀ Q (x − x_d) / 2 + (u − u_d)ᵀ R (u − u_d) / 2 for each second.
+
+    - `state_weight`, `input_weight`: Q and R, matrices or their diagonals
+    - `terminal_weight`: P of the cost (x − x_d)ᵀ P (x − x_d) / 2 at the end; by default Q times a period
+
+    `solver.set(stage, "yref", (x_d, u_d))` sets the references, at the end those of x alone. They are 0 until then.
+    """
+    states, inputs = _square(state_weight), _square(input_weight)
+    last = states * ocp.solver_options.tf / _intervals(ocp) if terminal_weight is None else _square(terminal_weight)
+    cost = ocp.cost
+    cost.cost_type = cost.cost_type_e = "LINEAR_LS"
+    cost.W = np.block([[states, np.zeros((2 * N, M))], [np.zeros((M, 2 * N)), inputs]])
+    cost.Vx, cost.Vu = np.eye(2 * N + M, 2 * N), np.eye(2 * N + M, M, -2 * N)
+    cost.yref = np.zeros(2 * N + M)
+    cost.W_e, cost.Vx_e, cost.yref_e = last, np.eye(2 * N), np.zeros(2 * N)
+
+
+def solver(ocp: AcadosOcp, **options: Any) -> AcadosOcpSolver:
+    """The compiled solver of a problem, each stage with the period that its time steps say.
+
+    acados looks for sources in the current folder alone: while it generates, that is the folder of this file. What it writes goes
+    where it would go otherwise. `options` are those of `AcadosOcpSolver`.
+    """
+    before = Path.cwd()
+    # In later versions the folder is an option of code generation.
+    owner = getattr(ocp, "code_gen_opts", ocp)
+    owner.code_export_directory = os.path.abspath(owner.code_export_directory)
+    options["json_file"] = os.path.abspath(options.get("json_file", f"{NAME}_acados_ocp.json"))
+    os.chdir(FOLDER)
+    try:
+        made = AcadosOcpSolver(ocp, **options)
+    finally:
+        os.chdir(before)
+    for stage, period in enumerate(ocp.solver_options.time_steps):
+        made.set(stage, "p", np.array([period, *ocp.parameter_values[1:]]))
+    return made
+
+
+def _intervals(ocp: AcadosOcp) -> int:
+    return getattr(ocp.solver_options, "N_horizon", None) or ocp.dims.N
+
+
+def _square(weight: Any) -> np.ndarray:
+    weight = np.asarray(weight, float)
+    return np.diag(weight) if weight.ndim == 1 else weight
+
+
+def _finite(ranges: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which of these have a bound, and their bounds."""
+    limited = np.flatnonzero(np.isfinite(ranges).any(axis=1))
+    return limited, *_within(ranges[limited])
+
+
+def _within(ranges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return np.maximum(ranges[:, 0], -UNLIMITED), np.minimum(ranges[:, 1], UNLIMITED)
+
+
+def _of_followers() -> tuple[np.ndarray, np.ndarray]:
+    """Rows of x and their sides: limited positions and speeds of joints that follow others."""
+    ratios = DEPENDENT_JOINT_RATIOS
+    none = np.zeros_like(ratios)
+    rows = np.concatenate([np.hstack([ratios, none]), np.hstack([none, ratios])])
+    speeds = np.stack([-DEPENDENT_VELOCITY_LIMITS, DEPENDENT_VELOCITY_LIMITS], axis=1)
+    sides = np.concatenate([DEPENDENT_POSITION_LIMITS - DEPENDENT_JOINT_OFFSETS[:, None], speeds])
+    limited = np.isfinite(sides).any(axis=1)
+    return rows[limited], sides[limited]

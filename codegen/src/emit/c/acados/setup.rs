@@ -1,0 +1,172 @@
+//! The file in Python that sets an optimal control problem up: constants of the robot before a fixed text.
+
+use super::super::context::Context;
+use super::functions;
+use super::python::{array, number, string, strings};
+use crate::emit::header;
+use crate::functions::function::{Constant, ConstantValue};
+use crate::program::interpret::{Functions, interpret};
+
+/// All of the file but its constants.
+const TEXT: &str = include_str!("setup.py");
+
+/// The text of `<name>_acados.py`.
+pub(in crate::emit::c) fn text(context: &Context<'_>) -> String {
+    let lines = header::lines(context.module, &context.options.command);
+    let top: String = lines.iter().map(|line| format!("#{}\n", line.trim_start_matches('/'))).collect();
+    let constants = Robot::new(context).constants();
+    let text = TEXT.replace("gelenk_acados", &format!("{}_acados", context.name));
+    format!("{top}{}", text.replace("# constants\n", &constants))
+}
+
+/// What the file says of a robot.
+struct Robot<'a> {
+    context: &'a Context<'a>,
+    n: usize,
+    m: usize,
+    /// B, rows first; none where it depends on positions.
+    input_matrix: Option<Vec<f64>>,
+}
+
+impl<'a> Robot<'a> {
+    fn new(context: &'a Context<'a>) -> Self {
+        let module = context.module;
+        let described: Vec<f64> = module.parameters.iter().map(|parameter| parameter.default).collect();
+        let function = module.functions.iter().find(|function| function.name == "input_matrix");
+        let program = function.map(|function| &function.program).filter(|program| program.inputs.is_empty());
+        let results =
+            program.and_then(|program| interpret(program, &[], &described, &Functions::EMBEDDED).ok());
+        let input_matrix = results.and_then(|results| results.into_iter().next());
+        Self { context, n: module.coordinates, m: module.inputs, input_matrix }
+    }
+
+    fn constants(&self) -> String {
+        let [names, limits, inputs] = [self.names(), self.of_states(), self.of_inputs()];
+        let all = [names, limits, inputs, vec![self.left_out()]].concat();
+        all.iter().map(|(name, value, about)| format!("\n{name} = {value}\n\"\"\"{about}\"\"\"\n")).collect()
+    }
+
+    fn names(&self) -> Vec<Entry> {
+        let [step, step_derivatives] = functions(self.context);
+        let prefix = self.context.function("");
+        let source = format!("{}_acados.c", self.context.name);
+        let parameters = self.context.module.parameters.iter();
+        let parameters: Vec<String> =
+            parameters.map(|each| format!("{}: {}", string(&each.name), number(each.default))).collect();
+        let texts = |name: &str| match self.value(name) {
+            Some(ConstantValue::Names(_, names)) => strings(names.iter().map(String::as_str)),
+            _ => strings(std::iter::empty()),
+        };
+        vec![
+            entry("NAME", string(prefix.trim_end_matches('_')), "Name of the model."),
+            entry("SOURCE", string(&source), "The source that acados compiles."),
+            entry("STEP", string(&step), "The dynamics in it."),
+            entry("STEP_DERIVATIVES", string(&step_derivatives), "The dynamics with their derivatives."),
+            entry("N", self.n.to_string(), "Number of coordinates."),
+            entry("M", self.m.to_string(), "Number of inputs."),
+            entry("JOINT_NAMES", texts("JOINT_NAMES"), "Names of the coordinates."),
+            entry("JOINT_UNITS", texts("JOINT_UNITS"), "Units of the coordinates."),
+            entry("INPUT_NAMES", texts("INPUT_NAMES"), "Names of the inputs."),
+            entry("INPUT_UNITS", texts("INPUT_UNITS"), "Units of the inputs."),
+            entry(
+                "PARAMETERS",
+                format!("{{{}}}", parameters.join(", ")),
+                "Described values of the free parameters, in the order of p behind the period.",
+            ),
+        ]
+    }
+
+    fn of_states(&self) -> Vec<Entry> {
+        let followers = match (self.value("DEPENDENT_JOINT_RATIOS"), self.value("DEPENDENT_JOINT_NAMES")) {
+            (Some(_), Some(ConstantValue::Names(_, names))) => names.len(),
+            _ => 0,
+        };
+        let numbers = |name, about| entry(name, array(&self.numbers(name, self.n), None), about);
+        let of_followers =
+            |name, columns, about| entry(name, array(&self.flat(name, followers), columns), about);
+        vec![
+            entry(
+                "POSITION_LIMITS",
+                array(&self.flat("POSITION_LIMITS", self.n), Some(2)),
+                "Lowest and highest position of each joint.",
+            ),
+            numbers("VELOCITY_LIMITS", "Highest speed of each joint."),
+            numbers("EFFORT_LIMITS", "Nominal force at each joint."),
+            numbers("PEAK_EFFORT_LIMITS", "Peak force at each joint."),
+            of_followers(
+                "DEPENDENT_JOINT_RATIOS",
+                Some(self.n),
+                "Positions of joints that follow others, by the coordinates.",
+            ),
+            of_followers("DEPENDENT_JOINT_OFFSETS", None, "Their positions where all coordinates are 0."),
+            of_followers("DEPENDENT_POSITION_LIMITS", Some(2), "Lowest and highest position of each."),
+            of_followers("DEPENDENT_VELOCITY_LIMITS", None, "Highest speed of each."),
+        ]
+    }
+
+    fn of_inputs(&self) -> Vec<Entry> {
+        let unlimited = [f64::NEG_INFINITY, f64::INFINITY].repeat(self.m);
+        let ranges = Some(self.flat("INPUT_RANGES", self.m)).filter(|ranges| !ranges.is_empty());
+        let zeros = vec![0.0; self.n * self.m];
+        let numbers = |name, about| entry(name, array(&self.numbers(name, self.m), None), about);
+        vec![
+            numbers("INPUT_LIMITS", "Largest magnitude of each input that its motor bears continuously."),
+            numbers("PEAK_INPUT_LIMITS", "The same for a short time."),
+            entry(
+                "INPUT_RANGES",
+                array(&ranges.unwrap_or(unlimited), Some(2)),
+                "Lowest and highest value of each input beside that.",
+            ),
+            entry(
+                "INPUT_MATRIX",
+                array(self.input_matrix.as_ref().unwrap_or(&zeros), Some(self.m.max(1))),
+                "B with the described parameters: forces at the joints by inputs; 0 where it depends on positions.",
+            ),
+        ]
+    }
+
+    /// Limits that are no constant bounds.
+    fn left_out(&self) -> Entry {
+        let has_efforts = ["EFFORT_LIMITS", "PEAK_EFFORT_LIMITS"]
+            .iter()
+            .any(|name| self.numbers(name, self.n).iter().any(|effort| effort.is_finite()));
+        let efforts =
+            (has_efforts && self.input_matrix.is_none()).then_some("limits of forces at the joints");
+        let is_missing =
+            self.value("DEPENDENT_JOINT_NAMES").is_some() && self.value("DEPENDENT_JOINT_RATIOS").is_none();
+        let followers = is_missing.then_some("limits of joints that follow others");
+        let about = "Limits of the description that are no constant bounds of x and u.";
+        entry("LEFT_OUT", strings(efforts.into_iter().chain(followers)), about)
+    }
+
+    fn value(&self, name: &str) -> Option<&ConstantValue> {
+        let found: Option<&Constant> = self.context.module.constants.iter().find(|each| each.name == name);
+        found.map(|constant| &constant.value)
+    }
+
+    /// Numbers; infinite where the module does not have them.
+    fn numbers(&self, name: &str, count: usize) -> Vec<f64> {
+        match self.value(name) {
+            Some(ConstantValue::Numbers(_, numbers)) => numbers.clone(),
+            _ => vec![f64::INFINITY; count],
+        }
+    }
+
+    /// The entries of so many rows, rows first; none where the module does not have them.
+    fn flat(&self, name: &str, count: usize) -> Vec<f64> {
+        match self.value(name) {
+            _ if count == 0 => vec![],
+            Some(ConstantValue::Numbers(_, numbers)) => numbers.clone(),
+            Some(ConstantValue::Ranges(_, ranges)) => ranges.as_flattened().to_vec(),
+            Some(ConstantValue::Rows(_, rows)) => rows.concat(),
+            _ => vec![],
+        }
+    }
+}
+
+/// Name, value and meaning of a constant.
+type Entry = (&'static str, String, &'static str);
+
+fn entry(name: &'static str, value: String, about: &'static str) -> Entry {
+    (name, value, about)
+}

@@ -1,0 +1,93 @@
+//! What tools that call modules in C ask of them: CasADi and acados.
+
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::emit::{Companion, EmitOptions, Scalar};
+use crate::functions::composition::Composition;
+use crate::functions::function::Function;
+use crate::model::Model;
+use crate::program;
+
+/// Refuses robots that a tool has no functions of. CasADi's Jacobians and those of acados are by the entries of
+/// vectors, which quaternions are not.
+pub(crate) fn check(model: &Model, tools: &[Companion]) -> Result<(), Diagnostics> {
+    for (tool, name, option) in
+        [(Companion::Casadi, "CasADi", "casadi"), (Companion::Acados, "acados", "acados")]
+    {
+        if tools.contains(&tool) {
+            check_joints(model, name, option)?;
+        }
+    }
+    if tools.contains(&Companion::Acados) && model.inputs().next().is_none() {
+        let message = "there is nothing for acados to choose: the robot has no inputs";
+        let help = "give joints a drive, or leave out `--for acados`";
+        return Err(Diagnostic::error("no-input", message).help(help).into());
+    }
+    Ok(())
+}
+
+fn check_joints(model: &Model, name: &str, option: &str) -> Result<(), Diagnostics> {
+    let help = format!("the module itself holds for such robots: leave out `--for {option}`");
+    model.refuse_driven(&format!("there are no functions for {name}"), &help)?;
+    let Some(joint) = model.quaternion_joints.first() else { return Ok(()) };
+    let message = format!(
+        "there are no functions for {name} where joints have quaternions, as the {} joint `{}` has",
+        joint.kind.name(),
+        joint.name
+    );
+    Err(Diagnostic::error("quaternion-joint", message).help(format!("{help}, or fix the joint")).into())
+}
+
+/// Refuses modules without what acados calls.
+pub(crate) fn check_functions(
+    functions: &[Function],
+    compositions: &[Composition],
+    tools: &[Companion],
+) -> Result<(), Diagnostics> {
+    let names = functions.iter().map(|function| function.name.as_str());
+    let names: Vec<&str> = names.chain(compositions.iter().map(|each| each.name())).collect();
+    let mut needed = ["step", "step_derivatives", "input_matrix"].into_iter();
+    match needed.find(|name| !names.contains(name)) {
+        Some(missing) if tools.contains(&Companion::Acados) => {
+            let message = format!("acados needs the function `{missing}`, which is not in the module");
+            let help = "name `step`, `step_derivatives` and `input_matrix` where functions are chosen";
+            Err(Diagnostic::error("missing-function", message).help(help).into())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The files that there are not in single precision, and who computes in double precision.
+pub(crate) fn in_single_precision(emit: &EmitOptions) -> Option<[String; 2]> {
+    let tools = [(Companion::Acados, "acados"), (Companion::Casadi, "CasADi")];
+    let mut wanted = tools.iter().filter(|(tool, _)| emit.companions.contains(tool));
+    let (_, name) = wanted.next().filter(|_| emit.scalar == Scalar::F32)?;
+    Some([format!("functions for {name} in single precision"), format!("{name} computes")])
+}
+
+/// What CasADi differentiates by the free parameters.
+pub(crate) fn by_parameters(model: &Model, functions: &[Function]) -> Vec<Function> {
+    let count = model.parameters.len();
+    let is_differentiated = |function: &&Function| {
+        let name = function.name.as_str();
+        let is_pose = name.starts_with("frame_") && name.ends_with("_pose");
+        is_pose || ["inverse_dynamics", "forward_dynamics"].contains(&name)
+    };
+    let wanted = functions.iter().filter(is_differentiated).filter(|_| count > 0);
+    let derivatives = wanted.map(|function| {
+        let program = program::by_parameters(&function.program, count);
+        let meaning =
+            "a row for each entry, rows first, a column for each free parameter in the order of their struct";
+        Function {
+            name: format!("{}_by_parameters", function.name),
+            summary: format!("Derivatives of `{}` by the free parameters.", function.name),
+            equation: String::new(),
+            arguments: function.arguments.clone(),
+            results: vec![meaning.to_owned(); program.outputs.len()],
+            notes: vec!["Forward differentiation of the program.".to_owned()],
+            constants: vec![],
+            arrays: None,
+            program,
+        }
+    });
+    derivatives.collect()
+}
