@@ -179,10 +179,12 @@ const WITH_WRENCHES: [&str; 6] = [
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Straight,
-    /// The array form knows no rotors that sit further from their joint than on its parent.
+    /// The array form of robots without couplings knows no rotors that sit further from their joint than on its parent.
     Looped,
     Coupled,
+    CoupledLooped,
     Helical,
+    HelicalLooped,
     WithForces,
 }
 
@@ -194,7 +196,9 @@ fn derived(kind: Kind, seed: u64) -> Robot {
         Kind::Straight => of(random_model(seed, LONGEST), Form::Straight),
         Kind::Looped => of(random_model_with_near_rotors(seed, LONGEST), Form::Arrays),
         Kind::Coupled => of(random_coupled_model(seed, LONGEST), Form::Straight),
+        Kind::CoupledLooped => of(random_coupled_model(seed, LONGEST), Form::Arrays),
         Kind::Helical => of(random_helical_model(seed, LONGEST), Form::Straight),
+        Kind::HelicalLooped => of(random_helical_model(seed, LONGEST), Form::Arrays),
         Kind::WithForces => {
             let model = random_model_with_frame_forces(seed, LONGEST);
             Robot::in_form(model, &with_wrenches, Form::Cheapest)
@@ -205,8 +209,8 @@ fn derived(kind: Kind, seed: u64) -> Robot {
 /// All random robots with their seeds, derived once for all tests, by as many threads as there are processors.
 static ROBOTS: LazyLock<Vec<(u64, Robot)>> = LazyLock::new(|| {
     let plain = SEEDS.flat_map(|seed| [(Kind::Straight, seed), (Kind::Looped, seed)]);
-    let coupled = COUPLED_SEEDS.map(|seed| (Kind::Coupled, seed));
-    let helical = HELICAL_SEEDS.map(|seed| (Kind::Helical, seed));
+    let coupled = COUPLED_SEEDS.flat_map(|seed| [(Kind::Coupled, seed), (Kind::CoupledLooped, seed)]);
+    let helical = HELICAL_SEEDS.flat_map(|seed| [(Kind::Helical, seed), (Kind::HelicalLooped, seed)]);
     let with_forces = FORCE_SEEDS.map(|seed| (Kind::WithForces, seed));
     let all: Vec<(Kind, u64)> = plain.chain(coupled).chain(helical).chain(with_forces).collect();
     let robots: Vec<OnceLock<Robot>> = all.iter().map(|_| OnceLock::new()).collect();
@@ -223,10 +227,14 @@ static ROBOTS: LazyLock<Vec<(u64, Robot)>> = LazyLock::new(|| {
     std::thread::scope(|scope| (0..threads).for_each(|_| _ = scope.spawn(work)));
     let robots = robots.into_iter().map(|robot| robot.into_inner().expect("each robot was derived"));
     let robots: Vec<Robot> = robots.collect();
-    let looped = || all.iter().zip(&robots).filter(|((kind, _), _)| *kind == Kind::Looped);
-    for name in ["inverse_dynamics_derivatives", "linearize"] {
-        let has_loops = looped().filter(|(_, robot)| robot.function(name).arrays.is_some());
-        assert!(has_loops.count() > 2 * SEEDS.count() / 3, "{name}");
+    for (kind, seeds) in
+        [(Kind::Looped, SEEDS), (Kind::CoupledLooped, COUPLED_SEEDS), (Kind::HelicalLooped, HELICAL_SEEDS)]
+    {
+        let looped = || all.iter().zip(&robots).filter(|((found, _), _)| *found == kind);
+        for name in ["inverse_dynamics_derivatives", "linearize"] {
+            let has_loops = looped().filter(|(_, robot)| robot.function(name).arrays.is_some());
+            assert!(has_loops.count() > 2 * seeds.clone().count() / 3, "{name}");
+        }
     }
     all.iter().map(|&(_, seed)| seed).zip(robots).collect()
 });

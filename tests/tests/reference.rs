@@ -4,6 +4,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::pipeline::GenerateOptions;
 use gelenk_tests::{Robot, relative_error, shared, workspace};
 use serde_json::Value;
@@ -248,8 +249,13 @@ fn coupled_fingers_agree_with_pinocchio() {
     };
     let Some(folder) = shared() else { return };
     let urdf = folder.join("reference/mechanisms/urdf/panda_mimic.urdf");
-    let options = GenerateOptions { no_friction: true, ..GenerateOptions::default() };
-    let robot = Robot::derive(&urdf, &options);
+    let in_form = |form| {
+        let options = GenerateOptions { no_friction: true, form, ..GenerateOptions::default() };
+        Robot::derive(&urdf, &options)
+    };
+    let (robot, looped) = (in_form(Form::Straight), in_form(Form::Arrays));
+    let derivatives = "inverse_dynamics_derivatives_and_mass_matrix";
+    assert!(looped.function(derivatives).arrays.is_some());
     assert_eq!(robot.model.coordinates.len(), 8);
     for sample in samples(&reference) {
         let get = |key: &str| numbers(&sample[key]);
@@ -260,10 +266,14 @@ fn coupled_fingers_agree_with_pinocchio() {
         check("g", &robot.first("gravity_forces", &[&y]), &negative(&get("g")), TOLERANCE);
         check("id", &robot.first("inverse_dynamics", &[&y, &v, &a]), &get("id"), TOLERANCE);
         check("fd", &robot.first("forward_dynamics", &[&y, &v, &tau]), &get("fd"), TOLERANCE);
-        let inverse = robot.call("inverse_dynamics_derivatives_and_mass_matrix", &[&y, &v, &a]);
-        for (found, key) in inverse.iter().zip(["id", "did_dy", "did_dv", "M"]) {
-            check(key, found, &get(key), 1e-10);
+        for robot in [&robot, &looped] {
+            let inverse = robot.call(derivatives, &[&y, &v, &a]);
+            for (found, key) in inverse.iter().zip(["id", "did_dy", "did_dv", "M"]) {
+                check(key, found, &get(key), 1e-10);
+            }
         }
+        let forward = looped.call("forward_dynamics_derivatives", &[&y, &v, &tau]);
+        check("fd", &forward[0], &get("fd"), 1e-10);
     }
 }
 
@@ -277,6 +287,10 @@ fn joints_agree_with_pinocchio(name: &str) {
     let reference: Value = serde_json::from_str(&text).expect("JSON");
     let robot = Robot::derive(&folder.join(format!("{name}.toml")), &GenerateOptions::default());
     let wrenches = Robot::of_model(robot.model.clone(), &["joint_wrenches"]);
+    let looped = Robot::in_form(robot.model.clone(), &LOOPS, Form::Arrays);
+    for name in LOOPS {
+        assert!(looped.function(name).arrays.is_some(), "{name}");
+    }
     let names: Vec<&str> = robot.model.joints().map(|joint| joint.name.as_str()).collect();
     assert_eq!(reference["joints"], serde_json::json!(names));
     for sample in samples(&reference) {
@@ -298,14 +312,29 @@ fn joints_agree_with_pinocchio(name: &str) {
         check("R", &pose[1], &get("R"), TOLERANCE);
         check("J", &robot.first("frame_last_jacobian", &[&y]), &get("J"), TOLERANCE);
         forward_agrees(&robot, sample);
+        let inverse = looped.call("inverse_dynamics_derivatives_and_mass_matrix", &[&y, &v, &a]);
+        for (found, key) in inverse.iter().zip(["id", "did_dy", "did_dv", "M"]) {
+            check(key, found, &get(key), OF_JACOBIANS);
+        }
+        forward_derivatives_agree(&looped, sample);
     }
 }
+
+/// What has loops over joints.
+const LOOPS: [&str; 3] =
+    ["inverse_dynamics_derivatives_and_mass_matrix", "forward_dynamics_derivatives", "linearize"];
 
 /// Forward dynamics under inputs, its derivatives by the state, and what `linearize` makes of them.
 fn forward_agrees(robot: &Robot, sample: &Value) {
     let get = |key: &str| numbers(&sample[key]);
     let (y, v, u) = (get("y"), get("v"), get("u"));
     check("fd", &robot.first("forward_dynamics", &[&y, &v, &u]), &get("fd"), 1e-11);
+    forward_derivatives_agree(robot, sample);
+}
+
+fn forward_derivatives_agree(robot: &Robot, sample: &Value) {
+    let get = |key: &str| numbers(&sample[key]);
+    let (y, v, u) = (get("y"), get("v"), get("u"));
     let derivatives = robot.call("forward_dynamics_derivatives", &[&y, &v, &u]);
     for (found, key) in derivatives.iter().zip(["fd", "dfd_dy", "dfd_dv"]) {
         check(key, found, &get(key), 1e-10);

@@ -74,7 +74,7 @@ fn shared_loops(form: &Arrays) -> Vec<&str> {
         Step::Map(map) => Some(map.name.as_str()),
         _ => None,
     });
-    maps.chain(["arrays", "sum_ancestors", "sum_subtrees"]).collect()
+    maps.chain(["arrays", "sum_ancestors", "sum_subtrees", "collect", "project", "spread"]).collect()
 }
 
 /// The function's name within the module from a mangled symbol, `…5robot11mass_matrix…`.

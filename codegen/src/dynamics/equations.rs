@@ -353,7 +353,7 @@ impl<'g> Equations<'_, 'g> {
     }
 
     /// Tells whether each force depends on the motion of its own coordinate alone.
-    fn forces_are_local(&self) -> bool {
+    pub(super) fn forces_are_local(&self) -> bool {
         let model = self.model;
         model.followers.is_empty()
             && model.rubbing_drives().next().is_none()

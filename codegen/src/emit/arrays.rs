@@ -1,33 +1,51 @@
 //! What functions in array form have in common in all languages.
 
 use crate::program::Operand;
-use crate::program::arrays::{Arrays, Step};
+use crate::program::arrays::{Arrays, Coordinates, Over, Step, Tree};
 
 /// How the entries of a row are padded, one per joint: to whole blocks, and these to what a processor adds at once.
 #[derive(Clone, Copy)]
 pub(super) struct Row {
     /// Entries, padding included.
     pub(super) len: usize,
+    /// Entries of a row with one per coordinate; as many where each joint is a coordinate.
+    pub(super) coordinates: usize,
     /// Entries of a block.
     pub(super) block: usize,
     /// It is true if each joint but the first follows the one before it.
     pub(super) is_chain: bool,
+    /// It is true if joints follow the coordinates of others.
+    is_coupled: bool,
 }
 
 impl Row {
     pub(super) fn new(form: &Arrays) -> Self {
-        let joints = form.joints();
+        let joints = form.joints.len();
         let block = match joints {
             0..=4 | 9..=12 => 4,
             _ => 8,
         };
-        Self { len: joints.next_multiple_of(block), block, is_chain: form.is_chain() }
+        Self {
+            len: joints.next_multiple_of(block),
+            coordinates: form.coordinates().len().next_multiple_of(block),
+            block,
+            is_chain: form.joints.is_chain(),
+            is_coupled: form.coordinates.is_some(),
+        }
     }
 
     /// Tells whether the loops are those for chains in one block: what other loops leave to choices, and to
     /// the compiler, is written out there.
     pub(super) fn is_one_block(self) -> bool {
-        self.is_chain && self.len == self.block
+        self.is_chain && self.len == self.block && !self.is_coupled
+    }
+
+    /// Entries of a row of an array, padding included.
+    pub(super) fn of(self, form: &Arrays, array: usize) -> usize {
+        match form.arrays[array].over {
+            Over::Joints => self.len,
+            Over::Coordinates => self.coordinates,
+        }
     }
 }
 
@@ -45,19 +63,28 @@ pub(super) fn table(form: &Arrays, array: usize) -> Option<Vec<f64>> {
 pub(super) fn is_only_result(form: &Arrays, array: usize) -> bool {
     let is_made = |step: &Step| match step {
         Step::Pairs(pairs) => pairs.to == array,
-        Step::NegativeProduct { to, .. } => *to == array,
+        Step::NegativeProduct { to, .. } | Step::Project { to, .. } => *to == array,
         _ => false,
     };
     form.steps.iter().any(is_made) && !form.steps.iter().any(|step| step.reads(array))
 }
 
-/// Where joint j stands seen from joint i: −1 before it on its path to the base, 1 beyond it or the same, else
-/// 0; beyond the last joint of a row 0.
-pub(super) fn relation(form: &Arrays, i: usize, j: usize) -> i8 {
+/// Where entry j of a tree stands seen from entry i: −1 before it on its path to the base, 1 beyond it or the same,
+/// else 0; beyond the last entry of a row 0.
+pub(super) fn relation(tree: &Tree, i: usize, j: usize) -> i8 {
     match () {
-        () if j >= form.joints() => 0,
-        () if form.is_before(j, i) => -1,
-        () if i == j || form.is_before(i, j) => 1,
+        () if j >= tree.len() => 0,
+        () if tree.is_before(j, i) => -1,
+        () if i == j || tree.is_before(i, j) => 1,
         () => 0,
     }
+}
+
+/// For each coordinate the joints that follow it, its own first.
+pub(super) fn followers(form: &Arrays) -> Vec<Vec<usize>> {
+    let mut joints: Vec<Vec<usize>> = (0..form.coordinates().len()).map(|own| vec![own]).collect();
+    for (joint, coordinate) in form.coordinates.iter().flat_map(Coordinates::followers) {
+        joints[coordinate].push(joint);
+    }
+    joints
 }

@@ -123,7 +123,7 @@ impl<'m> Forms<'m> {
         &self,
         quantity: &Quantity,
         called: &str,
-    ) -> Option<(&'static Quantity, Vec<(usize, Operand)>)> {
+    ) -> Option<(&'static Quantity, Vec<Vec<(usize, Operand)>>)> {
         let called = catalogue::row(called)?;
         if self.is_straight(quantity) || !self.may_loop(called) {
             return None;
@@ -235,20 +235,15 @@ fn is_large(operations: usize) -> bool {
     BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT
 }
 
-/// For each input its coordinate and gain; `None` where a gain has to be computed, or an input acts on several
-/// coordinates.
-fn gains(model: &Model) -> Option<Vec<(usize, Operand)>> {
+/// For each input the coordinates that it acts on, with its gains; `None` where a gain has to be computed.
+fn gains(model: &Model) -> Option<Vec<Vec<(usize, Operand)>>> {
     if model.inputs_depend_on_position() {
         return None;
     }
     let graph = Graph::new();
     let matrix = forces::drive_matrix(&graph, model);
     let columns = matrix.first().map_or(0, Vec::len);
-    let gain = |column: usize| {
-        let mut rows = (0..matrix.len()).filter(|&row| !matrix[row][column].is_zero());
-        let (row, None) = (rows.next()?, rows.next()) else {
-            return None;
-        };
+    let gain = |row: usize, column: usize| {
         let edge = matrix[row][column].edge();
         match graph.node(edge) {
             Node::Constant(_) => Some((row, Operand::Constant(graph.value(edge)?))),
@@ -256,5 +251,10 @@ fn gains(model: &Model) -> Option<Vec<(usize, Operand)>> {
             _ => None,
         }
     };
-    (0..columns).map(gain).collect()
+    let of_input = |column: usize| {
+        let rows = (0..matrix.len()).filter(|&row| !matrix[row][column].is_zero());
+        let gains: Option<Vec<_>> = rows.map(|row| gain(row, column)).collect();
+        gains.filter(|gains| !gains.is_empty())
+    };
+    (0..columns).map(of_input).collect()
 }

@@ -149,8 +149,8 @@ const LOOPS: [&str; 4] =
 /// The functions over a sample time, and what they call.
 const DISCRETE_TIME: [&str; 5] = ["forward_dynamics", "linearize", "discretize", "step", "step_derivatives"];
 
-/// All functions as straight-line code with free parameters, then loops over a chain and over a tree; each of them with
-/// discrete time. The first compiler runs them, the others look for warnings.
+/// All functions as straight-line code with free parameters, then loops over a chain and over a tree whose joints follow
+/// others; each of them with discrete time. The first compiler runs them, the others look for warnings.
 #[test]
 fn three_robots_compute_the_same_bits_in_every_variant() {
     let mut compilers = c_compilers();

@@ -1,9 +1,10 @@
 //! Builds array forms step by step.
 
 use crate::graph::{Edge, Graph, Scalar};
-use crate::kinematics::{Mechanism, Numbers};
 use crate::layout::{Dimension, Extent};
-use crate::program::arrays::{Array, ArrayId, ArrayOutput, Arrays, Map, Pairs, Step};
+use crate::program::arrays::{
+    Array, ArrayId, ArrayOutput, Arrays, Coordinates, Map, Over, Pairs, Step, Tree,
+};
 use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
 
 /// Rows of an array at one joint.
@@ -17,44 +18,57 @@ pub(super) struct ArrayBuilder {
 }
 
 impl ArrayBuilder {
-    /// Over the joints of a mechanism, by coordinate.
-    pub(super) fn new<S: Numbers>(mechanism: &Mechanism<S>) -> Self {
-        let bodies = &mechanism.bodies;
-        let mut parents = vec![None; bodies.len()];
-        for body in bodies {
-            let parent = body.parent.map(|parent| bodies[parent].joint);
-            parents[body.joint] = parent;
-        }
+    /// - `coordinates`: how the joints follow coordinates, where they are not these
+    pub(super) fn new(joints: Tree, coordinates: Option<Coordinates>) -> Self {
         Self {
             form: Arrays {
                 setup: Program { inputs: Vec::new(), instructions: Vec::new(), outputs: Vec::new() },
                 arrays: Vec::new(),
                 steps: Vec::new(),
                 outputs: Vec::new(),
-                parents,
-                order: bodies.iter().map(|body| body.joint).collect(),
+                joints,
+                coordinates,
                 is_fused: false,
             },
             set_up: Vec::new(),
         }
     }
 
-    /// The number of joints.
-    pub(super) fn joints(&self) -> usize {
-        self.form.joints()
+    /// An entry for each coordinate.
+    pub(super) fn each_coordinate(&self) -> Extent {
+        Extent::new(Dimension::Velocities, self.form.coordinates().len())
     }
 
     /// An entry for each joint.
-    pub(super) fn each_joint(&self) -> Extent {
-        Extent::new(Dimension::Velocities, self.joints())
+    fn each_joint(&self) -> Extent {
+        match self.form.coordinates {
+            None => self.each_coordinate(),
+            Some(_) => Extent::fixed(self.form.joints.len()),
+        }
     }
 
-    fn array(&mut self, name: &str, rows: usize) -> ArrayId {
-        self.form.arrays.push(Array { name: name.to_owned(), rows });
+    fn array_over(&mut self, over: Over, name: &str, rows: usize) -> ArrayId {
+        self.form.arrays.push(Array { name: name.to_owned(), rows, over });
         self.form.arrays.len() - 1
     }
 
-    /// Rows from straight-line code; before all steps.
+    /// An array over joints.
+    fn array(&mut self, name: &str, rows: usize) -> ArrayId {
+        self.array_over(Over::Joints, name, rows)
+    }
+
+    /// An array over coordinates.
+    fn of_coordinates(&mut self, name: &str, rows: usize) -> ArrayId {
+        let over = if self.form.coordinates.is_some() { Over::Coordinates } else { Over::Joints };
+        self.array_over(over, name, rows)
+    }
+
+    /// A square matrix over coordinates.
+    fn matrix(&mut self, name: &str) -> ArrayId {
+        self.of_coordinates(name, self.form.coordinates().len())
+    }
+
+    /// Rows over joints from straight-line code; before all steps.
     pub(super) fn set_up(&mut self, name: &str, rows: Vec<Vec<Scalar<'_>>>) -> ArrayId {
         self.set_up.push(GraphOutput {
             name: name.to_owned(),
@@ -124,28 +138,73 @@ impl ArrayBuilder {
         diagonal: ArrayId,
         name: &str,
     ) -> ArrayId {
-        let to = self.array(name, self.joints());
+        let to = self.array(name, self.form.joints.len());
         self.form.steps.push(Step::Pairs(Pairs { before, beyond, diagonal, to }));
         to
     }
 
+    /// By coordinate what is given by joint: the array itself where each joint is a coordinate.
+    pub(super) fn collect(&mut self, from: ArrayId, name: &str) -> ArrayId {
+        if self.form.coordinates.is_none() {
+            return from;
+        }
+        let to = self.of_coordinates(name, self.form.arrays[from].rows);
+        self.form.steps.push(Step::Collect { from, to });
+        to
+    }
+
+    /// The same for a matrix over pairs.
+    pub(super) fn project(&mut self, from: ArrayId, name: &str) -> ArrayId {
+        if self.form.coordinates.is_none() {
+            return from;
+        }
+        let to = self.matrix(name);
+        self.form.steps.push(Step::Project { from, to });
+        to
+    }
+
+    /// By joint what is given by coordinate.
+    pub(super) fn spread(&mut self, from: ArrayId, name: &str) -> ArrayId {
+        if self.form.coordinates.is_none() {
+            return from;
+        }
+        let to = self.array(name, self.form.arrays[from].rows);
+        self.form.steps.push(Step::Spread { from, to });
+        to
+    }
+
+    /// `matrix − other`, where the other one has as many rows as there are coordinates, and none beyond.
+    pub(super) fn subtract(
+        &mut self,
+        (matrix, other): (ArrayId, ArrayId),
+        [step, name]: [&str; 2],
+    ) -> ArrayId {
+        let (rows, n) = (self.form.joints.len(), self.form.coordinates().len());
+        let about = format!("Subtracts `{}`.", self.form.arrays[other].name);
+        let [difference] = self.map((step, &about), &[matrix, other], [(name, rows)], |[matrix, other]| {
+            let difference = matrix[..n].iter().zip(other).map(|(&a, &b)| a - b);
+            [difference.chain(matrix[n..].iter().copied()).collect()]
+        });
+        difference
+    }
+
     /// The inverse of a matrix with the zeros of a mass matrix.
     pub(super) fn invert(&mut self, from: ArrayId, name: &str) -> ArrayId {
-        let to = self.array(name, self.joints());
+        let to = self.matrix(name);
         self.form.steps.push(Step::Invert { from, to });
         to
     }
 
     /// `−left · right`
     pub(super) fn negative_product(&mut self, left: ArrayId, right: ArrayId, name: &str) -> ArrayId {
-        let to = self.array(name, self.joints());
+        let to = self.matrix(name);
         self.form.steps.push(Step::NegativeProduct { left, right, to });
         to
     }
 
     /// A symmetric matrix times a vector.
     pub(super) fn apply(&mut self, matrix: ArrayId, vector: ArrayId, name: &str) -> ArrayId {
-        let to = self.array(name, 1);
+        let to = self.of_coordinates(name, 1);
         self.form.steps.push(Step::Apply { matrix, vector, to });
         to
     }

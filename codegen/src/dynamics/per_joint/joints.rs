@@ -7,6 +7,11 @@ use crate::program::arrays::ArrayId;
 
 /// `M ÿ + k − q`
 pub(super) fn joint_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
+    let forces = forces_at_joints(builder, moving);
+    builder.collect(forces, "forces_at_coordinates")
+}
+
+fn forces_at_joints(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let Moving { setup, motions, rotors, composites } = moving;
     let [forces] = builder.map(
         ("forces_at_joints", "Force along each joint, without springs and friction."),
@@ -28,8 +33,13 @@ pub(super) fn joint_forces(builder: &mut ArrayBuilder, moving: &Moving) -> Array
     forces
 }
 
-/// The forces that are left to accelerate the joints.
+/// The forces that are left to accelerate the coordinates.
 pub(super) fn remaining_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
+    let remaining = remaining_at_joints(builder, moving);
+    builder.collect(remaining, "remaining_at_coordinates")
+}
+
+fn remaining_at_joints(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let Moving { setup, motions, rotors, composites } = moving;
     let [remaining] = builder.map(
         ("remaining_forces", "What of the driving forces is left to accelerate."),
@@ -66,7 +76,8 @@ pub(super) fn mass_matrix(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayI
         },
     );
     let needed = rotors.as_ref().map_or(needed, |rotors| rotors.add_momentum(builder, needed));
-    builder.pairs((needed, setup.screws), (setup.screws, needed), diagonal, "mass_matrix")
+    let mass = builder.pairs((needed, setup.screws), (setup.screws, needed), diagonal, "mass_matrix");
+    builder.project(mass, "mass_matrix_of_coordinates")
 }
 
 /// ∂/∂y and ∂/∂ẏ
@@ -123,8 +134,20 @@ pub(super) fn jacobians(builder: &mut ArrayBuilder, moving: &Moving) -> (ArrayId
     };
     let mut pairs =
         |by_j, column, diagonal, name| builder.pairs((gains, by_j), (setup.screws, column), diagonal, name);
+    let by_coordinates = pairs(by_coordinate, stiffness, own_stiffness, "by_coordinates");
+    let by_velocities = pairs(by_velocity, damping, own_damping, "by_velocities");
+    let (by_coordinates, by_velocities) = match &setup.coupled_forces {
+        Some(forces) => (
+            builder.subtract(
+                (by_coordinates, forces.by_coordinates),
+                ["subtract_stiffness", "by_all_positions"],
+            ),
+            builder.subtract((by_velocities, forces.by_velocities), ["subtract_damping", "by_all_rates"]),
+        ),
+        None => (by_coordinates, by_velocities),
+    };
     (
-        pairs(by_coordinate, stiffness, own_stiffness, "by_coordinates"),
-        pairs(by_velocity, damping, own_damping, "by_velocities"),
+        builder.project(by_coordinates, "coordinates_by_coordinates"),
+        builder.project(by_velocities, "coordinates_by_velocities"),
     )
 }

@@ -22,25 +22,26 @@ mod moving;
 mod rotors;
 mod rows;
 mod setup;
+mod tree;
 
 use self::builder::ArrayBuilder;
 use self::joints::{jacobians, joint_forces, mass_matrix, remaining_forces};
 use self::moving::{Moving, accelerate, set_moving};
-use self::setup::set_up;
+use self::setup::{Joints, Last, Setup, set_up};
+use self::tree::LoopJoints;
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::Arrays;
 use crate::program::{InputArray, Shape};
 
-/// Tells whether there are loops over joints for a mechanism: each joint is a coordinate, and no rotor sits
-/// further from its joint than on the joint's parent.
+/// Tells whether there are loops over joints for a mechanism: no joint has a quaternion or is driven, and where no
+/// joint follows another one, no rotor sits further from its joint than on the joint's parent.
 pub fn is_possible(mechanism: &Mechanism<Number>) -> bool {
     !mechanism.bodies.is_empty()
-        && !mechanism.is_coupled()
         && !mechanism.has_quaternions()
         && mechanism.driven == 0
-        && mechanism.rotors_are_neighbours()
+        && (mechanism.is_coupled() || mechanism.rotors_are_neighbours())
 }
 
 /// `inverse_dynamics_derivatives`
@@ -61,9 +62,23 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix<'g>(
 ) -> Arrays {
     let (mut builder, moving) = inverse_dynamics_and_jacobians(equations, arguments);
     let mass = mass_matrix(&mut builder, &moving);
-    let n = builder.each_joint();
+    let n = builder.each_coordinate();
     builder.output("M", Shape::Matrix(n, n), mass);
     builder.finish(equations.graph, inputs)
+}
+
+/// An array form that begins with its setup.
+fn begin<'g>(
+    equations: &Equations<'_, 'g>,
+    arguments: &Arguments<'g>,
+    last: impl FnOnce() -> Last<'g>,
+) -> (ArrayBuilder, Setup) {
+    let mechanism = equations.mechanism();
+    let loops = LoopJoints::new(&mechanism);
+    let mut builder = ArrayBuilder::new(loops.tree.clone(), loops.coordinates(&mechanism));
+    let joints = Joints { mechanism: &mechanism, loops: &loops };
+    let setup = set_up(&mut builder, equations, &joints, arguments, last());
+    (builder, setup)
 }
 
 /// The forces and their Jacobians, with what M is made of.
@@ -71,15 +86,12 @@ fn inverse_dynamics_and_jacobians<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,
 ) -> (ArrayBuilder, Moving) {
-    let mechanism = equations.mechanism();
-    let mut builder = ArrayBuilder::new(&mechanism);
-    let last = ("accelerations", arguments.a.clone());
-    let setup = set_up(&mut builder, equations, &mechanism, arguments, last);
+    let (mut builder, setup) = begin(equations, arguments, || Last::Accelerations(arguments.a.clone()));
     let moving = set_moving(&mut builder, setup, true);
     let forces = joint_forces(&mut builder, &moving);
-    builder.output("B u", Shape::Vector(builder.each_joint()), forces);
+    builder.output("B u", Shape::Vector(builder.each_coordinate()), forces);
     let (by_coordinates, by_velocities) = jacobians(&mut builder, &moving);
-    let n = builder.each_joint();
+    let n = builder.each_coordinate();
     builder.output("∂/∂y", Shape::Matrix(n, n), by_coordinates);
     builder.output("∂/∂ẏ", Shape::Matrix(n, n), by_velocities);
     (builder, moving)
@@ -91,18 +103,17 @@ pub fn forward_dynamics_derivatives<'g>(
     arguments: &Arguments<'g>,
     inputs: Vec<InputArray>,
 ) -> Arrays {
-    let mechanism = equations.mechanism();
-    let mut builder = ArrayBuilder::new(&mechanism);
-    let last = ("driving_forces", equations.driving_forces(&arguments.y, &arguments.v, &arguments.u));
-    let setup = set_up(&mut builder, equations, &mechanism, arguments, last);
+    let driving = || equations.driving_forces(&arguments.y, &arguments.v, &arguments.u);
+    let (mut builder, setup) = begin(equations, arguments, || Last::DrivingForces(driving()));
     let steady = set_moving(&mut builder, setup, false);
     let mass = mass_matrix(&mut builder, &steady);
     let inverse = builder.invert(mass, "inverse");
     let remaining = remaining_forces(&mut builder, &steady);
     let accelerations = builder.apply(inverse, remaining, "accelerations");
-    let moving = accelerate(&mut builder, steady, accelerations);
+    let spread = builder.spread(accelerations, "accelerations_of_joints");
+    let moving = accelerate(&mut builder, steady, spread);
     let (by_coordinates, by_velocities) = jacobians(&mut builder, &moving);
-    let n = builder.each_joint();
+    let n = builder.each_coordinate();
     builder.output("ÿ", Shape::Vector(n), accelerations);
     for (result, matrix, name) in [
         ("∂ÿ/∂y", by_coordinates, "accelerations_by_coordinates"),

@@ -2,14 +2,16 @@
 
 use super::builder::ArrayBuilder;
 use super::rows::entries_of;
+use super::tree::{LoopJoint, LoopJoints, Moved, is_on_diagonal};
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
-use crate::dynamics::recursion::frame_motion::BasePoses;
+use crate::dynamics::matrix::Matrix;
+use crate::dynamics::recursion::frame_motion::{BasePoses, FramePose};
 use crate::dynamics::recursion::rotor;
 use crate::graph::{Scalar, differentiate};
-use crate::kinematics::Mechanism;
+use crate::kinematics::{JointAxis, Mechanism};
 use crate::program::arrays::ArrayId;
-use crate::spatial::Vector3;
+use crate::spatial::{MassMoments, Motion, Vector3};
 
 /// Arrays that the setup computes joint by joint.
 pub(super) struct Setup {
@@ -25,78 +27,216 @@ pub(super) struct Setup {
     pub last: ArrayId,
     /// Springs and friction: by y, by ẏ, and their force.
     pub joint_forces: ArrayId,
+    /// What the motion of other coordinates changes of springs and friction.
+    pub coupled_forces: Option<CoupledForces>,
     /// i J a of the rotors on the parent of each joint that they drive; `None` without such rotors.
     pub momenta: Option<ArrayId>,
+}
+
+/// Derivatives of springs and friction by other coordinates: matrices whose rows are those of the coordinates.
+pub(super) struct CoupledForces {
+    pub by_coordinates: ArrayId,
+    pub by_velocities: ArrayId,
+}
+
+/// The last argument of a function.
+pub(super) enum Last<'g> {
+    /// Accelerations of the coordinates: joints that follow one have it too.
+    Accelerations(Vec<Scalar<'g>>),
+    /// What drives the coordinates: it acts at the joints of these alone.
+    DrivingForces(Vec<Scalar<'g>>),
 }
 
 /// Straight-line code: poses, and what depends on single joints.
 pub(super) fn set_up<'g>(
     builder: &mut ArrayBuilder,
     equations: &Equations<'_, 'g>,
-    mechanism: &Mechanism<Scalar<'g>>,
+    joints: &Joints<'_, 'g>,
     arguments: &Arguments<'g>,
-    (last_name, last): (&'static str, Vec<Scalar<'g>>),
+    last: Last<'g>,
 ) -> Setup {
-    let graph = equations.graph;
-    let (n, zero) = (mechanism.coordinates, graph.constant(0.0));
-    let poses = BasePoses::new(mechanism.clone(), &arguments.y);
+    let zero = equations.graph.constant(0.0);
+    let Joints { mechanism, loops } = joints;
+    let poses = BasePoses::new((*mechanism).clone(), &arguments.y);
     let mut rows = |name: &str, count: usize, fill: &dyn Fn(usize) -> Vec<Scalar<'g>>| {
-        let mut rows = vec![vec![zero; n]; count];
-        for (index, body) in mechanism.bodies.iter().enumerate() {
-            for (row, entry) in rows.iter_mut().zip(fill(index)) {
-                row[body.joint] = entry;
+        let mut rows = vec![vec![zero; loops.list.len()]; count];
+        for (joint, &place) in loops.places.iter().enumerate() {
+            for (row, entry) in rows.iter_mut().zip(fill(joint)) {
+                row[place] = entry;
             }
         }
         builder.set_up(name, rows)
     };
-    let joint = equations.joint_forces(&arguments.y, &arguments.v);
-    let by = |force: Scalar<'g>, variable: Scalar<'g>| differentiate(graph, &[force], variable)[0];
-    let mut rotors = vec![vec![zero; n]; n];
-    rotor::add_inertia(mechanism, &mut rotors);
-    let momenta = rotor_momenta(mechanism, &poses);
-    let coordinate = |index: usize| mechanism.bodies[index].joint;
+    let forces = JointForces::new(equations, arguments);
+    let diagonal = rotor_inertia(joints);
+    let momenta = rotor_momenta(joints, &poses);
+    let coordinate = |joint: usize| loops.list[joint].follows.coordinate;
+    let at_own = |joint: usize, entries: &dyn Fn(usize) -> Vec<Scalar<'g>>| match loops.is_own(joint) {
+        true => entries(coordinate(joint)),
+        false => vec![],
+    };
     Setup {
-        screws: rows("screws", 6, &|index| {
-            let (body, pose) = (&mechanism.bodies[index], poses.body(index));
-            let axis = pose.axes[2].map(|x| x * body.transmission.own().ratio);
-            body.axis.along(axis, pose.origin).entries().to_vec()
-        }),
-        axes: rows("axes", 9, &|index| poses.body(index).axes.map(|axis| axis.0).concat()),
-        origins: rows("origins", 3, &|index| poses.body(index).origin.0.to_vec()),
-        moments: rows("moments", 10, &|index| entries_of(&mechanism.bodies[index].moments)),
-        rates: rows("rates", 1, &|index| vec![arguments.v[coordinate(index)]]),
-        gravity: rows("gravity", 3, &|index| match mechanism.bodies[index].parent {
+        screws: rows("screws", 6, &|joint| joints.screw(&poses, joint).entries().to_vec()),
+        axes: rows("axes", 9, &|joint| joints.pose(&poses, joint).axes.map(|axis| axis.0).concat()),
+        origins: rows("origins", 3, &|joint| joints.pose(&poses, joint).origin.0.to_vec()),
+        moments: rows("moments", 10, &|joint| entries_of(&joints.moments(joint))),
+        rates: rows("rates", 1, &|joint| vec![arguments.v[coordinate(joint)]]),
+        gravity: rows("gravity", 3, &|joint| match loops.tree.parents[loops.places[joint]] {
             Some(_) => vec![zero; 3],
             None => (-mechanism.gravity).0.to_vec(),
         }),
-        rotors: rows("rotor_inertia", 1, &|index| {
-            let coordinate = coordinate(index);
-            vec![rotors[coordinate][coordinate]]
+        rotors: rows("rotor_inertia", 1, &|joint| at_own(joint, &|coordinate| vec![diagonal[coordinate]])),
+        last: match &last {
+            Last::Accelerations(last) => rows("accelerations", 1, &|joint| vec![last[coordinate(joint)]]),
+            Last::DrivingForces(last) => {
+                rows("driving_forces", 1, &|joint| at_own(joint, &|coordinate| vec![last[coordinate]]))
+            }
+        },
+        joint_forces: rows("joint_forces", 3, &|joint| {
+            at_own(joint, &|coordinate| forces.own(coordinate).to_vec())
         }),
-        last: rows(last_name, 1, &|index| vec![last[coordinate(index)]]),
-        joint_forces: rows("joint_forces", 3, &|index| {
-            let coordinate = coordinate(index);
-            let force = joint[coordinate];
-            vec![by(force, arguments.y[coordinate]), by(force, arguments.v[coordinate]), force]
+        coupled_forces: forces.coupled().map(|[by_coordinates, by_velocities]| CoupledForces {
+            by_coordinates: rows("coupled_stiffness", by_coordinates.len(), &|joint| {
+                at_own(joint, &|column| by_coordinates.iter().map(|row| row[column]).collect())
+            }),
+            by_velocities: rows("coupled_damping", by_velocities.len(), &|joint| {
+                at_own(joint, &|column| by_velocities.iter().map(|row| row[column]).collect())
+            }),
         }),
-        momenta: momenta.map(|momenta| rows("rotor_momenta", 3, &|index| momenta[index].0.to_vec())),
+        momenta: momenta.map(|momenta| rows("rotor_momenta", 3, &|joint| momenta[joint].0.to_vec())),
     }
 }
 
-/// `i J a` in the base frame of the rotors that drive each joint from its parent; `None` where there are
+/// A mechanism with the joints of its loops.
+pub(super) struct Joints<'a, 'g> {
+    pub mechanism: &'a Mechanism<Scalar<'g>>,
+    pub loops: &'a LoopJoints<Scalar<'g>>,
+}
+
+impl<'g> Joints<'_, 'g> {
+    /// The pose of what a joint moves; that of a rotor does not show its turns.
+    fn pose(&self, poses: &BasePoses<'g>, joint: usize) -> FramePose<'g> {
+        match self.loops.list[joint].moved {
+            Moved::Body(index) => *poses.body(index),
+            Moved::Rotor(index) => match self.mechanism.rotors[index].carrier {
+                Some(carrier) => *poses.body(carrier),
+                None => FramePose::base(self.mechanism.graph.constant(1.0)),
+            },
+        }
+    }
+
+    /// Motion for a unit of the coordinate's.
+    fn screw(&self, poses: &BasePoses<'g>, joint: usize) -> Motion<'g> {
+        let LoopJoint { moved, follows, .. } = self.loops.list[joint];
+        let pose = self.pose(poses, joint);
+        match moved {
+            Moved::Body(index) => {
+                let axis = pose.axes[2].map(|x| x * follows.ratio);
+                self.mechanism.bodies[index].axis.along(axis, pose.origin)
+            }
+            Moved::Rotor(index) => {
+                let rotor = &self.mechanism.rotors[index];
+                let axis = pose.direction(rotor.axis.scaled(rotor.ratio * follows.ratio));
+                JointAxis::Revolute.along(axis, pose.origin)
+            }
+        }
+    }
+
+    /// Moments of the mass that a joint carries itself; those of a rotor that is a joint are no part of its carrier.
+    fn moments(&self, joint: usize) -> MassMoments<Scalar<'g>> {
+        let LoopJoint { moved, is_last, .. } = self.loops.list[joint];
+        let of_rotor = |index: usize| {
+            let rotor = &self.mechanism.rotors[index];
+            MassMoments::of_axial_inertia(rotor.inertia, rotor.axis)
+        };
+        let rotors = self.loops.list.iter().filter(|joint| joint.is_last);
+        let rotors = rotors.filter_map(|joint| match joint.moved {
+            Moved::Rotor(index) => Some(index),
+            Moved::Body(_) => None,
+        });
+        match moved {
+            _ if !is_last => MassMoments::zero(self.mechanism.graph),
+            Moved::Rotor(index) => of_rotor(index),
+            Moved::Body(body) => rotors
+                .filter(|&index| self.mechanism.rotors[index].carrier == Some(body))
+                .fold(self.mechanism.bodies[body].moments, |sum, index| sum - of_rotor(index)),
+        }
+    }
+}
+
+/// Springs and friction by coordinate.
+struct JointForces<'a, 'g> {
+    equations: &'a Equations<'a, 'g>,
+    arguments: &'a Arguments<'g>,
+    forces: Vec<Scalar<'g>>,
+}
+
+impl<'a, 'g> JointForces<'a, 'g> {
+    fn new(equations: &'a Equations<'a, 'g>, arguments: &'a Arguments<'g>) -> Self {
+        let forces = equations.joint_forces(&arguments.y, &arguments.v);
+        Self { equations, arguments, forces }
+    }
+
+    /// Derivatives of the force on a coordinate by the position and velocity of one.
+    fn by(&self, row: usize, column: usize) -> [Scalar<'g>; 2] {
+        let force = self.forces[row];
+        [
+            self.equations.along(&[force], &self.arguments.y, column)[0],
+            differentiate(self.equations.graph, &[force], self.arguments.v[column])[0],
+        ]
+    }
+
+    /// Derivatives of the force on a coordinate by its own position and velocity, and the force.
+    fn own(&self, coordinate: usize) -> [Scalar<'g>; 3] {
+        let [by_position, by_velocity] = self.by(coordinate, coordinate);
+        [by_position, by_velocity, self.forces[coordinate]]
+    }
+
+    /// Derivatives by other coordinates, where there are some.
+    fn coupled(&self) -> Option<[Matrix<'g>; 2]> {
+        if self.equations.forces_are_local() {
+            return None;
+        }
+        let (n, zero) = (self.forces.len(), self.equations.graph.constant(0.0));
+        let mut matrices = [vec![vec![zero; n]; n], vec![vec![zero; n]; n]];
+        for (row, column) in (0..n).flat_map(|row| (0..n).map(move |column| (row, column))) {
+            if row != column {
+                let [by_position, by_velocity] = self.by(row, column);
+                matrices[0][row][column] = by_position;
+                matrices[1][row][column] = by_velocity;
+            }
+        }
+        let mut entries = matrices.iter().flatten().flatten();
+        entries.any(|entry| !entry.is_zero()).then_some(matrices)
+    }
+}
+
+/// i² J of the rotors that add to the diagonal of M, by coordinate.
+fn rotor_inertia<'g>(joints: &Joints<'_, 'g>) -> Vec<Scalar<'g>> {
+    let Joints { mechanism, loops } = joints;
+    let n = mechanism.coordinates;
+    let mut matrix = vec![vec![mechanism.graph.constant(0.0); n]; n];
+    let rotors = mechanism.rotors.iter().zip(&loops.beside);
+    let rotors = rotors.filter(|(rotor, beside)| beside.is_some() || is_on_diagonal(*rotor));
+    rotor::add_inertia(rotors.map(|(rotor, _)| rotor), &mut matrix);
+    (0..n).map(|coordinate| matrix[coordinate][coordinate]).collect()
+}
+
+/// `i J a` in the base frame of the rotors beside the joints that they drive, by joint; `None` where there are
 /// none.
-fn rotor_momenta<'g>(
-    mechanism: &Mechanism<Scalar<'g>>,
-    poses: &BasePoses<'g>,
-) -> Option<Vec<Vector3<Scalar<'g>>>> {
-    let mut momenta = vec![Vector3::zero(mechanism.graph.constant(0.0)); mechanism.bodies.len()];
+fn rotor_momenta<'g>(joints: &Joints<'_, 'g>, poses: &BasePoses<'g>) -> Option<Vec<Vector3<Scalar<'g>>>> {
+    let Joints { mechanism, loops } = joints;
+    let mut momenta = vec![Vector3::zero(mechanism.graph.constant(0.0)); loops.list.len()];
     let mut is_carried = false;
-    for rotor in &mechanism.rotors {
-        let (Some(carrier), Some(driven)) = (rotor.carrier, rotor.driven) else {
+    for (rotor, beside) in mechanism.rotors.iter().zip(&loops.beside) {
+        let (Some(carrier), Some(joint), Some(turned)) =
+            (rotor.carrier, *beside, rotor.transmission.single())
+        else {
             continue;
         };
-        let momentum = poses.body(carrier).direction(rotor.axis.scaled(rotor.coupling_inertia()));
-        momenta[driven] = momenta[driven] + momentum;
+        let momentum = rotor.coupling_inertia() * turned.ratio;
+        let momentum = poses.body(carrier).direction(rotor.axis.scaled(momentum));
+        momenta[joint] = momenta[joint] + momentum;
         is_carried = true;
     }
     is_carried.then_some(momenta)

@@ -27,7 +27,7 @@ pub fn mass_matrix<'g>(
     for (index, composite) in composites.iter().enumerate() {
         Column { mechanism, formulation, placements: &placements, index }.fill(composite, &mut matrix);
     }
-    rotor::add_inertia(mechanism, &mut matrix);
+    rotor::add_inertia(&mechanism.rotors, &mut matrix);
     rotor::add_coupling(mechanism, &placements, &mut matrix);
     mirror(mechanism, &mut matrix);
     matrix

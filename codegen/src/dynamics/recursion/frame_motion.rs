@@ -130,7 +130,8 @@ impl<'g> BasePoses<'g> {
 }
 
 impl<'g> FramePose<'g> {
-    fn base(one: Scalar<'g>) -> Self {
+    /// The frame of the base.
+    pub fn base(one: Scalar<'g>) -> Self {
         let zero = one.constant(0.0);
         let axes = [[one, zero, zero], [zero, one, zero], [zero, zero, one]].map(Vector3);
         Self { origin: Vector3::zero(one), axes }

@@ -85,11 +85,11 @@ impl<'g> Gyrostat<'g> {
 }
 
 /// `M += i² J`: on the diagonal, where a rotor follows one coordinate.
-pub(in crate::dynamics) fn add_inertia<'g>(
-    mechanism: &Mechanism<Scalar<'g>>,
+pub(in crate::dynamics) fn add_inertia<'a, 'g: 'a>(
+    rotors: impl IntoIterator<Item = &'a Rotor<Scalar<'g>>>,
     matrix: &mut [Vec<Scalar<'g>>],
 ) {
-    for rotor in &mechanism.rotors {
+    for rotor in rotors {
         for term in &rotor.transmission.terms {
             let force = rotor.reflected_inertia() * term.ratio;
             rotor.transmission.add_row_entry(term.coordinate, force, matrix);

@@ -20,18 +20,19 @@ fn statements(body: &Body<'_>, form: &Affine) -> Vec<String> {
     else {
         unreachable!("`Affine::unrolled` has three arguments and four results");
     };
-    let (n, m) = (form.called.joints(), form.inputs.len());
+    let (n, m) = (form.called.coordinates().len(), form.inputs.len());
     let (context, ty) = (body.context, body.context.ty());
     let dot = context.function("dot");
     let arguments = [y, v, u].map(Clone::clone).into_iter().chain(context.passed_parameters());
     let results = ["accelerations".to_owned(), by_y.clone(), by_v.clone(), "inverse".to_owned()];
     let arguments: Vec<String> = arguments.chain(results).collect();
-    let columns = form.inputs.iter().enumerate().map(|(column, &(coordinate, gain))| {
-        let factor = match gain {
-            Operand::Constant(1.0) => String::new(),
-            gain => format!(" * {}", body.operand(gain)),
-        };
-        format!("    {by_u}[{m} * i + {column}] = inverse[{n} * i + {coordinate}]{factor};\n")
+    let columns = form.inputs.iter().enumerate().map(|(column, gains)| {
+        let terms = gains.iter().map(|&(coordinate, gain)| match gain {
+            Operand::Constant(1.0) => format!("inverse[{n} * i + {coordinate}]"),
+            gain => format!("inverse[{n} * i + {coordinate}] * {}", body.operand(gain)),
+        });
+        let terms: Vec<String> = terms.collect();
+        format!("    {by_u}[{m} * i + {column}] = {};\n", terms.join(" + "))
     });
     let by_inputs = format!("for (int i = 0; i < {n}; ++i) {{\n{}}}", columns.collect::<String>());
     let product = |rows: &str, by: &str, len: usize| format!("{dot}({len}, &{rows}[{len} * i], {by})");

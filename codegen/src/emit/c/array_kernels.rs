@@ -1,5 +1,6 @@
 //! The loops of array forms, pasted into modules that need them.
 
+use super::arrays::{RELATIONS, RELATIONS_OF_COORDINATES};
 use super::context::Context;
 use crate::emit::arrays::Row;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
@@ -17,13 +18,11 @@ pub(super) fn text(context: &Context<'_>) -> String {
         true => include_str!("array_kernels/products_fused.c"),
         false => include_str!("array_kernels/products.c"),
     }];
-    if has(|step| matches!(step, Step::Pairs(_))) {
-        texts.push(include_str!("array_kernels/products_of_rows.c"));
-        texts.push(match first.is_chain() {
-            true => include_str!("array_kernels/chain_pairs.c"),
-            false => include_str!("array_kernels/tree_pairs.c"),
-        });
-    }
+    let of_pairs: Vec<String> = match has(|step| matches!(step, Step::Pairs(_))) {
+        true => pairs(first).map(|text| of_joints(first, text)).into(),
+        false => vec![],
+    };
+    texts.extend(of_pairs.iter().map(String::as_str));
     if inverts {
         texts.push(include_str!("array_kernels/inverse.c"));
     }
@@ -41,9 +40,37 @@ pub(super) fn text(context: &Context<'_>) -> String {
     [context.pasted(&[sizes(first), meetings].concat()), context.pasted_loops(&texts)].concat()
 }
 
+/// Matrices over pairs of joints.
+fn pairs(form: &Arrays) -> [&'static str; 2] {
+    let pairs = match form.joints.is_chain() {
+        true => include_str!("array_kernels/chain_pairs.c"),
+        false => include_str!("array_kernels/tree_pairs.c"),
+    };
+    [include_str!("array_kernels/products_of_rows.c"), pairs]
+}
+
+/// A loop over the joints, where there are more of them than coordinates.
+fn of_joints(form: &Arrays, text: &str) -> String {
+    match form.coordinates {
+        None => text.to_owned(),
+        Some(_) => text.replace("GELENK_L", "GELENK_JOINTS_L").replace("GELENK_N", "GELENK_JOINTS_N"),
+    }
+}
+
 /// Lengths of rows.
 fn sizes(form: &Arrays) -> String {
     let row = Row::new(form);
+    if form.coordinates.is_some() {
+        return format!(
+            "\n// Entries of a row, one for each coordinate or for each joint of the loops, and padding; the number of \
+             these joints, and entries of a block of a row.\n\
+             #define GELENK_L {}\n#define GELENK_JOINTS_L {}\n#define GELENK_JOINTS_N {}\n#define GELENK_K {}\n",
+            row.coordinates,
+            row.len,
+            form.joints.len(),
+            row.block
+        );
+    }
     format!(
         "\n// Entries of a row, one for each joint and padding, and of a block of it.\n\
          #define GELENK_L {}\n#define GELENK_K {}\n",
@@ -55,18 +82,25 @@ fn sizes(form: &Arrays) -> String {
 fn meetings(form: &Arrays) -> String {
     let mut text =
         "\n// The joint of each pivot from the base, and whether the rows of two joints meet in the inverse.\n".to_owned();
-    if form.order.is_sorted() {
+    let tree = form.coordinates();
+    if tree.order.is_sorted() {
         text.push_str("#define GELENK_PIVOT(step) (step)\n");
     } else {
-        let order: Vec<String> = form.order.iter().map(ToString::to_string).collect();
+        let order: Vec<String> = tree.order.iter().map(ToString::to_string).collect();
         text.push_str(&format!(
             "static const int gelenk_order[GELENK_N] = {{{}}};\n#define GELENK_PIVOT(step) gelenk_order[step]\n",
             order.join(", ")
         ));
     }
-    text.push_str(match form.is_chain() {
-        true => "#define GELENK_MEET(i, k) ((i) != (k))\n",
-        false => "#define GELENK_MEET(i, k) ((i) != (k) && gelenk_relations[i][k] != 0)\n",
+    let relations = match form.coordinates {
+        None => RELATIONS,
+        Some(_) => RELATIONS_OF_COORDINATES,
+    };
+    text.push_str(&match tree.is_chain() {
+        true => "#define GELENK_MEET(i, k) ((i) != (k))\n".to_owned(),
+        false => {
+            format!("#define GELENK_MEET(i, k) ((i) != (k) && gelenk_{relations}[i][k] != 0)\n")
+        }
     });
     text
 }

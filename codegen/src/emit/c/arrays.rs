@@ -5,9 +5,16 @@ use super::context::Context;
 use super::{layout, parts, public, signature};
 use crate::emit::arrays::{self, Row, is_only_result, table};
 use crate::functions::function::Function;
-use crate::program::arrays::{Arrays, Map, Pairs, Step};
+use crate::program::arrays::{Arrays, Map, Pairs, Step, Tree};
 use crate::program::split;
 use crate::program::{Operand, Program, Shape};
+
+/// Tables of the joints and of the coordinates.
+pub(super) const RELATIONS: &str = "relations";
+pub(super) const RELATIONS_OF_COORDINATES: &str = "relations_of_coordinates";
+
+/// The value of arrays of which some entries are not written.
+const CLEARED: &str = " = {0}";
 
 /// The setup and the loops, then the public function.
 pub(super) fn items(context: &Context<'_>, function: &Function, form: &Arrays, name: &str) -> Vec<String> {
@@ -29,12 +36,12 @@ enum Place {
     Result(String),
 }
 
-struct Emission<'a> {
-    context: &'a Context<'a>,
-    form: &'a Arrays,
+pub(super) struct Emission<'a> {
+    pub(super) context: &'a Context<'a>,
+    pub(super) form: &'a Arrays,
     body: &'a Body<'a>,
     name: &'a str,
-    row: Row,
+    pub(super) row: Row,
     names: Vec<String>,
     places: Vec<Place>,
 }
@@ -78,14 +85,14 @@ impl<'a> Emission<'a> {
     fn setup_array(&self, array: usize) -> Option<String> {
         match table(self.form, array) {
             Some(entries) => Some(self.table(array, &entries)),
-            None => self.declaration(array, " = {0}"),
+            None => self.declaration(array, CLEARED),
         }
     }
 
     fn table(&self, array: usize, entries: &[f64]) -> String {
-        let padding = self.row.len - self.form.joints();
+        let padding = self.row.len - self.form.joints.len();
         let entries = entries
-            .chunks(self.form.joints())
+            .chunks(self.form.joints.len())
             .flat_map(|row| row.iter().copied().chain(std::iter::repeat_n(0.0, padding)));
         let entries: Vec<String> = entries.map(|entry| self.context.literal(entry)).collect();
         let (aligned, ty) = (self.context.constant("ALIGNED"), self.context.ty());
@@ -95,7 +102,7 @@ impl<'a> Emission<'a> {
 
     /// A new variable, for arrays that are one.
     fn declaration(&self, array: usize, value: &str) -> Option<String> {
-        let len = self.form.arrays[array].rows * self.row.len;
+        let len = self.form.arrays[array].rows * self.row.of(self.form, array);
         let (aligned, ty) = (self.context.constant("ALIGNED"), self.context.ty());
         match self.places[array] {
             Place::Local => Some(format!("{aligned} {ty} {}[{len}]{value};", self.names[array])),
@@ -113,8 +120,8 @@ impl<'a> Emission<'a> {
     /// Entries from one row of an array to the next.
     fn width(&self, array: usize) -> usize {
         match self.places[array] {
-            Place::Table | Place::Local => self.row.len,
-            Place::Result(_) => self.form.joints(),
+            Place::Table | Place::Local => self.row.of(self.form, array),
+            Place::Result(_) => self.form.coordinates().len(),
         }
     }
 
@@ -123,7 +130,8 @@ impl<'a> Emission<'a> {
         let Place::Local = self.places[array] else {
             return None;
         };
-        let (name, joints, len) = (&self.names[array], self.form.joints(), self.row.len);
+        let (name, joints) = (&self.names[array], self.form.coordinates().len());
+        let len = self.row.of(self.form, array);
         let size = format!("{joints} * sizeof *{result}");
         Some(match shape {
             Shape::Matrix(..) => format!(
@@ -139,6 +147,13 @@ impl<'a> Emission<'a> {
             Step::SumAncestors { from, to } => self.sums(&self.sum_ancestors(), *from, *to),
             Step::SumSubtrees { from, to } => self.sums(&self.sum_subtrees(), *from, *to),
             Step::Pairs(pairs) => self.pairs(pairs),
+            Step::Collect { from, to } => self.rows(&self.collect(), *from, *to, CLEARED),
+            Step::Project { from, to } => {
+                let arguments = [self.array(*from), self.width(*to).to_string(), self.array(*to)];
+                let call = layout::call(4, &self.project(), &arguments, ";");
+                self.declaration(*to, CLEARED).into_iter().chain([call]).collect()
+            }
+            Step::Spread { from, to } => self.rows(&self.spread(), *from, *to, CLEARED),
             Step::Invert { from, to } => self.invert(*from, *to),
             Step::NegativeProduct { left, right, to } => {
                 let (left, right, width) = (self.array(*left), self.array(*right), self.width(*to));
@@ -158,7 +173,10 @@ impl<'a> Emission<'a> {
 
     /// Inverts a copy of the matrix, which may be read again.
     fn invert(&self, from: usize, to: usize) -> Vec<String> {
-        self.add_relations();
+        match self.form.coordinates {
+            None => self.add_relations(),
+            Some(_) => self.add_relations_of_coordinates(),
+        }
         let (from, name) = (self.array(from), self.array(to));
         let copy = format!("memcpy({name}, {from}, sizeof {name});");
         let call = format!("{}({name});", self.context.function("invert"));
@@ -184,64 +202,39 @@ impl<'a> Emission<'a> {
 
     /// Which joints of a tree stand before and beyond each other.
     fn add_relations(&self) {
-        if self.form.is_chain() {
+        let about = "Where joint j stands seen from joint i: -1 before it on its path to the base, 1 beyond it or the same, else 0.";
+        self.add_table((RELATIONS, about), &self.form.joints, self.row.len);
+    }
+
+    /// Which coordinates meet.
+    fn add_relations_of_coordinates(&self) {
+        let about = "Whether the rows of coordinates i and j meet in the inverse of the mass matrix: 0 where they do not.";
+        self.add_table((RELATIONS_OF_COORDINATES, about), self.form.coordinates(), self.row.coordinates);
+    }
+
+    fn add_table(&self, (stem, about): (&str, &str), tree: &Tree, len: usize) {
+        if tree.is_chain() {
             return;
         }
-        let (joints, len) = (self.form.joints(), self.row.len);
         let row = |i: usize| {
-            let entries: Vec<String> =
-                (0..len).map(|j| arrays::relation(self.form, i, j).to_string()).collect();
+            let entries: Vec<String> = (0..len).map(|j| arrays::relation(tree, i, j).to_string()).collect();
             format!("    {{{}}},\n", entries.join(", "))
         };
-        let rows: String = (0..joints).map(row).collect();
-        self.context.tables.add(&self.context.function("relations"), |name| {
-            format!(
-                "// Where joint j stands seen from joint i: -1 before it on its path to the base, 1 beyond it or the same, else 0.\n\
-                 static const signed char {name}[{joints}][{len}] = {{\n{rows}}};\n"
-            )
+        let rows: String = (0..tree.len()).map(row).collect();
+        self.context.tables.add(&self.context.function(stem), |name| {
+            format!("// {about}\nstatic const signed char {name}[{}][{len}] = {{\n{rows}}};\n", tree.len())
         });
-    }
-
-    fn sum_ancestors(&self) -> String {
-        let sums = self.form.order.iter().map(|&joint| match self.form.parents[joint] {
-            Some(parent) => format!("to[{joint}] = from[{joint}] + to[{parent}];"),
-            None => format!("to[{joint}] = from[{joint}];"),
-        });
-        let sums: Vec<String> = sums.collect();
-        self.sum_function(
-            "sum_ancestors",
-            "Adds to each joint those before it on its path to the base.",
-            &sums,
-        )
-    }
-
-    fn sum_subtrees(&self) -> String {
-        let sums = self.form.order.iter().rev().filter_map(|&joint| {
-            let parent = self.form.parents[joint]?;
-            Some(format!("to[{parent}] += to[{joint}];"))
-        });
-        let copy = format!("memcpy(to, from, {} * sizeof *to);", self.row.len);
-        let sums: Vec<String> = std::iter::once(copy).chain(sums).collect();
-        self.sum_function("sum_subtrees", "Adds to each joint all beyond it.", &sums)
-    }
-
-    fn sum_function(&self, stem: &str, about: &str, sums: &[String]) -> String {
-        let (context, len) = (self.context, self.row.len);
-        self.context.shared.add(&self.context.function(stem), |name| {
-            let arguments =
-                ["int rows".to_owned(), signature::read(context, "from"), signature::written(context, "to")];
-            let head =
-                layout::call(0, &format!("{} void {name}", context.constant("INLINE")), &arguments, "");
-            let sums: String = sums.iter().map(|sum| layout::indented(sum)).collect();
-            let each = format!("for (; rows > 0; --rows, from += {len}, to += {len}) {{\n{sums}}}");
-            format!("// {about}\n{}", layout::function(&head, &[each]))
-        })
     }
 
     fn sums(&self, callee: &str, from: usize, to: usize) -> Vec<String> {
+        self.rows(callee, from, to, "")
+    }
+
+    /// A call that goes through all rows of two arrays.
+    fn rows(&self, callee: &str, from: usize, to: usize, value: &str) -> Vec<String> {
         let arguments = [self.form.arrays[from].rows.to_string(), self.array(from), self.array(to)];
         let call = layout::call(4, callee, &arguments, ";");
-        self.declaration(to, "").into_iter().chain([call]).collect()
+        self.declaration(to, value).into_iter().chain([call]).collect()
     }
 
     /// The loop of a map, as a function of its own.

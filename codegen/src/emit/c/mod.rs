@@ -22,6 +22,7 @@ mod discrete_time;
 mod function;
 mod header;
 mod interface;
+mod joint_sums;
 mod layout;
 mod literal;
 mod math;

@@ -32,18 +32,21 @@ fn statements(body: &Body<'_>, form: &Affine) -> TokenStream {
     let called = public::into_name(&format_ident!("{}", form.name));
     let parameters = body.context.passed_parameters().into_iter();
     let zero = body.context.zero();
-    let n = Literal::usize_unsuffixed(form.called.joints());
+    let n = Literal::usize_unsuffixed(form.called.coordinates().len());
     let columns = form.inputs.iter().enumerate();
-    let columns = columns.map(|(column, &(coordinate, gain))| {
-        let [to, from] = [column, coordinate].map(Literal::usize_unsuffixed);
-        let factor = match gain {
-            Operand::Constant(1.0) => None,
-            gain => {
-                let gain = body.operand(gain);
-                Some(quote!(* #gain))
+    let columns = columns.map(|(column, gains)| {
+        let to = Literal::usize_unsuffixed(column);
+        let terms = gains.iter().map(|&(coordinate, gain)| {
+            let from = Literal::usize_unsuffixed(coordinate);
+            match gain {
+                Operand::Constant(1.0) => quote!(from[#from]),
+                gain => {
+                    let gain = body.operand(gain);
+                    quote!(from[#from] * #gain)
+                }
             }
-        };
-        quote!(to[#to] = from[#from] #factor;)
+        });
+        quote!(to[#to] = #(#terms)+*;)
     });
     let by_inputs = (!form.inputs.is_empty())
         .then(|| quote!(for (to, from) in #by_u.iter_mut().zip(&inverse) { #(#columns)* }));

@@ -10,13 +10,23 @@ use super::signature::{Signature, item};
 use super::{lints, names, parts, public};
 use crate::emit::arrays::{self, Row, is_only_result, table};
 use crate::functions::function::Function;
-use crate::program::arrays::{Arrays, Map, Pairs, Step};
+use crate::program::arrays::{Arrays, Map, Pairs, Step, Tree};
 use crate::program::split::{self, Part};
 use crate::program::{Operand, Program, Shape};
 
 /// Names that the module takes for array forms.
-pub(super) const RESERVED: [&str; 6] =
-    ["arrays", "sum_ancestors", "sum_subtrees", "RELATIONS", "joint", "is_before"];
+pub(super) const RESERVED: [&str; 10] = [
+    "arrays",
+    "sum_ancestors",
+    "sum_subtrees",
+    "collect",
+    "project",
+    "spread",
+    "RELATIONS",
+    "RELATIONS_OF_COORDINATES",
+    "joint",
+    "is_before",
+];
 
 /// The public functions, and the setup.
 pub(super) fn items(
@@ -46,12 +56,12 @@ enum Place {
     Result(Ident),
 }
 
-struct Emission<'a> {
-    context: &'a Context<'a>,
-    form: &'a Arrays,
+pub(super) struct Emission<'a> {
+    pub(super) context: &'a Context<'a>,
+    pub(super) form: &'a Arrays,
     body: &'a Body<'a>,
     name: &'a Ident,
-    row: Row,
+    pub(super) row: Row,
     places: Vec<Place>,
 }
 
@@ -102,15 +112,13 @@ impl<'a> Emission<'a> {
             return None;
         };
         let scalar = self.context.options.scalar;
-        let (count, len) = (
-            Literal::usize_unsuffixed(self.form.arrays[array].rows),
-            Literal::usize_unsuffixed(self.row.len),
-        );
+        let (count, len) = (Literal::usize_unsuffixed(self.form.arrays[array].rows), self.length(array));
         let ty = quote!(arrays::Rows<#count, #len>);
         let zero = scalar.literal(0.0);
         let entries = table(self.form, array)?;
-        let padding = self.row.len - self.form.joints();
-        let rows = entries.chunks(self.form.joints()).map(|row| {
+        let joints = self.form.joints.len();
+        let padding = self.row.len - joints;
+        let rows = entries.chunks(joints).map(|row| {
             let row = row
                 .iter()
                 .map(|&entry| scalar.literal(entry))
@@ -121,10 +129,16 @@ impl<'a> Emission<'a> {
         Some(quote!(#allowed static #name: #ty = arrays::Rows([#(#rows),*]);))
     }
 
+    /// Rows with one entry per joint.
     fn ty(&self, rows: usize) -> TokenStream {
         let ty = self.context.ty();
         let (rows, lanes) = (Literal::usize_unsuffixed(rows), Literal::usize_unsuffixed(self.row.len));
         quote!([[#ty; #lanes]; #rows])
+    }
+
+    /// Entries of a row of an array, padding included.
+    fn length(&self, array: usize) -> Literal {
+        Literal::usize_unsuffixed(self.row.of(self.form, array))
     }
 
     /// A new variable full of zeros, for arrays that are one.
@@ -133,10 +147,7 @@ impl<'a> Emission<'a> {
             return None;
         };
         let zero = self.context.zero();
-        let (rows, lanes) = (
-            Literal::usize_unsuffixed(self.form.arrays[array].rows),
-            Literal::usize_unsuffixed(self.row.len),
-        );
+        let (rows, lanes) = (Literal::usize_unsuffixed(self.form.arrays[array].rows), self.length(array));
         Some(quote!(let mut #name = arrays::Rows([[#zero; #lanes]; #rows]);))
     }
 
@@ -159,7 +170,7 @@ impl<'a> Emission<'a> {
         let Place::Local(name) = &self.places[array] else {
             return None;
         };
-        let joints = Literal::usize_unsuffixed(self.form.joints());
+        let joints = Literal::usize_unsuffixed(self.form.coordinates().len());
         Some(match shape {
             Shape::Matrix(..) => quote! {
                 for (to, from) in #result.iter_mut().zip(&#name.0) {
@@ -182,6 +193,18 @@ impl<'a> Emission<'a> {
                 self.call(&quote!(#name), &[*from], *to)
             }
             Step::Pairs(pairs) => self.pairs(pairs),
+            Step::Collect { from, to } => {
+                let name = self.collect();
+                self.call(&quote!(#name), &[*from], *to)
+            }
+            Step::Project { from, to } => {
+                let name = self.project();
+                self.call(&quote!(#name), &[*from], *to)
+            }
+            Step::Spread { from, to } => {
+                let name = self.spread();
+                self.call(&quote!(#name), &[*from], *to)
+            }
             Step::Invert { from, to } => self.invert(*from, *to),
             Step::NegativeProduct { left, right, to } => {
                 self.call(&quote!(arrays::negative_product), &[*left, *right], *to)
@@ -204,19 +227,25 @@ impl<'a> Emission<'a> {
 
     /// The order of the pivots from the base, and which rows meet.
     fn pivots(&self) -> TokenStream {
-        self.add_relations();
-        let joints = Literal::usize_unsuffixed(self.form.joints());
-        let order = match self.form.order.is_sorted() {
+        let tree = self.form.coordinates();
+        let joints = Literal::usize_unsuffixed(tree.len());
+        let order = match tree.order.is_sorted() {
             true => quote!(0..#joints),
             false => {
-                let order = self.form.order.iter();
+                let order = tree.order.iter();
                 let order = order.map(|&joint| Literal::usize_unsuffixed(joint));
                 quote!([#(#order),*].into_iter())
             }
         };
-        let meet = match self.form.is_chain() {
+        let meet = match tree.is_chain() {
             true => quote!(|_, _| true),
-            false => quote!(|i, k| RELATIONS[i][k] != 0),
+            false => {
+                let relations = match self.form.coordinates {
+                    None => self.add_relations(),
+                    Some(_) => self.add_relations_of_coordinates(),
+                };
+                quote!(|i, k| #relations[i][k] != 0)
+            }
         };
         quote!(#order, #meet)
     }
@@ -235,8 +264,10 @@ impl<'a> Emission<'a> {
         };
         let (before, beyond) = (pair(pairs.before), pair(pairs.beyond));
         let (diagonal, to) = (self.read(pairs.diagonal), self.write(pairs.to));
-        let relations = (!self.form.is_chain()).then(|| quote!(, &RELATIONS));
-        self.add_relations();
+        let relations = (!self.form.joints.is_chain()).then(|| {
+            let relations = self.add_relations();
+            quote!(, &#relations)
+        });
         quote! {
             #declaration
             arrays::pairs(#before, #beyond, #diagonal, #to #relations);
@@ -244,67 +275,28 @@ impl<'a> Emission<'a> {
     }
 
     /// Which joints of a tree stand before and beyond each other.
-    fn add_relations(&self) {
-        if self.form.is_chain() {
-            return;
-        }
-        let (joints, lanes) = (self.form.joints(), self.row.len);
-        let entry = |i, j| arrays::relation(self.form, i, j);
-        let rows = (0..joints).map(|i| {
-            let row = (0..lanes).map(|j| Literal::i8_unsuffixed(entry(i, j)));
+    fn add_relations(&self) -> Ident {
+        let about = "Where joint j stands seen from joint i: −1 before it on its path to the base, 1 beyond it or the same, else 0.";
+        self.add_table(("RELATIONS", about), &self.form.joints, self.row.len)
+    }
+
+    /// Which coordinates meet.
+    fn add_relations_of_coordinates(&self) -> Ident {
+        let about = "Whether the rows of coordinates i and j meet in the inverse of the mass matrix: 0 where they do not.";
+        self.add_table(("RELATIONS_OF_COORDINATES", about), self.form.coordinates(), self.row.coordinates)
+    }
+
+    fn add_table(&self, (name, about): (&str, &str), tree: &Tree, lanes: usize) -> Ident {
+        let rows = (0..tree.len()).map(|i| {
+            let row = (0..lanes).map(|j| Literal::i8_unsuffixed(arrays::relation(tree, i, j)));
             quote!([#(#row),*])
         });
-        let (rows, count) = (rows.collect::<Vec<_>>(), Literal::usize_unsuffixed(joints));
+        let (rows, count) = (rows.collect::<Vec<_>>(), Literal::usize_unsuffixed(tree.len()));
         let lanes = Literal::usize_unsuffixed(lanes);
-        let documentation = DocComment::new(
-            "Where joint j stands seen from joint i: −1 before it on its path to the base, 1 beyond it or the same, else 0.",
-        );
-        let documentation = documentation.tokens();
-        self.context.shared.add(
-            "RELATIONS",
-            |name| quote!(#documentation const #name: [[i8; #lanes]; #count] = [#(#rows),*];),
-        );
-    }
-
-    fn sum_ancestors(&self) -> Ident {
-        let sums = self.form.order.iter().map(|&joint| {
-            let index = Literal::usize_unsuffixed(joint);
-            match self.form.parents[joint] {
-                Some(parent) => {
-                    let parent = Literal::usize_unsuffixed(parent);
-                    quote!(to[#index] = from[#index] + to[#parent];)
-                }
-                None => quote!(to[#index] = from[#index];),
-            }
-        });
-        self.sums(
-            "sum_ancestors",
-            "Adds to each joint those before it on its path to the base.",
-            &sums.collect::<Vec<_>>(),
-        )
-    }
-
-    fn sum_subtrees(&self) -> Ident {
-        let sums = self.form.order.iter().rev().filter_map(|&joint| {
-            let parent = Literal::usize_unsuffixed(self.form.parents[joint]?);
-            let index = Literal::usize_unsuffixed(joint);
-            Some(quote!(to[#parent] += to[#index];))
-        });
-        let copy = std::iter::once(quote!(*to = *from;));
-        self.sums("sum_subtrees", "Adds to each joint all beyond it.", &copy.chain(sums).collect::<Vec<_>>())
-    }
-
-    fn sums(&self, name: &str, about: &str, statements: &[TokenStream]) -> Ident {
-        let (ty, lanes) = (self.context.ty(), Literal::usize_unsuffixed(self.row.len));
         let documentation = DocComment::new(about).tokens();
-        self.context.shared.add(name, |name| {
-            quote! {
-                #documentation
-                fn #name<const R: usize>(from: &[[#ty; #lanes]; R], to: &mut [[#ty; #lanes]; R]) {
-                    for (from, to) in from.iter().zip(to) { #(#statements)* }
-                }
-            }
-        })
+        self.context
+            .shared
+            .add(name, |name| quote!(#documentation const #name: [[i8; #lanes]; #count] = [#(#rows),*];))
     }
 
     /// The loop of a map, as a function of its own.

@@ -18,6 +18,7 @@ mod discrete_time;
 mod doc_comment;
 mod function;
 mod header;
+mod joint_sums;
 mod lanes;
 mod lints;
 mod literal;

@@ -13,27 +13,22 @@ pub struct Affine {
     pub name: &'static str,
     /// That function in array form; its results are ÿ, ∂ÿ/∂y, ∂ÿ/∂ẏ and M⁻¹.
     pub called: Arrays,
-    /// For each input: the coordinate that it moves, and its gain, a constant or a parameter.
-    pub inputs: Vec<(usize, Operand)>,
+    /// For each input: the coordinates that it acts on, each with its gain, a constant or a parameter.
+    pub inputs: Vec<Vec<(usize, Operand)>>,
 }
 
 impl Affine {
-    /// The straight-line program that it stands for: column m of `B_x` is a column of M⁻¹ times a gain, and
+    /// The straight-line program that it stands for: column m of `B_x` is the sum of columns of M⁻¹ times gains, and
     /// `c = ÿ − ((A_y y + A_v ẏ) + B_x u)`, row by row, each product of rows in four partial sums.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         let Program { inputs, instructions, outputs } = self.called.unrolled();
-        let n = self.called.joints();
+        let n = self.called.coordinates().len();
         let mut writer = Writer { instructions, is_fused: self.called.is_fused };
         let [accelerations, by_y, by_v, inverse] = [0, 1, 2, 3].map(|k| outputs[k].entries.clone());
         let mut by_inputs = Vec::with_capacity(n * self.inputs.len());
         for row in inverse.chunks(n) {
-            for &(coordinate, gain) in &self.inputs {
-                by_inputs.push(match gain {
-                    Operand::Constant(1.0) => row[coordinate],
-                    gain => writer.push(Operation::Multiply(row[coordinate], gain)),
-                });
-            }
+            by_inputs.extend(self.inputs.iter().map(|gains| writer.gained(row, gains)));
         }
         let m = self.inputs.len();
         let remainder: Vec<Operand> = (0..n)
@@ -62,6 +57,22 @@ impl Affine {
 }
 
 impl Writer {
+    /// The sum of entries of a row times their gains. Nothing is fused here.
+    fn gained(&mut self, row: &[Operand], gains: &[(usize, Operand)]) -> Operand {
+        let mut sum = None;
+        for &(coordinate, gain) in gains {
+            let term = match gain {
+                Operand::Constant(1.0) => row[coordinate],
+                gain => self.push(Operation::Multiply(row[coordinate], gain)),
+            };
+            sum = Some(match sum {
+                None => term,
+                Some(sum) => self.push(Operation::Add(sum, term)),
+            });
+        }
+        sum.unwrap_or(Operand::Constant(0.0))
+    }
+
     /// A row times an input array: entry k belongs to partial sum k mod 4, each starts at 0.
     fn dot(&mut self, row: &[Operand], array: usize) -> Operand {
         let mut sums = [Operand::Constant(0.0); 4];

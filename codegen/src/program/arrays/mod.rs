@@ -7,10 +7,12 @@
 //! that interpreter, counts and texts need to know nothing about arrays.
 
 mod affine;
+mod tree;
 mod unroll;
 mod writer;
 
 pub use affine::Affine;
+pub use tree::{Coordinates, Tree};
 
 use super::{Program, Shape, fuse_multiply_adds};
 
@@ -63,21 +65,32 @@ pub struct Arrays {
     pub steps: Vec<Step>,
     /// Results of the function in their order.
     pub outputs: Vec<ArrayOutput>,
-    /// Coordinate of each coordinate's parent joint.
-    pub parents: Vec<Option<usize>>,
-    /// The coordinates, parents first.
-    pub order: Vec<usize>,
+    /// The joints.
+    pub joints: Tree,
+    /// The coordinates that the joints follow; `None` where each joint is one.
+    pub coordinates: Option<Coordinates>,
     /// It is true if products and sums of the steps are fused.
     pub is_fused: bool,
 }
 
-/// Rows of one entry per coordinate.
+/// Rows of one entry per joint or per coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
     /// The name of the array, as an identifier.
     pub name: String,
     /// How many rows it has.
     pub rows: usize,
+    /// What its entries stand for.
+    pub over: Over,
+}
+
+/// What the entries of a row stand for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// Joints.
+    Joints,
+    /// Coordinates that joints follow. Where each joint is one, all arrays are over joints.
+    Coordinates,
 }
 
 /// Refers to an array.
@@ -115,6 +128,28 @@ pub enum Step {
     },
     /// A matrix over pairs of joints on one path.
     Pairs(Pairs),
+    /// `to[·][c]` is the sum of `from[·][j]` over the joints j that follow coordinate c.
+    Collect {
+        /// Over joints.
+        from: ArrayId,
+        /// Over coordinates.
+        to: ArrayId,
+    },
+    /// `to[c][d]` is the sum of `from[i][j]` over the joints i that follow coordinate c and j that follow d; sums
+    /// over i come first.
+    Project {
+        /// A matrix over joints.
+        from: ArrayId,
+        /// A matrix over coordinates.
+        to: ArrayId,
+    },
+    /// `to[·][j] = from[·][c]` with the coordinate c that joint j follows.
+    Spread {
+        /// Over coordinates.
+        from: ArrayId,
+        /// Over joints.
+        to: ArrayId,
+    },
     /// Inverse of a symmetric positive definite matrix with the zeros of a mass matrix, by Gauss and Jordan
     /// without pivots from the leaves to the base.
     Invert {
@@ -173,24 +208,23 @@ pub struct Pairs {
 }
 
 impl Arrays {
-    /// The number of coordinates: the length of each row.
+    /// The coordinates: the joints where each of them is one.
     #[must_use]
-    pub fn joints(&self) -> usize {
-        self.parents.len()
+    pub fn coordinates(&self) -> &Tree {
+        self.coordinates.as_ref().map_or(&self.joints, |coordinates| &coordinates.tree)
     }
 
-    /// Tells whether each coordinate but the first follows the one before it.
+    /// What the entries of an array stand for.
     #[must_use]
-    pub fn is_chain(&self) -> bool {
-        let parents = self.parents.iter().enumerate();
-        parents.into_iter().all(|(index, parent)| *parent == index.checked_sub(1))
+    pub fn tree(&self, array: ArrayId) -> &Tree {
+        self.over(self.arrays[array].over)
     }
 
-    /// Tells whether joint `j` stands before joint `i` on its path to the base.
-    #[must_use]
-    pub fn is_before(&self, j: usize, i: usize) -> bool {
-        let path = std::iter::successors(self.parents[i], |&next| self.parents[next]);
-        path.into_iter().any(|ancestor| ancestor == j)
+    fn over(&self, over: Over) -> &Tree {
+        match over {
+            Over::Joints => &self.joints,
+            Over::Coordinates => self.coordinates(),
+        }
     }
 
     /// The same with each product that only sums read contracted into a fused multiply-add.
@@ -214,9 +248,12 @@ impl Step {
     pub fn reads(&self, array: ArrayId) -> bool {
         match self {
             Self::Map(map) => map.reads.contains(&array),
-            Self::SumAncestors { from, .. } | Self::SumSubtrees { from, .. } | Self::Invert { from, .. } => {
-                *from == array
-            }
+            Self::SumAncestors { from, .. }
+            | Self::SumSubtrees { from, .. }
+            | Self::Collect { from, .. }
+            | Self::Project { from, .. }
+            | Self::Spread { from, .. }
+            | Self::Invert { from, .. } => *from == array,
             Self::Pairs(Pairs { before, beyond, diagonal, .. }) => {
                 [before.0, before.1, beyond.0, beyond.1, *diagonal].contains(&array)
             }

@@ -1,7 +1,7 @@
 //! The array form written out: the straight-line program that it stands for.
 
 use super::writer::Writer;
-use super::{Array, Arrays, Map, Pairs, Step};
+use super::{Array, Arrays, Coordinates, Map, Pairs, Step};
 use crate::program::lower::give_names;
 use crate::program::{Operand, Operation, Output, Program};
 
@@ -15,7 +15,7 @@ impl Arrays {
             writer: Writer { instructions: self.setup.instructions.clone(), is_fused: self.is_fused },
             values: self.setup.outputs.iter().map(|o| o.entries.clone()).collect(),
         };
-        let zeros = |array: &Array| vec![Operand::Constant(0.0); array.rows * self.joints()];
+        let zeros = |array: &Array| vec![Operand::Constant(0.0); array.rows * self.over(array.over).len()];
         let made = self.arrays.iter().skip(unrolling.values.len()).map(zeros);
         unrolling.values.extend(made.collect::<Vec<_>>());
         for step in &self.steps {
@@ -50,31 +50,34 @@ struct Unrolling<'a> {
 impl Unrolling<'_> {
     fn step(&mut self, step: &Step) {
         match step {
-            Step::Map(map) => (0..self.form.joints()).for_each(|joint| self.map(map, joint)),
+            Step::Map(map) => (0..self.form.joints.len()).for_each(|joint| self.map(map, joint)),
             Step::SumAncestors { from, to } => {
                 self.values[*to] = self.values[*from].clone();
-                for &joint in &self.form.order {
-                    self.add_rows(*to, joint, self.form.parents[joint]);
+                for &joint in &self.form.joints.order {
+                    self.add_rows(*to, joint, self.form.joints.parents[joint]);
                 }
             }
             Step::SumSubtrees { from, to } => {
                 self.values[*to] = self.values[*from].clone();
-                for &joint in self.form.order.iter().rev() {
-                    if let Some(parent) = self.form.parents[joint] {
+                for &joint in self.form.joints.order.iter().rev() {
+                    if let Some(parent) = self.form.joints.parents[joint] {
                         self.add_rows(*to, parent, Some(joint));
                     }
                 }
             }
             Step::Pairs(pairs) => self.pairs(pairs),
+            Step::Collect { from, to } => self.collect(*from, *to),
+            Step::Project { from, to } => self.project(*from, *to),
+            Step::Spread { from, to } => self.spread(*from, *to),
             Step::Invert { from, to } => {
                 self.values[*to] = self.values[*from].clone();
-                for &joint in self.form.order.iter().rev() {
-                    self.sweep(*to, joint);
+                for &coordinate in self.form.coordinates().order.iter().rev() {
+                    self.sweep(*to, coordinate);
                 }
             }
             Step::NegativeProduct { left, right, to } => self.product(*left, *right, *to),
             Step::Apply { matrix, vector, to } => {
-                let n = self.form.joints();
+                let n = self.form.coordinates().len();
                 self.values[*to] = (0..n)
                     .map(|j| {
                         let terms: Vec<_> =
@@ -87,18 +90,18 @@ impl Unrolling<'_> {
     }
 
     fn at(&self, array: usize, row: usize, column: usize) -> Operand {
-        self.values[array][row * self.form.joints() + column]
+        self.values[array][row * self.form.tree(array).len() + column]
     }
 
     fn set(&mut self, array: usize, row: usize, column: usize, value: Operand) {
-        self.values[array][row * self.form.joints() + column] = value;
+        self.values[array][row * self.form.tree(array).len() + column] = value;
     }
 
     fn map(&mut self, map: &Map, joint: usize) {
         let start = self.writer.instructions.len();
         let place = |values: &[Vec<Operand>], operand: Operand| match operand {
             Operand::Value(index) => Operand::Value(start + index),
-            Operand::Input(array, row) => values[map.reads[array]][row * self.form.joints() + joint],
+            Operand::Input(array, row) => values[map.reads[array]][row * self.form.joints.len() + joint],
             other => other,
         };
         for instruction in &map.body.instructions {
@@ -126,14 +129,67 @@ impl Unrolling<'_> {
         }
     }
 
+    /// The rows or entries of a coordinate's joints become its own.
+    fn collect(&mut self, from: usize, to: usize) {
+        for row in 0..self.form.arrays[from].rows {
+            let collected = self.collected(|joint| self.at(from, row, joint));
+            for (coordinate, entries) in collected.into_iter().enumerate() {
+                let sum = self.sum(&entries);
+                self.set(to, row, coordinate, sum);
+            }
+        }
+    }
+
+    /// For each coordinate the entries of the joints that follow it.
+    fn collected(&self, entry: impl Fn(usize) -> Operand) -> Vec<Vec<Operand>> {
+        let mut collected: Vec<Vec<Operand>> =
+            (0..self.form.coordinates().len()).map(|own| vec![entry(own)]).collect();
+        for (joint, coordinate) in self.form.coordinates.iter().flat_map(Coordinates::followers) {
+            collected[coordinate].push(entry(joint));
+        }
+        collected
+    }
+
+    fn sum(&mut self, terms: &[Operand]) -> Operand {
+        let sum = terms.iter().copied().reduce(|sum, term| self.writer.push(Operation::Add(sum, term)));
+        sum.unwrap_or(Operand::Constant(0.0))
+    }
+
+    fn project(&mut self, from: usize, to: usize) {
+        let (joints, n) = (self.form.joints.len(), self.form.coordinates().len());
+        let mut rows: Vec<Vec<Operand>> = vec![Vec::new(); n];
+        for column in 0..joints {
+            let collected = self.collected(|joint| self.at(from, joint, column));
+            for (row, entries) in rows.iter_mut().zip(collected) {
+                row.push(self.sum(&entries));
+            }
+        }
+        for (i, row) in rows.iter().enumerate() {
+            for (j, entries) in self.collected(|joint| row[joint]).iter().enumerate() {
+                let sum = self.sum(entries);
+                self.set(to, i, j, sum);
+            }
+        }
+    }
+
+    fn spread(&mut self, from: usize, to: usize) {
+        let Some(coordinates) = &self.form.coordinates else { return };
+        for row in 0..self.form.arrays[from].rows {
+            for (joint, &coordinate) in coordinates.of_joints.iter().enumerate() {
+                let entry = self.at(from, row, coordinate);
+                self.set(to, row, joint, entry);
+            }
+        }
+    }
+
     fn pairs(&mut self, pairs: &Pairs) {
-        let n = self.form.joints();
+        let (n, joints) = (self.form.joints.len(), &self.form.joints);
         for i in 0..n {
             for j in 0..n {
                 let entry = match () {
                     () if i == j => self.at(pairs.diagonal, 0, i),
-                    () if self.form.is_before(j, i) => self.pair(pairs.before, i, j),
-                    () if self.form.is_before(i, j) => self.pair(pairs.beyond, i, j),
+                    () if joints.is_before(j, i) => self.pair(pairs.before, i, j),
+                    () if joints.is_before(i, j) => self.pair(pairs.beyond, i, j),
                     () => Operand::Constant(0.0),
                 };
                 self.set(pairs.to, i, j, entry);
@@ -150,7 +206,7 @@ impl Unrolling<'_> {
 
     /// One step of Gauss and Jordan.
     fn sweep(&mut self, matrix: usize, k: usize) {
-        let n = self.form.joints();
+        let (n, tree) = (self.form.coordinates().len(), self.form.coordinates());
         let pivot = self.at(matrix, k, k);
         let reciprocal = self.writer.push(Operation::Divide(Operand::Constant(1.0), pivot));
         self.set(matrix, k, k, reciprocal);
@@ -159,7 +215,7 @@ impl Unrolling<'_> {
             let scaled = self.writer.push(Operation::Multiply(entry, reciprocal));
             self.set(matrix, k, j, scaled);
         }
-        for i in (0..n).filter(|&i| self.form.is_before(i, k) || self.form.is_before(k, i)) {
+        for i in (0..n).filter(|&i| i != k && tree.meet(i, k)) {
             let entry = self.at(matrix, i, k);
             let factor = self.writer.push(Operation::Negate(entry));
             let moved = self.writer.push(Operation::Multiply(factor, reciprocal));
@@ -173,7 +229,7 @@ impl Unrolling<'_> {
     }
 
     fn product(&mut self, left: usize, right: usize, to: usize) {
-        let n = self.form.joints();
+        let n = self.form.coordinates().len();
         for i in 0..n {
             let factors: Vec<_> = (0..n)
                 .map(|k| {

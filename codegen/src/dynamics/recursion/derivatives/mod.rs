@@ -106,7 +106,7 @@ pub fn inverse_dynamics_derivatives<'g>(
             }
         }
     }
-    rotor::add_inertia(mechanism, &mut result.mass_matrix);
+    rotor::add_inertia(&mechanism.rotors, &mut result.mass_matrix);
     for rotor in &mechanism.rotors {
         let passed = |carrier| rotor.driven.is_some_and(|driven| tree.passes(driven, carrier));
         let Some(carrier) = rotor.carrier.filter(|&carrier| !passed(carrier)) else {

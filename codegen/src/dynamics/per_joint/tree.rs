@@ -1,0 +1,137 @@
+//! The joints that the loops run over: each of them follows one coordinate.
+//!
+//! A joint that follows several coordinates is a row of joints along one axis, one for each of them, of which the last
+//! carries the mass. The ratio is part of the joint's screw, so that the sums over the joints of a coordinate have no
+//! factors:
+//!
+//! ```text
+//! τ_c = Σ_{i of c} τ_i      M_cd = Σ_{i of c, j of d} M_ij      (∂τ/∂y)_cd = Σ_{i of c, j of d} ∂τ_i/∂y_j
+//! ```
+//!
+//! A rotor whose momentum does not stand at a joint beside it is a joint too: it turns about its axis on its carrier,
+//! with its axial inertia alone.
+
+use crate::kinematics::{Followed, Mechanism, Numbers, Rotor};
+use crate::program::arrays::{Coordinates, Tree};
+
+/// A joint of the loops.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LoopJoint<S> {
+    /// What it moves.
+    pub moved: Moved,
+    /// The coordinate that it follows, and its motion for a unit of that.
+    pub follows: Followed<S>,
+    /// It is true if it carries the mass: the last of several in a row.
+    pub is_last: bool,
+}
+
+/// What a joint of the loops moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Moved {
+    /// A body of the mechanism.
+    Body(usize),
+    /// A rotor of the mechanism.
+    Rotor(usize),
+}
+
+/// All joints of the loops.
+pub(super) struct LoopJoints<S> {
+    /// Parents first.
+    pub list: Vec<LoopJoint<S>>,
+    /// For each of them its place in the rows of arrays.
+    pub places: Vec<usize>,
+    /// How they carry each other, by place.
+    pub tree: Tree,
+    /// For each rotor the joint of the list beside it that turns it: it sits on that joint's parent.
+    pub beside: Vec<Option<usize>>,
+}
+
+/// Joints while they are collected, each with its parent.
+struct Collected<S> {
+    joints: Vec<(LoopJoint<S>, Option<usize>)>,
+    /// For each body the joint that carries it.
+    carriers: Vec<usize>,
+}
+
+impl<S: Numbers> LoopJoints<S> {
+    pub(super) fn new(mechanism: &Mechanism<S>) -> Self {
+        let mut collected = Collected { joints: Vec::new(), carriers: Vec::new() };
+        for (index, body) in mechanism.bodies.iter().enumerate() {
+            let parent = body.parent.map(|parent| collected.carriers[parent]);
+            let last = collected.row(Moved::Body(index), parent, &body.transmission.terms);
+            collected.carriers.extend(last);
+        }
+        let mut beside = Vec::with_capacity(mechanism.rotors.len());
+        for (index, rotor) in mechanism.rotors.iter().enumerate() {
+            let joint = collected.beside(rotor);
+            beside.push(joint);
+            if joint.is_none() && !is_on_diagonal(rotor) {
+                let parent = rotor.carrier.map(|carrier| collected.carriers[carrier]);
+                collected.row(Moved::Rotor(index), parent, &rotor.transmission.terms);
+            }
+        }
+        let (list, parents): (Vec<_>, Vec<_>) = collected.joints.into_iter().unzip();
+        let places = places(mechanism, &list);
+        let mut tree = Tree { parents: vec![None; list.len()], order: places.clone() };
+        for (&place, parent) in places.iter().zip(parents) {
+            tree.parents[place] = parent.map(|parent: usize| places[parent]);
+        }
+        Self { list, places, tree, beside }
+    }
+
+    /// How they follow coordinates; `None` where each is one.
+    pub(super) fn coordinates(&self, mechanism: &Mechanism<S>) -> Option<Coordinates> {
+        let mut of_joints = vec![0; self.list.len()];
+        for (joint, &place) in self.list.iter().zip(&self.places) {
+            of_joints[place] = joint.follows.coordinate;
+        }
+        (of_joints.len() > mechanism.coordinates).then(|| Coordinates::new(&self.tree, of_joints))
+    }
+
+    /// Whether a joint is that of its coordinate itself.
+    pub(super) fn is_own(&self, joint: usize) -> bool {
+        self.places[joint] == self.list[joint].follows.coordinate
+    }
+}
+
+impl<S: Numbers> Collected<S> {
+    /// Adds a joint for each followed coordinate; the last of them.
+    fn row(&mut self, moved: Moved, mut parent: Option<usize>, terms: &[Followed<S>]) -> Option<usize> {
+        for (k, &follows) in terms.iter().enumerate() {
+            let is_last = k + 1 == terms.len();
+            self.joints.push((LoopJoint { moved, follows, is_last }, parent));
+            parent = Some(self.joints.len() - 1);
+        }
+        parent
+    }
+
+    /// The joint that turns with a rotor, where it stands on the rotor's carrier.
+    fn beside(&self, rotor: &Rotor<S>) -> Option<usize> {
+        let (carrier, turned) = (rotor.carrier?, rotor.transmission.single()?);
+        let turns = |&(joint, parent): &(LoopJoint<S>, Option<usize>)| {
+            joint.follows.coordinate == turned.coordinate && parent == Some(self.carriers[carrier])
+        };
+        self.joints.iter().position(turns)
+    }
+}
+
+/// Whether a rotor adds to the diagonal of M alone.
+pub(super) fn is_on_diagonal<S: Numbers>(rotor: &Rotor<S>) -> bool {
+    rotor.carrier.is_none() && rotor.transmission.single().is_some()
+}
+
+/// The joints of the coordinates stand first, in order; all others follow them.
+fn places<S: Numbers>(mechanism: &Mechanism<S>, list: &[LoopJoint<S>]) -> Vec<usize> {
+    let mut next = mechanism.coordinates;
+    let place = |joint: &LoopJoint<S>| {
+        if let Moved::Body(index) = joint.moved {
+            let body = &mechanism.bodies[index];
+            if body.joint < mechanism.coordinates && !body.is_screw_slide {
+                return body.joint;
+            }
+        }
+        next += 1;
+        next - 1
+    };
+    list.iter().map(place).collect()
+}

@@ -1,0 +1,104 @@
+//! Sums over the joints of a robot, as functions of its module: along paths, over subtrees, over the joints of a
+//! coordinate.
+
+use super::arrays::Emission;
+use super::{layout, signature};
+use crate::emit::arrays::followers;
+
+impl Emission<'_> {
+    pub(super) fn sum_ancestors(&self) -> String {
+        let sums = self.form.joints.order.iter().map(|&joint| match self.form.joints.parents[joint] {
+            Some(parent) => format!("to[{joint}] = from[{joint}] + to[{parent}];"),
+            None => format!("to[{joint}] = from[{joint}];"),
+        });
+        let sums: Vec<String> = sums.collect();
+        self.sum_function(
+            "sum_ancestors",
+            "Adds to each joint those before it on its path to the base.",
+            &sums,
+        )
+    }
+
+    pub(super) fn sum_subtrees(&self) -> String {
+        let sums = self.form.joints.order.iter().rev().filter_map(|&joint| {
+            let parent = self.form.joints.parents[joint]?;
+            Some(format!("to[{parent}] += to[{joint}];"))
+        });
+        let copy = format!("memcpy(to, from, {} * sizeof *to);", self.row.len);
+        let sums: Vec<String> = std::iter::once(copy).chain(sums).collect();
+        self.sum_function("sum_subtrees", "Adds to each joint all beyond it.", &sums)
+    }
+
+    /// Sums by coordinate of a row by joint.
+    fn collected(&self) -> Vec<String> {
+        let joints = followers(self.form).into_iter().enumerate();
+        let sum = |(coordinate, joints): (usize, Vec<usize>)| {
+            let terms: Vec<String> = joints.iter().map(|joint| format!("from[{joint}]")).collect();
+            format!("to[{coordinate}] = {};", terms.join(" + "))
+        };
+        joints.map(sum).collect()
+    }
+
+    pub(super) fn collect(&self) -> String {
+        let lengths = [self.row.len, self.row.coordinates];
+        self.function("collect", "Adds the joints that follow each coordinate.", lengths, &self.collected())
+    }
+
+    pub(super) fn spread(&self) -> String {
+        let of_joints = self.form.coordinates.iter().flat_map(|coordinates| &coordinates.of_joints);
+        let copies = of_joints.enumerate();
+        let copies = copies.map(|(joint, coordinate)| format!("to[{joint}] = from[{coordinate}];"));
+        let copies: Vec<String> = copies.collect();
+        let lengths = [self.row.coordinates, self.row.len];
+        self.function("spread", "Gives each joint what its coordinate has.", lengths, &copies)
+    }
+
+    pub(super) fn project(&self) -> String {
+        let (context, ty, joints) = (self.context, self.context.ty(), self.row.len);
+        let followers = followers(self.form).into_iter().enumerate();
+        let rows = followers.map(|(coordinate, rows)| {
+            let terms: Vec<String> = rows.iter().map(|row| format!("matrix[{} + j]", row * joints)).collect();
+            format!("rows[{} + j] = {};", coordinate * joints, terms.join(" + "))
+        });
+        let rows: String = rows.map(|row| layout::indented(&row)).collect();
+        let count = self.form.coordinates().len();
+        let sums: String = self.collected().iter().map(|sum| layout::indented(sum)).collect();
+        let statements = [
+            format!("{ty} rows[{}];", count * joints),
+            format!("for (int j = 0; j < {joints}; ++j) {{\n{rows}}}"),
+            format!("const {ty} *from = rows;"),
+            format!("for (int i = 0; i < {count}; ++i, from += {joints}, to += width) {{\n{sums}}}"),
+        ];
+        self.context.shared.add(&self.context.function("project"), |name| {
+            let arguments = [
+                signature::read(context, "matrix"),
+                "int width".to_owned(),
+                signature::written(context, "to"),
+            ];
+            let head =
+                layout::call(0, &format!("{} void {name}", context.constant("INLINE")), &arguments, "");
+            let about = "// Adds the rows and columns of the joints that follow each coordinate.";
+            format!("{about}\n{}", layout::function(&head, &statements))
+        })
+    }
+
+    fn sum_function(&self, stem: &str, about: &str, sums: &[String]) -> String {
+        self.function(stem, about, [self.row.len; 2], sums)
+    }
+
+    /// A function over rows.
+    ///
+    /// - `lengths`: entries of a row that is read and of one that is written, padding included
+    fn function(&self, stem: &str, about: &str, [from, to]: [usize; 2], sums: &[String]) -> String {
+        let context = self.context;
+        self.context.shared.add(&self.context.function(stem), |name| {
+            let arguments =
+                ["int rows".to_owned(), signature::read(context, "from"), signature::written(context, "to")];
+            let head =
+                layout::call(0, &format!("{} void {name}", context.constant("INLINE")), &arguments, "");
+            let sums: String = sums.iter().map(|sum| layout::indented(sum)).collect();
+            let each = format!("for (; rows > 0; --rows, from += {from}, to += {to}) {{\n{sums}}}");
+            format!("// {about}\n{}", layout::function(&head, &[each]))
+        })
+    }
+}

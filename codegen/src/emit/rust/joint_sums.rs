@@ -1,0 +1,134 @@
+//! Sums over the joints of a robot, as functions of its module: along paths, over subtrees, over the joints of a
+//! coordinate.
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::quote;
+
+use super::arrays::Emission;
+use super::doc_comment::DocComment;
+use crate::emit::arrays::followers;
+
+impl Emission<'_> {
+    /// Sums by coordinate of a row by joint.
+    fn collected(&self) -> Vec<TokenStream> {
+        let joints = followers(self.form).into_iter().enumerate();
+        let sum = |(coordinate, joints): (usize, Vec<usize>)| {
+            let coordinate = Literal::usize_unsuffixed(coordinate);
+            let joints = joints.into_iter().map(Literal::usize_unsuffixed);
+            quote!(to[#coordinate] = #(from[#joints])+*;)
+        };
+        joints.map(sum).collect()
+    }
+
+    pub(super) fn collect(&self) -> Ident {
+        let (ty, sums) = (self.context.ty(), self.collected());
+        let [joints, coordinates] = self.lengths();
+        let documentation = DocComment::new("Adds the joints that follow each coordinate.").tokens();
+        self.context.shared.add("collect", |name| {
+            quote! {
+                #documentation
+                fn #name<const R: usize>(from: &[[#ty; #joints]; R], to: &mut [[#ty; #coordinates]; R]) {
+                    for (from, to) in from.iter().zip(to) { #(#sums)* }
+                }
+            }
+        })
+    }
+
+    pub(super) fn project(&self) -> Ident {
+        let (ty, zero, sums) = (self.context.ty(), self.context.zero(), self.collected());
+        let [joints, coordinates] = self.lengths();
+        let [rows, count] =
+            [&self.form.joints, self.form.coordinates()].map(|tree| Literal::usize_unsuffixed(tree.len()));
+        let more = followers(self.form).into_iter().enumerate().flat_map(|(coordinate, joints)| {
+            let coordinate = Literal::usize_unsuffixed(coordinate);
+            let joints = joints.into_iter().skip(1).map(Literal::usize_unsuffixed);
+            joints.map(move |joint| quote!(rows[#coordinate][j] += rows[#joint][j];)).collect::<Vec<_>>()
+        });
+        let more: Vec<TokenStream> = more.collect();
+        let documentation =
+            DocComment::new("Adds the rows and columns of the joints that follow each coordinate.");
+        let documentation = documentation.tokens();
+        let allowed = quote!(#[allow(clippy::needless_range_loop, reason = "one index for all rows")]);
+        self.context.shared.add("project", |name| {
+            quote! {
+                #documentation
+                #allowed
+                fn #name<const W: usize>(from: &[[#ty; #joints]; #rows], to: &mut [[#ty; W]; #count]) {
+                    let mut rows = *from;
+                    for j in 0..#joints { #(#more)* }
+                    for (from, result) in rows.iter().zip(to) {
+                        let mut to = [#zero; #coordinates];
+                        #(#sums)*
+                        result.copy_from_slice(to.split_at(W).0);
+                    }
+                }
+            }
+        })
+    }
+
+    pub(super) fn spread(&self) -> Ident {
+        let ty = self.context.ty();
+        let [joints, coordinates] = self.lengths();
+        let of_joints = self.form.coordinates.iter().flat_map(|coordinates| &coordinates.of_joints);
+        let copies = of_joints.enumerate().map(|(joint, &coordinate)| {
+            let [joint, coordinate] = [joint, coordinate].map(Literal::usize_unsuffixed);
+            quote!(to[#joint] = from[#coordinate];)
+        });
+        let copies: Vec<TokenStream> = copies.collect();
+        let documentation = DocComment::new("Gives each joint what its coordinate has.").tokens();
+        self.context.shared.add("spread", |name| {
+            quote! {
+                #documentation
+                fn #name<const R: usize>(from: &[[#ty; #coordinates]; R], to: &mut [[#ty; #joints]; R]) {
+                    for (from, to) in from.iter().zip(to) { #(#copies)* }
+                }
+            }
+        })
+    }
+
+    /// Entries of rows by joint and by coordinate, padding included.
+    fn lengths(&self) -> [Literal; 2] {
+        [self.row.len, self.row.coordinates].map(Literal::usize_unsuffixed)
+    }
+
+    pub(super) fn sum_ancestors(&self) -> Ident {
+        let sums = self.form.joints.order.iter().map(|&joint| {
+            let index = Literal::usize_unsuffixed(joint);
+            match self.form.joints.parents[joint] {
+                Some(parent) => {
+                    let parent = Literal::usize_unsuffixed(parent);
+                    quote!(to[#index] = from[#index] + to[#parent];)
+                }
+                None => quote!(to[#index] = from[#index];),
+            }
+        });
+        self.sums(
+            "sum_ancestors",
+            "Adds to each joint those before it on its path to the base.",
+            &sums.collect::<Vec<_>>(),
+        )
+    }
+
+    pub(super) fn sum_subtrees(&self) -> Ident {
+        let sums = self.form.joints.order.iter().rev().filter_map(|&joint| {
+            let parent = Literal::usize_unsuffixed(self.form.joints.parents[joint]?);
+            let index = Literal::usize_unsuffixed(joint);
+            Some(quote!(to[#parent] += to[#index];))
+        });
+        let copy = std::iter::once(quote!(*to = *from;));
+        self.sums("sum_subtrees", "Adds to each joint all beyond it.", &copy.chain(sums).collect::<Vec<_>>())
+    }
+
+    fn sums(&self, name: &str, about: &str, statements: &[TokenStream]) -> Ident {
+        let (ty, lanes) = (self.context.ty(), Literal::usize_unsuffixed(self.row.len));
+        let documentation = DocComment::new(about).tokens();
+        self.context.shared.add(name, |name| {
+            quote! {
+                #documentation
+                fn #name<const R: usize>(from: &[[#ty; #lanes]; R], to: &mut [[#ty; #lanes]; R]) {
+                    for (from, to) in from.iter().zip(to) { #(#statements)* }
+                }
+            }
+        })
+    }
+}

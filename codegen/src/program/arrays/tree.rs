@@ -1,0 +1,108 @@
+//! What arrays have their entries over: the joints, and the coordinates that these follow.
+
+/// A tree of joints or of coordinates.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Tree {
+    /// The parent of each entry.
+    pub parents: Vec<Option<usize>>,
+    /// The entries, parents first.
+    pub order: Vec<usize>,
+}
+
+impl Tree {
+    /// The number of entries.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.parents.len()
+    }
+
+    /// Tells whether there are no entries.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.parents.is_empty()
+    }
+
+    /// Tells whether each entry but the first follows the one before it.
+    #[must_use]
+    pub fn is_chain(&self) -> bool {
+        let parents = self.parents.iter().enumerate();
+        parents.into_iter().all(|(index, parent)| *parent == index.checked_sub(1))
+    }
+
+    /// Tells whether entry `j` stands before entry `i` on its path to the base.
+    #[must_use]
+    pub fn is_before(&self, j: usize, i: usize) -> bool {
+        let path = std::iter::successors(self.parents[i], |&next| self.parents[next]);
+        path.into_iter().any(|ancestor| ancestor == j)
+    }
+
+    /// Tells whether two entries are one, or stand on one path to the base.
+    #[must_use]
+    pub fn meet(&self, i: usize, j: usize) -> bool {
+        i == j || self.is_before(i, j) || self.is_before(j, i)
+    }
+}
+
+/// How joints follow coordinates, where they are not the coordinates themselves.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Coordinates {
+    /// The coordinate that each joint follows. The joints of the coordinates themselves stand first, in order.
+    pub of_joints: Vec<usize>,
+    /// Two coordinates stand on one path where their rows meet while the mass matrix is inverted.
+    pub tree: Tree,
+}
+
+impl Coordinates {
+    /// - `of_joints`: the coordinate of each joint, as in the field of that name
+    #[must_use]
+    pub fn new(joints: &Tree, of_joints: Vec<usize>) -> Self {
+        let n = of_joints.iter().max().map_or(0, |&last| last + 1);
+        let mut meet = vec![vec![false; n]; n];
+        for (i, &row) in of_joints.iter().enumerate() {
+            for (j, &column) in of_joints.iter().enumerate() {
+                meet[row][column] |= joints.meet(i, j);
+            }
+        }
+        let order: Vec<usize> = joints.order.iter().copied().filter(|&joint| joint < n).collect();
+        let parents = elimination(meet, &order);
+        Self { of_joints, tree: Tree { parents, order } }
+    }
+
+    /// The joints that follow the coordinates of others, each with its coordinate.
+    pub fn followers(&self) -> impl DoubleEndedIterator<Item = (usize, usize)> {
+        let joints = self.of_joints.iter().copied().enumerate();
+        joints.skip(self.tree.len())
+    }
+}
+
+/// The elimination tree of a symmetric matrix (Liu 1990): rows that are combined while it is inverted from the end
+/// of `order` to its beginning stand on one path.
+fn elimination(mut meet: Vec<Vec<bool>>, order: &[usize]) -> Vec<Option<usize>> {
+    let mut parents = vec![None; order.len()];
+    for (place, &pivot) in order.iter().enumerate().rev() {
+        let others: Vec<usize> = order[..place].iter().copied().filter(|&other| meet[pivot][other]).collect();
+        parents[pivot] = others.last().copied();
+        for &row in &others {
+            for &column in &others {
+                meet[row][column] = true;
+            }
+        }
+    }
+    parents
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_of_two_branches_that_a_joint_joins_stand_on_one_path() {
+        // Two fingers on a wrist; the second finger's tip follows the first finger.
+        let joints = Tree { parents: vec![None, Some(0), Some(0), Some(2)], order: vec![0, 1, 2, 3] };
+        let apart = Coordinates::new(&joints, vec![0, 1, 2, 2]);
+        assert_eq!(apart.tree.parents, [None, Some(0), Some(0)]);
+        let joined = Coordinates::new(&joints, vec![0, 1, 2, 1]);
+        assert_eq!(joined.tree.parents, [None, Some(0), Some(1)]);
+        assert_eq!(joined.followers().collect::<Vec<_>>(), [(3, 1)]);
+    }
+}
