@@ -4,13 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-<<<<<<< HEAD
 use crate::cargo::target;
-use crate::workspace;
-=======
-use crate::cargo::{cargo, success, target};
 use crate::{shared, workspace};
->>>>>>> 06bed3d (gelenk generate --for acados writes discrete dynamics for acados and a file in Python that sets a problem up)
 
 /// The interpreter of an environment with the packages of `tests/python/requirements.txt`; none, with a note, where there
 /// is no Python, or where its packages cannot be had.
