@@ -119,11 +119,7 @@ impl<'m> Forms<'m> {
     }
 
     /// The function that one with affine results calls, and the gains of the inputs.
-    fn called(
-        &self,
-        quantity: &Quantity,
-        called: &str,
-    ) -> Option<(&'static Quantity, Vec<Vec<(usize, Operand)>>)> {
+    fn called(&self, quantity: &Quantity, called: &str) -> Option<(&'static Quantity, Gains)> {
         let called = catalogue::row(called)?;
         if self.is_straight(quantity) || !self.may_loop(called) {
             return None;
@@ -235,8 +231,11 @@ fn is_large(operations: usize) -> bool {
     BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT
 }
 
-/// For each input the coordinates that it acts on, with its gains; `None` where a gain has to be computed.
-fn gains(model: &Model) -> Option<Vec<Vec<(usize, Operand)>>> {
+/// For each input the coordinates that it acts on, with its gains.
+type Gains = Vec<Vec<(usize, Operand)>>;
+
+/// The gains of all inputs; `None` where a gain has to be computed.
+fn gains(model: &Model) -> Option<Gains> {
     if model.inputs_depend_on_position() {
         return None;
     }

@@ -27,6 +27,7 @@ pub mod least_squares;
 pub mod library;
 pub mod log;
 pub mod moments;
+mod offset;
 pub mod plot;
 pub mod preparation;
 pub mod random;

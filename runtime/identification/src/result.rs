@@ -5,11 +5,11 @@ use super::digits::{rounded, with_error};
 use super::error::Result;
 use super::friction::Drift;
 use super::library::Library;
+pub use super::offset::Offset;
 use super::stribeck::{StribeckWords, stribeck_gradient, stribeck_torque};
 use nalgebra::DMatrix;
 use std::borrow::Cow;
 use std::fmt::Write;
-use std::ops::Range;
 
 /// Level of the intervals in tables and descriptions.
 pub const CONFIDENCE: f64 = 0.95;
@@ -179,17 +179,6 @@ fn interval(value: f64, error: Option<f64>, t: f64) -> Option<String> {
     let e = error.filter(|e| e.is_finite() && *e > 0.0)?;
     let bound = |x: f64| rounded(x, error);
     Some(format!("{} … {}", bound(value - t * e), bound(value + t * e)))
-}
-
-/// A constant torque beside the law.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Offset {
-    /// The run's samples.
-    pub samples: Range<usize>,
-    /// Mean of torque minus law [N·m or N].
-    pub value: f64,
-    /// Standard error for correlated residuals; `None` where the run is too short to tell.
-    pub standard_error: Option<f64>,
 }
 
 /// The friction law of one joint and how it was found.

@@ -3,8 +3,9 @@
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::Layout;
-use super::normal::{Centred, Offsets};
+use super::normal::Centred;
 use super::residuals::Forces;
+use super::result::Offsets;
 use super::sums::Sums;
 
 /// Share of the residual's variance that one quantity may explain before it is a doubt.

@@ -5,8 +5,9 @@ use super::super::error::Result;
 use super::super::inertial::PER_BODY;
 use super::fit::{HeldOut, Weighting, held_out, reweighted};
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
-use super::normal::{Centred, Model, Offsets, Values};
+use super::normal::{Centred, Model, Values};
 use super::prior::Prior;
+use super::result::{Offsets, WeightTried};
 use super::sums::Sums;
 
 /// Weights of the description that are tried: two for each decade.
@@ -19,15 +20,6 @@ const LESS_TRUST_STEPS: usize = 2;
 
 /// Cosine between v and |v| beyond which they are not told apart.
 const MOST_ALIKE: f64 = 0.8;
-
-/// Held-out error for one weight of the description.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WeightTried {
-    /// λ.
-    pub weight: f64,
-    /// Sum over folds and joints of the squared residuals in units of their variance, per equation.
-    pub error: f64,
-}
 
 /// A choice, and what it was chosen from.
 pub(super) struct Chosen<'a> {

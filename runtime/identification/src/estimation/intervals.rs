@@ -11,9 +11,10 @@ use super::super::run::PreparedRun;
 use super::cosines;
 use super::fit::{Solved, Weighting, force_weights};
 use super::layout::Layout;
-use super::normal::{Centred, Factor, Offsets, Values, residual_vector};
+use super::normal::{Centred, Factor, Values, residual_vector};
 use super::prior::Prior;
 use super::residuals::{RunOffsets, huber, residual};
+use super::result::Offsets;
 use super::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 

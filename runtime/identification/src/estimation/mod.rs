@@ -25,11 +25,11 @@ mod task;
 #[cfg(test)]
 mod tests;
 
-pub use choice::WeightTried;
 pub use estimate::estimate;
 pub use instruments::InstrumentSource;
-pub use normal::Offsets;
-pub use result::{Estimate, EstimatedTerm, InstrumentalEstimate, JointEstimate, Uncertain};
+pub use result::{
+    Estimate, EstimatedTerm, InstrumentalEstimate, JointEstimate, Offsets, Uncertain, WeightTried,
+};
 pub use settings::EstimationSettings;
 pub(crate) use {
     intervals::correlation_time,

@@ -3,19 +3,9 @@
 use super::super::error::{IdentificationError, Result};
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::prior::Prior;
+use super::result::Offsets;
 use super::sums::Sums;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-
-/// How offsets of the measured forces are estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Offsets {
-    /// None: the sensors and the gravity of the description are trusted.
-    None,
-    /// One for each joint.
-    Common,
-    /// One for each joint and run.
-    ByRun,
-}
 
 /// Which unknowns are estimated.
 #[derive(Debug, Clone, PartialEq)]

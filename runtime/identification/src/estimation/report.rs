@@ -8,10 +8,9 @@ use super::endogeneity::{Endogeneity, Test};
 use super::fit::Solved;
 use super::intervals::Covariance;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, VISCOUS};
-use super::normal::Offsets;
 use super::prior::Prior;
 use super::residuals::{Forces, RunOffsets};
-use super::result::{Estimate, EstimatedTerm, InstrumentalEstimate, JointEstimate, Uncertain};
+use super::result::{Estimate, EstimatedTerm, InstrumentalEstimate, JointEstimate, Offsets, Uncertain};
 use super::task::Task;
 
 /// Level of the test of least squares against instrumental variables.

@@ -1,9 +1,27 @@
 //! The estimate and how far to trust it.
 
 use super::super::run::Effort;
-use super::choice::WeightTried;
 use super::instruments::InstrumentSource;
-use super::normal::Offsets;
+
+/// Held-out error for one weight of the description.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeightTried {
+    /// λ.
+    pub weight: f64,
+    /// Sum over folds and joints of the squared residuals in units of their variance, per equation.
+    pub error: f64,
+}
+
+/// How offsets of the measured forces are estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Offsets {
+    /// None: the sensors and the gravity of the description are trusted.
+    None,
+    /// One for each joint.
+    Common,
+    /// One for each joint and run.
+    ByRun,
+}
 
 /// Inertia, friction, offsets and gains of a robot, with intervals.
 #[derive(Debug, Clone, PartialEq)]

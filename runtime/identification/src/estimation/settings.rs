@@ -2,7 +2,7 @@
 
 use super::super::error::{Result, require_setting};
 use super::super::preparation::Filter;
-use super::normal::Offsets;
+use super::result::Offsets;
 
 /// Settings of [`super::estimate`]. The defaults suit a log about which nothing is known.
 #[derive(Debug, Clone, PartialEq)]

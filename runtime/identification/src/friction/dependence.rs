@@ -3,8 +3,8 @@
 use super::super::error::Result;
 use super::super::least_squares::Reduced;
 use super::super::moments::{Moments, Samples};
-use super::FrictionData;
 use super::design::{centre, fold_ranges, runs};
+use super::task::FrictionData;
 
 /// Share of the residual's variance that another quantity must explain on left-out folds to be named.
 const NAMED_SHARE: f64 = 0.1;

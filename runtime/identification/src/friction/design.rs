@@ -9,9 +9,9 @@ use super::super::error::{IdentificationError, Result};
 use super::super::least_squares::Reduced;
 use super::super::library::Library;
 use super::super::moments::{Moments, Samples, contiguous_blocks};
-use super::super::result::Offset;
+use super::super::offset::Offset;
 use super::super::subset::{Requirement, requirements};
-use super::{FrictionData, FrictionIdentification, Offsets};
+use super::task::{FrictionData, FrictionIdentification, Offsets};
 use nalgebra::DVector;
 use std::ops::Range;
 

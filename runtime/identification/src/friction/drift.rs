@@ -2,8 +2,8 @@
 
 use super::super::confidence::{LongRun, quantile};
 use super::super::digits::with_error;
-use super::FrictionData;
 use super::design::{centre, mean, runs};
+use super::task::FrictionData;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::ops::Range;
 

@@ -7,7 +7,7 @@ use super::super::moments::{Moments, Samples};
 use super::design::{Design, centre, mean, runs};
 use super::judgement::Findings;
 use super::selection::Selection;
-use super::{FrictionData, FrictionIdentification};
+use super::task::{FrictionData, FrictionIdentification};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 

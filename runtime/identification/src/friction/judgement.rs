@@ -1,12 +1,14 @@
 //! What is said about a law: notes, doubts, and reasons to refuse it.
 
 use super::super::error::Result;
-use super::super::result::{FrictionLaw, FrictionResult, Offset};
+use super::super::offset::Offset;
+use super::super::result::{FrictionLaw, FrictionResult};
 use super::super::stribeck::StribeckWords;
+use super::FrictionReport;
 use super::dependence::dependences;
 use super::drift::Drift;
 use super::held_out::{Unseen, variation};
-use super::{FrictionData, FrictionIdentification, FrictionReport};
+use super::task::{FrictionData, FrictionIdentification};
 use nalgebra::DMatrix;
 
 /// Share of samples beyond a limit of the description above which the data do not fit the joint.

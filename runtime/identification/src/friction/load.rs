@@ -5,12 +5,13 @@
 use super::super::error::Result;
 use super::super::least_squares::Reduced;
 use super::super::library::Library;
-use super::super::result::{FrictionLaw, FrictionResult, FrictionTerm, Offset};
+use super::super::offset::Offset;
+use super::super::result::{FrictionLaw, FrictionResult, FrictionTerm};
 use super::design::{Design, seen};
 use super::errors::Errors;
 use super::held_out::{Unseen, by_folds, variation};
 use super::selection::choose;
-use super::{FrictionData, FrictionIdentification, Offsets};
+use super::task::{FrictionData, FrictionIdentification, Offsets};
 use nalgebra::{DMatrix, DVector};
 
 /// Friction over speed and load.

@@ -17,6 +17,7 @@ mod load;
 mod selection;
 mod shares;
 mod stribeck;
+mod task;
 mod terms;
 #[cfg(test)]
 mod tests;
@@ -25,142 +26,21 @@ pub(crate) use design::centre;
 pub use drift::{Drift, Trend};
 pub use load::LoadFriction;
 pub(crate) use shares::SharedFriction;
+pub use task::{
+    FrictionData, FrictionIdentification, FrictionMethod, LEAST_R_SQUARED, LambdaChoice, Offsets,
+};
 
 use super::cross_validation::{CrossValidation, ParetoPoint};
 use super::ensemble::Ensemble;
 use super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
 };
-use super::lasso::Lasso;
 use super::library::Library;
 use super::result::FrictionResult;
-use super::robot::JointLimits;
-use super::stribeck::StribeckRegression;
 use super::subset::{ModelAverage, SubsetValidation};
-use super::thresholding::Thresholding;
 use nalgebra::DMatrix;
-use std::ops::Range;
-
-/// Least R² on data that were left out of a law that may be written. Below 0.05 the law takes away less than
-/// 2.6 % of the torque's root mean square: as a feed-forward it changes nothing that could be measured, and
-/// its terms mean nothing.
-pub const LEAST_R_SQUARED: f64 = 0.05;
-
-/// Friction samples of one joint.
-#[derive(Debug, Clone, Default)]
-pub struct FrictionData<'a> {
-    /// Name of the joint in the description.
-    pub joint: &'a str,
-    /// Unit of the torque, `N·m` or `N`.
-    pub unit: &'a str,
-    /// Unit of the velocity, `rad/s` or `m/s`.
-    pub velocity_unit: &'a str,
-    /// ẏ.
-    pub velocities: &'a [f64],
-    /// τ, from [`super::torque::friction_torques`].
-    pub torques: &'a [f64],
-    /// Weights of the samples, 1 where absent.
-    pub weights: Option<&'a [f64]>,
-    /// Folds of the cross-validation, e.g. runs, or groups of runs that repeat one motion; contiguous blocks
-    /// of equal size where absent.
-    pub folds: Option<&'a [Range<usize>]>,
-    /// Ranges of samples that were recorded without interruption. They follow each other and hold all samples;
-    /// each has an offset of its own, and no error is taken to be correlated between them. One run where absent.
-    pub runs: Option<&'a [Range<usize>]>,
-    /// y, where residuals that depend on it are to be noticed.
-    pub positions: Option<&'a [f64]>,
-    /// ÿ, where residuals that depend on it are to be noticed.
-    pub accelerations: Option<&'a [f64]>,
-    /// Limits of the joint, where samples beyond them are to be noticed.
-    pub limits: Option<JointLimits>,
-    /// Source and hash of the log.
-    pub data: &'a str,
-    /// How these samples were made: differentiation, selection.
-    pub settings: &'a [String],
-}
-
-/// Which λ of a cross-validated path is taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LambdaChoice {
-    /// The one with the least error on left-out blocks.
-    Minimum,
-    /// The largest one whose error is within one standard error of the least.
-    OneStandardError,
-}
-
-/// How the law is found.
-#[derive(Debug, Clone, PartialEq)]
-pub enum FrictionMethod {
-    /// Least squares on all terms of the library.
-    LeastSquares,
-    /// Sequentially thresholded least squares.
-    Thresholding(Thresholding),
-    /// LASSO on 100 values of λ, cross-validated on contiguous blocks, then least squares on the chosen
-    /// terms.
-    Lasso(Lasso, LambdaChoice),
-    /// The subset with the fewest terms whose error on left-out blocks is within one standard error of the
-    /// least, for libraries of at most twelve terms.
-    BestSubset,
-    /// Nonlinear regression of the Stribeck law; the library is not used.
-    Stribeck(StribeckRegression),
-}
-
-/// What a constant torque in the data is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Offsets {
-    /// A constant of each run: an offset of the sensor, or gravity that the model has wrong. It is estimated with
-    /// the law, reported, never restricted and never written; constant terms of the library belong to it.
-    /// Coulomb friction that differs by direction cannot be told from it unless the data hold slow motion.
-    #[default]
-    Separate,
-    /// Friction: torques are known to have no offset, and constant terms of the library belong to the law.
-    PartOfLaw,
-}
-
-/// Settings.
-#[derive(Debug, Clone)]
-pub struct FrictionIdentification {
-    /// Terms in the velocity `v`.
-    pub library: Library,
-    /// How the law is found.
-    pub method: FrictionMethod,
-    /// What a constant torque is.
-    pub offsets: Offsets,
-    /// Contiguous blocks of the cross-validation, where the data name no folds.
-    pub folds: usize,
-    /// Bootstrap draws; 0 for none.
-    pub draws: usize,
-    /// Contiguous blocks among which the bootstrap draws: longer than the errors are correlated.
-    pub blocks: usize,
-    /// Seed of the bootstrap.
-    pub seed: u64,
-    /// Forces `τ v ≥ 0` over the speeds in the data and viscous friction ≥ 0, where least squares would break
-    /// them. Offsets are separated before. A Stribeck law that breaks it is refused.
-    pub passive: bool,
-    /// R² on left-out data below which a law is refused.
-    pub least_r_squared: f64,
-}
 
 impl FrictionIdentification {
-    /// [`Library::joint_friction`], thresholding at 0.1, offsets separated, ten folds, 200 draws from 60 blocks,
-    /// passive, refused below [`LEAST_R_SQUARED`].
-    ///
-    /// # Errors
-    /// None in practice; the signature is that of [`Library::new`].
-    pub fn new() -> Result<Self> {
-        Ok(Self {
-            library: Library::joint_friction()?,
-            method: FrictionMethod::Thresholding(Thresholding::default()),
-            offsets: Offsets::default(),
-            folds: 10,
-            draws: 200,
-            blocks: 60,
-            seed: 1,
-            passive: true,
-            least_r_squared: LEAST_R_SQUARED,
-        })
-    }
-
     /// Finds the law of one joint.
     ///
     /// # Errors

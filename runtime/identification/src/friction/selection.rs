@@ -7,7 +7,7 @@ use super::super::least_squares::{Reduced, Solution};
 use super::super::moments::Moments;
 use super::super::subset::{SubsetValidation, best_of_size, requirements};
 use super::super::thresholding::Thresholding;
-use super::{FrictionMethod, LambdaChoice};
+use super::task::{FrictionMethod, LambdaChoice};
 
 /// A choice of terms.
 pub(super) enum Selection {

@@ -8,12 +8,13 @@ use super::super::library::Library;
 use super::super::moments::Moments;
 use super::super::result::{FrictionLaw, FrictionResult, FrictionTerm};
 use super::super::subset::{ModelAverage, requirements};
+use super::FrictionReport;
 use super::errors::null_space;
 use super::held_out::{Unseen, by_folds};
 use super::judgement::Findings;
 use super::selection::{Selection, choose};
+use super::task::{FrictionData, FrictionIdentification};
 use super::terms::{doubt, restrict};
-use super::{FrictionData, FrictionIdentification, FrictionReport};
 use nalgebra::{DMatrix, DVector};
 
 /// What is known about the friction of one joint without its samples.

@@ -8,13 +8,14 @@ use super::super::least_squares::{Reduced, Solution, Solver};
 use super::super::moments::{Moments, Samples};
 use super::super::result::{FrictionLaw, FrictionTerm};
 use super::super::subset::{MOST_TERMS, ModelAverage, requirements};
+use super::FrictionReport;
 use super::design::Design;
 use super::errors::Errors;
 use super::held_out::held_out;
 use super::judgement::{Findings, Judged, velocity_range};
 use super::selection::{Selection, choose};
 use super::shares::passive;
-use super::{FrictionData, FrictionIdentification, FrictionReport};
+use super::task::{FrictionData, FrictionIdentification};
 use nalgebra::{DMatrix, DVector};
 
 /// Condition number of the chosen terms above which coefficients are doubted (the curve need not be).

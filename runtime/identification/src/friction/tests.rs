@@ -1,8 +1,13 @@
 //! Laws found again in made data, and everything that is said about them.
 
+use super::super::lasso::Lasso;
 use super::super::random::SplitMix64;
 use super::super::result::FrictionLaw;
+use super::super::robot::JointLimits;
+use super::super::stribeck::StribeckRegression;
+use super::super::thresholding::Thresholding;
 use super::*;
+use std::ops::Range;
 
 fn samples(law: impl Fn(f64) -> f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
     let mut random = SplitMix64::new(9);

@@ -3,7 +3,7 @@
 use super::super::robot::{JointLimits, Robot};
 use super::super::run::{Effort, Run};
 use super::FindingKind;
-use super::recording::RunFinding;
+use super::finding::RunFinding;
 use std::f64::consts::{PI, TAU};
 
 /// Findings of all joints, pooled over the runs.

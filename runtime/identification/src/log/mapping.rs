@@ -1,9 +1,9 @@
 //! Which column of a stranger's log is which quantity of a robot.
 
-use super::super::error::{IdentificationError, Result};
-use super::super::robot::Robot;
+use super::super::error::Result;
 use super::super::run::Effort;
 use super::families::{Family, Targets, families};
+use super::finder::{Finder, RobotColumns};
 use super::options::{ColumnOptions, Named, Pattern, is_effort};
 use super::sheet::{Sheet, shortened};
 use super::time::{TimeColumn, find_time};
@@ -35,46 +35,6 @@ pub(super) struct Mapping {
     pub unused: Vec<String>,
 }
 
-/// A robot's joints and inputs as columns are matched with them.
-pub(super) struct RobotColumns {
-    pub joints: Targets,
-    pub inputs: Targets,
-    /// `rad` or `m`, of each joint.
-    pub units: Vec<&'static str>,
-    /// Unit of the position of the joint that an input drives, where it is one.
-    pub input_units: Vec<&'static str>,
-    /// B is the identity: forces at the joints and inputs are the same.
-    pub direct: bool,
-}
-
-impl RobotColumns {
-    pub(super) fn new(robot: &dyn Robot) -> Self {
-        let (joints, inputs) = (robot.joint_names(), robot.input_names());
-        let (n, m) = (joints.len(), inputs.len());
-        let matrix = robot.input_matrix();
-        let entry = |row: usize, column: usize| matrix.get(row * m + column).copied().unwrap_or(0.0);
-        let driven = |input: usize| {
-            let mut rows = (0..n).filter(|joint| entry(*joint, input) != 0.0);
-            let joint = rows.next()?;
-            rows.next().is_none().then_some(joint)
-        };
-        let driven: Vec<Option<usize>> = (0..m).map(driven).collect();
-        let others: Vec<Option<String>> = driven.iter().map(|j| j.map(|j| joints[j].clone())).collect();
-        let units = robot.position_units();
-        let unit = |joint: Option<usize>| joint.and_then(|j| units.get(j).copied()).unwrap_or("rad");
-        let direct = n == m
-            && (0..n)
-                .all(|row| (0..m).all(|column| entry(row, column) == f64::from(u8::from(row == column))));
-        Self {
-            inputs: Targets::new(&inputs, &others),
-            joints: Targets::new(&joints, &[]),
-            input_units: driven.into_iter().map(unit).collect(),
-            units,
-            direct,
-        }
-    }
-}
-
 /// Finds the columns of a robot in a sheet.
 ///
 /// # Errors
@@ -100,16 +60,6 @@ pub(super) fn resolve(
     finder.mapping(options)
 }
 
-/// What finding columns needs.
-pub(super) struct Finder<'a> {
-    pub sheet: &'a Sheet<'a>,
-    pub headers: &'a [Header],
-    pub robot: &'a RobotColumns,
-    pub patterns: &'a [Pattern],
-    listed: Option<&'a [Option<usize>]>,
-    pub source: &'a str,
-}
-
 /// Columns of a quantity, how they were found, and what has to be said of them.
 struct Found {
     columns: Vec<usize>,
@@ -118,14 +68,6 @@ struct Found {
 }
 
 impl Finder<'_> {
-    pub(super) fn fault(&self, message: String) -> IdentificationError {
-        IdentificationError::File { place: self.source.into(), message }
-    }
-
-    pub(super) fn pattern(&self, matches: impl Fn(Named) -> bool) -> Option<&Pattern> {
-        self.patterns.iter().find(|p| matches(p.named))
-    }
-
     /// A row of numbers is no header.
     fn require_header(&self) -> Result<()> {
         let asked = |named: fn(Named) -> bool| self.pattern(named).is_some();
@@ -191,20 +133,6 @@ impl Finder<'_> {
             Effort::Input => (Kind::Input, &self.robot.inputs),
             Effort::Current => (Kind::Current, &self.robot.inputs),
         }
-    }
-
-    /// Name of a column for people.
-    pub(super) fn label(&self, column: usize) -> String {
-        match self.headers.get(column) {
-            Some(header) => format!("`{}`", header.text),
-            None => format!("number {}", column + 1),
-        }
-    }
-
-    /// What `--columns` takes for a header: its text, or its number where others have the same text.
-    pub(super) fn unique(&self, header: &Header) -> String {
-        let same = self.headers.iter().filter(|h| h.text == header.text).count();
-        if same > 1 { (header.index + 1).to_string() } else { header.text.clone() }
     }
 
     fn unused(&self, used: &[usize]) -> Vec<String> {

@@ -10,6 +10,8 @@
 
 mod check;
 mod families;
+mod finder;
+mod finding;
 mod health;
 mod mapping;
 mod motion;
@@ -33,9 +35,10 @@ mod vocabulary;
 mod wording;
 
 pub use check::{Finding, FindingKind, check};
+pub use finding::RunFinding;
 pub use motion::{Differentiation, MotionColumns};
 pub use options::ColumnOptions;
-pub use recording::{Recording, RunFinding, runs, runs_of};
+pub use recording::{Recording, runs, runs_of};
 pub use schema::{ChannelSchema, LogSchema, Quantity};
 
 use super::error::{IdentificationError, Result, require_setting};

@@ -3,14 +3,14 @@
 use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
-use super::FindingKind;
+use super::finder::RobotColumns;
+use super::finding::RunFinding;
 use super::health;
-use super::mapping::{Mapping, RobotColumns, resolve};
+use super::mapping::{Mapping, resolve};
 use super::options::ColumnOptions;
 use super::read::sha256;
 use super::runs::{Samples, split};
 use super::sheet::Sheet;
-use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// What several logs hold of one robot.
@@ -28,35 +28,6 @@ pub struct Recording {
     pub unused: Vec<String>,
     /// Path and SHA-256 of each log, in hexadecimal.
     pub hashes: Vec<(String, String)>,
-}
-
-/// Something suspicious in a log, or something that was done to it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RunFinding {
-    /// The log's file; none for all of them.
-    pub file: Option<String>,
-    /// First and last row in the file, as an editor shows them; none where no row is meant.
-    pub rows: Option<(usize, usize)>,
-    /// Name of the joint or input; none for all of them.
-    pub joint: Option<String>,
-    /// Kind.
-    pub kind: FindingKind,
-    /// A sentence with the numbers.
-    pub message: String,
-}
-
-impl fmt::Display for RunFinding {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let rows = match self.rows {
-            Some((first, last)) if first == last => Some(format!("row {first}")),
-            Some((first, last)) => Some(format!("rows {first} to {last}")),
-            None => None,
-        };
-        let joint = self.joint.as_ref().map(|joint| format!("joint {joint}"));
-        let place: Vec<String> = [self.file.clone(), rows, joint].into_iter().flatten().collect();
-        let colon = if place.is_empty() { "" } else { ": " };
-        write!(f, "{}{colon}{}", place.join(", "), self.message)
-    }
 }
 
 /// Largest log that is read, in bytes: it stands in memory as a whole.

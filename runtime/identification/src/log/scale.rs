@@ -1,7 +1,7 @@
 //! Factors of columns to SI, by the unit that the user, the header or the row below it names.
 
 use super::super::error::{IdentificationError, Result};
-use super::mapping::Finder;
+use super::finder::Finder;
 use super::units::{self, Unit};
 use super::vocabulary::{Header, Kind, is_known, is_number, words};
 use super::wording::singular;

@@ -2,7 +2,7 @@
 
 use super::super::error::Result;
 use super::families::{Targets, meaning_of};
-use super::mapping::Finder;
+use super::finder::Finder;
 use super::number::{Decimals, exact};
 use super::options::Named;
 use super::vocabulary::{Header, Kind};

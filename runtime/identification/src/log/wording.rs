@@ -2,7 +2,7 @@
 
 use super::super::error::IdentificationError;
 use super::families::{Family, Key, Targets, meaning_of};
-use super::mapping::Finder;
+use super::finder::Finder;
 use super::sheet::shortened;
 use super::vocabulary::{Kind, Origin};
 

@@ -2,8 +2,8 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::kernel::{BLOCK, add_products, stribeck_block};
+use super::law::{Robustness, StribeckRegression, stribeck_torque};
 use super::refine::{Data, Normal};
-use super::{Robustness, StribeckRegression, stribeck_torque};
 use nalgebra::{SMatrix, SVector};
 
 const BINS: usize = 400;

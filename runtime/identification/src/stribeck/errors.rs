@@ -2,8 +2,8 @@
 
 use super::super::confidence::{LongRun, covariance_of_sums};
 use super::super::kernel::{BLOCK, stribeck_block};
+use super::law::{NAMES, StribeckFit};
 use super::refine::{Data, Normal};
-use super::{NAMES, StribeckFit};
 use nalgebra::{DMatrix, SMatrix};
 use std::ops::Range;
 

@@ -1,7 +1,7 @@
 //! The Stribeck law in physical words.
 
 use super::super::digits::with_error;
-use super::StribeckFit;
+use super::law::StribeckFit;
 
 /// A value with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]

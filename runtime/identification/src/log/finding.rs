@@ -1,0 +1,33 @@
+//! What is suspicious in a log.
+
+use super::check::FindingKind;
+use std::fmt;
+
+/// Something suspicious in a log, or something that was done to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunFinding {
+    /// The log's file; none for all of them.
+    pub file: Option<String>,
+    /// First and last row in the file, as an editor shows them; none where no row is meant.
+    pub rows: Option<(usize, usize)>,
+    /// Name of the joint or input; none for all of them.
+    pub joint: Option<String>,
+    /// Kind.
+    pub kind: FindingKind,
+    /// A sentence with the numbers.
+    pub message: String,
+}
+
+impl fmt::Display for RunFinding {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let rows = match self.rows {
+            Some((first, last)) if first == last => Some(format!("row {first}")),
+            Some((first, last)) => Some(format!("rows {first} to {last}")),
+            None => None,
+        };
+        let joint = self.joint.as_ref().map(|joint| format!("joint {joint}"));
+        let place: Vec<String> = [self.file.clone(), rows, joint].into_iter().flatten().collect();
+        let colon = if place.is_empty() { "" } else { ": " };
+        write!(f, "{}{colon}{}", place.join(", "), self.message)
+    }
+}
