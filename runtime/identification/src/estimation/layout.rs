@@ -1,9 +1,8 @@
 //! Which unknown stands in which column, and which columns an equation of a joint has.
 
 use super::super::error::{IdentificationError, Result, require_length, require_samples};
-use super::super::inertial::PER_BODY;
 use super::super::random::SplitMix64;
-use super::super::robot::Robot;
+use super::super::robot::{Robot, weighing};
 use super::super::run::{Effort, PreparedRun};
 
 /// Widths of the Coulomb term that are tried, as shares of the joint's fast speed.
@@ -19,8 +18,6 @@ pub(super) const LOAD: usize = TERMS;
 
 /// A joint that moves less than this [rad or m] stands still.
 pub(crate) const STANDSTILL: f64 = 1e-3;
-/// Parameters of a body that weigh something: m and m c.
-const WEIGHING: usize = 4;
 /// States at which the structure of W is looked up. One generic state shows it; more guard against chance.
 const PROBES: usize = 4;
 
@@ -77,7 +74,7 @@ impl Layout {
         let parameters = robot.parameters().len();
         let terms = TERMS + usize::from(loads);
         let bodies = if compensated { robot.bodies() } else { 0 };
-        let compensated: Vec<usize> = (0..bodies * PER_BODY).filter(|i| i % PER_BODY < WEIGHING).collect();
+        let compensated: Vec<usize> = weighing(bodies).collect();
         Ok(Self {
             joints,
             parameters,

@@ -72,10 +72,10 @@ fn shares_of_the_load_come_back_beside_masses_and_friction() {
         for (term, truth) in joint.terms.iter().zip(friction) {
             assert!((term.coefficient.value / truth - 1.0).abs() < 0.05, "{term:?} {truth}");
         }
-        assert!(joint.held_out_r_squared > 0.999, "{joint:?}");
+        assert!((joint.sigma - 0.1).abs() < 0.01 && joint.held_out_r_squared > 0.99, "{joint:?}");
     }
     assert!((found.parameters[11].value / truth.parameters[11] - 1.0).abs() < 0.01);
-    assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+    assert!(!found.warnings.join(" ").contains("--load-friction"), "{:?}", found.warnings);
     // Without the term the fit is worse, and says what it lacks.
     let (_, without) = estimated(shares, false, 3);
     let doubts = without.warnings.join(" ");
