@@ -20,6 +20,8 @@ mod plant;
 #[path = "support/quadrotor.rs"]
 #[allow(dead_code, reason = "it has the face of a generated module")]
 mod quadrotor;
+#[path = "manifold/transport.rs"]
+mod transport;
 
 gelenk_runtime::dynamics!(struct Quadrotor = quadrotor: Differentiable + Discretizable);
 gelenk_runtime::dynamics!(struct Mixed = mixed: Differentiable + Discretizable);

@@ -1,6 +1,7 @@
 //! Samples from a file: reading, and finding those whose positions contradict their velocities.
 
-use super::{Sample, Sampled, TrajectoryError, require_finite, require_positive};
+use super::{GeodesicMotion, Sample, Sampled, TrajectoryError, require_finite, require_positive};
+use crate::dynamics::Dynamics;
 use std::io::Read;
 use std::path::Path;
 
@@ -206,6 +207,22 @@ impl<const N: usize> Recording<N> {
             })
             .collect();
         Sampled::new(samples, self.period)
+    }
+
+    /// The motion of a robot with quaternions through all recorded positions, the columns being its NY position entries
+    /// in their order, quaternions as x, y, z, w. It begins and ends at rest; velocities between follow from the
+    /// neighbouring positions, see [`GeodesicMotion::through`], and recorded ones are not used.
+    ///
+    /// # Errors
+    /// [`TrajectoryError::Attitude`] for a quaternion that is zero or not of unit length, with its sample as the point;
+    /// others as [`GeodesicMotion::through`].
+    pub fn through_poses<D: Dynamics<V, M, N>, const V: usize, const M: usize>(
+        &self,
+        robot: D,
+    ) -> Result<GeodesicMotion<D, V, M, N>, TrajectoryError> {
+        let times = (0..).map(|k| f64::from(k) * self.period);
+        let points: Vec<(f64, [f64; N])> = times.zip(self.positions.iter().copied()).collect();
+        GeodesicMotion::through(robot, &points)
     }
 }
 

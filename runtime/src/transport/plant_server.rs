@@ -102,8 +102,8 @@ impl ServerOptions {
 /// robot: it is taken up again at rest where it was, its brakes engaged, as a new session, which controllers
 /// learn as [`TransportError::Restarted`](super::TransportError::Restarted). [`breakdowns`](Self::breakdowns)
 /// counts them.
-pub struct PlantServer<D, const N: usize, const M: usize> {
-    plant: Plant<D, N, M>,
+pub struct PlantServer<D, const N: usize, const M: usize, const NY: usize = N> {
+    plant: Plant<D, N, M, NY>,
     socket: UdpSocket,
     options: ServerOptions,
     losses: ChaCha8Rng,
@@ -114,18 +114,18 @@ pub struct PlantServer<D, const N: usize, const M: usize> {
     silent_periods: u32,
     /// Since the plant was made, in real time.
     reached: Instant,
-    observed: TrueState<N>,
+    observed: TrueState<N, NY>,
     breakdowns: u64,
     last_breakdown: Option<PlantError>,
 }
 
-impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
+impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> PlantServer<D, N, M, NY> {
     /// Binds a socket, port 0 for any, and engages the plant's brakes.
     ///
     /// # Errors
     /// [`ServerError`].
     pub fn bind(
-        mut plant: Plant<D, N, M>,
+        mut plant: Plant<D, N, M, NY>,
         address: impl ToSocketAddrs,
         options: ServerOptions,
     ) -> Result<Self, ServerError> {
@@ -162,7 +162,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
     }
 
     /// The plant.
-    pub fn plant(&self) -> &Plant<D, N, M> {
+    pub fn plant(&self) -> &Plant<D, N, M, NY> {
         &self.plant
     }
 
@@ -229,7 +229,10 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
     ///
     /// # Errors
     /// [`ServerError`].
-    pub fn respond(&mut self, question: &Datagram<N, M>) -> Result<Option<Datagram<N, M>>, ServerError> {
+    pub fn respond(
+        &mut self,
+        question: &Datagram<N, M, NY>,
+    ) -> Result<Option<Datagram<N, M, NY>>, ServerError> {
         let message = self.answer(question)?;
         Ok(message.map(|message| Datagram {
             session: self.options.session,
@@ -239,7 +242,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
         }))
     }
 
-    fn answer(&mut self, question: &Datagram<N, M>) -> Result<Option<Message<N, M>>, ServerError> {
+    fn answer(&mut self, question: &Datagram<N, M, NY>) -> Result<Option<Message<N, M, NY>>, ServerError> {
         let lost = self.is_lost();
         let lock_step = self.options.pace == Pace::LockStep;
         match question.message {
@@ -271,7 +274,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
         }
     }
 
-    fn measured(&self) -> Message<N, M> {
+    fn measured(&self) -> Message<N, M, NY> {
         let measurement = self.plant.measure();
         Message::Measured {
             positions: measurement.positions,
@@ -337,9 +340,11 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
         let (positions, velocities) = self.plant.state();
         let seen = &mut self.observed;
         (seen.positions, seen.velocities) = (positions, velocities);
-        for i in 0..N {
+        for i in 0..NY {
             seen.lowest[i] = seen.lowest[i].min(positions[i]);
             seen.highest[i] = seen.highest[i].max(positions[i]);
+        }
+        for i in 0..N {
             seen.fastest[i] = seen.fastest[i].max(velocities[i].abs());
         }
     }

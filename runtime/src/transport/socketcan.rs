@@ -10,20 +10,20 @@ const MAX_FRAMES: usize = 1024;
 
 /// Transport over a SocketCAN interface, with the frames of [`can_frame`](super::can_frame).
 #[derive(Debug)]
-pub struct CanTransport<const N: usize, const M: usize> {
+pub struct CanTransport<const N: usize, const M: usize, const NY: usize = N> {
     socket: CanSocket,
-    codec: CanCodec<N, M>,
-    measurements: MeasurementSet<N>,
+    codec: CanCodec<N, M, NY>,
+    measurements: MeasurementSet<N, NY>,
     sequence: u8,
 }
 
-impl<const N: usize, const M: usize> CanTransport<N, M> {
+impl<const N: usize, const M: usize, const NY: usize> CanTransport<N, M, NY> {
     /// Opens an interface, e.g. `can0`, that `ip link` has set up. The queue of the interface must hold the
     /// frames of a period: `ip link set can0 txqueuelen 64`.
     ///
     /// # Errors
     /// [`io::Error`] where there is no such interface.
-    pub fn open(interface: &str, codec: CanCodec<N, M>) -> io::Result<Self> {
+    pub fn open(interface: &str, codec: CanCodec<N, M, NY>) -> io::Result<Self> {
         let socket = CanSocket::open(interface)?;
         socket.set_nonblocking(true)?;
         Ok(Self { socket, measurements: codec.new_set(), codec, sequence: 0 })
@@ -41,9 +41,9 @@ impl<const N: usize, const M: usize> CanTransport<N, M> {
     }
 }
 
-impl<const N: usize, const M: usize> Transport<N, M> for CanTransport<N, M> {
+impl<const N: usize, const M: usize, const NY: usize> Transport<N, M, NY> for CanTransport<N, M, NY> {
     /// The newest complete set of measurements that has arrived.
-    fn read(&mut self) -> Result<Option<Reading<N>>, TransportError> {
+    fn read(&mut self) -> Result<Option<Reading<N, NY>>, TransportError> {
         let mut newest = None;
         for _ in 0..MAX_FRAMES {
             let frame = match self.socket.read_frame() {

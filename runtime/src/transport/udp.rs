@@ -16,14 +16,14 @@ const RELEASE_ATTEMPTS: u32 = 20;
 /// A reading is a question and its answer: old, foreign, damaged and doubled datagrams do not fit the
 /// question and are dropped, so that the robot's positions are always those of this period.
 #[derive(Debug)]
-pub struct UdpTransport<const N: usize, const M: usize> {
+pub struct UdpTransport<const N: usize, const M: usize, const NY: usize = N> {
     socket: UdpSocket,
     timeout: Duration,
     sequence: u64,
     session: Option<u32>,
 }
 
-impl<const N: usize, const M: usize> UdpTransport<N, M> {
+impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
     /// Connects to a plant process, which need not run yet. `timeout` is how long a reading waits for its
     /// answer: a quarter of the period in real time; seconds in lock-step, where nothing moves meanwhile.
     ///
@@ -57,7 +57,7 @@ impl<const N: usize, const M: usize> UdpTransport<N, M> {
     ///
     /// # Errors
     /// [`TransportError::Io`].
-    pub fn inspect(&mut self) -> Result<Option<(TrueState<N>, Brakes)>, TransportError> {
+    pub fn inspect(&mut self) -> Result<Option<(TrueState<N, NY>, Brakes)>, TransportError> {
         let answer = self.ask(Message::Inspect)?;
         Ok(answer.and_then(|answer| match answer.message {
             Message::TrueState(state) => Some((state, answer.brakes)),
@@ -65,11 +65,11 @@ impl<const N: usize, const M: usize> UdpTransport<N, M> {
         }))
     }
 
-    fn question(&self, message: Message<N, M>) -> Datagram<N, M> {
+    fn question(&self, message: Message<N, M, NY>) -> Datagram<N, M, NY> {
         Datagram { session: 0, sequence: self.sequence, brakes: Brakes::Unknown, message }
     }
 
-    fn send(&mut self, message: Message<N, M>) -> Result<(), TransportError> {
+    fn send(&mut self, message: Message<N, M, NY>) -> Result<(), TransportError> {
         self.sequence = self.sequence.wrapping_add(1);
         let mut buffer = [0; MAX_DATAGRAM];
         let datagram = self.question(message);
@@ -88,7 +88,7 @@ impl<const N: usize, const M: usize> UdpTransport<N, M> {
     }
 
     /// The answer to a question; None where it does not come in time.
-    fn ask(&mut self, message: Message<N, M>) -> Result<Option<Datagram<N, M>>, TransportError> {
+    fn ask(&mut self, message: Message<N, M, NY>) -> Result<Option<Datagram<N, M, NY>>, TransportError> {
         self.send(message)?;
         let deadline = Instant::now() + self.timeout;
         let mut remaining = self.timeout;
@@ -123,8 +123,8 @@ impl<const N: usize, const M: usize> UdpTransport<N, M> {
     }
 }
 
-impl<const N: usize, const M: usize> Transport<N, M> for UdpTransport<N, M> {
-    fn read(&mut self) -> Result<Option<Reading<N>>, TransportError> {
+impl<const N: usize, const M: usize, const NY: usize> Transport<N, M, NY> for UdpTransport<N, M, NY> {
+    fn read(&mut self) -> Result<Option<Reading<N, NY>>, TransportError> {
         let answer = self.ask(Message::Query)?;
         Ok(answer.and_then(|answer| match answer.message {
             Message::Measured { positions, velocities, torques } => {

@@ -12,19 +12,19 @@ use gelenk_runtime::transport::{InProcess, Reading, Transport, TransportError};
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
 
-type Motion = GeodesicMotion<Quadrotor, 6, 4, 7>;
+pub type Motion = GeodesicMotion<Quadrotor, 6, 4, 7>;
 type Robot = InProcess<Quadrotor, VirtualClock, 6, 4, 7>;
 
-const START: [f64; 7] = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+pub const START: [f64; 7] = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 const RATE: f64 = 50.0;
 
 /// A short way with a turn about the vertical axis through two points, by 4 rad in all.
-fn motion() -> Motion {
+pub fn motion() -> Motion {
     let turned = |x: f64, angle: f64| [x, 0.0, 1.0, 0.0, 0.0, (angle / 2.0).sin(), (angle / 2.0).cos()];
     Motion::through(Quadrotor, &[(0.0, START), (1.2, turned(0.1, 2.0)), (2.4, turned(0.2, 4.0))]).unwrap()
 }
 
-fn options() -> MpcOptions<6, 4> {
+pub fn options() -> MpcOptions<6, 4> {
     MpcOptions {
         position_weight: [100.0, 100.0, 100.0, 10.0, 10.0, 10.0],
         velocity_weight: [10.0, 10.0, 10.0, 1.0, 1.0, 1.0],
@@ -33,7 +33,7 @@ fn options() -> MpcOptions<6, 4> {
     }
 }
 
-fn law() -> JointPd<Quadrotor, 6, 4, 7> {
+pub fn law() -> JointPd<Quadrotor, 6, 4, 7> {
     JointPd::new(Quadrotor, JointGains::from_bandwidth(&Quadrotor, &START, 6.0, 0.8)).unwrap()
 }
 
@@ -42,7 +42,7 @@ fn follower() -> FeedForwardPd<Quadrotor, Motion, 6, 4, 7> {
     FeedForwardPd::new(law(), motion(), 1.0 / RATE, 0.01).unwrap()
 }
 
-fn settings() -> LoopSettings<6, 4> {
+pub fn settings() -> LoopSettings<6, 4> {
     LoopSettings {
         following_error: [0.3; 6],
         stop_time: 0.2,

@@ -2,7 +2,7 @@
 
 use crate::Quadrotor;
 use gelenk_runtime::dynamics::Dynamics;
-use gelenk_runtime::trajectory::{GeodesicMotion, Trajectory};
+use gelenk_runtime::trajectory::{Columns, GeodesicMotion, Recording, Trajectory};
 
 type Motion = GeodesicMotion<Quadrotor, 6, 4, 7>;
 
@@ -96,4 +96,39 @@ fn what_is_no_motion_is_refused() {
     assert!(nan.contains("point 2") && nan.contains("base x"), "{nan}");
     let half = refused(&[(0.0, pose([0.0; 3], 0.0)), (1.0, pose([0.0; 3], std::f64::consts::PI))]);
     assert!(half.contains("joint base") && half.contains("points 1 and 2"), "{half}");
+}
+
+const COLUMNS: Columns<7> =
+    Columns { time: "t", positions: ["x", "y", "z", "qx", "qy", "qz", "qw"], velocities: None };
+
+/// A recording with this quaternion in its third sample.
+fn recorded(third: &str) -> Recording<7> {
+    let head = "t,x,y,z,qx,qy,qz,qw\n0,0,0,1,0,0,0,1\n0.1,0.1,0,1,0,0,0.0998334166,0.9950041653\n";
+    let file = format!("{head}0.2,0.2,0,1,{third}\n0.3,0.3,0,1,0,0,-0.2955202067,-0.9553364891\n");
+    Recording::read(file.as_bytes(), "flight.csv", &COLUMNS).unwrap()
+}
+
+/// Both signs of a quaternion are one attitude; zero, not finite and not of unit length are none.
+#[test]
+fn recordings_of_poses_become_motions() {
+    let motion: Motion = recorded("0,0,0.1986693308,0.9800665778").through_poses(Quadrotor).unwrap();
+    assert!((motion.duration() - 0.3).abs() < 1e-12);
+    let sample = motion.sample(0.15);
+    // A turn of 2 rad/s and a way of 1 m/s, to the rounding of the file.
+    assert!((sample.velocities[5] - 2.0).abs() < 0.2 && sample.velocities[4].abs() < 1e-6, "{sample:?}");
+    assert!((sample.positions[0] - 0.15).abs() < 1e-2);
+    for (third, message) in [
+        ("0,0,0,0", "point 3: the quaternion of joint base"),
+        ("0,0,0.2,0.9", "point 3: the quaternion of joint base"),
+    ] {
+        let refused: Result<Motion, _> = recorded(third).through_poses(Quadrotor);
+        let error = refused.unwrap_err().to_string();
+        assert!(error.starts_with(message), "{error}");
+    }
+    let nan = Recording::read(
+        "t,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n1,0,0,0,0,0,NaN,1\n2,0,0,0,0,0,0,1\n".as_bytes(),
+        "",
+        &COLUMNS,
+    );
+    assert!(nan.unwrap_err().to_string().contains("NaN"));
 }

@@ -6,9 +6,9 @@ use super::CanMessage;
 /// Collects measurements of one sampling instant. A set with another sequence number discards an incomplete
 /// older one.
 #[derive(Debug, Clone)]
-pub struct MeasurementSet<const N: usize> {
+pub struct MeasurementSet<const N: usize, const NY: usize = N> {
     sequence: Option<u8>,
-    positions: [Option<f64>; N],
+    positions: [Option<f64>; NY],
     /// Velocity and force of each drive.
     rates: [Option<(Option<f64>, Option<f64>)>; N],
     /// True where a set is complete with the rates of each drive alone.
@@ -16,20 +16,20 @@ pub struct MeasurementSet<const N: usize> {
     brakes: Brakes,
 }
 
-impl<const N: usize> Default for MeasurementSet<N> {
+impl<const N: usize, const NY: usize> Default for MeasurementSet<N, NY> {
     fn default() -> Self {
         Self::new(false)
     }
 }
 
-impl<const N: usize> MeasurementSet<N> {
+impl<const N: usize, const NY: usize> MeasurementSet<N, NY> {
     /// An empty set, complete with the positions alone or `with_rates` of each drive.
     pub(super) fn new(with_rates: bool) -> Self {
-        Self { sequence: None, positions: [None; N], rates: [None; N], with_rates, brakes: Brakes::Unknown }
+        Self { sequence: None, positions: [None; NY], rates: [None; N], with_rates, brakes: Brakes::Unknown }
     }
 
     /// Takes one message in; returns the reading that it completes. Messages to the drives complete none.
-    pub fn take(&mut self, message: &CanMessage) -> Option<Reading<N>> {
+    pub fn take(&mut self, message: &CanMessage) -> Option<Reading<N, NY>> {
         match *message {
             CanMessage::Position { index, value, sequence, brake } => {
                 self.begin(sequence);
@@ -54,7 +54,7 @@ impl<const N: usize> MeasurementSet<N> {
         }
     }
 
-    fn complete(&mut self) -> Option<Reading<N>> {
+    fn complete(&mut self) -> Option<Reading<N, NY>> {
         let positions = all(&self.positions)?;
         let mut reading = Reading::of(positions, self.brakes);
         if self.with_rates {
@@ -62,7 +62,7 @@ impl<const N: usize> MeasurementSet<N> {
             reading.velocities = all(&rates.map(|(velocity, _)| velocity));
             reading.torques = all(&rates.map(|(_, torque)| torque));
         }
-        self.positions = [None; N];
+        self.positions = [None; NY];
         self.rates = [None; N];
         self.brakes = Brakes::Unknown;
         Some(reading)

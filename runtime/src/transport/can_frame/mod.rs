@@ -13,6 +13,9 @@
 //! received); only complete sets are readings. A count is `round(value / resolution)`; the CRC of CAN itself
 //! protects the frame.
 //!
+//! Positions i are the NY entries of y, velocities and forces are those of the N velocities. Of a robot with quaternions
+//! whoever measures the attitude sends its entries x, y, z, w, too; a resolution of 1e-9 keeps their length.
+//!
 //! Contents bit 0: the velocity is measured; bit 1: the force is. The bytes of what is not are 0. Which of
 //! them the drives measure is told to the code ([`CanCodec::with_velocities`], [`CanCodec::with_torques`]),
 //! and a set is then complete with both frames of each drive.
@@ -152,16 +155,17 @@ pub enum CanFrameError {
 
 /// Translates between messages and frames of one robot.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CanCodec<const N: usize, const M: usize> {
+pub struct CanCodec<const N: usize, const M: usize, const NY: usize = N> {
     base: u16,
-    position_resolution: [f64; N],
+    position_resolution: [f64; NY],
     input_resolution: [f64; M],
     velocity_resolution: Option<[f64; N]>,
     torque_resolution: Option<[f64; N]>,
 }
 
-impl<const N: usize, const M: usize> CanCodec<N, M> {
-    /// A code with identifiers from `base`, with the value of a count for each position [rad or m] and input.
+impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
+    /// A code with identifiers from `base`, with the value of a count for each position [rad or m; entries of a
+    /// quaternion have no unit] and input.
     /// A negative resolution turns the sense of an encoder or drive around.
     ///
     /// # Errors
@@ -169,10 +173,10 @@ impl<const N: usize, const M: usize> CanCodec<N, M> {
     /// must stay in 11 bits), and resolutions whose magnitude is not 1e-30 to 1e30.
     pub fn new(
         base: u16,
-        position_resolution: [f64; N],
+        position_resolution: [f64; NY],
         input_resolution: [f64; M],
     ) -> Result<Self, CanFrameError> {
-        if N > MAX_NODES || M > MAX_NODES {
+        if NY > MAX_NODES || N > MAX_NODES || M > MAX_NODES {
             return Err(CanFrameError::Settings("at most 48 coordinates and 48 inputs have identifiers"));
         }
         if base > LAST_BASE {
@@ -228,7 +232,7 @@ impl<const N: usize, const M: usize> CanCodec<N, M> {
 
     /// An empty set of this robot's measurements.
     #[must_use]
-    pub fn new_set(&self) -> MeasurementSet<N> {
+    pub fn new_set(&self) -> MeasurementSet<N, NY> {
         MeasurementSet::new(self.contents() != 0)
     }
 

@@ -5,20 +5,25 @@
 //! | bytes | content |
 //! |---|---|
 //! | 0–3 | `GLNK` |
-//! | 4 | version: 1, or 2 where byte 21 is not 0 |
+//! | 4 | version: 3 where byte 22 is not 0, else 2 where byte 21 is not 0, else 1 |
 //! | 5 | kind, see [`Message`] |
 //! | 6, 7 | N, M |
 //! | 8–11 | session: which start of the plant process answers; 0 from the controller |
 //! | 12–19 | sequence number |
 //! | 20 | brakes: 0 unknown, 1 released, 2 engaged |
 //! | 21 | what follows positions in kind 6: 1 velocities, 2 torques, 3 both; 0 else |
-//! | 22, 23 | 0 |
+//! | 22 | NY − N: how many more positions than velocities a robot with quaternions has; 0 for all others |
+//! | 23 | 0 |
 //! | 24… | values, 8 bytes each, as many as the kind has |
 //! | last 4 | CRC-32 (IEEE 802.3) of everything before |
 //!
+//! Positions are NY values, velocities and torques are N, all in the order of the model's entries: of a joint with a
+//! quaternion x, y, z, w behind the position.
+//!
 //! A datagram is taken only if every byte is as it must be; lengths are exact. What is measured may be NaN,
-//! which the loop's guard judges; inputs must be finite. Version 2 adds measured velocities and torques; what
-//! has neither is still written as version 1, so that programs which know version 1 alone go on talking.
+//! which the loop's guard judges, as it does quaternions; inputs must be finite. Version 2 adds measured velocities and torques; what
+//! has neither is still written as version 1, so that programs which know version 1 alone go on talking. Version 3 adds
+//! robots with quaternions.
 
 #[cfg(test)]
 mod tests;
@@ -29,9 +34,11 @@ use thiserror::Error;
 /// First bytes of every datagram.
 const MAGIC: [u8; 4] = *b"GLNK";
 /// Newest version of this layout that is read and written.
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
 /// The version without measured velocities and torques.
 const FIRST_VERSION: u8 = 1;
+/// The version without quaternions.
+const SECOND_VERSION: u8 = 2;
 /// Bits of byte 21.
 const VELOCITIES: u8 = 0x01;
 const TORQUES: u8 = 0x02;
@@ -44,22 +51,22 @@ pub const MAX_DATAGRAM: usize = HEADER + 8 * MAX_VALUES + CHECKSUM;
 
 /// True motion of a simulated robot, which no controller sees; for tests and displays.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrueState<const N: usize> {
-    /// Positions [rad or m].
-    pub positions: [f64; N],
+pub struct TrueState<const N: usize, const NY: usize = N> {
+    /// Positions [rad or m], quaternions.
+    pub positions: [f64; NY],
     /// Velocities [rad/s or m/s].
     pub velocities: [f64; N],
-    /// Lowest positions since the start [rad or m].
-    pub lowest: [f64; N],
-    /// Highest positions since the start [rad or m].
-    pub highest: [f64; N],
+    /// Lowest value of each position since the start [rad or m].
+    pub lowest: [f64; NY],
+    /// Highest value of each position since the start [rad or m].
+    pub highest: [f64; NY],
     /// Highest speeds since the start [rad/s or m/s].
     pub fastest: [f64; N],
 }
 
 /// The content of a datagram.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Message<const N: usize, const M: usize> {
+pub enum Message<const N: usize, const M: usize, const NY: usize = N> {
     /// Kind 1, to the plant: where are you? In lock-step, a period passes first.
     Query,
     /// Kind 2, to the plant: inputs from now on, in the model's units.
@@ -72,8 +79,8 @@ pub enum Message<const N: usize, const M: usize> {
     Inspect,
     /// Kind 6, from the plant, answers a query: what was measured.
     Measured {
-        /// Positions [rad or m].
-        positions: [f64; N],
+        /// Positions [rad or m], quaternions.
+        positions: [f64; NY],
         /// Velocities [rad/s or m/s], where they are measured.
         velocities: Option<[f64; N]>,
         /// Forces of the drives at the joints [N m or N], where they are measured.
@@ -83,12 +90,12 @@ pub enum Message<const N: usize, const M: usize> {
     /// over.
     Lost,
     /// Kind 8, from the plant, answers an inspection.
-    TrueState(TrueState<N>),
+    TrueState(TrueState<N, NY>),
 }
 
 /// A message with its envelope.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Datagram<const N: usize, const M: usize> {
+pub struct Datagram<const N: usize, const M: usize, const NY: usize = N> {
     /// Start of the plant process that answers; 0 from the controller.
     pub session: u32,
     /// Number of the question; an answer bears that of its question.
@@ -96,7 +103,7 @@ pub struct Datagram<const N: usize, const M: usize> {
     /// Brakes, from the plant.
     pub brakes: Brakes,
     /// Content.
-    pub message: Message<N, M>,
+    pub message: Message<N, M, NY>,
 }
 
 /// Why a datagram was not taken.
@@ -113,16 +120,19 @@ pub enum DatagramError {
     /// Not a datagram of this protocol.
     #[error("does not begin with GLNK")]
     Magic,
-    /// Another version of the protocol.
-    #[error("version {0} instead of {FIRST_VERSION} or {VERSION}")]
+    /// Another version of the protocol, or not the one that such contents have.
+    #[error("version {0}, which is newer than {VERSION}, or not that of its contents")]
     Version(u8),
     /// For another robot.
-    #[error("for {given:?} coordinates and inputs instead of {needed:?}")]
+    #[error(
+        "for {} positions, {} velocities and {} inputs instead of {}, {} and {}",
+        .given[2], .given[0], .given[1], .needed[2], .needed[0], .needed[1]
+    )]
     Sizes {
-        /// N and M received.
-        given: [u8; 2],
-        /// N and M here.
-        needed: [usize; 2],
+        /// N, M and NY received.
+        given: [usize; 3],
+        /// N, M and NY here.
+        needed: [usize; 3],
     },
     /// Damaged on the way.
     #[error("checksum does not match")]
@@ -149,7 +159,7 @@ pub enum DatagramError {
     },
 }
 
-impl<const N: usize, const M: usize> Message<N, M> {
+impl<const N: usize, const M: usize, const NY: usize> Message<N, M, NY> {
     fn kind(&self) -> u8 {
         match self {
             Self::Query => 1,
@@ -177,28 +187,28 @@ impl<const N: usize, const M: usize> Message<N, M> {
         match kind {
             1 | 3 | 4 | 5 | 7 => Some(0),
             2 => Some(M),
-            6 => Some(N * (1 + contents.count_ones() as usize)),
-            8 => Some(5 * N),
+            6 => Some(NY + N * contents.count_ones() as usize),
+            8 => Some(3 * NY + 2 * N),
             _ => None,
         }
     }
 }
 
-impl<const N: usize, const M: usize> Datagram<N, M> {
+impl<const N: usize, const M: usize, const NY: usize> Datagram<N, M, NY> {
     /// Writes the datagram into `buffer`; returns its bytes.
     ///
     /// # Errors
     /// [`DatagramError::TooLarge`] for more values than fit; [`DatagramError::Input`] for inputs that are not
     /// finite.
     pub fn encode<'a>(&self, buffer: &'a mut [u8; MAX_DATAGRAM]) -> Result<&'a [u8], DatagramError> {
-        let (n, m) = sizes::<N, M>()?;
+        let [n, m, more] = sizes::<N, M, NY>()?;
         let (kind, contents) = (self.message.kind(), self.message.contents());
         buffer[..4].copy_from_slice(&MAGIC);
-        (buffer[4], buffer[5], buffer[6], buffer[7]) = (version(contents), kind, n, m);
+        (buffer[4], buffer[5], buffer[6], buffer[7]) = (version(contents, more), kind, n, m);
         buffer[8..12].copy_from_slice(&self.session.to_le_bytes());
         buffer[12..20].copy_from_slice(&self.sequence.to_le_bytes());
         buffer[20] = self.brakes as u8;
-        (buffer[21], buffer[22], buffer[23]) = (contents, 0, 0);
+        (buffer[21], buffer[22], buffer[23]) = (contents, more, 0);
         let mut end = HEADER;
         let mut put = |values: &[f64]| {
             for value in values {
@@ -234,7 +244,7 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
     /// # Errors
     /// [`DatagramError`] for the first byte that is not as it must be.
     pub fn decode(bytes: &[u8]) -> Result<Self, DatagramError> {
-        let (n, m) = sizes::<N, M>()?;
+        let [n, m, more] = sizes::<N, M, NY>()?;
         let shortest = HEADER + CHECKSUM;
         let wrong_length = |needed| DatagramError::Length { given: bytes.len(), needed };
         if bytes.len() < shortest {
@@ -247,17 +257,18 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
             return Err(DatagramError::Version(bytes[4]));
         }
         let (kind, contents) = (bytes[5], bytes[21]);
-        if [bytes[6], bytes[7]] != [n, m] {
-            return Err(DatagramError::Sizes { given: [bytes[6], bytes[7]], needed: [N, M] });
+        if [bytes[6], bytes[7], bytes[22]] != [n, m, more] {
+            let [n, m, more] = [bytes[6], bytes[7], bytes[22]].map(usize::from);
+            return Err(DatagramError::Sizes { given: [n, m, n + more], needed: [N, M, NY] });
         }
         let unknown = |position: usize| DatagramError::Byte { position, value: bytes[position] };
-        let values = Message::<N, M>::values(kind, contents).ok_or(unknown(5))?;
+        let values = Message::<N, M, NY>::values(kind, contents).ok_or(unknown(5))?;
         let possible = if kind == 6 { VELOCITIES | TORQUES } else { 0 };
         if contents & !possible != 0 {
             return Err(unknown(21));
         }
         // Each datagram is written in one way.
-        if bytes[4] != version(contents) {
+        if bytes[4] != version(contents, more) {
             return Err(DatagramError::Version(bytes[4]));
         }
         let end = HEADER + 8 * values;
@@ -267,8 +278,8 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
         if array(&bytes[end..]) != crc32fast::hash(&bytes[..end]).to_le_bytes() {
             return Err(DatagramError::Checksum);
         }
-        if let Some(i) = (22..24).find(|i| bytes[*i] != 0) {
-            return Err(unknown(i));
+        if bytes[23] != 0 {
+            return Err(unknown(23));
         }
         Ok(Self {
             session: u32::from_le_bytes(array(&bytes[8..])),
@@ -285,11 +296,11 @@ impl<const N: usize, const M: usize> Datagram<N, M> {
 }
 
 /// The content of a known kind, with as many values as it has.
-fn message<const N: usize, const M: usize>(
+fn message<const N: usize, const M: usize, const NY: usize>(
     kind: u8,
     contents: u8,
     bytes: &[u8],
-) -> Result<Message<N, M>, DatagramError> {
+) -> Result<Message<N, M, NY>, DatagramError> {
     Ok(match kind {
         1 => Message::Query,
         2 => {
@@ -301,8 +312,8 @@ fn message<const N: usize, const M: usize>(
         4 => Message::Brake,
         5 => Message::Inspect,
         6 => {
-            let velocities = (contents & VELOCITIES != 0).then(|| floats(bytes, N));
-            let before = if velocities.is_some() { 2 * N } else { N };
+            let velocities = (contents & VELOCITIES != 0).then(|| floats(bytes, NY));
+            let before = if velocities.is_some() { NY + N } else { NY };
             Message::Measured {
                 positions: floats(bytes, 0),
                 velocities,
@@ -312,23 +323,29 @@ fn message<const N: usize, const M: usize>(
         7 => Message::Lost,
         _ => Message::TrueState(TrueState {
             positions: floats(bytes, 0),
-            velocities: floats(bytes, N),
-            lowest: floats(bytes, 2 * N),
-            highest: floats(bytes, 3 * N),
-            fastest: floats(bytes, 4 * N),
+            velocities: floats(bytes, NY),
+            lowest: floats(bytes, NY + N),
+            highest: floats(bytes, 2 * NY + N),
+            fastest: floats(bytes, 3 * NY + N),
         }),
     })
 }
 
-/// The version that knows these contents.
-fn version(contents: u8) -> u8 {
-    if contents == 0 { FIRST_VERSION } else { VERSION }
+/// The version that knows these contents, of a robot with so many more positions than velocities.
+fn version(contents: u8, more: u8) -> u8 {
+    match (contents, more) {
+        (0, 0) => FIRST_VERSION,
+        (_, 0) => SECOND_VERSION,
+        _ => VERSION,
+    }
 }
 
-fn sizes<const N: usize, const M: usize>() -> Result<(u8, u8), DatagramError> {
-    let values = (5 * N).max(M);
-    match (u8::try_from(N), u8::try_from(M)) {
-        (Ok(n), Ok(m)) if values <= MAX_VALUES => Ok((n, m)),
+/// N, M and NY − N.
+fn sizes<const N: usize, const M: usize, const NY: usize>() -> Result<[u8; 3], DatagramError> {
+    let values = (3 * NY + 2 * N).max(M);
+    let more = NY.checked_sub(N).map(u8::try_from);
+    match (u8::try_from(N), u8::try_from(M), more) {
+        (Ok(n), Ok(m), Some(Ok(more))) if values <= MAX_VALUES => Ok([n, m, more]),
         _ => Err(DatagramError::TooLarge { values }),
     }
 }

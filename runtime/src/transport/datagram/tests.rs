@@ -109,11 +109,18 @@ fn other_versions_and_robots_are_named() {
     let mut buffer = [0; MAX_DATAGRAM];
     let length = datagram(Message::Query).encode(&mut buffer).unwrap().len();
     let bytes = &mut buffer[..length];
-    assert_eq!(Datagram::<2, 2>::decode(bytes), Err(DatagramError::Sizes { given: [3, 2], needed: [2, 2] }));
-    bytes[4] = 3;
-    seal(bytes);
-    let error = Small::decode(bytes).unwrap_err();
-    assert_eq!(error.to_string(), "version 3 instead of 1 or 2");
+    let sizes = |needed| Err(DatagramError::Sizes { given: [3, 2, 3], needed });
+    assert_eq!(Datagram::<2, 2>::decode(bytes), sizes([2, 2, 2]));
+    assert_eq!(
+        Datagram::<3, 2, 4>::decode(bytes).unwrap_err().to_string(),
+        "for 3 positions, 3 velocities and 2 inputs instead of 4, 3 and 2"
+    );
+    for version in [3, 4] {
+        bytes[4] = version;
+        seal(bytes);
+        let error = Small::decode(bytes).unwrap_err();
+        assert!(error.to_string().starts_with(&format!("version {version}, ")), "{error}");
+    }
     bytes[4] = FIRST_VERSION;
     bytes[20] = 3;
     seal(bytes);
@@ -145,6 +152,39 @@ fn what_version_1_says_is_version_1() {
         seal(&mut buffer[..length]);
         assert!(Small::decode(&buffer[..length]).is_err());
     }
+}
+
+/// With one position more than velocities.
+#[test]
+fn a_robot_with_a_quaternion_has_ny_positions_and_n_velocities() {
+    type Ball = Datagram<3, 1, 4>;
+    let mut buffer = [0; MAX_DATAGRAM];
+    let envelope = |message| Ball { session: 1, sequence: 2, brakes: Brakes::Released, message };
+    let measured = Message::Measured {
+        positions: [0.5, -0.5, 0.5, 0.5],
+        velocities: Some([1.0, 2.0, 3.0]),
+        torques: Some([4.0, 5.0, 6.0]),
+    };
+    let state = Message::TrueState(TrueState {
+        positions: [0.5, -0.5, 0.5, 0.5],
+        velocities: [1.0, 2.0, 3.0],
+        lowest: [-1.0, -0.9, -0.8, -0.7],
+        highest: [0.1, 0.2, 0.3, 0.4],
+        fastest: [7.0, 8.0, 9.0],
+    });
+    for message in [measured, state, Message::Query, Message::Inputs([0.25])] {
+        let sent = envelope(message);
+        let bytes = sent.encode(&mut buffer).unwrap().to_vec();
+        assert_eq!((bytes[4], bytes[6], bytes[22]), (3, 3, 1));
+        assert_eq!(Ball::decode(&bytes), Ok(sent));
+        assert!(Datagram::<3, 1>::decode(&bytes).is_err() && Datagram::<4, 1>::decode(&bytes).is_err());
+    }
+    let bytes = envelope(measured).encode(&mut buffer).unwrap();
+    assert_eq!(bytes.len(), HEADER + 8 * (4 + 3 + 3) + CHECKSUM);
+    let value = |k: usize| f64::from_le_bytes(array(&bytes[HEADER + 8 * k..]));
+    assert_eq!([value(3), value(4), value(7)], [0.5, 1.0, 4.0]);
+    // Fewer positions than velocities are those of no robot.
+    assert!(Datagram::<4, 1, 3>::decode(&[0; 100]).is_err());
 }
 
 #[test]
