@@ -120,6 +120,46 @@ fn a_new_crate_has_the_robot_of_a_urdf() {
     }
 }
 
+/// With a free base the description says so, and its hints make propellers of the links at the ends.
+#[test]
+fn a_new_crate_has_a_robot_that_floats() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("gripper.urdf"), GRIPPER.replace("MIMIC", "")).unwrap();
+    for (name, language) in [("rust", None), ("c", Some("--c")), ("python", Some("--python"))] {
+        let mut arguments = vec!["new", name, "--urdf", "gripper.urdf", "--base", "floating"];
+        arguments.extend(language);
+        let made = gelenk(folder.path(), &arguments);
+        assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
+        let text = fs::read_to_string(folder.path().join(name).join("robot.toml")).unwrap();
+        assert!(text.contains("\nbase = { type = \"floating\" }\n"), "{text}");
+    }
+    let main = fs::read_to_string(folder.path().join("rust/src/main.rs")).unwrap();
+    assert!(main.contains("LtvMpc"), "{main}");
+    let home = folder.path().join("rust");
+    let text = fs::read_to_string(home.join("robot.toml")).unwrap();
+    // Neither the base's own entries are offered, nor others than the two fingers.
+    assert_eq!(
+        (text.matches("\n# drive = ").count(), text.matches("\n# [[inputs]]").count()),
+        (2, 2),
+        "{text}"
+    );
+    let (joints, propellers) = text.split_once("\n# Where a joint carries a propeller").unwrap();
+    let propellers: String =
+        propellers.split_inclusive('\n').skip(2).map(|line| line.trim_start_matches("# ")).collect();
+    for description in [text.clone(), format!("{joints}\n{propellers}")] {
+        fs::write(home.join("robot.toml"), description).unwrap();
+        let generated = gelenk(&home, &["generate", "robot.toml"]);
+        assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
+    }
+    let module = fs::read_to_string(home.join("robot.rs")).unwrap();
+    assert!(module.contains("pub const N: usize = 6;") && module.contains("pub const M: usize = 2;"));
+    // Without a URDF it is a quadrotor.
+    let made = gelenk(folder.path(), &["new", "drone", "--base", "floating"]);
+    assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
+    let generated = gelenk(&folder.path().join("drone"), &["generate", "robot.toml"]);
+    assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
+}
+
 #[test]
 fn a_new_crate_is_not_made_of_a_file_that_is_no_urdf() {
     let folder = tempfile::tempdir().unwrap();

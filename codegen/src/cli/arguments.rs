@@ -196,6 +196,10 @@ pub(super) struct New {
     /// Describe the robot of this URDF [default: an arm of two joints]
     #[arg(long, value_name = "FILE")]
     pub(super) urdf: Option<PathBuf>,
+    /// Let the base move freely: a floating joint carries it [default: as described; without --urdf a
+    /// quadrotor rather than an arm]
+    #[arg(long, value_enum)]
+    pub(super) base: Option<BaseName>,
     /// Depend on the crates of this checkout [default: the one this program was built from, or the registry
     /// that it came from]
     #[arg(long, value_name = "FOLDER")]

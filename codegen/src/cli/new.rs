@@ -8,9 +8,9 @@ use std::process::ExitCode;
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::arguments::{Format, New};
+use super::arguments::{BaseName, Format, New};
 use super::new_project::Project;
-use super::new_robot::robot;
+use super::new_robot::{Robot, robot};
 use super::print;
 use crate::wording::{quoted, toml_text};
 
@@ -34,8 +34,8 @@ const TAKEN: [&str; 13] = [
 /// Makes the project.
 pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> {
     let folder = &arguments.folder;
-    let robot = robot(arguments.urdf.as_deref())?;
-    let (project, package) = project(arguments, robot.build)?;
+    let robot = robot(arguments.urdf.as_deref(), arguments.base == Some(BaseName::Floating))?;
+    let (project, package) = project(arguments, &robot)?;
     let description = ("robot.toml", robot.description.as_bytes());
     let urdf = robot.urdf.as_deref().map(|urdf| ("robot.urdf", urdf));
     let texts = project.files.iter().map(|(name, text)| (*name, text.as_bytes()));
@@ -72,18 +72,16 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
 }
 
 /// The project in the language that is asked for, and the name of its package, where it is a crate.
-///
-/// - `build`: the build script of a crate
-fn project(arguments: &New, build: &str) -> Result<(Project, Option<String>), Failure> {
+fn project(arguments: &New, robot: &Robot) -> Result<(Project, Option<String>), Failure> {
     if arguments.c {
-        return Ok((Project::c(), None));
+        return Ok((Project::c(robot.floats), None));
     }
     let source = source(arguments)?;
     if arguments.python {
-        return Ok((Project::python(&source.requirement()?), None));
+        return Ok((Project::python(&source.requirement()?, robot.floats), None));
     }
     let name = name(&arguments.folder)?;
-    Ok((Project::rust(manifest(&name, &source), build), Some(name)))
+    Ok((Project::rust(manifest(&name, &source), robot.build, robot.floats), Some(name)))
 }
 
 /// Makes the folder, which must not exist: only then may it be removed again.

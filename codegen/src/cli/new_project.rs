@@ -12,25 +12,41 @@ pub(super) struct Project {
 
 impl Project {
     /// A crate.
-    pub(super) fn rust(manifest: String, build: &str) -> Self {
+    ///
+    /// - `floats`: the base of the robot moves freely, here and in the other languages
+    pub(super) fn rust(manifest: String, build: &str, floats: bool) -> Self {
+        let (main, made) = match floats {
+            true => (
+                include_str!("template/main_floating.rs"),
+                "build.rs generates its equations, src/main.rs simulates it under control",
+            ),
+            false => (
+                include_str!("template/main.rs"),
+                "build.rs generates its equations, src/main.rs simulates it",
+            ),
+        };
         Self {
             files: vec![
                 ("Cargo.toml", manifest),
                 ("build.rs", build.to_owned()),
-                ("src/main.rs", include_str!("template/main.rs").to_owned()),
+                ("src/main.rs", main.to_owned()),
                 (".gitignore", "/target\n/report\n".to_owned()),
             ],
-            made: "build.rs generates its equations, src/main.rs simulates it",
+            made,
             next: "cargo run",
         }
     }
 
     /// A Makefile and a program in C.
-    pub(super) fn c() -> Self {
+    pub(super) fn c(floats: bool) -> Self {
+        let main = match floats {
+            true => include_str!("template/main_floating.c"),
+            false => include_str!("template/main.c"),
+        };
         Self {
             files: vec![
                 ("Makefile", include_str!("template/Makefile").to_owned()),
-                ("main.c", include_str!("template/main.c").to_owned()),
+                ("main.c", main.to_owned()),
                 (".gitignore", "/simulation\n/robot.c\n/robot.h\n/report\n".to_owned()),
             ],
             made: "the Makefile generates its equations, main.c simulates it",
@@ -41,13 +57,17 @@ impl Project {
     /// A program in Python.
     ///
     /// - `requirement`: the package `gelenk` as pip takes it
-    pub(super) fn python(requirement: &str) -> Self {
+    pub(super) fn python(requirement: &str, floats: bool) -> Self {
+        let main = match floats {
+            true => include_str!("template/main_floating.py"),
+            false => include_str!("template/main.py"),
+        };
         let requirements = format!(
             "# The package has the program gelenk, which generates C: a C compiler compiles it.\n{requirement}\n"
         );
         Self {
             files: vec![
-                ("main.py", include_str!("template/main.py").to_owned()),
+                ("main.py", main.to_owned()),
                 ("requirements.txt", requirements),
                 (".gitignore", "/.venv\n/report\n__pycache__\n".to_owned()),
             ],

@@ -1,0 +1,92 @@
+//! `gelenk new --base floating` as the README tells it: from the URDF of a robot with four legs or propellers to a simulated,
+//! controlled robot.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use gelenk_tests::cargo::{aloud, cargo, lock_like_here, success, text};
+use gelenk_tests::workspace;
+
+/// A body with four arms, each with a joint at its end: propellers, or lower legs.
+fn urdf(axis: &str, limit: &str) -> String {
+    let inertial = |mass: f64, inertia: f64, z: f64| {
+        format!(
+            "<inertial><origin xyz=\"0 0 {z}\"/><mass value=\"{mass}\"/><inertia ixx=\"{inertia}\" ixy=\"0\" ixz=\"0\" \
+             iyy=\"{inertia}\" iyz=\"0\" izz=\"{inertia}\"/></inertial>"
+        )
+    };
+    let mut urdf = format!("<robot name=\"four\"><link name=\"body\">{}</link>", inertial(1.5, 0.03, 0.0));
+    for (k, [x, y]) in [[0.13, -0.22], [-0.13, 0.2], [0.13, 0.22], [-0.13, -0.2]].into_iter().enumerate() {
+        let _ = write!(
+            urdf,
+            "<link name=\"rotor_{k}\">{}</link><joint name=\"rotor_{k}_joint\" type=\"revolute\"><parent link=\"body\"/>\
+             <child link=\"rotor_{k}\"/><origin xyz=\"{x} {y} 0.02\"/><axis xyz=\"{axis}\"/>{limit}</joint>",
+            inertial(0.05, 2e-4, -0.05)
+        );
+    }
+    urdf + "</robot>\n"
+}
+
+/// The crate of a URDF. It finds the checkout by itself.
+fn new(folder: &Path, name: &str, urdf: &str) -> PathBuf {
+    let (file, made) = (folder.join(format!("{name}.urdf")), folder.join(name));
+    fs::write(&file, urdf).expect("written");
+    let gelenk = ["run", "-p", "gelenk-codegen", "--", "new"].map(str::to_owned);
+    let place = made.to_string_lossy().into_owned();
+    let urdf = ["--urdf".to_owned(), file.to_string_lossy().into_owned()];
+    let base = ["--base", "floating"].map(str::to_owned);
+    let words: Vec<String> = gelenk.into_iter().chain([place]).chain(urdf).chain(base).collect();
+    success(&cargo(&workspace(), &words.iter().map(String::as_str).collect::<Vec<_>>()));
+    lock_like_here(&made);
+    made
+}
+
+/// The second column: how far the robot is from where it should be.
+fn distances(printed: &str) -> Vec<f64> {
+    let second = |line: &str| line.split_whitespace().nth(1)?.parse().ok();
+    printed.lines().skip(2).filter_map(second).collect()
+}
+
+fn run(made: &Path) -> String {
+    let build = aloud(made, &["build"]);
+    success(&build);
+    assert!(!text(&build.stderr).contains("warning"), "{}", text(&build.stderr));
+    success(&cargo(made, &["run"]))
+}
+
+#[test]
+fn a_quadruped_falls_with_its_joints_held() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let limit = "<limit lower=\"-2\" upper=\"-0.5\" effort=\"20\" velocity=\"20\"/>";
+    let printed = run(&new(folder.path(), "legs", &urdf("0 1 0", limit)));
+    assert!(printed.starts_with("The inputs cannot carry the robot"), "{printed}");
+    let distances = distances(&printed);
+    assert_eq!(distances.len(), 6);
+    // Four joints by 0.2 rad each.
+    assert!((distances[0] - 0.4).abs() < 1e-6 && distances[5] < 1e-2, "{printed}");
+    let height: f64 =
+        printed.lines().last().and_then(|line| line.split_whitespace().last()?.parse().ok()).expect("z");
+    assert!((height + 0.5 * 9.81).abs() < 0.3, "it has fallen for a second: {printed}");
+}
+
+#[test]
+fn a_quadrotor_flies_once_its_propellers_are_inputs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let limit = "<limit lower=\"-1e16\" upper=\"1e16\" effort=\"0\" velocity=\"0\"/>";
+    let made = new(folder.path(), "rotors", &urdf("0 0 1", limit));
+    // As the README says: the comments of the propellers become lines, and half of them turn the other way.
+    let description = fs::read_to_string(made.join("robot.toml")).expect("the description");
+    let (head, propellers) = description.split_once("\n# Where a joint carries a propeller").expect("hints");
+    let propellers: Vec<&str> =
+        propellers.lines().skip(2).map(|line| line.trim_start_matches("# ")).collect();
+    let propellers = propellers.join("\n");
+    let (first, second) = propellers.split_at(propellers.find("\"rotor_2_joint\"").expect("the third"));
+    let turned = second.replace("0.016", "-0.016");
+    fs::write(made.join("robot.toml"), format!("{head}\n{first}{turned}\n")).expect("written");
+    let printed = run(&made);
+    assert!(printed.starts_with("The inputs can carry the robot"), "{printed}");
+    let distances = distances(&printed);
+    assert_eq!(distances.len(), 21, "{printed}");
+    assert!(distances[0] > 0.4 && distances[20] < 0.02, "{printed}");
+}
