@@ -124,7 +124,13 @@ fn a_new_crate_has_the_robot_of_a_urdf() {
 #[test]
 fn a_new_crate_has_a_robot_that_floats() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("gripper.urdf"), GRIPPER.replace("MIMIC", "")).unwrap();
+    let massless = GRIPPER.replace("MIMIC", "");
+    fs::write(folder.path().join("massless.urdf"), &massless).unwrap();
+    let refused = gelenk(folder.path(), &["new", "none", "--urdf", "massless.urdf", "--base", "floating"]);
+    assert_eq!(refused.status.code(), Some(1), "{}", shown(&refused));
+    let body = r#"<link name="base"><inertial><mass value="2"/><inertia ixx="1e-2" ixy="0" ixz="0" iyy="1e-2" iyz="0" izz="1e-2"/></inertial></link>"#;
+    let urdf = massless.replace(r#"<link name="base"/>"#, body);
+    fs::write(folder.path().join("gripper.urdf"), urdf).unwrap();
     for (name, language) in [("rust", None), ("c", Some("--c")), ("python", Some("--python"))] {
         let mut arguments = vec!["new", name, "--urdf", "gripper.urdf", "--base", "floating"];
         arguments.extend(language);

@@ -37,7 +37,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let home = home();
     let hold = FeedForward::new(Robot).map(|forward| forward.at(&Sample::at_rest(home)));
     // What the inputs miss of the forces that a rest needs [N, N m].
-    let missed = hold.as_ref().map_or(f64::INFINITY, |hold| length(&hold.residual));
+    let missed = hold
+        .as_ref()
+        .map_or(f64::INFINITY, |hold| length(&hold.residual));
     if missed < 1e-6 {
         println!("The inputs can carry the robot: it moves by predictive control.");
         carry(&home)
@@ -100,13 +102,23 @@ fn fall(home: &Positions) -> Result<(), Box<dyn Error>> {
     }
     let gains = JointGains::from_bandwidth(&Robot, home, 20.0, 1.0);
     let mut plant = plant(Robot.integrate(home, &away))?;
-    println!("{:>8}  {:>16}  positions of the base", "t [s]", "from posture [1]");
+    println!(
+        "{:>8}  {:>16}  positions of the base",
+        "t [s]", "from posture [1]"
+    );
     for k in 0..=1000 {
         let (y, v) = plant.state();
         if k % FAST_PRINTED == 0 {
             let joints = plain_entries(Robot.quaternion_joints(), robot::N);
-            let error: Vec<f64> = joints.map(|(_, position)| y[position] - home[position]).collect();
-            println!("{:8.3}  {:16.6}  {}", f64::from(k) * FAST, length(&error), row(&y[..3]));
+            let error: Vec<f64> = joints
+                .map(|(_, position)| y[position] - home[position])
+                .collect();
+            println!(
+                "{:8.3}  {:16.6}  {}",
+                f64::from(k) * FAST,
+                length(&error),
+                row(&y[..3])
+            );
         }
         plant.apply(&joint_pd(home, &gains, &y, &v), FAST)?;
     }
@@ -114,7 +126,12 @@ fn fall(home: &Positions) -> Result<(), Box<dyn Error>> {
 }
 
 /// Inputs that pull the joints back to their posture, within their limits; here is where your controller goes.
-fn joint_pd(home: &Positions, gains: &JointGains<{ robot::N }>, y: &Positions, v: &Velocities) -> Inputs {
+fn joint_pd(
+    home: &Positions,
+    gains: &JointGains<{ robot::N }>,
+    y: &Positions,
+    v: &Velocities,
+) -> Inputs {
     let (error, mut forces) = (Robot.difference(y, home), [0.0; robot::N]);
     for (joint, _) in plain_entries(Robot.quaternion_joints(), robot::N) {
         forces[joint] = gains.position[joint] * error[joint] - gains.velocity[joint] * v[joint];
@@ -125,8 +142,13 @@ fn joint_pd(home: &Positions, gains: &JointGains<{ robot::N }>, y: &Positions, v
     core::array::from_fn(|i| wanted[i].clamp(limits[i][0], limits[i][1]))
 }
 
-fn plant(start: Positions) -> Result<Plant<Robot, { robot::N }, { robot::M }, { robot::NY }>, Box<dyn Error>> {
-    let options = PlantOptions { input_limits: Robot.input_limits().peak, ..PlantOptions::default() };
+fn plant(
+    start: Positions,
+) -> Result<Plant<Robot, { robot::N }, { robot::M }, { robot::NY }>, Box<dyn Error>> {
+    let options = PlantOptions {
+        input_limits: Robot.input_limits().peak,
+        ..PlantOptions::default()
+    };
     let mut plant = Plant::new(Robot, options)?;
     plant.reset(start, [0.0; robot::N])?;
     Ok(plant)
