@@ -101,7 +101,7 @@ where
             }
             b[row] = discrete.input[row / N][row % N];
         }
-        Ok(Lqr::stabilizing(&a, &b, &q, &r)?.cost_to_go.as_flattened().to_vec())
+        Ok(Lqr::new(&a, &b, &q, &r)?.cost_to_go.as_flattened().to_vec())
     };
     (0..=TERMINAL_INTERVALS).map(weight).collect()
 }
