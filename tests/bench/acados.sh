@@ -25,4 +25,4 @@ gelenk=${GELENK:-${CARGO_TARGET_DIR:-$root/target}/release/gelenk}
 library=$(find "$work/native/release/examples" -name 'libstep_plugin.*' ! -name '*.d' | head -n 1)
 GELENK_PROGRAM=$gelenk GELENK_CACHE=$work/cache PYTHONDONTWRITEBYTECODE=1 \
   PYTHONPATH=$root/codegen/python/src:$root/codegen/python/tests \
-  "$python" "$root/tests/bench/acados.py" "$library" "$@"
+  "$python" "$root/tests/bench/acados_steps.py" "$library" "$@"
