@@ -28,7 +28,7 @@ const TERMINAL_INTERVALS: usize = 32;
 trait Contender {
     /// Coordinates and inputs.
     fn sizes(&self) -> [usize; 2];
-    /// Runge–Kutta steps in a period, each of as many as the module has in one, and the length of the motion (s).
+    /// Runge–Kutta steps in a period, and the length of the motion (s).
     fn course(&self) -> [f64; 2];
     /// Weights of states and inputs, lowest and highest inputs and states, penalties.
     fn settings(&self) -> Vec<f64>;

@@ -139,15 +139,15 @@ class Acados:
 
 
 def description(robot: str, substeps: int, folder: Path) -> Path:
-    """The robot with as many Runge-Kutta steps in a period as the controllers take."""
+    """The robot with as many Runge-Kutta steps in a period as the controllers take, whose traits count their own."""
     path = MODELS / f"{robot}.toml"
     text = path.read_text("utf-8")
     known = re.search(r"^substeps = (\d+)", text, re.MULTILINE)
-    if substeps == 1:
+    if known is None:
+        assert substeps == 1, f"{path} says nothing of substeps"
         return path
-    assert known is not None, f"{path} says nothing of substeps"
     file = folder / path.name
-    file.write_text(text.replace(known[0], f"substeps = {int(known[1]) * substeps}"), "utf-8")
+    file.write_text(text.replace(known[0], f"substeps = {substeps}"), "utf-8")
     return file
 
 
@@ -205,7 +205,7 @@ def measure(robot: str, library: Any, folder: Path) -> None:
             f"{robot:<10} {name:<40} median {np.median(numbers):7.1f} us, 95 % {np.quantile(numbers, 0.95):7.1f} us, "
             f"tracking error {errors[name]:.1e}, inputs from NMPC's {apart[name]:.1e} of the limit"
         )
-    print(f"{robot:<10} {len(times['NMPC'])} steps each, {first.substeps} times the described steps of Runge-Kutta", flush=True)
+    print(f"{robot:<10} {len(times['NMPC'])} steps each, {first.substeps} steps of Runge-Kutta in a period", flush=True)
 
 
 def main() -> None:
