@@ -99,5 +99,5 @@ fn the_package_computes_what_rust_computes_and_passes_its_own_tests() {
     let values = folder.path().join("values.json");
     std::fs::write(&values, rust_values().to_string()).expect("a file");
     let tests = workspace().join("codegen/python/tests");
-    pytest(&python, &tests, folder.path(), &[("GELENK_RUST_VALUES", &values)]);
+    pytest(&python, &tests, folder.path(), &[("GELENK_RUST_VALUES", values.as_path())]);
 }
