@@ -16,7 +16,10 @@ use gelenk_codegen::module::Module;
 use gelenk_codegen::program::interpret::interpret;
 use gelenk_tests::compiler::{clippy, rustc};
 use gelenk_tests::literature::{GENERAL, chain, right_angles};
-use gelenk_tests::random_model::{random_coupled_model, random_helical_model, random_model_with_near_rotors};
+use gelenk_tests::quaternion_model::with_quaternions;
+use gelenk_tests::random_model::{
+    random_coupled_model, random_helical_model, random_model, random_model_with_near_rotors,
+};
 use gelenk_tests::{FUNCTIONS, table};
 
 const NAMES: [&str; 4] = [
@@ -37,14 +40,18 @@ struct Robot {
 }
 
 /// Chains of all lengths of padding, and random trees with sliding joints, rotors, parameters and coordinates
-/// out of order, some with joints that follow others and with helical joints.
+/// out of order, some with joints that follow others, with helical joints, and with quaternions.
 fn robots(fused: bool) -> Vec<Robot> {
     let down = [0.0, 0.0, -9.81];
     let chains = [1, 2, 5, 13].map(|count| chain(&right_angles(count), down));
     let trees = (0..8).map(|seed| random_model_with_near_rotors(seed, 9));
     let coupled = (0..4).map(|seed| random_coupled_model(seed, 9));
     let helical = (0..4).map(|seed| random_helical_model(seed, 6));
+    let kinds: [fn(u64, usize) -> Model; 3] = [random_model, random_coupled_model, random_helical_model];
+    let floating = (0..6).zip(kinds.into_iter().cycle());
+    let floating = floating.map(|(seed, kind)| with_quaternions(kind(seed, 5), seed));
     let models = chains.into_iter().chain([chain(&GENERAL, down)]).chain(trees).chain(coupled).chain(helical);
+    let models = models.chain(floating);
     models.enumerate().map(|(index, model)| robot(&format!("robot_{index}"), model, fused)).collect()
 }
 
@@ -88,6 +95,8 @@ fn compare(fused: bool, flags: &[&str]) {
     assert!(robots.iter().filter(have_rotors).count() > 2, "too few rotors");
     let are_coupled = robots.iter().filter(|robot| robot.text.contains("fn project"));
     assert!(are_coupled.count() > 4, "too few couplings");
+    let have_quaternions = robots.iter().filter(|robot| robot.text.contains("fn gather_carriers"));
+    assert!(have_quaternions.count() > 4, "too few quaternions");
     let mut modules = String::new();
     let mut table = String::new();
     for robot in &robots {

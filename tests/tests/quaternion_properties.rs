@@ -2,6 +2,7 @@
 //! Lagrange's equations in the angles of a chain of joints, and derivatives along ⊕ against dual numbers.
 
 use fastrand::Rng;
+use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::model::Model;
 use gelenk_tests::Robot;
 use gelenk_tests::dual::evaluate;
@@ -56,8 +57,22 @@ fn to_chain(model: &Model, y: &[f64], forces: &[f64]) -> Vec<f64> {
     (0..y.len()).map(|k| column(k).iter().zip(forces).map(|(j, f)| j * f).sum()).collect()
 }
 
-fn check(seed: u64, model: Model) {
-    let robot = Robot::of_model(model, &FUNCTIONS);
+/// What has loops over joints.
+const LOOPS: [&str; 3] =
+    ["inverse_dynamics_derivatives_and_mass_matrix", "forward_dynamics_derivatives", "linearize"];
+
+/// Checks a robot as straight-line code, and as loops over joints where there are some; how many functions have these.
+fn check(seed: u64, model: Model) -> usize {
+    check_robot(seed, &Robot::in_form(model.clone(), &FUNCTIONS, Form::Straight));
+    let looped = Robot::in_form(model, &FUNCTIONS, Form::Arrays);
+    let count = LOOPS.iter().filter(|name| looped.function(name).arrays.is_some()).count();
+    if count > 0 {
+        check_robot(seed, &looped);
+    }
+    count
+}
+
+fn check_robot(seed: u64, robot: &Robot) {
     let model = &robot.model;
     let mut rng = Rng::with_seed(seed);
     for state in 0..2 {
@@ -83,20 +98,20 @@ fn check(seed: u64, model: Model) {
         close(&what("inverse dynamics"), &to_chain(model, &angles, &forces), &expected, size);
         let arguments = [y.as_slice(), &v, &accelerations];
         by_dual_numbers(
-            &robot,
+            robot,
             &what("inverse_dynamics"),
             arguments,
             &parameters,
             ["inverse_dynamics", "inverse_dynamics_derivatives_and_mass_matrix"],
         );
         by_dual_numbers(
-            &robot,
+            robot,
             &what("forward_dynamics"),
             [&y, &v, &u],
             &parameters,
             ["forward_dynamics", "forward_dynamics_derivatives"],
         );
-        linearization_agrees(&robot, &what("linearize"), [&y, &v, &u], &parameters);
+        linearization_agrees(robot, &what("linearize"), [&y, &v, &u], &parameters);
     }
 }
 
@@ -153,14 +168,18 @@ fn chains_of_joints_move_alike() {
     let mut floating = 0;
     let mut spherical = 0;
     let mut carried = 0;
+    let mut all_loops = 0;
     for (seed, model) in models() {
         for joint in &model.quaternion_joints {
             let count = if joint.kind.velocities() == 6 { &mut floating } else { &mut spherical };
             *count += 1;
             carried += usize::from(joint.kind.velocities() == 6 && joint.name == "ball");
         }
-        check(seed, model);
+        let count = check(seed, model);
+        all_loops += usize::from(count == LOOPS.len());
     }
+    // Those with forces at frames have none, and `linearize` computes gains that are products of parameters.
+    assert!(all_loops >= 12, "{all_loops} with loops");
     assert!(floating >= 8 && spherical >= 8, "{floating} floating, {spherical} spherical");
     assert!(carried >= 2, "{carried} floating joints on arms");
 }

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::pipeline::GenerateOptions;
 use gelenk_kernels::manifold;
 use gelenk_tests::{Robot, relative_error, shared, workspace};
@@ -341,15 +342,55 @@ fn jacobians_agree(reference: &Reference, state: &State, sample: &Value, what: &
     let robot = &reference.robot;
     let State { y, v, a, .. } = state;
     let get = |key: &str| numbers(&sample[key]);
-    let all = robot.call("inverse_dynamics_derivatives_and_mass_matrix", &[y, v, a]);
-    let [by_q, by_v] = state.jacobians(&all[0], &all[1], &all[2], &all[3]);
-    check(&what("did_dq"), &rows(&by_q), &get("did_dq"), JACOBIANS);
-    check(&what("did_dv"), &rows(&by_v), &get("did_dv"), JACOBIANS);
+    inverse_jacobians_agree(robot, state, sample, what);
     let wrench = get("wrench");
     let all = robot.call("inverse_dynamics_derivatives_with_wrenches", &[y, v, a, &wrench]);
     let mass = robot.first("mass_matrix", &[y]);
     let [by_q, _] = state.jacobians(&all[0], &all[1], &all[2], &mass);
     check(&what("did_dq_wrench"), &rows(&by_q), &get("did_dq_wrench"), JACOBIANS);
+}
+
+fn inverse_jacobians_agree(robot: &Robot, state: &State, sample: &Value, what: &dyn Fn(&str) -> String) {
+    let State { y, v, a, .. } = state;
+    let get = |key: &str| numbers(&sample[key]);
+    let all = robot.call("inverse_dynamics_derivatives_and_mass_matrix", &[y, v, a]);
+    let [by_q, by_v] = state.jacobians(&all[0], &all[1], &all[2], &all[3]);
+    check(&what("did_dq"), &rows(&by_q), &get("did_dq"), JACOBIANS);
+    check(&what("did_dv"), &rows(&by_v), &get("did_dv"), JACOBIANS);
+}
+
+/// Jacobians as loops over joints.
+fn loops_agree_with_pinocchio(name: &str) {
+    let Some(reference) = reference(name) else { return };
+    let derivatives = [
+        "inverse_dynamics_derivatives_and_mass_matrix",
+        "forward_dynamics",
+        "forward_dynamics_derivatives",
+        "linearize",
+    ];
+    let robot = Robot::in_form(reference.robot.model.clone(), &derivatives, Form::Arrays);
+    for name in derivatives {
+        assert!(name == "forward_dynamics" || robot.function(name).arrays.is_some(), "{name}");
+    }
+    let reference = Reference { robot, ..reference };
+    for (number, sample) in reference.samples.iter().enumerate() {
+        let what = |key: &str| format!("{name} {number} {key} by loops");
+        let state = reference.state(sample);
+        let still = {
+            let mut sample = sample.clone();
+            sample["a"] = serde_json::json!(vec![0.0; state.v.len()]);
+            reference.state(&sample).a
+        };
+        inverse_jacobians_agree(&reference.robot, &state, sample, &what);
+        forward_dynamics_agree(&reference, &state, sample, &still, &what);
+    }
+}
+
+#[test]
+fn loops_over_joints_agree_with_pinocchio() {
+    for name in ["go2_floating", "iris_floating", "zoo_1", "zoo_2"] {
+        loops_agree_with_pinocchio(name);
+    }
 }
 
 #[test]
@@ -374,6 +415,7 @@ fn joints_of_every_type_agree_with_pinocchio() {
 fn more_robots_agree_with_pinocchio() {
     for name in ["solo12_floating", "zoo_3", "zoo_4"] {
         agrees_with_pinocchio(name);
+        loops_agree_with_pinocchio(name);
     }
 }
 

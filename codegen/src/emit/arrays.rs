@@ -1,7 +1,7 @@
 //! What functions in array form have in common in all languages.
 
 use crate::program::Operand;
-use crate::program::arrays::{Arrays, Coordinates, Over, Step, Tree};
+use crate::program::arrays::{Arrays, Coordinates, Over, Relation, Step};
 
 /// How the entries of a row are padded, one per joint: to whole blocks, and these to what a processor adds at once.
 #[derive(Clone, Copy)]
@@ -12,7 +12,7 @@ pub(super) struct Row {
     pub(super) coordinates: usize,
     /// Entries of a block.
     pub(super) block: usize,
-    /// It is true if each joint but the first follows the one before it.
+    /// It is true if each joint but the first follows the one before it, and none has a quaternion.
     pub(super) is_chain: bool,
     /// It is true if joints follow the coordinates of others.
     is_coupled: bool,
@@ -29,7 +29,7 @@ impl Row {
             len: joints.next_multiple_of(block),
             coordinates: form.coordinates().len().next_multiple_of(block),
             block,
-            is_chain: form.joints.is_chain(),
+            is_chain: form.is_chain(),
             is_coupled: form.coordinates.is_some(),
         }
     }
@@ -69,15 +69,23 @@ pub(super) fn is_only_result(form: &Arrays, array: usize) -> bool {
     form.steps.iter().any(is_made) && !form.steps.iter().any(|step| step.reads(array))
 }
 
-/// Where entry j of a tree stands seen from entry i: −1 before it on its path to the base, 1 beyond it or the same,
-/// else 0; beyond the last entry of a row 0.
-pub(super) fn relation(tree: &Tree, i: usize, j: usize) -> i8 {
-    match () {
-        () if j >= tree.len() => 0,
-        () if tree.is_before(j, i) => -1,
-        () if i == j || tree.is_before(i, j) => 1,
-        () => 0,
+/// Where joint j stands seen from joint i: −1 before it on its path to the base, 1 beyond it or the same, else 0;
+/// beyond the last joint of a row 0.
+pub(super) fn relation(form: &Arrays, i: usize, j: usize) -> i8 {
+    if j >= form.joints.len() {
+        return 0;
     }
+    match form.relation(i, j) {
+        Relation::Before => -1,
+        Relation::Same | Relation::Beyond => 1,
+        Relation::Apart => 0,
+    }
+}
+
+/// Whether the rows of two coordinates meet in the inverse of the mass matrix: 1 where they do, else 0.
+pub(super) fn meeting(form: &Arrays, i: usize, j: usize) -> i8 {
+    let tree = form.coordinates();
+    i8::from(j < tree.len() && tree.meet(i, j))
 }
 
 /// For each coordinate the joints that follow it, its own first.

@@ -19,7 +19,8 @@ pub(super) fn derive_quantity(
     let Derived { program, arrays } = forms.derive(quantity);
     let mut notes: Vec<String> = quantity.notes.iter().map(|&note| note.to_owned()).collect();
     if arrays.is_some() {
-        notes = vec![form::NOTE.to_owned()];
+        // The first note of a function that may have loops says how its straight-line code is derived.
+        notes = std::iter::once(form::NOTE.to_owned()).chain(notes.into_iter().skip(1)).collect();
     } else {
         notes.extend((quantity.route)(formulations).map(str::to_owned));
     }

@@ -11,10 +11,11 @@ use crate::dynamics::forces;
 use crate::dynamics::load_friction;
 use crate::dynamics::per_joint;
 use crate::dynamics::search::routes::Formulations;
+use crate::dynamics::tangent;
 use crate::graph::{Graph, Node};
 use crate::kinematics::{Mechanism, Number};
 use crate::model::Model;
-use crate::program::arrays::{Affine, ArrayForm};
+use crate::program::arrays::{Affine, ArrayForm, Drift};
 use crate::program::cost::count;
 use crate::program::{Operand, Program};
 
@@ -133,7 +134,7 @@ impl<'m> Forms<'m> {
         let (called, inputs) = self.called(quantity, called)?;
         match &self.derived(called).arrays {
             Some(ArrayForm::Steps(arrays)) => {
-                Some(Affine { name: called.name, called: arrays.clone(), inputs })
+                Some(Affine { name: called.name, called: arrays.clone(), inputs, drift: drift(self.model) })
             }
             _ => None,
         }
@@ -186,9 +187,11 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// Whether straight-line code need not be derived to know that it is too large.
+    /// Whether straight-line code need not be derived to know that it is too large. That is not known of legs and arms
+    /// on a floating base: straight-line code leaves out their pairs, which loops compute and drop.
     fn is_far_beyond(&self) -> bool {
-        self.form == Form::Arrays || is_large(OPERATIONS_PER_PAIR * self.mechanism().pairs())
+        let is_known = !self.mechanism().has_quaternions();
+        self.form == Form::Arrays || (is_known && is_large(OPERATIONS_PER_PAIR * self.mechanism().pairs()))
     }
 
     fn is_straight(&self, quantity: &Quantity) -> bool {
@@ -256,4 +259,25 @@ fn gains(model: &Model) -> Option<Gains> {
         gains.filter(|gains| !gains.is_empty())
     };
     (0..columns).map(of_input).collect()
+}
+
+/// D, where positions have quaternions.
+fn drift(model: &Model) -> Option<Vec<Drift>> {
+    if model.quaternion_joints.is_empty() {
+        return None;
+    }
+    const VELOCITIES: u32 = 1;
+    let graph = Graph::new();
+    let v: Vec<_> = (0..model.motion_count()).map(|k| graph.input(VELOCITIES as usize, k)).collect();
+    let mut entries = Vec::new();
+    for (row, drifts) in tangent::drift(&graph, model, &v).iter().enumerate() {
+        for (column, entry) in drifts.iter().enumerate() {
+            let edge = entry.edge();
+            if let Node::Input(_, velocity) = graph.node(edge) {
+                let (velocity, is_negative) = (velocity as usize, edge.is_negative());
+                entries.push(Drift { row, column, velocity, is_negative });
+            }
+        }
+    }
+    Some(entries)
 }

@@ -195,8 +195,10 @@ fn robots_with_quaternions_compute_the_same_bits() {
     for (description, scalar) in
         [(model("satellite.toml"), Scalar::F64), (floating_in(folder.path()), Scalar::F32)]
     {
-        let module = derive(&description, &DISCRETE_TIME, Form::Cheapest, false);
-        compare(&module, scalar, false, &compilers, &others);
+        for form in [Form::Cheapest, Form::Arrays] {
+            let module = derive(&description, &DISCRETE_TIME, form, false);
+            compare(&module, scalar, false, &compilers, &others);
+        }
     }
 }
 

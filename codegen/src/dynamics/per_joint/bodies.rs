@@ -11,7 +11,7 @@ pub(super) struct Motions {
     /// Velocity that each joint adds.
     pub joint_velocity: ArrayId,
     pub velocity: ArrayId,
-    /// Ψ̇
+    /// Ṡ, which is Ψ̇ too where joints have no quaternions.
     pub screw_rate: ArrayId,
     /// a with gravity, of the velocities and, in the inverse dynamics, of the accelerations.
     pub acceleration: ArrayId,
@@ -65,6 +65,8 @@ pub(super) fn move_bodies(
         |rows| [motion_of(rows[0]).scaled(rows[1][0]).entries().to_vec()],
     );
     let velocity = builder.sum_ancestors(joint_velocity, "velocity");
+    // The bodies of a chain but the last have no mass: what holds for it may be said of all of them.
+    let velocity = builder.gather_last(velocity, "velocity_of_body");
     let [axes, origins, moments, screws, rates, gravity] =
         [setup.axes, setup.origins, setup.moments, setup.screws, setup.rates, setup.gravity];
     let writes =

@@ -19,7 +19,8 @@ pub(super) struct ArrayBuilder {
 
 impl ArrayBuilder {
     /// - `coordinates`: how the joints follow coordinates, where they are not these
-    pub(super) fn new(joints: Tree, coordinates: Option<Coordinates>) -> Self {
+    /// - `chains`: the velocities of each joint with a quaternion
+    pub(super) fn new(joints: Tree, coordinates: Option<Coordinates>, chains: Vec<Vec<usize>>) -> Self {
         Self {
             form: Arrays {
                 setup: Program { inputs: Vec::new(), instructions: Vec::new(), outputs: Vec::new() },
@@ -28,6 +29,7 @@ impl ArrayBuilder {
                 outputs: Vec::new(),
                 joints,
                 coordinates,
+                chains,
                 is_fused: false,
             },
             set_up: Vec::new(),
@@ -170,6 +172,28 @@ impl ArrayBuilder {
         }
         let to = self.array(name, self.form.arrays[from].rows);
         self.form.steps.push(Step::Spread { from, to });
+        to
+    }
+
+    /// Tells whether joints have quaternions.
+    pub(super) fn has_quaternions(&self) -> bool {
+        !self.form.chains.is_empty()
+    }
+
+    /// What the carrier of each joint has; zero where that is the base.
+    pub(super) fn gather_carriers(&mut self, from: ArrayId, name: &str) -> ArrayId {
+        let to = self.array(name, self.form.arrays[from].rows);
+        self.form.steps.push(Step::GatherCarriers { from, to });
+        to
+    }
+
+    /// For each velocity of a joint what its last one has: the array itself where joints have no quaternions.
+    pub(super) fn gather_last(&mut self, from: ArrayId, name: &str) -> ArrayId {
+        if !self.has_quaternions() {
+            return from;
+        }
+        let to = self.array(name, self.form.arrays[from].rows);
+        self.form.steps.push(Step::GatherLast { from, to });
         to
     }
 

@@ -1,9 +1,11 @@
 //! What the joints feel of the bodies beyond them: forces, the mass matrix, Jacobians.
 
-use super::builder::ArrayBuilder;
+use super::builder::{ArrayBuilder, Rows};
 use super::moving::Moving;
 use super::rows::{complement, flat, force_of, moments_of, motion_of, swept, vector};
+use crate::graph::Scalar;
 use crate::program::arrays::ArrayId;
+use crate::spatial::Motion;
 
 /// `M ÿ + k − q`
 pub(super) fn joint_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
@@ -80,54 +82,134 @@ pub(super) fn mass_matrix(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayI
     builder.project(mass, "mass_matrix_of_coordinates")
 }
 
-/// ∂/∂y and ∂/∂ẏ
-pub(super) fn jacobians(builder: &mut ArrayBuilder, moving: &Moving) -> (ArrayId, ArrayId) {
-    let Moving { setup, motions, rotors, composites } = moving;
-    let [gains, by_coordinate, by_velocity, stiffness, damping, own_stiffness, own_damping] = builder.map(
-        (
-            "disturbances",
-            "How each joint disturbs the bodies beyond it, and what that asks of the joints before it.",
-        ),
-        &[
-            setup.screws,
-            motions.screw_rate,
-            motions.velocity,
-            motions.acceleration,
-            composites.inertia,
-            composites.flow,
-            composites.force,
-            setup.joint_forces,
-        ],
-        [
-            ("gains", 9),
-            ("by_coordinate", 9),
-            ("by_velocity", 9),
-            ("stiffness", 6),
-            ("damping", 6),
-            ("own_stiffness", 1),
-            ("own_damping", 1),
-        ],
+/// How a joint moves what is beyond it.
+struct Displacement<'g> {
+    /// Ψ̇
+    rate: Motion<'g>,
+    /// Ψ̈
+    accelerated: Motion<'g>,
+    /// Ψ̇ + Ṡ
+    twice: Motion<'g>,
+}
+
+/// What a joint carries.
+#[derive(Clone, Copy)]
+struct Carried<'a, 'g> {
+    inertia: &'a Rows<'g>,
+    flow: &'a Rows<'g>,
+    force: &'a Rows<'g>,
+}
+
+/// What [`disturb`] writes.
+const DISTURBANCES: [(&str, usize); 7] = [
+    ("gains", 9),
+    ("by_coordinate", 9),
+    ("by_velocity", 9),
+    ("stiffness", 6),
+    ("damping", 6),
+    ("own_stiffness", 1),
+    ("own_damping", 1),
+];
+
+/// The columns of one joint.
+fn disturb<'g>(
+    screw: Motion<'g>,
+    Carried { inertia, flow, force }: Carried<'_, 'g>,
+    joint: &Rows<'g>,
+    displacement: impl FnOnce() -> Displacement<'g>,
+) -> [Vec<Scalar<'g>>; 7] {
+    let moments = moments_of(inertia);
+    let (momentum, spin) = (vector(&flow[..3]), complement(&flow[3..]));
+    let Displacement { rate, accelerated, twice } = displacement();
+    let damping = swept(&spin, momentum, screw.angular) + moments.times(twice);
+    let own = swept(&spin, momentum, rate.angular) + moments.times(accelerated);
+    let stiffness = own + screw.cross_force(force_of(force));
+    let by_omega = spin.transposed_times(screw.angular) + momentum.cross(screw.linear);
+    [
+        [&by_omega.0[..], &flat(moments.times(screw))].concat(),
+        [&rate.angular.0[..], &accelerated.entries()].concat(),
+        [&screw.angular.0[..], &twice.entries()].concat(),
+        flat(stiffness),
+        flat(damping),
+        vec![screw.dot(own) - joint[0]],
+        vec![screw.dot(damping) - joint[1]],
+    ]
+}
+
+const ABOUT_DISTURBANCES: &str =
+    "How each joint disturbs the bodies beyond it, and what that asks of the joints before it.";
+
+fn disturbances(builder: &mut ArrayBuilder, moving: &Moving) -> [ArrayId; 7] {
+    let Moving { setup, motions, composites, .. } = moving;
+    let reads = [
+        setup.screws,
+        motions.screw_rate,
+        motions.velocity,
+        motions.acceleration,
+        composites.inertia,
+        composites.flow,
+        composites.force,
+        setup.joint_forces,
+    ];
+    builder.map(
+        ("disturbances", ABOUT_DISTURBANCES),
+        &reads,
+        DISTURBANCES,
         |[screw, screw_rate, velocity, acceleration, inertia, flow, force, joint]| {
             let (screw, rate) = (motion_of(screw), motion_of(screw_rate));
-            let moments = moments_of(inertia);
-            let (momentum, spin) = (vector(&flow[..3]), complement(&flow[3..]));
-            let accelerated = motion_of(acceleration).cross(screw) + motion_of(velocity).cross(rate);
-            let twice = rate.map(|x| x * 2.0);
-            let damping = swept(&spin, momentum, screw.angular) + moments.times(twice);
-            let own = swept(&spin, momentum, rate.angular) + moments.times(accelerated);
-            let stiffness = own + screw.cross_force(force_of(force));
-            let by_omega = spin.transposed_times(screw.angular) + momentum.cross(screw.linear);
-            [
-                [&by_omega.0[..], &flat(moments.times(screw))].concat(),
-                [&rate.angular.0[..], &accelerated.entries()].concat(),
-                [&screw.angular.0[..], &twice.entries()].concat(),
-                flat(stiffness),
-                flat(damping),
-                vec![screw.dot(own) - joint[0]],
-                vec![screw.dot(damping) - joint[1]],
-            ]
+            disturb(screw, Carried { inertia, flow, force }, joint, || {
+                let accelerated = motion_of(acceleration).cross(screw) + motion_of(velocity).cross(rate);
+                Displacement { rate, accelerated, twice: rate.map(|x| x * 2.0) }
+            })
         },
-    );
+    )
+}
+
+/// The same where joints have quaternions: all velocities of a joint share its carrier's motion.
+fn disturbances_on_carriers(
+    builder: &mut ArrayBuilder,
+    moving: &Moving,
+    base_acceleration: ArrayId,
+) -> [ArrayId; 7] {
+    let Moving { setup, motions, composites, .. } = moving;
+    let velocity = builder.gather_carriers(motions.velocity, "carrier_velocity");
+    let acceleration = builder.gather_carriers(motions.acceleration, "carrier_acceleration");
+    let reads = [
+        setup.screws,
+        motions.screw_rate,
+        velocity,
+        acceleration,
+        base_acceleration,
+        composites.inertia,
+        composites.flow,
+        composites.force,
+        setup.joint_forces,
+    ];
+    builder.map(
+        ("disturbances_on_carriers", ABOUT_DISTURBANCES),
+        &reads,
+        DISTURBANCES,
+        |[screw, screw_rate, velocity, acceleration, base, inertia, flow, force, joint]| {
+            let (screw, velocity) = (motion_of(screw), motion_of(velocity));
+            disturb(screw, Carried { inertia, flow, force }, joint, || {
+                let mut acceleration = motion_of(acceleration);
+                acceleration.linear = acceleration.linear + vector(base);
+                let rate = velocity.cross(screw);
+                let accelerated = acceleration.cross(screw) + velocity.cross(rate);
+                Displacement { rate, accelerated, twice: rate + motion_of(screw_rate) }
+            })
+        },
+    )
+}
+
+/// ∂/∂y and ∂/∂ẏ
+pub(super) fn jacobians(builder: &mut ArrayBuilder, moving: &Moving) -> (ArrayId, ArrayId) {
+    let Moving { setup, rotors, .. } = moving;
+    let [gains, by_coordinate, by_velocity, stiffness, damping, own_stiffness, own_damping] =
+        match setup.base_acceleration {
+            Some(base) => disturbances_on_carriers(builder, moving, base),
+            None => disturbances(builder, moving),
+        };
     let (gains, damping) = match rotors {
         Some(rotors) => rotors.add_to_columns(builder, gains, damping),
         None => (gains, damping),

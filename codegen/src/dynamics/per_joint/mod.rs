@@ -12,6 +12,10 @@
 //! ∂τ_j/∂y_i = S_jᵀ (2B_i Ψ̇_i + I_i Ψ̈_i + S_i ×* f_i)   ∂τ_i/∂y_j = S_iᵀ (2B_i Ψ̇_j + I_i Ψ̈_j)
 //! ```
 //!
+//! The velocities of a joint with a quaternion are columns of one S that stands in its body. For them, and for all joints
+//! beside them, Ψ̇ = v_λ × S and Ψ̈ = a_λ × S + v_λ × Ψ̇ with the motion of the joint's carrier λ; Ṡ = v × S with that of its
+//! body stands for one of the two Ψ̇ in the derivatives by ẏ, and their pairs are those of j before i in both orders.
+//!
 //! (Singh, Russell and Wensing 2022; 2B in the moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm of `derivatives/`, which
 //! act on the angular part alone.)
 
@@ -35,13 +39,12 @@ use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::Arrays;
 use crate::program::{InputArray, Shape};
 
-/// Tells whether there are loops over joints for a mechanism: no joint has a quaternion or is driven, and where no
-/// joint follows another one, no rotor sits further from its joint than on the joint's parent.
+/// Tells whether there are loops over joints for a mechanism: no joint is driven, and where no joint follows another
+/// one or has a quaternion, no rotor sits further from its joint than on the joint's parent.
 pub fn is_possible(mechanism: &Mechanism<Number>) -> bool {
     !mechanism.bodies.is_empty()
-        && !mechanism.has_quaternions()
         && mechanism.driven == 0
-        && (mechanism.is_coupled() || mechanism.rotors_are_neighbours())
+        && (mechanism.is_coupled() || mechanism.has_quaternions() || mechanism.rotors_are_neighbours())
 }
 
 /// `inverse_dynamics_derivatives`
@@ -75,7 +78,8 @@ fn begin<'g>(
 ) -> (ArrayBuilder, Setup) {
     let mechanism = equations.mechanism();
     let loops = LoopJoints::new(&mechanism);
-    let mut builder = ArrayBuilder::new(loops.tree.clone(), loops.coordinates(&mechanism));
+    let (coordinates, chains) = (loops.coordinates(&mechanism), loops.chains(&mechanism));
+    let mut builder = ArrayBuilder::new(loops.tree.clone(), coordinates, chains);
     let joints = Joints { mechanism: &mechanism, loops: &loops };
     let setup = set_up(&mut builder, equations, &joints, arguments, last());
     (builder, setup)

@@ -21,6 +21,8 @@ pub(super) struct Setup {
     pub moments: ArrayId,
     pub rates: ArrayId,
     pub gravity: ArrayId,
+    /// Gravity as the acceleration of the base, where the base carries a joint; `None` without quaternions.
+    pub base_acceleration: Option<ArrayId>,
     /// i² J of rotors.
     pub rotors: ArrayId,
     /// Accelerations, or what drives them.
@@ -85,6 +87,12 @@ pub(super) fn set_up<'g>(
             Some(_) => vec![zero; 3],
             None => (-mechanism.gravity).0.to_vec(),
         }),
+        base_acceleration: mechanism.has_quaternions().then(|| {
+            rows("base_acceleration", 3, &|joint| match joints.is_on_base(joint) {
+                true => (-mechanism.gravity).0.to_vec(),
+                false => vec![zero; 3],
+            })
+        }),
         rotors: rows("rotor_inertia", 1, &|joint| at_own(joint, &|coordinate| vec![diagonal[coordinate]])),
         last: match &last {
             Last::Accelerations(last) => rows("accelerations", 1, &|joint| vec![last[coordinate(joint)]]),
@@ -114,6 +122,18 @@ pub(super) struct Joints<'a, 'g> {
 }
 
 impl<'g> Joints<'_, 'g> {
+    /// Whether the base carries the joint that a joint of the loops belongs to.
+    fn is_on_base(&self, joint: usize) -> bool {
+        let first = match self.loops.list[joint].moved {
+            // The bodies of a chain follow one coordinate each: their joints stand together too.
+            Moved::Body(index) => {
+                self.mechanism.bodies[index].chain.map_or(joint, |chain| joint - (index - chain.first))
+            }
+            Moved::Rotor(_) => joint,
+        };
+        self.loops.tree.parents[self.loops.places[first]].is_none()
+    }
+
     /// The pose of what a joint moves; that of a rotor does not show its turns.
     fn pose(&self, poses: &BasePoses<'g>, joint: usize) -> FramePose<'g> {
         match self.loops.list[joint].moved {

@@ -8,6 +8,8 @@
 //! τ_c = Σ_{i of c} τ_i      M_cd = Σ_{i of c, j of d} M_ij      (∂τ/∂y)_cd = Σ_{i of c, j of d} ∂τ_i/∂y_j
 //! ```
 //!
+//! A joint with a quaternion is a row of joints, one for each of its velocities.
+//!
 //! A rotor whose momentum does not stand at a joint beside it is a joint too: it turns about its axis on its carrier,
 //! with its axial inertia alone.
 
@@ -86,6 +88,21 @@ impl<S: Numbers> LoopJoints<S> {
             of_joints[place] = joint.follows.coordinate;
         }
         (of_joints.len() > mechanism.coordinates).then(|| Coordinates::new(&self.tree, of_joints))
+    }
+
+    /// The velocities of each joint with a quaternion, by place.
+    pub(super) fn chains(&self, mechanism: &Mechanism<S>) -> Vec<Vec<usize>> {
+        let mut chains: Vec<Vec<usize>> = Vec::new();
+        for (joint, &place) in self.list.iter().zip(&self.places) {
+            let Moved::Body(index) = joint.moved else { continue };
+            match mechanism.bodies[index].chain {
+                Some(chain) if chain.first == index => chains.push(vec![place]),
+                // The bodies of a chain stand together.
+                Some(_) => chains.last_mut().into_iter().for_each(|chain| chain.push(place)),
+                None => {}
+            }
+        }
+        chains
     }
 
     /// Whether a joint is that of its coordinate itself.

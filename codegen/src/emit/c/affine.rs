@@ -15,10 +15,10 @@ pub(super) fn items(context: &Context<'_>, function: &Function, form: &Affine, n
 }
 
 fn statements(body: &Body<'_>, form: &Affine) -> Vec<String> {
-    let ([y, v, u], [by_y, by_v, by_u, remainder]) =
+    let ([y, v, u], [by_y, by_v, by_u, remainder, drift @ ..]) =
         (body.names.arguments.as_slice(), body.names.results.as_slice())
     else {
-        unreachable!("`Affine::unrolled` has three arguments and four results");
+        unreachable!("`Affine::unrolled` has three arguments, and four results or five");
     };
     let (n, m) = (form.called.coordinates().len(), form.inputs.len());
     let (context, ty) = (body.context, body.context.ty());
@@ -36,13 +36,28 @@ fn statements(body: &Body<'_>, form: &Affine) -> Vec<String> {
     });
     let by_inputs = format!("for (int i = 0; i < {n}; ++i) {{\n{}}}", columns.collect::<String>());
     let product = |rows: &str, by: &str, len: usize| format!("{dot}({len}, &{rows}[{len} * i], {by})");
+    let by_position = match form.drift {
+        None => format!("{} + ", product(by_y, y, n)),
+        Some(_) => String::new(),
+    };
     let affine = format!(
-        "for (int i = 0; i < {n}; ++i) {{\n    const {ty} of_state = {} + {};\n    {remainder}[i] = accelerations[i] - (of_state + {});\n}}",
-        product(by_y, y, n),
+        "for (int i = 0; i < {n}; ++i) {{\n    const {ty} of_state = {by_position}{};\n    {remainder}[i] = accelerations[i] - (of_state + {});\n}}",
         product(by_v, v, n),
         product(by_u, u, m),
     );
     let declaration = format!("{ty} accelerations[{n}], inverse[{}];", n * n);
     let call = layout::call(4, &context.function(form.name), &arguments, ";");
-    [declaration, call].into_iter().chain((m > 0).then_some(by_inputs)).chain([affine]).collect()
+    let drift = drift.iter().flat_map(|drift| drift_statements(form, drift, v));
+    [declaration, call].into_iter().chain((m > 0).then_some(by_inputs)).chain([affine]).chain(drift).collect()
+}
+
+/// D.
+fn drift_statements(form: &Affine, drift: &str, v: &str) -> Vec<String> {
+    let n = form.called.coordinates().len();
+    let clear = format!("memset({drift}, 0, {} * sizeof *{drift});", n * n);
+    let entries = form.drift.iter().flatten().map(|entry| {
+        let sign = if entry.is_negative { "-" } else { "" };
+        format!("{drift}[{}] = {sign}{v}[{}];", entry.row * n + entry.column, entry.velocity)
+    });
+    std::iter::once(clear).chain(entries).collect()
 }

@@ -1,6 +1,6 @@
 //! The loops of array forms, pasted into modules that need them.
 
-use super::arrays::{RELATIONS, RELATIONS_OF_COORDINATES};
+use super::arrays::{MEETINGS, RELATIONS};
 use super::context::Context;
 use crate::emit::arrays::Row;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
@@ -42,7 +42,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
 
 /// Matrices over pairs of joints.
 fn pairs(form: &Arrays) -> [&'static str; 2] {
-    let pairs = match form.joints.is_chain() {
+    let pairs = match form.is_chain() {
         true => include_str!("array_kernels/chain_pairs.c"),
         false => include_str!("array_kernels/tree_pairs.c"),
     };
@@ -94,7 +94,7 @@ fn meetings(form: &Arrays) -> String {
     }
     let relations = match form.coordinates {
         None => RELATIONS,
-        Some(_) => RELATIONS_OF_COORDINATES,
+        Some(_) => MEETINGS,
     };
     text.push_str(&match tree.is_chain() {
         true => "#define GELENK_MEET(i, k) ((i) != (k))\n".to_owned(),

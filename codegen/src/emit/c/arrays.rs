@@ -5,13 +5,13 @@ use super::context::Context;
 use super::{layout, parts, public, signature};
 use crate::emit::arrays::{self, Row, is_only_result, table};
 use crate::functions::function::Function;
-use crate::program::arrays::{Arrays, Map, Pairs, Step, Tree};
+use crate::program::arrays::{Arrays, Map, Pairs, Step};
 use crate::program::split;
 use crate::program::{Operand, Program, Shape};
 
 /// Tables of the joints and of the coordinates.
 pub(super) const RELATIONS: &str = "relations";
-pub(super) const RELATIONS_OF_COORDINATES: &str = "relations_of_coordinates";
+pub(super) const MEETINGS: &str = "meetings";
 
 /// The value of arrays of which some entries are not written.
 const CLEARED: &str = " = {0}";
@@ -154,6 +154,8 @@ impl<'a> Emission<'a> {
                 self.declaration(*to, CLEARED).into_iter().chain([call]).collect()
             }
             Step::Spread { from, to } => self.rows(&self.spread(), *from, *to, CLEARED),
+            Step::GatherCarriers { from, to } => self.rows(&self.gather_carriers(), *from, *to, CLEARED),
+            Step::GatherLast { from, to } => self.rows(&self.gather_last(), *from, *to, CLEARED),
             Step::Invert { from, to } => self.invert(*from, *to),
             Step::NegativeProduct { left, right, to } => {
                 let (left, right, width) = (self.array(*left), self.array(*right), self.width(*to));
@@ -175,7 +177,7 @@ impl<'a> Emission<'a> {
     fn invert(&self, from: usize, to: usize) -> Vec<String> {
         match self.form.coordinates {
             None => self.add_relations(),
-            Some(_) => self.add_relations_of_coordinates(),
+            Some(_) => self.add_meetings(),
         }
         let (from, name) = (self.array(from), self.array(to));
         let copy = format!("memcpy({name}, {from}, sizeof {name});");
@@ -203,26 +205,34 @@ impl<'a> Emission<'a> {
     /// Which joints of a tree stand before and beyond each other.
     fn add_relations(&self) {
         let about = "Where joint j stands seen from joint i: -1 before it on its path to the base, 1 beyond it or the same, else 0.";
-        self.add_table((RELATIONS, about), &self.form.joints, self.row.len);
+        if !self.form.is_chain() {
+            self.add_table((RELATIONS, about), self.form.joints.len(), self.row.len, arrays::relation);
+        }
     }
 
     /// Which coordinates meet.
-    fn add_relations_of_coordinates(&self) {
+    fn add_meetings(&self) {
         let about = "Whether the rows of coordinates i and j meet in the inverse of the mass matrix: 0 where they do not.";
-        self.add_table((RELATIONS_OF_COORDINATES, about), self.form.coordinates(), self.row.coordinates);
+        let tree = self.form.coordinates();
+        if !tree.is_chain() {
+            self.add_table((MEETINGS, about), tree.len(), self.row.coordinates, arrays::meeting);
+        }
     }
 
-    fn add_table(&self, (stem, about): (&str, &str), tree: &Tree, len: usize) {
-        if tree.is_chain() {
-            return;
-        }
+    fn add_table(
+        &self,
+        (stem, about): (&str, &str),
+        count: usize,
+        len: usize,
+        entry: fn(&Arrays, usize, usize) -> i8,
+    ) {
         let row = |i: usize| {
-            let entries: Vec<String> = (0..len).map(|j| arrays::relation(tree, i, j).to_string()).collect();
+            let entries: Vec<String> = (0..len).map(|j| entry(self.form, i, j).to_string()).collect();
             format!("    {{{}}},\n", entries.join(", "))
         };
-        let rows: String = (0..tree.len()).map(row).collect();
+        let rows: String = (0..count).map(row).collect();
         self.context.tables.add(&self.context.function(stem), |name| {
-            format!("// {about}\nstatic const signed char {name}[{}][{len}] = {{\n{rows}}};\n", tree.len())
+            format!("// {about}\nstatic const signed char {name}[{count}][{len}] = {{\n{rows}}};\n")
         });
     }
 

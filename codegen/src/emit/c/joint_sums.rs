@@ -46,11 +46,28 @@ impl Emission<'_> {
 
     pub(super) fn spread(&self) -> String {
         let of_joints = self.form.coordinates.iter().flat_map(|coordinates| &coordinates.of_joints);
-        let copies = of_joints.enumerate();
-        let copies = copies.map(|(joint, coordinate)| format!("to[{joint}] = from[{coordinate}];"));
-        let copies: Vec<String> = copies.collect();
+        let sources: Vec<_> = of_joints.copied().map(Some).collect();
         let lengths = [self.row.coordinates, self.row.len];
-        self.function("spread", "Gives each joint what its coordinate has.", lengths, &copies)
+        self.gather("spread", "Gives each joint what its coordinate has.", lengths, &sources)
+    }
+
+    pub(super) fn gather_carriers(&self) -> String {
+        let about = "Gives each joint what its carrier has, and zero where that is the base.";
+        self.gather("gather_carriers", about, [self.row.len; 2], &self.form.carriers())
+    }
+
+    pub(super) fn gather_last(&self) -> String {
+        let sources: Vec<_> = self.form.last().into_iter().map(Some).collect();
+        let about = "Gives each velocity of a joint what its last one has.";
+        self.gather("gather_last", about, [self.row.len; 2], &sources)
+    }
+
+    /// Copies of entries; what has no source stays zero.
+    fn gather(&self, stem: &str, about: &str, lengths: [usize; 2], sources: &[Option<usize>]) -> String {
+        let copies = sources.iter().enumerate();
+        let copies = copies.filter_map(|(place, &source)| Some(format!("to[{place}] = from[{}];", source?)));
+        let copies: Vec<String> = copies.collect();
+        self.function(stem, about, lengths, &copies)
     }
 
     pub(super) fn project(&self) -> String {

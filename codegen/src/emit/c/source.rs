@@ -50,7 +50,7 @@ fn includes(context: &Context<'_>, body: &str) -> String {
         Some("#include <float.h>\n".to_owned()),
         needed("math.h", &["INFINITY", "NAN", "fabs", "fma", "copysign", "sqrt"]),
         needed("stdint.h", &["uint64_t", "uint32_t"]),
-        needed("string.h", &["memcpy", "size_t"]),
+        needed("string.h", &["memcpy", "memset", "size_t"]),
     ];
     let headers: String = headers.into_iter().flatten().collect();
     format!("\n#include \"{}.h\"\n\n{headers}", context.name)

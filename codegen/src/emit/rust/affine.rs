@@ -25,9 +25,10 @@ pub(super) fn items(
 }
 
 fn statements(body: &Body<'_>, form: &Affine) -> TokenStream {
-    let ([y, v, u], [by_y, by_v, by_u, remainder]) = (body.arguments.as_slice(), body.results.as_slice())
+    let ([y, v, u], [by_y, by_v, by_u, remainder, drift @ ..]) =
+        (body.arguments.as_slice(), body.results.as_slice())
     else {
-        unreachable!("`Affine::unrolled` has three arguments and four results");
+        unreachable!("`Affine::unrolled` has three arguments, and four results or five");
     };
     let called = public::into_name(&format_ident!("{}", form.name));
     let parameters = body.context.passed_parameters().into_iter();
@@ -50,13 +51,28 @@ fn statements(body: &Body<'_>, form: &Affine) -> TokenStream {
     });
     let by_inputs = (!form.inputs.is_empty())
         .then(|| quote!(for (to, from) in #by_u.iter_mut().zip(&inverse) { #(#columns)* }));
+    let by_position = form.drift.is_none().then(|| quote!(arrays::dot(&#by_y[i], #y) +));
+    let drift = drift.iter().map(|drift| drift_statements(body, form, drift, v));
     quote! {
         let (mut accelerations, mut inverse) = ([#zero; #n], [[#zero; #n]; #n]);
         #called(#y, #v, #u, #(#parameters,)* &mut accelerations, #by_y, #by_v, &mut inverse);
         #by_inputs
         for i in 0..#n {
-            let of_state = arrays::dot(&#by_y[i], #y) + arrays::dot(&#by_v[i], #v);
+            let of_state = #by_position arrays::dot(&#by_v[i], #v);
             #remainder[i] = accelerations[i] - (of_state + arrays::dot(&#by_u[i], #u));
         }
+        #(#drift)*
     }
+}
+
+/// D.
+fn drift_statements(body: &Body<'_>, form: &Affine, drift: &Ident, v: &Ident) -> TokenStream {
+    let (zero, n) = (body.context.zero(), Literal::usize_unsuffixed(form.called.coordinates().len()));
+    let entries = form.drift.iter().flatten().map(|entry| {
+        let [row, column, velocity] =
+            [entry.row, entry.column, entry.velocity].map(Literal::usize_unsuffixed);
+        let sign = entry.is_negative.then(|| quote!(-));
+        quote!(#drift[#row][#column] = #sign #v[#velocity];)
+    });
+    quote!(*#drift = [[#zero; #n]; #n]; #(#entries)*)
 }

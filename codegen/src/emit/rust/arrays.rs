@@ -10,20 +10,22 @@ use super::signature::{Signature, item};
 use super::{lints, names, parts, public};
 use crate::emit::arrays::{self, Row, is_only_result, table};
 use crate::functions::function::Function;
-use crate::program::arrays::{Arrays, Map, Pairs, Step, Tree};
+use crate::program::arrays::{Arrays, Map, Pairs, Step};
 use crate::program::split::{self, Part};
 use crate::program::{Operand, Program, Shape};
 
 /// Names that the module takes for array forms.
-pub(super) const RESERVED: [&str; 10] = [
+pub(super) const RESERVED: [&str; 12] = [
     "arrays",
     "sum_ancestors",
     "sum_subtrees",
     "collect",
     "project",
     "spread",
+    "gather_carriers",
+    "gather_last",
     "RELATIONS",
-    "RELATIONS_OF_COORDINATES",
+    "MEETINGS",
     "joint",
     "is_before",
 ];
@@ -205,6 +207,14 @@ impl<'a> Emission<'a> {
                 let name = self.spread();
                 self.call(&quote!(#name), &[*from], *to)
             }
+            Step::GatherCarriers { from, to } => {
+                let name = self.gather_carriers();
+                self.call(&quote!(#name), &[*from], *to)
+            }
+            Step::GatherLast { from, to } => {
+                let name = self.gather_last();
+                self.call(&quote!(#name), &[*from], *to)
+            }
             Step::Invert { from, to } => self.invert(*from, *to),
             Step::NegativeProduct { left, right, to } => {
                 self.call(&quote!(arrays::negative_product), &[*left, *right], *to)
@@ -242,7 +252,7 @@ impl<'a> Emission<'a> {
             false => {
                 let relations = match self.form.coordinates {
                     None => self.add_relations(),
-                    Some(_) => self.add_relations_of_coordinates(),
+                    Some(_) => self.add_meetings(),
                 };
                 quote!(|i, k| #relations[i][k] != 0)
             }
@@ -264,7 +274,7 @@ impl<'a> Emission<'a> {
         };
         let (before, beyond) = (pair(pairs.before), pair(pairs.beyond));
         let (diagonal, to) = (self.read(pairs.diagonal), self.write(pairs.to));
-        let relations = (!self.form.joints.is_chain()).then(|| {
+        let relations = (!self.form.is_chain()).then(|| {
             let relations = self.add_relations();
             quote!(, &#relations)
         });
@@ -277,21 +287,28 @@ impl<'a> Emission<'a> {
     /// Which joints of a tree stand before and beyond each other.
     fn add_relations(&self) -> Ident {
         let about = "Where joint j stands seen from joint i: −1 before it on its path to the base, 1 beyond it or the same, else 0.";
-        self.add_table(("RELATIONS", about), &self.form.joints, self.row.len)
+        self.add_table(("RELATIONS", about), self.form.joints.len(), self.row.len, arrays::relation)
     }
 
     /// Which coordinates meet.
-    fn add_relations_of_coordinates(&self) -> Ident {
+    fn add_meetings(&self) -> Ident {
         let about = "Whether the rows of coordinates i and j meet in the inverse of the mass matrix: 0 where they do not.";
-        self.add_table(("RELATIONS_OF_COORDINATES", about), self.form.coordinates(), self.row.coordinates)
+        let (count, lanes) = (self.form.coordinates().len(), self.row.coordinates);
+        self.add_table(("MEETINGS", about), count, lanes, arrays::meeting)
     }
 
-    fn add_table(&self, (name, about): (&str, &str), tree: &Tree, lanes: usize) -> Ident {
-        let rows = (0..tree.len()).map(|i| {
-            let row = (0..lanes).map(|j| Literal::i8_unsuffixed(arrays::relation(tree, i, j)));
+    fn add_table(
+        &self,
+        (name, about): (&str, &str),
+        count: usize,
+        lanes: usize,
+        entry: fn(&Arrays, usize, usize) -> i8,
+    ) -> Ident {
+        let rows = (0..count).map(|i| {
+            let row = (0..lanes).map(|j| Literal::i8_unsuffixed(entry(self.form, i, j)));
             quote!([#(#row),*])
         });
-        let (rows, count) = (rows.collect::<Vec<_>>(), Literal::usize_unsuffixed(tree.len()));
+        let (rows, count) = (rows.collect::<Vec<_>>(), Literal::usize_unsuffixed(count));
         let lanes = Literal::usize_unsuffixed(lanes);
         let documentation = DocComment::new(about).tokens();
         self.context

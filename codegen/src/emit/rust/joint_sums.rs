@@ -67,19 +67,43 @@ impl Emission<'_> {
     }
 
     pub(super) fn spread(&self) -> Ident {
-        let ty = self.context.ty();
-        let [joints, coordinates] = self.lengths();
         let of_joints = self.form.coordinates.iter().flat_map(|coordinates| &coordinates.of_joints);
-        let copies = of_joints.enumerate().map(|(joint, &coordinate)| {
-            let [joint, coordinate] = [joint, coordinate].map(Literal::usize_unsuffixed);
-            quote!(to[#joint] = from[#coordinate];)
+        let sources: Vec<_> = of_joints.copied().map(Some).collect();
+        let [joints, coordinates] = self.lengths();
+        self.gather(("spread", "Gives each joint what its coordinate has."), [coordinates, joints], &sources)
+    }
+
+    pub(super) fn gather_carriers(&self) -> Ident {
+        let about = "Gives each joint what its carrier has, and zero where that is the base.";
+        let [joints, _] = self.lengths();
+        self.gather(("gather_carriers", about), [joints.clone(), joints], &self.form.carriers())
+    }
+
+    pub(super) fn gather_last(&self) -> Ident {
+        let sources: Vec<_> = self.form.last().into_iter().map(Some).collect();
+        let about = "Gives each velocity of a joint what its last one has.";
+        let [joints, _] = self.lengths();
+        self.gather(("gather_last", about), [joints.clone(), joints], &sources)
+    }
+
+    /// Copies of entries; what has no source stays zero.
+    fn gather(
+        &self,
+        (stem, about): (&str, &str),
+        [read, written]: [Literal; 2],
+        sources: &[Option<usize>],
+    ) -> Ident {
+        let ty = self.context.ty();
+        let copies = sources.iter().enumerate().filter_map(|(place, &source)| {
+            let [place, source] = [place, source?].map(Literal::usize_unsuffixed);
+            Some(quote!(to[#place] = from[#source];))
         });
         let copies: Vec<TokenStream> = copies.collect();
-        let documentation = DocComment::new("Gives each joint what its coordinate has.").tokens();
-        self.context.shared.add("spread", |name| {
+        let documentation = DocComment::new(about).tokens();
+        self.context.shared.add(stem, |name| {
             quote! {
                 #documentation
-                fn #name<const R: usize>(from: &[[#ty; #coordinates]; R], to: &mut [[#ty; #joints]; R]) {
+                fn #name<const R: usize>(from: &[[#ty; #read]; R], to: &mut [[#ty; #written]; R]) {
                     for (from, to) in from.iter().zip(to) { #(#copies)* }
                 }
             }

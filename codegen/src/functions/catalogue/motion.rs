@@ -322,7 +322,6 @@ pub(super) const LINEARIZE_ON_TANGENT: &[Quantity] = &[Quantity {
         let rest = [vector(result.remainder), matrix(equations.drift(v))];
         jacobians.into_iter().chain(rest).collect()
     },
-    loops: None,
     ..LINEARIZE
 }];
 

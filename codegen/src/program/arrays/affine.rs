@@ -15,11 +15,27 @@ pub struct Affine {
     pub called: Arrays,
     /// For each input: the coordinates that it acts on, each with its gain, a constant or a parameter.
     pub inputs: Vec<Vec<(usize, Operand)>>,
+    /// D, where positions have quaternions: `c` has no term of y then.
+    pub drift: Option<Vec<Drift>>,
+}
+
+/// An entry of D: a velocity or its negative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Drift {
+    /// Its row.
+    pub row: usize,
+    /// Its column.
+    pub column: usize,
+    /// The velocity.
+    pub velocity: usize,
+    /// It is true for the negative of the velocity.
+    pub is_negative: bool,
 }
 
 impl Affine {
     /// The straight-line program that it stands for: column m of `B_x` is the sum of columns of M⁻¹ times gains, and
-    /// `c = ÿ − ((A_y y + A_v ẏ) + B_x u)`, row by row, each product of rows in four partial sums.
+    /// `c = ÿ − ((A_y y + A_v ẏ) + B_x u)`, row by row, each product of rows in four partial sums. Where positions have
+    /// quaternions, `c = ÿ − (A_v ẏ + B_x u)`.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         let Program { inputs, instructions, outputs } = self.called.unrolled();
@@ -33,30 +49,43 @@ impl Affine {
         let m = self.inputs.len();
         let remainder: Vec<Operand> = (0..n)
             .map(|i| {
-                let by_y = writer.dot(&by_y[i * n..(i + 1) * n], 0);
+                let is_counted = self.drift.is_none();
+                let by_y = is_counted.then(|| writer.dot(&by_y[i * n..(i + 1) * n], 0));
                 let by_v = writer.dot(&by_v[i * n..(i + 1) * n], 1);
                 let by_u = writer.dot(&by_inputs[i * m..(i + 1) * m], 2);
-                let sum = writer.push(Operation::Add(by_y, by_v));
+                let sum = by_y.map_or(by_v, |by_y| writer.push(Operation::Add(by_y, by_v)));
                 let sum = writer.push(Operation::Add(sum, by_u));
                 writer.push(Operation::Subtract(accelerations[i], sum))
             })
             .collect();
+        let drift = self.drift.as_ref().map(|drift| writer.drift(drift, n));
         let output = |name: &str, shape, entries| Output { name: name.to_owned(), shape, entries };
         let (each, input) = (Extent::new(Dimension::Velocities, n), Extent::new(Dimension::Inputs, m));
-        numbered(Program {
-            inputs,
-            instructions: writer.instructions,
-            outputs: vec![
-                output("A_y", Shape::Matrix(each, each), by_y),
-                output("A_v", Shape::Matrix(each, each), by_v),
-                output("B_x", Shape::Matrix(each, input), by_inputs),
-                output("c", Shape::Vector(each), remainder),
-            ],
-        })
+        let mut outputs = vec![
+            output("A_y", Shape::Matrix(each, each), by_y),
+            output("A_v", Shape::Matrix(each, each), by_v),
+            output("B_x", Shape::Matrix(each, input), by_inputs),
+            output("c", Shape::Vector(each), remainder),
+        ];
+        outputs.extend(drift.map(|drift| output("D", Shape::Matrix(each, each), drift)));
+        numbered(Program { inputs, instructions: writer.instructions, outputs })
     }
 }
 
 impl Writer {
+    /// D, rows first.
+    fn drift(&mut self, entries: &[Drift], n: usize) -> Vec<Operand> {
+        let mut matrix = vec![Operand::Constant(0.0); n * n];
+        for entry in entries {
+            let velocity = Operand::Input(1, entry.velocity);
+            matrix[entry.row * n + entry.column] = match entry.is_negative {
+                true => self.push(Operation::Negate(velocity)),
+                false => velocity,
+            };
+        }
+        matrix
+    }
+
     /// The sum of entries of a row times their gains. Nothing is fused here.
     fn gained(&mut self, row: &[Operand], gains: &[(usize, Operand)]) -> Operand {
         let mut sum = None;

@@ -11,7 +11,7 @@ mod tree;
 mod unroll;
 mod writer;
 
-pub use affine::Affine;
+pub use affine::{Affine, Drift};
 pub use tree::{Coordinates, Tree};
 
 use super::{Program, Shape, fuse_multiply_adds};
@@ -69,6 +69,8 @@ pub struct Arrays {
     pub joints: Tree,
     /// The coordinates that the joints follow; `None` where each joint is one.
     pub coordinates: Option<Coordinates>,
+    /// Joints that are the velocities of one joint with a quaternion, from the base outwards.
+    pub chains: Vec<Vec<usize>>,
     /// It is true if products and sums of the steps are fused.
     pub is_fused: bool,
 }
@@ -82,6 +84,19 @@ pub struct Array {
     pub rows: usize,
     /// What its entries stand for.
     pub over: Over,
+}
+
+/// Where a joint stands seen from another one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Relation {
+    /// Before it on its path to the base, or another velocity of the same joint.
+    Before,
+    /// It is the same.
+    Same,
+    /// Beyond it.
+    Beyond,
+    /// On no path with it.
+    Apart,
 }
 
 /// What the entries of a row stand for.
@@ -143,6 +158,20 @@ pub enum Step {
         /// A matrix over coordinates.
         to: ArrayId,
     },
+    /// `to[·][j] = from[·][k]` with the carrier k of joint j, or 0 where that is the base.
+    GatherCarriers {
+        /// What is read.
+        from: ArrayId,
+        /// What is written.
+        to: ArrayId,
+    },
+    /// `to[·][j] = from[·][k]` with the last velocity k of the joint that j belongs to.
+    GatherLast {
+        /// What is read.
+        from: ArrayId,
+        /// What is written.
+        to: ArrayId,
+    },
     /// `to[·][j] = from[·][c]` with the coordinate c that joint j follows.
     Spread {
         /// Over coordinates.
@@ -193,8 +222,8 @@ pub struct Map {
     pub body: Program,
 }
 
-/// `to[i][j]` is `Σ before.0[r][i] · before.1[r][j]` where j is before i on its path to the base,
-/// `diagonal[i]` where i = j, `Σ beyond.0[r][i] · beyond.1[r][j]` where i is before j, and 0 elsewhere.
+/// `to[i][j]` is `Σ before.0[r][i] · before.1[r][j]` where j is before i on its path to the base or another velocity of
+/// one joint, `diagonal[i]` where i = j, `Σ beyond.0[r][i] · beyond.1[r][j]` where i is before j, and 0 elsewhere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pairs {
     /// Rows by i and rows by j where j is before i.
@@ -212,6 +241,48 @@ impl Arrays {
     #[must_use]
     pub fn coordinates(&self) -> &Tree {
         self.coordinates.as_ref().map_or(&self.joints, |coordinates| &coordinates.tree)
+    }
+
+    /// Where joint `j` stands seen from joint `i`.
+    #[must_use]
+    pub fn relation(&self, i: usize, j: usize) -> Relation {
+        let is_one_joint = || self.chains.iter().any(|chain| chain.contains(&i) && chain.contains(&j));
+        match () {
+            () if i == j => Relation::Same,
+            () if self.joints.is_before(j, i) || is_one_joint() => Relation::Before,
+            () if self.joints.is_before(i, j) => Relation::Beyond,
+            () => Relation::Apart,
+        }
+    }
+
+    /// Tells whether each joint but the first follows the one before it, and none has a quaternion.
+    #[must_use]
+    pub fn is_chain(&self) -> bool {
+        self.joints.is_chain() && self.chains.is_empty()
+    }
+
+    /// For each joint what carries the joint that it belongs to; `None` for the base.
+    #[must_use]
+    pub fn carriers(&self) -> Vec<Option<usize>> {
+        let mut carriers = self.joints.parents.clone();
+        for chain in &self.chains {
+            for &joint in chain {
+                carriers[joint] = chain.first().and_then(|&first| self.joints.parents[first]);
+            }
+        }
+        carriers
+    }
+
+    /// For each joint the last velocity of the joint that it belongs to.
+    #[must_use]
+    pub fn last(&self) -> Vec<usize> {
+        let mut last: Vec<usize> = (0..self.joints.len()).collect();
+        for chain in &self.chains {
+            for &joint in chain {
+                last[joint] = *chain.last().unwrap_or(&joint);
+            }
+        }
+        last
     }
 
     /// What the entries of an array stand for.
@@ -252,6 +323,8 @@ impl Step {
             | Self::SumSubtrees { from, .. }
             | Self::Collect { from, .. }
             | Self::Project { from, .. }
+            | Self::GatherCarriers { from, .. }
+            | Self::GatherLast { from, .. }
             | Self::Spread { from, .. }
             | Self::Invert { from, .. } => *from == array,
             Self::Pairs(Pairs { before, beyond, diagonal, .. }) => {

@@ -1,7 +1,7 @@
 //! The array form written out: the straight-line program that it stands for.
 
 use super::writer::Writer;
-use super::{Array, Arrays, Coordinates, Map, Pairs, Step};
+use super::{Array, Arrays, Coordinates, Map, Pairs, Relation, Step};
 use crate::program::lower::give_names;
 use crate::program::{Operand, Operation, Output, Program};
 
@@ -69,6 +69,11 @@ impl Unrolling<'_> {
             Step::Collect { from, to } => self.collect(*from, *to),
             Step::Project { from, to } => self.project(*from, *to),
             Step::Spread { from, to } => self.spread(*from, *to),
+            Step::GatherCarriers { from, to } => self.gather(*from, *to, &self.form.carriers()),
+            Step::GatherLast { from, to } => {
+                let last: Vec<_> = self.form.last().into_iter().map(Some).collect();
+                self.gather(*from, *to, &last);
+            }
             Step::Invert { from, to } => {
                 self.values[*to] = self.values[*from].clone();
                 for &coordinate in self.form.coordinates().order.iter().rev() {
@@ -173,24 +178,30 @@ impl Unrolling<'_> {
     }
 
     fn spread(&mut self, from: usize, to: usize) {
-        let Some(coordinates) = &self.form.coordinates else { return };
+        let of_joints = self.form.coordinates.iter().flat_map(|coordinates| &coordinates.of_joints);
+        let of_joints: Vec<_> = of_joints.copied().map(Some).collect();
+        self.gather(from, to, &of_joints);
+    }
+
+    /// `to[·][k] = from[·][sources[k]]`, or 0.
+    fn gather(&mut self, from: usize, to: usize, sources: &[Option<usize>]) {
         for row in 0..self.form.arrays[from].rows {
-            for (joint, &coordinate) in coordinates.of_joints.iter().enumerate() {
-                let entry = self.at(from, row, coordinate);
-                self.set(to, row, joint, entry);
+            for (place, source) in sources.iter().enumerate() {
+                let entry = source.map_or(Operand::Constant(0.0), |source| self.at(from, row, source));
+                self.set(to, row, place, entry);
             }
         }
     }
 
     fn pairs(&mut self, pairs: &Pairs) {
-        let (n, joints) = (self.form.joints.len(), &self.form.joints);
+        let n = self.form.joints.len();
         for i in 0..n {
             for j in 0..n {
-                let entry = match () {
-                    () if i == j => self.at(pairs.diagonal, 0, i),
-                    () if joints.is_before(j, i) => self.pair(pairs.before, i, j),
-                    () if joints.is_before(i, j) => self.pair(pairs.beyond, i, j),
-                    () => Operand::Constant(0.0),
+                let entry = match self.form.relation(i, j) {
+                    Relation::Same => self.at(pairs.diagonal, 0, i),
+                    Relation::Before => self.pair(pairs.before, i, j),
+                    Relation::Beyond => self.pair(pairs.beyond, i, j),
+                    Relation::Apart => Operand::Constant(0.0),
                 };
                 self.set(pairs.to, i, j, entry);
             }
