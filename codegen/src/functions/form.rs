@@ -120,7 +120,7 @@ impl<'m> Forms<'m> {
     }
 
     /// The function that one with affine results calls, and the gains of the inputs.
-    fn called(&self, quantity: &Quantity, called: &str) -> Option<(&'static Quantity, Gains)> {
+    fn called(&self, quantity: &Quantity, called: &str) -> Option<(&'static Quantity, Vec<Gains>)> {
         let called = catalogue::row(called)?;
         if self.is_straight(quantity) || !self.may_loop(called) {
             return None;
@@ -234,11 +234,11 @@ fn is_large(operations: usize) -> bool {
     BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT
 }
 
-/// For each input the coordinates that it acts on, with its gains.
-type Gains = Vec<Vec<(usize, Operand)>>;
+/// The coordinates that an input acts on, each with its gain.
+type Gains = Vec<(usize, Operand)>;
 
-/// The gains of all inputs; `None` where a gain has to be computed.
-fn gains(model: &Model) -> Option<Gains> {
+/// For each input the coordinates that it acts on, with its gains; `None` where a gain has to be computed.
+fn gains(model: &Model) -> Option<Vec<Gains>> {
     if model.inputs_depend_on_position() {
         return None;
     }
