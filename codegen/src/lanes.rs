@@ -43,17 +43,6 @@ impl Lanes {
         all
     }
 
-    /// The note that a description asks for lanes, which only Rust has.
-    pub(crate) fn left_to_rust(&self) -> Option<Diagnostic> {
-        let names: Vec<String> = self.0.iter().map(|name| format!("`{name}`")).collect();
-        (!names.is_empty()).then(|| {
-            let message =
-                format!("the functions over lanes of {} are left out: C has none", names.join(", "));
-            Diagnostic::note("no-lanes", message)
-                .help("generate Rust for them; the functions of one state are there")
-        })
-    }
-
     /// The functions that have a form over lanes, and notes on why others have none.
     pub(crate) fn possible(&self, functions: &[Function], math: Math) -> (Vec<String>, Vec<Diagnostic>) {
         let (mut possible, mut notes) = (Vec::new(), Vec::new());
@@ -82,6 +71,17 @@ impl Lanes {
         });
         names.collect()
     }
+}
+
+/// The functions that are straight-line code anyway and have a form over lanes: those that tools over arrays of states
+/// call. What has loops over joints keeps them, and its bits.
+///
+/// - `others`: functions that are left out
+pub(crate) fn of_straight_line_code(functions: &[Function], others: &[String]) -> Vec<String> {
+    let functions = functions.iter().filter(|function| !others.contains(&function.name));
+    let functions = functions.filter(|function| function.arrays.is_none());
+    let possible = functions.filter(|function| lanes::obstacle(&function.program).is_none());
+    possible.map(|function| function.name.clone()).collect()
 }
 
 /// Why a function has no form over lanes, and what helps.

@@ -9,7 +9,7 @@ use crate::functions::form::Form;
 use crate::functions::module_constants;
 use crate::functions::selection::{self, Request, Selection};
 use crate::functions::size::MOST_OPERATIONS;
-use crate::lanes::Lanes;
+use crate::lanes::{self, Lanes};
 use crate::model::{DescriptionFiles, Loaded, Model, ReadOptions};
 use crate::module::Module;
 use crate::program::arrays::ArrayForm;
@@ -107,10 +107,10 @@ fn generate_from(
         functions.extend(tools::by_parameters(&model, &functions));
     }
     let notes = snapping::priced(notes, description, &read_options, &functions);
-    let (lanes, obstacles) = match options.emit.language {
-        Language::Rust => lanes.possible(&functions, options.emit.math),
-        Language::C => (vec![], Vec::from_iter(lanes.left_to_rust())),
-    };
+    let (mut lanes, obstacles) = lanes.possible(&functions, options.emit.math);
+    if options.emit.companions.contains(&Companion::Python) {
+        lanes.extend(lanes::of_straight_line_code(&functions, &lanes));
+    }
     let incomplete = Vec::from_iter(module_constants::notes(&functions));
     let advice = advice::notes(&model, &functions, &compositions);
     let others = [left_out, advice, obstacles, incomplete].concat();
@@ -176,7 +176,7 @@ fn check_slope(slope: Option<f64>) -> Result<(), Diagnostics> {
     }
 }
 
-/// C has functions over one state, and no tests beside them.
+/// C has no tests beside its functions.
 fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
     if options.emit.language == Language::Rust {
         return match options.emit.companions.is_empty() {
@@ -192,9 +192,6 @@ fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
         problem.help(help)
     };
     let refusals = [
-        (!options.lanes.is_empty()).then(|| {
-            refuse("functions over several states at once", "leave out the lanes, or generate Rust")
-        }),
         options.self_test.then(|| {
             refuse(
                 "tests at their end",

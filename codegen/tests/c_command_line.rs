@@ -278,7 +278,6 @@ fn what_c_does_not_have_is_refused() {
     let folder = folder();
     let folder = folder.path();
     for (line, expected, reason) in [
-        ("--lanes linearize", 1, "modules in C have no functions over several states at once"),
         ("--self-test", 1, "modules in C have no tests at their end"),
         ("--output -", 2, "a module in C is two files"),
         ("--output pole.rs", 2, "a module in C goes to a folder, or to a file that ends with .c"),
@@ -303,13 +302,27 @@ fn what_c_does_not_have_is_refused() {
     }
 }
 
-/// A description that asks for lanes keeps its functions of one state; the note says what is left to Rust.
+/// A description or the command line asks for lanes; a module for Python has all that are straight-line code.
 #[test]
-fn lanes_of_a_description_are_noted() {
+fn lanes_are_written_in_c_too() {
     let folder = folder();
-    let (code, text) = gelenk(folder.path(), "generate powercube.toml --language c");
-    assert_eq!(code, 0, "{text}");
-    assert!(text.contains("the functions over lanes of `linearize` are left out: C has none"), "{text}");
+    let folder = folder.path();
+    for (line, functions) in [
+        ("powercube.toml", &["linearize"][..]),
+        ("cart_pole.toml --lanes mass_matrix,kinetic_energy", &["mass_matrix", "kinetic_energy"]),
+        ("cart_pole.toml --functions inverse_dynamics,input_matrix --for python", &["inverse_dynamics"]),
+        ("cart_pole.toml", &[]),
+    ] {
+        let (code, text) = gelenk(folder, &format!("generate {line} --language c --output robot.c"));
+        assert_eq!(code, 0, "{text}");
+        let header = read(folder, "robot.h");
+        let lanes = header.lines().filter_map(|line| line.strip_prefix("void robot_"));
+        let lanes = lanes.filter_map(|line| line.split('(').next()?.strip_suffix("_lanes"));
+        assert_eq!(lanes.collect::<Vec<_>>(), functions, "{line}");
+        assert_eq!(header.contains("#define ROBOT_LANES 8"), !functions.is_empty());
+    }
+    let (_, text) = gelenk(folder, "generate cart_pole.toml --language c --lanes step --output robot.c");
+    assert!(text.contains("`step` is not written over lanes"), "{text}");
 }
 
 #[test]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
+from typing import Any, Callable
 
 import gelenk
 import numpy as np
@@ -87,6 +88,76 @@ def test_batches_are_the_single_calls(ur5: gelenk.Robot) -> None:
         single = ur5.inverse_dynamics_derivatives(y[index], v[index], a[index])
         for many, one in zip(batch, single):
             assert np.array_equal(many[index], one)
+
+
+def bits(numbers: np.ndarray) -> bytes:
+    """All bits, but those of numbers that are none: IEEE 754 leaves their sign open."""
+    copy = np.array(numbers, ndmin=1)
+    copy[np.isnan(copy)] = np.nan
+    return copy.tobytes()
+
+
+def assert_batch_is_single_calls(function: Callable[..., Any], *arguments: np.ndarray, **keywords: Any) -> None:
+    """The same bits for each state of a batch as alone."""
+    batch = function(*arguments, **keywords)
+    for state in range(len(arguments[0])):
+        one = function(*(each[state] for each in arguments), **keywords)
+        for many, single in zip(batch if isinstance(batch, tuple) else (batch,), one if isinstance(one, tuple) else (one,)):
+            assert bits(many[state]) == bits(single), (function.__name__, state)
+
+
+@pytest.mark.parametrize("count", [1, 7, 8, 9, 16, 27])
+def test_batches_of_any_size_have_the_bits_of_single_calls(ur5: gelenk.Robot, count: int) -> None:
+    # Some angles beyond the fast path of sine and cosine, and some that are no numbers.
+    y, v, a = np.random.default_rng(count).uniform(-3, 3, (3, count, 6))
+    y[count // 2, 1], y[count // 3, 4], v[count // 3, 2] = 3e5, np.inf, np.nan
+    for function in (ur5.inverse_dynamics, ur5.linearize, ur5.inverse_dynamics_derivatives):
+        assert_batch_is_single_calls(function, y, v, a)
+    assert_batch_is_single_calls(ur5.mass_matrix, y)
+    assert_batch_is_single_calls(ur5.kinetic_energy, y, v)
+
+
+def test_states_of_a_batch_may_stand_apart_or_count_for_all(ur5: gelenk.Robot) -> None:
+    y, v, u = np.random.default_rng(11).uniform(-3, 3, (3, 40, 6))
+    expected = ur5.linearize(y[::2], v[:20], u[0])
+    padded = np.zeros((20, 9))
+    padded[:, :6] = y[::2]
+    others = [
+        (y[::2].copy(), v[:20].copy(), np.tile(u[0], (20, 1))),
+        (padded[:, :6], v[19::-1][::-1], np.broadcast_to(u[0], (20, 6))),
+        (np.asfortranarray(y[::2]), np.asfortranarray(v[:20]), u[0]),
+    ]
+    for arguments in others:
+        for found, wanted in zip(ur5.linearize(*arguments), expected):
+            assert found.tobytes() == wanted.tobytes()
+    grid = ur5.inverse_dynamics(y[:, None], v[None, :9], np.zeros(6))
+    assert grid[31, 8].tobytes() == ur5.inverse_dynamics(y[31], v[8], np.zeros(6)).tobytes()
+
+
+def test_batches_in_single_precision_have_the_bits_of_single_calls(arm_file: Path) -> None:
+    short = gelenk.load(arm_file, scalar="f32", functions=["inverse_dynamics", "linearize"])
+    y, v, a = np.random.default_rng(12).uniform(-3, 3, (3, 19, 2)).astype(np.float32)
+    y[3, 1] = 1e6
+    assert_batch_is_single_calls(short.inverse_dynamics, y, v, a)
+    assert_batch_is_single_calls(short.linearize, y, v, a)
+
+
+def test_parameters_count_for_all_states_of_a_batch_or_for_one(powercube: gelenk.Robot) -> None:
+    y, v, a = np.random.default_rng(13).uniform(-3, 3, (3, 21, 2))
+    assert_batch_is_single_calls(powercube.inverse_dynamics, y, v, a)
+    name = next(iter(powercube.default_parameters))
+    values = powercube.default_parameters[name] * np.linspace(0.5, 2, 21)
+    assert_batch_is_single_calls(powercube.inverse_dynamics, y, v, a, **{name: values[7]})
+    many = powercube.inverse_dynamics(y, v, a, **{name: values})
+    for state in range(21):
+        single = powercube.inverse_dynamics(y[state], v[state], a[state], **{name: values[state]})
+        assert many[state].tobytes() == single.tobytes()
+
+
+def test_loops_over_joints_become_lanes_where_that_is_asked_for() -> None:
+    panda = gelenk.load(MODELS / "panda.toml", functions=["linearize"], lanes=["linearize"])
+    y, v, u = np.random.default_rng(14).uniform(-2, 2, (3, 11, panda.N))
+    assert_batch_is_single_calls(panda.linearize, y, v, u)
 
 
 def test_entries_may_stand_anywhere_in_memory(ur5: gelenk.Robot) -> None:

@@ -42,6 +42,7 @@ fn function(function: &Callable) -> Value {
         "arguments": function.arguments.iter().map(argument).collect::<Vec<_>>(),
         "results": function.results.iter().map(result).collect::<Vec<_>>(),
         "returns_number": function.returns_number,
+        "lanes": function.lanes,
         "cost": function.cost,
         "notes": function.notes,
     })

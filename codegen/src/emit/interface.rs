@@ -28,6 +28,8 @@ pub struct Callable {
     pub results: Vec<Written>,
     /// It is true if its only result is a number, which it returns.
     pub returns_number: bool,
+    /// Its form over eight states, without the beginning of its name; none where it has none.
+    pub lanes: Option<String>,
     /// The sentence about its operations.
     pub cost: String,
     /// Method, limits, sources.

@@ -75,7 +75,7 @@ pub enum Language {
     /// One file, `<name>.rs`.
     #[default]
     Rust,
-    /// C99 that is C++ too: `<name>.h` and `<name>.c`. Functions over lanes and tests are left to Rust.
+    /// C99 that is C++ too: `<name>.h` and `<name>.c`. Tests beside the functions are left to Rust.
     C,
 }
 

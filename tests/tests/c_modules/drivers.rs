@@ -5,6 +5,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use super::lanes::{self, Lanes};
 use gelenk_codegen::emit::{Scalar, SourceFile};
 use gelenk_codegen::functions::function::ConstantValue;
 use gelenk_codegen::functions::position_functions::{PositionFunction, extents};
@@ -49,6 +50,21 @@ impl Results {
 }
 
 impl Face {
+    /// The function over eight states, where there is one.
+    fn lanes(&self, module: &Module, prefix: &str) -> Option<Lanes> {
+        let is_there = module.lanes.contains(&self.name);
+        is_there.then(|| Lanes {
+            function: format!("{prefix}_{}", self.name),
+            inputs: self.inputs.iter().map(|input| input.len()).collect(),
+            results: match &self.results {
+                Results::Arrays(results) => results.clone(),
+                Results::Number | Results::InPlace(_) => vec![1],
+            },
+            is_number: matches!(self.results, Results::Number),
+            has_parameters: !module.parameters.is_empty(),
+        })
+    }
+
     fn is_of_positions(&self) -> bool {
         PositionFunction::ALL.iter().any(|function| function.name() == self.name)
     }
@@ -268,7 +284,16 @@ pub fn c(module: &Module, source: &SourceFile, scalar: Scalar) -> String {
     };
     let (prefix, count) = (&source.name, module.parameters.len());
     let mut cases = String::new();
+    let mut checks = if module.lanes.is_empty() { String::new() } else { lanes::same(ty) };
     for (index, face) in faces(module).iter().enumerate() {
+        let check = format!("lanes_{index}");
+        let over_lanes = face.lanes(module, prefix);
+        checks.extend(over_lanes.iter().map(|lanes| lanes.check(&check, prefix, ty)));
+        let checked = match (over_lanes.is_some(), count) {
+            (false, _) => String::new(),
+            (true, 0) => format!("{check}(x);"),
+            (true, _) => format!("{check}(&x[{count}], &p);"),
+        };
         let (mut at, mut arguments) = (count, vec![]);
         for input in &face.inputs {
             match input {
@@ -295,7 +320,7 @@ pub fn c(module: &Module, source: &SourceFile, scalar: Scalar) -> String {
                 format!("{function}({}); print(r, {total});", arguments.join(", "))
             }
         };
-        let _ = writeln!(cases, "    case {index}: {call} break;");
+        let _ = writeln!(cases, "    case {index}: {call} {checked} break;");
     }
     let largest = faces(module).iter().map(|face| face.results.entries()).max();
     let parameters = match count {
@@ -318,6 +343,7 @@ static void print(const {ty} *r, int count)
     }}
     printf("\n");
 }}
+{checks}
 int main(void)
 {{
     static char line[1 << 20];

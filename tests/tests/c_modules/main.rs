@@ -13,13 +13,14 @@
 
 mod compilers;
 mod drivers;
+mod lanes;
 
 use std::path::{Path, PathBuf};
 
 use compilers::{Compiler, c_compilers};
 use drivers::Requests;
 use fastrand::Rng;
-use gelenk_codegen::emit::{self, EmitOptions, Language, Scalar, SourceFile};
+use gelenk_codegen::emit::{self, Companion, EmitOptions, Language, Scalar, SourceFile};
 use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::module::Module;
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
@@ -33,13 +34,15 @@ const SAMPLES: usize = 4;
 const SPECIAL: [f64; 10] =
     [0.0, -0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 5e-324, -1e-310, 1e300, -123_456.789, 3e-39];
 
-/// A module in one form, which both printers print.
+/// A module in one form, which both printers print, with all lanes that a module for Python has.
 ///
 /// - `functions`: all where there are none
 fn derive(description: &Path, functions: &[&str], form: Form, fused: bool) -> Module {
     let functions = functions.iter().map(|name| (*name).to_owned()).collect();
+    let emit =
+        EmitOptions { language: Language::C, companions: vec![Companion::Python], ..EmitOptions::default() };
     let options =
-        GenerateOptions { functions, form, fused_multiply_add: fused, ..GenerateOptions::default() };
+        GenerateOptions { functions, form, fused_multiply_add: fused, emit, ..GenerateOptions::default() };
     let robot = generate(description, &options).unwrap_or_else(|problems| panic!("{problems}"));
     robot.module
 }
@@ -94,7 +97,8 @@ fn run_rust(
     is_fused: bool,
     requests: &Requests,
 ) -> Vec<Vec<f64>> {
-    let source = print(module, Language::Rust, scalar);
+    // `tests/lanes.rs` compares those of Rust.
+    let source = print(&Module { lanes: vec![], ..module.clone() }, Language::Rust, scalar);
     std::fs::write(folder.join("robot.rs"), &source.text).expect("a file");
     std::fs::write(folder.join("flat.rs"), include_str!("../../src/flat.rs")).expect("a file");
     let mut flags = vec!["-C", "opt-level=0", "-A", "warnings"];

@@ -155,6 +155,23 @@ impl Kernel {
         })
     }
 
+    /// The same operations over several states as C99, for [`Self::c_source`] of the same kernel; none where compilers
+    /// make vectors of a loop. Names end in `_lanes`, or in `_lanes_f32`. What the texts need beside those of
+    /// [`Kernel::requires`] is the type `gelenk_group` with its functions, which the printer has.
+    pub fn c_lanes_source(self) -> Option<&'static str> {
+        Some(match self {
+            Self::SinCos => include_str!("sin_cos_lanes.c"),
+            Self::SinCosF32 => include_str!("sin_cos_lanes_f32.c"),
+            Self::ExpReduced => include_str!("exp_reduced_lanes.c"),
+            Self::ExpReducedF32 => include_str!("exp_reduced_lanes_f32.c"),
+            Self::Exp => include_str!("exp_lanes.c"),
+            Self::ExpF32 => include_str!("exp_lanes_f32.c"),
+            Self::Tanh => include_str!("tanh_lanes.c"),
+            Self::TanhF32 => include_str!("tanh_lanes_f32.c"),
+            _ => return None,
+        })
+    }
+
     /// The kernel whose items this one calls; take them transitively.
     pub fn requires(self) -> Option<Self> {
         match self {

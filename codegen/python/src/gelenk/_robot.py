@@ -82,6 +82,7 @@ def load(
     description: str | os.PathLike[str],
     *,
     functions: Iterable[str] | None = None,
+    lanes: Iterable[str] | None = None,
     scalar: str = "f64",
     snap_angles: float | None = None,
     no_friction: bool = False,
@@ -98,6 +99,8 @@ def load(
     zig cc. Both are kept in a cache by their content, so that the next call only reads the description.
 
     - `functions`: their names; by default those of the description, else all
+    - `lanes`: functions that compute eight states of a batch at once even where that makes them large; those that are
+      straight-line code do so in any case
     - `scalar`: `f64`, or `f32` for functions in single precision
     - `base`: `"floating"` for a robot whose first link moves freely
     - all others: as `gelenk generate --help` says
@@ -106,6 +109,7 @@ def load(
     """
     options = _program.switches({
         "functions": [functions] if isinstance(functions, str) else functions,
+        "lanes": [lanes] if isinstance(lanes, str) else lanes,
         "scalar": scalar,
         "snap_angles": snap_angles,
         "no_friction": no_friction,

@@ -299,7 +299,10 @@ impl<'a> Emission<'a> {
                 let is_known = |entry| !matches!(entry, Operand::Value(_) | Operand::Constant(0.0));
                 (vec![], [body.stores(is_known), body.statements(0..program.instructions.len())].concat())
             }
-            _ => (parts::items(self.context, &program, &name, &split), parts::calls(&body, &name, &split)),
+            _ => {
+                let private = Body::new(self.context, &program).without_stores();
+                (parts::items(&private, &name, &split), parts::calls(&body, &name, &split))
+            }
         };
         let head = layout::call(0, &format!("static void {name}"), &signature::arguments(&body), "");
         let function = layout::function(&head, &[body.unused(), statements].concat());

@@ -1,6 +1,7 @@
 //! The values of a function: their names, and how operands and results are written.
 
 use super::context::Context;
+use super::lanes;
 use crate::emit::names::ProgramNames;
 use crate::program::flow::Flow;
 use crate::program::{Operand, Operation, Output, Program, Shape};
@@ -11,6 +12,8 @@ pub(super) struct Body<'a> {
     pub(super) program: &'a Program,
     pub(super) flow: Flow,
     pub(super) names: ProgramNames,
+    /// It is true where a value is that of several states, and arguments hold [`lanes::COUNT`] states.
+    pub(super) over_lanes: bool,
     /// Where inputs and results are rows of a loop over joints: how long these are.
     pub(super) row: Option<usize>,
     /// Where results are matrices over rows that are padded: how long these are.
@@ -25,7 +28,15 @@ pub(super) const JOINT: &str = "joint";
 impl<'a> Body<'a> {
     /// With its results as arguments, but for one number alone, which is returned.
     pub(super) fn new(context: &'a Context<'a>, program: &'a Program) -> Self {
-        let in_place = !returns_number(program);
+        Self::with_results(context, program, !returns_number(program))
+    }
+
+    /// Over several states, with all results as arguments.
+    pub(super) fn over_lanes(context: &'a Context<'a>, program: &'a Program) -> Self {
+        Self { over_lanes: true, ..Self::with_results(context, program, true) }
+    }
+
+    fn with_results(context: &'a Context<'a>, program: &'a Program, in_place: bool) -> Self {
         let names = context.spelling.of_program(program, &[JOINT.to_owned()], in_place);
         let mut body = Self {
             context,
@@ -33,6 +44,7 @@ impl<'a> Body<'a> {
             flow: Flow::new(program),
             stored: vec![vec![]; names.values.len()],
             names,
+            over_lanes: false,
             row: None,
             stride: None,
         };
@@ -67,15 +79,33 @@ impl<'a> Body<'a> {
         self.context.spelling.distinct(names, &taken)
     }
 
-    /// An operand of an operator, an argument or an entry of a result.
+    /// The type of a value.
+    pub(super) fn ty(&self) -> String {
+        match self.over_lanes {
+            true => lanes::group(self.context),
+            false => self.context.ty().to_owned(),
+        }
+    }
+
+    /// An operand that is a value of the function's type: an argument of a call, or an entry of a result.
+    pub(super) fn value(&self, operand: Operand) -> String {
+        let text = self.operand(operand);
+        match (self.over_lanes, operand) {
+            (true, Operand::Constant(_) | Operand::Parameter(_)) => lanes::same(self.context, &text),
+            _ => text,
+        }
+    }
+
+    /// An operand of an operator; over several states a number among them counts for all.
     pub(super) fn operand(&self, operand: Operand) -> String {
         match operand {
             Operand::Value(index) => self.name(index).to_owned(),
             Operand::Input(array, index) => {
                 let name = &self.names.arguments[array];
-                match self.row {
-                    Some(len) => in_row(name, index, len),
-                    None => format!("{name}[{index}]"),
+                match (self.over_lanes, self.row) {
+                    (true, _) => lanes::taken(self, array, index),
+                    (false, Some(len)) => in_row(name, index, len),
+                    (false, None) => format!("{name}[{index}]"),
                 }
             }
             Operand::Parameter(index) => format!("p->{}", self.context.parameters[index]),
@@ -93,19 +123,26 @@ impl<'a> Body<'a> {
 
     /// The stores of those entries that are wanted.
     pub(super) fn stores(&self, is_wanted: impl Fn(Operand) -> bool) -> Vec<String> {
+        if self.over_lanes {
+            return lanes::stores(self, is_wanted);
+        }
         let outputs = self.program.outputs.iter().enumerate();
         let entries = outputs.flat_map(|(result, output)| {
             let entries = output.entries.iter().enumerate();
             entries.map(move |(entry, &operand)| (result, entry, operand))
         });
         let wanted = entries.filter(|&(_, _, operand)| is_wanted(operand));
-        wanted.map(|(result, entry, operand)| self.store(result, entry, &self.operand(operand))).collect()
+        wanted.map(|(result, entry, operand)| self.store(result, entry, &self.value(operand))).collect()
     }
 
     /// The assignments of a new value to the results.
     pub(super) fn stores_of(&self, index: usize) -> Vec<String> {
         let places = self.stored.get(index).into_iter().flatten();
-        places.map(|&(result, entry)| self.store(result, entry, &self.names.values[index])).collect()
+        let stores = places.filter_map(|&(result, entry)| match self.over_lanes {
+            true => lanes::store_at(self, result, entry, index),
+            false => Some(self.store(result, entry, &self.names.values[index])),
+        });
+        stores.collect()
     }
 
     fn store(&self, result: usize, entry: usize, value: &str) -> String {
@@ -126,7 +163,8 @@ impl<'a> Body<'a> {
 
     /// The statement that returns a number alone, where the function does.
     pub(super) fn return_statement(&self) -> Option<String> {
-        let number = self.program.outputs.first().filter(|_| returns_number(self.program))?;
+        let returns = returns_number(self.program) && !self.over_lanes;
+        let number = self.program.outputs.first().filter(|_| returns)?;
         let entry = number.entries.first().map(|&entry| self.operand(entry));
         Some(format!("return {};", entry.unwrap_or_else(|| self.context.literal(0.0))))
     }

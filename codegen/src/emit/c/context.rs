@@ -27,6 +27,8 @@ pub(super) struct Context<'a> {
     pub(super) functions: Vec<String>,
     /// Elementary functions that were called so far.
     pub(super) kernels: RefCell<BTreeSet<Kernel>>,
+    /// Those among them that were called over several states.
+    pub(super) lanes_kernels: RefCell<BTreeSet<Kernel>>,
     /// It is true if the sign of a number was called.
     pub(super) sign: Cell<bool>,
     /// It is true if a fused sum was negated.
@@ -35,6 +37,10 @@ pub(super) struct Context<'a> {
     pub(super) shared: Shared,
     /// Private constants of array forms, which the loops read.
     pub(super) tables: Shared,
+    /// Private functions of numbers, written for several states.
+    pub(super) of_lanes: Shared,
+    /// Names of the functions over several states, by those of their functions.
+    lanes: BTreeMap<&'a str, String>,
 }
 
 impl<'a> Context<'a> {
@@ -45,6 +51,10 @@ impl<'a> Context<'a> {
         let functions = module.functions.iter().map(|function| function.name.as_str());
         let functions = own.distinct(functions, &[]);
         let parameters = module.parameters.iter().map(|each| each.name.as_str());
+        let asked = module.lanes.iter().map(|name| format!("{name}_lanes")).collect::<Vec<_>>();
+        let lanes = own.distinct(asked.iter().map(String::as_str), &functions).into_iter();
+        let lanes = lanes.map(|name| format!("{prefix}_{name}"));
+        let lanes = module.lanes.iter().map(String::as_str).zip(lanes).collect();
         let spelling = names::spelling(vec![format!("{prefix}_"), format!("{}_", prefix.to_uppercase())]);
         Self {
             module,
@@ -55,16 +65,28 @@ impl<'a> Context<'a> {
             name,
             prefix,
             kernels: RefCell::default(),
+            lanes_kernels: RefCell::default(),
             sign: Cell::default(),
             negation: Cell::default(),
             shared: Shared::default(),
             tables: Shared::default(),
+            of_lanes: Shared::default(),
+            lanes,
         }
     }
 
     /// A function or a type of the module.
     pub(super) fn function(&self, name: &str) -> String {
         format!("{}_{name}", self.prefix)
+    }
+
+    /// The form of a function over several states, where it has one.
+    pub(super) fn lanes_of(&self, function: &str) -> Option<&str> {
+        self.lanes.get(function).map(String::as_str)
+    }
+
+    pub(super) fn has_lanes(&self) -> bool {
+        !self.lanes.is_empty()
     }
 
     /// A constant or a macro of the module.

@@ -1,15 +1,17 @@
-//! A function in the form that it has: straight-line code, or loops over joints.
+//! A function in the form that it has: straight-line code, or loops over joints; lanes beside it.
 
 use super::context::Context;
-use super::{affine, arrays, straight};
+use super::{affine, arrays, lanes, straight};
 use crate::functions::function::Function;
 use crate::program::arrays::ArrayForm;
 
-/// The private functions, then the public one that calls them.
+/// The private functions, then the public one that calls them, then those over several states.
 pub(super) fn items(context: &Context<'_>, function: &Function, name: &str) -> Vec<String> {
-    match &function.arrays {
+    let mut items = match &function.arrays {
         Some(ArrayForm::Steps(form)) => arrays::items(context, function, form, name),
         Some(ArrayForm::Affine(form)) => affine::items(context, function, form, name),
         None => straight::items(context, function, name),
-    }
+    };
+    items.extend(lanes::items(context, function));
+    items
 }

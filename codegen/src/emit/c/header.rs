@@ -1,19 +1,21 @@
 //! The header of a module: what its users see.
 
 use super::context::Context;
-use super::{comment, constants, discrete_time, parameters, positions, public};
+use super::{comment, constants, discrete_time, lanes, parameters, positions, public};
 use crate::emit::header;
 
 /// The text of `<name>.h`.
 pub(super) fn text(context: &Context<'_>) -> String {
     let module = context.module;
     let mut items = constants::sizes(context);
+    items.extend(lanes::size(context));
     items.extend(module.constants.iter().map(|constant| constants::declaration(context, constant)));
     items.extend(parameters::declarations(context));
     items.extend(constants::entry_type(context));
     for (function, name) in module.functions.iter().zip(&context.functions) {
         items.extend(function.constants.iter().map(|constant| constants::declaration(context, constant)));
         items.push(public::declaration(context, function, name));
+        items.extend(lanes::declaration(context, function));
     }
     items.extend(module.substeps.iter().map(|constant| constants::declaration(context, constant)));
     items.extend(module.compositions.iter().map(|each| discrete_time::declaration(context, each)));

@@ -49,6 +49,7 @@ fn function(context: &Context<'_>, function: &Function, name: &str) -> Callable 
         arguments: arguments.collect(),
         results: results.collect(),
         returns_number: returns_number(&face),
+        lanes: context.lanes_of(&function.name).map(|name| unprefixed(context, name)),
         cost: format!("Cost: {}.", function.cost()),
         notes: function.notes.clone(),
     }
@@ -84,6 +85,7 @@ fn composition(context: &Context<'_>, composed: &ComposedFunction) -> Callable {
         ],
         results: results.collect(),
         returns_number: false,
+        lanes: None,
         cost: composed.cost_text.clone(),
         notes: composed
             .composition
@@ -123,6 +125,7 @@ fn of_positions(context: &Context<'_>) -> Vec<Callable> {
                 })
                 .collect(),
             returns_number: false,
+            lanes: None,
             cost: "Cost: a few hundred operations.".to_owned(),
             notes: function.notes().iter().map(|&note| note.to_owned()).collect(),
         }

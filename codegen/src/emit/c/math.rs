@@ -7,9 +7,9 @@ use crate::emit::kernels;
 use crate::emit::options::Scalar;
 use crate::formula::Function as Call;
 
-/// A call of a function of one argument. Sines and cosines are made in pairs.
-pub(super) fn call(context: &Context<'_>, function: Call, argument: &str) -> String {
-    let callee = match function {
+/// A function of one number. Sines and cosines are made in pairs.
+pub(super) fn callee(context: &Context<'_>, function: Call) -> String {
+    match function {
         Call::Sign => {
             context.sign.set(true);
             context.function("sign")
@@ -20,20 +20,19 @@ pub(super) fn call(context: &Context<'_>, function: Call, argument: &str) -> Str
         Call::Tanh => own(context, [Kernel::Tanh, Kernel::TanhF32]),
         Call::Exp => own(context, [Kernel::Exp, Kernel::ExpF32]),
         Call::Sin | Call::Cos => unreachable!("`statement` writes sines and cosines as pairs"),
-    };
-    format!("{callee}({argument})")
+    }
 }
 
-/// `a b + c`, rounded once.
-pub(super) fn multiply_add(context: &Context<'_>, operands: &[String; 3]) -> String {
-    format!("{}({})", of_scalar(context, "fma"), operands.join(", "))
+/// The function of a, b and c that gives `a b + c`, rounded once.
+pub(super) fn multiply_add(context: &Context<'_>) -> String {
+    of_scalar(context, "fma")
 }
 
-/// `−x` of a fused sum. gcc 12 takes the minus into the sum, `−a b − c`, whose zero has another sign than that of
+/// The function that gives `−x` of a fused sum. gcc 12 takes the minus into the sum, `−a b − c`, whose zero has another sign than that of
 /// `−(a b + c)`.
-pub(super) fn negate_fused(context: &Context<'_>, value: &str) -> String {
+pub(super) fn negate_fused(context: &Context<'_>) -> String {
     context.negation.set(true);
-    format!("{}({value})", context.function("negated"))
+    context.function("negated")
 }
 
 /// The function that gives sine and cosine of one angle.

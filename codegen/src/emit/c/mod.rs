@@ -6,7 +6,7 @@
 //! From below: `names.rs`, `literal.rs` and `comment.rs` guard what reaches the text. `body.rs` names the values of a
 //! function, `statements.rs` prints one declaration per instruction, `signature.rs` and `public.rs` what stands around
 //! them, `parts.rs` the functions that a long one is split into. On these stand the forms: `straight.rs`, `arrays.rs`,
-//! `affine.rs`. `function.rs` chooses between them by what the module says. `header.rs` and `source.rs` put the files
+//! `affine.rs`, `lanes/`. `function.rs` chooses between them by what the module says. `header.rs` and `source.rs` put the files
 //! together.
 
 mod acados;
@@ -23,6 +23,7 @@ mod function;
 mod header;
 mod interface;
 mod joint_sums;
+mod lanes;
 mod layout;
 mod literal;
 mod math;

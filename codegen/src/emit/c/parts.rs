@@ -1,14 +1,12 @@
 //! The private functions that a long one is split into, and what they exchange.
 
 use super::body::Body;
-use super::context::Context;
 use super::{layout, signature};
-use crate::program::Program;
 use crate::program::split::Part;
 
 /// The body of a split function: one call per part, and the results.
 pub(super) fn calls(body: &Body<'_>, name: &str, parts: &[Part]) -> Vec<String> {
-    let ty = body.context.ty();
+    let ty = body.ty();
     let mut helpers = body.fresh(parts.iter().flat_map(|_| ["taken", "made"])).into_iter();
     let mut statements = vec![];
     for (index, part) in parts.iter().enumerate() {
@@ -37,21 +35,23 @@ pub(super) fn calls(body: &Body<'_>, name: &str, parts: &[Part]) -> Vec<String> 
 }
 
 /// The private functions of the parts.
-pub(super) fn items(context: &Context<'_>, program: &Program, name: &str, parts: &[Part]) -> Vec<String> {
-    let body = Body::new(context, program).without_stores();
+///
+/// - `body`: without stores
+pub(super) fn items(body: &Body<'_>, name: &str, parts: &[Part]) -> Vec<String> {
     let parts = parts.iter().enumerate();
-    parts.map(|(index, part)| private(&body, &part_name(name, index), part)).collect()
+    parts.map(|(index, part)| private(body, &part_name(name, index), part)).collect()
 }
 
 /// The private function of a part. Never inlined: that would undo the splitting.
 fn private(body: &Body<'_>, name: &str, part: &Part) -> String {
     let context = body.context;
-    let ty = context.ty();
+    let ty = body.ty();
     let helpers = body.fresh(["taken", "made"]);
     let inputs = part.inputs.iter().map(|&input| signature::read(context, &body.names.arguments[input]));
-    let taken = (!part.takes.is_empty()).then(|| signature::read(context, &helpers[0]));
+    let taken =
+        (!part.takes.is_empty()).then(|| signature::pointer(context, &format!("const {ty}"), &helpers[0]));
     let parameters = context.declared_parameters().filter(|_| part.reads_parameters);
-    let made = signature::written(context, &helpers[1]);
+    let made = signature::pointer(context, &ty, &helpers[1]);
     let arguments: Vec<String> = inputs.chain(taken).chain(parameters).chain([made]).collect();
     let takes = part.takes.iter().enumerate();
     let takes =

@@ -8,12 +8,17 @@ use crate::emit::text::code;
 
 /// A pointer to numbers that are read.
 pub(super) fn read(context: &Context<'_>, name: &str) -> String {
-    format!("const {} *{} {name}", context.ty(), context.constant("RESTRICT"))
+    pointer(context, &format!("const {}", context.ty()), name)
 }
 
 /// A pointer to numbers that are written.
 pub(super) fn written(context: &Context<'_>, name: &str) -> String {
-    format!("{} *{} {name}", context.ty(), context.constant("RESTRICT"))
+    pointer(context, context.ty(), name)
+}
+
+/// A pointer to what no other pointer of the function leads to.
+pub(super) fn pointer(context: &Context<'_>, ty: &str, name: &str) -> String {
+    format!("{ty} *{} {name}", context.constant("RESTRICT"))
 }
 
 /// All arguments of a function: inputs, free parameters, results.

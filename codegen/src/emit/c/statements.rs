@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::body::Body;
-use super::{layout, math};
+use super::{lanes, layout, math};
 use crate::emit::sequence::{self, Run};
 use crate::formula::Function as Call;
 use crate::program::{Operand, Operation};
@@ -22,7 +22,8 @@ impl Body<'_> {
     /// The statements of a run of instructions.
     pub(super) fn statements(&self, range: Range<usize>) -> Vec<String> {
         let made: Vec<usize> = range.filter(|&index| self.flow.is_made(index)).collect();
-        let groups = sequence::groups(self.program, &self.flow, &made, true);
+        // Lanes are states already.
+        let groups = sequence::groups(self.program, &self.flow, &made, !self.over_lanes);
         let runs = || groups.iter().flat_map(|group| &group.runs);
         let mut helpers = self.fresh(runs().map(helper)).into_iter();
         let mut statements = Vec::with_capacity(made.len());
@@ -42,12 +43,15 @@ impl Body<'_> {
     ///
     /// - `helper`: a name for what nothing reads
     fn statement(&self, index: usize, helper: &str) -> Vec<String> {
-        let (ty, name) = (self.context.ty(), &self.names.values[index]);
+        let (ty, name) = (self.ty(), &self.names.values[index]);
         let pair = |angle: Operand, sine: &str, cosine: &str| {
-            let callee = math::sin_cos(self.context);
+            let callee = match self.over_lanes {
+                true => lanes::sin_cos(self.context),
+                false => math::sin_cos(self.context),
+            };
             vec![
                 format!("{ty} {sine}, {cosine};"),
-                format!("{callee}({}, &{sine}, &{cosine});", self.operand(angle)),
+                format!("{callee}({}, &{sine}, &{cosine});", self.value(angle)),
             ]
         };
         match self.operation(index) {
@@ -85,27 +89,42 @@ impl Body<'_> {
         statements
     }
 
+    /// A call of a function of numbers, over several states that of its form for these.
+    fn call(&self, callee: &str, operands: &[Operand]) -> String {
+        let callee = match self.over_lanes {
+            true => lanes::of_each(self.context, callee, operands.len()),
+            false => callee.to_owned(),
+        };
+        let operands: Vec<String> = operands.iter().map(|&operand| self.value(operand)).collect();
+        format!("{callee}({})", operands.join(", "))
+    }
+
     fn is_fused(&self, value: usize) -> bool {
         matches!(self.operation(value), Operation::MultiplyAdd(..))
     }
 
+    /// Two operands with an operator between them. Over several states one of them is a value of these.
+    fn binary(&self, a: Operand, operator: &str, b: Operand) -> String {
+        let is_number = |operand| matches!(operand, Operand::Constant(_) | Operand::Parameter(_));
+        let first = if is_number(b) { self.value(a) } else { self.operand(a) };
+        format!("{first} {operator} {}", self.operand(b))
+    }
+
     /// The right-hand side of an instruction with one value.
     fn expression(&self, operation: Operation) -> String {
-        let binary = |a, operator, b| format!("{} {operator} {}", self.operand(a), self.operand(b));
+        let binary = |a, operator, b| self.binary(a, operator, b);
         match operation {
             Operation::Add(a, b) => binary(a, "+", b),
             Operation::Subtract(a, b) => binary(a, "-", b),
             Operation::Multiply(a, b) => binary(a, "*", b),
             Operation::Divide(a, b) => binary(a, "/", b),
-            Operation::Negate(Operand::Constant(number)) => self.context.literal(-number),
+            Operation::Negate(Operand::Constant(number)) => self.value(Operand::Constant(-number)),
             Operation::Negate(Operand::Value(value)) if self.is_fused(value) => {
-                math::negate_fused(self.context, self.name(value))
+                self.call(&math::negate_fused(self.context), &[Operand::Value(value)])
             }
-            Operation::Negate(a) => format!("-{}", self.operand(a)),
-            Operation::MultiplyAdd(a, b, c) => {
-                math::multiply_add(self.context, &[self.operand(a), self.operand(b), self.operand(c)])
-            }
-            Operation::Call(function, a) => math::call(self.context, function, &self.operand(a)),
+            Operation::Negate(a) => format!("-{}", self.value(a)),
+            Operation::MultiplyAdd(a, b, c) => self.call(&math::multiply_add(self.context), &[a, b, c]),
+            Operation::Call(function, a) => self.call(&math::callee(self.context, function), &[a]),
             Operation::SinCos(_) | Operation::CosineOf(_) => {
                 unreachable!("`statement` writes sines and cosines as pairs")
             }

@@ -1,0 +1,66 @@
+
+#include <fenv.h>
+#include <stdint.h>
+#include <string.h>
+
+// Loops over many states, as NumPy calls generalized universal functions: `args` has the first state of each
+// operand, `dimensions` begins with the number of states, `steps` with the bytes from one state to the next. The
+// bytes from one entry to the next follow, for each dimension of each operand.
+#if defined(_WIN32)
+#define GELENK_EXPORT __declspec(dllexport)
+#elif defined(__GNUC__)
+#define GELENK_EXPORT __attribute__((visibility("default")))
+#else
+#define GELENK_EXPORT
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// An operand: the number of its lengths, their product, and the lengths, outermost first.
+typedef struct {
+    int rank;
+    int entries;
+    int lengths[4];
+} gelenk_operand;
+
+// A function, and its operands: those that are read stand first. There may be a form of it over several states.
+typedef struct {
+    void (*call)(double *const *x);
+    void (*lanes)(double *const *x);
+    int inputs;
+    int count;
+    int parameters; // the operand of the free parameters, -1 where there are none
+    const gelenk_operand *operands;
+} gelenk_function;
+
+// Tells whether the entries stand one behind the other.
+static int gelenk_is_dense(const gelenk_operand *operand, const intptr_t *steps)
+{
+    intptr_t expected = (intptr_t)sizeof(double);
+    for (int axis = operand->rank - 1; axis >= 0; --axis) {
+        if (operand->lengths[axis] > 1 && steps[axis] != expected)
+            return 0;
+        expected *= operand->lengths[axis];
+    }
+    return 1;
+}
+
+static intptr_t gelenk_offset(const gelenk_operand *operand, const intptr_t *steps, int entry)
+{
+    intptr_t offset = 0;
+    for (int axis = operand->rank - 1; axis >= 0; --axis) {
+        offset += entry % operand->lengths[axis] * steps[axis];
+        entry /= operand->lengths[axis];
+    }
+    return offset;
+}
+
+// NumPy would make warnings of the processor's flags. Results tell by themselves that they are not finite, and a branch
+// that was computed for nothing raises flags too.
+static void gelenk_clear_flags(void)
+{
+    if (fetestexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW | FE_UNDERFLOW))
+        feclearexcept(FE_ALL_EXCEPT);
+}
