@@ -54,28 +54,32 @@ def compare(robot: Any, library: ctypes.CDLL, name: str, states: int) -> None:
     function = getattr(robot, name)
     expected = function(*arguments)
     expected = expected if isinstance(expected, tuple) else (expected,)
-    kept: list[np.ndarray] = []
-
-    def rust() -> list[np.ndarray]:
-        are_new = states > 10_000 or not kept
-        results = [aligned(states // LANES, each[0].size, LANES) for each in expected] if are_new else kept
-        pointers = (ctypes.c_void_p(each.ctypes.data) for each in blocks + results)
-        call(count, *pointers)
-        return results
-
     call, count = getattr(library, name), ctypes.c_size_t(states // LANES)
-    results = rust()
-    kept.extend(results if states <= 10_000 else [])
+
+    def places() -> tuple[list[np.ndarray], list[ctypes.c_void_p]]:
+        results = [aligned(states // LANES, each[0].size, LANES) for each in expected]
+        return results, [ctypes.c_void_p(each.ctypes.data) for each in blocks + results]
+
+    results, pointers = places()
+    call(count, *pointers)
     for found, wanted in zip(results, expected):
         same = found.transpose(0, 2, 1).reshape(states, -1) == wanted.reshape(states, -1)
         assert same.all(), f"{robot.name}: {name} has other numbers in Rust"
+
+    def rust() -> None:
+        call(count, *pointers)
+
+    def rust_anew() -> None:
+        _kept, new = places()
+        call(count, *new)
+
     # One call at a time: the shorter, the likelier that no other work on the machine comes between.
     times = [
-        (seconds(rust, 1), seconds(lambda: function(*arguments), 1))
+        (seconds(rust_anew if states > 10_000 else rust, 1), seconds(lambda: function(*arguments), 1))
         for _ in range(3_000_000 // states)
     ]
     least = [1e9 * min(each) / states for each in zip(*times)]
-    ratio = float(np.median([python / rust for rust, python in times]))
+    ratio = float(np.median([mine / other for other, mine in times]))
     print(
         f"{robot.name:12} {name:17} {states:7} {least[0]:8.1f} {least[1]:8.1f} {least[1] / least[0]:8.2f} {ratio:8.2f}",
         flush=True,
