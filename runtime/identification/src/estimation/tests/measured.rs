@@ -127,3 +127,52 @@ fn a_robot_that_compensates_gravity_is_told_from_one_that_does_not() {
     // The joints with the largest share of friction; 1 to 4 lose where few runs remain.
     assert!(r_squared[4] > 0.97 && r_squared[5] > 0.97, "{r_squared:.3?}");
 }
+
+/// R² of the command's call on the half of the runs that it has not seen.
+#[test]
+#[ignore = "four halves, a minute: cargo test --release -p gelenk-identification --lib other_half -- --ignored --nocapture"]
+fn halves_of_the_schunk_runs_predict_the_other_half() {
+    use super::super::super::identify::{IdentificationSettings, identify};
+    use super::super::super::validation::validate;
+    let Some(path) = shared("data/schunk_lwa4p/runs.csv") else { return };
+    let text = std::fs::read_to_string(path).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    let mut names: Vec<&str> = rows.lines().map(|row| row.split(',').next().unwrap()).collect();
+    names.dedup();
+    let mut settings = IdentificationSettings::new().unwrap();
+    settings.columns.effort = Some(super::super::super::run::Effort::Joint);
+    settings.estimation.gravity_compensated = true;
+    (settings.estimation.accept_poor, settings.accept_poor) = (true, true);
+    type Half<'a> = (&'a str, &'a dyn Fn(usize) -> bool);
+    let halves: [Half; 4] = [
+        ("even to odd", &|k| k % 2 == 0),
+        ("odd to even", &|k| k % 2 == 1),
+        ("first to last", &|k| k < 14),
+        ("last to first", &|k| k >= 14),
+    ];
+    for (name, fitted) in halves {
+        let folder = tempfile::tempdir().unwrap();
+        let files = [true, false].map(|kept| {
+            let of_run = |row: &&str| {
+                let run = names.iter().position(|n| *n == row.split(',').next().unwrap()).unwrap();
+                fitted(run) == kept
+            };
+            let rows: Vec<&str> = rows.lines().filter(of_run).collect();
+            let file = folder.path().join(format!("{kept}.csv"));
+            std::fs::write(&file, format!("{header}\n{}\n", rows.join("\n"))).unwrap();
+            file
+        });
+        let [fit, unseen] = files.map(|file| vec![file]);
+        let found = identify(&schunk(), &fit, &settings, &mut |_| ()).unwrap();
+        let judged = validate(&schunk(), &found, &unseen, &settings).unwrap();
+        let r_squared: Vec<f64> = judged.iter().map(|joint| joint.r_squared).collect();
+        let bandwidth = found.preparation.filter.bandwidth();
+        println!(
+            "{name}: {bandwidth:.1} Hz, compensation {}, {r_squared:.4?}",
+            found.estimate.compensation.is_some()
+        );
+        for law in &found.friction {
+            println!("  {}", law.report.as_ref().map_or_else(Clone::clone, |report| report.result.formula()));
+        }
+    }
+}
