@@ -182,10 +182,10 @@ where
     let terminal = terminal::<D, N, M, NX>(&model, &motion, &options)?;
     let is_running = false;
     Ok(if is_nonlinear {
-        let controller = Nmpc::<D, _, N, M, NX>::new(model, motion.clone(), options.clone())?;
+        let controller = Nmpc::<D, _, N, M, NX>::new(model, motion, options.clone())?;
         Box::new(Contest { model, motion, options, terminal, controller, is_running })
     } else {
-        let controller = LtvMpc::<D, _, N, M, NX>::new(model, motion.clone(), options.clone())?;
+        let controller = LtvMpc::<D, _, N, M, NX>::new(model, motion, options.clone())?;
         Box::new(Contest { model, motion, options, terminal, controller, is_running })
     })
 }

@@ -1,5 +1,7 @@
 //! Plants, laws and predictive controllers of a robot with a driven joint, whose motion is given over time.
 
+#![allow(clippy::unwrap_used, reason = "test code")]
+
 use gelenk_runtime::control_loop::{
     AccelerationGains, ComputedTorque, ControlLoop, Controller, Cycle, End, FeedForwardPd, JointGains,
     JointLaw, JointPd, LoopSettings, VirtualClock,

@@ -214,7 +214,7 @@ fn another_c_library_changes_nothing() {
     let (modules, printed) = in_a_process(&workspace().join("models"), "/", Some(&library));
     let values = printed.lines().filter_map(|line| line.split_once(VALUE));
     let values: Vec<u64> = values.map(|(_, bits)| bits.parse().expect("bits")).collect();
-    let expected = FUNCTIONS.map(|function| function(0.7).to_bits() ^ 1);
-    assert_eq!(values, expected, "the library stands before the C library");
+    let changed = FUNCTIONS.map(|function| function(0.7).to_bits() ^ 1);
+    assert_eq!(values, changed, "the library stands before the C library");
     assert_same(&modules, expected());
 }
