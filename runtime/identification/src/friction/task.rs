@@ -24,7 +24,7 @@ pub struct FrictionData<'a> {
     pub velocity_unit: &'a str,
     /// ẏ.
     pub velocities: &'a [f64],
-    /// τ, from [`super::torque::friction_torques`].
+    /// τ, from [`crate::torque::friction_torques`].
     pub torques: &'a [f64],
     /// Weights of the samples, 1 where absent.
     pub weights: Option<&'a [f64]>,
