@@ -5,7 +5,7 @@
 use gelenk_identification::cross_validation::{CrossValidation, refit};
 use gelenk_identification::differentiation::KalmanSmoother;
 use gelenk_identification::friction::{
-    FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice,
+    FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice, Offsets,
 };
 use gelenk_identification::lasso::Lasso;
 use gelenk_identification::library::Library;
@@ -183,7 +183,19 @@ fn parameters_that_the_data_do_not_show() {
     let warnings = report.result.warnings.join("\n");
     assert!(warnings.contains("identifiable"), "{warnings}");
     assert!(report.residuals.iter().all(|r| r.is_finite()));
-    // The same data leave a library of steps without a unique answer.
-    let text = message(identify(&friction, FrictionMethod::LeastSquares, &v, &torque));
+    // Steps of the same library are part of the offset, and a warning says so.
+    let report = identify(&friction, FrictionMethod::LeastSquares, &v, &torque).expect("a law");
+    let warnings = report.result.warnings.join("\n");
+    assert!(warnings.contains("sign(v), tanh(20*v), tanh(100*v) left out"), "{warnings}");
+    assert!(warnings.contains("move in both directions"), "{warnings}");
+    // Where offsets are friction, they have no unique answer.
+    let settings = FrictionIdentification {
+        library: friction,
+        method: FrictionMethod::LeastSquares,
+        offsets: Offsets::PartOfLaw,
+        ..FrictionIdentification::new().expect("settings")
+    };
+    let data = FrictionData { joint: "beta", velocities: &v, torques: &torque, ..FrictionData::default() };
+    let text = message(settings.identify(&data));
     assert!(text.contains("are collinear on these data"), "{text}");
 }

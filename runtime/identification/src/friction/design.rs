@@ -33,15 +33,16 @@ pub(super) struct Design<'a> {
     pub(super) separate: bool,
     /// What was left out of the library, and why.
     pub(super) notes: Vec<String>,
+    /// Terms that friction may have and that the data hide in an offset, in one sentence.
+    pub(super) hidden: Option<String>,
 }
 
 impl<'a> Design<'a> {
     pub(super) fn new(settings: &FrictionIdentification, data: &'a FrictionData<'a>) -> Result<Self> {
         let separate = settings.offsets == Offsets::Separate;
-        let (library, mut notes) = seen(&settings.library, separate, data.velocities)?;
-        let (library, offsets) = if separate { without_offsets(library, data)? } else { (library, None) };
-        notes.extend(offsets);
-        Ok(Self { notes, ..Self::over(library, &[data.velocities], separate, data)? })
+        let (library, notes) = seen(&settings.library, separate, data.velocities)?;
+        let (library, hidden) = if separate { without_offsets(library, data)? } else { (library, None) };
+        Ok(Self { notes, hidden, ..Self::over(library, &[data.velocities], separate, data)? })
     }
 
     /// The design of a library over any channels.
@@ -62,7 +63,7 @@ impl<'a> Design<'a> {
             }
             centre(&mut torque, &runs, data.weights);
         }
-        Ok(Self { data, library, columns, torque, runs, separate, notes: Vec::new() })
+        Ok(Self { data, library, columns, torque, runs, separate, notes: Vec::new(), hidden: None })
     }
 
     /// Samples for least squares.
@@ -252,7 +253,8 @@ fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Op
     }
     let texts = |of: &[usize]| of.iter().map(|i| library.terms()[*i].clone()).collect::<Vec<_>>();
     let note = format!(
-        "{} left out: in these data it does not change within a run, and cannot be told from the offset",
+        "{} left out: the data do not show a change of it within a run. What it contributes is part of the offset, which is \
+         not written: let the joint move in both directions, slowly too",
         texts(&out).join(", ")
     );
     Ok((Library::new(&texts(&kept), library.channels())?, Some(note)))

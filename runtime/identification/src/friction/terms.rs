@@ -71,6 +71,7 @@ fn describe_library(design: &Design, reduced: &Reduced, findings: &mut Findings)
     let condition = reduced.condition();
     findings.note(format!("library [{terms}]{offsets}, condition number {condition:.1}"));
     design.notes.iter().for_each(|note| findings.note(note.clone()));
+    design.hidden.iter().for_each(|doubt| findings.warn(doubt.clone()));
     if reduced.solver() == Solver::Orthogonal {
         findings.note("solved by orthogonal factorization".into());
     }
