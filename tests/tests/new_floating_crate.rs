@@ -4,9 +4,11 @@
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use gelenk_tests::cargo::{aloud, cargo, lock_like_here, success, text};
-use gelenk_tests::workspace;
+use gelenk_tests::packages::use_published;
+use gelenk_tests::python::program;
 
 /// A body with four arms, each with a joint at its end: propellers, or lower legs.
 fn urdf(axis: &str, limit: &str) -> String {
@@ -28,16 +30,15 @@ fn urdf(axis: &str, limit: &str) -> String {
     urdf + "</robot>\n"
 }
 
-/// The crate of a URDF. It finds the checkout by itself.
+/// The crate of a URDF, on the packages that a registry would have.
 fn new(folder: &Path, name: &str, urdf: &str) -> PathBuf {
     let (file, made) = (folder.join(format!("{name}.urdf")), folder.join(name));
     fs::write(&file, urdf).expect("written");
-    let gelenk = ["run", "-p", "gelenk-codegen", "--", "new"].map(str::to_owned);
-    let place = made.to_string_lossy().into_owned();
-    let urdf = ["--urdf".to_owned(), file.to_string_lossy().into_owned()];
-    let base = ["--base", "floating"].map(str::to_owned);
-    let words: Vec<String> = gelenk.into_iter().chain([place]).chain(urdf).chain(base).collect();
-    success(&cargo(&workspace(), &words.iter().map(String::as_str).collect::<Vec<_>>()));
+    let mut new = Command::new(program());
+    new.arg("new").arg(&made).arg("--urdf").arg(&file).args(["--base", "floating"]);
+    new.args(["--version", env!("CARGO_PKG_VERSION")]);
+    success(&new.output().expect("the program starts"));
+    use_published(&made);
     lock_like_here(&made);
     made
 }
