@@ -1,7 +1,7 @@
 //! The values of a function: their names, and how operands and results are written.
 
 use super::context::Context;
-use super::lanes;
+use super::group;
 use crate::emit::names::ProgramNames;
 use crate::program::flow::Flow;
 use crate::program::{Operand, Operation, Output, Program, Shape};
@@ -12,14 +12,14 @@ pub(super) struct Body<'a> {
     pub(super) program: &'a Program,
     pub(super) flow: Flow,
     pub(super) names: ProgramNames,
-    /// It is true where a value is that of several states, and arguments hold [`lanes::COUNT`] states.
+    /// It is true where a value is that of several states, and arguments hold [`group::COUNT`] states.
     pub(super) over_lanes: bool,
     /// Where inputs and results are rows of a loop over joints: how long these are.
     pub(super) row: Option<usize>,
     /// Where results are matrices over rows that are padded: how long these are.
     pub(super) stride: Option<usize>,
     /// The entries of results that each value is stored into: result, entry.
-    stored: Vec<Vec<(usize, usize)>>,
+    pub(super) stored: Vec<Vec<(usize, usize)>>,
 }
 
 /// The index of a loop over joints.
@@ -82,7 +82,7 @@ impl<'a> Body<'a> {
     /// The type of a value.
     pub(super) fn ty(&self) -> String {
         match self.over_lanes {
-            true => lanes::group(self.context),
+            true => group::ty(self.context),
             false => self.context.ty().to_owned(),
         }
     }
@@ -91,7 +91,7 @@ impl<'a> Body<'a> {
     pub(super) fn value(&self, operand: Operand) -> String {
         let text = self.operand(operand);
         match (self.over_lanes, operand) {
-            (true, Operand::Constant(_) | Operand::Parameter(_)) => lanes::same(self.context, &text),
+            (true, Operand::Constant(_) | Operand::Parameter(_)) => group::same(self.context, &text),
             _ => text,
         }
     }
@@ -101,9 +101,9 @@ impl<'a> Body<'a> {
         match operand {
             Operand::Value(index) => self.name(index).to_owned(),
             Operand::Input(array, index) => {
-                let name = &self.names.arguments[array];
+                let (name, len) = (&self.names.arguments[array], self.program.inputs[array].extent.len);
                 match (self.over_lanes, self.row) {
-                    (true, _) => lanes::taken(self, array, index),
+                    (true, _) => group::gather(self.context, name, index, len),
                     (false, Some(len)) => in_row(name, index, len),
                     (false, None) => format!("{name}[{index}]"),
                 }
@@ -118,46 +118,6 @@ impl<'a> Body<'a> {
         match entry {
             Operand::Value(made) => Some(self.flow.canonical(made)),
             _ => None,
-        }
-    }
-
-    /// The stores of those entries that are wanted.
-    pub(super) fn stores(&self, is_wanted: impl Fn(Operand) -> bool) -> Vec<String> {
-        if self.over_lanes {
-            return lanes::stores(self, is_wanted);
-        }
-        let outputs = self.program.outputs.iter().enumerate();
-        let entries = outputs.flat_map(|(result, output)| {
-            let entries = output.entries.iter().enumerate();
-            entries.map(move |(entry, &operand)| (result, entry, operand))
-        });
-        let wanted = entries.filter(|&(_, _, operand)| is_wanted(operand));
-        wanted.map(|(result, entry, operand)| self.store(result, entry, &self.value(operand))).collect()
-    }
-
-    /// The assignments of a new value to the results.
-    pub(super) fn stores_of(&self, index: usize) -> Vec<String> {
-        let places = self.stored.get(index).into_iter().flatten();
-        let stores = places.filter_map(|&(result, entry)| match self.over_lanes {
-            true => lanes::store_at(self, result, entry, index),
-            false => Some(self.store(result, entry, &self.names.values[index])),
-        });
-        stores.collect()
-    }
-
-    fn store(&self, result: usize, entry: usize, value: &str) -> String {
-        format!("{} = {value};", self.place(result, entry))
-    }
-
-    fn place(&self, result: usize, entry: usize) -> String {
-        let (output, name) = (&self.program.outputs[result], &self.names.results[result]);
-        match (self.row, self.stride, output.shape) {
-            (Some(len), _, _) => in_row(name, entry, len),
-            (None, _, Shape::Scalar) => format!("*{name}"),
-            (None, Some(stride), Shape::Matrix(_, columns)) => {
-                format!("{name}[{}]", entry / columns.len * stride + entry % columns.len)
-            }
-            (None, _, _) => format!("{name}[{entry}]"),
         }
     }
 
@@ -202,7 +162,7 @@ pub(super) fn returns_number(program: &Program) -> bool {
 }
 
 /// An entry of a row in a loop over joints.
-fn in_row(name: &str, row: usize, len: usize) -> String {
+pub(super) fn in_row(name: &str, row: usize, len: usize) -> String {
     match row {
         0 => format!("{name}[{JOINT}]"),
         _ => format!("{name}[{} + {JOINT}]", row * len),

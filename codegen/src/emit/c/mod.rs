@@ -4,10 +4,10 @@
 //! for each instruction of the program, the same elementary functions, and compilers kept from contracting.
 //!
 //! From below: `names.rs`, `literal.rs` and `comment.rs` guard what reaches the text. `body.rs` names the values of a
-//! function, `statements.rs` prints one declaration per instruction, `signature.rs` and `public.rs` what stands around
-//! them, `parts.rs` the functions that a long one is split into. On these stand the forms: `straight.rs`, `arrays.rs`,
-//! `affine.rs`, `lanes/`. `function.rs` chooses between them by what the module says. `header.rs` and `source.rs` put the files
-//! together.
+//! function, whose type is a number, or that of several states (`group/`). `statements.rs` prints one declaration per
+//! instruction, `results.rs` the stores, `signature.rs` and `public.rs` what stands around them, `parts.rs` the functions
+//! that a long one is split into. On these stand the forms: `straight.rs`, `arrays.rs`, `affine.rs`, `lanes.rs`.
+//! `function.rs` chooses between them by what the module says. `header.rs` and `source.rs` put the files together.
 
 mod acados;
 mod affine;
@@ -20,6 +20,7 @@ mod constants;
 mod context;
 mod discrete_time;
 mod function;
+mod group;
 mod header;
 mod interface;
 mod joint_sums;
@@ -33,6 +34,7 @@ mod parts;
 mod positions;
 mod public;
 mod python;
+mod results;
 mod signature;
 mod source;
 mod statements;

@@ -3,7 +3,7 @@
 //! NumPy hands over plain pointers, lengths and steps, so that the text needs no header of Python or NumPy.
 
 use super::context::Context;
-use super::{comment, header, interface, lanes, layout};
+use super::{comment, group, header, interface, layout};
 use crate::emit::interface::{Callable, Interface, entries};
 use crate::layout::Extent;
 
@@ -53,7 +53,7 @@ fn function(context: &Context<'_>, interface: &Interface, function: &Callable) -
     let (name, ty) = (context.function(&format!("python_{}", function.name)), context.ty());
     let lanes = lanes(context, function);
     let total: usize = operands.iter().map(|each| entries(each)).sum();
-    let total = if lanes.is_some() { lanes::COUNT * total } else { total };
+    let total = if lanes.is_some() { group::COUNT * total } else { total };
     let (of_lanes, declared_lanes) = match &lanes {
         Some(lanes) => {
             let text = call(context, function, Some(lanes));
@@ -105,7 +105,7 @@ fn operand(extents: &[Extent]) -> String {
 fn lanes(context: &Context<'_>, function: &Callable) -> Option<String> {
     let arguments = function.arguments.iter().map(|argument| entries(&argument.extents));
     let total: usize = arguments.chain(function.results.iter().map(|result| entries(&result.extents))).sum();
-    let name = function.lanes.as_ref().filter(|_| lanes::COUNT * total <= LARGEST_BLOCK)?;
+    let name = function.lanes.as_ref().filter(|_| group::COUNT * total <= LARGEST_BLOCK)?;
     Some(context.function(name))
 }
 

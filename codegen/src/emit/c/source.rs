@@ -1,7 +1,7 @@
 //! The source of a module: constants, private functions, public functions.
 
 use super::context::Context;
-use super::{array_kernels, constants, discrete_time, function, header, lanes, math, parameters, positions};
+use super::{array_kernels, constants, discrete_time, function, group, header, math, parameters, positions};
 
 /// The text of `<name>.c`.
 pub(super) fn text(context: &Context<'_>) -> String {
@@ -20,7 +20,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     let body = [
         constants.map(|item| format!("\n{item}")).collect(),
         math::text(context),
-        lanes::text(context),
+        group::text(context),
         context.tables.text(),
         array_kernels::text(context),
         context.shared.text(),

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::body::Body;
-use super::{lanes, layout, math};
+use super::{group, layout, math};
 use crate::emit::sequence::{self, Run};
 use crate::formula::Function as Call;
 use crate::program::{Operand, Operation};
@@ -46,7 +46,7 @@ impl Body<'_> {
         let (ty, name) = (self.ty(), &self.names.values[index]);
         let pair = |angle: Operand, sine: &str, cosine: &str| {
             let callee = match self.over_lanes {
-                true => lanes::sin_cos(self.context),
+                true => group::sin_cos(self.context),
                 false => math::sin_cos(self.context),
             };
             vec![
@@ -92,7 +92,7 @@ impl Body<'_> {
     /// A call of a function of numbers, over several states that of its form for these.
     fn call(&self, callee: &str, operands: &[Operand]) -> String {
         let callee = match self.over_lanes {
-            true => lanes::of_each(self.context, callee, operands.len()),
+            true => group::of_each(self.context, callee, operands.len()),
             false => callee.to_owned(),
         };
         let operands: Vec<String> = operands.iter().map(|&operand| self.value(operand)).collect();

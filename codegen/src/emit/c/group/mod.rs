@@ -1,14 +1,44 @@
-//! The types of several states, and elementary functions of them.
+//! Values of several states: their type, their entries in arrays, and elementary functions of them.
 
 use gelenk_kernels::math::Kernel;
 
-use super::super::context::Context;
-use super::super::literal::in_scalar;
+use super::context::Context;
+use super::literal::in_scalar;
 use crate::emit::kernels;
 use crate::emit::options::Scalar;
 
+/// States per call: one register of AVX-512, two of AVX2, four of SSE2 or Neon.
+pub(super) const COUNT: usize = 8;
+
+/// The type of a quantity of as many states as a register holds.
+pub(super) fn ty(context: &Context<'_>) -> String {
+    context.function("group")
+}
+
+/// One number for all states.
+pub(super) fn same(context: &Context<'_>, number: &str) -> String {
+    format!("{}({number})", context.function("same"))
+}
+
+/// An entry of an argument with the states' arrays of a length one after the other.
+pub(super) fn gather(context: &Context<'_>, argument: &str, index: usize, len: usize) -> String {
+    format!("{}(&{argument}[{index}], {len})", context.function("gather"))
+}
+
+/// The statement that writes entries of a result from an index on: one, or two that follow one another.
+pub(super) fn scatter(
+    context: &Context<'_>,
+    result: &str,
+    index: usize,
+    len: usize,
+    values: &[String],
+) -> String {
+    let callee = context.function(if values.len() == 2 { "scatter_pair" } else { "scatter" });
+    format!("{callee}(&{result}[{index}], {len}, {});", values.join(", "))
+}
+
 /// The form over several states of a function of some numbers.
-pub(in crate::emit::c) fn of_each(context: &Context<'_>, callee: &str, arguments: usize) -> String {
+pub(super) fn of_each(context: &Context<'_>, callee: &str, arguments: usize) -> String {
     let stem = callee.strip_prefix(&context.function("")).unwrap_or(callee);
     let scalar = context.options.scalar;
     let kernel = [[Kernel::Exp, Kernel::ExpF32], [Kernel::Tanh, Kernel::TanhF32]]
@@ -23,7 +53,7 @@ pub(in crate::emit::c) fn of_each(context: &Context<'_>, callee: &str, arguments
 }
 
 /// The function that gives sine and cosine of the angles of several states.
-pub(in crate::emit::c) fn sin_cos(context: &Context<'_>) -> String {
+pub(super) fn sin_cos(context: &Context<'_>) -> String {
     own(context, kernels::of_scalar([Kernel::SinCos, Kernel::SinCosF32], context.options.scalar))
 }
 
@@ -58,7 +88,7 @@ fn one_by_one(context: &Context<'_>, callee: &str, stem: &str, arguments: usize)
 }
 
 /// Types and functions that the functions printed so far need.
-pub(in crate::emit::c) fn text(context: &Context<'_>) -> String {
+pub(super) fn text(context: &Context<'_>) -> String {
     if !context.has_lanes() {
         return String::new();
     }

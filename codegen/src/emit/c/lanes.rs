@@ -8,43 +8,19 @@
 //! taken as they are. Turned around before and after instead, as structures of arrays, `inverse_dynamics` of a UR5 took
 //! 31 ns instead of 26 ns for each state, and `linearize` 190 ns instead of 177 ns (gcc 12, AVX2).
 
-mod results;
-mod texts;
-
 use super::body::Body;
 use super::context::Context;
+use super::group::COUNT;
 use super::{comment, layout, signature, straight};
 use crate::emit::documentation::{Block, argument_shape, shape_text};
 use crate::emit::text::code;
 use crate::functions::function::Function;
 use crate::layout::Extent;
 
-pub(super) use results::{store_at, stores};
-pub(super) use texts::{of_each, sin_cos, text};
-
-/// States per call: one register of AVX-512, two of AVX2, four of SSE2 or Neon.
-pub(super) const COUNT: usize = 8;
-
 /// A function over several states may be so many times as long as one over a single state before it is split: parts
 /// exchange values by memory, and C compilers bear long functions better than rustc. `linearize` of a UR5 took 181 ns for
 /// each state in two parts and 155 ns in one (gcc 12, AVX2).
 const LONGER: usize = 5;
-
-/// The type of a quantity of as many states as a register holds.
-pub(super) fn group(context: &Context<'_>) -> String {
-    context.function("group")
-}
-
-/// An entry of an argument.
-pub(super) fn taken(body: &Body<'_>, array: usize, index: usize) -> String {
-    let (name, len) = (&body.names.arguments[array], body.program.inputs[array].extent.len);
-    format!("{}(&{name}[{index}], {len})", body.context.function("gather"))
-}
-
-/// One number for all states.
-pub(super) fn same(context: &Context<'_>, number: &str) -> String {
-    format!("{}({number})", context.function("same"))
-}
 
 /// The number of states in the header, where there are functions over several.
 pub(super) fn size(context: &Context<'_>) -> Option<String> {

@@ -1,0 +1,68 @@
+//! How results are stored.
+//!
+//! Over several states two entries that follow one another are written at once, since processors write few times in a
+//! cycle.
+
+use super::body::{Body, in_row};
+use super::group;
+use crate::program::{Operand, Shape};
+
+impl Body<'_> {
+    /// The stores of those entries that are wanted.
+    pub(super) fn stores(&self, is_wanted: impl Fn(Operand) -> bool) -> Vec<String> {
+        let outputs = self.program.outputs.iter().enumerate();
+        let at_once = if self.over_lanes { 2 } else { 1 };
+        let stores = outputs.flat_map(|(result, output)| {
+            let wanted = output.entries.chunks(at_once).enumerate();
+            let wanted = wanted.filter(|(_, entries)| entries.iter().all(|&entry| is_wanted(entry)));
+            wanted.map(move |(index, _)| (result, index * at_once))
+        });
+        stores.map(|(result, first)| self.store(result, first)).collect()
+    }
+
+    /// The assignments of a new value to the results.
+    pub(super) fn stores_of(&self, index: usize) -> Vec<String> {
+        let places = self.stored.get(index).into_iter().flatten();
+        let stores = places.filter_map(|&(result, entry)| match self.over_lanes {
+            true => self.store_pair_of(result, entry, index),
+            false => Some(self.store(result, entry)),
+        });
+        stores.collect()
+    }
+
+    /// The statement that writes an entry which has just been made and the one beside it; none where that is made later.
+    ///
+    /// - `index`: what was made
+    fn store_pair_of(&self, result: usize, entry: usize, index: usize) -> Option<String> {
+        let first = entry - entry % 2;
+        let beside = self.program.outputs[result].entries.get(first + 1 - entry % 2);
+        let is_known = match beside.and_then(|&beside| self.made(beside)) {
+            None => true,
+            Some(made) if made == index => entry == first,
+            Some(made) => made < index,
+        };
+        is_known.then(|| self.store(result, first))
+    }
+
+    /// Writes an entry, over several states also the one behind it, where there is one.
+    fn store(&self, result: usize, first: usize) -> String {
+        let (name, entries) = (&self.names.results[result], &self.program.outputs[result].entries);
+        if self.over_lanes {
+            let pair: Vec<String> = entries[first..].iter().take(2).map(|&entry| self.value(entry)).collect();
+            return group::scatter(self.context, name, first, entries.len(), &pair);
+        }
+        format!("{} = {};", self.place(result, first), self.value(entries[first]))
+    }
+
+    fn place(&self, result: usize, entry: usize) -> String {
+        let (output, name) = (&self.program.outputs[result], &self.names.results[result]);
+        match (self.row, self.stride, output.shape) {
+            (Some(len), _, _) => in_row(name, entry, len),
+            (None, _, Shape::Scalar) => format!("*{name}"),
+            (None, Some(stride), Shape::Matrix(_, columns)) => {
+                format!("{name}[{}]", entry / columns.len * stride + entry % columns.len)
+            }
+            (None, _, _) => format!("{name}[{entry}]"),
+        }
+    }
+}
