@@ -8,8 +8,8 @@ DATA is the folder of `runs.csv` and `model.json`. Each half is fitted, and the 
 regressor (all inertial parameters, without gravity, which the robot compensates), reflected inertia, viscous friction, Coulomb friction
 tanh(v / 0.02 rad/s) and an offset for each joint; least squares is numpy's, with singular values below 1e-4 of the largest cut off.
 
-The description that `gelenk identify` writes for a half is read back, and its torques are Pinocchio's with the identified bodies, and with
-what the robot's compensation leaves of the weight, which the command prints and does not write. So one yardstick serves both: R², centred, on the same signals of the unseen half, mean filters over 21 samples. Exit code 1 where the command is
+The description that `gelenk identify` writes for a half is read back, and its torques are Pinocchio's with the identified bodies. So one
+yardstick serves both: R², centred, on the same signals of the unseen half, mean filters over 21 samples. Exit code 1 where the command is
 worse than least squares at a joint by more than 0.002, which is the difference that another filter makes.
 """
 import csv
@@ -27,7 +27,6 @@ WINDOW = 21  # samples of 4 ms
 COULOMB = 0.02  # rad/s
 CUT = 1e-4
 MARGIN = 0.002
-GRAVITY = 9.80665
 OPTIONS = ["--gravity-compensated", "--effort", "joint", "--format", "json"]
 
 
@@ -69,9 +68,10 @@ def frames(path):
     return poses[:JOINTS], inertias
 
 
-def robot_of(poses, inertias, gravity=0.0):
+def robot_of(poses, inertias):
+    """The arm without gravity, which the robot compensates."""
     robot, parent = pin.Model(), 0
-    robot.gravity.linear[:] = [0, 0, -gravity]
+    robot.gravity.linear[:] = 0
     for index, (pose, inertia) in enumerate(zip(poses, inertias)):
         parent = robot.addJoint(parent, pin.JointModelRZ(), pose, f"joint_{index + 1}")
         robot.appendBodyToJoint(parent, inertia, pin.SE3.Identity())
@@ -101,14 +101,11 @@ def least_squares(columns, torques):
 class Identified:
     """The description that the command wrote."""
 
-    def __init__(self, path, poses, found):
+    def __init__(self, path, poses):
         with open(path, "rb") as file:
             text = tomllib.load(file)
         self.robot = robot_of(poses, [self.inertia(body) for body in text["bodies"]])
         self.joints = text["joints"]
-        left = found["compensation_error"] or [0] * 10 * JOINTS
-        self.left = np.array(left[: 10 * JOINTS])
-        self.heavy = robot_of(poses, [pin.Inertia.Zero()] * JOINTS, GRAVITY)
 
     @staticmethod
     def inertia(body):
@@ -118,11 +115,10 @@ class Identified:
 
     def torques(self, run):
         positions, velocities, accelerations, _ = run
-        data, still = self.robot.createData(), np.zeros(JOINTS)
+        data = self.robot.createData()
         forces = [pin.rnea(self.robot, data, *state) for state in zip(positions, velocities, accelerations)]
-        data = self.heavy.createData()
-        weights = [pin.computeJointTorqueRegressor(self.heavy, data, y, still, still) @ self.left for y in positions]
-        return np.array(forces) + np.array(weights) + np.stack([self.drive(j, velocities[:, j], accelerations[:, j]) for j in range(JOINTS)], axis=1)
+        drives = [self.drive(j, velocities[:, j], accelerations[:, j]) for j in range(JOINTS)]
+        return np.array(forces) + np.stack(drives, axis=1)
 
     def drive(self, joint, v, a):
         """Reflected inertia and friction."""
@@ -148,7 +144,7 @@ def command(program, description, header, halves, folder, name, poses):
         print(f"{name}: {done.stderr.strip().splitlines()[-1]}")
         done = subprocess.run([*arguments, "--accept-poor"], capture_output=True, text=True, check=True)
     found = json.loads(done.stdout)
-    return Identified(output, poses, found), found
+    return Identified(output, poses), found
 
 
 def r_squared(errors, torques):

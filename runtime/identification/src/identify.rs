@@ -6,7 +6,7 @@ use super::friction::{FrictionData, FrictionIdentification, FrictionMethod, Fric
 use super::log::{ColumnOptions, FindingKind, Recording, runs};
 use super::preparation::{PreparationReport, PreparationSettings, prepare_all};
 use super::result::FrictionTerm;
-use super::robot::{Compensated, JointLimits, Robot};
+use super::robot::{JointLimits, Robot};
 use super::run::PreparedRun;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -130,9 +130,7 @@ pub(crate) fn read_and_prepare(
     let recording = runs(logs, robot, &settings.columns)?;
     require_sides(&recording, &settings.columns)?;
     progress("smoothing");
-    let compensated = Compensated(robot);
-    let judge: &dyn Robot = if settings.estimation.gravity_compensated { &compensated } else { robot };
-    let (prepared, preparation) = prepare_all(&recording.runs, Some(judge), &settings.preparation)?;
+    let (prepared, preparation) = prepare_all(&recording.runs, Some(robot), &settings.preparation)?;
     require_efforts(&preparation)?;
     Ok((recording, prepared, preparation))
 }

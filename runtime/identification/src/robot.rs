@@ -1,6 +1,5 @@
 //! What identification asks of a robot, whether its functions are compiled or interpreted.
 
-use super::inertial::PER_BODY;
 use gelenk_dynamics::dynamics::{Dynamics, Limits, load};
 
 /// A robot whose equations of motion are linear in its inertial parameters, `W(y, ẏ, ÿ) π = M ÿ + k − q_g`.
@@ -59,76 +58,6 @@ fn own_inputs(b: &[f64], joints: usize, inputs: usize) -> Vec<bool> {
     let driven_by = |joint: usize| (0..inputs).filter(move |&input| acts(joint, input));
     let drives_one = |input: usize| (0..joints).filter(|&joint| acts(joint, input)).count() == 1;
     (0..joints).map(|joint| driven_by(joint).count() == 1 && driven_by(joint).all(drives_one)).collect()
-}
-
-/// A robot that holds its weight itself, for the regressions of the preparation: W without gravity, and columns of their
-/// own for what the compensation leaves.
-pub(crate) struct Compensated<'a>(pub(crate) &'a dyn Robot);
-
-impl Robot for Compensated<'_> {
-    fn joint_names(&self) -> Vec<String> {
-        self.0.joint_names()
-    }
-
-    fn input_names(&self) -> Vec<String> {
-        self.0.input_names()
-    }
-
-    fn position_units(&self) -> Vec<&'static str> {
-        self.0.position_units()
-    }
-
-    fn limits(&self) -> Vec<JointLimits> {
-        self.0.limits()
-    }
-
-    fn parameter_names(&self) -> Vec<String> {
-        let names = self.0.parameter_names();
-        let left: Vec<String> = weighing(self.0.bodies()).map(|i| format!("{} (left)", names[i])).collect();
-        [names, left].concat()
-    }
-
-    fn parameters(&self) -> Vec<f64> {
-        let left = weighing(self.0.bodies()).map(|_| 0.0);
-        self.0.parameters().into_iter().chain(left).collect()
-    }
-
-    fn bodies(&self) -> usize {
-        self.0.bodies()
-    }
-
-    fn input_matrix(&self) -> Vec<f64> {
-        self.0.input_matrix()
-    }
-
-    fn has_inputs_at_frames(&self) -> bool {
-        self.0.has_inputs_at_frames()
-    }
-
-    fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {
-        let (n, zero) = (y.len(), vec![0.0; y.len()]);
-        let columns = self.0.parameters().len();
-        let [mut moving, mut at_rest] = [(); 2].map(|()| vec![0.0; n * columns]);
-        self.0.inertial_regressor(y, v, a, &mut moving);
-        self.0.inertial_regressor(y, &zero, &zero, &mut at_rest);
-        let width = regressor.len() / n.max(1);
-        for (joint, row) in regressor.chunks_exact_mut(width.max(1)).enumerate() {
-            let own = joint * columns..(joint + 1) * columns;
-            let (moving, at_rest) = (&moving[own.clone()], &at_rest[own]);
-            let inertial = moving.iter().zip(at_rest).map(|(w, gravity)| w - gravity);
-            let left = weighing(self.0.bodies()).map(|i| at_rest[i]);
-            row.iter_mut().zip(inertial.chain(left)).for_each(|(entry, value)| *entry = value);
-        }
-    }
-
-    fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]) {
-        self.0.rigid_forces(y, v, a, forces);
-    }
-}
-
-/// Numbers of the parameters that weigh something: m and m c of each body.
-pub(crate) fn weighing(bodies: usize) -> impl Iterator<Item = usize> {
-    (0..bodies * PER_BODY).filter(|i| i % PER_BODY < 4)
 }
 
 /// Limits of a joint, as described; what is not described is infinite.

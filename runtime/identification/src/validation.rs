@@ -148,9 +148,6 @@ impl<'a> Prediction<'a> {
         if self.is_gravity_compensated {
             let zero = vec![0.0; v.len()];
             self.add_regressor([y, &zero, &zero], -1.0, &self.values.clone());
-            if let Some(left) = &self.found.estimate.compensation {
-                self.add_regressor([y, &zero, &zero], 1.0, left);
-            }
         }
     }
 

@@ -287,7 +287,6 @@ fn as_json(
         "files": files.collect::<Value>(),
         "joints": joints.collect::<Value>(),
         "inertial_parameters": parameters.map(uncertain).collect::<Value>(),
-        "compensation_error": found.estimate.compensation,
         "validation": validation.iter().map(|joint| json!({
             "name": joint.name, "r_squared": joint.r_squared, "residual": joint.residual,
         })).collect::<Value>(),

@@ -105,8 +105,6 @@ fn gravity(task: &Task, chosen: &Chosen) -> Result<Option<String>> {
 /// much of a gravity that is not there.
 fn as_described(mut chosen: Chosen, prior: &Prior) -> Result<HeldOut> {
     chosen.model.consistent = false;
-    // It would take up much of a weight that is not there, too.
-    chosen.model.compensation = false;
     chosen.weighting.trust.fill(1.0);
     chosen.weighting.description = AS_DESCRIBED;
     chosen.held_out(prior)

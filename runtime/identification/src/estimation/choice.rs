@@ -59,7 +59,6 @@ pub(super) fn choose<'a>(
         asymmetry: vec![false; layout.joints],
         armature: vec![false; layout.joints],
         load: vec![false; layout.joints],
-        compensation: false,
         offsets: freedom.offsets.unwrap_or(Offsets::Common),
         gains,
         consistent: false,
@@ -69,7 +68,6 @@ pub(super) fn choose<'a>(
         sigma: super::fit::deviations(&centred, start),
         description: 1.0,
         trust: vec![1.0; layout.parameters],
-        compensation: 1.0,
     };
     let mut chosen = Chosen { model, weighting, values: start.clone(), centred, tried: Vec::new() };
     chosen.reweight(prior)?;
@@ -81,7 +79,6 @@ pub(super) fn choose<'a>(
     }
     let optional: &[usize] = if freedom.terms { &[ARMATURE, ASYMMETRY] } else { &[] };
     let under_load = (LOAD..layout.terms).collect::<Vec<_>>();
-    chosen.choose_compensation(prior)?;
     chosen.choose_terms(prior, &[&under_load, optional].concat(), freedom.loads)?;
     chosen.reweight(prior)?;
     chosen.choose_weight(prior, false)?;
@@ -124,34 +121,6 @@ impl Chosen<'_> {
             grid().zip(&errors).map(|(weight, e)| WeightTried { weight, error: e.total() / equations });
         self.tried = tried.collect();
         self.weighting.description = self.tried[index].weight;
-        Ok(())
-    }
-
-    /// What the robot's own compensation leaves of its weight: with the largest weight λ whose error is not worse by more
-    /// than a standard error than the least, and only where it lowers the error by more than one.
-    fn choose_compensation(&mut self, prior: &Prior) -> Result<()> {
-        if self.centred.layout.compensated.is_empty() {
-            return Ok(());
-        }
-        let without = self.held_out(prior)?;
-        let model = Model { compensation: true, ..self.model.clone() };
-        let mut errors = Vec::with_capacity(WEIGHTS);
-        for compensation in grid() {
-            let weighting = Weighting { compensation, ..self.weighting.clone() };
-            errors.push(held_out(&self.centred, &model, prior, &weighting, &self.values)?);
-        }
-        let best = (0..WEIGHTS).fold(0, |b, i| if errors[i].total() < errors[b].total() { i } else { b });
-        let (excess, deviation) = errors[best].excess(&without);
-        if excess >= -deviation {
-            return Ok(());
-        }
-        let near = |i: &usize| {
-            let (excess, error) = errors[*i].excess(&errors[best]);
-            excess <= error
-        };
-        let index = (best..WEIGHTS).take_while(near).last().unwrap_or(best);
-        self.model = model;
-        self.weighting.compensation = grid().nth(index).unwrap_or(1.0);
         Ok(())
     }
 

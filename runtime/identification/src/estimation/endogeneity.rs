@@ -93,7 +93,7 @@ pub(super) fn endogeneity(
         return Ok(None);
     }
     let equations = pass.equations(layout, of);
-    let metric = of.weighting.metric(layout, task.prior, &of.solved.active);
+    let metric = of.weighting.metric(task.prior, &of.solved.active);
     Ok(equations.compare(of, &metric, spread, cosines, instruments.source))
 }
 

@@ -53,12 +53,7 @@ pub fn estimate(
     if settings.load_friction {
         return under_load(robot, runs, settings, progress);
     }
-    let layout = Layout::new(
-        robot,
-        runs,
-        settings.steepness.as_deref(),
-        [false, settings.gravity_compensated && settings.compensation_left],
-    )?;
+    let layout = Layout::new(robot, runs, settings.steepness.as_deref(), false)?;
     pass(robot, runs, settings, (&layout, None), progress).map(|(found, _)| found)
 }
 
@@ -69,22 +64,12 @@ fn under_load(
     settings: &EstimationSettings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Estimate> {
-    let layout = Layout::new(
-        robot,
-        runs,
-        settings.steepness.as_deref(),
-        [false, settings.gravity_compensated && settings.compensation_left],
-    )?;
+    let layout = Layout::new(robot, runs, settings.steepness.as_deref(), false)?;
     // What the load adds may be most of the residual.
     let first = EstimationSettings { accept_poor: true, ..settings.clone() };
     let (mut found, steepness) = pass(robot, runs, &first, (&layout, None), progress)?;
     // The load's term changes sign like the Coulomb term.
-    let layout = Layout::new(
-        robot,
-        runs,
-        Some(&steepness),
-        [true, settings.gravity_compensated && settings.compensation_left],
-    )?;
+    let layout = Layout::new(robot, runs, Some(&steepness), true)?;
     for number in 1..=PASSES {
         let loads = Loads::new(robot, &layout, &found)?;
         progress(&format!("Friction under load, pass {number}."));

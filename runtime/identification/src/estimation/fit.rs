@@ -2,7 +2,6 @@
 
 use super::super::error::Result;
 use super::consistent::bounded;
-use super::layout::Layout;
 use super::normal::{Centred, Model, Values, assemble, regularized, solve};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
@@ -19,24 +18,18 @@ pub(super) struct Weighting {
     pub(super) description: f64,
     /// Factor of that distance for each inertial parameter, the same within a body.
     pub(super) trust: Vec<f64>,
-    /// Weight of what a compensation of the weight leaves, in the same distance.
-    pub(super) compensation: f64,
 }
 
 impl Weighting {
-    /// `Λ = λ √t R √t` over the active unknowns, with a λ of its own for what a compensation leaves: zero beyond both.
-    pub(super) fn metric(&self, layout: &Layout, prior: &Prior, active: &[usize]) -> DMatrix<f64> {
+    /// `Λ = λ √t R √t` over the active unknowns: zero beyond the inertial parameters.
+    pub(super) fn metric(&self, prior: &Prior, active: &[usize]) -> DMatrix<f64> {
         let p = prior.held.len();
         let entry = |i: usize, k: usize| {
             self.description * (self.trust[i] * self.trust[k]).sqrt() * prior.metric[(i, k)]
         };
         DMatrix::from_fn(active.len(), active.len(), |i, k| {
             let (i, k) = (active[i], active[k]);
-            match (layout.weighing(i), layout.weighing(k)) {
-                (Some(i), Some(k)) => self.compensation * prior.metric[(i, k)],
-                (None, None) if i < p && k < p => entry(i, k),
-                _ => 0.0,
-            }
+            if i < p && k < p { entry(i, k) } else { 0.0 }
         })
     }
 }
@@ -98,7 +91,7 @@ pub(super) fn fit(
     loop {
         let weights = force_weights(weighting, &values.gains);
         let normal = assemble(layout, products, &active, &weights, &values);
-        let regularized = regularized(&normal, &weighting.metric(layout, prior, &active));
+        let regularized = regularized(&normal, &weighting.metric(prior, &active));
         let right = DMatrix::from_column_slice(active.len(), 1, normal.linear.as_slice());
         let mut x = solve(&regularized, &right)?.column(0).into_owned();
         if model.consistent {

@@ -217,7 +217,7 @@ pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<
     let factor = Factor::new(&solved.regularized)?;
     let inverse = factor.solve(&DMatrix::identity(n, n));
     let bodies = solved.active.iter().take_while(|&&global| global < p).count();
-    let metric = of.weighting.metric(of.centred.layout, prior, &solved.active);
+    let metric = of.weighting.metric(prior, &solved.active);
     let decided = bodies as f64 - inverse.component_mul(&metric).sum();
     let change = DVector::from_fn(n, |i, _| solved.values.unknowns[solved.active[i]]);
     let spread = (&metric * &change).dot(&change) / decided.max(1.0);

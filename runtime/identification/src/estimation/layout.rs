@@ -2,7 +2,7 @@
 
 use super::super::error::{IdentificationError, Result, require_length, require_samples};
 use super::super::random::SplitMix64;
-use super::super::robot::{Robot, weighing};
+use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 
 /// Widths of the Coulomb term that are tried, as shares of the joint's fast speed.
@@ -24,18 +24,15 @@ const PROBES: usize = 4;
 /// Columns of the equations, and what is known about the data before the first pass.
 ///
 /// Unknowns count globally: the P inertial parameters (as differences from the description), then the candidate
-/// terms of each joint, then a gain for each joint, then what a compensation of the weight leaves.
+/// terms of each joint, then a gain for each joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
     pub(super) joints: usize,
     pub(super) parameters: usize,
     /// Candidate terms of each joint: [`TERMS`], or one more with [`LOAD`].
     pub(super) terms: usize,
-    /// Inertial parameters that weigh something, m and m c of each body, where the robot compensates its weight: each has
-    /// an unknown of its own for what the compensation leaves, behind the gains.
-    pub(super) compensated: Vec<usize>,
-    /// Global columns with entries in the joint's equation: inertial parameters, what the compensation leaves, terms;
-    /// behind them stand the described rigid force and the measured force.
+    /// Global columns with entries in the joint's equation, ascending; behind them stand the described rigid force and
+    /// the measured force.
     pub(super) local: Vec<Vec<usize>>,
     /// Factors k of the terms tanh(k v), for each joint.
     pub(super) steepness: Vec<[f64; WIDTHS.len()]>,
@@ -50,12 +47,12 @@ pub(super) struct Layout {
 
 impl Layout {
     /// - `given`: factors of the Coulomb terms of each joint
-    /// - `loads`: whether there is a term under load; `compensated`: whether the robot holds its weight itself
+    /// - `loads`: whether there is a term under load
     pub(super) fn new(
         robot: &dyn Robot,
         runs: &[PreparedRun],
         given: Option<&[f64]>,
-        [loads, compensated]: [bool; 2],
+        loads: bool,
     ) -> Result<Self> {
         let joints = robot.joint_names().len();
         let first = runs.first().ok_or(IdentificationError::Empty { what: "the list of runs".into() })?;
@@ -73,14 +70,11 @@ impl Layout {
         }
         let parameters = robot.parameters().len();
         let terms = TERMS + usize::from(loads);
-        let bodies = if compensated { robot.bodies() } else { 0 };
-        let compensated: Vec<usize> = weighing(bodies).collect();
         Ok(Self {
             joints,
             parameters,
             terms,
-            local: local(robot, joints, parameters, terms, &compensated),
-            compensated,
+            local: local(robot, joints, parameters, terms),
             steepness: (0..joints)
                 .map(|j| given.map_or_else(|| steepness(runs, j), |k| [k[j]; WIDTHS.len()]))
                 .collect(),
@@ -104,8 +98,7 @@ impl Layout {
             joints,
             parameters,
             terms: TERMS,
-            local: local(robot, joints, parameters, TERMS, &[]),
-            compensated: Vec::new(),
+            local: local(robot, joints, parameters, TERMS),
             steepness: vec![steepness; joints],
             moves,
             measured: vec![true; joints],
@@ -124,19 +117,9 @@ impl Layout {
         self.parameters + self.joints * self.terms + joint
     }
 
-    /// Global number of the unknown of what the compensation leaves, for an entry of [`Self::compensated`].
-    pub(super) fn compensation(&self, entry: usize) -> usize {
-        self.parameters + self.joints * (self.terms + 1) + entry
-    }
-
-    /// The inertial parameter that a global unknown belongs to, or whose weight it is.
-    pub(super) fn weighing(&self, global: usize) -> Option<usize> {
-        self.compensated.get(global.checked_sub(self.compensation(0))?).copied()
-    }
-
     /// Number of global unknowns.
     pub(super) fn len(&self) -> usize {
-        self.compensation(self.compensated.len())
+        self.parameters + self.joints * (self.terms + 1)
     }
 
     /// Place of a joint's first candidate term among its columns.
@@ -234,20 +217,11 @@ fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
 }
 
 /// Global columns of each joint's equation.
-fn local(
-    robot: &dyn Robot,
-    joints: usize,
-    parameters: usize,
-    terms: usize,
-    compensated: &[usize],
-) -> Vec<Vec<usize>> {
-    let first = parameters + joints * (terms + 1);
+fn local(robot: &dyn Robot, joints: usize, parameters: usize, terms: usize) -> Vec<Vec<usize>> {
     let structure = structure(robot, joints, parameters);
     let local = structure.iter().enumerate().map(|(joint, columns)| {
         let start = parameters + joint * terms;
-        let weighs = |entry: &usize| columns.contains(&compensated[*entry]);
-        let left = (0..compensated.len()).filter(weighs).map(|entry| first + entry);
-        columns.iter().copied().chain(left).chain(start..start + terms).collect()
+        columns.iter().copied().chain(start..start + terms).collect()
     });
     local.collect()
 }

@@ -16,8 +16,6 @@ pub(super) struct Model {
     pub(super) armature: Vec<bool>,
     /// Friction under load.
     pub(super) load: Vec<bool>,
-    /// What a compensation of the weight leaves.
-    pub(super) compensation: bool,
     pub(super) offsets: Offsets,
     pub(super) gains: bool,
     /// Whether bodies must be able to exist.
@@ -57,11 +55,6 @@ impl Model {
         }
         if self.gains {
             active.extend((0..layout.joints).filter(|&j| layout.measured[j]).map(|j| layout.gain(j)));
-        }
-        if self.compensation {
-            let weighs = |entry: &usize| !prior.held[layout.compensated[*entry]];
-            let entries = (0..layout.compensated.len()).filter(weighs);
-            active.extend(entries.map(|entry| layout.compensation(entry)));
         }
         active
     }

@@ -57,7 +57,6 @@ impl Report<'_> {
             friction: each(&|r, j| add(&measured[r][j], &rigid[r][j], -1.0)),
             measured: each(&|r, j| measured[r][j].clone()),
             load_friction: if has_loads { each(&|r, j| load[r][j].clone()) } else { Vec::new() },
-            compensation: self.chosen.model.compensation.then(|| self.compensation()),
             confidence: settings.confidence,
             instrumental: self.endogeneity.map(|found| self.instrumental(found)),
             choices: self.choices(),
@@ -81,28 +80,9 @@ impl Report<'_> {
         [offsets.to_string()]
             .into_iter()
             .chain(words)
-            .chain(self.compensation_said())
             .chain(self.pull_said())
             .chain([self.endogeneity_said()])
             .collect()
-    }
-
-    /// ε over all inertial parameters.
-    fn compensation(&self) -> Vec<f64> {
-        let layout = self.task.layout;
-        let mut left = vec![0.0; layout.parameters];
-        for (entry, parameter) in layout.compensated.iter().enumerate() {
-            left[*parameter] = self.solved.values.unknowns[layout.compensation(entry)];
-        }
-        left
-    }
-
-    fn compensation_said(&self) -> Option<String> {
-        self.chosen.model.compensation.then(|| {
-            "The robot's own compensation leaves some of its weight in the efforts, or takes too much: this is part of the \
-             fit beside the offsets, and is not written."
-                .into()
-        })
     }
 
     /// What was done where the program over bodies that can exist did not converge by itself.

@@ -64,13 +64,11 @@ pub(super) fn forces(
     found
 }
 
-/// `W π` with all of the description's other forces: the rigid force, its change, and what a compensation of the weight
-/// leaves.
+/// `W π` with all of the description's other forces: the rigid force and its change.
 fn rigid(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64]]) -> Vec<f64> {
     let mut only = factors.map(|_| 0.0);
     for (k, &global) in layout.local[joint].iter().enumerate() {
-        let weight = layout.weighing(global).is_some();
-        let inertial = global < layout.parameters || weight || global == layout.term(joint, ARMATURE);
+        let inertial = global < layout.parameters || global == layout.term(joint, ARMATURE);
         only[k] = if inertial { -factors[k] } else { 0.0 };
     }
     only[layout.local[joint].len()] = 1.0;

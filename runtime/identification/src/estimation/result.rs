@@ -50,9 +50,6 @@ pub struct Estimate {
     pub friction: Vec<Vec<Vec<f64>>>,
     /// The share of these forces that grows with the load, in the same shape; empty where it was not asked for.
     pub load_friction: Vec<Vec<Vec<f64>>>,
-    /// What the robot's own compensation leaves of its weight, where it has one and the data tell: inertial parameters ε
-    /// with `G(y) ε` in the measured forces, G being W at rest. The description does not hold them.
-    pub compensation: Option<Vec<f64>>,
     /// Level of all intervals.
     pub confidence: f64,
     /// The estimate by instrumental variables and the test of this one against it, where the logs hold instruments.

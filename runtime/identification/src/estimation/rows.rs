@@ -137,10 +137,7 @@ impl<'a> Rows<'a> {
         let parameters = self.layout.first_term(joint);
         let column = &mut self.columns[joint];
         for (k, &i) in local[..parameters].iter().enumerate() {
-            column[k * BLOCK + place] = match self.layout.weighing(i) {
-                Some(weighing) => self.at_rest[joint * p + weighing],
-                None => self.regressor[joint * p + i],
-            };
+            column[k * BLOCK + place] = self.regressor[joint * p + i];
         }
         let direction = column[(parameters + COULOMB.start) * BLOCK + place];
         let mut set = |term: usize, value: f64| column[(parameters + term) * BLOCK + place] = value;

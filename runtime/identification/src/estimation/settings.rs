@@ -9,9 +9,6 @@ use super::result::Offsets;
 pub struct EstimationSettings {
     /// The recorded efforts exclude gravity, because the robot adds it itself.
     pub gravity_compensated: bool,
-    /// Whether what such a compensation leaves of the weight may be part of the fit. It helps on motions like those of the
-    /// log, and predicted others worse by far on measured runs: off by default.
-    pub compensation_left: bool,
     /// Offsets of the efforts; `None` chooses between one for each joint and one for each joint and run by the
     /// held-out error.
     pub offsets: Option<Offsets>,
@@ -44,7 +41,6 @@ impl Default for EstimationSettings {
     fn default() -> Self {
         Self {
             gravity_compensated: false,
-            compensation_left: false,
             offsets: None,
             steepness: None,
             load_friction: false,

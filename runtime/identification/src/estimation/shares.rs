@@ -368,7 +368,6 @@ impl Found<'_> {
             weights_tried: self.chosen.tried.clone(),
             effective_parameters: self.covariance.decided,
             load_friction: Vec::new(),
-            compensation: None,
             measured: Vec::new(),
             predicted: Vec::new(),
             friction: Vec::new(),

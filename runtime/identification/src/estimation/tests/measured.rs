@@ -167,10 +167,7 @@ fn halves_of_the_schunk_runs_predict_the_other_half() {
         let judged = validate(&schunk(), &found, &unseen, &settings).unwrap();
         let r_squared: Vec<f64> = judged.iter().map(|joint| joint.r_squared).collect();
         let bandwidth = found.preparation.filter.bandwidth();
-        println!(
-            "{name}: {bandwidth:.1} Hz, compensation {}, {r_squared:.4?}",
-            found.estimate.compensation.is_some()
-        );
+        println!("{name}: {bandwidth:.1} Hz, {r_squared:.4?}");
         for law in &found.friction {
             println!("  {}", law.report.as_ref().map_or_else(Clone::clone, |report| report.result.formula()));
         }
