@@ -13,6 +13,7 @@ pub mod cross_validation;
 pub mod description;
 pub mod differentiation;
 pub mod digits;
+mod drift;
 pub mod ensemble;
 pub mod error;
 pub mod estimation;

@@ -2,8 +2,8 @@
 
 use super::confidence::quantile;
 use super::digits::{rounded, with_error};
+use super::drift::Drift;
 use super::error::Result;
-use super::friction::Drift;
 use super::library::Library;
 pub use super::offset::Offset;
 use super::stribeck::{StribeckWords, stribeck_gradient, stribeck_torque};

@@ -1,7 +1,7 @@
 //! Friction and offsets that change over the log, as they do while a gear warms up.
 
 use super::super::confidence::{LongRun, quantile};
-use super::super::digits::with_error;
+use super::super::drift::{Drift, Trend};
 use super::design::{centre, mean, runs};
 use super::task::FrictionData;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -11,81 +11,33 @@ use std::ops::Range;
 const PARTS: usize = 10;
 /// Probability of a chance result below which a trend is named.
 const NAMED_LEVEL: f64 = 0.01;
-/// Change, as a share of the friction, that is named.
-const NAMED_CHANGE: f64 = 0.02;
-
-/// A change from the first to the last sample, linear in the number of the sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Trend {
-    /// Last minus first value.
-    pub change: f64,
-    /// Standard error, for correlated residuals.
-    pub standard_error: f64,
-    /// Whether chance gives such a change in less than one of a hundred logs without a trend.
-    pub significant: bool,
-}
-
-/// What is left of the torque over the log.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Drift {
-    /// Runs, or parts of equal length of a single one, with the mean of torque minus law.
-    pub means: Vec<(Range<usize>, f64)>,
-    /// Change of the constant torque [N·m or N].
-    pub offset: Trend,
-    /// Change of the friction as a share of it: −0.1 where it falls by a tenth.
-    pub friction: Trend,
-}
-
-impl Drift {
-    /// `None` where the law is zero or the samples are too few.
-    ///
-    /// - `gradients`: the law's derivatives by its coefficients, which have taken their part of a trend
-    pub(super) fn new(
-        data: &FrictionData,
-        law: &[f64],
-        gradients: DMatrix<f64>,
-        residuals: &[f64],
-    ) -> Option<Self> {
-        let m = law.len();
-        if m < 2 * PARTS {
-            return None;
-        }
-        let left: Vec<f64> = data.torques.iter().zip(law).map(|(t, l)| t - l).collect();
-        let level = mean(&left, data.weights);
-        let from_mean: Vec<f64> = left.iter().map(|x| x - level).collect();
-        let time: Vec<f64> = (0..m).map(|i| (i as f64 + 0.5) / m as f64 - 0.5).collect();
-        let mut moving: Vec<f64> = time.iter().zip(law).map(|(t, l)| t * l).collect();
-        centre(&mut moving, &runs(data), data.weights);
-        let taken = Taken::new(gradients, &runs(data), data.weights)?;
-        let (time, moving) = (taken.off(time), taken.off(moving));
-        let whole = 0..m;
-        Some(Self {
-            means: parts(data).into_iter().map(|rows| (rows.clone(), mean(&left[rows], None))).collect(),
-            offset: trend(&time, &from_mean, &[whole])?,
-            friction: trend(&moving, residuals, &runs(data))?,
-        })
+/// The drift over a log; `None` where the law is zero or the samples are too few.
+///
+/// - `gradients`: the law's derivatives by its coefficients, which have taken their part of a trend
+pub(super) fn drift(
+    data: &FrictionData,
+    law: &[f64],
+    gradients: DMatrix<f64>,
+    residuals: &[f64],
+) -> Option<Drift> {
+    let m = law.len();
+    if m < 2 * PARTS {
+        return None;
     }
-
-    /// Sentences on trends that matter.
-    ///
-    /// - `scale`: rms of the friction torque
-    pub(super) fn warnings(&self, unit: &str, scale: f64) -> Vec<String> {
-        let mut sentences = Vec::new();
-        let friction = self.friction;
-        if friction.significant && friction.change.abs() > NAMED_CHANGE {
-            let change = with_error(100.0 * friction.change, Some(100.0 * friction.standard_error));
-            sentences.push(format!(
-                "friction changes by {change} % from the beginning to the end of the log, as while warming up (or the \
-                 motions differ in what the model lacks): the law is that of the middle; record after warming up, or \
-                 identify the runs apart"
-            ));
-        }
-        if self.offset.significant && self.offset.change.abs() > NAMED_CHANGE * scale {
-            let change = with_error(self.offset.change, Some(self.offset.standard_error));
-            sentences.push(format!("the constant torque drifts by {change} {unit} over the log"));
-        }
-        sentences
-    }
+    let left: Vec<f64> = data.torques.iter().zip(law).map(|(t, l)| t - l).collect();
+    let level = mean(&left, data.weights);
+    let from_mean: Vec<f64> = left.iter().map(|x| x - level).collect();
+    let time: Vec<f64> = (0..m).map(|i| (i as f64 + 0.5) / m as f64 - 0.5).collect();
+    let mut moving: Vec<f64> = time.iter().zip(law).map(|(t, l)| t * l).collect();
+    centre(&mut moving, &runs(data), data.weights);
+    let taken = Taken::new(gradients, &runs(data), data.weights)?;
+    let (time, moving) = (taken.off(time), taken.off(moving));
+    let whole = 0..m;
+    Some(Drift {
+        means: parts(data).into_iter().map(|rows| (rows.clone(), mean(&left[rows], None))).collect(),
+        offset: trend(&time, &from_mean, &[whole])?,
+        friction: trend(&moving, residuals, &runs(data))?,
+    })
 }
 
 fn parts(data: &FrictionData) -> Vec<Range<usize>> {

@@ -5,7 +5,7 @@ use super::super::error::Result;
 use super::super::least_squares::Reduced;
 use super::super::moments::{Moments, Samples};
 use super::design::{Design, centre, mean, runs};
-use super::judgement::Findings;
+use super::findings::Findings;
 use super::selection::Selection;
 use super::task::{FrictionData, FrictionIdentification};
 use nalgebra::{DMatrix, DVector};

@@ -1,27 +1,16 @@
-//! What is said about a law: notes, doubts, and reasons to refuse it.
+//! The judgement of a law: its errors, what its residuals depend on, and limits of the description.
 
 use super::super::error::Result;
 use super::super::offset::Offset;
 use super::super::result::{FrictionLaw, FrictionResult};
 use super::super::stribeck::StribeckWords;
-use super::FrictionReport;
 use super::dependence::dependences;
-use super::drift::Drift;
+use super::drift::drift;
+use super::findings::Findings;
 use super::held_out::{Unseen, variation};
-use super::task::{FrictionData, FrictionIdentification};
+use super::report::FrictionReport;
+use super::task::FrictionIdentification;
 use nalgebra::DMatrix;
-
-/// Share of samples beyond a limit of the description above which the data do not fit the joint.
-const BEYOND_LIMITS: f64 = 0.01;
-
-/// What is collected on the way.
-pub(super) struct Findings<'a> {
-    data: &'a FrictionData<'a>,
-    pub(super) unit: &'a str,
-    notes: Vec<String>,
-    warnings: Vec<String>,
-    refusals: Vec<String>,
-}
 
 /// A law and what it leaves.
 pub(super) struct Judged {
@@ -35,24 +24,7 @@ pub(super) struct Judged {
     pub(super) stribeck: Option<StribeckWords>,
 }
 
-impl<'a> Findings<'a> {
-    pub(super) fn new(data: &'a FrictionData<'a>) -> Self {
-        let notes = data.settings.to_vec();
-        Self { data, unit: data.unit, notes, warnings: Vec::new(), refusals: Vec::new() }
-    }
-
-    pub(super) fn note(&mut self, text: String) {
-        self.notes.push(text);
-    }
-
-    pub(super) fn warn(&mut self, text: String) {
-        self.warnings.push(text);
-    }
-
-    pub(super) fn refuse(&mut self, text: String) {
-        self.refusals.push(text);
-    }
-
+impl Findings<'_> {
     /// The report on a law, without what only some methods have.
     pub(super) fn report(
         mut self,
@@ -70,7 +42,9 @@ impl<'a> Findings<'a> {
         self.check_limits();
         let rms = (total / judged.residuals.len() as f64).sqrt();
         self.warnings.extend(dependences(data, settings.folds, &judged.residuals, rms));
-        let drift = drift(data, &judged)?;
+        let law = &judged.law;
+        let gradients = law.gradients(data.velocities)?;
+        let drift = drift(data, &law.torques(data.velocities)?, gradients, &judged.residuals);
         self.warnings.extend(drift.iter().flat_map(|drift| drift.warnings(data.unit, rms)));
         let result = FrictionResult {
             joint: data.joint.into(),
@@ -95,14 +69,6 @@ impl<'a> Findings<'a> {
         Ok(alone(result, judged.residuals))
     }
 
-    pub(super) fn judge(&mut self, held_out: Option<f64>, least: f64) {
-        let Some(r) = held_out.filter(|r| *r < least) else { return };
-        self.refuse(format!(
-            "the law explains nothing: R² on left-out data is {r:.3}, and at least {least} is asked for. Record \
-             motion with more speed and reversals, or leave the described friction as it is"
-        ));
-    }
-
     fn check_limits(&mut self) {
         let Some(limits) = self.data.limits else { return };
         let data = self.data;
@@ -115,23 +81,6 @@ impl<'a> Findings<'a> {
             let largest = values.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
             self.judge_limit(what, share, [limit, largest], unit);
         }
-    }
-
-    /// Refuses a law whose data lie beyond a described limit.
-    pub(super) fn judge_limit(&mut self, what: &str, share: f64, [limit, largest]: [f64; 2], unit: &str) {
-        if share > BEYOND_LIMITS {
-            self.refuse(format!(
-                "{:.1} % of the {what} exceed the described limit of {limit} {unit}, up to {largest:.4}: the \
-                 log's columns or units are not this joint's, or the description's limits are wrong",
-                100.0 * share
-            ));
-        }
-    }
-
-    /// Notes, warnings, and the reason to refuse the law.
-    pub(super) fn texts(self) -> (Vec<String>, Vec<String>, Option<String>) {
-        let refusal = (!self.refusals.is_empty()).then(|| self.refusals.join("; "));
-        (self.notes, self.warnings, refusal)
     }
 }
 
@@ -150,11 +99,6 @@ fn alone(result: FrictionResult, residuals: Vec<f64>) -> FrictionReport {
         average: None,
         residuals,
     }
-}
-
-fn drift(data: &FrictionData, judged: &Judged) -> Result<Option<Drift>> {
-    let (torques, gradients) = (judged.law.torques(data.velocities)?, judged.law.gradients(data.velocities)?);
-    Ok(Drift::new(data, &torques, gradients, &judged.residuals))
 }
 
 fn rms_of(x: &[f64]) -> f64 {

@@ -11,9 +11,12 @@ mod dependence;
 mod design;
 mod drift;
 mod errors;
+mod findings;
 mod held_out;
 mod judgement;
 mod load;
+mod passivity;
+mod report;
 mod selection;
 mod shares;
 mod stribeck;
@@ -22,23 +25,19 @@ mod terms;
 #[cfg(test)]
 mod tests;
 
+pub use super::drift::{Drift, Trend};
 pub(crate) use design::centre;
-pub use drift::{Drift, Trend};
 pub use load::LoadFriction;
+pub use report::FrictionReport;
 pub(crate) use shares::SharedFriction;
 pub use task::{
     FrictionData, FrictionIdentification, FrictionMethod, LEAST_R_SQUARED, LambdaChoice, Offsets,
 };
 
-use super::cross_validation::{CrossValidation, ParetoPoint};
-use super::ensemble::Ensemble;
 use super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
 };
 use super::library::Library;
-use super::result::FrictionResult;
-use super::subset::{ModelAverage, SubsetValidation};
-use nalgebra::DMatrix;
 
 impl FrictionIdentification {
     /// Finds the law of one joint.
@@ -46,7 +45,7 @@ impl FrictionIdentification {
     /// # Errors
     /// Lengths that disagree, values that are not finite, a velocity that never changes, and what the method
     /// reports: collinear terms, too few samples, a threshold or λ that removes every term. A law that explains
-    /// nothing is no error but a [`FrictionResult::refusal`].
+    /// nothing is no error but a [`FrictionResult::refusal`](super::result::FrictionResult::refusal).
     pub fn identify(&self, data: &FrictionData) -> Result<FrictionReport> {
         check(data)?;
         let limit = self.least_r_squared;
@@ -79,47 +78,6 @@ impl FrictionIdentification {
         require_length(&format!("loads of {}", data.joint), data.velocities.len(), loads.len())?;
         require_finite(&format!("the load of {}", data.joint), loads)?;
         load::identify(self, load_library, data, loads)
-    }
-}
-
-/// The law, and what it was chosen from.
-#[derive(Debug, Clone)]
-pub struct FrictionReport {
-    /// The law with its numbers.
-    pub result: FrictionResult,
-    /// Candidate terms of the law: the library's without constants, where offsets are separated.
-    pub terms: Vec<String>,
-    /// Cosines between the candidate terms, offsets taken off `[p × p]`.
-    pub correlation: DMatrix<f64>,
-    /// Condition number of the candidate terms, columns scaled.
-    pub condition: f64,
-    /// Covariance of the law's coefficients, for correlated residuals; rows and columns as in the law.
-    pub covariance: DMatrix<f64>,
-    /// Cross-validated path, for the LASSO.
-    pub validation: Option<CrossValidation>,
-    /// Error against number of terms over λ, for the LASSO.
-    pub front: Vec<ParetoPoint>,
-    /// The best subset of each size with its error on left-out data, for the best subset.
-    pub subsets: Option<SubsetValidation>,
-    /// Bootstrap; none without draws.
-    pub ensemble: Option<Ensemble>,
-    /// All subsets of the candidate terms, weighed; none for the Stribeck law and for libraries of more than
-    /// twelve terms.
-    pub average: Option<ModelAverage>,
-    /// Torque minus offset minus law at the samples.
-    pub residuals: Vec<f64>,
-}
-
-impl FrictionReport {
-    /// Half the width of the law's confidence band at `velocities`, at `level` (e.g. 0.95).
-    ///
-    /// # Errors
-    /// A level outside (0, 1), or no samples.
-    pub fn band(&self, velocities: &[f64], level: f64) -> Result<Vec<f64>> {
-        let t = super::confidence::quantile(level, self.result.freedom)?;
-        let gradients = self.result.law.gradients(velocities)?;
-        let width = |row: nalgebra::DVector<f64>| t * row.dot(&(&self.covariance * &row)).max(0.0).sqrt();
-        Ok(gradients.row_iter().map(|row| width(row.transpose())).collect())
     }
 }
 

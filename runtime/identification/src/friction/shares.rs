@@ -1,6 +1,5 @@
 //! The friction law of one joint from sums of products by share, where the samples are gone.
 
-use super::super::constrained::{nonnegative_rows, passivity_rows};
 use super::super::ensemble::{Ensemble, bootstrap};
 use super::super::error::Result;
 use super::super::least_squares::{Reduced, Solution};
@@ -8,13 +7,13 @@ use super::super::library::Library;
 use super::super::moments::Moments;
 use super::super::result::{FrictionLaw, FrictionResult, FrictionTerm};
 use super::super::subset::{ModelAverage, requirements};
-use super::FrictionReport;
 use super::errors::null_space;
+use super::findings::Findings;
 use super::held_out::{Unseen, by_folds};
-use super::judgement::Findings;
+use super::passivity::{doubt, passive, restrict};
+use super::report::FrictionReport;
 use super::selection::{Selection, choose};
 use super::task::{FrictionData, FrictionIdentification};
-use super::terms::{doubt, restrict};
 use nalgebra::{DMatrix, DVector};
 
 /// What is known about the friction of one joint without its samples.
@@ -185,16 +184,6 @@ fn law(
         probability: Some(average.inclusion[i]),
     };
     FrictionLaw::Terms(solution.active.iter().enumerate().map(term).collect())
-}
-
-/// Rows of `A ξ ≥ 0`: the law dissipates over the speeds in the data, and viscous friction is not negative.
-pub(super) fn passive(library: &Library, velocities: [f64; 2]) -> Result<DMatrix<f64>> {
-    let fastest = velocities.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
-    let grid: Vec<f64> = (-200..=200).map(|i| fastest * f64::from(i) / 200.0).collect();
-    let viscous: Vec<usize> = (0..library.len()).filter(|&i| library.terms()[i] == "v").collect();
-    let (signs, slope) = (passivity_rows(library, &grid)?, nonnegative_rows(&viscous, library.len()));
-    let all: Vec<_> = signs.row_iter().chain(slope.row_iter()).collect();
-    Ok(DMatrix::from_rows(&all))
 }
 
 /// Standard errors from the scores of the shares.

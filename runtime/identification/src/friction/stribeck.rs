@@ -3,10 +3,11 @@
 use super::super::error::Result;
 use super::super::result::FrictionLaw;
 use super::super::stribeck::{StribeckFit, StribeckRegression, stribeck_torque};
-use super::FrictionReport;
 use super::design::{fold_ranges, offsets, runs};
+use super::findings::Findings;
 use super::held_out::{Unseen, variation};
-use super::judgement::{Findings, Judged};
+use super::judgement::Judged;
+use super::report::FrictionReport;
 use super::task::{FrictionData, FrictionIdentification, Offsets};
 use nalgebra::DMatrix;
 use std::ops::Range;

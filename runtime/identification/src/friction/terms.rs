@@ -1,6 +1,5 @@
 //! Laws that are sums of terms: choice, least squares, passivity, standard errors.
 
-use super::super::constrained::{constrained_fit, face};
 use super::super::cross_validation::pareto_front;
 use super::super::ensemble::{Ensemble, bootstrap};
 use super::super::error::Result;
@@ -8,21 +7,16 @@ use super::super::least_squares::{Reduced, Solution, Solver};
 use super::super::moments::{Moments, Samples};
 use super::super::result::{FrictionLaw, FrictionTerm};
 use super::super::subset::{MOST_TERMS, ModelAverage, requirements};
-use super::FrictionReport;
 use super::design::Design;
 use super::errors::Errors;
+use super::findings::Findings;
 use super::held_out::held_out;
-use super::judgement::{Findings, Judged, velocity_range};
+use super::judgement::{Judged, velocity_range};
+use super::passivity::{doubt, passive, restrict};
+use super::report::FrictionReport;
 use super::selection::{Selection, choose};
-use super::shares::passive;
 use super::task::{FrictionData, FrictionIdentification};
-use nalgebra::{DMatrix, DVector};
-
-/// Condition number of the chosen terms above which coefficients are doubted (the curve need not be).
-const DOUBTFUL_CONDITION: f64 = 100.0;
-
-/// Coefficients that contribute less than this share of the torque's rms are what rounding leaves of zero.
-const NOTHING: f64 = 1e-12;
+use nalgebra::DVector;
 
 /// The law of terms.
 pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -> Result<FrictionReport> {
@@ -77,19 +71,6 @@ fn describe_library(design: &Design, reduced: &Reduced, findings: &mut Findings)
     }
 }
 
-/// Doubts coefficients of chosen terms that resemble each other.
-pub(super) fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings) {
-    let chosen = reduced.moments().correlation().select_rows(active).select_columns(active);
-    let eigenvalues = chosen.symmetric_eigenvalues();
-    let condition = (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt();
-    if condition > DOUBTFUL_CONDITION {
-        findings.warn(format!(
-            "the chosen terms are nearly collinear on these velocities (condition number {condition:.0}): trust the \
-             curve, not the single coefficients"
-        ));
-    }
-}
-
 /// How often bootstrap draws choose each term.
 fn draw(
     settings: &FrictionIdentification,
@@ -118,41 +99,6 @@ fn draw(
         Err(reason) => {
             findings.warn(format!("no bootstrap draw gave a model: {reason}"));
             Ok(None)
-        }
-    }
-}
-
-/// Least squares under the constraints, where the free solution breaks them, and the rows that bind.
-pub(super) fn restrict(
-    reduced: &Reduced,
-    free: Solution,
-    rows: Option<&DMatrix<f64>>,
-    samples: usize,
-    findings: &mut Findings,
-) -> Result<(Solution, DMatrix<f64>)> {
-    let none = DMatrix::zeros(0, free.coefficients.len());
-    let Some(rows) = rows else { return Ok((free, none)) };
-    let worst = (rows * &free.coefficients).min();
-    if worst >= -1e-9 * free.coefficients.amax() {
-        return Ok((free, none));
-    }
-    findings.warn(format!(
-        "least squares would give a law that drives the joint (by up to {:.4} {}); it was refitted under τ v ≥ 0 and \
-         viscous friction ≥ 0, and the standard errors take what this fixes for exact",
-        -worst, findings.unit
-    ));
-    let mut coefficients = constrained_fit(reduced, 0, &free.active, rows)?;
-    remove_rounding(&mut coefficients, reduced.moments(), samples);
-    let binding = face(rows, &coefficients);
-    Ok((Solution { coefficients, ..free }, binding))
-}
-
-fn remove_rounding(coefficients: &mut DVector<f64>, moments: &Moments, samples: usize) {
-    let limit = NOTHING * (moments.energy(0) / samples as f64).sqrt();
-    for (i, x) in coefficients.iter_mut().enumerate() {
-        let rms = (moments.gram()[(i, i)] / samples as f64).sqrt();
-        if x.abs() * rms < limit {
-            *x = 0.0;
         }
     }
 }

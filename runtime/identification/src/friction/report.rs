@@ -1,0 +1,50 @@
+//! The law of a joint with what it was chosen from.
+
+use super::super::confidence::quantile;
+use super::super::cross_validation::{CrossValidation, ParetoPoint};
+use super::super::ensemble::Ensemble;
+use super::super::error::Result;
+use super::super::result::FrictionResult;
+use super::super::subset::{ModelAverage, SubsetValidation};
+use nalgebra::{DMatrix, DVector};
+
+/// The law, and what it was chosen from.
+#[derive(Debug, Clone)]
+pub struct FrictionReport {
+    /// The law with its numbers.
+    pub result: FrictionResult,
+    /// Candidate terms of the law: the library's without constants, where offsets are separated.
+    pub terms: Vec<String>,
+    /// Cosines between the candidate terms, offsets taken off `[p × p]`.
+    pub correlation: DMatrix<f64>,
+    /// Condition number of the candidate terms, columns scaled.
+    pub condition: f64,
+    /// Covariance of the law's coefficients, for correlated residuals; rows and columns as in the law.
+    pub covariance: DMatrix<f64>,
+    /// Cross-validated path, for the LASSO.
+    pub validation: Option<CrossValidation>,
+    /// Error against number of terms over λ, for the LASSO.
+    pub front: Vec<ParetoPoint>,
+    /// The best subset of each size with its error on left-out data, for the best subset.
+    pub subsets: Option<SubsetValidation>,
+    /// Bootstrap; none without draws.
+    pub ensemble: Option<Ensemble>,
+    /// All subsets of the candidate terms, weighed; none for the Stribeck law and for libraries of more than
+    /// twelve terms.
+    pub average: Option<ModelAverage>,
+    /// Torque minus offset minus law at the samples.
+    pub residuals: Vec<f64>,
+}
+
+impl FrictionReport {
+    /// Half the width of the law's confidence band at `velocities`, at `level` (e.g. 0.95).
+    ///
+    /// # Errors
+    /// A level outside (0, 1), or no samples.
+    pub fn band(&self, velocities: &[f64], level: f64) -> Result<Vec<f64>> {
+        let t = quantile(level, self.result.freedom)?;
+        let gradients = self.result.law.gradients(velocities)?;
+        let width = |row: DVector<f64>| t * row.dot(&(&self.covariance * &row)).max(0.0).sqrt();
+        Ok(gradients.row_iter().map(|row| width(row.transpose())).collect())
+    }
+}
