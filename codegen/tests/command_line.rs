@@ -295,8 +295,12 @@ fn descriptions_and_foreign_files_are_kept() {
     }
     let said = generate("main.rs");
     assert!(said.contains("main.rs: it holds what gelenk has not generated"), "{said}");
+    fs::write(at("arm.rs"), "fn mine() {}\n").unwrap();
     let said = generate(".");
-    assert!(said.contains("it is a folder"), "{said}");
+    assert!(said.contains("arm.rs: it holds what gelenk has not generated"), "{said}");
+    // A name without an ending is a folder that is made.
+    assert!(gelenk(folder.path(), &["generate", "arm.toml", "-o", "src"]).status.success());
+    assert!(at("src/arm.rs").is_file());
     // The smooth module of a pair is written to a name that nobody gave.
     fs::write(at("new_control.rs"), "fn mine() {}\n").unwrap();
     let pair = ["generate", "arm.toml", "-o", "new.rs", "--control-model", "50"];
@@ -351,7 +355,7 @@ fn a_plant_and_a_controller_have_models_of_their_own() {
     assert!(smooth.contains("v[0] * 50.0") && smooth.contains("tanh("), "{smooth}");
     fs::remove_file(folder.path().join("arm_control.rs")).unwrap();
     let stale = refused(folder.path(), &[&["check"], &pair[..]].concat());
-    assert!(stale.contains("stale: arm_control.rs"), "{stale}");
+    assert!(stale.contains("missing: arm_control.rs"), "{stale}");
     let piped = ["generate", "pendulum.toml", "--control-model", "50", "-o", "-"];
     assert_eq!(gelenk(folder.path(), &piped).status.code(), Some(2));
 }

@@ -119,10 +119,11 @@ pub(super) enum Command {
 pub(super) struct Generate {
     /// TOML, URDF or MJCF; without it everything in models/ goes to generated/src/
     pub(super) description: Option<PathBuf>,
-    /// Where the module goes; `-` is standard output. Default: generated/src/<NAME>.rs for a description in
-    /// the workspace's models/, else <NAME>.rs in this folder. In C a folder, or a file FILE.c beside which
-    /// FILE.h goes and whose name the functions begin with; default: <NAME>.h and <NAME>.c in this folder
-    #[arg(long, short, value_name = "FILE.rs", requires = "description")]
+    /// Where the module goes: a file, or a folder for <NAME>.rs; `-` is standard output. Default:
+    /// generated/src/<NAME>.rs for a description in the workspace's models/, else <NAME>.rs in this folder. In
+    /// C a folder, or a file FILE.c beside which FILE.h goes and whose name the functions begin with; default:
+    /// <NAME>.h and <NAME>.c in this folder
+    #[arg(long, short, value_name = "PATH", requires = "description")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
     pub(super) modules: Modules,
@@ -133,7 +134,7 @@ pub(super) struct Check {
     /// TOML, URDF or MJCF; without it everything in models/
     pub(super) description: Option<PathBuf>,
     /// The file to compare; by default where `generate` would write
-    #[arg(long, short, value_name = "FILE.rs", requires = "description")]
+    #[arg(long, short, value_name = "PATH", requires = "description")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
     pub(super) modules: Modules,

@@ -166,7 +166,9 @@ fn report_stale(stale: &[(PathBuf, String)], format: Format) -> Result<ExitCode,
         print::out("fresh\n")?;
         return Ok(code);
     };
-    let files: String = stale.iter().map(|(path, _)| format!("stale: {}\n", relative(path))).collect();
+    let state = |path: &Path| if path.exists() { "stale" } else { "missing" };
+    let files: String =
+        stale.iter().map(|(path, _)| format!("{}: {}\n", state(path), relative(path))).collect();
     print::err(&format!("{files}run: {command}\n"));
     Ok(code)
 }
@@ -336,7 +338,9 @@ fn modules_command(
 fn place(robot: &Generated, target: &Target, home: Option<&Workspace>) -> PathBuf {
     let name = &robot.source.name;
     match (&target.output, home) {
-        (Output::Folder(folder), _) => folder.join(format!("{name}.c")),
+        (Output::Folder(folder), _) => {
+            folder.join(format!("{name}.{}", if robot.source.header.is_some() { "c" } else { "rs" }))
+        }
         (Output::File(output), _) if robot.is_control_model => {
             let stem = output.file_stem().unwrap_or_default();
             let mut file = stem.to_owned();

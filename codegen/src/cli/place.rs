@@ -69,7 +69,7 @@ pub(super) enum Output {
     Default,
     /// This file, in C with a header beside it.
     File(PathBuf),
-    /// Files of a module in C, in this folder.
+    /// This folder, under the name of the module.
     Folder(PathBuf),
 }
 
@@ -81,6 +81,7 @@ impl Target {
                 "{}: that is a name for a module in C: add `--language c`",
                 file.display()
             ))),
+            (LanguageName::Rust, Some(folder)) if is_folder(folder) => Ok(Self::folder(folder)),
             (LanguageName::Rust, Some(file)) => {
                 Ok(Self { output: Output::File(file.to_owned()), name: None })
             }
@@ -103,26 +104,31 @@ impl Target {
         if output == Path::new("-") {
             return usage("a module in C is two files, which standard output cannot hold apart".to_owned());
         }
-        match output.extension() {
-            _ if output.is_dir() => Ok(Self::folder(output)),
-            None => Ok(Self::folder(output)),
-            Some(_) if is_of_c(output) => {
-                let name = output.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
-                let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "_-.".contains(letter);
-                if name.is_empty() || !name.chars().all(is_plain) {
-                    return usage(format!(
-                        "{}: the files of a module in C name each other; take letters, digits, `_` and `-`",
-                        output.display()
-                    ));
-                }
-                Ok(Self { output: Output::File(output.with_extension("c")), name: Some(name.to_owned()) })
-            }
-            Some(_) => usage(format!(
+        if is_folder(output) {
+            return Ok(Self::folder(output));
+        }
+        if !is_of_c(output) {
+            return usage(format!(
                 "{}: a module in C goes to a folder, or to a file that ends with .c and one beside it that ends with .h",
                 output.display()
-            )),
+            ));
         }
+        let name = output.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+        let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "_-.".contains(letter);
+        if name.is_empty() || !name.chars().all(is_plain) {
+            return usage(format!(
+                "{}: the files of a module in C name each other; take letters, digits, `_` and `-`",
+                output.display()
+            ));
+        }
+        Ok(Self { output: Output::File(output.with_extension("c")), name: Some(name.to_owned()) })
     }
+}
+
+/// Tells whether modules go into what is called so: a folder that is there, or a name without an ending. A hyphen is
+/// standard output.
+fn is_folder(output: &Path) -> bool {
+    output.is_dir() || (output.extension().is_none() && output != Path::new("-"))
 }
 
 /// Tells whether a file is called as sources and headers in C are.
