@@ -1,21 +1,21 @@
-/// `to = −left right`, four rows by K columns at a time.
+/// `to = −left right`, six rows by K columns at a time: fewer sums would wait for each other.
 #[inline]
 pub fn negative_product<const N: usize, const L: usize, const W: usize>(
     left: &[[f64; L]; N],
     right: &[[f64; L]; N],
     to: &mut [[f64; W]; N],
 ) {
-    for (left, to) in left.chunks(4).zip(to.chunks_mut(4)) {
-        let mut factors = [[0.0; L]; 4];
+    for (left, to) in left.chunks(6).zip(to.chunks_mut(6)) {
+        let mut factors = [[0.0; L]; 6];
         for (factors, left) in factors.iter_mut().zip(left) {
             *factors = left.map(|factor| -factor);
         }
-        let mut rows = [[0.0; L]; 4];
+        let mut rows = [[0.0; L]; 6];
         for block in 0..L / K {
-            let mut sums = [[0.0; K]; 4];
+            let mut sums = [[0.0; K]; 6];
             for (k, right) in right.iter().enumerate() {
                 let right = &right.as_chunks::<K>().0[block];
-                for i in 0..4 {
+                for i in 0..6 {
                     for j in 0..K {
                         sums[i][j] = match k {
                             0 => factors[i][k] * right[j],
