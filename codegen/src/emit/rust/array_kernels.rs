@@ -21,9 +21,13 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
             false => include_str!("array_kernels/products.rs"),
         },
     ];
+    let is_inverse = |step: &Step| matches!(step, Step::Invert { .. });
+    let inverts = forms.iter().any(|form| form.arrays().steps.iter().any(is_inverse));
+    if !row.is_one_block() && (inverts || !row.is_chain) {
+        texts.extend(CHOICES);
+    }
     texts.extend(pairs(row, &block));
-    let inverts = |step: &Step| matches!(step, Step::Invert { .. });
-    if forms.iter().any(|form| form.arrays().steps.iter().any(inverts)) {
+    if inverts {
         texts.extend(inverse(row));
     }
     if forms.iter().any(|form| matches!(form, ArrayForm::Affine(_))) {
@@ -32,11 +36,16 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
     pasted::loops(scalar, "Loops over arrays of joints: R rows of N entries, padded to L.", "arrays", &texts)
 }
 
+/// Choices by bits, for rows of several blocks.
+const CHOICES: [&str; 2] =
+    [include_str!("array_kernels/blocks/mask.rs"), include_str!("array_kernels/choose.rs")];
+
 /// Matrices over pairs of joints.
 fn pairs(row: Row, block: &str) -> Vec<&str> {
     if row.is_one_block() {
         return vec![
             include_str!("array_kernels/one_block/masks.rs"),
+            include_str!("array_kernels/choose.rs"),
             include_str!("array_kernels/one_block/pairs.rs"),
         ];
     }

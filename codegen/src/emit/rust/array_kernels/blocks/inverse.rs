@@ -1,8 +1,8 @@
 /// Inverse of a symmetric positive definite matrix in place, by Gauss and Jordan without pivots. From the leaves to the
 /// base, only joints on one path meet.
 ///
-/// Whole rows are combined, and single entries set afterwards: the loops stay free of choices, and no row is read right
-/// after one of its entries was stored alone, which would wait for the store.
+/// Whole rows are combined, with what becomes of the pivot's column chosen by bits: single entries stored after the
+/// rows would make the next step wait for these stores.
 #[inline]
 pub fn invert<const N: usize, const L: usize>(
     matrix: &mut [[f64; L]; N],
@@ -14,19 +14,19 @@ pub fn invert<const N: usize, const L: usize>(
             continue;
         };
         let reciprocal = 1.0 / own[k];
-        for entry in &mut own {
-            *entry *= reciprocal;
+        for j in 0..L {
+            own[j] = choose(mask(j == k), reciprocal, own[j] * reciprocal);
         }
         for (i, row) in matrix.iter_mut().enumerate() {
             if i == k {
                 *row = own;
-                row[k] = reciprocal;
             } else if meet(i, k) {
                 let factor = -row[k];
-                for (entry, own) in row.iter_mut().zip(&own) {
-                    *entry = add_product(*entry, factor, *own);
+                for j in 0..L {
+                    // −0 + x is x, with the sign of zero too.
+                    let old = choose(mask(j == k), -0.0, row[j]);
+                    row[j] = add_product(old, factor, own[j]);
                 }
-                row[k] = factor * reciprocal;
             }
         }
     }

@@ -10,18 +10,15 @@ pub fn pairs<const N: usize, const L: usize, const W: usize, const A: usize, con
     relations: &[[i8; L]; N],
 ) {
     for (i, (to, relations)) in to.iter_mut().zip(relations).enumerate() {
-        let (mut lower, mut upper) = ([0.0; L], [0.0; L]);
-        for block in 0..L / K {
-            lower.as_chunks_mut::<K>().0[block] = products(before, i, block);
-            upper.as_chunks_mut::<K>().0[block] = products(beyond, i, block);
-        }
-        // Chosen in a loop of its own, where it is a vector operation.
-        let mut row = [0.0; L];
-        for j in 0..L {
-            let (before, beyond) = (lower[j], upper[j]);
-            let other = if relations[j] > 0 { beyond } else { 0.0 };
-            let other = if j == i { diagonal[0][i] } else { other };
-            row[j] = if relations[j] < 0 { before } else { other };
+        let (own, mut row) = (diagonal[0][i], [0.0; L]);
+        for (block, row) in row.as_chunks_mut::<K>().0.iter_mut().enumerate() {
+            let (lower, upper) = (products(before, i, block), products(beyond, i, block));
+            for lane in 0..K {
+                let j = block * K + lane;
+                let other = choose(mask(relations[j] > 0), upper[lane], 0.0);
+                let other = choose(mask(i == j), own, other);
+                row[lane] = choose(mask(relations[j] < 0), lower[lane], other);
+            }
         }
         to.copy_from_slice(row.split_at(W).0);
     }
