@@ -21,9 +21,10 @@ pub(super) struct Row {
 impl Row {
     pub(super) fn new(form: &Arrays) -> Self {
         let joints = form.joints.len();
-        let block = match joints {
-            0..=4 | 9..=12 => 4,
-            _ => 8,
+        // Half a block of padding costs more than blocks of half the length.
+        let block = match joints.next_multiple_of(4) < joints.next_multiple_of(8) {
+            true => 4,
+            false => 8,
         };
         Self {
             len: joints.next_multiple_of(block),
