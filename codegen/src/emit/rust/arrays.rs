@@ -6,6 +6,7 @@ use quote::{format_ident, quote};
 use super::body::Body;
 use super::context::Context;
 use super::doc_comment::DocComment;
+use super::shared_rows::SharedRows;
 use super::signature::{Signature, item};
 use super::{lints, names, parts, public};
 use crate::emit::arrays::{self, Row, is_only_result, table};
@@ -65,6 +66,10 @@ pub(super) struct Emission<'a> {
     name: &'a Ident,
     pub(super) row: Row,
     places: Vec<Place>,
+    /// The variables that arrays share, each with its rows and their length.
+    variables: Vec<(Ident, [usize; 2])>,
+    /// The variable of each array that shares one.
+    shares: Vec<Option<usize>>,
 }
 
 impl<'a> Emission<'a> {
@@ -84,14 +89,24 @@ impl<'a> Emission<'a> {
                 _ => Place::Local(local),
             }
         };
-        Self {
-            context,
-            form,
-            body,
-            name,
-            row: Row::new(form),
-            places: locals.into_iter().enumerate().map(place).collect(),
+        taken.extend(locals.iter().map(ToString::to_string));
+        let (row, places) = (Row::new(form), locals.into_iter().enumerate().map(place).collect());
+        let emission =
+            Self { context, form, body, name, row, places, variables: Vec::new(), shares: Vec::new() };
+        // The compiler clears and keeps no variable that it need not where a row is one block.
+        match row.is_one_block() {
+            true => Self { shares: vec![None; form.arrays.len()], ..emission },
+            false => emission.with_shared_rows(&taken),
         }
+    }
+
+    /// The same with variables that arrays share.
+    fn with_shared_rows(self, taken: &[String]) -> Self {
+        let is_local = |array: usize| matches!(self.places[array], Place::Local(_));
+        let shared = SharedRows::new(self.form, self.row, is_local);
+        let names = names::distinct(shared.sizes.iter().map(|_| "rows"), taken);
+        let variables = names.into_iter().zip(shared.sizes).collect();
+        Self { variables, shares: shared.of_arrays, ..self }
     }
 
     /// All statements of the function with its results in place.
@@ -106,7 +121,8 @@ impl<'a> Emission<'a> {
             .iter()
             .zip(&self.body.results)
             .filter_map(|(output, result)| self.copy(output.array, output.shape, result));
-        quote!(#(#tables)* #(#locals)* #setup #(#steps)* #(#copies)*)
+        let shared = self.variables.iter().map(|(name, size)| self.variable(name, *size));
+        quote!(#(#tables)* #(#shared)* #(#locals)* #setup #(#steps)* #(#copies)*)
     }
 
     fn table(&self, array: usize) -> Option<TokenStream> {
@@ -143,14 +159,24 @@ impl<'a> Emission<'a> {
         Literal::usize_unsuffixed(self.row.of(self.form, array))
     }
 
-    /// A new variable full of zeros, for arrays that are one.
+    /// A new variable full of zeros, or one that others are done with, for arrays that are one.
     fn declaration(&self, array: usize) -> Option<TokenStream> {
         let Place::Local(name) = &self.places[array] else {
             return None;
         };
+        Some(match self.shares[array] {
+            Some(shared) => {
+                let shared = &self.variables[shared].0;
+                quote!(let #name = &mut #shared;)
+            }
+            None => self.variable(name, [self.form.arrays[array].rows, self.row.of(self.form, array)]),
+        })
+    }
+
+    fn variable(&self, name: &Ident, size: [usize; 2]) -> TokenStream {
         let zero = self.context.zero();
-        let (rows, lanes) = (Literal::usize_unsuffixed(self.form.arrays[array].rows), self.length(array));
-        Some(quote!(let mut #name = arrays::Rows([[#zero; #lanes]; #rows]);))
+        let [rows, length] = size.map(Literal::usize_unsuffixed);
+        quote!(let mut #name = arrays::Rows([[#zero; #length]; #rows]);)
     }
 
     fn read(&self, array: usize) -> TokenStream {
@@ -225,13 +251,20 @@ impl<'a> Emission<'a> {
 
     /// Inverts a copy of the matrix, which may be read again.
     fn invert(&self, from: usize, to: usize) -> TokenStream {
-        let (Place::Local(from), Place::Local(to)) = (&self.places[from], &self.places[to]) else {
+        let (Place::Local(matrix), Place::Local(inverse)) = (&self.places[from], &self.places[to]) else {
             unreachable!("matrices that are inverted, and their inverses, are local variables");
+        };
+        let copy = match self.shares[to] {
+            Some(_) => {
+                let declaration = self.declaration(to);
+                quote!(#declaration #inverse.0 = #matrix.0;)
+            }
+            None => quote!(let mut #inverse = arrays::Rows(#matrix.0);),
         };
         let order = (!self.row.is_one_block()).then(|| self.pivots());
         quote! {
-            let mut #to = arrays::Rows(#from.0);
-            arrays::invert(&mut #to.0, #order);
+            #copy
+            arrays::invert(&mut #inverse.0, #order);
         }
     }
 

@@ -21,7 +21,11 @@ impl Emission<'_> {
     }
 
     pub(super) fn collect(&self) -> Ident {
-        let (ty, sums) = (self.context.ty(), self.collected());
+        let (ty, zero, mut sums) = (self.context.ty(), self.context.zero(), self.collected());
+        for padding in self.form.coordinates().len()..self.row.coordinates {
+            let padding = Literal::usize_unsuffixed(padding);
+            sums.push(quote!(to[#padding] = #zero;));
+        }
         let [joints, coordinates] = self.lengths();
         let documentation = DocComment::new("Adds the joints that follow each coordinate.").tokens();
         self.context.shared.add("collect", |name| {
@@ -69,36 +73,39 @@ impl Emission<'_> {
     pub(super) fn spread(&self) -> Ident {
         let of_joints = self.form.coordinates.iter().flat_map(|coordinates| &coordinates.of_joints);
         let sources: Vec<_> = of_joints.copied().map(Some).collect();
-        let [joints, coordinates] = self.lengths();
-        self.gather(("spread", "Gives each joint what its coordinate has."), [coordinates, joints], &sources)
+        let lengths = [self.row.coordinates, self.row.len];
+        self.gather(("spread", "Gives each joint what its coordinate has."), lengths, &sources)
     }
 
     pub(super) fn gather_carriers(&self) -> Ident {
         let about = "Gives each joint what its carrier has, and zero where that is the base.";
-        let [joints, _] = self.lengths();
-        self.gather(("gather_carriers", about), [joints.clone(), joints], &self.form.carriers())
+        self.gather(("gather_carriers", about), [self.row.len; 2], &self.form.carriers())
     }
 
     pub(super) fn gather_last(&self) -> Ident {
         let sources: Vec<_> = self.form.last().into_iter().map(Some).collect();
         let about = "Gives each velocity of a joint what its last one has.";
-        let [joints, _] = self.lengths();
-        self.gather(("gather_last", about), [joints.clone(), joints], &sources)
+        self.gather(("gather_last", about), [self.row.len; 2], &sources)
     }
 
-    /// Copies of entries; what has no source stays zero.
+    /// Copies of entries; what has no source becomes zero, padding too.
     fn gather(
         &self,
         (stem, about): (&str, &str),
-        [read, written]: [Literal; 2],
+        [read, length]: [usize; 2],
         sources: &[Option<usize>],
     ) -> Ident {
-        let ty = self.context.ty();
-        let copies = sources.iter().enumerate().filter_map(|(place, &source)| {
-            let [place, source] = [place, source?].map(Literal::usize_unsuffixed);
-            Some(quote!(to[#place] = from[#source];))
+        let (ty, zero) = (self.context.ty(), self.context.zero());
+        let padding = std::iter::repeat(&None);
+        let copies = sources.iter().chain(padding).take(length).enumerate().map(|(place, source)| {
+            let place = Literal::usize_unsuffixed(place);
+            match source.map(Literal::usize_unsuffixed) {
+                Some(source) => quote!(to[#place] = from[#source];),
+                None => quote!(to[#place] = #zero;),
+            }
         });
         let copies: Vec<TokenStream> = copies.collect();
+        let [read, written] = [read, length].map(Literal::usize_unsuffixed);
         let documentation = DocComment::new(about).tokens();
         self.context.shared.add(stem, |name| {
             quote! {
@@ -126,10 +133,16 @@ impl Emission<'_> {
                 None => quote!(to[#index] = from[#index];),
             }
         });
+        // Rows of one block stand in variables of their own, whose padding is zero.
+        let padding = (self.form.joints.len()..self.row.len).filter(|_| !self.row.is_one_block());
+        let padding = padding.map(|index| {
+            let index = Literal::usize_unsuffixed(index);
+            quote!(to[#index] = from[#index];)
+        });
         self.sums(
             "sum_ancestors",
             "Adds to each joint those before it on its path to the base.",
-            &sums.collect::<Vec<_>>(),
+            &sums.chain(padding).collect::<Vec<_>>(),
         )
     }
 

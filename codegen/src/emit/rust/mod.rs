@@ -30,6 +30,7 @@ mod pasted;
 mod positions;
 mod public;
 mod self_test;
+mod shared_rows;
 mod signature;
 mod statements;
 mod straight;

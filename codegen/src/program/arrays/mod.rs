@@ -334,4 +334,23 @@ impl Step {
             Self::Apply { matrix, vector, .. } => [*matrix, *vector].contains(&array),
         }
     }
+
+    /// Tells whether the step writes an array.
+    #[must_use]
+    pub fn writes(&self, array: ArrayId) -> bool {
+        match self {
+            Self::Map(map) => map.writes.contains(&array),
+            Self::SumAncestors { to, .. }
+            | Self::SumSubtrees { to, .. }
+            | Self::Pairs(Pairs { to, .. })
+            | Self::Collect { to, .. }
+            | Self::Project { to, .. }
+            | Self::GatherCarriers { to, .. }
+            | Self::GatherLast { to, .. }
+            | Self::Spread { to, .. }
+            | Self::Invert { to, .. }
+            | Self::NegativeProduct { to, .. }
+            | Self::Apply { to, .. } => *to == array,
+        }
+    }
 }

@@ -1,0 +1,62 @@
+//! Rows that arrays share one after the other.
+//!
+//! Every variable of its own would be filled with zeros first, and all of them together would not fit into a cache of the
+//! first level: for a quadruped 62 kB instead of 31 kB, and a tenth of the time.
+
+use crate::emit::arrays::Row;
+use crate::program::arrays::Arrays;
+
+/// The rows that each array stands in.
+pub(super) struct SharedRows {
+    /// Rows and entries of a row, padding included.
+    pub(super) sizes: Vec<[usize; 2]>,
+    /// For each array its place among these; `None` for arrays that are no local variables.
+    pub(super) of_arrays: Vec<Option<usize>>,
+}
+
+/// Rows in use.
+struct Taken {
+    place: usize,
+    /// The last step that reads the array which stands there.
+    until: usize,
+}
+
+impl SharedRows {
+    /// Arrays take rows that no later step reads. Those of the setup stand in rows of their own at first, which hold zeros.
+    pub(super) fn new(form: &Arrays, row: Row, is_local: impl Fn(usize) -> bool) -> Self {
+        let mut shared = Self { sizes: Vec::new(), of_arrays: vec![None; form.arrays.len()] };
+        let mut taken = Vec::new();
+        let of_setup = (0..form.setup.outputs.len()).map(|array| (None, array));
+        let of_steps = form.steps.iter().enumerate().flat_map(|(index, step)| {
+            let arrays = 0..form.arrays.len();
+            arrays.filter(|&array| step.writes(array)).map(move |array| (Some(index), array))
+        });
+        for (step, array) in of_setup.chain(of_steps).filter(|&(_, array)| is_local(array)) {
+            let size = [form.arrays[array].rows, row.of(form, array)];
+            let place = shared.take(size, step, &mut taken);
+            taken.push(Taken { place, until: last_step(form, array).max(step.unwrap_or(0)) });
+            shared.of_arrays[array] = Some(place);
+        }
+        shared
+    }
+
+    /// Rows of a size that are free in a step, or new ones.
+    fn take(&mut self, size: [usize; 2], step: Option<usize>, taken: &mut Vec<Taken>) -> usize {
+        let is_free = |taken: &Taken| step.is_some_and(|step| taken.until < step);
+        match taken.iter().position(|taken| self.sizes[taken.place] == size && is_free(taken)) {
+            Some(index) => taken.swap_remove(index).place,
+            None => {
+                self.sizes.push(size);
+                self.sizes.len() - 1
+            }
+        }
+    }
+}
+
+/// The last step that reads an array; beyond all steps for results.
+fn last_step(form: &Arrays, array: usize) -> usize {
+    if form.outputs.iter().any(|output| output.array == array) {
+        return form.steps.len();
+    }
+    form.steps.iter().rposition(|step| step.reads(array)).unwrap_or(0)
+}
