@@ -7,8 +7,7 @@ use crate::functions::function::Function;
 use crate::model::Model;
 use crate::program;
 
-/// Refuses robots that a tool has no functions of. CasADi's Jacobians and those of acados are by the entries of
-/// vectors, which quaternions are not.
+/// Refuses robots that a tool has no functions of.
 pub(crate) fn check(model: &Model, tools: &[Companion]) -> Result<(), Diagnostics> {
     for (tool, name, option) in
         [(Companion::Casadi, "CasADi", "casadi"), (Companion::Acados, "acados", "acados")]
@@ -27,14 +26,7 @@ pub(crate) fn check(model: &Model, tools: &[Companion]) -> Result<(), Diagnostic
 
 fn check_joints(model: &Model, name: &str, option: &str) -> Result<(), Diagnostics> {
     let help = format!("the module itself holds for such robots: leave out `--for {option}`");
-    model.refuse_driven(&format!("there are no functions for {name}"), &help)?;
-    let Some(joint) = model.quaternion_joints.first() else { return Ok(()) };
-    let message = format!(
-        "there are no functions for {name} where joints have quaternions, as the {} joint `{}` has",
-        joint.kind.name(),
-        joint.name
-    );
-    Err(Diagnostic::error("quaternion-joint", message).help(format!("{help}, or fix the joint")).into())
+    model.refuse_driven(&format!("there are no functions for {name}"), &help)
 }
 
 /// Refuses modules without what acados calls.

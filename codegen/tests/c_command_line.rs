@@ -105,7 +105,25 @@ fn tools_get_files_of_their_own() {
     assert!(code == 1 && said.contains("stand beside modules in C alone"), "{said}");
 }
 
-/// Free parameters, frames, several steps in a period, a robot without inputs, one whose functions are loops.
+/// Joints with quaternions of every kind, an ordinary one, and a free parameter.
+const FLOATING: &str = r#"
+name = "floating"
+base = { link = "hull", type = "floating" }
+bodies = [
+    { name = "hull", link = "hull", mass = 4, inertia = [0.2, 0.3, 0.4] },
+    { name = "wheel", link = "wheel", mass = 1, inertia = [0.01, 0.02, 0.02] },
+    { name = "boom", link = "boom", mass = "load", center_of_mass = [0, 0, 0.5], inertia = [0.1, 0.1, 0.01] },
+]
+joints = [
+    { name = "wheel", parent = "hull", type = "continuous", axis = [1, 0, 0], drive = "ideal" },
+    { name = "boom", parent = "hull", type = "spherical" },
+]
+frames = [{ name = "tip", link = "boom" }]
+parameters = { load = 1.5 }
+"#;
+
+/// Free parameters, frames, several steps in a period, a robot without inputs, one whose functions are loops, one with
+/// quaternions, all of its functions or few.
 #[test]
 fn files_for_tools_compile_without_a_word() {
     let folder = folder();
@@ -118,15 +136,19 @@ fn files_for_tools_compile_without_a_word() {
         bodies = [{ link = \"swing\", mass = \"m\", center_of_mass = [0, 0, -1], inertia = 0.1 }]\n\
         frames = [{ name = \"tip\", link = \"swing\" }]\ngenerate = { substeps = 3 }\nparameters = { m = 1 }\n";
     fs::write(folder.join("pendulum.toml"), pendulum).unwrap();
-    for robot in ["powercube_parameters", "gripper", "pendulum", "cart_pole"] {
-        let line = format!("generate {robot}.toml --language c --output c --for casadi,python");
+    fs::write(folder.join("floating.toml"), FLOATING).unwrap();
+    let few = ["forward_dynamics", "forward_dynamics,step", "frames"];
+    let few = few.map(|functions| ("floating", format!(" --functions {functions}")));
+    let whole = ["powercube_parameters", "gripper", "pendulum", "cart_pole", "floating"];
+    for (robot, words) in whole.map(|robot| (robot, String::new())).into_iter().chain(few) {
+        let line = format!("generate {robot}.toml --language c --output c --for casadi,python{words}");
         let (code, text) = gelenk(folder, &line);
         assert_eq!(code, 0, "{text}");
         for compiler in [&["cc", "-std=c99"][..], &["c++", "-x", "c++"]] {
             for tool in ["casadi", "python"] {
                 let output = Command::new(compiler[0])
                     .args(&compiler[1..])
-                    .args(["-Wall", "-Wextra", "-Werror", "-pedantic", "-fsyntax-only"])
+                    .args(["-Wall", "-Wextra", "-Werror", "-pedantic", "-c"])
                     .arg(format!("{robot}_{tool}.c"))
                     .current_dir(folder.join("c"))
                     .output();
@@ -194,12 +216,13 @@ fn what_acados_cannot_call_is_refused() {
     let swinging = "name = \"pendulum\"\njoints = [{ name = \"swing\", axis = [0, 1, 0] }]\n\
         bodies = [{ link = \"swing\", mass = 1, center_of_mass = [0, 0, -1], inertia = 0.1 }]\n";
     fs::write(folder.join("pendulum.toml"), swinging).unwrap();
-    let flying = "name = \"ball\"\nbase = { link = \"ball\", type = \"floating\" }\n\
-        bodies = [{ link = \"ball\", mass = 1, inertia = 0.1 }]\n";
-    fs::write(folder.join("ball.toml"), flying).unwrap();
+    let driven = "name = \"rail\"\njoints = [{ name = \"rail\", axis = [1, 0, 0], motion = \"driven\" }, \
+        { name = \"arm\", axis = [0, 1, 0], drive = \"ideal\" }]\n\
+        bodies = [{ link = \"arm\", mass = 1, center_of_mass = [0, 0, 1], inertia = 0.1 }]\n";
+    fs::write(folder.join("rail.toml"), driven).unwrap();
     for (words, reason) in [
         ("pendulum.toml", "there is nothing for acados to choose: the robot has no inputs"),
-        ("ball.toml", "there are no functions for acados where joints have quaternions"),
+        ("rail.toml", "there are no functions for acados"),
         ("powercube.toml --scalar f32", "modules in C have no functions for acados in single precision"),
         ("powercube.toml --functions step", "acados needs the function `step_derivatives`"),
         ("powercube.toml --functions step_derivatives,step", "acados needs the function `input_matrix`"),

@@ -15,7 +15,9 @@ fn acados_solves_problems_of_robots() {
     }
     let Some(python) = python_with_acados() else { return };
     let folder = tempfile::tempdir().expect("a folder");
-    pytest(&python, &workspace().join("codegen/python/tests/test_acados.py"), folder.path(), &[]);
+    for file in ["test_acados.py", "test_acados_quaternions.py"] {
+        pytest(&python, &workspace().join("codegen/python/tests").join(file), folder.path(), &[]);
+    }
 }
 
 fn has_make() -> bool {

@@ -41,6 +41,7 @@ fn function(function: &Callable) -> Value {
         "equation": function.equation,
         "arguments": function.arguments.iter().map(argument).collect::<Vec<_>>(),
         "results": function.results.iter().map(result).collect::<Vec<_>>(),
+        "takes_parameters": function.takes_parameters,
         "returns_number": function.returns_number,
         "lanes": function.lanes,
         "cost": function.cost,

@@ -13,7 +13,7 @@ pub struct Interface {
     pub functions: Vec<Callable>,
 }
 
-/// A function: its arguments, then the free parameters where there are any, then its results.
+/// A function: its arguments, then the free parameters where it takes them, then its results.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Callable {
     /// Its name without the beginning.
@@ -26,6 +26,8 @@ pub struct Callable {
     pub arguments: Vec<Argument>,
     /// What it writes.
     pub results: Vec<Written>,
+    /// It is true if it takes the free parameters; functions of positions alone do not.
+    pub takes_parameters: bool,
     /// It is true if its only result is a number, which it returns.
     pub returns_number: bool,
     /// Its form over eight states, without the beginning of its name; none where it has none.

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
 from types import ModuleType
 from typing import Iterable
 
 from . import _program
-from ._robot import generated, warn
+from ._robot import generated, read
 
 FUNCTIONS = ("step", "step_derivatives", "input_matrix")
 """What acados and the file in Python need."""
@@ -22,6 +21,7 @@ def acados(
     snap_angles: float | None = None,
     no_friction: bool = False,
     ignore_mimic: bool = False,
+    base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
     fused_multiply_add: bool = False,
@@ -42,12 +42,11 @@ def acados(
     """
     options = _program.switches({
         "functions": [functions] if isinstance(functions, str) else list(functions), "snap_angles": snap_angles,
-        "no_friction": no_friction, "ignore_mimic": ignore_mimic, "smooth_sign": smooth_sign,
+        "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base, "smooth_sign": smooth_sign,
         "accept_unphysical": accept_unphysical, "fused_multiply_add": fused_multiply_add, "max_operations": max_operations,
     })
     folder = generated(Path(description).absolute(), options, "acados")
-    told = json.loads((folder / "module.json").read_text("utf-8"))
-    warn(_program.diagnostics(told["notes"]))
+    told, _ = read(folder)
     [file] = [name for name in told["files"] if name.endswith(".py")]
     module = ModuleType(Path(file).stem)
     module.__file__ = str(folder / file)

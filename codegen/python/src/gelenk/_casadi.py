@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import ctypes
 import importlib
-import json
 import os
 from pathlib import Path
 from typing import Any, Iterable, Iterator
 
 from . import _program
-from ._robot import compiled, generated, warn
+from ._robot import compiled, generated, read
 
 
 class CasadiFunctions:
@@ -20,6 +19,10 @@ class CasadiFunctions:
     - `inverse_dynamics`: y, v, a gives b_u, the forces of the drives at the joints
     - `step`: x, u, period gives x_next
     - `frame_<name>`: y gives position, rotation
+
+    Where joints have quaternions, positions are given as `d`, a small motion from reference positions: y = y_ref ⊕ d, x = (d, v),
+    and d = y ⊖ y_ref is the function `difference(y_ref, y)` of `load`. All functions then take `y_ref` behind the inputs above, and
+    `step` also `y_ref_next`, which the state after it is about. Quaternions of a reference are made unit ones.
 
     Each takes `p` last where the robot has free parameters: all of them, in the order of `parameters`. First derivatives by all
     inputs are analytic. Second ones are not there: with IPOPT take `{"ipopt.hessian_approximation": "limited-memory"}`.
@@ -53,6 +56,7 @@ def casadi(
     snap_angles: float | None = None,
     no_friction: bool = False,
     ignore_mimic: bool = False,
+    base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
     fused_multiply_add: bool = False,
@@ -66,12 +70,11 @@ def casadi(
     tool = importlib.import_module("casadi")
     options = _program.switches({
         "functions": [functions] if isinstance(functions, str) else functions, "snap_angles": snap_angles,
-        "no_friction": no_friction, "ignore_mimic": ignore_mimic, "smooth_sign": smooth_sign,
+        "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base, "smooth_sign": smooth_sign,
         "accept_unphysical": accept_unphysical, "fused_multiply_add": fused_multiply_add, "max_operations": max_operations,
     })
     module = generated(Path(description).absolute(), options, "casadi")
-    told = json.loads((module / "module.json").read_text("utf-8"))
-    warn(_program.diagnostics(told["notes"]))
+    told, _ = read(module)
     library = compiled(module, told["files"])
     symbols = ctypes.CDLL(str(library))
     interface = told["interface"]

@@ -121,18 +121,19 @@ def load(
         "max_operations": max_operations,
     })
     module = generated(Path(description).absolute(), options, "python")
-    told = json.loads((module / "module.json").read_text("utf-8"))
-    notes = _program.diagnostics(told["notes"])
-    warn(notes)
+    told, notes = read(module)
     library = compiled(module, told["files"])
     return robot(told, notes, library, np.dtype(np.float32 if scalar == "f32" else np.float64))
 
 
-def warn(notes: Iterable[Diagnostic]) -> None:
-    """Warnings of the program as those of Python, in the name of whoever loads a robot."""
+def read(module: Path) -> tuple[dict[str, Any], tuple[Diagnostic, ...]]:
+    """What the program said about a module, and its notes. Warnings become those of Python, in the name of whoever loads the robot."""
+    told = json.loads((module / "module.json").read_text("utf-8"))
+    notes = _program.diagnostics(told["notes"])
     for note in notes:
         if note.severity == "warning":
             warnings.warn(str(note), DescriptionWarning, stacklevel=3)
+    return told, notes
 
 
 def generated(description: Path, options: list[str], tool: str) -> Path:
@@ -201,7 +202,9 @@ def robot(told: Mapping[str, Any], notes: tuple[Diagnostic, ...], path: Path, dt
     library = ctypes.CDLL(str(path))
     arguments = {each["name"] for function in interface["functions"] for each in function["arguments"]}
     parameters = Parameters(interface["parameters"], sorted(arguments), dtype)
-    functions = [Function(each, parameters, dtype) for each in interface["functions"]]
+    # Functions of positions alone take no parameters.
+    none = Parameters([], [], dtype)
+    functions = [Function(each, parameters if each["takes_parameters"] else none, dtype) for each in interface["functions"]]
     names: dict[str, Any] = {each["name"]: constant(each, dtype) for each in interface["constants"]}
     names |= {
         "__doc__": "\n\n".join([f"The robot {told['robot']}.", *interface["description"]]),

@@ -48,6 +48,7 @@ fn function(context: &Context<'_>, function: &Function, name: &str) -> Callable 
         equation: function.equation.clone(),
         arguments: arguments.collect(),
         results: results.collect(),
+        takes_parameters: context.has_parameters(),
         returns_number: returns_number(&face),
         lanes: context.lanes_of(&function.name).map(|name| unprefixed(context, name)),
         cost: format!("Cost: {}.", function.cost()),
@@ -84,6 +85,7 @@ fn composition(context: &Context<'_>, composed: &ComposedFunction) -> Callable {
             argument("period", vec![], "sample time in s, over which u is held"),
         ],
         results: results.collect(),
+        takes_parameters: context.has_parameters(),
         returns_number: false,
         lanes: None,
         cost: composed.cost_text.clone(),
@@ -124,6 +126,7 @@ fn of_positions(context: &Context<'_>) -> Vec<Callable> {
                     meaning: value.meaning.to_owned(),
                 })
                 .collect(),
+            takes_parameters: false,
             returns_number: false,
             lanes: None,
             cost: "Cost: a few hundred operations.".to_owned(),

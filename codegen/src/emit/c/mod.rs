@@ -9,6 +9,7 @@
 //! that a long one is split into. On these stand the forms: `straight.rs`, `arrays.rs`, `affine.rs`, `lanes.rs`.
 //! `function.rs` chooses between them by what the module says. `header.rs` and `source.rs` put the files together.
 
+mod about_reference;
 mod acados;
 mod affine;
 mod array_kernels;

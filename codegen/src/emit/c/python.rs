@@ -42,7 +42,7 @@ const LARGEST_BLOCK: usize = 8_192;
 /// lengths of zero.
 fn function(context: &Context<'_>, interface: &Interface, function: &Callable) -> Option<String> {
     let arguments = function.arguments.iter().map(|argument| argument.extents.clone());
-    let parameters = context.has_parameters().then(|| vec![Extent::fixed(interface.parameters.len())]);
+    let parameters = function.takes_parameters.then(|| vec![Extent::fixed(interface.parameters.len())]);
     let inputs: Vec<Vec<Extent>> = arguments.chain(parameters).filter(|each| entries(each) > 0).collect();
     let results = function.results.iter().map(|result| result.extents.clone());
     let results: Vec<Vec<Extent>> = results.filter(|each| entries(each) > 0).collect();
@@ -67,7 +67,7 @@ fn function(context: &Context<'_>, interface: &Interface, function: &Callable) -
     let (export, operand) = (context.constant("EXPORT"), context.function("operand"));
     let declared = layout::call(0, &format!("{export} void {name}"), &arguments, ";");
     let head = layout::call(0, &format!("void {name}"), &arguments, "");
-    let parameters = match context.has_parameters() {
+    let parameters = match function.takes_parameters {
         true => (inputs.len() - 1).to_string(),
         false => "-1".to_owned(),
     };
@@ -122,7 +122,7 @@ fn call(context: &Context<'_>, function: &Callable, lanes: Option<&str>) -> Stri
         let operand = next(entries(&argument.extents) > 0);
         words.push(if argument.is_number() { format!("*{operand}") } else { operand });
     }
-    if context.has_parameters() {
+    if function.takes_parameters {
         let ty = context.function("parameters");
         statements.push_str(&format!("    {ty} p;\n    memcpy(&p, {}, sizeof p);\n", next(true)));
         words.push("&p".to_owned());

@@ -7,6 +7,7 @@
 mod python;
 mod setup;
 
+use super::about_reference;
 use super::comment;
 use super::context::Context;
 use super::header;
@@ -16,12 +17,19 @@ pub(super) use setup::text as setup;
 
 /// The text of `<name>_acados.c`.
 pub(super) fn dynamics(context: &Context<'_>) -> String {
-    let parameters = if context.has_parameters() { PARAMETERS } else { "" };
+    let has_quaternions = context.module.has_quaternions();
+    let step = if has_quaternions { STEP_ABOUT } else { STEP };
+    let shared = [about_reference::BLOCKS, about_reference::RATES, about_reference::ROWS].concat();
+    let shared = if has_quaternions { shared } else { String::new() };
+    let first = if has_quaternions { "p + 1 + 2 * GELENK_NY" } else { "p + 1" };
+    let parameters =
+        if context.has_parameters() { PARAMETERS.replace("FIRST", first) } else { String::new() };
     let passed = if context.has_parameters() { ", &parameters," } else { "," };
-    let body = BODY.replace("    // parameters\n", parameters).replace(", &parameters,", passed);
+    let step = step.replace("    // parameters\n", &parameters).replace(", &parameters,", passed);
+    let body = [BEGIN, &shared, &step, END].concat();
     [
         header::top(context),
-        format!("//\n{}", comment::documentation(&overview()).replace("///", "//")),
+        format!("//\n{}", comment::documentation(&overview(has_quaternions)).replace("///", "//")),
         HEADERS.to_owned(),
         format!(
             "\n// acados compiles one source: this one, with the module in it.\n#include \"{}.c\"\n",
@@ -32,13 +40,21 @@ pub(super) fn dynamics(context: &Context<'_>) -> String {
     .concat()
 }
 
-fn overview() -> Vec<Block> {
-    let paragraphs = [
-        "Discrete dynamics for acados: generic external functions of the state x = (y, ẏ), the inputs u, and the parameters \
-         p, which are the period in s and then the free parameters in the order of their struct.",
-        "The Jacobian is transposed, as acados stores it: a row for each input, then one for each entry of x.",
-    ];
-    paragraphs.iter().map(|text| Block::Paragraph((*text).to_owned())).collect()
+fn overview(has_quaternions: bool) -> Vec<Block> {
+    let state = match has_quaternions {
+        false => {
+            "Discrete dynamics for acados: generic external functions of the state x = (y, ẏ), the inputs u, and the parameters \
+             p, which are the period in s and then the free parameters in the order of their struct."
+        }
+        true => {
+            "Discrete dynamics for acados: generic external functions of the state x = (d, v), the inputs u, and the parameters \
+             p, which are the period in s, the reference positions at its begin and at its end, with quaternions of unit \
+             length, and then the free parameters in the order of their struct. Positions are y_ref ⊕ d; rotations in d are \
+             at most half a turn."
+        }
+    };
+    let jacobian = "The Jacobian is transposed, as acados stores it: a row for each input, then one for each entry of x.";
+    [state, jacobian].iter().map(|text| Block::Paragraph((*text).to_owned())).collect()
 }
 
 const HEADERS: &str = r#"
@@ -49,67 +65,18 @@ const HEADERS: &str = r#"
 "#;
 
 const PARAMETERS: &str =
-    "    gelenk_parameters parameters;\n    memcpy(&parameters, p + 1, sizeof parameters);\n";
+    "    gelenk_parameters parameters;\n    memcpy(&parameters, FIRST, sizeof parameters);\n";
 
-const BODY: &str = r#"
-#ifdef __cplusplus
-extern "C" {
-#endif
+/// Reading and writing BLASFEO's vectors.
+const BEGIN: &str = include_str!("begin.c");
 
-static void gelenk_acados_read(const void *from, int count, double *to)
-{
-    const struct blasfeo_dvec_args *part = (const struct blasfeo_dvec_args *)from;
-    for (int i = 0; i < count; ++i)
-        to[i] = BLASFEO_DVECEL(part->x, part->xi + i);
-}
+/// What acados calls.
+const STEP: &str = include_str!("step.c");
 
-static void gelenk_acados_write(const double *from, int count, void *to)
-{
-    struct blasfeo_dvec_args *part = (struct blasfeo_dvec_args *)to;
-    for (int i = 0; i < count; ++i)
-        BLASFEO_DVECEL(part->x, part->xi + i) = from[i];
-}
+/// The same about reference positions.
+const STEP_ABOUT: &str = include_str!("step_about.c");
 
-/// The state after a period over which u is held: in x, u; out x.
-int gelenk_acados_step(void **in, void **out, void *params)
-{
-    const double *p = (const double *)params;
-    double x[2 * GELENK_N], u[GELENK_M], next[2 * GELENK_N];
-    // parameters
-    gelenk_acados_read(in[0], 2 * GELENK_N, x);
-    gelenk_acados_read(in[1], GELENK_M, u);
-    gelenk_step(x, &x[GELENK_N], u, p[0], &parameters, next, &next[GELENK_N]);
-    gelenk_acados_write(next, 2 * GELENK_N, out[0]);
-    return 0;
-}
-
-/// The same state, and its derivatives by u and by x: in x, u; out x, the transposed Jacobian.
-int gelenk_acados_step_derivatives(void **in, void **out, void *params)
-{
-    enum { N = GELENK_N, M = GELENK_M };
-    const double *p = (const double *)params;
-    double x[2 * N], u[M], next[2 * N], by_x[4 * N * N], by_u[2 * N * M];
-    const struct blasfeo_dmat_args *to = (const struct blasfeo_dmat_args *)out[1];
-    // parameters
-    gelenk_acados_read(in[0], 2 * N, x);
-    gelenk_acados_read(in[1], M, u);
-    gelenk_step_derivatives(x, &x[N], u, p[0], &parameters, next, &next[N], by_x, by_u);
-    gelenk_acados_write(next, 2 * N, out[0]);
-    for (int row = 0; row < 2 * N; ++row) {
-        for (int input = 0; input < M; ++input)
-            BLASFEO_DMATEL(to->A, to->ai + input, to->aj + row) = by_u[row * M + input];
-        // by_x has blocks of N x N, those of the positions first.
-        const double *blocks = &by_x[row / N * 2 * N * N + row % N * N];
-        for (int entry = 0; entry < 2 * N; ++entry)
-            BLASFEO_DMATEL(to->A, to->ai + M + entry, to->aj + row) = blocks[entry / N * N * N + entry % N];
-    }
-    return 0;
-}
-
-#ifdef __cplusplus
-}
-#endif
-"#;
+const END: &str = include_str!("end.c");
 
 /// The names of both functions in C.
 fn functions(context: &Context<'_>) -> [String; 2] {

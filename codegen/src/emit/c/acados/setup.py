@@ -6,8 +6,7 @@
     robot.track(ocp, state_weight, input_weight)
     solver = robot.solver(ocp)
 
-The dynamics are discrete: x = (y, ẏ) after a period over which the inputs u are held. The parameters p are the period in
-s, then the free parameters of the description. `acados_template` and `casadi` have to be installed.
+STATE `acados_template` and `casadi` have to be installed.
 """
 
 from __future__ import annotations
@@ -29,14 +28,7 @@ UNLIMITED = 1e9
 """What acados is given for infinity."""
 
 
-def parameters(period: float, values: Mapping[str, float] | None = None) -> np.ndarray:
-    """The parameters p of a stage: its period in s, then the free parameters, as described where `values` has none."""
-    values = values or {}
-    unknown = [name for name in values if name not in PARAMETERS]
-    if unknown:
-        known = ", ".join(PARAMETERS) or "none"
-        raise ValueError(f"{NAME} has no parameter `{unknown[0]}`; it has {known}")
-    return np.array([period, *(values.get(name, described) for name, described in PARAMETERS.items())], float)
+# parameters
 
 
 def model() -> AcadosModel:
@@ -46,7 +38,7 @@ def model() -> AcadosModel:
     made.x = casadi.SX.sym("x", 2 * N)
     made.xdot = casadi.SX.sym("xdot", 2 * N)
     made.u = casadi.SX.sym("u", M)
-    made.p = casadi.SX.sym("p", 1 + len(PARAMETERS))
+    made.p = casadi.SX.sym("p", parameters(0.0).size)
     made.dyn_ext_fun_type = "generic"
     made.dyn_generic_source = SOURCE
     made.dyn_disc_fun = STEP

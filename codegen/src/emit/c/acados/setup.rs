@@ -7,8 +7,21 @@ use crate::emit::header;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::program::interpret::{Functions, interpret};
 
-/// All of the file but its constants.
+/// All of the file but its constants, and what depends on how positions are given.
 const TEXT: &str = include_str!("setup.py");
+
+/// The parameters of a stage.
+const PARAMETERS: &str = include_str!("parameters.py");
+
+/// The parameters of a stage with reference positions.
+const REFERENCES: &str = include_str!("references.py");
+
+const STATE: &str = "The dynamics are discrete: x = (y, ẏ) after a period over which the inputs u are held. The parameters p are the period in
+s, then the free parameters of the description.";
+
+const STATE_ABOUT: &str = "The dynamics are discrete: x = (d, v) after a period over which the inputs u are held. Positions are y_ref ⊕ d, a small
+motion from reference positions of each stage; d is at most half a turn. The parameters p are the period in s, the references
+at its begin and at its end, then the free parameters of the description.";
 
 /// The text of `<name>_acados.py`.
 pub(in crate::emit::c) fn text(context: &Context<'_>) -> String {
@@ -16,6 +29,11 @@ pub(in crate::emit::c) fn text(context: &Context<'_>) -> String {
     let top: String = lines.iter().map(|line| format!("#{}\n", line.trim_start_matches('/'))).collect();
     let constants = Robot::new(context).constants();
     let text = TEXT.replace("gelenk_acados", &format!("{}_acados", context.name));
+    let (state, parameters) = match context.module.has_quaternions() {
+        false => (STATE, PARAMETERS),
+        true => (STATE_ABOUT, REFERENCES),
+    };
+    let text = text.replace("STATE", state).replace("# parameters\n", parameters);
     format!("{top}{}", text.replace("# constants\n", &constants))
 }
 
@@ -42,7 +60,7 @@ impl<'a> Robot<'a> {
 
     fn constants(&self) -> String {
         let [names, limits, inputs] = [self.names(), self.of_states(), self.of_inputs()];
-        let all = [names, limits, inputs, vec![self.left_out()]].concat();
+        let all = [names, self.of_positions(), limits, inputs, vec![self.left_out()]].concat();
         all.iter().map(|(name, value, about)| format!("\n{name} = {value}\n\"\"\"{about}\"\"\"\n")).collect()
     }
 
@@ -50,6 +68,14 @@ impl<'a> Robot<'a> {
         let [step, step_derivatives] = functions(self.context);
         let prefix = self.context.function("");
         let source = format!("{}_acados.c", self.context.name);
+        let (coordinates, names_of, units_of) = match self.context.module.has_quaternions() {
+            false => {
+                (["JOINT_NAMES", "JOINT_UNITS"], "Names of the coordinates.", "Units of the coordinates.")
+            }
+            true => {
+                (["VELOCITY_NAMES", "VELOCITY_UNITS"], "Names of the velocities.", "Units of the velocities.")
+            }
+        };
         let parameters = self.context.module.parameters.iter();
         let parameters: Vec<String> =
             parameters.map(|each| format!("{}: {}", string(&each.name), number(each.default))).collect();
@@ -64,14 +90,41 @@ impl<'a> Robot<'a> {
             entry("STEP_DERIVATIVES", string(&step_derivatives), "The dynamics with their derivatives."),
             entry("N", self.n.to_string(), "Number of coordinates."),
             entry("M", self.m.to_string(), "Number of inputs."),
-            entry("JOINT_NAMES", texts("JOINT_NAMES"), "Names of the coordinates."),
-            entry("JOINT_UNITS", texts("JOINT_UNITS"), "Units of the coordinates."),
+            entry(coordinates[0], texts(coordinates[0]), names_of),
+            entry(coordinates[1], texts(coordinates[1]), units_of),
             entry("INPUT_NAMES", texts("INPUT_NAMES"), "Names of the inputs."),
             entry("INPUT_UNITS", texts("INPUT_UNITS"), "Units of the inputs."),
             entry(
                 "PARAMETERS",
                 format!("{{{}}}", parameters.join(", ")),
                 "Described values of the free parameters, in the order of p behind the period.",
+            ),
+        ]
+    }
+
+    /// What robots with quaternions have beside.
+    fn of_positions(&self) -> Vec<Entry> {
+        if !self.context.module.has_quaternions() {
+            return vec![];
+        }
+        let indices = |name, about| {
+            let indices = match self.value(name) {
+                Some(ConstantValue::Indices(_, indices)) => indices.as_slice(),
+                _ => &[],
+            };
+            let listed: String = indices.iter().map(|index| format!("{index}, ")).collect();
+            entry(name, format!("({})", listed.trim_end_matches(' ')), about)
+        };
+        let ny = self.context.module.positions;
+        vec![
+            entry("NY", ny.to_string(), "Number of position entries."),
+            indices("JOINT_POSITIONS", "Number of position entries of each joint."),
+            indices("FIRST_POSITIONS", "The first position entry of each joint."),
+            indices("FIRST_VELOCITIES", "The first velocity of each joint."),
+            entry(
+                "NEUTRAL",
+                array(&self.flat("NEUTRAL", ny), None),
+                "Positions at which no joint is turned or displaced.",
             ),
         ]
     }

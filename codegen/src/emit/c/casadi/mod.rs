@@ -1,30 +1,48 @@
 //! External functions of CasADi with their Jacobians.
 //!
 //! `casadi.external` finds a function by its name, and its derivatives as `jac_<name>`: a block for each output by each
-//! input, outputs first. `external.rs` says which functions there are and where their entries come from, `text.rs` how CasADi
-//! calls them, `sensitivities.rs` how a step depends on its period and the free parameters.
+//! input, outputs first. `functions.rs` says which functions there are and where their entries come from, `robot.rs` how they
+//! call the module, `text.rs` how CasADi calls them, `sensitivities.rs` how a step depends on its period and the free
+//! parameters. Robots with quaternions are given as small motions from a reference: `positions.c`, `tangents.c` and `steps.c`
+//! hold what that takes beside the texts of `about_reference/`.
 
 mod external;
+mod functions;
+mod robot;
 mod sensitivities;
 mod text;
 
 use super::context::Context;
-use super::{header, interface};
-use external::{Evaluation, all};
+use super::{about_reference, header, interface};
+use external::Evaluation;
 
 /// The text of `<name>_casadi.c`.
 pub(super) fn text(context: &Context<'_>) -> String {
-    let externals = all(context, &interface::of(context));
+    let externals = functions::all(context, &interface::of(context));
     let evaluations: Vec<&Evaluation> =
         externals.iter().flat_map(|each| [Some(&each.value), each.jacobian.as_ref()]).flatten().collect();
     let functions: String =
         evaluations.iter().map(|each| format!("\n{}", text::function(context, each))).collect();
+    let is_called = |name: &str| functions.contains(&format!("{name}("));
+    let with_steps = is_called("casadi_step_about");
+    // Compilers warn of what nothing calls.
+    let shared = [
+        (is_called("casadi_positions"), include_str!("positions.c")),
+        (is_called("casadi_tangents"), about_reference::BLOCKS),
+        (is_called("casadi_tangents"), include_str!("tangents.c")),
+        (with_steps || is_called("about_rates"), about_reference::RATES),
+        (with_steps, about_reference::ROWS),
+        (with_steps, include_str!("steps.c")),
+    ];
+    let shared = shared.iter().filter(|(is_called, _)| *is_called);
+    let shared: String = shared.map(|(_, text)| context.pasted_names(text)).collect();
     [
         header::top(context),
-        text::overview(&externals),
+        text::overview(context, &externals),
         format!("\n#include \"{}.h\"\n", context.name),
         text::shared(context),
-        sensitivities::text(context, functions.contains("casadi_sensitivities(")).unwrap_or_default(),
+        shared,
+        sensitivities::text(context, is_called("casadi_sensitivities")).unwrap_or_default(),
         functions,
         text::END.to_owned(),
     ]

@@ -7,7 +7,7 @@ use crate::emit::documentation::Block;
 use crate::emit::text::code;
 
 /// What stands at the top about all functions.
-pub(super) fn overview(externals: &[External]) -> String {
+pub(super) fn overview(context: &Context<'_>, externals: &[External]) -> String {
     let item = |external: &External| {
         let External { value, jacobian } = external;
         let inputs: Vec<&str> = value.inputs.iter().map(|input| input.name.as_str()).collect();
@@ -30,14 +30,22 @@ pub(super) fn overview(externals: &[External]) -> String {
          every state. `p` are the free parameters in the order of their struct. Second derivatives are not there: solvers take a quasi-Newton or Gauss-Newton Hessian."
             .to_owned(),
     );
-    let blocks: Vec<Block> =
-        [head, Block::Gap].into_iter().chain(externals.iter().map(item)).chain([tail]).collect();
+    let about = context.module.has_quaternions().then(|| Block::Paragraph(REFERENCE.to_owned()));
+    let items = externals.iter().map(item);
+    let blocks: Vec<Block> = [head, Block::Gap].into_iter().chain(items).chain([tail]).chain(about).collect();
     format!("//\n{}", comment::documentation(&blocks).replace("///", "//"))
 }
 
+const REFERENCE: &str = "Positions are given as d, a small motion from the reference y_ref: y = y_ref ⊕ d. The quaternions of a \
+    reference are made unit ones, along which derivatives by them are taken; an evaluation fails where one is zero or not finite.";
+
 /// The shared text behind the include of the module.
 pub(super) fn shared(context: &Context<'_>) -> String {
-    context.pasted_names(SHARED)
+    let text = context.pasted_names(SHARED);
+    match context.module.has_quaternions() {
+        true => text.replace("#include <string.h>", "#include <math.h>\n#include <string.h>"),
+        false => text,
+    }
 }
 
 const SHARED: &str = r#"

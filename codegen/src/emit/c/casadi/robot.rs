@@ -1,0 +1,250 @@
+//! A module as external functions call it, and its positions about a reference where joints have quaternions.
+
+use super::super::context::Context;
+use super::external::{Derivatives, Input, Stored, room};
+use crate::emit::interface::{Callable, Interface, entries};
+use crate::functions::function::{ConstantValue, Function};
+use crate::program::nonzero_entries;
+
+/// A module, and what its functions are called by.
+pub(super) struct Robot<'a> {
+    pub(super) context: &'a Context<'a>,
+    pub(super) interface: &'a Interface,
+    pub(super) n: usize,
+    pub(super) m: usize,
+}
+
+/// Derivatives by what gives positions.
+pub(super) struct ByPositions {
+    /// By the positions, or by small motions `d` from the reference.
+    pub(super) own: Stored,
+    /// By the entries of the reference, where there is one.
+    pub(super) reference: Option<Stored>,
+}
+
+/// What small motions are differentiated by.
+#[derive(Clone, Copy)]
+enum Chart {
+    /// By d.
+    Motion,
+    /// By the entries of the reference.
+    Reference,
+}
+
+impl Robot<'_> {
+    /// Tells whether positions are given as small motions from a reference.
+    pub(super) fn has_reference(&self) -> bool {
+        self.context.module.has_quaternions()
+    }
+
+    fn positions(&self) -> usize {
+        self.context.module.positions
+    }
+
+    /// What the positions are called in documentation.
+    pub(super) fn name_of_positions(&self) -> &'static str {
+        if self.has_reference() { "d" } else { "y" }
+    }
+
+    /// The name of a function or a type.
+    pub(super) fn name(&self, name: &str) -> String {
+        self.context.function(&format!("casadi_{name}"))
+    }
+
+    /// How many free parameters there are, where there are any.
+    pub(super) fn parameters(&self) -> Option<usize> {
+        Some(self.interface.parameters.len()).filter(|&count| count > 0)
+    }
+
+    /// Inputs with those that stand behind all others.
+    ///
+    /// - `references`: names of reference positions, which robots with quaternions alone have
+    pub(super) fn with_rest(&self, mut inputs: Vec<Input>, references: &[&str]) -> Vec<Input> {
+        let references = references.iter().filter(|_| self.has_reference());
+        inputs.extend(references.map(|name| Input::new(name, self.positions())));
+        inputs.extend(self.parameters().map(|count| Input::new("p", count)));
+        inputs
+    }
+
+    /// The positions y of an argument, and the velocities where it is a state.
+    pub(super) fn begin(&self, argument: &str) -> Vec<String> {
+        let n = self.n;
+        let velocities = (argument == "x").then(|| format!("const double *v = &x[{n}];"));
+        if !self.has_reference() {
+            let positions = (argument == "x").then(|| "const double *y = x;".to_owned());
+            return positions.into_iter().chain(velocities).collect();
+        }
+        let (ny, positions) = (self.positions(), self.name("positions"));
+        let references = format!("double unit[{ny}], y[{ny}];");
+        let call = format!("if (!{positions}(y_ref, {argument}, unit, y)) return 1;");
+        velocities.into_iter().chain([references, call]).collect()
+    }
+
+    /// The same, and what derivatives by positions need.
+    pub(super) fn begin_derivatives(&self, argument: &str) -> Derivatives {
+        let mut statements = self.begin(argument);
+        if self.has_reference() {
+            let (n, ny, tangents) = (self.n, self.positions(), self.name("tangents"));
+            statements.push(format!("double by_d[{}], by_ref[{}];", n * n, n * ny));
+            statements.push(format!("{tangents}(y_ref, unit, {argument}, by_d, by_ref);"));
+        }
+        Derivatives::new(statements)
+    }
+
+    /// The rates of d with their derivatives by d and by v; none where positions are no small motions.
+    pub(super) fn rates(&self, made: &mut Derivatives) -> Option<[Stored; 2]> {
+        let n = self.n;
+        let [by_d, by_v] = self.has_reference().then(|| [made.room(n * n), made.room(n * n)])?;
+        made.statements.push(format!(
+            "{}(x, v, 1, NULL, &e[{by_d}], &e[{by_v}]);",
+            self.context.function("about_rates")
+        ));
+        let all = self.nonzero_blocks(Chart::Motion);
+        let turning: Vec<usize> = self
+            .joints()
+            .into_iter()
+            .filter(|joint| joint.size() > 1)
+            .flat_map(|joint| joint.velocities())
+            .collect();
+        let of_d = all.iter().enumerate().map(|(index, &nonzero)| nonzero && turning.contains(&(index / n)));
+        let of_d = Stored { start: by_d, nonzero: of_d.collect() };
+        Some([of_d, Stored { start: by_v, nonzero: all }])
+    }
+
+    /// From derivatives along small motions of the positions, a column for each velocity.
+    pub(super) fn by_positions(&self, made: &mut Derivatives, along: Stored) -> ByPositions {
+        if !self.has_reference() {
+            return ByPositions { own: along, reference: None };
+        }
+        let [own, reference] =
+            [Chart::Motion, Chart::Reference].map(|chart| self.product(made, &along, chart));
+        ByPositions { own, reference: Some(reference) }
+    }
+
+    fn product(&self, made: &mut Derivatives, along: &Stored, chart: Chart) -> Stored {
+        let (n, columns) = (self.n, self.columns(chart));
+        let rows = along.nonzero.len() / n;
+        let start = made.room(rows * columns);
+        let matrix = match chart {
+            Chart::Motion => "by_d",
+            Chart::Reference => "by_ref",
+        };
+        let (blocks, from) = (self.context.function("about_blocks"), along.start);
+        made.statements.push(format!("{blocks}({rows}, &e[{from}], {matrix}, {columns}, &e[{start}]);"));
+        let of_chart = self.nonzero_blocks(chart);
+        let is_there = |row: usize, column: usize| {
+            (0..n).any(|k| along.nonzero[row * n + k] && of_chart[k * columns + column])
+        };
+        let nonzero = (0..rows * columns).map(|index| is_there(index / columns, index % columns));
+        Stored { start, nonzero: nonzero.collect() }
+    }
+
+    fn columns(&self, chart: Chart) -> usize {
+        match chart {
+            Chart::Motion => self.n,
+            Chart::Reference => self.positions(),
+        }
+    }
+
+    /// Which entries of a matrix with a block for each joint are not zero in every state: a row for each velocity.
+    fn nonzero_blocks(&self, chart: Chart) -> Vec<bool> {
+        let columns = self.columns(chart);
+        let mut nonzero = vec![false; self.n * columns];
+        for joint in self.joints() {
+            let of_columns = match chart {
+                Chart::Motion => joint.velocities(),
+                Chart::Reference => joint.position..joint.position + joint.entries,
+            };
+            // How a floating joint turns does not depend on where it is.
+            let linear = if joint.entries == 7 { 3 } else { 0 };
+            for (i, row) in joint.velocities().enumerate() {
+                for (j, column) in of_columns.clone().enumerate() {
+                    nonzero[row * columns + column] = i < linear || j >= linear;
+                }
+            }
+        }
+        nonzero
+    }
+
+    /// All joints in their order; none where positions are no small motions.
+    fn joints(&self) -> Vec<JointEntries> {
+        let constants = self.context.module.constants.iter();
+        let found = constants.filter(|constant| constant.name == "JOINT_POSITIONS").find_map(|constant| {
+            match &constant.value {
+                ConstantValue::Indices(_, indices) => Some(indices.as_slice()),
+                _ => None,
+            }
+        });
+        let (mut position, mut velocity) = (0, 0);
+        let place = |&entries: &usize| {
+            let joint = JointEntries { entries, position, velocity };
+            position += entries;
+            velocity += joint.size();
+            joint
+        };
+        found.unwrap_or_default().iter().map(place).collect()
+    }
+
+    /// Calls a function that writes to `e`; where its results stand, and which entries are not zero in every state.
+    pub(super) fn stored(&self, made: &mut Derivatives, name: &str) -> Option<std::vec::IntoIter<Stored>> {
+        let nonzero = self.nonzero(name)?;
+        let call = self.call(name, made.size)?;
+        made.statements.push(call);
+        let stored =
+            nonzero.into_iter().map(|nonzero| Stored { start: made.room(room(nonzero.len())), nonzero });
+        Some(stored.collect::<Vec<_>>().into_iter())
+    }
+
+    /// The call of a function that writes its results to `e` from a place on; none where the module does not have it,
+    /// or where it takes what CasADi is not given here.
+    pub(super) fn call(&self, name: &str, place: usize) -> Option<String> {
+        let function = self.callable(name)?;
+        let mut words: Vec<String> = vec![];
+        for argument in &function.arguments {
+            let word = argument.name.as_str();
+            if !["y", "v", "a", "u", "period"].contains(&word) {
+                return None;
+            }
+            words.push(if argument.is_number() { format!("*{word}") } else { word.to_owned() });
+        }
+        words.extend((!self.interface.parameters.is_empty()).then(|| "&parameters".to_owned()));
+        let mut place = place;
+        for result in &function.results {
+            words.push(format!("&e[{place}]"));
+            place += room(entries(&result.extents));
+        }
+        Some(format!("{}({});", self.context.function(name), words.join(", ")))
+    }
+
+    fn callable(&self, name: &str) -> Option<&Callable> {
+        self.interface.functions.iter().find(|function| function.name == name)
+    }
+
+    /// Which entries of each result are not zero in every state.
+    fn nonzero(&self, name: &str) -> Option<Vec<Vec<bool>>> {
+        let functions = self.interface.functions.iter().zip(&self.context.module.functions);
+        let found: Option<(&Callable, &Function)> = functions.into_iter().find(|(face, _)| face.name == name);
+        found.map(|(_, function)| nonzero_entries(&function.program))
+    }
+}
+
+/// Where the entries of a joint stand.
+struct JointEntries {
+    /// Number of its position entries.
+    entries: usize,
+    /// The first of them.
+    position: usize,
+    /// Its first velocity.
+    velocity: usize,
+}
+
+impl JointEntries {
+    /// Number of its velocities.
+    fn size(&self) -> usize {
+        if self.entries > 1 { self.entries - 1 } else { 1 }
+    }
+
+    fn velocities(&self) -> std::ops::Range<usize> {
+        self.velocity..self.velocity + self.size()
+    }
+}
