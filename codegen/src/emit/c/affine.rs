@@ -32,9 +32,11 @@ fn statements(body: &Body<'_>, form: &Affine) -> Vec<String> {
             gain => format!("inverse[{n} * i + {coordinate}] * {}", body.operand(gain)),
         });
         let terms: Vec<String> = terms.collect();
-        format!("    {by_u}[{m} * i + {column}] = {};\n", terms.join(" + "))
+        // A loop for each column: gcc 12.2 takes a sum beside a difference, each of two products, for one operation on both,
+        // which it then fuses against its orders.
+        let column = format!("{by_u}[{m} * i + {column}] = {};", terms.join(" + "));
+        format!("for (int i = 0; i < {n}; ++i) {{\n    {column}\n}}")
     });
-    let by_inputs = format!("for (int i = 0; i < {n}; ++i) {{\n{}}}", columns.collect::<String>());
     let product = |rows: &str, by: &str, len: usize| format!("{dot}({len}, &{rows}[{len} * i], {by})");
     let by_position = match form.drift {
         None => format!("{} + ", product(by_y, y, n)),
@@ -48,7 +50,7 @@ fn statements(body: &Body<'_>, form: &Affine) -> Vec<String> {
     let declaration = format!("{ty} accelerations[{n}], inverse[{}];", n * n);
     let call = layout::call(4, &context.function(form.name), &arguments, ";");
     let drift = drift.iter().flat_map(|drift| drift_statements(form, drift, v));
-    [declaration, call].into_iter().chain((m > 0).then_some(by_inputs)).chain([affine]).chain(drift).collect()
+    [declaration, call].into_iter().chain(columns).chain([affine]).chain(drift).collect()
 }
 
 /// D.
