@@ -79,10 +79,11 @@ pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<BodyValues>, Diag
     let fixed = without_bodies(model)?;
     let carriers: Vec<Option<usize>> = (0..model.links.len()).map(|link| carrier(model, link)).collect();
     let links = parameters.chunks_exact(PER_LINK).zip(fixed.chunks_exact(PER_LINK)).enumerate();
-    let moving_joints = model.moving_joints();
-    let of_joint = |(joint, (all, fixed)): (usize, (&[f64], &[f64]))| {
+    let carrying_joints = model.carrying_joints();
+    let of_joint = |(place, (all, fixed)): (usize, (&[f64], &[f64]))| {
+        let joint = carrying_joints[place].index;
         let own: Vec<f64> = all.iter().zip(fixed).map(|(all, fixed)| all - fixed).collect();
-        let moving = &model.links[moving_joints[joint].link];
+        let moving = &model.links[carrying_joints[place].moving.link];
         let first = moving.bodies.first().map_or(&moving.name, |body| &body.name).clone();
         let link = (first != moving.name).then(|| moving.name.clone());
         let carried = (0..model.links.len()).filter(|link| carriers[*link] == Some(joint));

@@ -38,7 +38,9 @@ pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str
         let blocks = warnings.into_iter().map(plain);
         report = report.section(Section::new("warnings", "Doubts").blocks(blocks));
     }
-    report = report.section(friction(found, &units));
+    if !found.friction.is_empty() {
+        report = report.section(friction(found, &units));
+    }
     if !found.runs.is_empty() {
         report = report.section(efforts(found)).section(residuals(found, &units));
     }
@@ -56,7 +58,7 @@ pub fn warnings(found: &Identification) -> Vec<String> {
         let result = &report.result;
         result.warnings.iter().map(|doubt| format!("joint {}: {doubt}", result.joint))
     });
-    let resting = found.estimate.joints.iter().filter(|joint| !joint.moves && joint.measured);
+    let resting = found.estimate.joints.iter().filter(|joint| !joint.moves && joint.measured && !joint.exact);
     let resting =
         resting.map(|joint| format!("joint {} does not move: nothing of it is estimated", joint.name));
     found.estimate.warnings.iter().cloned().chain(resting).chain(laws).chain(doubts).collect()
@@ -84,8 +86,8 @@ fn summary(found: &Identification) -> Section {
     for (index, joint) in found.estimate.joints.iter().enumerate() {
         table = table.row([
             Cell::text(joint.name.clone()),
-            if joint.moves { Cell::Rounded(joint.held_out_r_squared, 4) } else { Cell::Empty },
-            if joint.moves { Cell::Rounded(joint.r_squared, 4) } else { Cell::Empty },
+            share(joint, joint.held_out_r_squared),
+            share(joint, joint.r_squared),
             if joint.measured { Cell::Rounded(joint.sigma, 3) } else { Cell::Empty },
             Cell::text(joint.unit),
             Cell::Code(law(found, index)),
@@ -93,6 +95,17 @@ fn summary(found: &Identification) -> Section {
     }
     let choices = found.estimate.choices.iter().cloned().map(plain);
     Section::new("summary", "How well it fits").block(Block::Table(table)).blocks(choices)
+}
+
+/// R² of a joint that moves; none where nothing acts on it.
+fn share(joint: &JointEstimate, r_squared: f64) -> Cell {
+    if is_judged(joint) { Cell::Rounded(r_squared, 4) } else { Cell::Empty }
+}
+
+/// Whether R² says something of a joint: it moves, and something acts on it.
+#[must_use]
+pub fn is_judged(joint: &JointEstimate) -> bool {
+    joint.moves && !joint.held_out_r_squared.is_nan()
 }
 
 fn friction(found: &Identification, units: &[&str]) -> Section {
@@ -204,10 +217,13 @@ fn residuals(found: &Identification, units: &[&str]) -> Section {
                 thinned(points.collect()),
             )
         };
-        let figure = Figure::new(format!("residual_{}", index + 1), "")
+        let mut figure = Figure::new(format!("residual_{}", index + 1), "")
             .plot(over("time", "s", &|run| &run.times))
-            .plot(over("velocity", &format!("{unit}/s"), &|run| &run.velocities[index]))
-            .plot(over("position", unit, &|run| &run.positions[index]));
+            .plot(over("velocity", &format!("{unit}/s"), &|run| &run.velocities[index]));
+        // The way of a joint with a quaternion says nothing of where it is.
+        if !joint.exact {
+            figure = figure.plot(over("position", unit, &|run| &run.positions[index]));
+        }
         section = section.block(Block::Figure(figure));
     }
     section

@@ -1,14 +1,15 @@
 //! A described robot as identification asks for it: its regressor, evaluated by the interpreter.
 
+use gelenk_identification::pose::QuaternionJoint;
 use gelenk_identification::robot::{JointLimits, Robot};
 
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::Diagnostics;
 use crate::dynamics::parameters::regressor::parameter_names;
 use crate::functions::form::Form;
 use crate::functions::function::Function;
 use crate::functions::selection::derive_in_form;
 use crate::functions::size::MOST_OPERATIONS;
-use crate::model::{Joint, Model};
+use crate::model::{Joint, Model, QuaternionKind};
 use crate::program::interpret::{Functions, interpret};
 
 /// Functions of a described robot that identification calls, evaluated without a compiler. Its parameters are
@@ -20,35 +21,31 @@ pub struct InterpretedRobot {
     inverse_dynamics: Function,
     parameters: Vec<f64>,
     input_matrix: Vec<f64>,
+    /// B(y), where inputs act at frames.
+    input_matrix_at: Option<Function>,
     /// Described values of the free parameters.
     free: Vec<f64>,
 }
 
 impl InterpretedRobot {
-    /// Derives the functions of a model; its friction is left out.
+    /// Derives the functions of a model; its friction is left out, but for that of spherical and floating joints, which is not
+    /// estimated.
     ///
     /// # Errors
-    /// As [`derive_in_form`]: a robot whose functions cannot be generated. `quaternion-joint` for robots with spherical or
-    /// floating joints, whose logs have more positions than velocities. `driven-joint` where joints are driven.
+    /// As [`derive_in_form`]: a robot whose functions cannot be generated. `driven-joint` where joints are driven.
     pub fn new(model: &Model) -> Result<Self, Diagnostics> {
-        if let Some(joint) = model.quaternion_joints.first() {
-            let message = format!(
-                "joint `{}` is {}: logs with quaternions are not read yet",
-                joint.name,
-                joint.kind.name()
-            );
-            let problem = Diagnostic::error("quaternion-joint", message).help(
-                "the generated `base_regressor` holds for such robots: its first six rows identify a floating one without torques",
-            );
-            return Err(Diagnostics::new(vec![problem]));
-        }
         let help = "logs have no prescribed motion: `motion = \"free\"` at these joints makes the robot that a log of all joints is of";
         model.refuse_driven("robots are not identified", help)?;
         let mut model = model.clone();
-        for joint in model.links.iter_mut().filter_map(|link| link.joint.as_mut()) {
+        let attitudes: Vec<usize> =
+            model.quaternion_joints.iter().flat_map(|joint| joint.coordinates()).collect();
+        let kept: Vec<usize> = attitudes.iter().map(|coordinate| model.coordinates[*coordinate]).collect();
+        let links = model.links.iter_mut().enumerate().filter(|(link, _)| !kept.contains(link));
+        for joint in links.filter_map(|(_, link)| link.joint.as_mut()) {
             joint.friction.clear();
             joint.load_friction.clear();
         }
+        let input_matrix_at = input_matrix_at(&model)?;
         // Their forces depend on the positions.
         let frame_inputs = std::mem::take(&mut model.force_inputs);
         let names = ["inertial_regressor", "inverse_dynamics", "inertial_parameters", "input_matrix"];
@@ -67,6 +64,7 @@ impl InterpretedRobot {
             model: Model { force_inputs: frame_inputs, ..model },
             regressor,
             inverse_dynamics,
+            input_matrix_at,
             free,
         })
     }
@@ -76,6 +74,15 @@ impl InterpretedRobot {
     pub fn model(&self) -> &Model {
         &self.model
     }
+}
+
+/// B(y) of a model with inputs at frames.
+fn input_matrix_at(model: &Model) -> Result<Option<Function>, Diagnostics> {
+    if model.force_inputs.is_empty() {
+        return Ok(None);
+    }
+    let name = ["input_matrix".to_owned()];
+    Ok(derive_in_form(model, &name, MOST_OPERATIONS, Form::Straight, &name)?.into_iter().next())
 }
 
 /// B with zeros for so many more inputs.
@@ -133,11 +140,29 @@ impl Robot for InterpretedRobot {
     }
 
     fn bodies(&self) -> usize {
-        self.model.moving_joints().len()
+        self.model.carrying_joints().len()
+    }
+
+    fn quaternion_joints(&self) -> Vec<QuaternionJoint> {
+        let joints = self.model.quaternion_joints.iter().map(|joint| QuaternionJoint {
+            name: joint.name.clone(),
+            position: self.model.first_position(joint.first),
+            velocity: joint.first,
+            is_floating: joint.kind == QuaternionKind::Floating,
+        });
+        joints.collect()
     }
 
     fn input_matrix(&self) -> Vec<f64> {
         self.input_matrix.clone()
+    }
+
+    fn input_forces(&self, y: &[f64], u: &[f64], forces: &mut [f64]) {
+        let at_positions = self.input_matrix_at.as_ref().map(|function| result(function, &[y], &self.free));
+        let matrix = at_positions.as_ref().unwrap_or(&self.input_matrix);
+        for (force, row) in forces.iter_mut().zip(matrix.chunks_exact(u.len().max(1))) {
+            *force = row.iter().zip(u).map(|(b, u)| b * u).sum();
+        }
     }
 
     fn has_inputs_at_frames(&self) -> bool {

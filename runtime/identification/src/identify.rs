@@ -6,7 +6,7 @@ use super::friction::{FrictionData, FrictionIdentification, FrictionMethod, Fric
 use super::log::{ColumnOptions, FindingKind, Recording, runs};
 use super::preparation::{PreparationReport, PreparationSettings, prepare_all};
 use super::result::FrictionTerm;
-use super::robot::{JointLimits, Robot};
+use super::robot::{JointLimits, Robot, require_no_quaternions};
 use super::run::PreparedRun;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -95,8 +95,8 @@ pub fn identify(
     estimate.warnings.splice(0..0, faults(&preparation));
     progress("choosing the terms of friction");
     let data = source(&recording);
-    let moving = (0..estimate.joints.len()).filter(|joint| estimate.joints[*joint].moves);
-    let friction = moving.map(|joint| {
+    let rubs = |joint: &usize| estimate.joints[*joint].moves && !estimate.joints[*joint].exact;
+    let friction = (0..estimate.joints.len()).filter(rubs).map(|joint| {
         let samples = JointSamples::new(joint, &prepared, &estimate);
         let mut found = samples.friction(robot, settings, &data, &preparation);
         if let Ok(report) = &mut found.report {
@@ -126,6 +126,10 @@ pub(crate) fn read_and_prepare(
     settings: &IdentificationSettings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<(Recording, Vec<PreparedRun>, PreparationReport)> {
+    if settings.estimation.gravity_compensated {
+        let help = "nothing holds the weight of such a robot; leave the setting out";
+        require_no_quaternions(robot, "gravity is not compensated", help)?;
+    }
     progress("reading the logs");
     let recording = runs(logs, robot, &settings.columns)?;
     require_sides(&recording, &settings.columns)?;

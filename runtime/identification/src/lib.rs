@@ -30,6 +30,7 @@ pub mod log;
 pub mod moments;
 mod offset;
 pub mod plot;
+pub mod pose;
 pub mod preparation;
 pub mod random;
 pub mod recursive;

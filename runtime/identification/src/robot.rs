@@ -1,13 +1,18 @@
 //! What identification asks of a robot, whether its functions are compiled or interpreted.
 
+use super::error::{IdentificationError, Result};
+use super::pose::QuaternionJoint;
 use gelenk_dynamics::dynamics::{Dynamics, Limits, load};
 
 /// A robot whose equations of motion are linear in its inertial parameters, `W(y, ẏ, ÿ) π = M ÿ + k − q_g`.
 ///
 /// N joints, M inputs, P parameters. A generated module has these functions; a description that is interpreted
 /// has them too. Slices have the lengths stated here: implementations may rely on it.
+///
+/// Where joints have quaternions ([`Self::quaternion_joints`]), each of their velocities counts as a joint of its own
+/// here, and y has one entry more for each of them.
 pub trait Robot {
-    /// Names of the N joints, as described.
+    /// Names of the N joints, as described; of joints with a quaternion those of the velocities.
     fn joint_names(&self) -> Vec<String>;
 
     /// Names of the M inputs, as described.
@@ -29,6 +34,11 @@ pub trait Robot {
     /// Number of bodies: the first `10 · bodies` parameters are theirs.
     fn bodies(&self) -> usize;
 
+    /// The joints with a quaternion, in the order of their positions.
+    fn quaternion_joints(&self) -> Vec<QuaternionJoint> {
+        Vec::new()
+    }
+
     /// B, `N × M`, rows first: joint forces of unit inputs; columns of inputs that act at frames are zero.
     fn input_matrix(&self) -> Vec<f64>;
 
@@ -36,6 +46,14 @@ pub trait Robot {
     /// joints.
     fn has_inputs_at_frames(&self) -> bool {
         false
+    }
+
+    /// `B(y) u`, inputs at frames included.
+    fn input_forces(&self, y: &[f64], u: &[f64], forces: &mut [f64]) {
+        let _ = y;
+        for (force, row) in forces.iter_mut().zip(self.input_matrix().chunks_exact(u.len().max(1))) {
+            *force = row.iter().zip(u).map(|(b, u)| b * u).sum();
+        }
     }
 
     /// Tells of each joint whether an input drives it and nothing else: where a gear's load is known, so that friction
@@ -50,6 +68,21 @@ pub trait Robot {
     /// `M ÿ + k − q` with the described parameters and without friction, one entry for each joint [N·m or N].
     /// Springs and other forces that are no inertia are in here and not in `W π`.
     fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]);
+}
+
+/// Refuses robots with quaternions.
+///
+/// - `what`: what is not done for them, as the beginning of a sentence
+///
+/// # Errors
+/// [`IdentificationError::File`] with the name of such a joint.
+pub(crate) fn require_no_quaternions(robot: &dyn Robot, what: &str, help: &str) -> Result<()> {
+    let Some(joint) = robot.quaternion_joints().into_iter().next() else { return Ok(()) };
+    let kind = if joint.is_floating { "floating" } else { "spherical" };
+    Err(IdentificationError::File {
+        place: format!("joint {}", joint.name),
+        message: format!("{what} where a joint is {kind}: {help}"),
+    })
 }
 
 /// Joints whose row of B has one entry, in a column with no other.

@@ -9,8 +9,11 @@ pub struct Run {
     pub times: Vec<f64>,
     /// Row of each sample in the log, counted from 1 with the header as row 1, as an editor shows it.
     pub rows: Vec<usize>,
-    /// Measured positions [rad or m], for each joint of the robot.
+    /// Measured positions [rad or m], for each joint of the robot. Those of a joint with a quaternion are the sums of its
+    /// ways from sample to sample, `y ⊖ y_before`, from 0 on: their rates are the velocities in the body's frame.
     pub positions: Vec<Vec<f64>>,
+    /// Measured positions y of a robot with quaternions, one column for each entry; empty for other robots.
+    pub poses: Vec<Vec<f64>>,
     /// Measured velocities [rad/s or m/s], for each joint, where the log has them.
     pub velocities: Vec<Option<Vec<f64>>>,
     /// Measured efforts; joints or inputs, as [`Effort`] says.
@@ -41,8 +44,10 @@ pub struct PreparedRun {
     pub times: Vec<f64>,
     /// Row of the nearest sample in the log, as in [`Run::rows`].
     pub rows: Vec<usize>,
-    /// y [rad or m], for each joint.
+    /// y [rad or m], for each joint; for joints with a quaternion as in [`Run::positions`].
     pub positions: Vec<Vec<f64>>,
+    /// y of a robot with quaternions, one column for each entry; empty for other robots.
+    pub poses: Vec<Vec<f64>>,
     /// ẏ, for each joint.
     pub velocities: Vec<Vec<f64>>,
     /// ÿ, for each joint.
@@ -53,6 +58,13 @@ pub struct PreparedRun {
     pub effort: Effort,
     /// The commanded motion at the same times, through the same filter, where the log has it.
     pub desired: Option<DesiredMotion>,
+}
+
+impl PreparedRun {
+    /// The entries of y, which are the joints' positions where there is no quaternion.
+    pub fn coordinates(&self) -> &[Vec<f64>] {
+        if self.poses.is_empty() { &self.positions } else { &self.poses }
+    }
 }
 
 /// A motion that was asked for. Noise of the measurement is not in it.

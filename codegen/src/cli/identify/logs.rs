@@ -174,7 +174,7 @@ fn provenance(found: &Identification, command: &str) -> Vec<String> {
         let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
         format!("{name}: sha256 {hash}")
     });
-    let fits = found.estimate.joints.iter().filter(|joint| joint.moves).map(|joint| {
+    let fits = found.estimate.joints.iter().filter(|joint| page::is_judged(joint)).map(|joint| {
         format!(
             "{}: R² {:.4} on held-out data, {:.4} in the fit, residual {:.3} {}",
             joint.name, joint.held_out_r_squared, joint.r_squared, joint.sigma, joint.unit
@@ -209,7 +209,8 @@ fn as_text(
     text.push('\n');
     let head = ["joint", "R² held-out", "R² fit", "residual", "friction"].map(str::to_owned).to_vec();
     let rows = found.estimate.joints.iter().enumerate().map(|(index, joint)| {
-        let number = |value: f64| if joint.moves { format!("{value:.4}") } else { "–".to_owned() };
+        let number =
+            |value: f64| if page::is_judged(joint) { format!("{value:.4}") } else { "–".to_owned() };
         vec![
             joint.name.clone(),
             number(joint.held_out_r_squared),
@@ -234,7 +235,9 @@ fn validated(validation: &[JointValidation]) -> String {
     }
     let head = ["joint", "R² in the logs to validate", "residual"].map(str::to_owned).to_vec();
     let rows = validation.iter().map(|joint| {
-        vec![joint.name.clone(), format!("{:.4}", joint.r_squared), format!("{:.3}", joint.residual)]
+        let share =
+            if joint.r_squared.is_nan() { "–".to_owned() } else { format!("{:.4}", joint.r_squared) };
+        vec![joint.name.clone(), share, format!("{:.3}", joint.residual)]
     });
     format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))
 }

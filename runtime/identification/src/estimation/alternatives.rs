@@ -55,7 +55,7 @@ pub(super) fn signs(chosen: &Chosen, own: &HeldOut, prior: &Prior) -> Result<Vec
     let layout = chosen.centred.layout;
     let r_squared = chosen.centred_r_squared(&own.rss);
     let mut doubts = vec![None; layout.joints];
-    for joint in (0..layout.joints).filter(|&j| layout.moves[j]) {
+    for joint in layout.rubbing() {
         if drives(chosen, joint) || (r_squared[joint] < POOR && has_other_sign(prior, chosen, own, joint)?) {
             doubts[joint] = Some(
                 "the data are explained better with the other sign of its effort, with which friction brakes. \
@@ -89,6 +89,13 @@ fn gravity(task: &Task, chosen: &Chosen) -> Result<Option<String>> {
     let (excess, deviation) = other.excess(&own);
     if excess > -CLEARLY * own.total() || excess > -2.0 * deviation {
         return Ok(None);
+    }
+    if task.layout.exact.contains(&true) {
+        return Ok(Some(
+            "The data are explained better without gravity. Check that the vertical of the log's axes is that of the \
+             description, and the order of the quaternion's entries."
+                .into(),
+        ));
     }
     Ok(Some(if compensated {
         "The data are explained better with gravity: the efforts seem to hold it. Leave out the setting that the \

@@ -50,7 +50,7 @@ impl Checked<'_> {
                 ));
                 continue;
             }
-            if !self.layout.moves[joint] {
+            if !self.layout.moves[joint] && !self.layout.exact[joint] {
                 warnings.push(format!(
                     "Joint {name} stands still in these data: its friction is not estimated. Move it."
                 ));
@@ -63,6 +63,10 @@ impl Checked<'_> {
 
     /// Doubts about one joint, as ends of a sentence.
     pub(super) fn joint(&self, joint: usize) -> Vec<String> {
+        if self.layout.exact[joint] {
+            // The others are doubts about sensors, gears and friction.
+            return self.other_unit(joint).into_iter().collect();
+        }
         let doubts = [
             self.other_unit(joint),
             self.delay(joint),

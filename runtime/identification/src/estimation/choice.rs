@@ -149,7 +149,7 @@ impl Chosen<'_> {
     /// a standard error.
     fn choose_widths(&mut self, prior: &Prior) -> Result<()> {
         let mut best = self.held_out(prior)?;
-        for joint in (0..self.model.coulomb.len()).filter(|&j| self.centred.layout.moves[j]) {
+        for joint in self.centred.layout.rubbing() {
             for width in 1..COULOMB.len() {
                 let mut model = self.model.clone();
                 model.coulomb[joint] = width;
@@ -166,7 +166,7 @@ impl Chosen<'_> {
     /// A term is taken where it lowers the error by more than a standard error.
     fn choose_terms(&mut self, prior: &Prior, terms: &[usize], loads: &[bool]) -> Result<()> {
         let mut best = self.held_out(prior)?;
-        for joint in (0..self.model.coulomb.len()).filter(|&j| self.centred.layout.moves[j]) {
+        for joint in self.centred.layout.rubbing() {
             for term in terms {
                 let mut model = self.model.clone();
                 let (possible, chosen) = match *term {

@@ -162,7 +162,7 @@ impl Pass {
             [sum(&|p| &p.x), sum(&|p| &p.z)]
         };
         let of_joint: Vec<&Products> = self.products.iter().map(|joints| &joints[joint]).collect();
-        match of.centred.offsets {
+        match of.centred.layout.offsets(joint, of.centred.offsets) {
             Offsets::None => vec![[DVector::zeros(q), DVector::zeros(q)]; of_joint.len()],
             Offsets::Common => vec![mean(&of_joint); of_joint.len()],
             Offsets::ByRun => of_joint.iter().map(|p| mean(&[*p])).collect(),

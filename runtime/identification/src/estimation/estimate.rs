@@ -208,7 +208,9 @@ impl Task<'_> {
     fn require_explained(&self, held_out: &[f64], doubts: &Doubts, checked: &Checked) -> Result<()> {
         let least = self.settings.least_r_squared;
         let poor = |j: &usize| {
-            let wrong = held_out[*j] < least || held_out[*j].is_nan() || doubts.of_joints[*j].is_some();
+            // Where nothing acts on a joint with a quaternion there is nothing to explain.
+            let explains_nothing = held_out[*j].is_nan() && !self.layout.exact[*j];
+            let wrong = held_out[*j] < least || explains_nothing || doubts.of_joints[*j].is_some();
             self.layout.moves[*j] && wrong
         };
         let Some(joint) = (0..self.layout.joints).find(poor).filter(|_| !self.settings.accept_poor) else {
@@ -252,9 +254,8 @@ impl Chosen<'_> {
     /// R² of each joint for given residual sums: centred over what shares an offset.
     pub(super) fn centred_r_squared(&self, rss: &[f64]) -> Vec<f64> {
         let share = |(joint, rss): (usize, &f64)| {
-            let products = &self.centred.all[joint];
-            let last = products.nrows() - 1;
-            1.0 - rss / (self.values.gains[joint].powi(2) * products[(last, last)])
+            let variation = self.centred.variation(joint);
+            1.0 - rss / (self.values.gains[joint].powi(2) * variation)
         };
         rss.iter().enumerate().map(share).collect()
     }

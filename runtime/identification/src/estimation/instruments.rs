@@ -52,6 +52,10 @@ pub(super) struct Instruments {
 impl Instruments {
     /// The best instruments that the runs offer. At least half of all samples have one.
     pub(super) fn find(runs: &[PreparedRun], moves: &[bool], correlation_time: f64) -> Option<Self> {
+        // Poses of commanded or repeated motions would have to be replaced too, and no log has the former.
+        if runs.iter().any(|run| !run.poses.is_empty()) {
+            return None;
+        }
         Self::commanded(runs, moves).or_else(|| Self::repeated(runs, moves, correlation_time))
     }
 

@@ -140,7 +140,7 @@ pub(super) fn column_means(centred: &Centred, joint: usize) -> Vec<DVector<f64>>
     let zero = DVector::zeros(runs.first().map_or(0, |r| r.1.len()));
     let all = runs.iter().fold((0.0, zero.clone()), |a, b| (a.0 + b.0, a.1 + &b.1));
     let mean = |(n, sum): &(f64, DVector<f64>)| if *n > 0.0 { sum / *n } else { zero.clone() };
-    match centred.offsets {
+    match centred.layout.offsets(joint, centred.offsets) {
         Offsets::None => vec![zero.clone(); runs.len()],
         Offsets::Common => vec![mean(&all); runs.len()],
         Offsets::ByRun => runs.iter().map(mean).collect(),

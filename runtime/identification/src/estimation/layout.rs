@@ -1,9 +1,11 @@
 //! Which unknown stands in which column, and which columns an equation of a joint has.
 
 use super::super::error::{IdentificationError, Result, require_length, require_samples};
+use super::super::pose::rows_of;
 use super::super::random::SplitMix64;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
+use super::result::Offsets;
 
 /// Widths of the Coulomb term that are tried, as shares of the joint's fast speed.
 const WIDTHS: [f64; 4] = [0.01, 0.025, 0.06, 0.15];
@@ -38,6 +40,9 @@ pub(super) struct Layout {
     pub(super) steepness: Vec<[f64; WIDTHS.len()]>,
     /// Whether the joint moves and its force was measured.
     pub(super) moves: Vec<bool>,
+    /// Whether the force is known without a sensor, as in the rows of a joint with a quaternion: no offset is in it, and no
+    /// friction is estimated.
+    pub(super) exact: Vec<bool>,
     /// Whether the joint's force was measured: its equations have entries.
     pub(super) measured: Vec<bool>,
     pub(super) effort: Effort,
@@ -79,6 +84,7 @@ impl Layout {
                 .map(|j| given.map_or_else(|| steepness(runs, j), |k| [k[j]; WIDTHS.len()]))
                 .collect(),
             moves: (0..joints).map(|j| span(runs, j) > STANDSTILL && measured[j]).collect(),
+            exact: rows_of(&robot.quaternion_joints(), joints),
             measured,
             effort: first.effort,
             input_matrix: robot.input_matrix(),
@@ -101,6 +107,7 @@ impl Layout {
             local: local(robot, joints, parameters, TERMS),
             steepness: vec![steepness; joints],
             moves,
+            exact: rows_of(&robot.quaternion_joints(), joints),
             measured: vec![true; joints],
             effort,
             input_matrix: robot.input_matrix(),
@@ -115,6 +122,16 @@ impl Layout {
     /// Global number of a joint's gain.
     pub(super) fn gain(&self, joint: usize) -> usize {
         self.parameters + self.joints * self.terms + joint
+    }
+
+    /// The joints whose friction is estimated.
+    pub(super) fn rubbing(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.joints).filter(|&joint| self.moves[joint] && !self.exact[joint])
+    }
+
+    /// The offsets of a joint's force where those of measured forces are `measured`.
+    pub(super) fn offsets(&self, joint: usize, measured: Offsets) -> Offsets {
+        if self.exact[joint] { Offsets::None } else { measured }
     }
 
     /// Number of global unknowns.
@@ -153,6 +170,10 @@ fn check_run(robot: &dyn Robot, run: &PreparedRun, effort: Effort) -> Result<()>
         kinds.push(("commanded positions", &desired.positions, joints));
         kinds.push(("commanded velocities", &desired.velocities, joints));
         kinds.push(("commanded accelerations", &desired.accelerations, joints));
+    }
+    let entries = joints + robot.quaternion_joints().len();
+    if entries > joints {
+        kinds.push(("poses", &run.poses, entries));
     }
     for (kind, found, expected) in kinds {
         require_length(&of_run(kind), expected, found.len())?;
@@ -229,11 +250,13 @@ fn local(robot: &dyn Robot, joints: usize, parameters: usize, terms: usize) -> V
 /// Columns of W with entries in each joint's row, at generic states.
 fn structure(robot: &dyn Robot, joints: usize, parameters: usize) -> Vec<Vec<usize>> {
     let mut random = SplitMix64::new(0x5EED);
+    let quaternions = robot.quaternion_joints();
     let mut regressor = vec![0.0; joints * parameters];
     let mut found = vec![vec![false; parameters]; joints];
     for _ in 0..PROBES {
-        let [y, v, a]: [Vec<f64>; 3] =
-            std::array::from_fn(|_| (0..joints).map(|_| random.normal()).collect());
+        // An attitude that is longer or shorter than one has the same structure.
+        let [y, v, a]: [Vec<f64>; 3] = [joints + quaternions.len(), joints, joints]
+            .map(|entries| (0..entries).map(|_| random.normal()).collect());
         regressor.fill(0.0);
         robot.inertial_regressor(&y, &v, &a, &mut regressor);
         for (row, found) in regressor.chunks_exact(parameters.max(1)).zip(&mut found) {

@@ -45,7 +45,7 @@ impl Model {
     /// Global numbers of the estimated unknowns, ascending.
     pub(super) fn active(&self, layout: &Layout, prior: &Prior) -> Vec<usize> {
         let mut active: Vec<usize> = (0..layout.parameters).filter(|&i| !prior.held[i]).collect();
-        for joint in (0..layout.joints).filter(|&j| layout.moves[j]) {
+        for joint in layout.rubbing() {
             active.push(layout.term(joint, VISCOUS));
             active.push(layout.term(joint, COULOMB.start + self.coulomb[joint]));
             let optional = [(ASYMMETRY, &self.asymmetry), (ARMATURE, &self.armature), (LOAD, &self.load)];
@@ -63,7 +63,7 @@ impl Model {
 impl<'a> Centred<'a> {
     pub(super) fn new(layout: &'a Layout, sums: &'a Sums, offsets: Offsets) -> Self {
         let of = |without| -> Vec<DMatrix<f64>> {
-            (0..layout.joints).map(|j| centred(sums, j, without, offsets)).collect()
+            (0..layout.joints).map(|j| centred(sums, j, without, layout.offsets(j, offsets))).collect()
         };
         Self {
             layout,
@@ -72,6 +72,19 @@ impl<'a> Centred<'a> {
             all: of(None),
             without: (0..sums.folds.len()).map(|k| of(Some(k))).collect(),
         }
+    }
+
+    /// `Σ (z − z̄)²` of the measured forces z of a joint, over what shares an offset; NaN where nothing acts.
+    pub(super) fn variation(&self, joint: usize) -> f64 {
+        let products = &self.all[joint];
+        let last = products.nrows() - 1;
+        let squares = products[(last, last)];
+        if !self.layout.exact[joint] {
+            return squares;
+        }
+        let (weight, sum) =
+            self.sums.by_run(joint, None).iter().fold((0.0, 0.0), |(n, sum), (m, s)| (n + m, sum + s[last]));
+        if squares > 0.0 { squares - sum * sum / weight } else { f64::NAN }
     }
 
     /// Residual sums of squares of each joint, in the data that the values were fitted to.
@@ -109,7 +122,7 @@ impl<'a> Centred<'a> {
         let sums: Vec<(f64, f64)> = runs.iter().map(|(n, s)| (*n, s.dot(r))).collect();
         let (n, total) = sums.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
         let common = if n > 0.0 { total / n } else { 0.0 };
-        let of_run = |&(n, sum): &(f64, f64)| match self.offsets {
+        let of_run = |&(n, sum): &(f64, f64)| match self.layout.offsets(joint, self.offsets) {
             Offsets::None => 0.0,
             Offsets::ByRun if n > 0.0 => sum / n,
             Offsets::Common | Offsets::ByRun => common,

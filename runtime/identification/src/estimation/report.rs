@@ -75,10 +75,17 @@ impl Report<'_> {
             Offsets::Common => "Each joint's force has one offset.",
             Offsets::ByRun => "Each joint's force has an offset in each run.",
         };
+        let exact = self.task.layout.exact.contains(&true).then(|| {
+            "Forces in the rows of spherical and floating joints are those of the inputs alone: no offset and no friction \
+             is estimated there."
+                .to_string()
+        });
+        let offsets = if self.task.layout.exact.contains(&false) { Some(offsets.to_string()) } else { None };
         let words =
             chosen_in_words(self.task.robot, self.chosen, self.task.prior, self.solved, self.covariance);
-        [offsets.to_string()]
+        offsets
             .into_iter()
+            .chain(exact)
             .chain(words)
             .chain(self.pull_said())
             .chain([self.endogeneity_said()])
@@ -188,6 +195,7 @@ impl Report<'_> {
             held_out_r_squared: self.held_out[joint],
             moves: layout.moves[joint],
             measured,
+            exact: layout.exact[joint],
         }
     }
 
@@ -202,7 +210,7 @@ impl Report<'_> {
     /// Friction terms that were chosen, as expressions and by their numbers.
     fn basis(&self, joint: usize) -> Vec<(String, usize)> {
         let layout = self.task.layout;
-        if !layout.moves[joint] {
+        if !layout.rubbing().any(|rubbing| rubbing == joint) {
             return Vec::new();
         }
         let width = self.chosen.model.coulomb[joint];

@@ -126,6 +126,9 @@ pub struct JointEstimate {
     /// Whether its effort was measured. Where not, it has no terms, gain or armature, its numbers are NaN, and so are
     /// its measured and predicted forces.
     pub measured: bool,
+    /// Whether its force is known without a sensor, as in the rows of a joint with a quaternion: it has neither an offset
+    /// nor estimated friction. R² is NaN where nothing acts there.
+    pub exact: bool,
 }
 
 /// A friction term with its coefficient.

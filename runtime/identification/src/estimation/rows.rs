@@ -60,11 +60,13 @@ impl<'a> Rows<'a> {
     pub(super) fn evaluate(&mut self, run: &PreparedRun, rows: Range<usize>) {
         let n = self.layout.joints;
         self.count = rows.len();
-        let (mut y, mut v, mut a, mut rigid) = (vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        let coordinates = run.coordinates();
+        let mut y = vec![0.0; coordinates.len()];
+        let (mut v, mut a, mut rigid) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         self.friction(run, &rows);
         for (place, sample) in rows.enumerate() {
+            y.iter_mut().zip(coordinates).for_each(|(y, column)| *y = column[sample]);
             for j in 0..n {
-                y[j] = run.positions[j][sample];
                 v[j] = run.velocities[j][sample];
                 a[j] = run.accelerations[j][sample];
             }

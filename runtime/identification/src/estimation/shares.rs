@@ -436,6 +436,7 @@ impl Found<'_> {
             r_squared: self.r_squared(joint, rss),
             held_out_r_squared: self.r_squared(joint, self.held_out.rss[joint]),
             moves: layout.moves[joint],
+            exact: layout.exact[joint],
             measured: true,
         }
     }

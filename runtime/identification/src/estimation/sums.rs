@@ -207,6 +207,7 @@ mod tests {
         let times: Vec<f64> = (0..200).map(|i| 0.01 * f64::from(i)).collect();
         let positions: Vec<f64> = times.iter().map(|t| (frequency * t + off).sin()).collect();
         PreparedRun {
+            poses: Vec::new(),
             name: "run".into(),
             rows: (2..202).collect(),
             positions: vec![positions],

@@ -52,6 +52,8 @@ pub enum FindingKind {
     VelocityDisagrees,
     /// Samples that repeat the values of the ones before.
     Stuck,
+    /// Quaternions that are not quite of unit length.
+    NotUnit,
 }
 
 /// Something suspicious, with the rows where it is (counted from 0, header not counted).

@@ -1,16 +1,22 @@
 //! What finding columns needs: a sheet, a robot's names, and what the user said.
 
 use super::super::error::IdentificationError;
+use super::super::pose::{QuaternionJoint, rows_of};
 use super::super::robot::Robot;
 use super::families::Targets;
 use super::options::{Named, Pattern};
 use super::sheet::Sheet;
 use super::vocabulary::Header;
 
-/// A robot's joints and inputs as columns are matched with them.
+/// A robot's joints and inputs as columns are matched with them. Velocities of joints with a quaternion are no joints here.
 pub(super) struct RobotColumns {
     pub joints: Targets,
     pub inputs: Targets,
+    /// Joints with a quaternion.
+    pub quaternions: Vec<QuaternionJoint>,
+    /// Of each input whether it acts at frames.
+    pub at_frames: Vec<bool>,
+    pub frame_inputs: Targets,
     /// `rad` or `m`, of each joint.
     pub units: Vec<&'static str>,
     /// Unit of the position of the joint that an input drives, where it is one.
@@ -21,10 +27,15 @@ pub(super) struct RobotColumns {
 
 impl RobotColumns {
     pub(super) fn new(robot: &dyn Robot) -> Self {
-        let (joints, inputs) = (robot.joint_names(), robot.input_names());
+        let (names, inputs) = (robot.joint_names(), robot.input_names());
+        let quaternions = robot.quaternion_joints();
+        let rows = rows_of(&quaternions, names.len());
+        let plain = || (0..names.len()).filter(|joint| !rows[*joint]);
+        let joints: Vec<String> = plain().map(|joint| names[joint].clone()).collect();
         let (n, m) = (joints.len(), inputs.len());
         let matrix = robot.input_matrix();
-        let entry = |row: usize, column: usize| matrix.get(row * m + column).copied().unwrap_or(0.0);
+        let lines: Vec<usize> = plain().collect();
+        let entry = |row: usize, column: usize| matrix.get(lines[row] * m + column).copied().unwrap_or(0.0);
         let driven = |input: usize| {
             let mut rows = (0..n).filter(|joint| entry(*joint, input) != 0.0);
             let joint = rows.next()?;
@@ -32,7 +43,14 @@ impl RobotColumns {
         };
         let driven: Vec<Option<usize>> = (0..m).map(driven).collect();
         let others: Vec<Option<String>> = driven.iter().map(|j| j.map(|j| joints[j].clone())).collect();
-        let units = robot.position_units();
+        let all_units = robot.position_units();
+        let units: Vec<&'static str> =
+            plain().map(|joint| all_units.get(joint).copied().unwrap_or("rad")).collect();
+        let acts =
+            |input: usize| (0..names.len()).any(|row| matrix.get(row * m + input).is_some_and(|b| *b != 0.0));
+        let at_frames: Vec<bool> = (0..m).map(|input| robot.has_inputs_at_frames() && !acts(input)).collect();
+        let frame_inputs = inputs.iter().zip(&at_frames).filter(|(_, at)| **at).map(|(name, _)| name.clone());
+        let frame_inputs: Vec<String> = frame_inputs.collect();
         let unit = |joint: Option<usize>| joint.and_then(|j| units.get(j).copied()).unwrap_or("rad");
         let direct = n == m
             && (0..n)
@@ -43,6 +61,9 @@ impl RobotColumns {
             input_units: driven.into_iter().map(unit).collect(),
             units,
             direct,
+            quaternions,
+            at_frames,
+            frame_inputs: Targets::new(&frame_inputs, &[]),
         }
     }
 }

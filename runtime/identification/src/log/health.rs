@@ -1,5 +1,6 @@
 //! What runs say about their log: joints that stood still, limits, units, velocities that are none.
 
+use super::super::pose::rows_of;
 use super::super::robot::{JointLimits, Robot};
 use super::super::run::{Effort, Run};
 use super::FindingKind;
@@ -9,6 +10,7 @@ use std::f64::consts::{PI, TAU};
 /// Findings of all joints, pooled over the runs.
 pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<RunFinding> {
     let (names, units, limits) = (robot.joint_names(), robot.position_units(), robot.limits());
+    let exact = rows_of(&robot.quaternion_joints(), names.len());
     let mut findings = Vec::new();
     for (joint, name) in names.iter().enumerate() {
         let unit = units.get(joint).copied().unwrap_or("rad");
@@ -17,7 +19,9 @@ pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<RunFinding> {
             findings.push(RunFinding { file: None, rows: None, joint: Some(name.clone()), kind, message });
         };
         if let Some(message) = stood_still(runs, joint, unit) {
-            say(FindingKind::StoodStill, message);
+            if !exact[joint] {
+                say(FindingKind::StoodStill, message);
+            }
             continue;
         }
         positions(runs, joint, unit, limits).into_iter().for_each(|m| say(FindingKind::BeyondPosition, m));
@@ -193,8 +197,10 @@ fn travels<'a>(run: &'a Run, joint: usize, v: &'a [f64]) -> impl Iterator<Item =
 fn efforts(runs: &[Run], robot: &dyn Robot, limits: &[JointLimits]) -> Vec<RunFinding> {
     let Some(effort) = runs.first().map(|r| r.effort) else { return Vec::new() };
     let names = if effort == Effort::Joint { robot.joint_names() } else { robot.input_names() };
+    let exact = rows_of(&robot.quaternion_joints(), names.len());
+    let is_exact = |i: usize| effort == Effort::Joint && exact[i];
     let mut findings = Vec::new();
-    for (i, name) in names.iter().enumerate() {
+    for (i, name) in names.iter().enumerate().filter(|(i, _)| !is_exact(*i)) {
         let mut values = pooled(runs, |r| r.efforts.get(i));
         let exact =
             values.iter().copied().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
@@ -228,7 +234,7 @@ fn efforts(runs: &[Run], robot: &dyn Robot, limits: &[JointLimits]) -> Vec<RunFi
 fn gears(runs: &[Run], robot: &dyn Robot) -> Option<RunFinding> {
     let (n, m, matrix) = (robot.joint_names().len(), robot.input_names().len(), robot.input_matrix());
     let effort = runs.first()?.effort;
-    if n != m || effort == Effort::Current {
+    if n != m || effort == Effort::Current || !robot.quaternion_joints().is_empty() {
         return None;
     }
     let weights = weights(runs, robot, n);

@@ -2,9 +2,11 @@
 
 use super::super::error::Result;
 use super::super::run::Effort;
+use super::acting::Acting;
 use super::families::{Family, Targets, families};
 use super::finder::{Finder, RobotColumns};
 use super::options::{ColumnOptions, Named, Pattern, is_effort};
+use super::pose_columns::{self, PoseColumns};
 use super::sheet::{Sheet, shortened};
 use super::time::{TimeColumn, find_time};
 use super::units::Unit;
@@ -29,6 +31,10 @@ pub(super) struct Mapping {
     pub desired: Option<Vec<Source>>,
     pub efforts: Vec<Source>,
     pub effort: Effort,
+    /// Entries of the poses of all joints with a quaternion.
+    pub poses: Vec<Source>,
+    /// What the efforts act on where joints have quaternions.
+    pub acting: Option<Acting>,
     /// One sentence for each column, then what was assumed.
     pub sentences: Vec<String>,
     /// Headers of the columns that nothing uses.
@@ -61,10 +67,10 @@ pub(super) fn resolve(
 }
 
 /// Columns of a quantity, how they were found, and what has to be said of them.
-struct Found {
-    columns: Vec<usize>,
-    unit: Option<Unit>,
-    remarks: Vec<String>,
+pub(super) struct Found {
+    pub(super) columns: Vec<usize>,
+    pub(super) unit: Option<Unit>,
+    pub(super) remarks: Vec<String>,
 }
 
 impl Finder<'_> {
@@ -89,14 +95,17 @@ impl Finder<'_> {
     fn mapping(&self, options: &ColumnOptions) -> Result<Mapping> {
         let joints = &self.robot.joints;
         let time = find_time(self)?;
-        let position = self.required(Named::Position, &[Kind::Position], joints)?;
+        let poses = self.poses()?;
+        let position = self.positions()?;
         let velocity = self.velocities()?;
-        let (effort, efforts) = self.efforts(options.effort)?;
+        let (effort, acting, efforts) = self.efforts_and_places(options.effort)?;
         let run = self.run()?;
         let mut sentences = vec![time.said.clone()];
         let mut used = time.columns();
         used.extend(run);
         used.extend(&position.columns);
+        used.extend(poses.sources.iter().map(|source| source.column));
+        sentences.extend(poses.sentences);
         let positions = self.sources(&position, Kind::Position, joints, &mut sentences)?;
         let velocities = match &velocity {
             Some(found) => {
@@ -105,7 +114,7 @@ impl Finder<'_> {
             }
             None => vec![None; joints.names.len()],
         };
-        let (kind, targets) = self.of_effort(effort);
+        let (kind, targets) = self.of_effort(effort, acting.as_ref());
         used.extend(&efforts.columns);
         let efforts_sources = self.sources(&efforts, kind, targets, &mut sentences)?;
         let desired = self.desired(&position, &mut sentences)?;
@@ -121,13 +130,50 @@ impl Finder<'_> {
             velocities,
             desired,
             efforts: efforts_sources,
+            poses: poses.sources,
+            acting,
             effort: if self.robot.direct && effort == Effort::Input { Effort::Joint } else { effort },
             sentences,
             unused: self.unused(&used),
         })
     }
 
-    fn of_effort(&self, effort: Effort) -> (Kind, &Targets) {
+    /// Columns of the poses; none where no joint has a quaternion.
+    fn poses(&self) -> Result<PoseColumns> {
+        let asks = self.pattern(|n| matches!(n, Named::Place | Named::Xyzw | Named::Wxyz)).is_some();
+        match (self.robot.quaternions.is_empty(), asks) {
+            (true, false) => Ok(PoseColumns::default()),
+            (true, true) => Err(self.fault(
+                "--columns names a place or a quaternion, but no joint of this robot is spherical or floating".into(),
+            )),
+            (false, _) => pose_columns::find(self),
+        }
+    }
+
+    fn positions(&self) -> Result<Found> {
+        if self.robot.joints.names.is_empty() {
+            return Ok(Found { columns: Vec::new(), unit: None, remarks: Vec::new() });
+        }
+        self.required(Named::Position, &[Kind::Position], &self.robot.joints)
+    }
+
+    /// Columns of the efforts, and what they act on where joints have quaternions.
+    fn efforts_and_places(&self, wanted: Option<Effort>) -> Result<(Effort, Option<Acting>, Found)> {
+        if self.robot.quaternions.is_empty() {
+            return self.efforts(wanted).map(|(effort, found)| (effort, None, found));
+        }
+        let (acting, mut found) = self.acting(wanted)?;
+        let effort = if acting == Acting::Joints { Effort::Joint } else { Effort::Input };
+        found.remarks.push(self.effort_said(effort, wanted.is_some() || self.pattern(is_effort).is_some()));
+        Ok((effort, Some(acting), found))
+    }
+
+    fn of_effort(&self, effort: Effort, acting: Option<&Acting>) -> (Kind, &Targets) {
+        if let Some(Acting::Inputs(known)) = acting
+            && known.len() < self.robot.inputs.names.len()
+        {
+            return (Kind::Input, &self.robot.frame_inputs);
+        }
         match effort {
             Effort::Joint => (Kind::Torque, &self.robot.joints),
             Effort::Input => (Kind::Input, &self.robot.inputs),
@@ -180,6 +226,9 @@ impl Finder<'_> {
     /// Velocities are no must: columns in a unit that is none of theirs (`v1 [V]`) are something else.
     fn velocities(&self) -> Result<Option<Found>> {
         let joints = &self.robot.joints;
+        if joints.names.is_empty() {
+            return Ok(None);
+        }
         let found = self.optional(Named::Velocity, Kind::Velocity, joints)?;
         if self.pattern(|n| n == Named::Velocity).is_some() {
             return Ok(found);
@@ -190,6 +239,11 @@ impl Finder<'_> {
     /// Commanded positions are no must either. They are looked for beside measured ones only.
     fn desired(&self, position: &Found, sentences: &mut Vec<String>) -> Result<Option<Vec<Source>>> {
         let joints = &self.robot.joints;
+        if !self.robot.quaternions.is_empty() {
+            let is_asked = self.pattern(|n| n == Named::Desired).is_some();
+            let fault = "commanded positions are not read where joints have quaternions: leave out `desired`";
+            return if is_asked { Err(self.fault(fault.into())) } else { Ok(None) };
+        }
         let given = self.pattern(|n| n == Named::Desired).map(|p| self.by_pattern(p, joints)).transpose()?;
         let is_given = given.is_some();
         let Some(found) = given.or_else(|| self.commanded(position)) else { return Ok(None) };
@@ -222,7 +276,7 @@ impl Finder<'_> {
         is_only.then(|| Found { columns: columns.clone(), unit: None, remarks: Vec::new() })
     }
 
-    fn by_pattern(&self, pattern: &Pattern, targets: &Targets) -> Result<Found> {
+    pub(super) fn by_pattern(&self, pattern: &Pattern, targets: &Targets) -> Result<Found> {
         let chosen = pattern.resolve(self.headers, self.sheet.width, targets)?;
         Ok(Found { columns: chosen.columns, unit: chosen.unit, remarks: Vec::new() })
     }
@@ -242,7 +296,7 @@ impl Finder<'_> {
                 _ => Effort::Joint,
             };
             let effort = wanted.unwrap_or(named);
-            let mut found = self.by_pattern(pattern, self.of_effort(effort).1)?;
+            let mut found = self.by_pattern(pattern, self.of_effort(effort, None).1)?;
             found.remarks.push(self.effort_said(effort, true));
             return Ok((effort, found));
         }
@@ -258,7 +312,7 @@ impl Finder<'_> {
         };
         let mut found = Vec::new();
         for (effort, kinds) in tried {
-            found.extend(self.best(kinds, self.of_effort(*effort).1)?.map(|f| (*effort, f)));
+            found.extend(self.best(kinds, self.of_effort(*effort, None).1)?.map(|f| (*effort, f)));
         }
         // What was commanded is the last choice: a torque that was asked for says less than a current that flowed.
         let commanded = |f: &(Effort, Found)| self.is_commanded(&f.1.columns);
@@ -305,7 +359,7 @@ impl Finder<'_> {
     ///
     /// # Errors
     /// Two that are equally good.
-    fn best(&self, kinds: &[Kind], targets: &Targets) -> Result<Option<Found>> {
+    pub(super) fn best(&self, kinds: &[Kind], targets: &Targets) -> Result<Option<Found>> {
         let mut complete: Vec<(Family, Vec<usize>)> = Vec::new();
         for family in self.families(kinds, targets) {
             if let Some(columns) = family.complete()

@@ -6,8 +6,9 @@
 //! [`runs`] goes further for logs of strangers: it finds the columns of a robot by itself and gives whole runs.
 //! Its order of work is one file for each step: `sheet` (separators, header, rows), `vocabulary` (words of a
 //! header), `families` (the columns of one quantity), `mapping` and `scale` (which family, in which unit), `time`,
-//! `runs` (samples, cut into runs), `health` (what the runs say about their log).
+//! `runs` (samples, cut into runs), `unroll` (poses with quaternions), `health` (what the runs say about their log).
 
+mod acting;
 mod check;
 mod families;
 mod finder;
@@ -17,6 +18,8 @@ mod mapping;
 mod motion;
 mod number;
 mod options;
+mod pose_columns;
+mod pose_words;
 mod read;
 mod recording;
 #[cfg(test)]
@@ -31,6 +34,7 @@ mod strangers;
 mod testing;
 mod time;
 mod units;
+mod unroll;
 mod vocabulary;
 mod wording;
 

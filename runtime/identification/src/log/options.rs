@@ -13,7 +13,8 @@ pub struct ColumnOptions {
     /// `QUANTITY=COLUMNS,…`; quantities that are not named are looked for.
     ///
     /// - quantities: `time`, `position`, `desired` (the commanded position), `velocity`, one of `torque` (at the joints), `input` (of the motors) and
-    ///   `current`, and `run`;
+    ///   `current`, and `run`; of joints with a quaternion `place` (x, y, z) and `xyzw` or `wxyz` (the quaternion's entries
+    ///   in this order);
     /// - columns: a header with `{}` where the joint's number stands or `{name}` where its name does; headers with
     ///   `|` between them, in the robot's order; or numbers, counted from 1: `2..7`;
     /// - a unit in brackets may follow: `position=2..7[deg]`, `position=count{}[0.0879 deg]`.
@@ -35,9 +36,12 @@ pub(super) enum Named {
     Input,
     Current,
     Run,
+    Place,
+    Xyzw,
+    Wxyz,
 }
 
-const KEYS: [(&str, Named); 10] = [
+const KEYS: [(&str, Named); 13] = [
     ("time", Named::Time),
     ("position", Named::Position),
     ("desired", Named::Desired),
@@ -48,6 +52,9 @@ const KEYS: [(&str, Named); 10] = [
     ("current", Named::Current),
     ("run", Named::Run),
     ("trial", Named::Run),
+    ("place", Named::Place),
+    ("xyzw", Named::Xyzw),
+    ("wxyz", Named::Wxyz),
 ];
 
 /// One `QUANTITY=COLUMNS`.

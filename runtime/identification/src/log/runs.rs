@@ -10,6 +10,7 @@ use super::mapping::{Mapping, Source};
 use super::number::{Decimals, number};
 use super::sheet::{Sheet, shortened};
 use super::time::assumed_unit;
+use super::unroll::unrolled;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -24,7 +25,7 @@ pub(super) struct Samples {
     labels: Vec<usize>,
     names: Vec<String>,
     numbers: BTreeMap<String, usize>,
-    /// Positions, velocities (NaN where there is no column), efforts, and commanded positions, one column each.
+    /// Positions, velocities (NaN where there is no column), efforts, commanded positions, and poses, one column each.
     values: Vec<Vec<f64>>,
 }
 
@@ -83,7 +84,8 @@ impl Samples {
         findings: &mut Vec<RunFinding>,
     ) -> Result<Self> {
         let sources = sources(mapping);
-        let needed = |i: usize| i < mapping.positions.len();
+        let first_pose = sources.len() - mapping.poses.len();
+        let needed = |i: usize| i < mapping.positions.len() || i >= first_pose;
         let mut samples = Self { values: vec![Vec::new(); sources.len()], ..Self::default() };
         let mut gaps = vec![Gaps::default(); sources.len() + 1];
         let mut row = vec![f64::NAN; sources.len()];
@@ -196,7 +198,8 @@ fn sources(mapping: &Mapping) -> Vec<Option<&Source>> {
     let positions = mapping.positions.iter().map(Some);
     let velocities = mapping.velocities.iter().map(Option::as_ref);
     let desired = mapping.desired.iter().flatten().map(Some);
-    positions.chain(velocities).chain(mapping.efforts.iter().map(Some)).chain(desired).collect()
+    let poses = mapping.poses.iter().map(Some);
+    positions.chain(velocities).chain(mapping.efforts.iter().map(Some)).chain(desired).chain(poses).collect()
 }
 
 fn value(record: &csv::ByteRecord, source: &Source, sheet: &Sheet, line: usize, gaps: &mut Gaps) -> f64 {
@@ -314,6 +317,11 @@ pub(super) fn split(
     let names = names(&samples, &kept, source);
     let mut runs: Vec<Run> =
         kept.iter().zip(names).map(|(part, name)| samples.run(part, name, &clock, mapping)).collect();
+    if let Some(acting) = &mapping.acting {
+        for run in &mut runs {
+            *run = unrolled(run, robot, acting, source, findings)?;
+        }
+    }
     for run in &mut runs {
         findings.extend(super::health::unwrap_turns(run, robot, source));
     }
@@ -431,6 +439,7 @@ impl Samples {
             times: part.iter().map(|s| clock.seconds(self.times[*s])).collect(),
             rows: part.iter().map(|s| self.lines[*s]).collect(),
             positions: (0..n).map(column).collect(),
+            poses: (self.values.len() - mapping.poses.len()..self.values.len()).map(column).collect(),
             velocities: (0..n).map(velocity).collect(),
             efforts: (2 * n..behind).map(column).collect(),
             effort: mapping.effort,

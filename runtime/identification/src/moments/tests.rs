@@ -186,6 +186,7 @@ fn sums_are_those_of_the_centred_columns() {
     let mut column = |m: usize| -> Vec<f64> { (0..m).map(|_| random.normal()).collect() };
     let m = 700;
     let run = PreparedRun {
+        poses: Vec::new(),
         name: "run".into(),
         times: (0..m).map(|i| i as f64).collect(),
         rows: (0..m).collect(),

@@ -29,10 +29,19 @@ const DECADES: usize = 19;
 impl Channel {
     /// Informative samples of a signal; `position` also takes out turns by 2π.
     pub fn new(times: &[f64], signal: &[f64], position: bool) -> Self {
+        Self::with(times, signal, position, position)
+    }
+
+    /// Informative samples of the way of a joint with a quaternion, which has no turns to take out.
+    pub fn of_way(times: &[f64], signal: &[f64]) -> Self {
+        Self::with(times, signal, false, true)
+    }
+
+    fn with(times: &[f64], signal: &[f64], has_turns: bool, has_spikes: bool) -> Self {
         let mut rows: Vec<usize> = (0..signal.len()).filter(|i| signal[*i].is_finite()).collect();
         let mut values: Vec<f64> = rows.iter().map(|i| signal[*i]).collect();
-        let turns = if position { take_out_turns(&mut values) } else { 0 };
-        let spikes = if position { spikes(&values) } else { Vec::new() };
+        let turns = if has_turns { take_out_turns(&mut values) } else { 0 };
+        let spikes = if has_spikes { spikes(&values) } else { Vec::new() };
         let spike_rows: Vec<usize> = spikes.iter().map(|k| rows[*k]).collect();
         for k in spikes.iter().rev() {
             rows.remove(*k);

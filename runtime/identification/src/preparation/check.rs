@@ -8,7 +8,9 @@ use super::super::run::{Effort, Run};
 use super::PreparationSettings;
 
 /// Why an effort cannot be used.
-pub(super) fn effort_fault(runs: &[Run], m: usize) -> Option<String> {
+///
+/// - `exact`: it is a force that is known without a sensor, and zero where nothing acts
+pub(super) fn effort_fault(runs: &[Run], m: usize, exact: bool) -> Option<String> {
     let values = || runs.iter().flat_map(|r| r.efforts[m].iter().zip(&r.rows));
     let finite = values().filter(|(u, _)| u.is_finite()).count();
     let row = runs.first().and_then(|r| r.rows.first()).copied().unwrap_or(0);
@@ -17,7 +19,7 @@ pub(super) fn effort_fault(runs: &[Run], m: usize) -> Option<String> {
         return Some(format!("more than half of its efforts are missing, the first in row {first}"));
     }
     let mut all = values().filter(|(u, _)| u.is_finite()).map(|(u, _)| *u);
-    let first = all.next()?;
+    let first = all.next().filter(|_| !exact)?;
     all.all(|u| u == first).then(|| format!("its effort is {first} in every row from row {row} on"))
 }
 
@@ -40,6 +42,11 @@ pub(super) fn check(runs: &[Run], robot: Option<&dyn Robot>, settings: &Preparat
     let (joints, efforts) = (runs[0].positions.len(), runs[0].efforts.len());
     if let Some(robot) = robot {
         require_length("joints of the log and the robot", robot.joint_names().len(), joints)?;
+        let quaternions = robot.quaternion_joints().len();
+        let entries = if quaternions > 0 { joints + quaternions } else { 0 };
+        for run in runs {
+            require_length(&format!("columns of poses of run {}", run.name), entries, run.poses.len())?;
+        }
         let expected = if runs[0].effort == Effort::Joint { joints } else { robot.input_names().len() };
         require_length("efforts of the log and the robot", expected, efforts)?;
     }
@@ -70,7 +77,7 @@ fn check_run(run: &Run, joints: usize, efforts: usize) -> Result<()> {
             finite,
         )?;
     }
-    let others = run.velocities.iter().flatten().chain(&run.efforts);
+    let others = run.velocities.iter().flatten().chain(&run.efforts).chain(&run.poses);
     for column in others {
         require_length(&format!("samples of run {}", run.name), m, column.len())?;
     }

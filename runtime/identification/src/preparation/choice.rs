@@ -1,8 +1,9 @@
 //! The order of the preparation: channels, noise, bandwidth, delay, and the bandwidth that efforts confirm.
 
 use super::super::error::{IdentificationError, Result};
+use super::super::pose::rows_of;
 use super::super::robot::Robot;
-use super::super::run::{PreparedRun, Run};
+use super::super::run::{Effort, PreparedRun, Run};
 use super::bandwidth::{PositionQuality, candidates, from_positions};
 use super::channel::Channel;
 use super::check::{check, effort_fault};
@@ -85,12 +86,15 @@ pub(super) fn prepare_all(
 
 impl<'a> Recorded<'a> {
     fn new(runs: &[Run], robot: Option<&'a dyn Robot>, settings: &'a PreparationSettings) -> Self {
-        let signals: Vec<Signals> = runs.iter().map(Signals::new).collect();
+        let signals: Vec<Signals> = runs.iter().map(|run| Signals::new(run, robot)).collect();
         let mut steps: Vec<f64> = signals.iter().map(|s| s.step).filter(|h| *h > 0.0).collect();
         steps.sort_by(f64::total_cmp);
         let step = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
         let mut recorded = Self { signals, robot, settings, quality: Vec::new(), faults: Vec::new(), step };
-        recorded.faults = (0..recorded.efforts()).map(|m| effort_fault(runs, m)).collect();
+        let quaternions = robot.map(Robot::quaternion_joints).unwrap_or_default();
+        let exact = rows_of(&quaternions, recorded.joints());
+        let is_exact = |m: usize| runs[0].effort == Effort::Joint && exact[m];
+        recorded.faults = (0..recorded.efforts()).map(|m| effort_fault(runs, m, is_exact(m))).collect();
         recorded.quality = (0..recorded.joints()).map(|j| recorded.quality_of(j)).collect();
         recorded
     }

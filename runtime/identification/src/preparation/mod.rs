@@ -13,6 +13,7 @@ mod choice;
 mod delay;
 mod filter;
 mod grid;
+mod poses;
 mod regression;
 mod report;
 mod signals;

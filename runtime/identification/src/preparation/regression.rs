@@ -1,6 +1,7 @@
 //! Efforts explained by a robot's regressor, with friction and an offset for each joint: the judge of delays and
 //! bandwidths.
 
+use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use super::filter::Filter;
@@ -19,6 +20,8 @@ pub(super) struct Columns<'a> {
     inverse: Option<DMatrix<f64>>,
     /// Rounded signs of velocities, for each run and joint.
     signs: Vec<Vec<Vec<f64>>>,
+    /// Rows of joints with a quaternion, which have neither friction nor an offset here.
+    exact: Vec<bool>,
 }
 
 impl<'a> Columns<'a> {
@@ -37,21 +40,25 @@ impl<'a> Columns<'a> {
             filter.map_or(sharp.clone(), |f| f.apply(&sharp))
         };
         let signs = runs.iter().map(|r| r.velocities.iter().zip(&slow).map(sign).collect()).collect();
-        Self { robot, inverse: if inputs { inverse() } else { None }, signs }
+        let exact = rows_of(&robot.quaternion_joints(), joints);
+        Self { robot, inverse: if inputs { inverse() } else { None }, signs, exact }
     }
 
     /// Columns at sample `i` of run `r`, one row for each effort.
     fn at(&self, runs: &[&PreparedRun], (r, i): Sample) -> DMatrix<f64> {
         let run = runs[r];
         let state = |all: &[Vec<f64>]| -> Vec<f64> { all.iter().map(|c| c[i]).collect() };
-        let (y, v, a) = (state(&run.positions), state(&run.velocities), state(&run.accelerations));
-        let (joints, parameters) = (y.len(), self.robot.parameter_names().len());
+        let (y, v, a) = (state(run.coordinates()), state(&run.velocities), state(&run.accelerations));
+        let (joints, parameters) = (v.len(), self.robot.parameter_names().len());
         let mut regressor = vec![0.0; joints * parameters];
         self.robot.inertial_regressor(&y, &v, &a, &mut regressor);
         let mut all = DMatrix::zeros(joints, parameters + 3 * joints);
         for j in 0..joints {
             for k in 0..parameters {
                 all[(j, k)] = regressor[j * parameters + k];
+            }
+            if self.exact[j] {
+                continue;
             }
             let friction = parameters + 3 * j;
             all[(j, friction)] = v[j];

@@ -1,10 +1,13 @@
 //! A run as channels of informative samples, and its pieces smoothed onto an even grid.
 
 use super::super::error::Result;
+use super::super::pose::{plain_positions, rows_of};
+use super::super::robot::Robot;
 use super::super::run::{DesiredMotion, Effort, PreparedRun, Run};
 use super::channel::{Channel, median_step};
 use super::filter::{continued, kernel};
 use super::grid::{Piece, interpolate};
+use super::poses::PoseSignal;
 
 /// The channels of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,6 +16,10 @@ pub(super) struct Signals {
     pub times: Vec<f64>,
     pub rows: Vec<usize>,
     pub positions: Vec<Channel>,
+    /// Poses of the joints with a quaternion.
+    poses: Vec<PoseSignal>,
+    /// The entry of y of each other joint.
+    plain: Vec<Option<usize>>,
     pub velocities: Vec<Option<Channel>>,
     pub efforts: Vec<Channel>,
     pub effort: Effort,
@@ -24,19 +31,45 @@ pub(super) struct Signals {
 
 impl Signals {
     /// Channels of a run whose times increase.
-    pub fn new(run: &Run) -> Self {
+    pub fn new(run: &Run, robot: Option<&dyn Robot>) -> Self {
         let channel = |values: &Vec<f64>, position| Channel::new(&run.times, values, position);
+        let quaternions = robot.map(Robot::quaternion_joints).unwrap_or_default();
+        let joints = run.positions.len();
+        let position = |(values, has_quaternion): (&Vec<f64>, bool)| {
+            if has_quaternion { Channel::of_way(&run.times, values) } else { channel(values, true) }
+        };
+        let positions: Vec<Channel> =
+            run.positions.iter().zip(rows_of(&quaternions, joints)).map(position).collect();
+        let poses =
+            quaternions.iter().map(|joint| PoseSignal::new(joint, run, &positions[joint.velocities()]));
         Self {
             name: run.name.clone(),
             times: run.times.clone(),
             rows: run.rows.clone(),
-            positions: run.positions.iter().map(|y| channel(y, true)).collect(),
+            poses: poses.collect(),
+            plain: plain_positions(&quaternions, joints),
+            positions,
             velocities: run.velocities.iter().map(|v| v.as_ref().map(|v| channel(v, false))).collect(),
             efforts: run.efforts.iter().map(|u| channel(u, false)).collect(),
             effort: run.effort,
             desired: desired(run),
             step: median_step(&run.times),
         }
+    }
+
+    /// The columns of y at `times`, with smoothed `positions`; none where no joint has a quaternion.
+    fn coordinates(&self, times: &[f64], positions: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        if self.poses.is_empty() {
+            return Vec::new();
+        }
+        let mut y = vec![vec![f64::NAN; times.len()]; positions.len() + self.poses.len()];
+        for (column, entry) in positions.iter().zip(&self.plain) {
+            if let Some(entry) = entry {
+                y[*entry].clone_from(column);
+            }
+        }
+        self.poses.iter().for_each(|poses| poses.write(times, positions, &mut y));
+        y
     }
 
     /// Row of the log nearest to a time.
@@ -117,11 +150,13 @@ pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Resul
         let all = |order: usize| channels.iter().map(|c| through(c, order, 0.0)).collect::<Result<Vec<_>>>();
         Ok(DesiredMotion { positions: all(0)?, velocities: all(1)?, accelerations: all(2)? })
     });
+    let positions = all(0)?;
     let run = PreparedRun {
         desired: desired.transpose()?,
+        poses: signals.coordinates(&times, &positions),
         name: signals.name.clone(),
         rows: times.iter().map(|t| signals.row(*t)).collect(),
-        positions: all(0)?,
+        positions,
         velocities: all(1)?,
         accelerations: all(2)?,
         efforts,

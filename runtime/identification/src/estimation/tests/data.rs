@@ -30,6 +30,7 @@ pub(super) fn prepare(
     let moved: Vec<_> = positions.iter().map(smooth).collect();
     let cut = |column: &[f64]| column[inner.clone()].to_vec();
     PreparedRun {
+        poses: Vec::new(),
         name: name.into(),
         times: cut(times),
         rows: inner.clone().map(|i| i + 2).collect(),
@@ -46,6 +47,7 @@ pub(super) fn prepare(
 pub(super) fn part(run: &PreparedRun, rows: std::ops::Range<usize>) -> PreparedRun {
     let cut = |columns: &[Vec<f64>]| columns.iter().map(|c| c[rows.clone()].to_vec()).collect::<Vec<_>>();
     PreparedRun {
+        poses: Vec::new(),
         name: run.name.clone(),
         times: run.times[rows.clone()].to_vec(),
         rows: run.rows[rows.clone()].to_vec(),

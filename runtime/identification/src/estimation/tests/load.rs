@@ -35,6 +35,7 @@ fn run(truth: &Pendulum, shares: [f64; 2], random: &mut SplitMix64) -> PreparedR
         times.push(t);
     }
     PreparedRun {
+        poses: Vec::new(),
         name: "simulated".into(),
         rows: (2..times.len() + 2).collect(),
         times,

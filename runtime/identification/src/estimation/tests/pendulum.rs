@@ -182,6 +182,7 @@ pub(super) fn simulate(
 ) -> (PreparedRun, PreparedRun) {
     let (times, columns) = recorded(robot, of, random);
     let run = |from: usize| PreparedRun {
+        poses: Vec::new(),
         effort: Effort::Input,
         ..prepare("simulated", &times, &columns[from..from + 2], &columns[2..4], of.window)
     };
@@ -192,6 +193,7 @@ pub(super) fn simulate(
 pub(super) fn log(robot: &Pendulum, of: &Experiment, random: &mut SplitMix64) -> Run {
     let (times, columns) = recorded(robot, of, random);
     Run {
+        poses: Vec::new(),
         name: "simulated".into(),
         rows: (2..times.len() + 2).collect(),
         times,

@@ -98,6 +98,7 @@ impl Simulation {
             }
         }
         PreparedRun {
+            poses: Vec::new(),
             name: "simulated".into(),
             times: (0..self.samples).map(|i| step * i as f64).collect(),
             rows: (0..self.samples).collect(),

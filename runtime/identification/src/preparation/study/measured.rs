@@ -27,6 +27,7 @@ fn table(text: &str) -> Vec<(usize, Vec<f64>)> {
 fn run(name: String, rows: &[(usize, Vec<f64>)], first: usize) -> Run {
     let column = |k: usize| rows.iter().map(|(_, r)| r[k]).collect::<Vec<f64>>();
     Run {
+        poses: Vec::new(),
         name,
         times: column(first),
         rows: rows.iter().map(|(i, _)| *i).collect(),
@@ -125,6 +126,7 @@ fn halves(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<f64> {
             let kept: Vec<usize> = (0..r.times.len()).filter(|i| keep(r.times[*i])).collect();
             let cut = |c: &Vec<Vec<f64>>| c.iter().map(|x| kept.iter().map(|i| x[*i]).collect()).collect();
             PreparedRun {
+                poses: Vec::new(),
                 times: kept.iter().map(|i| r.times[*i]).collect(),
                 rows: kept.iter().map(|i| r.rows[*i]).collect(),
                 positions: cut(&r.positions),

@@ -92,6 +92,7 @@ pub fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (Run, Pr
     let times = instants(sampling, duration, &mut random);
     let (mut positions, mut efforts) = (vec![Vec::new(); n], vec![Vec::new(); n]);
     let mut truth = PreparedRun {
+        poses: Vec::new(),
         name: "truth".into(),
         times: times.clone(),
         rows: (2..times.len() + 2).collect(),
@@ -120,6 +121,7 @@ pub fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (Run, Pr
         }
     }
     let run = Run {
+        poses: Vec::new(),
         name: format!("simulated {seed}"),
         rows: truth.rows.clone(),
         times,

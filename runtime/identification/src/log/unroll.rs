@@ -1,0 +1,174 @@
+//! Recorded poses as ways that can be filtered, and inputs as forces in the rows of a robot with quaternions.
+
+use super::super::error::{IdentificationError, Result};
+use super::super::pose::QuaternionJoint;
+use super::super::robot::Robot;
+use super::super::run::{Effort, Run};
+use super::FindingKind;
+use super::acting::Acting;
+use super::finding::RunFinding;
+use super::runs::file_finding;
+
+/// A quaternion's length may differ from 1 by so much before it is said: rounded digits do not matter.
+const EXACT: f64 = 1e-6;
+
+/// A quaternion whose length differs from 1 by more than this is none: three digits differ by less.
+const FARTHEST: f64 = 0.02;
+
+/// A run of a robot with quaternions: its joints have been read without the velocities of those with a quaternion, and its
+/// poses are all that has been read of these.
+///
+/// # Errors
+/// Quaternions that are zero or far from unit length, and runs in which no force is known that acts on the robot.
+pub(super) fn unrolled(
+    read: &Run,
+    robot: &dyn Robot,
+    acting: &Acting,
+    source: &str,
+    findings: &mut Vec<RunFinding>,
+) -> Result<Run> {
+    let joints = robot.quaternion_joints();
+    let n = robot.joint_names().len();
+    let mut read = read.clone();
+    normalize(&mut read, &joints, source, findings)?;
+    let plain = super::super::pose::plain_positions(&joints, n);
+    let mut run = Run {
+        positions: vec![Vec::new(); n],
+        velocities: vec![None; n],
+        poses: vec![Vec::new(); n + joints.len()],
+        desired: None,
+        ..read.clone()
+    };
+    let mut column = 0;
+    for (joint, entry) in plain.iter().enumerate().filter_map(|(joint, entry)| Some((joint, (*entry)?))) {
+        run.positions[joint].clone_from(&read.positions[column]);
+        run.velocities[joint].clone_from(&read.velocities[column]);
+        run.poses[entry].clone_from(&read.positions[column]);
+        column += 1;
+    }
+    let mut first = 0;
+    for joint in &joints {
+        let poses = &read.poses[first..first + joint.positions().len()];
+        run.poses[joint.positions()].clone_from_slice(poses);
+        run.positions[joint.velocities()].clone_from_slice(&ways(joint, poses));
+        first += joint.positions().len();
+    }
+    run.efforts = forces(&run, &read.efforts, robot, acting);
+    run.effort = Effort::Joint;
+    require_some_force(&run, source)?;
+    Ok(run)
+}
+
+/// Sums of the ways from sample to sample.
+fn ways(joint: &QuaternionJoint, poses: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let pose = |i: usize| poses.iter().map(|column| column[i]).collect::<Vec<f64>>();
+    let samples = poses.first().map_or(0, Vec::len);
+    let mut ways = vec![vec![0.0; samples]; joint.velocities().len()];
+    for i in 1..samples {
+        let way = joint.way(&pose(i - 1), &pose(i));
+        ways.iter_mut().zip(way).for_each(|(column, step)| column[i] = column[i - 1] + step);
+    }
+    ways
+}
+
+/// Unit length for all quaternions, and the sign of the one before.
+fn normalize(
+    run: &mut Run,
+    joints: &[QuaternionJoint],
+    source: &str,
+    findings: &mut Vec<RunFinding>,
+) -> Result<()> {
+    let mut first = 0;
+    for joint in joints {
+        let begin = first + joint.quaternion();
+        let (mut worst, mut count, mut rows) = (0.0_f64, 0, None);
+        let mut before: Option<[f64; 4]> = None;
+        for i in 0..run.times.len() {
+            let read: [f64; 4] = std::array::from_fn(|k| run.poses[begin + k][i]);
+            let length = read.iter().map(|q| q * q).sum::<f64>().sqrt();
+            require_unit(&read, length, joint, run.rows[i], source)?;
+            if (length - 1.0).abs() > EXACT {
+                worst = worst.max((length - 1.0).abs());
+                count += 1;
+                rows = Some((rows.map_or(run.rows[i], |(first, _)| first), run.rows[i]));
+            }
+            let along = before.map_or(1.0, |b| b.iter().zip(&read).map(|(a, b)| a * b).sum::<f64>().signum());
+            let unit = read.map(|q| q * along / length);
+            (0..4).for_each(|k| run.poses[begin + k][i] = unit[k]);
+            before = Some(unit);
+        }
+        if count > 0 {
+            let message = format!(
+                "the quaternion of {} has a length that differs from 1 by up to {worst:.1e} in {count} rows; it is divided \
+                 by its length",
+                joint.name
+            );
+            findings.push(file_finding(source, rows, FindingKind::NotUnit, message));
+        }
+        first += joint.positions().len();
+    }
+    Ok(())
+}
+
+fn require_unit(q: &[f64; 4], length: f64, joint: &QuaternionJoint, row: usize, source: &str) -> Result<()> {
+    if (length - 1.0).abs() <= FARTHEST {
+        return Ok(());
+    }
+    let [x, y, z, w] = q;
+    let why = if length == 0.0 {
+        "is zero, which is no attitude: leave out the rows in which the attitude was lost".to_owned()
+    } else {
+        format!(
+            "has the length {length:.4}, and an attitude has length 1. Are these angles, or other columns? --columns \
+             'xyzw=…' or 'wxyz=…' names the right ones"
+        )
+    };
+    Err(IdentificationError::File {
+        place: format!("{source}, row {row}"),
+        message: format!("the quaternion of `{}`, x {x} y {y} z {z} w {w}, {why}", joint.name),
+    })
+}
+
+/// Forces in each row: those of joints without a quaternion as measured, or of the inputs. NaN where an input acts that the
+/// log does not have.
+fn forces(run: &Run, efforts: &[Vec<f64>], robot: &dyn Robot, acting: &Acting) -> Vec<Vec<f64>> {
+    let n = run.positions.len();
+    let samples = run.times.len();
+    let mut forces = vec![vec![0.0; samples]; n];
+    match acting {
+        Acting::Joints => {
+            let rows = super::super::pose::rows_of(&robot.quaternion_joints(), n);
+            let plain = forces.iter_mut().zip(rows).filter(|(_, has_quaternion)| !has_quaternion);
+            plain.zip(efforts).for_each(|((force, _), effort)| force.clone_from(effort));
+        }
+        Acting::Inputs(known) => {
+            let inputs = robot.input_names().len();
+            let (mut u, mut force) = (vec![0.0; inputs], vec![0.0; n]);
+            for i in 0..samples {
+                let y: Vec<f64> = run.poses.iter().map(|column| column[i]).collect();
+                known.iter().zip(efforts).for_each(|(input, column)| u[*input] = column[i]);
+                robot.input_forces(&y, &u, &mut force);
+                forces.iter_mut().zip(&force).for_each(|(column, force)| column[i] = *force);
+            }
+            let matrix = robot.input_matrix();
+            let is_unknown =
+                |row: usize| (0..inputs).any(|i| !known.contains(&i) && matrix[row * inputs + i] != 0.0);
+            (0..n).filter(|row| is_unknown(*row)).for_each(|row| forces[row].fill(f64::NAN));
+        }
+    }
+    forces
+}
+
+/// Rows in which nothing acts tell ratios of the parameters alone: a robot without mass would explain them best.
+fn require_some_force(run: &Run, source: &str) -> Result<()> {
+    if run.efforts.iter().flatten().any(|force| force.is_finite() && *force != 0.0) {
+        return Ok(());
+    }
+    Err(IdentificationError::File {
+        place: source.into(),
+        message: "no force is known that acts on the robot: without one, motions tell ratios of its masses and inertias \
+                  alone. Record the inputs or the torques of the joints, or add the forces on the base as inputs at frames \
+                  to the description (`[[inputs]]` with `frame` and `wrench`) and to the log"
+            .into(),
+    })
+}

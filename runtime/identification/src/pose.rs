@@ -1,0 +1,110 @@
+//! Joints whose attitude is a quaternion: their poses, and coordinates in which they can be filtered.
+
+use gelenk_dynamics::dynamics::{difference, integrate};
+
+/// A spherical or floating joint. Its positions are a quaternion x, y, z, w of unit length, behind the position of the
+/// origin in the parent's frame where the joint is floating. Its velocities are the angular velocity in the body's own
+/// frame, behind the linear one in the same frame.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct QuaternionJoint {
+    /// Its name.
+    pub name: String,
+    /// Its first position entry.
+    pub position: usize,
+    /// Its first velocity entry.
+    pub velocity: usize,
+    /// Whether it slides, too.
+    pub is_floating: bool,
+}
+
+impl QuaternionJoint {
+    /// Its position entries.
+    pub fn positions(&self) -> std::ops::Range<usize> {
+        self.position..self.position + if self.is_floating { 7 } else { 4 }
+    }
+
+    /// Its velocity entries.
+    pub fn velocities(&self) -> std::ops::Range<usize> {
+        self.velocity..self.velocity + if self.is_floating { 6 } else { 3 }
+    }
+
+    /// Where the quaternion begins among its positions.
+    pub(crate) fn quaternion(&self) -> usize {
+        if self.is_floating { 3 } else { 0 }
+    }
+
+    /// `to ⊖ from` of poses of this joint: the velocities that lead from one to the other within a second, by the shorter
+    /// way round.
+    pub(crate) fn way(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
+        if self.is_floating {
+            return difference::<1, 6, 7>(&[7], &entries(from), &entries(to)).to_vec();
+        }
+        difference::<1, 3, 4>(&[4], &entries(from), &entries(to)).to_vec()
+    }
+
+    /// `pose ⊕ way`.
+    pub(crate) fn moved(&self, pose: &[f64], way: &[f64]) -> Vec<f64> {
+        if self.is_floating {
+            return integrate::<1, 6, 7>(&[7], &entries(pose), &entries(way)).to_vec();
+        }
+        integrate::<1, 3, 4>(&[4], &entries(pose), &entries(way)).to_vec()
+    }
+}
+
+/// The first K values; NaN where there are fewer.
+fn entries<const K: usize>(values: &[f64]) -> [f64; K] {
+    values.first_chunk().copied().unwrap_or([f64::NAN; K])
+}
+
+/// For each of `n` velocity entries, whether it belongs to a joint with a quaternion.
+///
+/// No sensor measures the forces of these rows: they are those of the inputs that act there, and zero without one. There
+/// is neither an offset in them nor friction that is estimated.
+pub(crate) fn rows_of(joints: &[QuaternionJoint], n: usize) -> Vec<bool> {
+    (0..n).map(|i| joints.iter().any(|joint| joint.velocities().contains(&i))).collect()
+}
+
+/// The position entry of each of `n` velocity entries; `None` for those of joints with a quaternion.
+pub(crate) fn plain_positions(joints: &[QuaternionJoint], n: usize) -> Vec<Option<usize>> {
+    let before = |i: usize| joints.iter().filter(|joint| joint.velocity < i).count();
+    let rows = rows_of(joints, n);
+    (0..n).map(|i| (!rows[i]).then(|| i + before(i))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn joints() -> [QuaternionJoint; 2] {
+        let joint = |name: &str, position, velocity, is_floating| QuaternionJoint {
+            name: name.into(),
+            position,
+            velocity,
+            is_floating,
+        };
+        [joint("base", 0, 0, true), joint("ball", 8, 7, false)]
+    }
+
+    #[test]
+    fn entries_have_their_places() {
+        let [base, ball] = joints();
+        assert_eq!((base.positions(), base.velocities()), (0..7, 0..6));
+        assert_eq!((ball.positions(), ball.velocities()), (8..12, 7..10));
+        let plain = plain_positions(&joints(), 11);
+        assert_eq!((plain[6], plain[10], plain[0], plain[8]), (Some(7), Some(12), None, None));
+        assert_eq!(rows_of(&joints(), 11).iter().filter(|row| **row).count(), 9);
+    }
+
+    #[test]
+    fn ways_lead_to_their_ends_and_signs_do_not_matter() {
+        let base = &joints()[0];
+        let from = [1.0, -2.0, 0.5, 0.5, 0.5, 0.5, 0.5];
+        let way = [0.3, 0.1, -0.2, 0.4, -0.7, 0.2];
+        let to = base.moved(&from, &way);
+        let other: Vec<f64> = to.iter().enumerate().map(|(i, x)| if i < 3 { *x } else { -x }).collect();
+        for end in [&to, &other] {
+            let back = base.way(&from, end);
+            assert!(back.iter().zip(way).all(|(a, b)| (a - b).abs() < 1e-14), "{back:?}");
+        }
+    }
+}
