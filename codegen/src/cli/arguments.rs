@@ -82,11 +82,13 @@ Examples:
   gelenk identify arm.toml log.csv                        writes arm_identified.toml
   gelenk identify ur10.urdf monday.csv tuesday.csv --report page
   gelenk identify arm.toml log.csv --columns 'time=t,position=pos_{},torque=i_{} [N m]'
+  gelenk identify drone.toml flight.csv --columns 'place=2..4,wxyz=5..8,input=9..12'
   gelenk identify arm.toml --reduce log.csv --output log.moments       one task for each log of a fleet
   gelenk identify arm.toml --merge *.moments --output arm_identified.toml
   gelenk identify arm.toml --merge *.moments --output all.moments      their sum, to be merged again
 
-In --columns, {} is a joint's number and {name} its name.
+In --columns, {} is a joint's number and {name} its name. Of a floating joint, place is x, y, z, and
+wxyz or xyzw is the quaternion.
 
 Exit codes: 0 success, 1 a file is at fault or the data explain nothing, 2 wrong command line.";
 
