@@ -94,6 +94,7 @@ fn generate_from(
         accept_unphysical: options.accept_unphysical,
         exact_sign: options.exact_sign,
         floating_base: options.floating_base,
+        free_driven: false,
     };
     let Loaded { model, notes, files } = description.load(&read_options)?;
     tools::check(&model, &options.emit.companions)?;

@@ -354,6 +354,7 @@ impl Reading {
             accept_unphysical: self.accept_unphysical,
             exact_sign: false,
             floating_base: self.floats(),
+            free_driven: false,
         }
     }
 

@@ -59,8 +59,6 @@ fn problem(diagnostics: Diagnostics) -> Failure {
 
 fn page(arguments: &arguments::Report, loaded: &Loaded) -> Result<Report, Failure> {
     let most = arguments.max_operations.unwrap_or(MOST_OPERATIONS);
-    let help = "`gelenk generate` writes the module of such a robot; `motion = \"free\"` at these joints makes a robot with a page";
-    loaded.model.refuse_driven("there is no page", help).map_err(problem)?;
     // All functions, whatever the description asks to generate.
     let request = Request { names: &[], most, form: Form::Cheapest, straight: &[] };
     let selected = selection::derive(&loaded.model, &request).map_err(problem)?;

@@ -23,6 +23,8 @@ pub struct InterpretedRobot {
     input_matrix: Vec<f64>,
     /// B(y), where inputs act at frames.
     input_matrix_at: Option<Function>,
+    /// Joints that something else moves.
+    unmeasured: Vec<bool>,
     /// Described values of the free parameters.
     free: Vec<f64>,
 }
@@ -34,7 +36,7 @@ impl InterpretedRobot {
     /// # Errors
     /// As [`derive_in_form`]: a robot whose functions cannot be generated. `driven-joint` where joints are driven.
     pub fn new(model: &Model) -> Result<Self, Diagnostics> {
-        let help = "logs have no prescribed motion: `motion = \"free\"` at these joints makes the robot that a log of all joints is of";
+        let help = "read the description with `ReadOptions::free_driven`, and name these joints by `with_unmeasured`";
         model.refuse_driven("robots are not identified", help)?;
         let mut model = model.clone();
         let attitudes: Vec<usize> =
@@ -59,6 +61,7 @@ impl InterpretedRobot {
         let [regressor, inverse_dynamics, parameters, input_matrix] =
             names.each_ref().map(|name| function(name));
         Ok(Self {
+            unmeasured: vec![false; model.coordinates.len()],
             parameters: result(&parameters, &[], &free),
             input_matrix: with_zero_columns(&result(&input_matrix, &[], &free), frame_inputs.len(), &model),
             model: Model { force_inputs: frame_inputs, ..model },
@@ -67,6 +70,13 @@ impl InterpretedRobot {
             input_matrix_at,
             free,
         })
+    }
+
+    /// The same robot, of which something else moves these joints: logs have their motion, and not their forces.
+    #[must_use]
+    pub fn with_unmeasured(mut self, names: &[String]) -> Self {
+        self.unmeasured = self.model.joints().map(|joint| names.contains(&joint.name)).collect();
+        self
     }
 
     /// The model, without friction.
@@ -167,6 +177,10 @@ impl Robot for InterpretedRobot {
 
     fn has_inputs_at_frames(&self) -> bool {
         self.model.inputs_depend_on_position()
+    }
+
+    fn unmeasured(&self) -> Vec<bool> {
+        self.unmeasured.clone()
     }
 
     /// As the generator takes friction under load: none in robots with couplings or inputs at frames.

@@ -146,6 +146,9 @@ fn finish(
             robot.floating_base.get_or_insert(robot.name.span);
         }
         floating_base::free(&mut robot, &mut reader.report);
+        if options.free_driven {
+            free_driven(&mut robot);
+        }
         validate::model(&robot, &mut reader.report)
     });
     reader.angles.report(&mut reader.report);
@@ -157,6 +160,14 @@ fn finish(
     match model {
         Some(model) if !failed => Ok((model, diagnostics)),
         _ => Err(diagnostics),
+    }
+}
+
+/// Driven joints as coordinates without a drive.
+fn free_driven(robot: &mut RobotDescription) {
+    for joint in robot.joints.iter_mut().filter(|joint| joint.is_driven()) {
+        let span = joint.driven.take().map_or(joint.name.span, |driven| driven.span);
+        joint.drive = Some(At::new(DriveChoice::Passive, span));
     }
 }
 

@@ -17,4 +17,6 @@ pub struct ReadOptions {
     pub exact_sign: bool,
     /// The base moves freely.
     pub floating_base: bool,
+    /// Driven joints are coordinates without a drive, as in a log that has the motion of all joints.
+    pub free_driven: bool,
 }

@@ -78,6 +78,9 @@ fn head(robot: &Robot<'_>) -> Report {
         .fact("coordinates", robot.n().to_string())
         .fact("inputs", robot.inputs().len().to_string())
         .fact("bodies", robot.bodies().len().to_string());
+    if !model.driven.is_empty() {
+        report = report.fact("driven joints", model.driven.len().to_string());
+    }
     if !model.parameters.is_empty() {
         report = report.fact("free parameters", model.parameters.len().to_string());
     }
@@ -93,9 +96,24 @@ fn robot_section(robot: &Robot<'_>) -> Section {
     let scene = scene::scene(robot);
     section
         .block(Block::Scene(scene.clone()))
+        .blocks(driven(robot).map(|sentence| text(&sentence)))
         .blocks(quaternions(robot).iter().map(|sentence| text(sentence)))
         .block(text("The kinematic tree: circles turn, squares slide, a circle in a square does both, bars are fixed or held; what a drive moves is filled."))
         .block(Block::Tree(scene))
+}
+
+/// What the argument of the driven joints is.
+fn driven(robot: &Robot<'_>) -> Option<String> {
+    let joints = robot.model.driven_joints().enumerate();
+    let names: Vec<String> =
+        joints.map(|(index, joint)| format!("$d_{{{}}}$ ({})", index + 1, joint.name)).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "Something else moves {}: position, velocity and acceleration are an argument $d$ of all functions below, beside \
+             those that are written.",
+            names.join(", ")
+        )
+    })
 }
 
 fn parameters_section(robot: &Robot<'_>) -> Section {

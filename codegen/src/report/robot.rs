@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 
 use crate::dynamics::load_friction;
 use crate::formula::Formula;
+use crate::functions::catalogue::Argument;
 use crate::functions::function::Function;
 use crate::functions::selection::derive_functions;
 use crate::functions::size::MOST_OPERATIONS;
@@ -19,6 +20,8 @@ pub(super) struct Robot<'a> {
     pub parameters: Vec<f64>,
     /// Names of the free parameters.
     pub parameter_names: Vec<String>,
+    /// Position, velocity and acceleration of each driven joint.
+    driven: Vec<f64>,
     /// The springs of a robot that has no others than the laws with an energy, once they are asked for.
     laws: OnceCell<Vec<Function>>,
 }
@@ -31,8 +34,25 @@ impl<'a> Robot<'a> {
             functions,
             parameters: parameters.clone().map(|one| one.default).collect(),
             parameter_names: parameters.map(|one| one.name.clone()).collect(),
+            driven: vec![0.0; 3 * model.driven.len()],
             laws: OnceCell::new(),
         }
+    }
+
+    /// The same robot at another motion of its driven joints: position, velocity and acceleration of each.
+    pub(super) fn driven_by(&self, driven: Vec<f64>) -> Self {
+        Self {
+            driven,
+            parameters: self.parameters.clone(),
+            parameter_names: self.parameter_names.clone(),
+            laws: self.laws.clone(),
+            ..*self
+        }
+    }
+
+    /// Velocities of the coordinates, then those of the driven joints.
+    pub(super) fn all_velocities(&self, velocities: &[f64]) -> Vec<f64> {
+        velocities.iter().chain(self.driven.iter().skip(1).step_by(3)).copied().collect()
     }
 
     /// `\sum ratio y_i + offset` as a formula.
@@ -110,9 +130,7 @@ impl<'a> Robot<'a> {
             return Some(still);
         }
         let [springs] = self.laws.get_or_init(|| self.laws()).as_slice() else { return None };
-        let results =
-            interpret(&springs.program, &[positions, &still], &self.parameters, &Functions::EMBEDDED);
-        results.ok()?.into_iter().next()
+        self.results(springs, &[positions, &still])?.into_iter().next()
     }
 
     /// `spring_forces` of a robot that has no other springs than these laws.
@@ -125,8 +143,9 @@ impl<'a> Robot<'a> {
     /// Friction torques at positions and velocities.
     pub fn friction_torques(&self, positions: &[f64], velocities: &[f64]) -> Option<Vec<f64>> {
         let name = "friction_torques";
-        match self.function(name)?.program.inputs.as_slice() {
-            [_] => self.first(name, &[velocities]),
+        let takes_driven = usize::from(self.takes_driven(self.function(name)?));
+        match self.function(name)?.program.inputs.len() - takes_driven {
+            1 => self.first(name, &[velocities]),
             _ => self.first(name, &[positions, velocities]),
         }
     }
@@ -134,8 +153,19 @@ impl<'a> Robot<'a> {
     /// Results of a function, each flat, rows first; `None` where there is none of that name or inputs do not
     /// fit.
     pub fn call(&self, name: &str, inputs: &[&[f64]]) -> Option<Vec<Vec<f64>>> {
-        let program = &self.function(name)?.program;
-        interpret(program, inputs, &self.parameters, &Functions::EMBEDDED).ok()
+        self.results(self.function(name)?, inputs)
+    }
+
+    /// Whether the motion of the driven joints is an argument of a function, behind the others.
+    fn takes_driven(&self, function: &Function) -> bool {
+        let last = function.program.inputs.last();
+        !self.driven.is_empty() && last.is_some_and(|input| input.name == Argument::Driven.name())
+    }
+
+    fn results(&self, function: &Function, inputs: &[&[f64]]) -> Option<Vec<Vec<f64>>> {
+        let driven: &[&[f64]] = if self.takes_driven(function) { &[&self.driven] } else { &[] };
+        let inputs = [inputs, driven].concat();
+        interpret(&function.program, &inputs, &self.parameters, &Functions::EMBEDDED).ok()
     }
 
     /// First result of a function.

@@ -11,9 +11,17 @@ pub(super) struct State {
     pub v: Vec<f64>,
     pub a: Vec<f64>,
     pub u: Vec<f64>,
+    /// Position, velocity and acceleration of each driven joint.
+    pub d: Vec<f64>,
 }
 
 impl State {
+    /// The motion of the driven joints, without their velocities and accelerations where they rest.
+    pub fn driven(&self, rest: bool) -> Vec<f64> {
+        let moves = |place: usize| !rest || place.is_multiple_of(3);
+        self.d.iter().enumerate().map(|(place, d)| if moves(place) { *d } else { 0.0 }).collect()
+    }
+
     /// A state within the limits. No velocity is close to 0, where friction may jump.
     pub fn seeded(robot: &Robot<'_>, random: &mut Random) -> Self {
         let joints = robot.joints();
@@ -42,6 +50,11 @@ impl State {
             }
         });
         let u = u.collect();
-        Self { y, v, a, u }
+        let d = robot.model.driven_joints().flat_map(|joint| {
+            let [low, high] = joint.seeded_range();
+            [random.between(low, high), random.either_side(0.1, 1.0), random.either_side(0.1, 2.0)]
+        });
+        let d = d.collect();
+        Self { y, v, a, u, d }
     }
 }

@@ -28,14 +28,19 @@ pub(super) fn coordinates(robot: &Robot<'_>) -> Table {
     .column("speed", "velocity limit", "")
     .column("effort", "effort limit", "")
     .column("peak effort", "peak effort limit", "");
-    let joints = robot.joints().into_iter().enumerate();
-    table.rows(joints.map(|(index, joint)| {
+    let unknown = robot.joints().into_iter().enumerate();
+    let unknown = unknown.map(|(index, joint)| (format!("y_{{{}}}", index + 1), kind(joint.kind), joint));
+    let driven = robot.model.driven_joints().enumerate();
+    let driven = driven.map(|(index, joint)| {
+        (format!("d_{{{}}}", index + 1), format!("{}, motion given", kind(joint.kind)), joint)
+    });
+    table.rows(unknown.chain(driven).map(|(symbol, kind, joint)| {
         let limits = joint.limits;
         let position = limits.position;
         vec![
-            Cell::Line(vec![Inline::Math(format!("y_{{{}}}", index + 1))]),
+            Cell::Line(vec![Inline::Math(symbol)]),
             Cell::Text(joint.name.clone()),
-            Cell::Text(kind(joint.kind)),
+            Cell::Text(kind),
             Cell::exact_or_empty(position.map(|[low, _]| low)),
             Cell::exact_or_empty(position.map(|[_, high]| high)),
             Cell::exact_or_empty(limits.velocity),

@@ -56,6 +56,12 @@ pub trait Robot {
         }
     }
 
+    /// Tells of each joint whether something else moves it, as a linear axis under a robot: logs have its motion, and not its
+    /// force.
+    fn unmeasured(&self) -> Vec<bool> {
+        vec![false; self.joint_names().len()]
+    }
+
     /// Tells of each joint whether an input drives it and nothing else: where a gear's load is known, so that friction
     /// can grow with it.
     fn own_inputs(&self) -> Vec<bool> {
@@ -68,6 +74,24 @@ pub trait Robot {
     /// `M ÿ + k − q` with the described parameters and without friction, one entry for each joint [N·m or N].
     /// Springs and other forces that are no inertia are in here and not in `W π`.
     fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]);
+}
+
+/// Refuses robots with quaternions, and those of which something else moves a joint.
+///
+/// - `what`: what is not done for them, as the beginning of a sentence
+///
+/// # Errors
+/// [`IdentificationError::File`] with the name of such a joint.
+pub(crate) fn require_plain(robot: &dyn Robot, what: &str, help: &str) -> Result<()> {
+    require_no_quaternions(robot, what, help)?;
+    let names = robot.joint_names().into_iter().zip(robot.unmeasured());
+    match names.filter(|(_, unmeasured)| *unmeasured).map(|(name, _)| name).next() {
+        Some(joint) => Err(IdentificationError::File {
+            place: format!("joint {joint}"),
+            message: format!("{what} where a joint is driven: {help}"),
+        }),
+        None => Ok(()),
+    }
 }
 
 /// Refuses robots with quaternions.

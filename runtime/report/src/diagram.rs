@@ -33,7 +33,7 @@ pub(super) fn tree(scene: &Scene) -> Markup {
     html! {
         svg.tree viewBox=(format!("0 0 {width} {height}")) style=(format!("width: {width}px")) role="img" aria-label=(label) {
             @for (joint, entry) in scene.joints.iter().enumerate() {
-                (edge(entry, places[node(entry.parent)], places[joint + 1]))
+                (edge(scene, entry, places[node(entry.parent)], places[joint + 1]))
             }
             (link(&scene.base, mass(scene, None), places[0]))
             @for (joint, entry) in scene.joints.iter().enumerate() {
@@ -115,7 +115,7 @@ fn link(name: &str, mass: f64, place: Place) -> Markup {
     }
 }
 
-fn edge(joint: &SceneJoint, from: Place, to: Place) -> Markup {
+fn edge(scene: &Scene, joint: &SceneJoint, from: Place, to: Place) -> Markup {
     let ((x1, y1), (x2, y2)) = (center(from), center(to));
     let (start, end) = (y1 + 0.5 * BOX.1, y2 - 0.5 * BOX.1);
     let middle = 0.5 * (start + end);
@@ -127,7 +127,7 @@ fn edge(joint: &SceneJoint, from: Place, to: Place) -> Markup {
             (shortened(&joint.name, 20))
             title { (joint.name) }
         }
-        text.small x=(x2 + 15.0) y=(middle + 13.0) { (words(joint)) }
+        text.small x=(x2 + 15.0) y=(middle + 13.0) { (words(scene, joint)) }
     }
 }
 
@@ -155,7 +155,11 @@ fn symbol(joint: &SceneJoint, x: f64, y: f64) -> Markup {
     }
 }
 
-fn words(joint: &SceneJoint) -> String {
+fn words(scene: &Scene, joint: &SceneJoint) -> String {
+    let letter = |coordinate: usize| {
+        let (letter, number) = scene.letter(coordinate);
+        format!("{letter}{}", subscript(number))
+    };
     let kind = match joint.kind {
         SceneKind::Turns => "turns",
         SceneKind::Slides => "slides",
@@ -165,11 +169,12 @@ fn words(joint: &SceneJoint) -> String {
         SceneMotion::Fixed => "fixed".to_owned(),
         SceneMotion::Held(position) => format!("held at {} {}", rounded(*position, 4), joint.unit()),
         SceneMotion::Coordinate(index) => match joint.input {
-            Some(_) => format!("y{}, {kind}, driven", subscript(index + 1)),
-            None => format!("y{}, {kind}", subscript(index + 1)),
+            Some(_) => format!("{}, {kind}, driven", letter(*index)),
+            None if letter(*index).starts_with('d') => format!("{}, {kind} as given", letter(*index)),
+            None => format!("{}, {kind}", letter(*index)),
         },
         SceneMotion::Follows { terms, .. } => {
-            let names = terms.iter().map(|(index, _)| format!("y{}", subscript(index + 1)));
+            let names = terms.iter().map(|(index, _)| letter(*index));
             format!("{kind} with {}", names.collect::<Vec<_>>().join(", "))
         }
     }

@@ -351,7 +351,7 @@ fn scene_markup(scene: &Scene) -> Markup {
             }
             div.controls {
                 @for (index, joint) in scene.coordinates().into_iter().enumerate() {
-                    (slider(index, joint))
+                    (slider(index, scene.letter(index), joint))
                 }
                 button.home type="button" { "All joints to the start" }
                 @if !scene.frames.is_empty() {
@@ -376,15 +376,15 @@ fn scene_markup(scene: &Scene) -> Markup {
     }
 }
 
-fn slider(index: usize, joint: &SceneJoint) -> Markup {
+fn slider(index: usize, (letter, number): (char, usize), joint: &SceneJoint) -> Markup {
     let [low, high] = joint.range();
     html! {
         div.slider {
             span.joint-name {
-                i { "y" } sub { (index + 1) } " " (joint.name)
+                i { (letter) } sub { (number) } " " (joint.name)
             }
             output {}
-            input type="range" aria-label=(format!("y{} {}", index + 1, joint.name)) min=(low) max=(high) step="any" value=(joint.start()) data-coordinate=(index)
+            input type="range" aria-label=(format!("{letter}{number} {}", joint.name)) min=(low) max=(high) step="any" value=(joint.start()) data-coordinate=(index)
                 data-start=(joint.start()) data-unit=(joint.unit());
         }
     }

@@ -13,6 +13,8 @@ pub struct Scene {
     pub gravity: [f64; 3],
     /// Joints, each with the link that it carries; parents stand before their children.
     pub joints: Vec<SceneJoint>,
+    /// So many of the last coordinates are no unknowns of the equations: something else moves them.
+    pub driven: usize,
     /// Bodies on the links.
     pub bodies: Vec<SceneBody>,
     /// Named frames.
@@ -153,6 +155,15 @@ impl Scene {
             .collect();
         moving.sort_by_key(|(index, _)| *index);
         moving.into_iter().map(|(_, joint)| joint).collect()
+    }
+
+    /// Letter and number of a coordinate: d for those that something else moves.
+    pub(super) fn letter(&self, coordinate: usize) -> (char, usize) {
+        let unknown = self.coordinates().len().saturating_sub(self.driven);
+        match coordinate.checked_sub(unknown) {
+            Some(driven) => ('d', driven + 1),
+            None => ('y', coordinate + 1),
+        }
     }
 
     /// The scene as the script reads it.

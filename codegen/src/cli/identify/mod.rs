@@ -10,7 +10,7 @@ use super::Failure;
 use super::arguments::{Format, Identify};
 use super::print;
 use crate::identify::InterpretedRobot;
-use crate::model::{self, Loaded};
+use crate::model::{self, Loaded, ReadOptions};
 
 /// Identifies a robot from its logs or their moments, reduces logs to moments, or plans a motion to record.
 pub(super) fn identify(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
@@ -29,8 +29,16 @@ fn read(arguments: &Identify) -> Result<(Loaded, InterpretedRobot), Failure> {
     if !loaded.notes.is_empty() {
         print::err(&format!("{}\n\n", loaded.notes));
     }
-    let robot = InterpretedRobot::new(&loaded.model).map_err(at_fault)?;
-    Ok((loaded, robot))
+    let driven: Vec<String> = loaded.model.driven_joints().map(|joint| joint.name.clone()).collect();
+    if driven.is_empty() {
+        let robot = InterpretedRobot::new(&loaded.model).map_err(at_fault)?;
+        return Ok((loaded, robot));
+    }
+    // A log has the motion of all joints. What moves these is not in it.
+    let options = ReadOptions { free_driven: true, ..arguments.reading.options() };
+    let freed = model::read(&arguments.description, &options).map_err(at_fault)?;
+    let robot = InterpretedRobot::new(&freed.model).map_err(at_fault)?;
+    Ok((loaded, robot.with_unmeasured(&driven)))
 }
 
 /// Says on standard error what is being done.

@@ -35,7 +35,7 @@ pub enum Argument {
 use Argument::{Accelerations, Coordinates, Driven, Inputs, Multipliers, Velocities, Wrenches};
 
 impl Argument {
-    pub(in crate::functions) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Coordinates => "y",
             Velocities => "v",

@@ -43,6 +43,9 @@ impl Checked<'_> {
         let names = self.robot.joint_names();
         let mut warnings = Vec::new();
         for (joint, name) in names.iter().enumerate() {
+            if self.robot.unmeasured()[joint] {
+                continue;
+            }
             if !self.layout.measured[joint] {
                 warnings.push(format!(
                     "Joint {name} has no measured effort: its friction, drive and offset stay as described, and its \

@@ -202,7 +202,8 @@ fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
         Effort::Joint => known(&run.efforts[joint]),
         _ => (0..inputs).all(|input| b[joint * inputs + input] == 0.0 || known(&run.efforts[input])),
     };
-    (0..joints).map(|joint| runs.iter().all(|run| of_run(joint, run))).collect()
+    let unmeasured = robot.unmeasured();
+    (0..joints).map(|joint| !unmeasured[joint] && runs.iter().all(|run| of_run(joint, run))).collect()
 }
 
 /// Efforts at inputs are those at the joints only through a known B.

@@ -50,7 +50,7 @@ impl Finder<'_> {
 
     fn told_efforts(&self, at_joints: bool, pattern: &super::options::Pattern) -> Result<(Acting, Found)> {
         if at_joints {
-            return Ok((Acting::Joints, self.by_pattern(pattern, &self.robot.joints)?));
+            return Ok((Acting::Joints, self.by_pattern(pattern, &self.robot.torques)?));
         }
         let all = self.by_pattern(pattern, &self.robot.inputs);
         match all {
@@ -66,8 +66,8 @@ impl Finder<'_> {
         let robot = self.robot;
         if wanted != Some(Effort::Input)
             && !has_frames
-            && !robot.joints.names.is_empty()
-            && let Some(found) = self.best(&[Kind::Torque], &robot.joints)?
+            && !robot.torques.names.is_empty()
+            && let Some(found) = self.best(&[Kind::Torque], &robot.torques)?
         {
             return Ok((Acting::Joints, found));
         }

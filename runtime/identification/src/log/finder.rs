@@ -11,6 +11,10 @@ use super::vocabulary::Header;
 /// A robot's joints and inputs as columns are matched with them. Velocities of joints with a quaternion are no joints here.
 pub(super) struct RobotColumns {
     pub joints: Targets,
+    /// Joints whose torques a log may have: all but those that something else moves.
+    pub torques: Targets,
+    /// `rad` or `m`, of each of them.
+    pub torque_units: Vec<&'static str>,
     pub inputs: Targets,
     /// Joints with a quaternion.
     pub quaternions: Vec<QuaternionJoint>,
@@ -51,6 +55,8 @@ impl RobotColumns {
         let at_frames: Vec<bool> = (0..m).map(|input| robot.has_inputs_at_frames() && !acts(input)).collect();
         let frame_inputs = inputs.iter().zip(&at_frames).filter(|(_, at)| **at).map(|(name, _)| name.clone());
         let frame_inputs: Vec<String> = frame_inputs.collect();
+        let unmeasured = robot.unmeasured();
+        let measured: Vec<usize> = (0..n).filter(|j| !unmeasured[lines[*j]]).collect();
         let unit = |joint: Option<usize>| joint.and_then(|j| units.get(j).copied()).unwrap_or("rad");
         let direct = n == m
             && (0..n)
@@ -58,6 +64,8 @@ impl RobotColumns {
         Self {
             inputs: Targets::new(&inputs, &others),
             joints: Targets::new(&joints, &[]),
+            torques: Targets::new(&measured.iter().map(|j| joints[*j].clone()).collect::<Vec<_>>(), &[]),
+            torque_units: measured.iter().map(|j| units[*j]).collect(),
             input_units: driven.into_iter().map(unit).collect(),
             units,
             direct,

@@ -198,7 +198,8 @@ fn efforts(runs: &[Run], robot: &dyn Robot, limits: &[JointLimits]) -> Vec<RunFi
     let Some(effort) = runs.first().map(|r| r.effort) else { return Vec::new() };
     let names = if effort == Effort::Joint { robot.joint_names() } else { robot.input_names() };
     let exact = rows_of(&robot.quaternion_joints(), names.len());
-    let is_exact = |i: usize| effort == Effort::Joint && exact[i];
+    let unmeasured = robot.unmeasured();
+    let is_exact = |i: usize| effort == Effort::Joint && (exact[i] || unmeasured[i]);
     let mut findings = Vec::new();
     for (i, name) in names.iter().enumerate().filter(|(i, _)| !is_exact(*i)) {
         let mut values = pooled(runs, |r| r.efforts.get(i));

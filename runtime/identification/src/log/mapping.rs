@@ -175,7 +175,7 @@ impl Finder<'_> {
             return (Kind::Input, &self.robot.frame_inputs);
         }
         match effort {
-            Effort::Joint => (Kind::Torque, &self.robot.joints),
+            Effort::Joint => (Kind::Torque, &self.robot.torques),
             Effort::Input => (Kind::Input, &self.robot.inputs),
             Effort::Current => (Kind::Current, &self.robot.inputs),
         }

@@ -2,7 +2,7 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
-use super::super::run::Run;
+use super::super::run::{Effort, Run};
 use super::FindingKind;
 use super::finder::RobotColumns;
 use super::finding::RunFinding;
@@ -317,15 +317,25 @@ pub(super) fn split(
     let names = names(&samples, &kept, source);
     let mut runs: Vec<Run> =
         kept.iter().zip(names).map(|(part, name)| samples.run(part, name, &clock, mapping)).collect();
-    if let Some(acting) = &mapping.acting {
-        for run in &mut runs {
-            *run = unrolled(run, robot, acting, source, findings)?;
+    for run in &mut runs {
+        match &mapping.acting {
+            Some(acting) => *run = unrolled(run, robot, acting, source, findings)?,
+            None => add_unmeasured(run, robot),
         }
     }
     for run in &mut runs {
         findings.extend(super::health::unwrap_turns(run, robot, source));
     }
     Ok(runs)
+}
+
+/// Torques of the joints that something else moves, which no log has: NaN.
+fn add_unmeasured(run: &mut Run, robot: &dyn Robot) {
+    if run.effort != Effort::Joint {
+        return;
+    }
+    let unmeasured = robot.unmeasured().into_iter().enumerate().filter(|(_, unmeasured)| *unmeasured);
+    unmeasured.for_each(|(joint, _)| run.efforts.insert(joint, vec![f64::NAN; run.times.len()]));
 }
 
 /// Samples of each run, and the median step between them.

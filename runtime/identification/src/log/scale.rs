@@ -20,8 +20,11 @@ pub(super) fn factor(
     joint: usize,
     told: Option<Unit>,
 ) -> Result<(f64, String)> {
-    let of_input = matches!(kind, Kind::Input | Kind::Current);
-    let units = if of_input { &finder.robot.input_units } else { &finder.robot.units };
+    let units = match kind {
+        Kind::Input | Kind::Current => &finder.robot.input_units,
+        Kind::Torque => &finder.robot.torque_units,
+        _ => &finder.robot.units,
+    };
     let wanted = accepted(kind, units.get(joint).copied().unwrap_or("rad"));
     let header = finder.headers.get(column);
     let named = told.or_else(|| header.and_then(|h| h.unit));

@@ -7,7 +7,7 @@ use super::super::estimation::{
 };
 use super::super::identify::{IdentificationSettings, faults, read_and_prepare};
 use super::super::preparation::PreparationReport;
-use super::super::robot::{Robot, require_no_quaternions};
+use super::super::robot::{Robot, require_plain};
 use super::super::run::PreparedRun;
 use super::contiguous_blocks;
 use super::exact::Exact;
@@ -47,7 +47,7 @@ pub fn reduce(
     progress: &mut dyn FnMut(&str),
 ) -> Result<LogMoments> {
     let help = "identify from the logs themselves, all of them in one call";
-    require_no_quaternions(robot, "logs are not reduced to moments", help)?;
+    require_plain(robot, "logs are not reduced to moments", help)?;
     let logs = [log.to_owned()];
     let (recording, runs, preparation) = read_and_prepare(robot, &logs, settings, progress)?;
     recording.findings.iter().for_each(|finding| progress(&finding.to_string()));

@@ -62,8 +62,13 @@ impl Recorded<'_> {
             delay: delays.get(j).map_or(0.0, |d| d.removed),
             sample_rate: 1.0 / how.step,
             velocity: velocity_check(smoothed, j),
-            fault: self.faults.get(j).cloned().flatten(),
+            fault: self.faults.get(j).cloned().flatten().filter(|_| !self.is_unmeasured(j)),
         }
+    }
+
+    /// Whether something else moves a joint: that its force is not known is no fault.
+    fn is_unmeasured(&self, joint: usize) -> bool {
+        self.robot.is_some_and(|robot| robot.unmeasured()[joint])
     }
 
     /// What was left out of each run.
