@@ -1,7 +1,7 @@
 //! Rows that arrays share one after the other.
 //!
-//! Every variable of its own would be filled with zeros first, and all of them together would not fit into a cache of the
-//! first level: for a quadruped 62 kB instead of 31 kB, and a tenth of the time.
+//! Each variable is filled with zeros first. With variables of its own for each array, those of a quadruped take 62 kB instead
+//! of 31 kB, more than a cache of the first level holds, and A and B_x take 7 % more time.
 
 use crate::emit::arrays::Row;
 use crate::program::arrays::Arrays;
