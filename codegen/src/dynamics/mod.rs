@@ -2,8 +2,9 @@
 //!
 //! `recursion` holds the equations over the bodies, `search` chooses among their forms, `per_joint` writes
 //! the large ones as loops over joints, `parameters` knows what they are linear in, and [`equations`] is the
-//! door.
+//! door, with what accelerates in `accelerations`.
 
+mod accelerations;
 pub mod arguments;
 pub mod equations;
 pub mod forces;
