@@ -47,9 +47,10 @@ pub(super) fn finish(
     command: &str,
     output: &Path,
 ) -> Result<ExitCode, Failure> {
-    let replaced = replaced_load(&loaded.model, found);
-    replaced.iter().for_each(|words| super::say(words));
-    describe(arguments, robot, found, (command, replaced), output)?;
+    let remarks: Vec<String> =
+        replaced_load(&loaded.model, found).into_iter().chain(without_wrenches(&loaded.model)).collect();
+    remarks.iter().for_each(|words| super::say(words));
+    describe(arguments, robot, found, (command, remarks), output)?;
     let name = &loaded.model.name;
     let files = match &arguments.report {
         Some(folder) => report::written(&page::page(name, robot, found, command), folder, "--report")?,
@@ -77,6 +78,17 @@ pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, F
     settings.estimation.accept_poor = arguments.accept_poor;
     settings.accept_poor = arguments.accept_poor;
     Ok(settings)
+}
+
+/// Which wrenches would act if a log had them.
+fn without_wrenches(model: &Model) -> Option<String> {
+    let names: Vec<&str> = model.wrenches.iter().map(|wrench| wrench.name.as_str()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "the wrenches {} are taken as zero; describe those that act as inputs (`[[inputs]]`), and log them",
+            list(names.into_iter())
+        )
+    })
 }
 
 /// Which described friction under load is lost: laws of the velocity alone replace it.
@@ -129,7 +141,7 @@ fn describe(
     arguments: &Identify,
     robot: &InterpretedRobot,
     found: &Identification,
-    (command, remark): (&str, Option<String>),
+    (command, remarks): (&str, Vec<String>),
     output: &Path,
 ) -> Result<(), Failure> {
     let values: Vec<f64> = found.estimate.parameters.iter().map(|parameter| parameter.value).collect();
@@ -148,7 +160,7 @@ fn describe(
         });
     let identified: Vec<IdentifiedDrive> = identified.collect();
     let friction: Vec<FrictionResult> = laws(found).map(|report| report.result.clone()).collect();
-    let provenance: Vec<String> = provenance(found, command).into_iter().chain(remark).collect();
+    let provenance: Vec<String> = provenance(found, command).into_iter().chain(remarks).collect();
     let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     Ok(write_identified(
         output,

@@ -39,12 +39,11 @@ pub(super) fn unrolled(
         desired: None,
         ..read.clone()
     };
-    let mut column = 0;
-    for (joint, entry) in plain.iter().enumerate().filter_map(|(joint, entry)| Some((joint, (*entry)?))) {
+    let joints_read = plain.iter().enumerate().filter_map(|(joint, entry)| Some((joint, (*entry)?)));
+    for (column, (joint, entry)) in joints_read.enumerate() {
         run.positions[joint].clone_from(&read.positions[column]);
         run.velocities[joint].clone_from(&read.velocities[column]);
         run.poses[entry].clone_from(&read.positions[column]);
-        column += 1;
     }
     let mut first = 0;
     for joint in &joints {
