@@ -42,7 +42,8 @@ class Problem:
     """A robot for acados, compiled, and the same robot for CasADi."""
 
     def __init__(self, description: Path, folder: Path):
-        self.casadi, self.robot = gelenk.casadi(description, functions=["step", "step_derivatives"]), gelenk.load(description)
+        functions = ["step", "step_derivatives"]
+        self.casadi, self.robot = (load(description, functions=functions) for load in (gelenk.casadi, gelenk.load))
         self.module = module = gelenk.acados(description)
         self.ocp = module.ocp(INTERVALS, PERIOD, compile_flags="-O1")
         weights = [np.repeat([1e2, 1.0], module.N), np.full(module.M, 1e-2)]

@@ -29,19 +29,19 @@ def jacobian(function: Any, *arguments: Any) -> list[np.ndarray]:
     return [block.full() for block in (blocks if isinstance(blocks, (tuple, list)) else [blocks])]
 
 
-def loaded(name: str, reference: Path, folder: Path) -> tuple[Any, Any, Path]:
-    """The robot for CasADi and by itself, and Pinocchio's values."""
+def loaded(name: str, reference: Path, folder: Path, functions: list[str]) -> tuple[Any, Any, Path]:
+    """The robot for CasADi and its functions of positions, and Pinocchio's values."""
     values = reference / "mechanisms" / f"{name}.json"
     file = folder / f"{name}.toml"
     file.write_text(mechanisms.description(values), "utf-8")
-    options: dict[str, Any] = {"functions": FUNCTIONS, "accept_unphysical": True}
-    return gelenk.casadi(file, **options), gelenk.load(file, **options), values
+    robot = gelenk.casadi(file, functions=functions, accept_unphysical=True)
+    return robot, gelenk.load(file, functions=["potential_energy"], accept_unphysical=True), values
 
 
 @pytest.mark.parametrize("name", ["go2_floating", "iris_floating"])
 def test_values_and_jacobians_agree_with_pinocchio(name: str, reference: Path, tmp_path: Path) -> None:
     """About a reference that is d = 0.1 v away, since Pinocchio's values have the derivatives of ⊕ for this d."""
-    robot, module, values = loaded(name, reference, tmp_path)
+    robot, module, values = loaded(name, reference, tmp_path, FUNCTIONS)
     assert list(robot) == ["dynamics", "inverse_dynamics", "frame_last"]
     for sample in mechanisms.samples(values):
         y, v, a, u = (sample[key] for key in ("q", "v", "a", "tau"))
@@ -84,7 +84,8 @@ def test_values_and_jacobians_agree_with_pinocchio(name: str, reference: Path, t
 @pytest.mark.parametrize("name", ["zoo_1", "zoo_2", "zoo_3", "zoo_4"])
 def test_joints_of_every_kind_agree_with_pinocchio(name: str, reference: Path, tmp_path: Path) -> None:
     """Velocities of a planar joint are in the body's frame in Pinocchio, and in the parent's frame here."""
-    robot, module, values = loaded(name, reference, tmp_path)
+    functions = ["inverse_dynamics_derivatives_and_mass_matrix", "inverse_dynamics", "forward_dynamics"]
+    robot, module, values = loaded(name, reference, tmp_path, functions)
     planar = mechanisms.planar_joints(values)
     for sample in mechanisms.samples(values):
         planars = [mechanisms.Planar(sample, *place) for place in planar]
@@ -140,7 +141,8 @@ def floating(tmp_path_factory: pytest.TempPathFactory, cache: Path) -> tuple[Any
     """Joints of every number of position entries, a free parameter, two steps in a period."""
     file = tmp_path_factory.mktemp("floating") / "floating.toml"
     file.write_text(FLOATING, "utf-8")
-    return gelenk.casadi(file), gelenk.load(file)
+    robot = gelenk.casadi(file, functions=[*FUNCTIONS, "step", "step_derivatives"])
+    return robot, gelenk.load(file, functions=["inverse_dynamics", "step"])
 
 
 def arguments_of(function: Any, module: Any, size: float, rng: Any) -> list[np.ndarray]:
@@ -229,7 +231,8 @@ def test_entries_that_are_always_zero_are_not_there() -> None:
 
 def test_ipopt_flies_a_quadrotor_between_two_attitudes() -> None:
     """From hovering over a flip about x to hovering upright again, a metre to the side, under the limits of its propellers."""
-    robot, module = gelenk.casadi(MODELS / "quadrotor.toml"), gelenk.load(MODELS / "quadrotor.toml")
+    functions = ["linearize", "step", "step_derivatives"]
+    robot, module = (load(MODELS / "quadrotor.toml", functions=functions) for load in (gelenk.casadi, gelenk.load))
     count, period, n = 40, 0.03, module.N
     start = module.NEUTRAL
     end = module.integrate(np.concatenate([[0, 1.0, 0.2], start[3:]]), np.array([0, 0, 0, 0, 0, 1.2]))

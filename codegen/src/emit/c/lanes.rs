@@ -17,11 +17,6 @@ use crate::emit::text::code;
 use crate::functions::function::Function;
 use crate::layout::Extent;
 
-/// A function over several states may be so many times as long as one over a single state before it is split: parts
-/// exchange values by memory, and C compilers bear long functions better than rustc. `linearize` of a UR5 took 181 ns for
-/// each state in two parts and 155 ns in one (gcc 12, AVX2).
-const LONGER: usize = 5;
-
 /// The number of states in the header, where there are functions over several.
 pub(super) fn size(context: &Context<'_>) -> Option<String> {
     let about =
@@ -58,7 +53,7 @@ pub(super) fn items(context: &Context<'_>, function: &Function) -> Vec<String> {
     let body = Body::over_lanes(context, &function.program);
     let of_group = format!("{name}_of_group");
     let (mut items, statements) =
-        straight::statements(&body, LONGER * context.options.longest_function, &of_group, || {
+        straight::statements(&body, straight::LONGER * context.options.longest_function, &of_group, || {
             Body::over_lanes(context, &function.program)
         });
     let arguments = signature::arguments(&body);
