@@ -190,7 +190,7 @@ fn a_split_function_keeps_every_bit() {
     let model = chain("six", &joints);
     let mut random = common::Random(7);
     let samples: Vec<f64> = (0..18 * 20).map(|_| random.number()).collect();
-    for (seed, longest) in [(1, usize::MAX), (1, 97), (2, 300)] {
+    for (seed, longest) in [(1, usize::MAX), (1, 19), (2, 60)] {
         let function = synthetic(1500, seed);
         let source = emit_with(&model, std::slice::from_ref(&function), |options| {
             options.longest_function = longest;

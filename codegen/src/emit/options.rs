@@ -23,7 +23,8 @@ pub struct EmitOptions {
     pub math: Math,
     /// The command that makes the file again, for its header, without absolute paths.
     pub command: String,
-    /// Programs with more statements than this are split into private functions of at most so many.
+    /// Programs with more statements than this are split into private functions of at most so many. Straight-line code in C
+    /// may have five times as many.
     pub longest_function: usize,
 }
 

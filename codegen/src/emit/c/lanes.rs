@@ -52,10 +52,9 @@ pub(super) fn items(context: &Context<'_>, function: &Function) -> Vec<String> {
     };
     let body = Body::over_lanes(context, &function.program);
     let of_group = format!("{name}_of_group");
-    let (mut items, statements) =
-        straight::statements(&body, straight::LONGER * context.options.longest_function, &of_group, || {
-            Body::over_lanes(context, &function.program)
-        });
+    let (mut items, statements) = straight::statements(&body, straight::longest(context), &of_group, || {
+        Body::over_lanes(context, &function.program)
+    });
     let arguments = signature::arguments(&body);
     // Not inlined: two unrolled halves would outgrow the instruction cache.
     let head = format!("{} static void {of_group}", context.constant("NOINLINE"));

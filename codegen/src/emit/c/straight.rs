@@ -10,13 +10,18 @@ use crate::program::split;
 /// compilers bear long functions better than rustc. `linearize` of a UR5 took 1.40 times as long as in Rust in two parts and
 /// 1.05 times in one (gcc 12; clang 22: 0.95 and 0.83), and compiling its module took as long as before. Over eight states
 /// it took 181 ns for each in two parts and 155 ns in one (gcc 12, AVX2).
-pub(super) const LONGER: usize = 5;
+const LONGER: usize = 5;
+
+/// So many statements stay one function.
+pub(super) fn longest(context: &Context<'_>) -> usize {
+    context.options.longest_function.saturating_mul(LONGER)
+}
 
 /// The private functions, then the public one.
 pub(super) fn items(context: &Context<'_>, function: &Function, name: &str) -> Vec<String> {
     let body = Body::new(context, &function.program);
-    let longest = LONGER * context.options.longest_function;
-    let (mut items, statements) = statements(&body, longest, name, || Body::new(context, &function.program));
+    let (mut items, statements) =
+        statements(&body, longest(context), name, || Body::new(context, &function.program));
     items.push(layout::function(&public::head(&body, name), &statements));
     items
 }
