@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::arguments::{Check, Choices, Format, Generate, LanguageName, Modules, ScalarName, ToolName};
+use super::arguments::{Check, Format, Generate};
+use super::choices::{Choices, LanguageName, Modules, ScalarName, ToolName};
 use super::place::{Output, Target, Workspace, shown};
 use super::progress::Progress;
 use super::{interface, print};
@@ -438,7 +439,7 @@ fn no_workspace() -> Failure {
 
 #[cfg(test)]
 mod tests {
-    use super::super::arguments::Reading;
+    use super::super::choices::Reading;
     use super::*;
 
     #[test]

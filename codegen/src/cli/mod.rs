@@ -2,6 +2,7 @@
 
 mod arguments;
 mod bytes;
+mod choices;
 #[cfg(feature = "symbolica")]
 mod closed_form;
 mod export;

@@ -8,7 +8,8 @@ use std::process::ExitCode;
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::arguments::{BaseName, Format, New};
+use super::arguments::{Format, New};
+use super::choices::BaseName;
 use super::new_project::Project;
 use super::new_robot::{Robot, robot};
 use super::print;

@@ -8,7 +8,7 @@ use std::path::{Component, Path, PathBuf};
 use gelenk_files::is_same_file;
 
 use super::Failure;
-use super::arguments::LanguageName;
+use super::choices::LanguageName;
 
 /// A folder with `models/` and `generated/src/`: this project's workspace, or one like it.
 #[derive(Debug, Clone, PartialEq, Eq)]

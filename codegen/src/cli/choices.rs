@@ -1,0 +1,234 @@
+//! What commands have in common: how a description is read, and which modules are made of it.
+
+use clap::{Args, ValueEnum};
+
+use crate::diagnostic::nearest;
+use crate::emit::{Companion, Language, Scalar};
+use crate::model::{FUNCTIONS, ReadOptions, is_known_function};
+
+/// How a description is read: choices that change the equations.
+#[derive(Debug, Args)]
+pub(super) struct Reading {
+    /// Take angles within so many radians of a multiple of 90° for it
+    #[arg(long, value_name = "RAD", value_parser = small_angle)]
+    pub(super) snap_angles: Option<f64>,
+    /// Leave out friction
+    #[arg(long)]
+    pub(super) no_friction: bool,
+    /// Make mimic joints independent coordinates
+    #[arg(long)]
+    pub(super) ignore_mimic: bool,
+    /// Smooth friction: tanh(SLOPE · v) for sign(v), whose derivative is zero [default: that of the
+    /// description, else the exact sign]
+    #[arg(long, value_name = "SLOPE", value_parser = positive)]
+    pub(super) smooth_sign: Option<f64>,
+    /// Take a robot whose mass matrix is not positive definite
+    #[arg(long)]
+    pub(super) accept_unphysical: bool,
+    /// Let the base move freely: a floating joint carries it [default: as described]
+    #[arg(long, value_enum)]
+    pub(super) base: Option<BaseName>,
+}
+
+/// How the base is carried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum BaseName {
+    // A floating joint carries it. (With documentation here all of the help would be in its long form.)
+    Floating,
+}
+
+impl Reading {
+    pub(super) fn options(&self) -> ReadOptions {
+        ReadOptions {
+            ignore_mimic: self.ignore_mimic,
+            snap_angles: self.snap_angles,
+            no_friction: self.no_friction,
+            smooth_sign: self.smooth_sign,
+            accept_unphysical: self.accept_unphysical,
+            exact_sign: false,
+            floating_base: self.floats(),
+            free_driven: false,
+        }
+    }
+
+    /// Tells whether the base moves freely.
+    pub(super) fn floats(&self) -> bool {
+        self.base == Some(BaseName::Floating)
+    }
+
+    /// The keys of a description that make these choices, one line of TOML each. Left out are those of friction,
+    /// which is not read from the description.
+    pub(super) fn keys(&self) -> Vec<String> {
+        let snap = self.snap_angles.map(|angle| format!("snap_angles = {angle:?}"));
+        let mimic = self.ignore_mimic.then(|| "ignore_mimic = true".to_owned());
+        let unphysical = self.accept_unphysical.then(|| "accept_unphysical = true".to_owned());
+        let base = self.floats().then(|| "base = { type = \"floating\" }".to_owned());
+        snap.into_iter().chain(mimic).chain(unphysical).chain(base).collect()
+    }
+
+    /// The words of the command line that make these choices.
+    pub(super) fn words(&self) -> Vec<String> {
+        let number = |option: &str, value: Option<f64>| {
+            let words = value.map(|value| vec![option.to_owned(), format!("{value:?}")]);
+            words.unwrap_or_default()
+        };
+        let flag = |option: &str, is_set: bool| is_set.then(|| option.to_owned());
+        number("--snap-angles", self.snap_angles)
+            .into_iter()
+            .chain(number("--smooth-sign", self.smooth_sign))
+            .chain(flag("--no-friction", self.no_friction))
+            .chain(flag("--ignore-mimic", self.ignore_mimic))
+            .chain(flag("--accept-unphysical", self.accept_unphysical))
+            .chain(self.floats().then(|| ["--base", "floating"].map(str::to_owned)).into_iter().flatten())
+            .collect()
+    }
+}
+
+/// What is made of a description: one module, or two.
+#[derive(Debug, Args)]
+pub(super) struct Modules {
+    /// Language of the module: NAME.rs, or NAME.h and NAME.c (C99, also C++), whose functions compute the same
+    /// bits
+    #[arg(long, value_enum, default_value_t = LanguageName::Rust)]
+    pub(super) language: LanguageName,
+    /// Further files beside a module in C, for tools that call it, separated by commas: discrete dynamics for
+    /// acados and a problem with them (NAME_acados.c, NAME_acados.py), external functions with their Jacobians
+    /// for CasADi (NAME_casadi.c), loops over many states for Python (NAME_python.c)
+    #[arg(long = "for", value_name = "TOOLS", value_enum, value_delimiter = ',')]
+    pub(super) tools: Vec<ToolName>,
+    #[command(flatten)]
+    pub(super) choices: Choices,
+    /// Write two modules: the exact model for plants, and beside it <NAME>_control for controllers, with
+    /// tanh(SLOPE · v) for sign(v) in friction and springs
+    #[arg(long, value_name = "SLOPE", value_parser = positive, conflicts_with = "smooth_sign")]
+    pub(super) control_model: Option<f64>,
+}
+
+impl Modules {
+    /// The tools, each once, in the order of their files.
+    pub(super) fn tools(&self) -> Vec<ToolName> {
+        let mut tools = self.tools.clone();
+        tools.sort_unstable();
+        tools.dedup();
+        tools
+    }
+
+    pub(super) fn companions(&self) -> Vec<Companion> {
+        self.tools().into_iter().map(Companion::from).collect()
+    }
+}
+
+/// Choices that change what is generated; the header of the file names them.
+#[derive(Debug, Args)]
+pub(super) struct Choices {
+    /// Functions to generate, separated by commas [default: those of the description, else all
+    /// but those on request, as models/README.md lists them]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = function)]
+    pub(super) functions: Vec<String>,
+    /// Number type of the module
+    #[arg(long, value_enum, default_value_t = ScalarName::F64)]
+    pub(super) scalar: ScalarName,
+    #[command(flatten)]
+    pub(super) reading: Reading,
+    /// Functions that are also written over eight states at once, separated by commas
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = function)]
+    pub(super) lanes: Vec<String>,
+    /// Contract products and sums to fused multiply-adds; the module then compiles only with std and for
+    /// processors that have them
+    #[arg(long)]
+    pub(super) fused_multiply_add: bool,
+    /// Write tests at the end of the module: its functions at seeded states, against the generator's
+    /// interpreter
+    #[arg(long)]
+    pub(super) self_test: bool,
+    /// Generate functions of up to so many operations [default: 300000]
+    #[arg(long, value_name = "COUNT")]
+    pub(super) max_operations: Option<usize>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum ScalarName {
+    F64,
+    F32,
+}
+
+impl From<ScalarName> for Scalar {
+    fn from(name: ScalarName) -> Self {
+        match name {
+            ScalarName::F64 => Self::F64,
+            ScalarName::F32 => Self::F32,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum LanguageName {
+    Rust,
+    C,
+}
+
+impl From<LanguageName> for Language {
+    fn from(name: LanguageName) -> Self {
+        match name {
+            LanguageName::Rust => Self::Rust,
+            LanguageName::C => Self::C,
+        }
+    }
+}
+
+/// A tool that calls modules in C.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub(super) enum ToolName {
+    Acados,
+    Casadi,
+    Python,
+}
+
+impl ToolName {
+    /// Its name in a command line.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Acados => "acados",
+            Self::Casadi => "casadi",
+            Self::Python => "python",
+        }
+    }
+}
+
+impl From<ToolName> for Companion {
+    fn from(name: ToolName) -> Self {
+        match name {
+            ToolName::Acados => Self::Acados,
+            ToolName::Casadi => Self::Casadi,
+            ToolName::Python => Self::Python,
+        }
+    }
+}
+
+/// The name of a function; whether the robot has such a frame is seen later.
+fn function(text: &str) -> Result<String, String> {
+    let name = text.trim();
+    if is_known_function(name) {
+        return Ok(name.to_owned());
+    }
+    if name.contains(char::is_whitespace) {
+        return Err("names are separated by commas".to_owned());
+    }
+    let near = nearest(name, FUNCTIONS).unwrap_or_default();
+    Err(format!("there is no such function; {near}"))
+}
+
+fn small_angle(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(angle) if (0.0..=0.1).contains(&angle) => Ok(angle),
+        Ok(_) => Err("must be from 0 to 0.1 rad".to_owned()),
+        Err(_) => Err("must be a number of radians, e.g. 1e-4".to_owned()),
+    }
+}
+
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        _ => Err("must be a positive number, e.g. 100".to_owned()),
+    }
+}
