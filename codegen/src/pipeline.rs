@@ -104,6 +104,7 @@ fn generate_from(
     let selected = selected.map_err(|problems| with_warnings(problems, &notes))?;
     let Selection { mut functions, compositions, notes: left_out } = selected;
     tools::check_functions(&functions, &compositions, &options.emit.companions)?;
+    let not_for_tools = Vec::from_iter(tools::notes(&functions, &compositions, &options.emit.companions));
     if options.emit.companions.contains(&Companion::Casadi) {
         functions.extend(tools::by_parameters(&model, &functions));
     }
@@ -114,7 +115,7 @@ fn generate_from(
     }
     let incomplete = Vec::from_iter(module_constants::notes(&functions));
     let advice = advice::notes(&model, &functions, &compositions);
-    let others = [left_out, advice, obstacles, incomplete].concat();
+    let others = [left_out, advice, obstacles, incomplete, not_for_tools].concat();
     let notes = Diagnostics::new([notes.into_entries(), others].concat());
     let self_tests = match options.self_test {
         true => self_tests(&model, &functions),

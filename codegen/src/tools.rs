@@ -6,6 +6,7 @@ use crate::functions::composition::Composition;
 use crate::functions::function::Function;
 use crate::model::Model;
 use crate::program;
+use crate::wording::listed;
 
 /// Refuses robots that a tool has no functions of.
 pub(crate) fn check(model: &Model, tools: &[Companion]) -> Result<(), Diagnostics> {
@@ -46,6 +47,36 @@ pub(crate) fn check_functions(
         }
         _ => Ok(()),
     }
+}
+
+/// What CasADi is given, with the functions of the module that compute it and its derivatives.
+const OF_CASADI: [[&str; 3]; 3] = [
+    ["dynamics", "forward_dynamics", "linearize"],
+    ["inverse_dynamics", "inverse_dynamics", "inverse_dynamics_derivatives_and_mass_matrix"],
+    ["step", "step", "step_derivatives"],
+];
+
+/// Says which functions CasADi is not given, because the module lacks what computes them.
+pub(crate) fn notes(
+    functions: &[Function],
+    compositions: &[Composition],
+    tools: &[Companion],
+) -> Option<Diagnostic> {
+    let names = functions.iter().map(|function| function.name.as_str());
+    let names: Vec<&str> = names.chain(compositions.iter().map(|each| each.name())).collect();
+    let lacking = OF_CASADI.iter().filter_map(|[given, value, derivatives]| {
+        let missing = |what: String, needed: &&str| format!("{what} (`{needed}`)");
+        match (names.contains(value), names.contains(derivatives)) {
+            (true, true) => None,
+            (true, false) => Some(missing(format!("derivatives of `{given}`"), derivatives)),
+            (false, _) => Some(missing(format!("`{given}`"), value)),
+        }
+    });
+    let lacking: Vec<String> = lacking.filter(|_| tools.contains(&Companion::Casadi)).collect();
+    let given = listed(lacking.iter().cloned());
+    let message = format!("CasADi is not given {given}: the module lacks the functions in parentheses");
+    let help = "`--functions` and `functions` in [generate] choose them; functions that take wrenches are not for CasADi";
+    (!lacking.is_empty()).then(|| Diagnostic::note("not-for-casadi", message).help(help))
 }
 
 /// The files that there are not in single precision, and who computes in double precision.

@@ -183,6 +183,10 @@ fn functions_for_casadi_of_a_cart_pole() {
     let line = "generate cart_pole.toml --language c --for casadi --functions forward_dynamics,linearize";
     let (code, text) = gelenk(folder.path(), line);
     assert_eq!(code, 0, "{text}");
+    assert!(
+        text.contains("CasADi is not given `inverse_dynamics` (`inverse_dynamics`), `step` (`step`)"),
+        "{text}"
+    );
     insta::assert_snapshot!(read(folder.path(), "cart_pole_casadi.c"));
 }
 

@@ -53,6 +53,8 @@ fn the_page_of_an_arm_on_a_rail_has_a_slider_for_the_rail_and_checks_its_functio
     }
     let table = fs::read_to_string(folder.path().join("page/coordinates.csv")).unwrap();
     assert!(table.contains("rail") && table.contains("prismatic, motion given"), "{table}");
+    let table = fs::read_to_string(folder.path().join("page/geometry.csv")).unwrap();
+    assert!(table.contains("rail,base,$d_{1}$,") && table.contains("shoulder,rail,$y_{1}$,"), "{table}");
 }
 
 /// The arm with all its joints as coordinates.

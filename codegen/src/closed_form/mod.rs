@@ -100,7 +100,7 @@ pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnos
 /// Checks that a model is small enough for closed forms, and that M, k, q and B are its whole equations. No instance of Symbolica is needed.
 ///
 /// # Errors
-/// As [`derive`].
+/// As [`derive()`].
 pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
     if let Some(coupled) = coupled_joint(model) {
         let message =

@@ -55,13 +55,21 @@ impl<'a> Robot<'a> {
         velocities.iter().chain(self.driven.iter().skip(1).step_by(3)).copied().collect()
     }
 
+    /// A coordinate as a formula; driven joints stand behind these.
+    pub(super) fn symbol(&self, coordinate: usize) -> String {
+        match coordinate.checked_sub(self.model.coordinates.len()) {
+            Some(driven) => format!("d_{{{}}}", driven + 1),
+            None => format!("y_{{{}}}", coordinate + 1),
+        }
+    }
+
     /// `\sum ratio y_i + offset` as a formula.
     pub(super) fn followed(&self, terms: &[FollowedCoordinate], offset: f64) -> String {
         let mut sum = String::new();
         let signed = terms.iter().map(|term| {
             let ratio = self.value(&term.ratio);
             let size = if ratio.abs() == 1.0 { String::new() } else { format!("{}\\,", ratio.abs()) };
-            (ratio < 0.0, format!("{size}y_{{{}}}", term.coordinate + 1))
+            (ratio < 0.0, size + &self.symbol(term.coordinate))
         });
         let offset = (offset != 0.0).then(|| (offset < 0.0, offset.abs().to_string()));
         for (is_negative, text) in signed.chain(offset) {

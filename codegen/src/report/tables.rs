@@ -241,7 +241,7 @@ pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
                 let position = short(position).to_string().replace('-', "−");
                 Cell::text(format!("held at {position} {}", joint.kind.unit()))
             }
-            Motion::Coordinate(index) => Cell::Line(vec![Inline::Math(format!("y_{{{}}}", index + 1))]),
+            Motion::Coordinate(index) => Cell::Line(vec![Inline::Math(robot.symbol(index))]),
             Motion::Follower(index) => {
                 let moving = robot.model.moving_joints();
                 let text = robot.followed(&moving[index].follows, moving[index].offset);
