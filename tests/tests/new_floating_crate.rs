@@ -52,7 +52,11 @@ fn distances(printed: &str) -> Vec<f64> {
 fn run(made: &Path) -> String {
     let build = aloud(made, &["build"]);
     success(&build);
-    assert!(!text(&build.stderr).contains("warning"), "{}", text(&build.stderr));
+    let said = text(&build.stderr);
+    // A propeller's joint in a URDF has limits that are none.
+    let warnings =
+        said.lines().filter(|line| line.contains("warning") && !line.contains("limits that are 0"));
+    assert_eq!(warnings.count(), 0, "{said}");
     success(&cargo(made, &["run"]))
 }
 
