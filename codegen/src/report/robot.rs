@@ -69,7 +69,7 @@ impl<'a> Robot<'a> {
         let signed = terms.iter().map(|term| {
             let ratio = self.value(&term.ratio);
             let size = if ratio.abs() == 1.0 { String::new() } else { format!("{}\\,", ratio.abs()) };
-            (ratio < 0.0, size + &self.symbol(term.coordinate))
+            (ratio < 0.0, format!("{size}{}", self.symbol(term.coordinate)))
         });
         let offset = (offset != 0.0).then(|| (offset < 0.0, offset.abs().to_string()));
         for (is_negative, text) in signed.chain(offset) {
