@@ -11,7 +11,10 @@ impl Emission<'_> {
             Some(parent) => format!("to[{joint}] = from[{joint}] + to[{parent}];"),
             None => format!("to[{joint}] = from[{joint}];"),
         });
-        let sums: Vec<String> = sums.collect();
+        // What stands behind the joints is read as whole rows are: numbers that nothing has set may be slow ones.
+        let zero = self.context.literal(0.0);
+        let padding = (self.form.joints.len()..self.row.len).map(|entry| format!("to[{entry}] = {zero};"));
+        let sums: Vec<String> = sums.chain(padding).collect();
         self.sum_function(
             "sum_ancestors",
             "Adds to each joint those before it on its path to the base.",

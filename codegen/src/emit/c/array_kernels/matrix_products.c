@@ -4,14 +4,13 @@ GELENK_INLINE void gelenk_negative_product(const double *left, const double *rig
 {
     for (int i = 0; i < GELENK_N; ++i) {
         double row[GELENK_L];
-        for (int j = 0; j < GELENK_L; ++j) {
-            row[j] = -left[i * GELENK_L] * right[j];
-        }
-        for (int k = 1; k < GELENK_N; ++k) {
-            const double factor = -left[i * GELENK_L + k];
-            for (int j = 0; j < GELENK_L; ++j) {
-                row[j] = gelenk_add_product(row[j], factor, right[k * GELENK_L + j]);
+        for (int first = 0; first < GELENK_L; first += GELENK_PART) {
+            gelenk_part sums = gelenk_same_part(-left[i * GELENK_L]) * gelenk_part_of(&right[first]);
+            for (int k = 1; k < GELENK_N; ++k) {
+                const gelenk_part factor = gelenk_same_part(-left[i * GELENK_L + k]);
+                sums = gelenk_add_part(sums, factor, gelenk_part_of(&right[k * GELENK_L + first]));
             }
+            gelenk_put_part(&row[first], sums);
         }
         memcpy(&to[i * width], row, (size_t)width * sizeof *row);
     }
