@@ -22,7 +22,6 @@ pub mod diagnostic;
 pub mod dynamics;
 pub mod emit;
 pub mod export;
-pub mod formula;
 pub mod functions;
 pub mod graph;
 pub mod guide;
@@ -49,4 +48,5 @@ mod testing;
 mod tools;
 mod wording;
 
+pub use gelenk_formula as formula;
 pub use output::{Builder, build};

@@ -13,8 +13,14 @@ use crate::cargo::{aloud, success, target};
 use crate::workspace;
 
 /// The crates that a package of a robot depends on, directly or through the others.
-const OF_ROBOTS: [&str; 5] =
-    ["gelenk-codegen", "gelenk-dynamics", "gelenk-files", "gelenk-kernels", "gelenk-runtime"];
+const OF_ROBOTS: [&str; 6] = [
+    "gelenk-codegen",
+    "gelenk-dynamics",
+    "gelenk-files",
+    "gelenk-formula",
+    "gelenk-kernels",
+    "gelenk-runtime",
+];
 
 /// The unpacked crates, by name.
 ///

@@ -36,6 +36,7 @@ fn the_crates_that_are_published() {
         "gelenk-codegen",
         "gelenk-dynamics",
         "gelenk-files",
+        "gelenk-formula",
         "gelenk-identification",
         "gelenk-kernels",
         "gelenk-report",

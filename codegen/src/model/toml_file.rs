@@ -9,8 +9,7 @@ use super::toml_joints::read_joints;
 use super::toml_values::Reader;
 use super::{Options, Pose};
 use crate::diagnostic::{At, Span, nearest};
-use crate::formula::Formula;
-use crate::formula::parse::{self, Allowed};
+use crate::formula::{self, Allowed, Formula};
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
@@ -77,7 +76,7 @@ fn syntax_help(text: &str, at: usize) -> Option<String> {
     let line = text.get(line_start..)?.lines().next()?;
     let (key, value) = line.split_once('=')?;
     let (key, value) = (key.trim(), value.split('#').next()?.trim());
-    match parse::parse(value, Allowed::Motion, &BTreeMap::new()) {
+    match formula::parse(value, Allowed::Motion, &BTreeMap::new()) {
         Ok(_) => Some(format!("a formula stands in quotes: `{key} = \"{value}\"`")),
         Err(wrong) if wrong.is_habit() => wrong.help,
         Err(_) => None,

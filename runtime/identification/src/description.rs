@@ -14,18 +14,15 @@
 
 use super::digits::{literal, vanishes};
 use super::error::{IdentificationError, Result};
+use super::expression::fault;
 use super::result::{FrictionLaw, FrictionResult, FrictionTerm};
 use gelenk_files::{is_same_file, write_whole};
+use gelenk_formula::{Allowed, parse};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
 use std::io;
 use std::path::Path;
-use syn::Expr;
-
-/// Functions that a description knows beside numbers, `v`, `pi`, `+ - * /` and brackets.
-const FUNCTIONS: [&str; 8] = ["sin", "cos", "tanh", "exp", "abs", "sign", "pow", "powi"];
-/// Largest exponent of a description's formula.
-const LARGEST_EXPONENT: u32 = 16;
 
 /// First line of every description of identified values.
 const FIRST_LINE: &str = "# Identified by gelenk.\n";
@@ -208,90 +205,13 @@ fn require_finite(
     Ok(())
 }
 
-/// A library term in the language of descriptions, which is a part of the language of libraries.
+/// A library term as a description writes it, whose formulas are a part of the language of libraries.
 fn basis(text: &str) -> Result<String> {
-    let fault = |message: String| IdentificationError::Expression { text: text.into(), message };
-    let tree: Expr = syn::parse_str(text).map_err(|e| fault(e.to_string()))?;
-    check_basis(&tree).map_err(|part| {
-        fault(format!(
-            "{part} cannot stand in the friction of a description, which knows numbers, v, pi, + - * /, {}; \
-             identify with a library of such terms",
-            FUNCTIONS.join(", ")
-        ))
+    let formula = parse(text, Allowed::Velocity, &BTreeMap::new()).map_err(|wrong| {
+        let advice = "the friction of a description needs a library of terms that descriptions have";
+        fault(text, format!("{wrong}; {advice}"))
     })?;
-    Ok(spelled(text))
-}
-
-/// Fails with the part that a description does not know.
-fn check_basis(tree: &Expr) -> std::result::Result<(), String> {
-    match tree {
-        Expr::Lit(e) => match &e.lit {
-            syn::Lit::Int(_) | syn::Lit::Float(_) => Ok(()),
-            _ => Err("a literal that is no number".into()),
-        },
-        Expr::Path(e) => match e.path.get_ident().map(ToString::to_string).as_deref() {
-            Some("v" | "pi") => Ok(()),
-            Some(name) => Err(format!("`{name}`")),
-            None => Err("a path".into()),
-        },
-        Expr::Paren(e) => check_basis(&e.expr),
-        Expr::Group(e) => check_basis(&e.expr),
-        Expr::Unary(e) if matches!(e.op, syn::UnOp::Neg(_)) => check_basis(&e.expr),
-        Expr::Binary(e) => {
-            use syn::BinOp::{Add, Div, Mul, Sub};
-            if !matches!(e.op, Add(_) | Sub(_) | Mul(_) | Div(_)) {
-                return Err("a comparison".into());
-            }
-            check_basis(&e.left)?;
-            check_basis(&e.right)
-        }
-        Expr::Call(e) => match &*e.func {
-            Expr::Path(path) => check_call(
-                &path.path.get_ident().map(ToString::to_string).unwrap_or_default(),
-                &e.args.iter().collect::<Vec<_>>(),
-            ),
-            _ => Err("a call of something without a name".into()),
-        },
-        Expr::MethodCall(e) => {
-            let mut arguments = vec![&*e.receiver];
-            arguments.extend(&e.args);
-            check_call(&e.method.to_string(), &arguments)
-        }
-        _ => Err("this kind of expression".into()),
-    }
-}
-
-fn check_call(name: &str, arguments: &[&Expr]) -> std::result::Result<(), String> {
-    if name != "sgn" && !FUNCTIONS.contains(&name) {
-        return Err(format!("the function `{name}`"));
-    }
-    if let [_, Expr::Lit(exponent)] = arguments {
-        let small = match &exponent.lit {
-            syn::Lit::Int(n) => n.base10_parse::<u32>().is_ok_and(|n| n <= LARGEST_EXPONENT),
-            _ => false,
-        };
-        if !small {
-            return Err(format!("an exponent other than 0 to {LARGEST_EXPONENT}"));
-        }
-    }
-    arguments.iter().try_for_each(|a| check_basis(a))
-}
-
-/// `sgn` is `sign` in descriptions.
-fn spelled(text: &str) -> String {
-    let mut out = String::new();
-    let mut rest = text;
-    while !rest.is_empty() {
-        let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        let inside = rest.starts_with(is_name);
-        let end = rest.find(|c| is_name(c) != inside).unwrap_or(rest.len());
-        out.push_str(match &rest[..end] {
-            "sgn" => "sign",
-            other => other,
-        });
-        rest = &rest[end..];
-    }
-    out
+    Ok(formula.text(&[]))
 }
 
 fn comments(result: &FrictionResult, text: &mut String) {
@@ -419,14 +339,14 @@ mod tests {
             description_toml("a", "b.toml", &[result])
         };
         let message = |basis: &str| with(basis, 1.0).unwrap_err().to_string();
-        assert!(message("sqrt(abs(v))").contains("the function `sqrt` cannot stand"));
-        assert!(message("v*y").contains("`y` cannot stand"));
-        assert!(message("powi(v, 40)").contains("an exponent other than 0 to 16"));
+        assert!(message("ln(1 + abs(v))").contains("`ln` is a function of libraries and selections"));
+        assert!(message("v*y").contains("unknown name `y`"));
+        assert!(message("powi(v, 40)").contains("an exponent is a whole number from 0 to 16"));
         assert!(message("v*(v").contains("expression `v*(v`"));
         let nan = with("v", f64::NAN).unwrap_err().to_string();
         assert!(nan.contains("the coefficient of v of joint beta is not finite (NaN)"), "{nan}");
         let spelled = with("sgn(v)*exp(-2*abs(v)) + v.powi(3)", 1.0).unwrap();
-        assert!(spelled.contains("\"sign(v)*exp(-2*abs(v)) + v.powi(3)\""), "{spelled}");
+        assert!(spelled.contains("\"sign(v)*exp(-2*abs(v)) + pow(v, 3)\""), "{spelled}");
         let empty = FrictionResult { law: FrictionLaw::Terms(vec![]), ..example() };
         let text =
             |results: &[FrictionResult]| description_toml("a", "b.toml", results).unwrap_err().to_string();

@@ -102,7 +102,7 @@ impl Range {
 #[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
-    use crate::formula::parse::{Allowed, parse};
+    use crate::formula::{Allowed, parse};
     use std::collections::BTreeMap;
 
     fn force_law(text: &str) -> Formula {

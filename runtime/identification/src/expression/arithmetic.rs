@@ -1,6 +1,7 @@
 //! The operations of a program over blocks of samples.
 
 use crate::kernel::{exp_block, sin_block, tanh_block};
+use gelenk_formula::{Function, Operator, Unary};
 use multiversion::multiversion;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -8,45 +9,13 @@ pub(super) enum Operation {
     Constant(f64),
     Channel(usize),
     Unary(Unary, usize),
-    Power(usize, i32),
-    Binary(Binary, usize, usize),
+    Power(usize, u32),
+    Binary(Operator, usize, usize),
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Unary {
-    Negate,
-    Not,
-    Abs,
-    Sign,
-    Sqrt,
-    Exp,
-    Ln,
-    Sin,
-    Cos,
-    Tanh,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Binary {
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-    Less,
-    LessEqual,
-    Greater,
-    GreaterEqual,
-    Equal,
-    NotEqual,
-    And,
-    Or,
-    Min,
-    Max,
-}
-
-pub(super) fn power(a: &[f64], exponent: i32, out: &mut [f64]) {
+pub(super) fn power(a: &[f64], exponent: u32, out: &mut [f64]) {
     for (o, a) in out.iter_mut().zip(a) {
-        *o = a.powi(exponent);
+        *o = a.powi(exponent as i32); // at most 16
     }
 }
 
@@ -65,19 +34,19 @@ pub(super) fn unary(f: Unary, a: &[f64], out: &mut [f64]) {
     match f {
         Unary::Negate => map(|a| -a, out),
         Unary::Not => map(|a| 1.0 - a, out),
-        Unary::Abs => map(f64::abs, out),
-        Unary::Sign => map(sign, out),
-        Unary::Sqrt => map(f64::sqrt, out),
-        Unary::Exp => exp_block(a, out),
-        Unary::Ln => map(f64::ln, out),
-        Unary::Sin => sin_block(a, out),
-        Unary::Cos => map(f64::cos, out),
-        Unary::Tanh => tanh_block(a, out),
+        Unary::Logarithm => map(f64::ln, out),
+        Unary::Call(Function::Abs) => map(f64::abs, out),
+        Unary::Call(Function::Sign) => map(sign, out),
+        Unary::Call(Function::Sqrt) => map(f64::sqrt, out),
+        Unary::Call(Function::Exp) => exp_block(a, out),
+        Unary::Call(Function::Sin) => sin_block(a, out),
+        Unary::Call(Function::Cos) => map(f64::cos, out),
+        Unary::Call(Function::Tanh) => tanh_block(a, out),
     }
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
-pub(super) fn binary(f: Binary, a: &[f64], b: &[f64], out: &mut [f64]) {
+pub(super) fn binary(f: Operator, a: &[f64], b: &[f64], out: &mut [f64]) {
     #[inline(always)]
     fn map(a: &[f64], b: &[f64], out: &mut [f64], f: impl Fn(f64, f64) -> f64) {
         for ((o, a), b) in out.iter_mut().zip(a).zip(b) {
@@ -88,18 +57,18 @@ pub(super) fn binary(f: Binary, a: &[f64], b: &[f64], out: &mut [f64]) {
         f64::from(u8::from(flag))
     }
     match f {
-        Binary::Add => map(a, b, out, |a, b| a + b),
-        Binary::Subtract => map(a, b, out, |a, b| a - b),
-        Binary::Multiply | Binary::And => map(a, b, out, |a, b| a * b),
-        Binary::Divide => map(a, b, out, |a, b| a / b),
-        Binary::Less => map(a, b, out, |a, b| truth(a < b)),
-        Binary::LessEqual => map(a, b, out, |a, b| truth(a <= b)),
-        Binary::Greater => map(a, b, out, |a, b| truth(a > b)),
-        Binary::GreaterEqual => map(a, b, out, |a, b| truth(a >= b)),
-        Binary::Equal => map(a, b, out, |a, b| truth(a == b)),
-        Binary::NotEqual => map(a, b, out, |a, b| truth(a != b)),
-        Binary::Or | Binary::Max => map(a, b, out, larger),
-        Binary::Min => map(a, b, out, |a, b| -larger(-a, -b)),
+        Operator::Add => map(a, b, out, |a, b| a + b),
+        Operator::Subtract => map(a, b, out, |a, b| a - b),
+        Operator::Multiply | Operator::And => map(a, b, out, |a, b| a * b),
+        Operator::Divide => map(a, b, out, |a, b| a / b),
+        Operator::Less => map(a, b, out, |a, b| truth(a < b)),
+        Operator::LessEqual => map(a, b, out, |a, b| truth(a <= b)),
+        Operator::Greater => map(a, b, out, |a, b| truth(a > b)),
+        Operator::GreaterEqual => map(a, b, out, |a, b| truth(a >= b)),
+        Operator::Equal => map(a, b, out, |a, b| truth(a == b)),
+        Operator::NotEqual => map(a, b, out, |a, b| truth(a != b)),
+        Operator::Or | Operator::Max => map(a, b, out, larger),
+        Operator::Min => map(a, b, out, |a, b| -larger(-a, -b)),
     }
 }
 

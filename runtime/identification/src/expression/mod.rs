@@ -1,8 +1,8 @@
 //! Expressions over named channels: library terms (`v*abs(v)`, `tanh(5*v)`) and selections
 //! (`abs(beta) < 0.1 && abs(v) > 0.05`).
 //!
-//! The text is parsed as a Rust expression, so precedence is Rust's and the same text means the same in a
-//! robot description. Several expressions compile into one [`Program`] that shares common parts and works on
+//! The language is that of robot descriptions, [`gelenk_formula`], so that the same text means the same there.
+//! Several expressions compile into one [`Program`] that shares common parts and works on
 //! blocks of samples, one loop per operation.
 
 mod arithmetic;
@@ -14,16 +14,8 @@ use super::error::{IdentificationError, Result, require_length};
 use super::kernel::BLOCK;
 use arithmetic::{Operation, binary, power, unary};
 use compiler::Compiler;
-use syn::Expr;
-
-/// Whether an expression yields a number or a truth value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// A number.
-    Number,
-    /// True (1) or false (0).
-    Truth,
-}
+use gelenk_formula::Expression;
+pub use gelenk_formula::Kind;
 
 /// Several expressions over the same channels, ready to be evaluated.
 #[derive(Debug, Clone)]
@@ -48,10 +40,10 @@ impl Program {
         let mut program = Self { channels: names.len(), operations: Vec::new(), results: Vec::new() };
         for text in texts {
             let text = text.as_ref();
-            let tree: Expr = syn::parse_str(text).map_err(|e| fault(text, e.to_string()))?;
-            let mut compiler = Compiler { text, names, operations: &mut program.operations };
-            let result = compiler.compile(&tree)?;
-            program.results.push(result);
+            let expression = Expression::parse(text).map_err(|wrong| fault(text, wrong.to_string()))?;
+            let mut compiler = Compiler { names, operations: &mut program.operations };
+            let register = compiler.compile(&expression)?;
+            program.results.push((register, expression.kind()));
         }
         Ok(program)
     }
@@ -179,7 +171,7 @@ pub fn select(text: &str, names: &[String], channels: &[&[f64]]) -> Result<Vec<u
     Ok(rows)
 }
 
-fn fault(text: &str, message: String) -> IdentificationError {
+pub(crate) fn fault(text: &str, message: String) -> IdentificationError {
     IdentificationError::Expression { text: text.into(), message }
 }
 
@@ -238,8 +230,8 @@ mod tests {
     fn faults_are_named() {
         let message = |text: &str| Program::new(&[text], &names()).unwrap_err().to_string();
         assert_eq!(message("tanh(5*w)"), "there is no channel `w`; known are beta, v");
-        assert!(message("v^2").contains("pow(x, n)"));
-        assert!(message("tan(v)").contains("unknown function `tan`; known are abs"));
+        assert!(message("v^2").contains("pow(v, 2)"));
+        assert!(message("tan(v)").contains("unknown function `tan`; did you mean `tanh`?"));
         assert!(message("v + (v < 1)").contains("a truth value stands where a number is needed"));
         assert!(message("v + ").starts_with("expression `v + `"));
         assert!(message("abs(v, v)").contains("takes one argument, 2 given"));

@@ -8,7 +8,7 @@ const COMMA: &str = "formula-comma";
 
 impl FormulaError {
     /// Tells whether the text would be a number in another language.
-    pub(crate) fn is_habit(&self) -> bool {
+    pub fn is_habit(&self) -> bool {
         [UNIT, COMMA].contains(&self.code)
     }
 }
@@ -101,7 +101,7 @@ fn with_comma(text: &str, number: &str, decimals: &str) -> Result<(), FormulaErr
 }
 
 fn error(code: &'static str, message: String, help: String, range: std::ops::Range<usize>) -> FormulaError {
-    FormulaError { code, message, help: Some(help), range }
+    FormulaError::new(code, message, range).with_help(help)
 }
 
 /// Length of the number that a text begins with, with its sign; 0 where it begins with none.

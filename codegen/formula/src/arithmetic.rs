@@ -1,7 +1,6 @@
 //! Building, folding and evaluating formulas.
 
 use super::{Formula, Function};
-use gelenk_kernels::math;
 
 impl Formula {
     /// The number 0.
@@ -65,6 +64,11 @@ impl Formula {
             }
     }
 
+    /// Tells whether the formula calls a function.
+    pub fn calls(&self, function: Function) -> bool {
+        self.any(&|node| matches!(node, Self::Call(called, _) if *called == function))
+    }
+
     /// Tells whether the value depends on the joint's position or velocity.
     pub fn depends_on_motion(&self) -> bool {
         self.any(&|node| matches!(node, Self::Position | Self::Velocity))
@@ -81,7 +85,7 @@ impl Formula {
     }
 
     /// Tells whether a number in the formula is beyond [`LARGEST_NUMBER`](super::LARGEST_NUMBER).
-    pub(crate) fn is_too_large(&self) -> bool {
+    pub fn is_too_large(&self) -> bool {
         self.any(&|node| matches!(node, Self::Number(value) if value.abs() > super::LARGEST_NUMBER))
     }
 
@@ -197,38 +201,4 @@ impl Formula {
 
 fn power(base: f64, exponent: u32) -> f64 {
     (0..exponent).fold(1.0, |product, _| product * base)
-}
-
-impl Function {
-    /// All functions, in the order of their declaration.
-    pub const ALL: [Self; 7] =
-        [Self::Sin, Self::Cos, Self::Tanh, Self::Exp, Self::Abs, Self::Sign, Self::Sqrt];
-
-    /// The name in formulas.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sin => "sin",
-            Self::Cos => "cos",
-            Self::Tanh => "tanh",
-            Self::Exp => "exp",
-            Self::Abs => "abs",
-            Self::Sign => "sign",
-            Self::Sqrt => "sqrt",
-        }
-    }
-
-    /// Value of the function; `sign` is 0 at 0, unlike [`f64::signum`].
-    pub fn evaluate(self, x: f64) -> f64 {
-        match self {
-            Self::Sin => math::sin_cos(x).0,
-            Self::Cos => math::sin_cos(x).1,
-            Self::Tanh => math::tanh(x),
-            Self::Exp => math::exp(x),
-            Self::Abs => x.abs(),
-            Self::Sign if x > 0.0 => 1.0,
-            Self::Sign if x < 0.0 => -1.0,
-            Self::Sign => x * 0.0,
-            Self::Sqrt => x.sqrt(),
-        }
-    }
 }

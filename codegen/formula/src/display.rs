@@ -52,7 +52,7 @@ impl Formula {
 
 #[cfg(test)]
 mod tests {
-    use super::super::parse::{Allowed, parse};
+    use crate::{Allowed, parse};
     use std::collections::BTreeMap;
 
     #[test]

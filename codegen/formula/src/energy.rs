@@ -99,7 +99,7 @@ fn multiplied(a: &[Formula], b: &[Formula]) -> Option<Vec<Formula>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formula::Function;
+    use crate::Function;
 
     fn y() -> Box<Formula> {
         Box::new(Formula::Position)

@@ -1,0 +1,123 @@
+//! Expressions: what a text says before its names have a meaning.
+
+use super::Function;
+use std::ops::Range;
+
+/// A text that was read, with names that are not resolved and constants that are not folded.
+///
+/// Truth values and numbers are never mixed: the operands of every node are of the kind that it takes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expression {
+    /// The outermost operation.
+    pub node: Node,
+    /// Its place, in bytes of the text.
+    pub range: Range<usize>,
+}
+
+/// One operation of an expression.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Node {
+    /// A finite number.
+    Number(f64),
+    /// `true` or `false`.
+    Truth(bool),
+    /// A name: a parameter, a channel, position or velocity, or `pi`.
+    Name(String),
+    /// An operation on one operand.
+    Unary(Unary, Box<Expression>),
+    /// An operation on two operands.
+    Binary(Operator, Box<[Expression; 2]>),
+    /// `pow(a, n)`
+    Power(Box<Expression>, u32),
+}
+
+/// Operations on one operand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unary {
+    /// `-a`
+    Negate,
+    /// `!a`
+    Not,
+    /// `ln(a)`
+    Logarithm,
+    /// `f(a)`
+    Call(Function),
+}
+
+/// Operations on two operands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Operator {
+    /// `a + b`
+    Add,
+    /// `a - b`
+    Subtract,
+    /// `a * b`
+    Multiply,
+    /// `a / b`
+    Divide,
+    /// `min(a, b)`
+    Min,
+    /// `max(a, b)`
+    Max,
+    /// `a < b`
+    Less,
+    /// `a <= b`
+    LessEqual,
+    /// `a > b`
+    Greater,
+    /// `a >= b`
+    GreaterEqual,
+    /// `a == b`
+    Equal,
+    /// `a != b`
+    NotEqual,
+    /// `a && b`
+    And,
+    /// `a || b`
+    Or,
+}
+
+/// Whether an expression yields a number or a truth value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A number.
+    Number,
+    /// True (1) or false (0).
+    Truth,
+}
+
+impl Expression {
+    /// The kind of the expression's value.
+    pub fn kind(&self) -> Kind {
+        match &self.node {
+            Node::Truth(_) => Kind::Truth,
+            Node::Unary(operation, _) => operation.kind(),
+            Node::Binary(operator, _) => operator.kind(),
+            Node::Number(_) | Node::Name(_) | Node::Power(..) => Kind::Number,
+        }
+    }
+}
+
+impl Unary {
+    /// The kind of its operand, and of its value.
+    pub fn kind(self) -> Kind {
+        if self == Self::Not { Kind::Truth } else { Kind::Number }
+    }
+}
+
+impl Operator {
+    /// The kind of its value.
+    pub fn kind(self) -> Kind {
+        match self {
+            Self::Add | Self::Subtract | Self::Multiply | Self::Divide | Self::Min | Self::Max => {
+                Kind::Number
+            }
+            _ => Kind::Truth,
+        }
+    }
+
+    /// The kind of its operands.
+    pub fn operands(self) -> Kind {
+        if matches!(self, Self::And | Self::Or) { Kind::Truth } else { Kind::Number }
+    }
+}
