@@ -266,6 +266,10 @@ pub(super) struct Identify {
     /// Let friction grow with the load of the gears too, |τ_l| s₁(v), where data that were left out ask for it
     #[arg(long, conflicts_with_all = ["plan", "reduce", "merge"])]
     pub(super) load_friction: bool,
+    /// Where friction is looked for in robots with drives on several joints (`[[drives]]`): on the shafts of these
+    /// drives, or on joints alone
+    #[arg(long, value_enum, value_name = "PLACE", default_value_t = FrictionPlace::Shafts, conflicts_with = "plan")]
+    pub(super) friction_on: FrictionPlace,
     /// Write results although they explain little
     #[arg(long, conflicts_with = "plan")]
     pub(super) accept_poor: bool,
@@ -309,6 +313,15 @@ pub(super) enum EffortName {
     Input,
     /// Motor currents, whose torque constants are to be found
     Current,
+}
+
+/// Where friction is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum FrictionPlace {
+    /// On these shafts, and on joints with drives of their own
+    Shafts,
+    /// On joints alone; friction of shafts stays as described
+    Joints,
 }
 
 /// Format of what is printed.

@@ -40,10 +40,23 @@ pub fn rotors(model: &Model) -> Vec<Option<usize>> {
 }
 
 fn toml(model: &Model, drive: &Drive, found: &IdentifiedDrive) -> String {
+    let coupling = if found.reflected.is_some() { RotorCoupling::Diagonal } else { drive.coupling };
+    let inertia = found.rotor.or(found.reflected);
+    format!("{{ {} }}", entries(model, drive, (inertia, coupling), found.motor_constant).join(", "))
+}
+
+/// Keys of a drive with their values, without those of its friction and of what it acts on.
+///
+/// - `inertia`: identified inertia of the rotor, and how it counts
+pub(super) fn entries(
+    model: &Model,
+    drive: &Drive,
+    (inertia, coupling): (Option<f64>, RotorCoupling),
+    motor_constant: Option<f64>,
+) -> Vec<String> {
     let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let formula = |described: &Formula| text(described, &names);
-    let coupling = if found.reflected.is_some() { RotorCoupling::Diagonal } else { drive.coupling };
-    let inertia = found.rotor.or(found.reflected).map_or_else(|| formula(&drive.rotor_inertia), number);
+    let inertia = inertia.map_or_else(|| formula(&drive.rotor_inertia), number);
     let mut entries = vec![
         format!("name = {}", toml_text(&drive.name)),
         format!("gear_ratio = {}", formula(&drive.gear_ratio)),
@@ -58,9 +71,9 @@ fn toml(model: &Model, drive: &Drive, found: &IdentifiedDrive) -> String {
         Input::Torque | Input::None => None,
         Input::Current(constant) => Some(formula(constant)),
     };
-    let constant = found.motor_constant.map(number).or(described);
+    let constant = motor_constant.map(number).or(described);
     entries.extend(constant.map(|constant| format!("motor_constant = {constant}")));
-    format!("{{ {} }}", entries.join(", "))
+    entries
 }
 
 /// Where a rotor sits.
@@ -77,7 +90,7 @@ fn torques(drive: &Drive) -> Option<String> {
 }
 
 /// A number as it is, a formula in quotes.
-fn text(formula: &Formula, parameters: &[&str]) -> String {
+pub(super) fn text(formula: &Formula, parameters: &[&str]) -> String {
     let text = formula.text(parameters);
     match text.parse::<f64>() {
         Ok(value) => format!("{value:?}"),

@@ -7,10 +7,12 @@ mod bodies;
 mod drives;
 pub mod page;
 mod robot;
+mod shafts;
 
 pub use bodies::{BodyValues, bodies};
 pub use drives::{IdentifiedDrive, drives, rotors};
-pub use robot::InterpretedRobot;
+pub use robot::{InterpretedRobot, RobotChoices};
+pub use shafts::{IdentifiedShaft, drive_table, joint_tables, shaft_rotor};
 
 #[cfg(test)]
 mod tests {

@@ -9,6 +9,10 @@ use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Tab
 
 /// Most points of a curve; of longer ones every k-th is drawn.
 const MOST_POINTS: usize = 1500;
+/// What rows are where shafts take those of joints.
+const SHAFTS: &str = "Efforts at the joints are $\\tau = W(y,\\dot y,\\ddot y)\\,\\pi + \\tau_F(\\dot y) + c$: inertial parameters $\\pi$, \
+     friction $\\tau_F$ and offsets $c$ in one weighted fit. Drives that act on several joints have rows of their own, which are named by \
+     the drive: torque, position and speed are those of the motor's shaft.";
 /// Points of a friction curve.
 const CURVE: usize = 200;
 
@@ -18,6 +22,8 @@ const CURVE: usize = 200;
 /// - `command`: that made the page
 #[must_use]
 pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str) -> Report {
+    let rows = found.rows(robot);
+    let robot: &dyn Robot = &rows;
     let estimate = &found.estimate;
     let samples: usize = found.runs.iter().map(|run| run.times.len()).sum();
     let mut report = Report::new(format!("Identification of {name}"))
@@ -26,6 +32,9 @@ pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str
              friction $\\tau_F$ and offsets $c$ in one weighted fit.",
         )
         .fact("joints", estimate.joints.len().to_string());
+    if found.shafts.is_some() {
+        report = report.lead(SHAFTS);
+    }
     report = match found.runs.len() {
         0 => report.fact("logs", found.recording.hashes.len().to_string()),
         runs => report.fact("runs", runs.to_string()).fact("samples", samples.to_string()),
@@ -61,7 +70,15 @@ pub fn warnings(found: &Identification) -> Vec<String> {
     let resting = found.estimate.joints.iter().filter(|joint| !joint.moves && joint.measured && !joint.exact);
     let resting =
         resting.map(|joint| format!("joint {} does not move: nothing of it is estimated", joint.name));
-    found.estimate.warnings.iter().cloned().chain(resting).chain(laws).chain(doubts).collect()
+    let others = resting.chain(laws).chain(doubts);
+    let worded = |text: String| found.shafts.as_ref().map_or_else(|| text.clone(), |rows| rows.worded(&text));
+    found.estimate.warnings.iter().cloned().chain(others.map(worded)).collect()
+}
+
+/// What a row of the tables is.
+#[must_use]
+pub fn rows_are(found: &Identification) -> &'static str {
+    if found.shafts.is_some() { "joint or shaft" } else { "joint" }
 }
 
 /// Law of a joint, or a dash.
@@ -77,7 +94,7 @@ fn summary(found: &Identification) -> Section {
         "joints",
         "Held-out: each contiguous fold of the data is predicted by the fit to the others. $R^2$ is centred.",
     )
-    .column("joint", "joint", "")
+    .column(rows_are(found), "joint", "")
     .column("$R^2$ held-out", "r_squared_held_out", "")
     .column("$R^2$ in the fit", "r_squared", "")
     .column("residual $\\sigma$", "sigma", "")

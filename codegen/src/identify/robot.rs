@@ -2,14 +2,16 @@
 
 use gelenk_identification::pose::QuaternionJoint;
 use gelenk_identification::robot::{JointLimits, Robot};
+use gelenk_identification::shafts::{JointTerm, Shaft};
 
+use super::shafts::{joint_terms, shafts, shared_drives};
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::parameters::regressor::parameter_names;
 use crate::functions::form::Form;
 use crate::functions::function::Function;
 use crate::functions::selection::derive_in_form;
 use crate::functions::size::MOST_OPERATIONS;
-use crate::model::{Joint, Model, QuaternionKind};
+use crate::model::{FrictionTerm, Joint, Model, QuaternionKind};
 use crate::program::interpret::{Functions, interpret};
 
 /// Functions of a described robot that identification calls, evaluated without a compiler. Its parameters are
@@ -25,20 +27,48 @@ pub struct InterpretedRobot {
     input_matrix_at: Option<Function>,
     /// Joints that something else moves.
     unmeasured: Vec<bool>,
+    /// The drives whose shafts' friction is identified.
+    shafts: Vec<Shaft>,
+    /// Described friction of the joints whose rows they take.
+    joint_terms: Vec<(JointTerm, FrictionTerm)>,
     /// Described values of the free parameters.
     free: Vec<f64>,
 }
 
+/// What may be decided about a described robot before it is identified.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RobotChoices {
+    /// Names of joints that something else moves: logs have their motion, and not their forces.
+    pub unmeasured: Vec<String>,
+    /// Friction is looked for on joints alone; that of the shafts of drives on several joints stays as described.
+    pub friction_at_joints: bool,
+}
+
 impl InterpretedRobot {
-    /// Derives the functions of a model; its friction is left out, but for that of spherical and floating joints, which is not
-    /// estimated.
+    /// The robot with nothing decided, see [`Self::with`].
+    ///
+    /// # Errors
+    /// As [`Self::with`].
+    pub fn new(model: &Model) -> Result<Self, Diagnostics> {
+        Self::with(model, &RobotChoices::default())
+    }
+
+    /// Derives the functions of a model. Its friction is left out, but for that which is not estimated: of spherical and
+    /// floating joints, and of shafts where friction is looked for on joints alone or where they take no row.
     ///
     /// # Errors
     /// As [`derive_in_form`]: a robot whose functions cannot be generated. `driven-joint` where joints are driven.
-    pub fn new(model: &Model) -> Result<Self, Diagnostics> {
-        let help = "read the description with `ReadOptions::free_driven`, and name these joints by `with_unmeasured`";
+    pub fn with(model: &Model, choices: &RobotChoices) -> Result<Self, Diagnostics> {
+        let help = "read the description with `ReadOptions::free_driven`, and name these joints by `RobotChoices::unmeasured`";
         model.refuse_driven("robots are not identified", help)?;
         let mut model = model.clone();
+        let free: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+        let shafts =
+            if choices.friction_at_joints { Vec::new() } else { shafts(&model, &choices.unmeasured, &free) };
+        let joint_terms = joint_terms(&model, &shafts, &free);
+        let is_shaft = |name: &str| shafts.iter().any(|shaft| shaft.name == name);
+        let rubbing = model.drives.iter_mut().filter(|drive| is_shaft(&drive.name));
+        rubbing.for_each(|drive| drive.friction.clear());
         let attitudes: Vec<usize> =
             model.quaternion_joints.iter().flat_map(|joint| joint.coordinates()).collect();
         let kept: Vec<usize> = attitudes.iter().map(|coordinate| model.coordinates[*coordinate]).collect();
@@ -57,11 +87,12 @@ impl InterpretedRobot {
             let found = functions.iter().find(|function| function.name == name).cloned();
             found.unwrap_or_else(|| unreachable!("{name} was asked for by name, and no error was returned"))
         };
-        let free: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
         let [regressor, inverse_dynamics, parameters, input_matrix] =
             names.each_ref().map(|name| function(name));
         Ok(Self {
-            unmeasured: vec![false; model.coordinates.len()],
+            unmeasured: model.joints().map(|joint| choices.unmeasured.contains(&joint.name)).collect(),
+            shafts,
+            joint_terms,
             parameters: result(&parameters, &[], &free),
             input_matrix: with_zero_columns(&result(&input_matrix, &[], &free), frame_inputs.len(), &model),
             model: Model { force_inputs: frame_inputs, ..model },
@@ -72,14 +103,15 @@ impl InterpretedRobot {
         })
     }
 
-    /// The same robot, of which something else moves these joints: logs have their motion, and not their forces.
+    /// Names of the drives on several joints whose shafts take no row: their friction stays as described.
     #[must_use]
-    pub fn with_unmeasured(mut self, names: &[String]) -> Self {
-        self.unmeasured = self.model.joints().map(|joint| names.contains(&joint.name)).collect();
-        self
+    pub fn shafts_as_described(&self) -> Vec<&str> {
+        let is_shaft = |name: &str| self.shafts.iter().any(|shaft| shaft.name == name);
+        let names = shared_drives(&self.model).map(|drive| drive.name.as_str());
+        names.filter(|name| !is_shaft(name)).collect()
     }
 
-    /// The model, without friction.
+    /// The model, without the friction that is identified.
     #[must_use]
     pub fn model(&self) -> &Model {
         &self.model
@@ -161,6 +193,21 @@ impl Robot for InterpretedRobot {
             is_floating: joint.kind == QuaternionKind::Floating,
         });
         joints.collect()
+    }
+
+    fn shafts(&self) -> Vec<Shaft> {
+        self.shafts.clone()
+    }
+
+    fn joint_terms(&self) -> Vec<JointTerm> {
+        self.joint_terms.iter().map(|(term, _)| term.clone()).collect()
+    }
+
+    fn joint_term_values(&self, y: &[f64], v: &[f64], values: &mut [f64]) {
+        for ((term, formula), value) in self.joint_terms.iter().zip(values) {
+            let position = y[self.model.first_position(term.joint)];
+            *value = formula.basis.evaluate(&self.free, position, v[term.joint]);
+        }
     }
 
     fn input_matrix(&self) -> Vec<f64> {

@@ -43,7 +43,7 @@ pub struct Identified<'a> {
     pub friction: &'a [FrictionResult],
     /// Drives by joint: its name, and the value of its key `drive` as TOML.
     pub drives: &'a [(String, String)],
-    /// Tables `[[bodies]]` as TOML.
+    /// Tables `[[bodies]]` as TOML, and other tables that are written as they are.
     pub bodies: &'a [String],
 }
 
@@ -144,8 +144,11 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
     Ok(text)
 }
 
-/// The value of a joint's key `friction`.
-fn friction_value(result: &FrictionResult) -> Result<String> {
+/// The value of the key `friction` of a joint or a drive.
+///
+/// # Errors
+/// Those of [`identified_toml`] about a law.
+pub fn friction_value(result: &FrictionResult) -> Result<String> {
     if let Some(reason) = &result.refusal {
         return Err(IdentificationError::Refused { joint: result.joint.clone(), reason: reason.clone() });
     }
@@ -212,6 +215,14 @@ fn basis(text: &str) -> Result<String> {
         fault(text, format!("{wrong}; {advice}"))
     })?;
     Ok(formula.text(&[]))
+}
+
+/// What is known about a law, as lines of comments.
+#[must_use]
+pub fn comment_lines(result: &FrictionResult) -> String {
+    let mut text = String::new();
+    comments(result, &mut text);
+    text
 }
 
 fn comments(result: &FrictionResult, text: &mut String) {

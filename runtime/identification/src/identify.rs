@@ -8,6 +8,7 @@ use super::preparation::{PreparationReport, PreparationSettings, prepare_all};
 use super::result::FrictionTerm;
 use super::robot::{JointLimits, Robot, require_no_quaternions};
 use super::run::PreparedRun;
+use super::shafts::{RobotRows, ShaftRows, in_words, scaled};
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -58,14 +59,33 @@ pub struct Identification {
     pub estimate: Estimate,
     /// Friction laws of the joints that moved.
     pub friction: Vec<JointFriction>,
+    /// The rows that these numbers belong to where shafts take those of joints. What is said of a joint then is said of
+    /// the shaft: positions and velocities are its own, efforts are those of its motor.
+    pub shafts: Option<ShaftRows>,
 }
 
-/// The friction of a joint.
+impl Identification {
+    /// The robot with the rows and the parameters of the estimate.
+    ///
+    /// - `robot`: the one that was identified
+    #[must_use]
+    pub fn rows<'a>(&'a self, robot: &'a dyn Robot) -> RobotRows<'a> {
+        RobotRows::new(robot, self.shafts.as_ref())
+    }
+
+    /// The drive whose shaft's row this is; `None` where it is that of the joint.
+    #[must_use]
+    pub fn shaft(&self, row: usize) -> Option<&str> {
+        self.shafts.as_ref()?.shaft(row).map(|shaft| shaft.name.as_str())
+    }
+}
+
+/// The friction of a joint, or of a shaft that takes its row.
 #[derive(Debug, Clone)]
 pub struct JointFriction {
     /// Number of the joint.
     pub joint: usize,
-    /// Name of the joint.
+    /// Name of the joint, or of the shaft's drive.
     pub name: String,
     /// ẏ at all samples of all runs.
     pub velocities: Vec<f64>,
@@ -89,9 +109,14 @@ pub fn identify(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Identification> {
     let (recording, prepared, preparation) = read_and_prepare(robot, logs, settings, progress)?;
+    let shafts = ShaftRows::of(robot);
+    let rows = RobotRows::new(robot, shafts.as_ref());
+    let (joints, robot) = (robot, &rows as &dyn Robot);
+    let prepared = rows.along(prepared);
     let estimation =
         EstimationSettings { filter: Some(preparation.filter.clone()), ..settings.estimation.clone() };
-    let mut estimate = estimate(robot, &prepared, &estimation, progress)?;
+    let found = estimate(robot, &prepared, &estimation, progress);
+    let mut estimate = found.map_err(|error| in_words(error, shafts.as_ref()))?;
     estimate.warnings.splice(0..0, faults(&preparation));
     progress("choosing the terms of friction");
     let data = source(&recording);
@@ -104,9 +129,13 @@ pub fn identify(
         }
         found
     });
-    let friction: Vec<JointFriction> = friction.collect();
+    let mut friction: Vec<JointFriction> = friction.collect();
     estimate.warnings.retain(|warning| !is_said(warning, &friction));
-    Ok(Identification { recording, preparation, runs: prepared, estimate, friction })
+    if let Some(shafts) = &shafts {
+        shafts.word(&mut estimate, &mut friction);
+        estimate.choices.splice(0..0, shafts.said(joints, &estimate));
+    }
+    Ok(Identification { recording, preparation, runs: prepared, estimate, friction, shafts })
 }
 
 /// The term of a joint's friction that grows with the load, as a law has it.
@@ -264,12 +293,12 @@ impl<'a> JointSamples<'a> {
         self,
         robot: &dyn Robot,
         settings: &IdentificationSettings,
-        data: &str,
+        source: &str,
         preparation: &PreparationReport,
     ) -> JointFriction {
         let preparations = sentences(preparation);
         let limits: Option<JointLimits> = robot.limits().get(self.joint).copied();
-        let report = settings.friction.identify(&FrictionData {
+        let data = FrictionData {
             joint: self.name,
             unit: self.unit,
             velocity_unit: if self.unit == "N" { "m/s" } else { "rad/s" },
@@ -281,8 +310,13 @@ impl<'a> JointSamples<'a> {
             positions: Some(&self.positions),
             accelerations: Some(&self.accelerations),
             limits,
-            data,
+            data: source,
             settings: &preparations,
+        };
+        let scale = robot.speed_scales()[self.joint];
+        let library = scaled(&settings.friction.library, scale);
+        let report = library.and_then(|library| {
+            FrictionIdentification { library, ..settings.friction.clone() }.identify(&data)
         });
         let report = report.map_err(|error| error.to_string());
         let report = report.and_then(|report| unless_refused(report, settings.accept_poor));

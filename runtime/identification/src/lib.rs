@@ -37,6 +37,7 @@ pub mod recursive;
 pub mod result;
 pub mod robot;
 pub mod run;
+pub mod shafts;
 pub mod sparse_dynamics;
 pub mod stribeck;
 pub mod subset;

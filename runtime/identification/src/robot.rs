@@ -2,6 +2,7 @@
 
 use super::error::{IdentificationError, Result};
 use super::pose::QuaternionJoint;
+use super::shafts::{JointTerm, Shaft};
 use gelenk_dynamics::dynamics::{Dynamics, Limits, load};
 
 /// A robot whose equations of motion are linear in its inertial parameters, `W(y, ẏ, ÿ) π = M ÿ + k − q_g`.
@@ -68,10 +69,32 @@ pub trait Robot {
         own_inputs(&self.input_matrix(), self.joint_names().len(), self.input_names().len())
     }
 
+    /// Drives that act on several joints, and whose shafts' friction is to be found. None takes the row of a joint that
+    /// another one takes, that has a drive of its own, or that something else moves.
+    fn shafts(&self) -> Vec<Shaft> {
+        Vec::new()
+    }
+
+    /// How many times as fast as a joint each row is: terms of friction are looked for at speeds that differ by these.
+    fn speed_scales(&self) -> Vec<f64> {
+        vec![1.0; self.joint_names().len()]
+    }
+
+    /// Terms of the friction that is described on joints whose rows shafts take.
+    fn joint_terms(&self) -> Vec<JointTerm> {
+        Vec::new()
+    }
+
+    /// Values of the functions of these terms, without their factors, at positions y and velocities ẏ.
+    fn joint_term_values(&self, y: &[f64], v: &[f64], values: &mut [f64]) {
+        let _ = (y, v);
+        values.fill(0.0);
+    }
+
     /// `W`, `N × P`, rows first, at positions y [rad or m], velocities ẏ and accelerations ÿ.
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]);
 
-    /// `M ÿ + k − q` with the described parameters and without friction, one entry for each joint [N·m or N].
+    /// `M ÿ + k − q` with the described parameters, without friction of joints and of [`Self::shafts`], one entry for each joint [N·m or N].
     /// Springs and other forces that are no inertia are in here and not in `W π`.
     fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]);
 }

@@ -42,7 +42,9 @@ pub fn validate(
         ..settings.preparation.clone()
     };
     let (prepared, _) = prepare_all(&recording.runs, Some(robot), &preparation)?;
-    let mut model = Prediction::new(robot, found, settings.estimation.gravity_compensated)?;
+    let rows = found.rows(robot);
+    let prepared = rows.along(prepared);
+    let mut model = Prediction::new(&rows, found, settings.estimation.gravity_compensated)?;
     let mut sums = vec![Sums::default(); model.joints];
     for run in &prepared {
         for sample in 0..run.times.len() {

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use gelenk_identification::description::{Identified, write_identified};
-use gelenk_identification::estimation::{InstrumentalEstimate, Uncertain};
+use gelenk_identification::estimation::{InstrumentalEstimate, JointEstimate, Uncertain};
 use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::{Identification, IdentificationSettings, identify};
 use gelenk_identification::log::ColumnOptions;
@@ -16,11 +16,14 @@ use gelenk_identification::validation::{JointValidation, validate};
 use serde_json::{Value, json};
 
 use super::super::Failure;
-use super::super::arguments::{EffortName, Format, Identify};
+use super::super::arguments::{EffortName, Format, FrictionPlace, Identify};
 use super::super::place::{self, Workspace, shown};
 use super::super::{print, report};
 use crate::dynamics::parameters::regressor::PER_LINK;
-use crate::identify::{BodyValues, IdentifiedDrive, InterpretedRobot, bodies, drives, page, rotors};
+use crate::identify::{
+    BodyValues, IdentifiedDrive, IdentifiedShaft, InterpretedRobot, bodies, drive_table, drives,
+    joint_tables, page, rotors, shaft_rotor,
+};
 use crate::model::{Loaded, Model};
 use crate::wording::{list, quoted};
 
@@ -47,10 +50,14 @@ pub(super) fn finish(
     command: &str,
     output: &Path,
 ) -> Result<ExitCode, Failure> {
-    let remarks: Vec<String> =
-        replaced_load(&loaded.model, found).into_iter().chain(without_wrenches(&loaded.model)).collect();
+    let remarks = [
+        replaced_load(&loaded.model, found),
+        without_wrenches(&loaded.model),
+        as_described(arguments, &loaded.model, robot),
+    ];
+    let remarks: Vec<String> = remarks.into_iter().flatten().collect();
     remarks.iter().for_each(|words| super::say(words));
-    describe(arguments, robot, found, (command, remarks), output)?;
+    describe(arguments, (&loaded.model, robot), found, (command, remarks), output)?;
     let name = &loaded.model.name;
     let files = match &arguments.report {
         Some(folder) => report::written(&page::page(name, robot, found, command), folder, "--report")?,
@@ -88,6 +95,20 @@ fn without_wrenches(model: &Model) -> Option<String> {
             "the wrenches {} are taken as zero; describe those that act as inputs (`[[inputs]]`), and log them",
             list(names.into_iter())
         )
+    })
+}
+
+/// Which friction of shafts is not looked for, although it is described.
+fn as_described(arguments: &Identify, model: &Model, robot: &InterpretedRobot) -> Option<String> {
+    let kept = robot.shafts_as_described();
+    let names = model.rubbing_drives().map(|drive| drive.name.as_str()).filter(|name| kept.contains(name));
+    let names: Vec<&str> = names.collect();
+    let reason = match arguments.friction_on {
+        FrictionPlace::Joints => "as --friction-on joints asks for",
+        FrictionPlace::Shafts => "other drives move the same joints",
+    };
+    (!names.is_empty()).then(|| {
+        format!("friction on the shafts of {} stays as described: {reason}", list(names.into_iter()))
     })
 }
 
@@ -130,6 +151,7 @@ fn command(arguments: &Identify) -> String {
         word("--delay", arguments.delay.map(|seconds| format!("{seconds:?}"))),
         arguments.gravity_compensated.then(|| "--gravity-compensated".to_owned()),
         arguments.load_friction.then(|| "--load-friction".to_owned()),
+        on_joints(arguments),
         arguments.accept_poor.then(|| "--accept-poor".to_owned()),
     ];
     let words =
@@ -137,9 +159,14 @@ fn command(arguments: &Identify) -> String {
     words.chain(arguments.reading.words()).collect::<Vec<_>>().join(" ")
 }
 
+/// The option that looks for friction on joints alone.
+pub(super) fn on_joints(arguments: &Identify) -> Option<String> {
+    (arguments.friction_on == FrictionPlace::Joints).then(|| "--friction-on joints".to_owned())
+}
+
 fn describe(
     arguments: &Identify,
-    robot: &InterpretedRobot,
+    (described, robot): (&Model, &InterpretedRobot),
     found: &Identification,
     (command, remarks): (&str, Vec<String>),
     output: &Path,
@@ -151,7 +178,8 @@ fn describe(
         return Err(Failure::Problem(message.to_owned()));
     }
     let bodies = bodies(robot.model(), links).map_err(|problems| Failure::Descriptions(vec![problems]))?;
-    let bodies: Vec<String> = bodies.iter().map(BodyValues::toml).collect();
+    let mut tables: Vec<String> = bodies.iter().map(BodyValues::toml).collect();
+    tables.extend(shaft_tables(described, robot, found, others)?);
     let identified =
         rotors(robot.model()).into_iter().zip(&found.estimate.joints).map(|(rotor, joint)| IdentifiedDrive {
             rotor: rotor.map(|place| others[place]),
@@ -159,7 +187,9 @@ fn describe(
             motor_constant: joint.gain.map(|gain| gain.value),
         });
     let identified: Vec<IdentifiedDrive> = identified.collect();
-    let friction: Vec<FrictionResult> = laws(found).map(|report| report.result.clone()).collect();
+    let of_joints = found.friction.iter().filter(|law| found.shaft(law.joint).is_none());
+    let friction = of_joints.filter_map(|law| law.report.as_ref().ok());
+    let friction: Vec<FrictionResult> = friction.map(|report| report.result.clone()).collect();
     let provenance: Vec<String> = provenance(found, command).into_iter().chain(remarks).collect();
     let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     Ok(write_identified(
@@ -171,9 +201,38 @@ fn describe(
             settings: &arguments.reading.keys(),
             friction: &friction,
             drives: &drives(robot.model(), &identified),
-            bodies: &bodies,
+            bodies: &tables,
         },
     )?)
+}
+
+/// Tables of drives on several joints, and of the joints whose rows their shafts take.
+///
+/// - `others`: parameters behind those of bodies
+fn shaft_tables(
+    described: &Model,
+    robot: &InterpretedRobot,
+    found: &Identification,
+    others: &[f64],
+) -> Result<Vec<String>, Failure> {
+    let Some(rows) = &found.shafts else { return Ok(Vec::new()) };
+    let factors = &others[rows.first_term() - PER_LINK * robot.bodies()..];
+    let mut tables = joint_tables(robot.model(), rows.joint_terms(), factors);
+    for shaft in rows.shafts() {
+        let estimate = &found.estimate.joints[shaft.joint];
+        let law = found.friction.iter().find(|law| law.joint == shaft.joint);
+        let identified = IdentifiedShaft {
+            name: &shaft.name,
+            friction: law.and_then(|law| Some(&law.report.as_ref().ok()?.result)),
+            rotor: shaft_rotor(robot.model(), &shaft.name).map(|place| others[place]),
+            added: estimate.armature.map(|inertia| inertia.value),
+            motor_constant: estimate.gain.map(|gain| gain.value),
+        };
+        if identified != (IdentifiedShaft { name: &shaft.name, ..IdentifiedShaft::default() }) {
+            tables.extend(drive_table(described, &identified)?);
+        }
+    }
+    Ok(tables)
 }
 
 fn laws(found: &Identification) -> impl Iterator<Item = &FrictionReport> {
@@ -186,15 +245,28 @@ fn provenance(found: &Identification, command: &str) -> Vec<String> {
         let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
         format!("{name}: sha256 {hash}")
     });
-    let fits = found.estimate.joints.iter().filter(|joint| page::is_judged(joint)).map(|joint| {
+    let judged = found.estimate.joints.iter().enumerate().filter(|(_, joint)| page::is_judged(joint));
+    let fits = judged.map(|(index, joint)| {
         format!(
-            "{}: R² {:.4} on held-out data, {:.4} in the fit, residual {:.3} {}",
-            joint.name, joint.held_out_r_squared, joint.r_squared, joint.sigma, joint.unit
+            "{}: R² {:.4} on held-out data, {:.4} in the fit, residual {}",
+            joint.name,
+            joint.held_out_r_squared,
+            joint.r_squared,
+            residual(found, index)
         )
     });
     let warnings = page::warnings(found).into_iter().map(|warning| format!("warning: {warning}"));
     let choices = found.estimate.choices.iter().cloned();
     std::iter::once(command.to_owned()).chain(hashes).chain(fits).chain(choices).chain(warnings).collect()
+}
+
+/// Residual of a row with its unit. Torques of motors are small: theirs has three digits that mean something.
+fn residual(found: &Identification, row: usize) -> String {
+    let JointEstimate { sigma, unit, .. } = &found.estimate.joints[row];
+    let size = sigma.log10().floor();
+    let digits =
+        if found.shaft(row).is_some() && size.is_finite() { (2.0 - size).clamp(3.0, 12.0) } else { 3.0 };
+    format!("{sigma:.*} {unit}", digits as usize)
 }
 
 /// Path of the extended description from the folder of the output: relative where both lie in one folder,
@@ -219,7 +291,8 @@ fn as_text(
     found.estimate.choices.iter().for_each(|choice| text.push_str(&format!("note: {choice}\n")));
     page::warnings(found).iter().for_each(|warning| text.push_str(&format!("warning: {warning}\n")));
     text.push('\n');
-    let head = ["joint", "R² held-out", "R² fit", "residual", "friction"].map(str::to_owned).to_vec();
+    let head = [page::rows_are(found), "R² held-out", "R² fit", "residual", "friction"];
+    let head = head.map(str::to_owned).to_vec();
     let rows = found.estimate.joints.iter().enumerate().map(|(index, joint)| {
         let number =
             |value: f64| if page::is_judged(joint) { format!("{value:.4}") } else { "–".to_owned() };
@@ -227,7 +300,7 @@ fn as_text(
             joint.name.clone(),
             number(joint.held_out_r_squared),
             number(joint.r_squared),
-            if joint.measured { format!("{:.3} {}", joint.sigma, joint.unit) } else { "–".to_owned() },
+            if joint.measured { residual(found, index) } else { "–".to_owned() },
             page::law(found, index),
         ]
     });
@@ -281,7 +354,7 @@ fn as_json(
     files: &[PathBuf],
 ) -> Value {
     let joints = found.estimate.joints.iter().enumerate().map(|(index, joint)| {
-        json!({
+        let mut joint = json!({
             "name": joint.name,
             "moves": joint.moves,
             "measured": joint.measured,
@@ -293,7 +366,11 @@ fn as_json(
             "load_friction": joint.load.as_ref().map(|term| json!({
                 "term": term.basis, "coefficient": uncertain(&term.coefficient),
             })),
-        })
+        });
+        if found.shafts.is_some() {
+            joint["is_shaft"] = json!(found.shaft(index).is_some());
+        }
+        joint
     });
     let parameters = found.estimate.parameters.iter();
     let files = files.iter().map(|file| file.display().to_string());

@@ -7,9 +7,9 @@ mod plan;
 use std::process::ExitCode;
 
 use super::Failure;
-use super::arguments::{Format, Identify};
+use super::arguments::{Format, FrictionPlace, Identify};
 use super::print;
-use crate::identify::InterpretedRobot;
+use crate::identify::{InterpretedRobot, RobotChoices};
 use crate::model::{self, Loaded, ReadOptions};
 
 /// Identifies a robot from its logs or their moments, reduces logs to moments, or plans a motion to record.
@@ -30,15 +30,19 @@ fn read(arguments: &Identify) -> Result<(Loaded, InterpretedRobot), Failure> {
         print::err(&format!("{}\n\n", loaded.notes));
     }
     let driven: Vec<String> = loaded.model.driven_joints().map(|joint| joint.name.clone()).collect();
-    if driven.is_empty() {
-        let robot = InterpretedRobot::new(&loaded.model).map_err(at_fault)?;
+    let choices = RobotChoices {
+        friction_at_joints: arguments.friction_on == FrictionPlace::Joints,
+        unmeasured: driven,
+    };
+    if choices.unmeasured.is_empty() {
+        let robot = InterpretedRobot::with(&loaded.model, &choices).map_err(at_fault)?;
         return Ok((loaded, robot));
     }
     // A log has the motion of all joints. What moves these is not in it.
     let options = ReadOptions { free_driven: true, ..arguments.reading.options() };
     let freed = model::read(&arguments.description, &options).map_err(at_fault)?;
-    let robot = InterpretedRobot::new(&freed.model).map_err(at_fault)?;
-    Ok((loaded, robot.with_unmeasured(&driven)))
+    let robot = InterpretedRobot::with(&freed.model, &choices).map_err(at_fault)?;
+    Ok((loaded, robot))
 }
 
 /// Says on standard error what is being done.

@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use gelenk_identification::moments::{LogMoments, Sum, identify_moments, reduce};
+use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
 
 use super::super::Failure;
 use super::super::arguments::{Format, Identify};
 use super::super::{place, print};
-use super::logs::{finish, output, settings};
+use super::logs::{finish, on_joints, output, settings};
+use crate::identify::InterpretedRobot;
 use crate::model::Loaded;
 use crate::wording::quoted;
 
@@ -27,7 +29,7 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
         )));
     }
     let settings = settings(arguments)?;
-    let description = Description::of(arguments, &loaded)?;
+    let description = Description::of(arguments, &loaded, &robot)?;
     let mut sum = Sum::default();
     for log in &arguments.logs {
         let name = log.display().to_string();
@@ -44,7 +46,7 @@ pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitC
     if is_moments(&path) && arguments.report.is_some() {
         return Err(Failure::Usage("--report needs a result: name a description with --output".to_owned()));
     }
-    let description = Description::of(arguments, &loaded)?;
+    let description = Description::of(arguments, &loaded, &robot)?;
     let mut sum = Sum::default();
     for file in &arguments.logs {
         sum.add(LogMoments::read(file)?, &file.display().to_string())?;
@@ -104,12 +106,17 @@ struct Description {
 }
 
 impl Description {
-    fn of(arguments: &Identify, loaded: &Loaded) -> Result<Self, Failure> {
+    fn of(arguments: &Identify, loaded: &Loaded, robot: &InterpretedRobot) -> Result<Self, Failure> {
         let read = |path: &PathBuf| {
             fs::read(path).map_err(|error| Failure::Problem(format!("{}: {error}", path.display())))
         };
         let files = loaded.files.iter().map(read).collect::<Result<_, _>>()?;
-        Ok(Self { files, reading: arguments.reading.keys().join("\n") })
+        let mut reading = arguments.reading.keys().join("\n");
+        // Moments of other rows do not add up, whatever their sizes.
+        if !robot.shafts().is_empty() {
+            reading.push_str("\nrows of shafts");
+        }
+        Ok(Self { files, reading })
     }
 
     fn parts(&self) -> Vec<&[u8]> {
@@ -124,5 +131,11 @@ fn command(arguments: &Identify) -> String {
     let description = quoted(&place::shown(&arguments.description, workspace.as_ref()));
     let poor = arguments.accept_poor.then(|| "--accept-poor".to_owned());
     let words = ["gelenk identify".to_owned(), description, format!("--merge *.{MOMENTS}")];
-    words.into_iter().chain(poor).chain(arguments.reading.words()).collect::<Vec<_>>().join(" ")
+    words
+        .into_iter()
+        .chain(poor)
+        .chain(on_joints(arguments))
+        .chain(arguments.reading.words())
+        .collect::<Vec<_>>()
+        .join(" ")
 }

@@ -18,7 +18,7 @@ pub(super) const ARMATURE: usize = TERMS - 1;
 /// The term under load, |τ_l| tanh(k v), behind the others where the layout has it.
 pub(super) const LOAD: usize = TERMS;
 
-/// A joint that moves less than this [rad or m] stands still.
+/// A joint that moves less than this [rad or m] stands still; a shaft, less than its gear makes of it.
 pub(crate) const STANDSTILL: f64 = 1e-3;
 /// States at which the structure of W is looked up. One generic state shows it; more guard against chance.
 const PROBES: usize = 4;
@@ -73,7 +73,7 @@ impl Layout {
                 what: "the list of joints with measured efforts".into(),
             });
         }
-        let parameters = robot.parameters().len();
+        let (parameters, scales) = (robot.parameters().len(), robot.speed_scales());
         let terms = TERMS + usize::from(loads);
         Ok(Self {
             joints,
@@ -83,7 +83,7 @@ impl Layout {
             steepness: (0..joints)
                 .map(|j| given.map_or_else(|| steepness(runs, j), |k| [k[j]; WIDTHS.len()]))
                 .collect(),
-            moves: (0..joints).map(|j| span(runs, j) > STANDSTILL && measured[j]).collect(),
+            moves: (0..joints).map(|j| span(runs, j) > STANDSTILL * scales[j] && measured[j]).collect(),
             exact: rows_of(&robot.quaternion_joints(), joints),
             measured,
             effort: first.effort,
@@ -91,11 +91,11 @@ impl Layout {
         })
     }
 
-    /// The layout before there are data: with given factors of the Coulomb terms, the same for all joints.
+    /// The layout before there are data: with given factors of the Coulomb terms of each joint.
     pub(super) fn without_data(
         robot: &dyn Robot,
         effort: Effort,
-        steepness: [f64; WIDTHS.len()],
+        steepness: Vec<[f64; WIDTHS.len()]>,
         moves: Vec<bool>,
     ) -> Result<Self> {
         require_known_inputs(robot, effort)?;
@@ -105,7 +105,7 @@ impl Layout {
             parameters,
             terms: TERMS,
             local: local(robot, joints, parameters, TERMS),
-            steepness: vec![steepness; joints],
+            steepness,
             moves,
             exact: rows_of(&robot.quaternion_joints(), joints),
             measured: vec![true; joints],
@@ -282,7 +282,7 @@ fn steepness(runs: &[PreparedRun], joint: usize) -> [f64; WIDTHS.len()] {
     WIDTHS.map(|width| two_digits(1.0 / (width * fast)))
 }
 
-fn two_digits(x: f64) -> f64 {
+pub(crate) fn two_digits(x: f64) -> f64 {
     let scale = 10_f64.powf(x.abs().log10().floor() - 1.0);
     let rounded = (x / scale).round();
     if scale >= 1.0 { rounded * scale } else { rounded / (1.0 / scale).round() }

@@ -33,7 +33,7 @@ pub use result::{
 pub use settings::EstimationSettings;
 pub(crate) use {
     intervals::correlation_time,
-    layout::STANDSTILL,
+    layout::{STANDSTILL, two_digits},
     residuals::huber,
     shares::{Columns, RunPiece, ShareSums, SharedData, Weighted, estimate_shares},
 };

@@ -98,10 +98,10 @@ pub struct Uncertain {
     pub interval: [f64; 2],
 }
 
-/// What belongs to one joint.
+/// What belongs to one joint, or to the shaft that takes its row ([`crate::shafts`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointEstimate {
-    /// Name of the joint in the description.
+    /// Name of the joint in the description, or of the shaft's drive.
     pub name: String,
     /// `N·m` or `N`.
     pub unit: &'static str,

@@ -8,6 +8,7 @@ use super::super::kernel::{BLOCK, add_products};
 use super::super::preparation::Filter;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
+use super::super::shafts::slope;
 use super::alternatives::signs;
 use super::checks::{acceleration_doubt_of, first_gains, unit_doubt};
 use super::choice::{Chosen, Freedom, choose};
@@ -67,7 +68,9 @@ impl Columns {
     /// # Errors
     /// Currents of a robot whose joints have no inputs of their own.
     pub(crate) fn new(robot: &dyn Robot, effort: Effort, moves: Vec<bool>) -> Result<Self> {
-        Ok(Self { layout: Layout::without_data(robot, effort, STEEPNESS, moves)? })
+        let scales = robot.speed_scales().into_iter();
+        let steepness = scales.map(|scale| STEEPNESS.map(|factor| slope(factor, scale))).collect();
+        Ok(Self { layout: Layout::without_data(robot, effort, steepness, moves)? })
     }
 
     /// Number of columns of each joint.
@@ -76,18 +79,19 @@ impl Columns {
     }
 
     /// Terms of the friction law, with the place of their columns.
-    pub(crate) fn library(&self, joint: usize) -> Vec<(&'static str, usize)> {
+    pub(crate) fn library(&self, joint: usize) -> Vec<(String, usize)> {
         let (first, width) = (self.layout.local[joint].len() - TERMS, self.layout.width(joint));
         let coulomb = |place: usize| first + COULOMB.start + place;
+        let tanh = |place: usize| format!("tanh({}*v)", self.layout.steepness[joint][place]);
         vec![
-            ("v", first + VISCOUS),
-            ("sign(v)", width),
-            ("tanh(5*v)", coulomb(3)),
-            ("tanh(10*v)", coulomb(2)),
-            ("tanh(20*v)", coulomb(1)),
-            ("tanh(100*v)", coulomb(0)),
-            ("abs(v)", first + ASYMMETRY),
-            ("abs(tanh(20*v))", width + 1),
+            ("v".to_owned(), first + VISCOUS),
+            ("sign(v)".to_owned(), width),
+            (tanh(3), coulomb(3)),
+            (tanh(2), coulomb(2)),
+            (tanh(1), coulomb(1)),
+            (tanh(0), coulomb(0)),
+            ("abs(v)".to_owned(), first + ASYMMETRY),
+            (format!("abs({})", tanh(1)), width + 1),
         ]
     }
 

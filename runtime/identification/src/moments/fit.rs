@@ -7,6 +7,7 @@ use super::super::identify::{Identification, IdentificationSettings, JointFricti
 use super::super::log::Recording;
 use super::super::preparation::{Filter, PreparationReport};
 use super::super::robot::Robot;
+use super::super::shafts::{RobotRows, ShaftRows, in_words};
 use super::super::subset::{Requirement, requirements};
 use super::exact::Exact;
 use super::file::hash_of;
@@ -39,7 +40,11 @@ pub fn identify_moments(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Identification> {
     moments.require_description(description)?;
-    let moving = moments.joints.iter().map(|joint| joint.span > STANDSTILL).collect();
+    let shafts = ShaftRows::of(robot);
+    let rows = RobotRows::new(robot, shafts.as_ref());
+    let (joints, robot) = (robot, &rows as &dyn Robot);
+    let spans = moments.joints.iter().map(|joint| joint.span);
+    let moving = spans.zip(robot.speed_scales()).map(|(span, scale)| span > STANDSTILL * scale).collect();
     let columns = Columns::new(robot, moments.about.effort, moving)?;
     if columns.widths() != moments.about.widths {
         return Err(fault("they were made by another gelenk: reduce the logs again with this one"));
@@ -61,7 +66,7 @@ pub fn identify_moments(
         shares: &shares,
         correlation_time: moments.logs.iter().map(|log| log.correlation).fold(1.0, f64::max),
     };
-    let found = estimate_shares(&data)?;
+    let found = estimate_shares(&data).map_err(|error| in_words(error, shafts.as_ref()))?;
     progress("choosing the terms of friction");
     let notes = moments.notes();
     let friction =
@@ -76,15 +81,23 @@ pub fn identify_moments(
             };
             of_joint.friction(robot, settings, &found.estimate, &moments.source(), &notes)
         });
-    let friction = friction.collect();
+    let mut friction: Vec<JointFriction> = friction.collect();
     let mut estimate = found.estimate;
-    estimate.warnings.extend(moments.differences().into_iter().chain(moments.doubts()));
+    if let Some(shafts) = &shafts {
+        shafts.word(&mut estimate, &mut friction);
+        estimate.choices.splice(0..0, shafts.said(joints, &estimate));
+    }
+    let worded =
+        |doubt: String| shafts.as_ref().map_or_else(|| doubt.clone(), |shafts| shafts.worded(&doubt));
+    let doubts = moments.doubts().into_iter().map(worded);
+    estimate.warnings.extend(moments.differences().into_iter().chain(doubts));
     Ok(Identification {
         recording: moments.recording(),
         preparation: moments.preparation(notes)?,
         runs: Vec::new(),
         estimate,
         friction,
+        shafts,
     })
 }
 
@@ -195,7 +208,7 @@ struct JointMoments<'a> {
     joint: usize,
     facts: &'a JointFacts,
     shares: &'a [ShareSums],
-    library: Vec<(&'static str, usize)>,
+    library: Vec<(String, usize)>,
     /// Factors of the columns in the friction torque.
     factors: &'a DVector<f64>,
     gain: f64,
@@ -244,15 +257,16 @@ impl JointMoments<'_> {
     }
 
     /// The library without asymmetries of motion that is nearly all in one direction.
-    fn seen(&self) -> (Vec<(&'static str, usize)>, Option<String>) {
-        let names: Vec<String> = self.library.iter().map(|(name, _)| (*name).to_owned()).collect();
+    fn seen(&self) -> (Vec<(String, usize)>, Option<String>) {
+        let names: Vec<String> = self.library.iter().map(|(name, _)| name.clone()).collect();
         let [vv, v, tt, t] = self.facts.directions.map(Exact::value);
         let unseen = |requirement: &Requirement| {
             let [all, signed] = if names[requirement.needs] == "v" { [vv, v] } else { [tt, t] };
             0.5 * (all - signed.abs()) < LEAST_OF_A_DIRECTION * all
         };
         let out: Vec<usize> = requirements(&names).iter().filter(|r| unseen(r)).map(|r| r.term).collect();
-        let kept = self.library.iter().enumerate().filter(|(i, _)| !out.contains(i)).map(|(_, term)| *term);
+        let kept =
+            self.library.iter().enumerate().filter(|(i, _)| !out.contains(i)).map(|(_, term)| term.clone());
         let texts: Vec<&str> = out.iter().map(|i| names[*i].as_str()).collect();
         let note = (!out.is_empty()).then(|| {
             format!("{} left out: the joint hardly moves in one of its directions", texts.join(", "))
@@ -261,14 +275,14 @@ impl JointMoments<'_> {
     }
 
     /// Products of the terms' columns and of the friction torque's.
-    fn moments(&self, share: &ShareSums, library: &[(&'static str, usize)]) -> Moments {
+    fn moments(&self, share: &ShareSums, library: &[(String, usize)]) -> Moments {
         let products = &share.products[self.joint];
         let mut map = DMatrix::zeros(products.nrows(), library.len() + 1);
         for (column, (_, place)) in library.iter().enumerate() {
             map[(*place, column)] = 1.0;
         }
         map.set_column(library.len(), self.factors);
-        let names = library.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let names = library.iter().map(|(name, _)| name.clone()).collect();
         Moments::of_products(names, share.samples, map.transpose() * products * map)
     }
 }

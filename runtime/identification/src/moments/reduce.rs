@@ -9,6 +9,7 @@ use super::super::identify::{IdentificationSettings, faults, read_and_prepare};
 use super::super::preparation::PreparationReport;
 use super::super::robot::{Robot, require_plain};
 use super::super::run::PreparedRun;
+use super::super::shafts::{RobotRows, ShaftRows};
 use super::contiguous_blocks;
 use super::exact::Exact;
 use super::file::hash_of;
@@ -52,6 +53,9 @@ pub fn reduce(
     let (recording, runs, preparation) = read_and_prepare(robot, &logs, settings, progress)?;
     recording.findings.iter().for_each(|finding| progress(&finding.to_string()));
     require_all_efforts(&preparation)?;
+    let shafts = ShaftRows::of(robot);
+    let rows = RobotRows::new(robot, shafts.as_ref());
+    let (robot, runs): (&dyn Robot, _) = (&rows, rows.along(runs));
     let mut alone = settings.estimation.clone();
     alone.filter = Some(preparation.filter.clone());
     alone.accept_poor = true;
@@ -60,8 +64,8 @@ pub fn reduce(
     let hash = recording.hashes.first().and_then(|(_, hash)| from_hexadecimal(hash));
     let fitted = Fitted::new(&runs, &estimate, settings.estimation.robust_passes > 0);
     let facts = fitted.facts(robot)?;
-    let columns =
-        Columns::new(robot, recording.effort, facts.iter().map(|joint| joint.span > STANDSTILL).collect())?;
+    let moving = facts.iter().zip(robot.speed_scales()).map(|(row, scale)| row.span > STANDSTILL * scale);
+    let columns = Columns::new(robot, recording.effort, moving.collect())?;
     let reduced = ReducedLog {
         name: log.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         hash: hash.ok_or_else(|| IdentificationError::Empty { what: "the log's hash".into() })?,
@@ -167,7 +171,7 @@ impl<'a> Fitted<'a> {
     }
 
     fn facts(&self, robot: &dyn Robot) -> Result<Vec<JointFacts>> {
-        let limits = robot.limits();
+        let (limits, scales) = (robot.limits(), robot.speed_scales());
         let fact = |joint: usize| -> Result<JointFacts> {
             let limits = limits[joint];
             let mut facts = JointFacts {
@@ -186,7 +190,7 @@ impl<'a> Fitted<'a> {
                     velocities: extreme(v),
                     largest_friction: torque.iter().fold(0.0, |a, x| a.max(x.abs())),
                     beyond: [beyond(v, limits.velocity), beyond(torque, limits.effort)],
-                    directions: directions(v)?,
+                    directions: directions(v, scales[joint])?,
                 })?;
             }
             Ok(facts)
@@ -199,10 +203,10 @@ fn extreme(x: &[f64]) -> [f64; 2] {
     x.iter().fold([f64::MAX, f64::MIN], |[a, b], x| [a.min(*x), b.max(*x)])
 }
 
-/// Σ v², Σ v |v|, Σ t², Σ t |t| with t = tanh 20 v.
-fn directions(velocities: &[f64]) -> Result<[Exact; 4]> {
+/// Σ v², Σ v |v|, Σ t², Σ t |t| with t = tanh 20 v, of speeds in units of `scale`.
+fn directions(velocities: &[f64], scale: f64) -> Result<[Exact; 4]> {
     let mut sums = [0.0; 4];
-    for v in velocities {
+    for v in velocities.iter().map(|v| v / scale) {
         let t = (20.0 * v).tanh();
         sums.iter_mut().zip([v * v, v * v.abs(), t * t, t * t.abs()]).for_each(|(sum, x)| *sum += x);
     }

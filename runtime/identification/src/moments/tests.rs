@@ -227,7 +227,7 @@ fn sums_are_those_of_the_centred_columns() {
         let lost: f64 = piece.rows.clone().map(|i| 1.0 - w[i]).sum();
         assert!((sums.lost[0][0] - lost).abs() < 1e-10);
     }
-    let names: Vec<&str> = columns.library(0).iter().map(|(name, _)| *name).collect();
+    let names: Vec<String> = columns.library(0).into_iter().map(|(name, _)| name).collect();
     let library = super::super::library::Library::joint_friction().unwrap();
     assert_eq!(names, library.terms()[1..]);
     let speed = [0.37];

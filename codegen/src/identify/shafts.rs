@@ -1,0 +1,141 @@
+//! Drives on several joints: whose shafts' friction is identified, and as a description writes them.
+
+use gelenk_identification::description::{comment_lines, friction_value};
+use gelenk_identification::result::FrictionResult;
+use gelenk_identification::shafts::{JointTerm, Shaft, seats};
+
+use super::bodies::number;
+use super::drives::{entries, text};
+use crate::dynamics::parameters::regressor::drives_with_rotor;
+use crate::model::{Drive, FrictionTerm, Model, RotorCoupling};
+use crate::wording::toml_text;
+
+/// The drives on several coordinates whose shafts take rows of joints ([`gelenk_identification::shafts`]).
+///
+/// - `unmeasured`: names of the joints that something else moves
+pub(super) fn shafts(model: &Model, unmeasured: &[String], free: &[f64]) -> Vec<Shaft> {
+    let shared: Vec<&Drive> = shared_drives(model).collect();
+    let ratios: Vec<Vec<f64>> = shared.iter().map(|drive| ratios(model, drive, free)).collect();
+    let mut may = vec![true; model.coordinates.len()];
+    for drive in model.input_drives().filter(|drive| drive.acts_on.len() == 1) {
+        drive.acts_on.iter().for_each(|only| may[only.coordinate] = false);
+    }
+    model.quaternion_joints.iter().flat_map(|joint| joint.coordinates()).for_each(|row| may[row] = false);
+    let moved = model.joints().zip(&mut may).filter(|(joint, _)| unmeasured.contains(&joint.name));
+    moved.for_each(|(_, may)| *may = false);
+    let seats = seats(&ratios, &may);
+    let shaft = |((drive, ratios), joint): ((&Drive, Vec<f64>), Option<usize>)| {
+        let torque = drive.torque.peak.or(drive.torque.nominal).unwrap_or(f64::INFINITY);
+        Some(Shaft { name: drive.name.clone(), joint: joint?, ratios, torque })
+    };
+    shared.into_iter().zip(ratios).zip(seats).filter_map(shaft).collect()
+}
+
+/// The drives with an input that act on several coordinates.
+pub(super) fn shared_drives(model: &Model) -> impl Iterator<Item = &Drive> {
+    model.input_drives().filter(|drive| drive.acts_on.len() > 1)
+}
+
+/// Motion of a shaft for a unit of motion of each coordinate.
+fn ratios(model: &Model, drive: &Drive, free: &[f64]) -> Vec<f64> {
+    let gear = drive.gear_ratio.evaluate(free, 0.0, 0.0);
+    let mut ratios = vec![0.0; model.coordinates.len()];
+    for moved in &drive.acts_on {
+        ratios[moved.coordinate] += gear * moved.ratio.evaluate(free, 0.0, 0.0);
+    }
+    ratios
+}
+
+/// Terms of the friction of the joints whose rows shafts take.
+pub(super) fn joint_terms(model: &Model, shafts: &[Shaft], free: &[f64]) -> Vec<(JointTerm, FrictionTerm)> {
+    let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    let taken = model.joints().enumerate().filter(|(row, _)| shafts.iter().any(|shaft| shaft.joint == *row));
+    let term = |joint: usize, term: &FrictionTerm| {
+        let coefficient = term.coefficient.evaluate(free, 0.0, 0.0);
+        (JointTerm { joint, basis: term.basis.text(&names), coefficient }, term.clone())
+    };
+    taken.flat_map(|(row, joint)| joint.friction.iter().map(move |of_joint| term(row, of_joint))).collect()
+}
+
+/// Tables `[[joints]]` with the estimated factors of such terms.
+///
+/// - `factors`: of all terms, in their order
+#[must_use]
+pub fn joint_tables(model: &Model, terms: &[JointTerm], factors: &[f64]) -> Vec<String> {
+    let joints = model.joints().enumerate();
+    let table = |(row, joint): (usize, &crate::model::Joint)| {
+        let own = terms.iter().zip(factors).filter(|(term, _)| term.joint == row);
+        let pairs = own.map(|(term, factor)| format!("[{}, {}]", toml_text(&term.basis), number(*factor)));
+        let pairs: Vec<String> = pairs.collect();
+        (!pairs.is_empty()).then(|| {
+            let name = toml_text(&joint.name);
+            format!("[[joints]]\nname = {name}\nfriction = {{ terms = [{}] }}\n", pairs.join(", "))
+        })
+    };
+    joints.filter_map(table).collect()
+}
+
+/// What was identified of a drive on several joints.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct IdentifiedShaft<'a> {
+    /// Name of the drive.
+    pub name: &'a str,
+    /// Friction of its shaft; what is described stays where there is none.
+    pub friction: Option<&'a FrictionResult>,
+    /// Axial inertia of its rotor as a parameter of the equations [kg m²], where the description has one.
+    pub rotor: Option<f64>,
+    /// Inertia at the shaft beside this [kg m²].
+    pub added: Option<f64>,
+    /// Motor constant K_M [N m/A].
+    pub motor_constant: Option<f64>,
+}
+
+/// Place of the rotor of a drive among the parameters of rotors.
+#[must_use]
+pub fn shaft_rotor(model: &Model, name: &str) -> Option<usize> {
+    drives_with_rotor(model).position(|drive| drive.name == name)
+}
+
+/// The table `[[drives]]` of an identified drive, with all that is described of it; `None` where there is no such drive.
+///
+/// - `described`: the model with its friction
+///
+/// # Errors
+/// Those of a law that a description cannot hold.
+pub fn drive_table(
+    described: &Model,
+    found: &IdentifiedShaft,
+) -> gelenk_identification::Result<Option<String>> {
+    let Some(drive) = shared_drives(described).find(|drive| drive.name == found.name) else {
+        return Ok(None);
+    };
+    let names: Vec<&str> = described.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    let joints: Vec<&str> =
+        described.joints().chain(described.driven_joints()).map(|joint| joint.name.as_str()).collect();
+    let on = drive.acts_on.iter().filter_map(|moved| {
+        Some(format!("{} = {}", toml_text(joints.get(moved.coordinate)?), text(&moved.ratio, &names)))
+    });
+    let on: Vec<String> = on.collect();
+    let inertia = found.rotor.map(|rotor| rotor + found.added.unwrap_or(0.0)).or(found.added);
+    // An inertia at the shaft alone is no body that its carrier turns.
+    let is_new = found.added.is_some() && found.rotor.is_none_or(|rotor| rotor == 0.0);
+    let coupling = if is_new { RotorCoupling::Diagonal } else { drive.coupling };
+    let mut lines = entries(described, drive, (inertia, coupling), found.motor_constant);
+    lines.insert(1, format!("on = {{ {} }}", on.join(", ")));
+    let friction = match found.friction {
+        Some(result) => Some(friction_value(result)?),
+        None => friction_text(&drive.friction, &names),
+    };
+    lines.extend(friction.map(|friction| format!("friction = {friction}")));
+    let comments = found.friction.map(comment_lines).unwrap_or_default();
+    Ok(Some(format!("[[drives]]\n{comments}{}\n", lines.join("\n"))))
+}
+
+/// Described friction as a value.
+fn friction_text(terms: &[FrictionTerm], names: &[&str]) -> Option<String> {
+    let pair = |term: &FrictionTerm| {
+        format!("[{}, {}]", toml_text(&term.basis.text(names)), text(&term.coefficient, names))
+    };
+    let pairs: Vec<String> = terms.iter().map(pair).collect();
+    (!pairs.is_empty()).then(|| format!("{{ terms = [{}] }}", pairs.join(", ")))
+}

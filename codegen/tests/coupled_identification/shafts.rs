@@ -1,0 +1,146 @@
+//! Friction on the shafts of motors that move two joints.
+
+use std::fs;
+
+use gelenk_codegen::model::Model;
+
+use super::described::{Described, Wrist, differences, motion, sines};
+
+/// What the arm of `models/` really is, with friction on its motors' shafts beside that of the joints' bearings, which
+/// is as described.
+const TRUTH: &str = r#"
+name = "truth"
+extends = "arm.toml"
+
+[[joints]]
+name = "elbow"
+friction = { viscous = 5, coulomb = { value = 3, slope = 50 } }
+
+[[drives]]
+name = "left_motor"
+on = { wrist_pitch = 1, wrist_roll = 1 }
+gear_ratio = 80
+rotor_inertia = 1e-5
+carrier = "elbow"
+axis = [0, 0, 1]
+friction = { terms = [["v", 6e-5], ["abs(v)", 1.5e-5], ["tanh(0.25*v)", 0.012]] }
+
+[[drives]]
+name = "right_motor"
+on = { wrist_pitch = 1, wrist_roll = -1 }
+gear_ratio = 80
+rotor_inertia = 1e-5
+carrier = "elbow"
+axis = [0, 0, 1]
+friction = { viscous = 4e-5, coulomb = { value = 0.018, slope = 0.25 } }
+
+[[bodies]]
+name = "wrist_roll"
+mass = 1.4
+center_of_mass = [0.02, 0.01, 0.1]
+inertia = [0.004, 0.003, 0.002]
+"#;
+
+/// Drives of the wrist.
+const MOTORS: [&str; 2] = ["left_motor", "right_motor"];
+
+/// A motion that is not in the log.
+fn other_motion(t: f64) -> [Vec<f64>; 3] {
+    sines([[0.6, 0.9, 0.3, 2.7], [0.7, 1.9, 0.2, 4.3], [0.8, 1.7, 0.4, 4.9], [0.9, 1.6, 0.3, 5.9]], t)
+}
+
+/// Rms of the differences between the motors' torques of two robots along a motion that is not in the log.
+fn errors(found: &Described, truth: &Described) -> Vec<f64> {
+    let mut sums = vec![0.0; 4];
+    for step in 0..2000 {
+        let moved = other_motion(0.01 * f64::from(step));
+        for ((sum, a), b) in sums.iter_mut().zip(found.inputs(&moved)).zip(truth.inputs(&moved)) {
+            *sum += (a - b).powi(2) / 2000.0;
+        }
+    }
+    sums.into_iter().map(f64::sqrt).collect()
+}
+
+fn has_friction(model: &Model, drive: &str) -> bool {
+    model.drives.iter().any(|described| described.name == drive && !described.friction.is_empty())
+}
+
+#[test]
+fn friction_on_the_shafts_of_a_differential_is_found() {
+    let wrist = Wrist::new(TRUTH);
+    let text = wrist.identify("found.toml", &["--report", "page"]);
+    println!("{text}");
+    assert!(text.contains("joint or shaft") && text.contains("\n  left_motor "), "{text}");
+    assert!(
+        text.contains("Friction v of joint wrist_pitch is estimated beside that of the shafts"),
+        "{text}"
+    );
+    let [arm, truth, found] = ["arm.toml", "truth.toml", "found.toml"].map(|name| wrist.robot(name));
+    let [before, after] = [&arm, &found].map(|robot| differences(robot, &truth));
+    println!("forces are off by {before:?}, identified by {after:?}");
+    // The slope of the Coulomb terms is one of the library's: near standstill the law is another one.
+    for (joint, (before, after)) in before.iter().zip(&after).enumerate() {
+        assert!(*after < 0.05 * before, "joint {joint}: {after} of {before}");
+    }
+    for name in MOTORS {
+        for v in [-250.0, -60.0, 60.0, 250.0] {
+            let [true_, found] = [&truth, &found].map(|robot| robot.shaft_friction(name, v));
+            println!("{name} at {v}: true {true_}, found {found}");
+            assert!((found - true_).abs() < 0.05 * true_.abs(), "{name} at {v}: {found} for {true_}");
+        }
+    }
+    let page = fs::read_to_string(wrist.at("page/index.html")).unwrap();
+    assert!(page.contains("left_motor") && page.contains("joint or shaft"));
+}
+
+#[test]
+fn laws_of_joints_predict_such_a_wrist_worse() {
+    let wrist = Wrist::new(TRUTH);
+    wrist.identify("shafts.toml", &[]);
+    let text = wrist.identify("joints.toml", &["--friction-on", "joints"]);
+    assert!(!text.contains("left_motor ") && text.contains("wrist_pitch"), "{text}");
+    let [truth, shafts, joints] = ["truth.toml", "shafts.toml", "joints.toml"].map(|name| wrist.robot(name));
+    assert!(has_friction(&shafts.1, "left_motor") && !has_friction(&joints.1, "left_motor"));
+    let [shafts, joints] = [shafts, joints].map(|robot| errors(&robot, &truth));
+    println!("torques of a new motion are off by {shafts:?}, with friction on joints by {joints:?}");
+    for motor in 2..4 {
+        assert!(shafts[motor] < 0.2 * joints[motor], "{shafts:?} {joints:?}");
+    }
+}
+
+#[test]
+fn a_shaft_that_never_turns_is_named_and_stays_as_described() {
+    // The hand pitches as it rolls back: the left motor stands still.
+    let wrist = Wrist::moved(TRUTH, |t| {
+        let mut moved = motion(t);
+        moved.iter_mut().for_each(|entries| entries[3] = -entries[2]);
+        moved
+    });
+    let text = wrist.identify("found.toml", &["--accept-poor"]);
+    println!("{text}");
+    assert!(text.contains("The shaft of left_motor stands still in these data"), "{text}");
+    let found = wrist.robot("found.toml");
+    assert!(!has_friction(&found.1, "left_motor") && has_friction(&found.1, "right_motor"));
+}
+
+#[test]
+fn moments_of_such_a_wrist_know_its_shafts() {
+    let wrist = Wrist::new(TRUTH);
+    let reduce = |output: &str, options: &[&str]| {
+        let command = ["arm.toml", "log.csv", "--effort", "input", "--reduce", "--output", output];
+        wrist.gelenk(&[&command[..], options].concat())
+    };
+    reduce("log.moments", &[]);
+    let text = wrist.gelenk(&["arm.toml", "log.moments", "--merge", "--output", "merged.toml"]);
+    println!("{text}");
+    let [truth, merged] = ["truth.toml", "merged.toml"].map(|name| wrist.robot(name));
+    for name in MOTORS {
+        for v in [-250.0, -60.0, 60.0, 250.0] {
+            let [true_, found] = [&truth, &merged].map(|robot| robot.shaft_friction(name, v));
+            assert!((found - true_).abs() < 0.05 * true_.abs(), "{name} at {v}: {found} for {true_}");
+        }
+    }
+    reduce("joints.moments", &["--friction-on", "joints"]);
+    let refused = wrist.refused(&["arm.toml", "joints.moments", "--merge", "--output", "no.toml"]);
+    assert!(refused.contains("another description"), "{refused}");
+}

@@ -1,0 +1,163 @@
+//! A robot whose rows are those of its shafts.
+
+use super::super::pose::QuaternionJoint;
+use super::super::robot::{JointLimits, Robot};
+use super::super::run::PreparedRun;
+use super::rows::ShaftRows;
+
+/// A robot as its estimate sees it: by its joints, or with shafts in place of some of them.
+///
+/// Behind the inertial parameters stand the factors of the friction that is described on joints whose rows shafts take.
+/// Positions are those of the rows, but for robots with quaternions, whose positions stay those of the joints.
+#[derive(Clone, Copy)]
+pub struct RobotRows<'a> {
+    robot: &'a dyn Robot,
+    rows: Option<&'a ShaftRows>,
+}
+
+impl<'a> RobotRows<'a> {
+    /// - `rows`: those of the same robot, by [`ShaftRows::of`]
+    #[must_use]
+    pub fn new(robot: &'a dyn Robot, rows: Option<&'a ShaftRows>) -> Self {
+        Self { robot, rows }
+    }
+
+    /// Signals of the joints along the rows.
+    pub(crate) fn along(&self, runs: Vec<PreparedRun>) -> Vec<PreparedRun> {
+        match self.rows {
+            Some(rows) => runs.into_iter().map(|run| rows.along(run)).collect(),
+            None => runs,
+        }
+    }
+
+    fn terms(&self) -> usize {
+        self.rows.map_or(0, |rows| rows.joint_terms().len())
+    }
+
+    /// Values of the joints' terms at a motion of the joints.
+    fn term_values(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
+        let mut values = vec![0.0; self.terms()];
+        self.robot.joint_term_values(y, v, &mut values);
+        values
+    }
+}
+
+impl Robot for RobotRows<'_> {
+    fn joint_names(&self) -> Vec<String> {
+        let mut names = self.robot.joint_names();
+        for shaft in self.rows.map_or(&[][..], ShaftRows::shafts) {
+            names[shaft.joint].clone_from(&shaft.name);
+        }
+        names
+    }
+
+    fn input_names(&self) -> Vec<String> {
+        self.robot.input_names()
+    }
+
+    fn position_units(&self) -> Vec<&'static str> {
+        let mut units = self.robot.position_units();
+        self.rows.map_or(&[][..], ShaftRows::shafts).iter().for_each(|shaft| units[shaft.joint] = "rad");
+        units
+    }
+
+    fn limits(&self) -> Vec<JointLimits> {
+        let of_joints = self.robot.limits();
+        let mut limits = of_joints.clone();
+        for shaft in self.rows.map_or(&[][..], ShaftRows::shafts) {
+            let turning = shaft.ratios.iter().zip(&of_joints).filter(|(ratio, _)| **ratio != 0.0);
+            limits[shaft.joint] = JointLimits {
+                position: [f64::NEG_INFINITY, f64::INFINITY],
+                velocity: turning.map(|(ratio, joint)| ratio.abs() * joint.velocity).sum(),
+                effort: shaft.torque,
+            };
+        }
+        limits
+    }
+
+    fn parameter_names(&self) -> Vec<String> {
+        let mut names = self.robot.parameter_names();
+        let joints = self.robot.joint_names();
+        let terms = self.rows.map_or(&[][..], ShaftRows::joint_terms).iter();
+        names.extend(terms.map(|term| format!("friction of {}: {}", joints[term.joint], term.basis)));
+        names
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        let mut values = self.robot.parameters();
+        values.extend(self.rows.map_or(&[][..], ShaftRows::joint_terms).iter().map(|term| term.coefficient));
+        values
+    }
+
+    fn bodies(&self) -> usize {
+        self.robot.bodies()
+    }
+
+    fn quaternion_joints(&self) -> Vec<QuaternionJoint> {
+        self.robot.quaternion_joints()
+    }
+
+    fn input_matrix(&self) -> Vec<f64> {
+        let joints = self.robot.input_matrix();
+        let Some(rows) = self.rows else { return joints };
+        let mut matrix = vec![0.0; joints.len()];
+        rows.forces(&joints, self.robot.input_names().len(), &mut matrix);
+        let largest = matrix.iter().fold(0.0_f64, |largest, b| largest.max(b.abs()));
+        // What is left of differences of equal numbers would make inputs act where they do not.
+        matrix.iter_mut().filter(|b| b.abs() < 1e-12 * largest).for_each(|b| *b = 0.0);
+        matrix
+    }
+
+    fn has_inputs_at_frames(&self) -> bool {
+        self.robot.has_inputs_at_frames()
+    }
+
+    fn input_forces(&self, y: &[f64], u: &[f64], forces: &mut [f64]) {
+        let Some(rows) = self.rows else { return self.robot.input_forces(y, u, forces) };
+        let mut joints = vec![0.0; forces.len()];
+        self.robot.input_forces(&rows.positions(y), u, &mut joints);
+        rows.forces(&joints, 1, forces);
+    }
+
+    fn unmeasured(&self) -> Vec<bool> {
+        self.robot.unmeasured()
+    }
+
+    fn speed_scales(&self) -> Vec<f64> {
+        let rows = 0..self.robot.joint_names().len();
+        rows.map(|row| self.rows.map_or(1.0, |rows| rows.speed_scale(row))).collect()
+    }
+
+    fn own_inputs(&self) -> Vec<bool> {
+        self.robot.own_inputs()
+    }
+
+    fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {
+        let Some(rows) = self.rows else { return self.robot.inertial_regressor(y, v, a, regressor) };
+        let (joints, inertial) = (v.len(), rows.first_term());
+        let [y, v, a] = [rows.positions(y), rows.joint_motion(v), rows.joint_motion(a)];
+        let mut bodies = vec![0.0; joints * inertial];
+        self.robot.inertial_regressor(&y, &v, &a, &mut bodies);
+        let columns = inertial + self.terms();
+        let mut of_joints = vec![0.0; joints * columns];
+        for (joint, row) in of_joints.chunks_exact_mut(columns.max(1)).enumerate() {
+            row[..inertial].copy_from_slice(&bodies[joint * inertial..(joint + 1) * inertial]);
+        }
+        for ((term, value), place) in rows.joint_terms().iter().zip(self.term_values(&y, &v)).zip(inertial..)
+        {
+            of_joints[term.joint * columns + place] = value;
+        }
+        rows.forces(&of_joints, columns, regressor);
+    }
+
+    fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]) {
+        let Some(rows) = self.rows else { return self.robot.rigid_forces(y, v, a, forces) };
+        let [y, v, a] = [rows.positions(y), rows.joint_motion(v), rows.joint_motion(a)];
+        let mut of_joints = vec![0.0; forces.len()];
+        self.robot.rigid_forces(&y, &v, &a, &mut of_joints);
+        for (term, value) in rows.joint_terms().iter().zip(self.term_values(&y, &v)) {
+            of_joints[term.joint] += term.coefficient * value;
+        }
+        rows.forces(&of_joints, 1, forces);
+    }
+}

@@ -1,0 +1,140 @@
+//! The rows of a robot with shafts, and signals along them.
+
+use super::super::robot::Robot;
+use super::super::run::{DesiredMotion, Effort, PreparedRun};
+use super::{JointTerm, Shaft};
+use nalgebra::DMatrix;
+
+/// Share of a row's largest entry below which an entry of C⁻¹ is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// The rows of the equations in `z = C y`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShaftRows {
+    shafts: Vec<Shaft>,
+    terms: Vec<JointTerm>,
+    /// C.
+    motion: DMatrix<f64>,
+    /// C⁻¹.
+    back: DMatrix<f64>,
+    has_quaternions: bool,
+    /// Number of the robot's inertial parameters; behind them stand the factors of the joints' terms.
+    parameters: usize,
+}
+
+impl ShaftRows {
+    /// The rows of a robot; `None` where no drive's shaft takes a row.
+    #[must_use]
+    pub fn of(robot: &dyn Robot) -> Option<Self> {
+        let shafts = robot.shafts();
+        let joints = robot.joint_names().len();
+        let mut motion = DMatrix::identity(joints, joints);
+        for shaft in &shafts {
+            shaft.ratios.iter().enumerate().for_each(|(joint, ratio)| motion[(shaft.joint, joint)] = *ratio);
+        }
+        let mut back = motion.clone().try_inverse().filter(|_| !shafts.is_empty())?;
+        for mut row in back.row_iter_mut() {
+            let largest = row.amax();
+            row.iter_mut().filter(|x| x.abs() < ROUNDING * largest).for_each(|x| *x = 0.0);
+        }
+        Some(Self {
+            shafts,
+            terms: robot.joint_terms(),
+            motion,
+            back,
+            has_quaternions: !robot.quaternion_joints().is_empty(),
+            parameters: robot.parameters().len(),
+        })
+    }
+
+    /// The shafts.
+    #[must_use]
+    pub fn shafts(&self) -> &[Shaft] {
+        &self.shafts
+    }
+
+    /// The shaft whose row this is; `None` where it is that of the joint.
+    #[must_use]
+    pub fn shaft(&self, row: usize) -> Option<&Shaft> {
+        self.shafts.iter().find(|shaft| shaft.joint == row)
+    }
+
+    /// Speed of a row for a unit of speed of the joint that turns its shaft most; 1 where it is that of a joint.
+    #[must_use]
+    pub fn speed_scale(&self, row: usize) -> f64 {
+        let largest = |ratios: &[f64]| ratios.iter().fold(0.0_f64, |largest, ratio| largest.max(ratio.abs()));
+        self.shaft(row).map_or(1.0, |shaft| largest(&shaft.ratios))
+    }
+
+    /// Friction that is described on joints whose rows shafts take. Its factors stand behind the inertial parameters of
+    /// the estimate.
+    #[must_use]
+    pub fn joint_terms(&self) -> &[JointTerm] {
+        &self.terms
+    }
+
+    /// Place of the factor of the first of these terms among the parameters of the estimate.
+    #[must_use]
+    pub fn first_term(&self) -> usize {
+        self.parameters
+    }
+
+    /// The signals of a run of the joints, along the rows.
+    pub(crate) fn along(&self, run: PreparedRun) -> PreparedRun {
+        let moved = |columns: &[Vec<f64>]| combined(&self.motion, columns);
+        let efforts = match run.effort {
+            Effort::Joint => combined(&self.back.transpose(), &run.efforts),
+            Effort::Input | Effort::Current => run.efforts.clone(),
+        };
+        let desired = run.desired.as_ref().map(|desired| DesiredMotion {
+            positions: moved(&desired.positions),
+            velocities: moved(&desired.velocities),
+            accelerations: moved(&desired.accelerations),
+        });
+        PreparedRun {
+            positions: moved(&run.positions),
+            velocities: moved(&run.velocities),
+            accelerations: moved(&run.accelerations),
+            efforts,
+            desired,
+            ..run
+        }
+    }
+
+    /// Positions y for z; those with quaternions are no sums, and stay as they are.
+    pub(super) fn positions(&self, z: &[f64]) -> Vec<f64> {
+        if self.has_quaternions { z.to_vec() } else { self.joint_motion(z) }
+    }
+
+    /// ẏ for ż, ÿ for z̈.
+    pub(super) fn joint_motion(&self, z: &[f64]) -> Vec<f64> {
+        let row = |row: usize| self.back.row(row).iter().zip(z).map(|(factor, z)| factor * z).sum();
+        (0..self.back.nrows()).map(row).collect()
+    }
+
+    /// C⁻ᵀ times a matrix over the joints of so many columns, rows first.
+    pub(super) fn forces(&self, joints: &[f64], columns: usize, rows: &mut [f64]) {
+        rows.fill(0.0);
+        for (row, found) in rows.chunks_exact_mut(columns.max(1)).enumerate() {
+            for (joint, values) in joints.chunks_exact(columns.max(1)).enumerate() {
+                let factor = self.back[(joint, row)];
+                if factor != 0.0 {
+                    found.iter_mut().zip(values).for_each(|(sum, x)| *sum += factor * x);
+                }
+            }
+        }
+    }
+}
+
+/// A matrix times columns of samples. What it does not need may be unknown: NaN.
+fn combined(matrix: &DMatrix<f64>, columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let samples = columns.first().map_or(0, Vec::len);
+    let row = |row: usize| {
+        let mut sum = vec![0.0; samples];
+        for (factor, column) in matrix.row(row).iter().zip(columns).filter(|(factor, _)| **factor != 0.0) {
+            sum.iter_mut().zip(column).for_each(|(sum, x)| *sum += factor * x);
+        }
+        sum
+    };
+    (0..matrix.nrows()).map(row).collect()
+}

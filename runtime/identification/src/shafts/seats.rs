@@ -1,0 +1,34 @@
+//! Which joints' rows the shafts take.
+
+use nalgebra::{DMatrix, RowDVector};
+
+/// Share of a shaft's largest entry below which an entry is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// For each shaft the joint whose row it takes; `None` where its motion follows from those of rows that are taken, or
+/// that may not be.
+///
+/// Shafts choose in their order. Each takes the joint along which it turns most while all other rows keep their motion,
+/// the first of them where several are equal.
+///
+/// - `ratios`: motion of each shaft for a unit of motion of each joint
+/// - `free`: whether the row of a joint may be taken: it has no drive of its own
+#[must_use]
+pub fn seats(ratios: &[Vec<f64>], free: &[bool]) -> Vec<Option<usize>> {
+    let joints = free.len();
+    let mut rows = DMatrix::<f64>::identity(joints, joints);
+    let mut free = free.to_vec();
+    let mut seat = |shaft: &Vec<f64>| {
+        let shaft = RowDVector::from_row_slice(shaft);
+        let along = &shaft * rows.clone().try_inverse()?;
+        let largest = along.amax();
+        let may = |joint: &usize| free[*joint] && along[*joint].abs() > ROUNDING * largest;
+        let taken = (0..joints)
+            .filter(may)
+            .reduce(|best, joint| if along[joint].abs() > along[best].abs() { joint } else { best })?;
+        free[taken] = false;
+        rows.set_row(taken, &shaft);
+        Some(taken)
+    };
+    ratios.iter().map(|shaft| if shaft.len() == joints { seat(shaft) } else { None }).collect()
+}

@@ -1,0 +1,79 @@
+//! What is said of rows that are shafts.
+
+use super::super::error::IdentificationError;
+use super::super::estimation::{Estimate, Uncertain};
+use super::super::identify::JointFriction;
+use super::super::robot::Robot;
+use super::ShaftRows;
+
+impl ShaftRows {
+    /// A sentence about rows, which calls shafts what they are: "Joint left_motor" is the shaft of that drive.
+    #[must_use]
+    pub fn worded(&self, sentence: &str) -> String {
+        let mut text = sentence.to_owned();
+        for name in self.shafts().iter().map(|shaft| &shaft.name) {
+            for (joint, shaft) in [("Joint", "The shaft of"), ("joint", "the shaft of")] {
+                text = with_word(&text, &format!("{joint} {name}"), &format!("{shaft} {name}"));
+            }
+        }
+        text
+    }
+
+    /// Calls shafts what they are in all that is said of an estimate.
+    pub(crate) fn word(&self, estimate: &mut Estimate, friction: &mut [JointFriction]) {
+        let sentences = estimate.choices.iter_mut().chain(&mut estimate.warnings);
+        let faults = friction.iter_mut().filter_map(|friction| friction.report.as_mut().err());
+        sentences.chain(faults).for_each(|sentence| *sentence = self.worded(sentence));
+    }
+
+    /// Where friction was looked for, in sentences.
+    ///
+    /// - `robot`: the one with joints as rows
+    pub(crate) fn said(&self, robot: &dyn Robot, estimate: &Estimate) -> Vec<String> {
+        let names: Vec<&str> = self.shafts().iter().map(|shaft| shaft.name.as_str()).collect();
+        let shafts = format!(
+            "Drives that act on several joints have friction on their shafts, over the motors' speeds, and rows of torques at \
+             the motors: {}.",
+            names.join(", ")
+        );
+        let joints = robot.joint_names();
+        let factors = estimate.parameters.get(self.first_term()..).unwrap_or_default();
+        let term = |(term, factor): (&super::JointTerm, &Uncertain)| {
+            let [low, high] = factor.interval;
+            format!(
+                "Friction {} of joint {} is estimated beside that of the shafts, near its description where the data cannot \
+                 tell: {:.4} becomes {:.4} ({low:.4} to {high:.4}).",
+                term.basis, joints[term.joint], term.coefficient, factor.value
+            )
+        };
+        std::iter::once(shafts).chain(self.joint_terms().iter().zip(factors).map(term)).collect()
+    }
+}
+
+/// An error about rows, which calls shafts what they are.
+pub(crate) fn in_words(error: IdentificationError, rows: Option<&ShaftRows>) -> IdentificationError {
+    let Some(rows) = rows else { return error };
+    match error {
+        IdentificationError::Unexplained { joint, r_squared, least, reasons } => {
+            let is_shaft = rows.shafts().iter().any(|shaft| shaft.name == joint);
+            let joint = if is_shaft { format!("{joint} (the shaft of this drive)") } else { joint };
+            IdentificationError::Unexplained { joint, r_squared, least, reasons: rows.worded(&reasons) }
+        }
+        other => other,
+    }
+}
+
+/// The text with a phrase replaced where it ends with a word.
+fn with_word(text: &str, old: &str, new: &str) -> String {
+    let mut found = String::new();
+    let mut rest = text;
+    while let Some(place) = rest.find(old) {
+        let end = place + old.len();
+        let goes_on = rest[end..].starts_with(|c: char| c.is_alphanumeric() || c == '_');
+        found.push_str(&rest[..place]);
+        found.push_str(if goes_on { old } else { new });
+        rest = &rest[end..];
+    }
+    found.push_str(rest);
+    found
+}
