@@ -102,27 +102,37 @@ pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnos
 /// # Errors
 /// As [`derive()`].
 pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
-    if let Some(coupled) = coupled_joint(model) {
-        let message =
-            format!("closed forms are offered where every joint and drive has one coordinate; {coupled}");
-        let problem = Diagnostic::error("coupled-joints", message)
-            .help("`gelenk inspect program` shows the equations of coupled joints with their abbreviations");
-        return Err(Diagnostics::new(vec![problem]));
+    if let Some(Obstacle { code, message, of }) = obstacle(model) {
+        let help = format!("`gelenk inspect program` shows the equations{of} with their abbreviations");
+        return Err(Diagnostic::error(code, message).help(help).into());
     }
     let help = "`gelenk inspect program` shows the equations of driven joints with their abbreviations";
     model.refuse_driven("there are no closed forms", help)?;
+    check_coordinates(model)
+}
+
+/// What closed forms do not have: a diagnostic, and how its help calls the equations.
+struct Obstacle {
+    code: &'static str,
+    message: String,
+    of: &'static str,
+}
+
+fn obstacle(model: &Model) -> Option<Obstacle> {
+    let obstacle = |code, message, of| Some(Obstacle { code, message, of });
+    if let Some(coupled) = coupled_joint(model) {
+        let message =
+            format!("closed forms are offered where every joint and drive has one coordinate; {coupled}");
+        return obstacle("coupled-joints", message, " of coupled joints");
+    }
     if let Some(joint) = model.quaternion_joints.first() {
         let message =
             format!("there are no closed forms of {} joints; `{}` is one", joint.kind.name(), joint.name);
-        let problem = Diagnostic::error("quaternion-joint", message)
-            .help("`gelenk inspect program` shows the equations with their abbreviations");
-        return Err(Diagnostics::new(vec![problem]));
+        return obstacle("quaternion-joint", message, "");
     }
     if let Some(joint) = model.joints().find(|joint| matches!(joint.kind, JointKind::Helical { .. })) {
         let message = format!("there are no closed forms of helical joints; `{}` is one", joint.name);
-        let problem = Diagnostic::error("helical-joint", message)
-            .help("`gelenk inspect program` shows the equations of helical joints with their abbreviations");
-        return Err(Diagnostics::new(vec![problem]));
+        return obstacle("helical-joint", message, " of helical joints");
     }
     if load_friction::is_there(model) {
         let message = format!(
@@ -130,18 +140,17 @@ pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
              whole equations",
             model.name
         );
-        let problem = Diagnostic::error("load-friction", message);
-        return Err(problem
-            .help("`gelenk inspect program` shows the equations with their abbreviations")
-            .into());
+        return obstacle("load-friction", message, "");
     }
     if !model.point_forces.is_empty() || !model.force_inputs.is_empty() {
         let message = format!("there are no closed forms where forces act at frames, as in `{}`", model.name);
-        let problem = Diagnostic::error("frame-forces", message);
-        return Err(problem
-            .help("`gelenk inspect program` shows the equations with their abbreviations")
-            .into());
+        return obstacle("frame-forces", message, "");
     }
+    None
+}
+
+/// Formulas grow with the coordinates, and with the angles that stay in them.
+fn check_coordinates(model: &Model) -> Result<(), Diagnostics> {
     let n = model.coordinates.len();
     if n > MAXIMUM_JOINTS {
         let message = format!(

@@ -46,29 +46,17 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
         let chain = chain_place(model, described, index);
         let parent = described.parent.map_or(Pose::identity(graph), |parent| placed[parent]);
         let (axis, moving) = (described.motion, &moving_joints[described.joint]);
-        let rate = described.rate * directions[index];
-        let shift = moving.offset * rate;
         let frame = match chain {
             Some(place) => quaternion::frame(graph, place),
             None => complete(&drafts[index], described, &parent, axis),
         };
-        let relative = parent.inverse().then(described.pose).then(frame);
-        let (twist, angle) = decompose(&relative.rotation);
-        let z = twist.matrix().column(2).into_owned();
-        let lift = match chain {
-            // What lies before a rotation by a quaternion is not along the axis behind it.
-            Some(_) => graph.constant(0.0),
-            None => (0..3)
-                .fold(graph.constant(0.0), |sum, k| sum + relative.translation[k] * z[k])
-                .cleaned(ROUNDING),
-        };
-        let (turn, slide) = if axis.turns() { (shift, 0.0) } else { (0.0, shift) };
-        let lateral = relative.translation - Vector3([0, 1, 2].map(|k| lift * z[k]));
-        let mut translation = lateral.map(|x| x.cleaned(ROUNDING));
+        let rate = described.rate * directions[index];
+        let from_parent = parent.inverse().then(described.pose);
+        let mut step = Step::new(graph, &from_parent.then(frame), chain.is_some());
+        step.shift(graph, axis, moving.offset * rate);
         let displaced = displaced(graph, model, described, chain, index);
         if let Some(origin) = displaced.as_ref().and_then(|displaced| displaced.origin) {
-            let axes = parent.inverse().then(described.pose).rotation;
-            translation = translation + rotate(&axes, origin);
+            step.translation = step.translation + rotate(&from_parent.rotation, origin);
         }
         bodies.push(Body {
             name: name(model, described),
@@ -80,10 +68,10 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
             attitude: displaced.map(|displaced| displaced.attitude),
             parent: described.parent,
             axis,
-            twist,
-            translation,
-            lift: if slide == 0.0 { lift } else { lift + graph.constant(slide) },
-            offset: if turn == 0.0 { angle } else { angle + Angle::new(turn) },
+            twist: step.twist,
+            translation: step.translation,
+            lift: step.lift,
+            offset: step.offset,
             moments: described.moments.moved(&frame.inverse()),
             length_unit: 1.0,
             unit_ratio: 1.0,
@@ -107,6 +95,37 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
     };
     add_rotors(model, &mut mechanism);
     mechanism
+}
+
+/// The way from the frame of a body's parent to its own: a translation across z, a rotation, then a lift and an angle along z, to
+/// which the joint's position adds.
+struct Step<'g> {
+    translation: Vector3<Scalar<'g>>,
+    twist: Twist,
+    lift: Scalar<'g>,
+    offset: Angle,
+}
+
+impl<'g> Step<'g> {
+    fn new(graph: &'g Graph, relative: &Pose<Scalar<'g>>, is_in_chain: bool) -> Self {
+        let (twist, offset) = decompose(&relative.rotation);
+        let z = twist.matrix().column(2).into_owned();
+        let zero = graph.constant(0.0);
+        let along = || (0..3).fold(zero, |sum, k| sum + relative.translation[k] * z[k]).cleaned(ROUNDING);
+        // What lies before a rotation by a quaternion is not along the axis behind it.
+        let lift = if is_in_chain { zero } else { along() };
+        let lateral = relative.translation - Vector3([0, 1, 2].map(|k| lift * z[k]));
+        Self { translation: lateral.map(|x| x.cleaned(ROUNDING)), twist, lift, offset }
+    }
+
+    /// Moves the zero of a joint.
+    fn shift(&mut self, graph: &'g Graph, axis: JointAxis, shift: f64) {
+        match axis.turns() {
+            _ if shift == 0.0 => {}
+            true => self.offset = self.offset + Angle::new(shift),
+            false => self.lift = self.lift + graph.constant(shift),
+        }
+    }
 }
 
 /// The place of a body in the chain of a joint with a quaternion.
