@@ -35,14 +35,14 @@ pub(super) fn text(context: &Context<'_>) -> String {
     }
     let mut texts: String = texts.iter().map(|text| format!("\n{text}")).collect();
     if context.options.scalar == Scalar::F32 {
-        texts = texts.replace("uint64_t", "uint32_t");
+        texts = texts.replace("int64_t", "int32_t");
     }
     let meetings = if inverts { meetings(first) } else { String::new() };
     [context.pasted(&[sizes(first), meetings].concat()), context.pasted_loops(&texts)].concat()
 }
 
 /// Several columns of a row at once, by the vectors that gcc and clang know without instructions being named: left to
-/// their optimizers, the loops took up to nine times as long with gcc 12.
+/// its optimizer, gcc 12 made loops of single numbers of them.
 fn parts(context: &Context<'_>, form: &Arrays) -> [&'static str; 3] {
     [
         match context.options.scalar {

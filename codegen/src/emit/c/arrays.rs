@@ -4,6 +4,7 @@ use super::body::{Body, JOINT};
 use super::context::Context;
 use super::{layout, parts, public, signature};
 use crate::emit::arrays::{self, Row, is_only_result, table};
+use crate::emit::options::Scalar;
 use crate::functions::function::Function;
 use crate::program::arrays::{Arrays, Map, Pairs, Step};
 use crate::program::split;
@@ -206,7 +207,12 @@ impl<'a> Emission<'a> {
     fn add_relations(&self) {
         let about = "Where joint j stands seen from joint i: -1 before it on its path to the base, 1 beyond it or the same, else 0.";
         if !self.form.is_chain() {
-            self.add_table((RELATIONS, about), self.form.joints.len(), self.row.len, arrays::relation);
+            // As long as a number: columns of both stand in registers of one length.
+            let ty = match self.context.options.scalar {
+                Scalar::F64 => "int64_t",
+                Scalar::F32 => "int32_t",
+            };
+            self.add_table((ty, RELATIONS, about), self.form.joints.len(), self.row.len, arrays::relation);
         }
     }
 
@@ -215,13 +221,18 @@ impl<'a> Emission<'a> {
         let about = "Whether the rows of coordinates i and j meet in the inverse of the mass matrix: 0 where they do not.";
         let tree = self.form.coordinates();
         if !tree.is_chain() {
-            self.add_table((MEETINGS, about), tree.len(), self.row.coordinates, arrays::meeting);
+            self.add_table(
+                ("signed char", MEETINGS, about),
+                tree.len(),
+                self.row.coordinates,
+                arrays::meeting,
+            );
         }
     }
 
     fn add_table(
         &self,
-        (stem, about): (&str, &str),
+        (ty, stem, about): (&str, &str, &str),
         count: usize,
         len: usize,
         entry: fn(&Arrays, usize, usize) -> i8,
@@ -232,7 +243,7 @@ impl<'a> Emission<'a> {
         };
         let rows: String = (0..count).map(row).collect();
         self.context.tables.add(&self.context.function(stem), |name| {
-            format!("// {about}\nstatic const signed char {name}[{count}][{len}] = {{\n{rows}}};\n")
+            format!("// {about}\nstatic const {ty} {name}[{count}][{len}] = {{\n{rows}}};\n")
         });
     }
 

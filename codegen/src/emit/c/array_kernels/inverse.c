@@ -7,23 +7,22 @@ GELENK_INLINE void gelenk_invert(double *matrix)
 {
     for (int step = GELENK_N - 1; step >= 0; --step) {
         const int k = GELENK_PIVOT(step);
-        const double reciprocal = 1.0 / matrix[k * GELENK_L + k];
-        double factors[GELENK_N];
-        for (int i = 0; i < GELENK_N; ++i) {
-            factors[i] = -matrix[i * GELENK_L + k];
-        }
+        double *own = &matrix[k * GELENK_L];
+        const gelenk_part reciprocal = gelenk_same_part(1.0 / own[k]);
         for (int first = 0; first < GELENK_L; first += GELENK_PART) {
-            const gelenk_part_bits is_own = gelenk_column(first, k);
-            const gelenk_part scale = gelenk_same_part(reciprocal);
-            const gelenk_part scaled = gelenk_part_of(&matrix[k * GELENK_L + first]) * scale;
-            const gelenk_part own = gelenk_choose_part(is_own, scale, scaled);
-            gelenk_put_part(&matrix[k * GELENK_L + first], own);
-            for (int i = 0; i < GELENK_N; ++i) {
-                double *row = &matrix[i * GELENK_L + first];
-                if (GELENK_MEET(i, k)) {
+            const gelenk_part scaled = gelenk_part_of(&own[first]) * reciprocal;
+            gelenk_put_part(&own[first], gelenk_choose_part(gelenk_column(first, k), reciprocal, scaled));
+        }
+        for (int i = 0; i < GELENK_N; ++i) {
+            double *row = &matrix[i * GELENK_L];
+            if (GELENK_MEET(i, k)) {
+                const gelenk_part factor = gelenk_same_part(-row[k]);
+                for (int first = 0; first < GELENK_L; first += GELENK_PART) {
+                    const gelenk_part_bits is_own = gelenk_column(first, k);
                     // -0 + x is x, with the sign of zero too.
-                    const gelenk_part old = gelenk_choose_part(is_own, gelenk_same_part(-0.0), gelenk_part_of(row));
-                    gelenk_put_part(row, gelenk_add_part(old, gelenk_same_part(factors[i]), own));
+                    const gelenk_part zero = gelenk_same_part(-0.0);
+                    const gelenk_part old = gelenk_choose_part(is_own, zero, gelenk_part_of(&row[first]));
+                    gelenk_put_part(&row[first], gelenk_add_part(old, factor, gelenk_part_of(&own[first])));
                 }
             }
         }

@@ -1,13 +1,9 @@
 // The bits of the columns of a part that have a relation.
-GELENK_INLINE gelenk_part_bits gelenk_related(const signed char *relations, int relation)
+GELENK_INLINE gelenk_part_bits gelenk_related(const int64_t *relations, int relation)
 {
-    uint64_t each[GELENK_PART];
-    for (int j = 0; j < GELENK_PART; ++j) {
-        each[j] = 0 - (uint64_t)(relations[j] == relation);
-    }
     gelenk_part_bits bits;
-    memcpy(&bits, each, sizeof bits);
-    return bits;
+    memcpy(&bits, relations, sizeof bits);
+    return GELENK_HOLDS(bits == (uint64_t)relation);
 }
 
 // A matrix over the pairs of a tree's joints, a part of a row at a time: the sum over r of before_i[r][i] before_j[r][j]
@@ -19,7 +15,7 @@ GELENK_INLINE void gelenk_pairs(int before, const double *before_i, const double
     for (int i = 0; i < GELENK_N; ++i) {
         double row[GELENK_L];
         for (int first = 0; first < GELENK_L; first += GELENK_PART) {
-            const signed char *relations = &gelenk_relations[i][first];
+            const int64_t *relations = &gelenk_relations[i][first];
             const gelenk_part lower = gelenk_products(before, before_i, before_j, i, first);
             const gelenk_part upper = gelenk_products(beyond, beyond_i, beyond_j, i, first);
             gelenk_part part = gelenk_choose_part(gelenk_related(relations, 1), upper, gelenk_same_part(0.0));
