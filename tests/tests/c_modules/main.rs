@@ -1,7 +1,7 @@
 //! Modules in C beside the Rust modules of the same value: they compile as C99 and as C++ without a warning, call no
 //! library, and compute the same bits.
 //!
-//! The short form compares four robots in every variant, and one with quaternions in each number type. All robots,
+//! The short form compares four robots in every variant, one with quaternions in each number type, and loops of a fifth. All robots,
 //! with every compiler at hand:
 //!
 //! ```text
@@ -9,7 +9,8 @@
 //! ```
 //!
 //! `GELENK_CC` names further compilers, separated by semicolons: `GELENK_CC='clang;python3 -m ziglang cc'`. `GELENK_ROBOTS`
-//! limits the comparison to robots whose names are in it: `GELENK_ROBOTS=ur5,panda`.
+//! limits the comparison to robots whose names are in it: `GELENK_ROBOTS=ur5,panda`. `GELENK_FUNCTIONS` limits it to functions:
+//! `GELENK_FUNCTIONS=linearize`; all functions of a robot with many joints take half an hour.
 
 mod compilers;
 mod drivers;
@@ -175,6 +176,17 @@ fn some_robots_compute_the_same_bits_in_every_variant() {
     }
 }
 
+/// Loops over a chain of seven joints, whose rows are one block of eight entries. Compiled for fused operations these
+/// are registers of AVX, otherwise those of SSE2 or Neon.
+#[test]
+fn loops_over_seven_joints_compute_the_same_bits() {
+    let compilers: Vec<Compiler> = c_compilers().into_iter().take(1).collect();
+    for (is_fused, scalar) in variants().zip([Scalar::F32, Scalar::F64]) {
+        let module = derive(&model("panda.toml"), &["linearize"], Form::Arrays, is_fused);
+        compare(&module, scalar, is_fused, &compilers, &[]);
+    }
+}
+
 /// A floating body with a wheel and a boom on a ball joint: joints of every number of position entries, and a free parameter.
 const FLOATING: &str = r#"
 name = "floating"
@@ -271,6 +283,8 @@ fn each_function_over_a_sample_time_compiles_alone() {
 fn all_robots_compute_the_same_bits_in_every_variant() {
     let compilers = c_compilers();
     let wanted = std::env::var("GELENK_ROBOTS").ok();
+    let functions = std::env::var("GELENK_FUNCTIONS").unwrap_or_default();
+    let functions: Vec<&str> = functions.split(',').filter(|name| !name.is_empty()).collect();
     let is_wanted = |path: &PathBuf| {
         let name = path.file_stem().unwrap_or_default();
         wanted.as_ref().is_none_or(|wanted| wanted.split(',').any(|wanted| name == wanted))
@@ -278,7 +292,7 @@ fn all_robots_compute_the_same_bits_in_every_variant() {
     for description in descriptions().into_iter().filter(is_wanted) {
         for form in [Form::Cheapest, Form::Arrays] {
             for is_fused in variants() {
-                let module = derive(&description, &[], form, is_fused);
+                let module = derive(&description, &functions, form, is_fused);
                 for scalar in [Scalar::F64, Scalar::F32] {
                     compare(&module, scalar, is_fused, &compilers, &[]);
                     println!("{} {form:?} {scalar:?} fused {is_fused}", module.name);
