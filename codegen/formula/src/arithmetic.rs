@@ -150,36 +150,14 @@ impl Formula {
         }
     }
 
-    /// The formula with `tanh(slope · x)` for `sign x`, and its square for `|sign x|`, which so stays smooth.
-    pub fn with_smooth_sign(&self, slope: f64) -> Self {
-        let go = |part: &Self| Box::new(part.with_smooth_sign(slope));
-        let smooth = |x: &Self| {
-            let x = x.with_smooth_sign(slope);
-            Self::call(Function::Tanh, Self::product(Self::Number(slope), x))
-        };
+    /// The formula with others in the place of the parts that have one; the rest is folded anew.
+    pub fn substituted(&self, other: &dyn Fn(&Self) -> Option<Self>) -> Self {
+        if let Some(other) = other(self) {
+            return other;
+        }
+        let go = |part: &Self| part.substituted(other);
         match self {
             Self::Number(_) | Self::Parameter(_) | Self::Position | Self::Velocity => self.clone(),
-            Self::Negate(a) => Self::Negate(go(a)),
-            Self::Add(a, b) => Self::Add(go(a), go(b)),
-            Self::Subtract(a, b) => Self::Subtract(go(a), go(b)),
-            Self::Multiply(a, b) => Self::Multiply(go(a), go(b)),
-            Self::Divide(a, b) => Self::Divide(go(a), go(b)),
-            Self::Power(a, exponent) => Self::Power(go(a), *exponent),
-            Self::Call(Function::Sign, x) => smooth(x),
-            Self::Call(Function::Abs, a) => match &**a {
-                Self::Call(Function::Sign, x) => Self::power(smooth(x), 2),
-                _ => Self::Call(Function::Abs, go(a)),
-            },
-            Self::Call(function, a) => Self::Call(*function, go(a)),
-        }
-    }
-
-    /// The formula with `ratio` times position and velocity in their place.
-    pub fn geared(&self, ratio: &Self) -> Self {
-        let go = |part: &Self| part.geared(ratio);
-        match self {
-            Self::Number(_) | Self::Parameter(_) => self.clone(),
-            Self::Position | Self::Velocity => Self::product(ratio.clone(), self.clone()),
             Self::Negate(a) => Self::negation(go(a)),
             Self::Add(a, b) => Self::sum(go(a), go(b)),
             Self::Subtract(a, b) => Self::difference(go(a), go(b)),
@@ -188,6 +166,30 @@ impl Formula {
             Self::Power(a, exponent) => Self::power(go(a), *exponent),
             Self::Call(function, a) => Self::call(*function, go(a)),
         }
+    }
+
+    /// The formula with `tanh(slope · x)` for `sign x`, and its square for `|sign x|`, which so stays smooth.
+    pub fn with_smooth_sign(&self, slope: f64) -> Self {
+        let smooth = |x: &Self| {
+            let x = x.with_smooth_sign(slope);
+            Self::call(Function::Tanh, Self::product(Self::Number(slope), x))
+        };
+        self.substituted(&|part| match part {
+            Self::Call(Function::Sign, x) => Some(smooth(x)),
+            Self::Call(Function::Abs, a) => match &**a {
+                Self::Call(Function::Sign, x) => Some(Self::power(smooth(x), 2)),
+                _ => None,
+            },
+            _ => None,
+        })
+    }
+
+    /// The formula with `ratio` times position and velocity in their place.
+    pub fn geared(&self, ratio: &Self) -> Self {
+        self.substituted(&|part| {
+            let is_motion = matches!(part, Self::Position | Self::Velocity);
+            is_motion.then(|| Self::product(ratio.clone(), part.clone()))
+        })
     }
 
     /// `f(a)`

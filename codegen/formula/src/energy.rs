@@ -20,18 +20,7 @@ impl Formula {
 
     /// The formula with 0 for the velocity.
     fn at_standstill(&self) -> Self {
-        let go = |part: &Self| part.at_standstill();
-        match self {
-            Self::Number(_) | Self::Parameter(_) | Self::Position => self.clone(),
-            Self::Velocity => Self::ZERO,
-            Self::Negate(a) => Self::negation(go(a)),
-            Self::Add(a, b) => Self::sum(go(a), go(b)),
-            Self::Subtract(a, b) => Self::difference(go(a), go(b)),
-            Self::Multiply(a, b) => Self::product(go(a), go(b)),
-            Self::Divide(a, b) => Self::quotient(go(a), go(b)),
-            Self::Power(a, exponent) => Self::power(go(a), *exponent),
-            Self::Call(function, a) => Self::call(*function, go(a)),
-        }
+        self.substituted(&|part| (*part == Self::Velocity).then_some(Self::ZERO))
     }
 
     /// The coefficients by powers of the position, the constant first; `None` where it is no polynomial.

@@ -4,7 +4,8 @@
 //! An [`Expression`] is a text that was read: names, numbers, operators and functions, each with its place. A
 //! [`Formula`] is an expression whose names were resolved to parameters, position and velocity, with constants
 //! folded; [`parse`] makes it, and [`Formula::text`] writes it. Selections (`abs(v) > 0.05 && y < 1`) are expressions
-//! that are true or false, which no formula is.
+//! that are true or false, which no formula is. A [`FrictionLaw`] is what the generator reads from a description and
+//! identification writes into one.
 
 // Constants reach the generated text, so they may not depend on the platform's library. Tests compare with it.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -14,6 +15,7 @@ mod display;
 mod energy;
 mod error;
 mod expression;
+mod friction;
 mod function;
 mod habits;
 mod nearest;
@@ -23,6 +25,7 @@ mod terms;
 
 pub use error::FormulaError;
 pub use expression::{Expression, Kind, Node, Operator, Unary};
+pub use friction::{FrictionLaw, FrictionPart, FrictionTerm};
 pub use function::Function;
 pub use nearest::nearest;
 pub use resolve::{Allowed, parse};

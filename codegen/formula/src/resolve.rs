@@ -206,7 +206,7 @@ mod tests {
         assert!(message("v + max(v, 1)").starts_with("`max` is a function of libraries and selections"));
         assert!(message("v + (v < 1)").contains("a truth value stands where a number is needed"));
         assert!(message("|v|").contains("write `abs(v)`"));
-        assert!(message("v & y").contains("write `&&`"));
+        assert!(message("v & y").contains("selections have `&&`"));
         assert_eq!(parse("a1*ln(v)", Allowed::Motion, &names()).unwrap_err().range, 3..8);
         assert_eq!(parse("sgn(v)", Allowed::Motion, &names()), parse("sign(v)", Allowed::Motion, &names()));
     }

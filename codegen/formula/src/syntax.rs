@@ -88,8 +88,8 @@ fn check_sign(text: &str, range: Range<usize>) -> Parsed<()> {
     let (code, help) = match sign {
         "^" => ("formula-power", "write `v.powi(2)` or `pow(v, 2)`"),
         _ if is_pair => return Ok(()),
-        "|" => ("formula-syntax", "write `abs(v)` for |v|, and `||` for a choice"),
-        _ => ("formula-syntax", "write `&&` where both have to be true"),
+        "|" => ("formula-syntax", "write `abs(v)` for |v|; selections have `||`"),
+        _ => ("formula-syntax", "selections have `&&`"),
     };
     let message = format!("`{sign}` is no operator here");
     Err(FormulaError::new(code, message, range).with_help(help.to_owned()))

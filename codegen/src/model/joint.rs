@@ -1,7 +1,7 @@
 //! Joints: their types, limits and friction, and how they follow coordinates.
 
 use super::Pose;
-use crate::formula::{Formula, Function};
+use crate::formula::{Formula, FrictionTerm, Function};
 
 /// A joint that follows coordinates: `y_joint = Σ ratio · y[coordinate] + offset`.
 #[derive(Debug, Clone, PartialEq)]
@@ -183,13 +183,4 @@ pub struct Limits {
     pub effort: Option<f64>,
     /// Peak force at the joint (N m or N).
     pub peak_effort: Option<f64>,
-}
-
-/// One term of a friction law, linear in its coefficient.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FrictionTerm {
-    /// Factor; depends on parameters only.
-    pub coefficient: Formula,
-    /// Function of the joint's velocity `v` (and position `y` where described so).
-    pub basis: Formula,
 }

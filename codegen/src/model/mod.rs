@@ -40,12 +40,13 @@ mod urdf_values;
 mod validate;
 mod xacro;
 
+pub use crate::formula::FrictionTerm;
 pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
 pub use description_files::{DescriptionFiles, read};
 pub use drive::{Drive, Input, MotorTorque, RotorCoupling};
 pub use frame_force::{Attachment, ForceEffect, ForceInput, PointForce, Wrench, WrenchAxes};
 pub(crate) use inertia::principal_axes;
-pub use joint::{FollowedCoordinate, Follower, FrictionTerm, Joint, JointKind, Limits, Motion, MovingJoint};
+pub use joint::{FollowedCoordinate, Follower, Joint, JointKind, Limits, Motion, MovingJoint};
 pub use load::Load;
 pub(crate) use name::identifier;
 pub use options::{FUNCTIONS, is_known_function};

@@ -3,9 +3,9 @@
 use super::description::{DriveChoice, DriveDescription, FrictionDescription};
 use super::table::{Item, Table};
 use super::toml_values::Reader;
-use super::{FrictionTerm, Input, MotorTorque, RotorCoupling};
+use super::{Input, MotorTorque, RotorCoupling};
 use crate::diagnostic::At;
-use crate::formula::{Formula, Function};
+use crate::formula::{Formula, FrictionPart, FrictionTerm};
 use toml::de::DeValue;
 
 const FRICTION: [&str; 6] = ["viscous", "coulomb", "stribeck", "terms", "law", "load"];
@@ -16,18 +16,19 @@ pub(super) fn friction(reader: &mut Reader, item: Item<'_>, owner: &str) -> Opti
         return Some(FrictionDescription { terms: law(reader, item), load: None });
     }
     let table = item.table("a friction law", &FRICTION, &mut reader.report)?;
-    let (mut terms, mut load) = (Vec::new(), None);
+    let (mut parts, mut load) = (Vec::new(), None);
     for item in table.items() {
         match item.key {
-            "viscous" => terms.extend(viscous(reader, *item, owner)),
-            "coulomb" => terms.extend(coulomb(reader, *item, owner).unwrap_or_default()),
-            "stribeck" => terms.extend(stribeck(reader, *item, owner).unwrap_or_default()),
-            "terms" => terms.extend(weighted(reader, *item, owner)),
-            "law" => terms.extend(law(reader, *item)),
+            "viscous" => parts.extend(reader.formula(*item, owner).map(FrictionPart::Viscous)),
+            "coulomb" => parts.extend(coulomb(reader, *item, owner)),
+            "stribeck" => parts.extend(stribeck(reader, *item, owner)),
+            "terms" => parts.push(FrictionPart::Terms(weighted(reader, *item, owner))),
+            "law" => parts.push(FrictionPart::Terms(law(reader, *item))),
             "load" => load = Some(At::new(load_share(reader, *item, owner), item.span)),
             _ => {} // complained about already
         }
     }
+    let terms = parts.into_iter().flat_map(FrictionPart::terms).collect();
     Some(FrictionDescription { terms, load })
 }
 
@@ -41,30 +42,15 @@ fn load_share(reader: &mut Reader, item: Item<'_>, owner: &str) -> Vec<FrictionT
 
 fn law(reader: &mut Reader, item: Item<'_>) -> Vec<FrictionTerm> {
     let formula = reader.force_law(item).unwrap_or(Formula::ZERO);
-    formula
-        .linear_terms()
-        .into_iter()
-        .map(|(coefficient, basis)| FrictionTerm { coefficient, basis })
-        .collect()
+    let terms = formula.linear_terms().into_iter();
+    terms.map(|(coefficient, basis)| FrictionTerm { coefficient, basis }).collect()
 }
 
-fn viscous(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<FrictionTerm> {
-    let coefficient = reader.formula(item, owner)?;
-    Some(FrictionTerm { coefficient, basis: Formula::Velocity })
-}
-
-/// `T sign(v)`, smooth with a slope; or T₊ for positive and T₋ for negative velocity.
-///
-/// Asymmetric: `(T₊ − T₋)/2 · sign(v) + (T₊ + T₋)/2 · |sign(v)|`, with T₋ ≤ 0. Smooth: tanh(s v) for sign(v)
-/// and its square for |sign(v)|, so that the law stays differentiable at rest.
-fn coulomb(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Vec<FrictionTerm>> {
-    let DeValue::Table(entries) = item.value else {
-        let coefficient = reader.formula(item, owner)?;
-        return Some(vec![FrictionTerm { coefficient, basis: sign_of_velocity() }]);
-    };
-    if entries.contains_key("free") {
-        let coefficient = reader.formula(item, owner)?;
-        return Some(vec![FrictionTerm { coefficient, basis: sign_of_velocity() }]);
+/// A level, or a table: one level or one for each direction, smooth with a slope.
+fn coulomb(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<FrictionPart> {
+    if !item.value.as_table().is_some_and(|entries| !entries.contains_key("free")) {
+        let level = reader.formula(item, owner)?;
+        return Some(FrictionPart::Coulomb { level, slope: None });
     }
     let table =
         item.table("Coulomb friction", &["value", "positive", "negative", "slope"], &mut reader.report)?;
@@ -72,12 +58,13 @@ fn coulomb(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Vec<Frict
         Some(slope) => Some(reader.positive(slope)?.value),
         None => None,
     };
-    let (odd, even) = coulomb_bases(slope);
     let owner = &format!("{owner}_coulomb");
     let mut value = |key| table.get(key).map(|item| reader.formula(item, owner).unwrap_or(Formula::ZERO));
     match (value("value"), value("positive"), value("negative")) {
-        (Some(coefficient), None, None) => Some(vec![FrictionTerm { coefficient, basis: odd }]),
-        (None, Some(positive), Some(negative)) => Some(asymmetric(positive, negative, odd, even)),
+        (Some(level), None, None) => Some(FrictionPart::Coulomb { level, slope }),
+        (None, Some(positive), Some(negative)) => {
+            Some(FrictionPart::Asymmetric { positive, negative, slope })
+        }
         _ => {
             let message = "Coulomb friction needs `value`, or `positive` and `negative`";
             reader.report.error(item.span, "missing-key", message);
@@ -87,55 +74,25 @@ fn coulomb(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Vec<Frict
     }
 }
 
-fn sign_of_velocity() -> Formula {
-    Formula::call(Function::Sign, Formula::Velocity)
-}
-
-fn coulomb_bases(slope: Option<f64>) -> (Formula, Formula) {
-    match slope {
-        None => (sign_of_velocity(), Formula::call(Function::Abs, sign_of_velocity())),
-        Some(slope) => {
-            let smooth =
-                Formula::call(Function::Tanh, Formula::product(Formula::Number(slope), Formula::Velocity));
-            (smooth.clone(), Formula::power(smooth, 2))
-        }
-    }
-}
-
-fn asymmetric(positive: Formula, negative: Formula, odd: Formula, even: Formula) -> Vec<FrictionTerm> {
-    let half = |sum: Formula| Formula::quotient(sum, Formula::Number(2.0));
-    let difference = half(Formula::difference(positive.clone(), negative.clone()));
-    let mean = half(Formula::sum(positive, negative));
-    let terms =
-        [(difference, odd), (mean, even)].map(|(coefficient, basis)| FrictionTerm { coefficient, basis });
-    terms.into_iter().filter(|term| !term.coefficient.is_zero()).collect()
-}
-
-/// `τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`
-fn stribeck(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Vec<FrictionTerm>> {
-    let keys = ["a1", "a2", "a3", "a4", "a5"];
+fn stribeck(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<FrictionPart> {
+    let keys = FrictionPart::STRIBECK_KEYS;
     let table = item.table("a Stribeck law", &keys, &mut reader.report)?;
     for key in keys.iter().filter(|key| table.get(key).is_none()) {
         reader.report.error(item.span, "missing-key", format!("a Stribeck law without `{key}`"));
-        reader.report.help("τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)");
+        reader.report.help(FrictionPart::STRIBECK);
     }
     let owner = &format!("{owner}_stribeck");
     let mut value = |key| table.get(key).and_then(|item| reader.formula(item, owner));
-    let [a1, a2, a3, a4, a5] = [value("a1")?, value("a2")?, value("a3")?, value("a4")?, value("a5")?];
-    let decay_rate = reader.at_defaults(&a5);
+    let [a1, a2, a3, a4, a5] = keys.map(&mut value);
+    let parameters = [a1?, a2?, a3?, a4?, a5?];
+    let decay_rate = reader.at_defaults(&parameters[4]);
     if decay_rate < 0.0 {
         let message =
             format!("a Stribeck law with a5 = {decay_rate}: it would grow like exp({} |v|)", -decay_rate);
         reader.report.error(item.span, "stribeck-grows", message);
         reader.report.help("a5 is how fast the excess at low speeds decays, in s/rad or s/m: at least 0");
     }
-    let v = || Formula::Velocity;
-    let decay = Formula::negation(Formula::product(a5, Formula::call(Function::Abs, v())));
-    let steep = Formula::product(Formula::product(Formula::Number(3.0), a3.clone()), v());
-    let edge = Formula::product(Formula::call(Function::Exp, decay), Formula::call(Function::Tanh, steep));
-    let flat = Formula::call(Function::Tanh, Formula::product(a3, v()));
-    let terms = [(a1, v()), (a2, flat), (a4, edge)];
-    Some(terms.map(|(coefficient, basis)| FrictionTerm { coefficient, basis }).into())
+    Some(FrictionPart::Stribeck(parameters))
 }
 
 /// `[["v", 76.556], ["tanh(5*v)", 3.924]]`: basis and weight, as identification writes them.

@@ -15,7 +15,7 @@ use super::urdf_notes::{Remark, UrdfNotes};
 use super::urdf_text::UrdfText;
 use super::{FrictionTerm, JointKind, Pose, QuaternionKind, ReadOptions, xacro};
 use crate::diagnostic::{At, Report, Span};
-use crate::formula::{Formula, Function};
+use crate::formula::Formula;
 use crate::wording::{as_written, listed, three_digits};
 use roxmltree::{Document, Node};
 use std::path::Path;
@@ -381,26 +381,22 @@ impl Reader<'_> {
         if self.options.no_friction {
             return Vec::new();
         }
-        let sign = Formula::call(Function::Sign, Formula::Velocity);
-        let laws = [("damping", Formula::Velocity), ("friction", sign)];
-        laws.into_iter().filter_map(|(key, basis)| self.friction_term(node, key, basis, name)).collect()
+        let laws: [(&str, fn(Formula) -> FrictionTerm); 2] =
+            [("damping", FrictionTerm::viscous), ("friction", FrictionTerm::coulomb)];
+        laws.into_iter()
+            .filter_map(|(key, law)| Some(law(self.friction_coefficient(node, key, name)?)))
+            .collect()
     }
 
-    fn friction_term(
-        &mut self,
-        node: XmlNode<'_>,
-        key: &str,
-        basis: Formula,
-        name: &Name,
-    ) -> Option<FrictionTerm> {
+    /// The coefficient of a law, where it is not 0.
+    fn friction_coefficient(&mut self, node: XmlNode<'_>, key: &str, name: &Name) -> Option<Formula> {
         let number = self.number(node, key)?;
         if number.value < 0.0 {
             let value = as_written(number.value);
             let message = format!("joint `{}` has negative {key} {value}", name.value);
             self.report.error(number.span, "negative-friction", message);
         }
-        let coefficient = Formula::Number(number.value);
-        (number.value > 0.0).then_some(FrictionTerm { coefficient, basis })
+        (number.value > 0.0).then_some(Formula::Number(number.value))
     }
 }
 

@@ -17,7 +17,7 @@ use super::error::{IdentificationError, Result};
 use super::expression::fault;
 use super::result::{FrictionLaw, FrictionResult, FrictionTerm};
 use gelenk_files::{is_same_file, write_whole};
-use gelenk_formula::{Allowed, parse};
+use gelenk_formula::{Allowed, Formula, FrictionPart, FrictionTerm as Written, parse};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
@@ -152,38 +152,27 @@ pub fn friction_value(result: &FrictionResult) -> Result<String> {
     if let Some(reason) = &result.refusal {
         return Err(IdentificationError::Refused { joint: result.joint.clone(), reason: reason.clone() });
     }
-    match &result.law {
-        FrictionLaw::Terms(terms) => {
-            let pairs = pairs(&result.joint, terms)?;
-            if pairs.is_empty() {
-                return Err(IdentificationError::Empty {
-                    what: format!("the friction law of {}", result.joint),
-                });
-            }
-            Ok(format!("{{ terms = [{}]{} }}", pairs.join(", "), load_key(result)?))
-        }
+    let part = match &result.law {
+        FrictionLaw::Terms(terms) => FrictionPart::Terms(written(&result.joint, terms)?),
         FrictionLaw::Stribeck { parameters, resolutions, .. } => {
             let name = |i: usize| super::stribeck::NAMES[i].to_string();
             require_finite(&result.joint, parameters.iter().copied(), name)?;
-            let pair = |i: usize| format!("{} = {}", name(i), literal(parameters[i], resolutions[i]));
-            let pairs: Vec<String> = (0..5).map(pair).collect();
-            Ok(format!("{{ stribeck = {{ {} }}{} }}", pairs.join(", "), load_key(result)?))
+            FrictionPart::Stribeck(std::array::from_fn(|i| literal(parameters[i], resolutions[i])))
         }
+    };
+    if part == FrictionPart::Terms(Vec::new()) {
+        return Err(IdentificationError::Empty { what: format!("the friction law of {}", result.joint) });
     }
+    let law = gelenk_formula::FrictionLaw { parts: vec![part], load: written(&result.joint, &result.load)? };
+    Ok(law.toml())
 }
 
-/// `, load = […]`, or nothing where friction does not grow with the load.
-fn load_key(result: &FrictionResult) -> Result<String> {
-    let pairs = pairs(&result.joint, &result.load)?;
-    Ok(if pairs.is_empty() { String::new() } else { format!(", load = [{}]", pairs.join(", ")) })
-}
-
-/// Terms as pairs of basis and coefficient, without those of which nothing is left.
-fn pairs(joint: &str, terms: &[FrictionTerm]) -> Result<Vec<String>> {
+/// Terms with the digits that mean something, without those of which nothing is left.
+fn written(joint: &str, terms: &[FrictionTerm]) -> Result<Vec<Written<String>>> {
     require_finite(joint, terms.iter().map(|t| t.coefficient), |i| terms[i].basis.clone())?;
     let kept = terms.iter().filter(|t| !vanishes(t.coefficient, t.written_error()));
     kept.map(|t| {
-        Ok(format!("[{}, {}]", quoted(&basis(&t.basis)?), literal(t.coefficient, t.written_error())))
+        Ok(Written { basis: basis(&t.basis)?, coefficient: literal(t.coefficient, t.written_error()) })
     })
     .collect()
 }
@@ -208,13 +197,12 @@ fn require_finite(
     Ok(())
 }
 
-/// A library term as a description writes it, whose formulas are a part of the language of libraries.
-fn basis(text: &str) -> Result<String> {
-    let formula = parse(text, Allowed::Velocity, &BTreeMap::new()).map_err(|wrong| {
+/// A library term as a formula of descriptions, whose language is a part of that of libraries.
+fn basis(text: &str) -> Result<Formula> {
+    parse(text, Allowed::Velocity, &BTreeMap::new()).map_err(|wrong| {
         let advice = "the friction of a description needs a library of terms that descriptions have";
         fault(text, format!("{wrong}; {advice}"))
-    })?;
-    Ok(formula.text(&[]))
+    })
 }
 
 /// What is known about a law, as lines of comments.

@@ -9,7 +9,7 @@ use super::super::{FrictionTerm, Input, MotorTorque, Pose, RotorCoupling};
 use super::files::{Element, Given};
 use super::{Placed, Reader, Remark, or};
 use crate::diagnostic::{At, Span, nearest};
-use crate::formula::{Formula, Function};
+use crate::formula::Formula;
 
 /// The weighted sum of positions that a fixed tendon is as long as.
 type Sum = Vec<FollowsDescription>;
@@ -266,10 +266,6 @@ impl Motor {
 
 /// `viscous · v + dry · sign(v)`
 fn friction(viscous: f64, dry: f64) -> Vec<FrictionTerm> {
-    let sign = Formula::call(Function::Sign, Formula::Velocity);
-    let terms = [(viscous, Formula::Velocity), (dry, sign)];
-    let terms = terms.into_iter().filter(|(coefficient, _)| *coefficient != 0.0);
-    terms
-        .map(|(coefficient, basis)| FrictionTerm { coefficient: Formula::Number(coefficient), basis })
-        .collect()
+    let [viscous, dry] = [viscous, dry].map(|value| Some(Formula::Number(value)).filter(|_| value != 0.0));
+    viscous.map(FrictionTerm::viscous).into_iter().chain(dry.map(FrictionTerm::coulomb)).collect()
 }

@@ -7,7 +7,7 @@ use super::super::{FrictionTerm, JointKind, Pose, QuaternionKind};
 use super::place::by_axis;
 use super::{KnownJoint, Placed, Reader, Remark, or};
 use crate::diagnostic::At;
-use crate::formula::{Formula, Function};
+use crate::formula::Formula;
 
 /// Where a joint stands.
 struct Between {
@@ -228,15 +228,16 @@ impl<'a> Reader<'_, 'a> {
         }
         let viscous = self.linear(joint, "damping");
         let loss = self.number(self.find(joint, "frictionloss"), "frictionloss").filter(|_| dry);
-        let sign = Formula::call(Function::Sign, Formula::Velocity);
+        let laws: [(_, fn(Formula) -> FrictionTerm); 2] =
+            [(&viscous, FrictionTerm::viscous), (&loss, FrictionTerm::coulomb)];
         let mut terms = Vec::new();
-        for (number, basis) in [(&viscous, Formula::Velocity), (&loss, sign)] {
+        for (number, law) in laws {
             let Some(number) = number.as_ref().filter(|number| number.value != 0.0) else { continue };
             if number.value < 0.0 {
                 let message = format!("joint `{}` has negative friction {}", name.value, number.value);
                 self.report.error(number.span, "negative-friction", message);
             }
-            terms.push(FrictionTerm { coefficient: Formula::Number(number.value), basis });
+            terms.push(law(Formula::Number(number.value)));
         }
         let span = super::span_of(viscous.as_ref().or(loss.as_ref()), name.span);
         (!terms.is_empty()).then(|| At::new(FrictionDescription { terms, load: None }, span))

@@ -3,9 +3,10 @@
 use super::super::confidence;
 use super::super::error::Result;
 use super::super::kernel::{BLOCK, stribeck_block};
+use gelenk_formula::FrictionPart;
 use nalgebra::{SMatrix, SVector};
 
-pub(crate) const NAMES: [&str; 5] = ["a1", "a2", "a3", "a4", "a5"];
+pub(crate) const NAMES: [&str; 5] = FrictionPart::STRIBECK_KEYS;
 
 /// The law's value at velocity `v` [N·m or N].
 pub fn stribeck_torque(v: f64, a: &[f64; 5]) -> f64 {
@@ -107,16 +108,6 @@ impl StribeckFit {
         let g = SVector::<f64, 5>::from(stribeck_gradient(v, &self.parameters));
         let law = g.dot(&(self.covariance * g)).max(0.0);
         Ok([t * law.sqrt(), t * (law + self.variance).sqrt()])
-    }
-
-    /// The law as coefficients of expressions in `v`, as friction terms of a description.
-    pub fn terms(&self) -> Vec<(String, f64)> {
-        let [a1, a2, a3, a4, a5] = self.parameters;
-        vec![
-            ("v".into(), a1),
-            (format!("tanh({a3:?}*v)"), a2),
-            (format!("exp(-{a5:?}*abs(v))*tanh({:?}*v)", 3.0 * a3), a4),
-        ]
     }
 
     fn quantile(&self, level: f64) -> Result<f64> {
