@@ -268,7 +268,7 @@ pub(super) struct Identify {
     pub(super) load_friction: bool,
     /// Where friction is looked for in robots with drives on several joints (`[[drives]]`): on the shafts of these
     /// drives, or on joints alone
-    #[arg(long, value_enum, value_name = "PLACE", default_value_t = FrictionPlace::Shafts, conflicts_with = "plan")]
+    #[arg(long, value_enum, value_name = "PLACE", default_value_t = FrictionPlace::Shafts)]
     pub(super) friction_on: FrictionPlace,
     /// Write results although they explain little
     #[arg(long, conflicts_with = "plan")]

@@ -1,4 +1,4 @@
-//! The differential wrist of `models/`, what it really is, and a log of that.
+//! A robot of `models/` with a coupled wrist, what it really is, and a log of that.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -11,7 +11,7 @@ use gelenk_identification::robot::Robot;
 use nalgebra::{DMatrix, DVector};
 use tempfile::TempDir;
 
-/// Number of joints.
+/// Number of joints of the differential wrist.
 const N: usize = 4;
 
 /// Positions, velocities and accelerations of all joints at a time.
@@ -80,7 +80,7 @@ pub(crate) fn motion(t: f64) -> [Vec<f64>; 3] {
 }
 
 /// `a sin(w t + k) + b sin(x t)` of the k-th joint.
-pub(crate) fn sines(joints: [[f64; 4]; N], t: f64) -> [Vec<f64>; 3] {
+pub(crate) fn sines<const JOINTS: usize>(joints: [[f64; 4]; JOINTS], t: f64) -> [Vec<f64>; 3] {
     let at = |shape: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
         let waves = joints.iter().enumerate();
         waves.map(|(k, &[a, w, b, x])| a * shape(w, w * t + k as f64) + b * shape(x, x * t)).collect()
@@ -88,18 +88,19 @@ pub(crate) fn sines(joints: [[f64; 4]; N], t: f64) -> [Vec<f64>; 3] {
     [at(&|_, x| x.sin()), at(&|w, x| w * x.cos()), at(&|w, x| -w * w * x.sin())]
 }
 
-/// A folder with the arm of `models/`, what it really is, and a log.
+/// A folder with an arm of `models/`, what it really is, and a log.
 pub(crate) struct Wrist(TempDir);
 
 impl Wrist {
     pub(crate) fn new(truth: &str) -> Self {
-        Self::moved(truth, motion)
+        Self::moved("differential_wrist", truth, motion)
     }
 
-    pub(crate) fn moved(truth: &str, motion: Motion) -> Self {
+    /// - `model`: a robot of `models/`
+    pub(crate) fn moved(model: &str, truth: &str, motion: Motion) -> Self {
         let wrist = Self(tempfile::tempdir().unwrap());
         let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
-        fs::copy(models.join("differential_wrist.toml"), wrist.at("arm.toml")).unwrap();
+        fs::copy(models.join(format!("{model}.toml")), wrist.at("arm.toml")).unwrap();
         fs::write(wrist.at("truth.toml"), truth).unwrap();
         fs::write(wrist.at("log.csv"), log(&wrist.robot("truth.toml"), motion)).unwrap();
         wrist

@@ -111,7 +111,7 @@ fn laws_of_joints_predict_such_a_wrist_worse() {
 #[test]
 fn a_shaft_that_never_turns_is_named_and_stays_as_described() {
     // The hand pitches as it rolls back: the left motor stands still.
-    let wrist = Wrist::moved(TRUTH, |t| {
+    let wrist = Wrist::moved("differential_wrist", TRUTH, |t| {
         let mut moved = motion(t);
         moved.iter_mut().for_each(|entries| entries[3] = -entries[2]);
         moved
@@ -121,6 +121,80 @@ fn a_shaft_that_never_turns_is_named_and_stays_as_described() {
     assert!(text.contains("The shaft of left_motor stands still in these data"), "{text}");
     let found = wrist.robot("found.toml");
     assert!(!has_friction(&found.1, "left_motor") && has_friction(&found.1, "right_motor"));
+}
+
+/// What the arm of six joints really is: friction of joint 5 is that of its own motor, and motor 6 brakes both joints.
+const COUPLED_WRIST: &str = r#"
+name = "truth"
+extends = "arm.toml"
+
+[[joints]]
+name = "joint_5"
+friction = { viscous = 2.4, coulomb = { value = 3.6, slope = 40 } }
+
+[[drives]]
+name = "motor_6"
+on = { joint_5 = 1, joint_6 = 1 }
+gear_ratio = 32
+rotor_inertia = 1e-5
+coupling = "diagonal"
+friction = { viscous = 4e-4, coulomb = { value = 0.014, slope = 2 } }
+"#;
+
+#[test]
+fn a_motor_that_turns_with_a_driven_joint_has_its_own_friction() {
+    let wrist = Wrist::moved("tx40_like", COUPLED_WRIST, |t| {
+        let slow = [[0.8, 1.1, 0.3, 3.1], [0.5, 1.2, 0.2, 3.9], [0.6, 1.9, 0.2, 5.3]];
+        let fast = [[0.9, 1.6, 0.4, 4.7], [0.8, 2.1, 0.3, 5.9], [1.1, 1.4, 0.4, 6.7]];
+        sines([slow[0], slow[1], slow[2], fast[0], fast[1], fast[2]], t)
+    });
+    let text = wrist.identify("found.toml", &[]);
+    println!("{text}");
+    assert!(
+        text.contains("\n  motor_6 ") && text.contains("\n  joint_5 ") && !text.contains("\n  joint_6 "),
+        "{text}"
+    );
+    let [truth, found] = ["truth.toml", "found.toml"].map(|name| wrist.robot(name));
+    for v in [-2.0, -0.7, 0.7, 2.0] {
+        let [true_, found] = [&truth, &found].map(|robot| robot.joint_friction("joint_5", v));
+        assert!((found - true_).abs() < 0.05 * true_.abs(), "joint_5 at {v}: {found} for {true_}");
+    }
+    for v in [-150.0, -30.0, 30.0, 150.0] {
+        let [true_, found] = [&truth, &found].map(|robot| robot.shaft_friction("motor_6", v));
+        println!("motor_6 at {v}: true {true_}, found {found}");
+        assert!((found - true_).abs() < 0.05 * true_.abs(), "motor_6 at {v}: {found} for {true_}");
+    }
+}
+
+#[test]
+fn a_plan_keeps_the_torques_of_such_motors() {
+    let wrist = Wrist::new(TRUTH);
+    // Motors that a plan by the limits of the joints alone would ask for too much.
+    let weak = "name = \"weak\"\nextends = \"arm.toml\"\n".to_owned() + &weak_drives();
+    fs::write(wrist.at("weak.toml"), weak).unwrap();
+    let plan = |description: &str| {
+        let text = wrist.gelenk(&[description, "--plan", "--output", "plan.csv", "--format", "json"]);
+        let json = text.lines().filter(|line| !line.starts_with("gelenk:")).collect::<String>();
+        let plan: serde_json::Value = serde_json::from_str(&json).unwrap();
+        [0, 1].map(|shaft| plan["shafts"][shaft]["largest_torque"].as_f64().unwrap())
+    };
+    let [strong, weak] = ["arm.toml", "weak.toml"].map(plan);
+    println!("{strong:?} {weak:?}");
+    let usable = 0.7 * WEAK;
+    assert!(strong.iter().any(|torque| *torque > usable) && weak.iter().all(|torque| *torque <= usable));
+}
+
+/// Torque of the weak motors [N·m].
+const WEAK: f64 = 0.012;
+
+fn weak_drives() -> String {
+    let drive = |(name, sign): (&str, &str)| {
+        format!(
+            "\n[[drives]]\nname = \"{name}\"\non = {{ wrist_pitch = 1, wrist_roll = {sign}1 }}\ngear_ratio = 80\n\
+             rotor_inertia = 1e-5\ncarrier = \"elbow\"\naxis = [0, 0, 1]\ntorque = {WEAK}\n"
+        )
+    };
+    MOTORS.into_iter().zip(["", "-"]).map(drive).collect()
 }
 
 #[test]

@@ -65,21 +65,30 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
         plan.condition,
     );
     let [speeds, efforts] = &plan.largest;
-    let head = ["joint", "largest speed", "largest effort", "described limit"].map(str::to_owned).to_vec();
+    let what = if plan.shafts.is_empty() { "joint" } else { "joint or shaft" };
+    let head = [what, "largest speed", "largest effort", "described limit"].map(str::to_owned).to_vec();
+    let limit_of = |limit: f64, unit: &str| {
+        if limit.is_finite() { format!("{limit} {unit}") } else { "none".to_owned() }
+    };
+    let shafts = plan.shafts.iter().map(|shaft| {
+        let limit = limit_of(shaft.limit, "N m");
+        vec![
+            shaft.name.clone(),
+            format!("{:.2} rad/s", shaft.speed),
+            format!("{:.4} N m", shaft.torque),
+            limit,
+        ]
+    });
     let rows =
         robot.joint_names().into_iter().zip(robot.position_units()).zip(robot.limits()).enumerate().map(
             |(i, ((name, unit), limits))| {
                 let force = if unit == "m" { "N" } else { "N m" };
-                let limit = if limits.effort.is_finite() {
-                    format!("{} {force}", limits.effort)
-                } else {
-                    "none".to_owned()
-                };
+                let limit = limit_of(limits.effort, force);
                 vec![name, format!("{:.2} {unit}/s", speeds[i]), format!("{:.1} {force}", efforts[i]), limit]
             },
         );
     text.push('\n');
-    text.push_str(&print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
+    text.push_str(&print::table(&std::iter::once(head).chain(rows).chain(shafts).collect::<Vec<_>>()));
     text.push('\n');
     plan.notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
     text.push_str(
@@ -91,7 +100,7 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
 fn as_json(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> Value {
     let [inertial, friction] = plan.parameters;
     let [speeds, efforts] = &plan.largest;
-    json!({
+    let mut found = json!({
         "file": path.display().to_string(),
         "period": plan.motion.period,
         "joints": robot.joint_names(),
@@ -101,5 +110,12 @@ fn as_json(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> Value {
         "largest_speeds": speeds,
         "largest_efforts": efforts,
         "notes": plan.notes,
-    })
+    });
+    if !plan.shafts.is_empty() {
+        let shafts = plan.shafts.iter().map(
+            |shaft| json!({"name": shaft.name, "largest_speed": shaft.speed, "largest_torque": shaft.torque}),
+        );
+        found["shafts"] = shafts.collect();
+    }
+    found
 }

@@ -12,5 +12,5 @@ mod plan;
 mod search;
 
 pub use motion::{FourierMotion, Instant};
-pub use plan::{Plan, PlanSettings, plan};
+pub use plan::{Plan, PlanSettings, PlannedShaft, plan};
 pub use search::{Excitation, ExcitationLimits, ExcitationResult};

@@ -3,6 +3,7 @@
 use super::super::error::{IdentificationError, Result, require_setting};
 use super::super::random::SplitMix64;
 use super::super::robot::{JointLimits, Robot};
+use super::super::shafts::{RobotRows, ShaftRows};
 use super::search::condition_of_scaled;
 use super::{Excitation, ExcitationLimits, FourierMotion, Instant};
 use nalgebra::DMatrix;
@@ -61,8 +62,23 @@ pub struct Plan {
     pub start: f64,
     /// Largest speeds and efforts of the motion by joint, by the described robot.
     pub largest: [Vec<f64>; 2],
+    /// The shafts of drives that act on several joints.
+    pub shafts: Vec<PlannedShaft>,
     /// What was assumed, in sentences.
     pub notes: Vec<String>,
+}
+
+/// What a planned motion asks of the motor of a drive that acts on several joints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedShaft {
+    /// Name of the drive.
+    pub name: String,
+    /// Largest speed of its shaft [rad/s].
+    pub speed: f64,
+    /// Largest torque of its motor without friction, by the described robot [N·m].
+    pub torque: f64,
+    /// Described limit of this torque; infinite where there is none.
+    pub limit: f64,
 }
 
 /// Friction columns of a joint: viscous, Coulomb, offset.
@@ -76,9 +92,10 @@ const STATES: usize = 60;
 ///
 /// Minus the logarithm of the determinant of the Fisher information `Σ Wᵀ Σ_τ⁻¹ W` is minimized (D-optimality),
 /// Σ_τ with the squares of the described efforts: the volume of the parameters' confidence ellipsoid. W has a
-/// column for each independent inertial parameter and for v, a smooth sign of v and 1 of each joint.
+/// column for each independent inertial parameter and for v, a smooth sign of v and 1 of each joint. Shafts of drives that
+/// act on several joints take rows of joints ([`crate::shafts`]), with the torque of their motors.
 ///
-/// The motion keeps the joints' limits, and its forces those of the described robot. Obstacles, and links that
+/// The motion keeps the joints' limits, and its forces those of the described robot and of such motors. Obstacles, and links that
 /// meet each other, are not known here.
 ///
 /// # Errors
@@ -87,7 +104,9 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
     check(settings)?;
     require_driven(robot)?;
     let (limits, notes) = usable(robot, settings);
-    let design = Design::new(robot, &limits, settings);
+    let shafts = ShaftRows::of(robot);
+    let rows = RobotRows::new(robot, shafts.as_ref());
+    let design = Design::new(robot, rows, &limits, settings);
     progress(&format!(
         "searching a motion for {} base parameters and {} of friction",
         design.independent.len(),
@@ -111,7 +130,8 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
         parameters: [design.independent.len(), design.friction()],
         condition: condition_of_scaled(&design.information(&instants)),
         start: best.start,
-        largest: design.largest(&instants),
+        largest: largest(robot, &instants),
+        shafts: design.shafts(&instants),
         motion: best.motion,
         notes,
     })
@@ -218,21 +238,34 @@ fn require_driven(robot: &dyn Robot) -> Result<()> {
 /// What the score is made of.
 struct Design<'a> {
     robot: &'a dyn Robot,
+    rows: RobotRows<'a>,
     /// Columns of W that no others replace.
     independent: Vec<usize>,
     columns: usize,
-    /// Efforts that the motion may need, and weights 1/σ of the rows.
+    /// Efforts that the motion may need of the joints, torques that it may need of the motors of shafts, by rows, and weights
+    /// 1/σ of the rows.
     efforts: Vec<f64>,
+    torques: Vec<f64>,
     weights: Vec<f64>,
     sign_speeds: Vec<f64>,
 }
 
 impl<'a> Design<'a> {
-    fn new(robot: &'a dyn Robot, limits: &[ExcitationLimits], settings: &PlanSettings) -> Self {
-        let columns = robot.parameter_names().len();
-        let states = random_states(limits);
-        let efforts: Vec<f64> = robot.limits().iter().map(|l| settings.effort_share * l.effort).collect();
-        let typical = largest_forces(robot, &states);
+    fn new(
+        robot: &'a dyn Robot,
+        rows: RobotRows<'a>,
+        limits: &[ExcitationLimits],
+        settings: &PlanSettings,
+    ) -> Self {
+        let states: Vec<Instant> = random_states(limits).iter().map(|state| rows.instant(state)).collect();
+        let usable = |robot: &dyn Robot| -> Vec<f64> {
+            robot.limits().iter().map(|limit| settings.effort_share * limit.effort).collect()
+        };
+        let (efforts, of_rows) = (usable(robot), usable(&rows));
+        let typical = largest_forces(&rows, &states);
+        let mut torques = vec![f64::INFINITY; efforts.len()];
+        rows.shafts_of_rows().iter().for_each(|shaft| torques[shaft.joint] = of_rows[shaft.joint]);
+        let speeds: Vec<f64> = limits.iter().map(|limit| limit.velocity).collect();
         let weight = |(effort, typical): (&f64, &f64)| match [*effort, *typical] {
             [effort, _] if effort.is_finite() && effort > 0.0 => 1.0 / effort,
             [_, typical] if typical > 0.0 => 1.0 / typical,
@@ -241,11 +274,14 @@ impl<'a> Design<'a> {
         };
         Self {
             robot,
-            independent: independent_columns(robot, columns, &states),
-            columns,
-            weights: efforts.iter().zip(&typical).map(weight).collect(),
+            rows,
+            // Friction that is described on joints cannot be told from that of shafts by all of its factors.
+            independent: independent_columns(&rows, robot.parameter_names().len(), &states),
+            columns: rows.parameter_names().len(),
+            weights: of_rows.iter().zip(&typical).map(weight).collect(),
             efforts,
-            sign_speeds: limits.iter().map(|limit| SIGN_SHARE * limit.velocity).collect(),
+            torques,
+            sign_speeds: rows.speeds(&speeds).into_iter().map(|speed| SIGN_SHARE * speed).collect(),
         }
     }
 
@@ -255,9 +291,15 @@ impl<'a> Design<'a> {
 
     /// Minus the logarithm of the determinant of the information; infinite beyond the efforts.
     fn score(&self, instants: &[Instant]) -> f64 {
-        let [_, forces] = self.largest(instants);
-        if forces.iter().zip(&self.efforts).any(|(force, effort)| force > effort) {
+        let exceed = |forces: Vec<f64>, limits: &[f64]| forces.iter().zip(limits).any(|(f, limit)| f > limit);
+        if exceed(largest_forces(self.robot, instants), &self.efforts) {
             return f64::INFINITY;
+        }
+        if self.torques.iter().any(|torque| torque.is_finite()) {
+            let along: Vec<Instant> = instants.iter().map(|instant| self.rows.instant(instant)).collect();
+            if exceed(largest_forces(&self.rows, &along), &self.torques) {
+                return f64::INFINITY;
+            }
         }
         match self.information(instants).cholesky() {
             Some(factor) => -2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>(),
@@ -271,8 +313,9 @@ impl<'a> Design<'a> {
         let count = self.independent.len() + self.friction();
         let mut matrix = DMatrix::zeros(count, n * instants.len());
         let mut regressor = vec![0.0; n * self.columns];
-        for (i, [y, v, a]) in instants.iter().enumerate() {
-            self.robot.inertial_regressor(y, v, a, &mut regressor);
+        for (i, instant) in instants.iter().enumerate() {
+            let [y, v, a] = self.rows.instant(instant);
+            self.rows.inertial_regressor(&y, &v, &a, &mut regressor);
             for (joint, row) in regressor.chunks_exact(self.columns.max(1)).enumerate() {
                 let mut column = matrix.column_mut(i * n + joint);
                 for (entry, index) in self.independent.iter().enumerate() {
@@ -288,12 +331,24 @@ impl<'a> Design<'a> {
         &matrix * matrix.transpose()
     }
 
-    /// Largest speeds and forces.
-    fn largest(&self, instants: &[Instant]) -> [Vec<f64>; 2] {
-        let n = self.efforts.len();
-        let speed = |i: usize| instants.iter().map(|[_, v, _]| v[i].abs()).fold(0.0, f64::max);
-        [(0..n).map(speed).collect(), largest_forces(self.robot, instants)]
+    /// What the motion asks of the motors of shafts.
+    fn shafts(&self, instants: &[Instant]) -> Vec<PlannedShaft> {
+        let along: Vec<Instant> = instants.iter().map(|instant| self.rows.instant(instant)).collect();
+        let [speeds, torques] = largest(&self.rows, &along);
+        let shafts = self.rows.shafts_of_rows().iter().map(|shaft| PlannedShaft {
+            name: shaft.name.clone(),
+            speed: speeds[shaft.joint],
+            torque: torques[shaft.joint],
+            limit: shaft.torque,
+        });
+        shafts.collect()
     }
+}
+
+/// Largest speeds and forces.
+fn largest(robot: &dyn Robot, instants: &[Instant]) -> [Vec<f64>; 2] {
+    let speed = |i: usize| instants.iter().map(|[_, v, _]| v[i].abs()).fold(0.0, f64::max);
+    [(0..robot.joint_names().len()).map(speed).collect(), largest_forces(robot, instants)]
 }
 
 fn largest_forces(robot: &dyn Robot, instants: &[Instant]) -> Vec<f64> {
@@ -319,14 +374,16 @@ fn random_states(limits: &[ExcitationLimits]) -> Vec<Instant> {
 }
 
 /// Columns of W that are independent at random states, the strongest first found (Gautier 1991).
+///
+/// - `columns`: how many of them count
 fn independent_columns(robot: &dyn Robot, columns: usize, states: &[Instant]) -> Vec<usize> {
-    let n = robot.joint_names().len();
+    let (n, all) = (robot.joint_names().len(), robot.parameter_names().len());
     let mut stacked = DMatrix::zeros(n * states.len(), columns);
-    let mut regressor = vec![0.0; n * columns];
+    let mut regressor = vec![0.0; n * all];
     for (i, [y, v, a]) in states.iter().enumerate() {
         robot.inertial_regressor(y, v, a, &mut regressor);
-        for (joint, row) in regressor.chunks_exact(columns.max(1)).enumerate() {
-            row.iter().enumerate().for_each(|(k, value)| stacked[(i * n + joint, k)] = *value);
+        for (joint, row) in regressor.chunks_exact(all.max(1)).enumerate() {
+            row.iter().take(columns).enumerate().for_each(|(k, value)| stacked[(i * n + joint, k)] = *value);
         }
     }
     let largest = stacked.column_iter().map(|column| column.norm()).fold(0.0, f64::max);

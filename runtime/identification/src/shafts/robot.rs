@@ -1,8 +1,10 @@
 //! A robot whose rows are those of its shafts.
 
+use super::super::excitation::Instant;
 use super::super::pose::QuaternionJoint;
 use super::super::robot::{JointLimits, Robot};
 use super::super::run::PreparedRun;
+use super::Shaft;
 use super::rows::ShaftRows;
 
 /// A robot as its estimate sees it: by its joints, or with shafts in place of some of them.
@@ -30,6 +32,21 @@ impl<'a> RobotRows<'a> {
         }
     }
 
+    /// A motion of the joints at an instant along the rows.
+    pub(crate) fn instant(&self, joints: &Instant) -> Instant {
+        self.rows.map_or_else(|| joints.clone(), |rows| rows.instant(joints))
+    }
+
+    /// Largest speeds of the rows for those of the joints.
+    pub(crate) fn speeds(&self, joints: &[f64]) -> Vec<f64> {
+        self.rows.map_or_else(|| joints.to_vec(), |rows| rows.speeds(joints))
+    }
+
+    /// The shafts.
+    pub(crate) fn shafts_of_rows(&self) -> &'a [Shaft] {
+        self.rows.map_or(&[], ShaftRows::shafts)
+    }
+
     fn terms(&self) -> usize {
         self.rows.map_or(0, |rows| rows.joint_terms().len())
     }
@@ -45,7 +62,7 @@ impl<'a> RobotRows<'a> {
 impl Robot for RobotRows<'_> {
     fn joint_names(&self) -> Vec<String> {
         let mut names = self.robot.joint_names();
-        for shaft in self.rows.map_or(&[][..], ShaftRows::shafts) {
+        for shaft in self.shafts_of_rows() {
             names[shaft.joint].clone_from(&shaft.name);
         }
         names
@@ -57,14 +74,14 @@ impl Robot for RobotRows<'_> {
 
     fn position_units(&self) -> Vec<&'static str> {
         let mut units = self.robot.position_units();
-        self.rows.map_or(&[][..], ShaftRows::shafts).iter().for_each(|shaft| units[shaft.joint] = "rad");
+        self.shafts_of_rows().iter().for_each(|shaft| units[shaft.joint] = "rad");
         units
     }
 
     fn limits(&self) -> Vec<JointLimits> {
         let of_joints = self.robot.limits();
         let mut limits = of_joints.clone();
-        for shaft in self.rows.map_or(&[][..], ShaftRows::shafts) {
+        for shaft in self.shafts_of_rows() {
             let turning = shaft.ratios.iter().zip(&of_joints).filter(|(ratio, _)| **ratio != 0.0);
             limits[shaft.joint] = JointLimits {
                 position: [f64::NEG_INFINITY, f64::INFINITY],

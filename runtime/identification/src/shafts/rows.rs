@@ -1,5 +1,6 @@
 //! The rows of a robot with shafts, and signals along them.
 
+use super::super::excitation::Instant;
 use super::super::robot::Robot;
 use super::super::run::{DesiredMotion, Effort, PreparedRun};
 use super::{JointTerm, Shaft};
@@ -99,6 +100,22 @@ impl ShaftRows {
             desired,
             ..run
         }
+    }
+
+    /// Positions and their derivatives of the rows for those of the joints.
+    pub(super) fn instant(&self, [y, v, a]: &Instant) -> Instant {
+        let row = |x: &[f64], row: usize| self.motion.row(row).iter().zip(x).map(|(c, x)| c * x).sum();
+        let moved = |x: &[f64]| (0..self.motion.nrows()).map(|i| row(x, i)).collect();
+        [if self.has_quaternions { y.clone() } else { moved(y) }, moved(v), moved(a)]
+    }
+
+    /// Largest speeds of the rows for those of the joints.
+    pub(super) fn speeds(&self, joints: &[f64]) -> Vec<f64> {
+        let row = |row: usize| {
+            let turning = self.motion.row(row).into_iter().zip(joints).filter(|(ratio, _)| **ratio != 0.0);
+            turning.map(|(ratio, speed)| ratio.abs() * speed).sum()
+        };
+        (0..self.motion.nrows()).map(row).collect()
     }
 
     /// Positions y for z; those with quaternions are no sums, and stay as they are.

@@ -88,6 +88,8 @@ fn a_differential_has_the_torques_of_its_motors_as_rows() {
     assert_eq!(shafts.joint_names(), ["left", "right"]);
     assert_eq!(shafts.input_matrix(), [1.0, 0.0, 0.0, 1.0]);
     assert_eq!(shafts.limits()[0].velocity, 40.0);
+    let [_, along, _] = shafts.instant(&[vec![0.0; 2], vec![0.3, 0.1], vec![0.0; 2]]);
+    assert_eq!([along, shafts.speeds(&[2.0, 3.0])], [[4.0, 2.0], [50.0, 50.0]]);
     // ÿ = (0.4, −0.2) and ẏ = (0.3, 0.1): forces (0.8, −0.6 + 0.05), and B u are the forces.
     let (v, a) = ([4.0, 2.0], [2.0, 6.0]);
     let mut forces = [0.0; 2];
