@@ -24,8 +24,16 @@ pub fn cargo(folder: &Path, arguments: &[&str]) -> Output {
     aloud(folder, &[&["--quiet"], arguments].concat())
 }
 
-/// The workspace's optimization of dependencies: with another one all of them would be compiled again.
-const OPTIMIZATION: [&str; 2] = ["--config", "profile.dev.package.\"*\".opt-level=1"];
+/// The workspace's optimization of packages: with another one all of them would be compiled again.
+fn optimization() -> Vec<String> {
+    let manifest = include_str!("../../Cargo.toml");
+    let table = manifest.split("\n[profile.dev.package]\n").nth(1).unwrap_or_default();
+    let lines = table.lines().take_while(|line| !line.starts_with('['));
+    let packages = lines.filter_map(|line| line.strip_suffix(" = { opt-level = 1 }"));
+    packages
+        .flat_map(|name| ["--config".to_owned(), format!("profile.dev.package.{name}.opt-level=1")])
+        .collect()
+}
 
 /// As [`cargo`], with what Cargo says by itself: warnings of build scripts among it.
 ///
@@ -34,7 +42,7 @@ const OPTIMIZATION: [&str; 2] = ["--config", "profile.dev.package.\"*\".opt-leve
 pub fn aloud(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO"))
         .arg("--offline")
-        .args(OPTIMIZATION)
+        .args(optimization())
         .args(arguments)
         .env("CARGO_TARGET_DIR", target())
         .env("CARGO_TERM_COLOR", "never")

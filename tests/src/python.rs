@@ -1,5 +1,6 @@
 //! Pythons of the tests' own: environments in the target folder, each made once for its list of packages.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -35,6 +36,9 @@ fn environment(lists: &[&str], folder: &str) -> Option<PathBuf> {
     let wanted: String = wanted.collect();
     let folder = target().join(folder);
     let python = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    // Another test may be at it.
+    let lock = fs::File::create(folder.with_extension("lock")).expect("a file");
+    lock.lock().expect("the lock");
     let installed = folder.join("installed.txt");
     if fs::read_to_string(&installed).is_ok_and(|found| found == wanted) {
         return Some(python);
@@ -79,15 +83,29 @@ pub fn program() -> PathBuf {
     program
 }
 
-/// Runs tests of the Python package in a folder of their own, with further environment variables.
+/// The files of the Python package's tests, by their names without `test_` and `.py`.
+///
+/// # Panics
+/// Where they cannot be listed.
+pub fn test_files() -> BTreeMap<String, PathBuf> {
+    let entries = fs::read_dir(workspace().join("codegen/python/tests")).expect("the tests");
+    let named = entries.filter_map(|entry| {
+        let path = entry.expect("an entry").path();
+        let name = path.file_name()?.to_str()?.strip_prefix("test_")?.strip_suffix(".py")?.to_owned();
+        Some((name, path))
+    });
+    named.collect()
+}
+
+/// Runs files of the Python package's tests in a folder of their own, with further environment variables.
 ///
 /// # Panics
 /// Where one of them fails.
-pub fn pytest(python: &Path, tests: &Path, folder: &Path, variables: &[(&str, &Path)]) {
+pub fn pytest(python: &Path, files: &[PathBuf], folder: &Path, variables: &[(&str, &Path)]) {
     let mut command = Command::new(python);
     command
-        .args(["-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider"])
-        .arg(tests)
+        .args(["-m", "pytest", "-q", "-rs", "--durations=12", "-p", "no:cacheprovider"])
+        .args(files)
         .env("PYTHONPATH", workspace().join("codegen/python/src"))
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("GELENK_PROGRAM", program())

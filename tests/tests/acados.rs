@@ -5,19 +5,25 @@
 
 use std::process::Command;
 
-use gelenk_tests::python::{has_c_compiler, pytest, python_with_acados};
-use gelenk_tests::workspace;
+use gelenk_tests::python::{has_c_compiler, pytest, python_with_acados, test_files};
 
 #[test]
 fn acados_solves_problems_of_robots() {
+    run("acados");
+}
+
+#[test]
+fn acados_solves_problems_of_robots_with_quaternions() {
+    run("acados_quaternions");
+}
+
+fn run(name: &str) {
     if !has_c_compiler() || !has_make() {
         return;
     }
     let Some(python) = python_with_acados() else { return };
     let folder = tempfile::tempdir().expect("a folder");
-    for file in ["test_acados.py", "test_acados_quaternions.py"] {
-        pytest(&python, &workspace().join("codegen/python/tests").join(file), folder.path(), &[]);
-    }
+    pytest(&python, &[test_files()[name].clone()], folder.path(), &[]);
 }
 
 fn has_make() -> bool {

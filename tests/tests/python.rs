@@ -3,13 +3,15 @@
 //! They need Python 3 with its module `venv`, packages from its registry, and a C compiler; without them they are skipped
 //! and say so.
 
+use std::path::PathBuf;
+
 use fastrand::Rng;
 use gelenk_codegen::emit::{EmitOptions, Language};
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use gelenk_generated::{powercube_parameters, ur5};
 use gelenk_tests::flat::{Call, flat};
 use gelenk_tests::generated::ROBOTS;
-use gelenk_tests::python::{has_c_compiler, pytest, python};
+use gelenk_tests::python::{has_c_compiler, pytest, python, test_files};
 use gelenk_tests::workspace;
 use serde_json::{Value, json};
 
@@ -92,12 +94,32 @@ fn number(rng: &mut Rng) -> f64 {
 
 #[test]
 fn the_package_computes_what_rust_computes_and_passes_its_own_tests() {
+    run(|name| !is_of_other_tools(name), Some(rust_values()));
+}
+
+#[test]
+fn functions_for_casadi_pass_their_tests() {
+    run(|name| name.starts_with("casadi"), None);
+}
+
+/// What `acados.rs` runs with packages of its own, and what takes as long as all the rest.
+fn is_of_other_tools(name: &str) -> bool {
+    ["acados", "casadi"].iter().any(|tool| name.starts_with(tool))
+}
+
+fn run(wanted: impl Fn(&str) -> bool, values: Option<Value>) {
     let (Some(python), true) = (python(), has_c_compiler()) else {
         return;
     };
     let folder = tempfile::tempdir().expect("a folder");
-    let values = folder.path().join("values.json");
-    std::fs::write(&values, rust_values().to_string()).expect("a file");
-    let tests = workspace().join("codegen/python/tests");
-    pytest(&python, &tests, folder.path(), &[("GELENK_RUST_VALUES", values.as_path())]);
+    let file = folder.path().join("values.json");
+    let files: Vec<PathBuf> =
+        test_files().into_iter().filter(|(name, _)| wanted(name)).map(|(_, file)| file).collect();
+    assert!(files.len() > 1, "{files:?}");
+    let mut variables = vec![];
+    if let Some(values) = values {
+        std::fs::write(&file, values.to_string()).expect("a file");
+        variables.push(("GELENK_RUST_VALUES", file.as_path()));
+    }
+    pytest(&python, &files, folder.path(), &variables);
 }

@@ -22,7 +22,7 @@ mod page;
 mod study;
 
 use gelenk_report::Report;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -34,16 +34,19 @@ fn main() -> ExitCode {
 }
 
 fn run() -> Outcome<()> {
-    let study = Study::from_environment();
     let folder = std::env::args_os().nth(1).map_or_else(|| PathBuf::from("report"), PathBuf::from);
+    write(&Study::from_environment(), &folder)
+}
+
+/// Prints the verdicts, and writes the report into a folder.
+fn write(study: &Study, folder: &Path) -> Outcome<()> {
     // A minute of work should not end with a folder that cannot be made.
-    std::fs::create_dir_all(&folder)
-        .map_err(|error| format!("cannot write {}: {error}", folder.display()))?;
-    let report = report(&study)?;
+    std::fs::create_dir_all(folder).map_err(|error| format!("cannot write {}: {error}", folder.display()))?;
+    let report = report(study)?;
     for claim in report.claims() {
         println!("{:<10} {}", claim.id, claim.verdict());
     }
-    for file in report.write(&folder)? {
+    for file in report.write(folder)? {
         if file.extension().is_some_and(|kind| kind == "html") {
             println!("written: {}", file.display());
         }
@@ -99,4 +102,14 @@ fn taken<'e>(
 ) -> Option<(&'e Place, &'e Experiment)> {
     let k = next.fetch_add(1, Ordering::Relaxed);
     Some((found.get(k)?, experiments.get(k)?))
+}
+
+/// Where `GELENK_REPORT` says, for who wants to look at it.
+#[test]
+fn the_report_is_written() -> Outcome<()> {
+    let folder = tempfile::tempdir()?;
+    let place = std::env::var_os("GELENK_REPORT").map_or_else(|| folder.path().to_owned(), PathBuf::from);
+    write(&Study { is_short: true }, &place)?;
+    assert!(std::fs::read_to_string(place.join("index.html"))?.contains("</html>"));
+    Ok(())
 }
