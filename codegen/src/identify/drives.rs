@@ -17,13 +17,14 @@ pub struct IdentifiedDrive {
     pub motor_constant: Option<f64>,
 }
 
-/// The value of the key `drive` of each joint whose drive was identified, by the joint's name.
+/// The value of the key `drive` of each joint whose drive was identified, by the joint's name. Drives that are described by
+/// themselves are [`super::drive_table`]'s.
 ///
 /// - `identified`: by coordinate
 #[must_use]
 pub fn drives(model: &Model, identified: &[IdentifiedDrive]) -> Vec<(String, String)> {
     let written = model.input_drives().filter_map(|drive| {
-        let coordinate = drive.coordinate()?;
+        let coordinate = drive.coordinate().filter(|_| !drive.stands_apart)?;
         let found = identified.get(coordinate).filter(|found| **found != IdentifiedDrive::default())?;
         let joint = model.joints().nth(coordinate)?;
         Some((joint.name.clone(), toml(model, drive, found)))

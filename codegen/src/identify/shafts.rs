@@ -75,12 +75,13 @@ pub fn joint_tables(model: &Model, terms: &[JointTerm], factors: &[f64]) -> Vec<
     joints.filter_map(table).collect()
 }
 
-/// What was identified of a drive on several joints.
+/// What was identified of a drive that is described by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct IdentifiedShaft<'a> {
     /// Name of the drive.
     pub name: &'a str,
-    /// Friction of its shaft; what is described stays where there is none.
+    /// Friction of its shaft; what is described stays where there is none. Friction of a shaft that moves one joint is part of
+    /// the joint's.
     pub friction: Option<&'a FrictionResult>,
     /// Axial inertia of its rotor as a parameter of the equations [kg m²], where the description has one.
     pub rotor: Option<f64>,
@@ -106,9 +107,8 @@ pub fn drive_table(
     described: &Model,
     found: &IdentifiedShaft,
 ) -> gelenk_identification::Result<Option<String>> {
-    let Some(drive) = shared_drives(described).find(|drive| drive.name == found.name) else {
-        return Ok(None);
-    };
+    let is_meant = |drive: &&Drive| drive.stands_apart && drive.name == found.name;
+    let Some(drive) = described.input_drives().find(is_meant) else { return Ok(None) };
     let names: Vec<&str> = described.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let joints: Vec<&str> =
         described.joints().chain(described.driven_joints()).map(|joint| joint.name.as_str()).collect();

@@ -30,6 +30,8 @@ pub struct Drive {
     /// Friction of the shaft over its angle `y` and speed `v`, where the drive acts on several coordinates; that of a
     /// drive on one coordinate is part of its joint's.
     pub friction: Vec<FrictionTerm>,
+    /// Whether it is described by itself, with `[[drives]]`, and not at a joint.
+    pub stands_apart: bool,
 }
 
 impl Drive {

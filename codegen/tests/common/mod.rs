@@ -50,6 +50,7 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
             bodies: vec![],
         });
         drives.push(Drive {
+            stands_apart: false,
             name: (*joint).into(),
             identifier: (*joint).into(),
             acts_on: vec![gelenk_codegen::model::FollowedCoordinate::itself(i)],

@@ -106,6 +106,11 @@ impl Wrist {
         wrist
     }
 
+    /// Writes the log anew.
+    pub(crate) fn record(&self) {
+        fs::write(self.at("log.csv"), log(&self.robot("truth.toml"), motion)).unwrap();
+    }
+
     pub(crate) fn at(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }

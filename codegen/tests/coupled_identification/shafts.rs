@@ -167,6 +167,30 @@ fn a_motor_that_turns_with_a_driven_joint_has_its_own_friction() {
 }
 
 #[test]
+fn a_drive_by_itself_on_one_joint_is_written_where_it_stands() {
+    let truth = r#"
+        name = "truth"
+        extends = "arm.toml"
+        [[joints]]
+        name = "wrist_roll"
+        friction = { viscous = 0.4 }
+    "#;
+    let wrist = Wrist::new(truth);
+    let arm = fs::read_to_string(wrist.at("arm.toml")).unwrap();
+    let on = "on = { wrist_pitch = 1, wrist_roll = -1 }";
+    assert!(arm.contains(on));
+    // The shaft's friction is 6400 times as large at the joint: the law that is found there holds it.
+    let friction = "on = { wrist_roll = 1 }\nfriction = { viscous = 2e-5 }";
+    fs::write(wrist.at("arm.toml"), arm.replace(on, friction)).unwrap();
+    wrist.record();
+    wrist.identify("found.toml", &[]);
+    let [truth, found] = ["truth.toml", "found.toml"].map(|name| wrist.robot(name));
+    let [true_, found] = [&truth, &found].map(|robot| robot.joint_friction("wrist_roll", 1.0));
+    println!("{true_} {found}");
+    assert!(true_ > 0.5 && (found - true_).abs() < 0.05 * true_, "{found} for {true_}");
+}
+
+#[test]
 fn a_plan_keeps_the_torques_of_such_motors() {
     let wrist = Wrist::new(TRUTH);
     // Motors that a plan by the limits of the joints alone would ask for too much.

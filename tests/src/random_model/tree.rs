@@ -231,6 +231,7 @@ pub(super) fn drive(rng: &mut Rng, joint: &Joint, acts_on: Vec<FollowedCoordinat
     let has_rotor = chance(rng, 0.6);
     let sign = if chance(rng, 0.2) { -1.0 } else { 1.0 };
     Drive {
+        stands_apart: acts_on.len() > 1,
         name: format!("{} drive", joint.name),
         identifier: format!("{}_drive", joint.identifier),
         acts_on,

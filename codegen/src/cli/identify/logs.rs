@@ -12,6 +12,7 @@ use gelenk_identification::log::ColumnOptions;
 use gelenk_identification::result::FrictionResult;
 use gelenk_identification::robot::Robot;
 use gelenk_identification::run::Effort;
+use gelenk_identification::shafts::ShaftRows;
 use gelenk_identification::validation::{JointValidation, validate};
 use serde_json::{Value, json};
 
@@ -24,7 +25,7 @@ use crate::identify::{
     BodyValues, IdentifiedDrive, IdentifiedShaft, InterpretedRobot, bodies, drive_table, drives,
     joint_tables, page, rotors, shaft_rotor,
 };
-use crate::model::{Loaded, Model};
+use crate::model::{Drive, Loaded, Model};
 use crate::wording::{list, quoted};
 
 /// Estimates, writes the description and the page.
@@ -179,7 +180,7 @@ fn describe(
     }
     let bodies = bodies(robot.model(), links).map_err(|problems| Failure::Descriptions(vec![problems]))?;
     let mut tables: Vec<String> = bodies.iter().map(BodyValues::toml).collect();
-    tables.extend(shaft_tables(described, robot, found, others)?);
+    tables.extend(drive_tables(described, robot, found, others)?);
     let identified =
         rotors(robot.model()).into_iter().zip(&found.estimate.joints).map(|(rotor, joint)| IdentifiedDrive {
             rotor: rotor.map(|place| others[place]),
@@ -206,33 +207,54 @@ fn describe(
     )?)
 }
 
-/// Tables of drives on several joints, and of the joints whose rows their shafts take.
+/// Tables of drives that are described by themselves, and of the joints whose rows their shafts take.
 ///
 /// - `others`: parameters behind those of bodies
-fn shaft_tables(
+fn drive_tables(
     described: &Model,
     robot: &InterpretedRobot,
     found: &Identification,
     others: &[f64],
 ) -> Result<Vec<String>, Failure> {
-    let Some(rows) = &found.shafts else { return Ok(Vec::new()) };
-    let factors = &others[rows.first_term() - PER_LINK * robot.bodies()..];
-    let mut tables = joint_tables(robot.model(), rows.joint_terms(), factors);
-    for shaft in rows.shafts() {
-        let estimate = &found.estimate.joints[shaft.joint];
-        let law = found.friction.iter().find(|law| law.joint == shaft.joint);
-        let identified = IdentifiedShaft {
-            name: &shaft.name,
-            friction: law.and_then(|law| Some(&law.report.as_ref().ok()?.result)),
-            rotor: shaft_rotor(robot.model(), &shaft.name).map(|place| others[place]),
-            added: estimate.armature.map(|inertia| inertia.value),
-            motor_constant: estimate.gain.map(|gain| gain.value),
-        };
-        if identified != (IdentifiedShaft { name: &shaft.name, ..IdentifiedShaft::default() }) {
+    let model = robot.model();
+    let mut tables = Vec::new();
+    if let Some(rows) = &found.shafts {
+        let factors = &others[rows.first_term() - PER_LINK * robot.bodies()..];
+        tables = joint_tables(model, rows.joint_terms(), factors);
+    }
+    for drive in model.input_drives().filter(|drive| drive.stands_apart) {
+        let rotor = shaft_rotor(model, &drive.name).map(|place| others[place]);
+        let identified = identified_drive(found, drive, rotor);
+        if identified != (IdentifiedShaft { name: &drive.name, ..IdentifiedShaft::default() }) {
             tables.extend(drive_table(described, &identified)?);
         }
     }
     Ok(tables)
+}
+
+/// What was found of a drive that is described by itself.
+fn identified_drive<'a>(
+    found: &'a Identification,
+    drive: &'a Drive,
+    rotor: Option<f64>,
+) -> IdentifiedShaft<'a> {
+    let nothing = IdentifiedShaft { name: &drive.name, ..IdentifiedShaft::default() };
+    let mut shafts = found.shafts.iter().flat_map(ShaftRows::shafts);
+    let shaft = shafts.find(|shaft| shaft.name == drive.name).map(|shaft| shaft.joint);
+    let Some(row) = shaft.or(drive.coordinate()) else { return IdentifiedShaft { rotor, ..nothing } };
+    let law = found.friction.iter().find(|law| law.joint == row).and_then(|law| law.report.as_ref().ok());
+    if shaft.is_none() && law.is_none() {
+        // The described friction of its shaft is part of the joint's, which nothing replaces.
+        return nothing;
+    }
+    let estimate = &found.estimate.joints[row];
+    IdentifiedShaft {
+        friction: law.map(|report| &report.result).filter(|_| shaft.is_some()),
+        rotor,
+        added: estimate.armature.map(|inertia| inertia.value),
+        motor_constant: estimate.gain.map(|gain| gain.value),
+        ..nothing
+    }
 }
 
 fn laws(found: &Identification) -> impl Iterator<Item = &FrictionReport> {
@@ -263,10 +285,9 @@ fn provenance(found: &Identification, command: &str) -> Vec<String> {
 /// Residual of a row with its unit. Torques of motors are small: theirs has three digits that mean something.
 fn residual(found: &Identification, row: usize) -> String {
     let JointEstimate { sigma, unit, .. } = &found.estimate.joints[row];
-    let size = sigma.log10().floor();
-    let digits =
-        if found.shaft(row).is_some() && size.is_finite() { (2.0 - size).clamp(3.0, 12.0) } else { 3.0 };
-    format!("{sigma:.*} {unit}", digits as usize)
+    let size = format!("{sigma:e}").split_once('e').and_then(|(_, size)| size.parse::<i32>().ok());
+    let digits = size.filter(|_| found.shaft(row).is_some()).map_or(3, |size| (2 - size).clamp(3, 12));
+    format!("{sigma:.*} {unit}", digits.unsigned_abs() as usize)
 }
 
 /// Path of the extended description from the folder of the output: relative where both lie in one folder,

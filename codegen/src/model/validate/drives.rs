@@ -67,6 +67,7 @@ impl Builder<'_, '_> {
         };
         let (carrier, axis) = self.shared_mounting(described, &acts_on, links)?;
         Some(Drive {
+            stands_apart: true,
             name: described.name.value.clone(),
             identifier: self.identifiers.shared_drives[index].clone(),
             gear_ratio,
@@ -183,6 +184,7 @@ impl Builder<'_, '_> {
             }
         };
         Some(Drive {
+            stands_apart: false,
             name: motor.name.as_ref().map_or_else(|| joint.name.clone(), |name| name.value.clone()),
             identifier: self.drive_identifier(index),
             acts_on,
@@ -230,6 +232,7 @@ impl Builder<'_, '_> {
     /// A torque or force at the joint itself.
     fn ideal_drive(&self, joint: &Joint, index: usize, acts_on: Vec<FollowedCoordinate>) -> Drive {
         Drive {
+            stands_apart: false,
             name: joint.name.clone(),
             identifier: self.drive_identifier(index),
             acts_on,
