@@ -1,16 +1,16 @@
 //! Modules in C beside the Rust modules of the same value: they compile as C99 and as C++ without a warning, call no
 //! library, and compute the same bits.
 //!
-//! The short form compares four robots in every variant, one with quaternions in each number type, and loops of a fifth. All robots,
-//! with every compiler at hand:
+//! The short form compares four robots in every variant, one with quaternions in each number type, and loops over the
+//! joints of a Panda. All robots, with every compiler at hand:
 //!
 //! ```text
 //! cargo test -p gelenk-tests --test c_modules -- --ignored --nocapture
 //! ```
 //!
-//! `GELENK_CC` names further compilers, separated by semicolons: `GELENK_CC='clang;python3 -m ziglang cc'`. `GELENK_ROBOTS`
-//! limits the comparison to robots whose names are in it: `GELENK_ROBOTS=ur5,panda`. `GELENK_FUNCTIONS` limits it to functions:
-//! `GELENK_FUNCTIONS=linearize`; all functions of a robot with many joints take half an hour.
+//! `GELENK_CC` names further compilers, separated by semicolons: `GELENK_CC='clang;python3 -m ziglang cc'`.
+//! `GELENK_ROBOTS` limits the comparison to robots: `GELENK_ROBOTS=ur5,panda`. `GELENK_FUNCTIONS` limits it to
+//! functions: `GELENK_FUNCTIONS=linearize`. All functions of a robot with seven joints take half an hour.
 
 mod compilers;
 mod drivers;
