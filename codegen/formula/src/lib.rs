@@ -25,7 +25,7 @@ mod terms;
 
 pub use error::FormulaError;
 pub use expression::{Expression, Kind, Node, Operator, Unary};
-pub use friction::{FrictionLaw, FrictionPart, FrictionTerm};
+pub use friction::{FrictionLaw, FrictionPart, FrictionTerm, TermOf};
 pub use function::Function;
 pub use nearest::nearest;
 pub use resolve::{Allowed, parse};

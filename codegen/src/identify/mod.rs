@@ -36,6 +36,16 @@ mod tests {
         names.map(|name| folder.join(format!("{name}.toml"))).to_vec()
     }
 
+    #[test]
+    fn inertia_of_a_drive_is_found_where_it_can_be_written() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+        let takes = |name: &str| robot(&folder.join(format!("{name}.toml"))).takes_inertia();
+        // A cart whose drive has no rotor, and a pole without a drive.
+        assert_eq!(takes("cart_pole"), [true, false]);
+        // Rotors are parameters.
+        assert_eq!(takes("geared_arm"), [false; 2]);
+    }
+
     /// Parameters of heavier bodies, and of rotors.
     fn changed(robot: &InterpretedRobot) -> Vec<f64> {
         let parameters = robot.parameters();

@@ -4,6 +4,7 @@ use gelenk_identification::pose::QuaternionJoint;
 use gelenk_identification::robot::{JointLimits, Robot};
 use gelenk_identification::shafts::{JointTerm, Shaft};
 
+use super::drives::rotors;
 use super::shafts::{joint_terms, shafts, shared_drives};
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::parameters::regressor::parameter_names;
@@ -238,6 +239,16 @@ impl Robot for InterpretedRobot {
         }
         let driven = |joint| self.model.input_drives().any(|drive| drive.coordinate() == Some(joint));
         (0..joints).map(driven).collect()
+    }
+
+    /// A drive of a joint is written with its rotor or with such an inertia, a drive described by itself with their sum.
+    fn takes_inertia(&self) -> Vec<bool> {
+        let rotors = rotors(&self.model);
+        let takes = |joint: usize| {
+            let mut drives = self.model.input_drives().filter(|drive| drive.coordinate() == Some(joint));
+            drives.any(|drive| drive.stands_apart || rotors.get(joint).is_some_and(Option::is_none))
+        };
+        (0..self.model.joints().len()).map(takes).collect()
     }
 
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {

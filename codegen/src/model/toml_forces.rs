@@ -48,7 +48,7 @@ fn law(reader: &mut Reader, item: Item<'_>) -> Vec<FrictionTerm> {
 
 /// A level, or a table: one level or one for each direction, smooth with a slope.
 fn coulomb(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<FrictionPart> {
-    if !item.value.as_table().is_some_and(|entries| !entries.contains_key("free")) {
+    if item.value.as_table().is_none_or(|entries| entries.contains_key("free")) {
         let level = reader.formula(item, owner)?;
         return Some(FrictionPart::Coulomb { level, slope: None });
     }

@@ -15,7 +15,7 @@ use super::urdf_notes::{Remark, UrdfNotes};
 use super::urdf_text::UrdfText;
 use super::{FrictionTerm, JointKind, Pose, QuaternionKind, ReadOptions, xacro};
 use crate::diagnostic::{At, Report, Span};
-use crate::formula::Formula;
+use crate::formula::{Formula, TermOf};
 use crate::wording::{as_written, listed, three_digits};
 use roxmltree::{Document, Node};
 use std::path::Path;
@@ -381,7 +381,7 @@ impl Reader<'_> {
         if self.options.no_friction {
             return Vec::new();
         }
-        let laws: [(&str, fn(Formula) -> FrictionTerm); 2] =
+        let laws: [(&str, TermOf); 2] =
             [("damping", FrictionTerm::viscous), ("friction", FrictionTerm::coulomb)];
         laws.into_iter()
             .filter_map(|(key, law)| Some(law(self.friction_coefficient(node, key, name)?)))

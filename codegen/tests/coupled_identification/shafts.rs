@@ -194,7 +194,7 @@ fn a_drive_by_itself_on_one_joint_is_written_where_it_stands() {
 fn a_plan_keeps_the_torques_of_such_motors() {
     let wrist = Wrist::new(TRUTH);
     // Motors that a plan by the limits of the joints alone would ask for too much.
-    let weak = "name = \"weak\"\nextends = \"arm.toml\"\n".to_owned() + &weak_drives();
+    let weak = format!("name = \"weak\"\nextends = \"arm.toml\"\n{}", weak_drives());
     fs::write(wrist.at("weak.toml"), weak).unwrap();
     let plan = |description: &str| {
         let text = wrist.gelenk(&[description, "--plan", "--output", "plan.csv", "--format", "json"]);

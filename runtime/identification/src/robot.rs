@@ -69,6 +69,12 @@ pub trait Robot {
         own_inputs(&self.input_matrix(), self.joint_names().len(), self.input_names().len())
     }
 
+    /// Tells of each joint whether inertia that its drive adds may be found beside the parameters: not where the drive's rotor
+    /// is one of them, nor where no drive could be written with it.
+    fn takes_inertia(&self) -> Vec<bool> {
+        vec![true; self.joint_names().len()]
+    }
+
     /// Drives that act on several joints, and whose shafts' friction is to be found. None takes the row of a joint that
     /// another one takes, that has a drive of its own, or that something else moves.
     fn shafts(&self) -> Vec<Shaft> {

@@ -7,7 +7,7 @@ use super::super::{FrictionTerm, JointKind, Pose, QuaternionKind};
 use super::place::by_axis;
 use super::{KnownJoint, Placed, Reader, Remark, or};
 use crate::diagnostic::At;
-use crate::formula::Formula;
+use crate::formula::{Formula, TermOf};
 
 /// Where a joint stands.
 struct Between {
@@ -228,8 +228,7 @@ impl<'a> Reader<'_, 'a> {
         }
         let viscous = self.linear(joint, "damping");
         let loss = self.number(self.find(joint, "frictionloss"), "frictionloss").filter(|_| dry);
-        let laws: [(_, fn(Formula) -> FrictionTerm); 2] =
-            [(&viscous, FrictionTerm::viscous), (&loss, FrictionTerm::coulomb)];
+        let laws: [(_, TermOf); 2] = [(&viscous, FrictionTerm::viscous), (&loss, FrictionTerm::coulomb)];
         let mut terms = Vec::new();
         for (number, law) in laws {
             let Some(number) = number.as_ref().filter(|number| number.value != 0.0) else { continue };

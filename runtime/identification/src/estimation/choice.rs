@@ -172,7 +172,7 @@ impl Chosen<'_> {
                 let (possible, chosen) = match *term {
                     LOAD => (loads[joint], &mut model.load),
                     ASYMMETRY => (self.both_directions(joint), &mut model.asymmetry),
-                    _ => (true, &mut model.armature),
+                    _ => (self.centred.layout.takes_inertia[joint], &mut model.armature),
                 };
                 if !possible {
                     continue;

@@ -43,6 +43,8 @@ pub(super) struct Layout {
     /// Whether the force is known without a sensor, as in the rows of a joint with a quaternion: no offset is in it, and no
     /// friction is estimated.
     pub(super) exact: Vec<bool>,
+    /// Whether inertia of the joint's drive may be found beside the parameters.
+    pub(super) takes_inertia: Vec<bool>,
     /// Whether the joint's force was measured: its equations have entries.
     pub(super) measured: Vec<bool>,
     pub(super) effort: Effort,
@@ -85,6 +87,7 @@ impl Layout {
                 .collect(),
             moves: (0..joints).map(|j| span(runs, j) > STANDSTILL * scales[j] && measured[j]).collect(),
             exact: rows_of(&robot.quaternion_joints(), joints),
+            takes_inertia: robot.takes_inertia(),
             measured,
             effort: first.effort,
             input_matrix: robot.input_matrix(),
@@ -108,6 +111,7 @@ impl Layout {
             steepness,
             moves,
             exact: rows_of(&robot.quaternion_joints(), joints),
+            takes_inertia: robot.takes_inertia(),
             measured: vec![true; joints],
             effort,
             input_matrix: robot.input_matrix(),

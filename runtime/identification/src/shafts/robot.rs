@@ -149,6 +149,13 @@ impl Robot for RobotRows<'_> {
         self.robot.own_inputs()
     }
 
+    fn takes_inertia(&self) -> Vec<bool> {
+        let mut takes = self.robot.takes_inertia();
+        // Beside its rotor: a drive on several joints is written with the sum.
+        self.shafts_of_rows().iter().for_each(|shaft| takes[shaft.joint] = true);
+        takes
+    }
+
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {
         let Some(rows) = self.rows else { return self.robot.inertial_regressor(y, v, a, regressor) };
         let (joints, inertial) = (v.len(), rows.first_term());
