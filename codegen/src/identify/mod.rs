@@ -46,6 +46,22 @@ mod tests {
         assert_eq!(takes("geared_arm"), [false; 2]);
     }
 
+    /// The file replaces the knuckle's friction alone.
+    #[test]
+    fn friction_of_followers_is_known() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+        let gripper = robot(&folder.join("gripper.toml"));
+        let [y, a] = [[0.3, 0.4], [0.0; 2]];
+        let forces = |knuckle: f64| {
+            let mut forces = [0.0; 2];
+            gripper.rigid_forces(&y, &[0.0, knuckle], &a, &mut forces);
+            forces[1]
+        };
+        // Two fingers turn as fast as the knuckle, with 0.002 N m s each. What depends on the square of the speed is even.
+        let friction = (forces(0.7) - forces(-0.7)) / 2.0;
+        assert!((friction - 2.0 * 0.002 * 0.7).abs() < 1e-15, "{friction}");
+    }
+
     /// Parameters of heavier bodies, and of rotors.
     fn changed(robot: &InterpretedRobot) -> Vec<f64> {
         let parameters = robot.parameters();

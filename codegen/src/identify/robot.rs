@@ -12,7 +12,7 @@ use crate::functions::form::Form;
 use crate::functions::function::Function;
 use crate::functions::selection::derive_in_form;
 use crate::functions::size::MOST_OPERATIONS;
-use crate::model::{FrictionTerm, Joint, Model, QuaternionKind};
+use crate::model::{FrictionTerm, Joint, Model, Motion, QuaternionKind};
 use crate::program::interpret::{Functions, interpret};
 
 /// Functions of a described robot that identification calls, evaluated without a compiler. Its parameters are
@@ -55,7 +55,8 @@ impl InterpretedRobot {
     }
 
     /// Derives the functions of a model. Its friction is left out, but for that which is not estimated: of spherical and
-    /// floating joints, and of shafts where friction is looked for on joints alone or where they take no row.
+    /// floating joints, of joints that follow others, whose law no file replaces, and of shafts where friction is looked for on
+    /// joints alone or where they take no row.
     ///
     /// # Errors
     /// As [`derive_in_form`]: a robot whose functions cannot be generated. `driven-joint` where joints are driven.
@@ -74,7 +75,8 @@ impl InterpretedRobot {
             model.quaternion_joints.iter().flat_map(|joint| joint.coordinates()).collect();
         let kept: Vec<usize> = attitudes.iter().map(|coordinate| model.coordinates[*coordinate]).collect();
         let links = model.links.iter_mut().enumerate().filter(|(link, _)| !kept.contains(link));
-        for joint in links.filter_map(|(_, link)| link.joint.as_mut()) {
+        let joints = links.filter_map(|(_, link)| link.joint.as_mut());
+        for joint in joints.filter(|joint| !matches!(joint.motion, Motion::Follower(_))) {
             joint.friction.clear();
             joint.load_friction.clear();
         }

@@ -25,7 +25,7 @@ use crate::identify::{
     BodyValues, IdentifiedDrive, IdentifiedShaft, InterpretedRobot, bodies, drive_table, drives,
     joint_tables, page, rotors, shaft_rotor,
 };
-use crate::model::{Drive, Loaded, Model};
+use crate::model::{Drive, Joint, Loaded, Model, Motion};
 use crate::wording::{list, quoted};
 
 /// Estimates, writes the description and the page.
@@ -55,6 +55,7 @@ pub(super) fn finish(
         replaced_load(&loaded.model, found),
         without_wrenches(&loaded.model),
         as_described(arguments, &loaded.model, robot),
+        friction_of_followers(&loaded.model),
     ];
     let remarks: Vec<String> = remarks.into_iter().flatten().collect();
     remarks.iter().for_each(|words| super::say(words));
@@ -110,6 +111,16 @@ fn as_described(arguments: &Identify, model: &Model, robot: &InterpretedRobot) -
     };
     (!names.is_empty()).then(|| {
         format!("friction on the shafts of {} stays as described: {reason}", list(names.into_iter()))
+    })
+}
+
+/// Which described friction of followers counts as known.
+fn friction_of_followers(model: &Model) -> Option<String> {
+    let joints = model.links.iter().filter_map(|link| link.joint.as_ref());
+    let follows = |joint: &&Joint| matches!(joint.motion, Motion::Follower(_)) && !joint.friction.is_empty();
+    let names: Vec<&str> = joints.filter(follows).map(|joint| joint.name.as_str()).collect();
+    (!names.is_empty()).then(|| {
+        format!("friction of joints that follow others ({}) stays as described", list(names.into_iter()))
     })
 }
 

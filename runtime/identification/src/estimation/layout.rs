@@ -215,8 +215,8 @@ fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if effort != Effort::Joint && robot.has_inputs_at_frames() {
         return Err(IdentificationError::File {
             place: "efforts".into(),
-            message: "inputs act at frames, so that their forces at the joints depend on the positions; convert the efforts to \
-                      forces at the joints first, and say so (`--effort joint`)"
+            message: "inputs act at frames, so that their forces at the joints depend on the positions; convert currents to \
+                      forces of the inputs first, and say so (`--effort input`)"
                 .into(),
         });
     }

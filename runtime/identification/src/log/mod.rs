@@ -6,7 +6,7 @@
 //! [`runs`] goes further for logs of strangers: it finds the columns of a robot by itself and gives whole runs.
 //! Its order of work is one file for each step: `sheet` (separators, header, rows), `vocabulary` (words of a
 //! header), `families` (the columns of one quantity), `mapping` and `scale` (which family, in which unit), `time`,
-//! `runs` (samples, cut into runs), `unroll` (poses with quaternions), `health` (what the runs say about their log).
+//! `runs` (samples, cut into runs), `unroll` (poses with quaternions), `joint_forces` (inputs at frames), `health` (what the runs say about their log).
 
 mod acting;
 mod check;
@@ -14,6 +14,7 @@ mod families;
 mod finder;
 mod finding;
 mod health;
+mod joint_forces;
 mod mapping;
 mod motion;
 mod number;

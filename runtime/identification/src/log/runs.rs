@@ -6,6 +6,7 @@ use super::super::run::{Effort, Run};
 use super::FindingKind;
 use super::finder::RobotColumns;
 use super::finding::RunFinding;
+use super::joint_forces::at_joints;
 use super::mapping::{Mapping, Source};
 use super::number::{Decimals, number};
 use super::sheet::{Sheet, shortened};
@@ -325,6 +326,7 @@ pub(super) fn split(
     }
     for run in &mut runs {
         findings.extend(super::health::unwrap_turns(run, robot, source));
+        at_joints(run, robot);
     }
     Ok(runs)
 }

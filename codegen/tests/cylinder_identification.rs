@@ -1,0 +1,138 @@
+//! An excavator that is identified from the forces of its cylinders.
+#![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use gelenk_codegen::identify::InterpretedRobot;
+use gelenk_codegen::model::{self, ReadOptions};
+use gelenk_identification::robot::Robot;
+use nalgebra::{Matrix4, Vector4};
+
+/// What the excavator of `models/` really is: the bucket is full, the boom rubs more.
+const BODIES: &str = r#"
+[[bodies]]
+link = "bucket"
+mass = 95
+center_of_mass = [0.32, 0, 0.1]
+inertia = [2.2, 3.1, 3.4]
+
+[[bodies]]
+link = "stick"
+mass = 52
+center_of_mass = [0.4, 0, 0.06]
+inertia = [0.6, 6, 6]
+"#;
+
+/// Viscous friction of the joints in truth [N m s].
+const VISCOUS: [f64; 4] = [260.0, 90.0, 30.0, 22.0];
+
+fn excavator() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/excavator.toml").canonicalize().unwrap()
+}
+
+fn robot(path: &Path) -> InterpretedRobot {
+    let loaded = model::read(path, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}"));
+    InterpretedRobot::new(&loaded.model).unwrap_or_else(|problems| panic!("{problems}"))
+}
+
+/// y, ẏ and ÿ of a motion within the limits.
+fn motion(t: f64, pace: f64) -> [[f64; 4]; 3] {
+    let centres = [0.0, -0.3, 1.4, 0.8];
+    let sizes = [0.6, 0.35, 0.5, 0.7];
+    let mut motion = [[0.0; 4]; 3];
+    for joint in 0..4 {
+        motion[0][joint] = centres[joint];
+        for (k, share) in [(1.0, 0.6), (2.3, 0.25), (3.7, 0.15)] {
+            let w = pace * (0.5 + 0.13 * joint as f64) * k;
+            let (size, phase) = (sizes[joint] * share, 1.7 * joint as f64 + k);
+            let (sin, cos) = (w * t + phase).sin_cos();
+            motion[0][joint] += size * sin;
+            motion[1][joint] += size * w * cos;
+            motion[2][joint] -= size * w * w * sin;
+        }
+    }
+    motion
+}
+
+/// Forces at the joints in truth.
+fn forces(truth: &InterpretedRobot, [y, v, a]: &[[f64; 4]; 3]) -> Vector4<f64> {
+    let mut forces = [0.0; 4];
+    truth.rigid_forces(y, v, a, &mut forces);
+    Vector4::from_fn(|joint, _| forces[joint] + VISCOUS[joint] * v[joint])
+}
+
+/// The inputs that have these forces at the joints.
+fn inputs(truth: &InterpretedRobot, y: &[f64; 4], forces: Vector4<f64>) -> Vector4<f64> {
+    let column = |input: usize| {
+        let mut column = [0.0; 4];
+        truth.input_forces(y, &[0, 1, 2, 3].map(|k| f64::from(u8::from(k == input))), &mut column);
+        Vector4::from(column)
+    };
+    let matrix = Matrix4::from_columns(&[0, 1, 2, 3].map(column));
+    matrix.try_inverse().expect("every joint has an input") * forces
+}
+
+/// 200 Hz; encoders of 1e-5 rad, forces to 1 N.
+fn log(truth: &InterpretedRobot) -> String {
+    let mut text = String::from("time,swing,boom,stick,bucket,u1,u2,u3,u4\n");
+    for sample in 0..8000 {
+        let t = 0.005 * f64::from(sample);
+        let motion = motion(t, 1.0);
+        let u = inputs(truth, &motion[0], forces(truth, &motion));
+        write!(text, "{t:.3}").unwrap();
+        motion[0].iter().for_each(|y| write!(text, ",{y:.5}").unwrap());
+        u.iter().for_each(|u| write!(text, ",{u:.0}").unwrap());
+        text.push('\n');
+    }
+    text
+}
+
+/// Root mean squares of the errors of the forces at the joints in another motion, relative to these.
+fn errors(found: &InterpretedRobot, viscous: [f64; 4], truth: &InterpretedRobot) -> Vector4<f64> {
+    let (mut errors, mut sizes) = (Vector4::zeros(), Vector4::zeros());
+    for k in 0..300 {
+        let motion = motion(77.0 + 0.1 * f64::from(k), 1.3);
+        let expected = forces(truth, &motion);
+        let mut rigid = [0.0; 4];
+        found.rigid_forces(&motion[0], &motion[1], &motion[2], &mut rigid);
+        let predicted = Vector4::from_fn(|j, _| rigid[j] + viscous[j] * motion[1][j]);
+        errors += (predicted - expected).map(|x| x * x);
+        sizes += expected.map(|x| x * x);
+    }
+    errors.component_div(&sizes).map(f64::sqrt)
+}
+
+#[test]
+fn an_excavator_is_identified_from_the_forces_of_its_cylinders() {
+    let folder = tempfile::tempdir().unwrap();
+    let truth = folder.path().join("truth.toml");
+    let head = format!("name = \"truth\"\nextends = \"{}\"\n", excavator().display());
+    fs::write(&truth, format!("{head}{BODIES}")).unwrap();
+    let truth = robot(&truth);
+    fs::write(folder.path().join("log.csv"), log(&truth)).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gelenk"));
+    command
+        .current_dir(folder.path())
+        .arg("identify")
+        .arg(excavator())
+        .args(["log.csv", "--effort", "input"]);
+    command.args(["--columns", "position=2..5,input=6..9", "--output", "found.toml", "--format", "json"]);
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = fs::read_to_string(folder.path().join("found.toml")).unwrap();
+    println!("{text}");
+    let described = errors(&robot(&excavator()), [300.0, 60.0, 40.0, 15.0], &truth);
+    // The friction is judged by its factors: the rigid robot has none.
+    let found = errors(&robot(&folder.path().join("found.toml")), VISCOUS, &truth);
+    println!("described {described:?}, found {found:?}");
+    assert!(described.iter().skip(1).all(|error| *error > 0.2), "{described:?}");
+    assert!(found.iter().all(|error| *error < 0.02), "{found:?}");
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    for joint in result["joints"].as_array().unwrap() {
+        assert!(joint["r_squared_held_out"].as_f64().unwrap() > 0.99, "{joint}");
+    }
+}
