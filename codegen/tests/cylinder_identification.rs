@@ -73,7 +73,7 @@ fn inputs(truth: &InterpretedRobot, y: &[f64; 4], forces: Vector4<f64>) -> Vecto
         Vector4::from(column)
     };
     let matrix = Matrix4::from_columns(&[0, 1, 2, 3].map(column));
-    matrix.try_inverse().expect("every joint has an input") * forces
+    matrix.try_inverse().unwrap() * forces
 }
 
 /// 200 Hz; encoders of 1e-5 rad, forces to 1 N.
