@@ -75,7 +75,16 @@ fn documentation(package: &Path, module: &str) -> String {
     let mut rustdoc = Command::new("rustdoc");
     rustdoc
         .current_dir(package)
-        .args(["--edition", "2024", "--crate-name", "sample", "-o", "pages", "src/main.rs"])
+        .args([
+            "--edition",
+            "2024",
+            "--crate-name",
+            "sample",
+            "--document-private-items",
+            "-o",
+            "pages",
+            "src/main.rs",
+        ])
         .args(["--extern", &format!("gelenk_runtime={library}")])
         .arg("-L")
         .arg(target().join("debug/deps"))
