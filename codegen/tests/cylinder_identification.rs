@@ -11,6 +11,7 @@ use gelenk_codegen::identify::InterpretedRobot;
 use gelenk_codegen::model::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 use nalgebra::{Matrix4, Vector4};
+use tempfile::TempDir;
 
 /// What the excavator of `models/` really is: the bucket is full, the boom rubs more.
 const BODIES: &str = r#"
@@ -106,33 +107,62 @@ fn errors(found: &InterpretedRobot, viscous: [f64; 4], truth: &InterpretedRobot)
     errors.component_div(&sizes).map(f64::sqrt)
 }
 
+struct Excavator {
+    folder: TempDir,
+    truth: InterpretedRobot,
+}
+
+impl Excavator {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let truth = folder.path().join("truth.toml");
+        let head = format!("name = \"truth\"\nextends = \"{}\"\n", excavator().display());
+        fs::write(&truth, format!("{head}{BODIES}")).unwrap();
+        let truth = robot(&truth);
+        fs::write(folder.path().join("log.csv"), log(&truth)).unwrap();
+        Self { folder, truth }
+    }
+
+    /// What `gelenk identify` prints.
+    fn identify(&self, arguments: &[&str]) -> Vec<u8> {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_gelenk"));
+        command.current_dir(self.folder.path()).arg("identify").arg(excavator()).args(arguments);
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        output.stdout
+    }
+
+    /// Compares forces in another motion with those of the identified description.
+    fn assert_found(&self, name: &str) {
+        let described = errors(&robot(&excavator()), [300.0, 60.0, 40.0, 15.0], &self.truth);
+        // The friction is judged by its factors: the rigid robot has none.
+        let found = errors(&robot(&self.folder.path().join(name)), VISCOUS, &self.truth);
+        println!("described {described:?}, found {found:?}");
+        assert!(described.iter().skip(1).all(|error| *error > 0.2), "{described:?}");
+        assert!(found.iter().all(|error| *error < 0.02), "{found:?}");
+    }
+}
+
+/// How the log's columns are read.
+const COLUMNS: [&str; 4] = ["--effort", "input", "--columns", "position=2..5,input=6..9"];
+
 #[test]
 fn an_excavator_is_identified_from_the_forces_of_its_cylinders() {
-    let folder = tempfile::tempdir().unwrap();
-    let truth = folder.path().join("truth.toml");
-    let head = format!("name = \"truth\"\nextends = \"{}\"\n", excavator().display());
-    fs::write(&truth, format!("{head}{BODIES}")).unwrap();
-    let truth = robot(&truth);
-    fs::write(folder.path().join("log.csv"), log(&truth)).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gelenk"));
-    command
-        .current_dir(folder.path())
-        .arg("identify")
-        .arg(excavator())
-        .args(["log.csv", "--effort", "input"]);
-    command.args(["--columns", "position=2..5,input=6..9", "--output", "found.toml", "--format", "json"]);
-    let output = command.output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = fs::read_to_string(folder.path().join("found.toml")).unwrap();
-    println!("{text}");
-    let described = errors(&robot(&excavator()), [300.0, 60.0, 40.0, 15.0], &truth);
-    // The friction is judged by its factors: the rigid robot has none.
-    let found = errors(&robot(&folder.path().join("found.toml")), VISCOUS, &truth);
-    println!("described {described:?}, found {found:?}");
-    assert!(described.iter().skip(1).all(|error| *error > 0.2), "{described:?}");
-    assert!(found.iter().all(|error| *error < 0.02), "{found:?}");
-    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let excavator = Excavator::new();
+    let output = ["log.csv", "--output", "found.toml", "--format", "json"];
+    let printed = excavator.identify(&[&output[..], &COLUMNS].concat());
+    excavator.assert_found("found.toml");
+    let result: serde_json::Value = serde_json::from_slice(&printed).unwrap();
     for joint in result["joints"].as_array().unwrap() {
         assert!(joint["r_squared_held_out"].as_f64().unwrap() > 0.99, "{joint}");
     }
+}
+
+#[test]
+fn its_log_reduces_to_moments() {
+    let excavator = Excavator::new();
+    let output = ["--reduce", "log.csv", "--output", "log.moments"];
+    excavator.identify(&[&output[..], &COLUMNS].concat());
+    excavator.identify(&["--merge", "log.moments", "--output", "merged.toml"]);
+    excavator.assert_found("merged.toml");
 }

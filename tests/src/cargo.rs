@@ -24,12 +24,17 @@ pub fn cargo(folder: &Path, arguments: &[&str]) -> Output {
     aloud(folder, &[&["--quiet"], arguments].concat())
 }
 
-/// The workspace's optimization of packages: with another one all of them would be compiled again.
+/// The workspace's optimization of other people's packages: with another one all of them would be compiled again. Ours are
+/// compiled anew in any case, sooner without it.
 fn optimization() -> Vec<String> {
     let manifest = include_str!("../../Cargo.toml");
-    let table = manifest.split("\n[profile.dev.package]\n").nth(1).unwrap_or_default();
+    let table = manifest
+        .split("\n[profile.dev.package]\n")
+        .nth(1)
+        .expect("the workspace's table of optimized packages");
     let lines = table.lines().take_while(|line| !line.starts_with('['));
     let packages = lines.filter_map(|line| line.strip_suffix(" = { opt-level = 1 }"));
+    let packages = packages.filter(|name| !name.starts_with("gelenk-"));
     packages
         .flat_map(|name| ["--config".to_owned(), format!("profile.dev.package.{name}.opt-level=1")])
         .collect()

@@ -3,7 +3,7 @@
 use super::bodies::number;
 use crate::dynamics::parameters::regressor::drives_with_rotor;
 use crate::formula::Formula;
-use crate::model::{Drive, Input, Model, RotorCoupling};
+use crate::model::{Drive, FrictionTerm, Input, Model, RotorCoupling};
 use crate::wording::toml_text;
 
 /// What was identified of the drive of a joint.
@@ -11,44 +11,86 @@ use crate::wording::toml_text;
 pub struct IdentifiedDrive {
     /// Axial inertia of the rotor [kg m²], where the description has one.
     pub rotor: Option<f64>,
-    /// Inertia that the drive adds to its joint [kg m²], where the description has no rotor.
+    /// Inertia that the drive adds to its joint [kg m² or kg], where the description has neither a rotor nor a gear.
     pub reflected: Option<f64>,
     /// Motor constant K_M [N m/A].
     pub motor_constant: Option<f64>,
 }
 
-/// The value of the key `drive` of each joint whose drive was identified, by the joint's name. Drives that are described by
+/// The rotor of an identified drive, J_R [kg m²], and how it counts.
+///
+/// - `rotor`: as a parameter of the equations: every drive has it that has a gear or a described rotor
+/// - `added`: what was found beside the bodies of a drive without both, so that it is no body that a carrier turns
+pub(super) fn found_rotor(
+    drive: &Drive,
+    rotor: Option<f64>,
+    added: Option<f64>,
+) -> (Option<f64>, RotorCoupling) {
+    let coupling = if rotor.is_none() && added.is_some() { RotorCoupling::Diagonal } else { drive.coupling };
+    (rotor.or(added), coupling)
+}
+
+/// Lines of each joint whose drive was identified, by the joint's name: its key `drive`, and `friction` as described where no
+/// law of the joint was found, because friction that stands at the drive would be lost with it. Drives that are described by
 /// themselves are [`super::drive_table`]'s.
 ///
+/// - `model`: that of the robot that was identified
+/// - `described`: the model with its friction
 /// - `identified`: by coordinate
+/// - `has_law`: by coordinate, whether a friction law was found
 #[must_use]
-pub fn drives(model: &Model, identified: &[IdentifiedDrive]) -> Vec<(String, String)> {
+pub fn drives(
+    model: &Model,
+    described: &Model,
+    identified: &[IdentifiedDrive],
+    has_law: &[bool],
+) -> Vec<(String, String)> {
     let written = model.input_drives().filter_map(|drive| {
         let coordinate = drive.coordinate().filter(|_| !drive.stands_apart)?;
         let found = identified.get(coordinate).filter(|found| **found != IdentifiedDrive::default())?;
         let joint = model.joints().nth(coordinate)?;
-        Some((joint.name.clone(), toml(model, drive, found)))
+        let rotor = found_rotor(drive, found.rotor, found.reflected);
+        let keys = entries(model, drive, rotor, found.motor_constant).join(", ");
+        let friction = (!has_law[coordinate]).then(|| joint_friction(described, &joint.name)).flatten();
+        let lines = std::iter::once(format!("drive = {{ {keys} }}"));
+        Some((joint.name.clone(), lines.chain(friction).collect::<Vec<_>>().join("\n")))
     });
     written.collect()
 }
 
-/// For each coordinate, the place of its rotor among the parameters of rotors.
-#[must_use]
-pub fn rotors(model: &Model) -> Vec<Option<usize>> {
-    let place =
-        |coordinate| drives_with_rotor(model).position(|drive| drive.coordinate() == Some(coordinate));
-    (0..model.coordinates.len()).map(place).collect()
+/// The described friction of a joint, that of a drive's shaft in it, as a line.
+pub(super) fn joint_friction(described: &Model, name: &str) -> Option<String> {
+    let joint = described.joints().find(|joint| joint.name == name)?;
+    let names: Vec<&str> = described.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    let load = (!joint.load_friction.is_empty())
+        .then(|| format!("load = {}", weighted(&joint.load_friction, &names)));
+    let terms =
+        (!joint.friction.is_empty()).then(|| format!("terms = {}", weighted(&joint.friction, &names)));
+    let keys: Vec<String> = terms.into_iter().chain(load).collect();
+    (!keys.is_empty()).then(|| format!("friction = {{ {} }}", keys.join(", ")))
 }
 
-fn toml(model: &Model, drive: &Drive, found: &IdentifiedDrive) -> String {
-    let coupling = if found.reflected.is_some() { RotorCoupling::Diagonal } else { drive.coupling };
-    let inertia = found.rotor.or(found.reflected);
-    format!("{{ {} }}", entries(model, drive, (inertia, coupling), found.motor_constant).join(", "))
+/// Pairs of a basis and its factor, over parameters.
+pub(super) fn weighted(terms: &[FrictionTerm], parameters: &[&str]) -> String {
+    let pair = |term: &FrictionTerm| {
+        format!("[{}, {}]", toml_text(&term.basis.text(parameters)), text(&term.coefficient, parameters))
+    };
+    format!("[{}]", terms.iter().map(pair).collect::<Vec<_>>().join(", "))
+}
+
+/// For each coordinate, the place of its drive's rotor among the parameters of rotors.
+#[must_use]
+pub fn rotors(model: &Model) -> Vec<Option<usize>> {
+    let place = |coordinate| {
+        let mut drives = drives_with_rotor(model);
+        drives.position(|drive| drive.coordinate() == Some(coordinate) && drive.input != Input::None)
+    };
+    (0..model.coordinates.len()).map(place).collect()
 }
 
 /// Keys of a drive with their values, without those of its friction and of what it acts on.
 ///
-/// - `inertia`: identified inertia of the rotor, and how it counts
+/// - `rotor`: its identified inertia, and how it counts
 pub(super) fn entries(
     model: &Model,
     drive: &Drive,

@@ -12,7 +12,7 @@ mod shafts;
 pub use bodies::{BodyValues, bodies};
 pub use drives::{IdentifiedDrive, drives, rotors};
 pub use robot::{InterpretedRobot, RobotChoices};
-pub use shafts::{IdentifiedShaft, drive_table, joint_tables, shaft_rotor};
+pub use shafts::{IdentifiedShaft, drive_table, joint_tables, kept_friction, shaft_rotor};
 
 #[cfg(test)]
 mod tests {
@@ -44,6 +44,80 @@ mod tests {
         assert_eq!(takes("cart_pole"), [true, false]);
         // Rotors are parameters.
         assert_eq!(takes("geared_arm"), [false; 2]);
+    }
+
+    /// An arm whose friction stands at its drives.
+    const RUBBING_SHAFTS: &str = r#"
+        name = "arm"
+        gravity = [0, 0, -9.81]
+
+        [[joints]]
+        name = "shoulder"
+        axis = [0, 1, 0]
+        drive = { gear_ratio = 50, rotor_inertia = 1e-4, friction = { viscous = 2e-4 } }
+        friction = { viscous = 3 }
+
+        [[joints]]
+        name = "elbow"
+        axis = [0, 1, 0]
+        origin = { xyz = [0, 0, 0.4] }
+
+        [[bodies]]
+        link = "shoulder"
+        mass = 4
+        inertia = 0.1
+
+        [[bodies]]
+        link = "elbow"
+        mass = 2
+        inertia = 0.1
+
+        [[drives]]
+        name = "motor"
+        on = { elbow = 2 }
+        gear_ratio = 30
+        rotor_inertia = 3e-5
+        friction = { viscous = 1e-4, coulomb = { value = 2e-3, slope = 20 } }
+    "#;
+
+    /// A drive of a file replaces that of the description as a whole.
+    #[test]
+    fn friction_of_drives_stays_where_no_law_of_their_joints_is_found() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("arm.toml");
+        std::fs::write(&path, RUBBING_SHAFTS).unwrap();
+        let described = model::read(&path, &ReadOptions::default()).unwrap().model;
+        assert_eq!(InterpretedRobot::new(&described).unwrap().takes_inertia(), [false; 2]);
+        let identified =
+            [IdentifiedDrive { rotor: Some(2e-4), ..Default::default() }, IdentifiedDrive::default()];
+        let found = IdentifiedShaft { name: "motor", rotor: Some(5e-5), ..Default::default() };
+        let motor = described.drives.iter().find(|drive| drive.name == "motor").unwrap();
+        let tables = [drive_table(&described, &found).unwrap(), kept_friction(&described, &described, motor)];
+        let text = identified_toml(&Identified {
+            name: "identified",
+            extends: "arm.toml",
+            drives: &drives(&described, &described, &identified, &[false; 2]),
+            bodies: &tables.map(Option::unwrap),
+            ..Default::default()
+        });
+        let path = folder.path().join("identified.toml");
+        std::fs::write(&path, text.unwrap()).unwrap();
+        let read = model::read(&path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}")).model;
+        let rotors = read.drives.iter().map(|drive| drive.rotor_inertia.evaluate(&[], 0.0, 0.0));
+        assert_eq!(rotors.collect::<Vec<_>>(), [2e-4, 5e-5]);
+        let friction = |model: &model::Model, v: f64| -> Vec<f64> {
+            let sum = |terms: &[model::FrictionTerm]| -> f64 {
+                let terms = terms.iter();
+                terms.map(|t| t.coefficient.evaluate(&[], 0.0, 0.0) * t.basis.evaluate(&[], 0.0, v)).sum()
+            };
+            model.joints().map(|joint| sum(&joint.friction)).collect()
+        };
+        for v in [-1.5, -0.01, 0.3] {
+            assert_eq!(friction(&read, v), friction(&described, v));
+        }
+        // 3 + 50² · 2e-4 at the shoulder; (60² · 1e-4) v and 60 · 2e-3 at the elbow.
+        let [shoulder, elbow] = [0, 1].map(|joint: usize| friction(&read, 3.0)[joint]);
+        assert!((shoulder - 3.5 * 3.0).abs() < 1e-12 && (elbow - (0.36 * 3.0 + 0.12)).abs() < 1e-12);
     }
 
     /// The file replaces the knuckle's friction alone.
@@ -88,7 +162,7 @@ mod tests {
             let text = identified_toml(&Identified {
                 name: "identified",
                 extends: &path.canonicalize().unwrap().display().to_string(),
-                drives: &drives(model, &identified),
+                drives: &drives(model, model, &identified, &vec![true; identified.len()]),
                 bodies: &written,
                 ..Default::default()
             });

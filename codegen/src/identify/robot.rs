@@ -4,8 +4,7 @@ use gelenk_identification::pose::QuaternionJoint;
 use gelenk_identification::robot::{JointLimits, Robot};
 use gelenk_identification::shafts::{JointTerm, Shaft};
 
-use super::drives::rotors;
-use super::shafts::{joint_terms, shafts, shared_drives};
+use super::shafts::{joint_terms, shaft_rotor, shafts, shared_drives};
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::parameters::regressor::parameter_names;
 use crate::functions::form::Form;
@@ -243,12 +242,15 @@ impl Robot for InterpretedRobot {
         (0..joints).map(driven).collect()
     }
 
-    /// A drive of a joint is written with its rotor or with such an inertia, a drive described by itself with their sum.
+    /// A drive is written with one inertia: that of its rotor where this is a parameter.
     fn takes_inertia(&self) -> Vec<bool> {
-        let rotors = rotors(&self.model);
-        let takes = |joint: usize| {
-            let mut drives = self.model.input_drives().filter(|drive| drive.coordinate() == Some(joint));
-            drives.any(|drive| drive.stands_apart || rotors.get(joint).is_some_and(Option::is_none))
+        let takes = |row: usize| {
+            let shaft = self.shafts.iter().find(|shaft| shaft.joint == row);
+            let mut drives = self.model.input_drives().filter(|drive| match shaft {
+                Some(shaft) => drive.name == shaft.name,
+                None => drive.coordinate() == Some(row),
+            });
+            drives.any(|drive| shaft_rotor(&self.model, &drive.name).is_none())
         };
         (0..self.model.joints().len()).map(takes).collect()
     }

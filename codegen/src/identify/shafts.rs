@@ -5,9 +5,9 @@ use gelenk_identification::result::FrictionResult;
 use gelenk_identification::shafts::{JointTerm, Shaft, seats};
 
 use super::bodies::number;
-use super::drives::{entries, text};
+use super::drives::{entries, found_rotor, joint_friction, text, weighted};
 use crate::dynamics::parameters::regressor::drives_with_rotor;
-use crate::model::{Drive, FrictionTerm, Model, RotorCoupling};
+use crate::model::{Drive, FrictionTerm, Model};
 use crate::wording::toml_text;
 
 /// The drives on several coordinates whose shafts take rows of joints ([`gelenk_identification::shafts`]).
@@ -75,6 +75,15 @@ pub fn joint_tables(model: &Model, terms: &[JointTerm], factors: &[f64]) -> Vec<
     joints.filter_map(table).collect()
 }
 
+/// The table `[[joints]]` with the described friction of the joint that a drive moves alone: friction that stands at the drive is
+/// part of it, and would be lost with the drive.
+#[must_use]
+pub fn kept_friction(model: &Model, described: &Model, drive: &Drive) -> Option<String> {
+    let joint = model.joints().nth(drive.coordinate()?)?;
+    let friction = joint_friction(described, &joint.name)?;
+    Some(format!("[[joints]]\nname = {}\n{friction}\n", toml_text(&joint.name)))
+}
+
 /// What was identified of a drive that is described by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct IdentifiedShaft<'a> {
@@ -85,7 +94,7 @@ pub struct IdentifiedShaft<'a> {
     pub friction: Option<&'a FrictionResult>,
     /// Axial inertia of its rotor as a parameter of the equations [kg m²], where the description has one.
     pub rotor: Option<f64>,
-    /// Inertia at the shaft beside this [kg m²].
+    /// Inertia at the shaft, where the description has no rotor [kg m²].
     pub added: Option<f64>,
     /// Motor constant K_M [N m/A].
     pub motor_constant: Option<f64>,
@@ -116,26 +125,15 @@ pub fn drive_table(
         Some(format!("{} = {}", toml_text(joints.get(moved.coordinate)?), text(&moved.ratio, &names)))
     });
     let on: Vec<String> = on.collect();
-    let inertia = found.rotor.map(|rotor| rotor + found.added.unwrap_or(0.0)).or(found.added);
-    // An inertia at the shaft alone is no body that its carrier turns.
-    let is_new = found.added.is_some() && found.rotor.is_none_or(|rotor| rotor == 0.0);
-    let coupling = if is_new { RotorCoupling::Diagonal } else { drive.coupling };
-    let mut lines = entries(described, drive, (inertia, coupling), found.motor_constant);
+    let rotor = found_rotor(drive, found.rotor, found.added);
+    let mut lines = entries(described, drive, rotor, found.motor_constant);
     lines.insert(1, format!("on = {{ {} }}", on.join(", ")));
     let friction = match found.friction {
         Some(result) => Some(friction_value(result)?),
-        None => friction_text(&drive.friction, &names),
+        None => (!drive.friction.is_empty())
+            .then(|| format!("{{ terms = {} }}", weighted(&drive.friction, &names))),
     };
     lines.extend(friction.map(|friction| format!("friction = {friction}")));
     let comments = found.friction.map(comment_lines).unwrap_or_default();
     Ok(Some(format!("[[drives]]\n{comments}{}\n", lines.join("\n"))))
-}
-
-/// Described friction as a value.
-fn friction_text(terms: &[FrictionTerm], names: &[&str]) -> Option<String> {
-    let pair = |term: &FrictionTerm| {
-        format!("[{}, {}]", toml_text(&term.basis.text(names)), text(&term.coefficient, names))
-    };
-    let pairs: Vec<String> = terms.iter().map(pair).collect();
-    (!pairs.is_empty()).then(|| format!("{{ terms = [{}] }}", pairs.join(", ")))
 }

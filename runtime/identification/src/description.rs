@@ -41,7 +41,7 @@ pub struct Identified<'a> {
     pub settings: &'a [String],
     /// Friction laws by joint.
     pub friction: &'a [FrictionResult],
-    /// Drives by joint: its name, and the value of its key `drive` as TOML.
+    /// Drives by joint: its name, and lines of TOML, `drive = …` the first.
     pub drives: &'a [(String, String)],
     /// Tables `[[bodies]]` as TOML, and other tables that are written as they are.
     pub bodies: &'a [String],
@@ -130,13 +130,13 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
         comments(result, &mut text);
         let _ = writeln!(text, "name = {}", quoted(&result.joint));
         if let Some((_, drive)) = drives.iter().find(|(joint, _)| *joint == result.joint) {
-            let _ = writeln!(text, "drive = {drive}");
+            let _ = writeln!(text, "{drive}");
         }
         let _ = writeln!(text, "friction = {value}");
     }
     let has_law = |joint: &str| friction.iter().any(|result| result.joint == joint);
     for (joint, drive) in drives.iter().filter(|(joint, _)| !has_law(joint)) {
-        let _ = writeln!(text, "\n[[joints]]\nname = {}\ndrive = {drive}", quoted(joint));
+        let _ = writeln!(text, "\n[[joints]]\nname = {}\n{drive}", quoted(joint));
     }
     bodies.iter().for_each(|body| {
         let _ = write!(text, "\n{body}");

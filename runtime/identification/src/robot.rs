@@ -69,8 +69,8 @@ pub trait Robot {
         own_inputs(&self.input_matrix(), self.joint_names().len(), self.input_names().len())
     }
 
-    /// Tells of each joint whether inertia that its drive adds may be found beside the parameters: not where the drive's rotor
-    /// is one of them, nor where no drive could be written with it.
+    /// Tells of each row, a joint's or that of one of [`Self::shafts`], whether inertia that its drive adds may be found beside
+    /// the parameters: not where the drive's rotor is one of them, nor where no drive could be written with it.
     fn takes_inertia(&self) -> Vec<bool> {
         vec![true; self.joint_names().len()]
     }

@@ -23,9 +23,9 @@ use super::super::{print, report};
 use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::identify::{
     BodyValues, IdentifiedDrive, IdentifiedShaft, InterpretedRobot, bodies, drive_table, drives,
-    joint_tables, page, rotors, shaft_rotor,
+    joint_tables, kept_friction, page, rotors, shaft_rotor,
 };
-use crate::model::{Drive, Joint, Loaded, Model, Motion};
+use crate::model::{Drive, Input, Joint, Loaded, Model, Motion};
 use crate::wording::{list, quoted};
 
 /// Estimates, writes the description and the page.
@@ -56,6 +56,7 @@ pub(super) fn finish(
         without_wrenches(&loaded.model),
         as_described(arguments, &loaded.model, robot),
         friction_of_followers(&loaded.model),
+        rotors_without_input(&loaded.model),
     ];
     let remarks: Vec<String> = remarks.into_iter().flatten().collect();
     remarks.iter().for_each(|words| super::say(words));
@@ -121,6 +122,22 @@ fn friction_of_followers(model: &Model) -> Option<String> {
     let names: Vec<&str> = joints.filter(follows).map(|joint| joint.name.as_str()).collect();
     (!names.is_empty()).then(|| {
         format!("friction of joints that follow others ({}) stays as described", list(names.into_iter()))
+    })
+}
+
+/// Rotors that no key of a description holds: MJCF's `armature` of joints without an actuator.
+fn rotors_without_input(model: &Model) -> Option<String> {
+    let names: Vec<&str> = model
+        .moving_drives()
+        .filter(|drive| drive.input == Input::None)
+        .map(|drive| drive.name.as_str())
+        .collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "rotors without an input ({}) stay in the file as described: their identified inertia is in the table of \
+             parameters alone",
+            list(names.into_iter())
+        )
     })
 }
 
@@ -202,6 +219,7 @@ fn describe(
     let of_joints = found.friction.iter().filter(|law| found.shaft(law.joint).is_none());
     let friction = of_joints.filter_map(|law| law.report.as_ref().ok());
     let friction: Vec<FrictionResult> = friction.map(|report| report.result.clone()).collect();
+    let has_law: Vec<bool> = (0..identified.len()).map(|joint| law(found, joint).is_some()).collect();
     let provenance: Vec<String> = provenance(found, command).into_iter().chain(remarks).collect();
     let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     Ok(write_identified(
@@ -212,7 +230,7 @@ fn describe(
             provenance: &provenance,
             settings: &arguments.reading.keys(),
             friction: &friction,
-            drives: &drives(robot.model(), &identified),
+            drives: &drives(robot.model(), described, &identified, &has_law),
             bodies: &tables,
         },
     )?)
@@ -236,8 +254,12 @@ fn drive_tables(
     for drive in model.input_drives().filter(|drive| drive.stands_apart) {
         let rotor = shaft_rotor(model, &drive.name).map(|place| others[place]);
         let identified = identified_drive(found, drive, rotor);
-        if identified != (IdentifiedShaft { name: &drive.name, ..IdentifiedShaft::default() }) {
-            tables.extend(drive_table(described, &identified)?);
+        if identified == (IdentifiedShaft { name: &drive.name, ..IdentifiedShaft::default() }) {
+            continue;
+        }
+        tables.extend(drive_table(described, &identified)?);
+        if drive.coordinate().is_some_and(|joint| law(found, joint).is_none()) {
+            tables.extend(kept_friction(model, described, drive));
         }
     }
     Ok(tables)
@@ -253,19 +275,20 @@ fn identified_drive<'a>(
     let mut shafts = found.shafts.iter().flat_map(ShaftRows::shafts);
     let shaft = shafts.find(|shaft| shaft.name == drive.name).map(|shaft| shaft.joint);
     let Some(row) = shaft.or(drive.coordinate()) else { return IdentifiedShaft { rotor, ..nothing } };
-    let law = found.friction.iter().find(|law| law.joint == row).and_then(|law| law.report.as_ref().ok());
-    if shaft.is_none() && law.is_none() {
-        // The described friction of its shaft is part of the joint's, which nothing replaces.
-        return nothing;
-    }
     let estimate = &found.estimate.joints[row];
     IdentifiedShaft {
-        friction: law.map(|report| &report.result).filter(|_| shaft.is_some()),
+        friction: shaft.and_then(|row| law(found, row)),
         rotor,
         added: estimate.armature.map(|inertia| inertia.value),
         motor_constant: estimate.gain.map(|gain| gain.value),
         ..nothing
     }
+}
+
+/// The law that was found in a row.
+fn law(found: &Identification, row: usize) -> Option<&FrictionResult> {
+    let of_row = found.friction.iter().find(|law| law.joint == row)?;
+    of_row.report.as_ref().ok().map(|report| &report.result)
 }
 
 fn laws(found: &Identification) -> impl Iterator<Item = &FrictionReport> {

@@ -1,31 +1,46 @@
-//! Forces at the joints of what acts at frames: cylinders and wrench inputs, whose levers depend on the positions.
+//! Forces at the joints of what acts at inputs: those at frames, as cylinders, have levers that depend on the positions.
 
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
 
-/// Replaces the inputs u of a run by the forces at the joints, B(y) u, where inputs act at frames. NaN where an input acts that
-/// was not measured.
+/// Replaces the inputs u of a run by the forces at the joints, where inputs act at frames.
+pub(super) fn move_to_joints(run: &mut Run, robot: &dyn Robot) {
+    if run.effort == Effort::Input && robot.has_inputs_at_frames() {
+        run.efforts = forces_of_inputs(&run.positions, &run.efforts, robot);
+        run.effort = Effort::Joint;
+    }
+}
+
+/// `B(y) u` of all samples, one column for each joint. The columns of joints are NaN on which an input acts that was not
+/// measured in all samples, or which something else moves.
 ///
 /// The positions are the measured ones: their noise passes through the levers of the forces.
-pub(super) fn at_joints(run: &mut Run, robot: &dyn Robot) {
-    if run.effort != Effort::Input || !robot.has_inputs_at_frames() {
-        return;
-    }
-    let (joints, samples) = (run.positions.len(), run.times.len());
-    let mut forces = vec![vec![0.0; samples]; joints];
-    let mut force = vec![0.0; joints];
+///
+/// - `positions`: y, one column for each entry, with those of quaternions
+/// - `inputs`: u, one column for each input
+pub(super) fn forces_of_inputs(
+    positions: &[Vec<f64>],
+    inputs: &[Vec<f64>],
+    robot: &dyn Robot,
+) -> Vec<Vec<f64>> {
+    let samples = positions.first().map_or(0, Vec::len);
+    let is_known: Vec<bool> = inputs.iter().map(|column| column.iter().all(|u| u.is_finite())).collect();
+    let mut is_missing = robot.unmeasured();
+    let mut force = vec![0.0; is_missing.len()];
+    let mut forces = vec![vec![0.0; samples]; is_missing.len()];
     for i in 0..samples {
-        let y: Vec<f64> = run.positions.iter().map(|column| column[i]).collect();
-        let u: Vec<f64> = run.efforts.iter().map(|column| column[i]).collect();
-        let known: Vec<f64> = u.iter().map(|u| if u.is_nan() { 0.0 } else { *u }).collect();
-        robot.input_forces(&y, &known, &mut force);
+        let y: Vec<f64> = positions.iter().map(|column| column[i]).collect();
+        let known = inputs.iter().zip(&is_known).map(|(column, known)| if *known { column[i] } else { 0.0 });
+        robot.input_forces(&y, &known.collect::<Vec<f64>>(), &mut force);
         forces.iter_mut().zip(&force).for_each(|(column, force)| column[i] = *force);
-        for input in (0..u.len()).filter(|input| u[*input].is_nan()) {
-            let unit: Vec<f64> = (0..u.len()).map(|k| f64::from(u8::from(k == input))).collect();
+        for unknown in (0..inputs.len()).filter(|input| !is_known[*input]) {
+            let unit: Vec<f64> =
+                (0..inputs.len()).map(|input| f64::from(u8::from(input == unknown))).collect();
             robot.input_forces(&y, &unit, &mut force);
-            let reached = forces.iter_mut().zip(&force).filter(|(_, lever)| **lever != 0.0);
-            reached.for_each(|(column, _)| column[i] = f64::NAN);
+            is_missing.iter_mut().zip(&force).for_each(|(missing, lever)| *missing |= *lever != 0.0);
         }
     }
-    (run.efforts, run.effort) = (forces, Effort::Joint);
+    let unknown = forces.iter_mut().zip(&is_missing).filter(|(_, missing)| **missing);
+    unknown.for_each(|(column, _)| column.fill(f64::NAN));
+    forces
 }

@@ -99,8 +99,9 @@ fn read_bytes(bytes: &[u8], source: &str, robot: &dyn Robot, options: &ColumnOpt
     let runs = split(samples, &mapping, robot, source, &mut findings)?;
     let Mapping { effort, sentences, unused, .. } = mapping;
     Ok(Recording {
+        // Inputs at frames have become forces at the joints.
+        effort: runs.first().map_or(effort, |run| run.effort),
         runs,
-        effort,
         findings,
         mapping: sentences,
         unused,

@@ -6,7 +6,7 @@ use super::super::run::{Effort, Run};
 use super::FindingKind;
 use super::finder::RobotColumns;
 use super::finding::RunFinding;
-use super::joint_forces::at_joints;
+use super::joint_forces::move_to_joints;
 use super::mapping::{Mapping, Source};
 use super::number::{Decimals, number};
 use super::sheet::{Sheet, shortened};
@@ -321,12 +321,14 @@ pub(super) fn split(
     for run in &mut runs {
         match &mapping.acting {
             Some(acting) => *run = unrolled(run, robot, acting, source, findings)?,
-            None => add_unmeasured(run, robot),
+            None => {
+                add_unmeasured(run, robot);
+                move_to_joints(run, robot);
+            }
         }
     }
     for run in &mut runs {
         findings.extend(super::health::unwrap_turns(run, robot, source));
-        at_joints(run, robot);
     }
     Ok(runs)
 }

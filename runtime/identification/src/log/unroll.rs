@@ -7,6 +7,7 @@ use super::super::run::{Effort, Run};
 use super::FindingKind;
 use super::acting::Acting;
 use super::finding::RunFinding;
+use super::joint_forces::forces_of_inputs;
 use super::runs::file_finding;
 
 /// A quaternion's length may differ from 1 by so much before it is said: rounded digits do not matter.
@@ -131,31 +132,22 @@ fn require_unit(q: &[f64; 4], length: f64, joint: &QuaternionJoint, row: usize, 
 /// Forces in each row: those of joints without a quaternion as measured, or of the inputs. NaN where an input acts that the
 /// log does not have.
 fn forces(run: &Run, efforts: &[Vec<f64>], robot: &dyn Robot, acting: &Acting) -> Vec<Vec<f64>> {
-    let n = run.positions.len();
     let samples = run.times.len();
-    let mut forces = vec![vec![0.0; samples]; n];
     match acting {
         Acting::Joints => {
+            let n = run.positions.len();
+            let mut forces = vec![vec![0.0; samples]; n];
             let rows = super::super::pose::rows_of(&robot.quaternion_joints(), n);
             let plain = forces.iter_mut().zip(rows).filter(|(_, has_quaternion)| !has_quaternion);
             plain.zip(efforts).for_each(|((force, _), effort)| force.clone_from(effort));
+            forces
         }
         Acting::Inputs(known) => {
-            let inputs = robot.input_names().len();
-            let (mut u, mut force) = (vec![0.0; inputs], vec![0.0; n]);
-            for i in 0..samples {
-                let y: Vec<f64> = run.poses.iter().map(|column| column[i]).collect();
-                known.iter().zip(efforts).for_each(|(input, column)| u[*input] = column[i]);
-                robot.input_forces(&y, &u, &mut force);
-                forces.iter_mut().zip(&force).for_each(|(column, force)| column[i] = *force);
-            }
-            let matrix = robot.input_matrix();
-            let is_unknown =
-                |row: usize| (0..inputs).any(|i| !known.contains(&i) && matrix[row * inputs + i] != 0.0);
-            (0..n).filter(|row| is_unknown(*row)).for_each(|row| forces[row].fill(f64::NAN));
+            let mut inputs = vec![vec![f64::NAN; samples]; robot.input_names().len()];
+            known.iter().zip(efforts).for_each(|(input, column)| inputs[*input].clone_from(column));
+            forces_of_inputs(&run.poses, &inputs, robot)
         }
     }
-    forces
 }
 
 /// Rows in which nothing acts tell ratios of the parameters alone: a robot without mass would explain them best.

@@ -150,10 +150,7 @@ impl Robot for RobotRows<'_> {
     }
 
     fn takes_inertia(&self) -> Vec<bool> {
-        let mut takes = self.robot.takes_inertia();
-        // Beside its rotor: a drive on several joints is written with the sum.
-        self.shafts_of_rows().iter().for_each(|shaft| takes[shaft.joint] = true);
-        takes
+        self.robot.takes_inertia()
     }
 
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {

@@ -1,3 +1,12 @@
+// These columns, and their bits. Operators work on each of them.
+#if GELENK_PART == 1
+typedef double gelenk_part;
+typedef uint64_t gelenk_part_bits;
+#else
+typedef double gelenk_part __attribute__((vector_size(sizeof(double) * GELENK_PART)));
+typedef uint64_t gelenk_part_bits __attribute__((vector_size(sizeof(double) * GELENK_PART)));
+#endif
+
 GELENK_INLINE gelenk_part gelenk_part_of(const double *row)
 {
     gelenk_part part;

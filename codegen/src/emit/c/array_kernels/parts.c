@@ -1,4 +1,4 @@
-// As many columns of a row as a register holds, and their bits. Operators work on each of them.
+// As many columns of a row as a register holds.
 #if defined(__GNUC__) && defined(__AVX512F__) && GELENK_K == 8
 #define GELENK_PART 8
 #elif defined(__GNUC__) && defined(__AVX__)
@@ -7,11 +7,4 @@
 #define GELENK_PART 2
 #else
 #define GELENK_PART 1
-#endif
-#if GELENK_PART == 1
-typedef double gelenk_part;
-typedef uint64_t gelenk_part_bits;
-#else
-typedef double gelenk_part __attribute__((vector_size(8 * GELENK_PART)));
-typedef uint64_t gelenk_part_bits __attribute__((vector_size(8 * GELENK_PART)));
 #endif
