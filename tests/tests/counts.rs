@@ -52,6 +52,58 @@ fn planar_arm() {
     assert_within("planar 2R", chain(&PLANAR, ACROSS), &bars);
 }
 
+/// A general arm of four joints, of which the third is a coordinate or follows others.
+fn arm_with(third: &str) -> Model {
+    let joint = |name: &str, parent: &str, keys: &str| {
+        format!(
+            "[[joints]]\nname = \"{name}\"\nparent = \"{parent}\"\naxis = [0.6, 0, 0.8]\n\
+             origin = {{ xyz = [0.1, 0.2, 0.3], rpy = [0.4, 0.5, 0.6] }}\n{keys}\n"
+        )
+    };
+    let body = |link: &str| {
+        format!(
+            "[[bodies]]\nlink = \"{link}\"\nmass = 2\ncenter_of_mass = [0.1, 0.02, 0.03]\n\
+             inertia = {{ xx = 0.2, yy = 0.3, zz = 0.4, xy = 0.01, xz = 0.02, yz = 0.03 }}\n"
+        )
+    };
+    let ideal = "drive = \"ideal\"";
+    let mut text = String::from("name = \"arm\"\n");
+    for (name, parent, keys) in
+        [("a", "base", ideal), ("b", "a", ideal), ("c", "b", third), ("d", "c", ideal)]
+    {
+        text += &joint(name, parent, keys);
+        text += &body(name);
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("arm.toml");
+    std::fs::write(&path, text).expect("a file");
+    read(&path, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}")).model
+}
+
+/// What inverse dynamics take more where a joint follows a coordinate, than where it is one: products of the ratio with the
+/// position, the velocity, the acceleration and the force, and a sum of forces. Each further coordinate takes as many.
+#[test]
+fn followers() {
+    let count = |third: &str| {
+        let robot = Robot::in_form(arm_with(third), &["inverse_dynamics"], Form::Straight);
+        let (multiplications, additions) = operations(&robot, "inverse_dynamics");
+        [multiplications, additions].map(|count| i64::try_from(count).expect("a count"))
+    };
+    let free = count("drive = \"ideal\"");
+    for (keys, bar) in [
+        ("follows = { b = 1 }", [0, 1]),
+        ("follows = { b = -1 }", [0, 1]),
+        ("follows = { b = 0.4 }", [4, 1]),
+        ("follows = { b = 0.4 }\noffset = 0.3", [4, 2]),
+        ("follows = { a = 0.7, b = 0.4 }", [8, 5]),
+    ] {
+        let coupled = count(keys);
+        let more = [coupled[0] - free[0], coupled[1] - free[1]];
+        println!("{keys}: {more:?}, bar {bar:?}");
+        assert!(more[0] <= bar[0] && more[1] <= bar[1], "{keys}: {more:?}, bar {bar:?}");
+    }
+}
+
 #[test]
 fn rx90() {
     let bars = [

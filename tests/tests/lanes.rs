@@ -201,6 +201,16 @@ fn long_functions_have_the_bits_of_single_states() {
     }
 }
 
+/// Followers, and an input matrix that depends on the state.
+#[test]
+fn mechanisms_have_the_bits_of_single_states() {
+    for name in ["palletizer", "excavator"] {
+        let functions = ["inverse_dynamics", "linearize"];
+        let robot = robot(name, &functions, Scalar::F64, false);
+        assert_eq!(check(&robot, Scalar::F64, &[]), functions.len(), "{name}");
+    }
+}
+
 #[test]
 fn f32_has_the_bits_of_single_states() {
     let robot = robot("ur5", &LONG, Scalar::F32, false);

@@ -269,7 +269,18 @@ fn pages_of_robots_are_sound_and_move() {
     let Some(browser) = Browser::find() else {
         return;
     };
-    for name in ["powercube", "cart_pole", "puma560", "two_arm", "panda", "double_pendulum", "scara"] {
+    // Fingers of the gripper follow; cylinders of the excavator are lines.
+    for name in [
+        "powercube",
+        "cart_pole",
+        "puma560",
+        "two_arm",
+        "panda",
+        "double_pendulum",
+        "scara",
+        "gripper",
+        "excavator",
+    ] {
         check_robot(&browser, name, WIDE);
     }
     check_robot(&browser, "powercube", NARROW);
