@@ -57,9 +57,10 @@ pub(super) fn legend(robot: &Robot<'_>) -> Result<Vec<Block>, ReportError> {
 
 /// The equations of motion.
 pub(super) fn motion(robot: &Robot<'_>) -> String {
-    let motion = r"M(y)\,\ddot{y} + k(y,\dot{y}) = q(y,\dot{y}) + B\,u";
+    let input_matrix = if robot.model.inputs_depend_on_position() { "B(y)" } else { "B" };
+    let motion = format!(r"M(y)\,\ddot{{y}} + k(y,\dot{{y}}) = q(y,\dot{{y}}) + {input_matrix}\,u");
     match robot.has_load_friction() {
-        false => motion.to_owned(),
+        false => motion,
         true => format!(r"{motion} - |\tau_l| \, \sigma(y,\dot{{y}})"),
     }
 }
