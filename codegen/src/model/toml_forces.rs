@@ -182,7 +182,8 @@ pub(super) fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> Driv
         gear_ratio,
         rotor_inertia,
         carrier: table.get("carrier").and_then(|item| reader.name(item)),
-        axis: table.get("axis").and_then(|item| reader.axis(item)),
+        // A wrong axis was reported; it is not missing.
+        axis: table.get("axis").map(|item| reader.axis(item).unwrap_or([0.0, 0.0, 1.0])),
         coupling: table.get("coupling").map_or(RotorCoupling::Body, |item| coupling(reader, item)),
         input: current.map_or(Input::Torque, Input::Current),
         torque: table.get("torque").and_then(|item| torque(reader, item)).unwrap_or_default(),

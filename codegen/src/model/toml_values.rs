@@ -45,6 +45,7 @@ impl Reader {
         }
         let message = format!("`{}` must be greater than 0, not {}", item.key, number.value);
         self.report.error(item.span, "not-positive", message);
+        self.help_by_example(item.key);
         None
     }
 
@@ -104,6 +105,7 @@ impl Reader {
             _ => {
                 let message = format!("`{}` must be finite, not {}", item.key, self.report.text(item.span));
                 self.report.error(item.span, "number-not-finite", message);
+                self.help_by_example(item.key);
                 None
             }
         }
@@ -220,8 +222,16 @@ impl Reader {
         let item = table.get(key);
         if item.is_none() {
             self.report.error(table.span, "missing-key", format!("{} needs `{key}`", table.what));
+            self.help_by_example(key);
         }
         item
+    }
+
+    /// Adds an example of a key to the last message.
+    fn help_by_example(&mut self, key: &str) {
+        if let Some(example) = example(key) {
+            self.report.help(format!("for example {example}"));
+        }
     }
 
     /// A name that has to be there.
@@ -266,9 +276,7 @@ impl Reader {
         }
         let message = format!("`{}` must be {what}, not {}", item.key, entries.len());
         self.report.error(item.span, "wrong-length", message);
-        if let Some(example) = example(item.key) {
-            self.report.help(format!("for example {example}"));
-        }
+        self.help_by_example(item.key);
         None
     }
 

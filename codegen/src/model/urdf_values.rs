@@ -97,6 +97,10 @@ impl Reader<'_> {
             let wanted = if N == 1 { "a number".to_owned() } else { format!("{N} numbers") };
             let found: String = attribute.value().chars().take(60).collect();
             self.report.error(span, "not-a-number", format!("`{key}` must be {wanted}, not {found:?}"));
+            let example = ["0.5"; N].join(" ");
+            self.report.help(format!(
+                "for example `{key}=\"{example}\"`, numbers with a point and blanks between them"
+            ));
             return None;
         }
         if result.iter().any(|number| !number.is_finite()) {

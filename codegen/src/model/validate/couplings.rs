@@ -234,6 +234,8 @@ impl Resolver<'_, '_> {
             _ => {
                 let message = format!("joint `{}` is fixed: nothing can follow it", name.value);
                 self.report.error(name.span, "follows-fixed", message);
+                self.report
+                    .help("follow a joint that moves, or give this joint `held` in place of `follows`");
                 None
             }
         }

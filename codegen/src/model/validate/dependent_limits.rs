@@ -6,6 +6,9 @@ use super::super::tree::Tree;
 use crate::diagnostic::Report;
 use crate::wording::{as_written, list};
 
+/// Quotients of written numbers are rounded.
+const ROUNDING: f64 = 1e-12;
+
 /// A robot whose coordinates have limits.
 pub(super) struct Limited<'d> {
     pub(super) robot: &'d RobotDescription,
@@ -23,6 +26,9 @@ impl<'d> Limited<'d> {
             let joint = self.joint(follower.link);
             self.check_positions(joint, follower, report);
             self.note_speed(joint, follower, report);
+        }
+        for coordinate in 0..self.coordinates.len() {
+            self.check_together(coordinate, followers, report);
         }
         let joints: Vec<&JointDescription> =
             followers.iter().map(|follower| self.joint(follower.link)).collect();
@@ -76,6 +82,52 @@ impl<'d> Limited<'d> {
                  in predictive controllers, from the constants `DEPENDENT_…`",
             );
         }
+    }
+
+    /// Complains where joints that follow the same coordinate alone leave it no position.
+    fn check_together(&self, coordinate: usize, followers: &[Follower], report: &mut Report) {
+        let own = self.joint(self.coordinates[coordinate]).limits.position.as_ref();
+        let mut lowest = own.map(|limits| (limits.value[0], None));
+        let mut highest = own.map(|limits| (limits.value[1], None));
+        for follower in followers {
+            let Some([low, high]) = self.allowed(coordinate, follower) else { continue };
+            let joint = self.joint(follower.link);
+            if lowest.is_none_or(|(other, _)| low > other) {
+                lowest = Some((low, Some(joint)));
+            }
+            if highest.is_none_or(|(other, _)| high < other) {
+                highest = Some((high, Some(joint)));
+            }
+        }
+        // What one joint excludes with the coordinate's own limits is said of that joint.
+        let (Some((low, Some(a))), Some((high, Some(b)))) = (lowest, highest) else { return };
+        let Some(limits) = &b.limits.position else { return };
+        if low <= high + ROUNDING * (low.abs() + high.abs()) || std::ptr::eq(a, b) {
+            return;
+        }
+        let followed = &self.joint(self.coordinates[coordinate]).name.value;
+        let message = format!(
+            "joints `{}` and `{}` follow `{followed}`, which would have to be at least {} for the limits of one and at most {} for \
+             those of the other",
+            a.name.value,
+            b.name.value,
+            as_written(low),
+            as_written(high)
+        );
+        report.error(limits.span, "limits-exclude", message);
+        report.help("mend the limits, the ratios or the `offset`: no position satisfies them all");
+    }
+
+    /// Positions of a coordinate that put a joint within its limits which follows nothing else.
+    fn allowed(&self, coordinate: usize, follower: &Follower) -> Option<[f64; 2]> {
+        let [low, high] = self.joint(follower.link).limits.position.as_ref()?.value;
+        let [only] = &follower.follows[..] else { return None };
+        let ratio = only.ratio.evaluate(self.defaults, 0.0, 0.0);
+        if only.coordinate != coordinate || low > high || ratio == 0.0 {
+            return None;
+        }
+        let ends = [low, high].map(|end| (end - follower.offset) / ratio);
+        Some([ends[0].min(ends[1]), ends[0].max(ends[1])])
     }
 
     /// Says where a joint can be faster than it may, with the joints that it follows at their speeds.

@@ -1,12 +1,12 @@
 //! Forces between frames, wrenches, and inputs that are either.
 
 use super::super::description::{Name, PointForceDescription, RobotDescription};
-use super::super::distances::distances;
+use super::super::distances::Distances;
 use super::super::tree::Tree;
 use super::super::{Attachment, Drive, ForceEffect, ForceInput, Model, PointForce, Pose, Wrench};
 use crate::diagnostic::{At, Report, nearest};
 use crate::formula::{Formula, Function};
-use crate::wording::{as_written, three_digits};
+use crate::wording::{as_written, list, three_digits};
 
 /// Shorter distances are none [m].
 const SHORTEST: f64 = 1e-9;
@@ -105,6 +105,7 @@ impl Resolver<'_> {
         if self.tree.carriers(self.robot)[at.link] == 0 {
             let message = format!("`{}` is fixed to the base: what acts there moves nothing", name.value);
             self.report.error(name.span, "force-on-base", message);
+            self.report.help("name a frame or link that a joint moves");
             return None;
         }
         Some(at)
@@ -153,8 +154,10 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report
         else {
             continue;
         };
-        let found = distances(model, between);
+        let distances = Distances::new(model, between);
+        let mut found = distances.at_states();
         if has_direction(force, &found, report)
+            && keeps_direction(force, &distances, &mut found, report)
             && let Some(law) = &force.law
         {
             check_law(force, law, &found, model, report);
@@ -188,8 +191,41 @@ fn has_direction(force: &PointForceDescription, found: &[f64], report: &mut Repo
             three_digits(longest)
         );
         report.error(force.between[1].span, "constant-length", message);
+        report.help(
+            "name frames whose distance the joints between them change: off the axis of a joint that turns",
+        );
     }
     shortest >= SHORTEST
+}
+
+/// Looks for the least distance between the states, which is added to theirs.
+fn keeps_direction(
+    force: &PointForceDescription,
+    distances: &Distances<'_>,
+    found: &mut Vec<f64>,
+    report: &mut Report,
+) -> bool {
+    let closest = distances.closest();
+    if closest.distance >= SHORTEST {
+        found.push(closest.distance);
+        return true;
+    }
+    let [a, b] = force.between.each_ref().map(|name| &name.value);
+    let at =
+        closest.positions.iter().map(|(joint, position)| format!("{joint} = {}", three_digits(*position)));
+    let message = format!(
+        "`{a}` and `{b}` coincide at {}: a force between them has no direction there",
+        list(at.collect::<Vec<_>>().iter().map(String::as_str))
+    );
+    if closest.is_limited {
+        report.error(force.between[1].span, "zero-length", message);
+        report.help("the distance has to stay above 0 at every position within the joints' limits");
+    } else {
+        // Where nothing limits a joint, as a floating base, the robot's surroundings may.
+        report.note(Some(force.between[1].span), "zero-length", message);
+        report.help("functions of this robot are not finite there: limits of the joints that exclude it make this note go away");
+    }
+    !closest.is_limited
 }
 
 fn ends(found: &[f64]) -> (f64, f64) {
