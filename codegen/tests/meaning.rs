@@ -177,6 +177,69 @@ inertia = 1
     assert!(notes.is_empty(), "{notes}");
 }
 
+/// A wrist behind a differential, with two fingers.
+const WRIST: &str = r#"
+[[joints]]
+name = "pitch"
+axis = [0, 1, 0]
+[[joints]]
+name = "roll"
+[[joints]]
+name = "finger"
+type = "prismatic"
+axis = [0, 1, 0]
+drive = "ideal"
+[[joints]]
+name = "other_finger"
+parent = "roll"
+type = "prismatic"
+axis = [0, 1, 0]
+follows = { finger = -1 }
+[[drives]]
+name = "left"
+on = { pitch = 1, roll = 1 }
+[[drives]]
+name = "right"
+on = { pitch = 2, roll = -2 }
+[[bodies]]
+link = "pitch"
+mass = 0.5
+inertia = 4e-4
+[[bodies]]
+link = "roll"
+mass = 0.4
+inertia = 3e-4
+[[bodies]]
+link = "finger"
+mass = 0.05
+[[bodies]]
+link = "other_finger"
+mass = 0.05
+"#;
+
+#[test]
+fn drives_that_act_alike_are_noted() {
+    let notes = |from, to| load(&WRIST.replace(from, to)).1;
+    assert!(notes("", "").is_empty());
+    let alike = notes("roll = -2", "roll = 2").to_string();
+    assert!(alike.contains("note[drives-alike]: drives `left`, `right` act alike"), "{alike}");
+    let three = notes("name = \"roll\"", "name = \"roll\"\ndrive = { gear_ratio = 3 }").to_string();
+    assert!(three.contains("note[drives-alike]: 4 drives move the joints in 3 ways only"), "{three}");
+}
+
+#[test]
+fn a_joint_that_undoes_the_motion_below_it_is_noted() {
+    let (_, notes) = load(&WRIST.replace("parent = \"roll\"\n", ""));
+    let notes = notes.to_string();
+    assert!(notes.contains("note[follower-stands-still]: joint `other_finger` sits on `finger`"), "{notes}");
+    // A parallelogram keeps its platform level: an arm is between the axes.
+    let level = "[[joints]]\nname = \"boom\"\n[[joints]]\nname = \"level\"\norigin = { xyz = [1, 0, 0] }\n\
+                 follows = { boom = -1 }\n[[bodies]]\nlink = \"level\"\nmass = 1\ninertia = 1\n";
+    assert!(load(level).1.is_empty());
+    let on_the_axis = load(&level.replace("[1, 0, 0]", "[0, 0, 1]")).1.to_string();
+    assert!(on_the_axis.contains("note[follower-stands-still]"), "{on_the_axis}");
+}
+
 /// A planar joint of a URDF, and a TOML file that says more about its parts.
 const CART: &str = r#"<robot name="cart">
   <link name="floor"/>

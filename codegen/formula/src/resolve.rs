@@ -129,7 +129,13 @@ impl Scope<'_> {
         let parameters = self.parameters.keys().filter(|_| visible);
         let mut known: Vec<&str> = self.own().chain(["pi"]).collect();
         known.extend(parameters.map(String::as_str));
-        let help = nearest(name, known);
+        // The names at a joint, written in a law over a distance.
+        let is_distance = self.allowed.position() == Some("l");
+        let help = match name {
+            "v" if is_distance => Some("did you mean `dl`, the rate of the distance?".to_owned()),
+            "y" if is_distance => Some("did you mean `l`, the distance?".to_owned()),
+            _ => nearest(name, known),
+        };
         FormulaError::new("unknown-name", format!("unknown name `{name}`"), place).with_help(help)
     }
 }

@@ -51,7 +51,8 @@ impl<'t> Table<'t> {
             if report.is_full() {
                 continue;
             }
-            if let Some(help) = nearest(item.key, keys.iter().copied()) {
+            let help = foreign(item.key, keys).map(str::to_owned);
+            if let Some(help) = help.or_else(|| nearest(item.key, keys.iter().copied())) {
                 report.help(help);
             }
         }
@@ -66,6 +67,19 @@ impl<'t> Table<'t> {
     /// All keys with their values.
     pub fn items(&self) -> &[Item<'t>] {
         &self.entries
+    }
+}
+
+/// What says the same here as a key of other formats or tables.
+fn foreign(key: &str, keys: &[&str]) -> Option<&'static str> {
+    match key {
+        "mimic" if keys.contains(&"follows") => {
+            Some("a joint follows others with `follows = { shoulder = -0.5 }`")
+        }
+        "stiffness" | "rest" | "damping" if keys.contains(&"law") && keys.contains(&"between") => Some(
+            "`law = \"1200*(l - 0.3) + 40*dl\"` is a spring and damper over the distance l and its rate dl",
+        ),
+        _ => None,
     }
 }
 

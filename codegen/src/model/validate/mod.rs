@@ -2,6 +2,7 @@
 
 mod build;
 mod checks;
+mod coupling_hints;
 mod couplings;
 mod dependent_limits;
 mod driven_joints;
@@ -51,6 +52,7 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
     let model = model.filter(|_| !report.has_errors());
     if let Some(model) = &model {
         frame_forces::check(robot, model, report);
+        coupling_hints::note(robot, model, report);
     }
     let pivots = model.as_ref().map(Pivots::of);
     published.report(pivots.as_ref(), report);
