@@ -4,8 +4,10 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::Math;
 use crate::functions::catalogue;
 use crate::functions::composition::Composition;
+use crate::functions::form::is_large;
 use crate::functions::function::Function;
 use crate::model::Model;
+use crate::program::cost::count;
 use crate::program::lanes;
 
 /// The functions that are asked for over lanes.
@@ -48,7 +50,10 @@ impl Lanes {
         let (mut possible, mut notes) = (Vec::new(), Vec::new());
         for name in self.resolved(functions) {
             match obstacle(&name, functions, math) {
-                None => possible.push(name),
+                None => {
+                    notes.extend(without_loops(&name, functions));
+                    possible.push(name);
+                }
                 Some((reason, help)) => {
                     let message = format!("`{name}` is not written over lanes: {reason}");
                     let note = Diagnostic::note("no-lanes", message);
@@ -82,6 +87,23 @@ pub(crate) fn of_straight_line_code(functions: &[Function], others: &[String]) -
     let functions = functions.filter(|function| function.arrays.is_none());
     let possible = functions.filter(|function| lanes::obstacle(&function.program).is_none());
     possible.map(|function| function.name.clone()).collect()
+}
+
+/// A note where the function of one state would be loops over joints, were it not asked for over lanes: both have the same
+/// text, so that their bits agree.
+fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
+    let cost = count(&functions.iter().find(|function| function.name == name)?.program);
+    let operations = cost.multiplications + cost.additions;
+    (catalogue::may_be_loops(name) && is_large(operations)).then(|| {
+        let message = format!(
+            "`{name}` is straight-line code of {operations} operations, for one state too, because it is asked for over lanes"
+        );
+        let help = format!(
+            "as loops over joints it may be much shorter and faster: where single states count, generate a second module without \
+             `{name}` over lanes"
+        );
+        Diagnostic::note("lanes-without-loops", message).help(help)
+    })
 }
 
 /// Why a function has no form over lanes, and what helps.

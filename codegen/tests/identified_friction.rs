@@ -87,8 +87,7 @@ fn laws_with_errors_keep_the_digits_that_these_leave() {
 #[test]
 fn stribeck_laws_keep_their_values() {
     for parameters in [[2.1, 1.4, 20.0 / 3.0, 0.9, 8e-17], [76.5561, 10.9, 31.25, -2.0 / 3.0, 5.5]] {
-        let none = [None; 5];
-        let law = FrictionLaw::Stribeck { parameters, standard_errors: none, resolutions: none };
+        let law = FrictionLaw::stribeck(parameters, [None; 5], [None; 5]);
         let (result, model) = reread(law, Vec::new());
         for v in VELOCITIES {
             let [read, magnitude] = torque(&joint(&model).friction, v);

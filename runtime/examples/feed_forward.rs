@@ -4,21 +4,22 @@
 //!     cargo run --release -p gelenk-runtime --example feed_forward [FOLDER]
 //!
 //! Reads the trajectory from the folder `GELENK_SHARED`, or `../shared` beside the repository; without it a
-//! motion over the top is driven.
+//! motion over the top is driven. A page of plots goes to FOLDER, by default one in the folder for temporary files.
 
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::feed_forward::FeedForward;
+use gelenk_runtime::limits::{Rating, violations};
 use gelenk_runtime::plant::{Plant, PlantOptions};
-use gelenk_runtime::trajectory::{Columns, Rating, Recording, RestToRest, Smoothing, Trajectory, violations};
+use gelenk_runtime::trajectory::{Columns, Recording, RestToRest, Smoothing, Trajectory};
 use outcome::Outcome;
+use plots::{Folder, figure, over_time};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use support::{Folder, Line};
 
 #[path = "support/outcome.rs"]
 mod outcome;
-#[path = "support/motion_plot.rs"]
-mod support;
+#[path = "support/plots.rs"]
+mod plots;
 
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 
@@ -29,7 +30,7 @@ fn main() -> ExitCode {
 }
 
 fn run() -> Outcome<()> {
-    let folder = Folder::from_arguments()?;
+    let folder = Folder::from_arguments("feed_forward")?;
     let path = std::env::var_os("GELENK_SHARED")
         .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared")), PathBuf::from)
         .join("reference/powercube/trajectory.csv");
@@ -59,12 +60,9 @@ fn drive(folder: &Folder, motion: &impl Trajectory<2>) -> Outcome<()> {
         println!("  {violation}");
     }
     let inputs = FeedForward::new(PowerCube)?.along(motion, PERIOD, 1e-6)?;
-    let mut panels = Vec::new();
-    let runs = [
-        ("from its start", "error from its start [mrad]", 0.0),
-        ("from 1 mrad beside its start", "error from 1 mrad beside [mrad]", 1e-3),
-    ];
-    for (label, axis, offset) in runs {
+    let mut plots = Vec::new();
+    let runs = [("from its start", 0.0), ("from 1 mrad beside its start", 1e-3)];
+    for (label, offset) in runs {
         let mut plant = Plant::new(PowerCube, PlantOptions::default())?;
         plant.reset(motion.sample(0.0).positions.map(|y| y + offset), [0.0; 2])?;
         let mut errors = [Vec::new(), Vec::new()];
@@ -73,17 +71,17 @@ fn drive(folder: &Folder, motion: &impl Trajectory<2>) -> Outcome<()> {
             let time = (k + 1) as f64 * PERIOD;
             let desired = motion.sample(time).positions;
             for i in 0..2 {
-                errors[i].push((time, 1e3 * (plant.state().0[i] - desired[i])));
+                errors[i].push([time, 1e3 * (plant.state().0[i] - desired[i])]);
             }
         }
-        let largest = errors.each_ref().map(|e| e.iter().fold(0.0_f64, |m, p| m.max(p.1.abs())));
+        let largest = errors.each_ref().map(|e| e.iter().fold(0.0_f64, |m, p| m.max(p[1].abs())));
         println!("feed-forward alone, {label}: leaves by {largest:.1?} mrad");
-        let lines = errors
-            .into_iter()
-            .zip(["beta", "gamma"])
-            .map(|(points, name)| Line { name: name.to_owned(), points })
-            .collect();
-        panels.push((axis, lines));
+        plots.push(over_time(
+            &format!("error {label}"),
+            "mrad",
+            PowerCube.joint_names().into_iter().zip(errors),
+        ));
     }
-    folder.lines("feed_forward.svg", "PowerCube, feed-forward alone, 50 Hz, exact model", &panels)
+    let caption = "PowerCube, feed-forward alone at 50 Hz, with the exact model.";
+    folder.write("Feed-forward alone", vec![figure("errors", caption, plots)])
 }

@@ -1,15 +1,15 @@
-//! From a log to a friction description and plots.
+//! From a log to a friction description and a page of plots.
 //!
 //!     cargo run --release -p gelenk-runtime --example identify [-- LOG.csv [FOLDER]]
 //!
 //! The log has the columns `t [s]`, `q1 [rad]`, `q2 [rad]`, `u1 [N*m]`, `u2 [N*m]` of a PowerCube reduced to
 //! two joints (torques at the motors). Without one, the published arm is simulated along an excitation
 //! motion: 60 s at 50 Hz, encoders of 1e-4 rad, motor torques of 1e-4 N·m noise. Written to FOLDER
-//! (`target/identify`): the log, a description that `gelenk generate` takes unchanged, and the plots.
+//! (`target/identify`): the log, a description that `gelenk generate` takes unchanged, and the page.
 //! `GELENK_EXAMPLE_SHORT=1` searches and draws less.
 
 use gelenk_files::write_whole;
-use gelenk_identification::cross_validation::pareto_table;
+use gelenk_identification::cross_validation::{ParetoPoint, pareto_table};
 use gelenk_identification::description::write_description;
 use gelenk_identification::differentiation::{KalmanSmoother, quantization_noise};
 use gelenk_identification::excitation::{Excitation, ExcitationLimits, FourierMotion};
@@ -18,9 +18,9 @@ use gelenk_identification::friction::{
 };
 use gelenk_identification::lasso::Lasso;
 use gelenk_identification::log::{Differentiation, Log, LogSchema};
-use gelenk_identification::plot::{friction_plot, pareto_plot, residual_plot};
 use gelenk_identification::random::SplitMix64;
 use gelenk_identification::torque::friction_torques;
+use gelenk_report::{Axis, Block, Figure, Marks, Plot, Report, Section};
 use gelenk_runtime::dynamics::Dynamics;
 use outcome::Outcome;
 use std::fmt::Write;
@@ -65,8 +65,9 @@ fn run() -> Outcome<()> {
             let choices = [validation.minimum, validation.one_standard_error];
             println!("{}", pareto_table(&report.front, &report.terms, report.result.samples, choices));
         }
-        write_plots(report, &log, &folder)?;
     }
+    let sections = reports.iter().map(|report| section(report, &log)).collect::<Outcome<Vec<_>>>()?;
+    sections.into_iter().fold(Report::new("Friction from a log"), Report::section).write(&folder)?;
     let results: Vec<_> = reports.into_iter().map(|r| r.result).collect();
     let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/powercube.toml");
     let base = base.canonicalize()?.display().to_string();
@@ -114,7 +115,8 @@ fn identify(log: &mut Log, draws: usize) -> Outcome<Vec<FrictionReport>> {
     Ok(vec![one(0)?, one(1)?])
 }
 
-fn write_plots(report: &FrictionReport, log: &Log, folder: &Path) -> Outcome<()> {
+/// Plots of a joint: its friction over the velocity, the residuals, and the errors along the path of the LASSO.
+fn section(report: &FrictionReport, log: &Log) -> Outcome<Section> {
     let result = &report.result;
     let rows = log.inner_rows(&log.select(SELECTION)?, MARGIN)?;
     let channel = format!("q{}_velocity", if result.joint == JOINTS[0] { 1 } else { 2 });
@@ -123,26 +125,49 @@ fn write_plots(report: &FrictionReport, log: &Log, folder: &Path) -> Outcome<()>
     let torques: Vec<f64> = law.iter().zip(&report.residuals).map(|(l, r)| l + r).collect();
     let [slowest, fastest] = result.velocity_range;
     let grid: Vec<f64> = (0..=600).map(|i| slowest + (fastest - slowest) * f64::from(i) / 600.0).collect();
-    let curve = result.law.torques(&grid)?;
-    let caption = |title: &str| {
-        let mut text = format!("{title} of {}\n{}", result.joint, result.data);
-        result.settings.iter().for_each(|s| text += &format!("\n{s}"));
-        text
+    let points = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| [*x, *y]).collect::<Vec<_>>();
+    let over_velocity = |title: &str, quantity: &str| {
+        let velocity = Axis::new("velocity", result.velocity_unit.as_str());
+        Plot::new(title, velocity, Axis::new(quantity, result.unit.as_str()))
     };
-    let units = [result.velocity_unit.as_str(), result.unit.as_str()];
-    let plots = [
-        ("friction", friction_plot(&velocities, &torques, (&grid, &curve), units, &caption("Friction"))?),
-        ("residuals", residual_plot(&velocities, &report.residuals, units, &caption("Residuals"))?),
-    ];
-    for (name, svg) in plots {
-        write(&folder.join(format!("{name}_{}.svg", result.joint)), &svg)?;
-    }
+    let friction = over_velocity("friction", "friction torque")
+        .series("data", Marks::Points, points(&velocities, &torques))
+        .series("identified law", Marks::Line, points(&grid, &result.law.torques(&grid)?));
+    let residuals = over_velocity("residuals", "torque minus law").series(
+        "data",
+        Marks::Points,
+        points(&velocities, &report.residuals),
+    );
+    let caption = [&[result.data.clone()], &result.settings[..]].concat().join("; ");
+    let mut figure = Figure::new(result.joint.as_str(), &caption).plot(friction).plot(residuals);
     if let Some(validation) = &report.validation {
         let choices = [validation.minimum, validation.one_standard_error];
-        let svg = pareto_plot(&report.front, choices, &result.unit, &caption("Error and number of terms"))?;
-        write(&folder.join(format!("pareto_{}.svg", result.joint)), &svg)?;
+        figure = figure.plot(front(&report.front, choices, &result.unit)).plot(sizes(&report.front));
     }
-    Ok(())
+    let title = format!("Joint {}", result.joint);
+    Ok(Section::new(format!("joint-{}", result.joint), title).block(Block::Figure(figure)))
+}
+
+fn lambda() -> Axis {
+    Axis::new("λ, in 1/(2N) |y − Θ x|² + λ |x|", "").logarithmic()
+}
+
+/// Root mean squared errors over λ, with the two choices.
+fn front(front: &[ParetoPoint], choices: [usize; 2], unit: &str) -> Plot {
+    let points = |error: fn(&ParetoPoint) -> f64| -> Vec<[f64; 2]> {
+        front.iter().map(|point| [point.lambda, error(point).sqrt()]).collect()
+    };
+    let left_out = points(|point| point.validation_error.unwrap_or(point.lasso_error));
+    let marks: Vec<[f64; 2]> = choices.iter().map(|&i| left_out[i]).collect();
+    Plot::new("errors", lambda(), Axis::new("rms error", unit).logarithmic())
+        .series("left-out blocks", Marks::Line, left_out)
+        .series("least squares on the chosen terms", Marks::Line, points(|point| point.refit_error))
+        .series("least error, one standard error", Marks::Points, marks)
+}
+
+fn sizes(front: &[ParetoPoint]) -> Plot {
+    let points = front.iter().map(|point| [point.lambda, point.active.len() as f64]).collect();
+    Plot::new("size", lambda(), Axis::new("number of terms", "")).series("terms", Marks::Steps, points)
 }
 
 /// A motion that tells viscous friction from steps at standstill, within what the motors can do.

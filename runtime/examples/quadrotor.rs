@@ -5,25 +5,28 @@
 //! cargo run --release -p gelenk-runtime --example quadrotor [FOLDER]
 //! ```
 //!
-//! Prints a table and writes plots into FOLDER (the folder for temporary files). `GELENK_EXAMPLE_SHORT=1` flies the recovery
+//! Prints a table and writes a page of plots into FOLDER (the folder for temporary files). `GELENK_EXAMPLE_SHORT=1` flies the recovery
 //! alone.
 
 use flight::{Motion, PERIOD, Quadrotor, figure, options, pose};
-use gelenk_runtime::control_loop::{Controller, Cycle};
+use gelenk_report::Figure;
+use gelenk_runtime::control_loop::Controller;
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::mpc::{LtvMpc, Nmpc};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::Trajectory;
 use outcome::Outcome;
+use plots::{Folder, over_time};
 use std::process::ExitCode;
-use support::{Folder, Line};
 
 #[path = "support/flight.rs"]
 mod flight;
 #[path = "support/outcome.rs"]
 mod outcome;
-#[path = "support/motion_plot.rs"]
-mod support;
+#[path = "support/plots.rs"]
+mod plots;
+#[path = "support/simulated.rs"]
+mod simulated;
 
 /// Thrown, turned by 170° about a tilted axis and spinning.
 fn thrown() -> ([f64; 7], [f64; 6]) {
@@ -33,11 +36,9 @@ fn thrown() -> ([f64; 7], [f64; 6]) {
 
 struct Flight {
     controller: &'static str,
-    time: Vec<f64>,
-    positions: Vec<[f64; 7]>,
+    periods: Vec<simulated::Period<6, 4, 7>>,
     /// Distance [m] and angle [rad] from where it should be.
     errors: Vec<[f64; 2]>,
-    inputs: Vec<[f64; 4]>,
 }
 
 fn fly(
@@ -50,31 +51,15 @@ fn fly(
     let limits = Quadrotor.input_limits().nominal;
     let mut plant = Plant::new(Quadrotor, PlantOptions { input_limits: limits, ..PlantOptions::default() })?;
     plant.reset(y, v)?;
-    let mut last_inputs = [1.52 * 9.81 / 4.0; 4];
-    controller.reset(&y, &last_inputs);
-    let mut flight =
-        Flight { controller: name, time: vec![], positions: vec![], errors: vec![], inputs: vec![] };
-    for k in 0..(duration / PERIOD).ceil() as u32 {
-        let time = PERIOD * f64::from(k);
-        let command = controller.step(&Cycle {
-            time,
-            periods: u32::from(k > 0),
-            positions: Some(plant.measure().positions),
-            velocities: Some(plant.state().1),
-            last_inputs,
-            ..Cycle::default()
-        })?;
-        last_inputs = command.inputs;
-        plant.apply(&last_inputs, PERIOD)?;
-        let (y, _) = plant.state();
-        let d = Quadrotor.difference(&motion.sample(time + PERIOD).positions, &y);
-        let length = |part: &[f64]| part.iter().map(|d| d * d).sum::<f64>().sqrt();
-        flight.time.push(time + PERIOD);
-        flight.positions.push(y);
-        flight.errors.push([length(&d[..3]), length(&d[3..])]);
-        flight.inputs.push(last_inputs);
-    }
-    Ok(flight)
+    let steps = (duration / PERIOD).ceil() as u32;
+    let periods = simulated::run(&mut plant, controller, [1.52 * 9.81 / 4.0; 4], PERIOD, steps)?;
+    let length = |part: &[f64]| part.iter().map(|d| d * d).sum::<f64>().sqrt();
+    let error = |period: &simulated::Period<6, 4, 7>| {
+        let d = Quadrotor.difference(&motion.sample(period.time).positions, &period.positions);
+        [length(&d[..3]), length(&d[3..])]
+    };
+    let errors = periods.iter().map(error).collect();
+    Ok(Flight { controller: name, periods, errors })
 }
 
 /// Height of the body's own vertical axis: 1 level, −1 upside down.
@@ -100,7 +85,7 @@ fn both(
 fn print_row(what: &str, flight: &Flight) {
     let worst = |k: usize| flight.errors.iter().fold(0.0_f64, |most, errors| most.max(errors[k]));
     let last = flight.errors.last().copied().unwrap_or_default();
-    let lowest = flight.positions.iter().map(upright).fold(1.0, f64::min);
+    let lowest = flight.periods.iter().map(|period| upright(&period.positions)).fold(1.0, f64::min);
     println!(
         "{what:<10} {:<10} {:>8.3} {:>8.3}   {:>9.1e} {:>9.1e}   {lowest:>6.2}",
         flight.controller,
@@ -111,31 +96,22 @@ fn print_row(what: &str, flight: &Flight) {
     );
 }
 
-fn plot(folder: &Folder, file: &str, title: &str, flights: &[Flight]) -> Outcome<()> {
-    let line = |name: String, flight: &Flight, value: &dyn Fn(usize) -> f64| Line {
-        name,
-        points: flight.time.iter().enumerate().map(|(k, &time)| (time, value(k))).collect(),
+fn figure_of(id: &str, caption: &str, flights: &[Flight; 2]) -> Figure {
+    let points = |flight: &Flight, value: &dyn Fn(usize) -> f64| -> Vec<[f64; 2]> {
+        flight.periods.iter().enumerate().map(|(k, period)| [period.time, value(k)]).collect()
     };
-    let each = |value: fn(&Flight, usize) -> f64| -> Vec<Line> {
-        flights
-            .iter()
-            .map(|flight| line(flight.controller.to_owned(), flight, &|k| value(flight, k)))
-            .collect()
+    let each = |value: fn(&Flight, usize) -> f64| {
+        flights.each_ref().map(|flight| (flight.controller, points(flight, &|k| value(flight, k))))
     };
-    let thrusts = flights.iter().take(1).flat_map(|flight| {
-        let names = Quadrotor.input_names();
-        (0..4).map(move |j| line(names[j].to_owned(), flight, &|k| flight.inputs[k][j])).collect::<Vec<_>>()
-    });
-    folder.lines(
-        file,
-        title,
-        &[
-            ("distance [m]", each(|flight, k| flight.errors[k][0])),
-            ("upright [1]", each(|flight, k| upright(&flight.positions[k]))),
-            ("height [m]", each(|flight, k| flight.positions[k][2])),
-            ("thrust [N]", thrusts.collect()),
-        ],
-    )
+    let [ltv, _] = flights;
+    let thrust = |j: usize| (Quadrotor.input_names()[j], points(ltv, &|k| ltv.periods[k].inputs[j]));
+    let plots = [
+        over_time("distance", "m", each(|flight, k| flight.errors[k][0])),
+        over_time("upright", "1", each(|flight, k| upright(&flight.periods[k].positions))),
+        over_time("height", "m", each(|flight, k| flight.periods[k].positions[2])),
+        over_time("thrust of LTV-MPC", "N", [0, 1, 2, 3].map(thrust)),
+    ];
+    plots::figure(id, caption, plots)
 }
 
 fn main() -> ExitCode {
@@ -143,7 +119,7 @@ fn main() -> ExitCode {
 }
 
 fn run() -> Outcome<()> {
-    let folder = Folder::from_arguments()?;
+    let folder = Folder::from_arguments("quadrotor")?;
     let short = std::env::var_os("GELENK_EXAMPLE_SHORT").is_some();
     println!("                      largest error         error at the end     lowest");
     println!("flight     controller      [m]    [rad]         [m]     [rad]    axis z");
@@ -157,6 +133,9 @@ fn run() -> Outcome<()> {
     let motion = figure()?;
     let figure = both(&motion, (motion.sample(0.0).positions, [0.0; 6]), 8.0, [10.0, 10.0])?;
     figure.iter().for_each(|flight| print_row("figure", flight));
-    plot(&folder, "quadrotor_thrown.svg", "Thrown upside down; thrusts of LTV-MPC", &recovery)?;
-    plot(&folder, "quadrotor_figure.svg", "A figure, then a roll; thrusts of LTV-MPC", &figure)
+    let figures = vec![
+        figure_of("thrown", "Thrown upside down.", &recovery),
+        figure_of("figure", "A figure with a roll in its middle.", &figure),
+    ];
+    folder.write("A quadrotor by predictive control", figures)
 }

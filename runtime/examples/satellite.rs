@@ -5,23 +5,25 @@
 //! cargo run --release -p gelenk-runtime --example satellite [FOLDER]
 //! ```
 //!
-//! Prints a table and writes plots into FOLDER (the folder for temporary files). `GELENK_EXAMPLE_SHORT=1` computes the first
+//! Prints a table and writes a page of plots into FOLDER (the folder for temporary files). `GELENK_EXAMPLE_SHORT=1` computes the first
 //! seconds alone.
 
-use gelenk_runtime::control_loop::{Controller, Cycle};
+use gelenk_report::Figure;
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions, ObserverOptions, TerminalWeight};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{GeodesicMotion, Trajectory};
 use nalgebra::{Matrix6, Quaternion, UnitQuaternion, Vector3, Vector6};
 use outcome::Outcome;
+use plots::{Folder, figure, over_time};
 use std::process::ExitCode;
-use support::{Folder, Line};
 
 #[path = "support/outcome.rs"]
 mod outcome;
-#[path = "support/motion_plot.rs"]
-mod support;
+#[path = "support/plots.rs"]
+mod plots;
+#[path = "support/simulated.rs"]
+mod simulated;
 
 gelenk_runtime::dynamics!(struct Satellite = gelenk_generated::satellite);
 
@@ -68,16 +70,16 @@ fn angular_momentum(y: &[f64; 14], v: &[f64; 12]) -> [f64; 3] {
     (angular + Vector3::new(y[0], y[1], y[2]).cross(&linear)).into()
 }
 
-#[derive(Default)]
-struct Run {
-    time: Vec<f64>,
+/// The end of a period.
+struct Row {
+    time: f64,
     /// Angle between the hull and its desired attitude [rad].
-    errors: Vec<f64>,
-    velocities: Vec<[f64; 12]>,
+    error: f64,
+    velocities: [f64; 12],
     /// Angle of the boom from its middle [rad].
-    boom: Vec<f64>,
-    torques: Vec<[f64; 3]>,
-    momenta: Vec<[f64; 3]>,
+    boom: f64,
+    torques: [f64; 3],
+    momentum: [f64; 3],
 }
 
 fn length(of: &[f64]) -> f64 {
@@ -101,83 +103,64 @@ fn options() -> MpcOptions<12, 3> {
     options
 }
 
-fn run(motion: &Motion, velocities: [f64; 12], duration: f64) -> Outcome<Run> {
+fn run(motion: &Motion, velocities: [f64; 12], duration: f64) -> Outcome<Vec<Row>> {
     let mut controller = LtvMpc::new(Satellite, motion.clone(), options())?;
     let limits = Satellite.input_limits().peak;
     let mut plant = Plant::new(Satellite, PlantOptions { input_limits: limits, ..PlantOptions::default() })?;
-    let start = motion.sample(0.0).positions;
-    plant.reset(start, velocities)?;
-    let mut last_inputs = [0.0; 3];
-    controller.reset(&start, &last_inputs);
-    let mut run = Run::default();
-    for k in 0..(duration / PERIOD).ceil() as u32 {
-        let time = PERIOD * f64::from(k);
-        let command = controller.step(&Cycle {
-            time,
-            periods: u32::from(k > 0),
-            positions: Some(plant.measure().positions),
-            velocities: Some(plant.state().1),
-            last_inputs,
-            ..Cycle::default()
-        })?;
-        last_inputs = command.inputs;
-        plant.apply(&last_inputs, PERIOD)?;
-        let (y, v) = plant.state();
-        let d = Satellite.difference(&motion.sample(time + PERIOD).positions, &y);
-        run.time.push(time + PERIOD);
-        run.errors.push(length(&d[TURN..WHEELS]));
-        run.velocities.push(v);
-        run.boom.push(length(&Satellite.difference(&Satellite.neutral(), &y)[BOOM..]));
-        run.torques.push(last_inputs);
-        run.momenta.push(angular_momentum(&y, &v));
-    }
-    Ok(run)
-}
-
-fn most(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(0.0, |most, value| most.max(value.abs()))
+    plant.reset(motion.sample(0.0).positions, velocities)?;
+    let steps = (duration / PERIOD).ceil() as u32;
+    let periods = simulated::run(&mut plant, &mut controller, [0.0; 3], PERIOD, steps)?;
+    let row = |period: simulated::Period<12, 3, 14>| {
+        let (y, v) = (period.positions, period.velocities);
+        let d = Satellite.difference(&motion.sample(period.time).positions, &y);
+        Row {
+            time: period.time,
+            error: length(&d[TURN..WHEELS]),
+            velocities: v,
+            boom: length(&Satellite.difference(&Satellite.neutral(), &y)[BOOM..]),
+            torques: period.inputs,
+            momentum: angular_momentum(&y, &v),
+        }
+    };
+    Ok(periods.into_iter().map(row).collect())
 }
 
 /// Prints the row of a run.
 ///
 /// # Errors
 /// Where it does not end at rest, or where the momentum changed.
-fn report(what: &str, run: &Run, end: f64) -> Outcome<()> {
-    let first = run.momenta.first().copied().unwrap_or_default();
-    let drift = run.momenta.iter().map(|h| length(&[h[0] - first[0], h[1] - first[1], h[2] - first[2]]));
-    let (left, change) = (run.errors.last().copied().unwrap_or_default(), most(drift));
+fn report(what: &str, rows: &[Row], end: f64) -> Outcome<()> {
+    let most =
+        |value: &dyn Fn(&Row) -> f64| rows.iter().fold(0.0, |most: f64, row| most.max(value(row).abs()));
+    let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    let (first, left) = (rows[0].momentum, rows[rows.len() - 1].error);
+    let change = most(&|row| length(&[0, 1, 2].map(|i| row.momentum[i] - first[i])));
     println!(
-        "{what:<8} {:>9.1e} {:>9.1e} {:>9.3} {:>10.1} {:>10.3} {:>10.3} {:>10.0e}",
-        most(run.errors.iter().copied()),
-        left,
-        most(run.boom.iter().copied()),
-        most(run.velocities.iter().flat_map(|v| v[WHEELS..BOOM].to_vec())),
-        most(run.torques.as_flattened().iter().copied()),
+        "{what:<8} {:>9.1e} {left:>9.1e} {:>9.3} {:>10.1} {:>10.3} {:>10.3} {change:>10.0e}",
+        most(&|row| row.error),
+        most(&|row| row.boom),
+        most(&|row| largest(&row.velocities[WHEELS..BOOM])),
+        most(&|row| largest(&row.torques)),
         length(&first),
-        change,
     );
     if left <= end && change <= 1e-9 { Ok(()) } else { Err("the hull did not come to rest".into()) }
 }
 
-fn plot(folder: &Folder, file: &str, title: &str, run: &Run) -> Outcome<()> {
-    let line = |name: &str, value: &dyn Fn(usize) -> f64| Line {
-        name: name.to_owned(),
-        points: run.time.iter().enumerate().map(|(k, &time)| (time, value(k))).collect(),
+fn plot(id: &str, caption: &str, rows: &[Row]) -> Figure {
+    let points = |value: &dyn Fn(&Row) -> f64| -> Vec<[f64; 2]> {
+        rows.iter().map(|row| [row.time, value(row)]).collect()
     };
-    let three = |value: fn(&Run, usize, usize) -> f64| -> Vec<Line> {
-        ["x", "y", "z"].iter().enumerate().map(|(i, name)| line(name, &|k| value(run, k, i))).collect()
-    };
-    folder.lines(
-        file,
-        title,
-        &[
-            ("error of the hull [rad]", vec![line("angle", &|k| run.errors[k])]),
-            ("boom [rad]", vec![line("angle", &|k| run.boom[k])]),
-            ("hull [rad/s]", three(|run, k, i| run.velocities[k][TURN + i])),
-            ("wheels [rad/s]", three(|run, k, i| run.velocities[k][WHEELS + i])),
-            ("torque [N m]", three(|run, k, i| run.torques[k][i])),
-        ],
-    )
+    let angle = |value: fn(&Row) -> f64| [("angle", points(&value))];
+    let three =
+        |value: fn(&Row, usize) -> f64| [0, 1, 2].map(|i| (["x", "y", "z"][i], points(&|row| value(row, i))));
+    let plots = [
+        over_time("error of the hull", "rad", angle(|row| row.error)),
+        over_time("boom", "rad", angle(|row| row.boom)),
+        over_time("hull", "rad/s", three(|row, i| row.velocities[TURN + i])),
+        over_time("wheels", "rad/s", three(|row, i| row.velocities[WHEELS + i])),
+        over_time("torque", "N m", three(|row, i| row.torques[i])),
+    ];
+    figure(id, caption, plots)
 }
 
 fn main() -> ExitCode {
@@ -185,7 +168,7 @@ fn main() -> ExitCode {
 }
 
 fn program() -> Outcome<()> {
-    let folder = Folder::from_arguments()?;
+    let folder = Folder::from_arguments("satellite")?;
     let short = std::env::var_os("GELENK_EXAMPLE_SHORT").is_some();
     println!("         error of the hull [rad]    boom     wheels     torque     momentum [N m s]");
     println!("            most   at the end      [rad]    [rad/s]      [N m]      start     change");
@@ -200,6 +183,9 @@ fn program() -> Outcome<()> {
     }
     let slewed = run(&slew()?, [0.0; 12], 60.0)?;
     report("slew", &slewed, 1e-5)?;
-    plot(&folder, "satellite_tumbling.svg", "The wheels take up the momentum of the hull", &rest)?;
-    plot(&folder, "satellite_slew.svg", "A slew by 150°, the boom swings", &slewed)
+    let figures = vec![
+        plot("tumbling", "The wheels take up the momentum of the hull.", &rest),
+        plot("slew", "A slew by 150°, while the boom swings.", &slewed),
+    ];
+    folder.write("A satellite with reaction wheels", figures)
 }

@@ -5,21 +5,26 @@
 //! cargo run --release -p gelenk-runtime --example track [FOLDER]
 //! ```
 //!
-//! Prints a table and writes plots into FOLDER (`target/track`). `GELENK_EXAMPLE_SHORT=1` runs the first
+//! Prints a table and writes a page of plots into FOLDER (`target/track`). `GELENK_EXAMPLE_SHORT=1` runs the first
 //! three seconds.
 
+use gelenk_report::Plot;
 use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle};
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, MpcOptions, Nmpc};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{Columns, Recording, Sampled, Smoothing, Trajectory};
 use outcome::Outcome;
-use plotters::prelude::*;
+use plots::{Folder, figure, over_time};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 #[path = "support/outcome.rs"]
 mod outcome;
+#[path = "support/plots.rs"]
+mod plots;
+#[path = "support/simulated.rs"]
+mod simulated;
 
 gelenk_runtime::dynamics!(
     /// The controllers' model, and the plant's.
@@ -51,15 +56,16 @@ impl Controller<2, 2> for FeedForwardAlone<'_> {
 struct Run {
     name: &'static str,
     reference: &'static str,
-    positions: Vec<[f64; 2]>,
+    periods: Vec<Period>,
     errors: Vec<[f64; 2]>,
-    inputs: Vec<[f64; 2]>,
 }
+
+type Period = simulated::Period<2, 2>;
 
 fn run(
     name: &'static str,
     reference: (&'static str, &Sampled<2>),
-    steps: usize,
+    steps: u32,
     controller: &mut impl Controller<2, 2>,
 ) -> Outcome<Run> {
     let (reference_name, reference) = reference;
@@ -67,27 +73,14 @@ fn run(
     let mut plant = Plant::new(PowerCube, options)?;
     let start = reference.sample(0.0);
     plant.reset(start.positions, start.velocities)?;
-    let mut last = FeedForward::new(PowerCube)?.at(&start).inputs;
-    controller.reset(&start.positions, &last);
-    let mut run = Run { name, reference: reference_name, positions: vec![], errors: vec![], inputs: vec![] };
-    for k in 0..steps {
-        let time = k as f64 * PERIOD;
-        let command = controller.step(&Cycle {
-            time,
-            periods: u32::from(k > 0),
-            positions: Some(plant.measure().positions),
-            last_inputs: last,
-            ..Cycle::default()
-        })?;
-        last = command.inputs;
-        plant.apply(&last, PERIOD)?;
-        let (y, _) = plant.state();
-        let desired = reference.sample(time + PERIOD).positions;
-        run.positions.push(y);
-        run.errors.push(core::array::from_fn(|i| y[i] - desired[i]));
-        run.inputs.push(last);
-    }
-    Ok(run)
+    let last = FeedForward::new(PowerCube)?.at(&start).inputs;
+    let periods = simulated::run(&mut plant, controller, last, PERIOD, steps)?;
+    let error = |period: &Period| {
+        let desired = reference.sample(period.time).positions;
+        [0, 1].map(|i| period.positions[i] - desired[i])
+    };
+    let errors = periods.iter().map(error).collect();
+    Ok(Run { name, reference: reference_name, periods, errors })
 }
 
 fn print_table(runs: &[Run]) {
@@ -101,9 +94,9 @@ fn print_table(runs: &[Run]) {
             let sum: f64 = run.errors.iter().map(|e| e[i] * e[i]).sum();
             1e3 * (sum / count).sqrt()
         });
-        let largest =
-            |values: &[[f64; 2]]| [0, 1].map(|i| values.iter().fold(0.0_f64, |max, v| max.max(v[i].abs())));
-        let (error, torque) = (largest(&run.errors).map(|e| 1e3 * e), largest(&run.inputs));
+        let largest = |value: &dyn Fn(usize) -> f64| (0..run.errors.len()).map(value).fold(0.0, f64::max);
+        let error = [0, 1].map(|i| 1e3 * largest(&|k| run.errors[k][i].abs()));
+        let torque = [0, 1].map(|i| largest(&|k| run.periods[k].inputs[i].abs()));
         println!(
             "{:<18} {:<10} {:>10.4} {:>10.4}  {:>10.4} {:>10.4}      {:.3}   {:.3}",
             run.name, run.reference, rms[0], rms[1], error[0], error[1], torque[0], torque[1]
@@ -111,103 +104,44 @@ fn print_table(runs: &[Run]) {
     }
 }
 
-/// One curve of a plot: name for the legend, colour, width, a value per period.
-type Curve<'c> = (&'c str, RGBColor, u32, Vec<f64>);
-
-/// Two panels, one for each joint.
-fn plot(path: &Path, title: &str, unit: &str, panels: [Vec<Curve<'_>>; 2]) -> Outcome<()> {
-    let area = SVGBackend::new(path, (900, 640)).into_drawing_area();
-    area.fill(&WHITE)?;
-    let area = area.titled(title, ("sans-serif", 20))?;
-    for (panel, (joint, curves)) in area.split_evenly((2, 1)).iter().zip(JOINTS.iter().zip(panels)) {
-        let all = || curves.iter().flat_map(|c| c.3.iter().copied());
-        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
-        let span = (high - low).max(1e-9);
-        // Room for the legend above the curves.
-        let range = low - 0.05 * span..high + 0.4 * span;
-        let end = curves.iter().map(|c| c.3.len()).max().unwrap_or(1) as f64 * PERIOD;
-        let mut chart = ChartBuilder::on(panel)
-            .margin(8)
-            .x_label_area_size(32)
-            .y_label_area_size(70)
-            .build_cartesian_2d(0.0..end, range)?;
-        chart
-            .configure_mesh()
-            .x_desc("time [s]")
-            .y_desc(format!("{joint} [{unit}]"))
-            .light_line_style(WHITE)
-            // Adding zero makes a rounded −0 a 0.
-            .y_label_formatter(&|v| format!("{}", (v * 1e3).round() / 1e3 + 0.0))
-            .draw()?;
-        for (name, colour, width, values) in curves {
-            let points = values.into_iter().enumerate().map(|(k, v)| ((k + 1) as f64 * PERIOD, v));
-            let line = chart.draw_series(LineSeries::new(points, colour.stroke_width(width)))?;
-            if !name.is_empty() {
-                line.label(name).legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour));
-            }
-        }
-        chart
-            .configure_series_labels()
-            .background_style(WHITE.mix(0.8))
-            .border_style(BLACK)
-            .position(SeriesLabelPosition::UpperRight)
-            .draw()?;
-    }
-    area.present()?;
-    Ok(())
-}
-
-fn joint(values: &[[f64; 2]], i: usize, scale: f64) -> Vec<f64> {
-    values.iter().map(|v| scale * v[i]).collect()
-}
-
-fn draw(folder: &Path, reference: &Sampled<2>, runs: &[Run]) -> Outcome<()> {
-    const COLOURS: [RGBColor; 4] =
-        [RGBColor(200, 60, 40), RGBColor(30, 90, 200), RGBColor(40, 140, 60), RGBColor(170, 170, 170)];
-    let steps = runs[0].positions.len();
-    let desired: Vec<[f64; 2]> = reference.samples()[1..=steps].iter().map(|s| s.positions).collect();
-    plot(
-        &folder.join("positions.svg"),
-        "Positions: desired, with feed-forward alone along the file, with LTV-MPC",
-        "rad",
-        [0, 1].map(|i| {
-            vec![
-                ("feed-forward, file", COLOURS[0], 1, joint(&runs[3].positions, i, 1.0)),
-                ("desired", COLOURS[3], 4, joint(&desired, i, 1.0)),
-                ("LTV-MPC", COLOURS[1], 1, joint(&runs[1].positions, i, 1.0)),
-            ]
-        }),
-    )?;
-    plot(
-        &folder.join("errors.svg"),
-        "Errors along the smoothed trajectory",
-        "mrad",
-        [0, 1].map(|i| {
-            let curve = |r: usize| (runs[r].name, COLOURS[r], 1, joint(&runs[r].errors, i, 1e3));
-            vec![curve(0), curve(1), curve(2)]
-        }),
-    )?;
-    plot(
-        &folder.join("errors_mpc.svg"),
-        "Errors of the predictive controllers along the smoothed trajectory",
-        "microrad",
-        [0, 1].map(|i| {
-            let curve = |r: usize| (runs[r].name, COLOURS[r], 1, joint(&runs[r].errors, i, 1e6));
-            vec![curve(1), curve(2)]
-        }),
-    )?;
-    plot(
-        &folder.join("torques.svg"),
-        "Motor torques of LTV-MPC, and their limits",
-        "N m",
-        [0, 1].map(|i| {
-            vec![
-                ("LTV-MPC", COLOURS[1], 1, joint(&runs[1].inputs, i, 1.0)),
-                ("peak torque", COLOURS[0], 1, vec![PEAK; steps]),
-                ("", COLOURS[0], 1, vec![-PEAK; steps]),
-            ]
-        }),
-    )
+fn draw(folder: &Folder, reference: &Sampled<2>, runs: &[Run]) -> Outcome<()> {
+    let points = |run: &Run, value: &dyn Fn(usize) -> f64| -> Vec<[f64; 2]> {
+        run.periods.iter().enumerate().map(|(k, period)| [period.time, value(k)]).collect()
+    };
+    let [ltv, file] = [&runs[1], &runs[3]];
+    let position = |run: &Run, i: usize| points(run, &|k| run.periods[k].positions[i]);
+    let joints = |plot: &dyn Fn(usize) -> Plot| [0, 1].map(plot);
+    let positions = joints(&|i| {
+        let desired = points(ltv, &|k| reference.sample(ltv.periods[k].time).positions[i]);
+        let lines =
+            [("feed-forward, file", position(file, i)), ("desired", desired), ("LTV-MPC", position(ltv, i))];
+        over_time(JOINTS[i], "rad", lines)
+    });
+    let errors = |first: usize, unit: &str, scale: f64| {
+        let line = |run: &Run, i: usize| (run.name, points(run, &|k| scale * run.errors[k][i]));
+        joints(&|i| over_time(JOINTS[i], unit, runs[first..3].iter().map(|run| line(run, i))))
+    };
+    let torques = joints(&|i| {
+        let torque = points(ltv, &|k| ltv.periods[k].inputs[i]);
+        let limit = |sign: f64| points(ltv, &|_| sign * PEAK);
+        let lines = [("LTV-MPC", torque), ("peak torque", limit(1.0)), ("its negative", limit(-1.0))];
+        over_time(JOINTS[i], "N m", lines)
+    });
+    let figures = vec![
+        figure(
+            "positions",
+            "Positions: desired, with feed-forward alone along the file, with LTV-MPC.",
+            positions,
+        ),
+        figure("errors", "Errors along the smoothed trajectory.", errors(0, "mrad", 1e3)),
+        figure(
+            "errors-mpc",
+            "Errors of the predictive controllers along the smoothed trajectory.",
+            errors(1, "µrad", 1e6),
+        ),
+        figure("torques", "Motor torques of LTV-MPC, and their limits.", torques),
+    ];
+    folder.write("The PowerCube along its published trajectory", figures)
 }
 
 fn main() -> ExitCode {
@@ -216,13 +150,13 @@ fn main() -> ExitCode {
 
 fn compare() -> Outcome<()> {
     let folder = std::env::args().nth(1).map_or_else(|| PathBuf::from("target/track"), PathBuf::from);
-    std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let folder = Folder::made(folder)?;
     let columns = Columns { time: "t", positions: ["y1", "y2"], velocities: Some(["v1", "v2"]) };
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/data/powercube_trajectory.csv");
     let recording = Recording::<2>::open(data, &columns)?;
     let (smoothed, file) = (recording.smoothed(&Smoothing::of(PERIOD))?.trajectory, recording.raw()?);
     let short = std::env::var_os("GELENK_EXAMPLE_SHORT").is_some();
-    let steps = if short { 150 } else { smoothed.samples().len() - 1 };
+    let steps = if short { 150 } else { smoothed.samples().len() as u32 - 1 };
 
     let mut options = MpcOptions::new(&PowerCube, PERIOD, HORIZON);
     options.velocity_weight = [5.0, 3.5];
@@ -238,7 +172,5 @@ fn compare() -> Outcome<()> {
         runs.push(run("NMPC", reference, steps, &mut nmpc)?);
     }
     print_table(&runs);
-    draw(&folder, &smoothed, &runs)?;
-    println!("plots in {}", folder.display());
-    Ok(())
+    draw(&folder, &smoothed, &runs)
 }

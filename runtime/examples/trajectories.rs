@@ -3,47 +3,48 @@
 //!
 //!     cargo run --release -p gelenk-runtime --example trajectories [FOLDER]
 //!
-//! Plots go to FOLDER, by default a folder beside the build's output.
+//! A page of plots goes to FOLDER, by default one in the folder for temporary files.
 
 use gelenk_generated::puma560;
+use gelenk_report::Figure;
 use gelenk_runtime::kinematics::SphericalWrist;
+use gelenk_runtime::limits::{Rating, violations};
 use gelenk_runtime::trajectory::{
-    Along, IdentificationSine, MotionLimits, PointSequence, Rating, RestToRest, Trajectory, ViaPoints,
-    straight_ways, violations,
+    Along, IdentificationSine, MotionLimits, PointSequence, RestToRest, Trajectory, ViaPoints, straight_ways,
 };
 use outcome::Outcome;
+use plots::Folder;
 use std::process::ExitCode;
-use support::Folder;
 
 #[path = "support/outcome.rs"]
 mod outcome;
-#[path = "support/motion_plot.rs"]
-mod support;
+#[path = "support/plots.rs"]
+mod plots;
 
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
+
+const JOINTS: [&str; 2] = gelenk_generated::powercube::JOINT_NAMES;
 
 fn main() -> ExitCode {
     outcome::end(run())
 }
 
 fn run() -> Outcome<()> {
-    let folder = Folder::from_arguments()?;
-    rest_to_rest(&folder)?;
-    identification(&folder)?;
-    points(&folder)?;
-    cartesian(&folder)
+    let folder = Folder::from_arguments("trajectories")?;
+    let [stops, way] = points()?;
+    folder.write("Motions", vec![rest_to_rest()?, identification()?, stops, way, cartesian()?])
 }
 
 /// As fast as a motion within 60 % of 25 rpm, from leaning to leaning over the top.
-fn rest_to_rest(folder: &Folder) -> Outcome<()> {
+fn rest_to_rest() -> Outcome<Figure> {
     let speeds = [0.6 * 2.618; 2];
     let motion = RestToRest::within([-0.6, -0.4], [0.7, 0.5], &speeds, &[4.0; 2], 0.1)?;
     report("rest to rest", &motion)?;
-    folder.plot("rest_to_rest.svg", "PowerCube, rest to rest", &motion, ["beta", "gamma"])
+    Ok(plots::motion("rest_to_rest", "PowerCube, rest to rest", &motion, JOINTS))
 }
 
 /// The identification sine on both joints, compensated: β = −γ.
-fn identification(folder: &Folder) -> Outcome<()> {
+fn identification() -> Outcome<Figure> {
     let sine = IdentificationSine {
         center: [0.0],
         amplitude: [0.5],
@@ -54,22 +55,22 @@ fn identification(folder: &Folder) -> Outcome<()> {
     };
     let motion = Along::compensated([0.0, 0.0], sine.motion()?)?;
     report("identification sine, beta = -gamma", &motion)?;
-    folder.plot("identification_sine.svg", "Identification sine, beta = -gamma", &motion, ["beta", "gamma"])
+    Ok(plots::motion("identification_sine", "Identification sine, beta = −gamma", &motion, JOINTS))
 }
 
-fn points(folder: &Folder) -> Outcome<()> {
+fn points() -> Outcome<[Figure; 2]> {
     let points = [[0.0, 0.0], [0.4, 0.6], [-0.3, 0.9], [0.0, 0.0]];
     let motion = PointSequence::within(&points, &[0.5; 2], &[2.0; 2], 0.3)?;
     report("four points", &motion)?;
-    folder.plot("points.svg", "PowerCube, four points", &motion, ["beta", "gamma"])?;
+    let stops = plots::motion("points", "PowerCube, four points", &motion, JOINTS);
     let limits = MotionLimits { speeds: [0.5; 2], accelerations: [2.0; 2], ..MotionLimits::default() };
     let motion = ViaPoints::within(&points, &limits)?;
     report("four points without a stop", &motion)?;
-    folder.plot("via_points.svg", "PowerCube, four points without a stop", &motion, ["beta", "gamma"])
+    Ok([stops, plots::motion("via_points", "PowerCube, four points without a stop", &motion, JOINTS)])
 }
 
 /// The Puma's tool along two straight lines, by inverse kinematics.
-fn cartesian(folder: &Folder) -> Outcome<()> {
+fn cartesian() -> Outcome<Figure> {
     let arm = SphericalWrist::from_poses(puma560::frame_tool_pose)?;
     let start = [0.2, 0.5, -0.6, 0.1, 0.7, -0.2];
     let first = puma560::frame_tool_pose(&start);
@@ -81,7 +82,7 @@ fn cartesian(folder: &Folder) -> Outcome<()> {
     let aside = ([first.0[0] - 0.1, first.0[1] + 0.2, first.0[2] + 0.1], first.1);
     let motion = straight_ways(&arm, &start, &[aside, first], &[2.0, 2.0], 0.01)?;
     println!("straight ways: {:.2} s", motion.duration());
-    folder.plot("straight_ways.svg", "Puma 560, straight there and back", &motion, puma560::JOINT_NAMES)
+    Ok(plots::motion("straight_ways", "Puma 560, straight there and back", &motion, puma560::JOINT_NAMES))
 }
 
 fn report(name: &str, motion: &impl Trajectory<2>) -> Outcome<()> {

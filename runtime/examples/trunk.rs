@@ -13,18 +13,18 @@
 //! 2. The base's six rows of the inverse dynamics are what the feet must exert: least norm over the twelve forces.
 //! 3. The other rows, with these wrenches, are the joint torques.
 //!
-//! Prints a table and writes a plot into FOLDER (the folder for temporary files).
+//! Prints a table and writes a page of plots into FOLDER (the folder for temporary files).
 
 use gelenk_generated::quadruped::{self as robot, M, N, NY, WRENCHES};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use outcome::Outcome;
+use plots::{Folder, figure, over_time};
 use std::process::ExitCode;
-use support::{Folder, Line};
 
 #[path = "support/outcome.rs"]
 mod outcome;
-#[path = "support/motion_plot.rs"]
-mod support;
+#[path = "support/plots.rs"]
+mod plots;
 
 const PERIOD: f64 = 0.001;
 /// Steps of the simulation in a period.
@@ -253,23 +253,20 @@ fn report(what: &str, records: &[Record], bound: f64) -> Outcome<()> {
 }
 
 fn plot(folder: &Folder, records: &[Record]) -> Outcome<()> {
-    let line = |name: &str, value: &dyn Fn(&Record) -> f64| Line {
-        name: name.to_owned(),
-        points: records.iter().map(|record| (record.time, value(record))).collect(),
+    let points = |value: &dyn Fn(&Record) -> f64| -> Vec<[f64; 2]> {
+        records.iter().map(|record| [record.time, value(record)]).collect()
     };
-    let feet = &robot::WRENCH_NAMES[..4];
-    let pressing = feet.iter().enumerate().map(|(k, name)| line(name, &|record| record.pressing[k]));
-    let calves = feet.iter().enumerate().map(|(k, name)| line(name, &|record| record.torques[3 * k + 2]));
-    folder.lines(
-        "trunk.svg",
-        "The trunk of a quadruped; it is pushed at 4 s",
-        &[
-            ("distance [mm]", vec![line("error", &|record| 1e3 * record.errors[0])]),
-            ("angle [mrad]", vec![line("error", &|record| 1e3 * record.errors[1])]),
-            ("pressing [N]", pressing.collect()),
-            ("calf [N m]", calves.collect()),
-        ],
-    )
+    let error = |k: usize| [("error", points(&|record| 1e3 * record.errors[k]))];
+    let feet = robot::WRENCH_NAMES[..4].iter().copied().enumerate();
+    let pressing = feet.clone().map(|(k, name)| (name, points(&|record| record.pressing[k])));
+    let calves = feet.map(|(k, name)| (name, points(&|record| record.torques[3 * k + 2])));
+    let plots = [
+        over_time("distance", "mm", error(0)),
+        over_time("angle", "mrad", error(1)),
+        over_time("pressing", "N", pressing),
+        over_time("torque of the calf", "N m", calves),
+    ];
+    folder.write("The trunk of a quadruped", vec![figure("trunk", "It is pushed at 4 s.", plots)])
 }
 
 fn main() -> ExitCode {
@@ -277,7 +274,7 @@ fn main() -> ExitCode {
 }
 
 fn program() -> Outcome<()> {
-    let folder = Folder::from_arguments()?;
+    let folder = Folder::from_arguments("trunk")?;
     let records = run()?;
     println!("                largest error of the        feet: [m]     pressing   used friction   torque");
     println!("             trunk [m]     [rad]        from place    least [N]    of {FRICTION} [1]    [N m]");

@@ -61,9 +61,9 @@
 //!    [`Differentiable`](dynamics::Differentiable) and [`Discretizable`](dynamics::Discretizable), the macros
 //!    [`dynamics!`] and [`include_model!`], limits and names of joints.
 //! 2. [`trajectory`]: motions from rest to rest, through points with and without a stop, of recordings, for
-//!    identification; whether they keep a model's limits. Targets that change while the robot moves are the
-//!    feature `online-targets`. [`kinematics`]: joint angles for poses of six-axis arms with a spherical
-//!    wrist.
+//!    identification. Targets that change while the robot moves are the feature `online-targets`.
+//!    [`kinematics`]: joint angles for poses of six-axis arms with a spherical wrist. [`limits`]: whether a
+//!    motion keeps a model's limits.
 //!    [`driven`]: robots with driven joints, beside the motion of these.
 //! 3. [`feed_forward`]: the inputs that make the model follow a trajectory.
 //! 4. [`plant`]: a simulated robot with dry friction, brakes, encoders, delays and losses, to try everything
@@ -111,6 +111,8 @@ extern crate alloc;
 
 pub use gelenk_dynamics::{dynamics, include_model};
 
+#[cfg(feature = "std")]
+mod clock;
 pub mod control_loop;
 pub mod driven;
 pub mod feed_forward;
@@ -120,6 +122,7 @@ pub mod from_urdf {}
 #[cfg(feature = "std")]
 pub mod kinematics;
 pub mod lanes;
+pub mod limits;
 pub mod lqr;
 #[cfg(feature = "std")]
 pub mod mpc;

@@ -6,6 +6,32 @@
 //!
 //! A regulator knows no limits, of inputs or others: rows and bounds belong to [`crate::mpc`].
 //!
+//! Where positions hold quaternions, x is the deviation that `discretize` speaks of, x = (y ⊖ y_ref, v − v_ref), and nothing else
+//! changes. A quadrotor hovers:
+//!
+//! ```
+//! use gelenk_runtime::dynamics::{Discretizable, Dynamics};
+//! use gelenk_runtime::lqr::Lqr;
+//! use std::array::from_fn;
+//! gelenk_runtime::dynamics!(struct Quadrotor = gelenk_generated::quadrotor);
+//!
+//! let (hover, inputs) = (Quadrotor.neutral(), [1.52 * 9.81 / 4.0; 4]);
+//! let discrete = Quadrotor.discretize(&hover, &[0.0; 6], &inputs, 0.02);
+//! let a: [[f64; 12]; 12] = from_fn(|i| from_fn(|j| discrete.state[i / 6][j / 6][i % 6][j % 6]));
+//! let b: [[f64; 4]; 12] = from_fn(|i| discrete.input[i / 6][i % 6]);
+//! let weight = from_fn(|i| from_fn(|j| if i == j { 1.0 } else { 0.0 }));
+//! let lqr = Lqr::new(&a, &b, &weight, &from_fn(|i| from_fn(|j| if i == j { 0.1 } else { 0.0 })))?;
+//!
+//! let (mut y, mut v) = (Quadrotor.integrate(&hover, &[0.3, -0.2, 0.1, 0.5, -0.4, 1.0]), [0.0; 6]);
+//! for _ in 0..500 {
+//!     let d = Quadrotor.difference(&hover, &y);
+//!     let by = lqr.input(&from_fn(|i| if i < 6 { d[i] } else { v[i - 6] }));
+//!     (y, v) = Quadrotor.step(&y, &v, &from_fn(|j| inputs[j] + by[j]), 0.02);
+//! }
+//! assert!(Quadrotor.difference(&hover, &y).iter().all(|d| d.abs() < 1e-3));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! The structure-preserving doubling algorithm, which converges quadratically, gives a first gain; where
 //! weights far apart have cost it too many digits, the Riccati recursion of the QP ([`crate::qp`]) does.
 //! Policy iteration refines it, quadratically too: the cost of the gain as a sum of semidefinite terms,
@@ -21,8 +47,8 @@
 use crate::qp::lanes::Portable;
 use crate::qp::riccati::Riccati;
 use crate::qp::{MAX_HORIZON, MAX_SIZE};
-use core::fmt;
 use nalgebra::SMatrix;
+use thiserror::Error;
 
 /// Doublings after which a Riccati equation without a stabilizing solution is given up; each squares the
 /// closed loop.
@@ -37,44 +63,31 @@ const RESIDUAL: f64 = 1e-9;
 const WORST_RESIDUAL: f64 = 1e-6;
 
 /// Why there is no regulator.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum LqrError {
     /// Sizes not 1..=32, or a horizon not 1..=100.
+    #[error("sizes must be 1 to {MAX_SIZE}, horizons 1 to {MAX_HORIZON}")]
     Size,
     /// A number is NaN or infinite.
+    #[error("a number of the system or its weights is not finite")]
     NotFinite,
     /// `R + BᵀPB` is not positive definite.
+    #[error("R + BᵀPB is not positive definite; choose a positive definite input weight")]
     NotPositive,
     /// No stabilizing solution: (A, B) is not stabilizable, or a mode of A on or outside the unit circle does
     /// not appear in the cost. The number is the relative residual where the method ended.
+    #[error(
+        "no stabilizing solution of the Riccati equation (residual {0:.1e}): check that every unstable mode can be \
+         reached by an input and appears in the state weight"
+    )]
     NotStabilizable(f64),
     /// There is a stabilizing gain, but the residual of the equation, this number, is larger than rounding
     /// explains, or above 1e-6: weights or units are too far apart.
+    #[error(
+        "the Riccati equation was solved to a residual of {0:.1e} only: weights or units are too far apart"
+    )]
     Inaccurate(f64),
 }
-
-impl fmt::Display for LqrError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Size => write!(f, "sizes must be 1 to {MAX_SIZE}, horizons 1 to {MAX_HORIZON}"),
-            Self::NotFinite => write!(f, "a number of the system or its weights is not finite"),
-            Self::NotPositive => {
-                write!(f, "R + BᵀPB is not positive definite; choose a positive definite input weight")
-            }
-            Self::NotStabilizable(residual) => write!(
-                f,
-                "no stabilizing solution of the Riccati equation (residual {residual:.1e}): check that every unstable mode can be \
-                 reached by an input and appears in the state weight"
-            ),
-            Self::Inaccurate(residual) => write!(
-                f,
-                "the Riccati equation was solved to a residual of {residual:.1e} only: weights or units are too far apart"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for LqrError {}
 
 /// Infinite-horizon regulator `u = K x` of `x⁺ = A x + B u` with the cost `Σ xᵀQx + uᵀRu`.
 #[derive(Debug, Clone, PartialEq)]

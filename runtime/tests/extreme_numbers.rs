@@ -7,9 +7,10 @@
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::feed_forward::{FeedForward, FeedForwardError};
 use gelenk_runtime::kinematics::{Screws, SphericalWrist};
+use gelenk_runtime::limits::{CheckError, Rating, violations};
 use gelenk_runtime::trajectory::{
-    Along, CheckError, IdentificationSine, PointSequence, Rating, Recording, RestToRest, Sample, Sampled,
-    Smoothing, Trajectory, TrajectoryError, pose_sequence, straight_ways, violations,
+    Along, IdentificationSine, PointSequence, Recording, RestToRest, Sample, Sampled, Smoothing, Trajectory,
+    TrajectoryError, pose_sequence, straight_ways,
 };
 
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);

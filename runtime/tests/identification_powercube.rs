@@ -8,7 +8,6 @@ use gelenk_generated::powercube;
 use gelenk_identification::Result;
 use gelenk_identification::differentiation::{KalmanSmoother, quantization_noise};
 use gelenk_identification::excitation::{Excitation, ExcitationLimits};
-use gelenk_identification::inertial::InertialRegression;
 use gelenk_identification::least_squares::Reduced;
 use gelenk_identification::library::Library;
 use gelenk_identification::moments::Samples;
@@ -166,27 +165,27 @@ fn base_parameters_are_recovered_along_an_excitation() {
         };
         instants.iter().map(|x| rigid(x) + 0.1 * random.normal()).collect()
     });
+    // The rows of both joints, one joint behind the other.
     let inner = 50..SAMPLES - 50;
-    let columns = |k: usize| [0, 1].map(|j: usize| &measured[j][k][inner.clone()]);
-    let nothing: &[f64] = &[];
-    let motion = Motion {
-        positions: columns(0),
-        velocities: columns(1),
-        accelerations: columns(2),
-        inputs: [nothing; 2],
-    };
-    let torques = torques.map(|t| t[inner.clone()].to_vec());
+    let mut columns = vec![Vec::new(); BASE];
+    for joint in 0..2 {
+        for i in inner.clone() {
+            let [y, v, a] = [0, 1, 2].map(|k| [measured[0][k][i], measured[1][k][i]]);
+            let row = powercube::base_regressor(&y, &v, &a)[joint];
+            columns.iter_mut().zip(row).for_each(|(column, x)| column.push(x));
+        }
+    }
+    let torques = torques.map(|t| t[inner.clone()].to_vec()).concat();
     let names = powercube::BASE_PARAMETER_NAMES.map(String::from);
-    let regression =
-        InertialRegression::from_motion(&names, &motion, &torques, None, base_regressor).unwrap();
-    let base = regression.base_parameters(1e-9).unwrap();
-    assert_eq!(base.independent.len(), BASE);
+    let samples =
+        Samples::from_columns(&names, columns.iter().map(Vec::as_slice).collect(), vec![&torques]).unwrap();
+    let fit = Reduced::new(&samples).unwrap().fit(0, &std::array::from_fn::<usize, BASE, _>(|i| i)).unwrap();
     let (described, mut published) = (powercube::inertial_parameters(), [0.0; BASE]);
     for (i, j, factor) in powercube::BASE_PARAMETER_TERMS {
         published[i] += factor * described[j];
     }
     for (i, truth) in published.iter().enumerate() {
-        let (value, error) = (base.values[i], base.standard_errors[i]);
+        let (value, error) = (fit.coefficients[i], fit.standard_errors[i]);
         println!("{}: {value:.6} ± {error:.6}, published {truth:.6}", names[i]);
         assert!((value - truth).abs() < 4.0 * error + 1e-3 * truth.abs());
     }

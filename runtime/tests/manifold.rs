@@ -8,6 +8,10 @@ mod control_loop;
 mod dynamics;
 #[path = "manifold/geodesic.rs"]
 mod geodesic;
+#[path = "manifold/limits.rs"]
+mod limits;
+#[path = "manifold/lqr.rs"]
+mod lqr;
 #[path = "support/mixed.rs"]
 #[allow(dead_code, reason = "it has the face of a generated module")]
 mod mixed;

@@ -446,7 +446,6 @@ fn work_through(bytes: &[u8], schema: &LogSchema) -> bool {
     check(&log);
     for name in log.names() {
         assert_eq!(log.channel(&name).unwrap().len(), log.rows());
-        let _ = log.clone().unwrap_counter(&name, 256.0);
         let _ = log.select(&format!("abs({name}) > 0.1"));
     }
     let position = log.names().into_iter().find(|name| name.starts_with('q'));

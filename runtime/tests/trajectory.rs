@@ -4,9 +4,10 @@
 
 use gelenk_generated::{powercube_six_axis, puma560};
 use gelenk_runtime::kinematics::{Singularity, SphericalWrist};
+use gelenk_runtime::limits::{Quantity, Rating, violations};
 use gelenk_runtime::trajectory::{
-    Along, CartesianError, IdentificationSine, PointSequence, Quantity, Rating, RestToRest, Sample, Sampled,
-    Trajectory, joint_points, pose_sequence, straight_ways, violations,
+    Along, CartesianError, IdentificationSine, PointSequence, RestToRest, Sample, Sampled, Trajectory,
+    joint_points, pose_sequence, straight_ways,
 };
 
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);

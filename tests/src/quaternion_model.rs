@@ -6,7 +6,7 @@ use gelenk_codegen::model::{
     Attachment, Body, ForceEffect, Joint, JointKind, JointPosition, Limits, Link, Model, Motion, Pose,
     QuaternionJoint, QuaternionKind,
 };
-use nalgebra::{Matrix3, UnitQuaternion};
+use nalgebra::UnitQuaternion;
 
 use crate::oracle::Number;
 
@@ -228,25 +228,38 @@ pub fn normalize(model: &Model, y: &mut [f64]) {
     }
 }
 
-/// Rates of the positions along one velocity.
-pub fn rates(model: &Model, y: &[f64], coordinate: usize) -> Vec<f64> {
-    let mut rates = vec![0.0; y.len()];
-    let Some(joint) = model.quaternion_joint_of(coordinate) else {
-        rates[model.first_position(coordinate)] = 1.0;
-        return rates;
+/// Rates of the positions at velocities: ẏ = T(y) v. Quaternions are taken for unit ones.
+pub fn rates<T: Number>(model: &Model, y: &[T], v: &[T]) -> Vec<T> {
+    let half = T::from(0.5);
+    let of_joint = |joint: JointPosition| match joint {
+        JointPosition::Coordinate(coordinate) => vec![v[coordinate]],
+        JointPosition::Quaternion(joint) => {
+            let q = model.first_position(joint.first) + joint.kind.quaternion();
+            let ([x, y, z, w], turning) = ([y[q], y[q + 1], y[q + 2], y[q + 3]], joint.coordinates().end - 3);
+            let [a, b, c] = [v[turning], v[turning + 1], v[turning + 2]];
+            let slides =
+                v[joint.first..turning].chunks(3).flat_map(|l| turned([x, y, z], w, [l[0], l[1], l[2]]));
+            let turns = [
+                w * a + y * c - z * b,
+                w * b + z * a - x * c,
+                w * c + x * b - y * a,
+                -(x * a + y * b + z * c),
+            ];
+            slides.chain(turns.map(|rate| half * rate)).collect()
+        }
     };
-    let first = model.first_position(joint.first);
-    let q = first + joint.kind.quaternion();
-    let (velocity, axis) = (coordinate - joint.first, (coordinate - joint.first) % 3);
-    let turn = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(y[q + 3], y[q], y[q + 1], y[q + 2]));
-    if joint.kind == QuaternionKind::Floating && velocity < 3 {
-        let rotation: Matrix3<f64> = turn.to_rotation_matrix().into_inner();
-        rates[first..first + 3].copy_from_slice(rotation.column(axis).as_slice());
-        return rates;
-    }
-    let mut turning = nalgebra::Quaternion::new(0.0, 0.0, 0.0, 0.0);
-    turning[axis] = 0.5;
-    let rate = turn.into_inner() * turning;
-    rates[q..q + 4].copy_from_slice(&[rate.i, rate.j, rate.k, rate.w]);
-    rates
+    model.joint_positions().flat_map(of_joint).collect()
+}
+
+/// A vector turned by a unit quaternion: `r + 2 w (q × r) + 2 q × (q × r)`.
+fn turned<T: Number>(q: [T; 3], w: T, r: [T; 3]) -> [T; 3] {
+    let cross = |a: [T; 3], b: [T; 3]| -> [T; 3] {
+        std::array::from_fn(|i| {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            a[j] * b[k] - a[k] * b[j]
+        })
+    };
+    let once = cross(q, r).map(|x| x * T::from(2.0));
+    let twice = cross(q, once);
+    std::array::from_fn(|i| r[i] + w * once[i] + twice[i])
 }

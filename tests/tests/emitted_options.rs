@@ -9,7 +9,7 @@ use gelenk_codegen::emit::{EmitOptions, Scalar};
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use gelenk_tests::compiler::clippy;
 
-/// A joint with a body, a drive with a rotor, friction and a spring; `#` numbers it.
+/// A joint with a drive with a rotor, friction and a spring; `#` numbers it.
 const JOINT: &str = r#"
 [[joints]]
 name = "j#"
@@ -19,6 +19,21 @@ origin = { xyz = [0.1, 0.2, 0.3], rpy = [0.1, 0, 0] }
 drive = { gear_ratio = 20, rotor_inertia = INERTIA }
 friction = FRICTION
 spring = { stiffness = 3, rest = 0.1 }
+"#;
+
+/// A joint with a quaternion, with friction and a damper.
+const QUATERNION_JOINT: &str = r#"
+[[joints]]
+name = "j#"
+type = "TYPE"
+origin = { xyz = [0.1, 0.2, 0.3], rpy = [0.1, 0, 0] }
+drive = "ideal"
+friction = { rx = FRICTION }
+spring = { rz = { damping = 0.2 } }
+"#;
+
+/// The body of a joint, and a frame on it.
+const BODY: &str = r#"
 [[bodies]]
 link = "j#"
 mass = MASS
@@ -30,20 +45,23 @@ link = "j#"
 origin = { xyz = [0, 0, 0.5] }
 "#;
 
-/// A chain of joints, `p`rismatic, `r`evolute or `h`elical.
+/// A chain of joints, `p`rismatic, `r`evolute, `h`elical, `s`pherical or `f`loating.
 fn chain(kinds: &str, is_free: bool) -> String {
     let mut text = String::from("description = \"A chain.\"\n");
     for (index, kind) in kinds.chars().enumerate() {
         let (kind, axis) = match kind {
             'p' => ("prismatic", "[0, 0, 1]"),
             'h' => ("helical\"\npitch = \"0.02", "[0, 1, 0]"),
+            's' => ("spherical", ""),
+            'f' => ("floating", ""),
             _ => ("revolute", "[0, 1, 0]"),
         };
         let (mass, friction, inertia) = match is_free {
             true => ("{ free = 2.0 }", "{ coulomb = { free = 0.3 }, viscous = 0.1 }", "{ free = 1e-4 }"),
             false => ("2.0", "\"0.1*v + 0.2*tanh(5*v)\"", "1e-4"),
         };
-        let joint = JOINT
+        let joint = if axis.is_empty() { QUATERNION_JOINT } else { JOINT };
+        let joint = format!("{joint}{BODY}")
             .replace('#', &index.to_string())
             .replace("TYPE", kind)
             .replace("AXIS", axis)
@@ -162,13 +180,16 @@ fn modules_of_driven_joints_compile_without_a_warning() {
     modules.check(&[]);
 }
 
+/// The robots of seeded choices.
+const KINDS: [&str; 14] = ["p", "r", "pp", "rp", "pr", "rr", "prp", "h", "rh", "f", "s", "fr", "rs", "fs"];
+
 /// Seeded choices: robots, subsets of functions, some of them over lanes, scalars, the length of functions.
 fn random_modules(count: usize, is_fused: bool) -> Crate {
     let robots = Robots::new();
     let mut rng = Rng::with_seed(11);
     let mut modules = Crate::default();
     for _ in 0..count {
-        let kinds = ["p", "r", "pp", "rp", "pr", "rr", "prp", "h", "rh"][rng.usize(..9)];
+        let kinds = KINDS[rng.usize(..KINDS.len())];
         let description = robots.chain(kinds, rng.bool());
         let mut names = functions(&description);
         names.extend(ON_REQUEST.map(str::to_owned));
@@ -187,7 +208,7 @@ fn random_modules(count: usize, is_fused: bool) -> Crate {
 
 #[test]
 fn random_choices_compile_without_a_warning() {
-    let mut modules = random_modules(20, false);
+    let mut modules = random_modules(26, false);
     modules.text.insert_str(0, "#![no_std]\n");
     modules.check(&[]);
 }
@@ -198,5 +219,5 @@ fn fused_modules_compile_without_a_warning() {
         true => &["-C", "target-feature=+fma"],
         false => &[],
     };
-    random_modules(10, true).check(flags);
+    random_modules(14, true).check(flags);
 }

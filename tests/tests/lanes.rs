@@ -198,13 +198,16 @@ fn long_functions_have_the_bits_of_single_states() {
     for name in ["ur5", "panda"] {
         let robot = robot(name, &LONG, Scalar::F64, false);
         assert_eq!(check(&robot, Scalar::F64, &[]), LONG.len(), "{name}");
+        // A Panda's Jacobians would be loops over joints.
+        let is_noted = robot.notes.to_string().contains("`linearize` is straight-line code of");
+        assert_eq!(is_noted, name == "panda", "{}", robot.notes);
     }
 }
 
-/// Followers, and an input matrix that depends on the state.
+/// Followers, an input matrix that depends on the state, quaternions, and inputs at frames of a floating body.
 #[test]
 fn mechanisms_have_the_bits_of_single_states() {
-    for name in ["palletizer", "excavator"] {
+    for name in ["palletizer", "excavator", "satellite", "quadrotor"] {
         let functions = ["inverse_dynamics", "linearize"];
         let robot = robot(name, &functions, Scalar::F64, false);
         assert_eq!(check(&robot, Scalar::F64, &[]), functions.len(), "{name}");

@@ -90,38 +90,69 @@ fn momentum_stays() {
     close("momentum", &momentum(&y, &v), &before, 1e-10);
 }
 
-#[test]
-fn derivatives_of_a_step_are_those_along_small_motions() {
-    const H: f64 = 1e-6;
-    let (y, v, u) = upside_down();
-    let (next, _, by_state, by_input) = quadrotor::step_derivatives(&y, &v, &u, PERIOD);
-    let change = |ahead: ([f64; 7], [f64; 6]), behind: ([f64; 7], [f64; 6])| {
-        let [from, to] = [quadrotor::difference(&next, &behind.0), quadrotor::difference(&next, &ahead.0)];
-        let half = 0.5 / H;
-        let motion: [f64; 6] = std::array::from_fn(|i| (to[i] - from[i]) * half);
-        let rates: [f64; 6] = std::array::from_fn(|i| (ahead.1[i] - behind.1[i]) * half);
-        [motion, rates]
-    };
-    let step = |y: &[f64; 7], v: &[f64; 6], u: &[f64; 4]| quadrotor::step(y, v, u, PERIOD);
-    for k in 0..6 {
-        let moved = |size| step(&quadrotor::integrate(&y, &unit(k, size)), &v, &u);
-        let faster = |size| step(&y, &plus(&v, &unit(k, size)), &u);
-        let changes = [change(moved(H), moved(-H)), change(faster(H), faster(-H))];
-        for (block, expected) in changes.iter().enumerate() {
-            for half in 0..2 {
-                let found: [f64; 6] = std::array::from_fn(|i| by_state[half][block][i][k]);
-                close(&format!("{half} {block} {k}"), &found, &expected[half], 2e-8);
+/// The finest step of a difference.
+const STEP: f64 = 1e-3;
+
+/// Compares derivatives with differences of values of a size: rounding of some bits over the step, and what the
+/// extrapolation leaves.
+fn stepped_alike(what: &str, found: &[f64], expected: &[f64], size: f64) {
+    let largest = |all: &[f64]| all.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let error = found.iter().zip(expected).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    let bound = 16.0 * f64::EPSILON * size / STEP + 1e-10 * largest(expected);
+    assert!(error <= bound, "{what}: {error:e} is more than {bound:e}");
+}
+
+/// Derivative of a vector at 0 by central differences over three steps (Richardson's extrapolation): the errors of the
+/// orders 2 and 4 cancel, so that rounding over the step is what is left.
+fn derivative<const K: usize>(at: impl Fn(f64) -> [f64; K]) -> [f64; K] {
+    let [coarse, middle, fine] = [4.0, 2.0, 1.0].map(|times| {
+        let h = times * STEP;
+        let (ahead, behind) = (at(h), at(-h));
+        std::array::from_fn::<f64, K, _>(|i| (ahead[i] - behind[i]) / (2.0 * h))
+    });
+    std::array::from_fn(|i| {
+        let [first, second] = [(4.0 * middle[i] - coarse[i]) / 3.0, (4.0 * fine[i] - middle[i]) / 3.0];
+        (16.0 * second - first) / 15.0
+    })
+}
+
+/// Compares the derivatives of a generated step by positions, velocities and inputs with differences of the step.
+macro_rules! derivatives_are_those_along_small_motions {
+    ($robot:ident, $y:expr, $v:expr, $u:expr) => {{
+        use $robot::{M, N, NY, difference, integrate, step, step_derivatives};
+        let (y, v, u): ([f64; NY], [f64; N], [f64; M]) = ($y, $v, $u);
+        let (next, faster, by_state, by_input) = step_derivatives(&y, &v, &u, PERIOD);
+        let halves = |(y, v): ([f64; NY], [f64; N])| [difference(&next, &y), v];
+        let [moved, stepped] = halves(step(&y, &v, &u, PERIOD));
+        assert!(moved.iter().all(|d| d.abs() <= 1e-14), "{moved:?}");
+        close("step", &stepped, &faster, 1e-14);
+        // Small motions are of the size of what moves in a step, velocities of their own.
+        let sizes = [1.0, v.iter().fold(1.0_f64, |most, v| most.max(v.abs()))];
+        for half in 0..2 {
+            for k in 0..N {
+                let moved = |h| halves(step(&integrate(&y, &unit(k, h)), &v, &u, PERIOD))[half];
+                let pushed = |h| halves(step(&y, &plus(&v, &unit(k, h)), &u, PERIOD))[half];
+                for (block, expected) in [derivative(moved), derivative(pushed)].iter().enumerate() {
+                    let found: [f64; N] = std::array::from_fn(|i| by_state[half][block][i][k]);
+                    stepped_alike(&format!("{half} {block} {k}"), &found, expected, sizes[half]);
+                }
+            }
+            for k in 0..M {
+                let driven = |h| halves(step(&y, &v, &plus(&u, &unit(k, 100.0 * h)), PERIOD))[half];
+                let expected = derivative(driven).map(|x| 0.01 * x);
+                let found: [f64; N] = std::array::from_fn(|i| by_input[half][i][k]);
+                stepped_alike(&format!("{half} input {k}"), &found, &expected, sizes[half]);
             }
         }
-    }
-    for k in 0..4 {
-        let driven = |size| step(&y, &v, &plus(&u, &unit(k, size)));
-        let expected = change(driven(H), driven(-H));
-        for half in 0..2 {
-            let found: [f64; 6] = std::array::from_fn(|i| by_input[half][i][k]);
-            close(&format!("{half} input {k}"), &found, &expected[half], 1e-6);
-        }
-    }
+    }};
+}
+
+#[test]
+fn derivatives_of_a_step_are_those_along_small_motions() {
+    let (y, v, u) = upside_down();
+    derivatives_are_those_along_small_motions!(quadrotor, y, v, u);
+    let (y, v) = tumbling();
+    derivatives_are_those_along_small_motions!(satellite, y, v, [0.05, -0.1, 0.02]);
 }
 
 /// The exponential of the linearization, with a column for what is constant.

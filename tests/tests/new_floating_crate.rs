@@ -30,6 +30,39 @@ fn urdf(axis: &str, limit: &str) -> String {
     urdf + "</robot>\n"
 }
 
+/// A trunk with four legs of three joints and a foot, and a head on one joint.
+fn legs() -> String {
+    let link = |name: &str, mass: f64, z: f64| {
+        format!(
+            "<link name=\"{name}\"><inertial><origin xyz=\"0 0 {z}\"/><mass value=\"{mass}\"/><inertia ixx=\"{0}\" ixy=\"0\" \
+             ixz=\"0\" iyy=\"{0}\" iyz=\"0\" izz=\"{0}\"/></inertial></link>",
+            0.004 * mass
+        )
+    };
+    let joint = |parent: &str, child: &str, kind: &str, xyz: &str, axis: &str, range: [f64; 2]| {
+        format!(
+            "<joint name=\"{child}_joint\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
+             <origin xyz=\"{xyz}\"/><axis xyz=\"{axis}\"/><limit lower=\"{}\" upper=\"{}\" effort=\"40\" velocity=\"20\"/></joint>",
+            range[0], range[1]
+        )
+    };
+    let mut urdf = format!("<robot name=\"dog\">{}", link("body", 9.0, 0.0));
+    urdf += &[link("head", 0.5, 0.05), joint("body", "head", "revolute", "0.3 0 0.1", "0 1 0", [-1.0, 1.0])]
+        .concat();
+    for (leg, x, y) in [("fl", 0.2, 0.1), ("fr", 0.2, -0.1), ("rl", -0.2, 0.1), ("rr", -0.2, -0.1)] {
+        let [hip, thigh, shank, heel, foot] =
+            ["hip", "thigh", "shank", "heel", "foot"].map(|part| format!("{leg}_{part}"));
+        urdf += &[link(&hip, 0.6, 0.0), link(&thigh, 1.0, -0.05), link(&shank, 0.2, -0.1)].concat();
+        urdf += &[link(&heel, 0.01, 0.0), link(&foot, 0.05, 0.0)].concat();
+        urdf += &joint("body", &hip, "revolute", &format!("{x} {y} 0"), "1 0 0", [-0.8, 0.8]);
+        urdf += &joint(&hip, &thigh, "revolute", &format!("0 {} 0", 0.8 * y), "0 1 0", [-1.0, 3.0]);
+        urdf += &joint(&thigh, &shank, "revolute", "0 0 -0.2", "0 1 0", [-2.7, -0.7]);
+        urdf += &joint(&shank, &heel, "fixed", "0.01 0 -0.1", "0 1 0", [0.0; 2]);
+        urdf += &joint(&shank, &foot, "fixed", "0 0 -0.2", "0 1 0", [0.0; 2]);
+    }
+    urdf + "</robot>\n"
+}
+
 /// The crate of a URDF, on the packages that a registry would have.
 fn new(folder: &Path, name: &str, urdf: &str) -> PathBuf {
     let (file, made) = (folder.join(format!("{name}.urdf")), folder.join(name));
@@ -58,6 +91,55 @@ fn run(made: &Path) -> String {
         said.lines().filter(|line| line.contains("warning") && !line.contains("limits that are 0"));
     assert_eq!(warnings.count(), 0, "{said}");
     success(&cargo(made, &["run"]))
+}
+
+/// Its legs are found, and neither the head nor the heels are taken for them.
+#[test]
+fn a_quadruped_stands_on_its_feet() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let made = new(folder.path(), "dog", &legs());
+    let description = fs::read_to_string(made.join("robot.toml")).expect("the description");
+    let feet: Vec<&str> = description.lines().filter(|line| line.contains("_foot\"")).collect();
+    assert_eq!(feet, ["fl", "fr", "rl", "rr"].map(|leg| format!("link = \"{leg}_foot\"")), "{description}");
+    let printed = run(&made);
+    assert!(printed.starts_with("The robot stands on its feet"), "{printed}");
+    let numbers = |line: &str| -> Vec<f64> { line.split_whitespace().flat_map(str::parse).collect() };
+    let rows: Vec<Vec<f64>> = printed.lines().map(numbers).filter(|row| row.len() == 4).collect();
+    assert_eq!(rows.len(), 16, "{printed}");
+    for row in &rows {
+        // A controller that follows by feedback of accelerations is off by what a period changes.
+        assert!(row[1] < 1e-3 && row[2] > 1.0 && row[3] < 0.6, "{printed}");
+    }
+}
+
+/// Feet that are named, and names that are none.
+#[test]
+fn feet_are_named_or_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("dog.urdf");
+    fs::write(&file, legs()).expect("written");
+    let new = |feet: &str, more: &[&str]| {
+        let made = folder.path().join("made");
+        let mut new = Command::new(program());
+        new.arg("new").arg(&made).arg("--urdf").arg(&file).args(["--feet", feet]).args(more);
+        let output = new.output().expect("the program starts");
+        let description = fs::read_to_string(made.join("robot.toml")).unwrap_or_default();
+        let _ = fs::remove_dir_all(&made);
+        (description, text(&output.stderr))
+    };
+    let (description, _) = new("fl_heel,rr_foot,rl_foot", &["--base", "floating"]);
+    assert!(description.contains("name = \"foot_0\"\nlink = \"fl_heel\""), "{description}");
+    assert_eq!(description.matches("[[wrenches]]").count(), 3);
+    for (feet, more, said) in [
+        ("fl_foot,fr_foot,rl_foot", &[][..], "--base floating"),
+        ("fl_fot,fr_foot,rl_foot", &["--base", "floating"], "did you mean `fl_foot`"),
+        ("fl_foot,fl_heel,rl_foot", &["--base", "floating"], "are on one leg"),
+        ("fl_foot,fr_foot", &["--base", "floating"], "3 feet or more"),
+        ("head,fr_foot,rl_foot", &["--base", "floating"], "the leg of `head` has 1 of the 3 joints"),
+    ] {
+        let (description, message) = new(feet, more);
+        assert!(description.is_empty() && message.contains(said), "{feet}: {message}");
+    }
 }
 
 #[test]

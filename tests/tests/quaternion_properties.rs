@@ -29,6 +29,20 @@ const FUNCTIONS: [&str; 9] = [
     "linearize",
 ];
 
+/// Of robots with wrenches.
+const WITH_WRENCHES: [&str; 4] = [
+    "inverse_dynamics_with_wrenches",
+    "inverse_dynamics_derivatives_with_wrenches",
+    "forward_dynamics_with_wrenches",
+    "forward_dynamics_derivatives_with_wrenches",
+];
+
+/// What is derived of a robot.
+fn names(model: &Model) -> Vec<&'static str> {
+    let wrenches = WITH_WRENCHES.iter().take(4 * usize::from(!model.wrenches.is_empty()));
+    FUNCTIONS.iter().chain(wrenches).copied().collect()
+}
+
 fn models() -> impl Iterator<Item = (u64, Model)> {
     let kinds: [fn(u64, usize) -> Model; 4] =
         [random_model, random_coupled_model, random_helical_model, random_model_with_frame_forces];
@@ -63,8 +77,9 @@ const LOOPS: [&str; 3] =
 
 /// Checks a robot as straight-line code, and as loops over joints where there are some; how many functions have these.
 fn check(seed: u64, model: Model) -> usize {
-    check_robot(seed, &Robot::in_form(model.clone(), &FUNCTIONS, Form::Straight));
-    let looped = Robot::in_form(model, &FUNCTIONS, Form::Arrays);
+    let names = names(&model);
+    check_robot(seed, &Robot::in_form(model.clone(), &names, Form::Straight));
+    let looped = Robot::in_form(model, &names, Form::Arrays);
     let count = LOOPS.iter().filter(|name| looped.function(name).arrays.is_some()).count();
     if count > 0 {
         check_robot(seed, &looped);
@@ -96,22 +111,20 @@ fn check_robot(seed: u64, robot: &Robot) {
             (0..angles.len()).map(|k| inertial[k] - gravity[k] - springs[k] + friction[k]).collect();
         let size = largest(inertial.iter().chain(&gravity).chain(&springs).chain(&friction));
         close(&what("inverse dynamics"), &to_chain(model, &angles, &forces), &expected, size);
-        let arguments = [y.as_slice(), &v, &accelerations];
-        by_dual_numbers(
-            robot,
-            &what("inverse_dynamics"),
-            arguments,
-            &parameters,
-            ["inverse_dynamics", "inverse_dynamics_derivatives_and_mass_matrix"],
-        );
-        by_dual_numbers(
-            robot,
-            &what("forward_dynamics"),
-            [&y, &v, &u],
-            &parameters,
-            ["forward_dynamics", "forward_dynamics_derivatives"],
-        );
+        let wrenches: Vec<f64> = (0..6 * model.wrenches.len()).map(|_| rng.f64() - 0.5).collect();
+        let (w, a, forces) = (wrenches.as_slice(), accelerations.as_slice(), u.as_slice());
+        for (plain, derived, more) in [
+            ("inverse_dynamics", "inverse_dynamics_derivatives_and_mass_matrix", &[a][..]),
+            ("forward_dynamics", "forward_dynamics_derivatives", &[forces][..]),
+            (WITH_WRENCHES[0], WITH_WRENCHES[1], &[a, w][..]),
+            (WITH_WRENCHES[2], WITH_WRENCHES[3], &[forces, w][..]),
+        ] {
+            if names(model).contains(&plain) {
+                by_dual_numbers(robot, &what(plain), [&y, &v], more, &parameters, [plain, derived]);
+            }
+        }
         linearization_agrees(robot, &what("linearize"), [&y, &v, &u], &parameters);
+        drift_agrees(robot, &what("D"), [&y, &v, &u], &parameters);
     }
 }
 
@@ -119,23 +132,21 @@ fn check_robot(seed: u64, robot: &Robot) {
 fn by_dual_numbers(
     robot: &Robot,
     what: &str,
-    [y, v, third]: [&[f64]; 3],
+    [y, v]: [&[f64]; 2],
+    more: &[&[f64]],
     parameters: &[f64],
     [plain, derived]: [&str; 2],
 ) {
     let n = v.len();
     let program = &robot.function(plain).program;
-    let found = robot.call_with(derived, &[y, v, third], parameters);
-    let still = |x: &[f64]| -> Vec<Dual64> { x.iter().map(|&x| Dual64::new(x, 0.0)).collect() };
+    let found = robot.call_with(derived, &[&[y, v], more].concat(), parameters);
+    let more: Vec<Vec<Dual64>> = more.iter().map(|x| with_rates(x, &vec![0.0; x.len()])).collect();
     let column = |position: Option<usize>, velocity: Option<usize>| -> Vec<f64> {
-        let rate = position.map_or(vec![0.0; y.len()], |k| rates(&robot.model, y, k));
-        let y: Vec<Dual64> = y.iter().zip(&rate).map(|(&x, &rate)| Dual64::new(x, rate)).collect();
-        let mut v = still(v);
-        if let Some(k) = velocity {
-            v[k].eps = 1.0;
-        }
-        let results = evaluate(program, &[&y, &v, &still(third)], parameters);
-        results[0].iter().map(|x| x.eps).collect()
+        let along = |k: Option<usize>| k.map_or(vec![0.0; n], |k| unit(n, k));
+        let moving = with_rates(y, &rates(&robot.model, y, &along(position)));
+        let v = with_rates(v, &along(velocity));
+        let inputs: Vec<&[Dual64]> = [&moving, &v].into_iter().chain(&more).map(Vec::as_slice).collect();
+        evaluate(program, &inputs, parameters)[0].iter().map(|x| x.eps).collect()
     };
     for (result, of_position) in [(1, true), (2, false)] {
         let size = largest(&found[result]);
@@ -144,6 +155,33 @@ fn by_dual_numbers(
             let column: Vec<f64> = (0..n).map(|i| found[result][i * n + k]).collect();
             close(&format!("{what} result {result} column {k}"), &column, &expected, size);
         }
+    }
+}
+
+fn with_rates(x: &[f64], rates: &[f64]) -> Vec<Dual64> {
+    x.iter().zip(rates).map(|(&x, &rate)| Dual64::new(x, rate)).collect()
+}
+
+fn unit(n: usize, k: usize) -> Vec<f64> {
+    (0..n).map(|i| f64::from(u8::from(i == k))).collect()
+}
+
+/// D is what the rates of positions make of a small motion: `T(y) D δ = ∂(T v)/∂y T δ − ∂(T δ)/∂y T v`.
+fn drift_agrees(robot: &Robot, what: &str, inputs: [&[f64]; 3], parameters: &[f64]) {
+    let (model, [y, v, _]) = (&robot.model, inputs);
+    let n = v.len();
+    let drift = &robot.call_with("linearize", &inputs, parameters)[4];
+    let change = |of: &[f64], along: &[f64]| -> Vec<f64> {
+        let moving = with_rates(y, &rates(model, y, along));
+        let of = with_rates(of, &vec![0.0; n]);
+        rates(model, &moving, &of).iter().map(|rate| rate.eps).collect()
+    };
+    for k in 0..n {
+        let small = unit(n, k);
+        let column: Vec<f64> = (0..n).map(|i| drift[i * n + k]).collect();
+        let (first, second) = (change(v, &small), change(&small, v));
+        let expected: Vec<f64> = first.iter().zip(&second).map(|(a, b)| a - b).collect();
+        close(&format!("{what} column {k}"), &rates(model, y, &column), &expected, largest(v));
     }
 }
 
@@ -168,6 +206,7 @@ fn chains_of_joints_move_alike() {
     let mut floating = 0;
     let mut spherical = 0;
     let mut carried = 0;
+    let mut pushed = 0;
     let mut all_loops = 0;
     for (seed, model) in models() {
         for joint in &model.quaternion_joints {
@@ -175,6 +214,7 @@ fn chains_of_joints_move_alike() {
             *count += 1;
             carried += usize::from(joint.kind.velocities() == 6 && joint.name == "ball");
         }
+        pushed += usize::from(!model.wrenches.is_empty());
         let count = check(seed, model);
         all_loops += usize::from(count == LOOPS.len());
     }
@@ -182,4 +222,5 @@ fn chains_of_joints_move_alike() {
     assert!(all_loops >= 12, "{all_loops} with loops");
     assert!(floating >= 8 && spherical >= 8, "{floating} floating, {spherical} spherical");
     assert!(carried >= 2, "{carried} floating joints on arms");
+    assert!(pushed >= 2, "{pushed} with wrenches");
 }

@@ -1,8 +1,8 @@
 //! Structure of the equations: zeros that constants promise, and accelerations by articulated bodies.
 
 use fastrand::Rng;
+use gelenk_codegen::dynamics::formulation::Formulation;
 use gelenk_codegen::dynamics::recursion::articulated;
-use gelenk_codegen::dynamics::search::formulation::Formulation;
 use gelenk_codegen::functions::function::{ConstantValue, Function};
 use gelenk_codegen::graph::Graph;
 use gelenk_codegen::kinematics::Mechanism;

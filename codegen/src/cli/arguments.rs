@@ -201,6 +201,10 @@ pub(super) struct New {
     /// quadrotor rather than an arm]
     #[arg(long, value_enum)]
     pub(super) base: Option<BaseName>,
+    /// The links that are the robot's feet, one for each leg: it stands on them [default: the ends of three or
+    /// more branches of the base with equally many joints, three or more; without such it falls]
+    #[arg(long, value_name = "LINK,...", value_delimiter = ',', requires = "urdf", conflicts_with_all = ["c", "python"])]
+    pub(super) feet: Vec<String>,
     /// Depend on the crates of this checkout [default: the one this program was built from, or the registry
     /// that it came from]
     #[arg(long, value_name = "FOLDER")]

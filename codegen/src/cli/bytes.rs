@@ -5,7 +5,7 @@ use std::process::Command;
 
 use object::{Object, ObjectSymbol};
 
-use super::Failure;
+use super::failure::Failure;
 use crate::emit::SourceFile;
 use crate::functions::function::Function;
 use crate::program::arrays::{ArrayForm, Arrays, Step};

@@ -11,8 +11,8 @@ use std::process::{Command, ExitCode, Stdio};
 
 use serde_json::{Value, json};
 
-use super::Failure;
 use super::arguments::{self, Format, Inspect};
+use super::failure::Failure;
 use super::print;
 use super::progress::Progress;
 use crate::closed_form::{self, Instance, display};

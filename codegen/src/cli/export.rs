@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use serde_json::json;
 
-use super::Failure;
 use super::arguments::{Export, Format};
+use super::failure::Failure;
 use super::place::{Workspace, shown};
 use super::print;
 use crate::diagnostic::Diagnostics;

@@ -5,9 +5,9 @@ use std::process::ExitCode;
 
 use serde_json::{Value, json};
 
-use super::Failure;
 use super::arguments::{Check, Format, Generate};
 use super::choices::{Choices, LanguageName, Modules, ScalarName, ToolName};
+use super::failure::Failure;
 use super::place::{Output, Target, Workspace, shown};
 use super::progress::Progress;
 use super::{interface, print};

@@ -4,9 +4,9 @@ use std::process::ExitCode;
 
 use serde_json::{Value, json};
 
-use super::Failure;
 use super::arguments::{Format, Inspect, Stage};
 use super::bytes::CodeSizes;
+use super::failure::Failure;
 use super::place::Workspace;
 use super::{generate, mechanism, print};
 use crate::functions::function::Function;

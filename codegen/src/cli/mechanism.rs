@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::print;
-use crate::dynamics::search::formulation::Formulation;
+use crate::dynamics::formulation::Formulation;
 use crate::graph::Graph;
 use crate::kinematics::{Body, Followed, Mechanism, Number};
 use crate::model::Model;

@@ -6,12 +6,14 @@ mod choices;
 #[cfg(feature = "symbolica")]
 mod closed_form;
 mod export;
+mod failure;
 mod generate;
 mod identify;
 mod inspect;
 mod interface;
 mod mechanism;
 mod new;
+mod new_feet;
 mod new_project;
 mod new_robot;
 mod place;
@@ -24,8 +26,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use arguments::{Arguments, Command};
-
-use crate::diagnostic::Diagnostics;
+use failure::Failure;
 
 /// Runs the program with the arguments of the process. Exit code 0 on success, 1 where the description (or a
 /// file) is at fault or the output is stale, 2 for a wrong command line.
@@ -55,22 +56,5 @@ pub fn run() -> ExitCode {
             print::err(&format!("error: {message}\n"));
             ExitCode::from(1)
         }
-    }
-}
-
-/// Why a command ends without success.
-#[derive(Debug)]
-enum Failure {
-    /// Descriptions are at fault.
-    Descriptions(Vec<Diagnostics>),
-    /// A wrong command line.
-    Usage(String),
-    /// Anything else: a file that cannot be written.
-    Problem(String),
-}
-
-impl<E: std::error::Error> From<E> for Failure {
-    fn from(error: E) -> Self {
-        Self::Problem(error.to_string())
     }
 }

@@ -7,11 +7,11 @@ use std::process::ExitCode;
 
 use serde_json::{Value, json};
 
-use super::Failure;
 use super::arguments::{Format, New};
 use super::choices::BaseName;
+use super::failure::Failure;
 use super::new_project::Project;
-use super::new_robot::{Robot, robot};
+use super::new_robot::{Feet, Robot, robot};
 use super::print;
 use crate::wording::{quoted, toml_text};
 
@@ -35,7 +35,8 @@ const TAKEN: [&str; 13] = [
 /// Makes the project.
 pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> {
     let folder = &arguments.folder;
-    let robot = robot(arguments.urdf.as_deref(), arguments.base == Some(BaseName::Floating))?;
+    let feet = if arguments.c || arguments.python { Feet::None } else { Feet::Of(&arguments.feet) };
+    let robot = robot(arguments.urdf.as_deref(), arguments.base == Some(BaseName::Floating), feet)?;
     let (project, package) = project(arguments, &robot)?;
     let description = ("robot.toml", robot.description.as_bytes());
     let urdf = robot.urdf.as_deref().map(|urdf| ("robot.urdf", urdf));
@@ -82,7 +83,7 @@ fn project(arguments: &New, robot: &Robot) -> Result<(Project, Option<String>), 
         return Ok((Project::python(&source.requirement()?, robot.floats), None));
     }
     let name = name(&arguments.folder)?;
-    Ok((Project::rust(manifest(&name, &source), robot.build, robot.floats), Some(name)))
+    Ok((Project::rust(manifest(&name, &source), robot), Some(name)))
 }
 
 /// Makes the folder, which must not exist: only then may it be removed again.

@@ -1,5 +1,8 @@
 //! The files of a new project besides its robot, in each language.
 
+use super::new_feet;
+use super::new_robot::Robot;
+
 /// A project.
 pub(super) struct Project {
     /// Names and texts.
@@ -12,24 +15,26 @@ pub(super) struct Project {
 
 impl Project {
     /// A crate.
-    ///
-    /// - `floats`: the base of the robot moves freely, here and in the other languages
-    pub(super) fn rust(manifest: String, build: &str, floats: bool) -> Self {
-        let (main, made) = match floats {
-            true => (
-                include_str!("template/main_floating.rs"),
+    pub(super) fn rust(manifest: String, robot: &Robot) -> Self {
+        let (main, made) = match (robot.floats, robot.feet.len()) {
+            (true, 0) => (
+                include_str!("template/main_floating.rs").to_owned(),
                 "build.rs generates its equations, src/main.rs simulates it under control",
             ),
-            false => (
-                include_str!("template/main.rs"),
+            (true, count) => (
+                new_feet::program(count),
+                "build.rs generates its equations, src/main.rs lets it stand on its feet, by given forces",
+            ),
+            (false, _) => (
+                include_str!("template/main.rs").to_owned(),
                 "build.rs generates its equations, src/main.rs simulates it",
             ),
         };
         Self {
             files: vec![
                 ("Cargo.toml", manifest),
-                ("build.rs", build.to_owned()),
-                ("src/main.rs", main.to_owned()),
+                ("build.rs", robot.build.to_owned()),
+                ("src/main.rs", main),
                 (".gitignore", "/target\n/report\n".to_owned()),
             ],
             made,
@@ -38,6 +43,8 @@ impl Project {
     }
 
     /// A Makefile and a program in C.
+    ///
+    /// - `floats`: the base of the robot moves freely, also in Python
     pub(super) fn c(floats: bool) -> Self {
         let main = match floats {
             true => include_str!("template/main_floating.c"),

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::Failure;
+use super::failure::Failure;
+use super::new_feet::{self, Foot};
 use crate::model::{DescriptionFiles, Joint, Model, QuaternionKind, ReadOptions};
 use crate::wording::toml_text;
 
@@ -21,24 +22,35 @@ pub(super) struct Robot {
     pub(super) urdf: Option<Vec<u8>>,
     /// Its base moves freely.
     pub(super) floats: bool,
+    /// What it stands on.
+    pub(super) feet: Vec<Foot>,
+}
+
+/// Which feet a robot is to have.
+#[derive(Clone, Copy)]
+pub(super) enum Feet<'a> {
+    /// None: the program knows none.
+    None,
+    /// These links, or those that the rule finds where there are none.
+    Of(&'a [String]),
 }
 
 /// The robot of the URDF, or an example.
 ///
 /// - `floats`: the base moves freely, whatever the URDF says
-pub(super) fn robot(urdf: Option<&Path>, floats: bool) -> Result<Robot, Failure> {
+pub(super) fn robot(urdf: Option<&Path>, floats: bool, feet: Feet<'_>) -> Result<Robot, Failure> {
     let example = match floats {
         true => include_str!("template/robot_floating.toml"),
         false => include_str!("template/robot.toml"),
     };
     match urdf {
-        None => Ok(Robot { description: example.to_owned(), build: BUILD, urdf: None, floats }),
-        Some(path) => from_urdf(path, floats),
+        None => Ok(Robot { description: example.to_owned(), build: BUILD, urdf: None, floats, feet: vec![] }),
+        Some(path) => from_urdf(path, floats, feet),
     }
 }
 
 /// The URDF must be one that can be generated: half a crate helps nobody.
-fn from_urdf(path: &Path, floats: bool) -> Result<Robot, Failure> {
+fn from_urdf(path: &Path, floats: bool, feet: Feet<'_>) -> Result<Robot, Failure> {
     let wrong = |why| Failure::Descriptions(vec![why]);
     let mut files = DescriptionFiles::of(path);
     let options = ReadOptions { floating_base: floats, ..ReadOptions::default() };
@@ -57,15 +69,29 @@ fn from_urdf(path: &Path, floats: bool) -> Result<Robot, Failure> {
             path.display()
         )));
     }
+    let feet = feet.of(&loaded.model)?;
     Ok(Robot {
         build: match loaded.model.moving_joints().iter().any(|moving| moving.joint.jumps()) {
             true => BUILD_BOTH,
             false => BUILD,
         },
-        description: description(path, &loaded.model, floats),
+        description: description(path, &loaded.model, floats, &feet),
         urdf: Some(files.content().map_err(wrong)?.to_vec()),
         floats: !loaded.model.quaternion_joints.is_empty(),
+        feet,
     })
+}
+
+impl Feet<'_> {
+    fn of(self, model: &Model) -> Result<Vec<Foot>, Failure> {
+        match self {
+            Self::Of(named) if !model.quaternion_joints.is_empty() => new_feet::feet(model, named),
+            Self::Of([_, ..]) => Err(Failure::Usage(
+                "--feet is for a robot whose base moves freely\n  = help: add --base floating".to_owned(),
+            )),
+            Self::Of([]) | Self::None => Ok(vec![]),
+        }
+    }
 }
 
 /// The program of a robot that moves freely takes its first position and velocity entries for those of the base.
@@ -86,7 +112,7 @@ fn require_base(path: &Path, model: &Model) -> Result<(), Failure> {
     )))
 }
 
-fn description(path: &Path, model: &Model, floats: bool) -> String {
+fn description(path: &Path, model: &Model, floats: bool, feet: &[Foot]) -> String {
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     let mut text = format!(
         "# The robot of robot.urdf, which is a copy of {}.\n\
@@ -110,7 +136,9 @@ fn description(path: &Path, model: &Model, floats: bool) -> String {
     for (joint, _) in described_joints(model) {
         text.push_str(&entry(&joint.name));
     }
-    if !model.quaternion_joints.is_empty() {
+    if !feet.is_empty() {
+        text.push_str(&new_feet::description(feet));
+    } else if !model.quaternion_joints.is_empty() {
         text.push_str(&propellers(model));
     }
     text

@@ -7,8 +7,8 @@ use std::path::{Component, Path, PathBuf};
 
 use gelenk_files::is_same_file;
 
-use super::Failure;
 use super::choices::LanguageName;
+use super::failure::Failure;
 
 /// A folder with `models/` and `generated/src/`: this project's workspace, or one like it.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use serde_json::{Value, json};
 
-use super::Failure;
 use super::arguments::Format;
+use super::failure::Failure;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::program::cost::Cost;
 

@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use gelenk_report::{Report, Verdict};
 use serde_json::{Value, json};
 
-use super::Failure;
 use super::arguments::{self, Format};
+use super::failure::Failure;
 use super::place::{Workspace, shown};
 use super::print;
 use super::progress::Progress;

@@ -1,6 +1,7 @@
 //! The equations of motion of one robot over a graph: every quantity once, from the cheapest formulation.
 
 use super::forces;
+use super::formulation::Formulation;
 use super::frame_forces::FrameForces;
 use super::load_friction;
 use super::matrix::{Matrix, dot, subtract, sum};
@@ -10,7 +11,6 @@ use super::recursion::composite;
 use super::recursion::derivatives::ForceDerivatives;
 use super::recursion::frame_motion::BasePoses;
 use super::recursion::newton_euler::{self, MotionInput};
-use super::search::formulation::Formulation;
 use super::search::routes::Formulations;
 use super::tangent::{differentiate_along, drift, gradient_along};
 use crate::formula::Function;

@@ -5,9 +5,9 @@
 
 use std::cell::LazyCell;
 
+use super::formulation::Formulation;
 use super::recursion::frame_motion::BasePoses;
 use super::recursion::placement::{Placement, place};
-use super::search::formulation::Formulation;
 use super::tangent::gradient_along;
 use crate::formula::{Formula, Function};
 use crate::graph::{Graph, Scalar};

@@ -8,6 +8,7 @@ mod accelerations;
 pub mod arguments;
 pub mod equations;
 pub mod forces;
+pub mod formulation;
 pub mod frame_forces;
 pub mod load_friction;
 pub mod matrix;

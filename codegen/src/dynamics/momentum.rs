@@ -7,10 +7,10 @@
 //! p = m v + ω × h          L = (tr Σ − Σ) ω + h × v + (o − c) × p
 //! ```
 
+use super::formulation::Formulation;
 use super::recursion::composite;
 use super::recursion::frame_motion::BasePoses;
 use super::recursion::placement::place;
-use super::search::formulation::Formulation;
 use crate::dynamics::matrix::Matrix;
 use crate::graph::Scalar;
 use crate::kinematics::Mechanism;

@@ -1,6 +1,6 @@
 //! What a format does not hold: one note for each kind, with the names of all that it concerns.
 
-use super::Format;
+use super::format::Format;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
 /// Losses in the order in which they were found.

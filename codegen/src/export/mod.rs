@@ -1,53 +1,17 @@
 //! A model in the formats of other programs. What a format cannot hold is said in notes, each thing by its name.
 
+mod format;
 mod losses;
 mod mjcf;
+mod names;
 mod numbers;
 mod urdf;
 mod xml;
 
-use crate::diagnostic::Diagnostics;
 use crate::model::Model;
 
+pub use format::{Exported, Format};
 pub use xml::FIRST_LINE;
-
-/// A format of robots.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    /// MuJoCo's.
-    Mjcf,
-    /// That of ROS.
-    Urdf,
-}
-
-impl Format {
-    /// Its name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Mjcf => "MJCF",
-            Self::Urdf => "URDF",
-        }
-    }
-
-    /// How the names of its files end.
-    #[must_use]
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Mjcf => "xml",
-            Self::Urdf => "urdf",
-        }
-    }
-}
-
-/// A file in another format.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Exported {
-    /// Its text.
-    pub text: String,
-    /// What the format does not hold of the robot.
-    pub notes: Diagnostics,
-}
 
 /// Writes a model in another format, with the described values of its free parameters.
 ///

@@ -2,11 +2,11 @@
 //!
 //! A frame becomes a link without mass on a fixed joint, as ROS has them; the slide of a screw a joint that mimics its turn.
 
+use super::format::{Exported, Format};
 use super::losses::Losses;
-use super::mjcf::{distinct, slide_name};
+use super::names::{distinct, slide_name};
 use super::numbers::{Placed, Values};
 use super::xml::{Attributes, Xml, numbers};
-use super::{Exported, Format};
 use crate::model::{Frame, Joint, JointKind, Limits, Link, Model, Motion, MovingJoint};
 
 /// What readers of URDFs take for no limit: ROS wants both numbers, and 0 would forbid all motion.

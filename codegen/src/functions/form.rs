@@ -230,7 +230,8 @@ impl<'m> Forms<'m> {
     }
 }
 
-fn is_large(operations: usize) -> bool {
+/// Tells whether straight-line code of so many operations gives way to loops, where there are some.
+pub(crate) fn is_large(operations: usize) -> bool {
     BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT
 }
 

@@ -4,8 +4,8 @@
 //! for.
 
 use crate::diagnostic::Diagnostic;
+use crate::dynamics::formulation::Formulation;
 use crate::dynamics::recursion::composite;
-use crate::dynamics::search::formulation::Formulation;
 use crate::functions::catalogue::{self, Estimate};
 use crate::functions::form::Forms;
 use crate::functions::function::Function;

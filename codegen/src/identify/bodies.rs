@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use super::robot;
+use super::parameters::parameters;
+use super::words::number;
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::model::{Model, Motion};
@@ -59,14 +60,6 @@ impl BodyValues {
     }
 }
 
-/// Nine digits: a thousand times finer than any estimate, and coarse enough that the last bits of two processors
-/// give the same text.
-pub(super) fn number(value: f64) -> String {
-    let text = format!("{value:.8e}");
-    let rounded: f64 = text.parse().unwrap_or(value);
-    format!("{rounded:?}")
-}
-
 /// The bodies of a description whose moving links have these parameters, ten for each in the order of the
 /// moving joints.
 ///
@@ -105,7 +98,7 @@ pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<BodyValues>, Diag
 fn without_bodies(model: &Model) -> Result<Vec<f64>, Diagnostics> {
     let mut model = model.clone();
     model.links.iter_mut().for_each(|link| link.bodies.clear());
-    robot::parameters(&model)
+    parameters(&model)
 }
 
 /// Moving joint that carries a link; `None` for links on the base.

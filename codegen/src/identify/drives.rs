@@ -1,9 +1,9 @@
 //! Identified drives as a description writes them.
 
-use super::bodies::number;
+use super::words::{number, text, weighted};
 use crate::dynamics::parameters::regressor::drives_with_rotor;
 use crate::formula::Formula;
-use crate::model::{Drive, FrictionTerm, Input, Model, RotorCoupling};
+use crate::model::{Drive, Input, Model, RotorCoupling};
 use crate::wording::toml_text;
 
 /// What was identified of the drive of a joint.
@@ -70,14 +70,6 @@ pub(super) fn joint_friction(described: &Model, name: &str) -> Option<String> {
     (!keys.is_empty()).then(|| format!("friction = {{ {} }}", keys.join(", ")))
 }
 
-/// Pairs of a basis and its factor, over parameters.
-pub(super) fn weighted(terms: &[FrictionTerm], parameters: &[&str]) -> String {
-    let pair = |term: &FrictionTerm| {
-        format!("[{}, {}]", toml_text(&term.basis.text(parameters)), text(&term.coefficient, parameters))
-    };
-    format!("[{}]", terms.iter().map(pair).collect::<Vec<_>>().join(", "))
-}
-
 /// For each coordinate, the place of its drive's rotor among the parameters of rotors.
 #[must_use]
 pub fn rotors(model: &Model) -> Vec<Option<usize>> {
@@ -130,13 +122,4 @@ fn torques(drive: &Drive) -> Option<String> {
     let known = torques.iter().filter_map(|(name, value)| Some(format!("{name} = {:?}", (*value)?)));
     let known: Vec<String> = known.collect();
     (!known.is_empty()).then(|| format!("torque = {{ {} }}", known.join(", ")))
-}
-
-/// A number as it is, a formula in quotes.
-pub(super) fn text(formula: &Formula, parameters: &[&str]) -> String {
-    let text = formula.text(parameters);
-    match text.parse::<f64>() {
-        Ok(value) => format!("{value:?}"),
-        Err(_) => toml_text(&text),
-    }
 }

@@ -6,8 +6,10 @@
 mod bodies;
 mod drives;
 pub mod page;
+mod parameters;
 mod robot;
 mod shafts;
+mod words;
 
 pub use bodies::{BodyValues, bodies};
 pub use drives::{IdentifiedDrive, drives, rotors};

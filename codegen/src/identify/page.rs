@@ -81,6 +81,12 @@ pub fn rows_are(found: &Identification) -> &'static str {
     if found.shafts.is_some() { "joint or shaft" } else { "joint" }
 }
 
+/// Whether some joint rests in a part of the samples, which the fit leaves out.
+#[must_use]
+pub fn has_rest(found: &Identification) -> bool {
+    found.estimate.joints.iter().any(|joint| joint.rest > 0.0)
+}
+
 /// Law of a joint, or a dash.
 #[must_use]
 pub fn law(found: &Identification, joint: usize) -> String {
@@ -92,10 +98,12 @@ pub fn law(found: &Identification, joint: usize) -> String {
 fn summary(found: &Identification) -> Section {
     let mut table = Table::new(
         "joints",
-        "Held-out: each contiguous fold of the data is predicted by the fit to the others. $R^2$ is centred.",
+        "Held-out: each contiguous fold of the data is predicted by the fit to the others. $R^2$ is centred. Samples in which a \
+         joint rests are left out: dry friction takes any value there up to the static one. One column counts them.",
     )
     .column(rows_are(found), "joint", "")
     .column("$R^2$ held-out", "r_squared_held_out", "")
+    .column("with rest", "r_squared_with_rest", "")
     .column("$R^2$ in the fit", "r_squared", "")
     .column("residual $\\sigma$", "sigma", "")
     .column("unit", "unit", "")
@@ -104,6 +112,7 @@ fn summary(found: &Identification) -> Section {
         table = table.row([
             Cell::text(joint.name.clone()),
             share(joint, joint.held_out_r_squared),
+            if joint.rest > 0.0 { share(joint, joint.held_out_with_rest) } else { Cell::Empty },
             share(joint, joint.r_squared),
             if joint.measured { Cell::Rounded(joint.sigma, 3) } else { Cell::Empty },
             Cell::text(joint.unit),

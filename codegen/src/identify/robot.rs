@@ -4,6 +4,7 @@ use gelenk_identification::pose::QuaternionJoint;
 use gelenk_identification::robot::{JointLimits, Robot};
 use gelenk_identification::shafts::{JointTerm, Shaft};
 
+use super::parameters::result;
 use super::shafts::{joint_terms, shaft_rotor, shafts, shared_drives};
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::parameters::regressor::parameter_names;
@@ -12,7 +13,6 @@ use crate::functions::function::Function;
 use crate::functions::selection::derive_in_form;
 use crate::functions::size::MOST_OPERATIONS;
 use crate::model::{FrictionTerm, Joint, Model, Motion, QuaternionKind};
-use crate::program::interpret::{Functions, interpret};
 
 /// Functions of a described robot that identification calls, evaluated without a compiler. Its parameters are
 /// those of `INERTIAL_PARAMETER_NAMES`.
@@ -134,23 +134,6 @@ fn with_zero_columns(drives: &[f64], more: usize, model: &Model) -> Vec<f64> {
     let (n, m) = (model.coordinates.len(), model.inputs().count());
     let row = |i: usize| drives[i * m..(i + 1) * m].iter().copied().chain(std::iter::repeat_n(0.0, more));
     (0..n).flat_map(row).collect()
-}
-
-/// Described values of a model's inertial parameters.
-pub(super) fn parameters(model: &Model) -> Result<Vec<f64>, Diagnostics> {
-    let name = ["inertial_parameters".to_owned()];
-    let functions = derive_in_form(model, &name, MOST_OPERATIONS, Form::Straight, &name)?;
-    let free: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
-    Ok(functions.first().map_or(Vec::new(), |function| result(function, &[], &free)))
-}
-
-/// The first result of a function.
-fn result(function: &Function, inputs: &[&[f64]], free: &[f64]) -> Vec<f64> {
-    let results = interpret(&function.program, inputs, free, &Functions::EMBEDDED);
-    let results = results.unwrap_or_else(|error| {
-        unreachable!("{} was derived from the model whose states it gets: {error}", function.name)
-    });
-    results.into_iter().next().unwrap_or_default()
 }
 
 impl Robot for InterpretedRobot {

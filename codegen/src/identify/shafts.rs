@@ -4,8 +4,8 @@ use gelenk_identification::description::{comment_lines, friction_value};
 use gelenk_identification::result::FrictionResult;
 use gelenk_identification::shafts::{JointTerm, Shaft, seats};
 
-use super::bodies::number;
-use super::drives::{entries, found_rotor, joint_friction, text, weighted};
+use super::drives::{entries, found_rotor, joint_friction};
+use super::words::{number, text, weighted};
 use crate::dynamics::parameters::regressor::drives_with_rotor;
 use crate::model::{Drive, FrictionTerm, Model};
 use crate::wording::toml_text;

@@ -6,6 +6,7 @@
 
 mod angles;
 mod composite;
+mod definiteness;
 mod description;
 mod description_files;
 mod distances;
@@ -42,6 +43,7 @@ mod xacro;
 
 pub use crate::formula::FrictionTerm;
 pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
+pub use definiteness::Definiteness;
 pub use description_files::{DescriptionFiles, read};
 pub use drive::{Drive, Input, MotorTorque, RotorCoupling};
 pub use frame_force::{Attachment, ForceEffect, ForceInput, PointForce, Wrench, WrenchAxes};
@@ -133,43 +135,7 @@ pub struct Body {
     pub inertia: [Formula; 6],
 }
 
-/// Signs of the eigenvalues of a mass matrix.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Definiteness {
-    /// All are positive.
-    Positive,
-    /// Some are zero: joints move nothing that has inertia.
-    Semidefinite,
-    /// Some are negative: bodies are none that there can be.
-    Indefinite,
-}
-
 impl Model {
-    /// The definiteness of M at seeded states, at the described values of free parameters.
-    #[must_use]
-    pub fn definiteness(&self) -> Definiteness {
-        let pivots = regularity::Pivots::of(self);
-        match (pivots.negative.is_empty(), pivots.zero.is_empty()) {
-            (false, _) => Definiteness::Indefinite,
-            (true, false) => Definiteness::Semidefinite,
-            (true, true) => Definiteness::Positive,
-        }
-    }
-
-    /// The joints that move nothing with inertia along their axis, so that M is singular; at the described
-    /// values of free parameters.
-    #[must_use]
-    pub fn joints_without_inertia(&self) -> Vec<&Joint> {
-        self.joints_of(&regularity::Pivots::of(self).zero)
-    }
-
-    /// For each coordinate the smallest pivot of M at seeded states.
-    pub(crate) fn least_pivots(&self) -> Vec<f64> {
-        let least = regularity::Pivots::of(self).least;
-        let pivots = self.coordinates.iter();
-        pivots.filter_map(|&link| least.get(link).copied()).collect()
-    }
-
     /// The moving joints in the order of the coordinates.
     pub fn joints(&self) -> impl ExactSizeIterator<Item = &Joint> {
         self.coordinates.iter().map(|&link| self.joint_of(link))

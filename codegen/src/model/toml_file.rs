@@ -181,10 +181,18 @@ fn read_base(reader: &mut Reader, item: Item<'_>) -> (Option<Name>, Option<Span>
         Some(("floating", span)) => Some(span),
         Some((other, span)) => {
             reader.report.error(span, "base-type", format!("unsupported type of a base {other:?}"));
-            reader
-                .report
-                .help("a base is \"fixed\" or \"floating\"; one that slides on a rail is a prismatic joint");
-            None
+            reader.report.help(match other {
+                "spherical" | "ball" => {
+                    "a base is \"fixed\" or \"floating\"; one that turns about a point is carried by a joint of type \"spherical\", \
+                     whose parent is the base"
+                }
+                _ => {
+                    "a base is \"fixed\" or \"floating\"; one that slides on a rail or turns is carried by a joint, of type \
+                     \"prismatic\" or \"spherical\" for example"
+                }
+            });
+            // What follows is then about a base that moves, not about a robot that does not.
+            Some(span)
         }
     };
     (link, floats)

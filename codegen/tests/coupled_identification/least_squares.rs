@@ -116,6 +116,7 @@ fn data(random: &Random, robot: &InterpretedRobot) -> (PreparedRun, DMatrix<f64>
         rows: (2..SAMPLES + 2).collect(),
         positions,
         poses: Vec::new(),
+        resting: Vec::new(),
         velocities,
         accelerations,
         efforts,

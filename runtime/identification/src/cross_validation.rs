@@ -6,7 +6,8 @@
 use super::error::{IdentificationError, Result, require_length, require_setting};
 use super::lasso::{Lasso, LassoPath, active_terms, paper_lambda};
 use super::least_squares::{Reduced, Solution};
-use super::moments::Moments;
+use super::moments::{Moments, splits};
+use super::statistics::{mean_with_error, simplest};
 use nalgebra::DVector;
 use std::fmt::Write;
 
@@ -31,28 +32,29 @@ impl CrossValidation {
     /// - `folds`: moments of contiguous blocks, [`Moments::blocks`]
     ///
     /// # Errors
-    /// Fewer than two folds, or as [`Lasso::path`].
+    /// Fewer than two folds, λ that do not descend, or as [`Lasso::path`].
     pub fn new(lasso: &Lasso, folds: &[Moments], target: usize, lambdas: &[f64]) -> Result<Self> {
         require_setting("number of folds", folds.len() as f64, folds.len() >= 2, "at least two are needed")?;
         require_setting("number of λ", lambdas.len() as f64, !lambdas.is_empty(), "at least one is needed")?;
+        let descending = lambdas.is_sorted_by(|a, b| a >= b);
+        require_setting(
+            "first λ",
+            lambdas[0],
+            descending,
+            "λ must descend, so that the first models are the simplest",
+        )?;
         let mut errors = vec![Vec::with_capacity(folds.len()); lambdas.len()];
-        for (k, held_out) in folds.iter().enumerate() {
-            let training = Moments::sum(folds.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, f)| f))?;
+        for split in splits(folds) {
+            let (training, held_out) = split?;
             let path = lasso.path(&training, target, lambdas)?;
             for (errors, coefficients) in errors.iter_mut().zip(path.coefficients.column_iter()) {
                 let residual = held_out.residual(target, &coefficients.into_owned());
                 errors.push(residual / held_out.samples() as f64);
             }
         }
-        let mean_error: Vec<f64> = errors.iter().map(|e| mean(e)).collect();
-        let standard_error: Vec<f64> = errors.iter().map(|e| (variance(e) / e.len() as f64).sqrt()).collect();
-        let minimum =
-            (0..lambdas.len()).min_by(|&i, &j| mean_error[i].total_cmp(&mean_error[j])).unwrap_or(0);
-        let bound = mean_error[minimum] + standard_error[minimum];
-        let one_standard_error = (0..lambdas.len())
-            .filter(|&i| mean_error[i] <= bound)
-            .max_by(|&i, &j| lambdas[i].total_cmp(&lambdas[j]))
-            .unwrap_or(minimum);
+        let errors: Vec<[f64; 2]> = errors.iter().map(|errors| mean_with_error(errors)).collect();
+        let [minimum, one_standard_error] = simplest(&errors).unwrap_or_default();
+        let [mean_error, standard_error] = [0, 1].map(|k| errors.iter().map(|error| error[k]).collect());
         let path = lasso.path(&Moments::sum(folds)?, target, lambdas)?;
         Ok(Self { path, mean_error, standard_error, minimum, one_standard_error })
     }
@@ -61,15 +63,6 @@ impl CrossValidation {
     pub fn coefficients(&self, index: usize) -> DVector<f64> {
         self.path.coefficients.column(index).into_owned()
     }
-}
-
-fn mean(x: &[f64]) -> f64 {
-    x.iter().sum::<f64>() / x.len() as f64
-}
-
-fn variance(x: &[f64]) -> f64 {
-    let m = mean(x);
-    x.iter().map(|x| (x - m).powi(2)).sum::<f64>() / (x.len() as f64 - 1.0)
 }
 
 /// One point of the Pareto front.

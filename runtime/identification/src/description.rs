@@ -72,18 +72,17 @@ pub fn write_identified(path: &Path, identified: &Identified<'_>) -> Result<()> 
     if is_same_file(path, &path.with_file_name(identified.extends)) {
         return Err(fault("it is the description that is to be extended".into()));
     }
-    if !may_be_replaced(path).map_err(|e| fault(e.to_string()))? {
+    if !may_be_replaced(path, FIRST_LINE.as_bytes()).map_err(|e| fault(e.to_string()))? {
         let message = "it holds what identification has not written; name another file, or remove it first";
         return Err(fault(message.into()));
     }
     write_whole(path, text).map_err(|e| fault(e.to_string()))
 }
 
-fn may_be_replaced(path: &Path) -> io::Result<bool> {
+/// Whether a file may be written over: there is none, or it is empty, or it begins with `head`.
+pub(crate) fn may_be_replaced(path: &Path, head: &[u8]) -> io::Result<bool> {
     match fs::metadata(path) {
-        Ok(found) if found.is_file() && found.len() > 0 => {
-            Ok(fs::read(path)?.starts_with(FIRST_LINE.as_bytes()))
-        }
+        Ok(found) if found.is_file() && found.len() > 0 => Ok(fs::read(path)?.starts_with(head)),
         // Whatever is no file is refused when it is to be written.
         _ => Ok(true),
     }
@@ -154,10 +153,10 @@ pub fn friction_value(result: &FrictionResult) -> Result<String> {
     }
     let part = match &result.law {
         FrictionLaw::Terms(terms) => FrictionPart::Terms(written(&result.joint, terms)?),
-        FrictionLaw::Stribeck { parameters, resolutions, .. } => {
-            let name = |i: usize| super::stribeck::NAMES[i].to_string();
-            require_finite(&result.joint, parameters.iter().copied(), name)?;
-            FrictionPart::Stribeck(std::array::from_fn(|i| literal(parameters[i], resolutions[i])))
+        FrictionLaw::Stribeck(parameters) => {
+            require_finite(&result.joint, &**parameters)?;
+            let text = |parameter: &FrictionTerm| literal(parameter.coefficient, parameter.written_error());
+            FrictionPart::Stribeck(parameters.each_ref().map(text))
         }
     };
     if part == FrictionPart::Terms(Vec::new()) {
@@ -169,7 +168,7 @@ pub fn friction_value(result: &FrictionResult) -> Result<String> {
 
 /// Terms with the digits that mean something, without those of which nothing is left.
 fn written(joint: &str, terms: &[FrictionTerm]) -> Result<Vec<Written<String>>> {
-    require_finite(joint, terms.iter().map(|t| t.coefficient), |i| terms[i].basis.clone())?;
+    require_finite(joint, terms)?;
     let kept = terms.iter().filter(|t| !vanishes(t.coefficient, t.written_error()));
     kept.map(|t| {
         Ok(Written { basis: basis(&t.basis)?, coefficient: literal(t.coefficient, t.written_error()) })
@@ -177,24 +176,17 @@ fn written(joint: &str, terms: &[FrictionTerm]) -> Result<Vec<Written<String>>> 
     .collect()
 }
 
-fn require_finite(
-    joint: &str,
-    values: impl ExactSizeIterator<Item = f64>,
-    name: impl Fn(usize) -> String,
-) -> Result<()> {
-    let samples = values.len();
-    for (row, value) in values.enumerate() {
-        if !value.is_finite() {
-            return Err(IdentificationError::NotFinite {
-                what: format!("the coefficient of {} of joint {joint}", name(row)),
-                row,
-                value,
-                count: 1,
-                samples,
-            });
-        }
+fn require_finite(joint: &str, terms: &[FrictionTerm]) -> Result<()> {
+    match terms.iter().enumerate().find(|(_, term)| !term.coefficient.is_finite()) {
+        None => Ok(()),
+        Some((row, term)) => Err(IdentificationError::NotFinite {
+            what: format!("the coefficient of {} of joint {joint}", term.basis),
+            row,
+            value: term.coefficient,
+            count: 1,
+            samples: terms.len(),
+        }),
     }
-    Ok(())
 }
 
 /// A library term as a formula of descriptions, whose language is a part of that of libraries.
@@ -271,6 +263,27 @@ mod tests {
     }
 
     #[test]
+    fn friction_under_load_has_a_key_of_its_own() {
+        let share = FrictionTerm {
+            basis: "tanh(20*v)".into(),
+            coefficient: 0.1,
+            standard_error: Some(0.01),
+            ..FrictionTerm::default()
+        };
+        let result = FrictionResult { load: vec![share], ..example() };
+        let text = description_toml("a", "arm.toml", std::slice::from_ref(&result)).unwrap();
+        let table: toml::Table = toml::from_str(&text).unwrap();
+        let friction = &table["joints"][0]["friction"];
+        assert_eq!(friction["load"][0][0].as_str(), Some("tanh(20*v)"));
+        assert_eq!(friction["load"][0][1].as_float(), Some(0.1));
+        assert_eq!(friction["terms"][0][0].as_str(), Some("v"));
+        assert!(
+            text.contains("# load: tanh(20*v): 0.1") && result.table().contains("load: tanh(20*v)"),
+            "{text}"
+        );
+    }
+
+    #[test]
     fn refused_laws_and_vanished_terms_are_not_written() {
         let text = |result: FrictionResult| description_toml("a", "arm.toml", &[result]);
         let mut refused = FrictionResult { refusal: Some("the law explains nothing".into()), ..example() };
@@ -313,10 +326,8 @@ mod tests {
     #[test]
     fn a_stribeck_law_keeps_every_digit() {
         let parameters = [2.1, 1.4, 20.0 / 3.0, 0.9, 8e-17];
-        let result = FrictionResult {
-            law: FrictionLaw::Stribeck { parameters, standard_errors: [None; 5], resolutions: [None; 5] },
-            ..example()
-        };
+        let result =
+            FrictionResult { law: FrictionLaw::stribeck(parameters, [None; 5], [None; 5]), ..example() };
         let text = description_toml("a", "arm.urdf", &[result]).unwrap();
         let table: toml::Table = toml::from_str(&text).unwrap();
         assert_eq!(table["urdf"].as_str(), Some("arm.urdf"));

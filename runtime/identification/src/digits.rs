@@ -51,6 +51,13 @@ pub fn vanishes(value: f64, error: Option<f64>) -> bool {
     rounded(value, error).parse::<f64>() == Ok(0.0)
 }
 
+/// A number that is not zero, rounded to two significant digits.
+pub(crate) fn two_digits(x: f64) -> f64 {
+    let scale = 10_f64.powf(x.abs().log10().floor() - 1.0);
+    let rounded = (x / scale).round();
+    if scale >= 1.0 { rounded * scale } else { rounded / (1.0 / scale).round() }
+}
+
 /// Decimal place of the second significant digit of the error.
 fn decimals(error: Option<f64>) -> Option<i32> {
     let error = error.filter(|e| e.is_finite() && *e > 0.0)?;

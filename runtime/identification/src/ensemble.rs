@@ -6,6 +6,7 @@
 use super::error::{IdentificationError, Result, require_setting};
 use super::moments::Moments;
 use super::random::SplitMix64;
+use super::statistics::quantile;
 use nalgebra::DVector;
 
 /// Result of a bootstrap: statistics of each term over its draws.
@@ -74,14 +75,6 @@ fn summarize(models: &[DVector<f64>]) -> Ensemble {
         ensemble.interval.push([quantile(&values, 0.025), quantile(&values, 0.975)]);
     }
     ensemble
-}
-
-/// Quantile of sorted values, linear between order statistics.
-pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let position = share * (sorted.len() - 1) as f64;
-    let (low, fraction) = (position.floor() as usize, position.fract());
-    let high = (low + 1).min(sorted.len() - 1);
-    sorted[low] + fraction * (sorted[high] - sorted[low])
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use super::preparation::{PreparationReport, PreparationSettings, prepare_all};
 use super::result::FrictionTerm;
 use super::robot::{JointLimits, Robot, require_no_quaternions};
 use super::run::PreparedRun;
-use super::shafts::{RobotRows, ShaftRows, in_words, scaled};
+use super::shafts::{RobotRows, ShaftRows, in_words};
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -87,7 +87,7 @@ pub struct JointFriction {
     pub joint: usize,
     /// Name of the joint, or of the shaft's drive.
     pub name: String,
-    /// ẏ at all samples of all runs.
+    /// ẏ at all samples of all runs in which the joint does not rest.
     pub velocities: Vec<f64>,
     /// Measured forces without those of the rigid body and without friction under load: friction, offset and error.
     pub torques: Vec<f64>,
@@ -132,8 +132,7 @@ pub fn identify(
     let mut friction: Vec<JointFriction> = friction.collect();
     estimate.warnings.retain(|warning| !is_said(warning, &friction));
     if let Some(shafts) = &shafts {
-        shafts.word(&mut estimate, &mut friction);
-        estimate.choices.splice(0..0, shafts.said(joints, &estimate));
+        shafts.word(joints, &mut estimate, faults_of(&mut friction));
     }
     Ok(Identification { recording, preparation, runs: prepared, estimate, friction, shafts })
 }
@@ -218,6 +217,11 @@ pub(crate) fn faults(preparation: &PreparationReport) -> impl Iterator<Item = St
     })
 }
 
+/// The reasons for which joints have no law.
+pub(crate) fn faults_of(friction: &mut [JointFriction]) -> impl Iterator<Item = &mut String> {
+    friction.iter_mut().filter_map(|friction| friction.report.as_mut().err())
+}
+
 /// Logs with the first digits of their hashes.
 fn source(recording: &Recording) -> String {
     let logs = recording.hashes.iter().map(|(path, hash)| {
@@ -274,10 +278,10 @@ impl<'a> JointSamples<'a> {
         samples
     }
 
-    /// Adds the samples of a run whose torque is known.
+    /// Adds the samples of a run in which the joint moves and its torque is known.
     fn extend(&mut self, run: &PreparedRun, torques: &[f64]) {
         let start = self.torques.len();
-        let known = (0..torques.len()).filter(|i| torques[*i].is_finite());
+        let known = (0..torques.len()).filter(|i| torques[*i].is_finite() && !run.rests(self.joint, *i));
         for i in known {
             self.positions.push(run.positions[self.joint][i]);
             self.velocities.push(run.velocities[self.joint][i]);
@@ -314,7 +318,7 @@ impl<'a> JointSamples<'a> {
             settings: &preparations,
         };
         let scale = robot.speed_scales()[self.joint];
-        let library = scaled(&settings.friction.library, scale);
+        let library = settings.friction.library.scaled(scale);
         let report = library.and_then(|library| {
             FrictionIdentification { library, ..settings.friction.clone() }.identify(&data)
         });

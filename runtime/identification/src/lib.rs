@@ -5,7 +5,7 @@
 //! and reduced to moments in one pass ([`library`], [`moments`]), and sparse or nonlinear models are fitted
 //! to them. Whole recorded runs ([`run`]) become equidistant and smoothed by one filter, without the delay of the
 //! efforts, in [`preparation`]. Logs that are too many for one machine become sums of products that add up
-//! ([`moments`]).
+//! ([`fleet`]).
 
 pub mod confidence;
 pub mod constrained;
@@ -19,6 +19,7 @@ pub mod error;
 pub mod estimation;
 pub mod excitation;
 pub mod expression;
+pub mod fleet;
 pub mod friction;
 pub mod identify;
 pub mod inertial;
@@ -29,7 +30,6 @@ pub mod library;
 pub mod log;
 pub mod moments;
 mod offset;
-pub mod plot;
 pub mod pose;
 pub mod preparation;
 pub mod random;
@@ -38,7 +38,7 @@ pub mod result;
 pub mod robot;
 pub mod run;
 pub mod shafts;
-pub mod sparse_dynamics;
+mod statistics;
 pub mod stribeck;
 pub mod subset;
 pub mod thresholding;

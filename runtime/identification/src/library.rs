@@ -1,5 +1,6 @@
 //! The library Θ: terms as declared in a description, evaluated on channels.
 
+use super::digits::two_digits;
 use super::error::{IdentificationError, Result, require_length};
 use super::expression::{Kind, Program, Workspace};
 use nalgebra::DMatrix;
@@ -82,6 +83,28 @@ impl Library {
         Self::new(&terms, channels)
     }
 
+    /// The library of some of its terms.
+    ///
+    /// # Errors
+    /// No term.
+    pub(crate) fn only(&self, terms: &[usize]) -> Result<Self> {
+        let terms: Vec<&str> = terms.iter().map(|&i| self.terms[i].as_str()).collect();
+        Self::new(&terms, &self.channels)
+    }
+
+    /// The library for speeds that are `scale` times as fast: terms tanh(k v) with a number k keep their shape. Other terms
+    /// stay as they are.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`]: slopes that become the same one.
+    pub(crate) fn scaled(&self, scale: f64) -> Result<Self> {
+        if scale == 1.0 {
+            return Ok(self.clone());
+        }
+        let terms: Vec<String> = self.terms.iter().map(|term| term_over(term, scale)).collect();
+        Self::new(&terms, &self.channels)
+    }
+
     /// Texts of the terms.
     pub fn terms(&self) -> &[String] {
         &self.terms
@@ -129,4 +152,22 @@ impl Library {
         let m = columns[0].len();
         Ok(DMatrix::from_iterator(m, columns.len(), columns.into_iter().flatten()))
     }
+}
+
+/// Term of a smooth sign of the velocity, `tanh(k v)`.
+pub(crate) fn smooth_sign(factor: f64) -> String {
+    format!("tanh({factor}*v)")
+}
+
+/// Factor k of a term tanh(k v) of a joint where v is `scale` times as fast, with two digits.
+pub(crate) fn slope(factor: f64, scale: f64) -> f64 {
+    if scale == 1.0 { factor } else { two_digits(factor / scale) }
+}
+
+fn term_over(term: &str, scale: f64) -> String {
+    let parts = term.split_once("tanh(").and_then(|(before, rest)| {
+        let (factor, after) = rest.split_once("*v)")?;
+        Some(format!("{before}{}{after}", smooth_sign(slope(factor.parse().ok()?, scale))))
+    });
+    parts.unwrap_or_else(|| term.to_owned())
 }

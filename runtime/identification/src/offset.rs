@@ -1,4 +1,4 @@
-//! A constant torque in measurements.
+//! Constant torques in measurements, and columns without them.
 
 use std::ops::Range;
 
@@ -11,4 +11,22 @@ pub struct Offset {
     pub value: f64,
     /// Standard error for correlated residuals; `None` where the run is too short to tell.
     pub standard_error: Option<f64>,
+}
+
+/// Takes its (weighted) mean off each run of a column.
+pub(crate) fn centre(column: &mut [f64], runs: &[Range<usize>], weights: Option<&[f64]>) {
+    for rows in runs {
+        let mean = mean(&column[rows.clone()], weights.map(|w| &w[rows.clone()]));
+        column[rows.clone()].iter_mut().for_each(|x| *x -= mean);
+    }
+}
+
+/// The (weighted) mean; zero where all weights are.
+pub(crate) fn mean(x: &[f64], weights: Option<&[f64]>) -> f64 {
+    let Some(weights) = weights else {
+        return x.iter().sum::<f64>() / x.len() as f64;
+    };
+    let total: f64 = weights.iter().sum();
+    let sum: f64 = x.iter().zip(weights).map(|(x, w)| x * w).sum();
+    if total > 0.0 { sum / total } else { 0.0 }
 }

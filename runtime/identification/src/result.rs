@@ -8,18 +8,17 @@ use super::library::Library;
 pub use super::offset::Offset;
 use super::stribeck::{StribeckWords, stribeck_gradient, stribeck_torque};
 use nalgebra::DMatrix;
-use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Level of the intervals in tables and descriptions.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// One term of a friction law with what is known about its coefficient.
+/// A coefficient of a friction law with what is known about it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FrictionTerm {
-    /// Expression in the joint's velocity `v`.
+    /// Expression in the joint's velocity `v`, or a1 … a5 of a Stribeck law.
     pub basis: String,
-    /// Factor [N·m times the inverse unit of the basis].
+    /// Factor [N·m times the inverse unit of the basis], or the parameter.
     pub coefficient: f64,
     /// Standard error for correlated residuals, where known.
     pub standard_error: Option<f64>,
@@ -37,15 +36,8 @@ pub struct FrictionTerm {
 pub enum FrictionLaw {
     /// `Σ coefficient · basis(v)`.
     Terms(Vec<FrictionTerm>),
-    /// `a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`.
-    Stribeck {
-        /// a1 … a5.
-        parameters: [f64; 5],
-        /// Standard errors for correlated residuals; `None` where a parameter is not identifiable.
-        standard_errors: [Option<f64>; 5],
-        /// Standard errors if all other parameters were known.
-        resolutions: [Option<f64>; 5],
-    },
+    /// `a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`, by a1 … a5.
+    Stribeck(Box<[FrictionTerm; 5]>),
 }
 
 impl Default for FrictionLaw {
@@ -55,26 +47,44 @@ impl Default for FrictionLaw {
 }
 
 impl FrictionLaw {
+    /// The Stribeck law with parameters a1 … a5.
+    ///
+    /// - `standard_errors`: for correlated residuals; `None` where a parameter is not identifiable
+    /// - `resolutions`: standard errors if all other parameters were known
+    pub fn stribeck(
+        parameters: [f64; 5],
+        standard_errors: [Option<f64>; 5],
+        resolutions: [Option<f64>; 5],
+    ) -> Self {
+        Self::Stribeck(Box::new(std::array::from_fn(|i| FrictionTerm {
+            basis: super::stribeck::NAMES[i].into(),
+            coefficient: parameters[i],
+            standard_error: standard_errors[i],
+            resolution: resolutions[i],
+            ..FrictionTerm::default()
+        })))
+    }
+
+    /// The coefficients, or the five parameters.
+    pub fn coefficients(&self) -> &[FrictionTerm] {
+        match self {
+            Self::Terms(terms) => terms,
+            Self::Stribeck(parameters) => &**parameters,
+        }
+    }
+
     /// Torques at `velocities`.
     ///
     /// # Errors
     /// A basis that is no expression in `v`, or no term.
     pub fn torques(&self, velocities: &[f64]) -> Result<Vec<f64>> {
-        let terms = match self {
-            Self::Stribeck { parameters, .. } => {
-                let law = |v: &f64| stribeck_torque(*v, parameters);
-                return Ok(velocities.iter().map(law).collect());
-            }
-            Self::Terms(terms) => terms,
-        };
-        let theta = matrix(terms, velocities)?;
-        let mut torques = vec![0.0; velocities.len()];
-        for (column, term) in theta.column_iter().zip(terms) {
-            for (torque, value) in torques.iter_mut().zip(column.iter()) {
-                *torque += term.coefficient * value;
+        match self {
+            Self::Terms(terms) => sum(terms, velocities),
+            Self::Stribeck(parameters) => {
+                let parameters = values(parameters);
+                Ok(velocities.iter().map(|v| stribeck_torque(*v, &parameters)).collect())
             }
         }
-        Ok(torques)
     }
 
     /// Derivatives of the torques by the coefficients `[velocities × coefficients]`.
@@ -84,9 +94,10 @@ impl FrictionLaw {
     pub fn gradients(&self, velocities: &[f64]) -> Result<DMatrix<f64>> {
         match self {
             Self::Terms(terms) => matrix(terms, velocities),
-            Self::Stribeck { parameters, .. } => {
+            Self::Stribeck(parameters) => {
+                let parameters = values(parameters);
                 let rows: Vec<[f64; 5]> =
-                    velocities.iter().map(|v| stribeck_gradient(*v, parameters)).collect();
+                    velocities.iter().map(|v| stribeck_gradient(*v, &parameters)).collect();
                 Ok(DMatrix::from_fn(rows.len(), 5, |i, j| rows[i][j]))
             }
         }
@@ -94,38 +105,20 @@ impl FrictionLaw {
 
     /// The law as one line of text, with the digits that a description gets.
     pub fn formula(&self) -> String {
-        let product = |basis: &str, factor: &str| format!("{factor}*{basis}");
         let terms: Vec<String> = match self {
             Self::Terms(terms) => {
-                let term = |t: &FrictionTerm| product(&t.basis, &rounded(t.coefficient, t.written_error()));
-                terms.iter().map(term).collect()
+                terms.iter().map(|term| format!("{}*{}", term.written(), term.basis)).collect()
             }
-            Self::Stribeck { parameters, resolutions, .. } => {
-                let [a1, a2, a3, a4, a5]: [String; 5] =
-                    std::array::from_fn(|i| rounded(parameters[i], resolutions[i]));
+            Self::Stribeck(parameters) => {
+                let [a1, a2, a3, a4, a5] = parameters.each_ref().map(FrictionTerm::written);
                 vec![
-                    product("v", &a1),
-                    product(&format!("tanh({a3}*v)"), &a2),
-                    product(&format!("exp(-{a5}*abs(v))*tanh(3*{a3}*v)"), &a4),
+                    format!("{a1}*v"),
+                    format!("{a2}*tanh({a3}*v)"),
+                    format!("{a4}*exp(-{a5}*abs(v))*tanh(3*{a3}*v)"),
                 ]
             }
         };
         terms.join(" + ").replace("+ -", "- ")
-    }
-
-    fn rows(&self) -> Vec<Row<'_>> {
-        match self {
-            Self::Terms(terms) => terms.iter().map(Row::of_term).collect(),
-            Self::Stribeck { parameters, standard_errors, .. } => (0..5)
-                .map(|i| Row {
-                    name: Cow::Borrowed(super::stribeck::NAMES[i]),
-                    value: parameters[i],
-                    error: standard_errors[i],
-                    inclusion: None,
-                    probability: None,
-                })
-                .collect(),
-        }
     }
 }
 
@@ -134,6 +127,34 @@ impl FrictionTerm {
     pub fn written_error(&self) -> Option<f64> {
         self.resolution.or(self.standard_error)
     }
+
+    /// The coefficient with the digits that a description gets.
+    fn written(&self) -> String {
+        rounded(self.coefficient, self.written_error())
+    }
+
+    /// A line of the table.
+    fn line(&self, name: &str, width: usize, t: f64) -> String {
+        let share = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{:.0} %", 100.0 * x));
+        format!(
+            "{name:<width$}  {:>22}  {:>26}  {:>9}  {:>11}",
+            with_error(self.coefficient, self.standard_error),
+            self.interval(t).unwrap_or_else(|| "-".into()),
+            share(self.inclusion),
+            share(self.probability)
+        )
+    }
+
+    /// `low … high`.
+    fn interval(&self, t: f64) -> Option<String> {
+        let error = self.standard_error.filter(|e| e.is_finite() && *e > 0.0)?;
+        let bound = |sign: f64| rounded(self.coefficient + sign * t * error, Some(error));
+        Some(format!("{} … {}", bound(-1.0), bound(1.0)))
+    }
+}
+
+fn values(parameters: &[FrictionTerm; 5]) -> [f64; 5] {
+    parameters.each_ref().map(|parameter| parameter.coefficient)
 }
 
 fn matrix(terms: &[FrictionTerm], velocities: &[f64]) -> Result<DMatrix<f64>> {
@@ -141,44 +162,14 @@ fn matrix(terms: &[FrictionTerm], velocities: &[f64]) -> Result<DMatrix<f64>> {
     Library::new(&bases, &["v"])?.matrix(&[velocities])
 }
 
-/// A line of the table.
-struct Row<'a> {
-    name: Cow<'a, str>,
-    value: f64,
-    error: Option<f64>,
-    inclusion: Option<f64>,
-    probability: Option<f64>,
-}
-
-impl<'a> Row<'a> {
-    fn of_term(term: &'a FrictionTerm) -> Self {
-        Self {
-            name: Cow::Borrowed(&term.basis),
-            value: term.coefficient,
-            error: term.standard_error,
-            inclusion: term.inclusion,
-            probability: term.probability,
-        }
+/// Values of a sum of terms.
+fn sum(terms: &[FrictionTerm], velocities: &[f64]) -> Result<Vec<f64>> {
+    let theta = matrix(terms, velocities)?;
+    let mut sums = vec![0.0; velocities.len()];
+    for (column, term) in theta.column_iter().zip(terms) {
+        sums.iter_mut().zip(column.iter()).for_each(|(sum, value)| *sum += term.coefficient * value);
     }
-
-    fn line(&self, width: usize, t: f64) -> String {
-        let share = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{:.0} %", 100.0 * x));
-        format!(
-            "{:<width$}  {:>22}  {:>26}  {:>9}  {:>11}",
-            self.name,
-            with_error(self.value, self.error),
-            interval(self.value, self.error, t).unwrap_or_else(|| "-".into()),
-            share(self.inclusion),
-            share(self.probability)
-        )
-    }
-}
-
-/// `low … high`.
-fn interval(value: f64, error: Option<f64>, t: f64) -> Option<String> {
-    let e = error.filter(|e| e.is_finite() && *e > 0.0)?;
-    let bound = |x: f64| rounded(x, error);
-    Some(format!("{} … {}", bound(value - t * e), bound(value + t * e)))
+    Ok(sums)
 }
 
 /// The friction law of one joint and how it was found.
@@ -240,19 +231,13 @@ impl FrictionResult {
         if self.load.is_empty() {
             return Ok(law);
         }
-        let share = (matrix(&self.load, &[velocity])?.row(0).iter().zip(&self.load))
-            .map(|(value, term)| term.coefficient * value)
-            .sum::<f64>();
-        Ok(law + load.abs() * share)
+        Ok(law + load.abs() * first(sum(&self.load, &[velocity])?))
     }
 
     /// The law as one line of text, with the digits that a description gets, and with `load` for τ_l where friction
     /// grows with it.
     pub fn formula(&self) -> String {
-        let under_load = self.load.iter().map(|term| {
-            let factor = rounded(term.coefficient, term.written_error());
-            format!("{factor}*abs(load)*{}", term.basis)
-        });
+        let under_load = self.load.iter().map(|term| format!("{}*abs(load)*{}", term.written(), term.basis));
         let terms = std::iter::once(self.law.formula()).chain(under_load);
         terms.collect::<Vec<_>>().join(" + ").replace("+ -", "- ")
     }
@@ -266,21 +251,19 @@ impl FrictionResult {
     /// One line for each coefficient: name, value with standard error, interval.
     pub fn coefficient_lines(&self) -> Vec<String> {
         let t = self.interval_factor();
-        let line = |row: &Row| {
-            let range = interval(row.value, row.error, t)
+        let line = |(name, term): (String, &FrictionTerm)| {
+            let range = term
+                .interval(t)
                 .map_or_else(String::new, |i| format!(", {:.0} % interval {i}", 100.0 * CONFIDENCE));
-            format!("{}: {}{range}", row.name, with_error(row.value, row.error))
+            format!("{name}: {}{range}", with_error(term.coefficient, term.standard_error))
         };
-        self.rows().iter().map(line).collect()
+        self.named().map(line).collect()
     }
 
-    /// The law's coefficients, then those of the load.
-    fn rows(&self) -> Vec<Row<'_>> {
-        let under_load = self
-            .load
-            .iter()
-            .map(|term| Row { name: Cow::Owned(format!("load: {}", term.basis)), ..Row::of_term(term) });
-        self.law.rows().into_iter().chain(under_load).collect()
+    /// The law's coefficients, then those of the load, with their names.
+    fn named(&self) -> impl Iterator<Item = (String, &FrictionTerm)> {
+        let law = self.law.coefficients().iter().map(|term| (term.basis.clone(), term));
+        law.chain(self.load.iter().map(|term| (format!("load: {}", term.basis), term)))
     }
 
     /// Lines on offsets, Stribeck's words and quality of the fit.
@@ -324,9 +307,7 @@ impl FrictionResult {
     /// A table for people.
     pub fn table(&self) -> String {
         let mut text = String::new();
-        let rows = self.rows();
-        let width = rows.iter().map(|r| r.name.chars().count()).max();
-        let width = width.unwrap_or(0).max(4);
+        let width = self.named().map(|(name, _)| name.chars().count()).fold(4, usize::max);
         let [slowest, fastest] = self.velocity_range;
         let _ = writeln!(
             text,
@@ -339,9 +320,9 @@ impl FrictionResult {
             "term", "coefficient", "95 % interval", "inclusion", "probability"
         );
         let t = self.interval_factor();
-        rows.iter().for_each(|row| {
-            let _ = writeln!(text, "{}", row.line(width, t));
-        });
+        for (name, term) in self.named() {
+            let _ = writeln!(text, "{}", term.line(&name, width, t));
+        }
         for line in self.summary_lines() {
             let _ = writeln!(text, "{line}");
         }
@@ -412,11 +393,8 @@ pub(super) mod tests {
     #[test]
     fn a_stribeck_law_and_its_formula_agree() {
         let parameters = [2.1, 1.4, 20.0, 0.9, 8.0];
-        let law = FrictionLaw::Stribeck {
-            parameters,
-            standard_errors: [Some(0.1), None, None, None, None],
-            resolutions: [Some(0.1), None, None, None, None],
-        };
+        let errors = [Some(0.1), None, None, None, None];
+        let law = FrictionLaw::stribeck(parameters, errors, errors);
         let v = [-0.5, 0.0, 0.02, 1.3];
         let formula = Library::new(&[law.formula()], &["v"]).unwrap();
         let by_formula = formula.matrix(&[&v]).unwrap();

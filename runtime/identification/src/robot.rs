@@ -2,7 +2,6 @@
 
 use super::error::{IdentificationError, Result};
 use super::pose::QuaternionJoint;
-use super::shafts::{JointTerm, Shaft};
 use gelenk_dynamics::dynamics::{Dynamics, Limits, load};
 
 /// A robot whose equations of motion are linear in its inertial parameters, `W(y, ẏ, ÿ) π = M ÿ + k − q_g`.
@@ -103,6 +102,33 @@ pub trait Robot {
     /// `M ÿ + k − q` with the described parameters, without friction of joints and of [`Self::shafts`], one entry for each joint [N·m or N].
     /// Springs and other forces that are no inertia are in here and not in `W π`.
     fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]);
+}
+
+/// Positions, velocities and accelerations of all joints at one time.
+pub type Instant = [Vec<f64>; 3];
+
+/// A drive that acts on several joints, whose friction is that of its shaft.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shaft {
+    /// Name of the drive, as described.
+    pub name: String,
+    /// The joint whose row the shaft takes, see [`seats`](crate::shafts::seats).
+    pub joint: usize,
+    /// Motion of the shaft for a unit of motion of each of the N joints: gear ratio times weight [1 or rad/m].
+    pub ratios: Vec<f64>,
+    /// Largest torque of the motor [N·m]; infinite where it is not described.
+    pub torque: f64,
+}
+
+/// A term of friction that is described on a joint whose row a shaft takes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointTerm {
+    /// Number of the joint.
+    pub joint: usize,
+    /// Function of the joint's velocity `v`, as described.
+    pub basis: String,
+    /// Its described factor.
+    pub coefficient: f64,
 }
 
 /// Refuses robots with quaternions, and those of which something else moves a joint.

@@ -1,5 +1,7 @@
 //! Recorded motions, joint by joint: as they were measured, and prepared for the regression.
 
+use std::ops::Range;
+
 /// A part of a log without interruption: all joints' samples at the same times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
@@ -54,6 +56,9 @@ pub struct PreparedRun {
     pub accelerations: Vec<Vec<f64>>,
     /// Efforts, smoothed by the same filter; joints or inputs, as [`Effort`] says.
     pub efforts: Vec<Vec<f64>>,
+    /// For each joint, whether a sample belongs to a rest: its effort says nothing about friction there, which takes any
+    /// value up to the static one. Empty where no joint rests.
+    pub resting: Vec<Vec<bool>>,
     /// What the efforts are.
     pub effort: Effort,
     /// The commanded motion at the same times, through the same filter, where the log has it.
@@ -64,6 +69,28 @@ impl PreparedRun {
     /// The entries of y, which are the joints' positions where there is no quaternion.
     pub fn coordinates(&self) -> &[Vec<f64>] {
         if self.poses.is_empty() { &self.positions } else { &self.poses }
+    }
+
+    /// Whether a joint rests at a sample.
+    pub fn rests(&self, joint: usize, sample: usize) -> bool {
+        self.resting.get(joint).and_then(|rests| rests.get(sample)).copied().unwrap_or(false)
+    }
+
+    /// The samples of a joint without its rests, in contiguous stretches.
+    pub fn moving(&self, joint: usize) -> Vec<Range<usize>> {
+        let mut stretches: Vec<Range<usize>> = Vec::new();
+        for i in (0..self.times.len()).filter(|i| !self.rests(joint, *i)) {
+            match stretches.last_mut() {
+                Some(stretch) if stretch.end == i => stretch.end = i + 1,
+                _ => stretches.push(i..i + 1),
+            }
+        }
+        stretches
+    }
+
+    /// Whether some joint moves at a sample.
+    pub fn is_moving(&self, sample: usize) -> bool {
+        (0..self.positions.len()).any(|joint| !self.rests(joint, sample))
     }
 }
 

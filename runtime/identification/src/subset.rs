@@ -6,7 +6,8 @@
 
 use super::error::{IdentificationError, Result, require_length, require_setting};
 use super::least_squares::solve_scaled;
-use super::moments::Moments;
+use super::moments::{Moments, splits};
+use super::statistics::{mean_with_error, simplest};
 use nalgebra::DVector;
 
 /// Largest library: 4095 subsets.
@@ -54,6 +55,28 @@ pub fn requirements(terms: &[String]) -> Vec<Requirement> {
     terms.iter().enumerate().filter_map(partner).collect()
 }
 
+/// Share of a term's energy that the rarer direction must have for an asymmetry to be told.
+const LEAST_OF_A_DIRECTION: f64 = 0.01;
+
+/// Terms without the asymmetries `|f(v)|` of motion that is nearly all in one direction: there they are `f(v)` or its
+/// negative. Beside them a sentence about those left out.
+///
+/// - `energies`: Σ f² forwards and backwards of a term f
+pub(crate) fn seen_both_ways(
+    terms: &[String],
+    energies: impl Fn(usize) -> [f64; 2],
+) -> (Vec<usize>, Option<String>) {
+    let unseen = |requirement: &Requirement| {
+        let [forwards, backwards] = energies(requirement.needs);
+        forwards.min(backwards) < LEAST_OF_A_DIRECTION * (forwards + backwards)
+    };
+    let out: Vec<usize> = requirements(terms).iter().filter(|r| unseen(r)).map(|r| r.term).collect();
+    let texts: Vec<&str> = out.iter().map(|&i| terms[i].as_str()).collect();
+    let note = (!out.is_empty())
+        .then(|| format!("{} left out: the joint hardly moves in one of its directions", texts.join(", ")));
+    ((0..terms.len()).filter(|i| !out.contains(i)).collect(), note)
+}
+
 /// All subsets of p terms that meet the requirements, the empty one first.
 fn subsets(p: usize, requirements: &[Requirement]) -> impl Iterator<Item = Vec<usize>> {
     let has = |bits: u32, i: usize| bits >> i & 1 == 1;
@@ -91,12 +114,10 @@ impl SubsetValidation {
         if target >= folds[0].targets() {
             require_length("targets", target + 1, folds[0].targets())?;
         }
-        let training = (0..folds.len())
-            .map(|k| Moments::sum(folds.iter().enumerate().filter(|(i, _)| *i != k).map(|f| f.1)))
-            .collect::<Result<Vec<_>>>()?;
+        let splits = splits(folds).collect::<Result<Vec<_>>>()?;
         let mut best: Vec<Option<ValidatedSubset>> = vec![None; p];
         for active in subsets(p, requirements).skip(1) {
-            let Some(subset) = validate(active, &training, folds, target) else {
+            let Some(subset) = validate(active, &splits, target) else {
                 continue;
             };
             let slot = &mut best[subset.active.len() - 1];
@@ -108,17 +129,14 @@ impl SubsetValidation {
     }
 
     fn choose(best: Vec<ValidatedSubset>, names: &[String]) -> Result<Self> {
-        let error = |i: &usize| best[*i].mean_error;
-        let minimum = (0..best.len()).min_by(|i, j| error(i).total_cmp(&error(j)));
-        let Some(minimum) = minimum else {
+        let errors: Vec<[f64; 2]> = best.iter().map(|b| [b.mean_error, b.standard_error]).collect();
+        let Some([minimum, one_standard_error]) = simplest(&errors) else {
             return Err(IdentificationError::Collinear {
                 terms: names.to_vec(),
                 condition: f64::INFINITY,
                 limit: 1e7,
             });
         };
-        let bound = best[minimum].mean_error + best[minimum].standard_error;
-        let one_standard_error = (0..best.len()).find(|i| error(i) <= bound).unwrap_or(minimum);
         Ok(Self { best, minimum, one_standard_error })
     }
 }
@@ -194,21 +212,14 @@ impl ModelAverage {
 }
 
 /// None where the normal equations of a fold are singular.
-fn validate(
-    active: Vec<usize>,
-    training: &[Moments],
-    folds: &[Moments],
-    target: usize,
-) -> Option<ValidatedSubset> {
-    let mut errors = Vec::with_capacity(folds.len());
-    for (training, fold) in training.iter().zip(folds) {
+fn validate(active: Vec<usize>, splits: &[(Moments, &Moments)], target: usize) -> Option<ValidatedSubset> {
+    let error = |(training, fold): &(Moments, &Moments)| {
         let coefficients = fit(training, target, &active)?;
-        errors.push(fold.residual(target, &coefficients) / fold.samples() as f64);
-    }
-    let n = errors.len() as f64;
-    let mean = errors.iter().sum::<f64>() / n;
-    let variance = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    Some(ValidatedSubset { active, mean_error: mean, standard_error: (variance / n).sqrt() })
+        Some(fold.residual(target, &coefficients) / fold.samples() as f64)
+    };
+    let errors: Vec<f64> = splits.iter().map(error).collect::<Option<_>>()?;
+    let [mean_error, standard_error] = mean_with_error(&errors);
+    Some(ValidatedSubset { active, mean_error, standard_error })
 }
 
 fn fit(moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64>> {

@@ -13,9 +13,11 @@ use std::path::PathBuf;
 pub struct JointValidation {
     /// Name of the joint.
     pub name: String,
-    /// `1 − Σ (τ − τ̂)² / Σ (τ − τ̄)²`; NaN where the effort is constant, or was not
+    /// `1 − Σ (τ − τ̂)² / Σ (τ − τ̄)²` over the samples in which the joint moves; NaN where the effort is constant, or was not
     /// measured in the logs of the identification.
     pub r_squared: f64,
+    /// The same with the samples in which the joint rests, where dry friction takes any value up to the static one.
+    pub r_squared_with_rest: f64,
     /// Root mean square of τ − τ̂ [N·m or N].
     pub residual: f64,
 }
@@ -45,14 +47,14 @@ pub fn validate(
     let rows = found.rows(robot);
     let prepared = rows.along(prepared);
     let mut model = Prediction::new(&rows, found, settings.estimation.gravity_compensated)?;
-    let mut sums = vec![Sums::default(); model.joints];
+    let mut sums = vec![[Sums::default(); 2]; model.joints];
     for run in &prepared {
         for sample in 0..run.times.len() {
             model.add(run, sample, &mut sums);
         }
     }
     let joints = found.estimate.joints.iter().zip(sums);
-    Ok(joints.map(|(joint, sums)| sums.judged(joint.name.clone())).collect())
+    Ok(joints.map(|(joint, sums)| judged(joint.name.clone(), sums)).collect())
 }
 
 /// Sums of one joint's measured forces and errors.
@@ -74,11 +76,15 @@ impl Sums {
         self.errors += (measured - predicted).powi(2);
     }
 
-    fn judged(self, name: String) -> JointValidation {
-        let residual = (self.errors / self.count).sqrt();
-        let r_squared = if self.spread > 0.0 { 1.0 - self.errors / self.spread } else { f64::NAN };
-        JointValidation { name, r_squared, residual }
+    fn r_squared(&self) -> f64 {
+        if self.spread > 0.0 { 1.0 - self.errors / self.spread } else { f64::NAN }
     }
+}
+
+/// - `moving`: over the samples in which the joint moves; `all`: over those at rest too
+fn judged(name: String, [moving, all]: [Sums; 2]) -> JointValidation {
+    let residual = (moving.errors / moving.count).sqrt();
+    JointValidation { name, r_squared: moving.r_squared(), r_squared_with_rest: all.r_squared(), residual }
 }
 
 /// The identified model.
@@ -127,7 +133,7 @@ impl<'a> Prediction<'a> {
         })
     }
 
-    fn add(&mut self, run: &PreparedRun, sample: usize, sums: &mut [Sums]) {
+    fn add(&mut self, run: &PreparedRun, sample: usize, sums: &mut [[Sums; 2]]) {
         let at = |columns: &[Vec<f64>]| columns.iter().map(|column| column[sample]).collect::<Vec<f64>>();
         let (y, v, a) = (at(run.coordinates()), at(&run.velocities), at(&run.accelerations));
         self.rigid(&y, &v, &a);
@@ -137,7 +143,8 @@ impl<'a> Prediction<'a> {
             let measured = self.measured(run, joint, sample);
             let predicted = self.forces[joint] + self.at_joint(joint, v[joint], a[joint]);
             if measured.is_finite() && predicted.is_finite() {
-                sums[joint].add(measured, predicted);
+                let counted = usize::from(run.rests(joint, sample));
+                sums[joint][counted..].iter_mut().for_each(|sums| sums.add(measured, predicted));
             }
         }
     }

@@ -1,7 +1,7 @@
 //! What the loop asks of a controller.
 
 use crate::dynamics::{AttitudeError, Named};
-use core::fmt;
+use thiserror::Error;
 
 /// The state of the loop at the start of a period, as a controller learns it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,50 +49,42 @@ pub struct Command<const M: usize> {
 }
 
 /// Why a controller proposes nothing in this period. The loop then goes down its fallback chain.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum ControllerFault {
     /// The measurement is missing, and this controller cannot predict the state without it.
+    #[error("no measurement to control by")]
     NoMeasurement,
     /// The optimizer ended without a usable input.
+    #[error("no usable input after {iterations} iterations")]
     NoSolution {
         /// Iterations that it took.
         iterations: u32,
     },
     /// The state or the model's equations gave numbers that are not finite.
+    #[error("state or equations of motion are not finite")]
     NotFinite,
     /// A joint of the model is too fast to be predicted over a period.
+    #[error("{0}")]
     TooFast(TooFast),
     /// A measured quaternion is no attitude.
+    #[error("a measurement cannot be: {0}")]
     Attitude(AttitudeError),
     /// So many periods went by since the last step that a prediction over them is worth nothing.
+    #[error("{periods} periods went by since the last step, too many to predict over")]
     Stalled {
         /// How many.
         periods: u32,
     },
 }
 
-impl fmt::Display for ControllerFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoMeasurement => write!(f, "no measurement to control by"),
-            Self::NoSolution { iterations } => {
-                write!(f, "no usable input after {iterations} iterations")
-            }
-            Self::NotFinite => write!(f, "state or equations of motion are not finite"),
-            Self::TooFast(joint) => joint.fmt(f),
-            Self::Attitude(joint) => write!(f, "a measurement cannot be: {joint}"),
-            Self::Stalled { periods } => {
-                write!(f, "{periods} periods went by since the last step, too many to predict over")
-            }
-        }
-    }
-}
-
-impl core::error::Error for ControllerFault {}
-
 /// A joint that is too fast for the zero-order hold over a period: its rate times the period exceeds 2e7, see
 /// [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[error(
+    "joint {} is too fast to be predicted over a period of {period} s: its force has a slope of {slope:.3e} N m s/rad (or N s/m) \
+     over its speed, which gives a rate of {rate:.1e} 1/s; take a model whose friction is less steep",
+    Named(.name)
+)]
 pub struct TooFast {
     /// Which coordinate.
     pub joint: usize,
@@ -104,20 +96,6 @@ pub struct TooFast {
     pub rate: f64,
     /// The period (s).
     pub period: f64,
-}
-
-impl fmt::Display for TooFast {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "joint {} is too fast to be predicted over a period of {} s: its force has a slope of {:.3e} N m s/rad (or N s/m) over \
-             its speed, which gives a rate of {:.1e} 1/s; take a model whose friction is less steep",
-            Named(self.name),
-            self.period,
-            self.slope,
-            self.rate
-        )
-    }
 }
 
 /// A state as a controller estimates it.

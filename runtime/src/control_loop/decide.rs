@@ -1,6 +1,5 @@
 //! What the loop decides in a period: whether to believe, whom to follow, when to stop.
 
-use super::clock::Clock;
 use super::controller::{Controller, ControllerFault, Cycle};
 use super::guard::EncoderFault;
 use super::law::JointLaw;
@@ -9,6 +8,7 @@ use super::report::{Counts, End, Source, StopReason};
 use super::run::{ControlLoop, Phase};
 use super::stage::STAGES;
 use super::unrolled::Unrolled;
+use crate::clock::Clock;
 use crate::trajectory::{Sample, Trajectory};
 use crate::transport::{Brakes, Reading, Transport, TransportError};
 use std::time::Duration;

@@ -1,12 +1,13 @@
 //! Is a measurement believable?
 
 use crate::dynamics::{AttitudeError, Named, numbered};
-use core::fmt;
+use thiserror::Error;
 
 /// A fault of a measured position.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum EncoderFault {
     /// NaN or infinite.
+    #[error("encoder of joint {} is not finite", Named(.name))]
     NotFinite {
         /// Index of the coordinate.
         joint: usize,
@@ -14,8 +15,13 @@ pub enum EncoderFault {
         name: &'static str,
     },
     /// The quaternion of a joint is no attitude.
+    #[error("a reading cannot be: {0}")]
     Attitude(AttitudeError),
     /// Further from the last believed position than the joint can have moved.
+    #[error(
+        "encoder of joint {} jumped by {distance:.4}; the joint can move {possible:.4} in that time",
+        Named(.name)
+    )]
     Jump {
         /// Index of the coordinate.
         joint: usize,
@@ -27,6 +33,10 @@ pub enum EncoderFault {
         possible: f64,
     },
     /// The reading stayed the same while the desired position moved on.
+    #[error(
+        "encoder of joint {} did not change while {desired:.4} of motion was desired",
+        Named(.name)
+    )]
     Frozen {
         /// Index of the coordinate.
         joint: usize,
@@ -37,6 +47,11 @@ pub enum EncoderFault {
     },
     /// The measured velocity is not finite, or not that with which the positions change: a wrong sign, unit
     /// or gear ratio, or a sensor that fails.
+    #[error(
+        "velocity {measured:.4} measured at joint {} is off by {mismatch:.4} from the change of its position, more than \
+         {possible:.4}: check its sign and unit",
+        Named(.name)
+    )]
     Velocity {
         /// Index of the coordinate.
         joint: usize,
@@ -50,33 +65,6 @@ pub enum EncoderFault {
         /// Magnitude of the mismatch that would have been believed [rad/s or m/s].
         possible: f64,
     },
-}
-
-impl fmt::Display for EncoderFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotFinite { name, .. } => {
-                write!(f, "encoder of joint {} is not finite", Named(name))
-            }
-            Self::Attitude(joint) => write!(f, "a reading cannot be: {joint}"),
-            Self::Jump { name, distance, possible, .. } => write!(
-                f,
-                "encoder of joint {} jumped by {distance:.4}; the joint can move {possible:.4} in that time",
-                Named(name)
-            ),
-            Self::Frozen { name, desired, .. } => write!(
-                f,
-                "encoder of joint {} did not change while {desired:.4} of motion was desired",
-                Named(name)
-            ),
-            Self::Velocity { name, measured, mismatch, possible, .. } => write!(
-                f,
-                "velocity {measured:.4} measured at joint {} is off by {mismatch:.4} from the change of its position, more than \
-                 {possible:.4}: check its sign and unit",
-                Named(name)
-            ),
-        }
-    }
 }
 
 /// The deviations that the guard tolerates, by coordinate.

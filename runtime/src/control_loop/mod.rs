@@ -51,8 +51,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-#[cfg(feature = "std")]
-mod clock;
 mod computed_torque;
 mod controller;
 #[cfg(feature = "std")]
@@ -87,7 +85,7 @@ mod warm_up;
 pub mod write_a_controller {}
 
 #[cfg(feature = "std")]
-pub use clock::{Clock, MonotonicClock, VirtualClock};
+pub use crate::clock::{Clock, MonotonicClock, VirtualClock};
 pub use computed_torque::{AccelerationGains, ComputedTorque, ComputedTorqueError};
 pub use controller::{Command, Controller, ControllerFault, Cycle, Estimate, TooFast};
 pub use guard::{EncoderFault, EncoderGuard, GuardSettings};

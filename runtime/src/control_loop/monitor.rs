@@ -59,7 +59,7 @@ impl fmt::Display for LimitFault {
                 f,
                 "joint {} is {error:.4} away from its desired position, more than {limit:.4}: right after the start, check signs and \
                  order of inputs and encoders; later, check that inputs and soft limits allow the trajectory (`notes` of a predictive \
-                 controller, `trajectory::violations`)",
+                 controller, `limits::violations`)",
                 Named(name)
             ),
         }

@@ -8,6 +8,7 @@ use crate::dynamics::{AttitudeError, Named};
 use crate::transport::{Brakes, TransportError};
 use std::fmt;
 use std::time::Duration;
+use thiserror::Error;
 
 /// Where the inputs of a period came from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,51 +43,51 @@ impl Source {
 }
 
 /// Why the loop stopped the robot.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum StopReason {
     /// A signal or another thread asked for it.
+    #[error("asked to stop")]
     Requested,
     /// The controller failed for too long.
+    #[error("controller: {0}")]
     Controller(ControllerFault),
     /// Too many periods in a row without a reading.
+    #[error("no measurement arrived for too long")]
     NoMeasurement,
     /// Too many periods in a row without a believable reading.
+    #[error("{0}")]
     Encoder(EncoderFault),
     /// Too many deadlines in a row were missed.
+    #[error("too many deadlines missed in a row")]
     DeadlineMissed,
     /// A limit was reached.
+    #[error("{0}")]
     Limit(LimitFault),
     /// The robot's side restarted.
+    #[error("the robot's side restarted during the motion")]
     Restarted,
     /// The brakes were engaged, but not by this loop.
+    #[error("the robot engaged its brakes by itself")]
     BrakedByRobot,
 }
 
-impl fmt::Display for StopReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Requested => write!(f, "asked to stop"),
-            Self::Controller(fault) => write!(f, "controller: {fault}"),
-            Self::NoMeasurement => write!(f, "no measurement arrived for too long"),
-            Self::Encoder(fault) => write!(f, "{fault}"),
-            Self::DeadlineMissed => write!(f, "too many deadlines missed in a row"),
-            Self::Limit(fault) => write!(f, "{fault}"),
-            Self::Restarted => write!(f, "the robot's side restarted during the motion"),
-            Self::BrakedByRobot => write!(f, "the robot engaged its brakes by itself"),
-        }
-    }
-}
-
 /// Why the loop did not start; the brakes stay engaged.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum Refusal {
     /// Nothing believable was read.
+    #[error("no finite measurement arrived")]
     NoMeasurement,
     /// Somebody asked to stop before the start.
+    #[error("asked to stop before the start")]
     Requested,
     /// The robot is outside its limits.
+    #[error("{0}")]
     Limit(LimitFault),
     /// The robot is not where the trajectory begins.
+    #[error(
+        "joint {} is at {position:.4}, but the trajectory begins at {start:.4}: move the robot there first",
+        Named(.name)
+    )]
     Start {
         /// Index of the coordinate.
         joint: usize,
@@ -98,8 +99,13 @@ pub enum Refusal {
         start: f64,
     },
     /// A measured quaternion is no attitude.
+    #[error("a reading cannot be: {0}")]
     Attitude(AttitudeError),
     /// The inputs cannot hold the robot where it is.
+    #[error(
+        "input {} would need {needed:.4} to hold the robot, more than its limit {limit:.4}",
+        Named(.name)
+    )]
     Torque {
         /// Index of the input.
         input: usize,
@@ -111,29 +117,8 @@ pub enum Refusal {
         limit: f64,
     },
     /// The robot could not be reached.
+    #[error("{0}")]
     Transport(TransportError),
-}
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoMeasurement => write!(f, "no finite measurement arrived"),
-            Self::Requested => write!(f, "asked to stop before the start"),
-            Self::Limit(fault) => write!(f, "{fault}"),
-            Self::Start { name, position, start, .. } => write!(
-                f,
-                "joint {} is at {position:.4}, but the trajectory begins at {start:.4}: move the robot there first",
-                Named(name)
-            ),
-            Self::Attitude(joint) => write!(f, "a reading cannot be: {joint}"),
-            Self::Torque { name, needed, limit, .. } => write!(
-                f,
-                "input {} would need {needed:.4} to hold the robot, more than its limit {limit:.4}",
-                Named(name)
-            ),
-            Self::Transport(e) => write!(f, "{e}"),
-        }
-    }
 }
 
 /// How the loop ended.

@@ -1,6 +1,5 @@
 //! The loop itself: when things happen.
 
-use super::clock::Clock;
 use super::controller::Controller;
 use super::guard::EncoderGuard;
 use super::law::JointLaw;
@@ -12,6 +11,7 @@ use super::stage::{STAGES, Stage};
 use super::stop_request::StopRequest;
 use super::unrolled::Unrolled;
 use super::velocity_filter::VelocityFilter;
+use crate::clock::Clock;
 use crate::trajectory::Trajectory;
 use crate::transport::{Brakes, Reading, Transport};
 use std::time::Duration;

@@ -1,6 +1,5 @@
 //! The start of the loop: where the robot is, whether it may start there, and the release of its brakes.
 
-use super::clock::Clock;
 use super::controller::Controller;
 use super::guard::EncoderGuard;
 use super::law::JointLaw;
@@ -10,6 +9,7 @@ use super::report::{End, Refusal};
 use super::run::{ControlLoop, Phase};
 use super::unrolled::Unrolled;
 use super::velocity_filter::VelocityFilter;
+use crate::clock::Clock;
 use crate::trajectory::{Sample, Trajectory};
 use crate::transport::Transport;
 

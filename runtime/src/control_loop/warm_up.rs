@@ -1,9 +1,9 @@
 //! Steps of the controller that are computed for the caches alone.
 
-use super::clock::Clock;
 use super::controller::{Controller, Cycle};
 use super::law::JointLaw;
 use super::run::{ControlLoop, Phase};
+use crate::clock::Clock;
 use crate::trajectory::Trajectory;
 use crate::transport::Transport;
 use std::hint::black_box;

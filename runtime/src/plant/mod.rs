@@ -335,10 +335,10 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
 
     /// Integration keeps the length of quaternions to its tolerance; here they regain it.
     fn with_attitudes(&self, mut motion: Motion<N, NY>, time: f64) -> Result<Motion<N, NY>, PlantError> {
-        match self.model.normalize(&mut motion.positions) {
-            true => Ok(motion),
-            false => Err(PlantError::Integration { time, reason: "a quaternion is zero or not finite" }),
+        if self.model.normalize(&mut motion.positions) {
+            return Ok(motion);
         }
+        Err(PlantError::Integration { time, reason: "a quaternion is zero or not finite" })
     }
 }
 

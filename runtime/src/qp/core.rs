@@ -3,7 +3,6 @@
 use super::barrier::Bounds;
 use super::certificate::Certificate;
 use super::equality::{Equalities, Fixed};
-use super::interior_point::Start;
 use super::lanes::{Vector, WIDTH, flat_mut, lanes, zeros};
 use super::ldl::NotPositive;
 use super::multipliers::Multipliers;
@@ -18,6 +17,20 @@ use crate::no_std::*;
 /// Bounds that are closer (relative to their size if that exceeds 1) count as equal, at their middle:
 /// rounding would leave no interior between them.
 const LEAST_WIDTH: f64 = 1e-10;
+
+/// Where the first iterate comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Start {
+    /// The unconstrained optimum.
+    Cold,
+    /// The solution in memory.
+    Warm,
+    /// A point deep inside the bounds, with the steps that are safest: where the others have not led to a
+    /// solution.
+    Deep,
+    /// The unconstrained optimum, hard state bounds and rows replaced by penalties.
+    Relaxed,
+}
 
 #[derive(Debug, Clone)]
 pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {

@@ -2,8 +2,7 @@
 
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 use super::avx2::{self, Avx2};
-use super::core::Core;
-use super::interior_point::Start;
+use super::core::{Core, Start};
 use super::lanes::Portable;
 use super::problem::QpProblem;
 use super::status::{QpError, QpReport, QpSettings};

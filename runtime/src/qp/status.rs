@@ -1,6 +1,6 @@
 //! What a solve reports, and how it is told to behave.
 
-use core::fmt;
+use thiserror::Error;
 
 /// How a solve ended. Decided by the residuals of the point that is returned: inputs within their bounds,
 /// states rolled out from them, cost and gradient from the problem's own data. A number that is not finite
@@ -74,23 +74,12 @@ impl Default for QpSettings {
 }
 
 /// A solver cannot be constructed with these sizes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum QpError {
     /// The horizon must be 1..=100.
+    #[error("a horizon of {0} stages; choose 1 to 100")]
     Horizon(usize),
     /// `NX` must be 1..=32, `NU` 1..=32 and `NR` 0..=32.
+    #[error("a QP needs 1 to 32 states, 1 to 32 inputs and at most 32 rows per stage")]
     Size,
 }
-
-impl fmt::Display for QpError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Horizon(n) => write!(f, "a horizon of {n} stages; choose 1 to 100"),
-            Self::Size => {
-                write!(f, "a QP needs 1 to 32 states, 1 to 32 inputs and at most 32 rows per stage")
-            }
-        }
-    }
-}
-
-impl core::error::Error for QpError {}

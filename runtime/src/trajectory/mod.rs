@@ -7,7 +7,6 @@ mod along;
 #[cfg(feature = "std")]
 mod cartesian;
 mod geodesic;
-mod limits;
 #[cfg(feature = "online-targets")]
 mod online;
 mod points;
@@ -25,7 +24,6 @@ pub use along::Along;
 #[cfg(feature = "std")]
 pub use cartesian::{CartesianError, joint_points, pose_sequence, straight_ways};
 pub use geodesic::GeodesicMotion;
-pub use limits::{CheckError, Quantity, Rating, Violation, violations};
 #[cfg(feature = "online-targets")]
 pub use online::{OnlineTarget, TargetStatus};
 pub use points::PointSequence;
@@ -170,33 +168,25 @@ pub trait Trajectory<const N: usize, const NY: usize = N> {
     }
 }
 
-impl<const N: usize, const NY: usize, T: Trajectory<N, NY> + ?Sized> Trajectory<N, NY> for &T {
-    fn duration(&self) -> f64 {
-        (**self).duration()
-    }
+macro_rules! as_what_it_points_to {
+    ($($pointer:ty),*) => {$(
+        impl<const N: usize, const NY: usize, T: Trajectory<N, NY> + ?Sized> Trajectory<N, NY> for $pointer {
+            fn duration(&self) -> f64 {
+                (**self).duration()
+            }
 
-    fn sample(&self, t: f64) -> Sample<N, NY> {
-        (**self).sample(t)
-    }
+            fn sample(&self, t: f64) -> Sample<N, NY> {
+                (**self).sample(t)
+            }
 
-    fn begin_period(&self, time: f64) {
-        (**self).begin_period(time);
-    }
+            fn begin_period(&self, time: f64) {
+                (**self).begin_period(time);
+            }
+        }
+    )*};
 }
 
-impl<const N: usize, const NY: usize, T: Trajectory<N, NY> + ?Sized> Trajectory<N, NY> for Box<T> {
-    fn duration(&self) -> f64 {
-        (**self).duration()
-    }
-
-    fn sample(&self, t: f64) -> Sample<N, NY> {
-        (**self).sample(t)
-    }
-
-    fn begin_period(&self, time: f64) {
-        (**self).begin_period(time);
-    }
-}
+as_what_it_points_to!(&T, Box<T>);
 
 /// Why there is no such trajectory.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -339,7 +329,7 @@ fn require_finite(what: &str, values: &[f64]) -> Result<(), TrajectoryError> {
     }
 }
 
-fn require_positive(what: &str, value: f64) -> Result<(), TrajectoryError> {
+pub(crate) fn require_positive(what: &str, value: f64) -> Result<(), TrajectoryError> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }

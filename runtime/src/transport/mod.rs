@@ -17,8 +17,8 @@ pub use plant_server::{Pace, PlantServer, ServerError, ServerOptions};
 pub use socketcan::CanTransport;
 pub use udp::UdpTransport;
 
-use std::fmt;
 use std::io;
+use thiserror::Error;
 
 /// Where the brakes are, as far as the robot tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -57,34 +57,25 @@ impl<const N: usize, const NY: usize> Reading<N, NY> {
 }
 
 /// Why a transport could not do what it was asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum TransportError {
     /// The robot's side started anew since the last reading: its brakes, positions and inputs are not what
     /// they were.
+    #[error("the robot's side restarted")]
     Restarted,
     /// The operating system failed to send or receive.
+    #[error("transport: {0}")]
     Io(io::ErrorKind),
     /// The simulated robot cannot go on.
+    #[error("the simulated robot cannot go on")]
     Simulation,
     /// An input is not finite, or too large to be encoded; nothing was sent.
+    #[error("input {} cannot be encoded", .input + 1)]
     Input {
         /// Index of the input; messages count from 1.
         input: usize,
     },
 }
-
-impl fmt::Display for TransportError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Restarted => write!(f, "the robot's side restarted"),
-            Self::Io(kind) => write!(f, "transport: {kind}"),
-            Self::Simulation => write!(f, "the simulated robot cannot go on"),
-            Self::Input { input } => write!(f, "input {} cannot be encoded", input + 1),
-        }
-    }
-}
-
-impl std::error::Error for TransportError {}
 
 impl From<io::Error> for TransportError {
     fn from(e: io::Error) -> Self {

@@ -215,9 +215,18 @@ fn robots_with_quaternions_compute_the_same_bits() {
     {
         for form in [Form::Cheapest, Form::Arrays] {
             let module = derive(&description, &DISCRETE_TIME, form, false);
+            let is_over_lanes = module.lanes.iter().any(|name| name == "linearize");
+            assert_eq!(is_over_lanes, form == Form::Cheapest, "{:?}", module.lanes);
             compare(&module, scalar, false, &compilers, &others);
         }
     }
+    // Over lanes: inputs at frames of a floating body.
+    let module = derive(&model("quadrotor.toml"), &["linearize", "inverse_dynamics"], Form::Cheapest, true);
+    assert_eq!(module.lanes.len(), module.functions.len());
+    let is_there = variants().any(|is_fused| is_fused);
+    compilers.iter().take(usize::from(is_there)).for_each(|compiler| {
+        compare(&module, Scalar::F32, true, std::slice::from_ref(compiler), &[]);
+    });
 }
 
 /// An arm on a rail that is driven, whose gripper follows both.

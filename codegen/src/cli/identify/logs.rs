@@ -16,10 +16,11 @@ use gelenk_identification::shafts::ShaftRows;
 use gelenk_identification::validation::{JointValidation, validate};
 use serde_json::{Value, json};
 
-use super::super::Failure;
 use super::super::arguments::{EffortName, Format, FrictionPlace, Identify};
+use super::super::failure::Failure;
 use super::super::place::{self, Workspace, shown};
 use super::super::{print, report};
+use super::read::{read, say};
 use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::identify::{
     BodyValues, IdentifiedDrive, IdentifiedShaft, InterpretedRobot, bodies, drive_table, drives,
@@ -30,10 +31,10 @@ use crate::wording::{list, quoted};
 
 /// Estimates, writes the description and the page.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
-    let (loaded, robot) = super::read(arguments)?;
+    let (loaded, robot) = read(arguments)?;
     let output = output(arguments, &loaded)?;
     let settings = settings(arguments)?;
-    let found = identify(&robot, &arguments.logs, &settings, &mut super::say)?;
+    let found = identify(&robot, &arguments.logs, &settings, &mut say)?;
     let validation = match arguments.validate.as_slice() {
         [] => Vec::new(),
         logs => validate(&robot, &found, logs, &settings)?,
@@ -59,7 +60,7 @@ pub(super) fn finish(
         rotors_without_input(&loaded.model),
     ];
     let remarks: Vec<String> = remarks.into_iter().flatten().collect();
-    remarks.iter().for_each(|words| super::say(words));
+    remarks.iter().for_each(|words| say(words));
     describe(arguments, (&loaded.model, robot), found, (command, remarks), output)?;
     let name = &loaded.model.name;
     let files = match &arguments.report {
@@ -303,12 +304,15 @@ fn provenance(found: &Identification, command: &str) -> Vec<String> {
     });
     let judged = found.estimate.joints.iter().enumerate().filter(|(_, joint)| page::is_judged(joint));
     let fits = judged.map(|(index, joint)| {
+        let JointEstimate { name, held_out_r_squared, r_squared, held_out_with_rest, rest, .. } = joint;
+        let at_rest = if *rest > 0.0 {
+            format!(", {held_out_with_rest:.4} with the {:.0} % of the samples at rest", 100.0 * rest)
+        } else {
+            String::new()
+        };
+        let residual = residual(found, index);
         format!(
-            "{}: R² {:.4} on held-out data, {:.4} in the fit, residual {}",
-            joint.name,
-            joint.held_out_r_squared,
-            joint.r_squared,
-            residual(found, index)
+            "{name}: R² {held_out_r_squared:.4} on held-out data{at_rest}, {r_squared:.4} in the fit, residual {residual}"
         )
     });
     let warnings = page::warnings(found).into_iter().map(|warning| format!("warning: {warning}"));
@@ -346,20 +350,23 @@ fn as_text(
     found.estimate.choices.iter().for_each(|choice| text.push_str(&format!("note: {choice}\n")));
     page::warnings(found).iter().for_each(|warning| text.push_str(&format!("warning: {warning}\n")));
     text.push('\n');
-    let head = [page::rows_are(found), "R² held-out", "R² fit", "residual", "friction"];
-    let head = head.map(str::to_owned).to_vec();
+    let rest = page::has_rest(found);
+    let with_rest = |words: &'static str| rest.then(|| words.to_owned());
+    let head = [page::rows_are(found), "R² held-out"].map(str::to_owned).into_iter();
+    let head =
+        head.chain(with_rest("with rest")).chain(["R² fit", "residual", "friction"].map(str::to_owned));
     let rows = found.estimate.joints.iter().enumerate().map(|(index, joint)| {
         let number =
             |value: f64| if page::is_judged(joint) { format!("{value:.4}") } else { "–".to_owned() };
-        vec![
-            joint.name.clone(),
-            number(joint.held_out_r_squared),
+        let first = [joint.name.clone(), number(joint.held_out_r_squared)].into_iter();
+        let last = [
             number(joint.r_squared),
             if joint.measured { residual(found, index) } else { "–".to_owned() },
             page::law(found, index),
-        ]
+        ];
+        first.chain(rest.then(|| number(joint.held_out_with_rest))).chain(last).collect()
     });
-    text.push_str(&print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
+    text.push_str(&print::table(&std::iter::once(head.collect()).chain(rows).collect::<Vec<_>>()));
     text.push_str(&validated(validation));
     text.push_str(&format!("\nwrote {}\n", output.display()));
     if let Some(page) = files.first() {
@@ -373,11 +380,12 @@ fn validated(validation: &[JointValidation]) -> String {
     if validation.is_empty() {
         return String::new();
     }
-    let head = ["joint", "R² in the logs to validate", "residual"].map(str::to_owned).to_vec();
+    let head = ["joint", "R² in the logs to validate", "with rest", "residual"].map(str::to_owned).to_vec();
     let rows = validation.iter().map(|joint| {
-        let share =
-            if joint.r_squared.is_nan() { "–".to_owned() } else { format!("{:.4}", joint.r_squared) };
-        vec![joint.name.clone(), share, format!("{:.3}", joint.residual)]
+        let share = |r: f64| if r.is_nan() { "–".to_owned() } else { format!("{r:.4}") };
+        let shares = [joint.r_squared, joint.r_squared_with_rest].map(share);
+        let residual = format!("{:.3}", joint.residual);
+        std::iter::once(joint.name.clone()).chain(shares).chain([residual]).collect()
     });
     format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))
 }
@@ -414,6 +422,8 @@ fn as_json(
             "moves": joint.moves,
             "measured": joint.measured,
             "r_squared_held_out": joint.held_out_r_squared,
+            "r_squared_with_rest": joint.held_out_with_rest,
+            "rest": joint.rest,
             "r_squared": joint.r_squared,
             "residual": joint.sigma,
             "unit": joint.unit,
@@ -435,7 +445,8 @@ fn as_json(
         "joints": joints.collect::<Value>(),
         "inertial_parameters": parameters.map(uncertain).collect::<Value>(),
         "validation": validation.iter().map(|joint| json!({
-            "name": joint.name, "r_squared": joint.r_squared, "residual": joint.residual,
+            "name": joint.name, "r_squared": joint.r_squared, "r_squared_with_rest": joint.r_squared_with_rest,
+            "residual": joint.residual,
         })).collect::<Value>(),
         "mapping": found.recording.mapping,
         "unused_columns": found.recording.unused,

@@ -4,14 +4,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use gelenk_identification::moments::{LogMoments, Sum, identify_moments, reduce};
+use gelenk_identification::fleet::{LogMoments, Sum, identify_moments, reduce};
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
 
-use super::super::Failure;
 use super::super::arguments::{Format, Identify};
+use super::super::failure::Failure;
 use super::super::{place, print};
 use super::logs::{finish, on_joints, output, settings};
+use super::read::{read, say};
 use crate::identify::InterpretedRobot;
 use crate::model::Loaded;
 use crate::wording::quoted;
@@ -21,7 +22,7 @@ const MOMENTS: &str = "moments";
 
 /// Reduces logs to one file of moments.
 pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
-    let (loaded, robot) = super::read(arguments)?;
+    let (loaded, robot) = read(arguments)?;
     let path = output(arguments, &loaded)?;
     if !is_moments(&path) {
         return Err(Failure::Usage(format!(
@@ -33,7 +34,7 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
     let mut sum = Sum::default();
     for log in &arguments.logs {
         let name = log.display().to_string();
-        let moments = reduce(&robot, &description.parts(), log, &settings, &mut super::say)?;
+        let moments = reduce(&robot, &description.parts(), log, &settings, &mut say)?;
         sum.add(moments, &name)?;
     }
     write(&sum.total()?, &path, format)
@@ -41,7 +42,7 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
 
 /// Identifies the robot from files of moments, or adds them up to one file.
 pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
-    let (loaded, robot) = super::read(arguments)?;
+    let (loaded, robot) = read(arguments)?;
     let path = output(arguments, &loaded)?;
     if is_moments(&path) && arguments.report.is_some() {
         return Err(Failure::Usage("--report needs a result: name a description with --output".to_owned()));
@@ -56,8 +57,7 @@ pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitC
         moments.require_description(&description.parts())?;
         return write(&moments, &path, format);
     }
-    let found =
-        identify_moments(&robot, &description.parts(), &moments, &settings(arguments)?, &mut super::say)?;
+    let found = identify_moments(&robot, &description.parts(), &moments, &settings(arguments)?, &mut say)?;
     finish(arguments, format, (&loaded, &robot), &found, &[], &command(arguments), &path)
 }
 

@@ -9,9 +9,10 @@ use gelenk_identification::excitation::{Excitation, Plan, PlanSettings, plan};
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
 
-use super::super::Failure;
 use super::super::arguments::{Format, Identify};
+use super::super::failure::Failure;
 use super::super::{place, print};
+use super::read::{read, say};
 use crate::identify::InterpretedRobot;
 
 /// Most rows of a plan.
@@ -24,7 +25,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
             "a plan has at most {MOST_ROWS} rows: lower --rate or --seconds"
         )));
     }
-    let (loaded, robot) = super::read(arguments)?;
+    let (loaded, robot) = read(arguments)?;
     let default = PlanSettings::default();
     let settings = PlanSettings {
         excitation: Excitation { period: arguments.seconds, ..default.excitation },
@@ -34,7 +35,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let path = arguments.output.clone().unwrap_or_else(|| PathBuf::from("plan.csv"));
     require_plan_or_nothing(&path, &Plan::header(&robot.joint_names()))?;
     place::require_writable(&path, loaded.files.iter())?;
-    let found = plan(&robot, &settings, &mut super::say)?;
+    let found = plan(&robot, &settings, &mut say)?;
     let text = found.csv(&robot.joint_names(), 1.0 / arguments.rate, 1);
     write_whole(&path, text).map_err(|error| Failure::Problem(format!("{}: {error}", path.display())))?;
     match format {

@@ -12,10 +12,10 @@
 //! 1986). The row of a joint is their power at a unit of its velocity, so that no wrench is carried towards
 //! the base: the screws of the joints are carried outwards instead. Rotors add one column each.
 
+use crate::dynamics::formulation::Formulation;
 use crate::dynamics::matrix::Matrix;
 use crate::dynamics::recursion::newton_euler::{BodyMotion, MotionInput, motions, spread_of};
 use crate::dynamics::recursion::placement::{Placement, place};
-use crate::dynamics::search::formulation::Formulation;
 use crate::formula::Formula;
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Mechanism, described_moments, lower, lower_followed};

@@ -11,8 +11,8 @@
 //! an articulated body with fewer inertia terms to the parent. The work grows with the number of joints,
 //! where that of the mass matrix and its factorization grows with its square and its cube.
 
+use crate::dynamics::formulation::Formulation;
 use crate::dynamics::recursion::placement::{Placement, Turn, place};
-use crate::dynamics::search::formulation::Formulation;
 use crate::graph::Scalar;
 use crate::kinematics::{Body, Followed, JointAxis, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3};

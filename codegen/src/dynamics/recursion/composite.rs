@@ -4,9 +4,9 @@
 //! joints before it (Walker and Orin 1982; Featherstone 2008, ch. 6), with moments of mass in place of
 //! spatial inertias.
 
+use crate::dynamics::formulation::{Formulation, RunLink};
 use crate::dynamics::recursion::placement::{Placement, ends_at_root, place};
 use crate::dynamics::recursion::rotor;
-use crate::dynamics::search::formulation::{Formulation, RunLink};
 use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism, Transmission};
 use crate::spatial::{Force, MassMoments, Vector3};

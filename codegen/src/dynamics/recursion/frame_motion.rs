@@ -2,9 +2,9 @@
 
 use nalgebra::Matrix3;
 
+use crate::dynamics::formulation::Formulation;
 use crate::dynamics::recursion::newton_euler::{MotionInput, frame_acceleration};
 use crate::dynamics::recursion::placement::{Placement, place};
-use crate::dynamics::search::formulation::Formulation;
 use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism};
 use crate::spatial::{Force, Pose, Vector3, rotate};

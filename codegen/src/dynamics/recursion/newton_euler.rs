@@ -10,11 +10,11 @@
 //! (Luh, Walker and Paul 1980; Balafoutis and Patel 1989 for the second moments; Khalil and Dombre 2002, ch.
 //! 9, for the frames.)
 
+use crate::dynamics::formulation::{AngularRoute, BodyChoices, Formulation, RunLink};
 use crate::dynamics::recursion::mirrored::{Branches, mirrored};
 use crate::dynamics::recursion::placement::{Placement, place};
 use crate::dynamics::recursion::quaternion::{ChainMotion, Passage};
 use crate::dynamics::recursion::rotor::Gyrostat;
-use crate::dynamics::search::formulation::{AngularRoute, BodyChoices, Formulation, RunLink};
 use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism, Transmission};
 use crate::spatial::{Force, Matrix3, Symmetric3, Twist, Vector3};

@@ -1,6 +1,6 @@
 //! Working frames: where the equations of each body are written, and how they are reached from the parent's.
 
-use crate::dynamics::search::formulation::{Formulation, WorkingFrame};
+use crate::dynamics::formulation::{Formulation, WorkingFrame};
 use crate::formula::Function;
 use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism, Transmission};

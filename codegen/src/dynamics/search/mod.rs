@@ -1,4 +1,4 @@
 //! The search for the cheapest way to write each quantity.
 
-pub mod formulation;
+pub mod descent;
 pub mod routes;

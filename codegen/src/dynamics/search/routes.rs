@@ -2,7 +2,8 @@
 
 use std::cell::OnceCell;
 
-use super::formulation::{Formulation, SearchSpace, cheapest};
+use super::descent::{SearchSpace, cheapest};
+use crate::dynamics::formulation::Formulation;
 use crate::dynamics::matrix::{FREE, Matrix, jacobian, subtract};
 use crate::dynamics::parameters::base_parameters::BaseParameters;
 use crate::dynamics::recursion::articulated;

@@ -103,7 +103,7 @@ fn method(function: Call) -> Ident {
 pub(super) fn text(context: &Context<'_>) -> String {
     let mut text = String::new();
     if context.calls.sign.get() {
-        super::push_items(&mut text, [sign(context.options.scalar)]);
+        super::items::push_items(&mut text, [sign(context.options.scalar)]);
     }
     text.push_str(&module(&kernels::needed(&context.calls.kernels.borrow())));
     text

@@ -18,6 +18,7 @@ mod discrete_time;
 mod doc_comment;
 mod function;
 mod header;
+mod items;
 mod joint_sums;
 mod lanes;
 mod lints;
@@ -37,9 +38,8 @@ mod straight;
 
 pub use header::documentation;
 
-use proc_macro2::TokenStream;
-
 use self::context::Context;
+use self::items::push_items;
 use crate::emit::options::{EmitOptions, SourceFile};
 use crate::functions::composition::Composition;
 use crate::functions::module_constants;
@@ -97,20 +97,4 @@ fn reserved() -> Vec<String> {
         &lanes::RESERVED,
     ];
     names.concat().into_iter().map(str::to_owned).collect()
-}
-
-fn push_items(text: &mut String, items: impl IntoIterator<Item = TokenStream>) {
-    for item in items {
-        text.push('\n');
-        text.push_str(&print(item));
-    }
-}
-
-/// Formats one item. The tokens were made by this folder: where they are no Rust, that is a defect here, and
-/// the unformatted tokens with rustc's message about them help more than a panic.
-fn print(item: TokenStream) -> String {
-    match syn::parse2::<syn::File>(item.clone()) {
-        Ok(file) => prettyplease::unparse(&file),
-        Err(_) => format!("{item}\n"),
-    }
 }

@@ -1,8 +1,9 @@
 //! Inputs of a model as motors of MJCF, on joints, tendons and sites.
 
-use super::{Attributes, Writer, distinct, numbers};
+use super::writer::{Tendon, Writer};
+use crate::export::names::distinct;
 use crate::export::numbers::{Placed, Values};
-use crate::export::xml::Xml;
+use crate::export::xml::{Attributes, numbers};
 use crate::model::{Attachment, Drive, ForceEffect, Input, Model, RotorCoupling};
 
 const ROTOR: &str =
@@ -11,34 +12,6 @@ const TORQUES: &str = "has one range of an input; the nominal torque was left ou
 const POINT_FORCE: &str = "has linear springs and dampers between sites, and no other laws; left out";
 const SHAFT: &str =
     "has viscous and dry friction of tendons, and no other laws; left out in part at the drive";
-
-/// A length: a weighted sum of positions, or the distance of two sites.
-pub(super) struct Tendon {
-    tag: &'static str,
-    attributes: Attributes,
-    parts: Vec<(&'static str, Attributes)>,
-}
-
-impl Tendon {
-    pub(super) fn fixed(name: String, joints: Vec<(String, f64)>, further: Attributes) -> Self {
-        let part = |(joint, weight)| ("joint", vec![("joint", joint), ("coef", numbers(&[weight]))]);
-        let attributes = [vec![("name", name)], further].concat();
-        Self { tag: "fixed", attributes, parts: joints.into_iter().map(part).collect() }
-    }
-
-    fn spatial(name: String, sites: [String; 2], further: Attributes) -> Self {
-        let parts = sites.map(|site| ("site", vec![("site", site)])).into();
-        Self { tag: "spatial", attributes: [vec![("name", name)], further].concat(), parts }
-    }
-
-    pub(super) fn write(self, xml: &mut Xml) {
-        xml.open(self.tag, self.attributes);
-        for (tag, attributes) in self.parts {
-            xml.element(tag, attributes);
-        }
-        xml.close();
-    }
-}
 
 impl Writer<'_> {
     /// Motors in the order of the inputs.

@@ -1,9 +1,10 @@
 //! Joints of MJCF, and the equalities between them.
 
-use super::actuators::Tendon;
-use super::{Attributes, Writer, distinct, numbers};
+use super::writer::{Tendon, Writer};
+use crate::export::names::slide_name;
 use crate::export::numbers::{Affine, Friction};
-use crate::model::{FollowedCoordinate, Follower, Joint, JointKind, Model, Motion, QuaternionJoint};
+use crate::export::xml::{Attributes, numbers};
+use crate::model::{FollowedCoordinate, Follower, Joint, JointKind, Motion, QuaternionJoint};
 
 /// Damping and springs are linear, dry friction is a bound.
 const OTHER_FRICTION: &str =
@@ -15,14 +16,6 @@ const EFFORT: &str = "has one limit of force at a joint; the nominal one was lef
 const RANGE: &str = "has no range of a single position; left out at";
 const QUATERNION_FRICTION: &str =
     "has one damping for all velocities of a joint with a quaternion; friction that differs was left out at";
-
-/// The name of the joint of a screw's slide.
-pub(in crate::export) fn slide_name(model: &Model, joint: &str) -> String {
-    distinct(&format!("{joint}_slide"), |name| {
-        let mut links = model.links.iter();
-        links.any(|link| link.name == name || link.joint.as_ref().is_some_and(|joint| joint.name == name))
-    })
-}
 
 impl Writer<'_> {
     /// The joint that carries a link; tells whether it moves.

@@ -5,14 +5,15 @@
 
 mod actuators;
 mod joints;
+mod writer;
 
+use super::format::{Exported, Format};
 use super::losses::Losses;
+use super::names::distinct;
 use super::numbers::{Lump, Placed, Values, quaternion};
 use super::xml::{Attributes, Xml, numbers};
-use super::{Exported, Format};
 use crate::model::{Attachment, Link, Model, QuaternionJoint, principal_axes};
-use actuators::Tendon;
-pub(super) use joints::slide_name;
+use writer::{Site, Writer};
 
 /// MuJoCo refuses moving bodies whose mass, or one of whose principal moments, is 1e-15 or less.
 const LEAST: f64 = 2e-15;
@@ -22,24 +23,6 @@ const LEAST_INERTIA: &str =
 
 const TRIANGLE: &str =
     "has no bodies whose largest principal moment exceeds the sum of the others; MuJoCo refuses";
-
-/// A site and the link that carries it.
-struct Site {
-    link: usize,
-    name: String,
-    placed: Placed,
-}
-
-struct Writer<'m> {
-    model: &'m Model,
-    values: Values,
-    xml: Xml,
-    losses: Losses,
-    sites: Vec<Site>,
-    tendons: Vec<Tendon>,
-    equalities: Vec<(&'static str, Attributes)>,
-    actuators: Vec<Attributes>,
-}
 
 pub(super) fn export(model: &Model, source: &str) -> Exported {
     let mut writer = Writer {
@@ -244,14 +227,4 @@ fn inertial(lump: &Lump, moments: [f64; 3], axes: &[[f64; 3]; 3]) -> Attributes 
     attributes.push(("mass", numbers(&[lump.mass])));
     attributes.push(("diaginertia", numbers(&moments)));
     attributes
-}
-
-/// The name, with a number behind it where it is taken.
-pub(super) fn distinct(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
-    if !is_taken(name) {
-        return name.to_owned();
-    }
-    let numbered = (2..).map(|count| format!("{name}_{count}"));
-    let mut free = numbered.filter(|name| !is_taken(name));
-    free.next().unwrap_or_else(|| unreachable!("there are more numbers than names"))
 }

@@ -79,6 +79,11 @@ const ON_REQUEST: &[Quantity] = {
     &[hessian::QUANTITY, reactions::QUANTITY, center, jacobian, matrix, momentum]
 };
 
+/// Tells whether a function may be written as loops over joints.
+pub(crate) fn may_be_loops(name: &str) -> bool {
+    row(name).is_some_and(|quantity| quantity.loops.is_some())
+}
+
 /// The row of a function of whatever robot.
 pub(super) fn row(name: &str) -> Option<&'static Quantity> {
     all().find(|row| row.name == name)

@@ -79,7 +79,8 @@ impl Builder<'_, '_> {
         if moving.is_empty() {
             self.report.error(self.robot.name.span, "no-moving-joint", "no joint of the robot moves");
             self.report
-                .help("a model needs at least one revolute, continuous or prismatic joint that is not held, not driven and follows no other");
+                .help("a model needs a joint that moves, for example a revolute, prismatic, spherical or floating one, and that is not held, not \
+                    driven and follows no other; or a base of type \"floating\"");
             return None;
         }
         if !self.robot.sort_joints {

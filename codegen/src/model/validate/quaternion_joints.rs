@@ -42,9 +42,7 @@ impl Velocity<'_> {
             self.refuse(name.span, "`held`", "hold all of it: give the joint the type \"fixed\"", report);
         }
         if let Some(position) = &limits.position {
-            let help =
-                "its attitude is a quaternion: limits of velocity and effort are those that it can have";
-            self.refuse(position.span, "position limits", help, report);
+            self.refuse(position.span, "position limits", self.why_unlimited(), report);
         }
         if let Some(follows) = follows {
             let help = "a quaternion follows no coordinate: describe the joint by revolute ones, type \"universal\" for example";
@@ -73,6 +71,17 @@ impl Velocity<'_> {
             let help = "a rotor turns about one axis, and this joint about all: `drive = \"ideal\"` is a torque in the body's \
                 frame; a reaction wheel is a link with a joint of its own";
             self.refuse(drive.span, "a rotor", help, report);
+        }
+    }
+
+    /// Limits stand by velocity in a module, and controllers take deviations along the velocities.
+    fn why_unlimited(&self) -> &'static str {
+        match self.part.kind {
+            QuaternionKind::Floating if self.part.index < 3 => {
+                "this velocity is along an axis of the body, which turns, so that no entry of the place belongs to it alone: keep the \
+                 place within limits by the motion that is asked for; limits of velocity and effort are those that it can have"
+            }
+            _ => "its attitude is a quaternion: limits of velocity and effort are those that it can have",
         }
     }
 

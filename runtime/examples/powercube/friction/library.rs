@@ -10,7 +10,6 @@ use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::least_squares::Reduced;
 use gelenk_identification::library::Library;
 use gelenk_identification::moments::{Moments, Samples as Columns};
-use gelenk_identification::result::FrictionLaw;
 use gelenk_identification::thresholding::Thresholding;
 use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 
@@ -177,12 +176,7 @@ pub fn choice_claim(chosen: &[(FrictionReport, f64); 3]) -> Claim {
 
 /// Terms of a law with their coefficients.
 fn terms_of(report: &FrictionReport) -> Vec<(String, f64)> {
-    match &report.result.law {
-        FrictionLaw::Terms(terms) => {
-            terms.iter().map(|term| (term.basis.clone(), term.coefficient)).collect()
-        }
-        FrictionLaw::Stribeck { .. } => Vec::new(),
-    }
+    report.result.law.coefficients().iter().map(|term| (term.basis.clone(), term.coefficient)).collect()
 }
 
 /// LASSO's choice on the samples of joints A, B, C, with the error of the curve.

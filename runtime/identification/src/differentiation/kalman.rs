@@ -5,7 +5,9 @@
 //! covariances well scaled.
 
 use super::super::error::{IdentificationError, Result, require_setting};
-use super::{Derivatives, check, judged_windows, require_noise, residual_bound, rms_difference};
+use super::{
+    Derivatives, by_discrepancy, check, judged_residual, require_noise, residual_bound, rms_difference,
+};
 use nalgebra::{Matrix4, Vector4};
 
 /// Settings of the method.
@@ -64,30 +66,21 @@ impl KalmanSmoother {
     }
 }
 
-/// q/σ² per step, by bisection of its logarithm: the residual falls as q grows.
+/// q/σ² per step: the residual falls as q grows.
 fn ratio_by_discrepancy(times: &[f64], signal: &[f64], sigma: f64, step: f64) -> Result<f64> {
-    let excess = |exponent: f64| -> Result<f64> {
-        let (mut sum, mut count) = (0.0, 0_usize);
-        for window in judged_windows(times.len()) {
-            let filter =
-                Filter::new(&times[window.clone()], &signal[window], sigma, step, 10f64.powf(exponent));
-            for (i, state) in filter.smooth()?.iter().enumerate() {
-                sum += (filter.measurement(i) - state[0]).powi(2);
-                count += 1;
-            }
-        }
-        Ok((sum / count as f64).sqrt() - residual_bound(1.0, count))
+    let explains = |exponent: f64| -> Result<bool> {
+        let squares = |times: &[f64], signal: &[f64]| {
+            let filter = Filter::new(times, signal, sigma, step, 10f64.powf(exponent));
+            let states = filter.smooth()?;
+            Ok(states.iter().enumerate().map(|(i, state)| (filter.measurement(i) - state[0]).powi(2)).sum())
+        };
+        let (residual, count) = judged_residual(times, signal, squares)?;
+        Ok(residual <= residual_bound(1.0, count))
     };
     // 1e-20: a smoothing window of some hundreds of samples; beyond it a double has no digits left.
-    let (mut low, mut high) = (-20.0, 8.0);
-    if excess(low)? <= 0.0 {
-        return Ok(10f64.powf(low));
-    }
-    while high - low > 0.05 {
-        let middle = 0.5 * (low + high);
-        if excess(middle)? <= 0.0 { high = middle } else { low = middle }
-    }
-    Ok(10f64.powf(high))
+    let (least, largest) = (-20.0, 8.0);
+    let exponent = if explains(least)? { least } else { by_discrepancy(largest, least, 0.05, explains)? };
+    Ok(10f64.powf(exponent))
 }
 
 /// Signal in units of σ, time in units of the mean step.

@@ -56,22 +56,6 @@ pub fn central_differences(times: &[f64], signal: &[f64]) -> Result<Vec<f64>> {
         .collect())
 }
 
-/// Noise `σ` estimated from the signal itself, by the median of its third differences.
-///
-/// A smooth signal has small third differences, so they show the noise; `σ = median|Δ³| / (0.6745 √20)`.
-/// An upper bound where the signal moves fast compared with the sampling.
-///
-/// # Errors
-/// Fewer than five samples, or values that are not finite.
-pub fn estimate_noise(signal: &[f64]) -> Result<f64> {
-    require_samples("the noise estimate", 5, signal.len())?;
-    require_finite("the signal", signal)?;
-    let mut third: Vec<f64> =
-        signal.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs()).collect();
-    third.sort_by(f64::total_cmp);
-    Ok(super::ensemble::quantile(&third, 0.5) / (0.6745 * 20.0_f64.sqrt()))
-}
-
 /// Lengths agree, enough samples, finite values, increasing times.
 fn check(times: &[f64], signal: &[f64], needed: usize) -> Result<()> {
     require_samples("differentiation", needed, signal.len())?;
@@ -87,6 +71,37 @@ fn check(times: &[f64], signal: &[f64], needed: usize) -> Result<()> {
 /// Root mean square of a difference.
 fn rms_difference(a: &[f64], b: &[f64]) -> f64 {
     (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
+}
+
+/// The discrepancy principle (Morozov 1966) by bisection: the number nearest to `beyond`, to within `width`, at which noise
+/// `explains` the residual, as it does at `explained`.
+fn by_discrepancy(
+    mut explained: f64,
+    mut beyond: f64,
+    width: f64,
+    mut explains: impl FnMut(f64) -> Result<bool>,
+) -> Result<f64> {
+    while (beyond - explained).abs() > width {
+        let middle = 0.5 * (explained + beyond);
+        if explains(middle)? { explained = middle } else { beyond = middle }
+    }
+    Ok(explained)
+}
+
+/// Rms of the residuals over the rows on which a regularization is judged, and how many these are.
+///
+/// - `squares`: sum of the squared residuals of a signal at its times
+fn judged_residual(
+    times: &[f64],
+    signal: &[f64],
+    squares: impl Fn(&[f64], &[f64]) -> Result<f64>,
+) -> Result<(f64, usize)> {
+    let (mut sum, mut count) = (0.0, 0);
+    for rows in judged_windows(times.len()) {
+        count += rows.len();
+        sum += squares(&times[rows.clone()], &signal[rows])?;
+    }
+    Ok(((sum / count as f64).sqrt(), count))
 }
 
 /// Residual rms that noise σ explains in n samples: σ plus two standard errors of a sample's rms,
@@ -177,7 +192,6 @@ mod tests {
         );
         assert!(message(&ok, &[0.0, 1.0, f64::NAN, 1.0, 1.0, 1.0]).contains("not finite (NaN) at row 2"));
         assert!(message(&ok, &ok[..5]).contains("5 expected, 6 given"));
-        assert!(estimate_noise(&[1.0; 4]).is_err());
         let negative = KalmanSmoother::from_noise(-1.0).differentiate(&ok, &ok).unwrap_err().to_string();
         assert!(negative.contains("noise σ = -1 is not possible"));
     }
@@ -204,12 +218,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn the_noise_estimate_finds_the_noise() {
-        let (_, signal, _) = chirp(3);
-        let sigma = estimate_noise(&signal).unwrap();
-        assert!((sigma / 0.01 - 1.0).abs() < 0.1, "{sigma}");
     }
 }

@@ -1,7 +1,9 @@
 //! Savitzky–Golay differentiation: a least-squares polynomial around each sample (Savitzky and Golay 1964).
 
 use super::super::error::{IdentificationError, Result, require_setting};
-use super::{Derivatives, check, judged_windows, require_noise, residual_bound, rms_difference};
+use super::{
+    Derivatives, check, judged_residual, judged_windows, require_noise, residual_bound, rms_difference,
+};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -63,18 +65,14 @@ impl SavitzkyGolay {
 
     fn widest(&self, sigma: f64, times: &[f64], signal: &[f64]) -> Result<Derivatives> {
         let smallest = (self.degree + 2) | 1;
-        let judged = judged_windows(signal.len());
-        let largest = judged.iter().map(|w| w.len()).min().unwrap_or(0).min(2001);
+        let largest = judged_windows(signal.len()).iter().map(|w| w.len()).min().unwrap_or(0).min(2001);
         let (mut window, mut best) = (smallest, smallest);
         while window <= largest {
-            let (mut squares, mut count) = (0.0, 0);
-            for rows in &judged {
-                let (times, signal) = (&times[rows.clone()], &signal[rows.clone()]);
+            let squares = |times: &[f64], signal: &[f64]| {
                 let residual = Filter::new(times, window, self.degree)?.residual(times, signal)?;
-                squares += residual * residual * signal.len() as f64;
-                count += signal.len();
-            }
-            let residual = (squares / count as f64).sqrt();
+                Ok(residual * residual * signal.len() as f64)
+            };
+            let (residual, count) = judged_residual(times, signal, squares)?;
             // The residual is not monotone in the window; far above the noise it does not come back.
             if residual > 1.5 * sigma {
                 break;

@@ -7,7 +7,7 @@
 
 use super::super::error::{IdentificationError, Result, require_setting};
 use super::banded::{Band, solve};
-use super::{Derivatives, check, require_noise, residual_bound, rms_difference};
+use super::{Derivatives, by_discrepancy, check, require_noise, residual_bound, rms_difference};
 
 /// Settings of the method.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,23 +121,9 @@ impl TotalVariation {
         }
         require_setting("iterations", self.iterations as f64, self.iterations > 0, "at least one is needed")?;
         check(times, signal, self.order + 3)?;
-        match (self.regularization, self.order) {
-            (Regularization::Weight(gamma), _) => {
-                require_setting("γ", gamma, gamma >= 0.0, "it must not be negative")?;
-                Ok(if self.order == 1 {
-                    Problem::<3>::new(self, times, signal).minimize(gamma, None)
-                } else {
-                    Problem::<4>::new(self, times, signal).minimize(gamma, None)
-                })
-            }
-            (Regularization::Noise(sigma), order) => {
-                require_noise(sigma)?;
-                Ok(if order == 1 {
-                    Problem::<3>::new(self, times, signal).explain_noise(sigma)
-                } else {
-                    Problem::<4>::new(self, times, signal).explain_noise(sigma)
-                })
-            }
+        match self.order {
+            1 => Problem::<3>::new(self, times, signal).solve(),
+            _ => Problem::<4>::new(self, times, signal).solve(),
         }
     }
 }
@@ -188,10 +174,23 @@ impl<'a, const W: usize> Problem<'a, W> {
         }
     }
 
-    fn explain_noise(mut self, sigma: f64) -> TotalVariationResult {
+    fn solve(self) -> Result<TotalVariationResult> {
+        match self.settings.regularization {
+            Regularization::Weight(gamma) => {
+                require_setting("γ", gamma, gamma >= 0.0, "it must not be negative")?;
+                Ok(self.minimize(gamma, None))
+            }
+            Regularization::Noise(sigma) => {
+                require_noise(sigma)?;
+                self.explain_noise(sigma)
+            }
+        }
+    }
+
+    fn explain_noise(mut self, sigma: f64) -> Result<TotalVariationResult> {
         if self.settings.epsilon.is_none() {
             self.root = Root::Quadratic;
-            let smooth = self.by_discrepancy(sigma).signal;
+            let smooth = self.by_discrepancy(sigma)?.signal;
             let squares: f64 = (0..smooth.len() + 1 - W).map(|i| self.difference(i, &smooth).powi(2)).sum();
             // The floor keeps a straight signal, whose difference is rounding error, regular.
             let floor = (sigma / self.duration().powi(W as i32 - 1)).powi(2);
@@ -252,8 +251,8 @@ impl<'a, const W: usize> Problem<'a, W> {
         }
     }
 
-    /// Bisection on ln γ: the residual grows with γ. A signal that no γ can move that far keeps the largest.
-    fn by_discrepancy(&self, sigma: f64) -> TotalVariationResult {
+    /// The residual grows with γ. A signal that no γ can move that far keeps the largest.
+    fn by_discrepancy(&self, sigma: f64) -> Result<TotalVariationResult> {
         let residual = |result: &TotalVariationResult| rms_difference(&result.signal, self.signal);
         let sigma = residual_bound(sigma, self.signal.len());
         // γ times the weight of one difference, relative to 1, from no smoothing to a window of the whole
@@ -263,25 +262,21 @@ impl<'a, const W: usize> Problem<'a, W> {
             Root::Quadratic => 1.0,
         };
         let unit = |window: f64| window.powi(2 * W as i32 - 2) * typical / self.step;
-        let (mut low, mut high) = (1e-6 * unit(self.step), 1e3 * unit(self.duration()));
-        let mut best = self.minimize(low, None);
+        let (least, largest) = (1e-6 * unit(self.step), 1e3 * unit(self.duration()));
+        let mut best = self.minimize(least, None);
         if residual(&best) > sigma {
-            return best;
+            return Ok(best);
         }
-        for _ in 0..80 {
-            let gamma = (low * high).sqrt();
+        by_discrepancy(least.ln(), largest.ln(), 0.05, |logarithm| {
             let warm: Vec<f64> = best.signal.iter().map(|s| s - self.mean).collect();
-            let result = self.minimize(gamma, Some(&warm));
-            if residual(&result) <= sigma {
-                (low, best) = (gamma, result);
-            } else {
-                high = gamma;
+            let result = self.minimize(logarithm.exp(), Some(&warm));
+            let explains = residual(&result) <= sigma;
+            if explains {
+                best = result;
             }
-            if high / low < 1.05 {
-                break;
-            }
-        }
-        best
+            Ok(explains)
+        })?;
+        Ok(best)
     }
 }
 

@@ -6,7 +6,7 @@ use super::choice::Chosen;
 use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, LOAD};
 use super::prior::Prior;
-use super::sums::sum;
+use super::sums::{moving, sum};
 use super::task::Task;
 
 /// An explanation counts as better where it lowers the held-out error by this share, and by two standard errors.
@@ -82,8 +82,7 @@ fn too_short(task: &Task) -> Option<String> {
 fn gravity(task: &Task, chosen: &Chosen) -> Result<Option<String>> {
     let compensated = task.settings.gravity_compensated;
     let mut rows = task.rows_where(!compensated);
-    let every = |_: usize, _: usize, columns: &[&[f64]]| vec![1.0; columns.first().map_or(0, |c| c.len())];
-    let sums = sum(&mut rows, task.layout, task.runs, &task.pieces, &every);
+    let sums = sum(&mut rows, task.layout, task.runs, &task.pieces, &moving);
     let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
     let other = as_described(chosen.over(&sums), task.prior)?;
     let (excess, deviation) = other.excess(&own);

@@ -3,10 +3,7 @@
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::Layout;
-use super::normal::Centred;
 use super::residuals::Forces;
-use super::result::Offsets;
-use super::sums::Sums;
 
 /// Share of the residual's variance that one quantity may explain before it is a doubt.
 const SUSPICIOUS: f64 = 0.1;
@@ -14,17 +11,6 @@ const SUSPICIOUS: f64 = 0.1;
 const BY_CHANCE: f64 = 10.0;
 /// Factor between estimated and described rigid forces beyond which a unit may be wrong.
 const OTHER_UNIT: f64 = 3.0;
-
-/// Gains with which the described rigid force has the size of the measured effort.
-pub(super) fn first_gains(layout: &Layout, sums: &Sums) -> Vec<f64> {
-    let centred = Centred::new(layout, sums, Offsets::Common);
-    let gain = |products: &nalgebra::DMatrix<f64>| {
-        let q = products.nrows();
-        let (rigid, both, z) = (products[(q - 2, q - 2)], products[(q - 2, q - 1)], products[(q - 1, q - 1)]);
-        if both != 0.0 && rigid > 0.0 { both.signum() * (rigid / z).sqrt() } else { 1.0 }
-    };
-    centred.all.iter().map(gain).collect()
-}
 
 /// What the checks look at.
 pub(super) struct Checked<'a> {
@@ -166,8 +152,9 @@ impl Checked<'_> {
             return None;
         }
         let rigid = |run: usize, i: usize| self.forces.rigid[run][joint][i].abs();
-        let all = self.forces.rigid.iter().flat_map(|run| &run[joint]);
-        let mean = all.clone().map(|force| force.abs()).sum::<f64>() / all.count().max(1) as f64;
+        let all = self.forces.moving(self.layout, self.runs, joint).map(|(run, i)| rigid(run, i));
+        let (sum, count) = all.fold((0.0, 0), |(sum, count), force| (sum + force, count + 1));
+        let mean = sum / f64::from(count.max(1));
         let steepness = self.layout.steepness[joint][0];
         let direction = |run: usize, i: usize| (steepness * self.runs[run].velocities[joint][i]).tanh();
         let (factor, share) = self.explained(joint, &|run, i| (rigid(run, i) - mean) * direction(run, i))?;
@@ -199,12 +186,10 @@ impl Checked<'_> {
     /// Factor of a quantity in a joint's residual, and the share of the variance that it explains.
     fn explained(&self, joint: usize, quantity: &dyn Fn(usize, usize) -> f64) -> Option<(f64, f64)> {
         let mut sums = [0.0; 6];
-        for (run, residual) in self.forces.residual.iter().enumerate() {
-            for (i, r) in residual[joint].iter().enumerate() {
-                let x = quantity(run, i);
-                for (sum, term) in sums.iter_mut().zip([1.0, x, *r, x * x, x * r, r * r]) {
-                    *sum += term;
-                }
+        for (run, i) in self.forces.moving(self.layout, self.runs, joint) {
+            let (x, r) = (quantity(run, i), self.forces.residual[run][joint][i]);
+            for (sum, term) in sums.iter_mut().zip([1.0, x, r, x * x, x * r, r * r]) {
+                *sum += term;
             }
         }
         let [n, x, r, xx, xr, rr] = sums;

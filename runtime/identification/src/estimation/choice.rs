@@ -3,12 +3,14 @@
 
 use super::super::error::Result;
 use super::super::inertial::PER_BODY;
+use super::super::run::Effort;
 use super::fit::{HeldOut, Weighting, held_out, reweighted};
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::normal::{Centred, Model, Values};
 use super::prior::Prior;
 use super::result::{Offsets, WeightTried};
 use super::sums::Sums;
+use nalgebra::{DMatrix, DVector};
 
 /// Weights of the description that are tried: two for each decade.
 const LEAST_WEIGHT: f64 = 1e-3;
@@ -50,10 +52,13 @@ pub(super) fn choose<'a>(
     layout: &'a Layout,
     sums: &'a Sums,
     prior: &Prior,
-    start: &Values,
     freedom: Freedom<'_>,
-    gains: bool,
 ) -> Result<Chosen<'a>> {
+    let gains = layout.effort == Effort::Current;
+    let start = Values {
+        unknowns: DVector::zeros(layout.len()),
+        gains: if gains { first_gains(layout, sums) } else { vec![1.0; layout.joints] },
+    };
     let model = Model {
         coulomb: vec![0; layout.joints],
         asymmetry: vec![false; layout.joints],
@@ -65,11 +70,11 @@ pub(super) fn choose<'a>(
     };
     let centred = Centred::new(layout, sums, model.offsets);
     let weighting = Weighting {
-        sigma: super::fit::deviations(&centred, start),
+        sigma: super::fit::deviations(&centred, &start),
         description: 1.0,
         trust: vec![1.0; layout.parameters],
     };
-    let mut chosen = Chosen { model, weighting, values: start.clone(), centred, tried: Vec::new() };
+    let mut chosen = Chosen { model, weighting, values: start, centred, tried: Vec::new() };
     chosen.reweight(prior)?;
     chosen.choose_weight(prior, true)?;
     chosen.reweight(prior)?;
@@ -86,6 +91,17 @@ pub(super) fn choose<'a>(
     chosen.model.consistent = freedom.consistent;
     chosen.reweight(prior)?;
     Ok(chosen)
+}
+
+/// Gains with which the described rigid force has the size of the measured effort.
+fn first_gains(layout: &Layout, sums: &Sums) -> Vec<f64> {
+    let centred = Centred::new(layout, sums, Offsets::Common);
+    let gain = |products: &DMatrix<f64>| {
+        let q = products.nrows();
+        let (rigid, both, z) = (products[(q - 2, q - 2)], products[(q - 2, q - 1)], products[(q - 1, q - 1)]);
+        if both != 0.0 && rigid > 0.0 { both.signum() * (rigid / z).sqrt() } else { 1.0 }
+    };
+    centred.all.iter().map(gain).collect()
 }
 
 impl Chosen<'_> {

@@ -126,6 +126,8 @@ impl Pass {
                     let (x, z) = (measured.joint(joint), other.joint(joint));
                     let r = residual(&factors[joint], of.offsets[joint][run], &x);
                     let weights = huber(&r, of.outlier[joint]);
+                    let weights =
+                        weights.iter().zip(measured.moving(joint)).map(|(w, moves)| w * moves).collect();
                     pass.add(run, joint, &Columns { x, z, r, weights, known });
                 }
             }

@@ -1,13 +1,14 @@
 //! The pipeline from runs to an estimate.
 
-use super::super::error::{IdentificationError, Result, require_finite};
+use super::super::error::{Result, require_finite};
 use super::super::robot::Robot;
-use super::super::run::{Effort, PreparedRun};
+use super::super::run::PreparedRun;
 use super::alternatives::{Doubts, other_explanations};
-use super::checks::{Checked, first_gains};
+use super::checks::Checked;
 use super::choice::{Chosen, Freedom, choose};
 use super::endogeneity::endogeneity;
-use super::fit::fit;
+use super::estimated::{Estimated, require_explained};
+use super::fit::{HeldOut, fit};
 use super::intervals::{Fitted, correlation_time, covariance, scores};
 use super::layout::Layout;
 use super::loads::{Loads, PASSES, settled};
@@ -17,7 +18,7 @@ use super::report::Report;
 use super::residuals::{Forces, RunOffsets, huber, residual, robust_deviations};
 use super::result::Estimate;
 use super::settings::EstimationSettings;
-use super::sums::{Sums, cut, sum};
+use super::sums::{Sums, Weights, cut, moving, resting, sum};
 use super::task::Task;
 use nalgebra::DVector;
 
@@ -107,7 +108,7 @@ fn pass(
         let chosen = task.choose(&robust)?;
         progress(&format!("Outliers lose weight, pass {} of {}.", pass + 1, settings.robust_passes));
         let offsets = chosen.offsets();
-        outlier = robust_deviations(&task.forces(&chosen.values, &offsets));
+        outlier = robust_deviations(layout, runs, &task.forces(&chosen.values, &offsets));
         let sums = task.sums(Some((&chosen.values, &offsets, &outlier)));
         drop(chosen);
         robust = sums;
@@ -126,28 +127,47 @@ impl Task<'_> {
         let factors: Vec<DVector<f64>> = robust.map_or(Vec::new(), |(values, ..)| {
             (0..self.layout.joints).map(|j| residual_vector(self.layout, values, j)).collect()
         });
-        let weights = |run: usize, joint: usize, columns: &[&[f64]]| match robust {
-            None => vec![1.0; columns.first().map_or(0, |c| c.len())],
-            Some((_, offsets, deviations)) => {
-                huber(&residual(&factors[joint], offsets[joint][run], columns), deviations[joint])
-            }
+        let Some((_, offsets, deviations)) = robust else { return self.sums_of(&moving) };
+        self.sums_of(&|run, joint, columns, moving| {
+            let residual = residual(&factors[joint], offsets[joint][run], columns);
+            let weights = huber(&residual, deviations[joint]);
+            weights.iter().zip(moving).map(|(weight, moves)| weight * moves).collect()
+        })
+    }
+
+    fn sums_of(&self, weights: Weights) -> Sums {
+        sum(&mut self.rows(), self.layout, self.runs, &self.pieces, weights)
+    }
+
+    /// R² of each joint on held-out data with the samples at rest, which the fit leaves out; `None` where no joint rests.
+    ///
+    /// - `judged`: the fit to the sums of moving samples, and its errors
+    fn with_rest(&self, judged: &Chosen, errors: &HeldOut) -> Option<Vec<f64>> {
+        let rests = |run: &PreparedRun| run.resting.iter().flatten().any(|rests| *rests);
+        if !self.runs.iter().any(rests) {
+            return None;
+        }
+        let resting = self.sums_of(&resting);
+        let all = judged.centred.sums.with(&resting);
+        let whole = Centred::new(self.layout, &all, judged.model.offsets);
+        let share = |joint: usize| {
+            let at_rest = errors.values.iter().enumerate();
+            let at_rest =
+                at_rest.map(|(fold, values)| judged.centred.rss_over(&resting, fold, values, joint));
+            let rss = errors.rss[joint] + at_rest.sum::<f64>();
+            1.0 - rss / (judged.values.gains[joint].powi(2) * whole.variation(joint))
         };
-        sum(&mut self.rows(), self.layout, self.runs, &self.pieces, &weights)
+        Some((0..self.layout.joints).map(share).collect())
     }
 
     fn choose<'s>(&'s self, sums: &'s Sums) -> Result<Chosen<'s>> {
-        let gains = self.layout.effort == Effort::Current;
-        let start = Values {
-            unknowns: DVector::zeros(self.layout.len()),
-            gains: if gains { first_gains(self.layout, sums) } else { vec![1.0; self.layout.joints] },
-        };
         let freedom = Freedom {
             offsets: self.settings.offsets,
             terms: self.settings.optional_terms,
             consistent: self.settings.consistent,
             loads: self.loads.map_or(&[], |loads| &loads.joints),
         };
-        choose(self.layout, sums, self.prior, &start, freedom, gains)
+        choose(self.layout, sums, self.prior, freedom)
     }
 
     /// Intervals, doubts and predictions of the last fit. `plain` holds the sums in which every sample counts.
@@ -178,6 +198,7 @@ impl Task<'_> {
         let judged = last.with_sums(plain, self.prior)?;
         let errors = judged.held_out(self.prior)?;
         let held_out = judged.centred_r_squared(&errors.rss);
+        let with_rest = self.with_rest(&judged, &errors);
         let checked = Checked {
             robot: self.robot,
             layout: self.layout,
@@ -191,51 +212,48 @@ impl Task<'_> {
         self.require_explained(&held_out, &doubts, &checked)?;
         doubts.of_all.extend(checked.warnings());
         let report = Report {
-            task: self,
-            chosen: last,
-            solved: &solved,
+            fitted: Estimated {
+                robot: self.robot,
+                settings: self.settings,
+                layout: self.layout,
+                prior: self.prior,
+                chosen: last,
+                solved: &solved,
+                covariance: &covariance,
+            },
+            runs: self.runs,
             forces: &forces,
             offsets: &offsets,
-            covariance: &covariance,
             held_out: &held_out,
+            with_rest: with_rest.as_deref().unwrap_or(&held_out),
             endogeneity: endogeneity.as_ref(),
-            warnings: doubts.sentences(self.robot),
+            has_loads: self.loads.is_some(),
         };
-        Ok(report.estimate())
+        Ok(report.estimate(doubts.sentences(self.robot)))
     }
 
     /// Refuses a fit that explains too little, with what may be the reason.
     fn require_explained(&self, held_out: &[f64], doubts: &Doubts, checked: &Checked) -> Result<()> {
-        let least = self.settings.least_r_squared;
-        let poor = |j: &usize| {
-            // Where nothing acts on a joint with a quaternion there is nothing to explain.
-            let explains_nothing = held_out[*j].is_nan() && !self.layout.exact[*j];
-            let wrong = held_out[*j] < least || explains_nothing || doubts.of_joints[*j].is_some();
-            self.layout.moves[*j] && wrong
+        let reasons = |joint: usize| {
+            let mut reasons: Vec<String> =
+                doubts.of_all.iter().cloned().chain(checked.joint(joint)).collect();
+            if reasons.is_empty() && doubts.of_joints[joint].is_none() {
+                let usual = "check sign, unit and assignment of the columns, and that the robot moved freely";
+                reasons.push(usual.into());
+            }
+            reasons
         };
-        let Some(joint) = (0..self.layout.joints).find(poor).filter(|_| !self.settings.accept_poor) else {
-            return Ok(());
-        };
-        let mut reasons: Vec<String> =
-            doubts.of_joints[joint].iter().chain(&doubts.of_all).cloned().collect();
-        reasons.extend(checked.joint(joint));
-        if reasons.is_empty() {
-            reasons.push(
-                "check sign, unit and assignment of the columns, and that the robot moved freely".into(),
-            );
-        }
-        Err(IdentificationError::Unexplained {
-            joint: self.robot.joint_names()[joint].clone(),
-            r_squared: held_out[joint],
-            least,
-            reasons: reasons.join(" "),
-        })
+        require_explained(self.robot, self.layout, self.settings, (held_out, &doubts.of_joints), reasons)
     }
 
     fn correlation_time(&self, forces: &Forces) -> f64 {
         let time = |j: usize| {
-            let series: Vec<&[f64]> = forces.residual.iter().map(|run| run[j].as_slice()).collect();
-            correlation_time(&series)
+            let of_run = |(run, forces): (&PreparedRun, &Vec<Vec<f64>>)| {
+                let stretches = self.layout.stretches(run, j).into_iter();
+                stretches.map(|rows| forces[j][rows].to_vec()).collect::<Vec<_>>()
+            };
+            let series: Vec<Vec<f64>> = self.runs.iter().zip(&forces.residual).flat_map(of_run).collect();
+            correlation_time(&series.iter().map(Vec::as_slice).collect::<Vec<_>>())
         };
         (0..self.layout.joints).filter(|&j| self.layout.measured[j]).map(time).fold(1.0, f64::max)
     }

@@ -41,6 +41,8 @@ pub(super) struct HeldOut {
     pub(super) scores: Vec<f64>,
     /// RSS of each joint over all folds.
     pub(super) rss: Vec<f64>,
+    /// Values fitted without each fold.
+    pub(super) values: Vec<Values>,
 }
 
 impl HeldOut {
@@ -132,13 +134,14 @@ pub(super) fn held_out(
     start: &Values,
 ) -> Result<HeldOut> {
     let joints = centred.layout.joints;
-    let mut found = HeldOut { scores: Vec::new(), rss: vec![0.0; joints] };
+    let mut found = HeldOut { scores: Vec::new(), rss: vec![0.0; joints], values: Vec::new() };
     for fold in 0..centred.sums.folds.len() {
         let solved = fit(centred, &centred.without[fold], model, prior, weighting, start)?;
         let rss = centred.held_out(fold, &solved.values);
         let weights = force_weights(weighting, &start.gains);
         found.scores.push(rss.iter().zip(weights).map(|(rss, w)| rss * w).sum());
         found.rss.iter_mut().zip(&rss).for_each(|(sum, rss)| *sum += rss);
+        found.values.push(solved.values);
     }
     Ok(found)
 }

@@ -84,9 +84,9 @@ pub(super) fn scores(
             rows.evaluate(samples, start..samples.times.len().min(start + length));
             let mut score = DVector::zeros(of.solved.active.len());
             for joint in 0..layout.joints {
-                let columns = rows.joint(joint);
                 let products = products(
-                    &columns,
+                    &rows.joint(joint),
+                    rows.moving(joint),
                     &factors[joint],
                     of.offsets[joint][run],
                     of.outlier[joint],
@@ -103,6 +103,7 @@ pub(super) fn scores(
 /// `Σ w r (x − x̄)` over a block, for each of a joint's columns.
 fn products(
     columns: &[&[f64]],
+    moving: &[f64],
     factors: &DVector<f64>,
     offset: f64,
     outlier: f64,
@@ -110,7 +111,7 @@ fn products(
 ) -> DVector<f64> {
     let mut r = residual(factors, offset, columns);
     let weights = huber(&r, outlier);
-    r.iter_mut().zip(weights).for_each(|(r, w)| *r *= w);
+    r.iter_mut().zip(weights).zip(moving).for_each(|((r, w), moves)| *r *= w * moves);
     let total: f64 = r.iter().sum();
     let dot = |column: &&[f64]| -> f64 { column.iter().zip(&r).map(|(x, r)| x * r).sum() };
     DVector::from_iterator(columns.len(), columns.iter().map(dot)) - means * total

@@ -1,18 +1,20 @@
 //! Which unknown stands in which column, and which columns an equation of a joint has.
 
+use super::super::digits::two_digits;
 use super::super::error::{IdentificationError, Result, require_length, require_samples};
 use super::super::pose::rows_of;
 use super::super::random::SplitMix64;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use super::result::Offsets;
+use std::ops::Range;
 
 /// Widths of the Coulomb term that are tried, as shares of the joint's fast speed.
 const WIDTHS: [f64; 4] = [0.01, 0.025, 0.06, 0.15];
 /// Candidate terms of a joint: v, the Coulomb terms, |v|, and ÿ.
 pub(super) const TERMS: usize = WIDTHS.len() + 3;
 pub(super) const VISCOUS: usize = 0;
-pub(super) const COULOMB: std::ops::Range<usize> = 1..1 + WIDTHS.len();
+pub(super) const COULOMB: Range<usize> = 1..1 + WIDTHS.len();
 pub(super) const ASYMMETRY: usize = TERMS - 2;
 pub(super) const ARMATURE: usize = TERMS - 1;
 /// The term under load, |τ_l| tanh(k v), behind the others where the layout has it.
@@ -75,23 +77,12 @@ impl Layout {
                 what: "the list of joints with measured efforts".into(),
             });
         }
-        let (parameters, scales) = (robot.parameters().len(), robot.speed_scales());
-        let terms = TERMS + usize::from(loads);
-        Ok(Self {
-            joints,
-            parameters,
-            terms,
-            local: local(robot, joints, parameters, terms),
-            steepness: (0..joints)
-                .map(|j| given.map_or_else(|| steepness(runs, j), |k| [k[j]; WIDTHS.len()]))
-                .collect(),
-            moves: (0..joints).map(|j| span(runs, j) > STANDSTILL * scales[j] && measured[j]).collect(),
-            exact: rows_of(&robot.quaternion_joints(), joints),
-            takes_inertia: robot.takes_inertia(),
-            measured,
-            effort: first.effort,
-            input_matrix: robot.input_matrix(),
-        })
+        let scales = robot.speed_scales();
+        let moves = (0..joints).map(|j| span(runs, j) > STANDSTILL * scales[j] && measured[j]).collect();
+        let steepness =
+            (0..joints).map(|j| given.map_or_else(|| steepness(runs, j), |k| [k[j]; WIDTHS.len()])).collect();
+        let layout = Self::without_data(robot, first.effort, steepness, moves, loads)?;
+        Ok(Self { measured, ..layout })
     }
 
     /// The layout before there are data: with given factors of the Coulomb terms of each joint.
@@ -100,14 +91,16 @@ impl Layout {
         effort: Effort,
         steepness: Vec<[f64; WIDTHS.len()]>,
         moves: Vec<bool>,
+        loads: bool,
     ) -> Result<Self> {
         require_known_inputs(robot, effort)?;
         let (joints, parameters) = (robot.joint_names().len(), robot.parameters().len());
+        let terms = TERMS + usize::from(loads);
         Ok(Self {
             joints,
             parameters,
-            terms: TERMS,
-            local: local(robot, joints, parameters, TERMS),
+            terms,
+            local: local(robot, joints, parameters, terms),
             steepness,
             moves,
             exact: rows_of(&robot.quaternion_joints(), joints),
@@ -131,6 +124,12 @@ impl Layout {
     /// The joints whose friction is estimated.
     pub(super) fn rubbing(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.joints).filter(|&joint| self.moves[joint] && !self.exact[joint])
+    }
+
+    /// The samples of a run that tell about a joint: without its rests, in contiguous stretches. A joint that rests in all
+    /// data has no law, and its constant stiction is an offset.
+    pub(super) fn stretches(&self, run: &PreparedRun, joint: usize) -> Vec<Range<usize>> {
+        if self.moves[joint] { run.moving(joint) } else { std::iter::once(0..run.times.len()).collect() }
     }
 
     /// The offsets of a joint's force where those of measured forces are `measured`.
@@ -284,10 +283,4 @@ fn steepness(runs: &[PreparedRun], joint: usize) -> [f64; WIDTHS.len()] {
     let (_, fast, _) = speeds.select_nth_unstable_by(at, f64::total_cmp);
     let fast = if *fast > 0.0 { *fast } else { 1.0 };
     WIDTHS.map(|width| two_digits(1.0 / (width * fast)))
-}
-
-pub(crate) fn two_digits(x: f64) -> f64 {
-    let scale = 10_f64.powf(x.abs().log10().floor() - 1.0);
-    let rounded = (x / scale).round();
-    if scale >= 1.0 { rounded * scale } else { rounded / (1.0 / scale).round() }
 }

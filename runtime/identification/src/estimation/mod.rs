@@ -7,6 +7,7 @@ mod consistent;
 mod cosines;
 mod endogeneity;
 mod estimate;
+mod estimated;
 mod fit;
 mod instruments;
 mod intervals;
@@ -33,7 +34,7 @@ pub use result::{
 pub use settings::EstimationSettings;
 pub(crate) use {
     intervals::correlation_time,
-    layout::{STANDSTILL, two_digits},
-    residuals::huber,
-    shares::{Columns, RunPiece, ShareSums, SharedData, Weighted, estimate_shares},
+    layout::STANDSTILL,
+    residuals::{huber, robust_deviation},
+    shares::{Columns, RunPiece, ShareSums, SharedData, SharedEstimate, Weighted, estimate_shares},
 };

@@ -98,14 +98,15 @@ impl<'a> Centred<'a> {
 
     /// Residual sums of squares of each joint over a fold, with the offsets from the other folds.
     pub(super) fn held_out(&self, fold: usize, values: &Values) -> Vec<f64> {
-        (0..self.layout.joints).map(|j| self.held_out_joint(fold, values, j)).collect()
+        (0..self.layout.joints).map(|j| self.rss_over(self.sums, fold, values, j)).collect()
     }
 
-    fn held_out_joint(&self, fold: usize, values: &Values, joint: usize) -> f64 {
+    /// Residual sum of squares of a joint over a fold of any sums, with the offsets from the other folds of these.
+    pub(super) fn rss_over(&self, sums: &Sums, fold: usize, values: &Values, joint: usize) -> f64 {
         let r = residual_vector(self.layout, values, joint);
         let offsets = self.offsets_without(Some(fold), &r, joint);
-        let mut rss = (&self.sums.folds[fold][joint] * &r).dot(&r);
-        for piece in self.sums.pieces.iter().filter(|p| p.fold == fold) {
+        let mut rss = (&sums.folds[fold][joint] * &r).dot(&r);
+        for piece in sums.pieces.iter().filter(|p| p.fold == fold) {
             let offset = offsets[piece.run];
             rss += offset * (offset * piece.weight[joint] - 2.0 * piece.columns[joint].dot(&r));
         }

@@ -2,6 +2,7 @@
 
 use super::super::kernel::BLOCK;
 use super::super::run::PreparedRun;
+use super::super::statistics::median;
 use super::layout::{ARMATURE, LOAD, Layout};
 use super::normal::{Values, residual_vector};
 use super::rows::Rows;
@@ -10,6 +11,9 @@ use nalgebra::DVector;
 /// Multiples of the deviation beyond which a sample loses weight (Huber 1964): 99.9 % efficient for normal
 /// errors. Friction at reversals has heavy tails that are no outliers; smaller multiples forget it.
 const HUBER: f64 = 2.5;
+
+/// Standard deviation of normal errors over the median of their magnitudes.
+const FROM_MEDIAN: f64 = 1.4826;
 
 /// Forces of every joint along every run, `[run][joint][sample]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +25,21 @@ pub(super) struct Forces {
     pub(super) described: Vec<Vec<Vec<f64>>>,
     /// Friction under load; zeros where there is none.
     pub(super) load: Vec<Vec<Vec<f64>>>,
+}
+
+impl Forces {
+    /// Runs and samples that tell about a joint: without its rests.
+    pub(super) fn moving<'a>(
+        &self,
+        layout: &'a Layout,
+        runs: &'a [PreparedRun],
+        joint: usize,
+    ) -> impl Iterator<Item = (usize, usize)> + 'a {
+        let of_run = move |(number, run): (usize, &'a PreparedRun)| {
+            layout.stretches(run, joint).into_iter().flatten().map(move |sample| (number, sample))
+        };
+        runs.iter().enumerate().flat_map(of_run)
+    }
 }
 
 /// Offsets of each joint and run, `[joint][run]`.
@@ -89,15 +108,15 @@ pub(crate) fn huber(residual: &[f64], deviation: f64) -> Vec<f64> {
     residual.iter().map(|r| if r.abs() > bound { bound / r.abs() } else { 1.0 }).collect()
 }
 
-/// Deviation of each joint's residuals from their median, by the median: outliers do not move it.
-pub(super) fn robust_deviations(forces: &Forces) -> Vec<f64> {
-    let joints = forces.residual.first().map_or(0, Vec::len);
-    let deviation = |j: usize| {
-        let mut sizes: Vec<f64> =
-            forces.residual.iter().flat_map(|run| run[j].iter().map(|r| r.abs())).collect();
-        let middle = sizes.len() / 2;
-        let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-        (1.4826 * *median).max(f64::MIN_POSITIVE)
-    };
-    (0..joints).map(deviation).collect()
+/// [`robust_deviation`] of each joint where it moves.
+pub(super) fn robust_deviations(layout: &Layout, runs: &[PreparedRun], forces: &Forces) -> Vec<f64> {
+    let sizes =
+        |j: usize| forces.moving(layout, runs, j).map(move |(run, i)| forces.residual[run][j][i].abs());
+    (0..layout.joints).map(|j| robust_deviation(sizes(j))).collect()
+}
+
+/// Standard deviation of residuals by the median of their sizes, which outliers do not move; infinite where there are
+/// none.
+pub(crate) fn robust_deviation(sizes: impl Iterator<Item = f64>) -> f64 {
+    median(sizes).map_or(f64::INFINITY, |median| (FROM_MEDIAN * median).max(f64::MIN_POSITIVE))
 }

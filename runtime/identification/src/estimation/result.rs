@@ -80,13 +80,6 @@ pub struct InstrumentalEstimate {
     pub p_value: f64,
 }
 
-impl InstrumentalEstimate {
-    /// Whether the test rejects that least squares is not biased, at a level of e.g. 0.05.
-    pub fn rejects(&self, level: f64) -> bool {
-        self.p_value < level
-    }
-}
-
 /// A value with its interval, which holds under correlated residuals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertain {
@@ -121,6 +114,11 @@ pub struct JointEstimate {
     pub r_squared: f64,
     /// The same with each fold predicted from the others.
     pub held_out_r_squared: f64,
+    /// The same over all samples, those at rest among them: dry friction takes any value there up to the static one, which
+    /// no law of the velocity predicts. Estimates from moments do not know it: NaN.
+    pub held_out_with_rest: f64,
+    /// Share of the samples in which the joint rests. The estimate, and all other numbers here, are made without them.
+    pub rest: f64,
     /// Whether the joint moves in the data.
     pub moves: bool,
     /// Whether its effort was measured. Where not, it has no terms, gain or armature, its numbers are NaN, and so are
@@ -138,11 +136,4 @@ pub struct EstimatedTerm {
     pub basis: String,
     /// Its coefficient.
     pub coefficient: Uncertain,
-}
-
-impl Uncertain {
-    pub(super) fn new(value: f64, standard_error: f64, quantile: f64) -> Self {
-        let half = quantile * standard_error;
-        Self { value, standard_error, interval: [value - half, value + half] }
-    }
 }

@@ -23,6 +23,8 @@ pub(super) struct Rows<'a> {
     at_rest: Vec<f64>,
     /// Columns of each joint, [`BLOCK`] apart.
     columns: Vec<Vec<f64>>,
+    /// Weight of each sample for each joint: 0 at rest, 1 else.
+    moving: Vec<Vec<f64>>,
     count: usize,
 }
 
@@ -46,8 +48,14 @@ impl<'a> Rows<'a> {
             regressor: vec![0.0; size],
             at_rest: vec![0.0; size],
             columns: (0..layout.joints).map(|j| vec![0.0; layout.width(j) * BLOCK]).collect(),
+            moving: vec![Vec::new(); layout.joints],
             count: 0,
         }
+    }
+
+    /// 0 for each sample evaluated last in which a joint rests, 1 for the others.
+    pub(super) fn moving(&self, joint: usize) -> &[f64] {
+        &self.moving[joint]
     }
 
     /// Columns of a joint at the samples evaluated last.
@@ -64,6 +72,10 @@ impl<'a> Rows<'a> {
         let mut y = vec![0.0; coordinates.len()];
         let (mut v, mut a, mut rigid) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         self.friction(run, &rows);
+        for (joint, moving) in self.moving.iter_mut().enumerate() {
+            let rests = |sample: usize| self.layout.moves[joint] && run.rests(joint, sample);
+            *moving = rows.clone().map(|sample| if rests(sample) { 0.0 } else { 1.0 }).collect();
+        }
         for (place, sample) in rows.enumerate() {
             y.iter_mut().zip(coordinates).for_each(|(y, column)| *y = column[sample]);
             for j in 0..n {

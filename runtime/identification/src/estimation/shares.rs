@@ -3,22 +3,22 @@
 //! The columns' means over each run are taken off before they are multiplied: so each run has an offset of its own,
 //! and sums of any logs add up. A share is a fold of the held-out error and a block of the covariance.
 
-use super::super::error::{IdentificationError, Result, require_finite};
+use super::super::error::{Result, require_finite};
 use super::super::kernel::{BLOCK, add_products};
+use super::super::library::{slope, smooth_sign};
 use super::super::preparation::Filter;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
-use super::super::shafts::slope;
 use super::alternatives::signs;
-use super::checks::{acceleration_doubt_of, first_gains, unit_doubt};
+use super::checks::{acceleration_doubt_of, unit_doubt};
 use super::choice::{Chosen, Freedom, choose};
-use super::fit::{HeldOut, Solved, fit};
-use super::intervals::{Covariance, Fitted, Scores, covariance};
+use super::estimated::{Estimated, JointFit, require_explained};
+use super::fit::{HeldOut, fit};
+use super::intervals::{Fitted, Scores, covariance};
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
-use super::normal::{Values, force_vector, residual_vector};
+use super::normal::{force_vector, residual_vector};
 use super::prior::Prior;
-use super::report::chosen_in_words;
-use super::result::{Estimate, EstimatedTerm, JointEstimate, Offsets, Uncertain};
+use super::result::{Estimate, Offsets};
 use super::rows::Rows;
 use super::settings::EstimationSettings;
 use super::sums::{PieceSums, Sums};
@@ -70,7 +70,7 @@ impl Columns {
     pub(crate) fn new(robot: &dyn Robot, effort: Effort, moves: Vec<bool>) -> Result<Self> {
         let scales = robot.speed_scales().into_iter();
         let steepness = scales.map(|scale| STEEPNESS.map(|factor| slope(factor, scale))).collect();
-        Ok(Self { layout: Layout::without_data(robot, effort, steepness, moves)? })
+        Ok(Self { layout: Layout::without_data(robot, effort, steepness, moves, false)? })
     }
 
     /// Number of columns of each joint.
@@ -82,7 +82,7 @@ impl Columns {
     pub(crate) fn library(&self, joint: usize) -> Vec<(String, usize)> {
         let (first, width) = (self.layout.local[joint].len() - TERMS, self.layout.width(joint));
         let coulomb = |place: usize| first + COULOMB.start + place;
-        let tanh = |place: usize| format!("tanh({}*v)", self.layout.steepness[joint][place]);
+        let tanh = |place: usize| smooth_sign(self.layout.steepness[joint][place]);
         vec![
             ("v".to_owned(), first + VISCOUS),
             ("sign(v)".to_owned(), width),
@@ -164,7 +164,7 @@ impl Columns {
         let square =
             |(sums, q): (&Vec<f64>, &usize)| DMatrix::from_fn(*q, *q, |i, j| sums[i.max(j) * q + i.min(j)]);
         ShareSums {
-            samples: piece.len(),
+            samples: piece.clone().filter(|sample| run.is_moving(*sample)).count(),
             weights: weights.iter().map(|weights| weights[piece.clone()].iter().sum()).collect(),
             products: products.iter().zip(&widths).map(square).collect(),
             lost,
@@ -193,9 +193,11 @@ fn scale(column: &mut [f64], weights: &[f64]) {
     column.iter_mut().zip(weights).for_each(|(x, w)| *x *= w.sqrt());
 }
 
+/// An outlier keeps some weight; samples without any are those of a rest, which nothing is asked of.
 fn add_lost(lost: &mut [f64; 2], weights: &[f64], squared: [&[f64]; 2]) {
     for (sum, values) in lost.iter_mut().zip(squared) {
-        *sum += values.iter().zip(weights).map(|(x, w)| (1.0 - w) * x * x).sum::<f64>();
+        let counted = values.iter().zip(weights).filter(|(_, w)| **w > 0.0);
+        *sum += counted.map(|(x, w)| (1.0 - w) * x * x).sum::<f64>();
     }
 }
 
@@ -228,18 +230,13 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     let layout = &columns.layout;
     let prior = Prior::new(&robot.parameters(), robot.bodies());
     let sums = sums_of(layout, shares);
-    let gains = layout.effort == Effort::Current;
-    let start = Values {
-        unknowns: DVector::zeros(layout.len()),
-        gains: if gains { first_gains(layout, &sums) } else { vec![1.0; layout.joints] },
-    };
     let freedom = Freedom {
         offsets: Some(Offsets::None),
         terms: settings.optional_terms,
         loads: &[],
         consistent: settings.consistent,
     };
-    let chosen = choose(layout, &sums, &prior, &start, freedom, gains)?;
+    let chosen = choose(layout, &sums, &prior, freedom)?;
     let Chosen { centred, model, weighting, values, .. } = &chosen;
     let solved = fit(centred, &centred.all, model, &prior, weighting, values)?;
     let fitted = Fitted {
@@ -252,13 +249,19 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     };
     let scores = Scores::of_folds(&fitted, data.correlation_time);
     let held_out = chosen.held_out(&prior)?;
+    let covariance = covariance(&fitted, &prior, &scores)?;
     let found = Found {
         data,
-        prior: &prior,
-        chosen: &chosen,
-        covariance: covariance(&fitted, &prior, &scores)?,
         doubts: signs(&chosen, &held_out, &prior)?,
-        solved: &solved,
+        fitted: Estimated {
+            robot,
+            settings,
+            layout,
+            prior: &prior,
+            chosen: &chosen,
+            solved: &solved,
+            covariance: &covariance,
+        },
         held_out,
     };
     found.require_explained()?;
@@ -293,42 +296,31 @@ fn sums_of(layout: &Layout, shares: &[ShareSums]) -> Sums {
 /// Everything that the estimate is reported from.
 struct Found<'a> {
     data: &'a SharedData<'a>,
-    prior: &'a Prior,
-    chosen: &'a Chosen<'a>,
-    solved: &'a Solved,
-    covariance: Covariance,
+    fitted: Estimated<'a>,
     held_out: HeldOut,
     doubts: Vec<Option<String>>,
 }
 
 impl Found<'_> {
-    fn layout(&self) -> &Layout {
-        &self.data.columns.layout
-    }
-
     /// Refuses a fit that explains too little, or another sign better.
     fn require_explained(&self) -> Result<()> {
-        let least = self.data.settings.least_r_squared;
+        let Estimated { robot, settings, layout, .. } = self.fitted;
         let held_out: Vec<f64> =
-            (0..self.layout().joints).map(|j| self.r_squared(j, self.held_out.rss[j])).collect();
-        let poor = |j: &usize| {
-            let wrong = held_out[*j] < least || held_out[*j].is_nan() || self.doubts[*j].is_some();
-            self.layout().moves[*j] && wrong
-        };
-        let Some(joint) = (0..held_out.len()).find(poor).filter(|_| !self.data.settings.accept_poor) else {
-            return Ok(());
-        };
+            (0..layout.joints).map(|joint| self.r_squared(joint, self.held_out.rss[joint])).collect();
         let usual = "check sign, unit and assignment of the columns where the logs are reduced, and that the robot moved freely";
-        Err(IdentificationError::Unexplained {
-            joint: self.data.robot.joint_names()[joint].clone(),
-            r_squared: held_out[joint],
-            least,
-            reasons: self.doubts[joint].clone().unwrap_or_else(|| usual.into()),
-        })
+        let reasons = |joint: usize| {
+            let usual = self.doubts[joint].is_none().then(|| usual.to_owned());
+            usual.into_iter().collect()
+        };
+        require_explained(robot, layout, settings, (&held_out, &self.doubts), reasons)
     }
 
     fn gain(&self, joint: usize) -> f64 {
-        self.solved.values.gains[joint]
+        self.fitted.solved.values.gains[joint]
+    }
+
+    fn products(&self, joint: usize) -> &DMatrix<f64> {
+        &self.fitted.chosen.centred.all[joint]
     }
 
     /// Σ (1 − w) r² and Σ (1 − w)(z − z̄)² in units of force.
@@ -339,133 +331,64 @@ impl Found<'_> {
 
     /// `1 − RSS / Σ (τ − τ̄)²`, τ̄ by run, outliers counted in full.
     fn r_squared(&self, joint: usize, rss: f64) -> f64 {
-        let products = &self.chosen.centred.all[joint];
+        let products = self.products(joint);
         let last = products.nrows() - 1;
         let [residual, total] = self.lost(joint);
         1.0 - (rss + residual) / (self.gain(joint).powi(2) * products[(last, last)] + total)
     }
 
     fn estimate(&self) -> Estimate {
-        let described = self.data.robot.parameters();
-        let parameters = described.iter().enumerate().map(|(i, base)| self.uncertain(i, *base));
-        let names = self.data.robot.joint_names();
-        let warnings = names.iter().enumerate().flat_map(|(joint, name)| {
+        let Estimated { robot, chosen, solved, .. } = self.fitted;
+        let warnings = robot.joint_names().into_iter().enumerate().flat_map(|(joint, name)| {
             self.doubts_of(joint).into_iter().map(move |doubt| format!("Joint {name}: {doubt}"))
         });
-        let warnings = warnings.collect();
-        let mut choices = vec!["Each joint's force has an offset in each run.".to_owned()];
-        choices.extend(chosen_in_words(
-            self.data.robot,
-            self.chosen,
-            self.prior,
-            self.solved,
-            &self.covariance,
-        ));
-        let values = &self.solved.values.unknowns;
+        let offsets = "Each joint's force has an offset in each run.".to_owned();
+        let choices = std::iter::once(offsets).chain(self.fitted.choices());
+        let rss = chosen.centred.residuals(&chosen.centred.all, &solved.values);
+        let fit = |joint: usize| JointFit {
+            offsets: Vec::new(),
+            squares: rss[joint] + self.lost(joint)[0],
+            samples: chosen.centred.sums.samples,
+            r_squared: self.r_squared(joint, rss[joint]),
+            held_out_r_squared: self.r_squared(joint, self.held_out.rss[joint]),
+            held_out_with_rest: f64::NAN,
+            rest: 0.0,
+        };
+        let fits = (0..rss.len()).map(fit).collect();
         Estimate {
-            parameters: parameters.collect(),
-            consistent: self.prior.can_exist(values),
-            joints: names.into_iter().enumerate().map(|(joint, name)| self.joint(joint, name)).collect(),
-            effort: self.layout().effort,
             offsets: Offsets::ByRun,
-            description_weight: self.chosen.weighting.description,
-            weights_tried: self.chosen.tried.clone(),
-            effective_parameters: self.covariance.decided,
-            load_friction: Vec::new(),
-            measured: Vec::new(),
-            predicted: Vec::new(),
-            friction: Vec::new(),
-            confidence: self.data.settings.confidence,
-            instrumental: None,
-            choices,
-            warnings,
+            ..self.fitted.estimate(fits, choices.collect(), warnings.collect())
         }
     }
 
     /// Doubts about a moving joint: its sign, its unit, and a residual that follows the acceleration.
     fn doubts_of(&self, joint: usize) -> Vec<String> {
-        let layout = self.layout();
+        let Estimated { layout, chosen, solved, .. } = self.fitted;
         if !layout.moves[joint] {
             return Vec::new();
         }
-        let products = &self.chosen.centred.all[joint];
+        let products = self.products(joint);
         let width = products.nrows();
-        let residual = residual_vector(layout, &self.solved.values, joint);
-        let force = force_vector(layout, &self.solved.values, joint);
+        let residual = residual_vector(layout, &solved.values, joint);
+        let force = force_vector(layout, &solved.values, joint);
         let column = |place: usize| DVector::from_fn(width, |i, _| if i == place { 1.0 } else { 0.0 });
         let sum = |a: &DVector<f64>, b: &DVector<f64>| (products * a).dot(b);
-        let acceleration = column(layout.local[joint].len() - TERMS + ARMATURE);
+        let acceleration = column(layout.first_term(joint) + ARMATURE);
         let [described, measured] = [column(width - 2), column(width - 1) * self.gain(joint)];
         let sizes = [&force, &described, &measured].map(|of| sum(of, of).max(0.0).sqrt());
         let sums =
             [sum(&acceleration, &acceleration), sum(&acceleration, &residual), sum(&residual, &residual)];
-        let (time, samples) = (self.data.correlation_time, self.chosen.centred.sums.samples);
+        let (time, samples) = (self.data.correlation_time, chosen.centred.sums.samples);
         let doubts =
             [self.doubts[joint].clone(), unit_doubt(sizes), acceleration_doubt_of(sums, time, samples)];
         doubts.into_iter().flatten().collect()
     }
 
-    fn uncertain(&self, global: usize, base: f64) -> Uncertain {
-        self.with_interval(
-            base + self.solved.values.unknowns[global],
-            self.covariance.deviation(self.solved, global),
-        )
-    }
-
-    /// Student's interval: the shares' scores have a variance of their own.
-    fn with_interval(&self, value: f64, deviation: f64) -> Uncertain {
-        let freedom = self.data.shares.len().max(2) as f64 - 1.0;
-        let quantile = super::super::confidence::quantile(self.data.settings.confidence, freedom);
-        Uncertain::new(value, deviation, quantile.unwrap_or(f64::INFINITY))
-    }
-
-    fn joint(&self, joint: usize, name: String) -> JointEstimate {
-        let (layout, model) = (self.layout(), &self.chosen.model);
-        let rss = self.chosen.centred.residuals(&self.chosen.centred.all, &self.solved.values)[joint];
-        let samples: usize = self.data.shares.iter().map(|share| share.samples).sum();
-        let armature = model.armature[joint] && layout.moves[joint];
-        let gain = || {
-            let relative = self.covariance.deviation(self.solved, layout.gain(joint));
-            self.with_interval(self.gain(joint), self.gain(joint) * relative)
-        };
-        JointEstimate {
-            name,
-            unit: if self.data.robot.position_units()[joint] == "m" { "N" } else { "N·m" },
-            terms: self.terms(joint),
-            load: None,
-            armature: armature.then(|| self.uncertain(layout.term(joint, ARMATURE), 0.0)),
-            gain: model.gains.then(gain),
-            offsets: Vec::new(),
-            sigma: ((rss + self.lost(joint)[0]) / samples.max(1) as f64).sqrt(),
-            r_squared: self.r_squared(joint, rss),
-            held_out_r_squared: self.r_squared(joint, self.held_out.rss[joint]),
-            moves: layout.moves[joint],
-            exact: layout.exact[joint],
-            measured: true,
-        }
-    }
-
-    fn terms(&self, joint: usize) -> Vec<EstimatedTerm> {
-        let (layout, model) = (self.layout(), &self.chosen.model);
-        if !layout.moves[joint] {
-            return Vec::new();
-        }
-        let width = model.coulomb[joint];
-        let tanh = format!("tanh({}*v)", layout.steepness[joint][width]);
-        let mut terms = vec![("v".to_owned(), VISCOUS), (tanh, COULOMB.start + width)];
-        terms.extend(model.asymmetry[joint].then(|| ("abs(v)".to_owned(), ASYMMETRY)));
-        let term = |(basis, term)| EstimatedTerm {
-            basis,
-            coefficient: self.uncertain(layout.term(joint, term), 0.0),
-        };
-        terms.into_iter().map(term).collect()
-    }
-
     /// Measured force minus the rigid body's and an added inertia's, as factors of a joint's columns.
     fn friction(&self, joint: usize) -> DVector<f64> {
-        let layout = self.layout();
-        let mut factors = residual_vector(layout, &self.solved.values, joint);
-        let first = layout.local[joint].len() - TERMS;
+        let layout = self.fitted.layout;
+        let mut factors = residual_vector(layout, &self.fitted.solved.values, joint);
+        let first = layout.first_term(joint);
         (VISCOUS..=ASYMMETRY).for_each(|term| factors[first + term] = 0.0);
         let width = factors.len();
         factors.resize_vertically(width + EXTRA, 0.0)

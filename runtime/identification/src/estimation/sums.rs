@@ -58,25 +58,32 @@ pub(super) fn cut(runs: &[PreparedRun], folds: usize) -> Vec<Piece> {
         let halves = runs.iter().enumerate().flat_map(|(i, run)| {
             let group =
                 if count < 2 { i * pairs / runs.len() } else { motions[i] * pairs.min(count) / count };
-            let halves = contiguous_blocks(run.times.len(), 2).enumerate();
-            halves.map(move |(half, rows)| Piece { run: i, fold: 2 * group + half, rows })
+            let halves = parts(std::slice::from_ref(run), 2).into_iter();
+            halves.map(move |(_, half, rows)| Piece { run: i, fold: 2 * group + half, rows })
         });
         return halves.collect();
     }
-    let total: usize = runs.iter().map(|r| r.times.len()).sum();
-    let mut pieces = Vec::new();
-    let mut start = 0;
-    for (i, run) in runs.iter().enumerate() {
-        let end = start + run.times.len();
-        for (fold, block) in contiguous_blocks(total, folds).enumerate() {
-            let (from, to) = (block.start.max(start), block.end.min(end));
-            if from < to {
-                pieces.push(Piece { run: i, fold, rows: from - start..to - start });
+    parts(runs, folds).into_iter().map(|(run, fold, rows)| Piece { run, fold, rows }).collect()
+}
+
+/// Contiguous parts of all runs together, each with as many samples in which something moves: number of the run, of the
+/// part, and the rows.
+fn parts(runs: &[PreparedRun], count: usize) -> Vec<(usize, usize, Range<usize>)> {
+    let moving = |run: &PreparedRun| (0..run.times.len()).filter(|i| run.is_moving(*i)).count();
+    let blocks: Vec<Range<usize>> = contiguous_blocks(runs.iter().map(moving).sum(), count).collect();
+    let mut parts: Vec<(usize, usize, Range<usize>)> = Vec::new();
+    let mut before = 0;
+    for (number, run) in runs.iter().enumerate() {
+        for i in 0..run.times.len() {
+            let part = blocks.partition_point(|block| block.end <= before).min(count.saturating_sub(1));
+            match parts.last_mut() {
+                Some((last, same, rows)) if *last == number && *same == part => rows.end = i + 1,
+                _ => parts.push((number, part, i..i + 1)),
             }
+            before += usize::from(run.is_moving(i));
         }
-        start = end;
     }
-    pieces
+    parts
 }
 
 /// Number of each run's motion, in the order of their first runs, and how many motions there are.
@@ -111,8 +118,18 @@ fn is_repeat(one: &PreparedRun, other: &PreparedRun) -> bool {
     apart <= ALIKE * way
 }
 
-/// Weight of each sample in a block: of run, rows, joint and the joint's columns.
-pub(super) type Weights<'w> = &'w dyn Fn(usize, usize, &[&[f64]]) -> Vec<f64>;
+/// Weight of each sample in a block: of run, joint, the joint's columns, and [`Rows::moving`].
+pub(super) type Weights<'w> = &'w dyn Fn(usize, usize, &[&[f64]], &[f64]) -> Vec<f64>;
+
+/// Every sample counts in which its joint moves.
+pub(super) fn moving(_run: usize, _joint: usize, _columns: &[&[f64]], moving: &[f64]) -> Vec<f64> {
+    moving.to_vec()
+}
+
+/// Every sample counts in which its joint rests.
+pub(super) fn resting(_run: usize, _joint: usize, _columns: &[&[f64]], moving: &[f64]) -> Vec<f64> {
+    moving.iter().map(|moves| 1.0 - moves).collect()
+}
 
 /// The sums over all pieces, each sample of a joint times its weight.
 pub(super) fn sum(
@@ -132,7 +149,7 @@ pub(super) fn sum(
             rows.evaluate(&runs[piece.run], start..piece.rows.end.min(start + BLOCK));
             for joint in 0..layout.joints {
                 let columns = rows.joint(joint);
-                let weight = weights(piece.run, joint, &columns);
+                let weight = weights(piece.run, joint, &columns, rows.moving(joint));
                 add(&columns, &weight, &mut products[piece.fold][joint]);
                 of_piece.add(joint, &columns, &weight);
             }
@@ -148,6 +165,9 @@ pub(super) fn sum(
 }
 
 fn add(columns: &[&[f64]], weight: &[f64], sums: &mut [f64]) {
+    if weight.iter().all(|w| *w == 0.0) {
+        return;
+    }
     if weight.iter().all(|w| *w == 1.0) {
         return add_products(columns, sums);
     }
@@ -176,6 +196,19 @@ impl PieceSums {
 }
 
 impl Sums {
+    /// Both, over the same pieces.
+    pub(super) fn with(&self, other: &Self) -> Self {
+        let mut sum = self.clone();
+        for (fold, other) in sum.folds.iter_mut().zip(&other.folds) {
+            fold.iter_mut().zip(other).for_each(|(a, b)| *a += b);
+        }
+        for (piece, other) in sum.pieces.iter_mut().zip(&other.pieces) {
+            piece.weight.iter_mut().zip(&other.weight).for_each(|(a, b)| *a += b);
+            piece.columns.iter_mut().zip(&other.columns).for_each(|(a, b)| *a += b);
+        }
+        sum
+    }
+
     /// Products of a joint over all folds but one.
     pub(super) fn products(&self, joint: usize, without: Option<usize>) -> DMatrix<f64> {
         let q = self.folds[0][joint].nrows();
@@ -208,6 +241,7 @@ mod tests {
         let positions: Vec<f64> = times.iter().map(|t| (frequency * t + off).sin()).collect();
         PreparedRun {
             poses: Vec::new(),
+            resting: Vec::new(),
             name: "run".into(),
             rows: (2..202).collect(),
             positions: vec![positions],

@@ -11,6 +11,7 @@ mod motion;
 mod plan;
 mod search;
 
-pub use motion::{FourierMotion, Instant};
+pub use super::robot::Instant;
+pub use motion::FourierMotion;
 pub use plan::{Plan, PlanSettings, PlannedShaft, plan};
 pub use search::{Excitation, ExcitationLimits, ExcitationResult};

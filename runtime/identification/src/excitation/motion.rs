@@ -1,5 +1,6 @@
 //! Periodic motions as sums of sines and cosines.
 
+use super::super::robot::Instant;
 use super::ExcitationLimits;
 use std::f64::consts::TAU;
 
@@ -13,9 +14,6 @@ pub struct FourierMotion {
     /// (aᵢₖ, bᵢₖ) for k = 1, 2, …, for each joint.
     pub coefficients: Vec<Vec<[f64; 2]>>,
 }
-
-/// Positions, velocities and accelerations of all joints at one time.
-pub type Instant = [Vec<f64>; 3];
 
 impl FourierMotion {
     /// y, ẏ, ÿ of joint `i` at time `t` (s).

@@ -1,7 +1,8 @@
 //! The operations of a program over blocks of samples.
 
-use crate::kernel::{exp_block, sin_block, tanh_block};
+use super::tanh::tanh;
 use gelenk_formula::{Function, Operator, Unary};
+use gelenk_kernels::math::{exp, sin_cos, sin_cos_lanes};
 use multiversion::multiversion;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,24 +25,43 @@ pub(crate) fn sign(x: f64) -> f64 {
     if x == 0.0 || x.is_nan() { x } else { x.signum() }
 }
 
+/// Angles whose sine and cosine are computed at once.
+const LANES: usize = 8;
+
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
+#[expect(
+    clippy::redundant_closure,
+    reason = "a function by its name is called where a closure is inlined, into lanes"
+)]
 pub(super) fn unary(f: Unary, a: &[f64], out: &mut [f64]) {
-    let map = |f: fn(f64) -> f64, out: &mut [f64]| {
+    #[inline(always)]
+    fn map(a: &[f64], out: &mut [f64], f: impl Fn(f64) -> f64) {
         for (o, a) in out.iter_mut().zip(a) {
             *o = f(*a);
         }
-    };
+    }
+    #[inline(always)]
+    fn turn(angles: &[f64], out: &mut [f64], choose: impl Fn((f64, f64)) -> f64) {
+        let (mut sin, mut cos) = ([0.0; LANES], [0.0; LANES]);
+        let (eights, rest) = angles.as_chunks::<LANES>();
+        let (out_eights, out_rest) = out.as_chunks_mut::<LANES>();
+        for (angles, out) in eights.iter().zip(out_eights) {
+            sin_cos_lanes(angles, &mut sin, &mut cos);
+            *out = std::array::from_fn(|lane| choose((sin[lane], cos[lane])));
+        }
+        map(rest, out_rest, |angle| choose(sin_cos(angle)));
+    }
     match f {
-        Unary::Negate => map(|a| -a, out),
-        Unary::Not => map(|a| 1.0 - a, out),
-        Unary::Logarithm => map(f64::ln, out),
-        Unary::Call(Function::Abs) => map(f64::abs, out),
-        Unary::Call(Function::Sign) => map(sign, out),
-        Unary::Call(Function::Sqrt) => map(f64::sqrt, out),
-        Unary::Call(Function::Exp) => exp_block(a, out),
-        Unary::Call(Function::Sin) => sin_block(a, out),
-        Unary::Call(Function::Cos) => map(f64::cos, out),
-        Unary::Call(Function::Tanh) => tanh_block(a, out),
+        Unary::Negate => map(a, out, |a| -a),
+        Unary::Not => map(a, out, |a| 1.0 - a),
+        Unary::Logarithm => map(a, out, f64::ln),
+        Unary::Call(Function::Abs) => map(a, out, f64::abs),
+        Unary::Call(Function::Sign) => map(a, out, sign),
+        Unary::Call(Function::Sqrt) => map(a, out, f64::sqrt),
+        Unary::Call(Function::Exp) => map(a, out, |a| exp(a)),
+        Unary::Call(Function::Sin) => turn(a, out, |(sin, _)| sin),
+        Unary::Call(Function::Cos) => turn(a, out, |(_, cos)| cos),
+        Unary::Call(Function::Tanh) => map(a, out, |a| tanh(a)),
     }
 }
 

@@ -7,6 +7,7 @@
 
 mod arithmetic;
 mod compiler;
+mod tanh;
 
 pub(crate) use arithmetic::sign;
 

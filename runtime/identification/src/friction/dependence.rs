@@ -1,9 +1,10 @@
 //! Residuals that depend on what friction does not know: signs of a wrong rigid body.
 
-use super::super::error::Result;
-use super::super::least_squares::Reduced;
 use super::super::moments::{Moments, Samples};
-use super::design::{centre, fold_ranges, runs};
+use super::super::offset::centre;
+use super::design::{fold_ranges, runs};
+use super::held_out::by_folds;
+use super::selection::Selection;
 use super::task::FrictionData;
 
 /// Share of the residual's variance that another quantity must explain on left-out folds to be named.
@@ -69,17 +70,6 @@ fn explained_share(
     }
     let folds = Moments::ranges(&samples, &fold_ranges(data, folds)).ok()?;
     let energy: f64 = folds.iter().map(|fold| fold.energy(0)).sum();
-    let left = left_over(&folds).ok()?;
+    let left = by_folds(&folds, &Selection::All, None).ok()?;
     (energy > 0.0).then(|| 1.0 - left / energy)
-}
-
-fn left_over(folds: &[Moments]) -> Result<f64> {
-    let mut sum = 0.0;
-    for (k, fold) in folds.iter().enumerate() {
-        let others = folds.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, fold)| fold);
-        let training = Reduced::from_moments(Moments::sum(others)?)?;
-        let all: Vec<usize> = (0..training.moments().terms()).collect();
-        sum += fold.residual(0, &training.solve(0, &all, 0.0)?);
-    }
-    Ok(sum)
 }

@@ -9,8 +9,8 @@ use super::super::error::{IdentificationError, Result};
 use super::super::least_squares::Reduced;
 use super::super::library::Library;
 use super::super::moments::{Moments, Samples, contiguous_blocks};
-use super::super::offset::Offset;
-use super::super::subset::{Requirement, requirements};
+use super::super::offset::{Offset, centre, mean};
+use super::super::subset::seen_both_ways;
 use super::task::{FrictionData, FrictionIdentification, Offsets};
 use nalgebra::DVector;
 use std::ops::Range;
@@ -18,9 +18,6 @@ use std::ops::Range;
 /// Share of a column that must remain when the runs' means are taken off. Less cannot be told from offsets: six
 /// digits of the data would be lost.
 const LEAST_REMAINDER: f64 = 1e-6;
-
-/// Share of a term's energy that the rarer direction must have for an asymmetry to be told.
-const LEAST_OF_A_DIRECTION: f64 = 0.01;
 
 /// Columns of the candidate terms and the torque, without offsets.
 pub(super) struct Design<'a> {
@@ -42,17 +39,7 @@ impl<'a> Design<'a> {
         let separate = settings.offsets == Offsets::Separate;
         let (library, notes) = seen(&settings.library, separate, data.velocities)?;
         let (library, hidden) = if separate { without_offsets(library, data)? } else { (library, None) };
-        Ok(Self { notes, hidden, ..Self::over(library, &[data.velocities], separate, data)? })
-    }
-
-    /// The design of a library over any channels.
-    pub(super) fn over(
-        library: Library,
-        channels: &[&[f64]],
-        separate: bool,
-        data: &'a FrictionData<'a>,
-    ) -> Result<Self> {
-        let matrix = library.matrix(channels)?;
+        let matrix = library.matrix(&[data.velocities])?;
         let mut columns: Vec<Vec<f64>> = matrix.column_iter().map(|c| c.iter().copied().collect()).collect();
         let mut torque = data.torques.to_vec();
         let runs = runs(data);
@@ -63,7 +50,7 @@ impl<'a> Design<'a> {
             }
             centre(&mut torque, &runs, data.weights);
         }
-        Ok(Self { data, library, columns, torque, runs, separate, notes: Vec::new(), hidden: None })
+        Ok(Self { data, library, columns, torque, runs, separate, notes, hidden })
     }
 
     /// Samples for least squares.
@@ -151,23 +138,6 @@ pub(super) fn offsets(
     runs.iter().map(offset).collect()
 }
 
-/// Takes its (weighted) mean off each run of a column.
-pub(crate) fn centre(column: &mut [f64], runs: &[Range<usize>], weights: Option<&[f64]>) {
-    for rows in runs {
-        let mean = mean(&column[rows.clone()], weights.map(|w| &w[rows.clone()]));
-        column[rows.clone()].iter_mut().for_each(|x| *x -= mean);
-    }
-}
-
-pub(super) fn mean(x: &[f64], weights: Option<&[f64]>) -> f64 {
-    let Some(weights) = weights else {
-        return x.iter().sum::<f64>() / x.len() as f64;
-    };
-    let total: f64 = weights.iter().sum();
-    let sum: f64 = x.iter().zip(weights).map(|(x, w)| x * w).sum();
-    if total > 0.0 { sum / total } else { 0.0 }
-}
-
 fn centre_term(term: &str, column: &mut [f64], runs: &[Range<usize>], weights: Option<&[f64]>) -> Result<()> {
     let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
     let before = norm(column);
@@ -205,35 +175,15 @@ fn require_independent(
 }
 
 /// The terms of a library that may enter a law of these velocities, and what was left out.
-pub(super) fn seen(library: &Library, separate: bool, velocities: &[f64]) -> Result<(Library, Vec<String>)> {
+fn seen(library: &Library, separate: bool, velocities: &[f64]) -> Result<(Library, Vec<String>)> {
     let library = if separate { without_constants(library)? } else { library.clone() };
-    without_unseen_asymmetries(&library, velocities)
-}
-
-/// The library without asymmetries `|f(v)|` of motion that is nearly all in one direction: there they are `f(v)` or
-/// its negative.
-fn without_unseen_asymmetries(library: &Library, velocities: &[f64]) -> Result<(Library, Vec<String>)> {
     let matrix = library.matrix(&[velocities])?;
-    let unseen = |requirement: &Requirement| {
-        let column = matrix.column(requirement.needs);
-        let energy = |sign: f64| -> f64 { column.iter().map(|x| (sign * x).max(0.0).powi(2)).sum() };
-        let (forwards, backwards) = (energy(1.0), energy(-1.0));
-        forwards.min(backwards) < LEAST_OF_A_DIRECTION * (forwards + backwards)
+    let energies = |term: usize| {
+        let column = matrix.column(term);
+        [1.0, -1.0].map(|sign| column.iter().map(|x| (sign * x).max(0.0).powi(2)).sum())
     };
-    let left_out: Vec<usize> = requirements(library.terms())
-        .iter()
-        .filter(|requirement| unseen(requirement))
-        .map(|requirement| requirement.term)
-        .collect();
-    if left_out.is_empty() {
-        return Ok((library.clone(), Vec::new()));
-    }
-    let (out, kept): (Vec<_>, Vec<_>) =
-        library.terms().iter().enumerate().partition(|(i, _)| left_out.contains(i));
-    let texts = |terms: &[(usize, &String)]| -> Vec<String> { terms.iter().map(|t| t.1.clone()).collect() };
-    let note =
-        format!("{} left out: the joint hardly moves in one of its directions", texts(&out).join(", "));
-    Ok((Library::new(&texts(&kept), library.channels())?, vec![note]))
+    let (kept, note) = seen_both_ways(library.terms(), energies);
+    Ok((library.only(&kept)?, note.into_iter().collect()))
 }
 
 /// The library without terms that are offsets in these data, as `sign(v)` where each run moves in one direction, and
@@ -251,13 +201,13 @@ fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Op
     if kept.is_empty() || out.is_empty() || data.velocities.len() <= library.len() {
         return Ok((library, None));
     }
-    let texts = |of: &[usize]| of.iter().map(|i| library.terms()[*i].clone()).collect::<Vec<_>>();
+    let out: Vec<&str> = out.iter().map(|i| library.terms()[*i].as_str()).collect();
     let note = format!(
         "{} left out: the data do not show a change of it within a run. What it contributes is part of the offset, which is \
          not written: let the joint move in both directions, slowly too",
-        texts(&out).join(", ")
+        out.join(", ")
     );
-    Ok((Library::new(&texts(&kept), library.channels())?, Some(note)))
+    Ok((library.only(&kept)?, Some(note)))
 }
 
 /// The library without terms that are constant at all speeds.
@@ -266,11 +216,11 @@ fn without_constants(library: &Library) -> Result<Library> {
     let speeds = [-17.3, -1.1, -0.07, 0.0, 0.003, 0.21, 2.9, 31.0];
     let matrix = library.matrix(&[&speeds])?;
     let varies = |i: &usize| matrix.column(*i).iter().any(|x| *x != matrix[(0, *i)]);
-    let kept: Vec<&str> = (0..library.len()).filter(varies).map(|i| library.terms()[i].as_str()).collect();
+    let kept: Vec<usize> = (0..library.len()).filter(varies).collect();
     if kept.is_empty() {
         return Err(IdentificationError::Empty {
             what: "the library without its constant terms, which are offsets,".into(),
         });
     }
-    Library::new(&kept, library.channels())
+    library.only(&kept)
 }

@@ -2,7 +2,8 @@
 
 use super::super::confidence::{LongRun, quantile};
 use super::super::drift::{Drift, Trend};
-use super::design::{centre, mean, runs};
+use super::super::offset::{centre, mean};
+use super::design::runs;
 use super::task::FrictionData;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::ops::Range;

@@ -3,10 +3,12 @@
 
 use super::super::confidence::{LongRun, covariance_of_sums};
 use super::super::error::Result;
-use super::super::least_squares::triangular_factor;
+use super::super::least_squares::{Reduced, triangular_factor};
+use super::super::moments::Moments;
 use super::super::result::FrictionTerm;
+use super::super::statistics::median;
 use super::design::Design;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// Standard errors of the chosen coefficients.
 pub(super) struct Errors {
@@ -21,7 +23,7 @@ pub(super) struct Errors {
 
 impl Errors {
     /// - `binding`: rows of constraints that the coefficients lie on; they count as known
-    pub(super) fn new(
+    pub(super) fn of_samples(
         design: &Design,
         active: &[usize],
         binding: &DMatrix<f64>,
@@ -42,9 +44,42 @@ impl Errors {
             covariance: rescaled(raw, &standard),
             resolution: active.iter().zip(&scores).map(|(&i, s)| alone(design, i, s)).collect(),
             freedom: sums.iter().map(|s| s.freedom).fold(f64::INFINITY, f64::min).min(1e9),
-            effective_samples: residuals.len() as f64 / median(inflation).max(1.0),
+            effective_samples: residuals.len() as f64
+                / median(inflation).map_or(1.0, |median| median.max(1.0)),
             standard,
         })
+    }
+
+    /// Standard errors from the scores of shares, which are independent groups of samples.
+    pub(super) fn of_shares(
+        reduced: &Reduced,
+        shares: &[Moments],
+        coefficients: &DVector<f64>,
+        active: &[usize],
+        binding: &DMatrix<f64>,
+    ) -> Self {
+        let gram = reduced.moments().gram().select_rows(active).select_columns(active);
+        let bread = inverse_on_face(&gram, &binding.select_columns(active));
+        let count = shares.len() as f64;
+        let mut scores = DMatrix::zeros(active.len(), active.len());
+        for share in shares {
+            let score = (share.projection(0) - share.gram() * coefficients).select_rows(active);
+            scores += &score * score.transpose();
+        }
+        scores *= count / (count - 1.0).max(1.0);
+        let covariance = &bread * &scores * &bread;
+        let samples = reduced.moments().samples() as f64;
+        let variance = reduced.moments().residual(0, coefficients) / samples;
+        let all = 0..active.len();
+        let inflation = |k: usize| covariance[(k, k)] / (variance * bread[(k, k)]).max(f64::MIN_POSITIVE);
+        let median = median(all.clone().map(inflation)).unwrap_or(1.0);
+        Self {
+            standard: all.clone().map(|k| covariance[(k, k)].max(0.0).sqrt()).collect(),
+            resolution: all.map(|k| scores[(k, k)].max(0.0).sqrt() / gram[(k, k)]).collect(),
+            freedom: (count - 1.0).max(1.0),
+            effective_samples: (samples / median.max(1.0)).max(2.0),
+            covariance,
+        }
     }
 
     /// The k-th of the chosen coefficients with its errors.
@@ -58,11 +93,6 @@ impl Errors {
             ..FrictionTerm::default()
         }
     }
-}
-
-fn median(mut x: Vec<f64>) -> f64 {
-    x.sort_by(f64::total_cmp);
-    x.get(x.len() / 2).copied().unwrap_or(1.0)
 }
 
 /// Contributions of the samples to the normal equations of one term.
@@ -98,8 +128,19 @@ fn inverse_gram(design: &Design, active: &[usize], binding: &DMatrix<f64>) -> Re
     Ok(&z * inner * z.transpose())
 }
 
+/// The inverse of a Gram matrix, on the face where constraints bind.
+fn inverse_on_face(gram: &DMatrix<f64>, binding: &DMatrix<f64>) -> DMatrix<f64> {
+    let z = null_space(binding, gram.nrows());
+    if z.ncols() == 0 {
+        // Constraints fix all coefficients.
+        return DMatrix::zeros(gram.nrows(), gram.nrows());
+    }
+    let inner = (z.transpose() * gram * &z).pseudo_inverse(1e-14 * gram.amax());
+    inner.map_or_else(|_| DMatrix::zeros(gram.nrows(), gram.nrows()), |inner| &z * inner * z.transpose())
+}
+
 /// Orthonormal columns that span what the rows map to zero.
-pub(super) fn null_space(rows: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
+fn null_space(rows: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
     if rows.nrows() == 0 {
         return DMatrix::identity(count, count);
     }

@@ -24,6 +24,12 @@ impl<'a> Findings<'a> {
         self.notes.push(text);
     }
 
+    /// Names the terms that the law may be made of.
+    pub(super) fn note_library(&mut self, terms: &[String], separate: bool, condition: f64) {
+        let offsets = if separate { " beside the offset of each run" } else { "" };
+        self.note(format!("library [{}]{offsets}, condition number {condition:.1}", terms.join(", ")));
+    }
+
     pub(super) fn warn(&mut self, text: String) {
         self.warnings.push(text);
     }

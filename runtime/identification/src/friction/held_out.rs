@@ -3,11 +3,12 @@
 use super::super::constrained::constrained_fit;
 use super::super::error::Result;
 use super::super::least_squares::Reduced;
-use super::super::moments::{Moments, Samples};
-use super::design::{Design, centre, mean, runs};
+use super::super::moments::{Moments, splits};
+use super::super::offset::{centre, mean};
+use super::design::runs;
 use super::findings::Findings;
 use super::selection::Selection;
-use super::task::{FrictionData, FrictionIdentification};
+use super::task::FrictionData;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -30,18 +31,16 @@ impl Unseen {
 ///
 /// Each run keeps the offset that it has on all of its samples, also where a part of it is left out: an offset
 /// belongs to a run, and no law can foretell it.
+///
+/// - `total`: `Σ w (τ − τ̄)²` over the folds; `selection`, `rows`: how a law is chosen and constrained
 pub(super) fn held_out(
-    design: &Design,
-    samples: &Samples,
-    settings: &FrictionIdentification,
-    selection: &Selection,
-    rows: Option<&DMatrix<f64>>,
+    folds: Result<Vec<Moments>>,
+    total: f64,
+    (selection, rows): (&Selection, Option<&DMatrix<f64>>),
     findings: &mut Findings,
 ) -> Option<Unseen> {
-    let ranges = design.fold_ranges(settings.folds);
-    let residual = design.folds(samples, settings.folds).and_then(|folds| by_folds(&folds, selection, rows));
-    match residual {
-        Ok(residual) => Some(Unseen { residual, total: variation(design.data, design.separate, &ranges) }),
+    match folds.and_then(|folds| by_folds(&folds, selection, rows)) {
+        Ok(residual) => Some(Unseen { residual, total }),
         Err(reason) => {
             findings.warn(format!("no R² on left-out data: {reason}"));
             None
@@ -49,12 +48,12 @@ pub(super) fn held_out(
     }
 }
 
+/// Σ r² over folds of laws that were chosen and fitted without them.
 pub(super) fn by_folds(folds: &[Moments], selection: &Selection, rows: Option<&DMatrix<f64>>) -> Result<f64> {
     let mut sum = 0.0;
-    for (k, fold) in folds.iter().enumerate() {
-        let others = folds.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, fold)| fold);
-        let training = Reduced::from_moments(Moments::sum(others)?)?;
-        sum += fold.residual(0, &fit(&training, selection, rows)?);
+    for split in splits(folds) {
+        let (training, fold) = split?;
+        sum += fold.residual(0, &fit(&Reduced::from_moments(training)?, selection, rows)?);
     }
     Ok(sum)
 }

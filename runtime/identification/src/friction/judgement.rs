@@ -10,7 +10,6 @@ use super::findings::Findings;
 use super::held_out::{Unseen, variation};
 use super::report::FrictionReport;
 use super::task::FrictionIdentification;
-use nalgebra::DMatrix;
 
 /// A law and what it leaves.
 pub(super) struct Judged {
@@ -66,7 +65,7 @@ impl Findings<'_> {
             warnings: self.warnings,
             refusal: (!self.refusals.is_empty()).then(|| self.refusals.join("; ")),
         };
-        Ok(alone(result, judged.residuals))
+        Ok(FrictionReport::alone(result, judged.residuals))
     }
 
     fn check_limits(&mut self) {
@@ -81,23 +80,6 @@ impl Findings<'_> {
             let largest = values.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
             self.judge_limit(what, share, [limit, largest], unit);
         }
-    }
-}
-
-/// A report of nothing but the law.
-fn alone(result: FrictionResult, residuals: Vec<f64>) -> FrictionReport {
-    FrictionReport {
-        result,
-        terms: Vec::new(),
-        correlation: DMatrix::zeros(0, 0),
-        condition: f64::NAN,
-        covariance: DMatrix::zeros(0, 0),
-        validation: None,
-        front: Vec::new(),
-        subsets: None,
-        ensemble: None,
-        average: None,
-        residuals,
     }
 }
 

@@ -14,7 +14,6 @@ mod errors;
 mod findings;
 mod held_out;
 mod judgement;
-mod load;
 mod passivity;
 mod report;
 mod selection;
@@ -26,8 +25,6 @@ mod terms;
 mod tests;
 
 pub use super::drift::{Drift, Trend};
-pub(crate) use design::centre;
-pub use load::LoadFriction;
 pub use report::FrictionReport;
 pub(crate) use shares::SharedFriction;
 pub use task::{
@@ -37,7 +34,6 @@ pub use task::{
 use super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
 };
-use super::library::Library;
 
 impl FrictionIdentification {
     /// Finds the law of one joint.
@@ -54,30 +50,6 @@ impl FrictionIdentification {
             FrictionMethod::Stribeck(regression) => stribeck::identify(self, data, regression),
             _ => terms::identify(self, data),
         }
-    }
-}
-
-impl FrictionIdentification {
-    /// Finds friction that grows with the load, `τ = s₀(v) + |τ_l| s₁(v)`: [`Self::library`] holds the terms of s₀.
-    ///
-    /// - `load_library`: terms of s₁ in the velocity `v`, e.g. `tanh(20*v)`
-    /// - `loads`: τ_l, the torque `M ÿ + k − q` without friction that the gear carries, at the same samples
-    ///
-    /// The law is not kept from driving the joint; a warning says where it would. The Stribeck method is taken for
-    /// least squares on all terms.
-    ///
-    /// # Errors
-    /// As [`Self::identify`]; a load that never changes is collinear with s₀.
-    pub fn identify_with_load(
-        &self,
-        load_library: &Library,
-        data: &FrictionData,
-        loads: &[f64],
-    ) -> Result<LoadFriction> {
-        check(data)?;
-        require_length(&format!("loads of {}", data.joint), data.velocities.len(), loads.len())?;
-        require_finite(&format!("the load of {}", data.joint), loads)?;
-        load::identify(self, load_library, data, loads)
     }
 }
 

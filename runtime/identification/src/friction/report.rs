@@ -37,6 +37,23 @@ pub struct FrictionReport {
 }
 
 impl FrictionReport {
+    /// A report of nothing but the law.
+    pub(super) fn alone(result: FrictionResult, residuals: Vec<f64>) -> Self {
+        Self {
+            result,
+            terms: Vec::new(),
+            correlation: DMatrix::zeros(0, 0),
+            condition: f64::NAN,
+            covariance: DMatrix::zeros(0, 0),
+            validation: None,
+            front: Vec::new(),
+            subsets: None,
+            ensemble: None,
+            average: None,
+            residuals,
+        }
+    }
+
     /// Half the width of the law's confidence band at `velocities`, at `level` (e.g. 0.95).
     ///
     /// # Errors

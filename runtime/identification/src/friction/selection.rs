@@ -26,6 +26,14 @@ pub(super) struct Chosen {
     pub(super) note: String,
 }
 
+impl Chosen {
+    /// The choice of a selection that needs no folds.
+    fn directly(selection: Selection, reduced: &Reduced, note: String) -> Result<Self> {
+        let solution = selection.fit(reduced)?;
+        Ok(Self { selection, solution, validation: None, subsets: None, note })
+    }
+}
+
 impl Selection {
     pub(super) fn fit(&self, reduced: &Reduced) -> Result<Solution> {
         match self {
@@ -66,25 +74,17 @@ pub(super) fn choose(
     folds: impl Fn() -> Result<Vec<Moments>>,
 ) -> Result<Chosen> {
     match method {
-        FrictionMethod::Thresholding(settings) => Ok(Chosen {
-            selection: Selection::Thresholding(*settings),
-            solution: completed(settings.fit(reduced, 0)?, reduced)?,
-            validation: None,
-            subsets: None,
-            note: format!(
-                "sequentially thresholded least squares, threshold {}, ridge {}",
-                settings.threshold, settings.ridge
-            ),
-        }),
+        FrictionMethod::Thresholding(settings) => {
+            let Thresholding { threshold, ridge, .. } = settings;
+            let note =
+                format!("sequentially thresholded least squares, threshold {threshold}, ridge {ridge}");
+            Chosen::directly(Selection::Thresholding(*settings), reduced, note)
+        }
         FrictionMethod::Lasso(lasso, choice) => by_lasso(reduced, lasso, *choice, &folds()?),
         FrictionMethod::BestSubset => by_subsets(reduced, &folds()?),
-        FrictionMethod::LeastSquares | FrictionMethod::Stribeck(_) => Ok(Chosen {
-            selection: Selection::All,
-            solution: Selection::All.fit(reduced)?,
-            validation: None,
-            subsets: None,
-            note: "least squares on all terms".into(),
-        }),
+        FrictionMethod::LeastSquares | FrictionMethod::Stribeck(_) => {
+            Chosen::directly(Selection::All, reduced, "least squares on all terms".into())
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Stribeck laws: nonlinear regression beside the offsets, and the same judgement as for terms.
 
 use super::super::error::Result;
+use super::super::offset::centre;
 use super::super::result::FrictionLaw;
 use super::super::stribeck::{StribeckFit, StribeckRegression, stribeck_torque};
 use super::design::{fold_ranges, offsets, runs};
@@ -52,11 +53,7 @@ fn judged(data: &FrictionData, fit: &StribeckFit, runs: &[Range<usize>], unseen:
     }
     let separate = !fit.offsets.is_empty();
     Judged {
-        law: FrictionLaw::Stribeck {
-            parameters: fit.parameters,
-            standard_errors: fit.standard_errors,
-            resolutions: fit.resolutions,
-        },
+        law: FrictionLaw::stribeck(fit.parameters, fit.standard_errors, fit.resolutions),
         offsets: if separate { offsets(data, runs, &law, &residuals) } else { Vec::new() },
         unseen,
         residuals,
@@ -97,7 +94,7 @@ fn held_out(
         let mut residuals: Vec<f64> = data.velocities.iter().zip(data.torques).map(left).collect();
         if regression.offset {
             // As for terms, a run keeps its offset where a part of it is left out.
-            super::centre(&mut residuals, runs, data.weights);
+            centre(&mut residuals, runs, data.weights);
         }
         unseen.residual += fold.clone().map(|i| weight(i) * residuals[i] * residuals[i]).sum::<f64>();
     }

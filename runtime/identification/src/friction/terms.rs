@@ -4,19 +4,20 @@ use super::super::cross_validation::pareto_front;
 use super::super::ensemble::{Ensemble, bootstrap};
 use super::super::error::Result;
 use super::super::least_squares::{Reduced, Solution, Solver};
-use super::super::moments::{Moments, Samples};
+use super::super::library::Library;
+use super::super::moments::Moments;
 use super::super::result::{FrictionLaw, FrictionTerm};
 use super::super::subset::{MOST_TERMS, ModelAverage, requirements};
 use super::design::Design;
 use super::errors::Errors;
 use super::findings::Findings;
-use super::held_out::held_out;
+use super::held_out::{held_out, variation};
 use super::judgement::{Judged, velocity_range};
 use super::passivity::{doubt, passive, restrict};
 use super::report::FrictionReport;
-use super::selection::{Selection, choose};
+use super::selection::{Chosen, Selection, choose};
 use super::task::{FrictionData, FrictionIdentification};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// The law of terms.
 pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -> Result<FrictionReport> {
@@ -25,45 +26,29 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
     let reduced = Reduced::new(&samples)?;
     let mut findings = Findings::new(data);
     describe_library(&design, &reduced, &mut findings);
-    let folds = || design.folds(&samples, settings.folds);
-    let chosen = choose(&settings.method, &reduced, folds)?;
-    findings.note(chosen.note.clone());
-    let front = match &chosen.validation {
-        Some(validation) => pareto_front(&reduced, 0, validation)?,
-        None => Vec::new(),
+    let candidates = Candidates {
+        library: &design.library,
+        reduced: &reduced,
+        folds: &|| design.folds(&samples, settings.folds),
+        blocks: &|| Moments::blocks(&samples, settings.blocks.min(samples.len())),
+        block: "contiguous blocks",
+        velocity_range: velocity_range(data.velocities),
     };
-    let ensemble = draw(settings, &samples, &chosen.selection, &mut findings)?;
-    let rows =
-        settings.passive.then(|| passive(&design.library, velocity_range(data.velocities))).transpose()?;
-    let free = chosen.solution.clone();
-    let (solution, binding) = restrict(&reduced, free, rows.as_ref(), samples.len(), &mut findings)?;
-    doubt(&reduced, &solution.active, &mut findings);
-    let residuals = design.residuals(&solution.coefficients);
-    let errors = Errors::new(&design, &solution.active, &binding, &residuals)?;
+    let fitted = candidates.fitted(settings, &mut findings)?;
+    let residuals = design.residuals(&fitted.solution.coefficients);
+    let errors = Errors::of_samples(&design, &fitted.solution.active, &fitted.binding, &residuals)?;
     let average = average(&reduced, &errors)?;
-    let law = law(&design, &solution, &errors, average.as_ref(), ensemble.as_ref());
-    let torques = law.torques(data.velocities)?;
-    let offsets = design.offsets(&torques, &residuals);
-    let unseen = held_out(&design, &samples, settings, &chosen.selection, rows.as_ref(), &mut findings);
+    let law = fitted.law(&design.library, &errors, average.as_ref());
+    let offsets = design.offsets(&law.torques(data.velocities)?, &residuals);
+    let total = variation(data, design.separate, &design.fold_ranges(settings.folds));
+    let unseen = held_out((candidates.folds)(), total, fitted.way(), &mut findings);
     let judged = Judged { law, offsets, unseen, residuals, freedom: errors.freedom, stribeck: None };
-    let mut report = findings.report(settings, judged)?;
-    report.terms = design.library.terms().to_vec();
-    report.correlation = reduced.moments().correlation();
-    report.condition = reduced.condition();
-    report.covariance = errors.covariance;
-    report.validation = chosen.validation;
-    report.front = front;
-    report.subsets = chosen.subsets;
-    report.ensemble = ensemble;
-    report.average = average;
-    Ok(report)
+    let report = findings.report(settings, judged)?;
+    fitted.complete(report, &candidates, errors, average)
 }
 
 fn describe_library(design: &Design, reduced: &Reduced, findings: &mut Findings) {
-    let offsets = if design.separate { " beside the offset of each run" } else { "" };
-    let terms = design.library.terms().join(", ");
-    let condition = reduced.condition();
-    findings.note(format!("library [{terms}]{offsets}, condition number {condition:.1}"));
+    findings.note_library(design.library.terms(), design.separate, reduced.condition());
     design.notes.iter().for_each(|note| findings.note(note.clone()));
     design.hidden.iter().for_each(|doubt| findings.warn(doubt.clone()));
     if reduced.solver() == Solver::Orthogonal {
@@ -71,39 +56,80 @@ fn describe_library(design: &Design, reduced: &Reduced, findings: &mut Findings)
     }
 }
 
-/// How often bootstrap draws choose each term.
-fn draw(
-    settings: &FrictionIdentification,
-    samples: &Samples,
-    selection: &Selection,
-    findings: &mut Findings,
-) -> Result<Option<Ensemble>> {
-    let (draws, count) = (settings.draws, settings.blocks);
-    if draws == 0 {
-        return Ok(None);
+/// Terms that a law may be made of, with their data.
+pub(super) struct Candidates<'a> {
+    pub(super) library: &'a Library,
+    pub(super) reduced: &'a Reduced,
+    pub(super) folds: &'a dyn Fn() -> Result<Vec<Moments>>,
+    /// Parts of the data among which the bootstrap draws, and what they are called.
+    pub(super) blocks: &'a dyn Fn() -> Result<Vec<Moments>>,
+    pub(super) block: &'a str,
+    pub(super) velocity_range: [f64; 2],
+}
+
+/// Terms that were chosen, fitted under the constraints.
+pub(super) struct Fitted {
+    chosen: Chosen,
+    ensemble: Option<Ensemble>,
+    /// Rows of `A ξ ≥ 0`, where the law has to dissipate.
+    rows: Option<DMatrix<f64>>,
+    pub(super) solution: Solution,
+    /// The rows that bind.
+    pub(super) binding: DMatrix<f64>,
+}
+
+impl Candidates<'_> {
+    pub(super) fn fitted(
+        &self,
+        settings: &FrictionIdentification,
+        findings: &mut Findings,
+    ) -> Result<Fitted> {
+        let chosen = choose(&settings.method, self.reduced, self.folds)?;
+        findings.note(chosen.note.clone());
+        let ensemble = self.draw(settings, &chosen.selection, findings)?;
+        let rows = settings.passive.then(|| passive(self.library, self.velocity_range)).transpose()?;
+        let samples = self.reduced.moments().samples();
+        let free = chosen.solution.clone();
+        let (solution, binding) = restrict(self.reduced, free, rows.as_ref(), samples, findings)?;
+        doubt(self.reduced, &solution.active, findings);
+        Ok(Fitted { chosen, ensemble, rows, solution, binding })
     }
-    let blocks = Moments::blocks(samples, count.min(samples.len()))?;
-    let fit = |moments: Moments| -> Result<DVector<f64>> {
-        Ok(selection.fit(&Reduced::from_moments(moments)?)?.coefficients)
-    };
-    match bootstrap(&blocks, draws, settings.seed, fit) {
-        Ok(ensemble) => {
-            let (count, seed) = (blocks.len(), settings.seed);
-            findings.note(format!("inclusion: {draws} draws of {count} contiguous blocks, seed {seed}"));
-            if let Some(reason) = &ensemble.first_failure {
-                let failed = ensemble.failed;
-                findings.warn(format!("{failed} of {draws} bootstrap draws gave no model: {reason}"));
-            }
-            Ok(Some(ensemble))
+
+    /// How often bootstrap draws choose each term.
+    fn draw(
+        &self,
+        settings: &FrictionIdentification,
+        selection: &Selection,
+        findings: &mut Findings,
+    ) -> Result<Option<Ensemble>> {
+        let (draws, seed) = (settings.draws, settings.seed);
+        if draws == 0 {
+            return Ok(None);
         }
-        Err(reason) => {
-            findings.warn(format!("no bootstrap draw gave a model: {reason}"));
-            Ok(None)
+        let blocks = (self.blocks)()?;
+        let fit = |moments: Moments| -> Result<DVector<f64>> {
+            Ok(selection.fit(&Reduced::from_moments(moments)?)?.coefficients)
+        };
+        match bootstrap(&blocks, draws, seed, fit) {
+            Ok(ensemble) => {
+                let (count, block) = (blocks.len(), self.block);
+                findings.note(format!("inclusion: {draws} draws of {count} {block}, seed {seed}"));
+                if let Some(reason) = &ensemble.first_failure {
+                    let failed = ensemble.failed;
+                    findings.warn(format!("{failed} of {draws} bootstrap draws gave no model: {reason}"));
+                }
+                Ok(Some(ensemble))
+            }
+            Err(reason) => {
+                findings.warn(format!("no bootstrap draw gave a model: {reason}"));
+                Ok(None)
+            }
         }
     }
 }
 
-fn average(reduced: &Reduced, errors: &Errors) -> Result<Option<ModelAverage>> {
+/// All subsets of the terms, weighed, where they are few enough.
+pub(super) fn average(reduced: &Reduced, errors: &Errors) -> Result<Option<ModelAverage>> {
     if reduced.moments().terms() > MOST_TERMS {
         return Ok(None);
     }
@@ -111,17 +137,47 @@ fn average(reduced: &Reduced, errors: &Errors) -> Result<Option<ModelAverage>> {
     ModelAverage::new(reduced.moments(), 0, errors.effective_samples, &requirements).map(Some)
 }
 
-fn law(
-    design: &Design,
-    solution: &Solution,
-    errors: &Errors,
-    average: Option<&ModelAverage>,
-    ensemble: Option<&Ensemble>,
-) -> FrictionLaw {
-    let term = |(k, &i): (usize, &usize)| FrictionTerm {
-        inclusion: ensemble.map(|e| e.inclusion[i]),
-        probability: average.map(|a| a.inclusion[i]),
-        ..errors.term(k, &design.library.terms()[i], solution.coefficients[i])
-    };
-    FrictionLaw::Terms(solution.active.iter().enumerate().map(term).collect())
+impl Fitted {
+    /// How the law is found on other moments.
+    pub(super) fn way(&self) -> (&Selection, Option<&DMatrix<f64>>) {
+        (&self.chosen.selection, self.rows.as_ref())
+    }
+
+    pub(super) fn law(
+        &self,
+        library: &Library,
+        errors: &Errors,
+        average: Option<&ModelAverage>,
+    ) -> FrictionLaw {
+        let term = |(k, &i): (usize, &usize)| FrictionTerm {
+            inclusion: self.ensemble.as_ref().map(|e| e.inclusion[i]),
+            probability: average.map(|a| a.inclusion[i]),
+            ..errors.term(k, &library.terms()[i], self.solution.coefficients[i])
+        };
+        FrictionLaw::Terms(self.solution.active.iter().enumerate().map(term).collect())
+    }
+
+    /// The report on a law with what it was chosen from.
+    pub(super) fn complete(
+        self,
+        report: FrictionReport,
+        of: &Candidates,
+        errors: Errors,
+        average: Option<ModelAverage>,
+    ) -> Result<FrictionReport> {
+        let validation = self.chosen.validation;
+        let front = validation.as_ref().map(|validation| pareto_front(of.reduced, 0, validation));
+        Ok(FrictionReport {
+            terms: of.library.terms().to_vec(),
+            correlation: of.reduced.moments().correlation(),
+            condition: of.reduced.condition(),
+            covariance: errors.covariance,
+            front: front.transpose()?.unwrap_or_default(),
+            validation,
+            subsets: self.chosen.subsets,
+            ensemble: self.ensemble,
+            average,
+            ..report
+        })
+    }
 }

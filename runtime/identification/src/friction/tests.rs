@@ -1,6 +1,7 @@
 //! Laws found again in made data, and everything that is said about them.
 
 use super::super::lasso::Lasso;
+use super::super::library::Library;
 use super::super::random::SplitMix64;
 use super::super::result::FrictionLaw;
 use super::super::robot::JointLimits;

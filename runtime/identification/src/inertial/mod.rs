@@ -1,25 +1,19 @@
-//! Inertial parameters from a regressor, `W π = M ÿ + k − q_gravity`: base parameters, physically consistent
-//! ones, and a payload's.
+//! Inertial parameters π of `W π = M ÿ + k − q_gravity`: those of bodies that can exist, and a payload's.
 //!
 //! π has ten numbers per body, all in the body's frame: m, m cₓ, m c_y, m c_z, then Ixx, Ixy, Iyy, Ixz, Iyz,
-//! Izz about the frame's origin, in the order of a generated module's `INERTIAL_PARAMETER_NAMES`; W stacks
-//! its `inertial_regressor` at all samples. Further parameters (rotor inertias) may stand behind those of the
-//! bodies. A body exists with these numbers if and only if its pseudo-inertia `[[Σ, m c], [m cᵀ, m]]`,
+//! Izz about the frame's origin, in the order of a generated module's `INERTIAL_PARAMETER_NAMES`. Further parameters (rotor inertias) may stand behind those
+//! of the bodies. A body exists with these numbers if and only if its pseudo-inertia `[[Σ, m c], [m cᵀ, m]]`,
 //! `Σ = ½ tr(I) 1 − I`, is positive definite (Wensing, Kim, Slotine 2017).
 //!
-//! [`InertialRegression`] holds the equations. [`consistent`] minimizes a quadratic function over bodies that
+//! [`consistent`] minimizes a quadratic function over bodies that
 //! can exist, [`regularized`] holds what data do not show at the description, [`payload`] compares a robot
 //! with and without its load.
 
-mod base_parameters;
 pub mod consistent;
 mod interior_point;
 pub mod payload;
 mod pseudo_inertia;
-mod regression;
 pub mod regularized;
 mod scaled;
 
-pub use base_parameters::BaseParameters;
 pub use pseudo_inertia::{PER_BODY, from_pseudo_inertia, is_physically_consistent, margin, pseudo_inertia};
-pub use regression::InertialRegression;

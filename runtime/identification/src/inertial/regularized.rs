@@ -7,6 +7,7 @@
 
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia, pseudo_inertia};
 use crate::error::{Result, require_finite, require_length, require_setting};
+use crate::statistics::median;
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, SMatrix, Vector3};
 
 /// Smallest radius of gyration along any direction of a reference body, as a share of the median one of all
@@ -140,14 +141,9 @@ fn typical(described: &[Matrix4<f64>]) -> Typical {
     let masses = described.iter().map(|j| j[(3, 3)]).filter(|&m| m > 0.0);
     let spreads = described.iter().filter(|j| j[(3, 3)] > 0.0).map(|j| central(j).1.trace() / 3.0);
     Typical {
-        mass: median(masses.collect()).unwrap_or(UNKNOWN_MASS),
-        spread: median(spreads.filter(|&s| s > 0.0).collect()).unwrap_or(UNKNOWN_SIZE * UNKNOWN_SIZE),
+        mass: median(masses).unwrap_or(UNKNOWN_MASS),
+        spread: median(spreads.filter(|&s| s > 0.0)).unwrap_or(UNKNOWN_SIZE * UNKNOWN_SIZE),
     }
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 /// Centre of mass, and second moments about it by mass [m²].

@@ -3,8 +3,8 @@
 use super::super::error::Result;
 use super::super::run::Effort;
 use super::finder::Finder;
-use super::mapping::Found;
 use super::options::{Named, is_effort};
+use super::search::Found;
 use super::vocabulary::Kind;
 
 /// What the efforts of a log act on.

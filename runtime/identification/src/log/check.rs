@@ -1,5 +1,6 @@
 //! Findings in a log: suspicious times, missing values, wraps, units.
 
+use super::super::statistics::median;
 use super::schema::Quantity;
 use super::{Channel, Log};
 use std::fmt;
@@ -349,15 +350,6 @@ fn rate_ratio(t: &[f64], q: &[f64], v: &[f64]) -> Option<f64> {
 
 fn is_near(x: f64, target: f64, share: f64) -> bool {
     (x / target - 1.0).abs() < share
-}
-
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.filter(|x| x.is_finite()).collect();
-    if values.is_empty() {
-        return None;
-    }
-    let middle = values.len() / 2;
-    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 #[cfg(test)]

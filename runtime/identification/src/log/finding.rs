@@ -31,3 +31,13 @@ impl fmt::Display for RunFinding {
         write!(f, "{}{colon}{}", place.join(", "), self.message)
     }
 }
+
+/// A finding about a whole file, or about rows of it.
+pub(super) fn file_finding(
+    place: &str,
+    rows: Option<(usize, usize)>,
+    kind: FindingKind,
+    message: String,
+) -> RunFinding {
+    RunFinding { file: Some(place.into()), rows, joint: None, kind, message }
+}

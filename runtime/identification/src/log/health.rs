@@ -322,7 +322,7 @@ pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Ve
             continue;
         }
         let (kind, message) = if is_free {
-            super::unwrap(q, TAU);
+            unwrap(q, TAU);
             (
                 FindingKind::Wrap,
                 format!("its position jumps by a turn {} times and is unwrapped", jumps.len()),
@@ -350,4 +350,34 @@ fn in_one_turn(q: &[f64]) -> bool {
     let (low, high) =
         q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| (low.min(*q), high.max(*q)));
     high - low <= 1.01 * TAU && low >= -1.01 * PI && high <= 1.01 * TAU
+}
+
+/// Undoes overflows of a counter: a step of more than half a period is taken as the shorter way around.
+fn unwrap(values: &mut [f64], period: f64) {
+    let (mut turns, mut last) = (0.0, f64::NAN);
+    for value in values {
+        let raw = *value;
+        if last.is_finite() && raw.is_finite() {
+            turns -= ((raw - last) / period).round();
+        }
+        if raw.is_finite() {
+            last = raw;
+        }
+        *value = raw + turns * period;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counters_unwrap_over_missing_values() {
+        let mut values: Vec<f64> = (0..100).map(|i| f64::from(i * 7 % 256)).collect();
+        values[37] = f64::NAN;
+        unwrap(&mut values, 256.0);
+        for (i, v) in values.iter().enumerate().filter(|(i, _)| *i != 37) {
+            assert_eq!(*v, 7.0 * i as f64);
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Logs of a real or simulated robot: channels read from CSV, with everything suspicious reported by row.
 //!
 //! Nothing is repaired silently: a value that cannot be read is NaN and reported; gaps, jitter, wraps and
-//! mixed units are [`Finding`]s, and the caller decides (select rows, [`Log::unwrap_counter`], split).
+//! mixed units are [`Finding`]s, and the caller decides (select rows, split).
 //!
 //! [`runs`] goes further for logs of strangers: it finds the columns of a robot by itself and gives whole runs.
 //! Its order of work is one file for each step: `sheet` (separators, header, rows), `vocabulary` (words of a
@@ -28,6 +28,7 @@ mod refusals;
 mod runs;
 mod scale;
 mod schema;
+mod search;
 mod sheet;
 #[cfg(test)]
 mod strangers;
@@ -46,7 +47,7 @@ pub use options::ColumnOptions;
 pub use recording::{Recording, runs, runs_of};
 pub use schema::{ChannelSchema, LogSchema, Quantity};
 
-use super::error::{IdentificationError, Result, require_setting};
+use super::error::{IdentificationError, Result};
 use super::expression::select;
 use std::ops::Range;
 
@@ -160,47 +161,6 @@ impl Log {
         self.channels.push(channel);
         Ok(())
     }
-
-    /// Undoes counter overflows: a step of more than half a period is taken as the shorter way around.
-    ///
-    /// # Errors
-    /// Unknown channel, a period that is not positive, or one so small that the values are no multiple of it
-    /// any more.
-    pub fn unwrap_counter(&mut self, name: &str, period: f64) -> Result<()> {
-        require_setting("period of the counter", period, period > 0.0, "it must be positive")?;
-        let largest = self.channel(name)?.iter().filter(|x| x.is_finite());
-        let largest = largest.fold(0.0_f64, |largest, x| largest.max(x.abs()));
-        require_setting(
-            "period of the counter",
-            period,
-            largest / period <= MOST_TURNS,
-            "it must be a 1e15th of the values at least",
-        )?;
-        let segments = self.segments.clone();
-        for channel in self.channels.iter_mut().filter(|c| c.name == name) {
-            for rows in &segments {
-                unwrap(&mut channel.values[rows.clone()], period);
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Beyond, a number has no digits left for what is within a period.
-const MOST_TURNS: f64 = 1e15;
-
-fn unwrap(values: &mut [f64], period: f64) {
-    let (mut turns, mut last) = (0.0, f64::NAN);
-    for value in values {
-        let raw = *value;
-        if last.is_finite() && raw.is_finite() {
-            turns -= ((raw - last) / period).round();
-        }
-        if raw.is_finite() {
-            last = raw;
-        }
-        *value = raw + turns * period;
-    }
 }
 
 #[cfg(test)]
@@ -208,29 +168,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn periods_that_no_counter_has_are_refused() {
+    fn rows_that_do_not_exist_are_left_out_or_refused() {
         let text = "t,q1\n0,1\n0.1,-1e300\n0.2,NaN\n";
         let (log, _) = Log::read(text.as_bytes(), "test", &LogSchema::default()).unwrap();
-        for period in [0.0, -1.0, f64::NAN, f64::INFINITY, 5e-324, 1e280] {
-            assert!(log.clone().unwrap_counter("q1", period).is_err(), "{period}");
-        }
-        let mut unwrapped = log.clone();
-        unwrapped.unwrap_counter("q1", 1e290).unwrap();
-        assert!(unwrapped.channel("q1").unwrap()[1].is_finite());
         for margin in [2, usize::MAX / 2, usize::MAX] {
             assert!(log.inner_rows(&[0, 1, 2], margin).is_err(), "{margin}");
         }
         assert_eq!(log.inner_rows(&[0, 1, 2, usize::MAX], 1).unwrap(), [1]);
         assert!(log.values("q1", &[usize::MAX]).is_err());
-    }
-
-    #[test]
-    fn counters_unwrap_over_missing_values() {
-        let mut values: Vec<f64> = (0..100).map(|i| f64::from(i * 7 % 256)).collect();
-        values[37] = f64::NAN;
-        unwrap(&mut values, 256.0);
-        for (i, v) in values.iter().enumerate().filter(|(i, _)| *i != 37) {
-            assert_eq!(*v, 7.0 * i as f64);
-        }
     }
 }

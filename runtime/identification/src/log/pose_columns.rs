@@ -4,9 +4,9 @@ use super::super::error::Result;
 use super::super::pose::QuaternionJoint;
 use super::families::Targets;
 use super::finder::Finder;
-use super::mapping::Source;
 use super::options::Named;
 use super::pose_words::{Group, PLACE, QUATERNION, angles, groups};
+use super::search::Source;
 use super::units::Unit;
 use super::vocabulary::words;
 

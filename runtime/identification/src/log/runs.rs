@@ -5,10 +5,11 @@ use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
 use super::FindingKind;
 use super::finder::RobotColumns;
-use super::finding::RunFinding;
+use super::finding::{RunFinding, file_finding};
 use super::joint_forces::move_to_joints;
-use super::mapping::{Mapping, Source};
+use super::mapping::Mapping;
 use super::number::{Decimals, number};
+use super::search::Source;
 use super::sheet::{Sheet, shortened};
 use super::time::assumed_unit;
 use super::unroll::unrolled;
@@ -272,15 +273,6 @@ fn gap_findings(
         findings.push(file_finding(place, None, FindingKind::LeftOut, message));
     }
     findings
-}
-
-pub(super) fn file_finding(
-    place: &str,
-    rows: Option<(usize, usize)>,
-    kind: FindingKind,
-    message: String,
-) -> RunFinding {
-    RunFinding { file: Some(place.into()), rows, joint: None, kind, message }
 }
 
 /// Samples as runs: cut where the run's number changes and where time goes back, without repeated times.

@@ -11,98 +11,56 @@ pub(super) struct Unit {
 }
 
 const DEGREE: f64 = PI / 180.0;
-const UNITS: [(&str, f64, &str); 34] = [
-    ("s", 1.0, "s"),
-    ("ms", 1e-3, "s"),
-    ("us", 1e-6, "s"),
-    ("ns", 1e-9, "s"),
-    ("rad", 1.0, "rad"),
-    ("mrad", 1e-3, "rad"),
-    ("deg", DEGREE, "rad"),
-    ("rev", 2.0 * PI, "rad"),
-    ("rad/s", 1.0, "rad/s"),
-    ("mrad/s", 1e-3, "rad/s"),
-    ("deg/s", DEGREE, "rad/s"),
-    ("rpm", PI / 30.0, "rad/s"),
-    ("rev/s", 2.0 * PI, "rad/s"),
-    ("rad/s^2", 1.0, "rad/s^2"),
-    ("deg/s^2", DEGREE, "rad/s^2"),
-    ("m", 1.0, "m"),
-    ("mm", 1e-3, "m"),
-    ("cm", 1e-2, "m"),
-    ("um", 1e-6, "m"),
-    ("m/s", 1.0, "m/s"),
-    ("mm/s", 1e-3, "m/s"),
-    ("m/s^2", 1.0, "m/s^2"),
-    ("mm/s^2", 1e-3, "m/s^2"),
-    ("N*m", 1.0, "N*m"),
-    ("Nm", 1.0, "N*m"),
-    ("mNm", 1e-3, "N*m"),
-    ("Ncm", 1e-2, "N*m"),
-    ("kNm", 1e3, "N*m"),
-    ("N", 1.0, "N"),
-    ("kN", 1e3, "N"),
-    ("A", 1.0, "A"),
-    ("mA", 1e-3, "A"),
-    ("count", 1.0, "count"),
-    ("1", 1.0, "1"),
+/// Units by the SI unit of their kind, with their values in it.
+const UNITS: [(&str, &[(&str, f64)]); 12] = [
+    ("s", &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]),
+    ("rad", &[("rad", 1.0), ("mrad", 1e-3), ("deg", DEGREE), ("rev", 2.0 * PI)]),
+    (
+        "rad/s",
+        &[("rad/s", 1.0), ("mrad/s", 1e-3), ("deg/s", DEGREE), ("rpm", PI / 30.0), ("rev/s", 2.0 * PI)],
+    ),
+    ("rad/s^2", &[("rad/s^2", 1.0), ("deg/s^2", DEGREE)]),
+    ("m", &[("m", 1.0), ("mm", 1e-3), ("cm", 1e-2), ("um", 1e-6)]),
+    ("m/s", &[("m/s", 1.0), ("mm/s", 1e-3)]),
+    ("m/s^2", &[("m/s^2", 1.0), ("mm/s^2", 1e-3)]),
+    ("N*m", &[("N*m", 1.0), ("Nm", 1.0), ("mNm", 1e-3), ("Ncm", 1e-2), ("kNm", 1e3)]),
+    ("N", &[("N", 1.0), ("kN", 1e3)]),
+    ("A", &[("A", 1.0), ("mA", 1e-3)]),
+    ("count", &[("count", 1.0)]),
+    ("1", &[("1", 1.0)]),
 ];
 
-/// Other spellings, in lower case and without blanks and multiplication signs.
-const SPELLINGS: [(&str, &str); 48] = [
-    ("sec", "s"),
-    ("secs", "s"),
-    ("second", "s"),
-    ("seconds", "s"),
-    ("msec", "ms"),
-    ("millis", "ms"),
-    ("milliseconds", "ms"),
-    ("usec", "us"),
-    ("micros", "us"),
-    ("microseconds", "us"),
-    ("nsec", "ns"),
-    ("nanos", "ns"),
-    ("nsecs", "ns"),
-    ("nanosec", "ns"),
-    ("nanosecs", "ns"),
-    ("nanosecond", "ns"),
-    ("nanoseconds", "ns"),
-    ("radian", "rad"),
-    ("radians", "rad"),
-    ("°", "deg"),
-    ("degs", "deg"),
-    ("degree", "deg"),
-    ("degrees", "deg"),
-    ("turn", "rev"),
-    ("turns", "rev"),
-    ("revs", "rev"),
-    ("revolutions", "rev"),
-    ("rads", "rad/s"),
-    ("radps", "rad/s"),
-    ("rad/sec", "rad/s"),
-    ("rads^-1", "rad/s"),
-    ("°/s", "deg/s"),
-    ("dps", "deg/s"),
-    ("degps", "deg/s"),
-    ("deg/sec", "deg/s"),
-    ("rps", "rev/s"),
-    ("rev/min", "rpm"),
-    ("1/min", "rpm"),
-    ("meter", "m"),
-    ("meters", "m"),
-    ("mps", "m/s"),
-    ("newton", "N"),
-    ("newtonmeter", "Nm"),
-    ("newton-meter", "Nm"),
-    ("amp", "A"),
-    ("amps", "A"),
-    ("ampere", "A"),
-    ("milliamps", "mA"),
+/// Other spellings of units, in lower case and without blanks and multiplication signs.
+const SPELLINGS: [(&str, &str); 17] = [
+    ("s", "sec secs second seconds"),
+    ("ms", "msec millis milliseconds"),
+    ("us", "usec micros microseconds"),
+    ("ns", "nsec nanos nsecs nanosec nanosecs nanosecond nanoseconds"),
+    ("rad", "radian radians"),
+    ("deg", "° degs degree degrees"),
+    ("rev", "turn turns revs revolutions"),
+    ("rad/s", "rads radps rad/sec rads^-1"),
+    ("deg/s", "°/s dps degps deg/sec"),
+    ("rev/s", "rps"),
+    ("rpm", "rev/min 1/min"),
+    ("m", "meter meters"),
+    ("m/s", "mps"),
+    ("N", "newton"),
+    ("Nm", "newtonmeter newton-meter"),
+    ("A", "amp amps ampere"),
+    ("mA", "milliamps"),
 ];
+
+/// All units with their names.
+fn units() -> impl Iterator<Item = (&'static str, Unit)> {
+    UNITS
+        .iter()
+        .flat_map(|(si, names)| names.iter().map(|(name, factor)| (*name, Unit { factor: *factor, si })))
+}
 
 /// The unit of exactly this name.
 pub(super) fn conversion(unit: &str) -> Option<(f64, &'static str)> {
-    UNITS.iter().find(|u| u.0 == unit).map(|u| (u.1, u.2))
+    units().find(|(name, _)| *name == unit).map(|(_, unit)| (unit.factor, unit.si))
 }
 
 /// The unit that a stranger's log names, in one of its spellings; a number before it is a factor, as in
@@ -132,17 +90,18 @@ fn named(text: &str) -> Option<Unit> {
         .collect();
     let plain = plain.replace("s2", "s^2").replace("s^^2", "s^2").replace("s**2", "s^2");
     let lower = plain.to_lowercase();
-    let spelled = SPELLINGS.iter().find(|s| s.0 == lower).map_or(plain.as_str(), |s| s.1);
-    let exact = UNITS.iter().find(|u| u.0 == spelled);
+    let is_spelled = |(_, spellings): &&(&str, &str)| spellings.split(' ').any(|other| other == lower);
+    let spelled = SPELLINGS.iter().find(is_spelled).map_or(plain.as_str(), |(unit, _)| *unit);
+    let exact = units().find(|(name, _)| *name == spelled);
     // `nm` and `NM` are newton metres: no joint moves by nanometres. `MA` and `MNm` are no milliampere and so on.
     let is_mega = ["MA", "MNm", "MN"].contains(&spelled);
-    let loose = || UNITS.iter().find(|u| u.0.eq_ignore_ascii_case(spelled) && !is_mega);
-    exact.or_else(loose).map(|u| Unit { factor: u.1, si: u.2 })
+    let loose = || units().find(|(name, _)| name.eq_ignore_ascii_case(spelled) && !is_mega);
+    exact.or_else(loose).map(|(_, unit)| unit)
 }
 
 /// Names of all units, for messages.
 pub(super) fn known_units() -> String {
-    UNITS.map(|u| u.0).join(", ")
+    units().map(|(name, _)| name).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

@@ -6,9 +6,8 @@ use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
 use super::FindingKind;
 use super::acting::Acting;
-use super::finding::RunFinding;
+use super::finding::{RunFinding, file_finding};
 use super::joint_forces::forces_of_inputs;
-use super::runs::file_finding;
 
 /// A quaternion's length may differ from 1 by so much before it is said: rounded digits do not matter.
 const EXACT: f64 = 1e-6;

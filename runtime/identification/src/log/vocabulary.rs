@@ -106,199 +106,67 @@ pub(super) fn is_number(word: &str) -> bool {
     word.bytes().all(|b| b.is_ascii_digit())
 }
 
-/// Words of a kind that stand for nothing else.
-const STRONG: [(&str, Kind, u8); 72] = [
-    ("time", Kind::Time, 0),
-    ("times", Kind::Time, 0),
-    ("timestamp", Kind::Time, 0),
-    ("timestamps", Kind::Time, 0),
-    ("stamp", Kind::Time, 0),
-    ("sec", Kind::Time, 0),
-    ("secs", Kind::Time, 0),
-    ("seconds", Kind::Time, 0),
-    ("nsec", Kind::Time, 0),
-    ("nsecs", Kind::Time, 0),
-    ("nanosec", Kind::Time, 0),
-    ("nanosecs", Kind::Time, 0),
-    ("nanosecond", Kind::Time, 0),
-    ("nanoseconds", Kind::Time, 0),
-    ("elapsed", Kind::Time, 1),
-    ("clock", Kind::Time, 1),
-    ("position", Kind::Position, 0),
-    ("positions", Kind::Position, 0),
-    ("pos", Kind::Position, 0),
-    ("jpos", Kind::Position, 0),
-    ("angle", Kind::Position, 1),
-    ("angles", Kind::Position, 1),
-    ("ang", Kind::Position, 1),
-    ("phi", Kind::Position, 1),
-    ("theta", Kind::Position, 1),
-    ("encoder", Kind::Position, 2),
-    ("velocity", Kind::Velocity, 0),
-    ("velocities", Kind::Velocity, 0),
-    ("vel", Kind::Velocity, 0),
-    ("jvel", Kind::Velocity, 0),
-    ("speed", Kind::Velocity, 0),
-    ("speeds", Kind::Velocity, 0),
-    ("dq", Kind::Velocity, 0),
-    ("qd", Kind::Velocity, 0),
-    ("qdot", Kind::Velocity, 0),
-    ("qp", Kind::Velocity, 1),
-    ("dtheta", Kind::Velocity, 1),
-    ("thetadot", Kind::Velocity, 1),
-    ("dphi", Kind::Velocity, 1),
-    ("omega", Kind::Velocity, 1),
-    ("acceleration", Kind::Acceleration, 0),
-    ("accelerations", Kind::Acceleration, 0),
-    ("acc", Kind::Acceleration, 0),
-    ("accel", Kind::Acceleration, 0),
-    ("ddq", Kind::Acceleration, 0),
-    ("qdd", Kind::Acceleration, 0),
-    ("qddot", Kind::Acceleration, 0),
-    ("qdotdot", Kind::Acceleration, 0),
-    ("qpos", Kind::Position, 0),
-    ("qvel", Kind::Velocity, 0),
-    ("thetadotdot", Kind::Acceleration, 1),
-    ("qfrc", Kind::Torque, 0),
-    ("jtrq", Kind::Torque, 0),
-    ("jtor", Kind::Torque, 0),
-    ("effort", Kind::Torque, 0),
-    ("efforts", Kind::Torque, 0),
-    ("eff", Kind::Torque, 0),
-    ("torque", Kind::Torque, 0),
-    ("torques", Kind::Torque, 0),
-    ("trq", Kind::Torque, 0),
-    ("tau", Kind::Torque, 0),
-    ("tauj", Kind::Torque, 0),
-    ("moment", Kind::Torque, 1),
-    ("force", Kind::Torque, 1),
-    ("input", Kind::Input, 0),
-    ("inputs", Kind::Input, 0),
-    ("run", Kind::Run, 0),
-    ("trial", Kind::Run, 0),
-    ("segment", Kind::Run, 0),
-    ("episode", Kind::Run, 1),
-    ("name", Kind::Name, 0),
-    ("names", Kind::Name, 0),
+/// Words of a kind, with their doubt, that stand for nothing else.
+const STRONG: [(Kind, u8, &str); 15] = [
+    (
+        Kind::Time,
+        0,
+        "time times timestamp timestamps stamp sec secs seconds nsec nsecs nanosec nanosecs nanosecond \
+         nanoseconds",
+    ),
+    (Kind::Time, 1, "elapsed clock"),
+    (Kind::Position, 0, "position positions pos jpos qpos"),
+    (Kind::Position, 1, "angle angles ang phi theta"),
+    (Kind::Position, 2, "encoder"),
+    (Kind::Velocity, 0, "velocity velocities vel jvel speed speeds dq qd qdot qvel"),
+    (Kind::Velocity, 1, "qp dtheta thetadot dphi omega"),
+    (Kind::Acceleration, 0, "acceleration accelerations acc accel ddq qdd qddot qdotdot"),
+    (Kind::Acceleration, 1, "thetadotdot"),
+    (Kind::Torque, 0, "qfrc jtrq jtor effort efforts eff torque torques trq tau tauj"),
+    (Kind::Torque, 1, "moment force"),
+    (Kind::Input, 0, "input inputs"),
+    (Kind::Run, 0, "run trial segment"),
+    (Kind::Run, 1, "episode"),
+    (Kind::Name, 0, "name names"),
 ];
 
 /// Currents: `current` before another word means "present".
-const CURRENT: [&str; 9] = ["current", "currents", "cur", "curr", "amp", "amps", "amperage", "iq", "imot"];
+const CURRENT: &str = "current currents cur curr amp amps amperage iq imot";
 
 /// Single letters count where no longer word says something.
-const WEAK: [(&str, Kind, u8); 8] = [
-    ("t", Kind::Time, 0),
-    ("q", Kind::Position, 0),
-    ("y", Kind::Position, 1),
-    ("v", Kind::Velocity, 0),
-    ("w", Kind::Velocity, 1),
-    ("a", Kind::Acceleration, 0),
-    ("u", Kind::Input, 0),
-    ("i", Kind::Current, 0),
+const WEAK: [(Kind, u8, &str); 8] = [
+    (Kind::Time, 0, "t"),
+    (Kind::Position, 0, "q"),
+    (Kind::Position, 1, "y"),
+    (Kind::Velocity, 0, "v"),
+    (Kind::Velocity, 1, "w"),
+    (Kind::Acceleration, 0, "a"),
+    (Kind::Input, 0, "u"),
+    (Kind::Current, 0, "i"),
 ];
 
-const MEASURED: [&str; 10] =
-    ["measured", "meas", "msr", "actual", "act", "real", "fb", "feedback", "sensor", "present"];
-const FILTERED: [&str; 8] =
-    ["filtered", "filt", "smoothed", "smooth", "est", "estimate", "estimated", "interpolated"];
-const COMMANDED: [&str; 19] = [
-    "target",
-    "desired",
-    "des",
-    "command",
-    "commanded",
-    "commands",
-    "cmd",
-    "ref",
-    "reference",
-    "setpoint",
-    "goal",
-    "nominal",
-    "planned",
-    "plan",
-    "ipo",
-    "set",
-    "soll",
-    "control",
-    "d",
-];
+const MEASURED: &str = "measured meas msr actual act real fb feedback sensor present";
+const FILTERED: &str = "filtered filt smoothed smooth est estimate estimated interpolated";
+const COMMANDED: &str = "target desired des command commanded commands cmd ref reference setpoint goal nominal planned plan ipo \
+    set soll control d";
 
 /// Words that say nothing of the quantity.
-const NEUTRAL: [&str; 22] = [
-    "joint",
-    "joints",
-    "jnt",
-    "j",
-    "state",
-    "states",
-    "axis",
-    "axes",
-    "robot",
-    "arm",
-    "manipulator",
-    "link",
-    "field",
-    "msg",
-    "data",
-    "value",
-    "values",
-    "header",
-    "output",
-    "id",
-    "index",
-    "no",
-];
+const NEUTRAL: &str = "joint joints jnt j state states axis axes robot arm manipulator link field msg data value values \
+    header output id index no";
 
 /// Words of quantities that are not a joint's, or not its own.
-const FOREIGN: [&str; 43] = [
-    "error",
-    "err",
-    "limit",
-    "limits",
-    "min",
-    "max",
-    "mean",
-    "std",
-    "residual",
-    "ext",
-    "external",
-    "contact",
-    "friction",
-    "gravity",
-    "coriolis",
-    "model",
-    "dtau",
-    "tcp",
-    "cartesian",
-    "tool",
-    "ee",
-    "eef",
-    "flange",
-    "wrench",
-    "ft",
-    "imu",
-    "accelerometer",
-    "pose",
-    "temperature",
-    "temp",
-    "voltage",
-    "power",
-    "pwm",
-    "mode",
-    "status",
-    "window",
-    "gain",
-    "stiffness",
-    "damping",
-    "rate",
-    "frequency",
-    "robust",
-    "base",
-];
+const FOREIGN: &str = "error err limit limits min max mean std residual ext external contact friction gravity coriolis model \
+    dtau tcp cartesian tool ee eef flange wrench ft imu accelerometer pose temperature temp voltage power \
+    pwm mode status window gain stiffness damping rate frequency robust base";
+
+/// Whether a word stands in a list of them.
+fn is_in(list: &str, word: &str) -> bool {
+    list.split(' ').any(|known| known == word)
+}
 
 /// What words say without names, numbers and units; none if they say nothing or contradict each other.
 pub(super) fn meaning(words: &[&str]) -> Option<Meaning> {
-    if words.iter().any(|w| FOREIGN.contains(w)) {
+    if words.iter().any(|w| is_in(FOREIGN, w)) {
         return None;
     }
     let joined = join_derivatives(words);
@@ -330,14 +198,15 @@ fn join_derivatives(words: &[&str]) -> Vec<String> {
 
 /// The kind that the words name, how sure that is, and where the word stands.
 fn strong(words: &[String]) -> Option<(Kind, u8, usize)> {
-    let find = |table: &[(&str, Kind, u8)]| -> Vec<(Kind, u8, usize)> {
+    let find = |table: &[(Kind, u8, &str)]| -> Vec<(Kind, u8, usize)> {
         let hits = words.iter().enumerate().filter_map(|(at, word)| {
-            table.iter().find(|(known, ..)| known == word).map(|(_, kind, doubt)| (*kind, *doubt, at))
+            let row = table.iter().find(|(_, _, list)| is_in(list, word));
+            row.map(|(kind, doubt, _)| (*kind, *doubt, at))
         });
         hits.collect()
     };
     let mut found = find(&STRONG);
-    let current = words.iter().rposition(|w| CURRENT.contains(&w.as_str()));
+    let current = words.iter().rposition(|w| is_in(CURRENT, w));
     match (current, found.first()) {
         (Some(at), None) => return Some((Kind::Current, 0, at)),
         // The torque current of a drive; but the present torque.
@@ -353,14 +222,14 @@ fn strong(words: &[String]) -> Option<(Kind, u8, usize)> {
 }
 
 fn origin(words: &[String], at: usize) -> Origin {
-    let has = |list: &[&str]| words.iter().any(|w| list.contains(&w.as_str()));
-    let present = words[..at].iter().any(|w| CURRENT.contains(&w.as_str()));
+    let has = |list: &str| words.iter().any(|w| is_in(list, w));
+    let present = words[..at].iter().any(|w| is_in(CURRENT, w));
     let joint_states = words.windows(2).any(|w| w[0].starts_with("joint") && w[1] == "states");
-    if has(&COMMANDED) {
+    if has(COMMANDED) {
         Origin::Commanded
-    } else if has(&FILTERED) {
+    } else if has(FILTERED) {
         Origin::Filtered
-    } else if has(&MEASURED) || present || joint_states {
+    } else if has(MEASURED) || present || joint_states {
         Origin::Measured
     } else {
         Origin::Unsaid
@@ -368,30 +237,29 @@ fn origin(words: &[String], at: usize) -> Origin {
 }
 
 fn is_unknown(word: &str) -> bool {
-    let lists = [&MEASURED[..], &FILTERED, &COMMANDED, &NEUTRAL, &CURRENT, &["motor", "drive"]];
-    let known = lists.iter().any(|list| list.contains(&word));
-    let named = STRONG.iter().chain(&WEAK).any(|(w, ..)| *w == word);
-    !(known || named || is_number(word) || units::find(word).is_some())
+    let lists = [MEASURED, FILTERED, COMMANDED, NEUTRAL, CURRENT, "motor drive"];
+    let kinds = STRONG.iter().chain(&WEAK).map(|(_, _, list)| *list);
+    let known = lists.into_iter().chain(kinds).any(|list| is_in(list, word));
+    !(known || is_number(word) || units::find(word).is_some())
 }
 
 /// A word that says nothing of the quantity, or a letter.
 pub(super) fn is_plain(word: &str) -> bool {
-    NEUTRAL.contains(&word) || word.chars().count() == 1
+    is_in(NEUTRAL, word) || word.chars().count() == 1
 }
 
 /// Whether all words are ones that headers have beside units, or numbers.
 pub(super) fn is_known(words: &[&str]) -> bool {
     // `[V]` is a unit that nothing here is in, not the letter of velocities.
-    let is_word = |w: &&str| w.chars().count() > 1 && (FOREIGN.contains(w) || !is_unknown(w));
+    let is_word = |w: &&str| w.chars().count() > 1 && (is_in(FOREIGN, w) || !is_unknown(w));
     !words.is_empty() && words.iter().all(|w| is_number(w) || is_word(w))
 }
 
 /// The time in a message's header is when it was measured; a bag's is when it came.
 fn time_doubt(words: &[String]) -> u8 {
-    let has = |list: &[&str]| words.iter().any(|w| list.contains(&w.as_str()));
-    let stamped = has(&["header"]) && has(&["stamp"]);
-    let received =
-        has(&["rosbag", "bag", "received", "receive", "recv", "log", "logged", "wall", "system", "host"]);
+    let has = |list: &str| words.iter().any(|w| is_in(list, w));
+    let stamped = has("header") && has("stamp");
+    let received = has("rosbag bag received receive recv log logged wall system host");
     match (stamped, received) {
         (true, _) => 0,
         (_, false) => 1,

@@ -2,6 +2,7 @@
 
 use super::filter::gain;
 use super::spectrum::Spectrum;
+use std::f64::consts::PI;
 
 /// What is known of a joint's measured positions.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,6 +57,13 @@ pub(super) fn noise_share(quality: &PositionQuality, bandwidth: f64) -> f64 {
     left / (left + passed).max(f64::MIN_POSITIVE)
 }
 
+/// Standard deviation of the noise of a filtered speed, for white noise of positions of this density [unit²/Hz].
+///
+/// `∫ (2π f)² H² df` is `(2π)² f_c³/3` for a filter with a sharp edge at f_c.
+pub(super) fn speed_noise(density: f64, bandwidth: f64) -> f64 {
+    2.0 * PI * (density * bandwidth.powi(3) / 3.0).sqrt()
+}
+
 /// The widest bandwidth at which the mean of the moving joints' errors is within the tolerance of its least.
 ///
 /// Errors of a joint count at most as much as its whole acceleration. Returns `None` if no joint moves.
@@ -78,7 +86,6 @@ pub(super) fn from_positions(joints: &[&PositionQuality], lowest: f64, highest: 
 mod tests {
     use super::super::super::random::SplitMix64;
     use super::*;
-    use std::f64::consts::PI;
 
     fn quality(frequency: f64, sigma: f64, seed: u64) -> PositionQuality {
         let mut random = SplitMix64::new(seed);

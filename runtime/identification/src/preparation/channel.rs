@@ -1,6 +1,6 @@
 //! One measured signal reduced to its informative samples: repeats, spikes, turns and gaps are told apart.
 
-use super::super::ensemble::quantile;
+use super::super::statistics::quantile;
 use std::f64::consts::PI;
 
 /// The samples of a signal that carry information, at their own times.

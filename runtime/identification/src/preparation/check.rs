@@ -5,7 +5,7 @@ use super::super::error::{
 };
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
-use super::PreparationSettings;
+use super::settings::PreparationSettings;
 
 /// Why an effort cannot be used.
 ///

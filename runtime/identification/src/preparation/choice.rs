@@ -4,16 +4,18 @@ use super::super::error::{IdentificationError, Result};
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun, Run};
-use super::bandwidth::{PositionQuality, candidates, from_positions};
+use super::bandwidth::{PositionQuality, candidates, from_positions, speed_noise};
 use super::channel::Channel;
 use super::check::{check, effort_fault};
 use super::delay::{DelayEstimate, Delays, estimate};
 use super::filter::Filter;
 use super::grid::{Piece, interpolate, pieces};
 use super::regression::{Columns, problems, spread};
+use super::rest::Speeds;
+use super::result::{Delay, PreparationReport};
+use super::settings::PreparationSettings;
 use super::signals::{Signals, Smoothed, Smoothing, smooth};
 use super::spectrum::Spectrum;
-use super::{Delay, PreparationReport, PreparationSettings};
 use nalgebra::DVector;
 
 /// Log samples in a pause that is interpolated in any case.
@@ -64,8 +66,9 @@ pub(super) fn prepare_all(
     settings: &PreparationSettings,
 ) -> Result<(Vec<PreparedRun>, PreparationReport)> {
     check(runs, robot, settings)?;
-    let recorded = Recorded::new(runs, robot, settings);
+    let mut recorded = Recorded::new(runs, robot, settings);
     let widest = recorded.widest()?;
+    recorded.find_rests(widest)?;
     let first = recorded.delays_at(widest)?;
     let bandwidth = match (settings.bandwidth, robot) {
         (None, Some(robot)) => {
@@ -174,6 +177,33 @@ impl<'a> Recorded<'a> {
         })
     }
 
+    /// Looks for rests of the joints that friction brakes, by speeds through a filter of `bandwidth`.
+    fn find_rests(&mut self, bandwidth: f64) -> Result<()> {
+        let how = self.smoothing(bandwidth, vec![0.0; self.efforts()]);
+        let mut pieces = Vec::new();
+        for (run, signals) in self.signals.iter().enumerate() {
+            for piece in self.pieces(signals, bandwidth) {
+                pieces.extend(smooth(signals, &piece, &how)?.map(|smoothed| (run, smoothed.run)));
+            }
+        }
+        let largest = |joint: usize| {
+            let speeds = pieces.iter().flat_map(|(_, piece)| &piece.velocities[joint]);
+            speeds.fold(0.0_f64, |most, v| most.max(v.abs()))
+        };
+        let quaternions = self.robot.map(Robot::quaternion_joints).unwrap_or_default();
+        let exact = rows_of(&quaternions, self.joints());
+        let speeds = |(joint, quality): (usize, &PositionQuality)| {
+            let noise = speed_noise(quality.density, bandwidth);
+            let largest = if quality.moves { largest(joint) } else { f64::INFINITY };
+            (!exact[joint]).then_some(Speeds { largest, noise })
+        };
+        let speeds: Vec<Option<Speeds>> = self.quality.iter().enumerate().map(speeds).collect();
+        for (run, piece) in &pieces {
+            self.signals[*run].rests.add(piece, &speeds, bandwidth, how.cut);
+        }
+        Ok(())
+    }
+
     fn output_step(&self, bandwidth: f64) -> f64 {
         let rate = self.settings.rate.unwrap_or(OVERSAMPLING * bandwidth);
         self.step * (1.0 / (self.step * rate)).floor().max(1.0)
@@ -182,6 +212,7 @@ impl<'a> Recorded<'a> {
     fn smoothing(&self, bandwidth: f64, delays: Vec<f64>) -> Smoothing {
         Smoothing {
             bandwidth,
+            lowest: bandwidth,
             step: self.output_step(bandwidth),
             cut: self.settings.cut.unwrap_or(1.0 / bandwidth),
             delays,
@@ -221,7 +252,7 @@ impl<'a> Recorded<'a> {
         for bandwidth in tried.iter().rev() {
             let mut how = self.smoothing(*bandwidth, delays.iter().map(|d| d.removed).collect());
             // The same samples for all, so that their residuals compare.
-            (how.cut, how.step) = (cut, self.output_step(widest));
+            (how.cut, how.step, how.lowest) = (cut, self.output_step(widest), tried[0]);
             let unexplained = self.unexplained(robot, &how, widest)?;
             least = least.min(unexplained);
             scores.push(unexplained);
@@ -244,9 +275,10 @@ impl<'a> Recorded<'a> {
             let column = |of: &dyn Fn(&Smoothed) -> &Vec<f64>| {
                 DVector::from_iterator(samples.len(), samples.iter().map(|(r, i)| of(&smoothed[*r])[*i]))
             };
+            let problem = problems[m].as_ref()?;
             let (filtered, measured) = (column(&|s| &s.run.efforts[m]), column(&|s| &s.measured[m]));
-            let all = measured.add_scalar(-measured.mean()).norm_squared();
-            let error = (measured - problems[m].as_ref()?.explained(&filtered)).norm_squared();
+            let error = problem.energy(&(&measured - problem.explained(&filtered)));
+            let all = problem.variation(&measured);
             (error / all).is_finite().then(|| (error / all).max(1e-12).ln())
         };
         let scores: Vec<f64> = (0..problems.len()).filter_map(score).collect();

@@ -11,8 +11,8 @@ pub(super) struct DelayEstimate {
     pub value: f64,
     /// Standard error [s]; infinite where the efforts do not show a delay.
     pub error: f64,
-    /// Fall of the logarithm of the residual sum of squares: from no delay for the common one, from the common delay
-    /// for an effort's own.
+    /// Fall of the logarithm of the residual sum of squares: from no delay for the common one; from the common delay for an
+    /// effort's own, on held-out folds, and zero where it is within two standard errors.
     pub drop: f64,
 }
 
@@ -38,6 +38,12 @@ const SAMPLES: usize = 2000;
 /// Blocks of consecutive samples, for a standard error that holds under correlated residuals.
 const BLOCKS: usize = 16;
 
+/// Folds on which a delay of an effort's own is compared with the common one.
+const FOLDS: usize = 8;
+
+/// How far delays of one robot's efforts lie from each other at least, before anything is known [s].
+const USUAL_SPREAD: f64 = 1e-3;
+
 /// Delay of each effort whose residual sum of squares is least, and the common one.
 ///
 /// `runs` have undelayed efforts, smoothed. The standard error is that of a one-step estimator with scores summed
@@ -59,11 +65,20 @@ pub(super) fn estimate(columns: &Columns, runs: &[&PreparedRun], step: f64) -> O
     }
     let value = search.least(&known);
     for m in &known {
-        own[*m].drop = search.drop(&[*m], value, own[*m].value);
+        let spread = spread_of_others(&own, &known, *m, value);
+        let shrunk = value + (own[*m].value - value) / (1.0 + (own[*m].error / spread).powi(2));
+        own[*m] = DelayEstimate { value: shrunk, drop: search.held_out_drop(*m, value, shrunk), ..own[*m] };
     }
     let error = common_error(&known.iter().map(|m| own[*m]).collect::<Vec<_>>(), value);
     let drop = search.drop(&known, 0.0, value) / known.len() as f64;
     Some(Delays { common: DelayEstimate { value, error, drop }, own })
+}
+
+/// How far the delays of the other efforts lie from the common one: what is to be expected of this one's.
+fn spread_of_others(own: &[DelayEstimate], known: &[usize], effort: usize, common: f64) -> f64 {
+    let others = known.iter().filter(|m| **m != effort).map(|m| (own[*m].value - common).powi(2));
+    let count = (known.len() - 1).max(1) as f64;
+    (others.sum::<f64>() / count).sqrt().max(USUAL_SPREAD)
 }
 
 /// Standard error of the common delay, widened where the efforts' own delays disagree (Birge 1932).
@@ -109,6 +124,19 @@ impl Search<'_> {
     fn drop(&self, of: &[usize], from: f64, to: f64) -> f64 {
         let at = self.misfits(of, &[from, to]);
         at[0] - at[1]
+    }
+
+    /// The same for one effort on folds that were left out; zero where it is within two standard errors.
+    fn held_out_drop(&self, m: usize, from: f64, to: f64) -> f64 {
+        let Some(problem) = &self.problems[m] else { return 0.0 };
+        let targets = [from, to].map(|delay| self.effort(m, delay).0);
+        let Some(errors) = problem.held_out(&DMatrix::from_columns(&targets), FOLDS) else { return 0.0 };
+        let gains: Vec<f64> = errors.iter().map(|fold| fold[0] - fold[1]).collect();
+        let (gain, count) = (gains.iter().sum::<f64>(), gains.len() as f64);
+        let squares: f64 = gains.iter().map(|g| (g - gain / count).powi(2)).sum();
+        let deviation = (squares * count / (count - 1.0)).sqrt();
+        let total: f64 = errors.iter().map(|fold| fold[0]).sum();
+        if gain > 2.0 * deviation && gain < total { -(1.0 - gain / total).ln() } else { 0.0 }
     }
 
     fn own(&self, m: usize) -> DelayEstimate {

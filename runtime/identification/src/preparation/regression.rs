@@ -1,11 +1,13 @@
 //! Efforts explained by a robot's regressor, with friction and an offset for each joint: the judge of delays and
 //! bandwidths.
 
+use super::super::moments::contiguous_blocks;
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use super::filter::Filter;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// Ridge on columns of unit length: parameters that the motion does not show stay at zero.
 const RIDGE: f64 = 1e-7;
@@ -44,6 +46,18 @@ impl<'a> Columns<'a> {
         Self { robot, inverse: if inputs { inverse() } else { None }, signs, exact }
     }
 
+    /// Whether a joint rests that an effort acts on.
+    fn rests(&self, run: &PreparedRun, effort: usize, sample: usize) -> bool {
+        match &self.inverse {
+            Some(inverse) => {
+                let mut joints =
+                    inverse.row(effort).into_iter().enumerate().filter(|(_, share)| **share != 0.0);
+                joints.any(|(joint, _)| run.rests(joint, sample))
+            }
+            None => run.rests(effort, sample),
+        }
+    }
+
     /// Columns at sample `i` of run `r`, one row for each effort.
     fn at(&self, runs: &[&PreparedRun], (r, i): Sample) -> DMatrix<f64> {
         let run = runs[r];
@@ -80,41 +94,75 @@ fn fastest(runs: &[&PreparedRun], joint: usize) -> f64 {
 /// A sample: number of the run and of the sample in it.
 pub(super) type Sample = (usize, usize);
 
-/// About `count` samples spread evenly over those of all runs at least `margin` samples away from the ends.
+/// About `count` samples spread evenly over those of all runs at which something moves, at least `margin` samples away from
+/// the ends.
 pub(super) fn spread(runs: &[&PreparedRun], count: usize, margin: usize) -> Vec<Sample> {
     let inner = |r: &PreparedRun| margin..r.times.len().saturating_sub(margin).max(margin);
-    let all: Vec<Sample> = runs.iter().enumerate().flat_map(|(k, r)| inner(r).map(move |i| (k, i))).collect();
+    let moving = |(k, r): (usize, &&PreparedRun)| {
+        inner(r).filter(|i| r.is_moving(*i)).map(move |i| (k, i)).collect::<Vec<Sample>>()
+    };
+    let all: Vec<Sample> = runs.iter().enumerate().flat_map(moving).collect();
     let stride = all.len().div_ceil(count.max(1)).max(1);
     all.into_iter().step_by(stride).collect()
 }
 
 /// Columns of one effort over the chosen samples.
 pub(super) struct Problem {
-    /// Columns × samples, times the inverse of the normal equations' factor: orthonormal but for the ridge.
+    /// Columns × samples, times the inverse of the normal equations' factor: orthonormal but for the ridge. Zero where a
+    /// joint rests that the effort acts on.
     basis: DMatrix<f64>,
+    /// Columns × samples, columns of unit length.
+    rows: DMatrix<f64>,
+    /// 0 at these samples, 1 at the others.
+    moving: DVector<f64>,
 }
 
 /// One problem for each effort; `None` where its columns have no factor.
 pub(super) fn problems(columns: &Columns, runs: &[&PreparedRun], samples: &[Sample]) -> Vec<Option<Problem>> {
     let blocks: Vec<DMatrix<f64>> = samples.iter().map(|sample| columns.at(runs, *sample)).collect();
     let Some(first) = blocks.first() else { return Vec::new() };
-    let of_effort = |m: usize| DMatrix::from_fn(first.ncols(), blocks.len(), |k, i| blocks[i][(m, k)]);
-    (0..first.nrows()).map(|m| Problem::new(&of_effort(m))).collect()
+    let of_effort = |m: usize| {
+        let moves = |(r, i): &Sample| f64::from(u8::from(!columns.rests(runs[*r], m, *i)));
+        let moving = DVector::from_iterator(samples.len(), samples.iter().map(moves));
+        let all = DMatrix::from_fn(first.ncols(), blocks.len(), |k, i| blocks[i][(m, k)] * moving[i]);
+        Problem::new(&all, moving)
+    };
+    (0..first.nrows()).map(of_effort).collect()
+}
+
+fn ridged(mut gram: DMatrix<f64>) -> DMatrix<f64> {
+    for k in 0..gram.nrows() {
+        gram[(k, k)] += RIDGE;
+    }
+    gram
 }
 
 impl Problem {
-    fn new(columns: &DMatrix<f64>) -> Option<Self> {
+    fn new(columns: &DMatrix<f64>, moving: DVector<f64>) -> Option<Self> {
         let norms: Vec<f64> = columns.row_iter().map(|c| c.norm()).collect();
         let largest = norms.iter().copied().fold(0.0, f64::max);
         let used: Vec<usize> = (0..norms.len()).filter(|k| norms[*k] > 1e-9 * largest).collect();
         let rows =
             DMatrix::from_fn(used.len(), columns.ncols(), |k, i| columns[(used[k], i)] / norms[used[k]]);
         // The product with a transposed copy is a blocked one, several times faster than dot products.
-        let mut gram = &rows * rows.transpose();
-        for k in 0..used.len() {
-            gram[(k, k)] += RIDGE;
-        }
-        Some(Self { basis: gram.cholesky()?.l().solve_lower_triangular(&rows)? })
+        let gram = ridged(&rows * rows.transpose());
+        Some(Self { basis: gram.cholesky()?.l().solve_lower_triangular(&rows)?, rows, moving })
+    }
+
+    /// Squares of what fits to all samples but those of a fold leave of each target there, for each of so many contiguous
+    /// folds; `None` where a fold leaves too little.
+    pub fn held_out(&self, targets: &DMatrix<f64>, folds: usize) -> Option<Vec<Vec<f64>>> {
+        let part = |fold: &Range<usize>| self.rows.columns(fold.start, fold.len());
+        let of_targets = |fold: &Range<usize>| targets.rows(fold.start, fold.len());
+        let (gram, products) = (&self.rows * self.rows.transpose(), &self.rows * targets);
+        let errors = |fold: Range<usize>| {
+            let (x, t) = (part(&fold), of_targets(&fold));
+            let others = ridged(&gram - x * x.transpose()).cholesky()?;
+            let left = t - x.tr_mul(&others.solve(&(&products - x * t)));
+            let moving = self.moving.rows(fold.start, fold.len());
+            Some(left.column_iter().map(|left| left.component_mul(&moving).norm_squared()).collect())
+        };
+        contiguous_blocks(self.moving.len(), folds).map(errors).collect()
     }
 
     /// What the columns explain of `target`.
@@ -124,13 +172,26 @@ impl Problem {
 
     /// What the columns cannot explain of `target`.
     pub fn residual(&self, target: &DVector<f64>) -> DVector<f64> {
-        target - self.explained(target)
+        (target - self.explained(target)).component_mul(&self.moving)
+    }
+
+    /// Sum of the squares of what is left of a target.
+    pub fn energy(&self, left: &DVector<f64>) -> f64 {
+        left.component_mul(&self.moving).norm_squared()
+    }
+
+    /// Sum of the squares of a target without its mean.
+    pub fn variation(&self, target: &DVector<f64>) -> f64 {
+        let mean = target.dot(&self.moving) / self.moving.sum();
+        self.energy(&target.add_scalar(-mean))
     }
 
     /// Squares of what the columns cannot explain of each column of `targets`.
     pub fn misfits(&self, targets: &DMatrix<f64>) -> Vec<f64> {
         let explained = &self.basis * targets;
         let squares = targets.column_iter().zip(explained.column_iter());
-        squares.map(|(all, part)| all.norm_squared() - part.norm_squared()).collect()
+        squares
+            .map(|(all, part)| all.component_mul(&self.moving).norm_squared() - part.norm_squared())
+            .collect()
     }
 }

@@ -6,8 +6,8 @@ use super::bandwidth::{from_positions, noise_share};
 use super::choice::{Recorded, USUAL};
 use super::filter::Filter;
 use super::grid::Piece;
+use super::result::{Delay, JointPreparation, PreparationReport, VelocityCheck};
 use super::signals::{Signals, Smoothed, Smoothing, is_too_short};
-use super::{Delay, JointPreparation, PreparationReport, VelocityCheck};
 
 impl Recorded<'_> {
     pub(super) fn too_short(&self, how: &Smoothing) -> IdentificationError {
@@ -34,6 +34,7 @@ impl Recorded<'_> {
             (0..self.joints()).map(|j| self.joint(j, how, &delays, smoothed)).collect();
         let mut notes = self.notes(how);
         notes.extend(joints.iter().flat_map(remarks));
+        notes.extend(self.of_rests(smoothed));
         if how.step > 1.5 * self.step {
             let (fewer, all) = (1.0 / how.step, 1.0 / self.step);
             notes.push(format!("the filter leaves nothing above {:.3} Hz, so {fewer:.1} of {all:.1} samples a second are kept (`PreparationSettings::rate`)", 2.0 * how.bandwidth));
@@ -91,6 +92,27 @@ impl Recorded<'_> {
             format!("{name}: rows {first} to {last} are left out; they last {:.3} s, less than the two ends of {:.3} s that are cut (`PreparationSettings::cut`)", p.duration(), how.cut)
         });
         pieces.windows(2).map(gap).chain(short).collect()
+    }
+
+    /// Which joints that move rest for a part of the time.
+    fn of_rests(&self, smoothed: &[Smoothed]) -> Option<String> {
+        let samples: usize = smoothed.iter().map(|s| s.run.times.len()).sum();
+        let share = |joint: usize| {
+            let rests = |s: &Smoothed| (0..s.run.times.len()).filter(|i| s.run.rests(joint, *i)).count();
+            100.0 * smoothed.iter().map(rests).sum::<usize>() as f64 / samples.max(1) as f64
+        };
+        let moving =
+            (0..self.joints()).filter(|joint| self.quality[*joint].moves && !self.is_unmeasured(*joint));
+        let shares = moving.map(|joint| (joint, share(joint))).filter(|(_, share)| *share > 0.0);
+        let named: Vec<String> =
+            shares.map(|(joint, share)| format!("{} in {share:.0} %", self.name(joint))).collect();
+        (!named.is_empty()).then(|| {
+            format!(
+                "at rest dry friction takes any value up to the static one, and efforts say nothing about it: the fit \
+                 leaves out the samples in which a joint rests ({})",
+                named.join(", ")
+            )
+        })
     }
 
     fn of_positions(&self, signals: &Signals) -> Vec<String> {

@@ -8,6 +8,7 @@ use super::channel::{Channel, median_step};
 use super::filter::{continued, kernel};
 use super::grid::{Piece, interpolate};
 use super::poses::PoseSignal;
+use super::rest::Rests;
 
 /// The channels of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +26,8 @@ pub(super) struct Signals {
     pub effort: Effort,
     /// Commanded positions.
     pub desired: Option<Vec<Channel>>,
+    /// Where joints rest.
+    pub rests: Rests,
     /// Median step of the log [s].
     pub step: f64,
 }
@@ -53,6 +56,7 @@ impl Signals {
             efforts: run.efforts.iter().map(|u| channel(u, false)).collect(),
             effort: run.effort,
             desired: desired(run),
+            rests: Rests::default(),
             step: median_step(&run.times),
         }
     }
@@ -94,6 +98,8 @@ fn desired(run: &Run) -> Option<Vec<Channel>> {
 pub(super) struct Smoothing {
     /// Half-amplitude frequency [Hz].
     pub bandwidth: f64,
+    /// Half-amplitude frequency of the filter that decides how far rests reach [Hz].
+    pub lowest: f64,
     /// Time between results [s].
     pub step: f64,
     /// What is cut off at either end of a piece [s].
@@ -160,6 +166,7 @@ pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Resul
         velocities: all(1)?,
         accelerations: all(2)?,
         efforts,
+        resting: signals.rests.at(&times, how.lowest),
         effort: signals.effort,
         times,
     };

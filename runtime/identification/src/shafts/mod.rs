@@ -14,7 +14,6 @@
 //! function of one row's speed. It is estimated as the inertial parameters are: its factors stay near the described ones
 //! along what the data cannot tell.
 
-mod library;
 mod robot;
 mod rows;
 mod seats;
@@ -22,32 +21,8 @@ mod seats;
 mod tests;
 mod words;
 
-pub(crate) use library::{scaled, slope};
+pub use super::robot::{JointTerm, Shaft};
 pub use robot::RobotRows;
 pub use rows::ShaftRows;
 pub use seats::seats;
 pub(crate) use words::in_words;
-
-/// A drive that acts on several joints, whose friction is that of its shaft.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Shaft {
-    /// Name of the drive, as described.
-    pub name: String,
-    /// The joint whose row the shaft takes, see [`seats`].
-    pub joint: usize,
-    /// Motion of the shaft for a unit of motion of each of the N joints: gear ratio times weight [1 or rad/m].
-    pub ratios: Vec<f64>,
-    /// Largest torque of the motor [N·m]; infinite where it is not described.
-    pub torque: f64,
-}
-
-/// A term of friction that is described on a joint whose row a shaft takes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct JointTerm {
-    /// Number of the joint.
-    pub joint: usize,
-    /// Function of the joint's velocity `v`, as described.
-    pub basis: String,
-    /// Its described factor.
-    pub coefficient: f64,
-}

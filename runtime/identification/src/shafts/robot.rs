@@ -1,8 +1,7 @@
 //! A robot whose rows are those of its shafts.
 
-use super::super::excitation::Instant;
 use super::super::pose::QuaternionJoint;
-use super::super::robot::{JointLimits, Robot};
+use super::super::robot::{Instant, JointLimits, Robot};
 use super::super::run::PreparedRun;
 use super::Shaft;
 use super::rows::ShaftRows;

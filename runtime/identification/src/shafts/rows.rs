@@ -1,7 +1,6 @@
 //! The rows of a robot with shafts, and signals along them.
 
-use super::super::excitation::Instant;
-use super::super::robot::Robot;
+use super::super::robot::{Instant, Robot};
 use super::super::run::{DesiredMotion, Effort, PreparedRun};
 use super::{JointTerm, Shaft};
 use nalgebra::DMatrix;
@@ -98,8 +97,19 @@ impl ShaftRows {
             accelerations: moved(&run.accelerations),
             efforts,
             desired,
+            resting: self.resting(&run.resting),
             ..run
         }
+    }
+
+    /// A shaft rests where all joints rest that turn it.
+    fn resting(&self, joints: &[Vec<bool>]) -> Vec<Vec<bool>> {
+        let row = |row: usize| {
+            let turning = self.motion.row(row).into_iter().zip(joints).filter(|(ratio, _)| **ratio != 0.0);
+            let all = turning.map(|(_, rests)| rests.clone());
+            all.reduce(|a, b| a.iter().zip(&b).map(|(a, b)| *a && *b).collect()).unwrap_or_default()
+        };
+        if joints.is_empty() { Vec::new() } else { (0..self.motion.nrows()).map(row).collect() }
     }
 
     /// Positions and their derivatives of the rows for those of the joints.

@@ -109,11 +109,8 @@ fn a_differential_has_the_torques_of_its_motors_as_rows() {
 #[test]
 fn slopes_of_shafts_are_those_of_joints() {
     let library = Library::new(&["v", "tanh(20*v)", "abs(tanh(20*v))", "tanh(v)"], &["v"]).unwrap();
-    assert_eq!(
-        scaled(&library, 80.0).unwrap().terms(),
-        ["v", "tanh(0.25*v)", "abs(tanh(0.25*v))", "tanh(v)"]
-    );
-    assert_eq!(scaled(&library, 1.0).unwrap().terms(), library.terms());
+    assert_eq!(library.scaled(80.0).unwrap().terms(), ["v", "tanh(0.25*v)", "abs(tanh(0.25*v))", "tanh(v)"]);
+    assert_eq!(library.scaled(1.0).unwrap().terms(), library.terms());
 }
 
 #[test]

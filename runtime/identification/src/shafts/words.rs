@@ -2,7 +2,6 @@
 
 use super::super::error::IdentificationError;
 use super::super::estimation::{Estimate, Uncertain};
-use super::super::identify::JointFriction;
 use super::super::robot::Robot;
 use super::ShaftRows;
 
@@ -19,17 +18,24 @@ impl ShaftRows {
         text
     }
 
-    /// Calls shafts what they are in all that is said of an estimate.
-    pub(crate) fn word(&self, estimate: &mut Estimate, friction: &mut [JointFriction]) {
-        let sentences = estimate.choices.iter_mut().chain(&mut estimate.warnings);
-        let faults = friction.iter_mut().filter_map(|friction| friction.report.as_mut().err());
-        sentences.chain(faults).for_each(|sentence| *sentence = self.worded(sentence));
+    /// Calls shafts what they are in all that is said of an estimate, and says first where friction was looked for.
+    ///
+    /// - `robot`: the one with joints as rows
+    /// - `faults`: further sentences about rows
+    pub(crate) fn word<'s>(
+        &self,
+        robot: &dyn Robot,
+        estimate: &mut Estimate,
+        faults: impl Iterator<Item = &'s mut String>,
+    ) {
+        let word = |sentence: &mut String| *sentence = self.worded(sentence);
+        faults.for_each(word);
+        estimate.choices.iter_mut().chain(&mut estimate.warnings).for_each(word);
+        estimate.choices.splice(0..0, self.said(robot, estimate));
     }
 
     /// Where friction was looked for, in sentences.
-    ///
-    /// - `robot`: the one with joints as rows
-    pub(crate) fn said(&self, robot: &dyn Robot, estimate: &Estimate) -> Vec<String> {
+    fn said(&self, robot: &dyn Robot, estimate: &Estimate) -> Vec<String> {
         let names: Vec<&str> = self.shafts().iter().map(|shaft| shaft.name.as_str()).collect();
         let shafts = format!(
             "Drives that act on several joints have friction on their shafts, over the motors' speeds, and rows of torques at \

@@ -1,8 +1,8 @@
 //! Starts on binned data.
 
 use super::super::error::{IdentificationError, Result};
-use super::super::kernel::{BLOCK, add_products, stribeck_block};
-use super::law::{Robustness, StribeckRegression, stribeck_torque};
+use super::super::kernel::{BLOCK, add_products};
+use super::law::{Robustness, StribeckRegression, stribeck_block, stribeck_torque};
 use super::refine::{Data, Normal};
 use nalgebra::{SMatrix, SVector};
 

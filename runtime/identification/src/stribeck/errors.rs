@@ -1,8 +1,9 @@
 //! What the data say about the parameters: standard errors, and warnings.
 
 use super::super::confidence::{LongRun, covariance_of_sums};
-use super::super::kernel::{BLOCK, stribeck_block};
-use super::law::{NAMES, StribeckFit};
+use super::super::kernel::BLOCK;
+use super::super::offset::centre;
+use super::law::{NAMES, StribeckFit, stribeck_block};
 use super::refine::{Data, Normal};
 use nalgebra::{DMatrix, SMatrix};
 use std::ops::Range;
@@ -102,7 +103,7 @@ impl StribeckFit {
             all.iter_mut().zip(&columns).for_each(|(all, column)| all.extend_from_slice(&column[..v.len()]));
         }
         if !self.offsets.is_empty() {
-            all.iter_mut().for_each(|column| super::super::friction::centre(column, runs, weights));
+            all.iter_mut().for_each(|column| centre(column, runs, weights));
         }
         let Some(residual) = all.pop() else { return all };
         for column in &mut all {

@@ -1,10 +1,10 @@
 //! The law, the settings of its regression, and what a regression gives.
 
-use super::super::confidence;
-use super::super::error::Result;
-use super::super::kernel::{BLOCK, stribeck_block};
+use super::super::kernel::BLOCK;
 use gelenk_formula::FrictionPart;
-use nalgebra::{SMatrix, SVector};
+use gelenk_kernels::math::exp;
+use multiversion::multiversion;
+use nalgebra::SMatrix;
 
 pub(crate) const NAMES: [&str; 5] = FrictionPart::STRIBECK_KEYS;
 
@@ -18,6 +18,28 @@ pub fn stribeck_gradient(v: f64, a: &[f64; 5]) -> [f64; 5] {
     let mut columns = [[0.0; BLOCK]; 6];
     stribeck_block(&[v], &[0.0], a, &mut columns);
     std::array::from_fn(|i| columns[i][0])
+}
+
+/// Columns ∂τ/∂a and residual of the law over one block.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
+pub(super) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &mut [[f64; BLOCK]; 6]) {
+    let n = v.len().min(torque.len()).min(BLOCK);
+    let [c1, c2, c3, c4, c5, residual] = columns;
+    for i in 0..n {
+        let (x, s) = (v[i], v[i].abs());
+        let e = exp(-2.0 * a[2] * s);
+        let e3 = e * e * e;
+        // Written with e instead of tanh: absolute errors of 1e-16 are enough for sums of squares.
+        let t = ((1.0 - e) / (1.0 + e)).copysign(x);
+        let u = ((1.0 - e3) / (1.0 + e3)).copysign(x);
+        let decay = exp(-a[4] * s);
+        c1[i] = x;
+        c2[i] = t;
+        c3[i] = a[1] * x * (1.0 - t * t) + 3.0 * a[3] * decay * x * (1.0 - u * u);
+        c4[i] = decay * u;
+        c5[i] = -a[3] * s * decay * u;
+        residual[i] = torque[i] - (a[0] * x + a[1] * t + a[3] * decay * u);
+    }
 }
 
 /// Weights against outliers.
@@ -85,32 +107,5 @@ impl StribeckFit {
     /// The law at velocity `v`, without an offset.
     pub fn torque(&self, v: f64) -> f64 {
         stribeck_torque(v, &self.parameters)
-    }
-
-    /// Confidence interval of each parameter at `level` (e.g. 0.95); `None` where not identifiable.
-    ///
-    /// # Errors
-    /// A level outside (0, 1).
-    pub fn confidence_intervals(&self, level: f64) -> Result<[Option<[f64; 2]>; 5]> {
-        let t = self.quantile(level)?;
-        Ok(std::array::from_fn(|i| {
-            self.standard_errors[i].map(|s| [self.parameters[i] - t * s, self.parameters[i] + t * s])
-        }))
-    }
-
-    /// Half widths at velocity `v`: of the confidence band of the law, and of the prediction band of a new
-    /// sample without its offset.
-    ///
-    /// # Errors
-    /// A level outside (0, 1).
-    pub fn half_widths(&self, v: f64, level: f64) -> Result<[f64; 2]> {
-        let t = self.quantile(level)?;
-        let g = SVector::<f64, 5>::from(stribeck_gradient(v, &self.parameters));
-        let law = g.dot(&(self.covariance * g)).max(0.0);
-        Ok([t * law.sqrt(), t * (law + self.variance).sqrt()])
-    }
-
-    fn quantile(&self, level: f64) -> Result<f64> {
-        confidence::quantile(level, self.freedom.max(1) as f64)
     }
 }

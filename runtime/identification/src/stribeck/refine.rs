@@ -1,7 +1,7 @@
 //! Refinement on all samples.
 
-use super::super::kernel::{BLOCK, add_products, stribeck_block};
-use super::law::{StribeckRegression, stribeck_torque};
+use super::super::kernel::{BLOCK, add_products};
+use super::law::{StribeckRegression, stribeck_block, stribeck_torque};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 

@@ -1,9 +1,9 @@
 //! How far an iterate is from the solution, and whether the method still gets closer.
 
 use super::super::certificate::cost_scale;
-use super::super::core::Core;
+use super::super::core::{Core, Start};
 use super::super::lanes::Vector;
-use super::run::{LEAST_COST, PATIENCE, Run, Start, State};
+use super::run::{LEAST_COST, PATIENCE, Run, State};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 

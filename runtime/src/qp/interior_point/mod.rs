@@ -16,10 +16,9 @@ mod start;
 mod step;
 
 use self::judge::{LATE, NEAR};
-pub(super) use self::run::Start;
 use self::run::{CAP_CUT, LEAST_COST, PATIENCE, Run};
 use super::certificate::Certificate;
-use super::core::Core;
+use super::core::{Core, Start};
 use super::lanes::Vector;
 use super::ldl::NotPositive;
 use super::problem::QpProblem;

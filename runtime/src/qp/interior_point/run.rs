@@ -1,4 +1,6 @@
-//! Runs of the method: where they start, and what they remember from one iteration to the next.
+//! Runs of the method: what they remember from one iteration to the next.
+
+use super::super::core::Start;
 
 /// Costs below this share of the gap at the start count as none.
 pub(super) const LEAST_COST: f64 = 1e-24;
@@ -12,20 +14,6 @@ pub(super) const CAP_CUT: f64 = 1e-2;
 /// can cycle (Cartis, *Some disadvantages of a Mehrotra-type primal-dual corrector interior point algorithm*,
 /// Appl. Numer. Math. 59, 2009).
 pub(super) const PATIENCE: usize = 3;
-
-/// Where the first iterate comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::qp) enum Start {
-    /// The unconstrained optimum.
-    Cold,
-    /// The solution in memory.
-    Warm,
-    /// A point deep inside the bounds, with the steps that are safest: where the others have not led to a
-    /// solution.
-    Deep,
-    /// The unconstrained optimum, hard state bounds and rows replaced by penalties.
-    Relaxed,
-}
 
 /// What one iteration starts from.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,9 +1,9 @@
 //! Points from which the method starts, and starts again.
 
-use super::super::core::Core;
+use super::super::core::{Core, Start};
 use super::super::lanes::{Vector, largest};
 use super::super::ldl::NotPositive;
-use super::run::{Run, Start};
+use super::run::Run;
 
 /// Gap at the start, relative to the cost that keeping the bounds may add. Large: a start far inside takes
 /// fewer iterations than one near the boundary.

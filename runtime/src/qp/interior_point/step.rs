@@ -1,10 +1,10 @@
 //! One step of the method: Newton system, affine step, centred and corrected step.
 
 use super::super::barrier::Tally;
-use super::super::core::Core;
+use super::super::core::{Core, Start};
 use super::super::lanes::Vector;
 use super::judge::CRAWL;
-use super::run::{CAP_CUT, PATIENCE, Run, Start, State};
+use super::run::{CAP_CUT, PATIENCE, Run, State};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 

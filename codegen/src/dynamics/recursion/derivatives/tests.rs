@@ -1,8 +1,8 @@
 //! The recursive derivatives against forward differentiation of the recursive equations.
 
 use super::{PairFrame, inverse_dynamics_derivatives};
+use crate::dynamics::formulation::Formulation;
 use crate::dynamics::recursion::newton_euler::MotionInput;
-use crate::dynamics::search::formulation::Formulation;
 use crate::graph::{Graph, Scalar, differentiate};
 use crate::kinematics::Mechanism;
 use crate::testing::{GENERAL, chain};

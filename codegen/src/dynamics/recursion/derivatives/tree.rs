@@ -3,12 +3,12 @@
 use super::base_body::BaseBody;
 use super::column::{Column, Disturbance, Disturbed};
 use super::flow::{Flow, Lever, shift_flow, twice_across};
+use crate::dynamics::formulation::Formulation;
 use crate::dynamics::recursion::composite::{before_joint, composites};
 use crate::dynamics::recursion::newton_euler::{BodyMotion, MotionInput};
 use crate::dynamics::recursion::placement::Placement;
 use crate::dynamics::recursion::quaternion::{ChainDisturbance, unit_motion};
 use crate::dynamics::recursion::rotor::Gyrostat;
-use crate::dynamics::search::formulation::Formulation;
 use crate::graph::Scalar;
 use crate::kinematics::{ChainPlace, Followed, JointAxis, Mechanism, Rotor};
 use crate::spatial::{Force, Matrix3, Motion, Vector3};

@@ -11,7 +11,7 @@ mod form;
 mod scalar;
 
 use proc_macro2::{Ident, Literal, TokenStream};
-use quote::{format_ident, quote};
+use quote::quote;
 
 use super::body::Body;
 use super::context::Context;
@@ -99,12 +99,4 @@ pub(super) fn items(
     items.extend(scalar::items(&body, name, &signature, plan));
     items.extend(form::items(&body, name, plan, &unused));
     items
-}
-
-/// Name of the body of a part.
-fn body_name(name: &Ident, plan: &Plan, index: usize) -> Ident {
-    match plan.parts.len() {
-        1 => format_ident!("{}_body", name),
-        _ => format_ident!("{}_body_{}", name, index + 1),
-    }
 }

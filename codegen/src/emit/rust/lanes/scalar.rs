@@ -1,16 +1,23 @@
 //! The bodies of a function, and the scalar function that calls them.
 
 use proc_macro2::{Ident, TokenStream};
-use quote::quote;
+use quote::{format_ident, quote};
 
 use super::super::body::Body;
 use super::super::doc_comment::DocComment;
 use super::super::lints;
 use super::super::parts::{Taken, array, values};
 use super::super::signature::{Signature, item};
-use super::body_name;
 use crate::program::lanes::Plan;
 use crate::program::split::Part;
+
+/// Name of the body of a part.
+pub(super) fn body_name(name: &Ident, plan: &Plan, index: usize) -> Ident {
+    match plan.parts.len() {
+        1 => format_ident!("{}_body", name),
+        _ => format_ident!("{}_body_{}", name, index + 1),
+    }
+}
 
 /// The statements of the scalar function: its angles, then the bodies.
 pub(super) fn statements(body: &Body<'_>, name: &Ident, plan: &Plan) -> TokenStream {

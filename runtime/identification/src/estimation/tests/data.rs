@@ -31,6 +31,7 @@ pub(super) fn prepare(
     let cut = |column: &[f64]| column[inner.clone()].to_vec();
     PreparedRun {
         poses: Vec::new(),
+        resting: Vec::new(),
         name: name.into(),
         times: cut(times),
         rows: inner.clone().map(|i| i + 2).collect(),
@@ -48,6 +49,7 @@ pub(super) fn part(run: &PreparedRun, rows: std::ops::Range<usize>) -> PreparedR
     let cut = |columns: &[Vec<f64>]| columns.iter().map(|c| c[rows.clone()].to_vec()).collect::<Vec<_>>();
     PreparedRun {
         poses: Vec::new(),
+        resting: run.resting.iter().map(|rests| rests[rows.clone()].to_vec()).collect(),
         name: run.name.clone(),
         times: run.times[rows.clone()].to_vec(),
         rows: run.rows[rows.clone()].to_vec(),

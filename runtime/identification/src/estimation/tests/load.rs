@@ -36,6 +36,7 @@ fn run(truth: &Pendulum, shares: [f64; 2], random: &mut SplitMix64) -> PreparedR
     }
     PreparedRun {
         poses: Vec::new(),
+        resting: Vec::new(),
         name: "simulated".into(),
         rows: (2..times.len() + 2).collect(),
         times,

@@ -71,6 +71,27 @@ fn the_first_half_of_a_ur10_log_predicts_the_second() {
     assert!(found.consistent);
 }
 
+/// The wrist's last joint rests twice for 1.5 s, held by −2.1 and −4.5 N m. With them in the fit, its Coulomb friction came
+/// out as 6.8 N m forwards and none backwards.
+#[test]
+fn a_wrist_that_rests_has_the_friction_of_its_motion() {
+    use super::super::super::identify::{IdentificationSettings, identify};
+    let Some(path) = shared("data/ur10/exciting.csv") else { return };
+    let mut settings = IdentificationSettings::new().unwrap();
+    settings.columns.columns = Some("time=1,position=2..7,torque=14..19".into());
+    settings.preparation.bandwidth = Some(8.0);
+    settings.friction.draws = 0;
+    let found = identify(&ur10(), &[path], &settings, &mut |_| ()).unwrap();
+    let joint = &found.estimate.joints[5];
+    println!("{:.3} {:.4} {:.4}", joint.rest, joint.held_out_r_squared, joint.held_out_with_rest);
+    assert!((0.08..0.16).contains(&joint.rest));
+    assert!(joint.held_out_r_squared > 0.97 && joint.held_out_with_rest < 0.95);
+    let law = &found.friction[5].report.as_ref().unwrap().result.law;
+    let [backwards, forwards] = law.torques(&[-0.3, 0.3]).unwrap()[..] else { panic!() };
+    // By hand, over the samples above 0.05 rad/s: 2.93 v + 3.03 tanh(20 v).
+    assert!((forwards - 3.9).abs() < 0.3 && (backwards + 3.9).abs() < 0.3, "{forwards} {backwards}");
+}
+
 gelenk_dynamics::dynamics!(struct Arm = gelenk_generated::schunk_lwa4p);
 
 fn schunk() -> impl Robot {

@@ -7,4 +7,5 @@ mod data;
 mod load;
 mod measured;
 mod pendulum;
+mod rest;
 mod simulated;

@@ -1,6 +1,6 @@
 //! Equations of both logs, reduced to sums of products for each joint and each block of time.
 
-use super::{PayloadSettings, REWEIGHTINGS, singular};
+use super::settings::PayloadSettings;
 use crate::error::{IdentificationError, Result, require_finite, require_length, require_samples};
 use crate::inertial::pseudo_inertia::PER_BODY;
 use crate::inertial::regularized::towards;
@@ -27,6 +27,9 @@ const STILL: f64 = 1e-3;
 
 /// Least standard deviation of a residual, as a share of the effort's: logs without noise are simulated.
 const QUIETEST: f64 = 1e-9;
+
+/// Reweightings of the joints by their residuals; three change nothing that matters any more.
+const REWEIGHTINGS: usize = 5;
 
 /// Sums of products of `[δ | friction | load | target]`.
 pub(super) struct Equations {
@@ -390,4 +393,12 @@ fn check_run(run: &PreparedRun, joints: usize, effort: Effort, channels: usize) 
         }
     }
     Ok(())
+}
+
+pub(super) fn singular(what: &str) -> IdentificationError {
+    IdentificationError::NotConverged {
+        what: what.into(),
+        iterations: 1,
+        detail: "its equations are singular up to rounding".into(),
+    }
 }

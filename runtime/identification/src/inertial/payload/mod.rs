@@ -12,18 +12,20 @@
 
 mod equations;
 mod report;
+mod result;
+mod settings;
+
+pub use result::{Estimate, NAMES, Payload};
+pub use settings::PayloadSettings;
 
 use super::consistent::{ConsistentProblem, ConsistentSolution, solve};
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia};
 use super::regularized::towards;
-use crate::error::{IdentificationError, Result, require_setting};
+use crate::error::{Result, require_setting};
 use crate::robot::{Robot, require_plain};
 use crate::run::PreparedRun;
-use equations::{Equations, Reduced};
+use equations::{Equations, Reduced, singular};
 use nalgebra::{DMatrix, Matrix4};
-
-/// Names of a load's ten parameters, in the frame of the body that carries it.
-pub const NAMES: [&str; PER_BODY] = ["m", "m cx", "m cy", "m cz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
 /// Density of the ball that stands for what the motion does not show of a load [kg/m³]: plastics, or
 /// half as much metal as air.
@@ -35,65 +37,6 @@ const REACH: f64 = 0.3;
 /// Weight of the ball as a share of [`PayloadSettings::weight`]: the spread of a load's mass is known to a factor
 /// of about three.
 const BALL: f64 = 0.1;
-
-/// Reweightings of the joints by their residuals; three change nothing that matters any more.
-const REWEIGHTINGS: usize = 5;
-
-/// What an estimate of a payload takes for granted.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PayloadSettings {
-    /// Body that carries the load, from 0; the last one unless stated.
-    pub body: Option<usize>,
-    /// K_M of each input [N·m/A or N/A], needed where logs hold currents.
-    pub gains: Option<Vec<f64>>,
-    /// Cost of a body at distance one from its description, in samples with an error of one standard deviation,
-    /// as in [`towards`].
-    pub weight: f64,
-    /// Share of intervals that hold the truth, e.g. 0.95.
-    pub confidence: f64,
-}
-
-impl Default for PayloadSettings {
-    fn default() -> Self {
-        Self { body: None, gains: None, weight: 1.0, confidence: 0.95 }
-    }
-}
-
-/// A load, in the frame of the body that carries it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Payload {
-    /// The body that carries the load, from 0.
-    pub body: usize,
-    /// Mass, in kg.
-    pub mass: Estimate,
-    /// Centre of mass, in m.
-    pub centre_of_mass: [Estimate; 3],
-    /// Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the centre of mass, axes parallel to the body's frame [kg m²].
-    pub moments: [Estimate; 6],
-    /// The ten parameters as [`NAMES`] has them, about the frame's origin: what is added to the body's.
-    pub parameters: [Estimate; PER_BODY],
-    /// Whether the motion shows each parameter: its interval is smaller than what bodies of this mass differ
-    /// by. The others are those of a ball of 1500 kg/m³ at the centre of mass, if the mass is seen.
-    pub shown: [bool; PER_BODY],
-    /// Share of the efforts' change that the load explains, for each joint: R² of the log with the load, with
-    /// against without the load's columns, at equal friction. One is best; zero or less explains nothing. `None`
-    /// for a joint that stood still.
-    pub explained: Vec<Option<f64>>,
-    /// Standard deviation of each joint's residual [N·m or N]; `None` for a joint that stood still.
-    pub residuals: Vec<Option<f64>>,
-    /// What a reader has to know, as sentences.
-    pub warnings: Vec<String>,
-}
-
-/// A value and its confidence interval: it allows for residuals that are correlated over time, and for a
-/// description and a ball that are wrong by their own size where the motion does not show them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
-    /// The value.
-    pub value: f64,
-    /// Lower and upper end.
-    pub interval: [f64; 2],
-}
 
 /// Estimates a load from runs without and with it.
 ///
@@ -217,14 +160,6 @@ fn prior_sizes(hessian: &DMatrix<f64>, weight: f64) -> Result<Vec<f64>> {
     let unit = DMatrix::from_fn(PER_BODY, PER_BODY, |r, c| hessian[(r, c)] / (sizes[r] * sizes[c]));
     let inverse = unit.cholesky().ok_or_else(|| singular("the load's reference"))?.inverse();
     Ok((0..PER_BODY).map(|k| (weight * inverse[(k, k)]).sqrt() / sizes[k]).collect())
-}
-
-fn singular(what: &str) -> IdentificationError {
-    IdentificationError::NotConverged {
-        what: what.into(),
-        iterations: 1,
-        detail: "its equations are singular up to rounding".into(),
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The load's numbers as a reader wants them: centre of mass, moments about it, intervals, warnings.
 
-use super::{Estimate, NAMES, Payload};
+use super::result::{Estimate, NAMES, Payload};
 use crate::error::{IdentificationError, Result};
 use crate::inertial::consistent::ConsistentSolution;
 use crate::inertial::pseudo_inertia::PER_BODY;

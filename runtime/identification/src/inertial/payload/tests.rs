@@ -99,6 +99,7 @@ impl Simulation {
         }
         PreparedRun {
             poses: Vec::new(),
+            resting: Vec::new(),
             name: "simulated".into(),
             times: (0..self.samples).map(|i| step * i as f64).collect(),
             rows: (0..self.samples).collect(),

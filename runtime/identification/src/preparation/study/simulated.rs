@@ -93,6 +93,7 @@ pub fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (Run, Pr
     let (mut positions, mut efforts) = (vec![Vec::new(); n], vec![Vec::new(); n]);
     let mut truth = PreparedRun {
         poses: Vec::new(),
+        resting: Vec::new(),
         name: "truth".into(),
         times: times.clone(),
         rows: (2..times.len() + 2).collect(),

@@ -3,23 +3,22 @@
 use super::super::error::{IdentificationError, Result};
 use super::super::estimation::{
     Columns, Estimate, JointEstimate, RunPiece, STANDSTILL, ShareSums, Weighted, correlation_time, estimate,
-    huber,
+    huber, robust_deviation,
 };
 use super::super::identify::{IdentificationSettings, faults, read_and_prepare};
+use super::super::moments::contiguous_blocks;
 use super::super::preparation::PreparationReport;
 use super::super::robot::{Robot, require_plain};
 use super::super::run::PreparedRun;
 use super::super::shafts::{RobotRows, ShaftRows};
-use super::contiguous_blocks;
 use super::exact::Exact;
 use super::file::hash_of;
 use super::logs::{About, Doubt, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share};
+use std::ops::Range;
 use std::path::Path;
 
 /// Length of a piece, in correlation times of the residuals: pieces are nearly independent then.
 const PIECE: f64 = 10.0;
-/// Bounds a median by the standard deviation of a normal distribution.
-const FROM_MEDIAN: f64 = 1.4826;
 
 /// Moments hold every joint: a log without the efforts of one cannot be added to others.
 fn require_all_efforts(preparation: &PreparationReport) -> Result<()> {
@@ -159,15 +158,30 @@ impl<'a> Fitted<'a> {
         let residuals: Vec<Vec<Vec<f64>>> =
             estimate.measured.iter().zip(&estimate.predicted).map(of_run).collect();
         let joints = estimate.joints.len();
-        let deviations: Vec<f64> =
-            (0..joints).map(|j| if robust { deviation(&residuals, j) } else { f64::INFINITY }).collect();
-        let weigh = |run: &Vec<Vec<f64>>| run.iter().zip(&deviations).map(|(r, d)| huber(r, *d)).collect();
+        let deviations: Vec<f64> = (0..joints)
+            .map(|j| if robust { deviation(&residuals, runs, estimate, j) } else { f64::INFINITY })
+            .collect();
+        let weigh = |(run, residuals): (&PreparedRun, &Vec<Vec<f64>>)| {
+            let joints = residuals.iter().zip(&deviations).enumerate();
+            let weights = |(joint, (residuals, deviation)): (usize, (&Vec<f64>, &f64))| {
+                weights(residuals, *deviation, &stretches(estimate, run, joint))
+            };
+            joints.map(weights).collect()
+        };
         let time = |joint: usize| {
-            let series: Vec<&[f64]> = residuals.iter().map(|run| run[joint].as_slice()).collect();
-            correlation_time(&series)
+            let series = runs.iter().zip(&residuals).flat_map(|(run, residuals)| {
+                stretches(estimate, run, joint).into_iter().map(move |rows| &residuals[joint][rows])
+            });
+            correlation_time(&series.collect::<Vec<_>>())
         };
         let correlation = (0..joints).map(time).filter(|time| time.is_finite()).fold(1.0, f64::max);
-        Self { weights: residuals.iter().map(weigh).collect(), residuals, correlation, runs, estimate }
+        Self {
+            weights: runs.iter().zip(&residuals).map(weigh).collect(),
+            residuals,
+            correlation,
+            runs,
+            estimate,
+        }
     }
 
     fn facts(&self, robot: &dyn Robot) -> Result<Vec<JointFacts>> {
@@ -182,21 +196,42 @@ impl<'a> Fitted<'a> {
                 directions: [Exact::default(); 4],
             };
             for (run, friction) in self.runs.iter().zip(&self.estimate.friction) {
-                let (y, v, torque) = (&run.positions[joint], &run.velocities[joint], &friction[joint]);
+                let samples = || stretches(self.estimate, run, joint).into_iter().flatten();
+                let moving = |column: &[f64]| samples().map(|i| column[i]).collect::<Vec<f64>>();
+                let y = &run.positions[joint];
+                let [v, torque] = [&run.velocities[joint], &friction[joint]].map(|column| moving(column));
                 let beyond =
                     |values: &[f64], limit: f64| values.iter().filter(|x| x.abs() > limit).count() as u64;
                 facts.add(&JointFacts {
                     span: extreme(y)[1] - extreme(y)[0],
-                    velocities: extreme(v),
+                    velocities: extreme(&v),
                     largest_friction: torque.iter().fold(0.0, |a, x| a.max(x.abs())),
-                    beyond: [beyond(v, limits.velocity), beyond(torque, limits.effort)],
-                    directions: directions(v, scales[joint])?,
+                    beyond: [beyond(&v, limits.velocity), beyond(&torque, limits.effort)],
+                    directions: directions(&v, scales[joint])?,
                 })?;
             }
             Ok(facts)
         };
         (0..self.estimate.joints.len()).map(fact).collect()
     }
+}
+
+/// The samples of a run that tell about a joint, as the estimate takes them.
+fn stretches(estimate: &Estimate, run: &PreparedRun, joint: usize) -> Vec<Range<usize>> {
+    if estimate.joints[joint].moves {
+        run.moving(joint)
+    } else {
+        std::iter::once(0..run.times.len()).collect()
+    }
+}
+
+/// Weights of a joint's samples: none at rest, less for outliers.
+fn weights(residuals: &[f64], deviation: f64, stretches: &[Range<usize>]) -> Vec<f64> {
+    let mut weights = vec![0.0; residuals.len()];
+    for rows in stretches {
+        weights[rows.clone()].copy_from_slice(&huber(&residuals[rows.clone()], deviation));
+    }
+    weights
 }
 
 fn extreme(x: &[f64]) -> [f64; 2] {
@@ -214,15 +249,12 @@ fn directions(velocities: &[f64], scale: f64) -> Result<[Exact; 4]> {
     Ok([a?, b?, c?, d?])
 }
 
-/// Standard deviation of a joint's residuals by their median, which outliers do not move.
-fn deviation(residuals: &[Vec<Vec<f64>>], joint: usize) -> f64 {
-    let mut sizes: Vec<f64> = residuals.iter().flat_map(|run| run[joint].iter().map(|r| r.abs())).collect();
-    let middle = sizes.len() / 2;
-    if sizes.is_empty() {
-        return f64::INFINITY;
-    }
-    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-    (FROM_MEDIAN * *median).max(f64::MIN_POSITIVE)
+/// [`robust_deviation`] of a joint's residuals where it moves.
+fn deviation(residuals: &[Vec<Vec<f64>>], runs: &[PreparedRun], estimate: &Estimate, joint: usize) -> f64 {
+    robust_deviation(runs.iter().zip(residuals).flat_map(|(run, residuals)| {
+        let samples = stretches(estimate, run, joint).into_iter().flatten();
+        samples.map(move |i| residuals[joint][i].abs())
+    }))
 }
 
 /// Contiguous pieces of the runs: as many as there are shares, or fewer that are long enough, but one for each run.

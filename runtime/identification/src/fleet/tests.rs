@@ -187,6 +187,7 @@ fn sums_are_those_of_the_centred_columns() {
     let m = 700;
     let run = PreparedRun {
         poses: Vec::new(),
+        resting: Vec::new(),
         name: "run".into(),
         times: (0..m).map(|i| i as f64).collect(),
         rows: (0..m).collect(),

@@ -1,10 +1,10 @@
 //! A trajectory against the limits of a model.
 
-use super::{MAX_SAMPLES, Trajectory, TrajectoryError, require_positive, whole_periods};
-use crate::dynamics::{Dynamics, Named};
+use crate::dynamics::{Dynamics, Named, plain_entries};
 use crate::feed_forward::{FeedForward, FeedForwardError};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
+use crate::trajectory::{MAX_SAMPLES, Trajectory, TrajectoryError, require_positive, whole_periods};
 use core::fmt;
 use thiserror::Error;
 
@@ -98,12 +98,12 @@ pub enum CheckError {
 const FEASIBLE: f64 = 1e-6;
 
 /// Where `trajectory`, seen every `period` (s), breaks position, speed and torque limits of `model`; empty
-/// where it keeps them all. Torques are those of the feed-forward.
+/// where it keeps them all. Torques are those of the feed-forward. Joints with quaternions have no position limits.
 ///
 /// # Errors
 /// [`CheckError`]; numbers that are not finite count as violations instead.
-pub fn violations<D: Dynamics<N, M>, const N: usize, const M: usize>(
-    trajectory: &impl Trajectory<N>,
+pub fn violations<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>(
+    trajectory: &impl Trajectory<N, NY>,
     model: D,
     rating: Rating,
     period: f64,
@@ -116,6 +116,7 @@ pub fn violations<D: Dynamics<N, M>, const N: usize, const M: usize>(
         Rating::Peak => (limits.peak_effort, limits.peak_input),
     };
     let (joints, inputs) = (model.joint_names(), model.input_names());
+    let plain: Vec<(usize, usize)> = plain_entries(model.quaternion_joints(), N).collect();
     let feed_forward = FeedForward::new(model)?;
     let mut watch = Watch::default();
     let duration = trajectory.duration();
@@ -125,12 +126,13 @@ pub fn violations<D: Dynamics<N, M>, const N: usize, const M: usize>(
         let sample = trajectory.sample(time);
         let command = feed_forward.at_time(time, &sample);
         watch.time = time;
+        for &(i, position) in &plain {
+            watch.see(Quantity::Position, (i, joints[i]), sample.positions[position], limits.position[i]);
+        }
+        let bound = |most: f64| [-most, most];
         for i in 0..N {
-            let [low, high] = limits.position[i];
-            let bound = |speed: f64| [-speed, speed];
             let force: f64 = input_matrix[i].iter().zip(&command.inputs).map(|(b, u)| b * u).sum();
             let place = (i, joints[i]);
-            watch.see(Quantity::Position, place, sample.positions[i], [low, high]);
             watch.see(Quantity::Velocity, place, sample.velocities[i], bound(limits.velocity[i]));
             watch.see(Quantity::Effort, place, force, bound(effort[i]));
             watch.see(Quantity::Unreachable, place, command.residual[i], bound(FEASIBLE));

@@ -1,18 +1,22 @@
 //! A robot from moments.
 
 use super::super::error::{IdentificationError, Result};
-use super::super::estimation::{Columns, Estimate, STANDSTILL, ShareSums, SharedData, estimate_shares};
+use super::super::estimation::{
+    Columns, Estimate, STANDSTILL, ShareSums, SharedData, SharedEstimate, estimate_shares,
+};
 use super::super::friction::{FrictionData, SharedFriction};
-use super::super::identify::{Identification, IdentificationSettings, JointFriction, unless_refused};
+use super::super::identify::{
+    Identification, IdentificationSettings, JointFriction, faults_of, unless_refused,
+};
 use super::super::log::Recording;
+use super::super::moments::Moments;
 use super::super::preparation::{Filter, PreparationReport};
 use super::super::robot::Robot;
 use super::super::shafts::{RobotRows, ShaftRows, in_words};
-use super::super::subset::{Requirement, requirements};
+use super::super::subset::seen_both_ways;
 use super::exact::Exact;
 use super::file::hash_of;
 use super::logs::{JointFacts, LogMoments, ReducedLog, Share, hexadecimal};
-use super::products::Moments;
 use nalgebra::{DMatrix, DVector};
 
 /// Fewest shares with samples: folds of the held-out error.
@@ -21,8 +25,6 @@ const FEWEST_SHARES: usize = 4;
 const OTHER_FILTER: f64 = 1.5;
 /// Difference between delays of logs beyond which it is said [s].
 const OTHER_DELAY: f64 = 2e-3;
-/// Share of a term's energy that the rarer direction must have for an asymmetry to be told.
-const LEAST_OF_A_DIRECTION: f64 = 0.01;
 
 /// Identifies a robot from moments of its logs, as [`super::super::identify::identify`] does from the logs. What
 /// needs samples is empty: runs, efforts, predictions, offsets.
@@ -43,21 +45,8 @@ pub fn identify_moments(
     let shafts = ShaftRows::of(robot);
     let rows = RobotRows::new(robot, shafts.as_ref());
     let (joints, robot) = (robot, &rows as &dyn Robot);
-    let spans = moments.joints.iter().map(|joint| joint.span);
-    let moving = spans.zip(robot.speed_scales()).map(|(span, scale)| span > STANDSTILL * scale).collect();
-    let columns = Columns::new(robot, moments.about.effort, moving)?;
-    if columns.widths() != moments.about.widths {
-        return Err(fault("they were made by another gelenk: reduce the logs again with this one"));
-    }
-    let shares: Vec<ShareSums> =
-        moments.shares.iter().filter(|s| s.samples > 0).map(|s| s.sums(&columns)).collect();
-    if shares.len() < FEWEST_SHARES {
-        return Err(fault(&format!(
-            "they lie in {} of 16 shares, and at least {FEWEST_SHARES} are needed, so that a part can be held out: add \
-             more logs, or longer ones",
-            shares.len()
-        )));
-    }
+    let columns = moments.columns(robot)?;
+    let shares = moments.share_sums(&columns)?;
     progress("Terms and the weight of the description are chosen by the held-out error.");
     let data = SharedData {
         robot,
@@ -68,32 +57,18 @@ pub fn identify_moments(
     };
     let found = estimate_shares(&data).map_err(|error| in_words(error, shafts.as_ref()))?;
     progress("choosing the terms of friction");
-    let notes = moments.notes();
-    let friction =
-        (0..found.friction.len()).filter(|joint| found.estimate.joints[*joint].moves).map(|joint| {
-            let of_joint = JointMoments {
-                joint,
-                facts: &moments.joints[joint],
-                shares: &shares,
-                library: columns.library(joint),
-                factors: &found.friction[joint],
-                gain: found.estimate.joints[joint].gain.map_or(1.0, |gain| gain.value),
-            };
-            of_joint.friction(robot, settings, &found.estimate, &moments.source(), &notes)
-        });
-    let mut friction: Vec<JointFriction> = friction.collect();
+    let mut friction = moments.friction(&data, settings, &found);
     let mut estimate = found.estimate;
     if let Some(shafts) = &shafts {
-        shafts.word(&mut estimate, &mut friction);
-        estimate.choices.splice(0..0, shafts.said(joints, &estimate));
+        shafts.word(joints, &mut estimate, faults_of(&mut friction));
     }
+    estimate.warnings.extend(moments.differences());
     let worded =
         |doubt: String| shafts.as_ref().map_or_else(|| doubt.clone(), |shafts| shafts.worded(&doubt));
-    let doubts = moments.doubts().into_iter().map(worded);
-    estimate.warnings.extend(moments.differences().into_iter().chain(doubts));
+    estimate.warnings.extend(moments.doubts().into_iter().map(worded));
     Ok(Identification {
         recording: moments.recording(),
-        preparation: moments.preparation(notes)?,
+        preparation: moments.preparation(moments.notes())?,
         runs: Vec::new(),
         estimate,
         friction,
@@ -118,6 +93,60 @@ impl LogMoments {
             "they belong to another description, to another state of its files, or to other options of reading: name \
              the description that the logs were reduced with, or reduce them again",
         ))
+    }
+
+    /// The columns of the sums.
+    ///
+    /// # Errors
+    /// Sums of other columns, and currents of a robot whose joints have no inputs of their own.
+    fn columns(&self, robot: &dyn Robot) -> Result<Columns> {
+        let spans = self.joints.iter().map(|joint| joint.span);
+        let moving = spans.zip(robot.speed_scales()).map(|(span, scale)| span > STANDSTILL * scale);
+        let columns = Columns::new(robot, self.about.effort, moving.collect())?;
+        if columns.widths() == self.about.widths {
+            return Ok(columns);
+        }
+        Err(fault("they were made by another gelenk: reduce the logs again with this one"))
+    }
+
+    /// Sums of the shares that have samples.
+    ///
+    /// # Errors
+    /// Too few of them.
+    fn share_sums(&self, columns: &Columns) -> Result<Vec<ShareSums>> {
+        let filled = self.shares.iter().filter(|share| share.samples > 0);
+        let shares: Vec<ShareSums> = filled.map(|share| share.sums(columns)).collect();
+        if shares.len() >= FEWEST_SHARES {
+            return Ok(shares);
+        }
+        Err(fault(&format!(
+            "they lie in {} of 16 shares, and at least {FEWEST_SHARES} are needed, so that a part can be held out: add \
+             more logs, or longer ones",
+            shares.len()
+        )))
+    }
+
+    /// Friction of the joints that moved.
+    fn friction(
+        &self,
+        data: &SharedData,
+        settings: &IdentificationSettings,
+        found: &SharedEstimate,
+    ) -> Vec<JointFriction> {
+        let moving = (0..found.friction.len()).filter(|joint| found.estimate.joints[*joint].moves);
+        let (source, notes) = (self.source(), self.notes());
+        let friction = moving.map(|joint| {
+            let of_joint = JointMoments {
+                joint,
+                facts: &self.joints[joint],
+                shares: data.shares,
+                library: data.columns.library(joint),
+                factors: &found.friction[joint],
+                gain: found.estimate.joints[joint].gain.map_or(1.0, |gain| gain.value),
+            };
+            of_joint.friction(data.robot, settings, &found.estimate, &source, &notes)
+        });
+        friction.collect()
     }
 
     fn recording(&self) -> Recording {
@@ -256,22 +285,16 @@ impl JointMoments<'_> {
         }
     }
 
-    /// The library without asymmetries of motion that is nearly all in one direction.
+    /// The library without asymmetries that the logs do not show.
     fn seen(&self) -> (Vec<(String, usize)>, Option<String>) {
         let names: Vec<String> = self.library.iter().map(|(name, _)| name.clone()).collect();
         let [vv, v, tt, t] = self.facts.directions.map(Exact::value);
-        let unseen = |requirement: &Requirement| {
-            let [all, signed] = if names[requirement.needs] == "v" { [vv, v] } else { [tt, t] };
-            0.5 * (all - signed.abs()) < LEAST_OF_A_DIRECTION * all
+        let energies = |term: usize| {
+            let [all, signed] = if names[term] == "v" { [vv, v] } else { [tt, t] };
+            [0.5 * (all + signed), 0.5 * (all - signed)]
         };
-        let out: Vec<usize> = requirements(&names).iter().filter(|r| unseen(r)).map(|r| r.term).collect();
-        let kept =
-            self.library.iter().enumerate().filter(|(i, _)| !out.contains(i)).map(|(_, term)| term.clone());
-        let texts: Vec<&str> = out.iter().map(|i| names[*i].as_str()).collect();
-        let note = (!out.is_empty()).then(|| {
-            format!("{} left out: the joint hardly moves in one of its directions", texts.join(", "))
-        });
-        (kept.collect(), note)
+        let (kept, note) = seen_both_ways(&names, energies);
+        (kept.into_iter().map(|term| self.library[term].clone()).collect(), note)
     }
 
     /// Products of the terms' columns and of the friction torque's.

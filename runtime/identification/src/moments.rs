@@ -1,15 +1,23 @@
-//! One pass over the data: sums of products of all columns of `[Θ | Y]`, in total or for contiguous blocks.
+//! Moments: sums of products of all columns of `[Θ | Y]` in one pass over the data, in total or for contiguous blocks.
 //!
 //! Sparse regression, cross-validation and bootstraps need no more than these sums ("moments"), so the
 //! samples are read once, however many models are fitted. Forming ΘᵀΘ squares the condition number;
 //! [`super::least_squares`] watches it and goes back to the data with an orthogonal factorization where it
 //! matters.
 
-use super::super::error::{IdentificationError, Result, require_finite, require_length, require_samples};
-use super::super::kernel::{BLOCK, add_products};
-use super::super::library::Library;
+use super::error::{IdentificationError, Result, require_finite, require_length, require_samples};
+use super::kernel::{BLOCK, add_products};
+use super::library::Library;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
+
+/// For each of the folds the sum of all others, and itself.
+pub(crate) fn splits(folds: &[Moments]) -> impl Iterator<Item = Result<(Moments, &Moments)>> {
+    folds.iter().enumerate().map(|(k, fold)| {
+        let others = folds.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, fold)| fold);
+        Ok((Moments::sum(others)?, fold))
+    })
+}
 
 /// Samples of the library columns and targets `[Θ | Y]`, read block by block.
 #[derive(Debug, Clone)]
@@ -337,7 +345,7 @@ pub(crate) fn contiguous_blocks(samples: usize, count: usize) -> impl Iterator<I
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::random::SplitMix64;
+    use super::super::random::SplitMix64;
     use super::*;
 
     #[test]

@@ -1,5 +1,6 @@
 //! Moments as bytes: a line with the version, the values in little-endian order, and the SHA-256 of all of it.
 
+use super::super::description::may_be_replaced;
 use super::super::error::{IdentificationError, Result};
 use super::super::run::Effort;
 use super::exact::Exact;
@@ -44,7 +45,7 @@ impl LogMoments {
             place: path.display().to_string(),
             message: format!("cannot be written: {message}"),
         };
-        if !may_be_replaced(path).map_err(|e| fault(e.to_string()))? {
+        if !may_be_replaced(path, MAGIC).map_err(|e| fault(e.to_string()))? {
             return Err(fault("it holds no moments; name another file, or remove it first".into()));
         }
         write_whole(path, self.bytes()).map_err(|e| fault(e.to_string()))
@@ -117,14 +118,6 @@ impl LogMoments {
         let in_shares = self.shares.iter().map(|share| share.samples).try_fold(0, add);
         let same = samples.is_some() && samples == in_shares;
         logs_ascend && doubts_ascend && same && !self.logs.is_empty()
-    }
-}
-
-fn may_be_replaced(path: &Path) -> std::io::Result<bool> {
-    match fs::metadata(path) {
-        Ok(found) if found.is_file() && found.len() > 0 => Ok(fs::read(path)?.starts_with(MAGIC)),
-        // Whatever is no file is refused when it is to be written.
-        _ => Ok(true),
     }
 }
 

@@ -1,0 +1,182 @@
+//! The feet of a robot that stands on legs: found by a rule, or named.
+
+use super::failure::Failure;
+use crate::diagnostic::nearest;
+use crate::model::{Model, Motion, Pose};
+use crate::wording::toml_text;
+
+/// A foot, by the names of links.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Foot {
+    /// The first link of its leg that a joint moves.
+    hip: String,
+    /// The link whose origin stands on the ground.
+    foot: String,
+}
+
+/// Fewer feet carry nobody by forces alone.
+const FEWEST: usize = 3;
+
+/// A leg has at least so many joints: with fewer its foot cannot go anywhere.
+const JOINTS: usize = 3;
+
+/// The feet of a robot whose base floats; empty where the rule finds none.
+///
+/// Legs are the branches of the base that no others leave, with equally many joints, three or more: the largest such group, of
+/// three or more. A foot is the link at the end that is the farthest from the last joint.
+pub(super) fn feet(model: &Model, named: &[String]) -> Result<Vec<Foot>, Failure> {
+    let legs = Legs { model, base: base(model) };
+    if !named.is_empty() {
+        return legs.named(named);
+    }
+    let all: Vec<(usize, Foot)> = legs.all();
+    let alike = |joints: usize| all.iter().filter(|(count, _)| *count == joints).count();
+    let most = all.iter().map(|(joints, _)| (alike(*joints), *joints)).max();
+    let Some((_, joints)) = most.filter(|(count, _)| *count >= FEWEST) else { return Ok(vec![]) };
+    Ok(all.into_iter().filter(|(count, _)| *count == joints).map(|(_, foot)| foot).collect())
+}
+
+/// The link that floats.
+fn base(model: &Model) -> Option<usize> {
+    let joint = model.quaternion_joints.first()?;
+    model.coordinates.get(joint.coordinates().end - 1).copied()
+}
+
+struct Legs<'m> {
+    model: &'m Model,
+    base: Option<usize>,
+}
+
+impl Legs<'_> {
+    fn parent(&self, link: usize) -> Option<usize> {
+        self.model.links[link].joint.as_ref().map(|joint| joint.parent)
+    }
+
+    fn moves(&self, link: usize) -> bool {
+        let joint = self.model.links[link].joint.as_ref();
+        joint.is_some_and(|joint| matches!(joint.motion, Motion::Coordinate(_) | Motion::Follower(_)))
+    }
+
+    /// The links with moving joints from a link to the base, which is none of them; `None` for links before the base.
+    fn way(&self, link: usize) -> Option<Vec<usize>> {
+        let mut way = vec![];
+        let mut at = link;
+        while Some(at) != self.base {
+            way.extend(self.moves(at).then_some(at));
+            at = self.parent(at)?;
+        }
+        Some(way)
+    }
+
+    /// All branches with enough joints that end in a foot, with their numbers of joints.
+    fn all(&self) -> Vec<(usize, Foot)> {
+        let links = 0..self.model.links.len();
+        let ways = links.filter(|&link| self.moves(link)).filter_map(|link| self.way(link));
+        let ways: Vec<Vec<usize>> = ways.filter(|way| !way.is_empty()).collect();
+        let carries = |link: usize| ways.iter().any(|way| way[1..].contains(&link));
+        let ends = ways.iter().filter(|way| !carries(way[0]));
+        let is_beside = |way: &[usize], link: &usize| {
+            ways.iter().any(|other| !way.contains(&other[0]) && other.contains(link))
+        };
+        let shared = |way: &[usize]| way[1..].iter().any(|link| is_beside(way, link));
+        let legs = ends.filter(|way| way.len() >= JOINTS && !shared(way));
+        let foot = |way: &Vec<usize>| Some((way.len(), self.foot(*way.last()?, self.farthest(way[0])?)));
+        legs.filter_map(foot).collect()
+    }
+
+    /// The link that is fixed to a link with its origin the farthest away.
+    fn farthest(&self, end: usize) -> Option<usize> {
+        let links = 0..self.model.links.len();
+        let distances = links.filter_map(|link| Some((self.distance(end, link)?, link)));
+        let far = distances.filter(|(distance, _)| *distance > 1e-6);
+        far.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, link)| link)
+    }
+
+    /// Distance of the origin of a link that is fixed to another one, directly or by others.
+    fn distance(&self, from: usize, link: usize) -> Option<f64> {
+        let mut pose = Pose::identity();
+        let mut at = link;
+        while at != from {
+            let joint = self.model.links[at].joint.as_ref().filter(|joint| joint.motion == Motion::Fixed)?;
+            pose = joint.origin.then(&pose);
+            at = joint.parent;
+        }
+        let entries: Option<Vec<f64>> = pose.translation.iter().map(|entry| entry.as_number()).collect();
+        Some(entries?.iter().map(|x| x * x).sum::<f64>().sqrt())
+    }
+
+    fn foot(&self, hip: usize, foot: usize) -> Foot {
+        let name = |link: usize| self.model.links[link].name.clone();
+        Foot { hip: name(hip), foot: name(foot) }
+    }
+
+    fn named(&self, names: &[String]) -> Result<Vec<Foot>, Failure> {
+        let feet: Result<Vec<(usize, Foot)>, Failure> = names.iter().map(|name| self.of(name)).collect();
+        let feet = feet?;
+        for (k, (hip, foot)) in feet.iter().enumerate() {
+            if let Some((_, other)) = feet[..k].iter().find(|(other, _)| other == hip) {
+                return Err(Failure::Usage(format!(
+                    "`{}` and `{}` are on one leg\n  = help: name one foot of each leg with --feet",
+                    other.foot, foot.foot
+                )));
+            }
+        }
+        if feet.len() < FEWEST {
+            return Err(Failure::Usage(format!(
+                "{} feet are named\n  = help: forces alone carry a robot at {FEWEST} feet or more; without --feet it falls",
+                feet.len()
+            )));
+        }
+        Ok(feet.into_iter().map(|(_, foot)| foot).collect())
+    }
+
+    /// The leg of a foot, and the foot.
+    fn of(&self, name: &str) -> Result<(usize, Foot), Failure> {
+        let links = || self.model.links.iter().map(|link| link.name.as_str());
+        let Some(link) = links().position(|link| link == name) else {
+            let near = nearest(name, links()).unwrap_or_default();
+            return Err(Failure::Usage(format!(
+                "--feet names `{name}`, which is no link of the robot\n  = help: {near}"
+            )));
+        };
+        match self.way(link).as_deref() {
+            Some(way @ [.., hip]) if way.len() >= JOINTS => Ok((*hip, self.foot(*hip, link))),
+            Some(way) => Err(Failure::Usage(format!(
+                "the leg of `{name}` has {} of the {JOINTS} joints that it needs\n  = help: name the link at the end of a leg that begins at the base",
+                way.len()
+            ))),
+            None => Err(Failure::Usage(format!(
+                "`{name}` is not carried by the base\n  = help: name the links at the ends of the legs"
+            ))),
+        }
+    }
+}
+
+/// Entries of `robot.toml` for the feet: frames, and the wrenches of the ground.
+pub(super) fn description(feet: &[Foot]) -> String {
+    let mut text = String::from(
+        "\n# The feet, and what the ground exerts on them. Contact is not simulated: src/main.rs chooses these forces, in the axes of the\n\
+         # world.\n",
+    );
+    for (k, Foot { hip, foot }) in feet.iter().enumerate() {
+        text.push_str(&format!(
+            "\n[[frames]]\nname = \"hip_{k}\"\nlink = {}\n[[frames]]\nname = \"foot_{k}\"\nlink = {}\n\
+             [[wrenches]]\nname = \"ground_{k}\"\nframe = \"foot_{k}\"\nin = \"base\"\n",
+            toml_text(hip),
+            toml_text(foot)
+        ));
+    }
+    text
+}
+
+/// The program, with its list of feet.
+pub(super) fn program(count: usize) -> String {
+    let foot = |k: usize| {
+        format!(
+            "    foot!(\n        frame_hip_{k}_pose,\n        frame_foot_{k}_pose,\n        frame_foot_{k}_jacobian,\n        \
+             frame_foot_{k}_jacobian_rate_times_velocity\n    ),"
+        )
+    };
+    let feet = Vec::from_iter((0..count).map(foot)).join("\n");
+    include_str!("template/main_legs.rs").replace("    // FEET", &feet)
+}

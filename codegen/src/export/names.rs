@@ -1,0 +1,21 @@
+//! Names that a format needs beside those of the model.
+
+use crate::model::Model;
+
+/// The name, with a number behind it where it is taken.
+pub(super) fn distinct(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    if !is_taken(name) {
+        return name.to_owned();
+    }
+    let numbered = (2..).map(|count| format!("{name}_{count}"));
+    let mut free = numbered.filter(|name| !is_taken(name));
+    free.next().unwrap_or_else(|| unreachable!("there are more numbers than names"))
+}
+
+/// The name of the joint of a screw's slide.
+pub(super) fn slide_name(model: &Model, joint: &str) -> String {
+    distinct(&format!("{joint}_slide"), |name| {
+        let mut links = model.links.iter();
+        links.any(|link| link.name == name || link.joint.as_ref().is_some_and(|joint| joint.name == name))
+    })
+}

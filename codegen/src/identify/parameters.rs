@@ -1,0 +1,26 @@
+//! Values of a model's functions by the interpreter: its inertial parameters.
+
+use crate::diagnostic::Diagnostics;
+use crate::functions::form::Form;
+use crate::functions::function::Function;
+use crate::functions::selection::derive_in_form;
+use crate::functions::size::MOST_OPERATIONS;
+use crate::model::Model;
+use crate::program::interpret::{Functions, interpret};
+
+/// Described values of a model's inertial parameters.
+pub(super) fn parameters(model: &Model) -> Result<Vec<f64>, Diagnostics> {
+    let name = ["inertial_parameters".to_owned()];
+    let functions = derive_in_form(model, &name, MOST_OPERATIONS, Form::Straight, &name)?;
+    let free: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+    Ok(functions.first().map_or(Vec::new(), |function| result(function, &[], &free)))
+}
+
+/// The first result of a function.
+pub(super) fn result(function: &Function, inputs: &[&[f64]], free: &[f64]) -> Vec<f64> {
+    let results = interpret(&function.program, inputs, free, &Functions::EMBEDDED);
+    let results = results.unwrap_or_else(|error| {
+        unreachable!("{} was derived from the model whose states it gets: {error}", function.name)
+    });
+    results.into_iter().next().unwrap_or_default()
+}

@@ -1,0 +1,187 @@
+//! What an estimate says, whether it was made of samples or of sums: parameters, friction terms and gains with their
+//! intervals, and the choices in words.
+
+use super::super::confidence::quantile;
+use super::super::error::{IdentificationError, Result};
+use super::super::inertial::PER_BODY;
+use super::super::library::smooth_sign;
+use super::super::robot::Robot;
+use super::choice::Chosen;
+use super::fit::Solved;
+use super::intervals::Covariance;
+use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
+use super::prior::Prior;
+use super::result::{Estimate, EstimatedTerm, JointEstimate, Uncertain};
+use super::settings::EstimationSettings;
+
+/// The last fit, and what it was made with.
+pub(super) struct Estimated<'a> {
+    pub(super) robot: &'a dyn Robot,
+    pub(super) settings: &'a EstimationSettings,
+    pub(super) layout: &'a Layout,
+    pub(super) prior: &'a Prior,
+    pub(super) chosen: &'a Chosen<'a>,
+    pub(super) solved: &'a Solved,
+    pub(super) covariance: &'a Covariance,
+}
+
+/// How well a joint's force is explained.
+pub(super) struct JointFit {
+    pub(super) offsets: Vec<f64>,
+    /// Residual sum of squares, and over how many samples.
+    pub(super) squares: f64,
+    pub(super) samples: usize,
+    pub(super) r_squared: f64,
+    pub(super) held_out_r_squared: f64,
+    pub(super) held_out_with_rest: f64,
+    /// Share of the samples in which it rests.
+    pub(super) rest: f64,
+}
+
+impl Estimated<'_> {
+    /// The estimate without forces; `sentences` are the choices behind those of offsets.
+    pub(super) fn estimate(
+        &self,
+        fits: Vec<JointFit>,
+        choices: Vec<String>,
+        warnings: Vec<String>,
+    ) -> Estimate {
+        let joints = self.robot.joint_names().into_iter().zip(fits).enumerate();
+        Estimate {
+            parameters: self.parameters(|i, described| self.uncertain(i, described)),
+            consistent: self.prior.can_exist(&self.solved.values.unknowns),
+            joints: joints.map(|(joint, (name, fit))| self.joint(joint, name, fit)).collect(),
+            effort: self.layout.effort,
+            offsets: self.chosen.model.offsets,
+            description_weight: self.chosen.weighting.description,
+            weights_tried: self.chosen.tried.clone(),
+            effective_parameters: self.covariance.decided,
+            measured: Vec::new(),
+            predicted: Vec::new(),
+            friction: Vec::new(),
+            load_friction: Vec::new(),
+            confidence: self.settings.confidence,
+            instrumental: None,
+            choices,
+            warnings,
+        }
+    }
+
+    /// A value for each inertial parameter, by its number and its described value.
+    pub(super) fn parameters(&self, of: impl Fn(usize, f64) -> Uncertain) -> Vec<Uncertain> {
+        self.robot.parameters().into_iter().enumerate().map(|(i, described)| of(i, described)).collect()
+    }
+
+    /// How much the description weighs, and which of its bodies the data contradict.
+    pub(super) fn choices(&self) -> impl Iterator<Item = String> {
+        let names = self.robot.parameter_names();
+        let all = self.solved.active.iter().filter(|&&global| global < names.len()).count();
+        let weight = format!(
+            "The description weighs {:.3e}: the data decide {:.1} of {all} combinations of inertial parameters, \
+             the description decides the rest.",
+            self.chosen.weighting.description, self.covariance.decided
+        );
+        let trust = &self.chosen.weighting.trust;
+        let doubted = self.prior.bodies.iter().filter(move |body| trust[*body * PER_BODY] < 1.0);
+        let doubted = doubted.map(move |body| {
+            let body = names[body * PER_BODY].trim_start_matches("m_");
+            format!("The data contradict the described body of {body}.")
+        });
+        std::iter::once(weight).chain(doubted)
+    }
+
+    /// An unknown beyond `base`, with its interval.
+    pub(super) fn uncertain(&self, global: usize, base: f64) -> Uncertain {
+        let error = self.covariance.deviation(self.solved, global);
+        self.with_interval(base + self.solved.values.unknowns[global], error, self.covariance.freedom)
+    }
+
+    /// Student's interval. The settings are checked, and there is one degree of freedom.
+    pub(super) fn with_interval(&self, value: f64, standard_error: f64, freedom: usize) -> Uncertain {
+        let quantile = quantile(self.settings.confidence, freedom.max(1) as f64).unwrap_or(f64::INFINITY);
+        let half = quantile * standard_error;
+        Uncertain { value, standard_error, interval: [value - half, value + half] }
+    }
+
+    /// The friction terms of a joint that were chosen, with coefficients by their global numbers.
+    pub(super) fn terms(&self, joint: usize, of: impl Fn(usize) -> Uncertain) -> Vec<EstimatedTerm> {
+        let (layout, model) = (self.layout, &self.chosen.model);
+        if !layout.rubbing().any(|rubbing| rubbing == joint) {
+            return Vec::new();
+        }
+        let mut terms =
+            vec![("v".to_owned(), VISCOUS), (self.coulomb(joint), COULOMB.start + model.coulomb[joint])];
+        terms.extend(model.asymmetry[joint].then(|| ("abs(v)".to_owned(), ASYMMETRY)));
+        let term = |(basis, term)| EstimatedTerm { basis, coefficient: of(layout.term(joint, term)) };
+        terms.into_iter().map(term).collect()
+    }
+
+    /// Basis of a joint's Coulomb term.
+    fn coulomb(&self, joint: usize) -> String {
+        smooth_sign(self.layout.steepness[joint][self.chosen.model.coulomb[joint]])
+    }
+
+    /// K_M: its relative error is that of the rigid force.
+    fn gain(&self, joint: usize) -> Uncertain {
+        let value = self.solved.values.gains[joint];
+        let error = value * self.covariance.deviation(self.solved, self.layout.gain(joint));
+        self.with_interval(value, error, self.covariance.freedom)
+    }
+
+    fn joint(&self, joint: usize, name: String, fit: JointFit) -> JointEstimate {
+        let (layout, model) = (self.layout, &self.chosen.model);
+        let measured = layout.measured[joint];
+        let of_term = |term: usize| self.uncertain(layout.term(joint, term), 0.0);
+        let has = |term: &[bool]| term[joint] && layout.moves[joint];
+        JointEstimate {
+            name,
+            unit: if self.robot.position_units()[joint] == "m" { "N" } else { "N·m" },
+            terms: self.terms(joint, |global| self.uncertain(global, 0.0)),
+            load: has(&model.load)
+                .then(|| EstimatedTerm { basis: self.coulomb(joint), coefficient: of_term(LOAD) }),
+            armature: has(&model.armature).then(|| of_term(ARMATURE)),
+            gain: (model.gains && measured).then(|| self.gain(joint)),
+            offsets: fit.offsets,
+            sigma: if measured { (fit.squares / fit.samples.max(1) as f64).sqrt() } else { f64::NAN },
+            r_squared: fit.r_squared,
+            held_out_r_squared: fit.held_out_r_squared,
+            held_out_with_rest: fit.held_out_with_rest,
+            rest: fit.rest,
+            moves: layout.moves[joint],
+            measured,
+            exact: layout.exact[joint],
+        }
+    }
+}
+
+/// Refuses a fit that explains too little of a moving joint, or another sign better.
+///
+/// - `held_out`: R² of each joint on held-out data; `doubts`: about the signs of their efforts
+/// - `reasons`: what may be the reason for a joint
+///
+/// # Errors
+/// [`IdentificationError::Unexplained`] with the first such joint.
+pub(super) fn require_explained(
+    robot: &dyn Robot,
+    layout: &Layout,
+    settings: &EstimationSettings,
+    (held_out, doubts): (&[f64], &[Option<String>]),
+    reasons: impl Fn(usize) -> Vec<String>,
+) -> Result<()> {
+    let least = settings.least_r_squared;
+    let poor = |joint: &usize| {
+        let r_squared = held_out[*joint];
+        // Where nothing acts on a joint with a quaternion there is nothing to explain.
+        let explains_nothing = r_squared.is_nan() && !layout.exact[*joint];
+        layout.moves[*joint] && (r_squared < least || explains_nothing || doubts[*joint].is_some())
+    };
+    let Some(joint) = (0..layout.joints).find(poor).filter(|_| !settings.accept_poor) else {
+        return Ok(());
+    };
+    Err(IdentificationError::Unexplained {
+        joint: robot.joint_names()[joint].clone(),
+        r_squared: held_out[joint],
+        least,
+        reasons: doubts[joint].clone().into_iter().chain(reasons(joint)).collect::<Vec<_>>().join(" "),
+    })
+}

@@ -1,0 +1,42 @@
+//! A load, with how far to trust it.
+
+use crate::inertial::pseudo_inertia::PER_BODY;
+
+/// Names of a load's ten parameters, in the frame of the body that carries it.
+pub const NAMES: [&str; PER_BODY] = ["m", "m cx", "m cy", "m cz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
+
+/// A load, in the frame of the body that carries it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Payload {
+    /// The body that carries the load, from 0.
+    pub body: usize,
+    /// Mass, in kg.
+    pub mass: Estimate,
+    /// Centre of mass, in m.
+    pub centre_of_mass: [Estimate; 3],
+    /// Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the centre of mass, axes parallel to the body's frame [kg m²].
+    pub moments: [Estimate; 6],
+    /// The ten parameters as [`NAMES`] has them, about the frame's origin: what is added to the body's.
+    pub parameters: [Estimate; PER_BODY],
+    /// Whether the motion shows each parameter: its interval is smaller than what bodies of this mass differ
+    /// by. The others are those of a ball of 1500 kg/m³ at the centre of mass, if the mass is seen.
+    pub shown: [bool; PER_BODY],
+    /// Share of the efforts' change that the load explains, for each joint: R² of the log with the load, with
+    /// against without the load's columns, at equal friction. One is best; zero or less explains nothing. `None`
+    /// for a joint that stood still.
+    pub explained: Vec<Option<f64>>,
+    /// Standard deviation of each joint's residual [N·m or N]; `None` for a joint that stood still.
+    pub residuals: Vec<Option<f64>>,
+    /// What a reader has to know, as sentences.
+    pub warnings: Vec<String>,
+}
+
+/// A value and its confidence interval: it allows for residuals that are correlated over time, and for a
+/// description and a ball that are wrong by their own size where the motion does not show them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// Lower and upper end.
+    pub interval: [f64; 2],
+}

@@ -1,0 +1,21 @@
+//! What a user may decide about a payload.
+
+/// What an estimate of a payload takes for granted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PayloadSettings {
+    /// Body that carries the load, from 0; the last one unless stated.
+    pub body: Option<usize>,
+    /// K_M of each input [N·m/A or N/A], needed where logs hold currents.
+    pub gains: Option<Vec<f64>>,
+    /// Cost of a body at distance one from its description, in samples with an error of one standard deviation,
+    /// as in [`towards`](crate::inertial::regularized::towards).
+    pub weight: f64,
+    /// Share of intervals that hold the truth, e.g. 0.95.
+    pub confidence: f64,
+}
+
+impl Default for PayloadSettings {
+    fn default() -> Self {
+        Self { body: None, gains: None, weight: 1.0, confidence: 0.95 }
+    }
+}

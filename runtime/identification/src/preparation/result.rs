@@ -1,0 +1,82 @@
+//! Prepared runs, and what was found on the way.
+
+use super::super::run::PreparedRun;
+use super::filter::Filter;
+
+/// A single prepared run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prepared {
+    /// The run on an even grid, smoothed.
+    pub run: PreparedRun,
+    /// What was found and chosen, for each joint.
+    pub joints: Vec<JointPreparation>,
+    /// The filter that everything passed.
+    pub filter: Filter,
+}
+
+/// What was found and chosen for all runs together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PreparationReport {
+    /// For each joint.
+    pub joints: Vec<JointPreparation>,
+    /// Delay of each effort that was removed \[s\], and its standard error.
+    pub delays: Vec<Delay>,
+    /// The filter that positions and efforts passed; regressor columns pass it by [`Filter::apply`].
+    pub filter: Filter,
+    /// Sample rate of the prepared runs \[Hz\].
+    pub sample_rate: f64,
+    /// Sentences on what was done: gaps, dropped pieces, spikes, delays.
+    pub notes: Vec<String>,
+}
+
+/// A delay of an effort after the positions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Delay {
+    /// Removed delay \[s\]; 0 where none is significant.
+    pub removed: f64,
+    /// Delay as estimated for this effort alone \[s\]; NaN if it was given or cannot be seen.
+    pub estimated: f64,
+    /// Standard error of the estimate \[s\], for correlated residuals; NaN if there is no estimate.
+    pub error: f64,
+    /// Whether the effort has a delay of its own, which differs from the common one significantly.
+    pub own: bool,
+}
+
+/// What was found and chosen for a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointPreparation {
+    /// Name as described, or `joint 1` and so on.
+    pub name: String,
+    /// Standard deviation of a position's noise σ, rounding included \[rad or m\].
+    pub noise: f64,
+    /// Smallest change between two positions \[rad or m\]: the encoder's resolution where it is coarse.
+    pub resolution: f64,
+    /// Rows of the log for each new position; 1 where each is new.
+    pub hold: f64,
+    /// Whether the joint moves by more than its noise.
+    pub moves: bool,
+    /// Half-amplitude frequency of the filter \[Hz\], the same for all joints.
+    pub bandwidth: f64,
+    /// The bandwidth that this joint's positions alone ask for \[Hz\]; `None` at rest.
+    pub own_bandwidth: Option<f64>,
+    /// Estimated share of noise in the power of ÿ.
+    pub acceleration_noise: f64,
+    /// Removed delay of the effort with the joint's number \[s\]; the common one if there is none.
+    pub delay: f64,
+    /// Sample rate \[Hz\].
+    pub sample_rate: f64,
+    /// Comparison with measured velocities, where the log has them.
+    pub velocity: Option<VelocityCheck>,
+    /// Why the effort with the joint's number is not usable: its columns hold NaN, so that no fit takes it for
+    /// measured. `None` if all is well.
+    pub fault: Option<String>,
+}
+
+/// Measured velocities against the derivative of the positions, through the same filter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VelocityCheck {
+    /// Factor between them, near 1: measured = gain · derived.
+    pub gain: f64,
+    /// Share of the measured velocity's variance that the derived one explains.
+    pub r_squared: f64,
+}

@@ -1,0 +1,38 @@
+//! Order statistics.
+
+/// Quantile of sorted values, linear between order statistics.
+pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let position = share * (sorted.len() - 1) as f64;
+    let (low, fraction) = (position.floor() as usize, position.fract());
+    let high = (low + 1).min(sorted.len() - 1);
+    sorted[low] + fraction * (sorted[high] - sorted[low])
+}
+
+/// Median of finite values, the upper of the two in the middle; `None` where there are none.
+pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.into_iter().filter(|x| x.is_finite()).collect();
+    if values.is_empty() {
+        return None;
+    }
+    let middle = values.len() / 2;
+    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// Mean of some numbers, and its standard error as that of independent draws.
+pub(crate) fn mean_with_error(values: &[f64]) -> [f64; 2] {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    [mean, (variance / n).sqrt()]
+}
+
+/// Among models from the simplest on the one with the least error, and the simplest one whose error is within one standard
+/// error of the least (Breiman 1984). `None` where there are none.
+///
+/// - `errors`: with standard errors
+pub(crate) fn simplest(errors: &[[f64; 2]]) -> Option<[usize; 2]> {
+    let least = (0..errors.len()).min_by(|&i, &j| errors[i][0].total_cmp(&errors[j][0]))?;
+    let bound = errors[least][0] + errors[least][1];
+    let simplest = errors.iter().position(|[error, _]| *error <= bound).unwrap_or(least);
+    Some([least, simplest])
+}

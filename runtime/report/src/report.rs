@@ -1,0 +1,59 @@
+//! A report as a value.
+
+use super::inline::{Inline, inlines};
+use super::{Block, Claim, Section};
+
+/// A report: what its page, its JSON and its CSV are made of.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Report {
+    /// Title of the page.
+    pub title: String,
+    /// A sentence or two below the title.
+    pub lead: Vec<Inline>,
+    /// Small facts beside the title: name and value.
+    pub facts: Vec<(String, String)>,
+    /// The body.
+    pub sections: Vec<Section>,
+    /// The command that made the report, shown at the foot.
+    pub made_by: String,
+}
+
+impl Report {
+    /// An empty report.
+    #[must_use]
+    pub fn new(title: impl Into<String>) -> Self {
+        Self { title: title.into(), ..Self::default() }
+    }
+
+    /// Sets the sentence below the title; `$…$` is an equation in LaTeX.
+    #[must_use]
+    pub fn lead(mut self, lead: &str) -> Self {
+        self.lead = inlines(lead);
+        self
+    }
+
+    /// Adds a fact beside the title.
+    #[must_use]
+    pub fn fact(mut self, name: impl Into<String>, value: impl Into<String>) -> Self {
+        self.facts.push((name.into(), value.into()));
+        self
+    }
+
+    /// Adds a section.
+    #[must_use]
+    pub fn section(mut self, section: Section) -> Self {
+        self.sections.push(section);
+        self
+    }
+
+    /// All claims, in order.
+    pub fn claims(&self) -> impl Iterator<Item = &Claim> {
+        let blocks = self.sections.iter().flat_map(Section::all_blocks);
+        blocks
+            .filter_map(|block| match block {
+                Block::Claims(claims) => Some(claims),
+                _ => None,
+            })
+            .flatten()
+    }
+}
