@@ -93,7 +93,7 @@ impl Crate {
     fn module(&mut self, tokens: &[TokenTree], at: usize, file: &Path, folder: &Path, parent: &[String]) {
         let Some(TokenTree::Ident(name)) = tokens.get(at + 1) else { return };
         let name = name.to_string();
-        let module = [parent, &[name.clone()]].concat();
+        let module = [parent, std::slice::from_ref(&name)].concat();
         let inner = folder.join(&name);
         match tokens.get(at + 2) {
             Some(TokenTree::Group(body)) => self.walk(body.stream(), file, &inner, &module),
