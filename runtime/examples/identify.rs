@@ -138,7 +138,7 @@ fn section(report: &FrictionReport, log: &Log) -> Outcome<Section> {
         Marks::Points,
         points(&velocities, &report.residuals),
     );
-    let caption = [&[result.data.clone()], &result.settings[..]].concat().join("; ");
+    let caption = [std::slice::from_ref(&result.data), &result.settings[..]].concat().join("; ");
     let mut figure = Figure::new(result.joint.as_str(), &caption).plot(friction).plot(residuals);
     if let Some(validation) = &report.validation {
         let choices = [validation.minimum, validation.one_standard_error];
