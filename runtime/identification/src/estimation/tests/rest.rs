@@ -48,7 +48,7 @@ fn log(truth: &Pendulum, rest: f64, random: &mut SplitMix64) -> Run {
         std::array::from_fn(|_| std::array::from_fn(|_| std::f64::consts::TAU * random.uniform()));
     let shares: [[f64; 2]; 3] = [[0.9, -0.8], [-0.7, 0.9], [0.95, 0.6]];
     let count = ((20.0 + 3.0 * rest) * RATE) as usize;
-    let mut columns = vec![Vec::with_capacity(count); 4];
+    let mut columns = vec![Vec::new(); 4];
     for i in 0..count {
         let t = i as f64 / RATE;
         // Which of the motions comes next or is going on, and the time into it.
