@@ -214,6 +214,8 @@ fn common_normals<'g>(model: &Model, tree: &DescribedTree<'g>, directions: &[f64
             None => described.pose.translation,
         };
         let (x, along) = normal_to_line(drafts[index].z, point, z);
+        // Where both axes are parallel and nothing fixes the child along its own, nothing fixes this one either.
+        let along = along.filter(|_| drafts[child].origin.is_some() || !are_parallel(drafts[index].z, z));
         // A prismatic joint has no angle about its axis: its x follows from the parent, and the child's twist
         // has a γ.
         if tree.bodies[index].motion == JointAxis::Revolute {
@@ -250,7 +252,7 @@ fn normal_to_line<'g>(
 ) -> (Option<Numeric3<f64>>, Option<Scalar<'g>>) {
     let dot = |n: Numeric3<f64>| point[0] * n[0] + point[1] * n[1] + point[2] * n[2];
     let normal = a.cross(&b);
-    if normal.norm() > NEARLY_PARALLEL {
+    if !are_parallel(a, b) {
         let cosine = a.dot(&b);
         let along = (dot(a) - dot(b) * cosine) * (1.0 / normal.norm_squared());
         return (Some(tidy(normal)), Some(along));
@@ -259,6 +261,10 @@ fn normal_to_line<'g>(
     let across = point - Vector3([0, 1, 2].map(|k| along * a[k]));
     let direction = across.values().map(Numeric3::from).or_else(|| single_direction(across));
     (direction.filter(|d| d.norm() > ROUNDING).map(tidy), Some(along))
+}
+
+fn are_parallel(a: Numeric3<f64>, b: Numeric3<f64>) -> bool {
+    a.cross(&b).norm() <= NEARLY_PARALLEL
 }
 
 /// The direction of a vector with parameters in it, where only one component is not zero.
