@@ -443,7 +443,7 @@ pub const FUNCTIONS: [&str; 21] = [
 ///   `front_left`, `front_right`, `rear_left`, `rear_right`, `push` in the axes of the base
 /// - returns `B u: [N]`: what the drives exert at the joints
 ///
-/// Cost: 899 multiplications, 816 additions, 0 divisions, 16 function calls (`sin_cos`).
+/// Cost: 891 multiplications, 776 additions, 0 divisions, 16 function calls (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn inverse_dynamics_with_wrenches(
@@ -466,29 +466,31 @@ pub fn inverse_dynamics_with_wrenches_into(
     b_u: &mut [f64; N],
 ) {
     let [sin_front_left_hip, cos_front_left_hip, sin_front_left_thigh,
-    cos_front_left_thigh, sin_front_right_hip, cos_front_right_hip,
-    sin_front_right_thigh, cos_front_right_thigh, sin_rear_left_hip, cos_rear_left_hip,
-    sin_rear_left_thigh, cos_rear_left_thigh, sin_rear_right_hip, cos_rear_right_hip,
-    sin_rear_right_thigh, cos_rear_right_thigh, sin_front_right_thigh_front_right_calf,
+    cos_front_left_thigh, sin_front_left_calf, cos_front_left_calf, sin_front_right_hip,
+    cos_front_right_hip, sin_front_right_thigh, cos_front_right_thigh,
+    sin_front_right_calf, cos_front_right_calf, sin_rear_left_hip, cos_rear_left_hip,
+    sin_rear_left_thigh, cos_rear_left_thigh, sin_rear_left_calf, cos_rear_left_calf,
+    sin_rear_right_hip, cos_rear_right_hip, sin_rear_right_thigh, cos_rear_right_thigh,
+    sin_rear_right_calf, cos_rear_right_calf, sin_front_right_thigh_front_right_calf,
     cos_front_right_thigh_front_right_calf, sin_rear_left_thigh_rear_left_calf,
     cos_rear_left_thigh_rear_left_calf, sin_front_left_thigh_front_left_calf,
     cos_front_left_thigh_front_left_calf, sin_rear_right_thigh_rear_right_calf,
-    cos_rear_right_thigh_rear_right_calf, t37, t39, t40, t42, omega_front_left_hip_x,
-    t49, t57, t58, t59, t68, t69, force_front_left_calf_y, t72, t76, t81, t84, t87, t91,
-    t98, omega_rear_left_hip_x, t105, t113, t114, t115, t124, t125,
-    force_rear_left_calf_y, t128, t132, t137, t140, t143, t147, t152, t159,
-    acceleration_base_x, t163, t167, t174, omega_front_right_hip_x, t181, t189, t190,
-    t191, t200, t201, force_front_right_calf_y, t204, t208, t213, t216, t219, t223, t230,
-    omega_rear_right_hip_x, t237, t245, t246, t247, t256, t257, force_rear_right_calf_y,
-    t260, t264, t269, t272, t275, t279, t284, z_axis_base_z, t290, z_axis_base_y,
-    z_axis_base_x, t339, t345, t367, t373, t396, t403, acceleration_base_y, t408, t427,
-    t433, t455, t461, t484, x_axis_base_z, t488, x_axis_base_x, x_axis_base_y, t522,
-    t529, y_axis_base_z, acceleration_base_z, t541, t553, y_axis_base_y, y_axis_base_x,
-    t617, t619, t625, acceleration_front_left_hip_x, t638, t650, moment_front_left_hip_z,
-    t688, t690, t696, acceleration_front_right_hip_x, t709, t721,
-    moment_front_right_hip_z, t744, t746, t752, acceleration_rear_left_hip_x, t765, t777,
-    moment_rear_left_hip_z, t801, t803, t809, acceleration_rear_right_hip_x, t822, t834,
-    moment_rear_right_hip_z, moment_base_x] = {
+    cos_rear_right_thigh_rear_right_calf, omega_front_left_hip_x, t52, t54, t56, t57,
+    t59, t62, t63, t64, t77, t78, t79, t83, t88, t94, omega_rear_left_hip_x, t117, t120,
+    t123, t124, t125, t138, t139, t140, t144, t149, t155, t162, t169,
+    acceleration_base_x, t173, t177, omega_front_right_hip_x, t198, t201, t204, t205,
+    t206, t219, t220, t221, t225, t230, t236, omega_rear_right_hip_x, t259, t262, t265,
+    t266, t267, t280, t281, t282, t286, t291, t297, t304, z_axis_base_z, t310,
+    z_axis_base_y, z_axis_base_x, t359, t386, t414, t421, acceleration_base_y, t426,
+    t445, t472, t500, x_axis_base_z, t504, x_axis_base_x, x_axis_base_y, t538, t545,
+    y_axis_base_z, acceleration_base_z, t557, t569, y_axis_base_y, y_axis_base_x, t628,
+    moment_front_right_thigh_y, acceleration_front_right_hip_x,
+    moment_front_right_thigh_x, moment_front_right_hip_z, t683, moment_rear_left_thigh_y,
+    acceleration_rear_left_hip_x, moment_rear_left_thigh_x, moment_rear_left_hip_z, t741,
+    moment_rear_right_thigh_y, acceleration_rear_right_hip_x, moment_rear_right_thigh_x,
+    moment_rear_right_hip_z, t797, moment_front_left_thigh_y,
+    acceleration_front_left_hip_x, moment_front_left_thigh_x, moment_front_left_hip_z,
+    moment_base_x] = {
         let angle_front_right_thigh_front_right_calf = y[11] + y[12];
         let angle_rear_left_thigh_rear_left_calf = y[14] + y[15];
         let angle_front_left_thigh_front_left_calf = y[8] + y[9];
@@ -542,828 +544,848 @@ pub fn inverse_dynamics_with_wrenches_into(
             angle_front_left_thigh_front_left_calf,
             angle_rear_right_thigh_rear_right_calf,
         );
-        let t36 = v[3] * v[5];
-        let t37 = a[4] - t36;
-        let t38 = cos_front_left_hip * t37;
-        let t39 = v[3] * v[4];
-        let t40 = a[5] + t39;
-        let t41 = sin_front_left_hip * t40;
-        let t42 = t41 + t38;
-        let t43 = a[7] + t42;
-        let t44 = v[5] * cos_front_left_hip;
-        let t45 = v[4] * sin_front_left_hip;
-        let omega_front_left_hip_x = t45 - t44;
+        let t36 = v[5] * cos_front_left_hip;
+        let t37 = v[4] * sin_front_left_hip;
+        let omega_front_left_hip_x = t37 - t36;
+        let t39 = sin_front_left_thigh * omega_front_left_hip_x;
         let omega_front_left_hip_z = v[3] + v[6];
-        let t48 = omega_front_left_hip_x * omega_front_left_hip_z;
-        let t49 = t48 - t43;
-        let t50 = a[8] - t49;
-        let t51 = sin_front_left_thigh * omega_front_left_hip_x;
-        let t52 = cos_front_left_thigh * omega_front_left_hip_z;
-        let omega_front_left_thigh_y = t51 + t52;
-        let t54 = cos_front_left_thigh * omega_front_left_hip_x;
-        let t55 = sin_front_left_thigh * omega_front_left_hip_z;
-        let omega_front_left_thigh_x = t54 - t55;
-        let t57 = omega_front_left_thigh_x * omega_front_left_thigh_y;
-        let t58 = t57 - t50;
-        let t59 = 0.03 * cos_front_left_calf;
-        let t60 = t59 * t58;
-        let t61 = v[5] * sin_front_left_hip;
-        let t62 = v[4] * cos_front_left_hip;
-        let omega_front_left_hip_y = t62 + t61;
+        let t41 = cos_front_left_thigh * omega_front_left_hip_z;
+        let omega_front_left_thigh_y = t39 + t41;
+        let t43 = cos_front_left_calf * omega_front_left_thigh_y;
+        let t44 = cos_front_left_thigh * omega_front_left_hip_x;
+        let t45 = sin_front_left_thigh * omega_front_left_hip_z;
+        let omega_front_left_thigh_x = t44 - t45;
+        let t47 = sin_front_left_calf * omega_front_left_thigh_x;
+        let omega_front_left_calf_y = t47 + t43;
+        let t49 = sin_front_left_calf * omega_front_left_thigh_y;
+        let t50 = cos_front_left_calf * omega_front_left_thigh_x;
+        let omega_front_left_calf_x = t50 - t49;
+        let t52 = omega_front_left_calf_x * omega_front_left_calf_y;
+        let t53 = v[3] * v[5];
+        let t54 = a[4] - t53;
+        let t55 = cos_front_left_hip * t54;
+        let t56 = v[3] * v[4];
+        let t57 = a[5] + t56;
+        let t58 = sin_front_left_hip * t57;
+        let t59 = t58 + t55;
+        let t60 = a[7] + t59;
+        let t61 = omega_front_left_hip_x * omega_front_left_hip_z;
+        let t62 = t61 - t60;
+        let t63 = a[8] - t62;
+        let t64 = t52 - t63;
+        let force_front_left_calf_y = 0.03 * t64;
+        let t66 = cos_front_left_calf * force_front_left_calf_y;
+        let t67 = omega_front_left_calf_y * omega_front_left_calf_y;
+        let t68 = v[5] * sin_front_left_hip;
+        let t69 = v[4] * cos_front_left_hip;
+        let omega_front_left_hip_y = t69 + t68;
         let omega_front_left_thigh_z = v[7] + omega_front_left_hip_y;
         let omega_front_left_calf_z = v[8] + omega_front_left_thigh_z;
-        let t66 = omega_front_left_calf_z * omega_front_left_calf_z;
-        let t67 = omega_front_left_thigh_x * omega_front_left_thigh_x;
-        let t68 = t67 + t66;
-        let t69 = 0.03 * sin_front_left_calf;
-        let t70 = t69 * t68;
-        let force_front_left_calf_y = t70 + t60;
-        let t72 = t57 + t49;
-        let t73 = 0.083 * t72;
-        let force_front_left_thigh_y = t73 + force_front_left_calf_y;
-        let t75 = cos_front_left_thigh * force_front_left_thigh_y;
-        let t76 = 2.0 * omega_front_left_hip_z;
-        let t77 = omega_front_left_hip_y * t76;
-        let t78 = sin_front_left_hip * t37;
-        let t79 = cos_front_left_hip * t40;
-        let t80 = t79 - t78;
-        let t81 = t80 - t77;
-        let t82 = 0.09949999999999999 * t81;
-        let t83 = t82 - t75;
-        let t84 = t57 + t50;
-        let t85 = t69 * t84;
-        let t86 = omega_front_left_thigh_y * omega_front_left_thigh_y;
-        let t87 = t86 + t66;
-        let t88 = t59 * t87;
-        let force_front_left_calf_x = t88 + t85;
-        let t90 = omega_front_left_thigh_z * omega_front_left_thigh_z;
-        let t91 = t86 + t90;
-        let t92 = 0.083 * t91;
-        let force_front_left_thigh_x = t92 + force_front_left_calf_x;
-        let t94 = sin_front_left_thigh * force_front_left_thigh_x;
-        let force_front_left_hip_z = t94 - t83;
-        let t96 = cos_rear_left_hip * t37;
-        let t97 = sin_rear_left_hip * t40;
-        let t98 = t97 + t96;
-        let t99 = a[13] + t98;
-        let t100 = v[5] * cos_rear_left_hip;
-        let t101 = v[4] * sin_rear_left_hip;
-        let omega_rear_left_hip_x = t101 - t100;
+        let t73 = omega_front_left_calf_z * omega_front_left_calf_z;
+        let t74 = t67 + t73;
+        let force_front_left_calf_x = 0.03 * t74;
+        let t76 = sin_front_left_calf * force_front_left_calf_x;
+        let t77 = t76 + t66;
+        let t78 = omega_front_left_thigh_x * omega_front_left_thigh_y;
+        let t79 = t78 + t62;
+        let t80 = 0.083 * t79;
+        let force_front_left_thigh_y = t80 + t77;
+        let t82 = cos_front_left_thigh * force_front_left_thigh_y;
+        let t83 = 2.0 * omega_front_left_hip_z;
+        let t84 = omega_front_left_hip_y * t83;
+        let t85 = sin_front_left_hip * t54;
+        let t86 = cos_front_left_hip * t57;
+        let t87 = t86 - t85;
+        let t88 = t87 - t84;
+        let t89 = 0.0995 * t88;
+        let t90 = t89 - t82;
+        let t91 = sin_front_left_calf * force_front_left_calf_y;
+        let t92 = omega_front_left_thigh_y * omega_front_left_thigh_y;
+        let t93 = omega_front_left_thigh_z * omega_front_left_thigh_z;
+        let t94 = t92 + t93;
+        let t95 = 0.083 * t94;
+        let t96 = t95 - t91;
+        let t97 = cos_front_left_calf * force_front_left_calf_x;
+        let force_front_left_thigh_x = t97 + t96;
+        let t99 = sin_front_left_thigh * force_front_left_thigh_x;
+        let force_front_left_hip_z = t99 - t90;
+        let t101 = v[5] * cos_rear_left_hip;
+        let t102 = v[4] * sin_rear_left_hip;
+        let omega_rear_left_hip_x = t102 - t101;
+        let t104 = sin_rear_left_thigh * omega_rear_left_hip_x;
         let omega_rear_left_hip_z = v[3] + v[12];
-        let t104 = omega_rear_left_hip_x * omega_rear_left_hip_z;
-        let t105 = t104 - t99;
-        let t106 = a[14] - t105;
-        let t107 = sin_rear_left_thigh * omega_rear_left_hip_x;
-        let t108 = cos_rear_left_thigh * omega_rear_left_hip_z;
-        let omega_rear_left_thigh_y = t107 + t108;
-        let t110 = cos_rear_left_thigh * omega_rear_left_hip_x;
-        let t111 = sin_rear_left_thigh * omega_rear_left_hip_z;
-        let omega_rear_left_thigh_x = t110 - t111;
-        let t113 = omega_rear_left_thigh_x * omega_rear_left_thigh_y;
-        let t114 = t113 - t106;
-        let t115 = 0.03 * cos_rear_left_calf;
-        let t116 = t115 * t114;
-        let t117 = v[5] * sin_rear_left_hip;
-        let t118 = v[4] * cos_rear_left_hip;
-        let omega_rear_left_hip_y = t118 + t117;
+        let t106 = cos_rear_left_thigh * omega_rear_left_hip_z;
+        let omega_rear_left_thigh_y = t104 + t106;
+        let t108 = cos_rear_left_calf * omega_rear_left_thigh_y;
+        let t109 = cos_rear_left_thigh * omega_rear_left_hip_x;
+        let t110 = sin_rear_left_thigh * omega_rear_left_hip_z;
+        let omega_rear_left_thigh_x = t109 - t110;
+        let t112 = sin_rear_left_calf * omega_rear_left_thigh_x;
+        let omega_rear_left_calf_y = t112 + t108;
+        let t114 = sin_rear_left_calf * omega_rear_left_thigh_y;
+        let t115 = cos_rear_left_calf * omega_rear_left_thigh_x;
+        let omega_rear_left_calf_x = t115 - t114;
+        let t117 = omega_rear_left_calf_x * omega_rear_left_calf_y;
+        let t118 = cos_rear_left_hip * t54;
+        let t119 = sin_rear_left_hip * t57;
+        let t120 = t119 + t118;
+        let t121 = a[13] + t120;
+        let t122 = omega_rear_left_hip_x * omega_rear_left_hip_z;
+        let t123 = t122 - t121;
+        let t124 = a[14] - t123;
+        let t125 = t117 - t124;
+        let force_rear_left_calf_y = 0.03 * t125;
+        let t127 = cos_rear_left_calf * force_rear_left_calf_y;
+        let t128 = omega_rear_left_calf_y * omega_rear_left_calf_y;
+        let t129 = v[5] * sin_rear_left_hip;
+        let t130 = v[4] * cos_rear_left_hip;
+        let omega_rear_left_hip_y = t130 + t129;
         let omega_rear_left_thigh_z = v[13] + omega_rear_left_hip_y;
         let omega_rear_left_calf_z = v[14] + omega_rear_left_thigh_z;
-        let t122 = omega_rear_left_calf_z * omega_rear_left_calf_z;
-        let t123 = omega_rear_left_thigh_x * omega_rear_left_thigh_x;
-        let t124 = t123 + t122;
-        let t125 = 0.03 * sin_rear_left_calf;
-        let t126 = t125 * t124;
-        let force_rear_left_calf_y = t126 + t116;
-        let t128 = t113 + t105;
-        let t129 = 0.083 * t128;
-        let force_rear_left_thigh_y = t129 + force_rear_left_calf_y;
-        let t131 = cos_rear_left_thigh * force_rear_left_thigh_y;
-        let t132 = 2.0 * omega_rear_left_hip_z;
-        let t133 = omega_rear_left_hip_y * t132;
-        let t134 = sin_rear_left_hip * t37;
-        let t135 = cos_rear_left_hip * t40;
-        let t136 = t135 - t134;
-        let t137 = t136 - t133;
-        let t138 = 0.09949999999999999 * t137;
-        let t139 = t138 - t131;
-        let t140 = t113 + t106;
-        let t141 = t125 * t140;
-        let t142 = omega_rear_left_thigh_y * omega_rear_left_thigh_y;
-        let t143 = t142 + t122;
-        let t144 = t115 * t143;
-        let force_rear_left_calf_x = t144 + t141;
-        let t146 = omega_rear_left_thigh_z * omega_rear_left_thigh_z;
-        let t147 = t142 + t146;
-        let t148 = 0.083 * t147;
-        let force_rear_left_thigh_x = t148 + force_rear_left_calf_x;
-        let t150 = sin_rear_left_thigh * force_rear_left_thigh_x;
-        let force_rear_left_hip_z = t150 - t139;
-        let t152 = force_rear_left_hip_z + force_front_left_hip_z;
-        let t153 = v[1] * v[5];
-        let t154 = a[0] - t153;
-        let t155 = v[2] * v[4];
-        let t156 = t155 + t154;
-        let t157 = y[4] * y[6];
-        let t158 = y[3] * y[5];
-        let t159 = t158 - t157;
-        let t160 = t159 * 19.62;
-        let acceleration_base_x = t160 + t156;
-        let t162 = 16.200000000000003 * acceleration_base_x;
-        let t163 = a[4] + t36;
-        let t164 = 0.16 * t163;
-        let t165 = v[5] * v[5];
-        let t166 = v[4] * v[4];
-        let t167 = t166 + t165;
-        let t168 = 0.08000000000000007 * t167;
-        let t169 = t168 - t164;
-        let t170 = t169 - t162;
-        let t171 = t152 - t170;
-        let t172 = cos_front_right_hip * t37;
-        let t173 = sin_front_right_hip * t40;
-        let t174 = t173 + t172;
-        let t175 = a[10] + t174;
-        let t176 = v[5] * cos_front_right_hip;
-        let t177 = v[4] * sin_front_right_hip;
-        let omega_front_right_hip_x = t177 - t176;
+        let t134 = omega_rear_left_calf_z * omega_rear_left_calf_z;
+        let t135 = t128 + t134;
+        let force_rear_left_calf_x = 0.03 * t135;
+        let t137 = sin_rear_left_calf * force_rear_left_calf_x;
+        let t138 = t137 + t127;
+        let t139 = omega_rear_left_thigh_x * omega_rear_left_thigh_y;
+        let t140 = t139 + t123;
+        let t141 = 0.083 * t140;
+        let force_rear_left_thigh_y = t141 + t138;
+        let t143 = cos_rear_left_thigh * force_rear_left_thigh_y;
+        let t144 = 2.0 * omega_rear_left_hip_z;
+        let t145 = omega_rear_left_hip_y * t144;
+        let t146 = sin_rear_left_hip * t54;
+        let t147 = cos_rear_left_hip * t57;
+        let t148 = t147 - t146;
+        let t149 = t148 - t145;
+        let t150 = 0.0995 * t149;
+        let t151 = t150 - t143;
+        let t152 = sin_rear_left_calf * force_rear_left_calf_y;
+        let t153 = omega_rear_left_thigh_y * omega_rear_left_thigh_y;
+        let t154 = omega_rear_left_thigh_z * omega_rear_left_thigh_z;
+        let t155 = t153 + t154;
+        let t156 = 0.083 * t155;
+        let t157 = t156 - t152;
+        let t158 = cos_rear_left_calf * force_rear_left_calf_x;
+        let force_rear_left_thigh_x = t158 + t157;
+        let t160 = sin_rear_left_thigh * force_rear_left_thigh_x;
+        let force_rear_left_hip_z = t160 - t151;
+        let t162 = force_rear_left_hip_z + force_front_left_hip_z;
+        let t163 = v[1] * v[5];
+        let t164 = a[0] - t163;
+        let t165 = v[2] * v[4];
+        let t166 = t165 + t164;
+        let t167 = y[4] * y[6];
+        let t168 = y[3] * y[5];
+        let t169 = t168 - t167;
+        let t170 = t169 * 19.62;
+        let acceleration_base_x = t170 + t166;
+        let t172 = 16.200000000000003 * acceleration_base_x;
+        let t173 = a[4] + t53;
+        let t174 = 0.16 * t173;
+        let t175 = v[5] * v[5];
+        let t176 = v[4] * v[4];
+        let t177 = t176 + t175;
+        let t178 = 0.08000000000000007 * t177;
+        let t179 = t178 - t174;
+        let t180 = t179 - t172;
+        let t181 = t162 - t180;
+        let t182 = v[5] * cos_front_right_hip;
+        let t183 = v[4] * sin_front_right_hip;
+        let omega_front_right_hip_x = t183 - t182;
+        let t185 = sin_front_right_thigh * omega_front_right_hip_x;
         let omega_front_right_hip_z = v[3] + v[9];
-        let t180 = omega_front_right_hip_x * omega_front_right_hip_z;
-        let t181 = t180 - t175;
-        let t182 = a[11] - t181;
-        let t183 = sin_front_right_thigh * omega_front_right_hip_x;
-        let t184 = cos_front_right_thigh * omega_front_right_hip_z;
-        let omega_front_right_thigh_y = t183 + t184;
-        let t186 = cos_front_right_thigh * omega_front_right_hip_x;
-        let t187 = sin_front_right_thigh * omega_front_right_hip_z;
-        let omega_front_right_thigh_x = t186 - t187;
-        let t189 = omega_front_right_thigh_x * omega_front_right_thigh_y;
-        let t190 = t189 - t182;
-        let t191 = 0.03 * cos_front_right_calf;
-        let t192 = t191 * t190;
-        let t193 = v[5] * sin_front_right_hip;
-        let t194 = v[4] * cos_front_right_hip;
-        let omega_front_right_hip_y = t194 + t193;
+        let t187 = cos_front_right_thigh * omega_front_right_hip_z;
+        let omega_front_right_thigh_y = t185 + t187;
+        let t189 = cos_front_right_calf * omega_front_right_thigh_y;
+        let t190 = cos_front_right_thigh * omega_front_right_hip_x;
+        let t191 = sin_front_right_thigh * omega_front_right_hip_z;
+        let omega_front_right_thigh_x = t190 - t191;
+        let t193 = sin_front_right_calf * omega_front_right_thigh_x;
+        let omega_front_right_calf_y = t193 + t189;
+        let t195 = sin_front_right_calf * omega_front_right_thigh_y;
+        let t196 = cos_front_right_calf * omega_front_right_thigh_x;
+        let omega_front_right_calf_x = t196 - t195;
+        let t198 = omega_front_right_calf_x * omega_front_right_calf_y;
+        let t199 = cos_front_right_hip * t54;
+        let t200 = sin_front_right_hip * t57;
+        let t201 = t200 + t199;
+        let t202 = a[10] + t201;
+        let t203 = omega_front_right_hip_x * omega_front_right_hip_z;
+        let t204 = t203 - t202;
+        let t205 = a[11] - t204;
+        let t206 = t198 - t205;
+        let force_front_right_calf_y = 0.03 * t206;
+        let t208 = cos_front_right_calf * force_front_right_calf_y;
+        let t209 = omega_front_right_calf_y * omega_front_right_calf_y;
+        let t210 = v[5] * sin_front_right_hip;
+        let t211 = v[4] * cos_front_right_hip;
+        let omega_front_right_hip_y = t211 + t210;
         let omega_front_right_thigh_z = v[10] + omega_front_right_hip_y;
         let omega_front_right_calf_z = v[11] + omega_front_right_thigh_z;
-        let t198 = omega_front_right_calf_z * omega_front_right_calf_z;
-        let t199 = omega_front_right_thigh_x * omega_front_right_thigh_x;
-        let t200 = t199 + t198;
-        let t201 = 0.03 * sin_front_right_calf;
-        let t202 = t201 * t200;
-        let force_front_right_calf_y = t202 + t192;
-        let t204 = t189 + t181;
-        let t205 = 0.083 * t204;
-        let force_front_right_thigh_y = t205 + force_front_right_calf_y;
-        let t207 = cos_front_right_thigh * force_front_right_thigh_y;
-        let t208 = 2.0 * omega_front_right_hip_z;
-        let t209 = omega_front_right_hip_y * t208;
-        let t210 = sin_front_right_hip * t37;
-        let t211 = cos_front_right_hip * t40;
-        let t212 = t211 - t210;
-        let t213 = t212 - t209;
-        let t214 = 0.09949999999999999 * t213;
-        let t215 = t214 + t207;
-        let t216 = t189 + t182;
-        let t217 = t201 * t216;
-        let t218 = omega_front_right_thigh_y * omega_front_right_thigh_y;
-        let t219 = t218 + t198;
-        let t220 = t191 * t219;
-        let force_front_right_calf_x = t220 + t217;
-        let t222 = omega_front_right_thigh_z * omega_front_right_thigh_z;
-        let t223 = t218 + t222;
-        let t224 = 0.083 * t223;
-        let force_front_right_thigh_x = t224 + force_front_right_calf_x;
-        let t226 = sin_front_right_thigh * force_front_right_thigh_x;
-        let force_front_right_hip_z = t226 + t215;
-        let t228 = cos_rear_right_hip * t37;
-        let t229 = sin_rear_right_hip * t40;
-        let t230 = t229 + t228;
-        let t231 = a[16] + t230;
-        let t232 = v[5] * cos_rear_right_hip;
-        let t233 = v[4] * sin_rear_right_hip;
-        let omega_rear_right_hip_x = t233 - t232;
+        let t215 = omega_front_right_calf_z * omega_front_right_calf_z;
+        let t216 = t209 + t215;
+        let force_front_right_calf_x = 0.03 * t216;
+        let t218 = sin_front_right_calf * force_front_right_calf_x;
+        let t219 = t218 + t208;
+        let t220 = omega_front_right_thigh_x * omega_front_right_thigh_y;
+        let t221 = t220 + t204;
+        let t222 = 0.083 * t221;
+        let force_front_right_thigh_y = t222 + t219;
+        let t224 = cos_front_right_thigh * force_front_right_thigh_y;
+        let t225 = 2.0 * omega_front_right_hip_z;
+        let t226 = omega_front_right_hip_y * t225;
+        let t227 = sin_front_right_hip * t54;
+        let t228 = cos_front_right_hip * t57;
+        let t229 = t228 - t227;
+        let t230 = t229 - t226;
+        let t231 = 0.0995 * t230;
+        let t232 = t231 + t224;
+        let t233 = sin_front_right_calf * force_front_right_calf_y;
+        let t234 = omega_front_right_thigh_y * omega_front_right_thigh_y;
+        let t235 = omega_front_right_thigh_z * omega_front_right_thigh_z;
+        let t236 = t234 + t235;
+        let t237 = 0.083 * t236;
+        let t238 = t237 - t233;
+        let t239 = cos_front_right_calf * force_front_right_calf_x;
+        let force_front_right_thigh_x = t239 + t238;
+        let t241 = sin_front_right_thigh * force_front_right_thigh_x;
+        let force_front_right_hip_z = t241 + t232;
+        let t243 = v[5] * cos_rear_right_hip;
+        let t244 = v[4] * sin_rear_right_hip;
+        let omega_rear_right_hip_x = t244 - t243;
+        let t246 = sin_rear_right_thigh * omega_rear_right_hip_x;
         let omega_rear_right_hip_z = v[3] + v[15];
-        let t236 = omega_rear_right_hip_x * omega_rear_right_hip_z;
-        let t237 = t236 - t231;
-        let t238 = a[17] - t237;
-        let t239 = sin_rear_right_thigh * omega_rear_right_hip_x;
-        let t240 = cos_rear_right_thigh * omega_rear_right_hip_z;
-        let omega_rear_right_thigh_y = t239 + t240;
-        let t242 = cos_rear_right_thigh * omega_rear_right_hip_x;
-        let t243 = sin_rear_right_thigh * omega_rear_right_hip_z;
-        let omega_rear_right_thigh_x = t242 - t243;
-        let t245 = omega_rear_right_thigh_x * omega_rear_right_thigh_y;
-        let t246 = t245 - t238;
-        let t247 = 0.03 * cos_rear_right_calf;
-        let t248 = t247 * t246;
-        let t249 = v[5] * sin_rear_right_hip;
-        let t250 = v[4] * cos_rear_right_hip;
-        let omega_rear_right_hip_y = t250 + t249;
+        let t248 = cos_rear_right_thigh * omega_rear_right_hip_z;
+        let omega_rear_right_thigh_y = t246 + t248;
+        let t250 = cos_rear_right_calf * omega_rear_right_thigh_y;
+        let t251 = cos_rear_right_thigh * omega_rear_right_hip_x;
+        let t252 = sin_rear_right_thigh * omega_rear_right_hip_z;
+        let omega_rear_right_thigh_x = t251 - t252;
+        let t254 = sin_rear_right_calf * omega_rear_right_thigh_x;
+        let omega_rear_right_calf_y = t254 + t250;
+        let t256 = sin_rear_right_calf * omega_rear_right_thigh_y;
+        let t257 = cos_rear_right_calf * omega_rear_right_thigh_x;
+        let omega_rear_right_calf_x = t257 - t256;
+        let t259 = omega_rear_right_calf_x * omega_rear_right_calf_y;
+        let t260 = cos_rear_right_hip * t54;
+        let t261 = sin_rear_right_hip * t57;
+        let t262 = t261 + t260;
+        let t263 = a[16] + t262;
+        let t264 = omega_rear_right_hip_x * omega_rear_right_hip_z;
+        let t265 = t264 - t263;
+        let t266 = a[17] - t265;
+        let t267 = t259 - t266;
+        let force_rear_right_calf_y = 0.03 * t267;
+        let t269 = cos_rear_right_calf * force_rear_right_calf_y;
+        let t270 = omega_rear_right_calf_y * omega_rear_right_calf_y;
+        let t271 = v[5] * sin_rear_right_hip;
+        let t272 = v[4] * cos_rear_right_hip;
+        let omega_rear_right_hip_y = t272 + t271;
         let omega_rear_right_thigh_z = v[16] + omega_rear_right_hip_y;
         let omega_rear_right_calf_z = v[17] + omega_rear_right_thigh_z;
-        let t254 = omega_rear_right_calf_z * omega_rear_right_calf_z;
-        let t255 = omega_rear_right_thigh_x * omega_rear_right_thigh_x;
-        let t256 = t255 + t254;
-        let t257 = 0.03 * sin_rear_right_calf;
-        let t258 = t257 * t256;
-        let force_rear_right_calf_y = t258 + t248;
-        let t260 = t245 + t237;
-        let t261 = 0.083 * t260;
-        let force_rear_right_thigh_y = t261 + force_rear_right_calf_y;
-        let t263 = cos_rear_right_thigh * force_rear_right_thigh_y;
-        let t264 = 2.0 * omega_rear_right_hip_z;
-        let t265 = omega_rear_right_hip_y * t264;
-        let t266 = sin_rear_right_hip * t37;
-        let t267 = cos_rear_right_hip * t40;
-        let t268 = t267 - t266;
-        let t269 = t268 - t265;
-        let t270 = 0.09949999999999999 * t269;
-        let t271 = t270 + t263;
-        let t272 = t245 + t238;
-        let t273 = t257 * t272;
-        let t274 = omega_rear_right_thigh_y * omega_rear_right_thigh_y;
-        let t275 = t274 + t254;
-        let t276 = t247 * t275;
-        let force_rear_right_calf_x = t276 + t273;
-        let t278 = omega_rear_right_thigh_z * omega_rear_right_thigh_z;
-        let t279 = t274 + t278;
-        let t280 = 0.083 * t279;
-        let force_rear_right_thigh_x = t280 + force_rear_right_calf_x;
-        let t282 = sin_rear_right_thigh * force_rear_right_thigh_x;
-        let force_rear_right_hip_z = t282 + t271;
-        let t284 = force_rear_right_hip_z + force_front_right_hip_z;
-        let force_base_x = t284 + t171;
-        let z_axis_base_z = 2.0 * t159;
-        let t287 = w[4][2] * z_axis_base_z;
-        let t288 = y[5] * y[6];
-        let t289 = y[3] * y[4];
-        let t290 = t289 + t288;
-        let z_axis_base_y = 2.0 * t290;
-        let t292 = w[4][1] * z_axis_base_y;
-        let t293 = t292 + t287;
-        let t294 = y[5] * y[5];
-        let t295 = y[4] * y[4];
-        let t296 = t295 + t294;
-        let t297 = 2.0 * t296;
-        let z_axis_base_x = 1.0 - t297;
-        let t299 = w[4][0] * z_axis_base_x;
-        let t300 = t299 + t293;
-        let t301 = w[2][2] * z_axis_base_z;
-        let t302 = w[2][1] * z_axis_base_y;
-        let t303 = t302 + t301;
-        let t304 = w[3][2] * z_axis_base_z;
-        let t305 = w[3][1] * z_axis_base_y;
-        let t306 = t305 + t304;
-        let t307 = t306 + t303;
-        let t308 = t307 + t300;
-        let t309 = w[0][2] * z_axis_base_z;
-        let t310 = w[0][1] * z_axis_base_y;
-        let t311 = t310 + t309;
-        let t312 = w[1][2] * z_axis_base_z;
-        let t313 = w[1][1] * z_axis_base_y;
-        let t314 = t313 + t312;
-        let t315 = t314 + t311;
-        let t316 = t315 + t308;
-        let t317 = w[1][0] * z_axis_base_x;
-        let t318 = w[0][0] * z_axis_base_x;
-        let t319 = t318 + t317;
-        let t320 = w[3][0] * z_axis_base_x;
-        let t321 = w[2][0] * z_axis_base_x;
-        let t322 = t321 + t320;
-        let t323 = t322 + t319;
-        let t324 = t323 + t316;
-        let t325 = force_base_x - t324;
-        b_u[0] = t325;
-        let t326 = sin_front_left_thigh * force_front_left_thigh_y;
-        let t327 = omega_front_left_hip_x * omega_front_left_hip_y;
-        let t328 = a[3] + a[6];
-        let t329 = t328 - t327;
-        let t330 = 0.09949999999999999 * t329;
-        let t331 = t330 - t326;
-        let t332 = cos_front_left_thigh * force_front_left_thigh_x;
-        let force_front_left_hip_x = t332 + t331;
-        let t334 = sin_front_left_hip * force_front_left_hip_x;
-        let t335 = 2.0 * omega_front_left_calf_z;
-        let t336 = omega_front_left_thigh_y * t335;
-        let t337 = cos_front_left_thigh * t81;
-        let t338 = sin_front_left_thigh * t329;
+        let t276 = omega_rear_right_calf_z * omega_rear_right_calf_z;
+        let t277 = t270 + t276;
+        let force_rear_right_calf_x = 0.03 * t277;
+        let t279 = sin_rear_right_calf * force_rear_right_calf_x;
+        let t280 = t279 + t269;
+        let t281 = omega_rear_right_thigh_x * omega_rear_right_thigh_y;
+        let t282 = t281 + t265;
+        let t283 = 0.083 * t282;
+        let force_rear_right_thigh_y = t283 + t280;
+        let t285 = cos_rear_right_thigh * force_rear_right_thigh_y;
+        let t286 = 2.0 * omega_rear_right_hip_z;
+        let t287 = omega_rear_right_hip_y * t286;
+        let t288 = sin_rear_right_hip * t54;
+        let t289 = cos_rear_right_hip * t57;
+        let t290 = t289 - t288;
+        let t291 = t290 - t287;
+        let t292 = 0.0995 * t291;
+        let t293 = t292 + t285;
+        let t294 = sin_rear_right_calf * force_rear_right_calf_y;
+        let t295 = omega_rear_right_thigh_y * omega_rear_right_thigh_y;
+        let t296 = omega_rear_right_thigh_z * omega_rear_right_thigh_z;
+        let t297 = t295 + t296;
+        let t298 = 0.083 * t297;
+        let t299 = t298 - t294;
+        let t300 = cos_rear_right_calf * force_rear_right_calf_x;
+        let force_rear_right_thigh_x = t300 + t299;
+        let t302 = sin_rear_right_thigh * force_rear_right_thigh_x;
+        let force_rear_right_hip_z = t302 + t293;
+        let t304 = force_rear_right_hip_z + force_front_right_hip_z;
+        let force_base_x = t304 + t181;
+        let z_axis_base_z = 2.0 * t169;
+        let t307 = w[4][2] * z_axis_base_z;
+        let t308 = y[5] * y[6];
+        let t309 = y[3] * y[4];
+        let t310 = t309 + t308;
+        let z_axis_base_y = 2.0 * t310;
+        let t312 = w[4][1] * z_axis_base_y;
+        let t313 = t312 + t307;
+        let t314 = y[5] * y[5];
+        let t315 = y[4] * y[4];
+        let t316 = t315 + t314;
+        let t317 = 2.0 * t316;
+        let z_axis_base_x = 1.0 - t317;
+        let t319 = w[4][0] * z_axis_base_x;
+        let t320 = t319 + t313;
+        let t321 = w[2][2] * z_axis_base_z;
+        let t322 = w[2][1] * z_axis_base_y;
+        let t323 = t322 + t321;
+        let t324 = w[3][2] * z_axis_base_z;
+        let t325 = w[3][1] * z_axis_base_y;
+        let t326 = t325 + t324;
+        let t327 = t326 + t323;
+        let t328 = t327 + t320;
+        let t329 = w[0][2] * z_axis_base_z;
+        let t330 = w[0][1] * z_axis_base_y;
+        let t331 = t330 + t329;
+        let t332 = w[1][2] * z_axis_base_z;
+        let t333 = w[1][1] * z_axis_base_y;
+        let t334 = t333 + t332;
+        let t335 = t334 + t331;
+        let t336 = t335 + t328;
+        let t337 = w[1][0] * z_axis_base_x;
+        let t338 = w[0][0] * z_axis_base_x;
         let t339 = t338 + t337;
-        let t340 = t339 + t336;
-        let t341 = t69 * t340;
-        let t342 = omega_front_left_thigh_x * t335;
-        let t343 = sin_front_left_thigh * t81;
-        let t344 = cos_front_left_thigh * t329;
-        let t345 = t344 - t343;
-        let t346 = t345 + t342;
-        let t347 = t59 * t346;
-        let force_front_left_calf_z = t347 - t341;
-        let t349 = 2.0 * omega_front_left_thigh_z;
-        let t350 = omega_front_left_thigh_x * t349;
-        let t351 = t345 + t350;
-        let t352 = 0.083 * t351;
-        let force_front_left_thigh_z = t352 + force_front_left_calf_z;
-        let t354 = omega_front_left_hip_x * omega_front_left_hip_x;
-        let t355 = omega_front_left_hip_z * omega_front_left_hip_z;
-        let t356 = t354 + t355;
-        let t357 = 0.09949999999999999 * t356;
-        let force_front_left_hip_y = t357 - force_front_left_thigh_z;
-        let t359 = cos_front_left_hip * force_front_left_hip_y;
-        let t360 = 2.0 * omega_front_right_calf_z;
-        let t361 = omega_front_right_thigh_y * t360;
-        let t362 = cos_front_right_thigh * t213;
-        let t363 = omega_front_right_hip_x * omega_front_right_hip_y;
-        let t364 = a[3] + a[9];
-        let t365 = t364 - t363;
-        let t366 = sin_front_right_thigh * t365;
-        let t367 = t366 + t362;
-        let t368 = t367 + t361;
-        let t369 = t201 * t368;
-        let t370 = omega_front_right_thigh_x * t360;
-        let t371 = sin_front_right_thigh * t213;
-        let t372 = cos_front_right_thigh * t365;
-        let t373 = t372 - t371;
-        let t374 = t373 + t370;
-        let t375 = t191 * t374;
-        let force_front_right_calf_z = t375 - t369;
-        let t377 = 2.0 * omega_front_right_thigh_z;
-        let t378 = omega_front_right_thigh_x * t377;
-        let t379 = t373 + t378;
-        let t380 = 0.083 * t379;
-        let force_front_right_thigh_z = t380 + force_front_right_calf_z;
-        let t382 = omega_front_right_hip_x * omega_front_right_hip_x;
-        let t383 = omega_front_right_hip_z * omega_front_right_hip_z;
-        let t384 = t382 + t383;
-        let t385 = 0.09949999999999999 * t384;
-        let force_front_right_hip_y = t385 + force_front_right_thigh_z;
-        let t387 = cos_front_right_hip * force_front_right_hip_y;
-        let t388 = t387 - t359;
-        let t389 = t334 - t388;
-        let t390 = sin_front_right_thigh * force_front_right_thigh_y;
-        let t391 = 0.09949999999999999 * t365;
-        let t392 = t391 + t390;
-        let t393 = cos_front_right_thigh * force_front_right_thigh_x;
-        let force_front_right_hip_x = t393 - t392;
-        let t395 = sin_front_right_hip * force_front_right_hip_x;
-        let t396 = t395 + t389;
-        let t397 = v[2] * v[3];
-        let t398 = a[1] - t397;
-        let t399 = v[0] * v[5];
-        let t400 = t399 + t398;
-        let t401 = y[3] * y[6];
-        let t402 = y[4] * y[5];
-        let t403 = t402 + t401;
-        let t404 = t403 * 19.62;
-        let acceleration_base_y = t404 + t400;
-        let t406 = 16.200000000000003 * acceleration_base_y;
-        let t407 = v[4] * v[5];
-        let t408 = a[3] - t407;
-        let t409 = 0.16 * t408;
-        let t410 = 0.08000000000000007 * t40;
-        let t411 = t410 - t409;
-        let t412 = t411 + t406;
-        let t413 = t396 - t412;
-        let t414 = sin_rear_left_thigh * force_rear_left_thigh_y;
-        let t415 = omega_rear_left_hip_x * omega_rear_left_hip_y;
-        let t416 = a[3] + a[12];
-        let t417 = t416 - t415;
-        let t418 = 0.09949999999999999 * t417;
-        let t419 = t418 - t414;
-        let t420 = cos_rear_left_thigh * force_rear_left_thigh_x;
-        let force_rear_left_hip_x = t420 + t419;
-        let t422 = sin_rear_left_hip * force_rear_left_hip_x;
-        let t423 = 2.0 * omega_rear_left_calf_z;
-        let t424 = omega_rear_left_thigh_y * t423;
-        let t425 = cos_rear_left_thigh * t137;
-        let t426 = sin_rear_left_thigh * t417;
-        let t427 = t426 + t425;
-        let t428 = t427 + t424;
-        let t429 = t125 * t428;
-        let t430 = omega_rear_left_thigh_x * t423;
-        let t431 = sin_rear_left_thigh * t137;
-        let t432 = cos_rear_left_thigh * t417;
-        let t433 = t432 - t431;
-        let t434 = t433 + t430;
-        let t435 = t115 * t434;
-        let force_rear_left_calf_z = t435 - t429;
-        let t437 = 2.0 * omega_rear_left_thigh_z;
-        let t438 = omega_rear_left_thigh_x * t437;
-        let t439 = t433 + t438;
-        let t440 = 0.083 * t439;
-        let force_rear_left_thigh_z = t440 + force_rear_left_calf_z;
-        let t442 = omega_rear_left_hip_x * omega_rear_left_hip_x;
-        let t443 = omega_rear_left_hip_z * omega_rear_left_hip_z;
-        let t444 = t442 + t443;
-        let t445 = 0.09949999999999999 * t444;
-        let force_rear_left_hip_y = t445 - force_rear_left_thigh_z;
-        let t447 = cos_rear_left_hip * force_rear_left_hip_y;
-        let t448 = 2.0 * omega_rear_right_calf_z;
-        let t449 = omega_rear_right_thigh_y * t448;
-        let t450 = cos_rear_right_thigh * t269;
-        let t451 = omega_rear_right_hip_x * omega_rear_right_hip_y;
-        let t452 = a[3] + a[15];
-        let t453 = t452 - t451;
-        let t454 = sin_rear_right_thigh * t453;
-        let t455 = t454 + t450;
-        let t456 = t455 + t449;
-        let t457 = t257 * t456;
-        let t458 = omega_rear_right_thigh_x * t448;
-        let t459 = sin_rear_right_thigh * t269;
-        let t460 = cos_rear_right_thigh * t453;
-        let t461 = t460 - t459;
-        let t462 = t461 + t458;
-        let t463 = t247 * t462;
-        let force_rear_right_calf_z = t463 - t457;
-        let t465 = 2.0 * omega_rear_right_thigh_z;
-        let t466 = omega_rear_right_thigh_x * t465;
-        let t467 = t461 + t466;
-        let t468 = 0.083 * t467;
-        let force_rear_right_thigh_z = t468 + force_rear_right_calf_z;
-        let t470 = omega_rear_right_hip_x * omega_rear_right_hip_x;
-        let t471 = omega_rear_right_hip_z * omega_rear_right_hip_z;
-        let t472 = t470 + t471;
-        let t473 = 0.09949999999999999 * t472;
-        let force_rear_right_hip_y = t473 + force_rear_right_thigh_z;
-        let t475 = cos_rear_right_hip * force_rear_right_hip_y;
-        let t476 = t475 - t447;
-        let t477 = t422 - t476;
-        let t478 = sin_rear_right_thigh * force_rear_right_thigh_y;
-        let t479 = 0.09949999999999999 * t453;
-        let t480 = t479 + t478;
-        let t481 = cos_rear_right_thigh * force_rear_right_thigh_x;
-        let force_rear_right_hip_x = t481 - t480;
-        let t483 = sin_rear_right_hip * force_rear_right_hip_x;
-        let t484 = t483 + t477;
-        let force_base_y = t484 + t413;
-        let x_axis_base_z = 2.0 * t403;
-        let t487 = w[4][2] * x_axis_base_z;
-        let t488 = t289 - t288;
-        let x_axis_base_x = 2.0 * t488;
-        let t490 = w[4][0] * x_axis_base_x;
-        let t491 = t490 + t487;
-        let t492 = y[3] * y[3];
-        let t493 = t492 + t294;
-        let t494 = 2.0 * t493;
-        let x_axis_base_y = 1.0 - t494;
-        let t496 = w[4][1] * x_axis_base_y;
-        let t497 = t496 + t491;
-        let t498 = w[2][2] * x_axis_base_z;
-        let t499 = w[2][0] * x_axis_base_x;
-        let t500 = t499 + t498;
-        let t501 = w[3][2] * x_axis_base_z;
-        let t502 = w[3][0] * x_axis_base_x;
-        let t503 = t502 + t501;
-        let t504 = t503 + t500;
-        let t505 = t504 + t497;
-        let t506 = w[0][2] * x_axis_base_z;
-        let t507 = w[0][0] * x_axis_base_x;
-        let t508 = t507 + t506;
-        let t509 = w[1][2] * x_axis_base_z;
-        let t510 = w[1][0] * x_axis_base_x;
-        let t511 = t510 + t509;
-        let t512 = t511 + t508;
-        let t513 = t512 + t505;
-        let t514 = w[1][1] * x_axis_base_y;
-        let t515 = w[0][1] * x_axis_base_y;
+        let t340 = w[3][0] * z_axis_base_x;
+        let t341 = w[2][0] * z_axis_base_x;
+        let t342 = t341 + t340;
+        let t343 = t342 + t339;
+        let t344 = t343 + t336;
+        let t345 = force_base_x - t344;
+        b_u[0] = t345;
+        let t346 = sin_front_left_thigh * force_front_left_thigh_y;
+        let t347 = omega_front_left_hip_x * omega_front_left_hip_y;
+        let t348 = a[3] + a[6];
+        let t349 = t348 - t347;
+        let t350 = 0.0995 * t349;
+        let t351 = t350 - t346;
+        let t352 = cos_front_left_thigh * force_front_left_thigh_x;
+        let force_front_left_hip_x = t352 + t351;
+        let t354 = sin_front_left_hip * force_front_left_hip_x;
+        let t355 = 2.0 * omega_front_left_calf_z;
+        let t356 = omega_front_left_calf_x * t355;
+        let t357 = cos_front_left_thigh * t88;
+        let t358 = sin_front_left_thigh * t349;
+        let t359 = t358 + t357;
+        let t360 = sin_front_left_calf * t359;
+        let t361 = t360 - t356;
+        let t362 = sin_front_left_thigh * t88;
+        let t363 = cos_front_left_thigh * t349;
+        let t364 = t363 - t362;
+        let t365 = cos_front_left_calf * t364;
+        let t366 = t365 - t361;
+        let force_front_left_calf_z = 0.03 * t366;
+        let t368 = 2.0 * omega_front_left_thigh_z;
+        let t369 = omega_front_left_thigh_x * t368;
+        let t370 = t364 + t369;
+        let t371 = 0.083 * t370;
+        let force_front_left_thigh_z = t371 + force_front_left_calf_z;
+        let t373 = omega_front_left_hip_x * omega_front_left_hip_x;
+        let t374 = omega_front_left_hip_z * omega_front_left_hip_z;
+        let t375 = t373 + t374;
+        let t376 = 0.0995 * t375;
+        let force_front_left_hip_y = t376 - force_front_left_thigh_z;
+        let t378 = cos_front_left_hip * force_front_left_hip_y;
+        let t379 = 2.0 * omega_front_right_calf_z;
+        let t380 = omega_front_right_calf_x * t379;
+        let t381 = cos_front_right_thigh * t230;
+        let t382 = omega_front_right_hip_x * omega_front_right_hip_y;
+        let t383 = a[3] + a[9];
+        let t384 = t383 - t382;
+        let t385 = sin_front_right_thigh * t384;
+        let t386 = t385 + t381;
+        let t387 = sin_front_right_calf * t386;
+        let t388 = t387 - t380;
+        let t389 = sin_front_right_thigh * t230;
+        let t390 = cos_front_right_thigh * t384;
+        let t391 = t390 - t389;
+        let t392 = cos_front_right_calf * t391;
+        let t393 = t392 - t388;
+        let force_front_right_calf_z = 0.03 * t393;
+        let t395 = 2.0 * omega_front_right_thigh_z;
+        let t396 = omega_front_right_thigh_x * t395;
+        let t397 = t391 + t396;
+        let t398 = 0.083 * t397;
+        let force_front_right_thigh_z = t398 + force_front_right_calf_z;
+        let t400 = omega_front_right_hip_x * omega_front_right_hip_x;
+        let t401 = omega_front_right_hip_z * omega_front_right_hip_z;
+        let t402 = t400 + t401;
+        let t403 = 0.0995 * t402;
+        let force_front_right_hip_y = t403 + force_front_right_thigh_z;
+        let t405 = cos_front_right_hip * force_front_right_hip_y;
+        let t406 = t405 - t378;
+        let t407 = t354 - t406;
+        let t408 = sin_front_right_thigh * force_front_right_thigh_y;
+        let t409 = 0.0995 * t384;
+        let t410 = t409 + t408;
+        let t411 = cos_front_right_thigh * force_front_right_thigh_x;
+        let force_front_right_hip_x = t411 - t410;
+        let t413 = sin_front_right_hip * force_front_right_hip_x;
+        let t414 = t413 + t407;
+        let t415 = v[2] * v[3];
+        let t416 = a[1] - t415;
+        let t417 = v[0] * v[5];
+        let t418 = t417 + t416;
+        let t419 = y[3] * y[6];
+        let t420 = y[4] * y[5];
+        let t421 = t420 + t419;
+        let t422 = t421 * 19.62;
+        let acceleration_base_y = t422 + t418;
+        let t424 = 16.200000000000003 * acceleration_base_y;
+        let t425 = v[4] * v[5];
+        let t426 = a[3] - t425;
+        let t427 = 0.16 * t426;
+        let t428 = 0.08000000000000007 * t57;
+        let t429 = t428 - t427;
+        let t430 = t429 + t424;
+        let t431 = t414 - t430;
+        let t432 = sin_rear_left_thigh * force_rear_left_thigh_y;
+        let t433 = omega_rear_left_hip_x * omega_rear_left_hip_y;
+        let t434 = a[3] + a[12];
+        let t435 = t434 - t433;
+        let t436 = 0.0995 * t435;
+        let t437 = t436 - t432;
+        let t438 = cos_rear_left_thigh * force_rear_left_thigh_x;
+        let force_rear_left_hip_x = t438 + t437;
+        let t440 = sin_rear_left_hip * force_rear_left_hip_x;
+        let t441 = 2.0 * omega_rear_left_calf_z;
+        let t442 = omega_rear_left_calf_x * t441;
+        let t443 = cos_rear_left_thigh * t149;
+        let t444 = sin_rear_left_thigh * t435;
+        let t445 = t444 + t443;
+        let t446 = sin_rear_left_calf * t445;
+        let t447 = t446 - t442;
+        let t448 = sin_rear_left_thigh * t149;
+        let t449 = cos_rear_left_thigh * t435;
+        let t450 = t449 - t448;
+        let t451 = cos_rear_left_calf * t450;
+        let t452 = t451 - t447;
+        let force_rear_left_calf_z = 0.03 * t452;
+        let t454 = 2.0 * omega_rear_left_thigh_z;
+        let t455 = omega_rear_left_thigh_x * t454;
+        let t456 = t450 + t455;
+        let t457 = 0.083 * t456;
+        let force_rear_left_thigh_z = t457 + force_rear_left_calf_z;
+        let t459 = omega_rear_left_hip_x * omega_rear_left_hip_x;
+        let t460 = omega_rear_left_hip_z * omega_rear_left_hip_z;
+        let t461 = t459 + t460;
+        let t462 = 0.0995 * t461;
+        let force_rear_left_hip_y = t462 - force_rear_left_thigh_z;
+        let t464 = cos_rear_left_hip * force_rear_left_hip_y;
+        let t465 = 2.0 * omega_rear_right_calf_z;
+        let t466 = omega_rear_right_calf_x * t465;
+        let t467 = cos_rear_right_thigh * t291;
+        let t468 = omega_rear_right_hip_x * omega_rear_right_hip_y;
+        let t469 = a[3] + a[15];
+        let t470 = t469 - t468;
+        let t471 = sin_rear_right_thigh * t470;
+        let t472 = t471 + t467;
+        let t473 = sin_rear_right_calf * t472;
+        let t474 = t473 - t466;
+        let t475 = sin_rear_right_thigh * t291;
+        let t476 = cos_rear_right_thigh * t470;
+        let t477 = t476 - t475;
+        let t478 = cos_rear_right_calf * t477;
+        let t479 = t478 - t474;
+        let force_rear_right_calf_z = 0.03 * t479;
+        let t481 = 2.0 * omega_rear_right_thigh_z;
+        let t482 = omega_rear_right_thigh_x * t481;
+        let t483 = t477 + t482;
+        let t484 = 0.083 * t483;
+        let force_rear_right_thigh_z = t484 + force_rear_right_calf_z;
+        let t486 = omega_rear_right_hip_x * omega_rear_right_hip_x;
+        let t487 = omega_rear_right_hip_z * omega_rear_right_hip_z;
+        let t488 = t486 + t487;
+        let t489 = 0.0995 * t488;
+        let force_rear_right_hip_y = t489 + force_rear_right_thigh_z;
+        let t491 = cos_rear_right_hip * force_rear_right_hip_y;
+        let t492 = t491 - t464;
+        let t493 = t440 - t492;
+        let t494 = sin_rear_right_thigh * force_rear_right_thigh_y;
+        let t495 = 0.0995 * t470;
+        let t496 = t495 + t494;
+        let t497 = cos_rear_right_thigh * force_rear_right_thigh_x;
+        let force_rear_right_hip_x = t497 - t496;
+        let t499 = sin_rear_right_hip * force_rear_right_hip_x;
+        let t500 = t499 + t493;
+        let force_base_y = t500 + t431;
+        let x_axis_base_z = 2.0 * t421;
+        let t503 = w[4][2] * x_axis_base_z;
+        let t504 = t309 - t308;
+        let x_axis_base_x = 2.0 * t504;
+        let t506 = w[4][0] * x_axis_base_x;
+        let t507 = t506 + t503;
+        let t508 = y[3] * y[3];
+        let t509 = t508 + t314;
+        let t510 = 2.0 * t509;
+        let x_axis_base_y = 1.0 - t510;
+        let t512 = w[4][1] * x_axis_base_y;
+        let t513 = t512 + t507;
+        let t514 = w[2][2] * x_axis_base_z;
+        let t515 = w[2][0] * x_axis_base_x;
         let t516 = t515 + t514;
-        let t517 = w[3][1] * x_axis_base_y;
-        let t518 = w[2][1] * x_axis_base_y;
+        let t517 = w[3][2] * x_axis_base_z;
+        let t518 = w[3][0] * x_axis_base_x;
         let t519 = t518 + t517;
         let t520 = t519 + t516;
         let t521 = t520 + t513;
-        let t522 = force_base_y + t521;
-        let t523 = cos_front_left_hip * force_front_left_hip_x;
-        let t524 = sin_front_left_hip * force_front_left_hip_y;
-        let t525 = t524 - t523;
-        let t526 = cos_front_right_hip * force_front_right_hip_x;
-        let t527 = sin_front_right_hip * force_front_right_hip_y;
-        let t528 = t527 + t526;
-        let t529 = t528 - t525;
-        let t530 = t492 + t295;
-        let t531 = 2.0 * t530;
-        let y_axis_base_z = 1.0 - t531;
-        let t533 = y_axis_base_z * 9.81;
-        let t534 = v[0] * v[4];
-        let t535 = a[2] - t534;
-        let t536 = v[1] * v[3];
-        let t537 = t536 + t535;
-        let acceleration_base_z = t533 + t537;
-        let t539 = 16.200000000000003 * acceleration_base_z;
-        let t540 = v[3] * v[3];
-        let t541 = t540 + t166;
-        let t542 = 0.16 * t541;
-        let t543 = 0.08000000000000007 * t37;
-        let t544 = t543 + t542;
-        let t545 = t544 - t539;
-        let t546 = t529 - t545;
-        let t547 = cos_rear_left_hip * force_rear_left_hip_x;
-        let t548 = sin_rear_left_hip * force_rear_left_hip_y;
-        let t549 = t548 - t547;
-        let t550 = cos_rear_right_hip * force_rear_right_hip_x;
-        let t551 = sin_rear_right_hip * force_rear_right_hip_y;
-        let t552 = t551 + t550;
-        let t553 = t552 - t549;
-        let force_base_z = t553 + t546;
-        let t555 = t402 - t401;
-        let y_axis_base_y = 2.0 * t555;
-        let t557 = w[3][1] * y_axis_base_y;
-        let t558 = t158 + t157;
-        let y_axis_base_x = 2.0 * t558;
-        let t560 = w[3][0] * y_axis_base_x;
-        let t561 = t560 + t557;
-        let t562 = w[2][1] * y_axis_base_y;
-        let t563 = w[2][0] * y_axis_base_x;
-        let t564 = t563 + t562;
-        let t565 = t564 + t561;
-        let t566 = w[4][2] * y_axis_base_z;
-        let t567 = w[4][1] * y_axis_base_y;
-        let t568 = w[4][0] * y_axis_base_x;
-        let t569 = t568 + t567;
-        let t570 = t569 + t566;
-        let t571 = t570 + t565;
-        let t572 = w[1][1] * y_axis_base_y;
-        let t573 = w[1][0] * y_axis_base_x;
-        let t574 = t573 + t572;
-        let t575 = w[0][1] * y_axis_base_y;
-        let t576 = w[0][0] * y_axis_base_x;
-        let t577 = t576 + t575;
-        let t578 = t577 + t574;
-        let t579 = t578 + t571;
-        let t580 = w[1][2] * y_axis_base_z;
-        let t581 = w[0][2] * y_axis_base_z;
-        let t582 = t581 + t580;
-        let t583 = w[3][2] * y_axis_base_z;
-        let t584 = w[2][2] * y_axis_base_z;
+        let t522 = w[0][2] * x_axis_base_z;
+        let t523 = w[0][0] * x_axis_base_x;
+        let t524 = t523 + t522;
+        let t525 = w[1][2] * x_axis_base_z;
+        let t526 = w[1][0] * x_axis_base_x;
+        let t527 = t526 + t525;
+        let t528 = t527 + t524;
+        let t529 = t528 + t521;
+        let t530 = w[1][1] * x_axis_base_y;
+        let t531 = w[0][1] * x_axis_base_y;
+        let t532 = t531 + t530;
+        let t533 = w[3][1] * x_axis_base_y;
+        let t534 = w[2][1] * x_axis_base_y;
+        let t535 = t534 + t533;
+        let t536 = t535 + t532;
+        let t537 = t536 + t529;
+        let t538 = force_base_y + t537;
+        let t539 = cos_front_left_hip * force_front_left_hip_x;
+        let t540 = sin_front_left_hip * force_front_left_hip_y;
+        let t541 = t539 - t540;
+        let t542 = cos_front_right_hip * force_front_right_hip_x;
+        let t543 = sin_front_right_hip * force_front_right_hip_y;
+        let t544 = t542 + t543;
+        let t545 = t544 + t541;
+        let t546 = t508 + t315;
+        let t547 = 2.0 * t546;
+        let y_axis_base_z = 1.0 - t547;
+        let t549 = y_axis_base_z * 9.81;
+        let t550 = v[0] * v[4];
+        let t551 = a[2] - t550;
+        let t552 = v[1] * v[3];
+        let t553 = t552 + t551;
+        let acceleration_base_z = t549 + t553;
+        let t555 = 16.200000000000003 * acceleration_base_z;
+        let t556 = v[3] * v[3];
+        let t557 = t556 + t176;
+        let t558 = 0.16 * t557;
+        let t559 = 0.08000000000000007 * t54;
+        let t560 = t559 + t558;
+        let t561 = t560 - t555;
+        let t562 = t545 - t561;
+        let t563 = cos_rear_left_hip * force_rear_left_hip_x;
+        let t564 = sin_rear_left_hip * force_rear_left_hip_y;
+        let t565 = t563 - t564;
+        let t566 = cos_rear_right_hip * force_rear_right_hip_x;
+        let t567 = sin_rear_right_hip * force_rear_right_hip_y;
+        let t568 = t566 + t567;
+        let t569 = t568 + t565;
+        let force_base_z = t569 + t562;
+        let t571 = t420 - t419;
+        let y_axis_base_y = 2.0 * t571;
+        let t573 = w[3][1] * y_axis_base_y;
+        let t574 = t168 + t167;
+        let y_axis_base_x = 2.0 * t574;
+        let t576 = w[3][0] * y_axis_base_x;
+        let t577 = t576 + t573;
+        let t578 = w[2][1] * y_axis_base_y;
+        let t579 = w[2][0] * y_axis_base_x;
+        let t580 = t579 + t578;
+        let t581 = t580 + t577;
+        let t582 = w[4][2] * y_axis_base_z;
+        let t583 = w[4][1] * y_axis_base_y;
+        let t584 = w[4][0] * y_axis_base_x;
         let t585 = t584 + t583;
         let t586 = t585 + t582;
-        let t587 = t586 + t579;
-        let t588 = force_base_z - t587;
-        b_u[2] = t588;
-        let t589 = a[3] + t407;
-        let t590 = 0.05 * t589;
-        let t591 = 0.2 * t37;
-        let t592 = t591 - t590;
-        let t593 = t592 - acceleration_base_z;
-        let t594 = sin_front_left_hip * t593;
-        let t595 = t540 + t165;
-        let t596 = 0.05 * t595;
-        let t597 = 0.2 * t40;
-        let t598 = t597 - t596;
-        let t599 = t598 + acceleration_base_y;
-        let t600 = cos_front_left_hip * t599;
-        let acceleration_front_left_hip_y = t600 - t594;
-        let t602 = 0.09 * t356;
-        let acceleration_front_left_thigh_z = t602 - acceleration_front_left_hip_y;
-        let t604 = 0.083 * acceleration_front_left_thigh_z;
-        let t605 = 0.01649 * t351;
-        let t606 = t605 - t604;
-        let t607 = t356 - t91;
-        let t608 = 0.00066 * t607;
-        let t609 = t608 + t606;
-        let t610 = 0.2 * force_front_left_calf_z;
-        let t611 = t610 + t609;
-        let t612 = 0.2 * t351;
-        let acceleration_front_left_calf_z = t612 - acceleration_front_left_thigh_z;
-        let t614 = t59 * acceleration_front_left_calf_z;
-        let t615 = sin_front_left_calf * 0.005569999999999999;
-        let t616 = sin_front_left_calf * t615;
-        let t617 = 0.005585 - t616;
-        let t618 = t617 * t346;
-        let t619 = cos_front_left_calf * t615;
-        let t620 = t619 * t340;
-        let t621 = t620 - t618;
-        let moment_front_left_calf_y = t621 - t614;
-        let moment_front_left_thigh_y = moment_front_left_calf_y - t611;
-        let t624 = 0.09 * force_front_left_thigh_x;
-        let t625 = moment_front_left_thigh_y - t624;
-        let t626 = cos_front_left_thigh * t625;
-        let t627 = cos_front_left_hip * t593;
-        let t628 = sin_front_left_hip * t599;
-        let acceleration_front_left_hip_x = t628 + t627;
-        let t630 = 0.09949999999999999 * acceleration_front_left_hip_x;
-        let t631 = 0.008029999999999999 * t329;
-        let t632 = t631 - t630;
-        let t633 = t328 + t327;
-        let t634 = 0.0004 * t633;
-        let t635 = t634 + t632;
-        let t636 = t626 - t635;
-        let t637 = t69 * acceleration_front_left_calf_z;
-        let t638 = 1.500000000000004e-5 + t616;
-        let t639 = t638 * t340;
-        let t640 = t619 * t346;
-        let t641 = t640 - t639;
-        let moment_front_left_calf_x = t641 + t637;
-        let t643 = omega_front_left_thigh_y * t349;
-        let t644 = t339 + t643;
-        let t645 = 0.0005 * t644;
-        let t646 = 0.00066 * t72;
-        let t647 = t645 + t646;
-        let moment_front_left_thigh_x = moment_front_left_calf_x - t647;
-        let t649 = 0.09 * force_front_left_thigh_y;
-        let t650 = moment_front_left_thigh_x + t649;
-        let t651 = sin_front_left_thigh * t650;
-        let moment_front_left_hip_z = t651 + t636;
-        let t653 = 0.0182 * t408;
-        let t654 = 0.05550000000000001 * t589;
-        let t655 = t654 + t653;
-        let t656 = 0.0016 * t40;
-        let t657 = t656 - t655;
-        let t658 = 0.16 * acceleration_base_y;
-        let t659 = t658 + t657;
-        let t660 = moment_front_left_hip_z + t659;
-        let t661 = t552 + t549;
-        let t662 = t528 + t525;
-        let t663 = t662 + t661;
-        let t664 = 0.05 * t663;
-        let t665 = t664 + t660;
-        let t666 = t591 + t590;
-        let t667 = t666 - acceleration_base_z;
-        let t668 = sin_front_right_hip * t667;
-        let t669 = t597 + t596;
-        let t670 = t669 + acceleration_base_y;
-        let t671 = cos_front_right_hip * t670;
-        let acceleration_front_right_hip_y = t671 - t668;
-        let t673 = 0.09 * t384;
-        let acceleration_front_right_thigh_z = t673 + acceleration_front_right_hip_y;
-        let t675 = 0.083 * acceleration_front_right_thigh_z;
-        let t676 = 0.01649 * t379;
-        let t677 = t676 + t675;
-        let t678 = t384 - t223;
-        let t679 = 0.00066 * t678;
-        let t680 = t679 - t677;
-        let t681 = 0.2 * force_front_right_calf_z;
-        let t682 = t681 - t680;
-        let t683 = 0.2 * t379;
-        let acceleration_front_right_calf_z = t683 + acceleration_front_right_thigh_z;
-        let t685 = t191 * acceleration_front_right_calf_z;
-        let t686 = 0.005569999999999999 * sin_front_right_calf;
-        let t687 = sin_front_right_calf * t686;
-        let t688 = 0.005585 - t687;
-        let t689 = t688 * t374;
-        let t690 = cos_front_right_calf * t686;
-        let t691 = t690 * t368;
-        let t692 = t691 - t689;
-        let moment_front_right_calf_y = t692 - t685;
-        let moment_front_right_thigh_y = moment_front_right_calf_y - t682;
-        let t695 = 0.09 * force_front_right_thigh_x;
-        let t696 = moment_front_right_thigh_y + t695;
-        let t697 = cos_front_right_thigh * t696;
-        let t698 = cos_front_right_hip * t667;
-        let t699 = sin_front_right_hip * t670;
-        let acceleration_front_right_hip_x = t699 + t698;
-        let t701 = 0.09949999999999999 * acceleration_front_right_hip_x;
-        let t702 = 0.008029999999999999 * t365;
-        let t703 = t702 + t701;
-        let t704 = t364 + t363;
-        let t705 = 0.0004 * t704;
-        let t706 = t705 + t703;
-        let t707 = t697 - t706;
-        let t708 = t201 * acceleration_front_right_calf_z;
-        let t709 = 1.500000000000004e-5 + t687;
-        let t710 = t709 * t368;
-        let t711 = t690 * t374;
-        let t712 = t711 - t710;
-        let moment_front_right_calf_x = t712 + t708;
-        let t714 = omega_front_right_thigh_y * t377;
-        let t715 = t367 + t714;
-        let t716 = 0.0005 * t715;
-        let t717 = 0.00066 * t204;
-        let t718 = t716 - t717;
-        let moment_front_right_thigh_x = moment_front_right_calf_x - t718;
-        let t720 = 0.09 * force_front_right_thigh_y;
-        let t721 = moment_front_right_thigh_x - t720;
-        let t722 = sin_front_right_thigh * t721;
-        let moment_front_right_hip_z = t722 + t707;
-        let t724 = t666 + acceleration_base_z;
-        let t725 = sin_rear_left_hip * t724;
-        let t726 = t669 - acceleration_base_y;
-        let t727 = cos_rear_left_hip * t726;
-        let acceleration_rear_left_hip_y = t727 - t725;
-        let t729 = 0.09 * t444;
-        let acceleration_rear_left_thigh_z = t729 + acceleration_rear_left_hip_y;
-        let t731 = 0.083 * acceleration_rear_left_thigh_z;
-        let t732 = 0.01649 * t439;
+        let t587 = t586 + t581;
+        let t588 = w[1][1] * y_axis_base_y;
+        let t589 = w[1][0] * y_axis_base_x;
+        let t590 = t589 + t588;
+        let t591 = w[0][1] * y_axis_base_y;
+        let t592 = w[0][0] * y_axis_base_x;
+        let t593 = t592 + t591;
+        let t594 = t593 + t590;
+        let t595 = t594 + t587;
+        let t596 = w[1][2] * y_axis_base_z;
+        let t597 = w[0][2] * y_axis_base_z;
+        let t598 = t597 + t596;
+        let t599 = w[3][2] * y_axis_base_z;
+        let t600 = w[2][2] * y_axis_base_z;
+        let t601 = t600 + t599;
+        let t602 = t601 + t598;
+        let t603 = t602 + t595;
+        let t604 = force_base_z - t603;
+        b_u[2] = t604;
+        let t605 = a[3] + t425;
+        let t606 = 0.05 * t605;
+        let t607 = 0.2 * t54;
+        let t608 = t607 + t606;
+        let t609 = t608 - acceleration_base_z;
+        let t610 = sin_front_right_hip * t609;
+        let t611 = t556 + t175;
+        let t612 = 0.05 * t611;
+        let t613 = 0.2 * t57;
+        let t614 = t613 + t612;
+        let t615 = t614 + acceleration_base_y;
+        let t616 = cos_front_right_hip * t615;
+        let acceleration_front_right_hip_y = t616 - t610;
+        let t618 = 0.083 * acceleration_front_right_hip_y;
+        let t619 = 0.01649 * t397;
+        let t620 = t619 + t618;
+        let t621 = t402 - t236;
+        let t622 = 0.00681 * t621;
+        let t623 = t622 + t620;
+        let t624 = 0.006 * t393;
+        let t625 = t624 + t623;
+        let t626 = cos_front_right_calf * t386;
+        let t627 = sin_front_right_calf * t391;
+        let t628 = t627 + t626;
+        let t629 = omega_front_right_calf_y * t379;
+        let t630 = t628 + t629;
+        let t631 = 1.500000000000004e-5 * t630;
+        let t632 = 0.0026999999999999997 * t206;
+        let moment_front_right_calf_x = t631 + t632;
+        let t634 = sin_front_right_calf * moment_front_right_calf_x;
+        let t635 = t634 + t625;
+        let t636 = 0.005585 * t393;
+        let t637 = t402 - t216;
+        let t638 = 0.0026999999999999997 * t637;
+        let t639 = t638 + t636;
+        let t640 = 0.2 * t397;
+        let acceleration_front_right_calf_z = t640 + acceleration_front_right_hip_y;
+        let t642 = 0.03 * acceleration_front_right_calf_z;
+        let moment_front_right_calf_y = t642 + t639;
+        let t644 = cos_front_right_calf * moment_front_right_calf_y;
+        let moment_front_right_thigh_y = t644 + t635;
+        let t646 = cos_front_right_thigh * moment_front_right_thigh_y;
+        let t647 = cos_front_right_hip * t609;
+        let t648 = sin_front_right_hip * t615;
+        let acceleration_front_right_hip_x = t648 + t647;
+        let t650 = 0.0995 * acceleration_front_right_hip_x;
+        let t651 = 0.008029999999999999 * t384;
+        let t652 = t651 + t650;
+        let t653 = t383 + t382;
+        let t654 = 0.0004 * t653;
+        let t655 = t654 + t652;
+        let t656 = t646 + t655;
+        let t657 = cos_front_right_calf * moment_front_right_calf_x;
+        let t658 = omega_front_right_thigh_y * t395;
+        let t659 = t386 + t658;
+        let t660 = 0.0005 * t659;
+        let t661 = 0.00681 * t221;
+        let t662 = t660 + t661;
+        let t663 = t657 + t662;
+        let t664 = sin_front_right_calf * moment_front_right_calf_y;
+        let moment_front_right_thigh_x = t664 - t663;
+        let t666 = sin_front_right_thigh * moment_front_right_thigh_x;
+        let moment_front_right_hip_z = t666 - t656;
+        let t668 = t608 + acceleration_base_z;
+        let t669 = sin_rear_left_hip * t668;
+        let t670 = t614 - acceleration_base_y;
+        let t671 = cos_rear_left_hip * t670;
+        let acceleration_rear_left_hip_y = t671 - t669;
+        let t673 = 0.083 * acceleration_rear_left_hip_y;
+        let t674 = 0.01649 * t456;
+        let t675 = t674 - t673;
+        let t676 = t461 - t155;
+        let t677 = 0.00681 * t676;
+        let t678 = t677 - t675;
+        let t679 = 0.006 * t452;
+        let t680 = t679 - t678;
+        let t681 = cos_rear_left_calf * t445;
+        let t682 = sin_rear_left_calf * t450;
+        let t683 = t682 + t681;
+        let t684 = omega_rear_left_calf_y * t441;
+        let t685 = t683 + t684;
+        let t686 = 1.500000000000004e-5 * t685;
+        let t687 = 0.0026999999999999997 * t125;
+        let moment_rear_left_calf_x = t686 - t687;
+        let t689 = sin_rear_left_calf * moment_rear_left_calf_x;
+        let t690 = t689 + t680;
+        let t691 = 0.005585 * t452;
+        let t692 = t461 - t135;
+        let t693 = 0.0026999999999999997 * t692;
+        let t694 = t693 - t691;
+        let t695 = 0.2 * t456;
+        let acceleration_rear_left_calf_z = t695 - acceleration_rear_left_hip_y;
+        let t697 = 0.03 * acceleration_rear_left_calf_z;
+        let moment_rear_left_calf_y = t697 - t694;
+        let t699 = cos_rear_left_calf * moment_rear_left_calf_y;
+        let moment_rear_left_thigh_y = t699 + t690;
+        let t701 = cos_rear_left_thigh * moment_rear_left_thigh_y;
+        let t702 = cos_rear_left_hip * t668;
+        let t703 = sin_rear_left_hip * t670;
+        let acceleration_rear_left_hip_x = t703 + t702;
+        let t705 = 0.0995 * acceleration_rear_left_hip_x;
+        let t706 = 0.008029999999999999 * t435;
+        let t707 = t706 + t705;
+        let t708 = t434 + t433;
+        let t709 = 0.0004 * t708;
+        let t710 = t709 + t707;
+        let t711 = t701 + t710;
+        let t712 = cos_rear_left_calf * moment_rear_left_calf_x;
+        let t713 = omega_rear_left_thigh_y * t454;
+        let t714 = t445 + t713;
+        let t715 = 0.0005 * t714;
+        let t716 = 0.00681 * t140;
+        let t717 = t715 - t716;
+        let t718 = t712 + t717;
+        let t719 = sin_rear_left_calf * moment_rear_left_calf_y;
+        let moment_rear_left_thigh_x = t719 - t718;
+        let t721 = sin_rear_left_thigh * moment_rear_left_thigh_x;
+        let moment_rear_left_hip_z = t721 - t711;
+        let t723 = moment_rear_left_hip_z + moment_front_right_hip_z;
+        let t724 = t607 - t606;
+        let t725 = t724 + acceleration_base_z;
+        let t726 = sin_rear_right_hip * t725;
+        let t727 = t613 - t612;
+        let t728 = t727 - acceleration_base_y;
+        let t729 = cos_rear_right_hip * t728;
+        let acceleration_rear_right_hip_y = t729 - t726;
+        let t731 = 0.083 * acceleration_rear_right_hip_y;
+        let t732 = 0.01649 * t483;
         let t733 = t732 - t731;
-        let t734 = t444 - t147;
-        let t735 = 0.00066 * t734;
+        let t734 = t488 - t297;
+        let t735 = 0.00681 * t734;
         let t736 = t735 + t733;
-        let t737 = 0.2 * force_rear_left_calf_z;
+        let t737 = 0.006 * t479;
         let t738 = t737 + t736;
-        let t739 = 0.2 * t439;
-        let acceleration_rear_left_calf_z = t739 - acceleration_rear_left_thigh_z;
-        let t741 = t115 * acceleration_rear_left_calf_z;
-        let t742 = 0.005569999999999999 * sin_rear_left_calf;
-        let t743 = sin_rear_left_calf * t742;
-        let t744 = 0.005585 - t743;
-        let t745 = t744 * t434;
-        let t746 = cos_rear_left_calf * t742;
-        let t747 = t746 * t428;
-        let t748 = t747 - t745;
-        let moment_rear_left_calf_y = t748 - t741;
-        let moment_rear_left_thigh_y = moment_rear_left_calf_y - t738;
-        let t751 = 0.09 * force_rear_left_thigh_x;
-        let t752 = moment_rear_left_thigh_y - t751;
-        let t753 = cos_rear_left_thigh * t752;
-        let t754 = cos_rear_left_hip * t724;
-        let t755 = sin_rear_left_hip * t726;
-        let acceleration_rear_left_hip_x = t755 + t754;
-        let t757 = 0.09949999999999999 * acceleration_rear_left_hip_x;
-        let t758 = 0.008029999999999999 * t417;
-        let t759 = t758 + t757;
-        let t760 = t416 + t415;
-        let t761 = 0.0004 * t760;
-        let t762 = t761 + t759;
-        let t763 = t753 - t762;
-        let t764 = t125 * acceleration_rear_left_calf_z;
-        let t765 = 1.500000000000004e-5 + t743;
-        let t766 = t765 * t428;
-        let t767 = t746 * t434;
-        let t768 = t767 - t766;
-        let moment_rear_left_calf_x = t768 + t764;
-        let t770 = omega_rear_left_thigh_y * t437;
-        let t771 = t427 + t770;
-        let t772 = 0.0005 * t771;
-        let t773 = 0.00066 * t128;
-        let t774 = t772 + t773;
-        let moment_rear_left_thigh_x = moment_rear_left_calf_x - t774;
-        let t776 = 0.09 * force_rear_left_thigh_y;
-        let t777 = moment_rear_left_thigh_x + t776;
-        let t778 = sin_rear_left_thigh * t777;
-        let moment_rear_left_hip_z = t778 + t763;
-        let t780 = moment_rear_left_hip_z + moment_front_right_hip_z;
-        let t781 = t592 + acceleration_base_z;
-        let t782 = sin_rear_right_hip * t781;
-        let t783 = t598 - acceleration_base_y;
-        let t784 = cos_rear_right_hip * t783;
-        let acceleration_rear_right_hip_y = t784 - t782;
-        let t786 = 0.09 * t472;
-        let acceleration_rear_right_thigh_z = t786 - acceleration_rear_right_hip_y;
-        let t788 = 0.083 * acceleration_rear_right_thigh_z;
-        let t789 = 0.01649 * t467;
-        let t790 = t789 + t788;
-        let t791 = t472 - t279;
-        let t792 = 0.00066 * t791;
-        let t793 = t792 - t790;
-        let t794 = 0.2 * force_rear_right_calf_z;
-        let t795 = t794 - t793;
-        let t796 = 0.2 * t467;
-        let acceleration_rear_right_calf_z = t796 + acceleration_rear_right_thigh_z;
-        let t798 = t247 * acceleration_rear_right_calf_z;
-        let t799 = 0.005569999999999999 * sin_rear_right_calf;
-        let t800 = sin_rear_right_calf * t799;
-        let t801 = 0.005585 - t800;
-        let t802 = t801 * t462;
-        let t803 = cos_rear_right_calf * t799;
-        let t804 = t803 * t456;
-        let t805 = t804 - t802;
-        let moment_rear_right_calf_y = t805 - t798;
-        let moment_rear_right_thigh_y = moment_rear_right_calf_y - t795;
-        let t808 = 0.09 * force_rear_right_thigh_x;
-        let t809 = moment_rear_right_thigh_y + t808;
-        let t810 = cos_rear_right_thigh * t809;
-        let t811 = cos_rear_right_hip * t781;
-        let t812 = sin_rear_right_hip * t783;
-        let acceleration_rear_right_hip_x = t812 + t811;
-        let t814 = 0.09949999999999999 * acceleration_rear_right_hip_x;
-        let t815 = 0.008029999999999999 * t453;
-        let t816 = t815 - t814;
-        let t817 = t452 + t451;
-        let t818 = 0.0004 * t817;
-        let t819 = t818 + t816;
-        let t820 = t810 - t819;
-        let t821 = t257 * acceleration_rear_right_calf_z;
-        let t822 = 1.500000000000004e-5 + t800;
-        let t823 = t822 * t456;
-        let t824 = t803 * t462;
-        let t825 = t824 - t823;
-        let moment_rear_right_calf_x = t825 + t821;
-        let t827 = omega_rear_right_thigh_y * t465;
-        let t828 = t455 + t827;
+        let t739 = cos_rear_right_calf * t472;
+        let t740 = sin_rear_right_calf * t477;
+        let t741 = t740 + t739;
+        let t742 = omega_rear_right_calf_y * t465;
+        let t743 = t741 + t742;
+        let t744 = 1.500000000000004e-5 * t743;
+        let t745 = 0.0026999999999999997 * t267;
+        let moment_rear_right_calf_x = t744 + t745;
+        let t747 = sin_rear_right_calf * moment_rear_right_calf_x;
+        let t748 = t747 + t738;
+        let t749 = 0.005585 * t479;
+        let t750 = t488 - t277;
+        let t751 = 0.0026999999999999997 * t750;
+        let t752 = t751 + t749;
+        let t753 = 0.2 * t483;
+        let acceleration_rear_right_calf_z = t753 - acceleration_rear_right_hip_y;
+        let t755 = 0.03 * acceleration_rear_right_calf_z;
+        let moment_rear_right_calf_y = t755 + t752;
+        let t757 = cos_rear_right_calf * moment_rear_right_calf_y;
+        let moment_rear_right_thigh_y = t757 + t748;
+        let t759 = cos_rear_right_thigh * moment_rear_right_thigh_y;
+        let t760 = cos_rear_right_hip * t725;
+        let t761 = sin_rear_right_hip * t728;
+        let acceleration_rear_right_hip_x = t761 + t760;
+        let t763 = 0.0995 * acceleration_rear_right_hip_x;
+        let t764 = 0.008029999999999999 * t470;
+        let t765 = t764 - t763;
+        let t766 = t469 + t468;
+        let t767 = 0.0004 * t766;
+        let t768 = t767 + t765;
+        let t769 = t759 + t768;
+        let t770 = cos_rear_right_calf * moment_rear_right_calf_x;
+        let t771 = omega_rear_right_thigh_y * t481;
+        let t772 = t472 + t771;
+        let t773 = 0.0005 * t772;
+        let t774 = 0.00681 * t282;
+        let t775 = t773 + t774;
+        let t776 = t770 + t775;
+        let t777 = sin_rear_right_calf * moment_rear_right_calf_y;
+        let moment_rear_right_thigh_x = t777 - t776;
+        let t779 = sin_rear_right_thigh * moment_rear_right_thigh_x;
+        let moment_rear_right_hip_z = t779 - t769;
+        let t781 = moment_rear_right_hip_z + t723;
+        let t782 = t724 - acceleration_base_z;
+        let t783 = sin_front_left_hip * t782;
+        let t784 = t727 + acceleration_base_y;
+        let t785 = cos_front_left_hip * t784;
+        let acceleration_front_left_hip_y = t785 - t783;
+        let t787 = 0.083 * acceleration_front_left_hip_y;
+        let t788 = 0.01649 * t370;
+        let t789 = t788 + t787;
+        let t790 = t375 - t94;
+        let t791 = 0.00681 * t790;
+        let t792 = t791 - t789;
+        let t793 = 0.006 * t366;
+        let t794 = t793 - t792;
+        let t795 = cos_front_left_calf * t359;
+        let t796 = sin_front_left_calf * t364;
+        let t797 = t796 + t795;
+        let t798 = omega_front_left_calf_y * t355;
+        let t799 = t797 + t798;
+        let t800 = 1.500000000000004e-5 * t799;
+        let t801 = 0.0026999999999999997 * t64;
+        let moment_front_left_calf_x = t800 - t801;
+        let t803 = sin_front_left_calf * moment_front_left_calf_x;
+        let t804 = t803 + t794;
+        let t805 = 0.005585 * t366;
+        let t806 = t375 - t74;
+        let t807 = 0.0026999999999999997 * t806;
+        let t808 = t807 - t805;
+        let t809 = 0.2 * t370;
+        let acceleration_front_left_calf_z = t809 + acceleration_front_left_hip_y;
+        let t811 = 0.03 * acceleration_front_left_calf_z;
+        let moment_front_left_calf_y = t811 - t808;
+        let t813 = cos_front_left_calf * moment_front_left_calf_y;
+        let moment_front_left_thigh_y = t813 + t804;
+        let t815 = cos_front_left_thigh * moment_front_left_thigh_y;
+        let t816 = cos_front_left_hip * t782;
+        let t817 = sin_front_left_hip * t784;
+        let acceleration_front_left_hip_x = t817 + t816;
+        let t819 = 0.0995 * acceleration_front_left_hip_x;
+        let t820 = 0.008029999999999999 * t349;
+        let t821 = t820 - t819;
+        let t822 = t348 + t347;
+        let t823 = 0.0004 * t822;
+        let t824 = t823 + t821;
+        let t825 = t815 + t824;
+        let t826 = cos_front_left_calf * moment_front_left_calf_x;
+        let t827 = omega_front_left_thigh_y * t368;
+        let t828 = t359 + t827;
         let t829 = 0.0005 * t828;
-        let t830 = 0.00066 * t260;
+        let t830 = 0.00681 * t79;
         let t831 = t829 - t830;
-        let moment_rear_right_thigh_x = moment_rear_right_calf_x - t831;
-        let t833 = 0.09 * force_rear_right_thigh_y;
-        let t834 = moment_rear_right_thigh_x - t833;
-        let t835 = sin_rear_right_thigh * t834;
-        let moment_rear_right_hip_z = t835 + t820;
-        let t837 = moment_rear_right_hip_z + t780;
-        let moment_base_x = t837 + t665;
+        let t832 = t826 + t831;
+        let t833 = sin_front_left_calf * moment_front_left_calf_y;
+        let moment_front_left_thigh_x = t833 - t832;
+        let t835 = sin_front_left_thigh * moment_front_left_thigh_x;
+        let moment_front_left_hip_z = t835 - t825;
+        let t837 = 0.0182 * t426;
+        let t838 = 0.05550000000000001 * t605;
+        let t839 = t838 + t837;
+        let t840 = 0.0016 * t57;
+        let t841 = t840 - t839;
+        let t842 = 0.16 * acceleration_base_y;
+        let t843 = t842 + t841;
+        let t844 = moment_front_left_hip_z + t843;
+        let t845 = t844 + t781;
+        let t846 = t568 - t565;
+        let t847 = t544 - t541;
+        let t848 = t847 + t846;
+        let t849 = 0.05 * t848;
+        let moment_base_x = t849 + t845;
         [
             sin_front_left_hip,
             cos_front_left_hip,
             sin_front_left_thigh,
             cos_front_left_thigh,
+            sin_front_left_calf,
+            cos_front_left_calf,
             sin_front_right_hip,
             cos_front_right_hip,
             sin_front_right_thigh,
             cos_front_right_thigh,
+            sin_front_right_calf,
+            cos_front_right_calf,
             sin_rear_left_hip,
             cos_rear_left_hip,
             sin_rear_left_thigh,
             cos_rear_left_thigh,
+            sin_rear_left_calf,
+            cos_rear_left_calf,
             sin_rear_right_hip,
             cos_rear_right_hip,
             sin_rear_right_thigh,
             cos_rear_right_thigh,
+            sin_rear_right_calf,
+            cos_rear_right_calf,
             sin_front_right_thigh_front_right_calf,
             cos_front_right_thigh_front_right_calf,
             sin_rear_left_thigh_rear_left_calf,
@@ -1372,1069 +1394,982 @@ pub fn inverse_dynamics_with_wrenches_into(
             cos_front_left_thigh_front_left_calf,
             sin_rear_right_thigh_rear_right_calf,
             cos_rear_right_thigh_rear_right_calf,
-            t37,
-            t39,
-            t40,
-            t42,
             omega_front_left_hip_x,
-            t49,
+            t52,
+            t54,
+            t56,
             t57,
-            t58,
             t59,
-            t68,
-            t69,
-            force_front_left_calf_y,
-            t72,
-            t76,
-            t81,
-            t84,
-            t87,
-            t91,
-            t98,
+            t62,
+            t63,
+            t64,
+            t77,
+            t78,
+            t79,
+            t83,
+            t88,
+            t94,
             omega_rear_left_hip_x,
-            t105,
-            t113,
-            t114,
-            t115,
+            t117,
+            t120,
+            t123,
             t124,
             t125,
-            force_rear_left_calf_y,
-            t128,
-            t132,
-            t137,
+            t138,
+            t139,
             t140,
-            t143,
-            t147,
-            t152,
-            t159,
+            t144,
+            t149,
+            t155,
+            t162,
+            t169,
             acceleration_base_x,
-            t163,
-            t167,
-            t174,
+            t173,
+            t177,
             omega_front_right_hip_x,
-            t181,
-            t189,
-            t190,
-            t191,
-            t200,
+            t198,
             t201,
-            force_front_right_calf_y,
             t204,
-            t208,
-            t213,
-            t216,
+            t205,
+            t206,
             t219,
-            t223,
+            t220,
+            t221,
+            t225,
             t230,
+            t236,
             omega_rear_right_hip_x,
-            t237,
-            t245,
-            t246,
-            t247,
-            t256,
-            t257,
-            force_rear_right_calf_y,
-            t260,
-            t264,
-            t269,
-            t272,
-            t275,
-            t279,
-            t284,
+            t259,
+            t262,
+            t265,
+            t266,
+            t267,
+            t280,
+            t281,
+            t282,
+            t286,
+            t291,
+            t297,
+            t304,
             z_axis_base_z,
-            t290,
+            t310,
             z_axis_base_y,
             z_axis_base_x,
-            t339,
-            t345,
-            t367,
-            t373,
-            t396,
-            t403,
+            t359,
+            t386,
+            t414,
+            t421,
             acceleration_base_y,
-            t408,
-            t427,
-            t433,
-            t455,
-            t461,
-            t484,
+            t426,
+            t445,
+            t472,
+            t500,
             x_axis_base_z,
-            t488,
+            t504,
             x_axis_base_x,
             x_axis_base_y,
-            t522,
-            t529,
+            t538,
+            t545,
             y_axis_base_z,
             acceleration_base_z,
-            t541,
-            t553,
+            t557,
+            t569,
             y_axis_base_y,
             y_axis_base_x,
-            t617,
-            t619,
-            t625,
-            acceleration_front_left_hip_x,
-            t638,
-            t650,
-            moment_front_left_hip_z,
-            t688,
-            t690,
-            t696,
+            t628,
+            moment_front_right_thigh_y,
             acceleration_front_right_hip_x,
-            t709,
-            t721,
+            moment_front_right_thigh_x,
             moment_front_right_hip_z,
-            t744,
-            t746,
-            t752,
+            t683,
+            moment_rear_left_thigh_y,
             acceleration_rear_left_hip_x,
-            t765,
-            t777,
+            moment_rear_left_thigh_x,
             moment_rear_left_hip_z,
-            t801,
-            t803,
-            t809,
+            t741,
+            moment_rear_right_thigh_y,
             acceleration_rear_right_hip_x,
-            t822,
-            t834,
+            moment_rear_right_thigh_x,
             moment_rear_right_hip_z,
+            t797,
+            moment_front_left_thigh_y,
+            acceleration_front_left_hip_x,
+            moment_front_left_thigh_x,
+            moment_front_left_hip_z,
             moment_base_x,
         ]
     };
-    let t839 = y_axis_base_z * cos_front_right_hip;
-    let t840 = x_axis_base_z * sin_front_right_hip;
-    let x_axis_front_right_hip_z = t840 - t839;
-    let t842 = cos_front_right_thigh * x_axis_front_right_hip_z;
-    let t843 = z_axis_base_z * sin_front_right_thigh;
-    let x_axis_front_right_thigh_z = t842 - t843;
-    let t845 = 0.2 * x_axis_front_right_thigh_z;
-    let t846 = y_axis_base_z * sin_front_right_hip;
-    let t847 = x_axis_base_z * cos_front_right_hip;
-    let y_axis_front_right_hip_z = t846 + t847;
-    let t849 = 0.09 * y_axis_front_right_hip_z;
-    let t850 = t403 * 0.1;
-    let t851 = y[2] - t850;
-    let t852 = t159 * 0.4;
-    let origin_front_right_hip_z = t852 + t851;
-    let origin_front_right_thigh_z = origin_front_right_hip_z - t849;
-    let origin_front_right_calf_z = origin_front_right_thigh_z + t845;
-    let t856 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_z;
-    let t857 = z_axis_base_z * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_z = t856 - t857;
-    let t859 = 0.2 * x_axis_front_right_calf_z;
-    let t860 = origin_front_right_calf_z + t859;
-    let t861 = w[1][1] * t860;
-    let t862 = w[1][3] - t861;
-    let t863 = x_axis_base_y * sin_front_right_hip;
-    let t864 = y_axis_base_y * cos_front_right_hip;
-    let x_axis_front_right_hip_y = t863 - t864;
-    let t866 = cos_front_right_thigh * x_axis_front_right_hip_y;
-    let t867 = z_axis_base_y * sin_front_right_thigh;
-    let x_axis_front_right_thigh_y = t866 - t867;
-    let t869 = 0.2 * x_axis_front_right_thigh_y;
-    let t870 = x_axis_base_y * cos_front_right_hip;
-    let t871 = y_axis_base_y * sin_front_right_hip;
-    let y_axis_front_right_hip_y = t871 + t870;
-    let t873 = 0.09 * y_axis_front_right_hip_y;
-    let t874 = 0.05 * x_axis_base_y;
-    let t875 = y[1] - t874;
-    let t876 = t290 * 0.4;
-    let origin_front_right_hip_y = t876 + t875;
-    let origin_front_right_thigh_y = origin_front_right_hip_y - t873;
-    let origin_front_right_calf_y = origin_front_right_thigh_y + t869;
-    let t880 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_y;
-    let t881 = z_axis_base_y * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_y = t880 - t881;
-    let t883 = 0.2 * x_axis_front_right_calf_y;
-    let t884 = origin_front_right_calf_y + t883;
-    let t885 = w[1][2] * t884;
-    let t886 = t885 + t862;
-    let t887 = y[2] * w[1][1];
-    let t888 = y[1] * w[1][2];
-    let t889 = t888 - t887;
-    let t890 = t889 - t886;
-    let t891 = z_axis_base_x * t890;
-    let t892 = y_axis_base_x * cos_front_right_hip;
-    let t893 = x_axis_base_x * sin_front_right_hip;
-    let x_axis_front_right_hip_x = t893 - t892;
-    let t895 = cos_front_right_thigh * x_axis_front_right_hip_x;
-    let t896 = z_axis_base_x * sin_front_right_thigh;
-    let x_axis_front_right_thigh_x = t895 - t896;
-    let t898 = 0.2 * x_axis_front_right_thigh_x;
-    let t899 = x_axis_base_x * cos_front_right_hip;
-    let t900 = y_axis_base_x * sin_front_right_hip;
-    let y_axis_front_right_hip_x = t900 + t899;
-    let t902 = 0.09 * y_axis_front_right_hip_x;
-    let t903 = 0.2 * z_axis_base_x;
-    let t904 = t488 * 0.1;
-    let t905 = y[0] - t904;
-    let origin_front_right_hip_x = t903 + t905;
-    let origin_front_right_thigh_x = origin_front_right_hip_x - t902;
-    let origin_front_right_calf_x = origin_front_right_thigh_x + t898;
-    let t909 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_x;
-    let t910 = z_axis_base_x * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_x = t909 - t910;
-    let t912 = 0.2 * x_axis_front_right_calf_x;
-    let t913 = origin_front_right_calf_x + t912;
-    let t914 = w[1][2] * t913;
-    let t915 = w[1][4] - t914;
-    let t916 = w[1][0] * t860;
-    let t917 = t916 + t915;
-    let t918 = y[0] * w[1][2];
-    let t919 = y[2] * w[1][0];
-    let t920 = t919 - t918;
-    let t921 = t920 - t917;
-    let t922 = z_axis_base_y * t921;
-    let t923 = t891 + t922;
-    let t924 = y_axis_base_z * cos_rear_left_hip;
-    let t925 = x_axis_base_z * sin_rear_left_hip;
-    let x_axis_rear_left_hip_z = t925 - t924;
-    let t927 = cos_rear_left_thigh * x_axis_rear_left_hip_z;
-    let t928 = z_axis_base_z * sin_rear_left_thigh;
-    let x_axis_rear_left_thigh_z = t927 - t928;
-    let t930 = 0.2 * x_axis_rear_left_thigh_z;
-    let t931 = y_axis_base_z * sin_rear_left_hip;
-    let t932 = x_axis_base_z * cos_rear_left_hip;
-    let y_axis_rear_left_hip_z = t931 + t932;
-    let t934 = 0.09 * y_axis_rear_left_hip_z;
-    let t935 = y[2] + t850;
-    let origin_rear_left_hip_z = t935 - t852;
-    let origin_rear_left_thigh_z = origin_rear_left_hip_z + t934;
-    let origin_rear_left_calf_z = origin_rear_left_thigh_z + t930;
+    let t851 = y_axis_base_z * cos_front_right_hip;
+    let t852 = x_axis_base_z * sin_front_right_hip;
+    let x_axis_front_right_hip_z = t852 - t851;
+    let t854 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_z;
+    let t855 = z_axis_base_z * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_z = t854 - t855;
+    let t857 = 0.2 * x_axis_front_right_calf_z;
+    let t858 = y_axis_base_z * sin_front_right_hip;
+    let t859 = x_axis_base_z * cos_front_right_hip;
+    let y_axis_front_right_hip_z = t858 + t859;
+    let t861 = 0.09 * y_axis_front_right_hip_z;
+    let t862 = t857 - t861;
+    let t863 = cos_front_right_thigh * x_axis_front_right_hip_z;
+    let t864 = z_axis_base_z * sin_front_right_thigh;
+    let x_axis_front_right_thigh_z = t863 - t864;
+    let t866 = 0.2 * x_axis_front_right_thigh_z;
+    let t867 = t421 * 0.1;
+    let t868 = y[2] - t867;
+    let t869 = t169 * 0.4;
+    let origin_front_right_hip_z = t869 + t868;
+    let origin_front_right_calf_z = origin_front_right_hip_z + t866;
+    let t872 = origin_front_right_calf_z + t862;
+    let t873 = w[1][1] * t872;
+    let t874 = w[1][3] - t873;
+    let t875 = x_axis_base_y * sin_front_right_hip;
+    let t876 = y_axis_base_y * cos_front_right_hip;
+    let x_axis_front_right_hip_y = t875 - t876;
+    let t878 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_y;
+    let t879 = z_axis_base_y * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_y = t878 - t879;
+    let t881 = 0.2 * x_axis_front_right_calf_y;
+    let t882 = x_axis_base_y * cos_front_right_hip;
+    let t883 = y_axis_base_y * sin_front_right_hip;
+    let y_axis_front_right_hip_y = t883 + t882;
+    let t885 = 0.09 * y_axis_front_right_hip_y;
+    let t886 = t881 - t885;
+    let t887 = cos_front_right_thigh * x_axis_front_right_hip_y;
+    let t888 = z_axis_base_y * sin_front_right_thigh;
+    let x_axis_front_right_thigh_y = t887 - t888;
+    let t890 = 0.2 * x_axis_front_right_thigh_y;
+    let t891 = 0.05 * x_axis_base_y;
+    let t892 = y[1] - t891;
+    let t893 = t310 * 0.4;
+    let origin_front_right_hip_y = t893 + t892;
+    let origin_front_right_calf_y = origin_front_right_hip_y + t890;
+    let t896 = origin_front_right_calf_y + t886;
+    let t897 = w[1][2] * t896;
+    let t898 = t897 + t874;
+    let t899 = y[2] * w[1][1];
+    let t900 = y[1] * w[1][2];
+    let t901 = t900 - t899;
+    let t902 = t901 - t898;
+    let t903 = z_axis_base_x * t902;
+    let t904 = y_axis_base_x * cos_front_right_hip;
+    let t905 = x_axis_base_x * sin_front_right_hip;
+    let x_axis_front_right_hip_x = t905 - t904;
+    let t907 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_x;
+    let t908 = z_axis_base_x * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_x = t907 - t908;
+    let t910 = 0.2 * x_axis_front_right_calf_x;
+    let t911 = x_axis_base_x * cos_front_right_hip;
+    let t912 = y_axis_base_x * sin_front_right_hip;
+    let y_axis_front_right_hip_x = t912 + t911;
+    let t914 = 0.09 * y_axis_front_right_hip_x;
+    let t915 = t910 - t914;
+    let t916 = cos_front_right_thigh * x_axis_front_right_hip_x;
+    let t917 = z_axis_base_x * sin_front_right_thigh;
+    let x_axis_front_right_thigh_x = t916 - t917;
+    let t919 = 0.2 * x_axis_front_right_thigh_x;
+    let t920 = 0.2 * z_axis_base_x;
+    let t921 = t504 * 0.1;
+    let t922 = y[0] - t921;
+    let origin_front_right_hip_x = t920 + t922;
+    let origin_front_right_calf_x = origin_front_right_hip_x + t919;
+    let t925 = origin_front_right_calf_x + t915;
+    let t926 = w[1][2] * t925;
+    let t927 = w[1][4] - t926;
+    let t928 = w[1][0] * t872;
+    let t929 = t928 + t927;
+    let t930 = y[0] * w[1][2];
+    let t931 = y[2] * w[1][0];
+    let t932 = t931 - t930;
+    let t933 = t932 - t929;
+    let t934 = z_axis_base_y * t933;
+    let t935 = t903 + t934;
+    let t936 = y_axis_base_z * cos_rear_left_hip;
+    let t937 = x_axis_base_z * sin_rear_left_hip;
+    let x_axis_rear_left_hip_z = t937 - t936;
     let t939 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_z;
     let t940 = z_axis_base_z * sin_rear_left_thigh_rear_left_calf;
     let x_axis_rear_left_calf_z = t939 - t940;
     let t942 = 0.2 * x_axis_rear_left_calf_z;
-    let t943 = origin_rear_left_calf_z + t942;
-    let t944 = w[2][1] * t943;
-    let t945 = w[2][3] - t944;
-    let t946 = x_axis_base_y * sin_rear_left_hip;
-    let t947 = y_axis_base_y * cos_rear_left_hip;
-    let x_axis_rear_left_hip_y = t946 - t947;
-    let t949 = cos_rear_left_thigh * x_axis_rear_left_hip_y;
-    let t950 = z_axis_base_y * sin_rear_left_thigh;
-    let x_axis_rear_left_thigh_y = t949 - t950;
-    let t952 = 0.2 * x_axis_rear_left_thigh_y;
-    let t953 = x_axis_base_y * cos_rear_left_hip;
-    let t954 = y_axis_base_y * sin_rear_left_hip;
-    let y_axis_rear_left_hip_y = t954 + t953;
-    let t956 = 0.09 * y_axis_rear_left_hip_y;
-    let t957 = y[1] + t874;
-    let origin_rear_left_hip_y = t957 - t876;
-    let origin_rear_left_thigh_y = origin_rear_left_hip_y + t956;
-    let origin_rear_left_calf_y = origin_rear_left_thigh_y + t952;
+    let t943 = y_axis_base_z * sin_rear_left_hip;
+    let t944 = x_axis_base_z * cos_rear_left_hip;
+    let y_axis_rear_left_hip_z = t943 + t944;
+    let t946 = 0.09 * y_axis_rear_left_hip_z;
+    let t947 = t942 + t946;
+    let t948 = cos_rear_left_thigh * x_axis_rear_left_hip_z;
+    let t949 = z_axis_base_z * sin_rear_left_thigh;
+    let x_axis_rear_left_thigh_z = t948 - t949;
+    let t951 = 0.2 * x_axis_rear_left_thigh_z;
+    let t952 = y[2] + t867;
+    let origin_rear_left_hip_z = t952 - t869;
+    let origin_rear_left_calf_z = origin_rear_left_hip_z + t951;
+    let t955 = origin_rear_left_calf_z + t947;
+    let t956 = w[2][1] * t955;
+    let t957 = w[2][3] - t956;
+    let t958 = x_axis_base_y * sin_rear_left_hip;
+    let t959 = y_axis_base_y * cos_rear_left_hip;
+    let x_axis_rear_left_hip_y = t958 - t959;
     let t961 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_y;
     let t962 = z_axis_base_y * sin_rear_left_thigh_rear_left_calf;
     let x_axis_rear_left_calf_y = t961 - t962;
     let t964 = 0.2 * x_axis_rear_left_calf_y;
-    let t965 = origin_rear_left_calf_y + t964;
-    let t966 = w[2][2] * t965;
-    let t967 = t966 + t945;
-    let t968 = y[2] * w[2][1];
-    let t969 = y[1] * w[2][2];
-    let t970 = t969 - t968;
-    let t971 = t970 - t967;
-    let t972 = z_axis_base_x * t971;
-    let t973 = w[1][0] * t884;
-    let t974 = w[1][5] - t973;
-    let t975 = w[1][1] * t913;
-    let t976 = t975 + t974;
-    let t977 = y[1] * w[1][0];
-    let t978 = y[0] * w[1][1];
-    let t979 = t978 - t977;
-    let t980 = t979 - t976;
-    let t981 = z_axis_base_z * t980;
-    let t982 = t981 + t972;
-    let t983 = t982 + t923;
-    let t984 = x_axis_base_y * sin_front_left_hip;
-    let t985 = y_axis_base_y * cos_front_left_hip;
-    let x_axis_front_left_hip_y = t984 - t985;
-    let t987 = cos_front_left_thigh * x_axis_front_left_hip_y;
-    let t988 = z_axis_base_y * sin_front_left_thigh;
-    let x_axis_front_left_thigh_y = t987 - t988;
-    let t990 = 0.2 * x_axis_front_left_thigh_y;
-    let t991 = x_axis_base_y * cos_front_left_hip;
-    let t992 = y_axis_base_y * sin_front_left_hip;
-    let y_axis_front_left_hip_y = t992 + t991;
-    let t994 = 0.09 * y_axis_front_left_hip_y;
-    let origin_front_left_hip_y = t957 + t876;
-    let origin_front_left_thigh_y = origin_front_left_hip_y + t994;
-    let origin_front_left_calf_y = origin_front_left_thigh_y + t990;
-    let t998 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_y;
-    let t999 = z_axis_base_y * sin_front_left_thigh_front_left_calf;
-    let x_axis_front_left_calf_y = t998 - t999;
-    let t1001 = 0.2 * x_axis_front_left_calf_y;
-    let t1002 = origin_front_left_calf_y + t1001;
-    let t1003 = w[0][0] * t1002;
-    let t1004 = w[0][5] - t1003;
-    let t1005 = y_axis_base_x * cos_front_left_hip;
-    let t1006 = x_axis_base_x * sin_front_left_hip;
-    let x_axis_front_left_hip_x = t1006 - t1005;
-    let t1008 = cos_front_left_thigh * x_axis_front_left_hip_x;
-    let t1009 = z_axis_base_x * sin_front_left_thigh;
-    let x_axis_front_left_thigh_x = t1008 - t1009;
-    let t1011 = 0.2 * x_axis_front_left_thigh_x;
-    let t1012 = x_axis_base_x * cos_front_left_hip;
-    let t1013 = y_axis_base_x * sin_front_left_hip;
-    let y_axis_front_left_hip_x = t1013 + t1012;
-    let t1015 = 0.09 * y_axis_front_left_hip_x;
-    let t1016 = y[0] + t904;
-    let origin_front_left_hip_x = t1016 + t903;
-    let origin_front_left_thigh_x = origin_front_left_hip_x + t1015;
-    let origin_front_left_calf_x = origin_front_left_thigh_x + t1011;
+    let t965 = x_axis_base_y * cos_rear_left_hip;
+    let t966 = y_axis_base_y * sin_rear_left_hip;
+    let y_axis_rear_left_hip_y = t966 + t965;
+    let t968 = 0.09 * y_axis_rear_left_hip_y;
+    let t969 = t964 + t968;
+    let t970 = cos_rear_left_thigh * x_axis_rear_left_hip_y;
+    let t971 = z_axis_base_y * sin_rear_left_thigh;
+    let x_axis_rear_left_thigh_y = t970 - t971;
+    let t973 = 0.2 * x_axis_rear_left_thigh_y;
+    let t974 = y[1] + t891;
+    let origin_rear_left_hip_y = t974 - t893;
+    let origin_rear_left_calf_y = origin_rear_left_hip_y + t973;
+    let t977 = origin_rear_left_calf_y + t969;
+    let t978 = w[2][2] * t977;
+    let t979 = t978 + t957;
+    let t980 = y[2] * w[2][1];
+    let t981 = y[1] * w[2][2];
+    let t982 = t981 - t980;
+    let t983 = t982 - t979;
+    let t984 = z_axis_base_x * t983;
+    let t985 = w[1][0] * t896;
+    let t986 = w[1][5] - t985;
+    let t987 = w[1][1] * t925;
+    let t988 = t987 + t986;
+    let t989 = y[1] * w[1][0];
+    let t990 = y[0] * w[1][1];
+    let t991 = t990 - t989;
+    let t992 = t991 - t988;
+    let t993 = z_axis_base_z * t992;
+    let t994 = t993 + t984;
+    let t995 = t994 + t935;
+    let t996 = x_axis_base_y * sin_front_left_hip;
+    let t997 = y_axis_base_y * cos_front_left_hip;
+    let x_axis_front_left_hip_y = t996 - t997;
+    let t999 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_y;
+    let t1000 = z_axis_base_y * sin_front_left_thigh_front_left_calf;
+    let x_axis_front_left_calf_y = t999 - t1000;
+    let t1002 = 0.2 * x_axis_front_left_calf_y;
+    let t1003 = x_axis_base_y * cos_front_left_hip;
+    let t1004 = y_axis_base_y * sin_front_left_hip;
+    let y_axis_front_left_hip_y = t1004 + t1003;
+    let t1006 = 0.09 * y_axis_front_left_hip_y;
+    let t1007 = t1002 + t1006;
+    let t1008 = cos_front_left_thigh * x_axis_front_left_hip_y;
+    let t1009 = z_axis_base_y * sin_front_left_thigh;
+    let x_axis_front_left_thigh_y = t1008 - t1009;
+    let t1011 = 0.2 * x_axis_front_left_thigh_y;
+    let origin_front_left_hip_y = t974 + t893;
+    let origin_front_left_calf_y = origin_front_left_hip_y + t1011;
+    let t1014 = origin_front_left_calf_y + t1007;
+    let t1015 = w[0][0] * t1014;
+    let t1016 = w[0][5] - t1015;
+    let t1017 = y_axis_base_x * cos_front_left_hip;
+    let t1018 = x_axis_base_x * sin_front_left_hip;
+    let x_axis_front_left_hip_x = t1018 - t1017;
     let t1020 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_x;
     let t1021 = z_axis_base_x * sin_front_left_thigh_front_left_calf;
     let x_axis_front_left_calf_x = t1020 - t1021;
     let t1023 = 0.2 * x_axis_front_left_calf_x;
-    let t1024 = origin_front_left_calf_x + t1023;
-    let t1025 = w[0][1] * t1024;
-    let t1026 = t1025 + t1004;
-    let t1027 = y[1] * w[0][0];
-    let t1028 = y[0] * w[0][1];
-    let t1029 = t1028 - t1027;
-    let t1030 = t1029 - t1026;
-    let t1031 = z_axis_base_z * t1030;
-    let t1032 = w[0][2] * t1024;
-    let t1033 = w[0][4] - t1032;
-    let t1034 = y_axis_base_z * cos_front_left_hip;
-    let t1035 = x_axis_base_z * sin_front_left_hip;
-    let x_axis_front_left_hip_z = t1035 - t1034;
-    let t1037 = cos_front_left_thigh * x_axis_front_left_hip_z;
-    let t1038 = z_axis_base_z * sin_front_left_thigh;
-    let x_axis_front_left_thigh_z = t1037 - t1038;
-    let t1040 = 0.2 * x_axis_front_left_thigh_z;
-    let t1041 = y_axis_base_z * sin_front_left_hip;
-    let t1042 = x_axis_base_z * cos_front_left_hip;
-    let y_axis_front_left_hip_z = t1041 + t1042;
-    let t1044 = 0.09 * y_axis_front_left_hip_z;
-    let origin_front_left_hip_z = t935 + t852;
-    let origin_front_left_thigh_z = origin_front_left_hip_z + t1044;
-    let origin_front_left_calf_z = origin_front_left_thigh_z + t1040;
-    let t1048 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_z;
-    let t1049 = z_axis_base_z * sin_front_left_thigh_front_left_calf;
-    let x_axis_front_left_calf_z = t1048 - t1049;
-    let t1051 = 0.2 * x_axis_front_left_calf_z;
-    let t1052 = origin_front_left_calf_z + t1051;
-    let t1053 = w[0][0] * t1052;
-    let t1054 = t1053 + t1033;
-    let t1055 = y[0] * w[0][2];
-    let t1056 = y[2] * w[0][0];
-    let t1057 = t1056 - t1055;
-    let t1058 = t1057 - t1054;
-    let t1059 = z_axis_base_y * t1058;
-    let t1060 = t1059 + t1031;
-    let t1061 = w[0][1] * t1052;
-    let t1062 = w[0][3] - t1061;
-    let t1063 = w[0][2] * t1002;
-    let t1064 = t1063 + t1062;
-    let t1065 = y[2] * w[0][1];
-    let t1066 = y[1] * w[0][2];
-    let t1067 = t1066 - t1065;
-    let t1068 = t1067 - t1064;
-    let t1069 = z_axis_base_x * t1068;
-    let t1070 = t1069 + t1060;
-    let t1071 = t1070 + t983;
-    let t1072 = w[2][0] * t965;
-    let t1073 = w[2][5] - t1072;
-    let t1074 = y_axis_base_x * cos_rear_left_hip;
-    let t1075 = x_axis_base_x * sin_rear_left_hip;
-    let x_axis_rear_left_hip_x = t1075 - t1074;
-    let t1077 = cos_rear_left_thigh * x_axis_rear_left_hip_x;
-    let t1078 = z_axis_base_x * sin_rear_left_thigh;
-    let x_axis_rear_left_thigh_x = t1077 - t1078;
-    let t1080 = 0.2 * x_axis_rear_left_thigh_x;
-    let t1081 = x_axis_base_x * cos_rear_left_hip;
-    let t1082 = y_axis_base_x * sin_rear_left_hip;
-    let y_axis_rear_left_hip_x = t1082 + t1081;
-    let t1084 = 0.09 * y_axis_rear_left_hip_x;
-    let origin_rear_left_hip_x = t1016 - t903;
-    let origin_rear_left_thigh_x = origin_rear_left_hip_x + t1084;
-    let origin_rear_left_calf_x = origin_rear_left_thigh_x + t1080;
-    let t1088 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_x;
-    let t1089 = z_axis_base_x * sin_rear_left_thigh_rear_left_calf;
-    let x_axis_rear_left_calf_x = t1088 - t1089;
-    let t1091 = 0.2 * x_axis_rear_left_calf_x;
-    let t1092 = origin_rear_left_calf_x + t1091;
-    let t1093 = w[2][1] * t1092;
-    let t1094 = t1093 + t1073;
-    let t1095 = y[1] * w[2][0];
-    let t1096 = y[0] * w[2][1];
-    let t1097 = t1096 - t1095;
-    let t1098 = t1097 - t1094;
-    let t1099 = z_axis_base_z * t1098;
-    let t1100 = w[2][2] * t1092;
-    let t1101 = w[2][4] - t1100;
-    let t1102 = w[2][0] * t943;
-    let t1103 = t1102 + t1101;
-    let t1104 = y[0] * w[2][2];
-    let t1105 = y[2] * w[2][0];
-    let t1106 = t1105 - t1104;
-    let t1107 = t1106 - t1103;
-    let t1108 = z_axis_base_y * t1107;
-    let t1109 = t1108 + t1099;
-    let t1110 = y_axis_base_z * cos_rear_right_hip;
-    let t1111 = x_axis_base_z * sin_rear_right_hip;
-    let x_axis_rear_right_hip_z = t1111 - t1110;
-    let t1113 = cos_rear_right_thigh * x_axis_rear_right_hip_z;
-    let t1114 = z_axis_base_z * sin_rear_right_thigh;
-    let x_axis_rear_right_thigh_z = t1113 - t1114;
-    let t1116 = 0.2 * x_axis_rear_right_thigh_z;
-    let t1117 = y_axis_base_z * sin_rear_right_hip;
-    let t1118 = x_axis_base_z * cos_rear_right_hip;
-    let y_axis_rear_right_hip_z = t1117 + t1118;
-    let t1120 = 0.09 * y_axis_rear_right_hip_z;
-    let origin_rear_right_hip_z = t852 - t851;
-    let origin_rear_right_thigh_z = origin_rear_right_hip_z + t1120;
-    let origin_rear_right_calf_z = origin_rear_right_thigh_z - t1116;
-    let t1124 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_z;
-    let t1125 = z_axis_base_z * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_z = t1124 - t1125;
-    let t1127 = 0.2 * x_axis_rear_right_calf_z;
-    let t1128 = origin_rear_right_calf_z - t1127;
-    let t1129 = w[3][1] * t1128;
-    let t1130 = w[3][3] + t1129;
-    let t1131 = x_axis_base_y * sin_rear_right_hip;
-    let t1132 = y_axis_base_y * cos_rear_right_hip;
-    let x_axis_rear_right_hip_y = t1131 - t1132;
-    let t1134 = cos_rear_right_thigh * x_axis_rear_right_hip_y;
-    let t1135 = z_axis_base_y * sin_rear_right_thigh;
-    let x_axis_rear_right_thigh_y = t1134 - t1135;
-    let t1137 = 0.2 * x_axis_rear_right_thigh_y;
-    let t1138 = x_axis_base_y * cos_rear_right_hip;
-    let t1139 = y_axis_base_y * sin_rear_right_hip;
-    let y_axis_rear_right_hip_y = t1139 + t1138;
-    let t1141 = 0.09 * y_axis_rear_right_hip_y;
-    let origin_rear_right_hip_y = t876 - t875;
-    let origin_rear_right_thigh_y = origin_rear_right_hip_y + t1141;
-    let origin_rear_right_calf_y = origin_rear_right_thigh_y - t1137;
-    let t1145 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_y;
-    let t1146 = z_axis_base_y * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_y = t1145 - t1146;
-    let t1148 = 0.2 * x_axis_rear_right_calf_y;
-    let t1149 = origin_rear_right_calf_y - t1148;
-    let t1150 = w[3][2] * t1149;
-    let t1151 = t1150 - t1130;
-    let t1152 = y[2] * w[3][1];
-    let t1153 = y[1] * w[3][2];
-    let t1154 = t1153 - t1152;
-    let t1155 = t1154 + t1151;
-    let t1156 = z_axis_base_x * t1155;
-    let t1157 = y_axis_base_x * cos_rear_right_hip;
-    let t1158 = x_axis_base_x * sin_rear_right_hip;
-    let x_axis_rear_right_hip_x = t1158 - t1157;
-    let t1160 = cos_rear_right_thigh * x_axis_rear_right_hip_x;
-    let t1161 = z_axis_base_x * sin_rear_right_thigh;
-    let x_axis_rear_right_thigh_x = t1160 - t1161;
-    let t1163 = 0.2 * x_axis_rear_right_thigh_x;
-    let t1164 = x_axis_base_x * cos_rear_right_hip;
-    let t1165 = y_axis_base_x * sin_rear_right_hip;
-    let y_axis_rear_right_hip_x = t1165 + t1164;
-    let t1167 = 0.09 * y_axis_rear_right_hip_x;
-    let origin_rear_right_hip_x = t903 - t905;
-    let origin_rear_right_thigh_x = origin_rear_right_hip_x + t1167;
-    let origin_rear_right_calf_x = origin_rear_right_thigh_x - t1163;
-    let t1171 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_x;
-    let t1172 = z_axis_base_x * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_x = t1171 - t1172;
-    let t1174 = 0.2 * x_axis_rear_right_calf_x;
-    let t1175 = origin_rear_right_calf_x - t1174;
-    let t1176 = w[3][2] * t1175;
-    let t1177 = w[3][4] + t1176;
-    let t1178 = w[3][0] * t1128;
-    let t1179 = t1178 - t1177;
-    let t1180 = y[0] * w[3][2];
-    let t1181 = y[2] * w[3][0];
-    let t1182 = t1181 - t1180;
-    let t1183 = t1182 + t1179;
-    let t1184 = z_axis_base_y * t1183;
-    let t1185 = t1156 + t1184;
-    let t1186 = t1185 + t1109;
-    let t1187 = w[3][0] * t1149;
-    let t1188 = w[3][5] + t1187;
-    let t1189 = w[3][1] * t1175;
-    let t1190 = t1189 - t1188;
-    let t1191 = y[1] * w[3][0];
-    let t1192 = y[0] * w[3][1];
-    let t1193 = t1192 - t1191;
-    let t1194 = t1193 + t1190;
-    let t1195 = z_axis_base_z * t1194;
-    let t1196 = y[1] * w[4][0];
-    let t1197 = y[0] * w[4][1];
-    let t1198 = t1197 - t1196;
-    let t1199 = w[4][5] + t1198;
-    let t1200 = t1198 - t1199;
-    let t1201 = z_axis_base_z * t1200;
-    let t1202 = y[0] * w[4][2];
-    let t1203 = y[2] * w[4][0];
-    let t1204 = t1203 - t1202;
-    let t1205 = w[4][4] + t1204;
-    let t1206 = t1204 - t1205;
-    let t1207 = z_axis_base_y * t1206;
-    let t1208 = t1207 + t1201;
-    let t1209 = y[2] * w[4][1];
-    let t1210 = y[1] * w[4][2];
-    let t1211 = t1210 - t1209;
-    let t1212 = w[4][3] + t1211;
-    let t1213 = t1211 - t1212;
-    let t1214 = z_axis_base_x * t1213;
-    let t1215 = t1214 + t1208;
-    let t1216 = t1195 + t1215;
-    let t1217 = t1216 + t1186;
-    let t1218 = t1217 + t1071;
-    let t1219 = moment_base_x - t1218;
-    let t1220 = cos_front_right_thigh * acceleration_front_right_hip_x;
-    let t1221 = a[5] - t39;
-    let t1222 = 0.05 * t1221;
-    let t1223 = 0.2 * t167;
-    let t1224 = t1223 - t1222;
-    let acceleration_front_right_hip_z = t1224 - acceleration_base_x;
-    let t1226 = sin_front_right_thigh * acceleration_front_right_hip_z;
-    let t1227 = t1220 + t1226;
-    let t1228 = 0.09 * t373;
-    let acceleration_front_right_thigh_x = t1228 + t1227;
-    let t1230 = 0.2 * t223;
-    let acceleration_front_right_calf_x = t1230 - acceleration_front_right_thigh_x;
-    let t1232 = t201 * acceleration_front_right_calf_x;
-    let t1233 = t709 * t216;
-    let t1234 = t688 * t190;
-    let t1235 = t1234 - t1233;
-    let t1236 = t219 - t200;
-    let t1237 = t690 * t1236;
-    let t1238 = t1237 - t1235;
-    let t1239 = t1232 + t1238;
-    let t1240 = sin_front_right_thigh * acceleration_front_right_hip_x;
-    let t1241 = cos_front_right_thigh * acceleration_front_right_hip_z;
-    let t1242 = t1240 - t1241;
-    let t1243 = 0.09 * t367;
-    let acceleration_front_right_thigh_y = t1243 + t1242;
-    let t1245 = 0.2 * t204;
-    let acceleration_front_right_calf_y = acceleration_front_right_thigh_y + t1245;
-    let t1247 = t191 * acceleration_front_right_calf_y;
-    let moment_front_right_calf_z = t1247 - t1239;
-    let t1249 = 0.083 * acceleration_front_right_thigh_y;
-    let t1250 = 0.2 * force_front_right_calf_y;
-    let t1251 = t189 - t181;
-    let t1252 = 0.0005 * t1251;
-    let t1253 = 0.01649 * t204;
+    let t1024 = x_axis_base_x * cos_front_left_hip;
+    let t1025 = y_axis_base_x * sin_front_left_hip;
+    let y_axis_front_left_hip_x = t1025 + t1024;
+    let t1027 = 0.09 * y_axis_front_left_hip_x;
+    let t1028 = t1023 + t1027;
+    let t1029 = cos_front_left_thigh * x_axis_front_left_hip_x;
+    let t1030 = z_axis_base_x * sin_front_left_thigh;
+    let x_axis_front_left_thigh_x = t1029 - t1030;
+    let t1032 = 0.2 * x_axis_front_left_thigh_x;
+    let t1033 = y[0] + t921;
+    let origin_front_left_hip_x = t1033 + t920;
+    let origin_front_left_calf_x = origin_front_left_hip_x + t1032;
+    let t1036 = origin_front_left_calf_x + t1028;
+    let t1037 = w[0][1] * t1036;
+    let t1038 = t1037 + t1016;
+    let t1039 = y[1] * w[0][0];
+    let t1040 = y[0] * w[0][1];
+    let t1041 = t1040 - t1039;
+    let t1042 = t1041 - t1038;
+    let t1043 = z_axis_base_z * t1042;
+    let t1044 = w[0][2] * t1036;
+    let t1045 = w[0][4] - t1044;
+    let t1046 = y_axis_base_z * cos_front_left_hip;
+    let t1047 = x_axis_base_z * sin_front_left_hip;
+    let x_axis_front_left_hip_z = t1047 - t1046;
+    let t1049 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_z;
+    let t1050 = z_axis_base_z * sin_front_left_thigh_front_left_calf;
+    let x_axis_front_left_calf_z = t1049 - t1050;
+    let t1052 = 0.2 * x_axis_front_left_calf_z;
+    let t1053 = y_axis_base_z * sin_front_left_hip;
+    let t1054 = x_axis_base_z * cos_front_left_hip;
+    let y_axis_front_left_hip_z = t1053 + t1054;
+    let t1056 = 0.09 * y_axis_front_left_hip_z;
+    let t1057 = t1052 + t1056;
+    let t1058 = cos_front_left_thigh * x_axis_front_left_hip_z;
+    let t1059 = z_axis_base_z * sin_front_left_thigh;
+    let x_axis_front_left_thigh_z = t1058 - t1059;
+    let t1061 = 0.2 * x_axis_front_left_thigh_z;
+    let origin_front_left_hip_z = t952 + t869;
+    let origin_front_left_calf_z = origin_front_left_hip_z + t1061;
+    let t1064 = origin_front_left_calf_z + t1057;
+    let t1065 = w[0][0] * t1064;
+    let t1066 = t1065 + t1045;
+    let t1067 = y[0] * w[0][2];
+    let t1068 = y[2] * w[0][0];
+    let t1069 = t1068 - t1067;
+    let t1070 = t1069 - t1066;
+    let t1071 = z_axis_base_y * t1070;
+    let t1072 = t1071 + t1043;
+    let t1073 = w[0][1] * t1064;
+    let t1074 = w[0][3] - t1073;
+    let t1075 = w[0][2] * t1014;
+    let t1076 = t1075 + t1074;
+    let t1077 = y[2] * w[0][1];
+    let t1078 = y[1] * w[0][2];
+    let t1079 = t1078 - t1077;
+    let t1080 = t1079 - t1076;
+    let t1081 = z_axis_base_x * t1080;
+    let t1082 = t1081 + t1072;
+    let t1083 = t1082 + t995;
+    let t1084 = w[2][0] * t977;
+    let t1085 = w[2][5] - t1084;
+    let t1086 = y_axis_base_x * cos_rear_left_hip;
+    let t1087 = x_axis_base_x * sin_rear_left_hip;
+    let x_axis_rear_left_hip_x = t1087 - t1086;
+    let t1089 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_x;
+    let t1090 = z_axis_base_x * sin_rear_left_thigh_rear_left_calf;
+    let x_axis_rear_left_calf_x = t1089 - t1090;
+    let t1092 = 0.2 * x_axis_rear_left_calf_x;
+    let t1093 = x_axis_base_x * cos_rear_left_hip;
+    let t1094 = y_axis_base_x * sin_rear_left_hip;
+    let y_axis_rear_left_hip_x = t1094 + t1093;
+    let t1096 = 0.09 * y_axis_rear_left_hip_x;
+    let t1097 = t1092 + t1096;
+    let t1098 = cos_rear_left_thigh * x_axis_rear_left_hip_x;
+    let t1099 = z_axis_base_x * sin_rear_left_thigh;
+    let x_axis_rear_left_thigh_x = t1098 - t1099;
+    let t1101 = 0.2 * x_axis_rear_left_thigh_x;
+    let origin_rear_left_hip_x = t1033 - t920;
+    let origin_rear_left_calf_x = origin_rear_left_hip_x + t1101;
+    let t1104 = origin_rear_left_calf_x + t1097;
+    let t1105 = w[2][1] * t1104;
+    let t1106 = t1105 + t1085;
+    let t1107 = y[1] * w[2][0];
+    let t1108 = y[0] * w[2][1];
+    let t1109 = t1108 - t1107;
+    let t1110 = t1109 - t1106;
+    let t1111 = z_axis_base_z * t1110;
+    let t1112 = w[2][2] * t1104;
+    let t1113 = w[2][4] - t1112;
+    let t1114 = w[2][0] * t955;
+    let t1115 = t1114 + t1113;
+    let t1116 = y[0] * w[2][2];
+    let t1117 = y[2] * w[2][0];
+    let t1118 = t1117 - t1116;
+    let t1119 = t1118 - t1115;
+    let t1120 = z_axis_base_y * t1119;
+    let t1121 = t1120 + t1111;
+    let t1122 = y_axis_base_z * cos_rear_right_hip;
+    let t1123 = x_axis_base_z * sin_rear_right_hip;
+    let x_axis_rear_right_hip_z = t1123 - t1122;
+    let t1125 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_z;
+    let t1126 = z_axis_base_z * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_z = t1125 - t1126;
+    let t1128 = 0.2 * x_axis_rear_right_calf_z;
+    let t1129 = y_axis_base_z * sin_rear_right_hip;
+    let t1130 = x_axis_base_z * cos_rear_right_hip;
+    let y_axis_rear_right_hip_z = t1129 + t1130;
+    let t1132 = 0.09 * y_axis_rear_right_hip_z;
+    let t1133 = t1128 - t1132;
+    let t1134 = cos_rear_right_thigh * x_axis_rear_right_hip_z;
+    let t1135 = z_axis_base_z * sin_rear_right_thigh;
+    let x_axis_rear_right_thigh_z = t1134 - t1135;
+    let t1137 = 0.2 * x_axis_rear_right_thigh_z;
+    let origin_rear_right_hip_z = t869 - t868;
+    let origin_rear_right_calf_z = origin_rear_right_hip_z - t1137;
+    let t1140 = origin_rear_right_calf_z - t1133;
+    let t1141 = w[3][1] * t1140;
+    let t1142 = w[3][3] + t1141;
+    let t1143 = x_axis_base_y * sin_rear_right_hip;
+    let t1144 = y_axis_base_y * cos_rear_right_hip;
+    let x_axis_rear_right_hip_y = t1143 - t1144;
+    let t1146 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_y;
+    let t1147 = z_axis_base_y * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_y = t1146 - t1147;
+    let t1149 = 0.2 * x_axis_rear_right_calf_y;
+    let t1150 = x_axis_base_y * cos_rear_right_hip;
+    let t1151 = y_axis_base_y * sin_rear_right_hip;
+    let y_axis_rear_right_hip_y = t1151 + t1150;
+    let t1153 = 0.09 * y_axis_rear_right_hip_y;
+    let t1154 = t1149 - t1153;
+    let t1155 = cos_rear_right_thigh * x_axis_rear_right_hip_y;
+    let t1156 = z_axis_base_y * sin_rear_right_thigh;
+    let x_axis_rear_right_thigh_y = t1155 - t1156;
+    let t1158 = 0.2 * x_axis_rear_right_thigh_y;
+    let origin_rear_right_hip_y = t893 - t892;
+    let origin_rear_right_calf_y = origin_rear_right_hip_y - t1158;
+    let t1161 = origin_rear_right_calf_y - t1154;
+    let t1162 = w[3][2] * t1161;
+    let t1163 = t1162 - t1142;
+    let t1164 = y[2] * w[3][1];
+    let t1165 = y[1] * w[3][2];
+    let t1166 = t1165 - t1164;
+    let t1167 = t1166 + t1163;
+    let t1168 = z_axis_base_x * t1167;
+    let t1169 = y_axis_base_x * cos_rear_right_hip;
+    let t1170 = x_axis_base_x * sin_rear_right_hip;
+    let x_axis_rear_right_hip_x = t1170 - t1169;
+    let t1172 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_x;
+    let t1173 = z_axis_base_x * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_x = t1172 - t1173;
+    let t1175 = 0.2 * x_axis_rear_right_calf_x;
+    let t1176 = x_axis_base_x * cos_rear_right_hip;
+    let t1177 = y_axis_base_x * sin_rear_right_hip;
+    let y_axis_rear_right_hip_x = t1177 + t1176;
+    let t1179 = 0.09 * y_axis_rear_right_hip_x;
+    let t1180 = t1175 - t1179;
+    let t1181 = cos_rear_right_thigh * x_axis_rear_right_hip_x;
+    let t1182 = z_axis_base_x * sin_rear_right_thigh;
+    let x_axis_rear_right_thigh_x = t1181 - t1182;
+    let t1184 = 0.2 * x_axis_rear_right_thigh_x;
+    let origin_rear_right_hip_x = t920 - t922;
+    let origin_rear_right_calf_x = origin_rear_right_hip_x - t1184;
+    let t1187 = origin_rear_right_calf_x - t1180;
+    let t1188 = w[3][2] * t1187;
+    let t1189 = w[3][4] + t1188;
+    let t1190 = w[3][0] * t1140;
+    let t1191 = t1190 - t1189;
+    let t1192 = y[0] * w[3][2];
+    let t1193 = y[2] * w[3][0];
+    let t1194 = t1193 - t1192;
+    let t1195 = t1194 + t1191;
+    let t1196 = z_axis_base_y * t1195;
+    let t1197 = t1168 + t1196;
+    let t1198 = t1197 + t1121;
+    let t1199 = w[3][0] * t1161;
+    let t1200 = w[3][5] + t1199;
+    let t1201 = w[3][1] * t1187;
+    let t1202 = t1201 - t1200;
+    let t1203 = y[1] * w[3][0];
+    let t1204 = y[0] * w[3][1];
+    let t1205 = t1204 - t1203;
+    let t1206 = t1205 + t1202;
+    let t1207 = z_axis_base_z * t1206;
+    let t1208 = y[1] * w[4][0];
+    let t1209 = y[0] * w[4][1];
+    let t1210 = t1209 - t1208;
+    let t1211 = w[4][5] + t1210;
+    let t1212 = t1210 - t1211;
+    let t1213 = z_axis_base_z * t1212;
+    let t1214 = y[0] * w[4][2];
+    let t1215 = y[2] * w[4][0];
+    let t1216 = t1215 - t1214;
+    let t1217 = w[4][4] + t1216;
+    let t1218 = t1216 - t1217;
+    let t1219 = z_axis_base_y * t1218;
+    let t1220 = t1219 + t1213;
+    let t1221 = y[2] * w[4][1];
+    let t1222 = y[1] * w[4][2];
+    let t1223 = t1222 - t1221;
+    let t1224 = w[4][3] + t1223;
+    let t1225 = t1223 - t1224;
+    let t1226 = z_axis_base_x * t1225;
+    let t1227 = t1226 + t1220;
+    let t1228 = t1207 + t1227;
+    let t1229 = t1228 + t1198;
+    let t1230 = t1229 + t1083;
+    let t1231 = moment_base_x - t1230;
+    let t1232 = sin_front_right_thigh * acceleration_front_right_hip_x;
+    let t1233 = a[5] - t56;
+    let t1234 = 0.05 * t1233;
+    let t1235 = 0.2 * t177;
+    let t1236 = t1235 - t1234;
+    let acceleration_front_right_hip_z = t1236 - acceleration_base_x;
+    let t1238 = cos_front_right_thigh * acceleration_front_right_hip_z;
+    let acceleration_front_right_thigh_y = t1232 - t1238;
+    let t1240 = 0.2 * t221;
+    let t1241 = acceleration_front_right_thigh_y + t1240;
+    let t1242 = cos_front_right_calf * t1241;
+    let t1243 = cos_front_right_thigh * acceleration_front_right_hip_x;
+    let t1244 = sin_front_right_thigh * acceleration_front_right_hip_z;
+    let acceleration_front_right_thigh_x = t1243 + t1244;
+    let t1246 = 0.2 * t236;
+    let t1247 = t1246 - acceleration_front_right_thigh_x;
+    let t1248 = sin_front_right_calf * t1247;
+    let acceleration_front_right_calf_y = t1248 - t1242;
+    let t1250 = 0.03 * acceleration_front_right_calf_y;
+    let t1251 = t198 + t205;
+    let t1252 = 1.500000000000004e-5 * t1251;
+    let t1253 = 0.005585 * t206;
     let t1254 = t1253 - t1252;
-    let t1255 = 0.00066 * t367;
-    let t1256 = t1255 - t1254;
-    let t1257 = t1250 - t1256;
-    let t1258 = t1249 + t1257;
-    let moment_front_right_thigh_z = moment_front_right_calf_z + t1258;
-    let t1260 = omega_front_right_hip_x * t208;
-    let t1261 = t174 - t1260;
-    let t1262 = 0.0004 * t1261;
-    let moment_front_right_hip_y = t1262 - moment_front_right_thigh_z;
-    let t1264 = cos_front_right_hip * moment_front_right_hip_y;
-    let t1265 = cos_rear_left_thigh * acceleration_rear_left_hip_x;
-    let acceleration_rear_left_hip_z = t1224 + acceleration_base_x;
-    let t1267 = sin_rear_left_thigh * acceleration_rear_left_hip_z;
-    let t1268 = t1265 + t1267;
-    let t1269 = 0.09 * t433;
-    let acceleration_rear_left_thigh_x = t1269 + t1268;
-    let t1271 = 0.2 * t147;
-    let acceleration_rear_left_calf_x = t1271 + acceleration_rear_left_thigh_x;
-    let t1273 = t125 * acceleration_rear_left_calf_x;
-    let t1274 = t765 * t140;
-    let t1275 = t744 * t114;
-    let t1276 = t1275 - t1274;
-    let t1277 = t143 - t124;
-    let t1278 = t746 * t1277;
-    let t1279 = t1278 - t1276;
-    let t1280 = t1273 + t1279;
-    let t1281 = sin_rear_left_thigh * acceleration_rear_left_hip_x;
-    let t1282 = cos_rear_left_thigh * acceleration_rear_left_hip_z;
-    let t1283 = t1281 - t1282;
-    let t1284 = 0.09 * t427;
-    let acceleration_rear_left_thigh_y = t1284 + t1283;
-    let t1286 = 0.2 * t128;
-    let acceleration_rear_left_calf_y = acceleration_rear_left_thigh_y - t1286;
-    let t1288 = t115 * acceleration_rear_left_calf_y;
-    let moment_rear_left_calf_z = t1288 + t1280;
-    let t1290 = 0.083 * acceleration_rear_left_thigh_y;
-    let t1291 = 0.2 * force_rear_left_calf_y;
-    let t1292 = t113 - t105;
-    let t1293 = 0.0005 * t1292;
-    let t1294 = 0.01649 * t128;
-    let t1295 = t1294 - t1293;
-    let t1296 = 0.00066 * t427;
-    let t1297 = t1296 + t1295;
-    let t1298 = t1291 + t1297;
-    let t1299 = t1290 - t1298;
-    let moment_rear_left_thigh_z = moment_rear_left_calf_z + t1299;
-    let t1301 = omega_rear_left_hip_x * t132;
-    let t1302 = t98 - t1301;
-    let t1303 = 0.0004 * t1302;
-    let moment_rear_left_hip_y = t1303 + moment_rear_left_thigh_z;
-    let t1305 = cos_rear_left_hip * moment_rear_left_hip_y;
-    let t1306 = t1305 + t1264;
-    let t1307 = cos_rear_right_thigh * acceleration_rear_right_hip_x;
-    let t1308 = t1223 + t1222;
-    let acceleration_rear_right_hip_z = t1308 + acceleration_base_x;
-    let t1310 = sin_rear_right_thigh * acceleration_rear_right_hip_z;
-    let t1311 = t1307 + t1310;
-    let t1312 = 0.09 * t461;
-    let acceleration_rear_right_thigh_x = t1312 - t1311;
-    let t1314 = 0.2 * t279;
-    let acceleration_rear_right_calf_x = t1314 - acceleration_rear_right_thigh_x;
-    let t1316 = t257 * acceleration_rear_right_calf_x;
-    let t1317 = t822 * t272;
-    let t1318 = t801 * t246;
-    let t1319 = t1318 - t1317;
-    let t1320 = t275 - t256;
-    let t1321 = t803 * t1320;
-    let t1322 = t1321 - t1319;
-    let t1323 = t1316 + t1322;
-    let t1324 = sin_rear_right_thigh * acceleration_rear_right_hip_x;
-    let t1325 = cos_rear_right_thigh * acceleration_rear_right_hip_z;
-    let t1326 = t1324 - t1325;
-    let t1327 = 0.09 * t455;
-    let acceleration_rear_right_thigh_y = t1327 - t1326;
-    let t1329 = 0.2 * t260;
-    let acceleration_rear_right_calf_y = acceleration_rear_right_thigh_y + t1329;
-    let t1331 = t247 * acceleration_rear_right_calf_y;
-    let moment_rear_right_calf_z = t1331 - t1323;
-    let t1333 = 0.083 * acceleration_rear_right_thigh_y;
-    let t1334 = 0.2 * force_rear_right_calf_y;
-    let t1335 = t245 - t237;
-    let t1336 = 0.0005 * t1335;
-    let t1337 = 0.01649 * t260;
-    let t1338 = t1337 - t1336;
-    let t1339 = 0.00066 * t455;
-    let t1340 = t1339 - t1338;
-    let t1341 = t1334 - t1340;
-    let t1342 = t1333 + t1341;
-    let moment_rear_right_thigh_z = moment_rear_right_calf_z + t1342;
-    let t1344 = omega_rear_right_hip_x * t264;
-    let t1345 = t230 - t1344;
-    let t1346 = 0.0004 * t1345;
-    let moment_rear_right_hip_y = t1346 - moment_rear_right_thigh_z;
-    let t1348 = cos_rear_right_hip * moment_rear_right_hip_y;
-    let t1349 = t1348 + t1306;
-    let t1350 = cos_front_left_thigh * acceleration_front_left_hip_x;
-    let acceleration_front_left_hip_z = t1308 - acceleration_base_x;
-    let t1352 = sin_front_left_thigh * acceleration_front_left_hip_z;
-    let t1353 = t1350 + t1352;
-    let t1354 = 0.09 * t345;
-    let acceleration_front_left_thigh_x = t1354 - t1353;
-    let t1356 = 0.2 * t91;
-    let acceleration_front_left_calf_x = t1356 + acceleration_front_left_thigh_x;
-    let t1358 = t69 * acceleration_front_left_calf_x;
-    let t1359 = t638 * t84;
-    let t1360 = t617 * t58;
-    let t1361 = t1360 - t1359;
-    let t1362 = t87 - t68;
-    let t1363 = t619 * t1362;
-    let t1364 = t1363 - t1361;
-    let t1365 = t1358 + t1364;
-    let t1366 = sin_front_left_thigh * acceleration_front_left_hip_x;
-    let t1367 = cos_front_left_thigh * acceleration_front_left_hip_z;
-    let t1368 = t1366 - t1367;
-    let t1369 = 0.09 * t339;
-    let acceleration_front_left_thigh_y = t1369 - t1368;
-    let t1371 = 0.2 * t72;
-    let acceleration_front_left_calf_y = acceleration_front_left_thigh_y - t1371;
-    let t1373 = t59 * acceleration_front_left_calf_y;
-    let moment_front_left_calf_z = t1373 + t1365;
+    let t1255 = 0.0026999999999999997 * t628;
+    let t1256 = t1255 + t1254;
+    let moment_front_right_calf_z = t1250 - t1256;
+    let t1258 = 0.083 * acceleration_front_right_thigh_y;
+    let t1259 = t220 - t204;
+    let t1260 = 0.0005 * t1259;
+    let t1261 = t1258 - t1260;
+    let t1262 = 0.01649 * t221;
+    let t1263 = 0.00681 * t386;
+    let t1264 = t1263 + t1262;
+    let t1265 = t1261 + t1264;
+    let t1266 = 0.2 * t219;
+    let t1267 = t1266 + t1265;
+    let moment_front_right_thigh_z = moment_front_right_calf_z - t1267;
+    let t1269 = omega_front_right_hip_x * t225;
+    let t1270 = t201 - t1269;
+    let t1271 = 0.0004 * t1270;
+    let moment_front_right_hip_y = t1271 + moment_front_right_thigh_z;
+    let t1273 = cos_front_right_hip * moment_front_right_hip_y;
+    let t1274 = sin_rear_left_thigh * acceleration_rear_left_hip_x;
+    let acceleration_rear_left_hip_z = t1236 + acceleration_base_x;
+    let t1276 = cos_rear_left_thigh * acceleration_rear_left_hip_z;
+    let acceleration_rear_left_thigh_y = t1274 - t1276;
+    let t1278 = 0.2 * t140;
+    let t1279 = acceleration_rear_left_thigh_y - t1278;
+    let t1280 = cos_rear_left_calf * t1279;
+    let t1281 = cos_rear_left_thigh * acceleration_rear_left_hip_x;
+    let t1282 = sin_rear_left_thigh * acceleration_rear_left_hip_z;
+    let acceleration_rear_left_thigh_x = t1281 + t1282;
+    let t1284 = 0.2 * t155;
+    let t1285 = t1284 + acceleration_rear_left_thigh_x;
+    let t1286 = sin_rear_left_calf * t1285;
+    let acceleration_rear_left_calf_y = t1286 + t1280;
+    let t1288 = 0.03 * acceleration_rear_left_calf_y;
+    let t1289 = t117 + t124;
+    let t1290 = 1.500000000000004e-5 * t1289;
+    let t1291 = 0.005585 * t125;
+    let t1292 = t1291 - t1290;
+    let t1293 = 0.0026999999999999997 * t683;
+    let t1294 = t1293 - t1292;
+    let moment_rear_left_calf_z = t1288 + t1294;
+    let t1296 = 0.083 * acceleration_rear_left_thigh_y;
+    let t1297 = t139 - t123;
+    let t1298 = 0.0005 * t1297;
+    let t1299 = t1296 + t1298;
+    let t1300 = 0.01649 * t140;
+    let t1301 = 0.00681 * t445;
+    let t1302 = t1301 - t1300;
+    let t1303 = t1299 + t1302;
+    let t1304 = 0.2 * t138;
+    let t1305 = t1304 - t1303;
+    let moment_rear_left_thigh_z = moment_rear_left_calf_z - t1305;
+    let t1307 = omega_rear_left_hip_x * t144;
+    let t1308 = t120 - t1307;
+    let t1309 = 0.0004 * t1308;
+    let moment_rear_left_hip_y = t1309 + moment_rear_left_thigh_z;
+    let t1311 = cos_rear_left_hip * moment_rear_left_hip_y;
+    let t1312 = t1311 + t1273;
+    let t1313 = sin_rear_right_thigh * acceleration_rear_right_hip_x;
+    let t1314 = t1235 + t1234;
+    let acceleration_rear_right_hip_z = t1314 + acceleration_base_x;
+    let t1316 = cos_rear_right_thigh * acceleration_rear_right_hip_z;
+    let acceleration_rear_right_thigh_y = t1313 - t1316;
+    let t1318 = 0.2 * t282;
+    let t1319 = acceleration_rear_right_thigh_y - t1318;
+    let t1320 = cos_rear_right_calf * t1319;
+    let t1321 = cos_rear_right_thigh * acceleration_rear_right_hip_x;
+    let t1322 = sin_rear_right_thigh * acceleration_rear_right_hip_z;
+    let acceleration_rear_right_thigh_x = t1321 + t1322;
+    let t1324 = 0.2 * t297;
+    let t1325 = t1324 + acceleration_rear_right_thigh_x;
+    let t1326 = sin_rear_right_calf * t1325;
+    let acceleration_rear_right_calf_y = t1326 + t1320;
+    let t1328 = 0.03 * acceleration_rear_right_calf_y;
+    let t1329 = t259 + t266;
+    let t1330 = 1.500000000000004e-5 * t1329;
+    let t1331 = 0.005585 * t267;
+    let t1332 = t1331 - t1330;
+    let t1333 = 0.0026999999999999997 * t741;
+    let t1334 = t1333 + t1332;
+    let moment_rear_right_calf_z = t1328 - t1334;
+    let t1336 = 0.083 * acceleration_rear_right_thigh_y;
+    let t1337 = t281 - t265;
+    let t1338 = 0.0005 * t1337;
+    let t1339 = t1336 + t1338;
+    let t1340 = 0.01649 * t282;
+    let t1341 = 0.00681 * t472;
+    let t1342 = t1341 + t1340;
+    let t1343 = t1339 - t1342;
+    let t1344 = 0.2 * t280;
+    let t1345 = t1344 - t1343;
+    let moment_rear_right_thigh_z = moment_rear_right_calf_z - t1345;
+    let t1347 = omega_rear_right_hip_x * t286;
+    let t1348 = t262 - t1347;
+    let t1349 = 0.0004 * t1348;
+    let moment_rear_right_hip_y = t1349 + moment_rear_right_thigh_z;
+    let t1351 = cos_rear_right_hip * moment_rear_right_hip_y;
+    let t1352 = t1351 + t1312;
+    let t1353 = sin_front_left_thigh * acceleration_front_left_hip_x;
+    let acceleration_front_left_hip_z = t1314 - acceleration_base_x;
+    let t1355 = cos_front_left_thigh * acceleration_front_left_hip_z;
+    let acceleration_front_left_thigh_y = t1353 - t1355;
+    let t1357 = 0.2 * t79;
+    let t1358 = acceleration_front_left_thigh_y + t1357;
+    let t1359 = cos_front_left_calf * t1358;
+    let t1360 = cos_front_left_thigh * acceleration_front_left_hip_x;
+    let t1361 = sin_front_left_thigh * acceleration_front_left_hip_z;
+    let acceleration_front_left_thigh_x = t1360 + t1361;
+    let t1363 = 0.2 * t94;
+    let t1364 = t1363 - acceleration_front_left_thigh_x;
+    let t1365 = sin_front_left_calf * t1364;
+    let acceleration_front_left_calf_y = t1365 - t1359;
+    let t1367 = 0.03 * acceleration_front_left_calf_y;
+    let t1368 = t52 + t63;
+    let t1369 = 1.500000000000004e-5 * t1368;
+    let t1370 = 0.005585 * t64;
+    let t1371 = t1370 - t1369;
+    let t1372 = 0.0026999999999999997 * t797;
+    let t1373 = t1372 - t1371;
+    let moment_front_left_calf_z = t1367 + t1373;
     let t1375 = 0.083 * acceleration_front_left_thigh_y;
-    let t1376 = 0.2 * force_front_left_calf_y;
-    let t1377 = t57 - t49;
-    let t1378 = 0.0005 * t1377;
-    let t1379 = 0.01649 * t72;
-    let t1380 = t1379 - t1378;
-    let t1381 = 0.00066 * t339;
-    let t1382 = t1381 + t1380;
-    let t1383 = t1376 + t1382;
-    let t1384 = t1375 - t1383;
-    let moment_front_left_thigh_z = moment_front_left_calf_z + t1384;
-    let t1386 = omega_front_left_hip_x * t76;
-    let t1387 = t42 - t1386;
+    let t1376 = t78 - t62;
+    let t1377 = 0.0005 * t1376;
+    let t1378 = t1375 - t1377;
+    let t1379 = 0.01649 * t79;
+    let t1380 = 0.00681 * t359;
+    let t1381 = t1380 - t1379;
+    let t1382 = t1378 - t1381;
+    let t1383 = 0.2 * t77;
+    let t1384 = t1383 + t1382;
+    let moment_front_left_thigh_z = moment_front_left_calf_z - t1384;
+    let t1386 = omega_front_left_hip_x * t83;
+    let t1387 = t59 - t1386;
     let t1388 = 0.0004 * t1387;
     let moment_front_left_hip_y = t1388 + moment_front_left_thigh_z;
     let t1390 = cos_front_left_hip * moment_front_left_hip_y;
     let t1391 = 0.08000000000000007 * acceleration_base_z;
-    let t1392 = 0.46027000000000007 * t37;
-    let t1393 = 0.0182 * t163;
+    let t1392 = 0.46027000000000007 * t54;
+    let t1393 = 0.0182 * t173;
     let t1394 = t1393 + t1392;
-    let t1395 = t167 - t541;
+    let t1395 = t177 - t557;
     let t1396 = 0.0016 * t1395;
     let t1397 = t1396 - t1394;
     let t1398 = 0.16 * acceleration_base_x;
     let t1399 = t1398 - t1397;
     let t1400 = t1391 - t1399;
     let t1401 = t1390 - t1400;
-    let t1402 = t1401 + t1349;
-    let t1403 = sin_front_left_thigh * t625;
-    let t1404 = 0.09949999999999999 * acceleration_front_left_hip_z;
-    let t1405 = 0.008029999999999999 * t81;
-    let t1406 = t1405 + t1404;
-    let t1407 = t1403 + t1406;
-    let t1408 = cos_front_left_thigh * t650;
-    let moment_front_left_hip_x = t1408 - t1407;
-    let t1410 = sin_front_left_hip * moment_front_left_hip_x;
-    let t1411 = t553 - t529;
-    let t1412 = 0.2 * t1411;
-    let t1413 = t1410 + t1412;
-    let t1414 = t1402 + t1413;
-    let t1415 = sin_front_right_thigh * t696;
-    let t1416 = 0.09949999999999999 * acceleration_front_right_hip_z;
-    let t1417 = 0.008029999999999999 * t213;
-    let t1418 = t1417 - t1416;
-    let t1419 = t1415 + t1418;
-    let t1420 = cos_front_right_thigh * t721;
-    let moment_front_right_hip_x = t1420 - t1419;
-    let t1422 = sin_front_right_hip * moment_front_right_hip_x;
-    let t1423 = sin_rear_left_thigh * t752;
-    let t1424 = 0.09949999999999999 * acceleration_rear_left_hip_z;
-    let t1425 = 0.008029999999999999 * t137;
-    let t1426 = t1425 - t1424;
-    let t1427 = t1423 + t1426;
-    let t1428 = cos_rear_left_thigh * t777;
-    let moment_rear_left_hip_x = t1428 - t1427;
-    let t1430 = sin_rear_left_hip * moment_rear_left_hip_x;
-    let t1431 = t1430 + t1422;
-    let t1432 = sin_rear_right_thigh * t809;
-    let t1433 = 0.09949999999999999 * acceleration_rear_right_hip_z;
-    let t1434 = 0.008029999999999999 * t269;
-    let t1435 = t1434 + t1433;
-    let t1436 = t1432 + t1435;
-    let t1437 = cos_rear_right_thigh * t834;
-    let moment_rear_right_hip_x = t1437 - t1436;
-    let t1439 = sin_rear_right_hip * moment_rear_right_hip_x;
-    let t1440 = t1439 + t1431;
-    let moment_base_y = t1440 + t1414;
-    let t1442 = x_axis_base_x * t890;
-    let t1443 = x_axis_base_y * t921;
+    let t1402 = t1401 + t1352;
+    let t1403 = sin_rear_left_thigh * moment_rear_left_thigh_y;
+    let t1404 = 0.0995 * acceleration_rear_left_hip_z;
+    let t1405 = 0.008029999999999999 * t149;
+    let t1406 = t1405 - t1404;
+    let t1407 = t1403 - t1406;
+    let t1408 = cos_rear_left_thigh * moment_rear_left_thigh_x;
+    let moment_rear_left_hip_x = t1408 + t1407;
+    let t1410 = sin_rear_left_hip * moment_rear_left_hip_x;
+    let t1411 = sin_rear_right_thigh * moment_rear_right_thigh_y;
+    let t1412 = 0.0995 * acceleration_rear_right_hip_z;
+    let t1413 = 0.008029999999999999 * t291;
+    let t1414 = t1413 + t1412;
+    let t1415 = t1411 - t1414;
+    let t1416 = cos_rear_right_thigh * moment_rear_right_thigh_x;
+    let moment_rear_right_hip_x = t1416 + t1415;
+    let t1418 = sin_rear_right_hip * moment_rear_right_hip_x;
+    let t1419 = t1418 + t1410;
+    let t1420 = sin_front_left_thigh * moment_front_left_thigh_y;
+    let t1421 = 0.0995 * acceleration_front_left_hip_z;
+    let t1422 = 0.008029999999999999 * t88;
+    let t1423 = t1422 + t1421;
+    let t1424 = t1420 - t1423;
+    let t1425 = cos_front_left_thigh * moment_front_left_thigh_x;
+    let moment_front_left_hip_x = t1425 + t1424;
+    let t1427 = sin_front_left_hip * moment_front_left_hip_x;
+    let t1428 = sin_front_right_thigh * moment_front_right_thigh_y;
+    let t1429 = 0.0995 * acceleration_front_right_hip_z;
+    let t1430 = 0.008029999999999999 * t230;
+    let t1431 = t1430 - t1429;
+    let t1432 = t1428 - t1431;
+    let t1433 = cos_front_right_thigh * moment_front_right_thigh_x;
+    let moment_front_right_hip_x = t1433 + t1432;
+    let t1435 = sin_front_right_hip * moment_front_right_hip_x;
+    let t1436 = t1435 + t1427;
+    let t1437 = t1436 + t1419;
+    let t1438 = t1402 + t1437;
+    let t1439 = t569 - t545;
+    let t1440 = 0.2 * t1439;
+    let moment_base_y = t1440 + t1438;
+    let t1442 = x_axis_base_x * t902;
+    let t1443 = x_axis_base_y * t933;
     let t1444 = t1442 + t1443;
-    let t1445 = x_axis_base_x * t971;
-    let t1446 = x_axis_base_z * t980;
+    let t1445 = x_axis_base_x * t983;
+    let t1446 = x_axis_base_z * t992;
     let t1447 = t1446 + t1445;
     let t1448 = t1447 + t1444;
-    let t1449 = x_axis_base_z * t1030;
-    let t1450 = x_axis_base_y * t1058;
+    let t1449 = x_axis_base_z * t1042;
+    let t1450 = x_axis_base_y * t1070;
     let t1451 = t1450 + t1449;
-    let t1452 = x_axis_base_x * t1068;
+    let t1452 = x_axis_base_x * t1080;
     let t1453 = t1452 + t1451;
     let t1454 = t1453 + t1448;
-    let t1455 = x_axis_base_z * t1098;
-    let t1456 = x_axis_base_y * t1107;
+    let t1455 = x_axis_base_z * t1110;
+    let t1456 = x_axis_base_y * t1119;
     let t1457 = t1456 + t1455;
-    let t1458 = x_axis_base_x * t1155;
-    let t1459 = x_axis_base_y * t1183;
+    let t1458 = x_axis_base_x * t1167;
+    let t1459 = x_axis_base_y * t1195;
     let t1460 = t1458 + t1459;
     let t1461 = t1460 + t1457;
-    let t1462 = x_axis_base_z * t1194;
-    let t1463 = x_axis_base_z * t1200;
-    let t1464 = x_axis_base_y * t1206;
+    let t1462 = x_axis_base_z * t1206;
+    let t1463 = x_axis_base_z * t1212;
+    let t1464 = x_axis_base_y * t1218;
     let t1465 = t1464 + t1463;
-    let t1466 = x_axis_base_x * t1213;
+    let t1466 = x_axis_base_x * t1225;
     let t1467 = t1466 + t1465;
     let t1468 = t1462 + t1467;
     let t1469 = t1468 + t1461;
     let t1470 = t1469 + t1454;
     let t1471 = moment_base_y + t1470;
     b_u[4] = t1471;
-    let t1472 = sin_rear_left_hip * moment_rear_left_hip_y;
-    let t1473 = sin_rear_right_hip * moment_rear_right_hip_y;
+    let t1472 = sin_front_right_hip * moment_front_right_hip_y;
+    let t1473 = sin_rear_left_hip * moment_rear_left_hip_y;
     let t1474 = t1473 + t1472;
-    let t1475 = sin_front_left_hip * moment_front_left_hip_y;
-    let t1476 = sin_front_right_hip * moment_front_right_hip_y;
-    let t1477 = t1476 + t1475;
-    let t1478 = t1477 + t1474;
-    let t1479 = t284 - t152;
-    let t1480 = 0.05 * t1479;
-    let t1481 = 0.05550000000000001 * t1221;
-    let t1482 = 0.46027000000000007 * t40;
-    let t1483 = t1482 + t1481;
-    let t1484 = 0.0016 * t408;
-    let t1485 = t1484 - t1483;
-    let t1486 = 0.08000000000000007 * acceleration_base_y;
-    let t1487 = t1486 - t1485;
-    let t1488 = t1480 + t1487;
-    let t1489 = t1488 + t1478;
-    let t1490 = cos_front_left_hip * moment_front_left_hip_x;
-    let t1491 = t484 - t396;
-    let t1492 = 0.2 * t1491;
-    let t1493 = t1490 - t1492;
-    let t1494 = t1489 - t1493;
-    let t1495 = cos_front_right_hip * moment_front_right_hip_x;
-    let t1496 = cos_rear_left_hip * moment_rear_left_hip_x;
-    let t1497 = t1496 + t1495;
-    let t1498 = cos_rear_right_hip * moment_rear_right_hip_x;
-    let t1499 = t1498 + t1497;
-    let moment_base_z = t1499 - t1494;
-    let t1501 = y_axis_base_x * t890;
-    let t1502 = y_axis_base_y * t921;
+    let t1475 = sin_rear_right_hip * moment_rear_right_hip_y;
+    let t1476 = t1475 + t1474;
+    let t1477 = sin_front_left_hip * moment_front_left_hip_y;
+    let t1478 = 0.05550000000000001 * t1233;
+    let t1479 = 0.46027000000000007 * t57;
+    let t1480 = t1479 + t1478;
+    let t1481 = 0.0016 * t426;
+    let t1482 = t1481 - t1480;
+    let t1483 = 0.08000000000000007 * acceleration_base_y;
+    let t1484 = t1483 - t1482;
+    let t1485 = t1477 + t1484;
+    let t1486 = t1485 + t1476;
+    let t1487 = t304 - t162;
+    let t1488 = 0.05 * t1487;
+    let t1489 = cos_front_left_hip * moment_front_left_hip_x;
+    let t1490 = t1489 - t1488;
+    let t1491 = t1486 - t1490;
+    let t1492 = cos_front_right_hip * moment_front_right_hip_x;
+    let t1493 = cos_rear_left_hip * moment_rear_left_hip_x;
+    let t1494 = t1493 + t1492;
+    let t1495 = cos_rear_right_hip * moment_rear_right_hip_x;
+    let t1496 = t1495 + t1494;
+    let t1497 = t1496 - t1491;
+    let t1498 = t500 - t414;
+    let t1499 = 0.2 * t1498;
+    let moment_base_z = t1499 - t1497;
+    let t1501 = y_axis_base_x * t902;
+    let t1502 = y_axis_base_y * t933;
     let t1503 = t1501 + t1502;
-    let t1504 = y_axis_base_x * t971;
-    let t1505 = y_axis_base_z * t980;
+    let t1504 = y_axis_base_x * t983;
+    let t1505 = y_axis_base_z * t992;
     let t1506 = t1505 + t1504;
     let t1507 = t1506 + t1503;
-    let t1508 = y_axis_base_z * t1030;
-    let t1509 = y_axis_base_y * t1058;
+    let t1508 = y_axis_base_z * t1042;
+    let t1509 = y_axis_base_y * t1070;
     let t1510 = t1509 + t1508;
-    let t1511 = y_axis_base_x * t1068;
+    let t1511 = y_axis_base_x * t1080;
     let t1512 = t1511 + t1510;
     let t1513 = t1512 + t1507;
-    let t1514 = y_axis_base_z * t1098;
-    let t1515 = y_axis_base_y * t1107;
+    let t1514 = y_axis_base_z * t1110;
+    let t1515 = y_axis_base_y * t1119;
     let t1516 = t1515 + t1514;
-    let t1517 = y_axis_base_x * t1155;
-    let t1518 = y_axis_base_y * t1183;
+    let t1517 = y_axis_base_x * t1167;
+    let t1518 = y_axis_base_y * t1195;
     let t1519 = t1517 + t1518;
     let t1520 = t1519 + t1516;
-    let t1521 = y_axis_base_z * t1194;
-    let t1522 = y_axis_base_z * t1200;
-    let t1523 = y_axis_base_y * t1206;
+    let t1521 = y_axis_base_z * t1206;
+    let t1522 = y_axis_base_z * t1212;
+    let t1523 = y_axis_base_y * t1218;
     let t1524 = t1523 + t1522;
-    let t1525 = y_axis_base_x * t1213;
+    let t1525 = y_axis_base_x * t1225;
     let t1526 = t1525 + t1524;
     let t1527 = t1521 + t1526;
     let t1528 = t1527 + t1520;
     let t1529 = t1528 + t1513;
-    let t1530 = moment_base_z - t1529;
+    let t1530 = moment_base_z + t1529;
+    b_u[5] = t1530;
     let t1531 = w[0][0] * origin_front_left_hip_y;
     let t1532 = w[0][1] * origin_front_left_hip_x;
     let t1533 = t1532 - t1531;
-    let t1534 = t1533 - t1026;
+    let t1534 = t1533 - t1038;
     let t1535 = z_axis_base_z * t1534;
     let t1536 = w[0][2] * origin_front_left_hip_x;
     let t1537 = w[0][0] * origin_front_left_hip_z;
     let t1538 = t1537 - t1536;
-    let t1539 = t1538 - t1054;
+    let t1539 = t1538 - t1066;
     let t1540 = z_axis_base_y * t1539;
     let t1541 = t1540 + t1535;
     let t1542 = w[0][2] * origin_front_left_hip_y;
     let t1543 = w[0][1] * origin_front_left_hip_z;
     let t1544 = t1542 - t1543;
-    let t1545 = t1544 - t1064;
+    let t1545 = t1544 - t1076;
     let t1546 = z_axis_base_x * t1545;
     let t1547 = t1546 + t1541;
     let t1548 = moment_front_left_hip_z - t1547;
-    let t1549 = w[0][0] * origin_front_left_thigh_y;
-    let t1550 = w[0][1] * origin_front_left_thigh_x;
-    let t1551 = t1550 - t1549;
-    let t1552 = t1551 - t1026;
-    let t1553 = y_axis_front_left_hip_z * t1552;
-    let t1554 = w[0][0] * origin_front_left_thigh_z;
-    let t1555 = w[0][2] * origin_front_left_thigh_x;
-    let t1556 = t1554 - t1555;
-    let t1557 = t1556 - t1054;
-    let t1558 = y_axis_front_left_hip_y * t1557;
-    let t1559 = t1558 + t1553;
-    let t1560 = w[0][1] * origin_front_left_thigh_z;
-    let t1561 = w[0][2] * origin_front_left_thigh_y;
-    let t1562 = t1561 - t1560;
-    let t1563 = t1562 - t1064;
-    let t1564 = y_axis_front_left_hip_x * t1563;
-    let t1565 = t1564 + t1559;
-    let t1566 = moment_front_left_thigh_z + t1565;
-    b_u[7] = t1566;
-    let t1567 = w[0][1] * origin_front_left_calf_z;
-    let t1568 = w[0][2] * origin_front_left_calf_y;
-    let t1569 = t1568 - t1567;
-    let t1570 = t1569 - t1064;
-    let t1571 = y_axis_front_left_hip_x * t1570;
-    let t1572 = moment_front_left_calf_z + t1571;
-    let t1573 = w[0][0] * origin_front_left_calf_y;
-    let t1574 = w[0][1] * origin_front_left_calf_x;
+    let t1549 = y_axis_front_left_hip_z * t1534;
+    let t1550 = y_axis_front_left_hip_y * t1539;
+    let t1551 = t1550 + t1549;
+    let t1552 = y_axis_front_left_hip_x * t1545;
+    let t1553 = t1552 + t1551;
+    let t1554 = moment_front_left_thigh_z + t1553;
+    b_u[7] = t1554;
+    let t1555 = w[0][1] * origin_front_left_calf_z;
+    let t1556 = w[0][2] * origin_front_left_calf_y;
+    let t1557 = t1556 - t1555;
+    let t1558 = t1557 - t1076;
+    let t1559 = y_axis_front_left_hip_x * t1558;
+    let t1560 = moment_front_left_calf_z + t1559;
+    let t1561 = w[0][0] * origin_front_left_calf_y;
+    let t1562 = w[0][1] * origin_front_left_calf_x;
+    let t1563 = t1562 - t1561;
+    let t1564 = t1563 - t1038;
+    let t1565 = y_axis_front_left_hip_z * t1564;
+    let t1566 = w[0][0] * origin_front_left_calf_z;
+    let t1567 = w[0][2] * origin_front_left_calf_x;
+    let t1568 = t1566 - t1567;
+    let t1569 = t1568 - t1066;
+    let t1570 = y_axis_front_left_hip_y * t1569;
+    let t1571 = t1570 + t1565;
+    let t1572 = t1571 + t1560;
+    b_u[8] = t1572;
+    let t1573 = w[1][0] * origin_front_right_hip_y;
+    let t1574 = w[1][1] * origin_front_right_hip_x;
     let t1575 = t1574 - t1573;
-    let t1576 = t1575 - t1026;
-    let t1577 = y_axis_front_left_hip_z * t1576;
-    let t1578 = w[0][0] * origin_front_left_calf_z;
-    let t1579 = w[0][2] * origin_front_left_calf_x;
-    let t1580 = t1578 - t1579;
-    let t1581 = t1580 - t1054;
-    let t1582 = y_axis_front_left_hip_y * t1581;
+    let t1576 = t1575 - t988;
+    let t1577 = z_axis_base_z * t1576;
+    let t1578 = w[1][2] * origin_front_right_hip_x;
+    let t1579 = w[1][0] * origin_front_right_hip_z;
+    let t1580 = t1579 - t1578;
+    let t1581 = t1580 - t929;
+    let t1582 = z_axis_base_y * t1581;
     let t1583 = t1582 + t1577;
-    let t1584 = t1583 + t1572;
-    b_u[8] = t1584;
-    let t1585 = w[1][0] * origin_front_right_hip_y;
-    let t1586 = w[1][1] * origin_front_right_hip_x;
-    let t1587 = t1586 - t1585;
-    let t1588 = t1587 - t976;
-    let t1589 = z_axis_base_z * t1588;
-    let t1590 = w[1][2] * origin_front_right_hip_x;
-    let t1591 = w[1][0] * origin_front_right_hip_z;
-    let t1592 = t1591 - t1590;
-    let t1593 = t1592 - t917;
-    let t1594 = z_axis_base_y * t1593;
-    let t1595 = t1594 + t1589;
-    let t1596 = w[1][2] * origin_front_right_hip_y;
-    let t1597 = w[1][1] * origin_front_right_hip_z;
-    let t1598 = t1596 - t1597;
-    let t1599 = t1598 - t886;
-    let t1600 = z_axis_base_x * t1599;
-    let t1601 = t1600 + t1595;
-    let t1602 = moment_front_right_hip_z - t1601;
-    let t1603 = w[1][0] * origin_front_right_thigh_y;
-    let t1604 = w[1][1] * origin_front_right_thigh_x;
+    let t1584 = w[1][2] * origin_front_right_hip_y;
+    let t1585 = w[1][1] * origin_front_right_hip_z;
+    let t1586 = t1584 - t1585;
+    let t1587 = t1586 - t898;
+    let t1588 = z_axis_base_x * t1587;
+    let t1589 = t1588 + t1583;
+    let t1590 = moment_front_right_hip_z - t1589;
+    let t1591 = y_axis_front_right_hip_z * t1576;
+    let t1592 = y_axis_front_right_hip_y * t1581;
+    let t1593 = t1592 + t1591;
+    let t1594 = y_axis_front_right_hip_x * t1587;
+    let t1595 = t1594 + t1593;
+    let t1596 = moment_front_right_thigh_z + t1595;
+    b_u[10] = t1596;
+    let t1597 = w[1][1] * origin_front_right_calf_z;
+    let t1598 = w[1][2] * origin_front_right_calf_y;
+    let t1599 = t1598 - t1597;
+    let t1600 = t1599 - t898;
+    let t1601 = y_axis_front_right_hip_x * t1600;
+    let t1602 = moment_front_right_calf_z + t1601;
+    let t1603 = w[1][0] * origin_front_right_calf_y;
+    let t1604 = w[1][1] * origin_front_right_calf_x;
     let t1605 = t1604 - t1603;
-    let t1606 = t1605 - t976;
+    let t1606 = t1605 - t988;
     let t1607 = y_axis_front_right_hip_z * t1606;
-    let t1608 = w[1][0] * origin_front_right_thigh_z;
-    let t1609 = w[1][2] * origin_front_right_thigh_x;
+    let t1608 = w[1][0] * origin_front_right_calf_z;
+    let t1609 = w[1][2] * origin_front_right_calf_x;
     let t1610 = t1608 - t1609;
-    let t1611 = t1610 - t917;
+    let t1611 = t1610 - t929;
     let t1612 = y_axis_front_right_hip_y * t1611;
     let t1613 = t1612 + t1607;
-    let t1614 = w[1][1] * origin_front_right_thigh_z;
-    let t1615 = w[1][2] * origin_front_right_thigh_y;
-    let t1616 = t1615 - t1614;
-    let t1617 = t1616 - t886;
-    let t1618 = y_axis_front_right_hip_x * t1617;
-    let t1619 = t1618 + t1613;
-    let t1620 = moment_front_right_thigh_z - t1619;
-    let t1621 = w[1][1] * origin_front_right_calf_z;
-    let t1622 = w[1][2] * origin_front_right_calf_y;
-    let t1623 = t1622 - t1621;
-    let t1624 = t1623 - t886;
-    let t1625 = y_axis_front_right_hip_x * t1624;
-    let t1626 = moment_front_right_calf_z - t1625;
-    let t1627 = w[1][0] * origin_front_right_calf_y;
-    let t1628 = w[1][1] * origin_front_right_calf_x;
-    let t1629 = t1628 - t1627;
-    let t1630 = t1629 - t976;
-    let t1631 = y_axis_front_right_hip_z * t1630;
-    let t1632 = w[1][0] * origin_front_right_calf_z;
-    let t1633 = w[1][2] * origin_front_right_calf_x;
-    let t1634 = t1632 - t1633;
-    let t1635 = t1634 - t917;
-    let t1636 = y_axis_front_right_hip_y * t1635;
-    let t1637 = t1636 + t1631;
-    let t1638 = t1637 - t1626;
-    b_u[11] = t1638;
-    let t1639 = w[2][0] * origin_rear_left_hip_y;
-    let t1640 = w[2][1] * origin_rear_left_hip_x;
+    let t1614 = t1613 + t1602;
+    b_u[11] = t1614;
+    let t1615 = w[2][0] * origin_rear_left_hip_y;
+    let t1616 = w[2][1] * origin_rear_left_hip_x;
+    let t1617 = t1616 - t1615;
+    let t1618 = t1617 - t1106;
+    let t1619 = z_axis_base_z * t1618;
+    let t1620 = w[2][2] * origin_rear_left_hip_x;
+    let t1621 = w[2][0] * origin_rear_left_hip_z;
+    let t1622 = t1621 - t1620;
+    let t1623 = t1622 - t1115;
+    let t1624 = z_axis_base_y * t1623;
+    let t1625 = t1624 + t1619;
+    let t1626 = w[2][2] * origin_rear_left_hip_y;
+    let t1627 = w[2][1] * origin_rear_left_hip_z;
+    let t1628 = t1626 - t1627;
+    let t1629 = t1628 - t979;
+    let t1630 = z_axis_base_x * t1629;
+    let t1631 = t1630 + t1625;
+    let t1632 = moment_rear_left_hip_z - t1631;
+    let t1633 = y_axis_rear_left_hip_z * t1618;
+    let t1634 = y_axis_rear_left_hip_y * t1623;
+    let t1635 = t1634 + t1633;
+    let t1636 = y_axis_rear_left_hip_x * t1629;
+    let t1637 = t1636 + t1635;
+    let t1638 = moment_rear_left_thigh_z + t1637;
+    b_u[13] = t1638;
+    let t1639 = w[2][1] * origin_rear_left_calf_z;
+    let t1640 = w[2][2] * origin_rear_left_calf_y;
     let t1641 = t1640 - t1639;
-    let t1642 = t1641 - t1094;
-    let t1643 = z_axis_base_z * t1642;
-    let t1644 = w[2][2] * origin_rear_left_hip_x;
-    let t1645 = w[2][0] * origin_rear_left_hip_z;
-    let t1646 = t1645 - t1644;
-    let t1647 = t1646 - t1103;
-    let t1648 = z_axis_base_y * t1647;
-    let t1649 = t1648 + t1643;
-    let t1650 = w[2][2] * origin_rear_left_hip_y;
-    let t1651 = w[2][1] * origin_rear_left_hip_z;
+    let t1642 = t1641 - t979;
+    let t1643 = y_axis_rear_left_hip_x * t1642;
+    let t1644 = moment_rear_left_calf_z + t1643;
+    let t1645 = w[2][0] * origin_rear_left_calf_y;
+    let t1646 = w[2][1] * origin_rear_left_calf_x;
+    let t1647 = t1646 - t1645;
+    let t1648 = t1647 - t1106;
+    let t1649 = y_axis_rear_left_hip_z * t1648;
+    let t1650 = w[2][0] * origin_rear_left_calf_z;
+    let t1651 = w[2][2] * origin_rear_left_calf_x;
     let t1652 = t1650 - t1651;
-    let t1653 = t1652 - t967;
-    let t1654 = z_axis_base_x * t1653;
+    let t1653 = t1652 - t1115;
+    let t1654 = y_axis_rear_left_hip_y * t1653;
     let t1655 = t1654 + t1649;
-    let t1656 = moment_rear_left_hip_z - t1655;
-    let t1657 = w[2][0] * origin_rear_left_thigh_y;
-    let t1658 = w[2][1] * origin_rear_left_thigh_x;
+    let t1656 = t1655 + t1644;
+    b_u[14] = t1656;
+    let t1657 = w[3][0] * origin_rear_right_hip_y;
+    let t1658 = w[3][1] * origin_rear_right_hip_x;
     let t1659 = t1658 - t1657;
-    let t1660 = t1659 - t1094;
-    let t1661 = y_axis_rear_left_hip_z * t1660;
-    let t1662 = w[2][0] * origin_rear_left_thigh_z;
-    let t1663 = w[2][2] * origin_rear_left_thigh_x;
-    let t1664 = t1662 - t1663;
-    let t1665 = t1664 - t1103;
-    let t1666 = y_axis_rear_left_hip_y * t1665;
+    let t1660 = t1659 - t1202;
+    let t1661 = z_axis_base_z * t1660;
+    let t1662 = w[3][2] * origin_rear_right_hip_x;
+    let t1663 = w[3][0] * origin_rear_right_hip_z;
+    let t1664 = t1663 - t1662;
+    let t1665 = t1664 - t1191;
+    let t1666 = z_axis_base_y * t1665;
     let t1667 = t1666 + t1661;
-    let t1668 = w[2][1] * origin_rear_left_thigh_z;
-    let t1669 = w[2][2] * origin_rear_left_thigh_y;
-    let t1670 = t1669 - t1668;
-    let t1671 = t1670 - t967;
-    let t1672 = y_axis_rear_left_hip_x * t1671;
+    let t1668 = w[3][2] * origin_rear_right_hip_y;
+    let t1669 = w[3][1] * origin_rear_right_hip_z;
+    let t1670 = t1668 - t1669;
+    let t1671 = t1670 - t1163;
+    let t1672 = z_axis_base_x * t1671;
     let t1673 = t1672 + t1667;
-    let t1674 = moment_rear_left_thigh_z + t1673;
-    b_u[13] = t1674;
-    let t1675 = w[2][1] * origin_rear_left_calf_z;
-    let t1676 = w[2][2] * origin_rear_left_calf_y;
-    let t1677 = t1676 - t1675;
-    let t1678 = t1677 - t967;
-    let t1679 = y_axis_rear_left_hip_x * t1678;
-    let t1680 = moment_rear_left_calf_z + t1679;
-    let t1681 = w[2][0] * origin_rear_left_calf_y;
-    let t1682 = w[2][1] * origin_rear_left_calf_x;
+    let t1674 = moment_rear_right_hip_z + t1673;
+    let t1675 = y_axis_rear_right_hip_z * t1660;
+    let t1676 = y_axis_rear_right_hip_y * t1665;
+    let t1677 = t1676 + t1675;
+    let t1678 = y_axis_rear_right_hip_x * t1671;
+    let t1679 = t1678 + t1677;
+    let t1680 = moment_rear_right_thigh_z - t1679;
+    b_u[16] = t1680;
+    let t1681 = w[3][1] * origin_rear_right_calf_z;
+    let t1682 = w[3][2] * origin_rear_right_calf_y;
     let t1683 = t1682 - t1681;
-    let t1684 = t1683 - t1094;
-    let t1685 = y_axis_rear_left_hip_z * t1684;
-    let t1686 = w[2][0] * origin_rear_left_calf_z;
-    let t1687 = w[2][2] * origin_rear_left_calf_x;
-    let t1688 = t1686 - t1687;
-    let t1689 = t1688 - t1103;
-    let t1690 = y_axis_rear_left_hip_y * t1689;
-    let t1691 = t1690 + t1685;
-    let t1692 = t1691 + t1680;
-    b_u[14] = t1692;
-    let t1693 = w[3][0] * origin_rear_right_hip_y;
-    let t1694 = w[3][1] * origin_rear_right_hip_x;
-    let t1695 = t1694 - t1693;
-    let t1696 = t1695 - t1190;
-    let t1697 = z_axis_base_z * t1696;
-    let t1698 = w[3][2] * origin_rear_right_hip_x;
-    let t1699 = w[3][0] * origin_rear_right_hip_z;
-    let t1700 = t1699 - t1698;
-    let t1701 = t1700 - t1179;
-    let t1702 = z_axis_base_y * t1701;
-    let t1703 = t1702 + t1697;
-    let t1704 = w[3][2] * origin_rear_right_hip_y;
-    let t1705 = w[3][1] * origin_rear_right_hip_z;
-    let t1706 = t1704 - t1705;
-    let t1707 = t1706 - t1151;
-    let t1708 = z_axis_base_x * t1707;
-    let t1709 = t1708 + t1703;
-    let t1710 = moment_rear_right_hip_z + t1709;
-    let t1711 = w[3][0] * origin_rear_right_thigh_y;
-    let t1712 = w[3][1] * origin_rear_right_thigh_x;
-    let t1713 = t1712 - t1711;
-    let t1714 = t1713 - t1190;
-    let t1715 = y_axis_rear_right_hip_z * t1714;
-    let t1716 = w[3][0] * origin_rear_right_thigh_z;
-    let t1717 = w[3][2] * origin_rear_right_thigh_x;
-    let t1718 = t1716 - t1717;
-    let t1719 = t1718 - t1179;
-    let t1720 = y_axis_rear_right_hip_y * t1719;
-    let t1721 = t1720 + t1715;
-    let t1722 = w[3][1] * origin_rear_right_thigh_z;
-    let t1723 = w[3][2] * origin_rear_right_thigh_y;
-    let t1724 = t1723 - t1722;
-    let t1725 = t1724 - t1151;
-    let t1726 = y_axis_rear_right_hip_x * t1725;
-    let t1727 = t1726 + t1721;
-    let t1728 = moment_rear_right_thigh_z + t1727;
-    let t1729 = w[3][1] * origin_rear_right_calf_z;
-    let t1730 = w[3][2] * origin_rear_right_calf_y;
-    let t1731 = t1730 - t1729;
-    let t1732 = t1731 - t1151;
-    let t1733 = y_axis_rear_right_hip_x * t1732;
-    let t1734 = moment_rear_right_calf_z + t1733;
-    let t1735 = w[3][0] * origin_rear_right_calf_y;
-    let t1736 = w[3][1] * origin_rear_right_calf_x;
-    let t1737 = t1736 - t1735;
-    let t1738 = t1737 - t1190;
-    let t1739 = y_axis_rear_right_hip_z * t1738;
-    let t1740 = w[3][0] * origin_rear_right_calf_z;
-    let t1741 = w[3][2] * origin_rear_right_calf_x;
-    let t1742 = t1740 - t1741;
-    let t1743 = t1742 - t1179;
-    let t1744 = y_axis_rear_right_hip_y * t1743;
-    let t1745 = t1744 + t1739;
-    let t1746 = t1745 + t1734;
-    let t1747 = -t522;
-    b_u[1] = t1747;
-    let t1748 = -t1219;
-    b_u[3] = t1748;
-    let t1749 = -t1530;
-    b_u[5] = t1749;
-    let t1750 = -t1548;
-    b_u[6] = t1750;
-    let t1751 = -t1602;
-    b_u[9] = t1751;
-    let t1752 = -t1620;
-    b_u[10] = t1752;
-    let t1753 = -t1656;
-    b_u[12] = t1753;
-    let t1754 = -t1710;
-    b_u[15] = t1754;
-    let t1755 = -t1728;
-    b_u[16] = t1755;
-    let t1756 = -t1746;
-    b_u[17] = t1756;
+    let t1684 = t1683 - t1163;
+    let t1685 = y_axis_rear_right_hip_x * t1684;
+    let t1686 = moment_rear_right_calf_z - t1685;
+    let t1687 = w[3][0] * origin_rear_right_calf_y;
+    let t1688 = w[3][1] * origin_rear_right_calf_x;
+    let t1689 = t1688 - t1687;
+    let t1690 = t1689 - t1202;
+    let t1691 = y_axis_rear_right_hip_z * t1690;
+    let t1692 = w[3][0] * origin_rear_right_calf_z;
+    let t1693 = w[3][2] * origin_rear_right_calf_x;
+    let t1694 = t1692 - t1693;
+    let t1695 = t1694 - t1191;
+    let t1696 = y_axis_rear_right_hip_y * t1695;
+    let t1697 = t1696 + t1691;
+    let t1698 = t1697 - t1686;
+    let t1699 = -t538;
+    b_u[1] = t1699;
+    let t1700 = -t1231;
+    b_u[3] = t1700;
+    let t1701 = -t1548;
+    b_u[6] = t1701;
+    let t1702 = -t1590;
+    b_u[9] = t1702;
+    let t1703 = -t1632;
+    b_u[12] = t1703;
+    let t1704 = -t1674;
+    b_u[15] = t1704;
+    let t1705 = -t1698;
+    b_u[17] = t1705;
 }
 
 /// Forward dynamics: the accelerations that inputs and wrenches cause.
@@ -2457,7 +2392,7 @@ pub fn inverse_dynamics_with_wrenches_into(
 ///   `front_left`, `front_right`, `rear_left`, `rear_right`, `push` in the axes of the base
 /// - returns `ÿ: [N]`: accelerations
 ///
-/// Cost: 1806 multiplications, 1561 additions, 18 divisions, 16 function calls (`sin_cos`).
+/// Cost: 1814 multiplications, 1525 additions, 14 divisions, 16 function calls (`sin_cos`).
 ///
 /// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
 #[inline]
@@ -2482,36 +2417,35 @@ pub fn forward_dynamics_with_wrenches_into(
     a: &mut [f64; N],
 ) {
     let [sin_front_left_hip, cos_front_left_hip, sin_front_left_thigh,
-    cos_front_left_thigh, sin_front_right_hip, cos_front_right_hip,
-    sin_front_right_thigh, cos_front_right_thigh, sin_rear_left_hip, cos_rear_left_hip,
-    sin_rear_left_thigh, cos_rear_left_thigh, sin_rear_right_hip, cos_rear_right_hip,
-    sin_rear_right_thigh, cos_rear_right_thigh, sin_rear_left_thigh_rear_left_calf,
+    cos_front_left_thigh, sin_front_left_calf, cos_front_left_calf, sin_front_right_hip,
+    cos_front_right_hip, sin_front_right_thigh, cos_front_right_thigh,
+    sin_front_right_calf, cos_front_right_calf, sin_rear_left_hip, cos_rear_left_hip,
+    sin_rear_left_thigh, cos_rear_left_thigh, sin_rear_left_calf, cos_rear_left_calf,
+    sin_rear_right_hip, cos_rear_right_hip, sin_rear_right_thigh, cos_rear_right_thigh,
+    sin_rear_right_calf, cos_rear_right_calf, sin_rear_left_thigh_rear_left_calf,
     cos_rear_left_thigh_rear_left_calf, sin_rear_right_thigh_rear_right_calf,
     cos_rear_right_thigh_rear_right_calf, sin_front_left_thigh_front_left_calf,
     cos_front_left_thigh_front_left_calf, sin_front_right_thigh_front_right_calf,
-    cos_front_right_thigh_front_right_calf, t38, t45, t55, t69, t76, t86, t101, t108,
-    t118, t133, t140, t150, t166, t168, t174, t176, t183, t185, t192, t194, t207, t215,
-    t220, t225, inverse_d_rear_right_calf, t234, inverse_d_rear_right_thigh, t240, t254,
-    t264, inverse_d_front_right_calf, t273, inverse_d_front_right_thigh, t279, t292,
-    t302, inverse_d_rear_left_calf, t311, inverse_d_rear_left_thigh, t317, t321, t323,
-    t326, t332, t337, inverse_d_front_left_calf, t346, t348, t364, t379,
-    inverse_d_front_left_thigh, t385, t393, t400, inverse_d_front_left_hip, t416, t423,
-    t430, inverse_d_front_right_hip, t446, t452, t459, inverse_d_rear_left_hip, t475,
-    t482, t489, inverse_d_rear_right_hip, t505, inverse_d_base_rz, t531, t535, t540,
-    t544, t625, t629, t632, t634, t638, t640, t643, t645, t650, t654, t657, t659, t662,
-    inverse_d_base_ry, t789, t791, t793, t797, t799, t802, t804, t806, t809, t811, t818,
-    t821, t823, t826, inverse_d_base_rx, t900, t930, t941, t943, t945, t947, t949, t952,
-    t955, t957, t959, t962, t965, t967, t969, t972, t975, inverse_d_base_z, t987, t990,
-    t994, t995, t996, t999] = forward_dynamics_with_wrenches_part_1(y);
-    let [t1129, t1131, t1133, t1135, t1137, t1139, t1142, t1145, t1147, t1149, t1152,
-    t1155, t1157, t1159, t1162, t1165, inverse_d_base_y, t1335, t1337, t1339, t1341,
-    t1343, t1345, t1347, t1350, t1353, t1355, t1357, t1360, t1363, t1365, t1367, t1370,
-    t1373, inverse_d_base_x, y_axis_base_z, x_axis_base_z, z_axis_base_z, x_axis_base_y,
-    y_axis_base_y, z_axis_base_y, x_axis_base_x, y_axis_base_x, z_axis_base_x,
-    acceleration_base_z, t1507, t1509, t1518, acceleration_base_y, t1531,
-    acceleration_base_x, t1611, t1645, t1806, t1840, t1996, t2030, t2185, t2219, t2371,
-    t2396, t2502, t2555, t2725, t2757, t2788, t2820, t2823, t2877, t2894, t2901, t2921,
-    t2993] = forward_dynamics_with_wrenches_part_2(
+    cos_front_right_thigh_front_right_calf, t155, t167, t177, t188, t219, t226,
+    inverse_d_rear_left_thigh, t232, t253, t260, inverse_d_rear_right_thigh, t266, t288,
+    t295, inverse_d_front_left_thigh, t301, t322, t329, inverse_d_front_right_thigh,
+    t335, t339, t341, t344, t346, t373, t380, inverse_d_front_left_hip, t396, t403, t410,
+    inverse_d_front_right_hip, t426, t432, t439, inverse_d_rear_left_hip, t455, t462,
+    t469, inverse_d_rear_right_hip, t485, inverse_d_base_rz, t605, t609, t611, t614,
+    t616, t620, t622, t625, t627, t634, t637, t639, t642, inverse_d_base_ry, t769, t771,
+    t773, t775, t778, t781, t783, t786, t788, t792, t798, t801, t803, t806,
+    inverse_d_base_rx, t906, t921, t923, t925, t927, t929, t932, t935, t937, t939, t942,
+    t945, t947, t950, t953, t957, inverse_d_base_z, t967, t970, t974, t976, t979, t983,
+    t986, t989, t993, t999, t1002, t1019, t1022, t1047, t1069, t1079] = forward_dynamics_with_wrenches_part_1(
+        y,
+    );
+    let [t1109, t1111, t1113, t1115, t1117, t1119, t1122, t1125, t1127, t1129, t1132,
+    t1135, t1137, t1140, t1143, t1147, inverse_d_base_y, t1315, t1317, t1319, t1321,
+    t1323, t1325, t1327, t1330, t1333, t1335, t1337, t1340, t1343, t1345, t1348, t1351,
+    t1355, inverse_d_base_x, x_axis_base_z, z_axis_base_z, x_axis_base_y, z_axis_base_y,
+    x_axis_base_x, z_axis_base_x, t1487, t1489, t1498, acceleration_base_y, t1511,
+    acceleration_base_x, t1593, t1699, t1701, t1864, t1970, t1972, t2130, t2236, t2238,
+    t2395, t2501, t2503, t2669, t2694, t2760, t2787, t2791, t2889, t2961, t3028] = forward_dynamics_with_wrenches_part_2(
         y,
         v,
         u,
@@ -2521,18 +2455,26 @@ pub fn forward_dynamics_with_wrenches_into(
             cos_front_left_hip,
             sin_front_left_thigh,
             cos_front_left_thigh,
+            sin_front_left_calf,
+            cos_front_left_calf,
             sin_front_right_hip,
             cos_front_right_hip,
             sin_front_right_thigh,
             cos_front_right_thigh,
+            sin_front_right_calf,
+            cos_front_right_calf,
             sin_rear_left_hip,
             cos_rear_left_hip,
             sin_rear_left_thigh,
             cos_rear_left_thigh,
+            sin_rear_left_calf,
+            cos_rear_left_calf,
             sin_rear_right_hip,
             cos_rear_right_hip,
             sin_rear_right_thigh,
             cos_rear_right_thigh,
+            sin_rear_right_calf,
+            cos_rear_right_calf,
             sin_rear_left_thigh_rear_left_calf,
             cos_rear_left_thigh_rear_left_calf,
             sin_rear_right_thigh_rear_right_calf,
@@ -2541,318 +2483,285 @@ pub fn forward_dynamics_with_wrenches_into(
             cos_front_left_thigh_front_left_calf,
             sin_front_right_thigh_front_right_calf,
             cos_front_right_thigh_front_right_calf,
-            t38,
-            t45,
-            t55,
-            t69,
-            t76,
-            t86,
-            t101,
-            t108,
-            t118,
-            t133,
-            t140,
-            t150,
-            t166,
-            t168,
-            t174,
-            t176,
-            t183,
-            t185,
-            t192,
-            t194,
-            t207,
-            t215,
-            t220,
-            t225,
-            inverse_d_rear_right_calf,
-            t234,
-            inverse_d_rear_right_thigh,
-            t240,
-            t254,
-            t264,
-            inverse_d_front_right_calf,
-            t273,
-            inverse_d_front_right_thigh,
-            t279,
-            t292,
-            t302,
-            inverse_d_rear_left_calf,
-            t311,
+            t155,
+            t167,
+            t177,
+            t188,
+            t219,
+            t226,
             inverse_d_rear_left_thigh,
-            t317,
-            t321,
-            t323,
-            t326,
-            t332,
-            t337,
-            inverse_d_front_left_calf,
-            t346,
-            t348,
-            t364,
-            t379,
+            t232,
+            t253,
+            t260,
+            inverse_d_rear_right_thigh,
+            t266,
+            t288,
+            t295,
             inverse_d_front_left_thigh,
-            t385,
-            t393,
-            t400,
+            t301,
+            t322,
+            t329,
+            inverse_d_front_right_thigh,
+            t335,
+            t339,
+            t341,
+            t344,
+            t346,
+            t373,
+            t380,
             inverse_d_front_left_hip,
-            t416,
-            t423,
-            t430,
+            t396,
+            t403,
+            t410,
             inverse_d_front_right_hip,
-            t446,
-            t452,
-            t459,
+            t426,
+            t432,
+            t439,
             inverse_d_rear_left_hip,
-            t475,
-            t482,
-            t489,
+            t455,
+            t462,
+            t469,
             inverse_d_rear_right_hip,
-            t505,
+            t485,
             inverse_d_base_rz,
-            t531,
-            t535,
-            t540,
-            t544,
+            t605,
+            t609,
+            t611,
+            t614,
+            t616,
+            t620,
+            t622,
             t625,
-            t629,
-            t632,
+            t627,
             t634,
-            t638,
-            t640,
-            t643,
-            t645,
-            t650,
-            t654,
-            t657,
-            t659,
-            t662,
+            t637,
+            t639,
+            t642,
             inverse_d_base_ry,
-            t789,
-            t791,
-            t793,
-            t797,
-            t799,
-            t802,
-            t804,
+            t769,
+            t771,
+            t773,
+            t775,
+            t778,
+            t781,
+            t783,
+            t786,
+            t788,
+            t792,
+            t798,
+            t801,
+            t803,
             t806,
-            t809,
-            t811,
-            t818,
-            t821,
-            t823,
-            t826,
             inverse_d_base_rx,
-            t900,
-            t930,
-            t941,
-            t943,
+            t906,
+            t921,
+            t923,
+            t925,
+            t927,
+            t929,
+            t932,
+            t935,
+            t937,
+            t939,
+            t942,
             t945,
             t947,
-            t949,
-            t952,
-            t955,
+            t950,
+            t953,
             t957,
-            t959,
-            t962,
-            t965,
-            t967,
-            t969,
-            t972,
-            t975,
             inverse_d_base_z,
-            t987,
-            t990,
-            t994,
-            t995,
-            t996,
+            t967,
+            t970,
+            t974,
+            t976,
+            t979,
+            t983,
+            t986,
+            t989,
+            t993,
             t999,
+            t1002,
+            t1019,
+            t1022,
+            t1047,
+            t1069,
+            t1079,
         ],
     );
-    let [t3204, t3216, t3236, t3264, t3294, t3309, t3354, t3384, t3399, t3417, t3418,
-    t3419, t3420, t3421, t3422, t3423, t3424, t3425] = forward_dynamics_with_wrenches_part_3(
+    let [t3169, t3177, t3204, t3217, t3232, t3277, t3307, t3322, t3367, t3385, t3386,
+    t3387, t3388, t3389, t3390, t3391, t3392, t3393] = forward_dynamics_with_wrenches_part_3(
         w,
         [
-            inverse_d_rear_right_calf,
-            t234,
-            inverse_d_rear_right_thigh,
-            t240,
-            inverse_d_front_right_calf,
-            t273,
-            inverse_d_front_right_thigh,
-            t279,
-            inverse_d_rear_left_calf,
-            t311,
+            t226,
             inverse_d_rear_left_thigh,
-            t317,
-            t321,
-            t323,
-            inverse_d_front_left_calf,
-            t346,
-            t348,
-            t379,
+            t232,
+            t260,
+            inverse_d_rear_right_thigh,
+            t266,
+            t295,
             inverse_d_front_left_thigh,
-            t385,
-            t393,
-            t400,
+            t301,
+            t329,
+            inverse_d_front_right_thigh,
+            t335,
+            t339,
+            t341,
+            t344,
+            t346,
+            t373,
+            t380,
             inverse_d_front_left_hip,
-            t416,
-            t423,
-            t430,
+            t396,
+            t403,
+            t410,
             inverse_d_front_right_hip,
-            t446,
-            t452,
-            t459,
+            t426,
+            t432,
+            t439,
             inverse_d_rear_left_hip,
-            t475,
-            t482,
-            t489,
+            t455,
+            t462,
+            t469,
             inverse_d_rear_right_hip,
-            t505,
+            t485,
             inverse_d_base_rz,
+            t605,
+            t609,
+            t611,
+            t614,
+            t616,
+            t620,
+            t622,
             t625,
-            t629,
-            t632,
+            t627,
             t634,
-            t638,
-            t640,
-            t643,
-            t645,
-            t650,
-            t654,
-            t657,
-            t659,
-            t662,
+            t637,
+            t639,
+            t642,
             inverse_d_base_ry,
-            t789,
-            t791,
-            t793,
-            t797,
-            t799,
-            t802,
-            t804,
+            t769,
+            t771,
+            t773,
+            t775,
+            t778,
+            t781,
+            t783,
+            t786,
+            t788,
+            t792,
+            t798,
+            t801,
+            t803,
             t806,
-            t809,
-            t811,
-            t818,
-            t821,
-            t823,
-            t826,
             inverse_d_base_rx,
-            t941,
-            t943,
+            t921,
+            t923,
+            t925,
+            t927,
+            t929,
+            t932,
+            t935,
+            t937,
+            t939,
+            t942,
             t945,
             t947,
-            t949,
-            t952,
-            t955,
+            t950,
+            t953,
             t957,
-            t959,
-            t962,
-            t965,
-            t967,
-            t969,
-            t972,
-            t975,
             inverse_d_base_z,
+            t1109,
+            t1111,
+            t1113,
+            t1115,
+            t1117,
+            t1119,
+            t1122,
+            t1125,
+            t1127,
             t1129,
-            t1131,
-            t1133,
+            t1132,
             t1135,
             t1137,
-            t1139,
-            t1142,
-            t1145,
+            t1140,
+            t1143,
             t1147,
-            t1149,
-            t1152,
-            t1155,
-            t1157,
-            t1159,
-            t1162,
-            t1165,
             inverse_d_base_y,
+            t1315,
+            t1317,
+            t1319,
+            t1321,
+            t1323,
+            t1325,
+            t1327,
+            t1330,
+            t1333,
             t1335,
             t1337,
-            t1339,
-            t1341,
+            t1340,
             t1343,
             t1345,
-            t1347,
-            t1350,
-            t1353,
+            t1348,
+            t1351,
             t1355,
-            t1357,
-            t1360,
-            t1363,
-            t1365,
-            t1367,
-            t1370,
-            t1373,
             inverse_d_base_x,
-            y_axis_base_z,
             x_axis_base_z,
             z_axis_base_z,
             x_axis_base_y,
-            y_axis_base_y,
             z_axis_base_y,
             x_axis_base_x,
-            y_axis_base_x,
             z_axis_base_x,
-            acceleration_base_z,
-            t1507,
-            t1509,
-            t1518,
+            t1487,
+            t1489,
+            t1498,
             acceleration_base_y,
-            t1531,
+            t1511,
             acceleration_base_x,
-            t1611,
-            t1645,
-            t1806,
-            t1840,
-            t1996,
-            t2030,
-            t2185,
-            t2219,
-            t2371,
-            t2396,
-            t2502,
-            t2555,
-            t2725,
-            t2757,
-            t2788,
-            t2820,
-            t2823,
-            t2877,
-            t2894,
-            t2901,
-            t2921,
-            t2993,
+            t1593,
+            t1699,
+            t1701,
+            t1864,
+            t1970,
+            t1972,
+            t2130,
+            t2236,
+            t2238,
+            t2395,
+            t2501,
+            t2503,
+            t2669,
+            t2694,
+            t2760,
+            t2787,
+            t2791,
+            t2889,
+            t2961,
+            t3028,
         ],
     );
-    a[0] = t3417;
-    a[1] = t3204;
-    a[2] = t3418;
-    a[3] = t3216;
-    a[4] = t3419;
-    a[5] = t3236;
-    a[6] = t3420;
-    a[7] = t3264;
-    a[8] = t3421;
-    a[9] = t3294;
-    a[10] = t3309;
-    a[11] = t3422;
-    a[12] = t3423;
-    a[13] = t3354;
-    a[14] = t3424;
-    a[15] = t3384;
-    a[16] = t3399;
-    a[17] = t3425;
+    a[0] = t3169;
+    a[1] = t3385;
+    a[2] = t3177;
+    a[3] = t3386;
+    a[4] = t3387;
+    a[5] = t3204;
+    a[6] = t3217;
+    a[7] = t3232;
+    a[8] = t3388;
+    a[9] = t3389;
+    a[10] = t3277;
+    a[11] = t3390;
+    a[12] = t3307;
+    a[13] = t3322;
+    a[14] = t3391;
+    a[15] = t3392;
+    a[16] = t3367;
+    a[17] = t3393;
 }
 
 /// Part 1 of `forward_dynamics_with_wrenches`: values that later parts read.
 #[inline(never)]
-fn forward_dynamics_with_wrenches_part_1(y: &[f64; NY]) -> [f64; 150] {
+fn forward_dynamics_with_wrenches_part_1(y: &[f64; NY]) -> [f64; 135] {
     let angle_rear_left_thigh_rear_left_calf = y[14] + y[15];
     let angle_rear_right_thigh_rear_right_calf = y[17] + y[18];
     let angle_front_left_thigh_front_left_calf = y[8] + y[9];
@@ -2906,987 +2815,1075 @@ fn forward_dynamics_with_wrenches_part_1(y: &[f64; NY]) -> [f64; 150] {
         angle_front_left_thigh_front_left_calf,
         angle_front_right_thigh_front_right_calf,
     );
-    let t36 = 0.005569999999999999 * sin_front_right_calf;
-    let t37 = sin_front_right_calf * t36;
-    let t38 = 0.005585 - t37;
-    let t39 = 0.012 * cos_front_right_calf;
-    let t40 = 0.01649 + t39;
-    let t41 = t38 + t40;
-    let t42 = t37 + 0.000515;
-    let t43 = t42 - t41;
-    let t44 = sin_front_right_thigh * t43;
-    let t45 = cos_front_right_calf * t36;
-    let t46 = 0.006 * sin_front_right_calf;
-    let t47 = t45 + t46;
-    let t48 = 2.0 * t47;
-    let t49 = cos_front_right_thigh * t48;
-    let t50 = t49 - t44;
-    let t51 = sin_front_right_thigh * t50;
-    let t52 = t41 - t51;
-    let t53 = 0.007629999999999999 - t52;
-    let t54 = cos_front_right_hip * t53;
-    let t55 = 0.03 * cos_front_right_calf;
-    let t56 = 0.083 + t55;
-    let t57 = 0.09 * t56;
-    let t58 = 0.00066 - t57;
-    let t59 = cos_front_right_thigh * t58;
-    let t60 = sin_front_right_calf * 0.0026999999999999997;
-    let t61 = sin_front_right_thigh * t60;
-    let t62 = t59 + t61;
-    let t63 = 2.0 * t62;
-    let t64 = sin_front_right_hip * t63;
-    let t65 = t64 + t54;
-    let t66 = cos_front_right_hip * t65;
-    let t67 = 0.005569999999999999 * sin_rear_left_calf;
-    let t68 = sin_rear_left_calf * t67;
-    let t69 = 0.005585 - t68;
-    let t70 = 0.012 * cos_rear_left_calf;
-    let t71 = 0.01649 + t70;
-    let t72 = t69 + t71;
-    let t73 = t68 + 0.000515;
-    let t74 = t73 - t72;
-    let t75 = sin_rear_left_thigh * t74;
-    let t76 = cos_rear_left_calf * t67;
-    let t77 = 0.006 * sin_rear_left_calf;
-    let t78 = t76 + t77;
-    let t79 = 2.0 * t78;
-    let t80 = cos_rear_left_thigh * t79;
-    let t81 = t80 - t75;
-    let t82 = sin_rear_left_thigh * t81;
-    let t83 = t72 - t82;
-    let t84 = 0.007629999999999999 - t83;
-    let t85 = cos_rear_left_hip * t84;
-    let t86 = 0.03 * cos_rear_left_calf;
-    let t87 = 0.083 + t86;
-    let t88 = 0.09 * t87;
-    let t89 = 0.00066 - t88;
-    let t90 = cos_rear_left_thigh * t89;
-    let t91 = sin_rear_left_calf * 0.0026999999999999997;
-    let t92 = sin_rear_left_thigh * t91;
-    let t93 = t90 + t92;
-    let t94 = 2.0 * t93;
-    let t95 = sin_rear_left_hip * t94;
-    let t96 = t95 - t85;
-    let t97 = cos_rear_left_hip * t96;
-    let t98 = t97 - t66;
-    let t99 = 0.005569999999999999 * sin_rear_right_calf;
-    let t100 = sin_rear_right_calf * t99;
-    let t101 = 0.005585 - t100;
-    let t102 = 0.012 * cos_rear_right_calf;
-    let t103 = 0.01649 + t102;
-    let t104 = t101 + t103;
-    let t105 = t100 + 0.000515;
-    let t106 = t105 - t104;
+    let t36 = 0.012 * cos_front_right_calf;
+    let t37 = t36 + 0.022075;
+    let t38 = sin_front_right_calf * 0.005569999999999999;
+    let t39 = sin_front_right_calf * t38;
+    let t40 = t39 - t37;
+    let t41 = 0.000515 + t39;
+    let t42 = t41 + t40;
+    let t43 = sin_front_right_thigh * t42;
+    let t44 = cos_front_right_calf * t38;
+    let t45 = 0.006 * sin_front_right_calf;
+    let t46 = t44 + t45;
+    let t47 = 2.0 * t46;
+    let t48 = cos_front_right_thigh * t47;
+    let t49 = t48 - t43;
+    let t50 = sin_front_right_thigh * t49;
+    let t51 = t40 + t50;
+    let t52 = 0.007629999999999999 + t51;
+    let t53 = cos_front_right_hip * t52;
+    let t54 = 0.0026999999999999997 * cos_front_right_calf;
+    let t55 = 0.00681 + t54;
+    let t56 = cos_front_right_thigh * t55;
+    let t57 = 0.0026999999999999997 * sin_front_right_calf;
+    let t58 = sin_front_right_thigh * t57;
+    let t59 = t56 - t58;
+    let t60 = 2.0 * t59;
+    let t61 = sin_front_right_hip * t60;
+    let t62 = t61 - t53;
+    let t63 = cos_front_right_hip * t62;
+    let t64 = 0.012 * cos_rear_left_calf;
+    let t65 = t64 + 0.022075;
+    let t66 = sin_rear_left_calf * 0.005569999999999999;
+    let t67 = sin_rear_left_calf * t66;
+    let t68 = t67 - t65;
+    let t69 = 0.000515 + t67;
+    let t70 = t69 + t68;
+    let t71 = sin_rear_left_thigh * t70;
+    let t72 = cos_rear_left_calf * t66;
+    let t73 = 0.006 * sin_rear_left_calf;
+    let t74 = t72 + t73;
+    let t75 = 2.0 * t74;
+    let t76 = cos_rear_left_thigh * t75;
+    let t77 = t76 - t71;
+    let t78 = sin_rear_left_thigh * t77;
+    let t79 = t68 + t78;
+    let t80 = 0.007629999999999999 + t79;
+    let t81 = cos_rear_left_hip * t80;
+    let t82 = 0.0026999999999999997 * cos_rear_left_calf;
+    let t83 = 0.00681 + t82;
+    let t84 = cos_rear_left_thigh * t83;
+    let t85 = 0.0026999999999999997 * sin_rear_left_calf;
+    let t86 = sin_rear_left_thigh * t85;
+    let t87 = t84 - t86;
+    let t88 = 2.0 * t87;
+    let t89 = sin_rear_left_hip * t88;
+    let t90 = t89 + t81;
+    let t91 = cos_rear_left_hip * t90;
+    let t92 = t91 - t63;
+    let t93 = 0.012 * cos_rear_right_calf;
+    let t94 = t93 + 0.022075;
+    let t95 = sin_rear_right_calf * 0.005569999999999999;
+    let t96 = sin_rear_right_calf * t95;
+    let t97 = t96 - t94;
+    let t98 = t96 + 0.000515;
+    let t99 = t98 + t97;
+    let t100 = sin_rear_right_thigh * t99;
+    let t101 = cos_rear_right_calf * t95;
+    let t102 = 0.006 * sin_rear_right_calf;
+    let t103 = t101 + t102;
+    let t104 = 2.0 * t103;
+    let t105 = cos_rear_right_thigh * t104;
+    let t106 = t105 - t100;
     let t107 = sin_rear_right_thigh * t106;
-    let t108 = cos_rear_right_calf * t99;
-    let t109 = 0.006 * sin_rear_right_calf;
-    let t110 = t108 + t109;
-    let t111 = 2.0 * t110;
-    let t112 = cos_rear_right_thigh * t111;
-    let t113 = t112 - t107;
-    let t114 = sin_rear_right_thigh * t113;
-    let t115 = t104 - t114;
-    let t116 = 0.007629999999999999 - t115;
-    let t117 = cos_rear_right_hip * t116;
-    let t118 = 0.03 * cos_rear_right_calf;
-    let t119 = 0.083 + t118;
-    let t120 = 0.09 * t119;
-    let t121 = 0.00066 - t120;
-    let t122 = cos_rear_right_thigh * t121;
-    let t123 = sin_rear_right_calf * 0.0026999999999999997;
-    let t124 = sin_rear_right_thigh * t123;
-    let t125 = t122 + t124;
-    let t126 = 2.0 * t125;
-    let t127 = sin_rear_right_hip * t126;
-    let t128 = t127 + t117;
-    let t129 = cos_rear_right_hip * t128;
-    let t130 = t129 - t98;
-    let t131 = sin_front_left_calf * 0.005569999999999999;
-    let t132 = sin_front_left_calf * t131;
-    let t133 = 0.005585 - t132;
-    let t134 = 0.012 * cos_front_left_calf;
-    let t135 = 0.01649 + t134;
-    let t136 = t133 + t135;
-    let t137 = t132 + 0.000515;
-    let t138 = t137 - t136;
-    let t139 = sin_front_left_thigh * t138;
-    let t140 = cos_front_left_calf * t131;
-    let t141 = 0.006 * sin_front_left_calf;
-    let t142 = t140 + t141;
-    let t143 = 2.0 * t142;
-    let t144 = cos_front_left_thigh * t143;
-    let t145 = t144 - t139;
-    let t146 = sin_front_left_thigh * t145;
-    let t147 = t136 - t146;
-    let t148 = 0.007629999999999999 - t147;
+    let t108 = t97 + t107;
+    let t109 = 0.007629999999999999 + t108;
+    let t110 = cos_rear_right_hip * t109;
+    let t111 = 0.0026999999999999997 * cos_rear_right_calf;
+    let t112 = 0.00681 + t111;
+    let t113 = cos_rear_right_thigh * t112;
+    let t114 = 0.0026999999999999997 * sin_rear_right_calf;
+    let t115 = sin_rear_right_thigh * t114;
+    let t116 = t113 - t115;
+    let t117 = 2.0 * t116;
+    let t118 = sin_rear_right_hip * t117;
+    let t119 = t118 - t110;
+    let t120 = cos_rear_right_hip * t119;
+    let t121 = t120 - t92;
+    let t122 = 0.012 * cos_front_left_calf;
+    let t123 = t122 + 0.022075;
+    let t124 = sin_front_left_calf * 0.005569999999999999;
+    let t125 = sin_front_left_calf * t124;
+    let t126 = t125 - t123;
+    let t127 = 0.000515 + t125;
+    let t128 = t127 + t126;
+    let t129 = sin_front_left_thigh * t128;
+    let t130 = cos_front_left_calf * t124;
+    let t131 = 0.006 * sin_front_left_calf;
+    let t132 = t130 + t131;
+    let t133 = 2.0 * t132;
+    let t134 = cos_front_left_thigh * t133;
+    let t135 = t134 - t129;
+    let t136 = sin_front_left_thigh * t135;
+    let t137 = t126 + t136;
+    let t138 = 0.007629999999999999 + t137;
+    let t139 = cos_front_left_hip * t138;
+    let t140 = 0.0026999999999999997 * cos_front_left_calf;
+    let t141 = 0.00681 + t140;
+    let t142 = cos_front_left_thigh * t141;
+    let t143 = 0.0026999999999999997 * sin_front_left_calf;
+    let t144 = sin_front_left_thigh * t143;
+    let t145 = t142 - t144;
+    let t146 = 2.0 * t145;
+    let t147 = sin_front_left_hip * t146;
+    let t148 = t147 + t139;
     let t149 = cos_front_left_hip * t148;
     let t150 = 0.03 * cos_front_left_calf;
     let t151 = 0.083 + t150;
-    let t152 = 0.09 * t151;
-    let t153 = 0.00066 - t152;
-    let t154 = cos_front_left_thigh * t153;
-    let t155 = sin_front_left_calf * 0.0026999999999999997;
-    let t156 = sin_front_left_thigh * t155;
-    let t157 = t154 + t156;
-    let t158 = 2.0 * t157;
-    let t159 = sin_front_left_hip * t158;
-    let t160 = t159 - t149;
-    let t161 = cos_front_left_hip * t160;
-    let t162 = t115 + t83;
-    let t163 = t52 + t147;
-    let t164 = t163 + t162;
-    let t165 = cos_front_right_thigh * t56;
-    let t166 = 0.03 * sin_front_right_calf;
-    let t167 = sin_front_right_thigh * t166;
-    let t168 = t165 - t167;
-    let t169 = sin_front_right_hip * t168;
-    let t170 = 0.09949999999999999 * cos_front_right_hip;
-    let t171 = t169 - t170;
-    let t172 = 0.1 * t171;
-    let t173 = cos_rear_left_thigh * t87;
-    let t174 = 0.03 * sin_rear_left_calf;
-    let t175 = sin_rear_left_thigh * t174;
-    let t176 = t173 - t175;
-    let t177 = sin_rear_left_hip * t176;
-    let t178 = 0.09949999999999999 * cos_rear_left_hip;
-    let t179 = t177 + t178;
-    let t180 = 0.1 * t179;
-    let t181 = t180 - t172;
-    let t182 = cos_rear_right_thigh * t119;
-    let t183 = 0.03 * sin_rear_right_calf;
-    let t184 = sin_rear_right_thigh * t183;
-    let t185 = t182 - t184;
-    let t186 = sin_rear_right_hip * t185;
-    let t187 = 0.09949999999999999 * cos_rear_right_hip;
-    let t188 = t186 - t187;
-    let t189 = t188 * 0.1;
-    let t190 = t189 - t181;
-    let t191 = cos_front_left_thigh * t151;
-    let t192 = 0.03 * sin_front_left_calf;
-    let t193 = sin_front_left_thigh * t192;
-    let t194 = t191 - t193;
-    let t195 = sin_front_left_hip * t194;
-    let t196 = 0.09949999999999999 * cos_front_left_hip;
-    let t197 = t195 + t196;
-    let t198 = 0.1 * t197;
-    let t199 = t198 + 0.057100000000000005;
-    let t200 = t199 - t190;
-    let t201 = t200 + t164;
-    let t202 = t161 - t201;
-    let t203 = t202 - t130;
-    let t204 = t105 + t104;
-    let t205 = sin_rear_right_thigh * t119;
-    let t206 = cos_rear_right_thigh * t183;
-    let t207 = t205 + t206;
-    let t208 = 0.2 * t207;
-    let t209 = t208 + t204;
-    let t210 = sin_rear_right_hip * t209;
-    let t211 = 0.05 * t185;
-    let t212 = t211 - t210;
-    let t213 = cos_rear_right_hip * t125;
-    let t214 = t213 - t212;
-    let t215 = 1.500000000000004e-5 + t100;
-    let t216 = t101 + t215;
-    let t217 = 0.006 * cos_rear_right_calf;
-    let t218 = t216 + t217;
-    let t219 = sin_rear_right_thigh * t118;
-    let t220 = t206 + t219;
-    let t221 = 0.2 * t220;
-    let t222 = t218 + t221;
-    let t223 = sin_rear_right_hip * t222;
-    let t224 = cos_rear_right_thigh * t118;
-    let t225 = t184 - t224;
-    let t226 = 0.05 * t225;
-    let t227 = cos_rear_right_calf * 0.0026999999999999997;
-    let t228 = cos_rear_right_thigh * t227;
-    let t229 = t124 - t228;
-    let t230 = cos_rear_right_hip * t229;
-    let t231 = t230 + t226;
-    let t232 = t223 + t231;
-    let inverse_d_rear_right_calf = 1.0 / t216;
-    let t234 = t218 * inverse_d_rear_right_calf;
-    let t235 = t234 * t232;
-    let t236 = t235 - t214;
-    let t237 = t218 * t234;
-    let t238 = t237 - t204;
-    let inverse_d_rear_right_thigh = 1.0 / t238;
-    let t240 = t236 * inverse_d_rear_right_thigh;
-    let t241 = t236 * t240;
-    let t242 = t203 - t241;
-    let t243 = t42 + t41;
-    let t244 = sin_front_right_thigh * t56;
-    let t245 = cos_front_right_thigh * t166;
-    let t246 = t244 + t245;
+    let t152 = cos_front_left_thigh * t151;
+    let t153 = 0.03 * sin_front_left_calf;
+    let t154 = sin_front_left_thigh * t153;
+    let t155 = t152 - t154;
+    let t156 = sin_front_left_hip * t155;
+    let t157 = 0.0995 * cos_front_left_hip;
+    let t158 = t156 + t157;
+    let t159 = 0.1 * t158;
+    let t160 = t159 + 0.057100000000000005;
+    let t161 = t137 - t160;
+    let t162 = 0.03 * cos_front_right_calf;
+    let t163 = 0.083 + t162;
+    let t164 = cos_front_right_thigh * t163;
+    let t165 = 0.03 * sin_front_right_calf;
+    let t166 = sin_front_right_thigh * t165;
+    let t167 = t164 - t166;
+    let t168 = sin_front_right_hip * t167;
+    let t169 = 0.0995 * cos_front_right_hip;
+    let t170 = t168 - t169;
+    let t171 = 0.1 * t170;
+    let t172 = 0.03 * cos_rear_left_calf;
+    let t173 = 0.083 + t172;
+    let t174 = cos_rear_left_thigh * t173;
+    let t175 = 0.03 * sin_rear_left_calf;
+    let t176 = sin_rear_left_thigh * t175;
+    let t177 = t174 - t176;
+    let t178 = sin_rear_left_hip * t177;
+    let t179 = 0.0995 * cos_rear_left_hip;
+    let t180 = t178 + t179;
+    let t181 = 0.1 * t180;
+    let t182 = t181 - t171;
+    let t183 = 0.03 * cos_rear_right_calf;
+    let t184 = 0.083 + t183;
+    let t185 = cos_rear_right_thigh * t184;
+    let t186 = 0.03 * sin_rear_right_calf;
+    let t187 = sin_rear_right_thigh * t186;
+    let t188 = t185 - t187;
+    let t189 = sin_rear_right_hip * t188;
+    let t190 = 0.0995 * cos_rear_right_hip;
+    let t191 = t189 - t190;
+    let t192 = t191 * 0.1;
+    let t193 = t192 - t182;
+    let t194 = t193 + t161;
+    let t195 = t79 + t51;
+    let t196 = t108 + t195;
+    let t197 = t196 + t194;
+    let t198 = t149 - t197;
+    let t199 = t198 - t121;
+    let t200 = sin_rear_left_thigh * t173;
+    let t201 = cos_rear_left_thigh * t175;
+    let t202 = t200 + t201;
+    let t203 = 0.2 * t202;
+    let t204 = t69 - t68;
+    let t205 = t203 + t204;
+    let t206 = sin_rear_left_hip * t205;
+    let t207 = 0.05 * t177;
+    let t208 = cos_rear_left_hip * t87;
+    let t209 = t208 + t207;
+    let t210 = t206 + t209;
+    let t211 = sin_rear_left_thigh * t172;
+    let t212 = t201 + t211;
+    let t213 = 0.2 * t212;
+    let t214 = 0.006 * cos_rear_left_calf;
+    let t215 = 0.0056 + t214;
+    let t216 = t215 + t213;
+    let t217 = sin_rear_left_hip * t216;
+    let t218 = cos_rear_left_thigh * t172;
+    let t219 = t176 - t218;
+    let t220 = 0.05 * t219;
+    let t221 = cos_rear_left_thigh * t82;
+    let t222 = t86 - t221;
+    let t223 = cos_rear_left_hip * t222;
+    let t224 = t223 + t220;
+    let t225 = t217 - t224;
+    let t226 = t215 * 178.57142857142858;
+    let t227 = t226 * t225;
+    let t228 = t227 - t210;
+    let t229 = t215 * t226;
+    let t230 = t229 - t204;
+    let inverse_d_rear_left_thigh = 1.0 / t230;
+    let t232 = t228 * inverse_d_rear_left_thigh;
+    let t233 = t228 * t232;
+    let t234 = sin_rear_right_thigh * t184;
+    let t235 = cos_rear_right_thigh * t186;
+    let t236 = t234 + t235;
+    let t237 = 0.2 * t236;
+    let t238 = t98 - t97;
+    let t239 = t237 + t238;
+    let t240 = sin_rear_right_hip * t239;
+    let t241 = 0.05 * t188;
+    let t242 = cos_rear_right_hip * t116;
+    let t243 = t242 + t241;
+    let t244 = t240 - t243;
+    let t245 = sin_rear_right_thigh * t183;
+    let t246 = t235 + t245;
     let t247 = 0.2 * t246;
-    let t248 = t247 - t243;
-    let t249 = sin_front_right_hip * t248;
-    let t250 = 0.05 * t168;
-    let t251 = t250 + t249;
-    let t252 = cos_front_right_hip * t62;
-    let t253 = t252 - t251;
-    let t254 = 1.500000000000004e-5 + t37;
-    let t255 = t38 + t254;
-    let t256 = 0.006 * cos_front_right_calf;
-    let t257 = t255 + t256;
-    let t258 = sin_front_right_thigh * t55;
-    let t259 = t245 + t258;
-    let t260 = 0.2 * t259;
-    let t261 = t257 - t260;
-    let t262 = sin_front_right_hip * t261;
-    let t263 = cos_front_right_thigh * t55;
-    let t264 = t167 - t263;
-    let t265 = 0.05 * t264;
-    let t266 = cos_front_right_calf * 0.0026999999999999997;
-    let t267 = cos_front_right_thigh * t266;
-    let t268 = t61 - t267;
-    let t269 = cos_front_right_hip * t268;
-    let t270 = t269 + t265;
-    let t271 = t262 + t270;
-    let inverse_d_front_right_calf = 1.0 / t255;
-    let t273 = t257 * inverse_d_front_right_calf;
-    let t274 = t273 * t271;
-    let t275 = t274 - t253;
-    let t276 = t257 * t273;
-    let t277 = t276 - t243;
-    let inverse_d_front_right_thigh = 1.0 / t277;
-    let t279 = t275 * inverse_d_front_right_thigh;
-    let t280 = t275 * t279;
-    let t281 = t73 + t72;
-    let t282 = sin_rear_left_thigh * t87;
-    let t283 = cos_rear_left_thigh * t174;
-    let t284 = t282 + t283;
-    let t285 = 0.2 * t284;
-    let t286 = t285 + t281;
-    let t287 = sin_rear_left_hip * t286;
-    let t288 = 0.05 * t176;
-    let t289 = t288 + t287;
-    let t290 = cos_rear_left_hip * t93;
-    let t291 = t290 - t289;
-    let t292 = 1.500000000000004e-5 + t68;
-    let t293 = t69 + t292;
-    let t294 = 0.006 * cos_rear_left_calf;
-    let t295 = t293 + t294;
-    let t296 = sin_rear_left_thigh * t86;
-    let t297 = t283 + t296;
-    let t298 = 0.2 * t297;
-    let t299 = t295 + t298;
-    let t300 = sin_rear_left_hip * t299;
-    let t301 = cos_rear_left_thigh * t86;
-    let t302 = t175 - t301;
-    let t303 = 0.05 * t302;
-    let t304 = cos_rear_left_calf * 0.0026999999999999997;
-    let t305 = cos_rear_left_thigh * t304;
-    let t306 = t92 - t305;
-    let t307 = cos_rear_left_hip * t306;
-    let t308 = t307 + t303;
-    let t309 = t300 - t308;
-    let inverse_d_rear_left_calf = 1.0 / t293;
-    let t311 = t295 * inverse_d_rear_left_calf;
-    let t312 = t311 * t309;
-    let t313 = t312 + t291;
-    let t314 = t295 * t311;
-    let t315 = t314 - t281;
-    let inverse_d_rear_left_thigh = 1.0 / t315;
-    let t317 = t313 * inverse_d_rear_left_thigh;
-    let t318 = t313 * t317;
-    let t319 = t318 + t280;
-    let t320 = t319 - t242;
-    let t321 = inverse_d_rear_left_calf * t309;
-    let t322 = t309 * t321;
-    let t323 = inverse_d_rear_right_calf * t232;
-    let t324 = t232 * t323;
-    let t325 = t324 + t322;
-    let t326 = 1.500000000000004e-5 + t132;
-    let t327 = t133 + t326;
-    let t328 = 0.006 * cos_front_left_calf;
-    let t329 = t327 + t328;
-    let t330 = sin_front_left_thigh * t150;
-    let t331 = cos_front_left_thigh * t192;
-    let t332 = t331 + t330;
-    let t333 = 0.2 * t332;
-    let t334 = t329 - t333;
-    let t335 = sin_front_left_hip * t334;
-    let t336 = cos_front_left_thigh * t150;
-    let t337 = t193 - t336;
-    let t338 = 0.05 * t337;
-    let t339 = cos_front_left_calf * 0.0026999999999999997;
-    let t340 = cos_front_left_thigh * t339;
-    let t341 = t156 - t340;
-    let t342 = cos_front_left_hip * t341;
-    let t343 = t342 + t338;
-    let t344 = t335 - t343;
-    let inverse_d_front_left_calf = 1.0 / t327;
-    let t346 = inverse_d_front_left_calf * t344;
-    let t347 = t344 * t346;
-    let t348 = inverse_d_front_right_calf * t271;
-    let t349 = t271 * t348;
-    let t350 = t349 + t347;
-    let t351 = t350 + t325;
-    let t352 = t82 + t51;
-    let t353 = t114 + t352;
-    let t354 = 0.4 * t246;
-    let t355 = 0.4 * t284;
-    let t356 = t355 - t354;
-    let t357 = t207 * 0.4;
-    let t358 = t357 + t356;
-    let t359 = t105 + t73;
-    let t360 = t132 + 0.46078500000000006;
-    let t361 = t42 + t360;
-    let t362 = t361 + t359;
-    let t363 = sin_front_left_thigh * t151;
-    let t364 = t363 + t331;
-    let t365 = 0.4 * t364;
-    let t366 = t365 - t362;
-    let t367 = t366 - t358;
-    let t368 = t146 - t367;
-    let t369 = t368 + t353;
-    let t370 = t369 - t351;
-    let t371 = t137 + t136;
-    let t372 = 0.2 * t364;
-    let t373 = t372 - t371;
-    let t374 = sin_front_left_hip * t373;
-    let t375 = 0.05 * t194;
-    let t376 = t375 - t374;
-    let t377 = cos_front_left_hip * t157;
-    let t378 = t377 - t376;
-    let t379 = t329 * inverse_d_front_left_calf;
-    let t380 = t379 * t344;
-    let t381 = t380 + t378;
-    let t382 = t329 * t379;
-    let t383 = t382 - t371;
-    let inverse_d_front_left_thigh = 1.0 / t383;
-    let t385 = t381 * inverse_d_front_left_thigh;
-    let t386 = t381 * t385;
-    let t387 = t386 + t370;
-    let t388 = t387 + t320;
-    let t389 = 0.008429999999999998 + t147;
-    let t390 = sin_front_left_thigh * t339;
-    let t391 = cos_front_left_thigh * t155;
-    let t392 = t391 + t390;
-    let t393 = t392 * inverse_d_front_left_calf;
-    let t394 = t392 * t393;
-    let t395 = t394 - t389;
-    let t396 = t392 * t379;
-    let t397 = sin_front_left_thigh * t153;
-    let t398 = t397 - t391;
-    let t399 = t398 + t396;
-    let t400 = t399 * inverse_d_front_left_thigh;
-    let t401 = t399 * t400;
-    let t402 = t401 - t395;
-    let inverse_d_front_left_hip = 1.0 / t402;
-    let t404 = cos_front_left_thigh * t145;
-    let t405 = 0.2 * t194;
-    let t406 = t142 + t405;
-    let t407 = t404 - t406;
-    let t408 = cos_front_left_hip * t407;
-    let t409 = 0.0199 + t398;
-    let t410 = sin_front_left_hip * t409;
-    let t411 = t410 + t408;
-    let t412 = t393 * t344;
-    let t413 = t411 + t412;
-    let t414 = t381 * t400;
-    let t415 = t414 - t413;
-    let t416 = t415 * inverse_d_front_left_hip;
-    let t417 = t415 * t416;
-    let t418 = t417 - t388;
-    let t419 = 0.008429999999999998 + t52;
-    let t420 = sin_front_right_thigh * t266;
-    let t421 = cos_front_right_thigh * t60;
-    let t422 = t421 + t420;
-    let t423 = t422 * inverse_d_front_right_calf;
-    let t424 = t422 * t423;
-    let t425 = t424 - t419;
-    let t426 = t422 * t273;
-    let t427 = sin_front_right_thigh * t58;
-    let t428 = t427 - t421;
-    let t429 = t428 + t426;
-    let t430 = t429 * inverse_d_front_right_thigh;
-    let t431 = t429 * t430;
-    let t432 = t431 - t425;
-    let inverse_d_front_right_hip = 1.0 / t432;
-    let t434 = cos_front_right_thigh * t50;
-    let t435 = 0.2 * t168;
-    let t436 = t47 + t435;
-    let t437 = t434 - t436;
-    let t438 = cos_front_right_hip * t437;
-    let t439 = 0.0199 + t428;
-    let t440 = sin_front_right_hip * t439;
-    let t441 = t440 - t438;
-    let t442 = t423 * t271;
-    let t443 = t441 + t442;
-    let t444 = t275 * t430;
-    let t445 = t444 - t443;
-    let t446 = t445 * inverse_d_front_right_hip;
-    let t447 = t445 * t446;
-    let t448 = 0.008429999999999998 + t83;
-    let t449 = sin_rear_left_thigh * t304;
-    let t450 = cos_rear_left_thigh * t91;
-    let t451 = t450 + t449;
-    let t452 = t451 * inverse_d_rear_left_calf;
-    let t453 = t451 * t452;
-    let t454 = t453 - t448;
-    let t455 = t451 * t311;
-    let t456 = sin_rear_left_thigh * t89;
-    let t457 = t456 - t450;
-    let t458 = t457 + t455;
-    let t459 = t458 * inverse_d_rear_left_thigh;
-    let t460 = t458 * t459;
-    let t461 = t460 - t454;
-    let inverse_d_rear_left_hip = 1.0 / t461;
-    let t463 = cos_rear_left_thigh * t81;
-    let t464 = 0.2 * t176;
-    let t465 = t78 - t464;
-    let t466 = t463 - t465;
-    let t467 = cos_rear_left_hip * t466;
-    let t468 = 0.0199 - t457;
-    let t469 = sin_rear_left_hip * t468;
-    let t470 = t469 - t467;
-    let t471 = t452 * t309;
-    let t472 = t470 - t471;
-    let t473 = t313 * t459;
-    let t474 = t473 + t472;
-    let t475 = t474 * inverse_d_rear_left_hip;
-    let t476 = t474 * t475;
-    let t477 = t476 + t447;
-    let t478 = 0.008429999999999998 + t115;
-    let t479 = sin_rear_right_thigh * t227;
-    let t480 = cos_rear_right_thigh * t123;
-    let t481 = t480 + t479;
-    let t482 = t481 * inverse_d_rear_right_calf;
-    let t483 = t481 * t482;
-    let t484 = t483 - t478;
-    let t485 = t481 * t234;
-    let t486 = sin_rear_right_thigh * t121;
-    let t487 = t486 - t480;
-    let t488 = t487 + t485;
-    let t489 = t488 * inverse_d_rear_right_thigh;
-    let t490 = t488 * t489;
-    let t491 = t490 - t484;
-    let inverse_d_rear_right_hip = 1.0 / t491;
-    let t493 = cos_rear_right_thigh * t113;
-    let t494 = 0.2 * t185;
-    let t495 = t110 - t494;
-    let t496 = t493 - t495;
-    let t497 = cos_rear_right_hip * t496;
-    let t498 = t487 - 0.0199;
-    let t499 = sin_rear_right_hip * t498;
-    let t500 = t499 - t497;
-    let t501 = t482 * t232;
-    let t502 = t500 + t501;
-    let t503 = t236 * t489;
-    let t504 = t503 - t502;
-    let t505 = t504 * inverse_d_rear_right_hip;
-    let t506 = t504 * t505;
-    let t507 = t506 + t477;
-    let t508 = t418 + t507;
-    let inverse_d_base_rz = 1.0 / t508;
-    let t510 = sin_front_right_hip * t65;
-    let t511 = sin_rear_left_hip * t96;
-    let t512 = t511 - t510;
-    let t513 = sin_rear_right_hip * t128;
-    let t514 = t513 - t512;
-    let t515 = cos_front_right_hip * t261;
-    let t516 = sin_front_right_hip * t268;
-    let t517 = t516 - t515;
-    let t518 = t517 * t348;
-    let t519 = cos_rear_left_hip * t299;
-    let t520 = sin_rear_left_hip * t306;
-    let t521 = t520 + t519;
-    let t522 = t521 * t321;
-    let t523 = t522 - t518;
-    let t524 = cos_rear_right_hip * t222;
-    let t525 = sin_rear_right_hip * t229;
-    let t526 = t525 - t524;
-    let t527 = t526 * t323;
-    let t528 = t527 - t523;
-    let t529 = cos_rear_left_hip * t176;
-    let t530 = 0.09949999999999999 * sin_rear_left_hip;
-    let t531 = t529 - t530;
-    let t532 = 0.05 * t531;
-    let t533 = cos_rear_right_hip * t185;
-    let t534 = 0.09949999999999999 * sin_rear_right_hip;
-    let t535 = t533 + t534;
-    let t536 = 0.05 * t535;
-    let t537 = t536 - t532;
-    let t538 = cos_front_left_hip * t194;
-    let t539 = 0.09949999999999999 * sin_front_left_hip;
-    let t540 = t538 - t539;
-    let t541 = 0.05 * t540;
-    let t542 = cos_front_right_hip * t168;
-    let t543 = 0.09949999999999999 * sin_front_right_hip;
-    let t544 = t542 + t543;
-    let t545 = 0.05 * t544;
-    let t546 = t545 - t541;
-    let t547 = t546 + t537;
-    let t548 = t125 - t93;
-    let t549 = t62 - t157;
-    let t550 = t549 + t548;
-    let t551 = t550 - t547;
-    let t552 = cos_front_left_hip * t334;
-    let t553 = sin_front_left_hip * t341;
-    let t554 = t553 + t552;
-    let t555 = t554 * t346;
-    let t556 = t555 - t551;
-    let t557 = t556 - t528;
-    let t558 = sin_front_left_hip * t160;
-    let t559 = t558 - t557;
-    let t560 = t559 - t514;
-    let t561 = t554 * t379;
-    let t562 = cos_front_left_hip * t373;
-    let t563 = sin_front_left_hip * t157;
-    let t564 = t563 - t562;
-    let t565 = t561 - t564;
-    let t566 = t565 * t385;
-    let t567 = t566 + t560;
-    let t568 = t517 * t273;
-    let t569 = cos_front_right_hip * t248;
-    let t570 = sin_front_right_hip * t62;
-    let t571 = t570 + t569;
-    let t572 = t568 - t571;
-    let t573 = t572 * t279;
-    let t574 = t521 * t311;
-    let t575 = cos_rear_left_hip * t286;
-    let t576 = sin_rear_left_hip * t93;
-    let t577 = t576 + t575;
-    let t578 = t574 - t577;
-    let t579 = t578 * t317;
-    let t580 = t579 - t573;
-    let t581 = t526 * t234;
-    let t582 = cos_rear_right_hip * t209;
-    let t583 = sin_rear_right_hip * t125;
-    let t584 = t583 - t582;
-    let t585 = t581 - t584;
-    let t586 = t585 * t240;
-    let t587 = t586 - t580;
-    let t588 = t567 - t587;
-    let t589 = sin_front_left_hip * t407;
-    let t590 = cos_front_left_hip * t409;
+    let t248 = 0.006 * cos_rear_right_calf;
+    let t249 = 0.0056 + t248;
+    let t250 = t249 + t247;
+    let t251 = sin_rear_right_hip * t250;
+    let t252 = cos_rear_right_thigh * t183;
+    let t253 = t187 - t252;
+    let t254 = 0.05 * t253;
+    let t255 = cos_rear_right_thigh * t111;
+    let t256 = t115 - t255;
+    let t257 = cos_rear_right_hip * t256;
+    let t258 = t257 + t254;
+    let t259 = t251 + t258;
+    let t260 = t249 * 178.57142857142858;
+    let t261 = t260 * t259;
+    let t262 = t261 - t244;
+    let t263 = t249 * t260;
+    let t264 = t263 - t238;
+    let inverse_d_rear_right_thigh = 1.0 / t264;
+    let t266 = t262 * inverse_d_rear_right_thigh;
+    let t267 = t262 * t266;
+    let t268 = t267 + t233;
+    let t269 = sin_front_left_thigh * t151;
+    let t270 = cos_front_left_thigh * t153;
+    let t271 = t269 + t270;
+    let t272 = 0.2 * t271;
+    let t273 = t127 - t126;
+    let t274 = t272 - t273;
+    let t275 = sin_front_left_hip * t274;
+    let t276 = 0.05 * t155;
+    let t277 = cos_front_left_hip * t145;
+    let t278 = t277 + t276;
+    let t279 = t275 - t278;
+    let t280 = sin_front_left_thigh * t150;
+    let t281 = t270 + t280;
+    let t282 = 0.2 * t281;
+    let t283 = 0.006 * cos_front_left_calf;
+    let t284 = 0.0056 + t283;
+    let t285 = t284 - t282;
+    let t286 = sin_front_left_hip * t285;
+    let t287 = cos_front_left_thigh * t150;
+    let t288 = t154 - t287;
+    let t289 = 0.05 * t288;
+    let t290 = cos_front_left_thigh * t140;
+    let t291 = t144 - t290;
+    let t292 = cos_front_left_hip * t291;
+    let t293 = t292 + t289;
+    let t294 = t286 - t293;
+    let t295 = t284 * 178.57142857142858;
+    let t296 = t295 * t294;
+    let t297 = t296 + t279;
+    let t298 = t284 * t295;
+    let t299 = t298 - t273;
+    let inverse_d_front_left_thigh = 1.0 / t299;
+    let t301 = t297 * inverse_d_front_left_thigh;
+    let t302 = t297 * t301;
+    let t303 = sin_front_right_thigh * t163;
+    let t304 = cos_front_right_thigh * t165;
+    let t305 = t303 + t304;
+    let t306 = 0.2 * t305;
+    let t307 = t41 - t40;
+    let t308 = t306 - t307;
+    let t309 = sin_front_right_hip * t308;
+    let t310 = 0.05 * t167;
+    let t311 = cos_front_right_hip * t59;
+    let t312 = t311 + t310;
+    let t313 = t309 + t312;
+    let t314 = sin_front_right_thigh * t162;
+    let t315 = t304 + t314;
+    let t316 = 0.2 * t315;
+    let t317 = 0.006 * cos_front_right_calf;
+    let t318 = 0.0056 + t317;
+    let t319 = t318 - t316;
+    let t320 = sin_front_right_hip * t319;
+    let t321 = cos_front_right_thigh * t162;
+    let t322 = t166 - t321;
+    let t323 = 0.05 * t322;
+    let t324 = cos_front_right_thigh * t54;
+    let t325 = t58 - t324;
+    let t326 = cos_front_right_hip * t325;
+    let t327 = t326 + t323;
+    let t328 = t320 + t327;
+    let t329 = t318 * 178.57142857142858;
+    let t330 = t329 * t328;
+    let t331 = t330 + t313;
+    let t332 = t318 * t329;
+    let t333 = t332 - t307;
+    let inverse_d_front_right_thigh = 1.0 / t333;
+    let t335 = t331 * inverse_d_front_right_thigh;
+    let t336 = t331 * t335;
+    let t337 = t336 + t302;
+    let t338 = t337 + t268;
+    let t339 = 178.57142857142858 * t225;
+    let t340 = t225 * t339;
+    let t341 = 178.57142857142858 * t259;
+    let t342 = t259 * t341;
+    let t343 = t342 + t340;
+    let t344 = 178.57142857142858 * t294;
+    let t345 = t294 * t344;
+    let t346 = 178.57142857142858 * t328;
+    let t347 = t328 * t346;
+    let t348 = t347 + t345;
+    let t349 = t348 + t343;
+    let t350 = t107 + t78;
+    let t351 = t50 + t136;
+    let t352 = t351 + t350;
+    let t353 = 0.4 * t305;
+    let t354 = 0.4 * t202;
+    let t355 = t354 - t353;
+    let t356 = t236 * 0.4;
+    let t357 = t356 + t355;
+    let t358 = t98 + t69;
+    let t359 = t125 + 0.46078500000000006;
+    let t360 = t41 + t359;
+    let t361 = t360 + t358;
+    let t362 = 0.4 * t271;
+    let t363 = t362 - t361;
+    let t364 = t363 - t357;
+    let t365 = t364 - t352;
+    let t366 = t365 + t349;
+    let t367 = t366 - t338;
+    let t368 = t199 - t367;
+    let t369 = 0.008429999999999998 - t137;
+    let t370 = sin_front_left_thigh * t140;
+    let t371 = cos_front_left_thigh * t143;
+    let t372 = t371 + t370;
+    let t373 = t372 * 178.57142857142858;
+    let t374 = t372 * t373;
+    let t375 = t374 - t369;
+    let t376 = t372 * t295;
+    let t377 = sin_front_left_thigh * t141;
+    let t378 = t377 + t371;
+    let t379 = t378 - t376;
+    let t380 = t379 * inverse_d_front_left_thigh;
+    let t381 = t379 * t380;
+    let t382 = t381 - t375;
+    let inverse_d_front_left_hip = 1.0 / t382;
+    let t384 = cos_front_left_thigh * t135;
+    let t385 = 0.2 * t155;
+    let t386 = t132 + t385;
+    let t387 = t384 - t386;
+    let t388 = cos_front_left_hip * t387;
+    let t389 = 0.0199 - t378;
+    let t390 = sin_front_left_hip * t389;
+    let t391 = t390 + t388;
+    let t392 = t373 * t294;
+    let t393 = t391 + t392;
+    let t394 = t297 * t380;
+    let t395 = t394 + t393;
+    let t396 = t395 * inverse_d_front_left_hip;
+    let t397 = t395 * t396;
+    let t398 = t397 - t368;
+    let t399 = 0.008429999999999998 - t51;
+    let t400 = sin_front_right_thigh * t54;
+    let t401 = cos_front_right_thigh * t57;
+    let t402 = t401 + t400;
+    let t403 = t402 * 178.57142857142858;
+    let t404 = t402 * t403;
+    let t405 = t404 - t399;
+    let t406 = t402 * t329;
+    let t407 = sin_front_right_thigh * t55;
+    let t408 = t407 + t401;
+    let t409 = t408 - t406;
+    let t410 = t409 * inverse_d_front_right_thigh;
+    let t411 = t409 * t410;
+    let t412 = t411 - t405;
+    let inverse_d_front_right_hip = 1.0 / t412;
+    let t414 = cos_front_right_thigh * t49;
+    let t415 = 0.2 * t167;
+    let t416 = t46 + t415;
+    let t417 = t414 - t416;
+    let t418 = cos_front_right_hip * t417;
+    let t419 = 0.0199 - t408;
+    let t420 = sin_front_right_hip * t419;
+    let t421 = t420 - t418;
+    let t422 = t403 * t328;
+    let t423 = t421 + t422;
+    let t424 = t331 * t410;
+    let t425 = t424 + t423;
+    let t426 = t425 * inverse_d_front_right_hip;
+    let t427 = t425 * t426;
+    let t428 = 0.008429999999999998 - t79;
+    let t429 = sin_rear_left_thigh * t82;
+    let t430 = cos_rear_left_thigh * t85;
+    let t431 = t430 + t429;
+    let t432 = t431 * 178.57142857142858;
+    let t433 = t431 * t432;
+    let t434 = t433 - t428;
+    let t435 = t431 * t226;
+    let t436 = sin_rear_left_thigh * t83;
+    let t437 = t436 + t430;
+    let t438 = t437 - t435;
+    let t439 = t438 * inverse_d_rear_left_thigh;
+    let t440 = t438 * t439;
+    let t441 = t440 - t434;
+    let inverse_d_rear_left_hip = 1.0 / t441;
+    let t443 = cos_rear_left_thigh * t77;
+    let t444 = 0.2 * t177;
+    let t445 = t74 - t444;
+    let t446 = t443 - t445;
+    let t447 = cos_rear_left_hip * t446;
+    let t448 = 0.0199 + t437;
+    let t449 = sin_rear_left_hip * t448;
+    let t450 = t449 - t447;
+    let t451 = t432 * t225;
+    let t452 = t450 - t451;
+    let t453 = t228 * t439;
+    let t454 = t453 - t452;
+    let t455 = t454 * inverse_d_rear_left_hip;
+    let t456 = t454 * t455;
+    let t457 = t456 + t427;
+    let t458 = 0.008429999999999998 - t108;
+    let t459 = sin_rear_right_thigh * t111;
+    let t460 = cos_rear_right_thigh * t114;
+    let t461 = t460 + t459;
+    let t462 = t461 * 178.57142857142858;
+    let t463 = t461 * t462;
+    let t464 = t463 - t458;
+    let t465 = t461 * t260;
+    let t466 = sin_rear_right_thigh * t112;
+    let t467 = t466 + t460;
+    let t468 = t467 - t465;
+    let t469 = t468 * inverse_d_rear_right_thigh;
+    let t470 = t468 * t469;
+    let t471 = t470 - t464;
+    let inverse_d_rear_right_hip = 1.0 / t471;
+    let t473 = cos_rear_right_thigh * t106;
+    let t474 = 0.2 * t188;
+    let t475 = t103 - t474;
+    let t476 = t473 - t475;
+    let t477 = cos_rear_right_hip * t476;
+    let t478 = t467 + 0.0199;
+    let t479 = sin_rear_right_hip * t478;
+    let t480 = t479 + t477;
+    let t481 = t462 * t259;
+    let t482 = t480 - t481;
+    let t483 = t262 * t469;
+    let t484 = t483 - t482;
+    let t485 = t484 * inverse_d_rear_right_hip;
+    let t486 = t484 * t485;
+    let t487 = t486 + t457;
+    let t488 = t398 + t487;
+    let inverse_d_base_rz = 1.0 / t488;
+    let t490 = sin_front_right_hip * t417;
+    let t491 = cos_front_right_hip * t419;
+    let t492 = t491 + t490;
+    let t493 = cos_front_right_hip * t319;
+    let t494 = sin_front_right_hip * t325;
+    let t495 = t494 - t493;
+    let t496 = t495 * t403;
+    let t497 = t496 - t492;
+    let t498 = cos_front_right_hip * t308;
+    let t499 = sin_front_right_hip * t59;
+    let t500 = t499 - t498;
+    let t501 = t495 * t329;
+    let t502 = t501 + t500;
+    let t503 = t502 * t410;
+    let t504 = t503 + t497;
+    let t505 = t504 * t426;
+    let t506 = sin_rear_left_hip * t446;
+    let t507 = cos_rear_left_hip * t448;
+    let t508 = t507 + t506;
+    let t509 = cos_rear_left_hip * t216;
+    let t510 = sin_rear_left_hip * t222;
+    let t511 = t510 + t509;
+    let t512 = t511 * t432;
+    let t513 = t512 - t508;
+    let t514 = cos_rear_left_hip * t205;
+    let t515 = sin_rear_left_hip * t87;
+    let t516 = t515 - t514;
+    let t517 = t511 * t226;
+    let t518 = t517 + t516;
+    let t519 = t518 * t439;
+    let t520 = t519 + t513;
+    let t521 = t520 * t455;
+    let t522 = t521 - t505;
+    let t523 = sin_rear_right_hip * t476;
+    let t524 = cos_rear_right_hip * t478;
+    let t525 = t524 - t523;
+    let t526 = cos_rear_right_hip * t250;
+    let t527 = sin_rear_right_hip * t256;
+    let t528 = t527 - t526;
+    let t529 = t528 * t462;
+    let t530 = t529 + t525;
+    let t531 = cos_rear_right_hip * t239;
+    let t532 = sin_rear_right_hip * t116;
+    let t533 = t532 + t531;
+    let t534 = t528 * t260;
+    let t535 = t534 + t533;
+    let t536 = t535 * t469;
+    let t537 = t536 + t530;
+    let t538 = t537 * t485;
+    let t539 = t538 - t522;
+    let t540 = t511 * t339;
+    let t541 = t528 * t341;
+    let t542 = t541 - t540;
+    let t543 = cos_front_left_hip * t285;
+    let t544 = sin_front_left_hip * t291;
+    let t545 = t544 + t543;
+    let t546 = t545 * t344;
+    let t547 = t495 * t346;
+    let t548 = t547 - t546;
+    let t549 = t548 + t542;
+    let t550 = cos_front_right_hip * t167;
+    let t551 = 0.0995 * sin_front_right_hip;
+    let t552 = t550 + t551;
+    let t553 = 0.05 * t552;
+    let t554 = cos_rear_left_hip * t177;
+    let t555 = 0.0995 * sin_rear_left_hip;
+    let t556 = t554 - t555;
+    let t557 = 0.05 * t556;
+    let t558 = t557 - t553;
+    let t559 = cos_rear_right_hip * t188;
+    let t560 = 0.0995 * sin_rear_right_hip;
+    let t561 = t559 + t560;
+    let t562 = 0.05 * t561;
+    let t563 = t562 - t558;
+    let t564 = cos_front_left_hip * t155;
+    let t565 = 0.0995 * sin_front_left_hip;
+    let t566 = t564 - t565;
+    let t567 = 0.05 * t566;
+    let t568 = t116 - t87;
+    let t569 = t59 - t145;
+    let t570 = t569 + t568;
+    let t571 = t567 - t570;
+    let t572 = t571 - t563;
+    let t573 = t572 + t549;
+    let t574 = sin_front_left_hip * t148;
+    let t575 = t574 - t573;
+    let t576 = t518 * t232;
+    let t577 = t535 * t266;
+    let t578 = t577 - t576;
+    let t579 = cos_front_left_hip * t274;
+    let t580 = sin_front_left_hip * t145;
+    let t581 = t580 + t579;
+    let t582 = t545 * t295;
+    let t583 = t582 + t581;
+    let t584 = t583 * t301;
+    let t585 = t502 * t335;
+    let t586 = t585 - t584;
+    let t587 = t586 + t578;
+    let t588 = t587 + t575;
+    let t589 = sin_front_right_hip * t62;
+    let t590 = sin_rear_left_hip * t90;
     let t591 = t590 - t589;
-    let t592 = t554 * t393;
-    let t593 = t592 + t591;
-    let t594 = t565 * t400;
-    let t595 = t594 - t593;
-    let t596 = t595 * t416;
-    let t597 = t596 - t588;
-    let t598 = sin_front_right_hip * t437;
-    let t599 = cos_front_right_hip * t439;
-    let t600 = t599 + t598;
-    let t601 = t517 * t423;
-    let t602 = t601 - t600;
-    let t603 = t572 * t430;
-    let t604 = t603 - t602;
-    let t605 = t604 * t446;
-    let t606 = sin_rear_left_hip * t466;
-    let t607 = cos_rear_left_hip * t468;
-    let t608 = t607 + t606;
-    let t609 = t521 * t452;
-    let t610 = t609 - t608;
-    let t611 = t578 * t459;
-    let t612 = t611 - t610;
-    let t613 = t612 * t475;
-    let t614 = t613 - t605;
-    let t615 = sin_rear_right_hip * t496;
-    let t616 = cos_rear_right_hip * t498;
-    let t617 = t616 + t615;
-    let t618 = t526 * t482;
-    let t619 = t618 - t617;
-    let t620 = t585 * t489;
-    let t621 = t620 - t619;
-    let t622 = t621 * t505;
-    let t623 = t622 - t614;
-    let t624 = t597 - t623;
-    let t625 = t624 * inverse_d_base_rz;
-    let t626 = t624 * t625;
-    let t627 = t161 + 0.05032;
-    let t628 = t130 - t627;
-    let t629 = t585 * inverse_d_rear_right_thigh;
-    let t630 = t585 * t629;
-    let t631 = t628 - t630;
-    let t632 = t572 * inverse_d_front_right_thigh;
-    let t633 = t572 * t632;
-    let t634 = t578 * inverse_d_rear_left_thigh;
-    let t635 = t578 * t634;
-    let t636 = t635 + t633;
-    let t637 = t636 - t631;
-    let t638 = t521 * inverse_d_rear_left_calf;
-    let t639 = t521 * t638;
-    let t640 = t526 * inverse_d_rear_right_calf;
-    let t641 = t526 * t640;
-    let t642 = t641 + t639;
-    let t643 = t554 * inverse_d_front_left_calf;
-    let t644 = t554 * t643;
-    let t645 = t517 * inverse_d_front_right_calf;
-    let t646 = t517 * t645;
-    let t647 = t646 + t644;
-    let t648 = t647 + t642;
-    let t649 = t369 - t648;
-    let t650 = t565 * inverse_d_front_left_thigh;
-    let t651 = t565 * t650;
-    let t652 = t651 + t649;
-    let t653 = t652 + t637;
-    let t654 = t595 * inverse_d_front_left_hip;
-    let t655 = t595 * t654;
-    let t656 = t655 - t653;
-    let t657 = t604 * inverse_d_front_right_hip;
-    let t658 = t604 * t657;
-    let t659 = t612 * inverse_d_rear_left_hip;
-    let t660 = t612 * t659;
-    let t661 = t660 + t658;
-    let t662 = t621 * inverse_d_rear_right_hip;
-    let t663 = t621 * t662;
-    let t664 = t663 + t661;
-    let t665 = t656 + t664;
-    let t666 = t626 - t665;
-    let inverse_d_base_ry = 1.0 / t666;
-    let t668 = cos_front_right_hip * t259;
-    let t669 = 0.05 * t668;
-    let t670 = t422 + t669;
-    let t671 = t670 * t423;
-    let t672 = 0.05 * t171;
-    let t673 = t672 + t671;
-    let t674 = t419 - t673;
-    let t675 = t670 * t273;
-    let t676 = cos_front_right_hip * t246;
-    let t677 = 0.05 * t676;
-    let t678 = t428 - t677;
-    let t679 = t678 + t675;
-    let t680 = t679 * t430;
-    let t681 = t680 + t674;
-    let t682 = t681 * t446;
-    let t683 = cos_rear_left_hip * t297;
-    let t684 = 0.05 * t683;
-    let t685 = t451 + t684;
-    let t686 = t685 * t452;
-    let t687 = 0.05 * t179;
-    let t688 = t687 - t686;
-    let t689 = t448 + t688;
-    let t690 = t685 * t311;
-    let t691 = cos_rear_left_hip * t284;
-    let t692 = 0.05 * t691;
-    let t693 = t457 - t692;
-    let t694 = t693 + t690;
-    let t695 = t694 * t459;
-    let t696 = t695 + t689;
-    let t697 = t696 * t475;
-    let t698 = t697 - t682;
-    let t699 = cos_rear_right_hip * t220;
-    let t700 = 0.05 * t699;
-    let t701 = t481 + t700;
-    let t702 = t701 * t482;
-    let t703 = 0.05 * t188;
-    let t704 = t703 + t702;
-    let t705 = t478 - t704;
-    let t706 = t701 * t234;
-    let t707 = cos_rear_right_hip * t207;
-    let t708 = 0.05 * t707;
-    let t709 = t487 - t708;
-    let t710 = t709 + t706;
-    let t711 = t710 * t489;
-    let t712 = t711 + t705;
-    let t713 = t712 * t505;
-    let t714 = t713 - t698;
-    let t715 = cos_front_left_hip * t332;
-    let t716 = 0.05 * t715;
-    let t717 = t392 + t716;
-    let t718 = t717 * t346;
-    let t719 = 0.0016 + t718;
-    let t720 = t411 + t719;
-    let t721 = t670 * t348;
-    let t722 = t685 * t321;
-    let t723 = t722 - t721;
-    let t724 = t701 * t323;
+    let t592 = sin_rear_right_hip * t119;
+    let t593 = t592 - t591;
+    let t594 = t593 - t588;
+    let t595 = sin_front_left_hip * t387;
+    let t596 = cos_front_left_hip * t389;
+    let t597 = t596 - t595;
+    let t598 = t545 * t373;
+    let t599 = t598 + t597;
+    let t600 = t583 * t380;
+    let t601 = t600 + t599;
+    let t602 = t601 * t396;
+    let t603 = t602 - t594;
+    let t604 = t603 - t539;
+    let t605 = t604 * inverse_d_base_rz;
+    let t606 = t604 * t605;
+    let t607 = t149 - 0.05032;
+    let t608 = t121 - t607;
+    let t609 = t518 * inverse_d_rear_left_thigh;
+    let t610 = t518 * t609;
+    let t611 = t535 * inverse_d_rear_right_thigh;
+    let t612 = t535 * t611;
+    let t613 = t612 + t610;
+    let t614 = t583 * inverse_d_front_left_thigh;
+    let t615 = t583 * t614;
+    let t616 = t502 * inverse_d_front_right_thigh;
+    let t617 = t502 * t616;
+    let t618 = t617 + t615;
+    let t619 = t618 + t613;
+    let t620 = t511 * 178.57142857142858;
+    let t621 = t511 * t620;
+    let t622 = t528 * 178.57142857142858;
+    let t623 = t528 * t622;
+    let t624 = t623 + t621;
+    let t625 = t545 * 178.57142857142858;
+    let t626 = t545 * t625;
+    let t627 = t495 * 178.57142857142858;
+    let t628 = t495 * t627;
+    let t629 = t628 + t626;
+    let t630 = t629 + t624;
+    let t631 = t365 + t630;
+    let t632 = t631 - t619;
+    let t633 = t608 - t632;
+    let t634 = t601 * inverse_d_front_left_hip;
+    let t635 = t601 * t634;
+    let t636 = t635 - t633;
+    let t637 = t504 * inverse_d_front_right_hip;
+    let t638 = t504 * t637;
+    let t639 = t520 * inverse_d_rear_left_hip;
+    let t640 = t520 * t639;
+    let t641 = t640 + t638;
+    let t642 = t537 * inverse_d_rear_right_hip;
+    let t643 = t537 * t642;
+    let t644 = t643 + t641;
+    let t645 = t636 + t644;
+    let t646 = t606 - t645;
+    let inverse_d_base_ry = 1.0 / t646;
+    let t648 = cos_front_right_hip * t315;
+    let t649 = 0.05 * t648;
+    let t650 = t402 + t649;
+    let t651 = t650 * t403;
+    let t652 = 0.05 * t170;
+    let t653 = t652 + t651;
+    let t654 = t399 - t653;
+    let t655 = t650 * t329;
+    let t656 = cos_front_right_hip * t305;
+    let t657 = 0.05 * t656;
+    let t658 = t408 + t657;
+    let t659 = t658 - t655;
+    let t660 = t659 * t410;
+    let t661 = t660 + t654;
+    let t662 = t661 * t426;
+    let t663 = cos_rear_left_hip * t212;
+    let t664 = 0.05 * t663;
+    let t665 = t431 + t664;
+    let t666 = t665 * t432;
+    let t667 = 0.05 * t180;
+    let t668 = t667 - t666;
+    let t669 = t428 + t668;
+    let t670 = t665 * t226;
+    let t671 = cos_rear_left_hip * t202;
+    let t672 = 0.05 * t671;
+    let t673 = t437 + t672;
+    let t674 = t673 - t670;
+    let t675 = t674 * t439;
+    let t676 = t675 + t669;
+    let t677 = t676 * t455;
+    let t678 = t677 - t662;
+    let t679 = cos_rear_right_hip * t246;
+    let t680 = 0.05 * t679;
+    let t681 = t461 + t680;
+    let t682 = t681 * t462;
+    let t683 = 0.05 * t191;
+    let t684 = t683 + t682;
+    let t685 = t458 - t684;
+    let t686 = t681 * t260;
+    let t687 = cos_rear_right_hip * t236;
+    let t688 = 0.05 * t687;
+    let t689 = t467 + t688;
+    let t690 = t689 - t686;
+    let t691 = t690 * t469;
+    let t692 = t691 + t685;
+    let t693 = t692 * t485;
+    let t694 = t693 - t678;
+    let t695 = cos_front_left_hip * t281;
+    let t696 = 0.05 * t695;
+    let t697 = t372 + t696;
+    let t698 = t697 * t344;
+    let t699 = 0.0016 + t698;
+    let t700 = t391 + t699;
+    let t701 = t650 * t346;
+    let t702 = t665 * t339;
+    let t703 = t702 - t701;
+    let t704 = t681 * t341;
+    let t705 = t704 - t703;
+    let t706 = t705 - t700;
+    let t707 = t450 + t421;
+    let t708 = t480 - t707;
+    let t709 = t708 - t706;
+    let t710 = t674 * t232;
+    let t711 = t690 * t266;
+    let t712 = t711 - t710;
+    let t713 = t697 * t295;
+    let t714 = cos_front_left_hip * t271;
+    let t715 = 0.05 * t714;
+    let t716 = t378 + t715;
+    let t717 = t716 - t713;
+    let t718 = t717 * t301;
+    let t719 = t659 * t335;
+    let t720 = t719 - t718;
+    let t721 = t720 + t712;
+    let t722 = t721 - t709;
+    let t723 = t697 * t373;
+    let t724 = 0.05 * t158;
     let t725 = t724 - t723;
-    let t726 = t725 - t720;
-    let t727 = t470 + t441;
-    let t728 = t500 + t727;
-    let t729 = t728 + t726;
-    let t730 = t717 * t379;
-    let t731 = cos_front_left_hip * t364;
-    let t732 = 0.05 * t731;
-    let t733 = t398 - t732;
-    let t734 = t733 + t730;
-    let t735 = t734 * t385;
-    let t736 = t735 + t729;
-    let t737 = t679 * t279;
-    let t738 = t694 * t317;
-    let t739 = t738 - t737;
-    let t740 = t710 * t240;
+    let t726 = t369 + t725;
+    let t727 = t717 * t380;
+    let t728 = t727 + t726;
+    let t729 = t728 * t396;
+    let t730 = t729 + t722;
+    let t731 = t730 - t694;
+    let t732 = t731 * t605;
+    let t733 = t661 * t637;
+    let t734 = t676 * t639;
+    let t735 = t734 + t733;
+    let t736 = t692 * t642;
+    let t737 = t736 + t735;
+    let t738 = t697 * t625;
+    let t739 = 0.05 * t202;
+    let t740 = 0.05 * t236;
     let t741 = t740 - t739;
-    let t742 = t736 - t741;
-    let t743 = t717 * t393;
-    let t744 = 0.05 * t197;
-    let t745 = t744 - t743;
-    let t746 = t389 + t745;
-    let t747 = t734 * t400;
-    let t748 = t747 + t746;
-    let t749 = t748 * t416;
-    let t750 = t749 - t742;
-    let t751 = t750 - t714;
-    let t752 = t751 * t625;
-    let t753 = t681 * t657;
-    let t754 = t696 * t659;
-    let t755 = t754 + t753;
-    let t756 = t712 * t662;
-    let t757 = t756 + t755;
-    let t758 = t717 * t643;
-    let t759 = 0.05 * t284;
-    let t760 = 0.05 * t207;
-    let t761 = t760 - t759;
-    let t762 = 0.05 * t364;
-    let t763 = 0.05 * t246;
-    let t764 = t763 - t762;
-    let t765 = t764 + t761;
-    let t766 = t758 + t765;
-    let t767 = t591 + t766;
-    let t768 = t670 * t645;
-    let t769 = t685 * t638;
-    let t770 = t769 + t768;
-    let t771 = t701 * t640;
-    let t772 = t771 + t770;
-    let t773 = t772 + t767;
-    let t774 = t608 + t600;
-    let t775 = t617 + t774;
-    let t776 = t775 - t773;
-    let t777 = t734 * t650;
-    let t778 = t777 + t776;
-    let t779 = t679 * t632;
-    let t780 = t694 * t634;
-    let t781 = t780 + t779;
-    let t782 = t710 * t629;
-    let t783 = t782 + t781;
-    let t784 = t778 + t783;
-    let t785 = t748 * t654;
-    let t786 = t785 - t784;
-    let t787 = t786 + t757;
-    let t788 = t752 - t787;
-    let t789 = t788 * inverse_d_base_ry;
-    let t790 = t788 * t789;
-    let t791 = t751 * inverse_d_base_rz;
-    let t792 = t751 * t791;
-    let t793 = t710 * inverse_d_rear_right_thigh;
-    let t794 = t710 * t793;
-    let t795 = t628 - t794;
-    let t796 = t203 + t795;
-    let t797 = t679 * inverse_d_front_right_thigh;
-    let t798 = t679 * t797;
-    let t799 = t694 * inverse_d_rear_left_thigh;
-    let t800 = t694 * t799;
-    let t801 = t800 + t798;
-    let t802 = t734 * inverse_d_front_left_thigh;
-    let t803 = t734 * t802;
-    let t804 = t685 * inverse_d_rear_left_calf;
-    let t805 = t685 * t804;
-    let t806 = t701 * inverse_d_rear_right_calf;
-    let t807 = t701 * t806;
+    let t742 = 0.05 * t271;
+    let t743 = 0.05 * t305;
+    let t744 = t743 - t742;
+    let t745 = t744 + t741;
+    let t746 = t738 + t745;
+    let t747 = t597 + t746;
+    let t748 = t650 * t627;
+    let t749 = t665 * t620;
+    let t750 = t749 + t748;
+    let t751 = t681 * t622;
+    let t752 = t751 + t750;
+    let t753 = t752 + t747;
+    let t754 = t508 + t492;
+    let t755 = t525 - t754;
+    let t756 = t755 + t753;
+    let t757 = t674 * t609;
+    let t758 = t690 * t611;
+    let t759 = t758 + t757;
+    let t760 = t717 * t614;
+    let t761 = t659 * t616;
+    let t762 = t761 + t760;
+    let t763 = t762 + t759;
+    let t764 = t763 + t756;
+    let t765 = t728 * t634;
+    let t766 = t765 - t764;
+    let t767 = t766 + t737;
+    let t768 = t732 - t767;
+    let t769 = t768 * inverse_d_base_ry;
+    let t770 = t768 * t769;
+    let t771 = t731 * inverse_d_base_rz;
+    let t772 = t731 * t771;
+    let t773 = t659 * inverse_d_front_right_thigh;
+    let t774 = t659 * t773;
+    let t775 = t674 * inverse_d_rear_left_thigh;
+    let t776 = t674 * t775;
+    let t777 = t776 + t774;
+    let t778 = t690 * inverse_d_rear_right_thigh;
+    let t779 = t690 * t778;
+    let t780 = t779 + t777;
+    let t781 = t665 * 178.57142857142858;
+    let t782 = t665 * t781;
+    let t783 = t681 * 178.57142857142858;
+    let t784 = t681 * t783;
+    let t785 = t784 + t782;
+    let t786 = t697 * 178.57142857142858;
+    let t787 = t697 * t786;
+    let t788 = t650 * 178.57142857142858;
+    let t789 = t650 * t788;
+    let t790 = t789 + t787;
+    let t791 = t790 + t785;
+    let t792 = t717 * inverse_d_front_left_thigh;
+    let t793 = t717 * t792;
+    let t794 = t793 - t791;
+    let t795 = t794 + t780;
+    let t796 = t608 + t795;
+    let t797 = t199 + t796;
+    let t798 = t728 * inverse_d_front_left_hip;
+    let t799 = t728 * t798;
+    let t800 = t799 - t797;
+    let t801 = t661 * inverse_d_front_right_hip;
+    let t802 = t661 * t801;
+    let t803 = t676 * inverse_d_rear_left_hip;
+    let t804 = t676 * t803;
+    let t805 = t804 + t802;
+    let t806 = t692 * inverse_d_rear_right_hip;
+    let t807 = t692 * t806;
     let t808 = t807 + t805;
-    let t809 = t717 * inverse_d_front_left_calf;
-    let t810 = t717 * t809;
-    let t811 = t670 * inverse_d_front_right_calf;
-    let t812 = t670 * t811;
-    let t813 = t812 + t810;
-    let t814 = t813 + t808;
-    let t815 = t803 - t814;
-    let t816 = t815 + t801;
-    let t817 = t796 - t816;
-    let t818 = t748 * inverse_d_front_left_hip;
-    let t819 = t748 * t818;
-    let t820 = t819 + t817;
-    let t821 = t681 * inverse_d_front_right_hip;
-    let t822 = t681 * t821;
-    let t823 = t696 * inverse_d_rear_left_hip;
-    let t824 = t696 * t823;
+    let t809 = t800 + t808;
+    let t810 = t772 - t809;
+    let t811 = t770 - t810;
+    let inverse_d_base_rx = 1.0 / t811;
+    let t813 = t648 * t329;
+    let t814 = t656 - t813;
+    let t815 = t814 * t410;
+    let t816 = t648 * t403;
+    let t817 = t170 + t816;
+    let t818 = t817 - t815;
+    let t819 = t818 * t426;
+    let t820 = t663 * t226;
+    let t821 = t671 - t820;
+    let t822 = t821 * t439;
+    let t823 = t663 * t432;
+    let t824 = t180 - t823;
     let t825 = t824 + t822;
-    let t826 = t712 * inverse_d_rear_right_hip;
-    let t827 = t712 * t826;
-    let t828 = t827 + t825;
-    let t829 = t820 + t828;
-    let t830 = t792 - t829;
-    let t831 = t790 - t830;
-    let inverse_d_base_rx = 1.0 / t831;
-    let t833 = t668 * t273;
-    let t834 = t676 - t833;
-    let t835 = t834 * t430;
-    let t836 = t668 * t423;
-    let t837 = t171 + t836;
-    let t838 = t837 + t835;
-    let t839 = t838 * t446;
-    let t840 = t683 * t311;
-    let t841 = t691 - t840;
-    let t842 = t841 * t459;
-    let t843 = t683 * t452;
-    let t844 = t179 - t843;
-    let t845 = t844 - t842;
-    let t846 = t845 * t475;
-    let t847 = t846 - t839;
-    let t848 = t699 * t234;
-    let t849 = t707 - t848;
-    let t850 = t849 * t489;
-    let t851 = t699 * t482;
-    let t852 = t188 + t851;
-    let t853 = t852 + t850;
-    let t854 = t853 * t505;
-    let t855 = t854 - t847;
-    let t856 = t834 * t279;
-    let t857 = t841 * t317;
-    let t858 = t857 + t856;
-    let t859 = t849 * t240;
-    let t860 = t859 + t858;
-    let t861 = t683 * t321;
-    let t862 = t699 * t323;
+    let t826 = t825 * t455;
+    let t827 = t826 - t819;
+    let t828 = t679 * t260;
+    let t829 = t687 - t828;
+    let t830 = t829 * t469;
+    let t831 = t679 * t462;
+    let t832 = t191 + t831;
+    let t833 = t832 - t830;
+    let t834 = t833 * t485;
+    let t835 = t834 - t827;
+    let t836 = t814 * t335;
+    let t837 = t821 * t232;
+    let t838 = t837 + t836;
+    let t839 = t829 * t266;
+    let t840 = t839 + t838;
+    let t841 = t663 * t339;
+    let t842 = t679 * t341;
+    let t843 = t842 + t841;
+    let t844 = t695 * t344;
+    let t845 = t648 * t346;
+    let t846 = t845 + t844;
+    let t847 = t846 + t843;
+    let t848 = t695 * t295;
+    let t849 = t714 - t848;
+    let t850 = t849 * t301;
+    let t851 = t850 + t847;
+    let t852 = t851 + t840;
+    let t853 = t849 * t380;
+    let t854 = t695 * t373;
+    let t855 = t158 - t854;
+    let t856 = t855 + t853;
+    let t857 = t856 * t396;
+    let t858 = t857 - t852;
+    let t859 = t858 - t835;
+    let t860 = t859 * t605;
+    let t861 = t818 * t637;
+    let t862 = t825 * t639;
     let t863 = t862 + t861;
-    let t864 = t715 * t346;
-    let t865 = t668 * t348;
-    let t866 = t865 + t864;
-    let t867 = t866 + t863;
-    let t868 = t715 * t379;
-    let t869 = t731 - t868;
-    let t870 = t869 * t385;
-    let t871 = t870 + t867;
-    let t872 = t871 + t860;
-    let t873 = t869 * t400;
-    let t874 = t715 * t393;
-    let t875 = t197 - t874;
-    let t876 = t875 - t873;
-    let t877 = t876 * t416;
-    let t878 = t877 + t872;
-    let t879 = t878 - t855;
-    let t880 = t879 * t625;
-    let t881 = t838 * t657;
-    let t882 = t845 * t659;
-    let t883 = t882 + t881;
-    let t884 = t853 * t662;
-    let t885 = t884 + t883;
-    let t886 = t834 * t632;
-    let t887 = t841 * t634;
-    let t888 = t887 - t886;
-    let t889 = t849 * t629;
-    let t890 = t889 - t888;
-    let t891 = t668 * t645;
-    let t892 = t683 * t638;
-    let t893 = t892 - t891;
-    let t894 = t699 * t640;
-    let t895 = t894 - t893;
-    let t896 = t715 * t643;
-    let t897 = t284 + t246;
-    let t898 = t207 + t897;
-    let t899 = 0.08000000000000007 - t364;
+    let t864 = t833 * t642;
+    let t865 = t864 + t863;
+    let t866 = t821 * t609;
+    let t867 = t829 * t611;
+    let t868 = t867 - t866;
+    let t869 = t849 * t614;
+    let t870 = t814 * t616;
+    let t871 = t870 - t869;
+    let t872 = t871 + t868;
+    let t873 = t648 * t627;
+    let t874 = t663 * t620;
+    let t875 = t874 - t873;
+    let t876 = t679 * t622;
+    let t877 = t876 - t875;
+    let t878 = t695 * t625;
+    let t879 = t202 + t305;
+    let t880 = t236 + t879;
+    let t881 = 0.08000000000000007 - t271;
+    let t882 = t881 - t880;
+    let t883 = t878 + t882;
+    let t884 = t883 - t877;
+    let t885 = t884 - t872;
+    let t886 = t856 * t634;
+    let t887 = t886 - t885;
+    let t888 = t887 + t865;
+    let t889 = t860 - t888;
+    let t890 = t889 * t769;
+    let t891 = t859 * t771;
+    let t892 = t818 * t801;
+    let t893 = t825 * t803;
+    let t894 = t893 + t892;
+    let t895 = t833 * t806;
+    let t896 = t895 + t894;
+    let t897 = t856 * t798;
+    let t898 = t821 * t775;
+    let t899 = t829 * t778;
     let t900 = t899 - t898;
-    let t901 = t896 + t900;
-    let t902 = t901 - t895;
-    let t903 = t869 * t650;
-    let t904 = t903 + t902;
-    let t905 = t904 - t890;
-    let t906 = t876 * t654;
-    let t907 = t906 + t905;
-    let t908 = t907 + t885;
-    let t909 = t880 - t908;
-    let t910 = t909 * t789;
-    let t911 = t879 * t791;
-    let t912 = t838 * t821;
-    let t913 = t845 * t823;
-    let t914 = t913 + t912;
-    let t915 = t853 * t826;
-    let t916 = t915 + t914;
-    let t917 = t876 * t818;
-    let t918 = t834 * t797;
-    let t919 = t841 * t799;
-    let t920 = t919 - t918;
-    let t921 = t849 * t793;
-    let t922 = t921 - t920;
-    let t923 = t668 * t811;
-    let t924 = t683 * t804;
-    let t925 = t924 - t923;
-    let t926 = t699 * t806;
-    let t927 = t926 - t925;
-    let t928 = t171 + t197;
-    let t929 = t188 + t179;
-    let t930 = t929 + t928;
-    let t931 = t715 * t809;
-    let t932 = t931 - t930;
-    let t933 = t932 - t927;
-    let t934 = t869 * t802;
-    let t935 = t934 + t933;
-    let t936 = t935 - t922;
-    let t937 = t917 + t936;
-    let t938 = t937 + t916;
-    let t939 = t911 - t938;
-    let t940 = t910 - t939;
-    let t941 = t940 * inverse_d_base_rx;
-    let t942 = t940 * t941;
-    let t943 = t909 * inverse_d_base_ry;
-    let t944 = t909 * t943;
-    let t945 = t879 * inverse_d_base_rz;
-    let t946 = t879 * t945;
-    let t947 = t838 * inverse_d_front_right_hip;
-    let t948 = t838 * t947;
-    let t949 = t845 * inverse_d_rear_left_hip;
-    let t950 = t845 * t949;
-    let t951 = t950 + t948;
-    let t952 = t853 * inverse_d_rear_right_hip;
-    let t953 = t853 * t952;
-    let t954 = t953 + t951;
-    let t955 = t876 * inverse_d_front_left_hip;
-    let t956 = t876 * t955;
-    let t957 = t834 * inverse_d_front_right_thigh;
-    let t958 = t834 * t957;
-    let t959 = t841 * inverse_d_rear_left_thigh;
-    let t960 = t841 * t959;
-    let t961 = t960 + t958;
-    let t962 = t849 * inverse_d_rear_right_thigh;
-    let t963 = t849 * t962;
-    let t964 = t963 + t961;
-    let t965 = t869 * inverse_d_front_left_thigh;
-    let t966 = t869 * t965;
-    let t967 = t668 * inverse_d_front_right_calf;
-    let t968 = t668 * t967;
-    let t969 = t683 * inverse_d_rear_left_calf;
-    let t970 = t683 * t969;
-    let t971 = t970 + t968;
-    let t972 = t699 * inverse_d_rear_right_calf;
-    let t973 = t699 * t972;
+    let t901 = t663 * t781;
+    let t902 = t679 * t783;
+    let t903 = t902 - t901;
+    let t904 = t170 + t158;
+    let t905 = t191 + t180;
+    let t906 = t905 + t904;
+    let t907 = t906 + t903;
+    let t908 = t695 * t786;
+    let t909 = t648 * t788;
+    let t910 = t909 - t908;
+    let t911 = t910 + t907;
+    let t912 = t911 - t900;
+    let t913 = t849 * t792;
+    let t914 = t814 * t773;
+    let t915 = t914 - t913;
+    let t916 = t915 - t912;
+    let t917 = t897 + t916;
+    let t918 = t917 + t896;
+    let t919 = t891 - t918;
+    let t920 = t890 - t919;
+    let t921 = t920 * inverse_d_base_rx;
+    let t922 = t920 * t921;
+    let t923 = t889 * inverse_d_base_ry;
+    let t924 = t889 * t923;
+    let t925 = t859 * inverse_d_base_rz;
+    let t926 = t859 * t925;
+    let t927 = t818 * inverse_d_front_right_hip;
+    let t928 = t818 * t927;
+    let t929 = t825 * inverse_d_rear_left_hip;
+    let t930 = t825 * t929;
+    let t931 = t930 + t928;
+    let t932 = t833 * inverse_d_rear_right_hip;
+    let t933 = t833 * t932;
+    let t934 = t933 + t931;
+    let t935 = t856 * inverse_d_front_left_hip;
+    let t936 = t856 * t935;
+    let t937 = t814 * inverse_d_front_right_thigh;
+    let t938 = t814 * t937;
+    let t939 = t821 * inverse_d_rear_left_thigh;
+    let t940 = t821 * t939;
+    let t941 = t940 + t938;
+    let t942 = t829 * inverse_d_rear_right_thigh;
+    let t943 = t829 * t942;
+    let t944 = t943 + t941;
+    let t945 = t648 * 178.57142857142858;
+    let t946 = t648 * t945;
+    let t947 = t663 * 178.57142857142858;
+    let t948 = t663 * t947;
+    let t949 = t948 + t946;
+    let t950 = t679 * 178.57142857142858;
+    let t951 = t679 * t950;
+    let t952 = t951 + t949;
+    let t953 = t695 * 178.57142857142858;
+    let t954 = t695 * t953;
+    let t955 = 16.200000000000003 - t954;
+    let t956 = t955 - t952;
+    let t957 = t849 * inverse_d_front_left_thigh;
+    let t958 = t849 * t957;
+    let t959 = t958 + t956;
+    let t960 = t959 + t944;
+    let t961 = t936 - t960;
+    let t962 = t961 + t934;
+    let t963 = t926 - t962;
+    let t964 = t924 - t963;
+    let t965 = t922 - t964;
+    let inverse_d_base_z = 1.0 / t965;
+    let t967 = sin_front_right_hip * t315;
+    let t968 = t967 * t329;
+    let t969 = sin_front_right_hip * t305;
+    let t970 = t969 - t968;
+    let t971 = t970 * t410;
+    let t972 = t967 * t403;
+    let t973 = t552 - t972;
     let t974 = t973 + t971;
-    let t975 = t715 * inverse_d_front_left_calf;
-    let t976 = t715 * t975;
-    let t977 = 16.200000000000003 - t976;
-    let t978 = t977 - t974;
-    let t979 = t966 + t978;
-    let t980 = t979 + t964;
-    let t981 = t956 - t980;
-    let t982 = t981 + t954;
-    let t983 = t946 - t982;
-    let t984 = t944 - t983;
-    let t985 = t942 - t984;
-    let inverse_d_base_z = 1.0 / t985;
-    let t987 = sin_front_right_hip * t259;
-    let t988 = t987 * t273;
-    let t989 = sin_front_right_hip * t246;
-    let t990 = t989 - t988;
-    let t991 = t990 * t430;
-    let t992 = t987 * t423;
-    let t993 = t544 - t992;
-    let t994 = t993 - t991;
-    let t995 = t994 * t446;
-    let t996 = sin_rear_left_hip * t297;
-    let t997 = t996 * t311;
-    let t998 = sin_rear_left_hip * t284;
-    let t999 = t998 - t997;
+    let t975 = t974 * t426;
+    let t976 = sin_rear_left_hip * t212;
+    let t977 = t976 * t226;
+    let t978 = sin_rear_left_hip * t202;
+    let t979 = t978 - t977;
+    let t980 = t979 * t439;
+    let t981 = t976 * t432;
+    let t982 = t556 + t981;
+    let t983 = t982 - t980;
+    let t984 = t983 * t455;
+    let t985 = t984 - t975;
+    let t986 = sin_rear_right_hip * t246;
+    let t987 = t986 * t260;
+    let t988 = sin_rear_right_hip * t236;
+    let t989 = t988 - t987;
+    let t990 = t989 * t469;
+    let t991 = t986 * t462;
+    let t992 = t561 - t991;
+    let t993 = t992 + t990;
+    let t994 = t993 * t485;
+    let t995 = t994 - t985;
+    let t996 = t979 * t232;
+    let t997 = t989 * t266;
+    let t998 = t997 + t996;
+    let t999 = sin_front_left_hip * t281;
+    let t1000 = t999 * t295;
+    let t1001 = sin_front_left_hip * t271;
+    let t1002 = t1001 - t1000;
+    let t1003 = t1002 * t301;
+    let t1004 = t970 * t335;
+    let t1005 = t1004 + t1003;
+    let t1006 = t1005 + t998;
+    let t1007 = t967 * t346;
+    let t1008 = t976 * t339;
+    let t1009 = t1008 + t1007;
+    let t1010 = t986 * t341;
+    let t1011 = t1010 + t1009;
+    let t1012 = t999 * t344;
+    let t1013 = t882 + t1012;
+    let t1014 = t1013 + t1011;
+    let t1015 = t1014 + t1006;
+    let t1016 = t1002 * t380;
+    let t1017 = t999 * t373;
+    let t1018 = t566 + t1017;
+    let t1019 = t1018 - t1016;
+    let t1020 = t1019 * t396;
+    let t1021 = t1020 + t1015;
+    let t1022 = t1021 - t995;
+    let t1023 = t1022 * t605;
+    let t1024 = t974 * t637;
+    let t1025 = t983 * t639;
+    let t1026 = t1025 + t1024;
+    let t1027 = t993 * t642;
+    let t1028 = t1027 + t1026;
+    let t1029 = t970 * t616;
+    let t1030 = t979 * t609;
+    let t1031 = t1030 - t1029;
+    let t1032 = t989 * t611;
+    let t1033 = t1032 - t1031;
+    let t1034 = t976 * t620;
+    let t1035 = t986 * t622;
+    let t1036 = t1035 - t1034;
+    let t1037 = t999 * t625;
+    let t1038 = t967 * t627;
+    let t1039 = t1038 - t1037;
+    let t1040 = t1039 + t1036;
+    let t1041 = t1002 * t614;
+    let t1042 = t1041 - t1040;
+    let t1043 = t1042 - t1033;
+    let t1044 = t1019 * t634;
+    let t1045 = t1044 + t1043;
+    let t1046 = t1045 + t1028;
+    let t1047 = t1023 - t1046;
+    let t1048 = t1047 * t769;
+    let t1049 = t1022 * t771;
+    let t1050 = t974 * t801;
+    let t1051 = t983 * t803;
+    let t1052 = t1051 + t1050;
+    let t1053 = t993 * t806;
+    let t1054 = t1053 + t1052;
+    let t1055 = t1019 * t798;
+    let t1056 = t979 * t775;
+    let t1057 = t989 * t778;
+    let t1058 = t1057 - t1056;
+    let t1059 = t976 * t781;
+    let t1060 = t986 * t783;
+    let t1061 = t1060 - t1059;
+    let t1062 = t999 * t786;
+    let t1063 = t967 * t788;
+    let t1064 = t1063 - t1062;
+    let t1065 = t1064 + t1061;
+    let t1066 = t556 + t552;
+    let t1067 = t561 + t1066;
+    let t1068 = 0.16 - t566;
+    let t1069 = t1068 - t1067;
+    let t1070 = t1069 + t1065;
+    let t1071 = t1070 - t1058;
+    let t1072 = t1002 * t792;
+    let t1073 = t970 * t773;
+    let t1074 = t1073 - t1072;
+    let t1075 = t1074 - t1071;
+    let t1076 = t1055 - t1075;
+    let t1077 = t1076 + t1054;
+    let t1078 = t1049 - t1077;
+    let t1079 = t1048 - t1078;
     [
         sin_front_left_hip,
         cos_front_left_hip,
         sin_front_left_thigh,
         cos_front_left_thigh,
+        sin_front_left_calf,
+        cos_front_left_calf,
         sin_front_right_hip,
         cos_front_right_hip,
         sin_front_right_thigh,
         cos_front_right_thigh,
+        sin_front_right_calf,
+        cos_front_right_calf,
         sin_rear_left_hip,
         cos_rear_left_hip,
         sin_rear_left_thigh,
         cos_rear_left_thigh,
+        sin_rear_left_calf,
+        cos_rear_left_calf,
         sin_rear_right_hip,
         cos_rear_right_hip,
         sin_rear_right_thigh,
         cos_rear_right_thigh,
+        sin_rear_right_calf,
+        cos_rear_right_calf,
         sin_rear_left_thigh_rear_left_calf,
         cos_rear_left_thigh_rear_left_calf,
         sin_rear_right_thigh_rear_right_calf,
@@ -3895,132 +3892,109 @@ fn forward_dynamics_with_wrenches_part_1(y: &[f64; NY]) -> [f64; 150] {
         cos_front_left_thigh_front_left_calf,
         sin_front_right_thigh_front_right_calf,
         cos_front_right_thigh_front_right_calf,
-        t38,
-        t45,
-        t55,
-        t69,
-        t76,
-        t86,
-        t101,
-        t108,
-        t118,
-        t133,
-        t140,
-        t150,
-        t166,
-        t168,
-        t174,
-        t176,
-        t183,
-        t185,
-        t192,
-        t194,
-        t207,
-        t215,
-        t220,
-        t225,
-        inverse_d_rear_right_calf,
-        t234,
-        inverse_d_rear_right_thigh,
-        t240,
-        t254,
-        t264,
-        inverse_d_front_right_calf,
-        t273,
-        inverse_d_front_right_thigh,
-        t279,
-        t292,
-        t302,
-        inverse_d_rear_left_calf,
-        t311,
+        t155,
+        t167,
+        t177,
+        t188,
+        t219,
+        t226,
         inverse_d_rear_left_thigh,
-        t317,
-        t321,
-        t323,
-        t326,
-        t332,
-        t337,
-        inverse_d_front_left_calf,
-        t346,
-        t348,
-        t364,
-        t379,
+        t232,
+        t253,
+        t260,
+        inverse_d_rear_right_thigh,
+        t266,
+        t288,
+        t295,
         inverse_d_front_left_thigh,
-        t385,
-        t393,
-        t400,
+        t301,
+        t322,
+        t329,
+        inverse_d_front_right_thigh,
+        t335,
+        t339,
+        t341,
+        t344,
+        t346,
+        t373,
+        t380,
         inverse_d_front_left_hip,
-        t416,
-        t423,
-        t430,
+        t396,
+        t403,
+        t410,
         inverse_d_front_right_hip,
-        t446,
-        t452,
-        t459,
+        t426,
+        t432,
+        t439,
         inverse_d_rear_left_hip,
-        t475,
-        t482,
-        t489,
+        t455,
+        t462,
+        t469,
         inverse_d_rear_right_hip,
-        t505,
+        t485,
         inverse_d_base_rz,
-        t531,
-        t535,
-        t540,
-        t544,
+        t605,
+        t609,
+        t611,
+        t614,
+        t616,
+        t620,
+        t622,
         t625,
-        t629,
-        t632,
+        t627,
         t634,
-        t638,
-        t640,
-        t643,
-        t645,
-        t650,
-        t654,
-        t657,
-        t659,
-        t662,
+        t637,
+        t639,
+        t642,
         inverse_d_base_ry,
-        t789,
-        t791,
-        t793,
-        t797,
-        t799,
-        t802,
-        t804,
+        t769,
+        t771,
+        t773,
+        t775,
+        t778,
+        t781,
+        t783,
+        t786,
+        t788,
+        t792,
+        t798,
+        t801,
+        t803,
         t806,
-        t809,
-        t811,
-        t818,
-        t821,
-        t823,
-        t826,
         inverse_d_base_rx,
-        t900,
-        t930,
-        t941,
-        t943,
+        t906,
+        t921,
+        t923,
+        t925,
+        t927,
+        t929,
+        t932,
+        t935,
+        t937,
+        t939,
+        t942,
         t945,
         t947,
-        t949,
-        t952,
-        t955,
+        t950,
+        t953,
         t957,
-        t959,
-        t962,
-        t965,
-        t967,
-        t969,
-        t972,
-        t975,
         inverse_d_base_z,
-        t987,
-        t990,
-        t994,
-        t995,
-        t996,
+        t967,
+        t970,
+        t974,
+        t976,
+        t979,
+        t983,
+        t986,
+        t989,
+        t993,
         t999,
+        t1002,
+        t1019,
+        t1022,
+        t1047,
+        t1069,
+        t1079,
     ]
 }
 
@@ -4035,18 +4009,26 @@ fn forward_dynamics_with_wrenches_part_2(
     cos_front_left_hip,
     sin_front_left_thigh,
     cos_front_left_thigh,
+    sin_front_left_calf,
+    cos_front_left_calf,
     sin_front_right_hip,
     cos_front_right_hip,
     sin_front_right_thigh,
     cos_front_right_thigh,
+    sin_front_right_calf,
+    cos_front_right_calf,
     sin_rear_left_hip,
     cos_rear_left_hip,
     sin_rear_left_thigh,
     cos_rear_left_thigh,
+    sin_rear_left_calf,
+    cos_rear_left_calf,
     sin_rear_right_hip,
     cos_rear_right_hip,
     sin_rear_right_thigh,
     cos_rear_right_thigh,
+    sin_rear_right_calf,
+    cos_rear_right_calf,
     sin_rear_left_thigh_rear_left_calf,
     cos_rear_left_thigh_rear_left_calf,
     sin_rear_right_thigh_rear_right_calf,
@@ -4055,2202 +4037,2128 @@ fn forward_dynamics_with_wrenches_part_2(
     cos_front_left_thigh_front_left_calf,
     sin_front_right_thigh_front_right_calf,
     cos_front_right_thigh_front_right_calf,
-    t38,
-    t45,
-    t55,
-    t69,
-    t76,
-    t86,
-    t101,
-    t108,
-    t118,
-    t133,
-    t140,
-    t150,
-    t166,
-    t168,
-    t174,
-    t176,
-    t183,
-    t185,
-    t192,
-    t194,
-    t207,
-    t215,
-    t220,
-    t225,
-    inverse_d_rear_right_calf,
-    t234,
-    inverse_d_rear_right_thigh,
-    t240,
-    t254,
-    t264,
-    inverse_d_front_right_calf,
-    t273,
-    inverse_d_front_right_thigh,
-    t279,
-    t292,
-    t302,
-    inverse_d_rear_left_calf,
-    t311,
+    t155,
+    t167,
+    t177,
+    t188,
+    t219,
+    t226,
     inverse_d_rear_left_thigh,
-    t317,
-    t321,
-    t323,
-    t326,
-    t332,
-    t337,
-    inverse_d_front_left_calf,
-    t346,
-    t348,
-    t364,
-    t379,
+    t232,
+    t253,
+    t260,
+    inverse_d_rear_right_thigh,
+    t266,
+    t288,
+    t295,
     inverse_d_front_left_thigh,
-    t385,
-    t393,
-    t400,
+    t301,
+    t322,
+    t329,
+    inverse_d_front_right_thigh,
+    t335,
+    t339,
+    t341,
+    t344,
+    t346,
+    t373,
+    t380,
     inverse_d_front_left_hip,
-    t416,
-    t423,
-    t430,
+    t396,
+    t403,
+    t410,
     inverse_d_front_right_hip,
-    t446,
-    t452,
-    t459,
+    t426,
+    t432,
+    t439,
     inverse_d_rear_left_hip,
-    t475,
-    t482,
-    t489,
+    t455,
+    t462,
+    t469,
     inverse_d_rear_right_hip,
-    t505,
+    t485,
     inverse_d_base_rz,
-    t531,
-    t535,
-    t540,
-    t544,
+    t605,
+    t609,
+    t611,
+    t614,
+    t616,
+    t620,
+    t622,
     t625,
-    t629,
-    t632,
+    t627,
     t634,
-    t638,
-    t640,
-    t643,
-    t645,
-    t650,
-    t654,
-    t657,
-    t659,
-    t662,
+    t637,
+    t639,
+    t642,
     inverse_d_base_ry,
-    t789,
-    t791,
-    t793,
-    t797,
-    t799,
-    t802,
-    t804,
+    t769,
+    t771,
+    t773,
+    t775,
+    t778,
+    t781,
+    t783,
+    t786,
+    t788,
+    t792,
+    t798,
+    t801,
+    t803,
     t806,
-    t809,
-    t811,
-    t818,
-    t821,
-    t823,
-    t826,
     inverse_d_base_rx,
-    t900,
-    t930,
-    t941,
-    t943,
+    t906,
+    t921,
+    t923,
+    t925,
+    t927,
+    t929,
+    t932,
+    t935,
+    t937,
+    t939,
+    t942,
     t945,
     t947,
-    t949,
-    t952,
-    t955,
+    t950,
+    t953,
     t957,
-    t959,
-    t962,
-    t965,
-    t967,
-    t969,
-    t972,
-    t975,
     inverse_d_base_z,
-    t987,
-    t990,
-    t994,
-    t995,
-    t996,
+    t967,
+    t970,
+    t974,
+    t976,
+    t979,
+    t983,
+    t986,
+    t989,
+    t993,
     t999,
-    ]: [f64; 150],
-) -> [f64; 73] {
-    let t1000 = t999 * t459;
-    let t1001 = t996 * t452;
-    let t1002 = t531 + t1001;
-    let t1003 = t1002 + t1000;
-    let t1004 = t1003 * t475;
-    let t1005 = t1004 - t995;
-    let t1006 = sin_rear_right_hip * t220;
-    let t1007 = t1006 * t234;
-    let t1008 = sin_rear_right_hip * t207;
-    let t1009 = t1008 - t1007;
-    let t1010 = t1009 * t489;
-    let t1011 = t1006 * t482;
-    let t1012 = t535 - t1011;
-    let t1013 = t1012 - t1010;
-    let t1014 = t1013 * t505;
-    let t1015 = t1014 - t1005;
-    let t1016 = t990 * t279;
-    let t1017 = t999 * t317;
-    let t1018 = t1017 + t1016;
-    let t1019 = t1009 * t240;
-    let t1020 = t1019 + t1018;
-    let t1021 = t987 * t348;
-    let t1022 = t996 * t321;
-    let t1023 = t1022 + t1021;
-    let t1024 = t1006 * t323;
-    let t1025 = t1024 + t1023;
-    let t1026 = sin_front_left_hip * t332;
-    let t1027 = t1026 * t346;
-    let t1028 = t900 + t1027;
-    let t1029 = t1028 + t1025;
-    let t1030 = t1026 * t379;
-    let t1031 = sin_front_left_hip * t364;
-    let t1032 = t1031 - t1030;
-    let t1033 = t1032 * t385;
-    let t1034 = t1033 + t1029;
-    let t1035 = t1034 + t1020;
-    let t1036 = t1032 * t400;
-    let t1037 = t1026 * t393;
-    let t1038 = t540 + t1037;
-    let t1039 = t1038 + t1036;
-    let t1040 = t1039 * t416;
-    let t1041 = t1040 - t1035;
-    let t1042 = t1041 - t1015;
-    let t1043 = t1042 * t625;
-    let t1044 = t994 * t657;
-    let t1045 = t1003 * t659;
-    let t1046 = t1045 + t1044;
-    let t1047 = t1013 * t662;
-    let t1048 = t1047 + t1046;
-    let t1049 = t990 * t632;
-    let t1050 = t999 * t634;
-    let t1051 = t1050 - t1049;
-    let t1052 = t1009 * t629;
-    let t1053 = t1052 - t1051;
-    let t1054 = t996 * t638;
-    let t1055 = t1006 * t640;
-    let t1056 = t1055 - t1054;
-    let t1057 = t1026 * t643;
-    let t1058 = t987 * t645;
-    let t1059 = t1058 - t1057;
-    let t1060 = t1059 + t1056;
-    let t1061 = t1032 * t650;
-    let t1062 = t1061 - t1060;
-    let t1063 = t1062 - t1053;
-    let t1064 = t1039 * t654;
-    let t1065 = t1064 - t1063;
-    let t1066 = t1065 + t1048;
-    let t1067 = t1043 - t1066;
-    let t1068 = t1067 * t789;
-    let t1069 = t1042 * t791;
-    let t1070 = t994 * t821;
-    let t1071 = t1003 * t823;
-    let t1072 = t1071 + t1070;
-    let t1073 = t1013 * t826;
-    let t1074 = t1073 + t1072;
-    let t1075 = t1039 * t818;
-    let t1076 = t990 * t797;
-    let t1077 = t999 * t799;
-    let t1078 = t1077 - t1076;
-    let t1079 = t1009 * t793;
-    let t1080 = t1079 - t1078;
-    let t1081 = t987 * t811;
-    let t1082 = t996 * t804;
-    let t1083 = t1082 - t1081;
-    let t1084 = t1006 * t806;
-    let t1085 = t1084 - t1083;
-    let t1086 = t531 + t544;
-    let t1087 = t535 + t1086;
-    let t1088 = 0.16 - t540;
-    let t1089 = t1088 - t1087;
-    let t1090 = t1026 * t809;
-    let t1091 = t1090 - t1089;
-    let t1092 = t1091 - t1085;
-    let t1093 = t1032 * t802;
-    let t1094 = t1093 + t1092;
-    let t1095 = t1094 - t1080;
-    let t1096 = t1075 - t1095;
-    let t1097 = t1096 + t1074;
-    let t1098 = t1069 - t1097;
-    let t1099 = t1068 - t1098;
-    let t1100 = t1099 * t941;
-    let t1101 = t1067 * t943;
-    let t1102 = t1042 * t945;
-    let t1103 = t994 * t947;
-    let t1104 = t1003 * t949;
-    let t1105 = t1104 + t1103;
-    let t1106 = t1013 * t952;
-    let t1107 = t1106 + t1105;
-    let t1108 = t1039 * t955;
-    let t1109 = t990 * t957;
-    let t1110 = t999 * t959;
-    let t1111 = t1110 + t1109;
-    let t1112 = t1009 * t962;
-    let t1113 = t1112 + t1111;
-    let t1114 = t1032 * t965;
-    let t1115 = t996 * t969;
-    let t1116 = t1006 * t972;
-    let t1117 = t1116 + t1115;
-    let t1118 = t1026 * t975;
-    let t1119 = t987 * t967;
-    let t1120 = t1119 + t1118;
-    let t1121 = t1120 + t1117;
-    let t1122 = t1114 - t1121;
-    let t1123 = t1122 + t1113;
-    let t1124 = t1108 + t1123;
-    let t1125 = t1124 + t1107;
-    let t1126 = t1102 - t1125;
-    let t1127 = t1101 - t1126;
-    let t1128 = t1100 - t1127;
-    let t1129 = t1128 * inverse_d_base_z;
-    let t1130 = t1128 * t1129;
-    let t1131 = t1099 * inverse_d_base_rx;
-    let t1132 = t1099 * t1131;
-    let t1133 = t1067 * inverse_d_base_ry;
-    let t1134 = t1067 * t1133;
-    let t1135 = t1042 * inverse_d_base_rz;
-    let t1136 = t1042 * t1135;
-    let t1137 = t994 * inverse_d_front_right_hip;
-    let t1138 = t994 * t1137;
-    let t1139 = t1003 * inverse_d_rear_left_hip;
-    let t1140 = t1003 * t1139;
-    let t1141 = t1140 + t1138;
-    let t1142 = t1013 * inverse_d_rear_right_hip;
-    let t1143 = t1013 * t1142;
-    let t1144 = t1143 + t1141;
-    let t1145 = t1039 * inverse_d_front_left_hip;
-    let t1146 = t1039 * t1145;
-    let t1147 = t990 * inverse_d_front_right_thigh;
-    let t1148 = t990 * t1147;
-    let t1149 = t999 * inverse_d_rear_left_thigh;
-    let t1150 = t999 * t1149;
-    let t1151 = t1150 + t1148;
-    let t1152 = t1009 * inverse_d_rear_right_thigh;
-    let t1153 = t1009 * t1152;
-    let t1154 = t1153 + t1151;
-    let t1155 = t1032 * inverse_d_front_left_thigh;
-    let t1156 = t1032 * t1155;
-    let t1157 = t987 * inverse_d_front_right_calf;
-    let t1158 = t987 * t1157;
-    let t1159 = t996 * inverse_d_rear_left_calf;
-    let t1160 = t996 * t1159;
-    let t1161 = t1160 + t1158;
-    let t1162 = t1006 * inverse_d_rear_right_calf;
-    let t1163 = t1006 * t1162;
-    let t1164 = t1163 + t1161;
-    let t1165 = t1026 * inverse_d_front_left_calf;
-    let t1166 = t1026 * t1165;
-    let t1167 = 16.200000000000003 - t1166;
-    let t1168 = t1167 - t1164;
-    let t1169 = t1156 + t1168;
-    let t1170 = t1169 + t1154;
-    let t1171 = t1146 - t1170;
-    let t1172 = t1171 + t1144;
-    let t1173 = t1136 - t1172;
-    let t1174 = t1134 - t1173;
-    let t1175 = t1132 - t1174;
-    let t1176 = t1130 - t1175;
-    let inverse_d_base_y = 1.0 / t1176;
-    let t1178 = t264 * t273;
-    let t1179 = t168 + t1178;
-    let t1180 = t1179 * t430;
-    let t1181 = t264 * t423;
-    let t1182 = t1181 - t1180;
-    let t1183 = t1182 * t446;
-    let t1184 = t302 * t311;
-    let t1185 = t176 + t1184;
-    let t1186 = t1185 * t459;
-    let t1187 = t302 * t452;
-    let t1188 = t1187 - t1186;
-    let t1189 = t1188 * t475;
-    let t1190 = t1189 + t1183;
-    let t1191 = t225 * t234;
-    let t1192 = t185 + t1191;
-    let t1193 = t1192 * t489;
-    let t1194 = t225 * t482;
-    let t1195 = t1194 - t1193;
-    let t1196 = t1195 * t505;
-    let t1197 = t1196 + t1190;
-    let t1198 = t1179 * t279;
-    let t1199 = t1185 * t317;
-    let t1200 = t1199 + t1198;
-    let t1201 = t1192 * t240;
-    let t1202 = t1201 + t1200;
-    let t1203 = t264 * t348;
-    let t1204 = t302 * t321;
-    let t1205 = t1204 + t1203;
-    let t1206 = t225 * t323;
-    let t1207 = t1206 + t1205;
-    let t1208 = t337 * t346;
-    let t1209 = t930 + t1208;
-    let t1210 = t1209 + t1207;
-    let t1211 = t337 * t379;
-    let t1212 = t194 + t1211;
-    let t1213 = t1212 * t385;
-    let t1214 = t1213 - t1210;
-    let t1215 = t1214 + t1202;
-    let t1216 = t1212 * t400;
-    let t1217 = t337 * t393;
-    let t1218 = t1217 - t1216;
-    let t1219 = t1218 * t416;
-    let t1220 = t1219 + t1215;
-    let t1221 = t1220 + t1197;
-    let t1222 = t1221 * t625;
-    let t1223 = t1182 * t657;
-    let t1224 = t1188 * t659;
+    t1002,
+    t1019,
+    t1022,
+    t1047,
+    t1069,
+    t1079,
+    ]: [f64; 135],
+) -> [f64; 67] {
+    let t1080 = t1079 * t921;
+    let t1081 = t1047 * t923;
+    let t1082 = t1022 * t925;
+    let t1083 = t974 * t927;
+    let t1084 = t983 * t929;
+    let t1085 = t1084 + t1083;
+    let t1086 = t993 * t932;
+    let t1087 = t1086 + t1085;
+    let t1088 = t1019 * t935;
+    let t1089 = t970 * t937;
+    let t1090 = t979 * t939;
+    let t1091 = t1090 + t1089;
+    let t1092 = t989 * t942;
+    let t1093 = t1092 + t1091;
+    let t1094 = t976 * t947;
+    let t1095 = t986 * t950;
+    let t1096 = t1095 + t1094;
+    let t1097 = t999 * t953;
+    let t1098 = t967 * t945;
+    let t1099 = t1098 + t1097;
+    let t1100 = t1099 + t1096;
+    let t1101 = t1002 * t957;
+    let t1102 = t1101 - t1100;
+    let t1103 = t1102 + t1093;
+    let t1104 = t1088 + t1103;
+    let t1105 = t1104 + t1087;
+    let t1106 = t1082 - t1105;
+    let t1107 = t1081 - t1106;
+    let t1108 = t1080 - t1107;
+    let t1109 = t1108 * inverse_d_base_z;
+    let t1110 = t1108 * t1109;
+    let t1111 = t1079 * inverse_d_base_rx;
+    let t1112 = t1079 * t1111;
+    let t1113 = t1047 * inverse_d_base_ry;
+    let t1114 = t1047 * t1113;
+    let t1115 = t1022 * inverse_d_base_rz;
+    let t1116 = t1022 * t1115;
+    let t1117 = t974 * inverse_d_front_right_hip;
+    let t1118 = t974 * t1117;
+    let t1119 = t983 * inverse_d_rear_left_hip;
+    let t1120 = t983 * t1119;
+    let t1121 = t1120 + t1118;
+    let t1122 = t993 * inverse_d_rear_right_hip;
+    let t1123 = t993 * t1122;
+    let t1124 = t1123 + t1121;
+    let t1125 = t1019 * inverse_d_front_left_hip;
+    let t1126 = t1019 * t1125;
+    let t1127 = t970 * inverse_d_front_right_thigh;
+    let t1128 = t970 * t1127;
+    let t1129 = t979 * inverse_d_rear_left_thigh;
+    let t1130 = t979 * t1129;
+    let t1131 = t1130 + t1128;
+    let t1132 = t989 * inverse_d_rear_right_thigh;
+    let t1133 = t989 * t1132;
+    let t1134 = t1133 + t1131;
+    let t1135 = t967 * 178.57142857142858;
+    let t1136 = t967 * t1135;
+    let t1137 = t976 * 178.57142857142858;
+    let t1138 = t976 * t1137;
+    let t1139 = t1138 + t1136;
+    let t1140 = t986 * 178.57142857142858;
+    let t1141 = t986 * t1140;
+    let t1142 = t1141 + t1139;
+    let t1143 = t999 * 178.57142857142858;
+    let t1144 = t999 * t1143;
+    let t1145 = 16.200000000000003 - t1144;
+    let t1146 = t1145 - t1142;
+    let t1147 = t1002 * inverse_d_front_left_thigh;
+    let t1148 = t1002 * t1147;
+    let t1149 = t1148 + t1146;
+    let t1150 = t1149 + t1134;
+    let t1151 = t1126 - t1150;
+    let t1152 = t1151 + t1124;
+    let t1153 = t1116 - t1152;
+    let t1154 = t1114 - t1153;
+    let t1155 = t1112 - t1154;
+    let t1156 = t1110 - t1155;
+    let inverse_d_base_y = 1.0 / t1156;
+    let t1158 = t322 * t329;
+    let t1159 = t167 + t1158;
+    let t1160 = t1159 * t410;
+    let t1161 = t322 * t403;
+    let t1162 = t1161 + t1160;
+    let t1163 = t1162 * t426;
+    let t1164 = t219 * t226;
+    let t1165 = t177 + t1164;
+    let t1166 = t1165 * t439;
+    let t1167 = t219 * t432;
+    let t1168 = t1167 + t1166;
+    let t1169 = t1168 * t455;
+    let t1170 = t1169 + t1163;
+    let t1171 = t253 * t260;
+    let t1172 = t188 + t1171;
+    let t1173 = t1172 * t469;
+    let t1174 = t253 * t462;
+    let t1175 = t1174 + t1173;
+    let t1176 = t1175 * t485;
+    let t1177 = t1176 + t1170;
+    let t1178 = t1165 * t232;
+    let t1179 = t1172 * t266;
+    let t1180 = t1179 + t1178;
+    let t1181 = t288 * t295;
+    let t1182 = t155 + t1181;
+    let t1183 = t1182 * t301;
+    let t1184 = t1159 * t335;
+    let t1185 = t1184 + t1183;
+    let t1186 = t1185 + t1180;
+    let t1187 = t322 * t346;
+    let t1188 = t219 * t339;
+    let t1189 = t1188 + t1187;
+    let t1190 = t253 * t341;
+    let t1191 = t1190 + t1189;
+    let t1192 = t288 * t344;
+    let t1193 = t906 + t1192;
+    let t1194 = t1193 + t1191;
+    let t1195 = t1194 - t1186;
+    let t1196 = t1182 * t380;
+    let t1197 = t288 * t373;
+    let t1198 = t1197 + t1196;
+    let t1199 = t1198 * t396;
+    let t1200 = t1199 + t1195;
+    let t1201 = t1200 + t1177;
+    let t1202 = t1201 * t605;
+    let t1203 = t1162 * t637;
+    let t1204 = t1168 * t639;
+    let t1205 = t1204 - t1203;
+    let t1206 = t1175 * t642;
+    let t1207 = t1206 - t1205;
+    let t1208 = t1165 * t609;
+    let t1209 = t1172 * t611;
+    let t1210 = t1209 - t1208;
+    let t1211 = t1182 * t614;
+    let t1212 = t1159 * t616;
+    let t1213 = t1212 - t1211;
+    let t1214 = t1213 + t1210;
+    let t1215 = t219 * t620;
+    let t1216 = t253 * t622;
+    let t1217 = t1216 - t1215;
+    let t1218 = t1069 + t1217;
+    let t1219 = t288 * t625;
+    let t1220 = t322 * t627;
+    let t1221 = t1220 - t1219;
+    let t1222 = t1221 + t1218;
+    let t1223 = t1222 - t1214;
+    let t1224 = t1198 * t634;
     let t1225 = t1224 - t1223;
-    let t1226 = t1195 * t662;
-    let t1227 = t1226 - t1225;
-    let t1228 = t1179 * t632;
-    let t1229 = t1185 * t634;
-    let t1230 = t1229 - t1228;
-    let t1231 = t1192 * t629;
+    let t1226 = t1225 - t1207;
+    let t1227 = t1202 - t1226;
+    let t1228 = t1227 * t769;
+    let t1229 = t1201 * t771;
+    let t1230 = t1162 * t801;
+    let t1231 = t1168 * t803;
     let t1232 = t1231 - t1230;
-    let t1233 = t264 * t645;
-    let t1234 = t302 * t638;
-    let t1235 = t1234 - t1233;
-    let t1236 = t225 * t640;
-    let t1237 = t1236 - t1235;
-    let t1238 = t337 * t643;
-    let t1239 = t1238 - t1089;
-    let t1240 = t1239 - t1237;
-    let t1241 = t1212 * t650;
-    let t1242 = t1241 - t1240;
-    let t1243 = t1242 - t1232;
-    let t1244 = t1218 * t654;
-    let t1245 = t1244 + t1243;
-    let t1246 = t1245 - t1227;
-    let t1247 = t1222 - t1246;
-    let t1248 = t1247 * t789;
-    let t1249 = t1221 * t791;
-    let t1250 = t1182 * t821;
-    let t1251 = t1188 * t823;
-    let t1252 = t1251 - t1250;
-    let t1253 = t1195 * t826;
-    let t1254 = t1253 - t1252;
-    let t1255 = t1218 * t818;
-    let t1256 = t1179 * t797;
-    let t1257 = t1185 * t799;
-    let t1258 = t1257 - t1256;
-    let t1259 = t1192 * t793;
+    let t1233 = t1175 * t806;
+    let t1234 = t1233 - t1232;
+    let t1235 = t1198 * t798;
+    let t1236 = t1159 * t773;
+    let t1237 = t1165 * t775;
+    let t1238 = t1237 - t1236;
+    let t1239 = t1172 * t778;
+    let t1240 = t1239 - t1238;
+    let t1241 = t219 * t781;
+    let t1242 = t253 * t783;
+    let t1243 = t1242 - t1241;
+    let t1244 = t288 * t786;
+    let t1245 = t322 * t788;
+    let t1246 = t1245 - t1244;
+    let t1247 = t1246 + t1243;
+    let t1248 = t1182 * t792;
+    let t1249 = t1248 - t1247;
+    let t1250 = t1249 - t1240;
+    let t1251 = t1235 - t1250;
+    let t1252 = t1251 - t1234;
+    let t1253 = t1229 - t1252;
+    let t1254 = t1228 - t1253;
+    let t1255 = t1254 * t921;
+    let t1256 = t1227 * t923;
+    let t1257 = t1201 * t925;
+    let t1258 = t1162 * t927;
+    let t1259 = t1168 * t929;
     let t1260 = t1259 - t1258;
-    let t1261 = t1212 * t802;
-    let t1262 = t302 * t804;
-    let t1263 = t225 * t806;
-    let t1264 = t1263 - t1262;
-    let t1265 = t337 * t809;
-    let t1266 = t264 * t811;
-    let t1267 = t1266 - t1265;
-    let t1268 = t1267 + t1264;
-    let t1269 = t1261 + t1268;
-    let t1270 = t1269 - t1260;
-    let t1271 = t1255 + t1270;
-    let t1272 = t1271 - t1254;
-    let t1273 = t1249 - t1272;
-    let t1274 = t1248 - t1273;
-    let t1275 = t1274 * t941;
-    let t1276 = t1247 * t943;
-    let t1277 = t1221 * t945;
-    let t1278 = t1182 * t947;
-    let t1279 = t1188 * t949;
-    let t1280 = t1279 - t1278;
-    let t1281 = t1195 * t952;
-    let t1282 = t1281 - t1280;
-    let t1283 = t1218 * t955;
-    let t1284 = t1179 * t957;
-    let t1285 = t1185 * t959;
-    let t1286 = t1285 + t1284;
-    let t1287 = t1192 * t962;
-    let t1288 = t1287 + t1286;
-    let t1289 = t1212 * t965;
-    let t1290 = t302 * t969;
-    let t1291 = t225 * t972;
-    let t1292 = t1291 + t1290;
-    let t1293 = t337 * t975;
-    let t1294 = t264 * t967;
-    let t1295 = t1294 + t1293;
-    let t1296 = t1295 + t1292;
-    let t1297 = t1289 + t1296;
-    let t1298 = t1297 + t1288;
-    let t1299 = t1283 - t1298;
-    let t1300 = t1299 - t1282;
-    let t1301 = t1277 - t1300;
-    let t1302 = t1276 - t1301;
-    let t1303 = t1275 - t1302;
-    let t1304 = t1303 * t1129;
-    let t1305 = t1274 * t1131;
-    let t1306 = t1247 * t1133;
-    let t1307 = t1221 * t1135;
-    let t1308 = t1182 * t1137;
-    let t1309 = t1188 * t1139;
-    let t1310 = t1309 - t1308;
-    let t1311 = t1195 * t1142;
-    let t1312 = t1311 - t1310;
-    let t1313 = t1218 * t1145;
-    let t1314 = t1179 * t1147;
-    let t1315 = t1185 * t1149;
-    let t1316 = t1315 + t1314;
-    let t1317 = t1192 * t1152;
-    let t1318 = t1317 + t1316;
-    let t1319 = t1212 * t1155;
-    let t1320 = t302 * t1159;
-    let t1321 = t225 * t1162;
-    let t1322 = t1321 + t1320;
-    let t1323 = t337 * t1165;
-    let t1324 = t264 * t1157;
-    let t1325 = t1324 + t1323;
-    let t1326 = t1325 + t1322;
-    let t1327 = t1319 + t1326;
-    let t1328 = t1327 + t1318;
-    let t1329 = t1313 + t1328;
-    let t1330 = t1329 - t1312;
-    let t1331 = t1307 - t1330;
-    let t1332 = t1306 - t1331;
-    let t1333 = t1305 - t1332;
-    let t1334 = t1304 - t1333;
-    let t1335 = t1334 * inverse_d_base_y;
-    let t1336 = t1334 * t1335;
-    let t1337 = t1303 * inverse_d_base_z;
-    let t1338 = t1303 * t1337;
-    let t1339 = t1274 * inverse_d_base_rx;
-    let t1340 = t1274 * t1339;
-    let t1341 = t1247 * inverse_d_base_ry;
-    let t1342 = t1247 * t1341;
-    let t1343 = t1221 * inverse_d_base_rz;
-    let t1344 = t1221 * t1343;
-    let t1345 = t1182 * inverse_d_front_right_hip;
-    let t1346 = t1182 * t1345;
-    let t1347 = t1188 * inverse_d_rear_left_hip;
-    let t1348 = t1188 * t1347;
-    let t1349 = t1348 + t1346;
-    let t1350 = t1195 * inverse_d_rear_right_hip;
-    let t1351 = t1195 * t1350;
-    let t1352 = t1351 + t1349;
-    let t1353 = t1218 * inverse_d_front_left_hip;
-    let t1354 = t1218 * t1353;
-    let t1355 = t1179 * inverse_d_front_right_thigh;
-    let t1356 = t1179 * t1355;
-    let t1357 = t1185 * inverse_d_rear_left_thigh;
-    let t1358 = t1185 * t1357;
-    let t1359 = t1358 + t1356;
-    let t1360 = t1192 * inverse_d_rear_right_thigh;
-    let t1361 = t1192 * t1360;
-    let t1362 = t1361 + t1359;
-    let t1363 = t1212 * inverse_d_front_left_thigh;
-    let t1364 = t1212 * t1363;
-    let t1365 = t264 * inverse_d_front_right_calf;
-    let t1366 = t264 * t1365;
-    let t1367 = t302 * inverse_d_rear_left_calf;
-    let t1368 = t302 * t1367;
-    let t1369 = t1368 + t1366;
-    let t1370 = t225 * inverse_d_rear_right_calf;
-    let t1371 = t225 * t1370;
-    let t1372 = t1371 + t1369;
-    let t1373 = t337 * inverse_d_front_left_calf;
-    let t1374 = t337 * t1373;
-    let t1375 = 16.200000000000003 - t1374;
-    let t1376 = t1375 - t1372;
-    let t1377 = t1364 + t1376;
-    let t1378 = t1377 + t1362;
-    let t1379 = t1354 - t1378;
-    let t1380 = t1379 + t1352;
-    let t1381 = t1344 - t1380;
-    let t1382 = t1342 - t1381;
-    let t1383 = t1340 - t1382;
-    let t1384 = t1338 - t1383;
-    let t1385 = t1336 - t1384;
-    let inverse_d_base_x = 1.0 / t1385;
-    let t1387 = y[4] * y[4];
-    let t1388 = y[3] * y[3];
-    let t1389 = t1388 + t1387;
-    let t1390 = 2.0 * t1389;
-    let y_axis_base_z = 1.0 - t1390;
-    let t1392 = y_axis_base_z * cos_rear_left_hip;
-    let t1393 = y[3] * y[6];
-    let t1394 = y[4] * y[5];
-    let t1395 = t1394 + t1393;
-    let x_axis_base_z = 2.0 * t1395;
-    let t1397 = x_axis_base_z * sin_rear_left_hip;
-    let x_axis_rear_left_hip_z = t1397 - t1392;
-    let t1399 = cos_rear_left_thigh * x_axis_rear_left_hip_z;
-    let t1400 = y[4] * y[6];
-    let t1401 = y[3] * y[5];
-    let t1402 = t1401 - t1400;
-    let z_axis_base_z = 2.0 * t1402;
-    let t1404 = z_axis_base_z * sin_rear_left_thigh;
-    let x_axis_rear_left_thigh_z = t1399 - t1404;
-    let t1406 = 0.2 * x_axis_rear_left_thigh_z;
-    let t1407 = y_axis_base_z * sin_rear_left_hip;
-    let t1408 = x_axis_base_z * cos_rear_left_hip;
-    let y_axis_rear_left_hip_z = t1407 + t1408;
-    let t1410 = 0.09 * y_axis_rear_left_hip_z;
-    let t1411 = t1395 * 0.1;
-    let t1412 = y[2] + t1411;
-    let t1413 = t1402 * 0.4;
-    let origin_rear_left_hip_z = t1412 - t1413;
-    let origin_rear_left_thigh_z = origin_rear_left_hip_z + t1410;
-    let origin_rear_left_calf_z = origin_rear_left_thigh_z + t1406;
-    let t1417 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_z;
-    let t1418 = z_axis_base_z * sin_rear_left_thigh_rear_left_calf;
-    let x_axis_rear_left_calf_z = t1417 - t1418;
-    let t1420 = 0.2 * x_axis_rear_left_calf_z;
-    let t1421 = origin_rear_left_calf_z + t1420;
-    let t1422 = w[2][1] * t1421;
-    let t1423 = w[2][3] - t1422;
-    let t1424 = y[5] * y[5];
-    let t1425 = t1388 + t1424;
-    let t1426 = 2.0 * t1425;
-    let x_axis_base_y = 1.0 - t1426;
-    let t1428 = x_axis_base_y * sin_rear_left_hip;
-    let t1429 = t1394 - t1393;
-    let y_axis_base_y = 2.0 * t1429;
-    let t1431 = y_axis_base_y * cos_rear_left_hip;
-    let x_axis_rear_left_hip_y = t1428 - t1431;
-    let t1433 = cos_rear_left_thigh * x_axis_rear_left_hip_y;
-    let t1434 = y[5] * y[6];
-    let t1435 = y[3] * y[4];
-    let t1436 = t1435 + t1434;
-    let z_axis_base_y = 2.0 * t1436;
-    let t1438 = z_axis_base_y * sin_rear_left_thigh;
-    let x_axis_rear_left_thigh_y = t1433 - t1438;
-    let t1440 = 0.2 * x_axis_rear_left_thigh_y;
-    let t1441 = x_axis_base_y * cos_rear_left_hip;
-    let t1442 = y_axis_base_y * sin_rear_left_hip;
-    let y_axis_rear_left_hip_y = t1442 + t1441;
-    let t1444 = 0.09 * y_axis_rear_left_hip_y;
-    let t1445 = 0.05 * x_axis_base_y;
-    let t1446 = y[1] + t1445;
-    let t1447 = t1436 * 0.4;
-    let origin_rear_left_hip_y = t1446 - t1447;
-    let origin_rear_left_thigh_y = origin_rear_left_hip_y + t1444;
-    let origin_rear_left_calf_y = origin_rear_left_thigh_y + t1440;
-    let t1451 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_y;
-    let t1452 = z_axis_base_y * sin_rear_left_thigh_rear_left_calf;
-    let x_axis_rear_left_calf_y = t1451 - t1452;
-    let t1454 = 0.2 * x_axis_rear_left_calf_y;
-    let t1455 = origin_rear_left_calf_y + t1454;
-    let t1456 = w[2][2] * t1455;
-    let t1457 = t1456 + t1423;
-    let t1458 = w[2][1] * origin_rear_left_calf_z;
-    let t1459 = w[2][2] * origin_rear_left_calf_y;
-    let t1460 = t1459 - t1458;
-    let t1461 = t1460 - t1457;
-    let t1462 = t1435 - t1434;
-    let x_axis_base_x = 2.0 * t1462;
-    let t1464 = x_axis_base_x * cos_rear_left_hip;
-    let t1465 = t1401 + t1400;
-    let y_axis_base_x = 2.0 * t1465;
-    let t1467 = y_axis_base_x * sin_rear_left_hip;
-    let y_axis_rear_left_hip_x = t1467 + t1464;
-    let t1469 = y_axis_rear_left_hip_x * t1461;
-    let t1470 = y_axis_base_x * cos_rear_left_hip;
-    let t1471 = x_axis_base_x * sin_rear_left_hip;
-    let x_axis_rear_left_hip_x = t1471 - t1470;
-    let t1473 = cos_rear_left_thigh * x_axis_rear_left_hip_x;
-    let t1474 = t1387 + t1424;
-    let t1475 = 2.0 * t1474;
-    let z_axis_base_x = 1.0 - t1475;
-    let t1477 = z_axis_base_x * sin_rear_left_thigh;
-    let x_axis_rear_left_thigh_x = t1473 - t1477;
-    let t1479 = 0.2 * x_axis_rear_left_thigh_x;
-    let t1480 = 0.09 * y_axis_rear_left_hip_x;
-    let t1481 = 0.2 * z_axis_base_x;
-    let t1482 = t1462 * 0.1;
-    let t1483 = y[0] + t1482;
-    let origin_rear_left_hip_x = t1483 - t1481;
-    let origin_rear_left_thigh_x = origin_rear_left_hip_x + t1480;
-    let origin_rear_left_calf_x = origin_rear_left_thigh_x + t1479;
-    let t1487 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_x;
-    let t1488 = z_axis_base_x * sin_rear_left_thigh_rear_left_calf;
-    let x_axis_rear_left_calf_x = t1487 - t1488;
-    let t1490 = 0.2 * x_axis_rear_left_calf_x;
-    let t1491 = origin_rear_left_calf_x + t1490;
-    let t1492 = w[2][2] * t1491;
-    let t1493 = w[2][4] - t1492;
-    let t1494 = w[2][0] * t1421;
-    let t1495 = t1494 + t1493;
-    let t1496 = w[2][0] * origin_rear_left_calf_z;
-    let t1497 = w[2][2] * origin_rear_left_calf_x;
-    let t1498 = t1496 - t1497;
-    let t1499 = t1498 - t1495;
-    let t1500 = y_axis_rear_left_hip_y * t1499;
-    let t1501 = t1469 + t1500;
-    let t1502 = y_axis_base_z * 9.81;
-    let t1503 = v[0] * v[4];
-    let t1504 = v[1] * v[3];
-    let t1505 = t1504 - t1503;
-    let acceleration_base_z = t1502 + t1505;
-    let t1507 = v[4] * v[5];
-    let t1508 = 0.05 * t1507;
-    let t1509 = v[3] * v[5];
-    let t1510 = 0.2 * t1509;
-    let t1511 = t1510 - t1508;
-    let t1512 = acceleration_base_z - t1511;
-    let t1513 = cos_rear_left_hip * t1512;
-    let t1514 = v[5] * v[5];
-    let t1515 = v[3] * v[3];
-    let t1516 = t1515 + t1514;
-    let t1517 = 0.05 * t1516;
-    let t1518 = v[3] * v[4];
-    let t1519 = 0.2 * t1518;
-    let t1520 = t1519 + t1517;
-    let t1521 = t1395 * 19.62;
-    let t1522 = v[2] * v[3];
-    let t1523 = v[0] * v[5];
-    let t1524 = t1523 - t1522;
-    let acceleration_base_y = t1521 + t1524;
-    let t1526 = acceleration_base_y - t1520;
-    let t1527 = sin_rear_left_hip * t1526;
-    let acceleration_rear_left_hip_x = t1527 - t1513;
-    let t1529 = cos_rear_left_thigh * acceleration_rear_left_hip_x;
-    let t1530 = v[4] * v[4];
-    let t1531 = t1530 + t1514;
-    let t1532 = 0.2 * t1531;
-    let t1533 = 0.05 * t1518;
-    let t1534 = t1532 + t1533;
-    let t1535 = t1402 * 19.62;
-    let t1536 = v[1] * v[5];
-    let t1537 = v[2] * v[4];
-    let t1538 = t1537 - t1536;
-    let acceleration_base_x = t1535 + t1538;
-    let acceleration_rear_left_hip_z = acceleration_base_x + t1534;
-    let t1541 = sin_rear_left_thigh * acceleration_rear_left_hip_z;
-    let t1542 = t1529 - t1541;
+    let t1261 = t1175 * t932;
+    let t1262 = t1261 - t1260;
+    let t1263 = t1198 * t935;
+    let t1264 = t1159 * t937;
+    let t1265 = t1165 * t939;
+    let t1266 = t1265 + t1264;
+    let t1267 = t1172 * t942;
+    let t1268 = t1267 + t1266;
+    let t1269 = t219 * t947;
+    let t1270 = t253 * t950;
+    let t1271 = t1270 + t1269;
+    let t1272 = t288 * t953;
+    let t1273 = t322 * t945;
+    let t1274 = t1273 + t1272;
+    let t1275 = t1274 + t1271;
+    let t1276 = t1182 * t957;
+    let t1277 = t1276 + t1275;
+    let t1278 = t1277 + t1268;
+    let t1279 = t1263 - t1278;
+    let t1280 = t1279 - t1262;
+    let t1281 = t1257 - t1280;
+    let t1282 = t1256 - t1281;
+    let t1283 = t1255 - t1282;
+    let t1284 = t1283 * t1109;
+    let t1285 = t1254 * t1111;
+    let t1286 = t1227 * t1113;
+    let t1287 = t1201 * t1115;
+    let t1288 = t1162 * t1117;
+    let t1289 = t1168 * t1119;
+    let t1290 = t1289 - t1288;
+    let t1291 = t1175 * t1122;
+    let t1292 = t1291 - t1290;
+    let t1293 = t1198 * t1125;
+    let t1294 = t1159 * t1127;
+    let t1295 = t1165 * t1129;
+    let t1296 = t1295 + t1294;
+    let t1297 = t1172 * t1132;
+    let t1298 = t1297 + t1296;
+    let t1299 = t219 * t1137;
+    let t1300 = t253 * t1140;
+    let t1301 = t1300 + t1299;
+    let t1302 = t288 * t1143;
+    let t1303 = t322 * t1135;
+    let t1304 = t1303 + t1302;
+    let t1305 = t1304 + t1301;
+    let t1306 = t1182 * t1147;
+    let t1307 = t1306 + t1305;
+    let t1308 = t1307 + t1298;
+    let t1309 = t1293 + t1308;
+    let t1310 = t1309 - t1292;
+    let t1311 = t1287 - t1310;
+    let t1312 = t1286 - t1311;
+    let t1313 = t1285 - t1312;
+    let t1314 = t1284 - t1313;
+    let t1315 = t1314 * inverse_d_base_y;
+    let t1316 = t1314 * t1315;
+    let t1317 = t1283 * inverse_d_base_z;
+    let t1318 = t1283 * t1317;
+    let t1319 = t1254 * inverse_d_base_rx;
+    let t1320 = t1254 * t1319;
+    let t1321 = t1227 * inverse_d_base_ry;
+    let t1322 = t1227 * t1321;
+    let t1323 = t1201 * inverse_d_base_rz;
+    let t1324 = t1201 * t1323;
+    let t1325 = t1162 * inverse_d_front_right_hip;
+    let t1326 = t1162 * t1325;
+    let t1327 = t1168 * inverse_d_rear_left_hip;
+    let t1328 = t1168 * t1327;
+    let t1329 = t1328 + t1326;
+    let t1330 = t1175 * inverse_d_rear_right_hip;
+    let t1331 = t1175 * t1330;
+    let t1332 = t1331 + t1329;
+    let t1333 = t1198 * inverse_d_front_left_hip;
+    let t1334 = t1198 * t1333;
+    let t1335 = t1159 * inverse_d_front_right_thigh;
+    let t1336 = t1159 * t1335;
+    let t1337 = t1165 * inverse_d_rear_left_thigh;
+    let t1338 = t1165 * t1337;
+    let t1339 = t1338 + t1336;
+    let t1340 = t1172 * inverse_d_rear_right_thigh;
+    let t1341 = t1172 * t1340;
+    let t1342 = t1341 + t1339;
+    let t1343 = t322 * 178.57142857142858;
+    let t1344 = t322 * t1343;
+    let t1345 = t219 * 178.57142857142858;
+    let t1346 = t219 * t1345;
+    let t1347 = t1346 + t1344;
+    let t1348 = t253 * 178.57142857142858;
+    let t1349 = t253 * t1348;
+    let t1350 = t1349 + t1347;
+    let t1351 = t288 * 178.57142857142858;
+    let t1352 = t288 * t1351;
+    let t1353 = 16.200000000000003 - t1352;
+    let t1354 = t1353 - t1350;
+    let t1355 = t1182 * inverse_d_front_left_thigh;
+    let t1356 = t1182 * t1355;
+    let t1357 = t1356 + t1354;
+    let t1358 = t1357 + t1342;
+    let t1359 = t1334 - t1358;
+    let t1360 = t1359 + t1332;
+    let t1361 = t1324 - t1360;
+    let t1362 = t1322 - t1361;
+    let t1363 = t1320 - t1362;
+    let t1364 = t1318 - t1363;
+    let t1365 = t1316 - t1364;
+    let inverse_d_base_x = 1.0 / t1365;
+    let t1367 = y[4] * y[4];
+    let t1368 = y[3] * y[3];
+    let t1369 = t1368 + t1367;
+    let t1370 = 2.0 * t1369;
+    let y_axis_base_z = 1.0 - t1370;
+    let t1372 = y_axis_base_z * cos_rear_left_hip;
+    let t1373 = y[3] * y[6];
+    let t1374 = y[4] * y[5];
+    let t1375 = t1374 + t1373;
+    let x_axis_base_z = 2.0 * t1375;
+    let t1377 = x_axis_base_z * sin_rear_left_hip;
+    let x_axis_rear_left_hip_z = t1377 - t1372;
+    let t1379 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_z;
+    let t1380 = y[4] * y[6];
+    let t1381 = y[3] * y[5];
+    let t1382 = t1381 - t1380;
+    let z_axis_base_z = 2.0 * t1382;
+    let t1384 = z_axis_base_z * sin_rear_left_thigh_rear_left_calf;
+    let x_axis_rear_left_calf_z = t1379 - t1384;
+    let t1386 = 0.2 * x_axis_rear_left_calf_z;
+    let t1387 = y_axis_base_z * sin_rear_left_hip;
+    let t1388 = x_axis_base_z * cos_rear_left_hip;
+    let y_axis_rear_left_hip_z = t1387 + t1388;
+    let t1390 = 0.09 * y_axis_rear_left_hip_z;
+    let t1391 = t1386 + t1390;
+    let t1392 = cos_rear_left_thigh * x_axis_rear_left_hip_z;
+    let t1393 = z_axis_base_z * sin_rear_left_thigh;
+    let x_axis_rear_left_thigh_z = t1392 - t1393;
+    let t1395 = 0.2 * x_axis_rear_left_thigh_z;
+    let t1396 = t1375 * 0.1;
+    let t1397 = y[2] + t1396;
+    let t1398 = t1382 * 0.4;
+    let origin_rear_left_hip_z = t1397 - t1398;
+    let origin_rear_left_calf_z = origin_rear_left_hip_z + t1395;
+    let t1401 = origin_rear_left_calf_z + t1391;
+    let t1402 = w[2][1] * t1401;
+    let t1403 = w[2][3] - t1402;
+    let t1404 = y[5] * y[5];
+    let t1405 = t1368 + t1404;
+    let t1406 = 2.0 * t1405;
+    let x_axis_base_y = 1.0 - t1406;
+    let t1408 = x_axis_base_y * sin_rear_left_hip;
+    let t1409 = t1374 - t1373;
+    let y_axis_base_y = 2.0 * t1409;
+    let t1411 = y_axis_base_y * cos_rear_left_hip;
+    let x_axis_rear_left_hip_y = t1408 - t1411;
+    let t1413 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_y;
+    let t1414 = y[5] * y[6];
+    let t1415 = y[3] * y[4];
+    let t1416 = t1415 + t1414;
+    let z_axis_base_y = 2.0 * t1416;
+    let t1418 = z_axis_base_y * sin_rear_left_thigh_rear_left_calf;
+    let x_axis_rear_left_calf_y = t1413 - t1418;
+    let t1420 = 0.2 * x_axis_rear_left_calf_y;
+    let t1421 = x_axis_base_y * cos_rear_left_hip;
+    let t1422 = y_axis_base_y * sin_rear_left_hip;
+    let y_axis_rear_left_hip_y = t1422 + t1421;
+    let t1424 = 0.09 * y_axis_rear_left_hip_y;
+    let t1425 = t1420 + t1424;
+    let t1426 = cos_rear_left_thigh * x_axis_rear_left_hip_y;
+    let t1427 = z_axis_base_y * sin_rear_left_thigh;
+    let x_axis_rear_left_thigh_y = t1426 - t1427;
+    let t1429 = 0.2 * x_axis_rear_left_thigh_y;
+    let t1430 = 0.05 * x_axis_base_y;
+    let t1431 = y[1] + t1430;
+    let t1432 = t1416 * 0.4;
+    let origin_rear_left_hip_y = t1431 - t1432;
+    let origin_rear_left_calf_y = origin_rear_left_hip_y + t1429;
+    let t1435 = origin_rear_left_calf_y + t1425;
+    let t1436 = w[2][2] * t1435;
+    let t1437 = t1436 + t1403;
+    let t1438 = w[2][1] * origin_rear_left_calf_z;
+    let t1439 = w[2][2] * origin_rear_left_calf_y;
+    let t1440 = t1439 - t1438;
+    let t1441 = t1440 - t1437;
+    let t1442 = t1415 - t1414;
+    let x_axis_base_x = 2.0 * t1442;
+    let t1444 = x_axis_base_x * cos_rear_left_hip;
+    let t1445 = t1381 + t1380;
+    let y_axis_base_x = 2.0 * t1445;
+    let t1447 = y_axis_base_x * sin_rear_left_hip;
+    let y_axis_rear_left_hip_x = t1447 + t1444;
+    let t1449 = y_axis_rear_left_hip_x * t1441;
+    let t1450 = y_axis_base_x * cos_rear_left_hip;
+    let t1451 = x_axis_base_x * sin_rear_left_hip;
+    let x_axis_rear_left_hip_x = t1451 - t1450;
+    let t1453 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_x;
+    let t1454 = t1367 + t1404;
+    let t1455 = 2.0 * t1454;
+    let z_axis_base_x = 1.0 - t1455;
+    let t1457 = z_axis_base_x * sin_rear_left_thigh_rear_left_calf;
+    let x_axis_rear_left_calf_x = t1453 - t1457;
+    let t1459 = 0.2 * x_axis_rear_left_calf_x;
+    let t1460 = 0.09 * y_axis_rear_left_hip_x;
+    let t1461 = t1459 + t1460;
+    let t1462 = cos_rear_left_thigh * x_axis_rear_left_hip_x;
+    let t1463 = z_axis_base_x * sin_rear_left_thigh;
+    let x_axis_rear_left_thigh_x = t1462 - t1463;
+    let t1465 = 0.2 * x_axis_rear_left_thigh_x;
+    let t1466 = 0.2 * z_axis_base_x;
+    let t1467 = t1442 * 0.1;
+    let t1468 = y[0] + t1467;
+    let origin_rear_left_hip_x = t1468 - t1466;
+    let origin_rear_left_calf_x = origin_rear_left_hip_x + t1465;
+    let t1471 = origin_rear_left_calf_x + t1461;
+    let t1472 = w[2][2] * t1471;
+    let t1473 = w[2][4] - t1472;
+    let t1474 = w[2][0] * t1401;
+    let t1475 = t1474 + t1473;
+    let t1476 = w[2][0] * origin_rear_left_calf_z;
+    let t1477 = w[2][2] * origin_rear_left_calf_x;
+    let t1478 = t1476 - t1477;
+    let t1479 = t1478 - t1475;
+    let t1480 = y_axis_rear_left_hip_y * t1479;
+    let t1481 = t1449 + t1480;
+    let t1482 = y_axis_base_z * 9.81;
+    let t1483 = v[0] * v[4];
+    let t1484 = v[1] * v[3];
+    let t1485 = t1484 - t1483;
+    let acceleration_base_z = t1482 + t1485;
+    let t1487 = v[4] * v[5];
+    let t1488 = 0.05 * t1487;
+    let t1489 = v[3] * v[5];
+    let t1490 = 0.2 * t1489;
+    let t1491 = t1490 - t1488;
+    let t1492 = acceleration_base_z - t1491;
+    let t1493 = cos_rear_left_hip * t1492;
+    let t1494 = v[5] * v[5];
+    let t1495 = v[3] * v[3];
+    let t1496 = t1495 + t1494;
+    let t1497 = 0.05 * t1496;
+    let t1498 = v[3] * v[4];
+    let t1499 = 0.2 * t1498;
+    let t1500 = t1499 + t1497;
+    let t1501 = t1375 * 19.62;
+    let t1502 = v[2] * v[3];
+    let t1503 = v[0] * v[5];
+    let t1504 = t1503 - t1502;
+    let acceleration_base_y = t1501 + t1504;
+    let t1506 = acceleration_base_y - t1500;
+    let t1507 = sin_rear_left_hip * t1506;
+    let acceleration_rear_left_hip_x = t1507 - t1493;
+    let t1509 = sin_rear_left_thigh * acceleration_rear_left_hip_x;
+    let t1510 = v[4] * v[4];
+    let t1511 = t1510 + t1494;
+    let t1512 = 0.2 * t1511;
+    let t1513 = 0.05 * t1498;
+    let t1514 = t1512 + t1513;
+    let t1515 = t1382 * 19.62;
+    let t1516 = v[1] * v[5];
+    let t1517 = v[2] * v[4];
+    let t1518 = t1517 - t1516;
+    let acceleration_base_x = t1515 + t1518;
+    let acceleration_rear_left_hip_z = acceleration_base_x + t1514;
+    let t1521 = cos_rear_left_thigh * acceleration_rear_left_hip_z;
+    let acceleration_rear_left_thigh_y = t1509 + t1521;
+    let t1523 = v[5] * cos_rear_left_hip;
+    let t1524 = v[4] * sin_rear_left_hip;
+    let omega_rear_left_hip_x = t1524 - t1523;
+    let t1526 = sin_rear_left_thigh * omega_rear_left_hip_x;
+    let omega_rear_left_hip_z = v[3] + v[12];
+    let t1528 = cos_rear_left_thigh * omega_rear_left_hip_z;
+    let omega_rear_left_thigh_y = t1526 + t1528;
+    let t1530 = cos_rear_left_thigh * omega_rear_left_hip_x;
+    let t1531 = sin_rear_left_thigh * omega_rear_left_hip_z;
+    let omega_rear_left_thigh_x = t1530 - t1531;
+    let t1533 = omega_rear_left_thigh_x * omega_rear_left_thigh_y;
+    let t1534 = v[12] * omega_rear_left_hip_x;
+    let t1535 = t1534 + t1533;
+    let t1536 = 0.2 * t1535;
+    let t1537 = acceleration_rear_left_thigh_y + t1536;
+    let t1538 = cos_rear_left_calf * t1537;
+    let t1539 = cos_rear_left_thigh * acceleration_rear_left_hip_x;
+    let t1540 = sin_rear_left_thigh * acceleration_rear_left_hip_z;
+    let acceleration_rear_left_thigh_x = t1539 - t1540;
+    let t1542 = omega_rear_left_thigh_y * omega_rear_left_thigh_y;
     let t1543 = v[5] * sin_rear_left_hip;
     let t1544 = v[4] * cos_rear_left_hip;
     let omega_rear_left_hip_y = t1544 + t1543;
-    let omega_rear_left_hip_z = v[3] + v[12];
-    let t1547 = omega_rear_left_hip_y * omega_rear_left_hip_z;
-    let t1548 = v[12] * omega_rear_left_hip_y;
-    let t1549 = t1548 + t1547;
-    let t1550 = sin_rear_left_thigh * t1549;
-    let t1551 = v[5] * cos_rear_left_hip;
-    let t1552 = v[4] * sin_rear_left_hip;
-    let omega_rear_left_hip_x = t1552 - t1551;
-    let t1554 = omega_rear_left_hip_x * omega_rear_left_hip_y;
-    let t1555 = cos_rear_left_thigh * t1554;
-    let t1556 = t1555 - t1550;
-    let t1557 = 0.09 * t1556;
-    let acceleration_rear_left_thigh_x = t1542 + t1557;
-    let t1559 = sin_rear_left_thigh * omega_rear_left_hip_x;
-    let t1560 = cos_rear_left_thigh * omega_rear_left_hip_z;
-    let omega_rear_left_thigh_y = t1559 + t1560;
-    let t1562 = omega_rear_left_thigh_y * omega_rear_left_thigh_y;
     let omega_rear_left_thigh_z = v[13] + omega_rear_left_hip_y;
-    let t1564 = omega_rear_left_thigh_z * omega_rear_left_thigh_z;
-    let t1565 = t1562 + t1564;
-    let t1566 = 0.2 * t1565;
-    let acceleration_rear_left_calf_x = acceleration_rear_left_thigh_x - t1566;
-    let t1568 = t174 * acceleration_rear_left_calf_x;
-    let t1569 = cos_rear_left_thigh * omega_rear_left_hip_x;
-    let t1570 = sin_rear_left_thigh * omega_rear_left_hip_z;
-    let omega_rear_left_thigh_x = t1569 - t1570;
-    let t1572 = omega_rear_left_thigh_x * omega_rear_left_thigh_y;
-    let t1573 = v[12] * omega_rear_left_hip_x;
-    let t1574 = t1573 - t1572;
-    let t1575 = t292 * t1574;
-    let t1576 = t1573 + t1572;
-    let t1577 = t69 * t1576;
-    let t1578 = t1577 + t1575;
+    let t1547 = omega_rear_left_thigh_z * omega_rear_left_thigh_z;
+    let t1548 = t1542 + t1547;
+    let t1549 = 0.2 * t1548;
+    let t1550 = acceleration_rear_left_thigh_x - t1549;
+    let t1551 = sin_rear_left_calf * t1550;
+    let acceleration_rear_left_calf_y = t1551 + t1538;
+    let t1553 = 0.03 * acceleration_rear_left_calf_y;
+    let t1554 = cos_rear_left_calf * omega_rear_left_thigh_y;
+    let t1555 = sin_rear_left_calf * omega_rear_left_thigh_x;
+    let omega_rear_left_calf_y = t1555 + t1554;
+    let t1557 = sin_rear_left_calf * omega_rear_left_thigh_y;
+    let t1558 = cos_rear_left_calf * omega_rear_left_thigh_x;
+    let omega_rear_left_calf_x = t1558 - t1557;
+    let t1560 = omega_rear_left_calf_x * omega_rear_left_calf_y;
+    let t1561 = t1534 - t1560;
+    let t1562 = 1.500000000000004e-5 * t1561;
+    let t1563 = t1534 + t1560;
+    let t1564 = 0.005585 * t1563;
+    let t1565 = t1564 + t1562;
+    let t1566 = omega_rear_left_hip_y * omega_rear_left_hip_z;
+    let t1567 = v[12] * omega_rear_left_hip_y;
+    let t1568 = t1567 + t1566;
+    let t1569 = cos_rear_left_thigh * t1568;
+    let t1570 = omega_rear_left_hip_x * omega_rear_left_hip_y;
+    let t1571 = sin_rear_left_thigh * t1570;
+    let t1572 = t1571 + t1569;
+    let t1573 = cos_rear_left_calf * t1572;
+    let t1574 = sin_rear_left_thigh * t1568;
+    let t1575 = cos_rear_left_thigh * t1570;
+    let t1576 = t1575 - t1574;
+    let t1577 = sin_rear_left_calf * t1576;
+    let t1578 = t1577 + t1573;
+    let t1579 = 0.0026999999999999997 * t1578;
+    let t1580 = t1579 + t1565;
+    let moment_rear_left_calf_z = t1553 + t1580;
+    let t1582 = moment_rear_left_calf_z - t1481;
+    let t1583 = w[2][0] * t1435;
+    let t1584 = w[2][5] - t1583;
+    let t1585 = w[2][1] * t1471;
+    let t1586 = t1585 + t1584;
+    let t1587 = w[2][0] * origin_rear_left_calf_y;
+    let t1588 = w[2][1] * origin_rear_left_calf_x;
+    let t1589 = t1588 - t1587;
+    let t1590 = t1589 - t1586;
+    let t1591 = y_axis_rear_left_hip_z * t1590;
+    let t1592 = u[8] - t1591;
+    let t1593 = t1592 + t1582;
+    let t1594 = t432 * t1593;
+    let t1595 = w[2][2] * origin_rear_left_hip_y;
+    let t1596 = w[2][1] * origin_rear_left_hip_z;
+    let t1597 = t1595 - t1596;
+    let t1598 = t1597 - t1437;
+    let t1599 = z_axis_base_x * t1598;
+    let t1600 = w[2][2] * origin_rear_left_hip_x;
+    let t1601 = w[2][0] * origin_rear_left_hip_z;
+    let t1602 = t1601 - t1600;
+    let t1603 = t1602 - t1475;
+    let t1604 = z_axis_base_y * t1603;
+    let t1605 = t1599 + t1604;
+    let t1606 = w[2][0] * origin_rear_left_hip_y;
+    let t1607 = w[2][1] * origin_rear_left_hip_x;
+    let t1608 = t1607 - t1606;
+    let t1609 = t1608 - t1586;
+    let t1610 = z_axis_base_z * t1609;
+    let t1611 = u[6] - t1610;
+    let t1612 = t1611 - t1605;
+    let t1613 = t1594 - t1612;
+    let t1614 = sin_rear_left_hip * t1492;
+    let t1615 = cos_rear_left_hip * t1506;
+    let acceleration_rear_left_hip_y = t1615 + t1614;
+    let t1617 = 0.083 * acceleration_rear_left_hip_y;
+    let t1618 = 2.0 * omega_rear_left_thigh_z;
+    let t1619 = omega_rear_left_thigh_x * t1618;
+    let t1620 = t1576 - t1619;
+    let t1621 = 0.01649 * t1620;
+    let t1622 = t1617 - t1621;
+    let t1623 = omega_rear_left_hip_x * omega_rear_left_hip_x;
+    let t1624 = omega_rear_left_hip_z * omega_rear_left_hip_z;
+    let t1625 = t1623 + t1624;
+    let t1626 = t1625 - t1548;
+    let t1627 = 0.00681 * t1626;
+    let t1628 = t1627 - t1622;
     let omega_rear_left_calf_z = v[14] + omega_rear_left_thigh_z;
-    let t1580 = omega_rear_left_calf_z * omega_rear_left_calf_z;
-    let t1581 = omega_rear_left_thigh_x * omega_rear_left_thigh_x;
-    let t1582 = t1581 + t1580;
-    let t1583 = t1562 + t1580;
-    let t1584 = t1583 - t1582;
-    let t1585 = t76 * t1584;
-    let t1586 = t1585 - t1578;
-    let t1587 = t1568 - t1586;
-    let t1588 = sin_rear_left_thigh * acceleration_rear_left_hip_x;
-    let t1589 = cos_rear_left_thigh * acceleration_rear_left_hip_z;
-    let t1590 = t1588 + t1589;
-    let t1591 = cos_rear_left_thigh * t1549;
-    let t1592 = sin_rear_left_thigh * t1554;
-    let t1593 = t1592 + t1591;
-    let t1594 = 0.09 * t1593;
-    let acceleration_rear_left_thigh_y = t1590 + t1594;
-    let t1596 = 0.2 * t1576;
-    let acceleration_rear_left_calf_y = acceleration_rear_left_thigh_y + t1596;
-    let t1598 = t86 * acceleration_rear_left_calf_y;
-    let moment_rear_left_calf_z = t1598 + t1587;
-    let t1600 = moment_rear_left_calf_z - t1501;
-    let t1601 = w[2][0] * t1455;
-    let t1602 = w[2][5] - t1601;
-    let t1603 = w[2][1] * t1491;
-    let t1604 = t1603 + t1602;
-    let t1605 = w[2][0] * origin_rear_left_calf_y;
-    let t1606 = w[2][1] * origin_rear_left_calf_x;
-    let t1607 = t1606 - t1605;
-    let t1608 = t1607 - t1604;
-    let t1609 = y_axis_rear_left_hip_z * t1608;
-    let t1610 = u[8] - t1609;
-    let t1611 = t1610 + t1600;
-    let t1612 = t311 * t1611;
-    let t1613 = w[2][1] * origin_rear_left_thigh_z;
-    let t1614 = w[2][2] * origin_rear_left_thigh_y;
-    let t1615 = t1614 - t1613;
-    let t1616 = t1615 - t1457;
-    let t1617 = y_axis_rear_left_hip_x * t1616;
-    let t1618 = w[2][0] * origin_rear_left_thigh_z;
-    let t1619 = w[2][2] * origin_rear_left_thigh_x;
-    let t1620 = t1618 - t1619;
-    let t1621 = t1620 - t1495;
-    let t1622 = y_axis_rear_left_hip_y * t1621;
-    let t1623 = t1617 + t1622;
-    let t1624 = w[2][0] * origin_rear_left_thigh_y;
-    let t1625 = w[2][1] * origin_rear_left_thigh_x;
-    let t1626 = t1625 - t1624;
-    let t1627 = t1626 - t1604;
-    let t1628 = y_axis_rear_left_hip_z * t1627;
-    let t1629 = u[7] - t1628;
-    let t1630 = t1629 - t1623;
-    let t1631 = 0.083 * acceleration_rear_left_thigh_y;
-    let t1632 = 0.0005 * t1574;
-    let t1633 = 0.01649 * t1576;
-    let t1634 = t1633 + t1632;
-    let t1635 = 0.00066 * t1593;
-    let t1636 = t1635 - t1634;
-    let t1637 = t174 * t1582;
-    let t1638 = t86 * t1576;
-    let force_rear_left_calf_y = t1638 + t1637;
-    let t1640 = 0.2 * force_rear_left_calf_y;
-    let t1641 = t1640 - t1636;
-    let t1642 = t1631 + t1641;
-    let moment_rear_left_thigh_z = moment_rear_left_calf_z + t1642;
-    let t1644 = moment_rear_left_thigh_z + t1630;
-    let t1645 = t1612 - t1644;
-    let t1646 = t317 * t1645;
-    let t1647 = y_axis_base_z * cos_rear_right_hip;
-    let t1648 = x_axis_base_z * sin_rear_right_hip;
-    let x_axis_rear_right_hip_z = t1648 - t1647;
-    let t1650 = cos_rear_right_thigh * x_axis_rear_right_hip_z;
-    let t1651 = z_axis_base_z * sin_rear_right_thigh;
-    let x_axis_rear_right_thigh_z = t1650 - t1651;
-    let t1653 = 0.2 * x_axis_rear_right_thigh_z;
-    let t1654 = y_axis_base_z * sin_rear_right_hip;
-    let t1655 = x_axis_base_z * cos_rear_right_hip;
-    let y_axis_rear_right_hip_z = t1654 + t1655;
-    let t1657 = 0.09 * y_axis_rear_right_hip_z;
-    let t1658 = y[2] - t1411;
-    let origin_rear_right_hip_z = t1413 - t1658;
-    let origin_rear_right_thigh_z = origin_rear_right_hip_z + t1657;
-    let origin_rear_right_calf_z = origin_rear_right_thigh_z - t1653;
-    let t1662 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_z;
-    let t1663 = z_axis_base_z * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_z = t1662 - t1663;
-    let t1665 = 0.2 * x_axis_rear_right_calf_z;
-    let t1666 = origin_rear_right_calf_z - t1665;
-    let t1667 = w[3][1] * t1666;
-    let t1668 = w[3][3] + t1667;
-    let t1669 = x_axis_base_y * sin_rear_right_hip;
-    let t1670 = y_axis_base_y * cos_rear_right_hip;
-    let x_axis_rear_right_hip_y = t1669 - t1670;
-    let t1672 = cos_rear_right_thigh * x_axis_rear_right_hip_y;
-    let t1673 = z_axis_base_y * sin_rear_right_thigh;
-    let x_axis_rear_right_thigh_y = t1672 - t1673;
-    let t1675 = 0.2 * x_axis_rear_right_thigh_y;
-    let t1676 = x_axis_base_y * cos_rear_right_hip;
-    let t1677 = y_axis_base_y * sin_rear_right_hip;
-    let y_axis_rear_right_hip_y = t1677 + t1676;
-    let t1679 = 0.09 * y_axis_rear_right_hip_y;
-    let t1680 = y[1] - t1445;
-    let origin_rear_right_hip_y = t1447 - t1680;
-    let origin_rear_right_thigh_y = origin_rear_right_hip_y + t1679;
-    let origin_rear_right_calf_y = origin_rear_right_thigh_y - t1675;
-    let t1684 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_y;
-    let t1685 = z_axis_base_y * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_y = t1684 - t1685;
-    let t1687 = 0.2 * x_axis_rear_right_calf_y;
-    let t1688 = origin_rear_right_calf_y - t1687;
-    let t1689 = w[3][2] * t1688;
-    let t1690 = t1689 - t1668;
-    let t1691 = w[3][1] * origin_rear_right_calf_z;
-    let t1692 = w[3][2] * origin_rear_right_calf_y;
-    let t1693 = t1692 - t1691;
-    let t1694 = t1693 - t1690;
-    let t1695 = x_axis_base_x * cos_rear_right_hip;
-    let t1696 = y_axis_base_x * sin_rear_right_hip;
-    let y_axis_rear_right_hip_x = t1696 + t1695;
-    let t1698 = y_axis_rear_right_hip_x * t1694;
-    let t1699 = y_axis_base_x * cos_rear_right_hip;
-    let t1700 = x_axis_base_x * sin_rear_right_hip;
-    let x_axis_rear_right_hip_x = t1700 - t1699;
-    let t1702 = cos_rear_right_thigh * x_axis_rear_right_hip_x;
-    let t1703 = z_axis_base_x * sin_rear_right_thigh;
-    let x_axis_rear_right_thigh_x = t1702 - t1703;
-    let t1705 = 0.2 * x_axis_rear_right_thigh_x;
-    let t1706 = 0.09 * y_axis_rear_right_hip_x;
-    let t1707 = y[0] - t1482;
-    let origin_rear_right_hip_x = t1481 - t1707;
-    let origin_rear_right_thigh_x = origin_rear_right_hip_x + t1706;
-    let origin_rear_right_calf_x = origin_rear_right_thigh_x - t1705;
-    let t1711 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_x;
-    let t1712 = z_axis_base_x * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_x = t1711 - t1712;
-    let t1714 = 0.2 * x_axis_rear_right_calf_x;
-    let t1715 = origin_rear_right_calf_x - t1714;
-    let t1716 = w[3][2] * t1715;
-    let t1717 = w[3][4] + t1716;
-    let t1718 = w[3][0] * t1666;
-    let t1719 = t1718 - t1717;
-    let t1720 = w[3][0] * origin_rear_right_calf_z;
-    let t1721 = w[3][2] * origin_rear_right_calf_x;
-    let t1722 = t1720 - t1721;
-    let t1723 = t1722 - t1719;
-    let t1724 = y_axis_rear_right_hip_y * t1723;
-    let t1725 = t1698 + t1724;
-    let t1726 = t1510 + t1508;
-    let t1727 = acceleration_base_z - t1726;
-    let t1728 = cos_rear_right_hip * t1727;
-    let t1729 = t1519 - t1517;
-    let t1730 = acceleration_base_y - t1729;
-    let t1731 = sin_rear_right_hip * t1730;
-    let acceleration_rear_right_hip_x = t1731 - t1728;
-    let t1733 = cos_rear_right_thigh * acceleration_rear_right_hip_x;
-    let t1734 = t1532 - t1533;
-    let acceleration_rear_right_hip_z = acceleration_base_x + t1734;
-    let t1736 = sin_rear_right_thigh * acceleration_rear_right_hip_z;
-    let t1737 = t1733 - t1736;
-    let t1738 = v[5] * sin_rear_right_hip;
-    let t1739 = v[4] * cos_rear_right_hip;
-    let omega_rear_right_hip_y = t1739 + t1738;
+    let t1630 = 2.0 * omega_rear_left_calf_z;
+    let t1631 = omega_rear_left_calf_x * t1630;
+    let t1632 = sin_rear_left_calf * t1572;
+    let t1633 = t1632 + t1631;
+    let t1634 = cos_rear_left_calf * t1576;
+    let t1635 = t1634 - t1633;
+    let t1636 = 0.006 * t1635;
+    let t1637 = t1636 + t1628;
+    let t1638 = omega_rear_left_calf_y * t1630;
+    let t1639 = t1578 - t1638;
+    let t1640 = 1.500000000000004e-5 * t1639;
+    let t1641 = 0.0026999999999999997 * t1563;
+    let moment_rear_left_calf_x = t1641 + t1640;
+    let t1643 = sin_rear_left_calf * moment_rear_left_calf_x;
+    let t1644 = t1643 + t1637;
+    let t1645 = 0.005585 * t1635;
+    let t1646 = omega_rear_left_calf_y * omega_rear_left_calf_y;
+    let t1647 = omega_rear_left_calf_z * omega_rear_left_calf_z;
+    let t1648 = t1646 + t1647;
+    let t1649 = t1625 - t1648;
+    let t1650 = 0.0026999999999999997 * t1649;
+    let t1651 = t1650 + t1645;
+    let t1652 = 0.2 * t1620;
+    let acceleration_rear_left_calf_z = acceleration_rear_left_hip_y - t1652;
+    let t1654 = 0.03 * acceleration_rear_left_calf_z;
+    let moment_rear_left_calf_y = t1654 - t1651;
+    let t1656 = cos_rear_left_calf * moment_rear_left_calf_y;
+    let moment_rear_left_thigh_y = t1656 - t1644;
+    let t1658 = cos_rear_left_thigh * moment_rear_left_thigh_y;
+    let t1659 = 0.0995 * acceleration_rear_left_hip_x;
+    let t1660 = 0.007629999999999999 * t1570;
+    let t1661 = t1659 + t1660;
+    let t1662 = t1661 - t1658;
+    let t1663 = cos_rear_left_calf * moment_rear_left_calf_x;
+    let t1664 = omega_rear_left_thigh_y * t1618;
+    let t1665 = t1572 - t1664;
+    let t1666 = 0.0005 * t1665;
+    let t1667 = 0.00681 * t1535;
+    let t1668 = t1667 + t1666;
+    let t1669 = t1668 + t1663;
+    let t1670 = sin_rear_left_calf * moment_rear_left_calf_y;
+    let moment_rear_left_thigh_x = t1670 + t1669;
+    let t1672 = sin_rear_left_thigh * moment_rear_left_thigh_x;
+    let moment_rear_left_hip_z = t1672 + t1662;
+    let t1674 = moment_rear_left_hip_z - t1613;
+    let t1675 = t226 * t1593;
+    let t1676 = y_axis_rear_left_hip_x * t1598;
+    let t1677 = y_axis_rear_left_hip_y * t1603;
+    let t1678 = t1676 + t1677;
+    let t1679 = y_axis_rear_left_hip_z * t1609;
+    let t1680 = u[7] - t1679;
+    let t1681 = t1680 - t1678;
+    let t1682 = 0.083 * acceleration_rear_left_thigh_y;
+    let t1683 = t1534 - t1533;
+    let t1684 = 0.0005 * t1683;
+    let t1685 = t1682 + t1684;
+    let t1686 = 0.01649 * t1535;
+    let t1687 = 0.00681 * t1572;
+    let t1688 = t1687 + t1686;
+    let t1689 = t1688 + t1685;
+    let force_rear_left_calf_y = 0.03 * t1563;
+    let t1691 = cos_rear_left_calf * force_rear_left_calf_y;
+    let force_rear_left_calf_x = 0.03 * t1648;
+    let t1693 = sin_rear_left_calf * force_rear_left_calf_x;
+    let t1694 = t1693 + t1691;
+    let t1695 = 0.2 * t1694;
+    let t1696 = t1695 + t1689;
+    let moment_rear_left_thigh_z = moment_rear_left_calf_z + t1696;
+    let t1698 = moment_rear_left_thigh_z + t1681;
+    let t1699 = t1675 - t1698;
+    let t1700 = t439 * t1699;
+    let t1701 = t1700 - t1674;
+    let t1702 = t455 * t1701;
+    let t1703 = y_axis_base_z * cos_rear_right_hip;
+    let t1704 = x_axis_base_z * sin_rear_right_hip;
+    let x_axis_rear_right_hip_z = t1704 - t1703;
+    let t1706 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_z;
+    let t1707 = z_axis_base_z * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_z = t1706 - t1707;
+    let t1709 = 0.2 * x_axis_rear_right_calf_z;
+    let t1710 = y_axis_base_z * sin_rear_right_hip;
+    let t1711 = x_axis_base_z * cos_rear_right_hip;
+    let y_axis_rear_right_hip_z = t1710 + t1711;
+    let t1713 = 0.09 * y_axis_rear_right_hip_z;
+    let t1714 = t1709 - t1713;
+    let t1715 = cos_rear_right_thigh * x_axis_rear_right_hip_z;
+    let t1716 = z_axis_base_z * sin_rear_right_thigh;
+    let x_axis_rear_right_thigh_z = t1715 - t1716;
+    let t1718 = 0.2 * x_axis_rear_right_thigh_z;
+    let t1719 = y[2] - t1396;
+    let origin_rear_right_hip_z = t1398 - t1719;
+    let origin_rear_right_calf_z = origin_rear_right_hip_z - t1718;
+    let t1722 = origin_rear_right_calf_z - t1714;
+    let t1723 = w[3][1] * t1722;
+    let t1724 = w[3][3] + t1723;
+    let t1725 = x_axis_base_y * sin_rear_right_hip;
+    let t1726 = y_axis_base_y * cos_rear_right_hip;
+    let x_axis_rear_right_hip_y = t1725 - t1726;
+    let t1728 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_y;
+    let t1729 = z_axis_base_y * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_y = t1728 - t1729;
+    let t1731 = 0.2 * x_axis_rear_right_calf_y;
+    let t1732 = x_axis_base_y * cos_rear_right_hip;
+    let t1733 = y_axis_base_y * sin_rear_right_hip;
+    let y_axis_rear_right_hip_y = t1733 + t1732;
+    let t1735 = 0.09 * y_axis_rear_right_hip_y;
+    let t1736 = t1731 - t1735;
+    let t1737 = cos_rear_right_thigh * x_axis_rear_right_hip_y;
+    let t1738 = z_axis_base_y * sin_rear_right_thigh;
+    let x_axis_rear_right_thigh_y = t1737 - t1738;
+    let t1740 = 0.2 * x_axis_rear_right_thigh_y;
+    let t1741 = y[1] - t1430;
+    let origin_rear_right_hip_y = t1432 - t1741;
+    let origin_rear_right_calf_y = origin_rear_right_hip_y - t1740;
+    let t1744 = origin_rear_right_calf_y - t1736;
+    let t1745 = w[3][2] * t1744;
+    let t1746 = t1745 - t1724;
+    let t1747 = w[3][1] * origin_rear_right_calf_z;
+    let t1748 = w[3][2] * origin_rear_right_calf_y;
+    let t1749 = t1748 - t1747;
+    let t1750 = t1749 - t1746;
+    let t1751 = x_axis_base_x * cos_rear_right_hip;
+    let t1752 = y_axis_base_x * sin_rear_right_hip;
+    let y_axis_rear_right_hip_x = t1752 + t1751;
+    let t1754 = y_axis_rear_right_hip_x * t1750;
+    let t1755 = y_axis_base_x * cos_rear_right_hip;
+    let t1756 = x_axis_base_x * sin_rear_right_hip;
+    let x_axis_rear_right_hip_x = t1756 - t1755;
+    let t1758 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_x;
+    let t1759 = z_axis_base_x * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_x = t1758 - t1759;
+    let t1761 = 0.2 * x_axis_rear_right_calf_x;
+    let t1762 = 0.09 * y_axis_rear_right_hip_x;
+    let t1763 = t1761 - t1762;
+    let t1764 = cos_rear_right_thigh * x_axis_rear_right_hip_x;
+    let t1765 = z_axis_base_x * sin_rear_right_thigh;
+    let x_axis_rear_right_thigh_x = t1764 - t1765;
+    let t1767 = 0.2 * x_axis_rear_right_thigh_x;
+    let t1768 = y[0] - t1467;
+    let origin_rear_right_hip_x = t1466 - t1768;
+    let origin_rear_right_calf_x = origin_rear_right_hip_x - t1767;
+    let t1771 = origin_rear_right_calf_x - t1763;
+    let t1772 = w[3][2] * t1771;
+    let t1773 = w[3][4] + t1772;
+    let t1774 = w[3][0] * t1722;
+    let t1775 = t1774 - t1773;
+    let t1776 = w[3][0] * origin_rear_right_calf_z;
+    let t1777 = w[3][2] * origin_rear_right_calf_x;
+    let t1778 = t1776 - t1777;
+    let t1779 = t1778 - t1775;
+    let t1780 = y_axis_rear_right_hip_y * t1779;
+    let t1781 = t1754 + t1780;
+    let t1782 = t1490 + t1488;
+    let t1783 = acceleration_base_z - t1782;
+    let t1784 = cos_rear_right_hip * t1783;
+    let t1785 = t1499 - t1497;
+    let t1786 = acceleration_base_y - t1785;
+    let t1787 = sin_rear_right_hip * t1786;
+    let acceleration_rear_right_hip_x = t1787 - t1784;
+    let t1789 = sin_rear_right_thigh * acceleration_rear_right_hip_x;
+    let t1790 = t1512 - t1513;
+    let acceleration_rear_right_hip_z = acceleration_base_x + t1790;
+    let t1792 = cos_rear_right_thigh * acceleration_rear_right_hip_z;
+    let acceleration_rear_right_thigh_y = t1789 + t1792;
+    let t1794 = v[5] * cos_rear_right_hip;
+    let t1795 = v[4] * sin_rear_right_hip;
+    let omega_rear_right_hip_x = t1795 - t1794;
+    let t1797 = sin_rear_right_thigh * omega_rear_right_hip_x;
     let omega_rear_right_hip_z = v[3] + v[15];
-    let t1742 = omega_rear_right_hip_y * omega_rear_right_hip_z;
-    let t1743 = v[15] * omega_rear_right_hip_y;
-    let t1744 = t1743 + t1742;
-    let t1745 = sin_rear_right_thigh * t1744;
-    let t1746 = v[5] * cos_rear_right_hip;
-    let t1747 = v[4] * sin_rear_right_hip;
-    let omega_rear_right_hip_x = t1747 - t1746;
-    let t1749 = omega_rear_right_hip_x * omega_rear_right_hip_y;
-    let t1750 = cos_rear_right_thigh * t1749;
-    let t1751 = t1750 - t1745;
-    let t1752 = 0.09 * t1751;
-    let acceleration_rear_right_thigh_x = t1737 - t1752;
-    let t1754 = sin_rear_right_thigh * omega_rear_right_hip_x;
-    let t1755 = cos_rear_right_thigh * omega_rear_right_hip_z;
-    let omega_rear_right_thigh_y = t1754 + t1755;
-    let t1757 = omega_rear_right_thigh_y * omega_rear_right_thigh_y;
+    let t1799 = cos_rear_right_thigh * omega_rear_right_hip_z;
+    let omega_rear_right_thigh_y = t1797 + t1799;
+    let t1801 = cos_rear_right_thigh * omega_rear_right_hip_x;
+    let t1802 = sin_rear_right_thigh * omega_rear_right_hip_z;
+    let omega_rear_right_thigh_x = t1801 - t1802;
+    let t1804 = omega_rear_right_thigh_x * omega_rear_right_thigh_y;
+    let t1805 = v[15] * omega_rear_right_hip_x;
+    let t1806 = t1805 + t1804;
+    let t1807 = 0.2 * t1806;
+    let t1808 = acceleration_rear_right_thigh_y + t1807;
+    let t1809 = cos_rear_right_calf * t1808;
+    let t1810 = cos_rear_right_thigh * acceleration_rear_right_hip_x;
+    let t1811 = sin_rear_right_thigh * acceleration_rear_right_hip_z;
+    let acceleration_rear_right_thigh_x = t1810 - t1811;
+    let t1813 = omega_rear_right_thigh_y * omega_rear_right_thigh_y;
+    let t1814 = v[5] * sin_rear_right_hip;
+    let t1815 = v[4] * cos_rear_right_hip;
+    let omega_rear_right_hip_y = t1815 + t1814;
     let omega_rear_right_thigh_z = v[16] + omega_rear_right_hip_y;
-    let t1759 = omega_rear_right_thigh_z * omega_rear_right_thigh_z;
-    let t1760 = t1757 + t1759;
-    let t1761 = 0.2 * t1760;
-    let acceleration_rear_right_calf_x = acceleration_rear_right_thigh_x - t1761;
-    let t1763 = t183 * acceleration_rear_right_calf_x;
-    let t1764 = cos_rear_right_thigh * omega_rear_right_hip_x;
-    let t1765 = sin_rear_right_thigh * omega_rear_right_hip_z;
-    let omega_rear_right_thigh_x = t1764 - t1765;
-    let t1767 = omega_rear_right_thigh_x * omega_rear_right_thigh_y;
-    let t1768 = v[15] * omega_rear_right_hip_x;
-    let t1769 = t1768 - t1767;
-    let t1770 = t215 * t1769;
-    let t1771 = t1768 + t1767;
-    let t1772 = t101 * t1771;
-    let t1773 = t1772 + t1770;
+    let t1818 = omega_rear_right_thigh_z * omega_rear_right_thigh_z;
+    let t1819 = t1813 + t1818;
+    let t1820 = 0.2 * t1819;
+    let t1821 = acceleration_rear_right_thigh_x - t1820;
+    let t1822 = sin_rear_right_calf * t1821;
+    let acceleration_rear_right_calf_y = t1822 + t1809;
+    let t1824 = 0.03 * acceleration_rear_right_calf_y;
+    let t1825 = cos_rear_right_calf * omega_rear_right_thigh_y;
+    let t1826 = sin_rear_right_calf * omega_rear_right_thigh_x;
+    let omega_rear_right_calf_y = t1826 + t1825;
+    let t1828 = sin_rear_right_calf * omega_rear_right_thigh_y;
+    let t1829 = cos_rear_right_calf * omega_rear_right_thigh_x;
+    let omega_rear_right_calf_x = t1829 - t1828;
+    let t1831 = omega_rear_right_calf_x * omega_rear_right_calf_y;
+    let t1832 = t1805 - t1831;
+    let t1833 = 1.500000000000004e-5 * t1832;
+    let t1834 = t1805 + t1831;
+    let t1835 = 0.005585 * t1834;
+    let t1836 = t1835 + t1833;
+    let t1837 = omega_rear_right_hip_y * omega_rear_right_hip_z;
+    let t1838 = v[15] * omega_rear_right_hip_y;
+    let t1839 = t1838 + t1837;
+    let t1840 = cos_rear_right_thigh * t1839;
+    let t1841 = omega_rear_right_hip_x * omega_rear_right_hip_y;
+    let t1842 = sin_rear_right_thigh * t1841;
+    let t1843 = t1842 + t1840;
+    let t1844 = cos_rear_right_calf * t1843;
+    let t1845 = sin_rear_right_thigh * t1839;
+    let t1846 = cos_rear_right_thigh * t1841;
+    let t1847 = t1846 - t1845;
+    let t1848 = sin_rear_right_calf * t1847;
+    let t1849 = t1848 + t1844;
+    let t1850 = 0.0026999999999999997 * t1849;
+    let t1851 = t1850 - t1836;
+    let moment_rear_right_calf_z = t1824 - t1851;
+    let t1853 = moment_rear_right_calf_z + t1781;
+    let t1854 = w[3][0] * t1744;
+    let t1855 = w[3][5] + t1854;
+    let t1856 = w[3][1] * t1771;
+    let t1857 = t1856 - t1855;
+    let t1858 = w[3][0] * origin_rear_right_calf_y;
+    let t1859 = w[3][1] * origin_rear_right_calf_x;
+    let t1860 = t1859 - t1858;
+    let t1861 = t1860 - t1857;
+    let t1862 = y_axis_rear_right_hip_z * t1861;
+    let t1863 = u[11] + t1862;
+    let t1864 = t1863 + t1853;
+    let t1865 = t462 * t1864;
+    let t1866 = w[3][2] * origin_rear_right_hip_y;
+    let t1867 = w[3][1] * origin_rear_right_hip_z;
+    let t1868 = t1866 - t1867;
+    let t1869 = t1868 - t1746;
+    let t1870 = z_axis_base_x * t1869;
+    let t1871 = w[3][2] * origin_rear_right_hip_x;
+    let t1872 = w[3][0] * origin_rear_right_hip_z;
+    let t1873 = t1872 - t1871;
+    let t1874 = t1873 - t1775;
+    let t1875 = z_axis_base_y * t1874;
+    let t1876 = t1870 + t1875;
+    let t1877 = w[3][0] * origin_rear_right_hip_y;
+    let t1878 = w[3][1] * origin_rear_right_hip_x;
+    let t1879 = t1878 - t1877;
+    let t1880 = t1879 - t1857;
+    let t1881 = z_axis_base_z * t1880;
+    let t1882 = u[9] + t1881;
+    let t1883 = t1882 + t1876;
+    let t1884 = t1865 + t1883;
+    let t1885 = sin_rear_right_hip * t1783;
+    let t1886 = cos_rear_right_hip * t1786;
+    let acceleration_rear_right_hip_y = t1886 + t1885;
+    let t1888 = 0.083 * acceleration_rear_right_hip_y;
+    let t1889 = 2.0 * omega_rear_right_thigh_z;
+    let t1890 = omega_rear_right_thigh_x * t1889;
+    let t1891 = t1847 - t1890;
+    let t1892 = 0.01649 * t1891;
+    let t1893 = t1888 - t1892;
+    let t1894 = omega_rear_right_hip_x * omega_rear_right_hip_x;
+    let t1895 = omega_rear_right_hip_z * omega_rear_right_hip_z;
+    let t1896 = t1894 + t1895;
+    let t1897 = t1896 - t1819;
+    let t1898 = 0.00681 * t1897;
+    let t1899 = t1898 + t1893;
     let omega_rear_right_calf_z = v[17] + omega_rear_right_thigh_z;
-    let t1775 = omega_rear_right_calf_z * omega_rear_right_calf_z;
-    let t1776 = omega_rear_right_thigh_x * omega_rear_right_thigh_x;
-    let t1777 = t1776 + t1775;
-    let t1778 = t1757 + t1775;
-    let t1779 = t1778 - t1777;
-    let t1780 = t108 * t1779;
-    let t1781 = t1780 - t1773;
-    let t1782 = t1763 - t1781;
-    let t1783 = sin_rear_right_thigh * acceleration_rear_right_hip_x;
-    let t1784 = cos_rear_right_thigh * acceleration_rear_right_hip_z;
-    let t1785 = t1783 + t1784;
-    let t1786 = cos_rear_right_thigh * t1744;
-    let t1787 = sin_rear_right_thigh * t1749;
-    let t1788 = t1787 + t1786;
-    let t1789 = 0.09 * t1788;
-    let acceleration_rear_right_thigh_y = t1785 - t1789;
-    let t1791 = 0.2 * t1771;
-    let acceleration_rear_right_calf_y = acceleration_rear_right_thigh_y + t1791;
-    let t1793 = t118 * acceleration_rear_right_calf_y;
-    let moment_rear_right_calf_z = t1793 + t1782;
-    let t1795 = moment_rear_right_calf_z + t1725;
-    let t1796 = w[3][0] * t1688;
-    let t1797 = w[3][5] + t1796;
-    let t1798 = w[3][1] * t1715;
-    let t1799 = t1798 - t1797;
-    let t1800 = w[3][0] * origin_rear_right_calf_y;
-    let t1801 = w[3][1] * origin_rear_right_calf_x;
-    let t1802 = t1801 - t1800;
-    let t1803 = t1802 - t1799;
-    let t1804 = y_axis_rear_right_hip_z * t1803;
-    let t1805 = u[11] + t1804;
-    let t1806 = t1805 + t1795;
-    let t1807 = t234 * t1806;
-    let t1808 = w[3][1] * origin_rear_right_thigh_z;
-    let t1809 = w[3][2] * origin_rear_right_thigh_y;
-    let t1810 = t1809 - t1808;
-    let t1811 = t1810 - t1690;
-    let t1812 = y_axis_rear_right_hip_x * t1811;
-    let t1813 = w[3][0] * origin_rear_right_thigh_z;
-    let t1814 = w[3][2] * origin_rear_right_thigh_x;
-    let t1815 = t1813 - t1814;
-    let t1816 = t1815 - t1719;
-    let t1817 = y_axis_rear_right_hip_y * t1816;
-    let t1818 = t1812 + t1817;
-    let t1819 = w[3][0] * origin_rear_right_thigh_y;
-    let t1820 = w[3][1] * origin_rear_right_thigh_x;
-    let t1821 = t1820 - t1819;
-    let t1822 = t1821 - t1799;
-    let t1823 = y_axis_rear_right_hip_z * t1822;
-    let t1824 = u[10] + t1823;
-    let t1825 = t1824 + t1818;
-    let t1826 = 0.083 * acceleration_rear_right_thigh_y;
-    let t1827 = 0.0005 * t1769;
-    let t1828 = 0.01649 * t1771;
-    let t1829 = t1828 + t1827;
-    let t1830 = 0.00066 * t1788;
-    let t1831 = t1830 + t1829;
-    let t1832 = t183 * t1777;
-    let t1833 = t118 * t1771;
-    let force_rear_right_calf_y = t1833 + t1832;
-    let t1835 = 0.2 * force_rear_right_calf_y;
-    let t1836 = t1835 + t1831;
-    let t1837 = t1826 + t1836;
-    let moment_rear_right_thigh_z = moment_rear_right_calf_z + t1837;
-    let t1839 = moment_rear_right_thigh_z + t1825;
-    let t1840 = t1807 - t1839;
-    let t1841 = t240 * t1840;
-    let t1842 = t1841 + t1646;
-    let t1843 = y_axis_base_z * cos_front_left_hip;
-    let t1844 = x_axis_base_z * sin_front_left_hip;
-    let x_axis_front_left_hip_z = t1844 - t1843;
-    let t1846 = cos_front_left_thigh * x_axis_front_left_hip_z;
-    let t1847 = z_axis_base_z * sin_front_left_thigh;
-    let x_axis_front_left_thigh_z = t1846 - t1847;
-    let t1849 = 0.2 * x_axis_front_left_thigh_z;
-    let t1850 = y_axis_base_z * sin_front_left_hip;
-    let t1851 = x_axis_base_z * cos_front_left_hip;
-    let y_axis_front_left_hip_z = t1850 + t1851;
-    let t1853 = 0.09 * y_axis_front_left_hip_z;
-    let origin_front_left_hip_z = t1412 + t1413;
-    let origin_front_left_thigh_z = origin_front_left_hip_z + t1853;
-    let origin_front_left_calf_z = origin_front_left_thigh_z + t1849;
-    let t1857 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_z;
-    let t1858 = z_axis_base_z * sin_front_left_thigh_front_left_calf;
-    let x_axis_front_left_calf_z = t1857 - t1858;
-    let t1860 = 0.2 * x_axis_front_left_calf_z;
-    let t1861 = origin_front_left_calf_z + t1860;
-    let t1862 = w[0][1] * t1861;
-    let t1863 = w[0][3] - t1862;
-    let t1864 = x_axis_base_y * sin_front_left_hip;
-    let t1865 = y_axis_base_y * cos_front_left_hip;
-    let x_axis_front_left_hip_y = t1864 - t1865;
-    let t1867 = cos_front_left_thigh * x_axis_front_left_hip_y;
-    let t1868 = z_axis_base_y * sin_front_left_thigh;
-    let x_axis_front_left_thigh_y = t1867 - t1868;
-    let t1870 = 0.2 * x_axis_front_left_thigh_y;
-    let t1871 = x_axis_base_y * cos_front_left_hip;
-    let t1872 = y_axis_base_y * sin_front_left_hip;
-    let y_axis_front_left_hip_y = t1872 + t1871;
-    let t1874 = 0.09 * y_axis_front_left_hip_y;
-    let origin_front_left_hip_y = t1446 + t1447;
-    let origin_front_left_thigh_y = origin_front_left_hip_y + t1874;
-    let origin_front_left_calf_y = origin_front_left_thigh_y + t1870;
-    let t1878 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_y;
-    let t1879 = z_axis_base_y * sin_front_left_thigh_front_left_calf;
-    let x_axis_front_left_calf_y = t1878 - t1879;
-    let t1881 = 0.2 * x_axis_front_left_calf_y;
-    let t1882 = origin_front_left_calf_y + t1881;
-    let t1883 = w[0][2] * t1882;
-    let t1884 = t1883 + t1863;
-    let t1885 = w[0][1] * origin_front_left_calf_z;
-    let t1886 = w[0][2] * origin_front_left_calf_y;
-    let t1887 = t1886 - t1885;
-    let t1888 = t1887 - t1884;
-    let t1889 = x_axis_base_x * cos_front_left_hip;
-    let t1890 = y_axis_base_x * sin_front_left_hip;
-    let y_axis_front_left_hip_x = t1890 + t1889;
-    let t1892 = y_axis_front_left_hip_x * t1888;
-    let t1893 = y_axis_base_x * cos_front_left_hip;
-    let t1894 = x_axis_base_x * sin_front_left_hip;
-    let x_axis_front_left_hip_x = t1894 - t1893;
-    let t1896 = cos_front_left_thigh * x_axis_front_left_hip_x;
-    let t1897 = z_axis_base_x * sin_front_left_thigh;
-    let x_axis_front_left_thigh_x = t1896 - t1897;
-    let t1899 = 0.2 * x_axis_front_left_thigh_x;
-    let t1900 = 0.09 * y_axis_front_left_hip_x;
-    let origin_front_left_hip_x = t1483 + t1481;
-    let origin_front_left_thigh_x = origin_front_left_hip_x + t1900;
-    let origin_front_left_calf_x = origin_front_left_thigh_x + t1899;
-    let t1904 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_x;
-    let t1905 = z_axis_base_x * sin_front_left_thigh_front_left_calf;
-    let x_axis_front_left_calf_x = t1904 - t1905;
-    let t1907 = 0.2 * x_axis_front_left_calf_x;
-    let t1908 = origin_front_left_calf_x + t1907;
-    let t1909 = w[0][2] * t1908;
-    let t1910 = w[0][4] - t1909;
-    let t1911 = w[0][0] * t1861;
-    let t1912 = t1911 + t1910;
-    let t1913 = w[0][0] * origin_front_left_calf_z;
-    let t1914 = w[0][2] * origin_front_left_calf_x;
-    let t1915 = t1913 - t1914;
-    let t1916 = t1915 - t1912;
-    let t1917 = y_axis_front_left_hip_y * t1916;
-    let t1918 = t1892 + t1917;
-    let t1919 = acceleration_base_z + t1726;
-    let t1920 = cos_front_left_hip * t1919;
-    let t1921 = acceleration_base_y + t1729;
-    let t1922 = sin_front_left_hip * t1921;
-    let acceleration_front_left_hip_x = t1922 - t1920;
-    let t1924 = cos_front_left_thigh * acceleration_front_left_hip_x;
-    let acceleration_front_left_hip_z = acceleration_base_x - t1734;
-    let t1926 = sin_front_left_thigh * acceleration_front_left_hip_z;
-    let t1927 = t1924 - t1926;
-    let t1928 = v[5] * sin_front_left_hip;
-    let t1929 = v[4] * cos_front_left_hip;
-    let omega_front_left_hip_y = t1929 + t1928;
-    let omega_front_left_hip_z = v[3] + v[6];
-    let t1932 = omega_front_left_hip_y * omega_front_left_hip_z;
-    let t1933 = v[6] * omega_front_left_hip_y;
-    let t1934 = t1933 + t1932;
-    let t1935 = sin_front_left_thigh * t1934;
-    let t1936 = v[5] * cos_front_left_hip;
-    let t1937 = v[4] * sin_front_left_hip;
-    let omega_front_left_hip_x = t1937 - t1936;
-    let t1939 = omega_front_left_hip_x * omega_front_left_hip_y;
-    let t1940 = cos_front_left_thigh * t1939;
-    let t1941 = t1940 - t1935;
-    let t1942 = 0.09 * t1941;
-    let acceleration_front_left_thigh_x = t1927 + t1942;
-    let t1944 = sin_front_left_thigh * omega_front_left_hip_x;
-    let t1945 = cos_front_left_thigh * omega_front_left_hip_z;
-    let omega_front_left_thigh_y = t1944 + t1945;
-    let t1947 = omega_front_left_thigh_y * omega_front_left_thigh_y;
-    let omega_front_left_thigh_z = v[7] + omega_front_left_hip_y;
-    let t1949 = omega_front_left_thigh_z * omega_front_left_thigh_z;
-    let t1950 = t1947 + t1949;
-    let t1951 = 0.2 * t1950;
-    let acceleration_front_left_calf_x = acceleration_front_left_thigh_x - t1951;
-    let t1953 = t192 * acceleration_front_left_calf_x;
-    let t1954 = cos_front_left_thigh * omega_front_left_hip_x;
-    let t1955 = sin_front_left_thigh * omega_front_left_hip_z;
-    let omega_front_left_thigh_x = t1954 - t1955;
-    let t1957 = omega_front_left_thigh_x * omega_front_left_thigh_y;
-    let t1958 = v[6] * omega_front_left_hip_x;
+    let t1901 = 2.0 * omega_rear_right_calf_z;
+    let t1902 = omega_rear_right_calf_x * t1901;
+    let t1903 = sin_rear_right_calf * t1843;
+    let t1904 = t1903 + t1902;
+    let t1905 = cos_rear_right_calf * t1847;
+    let t1906 = t1905 - t1904;
+    let t1907 = 0.006 * t1906;
+    let t1908 = t1907 - t1899;
+    let t1909 = omega_rear_right_calf_y * t1901;
+    let t1910 = t1849 - t1909;
+    let t1911 = 1.500000000000004e-5 * t1910;
+    let t1912 = 0.0026999999999999997 * t1834;
+    let moment_rear_right_calf_x = t1912 - t1911;
+    let t1914 = sin_rear_right_calf * moment_rear_right_calf_x;
+    let t1915 = t1914 - t1908;
+    let t1916 = 0.005585 * t1906;
+    let t1917 = omega_rear_right_calf_y * omega_rear_right_calf_y;
+    let t1918 = omega_rear_right_calf_z * omega_rear_right_calf_z;
+    let t1919 = t1917 + t1918;
+    let t1920 = t1896 - t1919;
+    let t1921 = 0.0026999999999999997 * t1920;
+    let t1922 = t1921 - t1916;
+    let t1923 = 0.2 * t1891;
+    let acceleration_rear_right_calf_z = acceleration_rear_right_hip_y - t1923;
+    let t1925 = 0.03 * acceleration_rear_right_calf_z;
+    let moment_rear_right_calf_y = t1925 + t1922;
+    let t1927 = cos_rear_right_calf * moment_rear_right_calf_y;
+    let moment_rear_right_thigh_y = t1927 + t1915;
+    let t1929 = cos_rear_right_thigh * moment_rear_right_thigh_y;
+    let t1930 = 0.0995 * acceleration_rear_right_hip_x;
+    let t1931 = 0.007629999999999999 * t1841;
+    let t1932 = t1930 - t1931;
+    let t1933 = t1932 + t1929;
+    let t1934 = cos_rear_right_calf * moment_rear_right_calf_x;
+    let t1935 = omega_rear_right_thigh_y * t1889;
+    let t1936 = t1843 - t1935;
+    let t1937 = 0.0005 * t1936;
+    let t1938 = 0.00681 * t1806;
+    let t1939 = t1938 - t1937;
+    let t1940 = t1939 + t1934;
+    let t1941 = sin_rear_right_calf * moment_rear_right_calf_y;
+    let moment_rear_right_thigh_x = t1941 - t1940;
+    let t1943 = sin_rear_right_thigh * moment_rear_right_thigh_x;
+    let moment_rear_right_hip_z = t1943 - t1933;
+    let t1945 = moment_rear_right_hip_z + t1884;
+    let t1946 = t260 * t1864;
+    let t1947 = y_axis_rear_right_hip_x * t1869;
+    let t1948 = y_axis_rear_right_hip_y * t1874;
+    let t1949 = t1947 + t1948;
+    let t1950 = y_axis_rear_right_hip_z * t1880;
+    let t1951 = u[10] + t1950;
+    let t1952 = t1951 + t1949;
+    let t1953 = 0.083 * acceleration_rear_right_thigh_y;
+    let t1954 = t1805 - t1804;
+    let t1955 = 0.0005 * t1954;
+    let t1956 = t1953 + t1955;
+    let t1957 = 0.01649 * t1806;
+    let t1958 = 0.00681 * t1843;
     let t1959 = t1958 - t1957;
-    let t1960 = t326 * t1959;
-    let t1961 = t1958 + t1957;
-    let t1962 = t133 * t1961;
-    let t1963 = t1962 + t1960;
-    let omega_front_left_calf_z = v[8] + omega_front_left_thigh_z;
-    let t1965 = omega_front_left_calf_z * omega_front_left_calf_z;
-    let t1966 = omega_front_left_thigh_x * omega_front_left_thigh_x;
-    let t1967 = t1966 + t1965;
-    let t1968 = t1947 + t1965;
-    let t1969 = t1968 - t1967;
-    let t1970 = t140 * t1969;
-    let t1971 = t1970 - t1963;
-    let t1972 = t1953 - t1971;
-    let t1973 = sin_front_left_thigh * acceleration_front_left_hip_x;
-    let t1974 = cos_front_left_thigh * acceleration_front_left_hip_z;
-    let t1975 = t1973 + t1974;
-    let t1976 = cos_front_left_thigh * t1934;
-    let t1977 = sin_front_left_thigh * t1939;
-    let t1978 = t1977 + t1976;
-    let t1979 = 0.09 * t1978;
-    let acceleration_front_left_thigh_y = t1975 + t1979;
-    let t1981 = 0.2 * t1961;
-    let acceleration_front_left_calf_y = acceleration_front_left_thigh_y + t1981;
-    let t1983 = t150 * acceleration_front_left_calf_y;
-    let moment_front_left_calf_z = t1983 + t1972;
-    let t1985 = moment_front_left_calf_z - t1918;
-    let t1986 = w[0][0] * t1882;
-    let t1987 = w[0][5] - t1986;
-    let t1988 = w[0][1] * t1908;
-    let t1989 = t1988 + t1987;
-    let t1990 = w[0][0] * origin_front_left_calf_y;
-    let t1991 = w[0][1] * origin_front_left_calf_x;
-    let t1992 = t1991 - t1990;
-    let t1993 = t1992 - t1989;
-    let t1994 = y_axis_front_left_hip_z * t1993;
-    let t1995 = u[2] - t1994;
-    let t1996 = t1995 + t1985;
-    let t1997 = t379 * t1996;
-    let t1998 = w[0][1] * origin_front_left_thigh_z;
-    let t1999 = w[0][2] * origin_front_left_thigh_y;
-    let t2000 = t1999 - t1998;
-    let t2001 = t2000 - t1884;
-    let t2002 = y_axis_front_left_hip_x * t2001;
-    let t2003 = w[0][0] * origin_front_left_thigh_z;
-    let t2004 = w[0][2] * origin_front_left_thigh_x;
-    let t2005 = t2003 - t2004;
-    let t2006 = t2005 - t1912;
-    let t2007 = y_axis_front_left_hip_y * t2006;
-    let t2008 = t2002 + t2007;
-    let t2009 = w[0][0] * origin_front_left_thigh_y;
-    let t2010 = w[0][1] * origin_front_left_thigh_x;
-    let t2011 = t2010 - t2009;
-    let t2012 = t2011 - t1989;
-    let t2013 = y_axis_front_left_hip_z * t2012;
-    let t2014 = u[1] - t2013;
-    let t2015 = t2014 - t2008;
-    let t2016 = 0.083 * acceleration_front_left_thigh_y;
-    let t2017 = 0.0005 * t1959;
-    let t2018 = 0.01649 * t1961;
-    let t2019 = t2018 + t2017;
-    let t2020 = 0.00066 * t1978;
-    let t2021 = t2020 - t2019;
-    let t2022 = t192 * t1967;
-    let t2023 = t150 * t1961;
-    let force_front_left_calf_y = t2023 + t2022;
-    let t2025 = 0.2 * force_front_left_calf_y;
-    let t2026 = t2025 - t2021;
-    let t2027 = t2016 + t2026;
-    let moment_front_left_thigh_z = moment_front_left_calf_z + t2027;
-    let t2029 = moment_front_left_thigh_z + t2015;
-    let t2030 = t1997 - t2029;
-    let t2031 = t385 * t2030;
-    let t2032 = y_axis_base_z * cos_front_right_hip;
-    let t2033 = x_axis_base_z * sin_front_right_hip;
-    let x_axis_front_right_hip_z = t2033 - t2032;
-    let t2035 = cos_front_right_thigh * x_axis_front_right_hip_z;
-    let t2036 = z_axis_base_z * sin_front_right_thigh;
-    let x_axis_front_right_thigh_z = t2035 - t2036;
-    let t2038 = 0.2 * x_axis_front_right_thigh_z;
-    let t2039 = y_axis_base_z * sin_front_right_hip;
-    let t2040 = x_axis_base_z * cos_front_right_hip;
-    let y_axis_front_right_hip_z = t2039 + t2040;
-    let t2042 = 0.09 * y_axis_front_right_hip_z;
-    let origin_front_right_hip_z = t1413 + t1658;
-    let origin_front_right_thigh_z = origin_front_right_hip_z - t2042;
-    let origin_front_right_calf_z = origin_front_right_thigh_z + t2038;
-    let t2046 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_z;
-    let t2047 = z_axis_base_z * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_z = t2046 - t2047;
-    let t2049 = 0.2 * x_axis_front_right_calf_z;
-    let t2050 = origin_front_right_calf_z + t2049;
-    let t2051 = w[1][1] * t2050;
-    let t2052 = w[1][3] - t2051;
-    let t2053 = x_axis_base_y * sin_front_right_hip;
-    let t2054 = y_axis_base_y * cos_front_right_hip;
-    let x_axis_front_right_hip_y = t2053 - t2054;
-    let t2056 = cos_front_right_thigh * x_axis_front_right_hip_y;
-    let t2057 = z_axis_base_y * sin_front_right_thigh;
-    let x_axis_front_right_thigh_y = t2056 - t2057;
-    let t2059 = 0.2 * x_axis_front_right_thigh_y;
-    let t2060 = x_axis_base_y * cos_front_right_hip;
-    let t2061 = y_axis_base_y * sin_front_right_hip;
-    let y_axis_front_right_hip_y = t2061 + t2060;
-    let t2063 = 0.09 * y_axis_front_right_hip_y;
-    let origin_front_right_hip_y = t1447 + t1680;
-    let origin_front_right_thigh_y = origin_front_right_hip_y - t2063;
-    let origin_front_right_calf_y = origin_front_right_thigh_y + t2059;
-    let t2067 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_y;
-    let t2068 = z_axis_base_y * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_y = t2067 - t2068;
-    let t2070 = 0.2 * x_axis_front_right_calf_y;
-    let t2071 = origin_front_right_calf_y + t2070;
-    let t2072 = w[1][2] * t2071;
-    let t2073 = t2072 + t2052;
-    let t2074 = w[1][1] * origin_front_right_calf_z;
-    let t2075 = w[1][2] * origin_front_right_calf_y;
-    let t2076 = t2075 - t2074;
-    let t2077 = t2076 - t2073;
-    let t2078 = x_axis_base_x * cos_front_right_hip;
-    let t2079 = y_axis_base_x * sin_front_right_hip;
-    let y_axis_front_right_hip_x = t2079 + t2078;
-    let t2081 = y_axis_front_right_hip_x * t2077;
-    let t2082 = y_axis_base_x * cos_front_right_hip;
-    let t2083 = x_axis_base_x * sin_front_right_hip;
-    let x_axis_front_right_hip_x = t2083 - t2082;
-    let t2085 = cos_front_right_thigh * x_axis_front_right_hip_x;
-    let t2086 = z_axis_base_x * sin_front_right_thigh;
-    let x_axis_front_right_thigh_x = t2085 - t2086;
-    let t2088 = 0.2 * x_axis_front_right_thigh_x;
-    let t2089 = 0.09 * y_axis_front_right_hip_x;
-    let origin_front_right_hip_x = t1481 + t1707;
-    let origin_front_right_thigh_x = origin_front_right_hip_x - t2089;
-    let origin_front_right_calf_x = origin_front_right_thigh_x + t2088;
-    let t2093 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_x;
-    let t2094 = z_axis_base_x * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_x = t2093 - t2094;
-    let t2096 = 0.2 * x_axis_front_right_calf_x;
-    let t2097 = origin_front_right_calf_x + t2096;
-    let t2098 = w[1][2] * t2097;
-    let t2099 = w[1][4] - t2098;
-    let t2100 = w[1][0] * t2050;
-    let t2101 = t2100 + t2099;
-    let t2102 = w[1][0] * origin_front_right_calf_z;
-    let t2103 = w[1][2] * origin_front_right_calf_x;
-    let t2104 = t2102 - t2103;
-    let t2105 = t2104 - t2101;
-    let t2106 = y_axis_front_right_hip_y * t2105;
-    let t2107 = t2081 + t2106;
-    let t2108 = acceleration_base_z + t1511;
-    let t2109 = cos_front_right_hip * t2108;
-    let t2110 = acceleration_base_y + t1520;
-    let t2111 = sin_front_right_hip * t2110;
-    let acceleration_front_right_hip_x = t2111 - t2109;
-    let t2113 = cos_front_right_thigh * acceleration_front_right_hip_x;
-    let acceleration_front_right_hip_z = acceleration_base_x - t1534;
-    let t2115 = sin_front_right_thigh * acceleration_front_right_hip_z;
-    let t2116 = t2113 - t2115;
-    let t2117 = v[5] * sin_front_right_hip;
-    let t2118 = v[4] * cos_front_right_hip;
-    let omega_front_right_hip_y = t2118 + t2117;
-    let omega_front_right_hip_z = v[3] + v[9];
-    let t2121 = omega_front_right_hip_y * omega_front_right_hip_z;
-    let t2122 = v[9] * omega_front_right_hip_y;
+    let t1960 = t1959 - t1956;
+    let force_rear_right_calf_y = 0.03 * t1834;
+    let t1962 = cos_rear_right_calf * force_rear_right_calf_y;
+    let force_rear_right_calf_x = 0.03 * t1919;
+    let t1964 = sin_rear_right_calf * force_rear_right_calf_x;
+    let t1965 = t1964 + t1962;
+    let t1966 = 0.2 * t1965;
+    let t1967 = t1966 - t1960;
+    let moment_rear_right_thigh_z = moment_rear_right_calf_z + t1967;
+    let t1969 = moment_rear_right_thigh_z + t1952;
+    let t1970 = t1946 - t1969;
+    let t1971 = t469 * t1970;
+    let t1972 = t1971 + t1945;
+    let t1973 = t485 * t1972;
+    let t1974 = t1973 + t1702;
+    let t1975 = y_axis_base_z * cos_front_left_hip;
+    let t1976 = x_axis_base_z * sin_front_left_hip;
+    let x_axis_front_left_hip_z = t1976 - t1975;
+    let t1978 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_z;
+    let t1979 = z_axis_base_z * sin_front_left_thigh_front_left_calf;
+    let x_axis_front_left_calf_z = t1978 - t1979;
+    let t1981 = 0.2 * x_axis_front_left_calf_z;
+    let t1982 = y_axis_base_z * sin_front_left_hip;
+    let t1983 = x_axis_base_z * cos_front_left_hip;
+    let y_axis_front_left_hip_z = t1982 + t1983;
+    let t1985 = 0.09 * y_axis_front_left_hip_z;
+    let t1986 = t1981 + t1985;
+    let t1987 = cos_front_left_thigh * x_axis_front_left_hip_z;
+    let t1988 = z_axis_base_z * sin_front_left_thigh;
+    let x_axis_front_left_thigh_z = t1987 - t1988;
+    let t1990 = 0.2 * x_axis_front_left_thigh_z;
+    let origin_front_left_hip_z = t1397 + t1398;
+    let origin_front_left_calf_z = origin_front_left_hip_z + t1990;
+    let t1993 = origin_front_left_calf_z + t1986;
+    let t1994 = w[0][1] * t1993;
+    let t1995 = w[0][3] - t1994;
+    let t1996 = x_axis_base_y * sin_front_left_hip;
+    let t1997 = y_axis_base_y * cos_front_left_hip;
+    let x_axis_front_left_hip_y = t1996 - t1997;
+    let t1999 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_y;
+    let t2000 = z_axis_base_y * sin_front_left_thigh_front_left_calf;
+    let x_axis_front_left_calf_y = t1999 - t2000;
+    let t2002 = 0.2 * x_axis_front_left_calf_y;
+    let t2003 = x_axis_base_y * cos_front_left_hip;
+    let t2004 = y_axis_base_y * sin_front_left_hip;
+    let y_axis_front_left_hip_y = t2004 + t2003;
+    let t2006 = 0.09 * y_axis_front_left_hip_y;
+    let t2007 = t2002 + t2006;
+    let t2008 = cos_front_left_thigh * x_axis_front_left_hip_y;
+    let t2009 = z_axis_base_y * sin_front_left_thigh;
+    let x_axis_front_left_thigh_y = t2008 - t2009;
+    let t2011 = 0.2 * x_axis_front_left_thigh_y;
+    let origin_front_left_hip_y = t1431 + t1432;
+    let origin_front_left_calf_y = origin_front_left_hip_y + t2011;
+    let t2014 = origin_front_left_calf_y + t2007;
+    let t2015 = w[0][2] * t2014;
+    let t2016 = t2015 + t1995;
+    let t2017 = w[0][1] * origin_front_left_calf_z;
+    let t2018 = w[0][2] * origin_front_left_calf_y;
+    let t2019 = t2018 - t2017;
+    let t2020 = t2019 - t2016;
+    let t2021 = x_axis_base_x * cos_front_left_hip;
+    let t2022 = y_axis_base_x * sin_front_left_hip;
+    let y_axis_front_left_hip_x = t2022 + t2021;
+    let t2024 = y_axis_front_left_hip_x * t2020;
+    let t2025 = y_axis_base_x * cos_front_left_hip;
+    let t2026 = x_axis_base_x * sin_front_left_hip;
+    let x_axis_front_left_hip_x = t2026 - t2025;
+    let t2028 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_x;
+    let t2029 = z_axis_base_x * sin_front_left_thigh_front_left_calf;
+    let x_axis_front_left_calf_x = t2028 - t2029;
+    let t2031 = 0.2 * x_axis_front_left_calf_x;
+    let t2032 = 0.09 * y_axis_front_left_hip_x;
+    let t2033 = t2031 + t2032;
+    let t2034 = cos_front_left_thigh * x_axis_front_left_hip_x;
+    let t2035 = z_axis_base_x * sin_front_left_thigh;
+    let x_axis_front_left_thigh_x = t2034 - t2035;
+    let t2037 = 0.2 * x_axis_front_left_thigh_x;
+    let origin_front_left_hip_x = t1468 + t1466;
+    let origin_front_left_calf_x = origin_front_left_hip_x + t2037;
+    let t2040 = origin_front_left_calf_x + t2033;
+    let t2041 = w[0][2] * t2040;
+    let t2042 = w[0][4] - t2041;
+    let t2043 = w[0][0] * t1993;
+    let t2044 = t2043 + t2042;
+    let t2045 = w[0][0] * origin_front_left_calf_z;
+    let t2046 = w[0][2] * origin_front_left_calf_x;
+    let t2047 = t2045 - t2046;
+    let t2048 = t2047 - t2044;
+    let t2049 = y_axis_front_left_hip_y * t2048;
+    let t2050 = t2024 + t2049;
+    let t2051 = acceleration_base_z + t1782;
+    let t2052 = cos_front_left_hip * t2051;
+    let t2053 = acceleration_base_y + t1785;
+    let t2054 = sin_front_left_hip * t2053;
+    let acceleration_front_left_hip_x = t2054 - t2052;
+    let t2056 = sin_front_left_thigh * acceleration_front_left_hip_x;
+    let acceleration_front_left_hip_z = acceleration_base_x - t1790;
+    let t2058 = cos_front_left_thigh * acceleration_front_left_hip_z;
+    let acceleration_front_left_thigh_y = t2056 + t2058;
+    let t2060 = v[5] * cos_front_left_hip;
+    let t2061 = v[4] * sin_front_left_hip;
+    let omega_front_left_hip_x = t2061 - t2060;
+    let t2063 = sin_front_left_thigh * omega_front_left_hip_x;
+    let omega_front_left_hip_z = v[3] + v[6];
+    let t2065 = cos_front_left_thigh * omega_front_left_hip_z;
+    let omega_front_left_thigh_y = t2063 + t2065;
+    let t2067 = cos_front_left_thigh * omega_front_left_hip_x;
+    let t2068 = sin_front_left_thigh * omega_front_left_hip_z;
+    let omega_front_left_thigh_x = t2067 - t2068;
+    let t2070 = omega_front_left_thigh_x * omega_front_left_thigh_y;
+    let t2071 = v[6] * omega_front_left_hip_x;
+    let t2072 = t2071 + t2070;
+    let t2073 = 0.2 * t2072;
+    let t2074 = acceleration_front_left_thigh_y + t2073;
+    let t2075 = cos_front_left_calf * t2074;
+    let t2076 = cos_front_left_thigh * acceleration_front_left_hip_x;
+    let t2077 = sin_front_left_thigh * acceleration_front_left_hip_z;
+    let acceleration_front_left_thigh_x = t2076 - t2077;
+    let t2079 = omega_front_left_thigh_y * omega_front_left_thigh_y;
+    let t2080 = v[5] * sin_front_left_hip;
+    let t2081 = v[4] * cos_front_left_hip;
+    let omega_front_left_hip_y = t2081 + t2080;
+    let omega_front_left_thigh_z = v[7] + omega_front_left_hip_y;
+    let t2084 = omega_front_left_thigh_z * omega_front_left_thigh_z;
+    let t2085 = t2079 + t2084;
+    let t2086 = 0.2 * t2085;
+    let t2087 = acceleration_front_left_thigh_x - t2086;
+    let t2088 = sin_front_left_calf * t2087;
+    let acceleration_front_left_calf_y = t2088 + t2075;
+    let t2090 = 0.03 * acceleration_front_left_calf_y;
+    let t2091 = cos_front_left_calf * omega_front_left_thigh_y;
+    let t2092 = sin_front_left_calf * omega_front_left_thigh_x;
+    let omega_front_left_calf_y = t2092 + t2091;
+    let t2094 = sin_front_left_calf * omega_front_left_thigh_y;
+    let t2095 = cos_front_left_calf * omega_front_left_thigh_x;
+    let omega_front_left_calf_x = t2095 - t2094;
+    let t2097 = omega_front_left_calf_x * omega_front_left_calf_y;
+    let t2098 = t2071 - t2097;
+    let t2099 = 1.500000000000004e-5 * t2098;
+    let t2100 = t2071 + t2097;
+    let t2101 = 0.005585 * t2100;
+    let t2102 = t2101 + t2099;
+    let t2103 = omega_front_left_hip_y * omega_front_left_hip_z;
+    let t2104 = v[6] * omega_front_left_hip_y;
+    let t2105 = t2104 + t2103;
+    let t2106 = cos_front_left_thigh * t2105;
+    let t2107 = omega_front_left_hip_x * omega_front_left_hip_y;
+    let t2108 = sin_front_left_thigh * t2107;
+    let t2109 = t2108 + t2106;
+    let t2110 = cos_front_left_calf * t2109;
+    let t2111 = sin_front_left_thigh * t2105;
+    let t2112 = cos_front_left_thigh * t2107;
+    let t2113 = t2112 - t2111;
+    let t2114 = sin_front_left_calf * t2113;
+    let t2115 = t2114 + t2110;
+    let t2116 = 0.0026999999999999997 * t2115;
+    let t2117 = t2116 + t2102;
+    let moment_front_left_calf_z = t2090 + t2117;
+    let t2119 = moment_front_left_calf_z - t2050;
+    let t2120 = w[0][0] * t2014;
+    let t2121 = w[0][5] - t2120;
+    let t2122 = w[0][1] * t2040;
     let t2123 = t2122 + t2121;
-    let t2124 = sin_front_right_thigh * t2123;
-    let t2125 = v[5] * cos_front_right_hip;
-    let t2126 = v[4] * sin_front_right_hip;
-    let omega_front_right_hip_x = t2126 - t2125;
-    let t2128 = omega_front_right_hip_x * omega_front_right_hip_y;
-    let t2129 = cos_front_right_thigh * t2128;
-    let t2130 = t2129 - t2124;
-    let t2131 = 0.09 * t2130;
-    let acceleration_front_right_thigh_x = t2116 - t2131;
-    let t2133 = sin_front_right_thigh * omega_front_right_hip_x;
-    let t2134 = cos_front_right_thigh * omega_front_right_hip_z;
-    let omega_front_right_thigh_y = t2133 + t2134;
-    let t2136 = omega_front_right_thigh_y * omega_front_right_thigh_y;
-    let omega_front_right_thigh_z = v[10] + omega_front_right_hip_y;
-    let t2138 = omega_front_right_thigh_z * omega_front_right_thigh_z;
-    let t2139 = t2136 + t2138;
-    let t2140 = 0.2 * t2139;
-    let acceleration_front_right_calf_x = acceleration_front_right_thigh_x - t2140;
-    let t2142 = t166 * acceleration_front_right_calf_x;
-    let t2143 = cos_front_right_thigh * omega_front_right_hip_x;
-    let t2144 = sin_front_right_thigh * omega_front_right_hip_z;
-    let omega_front_right_thigh_x = t2143 - t2144;
-    let t2146 = omega_front_right_thigh_x * omega_front_right_thigh_y;
-    let t2147 = v[9] * omega_front_right_hip_x;
-    let t2148 = t2147 - t2146;
-    let t2149 = t254 * t2148;
-    let t2150 = t2147 + t2146;
-    let t2151 = t38 * t2150;
-    let t2152 = t2151 + t2149;
-    let omega_front_right_calf_z = v[11] + omega_front_right_thigh_z;
-    let t2154 = omega_front_right_calf_z * omega_front_right_calf_z;
-    let t2155 = omega_front_right_thigh_x * omega_front_right_thigh_x;
-    let t2156 = t2155 + t2154;
-    let t2157 = t2136 + t2154;
-    let t2158 = t2157 - t2156;
-    let t2159 = t45 * t2158;
-    let t2160 = t2159 - t2152;
-    let t2161 = t2142 - t2160;
-    let t2162 = sin_front_right_thigh * acceleration_front_right_hip_x;
-    let t2163 = cos_front_right_thigh * acceleration_front_right_hip_z;
-    let t2164 = t2162 + t2163;
-    let t2165 = cos_front_right_thigh * t2123;
-    let t2166 = sin_front_right_thigh * t2128;
-    let t2167 = t2166 + t2165;
-    let t2168 = 0.09 * t2167;
-    let acceleration_front_right_thigh_y = t2164 - t2168;
-    let t2170 = 0.2 * t2150;
-    let acceleration_front_right_calf_y = acceleration_front_right_thigh_y + t2170;
-    let t2172 = t55 * acceleration_front_right_calf_y;
-    let moment_front_right_calf_z = t2172 + t2161;
-    let t2174 = moment_front_right_calf_z - t2107;
-    let t2175 = w[1][0] * t2071;
-    let t2176 = w[1][5] - t2175;
-    let t2177 = w[1][1] * t2097;
-    let t2178 = t2177 + t2176;
-    let t2179 = w[1][0] * origin_front_right_calf_y;
-    let t2180 = w[1][1] * origin_front_right_calf_x;
-    let t2181 = t2180 - t2179;
-    let t2182 = t2181 - t2178;
-    let t2183 = y_axis_front_right_hip_z * t2182;
-    let t2184 = u[5] - t2183;
-    let t2185 = t2184 + t2174;
-    let t2186 = t273 * t2185;
-    let t2187 = w[1][1] * origin_front_right_thigh_z;
-    let t2188 = w[1][2] * origin_front_right_thigh_y;
-    let t2189 = t2188 - t2187;
-    let t2190 = t2189 - t2073;
-    let t2191 = y_axis_front_right_hip_x * t2190;
-    let t2192 = w[1][0] * origin_front_right_thigh_z;
-    let t2193 = w[1][2] * origin_front_right_thigh_x;
-    let t2194 = t2192 - t2193;
-    let t2195 = t2194 - t2101;
-    let t2196 = y_axis_front_right_hip_y * t2195;
-    let t2197 = t2191 + t2196;
-    let t2198 = w[1][0] * origin_front_right_thigh_y;
-    let t2199 = w[1][1] * origin_front_right_thigh_x;
-    let t2200 = t2199 - t2198;
-    let t2201 = t2200 - t2178;
-    let t2202 = y_axis_front_right_hip_z * t2201;
-    let t2203 = u[4] - t2202;
-    let t2204 = t2203 - t2197;
-    let t2205 = 0.083 * acceleration_front_right_thigh_y;
-    let t2206 = 0.0005 * t2148;
-    let t2207 = 0.01649 * t2150;
-    let t2208 = t2207 + t2206;
-    let t2209 = 0.00066 * t2167;
-    let t2210 = t2209 + t2208;
-    let t2211 = t166 * t2156;
-    let t2212 = t55 * t2150;
-    let force_front_right_calf_y = t2212 + t2211;
-    let t2214 = 0.2 * force_front_right_calf_y;
-    let t2215 = t2214 + t2210;
-    let t2216 = t2205 + t2215;
-    let moment_front_right_thigh_z = moment_front_right_calf_z + t2216;
-    let t2218 = moment_front_right_thigh_z + t2204;
-    let t2219 = t2186 - t2218;
-    let t2220 = t279 * t2219;
-    let t2221 = t2220 + t2031;
-    let t2222 = t2221 + t1842;
-    let t2223 = t348 * t2185;
-    let t2224 = t321 * t1611;
+    let t2124 = w[0][0] * origin_front_left_calf_y;
+    let t2125 = w[0][1] * origin_front_left_calf_x;
+    let t2126 = t2125 - t2124;
+    let t2127 = t2126 - t2123;
+    let t2128 = y_axis_front_left_hip_z * t2127;
+    let t2129 = u[2] - t2128;
+    let t2130 = t2129 + t2119;
+    let t2131 = t373 * t2130;
+    let t2132 = w[0][2] * origin_front_left_hip_y;
+    let t2133 = w[0][1] * origin_front_left_hip_z;
+    let t2134 = t2132 - t2133;
+    let t2135 = t2134 - t2016;
+    let t2136 = z_axis_base_x * t2135;
+    let t2137 = w[0][2] * origin_front_left_hip_x;
+    let t2138 = w[0][0] * origin_front_left_hip_z;
+    let t2139 = t2138 - t2137;
+    let t2140 = t2139 - t2044;
+    let t2141 = z_axis_base_y * t2140;
+    let t2142 = t2136 + t2141;
+    let t2143 = w[0][0] * origin_front_left_hip_y;
+    let t2144 = w[0][1] * origin_front_left_hip_x;
+    let t2145 = t2144 - t2143;
+    let t2146 = t2145 - t2123;
+    let t2147 = z_axis_base_z * t2146;
+    let t2148 = u[0] - t2147;
+    let t2149 = t2148 - t2142;
+    let t2150 = t2131 - t2149;
+    let t2151 = sin_front_left_hip * t2051;
+    let t2152 = cos_front_left_hip * t2053;
+    let acceleration_front_left_hip_y = t2152 + t2151;
+    let t2154 = 0.083 * acceleration_front_left_hip_y;
+    let t2155 = 2.0 * omega_front_left_thigh_z;
+    let t2156 = omega_front_left_thigh_x * t2155;
+    let t2157 = t2113 - t2156;
+    let t2158 = 0.01649 * t2157;
+    let t2159 = t2154 - t2158;
+    let t2160 = omega_front_left_hip_x * omega_front_left_hip_x;
+    let t2161 = omega_front_left_hip_z * omega_front_left_hip_z;
+    let t2162 = t2160 + t2161;
+    let t2163 = t2162 - t2085;
+    let t2164 = 0.00681 * t2163;
+    let t2165 = t2164 - t2159;
+    let omega_front_left_calf_z = v[8] + omega_front_left_thigh_z;
+    let t2167 = 2.0 * omega_front_left_calf_z;
+    let t2168 = omega_front_left_calf_x * t2167;
+    let t2169 = sin_front_left_calf * t2109;
+    let t2170 = t2169 + t2168;
+    let t2171 = cos_front_left_calf * t2113;
+    let t2172 = t2171 - t2170;
+    let t2173 = 0.006 * t2172;
+    let t2174 = t2173 + t2165;
+    let t2175 = omega_front_left_calf_y * t2167;
+    let t2176 = t2115 - t2175;
+    let t2177 = 1.500000000000004e-5 * t2176;
+    let t2178 = 0.0026999999999999997 * t2100;
+    let moment_front_left_calf_x = t2178 + t2177;
+    let t2180 = sin_front_left_calf * moment_front_left_calf_x;
+    let t2181 = t2180 + t2174;
+    let t2182 = 0.005585 * t2172;
+    let t2183 = omega_front_left_calf_y * omega_front_left_calf_y;
+    let t2184 = omega_front_left_calf_z * omega_front_left_calf_z;
+    let t2185 = t2183 + t2184;
+    let t2186 = t2162 - t2185;
+    let t2187 = 0.0026999999999999997 * t2186;
+    let t2188 = t2187 + t2182;
+    let t2189 = 0.2 * t2157;
+    let acceleration_front_left_calf_z = acceleration_front_left_hip_y - t2189;
+    let t2191 = 0.03 * acceleration_front_left_calf_z;
+    let moment_front_left_calf_y = t2191 - t2188;
+    let t2193 = cos_front_left_calf * moment_front_left_calf_y;
+    let moment_front_left_thigh_y = t2193 - t2181;
+    let t2195 = cos_front_left_thigh * moment_front_left_thigh_y;
+    let t2196 = 0.0995 * acceleration_front_left_hip_x;
+    let t2197 = 0.007629999999999999 * t2107;
+    let t2198 = t2196 + t2197;
+    let t2199 = t2198 - t2195;
+    let t2200 = cos_front_left_calf * moment_front_left_calf_x;
+    let t2201 = omega_front_left_thigh_y * t2155;
+    let t2202 = t2109 - t2201;
+    let t2203 = 0.0005 * t2202;
+    let t2204 = 0.00681 * t2072;
+    let t2205 = t2204 + t2203;
+    let t2206 = t2205 + t2200;
+    let t2207 = sin_front_left_calf * moment_front_left_calf_y;
+    let moment_front_left_thigh_x = t2207 + t2206;
+    let t2209 = sin_front_left_thigh * moment_front_left_thigh_x;
+    let moment_front_left_hip_z = t2209 + t2199;
+    let t2211 = moment_front_left_hip_z - t2150;
+    let t2212 = t295 * t2130;
+    let t2213 = y_axis_front_left_hip_x * t2135;
+    let t2214 = y_axis_front_left_hip_y * t2140;
+    let t2215 = t2213 + t2214;
+    let t2216 = y_axis_front_left_hip_z * t2146;
+    let t2217 = u[1] - t2216;
+    let t2218 = t2217 - t2215;
+    let t2219 = 0.083 * acceleration_front_left_thigh_y;
+    let t2220 = t2071 - t2070;
+    let t2221 = 0.0005 * t2220;
+    let t2222 = t2219 + t2221;
+    let t2223 = 0.01649 * t2072;
+    let t2224 = 0.00681 * t2109;
     let t2225 = t2224 + t2223;
-    let t2226 = t323 * t1806;
-    let t2227 = t2226 + t2225;
-    let t2228 = y[2] * w[1][1];
-    let t2229 = y[1] * w[1][2];
-    let t2230 = t2229 - t2228;
-    let t2231 = t2230 - t2073;
-    let t2232 = y_axis_base_x * t2231;
-    let t2233 = y[0] * w[1][2];
-    let t2234 = y[2] * w[1][0];
-    let t2235 = t2234 - t2233;
-    let t2236 = t2235 - t2101;
-    let t2237 = y_axis_base_y * t2236;
-    let t2238 = t2232 + t2237;
-    let t2239 = y[2] * w[2][1];
-    let t2240 = y[1] * w[2][2];
-    let t2241 = t2240 - t2239;
-    let t2242 = t2241 - t1457;
-    let t2243 = y_axis_base_x * t2242;
-    let t2244 = y[1] * w[1][0];
-    let t2245 = y[0] * w[1][1];
-    let t2246 = t2245 - t2244;
-    let t2247 = t2246 - t2178;
-    let t2248 = y_axis_base_z * t2247;
-    let t2249 = t2248 + t2243;
-    let t2250 = t2249 + t2238;
-    let t2251 = y[1] * w[0][0];
-    let t2252 = y[0] * w[0][1];
-    let t2253 = t2252 - t2251;
-    let t2254 = t2253 - t1989;
-    let t2255 = y_axis_base_z * t2254;
-    let t2256 = y[0] * w[0][2];
-    let t2257 = y[2] * w[0][0];
-    let t2258 = t2257 - t2256;
-    let t2259 = t2258 - t1912;
-    let t2260 = y_axis_base_y * t2259;
-    let t2261 = t2260 + t2255;
-    let t2262 = y[2] * w[0][1];
-    let t2263 = y[1] * w[0][2];
-    let t2264 = t2263 - t2262;
-    let t2265 = t2264 - t1884;
-    let t2266 = y_axis_base_x * t2265;
-    let t2267 = t2266 + t2261;
-    let t2268 = t2267 + t2250;
-    let t2269 = y[1] * w[2][0];
-    let t2270 = y[0] * w[2][1];
-    let t2271 = t2270 - t2269;
-    let t2272 = t2271 - t1604;
-    let t2273 = y_axis_base_z * t2272;
-    let t2274 = y[0] * w[2][2];
-    let t2275 = y[2] * w[2][0];
-    let t2276 = t2275 - t2274;
-    let t2277 = t2276 - t1495;
-    let t2278 = y_axis_base_y * t2277;
-    let t2279 = t2278 + t2273;
-    let t2280 = y[2] * w[3][1];
-    let t2281 = y[1] * w[3][2];
-    let t2282 = t2281 - t2280;
-    let t2283 = t2282 + t1690;
-    let t2284 = y_axis_base_x * t2283;
-    let t2285 = y[0] * w[3][2];
-    let t2286 = y[2] * w[3][0];
-    let t2287 = t2286 - t2285;
-    let t2288 = t2287 + t1719;
-    let t2289 = y_axis_base_y * t2288;
-    let t2290 = t2284 + t2289;
-    let t2291 = t2290 + t2279;
-    let t2292 = y[1] * w[3][0];
-    let t2293 = y[0] * w[3][1];
-    let t2294 = t2293 - t2292;
-    let t2295 = t2294 + t1799;
-    let t2296 = y_axis_base_z * t2295;
-    let t2297 = y[1] * w[4][0];
-    let t2298 = y[0] * w[4][1];
-    let t2299 = t2298 - t2297;
-    let t2300 = w[4][5] + t2299;
-    let t2301 = t2299 - t2300;
-    let t2302 = y_axis_base_z * t2301;
-    let t2303 = y[0] * w[4][2];
-    let t2304 = y[2] * w[4][0];
-    let t2305 = t2304 - t2303;
-    let t2306 = w[4][4] + t2305;
-    let t2307 = t2305 - t2306;
-    let t2308 = y_axis_base_y * t2307;
-    let t2309 = t2308 + t2302;
-    let t2310 = y[2] * w[4][1];
-    let t2311 = y[1] * w[4][2];
-    let t2312 = t2311 - t2310;
-    let t2313 = w[4][3] + t2312;
-    let t2314 = t2312 - t2313;
-    let t2315 = y_axis_base_x * t2314;
-    let t2316 = t2315 + t2309;
-    let t2317 = t2296 + t2316;
-    let t2318 = t2317 + t2291;
-    let t2319 = t2318 + t2268;
-    let t2320 = t346 * t1996;
-    let t2321 = t2320 + t2319;
-    let t2322 = t2321 + t2227;
-    let t2323 = t2322 - t2222;
-    let t2324 = omega_rear_left_hip_x * omega_rear_left_hip_z;
-    let t2325 = t1573 + t2324;
-    let t2326 = 0.0004 * t2325;
-    let moment_rear_left_hip_y = t2326 + moment_rear_left_thigh_z;
-    let t2328 = sin_rear_left_hip * moment_rear_left_hip_y;
-    let t2329 = omega_rear_right_hip_x * omega_rear_right_hip_z;
-    let t2330 = t1768 + t2329;
-    let t2331 = 0.0004 * t2330;
-    let moment_rear_right_hip_y = t2331 + moment_rear_right_thigh_z;
-    let t2333 = sin_rear_right_hip * moment_rear_right_hip_y;
-    let t2334 = t2333 + t2328;
-    let t2335 = omega_front_left_hip_x * omega_front_left_hip_z;
-    let t2336 = t1958 + t2335;
-    let t2337 = 0.0004 * t2336;
-    let moment_front_left_hip_y = t2337 + moment_front_left_thigh_z;
-    let t2339 = sin_front_left_hip * moment_front_left_hip_y;
-    let t2340 = omega_front_right_hip_x * omega_front_right_hip_z;
-    let t2341 = t2147 + t2340;
-    let t2342 = 0.0004 * t2341;
-    let moment_front_right_hip_y = t2342 + moment_front_right_thigh_z;
-    let t2344 = sin_front_right_hip * moment_front_right_hip_y;
-    let t2345 = t2344 + t2339;
-    let t2346 = t2345 + t2334;
-    let t2347 = 0.083 * t1961;
-    let force_front_left_thigh_y = t2347 + force_front_left_calf_y;
-    let t2349 = cos_front_left_thigh * force_front_left_thigh_y;
-    let t2350 = 0.09949999999999999 * t1934;
-    let t2351 = t2350 + t2349;
-    let t2352 = t192 * t1959;
-    let t2353 = t150 * t1968;
-    let force_front_left_calf_x = t2353 - t2352;
-    let t2355 = 0.083 * t1950;
-    let force_front_left_thigh_x = t2355 + force_front_left_calf_x;
-    let t2357 = sin_front_left_thigh * force_front_left_thigh_x;
-    let force_front_left_hip_z = t2357 + t2351;
-    let t2359 = 0.083 * t1576;
-    let force_rear_left_thigh_y = t2359 + force_rear_left_calf_y;
-    let t2361 = cos_rear_left_thigh * force_rear_left_thigh_y;
-    let t2362 = 0.09949999999999999 * t1549;
-    let t2363 = t2362 + t2361;
-    let t2364 = t174 * t1574;
-    let t2365 = t86 * t1583;
-    let force_rear_left_calf_x = t2365 - t2364;
-    let t2367 = 0.083 * t1565;
-    let force_rear_left_thigh_x = t2367 + force_rear_left_calf_x;
-    let t2369 = sin_rear_left_thigh * force_rear_left_thigh_x;
-    let force_rear_left_hip_z = t2369 + t2363;
-    let t2371 = force_rear_left_hip_z + force_front_left_hip_z;
-    let t2372 = 0.083 * t2150;
-    let force_front_right_thigh_y = t2372 + force_front_right_calf_y;
-    let t2374 = cos_front_right_thigh * force_front_right_thigh_y;
-    let t2375 = 0.09949999999999999 * t2123;
-    let t2376 = t2375 - t2374;
-    let t2377 = t166 * t2148;
-    let t2378 = t55 * t2157;
-    let force_front_right_calf_x = t2378 - t2377;
-    let t2380 = 0.083 * t2139;
-    let force_front_right_thigh_x = t2380 + force_front_right_calf_x;
-    let t2382 = sin_front_right_thigh * force_front_right_thigh_x;
-    let force_front_right_hip_z = t2382 - t2376;
-    let t2384 = 0.083 * t1771;
-    let force_rear_right_thigh_y = t2384 + force_rear_right_calf_y;
-    let t2386 = cos_rear_right_thigh * force_rear_right_thigh_y;
-    let t2387 = 0.09949999999999999 * t1744;
-    let t2388 = t2387 - t2386;
-    let t2389 = t183 * t1769;
-    let t2390 = t118 * t1778;
-    let force_rear_right_calf_x = t2390 - t2389;
-    let t2392 = 0.083 * t1760;
-    let force_rear_right_thigh_x = t2392 + force_rear_right_calf_x;
-    let t2394 = sin_rear_right_thigh * force_rear_right_thigh_x;
-    let force_rear_right_hip_z = t2394 - t2388;
-    let t2396 = force_rear_right_hip_z + force_front_right_hip_z;
-    let t2397 = t2396 - t2371;
-    let t2398 = 0.05 * t2397;
-    let t2399 = 0.08000000000000007 * acceleration_base_y;
-    let t2400 = t1518 * 0.4047700000000001;
-    let t2401 = 0.0016 * t1507;
-    let t2402 = t2401 + t2400;
-    let t2403 = t2399 + t2402;
-    let t2404 = t2398 + t2403;
-    let t2405 = t2404 - t2346;
-    let t2406 = sin_front_left_hip * t1919;
-    let t2407 = cos_front_left_hip * t1921;
-    let acceleration_front_left_hip_y = t2407 + t2406;
-    let t2409 = omega_front_left_hip_x * omega_front_left_hip_x;
-    let t2410 = omega_front_left_hip_z * omega_front_left_hip_z;
-    let t2411 = t2409 + t2410;
-    let t2412 = 0.09 * t2411;
-    let acceleration_front_left_thigh_z = acceleration_front_left_hip_y - t2412;
-    let t2414 = 0.083 * acceleration_front_left_thigh_z;
-    let t2415 = 2.0 * omega_front_left_thigh_z;
-    let t2416 = omega_front_left_thigh_x * t2415;
-    let t2417 = t1941 - t2416;
-    let t2418 = 0.01649 * t2417;
-    let t2419 = t2414 - t2418;
-    let t2420 = t2411 - t1950;
-    let t2421 = 0.00066 * t2420;
-    let t2422 = t2421 + t2419;
-    let t2423 = 2.0 * omega_front_left_calf_z;
-    let t2424 = omega_front_left_thigh_y * t2423;
-    let t2425 = t1978 - t2424;
-    let t2426 = t192 * t2425;
-    let t2427 = omega_front_left_thigh_x * t2423;
-    let t2428 = t1941 - t2427;
-    let t2429 = t150 * t2428;
-    let force_front_left_calf_z = t2429 - t2426;
-    let t2431 = 0.2 * force_front_left_calf_z;
-    let t2432 = t2431 - t2422;
-    let t2433 = 0.2 * t2417;
-    let acceleration_front_left_calf_z = acceleration_front_left_thigh_z - t2433;
-    let t2435 = t150 * acceleration_front_left_calf_z;
-    let t2436 = t133 * t2428;
-    let t2437 = t140 * t2425;
-    let t2438 = t2437 - t2436;
-    let moment_front_left_calf_y = t2435 + t2438;
-    let moment_front_left_thigh_y = moment_front_left_calf_y - t2432;
-    let t2441 = 0.09 * force_front_left_thigh_x;
-    let t2442 = t2441 + moment_front_left_thigh_y;
-    let t2443 = sin_front_left_thigh * t2442;
-    let t2444 = 0.008029999999999999 * t1934;
-    let t2445 = 0.09949999999999999 * acceleration_front_left_hip_z;
-    let t2446 = t2445 + t2444;
-    let t2447 = t2446 + t2443;
-    let t2448 = t192 * acceleration_front_left_calf_z;
-    let t2449 = t326 * t2425;
-    let t2450 = t140 * t2428;
-    let t2451 = t2450 - t2449;
-    let moment_front_left_calf_x = t2448 - t2451;
-    let t2453 = omega_front_left_thigh_y * t2415;
-    let t2454 = t1978 - t2453;
-    let t2455 = 0.0005 * t2454;
-    let t2456 = 0.00066 * t1961;
-    let t2457 = t2456 - t2455;
-    let moment_front_left_thigh_x = t2457 - moment_front_left_calf_x;
-    let t2459 = 0.09 * force_front_left_thigh_y;
-    let t2460 = moment_front_left_thigh_x - t2459;
-    let t2461 = cos_front_left_thigh * t2460;
-    let moment_front_left_hip_x = t2461 - t2447;
-    let t2463 = cos_front_left_hip * moment_front_left_hip_x;
-    let t2464 = 0.083 * t2417;
-    let force_front_left_thigh_z = t2464 + force_front_left_calf_z;
-    let t2466 = 0.09949999999999999 * t2411;
-    let force_front_left_hip_y = t2466 + force_front_left_thigh_z;
-    let t2468 = cos_front_left_hip * force_front_left_hip_y;
-    let t2469 = 2.0 * omega_front_right_calf_z;
-    let t2470 = omega_front_right_thigh_y * t2469;
-    let t2471 = t2167 - t2470;
-    let t2472 = t166 * t2471;
-    let t2473 = omega_front_right_thigh_x * t2469;
-    let t2474 = t2130 - t2473;
-    let t2475 = t55 * t2474;
-    let force_front_right_calf_z = t2475 - t2472;
-    let t2477 = 2.0 * omega_front_right_thigh_z;
-    let t2478 = omega_front_right_thigh_x * t2477;
-    let t2479 = t2130 - t2478;
-    let t2480 = 0.083 * t2479;
-    let force_front_right_thigh_z = t2480 + force_front_right_calf_z;
-    let t2482 = omega_front_right_hip_x * omega_front_right_hip_x;
-    let t2483 = omega_front_right_hip_z * omega_front_right_hip_z;
-    let t2484 = t2482 + t2483;
-    let t2485 = 0.09949999999999999 * t2484;
-    let force_front_right_hip_y = t2485 - force_front_right_thigh_z;
-    let t2487 = cos_front_right_hip * force_front_right_hip_y;
-    let t2488 = t2487 - t2468;
-    let t2489 = sin_front_left_thigh * force_front_left_thigh_y;
-    let t2490 = 0.09949999999999999 * t1939;
-    let t2491 = t2490 + t2489;
-    let t2492 = cos_front_left_thigh * force_front_left_thigh_x;
-    let force_front_left_hip_x = t2492 - t2491;
-    let t2494 = sin_front_left_hip * force_front_left_hip_x;
-    let t2495 = t2494 - t2488;
-    let t2496 = sin_front_right_thigh * force_front_right_thigh_y;
-    let t2497 = 0.09949999999999999 * t2128;
-    let t2498 = t2497 - t2496;
-    let t2499 = cos_front_right_thigh * force_front_right_thigh_x;
-    let force_front_right_hip_x = t2499 + t2498;
-    let t2501 = sin_front_right_hip * force_front_right_hip_x;
-    let t2502 = t2501 + t2495;
-    let t2503 = 2.0 * omega_rear_left_calf_z;
-    let t2504 = omega_rear_left_thigh_y * t2503;
-    let t2505 = t1593 - t2504;
-    let t2506 = t174 * t2505;
-    let t2507 = omega_rear_left_thigh_x * t2503;
-    let t2508 = t1556 - t2507;
-    let t2509 = t86 * t2508;
-    let force_rear_left_calf_z = t2509 - t2506;
-    let t2511 = 2.0 * omega_rear_left_thigh_z;
-    let t2512 = omega_rear_left_thigh_x * t2511;
-    let t2513 = t1556 - t2512;
-    let t2514 = 0.083 * t2513;
-    let force_rear_left_thigh_z = t2514 + force_rear_left_calf_z;
-    let t2516 = omega_rear_left_hip_x * omega_rear_left_hip_x;
-    let t2517 = omega_rear_left_hip_z * omega_rear_left_hip_z;
-    let t2518 = t2516 + t2517;
-    let t2519 = 0.09949999999999999 * t2518;
-    let force_rear_left_hip_y = t2519 + force_rear_left_thigh_z;
-    let t2521 = cos_rear_left_hip * force_rear_left_hip_y;
-    let t2522 = 2.0 * omega_rear_right_calf_z;
-    let t2523 = omega_rear_right_thigh_y * t2522;
-    let t2524 = t1788 - t2523;
-    let t2525 = t183 * t2524;
-    let t2526 = omega_rear_right_thigh_x * t2522;
-    let t2527 = t1751 - t2526;
-    let t2528 = t118 * t2527;
-    let force_rear_right_calf_z = t2528 - t2525;
-    let t2530 = 2.0 * omega_rear_right_thigh_z;
-    let t2531 = omega_rear_right_thigh_x * t2530;
-    let t2532 = t1751 - t2531;
-    let t2533 = 0.083 * t2532;
-    let force_rear_right_thigh_z = t2533 + force_rear_right_calf_z;
-    let t2535 = omega_rear_right_hip_x * omega_rear_right_hip_x;
-    let t2536 = omega_rear_right_hip_z * omega_rear_right_hip_z;
-    let t2537 = t2535 + t2536;
-    let t2538 = 0.09949999999999999 * t2537;
-    let force_rear_right_hip_y = t2538 - force_rear_right_thigh_z;
-    let t2540 = cos_rear_right_hip * force_rear_right_hip_y;
-    let t2541 = t2540 - t2521;
-    let t2542 = sin_rear_left_thigh * force_rear_left_thigh_y;
-    let t2543 = 0.09949999999999999 * t1554;
-    let t2544 = t2543 + t2542;
-    let t2545 = cos_rear_left_thigh * force_rear_left_thigh_x;
-    let force_rear_left_hip_x = t2545 - t2544;
-    let t2547 = sin_rear_left_hip * force_rear_left_hip_x;
-    let t2548 = t2547 - t2541;
-    let t2549 = sin_rear_right_thigh * force_rear_right_thigh_y;
-    let t2550 = 0.09949999999999999 * t1749;
-    let t2551 = t2550 - t2549;
-    let t2552 = cos_rear_right_thigh * force_rear_right_thigh_x;
-    let force_rear_right_hip_x = t2552 + t2551;
-    let t2554 = sin_rear_right_hip * force_rear_right_hip_x;
-    let t2555 = t2554 + t2548;
-    let t2556 = t2555 - t2502;
-    let t2557 = 0.2 * t2556;
-    let t2558 = t2463 + t2557;
-    let t2559 = t2405 + t2558;
-    let t2560 = sin_front_right_hip * t2108;
-    let t2561 = cos_front_right_hip * t2110;
-    let acceleration_front_right_hip_y = t2561 + t2560;
-    let t2563 = 0.09 * t2484;
-    let acceleration_front_right_thigh_z = acceleration_front_right_hip_y + t2563;
-    let t2565 = 0.083 * acceleration_front_right_thigh_z;
-    let t2566 = 0.01649 * t2479;
-    let t2567 = t2565 - t2566;
-    let t2568 = t2484 - t2139;
-    let t2569 = 0.00066 * t2568;
-    let t2570 = t2569 - t2567;
-    let t2571 = 0.2 * force_front_right_calf_z;
-    let t2572 = t2571 + t2570;
-    let t2573 = 0.2 * t2479;
-    let acceleration_front_right_calf_z = acceleration_front_right_thigh_z - t2573;
-    let t2575 = t55 * acceleration_front_right_calf_z;
-    let t2576 = t38 * t2474;
-    let t2577 = t45 * t2471;
+    let t2226 = t2225 + t2222;
+    let force_front_left_calf_y = 0.03 * t2100;
+    let t2228 = cos_front_left_calf * force_front_left_calf_y;
+    let force_front_left_calf_x = 0.03 * t2185;
+    let t2230 = sin_front_left_calf * force_front_left_calf_x;
+    let t2231 = t2230 + t2228;
+    let t2232 = 0.2 * t2231;
+    let t2233 = t2232 + t2226;
+    let moment_front_left_thigh_z = moment_front_left_calf_z + t2233;
+    let t2235 = moment_front_left_thigh_z + t2218;
+    let t2236 = t2212 - t2235;
+    let t2237 = t380 * t2236;
+    let t2238 = t2237 - t2211;
+    let t2239 = t396 * t2238;
+    let t2240 = y_axis_base_z * cos_front_right_hip;
+    let t2241 = x_axis_base_z * sin_front_right_hip;
+    let x_axis_front_right_hip_z = t2241 - t2240;
+    let t2243 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_z;
+    let t2244 = z_axis_base_z * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_z = t2243 - t2244;
+    let t2246 = 0.2 * x_axis_front_right_calf_z;
+    let t2247 = y_axis_base_z * sin_front_right_hip;
+    let t2248 = x_axis_base_z * cos_front_right_hip;
+    let y_axis_front_right_hip_z = t2247 + t2248;
+    let t2250 = 0.09 * y_axis_front_right_hip_z;
+    let t2251 = t2246 - t2250;
+    let t2252 = cos_front_right_thigh * x_axis_front_right_hip_z;
+    let t2253 = z_axis_base_z * sin_front_right_thigh;
+    let x_axis_front_right_thigh_z = t2252 - t2253;
+    let t2255 = 0.2 * x_axis_front_right_thigh_z;
+    let origin_front_right_hip_z = t1398 + t1719;
+    let origin_front_right_calf_z = origin_front_right_hip_z + t2255;
+    let t2258 = origin_front_right_calf_z + t2251;
+    let t2259 = w[1][1] * t2258;
+    let t2260 = w[1][3] - t2259;
+    let t2261 = x_axis_base_y * sin_front_right_hip;
+    let t2262 = y_axis_base_y * cos_front_right_hip;
+    let x_axis_front_right_hip_y = t2261 - t2262;
+    let t2264 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_y;
+    let t2265 = z_axis_base_y * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_y = t2264 - t2265;
+    let t2267 = 0.2 * x_axis_front_right_calf_y;
+    let t2268 = x_axis_base_y * cos_front_right_hip;
+    let t2269 = y_axis_base_y * sin_front_right_hip;
+    let y_axis_front_right_hip_y = t2269 + t2268;
+    let t2271 = 0.09 * y_axis_front_right_hip_y;
+    let t2272 = t2267 - t2271;
+    let t2273 = cos_front_right_thigh * x_axis_front_right_hip_y;
+    let t2274 = z_axis_base_y * sin_front_right_thigh;
+    let x_axis_front_right_thigh_y = t2273 - t2274;
+    let t2276 = 0.2 * x_axis_front_right_thigh_y;
+    let origin_front_right_hip_y = t1432 + t1741;
+    let origin_front_right_calf_y = origin_front_right_hip_y + t2276;
+    let t2279 = origin_front_right_calf_y + t2272;
+    let t2280 = w[1][2] * t2279;
+    let t2281 = t2280 + t2260;
+    let t2282 = w[1][1] * origin_front_right_calf_z;
+    let t2283 = w[1][2] * origin_front_right_calf_y;
+    let t2284 = t2283 - t2282;
+    let t2285 = t2284 - t2281;
+    let t2286 = x_axis_base_x * cos_front_right_hip;
+    let t2287 = y_axis_base_x * sin_front_right_hip;
+    let y_axis_front_right_hip_x = t2287 + t2286;
+    let t2289 = y_axis_front_right_hip_x * t2285;
+    let t2290 = y_axis_base_x * cos_front_right_hip;
+    let t2291 = x_axis_base_x * sin_front_right_hip;
+    let x_axis_front_right_hip_x = t2291 - t2290;
+    let t2293 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_x;
+    let t2294 = z_axis_base_x * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_x = t2293 - t2294;
+    let t2296 = 0.2 * x_axis_front_right_calf_x;
+    let t2297 = 0.09 * y_axis_front_right_hip_x;
+    let t2298 = t2296 - t2297;
+    let t2299 = cos_front_right_thigh * x_axis_front_right_hip_x;
+    let t2300 = z_axis_base_x * sin_front_right_thigh;
+    let x_axis_front_right_thigh_x = t2299 - t2300;
+    let t2302 = 0.2 * x_axis_front_right_thigh_x;
+    let origin_front_right_hip_x = t1466 + t1768;
+    let origin_front_right_calf_x = origin_front_right_hip_x + t2302;
+    let t2305 = origin_front_right_calf_x + t2298;
+    let t2306 = w[1][2] * t2305;
+    let t2307 = w[1][4] - t2306;
+    let t2308 = w[1][0] * t2258;
+    let t2309 = t2308 + t2307;
+    let t2310 = w[1][0] * origin_front_right_calf_z;
+    let t2311 = w[1][2] * origin_front_right_calf_x;
+    let t2312 = t2310 - t2311;
+    let t2313 = t2312 - t2309;
+    let t2314 = y_axis_front_right_hip_y * t2313;
+    let t2315 = t2289 + t2314;
+    let t2316 = acceleration_base_z + t1491;
+    let t2317 = cos_front_right_hip * t2316;
+    let t2318 = acceleration_base_y + t1500;
+    let t2319 = sin_front_right_hip * t2318;
+    let acceleration_front_right_hip_x = t2319 - t2317;
+    let t2321 = sin_front_right_thigh * acceleration_front_right_hip_x;
+    let acceleration_front_right_hip_z = acceleration_base_x - t1514;
+    let t2323 = cos_front_right_thigh * acceleration_front_right_hip_z;
+    let acceleration_front_right_thigh_y = t2321 + t2323;
+    let t2325 = v[5] * cos_front_right_hip;
+    let t2326 = v[4] * sin_front_right_hip;
+    let omega_front_right_hip_x = t2326 - t2325;
+    let t2328 = sin_front_right_thigh * omega_front_right_hip_x;
+    let omega_front_right_hip_z = v[3] + v[9];
+    let t2330 = cos_front_right_thigh * omega_front_right_hip_z;
+    let omega_front_right_thigh_y = t2328 + t2330;
+    let t2332 = cos_front_right_thigh * omega_front_right_hip_x;
+    let t2333 = sin_front_right_thigh * omega_front_right_hip_z;
+    let omega_front_right_thigh_x = t2332 - t2333;
+    let t2335 = omega_front_right_thigh_x * omega_front_right_thigh_y;
+    let t2336 = v[9] * omega_front_right_hip_x;
+    let t2337 = t2336 + t2335;
+    let t2338 = 0.2 * t2337;
+    let t2339 = acceleration_front_right_thigh_y + t2338;
+    let t2340 = cos_front_right_calf * t2339;
+    let t2341 = cos_front_right_thigh * acceleration_front_right_hip_x;
+    let t2342 = sin_front_right_thigh * acceleration_front_right_hip_z;
+    let acceleration_front_right_thigh_x = t2341 - t2342;
+    let t2344 = omega_front_right_thigh_y * omega_front_right_thigh_y;
+    let t2345 = v[5] * sin_front_right_hip;
+    let t2346 = v[4] * cos_front_right_hip;
+    let omega_front_right_hip_y = t2346 + t2345;
+    let omega_front_right_thigh_z = v[10] + omega_front_right_hip_y;
+    let t2349 = omega_front_right_thigh_z * omega_front_right_thigh_z;
+    let t2350 = t2344 + t2349;
+    let t2351 = 0.2 * t2350;
+    let t2352 = acceleration_front_right_thigh_x - t2351;
+    let t2353 = sin_front_right_calf * t2352;
+    let acceleration_front_right_calf_y = t2353 + t2340;
+    let t2355 = 0.03 * acceleration_front_right_calf_y;
+    let t2356 = cos_front_right_calf * omega_front_right_thigh_y;
+    let t2357 = sin_front_right_calf * omega_front_right_thigh_x;
+    let omega_front_right_calf_y = t2357 + t2356;
+    let t2359 = sin_front_right_calf * omega_front_right_thigh_y;
+    let t2360 = cos_front_right_calf * omega_front_right_thigh_x;
+    let omega_front_right_calf_x = t2360 - t2359;
+    let t2362 = omega_front_right_calf_x * omega_front_right_calf_y;
+    let t2363 = t2336 - t2362;
+    let t2364 = 1.500000000000004e-5 * t2363;
+    let t2365 = t2336 + t2362;
+    let t2366 = 0.005585 * t2365;
+    let t2367 = t2366 + t2364;
+    let t2368 = omega_front_right_hip_y * omega_front_right_hip_z;
+    let t2369 = v[9] * omega_front_right_hip_y;
+    let t2370 = t2369 + t2368;
+    let t2371 = cos_front_right_thigh * t2370;
+    let t2372 = omega_front_right_hip_x * omega_front_right_hip_y;
+    let t2373 = sin_front_right_thigh * t2372;
+    let t2374 = t2373 + t2371;
+    let t2375 = cos_front_right_calf * t2374;
+    let t2376 = sin_front_right_thigh * t2370;
+    let t2377 = cos_front_right_thigh * t2372;
+    let t2378 = t2377 - t2376;
+    let t2379 = sin_front_right_calf * t2378;
+    let t2380 = t2379 + t2375;
+    let t2381 = 0.0026999999999999997 * t2380;
+    let t2382 = t2381 - t2367;
+    let moment_front_right_calf_z = t2355 - t2382;
+    let t2384 = moment_front_right_calf_z - t2315;
+    let t2385 = w[1][0] * t2279;
+    let t2386 = w[1][5] - t2385;
+    let t2387 = w[1][1] * t2305;
+    let t2388 = t2387 + t2386;
+    let t2389 = w[1][0] * origin_front_right_calf_y;
+    let t2390 = w[1][1] * origin_front_right_calf_x;
+    let t2391 = t2390 - t2389;
+    let t2392 = t2391 - t2388;
+    let t2393 = y_axis_front_right_hip_z * t2392;
+    let t2394 = u[5] - t2393;
+    let t2395 = t2394 + t2384;
+    let t2396 = t403 * t2395;
+    let t2397 = w[1][2] * origin_front_right_hip_y;
+    let t2398 = w[1][1] * origin_front_right_hip_z;
+    let t2399 = t2397 - t2398;
+    let t2400 = t2399 - t2281;
+    let t2401 = z_axis_base_x * t2400;
+    let t2402 = w[1][2] * origin_front_right_hip_x;
+    let t2403 = w[1][0] * origin_front_right_hip_z;
+    let t2404 = t2403 - t2402;
+    let t2405 = t2404 - t2309;
+    let t2406 = z_axis_base_y * t2405;
+    let t2407 = t2401 + t2406;
+    let t2408 = w[1][0] * origin_front_right_hip_y;
+    let t2409 = w[1][1] * origin_front_right_hip_x;
+    let t2410 = t2409 - t2408;
+    let t2411 = t2410 - t2388;
+    let t2412 = z_axis_base_z * t2411;
+    let t2413 = u[3] - t2412;
+    let t2414 = t2413 - t2407;
+    let t2415 = t2396 + t2414;
+    let t2416 = sin_front_right_hip * t2316;
+    let t2417 = cos_front_right_hip * t2318;
+    let acceleration_front_right_hip_y = t2417 + t2416;
+    let t2419 = 0.083 * acceleration_front_right_hip_y;
+    let t2420 = 2.0 * omega_front_right_thigh_z;
+    let t2421 = omega_front_right_thigh_x * t2420;
+    let t2422 = t2378 - t2421;
+    let t2423 = 0.01649 * t2422;
+    let t2424 = t2419 - t2423;
+    let t2425 = omega_front_right_hip_x * omega_front_right_hip_x;
+    let t2426 = omega_front_right_hip_z * omega_front_right_hip_z;
+    let t2427 = t2425 + t2426;
+    let t2428 = t2427 - t2350;
+    let t2429 = 0.00681 * t2428;
+    let t2430 = t2429 + t2424;
+    let omega_front_right_calf_z = v[11] + omega_front_right_thigh_z;
+    let t2432 = 2.0 * omega_front_right_calf_z;
+    let t2433 = omega_front_right_calf_x * t2432;
+    let t2434 = sin_front_right_calf * t2374;
+    let t2435 = t2434 + t2433;
+    let t2436 = cos_front_right_calf * t2378;
+    let t2437 = t2436 - t2435;
+    let t2438 = 0.006 * t2437;
+    let t2439 = t2438 - t2430;
+    let t2440 = omega_front_right_calf_y * t2432;
+    let t2441 = t2380 - t2440;
+    let t2442 = 1.500000000000004e-5 * t2441;
+    let t2443 = 0.0026999999999999997 * t2365;
+    let moment_front_right_calf_x = t2443 - t2442;
+    let t2445 = sin_front_right_calf * moment_front_right_calf_x;
+    let t2446 = t2445 - t2439;
+    let t2447 = 0.005585 * t2437;
+    let t2448 = omega_front_right_calf_y * omega_front_right_calf_y;
+    let t2449 = omega_front_right_calf_z * omega_front_right_calf_z;
+    let t2450 = t2448 + t2449;
+    let t2451 = t2427 - t2450;
+    let t2452 = 0.0026999999999999997 * t2451;
+    let t2453 = t2452 - t2447;
+    let t2454 = 0.2 * t2422;
+    let acceleration_front_right_calf_z = acceleration_front_right_hip_y - t2454;
+    let t2456 = 0.03 * acceleration_front_right_calf_z;
+    let moment_front_right_calf_y = t2456 + t2453;
+    let t2458 = cos_front_right_calf * moment_front_right_calf_y;
+    let moment_front_right_thigh_y = t2458 + t2446;
+    let t2460 = cos_front_right_thigh * moment_front_right_thigh_y;
+    let t2461 = 0.0995 * acceleration_front_right_hip_x;
+    let t2462 = 0.007629999999999999 * t2372;
+    let t2463 = t2461 - t2462;
+    let t2464 = t2463 + t2460;
+    let t2465 = cos_front_right_calf * moment_front_right_calf_x;
+    let t2466 = omega_front_right_thigh_y * t2420;
+    let t2467 = t2374 - t2466;
+    let t2468 = 0.0005 * t2467;
+    let t2469 = 0.00681 * t2337;
+    let t2470 = t2469 - t2468;
+    let t2471 = t2470 + t2465;
+    let t2472 = sin_front_right_calf * moment_front_right_calf_y;
+    let moment_front_right_thigh_x = t2472 - t2471;
+    let t2474 = sin_front_right_thigh * moment_front_right_thigh_x;
+    let moment_front_right_hip_z = t2474 - t2464;
+    let t2476 = moment_front_right_hip_z + t2415;
+    let t2477 = t329 * t2395;
+    let t2478 = y_axis_front_right_hip_x * t2400;
+    let t2479 = y_axis_front_right_hip_y * t2405;
+    let t2480 = t2478 + t2479;
+    let t2481 = y_axis_front_right_hip_z * t2411;
+    let t2482 = u[4] - t2481;
+    let t2483 = t2482 - t2480;
+    let t2484 = 0.083 * acceleration_front_right_thigh_y;
+    let t2485 = t2336 - t2335;
+    let t2486 = 0.0005 * t2485;
+    let t2487 = t2484 + t2486;
+    let t2488 = 0.01649 * t2337;
+    let t2489 = 0.00681 * t2374;
+    let t2490 = t2489 - t2488;
+    let t2491 = t2490 - t2487;
+    let force_front_right_calf_y = 0.03 * t2365;
+    let t2493 = cos_front_right_calf * force_front_right_calf_y;
+    let force_front_right_calf_x = 0.03 * t2450;
+    let t2495 = sin_front_right_calf * force_front_right_calf_x;
+    let t2496 = t2495 + t2493;
+    let t2497 = 0.2 * t2496;
+    let t2498 = t2497 - t2491;
+    let moment_front_right_thigh_z = moment_front_right_calf_z + t2498;
+    let t2500 = moment_front_right_thigh_z + t2483;
+    let t2501 = t2477 - t2500;
+    let t2502 = t410 * t2501;
+    let t2503 = t2502 + t2476;
+    let t2504 = t426 * t2503;
+    let t2505 = t2504 + t2239;
+    let t2506 = t2505 + t1974;
+    let t2507 = t232 * t1699;
+    let t2508 = t266 * t1970;
+    let t2509 = t2508 + t2507;
+    let t2510 = t301 * t2236;
+    let t2511 = t335 * t2501;
+    let t2512 = t2511 + t2510;
+    let t2513 = t2512 + t2509;
+    let t2514 = t346 * t2395;
+    let t2515 = t339 * t1593;
+    let t2516 = t2515 + t2514;
+    let t2517 = t341 * t1864;
+    let t2518 = t2517 + t2516;
+    let t2519 = y[2] * w[1][1];
+    let t2520 = y[1] * w[1][2];
+    let t2521 = t2520 - t2519;
+    let t2522 = t2521 - t2281;
+    let t2523 = y_axis_base_x * t2522;
+    let t2524 = y[0] * w[1][2];
+    let t2525 = y[2] * w[1][0];
+    let t2526 = t2525 - t2524;
+    let t2527 = t2526 - t2309;
+    let t2528 = y_axis_base_y * t2527;
+    let t2529 = t2523 + t2528;
+    let t2530 = y[2] * w[2][1];
+    let t2531 = y[1] * w[2][2];
+    let t2532 = t2531 - t2530;
+    let t2533 = t2532 - t1437;
+    let t2534 = y_axis_base_x * t2533;
+    let t2535 = y[1] * w[1][0];
+    let t2536 = y[0] * w[1][1];
+    let t2537 = t2536 - t2535;
+    let t2538 = t2537 - t2388;
+    let t2539 = y_axis_base_z * t2538;
+    let t2540 = t2539 + t2534;
+    let t2541 = t2540 + t2529;
+    let t2542 = y[1] * w[0][0];
+    let t2543 = y[0] * w[0][1];
+    let t2544 = t2543 - t2542;
+    let t2545 = t2544 - t2123;
+    let t2546 = y_axis_base_z * t2545;
+    let t2547 = y[0] * w[0][2];
+    let t2548 = y[2] * w[0][0];
+    let t2549 = t2548 - t2547;
+    let t2550 = t2549 - t2044;
+    let t2551 = y_axis_base_y * t2550;
+    let t2552 = t2551 + t2546;
+    let t2553 = y[2] * w[0][1];
+    let t2554 = y[1] * w[0][2];
+    let t2555 = t2554 - t2553;
+    let t2556 = t2555 - t2016;
+    let t2557 = y_axis_base_x * t2556;
+    let t2558 = t2557 + t2552;
+    let t2559 = t2558 + t2541;
+    let t2560 = y[1] * w[2][0];
+    let t2561 = y[0] * w[2][1];
+    let t2562 = t2561 - t2560;
+    let t2563 = t2562 - t1586;
+    let t2564 = y_axis_base_z * t2563;
+    let t2565 = y[0] * w[2][2];
+    let t2566 = y[2] * w[2][0];
+    let t2567 = t2566 - t2565;
+    let t2568 = t2567 - t1475;
+    let t2569 = y_axis_base_y * t2568;
+    let t2570 = t2569 + t2564;
+    let t2571 = y[2] * w[3][1];
+    let t2572 = y[1] * w[3][2];
+    let t2573 = t2572 - t2571;
+    let t2574 = t2573 + t1746;
+    let t2575 = y_axis_base_x * t2574;
+    let t2576 = y[0] * w[3][2];
+    let t2577 = y[2] * w[3][0];
     let t2578 = t2577 - t2576;
-    let moment_front_right_calf_y = t2575 + t2578;
-    let moment_front_right_thigh_y = moment_front_right_calf_y - t2572;
-    let t2581 = 0.09 * force_front_right_thigh_x;
-    let t2582 = t2581 - moment_front_right_thigh_y;
-    let t2583 = sin_front_right_thigh * t2582;
-    let t2584 = 0.008029999999999999 * t2123;
-    let t2585 = 0.09949999999999999 * acceleration_front_right_hip_z;
-    let t2586 = t2585 - t2584;
-    let t2587 = t2586 + t2583;
-    let t2588 = t166 * acceleration_front_right_calf_z;
-    let t2589 = t254 * t2471;
-    let t2590 = t45 * t2474;
-    let t2591 = t2590 - t2589;
-    let moment_front_right_calf_x = t2588 - t2591;
-    let t2593 = omega_front_right_thigh_y * t2477;
-    let t2594 = t2167 - t2593;
-    let t2595 = 0.0005 * t2594;
-    let t2596 = 0.00066 * t2150;
-    let t2597 = t2596 + t2595;
-    let moment_front_right_thigh_x = t2597 + moment_front_right_calf_x;
-    let t2599 = 0.09 * force_front_right_thigh_y;
-    let t2600 = moment_front_right_thigh_x - t2599;
-    let t2601 = cos_front_right_thigh * t2600;
-    let moment_front_right_hip_x = t2601 - t2587;
-    let t2603 = cos_front_right_hip * moment_front_right_hip_x;
-    let t2604 = sin_rear_left_hip * t1512;
-    let t2605 = cos_rear_left_hip * t1526;
-    let acceleration_rear_left_hip_y = t2605 + t2604;
-    let t2607 = 0.09 * t2518;
-    let acceleration_rear_left_thigh_z = acceleration_rear_left_hip_y - t2607;
-    let t2609 = 0.083 * acceleration_rear_left_thigh_z;
-    let t2610 = 0.01649 * t2513;
-    let t2611 = t2609 - t2610;
-    let t2612 = t2518 - t1565;
-    let t2613 = 0.00066 * t2612;
-    let t2614 = t2613 + t2611;
-    let t2615 = 0.2 * force_rear_left_calf_z;
-    let t2616 = t2615 - t2614;
-    let t2617 = 0.2 * t2513;
-    let acceleration_rear_left_calf_z = acceleration_rear_left_thigh_z - t2617;
-    let t2619 = t86 * acceleration_rear_left_calf_z;
-    let t2620 = t69 * t2508;
-    let t2621 = t76 * t2505;
-    let t2622 = t2621 - t2620;
-    let moment_rear_left_calf_y = t2619 + t2622;
-    let moment_rear_left_thigh_y = moment_rear_left_calf_y - t2616;
-    let t2625 = 0.09 * force_rear_left_thigh_x;
-    let t2626 = t2625 + moment_rear_left_thigh_y;
-    let t2627 = sin_rear_left_thigh * t2626;
-    let t2628 = 0.008029999999999999 * t1549;
-    let t2629 = 0.09949999999999999 * acceleration_rear_left_hip_z;
-    let t2630 = t2629 + t2628;
-    let t2631 = t2630 + t2627;
-    let t2632 = t174 * acceleration_rear_left_calf_z;
-    let t2633 = t292 * t2505;
-    let t2634 = t76 * t2508;
-    let t2635 = t2634 - t2633;
-    let moment_rear_left_calf_x = t2632 - t2635;
-    let t2637 = omega_rear_left_thigh_y * t2511;
-    let t2638 = t1593 - t2637;
-    let t2639 = 0.0005 * t2638;
-    let t2640 = 0.00066 * t1576;
-    let t2641 = t2640 - t2639;
-    let moment_rear_left_thigh_x = t2641 - moment_rear_left_calf_x;
-    let t2643 = 0.09 * force_rear_left_thigh_y;
-    let t2644 = moment_rear_left_thigh_x - t2643;
-    let t2645 = cos_rear_left_thigh * t2644;
-    let moment_rear_left_hip_x = t2645 - t2631;
-    let t2647 = cos_rear_left_hip * moment_rear_left_hip_x;
-    let t2648 = t2647 - t2603;
-    let t2649 = sin_rear_right_hip * t1727;
-    let t2650 = cos_rear_right_hip * t1730;
-    let acceleration_rear_right_hip_y = t2650 + t2649;
-    let t2652 = 0.09 * t2537;
-    let acceleration_rear_right_thigh_z = acceleration_rear_right_hip_y + t2652;
-    let t2654 = 0.083 * acceleration_rear_right_thigh_z;
-    let t2655 = 0.01649 * t2532;
-    let t2656 = t2654 - t2655;
-    let t2657 = t2537 - t1760;
-    let t2658 = 0.00066 * t2657;
-    let t2659 = t2658 - t2656;
-    let t2660 = 0.2 * force_rear_right_calf_z;
+    let t2579 = t2578 + t1775;
+    let t2580 = y_axis_base_y * t2579;
+    let t2581 = t2575 + t2580;
+    let t2582 = t2581 + t2570;
+    let t2583 = y[1] * w[3][0];
+    let t2584 = y[0] * w[3][1];
+    let t2585 = t2584 - t2583;
+    let t2586 = t2585 + t1857;
+    let t2587 = y_axis_base_z * t2586;
+    let t2588 = y[1] * w[4][0];
+    let t2589 = y[0] * w[4][1];
+    let t2590 = t2589 - t2588;
+    let t2591 = w[4][5] + t2590;
+    let t2592 = t2590 - t2591;
+    let t2593 = y_axis_base_z * t2592;
+    let t2594 = y[0] * w[4][2];
+    let t2595 = y[2] * w[4][0];
+    let t2596 = t2595 - t2594;
+    let t2597 = w[4][4] + t2596;
+    let t2598 = t2596 - t2597;
+    let t2599 = y_axis_base_y * t2598;
+    let t2600 = t2599 + t2593;
+    let t2601 = y[2] * w[4][1];
+    let t2602 = y[1] * w[4][2];
+    let t2603 = t2602 - t2601;
+    let t2604 = w[4][3] + t2603;
+    let t2605 = t2603 - t2604;
+    let t2606 = y_axis_base_x * t2605;
+    let t2607 = t2606 + t2600;
+    let t2608 = t2587 + t2607;
+    let t2609 = t2608 + t2582;
+    let t2610 = t2609 + t2559;
+    let t2611 = t344 * t2130;
+    let t2612 = t2611 + t2610;
+    let t2613 = t2612 + t2518;
+    let t2614 = t2613 - t2513;
+    let t2615 = t2614 + t2506;
+    let t2616 = omega_front_right_hip_x * omega_front_right_hip_z;
+    let t2617 = t2336 + t2616;
+    let t2618 = 0.0004 * t2617;
+    let moment_front_right_hip_y = t2618 + moment_front_right_thigh_z;
+    let t2620 = sin_front_right_hip * moment_front_right_hip_y;
+    let t2621 = omega_rear_left_hip_x * omega_rear_left_hip_z;
+    let t2622 = t1534 + t2621;
+    let t2623 = 0.0004 * t2622;
+    let moment_rear_left_hip_y = t2623 + moment_rear_left_thigh_z;
+    let t2625 = sin_rear_left_hip * moment_rear_left_hip_y;
+    let t2626 = t2625 + t2620;
+    let t2627 = omega_rear_right_hip_x * omega_rear_right_hip_z;
+    let t2628 = t1805 + t2627;
+    let t2629 = 0.0004 * t2628;
+    let moment_rear_right_hip_y = t2629 + moment_rear_right_thigh_z;
+    let t2631 = sin_rear_right_hip * moment_rear_right_hip_y;
+    let t2632 = t2631 + t2626;
+    let t2633 = omega_front_left_hip_x * omega_front_left_hip_z;
+    let t2634 = t2071 + t2633;
+    let t2635 = 0.0004 * t2634;
+    let moment_front_left_hip_y = t2635 + moment_front_left_thigh_z;
+    let t2637 = sin_front_left_hip * moment_front_left_hip_y;
+    let t2638 = 0.08000000000000007 * acceleration_base_y;
+    let t2639 = t1498 * 0.4047700000000001;
+    let t2640 = 0.0016 * t1487;
+    let t2641 = t2640 + t2639;
+    let t2642 = t2638 + t2641;
+    let t2643 = t2637 - t2642;
+    let t2644 = t2643 + t2632;
+    let t2645 = 0.083 * t2072;
+    let force_front_left_thigh_y = t2645 + t2231;
+    let t2647 = cos_front_left_thigh * force_front_left_thigh_y;
+    let t2648 = 0.0995 * t2105;
+    let t2649 = t2648 + t2647;
+    let t2650 = sin_front_left_calf * force_front_left_calf_y;
+    let t2651 = 0.083 * t2085;
+    let t2652 = t2651 - t2650;
+    let t2653 = cos_front_left_calf * force_front_left_calf_x;
+    let force_front_left_thigh_x = t2653 + t2652;
+    let t2655 = sin_front_left_thigh * force_front_left_thigh_x;
+    let force_front_left_hip_z = t2655 + t2649;
+    let t2657 = 0.083 * t1535;
+    let force_rear_left_thigh_y = t2657 + t1694;
+    let t2659 = cos_rear_left_thigh * force_rear_left_thigh_y;
+    let t2660 = 0.0995 * t1568;
     let t2661 = t2660 + t2659;
-    let t2662 = 0.2 * t2532;
-    let acceleration_rear_right_calf_z = acceleration_rear_right_thigh_z - t2662;
-    let t2664 = t118 * acceleration_rear_right_calf_z;
-    let t2665 = t101 * t2527;
-    let t2666 = t108 * t2524;
-    let t2667 = t2666 - t2665;
-    let moment_rear_right_calf_y = t2664 + t2667;
-    let moment_rear_right_thigh_y = moment_rear_right_calf_y - t2661;
-    let t2670 = 0.09 * force_rear_right_thigh_x;
-    let t2671 = t2670 - moment_rear_right_thigh_y;
-    let t2672 = sin_rear_right_thigh * t2671;
-    let t2673 = 0.008029999999999999 * t1744;
-    let t2674 = 0.09949999999999999 * acceleration_rear_right_hip_z;
-    let t2675 = t2674 - t2673;
-    let t2676 = t2675 + t2672;
-    let t2677 = t183 * acceleration_rear_right_calf_z;
-    let t2678 = t215 * t2524;
-    let t2679 = t108 * t2527;
-    let t2680 = t2679 - t2678;
-    let moment_rear_right_calf_x = t2677 - t2680;
-    let t2682 = omega_rear_right_thigh_y * t2530;
-    let t2683 = t1788 - t2682;
-    let t2684 = 0.0005 * t2683;
-    let t2685 = 0.00066 * t1771;
-    let t2686 = t2685 + t2684;
-    let moment_rear_right_thigh_x = t2686 + moment_rear_right_calf_x;
-    let t2688 = 0.09 * force_rear_right_thigh_y;
-    let t2689 = moment_rear_right_thigh_x - t2688;
-    let t2690 = cos_rear_right_thigh * t2689;
-    let moment_rear_right_hip_x = t2690 - t2676;
-    let t2692 = cos_rear_right_hip * moment_rear_right_hip_x;
-    let t2693 = t2692 - t2648;
-    let moment_base_z = t2693 - t2559;
-    let t2695 = moment_base_z - t2323;
-    let t2696 = t393 * t1996;
-    let t2697 = w[0][2] * origin_front_left_hip_y;
-    let t2698 = w[0][1] * origin_front_left_hip_z;
-    let t2699 = t2697 - t2698;
-    let t2700 = t2699 - t1884;
-    let t2701 = z_axis_base_x * t2700;
-    let t2702 = w[0][2] * origin_front_left_hip_x;
-    let t2703 = w[0][0] * origin_front_left_hip_z;
-    let t2704 = t2703 - t2702;
-    let t2705 = t2704 - t1912;
-    let t2706 = z_axis_base_y * t2705;
-    let t2707 = t2701 + t2706;
-    let t2708 = w[0][0] * origin_front_left_hip_y;
-    let t2709 = w[0][1] * origin_front_left_hip_x;
+    let t2662 = sin_rear_left_calf * force_rear_left_calf_y;
+    let t2663 = 0.083 * t1548;
+    let t2664 = t2663 - t2662;
+    let t2665 = cos_rear_left_calf * force_rear_left_calf_x;
+    let force_rear_left_thigh_x = t2665 + t2664;
+    let t2667 = sin_rear_left_thigh * force_rear_left_thigh_x;
+    let force_rear_left_hip_z = t2667 + t2661;
+    let t2669 = force_rear_left_hip_z + force_front_left_hip_z;
+    let t2670 = 0.083 * t2337;
+    let force_front_right_thigh_y = t2670 + t2496;
+    let t2672 = cos_front_right_thigh * force_front_right_thigh_y;
+    let t2673 = 0.0995 * t2370;
+    let t2674 = t2673 - t2672;
+    let t2675 = sin_front_right_calf * force_front_right_calf_y;
+    let t2676 = 0.083 * t2350;
+    let t2677 = t2676 - t2675;
+    let t2678 = cos_front_right_calf * force_front_right_calf_x;
+    let force_front_right_thigh_x = t2678 + t2677;
+    let t2680 = sin_front_right_thigh * force_front_right_thigh_x;
+    let force_front_right_hip_z = t2680 - t2674;
+    let t2682 = 0.083 * t1806;
+    let force_rear_right_thigh_y = t2682 + t1965;
+    let t2684 = cos_rear_right_thigh * force_rear_right_thigh_y;
+    let t2685 = 0.0995 * t1839;
+    let t2686 = t2685 - t2684;
+    let t2687 = sin_rear_right_calf * force_rear_right_calf_y;
+    let t2688 = 0.083 * t1819;
+    let t2689 = t2688 - t2687;
+    let t2690 = cos_rear_right_calf * force_rear_right_calf_x;
+    let force_rear_right_thigh_x = t2690 + t2689;
+    let t2692 = sin_rear_right_thigh * force_rear_right_thigh_x;
+    let force_rear_right_hip_z = t2692 - t2686;
+    let t2694 = force_rear_right_hip_z + force_front_right_hip_z;
+    let t2695 = t2694 - t2669;
+    let t2696 = 0.05 * t2695;
+    let t2697 = sin_front_left_thigh * moment_front_left_thigh_y;
+    let t2698 = 0.008029999999999999 * t2105;
+    let t2699 = 0.0995 * acceleration_front_left_hip_z;
+    let t2700 = t2699 + t2698;
+    let t2701 = t2700 + t2697;
+    let t2702 = cos_front_left_thigh * moment_front_left_thigh_x;
+    let moment_front_left_hip_x = t2702 + t2701;
+    let t2704 = cos_front_left_hip * moment_front_left_hip_x;
+    let t2705 = t2704 - t2696;
+    let t2706 = t2644 + t2705;
+    let t2707 = sin_front_right_thigh * moment_front_right_thigh_y;
+    let t2708 = 0.008029999999999999 * t2370;
+    let t2709 = 0.0995 * acceleration_front_right_hip_z;
     let t2710 = t2709 - t2708;
-    let t2711 = t2710 - t1989;
-    let t2712 = z_axis_base_z * t2711;
-    let t2713 = u[0] - t2712;
-    let t2714 = t2713 - t2707;
-    let t2715 = t2696 - t2714;
-    let t2716 = cos_front_left_thigh * t2442;
-    let t2717 = 0.09949999999999999 * acceleration_front_left_hip_x;
-    let t2718 = 0.007629999999999999 * t1939;
-    let t2719 = t2717 + t2718;
-    let t2720 = t2719 - t2716;
-    let t2721 = sin_front_left_thigh * t2460;
-    let moment_front_left_hip_z = t2721 - t2720;
-    let t2723 = moment_front_left_hip_z + t2715;
-    let t2724 = t400 * t2030;
-    let t2725 = t2724 - t2723;
-    let t2726 = t416 * t2725;
-    let t2727 = t2726 - t2695;
-    let t2728 = t423 * t2185;
-    let t2729 = w[1][2] * origin_front_right_hip_y;
-    let t2730 = w[1][1] * origin_front_right_hip_z;
-    let t2731 = t2729 - t2730;
-    let t2732 = t2731 - t2073;
-    let t2733 = z_axis_base_x * t2732;
-    let t2734 = w[1][2] * origin_front_right_hip_x;
-    let t2735 = w[1][0] * origin_front_right_hip_z;
-    let t2736 = t2735 - t2734;
-    let t2737 = t2736 - t2101;
-    let t2738 = z_axis_base_y * t2737;
-    let t2739 = t2733 + t2738;
-    let t2740 = w[1][0] * origin_front_right_hip_y;
-    let t2741 = w[1][1] * origin_front_right_hip_x;
-    let t2742 = t2741 - t2740;
-    let t2743 = t2742 - t2178;
-    let t2744 = z_axis_base_z * t2743;
-    let t2745 = u[3] - t2744;
-    let t2746 = t2745 - t2739;
-    let t2747 = t2728 + t2746;
-    let t2748 = cos_front_right_thigh * t2582;
-    let t2749 = 0.09949999999999999 * acceleration_front_right_hip_x;
-    let t2750 = 0.007629999999999999 * t2128;
-    let t2751 = t2749 - t2750;
-    let t2752 = t2751 - t2748;
-    let t2753 = sin_front_right_thigh * t2600;
-    let moment_front_right_hip_z = t2753 - t2752;
-    let t2755 = moment_front_right_hip_z + t2747;
-    let t2756 = t430 * t2219;
-    let t2757 = t2756 - t2755;
-    let t2758 = t446 * t2757;
-    let t2759 = t452 * t1611;
-    let t2760 = w[2][2] * origin_rear_left_hip_y;
-    let t2761 = w[2][1] * origin_rear_left_hip_z;
-    let t2762 = t2760 - t2761;
-    let t2763 = t2762 - t1457;
-    let t2764 = z_axis_base_x * t2763;
-    let t2765 = w[2][2] * origin_rear_left_hip_x;
-    let t2766 = w[2][0] * origin_rear_left_hip_z;
-    let t2767 = t2766 - t2765;
-    let t2768 = t2767 - t1495;
-    let t2769 = z_axis_base_y * t2768;
-    let t2770 = t2764 + t2769;
-    let t2771 = w[2][0] * origin_rear_left_hip_y;
-    let t2772 = w[2][1] * origin_rear_left_hip_x;
-    let t2773 = t2772 - t2771;
-    let t2774 = t2773 - t1604;
-    let t2775 = z_axis_base_z * t2774;
-    let t2776 = u[6] - t2775;
-    let t2777 = t2776 - t2770;
-    let t2778 = t2759 - t2777;
-    let t2779 = cos_rear_left_thigh * t2626;
-    let t2780 = 0.09949999999999999 * acceleration_rear_left_hip_x;
-    let t2781 = 0.007629999999999999 * t1554;
-    let t2782 = t2780 + t2781;
-    let t2783 = t2782 - t2779;
-    let t2784 = sin_rear_left_thigh * t2644;
-    let moment_rear_left_hip_z = t2784 - t2783;
-    let t2786 = moment_rear_left_hip_z + t2778;
-    let t2787 = t459 * t1645;
-    let t2788 = t2787 - t2786;
-    let t2789 = t475 * t2788;
-    let t2790 = t2789 + t2758;
-    let t2791 = t482 * t1806;
-    let t2792 = w[3][2] * origin_rear_right_hip_y;
-    let t2793 = w[3][1] * origin_rear_right_hip_z;
-    let t2794 = t2792 - t2793;
-    let t2795 = t2794 - t1690;
-    let t2796 = z_axis_base_x * t2795;
-    let t2797 = w[3][2] * origin_rear_right_hip_x;
-    let t2798 = w[3][0] * origin_rear_right_hip_z;
-    let t2799 = t2798 - t2797;
-    let t2800 = t2799 - t1719;
-    let t2801 = z_axis_base_y * t2800;
-    let t2802 = t2796 + t2801;
-    let t2803 = w[3][0] * origin_rear_right_hip_y;
-    let t2804 = w[3][1] * origin_rear_right_hip_x;
+    let t2711 = t2710 - t2707;
+    let t2712 = cos_front_right_thigh * moment_front_right_thigh_x;
+    let moment_front_right_hip_x = t2712 - t2711;
+    let t2714 = cos_front_right_hip * moment_front_right_hip_x;
+    let t2715 = sin_rear_left_thigh * moment_rear_left_thigh_y;
+    let t2716 = 0.008029999999999999 * t1568;
+    let t2717 = 0.0995 * acceleration_rear_left_hip_z;
+    let t2718 = t2717 + t2716;
+    let t2719 = t2718 + t2715;
+    let t2720 = cos_rear_left_thigh * moment_rear_left_thigh_x;
+    let moment_rear_left_hip_x = t2720 + t2719;
+    let t2722 = cos_rear_left_hip * moment_rear_left_hip_x;
+    let t2723 = t2722 + t2714;
+    let t2724 = sin_rear_right_thigh * moment_rear_right_thigh_y;
+    let t2725 = 0.008029999999999999 * t1839;
+    let t2726 = 0.0995 * acceleration_rear_right_hip_z;
+    let t2727 = t2726 - t2725;
+    let t2728 = t2727 - t2724;
+    let t2729 = cos_rear_right_thigh * moment_rear_right_thigh_x;
+    let moment_rear_right_hip_x = t2729 - t2728;
+    let t2731 = cos_rear_right_hip * moment_rear_right_hip_x;
+    let t2732 = t2731 + t2723;
+    let t2733 = t2732 + t2706;
+    let t2734 = sin_front_left_thigh * force_front_left_thigh_y;
+    let t2735 = 0.0995 * t2107;
+    let t2736 = t2735 + t2734;
+    let t2737 = cos_front_left_thigh * force_front_left_thigh_x;
+    let force_front_left_hip_x = t2737 - t2736;
+    let t2739 = sin_front_left_hip * force_front_left_hip_x;
+    let force_front_left_calf_z = 0.03 * t2172;
+    let t2741 = 0.083 * t2157;
+    let force_front_left_thigh_z = t2741 + force_front_left_calf_z;
+    let t2743 = 0.0995 * t2162;
+    let force_front_left_hip_y = t2743 + force_front_left_thigh_z;
+    let t2745 = cos_front_left_hip * force_front_left_hip_y;
+    let force_front_right_calf_z = 0.03 * t2437;
+    let t2747 = 0.083 * t2422;
+    let force_front_right_thigh_z = t2747 + force_front_right_calf_z;
+    let t2749 = 0.0995 * t2427;
+    let force_front_right_hip_y = t2749 - force_front_right_thigh_z;
+    let t2751 = cos_front_right_hip * force_front_right_hip_y;
+    let t2752 = t2751 - t2745;
+    let t2753 = t2739 - t2752;
+    let t2754 = sin_front_right_thigh * force_front_right_thigh_y;
+    let t2755 = 0.0995 * t2372;
+    let t2756 = t2755 - t2754;
+    let t2757 = cos_front_right_thigh * force_front_right_thigh_x;
+    let force_front_right_hip_x = t2757 + t2756;
+    let t2759 = sin_front_right_hip * force_front_right_hip_x;
+    let t2760 = t2759 + t2753;
+    let t2761 = sin_rear_left_thigh * force_rear_left_thigh_y;
+    let t2762 = 0.0995 * t1570;
+    let t2763 = t2762 + t2761;
+    let t2764 = cos_rear_left_thigh * force_rear_left_thigh_x;
+    let force_rear_left_hip_x = t2764 - t2763;
+    let t2766 = sin_rear_left_hip * force_rear_left_hip_x;
+    let force_rear_left_calf_z = 0.03 * t1635;
+    let t2768 = 0.083 * t1620;
+    let force_rear_left_thigh_z = t2768 + force_rear_left_calf_z;
+    let t2770 = 0.0995 * t1625;
+    let force_rear_left_hip_y = t2770 + force_rear_left_thigh_z;
+    let t2772 = cos_rear_left_hip * force_rear_left_hip_y;
+    let force_rear_right_calf_z = 0.03 * t1906;
+    let t2774 = 0.083 * t1891;
+    let force_rear_right_thigh_z = t2774 + force_rear_right_calf_z;
+    let t2776 = 0.0995 * t1896;
+    let force_rear_right_hip_y = t2776 - force_rear_right_thigh_z;
+    let t2778 = cos_rear_right_hip * force_rear_right_hip_y;
+    let t2779 = t2778 - t2772;
+    let t2780 = t2766 - t2779;
+    let t2781 = sin_rear_right_thigh * force_rear_right_thigh_y;
+    let t2782 = 0.0995 * t1841;
+    let t2783 = t2782 - t2781;
+    let t2784 = cos_rear_right_thigh * force_rear_right_thigh_x;
+    let force_rear_right_hip_x = t2784 + t2783;
+    let t2786 = sin_rear_right_hip * force_rear_right_hip_x;
+    let t2787 = t2786 + t2780;
+    let t2788 = t2787 - t2760;
+    let t2789 = 0.2 * t2788;
+    let moment_base_z = t2789 - t2733;
+    let t2791 = moment_base_z + t2615;
+    let t2792 = t605 * t2791;
+    let t2793 = t639 * t1701;
+    let t2794 = t642 * t1972;
+    let t2795 = t2794 - t2793;
+    let t2796 = t634 * t2238;
+    let t2797 = t637 * t2503;
+    let t2798 = t2797 - t2796;
+    let t2799 = t2798 + t2795;
+    let t2800 = t609 * t1699;
+    let t2801 = t611 * t1970;
+    let t2802 = t2801 - t2800;
+    let t2803 = t614 * t2236;
+    let t2804 = t616 * t2501;
     let t2805 = t2804 - t2803;
-    let t2806 = t2805 - t1799;
-    let t2807 = z_axis_base_z * t2806;
-    let t2808 = u[9] + t2807;
-    let t2809 = t2808 + t2802;
-    let t2810 = t2791 + t2809;
-    let t2811 = cos_rear_right_thigh * t2671;
-    let t2812 = 0.09949999999999999 * acceleration_rear_right_hip_x;
-    let t2813 = 0.007629999999999999 * t1749;
-    let t2814 = t2812 - t2813;
-    let t2815 = t2814 - t2811;
-    let t2816 = sin_rear_right_thigh * t2689;
-    let moment_rear_right_hip_z = t2816 - t2815;
-    let t2818 = moment_rear_right_hip_z + t2810;
-    let t2819 = t489 * t1840;
-    let t2820 = t2819 - t2818;
-    let t2821 = t505 * t2820;
-    let t2822 = t2821 + t2790;
-    let t2823 = t2727 + t2822;
-    let t2824 = t625 * t2823;
-    let t2825 = t634 * t1645;
-    let t2826 = t629 * t1840;
-    let t2827 = t2826 - t2825;
-    let t2828 = t650 * t2030;
-    let t2829 = t632 * t2219;
-    let t2830 = t2829 - t2828;
+    let t2806 = t2805 + t2802;
+    let t2807 = t627 * t2395;
+    let t2808 = t620 * t1593;
+    let t2809 = t2808 - t2807;
+    let t2810 = t622 * t1864;
+    let t2811 = t2810 - t2809;
+    let t2812 = x_axis_base_x * t2522;
+    let t2813 = x_axis_base_y * t2527;
+    let t2814 = t2812 + t2813;
+    let t2815 = x_axis_base_x * t2533;
+    let t2816 = x_axis_base_z * t2538;
+    let t2817 = t2816 + t2815;
+    let t2818 = t2817 + t2814;
+    let t2819 = x_axis_base_z * t2545;
+    let t2820 = x_axis_base_y * t2550;
+    let t2821 = t2820 + t2819;
+    let t2822 = x_axis_base_x * t2556;
+    let t2823 = t2822 + t2821;
+    let t2824 = t2823 + t2818;
+    let t2825 = x_axis_base_z * t2563;
+    let t2826 = x_axis_base_y * t2568;
+    let t2827 = t2826 + t2825;
+    let t2828 = x_axis_base_x * t2574;
+    let t2829 = x_axis_base_y * t2579;
+    let t2830 = t2828 + t2829;
     let t2831 = t2830 + t2827;
-    let t2832 = t645 * t2185;
-    let t2833 = t638 * t1611;
-    let t2834 = t2833 - t2832;
-    let t2835 = t640 * t1806;
-    let t2836 = t2835 - t2834;
-    let t2837 = x_axis_base_x * t2231;
-    let t2838 = x_axis_base_y * t2236;
-    let t2839 = t2837 + t2838;
-    let t2840 = x_axis_base_x * t2242;
-    let t2841 = x_axis_base_z * t2247;
+    let t2832 = x_axis_base_z * t2586;
+    let t2833 = x_axis_base_z * t2592;
+    let t2834 = x_axis_base_y * t2598;
+    let t2835 = t2834 + t2833;
+    let t2836 = x_axis_base_x * t2605;
+    let t2837 = t2836 + t2835;
+    let t2838 = t2832 + t2837;
+    let t2839 = t2838 + t2831;
+    let t2840 = t2839 + t2824;
+    let t2841 = t625 * t2130;
     let t2842 = t2841 + t2840;
-    let t2843 = t2842 + t2839;
-    let t2844 = x_axis_base_z * t2254;
-    let t2845 = x_axis_base_y * t2259;
-    let t2846 = t2845 + t2844;
-    let t2847 = x_axis_base_x * t2265;
+    let t2843 = t2842 - t2811;
+    let t2844 = t2843 + t2806;
+    let t2845 = t2844 - t2799;
+    let t2846 = cos_front_right_hip * moment_front_right_hip_y;
+    let t2847 = cos_rear_left_hip * moment_rear_left_hip_y;
     let t2848 = t2847 + t2846;
-    let t2849 = t2848 + t2843;
-    let t2850 = x_axis_base_z * t2272;
-    let t2851 = x_axis_base_y * t2277;
-    let t2852 = t2851 + t2850;
-    let t2853 = x_axis_base_x * t2283;
-    let t2854 = x_axis_base_y * t2288;
-    let t2855 = t2853 + t2854;
-    let t2856 = t2855 + t2852;
-    let t2857 = x_axis_base_z * t2295;
-    let t2858 = x_axis_base_z * t2301;
-    let t2859 = x_axis_base_y * t2307;
-    let t2860 = t2859 + t2858;
-    let t2861 = x_axis_base_x * t2314;
-    let t2862 = t2861 + t2860;
-    let t2863 = t2857 + t2862;
-    let t2864 = t2863 + t2856;
-    let t2865 = t2864 + t2849;
-    let t2866 = t643 * t1996;
-    let t2867 = t2866 + t2865;
-    let t2868 = t2867 - t2836;
-    let t2869 = t2868 + t2831;
-    let t2870 = cos_front_right_hip * moment_front_right_hip_y;
-    let t2871 = cos_rear_left_hip * moment_rear_left_hip_y;
-    let t2872 = t2871 + t2870;
-    let t2873 = cos_rear_right_hip * moment_rear_right_hip_y;
-    let t2874 = t2873 + t2872;
-    let t2875 = cos_front_left_hip * moment_front_left_hip_y;
-    let t2876 = 0.08000000000000007 * acceleration_base_z;
-    let t2877 = t1515 + t1530;
-    let t2878 = t1531 - t2877;
-    let t2879 = 0.0016 * t2878;
-    let t2880 = t1509 * 0.4420700000000001;
-    let t2881 = t2879 + t2880;
-    let t2882 = 0.16 * acceleration_base_x;
-    let t2883 = t2882 - t2881;
-    let t2884 = t2876 - t2883;
-    let t2885 = t2875 + t2884;
-    let t2886 = t2885 + t2874;
-    let t2887 = sin_front_left_hip * moment_front_left_hip_x;
-    let t2888 = cos_front_left_hip * force_front_left_hip_x;
-    let t2889 = sin_front_left_hip * force_front_left_hip_y;
-    let t2890 = t2889 - t2888;
-    let t2891 = cos_front_right_hip * force_front_right_hip_x;
-    let t2892 = sin_front_right_hip * force_front_right_hip_y;
-    let t2893 = t2892 + t2891;
-    let t2894 = t2893 - t2890;
-    let t2895 = cos_rear_left_hip * force_rear_left_hip_x;
-    let t2896 = sin_rear_left_hip * force_rear_left_hip_y;
+    let t2849 = cos_rear_right_hip * moment_rear_right_hip_y;
+    let t2850 = t2849 + t2848;
+    let t2851 = cos_front_left_hip * moment_front_left_hip_y;
+    let t2852 = 0.08000000000000007 * acceleration_base_z;
+    let t2853 = t1495 + t1510;
+    let t2854 = t1511 - t2853;
+    let t2855 = 0.0016 * t2854;
+    let t2856 = t1489 * 0.4420700000000001;
+    let t2857 = t2855 + t2856;
+    let t2858 = 0.16 * acceleration_base_x;
+    let t2859 = t2858 - t2857;
+    let t2860 = t2852 - t2859;
+    let t2861 = t2851 + t2860;
+    let t2862 = t2861 + t2850;
+    let t2863 = sin_rear_left_hip * moment_rear_left_hip_x;
+    let t2864 = sin_rear_right_hip * moment_rear_right_hip_x;
+    let t2865 = t2864 + t2863;
+    let t2866 = sin_front_left_hip * moment_front_left_hip_x;
+    let t2867 = sin_front_right_hip * moment_front_right_hip_x;
+    let t2868 = t2867 + t2866;
+    let t2869 = t2868 + t2865;
+    let t2870 = t2862 - t2869;
+    let t2871 = cos_front_left_hip * force_front_left_hip_x;
+    let t2872 = sin_front_left_hip * force_front_left_hip_y;
+    let t2873 = t2871 - t2872;
+    let t2874 = cos_front_right_hip * force_front_right_hip_x;
+    let t2875 = sin_front_right_hip * force_front_right_hip_y;
+    let t2876 = t2874 + t2875;
+    let t2877 = t2876 + t2873;
+    let t2878 = cos_rear_left_hip * force_rear_left_hip_x;
+    let t2879 = sin_rear_left_hip * force_rear_left_hip_y;
+    let t2880 = t2878 - t2879;
+    let t2881 = cos_rear_right_hip * force_rear_right_hip_x;
+    let t2882 = sin_rear_right_hip * force_rear_right_hip_y;
+    let t2883 = t2881 + t2882;
+    let t2884 = t2883 + t2880;
+    let t2885 = t2884 - t2877;
+    let t2886 = 0.2 * t2885;
+    let moment_base_y = t2886 - t2870;
+    let t2888 = moment_base_y + t2845;
+    let t2889 = t2792 - t2888;
+    let t2890 = t769 * t2889;
+    let t2891 = t771 * t2791;
+    let t2892 = t775 * t1699;
+    let t2893 = t778 * t1970;
+    let t2894 = t2893 - t2892;
+    let t2895 = t792 * t2236;
+    let t2896 = t773 * t2501;
     let t2897 = t2896 - t2895;
-    let t2898 = cos_rear_right_hip * force_rear_right_hip_x;
-    let t2899 = sin_rear_right_hip * force_rear_right_hip_y;
-    let t2900 = t2899 + t2898;
-    let t2901 = t2900 - t2897;
-    let t2902 = t2901 - t2894;
-    let t2903 = 0.2 * t2902;
-    let t2904 = t2887 - t2903;
-    let t2905 = t2886 + t2904;
-    let t2906 = sin_front_right_hip * moment_front_right_hip_x;
-    let t2907 = sin_rear_left_hip * moment_rear_left_hip_x;
-    let t2908 = t2907 - t2906;
-    let t2909 = sin_rear_right_hip * moment_rear_right_hip_x;
-    let t2910 = t2909 - t2908;
-    let moment_base_y = t2910 - t2905;
-    let t2912 = moment_base_y + t2869;
-    let t2913 = t654 * t2725;
-    let t2914 = t2913 + t2912;
-    let t2915 = t657 * t2757;
-    let t2916 = t659 * t2788;
-    let t2917 = t2916 - t2915;
-    let t2918 = t662 * t2820;
-    let t2919 = t2918 - t2917;
-    let t2920 = t2914 - t2919;
-    let t2921 = t2824 - t2920;
-    let t2922 = t789 * t2921;
-    let t2923 = t791 * t2823;
-    let t2924 = t821 * t2757;
-    let t2925 = t823 * t2788;
-    let t2926 = t2925 - t2924;
-    let t2927 = t826 * t2820;
-    let t2928 = t2927 - t2926;
-    let t2929 = t811 * t2185;
-    let t2930 = t804 * t1611;
-    let t2931 = t2930 - t2929;
-    let t2932 = t806 * t1806;
-    let t2933 = t2932 - t2931;
-    let t2934 = z_axis_base_x * t2231;
-    let t2935 = z_axis_base_y * t2236;
-    let t2936 = t2934 + t2935;
-    let t2937 = z_axis_base_x * t2242;
-    let t2938 = z_axis_base_z * t2247;
-    let t2939 = t2938 + t2937;
-    let t2940 = t2939 + t2936;
-    let t2941 = z_axis_base_z * t2254;
-    let t2942 = z_axis_base_y * t2259;
-    let t2943 = t2942 + t2941;
-    let t2944 = z_axis_base_x * t2265;
-    let t2945 = t2944 + t2943;
-    let t2946 = t2945 + t2940;
-    let t2947 = z_axis_base_z * t2272;
-    let t2948 = z_axis_base_y * t2277;
-    let t2949 = t2948 + t2947;
-    let t2950 = z_axis_base_x * t2283;
-    let t2951 = z_axis_base_y * t2288;
-    let t2952 = t2950 + t2951;
-    let t2953 = t2952 + t2949;
-    let t2954 = z_axis_base_z * t2295;
-    let t2955 = z_axis_base_z * t2301;
-    let t2956 = z_axis_base_y * t2307;
-    let t2957 = t2956 + t2955;
-    let t2958 = z_axis_base_x * t2314;
-    let t2959 = t2958 + t2957;
-    let t2960 = t2954 + t2959;
-    let t2961 = t2960 + t2953;
-    let t2962 = t2961 + t2946;
-    let t2963 = t809 * t1996;
-    let t2964 = t2963 + t2962;
-    let t2965 = t2964 - t2933;
-    let t2966 = 0.16 * acceleration_base_y;
-    let t2967 = t1507 * 0.03730000000000001;
-    let t2968 = 0.0016 * t1518;
-    let t2969 = t2968 - t2967;
-    let t2970 = t2966 + t2969;
-    let t2971 = moment_front_left_hip_z - t2970;
-    let t2972 = t2900 + t2897;
-    let t2973 = t2893 + t2890;
-    let t2974 = t2973 + t2972;
-    let t2975 = 0.05 * t2974;
-    let t2976 = t2975 - t2971;
-    let t2977 = moment_rear_left_hip_z - moment_front_right_hip_z;
-    let t2978 = moment_rear_right_hip_z - t2977;
-    let moment_base_x = t2978 + t2976;
-    let t2980 = moment_base_x - t2965;
-    let t2981 = t799 * t1645;
-    let t2982 = t793 * t1840;
-    let t2983 = t2982 - t2981;
-    let t2984 = t802 * t2030;
-    let t2985 = t797 * t2219;
-    let t2986 = t2985 - t2984;
+    let t2898 = t2897 + t2894;
+    let t2899 = t788 * t2395;
+    let t2900 = t781 * t1593;
+    let t2901 = t2900 - t2899;
+    let t2902 = t783 * t1864;
+    let t2903 = t2902 - t2901;
+    let t2904 = z_axis_base_x * t2522;
+    let t2905 = z_axis_base_y * t2527;
+    let t2906 = t2904 + t2905;
+    let t2907 = z_axis_base_x * t2533;
+    let t2908 = z_axis_base_z * t2538;
+    let t2909 = t2908 + t2907;
+    let t2910 = t2909 + t2906;
+    let t2911 = z_axis_base_z * t2545;
+    let t2912 = z_axis_base_y * t2550;
+    let t2913 = t2912 + t2911;
+    let t2914 = z_axis_base_x * t2556;
+    let t2915 = t2914 + t2913;
+    let t2916 = t2915 + t2910;
+    let t2917 = z_axis_base_z * t2563;
+    let t2918 = z_axis_base_y * t2568;
+    let t2919 = t2918 + t2917;
+    let t2920 = z_axis_base_x * t2574;
+    let t2921 = z_axis_base_y * t2579;
+    let t2922 = t2920 + t2921;
+    let t2923 = t2922 + t2919;
+    let t2924 = z_axis_base_z * t2586;
+    let t2925 = z_axis_base_z * t2592;
+    let t2926 = z_axis_base_y * t2598;
+    let t2927 = t2926 + t2925;
+    let t2928 = z_axis_base_x * t2605;
+    let t2929 = t2928 + t2927;
+    let t2930 = t2924 + t2929;
+    let t2931 = t2930 + t2923;
+    let t2932 = t2931 + t2916;
+    let t2933 = t786 * t2130;
+    let t2934 = t2933 + t2932;
+    let t2935 = t2934 - t2903;
+    let t2936 = t2935 - t2898;
+    let t2937 = moment_rear_left_hip_z + moment_front_right_hip_z;
+    let t2938 = moment_rear_right_hip_z + t2937;
+    let t2939 = 0.16 * acceleration_base_y;
+    let t2940 = t1487 * 0.03730000000000001;
+    let t2941 = 0.0016 * t1498;
+    let t2942 = t2941 - t2940;
+    let t2943 = t2939 + t2942;
+    let t2944 = moment_front_left_hip_z + t2943;
+    let t2945 = t2944 + t2938;
+    let t2946 = t2883 - t2880;
+    let t2947 = t2876 - t2873;
+    let t2948 = t2947 + t2946;
+    let t2949 = 0.05 * t2948;
+    let moment_base_x = t2949 + t2945;
+    let t2951 = moment_base_x - t2936;
+    let t2952 = t803 * t1701;
+    let t2953 = t806 * t1972;
+    let t2954 = t2953 - t2952;
+    let t2955 = t798 * t2238;
+    let t2956 = t801 * t2503;
+    let t2957 = t2956 - t2955;
+    let t2958 = t2957 + t2954;
+    let t2959 = t2958 - t2951;
+    let t2960 = t2891 + t2959;
+    let t2961 = t2890 - t2960;
+    let t2962 = t921 * t2961;
+    let t2963 = t923 * t2889;
+    let t2964 = t925 * t2791;
+    let t2965 = t935 * t2238;
+    let t2966 = t927 * t2503;
+    let t2967 = t2966 - t2965;
+    let t2968 = t939 * t1699;
+    let t2969 = t942 * t1970;
+    let t2970 = t2969 + t2968;
+    let t2971 = t957 * t2236;
+    let t2972 = t937 * t2501;
+    let t2973 = t2972 + t2971;
+    let t2974 = t2973 + t2970;
+    let t2975 = t945 * t2395;
+    let t2976 = t947 * t1593;
+    let t2977 = t2976 + t2975;
+    let t2978 = t950 * t1864;
+    let t2979 = t2978 + t2977;
+    let t2980 = t953 * t2130;
+    let t2981 = w[3][1] * y_axis_base_y;
+    let t2982 = w[3][0] * y_axis_base_x;
+    let t2983 = t2982 + t2981;
+    let t2984 = w[2][1] * y_axis_base_y;
+    let t2985 = w[2][0] * y_axis_base_x;
+    let t2986 = t2985 + t2984;
     let t2987 = t2986 + t2983;
-    let t2988 = t2987 - t2980;
-    let t2989 = t818 * t2725;
-    let t2990 = t2989 + t2988;
-    let t2991 = t2990 - t2928;
-    let t2992 = t2923 - t2991;
-    let t2993 = t2922 - t2992;
+    let t2988 = w[4][2] * y_axis_base_z;
+    let t2989 = w[4][1] * y_axis_base_y;
+    let t2990 = w[4][0] * y_axis_base_x;
+    let t2991 = t2990 + t2989;
+    let t2992 = t2991 + t2988;
+    let t2993 = t2992 + t2987;
+    let t2994 = w[1][1] * y_axis_base_y;
+    let t2995 = w[1][0] * y_axis_base_x;
+    let t2996 = t2995 + t2994;
+    let t2997 = w[0][1] * y_axis_base_y;
+    let t2998 = w[0][0] * y_axis_base_x;
+    let t2999 = t2998 + t2997;
+    let t3000 = t2999 + t2996;
+    let t3001 = t3000 + t2993;
+    let t3002 = w[1][2] * y_axis_base_z;
+    let t3003 = w[0][2] * y_axis_base_z;
+    let t3004 = t3003 + t3002;
+    let t3005 = w[3][2] * y_axis_base_z;
+    let t3006 = w[2][2] * y_axis_base_z;
+    let t3007 = t3006 + t3005;
+    let t3008 = t3007 + t3004;
+    let t3009 = t3008 + t3001;
+    let t3010 = t2980 - t3009;
+    let t3011 = t3010 + t2979;
+    let t3012 = t3011 + t2974;
+    let t3013 = t3012 + t2967;
+    let t3014 = t929 * t1701;
+    let t3015 = t932 * t1972;
+    let t3016 = t3015 - t3014;
+    let t3017 = 16.200000000000003 * acceleration_base_z;
+    let t3018 = 0.16 * t2853;
+    let t3019 = 0.08000000000000007 * t1489;
+    let t3020 = t3019 - t3018;
+    let t3021 = t3017 + t3020;
+    let t3022 = t3021 + t2877;
+    let force_base_z = t2884 + t3022;
+    let t3024 = force_base_z + t3016;
+    let t3025 = t3024 + t3013;
+    let t3026 = t2964 + t3025;
+    let t3027 = t2963 - t3026;
+    let t3028 = t2962 - t3027;
     [
+        t1109,
+        t1111,
+        t1113,
+        t1115,
+        t1117,
+        t1119,
+        t1122,
+        t1125,
+        t1127,
         t1129,
-        t1131,
-        t1133,
+        t1132,
         t1135,
         t1137,
-        t1139,
-        t1142,
-        t1145,
+        t1140,
+        t1143,
         t1147,
-        t1149,
-        t1152,
-        t1155,
-        t1157,
-        t1159,
-        t1162,
-        t1165,
         inverse_d_base_y,
+        t1315,
+        t1317,
+        t1319,
+        t1321,
+        t1323,
+        t1325,
+        t1327,
+        t1330,
+        t1333,
         t1335,
         t1337,
-        t1339,
-        t1341,
+        t1340,
         t1343,
         t1345,
-        t1347,
-        t1350,
-        t1353,
+        t1348,
+        t1351,
         t1355,
-        t1357,
-        t1360,
-        t1363,
-        t1365,
-        t1367,
-        t1370,
-        t1373,
         inverse_d_base_x,
-        y_axis_base_z,
         x_axis_base_z,
         z_axis_base_z,
         x_axis_base_y,
-        y_axis_base_y,
         z_axis_base_y,
         x_axis_base_x,
-        y_axis_base_x,
         z_axis_base_x,
-        acceleration_base_z,
-        t1507,
-        t1509,
-        t1518,
+        t1487,
+        t1489,
+        t1498,
         acceleration_base_y,
-        t1531,
+        t1511,
         acceleration_base_x,
-        t1611,
-        t1645,
-        t1806,
-        t1840,
-        t1996,
-        t2030,
-        t2185,
-        t2219,
-        t2371,
-        t2396,
-        t2502,
-        t2555,
-        t2725,
-        t2757,
-        t2788,
-        t2820,
-        t2823,
-        t2877,
-        t2894,
-        t2901,
-        t2921,
-        t2993,
+        t1593,
+        t1699,
+        t1701,
+        t1864,
+        t1970,
+        t1972,
+        t2130,
+        t2236,
+        t2238,
+        t2395,
+        t2501,
+        t2503,
+        t2669,
+        t2694,
+        t2760,
+        t2787,
+        t2791,
+        t2889,
+        t2961,
+        t3028,
     ]
 }
 
@@ -6258,614 +6166,537 @@ fn forward_dynamics_with_wrenches_part_2(
 #[inline(never)]
 fn forward_dynamics_with_wrenches_part_3(
     w: &[[f64; 6]; WRENCHES],
-    [inverse_d_rear_right_calf,
-    t234,
-    inverse_d_rear_right_thigh,
-    t240,
-    inverse_d_front_right_calf,
-    t273,
-    inverse_d_front_right_thigh,
-    t279,
-    inverse_d_rear_left_calf,
-    t311,
+    [t226,
     inverse_d_rear_left_thigh,
-    t317,
-    t321,
-    t323,
-    inverse_d_front_left_calf,
-    t346,
-    t348,
-    t379,
+    t232,
+    t260,
+    inverse_d_rear_right_thigh,
+    t266,
+    t295,
     inverse_d_front_left_thigh,
-    t385,
-    t393,
-    t400,
+    t301,
+    t329,
+    inverse_d_front_right_thigh,
+    t335,
+    t339,
+    t341,
+    t344,
+    t346,
+    t373,
+    t380,
     inverse_d_front_left_hip,
-    t416,
-    t423,
-    t430,
+    t396,
+    t403,
+    t410,
     inverse_d_front_right_hip,
-    t446,
-    t452,
-    t459,
+    t426,
+    t432,
+    t439,
     inverse_d_rear_left_hip,
-    t475,
-    t482,
-    t489,
+    t455,
+    t462,
+    t469,
     inverse_d_rear_right_hip,
-    t505,
+    t485,
     inverse_d_base_rz,
+    t605,
+    t609,
+    t611,
+    t614,
+    t616,
+    t620,
+    t622,
     t625,
-    t629,
-    t632,
+    t627,
     t634,
-    t638,
-    t640,
-    t643,
-    t645,
-    t650,
-    t654,
-    t657,
-    t659,
-    t662,
+    t637,
+    t639,
+    t642,
     inverse_d_base_ry,
-    t789,
-    t791,
-    t793,
-    t797,
-    t799,
-    t802,
-    t804,
+    t769,
+    t771,
+    t773,
+    t775,
+    t778,
+    t781,
+    t783,
+    t786,
+    t788,
+    t792,
+    t798,
+    t801,
+    t803,
     t806,
-    t809,
-    t811,
-    t818,
-    t821,
-    t823,
-    t826,
     inverse_d_base_rx,
-    t941,
-    t943,
+    t921,
+    t923,
+    t925,
+    t927,
+    t929,
+    t932,
+    t935,
+    t937,
+    t939,
+    t942,
     t945,
     t947,
-    t949,
-    t952,
-    t955,
+    t950,
+    t953,
     t957,
-    t959,
-    t962,
-    t965,
-    t967,
-    t969,
-    t972,
-    t975,
     inverse_d_base_z,
+    t1109,
+    t1111,
+    t1113,
+    t1115,
+    t1117,
+    t1119,
+    t1122,
+    t1125,
+    t1127,
     t1129,
-    t1131,
-    t1133,
+    t1132,
     t1135,
     t1137,
-    t1139,
-    t1142,
-    t1145,
+    t1140,
+    t1143,
     t1147,
-    t1149,
-    t1152,
-    t1155,
-    t1157,
-    t1159,
-    t1162,
-    t1165,
     inverse_d_base_y,
+    t1315,
+    t1317,
+    t1319,
+    t1321,
+    t1323,
+    t1325,
+    t1327,
+    t1330,
+    t1333,
     t1335,
     t1337,
-    t1339,
-    t1341,
+    t1340,
     t1343,
     t1345,
-    t1347,
-    t1350,
-    t1353,
+    t1348,
+    t1351,
     t1355,
-    t1357,
-    t1360,
-    t1363,
-    t1365,
-    t1367,
-    t1370,
-    t1373,
     inverse_d_base_x,
-    y_axis_base_z,
     x_axis_base_z,
     z_axis_base_z,
     x_axis_base_y,
-    y_axis_base_y,
     z_axis_base_y,
     x_axis_base_x,
-    y_axis_base_x,
     z_axis_base_x,
-    acceleration_base_z,
-    t1507,
-    t1509,
-    t1518,
+    t1487,
+    t1489,
+    t1498,
     acceleration_base_y,
-    t1531,
+    t1511,
     acceleration_base_x,
-    t1611,
-    t1645,
-    t1806,
-    t1840,
-    t1996,
-    t2030,
-    t2185,
-    t2219,
-    t2371,
-    t2396,
-    t2502,
-    t2555,
-    t2725,
-    t2757,
-    t2788,
-    t2820,
-    t2823,
-    t2877,
-    t2894,
-    t2901,
-    t2921,
-    t2993,
-    ]: [f64; 155],
+    t1593,
+    t1699,
+    t1701,
+    t1864,
+    t1970,
+    t1972,
+    t2130,
+    t2236,
+    t2238,
+    t2395,
+    t2501,
+    t2503,
+    t2669,
+    t2694,
+    t2760,
+    t2787,
+    t2791,
+    t2889,
+    t2961,
+    t3028,
+    ]: [f64; 145],
 ) -> [f64; 18] {
-    let t2994 = t941 * t2993;
-    let t2995 = t943 * t2921;
-    let t2996 = t945 * t2823;
-    let t2997 = t947 * t2757;
-    let t2998 = t949 * t2788;
-    let t2999 = t2998 - t2997;
-    let t3000 = t952 * t2820;
-    let t3001 = t3000 - t2999;
-    let t3002 = t959 * t1645;
-    let t3003 = t962 * t1840;
-    let t3004 = t3003 + t3002;
-    let t3005 = t965 * t2030;
-    let t3006 = t957 * t2219;
-    let t3007 = t3006 + t3005;
-    let t3008 = t3007 + t3004;
-    let t3009 = t975 * t1996;
-    let t3010 = w[3][1] * y_axis_base_y;
-    let t3011 = w[3][0] * y_axis_base_x;
-    let t3012 = t3011 + t3010;
-    let t3013 = w[2][1] * y_axis_base_y;
-    let t3014 = w[2][0] * y_axis_base_x;
-    let t3015 = t3014 + t3013;
-    let t3016 = t3015 + t3012;
-    let t3017 = w[4][2] * y_axis_base_z;
-    let t3018 = w[4][1] * y_axis_base_y;
-    let t3019 = w[4][0] * y_axis_base_x;
-    let t3020 = t3019 + t3018;
-    let t3021 = t3020 + t3017;
-    let t3022 = t3021 + t3016;
-    let t3023 = w[1][1] * y_axis_base_y;
-    let t3024 = w[1][0] * y_axis_base_x;
-    let t3025 = t3024 + t3023;
-    let t3026 = w[0][1] * y_axis_base_y;
-    let t3027 = w[0][0] * y_axis_base_x;
-    let t3028 = t3027 + t3026;
-    let t3029 = t3028 + t3025;
-    let t3030 = t3029 + t3022;
-    let t3031 = w[1][2] * y_axis_base_z;
-    let t3032 = w[0][2] * y_axis_base_z;
-    let t3033 = t3032 + t3031;
-    let t3034 = w[3][2] * y_axis_base_z;
-    let t3035 = w[2][2] * y_axis_base_z;
-    let t3036 = t3035 + t3034;
-    let t3037 = t3036 + t3033;
-    let t3038 = t3037 + t3030;
-    let t3039 = t3009 - t3038;
-    let t3040 = 16.200000000000003 * acceleration_base_z;
-    let t3041 = 0.16 * t2877;
-    let t3042 = 0.08000000000000007 * t1509;
-    let t3043 = t3042 - t3041;
-    let t3044 = t3040 + t3043;
-    let t3045 = t3044 + t2894;
-    let force_base_z = t2901 + t3045;
-    let t3047 = force_base_z + t3039;
-    let t3048 = t967 * t2185;
-    let t3049 = t969 * t1611;
-    let t3050 = t3049 + t3048;
-    let t3051 = t972 * t1806;
-    let t3052 = t3051 + t3050;
-    let t3053 = t3052 + t3047;
-    let t3054 = t3053 + t3008;
-    let t3055 = t955 * t2725;
+    let t3029 = t1109 * t3028;
+    let t3030 = t1111 * t2961;
+    let t3031 = t1113 * t2889;
+    let t3032 = t1115 * t2791;
+    let t3033 = t1125 * t2238;
+    let t3034 = t1117 * t2503;
+    let t3035 = t3034 - t3033;
+    let t3036 = t1129 * t1699;
+    let t3037 = t1132 * t1970;
+    let t3038 = t3037 + t3036;
+    let t3039 = t1147 * t2236;
+    let t3040 = t1127 * t2501;
+    let t3041 = t3040 + t3039;
+    let t3042 = t3041 + t3038;
+    let t3043 = t1135 * t2395;
+    let t3044 = t1137 * t1593;
+    let t3045 = t3044 + t3043;
+    let t3046 = t1140 * t1864;
+    let t3047 = t3046 + t3045;
+    let t3048 = t1143 * t2130;
+    let t3049 = w[4][2] * x_axis_base_z;
+    let t3050 = w[4][0] * x_axis_base_x;
+    let t3051 = t3050 + t3049;
+    let t3052 = w[4][1] * x_axis_base_y;
+    let t3053 = t3052 + t3051;
+    let t3054 = w[2][2] * x_axis_base_z;
+    let t3055 = w[2][0] * x_axis_base_x;
     let t3056 = t3055 + t3054;
-    let t3057 = t3056 - t3001;
-    let t3058 = t2996 - t3057;
-    let t3059 = t2995 - t3058;
-    let t3060 = t2994 - t3059;
-    let t3061 = t1129 * t3060;
-    let t3062 = t1131 * t2993;
-    let t3063 = t1133 * t2921;
-    let t3064 = t1135 * t2823;
-    let t3065 = t1137 * t2757;
-    let t3066 = t1139 * t2788;
-    let t3067 = t3066 - t3065;
-    let t3068 = t1142 * t2820;
-    let t3069 = t3068 - t3067;
-    let t3070 = t1149 * t1645;
-    let t3071 = t1152 * t1840;
+    let t3057 = w[3][2] * x_axis_base_z;
+    let t3058 = w[3][0] * x_axis_base_x;
+    let t3059 = t3058 + t3057;
+    let t3060 = t3059 + t3056;
+    let t3061 = t3060 + t3053;
+    let t3062 = w[0][2] * x_axis_base_z;
+    let t3063 = w[0][0] * x_axis_base_x;
+    let t3064 = t3063 + t3062;
+    let t3065 = w[1][2] * x_axis_base_z;
+    let t3066 = w[1][0] * x_axis_base_x;
+    let t3067 = t3066 + t3065;
+    let t3068 = t3067 + t3064;
+    let t3069 = t3068 + t3061;
+    let t3070 = w[1][1] * x_axis_base_y;
+    let t3071 = w[0][1] * x_axis_base_y;
     let t3072 = t3071 + t3070;
-    let t3073 = t1155 * t2030;
-    let t3074 = t1147 * t2219;
+    let t3073 = w[3][1] * x_axis_base_y;
+    let t3074 = w[2][1] * x_axis_base_y;
     let t3075 = t3074 + t3073;
     let t3076 = t3075 + t3072;
-    let t3077 = t1165 * t1996;
-    let t3078 = w[4][2] * x_axis_base_z;
-    let t3079 = w[4][0] * x_axis_base_x;
-    let t3080 = t3079 + t3078;
-    let t3081 = w[4][1] * x_axis_base_y;
-    let t3082 = t3081 + t3080;
-    let t3083 = w[2][2] * x_axis_base_z;
-    let t3084 = w[2][0] * x_axis_base_x;
-    let t3085 = t3084 + t3083;
-    let t3086 = w[3][2] * x_axis_base_z;
-    let t3087 = w[3][0] * x_axis_base_x;
+    let t3077 = t3076 + t3069;
+    let t3078 = t3048 + t3077;
+    let t3079 = t3078 + t3047;
+    let t3080 = t3079 + t3042;
+    let t3081 = t3080 - t3035;
+    let t3082 = t1119 * t1701;
+    let t3083 = t1122 * t1972;
+    let t3084 = t3083 - t3082;
+    let t3085 = 16.200000000000003 * acceleration_base_y;
+    let t3086 = 0.16 * t1487;
+    let t3087 = 0.08000000000000007 * t1498;
     let t3088 = t3087 + t3086;
-    let t3089 = t3088 + t3085;
-    let t3090 = t3089 + t3082;
-    let t3091 = w[0][2] * x_axis_base_z;
-    let t3092 = w[0][0] * x_axis_base_x;
-    let t3093 = t3092 + t3091;
-    let t3094 = w[1][2] * x_axis_base_z;
-    let t3095 = w[1][0] * x_axis_base_x;
-    let t3096 = t3095 + t3094;
-    let t3097 = t3096 + t3093;
-    let t3098 = t3097 + t3090;
-    let t3099 = w[1][1] * x_axis_base_y;
-    let t3100 = w[0][1] * x_axis_base_y;
-    let t3101 = t3100 + t3099;
-    let t3102 = w[3][1] * x_axis_base_y;
-    let t3103 = w[2][1] * x_axis_base_y;
-    let t3104 = t3103 + t3102;
-    let t3105 = t3104 + t3101;
-    let t3106 = t3105 + t3098;
-    let t3107 = t3077 + t3106;
-    let t3108 = 16.200000000000003 * acceleration_base_y;
-    let t3109 = 0.16 * t1507;
-    let t3110 = 0.08000000000000007 * t1518;
-    let t3111 = t3110 + t3109;
-    let t3112 = t3108 + t3111;
-    let t3113 = t3112 - t2502;
-    let force_base_y = t2555 - t3113;
-    let t3115 = force_base_y + t3107;
-    let t3116 = t1157 * t2185;
-    let t3117 = t1159 * t1611;
-    let t3118 = t3117 + t3116;
-    let t3119 = t1162 * t1806;
-    let t3120 = t3119 + t3118;
-    let t3121 = t3120 + t3115;
-    let t3122 = t3121 + t3076;
-    let t3123 = t1145 * t2725;
-    let t3124 = t3123 - t3122;
-    let t3125 = t3124 - t3069;
-    let t3126 = t3064 - t3125;
-    let t3127 = t3063 - t3126;
-    let t3128 = t3062 - t3127;
-    let t3129 = t3061 - t3128;
-    let t3130 = t1335 * t3129;
-    let t3131 = t1337 * t3060;
-    let t3132 = t1339 * t2993;
-    let t3133 = t1341 * t2921;
-    let t3134 = t1343 * t2823;
-    let t3135 = t1345 * t2757;
-    let t3136 = t1347 * t2788;
+    let t3089 = t3085 + t3088;
+    let t3090 = t3089 - t2760;
+    let force_base_y = t2787 - t3090;
+    let t3092 = force_base_y - t3084;
+    let t3093 = t3092 + t3081;
+    let t3094 = t3032 - t3093;
+    let t3095 = t3031 - t3094;
+    let t3096 = t3030 - t3095;
+    let t3097 = t3029 - t3096;
+    let t3098 = t1315 * t3097;
+    let t3099 = t1317 * t3028;
+    let t3100 = t1319 * t2961;
+    let t3101 = t1321 * t2889;
+    let t3102 = t1323 * t2791;
+    let t3103 = t1327 * t1701;
+    let t3104 = t1330 * t1972;
+    let t3105 = t3104 + t3103;
+    let t3106 = t1333 * t2238;
+    let t3107 = t1325 * t2503;
+    let t3108 = t3107 + t3106;
+    let t3109 = t3108 + t3105;
+    let t3110 = t1355 * t2236;
+    let t3111 = t1335 * t2501;
+    let t3112 = t3111 + t3110;
+    let t3113 = t1343 * t2395;
+    let t3114 = t1345 * t1593;
+    let t3115 = t3114 + t3113;
+    let t3116 = t1348 * t1864;
+    let t3117 = t3116 + t3115;
+    let t3118 = t1351 * t2130;
+    let t3119 = w[4][2] * z_axis_base_z;
+    let t3120 = w[4][1] * z_axis_base_y;
+    let t3121 = t3120 + t3119;
+    let t3122 = w[4][0] * z_axis_base_x;
+    let t3123 = t3122 + t3121;
+    let t3124 = w[2][2] * z_axis_base_z;
+    let t3125 = w[2][1] * z_axis_base_y;
+    let t3126 = t3125 + t3124;
+    let t3127 = w[3][2] * z_axis_base_z;
+    let t3128 = w[3][1] * z_axis_base_y;
+    let t3129 = t3128 + t3127;
+    let t3130 = t3129 + t3126;
+    let t3131 = t3130 + t3123;
+    let t3132 = w[0][2] * z_axis_base_z;
+    let t3133 = w[0][1] * z_axis_base_y;
+    let t3134 = t3133 + t3132;
+    let t3135 = w[1][2] * z_axis_base_z;
+    let t3136 = w[1][1] * z_axis_base_y;
     let t3137 = t3136 + t3135;
-    let t3138 = t1350 * t2820;
-    let t3139 = t3138 + t3137;
-    let t3140 = t1357 * t1645;
-    let t3141 = t1360 * t1840;
+    let t3138 = t3137 + t3134;
+    let t3139 = t3138 + t3131;
+    let t3140 = w[1][0] * z_axis_base_x;
+    let t3141 = w[0][0] * z_axis_base_x;
     let t3142 = t3141 + t3140;
-    let t3143 = t1363 * t2030;
-    let t3144 = t1355 * t2219;
+    let t3143 = w[3][0] * z_axis_base_x;
+    let t3144 = w[2][0] * z_axis_base_x;
     let t3145 = t3144 + t3143;
     let t3146 = t3145 + t3142;
-    let t3147 = t1365 * t2185;
-    let t3148 = t1367 * t1611;
-    let t3149 = t3148 + t3147;
-    let t3150 = t1370 * t1806;
-    let t3151 = t3150 + t3149;
-    let t3152 = t1373 * t1996;
-    let t3153 = 16.200000000000003 * acceleration_base_x;
-    let t3154 = 0.08000000000000007 * t1531;
-    let t3155 = 0.16 * t1509;
-    let t3156 = t3154 - t3155;
-    let t3157 = t3153 - t3156;
-    let t3158 = t3157 + t2371;
-    let force_base_x = t2396 + t3158;
-    let t3160 = w[4][2] * z_axis_base_z;
-    let t3161 = w[4][1] * z_axis_base_y;
-    let t3162 = t3161 + t3160;
-    let t3163 = w[4][0] * z_axis_base_x;
-    let t3164 = t3163 + t3162;
-    let t3165 = w[2][2] * z_axis_base_z;
-    let t3166 = w[2][1] * z_axis_base_y;
-    let t3167 = t3166 + t3165;
-    let t3168 = w[3][2] * z_axis_base_z;
-    let t3169 = w[3][1] * z_axis_base_y;
-    let t3170 = t3169 + t3168;
-    let t3171 = t3170 + t3167;
-    let t3172 = t3171 + t3164;
-    let t3173 = w[0][2] * z_axis_base_z;
-    let t3174 = w[0][1] * z_axis_base_y;
-    let t3175 = t3174 + t3173;
-    let t3176 = w[1][2] * z_axis_base_z;
-    let t3177 = w[1][1] * z_axis_base_y;
-    let t3178 = t3177 + t3176;
-    let t3179 = t3178 + t3175;
-    let t3180 = t3179 + t3172;
-    let t3181 = w[1][0] * z_axis_base_x;
-    let t3182 = w[0][0] * z_axis_base_x;
-    let t3183 = t3182 + t3181;
-    let t3184 = w[3][0] * z_axis_base_x;
-    let t3185 = w[2][0] * z_axis_base_x;
-    let t3186 = t3185 + t3184;
-    let t3187 = t3186 + t3183;
-    let t3188 = t3187 + t3180;
-    let t3189 = force_base_x - t3188;
-    let t3190 = t3152 + t3189;
-    let t3191 = t3190 + t3151;
-    let t3192 = t3191 - t3146;
-    let t3193 = t1353 * t2725;
-    let t3194 = t3193 - t3192;
-    let t3195 = t3194 + t3139;
-    let t3196 = t3134 - t3195;
-    let t3197 = t3133 - t3196;
-    let t3198 = t3132 - t3197;
-    let t3199 = t3131 - t3198;
-    let t3200 = t3130 - t3199;
-    let t3201 = inverse_d_base_x * t3200;
-    let t3202 = t1335 * t3201;
-    let t3203 = inverse_d_base_y * t3129;
-    let t3204 = t3203 - t3202;
-    let t3205 = t1129 * t3204;
-    let t3206 = t1337 * t3201;
-    let t3207 = inverse_d_base_z * t3060;
-    let t3208 = t3207 - t3206;
-    let t3209 = t3205 - t3208;
-    let t3210 = t941 * t3209;
-    let t3211 = t1131 * t3204;
-    let t3212 = t1339 * t3201;
-    let t3213 = inverse_d_base_rx * t2993;
-    let t3214 = t3213 - t3212;
-    let t3215 = t3211 - t3214;
-    let t3216 = t3210 - t3215;
-    let t3217 = t789 * t3216;
-    let t3218 = t943 * t3209;
-    let t3219 = t1133 * t3204;
-    let t3220 = t1341 * t3201;
-    let t3221 = inverse_d_base_ry * t2921;
-    let t3222 = t3221 - t3220;
-    let t3223 = t3219 - t3222;
-    let t3224 = t3218 - t3223;
-    let t3225 = t3217 - t3224;
-    let t3226 = t625 * t3225;
-    let t3227 = t791 * t3216;
-    let t3228 = t945 * t3209;
-    let t3229 = t1135 * t3204;
-    let t3230 = t1343 * t3201;
-    let t3231 = inverse_d_base_rz * t2823;
-    let t3232 = t3231 - t3230;
-    let t3233 = t3229 - t3232;
-    let t3234 = t3228 - t3233;
-    let t3235 = t3227 - t3234;
-    let t3236 = t3226 - t3235;
-    let t3237 = t416 * t3236;
-    let t3238 = t654 * t3225;
-    let t3239 = t818 * t3216;
-    let t3240 = t955 * t3209;
-    let t3241 = t1145 * t3204;
-    let t3242 = t1353 * t3201;
-    let t3243 = inverse_d_front_left_hip * t2725;
-    let t3244 = t3243 - t3242;
-    let t3245 = t3241 - t3244;
-    let t3246 = t3240 - t3245;
-    let t3247 = t3239 - t3246;
-    let t3248 = t3238 - t3247;
-    let t3249 = t3237 - t3248;
-    let t3250 = t400 * t3249;
-    let t3251 = t385 * t3236;
-    let t3252 = t650 * t3225;
-    let t3253 = t802 * t3216;
-    let t3254 = t965 * t3209;
-    let t3255 = t1155 * t3204;
-    let t3256 = t1363 * t3201;
-    let t3257 = inverse_d_front_left_thigh * t2030;
-    let t3258 = t3257 + t3256;
-    let t3259 = t3255 - t3258;
-    let t3260 = t3254 + t3259;
-    let t3261 = t3253 + t3260;
-    let t3262 = t3252 - t3261;
-    let t3263 = t3251 - t3262;
-    let t3264 = t3250 - t3263;
-    let t3265 = t379 * t3264;
-    let t3266 = t393 * t3249;
-    let t3267 = t346 * t3236;
-    let t3268 = t643 * t3225;
-    let t3269 = t809 * t3216;
-    let t3270 = t975 * t3209;
-    let t3271 = t1165 * t3204;
-    let t3272 = t1373 * t3201;
-    let t3273 = inverse_d_front_left_calf * t1996;
-    let t3274 = t3273 + t3272;
-    let t3275 = t3271 + t3274;
-    let t3276 = t3270 + t3275;
-    let t3277 = t3269 - t3276;
-    let t3278 = t3268 - t3277;
-    let t3279 = t3267 - t3278;
-    let t3280 = t3266 - t3279;
-    let t3281 = t3265 - t3280;
-    let t3282 = t446 * t3236;
-    let t3283 = t657 * t3225;
-    let t3284 = t821 * t3216;
-    let t3285 = t947 * t3209;
-    let t3286 = t1137 * t3204;
-    let t3287 = t1345 * t3201;
-    let t3288 = inverse_d_front_right_hip * t2757;
-    let t3289 = t3288 - t3287;
-    let t3290 = t3286 + t3289;
-    let t3291 = t3285 - t3290;
-    let t3292 = t3284 - t3291;
-    let t3293 = t3283 - t3292;
-    let t3294 = t3282 + t3293;
-    let t3295 = t430 * t3294;
-    let t3296 = t279 * t3236;
-    let t3297 = t632 * t3225;
-    let t3298 = t797 * t3216;
-    let t3299 = t957 * t3209;
-    let t3300 = t1147 * t3204;
-    let t3301 = t1355 * t3201;
-    let t3302 = inverse_d_front_right_thigh * t2219;
-    let t3303 = t3302 + t3301;
-    let t3304 = t3300 - t3303;
-    let t3305 = t3299 + t3304;
-    let t3306 = t3298 - t3305;
-    let t3307 = t3297 - t3306;
-    let t3308 = t3296 + t3307;
-    let t3309 = t3295 - t3308;
-    let t3310 = t273 * t3309;
-    let t3311 = t423 * t3294;
-    let t3312 = t348 * t3236;
-    let t3313 = t645 * t3225;
-    let t3314 = t811 * t3216;
-    let t3315 = t967 * t3209;
-    let t3316 = t1157 * t3204;
-    let t3317 = t1365 * t3201;
-    let t3318 = inverse_d_front_right_calf * t2185;
-    let t3319 = t3318 + t3317;
-    let t3320 = t3316 + t3319;
-    let t3321 = t3315 + t3320;
-    let t3322 = t3314 + t3321;
-    let t3323 = t3313 - t3322;
-    let t3324 = t3312 + t3323;
-    let t3325 = t3311 - t3324;
-    let t3326 = t3310 - t3325;
-    let t3327 = t475 * t3236;
-    let t3328 = t659 * t3225;
-    let t3329 = t823 * t3216;
-    let t3330 = t949 * t3209;
-    let t3331 = t1139 * t3204;
-    let t3332 = t1347 * t3201;
-    let t3333 = inverse_d_rear_left_hip * t2788;
-    let t3334 = t3333 - t3332;
-    let t3335 = t3331 - t3334;
-    let t3336 = t3330 - t3335;
-    let t3337 = t3329 - t3336;
-    let t3338 = t3328 - t3337;
-    let t3339 = t3327 - t3338;
-    let t3340 = t459 * t3339;
-    let t3341 = t317 * t3236;
-    let t3342 = t634 * t3225;
-    let t3343 = t799 * t3216;
-    let t3344 = t959 * t3209;
-    let t3345 = t1149 * t3204;
-    let t3346 = t1357 * t3201;
-    let t3347 = inverse_d_rear_left_thigh * t1645;
-    let t3348 = t3347 + t3346;
-    let t3349 = t3345 - t3348;
-    let t3350 = t3344 + t3349;
-    let t3351 = t3343 + t3350;
-    let t3352 = t3342 - t3351;
-    let t3353 = t3341 - t3352;
-    let t3354 = t3340 - t3353;
-    let t3355 = t311 * t3354;
-    let t3356 = t452 * t3339;
-    let t3357 = t321 * t3236;
-    let t3358 = t638 * t3225;
-    let t3359 = t804 * t3216;
-    let t3360 = t969 * t3209;
-    let t3361 = t1159 * t3204;
-    let t3362 = t1367 * t3201;
-    let t3363 = inverse_d_rear_left_calf * t1611;
-    let t3364 = t3363 + t3362;
-    let t3365 = t3361 + t3364;
-    let t3366 = t3360 + t3365;
-    let t3367 = t3359 - t3366;
-    let t3368 = t3358 - t3367;
-    let t3369 = t3357 - t3368;
-    let t3370 = t3356 - t3369;
-    let t3371 = t3355 - t3370;
-    let t3372 = t505 * t3236;
-    let t3373 = t662 * t3225;
-    let t3374 = t826 * t3216;
-    let t3375 = t952 * t3209;
-    let t3376 = t1142 * t3204;
-    let t3377 = t1350 * t3201;
-    let t3378 = inverse_d_rear_right_hip * t2820;
-    let t3379 = t3378 - t3377;
-    let t3380 = t3376 + t3379;
-    let t3381 = t3375 - t3380;
-    let t3382 = t3374 - t3381;
-    let t3383 = t3373 - t3382;
-    let t3384 = t3372 + t3383;
-    let t3385 = t489 * t3384;
-    let t3386 = t240 * t3236;
-    let t3387 = t629 * t3225;
-    let t3388 = t793 * t3216;
-    let t3389 = t962 * t3209;
-    let t3390 = t1152 * t3204;
-    let t3391 = t1360 * t3201;
-    let t3392 = inverse_d_rear_right_thigh * t1840;
-    let t3393 = t3392 + t3391;
-    let t3394 = t3390 - t3393;
-    let t3395 = t3389 + t3394;
-    let t3396 = t3388 - t3395;
-    let t3397 = t3387 - t3396;
-    let t3398 = t3386 + t3397;
-    let t3399 = t3385 - t3398;
-    let t3400 = t234 * t3399;
-    let t3401 = t482 * t3384;
-    let t3402 = t323 * t3236;
-    let t3403 = t640 * t3225;
-    let t3404 = t806 * t3216;
-    let t3405 = t972 * t3209;
-    let t3406 = t1162 * t3204;
-    let t3407 = t1370 * t3201;
-    let t3408 = inverse_d_rear_right_calf * t1806;
-    let t3409 = t3408 + t3407;
-    let t3410 = t3406 + t3409;
-    let t3411 = t3405 + t3410;
-    let t3412 = t3404 + t3411;
-    let t3413 = t3403 - t3412;
-    let t3414 = t3402 + t3413;
-    let t3415 = t3401 - t3414;
-    let t3416 = t3400 - t3415;
-    let t3417 = -t3201;
-    let t3418 = -t3209;
-    let t3419 = -t3225;
-    let t3420 = -t3249;
-    let t3421 = -t3281;
-    let t3422 = -t3326;
-    let t3423 = -t3339;
-    let t3424 = -t3371;
-    let t3425 = -t3416;
+    let t3147 = t3146 + t3139;
+    let t3148 = t3118 - t3147;
+    let t3149 = t3148 + t3117;
+    let t3150 = t3149 - t3112;
+    let t3151 = t1337 * t1699;
+    let t3152 = t1340 * t1970;
+    let t3153 = t3152 + t3151;
+    let t3154 = 16.200000000000003 * acceleration_base_x;
+    let t3155 = 0.08000000000000007 * t1511;
+    let t3156 = 0.16 * t1489;
+    let t3157 = t3155 - t3156;
+    let t3158 = t3154 - t3157;
+    let t3159 = t3158 + t2669;
+    let force_base_x = t2694 + t3159;
+    let t3161 = force_base_x - t3153;
+    let t3162 = t3161 + t3150;
+    let t3163 = t3162 + t3109;
+    let t3164 = t3102 - t3163;
+    let t3165 = t3101 - t3164;
+    let t3166 = t3100 - t3165;
+    let t3167 = t3099 - t3166;
+    let t3168 = t3098 - t3167;
+    let t3169 = inverse_d_base_x * t3168;
+    let t3170 = t1315 * t3169;
+    let t3171 = inverse_d_base_y * t3097;
+    let t3172 = t3171 - t3170;
+    let t3173 = t1109 * t3172;
+    let t3174 = t1317 * t3169;
+    let t3175 = inverse_d_base_z * t3028;
+    let t3176 = t3175 - t3174;
+    let t3177 = t3173 - t3176;
+    let t3178 = t921 * t3177;
+    let t3179 = t1111 * t3172;
+    let t3180 = t1319 * t3169;
+    let t3181 = inverse_d_base_rx * t2961;
+    let t3182 = t3181 - t3180;
+    let t3183 = t3179 - t3182;
+    let t3184 = t3178 - t3183;
+    let t3185 = t769 * t3184;
+    let t3186 = t923 * t3177;
+    let t3187 = t1113 * t3172;
+    let t3188 = t1321 * t3169;
+    let t3189 = inverse_d_base_ry * t2889;
+    let t3190 = t3189 - t3188;
+    let t3191 = t3187 - t3190;
+    let t3192 = t3186 - t3191;
+    let t3193 = t3185 - t3192;
+    let t3194 = t605 * t3193;
+    let t3195 = t771 * t3184;
+    let t3196 = t925 * t3177;
+    let t3197 = t1115 * t3172;
+    let t3198 = t1323 * t3169;
+    let t3199 = inverse_d_base_rz * t2791;
+    let t3200 = t3199 - t3198;
+    let t3201 = t3197 - t3200;
+    let t3202 = t3196 - t3201;
+    let t3203 = t3195 - t3202;
+    let t3204 = t3194 - t3203;
+    let t3205 = t396 * t3204;
+    let t3206 = t634 * t3193;
+    let t3207 = t798 * t3184;
+    let t3208 = t935 * t3177;
+    let t3209 = t1125 * t3172;
+    let t3210 = t1333 * t3169;
+    let t3211 = inverse_d_front_left_hip * t2238;
+    let t3212 = t3211 - t3210;
+    let t3213 = t3209 - t3212;
+    let t3214 = t3208 - t3213;
+    let t3215 = t3207 - t3214;
+    let t3216 = t3206 - t3215;
+    let t3217 = t3205 - t3216;
+    let t3218 = t380 * t3217;
+    let t3219 = t301 * t3204;
+    let t3220 = t614 * t3193;
+    let t3221 = t792 * t3184;
+    let t3222 = t957 * t3177;
+    let t3223 = t1147 * t3172;
+    let t3224 = t1355 * t3169;
+    let t3225 = inverse_d_front_left_thigh * t2236;
+    let t3226 = t3225 - t3224;
+    let t3227 = t3223 + t3226;
+    let t3228 = t3222 + t3227;
+    let t3229 = t3221 - t3228;
+    let t3230 = t3220 - t3229;
+    let t3231 = t3219 - t3230;
+    let t3232 = t3218 - t3231;
+    let t3233 = t295 * t3232;
+    let t3234 = t373 * t3217;
+    let t3235 = t344 * t3204;
+    let t3236 = t625 * t3193;
+    let t3237 = t786 * t3184;
+    let t3238 = t953 * t3177;
+    let t3239 = t1143 * t3172;
+    let t3240 = t1351 * t3169;
+    let t3241 = 178.57142857142858 * t2130;
+    let t3242 = t3241 - t3240;
+    let t3243 = t3239 - t3242;
+    let t3244 = t3238 + t3243;
+    let t3245 = t3237 - t3244;
+    let t3246 = t3236 + t3245;
+    let t3247 = t3235 - t3246;
+    let t3248 = t3234 + t3247;
+    let t3249 = t3233 + t3248;
+    let t3250 = t426 * t3204;
+    let t3251 = t637 * t3193;
+    let t3252 = t801 * t3184;
+    let t3253 = t927 * t3177;
+    let t3254 = t1117 * t3172;
+    let t3255 = t1325 * t3169;
+    let t3256 = inverse_d_front_right_hip * t2503;
+    let t3257 = t3256 - t3255;
+    let t3258 = t3254 + t3257;
+    let t3259 = t3253 - t3258;
+    let t3260 = t3252 - t3259;
+    let t3261 = t3251 - t3260;
+    let t3262 = t3250 + t3261;
+    let t3263 = t410 * t3262;
+    let t3264 = t335 * t3204;
+    let t3265 = t616 * t3193;
+    let t3266 = t773 * t3184;
+    let t3267 = t937 * t3177;
+    let t3268 = t1127 * t3172;
+    let t3269 = t1335 * t3169;
+    let t3270 = inverse_d_front_right_thigh * t2501;
+    let t3271 = t3270 - t3269;
+    let t3272 = t3268 + t3271;
+    let t3273 = t3267 + t3272;
+    let t3274 = t3266 + t3273;
+    let t3275 = t3265 - t3274;
+    let t3276 = t3264 + t3275;
+    let t3277 = t3263 - t3276;
+    let t3278 = t329 * t3277;
+    let t3279 = t403 * t3262;
+    let t3280 = t346 * t3204;
+    let t3281 = t627 * t3193;
+    let t3282 = t788 * t3184;
+    let t3283 = t945 * t3177;
+    let t3284 = t1135 * t3172;
+    let t3285 = t1343 * t3169;
+    let t3286 = 178.57142857142858 * t2395;
+    let t3287 = t3286 - t3285;
+    let t3288 = t3284 - t3287;
+    let t3289 = t3283 + t3288;
+    let t3290 = t3282 + t3289;
+    let t3291 = t3281 + t3290;
+    let t3292 = t3280 + t3291;
+    let t3293 = t3279 + t3292;
+    let t3294 = t3278 + t3293;
+    let t3295 = t455 * t3204;
+    let t3296 = t639 * t3193;
+    let t3297 = t803 * t3184;
+    let t3298 = t929 * t3177;
+    let t3299 = t1119 * t3172;
+    let t3300 = t1327 * t3169;
+    let t3301 = inverse_d_rear_left_hip * t1701;
+    let t3302 = t3301 - t3300;
+    let t3303 = t3299 - t3302;
+    let t3304 = t3298 - t3303;
+    let t3305 = t3297 - t3304;
+    let t3306 = t3296 - t3305;
+    let t3307 = t3295 - t3306;
+    let t3308 = t439 * t3307;
+    let t3309 = t232 * t3204;
+    let t3310 = t609 * t3193;
+    let t3311 = t775 * t3184;
+    let t3312 = t939 * t3177;
+    let t3313 = t1129 * t3172;
+    let t3314 = t1337 * t3169;
+    let t3315 = inverse_d_rear_left_thigh * t1699;
+    let t3316 = t3315 - t3314;
+    let t3317 = t3313 + t3316;
+    let t3318 = t3312 + t3317;
+    let t3319 = t3311 - t3318;
+    let t3320 = t3310 - t3319;
+    let t3321 = t3309 - t3320;
+    let t3322 = t3308 - t3321;
+    let t3323 = t226 * t3322;
+    let t3324 = t432 * t3307;
+    let t3325 = t339 * t3204;
+    let t3326 = t620 * t3193;
+    let t3327 = t781 * t3184;
+    let t3328 = t947 * t3177;
+    let t3329 = t1137 * t3172;
+    let t3330 = t1345 * t3169;
+    let t3331 = 178.57142857142858 * t1593;
+    let t3332 = t3331 - t3330;
+    let t3333 = t3329 - t3332;
+    let t3334 = t3328 + t3333;
+    let t3335 = t3327 - t3334;
+    let t3336 = t3326 + t3335;
+    let t3337 = t3325 - t3336;
+    let t3338 = t3324 + t3337;
+    let t3339 = t3323 + t3338;
+    let t3340 = t485 * t3204;
+    let t3341 = t642 * t3193;
+    let t3342 = t806 * t3184;
+    let t3343 = t932 * t3177;
+    let t3344 = t1122 * t3172;
+    let t3345 = t1330 * t3169;
+    let t3346 = inverse_d_rear_right_hip * t1972;
+    let t3347 = t3346 - t3345;
+    let t3348 = t3344 + t3347;
+    let t3349 = t3343 - t3348;
+    let t3350 = t3342 - t3349;
+    let t3351 = t3341 - t3350;
+    let t3352 = t3340 + t3351;
+    let t3353 = t469 * t3352;
+    let t3354 = t266 * t3204;
+    let t3355 = t611 * t3193;
+    let t3356 = t778 * t3184;
+    let t3357 = t942 * t3177;
+    let t3358 = t1132 * t3172;
+    let t3359 = t1340 * t3169;
+    let t3360 = inverse_d_rear_right_thigh * t1970;
+    let t3361 = t3360 - t3359;
+    let t3362 = t3358 + t3361;
+    let t3363 = t3357 + t3362;
+    let t3364 = t3356 + t3363;
+    let t3365 = t3355 - t3364;
+    let t3366 = t3354 + t3365;
+    let t3367 = t3353 - t3366;
+    let t3368 = t260 * t3367;
+    let t3369 = t462 * t3352;
+    let t3370 = t341 * t3204;
+    let t3371 = t622 * t3193;
+    let t3372 = t783 * t3184;
+    let t3373 = t950 * t3177;
+    let t3374 = t1140 * t3172;
+    let t3375 = t1348 * t3169;
+    let t3376 = 178.57142857142858 * t1864;
+    let t3377 = t3376 - t3375;
+    let t3378 = t3374 - t3377;
+    let t3379 = t3373 + t3378;
+    let t3380 = t3372 + t3379;
+    let t3381 = t3371 + t3380;
+    let t3382 = t3370 + t3381;
+    let t3383 = t3369 + t3382;
+    let t3384 = t3368 + t3383;
+    let t3385 = -t3172;
+    let t3386 = -t3184;
+    let t3387 = -t3193;
+    let t3388 = -t3249;
+    let t3389 = -t3262;
+    let t3390 = -t3294;
+    let t3391 = -t3339;
+    let t3392 = -t3352;
+    let t3393 = -t3384;
     [
+        t3169,
+        t3177,
         t3204,
-        t3216,
-        t3236,
-        t3264,
-        t3294,
-        t3309,
-        t3354,
-        t3384,
-        t3399,
-        t3417,
-        t3418,
-        t3419,
-        t3420,
-        t3421,
-        t3422,
-        t3423,
-        t3424,
-        t3425,
+        t3217,
+        t3232,
+        t3277,
+        t3307,
+        t3322,
+        t3367,
+        t3385,
+        t3386,
+        t3387,
+        t3388,
+        t3389,
+        t3390,
+        t3391,
+        t3392,
+        t3393,
     ]
 }
 
@@ -6907,30 +6738,30 @@ pub fn frame_front_left_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
     let x_axis_base_x = t14 + t14;
     let t16 = x_axis_base_x * sin_front_left_hip;
     let x_axis_front_left_hip_x = t16 - t11;
-    let t18 = cos_front_left_thigh * x_axis_front_left_hip_x;
+    let t18 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_x;
     let t19 = y[5] * y[5];
     let t20 = y[4] * y[4];
     let t21 = t20 + t19;
     let t22 = 2.0 * t21;
     let z_axis_base_x = 1.0 - t22;
-    let t24 = z_axis_base_x * sin_front_left_thigh;
-    let x_axis_front_left_thigh_x = t18 - t24;
-    let t26 = 0.2 * x_axis_front_left_thigh_x;
+    let t24 = z_axis_base_x * sin_front_left_thigh_front_left_calf;
+    let x_axis_front_left_calf_x = t18 - t24;
+    let t26 = 0.2 * x_axis_front_left_calf_x;
     let t27 = x_axis_base_x * cos_front_left_hip;
     let t28 = y_axis_base_x * sin_front_left_hip;
     let y_axis_front_left_hip_x = t28 + t27;
     let t30 = 0.09 * y_axis_front_left_hip_x;
-    let t31 = 0.2 * z_axis_base_x;
-    let t32 = t14 * 0.1;
-    let t33 = y[0] + t32;
-    let origin_front_left_hip_x = t33 + t31;
-    let origin_front_left_thigh_x = origin_front_left_hip_x + t30;
-    let origin_front_left_calf_x = origin_front_left_thigh_x + t26;
-    let t37 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_x;
-    let t38 = z_axis_base_x * sin_front_left_thigh_front_left_calf;
-    let x_axis_front_left_calf_x = t37 - t38;
-    let t40 = 0.2 * x_axis_front_left_calf_x;
-    let t41 = origin_front_left_calf_x + t40;
+    let t31 = t26 + t30;
+    let t32 = cos_front_left_thigh * x_axis_front_left_hip_x;
+    let t33 = z_axis_base_x * sin_front_left_thigh;
+    let x_axis_front_left_thigh_x = t32 - t33;
+    let t35 = 0.2 * x_axis_front_left_thigh_x;
+    let t36 = 0.2 * z_axis_base_x;
+    let t37 = t14 * 0.1;
+    let t38 = y[0] + t37;
+    let origin_front_left_hip_x = t38 + t36;
+    let origin_front_left_calf_x = origin_front_left_hip_x + t35;
+    let t41 = origin_front_left_calf_x + t31;
     let t42 = y[3] * y[3];
     let t43 = t42 + t19;
     let t44 = 2.0 * t43;
@@ -6948,20 +6779,20 @@ pub fn frame_front_left_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
     let t56 = z_axis_base_y * sin_front_left_thigh;
     let x_axis_front_left_thigh_y = t53 - t56;
     let t58 = 0.2 * x_axis_front_left_thigh_y;
-    let t59 = x_axis_base_y * cos_front_left_hip;
-    let t60 = y_axis_base_y * sin_front_left_hip;
-    let y_axis_front_left_hip_y = t60 + t59;
-    let t62 = 0.09 * y_axis_front_left_hip_y;
-    let t63 = 0.05 * x_axis_base_y;
-    let t64 = t54 * 0.4;
-    let t65 = y[1] + t64;
-    let origin_front_left_hip_y = t63 + t65;
-    let origin_front_left_thigh_y = t62 + origin_front_left_hip_y;
-    let origin_front_left_calf_y = t58 + origin_front_left_thigh_y;
-    let t69 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_y;
-    let t70 = z_axis_base_y * sin_front_left_thigh_front_left_calf;
-    let x_axis_front_left_calf_y = t69 - t70;
-    let t72 = 0.2 * x_axis_front_left_calf_y;
+    let t59 = 0.05 * x_axis_base_y;
+    let t60 = t54 * 0.4;
+    let t61 = y[1] + t60;
+    let origin_front_left_hip_y = t59 + t61;
+    let origin_front_left_calf_y = t58 + origin_front_left_hip_y;
+    let t64 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_y;
+    let t65 = z_axis_base_y * sin_front_left_thigh_front_left_calf;
+    let x_axis_front_left_calf_y = t64 - t65;
+    let t67 = 0.2 * x_axis_front_left_calf_y;
+    let t68 = x_axis_base_y * cos_front_left_hip;
+    let t69 = y_axis_base_y * sin_front_left_hip;
+    let y_axis_front_left_hip_y = t69 + t68;
+    let t71 = 0.09 * y_axis_front_left_hip_y;
+    let t72 = t67 + t71;
     let t73 = t72 + origin_front_left_calf_y;
     let t74 = t42 + t20;
     let t75 = 2.0 * t74;
@@ -6977,20 +6808,20 @@ pub fn frame_front_left_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
     let t85 = z_axis_base_z * sin_front_left_thigh;
     let x_axis_front_left_thigh_z = t82 - t85;
     let t87 = 0.2 * x_axis_front_left_thigh_z;
-    let t88 = y_axis_base_z * sin_front_left_hip;
-    let t89 = x_axis_base_z * cos_front_left_hip;
-    let y_axis_front_left_hip_z = t88 + t89;
-    let t91 = 0.09 * y_axis_front_left_hip_z;
-    let t92 = t83 * 0.4;
-    let t93 = y[2] + t92;
-    let t94 = t78 * 0.1;
-    let origin_front_left_hip_z = t94 + t93;
-    let origin_front_left_thigh_z = t91 + origin_front_left_hip_z;
-    let origin_front_left_calf_z = t87 + origin_front_left_thigh_z;
-    let t98 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_z;
-    let t99 = z_axis_base_z * sin_front_left_thigh_front_left_calf;
-    let x_axis_front_left_calf_z = t98 - t99;
-    let t101 = 0.2 * x_axis_front_left_calf_z;
+    let t88 = t83 * 0.4;
+    let t89 = y[2] + t88;
+    let t90 = t78 * 0.1;
+    let origin_front_left_hip_z = t90 + t89;
+    let origin_front_left_calf_z = t87 + origin_front_left_hip_z;
+    let t93 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_z;
+    let t94 = z_axis_base_z * sin_front_left_thigh_front_left_calf;
+    let x_axis_front_left_calf_z = t93 - t94;
+    let t96 = 0.2 * x_axis_front_left_calf_z;
+    let t97 = y_axis_base_z * sin_front_left_hip;
+    let t98 = x_axis_base_z * cos_front_left_hip;
+    let y_axis_front_left_hip_z = t97 + t98;
+    let t100 = 0.09 * y_axis_front_left_hip_z;
+    let t101 = t96 + t100;
     let t102 = t101 + origin_front_left_calf_z;
     let t103 = sin_front_left_thigh_front_left_calf * x_axis_front_left_hip_x;
     let t104 = z_axis_base_x * cos_front_left_thigh_front_left_calf;
@@ -7036,7 +6867,7 @@ pub fn frame_front_left_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
 ///   `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in rad
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
-/// Cost: 91 multiplications, 72 additions, 0 divisions, 3 function calls (`sin_cos`).
+/// Cost: 89 multiplications, 71 additions, 0 divisions, 3 function calls (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn frame_front_left_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
@@ -7153,36 +6984,36 @@ pub fn frame_front_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     let t25 = y[3] * y[6];
     let t26 = y[4] * y[5];
     let t27 = t26 - t25;
-    let y_axis_base_y = 2.0 * t27;
+    let y_axis_base_y = t27 + t27;
     j[1][2] = y_axis_base_y;
     j[4][5] = y_axis_base_y;
     let t29 = y_axis_base_y * cos_front_left_hip;
     let x_axis_front_left_hip_y = t24 - t29;
     let t31 = cos_front_left_thigh * x_axis_front_left_hip_y;
     let t32 = t13 + t12;
-    let z_axis_base_y = 2.0 * t32;
+    let z_axis_base_y = t32 + t32;
     j[1][0] = z_axis_base_y;
     j[4][3] = z_axis_base_y;
     j[4][6] = z_axis_base_y;
     let t34 = z_axis_base_y * sin_front_left_thigh;
     let x_axis_front_left_thigh_y = t31 - t34;
     let t36 = 0.2 * x_axis_front_left_thigh_y;
-    let t37 = x_axis_base_y * cos_front_left_hip;
-    let t38 = y_axis_base_y * sin_front_left_hip;
-    let y_axis_front_left_hip_y = t38 + t37;
+    let t37 = 0.05 * x_axis_base_y;
+    let t38 = t32 * 0.4;
+    let t39 = y[1] + t38;
+    let origin_front_left_hip_y = t37 + t39;
+    let origin_front_left_calf_y = t36 + origin_front_left_hip_y;
+    let t42 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_y;
+    let t43 = z_axis_base_y * sin_front_left_thigh_front_left_calf;
+    let x_axis_front_left_calf_y = t42 - t43;
+    let t45 = 0.2 * x_axis_front_left_calf_y;
+    let t46 = x_axis_base_y * cos_front_left_hip;
+    let t47 = y_axis_base_y * sin_front_left_hip;
+    let y_axis_front_left_hip_y = t47 + t46;
     j[4][7] = y_axis_front_left_hip_y;
     j[4][8] = y_axis_front_left_hip_y;
-    let t40 = 0.09 * y_axis_front_left_hip_y;
-    let t41 = 0.05 * x_axis_base_y;
-    let t42 = t32 * 0.4;
-    let t43 = y[1] + t42;
-    let origin_front_left_hip_y = t41 + t43;
-    let origin_front_left_thigh_y = t40 + origin_front_left_hip_y;
-    let origin_front_left_calf_y = t36 + origin_front_left_thigh_y;
-    let t47 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_y;
-    let t48 = z_axis_base_y * sin_front_left_thigh_front_left_calf;
-    let x_axis_front_left_calf_y = t47 - t48;
-    let t50 = 0.2 * x_axis_front_left_calf_y;
+    let t49 = 0.09 * y_axis_front_left_hip_y;
+    let t50 = t45 + t49;
     let t51 = t50 + origin_front_left_calf_y;
     let t52 = y[1] - t51;
     let t53 = t17 - t16;
@@ -7207,22 +7038,22 @@ pub fn frame_front_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     let t65 = z_axis_base_z * sin_front_left_thigh;
     let x_axis_front_left_thigh_z = t64 - t65;
     let t67 = 0.2 * x_axis_front_left_thigh_z;
-    let t68 = y_axis_base_z * sin_front_left_hip;
-    let t69 = x_axis_base_z * cos_front_left_hip;
-    let y_axis_front_left_hip_z = t68 + t69;
+    let t68 = t53 * 0.4;
+    let t69 = y[2] + t68;
+    let t70 = t60 * 0.1;
+    let origin_front_left_hip_z = t70 + t69;
+    let origin_front_left_calf_z = t67 + origin_front_left_hip_z;
+    let t73 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_z;
+    let t74 = z_axis_base_z * sin_front_left_thigh_front_left_calf;
+    let x_axis_front_left_calf_z = t73 - t74;
+    let t76 = 0.2 * x_axis_front_left_calf_z;
+    let t77 = y_axis_base_z * sin_front_left_hip;
+    let t78 = x_axis_base_z * cos_front_left_hip;
+    let y_axis_front_left_hip_z = t77 + t78;
     j[5][7] = y_axis_front_left_hip_z;
     j[5][8] = y_axis_front_left_hip_z;
-    let t71 = 0.09 * y_axis_front_left_hip_z;
-    let t72 = t53 * 0.4;
-    let t73 = y[2] + t72;
-    let t74 = t60 * 0.1;
-    let origin_front_left_hip_z = t74 + t73;
-    let origin_front_left_thigh_z = t71 + origin_front_left_hip_z;
-    let origin_front_left_calf_z = t67 + origin_front_left_thigh_z;
-    let t78 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_z;
-    let t79 = z_axis_base_z * sin_front_left_thigh_front_left_calf;
-    let x_axis_front_left_calf_z = t78 - t79;
-    let t81 = 0.2 * x_axis_front_left_calf_z;
+    let t80 = 0.09 * y_axis_front_left_hip_z;
+    let t81 = t76 + t80;
     let t82 = t81 + origin_front_left_calf_z;
     let t83 = y[2] - t82;
     let t84 = z_axis_base_y * t83;
@@ -7238,110 +7069,107 @@ pub fn frame_front_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     let t94 = origin_front_left_hip_z - t82;
     let t95 = z_axis_base_y * t94;
     let t96 = t95 - t93;
-    let t97 = origin_front_left_thigh_y - t51;
-    let t98 = y_axis_front_left_hip_z * t97;
-    let t99 = origin_front_left_thigh_z - t82;
-    let t100 = y_axis_front_left_hip_y * t99;
-    let t101 = t100 - t98;
-    let t102 = origin_front_left_calf_y - t51;
-    let t103 = y_axis_front_left_hip_z * t102;
-    let t104 = origin_front_left_calf_z - t82;
-    let t105 = y_axis_front_left_hip_y * t104;
-    let t106 = t105 - t103;
-    let t107 = z_axis_base_x * t83;
-    let t108 = y_axis_base_x * cos_front_left_hip;
-    let t109 = x_axis_base_x * sin_front_left_hip;
-    let x_axis_front_left_hip_x = t109 - t108;
-    let t111 = cos_front_left_thigh * x_axis_front_left_hip_x;
-    let t112 = z_axis_base_x * sin_front_left_thigh;
-    let x_axis_front_left_thigh_x = t111 - t112;
-    let t114 = 0.2 * x_axis_front_left_thigh_x;
-    let t115 = x_axis_base_x * cos_front_left_hip;
-    let t116 = y_axis_base_x * sin_front_left_hip;
-    let y_axis_front_left_hip_x = t116 + t115;
+    let t97 = y_axis_front_left_hip_z * t92;
+    let t98 = y_axis_front_left_hip_y * t94;
+    let t99 = t98 - t97;
+    let t100 = origin_front_left_calf_y - t51;
+    let t101 = y_axis_front_left_hip_z * t100;
+    let t102 = origin_front_left_calf_z - t82;
+    let t103 = y_axis_front_left_hip_y * t102;
+    let t104 = t103 - t101;
+    let t105 = z_axis_base_x * t83;
+    let t106 = y_axis_base_x * cos_front_left_hip;
+    let t107 = x_axis_base_x * sin_front_left_hip;
+    let x_axis_front_left_hip_x = t107 - t106;
+    let t109 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_x;
+    let t110 = z_axis_base_x * sin_front_left_thigh_front_left_calf;
+    let x_axis_front_left_calf_x = t109 - t110;
+    let t112 = 0.2 * x_axis_front_left_calf_x;
+    let t113 = x_axis_base_x * cos_front_left_hip;
+    let t114 = y_axis_base_x * sin_front_left_hip;
+    let y_axis_front_left_hip_x = t114 + t113;
     j[3][7] = y_axis_front_left_hip_x;
     j[3][8] = y_axis_front_left_hip_x;
-    let t118 = 0.09 * y_axis_front_left_hip_x;
-    let t119 = 0.2 * z_axis_base_x;
-    let t120 = t14 * 0.1;
-    let t121 = y[0] + t120;
-    let origin_front_left_hip_x = t121 + t119;
-    let origin_front_left_thigh_x = origin_front_left_hip_x + t118;
-    let origin_front_left_calf_x = origin_front_left_thigh_x + t114;
-    let t125 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_x;
-    let t126 = z_axis_base_x * sin_front_left_thigh_front_left_calf;
-    let x_axis_front_left_calf_x = t125 - t126;
-    let t128 = 0.2 * x_axis_front_left_calf_x;
-    let t129 = origin_front_left_calf_x + t128;
-    let t130 = y[0] - t129;
-    let t131 = z_axis_base_z * t130;
-    let t132 = t131 - t107;
-    let t133 = x_axis_base_x * t83;
-    let t134 = x_axis_base_z * t130;
-    let t135 = t134 - t133;
-    let t136 = y_axis_base_x * t83;
-    let t137 = y_axis_base_z * t130;
-    let t138 = t137 - t136;
-    let t139 = z_axis_base_x * t94;
-    let t140 = origin_front_left_hip_x - t129;
-    let t141 = z_axis_base_z * t140;
-    let t142 = t141 - t139;
-    let t143 = y_axis_front_left_hip_x * t99;
-    let t144 = origin_front_left_thigh_x - t129;
-    let t145 = y_axis_front_left_hip_z * t144;
-    let t146 = t145 - t143;
-    let t147 = y_axis_front_left_hip_x * t104;
-    let t148 = origin_front_left_calf_x - t129;
-    let t149 = y_axis_front_left_hip_z * t148;
-    let t150 = t149 - t147;
-    let t151 = z_axis_base_x * t52;
-    let t152 = z_axis_base_y * t130;
+    let t116 = 0.09 * y_axis_front_left_hip_x;
+    let t117 = t112 + t116;
+    let t118 = cos_front_left_thigh * x_axis_front_left_hip_x;
+    let t119 = z_axis_base_x * sin_front_left_thigh;
+    let x_axis_front_left_thigh_x = t118 - t119;
+    let t121 = 0.2 * x_axis_front_left_thigh_x;
+    let t122 = 0.2 * z_axis_base_x;
+    let t123 = t14 * 0.1;
+    let t124 = y[0] + t123;
+    let origin_front_left_hip_x = t124 + t122;
+    let origin_front_left_calf_x = origin_front_left_hip_x + t121;
+    let t127 = origin_front_left_calf_x + t117;
+    let t128 = y[0] - t127;
+    let t129 = z_axis_base_z * t128;
+    let t130 = t129 - t105;
+    let t131 = x_axis_base_x * t83;
+    let t132 = x_axis_base_z * t128;
+    let t133 = t132 - t131;
+    let t134 = y_axis_base_x * t83;
+    let t135 = y_axis_base_z * t128;
+    let t136 = t135 - t134;
+    let t137 = z_axis_base_x * t94;
+    let t138 = origin_front_left_hip_x - t127;
+    let t139 = z_axis_base_z * t138;
+    let t140 = t139 - t137;
+    let t141 = y_axis_front_left_hip_x * t94;
+    let t142 = y_axis_front_left_hip_z * t138;
+    let t143 = t142 - t141;
+    let t144 = y_axis_front_left_hip_x * t102;
+    let t145 = origin_front_left_calf_x - t127;
+    let t146 = y_axis_front_left_hip_z * t145;
+    let t147 = t146 - t144;
+    let t148 = z_axis_base_x * t52;
+    let t149 = z_axis_base_y * t128;
+    let t150 = t149 - t148;
+    j[2][3] = t150;
+    let t151 = x_axis_base_x * t52;
+    let t152 = x_axis_base_y * t128;
     let t153 = t152 - t151;
-    j[2][3] = t153;
-    let t154 = x_axis_base_x * t52;
-    let t155 = x_axis_base_y * t130;
+    j[2][4] = t153;
+    let t154 = y_axis_base_x * t52;
+    let t155 = y_axis_base_y * t128;
     let t156 = t155 - t154;
-    j[2][4] = t156;
-    let t157 = y_axis_base_x * t52;
-    let t158 = y_axis_base_y * t130;
+    j[2][5] = t156;
+    let t157 = z_axis_base_x * t92;
+    let t158 = z_axis_base_y * t138;
     let t159 = t158 - t157;
-    j[2][5] = t159;
-    let t160 = z_axis_base_x * t92;
-    let t161 = z_axis_base_y * t140;
+    j[2][6] = t159;
+    let t160 = y_axis_front_left_hip_x * t92;
+    let t161 = y_axis_front_left_hip_y * t138;
     let t162 = t161 - t160;
-    j[2][6] = t162;
-    let t163 = y_axis_front_left_hip_x * t97;
-    let t164 = y_axis_front_left_hip_y * t144;
+    j[2][7] = t162;
+    let t163 = y_axis_front_left_hip_x * t100;
+    let t164 = y_axis_front_left_hip_y * t145;
     let t165 = t164 - t163;
-    j[2][7] = t165;
-    let t166 = y_axis_front_left_hip_x * t102;
-    let t167 = y_axis_front_left_hip_y * t148;
-    let t168 = t167 - t166;
-    j[2][8] = t168;
-    let t169 = -t85;
-    j[0][3] = t169;
-    let t170 = -t88;
-    j[0][4] = t170;
-    let t171 = -t91;
-    j[0][5] = t171;
-    let t172 = -t96;
-    j[0][6] = t172;
-    let t173 = -t101;
-    j[0][7] = t173;
-    let t174 = -t106;
-    j[0][8] = t174;
-    let t175 = -t132;
-    j[1][3] = t175;
-    let t176 = -t135;
-    j[1][4] = t176;
-    let t177 = -t138;
-    j[1][5] = t177;
-    let t178 = -t142;
-    j[1][6] = t178;
-    let t179 = -t146;
-    j[1][7] = t179;
-    let t180 = -t150;
-    j[1][8] = t180;
+    j[2][8] = t165;
+    let t166 = -t85;
+    j[0][3] = t166;
+    let t167 = -t88;
+    j[0][4] = t167;
+    let t168 = -t91;
+    j[0][5] = t168;
+    let t169 = -t96;
+    j[0][6] = t169;
+    let t170 = -t99;
+    j[0][7] = t170;
+    let t171 = -t104;
+    j[0][8] = t171;
+    let t172 = -t130;
+    j[1][3] = t172;
+    let t173 = -t133;
+    j[1][4] = t173;
+    let t174 = -t136;
+    j[1][5] = t174;
+    let t175 = -t140;
+    j[1][6] = t175;
+    let t176 = -t143;
+    j[1][7] = t176;
+    let t177 = -t147;
+    j[1][8] = t177;
 }
 
 /// Acceleration of the frame at ÿ = 0 `front_left`.
@@ -7386,222 +7214,219 @@ pub fn frame_front_left_jacobian_rate_times_velocity(
     let omega_front_left_hip_z = v[3] + v[6];
     let t14 = cos_front_left_thigh * omega_front_left_hip_z;
     let omega_front_left_thigh_y = t12 + t14;
-    let t16 = v[7] * omega_front_left_thigh_y;
-    let t17 = v[5] * sin_front_left_hip;
-    let t18 = v[4] * cos_front_left_hip;
-    let omega_front_left_hip_y = t18 + t17;
-    let t20 = v[6] * omega_front_left_hip_y;
-    let t21 = cos_front_left_thigh * t20;
-    let t22 = t21 - t16;
+    let t16 = sin_front_left_calf * omega_front_left_thigh_y;
+    let t17 = cos_front_left_thigh * omega_front_left_hip_x;
+    let t18 = sin_front_left_thigh * omega_front_left_hip_z;
+    let omega_front_left_thigh_x = t17 - t18;
+    let t20 = cos_front_left_calf * omega_front_left_thigh_x;
+    let omega_front_left_calf_x = t20 - t16;
+    let t22 = v[8] * omega_front_left_calf_x;
+    let t23 = v[7] * omega_front_left_thigh_x;
+    let t24 = v[5] * sin_front_left_hip;
+    let t25 = v[4] * cos_front_left_hip;
+    let omega_front_left_hip_y = t25 + t24;
+    let t27 = v[6] * omega_front_left_hip_y;
+    let t28 = sin_front_left_thigh * t27;
+    let t29 = t28 + t23;
+    let t30 = cos_front_left_calf * t29;
+    let t31 = t30 + t22;
+    let t32 = v[7] * omega_front_left_thigh_y;
+    let t33 = cos_front_left_thigh * t27;
+    let t34 = t33 - t32;
+    let t35 = sin_front_left_calf * t34;
+    let t36 = t35 + t31;
     let omega_front_left_thigh_z = v[7] + omega_front_left_hip_y;
-    let t24 = omega_front_left_thigh_y * omega_front_left_thigh_z;
-    let t25 = t22 + t24;
-    let t26 = 0.09 * t25;
-    let t27 = v[3] * v[4];
-    let t28 = 0.2 * t27;
-    let t29 = v[2] * v[3];
-    let t30 = v[0] * v[5];
-    let acceleration_base_y = t30 - t29;
-    let t32 = acceleration_base_y + t28;
-    let t33 = v[5] * v[5];
-    let t34 = v[3] * v[3];
-    let t35 = t34 + t33;
-    let t36 = 0.05 * t35;
-    let t37 = t36 - t32;
-    let t38 = sin_front_left_hip * t37;
-    let t39 = v[4] * v[5];
-    let t40 = 0.05 * t39;
-    let t41 = v[3] * v[5];
-    let t42 = 0.2 * t41;
-    let t43 = t42 + t40;
-    let t44 = v[0] * v[4];
-    let t45 = v[1] * v[3];
-    let acceleration_base_z = t45 - t44;
-    let t47 = acceleration_base_z + t43;
-    let t48 = cos_front_left_hip * t47;
-    let acceleration_front_left_hip_x = t48 + t38;
-    let t50 = sin_front_left_thigh * acceleration_front_left_hip_x;
-    let t51 = 0.05 * t27;
-    let t52 = v[1] * v[5];
-    let t53 = v[2] * v[4];
-    let acceleration_base_x = t53 - t52;
-    let t55 = acceleration_base_x + t51;
-    let t56 = v[4] * v[4];
-    let t57 = t56 + t33;
-    let t58 = 0.2 * t57;
-    let acceleration_front_left_hip_z = t58 - t55;
-    let t60 = cos_front_left_thigh * acceleration_front_left_hip_z;
-    let t61 = t50 + t60;
-    let acceleration_front_left_thigh_y = t26 - t61;
-    let t63 = cos_front_left_thigh * omega_front_left_hip_x;
-    let t64 = sin_front_left_thigh * omega_front_left_hip_z;
-    let omega_front_left_thigh_x = t63 - t64;
-    let t66 = omega_front_left_thigh_x * omega_front_left_thigh_y;
-    let t67 = v[6] * omega_front_left_hip_x;
-    let t68 = t67 + t66;
-    let t69 = 0.2 * t68;
-    let t70 = t69 + acceleration_front_left_thigh_y;
-    let t71 = cos_front_left_calf * t70;
-    let t72 = v[7] * omega_front_left_thigh_x;
-    let t73 = sin_front_left_thigh * t20;
-    let t74 = t73 + t72;
-    let t75 = omega_front_left_thigh_x * omega_front_left_thigh_z;
-    let t76 = t74 - t75;
-    let t77 = 0.09 * t76;
-    let t78 = cos_front_left_thigh * acceleration_front_left_hip_x;
-    let t79 = sin_front_left_thigh * acceleration_front_left_hip_z;
-    let t80 = t78 - t79;
-    let acceleration_front_left_thigh_x = t77 + t80;
-    let t82 = omega_front_left_thigh_y * omega_front_left_thigh_y;
-    let t83 = omega_front_left_thigh_z * omega_front_left_thigh_z;
-    let t84 = t82 + t83;
-    let t85 = 0.2 * t84;
-    let t86 = t85 + acceleration_front_left_thigh_x;
-    let t87 = sin_front_left_calf * t86;
-    let acceleration_front_left_calf_y = t87 - t71;
-    let t89 = cos_front_left_calf * omega_front_left_thigh_y;
-    let t90 = sin_front_left_calf * omega_front_left_thigh_x;
-    let omega_front_left_calf_y = t90 + t89;
-    let t92 = sin_front_left_calf * omega_front_left_thigh_y;
-    let t93 = cos_front_left_calf * omega_front_left_thigh_x;
-    let omega_front_left_calf_x = t93 - t92;
-    let t95 = omega_front_left_calf_x * omega_front_left_calf_y;
-    let t96 = t67 + t95;
-    let t97 = 0.2 * t96;
-    let t98 = t97 - acceleration_front_left_calf_y;
-    let t99 = y[4] * y[6];
-    let t100 = y[3] * y[5];
-    let t101 = t100 + t99;
-    let y_axis_base_x = t101 + t101;
-    let t103 = y_axis_base_x * cos_front_left_hip;
-    let t104 = y[5] * y[6];
-    let t105 = y[3] * y[4];
-    let t106 = t105 - t104;
-    let x_axis_base_x = t106 + t106;
-    let t108 = x_axis_base_x * sin_front_left_hip;
-    let x_axis_front_left_hip_x = t108 - t103;
-    let t110 = sin_front_left_thigh_front_left_calf * x_axis_front_left_hip_x;
-    let t111 = y[5] * y[5];
-    let t112 = y[4] * y[4];
-    let t113 = t112 + t111;
-    let t114 = 2.0 * t113;
-    let z_axis_base_x = 1.0 - t114;
-    let t116 = z_axis_base_x * cos_front_left_thigh_front_left_calf;
-    let y_axis_front_left_calf_x = t116 + t110;
-    let t118 = y_axis_front_left_calf_x * t98;
-    let t119 = v[8] * omega_front_left_calf_x;
-    let t120 = cos_front_left_calf * t74;
-    let t121 = t120 + t119;
-    let t122 = sin_front_left_calf * t22;
-    let t123 = t122 + t121;
     let omega_front_left_calf_z = v[8] + omega_front_left_thigh_z;
-    let t125 = omega_front_left_calf_x * omega_front_left_calf_z;
-    let t126 = t125 + t123;
-    let t127 = 0.2 * t126;
-    let t128 = omega_front_left_thigh_x * omega_front_left_thigh_x;
-    let t129 = t128 + t82;
-    let t130 = 0.09 * t129;
-    let t131 = cos_front_left_hip * t37;
-    let t132 = sin_front_left_hip * t47;
-    let acceleration_front_left_hip_y = t132 - t131;
-    let acceleration_front_left_thigh_z = t130 - acceleration_front_left_hip_y;
-    let t135 = t74 + t75;
-    let t136 = 0.2 * t135;
-    let acceleration_front_left_calf_z = t136 - acceleration_front_left_thigh_z;
-    let t138 = acceleration_front_left_calf_z + t127;
-    let t139 = x_axis_base_x * cos_front_left_hip;
-    let t140 = y_axis_base_x * sin_front_left_hip;
-    let y_axis_front_left_hip_x = t140 + t139;
-    let t142 = y_axis_front_left_hip_x * t138;
-    let t143 = t118 + t142;
-    let t144 = sin_front_left_calf * t70;
-    let t145 = cos_front_left_calf * t86;
-    let acceleration_front_left_calf_x = t145 + t144;
-    let t147 = omega_front_left_calf_y * omega_front_left_calf_y;
-    let t148 = omega_front_left_calf_z * omega_front_left_calf_z;
-    let t149 = t147 + t148;
-    let t150 = 0.2 * t149;
-    let t151 = t150 + acceleration_front_left_calf_x;
-    let t152 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_x;
-    let t153 = z_axis_base_x * sin_front_left_thigh_front_left_calf;
-    let x_axis_front_left_calf_x = t152 - t153;
-    let t155 = x_axis_front_left_calf_x * t151;
-    let t156 = t155 - t143;
-    let t157 = y[3] * y[3];
-    let t158 = t157 + t111;
-    let t159 = 2.0 * t158;
-    let x_axis_base_y = 1.0 - t159;
-    let t161 = x_axis_base_y * sin_front_left_hip;
-    let t162 = y[3] * y[6];
-    let t163 = y[4] * y[5];
-    let t164 = t163 - t162;
-    let y_axis_base_y = t164 + t164;
-    let t166 = y_axis_base_y * cos_front_left_hip;
-    let x_axis_front_left_hip_y = t161 - t166;
-    let t168 = sin_front_left_thigh_front_left_calf * x_axis_front_left_hip_y;
-    let t169 = t105 + t104;
-    let z_axis_base_y = t169 + t169;
-    let t171 = z_axis_base_y * cos_front_left_thigh_front_left_calf;
-    let y_axis_front_left_calf_y = t171 + t168;
-    let t173 = y_axis_front_left_calf_y * t98;
-    let t174 = x_axis_base_y * cos_front_left_hip;
-    let t175 = y_axis_base_y * sin_front_left_hip;
-    let y_axis_front_left_hip_y = t175 + t174;
-    let t177 = y_axis_front_left_hip_y * t138;
-    let t178 = t173 + t177;
-    let t179 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_y;
-    let t180 = z_axis_base_y * sin_front_left_thigh_front_left_calf;
-    let x_axis_front_left_calf_y = t179 - t180;
-    let t182 = x_axis_front_left_calf_y * t151;
-    let t183 = t182 - t178;
-    let t184 = t157 + t112;
-    let t185 = 2.0 * t184;
-    let y_axis_base_z = 1.0 - t185;
-    let t187 = y_axis_base_z * cos_front_left_hip;
-    let t188 = t163 + t162;
-    let x_axis_base_z = t188 + t188;
-    let t190 = x_axis_base_z * sin_front_left_hip;
-    let x_axis_front_left_hip_z = t190 - t187;
-    let t192 = sin_front_left_thigh_front_left_calf * x_axis_front_left_hip_z;
-    let t193 = t100 - t99;
-    let z_axis_base_z = t193 + t193;
-    let t195 = z_axis_base_z * cos_front_left_thigh_front_left_calf;
-    let y_axis_front_left_calf_z = t195 + t192;
-    let t197 = y_axis_front_left_calf_z * t98;
-    let t198 = y_axis_base_z * sin_front_left_hip;
-    let t199 = x_axis_base_z * cos_front_left_hip;
-    let y_axis_front_left_hip_z = t198 + t199;
-    let t201 = y_axis_front_left_hip_z * t138;
-    let t202 = t197 + t201;
-    let t203 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_z;
-    let t204 = z_axis_base_z * sin_front_left_thigh_front_left_calf;
-    let x_axis_front_left_calf_z = t203 - t204;
-    let t206 = x_axis_front_left_calf_z * t151;
-    let t207 = t206 - t202;
-    let t208 = y_axis_front_left_calf_x * t123;
-    let t209 = y_axis_front_left_hip_x * t67;
-    let t210 = t209 - t208;
-    let t211 = v[8] * omega_front_left_calf_y;
-    let t212 = sin_front_left_calf * t74;
-    let t213 = t212 + t211;
-    let t214 = cos_front_left_calf * t22;
+    let t39 = omega_front_left_calf_x * omega_front_left_calf_z;
+    let t40 = t39 + t36;
+    let t41 = 0.2 * t40;
+    let t42 = omega_front_left_thigh_x * omega_front_left_thigh_z;
+    let t43 = t29 + t42;
+    let t44 = 0.2 * t43;
+    let t45 = v[3] * v[4];
+    let t46 = 0.2 * t45;
+    let t47 = v[2] * v[3];
+    let t48 = v[0] * v[5];
+    let acceleration_base_y = t48 - t47;
+    let t50 = acceleration_base_y + t46;
+    let t51 = v[5] * v[5];
+    let t52 = v[3] * v[3];
+    let t53 = t52 + t51;
+    let t54 = 0.05 * t53;
+    let t55 = t54 - t50;
+    let t56 = cos_front_left_hip * t55;
+    let t57 = v[4] * v[5];
+    let t58 = 0.05 * t57;
+    let t59 = v[3] * v[5];
+    let t60 = 0.2 * t59;
+    let t61 = t60 + t58;
+    let t62 = v[0] * v[4];
+    let t63 = v[1] * v[3];
+    let acceleration_base_z = t63 - t62;
+    let t65 = acceleration_base_z + t61;
+    let t66 = sin_front_left_hip * t65;
+    let acceleration_front_left_hip_y = t66 - t56;
+    let acceleration_front_left_calf_z = t44 + acceleration_front_left_hip_y;
+    let t69 = cos_front_left_calf * omega_front_left_thigh_y;
+    let t70 = sin_front_left_calf * omega_front_left_thigh_x;
+    let omega_front_left_calf_y = t70 + t69;
+    let t72 = omega_front_left_calf_y * omega_front_left_calf_y;
+    let t73 = omega_front_left_calf_x * omega_front_left_calf_x;
+    let t74 = t73 + t72;
+    let t75 = 0.09 * t74;
+    let t76 = t75 - acceleration_front_left_calf_z;
+    let t77 = t41 - t76;
+    let t78 = y[5] * y[6];
+    let t79 = y[3] * y[4];
+    let t80 = t79 - t78;
+    let x_axis_base_x = t80 + t80;
+    let t82 = x_axis_base_x * cos_front_left_hip;
+    let t83 = y[4] * y[6];
+    let t84 = y[3] * y[5];
+    let t85 = t84 + t83;
+    let y_axis_base_x = t85 + t85;
+    let t87 = y_axis_base_x * sin_front_left_hip;
+    let y_axis_front_left_hip_x = t87 + t82;
+    let t89 = y_axis_front_left_hip_x * t77;
+    let t90 = sin_front_left_hip * t55;
+    let t91 = cos_front_left_hip * t65;
+    let acceleration_front_left_hip_x = t91 + t90;
+    let t93 = sin_front_left_thigh * acceleration_front_left_hip_x;
+    let t94 = 0.05 * t45;
+    let t95 = v[1] * v[5];
+    let t96 = v[2] * v[4];
+    let acceleration_base_x = t96 - t95;
+    let t98 = acceleration_base_x + t94;
+    let t99 = v[4] * v[4];
+    let t100 = t99 + t51;
+    let t101 = 0.2 * t100;
+    let acceleration_front_left_hip_z = t101 - t98;
+    let t103 = cos_front_left_thigh * acceleration_front_left_hip_z;
+    let acceleration_front_left_thigh_y = t93 + t103;
+    let t105 = omega_front_left_thigh_x * omega_front_left_thigh_y;
+    let t106 = v[6] * omega_front_left_hip_x;
+    let t107 = t106 + t105;
+    let t108 = 0.2 * t107;
+    let t109 = t108 - acceleration_front_left_thigh_y;
+    let t110 = cos_front_left_calf * t109;
+    let t111 = cos_front_left_thigh * acceleration_front_left_hip_x;
+    let t112 = sin_front_left_thigh * acceleration_front_left_hip_z;
+    let acceleration_front_left_thigh_x = t111 - t112;
+    let t114 = omega_front_left_thigh_y * omega_front_left_thigh_y;
+    let t115 = omega_front_left_thigh_z * omega_front_left_thigh_z;
+    let t116 = t114 + t115;
+    let t117 = 0.2 * t116;
+    let t118 = t117 + acceleration_front_left_thigh_x;
+    let t119 = sin_front_left_calf * t118;
+    let acceleration_front_left_calf_y = t119 - t110;
+    let t121 = omega_front_left_calf_x * omega_front_left_calf_y;
+    let t122 = t106 + t121;
+    let t123 = 0.2 * t122;
+    let t124 = t123 - acceleration_front_left_calf_y;
+    let t125 = v[8] * omega_front_left_calf_y;
+    let t126 = sin_front_left_calf * t29;
+    let t127 = t126 + t125;
+    let t128 = cos_front_left_calf * t34;
+    let t129 = t128 - t127;
+    let t130 = omega_front_left_calf_y * omega_front_left_calf_z;
+    let t131 = t130 + t129;
+    let t132 = 0.09 * t131;
+    let t133 = t132 + t124;
+    let t134 = y_axis_base_x * cos_front_left_hip;
+    let t135 = x_axis_base_x * sin_front_left_hip;
+    let x_axis_front_left_hip_x = t135 - t134;
+    let t137 = sin_front_left_thigh_front_left_calf * x_axis_front_left_hip_x;
+    let t138 = y[5] * y[5];
+    let t139 = y[4] * y[4];
+    let t140 = t139 + t138;
+    let t141 = 2.0 * t140;
+    let z_axis_base_x = 1.0 - t141;
+    let t143 = z_axis_base_x * cos_front_left_thigh_front_left_calf;
+    let y_axis_front_left_calf_x = t143 + t137;
+    let t145 = y_axis_front_left_calf_x * t133;
+    let t146 = t145 + t89;
+    let t147 = sin_front_left_calf * t109;
+    let t148 = cos_front_left_calf * t118;
+    let acceleration_front_left_calf_x = t148 + t147;
+    let t150 = omega_front_left_calf_z * omega_front_left_calf_z;
+    let t151 = t72 + t150;
+    let t152 = 0.2 * t151;
+    let t153 = t152 + acceleration_front_left_calf_x;
+    let t154 = t39 - t36;
+    let t155 = 0.09 * t154;
+    let t156 = t155 - t153;
+    let t157 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_x;
+    let t158 = z_axis_base_x * sin_front_left_thigh_front_left_calf;
+    let x_axis_front_left_calf_x = t157 - t158;
+    let t160 = x_axis_front_left_calf_x * t156;
+    let t161 = t160 + t146;
+    let t162 = y[3] * y[3];
+    let t163 = t162 + t138;
+    let t164 = 2.0 * t163;
+    let x_axis_base_y = 1.0 - t164;
+    let t166 = x_axis_base_y * cos_front_left_hip;
+    let t167 = y[3] * y[6];
+    let t168 = y[4] * y[5];
+    let t169 = t168 - t167;
+    let y_axis_base_y = t169 + t169;
+    let t171 = y_axis_base_y * sin_front_left_hip;
+    let y_axis_front_left_hip_y = t171 + t166;
+    let t173 = y_axis_front_left_hip_y * t77;
+    let t174 = x_axis_base_y * sin_front_left_hip;
+    let t175 = y_axis_base_y * cos_front_left_hip;
+    let x_axis_front_left_hip_y = t174 - t175;
+    let t177 = sin_front_left_thigh_front_left_calf * x_axis_front_left_hip_y;
+    let t178 = t79 + t78;
+    let z_axis_base_y = t178 + t178;
+    let t180 = z_axis_base_y * cos_front_left_thigh_front_left_calf;
+    let y_axis_front_left_calf_y = t180 + t177;
+    let t182 = y_axis_front_left_calf_y * t133;
+    let t183 = t182 + t173;
+    let t184 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_y;
+    let t185 = z_axis_base_y * sin_front_left_thigh_front_left_calf;
+    let x_axis_front_left_calf_y = t184 - t185;
+    let t187 = x_axis_front_left_calf_y * t156;
+    let t188 = t187 + t183;
+    let t189 = t162 + t139;
+    let t190 = 2.0 * t189;
+    let y_axis_base_z = 1.0 - t190;
+    let t192 = y_axis_base_z * sin_front_left_hip;
+    let t193 = t168 + t167;
+    let x_axis_base_z = t193 + t193;
+    let t195 = x_axis_base_z * cos_front_left_hip;
+    let y_axis_front_left_hip_z = t192 + t195;
+    let t197 = y_axis_front_left_hip_z * t77;
+    let t198 = y_axis_base_z * cos_front_left_hip;
+    let t199 = x_axis_base_z * sin_front_left_hip;
+    let x_axis_front_left_hip_z = t199 - t198;
+    let t201 = sin_front_left_thigh_front_left_calf * x_axis_front_left_hip_z;
+    let t202 = t84 - t83;
+    let z_axis_base_z = t202 + t202;
+    let t204 = z_axis_base_z * cos_front_left_thigh_front_left_calf;
+    let y_axis_front_left_calf_z = t204 + t201;
+    let t206 = y_axis_front_left_calf_z * t133;
+    let t207 = t206 + t197;
+    let t208 = cos_front_left_thigh_front_left_calf * x_axis_front_left_hip_z;
+    let t209 = z_axis_base_z * sin_front_left_thigh_front_left_calf;
+    let x_axis_front_left_calf_z = t208 - t209;
+    let t211 = x_axis_front_left_calf_z * t156;
+    let t212 = t211 + t207;
+    let t213 = y_axis_front_left_calf_x * t36;
+    let t214 = y_axis_front_left_hip_x * t106;
     let t215 = t214 - t213;
-    let t216 = x_axis_front_left_calf_x * t215;
-    let t217 = t216 - t210;
-    let t218 = y_axis_front_left_calf_y * t123;
-    let t219 = y_axis_front_left_hip_y * t67;
+    let t216 = x_axis_front_left_calf_x * t129;
+    let t217 = t216 - t215;
+    let t218 = y_axis_front_left_calf_y * t36;
+    let t219 = y_axis_front_left_hip_y * t106;
     let t220 = t219 - t218;
-    let t221 = x_axis_front_left_calf_y * t215;
+    let t221 = x_axis_front_left_calf_y * t129;
     let t222 = t221 - t220;
-    let t223 = y_axis_front_left_calf_z * t123;
-    let t224 = y_axis_front_left_hip_z * t67;
+    let t223 = y_axis_front_left_calf_z * t36;
+    let t224 = y_axis_front_left_hip_z * t106;
     let t225 = t224 - t223;
-    let t226 = x_axis_front_left_calf_z * t215;
+    let t226 = x_axis_front_left_calf_z * t129;
     let t227 = t226 - t225;
-    let t228 = -t156;
-    let t229 = -t183;
-    let t230 = -t207;
-    [t228, t229, t230, t217, t222, t227]
+    [t161, t188, t212, t217, t222, t227]
 }
 
 /// Pose of the frame `front_right`.
@@ -7642,30 +7467,30 @@ pub fn frame_front_right_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
     let x_axis_base_x = t14 + t14;
     let t16 = x_axis_base_x * sin_front_right_hip;
     let x_axis_front_right_hip_x = t16 - t11;
-    let t18 = cos_front_right_thigh * x_axis_front_right_hip_x;
+    let t18 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_x;
     let t19 = y[5] * y[5];
     let t20 = y[4] * y[4];
     let t21 = t20 + t19;
     let t22 = 2.0 * t21;
     let z_axis_base_x = 1.0 - t22;
-    let t24 = z_axis_base_x * sin_front_right_thigh;
-    let x_axis_front_right_thigh_x = t18 - t24;
-    let t26 = 0.2 * x_axis_front_right_thigh_x;
+    let t24 = z_axis_base_x * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_x = t18 - t24;
+    let t26 = 0.2 * x_axis_front_right_calf_x;
     let t27 = x_axis_base_x * cos_front_right_hip;
     let t28 = y_axis_base_x * sin_front_right_hip;
     let y_axis_front_right_hip_x = t28 + t27;
     let t30 = 0.09 * y_axis_front_right_hip_x;
-    let t31 = 0.2 * z_axis_base_x;
-    let t32 = t14 * 0.1;
-    let t33 = y[0] - t32;
-    let origin_front_right_hip_x = t31 + t33;
-    let origin_front_right_thigh_x = origin_front_right_hip_x - t30;
-    let origin_front_right_calf_x = origin_front_right_thigh_x + t26;
-    let t37 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_x;
-    let t38 = z_axis_base_x * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_x = t37 - t38;
-    let t40 = 0.2 * x_axis_front_right_calf_x;
-    let t41 = origin_front_right_calf_x + t40;
+    let t31 = t26 - t30;
+    let t32 = cos_front_right_thigh * x_axis_front_right_hip_x;
+    let t33 = z_axis_base_x * sin_front_right_thigh;
+    let x_axis_front_right_thigh_x = t32 - t33;
+    let t35 = 0.2 * x_axis_front_right_thigh_x;
+    let t36 = 0.2 * z_axis_base_x;
+    let t37 = t14 * 0.1;
+    let t38 = y[0] - t37;
+    let origin_front_right_hip_x = t36 + t38;
+    let origin_front_right_calf_x = origin_front_right_hip_x + t35;
+    let t41 = origin_front_right_calf_x + t31;
     let t42 = y[3] * y[3];
     let t43 = t42 + t19;
     let t44 = 2.0 * t43;
@@ -7683,20 +7508,20 @@ pub fn frame_front_right_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
     let t56 = z_axis_base_y * sin_front_right_thigh;
     let x_axis_front_right_thigh_y = t53 - t56;
     let t58 = 0.2 * x_axis_front_right_thigh_y;
-    let t59 = x_axis_base_y * cos_front_right_hip;
-    let t60 = y_axis_base_y * sin_front_right_hip;
-    let y_axis_front_right_hip_y = t60 + t59;
-    let t62 = 0.09 * y_axis_front_right_hip_y;
-    let t63 = 0.05 * x_axis_base_y;
-    let t64 = t54 * 0.4;
-    let t65 = y[1] + t64;
-    let origin_front_right_hip_y = t63 - t65;
-    let origin_front_right_thigh_y = t62 + origin_front_right_hip_y;
-    let origin_front_right_calf_y = t58 - origin_front_right_thigh_y;
-    let t69 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_y;
-    let t70 = z_axis_base_y * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_y = t69 - t70;
-    let t72 = 0.2 * x_axis_front_right_calf_y;
+    let t59 = 0.05 * x_axis_base_y;
+    let t60 = t54 * 0.4;
+    let t61 = y[1] + t60;
+    let origin_front_right_hip_y = t59 - t61;
+    let origin_front_right_calf_y = t58 - origin_front_right_hip_y;
+    let t64 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_y;
+    let t65 = z_axis_base_y * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_y = t64 - t65;
+    let t67 = 0.2 * x_axis_front_right_calf_y;
+    let t68 = x_axis_base_y * cos_front_right_hip;
+    let t69 = y_axis_base_y * sin_front_right_hip;
+    let y_axis_front_right_hip_y = t69 + t68;
+    let t71 = 0.09 * y_axis_front_right_hip_y;
+    let t72 = t67 - t71;
     let t73 = t72 + origin_front_right_calf_y;
     let t74 = t42 + t20;
     let t75 = 2.0 * t74;
@@ -7706,27 +7531,27 @@ pub fn frame_front_right_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
     let x_axis_base_z = 2.0 * t78;
     let t80 = x_axis_base_z * sin_front_right_hip;
     let x_axis_front_right_hip_z = t80 - t77;
-    let t82 = cos_front_right_thigh * x_axis_front_right_hip_z;
+    let t82 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_z;
     let t83 = t8 - t7;
     let z_axis_base_z = 2.0 * t83;
-    let t85 = z_axis_base_z * sin_front_right_thigh;
-    let x_axis_front_right_thigh_z = t82 - t85;
-    let t87 = 0.2 * x_axis_front_right_thigh_z;
+    let t85 = z_axis_base_z * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_z = t82 - t85;
+    let t87 = 0.2 * x_axis_front_right_calf_z;
     let t88 = y_axis_base_z * sin_front_right_hip;
     let t89 = x_axis_base_z * cos_front_right_hip;
     let y_axis_front_right_hip_z = t88 + t89;
     let t91 = 0.09 * y_axis_front_right_hip_z;
-    let t92 = t78 * 0.1;
-    let t93 = y[2] - t92;
-    let t94 = t83 * 0.4;
-    let origin_front_right_hip_z = t94 + t93;
-    let origin_front_right_thigh_z = origin_front_right_hip_z - t91;
-    let origin_front_right_calf_z = origin_front_right_thigh_z + t87;
-    let t98 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_z;
-    let t99 = z_axis_base_z * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_z = t98 - t99;
-    let t101 = 0.2 * x_axis_front_right_calf_z;
-    let t102 = origin_front_right_calf_z + t101;
+    let t92 = t87 - t91;
+    let t93 = cos_front_right_thigh * x_axis_front_right_hip_z;
+    let t94 = z_axis_base_z * sin_front_right_thigh;
+    let x_axis_front_right_thigh_z = t93 - t94;
+    let t96 = 0.2 * x_axis_front_right_thigh_z;
+    let t97 = t78 * 0.1;
+    let t98 = y[2] - t97;
+    let t99 = t83 * 0.4;
+    let origin_front_right_hip_z = t99 + t98;
+    let origin_front_right_calf_z = origin_front_right_hip_z + t96;
+    let t102 = origin_front_right_calf_z + t92;
     let t103 = sin_front_right_thigh_front_right_calf * x_axis_front_right_hip_x;
     let t104 = z_axis_base_x * cos_front_right_thigh_front_right_calf;
     let y_axis_front_right_calf_x = t104 + t103;
@@ -7771,7 +7596,7 @@ pub fn frame_front_right_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
 ///   `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in rad
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
-/// Cost: 91 multiplications, 72 additions, 0 divisions, 3 function calls (`sin_cos`).
+/// Cost: 89 multiplications, 71 additions, 0 divisions, 3 function calls (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn frame_front_right_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
@@ -7888,36 +7713,36 @@ pub fn frame_front_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     let t25 = y[3] * y[6];
     let t26 = y[4] * y[5];
     let t27 = t26 - t25;
-    let y_axis_base_y = 2.0 * t27;
+    let y_axis_base_y = t27 + t27;
     j[1][2] = y_axis_base_y;
     j[4][5] = y_axis_base_y;
     let t29 = y_axis_base_y * cos_front_right_hip;
     let x_axis_front_right_hip_y = t24 - t29;
     let t31 = cos_front_right_thigh * x_axis_front_right_hip_y;
     let t32 = t13 + t12;
-    let z_axis_base_y = 2.0 * t32;
+    let z_axis_base_y = t32 + t32;
     j[1][0] = z_axis_base_y;
     j[4][3] = z_axis_base_y;
     j[4][9] = z_axis_base_y;
     let t34 = z_axis_base_y * sin_front_right_thigh;
     let x_axis_front_right_thigh_y = t31 - t34;
     let t36 = 0.2 * x_axis_front_right_thigh_y;
-    let t37 = x_axis_base_y * cos_front_right_hip;
-    let t38 = y_axis_base_y * sin_front_right_hip;
-    let y_axis_front_right_hip_y = t38 + t37;
+    let t37 = 0.05 * x_axis_base_y;
+    let t38 = t32 * 0.4;
+    let t39 = y[1] + t38;
+    let origin_front_right_hip_y = t37 - t39;
+    let origin_front_right_calf_y = t36 - origin_front_right_hip_y;
+    let t42 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_y;
+    let t43 = z_axis_base_y * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_y = t42 - t43;
+    let t45 = 0.2 * x_axis_front_right_calf_y;
+    let t46 = x_axis_base_y * cos_front_right_hip;
+    let t47 = y_axis_base_y * sin_front_right_hip;
+    let y_axis_front_right_hip_y = t47 + t46;
     j[4][10] = y_axis_front_right_hip_y;
     j[4][11] = y_axis_front_right_hip_y;
-    let t40 = 0.09 * y_axis_front_right_hip_y;
-    let t41 = 0.05 * x_axis_base_y;
-    let t42 = t32 * 0.4;
-    let t43 = y[1] + t42;
-    let origin_front_right_hip_y = t41 - t43;
-    let origin_front_right_thigh_y = t40 + origin_front_right_hip_y;
-    let origin_front_right_calf_y = t36 - origin_front_right_thigh_y;
-    let t47 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_y;
-    let t48 = z_axis_base_y * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_y = t47 - t48;
-    let t50 = 0.2 * x_axis_front_right_calf_y;
+    let t49 = 0.09 * y_axis_front_right_hip_y;
+    let t50 = t45 - t49;
     let t51 = t50 + origin_front_right_calf_y;
     let t52 = y[1] - t51;
     let t53 = t17 - t16;
@@ -7938,27 +7763,27 @@ pub fn frame_front_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[5][4] = x_axis_base_z;
     let t62 = x_axis_base_z * sin_front_right_hip;
     let x_axis_front_right_hip_z = t62 - t59;
-    let t64 = cos_front_right_thigh * x_axis_front_right_hip_z;
-    let t65 = z_axis_base_z * sin_front_right_thigh;
-    let x_axis_front_right_thigh_z = t64 - t65;
-    let t67 = 0.2 * x_axis_front_right_thigh_z;
+    let t64 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_z;
+    let t65 = z_axis_base_z * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_z = t64 - t65;
+    let t67 = 0.2 * x_axis_front_right_calf_z;
     let t68 = y_axis_base_z * sin_front_right_hip;
     let t69 = x_axis_base_z * cos_front_right_hip;
     let y_axis_front_right_hip_z = t68 + t69;
     j[5][10] = y_axis_front_right_hip_z;
     j[5][11] = y_axis_front_right_hip_z;
     let t71 = 0.09 * y_axis_front_right_hip_z;
-    let t72 = t60 * 0.1;
-    let t73 = y[2] - t72;
-    let t74 = t53 * 0.4;
-    let origin_front_right_hip_z = t74 + t73;
-    let origin_front_right_thigh_z = origin_front_right_hip_z - t71;
-    let origin_front_right_calf_z = origin_front_right_thigh_z + t67;
-    let t78 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_z;
-    let t79 = z_axis_base_z * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_z = t78 - t79;
-    let t81 = 0.2 * x_axis_front_right_calf_z;
-    let t82 = origin_front_right_calf_z + t81;
+    let t72 = t67 - t71;
+    let t73 = cos_front_right_thigh * x_axis_front_right_hip_z;
+    let t74 = z_axis_base_z * sin_front_right_thigh;
+    let x_axis_front_right_thigh_z = t73 - t74;
+    let t76 = 0.2 * x_axis_front_right_thigh_z;
+    let t77 = t60 * 0.1;
+    let t78 = y[2] - t77;
+    let t79 = t53 * 0.4;
+    let origin_front_right_hip_z = t79 + t78;
+    let origin_front_right_calf_z = origin_front_right_hip_z + t76;
+    let t82 = origin_front_right_calf_z + t72;
     let t83 = y[2] - t82;
     let t84 = z_axis_base_y * t83;
     let t85 = t84 - t55;
@@ -7973,110 +7798,107 @@ pub fn frame_front_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     let t94 = origin_front_right_hip_z - t82;
     let t95 = z_axis_base_y * t94;
     let t96 = t95 + t93;
-    let t97 = origin_front_right_thigh_y + t51;
-    let t98 = y_axis_front_right_hip_z * t97;
-    let t99 = origin_front_right_thigh_z - t82;
-    let t100 = y_axis_front_right_hip_y * t99;
-    let t101 = t100 + t98;
-    let t102 = origin_front_right_calf_y - t51;
-    let t103 = y_axis_front_right_hip_z * t102;
-    let t104 = origin_front_right_calf_z - t82;
-    let t105 = y_axis_front_right_hip_y * t104;
-    let t106 = t105 - t103;
-    let t107 = z_axis_base_x * t83;
-    let t108 = y_axis_base_x * cos_front_right_hip;
-    let t109 = x_axis_base_x * sin_front_right_hip;
-    let x_axis_front_right_hip_x = t109 - t108;
-    let t111 = cos_front_right_thigh * x_axis_front_right_hip_x;
-    let t112 = z_axis_base_x * sin_front_right_thigh;
-    let x_axis_front_right_thigh_x = t111 - t112;
-    let t114 = 0.2 * x_axis_front_right_thigh_x;
-    let t115 = x_axis_base_x * cos_front_right_hip;
-    let t116 = y_axis_base_x * sin_front_right_hip;
-    let y_axis_front_right_hip_x = t116 + t115;
+    let t97 = y_axis_front_right_hip_z * t92;
+    let t98 = y_axis_front_right_hip_y * t94;
+    let t99 = t98 + t97;
+    let t100 = origin_front_right_calf_y - t51;
+    let t101 = y_axis_front_right_hip_z * t100;
+    let t102 = origin_front_right_calf_z - t82;
+    let t103 = y_axis_front_right_hip_y * t102;
+    let t104 = t103 - t101;
+    let t105 = z_axis_base_x * t83;
+    let t106 = y_axis_base_x * cos_front_right_hip;
+    let t107 = x_axis_base_x * sin_front_right_hip;
+    let x_axis_front_right_hip_x = t107 - t106;
+    let t109 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_x;
+    let t110 = z_axis_base_x * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_x = t109 - t110;
+    let t112 = 0.2 * x_axis_front_right_calf_x;
+    let t113 = x_axis_base_x * cos_front_right_hip;
+    let t114 = y_axis_base_x * sin_front_right_hip;
+    let y_axis_front_right_hip_x = t114 + t113;
     j[3][10] = y_axis_front_right_hip_x;
     j[3][11] = y_axis_front_right_hip_x;
-    let t118 = 0.09 * y_axis_front_right_hip_x;
-    let t119 = 0.2 * z_axis_base_x;
-    let t120 = t14 * 0.1;
-    let t121 = y[0] - t120;
-    let origin_front_right_hip_x = t119 + t121;
-    let origin_front_right_thigh_x = origin_front_right_hip_x - t118;
-    let origin_front_right_calf_x = origin_front_right_thigh_x + t114;
-    let t125 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_x;
-    let t126 = z_axis_base_x * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_x = t125 - t126;
-    let t128 = 0.2 * x_axis_front_right_calf_x;
-    let t129 = origin_front_right_calf_x + t128;
-    let t130 = y[0] - t129;
-    let t131 = z_axis_base_z * t130;
-    let t132 = t131 - t107;
-    let t133 = x_axis_base_x * t83;
-    let t134 = x_axis_base_z * t130;
-    let t135 = t134 - t133;
-    let t136 = y_axis_base_x * t83;
-    let t137 = y_axis_base_z * t130;
-    let t138 = t137 - t136;
-    let t139 = z_axis_base_x * t94;
-    let t140 = origin_front_right_hip_x - t129;
-    let t141 = z_axis_base_z * t140;
-    let t142 = t141 - t139;
-    let t143 = y_axis_front_right_hip_x * t99;
-    let t144 = origin_front_right_thigh_x - t129;
-    let t145 = y_axis_front_right_hip_z * t144;
-    let t146 = t145 - t143;
-    let t147 = y_axis_front_right_hip_x * t104;
-    let t148 = origin_front_right_calf_x - t129;
-    let t149 = y_axis_front_right_hip_z * t148;
-    let t150 = t149 - t147;
-    let t151 = z_axis_base_x * t52;
-    let t152 = z_axis_base_y * t130;
+    let t116 = 0.09 * y_axis_front_right_hip_x;
+    let t117 = t112 - t116;
+    let t118 = cos_front_right_thigh * x_axis_front_right_hip_x;
+    let t119 = z_axis_base_x * sin_front_right_thigh;
+    let x_axis_front_right_thigh_x = t118 - t119;
+    let t121 = 0.2 * x_axis_front_right_thigh_x;
+    let t122 = 0.2 * z_axis_base_x;
+    let t123 = t14 * 0.1;
+    let t124 = y[0] - t123;
+    let origin_front_right_hip_x = t122 + t124;
+    let origin_front_right_calf_x = origin_front_right_hip_x + t121;
+    let t127 = origin_front_right_calf_x + t117;
+    let t128 = y[0] - t127;
+    let t129 = z_axis_base_z * t128;
+    let t130 = t129 - t105;
+    let t131 = x_axis_base_x * t83;
+    let t132 = x_axis_base_z * t128;
+    let t133 = t132 - t131;
+    let t134 = y_axis_base_x * t83;
+    let t135 = y_axis_base_z * t128;
+    let t136 = t135 - t134;
+    let t137 = z_axis_base_x * t94;
+    let t138 = origin_front_right_hip_x - t127;
+    let t139 = z_axis_base_z * t138;
+    let t140 = t139 - t137;
+    let t141 = y_axis_front_right_hip_x * t94;
+    let t142 = y_axis_front_right_hip_z * t138;
+    let t143 = t142 - t141;
+    let t144 = y_axis_front_right_hip_x * t102;
+    let t145 = origin_front_right_calf_x - t127;
+    let t146 = y_axis_front_right_hip_z * t145;
+    let t147 = t146 - t144;
+    let t148 = z_axis_base_x * t52;
+    let t149 = z_axis_base_y * t128;
+    let t150 = t149 - t148;
+    j[2][3] = t150;
+    let t151 = x_axis_base_x * t52;
+    let t152 = x_axis_base_y * t128;
     let t153 = t152 - t151;
-    j[2][3] = t153;
-    let t154 = x_axis_base_x * t52;
-    let t155 = x_axis_base_y * t130;
+    j[2][4] = t153;
+    let t154 = y_axis_base_x * t52;
+    let t155 = y_axis_base_y * t128;
     let t156 = t155 - t154;
-    j[2][4] = t156;
-    let t157 = y_axis_base_x * t52;
-    let t158 = y_axis_base_y * t130;
-    let t159 = t158 - t157;
-    j[2][5] = t159;
-    let t160 = z_axis_base_x * t92;
-    let t161 = z_axis_base_y * t140;
+    j[2][5] = t156;
+    let t157 = z_axis_base_x * t92;
+    let t158 = z_axis_base_y * t138;
+    let t159 = t158 + t157;
+    j[2][9] = t159;
+    let t160 = y_axis_front_right_hip_x * t92;
+    let t161 = y_axis_front_right_hip_y * t138;
     let t162 = t161 + t160;
-    j[2][9] = t162;
-    let t163 = y_axis_front_right_hip_x * t97;
-    let t164 = y_axis_front_right_hip_y * t144;
-    let t165 = t164 + t163;
-    j[2][10] = t165;
-    let t166 = y_axis_front_right_hip_x * t102;
-    let t167 = y_axis_front_right_hip_y * t148;
-    let t168 = t167 - t166;
-    j[2][11] = t168;
-    let t169 = -t85;
-    j[0][3] = t169;
-    let t170 = -t88;
-    j[0][4] = t170;
-    let t171 = -t91;
-    j[0][5] = t171;
-    let t172 = -t96;
-    j[0][9] = t172;
-    let t173 = -t101;
-    j[0][10] = t173;
-    let t174 = -t106;
-    j[0][11] = t174;
-    let t175 = -t132;
-    j[1][3] = t175;
-    let t176 = -t135;
-    j[1][4] = t176;
-    let t177 = -t138;
-    j[1][5] = t177;
-    let t178 = -t142;
-    j[1][9] = t178;
-    let t179 = -t146;
-    j[1][10] = t179;
-    let t180 = -t150;
-    j[1][11] = t180;
+    j[2][10] = t162;
+    let t163 = y_axis_front_right_hip_x * t100;
+    let t164 = y_axis_front_right_hip_y * t145;
+    let t165 = t164 - t163;
+    j[2][11] = t165;
+    let t166 = -t85;
+    j[0][3] = t166;
+    let t167 = -t88;
+    j[0][4] = t167;
+    let t168 = -t91;
+    j[0][5] = t168;
+    let t169 = -t96;
+    j[0][9] = t169;
+    let t170 = -t99;
+    j[0][10] = t170;
+    let t171 = -t104;
+    j[0][11] = t171;
+    let t172 = -t130;
+    j[1][3] = t172;
+    let t173 = -t133;
+    j[1][4] = t173;
+    let t174 = -t136;
+    j[1][5] = t174;
+    let t175 = -t140;
+    j[1][9] = t175;
+    let t176 = -t143;
+    j[1][10] = t176;
+    let t177 = -t147;
+    j[1][11] = t177;
 }
 
 /// Acceleration of the frame at ÿ = 0 `front_right`.
@@ -8121,221 +7943,221 @@ pub fn frame_front_right_jacobian_rate_times_velocity(
     let omega_front_right_hip_z = v[3] + v[9];
     let t14 = cos_front_right_thigh * omega_front_right_hip_z;
     let omega_front_right_thigh_y = t12 + t14;
-    let t16 = v[10] * omega_front_right_thigh_y;
-    let t17 = v[5] * sin_front_right_hip;
-    let t18 = v[4] * cos_front_right_hip;
-    let omega_front_right_hip_y = t18 + t17;
-    let t20 = v[9] * omega_front_right_hip_y;
-    let t21 = cos_front_right_thigh * t20;
-    let t22 = t21 - t16;
+    let t16 = sin_front_right_calf * omega_front_right_thigh_y;
+    let t17 = cos_front_right_thigh * omega_front_right_hip_x;
+    let t18 = sin_front_right_thigh * omega_front_right_hip_z;
+    let omega_front_right_thigh_x = t17 - t18;
+    let t20 = cos_front_right_calf * omega_front_right_thigh_x;
+    let omega_front_right_calf_x = t20 - t16;
+    let t22 = v[11] * omega_front_right_calf_x;
+    let t23 = v[10] * omega_front_right_thigh_x;
+    let t24 = v[5] * sin_front_right_hip;
+    let t25 = v[4] * cos_front_right_hip;
+    let omega_front_right_hip_y = t25 + t24;
+    let t27 = v[9] * omega_front_right_hip_y;
+    let t28 = sin_front_right_thigh * t27;
+    let t29 = t28 + t23;
+    let t30 = cos_front_right_calf * t29;
+    let t31 = t30 + t22;
+    let t32 = v[10] * omega_front_right_thigh_y;
+    let t33 = cos_front_right_thigh * t27;
+    let t34 = t33 - t32;
+    let t35 = sin_front_right_calf * t34;
+    let t36 = t35 + t31;
     let omega_front_right_thigh_z = v[10] + omega_front_right_hip_y;
-    let t24 = omega_front_right_thigh_y * omega_front_right_thigh_z;
-    let t25 = t22 + t24;
-    let t26 = 0.09 * t25;
-    let t27 = v[3] * v[4];
-    let t28 = 0.2 * t27;
-    let t29 = v[2] * v[3];
-    let t30 = v[0] * v[5];
-    let acceleration_base_y = t30 - t29;
-    let t32 = acceleration_base_y + t28;
-    let t33 = v[5] * v[5];
-    let t34 = v[3] * v[3];
-    let t35 = t34 + t33;
-    let t36 = 0.05 * t35;
-    let t37 = t36 + t32;
-    let t38 = sin_front_right_hip * t37;
-    let t39 = v[4] * v[5];
-    let t40 = 0.05 * t39;
-    let t41 = v[3] * v[5];
-    let t42 = 0.2 * t41;
-    let t43 = t42 - t40;
-    let t44 = v[0] * v[4];
-    let t45 = v[1] * v[3];
-    let acceleration_base_z = t45 - t44;
-    let t47 = acceleration_base_z + t43;
-    let t48 = cos_front_right_hip * t47;
-    let acceleration_front_right_hip_x = t48 - t38;
-    let t50 = sin_front_right_thigh * acceleration_front_right_hip_x;
-    let t51 = 0.05 * t27;
-    let t52 = v[1] * v[5];
-    let t53 = v[2] * v[4];
-    let acceleration_base_x = t53 - t52;
-    let t55 = acceleration_base_x - t51;
-    let t56 = v[4] * v[4];
-    let t57 = t56 + t33;
-    let t58 = 0.2 * t57;
-    let acceleration_front_right_hip_z = t58 - t55;
-    let t60 = cos_front_right_thigh * acceleration_front_right_hip_z;
-    let t61 = t50 + t60;
-    let acceleration_front_right_thigh_y = t26 + t61;
-    let t63 = cos_front_right_thigh * omega_front_right_hip_x;
-    let t64 = sin_front_right_thigh * omega_front_right_hip_z;
-    let omega_front_right_thigh_x = t63 - t64;
-    let t66 = omega_front_right_thigh_x * omega_front_right_thigh_y;
-    let t67 = v[9] * omega_front_right_hip_x;
-    let t68 = t67 + t66;
-    let t69 = 0.2 * t68;
-    let t70 = t69 - acceleration_front_right_thigh_y;
-    let t71 = cos_front_right_calf * t70;
-    let t72 = v[10] * omega_front_right_thigh_x;
-    let t73 = sin_front_right_thigh * t20;
-    let t74 = t73 + t72;
-    let t75 = omega_front_right_thigh_x * omega_front_right_thigh_z;
-    let t76 = t74 - t75;
-    let t77 = 0.09 * t76;
-    let t78 = cos_front_right_thigh * acceleration_front_right_hip_x;
-    let t79 = sin_front_right_thigh * acceleration_front_right_hip_z;
-    let t80 = t78 - t79;
-    let acceleration_front_right_thigh_x = t77 - t80;
-    let t82 = omega_front_right_thigh_y * omega_front_right_thigh_y;
-    let t83 = omega_front_right_thigh_z * omega_front_right_thigh_z;
-    let t84 = t82 + t83;
-    let t85 = 0.2 * t84;
-    let t86 = t85 - acceleration_front_right_thigh_x;
-    let t87 = sin_front_right_calf * t86;
-    let acceleration_front_right_calf_y = t87 - t71;
-    let t89 = cos_front_right_calf * omega_front_right_thigh_y;
-    let t90 = sin_front_right_calf * omega_front_right_thigh_x;
-    let omega_front_right_calf_y = t90 + t89;
-    let t92 = sin_front_right_calf * omega_front_right_thigh_y;
-    let t93 = cos_front_right_calf * omega_front_right_thigh_x;
-    let omega_front_right_calf_x = t93 - t92;
-    let t95 = omega_front_right_calf_x * omega_front_right_calf_y;
-    let t96 = t67 + t95;
-    let t97 = 0.2 * t96;
-    let t98 = t97 - acceleration_front_right_calf_y;
-    let t99 = y[4] * y[6];
-    let t100 = y[3] * y[5];
-    let t101 = t100 + t99;
-    let y_axis_base_x = t101 + t101;
-    let t103 = y_axis_base_x * cos_front_right_hip;
-    let t104 = y[5] * y[6];
-    let t105 = y[3] * y[4];
-    let t106 = t105 - t104;
-    let x_axis_base_x = t106 + t106;
-    let t108 = x_axis_base_x * sin_front_right_hip;
-    let x_axis_front_right_hip_x = t108 - t103;
-    let t110 = sin_front_right_thigh_front_right_calf * x_axis_front_right_hip_x;
-    let t111 = y[5] * y[5];
-    let t112 = y[4] * y[4];
-    let t113 = t112 + t111;
-    let t114 = 2.0 * t113;
-    let z_axis_base_x = 1.0 - t114;
-    let t116 = z_axis_base_x * cos_front_right_thigh_front_right_calf;
-    let y_axis_front_right_calf_x = t116 + t110;
-    let t118 = y_axis_front_right_calf_x * t98;
-    let t119 = v[11] * omega_front_right_calf_x;
-    let t120 = cos_front_right_calf * t74;
-    let t121 = t120 + t119;
-    let t122 = sin_front_right_calf * t22;
-    let t123 = t122 + t121;
     let omega_front_right_calf_z = v[11] + omega_front_right_thigh_z;
-    let t125 = omega_front_right_calf_x * omega_front_right_calf_z;
-    let t126 = t125 + t123;
-    let t127 = 0.2 * t126;
-    let t128 = omega_front_right_thigh_x * omega_front_right_thigh_x;
-    let t129 = t128 + t82;
-    let t130 = 0.09 * t129;
-    let t131 = cos_front_right_hip * t37;
-    let t132 = sin_front_right_hip * t47;
-    let acceleration_front_right_hip_y = t132 + t131;
-    let acceleration_front_right_thigh_z = t130 + acceleration_front_right_hip_y;
-    let t135 = t74 + t75;
-    let t136 = 0.2 * t135;
-    let acceleration_front_right_calf_z = t136 + acceleration_front_right_thigh_z;
-    let t138 = acceleration_front_right_calf_z + t127;
-    let t139 = x_axis_base_x * cos_front_right_hip;
-    let t140 = y_axis_base_x * sin_front_right_hip;
-    let y_axis_front_right_hip_x = t140 + t139;
-    let t142 = y_axis_front_right_hip_x * t138;
-    let t143 = t118 + t142;
-    let t144 = sin_front_right_calf * t70;
-    let t145 = cos_front_right_calf * t86;
-    let acceleration_front_right_calf_x = t145 + t144;
-    let t147 = omega_front_right_calf_y * omega_front_right_calf_y;
-    let t148 = omega_front_right_calf_z * omega_front_right_calf_z;
-    let t149 = t147 + t148;
-    let t150 = 0.2 * t149;
-    let t151 = t150 + acceleration_front_right_calf_x;
-    let t152 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_x;
-    let t153 = z_axis_base_x * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_x = t152 - t153;
-    let t155 = x_axis_front_right_calf_x * t151;
-    let t156 = t155 - t143;
-    let t157 = y[3] * y[3];
-    let t158 = t157 + t111;
-    let t159 = 2.0 * t158;
-    let x_axis_base_y = 1.0 - t159;
-    let t161 = x_axis_base_y * sin_front_right_hip;
-    let t162 = y[3] * y[6];
-    let t163 = y[4] * y[5];
-    let t164 = t163 - t162;
-    let y_axis_base_y = t164 + t164;
-    let t166 = y_axis_base_y * cos_front_right_hip;
-    let x_axis_front_right_hip_y = t161 - t166;
-    let t168 = sin_front_right_thigh_front_right_calf * x_axis_front_right_hip_y;
-    let t169 = t105 + t104;
-    let z_axis_base_y = t169 + t169;
-    let t171 = z_axis_base_y * cos_front_right_thigh_front_right_calf;
-    let y_axis_front_right_calf_y = t171 + t168;
-    let t173 = y_axis_front_right_calf_y * t98;
-    let t174 = x_axis_base_y * cos_front_right_hip;
-    let t175 = y_axis_base_y * sin_front_right_hip;
-    let y_axis_front_right_hip_y = t175 + t174;
-    let t177 = y_axis_front_right_hip_y * t138;
-    let t178 = t173 + t177;
-    let t179 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_y;
-    let t180 = z_axis_base_y * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_y = t179 - t180;
-    let t182 = x_axis_front_right_calf_y * t151;
-    let t183 = t182 - t178;
-    let t184 = t157 + t112;
-    let t185 = 2.0 * t184;
-    let y_axis_base_z = 1.0 - t185;
-    let t187 = y_axis_base_z * cos_front_right_hip;
-    let t188 = t163 + t162;
-    let x_axis_base_z = t188 + t188;
-    let t190 = x_axis_base_z * sin_front_right_hip;
-    let x_axis_front_right_hip_z = t190 - t187;
-    let t192 = sin_front_right_thigh_front_right_calf * x_axis_front_right_hip_z;
-    let t193 = t100 - t99;
-    let z_axis_base_z = t193 + t193;
-    let t195 = z_axis_base_z * cos_front_right_thigh_front_right_calf;
-    let y_axis_front_right_calf_z = t195 + t192;
-    let t197 = y_axis_front_right_calf_z * t98;
-    let t198 = y_axis_base_z * sin_front_right_hip;
-    let t199 = x_axis_base_z * cos_front_right_hip;
-    let y_axis_front_right_hip_z = t198 + t199;
-    let t201 = y_axis_front_right_hip_z * t138;
-    let t202 = t197 + t201;
-    let t203 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_z;
-    let t204 = z_axis_base_z * sin_front_right_thigh_front_right_calf;
-    let x_axis_front_right_calf_z = t203 - t204;
-    let t206 = x_axis_front_right_calf_z * t151;
-    let t207 = t206 - t202;
-    let t208 = y_axis_front_right_calf_x * t123;
-    let t209 = y_axis_front_right_hip_x * t67;
-    let t210 = t209 - t208;
-    let t211 = v[11] * omega_front_right_calf_y;
-    let t212 = sin_front_right_calf * t74;
-    let t213 = t212 + t211;
-    let t214 = cos_front_right_calf * t22;
+    let t39 = omega_front_right_calf_x * omega_front_right_calf_z;
+    let t40 = t39 + t36;
+    let t41 = 0.2 * t40;
+    let t42 = omega_front_right_thigh_x * omega_front_right_thigh_z;
+    let t43 = t29 + t42;
+    let t44 = 0.2 * t43;
+    let t45 = v[3] * v[4];
+    let t46 = 0.2 * t45;
+    let t47 = v[2] * v[3];
+    let t48 = v[0] * v[5];
+    let acceleration_base_y = t48 - t47;
+    let t50 = acceleration_base_y + t46;
+    let t51 = v[5] * v[5];
+    let t52 = v[3] * v[3];
+    let t53 = t52 + t51;
+    let t54 = 0.05 * t53;
+    let t55 = t54 + t50;
+    let t56 = cos_front_right_hip * t55;
+    let t57 = v[4] * v[5];
+    let t58 = 0.05 * t57;
+    let t59 = v[3] * v[5];
+    let t60 = 0.2 * t59;
+    let t61 = t60 - t58;
+    let t62 = v[0] * v[4];
+    let t63 = v[1] * v[3];
+    let acceleration_base_z = t63 - t62;
+    let t65 = acceleration_base_z + t61;
+    let t66 = sin_front_right_hip * t65;
+    let acceleration_front_right_hip_y = t66 + t56;
+    let acceleration_front_right_calf_z = t44 + acceleration_front_right_hip_y;
+    let t69 = cos_front_right_calf * omega_front_right_thigh_y;
+    let t70 = sin_front_right_calf * omega_front_right_thigh_x;
+    let omega_front_right_calf_y = t70 + t69;
+    let t72 = omega_front_right_calf_y * omega_front_right_calf_y;
+    let t73 = omega_front_right_calf_x * omega_front_right_calf_x;
+    let t74 = t73 + t72;
+    let t75 = 0.09 * t74;
+    let t76 = t75 + acceleration_front_right_calf_z;
+    let t77 = t41 + t76;
+    let t78 = y[5] * y[6];
+    let t79 = y[3] * y[4];
+    let t80 = t79 - t78;
+    let x_axis_base_x = t80 + t80;
+    let t82 = x_axis_base_x * cos_front_right_hip;
+    let t83 = y[4] * y[6];
+    let t84 = y[3] * y[5];
+    let t85 = t84 + t83;
+    let y_axis_base_x = t85 + t85;
+    let t87 = y_axis_base_x * sin_front_right_hip;
+    let y_axis_front_right_hip_x = t87 + t82;
+    let t89 = y_axis_front_right_hip_x * t77;
+    let t90 = sin_front_right_hip * t55;
+    let t91 = cos_front_right_hip * t65;
+    let acceleration_front_right_hip_x = t91 - t90;
+    let t93 = sin_front_right_thigh * acceleration_front_right_hip_x;
+    let t94 = 0.05 * t45;
+    let t95 = v[1] * v[5];
+    let t96 = v[2] * v[4];
+    let acceleration_base_x = t96 - t95;
+    let t98 = acceleration_base_x - t94;
+    let t99 = v[4] * v[4];
+    let t100 = t99 + t51;
+    let t101 = 0.2 * t100;
+    let acceleration_front_right_hip_z = t101 - t98;
+    let t103 = cos_front_right_thigh * acceleration_front_right_hip_z;
+    let acceleration_front_right_thigh_y = t93 + t103;
+    let t105 = omega_front_right_thigh_x * omega_front_right_thigh_y;
+    let t106 = v[9] * omega_front_right_hip_x;
+    let t107 = t106 + t105;
+    let t108 = 0.2 * t107;
+    let t109 = t108 - acceleration_front_right_thigh_y;
+    let t110 = cos_front_right_calf * t109;
+    let t111 = cos_front_right_thigh * acceleration_front_right_hip_x;
+    let t112 = sin_front_right_thigh * acceleration_front_right_hip_z;
+    let acceleration_front_right_thigh_x = t111 - t112;
+    let t114 = omega_front_right_thigh_y * omega_front_right_thigh_y;
+    let t115 = omega_front_right_thigh_z * omega_front_right_thigh_z;
+    let t116 = t114 + t115;
+    let t117 = 0.2 * t116;
+    let t118 = t117 + acceleration_front_right_thigh_x;
+    let t119 = sin_front_right_calf * t118;
+    let acceleration_front_right_calf_y = t119 - t110;
+    let t121 = omega_front_right_calf_x * omega_front_right_calf_y;
+    let t122 = t106 + t121;
+    let t123 = 0.2 * t122;
+    let t124 = t123 - acceleration_front_right_calf_y;
+    let t125 = v[11] * omega_front_right_calf_y;
+    let t126 = sin_front_right_calf * t29;
+    let t127 = t126 + t125;
+    let t128 = cos_front_right_calf * t34;
+    let t129 = t128 - t127;
+    let t130 = omega_front_right_calf_y * omega_front_right_calf_z;
+    let t131 = t130 + t129;
+    let t132 = 0.09 * t131;
+    let t133 = t132 - t124;
+    let t134 = y_axis_base_x * cos_front_right_hip;
+    let t135 = x_axis_base_x * sin_front_right_hip;
+    let x_axis_front_right_hip_x = t135 - t134;
+    let t137 = sin_front_right_thigh_front_right_calf * x_axis_front_right_hip_x;
+    let t138 = y[5] * y[5];
+    let t139 = y[4] * y[4];
+    let t140 = t139 + t138;
+    let t141 = 2.0 * t140;
+    let z_axis_base_x = 1.0 - t141;
+    let t143 = z_axis_base_x * cos_front_right_thigh_front_right_calf;
+    let y_axis_front_right_calf_x = t143 + t137;
+    let t145 = y_axis_front_right_calf_x * t133;
+    let t146 = t145 - t89;
+    let t147 = sin_front_right_calf * t109;
+    let t148 = cos_front_right_calf * t118;
+    let acceleration_front_right_calf_x = t148 + t147;
+    let t150 = omega_front_right_calf_z * omega_front_right_calf_z;
+    let t151 = t72 + t150;
+    let t152 = 0.2 * t151;
+    let t153 = t152 + acceleration_front_right_calf_x;
+    let t154 = t39 - t36;
+    let t155 = 0.09 * t154;
+    let t156 = t155 + t153;
+    let t157 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_x;
+    let t158 = z_axis_base_x * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_x = t157 - t158;
+    let t160 = x_axis_front_right_calf_x * t156;
+    let t161 = t160 + t146;
+    let t162 = y[3] * y[3];
+    let t163 = t162 + t138;
+    let t164 = 2.0 * t163;
+    let x_axis_base_y = 1.0 - t164;
+    let t166 = x_axis_base_y * cos_front_right_hip;
+    let t167 = y[3] * y[6];
+    let t168 = y[4] * y[5];
+    let t169 = t168 - t167;
+    let y_axis_base_y = t169 + t169;
+    let t171 = y_axis_base_y * sin_front_right_hip;
+    let y_axis_front_right_hip_y = t171 + t166;
+    let t173 = y_axis_front_right_hip_y * t77;
+    let t174 = x_axis_base_y * sin_front_right_hip;
+    let t175 = y_axis_base_y * cos_front_right_hip;
+    let x_axis_front_right_hip_y = t174 - t175;
+    let t177 = sin_front_right_thigh_front_right_calf * x_axis_front_right_hip_y;
+    let t178 = t79 + t78;
+    let z_axis_base_y = t178 + t178;
+    let t180 = z_axis_base_y * cos_front_right_thigh_front_right_calf;
+    let y_axis_front_right_calf_y = t180 + t177;
+    let t182 = y_axis_front_right_calf_y * t133;
+    let t183 = t182 - t173;
+    let t184 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_y;
+    let t185 = z_axis_base_y * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_y = t184 - t185;
+    let t187 = x_axis_front_right_calf_y * t156;
+    let t188 = t187 + t183;
+    let t189 = t162 + t139;
+    let t190 = 2.0 * t189;
+    let y_axis_base_z = 1.0 - t190;
+    let t192 = y_axis_base_z * sin_front_right_hip;
+    let t193 = t168 + t167;
+    let x_axis_base_z = t193 + t193;
+    let t195 = x_axis_base_z * cos_front_right_hip;
+    let y_axis_front_right_hip_z = t192 + t195;
+    let t197 = y_axis_front_right_hip_z * t77;
+    let t198 = y_axis_base_z * cos_front_right_hip;
+    let t199 = x_axis_base_z * sin_front_right_hip;
+    let x_axis_front_right_hip_z = t199 - t198;
+    let t201 = sin_front_right_thigh_front_right_calf * x_axis_front_right_hip_z;
+    let t202 = t84 - t83;
+    let z_axis_base_z = t202 + t202;
+    let t204 = z_axis_base_z * cos_front_right_thigh_front_right_calf;
+    let y_axis_front_right_calf_z = t204 + t201;
+    let t206 = y_axis_front_right_calf_z * t133;
+    let t207 = t206 - t197;
+    let t208 = cos_front_right_thigh_front_right_calf * x_axis_front_right_hip_z;
+    let t209 = z_axis_base_z * sin_front_right_thigh_front_right_calf;
+    let x_axis_front_right_calf_z = t208 - t209;
+    let t211 = x_axis_front_right_calf_z * t156;
+    let t212 = t211 + t207;
+    let t213 = y_axis_front_right_calf_x * t36;
+    let t214 = y_axis_front_right_hip_x * t106;
     let t215 = t214 - t213;
-    let t216 = x_axis_front_right_calf_x * t215;
-    let t217 = t216 - t210;
-    let t218 = y_axis_front_right_calf_y * t123;
-    let t219 = y_axis_front_right_hip_y * t67;
+    let t216 = x_axis_front_right_calf_x * t129;
+    let t217 = t216 - t215;
+    let t218 = y_axis_front_right_calf_y * t36;
+    let t219 = y_axis_front_right_hip_y * t106;
     let t220 = t219 - t218;
-    let t221 = x_axis_front_right_calf_y * t215;
+    let t221 = x_axis_front_right_calf_y * t129;
     let t222 = t221 - t220;
-    let t223 = y_axis_front_right_calf_z * t123;
-    let t224 = y_axis_front_right_hip_z * t67;
+    let t223 = y_axis_front_right_calf_z * t36;
+    let t224 = y_axis_front_right_hip_z * t106;
     let t225 = t224 - t223;
-    let t226 = x_axis_front_right_calf_z * t215;
+    let t226 = x_axis_front_right_calf_z * t129;
     let t227 = t226 - t225;
-    let t228 = -t156;
-    let t229 = -t183;
-    let t230 = -t207;
+    let t228 = -t161;
+    let t229 = -t188;
+    let t230 = -t212;
     [t228, t229, t230, t217, t222, t227]
 }
 
@@ -8377,30 +8199,30 @@ pub fn frame_rear_left_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
     let x_axis_base_x = t14 + t14;
     let t16 = x_axis_base_x * sin_rear_left_hip;
     let x_axis_rear_left_hip_x = t16 - t11;
-    let t18 = cos_rear_left_thigh * x_axis_rear_left_hip_x;
+    let t18 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_x;
     let t19 = y[5] * y[5];
     let t20 = y[4] * y[4];
     let t21 = t20 + t19;
     let t22 = 2.0 * t21;
     let z_axis_base_x = 1.0 - t22;
-    let t24 = z_axis_base_x * sin_rear_left_thigh;
-    let x_axis_rear_left_thigh_x = t18 - t24;
-    let t26 = 0.2 * x_axis_rear_left_thigh_x;
+    let t24 = z_axis_base_x * sin_rear_left_thigh_rear_left_calf;
+    let x_axis_rear_left_calf_x = t18 - t24;
+    let t26 = 0.2 * x_axis_rear_left_calf_x;
     let t27 = x_axis_base_x * cos_rear_left_hip;
     let t28 = y_axis_base_x * sin_rear_left_hip;
     let y_axis_rear_left_hip_x = t28 + t27;
     let t30 = 0.09 * y_axis_rear_left_hip_x;
-    let t31 = 0.2 * z_axis_base_x;
-    let t32 = t14 * 0.1;
-    let t33 = y[0] + t32;
-    let origin_rear_left_hip_x = t33 - t31;
-    let origin_rear_left_thigh_x = origin_rear_left_hip_x + t30;
-    let origin_rear_left_calf_x = origin_rear_left_thigh_x + t26;
-    let t37 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_x;
-    let t38 = z_axis_base_x * sin_rear_left_thigh_rear_left_calf;
-    let x_axis_rear_left_calf_x = t37 - t38;
-    let t40 = 0.2 * x_axis_rear_left_calf_x;
-    let t41 = origin_rear_left_calf_x + t40;
+    let t31 = t26 + t30;
+    let t32 = cos_rear_left_thigh * x_axis_rear_left_hip_x;
+    let t33 = z_axis_base_x * sin_rear_left_thigh;
+    let x_axis_rear_left_thigh_x = t32 - t33;
+    let t35 = 0.2 * x_axis_rear_left_thigh_x;
+    let t36 = 0.2 * z_axis_base_x;
+    let t37 = t14 * 0.1;
+    let t38 = y[0] + t37;
+    let origin_rear_left_hip_x = t38 - t36;
+    let origin_rear_left_calf_x = origin_rear_left_hip_x + t35;
+    let t41 = origin_rear_left_calf_x + t31;
     let t42 = y[3] * y[3];
     let t43 = t42 + t19;
     let t44 = 2.0 * t43;
@@ -8418,20 +8240,20 @@ pub fn frame_rear_left_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
     let t56 = z_axis_base_y * sin_rear_left_thigh;
     let x_axis_rear_left_thigh_y = t53 - t56;
     let t58 = 0.2 * x_axis_rear_left_thigh_y;
-    let t59 = x_axis_base_y * cos_rear_left_hip;
-    let t60 = y_axis_base_y * sin_rear_left_hip;
-    let y_axis_rear_left_hip_y = t60 + t59;
-    let t62 = 0.09 * y_axis_rear_left_hip_y;
-    let t63 = 0.05 * x_axis_base_y;
-    let t64 = t54 * 0.4;
-    let t65 = y[1] - t64;
-    let origin_rear_left_hip_y = t63 + t65;
-    let origin_rear_left_thigh_y = t62 + origin_rear_left_hip_y;
-    let origin_rear_left_calf_y = t58 + origin_rear_left_thigh_y;
-    let t69 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_y;
-    let t70 = z_axis_base_y * sin_rear_left_thigh_rear_left_calf;
-    let x_axis_rear_left_calf_y = t69 - t70;
-    let t72 = 0.2 * x_axis_rear_left_calf_y;
+    let t59 = 0.05 * x_axis_base_y;
+    let t60 = t54 * 0.4;
+    let t61 = y[1] - t60;
+    let origin_rear_left_hip_y = t59 + t61;
+    let origin_rear_left_calf_y = t58 + origin_rear_left_hip_y;
+    let t64 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_y;
+    let t65 = z_axis_base_y * sin_rear_left_thigh_rear_left_calf;
+    let x_axis_rear_left_calf_y = t64 - t65;
+    let t67 = 0.2 * x_axis_rear_left_calf_y;
+    let t68 = x_axis_base_y * cos_rear_left_hip;
+    let t69 = y_axis_base_y * sin_rear_left_hip;
+    let y_axis_rear_left_hip_y = t69 + t68;
+    let t71 = 0.09 * y_axis_rear_left_hip_y;
+    let t72 = t67 + t71;
     let t73 = t72 + origin_rear_left_calf_y;
     let t74 = t42 + t20;
     let t75 = 2.0 * t74;
@@ -8447,20 +8269,20 @@ pub fn frame_rear_left_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
     let t85 = z_axis_base_z * sin_rear_left_thigh;
     let x_axis_rear_left_thigh_z = t82 - t85;
     let t87 = 0.2 * x_axis_rear_left_thigh_z;
-    let t88 = y_axis_base_z * sin_rear_left_hip;
-    let t89 = x_axis_base_z * cos_rear_left_hip;
-    let y_axis_rear_left_hip_z = t88 + t89;
-    let t91 = 0.09 * y_axis_rear_left_hip_z;
-    let t92 = t83 * 0.4;
-    let t93 = y[2] - t92;
-    let t94 = t78 * 0.1;
-    let origin_rear_left_hip_z = t94 + t93;
-    let origin_rear_left_thigh_z = t91 + origin_rear_left_hip_z;
-    let origin_rear_left_calf_z = t87 + origin_rear_left_thigh_z;
-    let t98 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_z;
-    let t99 = z_axis_base_z * sin_rear_left_thigh_rear_left_calf;
-    let x_axis_rear_left_calf_z = t98 - t99;
-    let t101 = 0.2 * x_axis_rear_left_calf_z;
+    let t88 = t83 * 0.4;
+    let t89 = y[2] - t88;
+    let t90 = t78 * 0.1;
+    let origin_rear_left_hip_z = t90 + t89;
+    let origin_rear_left_calf_z = t87 + origin_rear_left_hip_z;
+    let t93 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_z;
+    let t94 = z_axis_base_z * sin_rear_left_thigh_rear_left_calf;
+    let x_axis_rear_left_calf_z = t93 - t94;
+    let t96 = 0.2 * x_axis_rear_left_calf_z;
+    let t97 = y_axis_base_z * sin_rear_left_hip;
+    let t98 = x_axis_base_z * cos_rear_left_hip;
+    let y_axis_rear_left_hip_z = t97 + t98;
+    let t100 = 0.09 * y_axis_rear_left_hip_z;
+    let t101 = t96 + t100;
     let t102 = t101 + origin_rear_left_calf_z;
     let t103 = sin_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_x;
     let t104 = z_axis_base_x * cos_rear_left_thigh_rear_left_calf;
@@ -8506,7 +8328,7 @@ pub fn frame_rear_left_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
 ///   `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in rad
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
-/// Cost: 91 multiplications, 72 additions, 0 divisions, 3 function calls (`sin_cos`).
+/// Cost: 89 multiplications, 71 additions, 0 divisions, 3 function calls (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn frame_rear_left_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
@@ -8623,36 +8445,36 @@ pub fn frame_rear_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     let t25 = y[3] * y[6];
     let t26 = y[4] * y[5];
     let t27 = t26 - t25;
-    let y_axis_base_y = 2.0 * t27;
+    let y_axis_base_y = t27 + t27;
     j[1][2] = y_axis_base_y;
     j[4][5] = y_axis_base_y;
     let t29 = y_axis_base_y * cos_rear_left_hip;
     let x_axis_rear_left_hip_y = t24 - t29;
     let t31 = cos_rear_left_thigh * x_axis_rear_left_hip_y;
     let t32 = t13 + t12;
-    let z_axis_base_y = 2.0 * t32;
+    let z_axis_base_y = t32 + t32;
     j[1][0] = z_axis_base_y;
     j[4][3] = z_axis_base_y;
     j[4][12] = z_axis_base_y;
     let t34 = z_axis_base_y * sin_rear_left_thigh;
     let x_axis_rear_left_thigh_y = t31 - t34;
     let t36 = 0.2 * x_axis_rear_left_thigh_y;
-    let t37 = x_axis_base_y * cos_rear_left_hip;
-    let t38 = y_axis_base_y * sin_rear_left_hip;
-    let y_axis_rear_left_hip_y = t38 + t37;
+    let t37 = 0.05 * x_axis_base_y;
+    let t38 = t32 * 0.4;
+    let t39 = y[1] - t38;
+    let origin_rear_left_hip_y = t37 + t39;
+    let origin_rear_left_calf_y = t36 + origin_rear_left_hip_y;
+    let t42 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_y;
+    let t43 = z_axis_base_y * sin_rear_left_thigh_rear_left_calf;
+    let x_axis_rear_left_calf_y = t42 - t43;
+    let t45 = 0.2 * x_axis_rear_left_calf_y;
+    let t46 = x_axis_base_y * cos_rear_left_hip;
+    let t47 = y_axis_base_y * sin_rear_left_hip;
+    let y_axis_rear_left_hip_y = t47 + t46;
     j[4][13] = y_axis_rear_left_hip_y;
     j[4][14] = y_axis_rear_left_hip_y;
-    let t40 = 0.09 * y_axis_rear_left_hip_y;
-    let t41 = 0.05 * x_axis_base_y;
-    let t42 = t32 * 0.4;
-    let t43 = y[1] - t42;
-    let origin_rear_left_hip_y = t41 + t43;
-    let origin_rear_left_thigh_y = t40 + origin_rear_left_hip_y;
-    let origin_rear_left_calf_y = t36 + origin_rear_left_thigh_y;
-    let t47 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_y;
-    let t48 = z_axis_base_y * sin_rear_left_thigh_rear_left_calf;
-    let x_axis_rear_left_calf_y = t47 - t48;
-    let t50 = 0.2 * x_axis_rear_left_calf_y;
+    let t49 = 0.09 * y_axis_rear_left_hip_y;
+    let t50 = t45 + t49;
     let t51 = t50 + origin_rear_left_calf_y;
     let t52 = y[1] - t51;
     let t53 = t17 - t16;
@@ -8677,22 +8499,22 @@ pub fn frame_rear_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     let t65 = z_axis_base_z * sin_rear_left_thigh;
     let x_axis_rear_left_thigh_z = t64 - t65;
     let t67 = 0.2 * x_axis_rear_left_thigh_z;
-    let t68 = y_axis_base_z * sin_rear_left_hip;
-    let t69 = x_axis_base_z * cos_rear_left_hip;
-    let y_axis_rear_left_hip_z = t68 + t69;
+    let t68 = t53 * 0.4;
+    let t69 = y[2] - t68;
+    let t70 = t60 * 0.1;
+    let origin_rear_left_hip_z = t70 + t69;
+    let origin_rear_left_calf_z = t67 + origin_rear_left_hip_z;
+    let t73 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_z;
+    let t74 = z_axis_base_z * sin_rear_left_thigh_rear_left_calf;
+    let x_axis_rear_left_calf_z = t73 - t74;
+    let t76 = 0.2 * x_axis_rear_left_calf_z;
+    let t77 = y_axis_base_z * sin_rear_left_hip;
+    let t78 = x_axis_base_z * cos_rear_left_hip;
+    let y_axis_rear_left_hip_z = t77 + t78;
     j[5][13] = y_axis_rear_left_hip_z;
     j[5][14] = y_axis_rear_left_hip_z;
-    let t71 = 0.09 * y_axis_rear_left_hip_z;
-    let t72 = t53 * 0.4;
-    let t73 = y[2] - t72;
-    let t74 = t60 * 0.1;
-    let origin_rear_left_hip_z = t74 + t73;
-    let origin_rear_left_thigh_z = t71 + origin_rear_left_hip_z;
-    let origin_rear_left_calf_z = t67 + origin_rear_left_thigh_z;
-    let t78 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_z;
-    let t79 = z_axis_base_z * sin_rear_left_thigh_rear_left_calf;
-    let x_axis_rear_left_calf_z = t78 - t79;
-    let t81 = 0.2 * x_axis_rear_left_calf_z;
+    let t80 = 0.09 * y_axis_rear_left_hip_z;
+    let t81 = t76 + t80;
     let t82 = t81 + origin_rear_left_calf_z;
     let t83 = y[2] - t82;
     let t84 = z_axis_base_y * t83;
@@ -8708,110 +8530,107 @@ pub fn frame_rear_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     let t94 = origin_rear_left_hip_z - t82;
     let t95 = z_axis_base_y * t94;
     let t96 = t95 - t93;
-    let t97 = origin_rear_left_thigh_y - t51;
-    let t98 = y_axis_rear_left_hip_z * t97;
-    let t99 = origin_rear_left_thigh_z - t82;
-    let t100 = y_axis_rear_left_hip_y * t99;
-    let t101 = t100 - t98;
-    let t102 = origin_rear_left_calf_y - t51;
-    let t103 = y_axis_rear_left_hip_z * t102;
-    let t104 = origin_rear_left_calf_z - t82;
-    let t105 = y_axis_rear_left_hip_y * t104;
-    let t106 = t105 - t103;
-    let t107 = z_axis_base_x * t83;
-    let t108 = y_axis_base_x * cos_rear_left_hip;
-    let t109 = x_axis_base_x * sin_rear_left_hip;
-    let x_axis_rear_left_hip_x = t109 - t108;
-    let t111 = cos_rear_left_thigh * x_axis_rear_left_hip_x;
-    let t112 = z_axis_base_x * sin_rear_left_thigh;
-    let x_axis_rear_left_thigh_x = t111 - t112;
-    let t114 = 0.2 * x_axis_rear_left_thigh_x;
-    let t115 = x_axis_base_x * cos_rear_left_hip;
-    let t116 = y_axis_base_x * sin_rear_left_hip;
-    let y_axis_rear_left_hip_x = t116 + t115;
+    let t97 = y_axis_rear_left_hip_z * t92;
+    let t98 = y_axis_rear_left_hip_y * t94;
+    let t99 = t98 - t97;
+    let t100 = origin_rear_left_calf_y - t51;
+    let t101 = y_axis_rear_left_hip_z * t100;
+    let t102 = origin_rear_left_calf_z - t82;
+    let t103 = y_axis_rear_left_hip_y * t102;
+    let t104 = t103 - t101;
+    let t105 = z_axis_base_x * t83;
+    let t106 = y_axis_base_x * cos_rear_left_hip;
+    let t107 = x_axis_base_x * sin_rear_left_hip;
+    let x_axis_rear_left_hip_x = t107 - t106;
+    let t109 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_x;
+    let t110 = z_axis_base_x * sin_rear_left_thigh_rear_left_calf;
+    let x_axis_rear_left_calf_x = t109 - t110;
+    let t112 = 0.2 * x_axis_rear_left_calf_x;
+    let t113 = x_axis_base_x * cos_rear_left_hip;
+    let t114 = y_axis_base_x * sin_rear_left_hip;
+    let y_axis_rear_left_hip_x = t114 + t113;
     j[3][13] = y_axis_rear_left_hip_x;
     j[3][14] = y_axis_rear_left_hip_x;
-    let t118 = 0.09 * y_axis_rear_left_hip_x;
-    let t119 = 0.2 * z_axis_base_x;
-    let t120 = t14 * 0.1;
-    let t121 = y[0] + t120;
-    let origin_rear_left_hip_x = t121 - t119;
-    let origin_rear_left_thigh_x = origin_rear_left_hip_x + t118;
-    let origin_rear_left_calf_x = origin_rear_left_thigh_x + t114;
-    let t125 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_x;
-    let t126 = z_axis_base_x * sin_rear_left_thigh_rear_left_calf;
-    let x_axis_rear_left_calf_x = t125 - t126;
-    let t128 = 0.2 * x_axis_rear_left_calf_x;
-    let t129 = origin_rear_left_calf_x + t128;
-    let t130 = y[0] - t129;
-    let t131 = z_axis_base_z * t130;
-    let t132 = t131 - t107;
-    let t133 = x_axis_base_x * t83;
-    let t134 = x_axis_base_z * t130;
-    let t135 = t134 - t133;
-    let t136 = y_axis_base_x * t83;
-    let t137 = y_axis_base_z * t130;
-    let t138 = t137 - t136;
-    let t139 = z_axis_base_x * t94;
-    let t140 = origin_rear_left_hip_x - t129;
-    let t141 = z_axis_base_z * t140;
-    let t142 = t141 - t139;
-    let t143 = y_axis_rear_left_hip_x * t99;
-    let t144 = origin_rear_left_thigh_x - t129;
-    let t145 = y_axis_rear_left_hip_z * t144;
-    let t146 = t145 - t143;
-    let t147 = y_axis_rear_left_hip_x * t104;
-    let t148 = origin_rear_left_calf_x - t129;
-    let t149 = y_axis_rear_left_hip_z * t148;
-    let t150 = t149 - t147;
-    let t151 = z_axis_base_x * t52;
-    let t152 = z_axis_base_y * t130;
+    let t116 = 0.09 * y_axis_rear_left_hip_x;
+    let t117 = t112 + t116;
+    let t118 = cos_rear_left_thigh * x_axis_rear_left_hip_x;
+    let t119 = z_axis_base_x * sin_rear_left_thigh;
+    let x_axis_rear_left_thigh_x = t118 - t119;
+    let t121 = 0.2 * x_axis_rear_left_thigh_x;
+    let t122 = 0.2 * z_axis_base_x;
+    let t123 = t14 * 0.1;
+    let t124 = y[0] + t123;
+    let origin_rear_left_hip_x = t124 - t122;
+    let origin_rear_left_calf_x = origin_rear_left_hip_x + t121;
+    let t127 = origin_rear_left_calf_x + t117;
+    let t128 = y[0] - t127;
+    let t129 = z_axis_base_z * t128;
+    let t130 = t129 - t105;
+    let t131 = x_axis_base_x * t83;
+    let t132 = x_axis_base_z * t128;
+    let t133 = t132 - t131;
+    let t134 = y_axis_base_x * t83;
+    let t135 = y_axis_base_z * t128;
+    let t136 = t135 - t134;
+    let t137 = z_axis_base_x * t94;
+    let t138 = origin_rear_left_hip_x - t127;
+    let t139 = z_axis_base_z * t138;
+    let t140 = t139 - t137;
+    let t141 = y_axis_rear_left_hip_x * t94;
+    let t142 = y_axis_rear_left_hip_z * t138;
+    let t143 = t142 - t141;
+    let t144 = y_axis_rear_left_hip_x * t102;
+    let t145 = origin_rear_left_calf_x - t127;
+    let t146 = y_axis_rear_left_hip_z * t145;
+    let t147 = t146 - t144;
+    let t148 = z_axis_base_x * t52;
+    let t149 = z_axis_base_y * t128;
+    let t150 = t149 - t148;
+    j[2][3] = t150;
+    let t151 = x_axis_base_x * t52;
+    let t152 = x_axis_base_y * t128;
     let t153 = t152 - t151;
-    j[2][3] = t153;
-    let t154 = x_axis_base_x * t52;
-    let t155 = x_axis_base_y * t130;
+    j[2][4] = t153;
+    let t154 = y_axis_base_x * t52;
+    let t155 = y_axis_base_y * t128;
     let t156 = t155 - t154;
-    j[2][4] = t156;
-    let t157 = y_axis_base_x * t52;
-    let t158 = y_axis_base_y * t130;
+    j[2][5] = t156;
+    let t157 = z_axis_base_x * t92;
+    let t158 = z_axis_base_y * t138;
     let t159 = t158 - t157;
-    j[2][5] = t159;
-    let t160 = z_axis_base_x * t92;
-    let t161 = z_axis_base_y * t140;
+    j[2][12] = t159;
+    let t160 = y_axis_rear_left_hip_x * t92;
+    let t161 = y_axis_rear_left_hip_y * t138;
     let t162 = t161 - t160;
-    j[2][12] = t162;
-    let t163 = y_axis_rear_left_hip_x * t97;
-    let t164 = y_axis_rear_left_hip_y * t144;
+    j[2][13] = t162;
+    let t163 = y_axis_rear_left_hip_x * t100;
+    let t164 = y_axis_rear_left_hip_y * t145;
     let t165 = t164 - t163;
-    j[2][13] = t165;
-    let t166 = y_axis_rear_left_hip_x * t102;
-    let t167 = y_axis_rear_left_hip_y * t148;
-    let t168 = t167 - t166;
-    j[2][14] = t168;
-    let t169 = -t85;
-    j[0][3] = t169;
-    let t170 = -t88;
-    j[0][4] = t170;
-    let t171 = -t91;
-    j[0][5] = t171;
-    let t172 = -t96;
-    j[0][12] = t172;
-    let t173 = -t101;
-    j[0][13] = t173;
-    let t174 = -t106;
-    j[0][14] = t174;
-    let t175 = -t132;
-    j[1][3] = t175;
-    let t176 = -t135;
-    j[1][4] = t176;
-    let t177 = -t138;
-    j[1][5] = t177;
-    let t178 = -t142;
-    j[1][12] = t178;
-    let t179 = -t146;
-    j[1][13] = t179;
-    let t180 = -t150;
-    j[1][14] = t180;
+    j[2][14] = t165;
+    let t166 = -t85;
+    j[0][3] = t166;
+    let t167 = -t88;
+    j[0][4] = t167;
+    let t168 = -t91;
+    j[0][5] = t168;
+    let t169 = -t96;
+    j[0][12] = t169;
+    let t170 = -t99;
+    j[0][13] = t170;
+    let t171 = -t104;
+    j[0][14] = t171;
+    let t172 = -t130;
+    j[1][3] = t172;
+    let t173 = -t133;
+    j[1][4] = t173;
+    let t174 = -t136;
+    j[1][5] = t174;
+    let t175 = -t140;
+    j[1][12] = t175;
+    let t176 = -t143;
+    j[1][13] = t176;
+    let t177 = -t147;
+    j[1][14] = t177;
 }
 
 /// Acceleration of the frame at ÿ = 0 `rear_left`.
@@ -8856,222 +8675,219 @@ pub fn frame_rear_left_jacobian_rate_times_velocity(
     let omega_rear_left_hip_z = v[3] + v[12];
     let t14 = cos_rear_left_thigh * omega_rear_left_hip_z;
     let omega_rear_left_thigh_y = t12 + t14;
-    let t16 = v[13] * omega_rear_left_thigh_y;
-    let t17 = v[5] * sin_rear_left_hip;
-    let t18 = v[4] * cos_rear_left_hip;
-    let omega_rear_left_hip_y = t18 + t17;
-    let t20 = v[12] * omega_rear_left_hip_y;
-    let t21 = cos_rear_left_thigh * t20;
-    let t22 = t21 - t16;
+    let t16 = sin_rear_left_calf * omega_rear_left_thigh_y;
+    let t17 = cos_rear_left_thigh * omega_rear_left_hip_x;
+    let t18 = sin_rear_left_thigh * omega_rear_left_hip_z;
+    let omega_rear_left_thigh_x = t17 - t18;
+    let t20 = cos_rear_left_calf * omega_rear_left_thigh_x;
+    let omega_rear_left_calf_x = t20 - t16;
+    let t22 = v[14] * omega_rear_left_calf_x;
+    let t23 = v[13] * omega_rear_left_thigh_x;
+    let t24 = v[5] * sin_rear_left_hip;
+    let t25 = v[4] * cos_rear_left_hip;
+    let omega_rear_left_hip_y = t25 + t24;
+    let t27 = v[12] * omega_rear_left_hip_y;
+    let t28 = sin_rear_left_thigh * t27;
+    let t29 = t28 + t23;
+    let t30 = cos_rear_left_calf * t29;
+    let t31 = t30 + t22;
+    let t32 = v[13] * omega_rear_left_thigh_y;
+    let t33 = cos_rear_left_thigh * t27;
+    let t34 = t33 - t32;
+    let t35 = sin_rear_left_calf * t34;
+    let t36 = t35 + t31;
     let omega_rear_left_thigh_z = v[13] + omega_rear_left_hip_y;
-    let t24 = omega_rear_left_thigh_y * omega_rear_left_thigh_z;
-    let t25 = t22 + t24;
-    let t26 = 0.09 * t25;
-    let t27 = v[3] * v[4];
-    let t28 = 0.2 * t27;
-    let t29 = v[2] * v[3];
-    let t30 = v[0] * v[5];
-    let acceleration_base_y = t30 - t29;
-    let t32 = acceleration_base_y - t28;
-    let t33 = v[5] * v[5];
-    let t34 = v[3] * v[3];
-    let t35 = t34 + t33;
-    let t36 = 0.05 * t35;
-    let t37 = t36 - t32;
-    let t38 = sin_rear_left_hip * t37;
-    let t39 = v[4] * v[5];
-    let t40 = 0.05 * t39;
-    let t41 = v[3] * v[5];
-    let t42 = 0.2 * t41;
-    let t43 = t42 - t40;
-    let t44 = v[0] * v[4];
-    let t45 = v[1] * v[3];
-    let acceleration_base_z = t45 - t44;
-    let t47 = acceleration_base_z - t43;
-    let t48 = cos_rear_left_hip * t47;
-    let acceleration_rear_left_hip_x = t48 + t38;
-    let t50 = sin_rear_left_thigh * acceleration_rear_left_hip_x;
-    let t51 = 0.05 * t27;
-    let t52 = v[1] * v[5];
-    let t53 = v[2] * v[4];
-    let acceleration_base_x = t53 - t52;
-    let t55 = acceleration_base_x + t51;
-    let t56 = v[4] * v[4];
-    let t57 = t56 + t33;
-    let t58 = 0.2 * t57;
-    let acceleration_rear_left_hip_z = t58 + t55;
-    let t60 = cos_rear_left_thigh * acceleration_rear_left_hip_z;
-    let t61 = t50 - t60;
-    let acceleration_rear_left_thigh_y = t26 - t61;
-    let t63 = cos_rear_left_thigh * omega_rear_left_hip_x;
-    let t64 = sin_rear_left_thigh * omega_rear_left_hip_z;
-    let omega_rear_left_thigh_x = t63 - t64;
-    let t66 = omega_rear_left_thigh_x * omega_rear_left_thigh_y;
-    let t67 = v[12] * omega_rear_left_hip_x;
-    let t68 = t67 + t66;
-    let t69 = 0.2 * t68;
-    let t70 = t69 + acceleration_rear_left_thigh_y;
-    let t71 = cos_rear_left_calf * t70;
-    let t72 = v[13] * omega_rear_left_thigh_x;
-    let t73 = sin_rear_left_thigh * t20;
-    let t74 = t73 + t72;
-    let t75 = omega_rear_left_thigh_x * omega_rear_left_thigh_z;
-    let t76 = t74 - t75;
-    let t77 = 0.09 * t76;
-    let t78 = cos_rear_left_thigh * acceleration_rear_left_hip_x;
-    let t79 = sin_rear_left_thigh * acceleration_rear_left_hip_z;
-    let t80 = t78 + t79;
-    let acceleration_rear_left_thigh_x = t77 + t80;
-    let t82 = omega_rear_left_thigh_y * omega_rear_left_thigh_y;
-    let t83 = omega_rear_left_thigh_z * omega_rear_left_thigh_z;
-    let t84 = t82 + t83;
-    let t85 = 0.2 * t84;
-    let t86 = t85 + acceleration_rear_left_thigh_x;
-    let t87 = sin_rear_left_calf * t86;
-    let acceleration_rear_left_calf_y = t87 - t71;
-    let t89 = cos_rear_left_calf * omega_rear_left_thigh_y;
-    let t90 = sin_rear_left_calf * omega_rear_left_thigh_x;
-    let omega_rear_left_calf_y = t90 + t89;
-    let t92 = sin_rear_left_calf * omega_rear_left_thigh_y;
-    let t93 = cos_rear_left_calf * omega_rear_left_thigh_x;
-    let omega_rear_left_calf_x = t93 - t92;
-    let t95 = omega_rear_left_calf_x * omega_rear_left_calf_y;
-    let t96 = t67 + t95;
-    let t97 = 0.2 * t96;
-    let t98 = t97 - acceleration_rear_left_calf_y;
-    let t99 = y[4] * y[6];
-    let t100 = y[3] * y[5];
-    let t101 = t100 + t99;
-    let y_axis_base_x = t101 + t101;
-    let t103 = y_axis_base_x * cos_rear_left_hip;
-    let t104 = y[5] * y[6];
-    let t105 = y[3] * y[4];
-    let t106 = t105 - t104;
-    let x_axis_base_x = t106 + t106;
-    let t108 = x_axis_base_x * sin_rear_left_hip;
-    let x_axis_rear_left_hip_x = t108 - t103;
-    let t110 = sin_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_x;
-    let t111 = y[5] * y[5];
-    let t112 = y[4] * y[4];
-    let t113 = t112 + t111;
-    let t114 = 2.0 * t113;
-    let z_axis_base_x = 1.0 - t114;
-    let t116 = z_axis_base_x * cos_rear_left_thigh_rear_left_calf;
-    let y_axis_rear_left_calf_x = t116 + t110;
-    let t118 = y_axis_rear_left_calf_x * t98;
-    let t119 = v[14] * omega_rear_left_calf_x;
-    let t120 = cos_rear_left_calf * t74;
-    let t121 = t120 + t119;
-    let t122 = sin_rear_left_calf * t22;
-    let t123 = t122 + t121;
     let omega_rear_left_calf_z = v[14] + omega_rear_left_thigh_z;
-    let t125 = omega_rear_left_calf_x * omega_rear_left_calf_z;
-    let t126 = t125 + t123;
-    let t127 = 0.2 * t126;
-    let t128 = omega_rear_left_thigh_x * omega_rear_left_thigh_x;
-    let t129 = t128 + t82;
-    let t130 = 0.09 * t129;
-    let t131 = cos_rear_left_hip * t37;
-    let t132 = sin_rear_left_hip * t47;
-    let acceleration_rear_left_hip_y = t132 - t131;
-    let acceleration_rear_left_thigh_z = t130 - acceleration_rear_left_hip_y;
-    let t135 = t74 + t75;
-    let t136 = 0.2 * t135;
-    let acceleration_rear_left_calf_z = t136 - acceleration_rear_left_thigh_z;
-    let t138 = acceleration_rear_left_calf_z + t127;
-    let t139 = x_axis_base_x * cos_rear_left_hip;
-    let t140 = y_axis_base_x * sin_rear_left_hip;
-    let y_axis_rear_left_hip_x = t140 + t139;
-    let t142 = y_axis_rear_left_hip_x * t138;
-    let t143 = t118 + t142;
-    let t144 = sin_rear_left_calf * t70;
-    let t145 = cos_rear_left_calf * t86;
-    let acceleration_rear_left_calf_x = t145 + t144;
-    let t147 = omega_rear_left_calf_y * omega_rear_left_calf_y;
-    let t148 = omega_rear_left_calf_z * omega_rear_left_calf_z;
-    let t149 = t147 + t148;
-    let t150 = 0.2 * t149;
-    let t151 = t150 + acceleration_rear_left_calf_x;
-    let t152 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_x;
-    let t153 = z_axis_base_x * sin_rear_left_thigh_rear_left_calf;
-    let x_axis_rear_left_calf_x = t152 - t153;
-    let t155 = x_axis_rear_left_calf_x * t151;
-    let t156 = t155 - t143;
-    let t157 = y[3] * y[3];
-    let t158 = t157 + t111;
-    let t159 = 2.0 * t158;
-    let x_axis_base_y = 1.0 - t159;
-    let t161 = x_axis_base_y * sin_rear_left_hip;
-    let t162 = y[3] * y[6];
-    let t163 = y[4] * y[5];
-    let t164 = t163 - t162;
-    let y_axis_base_y = t164 + t164;
-    let t166 = y_axis_base_y * cos_rear_left_hip;
-    let x_axis_rear_left_hip_y = t161 - t166;
-    let t168 = sin_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_y;
-    let t169 = t105 + t104;
-    let z_axis_base_y = t169 + t169;
-    let t171 = z_axis_base_y * cos_rear_left_thigh_rear_left_calf;
-    let y_axis_rear_left_calf_y = t171 + t168;
-    let t173 = y_axis_rear_left_calf_y * t98;
-    let t174 = x_axis_base_y * cos_rear_left_hip;
-    let t175 = y_axis_base_y * sin_rear_left_hip;
-    let y_axis_rear_left_hip_y = t175 + t174;
-    let t177 = y_axis_rear_left_hip_y * t138;
-    let t178 = t173 + t177;
-    let t179 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_y;
-    let t180 = z_axis_base_y * sin_rear_left_thigh_rear_left_calf;
-    let x_axis_rear_left_calf_y = t179 - t180;
-    let t182 = x_axis_rear_left_calf_y * t151;
-    let t183 = t182 - t178;
-    let t184 = t157 + t112;
-    let t185 = 2.0 * t184;
-    let y_axis_base_z = 1.0 - t185;
-    let t187 = y_axis_base_z * cos_rear_left_hip;
-    let t188 = t163 + t162;
-    let x_axis_base_z = t188 + t188;
-    let t190 = x_axis_base_z * sin_rear_left_hip;
-    let x_axis_rear_left_hip_z = t190 - t187;
-    let t192 = sin_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_z;
-    let t193 = t100 - t99;
-    let z_axis_base_z = t193 + t193;
-    let t195 = z_axis_base_z * cos_rear_left_thigh_rear_left_calf;
-    let y_axis_rear_left_calf_z = t195 + t192;
-    let t197 = y_axis_rear_left_calf_z * t98;
-    let t198 = y_axis_base_z * sin_rear_left_hip;
-    let t199 = x_axis_base_z * cos_rear_left_hip;
-    let y_axis_rear_left_hip_z = t198 + t199;
-    let t201 = y_axis_rear_left_hip_z * t138;
-    let t202 = t197 + t201;
-    let t203 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_z;
-    let t204 = z_axis_base_z * sin_rear_left_thigh_rear_left_calf;
-    let x_axis_rear_left_calf_z = t203 - t204;
-    let t206 = x_axis_rear_left_calf_z * t151;
-    let t207 = t206 - t202;
-    let t208 = y_axis_rear_left_calf_x * t123;
-    let t209 = y_axis_rear_left_hip_x * t67;
-    let t210 = t209 - t208;
-    let t211 = v[14] * omega_rear_left_calf_y;
-    let t212 = sin_rear_left_calf * t74;
-    let t213 = t212 + t211;
-    let t214 = cos_rear_left_calf * t22;
+    let t39 = omega_rear_left_calf_x * omega_rear_left_calf_z;
+    let t40 = t39 + t36;
+    let t41 = 0.2 * t40;
+    let t42 = omega_rear_left_thigh_x * omega_rear_left_thigh_z;
+    let t43 = t29 + t42;
+    let t44 = 0.2 * t43;
+    let t45 = v[3] * v[4];
+    let t46 = 0.2 * t45;
+    let t47 = v[2] * v[3];
+    let t48 = v[0] * v[5];
+    let acceleration_base_y = t48 - t47;
+    let t50 = acceleration_base_y - t46;
+    let t51 = v[5] * v[5];
+    let t52 = v[3] * v[3];
+    let t53 = t52 + t51;
+    let t54 = 0.05 * t53;
+    let t55 = t54 - t50;
+    let t56 = cos_rear_left_hip * t55;
+    let t57 = v[4] * v[5];
+    let t58 = 0.05 * t57;
+    let t59 = v[3] * v[5];
+    let t60 = 0.2 * t59;
+    let t61 = t60 - t58;
+    let t62 = v[0] * v[4];
+    let t63 = v[1] * v[3];
+    let acceleration_base_z = t63 - t62;
+    let t65 = acceleration_base_z - t61;
+    let t66 = sin_rear_left_hip * t65;
+    let acceleration_rear_left_hip_y = t66 - t56;
+    let acceleration_rear_left_calf_z = t44 + acceleration_rear_left_hip_y;
+    let t69 = cos_rear_left_calf * omega_rear_left_thigh_y;
+    let t70 = sin_rear_left_calf * omega_rear_left_thigh_x;
+    let omega_rear_left_calf_y = t70 + t69;
+    let t72 = omega_rear_left_calf_y * omega_rear_left_calf_y;
+    let t73 = omega_rear_left_calf_x * omega_rear_left_calf_x;
+    let t74 = t73 + t72;
+    let t75 = 0.09 * t74;
+    let t76 = t75 - acceleration_rear_left_calf_z;
+    let t77 = t41 - t76;
+    let t78 = y[5] * y[6];
+    let t79 = y[3] * y[4];
+    let t80 = t79 - t78;
+    let x_axis_base_x = t80 + t80;
+    let t82 = x_axis_base_x * cos_rear_left_hip;
+    let t83 = y[4] * y[6];
+    let t84 = y[3] * y[5];
+    let t85 = t84 + t83;
+    let y_axis_base_x = t85 + t85;
+    let t87 = y_axis_base_x * sin_rear_left_hip;
+    let y_axis_rear_left_hip_x = t87 + t82;
+    let t89 = y_axis_rear_left_hip_x * t77;
+    let t90 = sin_rear_left_hip * t55;
+    let t91 = cos_rear_left_hip * t65;
+    let acceleration_rear_left_hip_x = t91 + t90;
+    let t93 = sin_rear_left_thigh * acceleration_rear_left_hip_x;
+    let t94 = 0.05 * t45;
+    let t95 = v[1] * v[5];
+    let t96 = v[2] * v[4];
+    let acceleration_base_x = t96 - t95;
+    let t98 = acceleration_base_x + t94;
+    let t99 = v[4] * v[4];
+    let t100 = t99 + t51;
+    let t101 = 0.2 * t100;
+    let acceleration_rear_left_hip_z = t101 + t98;
+    let t103 = cos_rear_left_thigh * acceleration_rear_left_hip_z;
+    let acceleration_rear_left_thigh_y = t93 - t103;
+    let t105 = omega_rear_left_thigh_x * omega_rear_left_thigh_y;
+    let t106 = v[12] * omega_rear_left_hip_x;
+    let t107 = t106 + t105;
+    let t108 = 0.2 * t107;
+    let t109 = t108 - acceleration_rear_left_thigh_y;
+    let t110 = cos_rear_left_calf * t109;
+    let t111 = cos_rear_left_thigh * acceleration_rear_left_hip_x;
+    let t112 = sin_rear_left_thigh * acceleration_rear_left_hip_z;
+    let acceleration_rear_left_thigh_x = t111 + t112;
+    let t114 = omega_rear_left_thigh_y * omega_rear_left_thigh_y;
+    let t115 = omega_rear_left_thigh_z * omega_rear_left_thigh_z;
+    let t116 = t114 + t115;
+    let t117 = 0.2 * t116;
+    let t118 = t117 + acceleration_rear_left_thigh_x;
+    let t119 = sin_rear_left_calf * t118;
+    let acceleration_rear_left_calf_y = t119 - t110;
+    let t121 = omega_rear_left_calf_x * omega_rear_left_calf_y;
+    let t122 = t106 + t121;
+    let t123 = 0.2 * t122;
+    let t124 = t123 - acceleration_rear_left_calf_y;
+    let t125 = v[14] * omega_rear_left_calf_y;
+    let t126 = sin_rear_left_calf * t29;
+    let t127 = t126 + t125;
+    let t128 = cos_rear_left_calf * t34;
+    let t129 = t128 - t127;
+    let t130 = omega_rear_left_calf_y * omega_rear_left_calf_z;
+    let t131 = t130 + t129;
+    let t132 = 0.09 * t131;
+    let t133 = t132 + t124;
+    let t134 = y_axis_base_x * cos_rear_left_hip;
+    let t135 = x_axis_base_x * sin_rear_left_hip;
+    let x_axis_rear_left_hip_x = t135 - t134;
+    let t137 = sin_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_x;
+    let t138 = y[5] * y[5];
+    let t139 = y[4] * y[4];
+    let t140 = t139 + t138;
+    let t141 = 2.0 * t140;
+    let z_axis_base_x = 1.0 - t141;
+    let t143 = z_axis_base_x * cos_rear_left_thigh_rear_left_calf;
+    let y_axis_rear_left_calf_x = t143 + t137;
+    let t145 = y_axis_rear_left_calf_x * t133;
+    let t146 = t145 + t89;
+    let t147 = sin_rear_left_calf * t109;
+    let t148 = cos_rear_left_calf * t118;
+    let acceleration_rear_left_calf_x = t148 + t147;
+    let t150 = omega_rear_left_calf_z * omega_rear_left_calf_z;
+    let t151 = t72 + t150;
+    let t152 = 0.2 * t151;
+    let t153 = t152 + acceleration_rear_left_calf_x;
+    let t154 = t39 - t36;
+    let t155 = 0.09 * t154;
+    let t156 = t155 - t153;
+    let t157 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_x;
+    let t158 = z_axis_base_x * sin_rear_left_thigh_rear_left_calf;
+    let x_axis_rear_left_calf_x = t157 - t158;
+    let t160 = x_axis_rear_left_calf_x * t156;
+    let t161 = t160 + t146;
+    let t162 = y[3] * y[3];
+    let t163 = t162 + t138;
+    let t164 = 2.0 * t163;
+    let x_axis_base_y = 1.0 - t164;
+    let t166 = x_axis_base_y * cos_rear_left_hip;
+    let t167 = y[3] * y[6];
+    let t168 = y[4] * y[5];
+    let t169 = t168 - t167;
+    let y_axis_base_y = t169 + t169;
+    let t171 = y_axis_base_y * sin_rear_left_hip;
+    let y_axis_rear_left_hip_y = t171 + t166;
+    let t173 = y_axis_rear_left_hip_y * t77;
+    let t174 = x_axis_base_y * sin_rear_left_hip;
+    let t175 = y_axis_base_y * cos_rear_left_hip;
+    let x_axis_rear_left_hip_y = t174 - t175;
+    let t177 = sin_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_y;
+    let t178 = t79 + t78;
+    let z_axis_base_y = t178 + t178;
+    let t180 = z_axis_base_y * cos_rear_left_thigh_rear_left_calf;
+    let y_axis_rear_left_calf_y = t180 + t177;
+    let t182 = y_axis_rear_left_calf_y * t133;
+    let t183 = t182 + t173;
+    let t184 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_y;
+    let t185 = z_axis_base_y * sin_rear_left_thigh_rear_left_calf;
+    let x_axis_rear_left_calf_y = t184 - t185;
+    let t187 = x_axis_rear_left_calf_y * t156;
+    let t188 = t187 + t183;
+    let t189 = t162 + t139;
+    let t190 = 2.0 * t189;
+    let y_axis_base_z = 1.0 - t190;
+    let t192 = y_axis_base_z * sin_rear_left_hip;
+    let t193 = t168 + t167;
+    let x_axis_base_z = t193 + t193;
+    let t195 = x_axis_base_z * cos_rear_left_hip;
+    let y_axis_rear_left_hip_z = t192 + t195;
+    let t197 = y_axis_rear_left_hip_z * t77;
+    let t198 = y_axis_base_z * cos_rear_left_hip;
+    let t199 = x_axis_base_z * sin_rear_left_hip;
+    let x_axis_rear_left_hip_z = t199 - t198;
+    let t201 = sin_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_z;
+    let t202 = t84 - t83;
+    let z_axis_base_z = t202 + t202;
+    let t204 = z_axis_base_z * cos_rear_left_thigh_rear_left_calf;
+    let y_axis_rear_left_calf_z = t204 + t201;
+    let t206 = y_axis_rear_left_calf_z * t133;
+    let t207 = t206 + t197;
+    let t208 = cos_rear_left_thigh_rear_left_calf * x_axis_rear_left_hip_z;
+    let t209 = z_axis_base_z * sin_rear_left_thigh_rear_left_calf;
+    let x_axis_rear_left_calf_z = t208 - t209;
+    let t211 = x_axis_rear_left_calf_z * t156;
+    let t212 = t211 + t207;
+    let t213 = y_axis_rear_left_calf_x * t36;
+    let t214 = y_axis_rear_left_hip_x * t106;
     let t215 = t214 - t213;
-    let t216 = x_axis_rear_left_calf_x * t215;
-    let t217 = t216 - t210;
-    let t218 = y_axis_rear_left_calf_y * t123;
-    let t219 = y_axis_rear_left_hip_y * t67;
+    let t216 = x_axis_rear_left_calf_x * t129;
+    let t217 = t216 - t215;
+    let t218 = y_axis_rear_left_calf_y * t36;
+    let t219 = y_axis_rear_left_hip_y * t106;
     let t220 = t219 - t218;
-    let t221 = x_axis_rear_left_calf_y * t215;
+    let t221 = x_axis_rear_left_calf_y * t129;
     let t222 = t221 - t220;
-    let t223 = y_axis_rear_left_calf_z * t123;
-    let t224 = y_axis_rear_left_hip_z * t67;
+    let t223 = y_axis_rear_left_calf_z * t36;
+    let t224 = y_axis_rear_left_hip_z * t106;
     let t225 = t224 - t223;
-    let t226 = x_axis_rear_left_calf_z * t215;
+    let t226 = x_axis_rear_left_calf_z * t129;
     let t227 = t226 - t225;
-    let t228 = -t156;
-    let t229 = -t183;
-    let t230 = -t207;
-    [t228, t229, t230, t217, t222, t227]
+    [t161, t188, t212, t217, t222, t227]
 }
 
 /// Pose of the frame `rear_right`.
@@ -9112,30 +8928,30 @@ pub fn frame_rear_right_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
     let x_axis_base_x = t14 + t14;
     let t16 = x_axis_base_x * sin_rear_right_hip;
     let x_axis_rear_right_hip_x = t16 - t11;
-    let t18 = cos_rear_right_thigh * x_axis_rear_right_hip_x;
+    let t18 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_x;
     let t19 = y[5] * y[5];
     let t20 = y[4] * y[4];
     let t21 = t20 + t19;
     let t22 = 2.0 * t21;
     let z_axis_base_x = 1.0 - t22;
-    let t24 = z_axis_base_x * sin_rear_right_thigh;
-    let x_axis_rear_right_thigh_x = t18 - t24;
-    let t26 = 0.2 * x_axis_rear_right_thigh_x;
+    let t24 = z_axis_base_x * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_x = t18 - t24;
+    let t26 = 0.2 * x_axis_rear_right_calf_x;
     let t27 = x_axis_base_x * cos_rear_right_hip;
     let t28 = y_axis_base_x * sin_rear_right_hip;
     let y_axis_rear_right_hip_x = t28 + t27;
     let t30 = 0.09 * y_axis_rear_right_hip_x;
-    let t31 = 0.2 * z_axis_base_x;
-    let t32 = t14 * 0.1;
-    let t33 = y[0] - t32;
-    let origin_rear_right_hip_x = t31 - t33;
-    let origin_rear_right_thigh_x = origin_rear_right_hip_x + t30;
-    let origin_rear_right_calf_x = origin_rear_right_thigh_x - t26;
-    let t37 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_x;
-    let t38 = z_axis_base_x * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_x = t37 - t38;
-    let t40 = 0.2 * x_axis_rear_right_calf_x;
-    let t41 = origin_rear_right_calf_x - t40;
+    let t31 = t26 - t30;
+    let t32 = cos_rear_right_thigh * x_axis_rear_right_hip_x;
+    let t33 = z_axis_base_x * sin_rear_right_thigh;
+    let x_axis_rear_right_thigh_x = t32 - t33;
+    let t35 = 0.2 * x_axis_rear_right_thigh_x;
+    let t36 = 0.2 * z_axis_base_x;
+    let t37 = t14 * 0.1;
+    let t38 = y[0] - t37;
+    let origin_rear_right_hip_x = t36 - t38;
+    let origin_rear_right_calf_x = origin_rear_right_hip_x - t35;
+    let t41 = origin_rear_right_calf_x - t31;
     let t42 = y[3] * y[3];
     let t43 = t42 + t19;
     let t44 = 2.0 * t43;
@@ -9153,20 +8969,20 @@ pub fn frame_rear_right_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
     let t56 = z_axis_base_y * sin_rear_right_thigh;
     let x_axis_rear_right_thigh_y = t53 - t56;
     let t58 = 0.2 * x_axis_rear_right_thigh_y;
-    let t59 = x_axis_base_y * cos_rear_right_hip;
-    let t60 = y_axis_base_y * sin_rear_right_hip;
-    let y_axis_rear_right_hip_y = t60 + t59;
-    let t62 = 0.09 * y_axis_rear_right_hip_y;
-    let t63 = 0.05 * x_axis_base_y;
-    let t64 = t54 * 0.4;
-    let t65 = y[1] - t64;
-    let origin_rear_right_hip_y = t63 - t65;
-    let origin_rear_right_thigh_y = t62 + origin_rear_right_hip_y;
-    let origin_rear_right_calf_y = t58 - origin_rear_right_thigh_y;
-    let t69 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_y;
-    let t70 = z_axis_base_y * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_y = t69 - t70;
-    let t72 = 0.2 * x_axis_rear_right_calf_y;
+    let t59 = 0.05 * x_axis_base_y;
+    let t60 = t54 * 0.4;
+    let t61 = y[1] - t60;
+    let origin_rear_right_hip_y = t59 - t61;
+    let origin_rear_right_calf_y = t58 - origin_rear_right_hip_y;
+    let t64 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_y;
+    let t65 = z_axis_base_y * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_y = t64 - t65;
+    let t67 = 0.2 * x_axis_rear_right_calf_y;
+    let t68 = x_axis_base_y * cos_rear_right_hip;
+    let t69 = y_axis_base_y * sin_rear_right_hip;
+    let y_axis_rear_right_hip_y = t69 + t68;
+    let t71 = 0.09 * y_axis_rear_right_hip_y;
+    let t72 = t67 - t71;
     let t73 = t72 + origin_rear_right_calf_y;
     let t74 = t42 + t20;
     let t75 = 2.0 * t74;
@@ -9176,27 +8992,27 @@ pub fn frame_rear_right_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
     let x_axis_base_z = 2.0 * t78;
     let t80 = x_axis_base_z * sin_rear_right_hip;
     let x_axis_rear_right_hip_z = t80 - t77;
-    let t82 = cos_rear_right_thigh * x_axis_rear_right_hip_z;
+    let t82 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_z;
     let t83 = t8 - t7;
     let z_axis_base_z = 2.0 * t83;
-    let t85 = z_axis_base_z * sin_rear_right_thigh;
-    let x_axis_rear_right_thigh_z = t82 - t85;
-    let t87 = 0.2 * x_axis_rear_right_thigh_z;
+    let t85 = z_axis_base_z * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_z = t82 - t85;
+    let t87 = 0.2 * x_axis_rear_right_calf_z;
     let t88 = y_axis_base_z * sin_rear_right_hip;
     let t89 = x_axis_base_z * cos_rear_right_hip;
     let y_axis_rear_right_hip_z = t88 + t89;
     let t91 = 0.09 * y_axis_rear_right_hip_z;
-    let t92 = t78 * 0.1;
-    let t93 = y[2] - t92;
-    let t94 = t83 * 0.4;
-    let origin_rear_right_hip_z = t94 - t93;
-    let origin_rear_right_thigh_z = origin_rear_right_hip_z + t91;
-    let origin_rear_right_calf_z = origin_rear_right_thigh_z - t87;
-    let t98 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_z;
-    let t99 = z_axis_base_z * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_z = t98 - t99;
-    let t101 = 0.2 * x_axis_rear_right_calf_z;
-    let t102 = origin_rear_right_calf_z - t101;
+    let t92 = t87 - t91;
+    let t93 = cos_rear_right_thigh * x_axis_rear_right_hip_z;
+    let t94 = z_axis_base_z * sin_rear_right_thigh;
+    let x_axis_rear_right_thigh_z = t93 - t94;
+    let t96 = 0.2 * x_axis_rear_right_thigh_z;
+    let t97 = t78 * 0.1;
+    let t98 = y[2] - t97;
+    let t99 = t83 * 0.4;
+    let origin_rear_right_hip_z = t99 - t98;
+    let origin_rear_right_calf_z = origin_rear_right_hip_z - t96;
+    let t102 = origin_rear_right_calf_z - t92;
     let t103 = sin_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_x;
     let t104 = z_axis_base_x * cos_rear_right_thigh_rear_right_calf;
     let y_axis_rear_right_calf_x = t104 + t103;
@@ -9243,7 +9059,7 @@ pub fn frame_rear_right_pose(y: &[f64; NY]) -> ([f64; 3], [[f64; 3]; 3]) {
 ///   `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in rad
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
-/// Cost: 91 multiplications, 72 additions, 0 divisions, 3 function calls (`sin_cos`).
+/// Cost: 89 multiplications, 71 additions, 0 divisions, 3 function calls (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn frame_rear_right_jacobian(y: &[f64; NY]) -> [[f64; N]; 6] {
@@ -9360,36 +9176,36 @@ pub fn frame_rear_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     let t25 = y[3] * y[6];
     let t26 = y[4] * y[5];
     let t27 = t26 - t25;
-    let y_axis_base_y = 2.0 * t27;
+    let y_axis_base_y = t27 + t27;
     j[1][2] = y_axis_base_y;
     j[4][5] = y_axis_base_y;
     let t29 = y_axis_base_y * cos_rear_right_hip;
     let x_axis_rear_right_hip_y = t24 - t29;
     let t31 = cos_rear_right_thigh * x_axis_rear_right_hip_y;
     let t32 = t13 + t12;
-    let z_axis_base_y = 2.0 * t32;
+    let z_axis_base_y = t32 + t32;
     j[1][0] = z_axis_base_y;
     j[4][3] = z_axis_base_y;
     j[4][15] = z_axis_base_y;
     let t34 = z_axis_base_y * sin_rear_right_thigh;
     let x_axis_rear_right_thigh_y = t31 - t34;
     let t36 = 0.2 * x_axis_rear_right_thigh_y;
-    let t37 = x_axis_base_y * cos_rear_right_hip;
-    let t38 = y_axis_base_y * sin_rear_right_hip;
-    let y_axis_rear_right_hip_y = t38 + t37;
+    let t37 = 0.05 * x_axis_base_y;
+    let t38 = t32 * 0.4;
+    let t39 = y[1] - t38;
+    let origin_rear_right_hip_y = t37 - t39;
+    let origin_rear_right_calf_y = t36 - origin_rear_right_hip_y;
+    let t42 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_y;
+    let t43 = z_axis_base_y * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_y = t42 - t43;
+    let t45 = 0.2 * x_axis_rear_right_calf_y;
+    let t46 = x_axis_base_y * cos_rear_right_hip;
+    let t47 = y_axis_base_y * sin_rear_right_hip;
+    let y_axis_rear_right_hip_y = t47 + t46;
     j[4][16] = y_axis_rear_right_hip_y;
     j[4][17] = y_axis_rear_right_hip_y;
-    let t40 = 0.09 * y_axis_rear_right_hip_y;
-    let t41 = 0.05 * x_axis_base_y;
-    let t42 = t32 * 0.4;
-    let t43 = y[1] - t42;
-    let origin_rear_right_hip_y = t41 - t43;
-    let origin_rear_right_thigh_y = t40 + origin_rear_right_hip_y;
-    let origin_rear_right_calf_y = t36 - origin_rear_right_thigh_y;
-    let t47 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_y;
-    let t48 = z_axis_base_y * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_y = t47 - t48;
-    let t50 = 0.2 * x_axis_rear_right_calf_y;
+    let t49 = 0.09 * y_axis_rear_right_hip_y;
+    let t50 = t45 - t49;
     let t51 = t50 + origin_rear_right_calf_y;
     let t52 = y[1] - t51;
     let t53 = t17 - t16;
@@ -9410,27 +9226,27 @@ pub fn frame_rear_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     j[5][4] = x_axis_base_z;
     let t62 = x_axis_base_z * sin_rear_right_hip;
     let x_axis_rear_right_hip_z = t62 - t59;
-    let t64 = cos_rear_right_thigh * x_axis_rear_right_hip_z;
-    let t65 = z_axis_base_z * sin_rear_right_thigh;
-    let x_axis_rear_right_thigh_z = t64 - t65;
-    let t67 = 0.2 * x_axis_rear_right_thigh_z;
+    let t64 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_z;
+    let t65 = z_axis_base_z * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_z = t64 - t65;
+    let t67 = 0.2 * x_axis_rear_right_calf_z;
     let t68 = y_axis_base_z * sin_rear_right_hip;
     let t69 = x_axis_base_z * cos_rear_right_hip;
     let y_axis_rear_right_hip_z = t68 + t69;
     j[5][16] = y_axis_rear_right_hip_z;
     j[5][17] = y_axis_rear_right_hip_z;
     let t71 = 0.09 * y_axis_rear_right_hip_z;
-    let t72 = t60 * 0.1;
-    let t73 = y[2] - t72;
-    let t74 = t53 * 0.4;
-    let origin_rear_right_hip_z = t74 - t73;
-    let origin_rear_right_thigh_z = origin_rear_right_hip_z + t71;
-    let origin_rear_right_calf_z = origin_rear_right_thigh_z - t67;
-    let t78 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_z;
-    let t79 = z_axis_base_z * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_z = t78 - t79;
-    let t81 = 0.2 * x_axis_rear_right_calf_z;
-    let t82 = origin_rear_right_calf_z - t81;
+    let t72 = t67 - t71;
+    let t73 = cos_rear_right_thigh * x_axis_rear_right_hip_z;
+    let t74 = z_axis_base_z * sin_rear_right_thigh;
+    let x_axis_rear_right_thigh_z = t73 - t74;
+    let t76 = 0.2 * x_axis_rear_right_thigh_z;
+    let t77 = t60 * 0.1;
+    let t78 = y[2] - t77;
+    let t79 = t53 * 0.4;
+    let origin_rear_right_hip_z = t79 - t78;
+    let origin_rear_right_calf_z = origin_rear_right_hip_z - t76;
+    let t82 = origin_rear_right_calf_z - t72;
     let t83 = y[2] + t82;
     let t84 = z_axis_base_y * t83;
     let t85 = t84 - t55;
@@ -9446,106 +9262,103 @@ pub fn frame_rear_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
     let t95 = z_axis_base_y * t94;
     let t96 = t95 - t93;
     j[0][15] = t96;
-    let t97 = origin_rear_right_thigh_y + t51;
-    let t98 = y_axis_rear_right_hip_z * t97;
-    let t99 = origin_rear_right_thigh_z - t82;
-    let t100 = y_axis_rear_right_hip_y * t99;
-    let t101 = t100 - t98;
-    j[0][16] = t101;
-    let t102 = origin_rear_right_calf_y - t51;
-    let t103 = y_axis_rear_right_hip_z * t102;
-    let t104 = origin_rear_right_calf_z - t82;
-    let t105 = y_axis_rear_right_hip_y * t104;
-    let t106 = t105 + t103;
-    j[0][17] = t106;
-    let t107 = z_axis_base_x * t83;
-    let t108 = y_axis_base_x * cos_rear_right_hip;
-    let t109 = x_axis_base_x * sin_rear_right_hip;
-    let x_axis_rear_right_hip_x = t109 - t108;
-    let t111 = cos_rear_right_thigh * x_axis_rear_right_hip_x;
-    let t112 = z_axis_base_x * sin_rear_right_thigh;
-    let x_axis_rear_right_thigh_x = t111 - t112;
-    let t114 = 0.2 * x_axis_rear_right_thigh_x;
-    let t115 = x_axis_base_x * cos_rear_right_hip;
-    let t116 = y_axis_base_x * sin_rear_right_hip;
-    let y_axis_rear_right_hip_x = t116 + t115;
+    let t97 = y_axis_rear_right_hip_z * t92;
+    let t98 = y_axis_rear_right_hip_y * t94;
+    let t99 = t98 - t97;
+    j[0][16] = t99;
+    let t100 = origin_rear_right_calf_y - t51;
+    let t101 = y_axis_rear_right_hip_z * t100;
+    let t102 = origin_rear_right_calf_z - t82;
+    let t103 = y_axis_rear_right_hip_y * t102;
+    let t104 = t103 + t101;
+    j[0][17] = t104;
+    let t105 = z_axis_base_x * t83;
+    let t106 = y_axis_base_x * cos_rear_right_hip;
+    let t107 = x_axis_base_x * sin_rear_right_hip;
+    let x_axis_rear_right_hip_x = t107 - t106;
+    let t109 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_x;
+    let t110 = z_axis_base_x * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_x = t109 - t110;
+    let t112 = 0.2 * x_axis_rear_right_calf_x;
+    let t113 = x_axis_base_x * cos_rear_right_hip;
+    let t114 = y_axis_base_x * sin_rear_right_hip;
+    let y_axis_rear_right_hip_x = t114 + t113;
     j[3][16] = y_axis_rear_right_hip_x;
     j[3][17] = y_axis_rear_right_hip_x;
-    let t118 = 0.09 * y_axis_rear_right_hip_x;
-    let t119 = 0.2 * z_axis_base_x;
-    let t120 = t14 * 0.1;
-    let t121 = y[0] - t120;
-    let origin_rear_right_hip_x = t119 - t121;
-    let origin_rear_right_thigh_x = origin_rear_right_hip_x + t118;
-    let origin_rear_right_calf_x = origin_rear_right_thigh_x - t114;
-    let t125 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_x;
-    let t126 = z_axis_base_x * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_x = t125 - t126;
-    let t128 = 0.2 * x_axis_rear_right_calf_x;
-    let t129 = origin_rear_right_calf_x - t128;
-    let t130 = y[0] + t129;
-    let t131 = z_axis_base_z * t130;
-    let t132 = t131 - t107;
-    let t133 = x_axis_base_x * t83;
-    let t134 = x_axis_base_z * t130;
-    let t135 = t134 - t133;
-    let t136 = y_axis_base_x * t83;
-    let t137 = y_axis_base_z * t130;
-    let t138 = t137 - t136;
-    let t139 = z_axis_base_x * t94;
-    let t140 = origin_rear_right_hip_x - t129;
-    let t141 = z_axis_base_z * t140;
-    let t142 = t141 - t139;
-    j[1][15] = t142;
-    let t143 = y_axis_rear_right_hip_x * t99;
-    let t144 = origin_rear_right_thigh_x - t129;
-    let t145 = y_axis_rear_right_hip_z * t144;
-    let t146 = t145 - t143;
-    j[1][16] = t146;
-    let t147 = y_axis_rear_right_hip_x * t104;
-    let t148 = origin_rear_right_calf_x - t129;
-    let t149 = y_axis_rear_right_hip_z * t148;
-    let t150 = t149 - t147;
-    j[1][17] = t150;
-    let t151 = z_axis_base_x * t52;
-    let t152 = z_axis_base_y * t130;
+    let t116 = 0.09 * y_axis_rear_right_hip_x;
+    let t117 = t112 - t116;
+    let t118 = cos_rear_right_thigh * x_axis_rear_right_hip_x;
+    let t119 = z_axis_base_x * sin_rear_right_thigh;
+    let x_axis_rear_right_thigh_x = t118 - t119;
+    let t121 = 0.2 * x_axis_rear_right_thigh_x;
+    let t122 = 0.2 * z_axis_base_x;
+    let t123 = t14 * 0.1;
+    let t124 = y[0] - t123;
+    let origin_rear_right_hip_x = t122 - t124;
+    let origin_rear_right_calf_x = origin_rear_right_hip_x - t121;
+    let t127 = origin_rear_right_calf_x - t117;
+    let t128 = y[0] + t127;
+    let t129 = z_axis_base_z * t128;
+    let t130 = t129 - t105;
+    let t131 = x_axis_base_x * t83;
+    let t132 = x_axis_base_z * t128;
+    let t133 = t132 - t131;
+    let t134 = y_axis_base_x * t83;
+    let t135 = y_axis_base_z * t128;
+    let t136 = t135 - t134;
+    let t137 = z_axis_base_x * t94;
+    let t138 = origin_rear_right_hip_x - t127;
+    let t139 = z_axis_base_z * t138;
+    let t140 = t139 - t137;
+    j[1][15] = t140;
+    let t141 = y_axis_rear_right_hip_x * t94;
+    let t142 = y_axis_rear_right_hip_z * t138;
+    let t143 = t142 - t141;
+    j[1][16] = t143;
+    let t144 = y_axis_rear_right_hip_x * t102;
+    let t145 = origin_rear_right_calf_x - t127;
+    let t146 = y_axis_rear_right_hip_z * t145;
+    let t147 = t146 - t144;
+    j[1][17] = t147;
+    let t148 = z_axis_base_x * t52;
+    let t149 = z_axis_base_y * t128;
+    let t150 = t149 - t148;
+    j[2][3] = t150;
+    let t151 = x_axis_base_x * t52;
+    let t152 = x_axis_base_y * t128;
     let t153 = t152 - t151;
-    j[2][3] = t153;
-    let t154 = x_axis_base_x * t52;
-    let t155 = x_axis_base_y * t130;
+    j[2][4] = t153;
+    let t154 = y_axis_base_x * t52;
+    let t155 = y_axis_base_y * t128;
     let t156 = t155 - t154;
-    j[2][4] = t156;
-    let t157 = y_axis_base_x * t52;
-    let t158 = y_axis_base_y * t130;
+    j[2][5] = t156;
+    let t157 = z_axis_base_x * t92;
+    let t158 = z_axis_base_y * t138;
     let t159 = t158 - t157;
-    j[2][5] = t159;
-    let t160 = z_axis_base_x * t92;
-    let t161 = z_axis_base_y * t140;
+    let t160 = y_axis_rear_right_hip_x * t92;
+    let t161 = y_axis_rear_right_hip_y * t138;
     let t162 = t161 - t160;
-    let t163 = y_axis_rear_right_hip_x * t97;
-    let t164 = y_axis_rear_right_hip_y * t144;
-    let t165 = t164 - t163;
-    let t166 = y_axis_rear_right_hip_x * t102;
-    let t167 = y_axis_rear_right_hip_y * t148;
-    let t168 = t167 + t166;
-    let t169 = -t85;
-    j[0][3] = t169;
-    let t170 = -t88;
-    j[0][4] = t170;
-    let t171 = -t91;
-    j[0][5] = t171;
-    let t172 = -t132;
-    j[1][3] = t172;
-    let t173 = -t135;
-    j[1][4] = t173;
-    let t174 = -t138;
-    j[1][5] = t174;
-    let t175 = -t162;
-    j[2][15] = t175;
-    let t176 = -t165;
-    j[2][16] = t176;
-    let t177 = -t168;
-    j[2][17] = t177;
+    let t163 = y_axis_rear_right_hip_x * t100;
+    let t164 = y_axis_rear_right_hip_y * t145;
+    let t165 = t164 + t163;
+    let t166 = -t85;
+    j[0][3] = t166;
+    let t167 = -t88;
+    j[0][4] = t167;
+    let t168 = -t91;
+    j[0][5] = t168;
+    let t169 = -t130;
+    j[1][3] = t169;
+    let t170 = -t133;
+    j[1][4] = t170;
+    let t171 = -t136;
+    j[1][5] = t171;
+    let t172 = -t159;
+    j[2][15] = t172;
+    let t173 = -t162;
+    j[2][16] = t173;
+    let t174 = -t165;
+    j[2][17] = t174;
 }
 
 /// Acceleration of the frame at ÿ = 0 `rear_right`.
@@ -9590,221 +9403,221 @@ pub fn frame_rear_right_jacobian_rate_times_velocity(
     let omega_rear_right_hip_z = v[3] + v[15];
     let t14 = cos_rear_right_thigh * omega_rear_right_hip_z;
     let omega_rear_right_thigh_y = t12 + t14;
-    let t16 = v[16] * omega_rear_right_thigh_y;
-    let t17 = v[5] * sin_rear_right_hip;
-    let t18 = v[4] * cos_rear_right_hip;
-    let omega_rear_right_hip_y = t18 + t17;
-    let t20 = v[15] * omega_rear_right_hip_y;
-    let t21 = cos_rear_right_thigh * t20;
-    let t22 = t21 - t16;
+    let t16 = sin_rear_right_calf * omega_rear_right_thigh_y;
+    let t17 = cos_rear_right_thigh * omega_rear_right_hip_x;
+    let t18 = sin_rear_right_thigh * omega_rear_right_hip_z;
+    let omega_rear_right_thigh_x = t17 - t18;
+    let t20 = cos_rear_right_calf * omega_rear_right_thigh_x;
+    let omega_rear_right_calf_x = t20 - t16;
+    let t22 = v[17] * omega_rear_right_calf_x;
+    let t23 = v[16] * omega_rear_right_thigh_x;
+    let t24 = v[5] * sin_rear_right_hip;
+    let t25 = v[4] * cos_rear_right_hip;
+    let omega_rear_right_hip_y = t25 + t24;
+    let t27 = v[15] * omega_rear_right_hip_y;
+    let t28 = sin_rear_right_thigh * t27;
+    let t29 = t28 + t23;
+    let t30 = cos_rear_right_calf * t29;
+    let t31 = t30 + t22;
+    let t32 = v[16] * omega_rear_right_thigh_y;
+    let t33 = cos_rear_right_thigh * t27;
+    let t34 = t33 - t32;
+    let t35 = sin_rear_right_calf * t34;
+    let t36 = t35 + t31;
     let omega_rear_right_thigh_z = v[16] + omega_rear_right_hip_y;
-    let t24 = omega_rear_right_thigh_y * omega_rear_right_thigh_z;
-    let t25 = t22 + t24;
-    let t26 = 0.09 * t25;
-    let t27 = v[3] * v[4];
-    let t28 = 0.2 * t27;
-    let t29 = v[2] * v[3];
-    let t30 = v[0] * v[5];
-    let acceleration_base_y = t30 - t29;
-    let t32 = acceleration_base_y - t28;
-    let t33 = v[5] * v[5];
-    let t34 = v[3] * v[3];
-    let t35 = t34 + t33;
-    let t36 = 0.05 * t35;
-    let t37 = t36 + t32;
-    let t38 = sin_rear_right_hip * t37;
-    let t39 = v[4] * v[5];
-    let t40 = 0.05 * t39;
-    let t41 = v[3] * v[5];
-    let t42 = 0.2 * t41;
-    let t43 = t42 + t40;
-    let t44 = v[0] * v[4];
-    let t45 = v[1] * v[3];
-    let acceleration_base_z = t45 - t44;
-    let t47 = acceleration_base_z - t43;
-    let t48 = cos_rear_right_hip * t47;
-    let acceleration_rear_right_hip_x = t48 - t38;
-    let t50 = sin_rear_right_thigh * acceleration_rear_right_hip_x;
-    let t51 = 0.05 * t27;
-    let t52 = v[1] * v[5];
-    let t53 = v[2] * v[4];
-    let acceleration_base_x = t53 - t52;
-    let t55 = acceleration_base_x - t51;
-    let t56 = v[4] * v[4];
-    let t57 = t56 + t33;
-    let t58 = 0.2 * t57;
-    let acceleration_rear_right_hip_z = t58 + t55;
-    let t60 = cos_rear_right_thigh * acceleration_rear_right_hip_z;
-    let t61 = t50 - t60;
-    let acceleration_rear_right_thigh_y = t26 + t61;
-    let t63 = cos_rear_right_thigh * omega_rear_right_hip_x;
-    let t64 = sin_rear_right_thigh * omega_rear_right_hip_z;
-    let omega_rear_right_thigh_x = t63 - t64;
-    let t66 = omega_rear_right_thigh_x * omega_rear_right_thigh_y;
-    let t67 = v[15] * omega_rear_right_hip_x;
-    let t68 = t67 + t66;
-    let t69 = 0.2 * t68;
-    let t70 = t69 - acceleration_rear_right_thigh_y;
-    let t71 = cos_rear_right_calf * t70;
-    let t72 = v[16] * omega_rear_right_thigh_x;
-    let t73 = sin_rear_right_thigh * t20;
-    let t74 = t73 + t72;
-    let t75 = omega_rear_right_thigh_x * omega_rear_right_thigh_z;
-    let t76 = t74 - t75;
-    let t77 = 0.09 * t76;
-    let t78 = cos_rear_right_thigh * acceleration_rear_right_hip_x;
-    let t79 = sin_rear_right_thigh * acceleration_rear_right_hip_z;
-    let t80 = t78 + t79;
-    let acceleration_rear_right_thigh_x = t77 - t80;
-    let t82 = omega_rear_right_thigh_y * omega_rear_right_thigh_y;
-    let t83 = omega_rear_right_thigh_z * omega_rear_right_thigh_z;
-    let t84 = t82 + t83;
-    let t85 = 0.2 * t84;
-    let t86 = t85 - acceleration_rear_right_thigh_x;
-    let t87 = sin_rear_right_calf * t86;
-    let acceleration_rear_right_calf_y = t87 - t71;
-    let t89 = cos_rear_right_calf * omega_rear_right_thigh_y;
-    let t90 = sin_rear_right_calf * omega_rear_right_thigh_x;
-    let omega_rear_right_calf_y = t90 + t89;
-    let t92 = sin_rear_right_calf * omega_rear_right_thigh_y;
-    let t93 = cos_rear_right_calf * omega_rear_right_thigh_x;
-    let omega_rear_right_calf_x = t93 - t92;
-    let t95 = omega_rear_right_calf_x * omega_rear_right_calf_y;
-    let t96 = t67 + t95;
-    let t97 = 0.2 * t96;
-    let t98 = t97 - acceleration_rear_right_calf_y;
-    let t99 = y[4] * y[6];
-    let t100 = y[3] * y[5];
-    let t101 = t100 + t99;
-    let y_axis_base_x = t101 + t101;
-    let t103 = y_axis_base_x * cos_rear_right_hip;
-    let t104 = y[5] * y[6];
-    let t105 = y[3] * y[4];
-    let t106 = t105 - t104;
-    let x_axis_base_x = t106 + t106;
-    let t108 = x_axis_base_x * sin_rear_right_hip;
-    let x_axis_rear_right_hip_x = t108 - t103;
-    let t110 = sin_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_x;
-    let t111 = y[5] * y[5];
-    let t112 = y[4] * y[4];
-    let t113 = t112 + t111;
-    let t114 = 2.0 * t113;
-    let z_axis_base_x = 1.0 - t114;
-    let t116 = z_axis_base_x * cos_rear_right_thigh_rear_right_calf;
-    let y_axis_rear_right_calf_x = t116 + t110;
-    let t118 = y_axis_rear_right_calf_x * t98;
-    let t119 = v[17] * omega_rear_right_calf_x;
-    let t120 = cos_rear_right_calf * t74;
-    let t121 = t120 + t119;
-    let t122 = sin_rear_right_calf * t22;
-    let t123 = t122 + t121;
     let omega_rear_right_calf_z = v[17] + omega_rear_right_thigh_z;
-    let t125 = omega_rear_right_calf_x * omega_rear_right_calf_z;
-    let t126 = t125 + t123;
-    let t127 = 0.2 * t126;
-    let t128 = omega_rear_right_thigh_x * omega_rear_right_thigh_x;
-    let t129 = t128 + t82;
-    let t130 = 0.09 * t129;
-    let t131 = cos_rear_right_hip * t37;
-    let t132 = sin_rear_right_hip * t47;
-    let acceleration_rear_right_hip_y = t132 + t131;
-    let acceleration_rear_right_thigh_z = t130 + acceleration_rear_right_hip_y;
-    let t135 = t74 + t75;
-    let t136 = 0.2 * t135;
-    let acceleration_rear_right_calf_z = t136 + acceleration_rear_right_thigh_z;
-    let t138 = acceleration_rear_right_calf_z + t127;
-    let t139 = x_axis_base_x * cos_rear_right_hip;
-    let t140 = y_axis_base_x * sin_rear_right_hip;
-    let y_axis_rear_right_hip_x = t140 + t139;
-    let t142 = y_axis_rear_right_hip_x * t138;
-    let t143 = t118 + t142;
-    let t144 = sin_rear_right_calf * t70;
-    let t145 = cos_rear_right_calf * t86;
-    let acceleration_rear_right_calf_x = t145 + t144;
-    let t147 = omega_rear_right_calf_y * omega_rear_right_calf_y;
-    let t148 = omega_rear_right_calf_z * omega_rear_right_calf_z;
-    let t149 = t147 + t148;
-    let t150 = 0.2 * t149;
-    let t151 = t150 + acceleration_rear_right_calf_x;
-    let t152 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_x;
-    let t153 = z_axis_base_x * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_x = t152 - t153;
-    let t155 = x_axis_rear_right_calf_x * t151;
-    let t156 = t155 - t143;
-    let t157 = y[3] * y[3];
-    let t158 = t157 + t111;
-    let t159 = 2.0 * t158;
-    let x_axis_base_y = 1.0 - t159;
-    let t161 = x_axis_base_y * sin_rear_right_hip;
-    let t162 = y[3] * y[6];
-    let t163 = y[4] * y[5];
-    let t164 = t163 - t162;
-    let y_axis_base_y = t164 + t164;
-    let t166 = y_axis_base_y * cos_rear_right_hip;
-    let x_axis_rear_right_hip_y = t161 - t166;
-    let t168 = sin_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_y;
-    let t169 = t105 + t104;
-    let z_axis_base_y = t169 + t169;
-    let t171 = z_axis_base_y * cos_rear_right_thigh_rear_right_calf;
-    let y_axis_rear_right_calf_y = t171 + t168;
-    let t173 = y_axis_rear_right_calf_y * t98;
-    let t174 = x_axis_base_y * cos_rear_right_hip;
-    let t175 = y_axis_base_y * sin_rear_right_hip;
-    let y_axis_rear_right_hip_y = t175 + t174;
-    let t177 = y_axis_rear_right_hip_y * t138;
-    let t178 = t173 + t177;
-    let t179 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_y;
-    let t180 = z_axis_base_y * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_y = t179 - t180;
-    let t182 = x_axis_rear_right_calf_y * t151;
-    let t183 = t182 - t178;
-    let t184 = t157 + t112;
-    let t185 = 2.0 * t184;
-    let y_axis_base_z = 1.0 - t185;
-    let t187 = y_axis_base_z * cos_rear_right_hip;
-    let t188 = t163 + t162;
-    let x_axis_base_z = t188 + t188;
-    let t190 = x_axis_base_z * sin_rear_right_hip;
-    let x_axis_rear_right_hip_z = t190 - t187;
-    let t192 = sin_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_z;
-    let t193 = t100 - t99;
-    let z_axis_base_z = t193 + t193;
-    let t195 = z_axis_base_z * cos_rear_right_thigh_rear_right_calf;
-    let y_axis_rear_right_calf_z = t195 + t192;
-    let t197 = y_axis_rear_right_calf_z * t98;
-    let t198 = y_axis_base_z * sin_rear_right_hip;
-    let t199 = x_axis_base_z * cos_rear_right_hip;
-    let y_axis_rear_right_hip_z = t198 + t199;
-    let t201 = y_axis_rear_right_hip_z * t138;
-    let t202 = t197 + t201;
-    let t203 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_z;
-    let t204 = z_axis_base_z * sin_rear_right_thigh_rear_right_calf;
-    let x_axis_rear_right_calf_z = t203 - t204;
-    let t206 = x_axis_rear_right_calf_z * t151;
-    let t207 = t206 - t202;
-    let t208 = y_axis_rear_right_calf_x * t123;
-    let t209 = y_axis_rear_right_hip_x * t67;
-    let t210 = t209 - t208;
-    let t211 = v[17] * omega_rear_right_calf_y;
-    let t212 = sin_rear_right_calf * t74;
-    let t213 = t212 + t211;
-    let t214 = cos_rear_right_calf * t22;
+    let t39 = omega_rear_right_calf_x * omega_rear_right_calf_z;
+    let t40 = t39 + t36;
+    let t41 = 0.2 * t40;
+    let t42 = omega_rear_right_thigh_x * omega_rear_right_thigh_z;
+    let t43 = t29 + t42;
+    let t44 = 0.2 * t43;
+    let t45 = v[3] * v[4];
+    let t46 = 0.2 * t45;
+    let t47 = v[2] * v[3];
+    let t48 = v[0] * v[5];
+    let acceleration_base_y = t48 - t47;
+    let t50 = acceleration_base_y - t46;
+    let t51 = v[5] * v[5];
+    let t52 = v[3] * v[3];
+    let t53 = t52 + t51;
+    let t54 = 0.05 * t53;
+    let t55 = t54 + t50;
+    let t56 = cos_rear_right_hip * t55;
+    let t57 = v[4] * v[5];
+    let t58 = 0.05 * t57;
+    let t59 = v[3] * v[5];
+    let t60 = 0.2 * t59;
+    let t61 = t60 + t58;
+    let t62 = v[0] * v[4];
+    let t63 = v[1] * v[3];
+    let acceleration_base_z = t63 - t62;
+    let t65 = acceleration_base_z - t61;
+    let t66 = sin_rear_right_hip * t65;
+    let acceleration_rear_right_hip_y = t66 + t56;
+    let acceleration_rear_right_calf_z = t44 + acceleration_rear_right_hip_y;
+    let t69 = cos_rear_right_calf * omega_rear_right_thigh_y;
+    let t70 = sin_rear_right_calf * omega_rear_right_thigh_x;
+    let omega_rear_right_calf_y = t70 + t69;
+    let t72 = omega_rear_right_calf_y * omega_rear_right_calf_y;
+    let t73 = omega_rear_right_calf_x * omega_rear_right_calf_x;
+    let t74 = t73 + t72;
+    let t75 = 0.09 * t74;
+    let t76 = t75 + acceleration_rear_right_calf_z;
+    let t77 = t41 + t76;
+    let t78 = y[5] * y[6];
+    let t79 = y[3] * y[4];
+    let t80 = t79 - t78;
+    let x_axis_base_x = t80 + t80;
+    let t82 = x_axis_base_x * cos_rear_right_hip;
+    let t83 = y[4] * y[6];
+    let t84 = y[3] * y[5];
+    let t85 = t84 + t83;
+    let y_axis_base_x = t85 + t85;
+    let t87 = y_axis_base_x * sin_rear_right_hip;
+    let y_axis_rear_right_hip_x = t87 + t82;
+    let t89 = y_axis_rear_right_hip_x * t77;
+    let t90 = sin_rear_right_hip * t55;
+    let t91 = cos_rear_right_hip * t65;
+    let acceleration_rear_right_hip_x = t91 - t90;
+    let t93 = sin_rear_right_thigh * acceleration_rear_right_hip_x;
+    let t94 = 0.05 * t45;
+    let t95 = v[1] * v[5];
+    let t96 = v[2] * v[4];
+    let acceleration_base_x = t96 - t95;
+    let t98 = acceleration_base_x - t94;
+    let t99 = v[4] * v[4];
+    let t100 = t99 + t51;
+    let t101 = 0.2 * t100;
+    let acceleration_rear_right_hip_z = t101 + t98;
+    let t103 = cos_rear_right_thigh * acceleration_rear_right_hip_z;
+    let acceleration_rear_right_thigh_y = t93 - t103;
+    let t105 = omega_rear_right_thigh_x * omega_rear_right_thigh_y;
+    let t106 = v[15] * omega_rear_right_hip_x;
+    let t107 = t106 + t105;
+    let t108 = 0.2 * t107;
+    let t109 = t108 - acceleration_rear_right_thigh_y;
+    let t110 = cos_rear_right_calf * t109;
+    let t111 = cos_rear_right_thigh * acceleration_rear_right_hip_x;
+    let t112 = sin_rear_right_thigh * acceleration_rear_right_hip_z;
+    let acceleration_rear_right_thigh_x = t111 + t112;
+    let t114 = omega_rear_right_thigh_y * omega_rear_right_thigh_y;
+    let t115 = omega_rear_right_thigh_z * omega_rear_right_thigh_z;
+    let t116 = t114 + t115;
+    let t117 = 0.2 * t116;
+    let t118 = t117 + acceleration_rear_right_thigh_x;
+    let t119 = sin_rear_right_calf * t118;
+    let acceleration_rear_right_calf_y = t119 - t110;
+    let t121 = omega_rear_right_calf_x * omega_rear_right_calf_y;
+    let t122 = t106 + t121;
+    let t123 = 0.2 * t122;
+    let t124 = t123 - acceleration_rear_right_calf_y;
+    let t125 = v[17] * omega_rear_right_calf_y;
+    let t126 = sin_rear_right_calf * t29;
+    let t127 = t126 + t125;
+    let t128 = cos_rear_right_calf * t34;
+    let t129 = t128 - t127;
+    let t130 = omega_rear_right_calf_y * omega_rear_right_calf_z;
+    let t131 = t130 + t129;
+    let t132 = 0.09 * t131;
+    let t133 = t132 - t124;
+    let t134 = y_axis_base_x * cos_rear_right_hip;
+    let t135 = x_axis_base_x * sin_rear_right_hip;
+    let x_axis_rear_right_hip_x = t135 - t134;
+    let t137 = sin_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_x;
+    let t138 = y[5] * y[5];
+    let t139 = y[4] * y[4];
+    let t140 = t139 + t138;
+    let t141 = 2.0 * t140;
+    let z_axis_base_x = 1.0 - t141;
+    let t143 = z_axis_base_x * cos_rear_right_thigh_rear_right_calf;
+    let y_axis_rear_right_calf_x = t143 + t137;
+    let t145 = y_axis_rear_right_calf_x * t133;
+    let t146 = t145 - t89;
+    let t147 = sin_rear_right_calf * t109;
+    let t148 = cos_rear_right_calf * t118;
+    let acceleration_rear_right_calf_x = t148 + t147;
+    let t150 = omega_rear_right_calf_z * omega_rear_right_calf_z;
+    let t151 = t72 + t150;
+    let t152 = 0.2 * t151;
+    let t153 = t152 + acceleration_rear_right_calf_x;
+    let t154 = t39 - t36;
+    let t155 = 0.09 * t154;
+    let t156 = t155 + t153;
+    let t157 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_x;
+    let t158 = z_axis_base_x * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_x = t157 - t158;
+    let t160 = x_axis_rear_right_calf_x * t156;
+    let t161 = t160 + t146;
+    let t162 = y[3] * y[3];
+    let t163 = t162 + t138;
+    let t164 = 2.0 * t163;
+    let x_axis_base_y = 1.0 - t164;
+    let t166 = x_axis_base_y * cos_rear_right_hip;
+    let t167 = y[3] * y[6];
+    let t168 = y[4] * y[5];
+    let t169 = t168 - t167;
+    let y_axis_base_y = t169 + t169;
+    let t171 = y_axis_base_y * sin_rear_right_hip;
+    let y_axis_rear_right_hip_y = t171 + t166;
+    let t173 = y_axis_rear_right_hip_y * t77;
+    let t174 = x_axis_base_y * sin_rear_right_hip;
+    let t175 = y_axis_base_y * cos_rear_right_hip;
+    let x_axis_rear_right_hip_y = t174 - t175;
+    let t177 = sin_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_y;
+    let t178 = t79 + t78;
+    let z_axis_base_y = t178 + t178;
+    let t180 = z_axis_base_y * cos_rear_right_thigh_rear_right_calf;
+    let y_axis_rear_right_calf_y = t180 + t177;
+    let t182 = y_axis_rear_right_calf_y * t133;
+    let t183 = t182 - t173;
+    let t184 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_y;
+    let t185 = z_axis_base_y * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_y = t184 - t185;
+    let t187 = x_axis_rear_right_calf_y * t156;
+    let t188 = t187 + t183;
+    let t189 = t162 + t139;
+    let t190 = 2.0 * t189;
+    let y_axis_base_z = 1.0 - t190;
+    let t192 = y_axis_base_z * sin_rear_right_hip;
+    let t193 = t168 + t167;
+    let x_axis_base_z = t193 + t193;
+    let t195 = x_axis_base_z * cos_rear_right_hip;
+    let y_axis_rear_right_hip_z = t192 + t195;
+    let t197 = y_axis_rear_right_hip_z * t77;
+    let t198 = y_axis_base_z * cos_rear_right_hip;
+    let t199 = x_axis_base_z * sin_rear_right_hip;
+    let x_axis_rear_right_hip_z = t199 - t198;
+    let t201 = sin_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_z;
+    let t202 = t84 - t83;
+    let z_axis_base_z = t202 + t202;
+    let t204 = z_axis_base_z * cos_rear_right_thigh_rear_right_calf;
+    let y_axis_rear_right_calf_z = t204 + t201;
+    let t206 = y_axis_rear_right_calf_z * t133;
+    let t207 = t206 - t197;
+    let t208 = cos_rear_right_thigh_rear_right_calf * x_axis_rear_right_hip_z;
+    let t209 = z_axis_base_z * sin_rear_right_thigh_rear_right_calf;
+    let x_axis_rear_right_calf_z = t208 - t209;
+    let t211 = x_axis_rear_right_calf_z * t156;
+    let t212 = t211 + t207;
+    let t213 = y_axis_rear_right_calf_x * t36;
+    let t214 = y_axis_rear_right_hip_x * t106;
     let t215 = t214 - t213;
-    let t216 = x_axis_rear_right_calf_x * t215;
-    let t217 = t216 - t210;
-    let t218 = y_axis_rear_right_calf_y * t123;
-    let t219 = y_axis_rear_right_hip_y * t67;
+    let t216 = x_axis_rear_right_calf_x * t129;
+    let t217 = t216 - t215;
+    let t218 = y_axis_rear_right_calf_y * t36;
+    let t219 = y_axis_rear_right_hip_y * t106;
     let t220 = t219 - t218;
-    let t221 = x_axis_rear_right_calf_y * t215;
+    let t221 = x_axis_rear_right_calf_y * t129;
     let t222 = t221 - t220;
-    let t223 = y_axis_rear_right_calf_z * t123;
-    let t224 = y_axis_rear_right_hip_z * t67;
+    let t223 = y_axis_rear_right_calf_z * t36;
+    let t224 = y_axis_rear_right_hip_z * t106;
     let t225 = t224 - t223;
-    let t226 = x_axis_rear_right_calf_z * t215;
+    let t226 = x_axis_rear_right_calf_z * t129;
     let t227 = t226 - t225;
-    let t228 = -t156;
-    let t229 = -t183;
-    let t230 = -t207;
+    let t228 = -t161;
+    let t229 = -t188;
+    let t230 = -t212;
     [t228, t229, t230, t217, t222, t227]
 }
 
