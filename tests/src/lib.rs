@@ -1,6 +1,8 @@
 //! What the tests that cross crates share: reference data, random robots, an independent derivation of their
 //! equations, and evaluation of derived functions.
 
+#![allow(clippy::expect_used, reason = "what is missing ends a test")]
+
 pub mod browser;
 pub mod cargo;
 pub mod compiler;

@@ -6,7 +6,7 @@ use gelenk_codegen::model::{
     Attachment, Body, ForceEffect, Joint, JointKind, JointPosition, Limits, Link, Model, Motion, Pose,
     QuaternionJoint, QuaternionKind,
 };
-use nalgebra::UnitQuaternion;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::oracle::Number;
 
@@ -202,10 +202,9 @@ pub fn positions(model: &Model, y: &[f64]) -> Vec<f64> {
         JointPosition::Quaternion(joint) => {
             let own = &y[joint.coordinates()];
             let (slides, angles) = own.split_at(own.len() - 3);
-            let about = |axis: nalgebra::Unit<nalgebra::Vector3<f64>>, k: usize| {
+            let about = |axis: nalgebra::Unit<Vector3<f64>>, k: usize| {
                 UnitQuaternion::from_axis_angle(&axis, angles[k])
             };
-            use nalgebra::Vector3;
             let turn =
                 about(Vector3::x_axis(), 0) * about(Vector3::y_axis(), 1) * about(Vector3::z_axis(), 2);
             slides.iter().copied().chain([turn.i, turn.j, turn.k, turn.w]).collect()

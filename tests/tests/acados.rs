@@ -3,6 +3,8 @@
 //! A third party's wheel has acados and its template. Where it cannot be had, or where `make` or a C compiler are missing, the
 //! tests are skipped and say so.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::process::Command;
 
 use gelenk_tests::python::{has_c_compiler, pytest, python_with_acados, test_files};

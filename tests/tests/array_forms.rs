@@ -1,6 +1,8 @@
 //! Functions with loops over joints: their text compiles without a warning, for chains and trees, and
 //! computes what the interpreter computes, bit for bit.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;

@@ -2,6 +2,8 @@
 //! description is at fault, and that mending it is enough. It depends on the crates as they would be
 //! published.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::fs;
 use std::path::Path;
 use std::process::Command;

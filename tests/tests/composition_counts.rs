@@ -1,6 +1,8 @@
 //! Operation counts of the functions over a sample time: their text runs over numbers that count, and the
 //! counts are those of the documentation, at most where they depend on the data.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::process::Command;
 
 use gelenk_codegen::functions::composition::Composition;

@@ -3,6 +3,8 @@
 //!
 //! A subtraction is an addition, a negation nothing; sines and cosines stand apart, sums of angles count.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::fmt::Write as _;
 
 use gelenk_codegen::emit::Scalar;

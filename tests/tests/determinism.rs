@@ -1,6 +1,8 @@
 //! Same description, same bytes: across runs, threads, the order of work, working directories, processes, and
 //! C libraries whose functions round differently.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;

@@ -2,6 +2,8 @@
 //! what exists, and the examples of the README are what the generator writes and the runtime's documentation
 //! runs.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,8 @@
 //! Robots with driven joints: random ones against Lagrange's equations of all joints, by dual numbers, and one against
 //! Pinocchio's values.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::sync::OnceLock;
 
 use fastrand::Rng;

@@ -1,6 +1,8 @@
 //! Robots with driven joints in motion, against the whole robot: with the rail as a coordinate of its own, on which at
 //! every time the force acts that accelerates it as prescribed.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::path::Path;
 
 use gelenk_codegen::model::{self, ReadOptions};
@@ -35,7 +37,7 @@ fn whole_robot() -> Robot {
     Robot::of_model(read(&whole), &["forward_dynamics"])
 }
 
-fn read(file: &Path) -> gelenk_codegen::model::Model {
+fn read(file: &Path) -> model::Model {
     model::read(file, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}")).model
 }
 

@@ -1,6 +1,8 @@
 //! Modules for choices that the robots of models/ do not make: lanes of functions without angles, single
 //! functions, f32, fused operations, free parameters. Each compiles without a warning.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::fmt::Write as _;
 use std::path::Path;
 

@@ -1,5 +1,7 @@
 //! Friction that jumps: exact in the value, derivative zero; and smooth where that is asked for.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::path::PathBuf;
 
 use gelenk_codegen::pipeline::GenerateOptions;

@@ -2,6 +2,8 @@
 //! makes a module of it, and a program that links the runtime tracks a reference on the published arm with
 //! it.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;

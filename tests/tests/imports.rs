@@ -4,6 +4,8 @@
 //! either. A path is followed through re-exports to the file that defines its item, and a re-export by itself
 //! imports nothing.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 

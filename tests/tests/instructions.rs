@@ -3,6 +3,8 @@
 //! Of those over lanes it is the count of eight states. The counts belong to rustc 1.95 and x86-64-v2, or v3
 //! with fused operations; another compiler moves them a little. Review with `cargo insta review`.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,6 +1,8 @@
 //! Functions over eight states: the bits of the scalar function in every state, for every function that has
 //! the form.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::fmt::Write as _;
 use std::process::Command;
 

@@ -1,6 +1,8 @@
 //! Friction that grows with the load: `models/geared_arm.toml` against its equations written down by hand, with
 //! loads found by bisection and Jacobians from dual numbers and the implicit function theorem.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use fastrand::Rng;
 use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::functions::selection::derive_functions;
@@ -11,7 +13,7 @@ use gelenk_tests::oracle::Number;
 use gelenk_tests::{Robot, workspace};
 use num_dual::Dual64;
 
-gelenk_runtime::dynamics!(pub struct Arm = gelenk_generated::geared_arm);
+gelenk_runtime::dynamics!(struct Arm = gelenk_generated::geared_arm);
 
 const G: f64 = 9.81;
 const GEARS: [f64; 2] = [100.0, -80.0];

@@ -3,6 +3,8 @@
 //! The script compares their bits with the host's, and refuses images that hold a panic or arithmetic in software. It needs
 //! a cross compiler and QEMU; what is missing is skipped and says so.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::process::Command;
 
 use gelenk_tests::cargo::target;

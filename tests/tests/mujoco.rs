@@ -3,6 +3,8 @@
 //! MuJoCo is a package of Python (`tests/python/mujoco.txt`); where it cannot be had, the comparisons with it are skipped and
 //! say so.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

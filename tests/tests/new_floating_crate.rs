@@ -1,6 +1,8 @@
 //! `gelenk new --base floating` as the README tells it: from the URDF of a robot with four legs or propellers to a simulated,
 //! controlled robot.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};

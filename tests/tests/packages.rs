@@ -1,6 +1,8 @@
 //! The crates as they would be published: what their manifests say, and that no file is missing.
 //! `new_crate.rs`, `build_script.rs` and `identified_loop.rs` compile them and run the result.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -1,5 +1,7 @@
 //! Pages of reports in a real browser: nothing is loaded, nothing fails, everything is there and answers.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use gelenk_codegen::functions::selection;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::{ReadOptions, read};

@@ -4,6 +4,8 @@
 //! Tolerances are relative to the size of what is summed, see [`Scales`]: rounding errors of a recursion over
 //! 12 joints are some hundred units of 1.1e-16 of it.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{LazyLock, OnceLock};

@@ -3,6 +3,8 @@
 //! They need Python 3 with its module `venv`, packages from its registry, and a C compiler; without them they are skipped
 //! and say so.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::path::PathBuf;
 
 use fastrand::Rng;

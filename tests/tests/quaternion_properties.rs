@@ -1,6 +1,8 @@
 //! Random robots with spherical and floating joints, with rotors, springs, friction, couplings and forces at frames: against
 //! Lagrange's equations in the angles of a chain of joints, and derivatives along ⊕ against dual numbers.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use fastrand::Rng;
 use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::model::Model;

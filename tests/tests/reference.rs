@@ -1,6 +1,8 @@
 //! Derived functions against values that nobody here computed: Pinocchio's and the published PowerCube
 //! model's.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 use std::fmt::Write as _;
 use std::path::Path;
 

@@ -12,6 +12,8 @@
 //! `GELENK_ROBOTS` limits the comparison to robots: `GELENK_ROBOTS=ur5,panda`. `GELENK_FUNCTIONS` limits it to
 //! functions: `GELENK_FUNCTIONS=linearize`. All functions of a robot with seven joints take half an hour.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 mod compilers;
 mod drivers;
 mod lanes;

@@ -1,6 +1,8 @@
 //! `discretize`, `step` and `step_derivatives` of every generated robot, against methods that share nothing
 //! with them.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 mod emitted_code;
 mod exponential;
 mod integrator;

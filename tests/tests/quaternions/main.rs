@@ -1,5 +1,7 @@
 //! Robots with spherical and floating joints against Pinocchio's values, for joints of every type.
 
+#![allow(clippy::expect_used, reason = "what is missing ends the test")]
+
 mod coordinates;
 mod reference;
 
