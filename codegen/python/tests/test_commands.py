@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import ast
+import inspect
+import re
+import subprocess
 from pathlib import Path
 
 import gelenk
 import numpy as np
 import pytest
+
+from gelenk import _program
 
 from conftest import ARM
 
@@ -24,28 +29,84 @@ def test_generate_and_report_return_what_they_wrote(arm_file: Path, tmp_path: Pa
     assert "<html" in page.read_text("utf-8")
 
 
+# Switches that are functions of their own or belong to others, and those of the command line alone.
+ALONE = {"format", "help"}
+OF_ANOTHER_FUNCTION = {
+    "generate": set(),
+    "load": {"output", "language", "for", "self_test", "control_model"},
+    "report": set(),
+    "identify": {"plan", "reduce", "seconds", "rate", "acceleration"},
+    "plan": {"plan", "reduce", "merge", "report", "columns", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
+             "validate", "load_friction", "accept_poor", "base"},
+    "reduce": {"plan", "reduce", "merge", "report", "validate", "load_friction", "accept_poor", "seconds", "rate", "acceleration",
+               "base"},
+    "merge": {"plan", "reduce", "merge", "report", "columns", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
+              "validate", "load_friction", "accept_poor", "seconds", "rate", "acceleration", "base"},
+}
+
+
+@pytest.mark.parametrize("function", OF_ANOTHER_FUNCTION)
+def test_every_switch_of_the_program_is_a_keyword(function: str) -> None:
+    command = {"load": "generate", "plan": "identify", "reduce": "identify", "merge": "identify"}.get(function, function)
+    text = subprocess.run([_program.find(), command, "--help"], capture_output=True, encoding="utf-8", check=True).stdout
+    switches = {word.replace("-", "_") for word in re.findall(r"^ +(?:-\w, )?--([a-z-]+)", text, re.MULTILINE)}
+    expected = switches - ALONE - OF_ANOTHER_FUNCTION[function]
+    renamed = {"tools": "for"} if function == "generate" else {}
+    arguments = inspect.signature(getattr(gelenk, function)).parameters
+    keywords = {renamed.get(name, name) for name in arguments} - {"description", "logs", "moments"}
+    assert keywords == expected
+
+
+def test_moments_are_reduced_merged_and_identified(tmp_path: Path) -> None:
+    """Two logs, each reduced alone, tell what both tell together."""
+    arm = _described(tmp_path / "arm.toml", friction=0.2)
+    logs = [_simulated_log(tmp_path, friction=0.7, seed=seed) for seed in (1, 2)]
+    moments = [gelenk.reduce(arm, log, log.with_suffix(".moments"), effort="joint", bandwidth=10, delay=0) for log in logs]
+    merged = gelenk.merge(arm, moments, tmp_path / "both.moments")
+    by_parts = gelenk.identify(arm, merged, tmp_path / "parts.toml", merge=True)
+    both = gelenk.reduce(arm, logs, tmp_path / "whole.moments", effort="joint", bandwidth=10, delay=0)
+    at_once = gelenk.identify(arm, both, tmp_path / "whole.toml", merge=True)
+    assert by_parts.found["joints"] == at_once.found["joints"]
+    with pytest.raises(ValueError, match="reduce and merge write"):
+        gelenk.identify(arm, logs, tmp_path / "all.moments")
+    with pytest.raises(ValueError, match="not arm_identified.toml"):
+        gelenk.merge(arm, moments, "arm_identified.toml")
+
+
 def test_what_was_identified_is_loaded_again(tmp_path: Path) -> None:
     """A plan, a simulated log with the robot's true friction, and the description that comes back."""
-    truth = gelenk.load(_described(tmp_path / "truth.toml", friction=0.7), functions=["inverse_dynamics"])
     guess = _described(tmp_path / "arm.toml", friction=0.2)
-    plan = gelenk.plan(guess, tmp_path / "plan.csv", seconds=10, rate=200)
-    columns = plan.read_text().splitlines()
-    names = [name.strip() for name in columns[0].split(",")]
-    rows = np.loadtxt(plan, delimiter=",", skiprows=1)
-    time, places = rows[:, 0], [names.index(f"q_{each}") for each in ("shoulder", "elbow")]
-    y = rows[:, places]
-    v = np.gradient(y, time, axis=0)
-    a = np.gradient(v, time, axis=0)
-    torques = truth.inverse_dynamics(y, v, a) + np.random.default_rng(9).normal(0, 0.02, y.shape)
-    log = tmp_path / "log.csv"
-    table = np.column_stack([time, y, torques])
-    np.savetxt(log, table, delimiter=",", comments="", header="time,position_shoulder,position_elbow,torque_shoulder,torque_elbow")
+    log = _simulated_log(tmp_path, friction=0.7, seed=9)
     found = gelenk.identify(guess, log, tmp_path / "found.toml", effort="joint")
     assert [joint["name"] for joint in found.found["joints"]] == ["shoulder", "elbow"]
     again = gelenk.load(found.description, functions=["inverse_dynamics", "friction_torques"])
-    error = again.inverse_dynamics(y, v, a) - truth.inverse_dynamics(y, v, a)
-    assert np.abs(error).max() < 0.05 * np.abs(torques).max()
+    truth = gelenk.load(_described(tmp_path / "truth.toml", friction=0.7), functions=["inverse_dynamics"])
+    y, v, a = _planned(tmp_path / "plan.csv")
+    torques = truth.inverse_dynamics(y, v, a)
+    assert np.abs(again.inverse_dynamics(y, v, a) - torques).max() < 0.05 * np.abs(torques).max()
     assert again.friction_torques(np.array([0.0, 1.0]))[1] == pytest.approx(0.7, rel=0.05)
+
+
+def _simulated_log(folder: Path, friction: float, seed: int) -> Path:
+    """A plan that a robot with this friction follows, with noise on its torques."""
+    truth = gelenk.load(_described(folder / "truth.toml", friction), functions=["inverse_dynamics"])
+    plan = gelenk.plan(folder / "truth.toml", folder / "plan.csv", seconds=10, rate=200)
+    time = np.loadtxt(plan, delimiter=",", skiprows=1)[:, 0]
+    y, v, a = _planned(plan)
+    torques = truth.inverse_dynamics(y, v, a) + np.random.default_rng(seed).normal(0, 0.02, y.shape)
+    log = folder / f"log_{seed}.csv"
+    table = np.column_stack([time, y, torques])
+    np.savetxt(log, table, delimiter=",", comments="", header="time,position_shoulder,position_elbow,torque_shoulder,torque_elbow")
+    return log
+
+
+def _planned(plan: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Positions of a plan, with their differences as velocities and accelerations."""
+    names = [name.strip() for name in plan.read_text().splitlines()[0].split(",")]
+    rows = np.loadtxt(plan, delimiter=",", skiprows=1)
+    time, y = rows[:, 0], rows[:, [names.index(f"q_{each}") for each in ("shoulder", "elbow")]]
+    v = np.gradient(y, time, axis=0)
+    return y, v, np.gradient(v, time, axis=0)
 
 
 def _described(file: Path, friction: float) -> Path:

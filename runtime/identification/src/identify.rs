@@ -334,13 +334,21 @@ impl<'a> JointSamples<'a> {
     }
 }
 
+/// What is said about a law of which no term is left.
+const NOTHING_LEFT: &str =
+    "no term differs from 0 by more than its error: the described friction stays as it is";
+
 /// The law, or the reason for which it is refused.
 ///
-/// - `accept_poor`: the reason becomes a warning of the law
+/// - `accept_poor`: the reason becomes a warning of the law, where there is a law to be accepted
 pub(crate) fn unless_refused(
     mut report: FrictionReport,
     accept_poor: bool,
 ) -> std::result::Result<FrictionReport, String> {
+    if report.result.vanishes() {
+        let reason = report.result.refusal.take();
+        return Err(reason.unwrap_or_else(|| NOTHING_LEFT.to_owned()));
+    }
     if accept_poor {
         report.result.accept();
     }

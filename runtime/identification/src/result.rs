@@ -1,7 +1,7 @@
 //! Identified friction: the law, how far to trust it, and a table of both. As TOML: [`super::description`].
 
 use super::confidence::quantile;
-use super::digits::{rounded, with_error};
+use super::digits::{rounded, vanishes, with_error};
 use super::drift::Drift;
 use super::error::Result;
 use super::library::Library;
@@ -219,6 +219,12 @@ impl FrictionResult {
         if let Some(reason) = self.refusal.take() {
             self.warnings.push(format!("accepted although {reason}"));
         }
+    }
+
+    /// Tells whether nothing is left of the law with the digits that its errors leave.
+    pub fn vanishes(&self) -> bool {
+        let mut terms = self.law.coefficients().iter().chain(&self.load);
+        terms.all(|term| vanishes(term.coefficient, term.written_error()))
     }
 
     /// Friction at a velocity and a load τ_l: the law, and `|τ_l| s₁(v)` where friction grows with the load.

@@ -104,11 +104,13 @@ def identify(
     bandwidth: float | None = None,
     delay: float | None = None,
     load_friction: bool = False,
+    friction_on: str | None = None,
     accept_poor: bool = False,
     merge: bool = False,
     snap_angles: float | None = None,
     no_friction: bool = False,
     ignore_mimic: bool = False,
+    base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
 ) -> Identified:
@@ -116,16 +118,17 @@ def identify(
 
     - `output`: where the description goes; by default <name>_identified.toml in the current folder
     - `columns`: which columns are what, `{"position": "pos_{}", "torque": "tau_{}"}`
+    - `merge`: `logs` are files of moments, which `reduce` wrote
     - all others: as `gelenk identify --help` says
     """
-    if isinstance(columns, Mapping):
-        columns = ",".join(f"{what}={pattern}" for what, pattern in columns.items())
+    if output is not None and _is_moments(output):
+        raise ValueError("identify writes a description: reduce and merge write *.moments")
     options = {
-        "output": output, "report": report, "columns": columns, "separator": separator, "effort": effort,
+        "output": output, "report": report, "columns": _patterns(columns), "separator": separator, "effort": effort,
         "gravity_compensated": gravity_compensated, "bandwidth": bandwidth, "delay": delay,
-        "load_friction": load_friction, "accept_poor": accept_poor, "merge": merge, "snap_angles": snap_angles,
-        "no_friction": no_friction, "ignore_mimic": ignore_mimic, "smooth_sign": smooth_sign,
-        "accept_unphysical": accept_unphysical,
+        "load_friction": load_friction, "friction_on": friction_on, "accept_poor": accept_poor, "merge": merge,
+        "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,
+        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
     }
     held_out = [f"--validate={os.fspath(log)}" for log in _paths(validate)]
     found = _program.run(["identify", description, *_paths(logs), *held_out, *_program.switches(options)])
@@ -139,16 +142,89 @@ def plan(
     seconds: float | None = None,
     rate: float | None = None,
     acceleration: float | None = None,
+    friction_on: str | None = None,
+    snap_angles: float | None = None,
+    no_friction: bool = False,
     ignore_mimic: bool = False,
+    smooth_sign: float | None = None,
     accept_unphysical: bool = False,
 ) -> Path:
     """Plans a motion that shows the parameters, as `gelenk identify --plan` does; the CSV file."""
     options = {
-        "output": output, "seconds": seconds, "rate": rate, "acceleration": acceleration,
-        "ignore_mimic": ignore_mimic, "accept_unphysical": accept_unphysical,
+        "output": output, "seconds": seconds, "rate": rate, "acceleration": acceleration, "friction_on": friction_on,
+        "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic,
+        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
     }
     found = _program.run(["identify", "--plan", description, *_program.switches(options)])
     return Path(found["file"])
+
+
+def reduce(
+    description: PathLike,
+    logs: PathLike | Iterable[PathLike],
+    output: PathLike,
+    *,
+    columns: str | Mapping[str, str] | None = None,
+    separator: str | None = None,
+    effort: str | None = None,
+    gravity_compensated: bool = False,
+    bandwidth: float | None = None,
+    delay: float | None = None,
+    friction_on: str | None = None,
+    snap_angles: float | None = None,
+    no_friction: bool = False,
+    ignore_mimic: bool = False,
+    smooth_sign: float | None = None,
+    accept_unphysical: bool = False,
+) -> Path:
+    """Reduces logs to their moments, as `gelenk identify --reduce` does; the file `output`, which ends in .moments.
+
+    The keywords are those of `identify`. All moments that are merged have to be made with the same ones.
+    """
+    options = {
+        "output": output, "columns": _patterns(columns), "separator": separator, "effort": effort,
+        "gravity_compensated": gravity_compensated, "bandwidth": bandwidth, "delay": delay, "friction_on": friction_on,
+        "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic,
+        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
+    }
+    found = _program.run(["identify", "--reduce", description, *_paths(logs), *_program.switches(options)])
+    return Path(found["moments"])
+
+
+def merge(
+    description: PathLike,
+    moments: PathLike | Iterable[PathLike],
+    output: PathLike,
+    *,
+    friction_on: str | None = None,
+    snap_angles: float | None = None,
+    no_friction: bool = False,
+    ignore_mimic: bool = False,
+    smooth_sign: float | None = None,
+    accept_unphysical: bool = False,
+) -> Path:
+    """Adds up files of moments, as `gelenk identify --merge` does; the file `output`, which ends in .moments.
+
+    `identify` with `merge=True` identifies from such files.
+    """
+    if not _is_moments(output):
+        raise ValueError(f"merge writes *.moments, not {os.fspath(output)}: identify(..., merge=True) writes a description")
+    options = {
+        "output": output, "friction_on": friction_on, "snap_angles": snap_angles, "no_friction": no_friction,
+        "ignore_mimic": ignore_mimic, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
+    }
+    found = _program.run(["identify", "--merge", description, *_paths(moments), *_program.switches(options)])
+    return Path(found["moments"])
+
+
+def _is_moments(path: PathLike) -> bool:
+    return Path(path).suffix == ".moments"
+
+
+def _patterns(columns: str | Mapping[str, str] | None) -> str | None:
+    if isinstance(columns, Mapping):
+        return ",".join(f"{what}={pattern}" for what, pattern in columns.items())
+    return columns
 
 
 def _paths(one_or_several: PathLike | Iterable[PathLike]) -> list[PathLike]:

@@ -263,13 +263,11 @@ impl JointMoments<'_> {
             settings: &notes.iter().cloned().chain(left_out).collect::<Vec<_>>(),
             ..FrictionData::default()
         };
-        let sum = |which: usize| {
-            self.gain.powi(2) * self.shares.iter().map(|s| s.lost[self.joint][which]).sum::<f64>()
-        };
+        let lost: f64 = self.shares.iter().map(|share| share.lost[self.joint][0]).sum();
         let shared = SharedFriction {
             about,
             shares: self.shares.iter().map(|share| self.moments(share, &library)).collect(),
-            lost: [0, 1].map(sum),
+            lost: self.gain.powi(2) * lost,
             velocity_range: self.facts.velocities,
             largest_torque: self.facts.largest_friction,
             beyond: self.facts.beyond,

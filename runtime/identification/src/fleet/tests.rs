@@ -61,6 +61,10 @@ fn log(seed: u64, spikes: bool) -> String {
 
 /// Ten seconds at 50 Hz with an offset and correlated noise of its own, and Coulomb friction tanh(slope · v).
 fn log_of(seed: u64, spikes: bool, slope: f64) -> String {
+    log_with(seed, spikes, slope, TRUTH)
+}
+
+fn log_with(seed: u64, spikes: bool, slope: f64, truth: [f64; 4]) -> String {
     let mut random = SplitMix64::new(seed);
     let phases: Vec<f64> = (0..3).map(|_| 6.0 * random.uniform()).collect();
     let (offset, mut noise) = (0.3 * random.normal(), 0.0);
@@ -73,7 +77,7 @@ fn log_of(seed: u64, spikes: bool, slope: f64) -> String {
         };
         let (y, v, a) = (sum(&|_, x| x.sin()), sum(&|w, x| w * x.cos()), sum(&|w, x| -w * w * x.sin()));
         noise = 0.8 * noise + 0.03 * random.normal();
-        let [mc, j, viscous, coulomb] = TRUTH;
+        let [mc, j, viscous, coulomb] = truth;
         let torque =
             mc * GRAVITY * y.cos() + j * a + viscous * v + coulomb * (slope * v).tanh() + offset + noise;
         let spike = if spikes && i % 83 < 4 { 6.0 } else { 0.0 };
@@ -260,6 +264,26 @@ fn outliers_lose_weight_and_count_in_what_is_said() {
     assert!((sigma(&robust) / sigma(&plain) - 1.0).abs() < 0.1 && sigma(&robust) > 5.0 * sigma(&clean));
     let held_out = |found: &Identification| found.estimate.joints[0].held_out_r_squared;
     assert!(held_out(&robust) < held_out(&clean) - 0.02);
+}
+
+#[test]
+fn no_law_is_found_where_there_is_no_friction() {
+    let folder = tempfile::tempdir().unwrap();
+    for spikes in [false, true] {
+        let log = |seed| log_with(seed, spikes, 20.0, [TRUTH[0], TRUTH[1], 0.0, 0.0]);
+        let parts: Vec<LogMoments> = (1..=3)
+            .map(|i| reduced(folder.path(), &format!("{i}.csv"), &log(i), &settings()).unwrap())
+            .collect();
+        let total = sum(&parts.iter().collect::<Vec<_>>()).unwrap();
+        for accept_poor in [false, true] {
+            let found = merged(&total, &IdentificationSettings { accept_poor, ..settings() }).unwrap();
+            let reason = found.friction[0].report.as_ref().unwrap_err();
+            assert!(
+                reason.starts_with("the law explains nothing: R² on left-out data is "),
+                "{spikes}: {reason}"
+            );
+        }
+    }
 }
 
 #[test]

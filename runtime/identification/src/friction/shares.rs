@@ -21,8 +21,9 @@ pub(crate) struct SharedFriction<'a> {
     /// Sums over each share of the columns of terms and torque, offsets of the runs taken out. The terms are those
     /// of a library in `v`.
     pub(crate) shares: Vec<Moments>,
-    /// What outliers lost with their weight: Σ (1 − w) r² and Σ (1 − w)(τ − τ̄)².
-    pub(crate) lost: [f64; 2],
+    /// What the residuals of outliers lost with their weight: Σ (1 − w) r². It counts as residual and as variation of
+    /// the torque, of which the sums tell no more: an outlier's torque is mostly its residual.
+    pub(crate) lost: f64,
     /// Least and largest ẏ.
     pub(crate) velocity_range: [f64; 2],
     /// Largest friction torque.
@@ -58,8 +59,8 @@ impl FrictionIdentification {
         let total: f64 = data.shares.iter().map(|share| share.energy(0)).sum();
         let unseen = held_out(shares(), total, fitted.way(), &mut findings);
         let with_lost = |unseen: Unseen| Unseen {
-            residual: unseen.residual + data.lost[0],
-            total: unseen.total + data.lost[1],
+            residual: unseen.residual + data.lost,
+            total: unseen.total + data.lost,
         };
         let held_out = unseen.and_then(|unseen| with_lost(unseen).r_squared());
         findings.judge(held_out, self.least_r_squared);
@@ -83,8 +84,8 @@ impl SharedFriction<'_> {
         findings: Findings,
     ) -> FrictionResult {
         let samples = moments.samples();
-        let rss = moments.residual(0, coefficients) + self.lost[0];
-        let total = moments.energy(0) + self.lost[1];
+        let rss = moments.residual(0, coefficients) + self.lost;
+        let total = moments.energy(0) + self.lost;
         let (settings, warnings, refusal) = findings.texts();
         FrictionResult {
             joint: self.about.joint.into(),
