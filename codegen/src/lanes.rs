@@ -67,8 +67,8 @@ impl Lanes {
     /// The names, `frames` spelled out.
     fn resolved(&self, functions: &[Function]) -> Vec<String> {
         let frames = || {
-            let names = functions.iter().map(|function| &function.name);
-            names.filter(|name| name.starts_with("frame_")).cloned()
+            let of_frames = functions.iter().filter(|function| function.frame.is_some());
+            of_frames.map(|function| function.name.clone())
         };
         let names = self.0.iter().flat_map(|name| match name.as_str() {
             "frames" => frames().collect(),

@@ -3,7 +3,7 @@
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::{Companion, EmitOptions, Scalar};
 use crate::functions::composition::Composition;
-use crate::functions::function::Function;
+use crate::functions::function::{FrameKind, Function};
 use crate::model::Model;
 use crate::program;
 use crate::wording::listed;
@@ -50,11 +50,24 @@ pub(crate) fn check_functions(
 }
 
 /// What CasADi is given, with the functions of the module that compute it and its derivatives.
-const OF_CASADI: [[&str; 3]; 3] = [
-    ["dynamics", "forward_dynamics", "linearize"],
-    ["inverse_dynamics", "inverse_dynamics", "inverse_dynamics_derivatives_and_mass_matrix"],
-    ["step", "step", "step_derivatives"],
+const OF_CASADI: [Given; 3] = [
+    Given { name: "dynamics", value: "forward_dynamics", derivatives: "linearize" },
+    Given {
+        name: "inverse_dynamics",
+        value: "inverse_dynamics",
+        derivatives: "inverse_dynamics_derivatives_and_mass_matrix",
+    },
+    Given { name: "step", value: "step", derivatives: "step_derivatives" },
 ];
+
+/// A function as CasADi is given it. Poses of frames come beside.
+struct Given {
+    name: &'static str,
+    /// The function of the module that computes it.
+    value: &'static str,
+    /// The function that has its derivatives.
+    derivatives: &'static str,
+}
 
 /// Says which functions CasADi is not given, because the module lacks what computes them.
 pub(crate) fn notes(
@@ -64,7 +77,7 @@ pub(crate) fn notes(
 ) -> Option<Diagnostic> {
     let names = functions.iter().map(|function| function.name.as_str());
     let names: Vec<&str> = names.chain(compositions.iter().map(|each| each.name())).collect();
-    let lacking = OF_CASADI.iter().filter_map(|[given, value, derivatives]| {
+    let lacking = OF_CASADI.iter().filter_map(|Given { name: given, value, derivatives }| {
         let missing = |what: String, needed: &&str| format!("{what} (`{needed}`)");
         match (names.contains(value), names.contains(derivatives)) {
             (true, true) => None,
@@ -91,9 +104,8 @@ pub(crate) fn in_single_precision(emit: &EmitOptions) -> Option<[String; 2]> {
 pub(crate) fn by_parameters(model: &Model, functions: &[Function]) -> Vec<Function> {
     let count = model.parameters.len();
     let is_differentiated = |function: &&Function| {
-        let name = function.name.as_str();
-        let is_pose = name.starts_with("frame_") && name.ends_with("_pose");
-        is_pose || ["inverse_dynamics", "forward_dynamics"].contains(&name)
+        let is_pose = function.frame.as_ref().is_some_and(|of| of.kind == FrameKind::Pose);
+        is_pose || OF_CASADI.iter().any(|given| given.value == function.name)
     };
     let wanted = functions.iter().filter(is_differentiated).filter(|_| count > 0);
     let derivatives = wanted.map(|function| {
@@ -102,6 +114,7 @@ pub(crate) fn by_parameters(model: &Model, functions: &[Function]) -> Vec<Functi
             "a row for each entry, rows first, a column for each free parameter in the order of their struct";
         Function {
             name: format!("{}_by_parameters", function.name),
+            frame: None,
             summary: format!("Derivatives of `{}` by the free parameters.", function.name),
             equation: String::new(),
             arguments: function.arguments.clone(),

@@ -245,6 +245,7 @@ fn zeros(name: &str, inputs: &[(&str, usize)], results: &[(&str, Shape)]) -> Fun
     };
     Function {
         name: name.into(),
+        frame: None,
         summary: "Zeros.".into(),
         equation: String::new(),
         arguments: vec![],

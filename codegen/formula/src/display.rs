@@ -12,7 +12,7 @@ enum Binding {
 }
 
 impl Formula {
-    /// The formula as a description would write it; `parameters` are the names of the free parameters.
+    /// The formula as a description would write it; `parameters` are the names of all free parameters in it.
     pub fn text(&self, parameters: &[&str]) -> String {
         self.bound(parameters, ["y", "v"]).0
     }
@@ -33,10 +33,7 @@ impl Formula {
         match self {
             Self::Number(value) if *value < 0.0 => (format!("{value}"), Sign),
             Self::Number(value) => (format!("{value}"), Atom),
-            Self::Parameter(index) => {
-                let name = parameters.get(*index).copied().unwrap_or("?");
-                (name.to_owned(), Atom)
-            }
+            Self::Parameter(index) => (parameters[*index].to_owned(), Atom),
             Self::Position => (motion[0].to_owned(), Atom),
             Self::Velocity => (motion[1].to_owned(), Atom),
             Self::Negate(a) => (format!("-{}", at_least(a, Atom)), Sign),

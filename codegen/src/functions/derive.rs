@@ -1,9 +1,9 @@
 //! From a row of the catalogue to a function.
 
 use super::assemble::{arguments_in, assemble};
-use super::catalogue::{self, Argument, FrameQuantity, Quantity, QuantityResult, frame_name};
+use super::catalogue::{Argument, FrameQuantity, Otherwise, Quantity, QuantityResult};
 use super::form::{self, Derived, Forms};
-use super::function::Function;
+use super::function::{FrameFunction, Function};
 use crate::dynamics::forces;
 use crate::dynamics::search::routes::Formulations;
 use crate::kinematics::lower_pose;
@@ -30,7 +30,8 @@ pub(super) fn derive_quantity(
         quantity.equation,
         notes,
     );
-    catalogue::describe(model, &mut function);
+    say_otherwise(model, quantity.otherwise, &mut function);
+    (quantity.describe)(model, &mut function);
     function.arrays = arrays;
     function.notes.extend(forces::jump_note(model, &function.program));
     function.constants = (quantity.constants)(model, formulations, &function.program);
@@ -62,14 +63,21 @@ pub(super) fn derive_frame(
             let pose = lower_pose(equations.graph, &frame.pose);
             (quantity.build)(equations, arguments, frame.link, &pose)
         });
+    let of_frame = FrameFunction::new(frame, quantity.kind);
     let mut function = described(model, quantity.arguments, quantity.results, program).named(
-        frame_name(frame, quantity),
+        of_frame.name(),
         summary,
         quantity.equation,
         Vec::new(),
     );
-    catalogue::describe(model, &mut function);
+    function.frame = Some(of_frame);
+    say_otherwise(model, quantity.otherwise, &mut function);
     function
+}
+
+/// Says what is otherwise in a robot of which the row is not the whole truth.
+fn say_otherwise(model: &Model, otherwise: &[Otherwise], function: &mut Function) {
+    otherwise.iter().for_each(|said| said.say(model, function));
 }
 
 /// A function without a name.
@@ -81,6 +89,7 @@ fn described(
 ) -> Function {
     Function {
         name: String::new(),
+        frame: None,
         summary: String::new(),
         equation: String::new(),
         arguments: arguments_in(model, arguments).iter().map(|argument| argument.text(model)).collect(),

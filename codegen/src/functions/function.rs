@@ -1,6 +1,7 @@
 //! What a generated function is: its program and the facts of its documentation.
 
 use crate::layout::Dimension;
+use crate::model::Frame;
 use crate::program::Program;
 use crate::program::arrays::ArrayForm;
 use crate::program::cost::{self, Cost};
@@ -10,6 +11,8 @@ use crate::program::cost::{self, Cost};
 pub struct Function {
     /// Rust identifier.
     pub name: String,
+    /// The frame that it is about, and what it says of it; none for a function of the whole robot.
+    pub frame: Option<FrameFunction>,
     /// First line of the documentation: what it is, with its symbol.
     pub summary: String,
     /// The equation in Unicode.
@@ -33,6 +36,45 @@ impl Function {
     #[must_use]
     pub fn cost(&self) -> Cost {
         cost::count(&self.program)
+    }
+}
+
+/// A function of a named frame.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FrameFunction {
+    /// Identifier of the frame.
+    pub frame: String,
+    /// What the function says of it.
+    pub kind: FrameKind,
+}
+
+/// What there is of each named frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FrameKind {
+    /// Its pose.
+    Pose,
+    /// Its Jacobian.
+    Jacobian,
+    /// Its acceleration at ÿ = 0.
+    JacobianRateTimesVelocity,
+}
+
+impl FrameFunction {
+    /// The function of a frame of a model.
+    #[must_use]
+    pub fn new(frame: &Frame, kind: FrameKind) -> Self {
+        Self { frame: frame.identifier.clone(), kind }
+    }
+
+    /// Its name: `frame_<name>_pose` and the like.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let kind = match self.kind {
+            FrameKind::Pose => "pose",
+            FrameKind::Jacobian => "jacobian",
+            FrameKind::JacobianRateTimesVelocity => "jacobian_rate_times_velocity",
+        };
+        format!("frame_{}_{kind}", self.frame)
     }
 }
 

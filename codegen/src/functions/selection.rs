@@ -10,7 +10,7 @@ use crate::dynamics::search::routes::Formulations;
 use crate::functions::catalogue::{self, FrameQuantity, Quantity};
 use crate::functions::composition::Composition;
 use crate::functions::form::{Form, Forms};
-use crate::functions::function::Function;
+use crate::functions::function::{FrameFunction, Function};
 use crate::functions::size::{self, TooLarge};
 use crate::kinematics::Mechanism;
 use crate::model::{Frame, Model};
@@ -136,7 +136,7 @@ impl Row<'_> {
     fn name(&self) -> String {
         match self {
             Self::Quantity(quantity) => quantity.name.to_owned(),
-            Self::Frame(frame, quantity) => catalogue::frame_name(frame, quantity),
+            Self::Frame(frame, quantity) => FrameFunction::new(frame, quantity.kind).name(),
         }
     }
 
@@ -171,12 +171,13 @@ impl<'a> Wanted<'a> {
         self.request.names.iter().any(|other| other == name)
     }
 
-    fn includes(&self, name: &str) -> bool {
-        if catalogue::is_on_request(name) {
-            return self.is_named(name);
+    fn includes(&self, row: &Row<'_>) -> bool {
+        let name = row.name();
+        if catalogue::is_on_request(&name) {
+            return self.is_named(&name);
         }
-        let is_frame = name.starts_with("frame_") && self.is_named("frames");
-        self.request.names.is_empty() || is_frame || self.is_named(name) || self.called.contains(&name)
+        let is_frame = matches!(row, Row::Frame(..)) && self.is_named("frames");
+        self.request.names.is_empty() || is_frame || self.is_named(&name) || self.called.contains(&&*name)
     }
 
     /// The function's name, and what asks for it where it is not asked for itself.
@@ -225,7 +226,7 @@ impl LeftOut {
         let is_kept = |row: &Row<'_>| {
             let is_left_out = are_too_many && matches!(row, Row::Frame(..));
             self.of_frames += usize::from(is_left_out);
-            !is_left_out && wanted.includes(&row.name())
+            !is_left_out && wanted.includes(row)
         };
         rows.filter(is_kept).collect()
     }

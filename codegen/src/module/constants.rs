@@ -2,6 +2,8 @@
 
 mod quaternions;
 
+pub(super) use quaternions::joint_positions;
+
 use crate::formula::Formula;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::Dimension;

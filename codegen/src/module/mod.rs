@@ -26,6 +26,10 @@ pub struct Module {
     pub positions: usize,
     /// Number of inputs.
     pub inputs: usize,
+    /// Number of driven coordinates.
+    pub driven: usize,
+    /// Number of position entries of each joint; none where the positions are one for each coordinate.
+    pub joint_positions: Vec<usize>,
     /// Names, units, limits, drives, gravity.
     pub constants: Vec<Constant>,
     /// Free parameters, an argument of every function where there are any.
@@ -78,6 +82,8 @@ impl Module {
             coordinates: model.coordinates.len(),
             positions: model.position_count(),
             inputs: model.inputs().count(),
+            driven: model.driven.len(),
+            joint_positions: constants::joint_positions(model),
             constants: [constants::all(model), vec![list]].concat(),
             parameters: model.parameters.clone(),
             substeps: has_substeps.then(|| constants::substeps(model)),

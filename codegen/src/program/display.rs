@@ -12,7 +12,7 @@ use crate::formula::Function;
 /// Names that a program refers to by number.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Notation {
-    /// Names of the free parameters.
+    /// Names of all free parameters that the program refers to.
     pub parameters: Vec<String>,
 }
 
@@ -101,10 +101,9 @@ impl Printer<'_> {
                 format!("fma({}, {}, {})", first(a), first(b), first(c))
             }
             Operation::SinCos(a) => self.call(Function::Sin, a),
-            Operation::CosineOf(pair) => match self.program.instructions.get(pair).map(|sine| sine.operation)
-            {
-                Some(Operation::SinCos(a)) => self.call(Function::Cos, a),
-                _ => "?".to_owned(),
+            Operation::CosineOf(pair) => match self.program.instructions[pair].operation {
+                Operation::SinCos(a) => self.call(Function::Cos, a),
+                _ => unreachable!("a cosine names the instruction that makes its sine"),
             },
             Operation::Call(function, a) => self.call(function, a),
         }
@@ -149,17 +148,9 @@ impl Printer<'_> {
     /// An operand; `guarded` puts a negative number in parentheses.
     fn operand(&self, operand: Operand, guarded: bool) -> String {
         match operand {
-            Operand::Value(index) => match self.program.instructions.get(index) {
-                Some(instruction) => self.letters(&instruction.name),
-                None => "?".to_owned(),
-            },
-            Operand::Input(array, index) => match self.program.inputs.get(array) {
-                Some(input) => self.indexed(&input.name, index + 1),
-                None => "?".to_owned(),
-            },
-            Operand::Parameter(index) => {
-                self.notation.parameters.get(index).map_or_else(|| "?".to_owned(), |name| self.letters(name))
-            }
+            Operand::Value(index) => self.letters(&self.program.instructions[index].name),
+            Operand::Input(array, index) => self.indexed(&self.program.inputs[array].name, index + 1),
+            Operand::Parameter(index) => self.letters(&self.notation.parameters[index]),
             Operand::Constant(number) if guarded && number.is_sign_negative() => {
                 format!("({})", self.number(number))
             }

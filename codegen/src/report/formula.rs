@@ -49,9 +49,7 @@ impl Printer<'_> {
         let factor = |part: &Formula| self.print(part, Binding::Product);
         match formula {
             Formula::Number(value) => latex_number(*value),
-            Formula::Parameter(index) => {
-                self.parameters.get(*index).map_or_else(|| "?".to_owned(), |name| latex_letters(name))
-            }
+            Formula::Parameter(index) => latex_letters(&self.parameters[*index]),
             Formula::Position => format!("y_{{{}}}", self.coordinate),
             Formula::Velocity => format!("\\dot{{y}}_{{{}}}", self.coordinate),
             Formula::Negate(a) => format!("-{}", factor(a)),

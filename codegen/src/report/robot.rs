@@ -4,10 +4,10 @@ use std::cell::OnceCell;
 
 use crate::dynamics::load_friction;
 use crate::formula::Formula;
-use crate::functions::catalogue::Argument;
 use crate::functions::function::Function;
 use crate::functions::selection::derive_functions;
 use crate::functions::size::MOST_OPERATIONS;
+use crate::layout::Dimension;
 use crate::model::{Actuator, Body, FollowedCoordinate, Joint, Link, Model, PointForce};
 use crate::program::interpret::{Functions, interpret};
 
@@ -167,7 +167,7 @@ impl<'a> Robot<'a> {
     /// Whether the motion of the driven joints is an argument of a function, behind the others.
     fn takes_driven(&self, function: &Function) -> bool {
         let last = function.program.inputs.last();
-        !self.driven.is_empty() && last.is_some_and(|input| input.name == Argument::Driven.name())
+        !self.driven.is_empty() && last.is_some_and(|input| input.extent.dimension == Dimension::Driven)
     }
 
     fn results(&self, function: &Function, inputs: &[&[f64]]) -> Option<Vec<Vec<f64>>> {

@@ -74,8 +74,7 @@ fn cells(robot: &Robot<'_>, values: &[Formula]) -> Vec<Cell> {
 }
 
 fn link_name(robot: &Robot<'_>, link: usize) -> Cell {
-    let name = robot.model.links.get(link).map(|link| link.name.as_str());
-    Cell::text(name.unwrap_or_default())
+    Cell::text(robot.model.links[link].name.as_str())
 }
 
 /// Motors and gears.
@@ -152,7 +151,7 @@ pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
 
 fn drive_row(robot: &Robot<'_>, drive: &Drive) -> Vec<Cell> {
     let joint = match drive.coordinate() {
-        Some(index) => Cell::text(robot.joints().get(index).map_or("", |joint| joint.name.as_str())),
+        Some(index) => Cell::text(robot.joints()[index].name.as_str()),
         None if drive.acts_on.is_empty() => Cell::text(""),
         None => Cell::Line(vec![Inline::Math(robot.followed(&drive.acts_on, 0.0))]),
     };

@@ -157,6 +157,7 @@ pub fn mass_matrix() -> Function {
     };
     Function {
         name: "mass_matrix".into(),
+        frame: None,
         summary: "Mass matrix `M(y)`.".into(),
         equation: "M = Σᵢ Jᵢᵀ Iᵢ Jᵢ".into(),
         arguments: vec![argument("coordinates", &[("beta", "rad"), ("gamma", "rad")])],
@@ -199,6 +200,7 @@ pub fn every_operation() -> Function {
         .collect();
     Function {
         name: "every_operation".into(),
+        frame: None,
         summary: "Every operation once.".into(),
         equation: String::new(),
         arguments: vec![argument("numbers", &[]), argument("never read", &[])],
@@ -263,6 +265,7 @@ pub fn synthetic_with(length: usize, seed: u64, window: usize) -> Function {
     let entries = (0..36).map(|_| Operand::Value(length - 1 - random.below(length.min(200)))).collect();
     Function {
         name: "synthetic".into(),
+        frame: None,
         summary: "A synthetic program.".into(),
         equation: String::new(),
         arguments: vec![],

@@ -7,17 +7,17 @@ use crate::program::split::Part;
 /// The body of a split function: one call per part, and the results.
 pub(super) fn calls(body: &Body<'_>, name: &str, parts: &[Part]) -> Vec<String> {
     let ty = body.ty();
-    let mut helpers = body.fresh(parts.iter().flat_map(|_| ["taken", "made"])).into_iter();
+    let helpers = body.fresh(parts.iter().flat_map(|_| ["taken", "made"]));
     let mut statements = vec![];
     for (index, part) in parts.iter().enumerate() {
-        let (taken, made) = (helpers.next().unwrap_or_default(), helpers.next().unwrap_or_default());
+        let [taken, made] = [&helpers[2 * index], &helpers[2 * index + 1]];
         let inputs = part.inputs.iter().map(|&input| body.names.arguments[input].clone());
         let mut arguments: Vec<String> = inputs.collect();
         if !part.takes.is_empty() {
             let values: Vec<String> = part.takes.iter().map(|&value| body.name(value).to_owned()).collect();
             let head = format!("const {ty} {taken}[{}] = ", values.len());
             statements.push(format!("{head}{};", layout::braces(4, &values)));
-            arguments.push(taken);
+            arguments.push(taken.clone());
         }
         arguments.extend(body.context.passed_parameters().filter(|_| part.reads_parameters));
         arguments.push(made.clone());

@@ -111,9 +111,12 @@ fn lanes(context: &Context<'_>, function: &Callable) -> Option<String> {
 
 /// The statements that call a function, or its form over several states, with the operands `x`.
 fn call(context: &Context<'_>, function: &Callable, lanes: Option<&str>) -> String {
-    let mut operands = (0..).map(|index| format!("x[{index}]"));
+    let mut taken = 0;
     let mut next = |is_there: bool| match is_there {
-        true => operands.next().unwrap_or_default(),
+        true => {
+            taken += 1;
+            format!("x[{}]", taken - 1)
+        }
         false => format!("({} *)0", context.ty()),
     };
     let mut words: Vec<String> = vec![];

@@ -33,10 +33,11 @@ pub(super) fn sizes(context: &Context<'_>) -> [TokenStream; 2] {
 /// The type of the argument that has the driven coordinates, where there are some.
 pub(super) fn driven(context: &Context<'_>) -> Option<TokenStream> {
     let ty = context.ty();
-    context.module.constants.iter().find(|constant| constant.name == "DRIVEN")?;
-    Some(quote! {
-        #[doc = " Driven coordinates: position, velocity and acceleration of each, in the order of `DRIVEN_NAMES`."]
-        pub type Driven = [[#ty; 3]; DRIVEN];
+    (context.module.driven > 0).then(|| {
+        quote! {
+            #[doc = " Driven coordinates: position, velocity and acceleration of each, in the order of `DRIVEN_NAMES`."]
+            pub type Driven = [[#ty; 3]; DRIVEN];
+        }
     })
 }
 

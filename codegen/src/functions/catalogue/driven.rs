@@ -1,11 +1,10 @@
 //! What the catalogue says of robots with driven joints, whose motion is an argument.
 
+use super::otherwise::{Otherwise, Robots};
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
 use super::quantity::{Quantity, vector};
 use crate::dynamics::arguments::Arguments;
-use crate::functions::function::Function;
 use crate::layout::Dimension;
-use crate::model::Model;
 
 /// The rows that only robots with driven joints have; they are derived where they are asked for by name.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
@@ -29,35 +28,34 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
     ..Quantity::PLAIN
 }];
 
-/// The rows of a model.
-pub fn rows(model: &Model) -> &'static [Quantity] {
-    match model.driven.is_empty() {
-        true => &[],
-        false => QUANTITIES,
-    }
-}
+/// The inertial forces of the driven joints' accelerations are no part of M ÿ.
+pub const BIAS: Otherwise = Otherwise {
+    notes: &[
+        "It contains M_d d̈, the inertial forces of the driven joints' accelerations, so that M ÿ + k = q + B u holds for the other \
+         joints.",
+    ],
+    ..Otherwise::of(Robots::Driven)
+};
 
-/// Says what is otherwise.
-pub fn describe(model: &Model, function: &mut Function) {
-    if model.driven.is_empty() {
-        return;
-    }
-    const BIAS: &str = "It contains M_d d̈, the inertial forces of the driven joints' accelerations, so that M ÿ + k = q + B u holds \
-        for the other joints.";
-    const COLUMNS: &str = "The columns of the driven joints stand behind those of the coordinates.";
-    let note = match function.name.as_str() {
-        "coriolis_forces" | "bias_forces" | "equations_of_motion" | "mass_matrix_and_bias_forces" => BIAS,
-        "kinetic_energy" => {
-            "½ (ẏ, ḋ)ᵀ M (ẏ, ḋ)".clone_into(&mut function.equation);
-            "With the mass matrix of all joints, the driven ones included."
-        }
-        "joint_wrenches" => "The rows of the driven joints stand behind those of the coordinates.",
-        "center_of_mass_jacobian" | "centroidal_momentum_matrix" => COLUMNS,
-        name if name.starts_with("frame_") && name.ends_with("_jacobian") => COLUMNS,
-        name if name.starts_with("frame_") && name.ends_with("_times_velocity") => {
-            "The driven joints are accelerated as d says."
-        }
-        _ => return,
-    };
-    function.notes.push(note.to_owned());
-}
+/// The kinetic energy is that of all joints.
+pub const ENERGY: Otherwise = Otherwise {
+    equation: Some("½ (ẏ, ḋ)ᵀ M (ẏ, ḋ)"),
+    notes: &["With the mass matrix of all joints, the driven ones included."],
+    ..Otherwise::of(Robots::Driven)
+};
+
+/// Driven joints have rows too.
+pub const ROWS: Otherwise = Otherwise {
+    notes: &["The rows of the driven joints stand behind those of the coordinates."],
+    ..Otherwise::of(Robots::Driven)
+};
+
+/// Driven joints have columns too.
+pub const COLUMNS: Otherwise = Otherwise {
+    notes: &["The columns of the driven joints stand behind those of the coordinates."],
+    ..Otherwise::of(Robots::Driven)
+};
+
+/// At ÿ = 0 the driven joints are accelerated nevertheless.
+pub const ACCELERATED: Otherwise =
+    Otherwise { notes: &["The driven joints are accelerated as d says."], ..Otherwise::of(Robots::Driven) };

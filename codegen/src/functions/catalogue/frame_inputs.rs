@@ -1,50 +1,38 @@
 //! What the catalogue says of robots with forces at frames. Where inputs are such forces, B depends on the
 //! coordinates.
 
-use super::motion::INPUT_MATRIX_BY_POSITION;
-use super::quantity::Quantity;
+use super::otherwise::{Otherwise, Robots};
 use crate::formula::Formula;
 use crate::functions::function::Function;
 use crate::model::{Model, PointForce};
 use crate::wording;
 
-/// The rows that replace those of the same name.
-pub fn rows(model: &Model) -> &'static [Quantity] {
-    match model.inputs_depend_on_position() {
-        true => INPUT_MATRIX_BY_POSITION,
-        false => &[],
-    }
-}
+/// Forces at frames act beyond joints.
+pub const BEYOND: Otherwise = Otherwise {
+    notes: &[
+        "Forces at frames beyond a joint, those of springs, inputs and wrenches there, are part of its row: what the joint itself \
+         transmits is the row less these.",
+    ],
+    ..Otherwise::of(Robots::ForcesAtFrames)
+};
 
-/// Says what is otherwise.
-pub fn describe(model: &Model, function: &mut Function) {
-    let has_frame_forces = !model.point_forces.is_empty() || !model.wrenches.is_empty();
-    if function.name == "joint_wrenches" && (has_frame_forces || model.inputs_depend_on_position()) {
-        let note = "Forces at frames beyond a joint, those of springs, inputs and wrenches there, are part of its row: what the \
-                    joint itself transmits is the row less these.";
-        function.notes.push(note.to_owned());
-    }
-    if function.name == "potential_energy" && !model.point_forces.is_empty() {
-        describe_energy(model, function);
-    }
-    if !model.inputs_depend_on_position() {
-        return;
-    }
-    match function.name.as_str() {
-        "forward_dynamics_derivatives" => {
-            "∂ÿ = −M⁻¹ ∂(M ÿ + k − q − B(y) u), ∂ÿ/∂(B u) = M⁻¹".clone_into(&mut function.equation);
-        }
-        "inverse_dynamics_hessian" => {
-            let note = "The constraint `M ÿ + k − q = B(y) u` with multipliers λ adds these blocks to the Hessian of the \
-                        Lagrangian, and those of `−λᵀ B(y) u`, which are not in here.";
-            function.notes = vec![note.to_owned()];
-        }
-        _ => {}
-    }
-}
+/// The Jacobians of the forward dynamics have a share of B(y).
+pub const FORWARD_DERIVATIVES: Otherwise = Otherwise {
+    equation: Some("∂ÿ = −M⁻¹ ∂(M ÿ + k − q − B(y) u), ∂ÿ/∂(B u) = M⁻¹"),
+    ..Otherwise::of(Robots::InputsAtFrames)
+};
 
-/// Which of the forces between frames are in the potential energy.
-fn describe_energy(model: &Model, function: &mut Function) {
+/// The Hessian of the constraint has a share of B(y), which is not in the function.
+pub const HESSIAN: Otherwise = Otherwise {
+    only_note: Some(
+        "The constraint `M ÿ + k − q = B(y) u` with multipliers λ adds these blocks to the Hessian of the Lagrangian, and those \
+         of `−λᵀ B(y) u`, which are not in here.",
+    ),
+    ..Otherwise::of(Robots::InputsAtFrames)
+};
+
+/// Says which of the forces between frames are in the potential energy.
+pub fn describe_energy(model: &Model, function: &mut Function) {
     let forces = |wanted: fn(Option<&Formula>) -> bool| -> Vec<&PointForce> {
         model.point_forces.iter().filter(|force| wanted(force.law.energy().as_ref())).collect()
     };

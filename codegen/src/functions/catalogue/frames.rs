@@ -1,13 +1,14 @@
 //! Rows of the named frames.
 
+use super::driven;
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{FRAME_JACOBIAN, FrameQuantity, IN_SPACE, ROTATION, matrix, vector};
 use crate::dynamics::recursion::newton_euler::MotionInput;
-use crate::model::Frame;
+use crate::functions::function::FrameKind;
 
 pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
     FrameQuantity {
-        suffix: "pose",
+        kind: FrameKind::Pose,
         summary: "Pose of the frame",
         equation: "r_base = p + R r_frame",
         arguments: &[Coordinates],
@@ -15,6 +16,7 @@ pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
             ("p", IN_SPACE, "origin in the base frame [m]"),
             ("R", ROTATION, "rotation matrix, columns are the frame's axes"),
         ],
+        otherwise: &[],
         build: |equations, arguments, link, pose| {
             let pose = equations.base_poses(&arguments.y).pose(link, pose);
             let rows = (0..3).map(|row| pose.axes.iter().map(|axis| axis[row]).collect()).collect();
@@ -22,7 +24,7 @@ pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
         },
     },
     FrameQuantity {
-        suffix: "jacobian",
+        kind: FrameKind::Jacobian,
         summary: "Jacobian of the frame",
         equation: "(ṗ, ω) = J(y) ẏ",
         arguments: &[Coordinates],
@@ -31,12 +33,13 @@ pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
             FRAME_JACOBIAN,
             "rows: velocity of the origin, then angular velocity, in the axes of the base frame",
         )],
+        otherwise: &[driven::COLUMNS],
         build: |equations, arguments, link, pose| {
             vec![matrix(equations.base_poses(&arguments.y).jacobian(link, pose))]
         },
     },
     FrameQuantity {
-        suffix: "jacobian_rate_times_velocity",
+        kind: FrameKind::JacobianRateTimesVelocity,
         summary: "Acceleration of the frame at ÿ = 0",
         equation: "(p̈, ω̇) = J(y) ÿ + J̇ ẏ",
         arguments: &[Coordinates, Velocities],
@@ -45,6 +48,7 @@ pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
             IN_SPACE,
             "acceleration of the origin [m/s²], then angular acceleration [rad/s²], in the axes of the base frame",
         )],
+        otherwise: &[driven::ACCELERATED],
         build: |equations, arguments, link, pose| {
             let (y, v) = (&arguments.y, &arguments.v);
             let input = MotionInput { y, v, a: &equations.unaccelerated() };
@@ -52,7 +56,3 @@ pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
         },
     },
 ];
-
-pub(in crate::functions) fn frame_name(frame: &Frame, quantity: &FrameQuantity) -> String {
-    format!("frame_{}_{}", frame.identifier, quantity.suffix)
-}

@@ -7,6 +7,7 @@
 
 use super::quantity::Argument::{Accelerations, Coordinates, Multipliers, Velocities};
 use super::quantity::{Quantity, SQUARE, matrix};
+use super::{frame_inputs, quaternions};
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::matrix::Matrix;
@@ -33,6 +34,7 @@ pub const QUANTITY: Quantity = Quantity {
          Lagrangian; it is linear in u. The gradient comes from reverse differentiation of the inverse dynamics or from \
          λ times its analytic Jacobians, whichever costs less in the end; its forward derivatives are the Hessian.",
     ],
+    otherwise: &[frame_inputs::HESSIAN, quaternions::ALONG],
     build: |equations, Arguments { y, v, a, lambda, .. }| {
         let hessian = inverse_dynamics_hessian(equations, MotionInput { y, v, a }, lambda);
         let blocks = [hessian.by_coordinates, hessian.mixed, hessian.by_velocities, hessian.by_accelerations];

@@ -4,11 +4,9 @@
 //! There q keeps the friction τ of velocity and position alone, and the equations of motion have one more
 //! term.
 
+use super::otherwise::{Otherwise, Robots};
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{Quantity, VECTOR, vector};
-use crate::dynamics::load_friction;
-use crate::functions::function::Function;
-use crate::model::Model;
 
 const MOTION: &str = "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u − |τ_l| s₁(y, ẏ)";
 
@@ -31,11 +29,6 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
     ..Quantity::PLAIN
 }];
 
-/// Tells whether a model has this function.
-pub fn is_in(model: &Model) -> bool {
-    load_friction::is_there(model)
-}
-
 /// What the load is.
 const LOAD: &str = "The load `τ_l` is what a drive would exert without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is \
     `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).";
@@ -46,84 +39,51 @@ const KINK: &str = "At a load of exactly 0 the derivatives jump; there they are 
 const WITHOUT: &str =
     "Friction without what the load adds, `|τ_l| load_friction`: that depends on the accelerations.";
 
-/// What is said otherwise of a function.
-struct Text {
-    name: &'static str,
-    /// The equation in place of the row's.
-    equation: Option<&'static str>,
-    /// In place of the meaning of the first result.
-    first_result: Option<&'static str>,
-    notes: &'static [&'static str],
-}
+const OTHERWISE: Otherwise = Otherwise::of(Robots::LoadFriction);
 
-impl Text {
-    const PLAIN: Self = Self { name: "", equation: None, first_result: None, notes: &[] };
+/// The equations of motion have one more term.
+pub const EQUATIONS: Otherwise = Otherwise { equation: Some(MOTION), notes: &[LOAD], ..OTHERWISE };
 
-    const fn motion(name: &'static str) -> Self {
-        Self { name, equation: Some(MOTION), notes: &[LOAD], ..Self::PLAIN }
-    }
+/// Friction is not all in friction.
+pub const APART: Otherwise = Otherwise { notes: &[WITHOUT], ..OTHERWISE };
 
-    const fn note(name: &'static str, notes: &'static [&'static str]) -> Self {
-        Self { name, notes, ..Self::PLAIN }
-    }
-}
+/// The inverse dynamics have one more term.
+pub const INVERSE_DYNAMICS: Otherwise = Otherwise {
+    equation: Some("τ_l + friction_torques + |τ_l| s₁(y, ẏ), τ_l = M ÿ + k − gravity_forces − spring_forces"),
+    notes: &[LOAD],
+    ..OTHERWISE
+};
 
-const INVERSE: &str =
-    "τ_l + friction_torques + |τ_l| s₁(y, ẏ), τ_l = M ÿ + k − gravity_forces − spring_forces";
-
-const FORCES: &str = "what the drives exert at the joints, friction under load included";
-
-const TEXTS: &[Text] = &[
-    Text::motion("mass_matrix"),
-    Text::motion("coriolis_forces"),
-    Text::motion("input_matrix"),
-    Text::motion("equations_of_motion"),
-    Text::motion("mass_matrix_and_bias_forces"),
-    Text::note("friction_torques", &[WITHOUT]),
-    Text::note("applied_forces", &[WITHOUT]),
-    Text { name: "inverse_dynamics", equation: Some(INVERSE), notes: &[LOAD], ..Text::PLAIN },
-    Text {
-        name: "forward_dynamics",
-        equation: Some(
-            "ÿ = M⁻¹ (τ_l + gravity_forces + spring_forces − k), τ_l = w / (1 + s₁ sign w), w = B u − friction_torques",
-        ),
-        notes: &[
-            LOAD,
-            "Joint by joint, since `|s₁| < 1`: `w`, what a drive exerts beyond `friction_torques`, has the sign of the load.",
-        ],
-        ..Text::PLAIN
-    },
-    Text {
-        name: "inverse_dynamics_derivatives",
-        equation: Some("δ(B u) = ∂/∂y δy + ∂/∂ẏ δẏ + D M δÿ, D = diag(1 + s₁ sign τ_l)"),
-        first_result: Some(FORCES),
-        notes: &[LOAD, KINK],
-    },
-    Text::note("linearize", &[LOAD, KINK]),
-    Text::note(
-        "inertial_regressor",
-        &[
-            "Here `W π − springs` is the load `τ_l`, and `|τ_l| load_friction` is part of the inverse dynamics too.",
-        ],
+/// The forward dynamics undo what the load adds.
+pub const FORWARD_DYNAMICS: Otherwise = Otherwise {
+    equation: Some(
+        "ÿ = M⁻¹ (τ_l + gravity_forces + spring_forces − k), τ_l = w / (1 + s₁ sign w), w = B u − friction_torques",
     ),
-    Text::note("friction_parameters", &[WITHOUT]),
-    Text::note("friction_regressor", &[WITHOUT]),
-];
+    notes: &[
+        LOAD,
+        "Joint by joint, since `|s₁| < 1`: `w`, what a drive exerts beyond `friction_torques`, has the sign of the load.",
+    ],
+    ..OTHERWISE
+};
 
-/// Says what is otherwise where friction grows with the load.
-pub fn describe(model: &Model, function: &mut Function) {
-    let text = TEXTS.iter().find(|text| text.name == function.name);
-    let Some(text) = text.filter(|_| is_in(model)) else {
-        return;
-    };
-    if let Some(equation) = text.equation {
-        equation.clone_into(&mut function.equation);
-    }
-    if let (Some(meaning), Some(first)) = (text.first_result, function.results.first_mut()) {
-        meaning.clone_into(first);
-    }
-    function.notes.extend(text.notes.iter().map(|&note| note.to_owned()));
-}
+/// The Jacobian by the accelerations is not M.
+pub const INVERSE_DERIVATIVES: Otherwise = Otherwise {
+    equation: Some("δ(B u) = ∂/∂y δy + ∂/∂ẏ δẏ + D M δÿ, D = diag(1 + s₁ sign τ_l)"),
+    first_result: Some("what the drives exert at the joints, friction under load included"),
+    notes: &[LOAD, KINK],
+    ..OTHERWISE
+};
+
+/// The linearization has a kink.
+pub const LINEARIZE: Otherwise = Otherwise { notes: &[LOAD, KINK], ..OTHERWISE };
+
+/// The regressor of the inertial parameters has the load.
+pub const REGRESSOR: Otherwise = Otherwise {
+    notes: &[
+        "Here `W π − springs` is the load `τ_l`, and `|τ_l| load_friction` is part of the inverse dynamics too.",
+    ],
+    ..OTHERWISE
+};
 
 #[cfg(test)]
 mod tests {
@@ -140,7 +100,7 @@ mod tests {
             let mut about: Vec<&str> =
                 said.flat_map(|text| words.into_iter().filter(move |word| text.contains(word))).collect();
             about.dedup();
-            let is_told = TEXTS.iter().any(|text| text.name == row.name);
+            let is_told = row.otherwise.iter().any(|said| said.robots == Robots::LoadFriction);
             let true_rows = [
                 "gravity_forces",
                 "spring_forces",
@@ -160,13 +120,6 @@ mod tests {
                 row.name
             );
             assert!(!(is_told && row.ignores_load), "{}", row.name);
-        }
-    }
-
-    #[test]
-    fn every_text_has_its_function() {
-        for text in TEXTS {
-            assert!(all().any(|row| row.name == text.name), "{}", text.name);
         }
     }
 }

@@ -9,63 +9,53 @@ mod hessian;
 mod load_friction;
 mod momentum;
 mod motion;
+mod otherwise;
 mod quantity;
 mod quaternions;
 mod reactions;
 mod regressors;
 mod wrenches;
 
-pub(super) use frames::{FRAME_QUANTITIES, frame_name};
+pub(super) use frames::FRAME_QUANTITIES;
+pub(super) use otherwise::Otherwise;
 pub(super) use quantity::vector;
 pub use quantity::{Argument, Quantity, Value};
 pub(super) use quantity::{BuildLoops, Estimate, FrameQuantity, Loops, QuantityResult};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::forces;
+use crate::dynamics::load_friction::is_there as has_load_friction;
 use crate::functions::composition::Composition;
-use crate::functions::function::Function;
+use crate::functions::function::FrameFunction;
 use crate::model::Model;
-use motion::{FRICTION_BY_POSITION, QUANTITIES};
-
-/// Says what is otherwise of a function in a robot where the rows of the catalogue are not the whole truth.
-pub(super) fn describe(model: &Model, function: &mut Function) {
-    driven::describe(model, function);
-    load_friction::describe(model, function);
-    frame_inputs::describe(model, function);
-    quaternions::describe(model, function);
-}
+use motion::{FRICTION_BY_POSITION, INPUT_MATRIX_BY_POSITION, LINEARIZE_ON_TANGENT, QUANTITIES};
 
 /// Every function but those of named frames, in the order of the generated module.
 pub fn quantities() -> impl Iterator<Item = &'static Quantity> {
     QUANTITIES.iter().chain(regressors::QUANTITIES)
 }
 
-/// [`quantities()`] with the rows of friction that a model needs: where a friction law depends on the
-/// position of its joint, or inputs act at frames, they take y too.
+/// [`quantities()`] with the rows that a model needs beside them or in their place.
 fn quantities_of(model: &Model) -> impl Iterator<Item = &'static Quantity> {
-    let by_position: &[Quantity] = match forces::friction_depends_on_position(model) {
-        true => FRICTION_BY_POSITION,
-        false => &[],
-    };
-    let of_the_load: &[Quantity] = match load_friction::is_in(model) {
-        true => load_friction::QUANTITIES,
-        false => &[],
-    };
+    let by_position = rows_if(forces::friction_depends_on_position(model), FRICTION_BY_POSITION);
+    let at_frames = rows_if(model.inputs_depend_on_position(), INPUT_MATRIX_BY_POSITION);
+    let on_tangent = rows_if(!model.quaternion_joints.is_empty(), LINEARIZE_ON_TANGENT);
     let quantities = quantities().map(move |quantity| {
-        let mut rows = by_position.iter().chain(frame_inputs::rows(model)).chain(quaternions::rows(model));
-        let replacement = rows.find(|row| row.name == quantity.name);
-        replacement.unwrap_or(quantity)
+        let mut rows = by_position.iter().chain(at_frames).chain(on_tangent);
+        rows.find(|row| row.name == quantity.name).unwrap_or(quantity)
     });
-    let of_wrenches: &[Quantity] = match model.wrenches.is_empty() {
-        true => &[],
-        false => wrenches::QUANTITIES,
-    };
-    quantities.chain(of_the_load).chain(of_wrenches)
+    let of_the_load = rows_if(has_load_friction(model), load_friction::QUANTITIES);
+    quantities.chain(of_the_load).chain(rows_if(!model.wrenches.is_empty(), wrenches::QUANTITIES))
+}
+
+fn rows_if(are_there: bool, rows: &'static [Quantity]) -> &'static [Quantity] {
+    if are_there { rows } else { &[] }
 }
 
 /// The quantities of a model, and those that are derived where they are asked for by name.
 pub(super) fn all_quantities(model: &Model) -> impl Iterator<Item = &'static Quantity> {
-    quantities_of(model).chain(ON_REQUEST).chain(driven::rows(model))
+    let of_driven = rows_if(!model.driven.is_empty(), driven::QUANTITIES);
+    quantities_of(model).chain(ON_REQUEST).chain(of_driven)
 }
 
 /// Tells whether a function is derived only where it is asked for by name.
@@ -108,7 +98,8 @@ pub(crate) fn differentiates_friction(name: &str) -> bool {
 /// Names of all functions of a model, in the order of the generated module.
 pub fn names(model: &Model) -> Vec<String> {
     let quantities = all_quantities(model).map(|quantity| quantity.name.to_owned());
-    let frames = model.frames.iter().flat_map(|frame| FRAME_QUANTITIES.iter().map(|q| frame_name(frame, q)));
+    let of_frame = |frame| FRAME_QUANTITIES.iter().map(move |row| FrameFunction::new(frame, row.kind).name());
+    let frames = model.frames.iter().flat_map(of_frame);
     let compositions = Composition::ALL.iter().map(|each| each.name().to_owned());
     quantities.chain(frames).chain(compositions).collect()
 }

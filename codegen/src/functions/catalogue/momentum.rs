@@ -1,5 +1,6 @@
 //! Centre of mass and centroidal momentum.
 
+use super::driven;
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{FRAME_JACOBIAN, IN_SPACE, Quantity, matrix, vector};
 use crate::dynamics::arguments::Arguments;
@@ -28,6 +29,7 @@ pub const QUANTITIES: [Quantity; 4] = [
         arguments: &[Coordinates],
         results: &[("J_c", FRAME_JACOBIAN, "rows x, y, z of the base frame")],
         notes: NOTES,
+        otherwise: &[driven::COLUMNS],
         build: |equations, Arguments { y, .. }| vec![matrix(equations.masses(y).center_jacobian())],
         ..Quantity::PLAIN
     },
@@ -42,6 +44,7 @@ pub const QUANTITIES: [Quantity; 4] = [
             "rows: linear momentum, then angular momentum about the centre of mass, in the axes of the base",
         )],
         notes: NOTES,
+        otherwise: &[driven::COLUMNS],
         build: |equations, Arguments { y, .. }| vec![matrix(equations.masses(y).momentum_matrix())],
         ..Quantity::PLAIN
     },

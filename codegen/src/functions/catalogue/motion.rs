@@ -5,6 +5,7 @@ use super::quantity::{
     BY_INPUTS, Estimate, Loops, Quantity, SCALAR, SQUARE, VECTOR, Value, matrix, scalar, vector,
 };
 use super::regressors;
+use super::{driven, frame_inputs, load_friction, quaternions};
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::per_joint;
@@ -20,6 +21,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates],
         results: &[("M", SQUARE, "symmetric, positive definite, both triangles filled")],
         notes: &["Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included."],
+        otherwise: &[load_friction::EQUATIONS],
         build: |equations, arguments| vec![matrix(equations.mass_matrix(&arguments.y))],
         constants: |_, _, program| module_constants::patterns(program, &[("MASS_MATRIX_NONZERO", "M")]),
         straight_size: Some(Estimate::MassMatrix),
@@ -32,6 +34,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities],
         results: &[("k", VECTOR, "on the left-hand side: without gravity, springs and friction")],
         notes: &["Recursive Newton–Euler equations without gravity and accelerations."],
+        otherwise: &[driven::BIAS, load_friction::EQUATIONS],
         build: |equations, arguments| vec![vector(equations.coriolis_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
@@ -62,6 +65,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[Velocities],
         results: &[("τ", VECTOR, "positive for positive velocity, at the joint")],
         notes: &[],
+        otherwise: &[load_friction::APART],
         build: friction_torques,
         ..Quantity::PLAIN
     },
@@ -72,6 +76,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities],
         results: &[("q", VECTOR, "on the right-hand side, without the inputs")],
         notes: &[],
+        otherwise: &[load_friction::APART],
         build: |equations, arguments| vec![vector(equations.applied_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
@@ -82,6 +87,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities],
         results: &[("b", VECTOR, "what holds the accelerations at zero, without springs and friction")],
         notes: &["Recursive Newton–Euler equations at ÿ = 0. Pinocchio calls this `nle`."],
+        otherwise: &[driven::BIAS],
         build: |equations, arguments| vec![vector(equations.bias_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
@@ -92,6 +98,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[],
         results: &[("B", BY_INPUTS, "gear ratios, times motor constants where inputs are currents")],
         notes: &[],
+        otherwise: &[load_friction::EQUATIONS],
         build: |equations, _| vec![matrix(equations.input_matrix(&[]))],
         ..Quantity::PLAIN
     },
@@ -106,6 +113,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             ("q", VECTOR, "gravity, springs and friction"),
         ],
         notes: &["What the three have in common is computed once."],
+        otherwise: &[driven::BIAS, load_friction::EQUATIONS],
         build: |equations, arguments| {
             let (y, v) = (&arguments.y, &arguments.v);
             let k = equations.coriolis_forces(y, v);
@@ -121,6 +129,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities, Accelerations],
         results: &[("B u", VECTOR, "what the drives exert at the joints; u_ff = B⁻¹ times it")],
         notes: &["Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters."],
+        otherwise: &[load_friction::INVERSE_DYNAMICS],
         build: |equations, arguments| {
             vec![vector(equations.inverse_dynamics(&arguments.y, &arguments.v, &arguments.a))]
         },
@@ -133,6 +142,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities, Inputs],
         results: &[("ÿ", VECTOR, "accelerations")],
         notes: &[],
+        otherwise: &[load_friction::FORWARD_DYNAMICS],
         build: |equations, arguments| {
             vec![vector(equations.forward_dynamics(&arguments.y, &arguments.v, &arguments.u))]
         },
@@ -155,6 +165,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             ),
         ],
         notes: &["What both have in common is computed once."],
+        otherwise: &[driven::BIAS, load_friction::EQUATIONS],
         build: |equations, arguments| {
             let (mass, bias) = equations.mass_matrix_and_bias(&arguments.y, &arguments.v);
             vec![matrix(mass), vector(bias)]
@@ -174,6 +185,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             ("∂/∂ẏ", SQUARE, "row i = force i, friction included"),
         ],
         notes: DERIVATIVE_NOTES,
+        otherwise: &[load_friction::INVERSE_DERIVATIVES, quaternions::ALONG],
         build: |equations, Arguments { y, v, a, .. }| {
             let result = equations.inverse_dynamics_derivatives(MotionInput { y, v, a });
             vec![vector(result.forces), matrix(result.by_coordinates), matrix(result.by_velocities)]
@@ -200,6 +212,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             ("M", SQUARE, "symmetric, positive definite, both triangles filled"),
         ],
         notes: DERIVATIVE_NOTES,
+        otherwise: &[quaternions::ALONG],
         build: |equations, Arguments { y, v, a, .. }| {
             let result = equations.inverse_dynamics_derivatives(MotionInput { y, v, a });
             let jacobians = [result.by_coordinates, result.by_velocities, result.mass_matrix].map(matrix);
@@ -227,6 +240,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             ("M⁻¹", SQUARE, "symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B"),
         ],
         notes: DERIVATIVE_NOTES,
+        otherwise: &[frame_inputs::FORWARD_DERIVATIVES, quaternions::ALONG],
         build: |equations, Arguments { y, v, u, .. }| {
             let result = equations.forward_dynamics_derivatives(y, v, u);
             let jacobians = [result.by_coordinates, result.by_velocities, result.inverse].map(matrix);
@@ -249,6 +263,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities],
         results: &[("T", SCALAR, "energy [J]")],
         notes: &[],
+        otherwise: &[driven::ENERGY],
         build: |equations, arguments| vec![scalar(equations.kinetic_energy(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
@@ -264,6 +279,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         )],
         notes: &[],
         build: |equations, arguments| vec![scalar(equations.potential_energy(&arguments.y))],
+        describe: frame_inputs::describe_energy,
         ..Quantity::PLAIN
     },
 ];
@@ -282,6 +298,7 @@ const LINEARIZE: Quantity = Quantity {
         ("c", VECTOR, "affine remainder ÿ − A_y y − A_v ẏ − B_x u"),
     ],
     notes: DERIVATIVE_NOTES,
+    otherwise: &[load_friction::LINEARIZE],
     build: |equations, Arguments { y, v, u, .. }| {
         let result = equations.linearize(y, v, u);
         let jacobians = [result.by_coordinates, result.by_velocities, result.by_inputs].map(matrix);
@@ -338,6 +355,7 @@ pub(super) const INPUT_MATRIX_BY_POSITION: &[Quantity] = &[Quantity {
          currents; for inputs at frames `Jᵀ` times the wrench, or `−∂l/∂y` of the distance that they pull together",
     )],
     notes: &[],
+    otherwise: &[load_friction::EQUATIONS],
     build: |equations, arguments| vec![matrix(equations.input_matrix(&arguments.y))],
     ..Quantity::PLAIN
 }];
@@ -351,6 +369,7 @@ pub(super) const FRICTION_BY_POSITION: &[Quantity] = &[
         arguments: &[Coordinates, Velocities],
         results: &[("τ", VECTOR, "positive where friction brakes a positive velocity, at the joint")],
         notes: &[],
+        otherwise: &[load_friction::APART],
         build: friction_torques,
         ..Quantity::PLAIN
     },

@@ -1,10 +1,11 @@
 //! What a row of the catalogue says: arguments, results with their dimensions, how it is built.
 
+use super::otherwise::Otherwise;
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::matrix::Matrix;
 use crate::dynamics::search::routes::Formulations;
-use crate::functions::function::{ArgumentText, Constant};
+use crate::functions::function::{ArgumentText, Constant, FrameKind, Function};
 use crate::functions::positions;
 use crate::graph::Scalar;
 use crate::layout::{Dimension, Extent};
@@ -192,6 +193,10 @@ pub struct Quantity {
     pub(in crate::functions) arguments: &'static [Argument],
     pub(in crate::functions) results: &'static [QuantityResult],
     pub(in crate::functions) notes: &'static [&'static str],
+    /// What is said otherwise, in this order.
+    pub(in crate::functions) otherwise: &'static [Otherwise],
+    /// Says what depends on more of the model.
+    pub(in crate::functions) describe: fn(&Model, &mut Function),
     pub(in crate::functions) build: Build,
     /// Which of several derivations was cheapest, for the documentation.
     pub(in crate::functions) route: fn(&Formulations<'_>) -> Option<&'static str>,
@@ -232,6 +237,8 @@ impl Quantity {
         arguments: &[],
         results: &[],
         notes: &[],
+        otherwise: &[],
+        describe: |_, _| (),
         build: |_, _| Vec::new(),
         route: |_| None,
         constants: |_, _, _| Vec::new(),
@@ -247,12 +254,13 @@ impl Quantity {
 pub(in crate::functions) type FrameBuild =
     for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, usize, &Pose<Scalar<'g>>) -> Vec<Value<'g>>;
 
-/// A function of each named frame: `frame_<name>_<suffix>`.
+/// A function of each named frame.
 pub(in crate::functions) struct FrameQuantity {
-    pub(in crate::functions) suffix: &'static str,
+    pub(in crate::functions) kind: FrameKind,
     pub(in crate::functions) summary: &'static str,
     pub(in crate::functions) equation: &'static str,
     pub(in crate::functions) arguments: &'static [Argument],
     pub(in crate::functions) results: &'static [QuantityResult],
+    pub(in crate::functions) otherwise: &'static [Otherwise],
     pub(in crate::functions) build: FrameBuild,
 }

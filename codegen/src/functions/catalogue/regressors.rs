@@ -1,5 +1,6 @@
 //! Functions that are linear in parameters, for identification: a part of the catalogue.
 
+use super::load_friction;
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
 use super::quantity::{Estimate, PARAMETERS, Quantity, QuantityResult, REGRESSOR, Value, matrix, vector};
 use crate::dynamics::arguments::Arguments;
@@ -39,6 +40,7 @@ pub const QUANTITIES: &[Quantity] = &[
             "The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. Independent of the \
              described inertias (Atkeson, An and Hollerbach 1986).",
         ],
+        otherwise: &[load_friction::REGRESSOR],
         build: |equations, Arguments { y, v, a, .. }| {
             vec![matrix(equations.inertial_regressor(MotionInput { y, v, a }))]
         },
@@ -71,6 +73,7 @@ pub const QUANTITIES: &[Quantity] = &[
         arguments: &[],
         results: FRICTION_PARAMETERS,
         notes: &[],
+        otherwise: &[load_friction::APART],
         build: friction_parameters,
         constants: |model, _, _| vec![module_constants::friction_names(model)],
         ..Quantity::PLAIN
@@ -82,6 +85,7 @@ pub const QUANTITIES: &[Quantity] = &[
         arguments: &[Velocities],
         results: FRICTION_REGRESSOR,
         notes: FRICTION_NOTES,
+        otherwise: &[load_friction::APART],
         build: friction_regressor,
         ..Quantity::PLAIN
     },
@@ -95,6 +99,7 @@ pub const FRICTION_PARAMETERS_BY_POSITION: Quantity = Quantity {
     arguments: &[],
     results: FRICTION_PARAMETERS,
     notes: &[],
+    otherwise: &[load_friction::APART],
     build: friction_parameters,
     constants: |model, _, _| vec![module_constants::friction_names(model)],
     ..Quantity::PLAIN
@@ -108,6 +113,7 @@ pub const FRICTION_REGRESSOR_BY_POSITION: Quantity = Quantity {
     arguments: &[Coordinates, Velocities],
     results: FRICTION_REGRESSOR,
     notes: FRICTION_NOTES,
+    otherwise: &[load_friction::APART],
     build: friction_regressor,
     ..Quantity::PLAIN
 };

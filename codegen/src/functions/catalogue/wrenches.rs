@@ -2,6 +2,7 @@
 
 use super::quantity::Argument::{Accelerations, Coordinates, Inputs, Velocities, Wrenches};
 use super::quantity::{Estimate, Quantity, SQUARE, VECTOR, matrix, vector};
+use super::quaternions;
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::recursion::newton_euler::MotionInput;
 
@@ -29,6 +30,7 @@ pub const QUANTITIES: &[Quantity] = &[
             ("∂/∂y", SQUARE, "row i = force i; a wrench in the axes of its frame turns with it"),
         ],
         notes: &[],
+        otherwise: &[quaternions::ALONG],
         build: |equations, Arguments { y, w, .. }| {
             let (forces, by_coordinates) = equations.wrench_forces_derivatives(y, w);
             vec![vector(forces), matrix(by_coordinates)]
@@ -74,6 +76,7 @@ pub const QUANTITIES: &[Quantity] = &[
             ("∂/∂ẏ", SQUARE, "row i = force i, friction included"),
         ],
         notes: &[],
+        otherwise: &[quaternions::ALONG],
         build: |equations, Arguments { y, v, a, w, .. }| {
             let result = equations.inverse_dynamics_derivatives_with_wrenches(MotionInput { y, v, a }, w);
             vec![vector(result.forces), matrix(result.by_coordinates), matrix(result.by_velocities)]
@@ -96,6 +99,7 @@ pub const QUANTITIES: &[Quantity] = &[
             ("M⁻¹", SQUARE, "symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B"),
         ],
         notes: &[],
+        otherwise: &[quaternions::ALONG],
         build: |equations, Arguments { y, v, u, w, .. }| {
             let result = equations.forward_dynamics_derivatives_with_wrenches(y, v, u, w);
             let jacobians = [result.by_coordinates, result.by_velocities, result.inverse].map(matrix);

@@ -43,15 +43,12 @@ pub(super) fn names(model: &Model) -> Vec<Constant> {
             strings(Joints, names.iter().map(String::as_str)),
         ),
         constant("JOINT_KINDS", "Types of the joints.", strings(Joints, joints.iter().map(kind))),
-        indices(
+        constant(
             "JOINT_POSITIONS",
             "Number of position entries of each joint: 1; 4 for a spherical joint, a quaternion x y z w; 7 for a floating \
              one, the position of its body's origin in the parent's frame, then the quaternion. They have 1, 3 and 6 \
              velocities.",
-            &|joint| match joint {
-                JointPosition::Coordinate(_) => 1,
-                JointPosition::Quaternion(joint) => joint.kind.positions(),
-            },
+            ConstantValue::Indices(Joints, joint_positions(model)),
         ),
         indices("FIRST_POSITIONS", "The first position entry of each joint.", &|joint| {
             model.first_position(first_velocity(joint))
@@ -76,6 +73,16 @@ pub(super) fn names(model: &Model) -> Vec<Constant> {
         constant("VELOCITY_UNITS", "Units of the velocities: `rad/s` or `m/s`.", strings(Coordinates, rates)),
         neutral(model),
     ]
+}
+
+/// The number of position entries of each joint; none where the positions are one for each coordinate.
+pub(in crate::module) fn joint_positions(model: &Model) -> Vec<usize> {
+    let entries = |joint: JointPosition<'_>| match joint {
+        JointPosition::Coordinate(_) => 1,
+        JointPosition::Quaternion(joint) => joint.kind.positions(),
+    };
+    let joints = model.joint_positions().filter(|_| !model.quaternion_joints.is_empty());
+    joints.map(entries).collect()
 }
 
 fn first_velocity(joint: &JointPosition<'_>) -> usize {

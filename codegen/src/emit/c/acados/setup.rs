@@ -81,7 +81,7 @@ impl<'a> Robot<'a> {
             parameters.map(|each| format!("{}: {}", string(&each.name), number(each.default))).collect();
         let texts = |name: &str| match self.value(name) {
             Some(ConstantValue::Names(_, names)) => strings(names.iter().map(String::as_str)),
-            _ => strings(std::iter::empty()),
+            _ => unreachable!("{name} is a list of names in every module"),
         };
         vec![
             entry("NAME", string(prefix.trim_end_matches('_')), "Name of the model."),
@@ -109,8 +109,8 @@ impl<'a> Robot<'a> {
         }
         let indices = |name, about| {
             let indices = match self.value(name) {
-                Some(ConstantValue::Indices(_, indices)) => indices.as_slice(),
-                _ => &[],
+                Some(ConstantValue::Indices(_, indices)) => indices,
+                _ => unreachable!("{name} is a list of indices in every module with quaternions"),
             };
             let listed: String = indices.iter().map(|index| format!("{index}, ")).collect();
             entry(name, format!("({})", listed.trim_end_matches(' ')), about)

@@ -30,6 +30,8 @@ pub(super) struct Input {
     pub(super) name: String,
     pub(super) rows: usize,
     pub(super) columns: usize,
+    /// It is true for the free parameters, which the module takes as a struct.
+    pub(super) are_parameters: bool,
 }
 
 /// An output, of which only some entries are not zero in every state.
@@ -47,8 +49,13 @@ pub(super) const ONE: usize = 0;
 pub(super) const VALUES: usize = 1;
 
 impl Input {
+    /// The free parameters.
+    pub(super) fn parameters(count: usize) -> Self {
+        Self { are_parameters: true, ..Self::new("p", count) }
+    }
+
     pub(super) fn new(name: &str, rows: usize) -> Self {
-        Self { name: name.to_owned(), rows, columns: 1 }
+        Self { name: name.to_owned(), rows, columns: 1, are_parameters: false }
     }
 }
 
@@ -71,10 +78,9 @@ impl Block {
 
 impl External {
     pub(super) fn new(value: Evaluation, derivatives: Option<Derivatives>) -> Self {
-        let of_outputs = value.outputs.iter().map(|output| Input {
-            name: format!("out_{}", output.name),
-            rows: output.rows,
-            columns: output.columns,
+        let of_outputs = value.outputs.iter().map(|output| {
+            let name = format!("out_{}", output.name);
+            Input { columns: output.columns, ..Input::new(&name, output.rows) }
         });
         let inputs = value.inputs.iter().cloned().chain(of_outputs).collect();
         let jacobian = derivatives.map(|Derivatives { statements, size, blocks }| Evaluation {

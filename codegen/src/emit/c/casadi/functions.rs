@@ -2,16 +2,23 @@
 
 use super::super::context::Context;
 use super::external::{Block, Derivatives, Evaluation, External, Input, ONE, Stored, VALUES, room};
-use super::robot::Robot;
+use super::robot::{Given, Robot};
 use crate::emit::interface::Interface;
+use crate::functions::function::{FrameFunction, FrameKind};
 
 /// All of a module, in its order.
 pub(super) fn all(context: &Context<'_>, interface: &Interface) -> Vec<External> {
     let robot = Robot { context, interface, n: context.module.coordinates, m: context.module.inputs };
-    let frames =
-        interface.functions.iter().filter_map(|function| robot.frame(function.name.strip_suffix("_pose")?));
+    let of_frames = context.module.functions.iter().filter_map(|function| function.frame.as_ref());
+    let poses = of_frames.filter(|of| of.kind == FrameKind::Pose);
+    let frames = poses.filter_map(|of| robot.frame(&of.frame));
     let functions = [robot.dynamics(), robot.inverse_dynamics(), robot.step()];
     functions.into_iter().flatten().chain(frames).collect()
+}
+
+/// The name of a frame's function.
+fn of_frame(frame: &str, kind: FrameKind) -> String {
+    FrameFunction { frame: frame.to_owned(), kind }.name()
 }
 
 const REFERENCE: [&str; 1] = ["y_ref"];
@@ -33,7 +40,7 @@ impl Robot<'_> {
                 format!("{}(x, v, 1, &e[{rate}], NULL, NULL);", self.context.function("about_rates")),
             ),
         };
-        let mut statements = self.begin("x");
+        let mut statements = self.begin(Given::State);
         statements.extend([rates, call]);
         let value = Evaluation {
             name: self.name("dynamics"),
@@ -49,7 +56,7 @@ impl Robot<'_> {
 
     fn derivatives_of_dynamics(&self) -> Option<Derivatives> {
         let (n, m) = (self.n, self.m);
-        let mut made = self.begin_derivatives("x");
+        let mut made = self.begin_derivatives(Given::State);
         let mut stored = self.stored(&mut made, "linearize")?;
         let (by_y, by_v, by_u) = (stored.next()?, stored.next()?, stored.next()?);
         let by_y = self.by_positions(&mut made, by_y);
@@ -80,12 +87,12 @@ impl Robot<'_> {
     /// The forces of a motion.
     fn inverse_dynamics(&self) -> Option<External> {
         let n = self.n;
-        let positions = self.name_of_positions();
+        let positions = self.name_of(Given::Positions);
         let about = match self.has_reference() {
             false => "Inverse dynamics: the forces B u of a motion.",
             true => "Inverse dynamics: the forces B u of a motion at the positions y_ref ⊕ d.",
         };
-        let mut statements = self.begin(positions);
+        let mut statements = self.begin(Given::Positions);
         statements.push(self.call("inverse_dynamics", VALUES)?);
         let inputs = [positions, "v", "a"].map(|name| Input::new(name, n));
         let value = Evaluation {
@@ -102,8 +109,8 @@ impl Robot<'_> {
 
     fn derivatives_of_inverse_dynamics(&self) -> Option<Derivatives> {
         let n = self.n;
-        let positions = self.name_of_positions();
-        let mut made = self.begin_derivatives(positions);
+        let positions = self.name_of(Given::Positions);
+        let mut made = self.begin_derivatives(Given::Positions);
         let mut stored = self.stored(&mut made, "inverse_dynamics_derivatives_and_mass_matrix")?.skip(1);
         let (by_y, by_v, by_a) = (stored.next()?, stored.next()?, stored.next()?);
         let by_y = self.by_positions(&mut made, by_y);
@@ -125,7 +132,7 @@ impl Robot<'_> {
         let (n, m) = (self.n, self.m);
         let call = self.call("step", VALUES)?;
         let inputs = vec![Input::new("x", 2 * n), Input::new("u", m), Input::new("period", 1)];
-        let mut statements = self.begin("x");
+        let mut statements = self.begin(Given::State);
         statements.push(call);
         let ny = self.context.module.positions;
         let (about, entries) = match self.has_reference() {
@@ -165,7 +172,7 @@ impl Robot<'_> {
 
     fn derivatives_of_step(&self) -> Option<Derivatives> {
         let (n, m, ny) = (self.n, self.m, self.context.module.positions);
-        let mut made = self.begin_derivatives("x");
+        let mut made = self.begin_derivatives(Given::State);
         let after = made.room(ny + n + 4 * n * n + room(2 * n * m));
         let call = self.call("step_derivatives", after)?;
         made.statements.push(call);
@@ -213,31 +220,31 @@ impl Robot<'_> {
         Some(format!("{}(y, v, u, *period, {parameters}&e[{place}]);", self.name("sensitivities")))
     }
 
-    /// The pose of a frame; `stem` is `frame_<name>`.
-    fn frame(&self, stem: &str) -> Option<External> {
+    /// The pose of a frame.
+    fn frame(&self, frame: &str) -> Option<External> {
         let [position, rotation] = [VALUES, VALUES + 3];
         let turned = |row: usize, column: usize| Some(rotation + 3 * row + column);
         let about = "Pose of a frame in the base frame: the origin [m], and the rotation matrix, whose columns are its axes.";
-        let positions = self.name_of_positions();
-        let mut statements = self.begin(positions);
-        statements.push(self.call(&format!("{stem}_pose"), position)?);
+        let positions = self.name_of(Given::Positions);
+        let mut statements = self.begin(Given::Positions);
+        statements.push(self.call(&of_frame(frame, FrameKind::Pose), position)?);
         let value = Evaluation {
-            name: self.name(stem),
+            name: self.name(&format!("frame_{frame}")),
             about: about.to_owned(),
             inputs: self.with_rest(vec![Input::new(positions, self.n)], &REFERENCE),
             outputs: vec![Block::column("position", 3, position), Block::new("rotation", [3, 3], turned)],
             statements,
             size: VALUES + 12,
         };
-        let derivatives = self.derivatives_of_frame(stem);
+        let derivatives = self.derivatives_of_frame(frame);
         Some(External::new(value, derivatives))
     }
 
-    fn derivatives_of_frame(&self, stem: &str) -> Option<Derivatives> {
-        let positions = self.name_of_positions();
-        let mut made = self.begin_derivatives(positions);
-        let axes = self.stored(&mut made, &format!("{stem}_pose"))?.nth(1)?;
-        let jacobian = self.stored(&mut made, &format!("{stem}_jacobian"))?.next()?;
+    fn derivatives_of_frame(&self, frame: &str) -> Option<Derivatives> {
+        let positions = self.name_of(Given::Positions);
+        let mut made = self.begin_derivatives(Given::Positions);
+        let axes = self.stored(&mut made, &of_frame(frame, FrameKind::Pose))?.nth(1)?;
+        let jacobian = self.stored(&mut made, &of_frame(frame, FrameKind::Jacobian))?.next()?;
         let by = self.by_positions(&mut made, jacobian);
         let by_motions = [Some((positions, by.own)), by.reference.map(|by| ("y_ref", by))];
         let mut of_rotation = vec![];
@@ -248,7 +255,8 @@ impl Robot<'_> {
             of_rotation.push(self.turned(&mut made, name, &axes, &by));
         }
         if let Some(count) = self.parameters() {
-            let mut stored = self.stored(&mut made, &format!("{stem}_pose_by_parameters"))?;
+            let by_parameters = format!("{}_by_parameters", of_frame(frame, FrameKind::Pose));
+            let mut stored = self.stored(&mut made, &by_parameters)?;
             let (position, rotation) = (stored.next()?, stored.next()?);
             let place = |row: usize, column: usize| position.at(row * count + column);
             made.blocks.push(Block::new("jac_position_p", [3, count], place));

@@ -3,7 +3,8 @@
 use super::super::context::Context;
 use super::external::{Derivatives, Input, Stored, room};
 use crate::emit::interface::{Callable, Interface, entries};
-use crate::functions::function::{ConstantValue, Function};
+use crate::functions::function::Function;
+use crate::layout::{Dimension, Extent};
 use crate::program::nonzero_entries;
 
 /// A module, and what its functions are called by.
@@ -20,6 +21,15 @@ pub(super) struct ByPositions {
     pub(super) own: Stored,
     /// By the entries of the reference, where there is one.
     pub(super) reference: Option<Stored>,
+}
+
+/// The argument that gives the positions of a function.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Given {
+    /// The state.
+    State,
+    /// The positions alone.
+    Positions,
 }
 
 /// What small motions are differentiated by.
@@ -41,9 +51,13 @@ impl Robot<'_> {
         self.context.module.positions
     }
 
-    /// What the positions are called in documentation.
-    pub(super) fn name_of_positions(&self) -> &'static str {
-        if self.has_reference() { "d" } else { "y" }
+    /// The name of an argument.
+    pub(super) fn name_of(&self, argument: Given) -> &'static str {
+        match argument {
+            Given::State => "x",
+            Given::Positions if self.has_reference() => "d",
+            Given::Positions => "y",
+        }
     }
 
     /// The name of a function or a type.
@@ -62,27 +76,29 @@ impl Robot<'_> {
     pub(super) fn with_rest(&self, mut inputs: Vec<Input>, references: &[&str]) -> Vec<Input> {
         let references = references.iter().filter(|_| self.has_reference());
         inputs.extend(references.map(|name| Input::new(name, self.positions())));
-        inputs.extend(self.parameters().map(|count| Input::new("p", count)));
+        inputs.extend(self.parameters().map(Input::parameters));
         inputs
     }
 
     /// The positions y of an argument, and the velocities where it is a state.
-    pub(super) fn begin(&self, argument: &str) -> Vec<String> {
+    pub(super) fn begin(&self, argument: Given) -> Vec<String> {
         let n = self.n;
-        let velocities = (argument == "x").then(|| format!("const double *v = &x[{n}];"));
+        let is_state = argument == Given::State;
+        let velocities = is_state.then(|| format!("const double *v = &x[{n}];"));
         if !self.has_reference() {
-            let positions = (argument == "x").then(|| "const double *y = x;".to_owned());
+            let positions = is_state.then(|| "const double *y = x;".to_owned());
             return positions.into_iter().chain(velocities).collect();
         }
         let (ny, positions) = (self.positions(), self.name("positions"));
         let references = format!("double unit[{ny}], y[{ny}];");
+        let argument = self.name_of(argument);
         let call = format!("if (!{positions}(y_ref, {argument}, unit, y)) return 1;");
         velocities.into_iter().chain([references, call]).collect()
     }
 
     /// The same, and what derivatives by positions need.
-    pub(super) fn begin_derivatives(&self, argument: &str) -> Derivatives {
-        let mut statements = self.begin(argument);
+    pub(super) fn begin_derivatives(&self, given: Given) -> Derivatives {
+        let (mut statements, argument) = (self.begin(given), self.name_of(given));
         if self.has_reference() {
             let (n, ny, tangents) = (self.n, self.positions(), self.name("tangents"));
             statements.push(format!("double by_d[{}], by_ref[{}];", n * n, n * ny));
@@ -168,13 +184,6 @@ impl Robot<'_> {
 
     /// All joints in their order; none where positions are no small motions.
     fn joints(&self) -> Vec<JointEntries> {
-        let constants = self.context.module.constants.iter();
-        let found = constants.filter(|constant| constant.name == "JOINT_POSITIONS").find_map(|constant| {
-            match &constant.value {
-                ConstantValue::Indices(_, indices) => Some(indices.as_slice()),
-                _ => None,
-            }
-        });
         let (mut position, mut velocity) = (0, 0);
         let place = |&entries: &usize| {
             let joint = JointEntries { entries, position, velocity };
@@ -182,7 +191,7 @@ impl Robot<'_> {
             velocity += joint.size();
             joint
         };
-        found.unwrap_or_default().iter().map(place).collect()
+        self.context.module.joint_positions.iter().map(place).collect()
     }
 
     /// Calls a function that writes to `e`; where its results stand, and which entries are not zero in every state.
@@ -201,10 +210,12 @@ impl Robot<'_> {
         let function = self.callable(name)?;
         let mut words: Vec<String> = vec![];
         for argument in &function.arguments {
-            let word = argument.name.as_str();
-            if !["y", "v", "a", "u", "period"].contains(&word) {
+            let is_unknown =
+                |extent: &Extent| matches!(extent.dimension, Dimension::Wrenches | Dimension::Driven);
+            if argument.extents.iter().any(is_unknown) {
                 return None;
             }
+            let word = argument.name.as_str();
             words.push(if argument.is_number() { format!("*{word}") } else { word.to_owned() });
         }
         words.extend((!self.interface.parameters.is_empty()).then(|| "&parameters".to_owned()));

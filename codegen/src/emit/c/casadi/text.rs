@@ -146,7 +146,7 @@ fn body(context: &Context<'_>, evaluation: &Evaluation) -> Vec<String> {
     let used = statements.join("\n");
     for (index, input) in inputs.iter().enumerate() {
         let name = &input.name;
-        if name == "p" {
+        if input.are_parameters {
             let ty = context.function("parameters");
             lines.push(format!("{ty} parameters;"));
             lines.push(format!(
